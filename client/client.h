@@ -1,0 +1,112 @@
+// The client library: joins a world, sends what its player asks for, and knows where every body is right now.
+//
+// Thin by design: it decodes and interpolates, nothing is simulated here. Time is a parameter, the network is whatever
+// Transport it is given, so it runs alike over ENet, over a WebSocket and over a seeded link in tests. One thread.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/statistics.h"
+#include "protocol/geometry.h"
+#include "protocol/messages.h"
+#include "protocol/transport/transport.h"
+
+namespace wobble::client {
+
+struct Options {
+  std::string name = "player";  // at most protocol::kMaxNameBytes bytes
+  bool spectator = false;       // sees the world but has no body
+  bool decode = true;           // false: reads heads only (for load tests); nothing can then be sampled
+};
+
+// What the player asks for, until the next SetInput. move: right and forward in the horizontal plane, each -1..1.
+struct Input {
+  float moveX = 0;
+  float moveY = 0;
+  bool jump = false;
+  bool puff = false;
+  bool stiffen = false;
+};
+
+enum class State {
+  kConnecting,  // no answer from the server yet
+  kJoining,     // hello sent, welcome or blueprints still to come
+  kPlaying,
+  kEnded,       // see EndReason()
+};
+
+// Shared by all bodies made from it; kept for as long as the client lives.
+struct Blueprint {
+  std::string name;
+  std::vector<protocol::Vector3> rest;                // body frame, metres
+  std::vector<std::array<std::uint16_t, 3>> faces;    // outward
+  float size = 0;                                     // RMS distance of the rest vertices from their centroid, metres
+};
+
+// One body at one moment.
+struct BodySample {
+  std::uint32_t body = 0;
+  const Blueprint* blueprint = nullptr;
+  protocol::Pose pose;
+  std::vector<protocol::Vector3> vertices;  // in the world, metres; empty for PosesOnly
+  double age = 0;                           // of the newest record used, server seconds behind the newest tick known
+  bool held = false;                        // nothing newer arrived in time: shown as it was last
+};
+enum class Detail { kPosesOnly, kVertices };
+
+class Client {
+ public:
+  // The transport is one that is connecting to the server already.
+  Client(std::unique_ptr<transport::Transport> transport, Options options, double now);
+  ~Client();
+
+  // Takes in what has arrived, answers, and sends the input that is due. Call it at least once a tick; `now` in
+  // seconds, never backwards.
+  void Update(double now);
+
+  void SetInput(const Input& input);
+
+  // Says goodbye. State is kEnded once the server or the link has closed, at the latest after a second of Updates.
+  void Leave(double now);
+
+  [[nodiscard]] State ReadState() const;
+  // One line for people; empty while not ended, and "left" after an own Leave.
+  [[nodiscard]] const std::string& EndReason() const;
+  // True when it ended in any other way than by Leave.
+  [[nodiscard]] bool EndedUnasked() const;
+
+  // Set while kPlaying and after.
+  [[nodiscard]] const protocol::WelcomeFields& Welcome() const;
+  [[nodiscard]] const Statistics& ReadStatistics() const;
+
+  // Estimated time of the world on the server, seconds since its tick 0; 0 before the first snapshot.
+  [[nodiscard]] double ServerTime(double now) const;
+  // How far behind ServerTime bodies are shown, seconds: grows with jitter.
+  [[nodiscard]] double InterpolationDelay() const;
+
+  // All bodies as they are to be shown at `now`, by ascending body; `samples` is reused to save allocations.
+  void Sample(double now, Detail detail, std::vector<BodySample>& samples);
+  // The own body's newest received pose without delay, for bots; nullopt for spectators and before it is known.
+  [[nodiscard]] std::optional<protocol::Pose> NewestPose(std::uint32_t body) const;
+
+  struct Event {
+    protocol::wire::EventKind kind;
+    std::uint32_t clientId = 0;
+    std::uint32_t body = 0;
+    std::string name;
+  };
+  // Called inside Update for every event of the server.
+  void OnEvent(std::function<void(const Event&)> handler);
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> m;
+};
+
+}  // namespace wobble::client

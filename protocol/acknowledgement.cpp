@@ -1,0 +1,49 @@
+#include "protocol/acknowledgement.h"
+
+#include <cassert>
+
+namespace wobble::protocol {
+
+ReceivedWindow::Arrival ReceivedWindow::Record(std::uint32_t sequence) {
+  assert(sequence >= 1);
+  if (sequence > m_newest) {
+    const std::uint32_t ahead = sequence - m_newest;
+    // The old newest becomes bit ahead-1; packets between are not there yet.
+    m_history = ahead < kAckHistory ? m_history << ahead : 0;
+    if (m_newest != 0 && ahead <= kAckHistory) m_history |= std::uint64_t{1} << (ahead - 1);
+    m_newest = sequence;
+    return Arrival::kNew;
+  }
+  const std::uint32_t behind = m_newest - sequence;
+  if (behind == 0) return Arrival::kDuplicate;
+  if (behind > kAckHistory) return Arrival::kTooOld;
+  const std::uint64_t bit = std::uint64_t{1} << (behind - 1);
+  if ((m_history & bit) != 0) return Arrival::kDuplicate;
+  m_history |= bit;
+  return Arrival::kNew;
+}
+
+std::uint32_t SentWindow::RecordSent(double now) {
+  Slot& slot = SlotOf(++m_newest);
+  if (slot.sequence != 0) {  // what leaves the memory without an acknowledgement counts as lost
+    m_lossShare += ((slot.acknowledged ? 0.0 : 1.0) - m_lossShare) / 128.0;
+  }
+  slot = {m_newest, false, now};
+  return m_newest;
+}
+
+bool SentWindow::RecordAcknowledgement(std::uint32_t newest, std::uint64_t history, double now, Report& report) {
+  if (newest > m_newest) return false;
+  report = {};
+  for (std::uint32_t back = 0; back <= kAckHistory && back < newest; ++back) {
+    if (back > 0 && (history >> (back - 1) & 1) == 0) continue;
+    Slot& slot = SlotOf(newest - back);
+    if (slot.sequence != newest - back || slot.acknowledged) continue;
+    slot.acknowledged = true;
+    ++report.acknowledged;
+    if (back == 0) report.roundTrip = now - slot.sentAt;
+  }
+  return true;
+}
+
+}  // namespace wobble::protocol

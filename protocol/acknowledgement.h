@@ -1,0 +1,60 @@
+// Which snapshot packets have arrived: the receiver's window, and the sender's memory of what it sent.
+//
+// Packets are never sent again. An acknowledgement is the newest sequence and a bit for each of the kAckHistory before
+// it, so one lost acknowledgement costs nothing: the next one says the same again.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "protocol/limits.h"
+
+namespace wobble::protocol {
+
+// The client's side.
+class ReceivedWindow {
+ public:
+  enum class Arrival { kNew, kDuplicate, kTooOld };
+  // sequence >= 1.
+  Arrival Record(std::uint32_t sequence);
+  [[nodiscard]] std::uint32_t Newest() const { return m_newest; }
+  // Bit i: packet Newest() - 1 - i has arrived.
+  [[nodiscard]] std::uint64_t History() const { return m_history; }
+
+ private:
+  std::uint32_t m_newest = 0;
+  std::uint64_t m_history = 0;
+};
+
+// The server's side, one for each client.
+class SentWindow {
+ public:
+  // The sequence for a packet that leaves at `now`, seconds. 1, 2, 3 ...
+  std::uint32_t RecordSent(double now);
+
+  struct Report {
+    unsigned acknowledged = 0;  // packets heard of for the first time
+    double roundTrip = -1;      // seconds, of the newest among them; -1: none was new
+  };
+  // False, and nothing changed, when it acknowledges what was never sent.
+  [[nodiscard]] bool RecordAcknowledgement(std::uint32_t newest, std::uint64_t history, double now, Report& report);
+
+  // Share of packets lost, over those old enough to be known: smoothed over about 128 packets, 0..1.
+  [[nodiscard]] double LossShare() const { return m_lossShare; }
+  [[nodiscard]] std::uint32_t Newest() const { return m_newest; }
+
+ private:
+  static constexpr std::size_t kRemembered = 2 * (kAckHistory + 1);
+  struct Slot {
+    std::uint32_t sequence = 0;
+    bool acknowledged = false;
+    double sentAt = 0;
+  };
+  Slot& SlotOf(std::uint32_t sequence) { return m_slots[sequence % kRemembered]; }
+
+  std::array<Slot, kRemembered> m_slots{};
+  std::uint32_t m_newest = 0;
+  double m_lossShare = 0;
+};
+
+}  // namespace wobble::protocol

@@ -1,0 +1,66 @@
+// Every number that both ends share, with its unit and what changing it costs.
+//
+// Changing any of them changes the protocol: raise kProtocolVersion, and STANDARD.md with it. A hello with another
+// version is refused, so that two builds never misread each other in silence.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace wobble::protocol {
+
+// Raised whenever a byte on the wire means something else than before.
+inline constexpr std::uint16_t kProtocolVersion = 1;
+
+// A datagram's payload, bytes. 1,200 fits every path's MTU (IPv6's floor is 1,280); ENet would fragment a larger one,
+// and a snapshot of ten fragments survives 5 % loss only 60 % of the time.
+inline constexpr std::size_t kMaxPacketBytes = 1200;
+
+// The largest control message from server to client, bytes, and from client to server. What a client may make the
+// server hold is clients × this; an input is under 200 bytes.
+inline constexpr std::size_t kMaxServerMessageBytes = 64 * 1024;
+inline constexpr std::size_t kMaxClientMessageBytes = 4 * 1024;
+
+// Blueprints travel in chunks of this many bytes, so that a large one does not hold up the control channel.
+inline constexpr std::size_t kBlueprintChunkBytes = 4 * 1024;
+// The largest serialised blueprint, bytes: 4,096 vertices with 8,192 faces need about 100 KiB. A client reserves no more.
+inline constexpr std::size_t kMaxBlueprintBytes = 256 * 1024;
+
+// FlatBuffers verifier: nesting and table count that any honest message stays far under.
+inline constexpr std::uint32_t kMaxMessageDepth = 8;
+inline constexpr std::uint32_t kMaxMessageTables = 64;
+
+// Vertices a body, and a patch (a body's part that has a record of its own). A patch of 512 vertices fits a packet at
+// 18 bits a vertex; a scene with larger bodies is refused.
+inline constexpr std::size_t kMaxBodyVertices = 4096;
+inline constexpr std::size_t kMaxPatchVertices = 512;
+// Blueprints a scene (a record names one in a byte) and bodies a world.
+inline constexpr std::size_t kMaxBlueprints = 255;
+inline constexpr std::size_t kMaxBodies = 65535;
+
+// The world ends here, metres from the origin along each axis: centroids are 26-bit integers of kCentroidStep.
+inline constexpr double kWorldHalfExtent = 8192;
+// Centroid grid, metres. The shape is coded against the quantised pose, so this costs no accuracy, only bits.
+inline constexpr double kCentroidStep = 1.0 / 4096;
+
+// Packets that an acknowledgement covers: the newest and this many before it.
+inline constexpr unsigned kAckHistory = 64;
+// Input frames repeated in each input message: at 60 Hz this rides out a loss burst of 66 ms.
+inline constexpr std::size_t kInputRedundancy = 4;
+inline constexpr std::size_t kMaxInputFrames = 8;
+// An input further ahead of the server's tick than this is refused, ticks.
+inline constexpr std::uint32_t kMaxInputLeadTicks = 64;
+
+// Characters of a player's name, bytes of UTF-8.
+inline constexpr std::size_t kMaxNameBytes = 32;
+
+// Seconds. A connection must say hello within the first; a client (or server) silent for the second has gone; without
+// a newer input the last one is held for the third, then the player stands still.
+inline constexpr double kHelloTimeout = 3;
+inline constexpr double kSilenceTimeout = 8;
+inline constexpr double kInputHold = 0.1;
+
+// Messages a client may get wrong within a sliding second before it is sent away.
+inline constexpr unsigned kMaxBadMessagesPerSecond = 20;
+
+}  // namespace wobble::protocol

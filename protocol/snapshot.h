@@ -1,0 +1,75 @@
+// Snapshot packets: a head, then whole records, each a patch of one body, byte-aligned, decodable alone.
+//
+// A record is encoded once for all clients; a packet only gathers bytes. What differs between clients is the head
+// (sequence, input echo) and the choice of records.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "protocol/limits.h"
+
+namespace wobble::protocol {
+
+struct SnapshotHead {
+  std::uint32_t sequence = 0;   // of this packet to this client, from 1
+  std::uint32_t tick = 0;       // of the world that is shown
+  float timeRatio = 1;          // world time per wall time over the last second, 0..1
+  std::uint32_t inputTick = 0;  // of the newest of this client's inputs that the world has used; 0: none yet
+};
+inline constexpr std::size_t kSnapshotHeadBytes = 16;
+
+struct RecordHead {
+  std::uint32_t body = 0;      // never 0
+  std::uint8_t blueprint = 0;
+  std::uint8_t patch = 0;      // vertices patch·kMaxPatchVertices onwards
+};
+
+struct Record {
+  RecordHead head;
+  std::span<const std::uint8_t> payload;  // a shape payload, see shape_codec.h
+};
+
+enum class SnapshotResult : std::uint8_t {
+  kOk,
+  kTruncated,   // ends inside the head or a record
+  kBadHead,     // not a snapshot of this version, or a field out of range
+  kBadRecord,   // a record without a body or a payload
+};
+[[nodiscard]] const char* Name(SnapshotResult result);
+
+// The most that one record's payload may take, bytes, so that a packet always holds at least one.
+inline constexpr std::size_t kMaxRecordPayload = kMaxPacketBytes - kSnapshotHeadBytes - 9;
+
+// Appends a whole record: head, payload length, payload.
+void AppendRecord(const RecordHead& head, std::span<const std::uint8_t> payload, std::vector<std::uint8_t>& out);
+
+// Gathers records into one packet of at most kMaxPacketBytes.
+class PacketBuilder {
+ public:
+  PacketBuilder();
+  // False when the record does not fit any more; the packet is then unchanged.
+  [[nodiscard]] bool Add(std::span<const std::uint8_t> record);
+  [[nodiscard]] bool Empty() const { return m_bytes.size() == kSnapshotHeadBytes; }
+  // The packet with this head; valid until the next call. Clear() begins the next.
+  [[nodiscard]] std::span<const std::uint8_t> Finish(const SnapshotHead& head);
+  void Clear();
+
+ private:
+  std::vector<std::uint8_t> m_bytes;
+};
+
+// Reads a packet's head and records in place: nothing is copied and nothing decoded. Any bytes are safe. Records are
+// returned up to the first that is broken; the result then says so and the packet as a whole is to be dropped.
+[[nodiscard]] SnapshotResult ReadSnapshot(std::span<const std::uint8_t> packet, SnapshotHead& head,
+                                          std::vector<Record>& records);
+
+// Vertices in a patch of a body with `vertexCount` vertices; 0 when there is no such patch.
+[[nodiscard]] constexpr std::size_t PatchSize(std::size_t vertexCount, std::size_t patch) {
+  const std::size_t first = patch * kMaxPatchVertices;
+  if (first >= vertexCount) return 0;
+  return vertexCount - first < kMaxPatchVertices ? vertexCount - first : kMaxPatchVertices;
+}
+
+}  // namespace wobble::protocol
