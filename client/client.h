@@ -23,6 +23,7 @@ struct Options {
   std::string name = "player";  // at most protocol::kMaxNameBytes bytes
   bool spectator = false;       // sees the world but has no body
   bool decode = true;           // false: reads heads only (for load tests); nothing can then be sampled
+  std::uint16_t protocolVersion = protocol::kProtocolVersion;  // said in hello; another one is for testing servers
 };
 
 // What the player asks for, until the next SetInput. move: right and forward in the horizontal plane, each -1..1.
@@ -38,15 +39,15 @@ enum class State {
   kConnecting,  // no answer from the server yet
   kJoining,     // hello sent, welcome or blueprints still to come
   kPlaying,
-  kEnded,       // see EndReason()
+  kEnded,  // see EndReason()
 };
 
 // Shared by all bodies made from it; kept for as long as the client lives.
 struct Blueprint {
   std::string name;
-  std::vector<protocol::Vector3> rest;                // body frame, metres
-  std::vector<std::array<std::uint16_t, 3>> faces;    // outward
-  float size = 0;                                     // RMS distance of the rest vertices from their centroid, metres
+  std::vector<protocol::Vector3> rest;              // body frame, metres
+  std::vector<std::array<std::uint16_t, 3>> faces;  // outward
+  float size = 0;                                   // RMS distance of the rest vertices from their centroid, metres
 };
 
 // One body at one moment.
@@ -59,6 +60,16 @@ struct BodySample {
   bool held = false;                        // nothing newer arrived in time: shown as it was last
 };
 enum class Detail { kPosesOnly, kVertices };
+
+// What one snapshot packet says about the link. Seconds.
+struct SnapshotArrival {
+  std::uint32_t tick = 0;
+  // Arrival minus the moment of its tick. The one-way trip hidden in it cannot be measured from one end; taken for it
+  // is half of the smallest inputToSnapshot so far less a tick (an input waits up to a tick before it is used).
+  double age = 0;
+  // From first sending an input to this packet, the first that shows a world which has used it; -1 in any other.
+  double inputToSnapshot = -1;
+};
 
 class Client {
  public:
@@ -85,7 +96,8 @@ class Client {
   [[nodiscard]] const protocol::WelcomeFields& Welcome() const;
   [[nodiscard]] const Statistics& ReadStatistics() const;
 
-  // Estimated time of the world on the server, seconds since its tick 0; 0 before the first snapshot.
+  // Estimated time of the world on the server, seconds since its tick 0; 0 before the first snapshot. Judged by
+  // arrivals alone, so it lags the server's own by the fastest one-way trip seen lately.
   [[nodiscard]] double ServerTime(double now) const;
   // How far behind ServerTime bodies are shown, seconds: grows with jitter.
   [[nodiscard]] double InterpolationDelay() const;
@@ -96,13 +108,15 @@ class Client {
   [[nodiscard]] std::optional<protocol::Pose> NewestPose(std::uint32_t body) const;
 
   struct Event {
-    protocol::wire::EventKind kind;
+    wire::EventKind kind;
     std::uint32_t clientId = 0;
     std::uint32_t body = 0;
     std::string name;
   };
   // Called inside Update for every event of the server.
   void OnEvent(std::function<void(const Event&)> handler);
+  // Called inside Update for every snapshot packet that counts as one in Statistics and came after the welcome.
+  void OnSnapshot(std::function<void(const SnapshotArrival&)> handler);
 
  private:
   struct Implementation;

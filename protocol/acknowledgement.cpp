@@ -33,7 +33,9 @@ std::uint32_t SentWindow::RecordSent(double now) {
 }
 
 bool SentWindow::RecordAcknowledgement(std::uint32_t newest, std::uint64_t history, double now, Report& report) {
-  if (newest > m_newest) return false;
+  // Bits below packet 1 name packets that never were.
+  const bool beforeFirst = newest == 0 ? history != 0 : newest <= kAckHistory && history >> (newest - 1) != 0;
+  if (newest > m_newest || beforeFirst) return false;
   report = {};
   for (std::uint32_t back = 0; back <= kAckHistory && back < newest; ++back) {
     if (back > 0 && (history >> (back - 1) & 1) == 0) continue;

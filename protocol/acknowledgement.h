@@ -34,7 +34,7 @@ class SentWindow {
 
   struct Report {
     unsigned acknowledged = 0;  // packets heard of for the first time
-    double roundTrip = -1;      // seconds, of the newest among them; -1: none was new
+    double roundTrip = -1;      // seconds, of packet `newest`; -1: it was heard of before
   };
   // False, and nothing changed, when it acknowledges what was never sent.
   [[nodiscard]] bool RecordAcknowledgement(std::uint32_t newest, std::uint64_t history, double now, Report& report);

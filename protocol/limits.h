@@ -23,7 +23,8 @@ inline constexpr std::size_t kMaxClientMessageBytes = 4 * 1024;
 
 // Blueprints travel in chunks of this many bytes, so that a large one does not hold up the control channel.
 inline constexpr std::size_t kBlueprintChunkBytes = 4 * 1024;
-// The largest serialised blueprint, bytes: 4,096 vertices with 8,192 faces need about 100 KiB. A client reserves no more.
+// The largest serialised blueprint, bytes: 4,096 vertices with 8,192 faces need about 100 KiB. A client reserves no
+// more.
 inline constexpr std::size_t kMaxBlueprintBytes = 256 * 1024;
 
 // FlatBuffers verifier: nesting and table count that any honest message stays far under.

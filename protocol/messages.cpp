@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 
 namespace wobble::protocol {
 namespace {
@@ -28,6 +29,7 @@ bool IsKnown(Enum value, Enum last) {
 }
 
 ParseResult CheckGoodbye(const wire::Goodbye& goodbye) {
+  if (goodbye.detail() == nullptr) return ParseResult::kMissingField;
   return IsKnown(goodbye.reason(), wire::GoodbyeReason::MAX) ? ParseResult::kOk : ParseResult::kOutOfRange;
 }
 
@@ -131,7 +133,14 @@ ParseResult ParseBlueprint(std::span<const std::uint8_t> bytes, const wire::Blue
     return ParseResult::kMissingField;
   }
   const std::size_t count = root->rest()->size();
-  if (count > kMaxBodyVertices || !(root->size() > 0.0F)) return ParseResult::kOutOfRange;
+  if (count > kMaxBodyVertices || !(root->size() > 0.0F) || !std::isfinite(root->size())) {
+    return ParseResult::kOutOfRange;
+  }
+  for (const wire::Vec3* vertex : *root->rest()) {
+    if (!std::isfinite(vertex->x()) || !std::isfinite(vertex->y()) || !std::isfinite(vertex->z())) {
+      return ParseResult::kOutOfRange;
+    }
+  }
   for (const wire::Face* face : *root->faces()) {
     if (face->a() >= count || face->b() >= count || face->c() >= count) return ParseResult::kOutOfRange;
   }
@@ -163,9 +172,9 @@ Message MakeWelcome(const WelcomeFields& fields) {
   FlatBufferBuilder builder;
   const auto scene = builder.CreateString(fields.scene);
   const auto obstacles = builder.CreateVectorOfStructs(fields.obstacles);
-  return FinishServerMessage(
-      builder, wire::CreateWelcome(builder, fields.clientId, fields.ownBody, fields.tick, fields.tickHz,
-                                   fields.snapshotHz, scene, fields.blueprintCount, obstacles));
+  return FinishServerMessage(builder,
+                             wire::CreateWelcome(builder, fields.clientId, fields.ownBody, fields.tick, fields.tickHz,
+                                                 fields.snapshotHz, scene, fields.blueprintCount, obstacles));
 }
 
 Message MakeBlueprintChunk(std::uint8_t blueprint, std::uint64_t hash, std::uint32_t total, std::uint32_t offset,
@@ -173,8 +182,7 @@ Message MakeBlueprintChunk(std::uint8_t blueprint, std::uint64_t hash, std::uint
   assert(bytes.size() <= kBlueprintChunkBytes);
   FlatBufferBuilder builder;
   const auto vector = builder.CreateVector(bytes.data(), bytes.size());
-  return FinishServerMessage(builder,
-                             wire::CreateBlueprintChunk(builder, blueprint, hash, total, offset, vector));
+  return FinishServerMessage(builder, wire::CreateBlueprintChunk(builder, blueprint, hash, total, offset, vector));
 }
 
 Message MakeEvent(wire::EventKind kind, std::uint32_t tick, std::uint32_t clientId, std::uint32_t body,
@@ -214,25 +222,38 @@ std::uint64_t HashBytes(std::span<const std::uint8_t> bytes) {
 
 const char* Name(ParseResult result) {
   switch (result) {
-    case ParseResult::kOk: return "ok";
-    case ParseResult::kTooLarge: return "too large";
-    case ParseResult::kMalformed: return "malformed";
-    case ParseResult::kMissingField: return "missing field";
-    case ParseResult::kOutOfRange: return "out of range";
+    case ParseResult::kOk:
+      return "ok";
+    case ParseResult::kTooLarge:
+      return "too large";
+    case ParseResult::kMalformed:
+      return "malformed";
+    case ParseResult::kMissingField:
+      return "missing field";
+    case ParseResult::kOutOfRange:
+      return "out of range";
   }
   return "unknown";
 }
 
 const char* Name(wire::GoodbyeReason reason) {
   switch (reason) {
-    case wire::GoodbyeReason::Left: return "left";
-    case wire::GoodbyeReason::ServerClosing: return "server is closing";
-    case wire::GoodbyeReason::ServerFull: return "server is full";
-    case wire::GoodbyeReason::WrongVersion: return "wrong protocol version";
-    case wire::GoodbyeReason::WrongSchema: return "wrong schema";
-    case wire::GoodbyeReason::NoHello: return "no hello in time";
-    case wire::GoodbyeReason::Silent: return "silent for too long";
-    case wire::GoodbyeReason::BadMessages: return "too many bad messages";
+    case wire::GoodbyeReason::Left:
+      return "left";
+    case wire::GoodbyeReason::ServerClosing:
+      return "server is closing";
+    case wire::GoodbyeReason::ServerFull:
+      return "server is full";
+    case wire::GoodbyeReason::WrongVersion:
+      return "wrong protocol version";
+    case wire::GoodbyeReason::WrongSchema:
+      return "wrong schema";
+    case wire::GoodbyeReason::NoHello:
+      return "no hello in time";
+    case wire::GoodbyeReason::Silent:
+      return "silent for too long";
+    case wire::GoodbyeReason::BadMessages:
+      return "too many bad messages";
   }
   return "unknown reason";
 }

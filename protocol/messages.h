@@ -18,6 +18,8 @@
 
 namespace wobble::protocol {
 
+namespace wire = wobble::wire;  // what flatc made of messages.fbs
+
 enum class ParseResult : std::uint8_t {
   kOk,
   kTooLarge,      // over the size allowed from this side
@@ -32,7 +34,7 @@ inline constexpr std::size_t kParseResultCount = 5;
 // Sets `message` only when the result is kOk; its body is then set and of a known type.
 [[nodiscard]] ParseResult ParseClientMessage(std::span<const std::uint8_t> bytes, const wire::ClientMessage*& message);
 [[nodiscard]] ParseResult ParseServerMessage(std::span<const std::uint8_t> bytes, const wire::ServerMessage*& message);
-// Faces name vertices that exist, and vertex and patch counts are within limits.h.
+// Faces name vertices that exist, vertices are finite, and their count is within limits.h.
 [[nodiscard]] ParseResult ParseBlueprint(std::span<const std::uint8_t> bytes, const wire::Blueprint*& blueprint);
 
 using Message = std::vector<std::uint8_t>;

@@ -50,8 +50,8 @@ QuantisedPose Quantise(const Pose& pose) {
   std::size_t next = 0;
   for (std::uint32_t i = 0; i < 4; ++i) {
     if (i == result.largest) continue;
-    const float grid = std::clamp(std::nearbyint(q[i] * scale), -static_cast<float>(kRotationHalf),
-                                  static_cast<float>(kRotationHalf));
+    const float grid =
+        std::clamp(std::nearbyint(q[i] * scale), -static_cast<float>(kRotationHalf), static_cast<float>(kRotationHalf));
     *fields[next++] = static_cast<std::uint32_t>(static_cast<std::int32_t>(grid) + kRotationHalf);
   }
   return result;

@@ -13,9 +13,9 @@ namespace wobble::protocol {
 
 // A pose on the wire's grid.
 struct QuantisedPose {
-  std::int32_t x = 0, y = 0, z = 0;     // centroid / kCentroidStep, signed 26-bit
-  std::uint32_t largest = 0;            // index of the component left out: w x y z
-  std::uint32_t a = 0, b = 0, c = 0;    // the others in order, 15 bits
+  std::int32_t x = 0, y = 0, z = 0;   // centroid / kCentroidStep, signed 26-bit
+  std::uint32_t largest = 0;          // index of the component left out: w x y z
+  std::uint32_t a = 0, b = 0, c = 0;  // the others in order, 15 bits
 };
 
 // The nearest pose on the grid; a centroid beyond kWorldHalfExtent is put on the border, a rotation that is not of unit

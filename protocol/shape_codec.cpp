@@ -13,7 +13,7 @@ namespace {
 
 // Steps m·2^-e with four mantissas an octave: exact in every float, so no two decoders differ.
 constexpr unsigned kStepBits = 7;
-constexpr unsigned kFinestStep = 95;  // 2^-23 · 7/4 m
+constexpr unsigned kFinestStep = 95;  // 2^-23 m
 float StepSize(unsigned index) {
   const auto mantissa = static_cast<float>(7 - (index & 3)) / 4.0F;
   return std::ldexp(mantissa, -static_cast<int>(index >> 2));
@@ -90,6 +90,7 @@ Vector3 Reconstruct(Vector3 rest, std::int32_t x, std::int32_t y, std::int32_t z
 }
 
 std::int32_t QuantiseResidual(float value, float step) {
+  assert(!std::isnan(value));
   const float grid = std::nearbyint(value / step);
   return static_cast<std::int32_t>(
       std::clamp(grid, -static_cast<float>(kMaxResidual), static_cast<float>(kMaxResidual)));
@@ -162,6 +163,7 @@ DecodeResult DecodeShape(std::span<const std::uint8_t> payload, std::span<const 
   QuantisedPose quantised;
   if (!ReadPose(reader, quantised)) return reader.Overran() ? DecodeResult::kTruncated : DecodeResult::kBadPose;
   const unsigned index = reader.Read(kStepBits);
+  if (reader.Overran()) return DecodeResult::kTruncated;
   if (index > kFinestStep) return DecodeResult::kBadStep;
   const float step = StepSize(index);
   RiceState state;
@@ -180,12 +182,18 @@ DecodeResult DecodeShape(std::span<const std::uint8_t> payload, std::span<const 
 
 const char* Name(DecodeResult result) {
   switch (result) {
-    case DecodeResult::kOk: return "ok";
-    case DecodeResult::kTruncated: return "truncated";
-    case DecodeResult::kBadPose: return "bad pose";
-    case DecodeResult::kBadStep: return "bad step";
-    case DecodeResult::kBadResidual: return "bad residual";
-    case DecodeResult::kTrailingBytes: return "trailing bytes";
+    case DecodeResult::kOk:
+      return "ok";
+    case DecodeResult::kTruncated:
+      return "truncated";
+    case DecodeResult::kBadPose:
+      return "bad pose";
+    case DecodeResult::kBadStep:
+      return "bad step";
+    case DecodeResult::kBadResidual:
+      return "bad residual";
+    case DecodeResult::kTrailingBytes:
+      return "trailing bytes";
   }
   return "unknown";
 }

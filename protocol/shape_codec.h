@@ -15,10 +15,10 @@
 namespace wobble::protocol {
 
 struct ShapeEncoding {
-  bool fits = false;     // false: not within maxBytes at any step, nothing was written
-  float step = 0;        // quantiser step, metres
-  float rmsError = 0;    // over the patch's vertices, as the decoder will see them, metres
-  float maxError = 0;    // metres
+  bool fits = false;   // false: not within maxBytes at any step, nothing was written
+  float step = 0;      // quantiser step, metres
+  float rmsError = 0;  // over the patch's vertices, as the decoder will see them, metres
+  float maxError = 0;  // metres
 };
 
 // Appends a shape payload to `out`. rest: the patch's rest vertices in the body frame; vertices: the same vertices in

@@ -52,7 +52,8 @@ std::span<const std::uint8_t> PacketBuilder::Finish(const SnapshotHead& head) {
   m_bytes[1] = static_cast<std::uint8_t>(kProtocolVersion);
   PutLittleEndian(&m_bytes[2], head.sequence, 4);
   PutLittleEndian(&m_bytes[6], head.tick, 4);
-  PutLittleEndian(&m_bytes[10], static_cast<std::uint32_t>(std::lround(std::clamp(head.timeRatio, 0.0F, 1.0F) * kTimeRatioScale)), 2);
+  PutLittleEndian(&m_bytes[10],
+                  static_cast<std::uint32_t>(std::lround(std::clamp(head.timeRatio, 0.0F, 1.0F) * kTimeRatioScale)), 2);
   PutLittleEndian(&m_bytes[12], head.inputTick, 4);
   return m_bytes;
 }
@@ -89,10 +90,14 @@ SnapshotResult ReadSnapshot(std::span<const std::uint8_t> packet, SnapshotHead& 
 
 const char* Name(SnapshotResult result) {
   switch (result) {
-    case SnapshotResult::kOk: return "ok";
-    case SnapshotResult::kTruncated: return "truncated";
-    case SnapshotResult::kBadHead: return "bad head";
-    case SnapshotResult::kBadRecord: return "bad record";
+    case SnapshotResult::kOk:
+      return "ok";
+    case SnapshotResult::kTruncated:
+      return "truncated";
+    case SnapshotResult::kBadHead:
+      return "bad head";
+    case SnapshotResult::kBadRecord:
+      return "bad record";
   }
   return "unknown";
 }

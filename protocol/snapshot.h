@@ -21,9 +21,9 @@ struct SnapshotHead {
 inline constexpr std::size_t kSnapshotHeadBytes = 16;
 
 struct RecordHead {
-  std::uint32_t body = 0;      // never 0
+  std::uint32_t body = 0;  // never 0
   std::uint8_t blueprint = 0;
-  std::uint8_t patch = 0;      // vertices patch·kMaxPatchVertices onwards
+  std::uint8_t patch = 0;  // vertices patch·kMaxPatchVertices onwards
 };
 
 struct Record {
@@ -33,9 +33,9 @@ struct Record {
 
 enum class SnapshotResult : std::uint8_t {
   kOk,
-  kTruncated,   // ends inside the head or a record
-  kBadHead,     // not a snapshot of this version, or a field out of range
-  kBadRecord,   // a record without a body or a payload
+  kTruncated,  // ends inside the head or a record
+  kBadHead,    // not a snapshot of this version, or a field out of range
+  kBadRecord,  // a record without a body or a payload
 };
 [[nodiscard]] const char* Name(SnapshotResult result);
 

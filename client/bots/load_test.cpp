@@ -1,0 +1,210 @@
+// The one loop with a clock: sixty rounds a second on an absolute schedule, so that the bots' pace does not drift with
+// what a round costs. A round that comes late is counted as late in full and the rounds missed meanwhile are left out:
+// catching up would send inputs in bursts that no player sends.
+#include "client/bots/load_test.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <thread>
+
+#include "client/bots/runner.h"
+#include "client/bots/script.h"
+#include "protocol/transport/enet_transport.h"
+
+namespace wobble::bots {
+namespace {
+
+constexpr double kRoundHz = 60;
+// Longer than a client takes to give up on the answer to its goodbye, seconds.
+constexpr double kGoodbyePatience = 1.5;
+
+double ReadClock() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+void SleepUntil(double time) {
+  const double seconds = time - ReadClock();
+  if (seconds > 0) std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+}
+
+void Complain(std::string_view line) {
+  std::fprintf(stderr, "wobble bots: %.*s\n", static_cast<int>(line.size()), line.data());
+}
+
+// Each bot is a socket; the soft limit is often 1,024.
+void AllowManySockets() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  static_cast<void>(setrlimit(RLIMIT_NOFILE, &limit));  // the sockets that then fail say so themselves
+}
+
+std::string FormatFigure(std::optional<double> value, const char* unit) {
+  if (!value) return std::string("? ") + unit;
+  char text[48];
+  std::snprintf(text, sizeof text, "%.*f %s", *value < 10 ? 1 : 0, *value, unit);
+  return text;
+}
+
+// The status line: rewritten in place on a terminal, a line each time elsewhere.
+class Status {
+ public:
+  explicit Status(const LoadTestOptions& options)
+      : m_options(options),
+        m_terminal(isatty(STDOUT_FILENO) != 0),
+        m_every(options.statusEvery.value_or(m_terminal ? 1.0 : 0.0)),
+        m_next(m_every) {}
+
+  void Show(Runner& runner, double now) {
+    if (m_every <= 0 || now < m_next) return;
+    m_next = now + m_every;
+    const Runner::Progress progress = runner.TakeProgress(now);
+    std::string line = "bots " + std::to_string(progress.playing) + "/" + std::to_string(m_options.count);
+    if (m_options.duration > 0) {
+      line += ", " + std::to_string(std::lround(std::max(0.0, m_options.duration - now))) + " s left";
+    }
+    line += ", " + FormatFigure(progress.kbitPerSecondPerBot, "kbit/s each");
+    line += ", snapshots " + FormatFigure(progress.snapshotAgeMs, "ms old");
+    std::printf(m_terminal ? "\r%s\033[K" : "%s\n", line.c_str());
+    std::fflush(stdout);
+    m_open = m_terminal;
+  }
+
+  // Before anything else is written: a line begun on the terminal is ended.
+  void Close() {
+    if (m_open) std::printf("\n");
+    std::fflush(stdout);
+    m_open = false;
+  }
+
+ private:
+  const LoadTestOptions& m_options;
+  bool m_terminal;
+  double m_every;
+  double m_next;
+  bool m_open = false;
+};
+
+// Returns true when it was stopped from outside.
+bool RunRounds(Runner& runner, const LoadTestOptions& options, Status& status, const std::function<bool()>& stopAsked) {
+  const double begin = ReadClock();
+  double due = 0;
+  double now = 0;
+  bool stopped = false;
+  while (options.duration <= 0 || now < options.duration) {
+    const double late = now - due;
+    runner.RunRound(now, late);
+    status.Show(runner, now);
+    stopped = stopAsked();
+    if (stopped || runner.HaveAllEnded() || runner.IsHopeless(now) || runner.HaveAllScriptsFailed()) break;
+    due += (1 + std::floor(late * kRoundHz)) / kRoundHz;
+    SleepUntil(begin + due);
+    now = ReadClock() - begin;
+  }
+  runner.Leave(now);
+  for (const double end = now + kGoodbyePatience; now < end && !runner.HaveAllEnded();) {
+    runner.RunRound(now, 0);
+    SleepUntil(begin + now + 1 / kRoundHz);
+    now = ReadClock() - begin;
+  }
+  return stopped;
+}
+
+void Report(const Figures& figures, const std::vector<Verdict>& verdicts) {
+  std::printf(
+      "%llu of %llu bots connected, %llu disconnects, %llu script errors, %s each, snapshots %s (p50) %s (p99)\n",
+      static_cast<unsigned long long>(figures.connected), static_cast<unsigned long long>(figures.bots),
+      static_cast<unsigned long long>(figures.disconnects), static_cast<unsigned long long>(figures.scriptErrors),
+      FormatFigure(figures.kbitPerSecondPerBot, "kbit/s").c_str(), FormatFigure(figures.snapshotAgeMsP50, "ms").c_str(),
+      FormatFigure(figures.snapshotAgeMsP99, "ms old").c_str());
+  for (const Verdict& verdict : verdicts) {
+    std::printf("threshold %s: %s, ", verdict.rule.c_str(), verdict.ok ? "holds" : "FAILED");
+    if (verdict.value) {
+      std::printf("it is %.10g\n", *verdict.value);
+    } else {
+      std::printf("it was not measured\n");
+    }
+  }
+  std::fflush(stdout);
+  if (IsValid(figures)) return;
+  char line[160];
+  std::snprintf(line, sizeof line,
+                "this run is not valid: the generator began 1 in 100 rounds %.1f ms late or more (%.0f ms is allowed)",
+                *figures.lateMsP99, kMaxLateMs);
+  Complain(line);
+}
+
+// Opened before anything is started, so that an hour's run is not lost to a misspelt folder.
+bool OpenSummary(const std::string& path, std::ofstream& file) {
+  if (path.empty()) return true;
+  errno = 0;
+  file.open(path, std::ios::binary | std::ios::trunc);
+  if (file) return true;
+  Complain("--summary: '" + path + "' cannot be written: " + std::strerror(errno));
+  return false;
+}
+
+int Conclude(const Runner& runner, const LoadTestOptions& options, const Figures& figures,
+             const std::vector<Verdict>& verdicts, bool stopped) {
+  if (figures.connected == 0 && (!stopped || runner.HasAnyFailed())) {
+    const std::string address = Describe(options.server);
+    Complain(runner.Refusal().empty() ? "no server answers at " + address
+                                      : "no bot could join " + address + ": " + runner.Refusal());
+    return kExitBadUse;
+  }
+  if (runner.HaveAllScriptsFailed()) {
+    Complain("the script failed in every bot: " + options.scriptFile);
+    return kExitBadUse;
+  }
+  const bool allHold = std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& verdict) { return verdict.ok; });
+  return allHold ? kExitGood : kExitThresholdFailed;
+}
+
+}  // namespace
+
+int RunLoadTest(const LoadTestOptions& options, const std::function<bool()>& stopAsked) {
+  Status status(options);
+  Script script(options.seed, [&status](unsigned bot, std::string_view text) {
+    status.Close();
+    std::fprintf(stderr, "bot %u: %.*s\n", bot, static_cast<int>(text.size()), text.data());
+  });
+  std::string error;
+  if (!script.LoadFile(options.scriptFile, error)) {
+    Complain(error);
+    return kExitBadUse;
+  }
+  std::ofstream summary;
+  if (!OpenSummary(options.summaryFile, summary)) return kExitBadUse;
+
+  AllowManySockets();
+  const auto connect = [&options](std::string& reason) -> std::unique_ptr<transport::Transport> {
+    return transport::EnetTransport::Connect(options.server.host, options.server.port, reason);
+  };
+  Runner runner(options, script, connect, &ReadClock, [&status](std::string_view line) {
+    status.Close();
+    Complain(line);
+  });
+  const bool stopped = RunRounds(runner, options, status, stopAsked);
+  status.Close();
+
+  const Figures figures = runner.ReadFigures();
+  const std::vector<Verdict> verdicts = JudgeThresholds(options.thresholds, figures);
+  if (figures.connected > 0) Report(figures, verdicts);
+  const int code = Conclude(runner, options, figures, verdicts, stopped);
+  if (options.summaryFile.empty()) return code;
+  summary << MakeSummary(figures, verdicts);
+  summary.close();
+  if (summary) return code;
+  Complain("--summary: '" + options.summaryFile + "' could not be written in full");
+  return kExitBadUse;
+}
+
+}  // namespace wobble::bots

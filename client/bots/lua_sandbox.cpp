@@ -1,0 +1,187 @@
+// One state for all bots, because a state costs 20 KiB and a coroutine one; what keeps them apart is that each call is
+// one bot's, with his own budget, his own generator and his number on what he prints.
+//
+// The budget is a count hook, which every coroutine inherits. Once it is spent the hook fires at every instruction, or
+// a script could catch its own end with pcall and go on; as it is, the first instruction after the pcall ends it again.
+// Lua calls no hook inside a finaliser, so setmetatable refuses __gc; nor inside xpcall's handler when the hook itself
+// raised the error, so there is no xpcall. What a hook cannot bound is one call of a C function (a pattern with many
+// wildcards, say): the scripts are the tester's own, this guards against mistakes.
+//
+// Lua is built as C: its errors are longjmps. No function here holds an object with a destructor when it raises one.
+#include "client/bots/lua_sandbox.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <lua.hpp>
+#include <utility>
+
+namespace wobble::bots {
+namespace {
+
+// Instructions between two looks at the budget; at 1,000 the hook costs nothing that can be measured.
+constexpr int kHookInterval = 1000;
+
+// SplitMix64 (Steele, Lea, Flood 2014): eight bytes of state a bot, and neighbouring seeds are unrelated.
+std::uint64_t Advance(std::uint64_t& state) {
+  std::uint64_t z = state += 0x9e3779b97f4a7c15U;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
+  return z ^ (z >> 31);
+}
+
+void Forget(lua_State* lua, const char* name) {
+  lua_pushnil(lua);
+  lua_setfield(lua, -2, name);
+}
+
+void Replace(lua_State* lua, const char* name, lua_CFunction function) {
+  lua_pushcfunction(lua, function);
+  lua_setfield(lua, -2, name);
+}
+
+}  // namespace
+
+LuaSandbox::LuaSandbox(std::uint64_t seed, Log log) : m_seed(seed), m_log(std::move(log)) {
+  m_nobody = MakeCaller(0);
+  m_state = lua_newstate(&LuaSandbox::Allocate, this);
+  if (m_state == nullptr) return;
+  LuaSandbox* self = this;
+  std::memcpy(lua_getextraspace(m_state), &self, sizeof self);  // copied into every coroutine
+  lua_sethook(m_state, &LuaSandbox::CountInstructions, LUA_MASKCOUNT, kHookInterval);
+  lua_pushcfunction(m_state, &LuaSandbox::OpenLibraries);
+  if (lua_pcall(m_state, 0, 0, 0) != LUA_OK) {
+    lua_close(m_state);
+    m_state = nullptr;
+  }
+}
+
+LuaSandbox::~LuaSandbox() {
+  if (m_state != nullptr) lua_close(m_state);
+}
+
+LuaSandbox::Caller LuaSandbox::MakeCaller(unsigned number) const {
+  std::uint64_t mixed = m_seed;
+  mixed = Advance(mixed) + number;
+  return {number, Advance(mixed)};
+}
+
+void LuaSandbox::BeginCall(Caller& caller) {
+  m_caller = &caller;
+  m_budget = kCallBudget;
+}
+
+void LuaSandbox::FreeUnused() {
+  if (m_bytes > kMaxMemoryBytes / 4) lua_gc(m_state, LUA_GCCOLLECT);
+}
+
+LuaSandbox& LuaSandbox::Of(lua_State* lua) {
+  LuaSandbox* sandbox = nullptr;
+  std::memcpy(&sandbox, lua_getextraspace(lua), sizeof sandbox);
+  return *sandbox;
+}
+
+void* LuaSandbox::Allocate(void* sandbox, void* block, std::size_t oldBytes, std::size_t newBytes) {
+  auto& self = *static_cast<LuaSandbox*>(sandbox);
+  if (block == nullptr) oldBytes = 0;  // Lua passes the kind of the new object there
+  if (newBytes == 0) {
+    std::free(block);
+    self.m_bytes -= oldBytes;
+    return nullptr;
+  }
+  if (newBytes > oldBytes && self.m_bytes - oldBytes + newBytes > kMaxMemoryBytes) return nullptr;
+  void* moved = std::realloc(block, newBytes);
+  if (moved != nullptr) self.m_bytes += newBytes - oldBytes;
+  return moved;
+}
+
+void LuaSandbox::CountInstructions(lua_State* lua, lua_Debug* where) {
+  LuaSandbox& self = Of(lua);
+  const int interval = lua_gethookcount(lua);
+  if (self.m_budget > interval) {
+    self.m_budget -= interval;
+    if (interval != kHookInterval) lua_sethook(lua, &LuaSandbox::CountInstructions, LUA_MASKCOUNT, kHookInterval);
+    return;
+  }
+  self.m_budget = 0;
+  lua_sethook(lua, &LuaSandbox::CountInstructions, LUA_MASKCOUNT, 1);
+  lua_getinfo(lua, "Sl", where);
+  lua_pushfstring(lua, "%s:%d: stopped after %d instructions without a bot:wait; an endless loop?", where->short_src,
+                  where->currentline, kCallBudget);
+  lua_error(lua);
+}
+
+int LuaSandbox::AnswerPrint(lua_State* lua) {
+  const int count = lua_gettop(lua);
+  luaL_Buffer line;
+  luaL_buffinit(lua, &line);
+  for (int i = 1; i <= count; ++i) {
+    if (i > 1) luaL_addchar(&line, '\t');
+    luaL_tolstring(lua, i, nullptr);
+    luaL_addvalue(&line);
+  }
+  luaL_pushresult(&line);
+  std::size_t length = 0;
+  const char* text = lua_tolstring(lua, -1, &length);
+  const LuaSandbox& self = Of(lua);
+  if (self.m_log) self.m_log(self.m_caller->number, {text, length});
+  return 0;
+}
+
+// As Lua's own, but for __gc.
+int LuaSandbox::AnswerSetMetatable(lua_State* lua) {
+  luaL_checktype(lua, 1, LUA_TTABLE);
+  const int kind = lua_type(lua, 2);
+  luaL_argexpected(lua, kind == LUA_TNIL || kind == LUA_TTABLE, 2, "nil or table");
+  if (luaL_getmetafield(lua, 1, "__metatable") != LUA_TNIL)
+    return luaL_error(lua, "cannot change a protected metatable");
+  if (kind == LUA_TTABLE) {
+    lua_pushliteral(lua, "__gc");
+    if (lua_rawget(lua, 2) != LUA_TNIL) return luaL_error(lua, "__gc is not allowed in a bot's script");
+  }
+  lua_settop(lua, 2);
+  lua_setmetatable(lua, 1);
+  return 1;
+}
+
+int LuaSandbox::AnswerRandom(lua_State* lua) {
+  const int first = lua_isuserdata(lua, 1) ? 2 : 1;  // bot:random(...) has the bot before its arguments
+  const int count = lua_gettop(lua) - first + 1;
+  lua_Integer low = 1;
+  lua_Integer high = 0;
+  if (count > 2) return luaL_error(lua, "wrong number of arguments");
+  if (count == 1) high = luaL_checkinteger(lua, first);
+  if (count == 2) {
+    low = luaL_checkinteger(lua, first);
+    high = luaL_checkinteger(lua, first + 1);
+  }
+  luaL_argcheck(lua, count == 0 || low <= high, first + count - 1, "interval is empty");
+
+  const std::uint64_t bits = Advance(Of(lua).m_caller->random);
+  if (count == 0) {
+    lua_pushnumber(lua, static_cast<double>(bits >> 11) * 0x1p-53);  // [0, 1)
+    return 1;
+  }
+  // Modulo favours low values by less than range / 2^64. A range of 0 is all 2^64 integers.
+  const std::uint64_t range = static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low) + 1;
+  const std::uint64_t offset = range == 0 ? bits : bits % range;
+  lua_pushinteger(lua, static_cast<lua_Integer>(static_cast<std::uint64_t>(low) + offset));
+  return 1;
+}
+
+int LuaSandbox::OpenLibraries(lua_State* lua) {
+  luaL_requiref(lua, LUA_GNAME, luaopen_base, 1);
+  for (const char* name : {"dofile", "loadfile", "load", "require", "collectgarbage", "warn", "xpcall"})
+    Forget(lua, name);
+  Replace(lua, "print", &LuaSandbox::AnswerPrint);
+  Replace(lua, "setmetatable", &LuaSandbox::AnswerSetMetatable);
+  luaL_requiref(lua, LUA_MATHLIBNAME, luaopen_math, 1);
+  Forget(lua, "randomseed");
+  Replace(lua, "random", &LuaSandbox::AnswerRandom);
+  luaL_requiref(lua, LUA_STRLIBNAME, luaopen_string, 1);
+  luaL_requiref(lua, LUA_TABLIBNAME, luaopen_table, 1);
+  luaL_requiref(lua, LUA_COLIBNAME, luaopen_coroutine, 1);
+  return 0;
+}
+
+}  // namespace wobble::bots

@@ -1,0 +1,109 @@
+// The bots of one load test: when they join, what their script makes them do, and what is measured on the way.
+//
+// Reads no clock but the one it is given to time decoding with, so that tests run it on virtual time.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "client/bots/histogram.h"
+#include "client/bots/options.h"
+#include "client/bots/script.h"
+#include "client/bots/summary.h"
+#include "client/client.h"
+
+namespace wobble::bots {
+
+class Runner {
+ public:
+  // Begins a connection to the server; null with one line in `error` when it cannot.
+  using Connect = std::function<std::unique_ptr<transport::Transport>(std::string& error)>;
+  using Clock = std::function<double()>;  // seconds
+  using Log = std::function<void(std::string_view line)>;
+
+  // script is loaded and must outlive the runner.
+  Runner(const LoadTestOptions& options, Script& script, Connect connect, Clock clock, Log log);
+
+  // One round of all bots, to be called 60 times a second; now counts from the first call's, seconds. late: seconds
+  // since this round was due.
+  void RunRound(double now, double late);
+
+  // Says goodbye for all; measuring ends. RunRound goes on until HaveAllEnded.
+  void Leave(double now);
+  [[nodiscard]] bool HaveAllEnded() const;
+
+  // Some bots ended a second ago and none has ever played: the rest need not try.
+  [[nodiscard]] bool IsHopeless(double now) const;
+  [[nodiscard]] bool HasAnyFailed() const { return m_firstFailure.has_value(); }
+  // Why none plays, one line; empty when nobody answered at all.
+  [[nodiscard]] const std::string& Refusal() const { return m_refusal; }
+  [[nodiscard]] bool HaveAllScriptsFailed() const;
+
+  [[nodiscard]] Figures ReadFigures() const;
+
+  // For the status line: of now, and since the last call.
+  struct Progress {
+    unsigned playing = 0;
+    std::optional<double> kbitPerSecondPerBot;
+    std::optional<double> snapshotAgeMs;  // mean
+  };
+  [[nodiscard]] Progress TakeProgress(double now);
+
+ private:
+  struct Bot {
+    std::unique_ptr<client::Client> client;           // null: could not even begin to connect
+    const transport::Transport* transport = nullptr;  // the client's
+    bool decodes = false;
+    bool played = false;
+    bool ended = false;
+    bool scriptFailed = false;
+    double playedFrom = 0;
+    double playedTo = 0;          // set when it leaves or ends
+    std::uint64_t bytesFrom = 0;  // the transport's count at playedFrom
+    std::uint64_t bytesTo = 0;
+  };
+
+  void StartBot(double now);
+  void RunBot(Bot& bot, unsigned number, double now);
+  void UpdateBot(Bot& bot, double now);
+  void RunScript(Bot& bot, unsigned number, double now);
+  void NoteEnd(Bot& bot, unsigned number, double now);
+  void NoteFailure(unsigned number, const std::string& reason, double now);
+  void StopMeasuring(Bot& bot, double now);
+  void AddArrival(const client::SnapshotArrival& arrival);
+
+  LoadTestOptions m_options;
+  Script& m_script;
+  Connect m_connect;
+  Clock m_clock;
+  Log m_log;
+
+  std::vector<std::unique_ptr<Bot>> m_bots;
+  std::vector<client::BodySample> m_samples;  // scratch
+  bool m_leaving = false;
+  std::string m_refusal;
+  std::optional<double> m_firstFailure;  // of a bot that did not leave by itself
+  unsigned m_failuresLogged = 0;
+  std::set<std::string> m_scriptErrors;  // those reported
+
+  Histogram m_joinMs;
+  Histogram m_ageMs;
+  Histogram m_inputToSnapshotMs;
+  Histogram m_decodeUs;
+  Histogram m_lateMs;
+
+  double m_decodeSeconds = 0;  // of the group of records that is being filled
+  std::uint64_t m_decodeRecords = 0;
+
+  double m_progressFrom = 0;
+  std::uint64_t m_progressBytes = 0;
+  double m_progressAgeSum = 0;
+  std::uint64_t m_progressArrivals = 0;
+};
+
+}  // namespace wobble::bots

@@ -1,0 +1,386 @@
+// One connection from hello to goodbye. Update is Poll → take in → send what is due → move the shown moment on.
+//
+// Everything that comes in is untrusted: it is verified, counted when it is wrong and dropped whole, and what it can
+// make the client keep is bounded (blueprint_store.h, bodies.h). A message that is out of place is treated like a
+// broken one.
+//
+// Inputs go out once a tick even when nobody presses anything, and from spectators too: each carries the
+// acknowledgement of snapshots and says that somebody is still there.
+#include "client/client.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+
+#include "client/blueprint_store.h"
+#include "client/bodies.h"
+#include "client/clock.h"
+#include "client/input_stream.h"
+#include "client/jitter_buffer.h"
+#include "protocol/acknowledgement.h"
+#include "protocol/pose.h"
+#include "protocol/snapshot.h"
+
+namespace wobble::client {
+namespace {
+
+// Seconds that a goodbye of our own may take until the link is taken for closed.
+constexpr double kLeaveTimeout = 1.0;
+// Inputs sent in one Update at most; after a longer pause the schedule starts anew.
+constexpr int kMaxCatchUp = 3;
+// Snapshot intervals that the measured one may reach, in terms of the promised one, before it is not believed.
+constexpr double kMaxIntervalRatio = 3.0;
+constexpr double kIntervalSmoothing = 1.0 / 32.0;
+constexpr double kForgetEvery = 1.0;
+// Bytes of a server's words shown to people.
+constexpr std::size_t kMaxDetail = 200;
+
+// One line that a terminal cannot take for anything but text.
+std::string DescribeGoodbye(const wire::Goodbye& goodbye) {
+  std::string text = protocol::Name(goodbye.reason());
+  if (goodbye.detail() == nullptr || goodbye.detail()->size() == 0) return text;
+  text += ": ";
+  for (const char c : goodbye.detail()->string_view().substr(0, kMaxDetail)) {
+    const auto byte = static_cast<unsigned char>(c);
+    text += byte < 0x20 || byte == 0x7F ? ' ' : c;
+  }
+  return text;
+}
+
+}  // namespace
+
+struct Client::Implementation {
+  std::unique_ptr<transport::Transport> transport;
+  Options options;
+  transport::ConnectionId connection = 0;
+  State state = State::kConnecting;
+  std::string endReason;
+  bool leaving = false;
+  double leaveDeadline = 0;
+  double startedAt = 0;
+  double now = 0;  // of the latest Update or Sample
+  double lastReceived = 0;
+
+  bool welcomed = false;
+  protocol::WelcomeFields welcome;
+  double tickSeconds = 0;
+  double snapshotSeconds = 0;  // promised
+  BlueprintStore blueprints;
+  Statistics statistics;
+  std::function<void(const Event&)> onEvent;
+  std::function<void(const SnapshotArrival&)> onSnapshot;
+
+  Input input;
+  InputStream inputs;
+  double nextInput = 0;
+  double smallestInputToSnapshot = -1;
+
+  protocol::ReceivedWindow received;
+  bool hasSnapshot = false;
+  std::uint32_t newestTick = 0;
+  Clock clock;
+  JitterBuffer jitter;
+  Bodies bodies;
+  double nextForget = 0;
+  std::optional<protocol::Pose> ownPose;  // without decode
+  std::uint32_t ownPoseTick = 0;
+  std::vector<protocol::Record> records;  // scratch
+  std::vector<protocol::Vector3> shape;   // scratch
+
+  void TakeIn(const transport::Event& event);
+  void End(std::string reason);
+  void SayHello();
+  void StartPlayingWhenComplete();
+
+  void HandleControl(std::span<const std::uint8_t> bytes);
+  [[nodiscard]] bool HandleWelcome(const wire::Welcome& message);
+  void HandleEvent(const wire::Event& message);
+
+  void HandleSnapshot(std::span<const std::uint8_t> bytes);
+  void MeasureSnapshot(const protocol::SnapshotHead& head);
+  double MeasureInput(std::uint32_t inputTick);
+  void HandleRecord(const protocol::Record& record, std::uint32_t tick);
+  void ReadOwnPose(const protocol::Record& record, std::uint32_t tick);
+
+  void SendDueInputs();
+  void SendInput();
+
+  void MoveOn(double to);
+  [[nodiscard]] double TimeOf(std::uint32_t tick) const { return static_cast<double>(tick) * tickSeconds; }
+};
+
+Client::Client(std::unique_ptr<transport::Transport> transport, Options options, double now)
+    : m(std::make_unique<Implementation>()) {
+  assert(transport != nullptr && options.name.size() <= protocol::kMaxNameBytes);
+  m->transport = std::move(transport);
+  m->options = std::move(options);
+  m->startedAt = m->now = m->lastReceived = now;
+}
+
+Client::~Client() = default;
+
+void Client::Update(double now) {
+  assert(now >= m->now);
+  m->now = std::max(now, m->now);
+  m->transport->Poll(m->now, [this](const transport::Event& event) { m->TakeIn(event); });
+  if (m->leaving && m->now >= m->leaveDeadline) m->End("left");
+  if (m->state != State::kEnded && m->now - m->lastReceived >= protocol::kSilenceTimeout) {
+    m->End(m->state == State::kConnecting ? "no answer from the server" : "server silent for 8 s");
+  }
+  if (m->state != State::kEnded) {
+    if (m->welcomed && !m->leaving) m->SendDueInputs();
+    m->MoveOn(m->now);
+  }
+  m->transport->Flush();
+}
+
+void Client::SetInput(const Input& input) { m->input = input; }
+
+void Client::Leave(double now) {
+  if (m->state == State::kEnded || m->leaving) return;
+  m->leaving = true;
+  m->leaveDeadline = now + kLeaveTimeout;
+  if (m->connection == 0) {
+    m->End("left");
+    return;
+  }
+  const auto goodbye = protocol::MakeClientGoodbye(wire::GoodbyeReason::Left, "");
+  // Whether it could be queued makes no difference: the link is closed either way.
+  static_cast<void>(m->transport->Send(m->connection, transport::Channel::kControl, goodbye));
+  m->transport->Disconnect(m->connection);
+  m->transport->Flush();
+}
+
+State Client::ReadState() const { return m->state; }
+const std::string& Client::EndReason() const { return m->endReason; }
+bool Client::EndedUnasked() const { return m->state == State::kEnded && !m->leaving; }
+const protocol::WelcomeFields& Client::Welcome() const { return m->welcome; }
+const Statistics& Client::ReadStatistics() const { return m->statistics; }
+double Client::ServerTime(double now) const { return m->hasSnapshot ? m->clock.ServerTime(now) : 0.0; }
+double Client::InterpolationDelay() const { return m->jitter.Delay(); }
+void Client::OnEvent(std::function<void(const Event&)> handler) { m->onEvent = std::move(handler); }
+void Client::OnSnapshot(std::function<void(const SnapshotArrival&)> handler) { m->onSnapshot = std::move(handler); }
+
+void Client::Sample(double now, Detail detail, std::vector<BodySample>& samples) {
+  m->now = std::max(now, m->now);
+  m->MoveOn(m->now);
+  m->bodies.Sample(m->jitter.Playback(), m->TimeOf(m->newestTick), detail, samples, m->statistics);
+}
+
+std::optional<protocol::Pose> Client::NewestPose(std::uint32_t body) const {
+  if (m->options.decode) return m->bodies.NewestPose(body);
+  return body == m->welcome.ownBody ? m->ownPose : std::nullopt;
+}
+
+void Client::Implementation::TakeIn(const transport::Event& event) {
+  if (state == State::kEnded) return;
+  switch (event.kind) {
+    case transport::Event::Kind::kConnected:
+      if (connection != 0) return;
+      connection = event.connection;
+      lastReceived = now;
+      state = State::kJoining;
+      SayHello();
+      return;
+    case transport::Event::Kind::kDisconnected:
+      End(leaving ? "left" : state == State::kConnecting ? "no answer from the server" : "connection lost");
+      return;
+    case transport::Event::Kind::kMessage:
+      break;
+  }
+  if (state == State::kConnecting) return;
+  lastReceived = now;
+  statistics.bytesReceived += event.bytes.size();
+  switch (event.channel) {
+    case transport::Channel::kControl:
+      HandleControl(event.bytes);
+      return;
+    case transport::Channel::kSnapshot:
+      HandleSnapshot(event.bytes);
+      return;
+    case transport::Channel::kInput:
+      ++statistics.badMessages;
+      return;  // goes the other way only
+  }
+}
+
+void Client::Implementation::End(std::string reason) {
+  if (state == State::kEnded) return;
+  state = State::kEnded;
+  endReason = std::move(reason);
+  if (connection != 0) transport->Disconnect(connection);
+}
+
+void Client::Implementation::SayHello() {
+  const auto role = options.spectator ? wire::Role::Spectator : wire::Role::Player;
+  const auto hello = protocol::MakeHello(options.name, role, options.protocolVersion);
+  const auto sent = transport->Send(connection, transport::Channel::kControl, hello);
+  if (sent != transport::SendResult::kQueued) End("connection lost");
+}
+
+void Client::Implementation::StartPlayingWhenComplete() {
+  if (state != State::kJoining || !welcomed || !blueprints.Complete()) return;
+  state = State::kPlaying;
+  statistics.joinSeconds = now - startedAt;
+}
+
+void Client::Implementation::HandleControl(std::span<const std::uint8_t> bytes) {
+  const wire::ServerMessage* message = nullptr;
+  if (protocol::ParseServerMessage(bytes, message) != protocol::ParseResult::kOk) {
+    ++statistics.badMessages;
+    return;
+  }
+  bool inPlace = true;
+  if (const auto* goodbye = message->body_as_Goodbye()) {
+    End(leaving ? "left" : DescribeGoodbye(*goodbye));
+  } else if (const auto* fields = message->body_as_Welcome()) {
+    inPlace = HandleWelcome(*fields);
+  } else if (const auto* chunk = message->body_as_BlueprintChunk()) {
+    inPlace = blueprints.AddChunk(*chunk);
+  } else if (const auto* event = message->body_as_Event()) {
+    HandleEvent(*event);
+  }
+  if (!inPlace) ++statistics.badMessages;
+  StartPlayingWhenComplete();
+}
+
+bool Client::Implementation::HandleWelcome(const wire::Welcome& message) {
+  if (welcomed) return false;
+  welcomed = true;
+  welcome.clientId = message.client_id();
+  welcome.ownBody = message.own_body();
+  welcome.tick = message.tick();
+  welcome.tickHz = message.tick_hz();
+  welcome.snapshotHz = message.snapshot_hz();
+  welcome.scene = message.scene()->str();
+  welcome.blueprintCount = message.blueprint_count();
+  welcome.obstacles.reserve(message.obstacles()->size());
+  for (const wire::Obstacle* obstacle : *message.obstacles()) welcome.obstacles.push_back(*obstacle);
+  blueprints.Expect(welcome.blueprintCount);
+
+  tickSeconds = 1.0 / welcome.tickHz;
+  snapshotSeconds = 1.0 / welcome.snapshotHz;
+  statistics.snapshotInterval = snapshotSeconds;
+  clock.AddArrival(TimeOf(welcome.tick), 1.0, now);  // a first idea of the time, for the inputs' stamps
+  nextInput = now;
+  return true;
+}
+
+void Client::Implementation::HandleEvent(const wire::Event& message) {
+  if (message.kind() == wire::EventKind::BodyRemoved) bodies.Remove(message.body(), message.tick());
+  if (onEvent) onEvent({message.kind(), message.client_id(), message.body(), message.name()->str()});
+}
+
+void Client::Implementation::HandleSnapshot(std::span<const std::uint8_t> bytes) {
+  protocol::SnapshotHead head;
+  if (protocol::ReadSnapshot(bytes, head, records) != protocol::SnapshotResult::kOk) {
+    ++statistics.badSnapshots;
+    return;
+  }
+  if (received.Record(head.sequence) != protocol::ReceivedWindow::Arrival::kNew) {
+    ++statistics.duplicates;
+    return;
+  }
+  ++statistics.snapshots;
+  statistics.records += records.size();
+  const unsigned known = std::min(received.Newest() - 1, protocol::kAckHistory);
+  const auto arrived = static_cast<unsigned>(std::popcount(received.History()));
+  statistics.lossShare = known == 0 ? 0.0 : std::max(0.0, 1.0 - static_cast<double>(arrived) / known);
+  if (!welcomed) {  // overtook it: without tick rate and blueprints there is nothing to be made of it
+    statistics.unknownRecords += records.size();
+    return;
+  }
+  MeasureSnapshot(head);
+  for (const protocol::Record& record : records) HandleRecord(record, head.tick);
+}
+
+void Client::Implementation::MeasureSnapshot(const protocol::SnapshotHead& head) {
+  const double time = TimeOf(head.tick);
+  clock.AddArrival(time, head.timeRatio, now);
+  if (hasSnapshot && head.tick > newestTick) {
+    const double interval = std::min(TimeOf(head.tick - newestTick), kMaxIntervalRatio * snapshotSeconds);
+    statistics.snapshotInterval += (interval - statistics.snapshotInterval) * kIntervalSmoothing;
+  }
+  if (!hasSnapshot || head.tick > newestTick) {
+    newestTick = head.tick;
+    statistics.timeRatio = static_cast<double>(head.timeRatio);
+  }
+  hasSnapshot = true;
+  const double behind = clock.ServerTime(now) - time;
+  jitter.AddArrival(behind, std::max(statistics.snapshotInterval, snapshotSeconds), now);
+
+  SnapshotArrival arrival;
+  arrival.tick = head.tick;
+  arrival.inputToSnapshot = MeasureInput(head.inputTick);
+  arrival.age = behind + std::max(0.0, (smallestInputToSnapshot - tickSeconds) / 2);
+  statistics.snapshotAge = arrival.age;
+  if (onSnapshot) onSnapshot(arrival);
+}
+
+double Client::Implementation::MeasureInput(std::uint32_t inputTick) {
+  const double seconds = inputs.MeasureEcho(inputTick, now);
+  if (seconds < 0) return seconds;
+  statistics.inputToSnapshot = seconds;
+  if (smallestInputToSnapshot < 0 || seconds < smallestInputToSnapshot) smallestInputToSnapshot = seconds;
+  return seconds;
+}
+
+void Client::Implementation::HandleRecord(const protocol::Record& record, std::uint32_t tick) {
+  const Blueprint* blueprint = blueprints.Find(record.head.blueprint);
+  if (blueprint == nullptr) {
+    ++statistics.unknownRecords;
+    return;
+  }
+  const std::size_t size = protocol::PatchSize(blueprint->rest.size(), record.head.patch);
+  if (size == 0) {
+    ++statistics.badRecords;
+    return;
+  }
+  if (!options.decode) {
+    ReadOwnPose(record, tick);
+    return;
+  }
+  const auto rest = std::span(blueprint->rest).subspan(record.head.patch * protocol::kMaxPatchVertices, size);
+  protocol::Pose pose;
+  shape.resize(size);
+  const bool added = protocol::DecodeShape(record.payload, rest, pose, shape) == protocol::DecodeResult::kOk &&
+                     bodies.Add(record.head, *blueprint, tick, TimeOf(tick), pose, shape, jitter.Playback());
+  if (!added) ++statistics.badRecords;
+}
+
+void Client::Implementation::ReadOwnPose(const protocol::Record& record, std::uint32_t tick) {
+  if (record.head.body != welcome.ownBody || record.head.patch != 0 || (ownPose && tick < ownPoseTick)) return;
+  protocol::BitReader reader(record.payload);
+  protocol::QuantisedPose pose;
+  if (!protocol::ReadPose(reader, pose)) {
+    ++statistics.badRecords;
+    return;
+  }
+  ownPose = protocol::Dequantise(pose);
+  ownPoseTick = tick;
+}
+
+void Client::Implementation::SendDueInputs() {
+  for (int sent = 0; sent < kMaxCatchUp && now >= nextInput; ++sent) {
+    inputs.Add(input, clock.ServerTime(now) * welcome.tickHz, now);
+    SendInput();
+    nextInput += tickSeconds;
+  }
+  if (now >= nextInput) nextInput = now + tickSeconds;
+}
+
+void Client::Implementation::SendInput() {
+  const auto message = protocol::MakeInput(inputs.Frames(), received.Newest(), received.History());
+  const auto sent = transport->Send(connection, transport::Channel::kInput, message);
+  if (sent == transport::SendResult::kQueued) ++statistics.inputsSent;
+}
+
+void Client::Implementation::MoveOn(double to) {
+  if (!hasSnapshot) return;
+  jitter.Advance(clock.ServerTime(to), clock.TimeRatio(), to);
+  if (to < nextForget) return;
+  nextForget = to + kForgetEvery;
+  bodies.Forget(TimeOf(newestTick) - kForgetAfter);
+}
+
+}  // namespace wobble::client

@@ -1,0 +1,49 @@
+// Stamps must grow with every frame, or the server could not tell a new one from a repetition; and they must not run
+// ahead, or it would keep each until its tick has come, and the player would feel that for good. So a frame is stamped
+// with the estimated tick or the one after its predecessor, whichever is later, and left out when that is too far
+// ahead: which happens when the world runs slower than the client sends, and after the clock was set back.
+#include "client/input_stream.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wobble::client {
+namespace {
+
+// How far ahead of the estimated tick a stamp may be: as much as sending and ticks can be out of step.
+constexpr std::uint64_t kMaxStampLead = 1;
+constexpr double kLastTick = 4294967295.0;
+
+std::int8_t ToAxis(float value) {
+  if (std::isnan(value)) return 0;
+  return static_cast<std::int8_t>(std::lround(std::clamp(value, -1.0F, 1.0F) * 127.0F));
+}
+
+std::uint8_t ToButtons(const Input& input) {
+  return static_cast<std::uint8_t>((input.jump ? 1 : 0) | (input.puff ? 2 : 0) | (input.stiffen ? 4 : 0));
+}
+
+}  // namespace
+
+void InputStream::Add(const Input& input, double estimatedTick, double now) {
+  const auto estimated = static_cast<std::uint64_t>(std::clamp(std::floor(estimatedTick), 0.0, kLastTick));
+  const std::uint64_t next = m_count == 0 ? 1 : std::uint64_t{m_frames[0].tick()} + 1;
+  const std::uint64_t stamp = std::max(estimated, next);
+  const bool ahead = stamp > estimated + kMaxStampLead || stamp > static_cast<std::uint64_t>(kLastTick);
+  if (m_count > 0 && ahead) return;
+
+  std::copy_backward(m_frames.begin(), m_frames.end() - 1, m_frames.end());
+  const auto tick = static_cast<std::uint32_t>(stamp);
+  m_frames[0] = wire::InputFrame(tick, ToAxis(input.moveX), ToAxis(input.moveY), ToButtons(input));
+  m_count = std::min(m_count + 1, m_frames.size());
+  m_sent[tick % kRemembered] = {tick, now};
+}
+
+double InputStream::MeasureEcho(std::uint32_t inputTick, double now) {
+  const SentFrame& frame = m_sent[inputTick % kRemembered];
+  if (inputTick <= m_echoed || frame.tick != inputTick) return -1;
+  m_echoed = inputTick;
+  return now - frame.sentAt;
+}
+
+}  // namespace wobble::client

@@ -1,0 +1,23 @@
+// `wobble play`: a server and some bots, started, watched and ended together.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+namespace wobble::play {
+
+struct PlayOptions {
+  std::filesystem::path programFolder;  // where wobbled, wobble and scripts/ lie
+  std::string scene = "arena";
+  std::uint16_t port = 7777;
+  unsigned bots = 6;
+  double duration = 0;  // seconds from when the server is ready; 0: until stopped
+};
+
+// Until the time is up, stopAsked is true or a child has ended. Returns the exit code: 0 when nothing failed, 2 when
+// the server could not start as it was told to, else 1.
+[[nodiscard]] int RunPlay(const PlayOptions& options, const std::function<bool()>& stopAsked);
+
+}  // namespace wobble::play

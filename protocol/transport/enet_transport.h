@@ -1,0 +1,66 @@
+// Transport over ENet (UDP), for servers and clients in play.
+//
+// ENet counts its retransmissions on the wall clock; everything that this class promises about time (the connect
+// timeout, how long a closing connection may linger) goes by the `now` of Poll.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "protocol/limits.h"
+#include "protocol/transport/transport.h"
+
+namespace wobble::transport {
+
+struct ListenOptions {
+  std::uint16_t port = 0;           // UDP, on every IPv4 address of the machine; 0: the system picks a free one
+  std::size_t maxConnections = 64;  // 1..kMaxListenConnections
+  std::size_t maxPerAddress = 0;    // of one IP address; 0: as many as maxConnections. A gateway's players share one
+  std::size_t maxMessageBytes = protocol::kMaxClientMessageBytes;  // larger messages from clients are dropped
+};
+
+struct ConnectOptions {
+  double timeout = 5;  // seconds from the first Poll until a server that does not answer is given up
+};
+
+// ENet numbers peers in 12 bits, and a few are kept back for refusing.
+inline constexpr std::size_t kMaxListenConnections = 4000;
+
+class EnetTransport final : public Transport {
+ public:
+  // A server. Null with one line for people in `error` when the port cannot be had. A client too many (of the server or
+  // of its address) is disconnected right after its kConnected; the server's own sink never hears of it.
+  [[nodiscard]] static std::unique_ptr<EnetTransport> Listen(const ListenOptions& options, std::string& error);
+
+  // A client. Resolves the name (this may block for as long as the system's resolver does); null with one line in
+  // `error` when it has no IPv4 address. A server that does not answer shows as kDisconnected after the timeout.
+  // Until kConnected, Send returns kFailed.
+  [[nodiscard]] static std::unique_ptr<EnetTransport> Connect(const std::string& host, std::uint16_t port,
+                                                              std::string& error, const ConnectOptions& options = {});
+
+  // Tells connected peers that this end has gone, without waiting for them.
+  ~EnetTransport() override;
+
+  void Poll(double now, const Sink& sink) override;
+  [[nodiscard]] SendResult Send(ConnectionId connection, Channel channel,
+                                std::span<const std::uint8_t> message) override;
+  void Disconnect(ConnectionId connection) override;
+  void Flush() override;
+  [[nodiscard]] Statistics ReadStatistics() const override;
+
+  // The UDP port that a server listens on, also when the system picked it. 0 for a client.
+  [[nodiscard]] std::uint16_t ReadPort() const;
+
+  // The id of a client's only connection.
+  static constexpr ConnectionId kClientConnection = 1;
+
+ private:
+  struct Impl;
+  explicit EnetTransport(std::unique_ptr<Impl> impl);
+
+  std::unique_ptr<Impl> m_impl;
+};
+
+}  // namespace wobble::transport

@@ -1,0 +1,434 @@
+// Links on virtual time.
+//
+// Each link and direction has its own generators, and each unreliable message takes the same number of draws whatever
+// the conditions are: one client's traffic does not change another's fate, and more loss loses a superset.
+// std::uniform_real_distribution is not used because standard libraries disagree about it.
+// An unreliable message gets its time of arrival (or none) when it is sent. A reliable one is tried, and on a loss
+// tried again after a time-out that doubles, as ENet does; it is handed over in order, so one loss holds up all behind
+// it. Opening and closing travel like reliable messages, so they are never overtaken.
+#include "protocol/transport/virtual_network.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <deque>
+#include <limits>
+#include <map>
+#include <utility>
+
+namespace wobble::transport {
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr double kMaxTime = 10;      // of a condition, seconds
+constexpr double kCloseTimeout = 3;  // seconds, as over ENet
+constexpr ConnectionId kClientConnection = 1;
+
+// SplitMix64 (Steele, Lea and Flood, 2014): any seed is good, and streams from neighbouring seeds are unrelated.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : m_state(seed) {}
+
+  std::uint64_t Next() {
+    m_state += 0x9E3779B97F4A7C15u;
+    std::uint64_t z = m_state;
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+    return z ^ (z >> 31);
+  }
+
+  // Uniform in [0, 1).
+  double NextShare() { return static_cast<double>(Next() >> 11) * 0x1p-53; }
+
+ private:
+  std::uint64_t m_state;
+};
+
+enum class Side : std::uint8_t { kServer = 0, kClient = 1 };
+constexpr Side OtherSide(Side side) { return side == Side::kServer ? Side::kClient : Side::kServer; }
+constexpr std::size_t IndexOf(Side side) { return static_cast<std::size_t>(side); }
+
+enum class Content : std::uint8_t { kOpen, kAccept, kRefuse, kClose, kClosed, kMessage };
+
+struct Parcel {
+  Content content = Content::kMessage;
+  Channel channel = Channel::kControl;
+  std::vector<std::uint8_t> bytes;
+};
+
+// A reliable parcel that its receiver has not seen yet.
+struct Pending {
+  Parcel parcel;
+  double nextTry;
+  double timeout = 0;       // until the try after that; 0 before the first
+  double arrival = kNever;  // of the try that got through
+};
+
+// One direction of one link.
+struct Way {
+  explicit Way(std::uint64_t seed) : unreliableRandom(seed), reliableRandom(~seed) {}
+  Random unreliableRandom;
+  Random reliableRandom;  // its own, since retransmissions draw as often as it takes
+  std::deque<Pending> pending;
+  double lastRelease = 0;
+};
+
+// What one side thinks of its connection.
+enum class Phase : std::uint8_t { kNone, kConnecting, kOpen, kClosing, kGone };
+struct End {
+  Phase phase = Phase::kNone;
+  double deadline = kNever;  // when connecting or closing is given up
+};
+
+struct Link {
+  Link(std::uint64_t toServerSeed, std::uint64_t toClientSeed) : ways{Way(toServerSeed), Way(toClientSeed)} {}
+  std::array<Way, 2> ways;  // by the side that receives
+  std::array<End, 2> ends;  // by the side that thinks
+};
+
+}  // namespace
+
+struct VirtualNetwork::State {
+  explicit State(const VirtualNetworkOptions& networkOptions) : options(networkOptions) {}
+
+  std::size_t AddLink();
+  bool TryTrip(Side to, Random& random, double& trip) const;
+  void SendReliably(std::size_t link, Side to, Parcel parcel, double now);
+  void SendUnreliably(std::size_t link, Side to, Parcel parcel, double now);
+  void Retry(Side to, Way& way, double now);
+  void Release(std::size_t link, Side to, double now);
+
+  // In the order in which they are handed over: by time, then as they were sent.
+  struct Key {
+    double arrival;
+    std::uint64_t number;
+    bool operator<(const Key& other) const {
+      return std::pair(arrival, number) < std::pair(other.arrival, other.number);
+    }
+  };
+  struct Arrival {
+    std::size_t link;
+    Parcel parcel;
+  };
+  using Inbox = std::map<Key, Arrival>;
+  Inbox& InboxOf(std::size_t link, Side side) { return side == Side::kServer ? serverInbox : clientInboxes[link]; }
+
+  VirtualNetworkOptions options;
+  std::array<LinkConditions, 2> conditions;  // by the side that receives
+  std::array<LinkCounts, 2> counts;          // likewise
+  bool isBlack = false;
+  bool hasServer = false;
+  std::vector<Link> links;  // index + 1 is the server's id of it
+  Inbox serverInbox;
+  std::vector<Inbox> clientInboxes;  // by link
+  std::uint64_t parcels = 0;
+};
+
+namespace {
+
+// Both sides alike; a client has one link, the server has all.
+class VirtualEndpoint final : public Transport {
+ public:
+  VirtualEndpoint(std::shared_ptr<VirtualNetwork::State> state, Side side, std::size_t link)
+      : m_state(std::move(state)), m_side(side), m_link(link) {}
+
+  ~VirtualEndpoint() override {
+    for (std::size_t link = FirstLink(); link < EndLink(); ++link) {
+      const Phase phase = EndOf(link).phase;
+      if (phase != Phase::kNone && phase != Phase::kGone) SendContent(link, Content::kClose);
+      EndOf(link).phase = Phase::kGone;
+    }
+  }
+
+  void Poll(double now, const Sink& sink) override;
+  [[nodiscard]] SendResult Send(ConnectionId connection, Channel channel,
+                                std::span<const std::uint8_t> message) override;
+  void Disconnect(ConnectionId connection) override;
+  void Flush() override {}  // what is sent is on its way at once
+  [[nodiscard]] Statistics ReadStatistics() const override { return m_statistics; }
+
+ private:
+  std::size_t FirstLink() const { return m_side == Side::kServer ? 0 : m_link; }
+  std::size_t EndLink() const { return m_side == Side::kServer ? m_state->links.size() : m_link + 1; }
+  End& EndOf(std::size_t link) { return m_state->links[link].ends[IndexOf(m_side)]; }
+  ConnectionId IdOf(std::size_t link) const {
+    return m_side == Side::kServer ? static_cast<ConnectionId>(link + 1) : kClientConnection;
+  }
+  End* FindEnd(ConnectionId connection, std::size_t& link);
+  void SendContent(std::size_t link, Content content) {
+    m_state->SendReliably(link, OtherSide(m_side), {content, Channel::kControl, {}}, m_now);
+  }
+  void Begin();
+  void GiveUpOverdue(const Sink& sink);
+  void Take(std::size_t link, const Parcel& parcel, const Sink& sink);
+  void Answer(std::size_t link, End& end, const Sink& sink);
+  void Leave(std::size_t link, const Sink& sink);
+  bool IsFull() const;
+
+  std::shared_ptr<VirtualNetwork::State> m_state;
+  Side m_side;
+  std::size_t m_link;  // of a client
+  double m_now = 0;
+  bool m_hasPolled = false;
+  bool m_isPolling = false;
+  Statistics m_statistics;
+};
+
+End* VirtualEndpoint::FindEnd(ConnectionId connection, std::size_t& link) {
+  const bool exists = m_side == Side::kServer ? connection >= 1 && connection <= m_state->links.size()
+                                              : connection == kClientConnection;
+  if (!exists) return nullptr;
+  link = m_side == Side::kServer ? connection - 1 : m_link;
+  End& end = EndOf(link);
+  return end.phase == Phase::kNone || end.phase == Phase::kGone ? nullptr : &end;
+}
+
+void VirtualEndpoint::Begin() {
+  m_hasPolled = true;
+  if (m_side == Side::kServer) return;
+  End& end = EndOf(m_link);
+  if (end.phase != Phase::kConnecting) return;
+  end.deadline = std::min(end.deadline, m_now + m_state->options.connectTimeout);
+  SendContent(m_link, Content::kOpen);
+}
+
+void VirtualEndpoint::GiveUpOverdue(const Sink& sink) {
+  for (std::size_t link = FirstLink(); link < EndLink(); ++link) {
+    if (EndOf(link).deadline > m_now) continue;
+    if (EndOf(link).phase == Phase::kConnecting) SendContent(link, Content::kClose);
+    Leave(link, sink);
+  }
+}
+
+void VirtualEndpoint::Poll(double now, const Sink& sink) {
+  assert(!m_isPolling && (!m_hasPolled || now >= m_now));
+  m_isPolling = true;
+  m_now = now;
+  if (!m_hasPolled) Begin();
+  GiveUpOverdue(sink);
+  for (std::size_t link = FirstLink(); link < EndLink(); ++link) m_state->Release(link, m_side, now);
+  for (;;) {
+    // Looked up anew: the sink may make a client, and the inboxes move.
+    VirtualNetwork::State::Inbox& inbox = m_state->InboxOf(m_link, m_side);
+    if (inbox.empty() || inbox.begin()->first.arrival > now) break;
+    const auto arrived = inbox.extract(inbox.begin());
+    Take(arrived.mapped().link, arrived.mapped().parcel, sink);
+  }
+  m_isPolling = false;
+}
+
+bool VirtualEndpoint::IsFull() const {
+  const auto isTaken = [](const Link& link) {
+    const Phase phase = link.ends[IndexOf(Side::kServer)].phase;
+    return phase == Phase::kOpen || phase == Phase::kClosing;
+  };
+  const auto taken = std::count_if(m_state->links.begin(), m_state->links.end(), isTaken);
+  return static_cast<std::size_t>(taken) >= m_state->options.maxConnections;
+}
+
+// The server's answer to a client that asks to be connected.
+void VirtualEndpoint::Answer(std::size_t link, End& end, const Sink& sink) {
+  if (end.phase != Phase::kNone) return;
+  if (IsFull()) {
+    end.phase = Phase::kGone;
+    SendContent(link, Content::kRefuse);
+    return;
+  }
+  end.phase = Phase::kOpen;
+  SendContent(link, Content::kAccept);
+  sink({Event::Kind::kConnected, IdOf(link), Channel::kControl, {}});
+}
+
+void VirtualEndpoint::Take(std::size_t link, const Parcel& parcel, const Sink& sink) {
+  End& end = EndOf(link);
+  switch (parcel.content) {
+    case Content::kOpen:
+      Answer(link, end, sink);
+      break;
+    case Content::kAccept:
+      if (end.phase != Phase::kConnecting) break;
+      end = {Phase::kOpen, kNever};
+      sink({Event::Kind::kConnected, IdOf(link), Channel::kControl, {}});
+      break;
+    case Content::kRefuse:
+    case Content::kClosed:
+      Leave(link, sink);
+      break;
+    case Content::kClose:
+      if (end.phase == Phase::kOpen || end.phase == Phase::kClosing) SendContent(link, Content::kClosed);
+      Leave(link, sink);
+      break;
+    case Content::kMessage:
+      if (end.phase != Phase::kOpen) break;
+      m_statistics.bytesIn += parcel.bytes.size();
+      sink({Event::Kind::kMessage, IdOf(link), parcel.channel, parcel.bytes});
+      break;
+  }
+}
+
+// The connection is over, and whoever knew of it hears so.
+void VirtualEndpoint::Leave(std::size_t link, const Sink& sink) {
+  End& end = EndOf(link);
+  const bool isKnown = end.phase != Phase::kNone && end.phase != Phase::kGone;
+  end = {Phase::kGone, kNever};
+  if (isKnown) sink({Event::Kind::kDisconnected, IdOf(link), Channel::kControl, {}});
+}
+
+SendResult VirtualEndpoint::Send(ConnectionId connection, Channel channel, std::span<const std::uint8_t> message) {
+  assert(static_cast<std::size_t>(channel) < kChannelCount);
+  std::size_t link = 0;
+  const End* end = FindEnd(connection, link);
+  if (end == nullptr) return SendResult::kUnknownConnection;
+  const std::size_t maxControlBytes =
+      m_side == Side::kServer ? protocol::kMaxServerMessageBytes : protocol::kMaxClientMessageBytes;
+  const bool isControl = channel == Channel::kControl;
+  if (message.size() > (isControl ? maxControlBytes : protocol::kMaxPacketBytes)) return SendResult::kTooLarge;
+  if (end->phase != Phase::kOpen) return SendResult::kFailed;
+
+  m_statistics.bytesOut += message.size();
+  Parcel parcel{Content::kMessage, channel, {message.begin(), message.end()}};
+  if (isControl) {
+    m_state->SendReliably(link, OtherSide(m_side), std::move(parcel), m_now);
+  } else {
+    m_state->SendUnreliably(link, OtherSide(m_side), std::move(parcel), m_now);
+  }
+  return SendResult::kQueued;
+}
+
+void VirtualEndpoint::Disconnect(ConnectionId connection) {
+  std::size_t link = 0;
+  End* end = FindEnd(connection, link);
+  if (end == nullptr || end->phase == Phase::kClosing) return;
+  if (end->phase == Phase::kConnecting) {  // nothing to wait for; the event comes with the next Poll
+    end->deadline = -kNever;
+    return;
+  }
+  *end = {Phase::kClosing, m_now + kCloseTimeout};
+  SendContent(link, Content::kClose);
+}
+
+}  // namespace
+
+std::size_t VirtualNetwork::State::AddLink() {
+  const std::size_t link = links.size();
+  Random seeds(options.seed + link * 0xD1342543DE82EF95u);  // an odd factor: links never share a seed
+  const std::uint64_t toServer = seeds.Next();
+  const std::uint64_t toClient = seeds.Next();
+  links.emplace_back(toServer, toClient);
+  clientInboxes.emplace_back();
+  links[link].ends[IndexOf(Side::kClient)].phase = Phase::kConnecting;
+  return link;
+}
+
+// One datagram: whether it gets through, and how long it then takes.
+bool VirtualNetwork::State::TryTrip(Side to, Random& random, double& trip) const {
+  const LinkConditions& link = conditions[IndexOf(to)];
+  const double lossDraw = random.NextShare();
+  trip = link.delay + link.jitter * random.NextShare();
+  return !isBlack && lossDraw >= link.loss;
+}
+
+void VirtualNetwork::State::SendUnreliably(std::size_t link, Side to, Parcel parcel, double now) {
+  Way& way = links[link].ways[IndexOf(to)];
+  LinkCounts& count = counts[IndexOf(to)];
+  const LinkConditions& conditionsTo = conditions[IndexOf(to)];
+  double trip = 0;
+  const bool passes = TryTrip(to, way.unreliableRandom, trip);
+  const bool isHeldBack = way.unreliableRandom.NextShare() < conditionsTo.reorder;
+  const bool isDoubled = way.unreliableRandom.NextShare() < conditionsTo.duplicate;
+  const double secondTrip = conditionsTo.delay + conditionsTo.jitter * way.unreliableRandom.NextShare();
+
+  ++count.sent;
+  if (!passes) {
+    ++count.lost;
+    return;
+  }
+  if (isHeldBack) {
+    ++count.heldBack;
+    trip += conditionsTo.reorderDelay;
+  }
+  Inbox& inbox = InboxOf(link, to);
+  if (isDoubled) {
+    ++count.duplicated;
+    inbox.emplace(Key{now + secondTrip, ++parcels}, Arrival{link, parcel});
+  }
+  inbox.emplace(Key{now + trip, ++parcels}, Arrival{link, std::move(parcel)});
+}
+
+void VirtualNetwork::State::SendReliably(std::size_t link, Side to, Parcel parcel, double now) {
+  Way& way = links[link].ways[IndexOf(to)];
+  way.pending.push_back({std::move(parcel), now});
+  Retry(to, way, now);
+}
+
+// Makes every try that is due. A sender learns of a loss only by the missing acknowledgement, hence the round trip.
+void VirtualNetwork::State::Retry(Side to, Way& way, double now) {
+  const LinkConditions& conditionsTo = conditions[IndexOf(to)];
+  for (Pending& waiting : way.pending) {
+    while (waiting.arrival == kNever && waiting.nextTry <= now) {
+      double trip = 0;
+      if (TryTrip(to, way.reliableRandom, trip)) {
+        waiting.arrival = waiting.nextTry + trip;
+        break;
+      }
+      const double first = 2 * (conditionsTo.delay + conditionsTo.jitter) + 0.05;
+      waiting.timeout = waiting.timeout == 0 ? first : 2 * waiting.timeout;
+      waiting.nextTry += waiting.timeout;
+    }
+  }
+}
+
+// Moves reliable parcels that are there, and behind none that is not, to their receiver's inbox.
+void VirtualNetwork::State::Release(std::size_t link, Side to, double now) {
+  Way& way = links[link].ways[IndexOf(to)];
+  Retry(to, way, now);
+  while (!way.pending.empty() && way.pending.front().arrival <= now) {
+    way.lastRelease = std::max(way.lastRelease, way.pending.front().arrival);
+    InboxOf(link, to).emplace(Key{way.lastRelease, ++parcels}, Arrival{link, std::move(way.pending.front().parcel)});
+    way.pending.pop_front();
+  }
+}
+
+VirtualNetwork::VirtualNetwork(const VirtualNetworkOptions& options) : m_state(std::make_shared<State>(options)) {}
+VirtualNetwork::~VirtualNetwork() = default;
+
+std::unique_ptr<Transport> VirtualNetwork::MakeServer() {
+  assert(!m_state->hasServer);
+  m_state->hasServer = true;
+  return std::make_unique<VirtualEndpoint>(m_state, Side::kServer, 0);
+}
+
+std::unique_ptr<Transport> VirtualNetwork::MakeClient() {
+  return std::make_unique<VirtualEndpoint>(m_state, Side::kClient, m_state->AddLink());
+}
+
+void VirtualNetwork::SetConditions(const LinkConditions& bothWays) { SetConditions(bothWays, bothWays); }
+
+void VirtualNetwork::SetConditions(const LinkConditions& toServer, const LinkConditions& toClients) {
+  assert(ValidateLinkConditions(toServer).empty() && ValidateLinkConditions(toClients).empty());
+  m_state->conditions[IndexOf(Side::kServer)] = toServer;
+  m_state->conditions[IndexOf(Side::kClient)] = toClients;
+}
+
+void VirtualNetwork::SetBlackout(bool isBlack) { m_state->isBlack = isBlack; }
+
+LinkCounts VirtualNetwork::CountsToServer() const { return m_state->counts[IndexOf(Side::kServer)]; }
+LinkCounts VirtualNetwork::CountsToClients() const { return m_state->counts[IndexOf(Side::kClient)]; }
+
+std::vector<std::string> ValidateLinkConditions(const LinkConditions& conditions) {
+  std::vector<std::string> mistakes;
+  const auto check = [&mistakes](const char* name, double value, double highest) {
+    if (value >= 0 && value <= highest) return;  // false for a NaN
+    mistakes.push_back(std::string(name) + " is " + std::to_string(value) + ", not in 0.." +
+                       std::to_string(static_cast<int>(highest)));
+  };
+  check("loss", conditions.loss, 1);
+  check("delay", conditions.delay, kMaxTime);
+  check("jitter", conditions.jitter, kMaxTime);
+  check("duplicate", conditions.duplicate, 1);
+  check("reorder", conditions.reorder, 1);
+  check("reorderDelay", conditions.reorderDelay, kMaxTime);
+  return mistakes;
+}
+
+}  // namespace wobble::transport

@@ -1,0 +1,103 @@
+// The pose of a soft body is its centroid and the rotation that takes the rest shape nearest to the shape: the rotational
+// part of A = Σ (x − c) restᵀ. It is found by turning a quaternion until Σ r_col × a_col vanishes (Müller, Bender,
+// Chentanez & Macklin 2016), begun from the last capture: two or three rounds in motion, and unlike a singular value
+// decomposition it never jumps when a flattened body makes A degenerate, which interpolation would show as a flip.
+#include "server/capture.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace wobble::server {
+namespace {
+
+using physics::Vector3f;
+using protocol::Vector3;
+
+Vector3 ToWire(const Vector3f& v) { return {v.x(), v.y(), v.z()}; }
+Vector3 ToWire(const physics::Vector3d& v) { return ToWire(Vector3f(v.cast<float>())); }
+protocol::wire::Vec3 ToMessage(const physics::Vector3d& v) {
+  const Vector3 w = ToWire(v);
+  return {w.x, w.y, w.z};
+}
+
+Vector3 FindCentroid(std::span<const Vector3f> vertices) {
+  physics::Vector3d sum = physics::Vector3d::Zero();
+  for (const Vector3f& v : vertices) sum += v.cast<double>();
+  return ToWire(physics::Vector3d(sum / static_cast<double>(vertices.size())));
+}
+
+Eigen::Quaterniond FindRotation(const Eigen::Matrix3d& a, Eigen::Quaterniond q) {
+  for (int round = 0; round < 20; ++round) {
+    const Eigen::Matrix3d r = q.toRotationMatrix();
+    const physics::Vector3d turn = r.col(0).cross(a.col(0)) + r.col(1).cross(a.col(1)) + r.col(2).cross(a.col(2));
+    const double along = r.col(0).dot(a.col(0)) + r.col(1).dot(a.col(1)) + r.col(2).dot(a.col(2));
+    const physics::Vector3d omega = turn / (std::fabs(along) + 1e-9);
+    const double angle = omega.norm();
+    if (angle < 1e-6) break;
+    q = Eigen::Quaterniond(Eigen::AngleAxisd(angle, omega / angle)) * q;
+    q.normalize();
+  }
+  return q;
+}
+
+void CaptureBody(const physics::World& world, const physics::Body& body, std::vector<Vector3f>& scratch,
+                 CapturedBody& captured) {
+  const physics::Blueprint& blueprint = world.BlueprintOf(body);
+  world.ReadVertices(body, scratch);
+  captured.blueprint = body.blueprint;
+  captured.pose.centroid = FindCentroid(scratch);
+  const Vector3f centroid(captured.pose.centroid.x, captured.pose.centroid.y, captured.pose.centroid.z);
+  Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
+  captured.vertices.resize(scratch.size());
+  for (std::size_t i = 0; i < scratch.size(); ++i) {
+    a += (scratch[i] - centroid).cast<double>() * blueprint.rest[i].transpose();
+    captured.vertices[i] = ToWire(scratch[i]);
+  }
+  const protocol::Quaternion& last = captured.pose.rotation;
+  const Eigen::Quaterniond q = FindRotation(a, Eigen::Quaterniond(last.w, last.x, last.y, last.z));
+  captured.pose.rotation = {static_cast<float>(q.w()), static_cast<float>(q.x()), static_cast<float>(q.y()),
+                            static_cast<float>(q.z())};
+}
+
+}  // namespace
+
+CapturedBlueprint CaptureBlueprint(const physics::Blueprint& blueprint) {
+  CapturedBlueprint captured;
+  for (const physics::Vector3d& x : blueprint.rest) captured.rest.push_back(ToWire(x));
+  captured.size = static_cast<float>(blueprint.size);
+  captured.message = protocol::MakeBlueprint(blueprint.name, captured.rest, blueprint.full.faces, captured.size);
+  captured.hash = protocol::HashBytes(captured.message);
+  return captured;
+}
+
+std::vector<protocol::wire::Obstacle> CaptureObstacles(std::span<const physics::Obstacle> obstacles) {
+  std::vector<protocol::wire::Obstacle> captured;
+  for (const physics::Obstacle& obstacle : obstacles) {
+    if (obstacle.kind == physics::Obstacle::Kind::kPlane) {
+      captured.emplace_back(protocol::wire::ObstacleKind::Plane, ToMessage(obstacle.normal),
+                            protocol::wire::Vec3(static_cast<float>(obstacle.offset), 0, 0));
+    } else {
+      captured.emplace_back(protocol::wire::ObstacleKind::Box, ToMessage(obstacle.centre),
+                            ToMessage(obstacle.halfExtents));
+    }
+  }
+  return captured;
+}
+
+void CaptureBodies(const physics::World& world, std::vector<CapturedBody>& bodies) {
+  const std::span<const physics::Body> present = world.Bodies();
+  // Both lists ascend by id and ids are never reused: without the removed ones, the old list begins the new one.
+  std::erase_if(bodies, [&](const CapturedBody& old) {
+    const auto found = std::lower_bound(present.begin(), present.end(), old.body,
+                                        [](const physics::Body& body, std::uint32_t id) { return body.id < id; });
+    return found == present.end() || found->id != old.body;
+  });
+  std::vector<Vector3f> scratch;
+  for (std::size_t i = 0; i < present.size(); ++i) {
+    if (i == bodies.size()) bodies.emplace_back().body = present[i].id;
+    CaptureBody(world, present[i], scratch, bodies[i]);
+  }
+}
+
+}  // namespace wobble::server

@@ -1,0 +1,50 @@
+#include "server/config.h"
+
+#include "protocol/limits.h"
+
+namespace wobble::server {
+namespace {
+
+void Check(std::vector<std::string>& errors, const char* option, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  const auto print = [](double number) {
+    std::string text = std::to_string(number);
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text.back() == '.') text.pop_back();
+    return text;
+  };
+  errors.push_back(std::string(option) + " " + print(value) + ": must be " + print(low) + " to " + print(high));
+}
+
+}  // namespace
+
+std::vector<std::string> Validate(const Config& config, const scenes::Scene& scene) {
+  std::vector<std::string> errors;
+  Check(errors, "--port", config.port, 1, 65535);
+  Check(errors, "--tick-hz", config.tickHz, 10, 480);
+  Check(errors, "--snapshot-hz", config.snapshotHz, 1, config.tickHz);
+  Check(errors, "--max-clients", config.maxClients, 1, 4000);
+  Check(errors, "--max-per-address", config.maxPerAddress, 0, 4000);
+  Check(errors, "--threads", config.threads, 1, 256);
+  Check(errors, "--client-kbit", config.clientKbit, 32, 100000);
+
+  for (const physics::BallDefinition& blueprint : scene.blueprints) {
+    const std::size_t vertices = physics::CountVertices(blueprint.subdivisions);
+    if (vertices > protocol::kMaxBodyVertices) {
+      errors.push_back("scene " + scene.name + ": blueprint " + blueprint.name + " has " + std::to_string(vertices) +
+                       " vertices; a hosted body may have at most " + std::to_string(protocol::kMaxBodyVertices));
+    }
+  }
+  const std::size_t bodies = scenes::CountBodies(scene) + static_cast<std::size_t>(config.maxClients);
+  if (bodies > protocol::kMaxBodies) {
+    errors.push_back("scene " + scene.name + ": " + std::to_string(bodies) + " bodies with all players in; at most " +
+                     std::to_string(protocol::kMaxBodies));
+  }
+  if (scene.blueprints.size() > protocol::kMaxBlueprints) {
+    errors.push_back("scene " + scene.name + ": " + std::to_string(scene.blueprints.size()) + " blueprints; at most " +
+                     std::to_string(protocol::kMaxBlueprints));
+  }
+  return errors;
+}
+
+}  // namespace wobble::server

@@ -1,0 +1,26 @@
+// What a server can be told, with the ranges that hold.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "server/scenes/scene.h"
+
+namespace wobble::server {
+
+struct Config {
+  std::uint16_t port = 7777;    // UDP
+  int tickHz = 60;
+  int snapshotHz = 30;
+  int maxClients = 64;
+  int maxPerAddress = 0;        // 0: as many as clients
+  int threads = 1;
+  double clientKbit = 384;      // a client's share of snapshots, kbit/s, all headers counted
+  std::uint64_t seed = 1;
+};
+
+// Every option out of range and everything in the scene that the protocol cannot carry, a line each.
+[[nodiscard]] std::vector<std::string> Validate(const Config& config, const scenes::Scene& scene);
+
+}  // namespace wobble::server

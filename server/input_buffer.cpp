@@ -1,0 +1,38 @@
+#include "server/input_buffer.h"
+
+#include <algorithm>
+
+namespace wobble::server {
+
+using protocol::wire::InputFrame;
+
+bool InputBuffer::Push(const InputFrame& frame, std::uint32_t currentTick) {
+  if (frame.tick() > currentTick + protocol::kMaxInputLeadTicks) return false;
+  // Older than the buffer is long: a copy sent for redundancy, or a client that hung.
+  if (frame.tick() <= NewestUsed() || frame.tick() + protocol::kMaxInputLeadTicks <= currentTick) return true;
+  m_waiting[frame.tick() % m_waiting.size()] = frame;
+  m_newestWaiting = std::max(m_newestWaiting, frame.tick());
+  return true;
+}
+
+InputFrame InputBuffer::Take(std::uint32_t tick, std::uint32_t holdTicks) {
+  const std::uint32_t used = NewestUsed();
+  const std::uint32_t window = static_cast<std::uint32_t>(m_waiting.size());
+  const std::uint32_t last = std::min(tick, m_newestWaiting);
+  const std::uint32_t first = std::max(used + 1, last >= window ? last - window + 1 : 1);
+  std::uint8_t pressed = 0;
+  for (std::uint32_t stamp = first; stamp <= last; ++stamp) {
+    const InputFrame& frame = m_waiting[stamp % window];
+    if (frame.tick() != stamp) continue;
+    pressed |= frame.buttons();
+    m_current = frame;
+  }
+  if (NewestUsed() != used) {
+    m_usedAt = tick;
+    return {NewestUsed(), m_current.move_x(), m_current.move_y(), pressed};
+  }
+  if (tick - m_usedAt <= holdTicks) return m_current;
+  return {NewestUsed(), 0, 0, 0};
+}
+
+}  // namespace wobble::server

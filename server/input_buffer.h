@@ -1,0 +1,32 @@
+// A player's inputs between the wire and the world: which one counts at which tick.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "protocol/messages.h"
+
+namespace wobble::server {
+
+class InputBuffer {
+ public:
+  // Keeps a frame that is newer than what the world has used. A frame meant for a tick that has passed is used at the
+  // next one; one too far ahead is refused (false), since it would never come round for an honest client.
+  [[nodiscard]] bool Push(const protocol::wire::InputFrame& frame, std::uint32_t currentTick);
+
+  // The input for `tick`: the newest frame that is due, with every button pressed in frames that became due with it,
+  // so that a short press between two ticks is not lost. Without a new one the last is held for holdTicks, then
+  // neutral. Call it once a tick.
+  [[nodiscard]] protocol::wire::InputFrame Take(std::uint32_t tick, std::uint32_t holdTicks);
+
+  // Stamp of the newest frame that has been used; 0: none.
+  [[nodiscard]] std::uint32_t NewestUsed() const { return m_current.tick(); }
+
+ private:
+  std::array<protocol::wire::InputFrame, 2 * protocol::kMaxInputLeadTicks> m_waiting{};  // by stamp modulo the size
+  protocol::wire::InputFrame m_current{};
+  std::uint32_t m_newestWaiting = 0;
+  std::uint32_t m_usedAt = 0;
+};
+
+}  // namespace wobble::server

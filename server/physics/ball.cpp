@@ -1,0 +1,181 @@
+// Builds balls. The radius that a scene states is the radius at rest, so the springs must be shorter than the edges they
+// lie on by just what the gas stretches them. Scaling all rest lengths by f keeps a sphere of radius R in balance when
+// the virial of the forces vanishes: the gas gives Σ F·x = 3 (P − P₀) V, the springs −Σ k (ℓ − fℓ) ℓ, hence
+//   1 − f = 3 (P − P₀) V / Σ k ℓ².
+// On an icosphere not all vertices are alike, so a short damped relaxation then finds the exact equilibrium.
+#include "server/physics/ball.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <map>
+
+#include "server/physics/forces.h"
+#include "server/physics/stability.h"
+
+namespace wobble::physics {
+namespace {
+
+// Springs keep at least this share of their length; shorter ones would leave the shell limp against bending.
+constexpr double kMinRestShare = 0.3;
+
+std::uint16_t FindMidpoint(std::uint16_t a, std::uint16_t b, Icosphere& sphere,
+                           std::map<std::array<std::uint16_t, 2>, std::uint16_t>& midpoints) {
+  const std::array<std::uint16_t, 2> edge{std::min(a, b), std::max(a, b)};
+  const auto [entry, isNew] = midpoints.try_emplace(edge, static_cast<std::uint16_t>(sphere.vertices.size()));
+  if (isNew) sphere.vertices.push_back((sphere.vertices[a] + sphere.vertices[b]).normalized());
+  return entry->second;
+}
+
+Icosphere MakeIcosahedron() {
+  Icosphere sphere;
+  const double t = (1 + std::sqrt(5.0)) / 2;
+  for (const auto& [x, y, z] : std::initializer_list<std::array<double, 3>>{{-1, t, 0}, {1, t, 0}, {-1, -t, 0},
+                                                                           {1, -t, 0}, {0, -1, t}, {0, 1, t},
+                                                                           {0, -1, -t}, {0, 1, -t}, {t, 0, -1},
+                                                                           {t, 0, 1}, {-t, 0, -1}, {-t, 0, 1}}) {
+    sphere.vertices.push_back(Vector3d(x, y, z).normalized());
+  }
+  sphere.faces = {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+                  {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},
+                  {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
+  return sphere;
+}
+
+double SumSquaredLengths(const Icosphere& sphere) {
+  double sum = 0;
+  for (const auto& [a, b] : sphere.edges) sum += (sphere.vertices[a] - sphere.vertices[b]).squaredNorm();
+  return sum;
+}
+
+// 1 − f of the comment above.
+double FindShortening(const BallDefinition& definition, const Icosphere& sphere) {
+  const double r = definition.radius;
+  const double volume = ComputeVolume<double>(sphere.faces, sphere.vertices) * r * r * r;
+  const double pressure = definition.material.gas / volume - definition.material.ambientPressure;
+  return 3 * pressure * volume / (definition.material.stiffness * SumSquaredLengths(sphere) * r * r);
+}
+
+// Damped motion towards equilibrium. Steps of a fifth of the fastest period at most, friction near critical for the
+// slow modes; ends when forces have fallen to rounding beside what a spring carries.
+void Relax(Blueprint& blueprint, double stiffness, double length) {
+  const std::size_t count = blueprint.rest.size();
+  const Load<double> load;
+  std::vector<Vector3d> v(count, Vector3d::Zero());
+  std::vector<Vector3d> a(count);
+  const double step = 1 / blueprint.angularFrequency;
+  const double tolerance = 1e-10 * stiffness * length * blueprint.full.inverseMasses[0];
+  for (int iteration = 0; iteration < 4000; ++iteration) {
+    ComputeAccelerations<double>(blueprint.full, load, {}, {}, blueprint.rest, v, a);
+    double worst = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      worst = std::max(worst, a[i].cwiseAbs().maxCoeff());
+      v[i] = 0.9 * v[i] + step * a[i];
+      blueprint.rest[i] += step * v[i];
+    }
+    if (worst < tolerance) break;
+  }
+}
+
+void Check(std::vector<FieldError>& errors, const char* field, double value, bool valid, const char* range) {
+  if (!valid) {
+    std::string text = std::to_string(value);
+    errors.push_back({field, text.erase(text.find_last_not_of('0') + 1).append(text.back() == '.' ? "0" : ""), range});
+  }
+}
+
+}  // namespace
+
+Icosphere MakeIcosphere(int subdivisions) {
+  assert(subdivisions >= 0 && subdivisions <= kMaxSubdivisions);
+  Icosphere sphere = MakeIcosahedron();
+  for (int level = 0; level < subdivisions; ++level) {
+    std::map<std::array<std::uint16_t, 2>, std::uint16_t> midpoints;
+    std::vector<Face> finer;
+    finer.reserve(4 * sphere.faces.size());
+    for (const Face& face : std::vector<Face>(sphere.faces)) {
+      const std::uint16_t ab = FindMidpoint(face[0], face[1], sphere, midpoints);
+      const std::uint16_t bc = FindMidpoint(face[1], face[2], sphere, midpoints);
+      const std::uint16_t ca = FindMidpoint(face[2], face[0], sphere, midpoints);
+      finer.push_back({face[0], ab, ca});
+      finer.push_back({face[1], bc, ab});
+      finer.push_back({face[2], ca, bc});
+      finer.push_back({ab, bc, ca});
+    }
+    sphere.faces = std::move(finer);
+  }
+  for (const Face& face : sphere.faces) {
+    for (int side = 0; side < 3; ++side) {
+      const std::uint16_t a = face[side];
+      const std::uint16_t b = face[(side + 1) % 3];
+      if (a < b) sphere.edges.push_back({a, b});  // the face beyond has it the other way round
+    }
+  }
+  std::sort(sphere.edges.begin(), sphere.edges.end());
+  return sphere;
+}
+
+std::vector<FieldError> ValidateBall(const BallDefinition& d) {
+  std::vector<FieldError> errors;
+  const Material& m = d.material;
+  Check(errors, "subdivisions", d.subdivisions, d.subdivisions >= 0 && d.subdivisions <= kMaxSubdivisions, "0 to 5");
+  Check(errors, "radius", d.radius, d.radius >= 0.05 && d.radius <= 50, "0.05 to 50 m");
+  Check(errors, "mass", m.mass, m.mass >= 1e-3 && m.mass <= 1e6, "0.001 to 1000000 kg");
+  Check(errors, "stiffness", m.stiffness, m.stiffness > 0 && m.stiffness <= 1e9, "above 0, up to 1e9 N/m");
+  Check(errors, "damping_ratio", m.dampingRatio, m.dampingRatio >= 0 && m.dampingRatio <= 2, "0 to 2");
+  Check(errors, "gas", m.gas, m.gas >= 0 && m.gas <= 1e9, "0 to 1e9 J");
+  Check(errors, "ambient_pressure", m.ambientPressure, m.ambientPressure >= 0 && m.ambientPressure <= 1e6,
+        "0 to 1e6 Pa");
+  Check(errors, "friction", m.friction, m.friction >= 0 && m.friction <= 10, "0 to 10");
+  Check(errors, "restitution", m.restitution, m.restitution >= 0 && m.restitution <= 1, "0 to 1");
+  Check(errors, "contact_stiffness", m.contactStiffness, m.contactStiffness >= 0 && m.contactStiffness <= 1e9,
+        "0 (ten times stiffness) to 1e9 N/m");
+  if (!errors.empty()) return errors;
+
+  const double shortening = FindShortening(d, MakeIcosphere(d.subdivisions));
+  if (shortening > 1 - kMinRestShare || shortening < 0) {
+    const double balanced = m.gas * (1 - kMinRestShare) / shortening;
+    Check(errors, "gas", m.gas, false,
+          shortening < 0 ? "more, or ambient_pressure lower: the shell would be crushed"
+                         : ("at most " + std::to_string(static_cast<int>(balanced)) +
+                            " J for this radius, stiffness and ambient_pressure, or its springs would vanish").c_str());
+    return errors;
+  }
+  const Blueprint blueprint = MakeBall(d);
+  const double needed = std::max(blueprint.angularFrequency, blueprint.dampingRate) / 60 / kStabilityLimit;
+  Check(errors, "stiffness", m.stiffness, needed <= kMaxSubsteps / 2,
+        "lower, or mass higher: the body would need more than 32 substeps a tick before it touches anything");
+  return errors;
+}
+
+Blueprint MakeBall(const BallDefinition& definition) {
+  const Icosphere sphere = MakeIcosphere(definition.subdivisions);
+  const Material& material = definition.material;
+  const double vertexMass = material.mass / static_cast<double>(sphere.vertices.size());
+  const double restShare = 1 - FindShortening(definition, sphere);
+  // Critical for two masses on a spring: c = 2 √(k μ) with the reduced mass μ = m/2.
+  const double damping = material.dampingRatio * 2 * std::sqrt(material.stiffness * vertexMass / 2);
+
+  Blueprint blueprint;
+  blueprint.name = definition.name;
+  double meanLength = 0;
+  for (const Vector3d& x : sphere.vertices) blueprint.rest.push_back(definition.radius * x);
+  for (const auto& [a, b] : sphere.edges) {
+    const double length = (blueprint.rest[a] - blueprint.rest[b]).norm();
+    meanLength += length / static_cast<double>(sphere.edges.size());
+    blueprint.full.springs.push_back({a, b, restShare * length, material.stiffness, damping});
+  }
+  blueprint.full.faces = sphere.faces;
+  blueprint.full.masses.assign(sphere.vertices.size(), vertexMass);
+  blueprint.full.gas = material.gas;
+  blueprint.full.ambientPressure = material.ambientPressure;
+  blueprint.full.contact = MakeContactParameters(material, vertexMass, definition.radius);
+  FinishBlueprint(blueprint);
+  if (material.gas > 0) {
+    Relax(blueprint, material.stiffness, meanLength);
+    FinishBlueprint(blueprint);
+  }
+  return blueprint;
+}
+
+}  // namespace wobble::physics

@@ -1,0 +1,62 @@
+#include "server/physics/blueprint.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/physics/forces.h"
+#include "server/physics/stability.h"
+
+namespace wobble::physics {
+namespace {
+
+ContactParameters<float> ToSingle(const ContactParameters<double>& c) {
+  return {static_cast<float>(c.stiffness),      static_cast<float>(c.fadeDepth),    static_cast<float>(c.damping),
+          static_cast<float>(c.stickStiffness), static_cast<float>(c.stickDamping), static_cast<float>(c.friction)};
+}
+
+Coefficients<float> ToSingle(const Coefficients<double>& full) {
+  Coefficients<float> single;
+  single.masses.assign(full.masses.begin(), full.masses.end());
+  single.inverseMasses.assign(full.inverseMasses.begin(), full.inverseMasses.end());
+  single.springs.reserve(full.springs.size());
+  for (const Spring<double>& s : full.springs) {
+    single.springs.push_back({s.a, s.b, static_cast<float>(s.restLength), static_cast<float>(s.stiffness),
+                              static_cast<float>(s.damping)});
+  }
+  single.faces = full.faces;
+  single.gas = static_cast<float>(full.gas);
+  single.ambientPressure = static_cast<float>(full.ambientPressure);
+  single.floorVolume = static_cast<float>(full.floorVolume);
+  single.contact = ToSingle(full.contact);
+  return single;
+}
+
+}  // namespace
+
+void FinishBlueprint(Blueprint& blueprint) {
+  Coefficients<double>& full = blueprint.full;
+  blueprint.totalMass = 0;
+  Vector3d moment = Vector3d::Zero();
+  full.inverseMasses.resize(full.masses.size());
+  for (std::size_t i = 0; i < full.masses.size(); ++i) {
+    full.inverseMasses[i] = 1 / full.masses[i];
+    blueprint.totalMass += full.masses[i];
+    moment += full.masses[i] * blueprint.rest[i];
+  }
+  const Vector3d centre = moment / blueprint.totalMass;
+
+  double squares = 0;
+  blueprint.reach = 0;
+  for (Vector3d& x : blueprint.rest) {
+    x -= centre;
+    squares += x.squaredNorm();
+    blueprint.reach = std::max(blueprint.reach, x.norm());
+  }
+  blueprint.size = std::sqrt(squares / static_cast<double>(blueprint.rest.size()));
+  blueprint.restVolume = full.faces.empty() ? 0 : ComputeVolume<double>(full.faces, blueprint.rest);
+  full.floorVolume = kFloorVolumeShare * blueprint.restVolume;
+  blueprint.single = ToSingle(full);
+  FindBodyStability(blueprint);
+}
+
+}  // namespace wobble::physics

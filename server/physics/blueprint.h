@@ -1,0 +1,96 @@
+// What all bodies of one kind share and nothing ever changes: topology, rest shape, material, and what follows from
+// them once (force coefficients in the precision of the kernel, the stability of the body at rest).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "server/physics/vector.h"
+
+namespace wobble::physics {
+
+// One bad parameter: what it is called in scenes, what it was, what it may be.
+struct FieldError {
+  std::string field;
+  std::string value;
+  std::string range;
+};
+
+// Physical quantities of a ball and of the material that its shell is made of. SI units.
+struct Material {
+  double mass = 8;             // of the whole body, kg
+  double stiffness = 150;      // of each spring, N/m
+  double dampingRatio = 0.02;  // of each spring between its two masses alone, 1: critical
+  double gas = 250;            // nRT of the gas inside, J
+  double ambientPressure = 0;  // outside, Pa; the gas pushes with nRT/V minus this
+  double friction = 0.8;       // Coulomb's coefficient, static and kinetic
+  double restitution = 0.5;    // of a single vertex on a rigid surface
+  double contactStiffness = 0; // of a vertex against a surface, N/m; 0: kContactStiffnessRatio x stiffness
+};
+inline constexpr double kContactStiffnessRatio = 10;
+
+// Force between vertices a and b: −[k(|l| − r) + c (l̇·l)/|l|] l/|l| on a, the opposite on b, with l = xₐ − x_b.
+template <class Real>
+struct Spring {
+  std::uint32_t a = 0;
+  std::uint32_t b = 0;
+  Real restLength = 0;  // r, m
+  Real stiffness = 0;   // k, N/m
+  Real damping = 0;     // c, N·s/m
+};
+
+using Face = std::array<std::uint16_t, 3>;  // counter-clockwise seen from outside
+
+// How a vertex of the body meets a surface; contact.h has the law.
+template <class Real>
+struct ContactParameters {
+  Real stiffness = 0;            // k_c: slope of the normal force from `fadeDepth` on, N/m
+  Real fadeDepth = 0;            // δ: depth up to which force and damping grow smoothly, m
+  Real damping = 0;              // of the normal motion beyond δ, N·s/m
+  Real stickStiffness = 0;       // of the anchor spring, N/m
+  Real stickDamping = 0;         // beside it, N·s/m
+  Real friction = 0;             // Coulomb's coefficient of this body
+};
+
+// All that the force terms read, in the kernel's precision.
+template <class Real>
+struct Coefficients {
+  std::vector<Real> masses;         // kg, one a vertex
+  std::vector<Real> inverseMasses;  // 1/kg
+  std::vector<Spring<Real>> springs;
+  std::vector<Face> faces;
+  Real gas = 0;                     // nRT, J; 0: the body has no gas and the term is skipped
+  Real ambientPressure = 0;         // Pa
+  Real floorVolume = 0;             // below this the pressure is continued linearly, m³
+  ContactParameters<Real> contact;
+};
+
+struct Blueprint {
+  std::string name;
+  std::vector<Vector3d> rest;  // shape in equilibrium without gravity, centre of mass at the origin, m
+  double restVolume = 0;       // m³; 0 when not closed
+  double size = 0;             // RMS distance of the rest vertices from the centre, m
+  double reach = 0;            // largest such distance, m
+  double totalMass = 0;        // kg
+  // Largest angular frequency at rest (springs and gas) and the damping rate that goes with it, 1/s; see stability.h.
+  double angularFrequency = 0;
+  double dampingRate = 0;
+  Coefficients<float> single;
+  Coefficients<double> full;
+
+  template <class Real>
+  [[nodiscard]] const Coefficients<Real>& Read() const {
+    if constexpr (std::is_same_v<Real, float>) {
+      return single;
+    } else {
+      return full;
+    }
+  }
+};
+
+// Fills everything that follows from `rest` and `full`: single precision, sizes, masses, volume, stability.
+void FinishBlueprint(Blueprint& blueprint);
+
+}  // namespace wobble::physics

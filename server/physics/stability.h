@@ -1,0 +1,45 @@
+// How many substeps a body needs this tick so that RK4 stays stable.
+//
+// For one mode x'' = −ω²x − 2γ'x' RK4 is stable while hω < 2.83 without damping, and down to 2.6 at the worst damping
+// (about half of critical). A body's largest ω at rest comes from a power iteration; what it touches, how hard and
+// with how much friction adds to it and is bounded each tick from the depth that its vertices will reach.
+#pragma once
+
+#include <span>
+
+#include "server/physics/blueprint.h"
+#include "server/physics/forces.h"
+#include "server/physics/state.h"
+
+namespace wobble::physics {
+
+// RK4's limit on hρ: over every damping, and where damping is under a third of critical.
+inline constexpr double kStabilityLimit = 2.6;
+inline constexpr double kStabilityLimitLightlyDamped = 2.78;
+
+// Substeps a tick may take: few distinct numbers, so that bodies with equal numbers can be stepped together.
+inline constexpr int kSubstepLadder[] = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64};
+inline constexpr int kMaxSubsteps = 64;
+
+// The first rung that is at least `needed`; the last one when none is.
+[[nodiscard]] int FindRung(double needed);
+
+// Fills angularFrequency (power iteration on springs and gas at rest, times 1.05 for squeezing) and dampingRate.
+void FindBodyStability(Blueprint& blueprint);
+
+// The largest rate ρ, 1/s, over the modes of the body with everything it may touch within `duration` seconds.
+template <class Real>
+[[nodiscard]] double FindLargestRate(const Blueprint& blueprint, const Load<Real>& load,
+                                     std::span<const Surface<Real>> surfaces, const State<Real>& state,
+                                     double duration, bool& lightlyDamped);
+
+// Substeps for a tick of `duration` seconds.
+template <class Real>
+[[nodiscard]] int ChooseSubsteps(const Blueprint& blueprint, const Load<Real>& load,
+                                 std::span<const Surface<Real>> surfaces, const State<Real>& state, double duration);
+
+// What an oscillator with square of frequency w² and damping rate g asks of an explicit method: ω while it rings,
+// its fast decay rate g/2 + √(g²/4 − w²) once overdamped.
+[[nodiscard]] double FindModeRate(double squareFrequency, double dampingRate);
+
+}  // namespace wobble::physics

@@ -1,0 +1,99 @@
+#include "server/physics/state.h"
+
+#include <cmath>
+#include <cstring>
+
+namespace wobble::physics {
+namespace {
+
+// The origin moves in steps of the power of two above this share of the body's reach: it seldom moves, and local
+// coordinates stay within a few reaches.
+double FindOriginStep(const Blueprint& blueprint) { return std::exp2(std::ceil(std::log2(blueprint.reach))); }
+
+template <class Real>
+Vector3d AverageByMass(const Blueprint& blueprint, const std::vector<Vector3<Real>>& values) {
+  Vector3d sum = Vector3d::Zero();
+  const std::vector<double>& masses = blueprint.full.masses;
+  for (std::size_t i = 0; i < values.size(); ++i) sum += masses[i] * values[i].template cast<double>();
+  return sum / blueprint.totalMass;
+}
+
+}  // namespace
+
+template <class Real>
+State<Real> MakeState(const Blueprint& blueprint, const Vector3d& position, const Vector3d& velocity) {
+  State<Real> state;
+  state.origin = position;
+  state.positions.reserve(blueprint.rest.size());
+  for (const Vector3d& x : blueprint.rest) state.positions.push_back(x.cast<Real>());
+  state.velocities.assign(blueprint.rest.size(), velocity.cast<Real>());
+  return state;
+}
+
+template <class Real>
+void Recentre(const Blueprint& blueprint, State<Real>& state) {
+  const double step = FindOriginStep(blueprint);
+  const Vector3d local = AverageByMass(blueprint, state.positions);
+  Vector3d shift = Vector3d::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    // Half a step of play either way, or a body resting on a border would move its origin every tick.
+    if (std::fabs(local[axis]) > step) shift[axis] = step * std::nearbyint(local[axis] / step);
+  }
+  if (shift.isZero(0)) return;
+  state.origin += shift;
+  const Vector3<Real> localShift = shift.cast<Real>();
+  for (Vector3<Real>& x : state.positions) x -= localShift;
+  for (Contact<Real>& contact : state.contacts) contact.anchor -= localShift;
+}
+
+template <class Real>
+Vector3d FindCentre(const Blueprint& blueprint, const State<Real>& state) {
+  return state.origin + AverageByMass(blueprint, state.positions);
+}
+
+template <class Real>
+Vector3d FindMeanVelocity(const Blueprint& blueprint, const State<Real>& state) {
+  return AverageByMass(blueprint, state.velocities);
+}
+
+template <class Real>
+bool IsFinite(const State<Real>& state) {
+  for (const Vector3<Real>& x : state.positions) {
+    if (!x.allFinite()) return false;
+  }
+  for (const Vector3<Real>& v : state.velocities) {
+    if (!v.allFinite()) return false;
+  }
+  return true;
+}
+
+std::uint64_t HashBytes(std::span<const std::byte> bytes, std::uint64_t hash) {
+  for (std::size_t i = 0; i + 4 <= bytes.size(); i += 4) {
+    std::uint32_t word = 0;
+    std::memcpy(&word, &bytes[i], 4);
+    hash = (hash ^ word) * 0x100000001B3U;
+    hash ^= hash >> 32;
+  }
+  return hash;
+}
+
+template <class Real>
+std::uint64_t HashState(const State<Real>& state, std::uint64_t hash) {
+  hash = HashBytes(std::as_bytes(std::span(state.origin.data(), 3)), hash);
+  for (const Vector3<Real>& x : state.positions) hash = HashBytes(std::as_bytes(std::span(x.data(), 3)), hash);
+  for (const Vector3<Real>& v : state.velocities) hash = HashBytes(std::as_bytes(std::span(v.data(), 3)), hash);
+  return hash;
+}
+
+#define WOBBLE_INSTANTIATE(Real)                                                                        \
+  template State<Real> MakeState<Real>(const Blueprint&, const Vector3d&, const Vector3d&);             \
+  template void Recentre<Real>(const Blueprint&, State<Real>&);                                         \
+  template Vector3d FindCentre<Real>(const Blueprint&, const State<Real>&);                             \
+  template Vector3d FindMeanVelocity<Real>(const Blueprint&, const State<Real>&);                       \
+  template bool IsFinite<Real>(const State<Real>&);                                                     \
+  template std::uint64_t HashState<Real>(const State<Real>&, std::uint64_t);
+WOBBLE_INSTANTIATE(float)
+WOBBLE_INSTANTIATE(double)
+#undef WOBBLE_INSTANTIATE
+
+}  // namespace wobble::physics

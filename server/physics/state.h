@@ -1,0 +1,49 @@
+// What changes about one body: positions and velocities of its vertices.
+//
+// Positions are local: the world's position is origin + x, with the origin in double precision. A float then resolves
+// a body of a metre to 10⁻⁷ m wherever in the world it is, where world coordinates would lose three digits at 100 m and
+// let an oscillator far out gain energy. The origin follows the body in steps of a whole power of two.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "server/physics/blueprint.h"
+#include "server/physics/contact.h"
+#include "server/physics/vector.h"
+
+namespace wobble::physics {
+
+template <class Real>
+struct State {
+  Vector3d origin = Vector3d::Zero();       // m
+  std::vector<Vector3<Real>> positions;     // local, m
+  std::vector<Vector3<Real>> velocities;    // m/s
+  std::vector<Contact<Real>> contacts;      // with static surfaces
+};
+
+// The rest shape at `position`, turned by nothing, every vertex moving at `velocity`.
+template <class Real>
+[[nodiscard]] State<Real> MakeState(const Blueprint& blueprint, const Vector3d& position, const Vector3d& velocity);
+
+// Moves the origin by whole steps when the body has strayed from it; positions and anchors follow.
+template <class Real>
+void Recentre(const Blueprint& blueprint, State<Real>& state);
+
+// Centre of mass in the world, m, and its velocity, m/s.
+template <class Real>
+[[nodiscard]] Vector3d FindCentre(const Blueprint& blueprint, const State<Real>& state);
+template <class Real>
+[[nodiscard]] Vector3d FindMeanVelocity(const Blueprint& blueprint, const State<Real>& state);
+
+template <class Real>
+[[nodiscard]] bool IsFinite(const State<Real>& state);
+
+// Mixes every bit of the state into a running hash (FNV-1a over 32-bit words).
+inline constexpr std::uint64_t kHashSeed = 0xCBF29CE484222325U;
+[[nodiscard]] std::uint64_t HashBytes(std::span<const std::byte> bytes, std::uint64_t hash);
+template <class Real>
+[[nodiscard]] std::uint64_t HashState(const State<Real>& state, std::uint64_t hash);
+
+}  // namespace wobble::physics

@@ -1,0 +1,66 @@
+#include "server/scenes/scene.h"
+
+#include <cmath>
+
+namespace wobble::scenes {
+namespace {
+
+using physics::Vector3d;
+
+// SplitMix64 (Steele, Lea & Flood 2014): the whole state is a counter, and it is the same on every standard library.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : m_state(seed) {}
+  // Uniform in [-1, 1).
+  double NextSigned() {
+    std::uint64_t z = (m_state += 0x9E3779B97F4A7C15U);
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9U;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBU;
+    z ^= z >> 31;
+    return static_cast<double>(z >> 11) * 0x1.0p-52 - 1.0;
+  }
+
+ private:
+  std::uint64_t m_state;
+};
+
+void PlaceGroup(const BodyGroup& group, Random& random, physics::World& world, std::vector<PlacedBody>& placed) {
+  for (int iz = 0; iz < group.count[2]; ++iz) {
+    for (int iy = 0; iy < group.count[1]; ++iy) {
+      for (int ix = 0; ix < group.count[0]; ++ix) {
+        Vector3d home = group.position + Vector3d(ix, iy, iz).cwiseProduct(group.spacing);
+        for (int axis = 0; axis < 3; ++axis) home[axis] += group.jitter * random.NextSigned();
+        const auto body = world.AddBody(static_cast<std::uint8_t>(group.blueprint), home, group.velocity);
+        placed.push_back({body, home});
+      }
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<PlacedBody> FillWorld(const Scene& scene, std::uint64_t seed, physics::World& world) {
+  for (const physics::Obstacle& obstacle : scene.obstacles) world.AddObstacle(obstacle);
+  for (const physics::BallDefinition& definition : scene.blueprints) world.AddBlueprint(physics::MakeBall(definition));
+  Random random(seed);
+  std::vector<PlacedBody> placed;
+  for (const BodyGroup& group : scene.groups) PlaceGroup(group, random, world, placed);
+  return placed;
+}
+
+Vector3d FindSpawn(const PlayerRules& player, std::uint32_t index) {
+  constexpr double kGoldenAngle = 2.39996322972865332;
+  const double angle = kGoldenAngle * index;
+  return player.spawn + player.spawnRadius * Vector3d(std::cos(angle), std::sin(angle), 0);
+}
+
+std::size_t CountBodies(const Scene& scene) {
+  std::size_t bodies = 0;
+  for (const BodyGroup& group : scene.groups) {
+    bodies += static_cast<std::size_t>(group.count[0]) * static_cast<std::size_t>(group.count[1]) *
+              static_cast<std::size_t>(group.count[2]);
+  }
+  return bodies;
+}
+
+}  // namespace wobble::scenes

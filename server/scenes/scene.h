@@ -1,0 +1,58 @@
+// A scene: what a world is made of, as plain data, and the world made from it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "server/physics/ball.h"
+#include "server/physics/world.h"
+
+namespace wobble::scenes {
+
+// Bodies of one blueprint on a grid: `count` along each axis, `spacing` apart, the first at `position`, each moved by up
+// to `jitter` along each axis, so that no two runs of different seeds are alike.
+struct BodyGroup {
+  std::size_t blueprint = 0;
+  physics::Vector3d position = physics::Vector3d::Zero();  // m
+  std::array<int, 3> count{1, 1, 1};
+  physics::Vector3d spacing = physics::Vector3d::Zero();   // m
+  double jitter = 0;                                       // m
+  physics::Vector3d velocity = physics::Vector3d::Zero();  // m/s
+};
+
+// What a player gets. Players appear one after the other on a circle about `spawn`.
+struct PlayerRules {
+  std::size_t blueprint = 0;
+  physics::Vector3d spawn{0, 0, 2};  // m
+  double spawnRadius = 0;            // m
+  physics::ControlLimits limits;
+};
+
+struct Scene {
+  std::string name;
+  std::string description;
+  physics::Vector3d gravity{0, 0, -9.81};                              // m/s²
+  physics::Precision precision = physics::Precision::kSingle;
+  double killHeight = -20;                                             // below this a body starts again, m
+  std::vector<physics::Obstacle> obstacles;
+  std::vector<physics::BallDefinition> blueprints;
+  std::vector<BodyGroup> groups;
+  PlayerRules player;
+};
+
+// A body and where it starts, also after it has fallen off.
+struct PlacedBody {
+  physics::BodyId body = 0;
+  physics::Vector3d home = physics::Vector3d::Zero();
+};
+
+// Fills an empty world with the scene's obstacles, blueprints and bodies. Same seed, same world.
+[[nodiscard]] std::vector<PlacedBody> FillWorld(const Scene& scene, std::uint64_t seed, physics::World& world);
+
+// The start of the index-th player, m: golden-angle steps round the circle keep any number of players apart.
+[[nodiscard]] physics::Vector3d FindSpawn(const PlayerRules& player, std::uint32_t index);
+
+[[nodiscard]] std::size_t CountBodies(const Scene& scene);
+
+}  // namespace wobble::scenes

@@ -1,0 +1,275 @@
+// One tick, top to bottom: Receive, Step, Capture, Encode, Send. Calls only go down; nothing but inputs and
+// acknowledgements comes back up.
+#include "server/server.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cassert>
+
+namespace wobble::server {
+
+using protocol::wire::EventKind;
+using protocol::wire::GoodbyeReason;
+using transport::Channel;
+
+namespace {
+
+physics::WorldSettings MakeWorldSettings(const Config& config, const scenes::Scene& scene) {
+  return {scene.gravity, 1.0 / config.tickHz, scene.precision, config.threads};
+}
+
+// Beyond this the wire cannot show a body any more; it starts again like one that fell, metres.
+constexpr double kBorder = 0.9 * protocol::kWorldHalfExtent;
+
+// A client that loses more than this gets half its bytes: its link is full, and ENet's own throttle is off.
+constexpr double kHeavyLoss = 0.1;
+
+}  // namespace
+
+Server::Server(const Config& config, scenes::Scene scene, std::unique_ptr<transport::Transport> transport, double now)
+    : m_config(config),
+      m_scene(std::move(scene)),
+      m_transport(std::move(transport)),
+      m_world(MakeWorldSettings(config, m_scene)),
+      m_sceneBodies(scenes::FillWorld(m_scene, config.seed, m_world)),
+      m_sender(*m_transport),
+      m_clock(1.0 / config.tickHz, now) {
+  assert(Validate(m_config, m_scene).empty());
+  for (const physics::Blueprint& blueprint : m_world.Blueprints()) {
+    m_blueprints.push_back(CaptureBlueprint(blueprint));
+  }
+}
+
+int Server::Tick(double now) {
+  Receive(now);
+  const int ticks = m_clock.TakeDueTicks(now);
+  for (int i = 0; i < ticks; ++i) {
+    Step();
+    if (IsSnapshotDue()) {
+      Capture();
+      Encode();
+      Send(now);
+    }
+  }
+  m_transport->Flush();
+  return ticks;
+}
+
+void Server::Receive(double now) {
+  m_transport->Poll(now, [&](const transport::Event& event) { TakeEvent(event, now); });
+  DropTimedOut(now);
+}
+
+void Server::Step() {
+  ApplyInputs();
+  const physics::StepReport report = m_world.Step();
+  m_counts.substeps += report.substeps;
+  m_counts.awakeSum += report.awake;
+  m_counts.nonFinite += report.nonFinite;
+  m_counts.inverted += report.inverted;
+  if (report.nonFinite + report.inverted > 0) {
+    spdlog::warn("tick {}: {} bodies were not finite, {} inside out; reset", m_world.Tick(), report.nonFinite,
+                 report.inverted);
+  }
+  RespawnFallen();
+}
+
+void Server::Capture() { CaptureBodies(m_world, m_captured); }
+
+void Server::Encode() { m_encoder.Encode(m_captured, m_blueprints); }
+
+void Server::Send(double now) {
+  const double share = m_config.clientKbit * 1000 / 8 / m_config.snapshotHz;
+  for (auto& [connection, session] : m_sessions) {
+    if (session.state != Session::State::kPlaying) continue;
+    protocol::SnapshotHead head;
+    head.tick = m_world.Tick();
+    head.timeRatio = static_cast<float>(m_clock.TimeRatio());
+    head.inputTick = session.inputs.NewestUsed();
+    const double credit = session.subscription.sent.LossShare() > kHeavyLoss ? share / 2 : share;
+    m_sender.Send(m_encoder.Bodies(), session.body, head, credit, now, connection, session.subscription);
+  }
+}
+
+bool Server::IsSnapshotDue() const {
+  const auto due = [&](std::uint64_t tick) {
+    return tick * static_cast<std::uint64_t>(m_config.snapshotHz) / static_cast<std::uint64_t>(m_config.tickHz);
+  };
+  return due(m_world.Tick()) != due(m_world.Tick() - std::uint64_t{1});
+}
+
+void Server::ApplyInputs() {
+  const auto holdTicks = static_cast<std::uint32_t>(protocol::kInputHold * m_config.tickHz);
+  for (auto& [connection, session] : m_sessions) {
+    if (session.state != Session::State::kPlaying) continue;
+    const physics::Control control = TakeControl(session, m_world.Tick() + 1, holdTicks);
+    if (session.body != 0) m_world.SetControl(session.body, control, m_scene.player.limits);
+  }
+}
+
+void Server::TakeEvent(const transport::Event& event, double now) {
+  using Kind = transport::Event::Kind;
+  if (event.kind == Kind::kConnected) {
+    Session& session = m_sessions[event.connection];
+    session.connection = event.connection;
+    session.connectedAt = session.lastHeard = now;
+    if (m_closing) End(session, GoodbyeReason::ServerClosing, "");
+    return;
+  }
+  const auto found = m_sessions.find(event.connection);
+  if (found == m_sessions.end()) return;
+  Session& session = found->second;
+  if (event.kind == Kind::kDisconnected) {
+    ForgetPlayer(session, session.state == Session::State::kPlaying);
+    m_sessions.erase(found);
+    return;
+  }
+  if (session.state == Session::State::kEnding) return;
+
+  const MessageEffect effect = TakeMessage(session, event.channel, event.bytes, m_world.Tick(), now);
+  if (effect.dropped) {
+    ++m_counts.dropped[static_cast<std::size_t>(*effect.dropped)];
+    ++m_counts.parse[static_cast<std::size_t>(effect.parsed)];
+    spdlog::debug("client {}: message dropped, {} ({})", session.clientId, Name(*effect.dropped), Name(effect.parsed));
+  }
+  switch (effect.kind) {
+    case MessageEffect::Kind::kNone: break;
+    case MessageEffect::Kind::kJoin: Join(session); break;
+    case MessageEffect::Kind::kRefuse: End(session, effect.reason, effect.detail); break;
+    case MessageEffect::Kind::kLeave:
+      spdlog::info("client {} ({}) left", session.clientId, session.name);
+      ForgetPlayer(session, false);
+      session.state = Session::State::kEnding;
+      m_transport->Disconnect(session.connection);
+      break;
+  }
+}
+
+void Server::Join(Session& session) {
+  if (CountPlaying() >= static_cast<std::size_t>(m_config.maxClients)) {
+    End(session, GoodbyeReason::ServerFull, std::to_string(m_config.maxClients) + " of " +
+                                                std::to_string(m_config.maxClients) + " players are in");
+    return;
+  }
+  session.state = Session::State::kPlaying;
+  session.clientId = m_nextClientId++;
+  if (!session.spectator) {
+    session.body = m_world.AddBody(static_cast<std::uint8_t>(m_scene.player.blueprint),
+                                   scenes::FindSpawn(m_scene.player, session.clientId));
+  }
+  ++m_counts.joins;
+  m_counts.clientsPeak = std::max(m_counts.clientsPeak, CountPlaying());
+  spdlog::info("client {} ({}) joined{}", session.clientId, session.name, session.spectator ? " as spectator" : "");
+  SendWelcome(session);
+  Broadcast(protocol::MakeEvent(EventKind::Join, m_world.Tick(), session.clientId, session.body, session.name));
+}
+
+void Server::SendWelcome(Session& session) {
+  protocol::WelcomeFields fields;
+  fields.clientId = session.clientId;
+  fields.ownBody = session.body;
+  fields.tick = m_world.Tick();
+  fields.tickHz = static_cast<std::uint16_t>(m_config.tickHz);
+  fields.snapshotHz = static_cast<std::uint16_t>(m_config.snapshotHz);
+  fields.scene = m_scene.name;
+  fields.blueprintCount = static_cast<std::uint16_t>(m_blueprints.size());
+  fields.obstacles = CaptureObstacles(m_world.Obstacles());
+  const auto send = [&](const protocol::Message& message) {
+    if (m_transport->Send(session.connection, Channel::kControl, message) != transport::SendResult::kQueued) {
+      spdlog::warn("client {}: could not be welcomed", session.clientId);
+    }
+  };
+  send(protocol::MakeWelcome(fields));
+  for (std::size_t i = 0; i < m_blueprints.size(); ++i) {
+    const std::span<const std::uint8_t> whole = m_blueprints[i].message;
+    for (std::size_t offset = 0; offset < whole.size(); offset += protocol::kBlueprintChunkBytes) {
+      const std::size_t size = std::min(protocol::kBlueprintChunkBytes, whole.size() - offset);
+      send(protocol::MakeBlueprintChunk(static_cast<std::uint8_t>(i), m_blueprints[i].hash,
+                                        static_cast<std::uint32_t>(whole.size()), static_cast<std::uint32_t>(offset),
+                                        whole.subspan(offset, size)));
+    }
+  }
+  // Those who are in already, so that every body has its name.
+  for (const auto& [connection, other] : m_sessions) {
+    if (other.state != Session::State::kPlaying || &other == &session) continue;
+    send(protocol::MakeEvent(EventKind::Join, m_world.Tick(), other.clientId, other.body, other.name));
+  }
+}
+
+void Server::End(Session& session, GoodbyeReason reason, const std::string& detail) {
+  spdlog::info("client {} ({}) is sent away: {}{}{}", session.clientId, session.name, protocol::Name(reason),
+               detail.empty() ? "" : ", ", detail);
+  if (session.state == Session::State::kAwaitingHello) ++m_counts.refusals;
+  ForgetPlayer(session, session.state == Session::State::kPlaying && !m_closing);
+  session.state = Session::State::kEnding;
+  const protocol::Message goodbye = protocol::MakeServerGoodbye(reason, detail);
+  if (m_transport->Send(session.connection, Channel::kControl, goodbye) != transport::SendResult::kQueued) {
+    spdlog::debug("client {}: gone before its goodbye", session.clientId);
+  }
+  m_transport->Disconnect(session.connection);
+}
+
+// Takes a player who had joined out of the world; nothing to do for others.
+void Server::ForgetPlayer(Session& session, bool unasked) {
+  if (session.state != Session::State::kPlaying) return;
+  session.state = Session::State::kEnding;
+  ++(unasked ? m_counts.disconnects : m_counts.leaves);
+  if (unasked) spdlog::info("client {} ({}) was lost", session.clientId, session.name);
+  if (session.body != 0) m_world.RemoveBody(session.body);
+  Broadcast(protocol::MakeEvent(EventKind::Leave, m_world.Tick(), session.clientId, session.body, session.name));
+  session.body = 0;
+}
+
+void Server::DropTimedOut(double now) {
+  for (auto& [connection, session] : m_sessions) {
+    if (const auto reason = FindTimeout(session, now)) End(session, *reason, "");
+  }
+}
+
+void Server::RespawnFallen() {
+  const auto hasFallen = [&](physics::BodyId body) {
+    const physics::Vector3d centre = m_world.FindCentre(m_world.ReadBody(body));
+    return centre.z() < m_scene.killHeight || centre.cwiseAbs().maxCoeff() > kBorder;
+  };
+  for (const scenes::PlacedBody& placed : m_sceneBodies) {
+    if (hasFallen(placed.body)) Respawn(placed.body, placed.home);
+  }
+  for (const auto& [connection, session] : m_sessions) {
+    if (session.body != 0 && hasFallen(session.body)) {
+      Respawn(session.body, scenes::FindSpawn(m_scene.player, session.clientId));
+    }
+  }
+}
+
+void Server::Respawn(physics::BodyId body, const physics::Vector3d& place) {
+  m_world.PlaceBody(body, place);
+  ++m_counts.respawns;
+  Broadcast(protocol::MakeEvent(EventKind::Respawn, m_world.Tick(), 0, body, ""));
+}
+
+void Server::Broadcast(const protocol::Message& message) {
+  for (const auto& [connection, session] : m_sessions) {
+    if (session.state != Session::State::kPlaying) continue;
+    if (m_transport->Send(connection, Channel::kControl, message) != transport::SendResult::kQueued) {
+      spdlog::debug("client {}: an event could not be sent", session.clientId);
+    }
+  }
+}
+
+void Server::Close(double now) {
+  m_closing = true;
+  Receive(now);
+  for (auto& [connection, session] : m_sessions) {
+    if (session.state != Session::State::kEnding) End(session, GoodbyeReason::ServerClosing, "");
+  }
+  m_transport->Flush();
+}
+
+std::size_t Server::CountPlaying() const {
+  return static_cast<std::size_t>(std::count_if(m_sessions.begin(), m_sessions.end(), [](const auto& entry) {
+    return entry.second.state == Session::State::kPlaying;
+  }));
+}
+
+}  // namespace wobble::server

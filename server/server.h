@@ -1,0 +1,95 @@
+// The server: a world, its clients, and the tick that joins them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "protocol/transport/transport.h"
+#include "server/capture.h"
+#include "server/config.h"
+#include "server/encoder.h"
+#include "server/physics/world.h"
+#include "server/scenes/scene.h"
+#include "server/session.h"
+#include "server/snapshot_sender.h"
+#include "server/tick_clock.h"
+
+namespace wobble::server {
+
+// Since the start. What a person hosting wants to know; summary.h writes it out.
+struct Counts {
+  std::uint64_t substeps = 0;
+  std::uint64_t awakeSum = 0;        // over ticks
+  std::uint64_t nonFinite = 0;
+  std::uint64_t inverted = 0;
+  std::uint64_t respawns = 0;
+  std::uint64_t joins = 0;
+  std::uint64_t leaves = 0;          // said goodbye
+  std::uint64_t disconnects = 0;     // were lost, silent or sent away after having joined
+  std::uint64_t refusals = 0;        // never joined: full, wrong version, no hello
+  std::size_t clientsPeak = 0;
+  std::array<std::uint64_t, kDropReasonCount> dropped{};          // messages by DropReason
+  std::array<std::uint64_t, protocol::kParseResultCount> parse{};  // of kParse, by ParseResult
+};
+
+class Server {
+ public:
+  // config and scene are valid. `now`, here and below: seconds, never backwards; the first tick is due at once.
+  Server(const Config& config, scenes::Scene scene, std::unique_ptr<transport::Transport> transport, double now);
+
+  // Takes in messages and every tick that is due; returns how many that were.
+  int Tick(double now);
+  [[nodiscard]] double NextTick() const { return m_clock.NextTick(); }
+
+  // Says goodbye to everybody. Keep calling Poll until IsEmpty, or give up; the world stands still.
+  void Close(double now);
+  void Poll(double now) { Receive(now); }
+  [[nodiscard]] bool IsEmpty() const { return m_sessions.empty(); }
+
+  [[nodiscard]] const physics::World& World() const { return m_world; }
+  [[nodiscard]] const Counts& ReadCounts() const { return m_counts; }
+  [[nodiscard]] const Encoder& ReadEncoder() const { return m_encoder; }
+  [[nodiscard]] const SendCounts& ReadSendCounts() const { return m_sender.Counts(); }
+  [[nodiscard]] transport::Statistics ReadTransport() const { return m_transport->ReadStatistics(); }
+  [[nodiscard]] const TickClock& Clock() const { return m_clock; }
+  [[nodiscard]] std::size_t CountPlaying() const;
+
+ private:
+  void Receive(double now);
+  void ApplyInputs();
+  void Step();
+  void Capture();
+  void Encode();
+  void Send(double now);
+
+  void TakeEvent(const transport::Event& event, double now);
+  void Join(Session& session);
+  void End(Session& session, protocol::wire::GoodbyeReason reason, const std::string& detail);
+  void ForgetPlayer(Session& session, bool unasked);
+  void DropTimedOut(double now);
+  void RespawnFallen();
+  void Respawn(physics::BodyId body, const physics::Vector3d& place);
+  void SendWelcome(Session& session);
+  void Broadcast(const protocol::Message& message);
+  [[nodiscard]] bool IsSnapshotDue() const;
+
+  Config m_config;
+  scenes::Scene m_scene;
+  std::unique_ptr<transport::Transport> m_transport;
+  physics::World m_world;
+  std::vector<scenes::PlacedBody> m_sceneBodies;
+  std::vector<CapturedBlueprint> m_blueprints;
+  std::map<transport::ConnectionId, Session> m_sessions;
+  std::vector<CapturedBody> m_captured;
+  Encoder m_encoder;
+  SnapshotSender m_sender;
+  TickClock m_clock;
+  Counts m_counts;
+  std::uint32_t m_nextClientId = 1;
+  bool m_closing = false;
+};
+
+}  // namespace wobble::server

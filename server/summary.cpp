@@ -1,0 +1,73 @@
+#include "server/summary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace wobble::server {
+
+void TickTimes::Record(double duration) {
+  const auto bin = static_cast<std::size_t>(std::max(0.0, duration) / kBin);
+  ++m_bins[std::min(bin, m_bins.size() - 1)];
+  ++m_count;
+  m_max = std::max(m_max, duration);
+  if (duration > m_budget) ++m_overruns;
+}
+
+double TickTimes::PercentileMs(double share) const {
+  const auto wanted = static_cast<std::uint64_t>(share * static_cast<double>(m_count));
+  std::uint64_t seen = 0;
+  for (std::size_t bin = 0; bin < m_bins.size(); ++bin) {
+    seen += m_bins[bin];
+    if (seen > wanted || (seen == m_count && m_count > 0)) {
+      return std::min(static_cast<double>(bin + 1) * kBin, m_max) * 1000;
+    }
+  }
+  return 0;
+}
+
+std::string MakeSummary(const Server& server, const TickTimes& times) {
+  const Counts& counts = server.ReadCounts();
+  const physics::World& world = server.World();
+  const double ticks = std::max(1.0, static_cast<double>(world.Tick()));
+  nlohmann::ordered_json json;
+  json["ticks"] = world.Tick();
+  json["tick_ms_p50"] = times.PercentileMs(0.5);
+  json["tick_ms_p99"] = times.PercentileMs(0.99);
+  json["tick_ms_max"] = times.MaxMs();
+  json["overruns"] = times.Overruns();
+  json["dropped_ticks"] = server.Clock().DroppedTicks();
+  json["bodies"] = world.Bodies().size();
+  json["awake_mean"] = static_cast<double>(counts.awakeSum) / ticks;
+  json["substeps_mean"] =
+      static_cast<double>(counts.substeps) / std::max(1.0, static_cast<double>(counts.awakeSum));
+  json["clients_peak"] = counts.clientsPeak;
+  json["joins"] = counts.joins;
+  json["disconnects"] = counts.disconnects;
+  json["refusals"] = counts.refusals;
+  json["respawns"] = counts.respawns;
+  json["bytes_out"] = server.ReadTransport().bytesOut;
+  json["bits_per_vertex"] = server.ReadEncoder().BitsPerVertex();
+  json["snapshot_error_rms"] = server.ReadEncoder().ErrorPercentRms();
+  json["bodies_left_out"] = server.ReadSendCounts().bodiesLeftOut;
+  json["datagrams_rejected"] = server.ReadTransport().datagramsRejected;
+  std::uint64_t dropped = server.ReadTransport().messagesRejected;
+  for (const std::uint64_t count : counts.dropped) dropped += count;
+  json["messages_dropped"] = dropped;
+  json["non_finite"] = counts.nonFinite;
+  json["inverted"] = counts.inverted;
+  json["quarantined"] = nullptr;  // bodies are reset, not yet stepped finer first
+  json["state_hash"] = fmt::format("{:016x}", world.Hash());
+  return json.dump(2) + "\n";
+}
+
+std::string MakeStatusLine(const Server& server, const TickTimes& times, double elapsed,
+                           std::uint64_t bytesOutLastSecond) {
+  return fmt::format("{:5.0f} s  tick {}  p99 {:.2f} ms  overruns {}  bodies {}  clients {}  {:.0f} kbit/s out",
+                     elapsed, server.World().Tick(), times.PercentileMs(0.99), times.Overruns(),
+                     server.World().Bodies().size(), server.CountPlaying(),
+                     static_cast<double>(bytesOutLastSecond) * 8 / 1000);
+}
+
+}  // namespace wobble::server

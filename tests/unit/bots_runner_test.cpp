@@ -1,0 +1,292 @@
+// The bots of a load test on virtual time, against a server that speaks just enough of the protocol: when they join,
+// what reaches the server of their script, and what the figures say when things go well and when they do not.
+#include "client/bots/runner.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "protocol/messages.h"
+#include "protocol/snapshot.h"
+#include "protocol/transport/virtual_network.h"
+
+namespace wobble::bots {
+namespace {
+
+using transport::Channel;
+
+constexpr double kRound = 1.0 / 60;
+
+protocol::Message MakeTetrahedron() {
+  const std::vector<protocol::Vector3> rest{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
+  const std::vector<std::array<std::uint16_t, 3>> faces{{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
+  return protocol::MakeBlueprint("tetrahedron", rest, faces, 1.732F);
+}
+
+// Welcomes every version that it knows, sends an empty snapshot to all every second round, and keeps what it hears.
+class TinyServer {
+ public:
+  explicit TinyServer(std::unique_ptr<transport::Transport> transport) : m_transport(std::move(transport)) {}
+
+  void RunRound(double now) {
+    m_transport->Poll(now, [&](const transport::Event& event) { TakeIn(event, now); });
+    if (++m_round % 2 == 0) {
+      for (const transport::ConnectionId connection : m_welcomed) SendSnapshot(connection);
+    }
+    m_transport->Flush();
+  }
+  void TurnAway(transport::ConnectionId connection) {
+    Send(connection, protocol::MakeServerGoodbye(wire::GoodbyeReason::ServerFull, "enough"));
+    m_welcomed.erase(connection);
+    m_transport->Disconnect(connection);
+  }
+
+  std::vector<double> joins;
+  std::map<transport::ConnectionId, float> moves;  // the newest along x, -127..127
+  unsigned goodbyes = 0;
+
+ private:
+  void TakeIn(const transport::Event& event, double now) {
+    if (event.kind != transport::Event::Kind::kMessage) return;
+    const wire::ClientMessage* message = nullptr;
+    ASSERT_EQ(protocol::ParseClientMessage(event.bytes, message), protocol::ParseResult::kOk);
+    if (const auto* hello = message->body_as_Hello()) {
+      if (hello->protocol_version() != protocol::kProtocolVersion) return TurnAway(event.connection);
+      joins.push_back(now);
+      Welcome(event.connection);
+    } else if (const auto* input = message->body_as_Input()) {
+      moves[event.connection] = static_cast<float>(input->frames()->Get(0)->move_x());
+    } else if (message->body_as_Goodbye() != nullptr) {
+      ++goodbyes;
+      m_welcomed.erase(event.connection);
+    }
+  }
+  void Welcome(transport::ConnectionId connection) {
+    protocol::WelcomeFields fields;
+    fields.clientId = connection;
+    fields.ownBody = connection;
+    fields.tick = m_round;
+    fields.tickHz = 60;
+    fields.snapshotHz = 30;
+    fields.scene = "nothing";
+    fields.blueprintCount = 1;
+    Send(connection, protocol::MakeWelcome(fields));
+    const protocol::Message blueprint = MakeTetrahedron();
+    Send(connection, protocol::MakeBlueprintChunk(0, protocol::HashBytes(blueprint),
+                                                  static_cast<std::uint32_t>(blueprint.size()), 0, blueprint));
+    m_welcomed.insert(connection);
+  }
+  void SendSnapshot(transport::ConnectionId connection) {
+    protocol::SnapshotHead head;
+    head.sequence = ++m_sequences[connection];
+    head.tick = m_round;
+    head.timeRatio = 1;
+    protocol::PacketBuilder builder;
+    const auto bytes = builder.Finish(head);
+    static_cast<void>(m_transport->Send(connection, Channel::kSnapshot, bytes));
+  }
+  void Send(transport::ConnectionId connection, const protocol::Message& message) {
+    ASSERT_EQ(m_transport->Send(connection, Channel::kControl, message), transport::SendResult::kQueued);
+  }
+
+  std::unique_ptr<transport::Transport> m_transport;
+  std::set<transport::ConnectionId> m_welcomed;
+  std::map<transport::ConnectionId, std::uint32_t> m_sequences;
+  std::uint32_t m_round = 0;
+};
+
+// Server, network and runner; a round of each at a time.
+class Theatre {
+ public:
+  Theatre(const LoadTestOptions& options, const std::string& source)
+      : server(m_network.MakeServer()),
+        m_script(options.seed, {}),
+        m_runner(
+            options, m_script, [this](std::string& error) { return Connect(error); }, [] { return 0.0; },
+            [this](std::string_view line) { log.emplace_back(line); }) {
+    std::string error;
+    EXPECT_TRUE(m_script.Load(source, "test.lua", error)) << error;
+    m_network.SetConditions(transport::LinkConditions{.delay = 0.02});
+  }
+  void RunUntil(double time) {
+    for (; m_now < time; m_now += kRound) {
+      m_runner.RunRound(m_now, 0.0005);
+      if (serverLives) server.RunRound(m_now);
+    }
+  }
+  void Leave() { m_runner.Leave(m_now); }
+  Runner& Bots() { return m_runner; }
+  double Now() const { return m_now; }
+
+  bool serverLives = true;
+  bool canConnect = true;
+  std::vector<std::string> log;
+
+ private:
+  std::unique_ptr<transport::Transport> Connect(std::string& error) {
+    if (canConnect) return m_network.MakeClient();
+    error = "no such host";
+    return nullptr;
+  }
+
+  transport::VirtualNetwork m_network;
+
+ public:
+  TinyServer server;
+
+ private:
+  Script m_script;
+  Runner m_runner;
+  double m_now = 0;
+};
+
+LoadTestOptions MakeOptions(unsigned count, double ramp = 0) {
+  LoadTestOptions options;
+  options.count = count;
+  options.ramp = ramp;
+  return options;
+}
+
+TEST(BotRunner, RampSpreadsTheJoinsAndScriptsReachTheServer) {
+  Theatre theatre(MakeOptions(4, 2), "function run(bot) bot:move(bot:id() / 8, 0) end");
+  theatre.RunUntil(4);
+  ASSERT_EQ(theatre.server.joins.size(), 4U);
+  for (std::size_t i = 1; i < 4; ++i) {
+    EXPECT_NEAR(theatre.server.joins[i] - theatre.server.joins[i - 1], 0.5, 1.5 * kRound);
+  }
+  ASSERT_EQ(theatre.server.moves.size(), 4U);
+  std::set<int> eighths;
+  for (const auto& [connection, move] : theatre.server.moves) {
+    eighths.insert(static_cast<int>(std::lround(move * 8 / 127)));
+  }
+  EXPECT_EQ(eighths, (std::set<int>{1, 2, 3, 4}));
+
+  EXPECT_FALSE(theatre.Bots().HaveAllEnded());
+  const std::uint64_t snapshots = theatre.Bots().ReadFigures().snapshots;
+  theatre.Leave();
+  theatre.RunUntil(5.5);
+  EXPECT_TRUE(theatre.Bots().HaveAllEnded());
+  EXPECT_EQ(theatre.server.goodbyes, 4U);
+  const Figures figures = theatre.Bots().ReadFigures();
+  EXPECT_EQ(figures.bots, 4U);
+  EXPECT_EQ(figures.connected, 4U);
+  EXPECT_EQ(figures.disconnects, 0U);
+  EXPECT_EQ(figures.scriptErrors, 0U);
+  EXPECT_NEAR(static_cast<double>(snapshots), 30 * (4 + 3.5 + 3 + 2.5), 20);
+  EXPECT_NEAR(figures.lateMsP99.value(), 0.5, 0.5 * Histogram::kRelativeError);
+  // Connecting and joining take a round trip of 40 ms each, and up to two rounds at either end.
+  EXPECT_GT(figures.joinMsP99.value(), 79);
+  EXPECT_LT(figures.joinMsP99.value(), 200);
+  EXPECT_TRUE(figures.snapshotAgeMsP50.has_value());
+  EXPECT_GT(figures.kbitPerSecondPerBot.value(), 1);
+  EXPECT_FALSE(figures.decodeUsP99.has_value());  // there was no record to decode
+  EXPECT_TRUE(theatre.log.empty()) << theatre.log[0];
+}
+
+TEST(BotRunner, BotsSentAwayAndNeverAnsweredAreDisconnects) {
+  Theatre theatre(MakeOptions(4, 4), "function run(bot) bot:wait(60) end");
+  theatre.RunUntil(1.5);
+  theatre.server.TurnAway(1);
+  theatre.RunUntil(2.8);
+  theatre.serverLives = false;  // bot 4 asks in vain
+  theatre.RunUntil(4);
+  theatre.Leave();
+  theatre.RunUntil(6);
+  const Figures figures = theatre.Bots().ReadFigures();
+  EXPECT_EQ(figures.bots, 4U);
+  EXPECT_EQ(figures.connected, 3U);
+  EXPECT_EQ(figures.disconnects, 2U);
+  ASSERT_EQ(theatre.log.size(), 1U);
+  EXPECT_EQ(theatre.log[0].find("bot 1 ended: "), 0U) << theatre.log[0];
+  EXPECT_NE(theatre.log[0].find("enough"), std::string::npos) << theatre.log[0];
+}
+
+TEST(BotRunner, SilenceIsHopelessButNoRefusal) {
+  Theatre theatre(MakeOptions(3, 30), "function run(bot) end");
+  theatre.serverLives = false;
+  theatre.RunUntil(4);
+  EXPECT_FALSE(theatre.Bots().HasAnyFailed());
+  theatre.RunUntil(8);
+  EXPECT_TRUE(theatre.Bots().HasAnyFailed());
+  EXPECT_TRUE(theatre.Bots().IsHopeless(theatre.Now()));
+  EXPECT_EQ(theatre.Bots().Refusal(), "");
+  EXPECT_EQ(theatre.Bots().ReadFigures().connected, 0U);
+  EXPECT_TRUE(theatre.log.empty());
+}
+
+TEST(BotRunner, ARefusalIsKeptAndSaidByNobodyElse) {
+  LoadTestOptions options = MakeOptions(3);
+  options.protocolVersion = protocol::kProtocolVersion + 1;
+  Theatre theatre(options, "function run(bot) end");
+  theatre.RunUntil(2);
+  EXPECT_TRUE(theatre.Bots().HaveAllEnded());
+  EXPECT_NE(theatre.Bots().Refusal().find("enough"), std::string::npos) << theatre.Bots().Refusal();
+  EXPECT_EQ(theatre.Bots().ReadFigures().disconnects, 3U);
+  EXPECT_TRUE(theatre.log.empty());
+
+  Theatre nowhere(MakeOptions(2), "function run(bot) end");
+  nowhere.canConnect = false;
+  nowhere.RunUntil(0.1);
+  EXPECT_TRUE(nowhere.Bots().HaveAllEnded());
+  EXPECT_EQ(nowhere.Bots().Refusal(), "no such host");
+}
+
+TEST(BotRunner, AFailedScriptLeavesItsBotConnected) {
+  Theatre theatre(MakeOptions(2), R"(function run(bot)
+    bot:move(1, 0)
+    bot:wait(0.5)
+    if bot:id() == 1 then error('tired') end
+    bot:wait(60)
+  end)");
+  theatre.RunUntil(2);
+  EXPECT_EQ(theatre.server.moves.size(), 2U);
+  unsigned walking = 0;
+  for (const auto& [connection, move] : theatre.server.moves) walking += move != 0 ? 1 : 0;
+  EXPECT_EQ(walking, 1U);
+  EXPECT_FALSE(theatre.Bots().HaveAllScriptsFailed());
+  const Figures figures = theatre.Bots().ReadFigures();
+  EXPECT_EQ(figures.scriptErrors, 1U);
+  EXPECT_EQ(figures.disconnects, 0U);
+  ASSERT_EQ(theatre.log.size(), 1U);
+  EXPECT_EQ(theatre.log[0], "bot 1 stands still: test.lua:4: tired");
+
+  Theatre both(MakeOptions(2), "function run(bot) error('tired') end");
+  both.RunUntil(2);
+  EXPECT_TRUE(both.Bots().HaveAllScriptsFailed());
+  EXPECT_EQ(both.log.size(), 1U);  // the same error is said once
+}
+
+TEST(LoadTestWords, AddressesAndShares) {
+  std::string error;
+  const auto address = ParseAddress("example.org:7777", error);
+  ASSERT_TRUE(address.has_value());
+  EXPECT_EQ(address->host, "example.org");
+  EXPECT_EQ(address->port, 7777);
+  for (const char* text : {"", ":", ":1", "host", "host:", "host:0", "host:65536", "host:-1", "host:1x", "host: 1"}) {
+    EXPECT_FALSE(ParseAddress(text, error).has_value()) << text;
+    EXPECT_NE(error.find(std::string("'") + text + "'"), std::string::npos) << error;
+  }
+  for (const char* text : {"", "/", "1/", "/1", "1/0", "2/1", "-1/2", "0.5", "1/2/3", "two"}) {
+    EXPECT_FALSE(ParseDecodeShare(text, error).has_value()) << text;
+  }
+  const auto count = [&](const char* text, unsigned bots) {
+    const auto share = ParseDecodeShare(text, error);
+    EXPECT_TRUE(share.has_value()) << error;
+    unsigned decoding = 0;
+    for (unsigned i = 0; share && i < bots; ++i) decoding += share->Includes(i) ? 1 : 0;
+    return decoding;
+  };
+  EXPECT_EQ(count("1/32", 1), 1U);  // the first bot decodes
+  EXPECT_EQ(count("1/32", 32), 1U);
+  EXPECT_EQ(count("1/32", 33), 2U);
+  EXPECT_EQ(count("1/32", 3200), 100U);
+  EXPECT_EQ(count("2/3", 9), 6U);
+  EXPECT_EQ(count("0", 100), 0U);
+  EXPECT_EQ(count("1", 100), 100U);
+  EXPECT_EQ(count("3/3", 7), 7U);
+}
+
+}  // namespace
+}  // namespace wobble::bots

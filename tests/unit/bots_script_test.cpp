@@ -1,0 +1,270 @@
+// What a bot's script can do, what it cannot, and what happens to it alone when it goes wrong.
+#include "client/bots/script.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+namespace wobble::bots {
+namespace {
+
+struct Line {
+  unsigned bot;
+  std::string text;
+};
+
+// A script with its bots and all that it printed.
+class Stage {
+ public:
+  explicit Stage(const std::string& source, unsigned bots = 1, std::uint64_t seed = 1)
+      : m_script(seed, [this](unsigned bot, std::string_view text) {
+          lines.push_back({bot, std::string(text)});
+        }) {
+    loaded = m_script.Load(source, "test.lua", error);
+    for (unsigned i = 0; loaded && i < bots; ++i) EXPECT_EQ(m_script.AddBot(error), i + 1) << error;
+  }
+
+  Script::Result Resume(unsigned bot, double time) { return m_script.Resume(bot, {time, position}, input, error); }
+
+  bool loaded = false;
+  std::string error;
+  std::vector<Line> lines;
+  client::Input input;
+  std::optional<protocol::Vector3> position;
+
+ private:
+  Script m_script;
+};
+
+// The error of a script that must not load.
+std::string Refuse(const std::string& source) {
+  const Stage stage(source);
+  EXPECT_FALSE(stage.loaded) << source;
+  EXPECT_EQ(stage.error.find('\n'), std::string::npos);
+  return stage.error;
+}
+
+TEST(BotScript, AsksForInputAndKnowsItsBody) {
+  Stage stage(R"(
+    function run(bot)
+      assert(bot:position() == nil)
+      bot:move(0.5, -7) bot:puff(true) bot:jump()
+      bot:wait(0)
+      local x, y, z = bot:position()
+      print(bot:id(), bot:time(), x, y, z)
+      bot:puff(false) bot:stiffen(true)
+    end)");
+  ASSERT_TRUE(stage.loaded) << stage.error;
+  EXPECT_EQ(stage.Resume(1, 0), Script::Result::kRunning) << stage.error;
+  EXPECT_FLOAT_EQ(stage.input.moveX, 0.5F);
+  EXPECT_FLOAT_EQ(stage.input.moveY, -1);
+  EXPECT_TRUE(stage.input.puff && stage.input.jump && !stage.input.stiffen);
+  stage.position = protocol::Vector3{1, 2, 3};
+  EXPECT_EQ(stage.Resume(1, 0.25), Script::Result::kFinished) << stage.error;
+  ASSERT_EQ(stage.lines.size(), 1U);
+  EXPECT_EQ(stage.lines[0].bot, 1U);
+  EXPECT_EQ(stage.lines[0].text, "1\t0.25\t1.0\t2.0\t3.0");
+  EXPECT_TRUE(!stage.input.puff && stage.input.jump && stage.input.stiffen);
+  // Jump is let go by itself, all else stays after the end.
+  for (int i = 2; i < 2 + Script::kJumpRounds; ++i) EXPECT_EQ(stage.Resume(1, 0.25 * i), Script::Result::kFinished);
+  EXPECT_FALSE(stage.input.jump);
+  EXPECT_FLOAT_EQ(stage.input.moveX, 0.5F);
+}
+
+TEST(BotScript, WaitsToTheRound) {
+  Stage stage("function run(bot) while true do print(bot:time()) bot:wait(0.5) end end");
+  ASSERT_TRUE(stage.loaded) << stage.error;
+  std::vector<int> rounds;
+  for (int round = 0; round < 200; ++round) {
+    const std::size_t before = stage.lines.size();
+    ASSERT_EQ(stage.Resume(1, round / 60.0), Script::Result::kRunning) << stage.error;
+    if (stage.lines.size() > before) rounds.push_back(round);
+  }
+  EXPECT_EQ(rounds, (std::vector<int>{0, 30, 60, 90, 120, 150, 180}));
+}
+
+TEST(BotScript, OpensNothingThatReachesOutside) {
+  for (const char* name : {"os", "io", "debug", "package", "require", "load", "loadfile", "dofile", "loadstring",
+                           "collectgarbage", "warn", "xpcall", "math.randomseed"}) {
+    const Stage stage("assert(" + std::string(name) + " == nil) function run(bot) end");
+    EXPECT_TRUE(stage.loaded) << name << ": " << stage.error;
+  }
+  const Stage stage(
+      "assert(math.floor and string.format and table.sort and coroutine.wrap and pcall and pairs) "
+      "function run(bot) end");
+  EXPECT_TRUE(stage.loaded) << stage.error;
+  EXPECT_NE(Refuse("setmetatable({}, {__gc = function() while true do end end})").find("__gc"), std::string::npos);
+  EXPECT_NE(Refuse("\x1bLua").find("binary chunk"), std::string::npos);
+}
+
+TEST(BotScript, FileThatDoesNotLoadIsNamedWithItsLine) {
+  EXPECT_EQ(Refuse("function run(bot)\n  local = 3\nend").find("test.lua:2: "), 0U);
+  EXPECT_EQ(Refuse("function run(bot)\n\n").find("test.lua:3: "), 0U);
+  EXPECT_EQ(Refuse("local x = nil\nx.y = 3\nfunction run(bot) end").find("test.lua:2: "), 0U);
+  EXPECT_EQ(Refuse("error('no\\nplace', 0)"), "test.lua: no place");
+  EXPECT_EQ(Refuse("error({})"), "test.lua: error value is a table, not a text");
+  EXPECT_EQ(Refuse("x = 'not closed\n").find("test.lua:1: unfinished string"), 0U);
+  EXPECT_EQ(Refuse("function walk(bot) end"), "test.lua: defines no function run(bot)");
+  EXPECT_EQ(Refuse("setmetatable(_G, {__index = function() return print end})"),
+            "test.lua: defines no function run(bot)");
+  EXPECT_EQ(Refuse("while true do end").find("test.lua:1: stopped after"), 0U);
+
+  Script script(1, {});
+  std::string error;
+  EXPECT_FALSE(script.LoadFile("no/such/file.lua", error));
+  EXPECT_EQ(error, "no/such/file.lua: cannot be read: No such file or directory");
+}
+
+TEST(BotScript, EndlessLoopStopsOneBotAndNamesTheLine) {
+  Stage stage(R"(
+function run(bot)
+  bot:move(1, 1)
+  bot:jump()
+  while bot:id() == 1 do
+    local x = 1
+  end
+  while true do
+    print('on')
+    bot:wait(0)
+  end
+end)",
+              2);
+  ASSERT_TRUE(stage.loaded) << stage.error;
+  EXPECT_EQ(stage.Resume(1, 0), Script::Result::kFailed);
+  EXPECT_TRUE(stage.error.starts_with("test.lua:5: stopped after") ||
+              stage.error.starts_with("test.lua:6: stopped after"))
+      << stage.error;
+  EXPECT_EQ(stage.input.moveX, 0);  // its keys are let go
+  EXPECT_FALSE(stage.input.jump);
+  stage.error.clear();
+  for (int round = 0; round < 100; ++round) {
+    EXPECT_EQ(stage.Resume(1, round / 60.0), Script::Result::kFailed);
+    EXPECT_EQ(stage.Resume(2, round / 60.0), Script::Result::kRunning);
+  }
+  EXPECT_EQ(stage.error, "");  // said once
+  EXPECT_EQ(stage.lines.size(), 100U);
+  EXPECT_EQ(stage.lines.back().bot, 2U);
+}
+
+TEST(BotScript, NoEndlessLoopOutwitsTheBudget) {
+  const auto begin = std::chrono::steady_clock::now();
+  for (const char* body : {
+           "while true do pcall(function() while true do end end) end",
+           "while true do pcall(pcall, pcall, function() while true do end end) end",
+           "while true do coroutine.resume(coroutine.create(function() while true do end end)) end",
+           "local function deep() coroutine.wrap(function() deep() while true do end end)() end deep() while true do "
+           "end",
+           "local function again() return again() end again()",
+           "local t = setmetatable({}, {__index = function(t, k) while true do end end}) return t.x",
+           "while true do local _ <close> = setmetatable({}, {__close = function() while true do end end}) end",
+       }) {
+    Stage stage("function run(bot) " + std::string(body) + " end");
+    ASSERT_TRUE(stage.loaded) << stage.error;
+    EXPECT_EQ(stage.Resume(1, 0), Script::Result::kFailed) << body;
+    EXPECT_NE(stage.error.find("test.lua:1: "), std::string::npos) << stage.error;
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
+}
+
+TEST(BotScript, BudgetIsFullAgainAfterEveryWait) {
+  Stage stage("function run(bot) while true do for i = 1, 30000 do local x = i end bot:wait(0) end end");
+  ASSERT_TRUE(stage.loaded) << stage.error;
+  for (int round = 0; round < 50; ++round) {
+    ASSERT_EQ(stage.Resume(1, round), Script::Result::kRunning) << stage.error;
+  }
+}
+
+TEST(BotScript, MemoryIsBounded) {
+  Stage stage(
+      "function run(bot) local t = {} while true do t[#t + 1] = string.rep('x', 1 << 24, #t) bot:wait(0) end end", 2);
+  ASSERT_TRUE(stage.loaded) << stage.error;
+  Script::Result result = Script::Result::kRunning;
+  for (int round = 0; round < 64 && result == Script::Result::kRunning; ++round) result = stage.Resume(1, round);
+  EXPECT_EQ(result, Script::Result::kFailed);
+  EXPECT_NE(stage.error.find("not enough memory"), std::string::npos) << stage.error;
+  EXPECT_EQ(stage.Resume(2, 0), Script::Result::kRunning) << stage.error;  // what bot 1 held is free again
+}
+
+TEST(BotScript, RuntimeErrorsNameTheirLine) {
+  for (const char* statement :
+       {"local x = nil + 1", "error('no place', 0)", "error({})", "bot:move(1)", "bot:move(0/0, 1)", "bot:puff(1)",
+        "bot:wait(-1)", "bot:wait('long')", "bot:fly()", "bot.wait()", "bot.wait(3)", "math.random(2, 1)",
+        "coroutine.wrap(function() bot:wait(1) end)()", "getmetatable(bot).__index = nil", "setmetatable(bot, nil)",
+        "coroutine.close(coroutine.running())"}) {
+    Stage stage("function run(bot)\n bot:wait(0)\n " + std::string(statement) + "\n bot:wait(0)\nend");
+    ASSERT_TRUE(stage.loaded) << stage.error;
+    EXPECT_EQ(stage.Resume(1, 0), Script::Result::kRunning) << stage.error;
+    EXPECT_EQ(stage.Resume(1, 1), Script::Result::kFailed) << statement;
+    EXPECT_EQ(stage.error.find("test.lua:3: "), 0U) << statement << " gave " << stage.error;
+  }
+}
+
+TEST(BotScript, ABotsThreadInAnothersHandsHarmsOnlyThem) {
+  Stage stage(R"(
+    local threads = {}
+    function run(bot)
+      threads[bot:id()] = coroutine.running()
+      bot:wait(0)
+      if bot:id() == 1 then coroutine.close(threads[2]) end
+      bot:wait(0)
+      print(bot:id())
+    end)",
+              3);
+  ASSERT_TRUE(stage.loaded) << stage.error;
+  for (int round = 0; round < 4; ++round) {
+    for (unsigned bot = 1; bot <= 3; ++bot) {
+      const Script::Result result = stage.Resume(bot, round);
+      if (round < 3) continue;
+      EXPECT_EQ(result, bot == 2 ? Script::Result::kFailed : Script::Result::kFinished) << stage.error;
+    }
+  }
+  EXPECT_EQ(stage.lines.size(), 2U);
+}
+
+TEST(BotScript, ChanceRepeatsWithTheSeedAndDiffersBetweenBots) {
+  const std::string source =
+      "function run(bot) while true do print(math.random(1000000), bot:random()) bot:wait(0) end end";
+  const auto play = [&](std::uint64_t seed) {
+    Stage stage(source, 2, seed);
+    for (int round = 0; round < 20; ++round) {
+      EXPECT_EQ(stage.Resume(1 + round % 2, round), Script::Result::kRunning) << stage.error;
+    }
+    std::string text;
+    for (const Line& line : stage.lines) text += line.text + "\n";
+    EXPECT_NE(stage.lines.at(0).text, stage.lines.at(1).text);
+    return text;
+  };
+  EXPECT_EQ(play(5), play(5));
+  EXPECT_NE(play(5), play(6));
+
+  // What one bot draws does not depend on how many there are, nor on what the others draw.
+  Stage alone(source, 1, 5);
+  Stage among(source, 3, 5);
+  for (int round = 0; round < 10; ++round) {
+    EXPECT_EQ(alone.Resume(1, round), Script::Result::kRunning);
+    EXPECT_EQ(among.Resume(3, round), Script::Result::kRunning);
+    EXPECT_EQ(among.Resume(1, round), Script::Result::kRunning);
+    EXPECT_EQ(among.lines.back().text, alone.lines.back().text);
+  }
+}
+
+TEST(BotScript, ChanceIsEven) {
+  Stage stage(R"(
+    local count = {0, 0, 0, 0, 0, 0}
+    function run(bot)
+      for i = 1, 6000 do local n = math.random(6) count[n] = count[n] + 1 end
+      for n = 1, 6 do assert(count[n] > 850 and count[n] < 1150, count[n]) end
+      local low, high = math.random(math.mininteger, math.maxinteger), bot:random(-3, -3)
+      assert(math.type(low) == 'integer' and high == -3)
+      bot:wait(0)
+      for i = 1, 3000 do local u = bot:random() assert(u >= 0 and u < 1) end
+    end)");
+  ASSERT_TRUE(stage.loaded) << stage.error;
+  EXPECT_EQ(stage.Resume(1, 0), Script::Result::kRunning) << stage.error;
+  EXPECT_EQ(stage.Resume(1, 1), Script::Result::kFinished) << stage.error;
+}
+
+}  // namespace
+}  // namespace wobble::bots

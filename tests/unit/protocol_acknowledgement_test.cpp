@@ -1,0 +1,149 @@
+// Both windows against what was really sent and received: out of order, twice, too late, over a link that loses
+// packets.
+#include "protocol/acknowledgement.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <set>
+
+namespace wobble::protocol {
+namespace {
+
+using Arrival = ReceivedWindow::Arrival;
+
+TEST(ReceivedWindow, StartsEmpty) {
+  const ReceivedWindow window;
+  EXPECT_EQ(window.Newest(), 0U);
+  EXPECT_EQ(window.History(), 0U);
+}
+
+TEST(ReceivedWindow, OutOfOrderTwiceAndTooLate) {
+  ReceivedWindow window;
+  EXPECT_EQ(window.Record(3), Arrival::kNew);
+  EXPECT_EQ(window.History(), 0U) << "nothing before the first arrival was heard of";
+  EXPECT_EQ(window.Record(5), Arrival::kNew);
+  EXPECT_EQ(window.History(), 0b10U);
+  EXPECT_EQ(window.Record(4), Arrival::kNew);
+  EXPECT_EQ(window.History(), 0b11U);
+  EXPECT_EQ(window.Newest(), 5U);
+  for (const std::uint32_t again : {3U, 4U, 5U}) EXPECT_EQ(window.Record(again), Arrival::kDuplicate) << again;
+  EXPECT_EQ(window.Record(69), Arrival::kNew);
+  EXPECT_EQ(window.History(), std::uint64_t{1} << 63) << "64 back is the oldest that is remembered";
+  EXPECT_EQ(window.Record(5), Arrival::kDuplicate);
+  EXPECT_EQ(window.Record(4), Arrival::kTooOld);
+  EXPECT_EQ(window.Record(134), Arrival::kNew);
+  EXPECT_EQ(window.History(), 0U) << "a gap of 65 forgets all";
+  EXPECT_EQ(window.Record(0xFFFFFFFF), Arrival::kNew);
+  EXPECT_EQ(window.Record(0xFFFFFFFE), Arrival::kNew);
+  EXPECT_EQ(window.History(), 1U);
+}
+
+TEST(ReceivedWindow, AgreesWithASetOverAShuffledLink) {
+  std::mt19937 random(21);
+  ReceivedWindow window;
+  std::set<std::uint32_t> arrived;
+  for (std::uint32_t i = 1; i < 20000; ++i) {
+    const std::uint32_t sequence = i + static_cast<std::uint32_t>(random() % 100);
+    const bool tooOld = sequence + kAckHistory < window.Newest();
+    const bool known = arrived.count(sequence) != 0;
+    const Arrival expected = tooOld ? Arrival::kTooOld : known ? Arrival::kDuplicate : Arrival::kNew;
+    ASSERT_EQ(window.Record(sequence), expected) << sequence << " of " << window.Newest();
+    if (!tooOld) arrived.insert(sequence);
+    ASSERT_EQ(window.Newest(), *arrived.rbegin());
+    for (std::uint32_t bit = 0; bit < kAckHistory && bit + 1 < window.Newest(); ++bit) {
+      ASSERT_EQ(window.History() >> bit & 1, arrived.count(window.Newest() - 1 - bit)) << bit;
+    }
+  }
+}
+
+TEST(SentWindow, MeasuresTheRoundTripOfTheNewest) {
+  SentWindow window;
+  EXPECT_EQ(window.RecordSent(1.0), 1U);
+  EXPECT_EQ(window.RecordSent(1.1), 2U);
+  EXPECT_EQ(window.RecordSent(1.2), 3U);
+  SentWindow::Report report;
+  ASSERT_TRUE(window.RecordAcknowledgement(2, 0, 1.35, report));
+  EXPECT_EQ(report.acknowledged, 1U);
+  EXPECT_NEAR(report.roundTrip, 0.25, 1e-12);
+  ASSERT_TRUE(window.RecordAcknowledgement(2, 1, 1.5, report));
+  EXPECT_EQ(report.acknowledged, 1U) << "packet 1, late";
+  EXPECT_EQ(report.roundTrip, -1);
+  ASSERT_TRUE(window.RecordAcknowledgement(3, 0b11, 1.6, report));
+  EXPECT_EQ(report.acknowledged, 1U) << "only packet 3 is news";
+  EXPECT_NEAR(report.roundTrip, 0.4, 1e-12);
+  ASSERT_TRUE(window.RecordAcknowledgement(3, 0b11, 9, report));
+  EXPECT_EQ(report.acknowledged, 0U);
+  EXPECT_EQ(report.roundTrip, -1);
+  ASSERT_TRUE(window.RecordAcknowledgement(0, 0, 9, report)) << "a client that has heard nothing yet";
+  EXPECT_EQ(report.acknowledged, 0U);
+}
+
+TEST(SentWindow, RefusesWhatWasNeverSent) {
+  SentWindow window;
+  SentWindow::Report report;
+  EXPECT_FALSE(window.RecordAcknowledgement(1, 0, 0, report));
+  static_cast<void>(window.RecordSent(0));
+  EXPECT_FALSE(window.RecordAcknowledgement(2, 1, 0, report)) << "the newest";
+  EXPECT_FALSE(window.RecordAcknowledgement(0xFFFFFFFF, ~std::uint64_t{0}, 0, report));
+  EXPECT_FALSE(window.RecordAcknowledgement(1, 1, 0, report)) << "packet 0, in the history";
+  EXPECT_FALSE(window.RecordAcknowledgement(0, 1, 0, report));
+  ASSERT_TRUE(window.RecordAcknowledgement(1, 0, 0, report));
+  EXPECT_EQ(report.acknowledged, 1U) << "the refused ones changed nothing";
+  while (window.Newest() < 65) static_cast<void>(window.RecordSent(0));
+  EXPECT_FALSE(window.RecordAcknowledgement(64, std::uint64_t{1} << 63, 0, report));
+  EXPECT_TRUE(window.RecordAcknowledgement(65, std::uint64_t{1} << 63, 0, report)) << "packet 1";
+}
+
+TEST(SentWindow, AnOldAcknowledgementDoesNotTouchANewSlot) {
+  SentWindow window;
+  for (int i = 0; i < 1000; ++i) static_cast<void>(window.RecordSent(0.01 * i));
+  SentWindow::Report report;
+  ASSERT_TRUE(window.RecordAcknowledgement(500, ~std::uint64_t{0}, 10, report));
+  EXPECT_EQ(report.acknowledged, 0U);
+  ASSERT_TRUE(window.RecordAcknowledgement(1000, ~std::uint64_t{0}, 10, report));
+  EXPECT_EQ(report.acknowledged, 65U);
+}
+
+// What both windows make of `packets` packets over a link that drops this share each way and swaps neighbours.
+double FindLossShare(double dropShare, int packets, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> chance(0, 1);
+  SentWindow sent;
+  ReceivedWindow received;
+  std::uint32_t delayed = 0;
+  unsigned acknowledged = 0, arrived = 0;
+  for (int i = 0; i < packets; ++i) {
+    const std::uint32_t sequence = sent.RecordSent(0.033 * i);
+    const bool dropped = chance(random) < dropShare;
+    if (!dropped && delayed == 0 && chance(random) < 0.1) {
+      delayed = sequence;
+    } else {
+      for (const std::uint32_t each : {dropped ? 0U : sequence, delayed}) {
+        if (each != 0 && received.Record(each) == Arrival::kNew) ++arrived;
+      }
+      delayed = 0;
+    }
+    if (chance(random) < dropShare) continue;  // the acknowledgement is lost
+    SentWindow::Report report;
+    EXPECT_TRUE(sent.RecordAcknowledgement(received.Newest(), received.History(), 0.033 * i, report));
+    acknowledged += report.acknowledged;
+  }
+  EXPECT_NEAR(acknowledged, arrived, 20) << "lost acknowledgements cost nothing but the last few";
+  return sent.LossShare();
+}
+
+TEST(SentWindow, LossShareFollowsTheLink) {
+  EXPECT_EQ(FindLossShare(0, 2000, 1), 0);
+  // Smoothed over 128 packets: a standard deviation of sqrt(0.2 · 0.8 / 255) = 0.025; the mean of many seeds is close.
+  double sum = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    const double share = FindLossShare(0.2, 2000, seed);
+    EXPECT_NEAR(share, 0.2, 0.1) << "seed " << seed;
+    sum += share;
+  }
+  EXPECT_NEAR(sum / 40, 0.2, 0.015);
+}
+
+}  // namespace
+}  // namespace wobble::protocol
