@@ -61,7 +61,7 @@ inline constexpr double kHelloTimeout = 3;
 inline constexpr double kSilenceTimeout = 8;
 inline constexpr double kInputHold = 0.1;
 
-// Messages a client may get wrong within a sliding second before it is sent away.
+// Messages a client may get wrong within a second, counted from the first wrong one, before it is sent away.
 inline constexpr unsigned kMaxBadMessagesPerSecond = 20;
 
 }  // namespace wobble::protocol

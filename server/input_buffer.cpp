@@ -1,18 +1,18 @@
 #include "server/input_buffer.h"
 
 #include <algorithm>
+#include <cassert>
 
 namespace wobble::server {
 
 using protocol::wire::InputFrame;
 
-bool InputBuffer::Push(const InputFrame& frame, std::uint32_t currentTick) {
-  if (frame.tick() > currentTick + protocol::kMaxInputLeadTicks) return false;
+void InputBuffer::Push(const InputFrame& frame, std::uint32_t currentTick) {
+  assert(IsNear(frame, currentTick));
   // Older than the buffer is long: a copy sent for redundancy, or a client that hung.
-  if (frame.tick() <= NewestUsed() || frame.tick() + protocol::kMaxInputLeadTicks <= currentTick) return true;
+  if (frame.tick() <= NewestUsed() || frame.tick() + protocol::kMaxInputLeadTicks <= currentTick) return;
   m_waiting[frame.tick() % m_waiting.size()] = frame;
   m_newestWaiting = std::max(m_newestWaiting, frame.tick());
-  return true;
 }
 
 InputFrame InputBuffer::Take(std::uint32_t tick, std::uint32_t holdTicks) {

@@ -10,9 +10,14 @@ namespace wobble::server {
 
 class InputBuffer {
  public:
-  // Keeps a frame that is newer than what the world has used. A frame meant for a tick that has passed is used at the
-  // next one; one too far ahead is refused (false), since it would never come round for an honest client.
-  [[nodiscard]] bool Push(const protocol::wire::InputFrame& frame, std::uint32_t currentTick);
+  // Not further ahead than an honest client's clock can be.
+  [[nodiscard]] static bool IsNear(const protocol::wire::InputFrame& frame, std::uint32_t currentTick) {
+    return frame.tick() <= currentTick + protocol::kMaxInputLeadTicks;
+  }
+
+  // Keeps a near frame that is newer than what the world has used. One meant for a tick that has passed is used at the
+  // next.
+  void Push(const protocol::wire::InputFrame& frame, std::uint32_t currentTick);
 
   // The input for `tick`: the newest frame that is due, with every button pressed in frames that became due with it,
   // so that a short press between two ticks is not lost. Without a new one the last is held for holdTicks, then

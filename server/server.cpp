@@ -218,6 +218,7 @@ void Server::ForgetPlayer(Session& session, bool unasked) {
   if (unasked) spdlog::info("client {} ({}) was lost", session.clientId, session.name);
   if (session.body != 0) m_world.RemoveBody(session.body);
   Broadcast(protocol::MakeEvent(EventKind::Leave, m_world.Tick(), session.clientId, session.body, session.name));
+  if (session.body != 0) Broadcast(protocol::MakeEvent(EventKind::BodyRemoved, m_world.Tick(), 0, session.body, ""));
   session.body = 0;
 }
 

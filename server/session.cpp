@@ -51,14 +51,15 @@ MessageEffect TakeHello(Session& session, const protocol::wire::Hello& hello, do
 
 MessageEffect TakeInput(Session& session, const protocol::wire::Input& input, std::uint32_t currentTick, double now) {
   if (session.state != Session::State::kPlaying) return Drop(session, DropReason::kOutOfOrder, now);
+  for (const protocol::wire::InputFrame* frame : *input.frames()) {
+    if (!InputBuffer::IsNear(*frame, currentTick)) return Drop(session, DropReason::kFutureInput, now);
+  }
   protocol::SentWindow::Report report;
   if (!session.subscription.sent.RecordAcknowledgement(input.acked_sequence(), input.acked_history(), now, report)) {
     return Drop(session, DropReason::kBadAcknowledgement, now);
   }
   if (report.roundTrip >= 0) session.roundTrip = report.roundTrip;
-  for (const protocol::wire::InputFrame* frame : *input.frames()) {
-    if (!session.inputs.Push(*frame, currentTick)) return Drop(session, DropReason::kFutureInput, now);
-  }
+  for (const protocol::wire::InputFrame* frame : *input.frames()) session.inputs.Push(*frame, currentTick);
   return {};
 }
 

@@ -63,7 +63,7 @@ const std::vector<Layer> kLayers{
     {"client/terminal/", {"client/", "protocol/"}, Join(kSystem, {"CLI/"}), {}},
     {"client/web/", {"client/", "protocol/"}, Join(kSystem, {"CLI/", "boost/", "emscripten"}), {}},
     {"client/main.cpp", {"client/", "protocol/"}, Join(kSystem, {"CLI/", "nlohmann/"}), {}},
-    {"client/play.", {"client/", "protocol/"}, Join(kSystem, {"CLI/", "nlohmann/"}), {}},
+    {"client/play/", {"client/", "protocol/"}, Join(kSystem, {"CLI/", "nlohmann/"}), {}},
     {"client/",
      {"client/", "protocol/acknowledgement.h", "protocol/bits.h", "protocol/geometry.h", "protocol/limits.h",
       "protocol/messages", "protocol/pose.h", "protocol/shape_codec.h", "protocol/snapshot.h",
