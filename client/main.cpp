@@ -70,10 +70,10 @@ struct BotsWords {
 CLI::App* DescribeBots(CLI::App& app, bots::LoadTestOptions& options, BotsWords& words) {
   CLI::App* command =
       app.add_subcommand("bots", "Runs scripted players against a server and measures how they are served");
-  command->add_option("server", words.address, "The server")->required()->type_name("HOST:PORT");
+  // Not required() of CLI11: it would complain of that even when an unknown option is the fault.
+  command->add_option("server", words.address, "The server")->type_name("HOST:PORT REQUIRED");
   command->add_option("--script", options.scriptFile, "Lua file, or the name of a shipped one: idle.lua, wander.lua")
-      ->required()
-      ->type_name("FILE");
+      ->type_name("FILE REQUIRED");
   command->add_option("--count", options.count, "Bots")->check(Within(1, bots::kMaxBots))->capture_default_str();
   command->add_option("--ramp", options.ramp, "Seconds over which they join")
       ->check(Within(0, bots::kMaxDuration))
@@ -111,6 +111,11 @@ bool Understand(const BotsWords& words, bots::LoadTestOptions& options, std::str
     error = std::string(option) + ": " + error;
     return false;
   };
+  if (words.address.empty() || options.scriptFile.empty()) {
+    error = words.address.empty() ? "HOST:PORT of the server is required (see wobble bots --help)"
+                                  : "--script is required (see wobble bots --help)";
+    return false;
+  }
   const auto address = bots::ParseAddress(words.address, error);
   if (!address) return blame("server");
   const auto share = bots::ParseDecodeShare(words.decodeShare, error);
@@ -152,9 +157,9 @@ int Run(int argc, char** argv) {
   bots::LoadTestOptions botsOptions;
   BotsWords words;
   play::PlayOptions playOptions;
-  const CLI::App* botsCommand = DescribeBots(app, botsOptions, words);
-  DescribePlay(app, playOptions);
-  app.set_version_flag("--version", "wobble " WOBBLE_VERSION);
+  CLI::App* botsCommand = DescribeBots(app, botsOptions, words);
+  CLI::App* playCommand = DescribePlay(app, playOptions);
+  for (CLI::App* each : {&app, botsCommand, playCommand}) each->set_version_flag("--version", "wobble " WOBBLE_VERSION);
   app.footer("Examples:\n  wobble play --for 20\n  wobble bots --help");
   try {
     app.parse(argc, argv);

@@ -5,28 +5,28 @@
 namespace wobble::server {
 namespace {
 
-void Check(std::vector<std::string>& errors, const char* option, double value, double low, double high) {
-  if (value >= low && value <= high) return;
+void Check(std::vector<std::string>& errors, const char* option, double value, Range range) {
+  if (value >= range.low && value <= range.high) return;
   const auto print = [](double number) {
     std::string text = std::to_string(number);
     text.erase(text.find_last_not_of('0') + 1);
     if (text.back() == '.') text.pop_back();
     return text;
   };
-  errors.push_back(std::string(option) + " " + print(value) + ": must be " + print(low) + " to " + print(high));
+  errors.push_back(std::string(option) + " " + print(value) + ": must be " + print(range.low) + " to " + print(range.high));
 }
 
 }  // namespace
 
 std::vector<std::string> Validate(const Config& config, const scenes::Scene& scene) {
   std::vector<std::string> errors;
-  Check(errors, "--port", config.port, 1, 65535);
-  Check(errors, "--tick-hz", config.tickHz, 10, 480);
-  Check(errors, "--snapshot-hz", config.snapshotHz, 1, config.tickHz);
-  Check(errors, "--max-clients", config.maxClients, 1, 4000);
-  Check(errors, "--max-per-address", config.maxPerAddress, 0, 4000);
-  Check(errors, "--threads", config.threads, 1, 256);
-  Check(errors, "--client-kbit", config.clientKbit, 32, 100000);
+  Check(errors, "--port", config.port, kPortRange);
+  Check(errors, "--tick-hz", config.tickHz, kTickHzRange);
+  Check(errors, "--snapshot-hz", config.snapshotHz, {kSnapshotHzRange.low, static_cast<double>(config.tickHz)});
+  Check(errors, "--max-clients", config.maxClients, kMaxClientsRange);
+  Check(errors, "--max-per-address", config.maxPerAddress, kMaxPerAddressRange);
+  Check(errors, "--threads", config.threads, kThreadsRange);
+  Check(errors, "--client-kbit", config.clientKbit, kClientKbitRange);
 
   for (const physics::BallDefinition& blueprint : scene.blueprints) {
     const std::size_t vertices = physics::CountVertices(blueprint.subdivisions);

@@ -9,6 +9,17 @@
 
 namespace wobble::server {
 
+struct Range {
+  double low = 0, high = 0;
+};
+inline constexpr Range kPortRange{1, 65535};
+inline constexpr Range kTickHzRange{10, 480};
+inline constexpr Range kSnapshotHzRange{1, 480};  // and at most tickHz
+inline constexpr Range kMaxClientsRange{1, 4000};
+inline constexpr Range kMaxPerAddressRange{0, 4000};
+inline constexpr Range kThreadsRange{1, 256};
+inline constexpr Range kClientKbitRange{32, 100000};
+
 struct Config {
   std::uint16_t port = 7777;    // UDP
   int tickHz = 60;

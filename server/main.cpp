@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -28,6 +29,9 @@ constexpr std::size_t kSpareConnections = 8;
 // After the last tick, how long goodbyes may take to be acknowledged, s.
 constexpr double kCloseTime = 1;
 
+constexpr server::Range kDurationRange{0, 1e6};  // s, eleven days
+constexpr server::Range kSeedRange{0, 9007199254740992.0};  // 2^53: exact as a number in JSON too
+
 struct Options {
   server::Config config;
   std::string scene = "arena";
@@ -36,6 +40,7 @@ struct Options {
   std::string logLevel = "info";
   std::string summaryFile;
   bool listScenes = false;
+  std::vector<std::string> errors;  // a line for every number that cannot be used
 };
 
 volatile std::sig_atomic_t g_stop = 0;
@@ -51,25 +56,46 @@ std::filesystem::path FindSceneFolder() {
   return std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / "scenes";
 }
 
+// A bad number is noted rather than thrown, so that all of them are named at once, each with its range.
+template <class Number>
+void AddNumber(CLI::App& app, const char* name, server::Range range, Number& value, const char* description,
+               std::vector<std::string>& errors) {
+  const auto read = [name, range, &value, &errors](const std::string& text) {
+    Number number{};
+    const auto [end, result] = std::from_chars(text.data(), text.data() + text.size(), number);
+    const bool isWhole = result == std::errc{} && end == text.data() + text.size();
+    if (isWhole && static_cast<double>(number) >= range.low && static_cast<double>(number) <= range.high) {
+      value = number;
+    } else {
+      errors.push_back(fmt::format("{} {}: must be {} to {}", name, text, range.low, range.high));
+    }
+  };
+  app.add_option_function<std::string>(name, read, description)
+      ->type_name(fmt::format("{} to {}", range.low, range.high))
+      ->default_str(fmt::format("{}", value));
+}
+
 void DescribeOptions(CLI::App& app, Options& options) {
   server::Config& config = options.config;
+  const auto addNumber = [&](const char* name, server::Range range, auto& value, const char* description) {
+    AddNumber(app, name, range, value, description, options.errors);
+  };
   app.description("wobbled hosts a world of soft bodies for many players.");
   app.set_version_flag("--version", "wobbled " WOBBLE_VERSION);
   app.add_option("--scene", options.scene, "Name of a shipped scene, or a path to a .toml file")->capture_default_str();
-  app.add_option("--port", config.port, "UDP port")->capture_default_str();
-  app.add_option("--tick-hz", config.tickHz, "Steps of the world a second")->capture_default_str();
-  app.add_option("--snapshot-hz", config.snapshotHz, "Snapshots a second, at most --tick-hz")->capture_default_str();
-  app.add_option("--max-clients", config.maxClients, "Players and spectators at once")->capture_default_str();
-  app.add_option("--max-per-address", config.maxPerAddress, "Of one IP address; 0: as many as --max-clients")
-      ->capture_default_str();
-  app.add_option("--threads", config.threads, "Threads that step bodies")->capture_default_str();
-  app.add_option("--client-kbit", config.clientKbit, "Snapshot budget of a client, kbit/s with headers")
-      ->capture_default_str();
-  app.add_option("--for", options.runFor, "Seconds to run; 0: until Ctrl-C")->capture_default_str();
-  app.add_option("--seed", config.seed, "Of the scene's random placement")->capture_default_str();
+  addNumber("--port", server::kPortRange, config.port, "UDP port");
+  addNumber("--tick-hz", server::kTickHzRange, config.tickHz, "Steps of the world a second");
+  addNumber("--snapshot-hz", server::kSnapshotHzRange, config.snapshotHz, "Snapshots a second, at most --tick-hz");
+  addNumber("--max-clients", server::kMaxClientsRange, config.maxClients, "Players and spectators at once");
+  addNumber("--max-per-address", server::kMaxPerAddressRange, config.maxPerAddress,
+            "Of one IP address; 0: as many as --max-clients");
+  addNumber("--threads", server::kThreadsRange, config.threads, "Threads that step bodies");
+  addNumber("--client-kbit", server::kClientKbitRange, config.clientKbit,
+            "Snapshot budget of a client, kbit/s with headers");
+  addNumber("--for", kDurationRange, options.runFor, "Seconds to run; 0: until Ctrl-C");
+  addNumber("--seed", kSeedRange, config.seed, "Of the scene's random placement");
   app.add_option("--log-level", options.logLevel, "debug, info, warn, error or off")->capture_default_str();
-  app.add_option("--status", options.statusEvery, "Seconds between status lines on stdout; 0: none")
-      ->default_str("1 on a terminal, else 0");
+  addNumber("--status", kDurationRange, options.statusEvery, "Seconds between status lines on stdout; 0: none");
   app.add_option("--summary", options.summaryFile, "File to write a summary of the run to, as JSON");
   app.add_flag("--list-scenes", options.listScenes, "Names of shipped scenes");
   app.footer(
@@ -158,7 +184,8 @@ bool WriteSummary(const std::string& path, const std::string& summary) {
 
 int RunServer(const Options& options) {
   scenes::LoadResult loaded = scenes::LoadScene(options.scene, FindSceneFolder());
-  if (!loaded.errors.empty()) {
+  if (!options.errors.empty() || !loaded.errors.empty()) {
+    Complain(options.errors);
     Complain(loaded.errors);
     return kBadUsage;
   }

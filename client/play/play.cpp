@@ -33,6 +33,8 @@ constexpr int kBadUse = 2;
 constexpr double kStartPatience = 30;
 constexpr double kEndPatience = 5;
 constexpr double kStatusEvery = 1;
+// The children's own status lines of a second are given this long to arrive.
+constexpr double kStatusLag = 0.1;
 
 double ReadClock() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -103,8 +105,9 @@ int Play::Run() {
   }
   if (!StartServer() || !AwaitServer()) {
     EndStatusLine();
+    if (m_server.ExitCode() == kBadUse) return kBadUse;  // the server has said what is wrong
     for (const std::string& failure : m_failures) std::fprintf(stderr, "wobble play: %s\n", failure.c_str());
-    return m_server.ExitCode() == kBadUse ? kBadUse : m_failures.empty() ? kGood : kFailed;
+    return m_failures.empty() ? kGood : kFailed;
   }
   const std::string self = std::filesystem::proximate(m_options.programFolder / "wobble").string();
   std::printf(
@@ -169,11 +172,10 @@ bool Play::AwaitServer() {
 
 void Play::Watch() {
   const double begin = ReadClock();
-  double nextStatus = begin + kStatusEvery;
-  while (!m_stopAsked()) {
-    const double left = m_options.duration > 0 ? begin + m_options.duration - ReadClock() : INFINITY;
-    if (left <= 0) return;
-    Update(std::min(nextStatus, ReadClock() + left));
+  const double end = m_options.duration > 0 ? begin + m_options.duration : INFINITY;
+  double nextStatus = begin + kStatusEvery + kStatusLag;
+  while (!m_stopAsked() && ReadClock() < end) {
+    Update(std::min(nextStatus, end));
     if (!m_server.IsRunning()) {
       return Fail("the server ended early with exit code " + std::to_string(m_server.ExitCode().value_or(0)));
     }
@@ -182,7 +184,7 @@ void Play::Watch() {
     }
     if (ReadClock() < nextStatus) continue;
     nextStatus += kStatusEvery;
-    ShowStatus(left);
+    ShowStatus(end - ReadClock());
   }
 }
 

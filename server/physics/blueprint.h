@@ -22,7 +22,7 @@ struct FieldError {
 struct Material {
   double mass = 8;             // of the whole body, kg
   double stiffness = 150;      // of each spring, N/m
-  double dampingRatio = 0.02;  // of each spring between its two masses alone, 1: critical
+  double dampingRatio = 0.2;   // of each spring between its two masses alone, 1: critical
   double gas = 250;            // nRT of the gas inside, J
   double ambientPressure = 0;  // outside, Pa; the gas pushes with nRT/V minus this
   double friction = 0.8;       // Coulomb's coefficient, static and kinetic

@@ -45,12 +45,6 @@ Bounds<Real> FindBounds(std::span<const Vector3<Real>> x, std::span<const Vector
   return {low + half, std::sqrt(half.dot(half)), std::sqrt(speed)};
 }
 
-// √(μ_body μ_surface); the surface holds its root already.
-template <class Real>
-Real CombineFriction(const ContactParameters<Real>& parameters, const Surface<Real>& surface) {
-  return std::sqrt(parameters.friction) * surface.friction;
-}
-
 }  // namespace
 
 ContactParameters<double> MakeContactParameters(const Material& material, double vertexMass, double size) {
@@ -130,7 +124,7 @@ void AddContacts(const ContactParameters<Real>& parameters, std::span<const Surf
       const Vector3<Real> slip = x[contact.vertex] - contact.anchor;
       pull += parameters.stickStiffness * RemoveNormalPart<Real>(slip, point.normal);
     }
-    const Real limit = CombineFriction(parameters, surface) * normalForce;
+    const Real limit = parameters.friction * surface.friction * normalForce;
     const Real strength = std::sqrt(pull.dot(pull));
     if (strength > limit) pull *= limit / strength;
     forces[contact.vertex] += normalForce * point.normal - pull;
@@ -152,7 +146,7 @@ void UpdateAnchors(const ContactParameters<Real>& parameters, std::span<const Su
       continue;
     }
     const Vector3<Real> slip = RemoveNormalPart<Real>(x[contact.vertex] - contact.anchor, point.normal);
-    const Real limit = CombineFriction(parameters, surface) * ComputePenalty(parameters, depth);
+    const Real limit = parameters.friction * surface.friction * ComputePenalty(parameters, depth);
     const Real strength = parameters.stickStiffness * std::sqrt(slip.dot(slip));
     if (strength > limit) contact.anchor = x[contact.vertex] - slip * (limit / strength);
   }

@@ -8,7 +8,7 @@ template <class Real>
 Surface<Real> MakeSurface(const Obstacle& obstacle, const Vector3d& origin) {
   Surface<Real> surface;
   surface.kind = obstacle.kind;
-  surface.friction = static_cast<Real>(std::sqrt(obstacle.friction));
+  surface.friction = static_cast<Real>(obstacle.friction);
   if (obstacle.kind == Obstacle::Kind::kPlane) {
     surface.normal = obstacle.normal.cast<Real>();
     surface.offset = static_cast<Real>(obstacle.offset - obstacle.normal.dot(origin));

@@ -15,7 +15,7 @@ struct Obstacle {
   double offset = 0;                             // plane: normal · x on it, m
   Vector3d centre = Vector3d::Zero();            // box, parallel to the axes, m
   Vector3d halfExtents = Vector3d::Ones();       // box, m, each at least kMinHalfExtent
-  double friction = 1;                           // with a body's own: the geometric mean counts
+  double friction = 1;                           // times the coefficient of the body that touches it
 };
 
 // Edges and corners of boxes are rounded by this radius, m: inside a sharp box the nearest face, and with it the
@@ -32,7 +32,7 @@ struct Surface {
   Real offset = 0;
   Vector3<Real> centre = Vector3<Real>::Zero();
   Vector3<Real> halfExtents = Vector3<Real>::Ones();
-  Real friction = 0;  // root of the obstacle's coefficient, to be multiplied with the root of the body's
+  Real friction = 0;  // factor on the body's coefficient
 };
 
 template <class Real>

@@ -5,6 +5,7 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -84,7 +85,9 @@ struct World::Scratch {
 };
 
 struct World::Threads {
-  explicit Threads(int count) : arena(count) {}
+  explicit Threads(int count)
+      : limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count)), arena(count) {}
+  tbb::global_control limit;  // also lets there be more threads than cores, for tests
   tbb::task_arena arena;
   tbb::enumerable_thread_specific<Scratch> scratch;
 };

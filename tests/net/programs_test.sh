@@ -1,0 +1,340 @@
+#!/usr/bin/env bash
+# The programs as a person runs them: real processes, real sockets, exit codes and the lines that people read.
+#
+#   bash programs_test.sh CASE BIN_DIR
+#
+# Exit code 0: the case holds; 1: it does not, and what was expected and what came instead is printed. Each case has a
+# UDP port of its own. Nothing waits for a number of seconds to be enough: sanitizer builds take several times as long.
+set -uo pipefail
+
+readonly case_name="${1:?usage: programs_test.sh CASE BIN_DIR}"
+bin="$(cd "${2:?usage: programs_test.sh CASE BIN_DIR}" && pwd)" || exit 1
+readonly bin
+folder="$(mktemp -d)" || exit 1
+readonly folder
+readonly out="$folder/out" err="$folder/err" # of the latest expect_exit
+readonly patience=60                         # seconds after which anything is hung
+started=()                                   # processes in the background
+
+clean_up() {
+  local pid
+  for pid in ${started[@]+"${started[@]}"}; do kill -KILL "$pid" 2>/dev/null; done
+  wait 2>/dev/null
+  rm -rf "$folder"
+}
+trap clean_up EXIT
+trap 'exit 1' HUP INT TERM
+
+# fail EXPECTED FILE...: ends the case, showing what came instead.
+fail() {
+  echo "FAILED $case_name: expected $1; came:"
+  shift
+  for file in "$@"; do sed "s|^|  ${file##*/}: |" "$file"; done
+  exit 1
+}
+
+# start NAME PROGRAM ARGUMENT...: in the background, writing to NAME.out and NAME.err. Its process is $pid.
+start() {
+  local name="$1"
+  shift
+  "$bin/$1" "${@:2}" >"$folder/$name.out" 2>"$folder/$name.err" &
+  pid=$!
+  started+=("$pid")
+}
+
+# wait_for_line NAME PATTERN: until the program started under NAME has written it.
+wait_for_line() {
+  local tries
+  for ((tries = 0; tries < patience * 10; ++tries)); do
+    grep -q -e "$2" "$folder/$1.out" && return
+    kill -0 "$pid" 2>/dev/null || break
+    sleep 0.1
+  done
+  fail "a line '$2' from $1" "$folder/$1.out" "$folder/$1.err"
+}
+
+# start_server ARGUMENT...: returns when it listens.
+start_server() {
+  start server wobbled --log-level warn "$@"
+  server=$pid
+  wait_for_line server '^listening on UDP port'
+}
+
+# expect_end NAME PID EXIT_CODE [SECONDS]: of a program in the background.
+expect_end() {
+  local tries limit="${4:-$patience}" code
+  for ((tries = 0; tries < limit * 10; ++tries)); do
+    kill -0 "$2" 2>/dev/null || break
+    sleep 0.1
+  done
+  kill -0 "$2" 2>/dev/null && fail "$1 to end within $limit s" "$folder/$1.out" "$folder/$1.err"
+  wait "$2"
+  code=$?
+  [ "$code" -eq "$3" ] || fail "exit code $3 of $1, not $code" "$folder/$1.out" "$folder/$1.err"
+}
+
+# expect_exit EXIT_CODE PROGRAM ARGUMENT...
+expect_exit() {
+  local code
+  timeout -k 5 "$patience" "$bin/$2" "${@:3}" >"$out" 2>"$err"
+  code=$?
+  [ "$code" -eq "$1" ] || fail "exit code $1 of '${*:2}', not $code" "$out" "$err"
+}
+
+# expect_line FILE PATTERN
+expect_line() { grep -q -e "$2" "$1" || fail "a line '$2' in ${1##*/}" "$1"; }
+
+# expect_lines FILE COUNT
+expect_lines() { [ "$(wc -l <"$1")" -eq "$2" ] || fail "$2 lines in ${1##*/}" "$1"; }
+
+# expect_refusal PATTERN PROGRAM ARGUMENT...: one clear line on standard error, nothing else, exit code 2.
+expect_refusal() {
+  expect_exit 2 "${@:2}"
+  expect_lines "$err" 1
+  expect_line "$err" "$1"
+  [ ! -s "$out" ] || fail "nothing on standard output of '${*:2}'" "$out"
+}
+
+# expect_figure SUMMARY KEY CONDITION: such as '== 32', '> 0'.
+expect_figure() {
+  local value
+  value="$(sed -n "s/^  \"$2\": \(-\{0,1\}[0-9][0-9.e+-]*\),\{0,1\}$/\1/p" "$1")"
+  [ -n "$value" ] && awk "BEGIN { exit !($value $3) }" || fail "$2 $3 in ${1##*/}" "$1"
+}
+
+# expect_keys SUMMARY KEY...
+expect_keys() {
+  local key
+  for key in "${@:2}"; do grep -q "^  \"$key\": " "$1" || fail "the key $key in ${1##*/}" "$1"; done
+}
+
+# list_processes PORT: our own programs that have anything to do with this port.
+list_processes() {
+  local file line
+  for file in /proc/[0-9]*/cmdline; do
+    line="$({ tr '\0' ' ' <"$file"; } 2>/dev/null)" || continue
+    [[ $line == "$bin/wobble"* && $line == *"$1"* ]] && echo "$line"
+  done
+}
+
+expect_no_processes() {
+  list_processes "$1" >"$folder/processes"
+  [ ! -s "$folder/processes" ] || fail "no process left over" "$folder/processes"
+}
+
+case_hosts_32_bots() {
+  start_server --scene arena --port 7810 --for 14 --summary "$folder/a.json"
+  expect_exit 0 wobble bots 127.0.0.1:7810 --script "$bin/scripts/wander.lua" --count 32 --ramp 2 --for 8 \
+    --threshold 'disconnects==0' --summary "$folder/b.json"
+  expect_line "$out" '^threshold disconnects==0: holds, it is 0$'
+  expect_end server "$server" 0
+
+  expect_keys "$folder/a.json" ticks tick_ms_p50 tick_ms_p99 tick_ms_max overruns bodies awake_mean clients_peak joins \
+    disconnects bytes_out bits_per_vertex snapshot_error_rms non_finite inverted quarantined state_hash
+  expect_figure "$folder/a.json" ticks '> 400'
+  expect_figure "$folder/a.json" tick_ms_p50 '> 0'
+  expect_figure "$folder/a.json" bodies '>= 12'
+  expect_figure "$folder/a.json" awake_mean '> 12'
+  expect_figure "$folder/a.json" clients_peak '== 32'
+  expect_figure "$folder/a.json" joins '== 32'
+  expect_figure "$folder/a.json" disconnects '== 0'
+  expect_figure "$folder/a.json" bytes_out '> 100000'
+  expect_figure "$folder/a.json" bits_per_vertex '> 0'
+  expect_figure "$folder/a.json" snapshot_error_rms '> 0'
+  expect_figure "$folder/a.json" snapshot_error_rms '<= 0.25' # the encoder's target, % of a body's size
+  expect_figure "$folder/a.json" non_finite '== 0'
+  expect_line "$folder/a.json" '^  "state_hash": "[0-9a-f]\{16\}"$'
+
+  expect_keys "$folder/b.json" bots connected join_ms_p99 disconnects snapshots snapshot_age_ms_p50 \
+    snapshot_age_ms_p99 input_to_snapshot_ms_p50 stalls kbit_per_s_per_bot decode_us_p99 late_ms_p99 thresholds
+  expect_figure "$folder/b.json" bots '== 32'
+  expect_figure "$folder/b.json" connected '== 32'
+  expect_figure "$folder/b.json" disconnects '== 0'
+  expect_figure "$folder/b.json" script_errors '== 0'
+  expect_figure "$folder/b.json" snapshots '> 1000'
+  expect_figure "$folder/b.json" kbit_per_s_per_bot '> 0'
+  expect_figure "$folder/b.json" input_to_snapshot_ms_p50 '> 0'
+}
+
+case_threshold_fails() {
+  start_server --port 7811
+  expect_exit 99 wobble bots 127.0.0.1:7811 --script idle.lua --count 2 --for 2 \
+    --threshold 'connected==2' --threshold 'disconnects>7' --summary "$folder/b.json"
+  expect_line "$out" '^threshold connected==2: holds, it is 2$'
+  expect_line "$out" '^threshold disconnects>7: FAILED, it is 0$'
+  expect_line "$folder/b.json" '"rule": "disconnects>7"'
+  expect_line "$folder/b.json" '"ok": false'
+}
+
+case_play_ends_by_itself() {
+  expect_exit 0 wobble play --for 4 --port 7812
+  expect_line "$out" '^scene arena on UDP port 7812'
+  expect_line "$out" ' s left | .* clients 6 .* | bots 6/6'
+  expect_line "$out" '^server: .* 6 joins, 0 disconnects, 0 non-finite'
+  expect_line "$out" '^bots: 6 of 6 connected, 0 disconnects, 0 script errors'
+  expect_line "$out" '^all went well$'
+  if grep -q $'\e' "$out" "$err"; then fail "no colours away from a terminal" "$out" "$err"; fi
+  expect_no_processes 7812
+}
+
+case_play_ends_on_interrupt() {
+  start play wobble play --port 7813
+  wait_for_line play 'bots 6/6'
+  [ "$(list_processes 7813 | wc -l)" -eq 3 ] || fail "play, server and bots to run" <(list_processes 7813)
+  kill -INT "$pid"
+  expect_end play "$pid" 0 5
+  expect_line "$folder/play.out" '^server: .* 6 joins, 0 disconnects, 0 non-finite'
+  expect_line "$folder/play.out" '^all went well$'
+  expect_no_processes 7813
+}
+
+case_port_in_use() {
+  start_server --port 7814
+  expect_refusal '^wobbled: port 7814 (UDP) is in use$' wobbled --port 7814
+  expect_refusal 'port 7814 (UDP) is in use$' wobble play --port 7814 --for 5
+}
+
+case_unknown_option() {
+  local program
+  for program in wobbled wobble 'wobble bots' 'wobble play'; do
+    # shellcheck disable=SC2086  # program and command are two words
+    expect_refusal "--frobnicate.*$program --help\|--frobnicate.*wobble --help" $program --frobnicate
+  done
+  expect_refusal 'dance' wobble dance
+  expect_refusal 'command is required, bots or play' wobble
+  expect_refusal '^wobble bots: HOST:PORT of the server is required' wobble bots
+  expect_refusal '^wobble bots: --script is required' wobble bots 127.0.0.1:7815
+  expect_refusal "'nowhere' is no HOST:PORT" wobble bots nowhere --script idle.lua
+  expect_refusal '^wobbled: --port 99999: must be 1 to 65535$' wobbled --port 99999
+  expect_refusal '^wobbled: --for -3: must be 0 to 1000000$' wobbled --for -3
+  expect_refusal '^wobbled: --for nan: must be 0 to 1000000$' wobbled --for nan
+  expect_refusal '^wobbled: --snapshot-hz 90: must be 1 to 60$' wobbled --port 7815 --snapshot-hz 90
+  expect_refusal '^wobbled: --log-level loud: must be one of' wobbled --log-level loud
+  expect_refusal '^wobbled: --summary /no/such/file: cannot be written$' wobbled --port 7815 --summary /no/such/file
+  expect_refusal "^wobble: --count: '0' is not 1 to 10000" wobble bots 127.0.0.1:7815 --script idle.lua --count 0
+  expect_refusal "unknown key 'joy'" wobble bots 127.0.0.1:7815 --script idle.lua --threshold 'joy>1'
+
+  expect_exit 2 wobbled --tick-hz fast --threads 0 --scene nowhere # all that is wrong, a line each
+  expect_lines "$err" 3
+  expect_line "$err" '^wobbled: --tick-hz fast: must be 10 to 480$'
+  expect_line "$err" '^wobbled: --threads 0: must be 1 to 256$'
+}
+
+case_bad_scene() {
+  cat >"$folder/bad.toml" <<'TOML'
+[[obstacle]]
+kind = "plane"
+friction = -1
+
+[[blueprint]]
+name = "ball"
+mass = 0
+
+[player]
+blueprint = "bal"
+TOML
+  expect_exit 2 wobbled --port 7816 --scene "$folder/bad.toml"
+  expect_lines "$err" 3
+  expect_line "$err" '^wobbled: bad.toml:3: friction = -1: must be 0 to 10$'
+  expect_line "$err" '^wobbled: bad.toml:7: mass = 0\(\.0\)\{0,1\}: must be 0.001 to 1000000 kg$'
+  expect_line "$err" "^wobbled: bad.toml:10: blueprint = 'bal': must be one of: ball$"
+  [ ! -s "$out" ] || fail "nothing to listen" "$out"
+  expect_refusal "scene 'aren' is not known; one of: arena, ball_drop, crowd" wobbled --port 7816 --scene aren
+  expect_refusal "scene file '$folder/none.toml' cannot be read" wobbled --port 7816 --scene "$folder/none.toml"
+  printf 'gravity = \n' >"$folder/bad.toml"
+  expect_refusal '^wobbled: bad.toml:1: ' wobbled --port 7816 --scene "$folder/bad.toml"
+}
+
+case_no_server() {
+  expect_refusal '^wobble bots: no server answers at 127.0.0.1:7817$' \
+    wobble bots 127.0.0.1:7817 --script idle.lua --count 3
+}
+
+case_wrong_version() {
+  start_server --port 7818
+  expect_refusal 'wrong protocol version: server speaks version [0-9]*, client 9$' \
+    wobble bots 127.0.0.1:7818 --script idle.lua --protocol-version 9
+}
+
+case_broken_script() {
+  printf 'function run(bot)\n  bot:move(1 0)\nend\n' >"$folder/syntax.lua"
+  expect_refusal "^wobble bots: $folder/syntax.lua:2: " wobble bots 127.0.0.1:7819 --script "$folder/syntax.lua"
+  printf 'print(1)\n' >"$folder/norun.lua"
+  expect_exit 2 wobble bots 127.0.0.1:7819 --script "$folder/norun.lua"
+  expect_line "$err" 'norun.lua: defines no function run(bot)$'
+  expect_refusal 'absent.lua: cannot be read' wobble bots 127.0.0.1:7819 --script "$folder/absent.lua"
+
+  # An endless loop stops its own bot; the others play on.
+  cat >"$folder/loop.lua" <<'LUA'
+function run(bot)
+  if bot:id() == 2 then
+    while true do end
+  end
+  while true do bot:wait(0.1) end
+end
+LUA
+  start_server --port 7819
+  expect_exit 0 wobble bots 127.0.0.1:7819 --script "$folder/loop.lua" --count 3 --for 3 --summary "$folder/b.json" \
+    --threshold 'disconnects==0'
+  expect_line "$err" '^wobble bots: bot 2 stands still: .*loop.lua:3: stopped after'
+  expect_figure "$folder/b.json" connected '== 3'
+  expect_figure "$folder/b.json" script_errors '== 1'
+}
+
+# send_noise PORT SEED COUNT: datagrams of 1 to 120 random bytes from as many ports; the same bytes for the same seed.
+send_noise() {
+  local datagram i size text
+  RANDOM=$2
+  for ((datagram = 0; datagram < $3; ++datagram)); do
+    size=$((RANDOM % 120 + 1))
+    text=''
+    for ((i = 0; i < size; ++i)); do printf -v text '%s\\x%02x' "$text" $((RANDOM % 256)); done
+    # shellcheck disable=SC2059  # the bytes are the format
+    printf "$text" >"/dev/udp/127.0.0.1/$1"
+  done
+}
+
+case_random_datagrams() {
+  start_server --port 7820 --summary "$folder/a.json"
+  start bots wobble bots 127.0.0.1:7820 --script wander.lua --count 4 --for 5 --status 1 --summary "$folder/b.json" \
+    --threshold 'disconnects==0'
+  local bots=$pid round
+  wait_for_line bots '^bots 4/4'
+  for round in 1 2 3 4; do
+    echo "noise with seed $round"
+    send_noise 7820 "$round" 150
+    sleep 0.2
+  done
+  kill -0 "$bots" 2>/dev/null || fail "bots that still play after the noise" "$folder/bots.out" "$folder/bots.err"
+  expect_end bots "$bots" 0
+  kill -INT "$server"
+  expect_end server "$server" 0
+  expect_figure "$folder/a.json" datagrams_rejected '>= 500'
+  expect_figure "$folder/a.json" joins '== 4'
+  expect_figure "$folder/a.json" disconnects '== 0'
+  expect_figure "$folder/a.json" refusals '== 0'
+  expect_figure "$folder/b.json" disconnects '== 0'
+  [ ! -s "$folder/server.err" ] || fail "a server that notices nothing" "$folder/server.err"
+}
+
+case_help_and_version() {
+  local program
+  for program in wobbled wobble 'wobble bots' 'wobble play'; do
+    # shellcheck disable=SC2086  # program and command are two words
+    expect_exit 0 $program --help
+    expect_line "$out" '^Examples:'
+    expect_line "$out" "^  ${program%% *} "
+    # shellcheck disable=SC2086
+    expect_exit 0 $program --version
+    expect_line "$out" "^${program%% *} [0-9][0-9]*\.[0-9][0-9]*\.[0-9][0-9]*$"
+  done
+  expect_exit 0 wobbled --list-scenes
+  expect_line "$out" '^arena '
+}
+
+declare -F "case_$case_name" >/dev/null || {
+  echo "unknown case '$case_name'; one of: $(declare -F | sed -n 's/^declare -f case_//p' | paste -sd' ')"
+  exit 1
+}
+"case_$case_name"
+echo "$case_name holds"

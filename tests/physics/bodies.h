@@ -1,0 +1,32 @@
+// Small bodies that physics tests share.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "server/physics/ball.h"
+#include "server/physics/forces.h"
+
+namespace wobble::physics {
+
+// The ball that the project's documents measure: 162 vertices of 0.25 kg, springs of 750 N/m, radius 1 m.
+inline BallDefinition MakeMeasuredBall(double dampingRatio = 0) {
+  BallDefinition ball;
+  ball.radius = 1;
+  ball.material.mass = 0.25 * 162;
+  ball.material.stiffness = 750;
+  ball.material.gas = 1000;
+  ball.material.dampingRatio = dampingRatio;
+  return ball;
+}
+
+// Positions moved by a smooth, repeatable pattern of `amplitude` metres.
+inline std::vector<Vector3d> Deform(std::vector<Vector3d> x, double amplitude) {
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const auto phase = static_cast<double>(i);
+    x[i] += amplitude * Vector3d(std::sin(1.3 * phase), std::cos(2.1 * phase), std::sin(0.7 * phase + 1));
+  }
+  return x;
+}
+
+}  // namespace wobble::physics

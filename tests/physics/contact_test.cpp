@@ -1,0 +1,191 @@
+#include <gtest/gtest.h>
+
+#include "server/physics/runge_kutta.h"
+#include "server/physics/world.h"
+#include "tests/physics/bodies.h"
+
+namespace wobble::physics {
+namespace {
+
+TEST(Obstacle, BoxDistanceAndNormalAreRightEverywhereAround) {
+  Obstacle box;
+  box.kind = Obstacle::Kind::kBox;
+  box.centre = Vector3d(1, 2, 3);
+  box.halfExtents = Vector3d(2, 1, 0.5);
+  const Surface<double> surface = MakeSurface<double>(box, Vector3d(10, 0, 0));
+  const Vector3d centre = box.centre - Vector3d(10, 0, 0);
+  const auto at = [&](double x, double y, double z) {
+    return FindSurfacePoint(surface, Vector3d(centre + Vector3d(x, y, z)));
+  };
+  EXPECT_NEAR(at(5, 0, 0).distance, 3, 1e-12);
+  EXPECT_EQ(at(5, 0, 0).normal, Vector3d(1, 0, 0));
+  EXPECT_NEAR(at(0, 0, 0.4).distance, -0.1, 1e-12);
+  EXPECT_EQ(at(0, 0, 0.4).normal, Vector3d(0, 0, 1));
+  EXPECT_EQ(at(0, 0, -0.4).normal, Vector3d(0, 0, -1));
+  // Off an edge: rounded by kEdgeRadius about the inner box's edge.
+  const double inner = std::hypot(1 + kEdgeRadius, 1 + kEdgeRadius);
+  EXPECT_NEAR(at(3, 2, 0).distance, inner - kEdgeRadius, 1e-12);
+  EXPECT_NEAR(at(3, 2, 0).normal.dot(Vector3d(1, 1, 0).normalized()), 1, 1e-12);
+}
+
+// The normal is the gradient of the distance, and the distance has no jump: near edges too, down to the edge radius.
+TEST(Obstacle, NormalIsTheGradientOfTheDistance) {
+  Obstacle box;
+  box.kind = Obstacle::Kind::kBox;
+  const Surface<double> surface = MakeSurface<double>(box, Vector3d::Zero());
+  for (double x = 0.97; x < 1.3; x += 0.0137) {
+    for (double z = 0.97; z < 1.3; z += 0.0171) {
+      const Vector3d p(x, 0.2, z);
+      const SurfacePoint<double> point = FindSurfacePoint(surface, p);
+      for (int axis = 0; axis < 3; ++axis) {
+        Vector3d step = Vector3d::Zero();
+        step[axis] = 1e-6;
+        const double slope = (FindSurfacePoint(surface, Vector3d(p + step)).distance -
+                              FindSurfacePoint(surface, Vector3d(p - step)).distance) / 2e-6;
+        ASSERT_NEAR(slope, point.normal[axis], 1e-4) << p.transpose();
+      }
+    }
+  }
+}
+
+struct Sandbox {
+  explicit Sandbox(const BallDefinition& ball, double slopeDegrees = 0, double friction = 1) {
+    WorldSettings settings;
+    settings.precision = Precision::kDouble;
+    const double angle = slopeDegrees * 3.14159265358979 / 180;
+    settings.gravity = 9.81 * Vector3d(std::sin(angle), 0, -std::cos(angle));  // tilting gravity tilts the plane
+    world = std::make_unique<World>(settings);
+    world->AddBlueprint(MakeBall(ball));
+    Obstacle plane;
+    plane.friction = friction;
+    world->AddObstacle(plane);
+  }
+  void Run(double seconds) {
+    for (int i = 0; i < std::lround(seconds * 60); ++i) {
+      const StepReport report = world->Step();
+      nonFinite += report.nonFinite;
+      inverted += report.inverted;
+    }
+  }
+  [[nodiscard]] Vector3d Centre(BodyId body) const { return world->FindCentre(world->ReadBody(body)); }
+
+  std::unique_ptr<World> world;
+  unsigned nonFinite = 0;
+  unsigned inverted = 0;
+};
+
+TEST(Contact, BallComesToRestWithItsWeightCarried) {
+  Sandbox sandbox{BallDefinition{}};
+  const BodyId ball = sandbox.world->AddBody(0, Vector3d(0, 0, 2));
+  sandbox.Run(60);
+  const Vector3d before = sandbox.Centre(ball);
+  sandbox.Run(1);
+  const Vector3d after = sandbox.Centre(ball);
+  EXPECT_LT((after - before).norm(), 1e-3) << "moves no more than 1 mm in a second";
+  EXPECT_GT(after.z(), 0.2);
+  std::vector<Vector3f> x;
+  sandbox.world->ReadVertices(sandbox.world->ReadBody(ball), x);
+  for (const Vector3f& vertex : x) ASSERT_GT(vertex.z(), -0.01F) << "sinks in by less than 2 % of the radius";
+}
+
+TEST(Contact, SurfaceIsNotLeftFasterThanItIsHit) {
+  for (const double height : {1.0, 3.0, 10.0}) {
+    Sandbox sandbox{BallDefinition{}};
+    const BodyId ball = sandbox.world->AddBody(0, Vector3d(0, 0, height));
+    double highest = 0;
+    bool hit = false;
+    for (int i = 0; i < 600; ++i) {
+      sandbox.Run(1.0 / 60);
+      const double z = sandbox.Centre(ball).z();
+      hit = hit || z < 0.4;
+      if (hit) highest = std::max(highest, z);
+    }
+    EXPECT_TRUE(hit);
+    EXPECT_LT(highest, height) << "bounces no higher than it fell from";
+    EXPECT_EQ(sandbox.nonFinite + sandbox.inverted, 0U);
+  }
+}
+
+struct Slide {
+  double distance = 0;      // m
+  double acceleration = 0;  // mean, m/s²
+};
+
+// A point of 0.1 kg that lies on a slope by its own weight, a second after the slope was tilted, `seconds` long.
+Slide MeasureSlide(double slopeDegrees, double friction, double seconds) {
+  Material material;
+  material.friction = friction;
+  Coefficients<double> body;
+  body.masses = {0.1};
+  body.inverseMasses = {10};
+  body.contact = MakeContactParameters(material, 0.1, 1);
+  const double angle = slopeDegrees * 3.14159265358979 / 180;
+  Load<double> load;
+  load.acceleration = 9.81 * Vector3d(0, 0, -1);
+  const std::vector<Surface<double>> surfaces{MakeSurface<double>(Obstacle{}, Vector3d::Zero())};
+  std::vector<Contact<double>> contacts{{0, 0}};
+  std::vector<Vector3d> x{Vector3d::Zero()};
+  std::vector<Vector3d> v{Vector3d::Zero()};
+  StageBuffers<double, 4> buffers;
+  const auto accelerate = [&](std::span<const Vector3d> at, std::span<const Vector3d> speed, std::span<Vector3d> a) {
+    ComputeAccelerations<double>(body, load, surfaces, contacts, at, speed, a);
+  };
+  const auto run = [&](double duration) {
+    for (int i = 0; i < std::lround(duration * 240); ++i) {
+      StepRungeKutta<double>(kClassicRungeKutta, 1.0 / 240, accelerate, std::span(x), std::span(v), buffers);
+      UpdateAnchors<double>(body.contact, surfaces, contacts, x);
+    }
+  };
+  run(3);  // settles on the level
+  load.acceleration = 9.81 * Vector3d(std::sin(angle), 0, -std::cos(angle));
+  run(1);
+  const Vector3d from = x[0];
+  const Vector3d before = v[0];
+  run(seconds);
+  return {x[0].x() - from.x(), (v[0].x() - before.x()) / seconds};
+}
+
+// Coulomb: sticks below arctan μ without creeping, slides above with g (sin − μ cos).
+TEST(Contact, FrictionSticksBelowItsAngleAndSlidesAbove) {
+  for (const double friction : {0.3, 0.8}) {
+    const double limit = std::atan(friction) * 180 / 3.14159265358979;
+    EXPECT_LT(std::fabs(MeasureSlide(limit - 0.5, friction, 10).distance), 1e-6) << "m in 10 s, half a degree below";
+    const double angle = (limit + 0.5) * 3.14159265358979 / 180;
+    const double acceleration = 9.81 * (std::sin(angle) - friction * std::cos(angle));
+    EXPECT_NEAR(MeasureSlide(limit + 0.5, friction, 2).acceleration, acceleration, 0.02 * acceleration);
+  }
+}
+
+TEST(Contact, NoFrictionNoGrip) {
+  BallDefinition slick;
+  slick.material.friction = 0;
+  Sandbox sandbox{slick, 10};
+  const BodyId ball = sandbox.world->AddBody(0, Vector3d(0, 0, 0.5));
+  sandbox.Run(3);
+  // Free sliding: ½ g sin 10° t² = 7.7 m, and no turning.
+  EXPECT_NEAR(sandbox.Centre(ball).x(), 0.5 * 9.81 * std::sin(10 * 3.14159265 / 180) * 9, 0.05);
+}
+
+TEST(Contact, BodiesStopAtBoxesToo) {
+  WorldSettings settings;
+  World world(settings);
+  world.AddBlueprint(MakeBall(BallDefinition{}));
+  world.AddObstacle(Obstacle{});
+  Obstacle wall;
+  wall.kind = Obstacle::Kind::kBox;
+  wall.centre = Vector3d(3, 0, 1);
+  wall.halfExtents = Vector3d(0.5, 5, 2);
+  world.AddObstacle(wall);
+  const BodyId ball = world.AddBody(0, Vector3d(0, 0, 0.6), Vector3d(12, 0, 0));
+  double farthest = 0;
+  for (int i = 0; i < 240; ++i) {
+    world.Step();
+    farthest = std::max(farthest, world.FindCentre(world.ReadBody(ball)).x());
+  }
+  EXPECT_GT(farthest, 1.9) << "reaches the wall";
+  EXPECT_LT(farthest, 2.5) << "but its middle never gets into it";
+  EXPECT_LT(world.FindCentre(world.ReadBody(ball)).x(), 2.1);
+}
+
+}  // namespace
+}  // namespace wobble::physics

@@ -1,0 +1,139 @@
+// A whole game in one process on virtual time: a server, clients and raw connections on one seeded network.
+//
+// Every step is one tick of the server, then one update of each client, so a test says how many seconds pass and gets
+// the same bits each time.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "client/client.h"
+#include "protocol/transport/virtual_network.h"
+#include "server/scenes/loader.h"
+#include "server/server.h"
+
+namespace wobble::test {
+
+inline scenes::Scene LoadShippedScene(const std::string& name) {
+  scenes::LoadResult loaded = scenes::LoadScene(name, std::filesystem::path(WOBBLE_SOURCE_DIR) / "server/scenes");
+  for (const std::string& error : loaded.errors) ADD_FAILURE() << error;
+  return std::move(loaded.scene);
+}
+
+// A floor of 12 m a side, a kill height below it, one ball of 42 vertices and players of the same kind.
+inline scenes::Scene MakeYard() {
+  scenes::LoadResult loaded = scenes::ParseScene(R"(
+kill_height = -5
+[[obstacle]]
+kind = "box"
+center = [0, 0, -1]
+half_extents = [6, 6, 1]
+[[blueprint]]
+name = "ball"
+subdivisions = 1
+mass = 4
+gas = 150
+[[bodies]]
+blueprint = "ball"
+position = [3, 3, 1]
+[player]
+blueprint = "ball"
+spawn = [0, 0, 1]
+spawn_radius = 2
+)",
+                                                 "yard");
+  for (const std::string& error : loaded.errors) ADD_FAILURE() << error;
+  return std::move(loaded.scene);
+}
+
+// A connection that says what it is told to, and keeps what it hears.
+class RawConnection {
+ public:
+  explicit RawConnection(std::unique_ptr<transport::Transport> transport) : m_transport(std::move(transport)) {}
+
+  void Poll(double now) {
+    m_transport->Poll(now, [this](const transport::Event& event) {
+      using Kind = transport::Event::Kind;
+      if (event.kind == Kind::kConnected) m_connection = event.connection;
+      if (event.kind == Kind::kDisconnected) m_closed = true;
+      if (event.kind == Kind::kMessage && event.channel == transport::Channel::kControl) {
+        m_control.emplace_back(event.bytes.begin(), event.bytes.end());
+      }
+      if (event.kind == Kind::kMessage && event.channel == transport::Channel::kSnapshot) {
+        m_snapshots.emplace_back(event.bytes.begin(), event.bytes.end());
+      }
+    });
+  }
+  void Send(transport::Channel channel, const std::vector<std::uint8_t>& bytes) {
+    ASSERT_EQ(m_transport->Send(m_connection, channel, bytes), transport::SendResult::kQueued);
+  }
+
+  [[nodiscard]] bool Connected() const { return m_connection != 0 && !m_closed; }
+  [[nodiscard]] bool Closed() const { return m_closed; }
+  [[nodiscard]] const std::vector<protocol::Message>& Control() const { return m_control; }
+  [[nodiscard]] const std::vector<protocol::Message>& Snapshots() const { return m_snapshots; }
+  // Of the goodbye that came; -1: none.
+  [[nodiscard]] int GoodbyeReason() const {
+    for (const protocol::Message& bytes : m_control) {
+      const protocol::wire::ServerMessage* message = nullptr;
+      if (protocol::ParseServerMessage(bytes, message) != protocol::ParseResult::kOk) continue;
+      if (const auto* goodbye = message->body_as_Goodbye()) return static_cast<int>(goodbye->reason());
+    }
+    return -1;
+  }
+
+ private:
+  std::unique_ptr<transport::Transport> m_transport;
+  transport::ConnectionId m_connection = 0;
+  bool m_closed = false;
+  std::vector<protocol::Message> m_control;
+  std::vector<protocol::Message> m_snapshots;
+};
+
+class Game {
+ public:
+  explicit Game(scenes::Scene scene, const server::Config& config = {}, std::uint64_t networkSeed = 1)
+      : network({networkSeed}), server(config, std::move(scene), network.MakeServer(), 0) {}
+
+  client::Client& AddClient(const client::Options& options = {}) {
+    clients.push_back(std::make_unique<client::Client>(network.MakeClient(), options, now));
+    return *clients.back();
+  }
+  RawConnection& AddRaw() {
+    raw.push_back(std::make_unique<RawConnection>(network.MakeClient()));
+    return *raw.back();
+  }
+
+  void Step() {
+    now = server.NextTick();
+    server.Tick(now);
+    for (auto& each : clients) each->Update(now);
+    for (auto& each : raw) each->Poll(now);
+  }
+  void Run(double seconds) {
+    for (const double end = now + seconds; now < end;) Step();
+  }
+  // Where the server has this body.
+  [[nodiscard]] physics::Vector3d Centre(std::uint32_t body) const {
+    return server.World().FindCentre(server.World().ReadBody(body));
+  }
+  [[nodiscard]] bool HasBody(std::uint32_t wanted) const {
+    for (const physics::Body& body : server.World().Bodies()) {
+      if (body.id == wanted) return true;
+    }
+    return false;
+  }
+
+  transport::VirtualNetwork network;
+  server::Server server;
+  std::vector<std::unique_ptr<client::Client>> clients;
+  std::vector<std::unique_ptr<RawConnection>> raw;
+  double now = 0;
+};
+
+}  // namespace wobble::test

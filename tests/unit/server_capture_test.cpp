@@ -1,0 +1,173 @@
+// Poses that clients interpolate between: the true rotation, and never a jump.
+#include "server/capture.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "server/physics/ball.h"
+
+namespace wobble::server {
+namespace {
+
+using physics::Vector3d;
+
+constexpr double kPi = 3.14159265358979323846;
+
+physics::Blueprint MakeSmallBall() {
+  physics::BallDefinition definition;
+  definition.subdivisions = 1;
+  definition.material.mass = 4;
+  definition.material.gas = 150;
+  return physics::MakeBall(definition);
+}
+
+class CaptureTest : public testing::Test {
+ protected:
+  CaptureTest() : world(physics::WorldSettings{}) { world.AddBlueprint(MakeSmallBall()); }
+
+  // Gives the body's vertices any place: rest shape, then this map, about `centre`. The engine has no call for it, since
+  // nothing but its own steps moves a vertex in play.
+  void Deform(physics::BodyId id, const Eigen::Matrix3d& map, const Vector3d& centre) {
+    auto& body = const_cast<physics::Body&>(world.ReadBody(id));
+    auto& state = std::get<physics::State<float>>(body.state);
+    state.origin = centre;
+    for (std::size_t i = 0; i < state.positions.size(); ++i) {
+      state.positions[i] = (map * world.BlueprintOf(body).rest[i]).cast<float>();
+    }
+  }
+  static Eigen::Quaterniond RotationOf(const CapturedBody& body) {
+    const protocol::Quaternion& q = body.pose.rotation;
+    return {double{q.w}, double{q.x}, double{q.y}, double{q.z}};
+  }
+
+  physics::World world;
+  std::vector<CapturedBody> bodies;
+};
+
+TEST_F(CaptureTest, FindsTheRotationOfARigidlyTurnedBody) {
+  const auto id = world.AddBody(0, {0, 0, 0});
+  Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
+  for (int i = 0; i < 500; ++i) {  // 20° a capture: 600°/s at 30 Hz, the axis wandering
+    const Vector3d axis = Vector3d(std::sin(0.1 * i), std::cos(0.07 * i), 0.5).normalized();
+    q = (Eigen::AngleAxisd(20 * kPi / 180, axis) * q).normalized();
+    const Vector3d centre(0.1 * i, -3, 50);
+    Deform(id, q.toRotationMatrix(), centre);
+    CaptureBodies(world, bodies);
+    ASSERT_EQ(bodies.size(), 1U);
+    EXPECT_LT(RotationOf(bodies[0]).angularDistance(q), 1e-5) << "capture " << i;
+    const auto& c = bodies[0].pose.centroid;
+    EXPECT_LT((Vector3d(double{c.x}, double{c.y}, double{c.z}) - centre).norm(), 1e-5);
+  }
+}
+
+TEST_F(CaptureTest, FindsTheRotationOfADeformedBody) {
+  // The rotational part of S R is R when S is symmetric and positive; an icosphere weighs all directions alike.
+  const auto id = world.AddBody(0, {0, 0, 0});
+  Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
+  for (int i = 0; i < 300; ++i) {
+    q = (Eigen::AngleAxisd(0.15, Vector3d(1, 0.3 * std::sin(0.05 * i), 0).normalized()) * q).normalized();
+    Eigen::Matrix3d squash = Vector3d(1.2, 1.1, 0.6 + 0.2 * std::sin(0.3 * i)).asDiagonal();
+    Deform(id, squash * q.toRotationMatrix(), {0, 0, 1});
+    CaptureBodies(world, bodies);
+    EXPECT_LT(RotationOf(bodies[0]).angularDistance(q), 1e-3) << "capture " << i;
+  }
+}
+
+TEST_F(CaptureTest, DoesNotFlipWhenABodyIsFlattenedOrTurnedInsideOut) {
+  // Height falls from 1 to −0.3 of the rest shape's and comes back, in 2 s of captures, while the body turns at 60°/s.
+  const auto id = world.AddBody(0, {0, 0, 0});
+  Eigen::Quaterniond last = Eigen::Quaterniond::Identity();
+  double worst = 0;
+  for (int i = 0; i <= 60; ++i) {
+    const double height = 0.35 + 0.65 * std::cos(2 * kPi * i / 60);
+    const Eigen::Matrix3d squash = Vector3d(1, 1.1, height).asDiagonal();
+    Deform(id, squash * Eigen::AngleAxisd(i * 2 * kPi / 180, Vector3d::UnitZ()).toRotationMatrix(), {0, 0, 1});
+    CaptureBodies(world, bodies);
+    const Eigen::Quaterniond q = RotationOf(bodies[0]);
+    ASSERT_TRUE(std::isfinite(q.norm()));
+    EXPECT_NEAR(q.norm(), 1, 1e-5);
+    if (i > 0) worst = std::max(worst, q.angularDistance(last) * 180 / kPi);
+    last = q;
+  }
+  EXPECT_LT(worst, 15);
+  EXPECT_GT(worst, 1);  // it does follow
+}
+
+TEST_F(CaptureTest, ARollingBodyTurnsSmoothlyInPlay) {
+  physics::World field(physics::WorldSettings{});
+  field.AddBlueprint(MakeSmallBall());
+  field.AddObstacle({});
+  const auto id = field.AddBody(0, {0, 0, 0.6});
+  Eigen::Quaterniond last = Eigen::Quaterniond::Identity();
+  double turned = 0;
+  double worst = 0;
+  for (int tick = 1; tick <= 300; ++tick) {
+    physics::Control control;
+    control.moveX = 1;
+    control.jump = tick % 40 == 0;
+    field.SetControl(id, control, {});
+    field.Step();
+    if (tick % 2 != 0) continue;
+    CaptureBodies(field, bodies);
+    const double angle = RotationOf(bodies[0]).angularDistance(last);
+    turned += angle;
+    worst = std::max(worst, angle);
+    last = RotationOf(bodies[0]);
+  }
+  EXPECT_GT(turned, 2 * kPi);
+  EXPECT_LT(worst, 1.5);  // at 6 m/s a ball of 0.5 m rolls 0.4 rad between two snapshots
+}
+
+TEST_F(CaptureTest, RemovedBodiesVanishAndLateOnesAppear) {
+  for (int i = 0; i < 5; ++i) world.AddBody(0, {2.0 * i, 0, 5});
+  CaptureBodies(world, bodies);
+  ASSERT_EQ(bodies.size(), 5U);
+
+  world.RemoveBody(2);
+  world.RemoveBody(5);
+  const auto late = world.AddBody(0, {40, 0, 5});
+  CaptureBodies(world, bodies);
+  ASSERT_EQ(bodies.size(), 4U);
+  const std::vector<std::uint32_t> expected{1, 3, 4, late};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(bodies[i].body, expected[i]);
+    const Vector3d centre = world.FindCentre(world.ReadBody(expected[i]));
+    EXPECT_NEAR(double{bodies[i].pose.centroid.x}, centre.x(), 1e-4);
+  }
+  EXPECT_LT(RotationOf(bodies[3]).angularDistance(Eigen::Quaterniond::Identity()), 1e-6);
+
+  for (const std::uint32_t id : expected) world.RemoveBody(id);
+  CaptureBodies(world, bodies);
+  EXPECT_TRUE(bodies.empty());
+}
+
+TEST_F(CaptureTest, VerticesAreTheWorlds) {
+  const auto id = world.AddBody(0, {100, -7, 3}, {1, 2, 3});
+  world.Step();
+  CaptureBodies(world, bodies);
+  std::vector<physics::Vector3f> vertices;
+  world.ReadVertices(world.ReadBody(id), vertices);
+  ASSERT_EQ(bodies[0].vertices.size(), vertices.size());
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    EXPECT_EQ(bodies[0].vertices[i].x, vertices[i].x());
+    EXPECT_EQ(bodies[0].vertices[i].y, vertices[i].y());
+    EXPECT_EQ(bodies[0].vertices[i].z, vertices[i].z());
+  }
+}
+
+TEST_F(CaptureTest, BlueprintsArriveAsTheyAre) {
+  const physics::Blueprint ball = MakeSmallBall();
+  const CapturedBlueprint captured = CaptureBlueprint(ball);
+  const protocol::wire::Blueprint* parsed = nullptr;
+  ASSERT_EQ(protocol::ParseBlueprint(captured.message, parsed), protocol::ParseResult::kOk);
+  EXPECT_EQ(parsed->rest()->size(), 42U);
+  EXPECT_EQ(parsed->faces()->size(), 80U);
+  EXPECT_EQ(parsed->size(), captured.size);
+  EXPECT_NEAR(double{captured.size}, ball.size, 1e-6);
+  EXPECT_EQ(captured.hash, protocol::HashBytes(captured.message));
+}
+
+}  // namespace
+}  // namespace wobble::server

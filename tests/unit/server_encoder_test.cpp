@@ -1,0 +1,171 @@
+// Captured bodies to records: within the error target, one a patch, and bytes that stay where they are.
+#include "server/encoder.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "protocol/shape_codec.h"
+#include "protocol/snapshot.h"
+#include "server/physics/ball.h"
+#include "server/physics/world.h"
+
+namespace wobble::server {
+namespace {
+
+// A record as a client reads it: from a packet.
+struct Read {
+  protocol::RecordHead head;
+  std::vector<std::uint8_t> payload;
+};
+Read ReadRecord(std::span<const std::uint8_t> record) {
+  protocol::PacketBuilder builder;
+  EXPECT_TRUE(builder.Add(record));
+  protocol::SnapshotHead head;
+  head.sequence = head.tick = 1;
+  std::vector<protocol::Record> records;
+  EXPECT_EQ(protocol::ReadSnapshot(builder.Finish(head), head, records), protocol::SnapshotResult::kOk);
+  EXPECT_EQ(records.size(), 1U);
+  return {records.at(0).head, {records[0].payload.begin(), records[0].payload.end()}};
+}
+
+class EncoderTest : public testing::Test {
+ protected:
+  // Balls of 162 and of 642 vertices, dropped and bounced for a second.
+  EncoderTest() : world(physics::WorldSettings{}) {
+    world.AddObstacle({});
+    for (const int subdivisions : {2, 3}) {
+      physics::BallDefinition definition;
+      definition.subdivisions = subdivisions;
+      definition.material.gas = 330;
+      world.AddBlueprint(physics::MakeBall(definition));
+      blueprints.push_back(CaptureBlueprint(world.Blueprints().back()));
+    }
+    world.AddBody(0, {0, 0, 1}, {3, 0, -6});
+    world.AddBody(1, {4, 0, 1}, {0, 2, -6});
+    world.AddBody(0, {-4, 0, 3});
+    Play(30);
+  }
+  void Play(int ticks) {
+    for (int i = 0; i < ticks; ++i) world.Step();
+    CaptureBodies(world, bodies);
+  }
+
+  physics::World world;
+  std::vector<CapturedBlueprint> blueprints;
+  std::vector<CapturedBody> bodies;
+  Encoder encoder;
+};
+
+TEST_F(EncoderTest, OneRecordAPatch) {
+  encoder.Encode(bodies, blueprints);
+  const auto encoded = encoder.Bodies();
+  ASSERT_EQ(encoded.size(), 3U);
+  EXPECT_EQ(encoded[0].records.size(), 1U);
+  ASSERT_EQ(encoded[1].records.size(), 2U);  // 642 = 512 + 130
+  EXPECT_EQ(encoded[2].records.size(), 1U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(encoded[i].body, bodies[i].body);
+    EXPECT_EQ(encoded[i].centre.x, bodies[i].pose.centroid.x);
+    for (std::size_t patch = 0; patch < encoded[i].records.size(); ++patch) {
+      const Read read = ReadRecord(encoded[i].records[patch]);
+      EXPECT_EQ(read.head.body, bodies[i].body);
+      EXPECT_EQ(read.head.blueprint, bodies[i].blueprint);
+      EXPECT_EQ(read.head.patch, patch);
+    }
+  }
+}
+
+TEST_F(EncoderTest, DecodedVerticesAreWithinTheTarget) {
+  double squares = 0;
+  std::size_t vertices = 0;
+  for (int snapshot = 0; snapshot < 60; ++snapshot) {
+    Play(2);
+    encoder.Encode(bodies, blueprints);
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      const CapturedBlueprint& blueprint = blueprints[bodies[i].blueprint];
+      std::size_t first = 0;
+      for (const auto& record : encoder.Bodies()[i].records) {
+        const Read read = ReadRecord(record);
+        const std::size_t count = protocol::PatchSize(blueprint.rest.size(), read.head.patch);
+        protocol::Pose pose;
+        std::vector<protocol::Vector3> shape(count);
+        ASSERT_EQ(protocol::DecodeShape(read.payload, std::span(blueprint.rest).subspan(first, count), pose, shape),
+                  protocol::DecodeResult::kOk);
+        double sum = 0;
+        for (std::size_t v = 0; v < count; ++v) {
+          const auto error = protocol::Transform(pose, shape[v]) - bodies[i].vertices[first + v];
+          sum += double{protocol::Dot(error, error)};
+        }
+        // The float that a vertex ends in rounds to 1e-6 m here.
+        EXPECT_LE(std::sqrt(sum / static_cast<double>(count)), double{kSnapshotErrorShare * blueprint.size} + 2e-6);
+        squares += sum / std::pow(double{blueprint.size}, 2);
+        vertices += count;
+        first += count;
+      }
+      EXPECT_EQ(first, blueprint.rest.size());
+    }
+  }
+  EXPECT_EQ(encoder.CoarsenedRecords(), 0U);
+  // What it reports is what a client measures.
+  EXPECT_NEAR(encoder.ErrorPercentRms(), 100 * std::sqrt(squares / static_cast<double>(vertices)), 0.005);
+  EXPECT_GT(encoder.BitsPerVertex(), 3);
+  EXPECT_LT(encoder.BitsPerVertex(), 18);
+}
+
+TEST_F(EncoderTest, SpansAreValidUntilTheNextCallAndDoNotOverlap) {
+  encoder.Encode(bodies, blueprints);
+  const std::uint8_t* next = nullptr;
+  std::size_t bits = 0;
+  for (const EncodedBody& body : encoder.Bodies()) {
+    for (const auto& record : body.records) {
+      ASSERT_FALSE(record.empty());
+      if (next != nullptr) EXPECT_EQ(record.data(), next);  // one block, in order
+      next = record.data() + record.size();
+      bits += 8 * record.size();
+    }
+  }
+  // Each was encoded once: what was counted is what lies there.
+  EXPECT_DOUBLE_EQ(encoder.BitsPerVertex(), static_cast<double>(bits) / (162 + 642 + 162));
+}
+
+TEST_F(EncoderTest, SameWorldSameBytes) {
+  Encoder other;
+  encoder.Encode(bodies, blueprints);
+  other.Encode(bodies, blueprints);
+  other.Encode(bodies, blueprints);  // keeps nothing from one snapshot to the next
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    ASSERT_EQ(other.Bodies()[i].records.size(), encoder.Bodies()[i].records.size());
+    for (std::size_t j = 0; j < encoder.Bodies()[i].records.size(); ++j) {
+      const auto a = encoder.Bodies()[i].records[j];
+      const auto b = other.Bodies()[i].records[j];
+      EXPECT_TRUE(std::equal(a.begin(), a.end(), b.begin(), b.end()));
+    }
+  }
+}
+
+TEST_F(EncoderTest, ABodyTornApartIsCoarsenedToFitAPacket) {
+  CapturedBody& wreck = bodies[1];
+  for (std::size_t v = 0; v < wreck.vertices.size(); ++v) {
+    const float throwOut = v % 2 == 0 ? 300.0F : -170.0F;
+    wreck.vertices[v].x += throwOut * static_cast<float>(v % 7);
+    wreck.vertices[v].y -= throwOut * static_cast<float>(v % 5);
+  }
+  encoder.Encode(bodies, blueprints);
+  EXPECT_GE(encoder.CoarsenedRecords(), 1U);
+  for (const EncodedBody& body : encoder.Bodies()) {
+    for (const auto& record : body.records) EXPECT_LE(record.size() + protocol::kSnapshotHeadBytes, protocol::kMaxPacketBytes);
+  }
+  EXPECT_EQ(encoder.Bodies()[0].records.size(), 1U);  // others do not suffer
+}
+
+TEST(EncoderWithoutBodies, SaysNothing) {
+  Encoder encoder;
+  encoder.Encode({}, {});
+  EXPECT_TRUE(encoder.Bodies().empty());
+  EXPECT_EQ(encoder.BitsPerVertex(), 0);
+  EXPECT_EQ(encoder.ErrorPercentRms(), 0);
+}
+
+}  // namespace
+}  // namespace wobble::server

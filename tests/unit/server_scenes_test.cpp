@@ -1,0 +1,191 @@
+// Scenes: those that are shipped, and how a file with mistakes is answered.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <set>
+#include <string>
+
+#include "server/config.h"
+#include "server/scenes/loader.h"
+
+namespace wobble::scenes {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::StartsWith;
+
+const std::filesystem::path kFolder = std::filesystem::path(WOBBLE_SOURCE_DIR) / "server/scenes";
+
+// A scene without mistakes: `extra` goes in front, where the fields of the scene itself are.
+std::string MakeText(const std::string& extra, const std::string& blueprintExtra = "", const std::string& tail = "") {
+  return extra + "\n[[blueprint]]\nname = \"ball\"\nsubdivisions = 1\n" + blueprintExtra +
+         "\n[player]\nblueprint = \"ball\"\n" + tail;
+}
+
+std::vector<std::string> ErrorsOf(const std::string& text) { return ParseScene(text, "test.toml").errors; }
+
+class ShippedScene : public testing::TestWithParam<std::string> {
+ protected:
+  static std::uint64_t PlayAndHash(const Scene& scene, std::uint64_t seed) {
+    physics::World world({scene.gravity, 1.0 / 60, scene.precision, 1});
+    const auto placed = FillWorld(scene, seed, world);
+    EXPECT_EQ(placed.size(), CountBodies(scene));
+    EXPECT_EQ(world.Bodies().size(), CountBodies(scene));
+    EXPECT_EQ(world.Obstacles().size(), scene.obstacles.size());
+    EXPECT_EQ(world.Blueprints().size(), scene.blueprints.size());
+    for (int tick = 0; tick < 5; ++tick) {
+      const physics::StepReport report = world.Step();
+      EXPECT_EQ(report.nonFinite + report.inverted, 0U);
+    }
+    return world.Hash();
+  }
+};
+
+TEST_P(ShippedScene, LoadsAndMakesAWorld) {
+  const LoadResult loaded = LoadScene(GetParam(), kFolder);
+  ASSERT_THAT(loaded.errors, IsEmpty());
+  EXPECT_EQ(loaded.scene.name, GetParam());
+  EXPECT_FALSE(loaded.scene.description.empty());
+  EXPECT_THAT(server::Validate({}, loaded.scene), IsEmpty());
+  const std::uint64_t hash = PlayAndHash(loaded.scene, 1);
+  EXPECT_EQ(PlayAndHash(loaded.scene, 1), hash);
+  // Only what has jitter can differ between seeds.
+  bool hasJitter = false;
+  for (const BodyGroup& group : loaded.scene.groups) hasJitter = hasJitter || group.jitter > 0;
+  EXPECT_EQ(PlayAndHash(loaded.scene, 2) != hash, hasJitter);
+}
+INSTANTIATE_TEST_SUITE_P(All, ShippedScene, testing::Values("arena", "ball_drop", "crowd"),
+                         [](const auto& parameter) { return parameter.param; });
+
+TEST(Scenes, TheShippedOnesAreListed) {
+  std::vector<std::string> names;
+  for (const SceneSummary& scene : ListScenes(kFolder)) {
+    names.push_back(scene.name);
+    EXPECT_FALSE(scene.description.empty());
+    EXPECT_THAT(scene.description, testing::Not(HasSubstr("has errors")));
+  }
+  EXPECT_THAT(names, ElementsAre("arena", "ball_drop", "crowd"));
+}
+
+TEST(Scenes, WhatTheyAreMeantToBe) {
+  const Scene arena = LoadScene("arena", kFolder).scene;
+  EXPECT_EQ(arena.obstacles.size(), 5U);
+  EXPECT_GT(arena.killHeight, -50);
+  const Scene crowd = LoadScene("crowd", kFolder).scene;
+  EXPECT_EQ(CountBodies(crowd), 500U);
+  EXPECT_EQ(physics::CountVertices(crowd.blueprints[crowd.groups[0].blueprint].subdivisions), 42U);
+  // Same seed and another seed where there is jitter: see LoadsAndMakesAWorld.
+  EXPECT_GT(crowd.groups[0].jitter, 0);
+}
+
+TEST(Scenes, PlayersStartApart) {
+  PlayerRules rules;
+  rules.spawnRadius = 5;
+  for (std::uint32_t i = 1; i <= 32; ++i) {
+    for (std::uint32_t j = 1; j < i; ++j) {
+      EXPECT_GT((FindSpawn(rules, i) - FindSpawn(rules, j)).norm(), 0.5) << i << " and " << j;
+    }
+  }
+}
+
+TEST(SceneMistakes, ThreeAreThreeLinesEachWithLineValueAndRange) {
+  const auto errors = ErrorsOf(R"(kill_height = -9999
+[[obstacle]]
+kind = "sphere"
+[[blueprint]]
+name = "ball"
+mass = -1
+[player]
+blueprint = "ball"
+)");
+  ASSERT_EQ(errors.size(), 3U) << testing::PrintToString(errors);
+  EXPECT_THAT(errors[0], AllOf(StartsWith("test.toml:1: "), HasSubstr("kill_height = -9999"), HasSubstr("-4000 to 4000")));
+  EXPECT_THAT(errors[1], AllOf(StartsWith("test.toml:3: "), HasSubstr("kind = "), HasSubstr("sphere"),
+                               HasSubstr("box"), HasSubstr("plane")));
+  EXPECT_EQ(errors[2], "test.toml:6: mass = -1: must be 0.001 to 1000000 kg");
+  for (const std::string& error : errors) EXPECT_EQ(error.find('\n'), std::string::npos);
+}
+
+TEST(SceneMistakes, NoneAreNone) { EXPECT_THAT(ErrorsOf(MakeText("gravity = [0, 0, -9.81]")), IsEmpty()); }
+
+TEST(SceneMistakes, UnknownKeysAreNamedWithThoseThatAreKnown) {
+  EXPECT_THAT(ErrorsOf(MakeText("gravitation = 3")),
+              ElementsAre(AllOf(StartsWith("test.toml:1: gravitation"), HasSubstr("gravity"))));
+  EXPECT_THAT(ErrorsOf(MakeText("", "colour = \"red\"\n")),
+              ElementsAre(AllOf(StartsWith("test.toml:5: colour"), HasSubstr("friction"))));
+  EXPECT_THAT(ErrorsOf(MakeText("", "", "spawn_radios = 4\n")),
+              ElementsAre(AllOf(StartsWith("test.toml:8: spawn_radios"), HasSubstr("spawn_radius"))));
+}
+
+TEST(SceneMistakes, WrongTypesAreNamed) {
+  EXPECT_THAT(ErrorsOf(MakeText("gravity = 9.81")),
+              ElementsAre(AllOf(HasSubstr(":1: gravity = 9.81"), HasSubstr("three numbers"))));
+  EXPECT_THAT(ErrorsOf(MakeText("gravity = [0, \"down\", 1]")), ElementsAre(HasSubstr("three numbers")));
+  EXPECT_THAT(ErrorsOf(MakeText("description = 5")), ElementsAre(AllOf(HasSubstr("description = 5"), HasSubstr("text"))));
+  EXPECT_THAT(ErrorsOf(MakeText("kill_height = \"low\"")),
+              ElementsAre(AllOf(HasSubstr("kill_height = "), HasSubstr("low"), HasSubstr("-4000 to 4000 m"))));
+  EXPECT_THAT(ErrorsOf(MakeText("kill_height = true")), ElementsAre(HasSubstr("kill_height = true")));
+  EXPECT_THAT(ErrorsOf(MakeText("kill_height = nan")), ElementsAre(HasSubstr("-4000 to 4000")));
+  EXPECT_THAT(ErrorsOf(MakeText("obstacle = 4")), ElementsAre(AllOf(HasSubstr("obstacle = 4"), HasSubstr("table"))));
+  // A blueprint's quantities: the range is the quantity's own.
+  EXPECT_THAT(ErrorsOf(MakeText("", "mass = \"heavy\"\n")),
+              ElementsAre(AllOf(StartsWith("test.toml:5: mass = "), HasSubstr("heavy"), HasSubstr("0.001 to 1000000 kg"))));
+  EXPECT_THAT(ErrorsOf(MakeText("", "friction = 1e300\n")), ElementsAre(HasSubstr("0 to 10")));
+}
+
+TEST(SceneMistakes, CountsAreWholeNumbers) {
+  const std::string group = "[[bodies]]\nblueprint = \"ball\"\ncount = ";
+  EXPECT_THAT(ErrorsOf(MakeText("", "", group + "[2, 1.5, 1]\n")), ElementsAre(AllOf(HasSubstr("count"), HasSubstr("whole"))));
+  EXPECT_THAT(ErrorsOf(MakeText("", "", group + "[0, 1, 1]\n")), ElementsAre(HasSubstr("1 to 1000")));
+  EXPECT_THAT(ErrorsOf(MakeText("", "", group + "[1000, 1000, 1000]\n")), ElementsAre(HasSubstr("at most 20000")));
+  EXPECT_THAT(ErrorsOf(MakeText("", "", group + "[3, 2, 1]\n")), IsEmpty());
+}
+
+TEST(SceneMistakes, NamesThatDoNotExistAreAnsweredWithThoseThatDo) {
+  EXPECT_THAT(ErrorsOf("[[blueprint]]\nname = \"ball\"\n[player]\nblueprint = \"bal\"\n"),
+              ElementsAre(AllOf(StartsWith("test.toml:4: "), HasSubstr("bal"), HasSubstr("one of: ball"))));
+  EXPECT_THAT(ErrorsOf(MakeText("", "[[blueprint]]\nname = \"ball\"\n")), ElementsAre(HasSubstr("no other blueprint")));
+}
+
+TEST(SceneMistakes, WhatIsNeededAndMissingIsNamed) {
+  const auto errors = ErrorsOf("description = \"nothing\"\n");
+  EXPECT_THAT(errors, testing::UnorderedElementsAre(HasSubstr("blueprint is missing"), HasSubstr("player is missing")));
+}
+
+TEST(SceneMistakes, ABallThatCannotBeBuiltIsRefusedWithItsBound) {
+  EXPECT_THAT(ErrorsOf(MakeText("", "gas = 1e6\n")), ElementsAre(AllOf(StartsWith("test.toml:5: gas"), HasSubstr("at most"))));
+}
+
+TEST(SceneMistakes, ASyntaxErrorHasItsLine) {
+  EXPECT_THAT(ErrorsOf("description = \"a\"\n\nkill_height = = 3\n"), ElementsAre(StartsWith("test.toml:3: ")));
+  EXPECT_THAT(ErrorsOf("[[blueprint]\n"), ElementsAre(StartsWith("test.toml:1: ")));
+}
+
+TEST(SceneMistakes, AnUnknownSceneListsTheKnownOnes) {
+  const LoadResult loaded = LoadScene("arena", kFolder);
+  EXPECT_THAT(loaded.errors, ElementsAre(AllOf(HasSubstr("'arena'"), HasSubstr("arena, ball_drop, crowd"))));
+  EXPECT_THAT(LoadScene("/nowhere/at/all.toml", kFolder).errors, ElementsAre(HasSubstr("/nowhere/at/all.toml")));
+}
+
+TEST(SceneLimits, WhatTheProtocolCannotCarryIsRefusedWithBothNumbers) {
+  const LoadResult loaded = ParseScene("[[blueprint]]\nname = \"huge\"\nsubdivisions = 5\nradius = 5\nmass = 5000\n"
+                                       "stiffness = 10\ngas = 10\n[player]\nblueprint = \"huge\"\n",
+                                       "test.toml");
+  ASSERT_THAT(loaded.errors, IsEmpty());
+  EXPECT_THAT(server::Validate({}, loaded.scene), ElementsAre(AllOf(HasSubstr("10242"), HasSubstr("4096"))));
+
+  server::Config config;
+  config.tickHz = 5;
+  config.snapshotHz = 6;
+  config.clientKbit = 1;
+  EXPECT_THAT(server::Validate(config, LoadScene("arena", kFolder).scene),
+              ElementsAre("--tick-hz 5: must be 10 to 480", "--snapshot-hz 6: must be 1 to 5",
+                          "--client-kbit 1: must be 32 to 100000"));
+}
+
+}  // namespace
+}  // namespace wobble::scenes

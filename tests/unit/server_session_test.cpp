@@ -1,0 +1,197 @@
+// One connection's rules: every message in every state, time-outs, and what an input becomes.
+#include "server/session.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace wobble::server {
+namespace {
+
+using protocol::ParseResult;
+using protocol::wire::GoodbyeReason;
+using protocol::wire::InputFrame;
+using protocol::wire::Role;
+using transport::Channel;
+using Kind = MessageEffect::Kind;
+using State = Session::State;
+
+protocol::Message Hello() { return protocol::MakeHello("Ada", Role::Player); }
+protocol::Message Input(std::uint32_t tick, std::int8_t x = 0, std::int8_t y = 0, std::uint8_t buttons = 0) {
+  const InputFrame frame(tick, x, y, buttons);
+  return protocol::MakeInput({&frame, 1}, 0, 0);
+}
+protocol::Message Goodbye() { return protocol::MakeClientGoodbye(GoodbyeReason::Left, "bye"); }
+protocol::Message Garbage() { return {1, 2, 3, 4, 5, 6, 7, 8, 9}; }
+
+Session MakeSession(State state) {
+  Session session;
+  session.connection = 7;
+  session.state = state;
+  session.connectedAt = session.lastHeard = 10;
+  return session;
+}
+
+struct Case {
+  const char* name;
+  protocol::Message message;
+  Channel channel;
+  // Expected in kAwaitingHello, kPlaying and kEnding.
+  std::array<Kind, 3> kinds;
+  std::array<std::optional<DropReason>, 3> dropped;
+};
+
+TEST(Session, EveryMessageInEveryState) {
+  constexpr auto kNothing = std::optional<DropReason>{};
+  const auto all = [](DropReason reason) { return std::array<std::optional<DropReason>, 3>{reason, reason, reason}; };
+  constexpr std::array<Kind, 3> kNone{Kind::kNone, Kind::kNone, Kind::kNone};
+  const std::vector<Case> cases{
+      {"hello", Hello(), Channel::kControl, {Kind::kJoin, Kind::kNone, Kind::kNone},
+       {kNothing, DropReason::kOutOfOrder, DropReason::kOutOfOrder}},
+      {"hello on input", Hello(), Channel::kInput, kNone, all(DropReason::kWrongChannel)},
+      {"hello on snapshot", Hello(), Channel::kSnapshot, kNone, all(DropReason::kWrongChannel)},
+      {"input", Input(100), Channel::kInput, kNone, {DropReason::kOutOfOrder, kNothing, DropReason::kOutOfOrder}},
+      {"input on control", Input(100), Channel::kControl, kNone, all(DropReason::kWrongChannel)},
+      {"input on snapshot", Input(100), Channel::kSnapshot, kNone, all(DropReason::kWrongChannel)},
+      {"future input", Input(100 + protocol::kMaxInputLeadTicks + 1), Channel::kInput, kNone,
+       {DropReason::kOutOfOrder, DropReason::kFutureInput, DropReason::kOutOfOrder}},
+      {"goodbye", Goodbye(), Channel::kControl, {Kind::kLeave, Kind::kLeave, Kind::kLeave}, {}},
+      {"goodbye on input", Goodbye(), Channel::kInput, kNone, all(DropReason::kWrongChannel)},
+      {"garbage", Garbage(), Channel::kControl, kNone, all(DropReason::kParse)},
+      {"garbage on input", Garbage(), Channel::kInput, kNone, all(DropReason::kParse)},
+      {"nothing", {}, Channel::kControl, kNone, all(DropReason::kParse)},
+  };
+  const std::array<State, 3> states{State::kAwaitingHello, State::kPlaying, State::kEnding};
+  for (const Case& each : cases) {
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      SCOPED_TRACE(std::string(each.name) + " in state " + std::to_string(i));
+      Session session = MakeSession(states[i]);
+      const MessageEffect effect = TakeMessage(session, each.channel, each.message, 100, 11);
+      EXPECT_EQ(effect.kind, each.kinds[i]);
+      EXPECT_EQ(effect.dropped, each.dropped[i]);
+      EXPECT_EQ(effect.parsed != ParseResult::kOk, effect.dropped == DropReason::kParse);
+      EXPECT_EQ(session.badInWindow, effect.dropped ? 1U : 0U);
+      EXPECT_EQ(session.lastHeard, 11);
+      EXPECT_EQ(session.state, states[i]);  // states are the server's to change
+    }
+  }
+}
+
+TEST(Session, HelloSaysWhoItIs) {
+  Session session = MakeSession(State::kAwaitingHello);
+  const auto hello = protocol::MakeHello("Eve\x1b[2J\n", Role::Spectator);
+  EXPECT_EQ(TakeMessage(session, Channel::kControl, hello, 0, 10).kind, Kind::kJoin);
+  EXPECT_TRUE(session.spectator);
+  EXPECT_EQ(session.name, "Eve?[2J?");  // nothing that a terminal would obey
+
+  Session nameless = MakeSession(State::kAwaitingHello);
+  EXPECT_EQ(TakeMessage(nameless, Channel::kControl, protocol::MakeHello("", Role::Player), 0, 10).kind, Kind::kJoin);
+  EXPECT_FALSE(nameless.name.empty());
+  EXPECT_FALSE(nameless.spectator);
+}
+
+TEST(Session, AnotherVersionOrSchemaIsRefusedWithBothNumbers) {
+  Session session = MakeSession(State::kAwaitingHello);
+  const auto other = static_cast<std::uint16_t>(protocol::kProtocolVersion + 1);
+  MessageEffect effect = TakeMessage(session, Channel::kControl, protocol::MakeHello("a", Role::Player, other), 0, 10);
+  EXPECT_EQ(effect.kind, Kind::kRefuse);
+  EXPECT_EQ(effect.reason, GoodbyeReason::WrongVersion);
+  EXPECT_NE(effect.detail.find(std::to_string(other)), std::string::npos);
+  EXPECT_NE(effect.detail.find(std::to_string(protocol::kProtocolVersion)), std::string::npos);
+
+  const auto schema = protocol::MakeHello("a", Role::Player, protocol::kProtocolVersion, protocol::kSchemaHash ^ 1);
+  effect = TakeMessage(session, Channel::kControl, schema, 0, 10);
+  EXPECT_EQ(effect.kind, Kind::kRefuse);
+  EXPECT_EQ(effect.reason, GoodbyeReason::WrongSchema);
+}
+
+TEST(Session, AnAcknowledgementOfWhatWasNeverSentIsDroppedWithItsInput) {
+  Session session = MakeSession(State::kPlaying);
+  session.subscription.sent.RecordSent(10);
+  const InputFrame frame(101, 50, 0, 0);
+  const auto effect = TakeMessage(session, Channel::kInput, protocol::MakeInput({&frame, 1}, 2, 0), 100, 10.1);
+  EXPECT_EQ(effect.dropped, DropReason::kBadAcknowledgement);
+  EXPECT_EQ(TakeControl(session, 101, 6).moveX, 0);
+
+  EXPECT_FALSE(TakeMessage(session, Channel::kInput, protocol::MakeInput({&frame, 1}, 1, 0), 100, 10.25).dropped);
+  EXPECT_NEAR(session.roundTrip, 0.25, 1e-12);
+  EXPECT_GT(TakeControl(session, 101, 6).moveX, 0);
+}
+
+TEST(Session, OneFutureFrameDropsTheWholeMessage) {
+  Session session = MakeSession(State::kPlaying);
+  const std::array<InputFrame, 2> frames{InputFrame(1000, 1, 0, 0), InputFrame(101, 50, 0, 0)};
+  EXPECT_EQ(TakeMessage(session, Channel::kInput, protocol::MakeInput(frames, 0, 0), 100, 10).dropped,
+            DropReason::kFutureInput);
+  EXPECT_EQ(TakeControl(session, 101, 6).moveX, 0);
+}
+
+TEST(Session, AFloodOfGarbageEndsIt) {
+  Session session = MakeSession(State::kPlaying);
+  for (unsigned i = 0; i < protocol::kMaxBadMessagesPerSecond; ++i) {
+    (void)TakeMessage(session, Channel::kInput, Garbage(), 0, 20 + 0.01 * i);
+    EXPECT_FALSE(FindTimeout(session, 20 + 0.01 * i)) << i;
+  }
+  (void)TakeMessage(session, Channel::kInput, Garbage(), 0, 20.5);
+  EXPECT_EQ(FindTimeout(session, 20.5), GoodbyeReason::BadMessages);
+}
+
+TEST(Session, NowAndThenAMistakeIsForgiven) {
+  Session session = MakeSession(State::kPlaying);
+  for (int i = 0; i < 600; ++i) {  // ten a second for a minute
+    const double now = 20 + 0.1 * i;
+    (void)TakeMessage(session, Channel::kInput, Garbage(), 0, now);
+    ASSERT_FALSE(FindTimeout(session, now));
+  }
+}
+
+TEST(Session, NoHelloForThreeSecondsEndsItWhateverElseIsSaid) {
+  Session session = MakeSession(State::kAwaitingHello);
+  (void)TakeMessage(session, Channel::kControl, Garbage(), 0, 12.5);
+  EXPECT_FALSE(FindTimeout(session, 13));
+  EXPECT_EQ(FindTimeout(session, 13.01), GoodbyeReason::NoHello);
+  session.state = State::kPlaying;
+  EXPECT_FALSE(FindTimeout(session, 13.01));
+}
+
+TEST(Session, EightSecondsOfSilenceEndIt) {
+  Session session = MakeSession(State::kPlaying);
+  (void)TakeMessage(session, Channel::kInput, Input(5), 5, 30);
+  EXPECT_FALSE(FindTimeout(session, 38));
+  EXPECT_EQ(FindTimeout(session, 38.01), GoodbyeReason::Silent);
+  session.state = State::kEnding;
+  EXPECT_FALSE(FindTimeout(session, 100));
+}
+
+TEST(Session, ControlIsNeverLongerThanOne) {
+  for (int x = -127; x <= 127; x += 2) {
+    for (int y = -127; y <= 127; y += 2) {
+      Session session = MakeSession(State::kPlaying);
+      const auto input = Input(101, static_cast<std::int8_t>(x), static_cast<std::int8_t>(y));
+      ASSERT_FALSE(TakeMessage(session, Channel::kInput, input, 100, 10).dropped);
+      const physics::Control control = TakeControl(session, 101, 6);
+      const double length = std::hypot(control.moveX, control.moveY);
+      ASSERT_LE(length, 1 + 1e-9);
+      ASSERT_NEAR(length, std::min(1.0, std::hypot(x, y) / 127), 1e-9);
+      ASSERT_NEAR(control.moveX * y, control.moveY * x, 1e-9);  // the direction stays
+    }
+  }
+}
+
+TEST(Session, ButtonsBecomeWhatTheyAreCalled) {
+  for (std::uint8_t buttons = 0; buttons < 8; ++buttons) {
+    Session session = MakeSession(State::kPlaying);
+    ASSERT_FALSE(TakeMessage(session, Channel::kInput, Input(101, 0, 0, buttons), 100, 10).dropped);
+    const physics::Control control = TakeControl(session, 101, 6);
+    EXPECT_EQ(control.jump, (buttons & 1) != 0);
+    EXPECT_EQ(control.puff, (buttons & 2) != 0);
+    EXPECT_EQ(control.stiffen, (buttons & 4) != 0);
+  }
+}
+
+TEST(Session, EveryReasonHasAName) {
+  for (std::size_t i = 0; i < kDropReasonCount; ++i) EXPECT_STRNE(Name(static_cast<DropReason>(i)), "unknown");
+}
+
+}  // namespace
+}  // namespace wobble::server

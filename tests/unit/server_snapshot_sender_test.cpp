@@ -1,0 +1,211 @@
+// Which bodies a client gets: its budget, nobody starving, its own body first.
+#include "server/snapshot_sender.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+namespace wobble::server {
+namespace {
+
+constexpr double kOverhead = 44;  // IPv4, UDP and ENet, a packet
+
+class RecordingTransport final : public transport::Transport {
+ public:
+  void Poll(double, const Sink&) override {}
+  transport::SendResult Send(transport::ConnectionId, transport::Channel channel,
+                             std::span<const std::uint8_t> message) override {
+    EXPECT_EQ(channel, transport::Channel::kSnapshot);
+    packets.emplace_back(message.begin(), message.end());
+    return transport::SendResult::kQueued;
+  }
+  void Disconnect(transport::ConnectionId) override {}
+  void Flush() override {}
+  [[nodiscard]] transport::Statistics ReadStatistics() const override { return {}; }
+
+  std::vector<std::vector<std::uint8_t>> packets;
+};
+
+class SnapshotSenderTest : public testing::Test {
+ protected:
+  // Payloads are only carried here, so any bytes will do.
+  void AddBody(std::uint32_t id, protocol::Vector3 centre, std::size_t payloadBytes, std::size_t patches = 1) {
+    storage[id].clear();
+    EncodedBody body{id, centre, {}};
+    for (std::size_t patch = 0; patch < patches; ++patch) {
+      std::vector<std::uint8_t> record;
+      const std::vector<std::uint8_t> payload(payloadBytes, static_cast<std::uint8_t>(id));
+      protocol::AppendRecord({id, 0, static_cast<std::uint8_t>(patch)}, payload, record);
+      storage[id].push_back(record);
+    }
+    for (const auto& record : storage[id]) body.records.emplace_back(record);
+    bodies.push_back(body);
+  }
+  void RemoveBody(std::uint32_t id) {
+    std::erase_if(bodies, [&](const EncodedBody& body) { return body.body == id; });
+  }
+
+  // One snapshot; returns the bodies sent, in order, and checks every packet.
+  std::vector<std::uint32_t> Send(double creditBytes, std::uint32_t own = 0) {
+    transport.packets.clear();
+    ++tick;
+    protocol::SnapshotHead head;
+    head.tick = tick;
+    head.inputTick = 17;
+    sender.Send(bodies, own, head, creditBytes, tick / 30.0, 1, subscription);
+    std::vector<std::uint32_t> sent;
+    for (const auto& packet : transport.packets) {
+      EXPECT_LE(packet.size(), protocol::kMaxPacketBytes);
+      bytes += static_cast<double>(packet.size()) + kOverhead;
+      protocol::SnapshotHead read;
+      std::vector<protocol::Record> records;
+      EXPECT_EQ(protocol::ReadSnapshot(packet, read, records), protocol::SnapshotResult::kOk);
+      EXPECT_EQ(read.sequence, ++sequence);
+      EXPECT_EQ(read.tick, tick);
+      EXPECT_EQ(read.inputTick, 17U);
+      for (const protocol::Record& record : records) {
+        if (record.head.patch == 0) sent.push_back(record.head.body);
+        ++recordsSent;
+      }
+    }
+    return sent;
+  }
+
+  std::map<std::uint32_t, std::vector<std::vector<std::uint8_t>>> storage;
+  std::vector<EncodedBody> bodies;
+  RecordingTransport transport;
+  SnapshotSender sender{transport};
+  Subscription subscription;
+  std::uint32_t tick = 0;
+  std::uint32_t sequence = 0;
+  std::uint64_t recordsSent = 0;
+  double bytes = 0;  // all headers counted
+};
+
+constexpr double kShare384 = 384e3 / 8 / 30;  // a snapshot's at --client-kbit 384 and 30 Hz
+
+TEST_F(SnapshotSenderTest, ASmallWorldGoesOutWhole) {
+  for (std::uint32_t id = 1; id <= 5; ++id) AddBody(id, {static_cast<float>(id), 0, 0}, 200);
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(Send(kShare384, 3).size(), 5U);
+  EXPECT_EQ(sender.Counts().bodiesLeftOut, 0U);
+  EXPECT_EQ(sender.Counts().packets, sequence);
+}
+
+TEST_F(SnapshotSenderTest, TheBudgetHoldsOverTime) {
+  for (std::uint32_t id = 1; id <= 60; ++id) AddBody(id, {static_cast<float>(id), 0, 0}, 100 + 13 * (id % 17));
+  for (int i = 0; i < 1800; ++i) {
+    Send(kShare384, 1);
+    // The credit saved by then, and at most one body and one packet's headers over.
+    EXPECT_LE(bytes, kShare384 * (i + 2) + 400 + 60);
+  }
+  EXPECT_GT(bytes, 0.98 * kShare384 * 1800);  // and it is used
+  EXPECT_GT(sender.Counts().bodiesLeftOut, 0U);
+}
+
+TEST_F(SnapshotSenderTest, TheSmallestBudgetHoldsAtTheHighestRateAndStillFeeds) {
+  // 32 kbit/s at 480 Hz: a share is smaller than a packet's headers.
+  const double share = 32e3 / 8 / 480;
+  for (std::uint32_t id = 1; id <= 3; ++id) AddBody(id, {static_cast<float>(id), 0, 0}, 300);
+  std::map<std::uint32_t, int> times;
+  for (int i = 0; i < 480 * 20; ++i) {
+    for (const std::uint32_t id : Send(share, 2)) ++times[id];
+  }
+  EXPECT_LE(bytes, share * 480 * 20 + 400);
+  EXPECT_GT(times[2], 20 * 5);  // the own body, several times a second
+}
+
+TEST_F(SnapshotSenderTest, AQuietMinuteBuysNoBurst) {
+  AddBody(1, {}, 50);
+  for (int i = 0; i < 1800; ++i) Send(kShare384, 1);
+  for (std::uint32_t id = 2; id <= 100; ++id) AddBody(id, {}, 300);
+  bytes = 0;
+  Send(kShare384, 1);
+  EXPECT_LE(bytes, 2 * kShare384 + 400 + 60);
+}
+
+TEST_F(SnapshotSenderTest, TheOwnBodyIsFirstEachTime) {
+  for (std::uint32_t id = 1; id <= 80; ++id) AddBody(id, {static_cast<float>(id), 0, 0}, 200);
+  for (int i = 0; i < 300; ++i) {
+    const auto sent = Send(kShare384, 57);
+    ASSERT_FALSE(sent.empty());
+    EXPECT_EQ(sent[0], 57U);
+    EXPECT_EQ(std::count(sent.begin(), sent.end(), 57U), 1);
+  }
+}
+
+TEST_F(SnapshotSenderTest, NoBodyWaitsLongerThanAClientRemembers) {
+  // The scene `crowd` with 32 players on it, seen from its middle: 500 small balls and 32 larger on 44 m by 44 m, three
+  // seconds to warm up. A client forgets a body after 5 s.
+  std::uint32_t id = 0;
+  for (int x = 0; x < 25; ++x) {
+    for (int y = 0; y < 20; ++y) {
+      AddBody(++id, {-18.0F + 1.5F * static_cast<float>(x), -18.0F + 1.9F * static_cast<float>(y), 0.3F}, 80);
+    }
+  }
+  for (int i = 0; i < 32; ++i) AddBody(++id, {static_cast<float>(i % 8) - 4, static_cast<float>(i % 5), 0.5F}, 230);
+  std::map<std::uint32_t, std::uint32_t> last;
+  std::uint32_t longest = 0;
+  for (int i = 0; i < 1800; ++i) {
+    for (const std::uint32_t sent : Send(kShare384, 510)) {
+      longest = std::max(longest, tick - last[sent]);
+      last[sent] = tick;
+    }
+  }
+  for (const EncodedBody& body : bodies) longest = std::max(longest, tick - last[body.body]);
+  RecordProperty("longest_wait_ms", static_cast<int>(longest * 1000 / 30));
+  std::printf("longest wait of %u bodies: %.2f s\n", id, longest / 30.0);
+  EXPECT_LT(longest, 5U * 30);
+}
+
+TEST_F(SnapshotSenderTest, NearBodiesComeMoreOftenThanFarOnes) {
+  AddBody(1, {}, 200);
+  for (std::uint32_t id = 2; id <= 21; ++id) AddBody(id, {2, 0, 0}, 200);
+  for (std::uint32_t id = 22; id <= 41; ++id) AddBody(id, {60, 0, 0}, 200);
+  std::map<std::uint32_t, int> times;
+  for (int i = 0; i < 900; ++i) {
+    for (const std::uint32_t id : Send(kShare384, 1)) ++times[id];
+  }
+  EXPECT_EQ(times[1], 900);
+  for (std::uint32_t id = 2; id <= 21; ++id) {
+    EXPECT_GT(times[id], 3 * times[id + 20]);
+    EXPECT_GT(times[id + 20], 10);
+  }
+}
+
+TEST_F(SnapshotSenderTest, PrioritiesSurviveRemovals) {
+  for (std::uint32_t id = 1; id <= 30; ++id) AddBody(id, {1, 0, 0}, 300);
+  for (int i = 0; i < 7; ++i) Send(kShare384);
+  std::map<std::uint32_t, float> before;
+  for (const auto& interest : subscription.interests) before[interest.body] = interest.priority;
+  for (const std::uint32_t id : {1U, 2U, 15U, 30U}) RemoveBody(id);
+  AddBody(31, {1, 0, 0}, 300);
+  // So little that nothing but the credit of before can be sent.
+  subscription.credit = -1000;
+  EXPECT_TRUE(Send(1).empty());
+  ASSERT_EQ(subscription.interests.size(), 27U);
+  for (std::size_t i = 0; i < 27; ++i) {
+    const auto& interest = subscription.interests[i];
+    EXPECT_EQ(interest.body, bodies[i].body);
+    EXPECT_GT(interest.priority, before[interest.body]) << interest.body;
+    EXPECT_LT(interest.priority, before[interest.body] + 1.1F);
+  }
+}
+
+TEST_F(SnapshotSenderTest, ALargeBodysPatchesGoTogether) {
+  AddBody(1, {}, 1100, 8);
+  AddBody(2, {}, 200);
+  const auto sent = Send(20000, 1);
+  EXPECT_EQ(sent.size(), 2U);
+  EXPECT_EQ(recordsSent, 9U);
+  EXPECT_GE(transport.packets.size(), 8U);
+}
+
+TEST_F(SnapshotSenderTest, AnEmptyWorldIsToldByAHeadAlone) {
+  EXPECT_TRUE(Send(kShare384).empty());
+  ASSERT_EQ(transport.packets.size(), 1U);
+  EXPECT_EQ(transport.packets[0].size(), protocol::kSnapshotHeadBytes);
+}
+
+}  // namespace
+}  // namespace wobble::server
