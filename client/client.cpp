@@ -312,7 +312,7 @@ void Client::Implementation::MeasureSnapshot(const protocol::SnapshotHead& head)
   SnapshotArrival arrival;
   arrival.tick = head.tick;
   arrival.inputToSnapshot = MeasureInput(head.inputTick);
-  arrival.age = behind + std::max(0.0, (smallestInputToSnapshot - tickSeconds) / 2);
+  arrival.age = clock.Lateness() + std::max(0.0, (smallestInputToSnapshot - tickSeconds) / 2);
   statistics.snapshotAge = arrival.age;
   if (onSnapshot) onSnapshot(arrival);
 }

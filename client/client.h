@@ -64,8 +64,9 @@ enum class Detail { kPosesOnly, kVertices };
 // What one snapshot packet says about the link. Seconds.
 struct SnapshotArrival {
   std::uint32_t tick = 0;
-  // Arrival minus the moment of its tick. The one-way trip hidden in it cannot be measured from one end; taken for it
-  // is half of the smallest inputToSnapshot so far less a tick (an input waits up to a tick before it is used).
+  // Arrival minus the moment of its tick: how much later it came than the fastest of the last half minute, plus that
+  // one's trip. The latter cannot be measured from one end; taken for it is half of the smallest inputToSnapshot so far
+  // less a tick (an input waits up to a tick before it is used).
   double age = 0;
   // From first sending an input to this packet, the first that shows a world which has used it; -1 in any other.
   double inputToSnapshot = -1;

@@ -19,6 +19,8 @@ namespace {
 
 constexpr double kBucketSeconds = 0.125;
 constexpr std::int64_t kBucketsWhenSlow = 4;
+// Half of the window that lateness is measured in: crystals drift apart by 3 ms at most meanwhile (100 ppm).
+constexpr double kFastestSeconds = 16;
 constexpr double kSlowBelow = 0.99;
 // For this long after the first arrival a better offset is taken at once: nobody has seen anything move yet.
 constexpr double kStartUp = 1.0;
@@ -27,6 +29,7 @@ constexpr double kMaxSlew = 0.1;
 constexpr double kJumpAbove = 0.25;
 
 std::int64_t BucketIndex(double now) { return static_cast<std::int64_t>(std::floor(now / kBucketSeconds)); }
+std::int64_t HalfIndex(double now) { return static_cast<std::int64_t>(std::floor(now / kFastestSeconds)); }
 
 }  // namespace
 
@@ -48,6 +51,7 @@ void Clock::AddArrival(double worldTime, double timeRatio, double now) {
 
   Record(m_scaled - worldTime, now);
   m_target = FindSmallest(now);
+  m_lateness = RecordFastest(m_scaled - worldTime, now);
   const bool startingUp = now - m_startedAt < kStartUp && m_target < m_offset;
   if (startingUp || std::fabs(m_target - m_offset) > kJumpAbove) m_offset = m_target;
 }
@@ -64,6 +68,15 @@ void Clock::Record(double offset, double now) {
   Bucket& bucket = m_buckets[static_cast<std::uint64_t>(index) % kBuckets];
   bucket.offset = bucket.index == index ? std::min(bucket.offset, offset) : offset;
   bucket.index = index;
+}
+
+double Clock::RecordFastest(double offset, double now) {
+  const std::int64_t index = HalfIndex(now);
+  Bucket& half = m_fastest[static_cast<std::uint64_t>(index) % 2];
+  half.offset = half.index == index ? std::min(half.offset, offset) : offset;
+  half.index = index;
+  const Bucket& before = m_fastest[static_cast<std::uint64_t>(index + 1) % 2];
+  return offset - (before.index == index - 1 ? std::min(before.offset, half.offset) : half.offset);
 }
 
 double Clock::FindSmallest(double now) const {

@@ -19,6 +19,10 @@ class Clock {
   [[nodiscard]] bool Started() const { return m_started; }
   // 0 before the first arrival.
   [[nodiscard]] double ServerTime(double now) const;
+  // How much later the last arrival recorded came than the fastest of the last 16 to 32 s, seconds. The estimate above
+  // follows what is fast lately; this tells how long packets really took, also when all of them have been slow for
+  // seconds (a client that polls just before packets come, say).
+  [[nodiscard]] double Lateness() const { return m_lateness; }
   // World seconds per second right now.
   [[nodiscard]] double TimeRatio() const { return m_timeRatio; }
 
@@ -33,6 +37,7 @@ class Clock {
   [[nodiscard]] double Scaled(double now) const { return m_scaled + m_timeRatio * (now - m_updated); }
   [[nodiscard]] double Offset(double now) const;
   void Record(double offset, double now);
+  double RecordFastest(double offset, double now);
   [[nodiscard]] double FindSmallest(double now) const;
 
   bool m_started = false;
@@ -44,6 +49,8 @@ class Clock {
   double m_offset = 0;  // scaled local time minus world time, as in use
   double m_target = 0;  // and as the window would have it
   std::array<Bucket, kBuckets> m_buckets{};
+  std::array<Bucket, 2> m_fastest{};  // the same over halves of the long window
+  double m_lateness = 0;
 };
 
 }  // namespace wobble::client

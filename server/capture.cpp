@@ -1,7 +1,8 @@
-// The pose of a soft body is its centroid and the rotation that takes the rest shape nearest to the shape: the rotational
-// part of A = Σ (x − c) restᵀ. It is found by turning a quaternion until Σ r_col × a_col vanishes (Müller, Bender,
-// Chentanez & Macklin 2016), begun from the last capture: two or three rounds in motion, and unlike a singular value
-// decomposition it never jumps when a flattened body makes A degenerate, which interpolation would show as a flip.
+// The pose of a soft body is its centroid and the rotation that takes the rest shape nearest to the shape: the
+// rotational part of A = Σ (x − c) restᵀ. It is found by turning a quaternion until Σ r_col × a_col vanishes (Müller,
+// Bender, Chentanez & Macklin 2016), begun from the last capture: two or three rounds in motion, and unlike a singular
+// value decomposition it never jumps when a flattened body makes A degenerate, which interpolation would show as a
+// flip.
 #include "server/capture.h"
 
 #include <Eigen/Geometry>
@@ -21,9 +22,23 @@ protocol::wire::Vec3 ToMessage(const physics::Vector3d& v) {
   return {w.x, w.y, w.z};
 }
 
-Vector3 FindCentroid(std::span<const Vector3f> vertices) {
+physics::Vector3d FromWire(const Vector3& v) { return Vector3f(v.x, v.y, v.z).cast<double>(); }
+
+// As World::ReadVertices, but straight into what is kept: a buffer in between would be allocated every time.
+void ReadVertices(const physics::Body& body, std::vector<Vector3>& vertices) {
+  std::visit(
+      [&](const auto& state) {
+        vertices.resize(state.positions.size());
+        for (std::size_t i = 0; i < vertices.size(); ++i) {
+          vertices[i] = ToWire(physics::Vector3d(state.origin + state.positions[i].template cast<double>()));
+        }
+      },
+      body.state);
+}
+
+Vector3 FindCentroid(std::span<const Vector3> vertices) {
   physics::Vector3d sum = physics::Vector3d::Zero();
-  for (const Vector3f& v : vertices) sum += v.cast<double>();
+  for (const Vector3& v : vertices) sum += FromWire(v);
   return ToWire(physics::Vector3d(sum / static_cast<double>(vertices.size())));
 }
 
@@ -41,18 +56,14 @@ Eigen::Quaterniond FindRotation(const Eigen::Matrix3d& a, Eigen::Quaterniond q) 
   return q;
 }
 
-void CaptureBody(const physics::World& world, const physics::Body& body, std::vector<Vector3f>& scratch,
-                 CapturedBody& captured) {
+void CaptureBody(const physics::World& world, const physics::Body& body, CapturedBody& captured) {
   const physics::Blueprint& blueprint = world.BlueprintOf(body);
-  world.ReadVertices(body, scratch);
+  ReadVertices(body, captured.vertices);
   captured.blueprint = body.blueprint;
-  captured.pose.centroid = FindCentroid(scratch);
-  const Vector3f centroid(captured.pose.centroid.x, captured.pose.centroid.y, captured.pose.centroid.z);
+  captured.pose.centroid = FindCentroid(captured.vertices);
   Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
-  captured.vertices.resize(scratch.size());
-  for (std::size_t i = 0; i < scratch.size(); ++i) {
-    a += (scratch[i] - centroid).cast<double>() * blueprint.rest[i].transpose();
-    captured.vertices[i] = ToWire(scratch[i]);
+  for (std::size_t i = 0; i < captured.vertices.size(); ++i) {
+    a += FromWire(captured.vertices[i] - captured.pose.centroid) * blueprint.rest[i].transpose();
   }
   const protocol::Quaternion& last = captured.pose.rotation;
   const Eigen::Quaterniond q = FindRotation(a, Eigen::Quaterniond(last.w, last.x, last.y, last.z));
@@ -93,10 +104,9 @@ void CaptureBodies(const physics::World& world, std::vector<CapturedBody>& bodie
                                         [](const physics::Body& body, std::uint32_t id) { return body.id < id; });
     return found == present.end() || found->id != old.body;
   });
-  std::vector<Vector3f> scratch;
   for (std::size_t i = 0; i < present.size(); ++i) {
     if (i == bodies.size()) bodies.emplace_back().body = present[i].id;
-    CaptureBody(world, present[i], scratch, bodies[i]);
+    CaptureBody(world, present[i], bodies[i]);
   }
 }
 

@@ -13,7 +13,8 @@ void Check(std::vector<std::string>& errors, const char* option, double value, R
     if (text.back() == '.') text.pop_back();
     return text;
   };
-  errors.push_back(std::string(option) + " " + print(value) + ": must be " + print(range.low) + " to " + print(range.high));
+  errors.push_back(std::string(option) + " " + print(value) + ": must be " + print(range.low) + " to " +
+                   print(range.high));
 }
 
 }  // namespace

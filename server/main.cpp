@@ -29,7 +29,7 @@ constexpr std::size_t kSpareConnections = 8;
 // After the last tick, how long goodbyes may take to be acknowledged, s.
 constexpr double kCloseTime = 1;
 
-constexpr server::Range kDurationRange{0, 1e6};  // s, eleven days
+constexpr server::Range kDurationRange{0, 1e6};             // s, eleven days
 constexpr server::Range kSeedRange{0, 9007199254740992.0};  // 2^53: exact as a number in JSON too
 
 struct Options {

@@ -9,7 +9,8 @@ namespace {
 // What a packet costs beside its payload: IPv4 20, UDP 8, ENet's header with time and checksum 8, its command 8.
 constexpr double kPacketOverheadBytes = 44;
 
-// Distance at which a body's priority grows half as fast as close by, metres, and the share that even the farthest keep.
+// Distance at which a body's priority grows half as fast as close by, metres, and the share that even the farthest
+// keep.
 constexpr float kHalfDistance = 8;
 constexpr float kFarShare = 0.05F;
 
@@ -32,9 +33,8 @@ void SnapshotSender::RaisePriorities(std::span<const EncodedBody> bodies, std::u
   const EncodedBody* own = FindEncoded(bodies, ownBody);
   const protocol::Vector3 viewpoint = own != nullptr ? own->centre : protocol::Vector3{};
   std::vector<Subscription::Interest>& interests = subscription.interests;
-  std::erase_if(interests, [&](const Subscription::Interest& interest) {
-    return FindEncoded(bodies, interest.body) == nullptr;
-  });
+  std::erase_if(interests,
+                [&](const Subscription::Interest& interest) { return FindEncoded(bodies, interest.body) == nullptr; });
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     if (i == interests.size()) interests.push_back({bodies[i].body});
     float& priority = interests[i].priority;
@@ -82,8 +82,10 @@ void SnapshotSender::Send(std::span<const EncodedBody> bodies, std::uint32_t own
     subscription.interests[index].priority = 0;
   }
   m_counts.bodiesLeftOut += m_order.size() - next;
-  // An empty world is told as well: the head alone keeps clock, time ratio and acknowledgements going.
-  if (!m_packet.Empty() || next == 0) SendPacket(head, now, connection, subscription);
+  // An empty world is told as well: the head alone keeps clock, time ratio and acknowledgements going. A client that
+  // has overdrawn waits in silence instead: heads alone could eat a small share up and leave nothing for bodies.
+  const bool isEmptyWorld = bodies.empty() && subscription.credit > 0;
+  if (!m_packet.Empty() || isEmptyWorld) SendPacket(head, now, connection, subscription);
 }
 
 }  // namespace wobble::server

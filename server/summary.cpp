@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace wobble::server {
@@ -27,29 +28,36 @@ double TickTimes::PercentileMs(double share) const {
   return 0;
 }
 
+namespace {
+
+// Three digits after the point: what was measured, not what binary fractions make of it.
+double Round(double value) { return std::round(value * 1000) / 1000; }
+
+}  // namespace
+
 std::string MakeSummary(const Server& server, const TickTimes& times) {
   const Counts& counts = server.ReadCounts();
   const physics::World& world = server.World();
   const double ticks = std::max(1.0, static_cast<double>(world.Tick()));
   nlohmann::ordered_json json;
   json["ticks"] = world.Tick();
-  json["tick_ms_p50"] = times.PercentileMs(0.5);
-  json["tick_ms_p99"] = times.PercentileMs(0.99);
-  json["tick_ms_max"] = times.MaxMs();
+  json["tick_ms_p50"] = Round(times.PercentileMs(0.5));
+  json["tick_ms_p99"] = Round(times.PercentileMs(0.99));
+  json["tick_ms_max"] = Round(times.MaxMs());
   json["overruns"] = times.Overruns();
   json["dropped_ticks"] = server.Clock().DroppedTicks();
   json["bodies"] = world.Bodies().size();
-  json["awake_mean"] = static_cast<double>(counts.awakeSum) / ticks;
+  json["awake_mean"] = Round(static_cast<double>(counts.awakeSum) / ticks);
   json["substeps_mean"] =
-      static_cast<double>(counts.substeps) / std::max(1.0, static_cast<double>(counts.awakeSum));
+      Round(static_cast<double>(counts.substeps) / std::max(1.0, static_cast<double>(counts.awakeSum)));
   json["clients_peak"] = counts.clientsPeak;
   json["joins"] = counts.joins;
   json["disconnects"] = counts.disconnects;
   json["refusals"] = counts.refusals;
   json["respawns"] = counts.respawns;
   json["bytes_out"] = server.ReadTransport().bytesOut;
-  json["bits_per_vertex"] = server.ReadEncoder().BitsPerVertex();
-  json["snapshot_error_rms"] = server.ReadEncoder().ErrorPercentRms();
+  json["bits_per_vertex"] = Round(server.ReadEncoder().BitsPerVertex());
+  json["snapshot_error_rms"] = Round(server.ReadEncoder().ErrorPercentRms());
   json["bodies_left_out"] = server.ReadSendCounts().bodiesLeftOut;
   json["datagrams_rejected"] = server.ReadTransport().datagramsRejected;
   std::uint64_t dropped = server.ReadTransport().messagesRejected;

@@ -2,13 +2,14 @@
 // asked for, and at the end reports the others: a misspelt key is a mistake, not a default.
 #include "server/scenes/loader.h"
 
+#include <toml++/toml.h>
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <set>
 #include <sstream>
-#include <toml++/toml.h>
 
 namespace wobble::scenes {
 namespace {
@@ -68,6 +69,19 @@ class TableReader {
     m_errors.Add(Where(key), std::string(key) + " = " + value + ": must be " + range);
   }
 
+  // As it stands in the file, when it does; a range that others know is checked against what was meant there.
+  void RefuseAsWritten(std::string_view key, const std::string& value, const std::string& range) {
+    const toml::node* node = m_table.get(key);
+    Refuse(key, node != nullptr ? FormatNode(*node) : value, range);
+  }
+
+  // A number whose range others check; what is no number becomes a NaN, which no range holds.
+  void ReadUnchecked(std::string_view key, double& value) {
+    const toml::node* node = Find(key);
+    if (node == nullptr) return;
+    value = node->value<double>().value_or(std::numeric_limits<double>::quiet_NaN());
+  }
+
   void Read(std::string_view key, double low, double high, const char* unit, double& value) {
     const toml::node* node = Find(key);
     if (node == nullptr) return;
@@ -82,7 +96,8 @@ class TableReader {
     if (node == nullptr) return;
     const auto number = node->value_exact<std::int64_t>();
     if (!number || *number < low || *number > high) {
-      return Refuse(key, FormatNode(*node), "a whole number from " + std::to_string(low) + " to " + std::to_string(high));
+      return Refuse(key, FormatNode(*node),
+                    "a whole number from " + std::to_string(low) + " to " + std::to_string(high));
     }
     value = static_cast<int>(*number);
   }
@@ -100,8 +115,7 @@ class TableReader {
   void Read(std::string_view key, double low, double high, const char* unit, Vector3d& value) {
     const toml::node* node = Find(key);
     if (node == nullptr) return;
-    const std::string range =
-        "three numbers from " + FormatNumber(low) + " to " + FormatNumber(high) + unit;
+    const std::string range = "three numbers from " + FormatNumber(low) + " to " + FormatNumber(high) + unit;
     const toml::array* array = node->as_array();
     if (array == nullptr || array->size() != 3) return Refuse(key, FormatNode(*node), range);
     Vector3d read;
@@ -198,8 +212,6 @@ void ReadObstacle(TableReader& reader, Scene& scene) {
   scene.obstacles.push_back(obstacle);
 }
 
-constexpr double kAnything = 1e12;  // ValidateBall knows the ranges of what follows
-
 void ReadBlueprint(TableReader& reader, Scene& scene) {
   physics::BallDefinition ball;
   std::string kind = "ball";
@@ -207,7 +219,7 @@ void ReadBlueprint(TableReader& reader, Scene& scene) {
   reader.Read("name", 64, ball.name);
   reader.Read("kind", std::map<std::string, std::string>{{"ball", "ball"}}, kind);
   reader.Read("subdivisions", 0, physics::kMaxSubdivisions, ball.subdivisions);
-  const auto readQuantity = [&](const char* key, double& value) { reader.Read(key, -kAnything, kAnything, "", value); };
+  const auto readQuantity = [&](const char* key, double& value) { reader.ReadUnchecked(key, value); };
   readQuantity("radius", ball.radius);
   readQuantity("mass", ball.material.mass);
   readQuantity("stiffness", ball.material.stiffness);
@@ -218,7 +230,7 @@ void ReadBlueprint(TableReader& reader, Scene& scene) {
   readQuantity("restitution", ball.material.restitution);
   readQuantity("contact_stiffness", ball.material.contactStiffness);
   for (const physics::FieldError& error : physics::ValidateBall(ball)) {
-    reader.Refuse(error.field, error.value, error.range);
+    reader.RefuseAsWritten(error.field, error.value, error.range);
   }
   const bool taken = std::any_of(scene.blueprints.begin(), scene.blueprints.end(),
                                  [&](const auto& other) { return other.name == ball.name; });
@@ -239,6 +251,8 @@ void ReadGroup(TableReader& reader, Scene& scene) {
   reader.Read("position", -kPlacesWithin, kPlacesWithin, " m", group.position);
   Vector3d count(1, 1, 1);
   reader.Read("count", 1, 1000, "", count);
+  if (count != count.array().round().matrix())
+    reader.RefuseAsWritten("count", "", "three whole numbers from 1 to 1000");
   for (int axis = 0; axis < 3; ++axis) group.count[static_cast<std::size_t>(axis)] = static_cast<int>(count[axis]);
   reader.Read("spacing", -100, 100, " m", group.spacing);
   reader.Read("jitter", 0, 10, " m", group.jitter);
@@ -262,7 +276,8 @@ void ReadScene(TableReader& reader, Scene& scene) {
   using physics::Precision;
   reader.Read("description", 256, scene.description);
   reader.Read("gravity", -100, 100, " m/s²", scene.gravity);
-  reader.Read("precision", std::map<std::string, Precision>{{"float", Precision::kSingle}, {"double", Precision::kDouble}},
+  reader.Read("precision",
+              std::map<std::string, Precision>{{"float", Precision::kSingle}, {"double", Precision::kDouble}},
               scene.precision);
   reader.Read("kill_height", -kPlacesWithin, kPlacesWithin, " m", scene.killHeight);
   reader.Require("blueprint");

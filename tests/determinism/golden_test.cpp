@@ -20,7 +20,7 @@ namespace {
 
 using namespace wobble;
 
-constexpr int kSeconds = 5;
+constexpr int kSeconds = 3;
 constexpr int kTickHz = 60;
 constexpr std::uint64_t kSeed = 1;
 

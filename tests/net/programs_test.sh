@@ -14,11 +14,11 @@ folder="$(mktemp -d)" || exit 1
 readonly folder
 readonly out="$folder/out" err="$folder/err" # of the latest expect_exit
 readonly patience=60                         # seconds after which anything is hung
-started=()                                   # processes in the background
 
 clean_up() {
-  local pid
-  for pid in ${started[@]+"${started[@]}"}; do kill -KILL "$pid" 2>/dev/null; done
+  local running
+  exec 2>/dev/null # the shell would tell of each that it was killed
+  for running in $(jobs -pr); do kill -KILL "$running" 2>/dev/null; done
   wait 2>/dev/null
   rm -rf "$folder"
 }
@@ -37,9 +37,9 @@ fail() {
 start() {
   local name="$1"
   shift
+  : >"$folder/$name.out" # there at once for whoever waits for a line in it
   "$bin/$1" "${@:2}" >"$folder/$name.out" 2>"$folder/$name.err" &
   pid=$!
-  started+=("$pid")
 }
 
 # wait_for_line NAME PATTERN: until the program started under NAME has written it.
@@ -95,11 +95,14 @@ expect_refusal() {
   [ ! -s "$out" ] || fail "nothing on standard output of '${*:2}'" "$out"
 }
 
+# read_figure SUMMARY KEY: nothing when it is missing or no number.
+read_figure() { sed -n "s/^  \"$2\": \(-\{0,1\}[0-9][0-9.e+-]*\),\{0,1\}$/\1/p" "$1"; }
+
 # expect_figure SUMMARY KEY CONDITION: such as '== 32', '> 0'.
 expect_figure() {
   local value
-  value="$(sed -n "s/^  \"$2\": \(-\{0,1\}[0-9][0-9.e+-]*\),\{0,1\}$/\1/p" "$1")"
-  [ -n "$value" ] && awk "BEGIN { exit !($value $3) }" || fail "$2 $3 in ${1##*/}" "$1"
+  value="$(read_figure "$1" "$2")"
+  if [ -z "$value" ] || ! awk "BEGIN { exit !($value $3) }"; then fail "$2 $3 in ${1##*/}" "$1"; fi
 }
 
 # expect_keys SUMMARY KEY...
@@ -131,7 +134,10 @@ case_hosts_32_bots() {
 
   expect_keys "$folder/a.json" ticks tick_ms_p50 tick_ms_p99 tick_ms_max overruns bodies awake_mean clients_peak joins \
     disconnects bytes_out bits_per_vertex snapshot_error_rms non_finite inverted quarantined state_hash
-  expect_figure "$folder/a.json" ticks '> 400'
+  # 14 s at 60 Hz; a sanitizer build cannot keep that up, but must say how many it left out.
+  expect_figure "$folder/a.json" ticks "+ $(read_figure "$folder/a.json" dropped_ticks) > 800"
+  expect_figure "$folder/a.json" ticks "+ $(read_figure "$folder/a.json" dropped_ticks) < 850"
+  expect_figure "$folder/a.json" ticks '> 100'
   expect_figure "$folder/a.json" tick_ms_p50 '> 0'
   expect_figure "$folder/a.json" bodies '>= 12'
   expect_figure "$folder/a.json" awake_mean '> 12'

@@ -23,8 +23,8 @@ TEST(World, IsTheSameForAnyNumberOfThreads) {
   for (const Precision precision : {Precision::kSingle, Precision::kDouble}) {
     std::vector<std::uint64_t> hashes;
     for (const int threads : {1, 2, 4}) {
-      const auto world = MakeFilledWorld(threads, precision);
-      for (int i = 0; i < 120; ++i) world->Step();
+      const auto world = MakeFilledWorld(threads, precision, 8);
+      for (int i = 0; i < 80; ++i) world->Step();
       hashes.push_back(world->Hash());
     }
     EXPECT_EQ(hashes[0], hashes[1]);

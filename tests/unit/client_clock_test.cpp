@@ -96,6 +96,16 @@ TEST(ClientClock, FollowsASlowerRouteWithoutAJumpAndAtABoundedRate) {
   EXPECT_NEAR(clock.ServerTime(12.2), Expected(12.2) - 0.1, 0.001);
 }
 
+// A minute in which, for five seconds on end, every packet takes 12 ms longer: the estimate follows, lateness tells.
+TEST(ClientClock, LatenessRemembersTheFastestTripThroughASlowSpell) {
+  Clock clock;
+  for (const Arrival& arrival : MakeArrivals(60, [] { return 0.0; })) {
+    const bool slow = arrival.at > 20 && arrival.at < 25;
+    clock.AddArrival(arrival.worldTime, 1.0, arrival.at + (slow ? 0.012 : 0));
+    ASSERT_NEAR(clock.Lateness(), slow ? 0.012 : 0, 1e-6) << "at " << arrival.at;
+  }
+}
+
 TEST(ClientClock, JumpsWhenItIsFarOff) {
   Clock clock;
   for (const Arrival& arrival : MakeArrivals(3, [] { return 0.0; })) {

@@ -27,8 +27,8 @@ class CaptureTest : public testing::Test {
  protected:
   CaptureTest() : world(physics::WorldSettings{}) { world.AddBlueprint(MakeSmallBall()); }
 
-  // Gives the body's vertices any place: rest shape, then this map, about `centre`. The engine has no call for it, since
-  // nothing but its own steps moves a vertex in play.
+  // Gives the body's vertices any place: rest shape, then this map, about `centre`. The engine has no call for it,
+  // since nothing but its own steps moves a vertex in play.
   void Deform(physics::BodyId id, const Eigen::Matrix3d& map, const Vector3d& centre) {
     auto& body = const_cast<physics::Body&>(world.ReadBody(id));
     auto& state = std::get<physics::State<float>>(body.state);

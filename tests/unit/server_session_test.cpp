@@ -46,14 +46,20 @@ TEST(Session, EveryMessageInEveryState) {
   const auto all = [](DropReason reason) { return std::array<std::optional<DropReason>, 3>{reason, reason, reason}; };
   constexpr std::array<Kind, 3> kNone{Kind::kNone, Kind::kNone, Kind::kNone};
   const std::vector<Case> cases{
-      {"hello", Hello(), Channel::kControl, {Kind::kJoin, Kind::kNone, Kind::kNone},
+      {"hello",
+       Hello(),
+       Channel::kControl,
+       {Kind::kJoin, Kind::kNone, Kind::kNone},
        {kNothing, DropReason::kOutOfOrder, DropReason::kOutOfOrder}},
       {"hello on input", Hello(), Channel::kInput, kNone, all(DropReason::kWrongChannel)},
       {"hello on snapshot", Hello(), Channel::kSnapshot, kNone, all(DropReason::kWrongChannel)},
       {"input", Input(100), Channel::kInput, kNone, {DropReason::kOutOfOrder, kNothing, DropReason::kOutOfOrder}},
       {"input on control", Input(100), Channel::kControl, kNone, all(DropReason::kWrongChannel)},
       {"input on snapshot", Input(100), Channel::kSnapshot, kNone, all(DropReason::kWrongChannel)},
-      {"future input", Input(100 + protocol::kMaxInputLeadTicks + 1), Channel::kInput, kNone,
+      {"future input",
+       Input(100 + protocol::kMaxInputLeadTicks + 1),
+       Channel::kInput,
+       kNone,
        {DropReason::kOutOfOrder, DropReason::kFutureInput, DropReason::kOutOfOrder}},
       {"goodbye", Goodbye(), Channel::kControl, {Kind::kLeave, Kind::kLeave, Kind::kLeave}, {}},
       {"goodbye on input", Goodbye(), Channel::kInput, kNone, all(DropReason::kWrongChannel)},
