@@ -13,12 +13,15 @@
 #include <cassert>
 #include <cmath>
 
-#ifdef __SANITIZE_THREAD__
-#include <sanitizer/tsan_interface.h>
-#endif
-
 #include "server/physics/runge_kutta.h"
 #include "server/physics/stability.h"
+
+#ifdef __SANITIZE_THREAD__
+extern "C" {  // of the sanitizer's runtime
+void __tsan_acquire(void* address);
+void __tsan_release(void* address);
+}
+#endif
 
 namespace wobble::physics {
 namespace {

@@ -177,12 +177,12 @@ TEST(SceneMistakes, AnUnknownSceneListsTheKnownOnes) {
 }
 
 TEST(SceneLimits, WhatTheProtocolCannotCarryIsRefusedWithBothNumbers) {
-  const LoadResult loaded = ParseScene(
-      "[[blueprint]]\nname = \"huge\"\nsubdivisions = 5\nradius = 5\nmass = 5000\n"
-      "stiffness = 10\ngas = 10\n[player]\nblueprint = \"huge\"\n",
-      "test.toml");
-  ASSERT_THAT(loaded.errors, IsEmpty());
-  EXPECT_THAT(server::Validate({}, loaded.scene), ElementsAre(AllOf(HasSubstr("10242"), HasSubstr("4096"))));
+  // Not parsed: to check its material, the loader would build the ball, and that takes long in a sanitizer build.
+  Scene scene;
+  scene.name = "test";
+  scene.blueprints.emplace_back();
+  scene.blueprints[0].subdivisions = 5;
+  EXPECT_THAT(server::Validate({}, scene), ElementsAre(AllOf(HasSubstr("10242"), HasSubstr("4096"))));
 
   server::Config config;
   config.tickHz = 5;

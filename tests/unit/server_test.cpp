@@ -481,10 +481,10 @@ TEST(Server, StepCaptureAndEncodeDoNotAllocateOnceWarm) {
       encoder.Encode(captured, blueprints);
     }
   };
-  play(0, 600);
+  play(0, 400);
   allocations = 0;
   countsAllocations = true;
-  play(600, 1200);
+  play(400, 700);
   countsAllocations = false;
   EXPECT_EQ(allocations.load(), 0U);
   EXPECT_EQ(captured.size(), 20U);
