@@ -26,7 +26,8 @@ class Encoder {
   void Encode(std::span<const CapturedBody> bodies, std::span<const CapturedBlueprint> blueprints);
   [[nodiscard]] std::span<const EncodedBody> Bodies() const { return m_bodies; }
 
-  // Over all that was ever encoded.
+  // Over all that was ever encoded; 0 when that is nothing.
+  [[nodiscard]] std::uint64_t Vertices() const { return m_vertices; }
   [[nodiscard]] double BitsPerVertex() const;
   [[nodiscard]] double ErrorPercentRms() const;  // of the body's size
   [[nodiscard]] std::uint64_t CoarsenedRecords() const { return m_coarsened; }  // missed the target to fit a packet

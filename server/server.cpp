@@ -96,7 +96,7 @@ bool Server::IsSnapshotDue() const {
   const auto due = [&](std::uint64_t tick) {
     return tick * static_cast<std::uint64_t>(m_config.snapshotHz) / static_cast<std::uint64_t>(m_config.tickHz);
   };
-  return due(m_world.Tick()) != due(m_world.Tick() - std::uint64_t{1});
+  return CountPlaying() > 0 && due(m_world.Tick()) != due(m_world.Tick() - std::uint64_t{1});
 }
 
 void Server::ApplyInputs() {

@@ -74,7 +74,7 @@ class Server {
   void Respawn(physics::BodyId body, const physics::Vector3d& place);
   void SendWelcome(Session& session);
   void Broadcast(const protocol::Message& message);
-  [[nodiscard]] bool IsSnapshotDue() const;
+  [[nodiscard]] bool IsSnapshotDue() const;  // never while nobody plays
 
   Config m_config;
   scenes::Scene m_scene;

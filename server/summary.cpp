@@ -56,8 +56,10 @@ std::string MakeSummary(const Server& server, const TickTimes& times) {
   json["refusals"] = counts.refusals;
   json["respawns"] = counts.respawns;
   json["bytes_out"] = server.ReadTransport().bytesOut;
-  json["bits_per_vertex"] = Round(server.ReadEncoder().BitsPerVertex());
-  json["snapshot_error_rms"] = Round(server.ReadEncoder().ErrorPercentRms());
+  const Encoder& encoder = server.ReadEncoder();
+  const bool encoded = encoder.Vertices() > 0;  // nothing is, while nobody plays
+  json["bits_per_vertex"] = encoded ? nlohmann::ordered_json(Round(encoder.BitsPerVertex())) : nullptr;
+  json["snapshot_error_rms"] = encoded ? nlohmann::ordered_json(Round(encoder.ErrorPercentRms())) : nullptr;
   json["bodies_left_out"] = server.ReadSendCounts().bodiesLeftOut;
   json["datagrams_rejected"] = server.ReadTransport().datagramsRejected;
   std::uint64_t dropped = server.ReadTransport().messagesRejected;

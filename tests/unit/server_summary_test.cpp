@@ -51,6 +51,16 @@ TEST(Summary, HasEveryKeyWithATrueValue) {
   EXPECT_EQ(json["state_hash"].get<std::string>().size(), 16U);
 }
 
+// While nobody plays nothing is encoded, and a figure that does not exist is null.
+TEST(Summary, AnEmptyServerInventsNoSnapshotFigures) {
+  test::Game game(test::LoadShippedScene("arena"), Config{});
+  game.Run(1);
+  const auto json = nlohmann::json::parse(MakeSummary(game.server, TickTimes(1)));
+  EXPECT_TRUE(json["bits_per_vertex"].is_null());
+  EXPECT_TRUE(json["snapshot_error_rms"].is_null());
+  EXPECT_GT(json["ticks"], 50);
+}
+
 TEST(Summary, TheHashIsTheWorlds) {
   const auto hash = [](std::uint64_t seed, double seconds) {
     Config config;
