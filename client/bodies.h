@@ -16,9 +16,10 @@
 
 namespace wobble::client {
 
-// Seconds of world time after which a body of which nothing came any more is taken to be gone. Holds only as long as
-// servers send bodies that lie still, too.
-inline constexpr double kForgetAfter = 5.0;
+// Seconds of world time after which a body of which nothing came any more is taken to be gone. The server says reliably
+// when a body goes; this is for the case that it does not, and long enough for the last in a crowd to have its turn.
+// Holds only as long as servers send bodies that lie still, too.
+inline constexpr double kForgetAfter = 30.0;
 // What all tracks may hold together, vertices, each track counting kTrackCost more for its frame: 5,000 balls of
 // 92 vertices. Each is kept up to kTrackSamples times, at 12 bytes: 150 MB at the very worst.
 inline constexpr std::size_t kMaxTrackedVertices = std::size_t{1} << 19;

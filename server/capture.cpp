@@ -24,18 +24,6 @@ protocol::wire::Vec3 ToMessage(const physics::Vector3d& v) {
 
 physics::Vector3d FromWire(const Vector3& v) { return Vector3f(v.x, v.y, v.z).cast<double>(); }
 
-// As World::ReadVertices, but straight into what is kept: a buffer in between would be allocated every time.
-void ReadVertices(const physics::Body& body, std::vector<Vector3>& vertices) {
-  std::visit(
-      [&](const auto& state) {
-        vertices.resize(state.positions.size());
-        for (std::size_t i = 0; i < vertices.size(); ++i) {
-          vertices[i] = ToWire(physics::Vector3d(state.origin + state.positions[i].template cast<double>()));
-        }
-      },
-      body.state);
-}
-
 Vector3 FindCentroid(std::span<const Vector3> vertices) {
   physics::Vector3d sum = physics::Vector3d::Zero();
   for (const Vector3& v : vertices) sum += FromWire(v);
@@ -58,7 +46,8 @@ Eigen::Quaterniond FindRotation(const Eigen::Matrix3d& a, Eigen::Quaterniond q) 
 
 void CaptureBody(const physics::World& world, const physics::Body& body, CapturedBody& captured) {
   const physics::Blueprint& blueprint = world.BlueprintOf(body);
-  ReadVertices(body, captured.vertices);
+  captured.vertices.resize(blueprint.rest.size());
+  physics::VisitVertices(body, [&](std::size_t i, const physics::Vector3d& x) { captured.vertices[i] = ToWire(x); });
   captured.blueprint = body.blueprint;
   captured.pose.centroid = FindCentroid(captured.vertices);
   Eigen::Matrix3d a = Eigen::Matrix3d::Zero();

@@ -21,13 +21,13 @@ inline constexpr Range kThreadsRange{1, 256};
 inline constexpr Range kClientKbitRange{32, 100000};
 
 struct Config {
-  std::uint16_t port = 7777;    // UDP
+  std::uint16_t port = 7777;  // UDP
   int tickHz = 60;
   int snapshotHz = 30;
   int maxClients = 64;
-  int maxPerAddress = 0;        // 0: as many as clients
+  int maxPerAddress = 0;  // 0: as many as clients
   int threads = 1;
-  double clientKbit = 384;      // a client's share of snapshots, kbit/s, all headers counted
+  double clientKbit = 384;  // a client's share of snapshots, kbit/s, all headers counted
   std::uint64_t seed = 1;
 };
 

@@ -19,8 +19,8 @@ void Encoder::EncodeBody(const CapturedBody& body, const CapturedBlueprint& blue
         protocol::EncodeShape(body.pose, rest.subspan(first, count), vertices.subspan(first, count), target,
                               protocol::kMaxRecordPayload, m_payload);
     first += count;
-    if (!encoding.fits) continue;  // cannot be within 18 bits a vertex at any step: far outside the world
-    if (encoding.rmsError > target) ++m_coarsened;
+    if (!encoding.fits || encoding.rmsError > target) ++m_coarsened;
+    if (!encoding.fits) continue;  // spread over hundreds of metres: left out until it is reset
     const std::size_t begin = m_bytes.size();
     protocol::AppendRecord({body.body, body.blueprint, patch}, m_payload, m_bytes);
     m_ranges.push_back({begin, m_bytes.size()});

@@ -30,7 +30,9 @@ class Encoder {
   [[nodiscard]] std::uint64_t Vertices() const { return m_vertices; }
   [[nodiscard]] double BitsPerVertex() const;
   [[nodiscard]] double ErrorPercentRms() const;  // of the body's size
-  [[nodiscard]] std::uint64_t CoarsenedRecords() const { return m_coarsened; }  // missed the target to fit a packet
+  [[nodiscard]] std::uint64_t CoarsenedRecords() const {
+    return m_coarsened;
+  }  // missed the target to fit a packet, or did not fit at all
 
  private:
   struct Range {

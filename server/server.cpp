@@ -134,9 +134,14 @@ void Server::TakeEvent(const transport::Event& event, double now) {
     spdlog::debug("client {}: message dropped, {} ({})", session.clientId, Name(*effect.dropped), Name(effect.parsed));
   }
   switch (effect.kind) {
-    case MessageEffect::Kind::kNone: break;
-    case MessageEffect::Kind::kJoin: Join(session); break;
-    case MessageEffect::Kind::kRefuse: End(session, effect.reason, effect.detail); break;
+    case MessageEffect::Kind::kNone:
+      break;
+    case MessageEffect::Kind::kJoin:
+      Join(session);
+      break;
+    case MessageEffect::Kind::kRefuse:
+      End(session, effect.reason, effect.detail);
+      break;
     case MessageEffect::Kind::kLeave:
       spdlog::info("client {} ({}) left", session.clientId, session.name);
       ForgetPlayer(session, false);
@@ -148,8 +153,8 @@ void Server::TakeEvent(const transport::Event& event, double now) {
 
 void Server::Join(Session& session) {
   if (CountPlaying() >= static_cast<std::size_t>(m_config.maxClients)) {
-    End(session, GoodbyeReason::ServerFull, std::to_string(m_config.maxClients) + " of " +
-                                                std::to_string(m_config.maxClients) + " players are in");
+    End(session, GoodbyeReason::ServerFull,
+        std::to_string(m_config.maxClients) + " of " + std::to_string(m_config.maxClients) + " players are in");
     return;
   }
   session.state = Session::State::kPlaying;

@@ -22,16 +22,16 @@ namespace wobble::server {
 // Since the start. What a person hosting wants to know; summary.h writes it out.
 struct Counts {
   std::uint64_t substeps = 0;
-  std::uint64_t awakeSum = 0;        // over ticks
+  std::uint64_t awakeSum = 0;  // over ticks
   std::uint64_t nonFinite = 0;
   std::uint64_t inverted = 0;
   std::uint64_t respawns = 0;
   std::uint64_t joins = 0;
-  std::uint64_t leaves = 0;          // said goodbye
-  std::uint64_t disconnects = 0;     // were lost, silent or sent away after having joined
-  std::uint64_t refusals = 0;        // never joined: full, wrong version, no hello
+  std::uint64_t leaves = 0;       // said goodbye
+  std::uint64_t disconnects = 0;  // were lost, silent or sent away after having joined
+  std::uint64_t refusals = 0;     // never joined: full, wrong version, no hello
   std::size_t clientsPeak = 0;
-  std::array<std::uint64_t, kDropReasonCount> dropped{};          // messages by DropReason
+  std::array<std::uint64_t, kDropReasonCount> dropped{};           // messages by DropReason
   std::array<std::uint64_t, protocol::kParseResultCount> parse{};  // of kParse, by ParseResult
 };
 

@@ -109,11 +109,16 @@ physics::Control TakeControl(Session& session, std::uint32_t tick, std::uint32_t
 
 const char* Name(DropReason reason) {
   switch (reason) {
-    case DropReason::kParse: return "not a valid message";
-    case DropReason::kOutOfOrder: return "out of order";
-    case DropReason::kWrongChannel: return "on the wrong channel";
-    case DropReason::kFutureInput: return "input too far ahead";
-    case DropReason::kBadAcknowledgement: return "acknowledges what was never sent";
+    case DropReason::kParse:
+      return "not a valid message";
+    case DropReason::kOutOfOrder:
+      return "out of order";
+    case DropReason::kWrongChannel:
+      return "on the wrong channel";
+    case DropReason::kFutureInput:
+      return "input too far ahead";
+    case DropReason::kBadAcknowledgement:
+      return "acknowledges what was never sent";
   }
   return "unknown";
 }

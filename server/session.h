@@ -19,10 +19,10 @@ namespace wobble::server {
 
 // Why a message was dropped, beside what the parser says.
 enum class DropReason : std::uint8_t {
-  kParse,           // ParseResult other than kOk
-  kOutOfOrder,      // an input before the hello, a second hello
-  kWrongChannel,    // a message on a channel that is not its own
-  kFutureInput,     // too far ahead
+  kParse,         // ParseResult other than kOk
+  kOutOfOrder,    // an input before the hello, a second hello
+  kWrongChannel,  // a message on a channel that is not its own
+  kFutureInput,   // too far ahead
   kBadAcknowledgement,
 };
 inline constexpr std::size_t kDropReasonCount = 5;
@@ -37,10 +37,10 @@ struct Session {
   std::uint32_t clientId = 0;  // from 1
   std::string name;
   bool spectator = false;
-  physics::BodyId body = 0;    // 0: none
+  physics::BodyId body = 0;  // 0: none
   InputBuffer inputs;
   Subscription subscription;
-  double roundTrip = 0;        // newest measured, s
+  double roundTrip = 0;  // newest measured, s
   double badWindowBegin = 0;
   unsigned badInWindow = 0;
 };

@@ -12,7 +12,7 @@ constexpr double kPacketOverheadBytes = 44;
 // Distance at which a body's priority grows half as fast as close by, metres, and the share that even the farthest
 // keep.
 constexpr float kHalfDistance = 8;
-constexpr float kFarShare = 0.05F;
+constexpr float kFarShare = 0.25F;  // the farthest is sent every fifth time that a near one is
 
 float FindGain(protocol::Vector3 from, protocol::Vector3 to) {
   const protocol::Vector3 way = to - from;

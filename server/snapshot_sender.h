@@ -23,7 +23,7 @@ struct Subscription {
   };
   std::vector<Interest> interests;  // by ascending body, as the encoded ones
   protocol::SentWindow sent;
-  double credit = 0;                // bytes that may be sent; below zero after a record that just went over
+  double credit = 0;  // bytes that may be sent; below zero after a record that just went over
 };
 
 struct SendCounts {
@@ -38,8 +38,8 @@ class SnapshotSender {
 
   // ownBody: 0 for a spectator, who looks from the origin. head: sequence is filled in here. creditBytes: what the
   // client's budget grew by since the last snapshot.
-  void Send(std::span<const EncodedBody> bodies, std::uint32_t ownBody, protocol::SnapshotHead head,
-            double creditBytes, double now, transport::ConnectionId connection, Subscription& subscription);
+  void Send(std::span<const EncodedBody> bodies, std::uint32_t ownBody, protocol::SnapshotHead head, double creditBytes,
+            double now, transport::ConnectionId connection, Subscription& subscription);
 
   [[nodiscard]] const SendCounts& Counts() const { return m_counts; }
 

@@ -23,8 +23,8 @@ struct Event {
   enum class Kind { kConnected, kDisconnected, kMessage };
   Kind kind;
   ConnectionId connection;
-  Channel channel = Channel::kControl;   // of a message
-  std::span<const std::uint8_t> bytes;   // of a message; valid only inside the sink
+  Channel channel = Channel::kControl;  // of a message
+  std::span<const std::uint8_t> bytes;  // of a message; valid only inside the sink
 };
 
 enum class SendResult { kQueued, kUnknownConnection, kTooLarge, kFailed };

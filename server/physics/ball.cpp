@@ -1,6 +1,6 @@
-// Builds balls. The radius that a scene states is the radius at rest, so the springs must be shorter than the edges they
-// lie on by just what the gas stretches them. Scaling all rest lengths by f keeps a sphere of radius R in balance when
-// the virial of the forces vanishes: the gas gives Σ F·x = 3 (P − P₀) V, the springs −Σ k (ℓ − fℓ) ℓ, hence
+// Builds balls. The radius that a scene states is the radius at rest, so the springs must be shorter than the edges
+// they lie on by just what the gas stretches them. Scaling all rest lengths by f keeps a sphere of radius R in balance
+// when the virial of the forces vanishes: the gas gives Σ F·x = 3 (P − P₀) V, the springs −Σ k (ℓ − fℓ) ℓ, hence
 //   1 − f = 3 (P − P₀) V / Σ k ℓ².
 // On an icosphere not all vertices are alike, so a short damped relaxation then finds the exact equilibrium.
 #include "server/physics/ball.h"
@@ -30,15 +30,23 @@ std::uint16_t FindMidpoint(std::uint16_t a, std::uint16_t b, Icosphere& sphere,
 Icosphere MakeIcosahedron() {
   Icosphere sphere;
   const double t = (1 + std::sqrt(5.0)) / 2;
-  for (const auto& [x, y, z] : std::initializer_list<std::array<double, 3>>{{-1, t, 0}, {1, t, 0}, {-1, -t, 0},
-                                                                           {1, -t, 0}, {0, -1, t}, {0, 1, t},
-                                                                           {0, -1, -t}, {0, 1, -t}, {t, 0, -1},
-                                                                           {t, 0, 1}, {-t, 0, -1}, {-t, 0, 1}}) {
+  for (const auto& [x, y, z] : std::initializer_list<std::array<double, 3>>{{-1, t, 0},
+                                                                            {1, t, 0},
+                                                                            {-1, -t, 0},
+                                                                            {1, -t, 0},
+                                                                            {0, -1, t},
+                                                                            {0, 1, t},
+                                                                            {0, -1, -t},
+                                                                            {0, 1, -t},
+                                                                            {t, 0, -1},
+                                                                            {t, 0, 1},
+                                                                            {-t, 0, -1},
+                                                                            {-t, 0, 1}}) {
     sphere.vertices.push_back(Vector3d(x, y, z).normalized());
   }
-  sphere.faces = {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-                  {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},
-                  {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
+  sphere.faces = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+                  {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+                  {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
   return sphere;
 }
 
@@ -138,7 +146,8 @@ std::vector<FieldError> ValidateBall(const BallDefinition& d) {
     Check(errors, "gas", m.gas, false,
           shortening < 0 ? "more, or ambient_pressure lower: the shell would be crushed"
                          : ("at most " + std::to_string(static_cast<int>(balanced)) +
-                            " J for this radius, stiffness and ambient_pressure, or its springs would vanish").c_str());
+                            " J for this radius, stiffness and ambient_pressure, or its springs would vanish")
+                               .c_str());
     return errors;
   }
   const Blueprint blueprint = MakeBall(d);

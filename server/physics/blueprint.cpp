@@ -20,8 +20,8 @@ Coefficients<float> ToSingle(const Coefficients<double>& full) {
   single.inverseMasses.assign(full.inverseMasses.begin(), full.inverseMasses.end());
   single.springs.reserve(full.springs.size());
   for (const Spring<double>& s : full.springs) {
-    single.springs.push_back({s.a, s.b, static_cast<float>(s.restLength), static_cast<float>(s.stiffness),
-                              static_cast<float>(s.damping)});
+    single.springs.push_back(
+        {s.a, s.b, static_cast<float>(s.restLength), static_cast<float>(s.stiffness), static_cast<float>(s.damping)});
   }
   single.faces = full.faces;
   single.gas = static_cast<float>(full.gas);

@@ -20,14 +20,14 @@ struct FieldError {
 
 // Physical quantities of a ball and of the material that its shell is made of. SI units.
 struct Material {
-  double mass = 8;             // of the whole body, kg
-  double stiffness = 150;      // of each spring, N/m
-  double dampingRatio = 0.2;   // of each spring between its two masses alone, 1: critical
-  double gas = 250;            // nRT of the gas inside, J
-  double ambientPressure = 0;  // outside, Pa; the gas pushes with nRT/V minus this
-  double friction = 0.8;       // Coulomb's coefficient, static and kinetic
-  double restitution = 0.5;    // of a single vertex on a rigid surface
-  double contactStiffness = 0; // of a vertex against a surface, N/m; 0: kContactStiffnessRatio x stiffness
+  double mass = 8;              // of the whole body, kg
+  double stiffness = 150;       // of each spring, N/m
+  double dampingRatio = 0.2;    // of each spring between its two masses alone, 1: critical
+  double gas = 250;             // nRT of the gas inside, J
+  double ambientPressure = 0;   // outside, Pa; the gas pushes with nRT/V minus this
+  double friction = 0.8;        // Coulomb's coefficient, static and kinetic
+  double restitution = 0.5;     // of a single vertex on a rigid surface
+  double contactStiffness = 0;  // of a vertex against a surface, N/m; 0: kContactStiffnessRatio x stiffness
 };
 inline constexpr double kContactStiffnessRatio = 10;
 
@@ -46,12 +46,12 @@ using Face = std::array<std::uint16_t, 3>;  // counter-clockwise seen from outsi
 // How a vertex of the body meets a surface; contact.h has the law.
 template <class Real>
 struct ContactParameters {
-  Real stiffness = 0;            // k_c: slope of the normal force from `fadeDepth` on, N/m
-  Real fadeDepth = 0;            // δ: depth up to which force and damping grow smoothly, m
-  Real damping = 0;              // of the normal motion beyond δ, N·s/m
-  Real stickStiffness = 0;       // of the anchor spring, N/m
-  Real stickDamping = 0;         // beside it, N·s/m
-  Real friction = 0;             // Coulomb's coefficient of this body
+  Real stiffness = 0;       // k_c: slope of the normal force from `fadeDepth` on, N/m
+  Real fadeDepth = 0;       // δ: depth up to which force and damping grow smoothly, m
+  Real damping = 0;         // of the normal motion beyond δ, N·s/m
+  Real stickStiffness = 0;  // of the anchor spring, N/m
+  Real stickDamping = 0;    // beside it, N·s/m
+  Real friction = 0;        // Coulomb's coefficient of this body
 };
 
 // All that the force terms read, in the kernel's precision.
@@ -61,9 +61,9 @@ struct Coefficients {
   std::vector<Real> inverseMasses;  // 1/kg
   std::vector<Spring<Real>> springs;
   std::vector<Face> faces;
-  Real gas = 0;                     // nRT, J; 0: the body has no gas and the term is skipped
-  Real ambientPressure = 0;         // Pa
-  Real floorVolume = 0;             // below this the pressure is continued linearly, m³
+  Real gas = 0;              // nRT, J; 0: the body has no gas and the term is skipped
+  Real ambientPressure = 0;  // Pa
+  Real floorVolume = 0;      // below this the pressure is continued linearly, m³
   ContactParameters<Real> contact;
 };
 

@@ -116,9 +116,8 @@ void AddContacts(const ContactParameters<Real>& parameters, std::span<const Surf
     if (!(depth > Real(0))) continue;
     const Vector3<Real>& velocity = v[contact.vertex];
     const Real rate = -point.normal.dot(velocity);
-    const Real normalForce =
-        std::max(Real(0), ComputePenalty(parameters, depth) +
-                              parameters.damping * ComputeDampingShare(parameters, depth) * rate);
+    const Real normalForce = std::max(Real(0), ComputePenalty(parameters, depth) +
+                                                   parameters.damping * ComputeDampingShare(parameters, depth) * rate);
     Vector3<Real> pull = parameters.stickDamping * RemoveNormalPart<Real>(velocity, point.normal);
     if (contact.touching) {
       const Vector3<Real> slip = x[contact.vertex] - contact.anchor;
@@ -152,17 +151,17 @@ void UpdateAnchors(const ContactParameters<Real>& parameters, std::span<const Su
   }
 }
 
-#define WOBBLE_INSTANTIATE(Real)                                                                                   \
-  template Real ComputePenalty<Real>(const ContactParameters<Real>&, Real);                                        \
-  template Real ComputePenaltySlope<Real>(const ContactParameters<Real>&, Real);                                   \
-  template Real ComputeDampingShare<Real>(const ContactParameters<Real>&, Real);                                   \
-  template void FindContacts<Real>(std::span<const Surface<Real>>, std::span<const Vector3<Real>>,                 \
-                                   std::span<const Vector3<Real>>, Real, std::vector<Contact<Real>>&,              \
-                                   std::vector<Contact<Real>>&);                                                   \
-  template void AddContacts<Real>(const ContactParameters<Real>&, std::span<const Surface<Real>>,                  \
-                                  std::span<const Contact<Real>>, std::span<const Vector3<Real>>,                  \
-                                  std::span<const Vector3<Real>>, std::span<Vector3<Real>>);                       \
-  template void UpdateAnchors<Real>(const ContactParameters<Real>&, std::span<const Surface<Real>>,                \
+#define WOBBLE_INSTANTIATE(Real)                                                                      \
+  template Real ComputePenalty<Real>(const ContactParameters<Real>&, Real);                           \
+  template Real ComputePenaltySlope<Real>(const ContactParameters<Real>&, Real);                      \
+  template Real ComputeDampingShare<Real>(const ContactParameters<Real>&, Real);                      \
+  template void FindContacts<Real>(std::span<const Surface<Real>>, std::span<const Vector3<Real>>,    \
+                                   std::span<const Vector3<Real>>, Real, std::vector<Contact<Real>>&, \
+                                   std::vector<Contact<Real>>&);                                      \
+  template void AddContacts<Real>(const ContactParameters<Real>&, std::span<const Surface<Real>>,     \
+                                  std::span<const Contact<Real>>, std::span<const Vector3<Real>>,     \
+                                  std::span<const Vector3<Real>>, std::span<Vector3<Real>>);          \
+  template void UpdateAnchors<Real>(const ContactParameters<Real>&, std::span<const Surface<Real>>,   \
                                     std::span<Contact<Real>>, std::span<const Vector3<Real>>);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)

@@ -4,9 +4,9 @@
 //   F = k d²/2δ up to δ, then k (d − δ/2): C¹, slope at most k;
 //   s = smoothstep(d/δ): damping that sets in with depth (Hunt & Crossley 1975), since a dashpot that begins at full
 //   strength on touching breaks C¹ and costs RK4 two orders through a bounce.
-// Friction (Cundall & Strack 1979): a stick spring from an anchor with a dashpot beside it, f = k_t (x − anchor)ₜ + c_t vₜ,
-// cut to Coulomb's μN. The anchor is set where a vertex first touches and dragged along when the spring alone would pull
-// harder than μN. Friction regularised by slip speed alone lets a body that should stick creep downhill.
+// Friction (Cundall & Strack 1979): a stick spring from an anchor with a dashpot beside it, f = k_t (x − anchor)ₜ + c_t
+// vₜ, cut to Coulomb's μN. The anchor is set where a vertex first touches and dragged along when the spring alone would
+// pull harder than μN. Friction regularised by slip speed alone lets a body that should stick creep downhill.
 #pragma once
 
 #include <span>
@@ -23,8 +23,8 @@ template <class Real>
 struct Contact {
   std::uint32_t surface = 0;
   std::uint32_t vertex = 0;
-  bool touching = false;                              // at the end of the last substep; the anchor is set
-  Vector3<Real> anchor = Vector3<Real>::Zero();       // local coordinates, m
+  bool touching = false;                         // at the end of the last substep; the anchor is set
+  Vector3<Real> anchor = Vector3<Real>::Zero();  // local coordinates, m
 };
 
 // Lists every vertex that may touch a surface before `duration` (s) is over, keeping anchors of `contacts`.
@@ -54,7 +54,6 @@ template <class Real>
 [[nodiscard]] Real ComputeDampingShare(const ContactParameters<Real>& parameters, Real depth);
 
 // The parameters that follow from a material for a vertex of `vertexMass` in a body of `size`.
-[[nodiscard]] ContactParameters<double> MakeContactParameters(const Material& material, double vertexMass,
-                                                              double size);
+[[nodiscard]] ContactParameters<double> MakeContactParameters(const Material& material, double vertexMass, double size);
 
 }  // namespace wobble::physics

@@ -13,8 +13,7 @@ void AddSprings(std::span<const Spring<Real>> springs, Real stiffnessFactor, std
     if (!(length > Real(0))) continue;  // two vertices in one place: no direction to push in
     const Vector3<Real> direction = l / length;
     const Real rate = (v[spring.a] - v[spring.b]).dot(direction);
-    const Real tension =
-        stiffnessFactor * (spring.stiffness * (length - spring.restLength) + spring.damping * rate);
+    const Real tension = stiffnessFactor * (spring.stiffness * (length - spring.restLength) + spring.damping * rate);
     const Vector3<Real> force = tension * direction;
     forces[spring.a] -= force;
     forces[spring.b] += force;
@@ -84,16 +83,15 @@ double ComputeKineticEnergy(const Coefficients<double>& body, std::span<const Ve
   return energy;
 }
 
-#define WOBBLE_INSTANTIATE(Real)                                                                                      \
-  template void AddSprings<Real>(std::span<const Spring<Real>>, Real, std::span<const Vector3<Real>>,                 \
-                                 std::span<const Vector3<Real>>, std::span<Vector3<Real>>);                           \
-  template Real ComputeVolume<Real>(std::span<const Face>, std::span<const Vector3<Real>>);                           \
-  template void AddGas<Real>(const Coefficients<Real>&, Real, std::span<const Vector3<Real>>,                         \
-                             std::span<Vector3<Real>>);                                                               \
-  template void ComputeAccelerations<Real>(const Coefficients<Real>&, const Load<Real>&,                              \
-                                           std::span<const Surface<Real>>, std::span<const Contact<Real>>,            \
-                                           std::span<const Vector3<Real>>, std::span<const Vector3<Real>>,            \
-                                           std::span<Vector3<Real>>);
+#define WOBBLE_INSTANTIATE(Real)                                                                                    \
+  template void AddSprings<Real>(std::span<const Spring<Real>>, Real, std::span<const Vector3<Real>>,               \
+                                 std::span<const Vector3<Real>>, std::span<Vector3<Real>>);                         \
+  template Real ComputeVolume<Real>(std::span<const Face>, std::span<const Vector3<Real>>);                         \
+  template void AddGas<Real>(const Coefficients<Real>&, Real, std::span<const Vector3<Real>>,                       \
+                             std::span<Vector3<Real>>);                                                             \
+  template void ComputeAccelerations<Real>(                                                                         \
+      const Coefficients<Real>&, const Load<Real>&, std::span<const Surface<Real>>, std::span<const Contact<Real>>, \
+      std::span<const Vector3<Real>>, std::span<const Vector3<Real>>, std::span<Vector3<Real>>);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)
 #undef WOBBLE_INSTANTIATE

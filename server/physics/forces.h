@@ -1,7 +1,7 @@
 // The force terms, each by itself, in either precision: the plain reference that every faster kernel is tested against.
 //
-// Positions are in the body's local coordinates (see state.h), so single precision resolves a body wherever it is. Every
-// sum has one fixed order and nothing is contracted: equal input gives equal bits on every compiler.
+// Positions are in the body's local coordinates (see state.h), so single precision resolves a body wherever it is.
+// Every sum has one fixed order and nothing is contracted: equal input gives equal bits on every compiler.
 #pragma once
 
 #include <span>
@@ -16,8 +16,8 @@ namespace wobble::physics {
 template <class Real>
 struct Load {
   Vector3<Real> acceleration = Vector3<Real>::Zero();  // gravity and what the player pushes, m/s²
-  Real gasFactor = 1;        // times the blueprint's gas
-  Real stiffnessFactor = 1;  // times every spring's stiffness and damping
+  Real gasFactor = 1;                                  // times the blueprint's gas
+  Real stiffnessFactor = 1;                            // times every spring's stiffness and damping
 };
 
 template <class Real>

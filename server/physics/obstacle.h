@@ -11,11 +11,11 @@ namespace wobble::physics {
 struct Obstacle {
   enum class Kind { kPlane, kBox };
   Kind kind = Kind::kPlane;
-  Vector3d normal = Vector3d::UnitZ();           // plane: outward, of unit length
-  double offset = 0;                             // plane: normal · x on it, m
-  Vector3d centre = Vector3d::Zero();            // box, parallel to the axes, m
-  Vector3d halfExtents = Vector3d::Ones();       // box, m, each at least kMinHalfExtent
-  double friction = 1;                           // times the coefficient of the body that touches it
+  Vector3d normal = Vector3d::UnitZ();      // plane: outward, of unit length
+  double offset = 0;                        // plane: normal · x on it, m
+  Vector3d centre = Vector3d::Zero();       // box, parallel to the axes, m
+  Vector3d halfExtents = Vector3d::Ones();  // box, m, each at least kMinHalfExtent
+  double friction = 1;                      // times the coefficient of the body that touches it
 };
 
 // Edges and corners of boxes are rounded by this radius, m: inside a sharp box the nearest face, and with it the
@@ -40,7 +40,7 @@ template <class Real>
 
 template <class Real>
 struct SurfacePoint {
-  Real distance = 0;  // m, negative inside
+  Real distance = 0;                              // m, negative inside
   Vector3<Real> normal = Vector3<Real>::UnitZ();  // where the distance grows fastest, unit length
 };
 

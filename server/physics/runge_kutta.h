@@ -1,8 +1,8 @@
 // Explicit Runge–Kutta steps of x'' = a(x, v), from a Butcher tableau, in increment form.
 //
-// With k_x,i = v + h Σ aᵢⱼ k_v,j and k_v,i = a(x + h Σ aᵢⱼ k_x,j, k_x,i), the increments Δx = h Σ bᵢ k_x,i and Δv = h Σ bᵢ k_v,i
-// are summed first and added once. Writing the new state as a combination of stages instead saves the k arrays for
-// the classic tableau but loses bits in single precision: it moves a quarter of all resting coordinates each step.
+// With k_x,i = v + h Σ aᵢⱼ k_v,j and k_v,i = a(x + h Σ aᵢⱼ k_x,j, k_x,i), the increments Δx = h Σ bᵢ k_x,i and Δv = h Σ
+// bᵢ k_v,i are summed first and added once. Writing the new state as a combination of stages instead saves the k arrays
+// for the classic tableau but loses bits in single precision: it moves a quarter of all resting coordinates each step.
 #pragma once
 
 #include <array>
@@ -23,8 +23,7 @@ struct ButcherTableau {
 
 // Kutta 1901, "the" Runge–Kutta method: order 4.
 inline constexpr ButcherTableau<4> kClassicRungeKutta{
-    .a = {{{0, 0, 0, 0}, {0.5, 0, 0, 0}, {0, 0.5, 0, 0}, {0, 0, 1, 0}}},
-    .b = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6}};
+    .a = {{{0, 0, 0, 0}, {0.5, 0, 0, 0}, {0, 0.5, 0, 0}, {0, 0, 1, 0}}}, .b = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6}};
 
 // Scratch of a step, reused from body to body.
 template <class Real, std::size_t Stages>
@@ -42,8 +41,8 @@ struct StageBuffers {
 
 // One step of h seconds. accelerate(x, v, a) fills a, m/s², from spans of positions and velocities.
 template <class Real, std::size_t Stages, class Accelerate>
-void StepRungeKutta(const ButcherTableau<Stages>& tableau, Real h, Accelerate&& accelerate,
-                    std::span<Vector3<Real>> x, std::span<Vector3<Real>> v, StageBuffers<Real, Stages>& buffers) {
+void StepRungeKutta(const ButcherTableau<Stages>& tableau, Real h, Accelerate&& accelerate, std::span<Vector3<Real>> x,
+                    std::span<Vector3<Real>> v, StageBuffers<Real, Stages>& buffers) {
   buffers.Resize(x.size());
   for (std::size_t stage = 0; stage < Stages; ++stage) {
     for (std::size_t i = 0; i < x.size(); ++i) {

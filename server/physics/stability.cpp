@@ -130,9 +130,9 @@ double FindLargestRate(const Blueprint& blueprint, const Load<Real>& load, std::
   const double bodyDamping = blueprint.dampingRate * factor;
   const ContactRates contact = FindContactRates(blueprint.Read<Real>(), surfaces, state, duration);
   const double both = bodyDamping + contact.dampingRate;
-  const double rate = std::max({FindModeRate(body, both), contact.dampingRate,
-                                FindModeRate(body + contact.squareFrequency, both),
-                                FindModeRate(body + contact.squareFrequency, bodyDamping)});
+  const double rate =
+      std::max({FindModeRate(body, both), contact.dampingRate, FindModeRate(body + contact.squareFrequency, both),
+                FindModeRate(body + contact.squareFrequency, bodyDamping)});
   lightlyDamped = both < rate * 2 / 3;  // g = 2ζω: under a third of critical
   return rate;
 }
@@ -145,10 +145,10 @@ int ChooseSubsteps(const Blueprint& blueprint, const Load<Real>& load, std::span
   return FindRung(rate * duration / (lightlyDamped ? kStabilityLimitLightlyDamped : kStabilityLimit));
 }
 
-#define WOBBLE_INSTANTIATE(Real)                                                                                   \
-  template double FindLargestRate<Real>(const Blueprint&, const Load<Real>&, std::span<const Surface<Real>>,       \
-                                        const State<Real>&, double, bool&);                                        \
-  template int ChooseSubsteps<Real>(const Blueprint&, const Load<Real>&, std::span<const Surface<Real>>,           \
+#define WOBBLE_INSTANTIATE(Real)                                                                             \
+  template double FindLargestRate<Real>(const Blueprint&, const Load<Real>&, std::span<const Surface<Real>>, \
+                                        const State<Real>&, double, bool&);                                  \
+  template int ChooseSubsteps<Real>(const Blueprint&, const Load<Real>&, std::span<const Surface<Real>>,     \
                                     const State<Real>&, double);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)

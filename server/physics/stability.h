@@ -30,8 +30,8 @@ void FindBodyStability(Blueprint& blueprint);
 // The largest rate ρ, 1/s, over the modes of the body with everything it may touch within `duration` seconds.
 template <class Real>
 [[nodiscard]] double FindLargestRate(const Blueprint& blueprint, const Load<Real>& load,
-                                     std::span<const Surface<Real>> surfaces, const State<Real>& state,
-                                     double duration, bool& lightlyDamped);
+                                     std::span<const Surface<Real>> surfaces, const State<Real>& state, double duration,
+                                     bool& lightlyDamped);
 
 // Substeps for a tick of `duration` seconds.
 template <class Real>

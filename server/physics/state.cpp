@@ -85,12 +85,12 @@ std::uint64_t HashState(const State<Real>& state, std::uint64_t hash) {
   return hash;
 }
 
-#define WOBBLE_INSTANTIATE(Real)                                                                        \
-  template State<Real> MakeState<Real>(const Blueprint&, const Vector3d&, const Vector3d&);             \
-  template void Recentre<Real>(const Blueprint&, State<Real>&);                                         \
-  template Vector3d FindCentre<Real>(const Blueprint&, const State<Real>&);                             \
-  template Vector3d FindMeanVelocity<Real>(const Blueprint&, const State<Real>&);                       \
-  template bool IsFinite<Real>(const State<Real>&);                                                     \
+#define WOBBLE_INSTANTIATE(Real)                                                            \
+  template State<Real> MakeState<Real>(const Blueprint&, const Vector3d&, const Vector3d&); \
+  template void Recentre<Real>(const Blueprint&, State<Real>&);                             \
+  template Vector3d FindCentre<Real>(const Blueprint&, const State<Real>&);                 \
+  template Vector3d FindMeanVelocity<Real>(const Blueprint&, const State<Real>&);           \
+  template bool IsFinite<Real>(const State<Real>&);                                         \
   template std::uint64_t HashState<Real>(const State<Real>&, std::uint64_t);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)

@@ -17,10 +17,10 @@ namespace wobble::physics {
 
 template <class Real>
 struct State {
-  Vector3d origin = Vector3d::Zero();       // m
-  std::vector<Vector3<Real>> positions;     // local, m
-  std::vector<Vector3<Real>> velocities;    // m/s
-  std::vector<Contact<Real>> contacts;      // with static surfaces
+  Vector3d origin = Vector3d::Zero();     // m
+  std::vector<Vector3<Real>> positions;   // local, m
+  std::vector<Vector3<Real>> velocities;  // m/s
+  std::vector<Contact<Real>> contacts;    // with static surfaces
 };
 
 // The rest shape at `position`, turned by nothing, every vertex moving at `velocity`.

@@ -221,8 +221,7 @@ World::Outcome World::StepState(Body& body, State<Real>& state, Scratch& scratch
 }
 
 World::Outcome World::StepBody(Body& body, Scratch& scratch) const {
-  return std::visit([&]<class Real>(State<Real>& state) { return StepState<Real>(body, state, scratch); },
-                    body.state);
+  return std::visit([&]<class Real>(State<Real>& state) { return StepState<Real>(body, state, scratch); }, body.state);
 }
 
 void World::StepAll(std::vector<Outcome>& outcomes) {
@@ -260,17 +259,6 @@ StepReport World::Step() {
 Vector3d World::FindCentre(const Body& body) const {
   return std::visit([&](const auto& state) { return physics::FindCentre(m_blueprints[body.blueprint], state); },
                     body.state);
-}
-
-void World::ReadVertices(const Body& body, std::vector<Vector3f>& vertices) const {
-  std::visit(
-      [&](const auto& state) {
-        vertices.resize(state.positions.size());
-        for (std::size_t i = 0; i < vertices.size(); ++i) {
-          vertices[i] = (state.origin + state.positions[i].template cast<double>()).template cast<float>();
-        }
-      },
-      body.state);
 }
 
 std::uint64_t World::Hash() const {

@@ -39,11 +39,11 @@ struct Control {
 
 // What the scene allows a control to do.
 struct ControlLimits {
-  double acceleration = 25;   // m/s²
-  double speed = 6;           // of the body's centre that moving alone reaches, m/s
-  double jumpSpeed = 6;       // m/s
-  double puffFactor = 1.6;    // times the gas while puffed up
-  double stiffenFactor = 2;   // times springs and dashpots while stiffened
+  double acceleration = 25;  // m/s²
+  double speed = 6;          // of the body's centre that moving alone reaches, m/s
+  double jumpSpeed = 6;      // m/s
+  double puffFactor = 1.6;   // times the gas while puffed up
+  double stiffenFactor = 2;  // times springs and dashpots while stiffened
 };
 
 struct Body {
@@ -53,9 +53,21 @@ struct Body {
   Control control;
   ControlLimits limits;
   bool jumpHeld = false;
-  double gasFactor = 1;        // follows the control within a few ticks
+  double gasFactor = 1;  // follows the control within a few ticks
   double stiffnessFactor = 1;
 };
+
+// visit(index, position) for every vertex in the world, in double precision, m.
+template <class Visit>
+void VisitVertices(const Body& body, Visit&& visit) {
+  std::visit(
+      [&](const auto& state) {
+        for (std::size_t i = 0; i < state.positions.size(); ++i) {
+          visit(i, Vector3d(state.origin + state.positions[i].template cast<double>()));
+        }
+      },
+      body.state);
+}
 
 // What one tick did. Counts of bodies but for `substeps`, their sum.
 struct StepReport {
@@ -92,8 +104,6 @@ class World {
   [[nodiscard]] const Blueprint& BlueprintOf(const Body& body) const { return m_blueprints[body.blueprint]; }
 
   [[nodiscard]] Vector3d FindCentre(const Body& body) const;
-  // Vertices in the world, m, rounded to single precision at the very end.
-  void ReadVertices(const Body& body, std::vector<Vector3f>& vertices) const;
 
   // Of every bit of every body's state.
   [[nodiscard]] std::uint64_t Hash() const;

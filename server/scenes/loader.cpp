@@ -127,20 +127,21 @@ class TableReader {
     value = read;
   }
 
-  // One of a few words.
+  // One of a few words. False when there is none or another one.
   template <class Value>
-  void Read(std::string_view key, const std::map<std::string, Value>& words, Value& value) {
+  bool Read(std::string_view key, const std::map<std::string, Value>& words, Value& value) {
     const toml::node* node = Find(key);
-    if (node == nullptr) return;
+    if (node == nullptr) return false;
     const auto text = node->value_exact<std::string>();
     const auto found = text ? words.find(*text) : words.end();
     if (found != words.end()) {
       value = found->second;
-      return;
+      return true;
     }
     std::string range;
     for (const auto& word : words) range += (range.empty() ? "one of: " : ", ") + word.first;
     Refuse(key, FormatNode(*node), range);
+    return false;
   }
 
   // Calls read(TableReader&) for the table, or for every table of the array, under `key`.
@@ -171,6 +172,11 @@ class TableReader {
     if (!Has(key)) m_errors.Add(m_table.source(), std::string(key) + " is missing");
   }
 
+  // What the table may hold cannot be told, so nothing more is said of it.
+  void PassOver() {
+    for (const auto& [key, node] : m_table) m_known.emplace(key.str());
+  }
+
   void ReportUnknown() {
     for (const auto& [key, node] : m_table) {
       if (m_known.contains(std::string(key.str()))) continue;
@@ -195,7 +201,8 @@ void ReadObstacle(TableReader& reader, Scene& scene) {
   physics::Obstacle obstacle;
   using Kind = physics::Obstacle::Kind;
   reader.Require("kind");
-  reader.Read("kind", std::map<std::string, Kind>{{"plane", Kind::kPlane}, {"box", Kind::kBox}}, obstacle.kind);
+  const std::map<std::string, Kind> kinds{{"plane", Kind::kPlane}, {"box", Kind::kBox}};
+  if (!reader.Read("kind", kinds, obstacle.kind)) return reader.PassOver();
   reader.Read("friction", 0, 10, "", obstacle.friction);
   if (obstacle.kind == Kind::kPlane) {
     reader.Read("normal", -1, 1, "", obstacle.normal);

@@ -10,8 +10,8 @@
 
 namespace wobble::scenes {
 
-// Bodies of one blueprint on a grid: `count` along each axis, `spacing` apart, the first at `position`, each moved by up
-// to `jitter` along each axis, so that no two runs of different seeds are alike.
+// Bodies of one blueprint on a grid: `count` along each axis, `spacing` apart, the first at `position`, each moved by
+// up to `jitter` along each axis, so that no two runs of different seeds are alike.
 struct BodyGroup {
   std::size_t blueprint = 0;
   physics::Vector3d position = physics::Vector3d::Zero();  // m
@@ -32,9 +32,9 @@ struct PlayerRules {
 struct Scene {
   std::string name;
   std::string description;
-  physics::Vector3d gravity{0, 0, -9.81};                              // m/s²
+  physics::Vector3d gravity{0, 0, -9.81};  // m/s²
   physics::Precision precision = physics::Precision::kSingle;
-  double killHeight = -20;                                             // below this a body starts again, m
+  double killHeight = -20;  // below this a body starts again, m
   std::vector<physics::Obstacle> obstacles;
   std::vector<physics::BallDefinition> blueprints;
   std::vector<BodyGroup> groups;

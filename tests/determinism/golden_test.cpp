@@ -38,8 +38,8 @@ physics::Control MakeScriptedControl(int tick) {
 std::string PlayScene(const scenes::Scene& scene, int threads) {
   physics::World world({scene.gravity, 1.0 / kTickHz, scene.precision, threads});
   [[maybe_unused]] const auto placed = scenes::FillWorld(scene, kSeed, world);
-  const physics::BodyId player = world.AddBody(static_cast<std::uint8_t>(scene.player.blueprint),
-                                               scenes::FindSpawn(scene.player, 1));
+  const physics::BodyId player =
+      world.AddBody(static_cast<std::uint8_t>(scene.player.blueprint), scenes::FindSpawn(scene.player, 1));
   std::string lines;
   for (int tick = 0; tick < kSeconds * kTickHz; ++tick) {
     world.SetControl(player, MakeScriptedControl(tick), scene.player.limits);

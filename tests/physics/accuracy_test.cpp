@@ -70,7 +70,8 @@ TEST(RungeKutta, TakesAnotherTableau) {
   EXPECT_NEAR(std::log(measure(1000) / measure(8000)) / std::log(8.0), 2, 0.1);
 }
 
-// Far from the origin of its coordinates a float oscillator must not gain energy; in increment form rounding is unbiased.
+// Far from the origin of its coordinates a float oscillator must not gain energy; in increment form rounding is
+// unbiased.
 TEST(RungeKutta, KeepsFloatOscillatorsCalm) {
   std::vector<Vector3f> x{Vector3f(1.01F, 0, 0)};
   std::vector<Vector3f> v{Vector3f::Zero()};

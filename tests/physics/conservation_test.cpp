@@ -20,8 +20,7 @@ struct FreeBody {
 
   void Run(double seconds, double h) {
     StageBuffers<double, 4> buffers;
-    const auto accelerate = [&](std::span<const Vector3d> at, std::span<const Vector3d> speed,
-                                std::span<Vector3d> a) {
+    const auto accelerate = [&](std::span<const Vector3d> at, std::span<const Vector3d> speed, std::span<Vector3d> a) {
       ComputeAccelerations<double>(blueprint.full, Load<double>{}, {}, {}, at, speed, a);
     };
     const int steps = static_cast<int>(std::lround(seconds / h));

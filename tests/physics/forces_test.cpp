@@ -32,7 +32,8 @@ TEST(Forces, SpringsAreTheGradientOfTheirEnergy) {
   const std::vector<Vector3d> v(x.size(), Vector3d::Zero());
   std::vector<Vector3d> forces(x.size(), Vector3d::Zero());
   AddSprings<double>(ball.full.springs, 1, x, v, forces);
-  ExpectGradient(x, forces, [&](auto at) { return ComputeSpringEnergy(ball.full, at); }, 1e-5);
+  ExpectGradient(
+      x, forces, [&](auto at) { return ComputeSpringEnergy(ball.full, at); }, 1e-5);
 }
 
 TEST(Forces, GasIsTheGradientOfItsEnergy) {
@@ -42,7 +43,8 @@ TEST(Forces, GasIsTheGradientOfItsEnergy) {
   const std::vector<Vector3d> x = Deform(ball.rest, 0.1);
   std::vector<Vector3d> forces(x.size(), Vector3d::Zero());
   AddGas<double>(ball.full, 1, x, forces);
-  ExpectGradient(x, forces, [&](auto at) { return ComputeGasEnergy(ball.full, at); }, 1e-5);
+  ExpectGradient(
+      x, forces, [&](auto at) { return ComputeGasEnergy(ball.full, at); }, 1e-5);
 }
 
 TEST(Forces, PenaltyIsTheGradientOfItsEnergyAndSmooth) {

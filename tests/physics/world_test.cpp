@@ -108,7 +108,7 @@ TEST(World, JumpsOnceForOnePressAndOnlyFromTheGround) {
   };
   highest(false, 240);
   const double standing = world->FindCentre(world->ReadBody(ball)).z();
-  EXPECT_GT(highest(true, 60), standing + 0.8);   // v²/2g would be 1.8 m for a rigid body
+  EXPECT_GT(highest(true, 60), standing + 0.8);  // v²/2g would be 1.8 m for a rigid body
   highest(true, 300);
   EXPECT_LT(highest(true, 120), standing + 0.4) << "holding the key does not jump again";
 }

@@ -237,8 +237,8 @@ TEST(ClientBodies, SamplesByAscendingNumberAndForgets) {
   EXPECT_EQ(samples[1].body, 9U);
   EXPECT_EQ(samples[2].body, 70000U);
   ASSERT_TRUE(AddRecord(bodies, blueprint, 4, 0, 62, 0));  // made anew
-  ASSERT_TRUE(AddRecord(bodies, blueprint, 9, 0, 600, 0));
-  bodies.Forget(10 - kForgetAfter);
+  ASSERT_TRUE(AddRecord(bodies, blueprint, 9, 0, 6000, 0));
+  bodies.Forget(100 - kForgetAfter);
   EXPECT_EQ(bodies.Count(), 1U);
 }
 

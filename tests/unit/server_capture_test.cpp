@@ -147,13 +147,13 @@ TEST_F(CaptureTest, VerticesAreTheWorlds) {
   const auto id = world.AddBody(0, {100, -7, 3}, {1, 2, 3});
   world.Step();
   CaptureBodies(world, bodies);
-  std::vector<physics::Vector3f> vertices;
-  world.ReadVertices(world.ReadBody(id), vertices);
-  ASSERT_EQ(bodies[0].vertices.size(), vertices.size());
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    EXPECT_EQ(bodies[0].vertices[i].x, vertices[i].x());
-    EXPECT_EQ(bodies[0].vertices[i].y, vertices[i].y());
-    EXPECT_EQ(bodies[0].vertices[i].z, vertices[i].z());
+  const auto& state = std::get<physics::State<float>>(world.ReadBody(id).state);
+  ASSERT_EQ(bodies[0].vertices.size(), state.positions.size());
+  for (std::size_t i = 0; i < state.positions.size(); ++i) {
+    const physics::Vector3f x = (state.origin + state.positions[i].cast<double>()).cast<float>();
+    EXPECT_EQ(bodies[0].vertices[i].x, x.x());
+    EXPECT_EQ(bodies[0].vertices[i].y, x.y());
+    EXPECT_EQ(bodies[0].vertices[i].z, x.z());
   }
 }
 
