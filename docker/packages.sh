@@ -14,7 +14,7 @@ packages_of() {
             libeigen3-dev libtbb-dev libenet-dev libflatbuffers-dev flatbuffers-compiler
             libspdlog-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev liblua5.4-dev" ;;
     test) # the test runner, and a second compiler whose results must be the same bits
-      echo "libgtest-dev libgmock-dev clang-19 libclang-rt-19-dev" ;;
+      echo "libgtest-dev libgmock-dev clang-19 libclang-rt-19-dev clang-format" ;;
     web) # nothing yet: the page comes with its own issue
       echo "" ;;
     lab) # nothing yet: the laboratory comes with its own issue
