@@ -136,9 +136,10 @@ void Report(const Figures& figures, const std::vector<Verdict>& verdicts) {
   std::fflush(stdout);
   if (IsValid(figures)) return;
   char line[160];
-  std::snprintf(line, sizeof line,
-                "this run is not valid: the generator began 1 in 100 rounds %.1f ms late or more (%.0f ms is allowed)",
-                *figures.lateMsP99, kMaxLateMs);
+  std::snprintf(
+      line, sizeof line,
+      "times are not valid: this machine is too busy, the bots began 1 in 100 rounds %.1f ms late (%.0f ms is allowed)",
+      *figures.lateMsP99, kMaxLateMs);
   Complain(line);
 }
 

@@ -25,6 +25,9 @@
 namespace wobble::play {
 namespace {
 
+// Places beside those of the bots, for people.
+constexpr unsigned kGuests = 64;
+
 constexpr int kGood = 0;
 constexpr int kFailed = 1;
 constexpr int kBadUse = 2;
@@ -131,8 +134,9 @@ int Play::Run() {
 bool Play::StartServer() {
   std::string error;
   if (m_server.Start({(m_options.programFolder / "wobbled").string(), "--scene", m_options.scene, "--port",
-                      std::to_string(m_options.port), "--status", "1", "--log-level", "warn", "--summary",
-                      (m_folder.Path() / "server.json").string()},
+                      std::to_string(m_options.port), "--max-clients",
+                      std::to_string(kGuests + static_cast<unsigned>(m_options.bots)), "--status", "1", "--log-level",
+                      "warn", "--summary", (m_folder.Path() / "server.json").string()},
                      error)) {
     return true;
   }
