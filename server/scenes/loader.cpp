@@ -72,7 +72,8 @@ class TableReader {
   // As it stands in the file, when it does; a range that others know is checked against what was meant there.
   void RefuseAsWritten(std::string_view key, const std::string& value, const std::string& range) {
     const toml::node* node = m_table.get(key);
-    Refuse(key, node != nullptr ? FormatNode(*node) : value, range);
+    if (node == nullptr) return Refuse(key, value, range);
+    Refuse(key, FormatNode(*node), node->is_number() || node->is_array() ? range : "a number, " + range);
   }
 
   // A number whose range others check; what is no number becomes a NaN, which no range holds.
@@ -87,7 +88,7 @@ class TableReader {
     if (node == nullptr) return;
     const std::string range = FormatNumber(low) + " to " + FormatNumber(high) + unit;
     const auto number = node->value<double>();
-    if (!number || !(*number >= low && *number <= high)) return Refuse(key, FormatNode(*node), range);
+    if (!number || !(*number >= low && *number <= high)) return RefuseAsWritten(key, "", range);
     value = *number;
   }
 

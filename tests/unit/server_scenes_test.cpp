@@ -136,7 +136,7 @@ TEST(SceneMistakes, WrongTypesAreNamed) {
   // A blueprint's quantities: the range is the quantity's own.
   EXPECT_THAT(
       ErrorsOf(MakeText("", "mass = \"heavy\"\n")),
-      ElementsAre(AllOf(StartsWith("test.toml:5: mass = "), HasSubstr("heavy"), HasSubstr("0.001 to 1000000 kg"))));
+      ElementsAre(AllOf(StartsWith("test.toml:5: mass = "), HasSubstr("heavy"), HasSubstr("a number, 0.001 to 1000000 kg"))));
   EXPECT_THAT(ErrorsOf(MakeText("", "friction = 1e300\n")), ElementsAre(HasSubstr("0 to 10")));
 }
 
