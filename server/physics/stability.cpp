@@ -36,15 +36,15 @@ double FindNorm(const std::vector<Vector3d>& values) {
   return std::sqrt(sum);
 }
 
-// Contact's part of ω² and γ: the largest over vertices, each with the sum over the surfaces it may touch.
+// Contact's part of ω² and γ: the largest over all contacts. A vertex in a corner touches several surfaces at once;
+// they push along different axes where obstacles are boxes, so one contact's stiffness is taken for each axis.
 struct ContactRates {
   double squareFrequency = 0;
   double dampingRate = 0;
 };
 
 // The depth that a vertex may reach: as far as it flies in the tick, or until the quadratic spring F = k_q d² has taken
-// its energy, ½mv² = k_q d³/3; the free surface of the body behind it adds push, which the factor of 1.5 → cubic root
-// allows for. Whichever is less.
+// its energy, ½mv² = k_q d³/3, hence d = (1.5 mv²/k_q)^⅓, whichever is less.
 template <class Real>
 double PredictDepth(const ContactParameters<Real>& contact, double mass, double depth, double approach,
                     double duration) {
