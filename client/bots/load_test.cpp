@@ -17,6 +17,7 @@
 
 #include "client/bots/runner.h"
 #include "client/bots/script.h"
+#include "client/tool/exit_codes.h"
 #include "protocol/transport/enet_transport.h"
 
 namespace wobble::bots {
@@ -156,17 +157,17 @@ bool OpenSummary(const std::string& path, std::ofstream& file) {
 int Conclude(const Runner& runner, const LoadTestOptions& options, const Figures& figures,
              const std::vector<Verdict>& verdicts, bool stopped) {
   if (figures.connected == 0 && (!stopped || runner.HasAnyFailed())) {
-    const std::string address = Describe(options.server);
+    const std::string address = tool::Describe(options.server);
     Complain(runner.Refusal().empty() ? "no server answers at " + address
                                       : "no bot could join " + address + ": " + runner.Refusal());
-    return kExitBadUse;
+    return tool::kExitBadUse;
   }
   if (runner.HaveAllScriptsFailed()) {
     Complain("the script failed in every bot: " + options.scriptFile);
-    return kExitBadUse;
+    return tool::kExitBadUse;
   }
   const bool allHold = std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& verdict) { return verdict.ok; });
-  return allHold ? kExitGood : kExitThresholdFailed;
+  return allHold ? tool::kExitGood : tool::kExitThresholdFailed;
 }
 
 }  // namespace
@@ -180,10 +181,10 @@ int RunLoadTest(const LoadTestOptions& options, const std::function<bool()>& sto
   std::string error;
   if (!script.LoadFile(options.scriptFile, error)) {
     Complain(error);
-    return kExitBadUse;
+    return tool::kExitBadUse;
   }
   std::ofstream summary;
-  if (!OpenSummary(options.summaryFile, summary)) return kExitBadUse;
+  if (!OpenSummary(options.summaryFile, summary)) return tool::kExitBadUse;
 
   AllowManySockets();
   const auto connect = [&options](std::string& reason) -> std::unique_ptr<transport::Transport> {
@@ -205,7 +206,7 @@ int RunLoadTest(const LoadTestOptions& options, const std::function<bool()>& sto
   summary.close();
   if (summary) return code;
   Complain("--summary: '" + options.summaryFile + "' could not be written in full");
-  return kExitBadUse;
+  return tool::kExitBadUse;
 }
 
 }  // namespace wobble::bots

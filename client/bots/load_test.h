@@ -7,10 +7,6 @@
 
 namespace wobble::bots {
 
-inline constexpr int kExitGood = 0;
-inline constexpr int kExitBadUse = 2;  // options, script, no server, turned away
-inline constexpr int kExitThresholdFailed = 99;
-
 // Runs until its time is up, stopAsked is true or nothing is left to do. Reports on standard output, complains on
 // standard error, writes the summary file in every case but an unusable script or file. Returns the exit code.
 [[nodiscard]] int RunLoadTest(const LoadTestOptions& options, const std::function<bool()>& stopAsked);

@@ -15,20 +15,6 @@ bool ParseWhole(std::string_view text, Integer& value) {
 
 }  // namespace
 
-std::optional<Address> ParseAddress(const std::string& text, std::string& error) {
-  const std::size_t colon = text.rfind(':');
-  Address address;
-  if (colon == std::string::npos || colon == 0 || !ParseWhole(std::string_view(text).substr(colon + 1), address.port) ||
-      address.port == 0) {
-    error = "'" + text + "' is no HOST:PORT with a port of 1 to 65535";
-    return std::nullopt;
-  }
-  address.host = text.substr(0, colon);
-  return address;
-}
-
-std::string Describe(const Address& address) { return address.host + ":" + std::to_string(address.port); }
-
 bool DecodeShare::Includes(unsigned index) const {
   const auto countBefore = [this](std::uint64_t bots) { return (bots * part + whole - 1) / whole; };
   return countBefore(std::uint64_t{index} + 1) > countBefore(index);

@@ -7,17 +7,10 @@
 #include <vector>
 
 #include "client/bots/summary.h"
+#include "client/tool/address.h"
 #include "protocol/limits.h"
 
 namespace wobble::bots {
-
-struct Address {
-  std::string host;
-  std::uint16_t port = 0;
-};
-// 'HOST:PORT', port 1..65535. nullopt with one line in `error`.
-[[nodiscard]] std::optional<Address> ParseAddress(const std::string& text, std::string& error);
-[[nodiscard]] std::string Describe(const Address& address);
 
 // So many bots of so many decode in full; the first is one of them unless the share is none.
 struct DecodeShare {
@@ -34,7 +27,7 @@ inline constexpr unsigned kMaxBots = 10'000;
 inline constexpr double kMaxDuration = 1e6;  // seconds, eleven days
 
 struct LoadTestOptions {
-  Address server;
+  tool::Address server;
   std::string scriptFile;
   unsigned count = 1;
   double ramp = 0;      // seconds over which the joins are spread evenly

@@ -21,16 +21,13 @@
 #include <vector>
 
 #include "client/play/child.h"
+#include "client/tool/exit_codes.h"
 
 namespace wobble::play {
 namespace {
 
 // Places beside those of the bots, for people.
 constexpr unsigned kGuests = 64;
-
-constexpr int kGood = 0;
-constexpr int kFailed = 1;
-constexpr int kBadUse = 2;
 
 // Seconds: a server that loads a large scene, and a program that says its goodbyes and writes its summary.
 constexpr double kStartPatience = 30;
@@ -104,13 +101,13 @@ class Play {
 int Play::Run() {
   if (m_folder.Path().empty()) {
     std::fprintf(stderr, "wobble play: no temporary folder can be made\n");
-    return kFailed;
+    return tool::kExitFailed;
   }
   if (!StartServer() || !AwaitServer()) {
     EndStatusLine();
-    if (m_server.ExitCode() == kBadUse) return kBadUse;  // the server has said what is wrong
+    if (m_server.ExitCode() == tool::kExitBadUse) return tool::kExitBadUse;  // the server has said what is wrong
     for (const std::string& failure : m_failures) std::fprintf(stderr, "wobble play: %s\n", failure.c_str());
-    return m_failures.empty() ? kGood : kFailed;
+    return m_failures.empty() ? tool::kExitGood : tool::kExitFailed;
   }
   const std::string self = std::filesystem::proximate(m_options.programFolder / "wobble").string();
   std::printf(
@@ -128,7 +125,7 @@ int Play::Run() {
   for (const std::string& failure : m_failures) std::printf("FAILED: %s\n", failure.c_str());
   if (m_failures.empty()) std::printf("all went well\n");
   std::fflush(stdout);
-  return m_failures.empty() ? kGood : kFailed;
+  return m_failures.empty() ? tool::kExitGood : tool::kExitFailed;
 }
 
 bool Play::StartServer() {

@@ -207,7 +207,7 @@ case_unknown_option() {
     expect_refusal "--frobnicate.*$program --help\|--frobnicate.*wobble --help" $program --frobnicate
   done
   expect_refusal 'dance' wobble dance
-  expect_refusal 'command is required, bots or play' wobble
+  expect_refusal 'command is required, one of: ' wobble
   expect_refusal '^wobble bots: HOST:PORT of the server is required' wobble bots
   expect_refusal '^wobble bots: --script is required' wobble bots 127.0.0.1:7815
   expect_refusal "'nowhere' is no HOST:PORT" wobble bots nowhere --script idle.lua

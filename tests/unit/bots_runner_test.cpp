@@ -260,12 +260,12 @@ TEST(BotRunner, AFailedScriptLeavesItsBotConnected) {
 
 TEST(LoadTestWords, AddressesAndShares) {
   std::string error;
-  const auto address = ParseAddress("example.org:7777", error);
+  const auto address = tool::ParseAddress("example.org:7777", error);
   ASSERT_TRUE(address.has_value());
   EXPECT_EQ(address->host, "example.org");
   EXPECT_EQ(address->port, 7777);
   for (const char* text : {"", ":", ":1", "host", "host:", "host:0", "host:65536", "host:-1", "host:1x", "host: 1"}) {
-    EXPECT_FALSE(ParseAddress(text, error).has_value()) << text;
+    EXPECT_FALSE(tool::ParseAddress(text, error).has_value()) << text;
     EXPECT_NE(error.find(std::string("'") + text + "'"), std::string::npos) << error;
   }
   for (const char* text : {"", "/", "1/", "/1", "1/0", "2/1", "-1/2", "0.5", "1/2/3", "two"}) {

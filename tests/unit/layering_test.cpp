@@ -60,6 +60,7 @@ const std::vector<Layer> kLayers{
     {"protocol/transport/", {"protocol/"}, Join(kSystem, {"enet/"}), kClockFileLog},
     {"protocol/", {"protocol/"}, {"flatbuffers/"}, kPortable},
     {"client/bots/", {"client/", "protocol/"}, Join(kSystem, {"CLI/", "lua.hpp", "nlohmann/"}), {}},
+    {"client/tool/", {"client/", "protocol/"}, Join(kSystem, {"CLI/"}), {}},
     {"client/terminal/", {"client/", "protocol/"}, Join(kSystem, {"CLI/"}), {}},
     {"client/web/", {"client/", "protocol/"}, Join(kSystem, {"CLI/", "boost/", "emscripten"}), {}},
     {"client/main.cpp", {"client/", "protocol/"}, Join(kSystem, {"CLI/", "nlohmann/"}), {}},

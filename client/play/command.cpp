@@ -1,0 +1,35 @@
+#include "client/play/command.h"
+
+#include <memory>
+
+#include "client/bots/options.h"
+#include "client/play/play.h"
+
+namespace wobble::play {
+
+tool::Command DescribePlay(CLI::App& app) {
+  const auto options = std::make_shared<PlayOptions>();
+  CLI::App* command =
+      app.add_subcommand("play", "Starts a server and some bots, shows how they do, and ends them together");
+  command->add_option("--for", options->duration, "Seconds to run; 0: until Ctrl-C")
+      ->check(tool::Within(0, bots::kMaxDuration))
+      ->capture_default_str();
+  command->add_option("--port", options->port, "UDP port of the server")
+      ->check(tool::Within(1, 65535))
+      ->capture_default_str();
+  command->add_option("--bots", options->bots, "Bots that wander about")
+      ->check(tool::Within(0, bots::kMaxBots))
+      ->capture_default_str();
+  command->add_option("--scene", options->scene, "A shipped scene's name or a scene file")->capture_default_str();
+  command->footer(
+      "Exit code: 0 nothing failed, 1 something did, 2 the server cannot start with these options.\n"
+      "Examples:\n"
+      "  wobble play\n"
+      "  wobble play --for 20 --bots 12 --port 7801");
+  return {command, [options](const tool::IsStopAsked& isStopAsked) {
+            options->programFolder = tool::FindProgramFolder();
+            return RunPlay(*options, isStopAsked);
+          }};
+}
+
+}  // namespace wobble::play

@@ -1,0 +1,18 @@
+// Where a server is, as people write it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace wobble::tool {
+
+struct Address {
+  std::string host;
+  std::uint16_t port = 0;
+};
+// 'HOST:PORT', port 1..65535. nullopt with one line in `error`.
+[[nodiscard]] std::optional<Address> ParseAddress(const std::string& text, std::string& error);
+[[nodiscard]] std::string Describe(const Address& address);
+
+}  // namespace wobble::tool

@@ -1,0 +1,25 @@
+#include "client/tool/command.h"
+
+#include <cstdio>
+
+namespace wobble::tool {
+
+CLI::Validator Within(double least, double most) {
+  char range[64];
+  std::snprintf(range, sizeof range, "%g to %.10g", least, most);
+  const std::string allowed = range;
+  return CLI::Validator(
+      [=](std::string& text) {
+        double value = 0;
+        const bool isNumber = CLI::detail::lexical_cast(text, value);
+        return isNumber && value >= least && value <= most ? std::string() : "'" + text + "' is not " + allowed;
+      },
+      allowed);
+}
+
+std::filesystem::path FindProgramFolder() {
+  std::error_code error;
+  return std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
+}
+
+}  // namespace wobble::tool

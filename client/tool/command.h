@@ -1,0 +1,27 @@
+// What the commands of `wobble` have in common: how main.cpp sees them, and the readers of their options.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <functional>
+
+#include "client/tool/exit_codes.h"
+
+namespace wobble::tool {
+
+// True from the first Ctrl-C (or SIGTERM, SIGHUP) on.
+using IsStopAsked = std::function<bool()>;
+
+// One command: what it is called with, and what it does once that has been parsed. run returns the exit code.
+struct Command {
+  CLI::App* words = nullptr;
+  std::function<int(const IsStopAsked&)> run;
+};
+
+// A number from least to most; CLI::Range lets "nan" through.
+[[nodiscard]] CLI::Validator Within(double least, double most);
+
+// Where this program lies, with what it ships beside it.
+[[nodiscard]] std::filesystem::path FindProgramFolder();
+
+}  // namespace wobble::tool
