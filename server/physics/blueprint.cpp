@@ -56,6 +56,7 @@ void FinishBlueprint(Blueprint& blueprint) {
   blueprint.restVolume = full.faces.empty() ? 0 : ComputeVolume<double>(full.faces, blueprint.rest);
   full.floorVolume = kFloorVolumeShare * blueprint.restVolume;
   blueprint.single = ToSingle(full);
+  blueprint.topology = MakeTopology(full.faces, blueprint.rest.size());
   FindBodyStability(blueprint);
 }
 

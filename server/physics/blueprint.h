@@ -2,11 +2,11 @@
 // them once (force coefficients in the precision of the kernel, the stability of the body at rest).
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "server/physics/topology.h"
 #include "server/physics/vector.h"
 
 namespace wobble::physics {
@@ -40,8 +40,6 @@ struct Spring {
   Real stiffness = 0;   // k, N/m
   Real damping = 0;     // c, N·s/m
 };
-
-using Face = std::array<std::uint16_t, 3>;  // counter-clockwise seen from outside
 
 // How a vertex of the body meets a surface; contact.h has the law.
 template <class Real>
@@ -77,6 +75,7 @@ struct Blueprint {
   // Largest angular frequency at rest (springs and gas) and the damping rate that goes with it, 1/s; see stability.h.
   double angularFrequency = 0;
   double dampingRate = 0;
+  Topology topology;  // of full.faces
   Coefficients<float> single;
   Coefficients<double> full;
 
@@ -90,7 +89,7 @@ struct Blueprint {
   }
 };
 
-// Fills everything that follows from `rest` and `full`: single precision, sizes, masses, volume, stability.
+// Fills everything that follows from `rest` and `full`: single precision, sizes, masses, volume, stability, topology.
 void FinishBlueprint(Blueprint& blueprint);
 
 }  // namespace wobble::physics

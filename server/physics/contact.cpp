@@ -24,27 +24,6 @@ Vector3<Real> RemoveNormalPart(const Vector3<Real>& v, const Vector3<Real>& norm
   return v - normal.dot(v) * normal;
 }
 
-template <class Real>
-struct Bounds {
-  Vector3<Real> middle;
-  Real radius;  // of a ball about the middle that holds every vertex
-  Real speed;   // of the fastest vertex
-};
-
-template <class Real>
-Bounds<Real> FindBounds(std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v) {
-  Vector3<Real> low = x[0];
-  Vector3<Real> high = x[0];
-  Real speed = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    low = low.cwiseMin(x[i]);
-    high = high.cwiseMax(x[i]);
-    speed = std::max(speed, v[i].dot(v[i]));
-  }
-  const Vector3<Real> half = (high - low) / Real(2);
-  return {low + half, std::sqrt(half.dot(half)), std::sqrt(speed)};
-}
-
 }  // namespace
 
 ContactParameters<double> MakeContactParameters(const Material& material, double vertexMass, double size) {
@@ -83,16 +62,17 @@ Real ComputeDampingShare(const ContactParameters<Real>& parameters, Real depth) 
 }
 
 template <class Real>
-void FindContacts(std::span<const Surface<Real>> surfaces, std::span<const Vector3<Real>> x,
+void FindContacts(std::span<const Surface<Real>> surfaces, const Bounds<Real>& bounds, std::span<const Vector3<Real>> x,
                   std::span<const Vector3<Real>> v, Real duration, std::vector<Contact<Real>>& contacts,
                   std::vector<Contact<Real>>& scratch) {
   scratch.clear();
-  const Bounds<Real> bounds = FindBounds(x, v);
-  const Real reach = bounds.radius + bounds.speed * duration + static_cast<Real>(kMargin);
+  const Vector3<Real> half = (bounds.high - bounds.low) / Real(2);
+  const Vector3<Real> middle = bounds.low + half;
+  const Real reach = std::sqrt(half.dot(half)) + bounds.speed * duration + static_cast<Real>(kMargin);
   auto kept = contacts.begin();
   for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
     // A distance changes by at most the way gone, so one look at the middle clears a whole body that is far off.
-    if (FindSurfacePoint(surfaces[s], bounds.middle).distance > reach) continue;
+    if (FindSurfacePoint(surfaces[s], middle).distance > reach) continue;
     for (std::uint32_t i = 0; i < x.size(); ++i) {
       const SurfacePoint<Real> point = FindSurfacePoint(surfaces[s], x[i]);
       const Real approach = std::max(Real(0), -point.normal.dot(v[i])) * duration;
@@ -151,17 +131,17 @@ void UpdateAnchors(const ContactParameters<Real>& parameters, std::span<const Su
   }
 }
 
-#define WOBBLE_INSTANTIATE(Real)                                                                      \
-  template Real ComputePenalty<Real>(const ContactParameters<Real>&, Real);                           \
-  template Real ComputePenaltySlope<Real>(const ContactParameters<Real>&, Real);                      \
-  template Real ComputeDampingShare<Real>(const ContactParameters<Real>&, Real);                      \
-  template void FindContacts<Real>(std::span<const Surface<Real>>, std::span<const Vector3<Real>>,    \
-                                   std::span<const Vector3<Real>>, Real, std::vector<Contact<Real>>&, \
-                                   std::vector<Contact<Real>>&);                                      \
-  template void AddContacts<Real>(const ContactParameters<Real>&, std::span<const Surface<Real>>,     \
-                                  std::span<const Contact<Real>>, std::span<const Vector3<Real>>,     \
-                                  std::span<const Vector3<Real>>, std::span<Vector3<Real>>);          \
-  template void UpdateAnchors<Real>(const ContactParameters<Real>&, std::span<const Surface<Real>>,   \
+#define WOBBLE_INSTANTIATE(Real)                                                                         \
+  template Real ComputePenalty<Real>(const ContactParameters<Real>&, Real);                              \
+  template Real ComputePenaltySlope<Real>(const ContactParameters<Real>&, Real);                         \
+  template Real ComputeDampingShare<Real>(const ContactParameters<Real>&, Real);                         \
+  template void FindContacts<Real>(std::span<const Surface<Real>>, const Bounds<Real>&,                  \
+                                   std::span<const Vector3<Real>>, std::span<const Vector3<Real>>, Real, \
+                                   std::vector<Contact<Real>>&, std::vector<Contact<Real>>&);            \
+  template void AddContacts<Real>(const ContactParameters<Real>&, std::span<const Surface<Real>>,        \
+                                  std::span<const Contact<Real>>, std::span<const Vector3<Real>>,        \
+                                  std::span<const Vector3<Real>>, std::span<Vector3<Real>>);             \
+  template void UpdateAnchors<Real>(const ContactParameters<Real>&, std::span<const Surface<Real>>,      \
                                     std::span<Contact<Real>>, std::span<const Vector3<Real>>);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "server/physics/blueprint.h"
+#include "server/physics/bounds.h"
 #include "server/physics/obstacle.h"
 #include "server/physics/vector.h"
 
@@ -30,7 +31,7 @@ struct Contact {
 // Lists every vertex that may touch a surface before `duration` (s) is over, keeping anchors of `contacts`.
 // `scratch` saves allocations.
 template <class Real>
-void FindContacts(std::span<const Surface<Real>> surfaces, std::span<const Vector3<Real>> x,
+void FindContacts(std::span<const Surface<Real>> surfaces, const Bounds<Real>& bounds, std::span<const Vector3<Real>> x,
                   std::span<const Vector3<Real>> v, Real duration, std::vector<Contact<Real>>& contacts,
                   std::vector<Contact<Real>>& scratch);
 
@@ -52,6 +53,20 @@ template <class Real>
 // s(d), 0..1.
 template <class Real>
 [[nodiscard]] Real ComputeDampingShare(const ContactParameters<Real>& parameters, Real depth);
+
+// The depth, m, that a vertex at `depth` (negative while outside), coming nearer at `approach` m/s, reaches in
+// `duration` s unless it is stopped. Its own spring cannot be relied on to do that: behind it may press the weight of
+// the body.
+[[nodiscard]] inline double PredictDepth(double depth, double approach, double duration) {
+  return approach > 0 ? depth + approach * duration : depth;
+}
+
+// What contacts ask of a body's step: the largest square of an angular frequency and the largest damping rate that they
+// give a vertex, 1/s² and 1/s.
+struct ContactRates {
+  double squareFrequency = 0;
+  double dampingRate = 0;
+};
 
 // The parameters that follow from a material for a vertex of `vertexMass` in a body of `size`.
 [[nodiscard]] ContactParameters<double> MakeContactParameters(const Material& material, double vertexMass, double size);

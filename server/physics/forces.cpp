@@ -49,17 +49,27 @@ void AddGas(const Coefficients<Real>& body, Real gasFactor, std::span<const Vect
 }
 
 template <class Real>
+void ComputeForces(const Coefficients<Real>& body, const Load<Real>& load, std::span<const Surface<Real>> surfaces,
+                   std::span<const Contact<Real>> contacts, std::span<const Vector3<Real>> x,
+                   std::span<const Vector3<Real>> v, std::span<Vector3<Real>> forces) {
+  for (Vector3<Real>& force : forces) force.setZero();
+  AddSprings<Real>(body.springs, load.stiffnessFactor, x, v, forces);
+  if (body.gas > Real(0)) AddGas<Real>(body, load.gasFactor, x, forces);
+  AddContacts<Real>(body.contact, surfaces, contacts, x, v, forces);
+}
+
+template <class Real>
+void DivideByMasses(const Coefficients<Real>& body, const Load<Real>& load, std::span<Vector3<Real>> forces) {
+  for (std::size_t i = 0; i < forces.size(); ++i) forces[i] = forces[i] * body.inverseMasses[i] + load.acceleration;
+}
+
+template <class Real>
 void ComputeAccelerations(const Coefficients<Real>& body, const Load<Real>& load,
                           std::span<const Surface<Real>> surfaces, std::span<const Contact<Real>> contacts,
                           std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v,
                           std::span<Vector3<Real>> accelerations) {
-  for (Vector3<Real>& force : accelerations) force.setZero();
-  AddSprings<Real>(body.springs, load.stiffnessFactor, x, v, accelerations);
-  if (body.gas > Real(0)) AddGas<Real>(body, load.gasFactor, x, accelerations);
-  AddContacts<Real>(body.contact, surfaces, contacts, x, v, accelerations);
-  for (std::size_t i = 0; i < accelerations.size(); ++i) {
-    accelerations[i] = accelerations[i] * body.inverseMasses[i] + load.acceleration;
-  }
+  ComputeForces<Real>(body, load, surfaces, contacts, x, v, accelerations);
+  DivideByMasses<Real>(body, load, accelerations);
 }
 
 double ComputeSpringEnergy(const Coefficients<double>& body, std::span<const Vector3d> x) {
@@ -89,6 +99,10 @@ double ComputeKineticEnergy(const Coefficients<double>& body, std::span<const Ve
   template Real ComputeVolume<Real>(std::span<const Face>, std::span<const Vector3<Real>>);                         \
   template void AddGas<Real>(const Coefficients<Real>&, Real, std::span<const Vector3<Real>>,                       \
                              std::span<Vector3<Real>>);                                                             \
+  template void ComputeForces<Real>(const Coefficients<Real>&, const Load<Real>&, std::span<const Surface<Real>>,   \
+                                    std::span<const Contact<Real>>, std::span<const Vector3<Real>>,                 \
+                                    std::span<const Vector3<Real>>, std::span<Vector3<Real>>);                      \
+  template void DivideByMasses<Real>(const Coefficients<Real>&, const Load<Real>&, std::span<Vector3<Real>>);       \
   template void ComputeAccelerations<Real>(                                                                         \
       const Coefficients<Real>&, const Load<Real>&, std::span<const Surface<Real>>, std::span<const Contact<Real>>, \
       std::span<const Vector3<Real>>, std::span<const Vector3<Real>>, std::span<Vector3<Real>>);

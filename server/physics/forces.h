@@ -47,7 +47,17 @@ template <class Real>
 void AddGas(const Coefficients<Real>& body, Real gasFactor, std::span<const Vector3<Real>> x,
             std::span<Vector3<Real>> forces);
 
-// Everything that acts on the body, as accelerations, m/s². forces: scratch of the same size.
+// All forces that act on the body but those of other bodies and the load's, N.
+template <class Real>
+void ComputeForces(const Coefficients<Real>& body, const Load<Real>& load, std::span<const Surface<Real>> surfaces,
+                   std::span<const Contact<Real>> contacts, std::span<const Vector3<Real>> x,
+                   std::span<const Vector3<Real>> v, std::span<Vector3<Real>> forces);
+
+// Turns forces, N, into accelerations, m/s², the load's added.
+template <class Real>
+void DivideByMasses(const Coefficients<Real>& body, const Load<Real>& load, std::span<Vector3<Real>> forces);
+
+// Both: everything that acts on a body which meets no other, as accelerations, m/s².
 template <class Real>
 void ComputeAccelerations(const Coefficients<Real>& body, const Load<Real>& load,
                           std::span<const Surface<Real>> surfaces, std::span<const Contact<Real>> contacts,

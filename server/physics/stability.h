@@ -28,15 +28,17 @@ inline constexpr int kMaxSubsteps = 64;
 void FindBodyStability(Blueprint& blueprint);
 
 // The largest rate ρ, 1/s, over the modes of the body with everything it may touch within `duration` seconds.
+// fromBodies: what its contacts with other bodies add.
 template <class Real>
 [[nodiscard]] double FindLargestRate(const Blueprint& blueprint, const Load<Real>& load,
-                                     std::span<const Surface<Real>> surfaces, const State<Real>& state, double duration,
-                                     bool& lightlyDamped);
+                                     std::span<const Surface<Real>> surfaces, const State<Real>& state,
+                                     const ContactRates& fromBodies, double duration, bool& lightlyDamped);
 
 // Substeps for a tick of `duration` seconds.
 template <class Real>
 [[nodiscard]] int ChooseSubsteps(const Blueprint& blueprint, const Load<Real>& load,
-                                 std::span<const Surface<Real>> surfaces, const State<Real>& state, double duration);
+                                 std::span<const Surface<Real>> surfaces, const State<Real>& state,
+                                 const ContactRates& fromBodies, double duration);
 
 // What an oscillator with square of frequency w² and damping rate g asks of an explicit method: ω while it rings,
 // its fast decay rate g/2 + √(g²/4 − w²) once overdamped.

@@ -1,130 +1,273 @@
-// A tick of a body is: control, contacts that may come, substeps, RK4, health. Bodies do not see each other here, so
-// they are stepped in parallel, each by one thread from beginning to end: nothing is summed across threads, and the
-// result cannot depend on how many there are.
+// A tick, phase by phase: Prepare (control, static contacts), Meet (who is near whom, and with which vertices), Group
+// (bodies that hang together by contacts), Step (each group by itself), Finish (health, origin).
+//
+// Every phase runs in parallel over things that do not see each other: bodies, pairs, groups. Each is worked on by one
+// thread from beginning to end and nothing is summed across threads, so the result cannot depend on how many there are.
 #include "server/physics/world.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <tuple>
 
-#include "server/physics/runge_kutta.h"
-#include "server/physics/stability.h"
-
-#ifdef __SANITIZE_THREAD__
-extern "C" {  // of the sanitizer's runtime
-void __tsan_acquire(void* address);
-void __tsan_release(void* address);
-}
-#endif
+#include "server/physics/broad_phase.h"
+#include "server/physics/control.h"
+#include "server/physics/group_step.h"
+#include "server/physics/parallel.h"
 
 namespace wobble::physics {
 namespace {
 
-// Share of the way that puffing and stiffening go each tick: 0.1 s to 95 %, slow enough that the change of energy is
-// the player's work and no shock.
-constexpr double kFactorApproach = 0.4;
+// How near bodies are looked at beyond the way they go in the tick, m: what gravity and springs may add.
+constexpr double kMargin = 0.02;
 
-// Speed error that moving answers with full acceleration, as a share of the top speed.
-constexpr double kSpeedBand = 0.25;
+// Two bodies near one another, and what lives on of their contacts from tick to tick. first < second.
+template <class Real>
+struct BodyPair {
+  BodyId first = 0;
+  BodyId second = 0;
+  std::array<std::vector<BodyContact<Real>>, 2> sides;  // as in Encounter
+};
 
 template <class Real>
-struct KernelScratch {
-  StageBuffers<Real, 4> stages;
-  std::vector<Surface<Real>> surfaces;
-  std::vector<Contact<Real>> contacts;
-};
-
-// Horizontal acceleration towards the speed asked for. Without a request the body is left to friction.
-Vector3d FindMoveAcceleration(const Control& control, const ControlLimits& limits, const Vector3d& velocity) {
-  const Vector3d wanted(control.moveX, control.moveY, 0);
-  if (wanted.isZero(0) || !(limits.speed > 0)) return Vector3d::Zero();
-  Vector3d missing = wanted * limits.speed - velocity;
-  missing.z() = 0;
-  const Vector3d share = missing / (kSpeedBand * limits.speed);
-  return limits.acceleration * share / std::max(1.0, share.norm());
+bool ComesBefore(const BodyPair<Real>& a, const BodyPair<Real>& b) {
+  return a.first != b.first ? a.first < b.first : a.second < b.second;
 }
 
-template <class Real>
-bool IsTouching(const State<Real>& state) {
-  return std::any_of(state.contacts.begin(), state.contacts.end(), [](const Contact<Real>& c) { return c.touching; });
-}
-
-// Applies a jump at once and returns what else acts through the tick.
-template <class Real>
-Load<Real> ApplyControl(const Blueprint& blueprint, const Vector3d& gravity, Body& body, State<Real>& state) {
-  const Control& control = body.control;
-  const ControlLimits& limits = body.limits;
-  if (control.jump && !body.jumpHeld && IsTouching(state)) {
-    for (Vector3<Real>& v : state.velocities) v.z() += static_cast<Real>(limits.jumpSpeed);
-  }
-  body.jumpHeld = control.jump;
-  body.gasFactor += kFactorApproach * ((control.puff ? limits.puffFactor : 1.0) - body.gasFactor);
-  body.stiffnessFactor += kFactorApproach * ((control.stiffen ? limits.stiffenFactor : 1.0) - body.stiffnessFactor);
-
-  Load<Real> load;
-  const Vector3d push = FindMoveAcceleration(control, limits, FindMeanVelocity(blueprint, state));
-  load.acceleration = (gravity + push).cast<Real>();
-  load.gasFactor = static_cast<Real>(body.gasFactor);
-  load.stiffnessFactor = static_cast<Real>(body.stiffnessFactor);
-  return load;
-}
-
-// What a parallel loop guarantees, told to ThreadSanitizer: the loop's body runs after the fork and before the join. It
-// cannot see that itself, since Debian's oneTBB is not built with it. Races between bodies are still found.
-struct ForkJoin {
-#ifdef __SANITIZE_THREAD__
-  void Fork() { __tsan_release(&m_fork); }
-  void Begin() { __tsan_acquire(&m_fork); }
-  void End() { __tsan_release(&m_join); }
-  void Join() { __tsan_acquire(&m_join); }
-  char m_fork = 0;
-  char m_join = 0;
-#else
-  void Fork() {}
-  void Begin() {}
-  void End() {}
-  void Join() {}
-#endif
-};
-
-}  // namespace
-
-struct World::Scratch {
-  KernelScratch<float> single;
-  KernelScratch<double> full;
-
-  template <class Real>
-  KernelScratch<Real>& Of() {
-    if constexpr (std::is_same_v<Real, float>) {
-      return single;
-    } else {
-      return full;
-    }
-  }
-};
-
-struct World::Threads {
-  explicit Threads(int count)
-      : limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count)), arena(count) {}
-  tbb::global_control limit;  // also lets there be more threads than cores, for tests
-  tbb::task_arena arena;
-  tbb::enumerable_thread_specific<Scratch> scratch;
-};
-
-struct World::Outcome {
+struct Outcome {
   int substeps = 0;
   bool nonFinite = false;
   bool inverted = false;
 };
 
+template <class Real>
+struct Scratch {
+  GroupScratch<Real> group;
+  std::vector<Contact<Real>> contacts;
+  std::vector<BodyContact<Real>> bodyContacts;
+  std::vector<Member<Real>*> members;
+};
+
+// What Step works with, kept to save allocations; only `pairs` carries anything from one tick to the next.
+template <class Real>
+struct Workspace {
+  std::vector<BodyPair<Real>> pairs;  // ascending
+  std::vector<BodyPair<Real>> pairsBefore;
+  std::vector<IndexPair> pairIndices;  // the bodies of `pairs`, by their places in the world
+  std::vector<Member<Real>> members;   // of all bodies
+  std::vector<Box> boxes;
+  std::vector<IndexPair> overlaps;
+  std::vector<Vector3d> safePlaces;
+  Groups groups;
+  std::vector<std::uint32_t> groupOf;  // of each body, and its place in it
+  std::vector<std::uint32_t> placeOf;
+  std::vector<std::vector<Encounter<Real>>> encounters;  // of each group
+  std::vector<Outcome> outcomes;
+  tbb::enumerable_thread_specific<Scratch<Real>> scratch;
+};
+
+}  // namespace
+
+struct World::Engine {
+  explicit Engine(int threadCount) : threads(threadCount) {}
+  Threads threads;
+  std::tuple<Workspace<float>, Workspace<double>> workspaces;  // the world's precision uses one
+};
+
+// One tick in one precision.
+template <class Real>
+class World::Stepper {
+ public:
+  explicit Stepper(World& world)
+      : m_world(world),
+        m_threads(world.m_engine->threads),
+        m_work(std::get<Workspace<Real>>(world.m_engine->workspaces)) {}
+
+  StepReport Step() {
+    PrepareAll();
+    MeetAll();
+    FindAllGroups();
+    StepAll();
+    return Report();
+  }
+
+ private:
+  State<Real>& StateOf(std::size_t body) { return std::get<State<Real>>(m_world.m_bodies[body].state); }
+
+  void PrepareAll() {
+    const std::size_t count = m_world.m_bodies.size();
+    m_work.members.resize(count);
+    m_work.boxes.resize(count);
+    m_work.safePlaces.resize(count);
+    m_work.outcomes.assign(count, {});
+    m_threads.ForEach(count, [this](std::size_t i) { Prepare(i); });
+  }
+
+  void Prepare(std::size_t i) {
+    const double duration = m_world.m_settings.tickDuration;
+    Body& body = m_world.m_bodies[i];
+    State<Real>& state = StateOf(i);
+    Member<Real>& member = m_work.members[i];
+    member.blueprint = &m_world.m_blueprints[body.blueprint];
+    member.state = &state;
+    m_work.safePlaces[i] = physics::FindCentre(*member.blueprint, state);
+    member.load = ApplyControl(*member.blueprint, m_world.m_settings.gravity, body, state);
+    member.surfaces.clear();
+    for (const Obstacle& obstacle : m_world.m_obstacles) {
+      member.surfaces.push_back(MakeSurface<Real>(obstacle, state.origin));
+    }
+    member.bounds = FindBounds<Real>(state.positions, state.velocities);
+    FindContacts<Real>(member.surfaces, member.bounds, state.positions, state.velocities, static_cast<Real>(duration),
+                       state.contacts, m_work.scratch.local().contacts);
+    const double fat = kMargin + duration * double{member.bounds.speed};
+    m_work.boxes[i] = {state.origin + member.bounds.low.template cast<double>() - Vector3d::Constant(fat),
+                       state.origin + member.bounds.high.template cast<double>() + Vector3d::Constant(fat)};
+  }
+
+  void MeetAll() {
+    FindOverlaps(m_work.boxes, m_work.overlaps);
+    m_work.pairs.swap(m_work.pairsBefore);
+    m_work.pairs.clear();
+    auto before = m_work.pairsBefore.begin();
+    for (const auto& [a, b] : m_work.overlaps) {
+      if (HasNoFaces(a) || HasNoFaces(b)) continue;
+      BodyPair<Real> pair{m_world.m_bodies[a].id, m_world.m_bodies[b].id, {}};
+      while (before != m_work.pairsBefore.end() && ComesBefore(*before, pair)) ++before;
+      const bool known = before != m_work.pairsBefore.end() && !ComesBefore(pair, *before);
+      if (known) pair.sides = std::move(before->sides);
+      m_work.pairs.push_back(std::move(pair));
+      m_work.pairIndices.resize(m_work.pairs.size());
+      m_work.pairIndices.back() = {a, b};
+    }
+    m_work.pairIndices.resize(m_work.pairs.size());
+    m_threads.ForEach(m_work.pairs.size(), [this](std::size_t i) { Meet(i); });
+    DropPairsApart();
+  }
+
+  bool HasNoFaces(std::uint32_t body) const { return m_work.members[body].blueprint->full.faces.empty(); }
+
+  void Meet(std::size_t i) {
+    const double duration = m_world.m_settings.tickDuration;
+    for (std::size_t side = 0; side < 2; ++side) {
+      const Member<Real>& vertices = m_work.members[m_work.pairIndices[i][side]];
+      const Member<Real>& faces = m_work.members[m_work.pairIndices[i][1 - side]];
+      const Meeting<Real> meeting = MakeMeeting<Real>(vertices, vertices.state->positions, vertices.state->velocities,
+                                                      faces, faces.state->positions, faces.state->velocities);
+      Bounds<Real> near = faces.bounds;
+      near.speed += vertices.bounds.speed;
+      const Real fat = static_cast<Real>(kMargin) + near.speed * static_cast<Real>(duration);
+      near.low.array() -= fat;
+      near.high.array() += fat;
+      FindBodyContacts<Real>(meeting, vertices.blueprint->topology.vertices, near, static_cast<Real>(kMargin),
+                             static_cast<Real>(duration), m_work.pairs[i].sides[side],
+                             m_work.scratch.local().bodyContacts);
+    }
+  }
+
+  // Boxes that overlap without a vertex near a face bind nothing together.
+  void DropPairsApart() {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < m_work.pairs.size(); ++i) {
+      if (m_work.pairs[i].sides[0].empty() && m_work.pairs[i].sides[1].empty()) continue;
+      if (kept != i) {
+        m_work.pairs[kept] = std::move(m_work.pairs[i]);
+        m_work.pairIndices[kept] = m_work.pairIndices[i];
+      }
+      ++kept;
+    }
+    m_work.pairs.resize(kept);
+    m_work.pairIndices.resize(kept);
+  }
+
+  void FindAllGroups() {
+    const std::size_t count = m_world.m_bodies.size();
+    FindGroups(count, m_work.pairIndices, m_work.groups);
+    m_work.groupOf.resize(count);
+    m_work.placeOf.resize(count);
+    for (std::uint32_t group = 0; group < m_work.groups.Count(); ++group) {
+      const auto members = m_work.groups.MembersOf(group);
+      for (std::uint32_t place = 0; place < members.size(); ++place) {
+        m_work.groupOf[members[place]] = group;
+        m_work.placeOf[members[place]] = place;
+      }
+    }
+    if (m_work.encounters.size() < m_work.groups.Count()) m_work.encounters.resize(m_work.groups.Count());
+    for (auto& encounters : m_work.encounters) encounters.clear();
+    for (std::size_t i = 0; i < m_work.pairs.size(); ++i) {
+      const auto [a, b] = m_work.pairIndices[i];
+      const auto& ofA = m_work.members[a].blueprint->template Read<Real>().contact;
+      const auto& ofB = m_work.members[b].blueprint->template Read<Real>().contact;
+      m_work.encounters[m_work.groupOf[a]].push_back({{m_work.placeOf[a], m_work.placeOf[b]},
+                                                      Combine(ofA, ofB),
+                                                      {&m_work.pairs[i].sides[0], &m_work.pairs[i].sides[1]}});
+    }
+  }
+
+  void StepAll() {
+    m_threads.ForEach(m_work.groups.Count(), [this](std::size_t group) {
+      Scratch<Real>& scratch = m_work.scratch.local();
+      const auto bodies = m_work.groups.MembersOf(group);
+      scratch.members.clear();
+      for (const std::uint32_t body : bodies) scratch.members.push_back(&m_work.members[body]);
+      const std::span<const Encounter<Real>> encounters = m_work.encounters[group];
+      const int substeps = StepGroup<Real>(scratch.members, encounters, m_world.m_settings.tickDuration, scratch.group);
+      for (const std::uint32_t body : bodies) Finish(body, substeps);
+      for (const Encounter<Real>& encounter : encounters) Finish(encounter, bodies);
+    });
+  }
+
+  void Finish(std::uint32_t i, int substeps) {
+    State<Real>& state = StateOf(i);
+    const Blueprint& blueprint = *m_work.members[i].blueprint;
+    const Coefficients<Real>& coefficients = blueprint.template Read<Real>();
+    m_world.m_bodies[i].touchesBody = false;
+    Outcome& outcome = m_work.outcomes[i];
+    outcome.substeps = substeps;
+    outcome.nonFinite = !IsFinite(state);
+    outcome.inverted = !outcome.nonFinite && coefficients.gas > Real(0) &&
+                       !(ComputeVolume<Real>(coefficients.faces, state.positions) > Real(0));
+    if (outcome.nonFinite || outcome.inverted) {
+      state = MakeState<Real>(blueprint, m_work.safePlaces[i], Vector3d::Zero());
+    } else {
+      Recentre(blueprint, state);
+    }
+  }
+
+  // A body that was reset has left those that it touched.
+  void Finish(const Encounter<Real>& encounter, std::span<const std::uint32_t> bodies) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      std::vector<BodyContact<Real>>& contacts = *encounter.sides[side];
+      const std::uint32_t a = bodies[encounter.members[0]];
+      const std::uint32_t b = bodies[encounter.members[1]];
+      if (WasReset(a) || WasReset(b)) contacts.clear();
+      const bool touch = std::any_of(contacts.begin(), contacts.end(), [](const auto& each) { return each.touching; });
+      m_world.m_bodies[a].touchesBody |= touch;
+      m_world.m_bodies[b].touchesBody |= touch;
+    }
+  }
+
+  bool WasReset(std::uint32_t body) const { return m_work.outcomes[body].nonFinite || m_work.outcomes[body].inverted; }
+
+  StepReport Report() const {
+    StepReport report;
+    report.awake = static_cast<std::uint32_t>(m_world.m_bodies.size());
+    for (const Outcome& outcome : m_work.outcomes) {
+      report.substeps += static_cast<std::uint64_t>(outcome.substeps);
+      report.nonFinite += outcome.nonFinite ? 1 : 0;
+      report.inverted += outcome.inverted ? 1 : 0;
+    }
+    return report;
+  }
+
+  World& m_world;
+  Threads& m_threads;
+  Workspace<Real>& m_work;
+};
+
 World::World(const WorldSettings& settings)
-    : m_settings(settings), m_threads(std::make_unique<Threads>(settings.threads)) {
+    : m_settings(settings), m_engine(std::make_unique<Engine>(settings.threads)) {
   assert(settings.threads >= 1 && settings.tickDuration > 0);
 }
 
@@ -164,9 +307,13 @@ Body& World::FindBody(BodyId id) {
 
 const Body& World::ReadBody(BodyId id) const { return const_cast<World*>(this)->FindBody(id); }
 
-void World::RemoveBody(BodyId id) { m_bodies.erase(m_bodies.begin() + (&FindBody(id) - m_bodies.data())); }
+void World::RemoveBody(BodyId id) {
+  DropPairsOf(id);
+  m_bodies.erase(m_bodies.begin() + (&FindBody(id) - m_bodies.data()));
+}
 
 void World::PlaceBody(BodyId id, const Vector3d& position) {
+  DropPairsOf(id);
   Body& body = FindBody(id);
   std::visit(
       [&]<class Real>(State<Real>& state) {
@@ -182,78 +329,17 @@ void World::SetControl(BodyId id, const Control& control, const ControlLimits& l
   body.limits = limits;
 }
 
-template <class Real>
-World::Outcome World::StepState(Body& body, State<Real>& state, Scratch& scratch) const {
-  const Blueprint& blueprint = m_blueprints[body.blueprint];
-  const Coefficients<Real>& coefficients = blueprint.Read<Real>();
-  KernelScratch<Real>& kernel = scratch.Of<Real>();
-  const Vector3d safePlace = physics::FindCentre(blueprint, state);
-
-  const Load<Real> load = ApplyControl(blueprint, m_settings.gravity, body, state);
-  kernel.surfaces.clear();
-  for (const Obstacle& obstacle : m_obstacles) kernel.surfaces.push_back(MakeSurface<Real>(obstacle, state.origin));
-  const std::span<const Surface<Real>> surfaces = kernel.surfaces;
-  FindContacts<Real>(surfaces, state.positions, state.velocities, static_cast<Real>(m_settings.tickDuration),
-                     state.contacts, kernel.contacts);
-
-  Outcome outcome;
-  outcome.substeps = ChooseSubsteps<Real>(blueprint, load, surfaces, state, m_settings.tickDuration);
-  const auto h = static_cast<Real>(m_settings.tickDuration / outcome.substeps);
-  const auto accelerate = [&](std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v,
-                              std::span<Vector3<Real>> a) {
-    ComputeAccelerations<Real>(coefficients, load, surfaces, state.contacts, x, v, a);
+void World::DropPairsOf(BodyId id) {
+  const auto drop = [id](auto& workspace) {
+    std::erase_if(workspace.pairs, [id](const auto& pair) { return pair.first == id || pair.second == id; });
   };
-  for (int substep = 0; substep < outcome.substeps; ++substep) {
-    StepRungeKutta<Real>(kClassicRungeKutta, h, accelerate, std::span(state.positions), std::span(state.velocities),
-                         kernel.stages);
-    UpdateAnchors<Real>(coefficients.contact, surfaces, state.contacts, state.positions);
-  }
-
-  outcome.nonFinite = !IsFinite(state);
-  outcome.inverted = !outcome.nonFinite && coefficients.gas > Real(0) &&
-                     !(ComputeVolume<Real>(coefficients.faces, state.positions) > Real(0));
-  if (outcome.nonFinite || outcome.inverted) {
-    state = MakeState<Real>(blueprint, safePlace, Vector3d::Zero());
-  } else {
-    Recentre(blueprint, state);
-  }
-  return outcome;
-}
-
-World::Outcome World::StepBody(Body& body, Scratch& scratch) const {
-  return std::visit([&]<class Real>(State<Real>& state) { return StepState<Real>(body, state, scratch); }, body.state);
-}
-
-void World::StepAll(std::vector<Outcome>& outcomes) {
-  ForkJoin forkJoin;
-  const auto stepRange = [&](const tbb::blocked_range<std::size_t>& range) {
-    forkJoin.Begin();
-    Scratch& scratch = m_threads->scratch.local();
-    for (std::size_t i = range.begin(); i != range.end(); ++i) outcomes[i] = StepBody(m_bodies[i], scratch);
-    forkJoin.End();
-  };
-  forkJoin.Fork();
-  const tbb::blocked_range<std::size_t> all(0, m_bodies.size());
-  if (m_settings.threads == 1) {
-    stepRange(all);
-  } else {
-    m_threads->arena.execute([&] { tbb::parallel_for(all, stepRange); });
-  }
-  forkJoin.Join();
+  drop(std::get<Workspace<float>>(m_engine->workspaces));
+  drop(std::get<Workspace<double>>(m_engine->workspaces));
 }
 
 StepReport World::Step() {
-  m_outcomes.assign(m_bodies.size(), Outcome{});
-  StepAll(m_outcomes);
   ++m_tick;
-  StepReport report;
-  report.awake = static_cast<std::uint32_t>(m_bodies.size());
-  for (const Outcome& outcome : m_outcomes) {
-    report.substeps += static_cast<std::uint64_t>(outcome.substeps);
-    report.nonFinite += outcome.nonFinite ? 1 : 0;
-    report.inverted += outcome.inverted ? 1 : 0;
-  }
-  return report;
+  return m_settings.precision == Precision::kSingle ? Stepper<float>(*this).Step() : Stepper<double>(*this).Step();
 }
 
 Vector3d World::FindCentre(const Body& body) const {

@@ -6,13 +6,11 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <variant>
 #include <vector>
 
 #include "server/physics/blueprint.h"
-#include "server/physics/forces.h"
+#include "server/physics/body.h"
 #include "server/physics/obstacle.h"
-#include "server/physics/state.h"
 
 namespace wobble::physics {
 
@@ -24,50 +22,6 @@ struct WorldSettings {
   Precision precision = Precision::kSingle;
   int threads = 1;
 };
-
-// From 1, in order of creation, never reused.
-using BodyId = std::uint32_t;
-
-// What a player asks of a body, held until the next SetControl. move: in the horizontal plane, x and y, length <= 1.
-struct Control {
-  double moveX = 0;
-  double moveY = 0;
-  bool jump = false;  // acts once, when it turns true while the body touches something
-  bool puff = false;
-  bool stiffen = false;
-};
-
-// What the scene allows a control to do.
-struct ControlLimits {
-  double acceleration = 25;  // m/s²
-  double speed = 6;          // of the body's centre that moving alone reaches, m/s
-  double jumpSpeed = 6;      // m/s
-  double puffFactor = 1.6;   // times the gas while puffed up
-  double stiffenFactor = 2;  // times springs and dashpots while stiffened
-};
-
-struct Body {
-  BodyId id = 0;
-  std::uint8_t blueprint = 0;
-  std::variant<State<float>, State<double>> state;
-  Control control;
-  ControlLimits limits;
-  bool jumpHeld = false;
-  double gasFactor = 1;  // follows the control within a few ticks
-  double stiffnessFactor = 1;
-};
-
-// visit(index, position) for every vertex in the world, in double precision, m.
-template <class Visit>
-void VisitVertices(const Body& body, Visit&& visit) {
-  std::visit(
-      [&](const auto& state) {
-        for (std::size_t i = 0; i < state.positions.size(); ++i) {
-          visit(i, Vector3d(state.origin + state.positions[i].template cast<double>()));
-        }
-      },
-      body.state);
-}
 
 // What one tick did. Counts of bodies but for `substeps`, their sum.
 struct StepReport {
@@ -109,22 +63,19 @@ class World {
   [[nodiscard]] std::uint64_t Hash() const;
 
  private:
-  struct Scratch;
-  struct Threads;
-  struct Outcome;
+  struct Engine;
+  template <class Real>
+  class Stepper;
 
   Body& FindBody(BodyId id);
-  Outcome StepBody(Body& body, Scratch& scratch) const;
-  template <class Real>
-  Outcome StepState(Body& body, State<Real>& state, Scratch& scratch) const;
-  void StepAll(std::vector<Outcome>& outcomes);
+  // Forgets whom it touched, for one that is gone or elsewhere.
+  void DropPairsOf(BodyId id);
 
   WorldSettings m_settings;
   std::vector<Blueprint> m_blueprints;
   std::vector<Obstacle> m_obstacles;
   std::vector<Body> m_bodies;
-  std::vector<Outcome> m_outcomes;
-  std::unique_ptr<Threads> m_threads;
+  std::unique_ptr<Engine> m_engine;
   BodyId m_nextId = 1;
   std::uint32_t m_tick = 0;
 };

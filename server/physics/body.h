@@ -1,0 +1,56 @@
+// A body of the world: its state, and what a player asks of it.
+#pragma once
+
+#include <cstdint>
+#include <variant>
+
+#include "server/physics/state.h"
+
+namespace wobble::physics {
+
+// From 1, in order of creation, never reused.
+using BodyId = std::uint32_t;
+
+// What a player asks of a body, held until the next SetControl. move: in the horizontal plane, x and y, length <= 1.
+struct Control {
+  double moveX = 0;
+  double moveY = 0;
+  bool jump = false;  // acts once, when it turns true while the body touches something
+  bool puff = false;
+  bool stiffen = false;
+};
+
+// What the scene allows a control to do.
+struct ControlLimits {
+  double acceleration = 25;  // m/s²
+  double speed = 6;          // of the body's centre that moving alone reaches, m/s
+  double jumpSpeed = 6;      // m/s
+  double puffFactor = 1.6;   // times the gas while puffed up
+  double stiffenFactor = 2;  // times springs and dashpots while stiffened
+};
+
+struct Body {
+  BodyId id = 0;
+  std::uint8_t blueprint = 0;
+  std::variant<State<float>, State<double>> state;
+  Control control;
+  ControlLimits limits;
+  bool jumpHeld = false;
+  bool touchesBody = false;  // at the end of the last tick
+  double gasFactor = 1;      // follows the control within a few ticks
+  double stiffnessFactor = 1;
+};
+
+// visit(index, position) for every vertex in the world, in double precision, m.
+template <class Visit>
+void VisitVertices(const Body& body, Visit&& visit) {
+  std::visit(
+      [&](const auto& state) {
+        for (std::size_t i = 0; i < state.positions.size(); ++i) {
+          visit(i, Vector3d(state.origin + state.positions[i].template cast<double>()));
+        }
+      },
+      body.state);
+}
+
+}  // namespace wobble::physics

@@ -1,0 +1,271 @@
+// Faces are looked for once a tick and followed after each substep; within one a contact keeps to its face or the one
+// beside it, so that the force is a smooth function of the stages' positions nearly always.
+#include "server/physics/body_contact.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace wobble::physics {
+namespace {
+
+// A contact may begin this deep, m. It was found before the vertex came in, so a deeper beginning is none: each would
+// bring in the energy of a spring that nobody pressed.
+constexpr double kArmingDepth = 0.01;
+// One that goes on may be deeper than it was by that and by the motion of so many substeps.
+constexpr double kArmingSteps = 2;
+// How far, in barycentric weight, a vertex may have slid beyond its face within a substep and still be pushed by it. A
+// face that is squashed thin turns so fast that its plane can sweep over a vertex far beside it, whose weights are then
+// a lever that makes any force as large as one likes.
+constexpr double kMaxOverhang = 0.25;
+// Substeps that a new contact is taken to have when it is found, before their number is known.
+constexpr double kLikelySubsteps = 4;
+// A contact whose vertex comes nearer by more than this in a tick, m, needs kFastSubsteps, or the vertex may have
+// passed the far side before it is pushed back.
+constexpr double kFastWay = 0.1;
+constexpr int kFastSubsteps = 4;
+
+template <class Real>
+Vector3<Real> Blend(const Vector3<Real>& weights, const Face& face, std::span<const Vector3<Real>> values) {
+  return weights[0] * values[face[0]] + weights[1] * values[face[1]] + weights[2] * values[face[2]];
+}
+
+// Of the vertex against the surface under it, or where that ends the nearest part of the face.
+template <class Real>
+Vector3<Real> FindRelativeVelocity(const Meeting<Real>& meeting, std::uint16_t vertex, const FacePoint<Real>& at) {
+  const Vector3<Real> weights = at.weights.cwiseMax(Real(0));
+  return meeting.v[vertex] - Blend<Real>(weights / weights.sum(), meeting.shell.faces[at.face], meeting.shellV);
+}
+
+// Deep enough to push, no deeper than it can have come, and with a face above it.
+template <class Real>
+bool Pushes(const BodyContact<Real>& contact, const FacePoint<Real>& at) {
+  return contact.armed && at.distance < Real(0) && -at.distance <= contact.maxDepth &&
+         at.weights.minCoeff() >= -static_cast<Real>(kMaxOverhang);
+}
+
+template <class Real>
+Vector3<Real> RemoveNormalPart(const Vector3<Real>& v, const Vector3<Real>& normal) {
+  return v - normal.dot(v) * normal;
+}
+
+// Nearest of the surface's vertices, as a place to begin the search from; kNoFace when it is farther than `within`.
+template <class Real>
+std::uint16_t FindStart(const Shell<Real>& shell, const Vector3<Real>& p, Real within) {
+  Real least = std::numeric_limits<Real>::max();
+  std::uint16_t nearest = 0;
+  for (const std::uint16_t vertex : shell.topology->vertices) {
+    const Real square = (shell.x[vertex] - p).squaredNorm();
+    if (square < least) {
+      least = square;
+      nearest = vertex;
+    }
+  }
+  return least < within * within ? shell.topology->RingOf(nearest)[0] : kNoFace;
+}
+
+template <class Real>
+bool IsInside(const Vector3<Real>& p, const Bounds<Real>& box) {
+  return (p.array() >= box.low.array()).all() && (p.array() <= box.high.array()).all();
+}
+
+// Arms a contact that has just begun, disarms one that has leapt, and says how deep it may come from here.
+template <class Real>
+void Arm(const FacePoint<Real>& at, const Vector3<Real>& velocity, Real h, BodyContact<Real>& contact) {
+  const Real depth = std::max(Real(0), -at.distance);
+  const Real play =
+      static_cast<Real>(kArmingDepth) + static_cast<Real>(kArmingSteps) * h * std::sqrt(velocity.dot(velocity));
+  contact.armed = depth <= (contact.armed ? contact.maxDepth : static_cast<Real>(kArmingDepth));
+  contact.maxDepth = depth + play;
+}
+
+// The face that a known contact has come to.
+template <class Real>
+FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const BodyContact<Real>& contact,
+                                const Vector3<Real>& p) {
+  if (contact.armed) {
+    const FacePoint<Real> at = SlideToFace(meeting.shell, contact.face, p);
+    if (at.distance < Real(0)) return at;
+  }
+  return FindNearestFace(meeting.shell, contact.face, p);
+}
+
+// The stick spring of a touching contact, m.
+template <class Real>
+Vector3<Real> FindSlip(const Meeting<Real>& meeting, const BodyContact<Real>& contact, const Vector3<Real>& p,
+                       const Vector3<Real>& normal) {
+  const Vector3<Real> foot = Blend<Real>(contact.foot, meeting.shell.faces[contact.face], meeting.shell.x);
+  return RemoveNormalPart<Real>(contact.slip + p - foot, normal);
+}
+
+// Longest reach of a face from its corners, m: how far from every vertex a point on the surface can be.
+template <class Real>
+Real FindLongestSide(const Shell<Real>& shell) {
+  Real longest = 0;
+  for (const Face& face : shell.faces) {
+    for (std::size_t side = 0; side < 3; ++side) {
+      longest = std::max(longest, (shell.x[face[side]] - shell.x[face[(side + 1) % 3]]).squaredNorm());
+    }
+  }
+  return std::sqrt(longest);
+}
+
+}  // namespace
+
+template <class Real>
+ContactParameters<Real> Combine(const ContactParameters<Real>& a, const ContactParameters<Real>& b) {
+  const auto inSeries = [](Real one, Real other) {
+    return one + other > Real(0) ? Real(2) * one * other / (one + other) : Real(0);
+  };
+  ContactParameters<Real> both;
+  both.stiffness = inSeries(a.stiffness, b.stiffness);
+  both.fadeDepth = (a.fadeDepth + b.fadeDepth) / Real(2);
+  both.damping = inSeries(a.damping, b.damping);
+  both.stickStiffness = inSeries(a.stickStiffness, b.stickStiffness);
+  both.stickDamping = inSeries(a.stickDamping, b.stickDamping);
+  both.friction = std::sqrt(a.friction * b.friction);
+  return both;
+}
+
+template <class Real>
+void FindBodyContacts(const Meeting<Real>& meeting, std::span<const std::uint16_t> surfaceVertices,
+                      const Bounds<Real>& near, Real margin, Real duration, std::vector<BodyContact<Real>>& contacts,
+                      std::vector<BodyContact<Real>>& scratch) {
+  scratch.clear();
+  Real longestSide = -1;
+  auto kept = contacts.begin();
+  for (const std::uint16_t vertex : surfaceVertices) {
+    const Vector3<Real> p = meeting.x[vertex] + meeting.shift;
+    while (kept != contacts.end() && kept->vertex < vertex) ++kept;
+    if (!IsInside(p, near)) continue;
+    const bool known = kept != contacts.end() && kept->vertex == vertex;
+    BodyContact<Real> contact = known ? *kept : BodyContact<Real>{.vertex = vertex};
+    FacePoint<Real> at;
+    if (known) {
+      at = FindPresentFace(meeting, contact, p);
+    } else {
+      if (longestSide < Real(0)) longestSide = FindLongestSide(meeting.shell);
+      const Real reach = longestSide + margin + near.speed * duration;
+      const std::uint16_t start = FindStart(meeting.shell, p, reach);
+      if (start == kNoFace) continue;
+      at = FindNearestFace(meeting.shell, start, p);
+    }
+    const Vector3<Real> velocity = FindRelativeVelocity(meeting, vertex, at);
+    const Real approach = std::max(Real(0), -at.normal.dot(velocity)) * duration;
+    if (at.distance > margin + approach) continue;
+    contact.face = at.face;
+    contact.foot = at.weights;
+    Arm(at, velocity, duration / static_cast<Real>(kLikelySubsteps), contact);
+    scratch.push_back(contact);
+  }
+  contacts.swap(scratch);
+}
+
+template <class Real>
+void AddBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
+                     std::span<const BodyContact<Real>> contacts, std::span<Vector3<Real>> forces,
+                     std::span<Vector3<Real>> shellForces) {
+  for (const BodyContact<Real>& contact : contacts) {
+    if (!contact.armed) continue;
+    const Vector3<Real> p = meeting.x[contact.vertex] + meeting.shift;
+    const FacePoint<Real> at = FollowFace(meeting.shell, contact.face, p);
+    if (!Pushes(contact, at)) continue;
+    const Real depth = -at.distance;
+    const Face& face = meeting.shell.faces[at.face];
+    const Vector3<Real> velocity = FindRelativeVelocity(meeting, contact.vertex, at);
+    const Real rate = -at.normal.dot(velocity);
+    const Real normalForce = std::max(Real(0), ComputePenalty(parameters, depth) +
+                                                   parameters.damping * ComputeDampingShare(parameters, depth) * rate);
+    Vector3<Real> pull = parameters.stickDamping * RemoveNormalPart<Real>(velocity, at.normal);
+    if (contact.touching) pull += parameters.stickStiffness * FindSlip(meeting, contact, p, at.normal);
+    const Real limit = parameters.friction * normalForce;
+    const Real strength = std::sqrt(pull.dot(pull));
+    if (strength > limit) pull *= limit / strength;
+
+    const Vector3<Real> force = normalForce * at.normal - pull;
+    forces[contact.vertex] += force;
+    // ∇wᵢ = n × (side opposite to corner i) / 2A, so −d (F·∇wᵢ) with F = −pull is d pull·(n × side)/2A.
+    // On a face that is lower than the contact is deep they would exceed the friction itself and ring with the thin
+    // triangle; there part of the torque is given up.
+    std::array<Vector3<Real>, 3> sides;
+    for (std::size_t i = 0; i < 3; ++i)
+      sides[i] = meeting.shell.x[face[(i + 2) % 3]] - meeting.shell.x[face[(i + 1) % 3]];
+    const Real longest = std::sqrt(std::max({sides[0].squaredNorm(), sides[1].squaredNorm(), sides[2].squaredNorm()}));
+    const Real lever = std::min(depth / at.doubleArea, Real(1) / longest);
+    const Vector3<Real> turned = pull.cross(at.normal) * lever;
+    for (std::size_t i = 0; i < 3; ++i) {
+      shellForces[face[i]] += turned.dot(sides[i]) * at.normal - at.weights[static_cast<Eigen::Index>(i)] * force;
+    }
+  }
+}
+
+template <class Real>
+void UpdateBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting, Real h,
+                        std::span<BodyContact<Real>> contacts) {
+  for (BodyContact<Real>& contact : contacts) {
+    const Vector3<Real> p = meeting.x[contact.vertex] + meeting.shift;
+    const FacePoint<Real> at = FindPresentFace(meeting, contact, p);
+    Arm<Real>(at, FindRelativeVelocity(meeting, contact.vertex, at), h, contact);
+    const Real depth = -at.distance;
+    Vector3<Real> slip = Vector3<Real>::Zero();
+    if (contact.touching) {
+      slip = FindSlip(meeting, contact, p, at.normal);
+      const Real limit = parameters.friction * ComputePenalty(parameters, depth);
+      const Real strength = parameters.stickStiffness * std::sqrt(slip.dot(slip));
+      if (strength > limit) slip *= limit / strength;
+    }
+    contact.touching = Pushes(contact, at);
+    contact.face = at.face;
+    contact.foot = at.weights;
+    contact.slip = slip;
+  }
+}
+
+template <class Real>
+int AddContactLoads(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
+                    std::span<const BodyContact<Real>> contacts, double duration, std::span<VertexLoad> loads,
+                    std::span<VertexLoad> shellLoads) {
+  int substeps = 1;
+  for (const BodyContact<Real>& contact : contacts) {
+    if (!contact.armed) continue;
+    const FacePoint<Real> at =
+        FindFacePoint<Real>(meeting.shell, contact.face, meeting.x[contact.vertex] + meeting.shift);
+    const double approach = -double{at.normal.dot(FindRelativeVelocity(meeting, contact.vertex, at))};
+    const double depth = PredictDepth(-double{at.distance}, approach, duration);
+    if (depth <= 0) continue;
+    const auto reached = static_cast<Real>(depth);
+    const Real stiffness = std::max(ComputePenaltySlope(parameters, reached), parameters.stickStiffness);
+    const Real damping =
+        std::max(parameters.damping * ComputeDampingShare(parameters, reached), parameters.stickDamping);
+    const auto add = [&](VertexLoad& load, Real share) {
+      load.stiffness += 2 * double{share * stiffness};
+      load.damping += 2 * double{share * damping};
+    };
+    add(loads[contact.vertex], Real(1));
+    const Face& face = meeting.shell.faces[contact.face];
+    for (std::size_t i = 0; i < 3; ++i) {
+      add(shellLoads[face[i]], std::clamp(at.weights[static_cast<Eigen::Index>(i)], Real(0), Real(1)));
+    }
+    if (approach * duration > kFastWay) substeps = kFastSubsteps;
+  }
+  return substeps;
+}
+
+#define WOBBLE_INSTANTIATE(Real)                                                                                      \
+  template ContactParameters<Real> Combine<Real>(const ContactParameters<Real>&, const ContactParameters<Real>&);     \
+  template void FindBodyContacts<Real>(const Meeting<Real>&, std::span<const std::uint16_t>, const Bounds<Real>&,     \
+                                       Real, Real, std::vector<BodyContact<Real>>&, std::vector<BodyContact<Real>>&); \
+  template void AddBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&,                           \
+                                      std::span<const BodyContact<Real>>, std::span<Vector3<Real>>,                   \
+                                      std::span<Vector3<Real>>);                                                      \
+  template void UpdateBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&, Real,                  \
+                                         std::span<BodyContact<Real>>);                                               \
+  template int AddContactLoads<Real>(const ContactParameters<Real>&, const Meeting<Real>&,                            \
+                                     std::span<const BodyContact<Real>>, double, std::span<VertexLoad>,               \
+                                     std::span<VertexLoad>);
+WOBBLE_INSTANTIATE(float)
+WOBBLE_INSTANTIATE(double)
+#undef WOBBLE_INSTANTIATE
+
+}  // namespace wobble::physics

@@ -1,0 +1,89 @@
+// Vertices of one body against the faces of another: the law, and who may touch whom this tick.
+//
+// A vertex p below the plane of a face (a, b, c) at depth d = −n·(p − a), its foot q = Σ wᵢ xᵢ, gets the normal force
+// N n of contact.h's law and each corner −wᵢ N n. Since ∂d/∂p = −n and ∂d/∂xᵢ = wᵢ n exactly, this is the gradient of a
+// potential, and momentum and angular momentum are kept to rounding. A friction F on p and −wᵢ F on the corners would
+// leave the torque (p − q) × F = −d n × F; normal forces −d (F·∇wᵢ) n on the corners, whose sum is none, balance it,
+// since Σ (F·∇wᵢ) xᵢ = F.
+//
+// A contact is armed when the vertex comes from outside. Until then it does nothing: bodies that were put into one
+// another drift apart instead of exploding. For the same reason it is disarmed when it is suddenly deeper than it can
+// have come, as on a face that a violent impact has folded over.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "server/physics/blueprint.h"
+#include "server/physics/bounds.h"
+#include "server/physics/contact.h"
+#include "server/physics/face_search.h"
+
+namespace wobble::physics {
+
+// A vertex near a face. Lists are sorted by vertex; everything in it lives on from tick to tick.
+//
+// The stick spring's length is `slip` plus what the vertex has moved since the last substep against the point of the
+// surface that was then under it. A point that stays on the surface where the contact began would do the same, but on
+// a face that is squashed thin its barycentric weights grow without bound, and with them the force's share of every
+// tremor of the corners.
+template <class Real>
+struct BodyContact {
+  std::uint16_t vertex = 0;
+  std::uint16_t face = 0;
+  bool armed = false;
+  bool touching = false;                       // at the end of the last substep; foot and slip are set
+  Real maxDepth = 0;                           // that it can come to in the next substep, m
+  Vector3<Real> foot = Vector3<Real>::Zero();  // barycentric, of the point of `face` that was under the vertex
+  Vector3<Real> slip = Vector3<Real>::Zero();  // of the stick spring then, along the face, m
+};
+
+// One side of a pair at one moment: a body whose vertices are looked at, and one whose faces are.
+template <class Real>
+struct Meeting {
+  std::span<const Vector3<Real>> x;  // of the vertices' body, in its own local coordinates
+  std::span<const Vector3<Real>> v;
+  Shell<Real> shell;  // of the faces' body, in that one's coordinates
+  std::span<const Vector3<Real>> shellV;
+  Vector3<Real> shift = Vector3<Real>::Zero();  // from the former to the latter
+};
+
+// Two materials against one another: springs and dashpots in series (equal ones stay as they are), the geometric mean
+// of the frictions.
+template <class Real>
+[[nodiscard]] ContactParameters<Real> Combine(const ContactParameters<Real>& a, const ContactParameters<Real>& b);
+
+// Lists every surface vertex that may touch the other body before `duration` (s) is over, keeping what is known of
+// `contacts`. near: a box in the shell's coordinates that holds the shell, fat enough for the time. margin: m, for what
+// the vertex's present motion does not tell.
+template <class Real>
+void FindBodyContacts(const Meeting<Real>& meeting, std::span<const std::uint16_t> surfaceVertices,
+                      const Bounds<Real>& near, Real margin, Real duration, std::vector<BodyContact<Real>>& contacts,
+                      std::vector<BodyContact<Real>>& scratch);
+
+template <class Real>
+void AddBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
+                     std::span<const BodyContact<Real>> contacts, std::span<Vector3<Real>> forces,
+                     std::span<Vector3<Real>> shellForces);
+
+// After a substep of h seconds: follows faces, arms, lets sticking contacts slip as far as friction cannot hold them.
+template <class Real>
+void UpdateBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting, Real h,
+                        std::span<BodyContact<Real>> contacts);
+
+// What contacts ask of a vertex's step, as sums over them: stiffness, N/m, and damping, N·s/m.
+struct VertexLoad {
+  double stiffness = 0;
+  double damping = 0;
+};
+
+// Adds what the contacts of one side may come to within `duration` s. With the force on p and −wᵢ times it on the
+// corners, p's row of the contact's matrix has the absolute sum k (1 + Σ wᵢ) = 2k and a corner's 2 wᵢ k; the largest
+// row sum over mass bounds the square of the frequency (Gershgorin). On matching meshes it is 4k/m, far more where a
+// hard impact has drawn many vertices onto few faces. Returns the substeps that the fastest contact asks for.
+template <class Real>
+[[nodiscard]] int AddContactLoads(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
+                                  std::span<const BodyContact<Real>> contacts, double duration,
+                                  std::span<VertexLoad> loads, std::span<VertexLoad> shellLoads);
+
+}  // namespace wobble::physics

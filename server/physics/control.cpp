@@ -1,0 +1,54 @@
+#include "server/physics/control.h"
+
+#include <algorithm>
+
+namespace wobble::physics {
+namespace {
+
+// Share of the way that puffing and stiffening go each tick: 0.1 s to 95 %, slow enough that the change of energy is
+// the player's work and no shock.
+constexpr double kFactorApproach = 0.4;
+
+// Speed error that moving answers with full acceleration, as a share of the top speed.
+constexpr double kSpeedBand = 0.25;
+
+// Horizontal acceleration towards the speed asked for. Without a request the body is left to friction.
+Vector3d FindMoveAcceleration(const Control& control, const ControlLimits& limits, const Vector3d& velocity) {
+  const Vector3d wanted(control.moveX, control.moveY, 0);
+  if (wanted.isZero(0) || !(limits.speed > 0)) return Vector3d::Zero();
+  Vector3d missing = wanted * limits.speed - velocity;
+  missing.z() = 0;
+  const Vector3d share = missing / (kSpeedBand * limits.speed);
+  return limits.acceleration * share / std::max(1.0, share.norm());
+}
+
+template <class Real>
+bool IsTouching(const State<Real>& state) {
+  return std::any_of(state.contacts.begin(), state.contacts.end(), [](const Contact<Real>& c) { return c.touching; });
+}
+
+}  // namespace
+
+template <class Real>
+Load<Real> ApplyControl(const Blueprint& blueprint, const Vector3d& gravity, Body& body, State<Real>& state) {
+  const Control& control = body.control;
+  const ControlLimits& limits = body.limits;
+  if (control.jump && !body.jumpHeld && (body.touchesBody || IsTouching(state))) {
+    for (Vector3<Real>& v : state.velocities) v.z() += static_cast<Real>(limits.jumpSpeed);
+  }
+  body.jumpHeld = control.jump;
+  body.gasFactor += kFactorApproach * ((control.puff ? limits.puffFactor : 1.0) - body.gasFactor);
+  body.stiffnessFactor += kFactorApproach * ((control.stiffen ? limits.stiffenFactor : 1.0) - body.stiffnessFactor);
+
+  Load<Real> load;
+  const Vector3d push = FindMoveAcceleration(control, limits, FindMeanVelocity(blueprint, state));
+  load.acceleration = (gravity + push).cast<Real>();
+  load.gasFactor = static_cast<Real>(body.gasFactor);
+  load.stiffnessFactor = static_cast<Real>(body.stiffnessFactor);
+  return load;
+}
+
+template Load<float> ApplyControl<float>(const Blueprint&, const Vector3d&, Body&, State<float>&);
+template Load<double> ApplyControl<double>(const Blueprint&, const Vector3d&, Body&, State<double>&);
+
+}  // namespace wobble::physics

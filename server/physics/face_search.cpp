@@ -1,0 +1,179 @@
+// Both searches walk from where the point was last, since it cannot have gone far: a few faces looked at instead of
+// all. They stop after kMaxSteps whatever the shape, so that no surface, however crumpled, can hold them.
+//
+// The squared distance to a triangle goes by Voronoi regions of its corners, sides and inside (Ericson, Real-Time
+// Collision Detection, 2005, 5.1.5).
+#include "server/physics/face_search.h"
+
+#include <algorithm>
+
+namespace wobble::physics {
+namespace {
+
+constexpr int kMaxSteps = 16;
+// Squared distances that differ by less than this share of a face's squared size are taken for equal: the point is
+// nearest to an edge or a corner that both have.
+constexpr double kTieShare = 1e-5;
+// Sides flatter than this (cosine of the angle between normals, 45°) are those of a smooth surface: there a point
+// changes its face where both planes are equally deep. Over a sharper edge it must truly leave the first face.
+constexpr double kSmoothCosine = 0.7;
+
+template <class Real>
+Real FindSquaredDistance(const Vector3<Real>& a, const Vector3<Real>& b, const Vector3<Real>& c,
+                         const Vector3<Real>& p) {
+  const Vector3<Real> ab = b - a;
+  const Vector3<Real> ac = c - a;
+  const Vector3<Real> ap = p - a;
+  const Real d1 = ab.dot(ap);
+  const Real d2 = ac.dot(ap);
+  if (d1 <= Real(0) && d2 <= Real(0)) return ap.squaredNorm();
+  const Vector3<Real> bp = p - b;
+  const Real d3 = ab.dot(bp);
+  const Real d4 = ac.dot(bp);
+  if (d3 >= Real(0) && d4 <= d3) return bp.squaredNorm();
+  const Real vc = d1 * d4 - d3 * d2;
+  if (vc <= Real(0) && d1 >= Real(0) && d3 <= Real(0)) return (ap - d1 / (d1 - d3) * ab).squaredNorm();
+  const Vector3<Real> cp = p - c;
+  const Real d5 = ab.dot(cp);
+  const Real d6 = ac.dot(cp);
+  if (d6 >= Real(0) && d5 <= d6) return cp.squaredNorm();
+  const Real vb = d5 * d2 - d1 * d6;
+  if (vb <= Real(0) && d2 >= Real(0) && d6 <= Real(0)) return (ap - d2 / (d2 - d6) * ac).squaredNorm();
+  const Real va = d3 * d6 - d5 * d4;
+  if (va <= Real(0) && d4 - d3 >= Real(0) && d5 - d6 >= Real(0)) {
+    return (bp - (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b)).squaredNorm();
+  }
+  const Vector3<Real> normal = ab.cross(ac);
+  const Real height = normal.dot(ap);
+  const Real square = normal.squaredNorm();
+  return square > Real(0) ? height * height / square : ap.squaredNorm();
+}
+
+template <class Real>
+Real FindSquaredDistance(const Shell<Real>& shell, std::uint16_t face, const Vector3<Real>& p) {
+  const Face& f = shell.faces[face];
+  return FindSquaredDistance<Real>(shell.x[f[0]], shell.x[f[1]], shell.x[f[2]], p);
+}
+
+// The corner of `face` that is not on its side towards `other`; 3 when they are no neighbours.
+int FindCornerOpposite(const Topology& topology, std::uint16_t face, std::uint16_t other) {
+  int corner = 0;
+  while (corner < 3 && topology.neighbours[face][static_cast<std::size_t>(corner)] != other) ++corner;
+  return corner;
+}
+
+// Whether the surface bends away from the face's normal over its side towards the neighbour (flat counts).
+template <class Real>
+bool IsConvex(const Shell<Real>& shell, const FacePoint<Real>& face, std::uint16_t neighbour) {
+  const int corner = FindCornerOpposite(*shell.topology, neighbour, face.face);
+  if (corner == 3) return true;
+  const Vector3<Real>& beyond = shell.x[shell.faces[neighbour][static_cast<std::size_t>(corner)]];
+  return (beyond - shell.x[shell.faces[face.face][0]]).dot(face.normal) <= Real(0);
+}
+
+// Above the face itself, with no neighbour that rises towards p: no face in the ring can be nearer.
+template <class Real>
+bool IsPlainlyNearest(const Shell<Real>& shell, const FacePoint<Real>& at) {
+  if (at.distance < Real(0) || at.weights.minCoeff() < Real(0)) return false;
+  const auto& neighbours = shell.topology->neighbours[at.face];
+  return std::all_of(neighbours.begin(), neighbours.end(),
+                     [&](std::uint16_t n) { return n == kNoFace || IsConvex(shell, at, n); });
+}
+
+// Whether a point inside, now counted to `from`, belongs to `to` instead, across the side opposite to `corner`.
+template <class Real>
+bool SlidesOver(const Shell<Real>& shell, const FacePoint<Real>& from, std::size_t corner, const FacePoint<Real>& to) {
+  const bool rises = to.distance > from.distance && IsConvex(shell, from, to.face);
+  if (from.weights[static_cast<Eigen::Index>(corner)] >= Real(0)) {
+    return rises && from.normal.dot(to.normal) > static_cast<Real>(kSmoothCosine);
+  }
+  const int back = FindCornerOpposite(*shell.topology, to.face, from.face);
+  return rises || (back < 3 && to.weights[back] >= Real(0));
+}
+
+}  // namespace
+
+template <class Real>
+FacePoint<Real> FindFacePoint(const Shell<Real>& shell, std::uint16_t face, const Vector3<Real>& p) {
+  const Face& f = shell.faces[face];
+  const Vector3<Real>& a = shell.x[f[0]];
+  const Vector3<Real>& b = shell.x[f[1]];
+  const Vector3<Real>& c = shell.x[f[2]];
+  FacePoint<Real> at;
+  at.face = face;
+  const Vector3<Real> area = (b - a).cross(c - a);
+  at.doubleArea = std::max(std::sqrt(area.dot(area)), std::numeric_limits<Real>::min());
+  at.normal = area / at.doubleArea;
+  at.distance = (p - a).dot(at.normal);
+  // A corner's weight is the area of the triangle that the foot makes with the side opposite, over the face's.
+  at.weights[1] = (p - a).cross(c - a).dot(at.normal) / at.doubleArea;
+  at.weights[2] = (b - a).cross(p - a).dot(at.normal) / at.doubleArea;
+  at.weights[0] = Real(1) - at.weights[1] - at.weights[2];
+  return at;
+}
+
+template <class Real>
+FacePoint<Real> FindNearestFace(const Shell<Real>& shell, std::uint16_t start, const Vector3<Real>& p) {
+  FacePoint<Real> at = FindFacePoint(shell, start, p);
+  if (IsPlainlyNearest(shell, at)) return at;
+  Real square = FindSquaredDistance(shell, start, p);
+  for (int step = 0; step < kMaxSteps; ++step) {
+    FacePoint<Real> best = at;
+    for (const std::uint16_t vertex : shell.faces[at.face]) {
+      for (const std::uint16_t face : shell.topology->RingOf(vertex)) {
+        if (face == at.face) continue;
+        const Real other = FindSquaredDistance(shell, face, p);
+        const Real tie = static_cast<Real>(kTieShare) * at.doubleArea;
+        if (other > square + tie) continue;
+        const FacePoint<Real> there = FindFacePoint(shell, face, p);
+        if (other < square - tie || there.distance > best.distance) {
+          best = there;
+          square = std::min(square, other);
+        }
+      }
+    }
+    if (best.face == at.face) break;
+    at = best;
+  }
+  return at;
+}
+
+template <class Real>
+FacePoint<Real> SlideToFace(const Shell<Real>& shell, std::uint16_t start, const Vector3<Real>& p) {
+  FacePoint<Real> at = FindFacePoint(shell, start, p);
+  for (int step = 0; step < kMaxSteps; ++step) {
+    FacePoint<Real> best = at;
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const std::uint16_t neighbour = shell.topology->neighbours[at.face][corner];
+      if (neighbour == kNoFace) continue;
+      const FacePoint<Real> there = FindFacePoint(shell, neighbour, p);
+      if (!SlidesOver(shell, at, corner, there)) continue;
+      if (best.face == at.face || there.distance > best.distance) best = there;
+    }
+    if (best.face == at.face) break;
+    at = best;
+  }
+  return at;
+}
+
+template <class Real>
+FacePoint<Real> FollowFace(const Shell<Real>& shell, std::uint16_t face, const Vector3<Real>& p) {
+  const FacePoint<Real> at = FindFacePoint(shell, face, p);
+  Eigen::Index corner = 0;
+  if (at.weights.minCoeff(&corner) >= Real(0)) return at;
+  const std::uint16_t neighbour = shell.topology->neighbours[face][static_cast<std::size_t>(corner)];
+  if (neighbour == kNoFace) return at;
+  const FacePoint<Real> there = FindFacePoint(shell, neighbour, p);
+  return SlidesOver(shell, at, static_cast<std::size_t>(corner), there) ? there : at;
+}
+
+#define WOBBLE_INSTANTIATE(Real)                                                                           \
+  template FacePoint<Real> FindFacePoint<Real>(const Shell<Real>&, std::uint16_t, const Vector3<Real>&);   \
+  template FacePoint<Real> FindNearestFace<Real>(const Shell<Real>&, std::uint16_t, const Vector3<Real>&); \
+  template FacePoint<Real> SlideToFace<Real>(const Shell<Real>&, std::uint16_t, const Vector3<Real>&);     \
+  template FacePoint<Real> FollowFace<Real>(const Shell<Real>&, std::uint16_t, const Vector3<Real>&);
+WOBBLE_INSTANTIATE(float)
+WOBBLE_INSTANTIATE(double)
+#undef WOBBLE_INSTANTIATE
+
+}  // namespace wobble::physics

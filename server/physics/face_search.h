@@ -1,0 +1,50 @@
+// Which face of a moving surface a point belongs to.
+//
+// A point outside belongs to the nearest face. A point inside keeps the face that it came in through and changes it
+// only by sliding over a side: the nearest face of a point in a corner may be one that it never passed, and a contact
+// that took it for its own would push sideways, or out at the far end of the body.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "server/physics/topology.h"
+#include "server/physics/vector.h"
+
+namespace wobble::physics {
+
+// The surface of one body at one moment.
+template <class Real>
+struct Shell {
+  std::span<const Face> faces;
+  const Topology* topology = nullptr;
+  std::span<const Vector3<Real>> x;
+};
+
+// A point seen from the plane of a face.
+template <class Real>
+struct FacePoint {
+  std::uint16_t face = kNoFace;
+  Real distance = 0;      // from the plane, m; negative inside
+  Vector3<Real> normal;   // outward, unit length
+  Vector3<Real> weights;  // barycentric, of the point's foot on the plane; they add up to one, negative beyond a side
+  Real doubleArea = 0;    // m²
+};
+
+template <class Real>
+[[nodiscard]] FacePoint<Real> FindFacePoint(const Shell<Real>& shell, std::uint16_t face, const Vector3<Real>& p);
+
+// The nearest face that can be reached from `start` by going to a nearer one in the ring of its corners again and
+// again. Of faces equally near, as round an edge, the one whose plane is farthest below p.
+template <class Real>
+[[nodiscard]] FacePoint<Real> FindNearestFace(const Shell<Real>& shell, std::uint16_t start, const Vector3<Real>& p);
+
+// The face that a point inside has come to from `start` by sliding.
+template <class Real>
+[[nodiscard]] FacePoint<Real> SlideToFace(const Shell<Real>& shell, std::uint16_t start, const Vector3<Real>& p);
+
+// As SlideToFace, one side at most and only when p has left the face: for use within a step.
+template <class Real>
+[[nodiscard]] FacePoint<Real> FollowFace(const Shell<Real>& shell, std::uint16_t face, const Vector3<Real>& p);
+
+}  // namespace wobble::physics

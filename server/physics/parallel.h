@@ -1,0 +1,71 @@
+// The one parallel loop of the engine.
+#pragma once
+
+#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <cstddef>
+
+#ifdef __SANITIZE_THREAD__
+extern "C" {  // of the sanitizer's runtime
+void __tsan_acquire(void* address);
+void __tsan_release(void* address);
+}
+#endif
+
+namespace wobble::physics {
+
+// What a parallel loop guarantees, told to ThreadSanitizer: the loop's body runs after the fork and before the join. It
+// cannot see that itself, since Debian's oneTBB is not built with it. Races between bodies are still found.
+struct ForkJoin {
+#ifdef __SANITIZE_THREAD__
+  void Fork() { __tsan_release(&m_fork); }
+  void Begin() { __tsan_acquire(&m_fork); }
+  void End() { __tsan_release(&m_join); }
+  void Join() { __tsan_acquire(&m_join); }
+  char m_fork = 0;
+  char m_join = 0;
+#else
+  void Fork() {}
+  void Begin() {}
+  void End() {}
+  void Join() {}
+#endif
+};
+
+class Threads {
+ public:
+  explicit Threads(int count)
+      : m_count(count),
+        m_limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count)),
+        m_arena(count) {}
+
+  // visit(i) for all i below count, in any order and on any thread. Loops are not nested: a thread that waits in an
+  // inner one could begin another round of the outer one over the same scratch.
+  template <class Visit>
+  void ForEach(std::size_t count, const Visit& visit) {
+    ForkJoin forkJoin;
+    const auto visitRange = [&](const tbb::blocked_range<std::size_t>& range) {
+      forkJoin.Begin();
+      for (std::size_t i = range.begin(); i != range.end(); ++i) visit(i);
+      forkJoin.End();
+    };
+    forkJoin.Fork();
+    const tbb::blocked_range<std::size_t> all(0, count);
+    if (m_count == 1) {
+      visitRange(all);
+    } else {
+      m_arena.execute([&] { tbb::parallel_for(all, visitRange); });
+    }
+    forkJoin.Join();
+  }
+
+ private:
+  int m_count;
+  tbb::global_control m_limit;  // also lets there be more threads than cores, for tests
+  tbb::task_arena m_arena;
+};
+
+}  // namespace wobble::physics

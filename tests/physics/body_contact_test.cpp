@@ -1,0 +1,307 @@
+#include "server/physics/body_contact.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "server/physics/ball.h"
+#include "server/physics/world.h"
+#include "tests/physics/bodies.h"
+
+namespace wobble::physics {
+namespace {
+
+constexpr double kTick = 1.0 / 60;
+
+struct Sums {
+  Vector3d momentum = Vector3d::Zero();
+  Vector3d angularMomentum = Vector3d::Zero();  // about the origin
+  double energy = 0;                            // kinetic, springs and gas
+};
+
+Sums AddUp(const World& world) {
+  Sums sums;
+  for (const Body& body : world.Bodies()) {
+    const Coefficients<double>& full = world.BlueprintOf(body).full;
+    const auto& state = std::get<State<double>>(body.state);
+    std::vector<Vector3d> x;
+    VisitVertices(body, [&x](std::size_t, const Vector3d& p) { x.push_back(p); });
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      sums.momentum += full.masses[i] * state.velocities[i];
+      sums.angularMomentum += full.masses[i] * x[i].cross(state.velocities[i]);
+    }
+    sums.energy +=
+        ComputeKineticEnergy(full, state.velocities) + ComputeSpringEnergy(full, x) + ComputeGasEnergy(full, x);
+  }
+  return sums;
+}
+
+// How often the surface wraps round p, by solid angles: 1 inside, 0 outside.
+double FindWinding(const World& world, const Body& body, const Vector3d& p) {
+  std::vector<Vector3d> x;
+  VisitVertices(body, [&](std::size_t, const Vector3d& q) { x.push_back(q - p); });
+  double sum = 0;
+  for (const Face& face : world.BlueprintOf(body).full.faces) {
+    const Vector3d& a = x[face[0]];
+    const Vector3d& b = x[face[1]];
+    const Vector3d& c = x[face[2]];
+    const double la = a.norm();
+    const double lb = b.norm();
+    const double lc = c.norm();
+    sum += 2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  }
+  return sum / (4 * std::acos(-1.0));
+}
+
+// Vertices of one body inside the other when it is shrunk about its middle to `share`.
+int CountDeepInside(const World& world, const Body& body, const Body& other, double share) {
+  const Vector3d middle = world.FindCentre(other);
+  int count = 0;
+  VisitVertices(body, [&](std::size_t, const Vector3d& p) {
+    if (FindWinding(world, other, middle + (p - middle) / share) > 0.5) ++count;
+  });
+  return count;
+}
+
+struct Shot {
+  double speed = 5;   // of each, towards the other, m/s
+  double offset = 0;  // of the first, sideways, and the other the opposite, m
+};
+
+std::unique_ptr<World> MakeShot(const Shot& shot, const BallDefinition& ball, Precision precision, double tick) {
+  WorldSettings settings;
+  settings.gravity = Vector3d::Zero();
+  settings.precision = precision;
+  settings.tickDuration = tick;
+  auto world = std::make_unique<World>(settings);
+  world->AddBlueprint(MakeBall(ball));
+  world->AddBody(0, Vector3d(-1, shot.offset, 0.05), Vector3d(shot.speed, 0, 0));
+  world->AddBody(0, Vector3d(1, -shot.offset, 0), Vector3d(-shot.speed, 0.2, 0.1));
+  return world;
+}
+
+// Two faces and a vertex below the first, all moving.
+struct Touching {
+  std::vector<Vector3d> x{{0.3, 0.25, -0.004}};
+  std::vector<Vector3d> v{{0.7, -0.4, -0.5}};
+  std::vector<Vector3d> shellX{{0, 0, 0}, {1, 0, 0.1}, {0, 1, -0.1}, {1, 1, 0}};
+  std::vector<Vector3d> shellV{{0.1, 0, 0.2}, {0, 0.3, 0}, {-0.1, 0, 0}, {0, 0, 0}};
+  std::vector<Face> faces{{0, 1, 2}, {2, 1, 3}};
+  Topology topology = MakeTopology(faces, 4);
+  std::vector<BodyContact<double>> contacts{{.vertex = 0, .face = 0, .armed = true, .touching = true, .maxDepth = 1}};
+
+  Meeting<double> Meet() const { return {x, v, {faces, &topology, shellX}, shellV, Vector3d(0, 0, -0.003)}; }
+};
+
+ContactParameters<double> MakeParameters(double friction) {
+  Material material;
+  material.friction = friction;
+  return MakeContactParameters(material, 0.05, 0.5);
+}
+
+TEST(BodyContact, ForcesAddUpToNothingAndTurnNothing) {
+  Touching touching;
+  touching.contacts[0].foot = Vector3d(0.5, 0.3, 0.2);
+  touching.contacts[0].slip = Vector3d(0.001, 0.002, 0);
+  for (const double friction : {0.0, 0.3, 5.0}) {
+    std::vector<Vector3d> force(1, Vector3d::Zero());
+    std::vector<Vector3d> shellForces(4, Vector3d::Zero());
+    const Meeting<double> meeting = touching.Meet();
+    AddBodyContacts<double>(MakeParameters(friction), meeting, touching.contacts, force, shellForces);
+    Vector3d sum = force[0];
+    Vector3d torque = (touching.x[0] + meeting.shift).cross(force[0]);
+    for (std::size_t i = 0; i < 4; ++i) {
+      sum += shellForces[i];
+      torque += touching.shellX[i].cross(shellForces[i]);
+    }
+    EXPECT_GT(force[0].norm(), 1);
+    EXPECT_LT(sum.norm(), 1e-12 * force[0].norm());
+    EXPECT_LT(torque.norm(), 1e-12 * force[0].norm());
+  }
+}
+
+// F(d) integrated is the potential; its differences over every coordinate are the forces.
+TEST(BodyContact, NormalForceIsTheGradientOfAPotential) {
+  Touching touching;
+  for (Vector3d& v : touching.shellV) v.setZero();
+  touching.v[0].setZero();
+  const ContactParameters<double> parameters = MakeParameters(0);
+  const auto findPotential = [&] {
+    const Meeting<double> meeting = touching.Meet();
+    const double depth = -FindFacePoint<double>(meeting.shell, 0, touching.x[0] + meeting.shift).distance;
+    const double delta = parameters.fadeDepth;
+    return depth < delta ? parameters.stiffness * depth * depth * depth / (6 * delta)
+                         : parameters.stiffness * (depth * depth / 2 - depth * delta / 2 + delta * delta / 6);
+  };
+  std::vector<Vector3d> force(1, Vector3d::Zero());
+  std::vector<Vector3d> shellForces(4, Vector3d::Zero());
+  AddBodyContacts<double>(parameters, touching.Meet(), touching.contacts, force, shellForces);
+  const auto expectGradient = [&](double& coordinate, double expected) {
+    const double kept = coordinate;
+    coordinate = kept + 1e-6;
+    const double above = findPotential();
+    coordinate = kept - 1e-6;
+    const double below = findPotential();
+    coordinate = kept;
+    EXPECT_NEAR(-(above - below) / 2e-6, expected, 1e-5 * force[0].norm());
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    expectGradient(touching.x[0][axis], force[0][axis]);
+    for (std::size_t i = 0; i < 4; ++i) expectGradient(touching.shellX[i][axis], shellForces[i][axis]);
+  }
+}
+
+// Without friction and damping nothing may be lost or won but what a fine RK4 loses.
+TEST(BodyContact, ACollisionKeepsMomentumAndEnergy) {
+  BallDefinition ball;
+  ball.material.dampingRatio = 0;
+  ball.material.restitution = 1;
+  ball.material.friction = 0;
+  const auto world = MakeShot({.speed = 2, .offset = 0.15}, ball, Precision::kDouble, kTick / 16);
+  const Sums before = AddUp(*world);
+  const double scale = 8 * 2 * 2;  // kg m/s
+  for (int i = 0; i < 60 * 16; ++i) world->Step();
+  const Sums after = AddUp(*world);
+  EXPECT_GT((world->FindCentre(world->Bodies()[0]) - Vector3d(1, 0.15, 0.05)).norm(), 0.5);  // it was deflected
+  EXPECT_LT((after.momentum - before.momentum).norm(), 1e-12 * scale);
+  EXPECT_LT((after.angularMomentum - before.angularMomentum).norm(), 1e-5 * scale);
+  EXPECT_NEAR(after.energy, before.energy, 2e-3 * 8 * 2 * 2);
+}
+
+// With them energy only falls, and momentum is kept all the same.
+TEST(BodyContact, FrictionAndDampingTakeEnergyOnly) {
+  const auto world = MakeShot({.speed = 4, .offset = 0.25}, BallDefinition{}, Precision::kDouble, kTick / 16);
+  const Sums before = AddUp(*world);
+  const double scale = 8 * 4 * 2;
+  double least = before.energy;
+  for (int i = 0; i < 60 * 16; ++i) {
+    world->Step();
+    const Sums now = AddUp(*world);
+    ASSERT_LT((now.momentum - before.momentum).norm(), 1e-12 * scale);
+    ASSERT_LT((now.angularMomentum - before.angularMomentum).norm(), 1e-4 * scale);
+    // What contacts hold comes back: never more than there was at the start.
+    ASSERT_LT(now.energy, before.energy + 1e-6 * scale);
+    least = std::min(least, now.energy);
+  }
+  EXPECT_LT(least, before.energy - 0.2 * 8 * 4 * 4);  // of the kinetic energy
+}
+
+class BallShot : public testing::TestWithParam<double> {};
+
+// In play's own ticks, up to the energy that the gas of a ball can take.
+TEST_P(BallShot, NeverGoesThrough) {
+  BallDefinition ball;
+  ball.material.gas = 330;
+  for (const double offset : {0.0, 0.1, 0.2, 0.3, 0.4}) {
+    const auto world = MakeShot({.speed = GetParam(), .offset = offset}, ball, Precision::kSingle, kTick);
+    for (int i = 0; i < 60; ++i) {
+      const StepReport report = world->Step();
+      ASSERT_EQ(report.nonFinite + report.inverted, 0U) << "offset " << offset << ", tick " << i;
+      if (i % 4 != 0) continue;
+      ASSERT_EQ(CountDeepInside(*world, world->Bodies()[0], world->Bodies()[1], 0.7), 0) << offset << " " << i;
+      ASSERT_EQ(CountDeepInside(*world, world->Bodies()[1], world->Bodies()[0], 0.7), 0) << offset << " " << i;
+    }
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Speeds, BallShot, testing::Values(1.0, 3.0, 6.0, 8.0));
+
+// Beyond it a ball folds, but nothing runs away and nobody has to be reset.
+TEST(BodyContact, ViolentShotsStayFinite) {
+  BallDefinition ball;
+  ball.material.gas = 330;
+  for (const double speed : {12.0, 25.0}) {
+    for (const double offset : {0.0, 0.1, 0.2, 0.3, 0.4}) {
+      const auto world = MakeShot({.speed = speed, .offset = offset}, ball, Precision::kSingle, kTick);
+      for (int i = 0; i < 90; ++i) {
+        const StepReport report = world->Step();
+        ASSERT_EQ(report.nonFinite + report.inverted, 0U) << speed << " m/s, offset " << offset << ", tick " << i;
+      }
+      for (const Body& body : world->Bodies()) {
+        for (const Vector3f& v : std::get<State<float>>(body.state).velocities) ASSERT_LT(v.norm(), 4 * speed);
+      }
+    }
+  }
+}
+
+TEST(BodyContact, BodiesPutIntoOneAnotherDriftApart) {
+  WorldSettings settings;
+  settings.gravity = Vector3d::Zero();
+  World world(settings);
+  world.AddBlueprint(MakeBall(BallDefinition{}));
+  world.AddBody(0, Vector3d(0, 0, 0));
+  world.AddBody(0, Vector3d(0.2, 0.05, 0.1));
+  for (int i = 0; i < 120; ++i) {
+    const StepReport report = world.Step();
+    ASSERT_EQ(report.nonFinite + report.inverted, 0U);
+    for (const Body& body : world.Bodies()) {
+      for (const Vector3f& v : std::get<State<float>>(body.state).velocities) ASSERT_LT(v.norm(), 4);
+    }
+  }
+}
+
+TEST(BodyContact, ABodyThatMeetsNobodyMovesAsIfAlone) {
+  const auto fall = [](bool withOthers) {
+    World world(WorldSettings{});
+    world.AddBlueprint(MakeBall(BallDefinition{}));
+    world.AddObstacle(Obstacle{});
+    const BodyId ball = world.AddBody(0, Vector3d(0, 0, 2), Vector3d(1, 0, 0));
+    if (withOthers) world.AddBody(0, Vector3d(0, 3, 2));
+    if (withOthers) world.AddBody(0, Vector3d(0.1, 3, 4));
+    for (int i = 0; i < 90; ++i) world.Step();
+    return HashState(std::get<State<float>>(world.ReadBody(ball).state), kHashSeed);
+  };
+  EXPECT_EQ(fall(true), fall(false));
+}
+
+// Twelve balls dropped into a pit in three layers.
+TEST(BodyContact, APileComesToRest) {
+  World world(WorldSettings{});
+  BallDefinition ball;
+  ball.material.gas = 330;
+  world.AddBlueprint(MakeBall(ball));
+  for (const Vector3d& normal :
+       {Vector3d(0, 0, 1), Vector3d(1, 0, 0), Vector3d(-1, 0, 0), Vector3d(0, 1, 0), Vector3d(0, -1, 0)}) {
+    world.AddObstacle({.normal = normal, .offset = normal.z() > 0 ? 0.0 : -1.2});
+  }
+  for (int i = 0; i < 12; ++i) {
+    world.AddBody(0, Vector3d(1.1 * (i % 2) - 0.55 + 0.05 * (i % 3), 1.1 * (i / 2 % 2) - 0.6, 0.6 + 1.2 * (i / 4)));
+  }
+  for (int i = 0; i < 12 * 60; ++i) {
+    const StepReport report = world.Step();
+    ASSERT_EQ(report.nonFinite + report.inverted, 0U) << i;
+  }
+  for (const Body& body : world.Bodies()) {
+    const Vector3d centre = world.FindCentre(body);
+    EXPECT_GT(centre.z(), 0.25);  // half of the radius, under two layers
+    EXPECT_LT(centre.head<2>().cwiseAbs().maxCoeff(), 1);
+    EXPECT_LT(FindMeanVelocity(world.BlueprintOf(body), std::get<State<float>>(body.state)).norm(), 0.05);
+    for (const Body& other : world.Bodies()) {
+      const double apart = (world.FindCentre(other) - centre).norm();
+      EXPECT_TRUE(other.id == body.id || apart > 0.6) << body.id << " " << other.id << " " << apart;
+    }
+  }
+}
+
+// Who stands on another can jump off it, and pushes it down.
+TEST(BodyContact, ABodyIsGroundToJumpFrom) {
+  World world(WorldSettings{});
+  world.AddBlueprint(MakeBall(BallDefinition{}));
+  for (const double side : {-1.0, 1.0}) {
+    world.AddObstacle({.normal = Vector3d(side, 0, 0), .offset = -0.55});
+    world.AddObstacle({.normal = Vector3d(0, side, 0), .offset = -0.55});
+  }
+  world.AddObstacle(Obstacle{});
+  world.AddBody(0, Vector3d(0, 0, 0.5));
+  const BodyId top = world.AddBody(0, Vector3d(0.02, 0, 1.5));
+  for (int i = 0; i < 180; ++i) world.Step();
+  world.SetControl(top, {.jump = true}, ControlLimits{});
+  const auto speedOf = [&world](BodyId id) {
+    const Body& body = world.ReadBody(id);
+    return FindMeanVelocity(world.BlueprintOf(body), std::get<State<float>>(body.state)).z();
+  };
+  world.Step();
+  EXPECT_GT(speedOf(top), 4);
+}
+
+}  // namespace
+}  // namespace wobble::physics

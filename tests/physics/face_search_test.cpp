@@ -1,0 +1,125 @@
+#include "server/physics/face_search.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "server/physics/ball.h"
+
+namespace wobble::physics {
+namespace {
+
+// Points all round a ball at `radius`, none of them over an edge by symmetry.
+std::vector<Vector3d> MakeProbes(double radius) {
+  std::vector<Vector3d> probes;
+  for (int i = 0; i < 200; ++i) {
+    const double z = 1 - (2 * i + 1) / 200.0;
+    const double angle = 2.399963 * i + 0.1;
+    const double across = std::sqrt(1 - z * z);
+    probes.push_back(radius * Vector3d(across * std::cos(angle), across * std::sin(angle), z));
+  }
+  return probes;
+}
+
+// Of a fine grid of points on every face.
+double FindDistanceByTrying(const Shell<double>& shell, const Vector3d& p) {
+  double least = std::numeric_limits<double>::max();
+  for (const Face& face : shell.faces) {
+    const Vector3d& a = shell.x[face[0]];
+    for (int i = 0; i <= 20; ++i) {
+      for (int j = 0; i + j <= 20; ++j) {
+        const Vector3d q = a + i / 20.0 * (shell.x[face[1]] - a) + j / 20.0 * (shell.x[face[2]] - a);
+        least = std::min(least, (q - p).norm());
+      }
+    }
+  }
+  return least;
+}
+
+class FaceSearch : public testing::Test {
+ protected:
+  FaceSearch() : sphere(MakeIcosphere(2)), topology(MakeTopology(sphere.faces, sphere.vertices.size())) {}
+
+  Shell<double> MakeShell() const { return {sphere.faces, &topology, sphere.vertices}; }
+
+  Icosphere sphere;
+  Topology topology;
+};
+
+TEST_F(FaceSearch, NeighboursShareASideAndAreMutual) {
+  ASSERT_EQ(topology.vertices.size(), 162U);
+  for (std::size_t f = 0; f < sphere.faces.size(); ++f) {
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const std::uint16_t other = topology.neighbours[f][corner];
+      ASSERT_NE(other, kNoFace);
+      const Face& face = sphere.faces[other];
+      for (const std::size_t end : {(corner + 1) % 3, (corner + 2) % 3}) {
+        EXPECT_NE(std::find(face.begin(), face.end(), sphere.faces[f][end]), face.end());
+      }
+      const auto& back = topology.neighbours[other];
+      EXPECT_NE(std::find(back.begin(), back.end(), f), back.end());
+    }
+  }
+}
+
+TEST_F(FaceSearch, ABorderHasNoNeighbour) {
+  const std::vector<Face> sheet{{0, 1, 2}, {2, 1, 3}};
+  const Topology open = MakeTopology(sheet, 5);
+  EXPECT_EQ(open.neighbours[0], (std::array<std::uint16_t, 3>{1, kNoFace, kNoFace}));
+  EXPECT_EQ(open.vertices, (std::vector<std::uint16_t>{0, 1, 2, 3}));
+  EXPECT_EQ(open.RingOf(1).size(), 2U);
+  EXPECT_TRUE(open.RingOf(4).empty());
+}
+
+// From the next face as well as from the far side of the ball.
+TEST_F(FaceSearch, NearestFaceOfAPointOutsideIsTheNearestOfAll) {
+  const Shell<double> shell = MakeShell();
+  for (const Vector3d& p : MakeProbes(1.2)) {
+    const std::uint16_t start = static_cast<std::uint16_t>(std::fabs(p.x()) * 100);
+    const FacePoint<double> at = FindNearestFace(shell, start, p);
+    EXPECT_GT(at.distance, 0);
+    const Vector3d clamped = at.weights.cwiseMax(0) / at.weights.cwiseMax(0).sum();
+    const Face& face = shell.faces[at.face];
+    const Vector3d q = clamped[0] * shell.x[face[0]] + clamped[1] * shell.x[face[1]] + clamped[2] * shell.x[face[2]];
+    EXPECT_NEAR((p - q).norm(), FindDistanceByTrying(shell, p), 2e-3);
+  }
+}
+
+TEST_F(FaceSearch, FootAndNormalLeadBackToThePoint) {
+  const Shell<double> shell = MakeShell();
+  const Vector3d p(0.3, 0.5, 1.1);
+  const FacePoint<double> at = FindFacePoint(shell, 17, p);
+  const Face& face = shell.faces[17];
+  Vector3d foot = Vector3d::Zero();
+  for (std::size_t i = 0; i < 3; ++i) foot += at.weights[static_cast<Eigen::Index>(i)] * shell.x[face[i]];
+  EXPECT_LT((foot + at.distance * at.normal - p).norm(), 1e-13);
+}
+
+// Round the ball just below its surface: the face is always the one above the point.
+TEST_F(FaceSearch, APointInsideSlidesFromFaceToFace) {
+  const Shell<double> shell = MakeShell();
+  std::uint16_t face = FindNearestFace<double>(shell, 0, Vector3d(1.2, 0, 0)).face;
+  for (int i = 0; i < 1000; ++i) {
+    const double angle = 0.0063 * i;
+    const Vector3d p = 0.93 * Vector3d(std::cos(angle), std::sin(angle) * 0.8, std::sin(angle) * 0.6);
+    const FacePoint<double> at = SlideToFace(shell, face, p);
+    face = at.face;
+    EXPECT_LT(at.distance, 0);
+    EXPECT_NEAR(-at.distance, FindDistanceByTrying(shell, p), 2e-3);
+  }
+}
+
+// Between the top of a cube and its side the nearest face changes; the one that it came in through does not.
+TEST_F(FaceSearch, APointInACornerKeepsTheFaceItCameThrough) {
+  const std::vector<Vector3d> x{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, -1}, {1, 1, -1}};
+  const std::vector<Face> faces{{0, 1, 2}, {0, 2, 3}, {1, 4, 5}, {1, 5, 2}};  // top, and the side at x = 1
+  const Topology sharp = MakeTopology(faces, x.size());
+  const Shell<double> shell{faces, &sharp, x};
+  EXPECT_EQ(SlideToFace<double>(shell, 0, Vector3d(0.99, 0.3, -0.2)).face, 0);
+  EXPECT_EQ(SlideToFace<double>(shell, 2, Vector3d(0.8, 0.3, -0.01)).face, 3);
+  EXPECT_GE(SlideToFace<double>(shell, 0, Vector3d(1.01, 0.3, -0.2)).face, 2);
+}
+
+}  // namespace
+}  // namespace wobble::physics
