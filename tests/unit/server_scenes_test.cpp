@@ -77,7 +77,7 @@ TEST(Scenes, WhatTheyAreMeantToBe) {
   EXPECT_GT(arena.killHeight, -50);
   const Scene crowd = LoadScene("crowd", kFolder).scene;
   EXPECT_EQ(CountBodies(crowd), 500U);
-  EXPECT_EQ(physics::CountVertices(crowd.blueprints[crowd.groups[0].blueprint].subdivisions), 42U);
+  EXPECT_EQ(CountVertices(crowd.blueprints[crowd.groups[0].blueprint]), 42U);
   // Same seed and another seed where there is jitter: see LoadsAndMakesAWorld.
   EXPECT_GT(crowd.groups[0].jitter, 0);
 }
@@ -134,9 +134,9 @@ TEST(SceneMistakes, WrongTypesAreNamed) {
   EXPECT_THAT(ErrorsOf(MakeText("kill_height = nan")), ElementsAre(HasSubstr("-4000 to 4000")));
   EXPECT_THAT(ErrorsOf(MakeText("obstacle = 4")), ElementsAre(AllOf(HasSubstr("obstacle = 4"), HasSubstr("table"))));
   // A blueprint's quantities: the range is the quantity's own.
-  EXPECT_THAT(
-      ErrorsOf(MakeText("", "mass = \"heavy\"\n")),
-      ElementsAre(AllOf(StartsWith("test.toml:5: mass = "), HasSubstr("heavy"), HasSubstr("a number, 0.001 to 1000000 kg"))));
+  EXPECT_THAT(ErrorsOf(MakeText("", "mass = \"heavy\"\n")),
+              ElementsAre(AllOf(StartsWith("test.toml:5: mass = "), HasSubstr("heavy"),
+                                HasSubstr("a number, 0.001 to 1000000 kg"))));
   EXPECT_THAT(ErrorsOf(MakeText("", "friction = 1e300\n")), ElementsAre(HasSubstr("0 to 10")));
 }
 
@@ -180,8 +180,9 @@ TEST(SceneLimits, WhatTheProtocolCannotCarryIsRefusedWithBothNumbers) {
   // Not parsed: to check its material, the loader would build the ball, and that takes long in a sanitizer build.
   Scene scene;
   scene.name = "test";
-  scene.blueprints.emplace_back();
-  scene.blueprints[0].subdivisions = 5;
+  physics::BallDefinition ball;
+  ball.subdivisions = 5;
+  scene.blueprints.push_back(ball);
   EXPECT_THAT(server::Validate({}, scene), ElementsAre(AllOf(HasSubstr("10242"), HasSubstr("4096"))));
 
   server::Config config;
