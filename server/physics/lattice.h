@@ -9,6 +9,8 @@
 
 namespace wobble::physics {
 
+// Central springs know no inside: a lattice whose corner is hit at more than about 0.1 √(E/ρ), or its side at more than
+// 0.4, may be left with cells that are turned inside out.
 struct LatticeDefinition {
   std::string name = "lattice";
   std::array<int, 3> cells{3, 3, 3};  // along x, y, z

@@ -4,6 +4,7 @@
 
 #include <toml++/toml.h>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -30,6 +31,9 @@ std::string FormatNode(const toml::node& node) {
   node.visit([&](const auto& value) {
     if constexpr (toml::is_table<decltype(value)>) {
       text << "{...}";
+    } else if constexpr (toml::is_floating_point<decltype(value)>) {
+      char digits[32];  // the fewest that mean this number: 0.4, where a stream has 0.40000000000000002
+      text << std::string_view(digits, std::to_chars(digits, digits + sizeof digits, *value).ptr);
     } else {
       text << value;
     }
