@@ -1,15 +1,18 @@
 // Builds lattices. A spring of stiffness k and length l along the unit vector n stores ½ k l² (n·ε n)² under a strain
 // ε, so springs in a volume V make a material of C_ijkl = (1/V) Σ k l² nᵢ nⱼ nₖ nₗ. A cell of edge a owns three edges
-// (l = a) and six face diagonals (l = √2 a); with one k for both,
-//   C₁₁ = k/a + 2 k/a = 3 k/a,   C₁₂ = C₄₄ = k/a.
-// C₁₁ = C₁₂ + 2 C₄₄: isotropic without body diagonals, E = (C₁₁ − C₁₂)(C₁₁ + 2 C₁₂)/(C₁₁ + C₁₂) = 2.5 k/a and
+// (l = a), six face diagonals (√2 a) and four body diagonals (√3 a). With stiffnesses (1 + s) K, (1 − s) K and ¾ s K
+//   C₁₁ = (1 + s + 2 (1 − s) + s) K/a = 3 K/a,   C₁₂ = C₄₄ = (1 − s + s) K/a = K/a
+// for any s: C₁₁ = C₁₂ + 2 C₄₄ is isotropic, E = (C₁₁ − C₁₂)(C₁₁ + 2 C₁₂)/(C₁₁ + C₁₂) = 2.5 K/a and
 // ν = C₁₂/(C₁₁ + C₁₂) = 1/4. C₁₂ = C₄₄ (Cauchy's relation) holds for any central springs, hence no other ν.
+//
+// s = 0 has the fewest springs, but a corner is then easily pushed through its cell and stays there: a hit at 0.1 √(E/ρ)
+// dents a cube of 4³ cells for good. With s = ¼ its corners bear 0.6 and any side 0.35; a larger s was no better.
 //
 // On the boundary a cell brings what is its own: ¼ of each of its edges, which four cells share inside, ½ of each
 // face diagonal, which two share, ⅛ of its mass to each corner. All cells are then alike and a body of any number of
 // them has exactly E, ν and the density. Equal masses instead would give contacts heavier corners, but put the mass
-// outside (a cube of 3³ cells would have 1.7 times the moment of inertia, with these masses it has 1.2) and lower
-// its vibrations with it; and shares cost no substeps, since no body is stiffer for its mass than one cell alone.
+// outside (a cube of 3³ cells would have 1.7 times the moment of inertia, with these masses it has 1.2) and so lower
+// its vibrations; and shares cost no substeps, since no body is stiffer for its mass than one cell alone.
 #include "server/physics/lattice.h"
 
 #include <algorithm>
@@ -53,14 +56,18 @@ struct Grid {
   }
 };
 
-// Half of the directions that springs leave a vertex in; the other half is the neighbours' own.
-constexpr Place kDirections[] = {{1, 0, 0}, {0, 1, 0},  {0, 0, 1}, {1, 1, 0}, {-1, 1, 0},
-                                 {1, 0, 1}, {-1, 0, 1}, {0, 1, 1}, {0, -1, 1}};
+constexpr double kBodyDiagonals = 0.25;  // s
+// Of edges, face diagonals, body diagonals, as multiples of K.
+constexpr double kStiffnesses[] = {1 + kBodyDiagonals, 1 - kBodyDiagonals, 0.75 * kBodyDiagonals};
 
-double FindStiffness(const LatticeDefinition& d) { return d.youngModulus * d.cellSize / 2.5; }
+// Half of the directions that springs leave a vertex in; the other half is the neighbours' own.
+constexpr Place kDirections[] = {{1, 0, 0}, {0, 1, 0},  {0, 0, 1}, {1, 1, 0},  {-1, 1, 0}, {1, 0, 1},  {-1, 0, 1},
+                                 {0, 1, 1}, {0, -1, 1}, {1, 1, 1}, {-1, 1, 1}, {1, -1, 1}, {-1, -1, 1}};
+
+double FindStiffness(const LatticeDefinition& d) { return d.youngModulus * d.cellSize / 2.5; }  // K
 double FindCellMass(const LatticeDefinition& d) { return d.density * d.cellSize * d.cellSize * d.cellSize; }
 
-// Damping goes with stiffness, shares included: then it slows every mode by its frequency alone, wherever it is.
+// Damping goes with stiffness, whatever the spring's: then it slows every mode by its frequency alone, wherever it is.
 void AddVertexSprings(const Grid& grid, const Place& p, const LatticeDefinition& definition,
                       std::vector<Spring<double>>& springs) {
   const double stiffness = FindStiffness(definition);
@@ -70,7 +77,7 @@ void AddVertexSprings(const Grid& grid, const Place& p, const LatticeDefinition&
     const Place q{p[0] + direction[0], p[1] + direction[1], p[2] + direction[2]};
     if (!grid.Holds(q)) continue;
     const int squares = direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2];
-    const double share = grid.FindShare(p, direction);
+    const double share = grid.FindShare(p, direction) * kStiffnesses[squares - 1];
     springs.push_back({grid.IndexOf(p), grid.IndexOf(q), std::sqrt(squares) * definition.cellSize, share * stiffness,
                        share * damping});
   }

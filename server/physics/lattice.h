@@ -1,4 +1,4 @@
-// Solids: a cubic lattice of masses, joined by springs along the edges of its cells and across their faces.
+// Solids: a cubic lattice of masses, joined by springs along the edges and diagonals of its cells.
 #pragma once
 
 #include <array>
@@ -9,8 +9,8 @@
 
 namespace wobble::physics {
 
-// Central springs know no inside: a lattice whose corner is hit at more than about 0.1 √(E/ρ), or its side at more than
-// 0.4, may be left with cells that are turned inside out.
+// Central springs know no inside: hit at more than about a third of √(E/ρ), a lattice may be left with cells that are
+// turned inside out (cubes of 2 to 4 cells a side; of six, a fifth).
 struct LatticeDefinition {
   std::string name = "lattice";
   std::array<int, 3> cells{3, 3, 3};  // along x, y, z

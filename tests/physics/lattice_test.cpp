@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "server/physics/runge_kutta.h"
+#include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 
 namespace wobble::physics {
@@ -225,6 +226,28 @@ TEST(Lattice, BarRingsAtTheSpeedOfSoundOverTwiceItsLength) {
   }
   ASSERT_EQ(passages.size(), 5U);
   EXPECT_NEAR((passages[4] - passages[0]) / 4, period, 0.01 * period);
+}
+
+// Onto a side, an edge, a corner and askew, as after a fall of 3 m: whole again, not folded.
+TEST(Lattice, SpringsBackFromAHit) {
+  const LatticeDefinition definition = MakeJellyCube(0.1);
+  const Blueprint cube = MakeLattice(definition);
+  const double speed = 0.35 * std::sqrt(definition.youngModulus / definition.density);
+  for (const Vector3d& towards : {Vector3d(0, 0, 1), Vector3d(1, 0, 1), Vector3d(1, 1, 1), Vector3d(1, 0.3, 2)}) {
+    Obstacle wall;
+    wall.normal = towards.normalized();
+    World world({Vector3d::Zero(), 1.0 / 60, Precision::kSingle, 1});
+    world.AddBlueprint(cube);
+    world.AddObstacle(wall);
+    const BodyId id = world.AddBody(0, (cube.reach + 0.01) * wall.normal, -speed * wall.normal);
+    for (int tick = 0; tick < 480; ++tick) world.Step();
+    std::vector<Vector3d> x(cube.rest.size());
+    VisitVertices(world.ReadBody(id), [&](std::size_t i, const Vector3d& at) { x[i] = at; });
+    EXPECT_GT(world.FindCentre(world.ReadBody(id)).dot(wall.normal), 1) << "has bounced off";
+    EXPECT_NEAR(ComputeVolume<double>(cube.full.faces, x), cube.restVolume, 0.02 * cube.restVolume);
+    EXPECT_LT(ComputeSpringEnergy(cube.full, x), 0.01 * 0.5 * cube.totalMass * speed * speed)
+        << towards.transpose() << ": springs are left tense";
+  }
 }
 
 TEST(Lattice, ValidateNamesFieldValueAndRange) {
