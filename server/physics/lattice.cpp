@@ -5,8 +5,9 @@
 // for any s: C₁₁ = C₁₂ + 2 C₄₄ is isotropic, E = (C₁₁ − C₁₂)(C₁₁ + 2 C₁₂)/(C₁₁ + C₁₂) = 2.5 K/a and
 // ν = C₁₂/(C₁₁ + C₁₂) = 1/4. C₁₂ = C₄₄ (Cauchy's relation) holds for any central springs, hence no other ν.
 //
-// s = 0 has the fewest springs, but a corner is then easily pushed through its cell and stays there: a hit at 0.1 √(E/ρ)
-// dents a cube of 4³ cells for good. With s = ¼ its corners bear 0.6 and any side 0.35; a larger s was no better.
+// s = 0 has the fewest springs, but a corner is then easily pushed through its cell and stays there: a hit at 0.1
+// √(E/ρ) dents a cube of 4³ cells for good. With s = ¼ its corners bear 0.6 and any side 0.35; a larger s was no
+// better.
 //
 // On the boundary a cell brings what is its own: ¼ of each of its edges, which four cells share inside, ½ of each
 // face diagonal, which two share, ⅛ of its mass to each corner. All cells are then alike and a body of any number of
