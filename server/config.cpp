@@ -29,11 +29,12 @@ std::vector<std::string> Validate(const Config& config, const scenes::Scene& sce
   Check(errors, "--threads", config.threads, kThreadsRange);
   Check(errors, "--client-kbit", config.clientKbit, kClientKbitRange);
 
-  for (const physics::BallDefinition& blueprint : scene.blueprints) {
-    const std::size_t vertices = physics::CountVertices(blueprint.subdivisions);
+  for (const scenes::BodyDefinition& blueprint : scene.blueprints) {
+    const std::size_t vertices = scenes::CountVertices(blueprint);
     if (vertices > protocol::kMaxBodyVertices) {
-      errors.push_back("scene " + scene.name + ": blueprint " + blueprint.name + " has " + std::to_string(vertices) +
-                       " vertices; a hosted body may have at most " + std::to_string(protocol::kMaxBodyVertices));
+      errors.push_back("scene " + scene.name + ": blueprint " + scenes::NameOf(blueprint) + " has " +
+                       std::to_string(vertices) + " vertices; a hosted body may have at most " +
+                       std::to_string(protocol::kMaxBodyVertices));
     }
   }
   const std::size_t bodies = scenes::CountBodies(scene) + static_cast<std::size_t>(config.maxClients);

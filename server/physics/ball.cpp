@@ -11,7 +11,6 @@
 #include <map>
 
 #include "server/physics/forces.h"
-#include "server/physics/stability.h"
 
 namespace wobble::physics {
 namespace {
@@ -85,13 +84,6 @@ void Relax(Blueprint& blueprint, double stiffness, double length) {
   }
 }
 
-void Check(std::vector<FieldError>& errors, const char* field, double value, bool valid, const char* range) {
-  if (!valid) {
-    std::string text = std::to_string(value);
-    errors.push_back({field, text.erase(text.find_last_not_of('0') + 1).append(text.back() == '.' ? "0" : ""), range});
-  }
-}
-
 }  // namespace
 
 Icosphere MakeIcosphere(int subdivisions) {
@@ -126,34 +118,33 @@ Icosphere MakeIcosphere(int subdivisions) {
 std::vector<FieldError> ValidateBall(const BallDefinition& d) {
   std::vector<FieldError> errors;
   const Material& m = d.material;
-  Check(errors, "subdivisions", d.subdivisions, d.subdivisions >= 0 && d.subdivisions <= kMaxSubdivisions, "0 to 5");
-  Check(errors, "radius", d.radius, d.radius >= 0.05 && d.radius <= 50, "0.05 to 50 m");
-  Check(errors, "mass", m.mass, m.mass >= 1e-3 && m.mass <= 1e6, "0.001 to 1000000 kg");
-  Check(errors, "stiffness", m.stiffness, m.stiffness > 0 && m.stiffness <= 1e9, "above 0, up to 1e9 N/m");
-  Check(errors, "damping_ratio", m.dampingRatio, m.dampingRatio >= 0 && m.dampingRatio <= 2, "0 to 2");
-  Check(errors, "gas", m.gas, m.gas >= 0 && m.gas <= 1e9, "0 to 1e9 J");
-  Check(errors, "ambient_pressure", m.ambientPressure, m.ambientPressure >= 0 && m.ambientPressure <= 1e6,
-        "0 to 1e6 Pa");
-  Check(errors, "friction", m.friction, m.friction >= 0 && m.friction <= 10, "0 to 10");
-  Check(errors, "restitution", m.restitution, m.restitution >= 0 && m.restitution <= 1, "0 to 1");
-  Check(errors, "contact_stiffness", m.contactStiffness, m.contactStiffness >= 0 && m.contactStiffness <= 1e9,
-        "0 (ten times stiffness) to 1e9 N/m");
+  CheckField(errors, "subdivisions", d.subdivisions, d.subdivisions >= 0 && d.subdivisions <= kMaxSubdivisions,
+             "0 to 5");
+  CheckField(errors, "radius", d.radius, d.radius >= 0.05 && d.radius <= 50, "0.05 to 50 m");
+  CheckField(errors, "mass", m.mass, m.mass >= 1e-3 && m.mass <= 1e6, "0.001 to 1000000 kg");
+  CheckField(errors, "stiffness", m.stiffness, m.stiffness > 0 && m.stiffness <= 1e9, "above 0, up to 1e9 N/m");
+  CheckField(errors, "damping_ratio", m.dampingRatio, m.dampingRatio >= 0 && m.dampingRatio <= 2, "0 to 2");
+  CheckField(errors, "gas", m.gas, m.gas >= 0 && m.gas <= 1e9, "0 to 1e9 J");
+  CheckField(errors, "ambient_pressure", m.ambientPressure, m.ambientPressure >= 0 && m.ambientPressure <= 1e6,
+             "0 to 1e6 Pa");
+  CheckField(errors, "friction", m.friction, m.friction >= 0 && m.friction <= 10, "0 to 10");
+  CheckField(errors, "restitution", m.restitution, m.restitution >= 0 && m.restitution <= 1, "0 to 1");
+  CheckField(errors, "contact_stiffness", m.contactStiffness, m.contactStiffness >= 0 && m.contactStiffness <= 1e9,
+             "0 (ten times stiffness) to 1e9 N/m");
   if (!errors.empty()) return errors;
 
   const double shortening = FindShortening(d, MakeIcosphere(d.subdivisions));
   if (shortening > 1 - kMinRestShare || shortening < 0) {
     const double balanced = m.gas * (1 - kMinRestShare) / shortening;
-    Check(errors, "gas", m.gas, false,
-          shortening < 0 ? "more, or ambient_pressure lower: the shell would be crushed"
-                         : ("at most " + std::to_string(static_cast<int>(balanced)) +
-                            " J for this radius, stiffness and ambient_pressure, or its springs would vanish")
-                               .c_str());
+    CheckField(errors, "gas", m.gas, false,
+               shortening < 0 ? "more, or ambient_pressure lower: the shell would be crushed"
+                              : ("at most " + std::to_string(static_cast<int>(balanced)) +
+                                 " J for this radius, stiffness and ambient_pressure, or its springs would vanish")
+                                    .c_str());
     return errors;
   }
-  const Blueprint blueprint = MakeBall(d);
-  const double needed = std::max(blueprint.angularFrequency, blueprint.dampingRate) / 60 / kStabilityLimit;
-  Check(errors, "stiffness", m.stiffness, needed <= kMaxSubsteps / 2,
-        "lower, or mass higher: the body would need more than 32 substeps a tick before it touches anything");
+  CheckField(errors, "stiffness", m.stiffness, IsSlowEnough(MakeBall(d)),
+             "lower, or mass higher: the body would need more than 32 substeps a tick before it touches anything");
   return errors;
 }
 

@@ -33,6 +33,17 @@ Coefficients<float> ToSingle(const Coefficients<double>& full) {
 
 }  // namespace
 
+void CheckField(std::vector<FieldError>& errors, const char* field, double value, bool valid, const char* range) {
+  if (valid) return;
+  std::string text = std::to_string(value);
+  errors.push_back({field, text.erase(text.find_last_not_of('0') + 1).append(text.back() == '.' ? "0" : ""), range});
+}
+
+bool IsSlowEnough(const Blueprint& blueprint) {
+  const double rate = std::max(blueprint.angularFrequency, blueprint.dampingRate);
+  return rate / 60 / kStabilityLimit <= kMaxSubsteps / 2;
+}
+
 void FinishBlueprint(Blueprint& blueprint) {
   Coefficients<double>& full = blueprint.full;
   blueprint.totalMass = 0;

@@ -17,6 +17,8 @@ struct FieldError {
   std::string value;
   std::string range;
 };
+// Adds `value` to the errors unless it is valid.
+void CheckField(std::vector<FieldError>& errors, const char* field, double value, bool valid, const char* range);
 
 // Physical quantities of a ball and of the material that its shell is made of. SI units.
 struct Material {
@@ -91,5 +93,8 @@ struct Blueprint {
 
 // Fills everything that follows from `rest` and `full`: single precision, sizes, masses, volume, stability, topology.
 void FinishBlueprint(Blueprint& blueprint);
+
+// Whether the body by itself leaves half of the largest number of substeps, at 60 ticks a second, to what it touches.
+[[nodiscard]] bool IsSlowEnough(const Blueprint& blueprint);
 
 }  // namespace wobble::physics

@@ -4,6 +4,7 @@
 
 #include <toml++/toml.h>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -30,6 +31,9 @@ std::string FormatNode(const toml::node& node) {
   node.visit([&](const auto& value) {
     if constexpr (toml::is_table<decltype(value)>) {
       text << "{...}";
+    } else if constexpr (toml::is_floating_point<decltype(value)>) {
+      char digits[32];  // the fewest that mean this number: 0.4, where a stream has 0.40000000000000002
+      text << std::string_view(digits, std::to_chars(digits, digits + sizeof digits, *value).ptr);
     } else {
       text << value;
     }
@@ -128,6 +132,24 @@ class TableReader {
     value = read;
   }
 
+  void Read(std::string_view key, int low, int high, std::array<int, 3>& value) {
+    const toml::node* node = Find(key);
+    if (node == nullptr) return;
+    std::array<int, 3> read{};
+    const toml::array* array = node->as_array();
+    bool valid = array != nullptr && array->size() == read.size();
+    for (std::size_t i = 0; valid && i < read.size(); ++i) {
+      const auto number = (*array)[i].value<std::int64_t>();
+      valid = number && *number >= low && *number <= high;
+      if (valid) read[i] = static_cast<int>(*number);
+    }
+    if (!valid) {
+      return Refuse(key, FormatNode(*node),
+                    "three whole numbers from " + std::to_string(low) + " to " + std::to_string(high));
+    }
+    value = read;
+  }
+
   // One of a few words. False when there is none or another one.
   template <class Value>
   bool Read(std::string_view key, const std::map<std::string, Value>& words, Value& value) {
@@ -220,36 +242,59 @@ void ReadObstacle(TableReader& reader, Scene& scene) {
   scene.obstacles.push_back(obstacle);
 }
 
-void ReadBlueprint(TableReader& reader, Scene& scene) {
-  physics::BallDefinition ball;
-  std::string kind = "ball";
-  reader.Require("name");
-  reader.Read("name", 64, ball.name);
-  reader.Read("kind", std::map<std::string, std::string>{{"ball", "ball"}}, kind);
+// The ranges of quantities are the physics' own and checked by Validate.
+void ReadFields(TableReader& reader, physics::BallDefinition& ball) {
+  physics::Material& material = ball.material;
   reader.Read("subdivisions", 0, physics::kMaxSubdivisions, ball.subdivisions);
-  const auto readQuantity = [&](const char* key, double& value) { reader.ReadUnchecked(key, value); };
-  readQuantity("radius", ball.radius);
-  readQuantity("mass", ball.material.mass);
-  readQuantity("stiffness", ball.material.stiffness);
-  readQuantity("damping_ratio", ball.material.dampingRatio);
-  readQuantity("gas", ball.material.gas);
-  readQuantity("ambient_pressure", ball.material.ambientPressure);
-  readQuantity("friction", ball.material.friction);
-  readQuantity("restitution", ball.material.restitution);
-  readQuantity("contact_stiffness", ball.material.contactStiffness);
-  for (const physics::FieldError& error : physics::ValidateBall(ball)) {
-    reader.RefuseAsWritten(error.field, error.value, error.range);
+  reader.ReadUnchecked("radius", ball.radius);
+  reader.ReadUnchecked("mass", material.mass);
+  reader.ReadUnchecked("stiffness", material.stiffness);
+  reader.ReadUnchecked("damping_ratio", material.dampingRatio);
+  reader.ReadUnchecked("gas", material.gas);
+  reader.ReadUnchecked("ambient_pressure", material.ambientPressure);
+  reader.ReadUnchecked("friction", material.friction);
+  reader.ReadUnchecked("restitution", material.restitution);
+  reader.ReadUnchecked("contact_stiffness", material.contactStiffness);
+}
+
+void ReadFields(TableReader& reader, physics::LatticeDefinition& lattice) {
+  reader.Read("cells", 1, physics::kMaxLatticeCells, lattice.cells);
+  reader.ReadUnchecked("cell_size", lattice.cellSize);
+  reader.ReadUnchecked("young_modulus", lattice.youngModulus);
+  reader.ReadUnchecked("poisson_ratio", lattice.poissonRatio);
+  reader.ReadUnchecked("density", lattice.density);
+  reader.ReadUnchecked("damping_ratio", lattice.dampingRatio);
+  reader.ReadUnchecked("friction", lattice.friction);
+  reader.ReadUnchecked("restitution", lattice.restitution);
+  reader.ReadUnchecked("contact_stiffness", lattice.contactStiffness);
+}
+
+void ReadBlueprint(TableReader& reader, Scene& scene) {
+  const std::map<std::string, BodyDefinition> kinds{{"ball", physics::BallDefinition{}},
+                                                    {"lattice", physics::LatticeDefinition{}}};
+  BodyDefinition definition = kinds.at("ball");
+  const bool kindIsKnown = !reader.Has("kind") || reader.Read("kind", kinds, definition);
+  reader.Require("name");
+  std::visit([&](auto& one) { reader.Read("name", 64, one.name); }, definition);
+  const auto taken = [&](const BodyDefinition& other) { return NameOf(other) == NameOf(definition); };
+  if (std::any_of(scene.blueprints.begin(), scene.blueprints.end(), taken)) {
+    reader.Refuse("name", NameOf(definition), "a name that no other blueprint has");
   }
-  const bool taken = std::any_of(scene.blueprints.begin(), scene.blueprints.end(),
-                                 [&](const auto& other) { return other.name == ball.name; });
-  if (taken) reader.Refuse("name", ball.name, "a name that no other blueprint has");
-  scene.blueprints.push_back(ball);
+  if (kindIsKnown) {
+    std::visit([&](auto& one) { ReadFields(reader, one); }, definition);
+    for (const physics::FieldError& error : Validate(definition)) {
+      reader.RefuseAsWritten(error.field, error.value, error.range);
+    }
+  } else {
+    reader.PassOver();
+  }
+  scene.blueprints.push_back(std::move(definition));
 }
 
 void ReadBlueprintName(TableReader& reader, const Scene& scene, std::size_t& blueprint) {
   reader.Require("blueprint");
   std::map<std::string, std::size_t> names;
-  for (std::size_t i = 0; i < scene.blueprints.size(); ++i) names[scene.blueprints[i].name] = i;
+  for (std::size_t i = 0; i < scene.blueprints.size(); ++i) names[NameOf(scene.blueprints[i])] = i;
   reader.Read("blueprint", names, blueprint);
 }
 
@@ -257,11 +302,7 @@ void ReadGroup(TableReader& reader, Scene& scene) {
   BodyGroup group;
   ReadBlueprintName(reader, scene, group.blueprint);
   reader.Read("position", -kPlacesWithin, kPlacesWithin, " m", group.position);
-  Vector3d count(1, 1, 1);
-  reader.Read("count", 1, 1000, "", count);
-  if (count != count.array().round().matrix())
-    reader.RefuseAsWritten("count", "", "three whole numbers from 1 to 1000");
-  for (int axis = 0; axis < 3; ++axis) group.count[static_cast<std::size_t>(axis)] = static_cast<int>(count[axis]);
+  reader.Read("count", 1, 1000, group.count);
   reader.Read("spacing", -100, 100, " m", group.spacing);
   reader.Read("jitter", 0, 10, " m", group.jitter);
   reader.Read("velocity", -50, 50, " m/s", group.velocity);

@@ -41,7 +41,7 @@ void PlaceGroup(const BodyGroup& group, Random& random, physics::World& world, s
 
 std::vector<PlacedBody> FillWorld(const Scene& scene, std::uint64_t seed, physics::World& world) {
   for (const physics::Obstacle& obstacle : scene.obstacles) world.AddObstacle(obstacle);
-  for (const physics::BallDefinition& definition : scene.blueprints) world.AddBlueprint(physics::MakeBall(definition));
+  for (const BodyDefinition& definition : scene.blueprints) world.AddBlueprint(MakeBlueprint(definition));
   Random random(seed);
   std::vector<PlacedBody> placed;
   for (const BodyGroup& group : scene.groups) PlaceGroup(group, random, world, placed);

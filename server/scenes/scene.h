@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "server/physics/ball.h"
 #include "server/physics/world.h"
+#include "server/scenes/body_definition.h"
 
 namespace wobble::scenes {
 
@@ -36,7 +36,7 @@ struct Scene {
   physics::Precision precision = physics::Precision::kSingle;
   double killHeight = -20;  // below this a body starts again, m
   std::vector<physics::Obstacle> obstacles;
-  std::vector<physics::BallDefinition> blueprints;
+  std::vector<BodyDefinition> blueprints;
   std::vector<BodyGroup> groups;
   PlayerRules player;
 };

@@ -6,6 +6,7 @@
 
 #include "server/physics/ball.h"
 #include "server/physics/forces.h"
+#include "server/physics/lattice.h"
 
 namespace wobble::physics {
 
@@ -18,6 +19,13 @@ inline BallDefinition MakeMeasuredBall(double dampingRatio = 0) {
   ball.material.gas = 1000;
   ball.material.dampingRatio = dampingRatio;
   return ball;
+}
+
+// A cube of jelly of 0.75 m, 64 vertices.
+inline LatticeDefinition MakeJellyCube(double dampingRatio = 0) {
+  LatticeDefinition cube;
+  cube.dampingRatio = dampingRatio;
+  return cube;
 }
 
 // Positions moved by a smooth, repeatable pattern of `amplitude` metres.

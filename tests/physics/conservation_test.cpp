@@ -45,16 +45,28 @@ struct FreeBody {
   std::vector<Vector3d> v;
 };
 
-TEST(Conservation, FreeBodyKeepsMomentumAndAngularMomentum) {
-  const Blueprint ball = MakeBall(MakeMeasuredBall(0.05));
-  FreeBody body(ball);
+void ExpectMomentaKept(const Blueprint& blueprint, double h) {
+  FreeBody body(blueprint);
   const Totals before = body.Measure();
-  body.Run(10, 1.0 / 240);
+  body.Run(10, h);
   const Totals after = body.Measure();
   EXPECT_LT((after.momentum - before.momentum).norm(), 1e-10 * before.momentum.norm());
   // Not linear in the state, so RK4 keeps it to its own order only.
   EXPECT_LT((after.angularMomentum - before.angularMomentum).norm(), 1e-4 * before.angularMomentum.norm());
   EXPECT_LT(after.energy, before.energy) << "damping takes energy";
+}
+
+TEST(Conservation, FreeBodyKeepsMomentumAndAngularMomentum) {
+  ExpectMomentaKept(MakeBall(MakeMeasuredBall(0.05)), 1.0 / 240);
+  ExpectMomentaKept(MakeLattice(MakeJellyCube(0.05)), 1.0 / 480);
+}
+
+TEST(Conservation, UndampedLatticeKeepsItsEnergy) {
+  const Blueprint cube = MakeLattice(MakeJellyCube());
+  FreeBody body(cube);
+  const double before = body.Measure().energy;
+  body.Run(2, 1.0 / 1920);
+  EXPECT_NEAR(body.Measure().energy, before, 1e-3 * before);
 }
 
 TEST(Conservation, UndampedEnergyErrorFallsWithTheFifthPowerOfTheStep) {

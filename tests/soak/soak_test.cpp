@@ -204,7 +204,8 @@ double FindShare(std::vector<double> values, double share) {
 scenes::Scene LoadArena() {
   scenes::Scene scene = LoadShippedScene("arena");
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  for (physics::BallDefinition& blueprint : scene.blueprints) blueprint.subdivisions = 1;
+  for (scenes::BodyDefinition& blueprint : scene.blueprints)
+    std::get<physics::BallDefinition>(blueprint).subdivisions = 1;
 #endif
   return scene;
 }

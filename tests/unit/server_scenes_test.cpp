@@ -58,7 +58,7 @@ TEST_P(ShippedScene, LoadsAndMakesAWorld) {
   for (const BodyGroup& group : loaded.scene.groups) hasJitter = hasJitter || group.jitter > 0;
   EXPECT_EQ(PlayAndHash(loaded.scene, 2) != hash, hasJitter);
 }
-INSTANTIATE_TEST_SUITE_P(All, ShippedScene, testing::Values("arena", "ball_drop", "crowd"),
+INSTANTIATE_TEST_SUITE_P(All, ShippedScene, testing::Values("arena", "ball_drop", "crowd", "jelly_stack", "lattice"),
                          [](const auto& parameter) { return parameter.param; });
 
 TEST(Scenes, TheShippedOnesAreListed) {
@@ -68,7 +68,7 @@ TEST(Scenes, TheShippedOnesAreListed) {
     EXPECT_FALSE(scene.description.empty());
     EXPECT_THAT(scene.description, testing::Not(HasSubstr("has errors")));
   }
-  EXPECT_THAT(names, ElementsAre("arena", "ball_drop", "crowd"));
+  EXPECT_THAT(names, ElementsAre("arena", "ball_drop", "crowd", "jelly_stack", "lattice"));
 }
 
 TEST(Scenes, WhatTheyAreMeantToBe) {
@@ -77,9 +77,18 @@ TEST(Scenes, WhatTheyAreMeantToBe) {
   EXPECT_GT(arena.killHeight, -50);
   const Scene crowd = LoadScene("crowd", kFolder).scene;
   EXPECT_EQ(CountBodies(crowd), 500U);
-  EXPECT_EQ(physics::CountVertices(crowd.blueprints[crowd.groups[0].blueprint].subdivisions), 42U);
+  EXPECT_EQ(CountVertices(crowd.blueprints[crowd.groups[0].blueprint]), 42U);
   // Same seed and another seed where there is jitter: see LoadsAndMakesAWorld.
   EXPECT_GT(crowd.groups[0].jitter, 0);
+  const Scene stack = LoadScene("jelly_stack", kFolder).scene;
+  ASSERT_EQ(CountBodies(stack), 8U);
+  const auto& slab = std::get<physics::LatticeDefinition>(stack.blueprints[stack.groups[0].blueprint]);
+  // As one column it must not buckle under its own weight (Greenhill 1881): ρ g A H³ < 7.84 E I, here with half to
+  // spare.
+  const double width = slab.cells[0] * slab.cellSize;
+  const double height = 8 * slab.cells[2] * slab.cellSize;
+  const double load = 12 * slab.density * 9.81 * std::pow(height, 3) / (slab.youngModulus * width * width);
+  EXPECT_LT(load, 0.5 * 7.84);
 }
 
 TEST(Scenes, PlayersStartApart) {
@@ -134,9 +143,9 @@ TEST(SceneMistakes, WrongTypesAreNamed) {
   EXPECT_THAT(ErrorsOf(MakeText("kill_height = nan")), ElementsAre(HasSubstr("-4000 to 4000")));
   EXPECT_THAT(ErrorsOf(MakeText("obstacle = 4")), ElementsAre(AllOf(HasSubstr("obstacle = 4"), HasSubstr("table"))));
   // A blueprint's quantities: the range is the quantity's own.
-  EXPECT_THAT(
-      ErrorsOf(MakeText("", "mass = \"heavy\"\n")),
-      ElementsAre(AllOf(StartsWith("test.toml:5: mass = "), HasSubstr("heavy"), HasSubstr("a number, 0.001 to 1000000 kg"))));
+  EXPECT_THAT(ErrorsOf(MakeText("", "mass = \"heavy\"\n")),
+              ElementsAre(AllOf(StartsWith("test.toml:5: mass = "), HasSubstr("heavy"),
+                                HasSubstr("a number, 0.001 to 1000000 kg"))));
   EXPECT_THAT(ErrorsOf(MakeText("", "friction = 1e300\n")), ElementsAre(HasSubstr("0 to 10")));
 }
 
@@ -165,6 +174,31 @@ TEST(SceneMistakes, ABallThatCannotBeBuiltIsRefusedWithItsBound) {
               ElementsAre(AllOf(StartsWith("test.toml:5: gas"), HasSubstr("at most"))));
 }
 
+TEST(SceneMistakes, EachKindOfBlueprintHasItsOwnFields) {
+  const auto errorsOf = [](const std::string& fields) {
+    return ErrorsOf("[[blueprint]]\nname = \"cube\"\n" + fields + "[player]\nblueprint = \"cube\"\n");
+  };
+  EXPECT_THAT(errorsOf("kind = \"lattice\"\ncells = [2, 2, 4]\ncell_size = 0.2\nyoung_modulus = 1e4\n"
+                       "poisson_ratio = 0.25\ndensity = 30\n"),
+              IsEmpty());
+  EXPECT_THAT(errorsOf("kind = \"lattice\"\ngas = 3\n"),
+              ElementsAre(AllOf(StartsWith("test.toml:4: gas is no field here"), HasSubstr("young_modulus"))));
+  EXPECT_THAT(errorsOf("cells = [2, 2, 2]\n"),
+              ElementsAre(AllOf(StartsWith("test.toml:3: cells is no field here"), HasSubstr("subdivisions"))));
+  EXPECT_THAT(errorsOf("kind = \"jelly\"\nanything = 1\n"),
+              ElementsAre(AllOf(StartsWith("test.toml:3: kind = "), HasSubstr("one of: ball, lattice"))));
+  EXPECT_THAT(
+      errorsOf("kind = \"lattice\"\npoisson_ratio = 0.4\n"),
+      ElementsAre("test.toml:4: poisson_ratio = 0.4: must be 0.25: a lattice of central springs has no other in "
+                  "3-D"));
+  EXPECT_THAT(errorsOf("kind = \"lattice\"\ncells = [2, 2.5, 2]\n"),
+              ElementsAre(AllOf(HasSubstr("cells = "), HasSubstr("three whole numbers from 1 to 100"))));
+  EXPECT_THAT(errorsOf("kind = \"lattice\"\ncells = [40, 40, 40]\n"),
+              ElementsAre(AllOf(HasSubstr("68921 vertices"), HasSubstr("at most 10000"))));
+  EXPECT_THAT(errorsOf("kind = \"lattice\"\nyoung_modulus = \"soft\"\n"),
+              ElementsAre(AllOf(HasSubstr("soft"), HasSubstr("a number, above 0, up to 1e12 Pa"))));
+}
+
 TEST(SceneMistakes, ASyntaxErrorHasItsLine) {
   EXPECT_THAT(ErrorsOf("description = \"a\"\n\nkill_height = = 3\n"), ElementsAre(StartsWith("test.toml:3: ")));
   EXPECT_THAT(ErrorsOf("[[blueprint]\n"), ElementsAre(StartsWith("test.toml:1: ")));
@@ -172,7 +206,8 @@ TEST(SceneMistakes, ASyntaxErrorHasItsLine) {
 
 TEST(SceneMistakes, AnUnknownSceneListsTheKnownOnes) {
   const LoadResult loaded = LoadScene("arina", kFolder);
-  EXPECT_THAT(loaded.errors, ElementsAre(AllOf(HasSubstr("'arina'"), HasSubstr("arena, ball_drop, crowd"))));
+  EXPECT_THAT(loaded.errors,
+              ElementsAre(AllOf(HasSubstr("'arina'"), HasSubstr("arena, ball_drop, crowd, jelly_stack, lattice"))));
   EXPECT_THAT(LoadScene("/nowhere/at/all.toml", kFolder).errors, ElementsAre(HasSubstr("/nowhere/at/all.toml")));
 }
 
@@ -180,8 +215,9 @@ TEST(SceneLimits, WhatTheProtocolCannotCarryIsRefusedWithBothNumbers) {
   // Not parsed: to check its material, the loader would build the ball, and that takes long in a sanitizer build.
   Scene scene;
   scene.name = "test";
-  scene.blueprints.emplace_back();
-  scene.blueprints[0].subdivisions = 5;
+  physics::BallDefinition ball;
+  ball.subdivisions = 5;
+  scene.blueprints.push_back(ball);
   EXPECT_THAT(server::Validate({}, scene), ElementsAre(AllOf(HasSubstr("10242"), HasSubstr("4096"))));
 
   server::Config config;

@@ -1,0 +1,41 @@
+// Solids: a cubic lattice of masses, joined by springs along the edges and diagonals of its cells.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "server/physics/blueprint.h"
+
+namespace wobble::physics {
+
+// Central springs know no inside: hit at more than about a third of √(E/ρ), a lattice may be left with cells that are
+// turned inside out (cubes of 2 to 4 cells a side; of six, a fifth).
+struct LatticeDefinition {
+  std::string name = "lattice";
+  std::array<int, 3> cells{3, 3, 3};  // along x, y, z
+  double cellSize = 0.25;             // edge of a cell, a, m
+  double youngModulus = 10000;        // E, Pa
+  double poissonRatio = 0.25;         // what springs of this kind have; no other can be built
+  double density = 20;                // kg/m³
+  double dampingRatio = 0.1;          // of each spring between two inner masses alone, 1: critical
+  double friction = 0.8;              // Coulomb's coefficient, static and kinetic
+  double restitution = 0.5;           // of a single vertex on a rigid surface
+  double contactStiffness = 0;        // of a vertex against a surface, N/m; 0: kContactStiffnessRatio x stiffness
+};
+
+inline constexpr int kMaxLatticeCells = 100;  // along an axis
+inline constexpr std::size_t kMaxLatticeVertices = 10000;
+[[nodiscard]] constexpr std::size_t CountVertices(const std::array<int, 3>& cells) {
+  std::size_t count = 1;
+  for (const int n : cells) count *= static_cast<std::size_t>(n) + 1;
+  return count;
+}
+
+// Everything that is wrong with a definition; empty when it can be built.
+[[nodiscard]] std::vector<FieldError> ValidateLattice(const LatticeDefinition& definition);
+
+// The definition must be valid. Vertices with x fastest, then y, then z; faces on the outside only.
+[[nodiscard]] Blueprint MakeLattice(const LatticeDefinition& definition);
+
+}  // namespace wobble::physics

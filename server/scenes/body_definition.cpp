@@ -1,0 +1,39 @@
+// Each function asks the kind that the definition holds, by overloads that the compiler finds missing.
+#include "server/scenes/body_definition.h"
+
+namespace wobble::scenes {
+namespace {
+
+using physics::BallDefinition;
+using physics::LatticeDefinition;
+
+std::size_t CountVerticesOf(const BallDefinition& ball) { return physics::CountVertices(ball.subdivisions); }
+std::size_t CountVerticesOf(const LatticeDefinition& lattice) { return physics::CountVertices(lattice.cells); }
+
+std::vector<physics::FieldError> ValidateOne(const BallDefinition& ball) { return physics::ValidateBall(ball); }
+std::vector<physics::FieldError> ValidateOne(const LatticeDefinition& lattice) {
+  return physics::ValidateLattice(lattice);
+}
+
+physics::Blueprint MakeOne(const BallDefinition& ball) { return physics::MakeBall(ball); }
+physics::Blueprint MakeOne(const LatticeDefinition& lattice) { return physics::MakeLattice(lattice); }
+
+}  // namespace
+
+const std::string& NameOf(const BodyDefinition& definition) {
+  return std::visit([](const auto& one) -> const std::string& { return one.name; }, definition);
+}
+
+std::size_t CountVertices(const BodyDefinition& definition) {
+  return std::visit([](const auto& one) { return CountVerticesOf(one); }, definition);
+}
+
+std::vector<physics::FieldError> Validate(const BodyDefinition& definition) {
+  return std::visit([](const auto& one) { return ValidateOne(one); }, definition);
+}
+
+physics::Blueprint MakeBlueprint(const BodyDefinition& definition) {
+  return std::visit([](const auto& one) { return MakeOne(one); }, definition);
+}
+
+}  // namespace wobble::scenes
