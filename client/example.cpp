@@ -2,7 +2,7 @@
 //
 //   example [HOST [PORT]]
 //
-// All that a game needs of wobble is in these two headers. Show client.Sample() instead of printing and it is one.
+// All that a game needs of wobble is in these two headers; client.Sample() has every body as it is to be drawn.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -31,28 +31,18 @@ int main(int argc, char** argv) {
   }
 
   client::Client client(std::move(transport), {.name = "example"}, Now());
-
-  std::vector<client::BodySample> bodies;
-  double leaveAt = 0, printAt = 0;
-  while (client.ReadState() != client::State::kEnded) {
-    const double now = Now();
-    client.Update(now);  // receives, answers and sends; call it once a frame
+  for (int frame = 0; client.ReadState() != client::State::kEnded;) {
+    client.Update(Now());  // receives, answers and sends
     if (client.ReadState() == client::State::kPlaying) {
-      if (leaveAt == 0) leaveAt = now + 5;
-      if (now >= leaveAt) client.Leave(now);  // says goodbye; the loop goes on until that has been heard
+      const float angle = 0.03F * static_cast<float>(++frame);
+      client.SetInput({.moveX = std::cos(angle), .moveY = std::sin(angle)});  // right and forward, each -1 to 1
 
-      // What the player asks for until told otherwise: right and forward, -1 to 1 each.
-      const auto angle = static_cast<float>(2 * (leaveAt - now));
-      client.SetInput({.moveX = std::cos(angle), .moveY = std::sin(angle)});
-
-      // Every body as it is to be drawn now. kVertices instead fills body.vertices, with the faces in body.blueprint.
-      client.Sample(now, client::Detail::kPosesOnly, bodies);
-      for (const client::BodySample& body : bodies) {
-        if (body.body != client.Welcome().ownBody || now < printAt) continue;
-        const protocol::Vector3 place = body.pose.centroid;  // metres, z is up
-        std::printf("x %6.2f  y %6.2f  z %6.2f\n", double{place.x}, double{place.y}, double{place.z});
-        printAt = now + 0.5;
+      const auto pose = client.NewestPose(client.Welcome().ownBody);  // none before the first snapshot
+      if (pose && frame % 30 == 0) {
+        const auto [x, y, z] = pose->centroid;  // metres, z is up
+        std::printf("x %6.2f  y %6.2f  z %6.2f\n", double{x}, double{y}, double{z});
       }
+      if (frame == 300) client.Leave(Now());  // the loop goes on until the goodbye has been heard
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(16));
   }

@@ -25,7 +25,7 @@ struct LinkConditions {
   double reorder = 0;          // share held back by reorderDelay, on top of what jitter reorders
   double reorderDelay = 0.05;  // a frame and a half at 30 Hz
   double rate = 0;             // bit/s, kMinRate..kMaxRate, the headers of IP and UDP included; 0: no limit
-  Blackout blackout;           // length 0..60, period above it and 0.1..3,600
+  Blackout blackout{};         // length 0..60, period above it and 0.1..3,600
 };
 inline constexpr double kMinRate = 1e3;
 inline constexpr double kMaxRate = 1e10;

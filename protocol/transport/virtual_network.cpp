@@ -23,7 +23,8 @@ namespace wobble::transport {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr double kCloseTimeout = 3;  // seconds, as over ENet
+constexpr double kCloseTimeout = 3;        // seconds, as over ENet
+constexpr double kGuessedRoundTrip = 0.5;  // likewise, until one has been measured
 constexpr ConnectionId kClientConnection = 1;
 
 enum class Side : std::uint8_t { kServer = 0, kClient = 1 };
@@ -349,8 +350,9 @@ void VirtualNetwork::State::Retry(Side to, Way& way, double now) {
         waiting.arrival = waiting.nextTry + trip;
         break;
       }
-      const double first = 2 * (conditionsTo.delay + conditionsTo.jitter) + 0.05;
-      const double longest = std::max(first, FindLongestRetry(RoundTrip()));
+      const bool isHandshake = waiting.parcel.content == Content::kOpen || waiting.parcel.content == Content::kAccept;
+      const double first = isHandshake ? kGuessedRoundTrip : 2 * (conditionsTo.delay + conditionsTo.jitter) + 0.05;
+      const double longest = std::max(first, FindLongestRetry(isHandshake ? kGuessedRoundTrip : RoundTrip()));
       waiting.timeout = waiting.timeout == 0 ? first : std::min(2 * waiting.timeout, longest);
       waiting.nextTry += waiting.timeout;
     }
