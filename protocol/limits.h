@@ -65,10 +65,10 @@ inline constexpr double kInputHold = 0.1;
 // over 1 s of delay and 25 % loss each way a handshake fails once in 10,000. Within 5 s it failed once in 40.
 inline constexpr double kConnectTimeout = 8;
 
-// While a client joins, hello and welcome may each take several tries, and neither inputs nor snapshots say meanwhile
-// that somebody is there. So until they do, both ends wait this many round trips longer than the two timeouts above:
-// six tries, of which all fail once in 160 at 44 % lost on the round trip. A link that claims to take longer than
-// kMaxJoinRoundTrip gains no more by it.
+// While a client joins, hello and welcome may each take several tries, one in one and a half round trips, and neither
+// inputs nor snapshots say meanwhile that somebody is there. So until they do, both ends wait this many round trips
+// longer than the two timeouts above: five or six tries, which at 25 % loss all fail once in 1,000 to 4,000. A link
+// that claims to take longer than kMaxJoinRoundTrip, seconds, gains no more by it.
 inline constexpr double kJoinRoundTrips = 8;
 inline constexpr double kMaxJoinRoundTrip = 3;
 [[nodiscard]] constexpr double FindJoinPatience(double roundTrip) {

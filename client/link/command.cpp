@@ -150,10 +150,7 @@ int RunLink(const Words& words, const tool::IsStopAsked& isStopAsked) {
     return isStopAsked() || (words.duration > 0 && now >= words.duration);
   });
   status.Close();
-  const transport::RelayCounts& counts = relay->ReadCounts();
-  std::printf("%s%llu players, %llu datagrams of players too many, datagrams left %.1f ms late (p99)\n",
-              DescribeCounts(counts, "").c_str(), static_cast<unsigned long long>(counts.clientsEver),
-              static_cast<unsigned long long>(counts.clientsRefused), counts.lateness.FindPercentileMs(0.99));
+  std::printf("%s", DescribeCounts(relay->ReadCounts(), "").c_str());
   return tool::kExitGood;
 }
 

@@ -39,8 +39,12 @@ void RunRelay(transport::Relay& relay, const std::function<bool(double now)>& is
 }
 
 std::string DescribeCounts(const transport::RelayCounts& counts, const std::string& prefix) {
+  char players[128];
+  std::snprintf(players, sizeof players, "players: %llu, %llu datagrams of too many, all left %.1f ms late (p99)\n",
+                static_cast<unsigned long long>(counts.clientsEver),
+                static_cast<unsigned long long>(counts.clientsRefused), counts.lateness.FindPercentileMs(0.99));
   return prefix + "up: " + DescribeDirection(counts.up) + "\n" + prefix + "down: " + DescribeDirection(counts.down) +
-         "\n";
+         "\n" + prefix + players;
 }
 
 RelayThread::RelayThread(std::unique_ptr<transport::Relay> relay)

@@ -14,7 +14,7 @@ namespace wobble::link {
 // Until isDone, which is asked at least 20 times a second with the seconds since the call, returns true.
 void RunRelay(transport::Relay& relay, const std::function<bool(double now)>& isDone);
 
-// Two lines, "up: 1200 received, ..." and "down: ...", each after `prefix` and with its newline.
+// Three lines, "up: 1200 received, ...", "down: ..." and "players: ...", each after `prefix` and with its newline.
 [[nodiscard]] std::string DescribeCounts(const transport::RelayCounts& counts, const std::string& prefix);
 
 class RelayThread {

@@ -36,8 +36,8 @@ static_assert(protocol::kMaxPacketBytes + sizeof(ENetProtocolHeader) + sizeof(EN
 // What one peer may have waiting for us in ENet's queues, bytes: a second of snapshots at 1 Mbit/s.
 constexpr std::size_t kMaxWaitingBytes = 128 * 1024;
 
-// ENet gives a peer up when something reliable stays unanswered: at the earliest after the second (ms) if it was tried
-// again often enough (doubling up to the first), at the latest after the third. The session layer is far quicker.
+// ENet gives a peer up when something reliable stays unanswered for the third (ms), or for the second once the wait
+// before the next try has grown by the first, which LimitRetries never lets it. The session layer is far quicker.
 constexpr enet_uint32 kTimeoutLimit = 4096;
 constexpr enet_uint32 kTimeoutMinimumMs = 30000;
 constexpr enet_uint32 kTimeoutMaximumMs = 60000;

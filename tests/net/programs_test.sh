@@ -352,7 +352,7 @@ case_link_alone() {
   expect_end link "$link" 0
   expect_line "$folder/link.out" '^up: [1-9][0-9]* received, [1-9][0-9]* passed, [1-9][0-9]* lost, [1-9][0-9]* duplicated'
   expect_line "$folder/link.out" '^down: [1-9][0-9]* received, .* [1-9][0-9]* reordered, 0 over rate, 0 blacked out'
-  expect_line "$folder/link.out" '^4 players, 0 datagrams of players too many'
+  expect_line "$folder/link.out" '^players: 4, 0 datagrams of too many, all left '
   kill -INT "$server"
   expect_end server "$server" 0
   expect_figure "$folder/a.json" joins '== 4'
@@ -361,7 +361,7 @@ case_link_alone() {
 
 case_bots_with_link() {
   start_server --port 7823
-  expect_exit 0 wobble bots 127.0.0.1:7823 --script wander.lua --count 4 --for 6 \
+  expect_exit 0 wobble bots 127.0.0.1:7823 --script wander.lua --count 4 --for 5 \
     --link 'up.loss=20%,delay=50ms,blackout=1s/4s' --threshold 'disconnects==0' --threshold 'connected==4'
   expect_line "$out" '^link up: [1-9][0-9]* received, [1-9][0-9]* passed, [1-9][0-9]* lost, 0 duplicated'
   expect_line "$out" '^link down: [1-9][0-9]* received, [1-9][0-9]* passed, 0 lost, .* [1-9][0-9]* blacked out'
