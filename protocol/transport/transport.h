@@ -62,7 +62,8 @@ class Transport {
 
   [[nodiscard]] virtual Statistics ReadStatistics() const = 0;
 
-  // Smoothed time from sending something reliable to its acknowledgement, seconds. 0 when it is not known.
+  // Smoothed time from sending something reliable to its acknowledgement, seconds, or a guess until that is known. 0
+  // where there is none to be known.
   [[nodiscard]] virtual double ReadRoundTrip(ConnectionId) const { return 0; }
 };
 
