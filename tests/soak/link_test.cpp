@@ -60,7 +60,10 @@ TEST(Link, AllGetInAndStayAtASecondOfDelayAndAQuarterLostEachWay) {
     EXPECT_EQ(crowd.game.server.ReadCounts().joins, 16U);
     EXPECT_EQ(crowd.game.server.ReadCounts().disconnects, 0U);
     EXPECT_EQ(crowd.game.server.ReadCounts().refusals, 0U);
-    for (const auto& each : crowd.game.clients) EXPECT_EQ(each->EndReason(), "");
+    for (const auto& each : crowd.game.clients) {
+      EXPECT_EQ(each->EndReason(), "");
+      EXPECT_NEAR(each->ReadStatistics().inputToSnapshot, 2.1, 0.5);  // and their inputs move them
+    }
   }
 }
 
