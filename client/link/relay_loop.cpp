@@ -1,5 +1,7 @@
 // Turn, wait for what comes first (a datagram or the next that is due), turn. While there is more to do it does not
-// wait at all, and the clock is read anew for each turn, so that a datagram is late by a turn at most.
+// wait at all, and the clock is read anew for each turn, so that a datagram is late by a turn at most. No turn begins
+// sooner than kShortestTurn after the one before: with 500 players a datagram is due every 20 us, and to be woken for
+// each costs half as much again as to send ten at a time.
 #include "client/link/relay_loop.h"
 
 #include <algorithm>
@@ -9,7 +11,8 @@
 namespace wobble::link {
 namespace {
 
-constexpr double kLongestWait = 0.05;  // seconds, until isDone is asked again
+constexpr double kLongestWait = 0.05;     // seconds, until isDone is asked again
+constexpr double kShortestTurn = 0.0002;  // seconds; what it adds to a datagram's lateness at most
 
 double ReadClock() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -34,7 +37,10 @@ void RunRelay(transport::Relay& relay, const std::function<bool(double now)>& is
     const double now = ReadClock();
     const bool isIdle = relay.Run(now);
     if (isDone(now - begin)) return;
-    if (isIdle) relay.Wait(std::min(kLongestWait, relay.NextDue() - ReadClock()));
+    if (!isIdle) continue;
+    relay.Wait(std::min(kLongestWait, relay.NextDue() - ReadClock()));
+    const double early = now + kShortestTurn - ReadClock();
+    if (early > 0) std::this_thread::sleep_for(std::chrono::duration<double>(early));
   }
 }
 
