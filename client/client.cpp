@@ -32,6 +32,12 @@ constexpr int kMaxCatchUp = 3;
 constexpr double kMaxIntervalRatio = 3.0;
 constexpr double kIntervalSmoothing = 1.0 / 32.0;
 constexpr double kForgetEvery = 1.0;
+// A link on which, over the first, seconds, less than the second, a share, of what the server sent has come is taken
+// for lost: it would show a world that jumps twice a second and call that playing. Twice the silence that is allowed,
+// so that a black-out which ends in time does not count as such a link.
+constexpr double kPoorLinkWindow = 2 * protocol::kSilenceTimeout;
+constexpr double kPoorLinkShare = 0.2;
+constexpr std::uint32_t kPoorLinkPackets = 64;  // of fewer no share is told
 // Bytes of a server's words shown to people.
 constexpr std::size_t kMaxDetail = 200;
 
@@ -76,6 +82,9 @@ struct Client::Implementation {
   double smallestInputToSnapshot = -1;
 
   protocol::ReceivedWindow received;
+  double windowBegin = 0;           // of judging the link
+  std::uint32_t windowNewest = 0;   // the newest packet at that moment
+  std::uint64_t windowArrived = 0;  // packets until that moment
   bool hasSnapshot = false;
   std::uint32_t newestTick = 0;
   Clock clock;
@@ -89,6 +98,8 @@ struct Client::Implementation {
 
   void TakeIn(const transport::Event& event);
   void End(std::string reason);
+  void EndIfSilent();
+  void EndIfPoor();
   void SayHello();
   void StartPlayingWhenComplete();
 
@@ -114,7 +125,7 @@ Client::Client(std::unique_ptr<transport::Transport> transport, Options options,
   assert(transport != nullptr && options.name.size() <= protocol::kMaxNameBytes);
   m->transport = std::move(transport);
   m->options = std::move(options);
-  m->startedAt = m->now = m->lastReceived = now;
+  m->startedAt = m->now = m->lastReceived = m->windowBegin = now;
 }
 
 Client::~Client() = default;
@@ -124,9 +135,8 @@ void Client::Update(double now) {
   m->now = std::max(now, m->now);
   m->transport->Poll(m->now, [this](const transport::Event& event) { m->TakeIn(event); });
   if (m->leaving && m->now >= m->leaveDeadline) m->End("left");
-  if (m->state != State::kEnded && m->now - m->lastReceived >= protocol::kSilenceTimeout) {
-    m->End(m->state == State::kConnecting ? "no answer from the server" : "server silent for 8 s");
-  }
+  m->EndIfSilent();
+  m->EndIfPoor();
   if (m->state != State::kEnded) {
     if (m->welcomed && !m->leaving) m->SendDueInputs();
     m->MoveOn(m->now);
@@ -209,6 +219,28 @@ void Client::Implementation::End(std::string reason) {
   state = State::kEnded;
   endReason = std::move(reason);
   if (connection != 0) transport->Disconnect(connection);
+}
+
+void Client::Implementation::EndIfSilent() {
+  if (state == State::kEnded) return;
+  double patience = protocol::kSilenceTimeout;
+  if (state == State::kJoining) patience += protocol::FindJoinPatience(transport->ReadRoundTrip(connection));
+  if (now - lastReceived < patience) return;
+  const auto seconds = static_cast<int>(patience);
+  End(state == State::kConnecting ? "no answer from the server"
+                                  : "server silent for " + std::to_string(seconds) + " s");
+}
+
+void Client::Implementation::EndIfPoor() {
+  if (state == State::kEnded || now - windowBegin < kPoorLinkWindow) return;
+  const std::uint32_t sent = received.Newest() - windowNewest;
+  const std::uint64_t arrived = statistics.snapshots - windowArrived;
+  windowBegin = now;
+  windowNewest = received.Newest();
+  windowArrived = statistics.snapshots;
+  if (sent < kPoorLinkPackets || static_cast<double>(arrived) >= kPoorLinkShare * sent) return;
+  End("connection too poor: " + std::to_string(sent - arrived) + " of the last " + std::to_string(sent) +
+      " packets were lost");
 }
 
 void Client::Implementation::SayHello() {

@@ -24,8 +24,8 @@ class InputStream {
   double MeasureEcho(std::uint32_t inputTick, double now);
 
  private:
-  // Frames whose moment is remembered: two seconds at 60 Hz.
-  static constexpr std::size_t kRemembered = 128;
+  // Frames whose moment is remembered: at 60 Hz as many as an answer may take until the server counts as silent.
+  static constexpr std::size_t kRemembered = 512;
   struct SentFrame {
     std::uint32_t tick = 0;  // 0: none, stamps begin at 1
     double sentAt = 0;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "client/bots/command.h"
+#include "client/link/command.h"
 #include "client/play/command.h"
 #include "client/tool/command.h"
 
@@ -33,7 +34,7 @@ bool IsStopAsked() { return g_stopAsked; }
 int Run(int argc, char** argv) {
   CLI::App app("wobble: tools for players and testers of wobbled, the server of soft bodies");
   app.require_subcommand(0, 1);  // none is refused below: CLI11 would say so even when an unknown option is the fault
-  const std::vector<tool::Command> commands{play::DescribePlay(app), bots::DescribeBots(app)};
+  const std::vector<tool::Command> commands{play::DescribePlay(app), bots::DescribeBots(app), link::DescribeLink(app)};
   app.set_version_flag("--version", "wobble " WOBBLE_VERSION);
   for (const tool::Command& command : commands) command.words->set_version_flag("--version", "wobble " WOBBLE_VERSION);
   app.footer("Examples:\n  wobble play --for 20\n  wobble bots --help");

@@ -39,12 +39,15 @@ class SentWindow {
   // False, and nothing changed, when it acknowledges what was never sent.
   [[nodiscard]] bool RecordAcknowledgement(std::uint32_t newest, std::uint64_t history, double now, Report& report);
 
-  // Share of packets lost, over those old enough to be known: smoothed over about 128 packets, 0..1.
+  // Share of packets lost, over those old enough to be known: smoothed over about 128 packets, 0..1. Of many lost in a
+  // row only the first kCountedInRow count: a link that is full loses some here and there, one that loses all is black
+  // for a while and as good as before afterwards.
   [[nodiscard]] double LossShare() const { return m_lossShare; }
   [[nodiscard]] std::uint32_t Newest() const { return m_newest; }
 
  private:
   static constexpr std::size_t kRemembered = 2 * (kAckHistory + 1);
+  static constexpr unsigned kCountedInRow = 8;
   struct Slot {
     std::uint32_t sequence = 0;
     bool acknowledged = false;
@@ -54,6 +57,7 @@ class SentWindow {
 
   std::array<Slot, kRemembered> m_slots{};
   std::uint32_t m_newest = 0;
+  unsigned m_lostInRow = 0;
   double m_lossShare = 0;
 };
 

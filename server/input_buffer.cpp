@@ -7,11 +7,13 @@ namespace wobble::server {
 
 using protocol::wire::InputFrame;
 
-void InputBuffer::Push(const InputFrame& frame, std::uint32_t currentTick) {
+void InputBuffer::Push(const InputFrame& frame, [[maybe_unused]] std::uint32_t currentTick) {
   assert(IsNear(frame, currentTick));
-  // Older than the buffer is long: a copy sent for redundancy, or a client that hung.
-  if (frame.tick() <= NewestUsed() || frame.tick() + protocol::kMaxInputLeadTicks <= currentTick) return;
-  m_waiting[frame.tick() % m_waiting.size()] = frame;
+  // However old: over a second of delay each way all frames come two seconds after their ticks. One of which the slot
+  // is taken by a newer has been overtaken.
+  InputFrame& slot = m_waiting[frame.tick() % m_waiting.size()];
+  if (frame.tick() <= NewestUsed() || frame.tick() < slot.tick()) return;
+  slot = frame;
   m_newestWaiting = std::max(m_newestWaiting, frame.tick());
 }
 

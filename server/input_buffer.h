@@ -15,8 +15,8 @@ class InputBuffer {
     return frame.tick() <= currentTick + protocol::kMaxInputLeadTicks;
   }
 
-  // Keeps a near frame that is newer than what the world has used. One meant for a tick that has passed is used at the
-  // next.
+  // Keeps a near frame that is newer than what the world has used. One meant for a tick that has passed, however long
+  // ago, is used at the next.
   void Push(const protocol::wire::InputFrame& frame, std::uint32_t currentTick);
 
   // The input for `tick`: the newest frame that is due, with every button pressed in frames that became due with it,

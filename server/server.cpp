@@ -114,6 +114,7 @@ void Server::TakeEvent(const transport::Event& event, double now) {
     Session& session = m_sessions[event.connection];
     session.connection = event.connection;
     session.connectedAt = session.lastHeard = now;
+    session.joinPatience = protocol::FindJoinPatience(m_transport->ReadRoundTrip(event.connection));
     if (m_closing) End(session, GoodbyeReason::ServerClosing, "");
     return;
   }

@@ -60,6 +60,7 @@ MessageEffect TakeInput(Session& session, const protocol::wire::Input& input, st
   }
   if (report.roundTrip >= 0) session.roundTrip = report.roundTrip;
   for (const protocol::wire::InputFrame* frame : *input.frames()) session.inputs.Push(*frame, currentTick);
+  session.hasSentInput = true;
   return {};
 }
 
@@ -84,10 +85,12 @@ MessageEffect TakeMessage(Session& session, transport::Channel channel, std::spa
 std::optional<GoodbyeReason> FindTimeout(const Session& session, double now) {
   if (session.state == Session::State::kEnding) return {};
   if (session.badInWindow > protocol::kMaxBadMessagesPerSecond) return GoodbyeReason::BadMessages;
-  if (session.state == Session::State::kAwaitingHello && now - session.connectedAt > protocol::kHelloTimeout) {
+  const double patience = session.hasSentInput ? 0 : session.joinPatience;
+  if (session.state == Session::State::kAwaitingHello &&
+      now - session.connectedAt > protocol::kHelloTimeout + patience) {
     return GoodbyeReason::NoHello;
   }
-  if (now - session.lastHeard > protocol::kSilenceTimeout) return GoodbyeReason::Silent;
+  if (now - session.lastHeard > protocol::kSilenceTimeout + patience) return GoodbyeReason::Silent;
   return {};
 }
 

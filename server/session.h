@@ -34,6 +34,8 @@ struct Session {
   State state = State::kAwaitingHello;
   double connectedAt = 0;
   double lastHeard = 0;
+  double joinPatience = 0;  // granted beyond both timeouts until the first input has come, s
+  bool hasSentInput = false;
   std::uint32_t clientId = 0;  // from 1
   std::string name;
   bool spectator = false;

@@ -22,6 +22,7 @@ struct Words {
   std::string address;
   std::string decodeShare = "1/32";
   std::vector<std::string> thresholds;
+  std::string link;
   double statusEvery = -1;
 };
 
@@ -39,7 +40,12 @@ CLI::App* AddWords(CLI::App& app, LoadTestOptions& options, Words& words) {
   command->add_option("--for", options.duration, "Seconds to run, the ramp included; 0: until Ctrl-C")
       ->check(tool::Within(0, kMaxDuration))
       ->capture_default_str();
-  command->add_option("--seed", options.seed, "Of all that the scripts draw by chance")->capture_default_str();
+  command->add_option("--seed", options.seed, "Of all that the scripts and the link draw by chance")
+      ->capture_default_str();
+  command
+      ->add_option("--link", words.link,
+                   "A bad network in between, such as 'loss=5%,delay=50ms,jitter=20ms' (see wobble link --help)")
+      ->type_name("CONDITIONS");
   command
       ->add_option("--threshold", words.thresholds,
                    "What must hold at the end: a key of the summary, < <= > >= == or !=, and a number; repeatable")
@@ -78,6 +84,10 @@ bool Understand(const Words& words, LoadTestOptions& options, std::string& error
   if (!address) return blame("server");
   const auto share = ParseDecodeShare(words.decodeShare, error);
   if (!share) return blame("--decode-share");
+  if (!words.link.empty()) {
+    options.link = transport::ParseLinkSpec(words.link, error);
+    if (!options.link) return blame("--link");
+  }
   for (const std::string& rule : words.thresholds) {
     const auto threshold = ParseThreshold(rule, error);
     if (!threshold) return blame("--threshold");

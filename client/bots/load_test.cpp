@@ -3,7 +3,6 @@
 // catching up would send inputs in bursts that no player sends.
 #include "client/bots/load_test.h"
 
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -17,7 +16,9 @@
 
 #include "client/bots/runner.h"
 #include "client/bots/script.h"
+#include "client/link/relay_loop.h"
 #include "client/tool/exit_codes.h"
+#include "client/tool/sockets.h"
 #include "protocol/transport/enet_transport.h"
 
 namespace wobble::bots {
@@ -40,12 +41,25 @@ void Complain(std::string_view line) {
   std::fprintf(stderr, "wobble bots: %.*s\n", static_cast<int>(line.size()), line.data());
 }
 
-// Each bot is a socket; the soft limit is often 1,024.
-void AllowManySockets() {
-  rlimit limit{};
-  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
-  limit.rlim_cur = limit.rlim_max;
-  static_cast<void>(setrlimit(RLIMIT_NOFILE, &limit));  // the sockets that then fail say so themselves
+// A relay in front of the server, in its own thread. False with one line said when it cannot be had; without a link in
+// the options it is true and nothing.
+bool StartLink(const LoadTestOptions& options, std::unique_ptr<link::RelayThread>& relay) {
+  if (!options.link) return true;
+  transport::RelayOptions relayOptions;
+  relayOptions.onlyThisMachine = true;
+  relayOptions.serverHost = options.server.host;
+  relayOptions.serverPort = options.server.port;
+  relayOptions.link = *options.link;
+  relayOptions.seed = options.seed;
+  relayOptions.maxClients = kMaxBots;
+  std::string error;
+  auto opened = transport::Relay::Open(relayOptions, error);
+  if (opened == nullptr) {
+    Complain("--link: " + error);
+    return false;
+  }
+  relay = std::make_unique<link::RelayThread>(std::move(opened));
+  return true;
 }
 
 std::string FormatFigure(std::optional<double> value, const char* unit) {
@@ -186,8 +200,11 @@ int RunLoadTest(const LoadTestOptions& options, const std::function<bool()>& sto
   std::ofstream summary;
   if (!OpenSummary(options.summaryFile, summary)) return tool::kExitBadUse;
 
-  AllowManySockets();
-  const auto connect = [&options](std::string& reason) -> std::unique_ptr<transport::Transport> {
+  tool::AllowManySockets();
+  std::unique_ptr<link::RelayThread> relay;
+  if (!StartLink(options, relay)) return tool::kExitBadUse;
+  const auto connect = [&options, &relay](std::string& reason) -> std::unique_ptr<transport::Transport> {
+    if (relay != nullptr) return transport::EnetTransport::Connect("127.0.0.1", relay->ReadPort(), reason);
     return transport::EnetTransport::Connect(options.server.host, options.server.port, reason);
   };
   Runner runner(options, script, connect, &ReadClock, [&status](std::string_view line) {
@@ -200,6 +217,7 @@ int RunLoadTest(const LoadTestOptions& options, const std::function<bool()>& sto
   const Figures figures = runner.ReadFigures();
   const std::vector<Verdict> verdicts = JudgeThresholds(options.thresholds, figures);
   if (figures.connected > 0) Report(figures, verdicts);
+  if (relay != nullptr) std::printf("%s", link::DescribeCounts(relay->Stop(), "link ").c_str());
   const int code = Conclude(runner, options, figures, verdicts, stopped);
   if (options.summaryFile.empty()) return code;
   summary << MakeSummary(figures, verdicts);

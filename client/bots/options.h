@@ -9,6 +9,7 @@
 #include "client/bots/summary.h"
 #include "client/tool/address.h"
 #include "protocol/limits.h"
+#include "protocol/transport/link_conditions.h"
 
 namespace wobble::bots {
 
@@ -35,8 +36,9 @@ struct LoadTestOptions {
   std::uint64_t seed = 1;
   std::vector<Threshold> thresholds;
   DecodeShare decodeShare;
-  std::string summaryFile;            // empty: none
-  std::optional<double> statusEvery;  // seconds, 0: never; nullopt: 1 on a terminal, else never
+  std::optional<transport::LinkSpec> link;  // a relay in between; nullopt: straight to the server
+  std::string summaryFile;                  // empty: none
+  std::optional<double> statusEvery;        // seconds, 0: never; nullopt: 1 on a terminal, else never
   std::uint16_t protocolVersion = protocol::kProtocolVersion;  // said in hello
 };
 

@@ -22,7 +22,8 @@ struct ListenOptions {
 };
 
 struct ConnectOptions {
-  double timeout = 5;  // seconds from the first Poll until a server that does not answer is given up
+  double timeout =
+      protocol::kConnectTimeout;  // seconds from the first Poll until a server that does not answer is given up
 };
 
 // ENet numbers peers in 12 bits, and a few are kept back for refusing.
@@ -49,6 +50,7 @@ class EnetTransport final : public Transport {
   void Disconnect(ConnectionId connection) override;
   void Flush() override;
   [[nodiscard]] Statistics ReadStatistics() const override;
+  [[nodiscard]] double ReadRoundTrip(ConnectionId connection) const override;
 
   // The UDP port that a server listens on, also when the system picked it. 0 for a client.
   [[nodiscard]] std::uint16_t ReadPort() const;

@@ -61,6 +61,18 @@ class Transport {
   virtual void Flush() = 0;
 
   [[nodiscard]] virtual Statistics ReadStatistics() const = 0;
+
+  // Smoothed time from sending something reliable to its acknowledgement, seconds, or a guess until that is known. 0
+  // where there is none to be known.
+  [[nodiscard]] virtual double ReadRoundTrip(ConnectionId) const { return 0; }
 };
+
+// The longest that a transport waits for an acknowledgement before it sends something reliable again, seconds. Doubling
+// without an end, as ENet has it, leaves so few tries on a link that loses much that a connection dies of the wait: at
+// 1 s of delay and 25 % loss each way its fifth comes a minute after the first. One try in one and a half round trips
+// is never a try before its answer could be there, and nothing that a link of any rate would notice.
+[[nodiscard]] constexpr double FindLongestRetry(double roundTrip) {
+  return roundTrip > 0.25 / 1.5 ? 1.5 * roundTrip : 0.25;
+}
 
 }  // namespace wobble::transport

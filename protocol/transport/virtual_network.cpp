@@ -16,33 +16,16 @@
 #include <map>
 #include <utility>
 
+#include "protocol/random.h"
+#include "protocol/transport/link_direction.h"
+
 namespace wobble::transport {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr double kMaxTime = 10;      // of a condition, seconds
-constexpr double kCloseTimeout = 3;  // seconds, as over ENet
+constexpr double kCloseTimeout = 3;        // seconds, as over ENet
+constexpr double kGuessedRoundTrip = 0.5;  // likewise, until one has been measured
 constexpr ConnectionId kClientConnection = 1;
-
-// SplitMix64 (Steele, Lea and Flood, 2014): any seed is good, and streams from neighbouring seeds are unrelated.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : m_state(seed) {}
-
-  std::uint64_t Next() {
-    m_state += 0x9E3779B97F4A7C15u;
-    std::uint64_t z = m_state;
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return z ^ (z >> 31);
-  }
-
-  // Uniform in [0, 1).
-  double NextShare() { return static_cast<double>(Next() >> 11) * 0x1p-53; }
-
- private:
-  std::uint64_t m_state;
-};
 
 enum class Side : std::uint8_t { kServer = 0, kClient = 1 };
 constexpr Side OtherSide(Side side) { return side == Side::kServer ? Side::kClient : Side::kServer; }
@@ -66,9 +49,9 @@ struct Pending {
 
 // One direction of one link.
 struct Way {
-  explicit Way(std::uint64_t seed) : unreliableRandom(seed), reliableRandom(~seed) {}
-  Random unreliableRandom;
-  Random reliableRandom;  // its own, since retransmissions draw as often as it takes
+  explicit Way(std::uint64_t seed) : unreliable(seed), reliableRandom(~seed) {}
+  LinkDirection unreliable;
+  protocol::Random reliableRandom;  // its own, since retransmissions draw as often as it takes
   std::deque<Pending> pending;
   double lastRelease = 0;
 };
@@ -92,7 +75,8 @@ struct VirtualNetwork::State {
   explicit State(const VirtualNetworkOptions& networkOptions) : options(networkOptions) {}
 
   std::size_t AddLink();
-  bool TryTrip(Side to, Random& random, double& trip) const;
+  bool TryTrip(Side to, protocol::Random& random, double at, double& trip) const;
+  [[nodiscard]] double RoundTrip() const;
   void SendReliably(std::size_t link, Side to, Parcel parcel, double now);
   void SendUnreliably(std::size_t link, Side to, Parcel parcel, double now);
   void Retry(Side to, Way& way, double now);
@@ -146,6 +130,7 @@ class VirtualEndpoint final : public Transport {
   void Disconnect(ConnectionId connection) override;
   void Flush() override {}  // what is sent is on its way at once
   [[nodiscard]] Statistics ReadStatistics() const override { return m_statistics; }
+  [[nodiscard]] double ReadRoundTrip(ConnectionId) const override { return m_state->RoundTrip(); }
 
  private:
   std::size_t FirstLink() const { return m_side == Side::kServer ? 0 : m_link; }
@@ -311,48 +296,42 @@ void VirtualEndpoint::Disconnect(ConnectionId connection) {
 
 std::size_t VirtualNetwork::State::AddLink() {
   const std::size_t link = links.size();
-  Random seeds(options.seed + link * 0xD1342543DE82EF95u);  // an odd factor: links never share a seed
-  const std::uint64_t toServer = seeds.Next();
-  const std::uint64_t toClient = seeds.Next();
-  links.emplace_back(toServer, toClient);
+  const LinkSeeds seeds = MakeLinkSeeds(options.seed, link);
+  links.emplace_back(seeds.toServer, seeds.toClient);
   clientInboxes.emplace_back();
   links[link].ends[IndexOf(Side::kClient)].phase = Phase::kConnecting;
   return link;
 }
 
-// One datagram: whether it gets through, and how long it then takes.
-bool VirtualNetwork::State::TryTrip(Side to, Random& random, double& trip) const {
+// One try of something reliable: whether it gets through, and how long it then takes.
+bool VirtualNetwork::State::TryTrip(Side to, protocol::Random& random, double at, double& trip) const {
   const LinkConditions& link = conditions[IndexOf(to)];
   const double lossDraw = random.NextShare();
   trip = link.delay + link.jitter * random.NextShare();
-  return !isBlack && lossDraw >= link.loss;
+  const bool black = isBlack || IsBlack(link.blackout, at) || IsBlack(link.blackout, at + trip);
+  return !black && lossDraw >= link.loss;
+}
+
+// What a transport would measure, on average.
+double VirtualNetwork::State::RoundTrip() const {
+  double seconds = 0;
+  for (const LinkConditions& way : conditions) seconds += way.delay + way.jitter / 2;
+  return seconds;
 }
 
 void VirtualNetwork::State::SendUnreliably(std::size_t link, Side to, Parcel parcel, double now) {
-  Way& way = links[link].ways[IndexOf(to)];
+  const Fate fate = links[link].ways[IndexOf(to)].unreliable.Decide(conditions[IndexOf(to)], now, parcel.bytes.size());
   LinkCounts& count = counts[IndexOf(to)];
-  const LinkConditions& conditionsTo = conditions[IndexOf(to)];
-  double trip = 0;
-  const bool passes = TryTrip(to, way.unreliableRandom, trip);
-  const bool isHeldBack = way.unreliableRandom.NextShare() < conditionsTo.reorder;
-  const bool isDoubled = way.unreliableRandom.NextShare() < conditionsTo.duplicate;
-  const double secondTrip = conditionsTo.delay + conditionsTo.jitter * way.unreliableRandom.NextShare();
-
   ++count.sent;
-  if (!passes) {
+  if (isBlack || fate.copies == 0) {
     ++count.lost;
     return;
   }
-  if (isHeldBack) {
-    ++count.heldBack;
-    trip += conditionsTo.reorderDelay;
+  if (fate.isHeldBack) ++count.heldBack;
+  if (fate.copies == 2) ++count.duplicated;
+  for (std::size_t copy = 0; copy < fate.copies; ++copy) {
+    InboxOf(link, to).emplace(Key{fate.due[copy], ++parcels}, Arrival{link, parcel});
   }
-  Inbox& inbox = InboxOf(link, to);
-  if (isDoubled) {
-    ++count.duplicated;
-    inbox.emplace(Key{now + secondTrip, ++parcels}, Arrival{link, parcel});
-  }
-  inbox.emplace(Key{now + trip, ++parcels}, Arrival{link, std::move(parcel)});
 }
 
 void VirtualNetwork::State::SendReliably(std::size_t link, Side to, Parcel parcel, double now) {
@@ -367,12 +346,14 @@ void VirtualNetwork::State::Retry(Side to, Way& way, double now) {
   for (Pending& waiting : way.pending) {
     while (waiting.arrival == kNever && waiting.nextTry <= now) {
       double trip = 0;
-      if (TryTrip(to, way.reliableRandom, trip)) {
+      if (TryTrip(to, way.reliableRandom, waiting.nextTry, trip)) {
         waiting.arrival = waiting.nextTry + trip;
         break;
       }
-      const double first = 2 * (conditionsTo.delay + conditionsTo.jitter) + 0.05;
-      waiting.timeout = waiting.timeout == 0 ? first : 2 * waiting.timeout;
+      const bool isHandshake = waiting.parcel.content == Content::kOpen || waiting.parcel.content == Content::kAccept;
+      const double first = isHandshake ? kGuessedRoundTrip : 2 * (conditionsTo.delay + conditionsTo.jitter) + 0.05;
+      const double longest = std::max(first, FindLongestRetry(isHandshake ? kGuessedRoundTrip : RoundTrip()));
+      waiting.timeout = waiting.timeout == 0 ? first : std::min(2 * waiting.timeout, longest);
       waiting.nextTry += waiting.timeout;
     }
   }
@@ -414,21 +395,5 @@ void VirtualNetwork::SetBlackout(bool isBlack) { m_state->isBlack = isBlack; }
 
 LinkCounts VirtualNetwork::CountsToServer() const { return m_state->counts[IndexOf(Side::kServer)]; }
 LinkCounts VirtualNetwork::CountsToClients() const { return m_state->counts[IndexOf(Side::kClient)]; }
-
-std::vector<std::string> ValidateLinkConditions(const LinkConditions& conditions) {
-  std::vector<std::string> mistakes;
-  const auto check = [&mistakes](const char* name, double value, double highest) {
-    if (value >= 0 && value <= highest) return;  // false for a NaN
-    mistakes.push_back(std::string(name) + " is " + std::to_string(value) + ", not in 0.." +
-                       std::to_string(static_cast<int>(highest)));
-  };
-  check("loss", conditions.loss, 1);
-  check("delay", conditions.delay, kMaxTime);
-  check("jitter", conditions.jitter, kMaxTime);
-  check("duplicate", conditions.duplicate, 1);
-  check("reorder", conditions.reorder, 1);
-  check("reorderDelay", conditions.reorderDelay, kMaxTime);
-  return mistakes;
-}
 
 }  // namespace wobble::transport

@@ -536,6 +536,20 @@ TEST(EnetTransportTest, LongerRoundTripCostsNoSnapshots) {
   EXPECT_TRUE(pair.Run([&] { return countSnapshots() == kCount; })) << countSnapshots() << " of " << kCount;
 }
 
+// By a server from the handshake on: it grants time by it. A client guesses half a second until its hello is answered.
+TEST(EnetTransportTest, RoundTripIsMeasured) {
+  ForwardedPair near;
+  EXPECT_GT(near.server.transport->ReadRoundTrip(1), 0);
+  EXPECT_LT(near.server.transport->ReadRoundTrip(1), 0.1);
+  EXPECT_EQ(near.server.transport->ReadRoundTrip(7), 0);
+  ForwardedPair far(0.2);
+  EXPECT_NEAR(far.server.transport->ReadRoundTrip(1), 0.2, 0.05);
+  EXPECT_EQ(far.client.transport->ReadRoundTrip(1), 0.5);
+  far.ExpectEcho(1);
+  RunFor(0.3, [&] { far.Step(); });
+  EXPECT_NEAR(far.client.transport->ReadRoundTrip(1), 0.2, 0.05);
+}
+
 TEST(EnetTransportTest, ClientTakesNothingFromStrangers) {
   ForwardedPair pair;
   const Bytes connect = pair.forwarder.seen.at(0);  // a genuine CONNECT, which a client must not accept

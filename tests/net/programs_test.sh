@@ -202,7 +202,7 @@ case_port_in_use() {
 
 case_unknown_option() {
   local program
-  for program in wobbled wobble 'wobble bots' 'wobble play'; do
+  for program in wobbled wobble 'wobble bots' 'wobble play' 'wobble link'; do
     # shellcheck disable=SC2086  # program and command are two words
     expect_refusal "--frobnicate.*$program --help\|--frobnicate.*wobble --help" $program --frobnicate
   done
@@ -325,7 +325,7 @@ case_random_datagrams() {
 
 case_help_and_version() {
   local program
-  for program in wobbled wobble 'wobble bots' 'wobble play'; do
+  for program in wobbled wobble 'wobble bots' 'wobble play' 'wobble link'; do
     # shellcheck disable=SC2086  # program and command are two words
     expect_exit 0 $program --help
     expect_line "$out" '^Examples:'
@@ -336,6 +336,66 @@ case_help_and_version() {
   done
   expect_exit 0 wobbled --list-scenes
   expect_line "$out" '^arena '
+}
+
+case_link_alone() {
+  start_server --port 7821 --summary "$folder/a.json"
+  start link wobble link --listen 7822 --to localhost:7821 'loss=5%,delay=50ms,jitter=20ms,duplicate=2%,reorder=2%' \
+    --seed 3 --status 0.5
+  local link=$pid
+  wait_for_line link '^relaying UDP port 7822 to localhost:7821, loss=5%'
+  expect_exit 0 wobble bots 127.0.0.1:7822 --script wander.lua --count 4 --for 5 --threshold 'disconnects==0' \
+    --threshold 'connected==4' --threshold 'input_to_snapshot_ms_p50>100' # two delays of 50 ms
+  wait_for_line link '^players 4, up [0-9]* kbit/s in '
+  expect_refusal '^wobble link: port 7822 (UDP) is in use$' wobble link --listen 7822 --to 127.0.0.1:7821
+  kill -INT "$link"
+  expect_end link "$link" 0
+  expect_line "$folder/link.out" '^up: [1-9][0-9]* received, [1-9][0-9]* passed, [1-9][0-9]* lost, [1-9][0-9]* duplicated'
+  expect_line "$folder/link.out" '^down: [1-9][0-9]* received, .* [1-9][0-9]* reordered, 0 over rate, 0 blacked out'
+  expect_line "$folder/link.out" '^players: 4, 0 datagrams of too many, all left '
+  kill -INT "$server"
+  expect_end server "$server" 0
+  expect_figure "$folder/a.json" joins '== 4'
+  expect_figure "$folder/a.json" disconnects '== 0'
+}
+
+case_bots_with_link() {
+  start_server --port 7823
+  expect_exit 0 wobble bots 127.0.0.1:7823 --script wander.lua --count 4 --for 5 \
+    --link 'up.loss=20%,delay=50ms,blackout=1s/4s' --threshold 'disconnects==0' --threshold 'connected==4'
+  expect_line "$out" '^link up: [1-9][0-9]* received, [1-9][0-9]* passed, [1-9][0-9]* lost, 0 duplicated'
+  expect_line "$out" '^link down: [1-9][0-9]* received, [1-9][0-9]* passed, 0 lost, .* [1-9][0-9]* blacked out'
+
+  # A link that passes nothing is one on which nobody answers.
+  expect_exit 2 wobble bots 127.0.0.1:7823 --script idle.lua --count 2 --link 'loss=100%'
+  expect_line "$err" '^wobble bots: no server answers at 127.0.0.1:7823$'
+}
+
+case_bad_link() {
+  expect_refusal '^wobble link: loss=120%: must be 0% to 100%$' wobble link --listen 7824 --to 127.0.0.1:7825 'loss=120%'
+  expect_refusal "^wobble link: 'los' is not known: must be loss, delay," wobble link --listen 7824 --to 127.0.0.1:7825 'los=1%'
+  expect_refusal '^wobble bots: --link: delay=50: must be 0ms to 10s$' \
+    wobble bots 127.0.0.1:7825 --script idle.lua --link 'delay=50'
+  expect_refusal '^wobble link: --listen PORT is required' wobble link --to 127.0.0.1:7825
+  expect_refusal '^wobble link: --to HOST:PORT is required' wobble link --listen 7824
+  expect_refusal "^wobble link: --to: 'nowhere' is no HOST:PORT" wobble link --listen 7824 --to nowhere
+  expect_refusal '^wobble link: no IPv4 address is known for "no.such.host.invalid"$' \
+    wobble link --listen 7824 --to no.such.host.invalid:7825
+  expect_refusal "^wobble: --listen: '65536' is not 0 to 65535" wobble link --listen 65536 --to 127.0.0.1:7825
+}
+
+# The own ball rolls in a circle: several places, no two the same.
+case_example() {
+  start_server --port 7826
+  expect_exit 0 example 127.0.0.1 7826
+  [ "$(grep -c '^x *-\{0,1\}[0-9.]*  y *-\{0,1\}[0-9.]*  z *-\{0,1\}[0-9.]*$' "$out")" -ge 8 ] || fail 'eight places' "$out"
+  [ "$(awk '{ print $2, $4 }' "$out" | sort -u | wc -l)" -ge 8 ] || fail 'places that change' "$out"
+  kill -INT "$server"
+  expect_end server "$server" 0
+  expect_exit 1 example 127.0.0.1 7827
+  expect_line "$err" '^example: 127.0.0.1:7827: no answer from the server$'
+  expect_exit 1 example no.such.host.invalid
+  expect_line "$err" '^example: no IPv4 address is known for "no.such.host.invalid"$'
 }
 
 declare -F "case_$case_name" >/dev/null || {

@@ -244,10 +244,28 @@ TEST(VirtualNetworkTest, NothingPassesABlackoutAndControlComesAfterIt) {
   EXPECT_EQ(Numbers(pair.clientLog, Channel::kControl), (std::vector<std::uint32_t>{0, 1, 2, 3, 4}));
 }
 
+TEST(VirtualNetworkTest, BlackoutsComeAndGoByTheClockAndALimitedRateDropsWhatIsTooMuch) {
+  Pair pair;
+  pair.Join();
+  pair.now = 200;  // black from 203 to 204
+  pair.network.SetConditions({.blackout = {1, 4}});
+  pair.SendNumbers(Channel::kControl, 1, 7);
+  pair.SendNumbers(Channel::kSnapshot, 4000);
+  pair.Run(1);
+  EXPECT_NEAR(static_cast<double>(Numbers(pair.clientLog, Channel::kSnapshot).size()), 3000, 3);
+  EXPECT_EQ(Numbers(pair.clientLog, Channel::kControl), std::vector<std::uint32_t>{7});
+
+  pair.clientLog.clear();
+  pair.network.SetConditions({.rate = 128e3});  // 4 bytes and headers are 256 bits: 500 a second
+  pair.SendNumbers(Channel::kSnapshot, 2000);
+  pair.Run(1);
+  EXPECT_NEAR(static_cast<double>(Numbers(pair.clientLog, Channel::kSnapshot).size()), 1000 + 125, 3);
+}
+
 TEST(VirtualNetworkTest, ClientWithoutAnAnswerEndsAfterItsTimeout) {
   Pair pair;
   pair.network.SetBlackout(true);
-  pair.Run(4.9);
+  pair.Run(protocol::kConnectTimeout - 0.1);
   EXPECT_TRUE(pair.clientLog.empty());
   pair.Run(0.2);
   ASSERT_EQ(pair.clientLog.size(), 1u);

@@ -206,9 +206,9 @@ TEST(BotRunner, BotsSentAwayAndNeverAnsweredAreDisconnects) {
 TEST(BotRunner, SilenceIsHopelessButNoRefusal) {
   Theatre theatre(MakeOptions(3, 30), "function run(bot) end");
   theatre.serverLives = false;
-  theatre.RunUntil(4);
+  theatre.RunUntil(protocol::kConnectTimeout - 1);
   EXPECT_FALSE(theatre.Bots().HasAnyFailed());
-  theatre.RunUntil(8);
+  theatre.RunUntil(protocol::kConnectTimeout + 3);
   EXPECT_TRUE(theatre.Bots().HasAnyFailed());
   EXPECT_TRUE(theatre.Bots().IsHopeless(theatre.Now()));
   EXPECT_EQ(theatre.Bots().Refusal(), "");

@@ -42,6 +42,7 @@ struct Link {
   std::deque<Arrival> arrivals;  // in order of `at`
   std::vector<Sent> sent;
   int disconnects = 0;
+  double roundTrip = 0;
   transport::SendResult answer = transport::SendResult::kQueued;
 };
 
@@ -69,6 +70,7 @@ class ScriptedTransport final : public transport::Transport {
   }
   void Flush() override {}
   [[nodiscard]] transport::Statistics ReadStatistics() const override { return {}; }
+  [[nodiscard]] double ReadRoundTrip(transport::ConnectionId) const override { return m_link.roundTrip; }
 
  private:
   Link& m_link;
@@ -510,6 +512,51 @@ TEST_F(ClientTest, EndsWhenTheServerIsSilent) {
   const std::size_t sent = link.sent.size();
   client->Update(now += 1);
   EXPECT_EQ(link.sent.size(), sent);
+}
+
+TEST_F(ClientTest, WaitsEightRoundTripsLongerForItsWelcomeThanInPlay) {
+  link.roundTrip = 0.5;
+  Start();
+  Connect();
+  client->Update(now += 8 + 4 - 0.1);
+  EXPECT_EQ(client->ReadState(), State::kJoining);
+  client->Update(now += 0.2);
+  EXPECT_EQ(client->EndReason(), "server silent for 12 s");
+  Join();
+  client->Update(now += 8 + 0.1);
+  EXPECT_EQ(client->EndReason(), "server silent for 8 s");
+
+  link.roundTrip = 100;  // nobody waits that long
+  Start();
+  Connect();
+  client->Update(now += 8 + 24 + 0.1);
+  EXPECT_EQ(client->EndReason(), "server silent for 32 s");
+}
+
+TEST_F(ClientTest, EndsOverALinkOnWhichHardlyAnythingArrives) {
+  for (const unsigned everyNth : {4u, 10u}) {
+    Join();
+    const double begin = now;
+    for (std::uint32_t sequence = 1; sequence <= 40 * 30 && client->ReadState() != State::kEnded; ++sequence) {
+      now += 1.0 / 30;
+      if (sequence % everyNth == 0) Snapshot(sequence);
+      client->Update(now);
+    }
+    EXPECT_EQ(client->ReadState(), everyNth == 4 ? State::kPlaying : State::kEnded);
+    if (everyNth == 4) continue;
+    EXPECT_LT(now - begin, 2 * protocol::kSilenceTimeout + 0.1);
+    EXPECT_EQ(client->EndReason(), "connection too poor: 432 of the last 480 packets were lost");
+  }
+}
+
+TEST_F(ClientTest, ABlackoutThatEndsInTimeIsNoPoorLink) {
+  Join();
+  for (std::uint32_t sequence = 1; sequence <= 60 * 30; ++sequence) {
+    now += 1.0 / 30;
+    if (sequence % (16 * 30) >= 7 * 30) Snapshot(sequence);
+    client->Update(now);
+  }
+  EXPECT_EQ(client->ReadState(), State::kPlaying) << client->EndReason();
 }
 
 TEST_F(ClientTest, LeavesWithAGoodbyeAndDoesNotWaitForEver) {

@@ -63,6 +63,9 @@ const std::vector<Layer> kLayers{
     {"client/tool/", {"client/", "protocol/"}, Join(kSystem, {"CLI/"}), {}},
     {"client/terminal/", {"client/", "protocol/"}, Join(kSystem, {"CLI/"}), {}},
     {"client/web/", {"client/", "protocol/"}, Join(kSystem, {"CLI/", "boost/", "emscripten"}), {}},
+    {"client/link/", {"client/", "protocol/"}, Join(kSystem, {"CLI/"}), {}},
+    // A developer copies it: what it includes is all there is to know.
+    {"client/example.cpp", {"client/client.h", "protocol/transport/enet_transport.h"}, {}, {}},
     {"client/main.cpp", {"client/", "protocol/"}, Join(kSystem, {"CLI/", "nlohmann/"}), {}},
     {"client/play/", {"client/", "protocol/"}, Join(kSystem, {"CLI/", "nlohmann/"}), {}},
     {"client/",

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 #include <set>
 
@@ -131,6 +132,23 @@ double FindLossShare(double dropShare, int packets, unsigned seed) {
   }
   EXPECT_NEAR(acknowledged, arrived, 20) << "lost acknowledgements cost nothing but the last few";
   return sent.LossShare();
+}
+
+// Two seconds of every ten at 30 packets a second.
+TEST(SentWindow, ABlackoutIsNoFullLink) {
+  SentWindow sent;
+  ReceivedWindow received;
+  double most = 0;
+  for (std::uint32_t i = 1; i <= 3000; ++i) {
+    const std::uint32_t sequence = sent.RecordSent(0.033 * i);
+    most = std::max(most, sent.LossShare());
+    if (i % 300 < 60) continue;
+    static_cast<void>(received.Record(sequence));
+    SentWindow::Report report;
+    ASSERT_TRUE(sent.RecordAcknowledgement(received.Newest(), received.History(), 0.033 * i, report));
+  }
+  EXPECT_GT(most, 0.03);
+  EXPECT_LT(most, 0.08);  // below the tenth from which on a server takes a link for full
 }
 
 TEST(SentWindow, LossShareFollowsTheLink) {

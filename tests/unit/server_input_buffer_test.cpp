@@ -111,12 +111,22 @@ TEST(InputBuffer, InputsFarAheadSurviveTheRing) {
   }
 }
 
-TEST(InputBuffer, WhatIsOlderThanTheRingIsDropped) {
+// Over a second of delay each way, at 60 Hz.
+TEST(InputBuffer, InputsTwoSecondsLateAreUsedAllTheSame) {
   InputBuffer buffer;
-  buffer.Push(InputFrame(1000 - protocol::kMaxInputLeadTicks, 9, 0, 0), 1000);
-  EXPECT_EQ(buffer.Take(1001, kHold).move_x(), 0);
-  buffer.Push(InputFrame(1001 - protocol::kMaxInputLeadTicks, 8, 0, 0), 1000);
-  EXPECT_EQ(buffer.Take(1002, kHold).move_x(), 8);
+  for (std::uint32_t tick = 200; tick < 600; ++tick) {
+    buffer.Push(InputFrame(tick - 126, static_cast<std::int8_t>(tick % 120), 0, 0), tick);
+    const InputFrame used = buffer.Take(tick + 1, kHold);
+    EXPECT_EQ(used.tick(), tick - 126);
+    EXPECT_EQ(used.move_x(), static_cast<int>(tick % 120));
+  }
+}
+
+TEST(InputBuffer, AnOldInputDoesNotPushOutANewerOneFromItsSlot) {
+  InputBuffer buffer;
+  buffer.Push(InputFrame(1010, 9, 0, 0), 1000);
+  buffer.Push(InputFrame(1010 - 2 * protocol::kMaxInputLeadTicks, 8, 0, 0), 1000);
+  EXPECT_EQ(buffer.Take(1010, kHold).move_x(), 9);
 }
 
 TEST(InputBuffer, AStampFromARoundAgoIsNotTakenForNew) {

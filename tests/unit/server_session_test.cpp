@@ -169,6 +169,20 @@ TEST(Session, EightSecondsOfSilenceEndIt) {
   EXPECT_FALSE(FindTimeout(session, 100));
 }
 
+TEST(Session, ASlowLinkGetsMoreTimeUntilItsFirstInput) {
+  Session session = MakeSession(State::kAwaitingHello);
+  session.joinPatience = 4;
+  EXPECT_FALSE(FindTimeout(session, 17));
+  EXPECT_EQ(FindTimeout(session, 17.01), GoodbyeReason::NoHello);
+  session.state = State::kPlaying;
+  session.lastHeard = 17;
+  EXPECT_FALSE(FindTimeout(session, 29));
+  EXPECT_EQ(FindTimeout(session, 29.01), GoodbyeReason::Silent);
+  (void)TakeMessage(session, Channel::kInput, Input(5), 5, 29);
+  EXPECT_FALSE(FindTimeout(session, 37));
+  EXPECT_EQ(FindTimeout(session, 37.01), GoodbyeReason::Silent);
+}
+
 TEST(Session, ControlIsNeverLongerThanOne) {
   for (int x = -127; x <= 127; x += 2) {
     for (int y = -127; y <= 127; y += 2) {

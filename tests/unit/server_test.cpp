@@ -253,6 +253,18 @@ TEST(Server, WhoSaysNoHelloIsSentAwayAfterThreeSeconds) {
   EXPECT_TRUE(game.server.IsEmpty());
 }
 
+TEST(Server, WhoSaysNoHelloOverASlowLinkHasEightRoundTripsMore) {
+  Game game(MakeYard());
+  game.network.SetConditions({.delay = 0.25});
+  auto& raw = game.AddRaw();
+  game.Run(0.25 + 3 + 8 * 0.5 - 0.1);
+  EXPECT_EQ(game.server.ReadCounts().refusals, 0U);
+  EXPECT_TRUE(raw.Connected());
+  game.Run(1);
+  EXPECT_EQ(game.server.ReadCounts().refusals, 1U);
+  EXPECT_EQ(raw.GoodbyeReason(), static_cast<int>(GoodbyeReason::NoHello));
+}
+
 TEST(Server, WhoFallsOffStartsAgainAndEverybodyHears) {
   Game game(MakeYard());
   auto& faller = game.AddClient();

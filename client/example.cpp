@@ -1,0 +1,52 @@
+// Plays for five seconds: connects, rolls the own ball in a circle and prints where it is.
+//
+//   example [HOST [PORT]]
+//
+// All that a game needs of wobble is in these two headers; client.Sample() has every body as it is to be drawn.
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <thread>
+
+#include "client/client.h"
+#include "protocol/transport/enet_transport.h"
+
+using namespace wobble;
+
+// The library never looks at a clock: seconds since any fixed moment will do, as long as they only go forward.
+static double Now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+int main(int argc, char** argv) {
+  const char* host = argc > 1 ? argv[1] : "127.0.0.1";
+  const auto port = static_cast<std::uint16_t>(argc > 2 ? std::atoi(argv[2]) : 7777);
+
+  std::string error;
+  auto transport = transport::EnetTransport::Connect(host, port, error);
+  if (transport == nullptr) {  // no such host; that nobody answers shows later, as the end of the client
+    std::fprintf(stderr, "example: %s\n", error.c_str());
+    return 1;
+  }
+
+  client::Client client(std::move(transport), {.name = "example"}, Now());
+  for (int frame = 0; client.ReadState() != client::State::kEnded;) {
+    client.Update(Now());  // receives, answers and sends
+    if (client.ReadState() == client::State::kPlaying) {
+      const float angle = 0.03F * static_cast<float>(++frame);
+      client.SetInput({.moveX = std::cos(angle), .moveY = std::sin(angle)});  // right and forward, each -1 to 1
+
+      const auto pose = client.NewestPose(client.Welcome().ownBody);  // none before the first snapshot
+      if (pose && frame % 30 == 0) {
+        const auto [x, y, z] = pose->centroid;  // metres, z is up
+        std::printf("x %6.2f  y %6.2f  z %6.2f\n", double{x}, double{y}, double{z});
+      }
+      if (frame == 300) client.Leave(Now());  // the loop goes on until the goodbye has been heard
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(16));
+  }
+  if (!client.EndedUnasked()) return 0;
+  std::fprintf(stderr, "example: %s:%d: %s\n", host, port, client.EndReason().c_str());
+  return 1;
+}

@@ -1,0 +1,165 @@
+// `wobble link`: the relay alone. One loop; the status line and the end come between its turns.
+#include "client/link/command.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+#include "client/link/relay_loop.h"
+#include "client/tool/address.h"
+#include "client/tool/sockets.h"
+
+namespace wobble::link {
+namespace {
+
+constexpr double kMaxDuration = 1e6;  // seconds, eleven days
+
+// What the command line says.
+struct Words {
+  int port = -1;
+  std::string server;
+  std::string conditions;
+  std::uint64_t seed = 1;
+  double duration = 0;
+  double statusEvery = -1;
+};
+
+CLI::App* AddWords(CLI::App& app, Words& words) {
+  CLI::App* command = app.add_subcommand("link", "Relays UDP to a server over a bad network of one's own making");
+  command->add_option("conditions", words.conditions, "What the network does; without it, nothing")
+      ->type_name("CONDITIONS");
+  // Not required() of CLI11: it would complain of that even when an unknown option is the fault.
+  command->add_option("--listen", words.port, "UDP port that players connect to; 0: any that is free")
+      ->check(tool::Within(0, 65535))
+      ->type_name("PORT REQUIRED");
+  command->add_option("--to", words.server, "The server")->type_name("HOST:PORT REQUIRED");
+  command->add_option("--seed", words.seed, "Of all that happens by chance")->capture_default_str();
+  command->add_option("--for", words.duration, "Seconds to run; 0: until Ctrl-C")
+      ->check(tool::Within(0, kMaxDuration))
+      ->capture_default_str();
+  command->add_option("--status", words.statusEvery, "Seconds between status lines, 0: none (1 on a terminal, else 0)")
+      ->check(tool::Within(0, kMaxDuration));
+  command->footer(
+      "CONDITIONS hold in each direction by itself, separated by commas, all optional:\n"
+      "  loss=5%             share of datagrams that never arrive\n"
+      "  delay=50ms          one way, at most 10s\n"
+      "  jitter=20ms         added to the delay, from 0 to this, by chance\n"
+      "  duplicate=1%        share that arrives twice\n"
+      "  reorder=2%          share held back by 50 ms, beside what jitter reorders\n"
+      "  rate=512kbit        with headers; what does not fit a queue of 250 ms is dropped\n"
+      "  blackout=250ms/15s  nothing passes for 250 ms of every 15 s, and nothing is kept for later\n"
+      "up.loss=5% is for what players send alone, down.rate=1mbit for what the server sends.\n"
+      "Which datagrams suffer follows from the seed, the player's number and the datagram's own.\n"
+      "Exit code: 0 it ran, 2 bad usage, port in use or unknown host.\n"
+      "Examples:\n"
+      "  wobble link --listen 7800 --to 127.0.0.1:7777 \"loss=5%,delay=50ms,jitter=20ms\"\n"
+      "  wobble link --listen 7800 --to example.org:7777 \"delay=80ms,up.loss=2%,down.rate=512kbit\" --for 60\n"
+      "  wobble bots 127.0.0.1:7800 --script wander.lua --count 8 --for 20      players for it");
+  return command;
+}
+
+// False with one line in `error`.
+bool Understand(const Words& words, transport::RelayOptions& options, std::string& error) {
+  if (words.port < 0 || words.server.empty()) {
+    error = std::string(words.port < 0 ? "--listen PORT" : "--to HOST:PORT") + " is required (see wobble link --help)";
+    return false;
+  }
+  const auto address = tool::ParseAddress(words.server, error);
+  if (!address) {
+    error = "--to: " + error;
+    return false;
+  }
+  const auto link = transport::ParseLinkSpec(words.conditions, error);
+  if (!link) return false;
+  options.port = static_cast<std::uint16_t>(words.port);
+  options.serverHost = address->host;
+  options.serverPort = address->port;
+  options.link = *link;
+  options.seed = words.seed;
+  return true;
+}
+
+// The status line: rewritten in place on a terminal, a line each time elsewhere.
+class Status {
+ public:
+  Status(double every, double duration)
+      : m_terminal(isatty(STDOUT_FILENO) != 0),
+        m_every(every < 0 ? (m_terminal ? 1 : 0) : every),
+        m_duration(duration),
+        m_next(m_every) {}
+
+  void Show(const transport::RelayCounts& counts, double now) {
+    if (m_every <= 0 || now < m_next) return;
+    const double seconds = now - m_shown;
+    char left[32] = "";
+    if (m_duration > 0) std::snprintf(left, sizeof left, ", %.0f s left", std::ceil(std::max(0.0, m_duration - now)));
+    std::printf("%splayers %zu%s, up %.0f kbit/s in %.0f out, down %.0f kbit/s in %.0f out, p99 %.1f ms late%s",
+                m_terminal ? "\r" : "", counts.clients, left, KbitSince(m_last.up.bytesIn, counts.up.bytesIn, seconds),
+                KbitSince(m_last.up.bytesOut, counts.up.bytesOut, seconds),
+                KbitSince(m_last.down.bytesIn, counts.down.bytesIn, seconds),
+                KbitSince(m_last.down.bytesOut, counts.down.bytesOut, seconds), counts.lateness.FindPercentileMs(0.99),
+                m_terminal ? "\033[K" : "\n");
+    std::fflush(stdout);
+    m_last = counts;
+    m_shown = now;
+    while (m_next <= now) m_next += m_every;
+    m_open = m_terminal;
+  }
+
+  // Before anything else is written: a line begun on the terminal is ended.
+  void Close() const {
+    if (m_open) std::printf("\n");
+  }
+
+ private:
+  static double KbitSince(std::uint64_t before, std::uint64_t after, double seconds) {
+    return static_cast<double>(after - before) * 8 / 1000 / seconds;
+  }
+
+  bool m_terminal;
+  double m_every;
+  double m_duration;
+  double m_next;
+  double m_shown = 0;
+  bool m_open = false;
+  transport::RelayCounts m_last;
+};
+
+int Complain(const std::string& error) {
+  std::fprintf(stderr, "wobble link: %s\n", error.c_str());
+  return tool::kExitBadUse;
+}
+
+int RunLink(const Words& words, const tool::IsStopAsked& isStopAsked) {
+  transport::RelayOptions options;
+  std::string error;
+  if (!Understand(words, options, error)) return Complain(error);
+  tool::AllowManySockets();
+  const auto relay = transport::Relay::Open(options, error);
+  if (relay == nullptr) return Complain(error);
+  std::printf("relaying UDP port %d to %s%s%s\n", relay->ReadPort(), words.server.c_str(),
+              words.conditions.empty() ? "" : ", ", words.conditions.c_str());
+  std::fflush(stdout);
+
+  Status status(words.statusEvery, words.duration);
+  RunRelay(*relay, [&](double now) {
+    status.Show(relay->ReadCounts(), now);
+    return isStopAsked() || (words.duration > 0 && now >= words.duration);
+  });
+  status.Close();
+  std::printf("%s", DescribeCounts(relay->ReadCounts(), "").c_str());
+  return tool::kExitGood;
+}
+
+}  // namespace
+
+tool::Command DescribeLink(CLI::App& app) {
+  const auto words = std::make_shared<Words>();
+  CLI::App* command = AddWords(app, *words);
+  return {command, [words](const tool::IsStopAsked& isStopAsked) { return RunLink(*words, isStopAsked); }};
+}
+
+}  // namespace wobble::link

@@ -1,0 +1,14 @@
+#include "client/tool/sockets.h"
+
+#include <sys/resource.h>
+
+namespace wobble::tool {
+
+void AllowManySockets() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  static_cast<void>(setrlimit(RLIMIT_NOFILE, &limit));  // the sockets that then fail say so themselves
+}
+
+}  // namespace wobble::tool

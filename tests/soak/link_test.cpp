@@ -1,0 +1,123 @@
+// Whole games over links of the worst kind, on virtual time: who gets in, who stays, who is told why not, and that
+// nothing bursts out once it is over.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "tests/support/game.h"
+
+namespace wobble::test {
+namespace {
+
+// Players that run in circles, each at a pace of its own, and the bytes that both sides send.
+class Crowd {
+ public:
+  Crowd(int players, const server::Config& config, std::uint64_t seed) : game(MakeYard(), config, seed) {
+    for (int i = 0; i < players; ++i) {
+      auto transport = game.network.MakeClient();
+      m_transports.push_back(transport.get());
+      client::Options options;
+      options.decode = false;
+      game.clients.push_back(std::make_unique<client::Client>(std::move(transport), options, 0));
+    }
+  }
+  void Run(double seconds) {
+    for (const double end = game.now + seconds; game.now < end; game.Step()) {
+      for (std::size_t i = 0; i < game.clients.size(); ++i) {
+        const double angle = game.now * (1 + 0.1 * static_cast<double>(i));
+        game.clients[i]->SetInput({.moveX = static_cast<float>(std::cos(angle)),
+                                   .moveY = static_cast<float>(std::sin(angle)),
+                                   .jump = std::fmod(angle, 7) < 0.1});
+      }
+    }
+  }
+  [[nodiscard]] std::size_t CountIn(client::State state) const {
+    return static_cast<std::size_t>(std::count_if(game.clients.begin(), game.clients.end(),
+                                                  [&](const auto& each) { return each->ReadState() == state; }));
+  }
+  [[nodiscard]] double BytesUp() const {
+    double bytes = 0;
+    for (const transport::Transport* each : m_transports) bytes += static_cast<double>(each->ReadStatistics().bytesOut);
+    return bytes;
+  }
+  [[nodiscard]] double BytesDown() const { return static_cast<double>(game.server.ReadTransport().bytesOut); }
+
+  Game game;
+
+ private:
+  std::vector<const transport::Transport*> m_transports;
+};
+
+TEST(Link, AllGetInAndStayAtASecondOfDelayAndAQuarterLostEachWay) {
+  for (const std::uint64_t seed : {1, 2}) {
+    Crowd crowd(16, {}, seed);
+    crowd.game.network.SetConditions({.loss = 0.25, .delay = 1, .jitter = 0.1, .duplicate = 0.25});
+    crowd.Run(40);
+    EXPECT_EQ(crowd.CountIn(client::State::kPlaying), 16U) << "seed " << seed;
+    EXPECT_EQ(crowd.game.server.ReadCounts().joins, 16U);
+    EXPECT_EQ(crowd.game.server.ReadCounts().disconnects, 0U);
+    EXPECT_EQ(crowd.game.server.ReadCounts().refusals, 0U);
+    for (const auto& each : crowd.game.clients) {
+      EXPECT_EQ(each->EndReason(), "");
+      EXPECT_NEAR(each->ReadStatistics().inputToSnapshot, 2.1, 0.5);  // and their inputs move them
+    }
+  }
+}
+
+TEST(Link, WhoIsPlayingWhenNineOfTenAreLostIsToldSoAndTheServerForgetsHim) {
+  Crowd crowd(8, {}, 1);
+  crowd.Run(5);
+  ASSERT_EQ(crowd.CountIn(client::State::kPlaying), 8U);
+  crowd.game.network.SetConditions({.loss = 0.9});
+  crowd.Run(32);  // two windows of 16 s: one that began before
+  EXPECT_EQ(crowd.CountIn(client::State::kEnded), 8U);
+  for (const auto& each : crowd.game.clients) {
+    EXPECT_TRUE(each->EndedUnasked());
+    EXPECT_NE(each->EndReason().find("connection too poor: "), std::string::npos) << each->EndReason();
+  }
+  crowd.Run(12);  // his goodbye may be lost; his silence is not
+  EXPECT_TRUE(crowd.game.server.IsEmpty());
+  EXPECT_EQ(crowd.game.server.ReadCounts().disconnects, 8U);
+}
+
+TEST(Link, WhoTriesToJoinWhenNineOfTenAreLostIsInOrKnowsWhyNotInGoodTime) {
+  Crowd crowd(32, {}, 1);
+  crowd.game.network.SetConditions({.loss = 0.9, .delay = 0.05});
+  crowd.Run(90);
+  EXPECT_EQ(crowd.CountIn(client::State::kEnded), 32U);
+  for (const auto& each : crowd.game.clients) EXPECT_FALSE(each->EndReason().empty());
+  crowd.Run(12);
+  EXPECT_TRUE(crowd.game.server.IsEmpty());
+}
+
+// Black for 2 s of every 10, and a budget that is always used up, so that there is something to be pent up.
+TEST(Link, BlackoutsOfTwoSecondsDropNobodyAndNoStormFollows) {
+  server::Config config;
+  config.clientKbit = 100;
+  Crowd crowd(8, config, 1);
+  crowd.game.network.SetConditions({.delay = 0.03, .jitter = 0.01, .blackout = {2, 10}});
+  crowd.Run(4);
+  ASSERT_EQ(crowd.CountIn(client::State::kPlaying), 8U);
+  for (int round = 0; round < 4; ++round) {
+    const double up = crowd.BytesUp(), down = crowd.BytesDown();
+    crowd.Run(4);  // clear, right up to the black-out
+    const double steadyUp = (crowd.BytesUp() - up) / 16, steadyDown = (crowd.BytesDown() - down) / 16;
+    ASSERT_GT(steadyUp, 0);
+    ASSERT_GT(steadyDown, 0);
+    for (int quarter = 0; quarter < 24; ++quarter) {  // the black-out and what follows
+      const double upBefore = crowd.BytesUp(), downBefore = crowd.BytesDown();
+      crowd.Run(0.25);
+      EXPECT_LE(crowd.BytesUp() - upBefore, 1.5 * steadyUp) << quarter;
+      EXPECT_LE(crowd.BytesDown() - downBefore, 1.5 * steadyDown) << quarter;
+    }
+  }
+  EXPECT_EQ(crowd.CountIn(client::State::kPlaying), 8U);
+  EXPECT_EQ(crowd.game.server.ReadCounts().disconnects, 0U);
+  EXPECT_GT(crowd.game.network.CountsToClients().lost, 1000U);
+}
+
+}  // namespace
+}  // namespace wobble::test
