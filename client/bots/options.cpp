@@ -68,16 +68,15 @@ double FindDuration(const LoadTestOptions& options) {
   return seconds;
 }
 
-// The first bot of a rise comes at its beginning and the last before its end; in a fall it is the other way round.
+// The first bot of a rise comes at its beginning and the last before its end, so that the number has been reached when
+// the next stage begins; a fall likewise.
 unsigned CountBotsAt(const std::vector<Stage>& stages, double seconds) {
   unsigned from = 0;
   for (const Stage& stage : stages) {
     if (seconds < stage.seconds) {
-      const double share = seconds / stage.seconds;
-      const double rise = stage.bots > from ? stage.bots - from : 0;
-      const double fall = from > stage.bots ? from - stage.bots : 0;
-      const auto joined = static_cast<unsigned>(std::min(rise, std::floor(rise * share) + 1));
-      return from + joined - static_cast<unsigned>(std::floor(fall * share));
+      const unsigned change = std::max(from, stage.bots) - std::min(from, stage.bots);
+      const auto changed = std::min(change, static_cast<unsigned>(change * seconds / stage.seconds) + 1);
+      return stage.bots > from ? from + changed : from - changed;
     }
     seconds -= stage.seconds;
     from = stage.bots;
