@@ -1,5 +1,6 @@
 #include "client/bots/command.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 
@@ -8,8 +9,8 @@
 namespace wobble::bots {
 namespace {
 
-// What a double holds exactly, so that the range can be said.
-constexpr double kMaxSeed = 9e15;
+// 2^53, as the server's: exact as a number in JSON too.
+constexpr double kMaxSeed = 9007199254740992.0;
 
 // A script that lies nowhere at hand but has the bare name of a shipped one is that one.
 std::string FindScript(const std::string& name) {
@@ -110,8 +111,10 @@ std::vector<std::string> Understand(const CLI::App& command, const Words& words,
     if (words.stages.empty() || command.get_option(other)->count() == 0) continue;
     errors.push_back(std::string(other) + ": not together with --stage, which says how many bots and for how long");
   }
-  if (!options.stages.empty() && CountStarts(options.stages) == 0)
-    errors.emplace_back("--stage: no stage has any bots, 1 to " + std::to_string(kMaxBots) + " are needed in one");
+  const bool onlyEmpty = std::all_of(words.stages.begin(), words.stages.end(),
+                                     [](const std::string& stage) { return stage.ends_with(":0"); });
+  if (!words.stages.empty() && onlyEmpty)
+    errors.emplace_back("--stage: none has any bots, 1 to " + std::to_string(kMaxBots) + " are needed in one of them");
   options.scriptFile = FindScript(options.scriptFile);
   return errors;
 }

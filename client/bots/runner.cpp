@@ -33,13 +33,13 @@ Runner::Runner(const LoadTestOptions& options, Script& script, Connect connect, 
       m_clock(std::move(clock)),
       m_log(std::move(log)) {}
 
-void Runner::RunRound(double now, double late) {
+void Runner::RunRound(double now, double late, unsigned parts) {
   if (!m_leaving) {
     m_lateMs.Add(late * 1000);
     m_progressLate = std::max(m_progressLate, late);
     FollowStages(now);
   }
-  for (const auto& bot : m_bots) RunBot(*bot, now);
+  for (std::size_t i = m_round++ % parts; i < m_bots.size(); i += parts) RunBot(*m_bots[i], now);
 }
 
 // Those who were lost stay counted as there: replacing them would hide a server that cannot hold its players.

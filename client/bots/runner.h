@@ -31,9 +31,9 @@ class Runner {
   // script is loaded and must outlive the runner.
   Runner(const LoadTestOptions& options, Script& script, Connect connect, Clock clock, Log log);
 
-  // One round of all bots, to be called 60 times a second; now counts from the first call's, seconds. late: seconds
-  // since this round was due.
-  void RunRound(double now, double late);
+  // One round of one part of the bots, the next at each call; to be called 60 times `parts` times a second. now counts
+  // from the first call's, seconds. late: seconds since this round was due.
+  void RunRound(double now, double late, unsigned parts = 1);
 
   // Says goodbye for all; measuring ends. RunRound goes on until HaveAllEnded.
   void Leave(double now);
@@ -90,6 +90,7 @@ class Runner {
   Log m_log;
 
   std::vector<std::unique_ptr<Bot>> m_bots;
+  unsigned m_round = 0;
   unsigned m_dismissed = 0;
   std::vector<client::BodySample> m_samples;  // scratch
   bool m_leaving = false;

@@ -79,6 +79,12 @@ class Script {
     [[nodiscard]] bool IsDue() const;
   };
 
+  struct Neighbour {
+    double distance = 0;
+    std::uint32_t body = 0;
+    std::uint32_t index = 0;  // in m_sightings
+  };
+
   void Continue(Bot& bot, std::string& error);
   static int CreateCoroutine(lua_State* lua);
   static int PrepareBots(lua_State* lua);
@@ -87,6 +93,7 @@ class Script {
   static void MakeBotType(lua_State* lua);
   static void PushBot(lua_State* lua, Bot* bot);
   static Bot& SelfOf(lua_State* lua);
+  static void PushSighting(lua_State* lua, const View& view, const client::Sighting& sighting, double distance);
   static int Await(lua_State* lua, Bot& bot, Awaited awaited, const Wish& wish);
   static int AnswerMove(lua_State* lua);
   static int AnswerJump(lua_State* lua);
@@ -107,6 +114,7 @@ class Script {
   LuaSandbox::Caller m_loader;
   std::vector<std::unique_ptr<Bot>> m_bots;
   std::vector<client::Sighting> m_sightings;  // scratch
+  std::vector<Neighbour> m_near;              // scratch
 };
 
 }  // namespace wobble::bots

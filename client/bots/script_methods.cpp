@@ -17,8 +17,10 @@ namespace {
 constexpr const char* kBotType = "wobble.bot";
 
 // Instructions that looking at a body counts for, and making a table of what is known of it.
-constexpr std::int64_t kLookCost = 5;
+constexpr std::int64_t kLookCost = 2;
 constexpr std::int64_t kTableCost = 50;
+// Bodies that bot:near lists when it is not told how many: in a crowd of thousands the rest is not near.
+constexpr lua_Integer kNearByDefault = 32;
 
 bool CheckBoolean(lua_State* lua, int index) {
   luaL_checktype(lua, index, LUA_TBOOLEAN);
@@ -196,41 +198,48 @@ int Script::AnswerBody(lua_State* lua) {
   return 1;
 }
 
+// A table of what is known of a body, onto the stack.
+void Script::PushSighting(lua_State* lua, const View& view, const client::Sighting& sighting, double distance) {
+  lua_createtable(lua, 0, 10);
+  SetBody(lua, sighting.body);
+  SetNumber(lua, "distance", distance);
+  SetNumber(lua, "age", sighting.age);
+  SetVector(lua, "x", "y", "z", sighting.pose.centroid);
+  if (sighting.velocity) SetVector(lua, "vx", "vy", "vz", *sighting.velocity);
+  if (view.names == nullptr) return;
+  const auto name = view.names->find(sighting.body);
+  if (name == view.names->end()) return;
+  lua_pushlstring(lua, name->second.data(), name->second.size());
+  lua_setfield(lua, -2, "name");
+}
+
 int Script::AnswerNear(lua_State* lua) {
   Bot& bot = SelfOf(lua);
   const double radius = lua_isnoneornil(lua, 2) ? INFINITY : CheckNotNegative(lua, 2);
-  std::vector<client::Sighting>& bodies = bot.script->m_sightings;
-  bodies.clear();
-  if (bot.view.self && bot.view.listBodies) bot.view.listBodies(bodies);
-  LuaSandbox::Charge(lua, kLookCost * std::ssize(bodies));
-  const auto distanceTo = [&bot](const client::Sighting& sighting) {
-    return static_cast<double>(protocol::Length(sighting.pose.centroid - bot.view.self->pose.centroid));
-  };
-  std::erase_if(bodies, [&](const client::Sighting& sighting) {
-    return sighting.body == bot.view.body || distanceTo(sighting) > radius;
-  });
-  // Of equal distances the lower number first, so that a script does not depend on how bodies are kept.
-  std::sort(bodies.begin(), bodies.end(), [&](const client::Sighting& a, const client::Sighting& b) {
-    return std::pair(distanceTo(a), a.body) < std::pair(distanceTo(b), b.body);
-  });
-  LuaSandbox::Charge(lua, kTableCost * std::ssize(bodies));
+  const lua_Integer most = luaL_optinteger(lua, 3, kNearByDefault);
+  luaL_argcheck(lua, most >= 1, 3, "must be 1 or more");
 
-  lua_createtable(lua, static_cast<int>(bodies.size()), 0);
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const client::Sighting& sighting = bodies[i];
-    lua_createtable(lua, 0, 10);
-    SetBody(lua, sighting.body);
-    SetNumber(lua, "distance", distanceTo(sighting));
-    SetNumber(lua, "age", sighting.age);
-    SetVector(lua, "x", "y", "z", sighting.pose.centroid);
-    if (sighting.velocity) SetVector(lua, "vx", "vy", "vz", *sighting.velocity);
-    if (bot.view.names != nullptr) {
-      const auto name = bot.view.names->find(sighting.body);
-      if (name != bot.view.names->end()) {
-        lua_pushlstring(lua, name->second.data(), name->second.size());
-        lua_setfield(lua, -2, "name");
-      }
-    }
+  std::vector<client::Sighting>& all = bot.script->m_sightings;
+  std::vector<Neighbour>& near = bot.script->m_near;
+  all.clear();
+  near.clear();
+  if (bot.view.self && bot.view.listBodies) bot.view.listBodies(all);
+  LuaSandbox::Charge(lua, kLookCost * std::ssize(all));
+  for (std::uint32_t i = 0; i < all.size(); ++i) {
+    const auto distance = static_cast<double>(protocol::Length(all[i].pose.centroid - bot.view.self->pose.centroid));
+    if (all[i].body != bot.view.body && distance <= radius) near.push_back({distance, all[i].body, i});
+  }
+  // Of equal distances the lower number first, so that a script does not depend on how bodies are kept.
+  const auto count = std::min<std::ptrdiff_t>(std::ssize(near), most);
+  std::partial_sort(near.begin(), near.begin() + count, near.end(), [](const Neighbour& a, const Neighbour& b) {
+    return a.distance != b.distance ? a.distance < b.distance : a.body < b.body;
+  });
+
+  LuaSandbox::Charge(lua, kTableCost * count);
+  lua_createtable(lua, static_cast<int>(count), 0);
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const Neighbour& neighbour = near[static_cast<std::size_t>(i)];
+    PushSighting(lua, bot.view, all[neighbour.index], neighbour.distance);
     lua_rawseti(lua, -2, static_cast<lua_Integer>(i) + 1);
   }
   return 1;

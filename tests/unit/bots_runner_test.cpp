@@ -112,7 +112,7 @@ class Theatre {
   }
   void RunUntil(double time) {
     for (; m_now < time; m_now += kRound) {
-      m_runner.RunRound(m_now, 0.0005);
+      for (unsigned part = 0; part < parts; ++part) m_runner.RunRound(m_now + kRound * part / parts, 0.0005, parts);
       if (serverLives) server.RunRound(m_now);
     }
   }
@@ -122,6 +122,7 @@ class Theatre {
 
   bool serverLives = true;
   bool canConnect = true;
+  unsigned parts = 1;
   std::vector<std::string> log;
 
  private:
@@ -183,6 +184,17 @@ TEST(BotRunner, RampSpreadsTheJoinsAndScriptsReachTheServer) {
   EXPECT_GT(figures.kbitPerSecondPerBot.value(), 1);
   EXPECT_FALSE(figures.decodeUsP99.has_value());  // there was no record to decode
   EXPECT_TRUE(theatre.log.empty()) << theatre.log[0];
+}
+
+TEST(BotRunner, RoundsInPartsLookAfterEveryBot) {
+  Theatre theatre(MakeOptions(6), "function run(bot) bot:move(bot:id() / 8, 0) bot:wait(60) end");
+  theatre.parts = 4;
+  theatre.RunUntil(2);
+  std::set<float> moves;
+  for (const auto& [connection, move] : theatre.server.moves) moves.insert(move);
+  EXPECT_EQ(moves.size(), 6U);
+  EXPECT_EQ(theatre.Bots().ReadFigures().joins, 6U);
+  EXPECT_NEAR(static_cast<double>(theatre.Bots().ReadFigures().snapshots), 6 * 30 * 1.9, 40);
 }
 
 TEST(BotRunner, BotsSentAwayAndNeverAnsweredAreDisconnects) {

@@ -271,6 +271,7 @@ TEST(BotScript, RuntimeErrorsNameTheirLine) {
                                 "setmetatable(bot, nil)",
                                 "coroutine.close(coroutine.running())",
                                 "bot:near(-1)",
+                                "bot:near(1, 0)",
                                 "bot:near('far')",
                                 "coroutine.wrap(function() bot:leave() end)()",
                                 "string.rep()",

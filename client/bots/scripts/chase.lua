@@ -1,6 +1,6 @@
 -- Runs after the nearest player, or the nearest body where no player is near, and jumps into it: crowds, collisions,
 -- and bodies that press on each other.
-local SIGHT = 20         -- metres
+local SIGHT = 12         -- metres
 local LEAP = 2.5         -- metres at which it jumps
 local LEAD = 0.2         -- seconds that it aims ahead of what runs away
 local TURN_BACK = 8      -- metres from the middle; the arena's platform ends 10 m from it
