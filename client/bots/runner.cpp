@@ -59,7 +59,8 @@ void Runner::StartBot(double now) {
                                          [this](const client::SnapshotArrival& arrival) { AddArrival(arrival); }));
   Bot& bot = *m_bots.back();
   std::string error;
-  if (m_script.AddBot(error) != 0) return BeginStay(bot, now);
+  bot.scriptNumber = m_script.AddBot(error);
+  if (bot.scriptNumber != 0) return BeginStay(bot, now);
   bot.player.Lose(error);
   NoteFailure(bot, now);
 }
@@ -127,7 +128,7 @@ void Runner::RunScript(Bot& bot, double now) {
   }
   Script::Wish wish;
   std::string error;
-  if (m_script.Resume(bot.number, view, wish, error) == Script::Result::kFailed && !bot.scriptFailed) {
+  if (m_script.Resume(bot.scriptNumber, view, wish, error) == Script::Result::kFailed && !bot.scriptFailed) {
     bot.scriptFailed = true;
     // One script, so mostly one error in all bots; what differs is said, as far as it can be of interest.
     if (m_scriptErrors.size() < kFailuresLogged && m_scriptErrors.insert(error).second) {

@@ -63,6 +63,7 @@ class Runner {
         : number(itsNumber), decodes(options.decode), player(options, std::move(onSnapshot)) {}
 
     unsigned number;
+    unsigned scriptNumber = 0;  // its number there: another one once memory has been out
     bool decodes;
     bool dismissed = false;  // the stages go down: it leaves for good
     bool scriptFailed = false;
