@@ -33,8 +33,6 @@ std::string FormatStatus(const Runner::Progress& progress, const std::vector<Sta
   if (duration > 0) {
     const long percent = std::lround(std::floor(100 * std::clamp(now / duration, 0.0, 1.0)));
     line += " " + std::to_string(percent) + "%, " + FormatTime(duration - now) + " left";
-  } else {
-    line += ", " + FormatTime(now);
   }
   line += ", " + FormatFigure(progress.kbitPerSecondPerBot, "kbit/s each");
   line += ", age " + FormatFigure(progress.snapshotAgeMs, "ms");

@@ -14,7 +14,7 @@ namespace wobble::bots {
 [[nodiscard]] std::string FormatFigure(std::optional<double> value, const char* unit);
 // Seconds up to two minutes, then minutes, then hours.
 [[nodiscard]] std::string FormatTime(double seconds);
-// duration: of the whole run, seconds; 0: until stopped. Fits 80 columns up to 9,999 bots at 999 kbit/s.
+// duration: of the whole run, seconds; 0: until stopped. Fits 80 columns up to 999 bots.
 [[nodiscard]] std::string FormatStatus(const Runner::Progress& progress, const std::vector<Stage>& stages,
                                        double duration, double now);
 
