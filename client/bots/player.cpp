@@ -35,6 +35,7 @@ void Player::Leave(double now) {
 
 void Player::Update(double now) {
   if (m_client == nullptr) return;
+  m_updated = now;
   m_client->Update(now);
   if (m_client->ReadState() == client::State::kEnded) {
     StopMeasuring(now);
@@ -57,8 +58,12 @@ void Player::Update(double now) {
 void Player::StopMeasuring(double now) {
   if (!m_measured) return;
   m_measured = false;
-  m_totals.playedSeconds += now - m_playedFrom;
-  m_totals.playedBytes += m_transport->ReadStatistics().bytesIn - m_bytesFrom;
+  AddPresentStay(now, m_totals);
+}
+
+void Player::AddPresentStay(double now, Totals& totals) const {
+  totals.playedSeconds += now - m_playedFrom;
+  totals.playedBytes += m_transport->ReadStatistics().bytesIn - m_bytesFrom;
 }
 
 void Player::CloseConnection() {
@@ -72,7 +77,7 @@ Player::Totals Player::ReadTotals() const {
   if (m_client == nullptr) return totals;
   totals.snapshots += m_client->ReadStatistics().snapshots;
   totals.stalls += m_client->ReadStatistics().stalls;
-  totals.bytes += m_transport->ReadStatistics().bytesIn;
+  if (m_measured) AddPresentStay(m_updated, totals);
   return totals;
 }
 

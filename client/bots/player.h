@@ -49,19 +49,19 @@ class Player {
   // Oldest first; whoever reads them empties it.
   [[nodiscard]] std::deque<client::Client::Event>& Events() { return m_events; }
 
-  // Sums over all stays.
+  // Sums over all stays, the present one up to the latest Update.
   struct Totals {
     std::uint64_t joins = 0;  // times that it reached play
     std::uint64_t snapshots = 0;
     std::uint64_t stalls = 0;
     double playedSeconds = 0;
     std::uint64_t playedBytes = 0;  // received in that time, transport's headers included
-    std::uint64_t bytes = 0;        // received
   };
   [[nodiscard]] Totals ReadTotals() const;
 
  private:
   void HearEvent(const client::Client::Event& event);
+  void AddPresentStay(double now, Totals& totals) const;
   void CloseConnection();
 
   client::Options m_options;
@@ -76,6 +76,7 @@ class Player {
   Totals m_totals;          // of the stays that are over
   bool m_measured = false;  // playing, and it counts
   double m_playedFrom = 0;
+  double m_updated = 0;           // the latest Update
   std::uint64_t m_bytesFrom = 0;  // the transport's count at m_playedFrom
 };
 

@@ -170,9 +170,10 @@ bool Runner::HasEnded(const Bot& bot) const {
   return state == Player::State::kLost || (state == Player::State::kAway && (m_leaving || bot.dismissed));
 }
 
+// Stages that have gone down to nobody are to be sat out, a server that has gone is not.
 bool Runner::HaveAllEnded() const {
-  const bool allStarted = m_leaving || m_bots.size() == m_starts;
-  return allStarted && std::all_of(m_bots.begin(), m_bots.end(), [this](const auto& bot) { return HasEnded(*bot); });
+  const bool isOver = m_leaving || (m_bots.size() == m_starts && m_firstFailure);
+  return isOver && std::all_of(m_bots.begin(), m_bots.end(), [this](const auto& bot) { return HasEnded(*bot); });
 }
 
 bool Runner::IsHopeless(double now) const {
@@ -211,19 +212,22 @@ Figures Runner::ReadFigures() const {
   return figures;
 }
 
-Runner::Progress Runner::TakeProgress(double now) {
+Runner::Progress Runner::TakeProgress() {
   Progress progress;
   std::uint64_t bytes = 0;
+  double seconds = 0;
   for (const auto& bot : m_bots) {
-    bytes += bot->player.ReadTotals().bytes;
+    const Player::Totals totals = bot->player.ReadTotals();
+    bytes += totals.playedBytes;
+    seconds += totals.playedSeconds;
     progress.playing += bot->player.ReadState() == Player::State::kPlaying ? 1 : 0;
   }
-  const double seconds = now - m_progressFrom;
-  if (progress.playing > 0 && seconds > 0) {
-    progress.kbitPerSecondPerBot = static_cast<double>(bytes - m_progressBytes) * 8 / 1000 / seconds / progress.playing;
+  if (seconds > m_progressSeconds) {
+    const double bits = static_cast<double>(bytes - m_progressBytes) * 8;
+    progress.kbitPerSecondPerBot = bits / 1000 / (seconds - m_progressSeconds);
   }
   if (m_progressArrivals > 0) progress.snapshotAgeMs = m_progressAgeSum / static_cast<double>(m_progressArrivals);
-  m_progressFrom = now;
+  m_progressSeconds = seconds;
   m_progressBytes = bytes;
   m_progressAgeSum = 0;
   m_progressArrivals = 0;

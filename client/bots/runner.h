@@ -37,6 +37,7 @@ class Runner {
 
   // Says goodbye for all; measuring ends. RunRound goes on until HaveAllEnded.
   void Leave(double now);
+  // True, without Leave, once all there were to be are gone and not all of them because the stages said so.
   [[nodiscard]] bool HaveAllEnded() const;
 
   // Some bots ended a second ago and none has ever played: the rest need not try.
@@ -55,7 +56,7 @@ class Runner {
     std::optional<double> snapshotAgeMs;  // mean
     double lateMs = 0;                    // greatest
   };
-  [[nodiscard]] Progress TakeProgress(double now);
+  [[nodiscard]] Progress TakeProgress();
 
  private:
   struct Bot {
@@ -109,7 +110,7 @@ class Runner {
   double m_decodeSeconds = 0;  // of the group of records that is being filled
   std::uint64_t m_decodeRecords = 0;
 
-  double m_progressFrom = 0;
+  double m_progressSeconds = 0;  // played by then, over all bots
   std::uint64_t m_progressBytes = 0;
   double m_progressAgeSum = 0;
   std::uint64_t m_progressArrivals = 0;

@@ -49,7 +49,7 @@ Status::Status(const LoadTestOptions& options)
 void Status::Show(Runner& runner, double now) {
   if (m_every <= 0 || now < m_next) return;
   m_next = now + m_every;
-  std::string line = FormatStatus(runner.TakeProgress(now), m_stages, m_duration, now);
+  std::string line = FormatStatus(runner.TakeProgress(), m_stages, m_duration, now);
   winsize size{};
   if (m_terminal && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1) {
     line.resize(std::min<std::size_t>(line.size(), size.ws_col - 1));

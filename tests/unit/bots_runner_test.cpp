@@ -289,7 +289,7 @@ TEST(BotRunner, LeavingAndJoiningAgainIsNoDisconnect) {
   theatre.RunUntil(8);
   EXPECT_EQ(theatre.server.joins.size(), 9U);
   EXPECT_EQ(theatre.server.goodbyes, 7U);
-  EXPECT_EQ(theatre.Bots().TakeProgress(8).playing, 2U);
+  EXPECT_EQ(theatre.Bots().TakeProgress().playing, 2U);
   EXPECT_FALSE(theatre.Bots().HaveAllEnded());
   theatre.Leave();
   theatre.RunUntil(10);
@@ -329,12 +329,18 @@ TEST(BotRunner, StagesGoUpAndDownTheLastToJoinLeavesFirst) {
   Theatre theatre(options, "function run(bot) bot:move(bot:id() / 8, 0) bot:wait(60) end");
   const auto playingAt = [&](double time) {
     theatre.RunUntil(time);
-    return theatre.Bots().TakeProgress(time).playing;
+    return theatre.Bots().TakeProgress().playing;
   };
   EXPECT_EQ(playingAt(0.4), 1U);
   EXPECT_EQ(playingAt(1.4), 3U);
   EXPECT_EQ(playingAt(2.9), 4U);
-  EXPECT_EQ(playingAt(3.5), 3U);
+  static_cast<void>(theatre.Bots().TakeProgress());
+  theatre.RunUntil(3.2);
+  const double steady = theatre.Bots().TakeProgress().kbitPerSecondPerBot.value();
+  theatre.RunUntil(3.5);
+  const Runner::Progress falling = theatre.Bots().TakeProgress();
+  EXPECT_EQ(falling.playing, 3U);
+  EXPECT_NEAR(falling.kbitPerSecondPerBot.value(), steady, 0.1 * steady);  // of those who left as long as they played
   EXPECT_EQ(playingAt(4.9), 1U);
   EXPECT_EQ(playingAt(5.2), 2U);  // 1 stays, 5 has come
   EXPECT_EQ(theatre.server.goodbyes, 3U);
@@ -356,6 +362,9 @@ TEST(BotRunner, StagesEndBotsThatAreAwayOrOnTheirWayToo) {
   options.stages = {{0.5, 4}, {0.5, 0}, {0.1, 0}};
   Theatre theatre(options, "function run(bot) while true do bot:leave() bot:join() end end");
   theatre.RunUntil(2.5);
+  EXPECT_EQ(theatre.Bots().TakeProgress().playing, 0U);
+  EXPECT_FALSE(theatre.Bots().HaveAllEnded());  // the last stage is sat out
+  theatre.Leave();
   EXPECT_TRUE(theatre.Bots().HaveAllEnded());
   const Figures figures = theatre.Bots().ReadFigures();
   EXPECT_EQ(figures.bots, 4U);
