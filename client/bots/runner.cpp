@@ -1,6 +1,6 @@
-// One thread and one loop over plain bots, and nothing has to be locked. A bot costs some 15 us a round where it is
-// sent 380 kbit/s, most of them for receiving (the system calls, ENet's checksum), 1 us for its script: 500 take half
-// of a core. More than one core can carry is a matter of more processes.
+// One thread and one loop over plain bots, and nothing has to be locked. A bot that is sent 380 kbit/s costs some 20 us
+// a round, most of them for receiving (system calls, ENet's checksum) and little for its script, so 500 take more than
+// half of a core. More than one core can carry is a matter of more processes.
 //
 // Most bots read only heads, or the generator would spend its core on decoding and measure itself; the share that
 // decodes does all that a player's client does, sampling at 60 Hz included.
