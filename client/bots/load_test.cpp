@@ -27,7 +27,8 @@ namespace wobble::bots {
 namespace {
 
 constexpr double kBotHz = 60;
-constexpr unsigned kParts = 4;
+// A prime, so that the bots that decode, often every 32nd, do not all come in one of them.
+constexpr unsigned kParts = 5;
 constexpr double kRoundHz = kBotHz * kParts;
 // Longer than a client takes to give up on the answer to its goodbye, seconds.
 constexpr double kGoodbyePatience = 1.5;
