@@ -115,10 +115,4 @@ void Bodies::SampleBody(const Body& body, double time, double newest, Detail det
   }
 }
 
-std::optional<protocol::Pose> Bodies::NewestPose(std::uint32_t body) const {
-  const auto known = m_bodies.find(body);
-  if (known == m_bodies.end() || known->second.patches[0].Empty()) return std::nullopt;
-  return known->second.patches[0].Newest().pose;
-}
-
 }  // namespace wobble::client

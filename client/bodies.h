@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -39,7 +38,6 @@ class Bodies {
 
   // All bodies at `time`, by ascending number. newest: time of the newest tick known. Counts what it shows.
   void Sample(double time, double newest, Detail detail, std::vector<BodySample>& samples, Statistics& statistics);
-  [[nodiscard]] std::optional<protocol::Pose> NewestPose(std::uint32_t body) const;
   [[nodiscard]] std::size_t Count() const { return m_bodies.size(); }
 
  private:

@@ -17,6 +17,7 @@
 #include "client/clock.h"
 #include "client/input_stream.h"
 #include "client/jitter_buffer.h"
+#include "client/newest_poses.h"
 #include "protocol/acknowledgement.h"
 #include "protocol/pose.h"
 #include "protocol/snapshot.h"
@@ -91,8 +92,7 @@ struct Client::Implementation {
   JitterBuffer jitter;
   Bodies bodies;
   double nextForget = 0;
-  std::optional<protocol::Pose> ownPose;  // without decode
-  std::uint32_t ownPoseTick = 0;
+  NewestPoses newestPoses;
   std::vector<protocol::Record> records;  // scratch
   std::vector<protocol::Vector3> shape;   // scratch
 
@@ -111,7 +111,7 @@ struct Client::Implementation {
   void MeasureSnapshot(const protocol::SnapshotHead& head);
   double MeasureInput(std::uint32_t inputTick);
   void HandleRecord(const protocol::Record& record, std::uint32_t tick);
-  void ReadOwnPose(const protocol::Record& record, std::uint32_t tick);
+  [[nodiscard]] bool DecodeRecord(const protocol::Record& record, const Blueprint& blueprint, std::uint32_t tick);
 
   void SendDueInputs();
   void SendInput();
@@ -177,9 +177,14 @@ void Client::Sample(double now, Detail detail, std::vector<BodySample>& samples)
   m->bodies.Sample(m->jitter.Playback(), m->TimeOf(m->newestTick), detail, samples, m->statistics);
 }
 
-std::optional<protocol::Pose> Client::NewestPose(std::uint32_t body) const {
-  if (m->options.decode) return m->bodies.NewestPose(body);
-  return body == m->welcome.ownBody ? m->ownPose : std::nullopt;
+std::optional<protocol::Pose> Client::NewestPose(std::uint32_t body) const { return m->newestPoses.Find(body); }
+
+std::optional<Sighting> Client::FindSighting(std::uint32_t body) const {
+  return m->newestPoses.FindSighting(body, m->tickSeconds, m->newestTick);
+}
+
+void Client::ListSightings(std::vector<Sighting>& sightings) const {
+  m->newestPoses.List(m->tickSeconds, m->newestTick, sightings);
 }
 
 void Client::Implementation::TakeIn(const transport::Event& event) {
@@ -299,7 +304,12 @@ bool Client::Implementation::HandleWelcome(const wire::Welcome& message) {
 }
 
 void Client::Implementation::HandleEvent(const wire::Event& message) {
-  if (message.kind() == wire::EventKind::BodyRemoved) bodies.Remove(message.body(), message.tick());
+  if (message.kind() == wire::EventKind::BodyRemoved) {
+    bodies.Remove(message.body(), message.tick());
+    newestPoses.Remove(message.body(), message.tick());
+  } else if (message.kind() == wire::EventKind::Respawn) {
+    newestPoses.NoteRespawn(message.body(), message.tick());
+  }
   if (onEvent) onEvent({message.kind(), message.client_id(), message.body(), message.name()->str()});
 }
 
@@ -363,33 +373,25 @@ void Client::Implementation::HandleRecord(const protocol::Record& record, std::u
     ++statistics.unknownRecords;
     return;
   }
-  const std::size_t size = protocol::PatchSize(blueprint->rest.size(), record.head.patch);
-  if (size == 0) {
-    ++statistics.badRecords;
-    return;
-  }
-  if (!options.decode) {
-    ReadOwnPose(record, tick);
-    return;
-  }
-  const auto rest = std::span(blueprint->rest).subspan(record.head.patch * protocol::kMaxPatchVertices, size);
-  protocol::Pose pose;
-  shape.resize(size);
-  const bool added = protocol::DecodeShape(record.payload, rest, pose, shape) == protocol::DecodeResult::kOk &&
-                     bodies.Add(record.head, *blueprint, tick, TimeOf(tick), pose, shape, jitter.Playback());
-  if (!added) ++statistics.badRecords;
-}
-
-void Client::Implementation::ReadOwnPose(const protocol::Record& record, std::uint32_t tick) {
-  if (record.head.body != welcome.ownBody || record.head.patch != 0 || (ownPose && tick < ownPoseTick)) return;
   protocol::BitReader reader(record.payload);
   protocol::QuantisedPose pose;
-  if (!protocol::ReadPose(reader, pose)) {
+  const bool isGood = protocol::PatchSize(blueprint->rest.size(), record.head.patch) > 0 &&
+                      (!options.decode || DecodeRecord(record, *blueprint, tick)) && protocol::ReadPose(reader, pose);
+  if (!isGood) {
     ++statistics.badRecords;
-    return;
+  } else if (record.head.patch == 0) {
+    newestPoses.Add(record.head.body, tick, pose);
   }
-  ownPose = protocol::Dequantise(pose);
-  ownPoseTick = tick;
+}
+
+bool Client::Implementation::DecodeRecord(const protocol::Record& record, const Blueprint& blueprint,
+                                          std::uint32_t tick) {
+  const std::size_t size = protocol::PatchSize(blueprint.rest.size(), record.head.patch);
+  const auto rest = std::span(blueprint.rest).subspan(record.head.patch * protocol::kMaxPatchVertices, size);
+  protocol::Pose pose;
+  shape.resize(size);
+  return protocol::DecodeShape(record.payload, rest, pose, shape) == protocol::DecodeResult::kOk &&
+         bodies.Add(record.head, blueprint, tick, TimeOf(tick), pose, shape, jitter.Playback());
 }
 
 void Client::Implementation::SendDueInputs() {
@@ -413,6 +415,8 @@ void Client::Implementation::MoveOn(double to) {
   if (to < nextForget) return;
   nextForget = to + kForgetEvery;
   bodies.Forget(TimeOf(newestTick) - kForgetAfter);
+  const auto kept = static_cast<std::uint32_t>(kForgetAfter * welcome.tickHz);
+  if (newestTick > kept) newestPoses.Forget(newestTick - kept);
 }
 
 }  // namespace wobble::client

@@ -22,7 +22,7 @@ namespace wobble::client {
 struct Options {
   std::string name = "player";  // at most protocol::kMaxNameBytes bytes
   bool spectator = false;       // sees the world but has no body
-  bool decode = true;           // false: reads heads only (for load tests); nothing can then be sampled
+  bool decode = true;           // false: reads heads only (for load tests): where bodies are, not how they look
   std::uint16_t protocolVersion = protocol::kProtocolVersion;  // said in hello; another one is for testing servers
 };
 
@@ -60,6 +60,16 @@ struct BodySample {
   bool held = false;                        // nothing newer arrived in time: shown as it was last
 };
 enum class Detail { kPosesOnly, kVertices };
+
+// Where a body was when it was last heard of: neither delayed nor interpolated.
+struct Sighting {
+  std::uint32_t body = 0;
+  protocol::Pose pose;
+  // Mean between the two newest poses, metres per second of world time; nullopt when there is one only, when they lie
+  // too far apart to tell (kMaxVelocitySpan), and when the body was put elsewhere between them.
+  std::optional<protocol::Vector3> velocity;
+  double age = 0;  // of the pose, server seconds behind the newest tick known
+};
 
 // What one snapshot packet says about the link. Seconds.
 struct SnapshotArrival {
@@ -105,8 +115,11 @@ class Client {
 
   // All bodies as they are to be shown at `now`, by ascending body; `samples` is reused to save allocations.
   void Sample(double now, Detail detail, std::vector<BodySample>& samples);
-  // The own body's newest received pose without delay, for bots; nullopt for spectators and before it is known.
+  // A body's newest received pose without delay, for bots; nullopt before anything is known of it.
   [[nodiscard]] std::optional<protocol::Pose> NewestPose(std::uint32_t body) const;
+  [[nodiscard]] std::optional<Sighting> FindSighting(std::uint32_t body) const;
+  // The same of all bodies, in no order; `sightings` is reused to save allocations.
+  void ListSightings(std::vector<Sighting>& sightings) const;
 
   struct Event {
     wire::EventKind kind;

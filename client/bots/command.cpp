@@ -1,5 +1,6 @@
 #include "client/bots/command.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 
@@ -7,6 +8,9 @@
 
 namespace wobble::bots {
 namespace {
+
+// 2^53, as the server's: exact as a number in JSON too.
+constexpr double kMaxSeed = 9007199254740992.0;
 
 // A script that lies nowhere at hand but has the bare name of a shipped one is that one.
 std::string FindScript(const std::string& name) {
@@ -22,8 +26,11 @@ struct Words {
   std::string address;
   std::string decodeShare = "1/32";
   std::vector<std::string> thresholds;
+  std::vector<std::string> stages;
+  std::string ramp;
+  std::string duration;
+  std::string statusEvery;
   std::string link;
-  double statusEvery = -1;
 };
 
 CLI::App* AddWords(CLI::App& app, LoadTestOptions& options, Words& words) {
@@ -31,16 +38,23 @@ CLI::App* AddWords(CLI::App& app, LoadTestOptions& options, Words& words) {
       app.add_subcommand("bots", "Runs scripted players against a server and measures how they are served");
   // Not required() of CLI11: it would complain of that even when an unknown option is the fault.
   command->add_option("server", words.address, "The server")->type_name("HOST:PORT REQUIRED");
-  command->add_option("--script", options.scriptFile, "Lua file, or the name of a shipped one: idle.lua, wander.lua")
+  command
+      ->add_option("--script", options.scriptFile,
+                   "Lua file, or the name of a shipped one: idle.lua, wander.lua, chase.lua, mash.lua, storm.lua")
       ->type_name("FILE REQUIRED");
   command->add_option("--count", options.count, "Bots")->check(tool::Within(1, kMaxBots))->capture_default_str();
-  command->add_option("--ramp", options.ramp, "Seconds over which they join")
-      ->check(tool::Within(0, kMaxDuration))
-      ->capture_default_str();
-  command->add_option("--for", options.duration, "Seconds to run, the ramp included; 0: until Ctrl-C")
-      ->check(tool::Within(0, kMaxDuration))
-      ->capture_default_str();
+  command->add_option("--ramp", words.ramp, "How long they take to join, one after the other; 5, 5s, 500ms, 2m, 1h")
+      ->type_name("DURATION [0]");
+  command->add_option("--for", words.duration, "How long to run, the ramp included; 0: until Ctrl-C")
+      ->type_name("DURATION [0]");
+  command
+      ->add_option("--stage", words.stages,
+                   "For so long, go evenly from the number of bots there is to this, the last to join leave first; "
+                   "repeatable, in place of --count, --ramp and --for")
+      ->type_name("DURATION:BOTS")
+      ->allow_extra_args(false);
   command->add_option("--seed", options.seed, "Of all that the scripts and the link draw by chance")
+      ->check(tool::Within(0, kMaxSeed))
       ->capture_default_str();
   command
       ->add_option("--link", words.link,
@@ -55,8 +69,8 @@ CLI::App* AddWords(CLI::App& app, LoadTestOptions& options, Words& words) {
       ->type_name("A/B")
       ->capture_default_str();
   command->add_option("--summary", options.summaryFile, "Where to write the figures as JSON")->type_name("FILE");
-  command->add_option("--status", words.statusEvery, "Seconds between status lines, 0: none (1 on a terminal, else 0)")
-      ->check(tool::Within(0, kMaxDuration));
+  command->add_option("--status", words.statusEvery, "Time between status lines, 0: none (1s on a terminal, else 0)")
+      ->type_name("DURATION");
   command->add_option("--protocol-version", options.protocolVersion, "For testing servers: the version to claim")
       ->check(tool::Within(0, 65535))
       ->capture_default_str();
@@ -65,39 +79,50 @@ CLI::App* AddWords(CLI::App& app, LoadTestOptions& options, Words& words) {
       "Examples:\n"
       "  wobble bots 127.0.0.1:7777 --script wander.lua --count 32 --ramp 2 --for 20\n"
       "  wobble bots example.org:7777 --script my.lua --count 200 --ramp 30 --for 300 \\\n"
-      "    --threshold 'disconnects==0' --threshold 'snapshot_age_ms_p99<150' --summary figures.json");
+      "    --threshold 'disconnects==0' --threshold 'snapshot_age_ms_p99<150' --summary figures.json\n"
+      "  wobble bots 127.0.0.1:7777 --script chase.lua --stage 30s:200 --stage 2m:200 --stage 10s:0\n"
+      "  wobble bots 127.0.0.1:7777 --script storm.lua --count 50 --for 1m --threshold 'join_ms_p99<500'\n"
+      "How to write a script: client/bots/LUA.md of the sources.");
   return command;
 }
 
-// False with one line in `error`.
-bool Understand(const Words& words, LoadTestOptions& options, std::string& error) {
-  const auto blame = [&error](const char* option) {
-    error = std::string(option) + ": " + error;
-    return false;
+// What is wrong, a line each; none when options are complete.
+std::vector<std::string> Understand(const CLI::App& command, const Words& words, LoadTestOptions& options) {
+  std::vector<std::string> errors;
+  std::string error;
+  // Takes over what a reader made of an option's words.
+  const auto take = [&](const char* option, auto read, auto& target) {
+    if (read) {
+      target = std::move(*read);
+    } else {
+      errors.push_back(std::string(option) + ": " + error);
+    }
   };
-  if (words.address.empty() || options.scriptFile.empty()) {
-    error = words.address.empty() ? "HOST:PORT of the server is required (see wobble bots --help)"
-                                  : "--script is required (see wobble bots --help)";
-    return false;
+  if (words.address.empty()) {
+    errors.emplace_back("HOST:PORT of the server is required (see wobble bots --help)");
+  } else {
+    take("server", tool::ParseAddress(words.address, error), options.server);
   }
-  const auto address = tool::ParseAddress(words.address, error);
-  if (!address) return blame("server");
-  const auto share = ParseDecodeShare(words.decodeShare, error);
-  if (!share) return blame("--decode-share");
-  if (!words.link.empty()) {
-    options.link = transport::ParseLinkSpec(words.link, error);
-    if (!options.link) return blame("--link");
+  if (options.scriptFile.empty()) errors.emplace_back("--script is required (see wobble bots --help)");
+  if (!words.ramp.empty()) take("--ramp", ParseDuration(words.ramp, error), options.ramp);
+  if (!words.duration.empty()) take("--for", ParseDuration(words.duration, error), options.duration);
+  if (!words.statusEvery.empty()) take("--status", ParseDuration(words.statusEvery, error), options.statusEvery);
+  take("--decode-share", ParseDecodeShare(words.decodeShare, error), options.decodeShare);
+  if (!words.link.empty()) take("--link", transport::ParseLinkSpec(words.link, error), options.link);
+  for (const std::string& rule : words.thresholds)
+    take("--threshold", ParseThreshold(rule, error), options.thresholds.emplace_back());
+  for (const std::string& stage : words.stages)
+    take("--stage", ParseStage(stage, error), options.stages.emplace_back());
+  for (const char* other : {"--count", "--ramp", "--for"}) {
+    if (words.stages.empty() || command.get_option(other)->count() == 0) continue;
+    errors.push_back(std::string(other) + ": not together with --stage, which says how many bots and for how long");
   }
-  for (const std::string& rule : words.thresholds) {
-    const auto threshold = ParseThreshold(rule, error);
-    if (!threshold) return blame("--threshold");
-    options.thresholds.push_back(*threshold);
-  }
-  options.server = *address;
-  options.decodeShare = *share;
+  const bool onlyEmpty = std::all_of(words.stages.begin(), words.stages.end(),
+                                     [](const std::string& stage) { return stage.ends_with(":0"); });
+  if (!words.stages.empty() && onlyEmpty)
+    errors.emplace_back("--stage: none has any bots, 1 to " + std::to_string(kMaxBots) + " are needed in one of them");
   options.scriptFile = FindScript(options.scriptFile);
-  if (words.statusEvery >= 0) options.statusEvery = words.statusEvery;
-  return true;
+  return errors;
 }
 
 }  // namespace
@@ -106,10 +131,10 @@ tool::Command DescribeBots(CLI::App& app) {
   const auto options = std::make_shared<LoadTestOptions>();
   const auto words = std::make_shared<Words>();
   CLI::App* command = AddWords(app, *options, *words);
-  return {command, [options, words](const tool::IsStopAsked& isStopAsked) {
-            std::string error;
-            if (Understand(*words, *options, error)) return RunLoadTest(*options, isStopAsked);
-            std::fprintf(stderr, "wobble bots: %s\n", error.c_str());
+  return {command, [command, options, words](const tool::IsStopAsked& isStopAsked) {
+            const std::vector<std::string> errors = Understand(*command, *words, *options);
+            if (errors.empty()) return RunLoadTest(*options, isStopAsked);
+            for (const std::string& error : errors) std::fprintf(stderr, "wobble bots: %s\n", error.c_str());
             return tool::kExitBadUse;
           }};
 }

@@ -1,9 +1,10 @@
-// The one loop with a clock: sixty rounds a second on an absolute schedule, so that the bots' pace does not drift with
-// what a round costs. A round that comes late is counted as late in full and the rounds missed meanwhile are left out:
-// catching up would send inputs in bursts that no player sends.
+// The one loop with a clock: sixty rounds a second for each bot on an absolute schedule, so that the bots' pace does
+// not drift with what a round costs. A round that comes late is counted as late in full and the rounds missed meanwhile
+// are left out: catching up would send inputs in bursts that no player sends.
+//
+// The bots are spread over the sixtieth of a second in parts, as players are. Were all looked after at once, the age of
+// snapshots would hang on where in the server's tick that moment happens to fall, and differ by 16 ms between runs.
 #include "client/bots/load_test.h"
-
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -16,6 +17,7 @@
 
 #include "client/bots/runner.h"
 #include "client/bots/script.h"
+#include "client/bots/status.h"
 #include "client/link/relay_loop.h"
 #include "client/tool/exit_codes.h"
 #include "client/tool/sockets.h"
@@ -24,7 +26,10 @@
 namespace wobble::bots {
 namespace {
 
-constexpr double kRoundHz = 60;
+constexpr double kBotHz = 60;
+// A prime, so that the bots that decode, often every 32nd, do not all come in one of them.
+constexpr unsigned kParts = 5;
+constexpr double kRoundHz = kBotHz * kParts;
 // Longer than a client takes to give up on the answer to its goodbye, seconds.
 constexpr double kGoodbyePatience = 1.5;
 
@@ -62,61 +67,16 @@ bool StartLink(const LoadTestOptions& options, std::unique_ptr<link::RelayThread
   return true;
 }
 
-std::string FormatFigure(std::optional<double> value, const char* unit) {
-  if (!value) return std::string("? ") + unit;
-  char text[48];
-  std::snprintf(text, sizeof text, "%.*f %s", *value < 10 ? 1 : 0, *value, unit);
-  return text;
-}
-
-// The status line: rewritten in place on a terminal, a line each time elsewhere.
-class Status {
- public:
-  explicit Status(const LoadTestOptions& options)
-      : m_options(options),
-        m_terminal(isatty(STDOUT_FILENO) != 0),
-        m_every(options.statusEvery.value_or(m_terminal ? 1.0 : 0.0)),
-        m_next(m_every) {}
-
-  void Show(Runner& runner, double now) {
-    if (m_every <= 0 || now < m_next) return;
-    m_next = now + m_every;
-    const Runner::Progress progress = runner.TakeProgress(now);
-    std::string line = "bots " + std::to_string(progress.playing) + "/" + std::to_string(m_options.count);
-    if (m_options.duration > 0) {
-      line += ", " + std::to_string(std::lround(std::max(0.0, m_options.duration - now))) + " s left";
-    }
-    line += ", " + FormatFigure(progress.kbitPerSecondPerBot, "kbit/s each");
-    line += ", snapshots " + FormatFigure(progress.snapshotAgeMs, "ms old");
-    std::printf(m_terminal ? "\r%s\033[K" : "%s\n", line.c_str());
-    std::fflush(stdout);
-    m_open = m_terminal;
-  }
-
-  // Before anything else is written: a line begun on the terminal is ended.
-  void Close() {
-    if (m_open) std::printf("\n");
-    std::fflush(stdout);
-    m_open = false;
-  }
-
- private:
-  const LoadTestOptions& m_options;
-  bool m_terminal;
-  double m_every;
-  double m_next;
-  bool m_open = false;
-};
-
 // Returns true when it was stopped from outside.
 bool RunRounds(Runner& runner, const LoadTestOptions& options, Status& status, const std::function<bool()>& stopAsked) {
   const double begin = ReadClock();
   double due = 0;
   double now = 0;
   bool stopped = false;
-  while (options.duration <= 0 || now < options.duration) {
+  const double duration = FindDuration(options);
+  while (duration <= 0 || now < duration) {
     const double late = now - due;
-    runner.RunRound(now, late);
+    runner.RunRound(now, late, kParts);
     status.Show(runner, now);
     stopped = stopAsked();
     if (stopped || runner.HaveAllEnded() || runner.IsHopeless(now) || runner.HaveAllScriptsFailed()) break;
@@ -127,19 +87,20 @@ bool RunRounds(Runner& runner, const LoadTestOptions& options, Status& status, c
   runner.Leave(now);
   for (const double end = now + kGoodbyePatience; now < end && !runner.HaveAllEnded();) {
     runner.RunRound(now, 0);
-    SleepUntil(begin + now + 1 / kRoundHz);
+    SleepUntil(begin + now + 1 / kBotHz);
     now = ReadClock() - begin;
   }
   return stopped;
 }
 
 void Report(const Figures& figures, const std::vector<Verdict>& verdicts) {
+  const auto count = [](std::uint64_t value) { return std::to_string(value); };
+  const std::string joins = figures.joins > figures.connected ? " (" + count(figures.joins) + " joins)" : "";
   std::printf(
-      "%llu of %llu bots connected, %llu disconnects, %llu script errors, %s each, snapshots %s (p50) %s (p99)\n",
-      static_cast<unsigned long long>(figures.connected), static_cast<unsigned long long>(figures.bots),
-      static_cast<unsigned long long>(figures.disconnects), static_cast<unsigned long long>(figures.scriptErrors),
-      FormatFigure(figures.kbitPerSecondPerBot, "kbit/s").c_str(), FormatFigure(figures.snapshotAgeMsP50, "ms").c_str(),
-      FormatFigure(figures.snapshotAgeMsP99, "ms old").c_str());
+      "%s of %s bots connected%s, %s disconnects, %s script errors, %s each, snapshots %s old (p50), %s (p99)\n",
+      count(figures.connected).c_str(), count(figures.bots).c_str(), joins.c_str(), count(figures.disconnects).c_str(),
+      count(figures.scriptErrors).c_str(), FormatFigure(figures.kbitPerSecondPerBot, "kbit/s").c_str(),
+      FormatFigure(figures.snapshotAgeMsP50, "ms").c_str(), FormatFigure(figures.snapshotAgeMsP99, "ms").c_str());
   for (const Verdict& verdict : verdicts) {
     std::printf("threshold %s: %s, ", verdict.rule.c_str(), verdict.ok ? "holds" : "FAILED");
     if (verdict.value) {

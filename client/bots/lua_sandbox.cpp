@@ -4,8 +4,12 @@
 // The budget is a count hook, which every coroutine inherits. Once it is spent the hook fires at every instruction, or
 // a script could catch its own end with pcall and go on; as it is, the first instruction after the pcall ends it again.
 // Lua calls no hook inside a finaliser, so setmetatable refuses __gc; nor inside xpcall's handler when the hook itself
-// raised the error, so there is no xpcall. What a hook cannot bound is one call of a C function (a pattern with many
-// wildcards, say): the scripts are the tester's own, this guards against mistakes.
+// raised the error, so there is no xpcall.
+//
+// What a hook cannot see is how much one instruction does. Calls of the string and table libraries are charged by what
+// they may cost before they are let go (lua_costs.h), memory is charged by the byte as it is handed out, and no block
+// of it is large. What is left is comparing strings of megabytes, again and again: the scripts are the tester's own,
+// this guards against mistakes.
 //
 // Lua is built as C: its errors are longjmps. No function here holds an object with a destructor when it raises one.
 #include "client/bots/lua_sandbox.h"
@@ -16,11 +20,15 @@
 #include <lua.hpp>
 #include <utility>
 
+#include "client/bots/lua_costs.h"
+
 namespace wobble::bots {
 namespace {
 
 // Instructions between two looks at the budget; at 1,000 the hook costs nothing that can be measured.
 constexpr int kHookInterval = 1000;
+// Bytes handed out that count as an instruction.
+constexpr std::int64_t kBytesPerInstruction = 64;
 
 // SplitMix64 (Steele, Lea, Flood 2014): eight bytes of state a bot, and neighbouring seeds are unrelated.
 std::uint64_t Advance(std::uint64_t& state) {
@@ -89,7 +97,10 @@ void* LuaSandbox::Allocate(void* sandbox, void* block, std::size_t oldBytes, std
     self.m_bytes -= oldBytes;
     return nullptr;
   }
-  if (newBytes > oldBytes && self.m_bytes - oldBytes + newBytes > kMaxMemoryBytes) return nullptr;
+  if (newBytes > oldBytes) {
+    if (newBytes > kMaxBlockBytes || self.m_bytes - oldBytes + newBytes > kMaxMemoryBytes) return nullptr;
+    self.m_budget -= static_cast<std::int64_t>(newBytes) / kBytesPerInstruction;
+  }
   void* moved = std::realloc(block, newBytes);
   if (moved != nullptr) self.m_bytes += newBytes - oldBytes;
   return moved;
@@ -109,6 +120,39 @@ void LuaSandbox::CountInstructions(lua_State* lua, lua_Debug* where) {
   lua_pushfstring(lua, "%s:%d: stopped after %d instructions without a bot:wait; an endless loop?", where->short_src,
                   where->currentline, kCallBudget);
   lua_error(lua);
+}
+
+void LuaSandbox::Charge(lua_State* lua, std::int64_t instructions) {
+  LuaSandbox& self = Of(lua);
+  self.m_budget -= instructions;
+  if (self.m_budget > 0) return;
+  self.m_budget = 0;
+  lua_sethook(lua, &LuaSandbox::CountInstructions, LUA_MASKCOUNT, 1);
+  luaL_error(lua, "stopped: with what this call may cost, more than %d instructions without a bot:wait", kCallBudget);
+}
+
+// Calls the library's function, the first upvalue, in this very frame, so that its messages name line and function as
+// they would without us. The library's functions have no upvalues of their own.
+int LuaSandbox::CallCharged(lua_State* lua) {
+  std::size_t length = 0;
+  const char* name = lua_tolstring(lua, lua_upvalueindex(2), &length);
+  Charge(lua, FindCallCost(lua, {name, length}));
+  return lua_tocfunction(lua, lua_upvalueindex(1))(lua);
+}
+
+// All functions of the library on top of the stack.
+void LuaSandbox::ChargeFunctions(lua_State* lua) {
+  for (lua_pushnil(lua); lua_next(lua, -2) != 0;) {
+    if (lua_iscfunction(lua, -1)) {
+      lua_pushvalue(lua, -2);
+      lua_pushcclosure(lua, &LuaSandbox::CallCharged, 2);
+      lua_pushvalue(lua, -2);
+      lua_insert(lua, -2);
+      lua_rawset(lua, -4);
+    } else {
+      lua_pop(lua, 1);
+    }
+  }
 }
 
 int LuaSandbox::AnswerPrint(lua_State* lua) {
@@ -179,7 +223,9 @@ int LuaSandbox::OpenLibraries(lua_State* lua) {
   Forget(lua, "randomseed");
   Replace(lua, "random", &LuaSandbox::AnswerRandom);
   luaL_requiref(lua, LUA_STRLIBNAME, luaopen_string, 1);
+  ChargeFunctions(lua);
   luaL_requiref(lua, LUA_TABLIBNAME, luaopen_table, 1);
+  ChargeFunctions(lua);
   luaL_requiref(lua, LUA_COLIBNAME, luaopen_coroutine, 1);
   return 0;
 }

@@ -2,7 +2,9 @@
 // with it and what is allowed, which main.cpp puts the option's name before.
 #include "client/bots/options.h"
 
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 
 namespace wobble::bots {
 namespace {
@@ -13,7 +15,90 @@ bool ParseWhole(std::string_view text, Integer& value) {
   return result == std::errc{} && end == text.data() + text.size();
 }
 
+struct Unit {
+  std::string_view suffix;
+  double seconds;
+};
+// "ms" before those that it ends or begins with.
+constexpr Unit kUnits[] = {{"ms", 0.001}, {"s", 1}, {"m", 60}, {"h", 3600}};
+
 }  // namespace
+
+std::optional<double> ParseDuration(const std::string& text, std::string& error) {
+  std::string_view number = text;
+  double unit = 1;
+  for (const Unit& each : kUnits) {
+    if (!number.ends_with(each.suffix)) continue;
+    number.remove_suffix(each.suffix.size());
+    unit = each.seconds;
+    break;
+  }
+  double value = 0;
+  const auto [end, result] = std::from_chars(number.data(), number.data() + number.size(), value);
+  const bool isNumber = result == std::errc{} && end == number.data() + number.size();
+  if (isNumber && value >= 0 && value * unit <= kMaxDuration) return value * unit;
+  error = "'" + text + "' is no duration; write 90 or 90s, 500ms, 1.5m or 2h, of 0 to 1000000 s";
+  return std::nullopt;
+}
+
+std::optional<Stage> ParseStage(const std::string& text, std::string& error) {
+  const std::size_t colon = text.find(':');
+  const auto seconds = ParseDuration(text.substr(0, colon), error);
+  Stage stage;
+  const bool isWhole = colon != std::string::npos && ParseWhole(std::string_view(text).substr(colon + 1), stage.bots);
+  if (seconds && *seconds > 0 && isWhole && stage.bots <= kMaxBots) {
+    stage.seconds = *seconds;
+    return stage;
+  }
+  error = "'" + text +
+          "' is no stage; write DURATION:BOTS such as 60s:200, the duration above 0 up to 1000000 s, 0 to " +
+          std::to_string(kMaxBots) + " bots";
+  return std::nullopt;
+}
+
+std::vector<Stage> ListStages(const LoadTestOptions& options) {
+  if (!options.stages.empty()) return options.stages;
+  return {{options.ramp, options.count}};
+}
+
+double FindDuration(const LoadTestOptions& options) {
+  if (options.stages.empty()) return options.duration;
+  double seconds = 0;
+  for (const Stage& stage : options.stages) seconds += stage.seconds;
+  return seconds;
+}
+
+// The first bot of a rise comes at its beginning and the last before its end, so that the number has been reached when
+// the next stage begins; a fall likewise.
+unsigned CountBotsAt(const std::vector<Stage>& stages, double seconds) {
+  unsigned from = 0;
+  for (const Stage& stage : stages) {
+    if (seconds < stage.seconds) {
+      const unsigned change = std::max(from, stage.bots) - std::min(from, stage.bots);
+      const auto changed = std::min(change, static_cast<unsigned>(change * seconds / stage.seconds) + 1);
+      return stage.bots > from ? from + changed : from - changed;
+    }
+    seconds -= stage.seconds;
+    from = stage.bots;
+  }
+  return from;
+}
+
+std::size_t FindStageAt(const std::vector<Stage>& stages, double seconds) {
+  std::size_t index = 0;
+  for (; index + 1 < stages.size() && seconds >= stages[index].seconds; ++index) seconds -= stages[index].seconds;
+  return index;
+}
+
+unsigned CountStarts(const std::vector<Stage>& stages) {
+  unsigned starts = 0;
+  unsigned from = 0;
+  for (const Stage& stage : stages) {
+    if (stage.bots > from) starts += stage.bots - from;
+    from = stage.bots;
+  }
+  return starts;
+}
 
 bool DecodeShare::Includes(unsigned index) const {
   const auto countBefore = [this](std::uint64_t bots) { return (bots * part + whole - 1) / whole; };

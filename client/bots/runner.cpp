@@ -1,5 +1,6 @@
-// One thread and one loop over plain bots: 500 of them are 500 sockets polled and 500 coroutines resumed, about a
-// millisecond a round, and nothing has to be locked. More than one core can carry is a matter of more processes.
+// One thread and one loop over plain bots, and nothing has to be locked. A bot that is sent 380 kbit/s costs some 20 us
+// a round, most of them for receiving (system calls, ENet's checksum) and little for its script, so 500 take more than
+// half of a core. More than one core can carry is a matter of more processes.
 //
 // Most bots read only heads, or the generator would spend its core on decoding and measure itself; the share that
 // decodes does all that a player's client does, sampling at 60 Hz included.
@@ -26,71 +27,83 @@ constexpr double kHopePatience = 1.0;
 
 Runner::Runner(const LoadTestOptions& options, Script& script, Connect connect, Clock clock, Log log)
     : m_options(options),
+      m_stages(ListStages(options)),
+      m_starts(CountStarts(m_stages)),
       m_script(script),
       m_connect(std::move(connect)),
       m_clock(std::move(clock)),
       m_log(std::move(log)) {}
 
-void Runner::RunRound(double now, double late) {
+void Runner::RunRound(double now, double late, unsigned parts) {
   if (!m_leaving) {
     m_lateMs.Add(late * 1000);
-    const auto startAt = [this](std::size_t index) {
-      return m_options.ramp * static_cast<double>(index) / m_options.count;
-    };
-    while (m_bots.size() < m_options.count && now >= startAt(m_bots.size())) StartBot(now);
+    m_progressLate = std::max(m_progressLate, late);
+    FollowStages(now);
   }
-  for (std::size_t i = 0; i < m_bots.size(); ++i) RunBot(*m_bots[i], static_cast<unsigned>(i) + 1, now);
+  for (std::size_t i = m_round++ % parts; i < m_bots.size(); i += parts) RunBot(*m_bots[i], now);
+}
+
+// Those who were lost stay counted as there: replacing them would hide a server that cannot hold its players.
+void Runner::FollowStages(double now) {
+  const unsigned wanted = CountBotsAt(m_stages, now);
+  while (m_bots.size() - m_dismissed < wanted) StartBot(now);
+  while (m_bots.size() - m_dismissed > wanted) DismissLast(now);
 }
 
 void Runner::StartBot(double now) {
-  auto bot = std::make_unique<Bot>();
   const auto index = static_cast<unsigned>(m_bots.size());
-  bot->decodes = m_options.decodeShare.Includes(index);
-  std::string error;
-  std::unique_ptr<transport::Transport> transport = m_script.AddBot(error) != 0 ? m_connect(error) : nullptr;
-  if (transport == nullptr) {
-    bot->ended = true;
-    NoteFailure(index + 1, error, now);
-    m_bots.push_back(std::move(bot));
-    return;
-  }
-  bot->transport = transport.get();
   client::Options options;
   options.name = "bot " + std::to_string(index + 1);
-  options.decode = bot->decodes;
+  options.decode = m_options.decodeShare.Includes(index);
   options.protocolVersion = m_options.protocolVersion;
-  bot->client = std::make_unique<client::Client>(std::move(transport), options, now);
-  bot->client->OnSnapshot([this](const client::SnapshotArrival& arrival) { AddArrival(arrival); });
-  m_bots.push_back(std::move(bot));
+  m_bots.push_back(std::make_unique<Bot>(index + 1, options,
+                                         [this](const client::SnapshotArrival& arrival) { AddArrival(arrival); }));
+  Bot& bot = *m_bots.back();
+  std::string error;
+  bot.scriptNumber = m_script.AddBot(error);
+  if (bot.scriptNumber != 0) return BeginStay(bot, now);
+  bot.player.Lose(error);
+  NoteFailure(bot, now);
 }
 
-void Runner::RunBot(Bot& bot, unsigned number, double now) {
-  if (bot.ended) return;
+void Runner::DismissLast(double now) {
+  const auto last = std::find_if(m_bots.rbegin(), m_bots.rend(), [](const auto& bot) { return !bot->dismissed; });
+  (*last)->dismissed = true;
+  (*last)->player.Leave(now);
+  ++m_dismissed;
+}
+
+void Runner::BeginStay(Bot& bot, double now) {
+  std::string error;
+  if (auto transport = m_connect(error)) return bot.player.Join(std::move(transport), now);
+  bot.player.Lose(error);
+  NoteFailure(bot, now);
+}
+
+void Runner::RunBot(Bot& bot, double now) {
+  if (bot.player.ReadState() == Player::State::kLost) return;
+  const auto before = bot.player.ReadState();
   UpdateBot(bot, now);
-  const client::State state = bot.client->ReadState();
-  if (state == client::State::kEnded) return NoteEnd(bot, number, now);
-  if (state != client::State::kPlaying || m_leaving) return;
-  if (!bot.played) {
-    bot.played = true;
-    bot.playedFrom = now;
-    bot.bytesFrom = bot.transport->ReadStatistics().bytesIn;
-    m_joinMs.Add(bot.client->ReadStatistics().joinSeconds * 1000);
+  const auto state = bot.player.ReadState();
+  if (state == Player::State::kLost) return NoteFailure(bot, now);
+  if (m_leaving || bot.dismissed) return;
+  if (state == Player::State::kPlaying && before != state) {
+    if (!bot.firstPlayed) bot.firstPlayed = now;
+    m_joinMs.Add(bot.player.Client()->ReadStatistics().joinSeconds * 1000);
   }
-  RunScript(bot, number, now);
+  if (bot.firstPlayed) RunScript(bot, now);
 }
 
 void Runner::UpdateBot(Bot& bot, double now) {
-  client::Client& client = *bot.client;
-  if (!bot.decodes || client.ReadState() != client::State::kPlaying) {
-    client.Update(now);
-    return;
-  }
-  const std::uint64_t recordsBefore = client.ReadStatistics().records;
+  if (!bot.decodes || bot.player.ReadState() != Player::State::kPlaying) return bot.player.Update(now);
+  const std::uint64_t recordsBefore = bot.player.Client()->ReadStatistics().records;
   const double begin = m_clock();
-  client.Update(now);
+  bot.player.Update(now);
   const double seconds = m_clock() - begin;
-  client.Sample(now, client::Detail::kVertices, m_samples);
-  const std::uint64_t records = client.ReadStatistics().records - recordsBefore;
+  client::Client* client = bot.player.Client();
+  if (client == nullptr) return;
+  client->Sample(now, client::Detail::kVertices, m_samples);
+  const std::uint64_t records = client->ReadStatistics().records - recordsBefore;
   if (records == 0 || m_leaving) return;
   m_decodeSeconds += seconds;
   m_decodeRecords += records;
@@ -100,44 +113,42 @@ void Runner::UpdateBot(Bot& bot, double now) {
   m_decodeRecords = 0;
 }
 
-void Runner::RunScript(Bot& bot, unsigned number, double now) {
+void Runner::RunScript(Bot& bot, double now) {
+  Player& player = bot.player;
+  const auto state = player.ReadState();
   Script::View view;
-  view.time = now - bot.playedFrom;
-  if (const auto pose = bot.client->NewestPose(bot.client->Welcome().ownBody)) view.position = pose->centroid;
-  client::Input input;
+  view.time = now - *bot.firstPlayed;
+  view.isAway = state == Player::State::kAway;
+  view.names = &player.Names();
+  view.events = &player.Events();
+  if (state == Player::State::kPlaying) {
+    view.isPlaying = true;
+    view.body = player.Client()->Welcome().ownBody;
+    view.self = player.Client()->FindSighting(view.body);
+    view.listBodies = [&player](std::vector<client::Sighting>& bodies) { player.Client()->ListSightings(bodies); };
+  }
+  Script::Wish wish;
   std::string error;
-  if (m_script.Resume(number, view, input, error) == Script::Result::kFailed && !bot.scriptFailed) {
+  if (m_script.Resume(bot.scriptNumber, view, wish, error) == Script::Result::kFailed && !bot.scriptFailed) {
     bot.scriptFailed = true;
     // One script, so mostly one error in all bots; what differs is said, as far as it can be of interest.
     if (m_scriptErrors.size() < kFailuresLogged && m_scriptErrors.insert(error).second) {
-      m_log("bot " + std::to_string(number) + " stands still: " + error);
+      m_log("bot " + std::to_string(bot.number) + " stands still: " + error);
     }
   }
-  bot.client->SetInput(input);
+  if (!wish.play) return player.Leave(now);
+  if (state == Player::State::kAway) return BeginStay(bot, now);
+  if (player.Client() != nullptr) player.Client()->SetInput(wish.input);
 }
 
-void Runner::NoteEnd(Bot& bot, unsigned number, double now) {
-  bot.ended = true;
-  if (!bot.client->EndedUnasked()) return;
-  StopMeasuring(bot, now);
-  const bool answered = bot.transport->ReadStatistics().bytesIn > 0;
-  NoteFailure(number, answered ? bot.client->EndReason() : "", now);
-}
-
-// reason: empty when nobody answered.
-void Runner::NoteFailure(unsigned number, const std::string& reason, double now) {
+void Runner::NoteFailure(const Bot& bot, double now) {
+  const std::string& reason = bot.player.LossReason();  // empty when nobody answered
   if (!m_firstFailure) m_firstFailure = now;
   if (m_refusal.empty()) m_refusal = reason;
   // While none has played the reason is one for all, and whoever runs us says it once.
   if (m_joinMs.Count() == 0 || ++m_failuresLogged > kFailuresLogged) return;
   const char* last = m_failuresLogged == kFailuresLogged ? " (more are only counted)" : "";
-  m_log("bot " + std::to_string(number) + " ended: " + (reason.empty() ? "no answer" : reason) + last);
-}
-
-void Runner::StopMeasuring(Bot& bot, double now) {
-  if (!bot.played) return;
-  bot.playedTo = now;
-  bot.bytesTo = bot.transport->ReadStatistics().bytesIn;
+  m_log("bot " + std::to_string(bot.number) + " ended: " + (reason.empty() ? "no answer" : reason) + last);
 }
 
 void Runner::AddArrival(const client::SnapshotArrival& arrival) {
@@ -150,25 +161,27 @@ void Runner::AddArrival(const client::SnapshotArrival& arrival) {
 
 void Runner::Leave(double now) {
   m_leaving = true;
-  for (const auto& bot : m_bots) {
-    if (bot->ended) continue;
-    StopMeasuring(*bot, now);
-    bot->client->Leave(now);
-  }
+  for (const auto& bot : m_bots) bot->player.Leave(now);
 }
 
+// Whoever has left by himself may come again.
+bool Runner::HasEnded(const Bot& bot) const {
+  const auto state = bot.player.ReadState();
+  return state == Player::State::kLost || (state == Player::State::kAway && (m_leaving || bot.dismissed));
+}
+
+// Stages that have gone down to nobody are to be sat out, a server that has gone is not.
 bool Runner::HaveAllEnded() const {
-  const bool allStarted = m_leaving || m_bots.size() == m_options.count;
-  return allStarted && std::all_of(m_bots.begin(), m_bots.end(), [](const auto& bot) { return bot->ended; });
+  const bool isOver = m_leaving || (m_bots.size() == m_starts && m_firstFailure);
+  return isOver && std::all_of(m_bots.begin(), m_bots.end(), [this](const auto& bot) { return HasEnded(*bot); });
 }
 
 bool Runner::IsHopeless(double now) const {
-  const bool nonePlayed = std::none_of(m_bots.begin(), m_bots.end(), [](const auto& bot) { return bot->played; });
-  return nonePlayed && m_firstFailure && now >= *m_firstFailure + kHopePatience;
+  return m_joinMs.Count() == 0 && m_firstFailure && now >= *m_firstFailure + kHopePatience;
 }
 
 bool Runner::HaveAllScriptsFailed() const {
-  return m_bots.size() == m_options.count &&
+  return m_bots.size() == m_starts &&
          std::all_of(m_bots.begin(), m_bots.end(), [](const auto& bot) { return bot->scriptFailed; });
 }
 
@@ -177,15 +190,17 @@ Figures Runner::ReadFigures() const {
   double bits = 0;
   double seconds = 0;
   for (const auto& bot : m_bots) {
+    const Player::Totals totals = bot->player.ReadTotals();
+    const bool isLost = bot->player.ReadState() == Player::State::kLost;
     ++figures.bots;
-    figures.connected += bot->played ? 1 : 0;
-    figures.disconnects += !bot->played || bot->client->EndedUnasked() ? 1 : 0;
+    figures.connected += totals.joins > 0 ? 1 : 0;
+    figures.joins += totals.joins;
+    figures.disconnects += isLost || (totals.joins == 0 && !bot->dismissed) ? 1 : 0;
     figures.scriptErrors += bot->scriptFailed ? 1 : 0;
-    if (bot->client == nullptr) continue;
-    figures.snapshots += bot->client->ReadStatistics().snapshots;
-    figures.stalls += bot->client->ReadStatistics().stalls;
-    bits += static_cast<double>(bot->bytesTo - bot->bytesFrom) * 8;
-    seconds += bot->playedTo - bot->playedFrom;
+    figures.snapshots += totals.snapshots;
+    figures.stalls += totals.stalls;
+    bits += static_cast<double>(totals.playedBytes) * 8;
+    seconds += totals.playedSeconds;
   }
   figures.joinMsP99 = m_joinMs.FindPercentile(0.99);
   figures.snapshotAgeMsP50 = m_ageMs.FindPercentile(0.5);
@@ -197,23 +212,27 @@ Figures Runner::ReadFigures() const {
   return figures;
 }
 
-Runner::Progress Runner::TakeProgress(double now) {
+Runner::Progress Runner::TakeProgress() {
   Progress progress;
   std::uint64_t bytes = 0;
+  double seconds = 0;
   for (const auto& bot : m_bots) {
-    if (bot->client == nullptr) continue;
-    bytes += bot->transport->ReadStatistics().bytesIn;
-    progress.playing += bot->client->ReadState() == client::State::kPlaying ? 1 : 0;
+    const Player::Totals totals = bot->player.ReadTotals();
+    bytes += totals.playedBytes;
+    seconds += totals.playedSeconds;
+    progress.playing += bot->player.ReadState() == Player::State::kPlaying ? 1 : 0;
   }
-  const double seconds = now - m_progressFrom;
-  if (progress.playing > 0 && seconds > 0) {
-    progress.kbitPerSecondPerBot = static_cast<double>(bytes - m_progressBytes) * 8 / 1000 / seconds / progress.playing;
+  if (seconds > m_progressSeconds) {
+    const double bits = static_cast<double>(bytes - m_progressBytes) * 8;
+    progress.kbitPerSecondPerBot = bits / 1000 / (seconds - m_progressSeconds);
   }
   if (m_progressArrivals > 0) progress.snapshotAgeMs = m_progressAgeSum / static_cast<double>(m_progressArrivals);
-  m_progressFrom = now;
+  m_progressSeconds = seconds;
   m_progressBytes = bytes;
   m_progressAgeSum = 0;
   m_progressArrivals = 0;
+  progress.lateMs = m_progressLate * 1000;
+  m_progressLate = 0;
   return progress;
 }
 

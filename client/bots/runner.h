@@ -9,10 +9,12 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "client/bots/histogram.h"
 #include "client/bots/options.h"
+#include "client/bots/player.h"
 #include "client/bots/script.h"
 #include "client/bots/summary.h"
 #include "client/client.h"
@@ -29,12 +31,13 @@ class Runner {
   // script is loaded and must outlive the runner.
   Runner(const LoadTestOptions& options, Script& script, Connect connect, Clock clock, Log log);
 
-  // One round of all bots, to be called 60 times a second; now counts from the first call's, seconds. late: seconds
-  // since this round was due.
-  void RunRound(double now, double late);
+  // One round of one part of the bots, the next at each call; to be called 60 times `parts` times a second. now counts
+  // from the first call's, seconds. late: seconds since this round was due.
+  void RunRound(double now, double late, unsigned parts = 1);
 
   // Says goodbye for all; measuring ends. RunRound goes on until HaveAllEnded.
   void Leave(double now);
+  // True, without Leave, once all there were to be are gone and not all of them because the stages said so.
   [[nodiscard]] bool HaveAllEnded() const;
 
   // Some bots ended a second ago and none has ever played: the rest need not try.
@@ -51,39 +54,46 @@ class Runner {
     unsigned playing = 0;
     std::optional<double> kbitPerSecondPerBot;
     std::optional<double> snapshotAgeMs;  // mean
+    double lateMs = 0;                    // greatest
   };
-  [[nodiscard]] Progress TakeProgress(double now);
+  [[nodiscard]] Progress TakeProgress();
 
  private:
   struct Bot {
-    std::unique_ptr<client::Client> client;           // null: could not even begin to connect
-    const transport::Transport* transport = nullptr;  // the client's
-    bool decodes = false;
-    bool played = false;
-    bool ended = false;
+    Bot(unsigned itsNumber, const client::Options& options, Player::OnSnapshot onSnapshot)
+        : number(itsNumber), decodes(options.decode), player(options, std::move(onSnapshot)) {}
+
+    unsigned number;
+    unsigned scriptNumber = 0;  // its number there: another one once memory has been out
+    bool decodes;
+    bool dismissed = false;  // the stages go down: it leaves for good
     bool scriptFailed = false;
-    double playedFrom = 0;
-    double playedTo = 0;          // set when it leaves or ends
-    std::uint64_t bytesFrom = 0;  // the transport's count at playedFrom
-    std::uint64_t bytesTo = 0;
+    std::optional<double> firstPlayed;
+    Player player;
   };
 
+  void FollowStages(double now);
   void StartBot(double now);
-  void RunBot(Bot& bot, unsigned number, double now);
+  void DismissLast(double now);
+  void BeginStay(Bot& bot, double now);
+  void RunBot(Bot& bot, double now);
   void UpdateBot(Bot& bot, double now);
-  void RunScript(Bot& bot, unsigned number, double now);
-  void NoteEnd(Bot& bot, unsigned number, double now);
-  void NoteFailure(unsigned number, const std::string& reason, double now);
-  void StopMeasuring(Bot& bot, double now);
+  void RunScript(Bot& bot, double now);
+  void NoteFailure(const Bot& bot, double now);
   void AddArrival(const client::SnapshotArrival& arrival);
+  [[nodiscard]] bool HasEnded(const Bot& bot) const;
 
   LoadTestOptions m_options;
+  std::vector<Stage> m_stages;
+  unsigned m_starts;  // in all stages
   Script& m_script;
   Connect m_connect;
   Clock m_clock;
   Log m_log;
 
   std::vector<std::unique_ptr<Bot>> m_bots;
+  unsigned m_round = 0;
+  unsigned m_dismissed = 0;
   std::vector<client::BodySample> m_samples;  // scratch
   bool m_leaving = false;
   std::string m_refusal;
@@ -100,10 +110,11 @@ class Runner {
   double m_decodeSeconds = 0;  // of the group of records that is being filled
   std::uint64_t m_decodeRecords = 0;
 
-  double m_progressFrom = 0;
+  double m_progressSeconds = 0;  // played by then, over all bots
   std::uint64_t m_progressBytes = 0;
   double m_progressAgeSum = 0;
   std::uint64_t m_progressArrivals = 0;
+  double m_progressLate = 0;
 };
 
 }  // namespace wobble::bots

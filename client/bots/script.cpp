@@ -1,13 +1,12 @@
-// Between a script and its bots: `bot` is a userdata that points to a Bot here; what it asks for is kept there and
-// handed out as the input of each round, what it may know is put there before each resume.
+// The coroutines of a script's bots: made, resumed when what they wait for has come, and taken down with one line when
+// they go wrong.
 //
-// The coroutine yields only in bot:wait (or coroutine.yield, which waits for the next round), so a script reads like a
-// story: move, wait, jump. A callback per tick was the other choice; every script would then be a state machine.
+// They yield only in bot:wait, bot:leave and bot:join (or coroutine.yield, which waits for the next round), so a script
+// reads like a story: move, wait, jump. A callback per tick was the other choice; every script would then be a state
+// machine.
 #include "client/bots/script.h"
 
-#include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <lua.hpp>
@@ -17,7 +16,6 @@
 namespace wobble::bots {
 namespace {
 
-constexpr const char* kBotType = "wobble.bot";
 constexpr const char* kRunKey = "wobble.run";
 
 // Rounds come at multiples of a time that is not exact in binary; a wait may end this much early, seconds.
@@ -53,30 +51,20 @@ std::string ReadMessageWithPlace(lua_State* lua) {
   return message;
 }
 
-bool CheckBoolean(lua_State* lua, int index) {
-  luaL_checktype(lua, index, LUA_TBOOLEAN);
-  return lua_toboolean(lua, index) != 0;
-}
-
-double CheckFinite(lua_State* lua, int index) {
-  const double value = luaL_checknumber(lua, index);
-  luaL_argcheck(lua, std::isfinite(value), index, "must be a finite number");
-  return value;
-}
-
 }  // namespace
 
-struct Script::Bot {
-  LuaSandbox::Caller caller;
-  lua_State* thread = nullptr;
-  int reference = LUA_NOREF;  // keeps the thread from being collected
-  Result result = Result::kRunning;
-  bool started = false;  // the first resume passes run its bot, the others nothing
-  double wake = 0;       // the view's time from which it is resumed again
-  int jumpRounds = 0;
-  client::Input input;
-  View view;
-};
+bool Script::Bot::IsDue() const {
+  if (result != Result::kRunning) return false;
+  switch (awaited) {
+    case Awaited::kTime:
+      return view.time + kTimeTolerance >= wake;
+    case Awaited::kPlaying:
+      return view.isPlaying;
+    case Awaited::kAway:
+      return view.isAway;
+  }
+  return false;
+}
 
 Script::Script(std::uint64_t seed, LuaSandbox::Log log)
     : m_sandbox(seed, std::move(log)), m_loader(m_sandbox.MakeCaller(0)) {}
@@ -121,24 +109,7 @@ bool Script::Load(const std::string& source, const std::string& name, std::strin
 
 // Makes the type of `bot`, and keeps run where no script can reach it.
 int Script::PrepareBots(lua_State* lua) {
-  static constexpr luaL_Reg kMethods[] = {
-      {"move", &AnswerMove},
-      {"jump", &AnswerJump},
-      {"puff", &AnswerPuff},
-      {"stiffen", &AnswerStiffen},
-      {"wait", &AnswerWait},
-      {"time", &AnswerTime},
-      {"position", &AnswerPosition},
-      {"id", &AnswerId},
-      {"random", &LuaSandbox::AnswerRandom},
-      {nullptr, nullptr},
-  };
-  luaL_newmetatable(lua, kBotType);
-  luaL_newlib(lua, kMethods);
-  lua_setfield(lua, -2, "__index");
-  lua_pushboolean(lua, 0);
-  lua_setfield(lua, -2, "__metatable");
-
+  MakeBotType(lua);
   lua_pushglobaltable(lua);
   lua_pushliteral(lua, "run");
   if (lua_rawget(lua, -2) != LUA_TFUNCTION) {
@@ -152,6 +123,7 @@ int Script::PrepareBots(lua_State* lua) {
 unsigned Script::AddBot(std::string& error) {
   lua_State* lua = m_sandbox.State();
   auto bot = std::make_unique<Bot>();
+  bot->script = this;
   bot->caller = m_sandbox.MakeCaller(static_cast<unsigned>(m_bots.size()) + 1);
   m_sandbox.BeginCall(m_loader);
   lua_pushcfunction(lua, &Script::CreateCoroutine);
@@ -169,104 +141,42 @@ int Script::CreateCoroutine(lua_State* lua) {
   Bot* bot = static_cast<Bot*>(lua_touserdata(lua, 1));
   bot->thread = lua_newthread(lua);
   lua_getfield(lua, LUA_REGISTRYINDEX, kRunKey);
-  void* self = lua_newuserdatauv(lua, sizeof bot, 0);
-  std::memcpy(self, &bot, sizeof bot);
-  luaL_setmetatable(lua, kBotType);
+  PushBot(lua, bot);
   lua_xmove(lua, bot->thread, 2);
   bot->reference = luaL_ref(lua, LUA_REGISTRYINDEX);
   return 0;
 }
 
-Script::Result Script::Resume(unsigned number, const View& view, client::Input& input, std::string& error) {
+Script::Result Script::Resume(unsigned number, const View& view, Wish& wish, std::string& error) {
   Bot& bot = *m_bots[number - 1];
   if (bot.jumpRounds > 0) --bot.jumpRounds;
   bot.view = view;
-  if (bot.result == Result::kRunning && view.time + kTimeTolerance >= bot.wake) {
-    bot.wake = view.time;  // a bare coroutine.yield leaves it so
-    m_sandbox.BeginCall(bot.caller);
-    int results = 0;
-    const int status = lua_resume(bot.thread, m_sandbox.State(), bot.started ? 0 : 1, &results);
-    bot.started = true;
-    if (status == LUA_YIELD) {
-      lua_pop(bot.thread, results);
-    } else {
-      bot.result = status == LUA_OK ? Result::kFinished : Result::kFailed;
-      if (status != LUA_OK) {
-        error = ReadMessageWithPlace(bot.thread);
-        bot.input = {};
-        bot.jumpRounds = 0;
-      }
-      luaL_unref(m_sandbox.State(), LUA_REGISTRYINDEX, bot.reference);
-      bot.thread = nullptr;
-      if (status != LUA_OK) m_sandbox.FreeUnused();
-    }
-  }
-  input = bot.input;
-  input.jump = bot.jumpRounds > 0;
+  if (bot.IsDue()) Continue(bot, error);
+  wish = bot.wish;
+  wish.input.jump = bot.jumpRounds > 0;
   return bot.result;
 }
 
-Script::Bot& Script::SelfOf(lua_State* lua) {
-  Bot* bot = nullptr;
-  std::memcpy(&bot, luaL_checkudata(lua, 1, kBotType), sizeof bot);
-  return *bot;
-}
-
-int Script::AnswerMove(lua_State* lua) {
-  Bot& bot = SelfOf(lua);
-  const double x = CheckFinite(lua, 2);
-  const double y = CheckFinite(lua, 3);
-  bot.input.moveX = static_cast<float>(std::clamp(x, -1.0, 1.0));
-  bot.input.moveY = static_cast<float>(std::clamp(y, -1.0, 1.0));
-  return 0;
-}
-
-int Script::AnswerJump(lua_State* lua) {
-  SelfOf(lua).jumpRounds = kJumpRounds;
-  return 0;
-}
-
-int Script::AnswerPuff(lua_State* lua) {
-  Bot& bot = SelfOf(lua);
-  bot.input.puff = CheckBoolean(lua, 2);
-  return 0;
-}
-
-int Script::AnswerStiffen(lua_State* lua) {
-  Bot& bot = SelfOf(lua);
-  bot.input.stiffen = CheckBoolean(lua, 2);
-  return 0;
-}
-
-int Script::AnswerWait(lua_State* lua) {
-  Bot& bot = SelfOf(lua);
-  const double seconds = CheckFinite(lua, 2);
-  luaL_argcheck(lua, seconds >= 0, 2, "must not be negative");
-  if (lua != bot.thread) return luaL_error(lua, "bot:wait works only in the bot's own run, not in another coroutine");
-  bot.wake = bot.view.time + seconds;
-  return lua_yield(lua, 0);
-}
-
-int Script::AnswerTime(lua_State* lua) {
-  lua_pushnumber(lua, SelfOf(lua).view.time);
-  return 1;
-}
-
-int Script::AnswerPosition(lua_State* lua) {
-  const Bot& bot = SelfOf(lua);
-  if (!bot.view.position) {
-    lua_pushnil(lua);
-    return 1;
+void Script::Continue(Bot& bot, std::string& error) {
+  bot.awaited = Awaited::kTime;
+  bot.wake = bot.view.time;  // a bare coroutine.yield leaves it so
+  m_sandbox.BeginCall(bot.caller);
+  int results = 0;
+  const int status = lua_resume(bot.thread, m_sandbox.State(), bot.started ? 0 : 1, &results);
+  bot.started = true;
+  if (status == LUA_YIELD) {
+    lua_pop(bot.thread, results);
+    return;
   }
-  lua_pushnumber(lua, static_cast<double>(bot.view.position->x));
-  lua_pushnumber(lua, static_cast<double>(bot.view.position->y));
-  lua_pushnumber(lua, static_cast<double>(bot.view.position->z));
-  return 3;
-}
-
-int Script::AnswerId(lua_State* lua) {
-  lua_pushinteger(lua, static_cast<lua_Integer>(SelfOf(lua).caller.number));
-  return 1;
+  bot.result = status == LUA_OK ? Result::kFinished : Result::kFailed;
+  if (status != LUA_OK) {
+    error = ReadMessageWithPlace(bot.thread);
+    bot.wish.input = {};
+    bot.jumpRounds = 0;
+  }
+  luaL_unref(m_sandbox.State(), LUA_REGISTRYINDEX, bot.reference);
+  bot.thread = nullptr;
+  if (status != LUA_OK) m_sandbox.FreeUnused();
 }
 
 }  // namespace wobble::bots

@@ -62,6 +62,7 @@ std::vector<NamedFigure> ListFigures(const Figures& figures) {
   return {
       {"bots", count(figures.bots)},
       {"connected", count(figures.connected)},
+      {"joins", count(figures.joins)},
       {"join_ms_p99", figures.joinMsP99},
       {"disconnects", count(figures.disconnects)},
       {"snapshots", count(figures.snapshots)},

@@ -11,9 +11,10 @@ namespace wobble::bots {
 
 // nullopt: there was nothing to measure it from.
 struct Figures {
-  std::uint64_t bots = 0;         // started
-  std::uint64_t connected = 0;    // of these, reached play
-  std::uint64_t disconnects = 0;  // of these, ended unasked or never reached play
+  std::uint64_t bots = 0;       // started
+  std::uint64_t connected = 0;  // of these, reached play
+  std::uint64_t joins = 0;      // times that a bot reached play: more than connected when scripts leave and join again
+  std::uint64_t disconnects = 0;  // bots that ended unasked or never reached play
   std::uint64_t snapshots = 0;    // packets, over all bots
   std::uint64_t stalls = 0;       // times that a shown body had to be held; only decoding bots can tell
   std::uint64_t scriptErrors = 0;

@@ -292,11 +292,11 @@ double Number(const nlohmann::json& summary, const char* key) {
 void Play::ReportServer() {
   const nlohmann::json summary = ReadSummary("server.json", m_server);
   if (summary.empty()) return;
-  std::printf(
-      "server: %s ticks, %s ms (p50) %s ms (p99) a tick, %s overruns, %s joins, %s disconnects, %s non-finite\n",
-      Show(summary, "ticks").c_str(), Show(summary, "tick_ms_p50", 2).c_str(), Show(summary, "tick_ms_p99", 2).c_str(),
-      Show(summary, "overruns").c_str(), Show(summary, "joins").c_str(), Show(summary, "disconnects").c_str(),
-      Show(summary, "non_finite").c_str());
+  std::printf("server: %s ticks of %s ms (p50), %s ms (p99), %s overruns, %s joins, %s disconnects, %s non-finite\n",
+              Show(summary, "ticks").c_str(), Show(summary, "tick_ms_p50", 2).c_str(),
+              Show(summary, "tick_ms_p99", 2).c_str(), Show(summary, "overruns").c_str(),
+              Show(summary, "joins").c_str(), Show(summary, "disconnects").c_str(),
+              Show(summary, "non_finite").c_str());
   if (Number(summary, "non_finite") > 0) Fail("bodies became non-finite");
   // No failure: a busy machine can be late for a tick, and the world then only runs behind for a moment.
   if (Number(summary, "overruns") > 0)
@@ -306,7 +306,7 @@ void Play::ReportServer() {
 void Play::ReportBots() {
   const nlohmann::json summary = ReadSummary("bots.json", m_bots);
   if (summary.empty()) return;
-  std::printf("bots: %s of %u connected, %s disconnects, %s script errors, snapshots %s ms (p50) %s ms (p99) old\n",
+  std::printf("bots: %s of %u connected, %s disconnects, %s script errors, snapshots %s ms old (p50), %s ms (p99)\n",
               Show(summary, "connected").c_str(), m_options.bots, Show(summary, "disconnects").c_str(),
               Show(summary, "script_errors").c_str(), Show(summary, "snapshot_age_ms_p50", 1).c_str(),
               Show(summary, "snapshot_age_ms_p99", 1).c_str());

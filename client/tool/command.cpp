@@ -6,7 +6,7 @@ namespace wobble::tool {
 
 CLI::Validator Within(double least, double most) {
   char range[64];
-  std::snprintf(range, sizeof range, "%g to %.10g", least, most);
+  std::snprintf(range, sizeof range, "%g to %.16g", least, most);
   const std::string allowed = range;
   return CLI::Validator(
       [=](std::string& text) {

@@ -208,7 +208,7 @@ case_unknown_option() {
   done
   expect_refusal 'dance' wobble dance
   expect_refusal 'command is required, one of: ' wobble
-  expect_refusal '^wobble bots: HOST:PORT of the server is required' wobble bots
+  expect_refusal '^wobble bots: HOST:PORT of the server is required' wobble bots --script idle.lua
   expect_refusal '^wobble bots: --script is required' wobble bots 127.0.0.1:7815
   expect_refusal "'nowhere' is no HOST:PORT" wobble bots nowhere --script idle.lua
   expect_refusal '^wobbled: --port 99999: must be 1 to 65535$' wobbled --port 99999
@@ -218,6 +218,7 @@ case_unknown_option() {
   expect_refusal '^wobbled: --log-level loud: must be one of' wobbled --log-level loud
   expect_refusal '^wobbled: --summary /no/such/file: cannot be written$' wobbled --port 7815 --summary /no/such/file
   expect_refusal "^wobble: --count: '0' is not 1 to 10000" wobble bots 127.0.0.1:7815 --script idle.lua --count 0
+  expect_refusal "^wobble: --seed: '-1' is not 0 to " wobble bots 127.0.0.1:7815 --script idle.lua --seed -1
   expect_refusal "unknown key 'joy'" wobble bots 127.0.0.1:7815 --script idle.lua --threshold 'joy>1'
 
   expect_exit 2 wobbled --tick-hz fast --threads 0 --scene nowhere # all that is wrong, a line each
@@ -269,22 +270,75 @@ case_broken_script() {
   expect_exit 2 wobble bots 127.0.0.1:7819 --script "$folder/norun.lua"
   expect_line "$err" 'norun.lua: defines no function run(bot)$'
   expect_refusal 'absent.lua: cannot be read' wobble bots 127.0.0.1:7819 --script "$folder/absent.lua"
+}
 
-  # An endless loop stops its own bot; the others play on.
+# An endless loop, or one call that would take years, stops its own bot with the line named; the others play on.
+case_endless_loop_stops_one() {
   cat >"$folder/loop.lua" <<'LUA'
 function run(bot)
+  bot:wait(0.5)
   if bot:id() == 2 then
     while true do end
+  elseif bot:id() == 3 then
+    local text = ('a'):rep(5000)
+    print(text:find('.-.-.-.-.-b'))
   end
-  while true do bot:wait(0.1) end
+  for i = 1, 10 do
+    bot:move(bot:random(-1, 1), 1)
+    bot:wait(0.1)
+  end
+  print('went on for a second')
 end
 LUA
-  start_server --port 7819
-  expect_exit 0 wobble bots 127.0.0.1:7819 --script "$folder/loop.lua" --count 3 --for 3 --summary "$folder/b.json" \
+  start_server --port 7960
+  expect_exit 0 wobble bots 127.0.0.1:7960 --script "$folder/loop.lua" --count 4 --for 3 --summary "$folder/b.json" \
     --threshold 'disconnects==0'
-  expect_line "$err" '^wobble bots: bot 2 stands still: .*loop.lua:3: stopped after'
-  expect_figure "$folder/b.json" connected '== 3'
-  expect_figure "$folder/b.json" script_errors '== 1'
+  expect_line "$err" '^wobble bots: bot 2 stands still: .*loop.lua:4: stopped after'
+  expect_line "$err" '^wobble bots: bot 3 stands still: .*loop.lua:7: stopped: '
+  expect_line "$err" '^bot 1: went on for a second$'
+  expect_line "$err" '^bot 4: went on for a second$'
+  expect_figure "$folder/b.json" connected '== 4'
+  expect_figure "$folder/b.json" script_errors '== 2'
+}
+
+case_storm_joins_and_leaves() {
+  start_server --port 7961 --summary "$folder/a.json"
+  expect_exit 0 wobble bots 127.0.0.1:7961 --script storm.lua --count 8 --for 6s --summary "$folder/b.json" \
+    --threshold 'disconnects==0' --threshold 'joins>=12'
+  expect_line "$out" '^8 of 8 bots connected ([0-9]* joins), 0 disconnects, 0 script errors'
+  kill -INT "$server"
+  expect_end server "$server" 0
+  expect_figure "$folder/b.json" connected '== 8'
+  expect_figure "$folder/a.json" joins "== $(read_figure "$folder/b.json" joins)"
+  expect_figure "$folder/a.json" disconnects '== 0'
+  expect_figure "$folder/a.json" non_finite '== 0'
+}
+
+case_stages_go_up_and_down() {
+  start_server --port 7962 --summary "$folder/a.json"
+  expect_exit 0 wobble bots 127.0.0.1:7962 --script chase.lua --stage 2s:6 --stage 1s:6 --stage 2000ms:1 --status 0.5 \
+    --summary "$folder/b.json" --threshold 'disconnects==0'
+  expect_line "$out" '^bots [1-5]/6 stage 1/3 [0-9]*%, [0-9]* s left, '
+  expect_line "$out" '^bots 6/6 stage 2/3 [4-5][0-9]%, [0-9]* s left, '
+  expect_line "$out" '^bots [1-6]/1 stage 3/3 [6-9][0-9]%, [0-2] s left, '
+  kill -INT "$server"
+  expect_end server "$server" 0
+  expect_figure "$folder/b.json" bots '== 6'
+  expect_figure "$folder/b.json" connected '== 6'
+  expect_figure "$folder/b.json" joins '== 6'
+  expect_figure "$folder/b.json" script_errors '== 0'
+  expect_figure "$folder/a.json" joins '== 6'
+  expect_figure "$folder/a.json" clients_peak '== 6'
+  expect_figure "$folder/a.json" disconnects '== 0'
+
+  expect_exit 2 wobble bots 7962 --script idle.lua --stage 5s:10001 --stage 0s:5 --count 3 --for 1d --threshold 'joy>1'
+  expect_lines "$err" 7 # all that is wrong, a line each
+  expect_line "$err" "^wobble bots: server: '7962' is no HOST:PORT"
+  expect_line "$err" "^wobble bots: --for: '1d' is no duration; "
+  expect_line "$err" "^wobble bots: --threshold: 'joy>1': unknown key 'joy'"
+  expect_line "$err" "^wobble bots: --stage: '5s:10001' is no stage; "
+  expect_line "$err" "^wobble bots: --stage: '0s:5' is no stage; "
+  expect_line "$err" '^wobble bots: --count: not together with --stage'
 }
 
 # send_noise PORT SEED COUNT: datagrams of 1 to 120 random bytes from as many ports; the same bytes for the same seed.

@@ -112,7 +112,7 @@ class Theatre {
   }
   void RunUntil(double time) {
     for (; m_now < time; m_now += kRound) {
-      m_runner.RunRound(m_now, 0.0005);
+      for (unsigned part = 0; part < parts; ++part) m_runner.RunRound(m_now + kRound * part / parts, 0.0005, parts);
       if (serverLives) server.RunRound(m_now);
     }
   }
@@ -122,6 +122,7 @@ class Theatre {
 
   bool serverLives = true;
   bool canConnect = true;
+  unsigned parts = 1;
   std::vector<std::string> log;
 
  private:
@@ -183,6 +184,17 @@ TEST(BotRunner, RampSpreadsTheJoinsAndScriptsReachTheServer) {
   EXPECT_GT(figures.kbitPerSecondPerBot.value(), 1);
   EXPECT_FALSE(figures.decodeUsP99.has_value());  // there was no record to decode
   EXPECT_TRUE(theatre.log.empty()) << theatre.log[0];
+}
+
+TEST(BotRunner, RoundsInPartsLookAfterEveryBot) {
+  Theatre theatre(MakeOptions(6), "function run(bot) bot:move(bot:id() / 8, 0) bot:wait(60) end");
+  theatre.parts = 4;
+  theatre.RunUntil(2);
+  std::set<float> moves;
+  for (const auto& [connection, move] : theatre.server.moves) moves.insert(move);
+  EXPECT_EQ(moves.size(), 6U);
+  EXPECT_EQ(theatre.Bots().ReadFigures().joins, 6U);
+  EXPECT_NEAR(static_cast<double>(theatre.Bots().ReadFigures().snapshots), 6 * 30 * 1.9, 40);
 }
 
 TEST(BotRunner, BotsSentAwayAndNeverAnsweredAreDisconnects) {
@@ -258,34 +270,106 @@ TEST(BotRunner, AFailedScriptLeavesItsBotConnected) {
   EXPECT_EQ(both.log.size(), 1U);  // the same error is said once
 }
 
-TEST(LoadTestWords, AddressesAndShares) {
-  std::string error;
-  const auto address = tool::ParseAddress("example.org:7777", error);
-  ASSERT_TRUE(address.has_value());
-  EXPECT_EQ(address->host, "example.org");
-  EXPECT_EQ(address->port, 7777);
-  for (const char* text : {"", ":", ":1", "host", "host:", "host:0", "host:65536", "host:-1", "host:1x", "host: 1"}) {
-    EXPECT_FALSE(tool::ParseAddress(text, error).has_value()) << text;
-    EXPECT_NE(error.find(std::string("'") + text + "'"), std::string::npos) << error;
-  }
-  for (const char* text : {"", "/", "1/", "/1", "1/0", "2/1", "-1/2", "0.5", "1/2/3", "two"}) {
-    EXPECT_FALSE(ParseDecodeShare(text, error).has_value()) << text;
-  }
-  const auto count = [&](const char* text, unsigned bots) {
-    const auto share = ParseDecodeShare(text, error);
-    EXPECT_TRUE(share.has_value()) << error;
-    unsigned decoding = 0;
-    for (unsigned i = 0; share && i < bots; ++i) decoding += share->Includes(i) ? 1 : 0;
-    return decoding;
+TEST(BotRunner, LeavingAndJoiningAgainIsNoDisconnect) {
+  Theatre theatre(MakeOptions(3), R"(function run(bot)
+    for i = 1, 3 do
+      bot:move(1, 0)
+      bot:wait(1)
+      bot:leave()
+      assert(bot:position() == nil and bot:body() == nil and #bot:near() == 0)
+      bot:leave()  -- is away already
+      bot:wait(0.5)
+      if bot:id() == 3 then return end  -- stays away
+      bot:join()
+      assert(bot:body() ~= nil)
+    end
+    assert(bot:time() > 4.5 and bot:time() < 5.5, bot:time())
+    bot:wait(60)
+  end)");
+  theatre.RunUntil(8);
+  EXPECT_EQ(theatre.server.joins.size(), 9U);
+  EXPECT_EQ(theatre.server.goodbyes, 7U);
+  EXPECT_EQ(theatre.Bots().TakeProgress().playing, 2U);
+  EXPECT_FALSE(theatre.Bots().HaveAllEnded());
+  theatre.Leave();
+  theatre.RunUntil(10);
+  EXPECT_TRUE(theatre.Bots().HaveAllEnded());
+  const Figures figures = theatre.Bots().ReadFigures();
+  EXPECT_EQ(figures.bots, 3U);
+  EXPECT_EQ(figures.connected, 3U);
+  EXPECT_EQ(figures.joins, 9U);
+  EXPECT_EQ(figures.disconnects, 0U);
+  EXPECT_EQ(figures.scriptErrors, 0U);
+  // Played 3 and more s of 8, 3 s and 1 s, all of it at 30 snapshots a second.
+  EXPECT_GT(figures.snapshots, 30U * 8);
+  EXPECT_LT(figures.snapshots, 30U * 14);
+  EXPECT_TRUE(theatre.log.empty()) << theatre.log[0];
+}
+
+TEST(BotRunner, ABotThatIsTurnedAwayOnItsReturnIsADisconnect) {
+  Theatre theatre(MakeOptions(2), R"(function run(bot)
+    bot:wait(1)
+    if bot:id() == 1 then bot:leave() bot:join() end
+    bot:wait(60)
+  end)");
+  theatre.RunUntil(1);
+  theatre.canConnect = false;
+  theatre.RunUntil(2);
+  const Figures figures = theatre.Bots().ReadFigures();
+  EXPECT_EQ(figures.connected, 2U);
+  EXPECT_EQ(figures.joins, 2U);
+  EXPECT_EQ(figures.disconnects, 1U);
+  ASSERT_EQ(theatre.log.size(), 1U);
+  EXPECT_EQ(theatre.log[0], "bot 1 ended: no such host");
+}
+
+TEST(BotRunner, StagesGoUpAndDownTheLastToJoinLeavesFirst) {
+  LoadTestOptions options = MakeOptions(1);
+  options.stages = {{2, 4}, {1, 4}, {2, 1}, {1, 3}};
+  Theatre theatre(options, "function run(bot) bot:move(bot:id() / 8, 0) bot:wait(60) end");
+  const auto playingAt = [&](double time) {
+    theatre.RunUntil(time);
+    return theatre.Bots().TakeProgress().playing;
   };
-  EXPECT_EQ(count("1/32", 1), 1U);  // the first bot decodes
-  EXPECT_EQ(count("1/32", 32), 1U);
-  EXPECT_EQ(count("1/32", 33), 2U);
-  EXPECT_EQ(count("1/32", 3200), 100U);
-  EXPECT_EQ(count("2/3", 9), 6U);
-  EXPECT_EQ(count("0", 100), 0U);
-  EXPECT_EQ(count("1", 100), 100U);
-  EXPECT_EQ(count("3/3", 7), 7U);
+  EXPECT_EQ(playingAt(0.4), 1U);
+  EXPECT_EQ(playingAt(1.4), 3U);
+  EXPECT_EQ(playingAt(2.9), 4U);
+  static_cast<void>(theatre.Bots().TakeProgress());
+  theatre.RunUntil(3.2);
+  const double steady = theatre.Bots().TakeProgress().kbitPerSecondPerBot.value();
+  theatre.RunUntil(3.5);
+  const Runner::Progress falling = theatre.Bots().TakeProgress();
+  EXPECT_EQ(falling.playing, 3U);
+  EXPECT_NEAR(falling.kbitPerSecondPerBot.value(), steady, 0.1 * steady);  // of those who left as long as they played
+  EXPECT_EQ(playingAt(4.9), 1U);
+  EXPECT_EQ(playingAt(5.2), 2U);  // 1 stays, 5 has come
+  EXPECT_EQ(theatre.server.goodbyes, 3U);
+  EXPECT_EQ(playingAt(6.0), 3U);
+  theatre.Leave();
+  theatre.RunUntil(7.5);
+  EXPECT_TRUE(theatre.Bots().HaveAllEnded());
+  const Figures figures = theatre.Bots().ReadFigures();
+  EXPECT_EQ(figures.bots, 6U);
+  EXPECT_EQ(figures.connected, 6U);
+  EXPECT_EQ(figures.joins, 6U);
+  EXPECT_EQ(figures.disconnects, 0U);
+  EXPECT_EQ(theatre.server.goodbyes, 6U);
+}
+
+// Rejoining is the script's wish, leaving for good the stages'.
+TEST(BotRunner, StagesEndBotsThatAreAwayOrOnTheirWayToo) {
+  LoadTestOptions options = MakeOptions(1);
+  options.stages = {{0.5, 4}, {0.5, 0}, {0.1, 0}};
+  Theatre theatre(options, "function run(bot) while true do bot:leave() bot:join() end end");
+  theatre.RunUntil(2.5);
+  EXPECT_EQ(theatre.Bots().TakeProgress().playing, 0U);
+  EXPECT_FALSE(theatre.Bots().HaveAllEnded());  // the last stage is sat out
+  theatre.Leave();
+  EXPECT_TRUE(theatre.Bots().HaveAllEnded());
+  const Figures figures = theatre.Bots().ReadFigures();
+  EXPECT_EQ(figures.bots, 4U);
+  EXPECT_EQ(figures.disconnects, 0U);
+  EXPECT_EQ(theatre.server.goodbyes, theatre.server.joins.size());
 }
 
 }  // namespace

@@ -26,7 +26,17 @@ class Stage {
     for (unsigned i = 0; loaded && i < bots; ++i) EXPECT_EQ(m_script.AddBot(error), i + 1) << error;
   }
 
-  Script::Result Resume(unsigned bot, double time) { return m_script.Resume(bot, {time, position}, input, error); }
+  Script::Result Resume(unsigned bot, double time) {
+    Script::View view;
+    view.time = time;
+    view.isPlaying = true;
+    if (position) view.self = client::Sighting{1, {*position, {}}, std::nullopt, 0};
+    Script::Wish wish;
+    const Script::Result result = m_script.Resume(bot, view, wish, error);
+    EXPECT_TRUE(wish.play);
+    input = wish.input;
+    return result;
+  }
 
   bool loaded = false;
   std::string error;
@@ -177,22 +187,103 @@ TEST(BotScript, BudgetIsFullAgainAfterEveryWait) {
 }
 
 TEST(BotScript, MemoryIsBounded) {
-  Stage stage(
-      "function run(bot) local t = {} while true do t[#t + 1] = string.rep('x', 1 << 24, #t) bot:wait(0) end end", 2);
+  Stage stage("function run(bot) local t = {} while true do t[#t + 1] = string.rep('x', 1 << 21) bot:wait(0) end end",
+              2);
   ASSERT_TRUE(stage.loaded) << stage.error;
   Script::Result result = Script::Result::kRunning;
-  for (int round = 0; round < 64 && result == Script::Result::kRunning; ++round) result = stage.Resume(1, round);
+  for (int round = 0; round < 256 && result == Script::Result::kRunning; ++round) result = stage.Resume(1, round);
   EXPECT_EQ(result, Script::Result::kFailed);
   EXPECT_NE(stage.error.find("not enough memory"), std::string::npos) << stage.error;
   EXPECT_EQ(stage.Resume(2, 0), Script::Result::kRunning) << stage.error;  // what bot 1 held is free again
 }
 
+TEST(BotScript, NoSingleStringOrTableIsLarge) {
+  for (const char* body : {"local s = 'x' while true do s = s .. s bot:wait(0) end",
+                           "local t = {} while true do for i = 1, 8000 do t[#t + 1] = i end bot:wait(0) end"}) {
+    Stage stage("function run(bot) " + std::string(body) + " end");
+    ASSERT_TRUE(stage.loaded) << stage.error;
+    Script::Result result = Script::Result::kRunning;
+    for (int round = 0; round < 100 && result == Script::Result::kRunning; ++round) result = stage.Resume(1, round);
+    EXPECT_EQ(result, Script::Result::kFailed) << body;
+    EXPECT_EQ(stage.error, "test.lua:1: not enough memory") << body;
+  }
+}
+
+// Each of these took from seconds to years in one call, where no hook counts instructions.
+TEST(BotScript, NoSlowCallOutwitsTheBudget) {
+  const auto begin = std::chrono::steady_clock::now();
+  for (const char* body : {
+           "local s = ('a'):rep(2000) return s:match('.-.-.-.-b')",
+           "local s = ('a'):rep(2000) return s:find('a*a*a*a*b')",
+           "local s = ('a'):rep(2000) return s:gsub('a?a?a?a?a?b', '')",
+           "for _ in (('a'):rep(2000)):gmatch('^.-.-.-.-b') do end",
+           "while true do pcall(string.find, ('a'):rep(300), '.-.-b') end",
+           "while true do local s = ('x'):rep(1 << 20) end",
+           "while true do local s = ('x'):rep(1 << 60, '') end",
+           "local s = ('x'):rep(1 << 20) while true do local t = s .. 'y' end",
+           "local t = {} for i = 1, 8000 do t[i] = -i end while true do table.sort(t) end",
+           "local t = {} for i = 1, 8000 do t[i] = '' end while true do table.concat(t) end",
+           "local t = {} for i = 1, 8000 do t[i] = i end while true do table.insert(t, 1, i) end",
+           "local t = setmetatable({}, {__len = function() return 1 << 40 end}) table.insert(t, 1, 1)",
+           "table.move({}, 1, 1 << 50, 2)",
+           "while true do local t = {table.unpack({}, 1, 1 << 18)} end",
+       }) {
+    Stage stage("function run(bot) " + std::string(body) + " end");
+    ASSERT_TRUE(stage.loaded) << stage.error;
+    EXPECT_EQ(stage.Resume(1, 0), Script::Result::kFailed) << body;
+    EXPECT_EQ(stage.error.find("test.lua:1: stopped"), 0U) << body << " gave " << stage.error;
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
+}
+
+TEST(BotScript, EverydayUseOfTheLibrariesIsCheap) {
+  Stage stage(R"(
+    function run(bot)
+      local names = {}
+      for i = 1, 500 do
+        names[#names + 1] = string.format('%s %d', 'bot', i)
+        assert(tonumber(names[i]:match('^bot (%d+)$')) == i)
+        assert(names[i]:find('bot', 1, true) == 1 and names[i]:upper():sub(1, 3) == 'BOT')
+      end
+      bot:wait(0)
+      assert(#(' '):rep(100):match('^%s*(.-)%s*$') == 0)  -- as LUA.md promises
+      bot:wait(0)
+      assert(('a'):rep(1000):find('b+') == nil)
+      bot:wait(0)
+      table.sort(names, function(a, b) return a > b end)
+      assert(#table.concat(names, ', ') > 3000 and select('#', table.unpack(names)) == 500)
+      assert(names[1] == 'bot 99' and table.remove(names) == 'bot 1' and table.remove(names, 1) == 'bot 99')
+    end)");
+  ASSERT_TRUE(stage.loaded) << stage.error;
+  for (int call = 0; call < 3; ++call) EXPECT_EQ(stage.Resume(1, 0), Script::Result::kRunning) << stage.error;
+  EXPECT_EQ(stage.Resume(1, 0), Script::Result::kFinished) << stage.error;
+}
+
 TEST(BotScript, RuntimeErrorsNameTheirLine) {
-  for (const char* statement :
-       {"local x = nil + 1", "error('no place', 0)", "error({})", "bot:move(1)", "bot:move(0/0, 1)", "bot:puff(1)",
-        "bot:wait(-1)", "bot:wait('long')", "bot:fly()", "bot.wait()", "bot.wait(3)", "math.random(2, 1)",
-        "coroutine.wrap(function() bot:wait(1) end)()", "getmetatable(bot).__index = nil", "setmetatable(bot, nil)",
-        "coroutine.close(coroutine.running())"}) {
+  for (const char* statement : {"local x = nil + 1",
+                                "error('no place', 0)",
+                                "error({})",
+                                "bot:move(1)",
+                                "bot:move(0/0, 1)",
+                                "bot:puff(1)",
+                                "bot:wait(-1)",
+                                "bot:wait('long')",
+                                "bot:fly()",
+                                "bot.wait()",
+                                "bot.wait(3)",
+                                "math.random(2, 1)",
+                                "coroutine.wrap(function() bot:wait(1) end)()",
+                                "getmetatable(bot).__index = nil",
+                                "setmetatable(bot, nil)",
+                                "coroutine.close(coroutine.running())",
+                                "bot:near(-1)",
+                                "bot:near(1, 0)",
+                                "bot:near('far')",
+                                "coroutine.wrap(function() bot:leave() end)()",
+                                "string.rep()",
+                                "local s = ('x'):rep('many')",
+                                "table.concat(nil)",
+                                "local s = ('x'):find()"}) {
     Stage stage("function run(bot)\n bot:wait(0)\n " + std::string(statement) + "\n bot:wait(0)\nend");
     ASSERT_TRUE(stage.loaded) << stage.error;
     EXPECT_EQ(stage.Resume(1, 0), Script::Result::kRunning) << stage.error;

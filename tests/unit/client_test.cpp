@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "client/newest_poses.h"
 #include "protocol/pose.h"
 #include "protocol/shape_codec.h"
 #include "protocol/snapshot.h"
@@ -345,16 +346,55 @@ TEST_F(ClientTest, IgnoresDuplicateAndAncientPackets) {
   EXPECT_NEAR(client->NewestPose(3)->centroid.x, 1, 1e-3);
 }
 
-TEST_F(ClientTest, WithoutDecodingKnowsItsOwnPoseAndNoOther) {
+TEST_F(ClientTest, WithoutDecodingKnowsWhereBodiesAreAndNoMore) {
   Join({"bot", false, false});
   now += 0.1;
   Snapshot(1, {MakeRecord(3, {{1.5F, 0, 0}, {}}), MakeRecord(8, {{2, 0, 0}, {}})});
   EXPECT_EQ(client->ReadStatistics().records, 2U);
   EXPECT_NEAR(client->NewestPose(3)->centroid.x, 1.5, 1e-3);
-  EXPECT_FALSE(client->NewestPose(8).has_value());
+  EXPECT_NEAR(client->NewestPose(8)->centroid.x, 2, 1e-3);
+  EXPECT_FALSE(client->NewestPose(9).has_value());
   std::vector<BodySample> samples(3);
   client->Sample(now, Detail::kVertices, samples);
   EXPECT_TRUE(samples.empty());
+}
+
+TEST_F(ClientTest, KnowsHowFastBodiesGoWithAndWithoutDecoding) {
+  for (const bool decode : {true, false}) {
+    SCOPED_TRACE(decode);
+    Join({"bot", false, decode});
+    const auto hear = [&](std::uint32_t sequence, double after, float x) {
+      now += after;
+      Snapshot(sequence, {MakeRecord(8, {{x, 5, 0}, {}})});
+      return client->FindSighting(8);
+    };
+    EXPECT_FALSE(client->FindSighting(8).has_value());
+    EXPECT_FALSE(hear(1, 0.1, 1)->velocity.has_value());  // one pose is no motion
+    const auto second = hear(2, 0.05, 1.25F);
+    EXPECT_NEAR(second->pose.centroid.x, 1.25F, 1e-3);
+    EXPECT_NEAR(second->velocity.value().x, 5, 0.02);
+    EXPECT_NEAR(second->velocity.value().y, 0, 0.02);
+    EXPECT_EQ(second->age, 0);
+
+    Arrive(Channel::kControl, protocol::MakeEvent(wire::EventKind::Respawn, CurrentTick() + 1, 0, 8, ""));
+    EXPECT_FALSE(hear(3, 0.05, -4)->velocity.has_value());  // it was carried there
+    EXPECT_NEAR(hear(4, 0.05, -3)->velocity.value().x, 20, 0.1);
+    EXPECT_FALSE(hear(5, kMaxVelocitySpan + 0.1, -2)->velocity.has_value());  // too long ago to tell
+
+    now += 0.2;
+    Snapshot(6, {MakeRecord(9, {})});
+    std::vector<Sighting> sightings;
+    client->ListSightings(sightings);
+    ASSERT_EQ(sightings.size(), 2U);
+    EXPECT_NEAR(client->FindSighting(8)->age, 0.2, 1e-6);
+
+    Arrive(Channel::kControl, protocol::MakeEvent(wire::EventKind::BodyRemoved, CurrentTick(), 0, 8, ""));
+    Arrive(Channel::kSnapshot, MakeSnapshot({7, CurrentTick() - 6, 1, 0}, {MakeRecord(8, {})}));  // is late
+    EXPECT_FALSE(client->FindSighting(8).has_value());
+    client->ListSightings(sightings);
+    ASSERT_EQ(sightings.size(), 1U);
+    EXPECT_EQ(sightings[0].body, 9U);
+  }
 }
 
 TEST_F(ClientTest, CountsRecordsThatItCannotUse) {

@@ -1,0 +1,94 @@
+// A stay has a client of its own, because a client is one connection; when the stay ends, however, the client goes with
+// its socket and its buffers, and only sums remain. A storm of joins would otherwise run out of sockets.
+#include "client/bots/player.h"
+
+#include <cassert>
+#include <utility>
+
+namespace wobble::bots {
+
+Player::Player(client::Options options, OnSnapshot onSnapshot)
+    : m_options(std::move(options)), m_onSnapshot(std::move(onSnapshot)) {}
+
+void Player::Join(std::unique_ptr<transport::Transport> transport, double now) {
+  assert(m_state == State::kAway && m_client == nullptr);
+  m_names.clear();
+  m_events.clear();
+  m_transport = transport.get();
+  m_client = std::make_unique<client::Client>(std::move(transport), m_options, now);
+  m_client->OnSnapshot(m_onSnapshot);
+  m_client->OnEvent([this](const client::Client::Event& event) { HearEvent(event); });
+  m_state = State::kJoining;
+}
+
+void Player::Lose(std::string reason) {
+  m_state = State::kLost;
+  m_lossReason = std::move(reason);
+}
+
+void Player::Leave(double now) {
+  if (m_state != State::kJoining && m_state != State::kPlaying) return;
+  StopMeasuring(now);
+  m_client->Leave(now);
+  m_state = State::kLeaving;
+}
+
+void Player::Update(double now) {
+  if (m_client == nullptr) return;
+  m_updated = now;
+  m_client->Update(now);
+  if (m_client->ReadState() == client::State::kEnded) {
+    StopMeasuring(now);
+    const bool answered = m_transport->ReadStatistics().bytesIn > 0;
+    if (m_client->EndedUnasked()) {
+      Lose(answered ? m_client->EndReason() : "");
+    } else {
+      m_state = State::kAway;
+    }
+    CloseConnection();
+  } else if (m_state == State::kJoining && m_client->ReadState() == client::State::kPlaying) {
+    m_state = State::kPlaying;
+    ++m_totals.joins;
+    m_measured = true;
+    m_playedFrom = now;
+    m_bytesFrom = m_transport->ReadStatistics().bytesIn;
+  }
+}
+
+void Player::StopMeasuring(double now) {
+  if (!m_measured) return;
+  m_measured = false;
+  AddPresentStay(now, m_totals);
+}
+
+void Player::AddPresentStay(double now, Totals& totals) const {
+  totals.playedSeconds += now - m_playedFrom;
+  totals.playedBytes += m_transport->ReadStatistics().bytesIn - m_bytesFrom;
+}
+
+void Player::CloseConnection() {
+  m_totals = ReadTotals();
+  m_client.reset();
+  m_transport = nullptr;
+}
+
+Player::Totals Player::ReadTotals() const {
+  Totals totals = m_totals;
+  if (m_client == nullptr) return totals;
+  totals.snapshots += m_client->ReadStatistics().snapshots;
+  totals.stalls += m_client->ReadStatistics().stalls;
+  if (m_measured) AddPresentStay(m_updated, totals);
+  return totals;
+}
+
+void Player::HearEvent(const client::Client::Event& event) {
+  if (event.kind == wire::EventKind::Join && event.body != 0 && m_names.size() < protocol::kMaxBodies) {
+    m_names[event.body] = event.name;
+  } else if (event.kind == wire::EventKind::Leave || event.kind == wire::EventKind::BodyRemoved) {
+    m_names.erase(event.body);
+  }
+  m_events.push_back(event);
+  if (m_events.size() > kMaxEvents) m_events.pop_front();
+}
+
+}  // namespace wobble::bots

@@ -1,0 +1,78 @@
+// Kept as they came off the wire: of the hundreds of poses that arrive in a second few are ever asked for, and turning
+// one into floats costs more than keeping it.
+//
+// Records are unordered, events are not records: a removed body keeps its entry, so that a late record does not bring
+// it back, until Forget.
+#include "client/newest_poses.h"
+
+#include <algorithm>
+
+#include "protocol/limits.h"
+
+namespace wobble::client {
+
+NewestPoses::Entry* NewestPoses::FindOrMake(std::uint32_t body) {
+  const auto known = m_entries.find(body);
+  if (known != m_entries.end()) return &known->second;
+  return m_entries.size() < protocol::kMaxBodies ? &m_entries[body] : nullptr;
+}
+
+void NewestPoses::Add(std::uint32_t body, std::uint32_t tick, const protocol::QuantisedPose& pose) {
+  Entry* entry = FindOrMake(body);
+  if (entry == nullptr || tick <= entry->tick || tick <= entry->removed) return;
+  entry->before = entry->pose;
+  entry->beforeTick = entry->IsThere() ? entry->tick : 0;
+  entry->pose = pose;
+  entry->tick = tick;
+}
+
+void NewestPoses::Remove(std::uint32_t body, std::uint32_t tick) {
+  if (Entry* entry = FindOrMake(body)) entry->removed = std::max(entry->removed, tick);
+}
+
+void NewestPoses::NoteRespawn(std::uint32_t body, std::uint32_t tick) {
+  if (Entry* entry = FindOrMake(body)) entry->respawned = std::max(entry->respawned, tick);
+}
+
+void NewestPoses::Forget(std::uint32_t tick) {
+  std::erase_if(m_entries, [tick](const auto& known) {
+    return std::max({known.second.tick, known.second.removed, known.second.respawned}) < tick;
+  });
+}
+
+std::optional<protocol::Pose> NewestPoses::Find(std::uint32_t body) const {
+  const auto known = m_entries.find(body);
+  if (known == m_entries.end() || !known->second.IsThere()) return std::nullopt;
+  return protocol::Dequantise(known->second.pose);
+}
+
+std::optional<Sighting> NewestPoses::FindSighting(std::uint32_t body, double tickSeconds,
+                                                  std::uint32_t newestTick) const {
+  const auto known = m_entries.find(body);
+  if (known == m_entries.end() || !known->second.IsThere()) return std::nullopt;
+  return MakeSighting(body, known->second, tickSeconds, newestTick);
+}
+
+void NewestPoses::List(double tickSeconds, std::uint32_t newestTick, std::vector<Sighting>& sightings) const {
+  sightings.clear();
+  for (const auto& [body, entry] : m_entries) {
+    if (entry.IsThere()) sightings.push_back(MakeSighting(body, entry, tickSeconds, newestTick));
+  }
+}
+
+Sighting NewestPoses::MakeSighting(std::uint32_t body, const Entry& entry, double tickSeconds,
+                                   std::uint32_t newestTick) {
+  Sighting sighting;
+  sighting.body = body;
+  sighting.pose = protocol::Dequantise(entry.pose);
+  sighting.age = newestTick > entry.tick ? (newestTick - entry.tick) * tickSeconds : 0;
+  const double span = (entry.tick - entry.beforeTick) * tickSeconds;
+  // A respawn's tick may show the body at either place.
+  if (entry.beforeTick > entry.respawned && span <= kMaxVelocitySpan) {
+    const protocol::Vector3 way = sighting.pose.centroid - protocol::Dequantise(entry.before).centroid;
+    sighting.velocity = way * static_cast<float>(1 / span);
+  }
+  return sighting;
+}
+
+}  // namespace wobble::client

@@ -1,0 +1,186 @@
+// What a bot's script sees of the world: its own body and those near, their names, what happened, and that it was away.
+#include <gtest/gtest.h>
+
+#include "client/bots/lua_costs.h"
+#include "client/bots/script.h"
+
+namespace wobble::bots {
+namespace {
+
+// One bot with a world around it.
+class World {
+ public:
+  explicit World(const std::string& source)
+      : m_script(1, [this](unsigned, std::string_view text) { printed.append(text).append("\n"); }) {
+    EXPECT_TRUE(m_script.Load(source, "test.lua", error)) << error;
+    EXPECT_EQ(m_script.AddBot(error), 1U) << error;
+    view.isPlaying = true;
+    view.body = 7;
+    view.names = &names;
+    view.events = &events;
+    view.listBodies = [this](std::vector<client::Sighting>& sightings) {
+      ++looks;
+      sightings = bodies;
+    };
+    AddBody(7, {1, 1, 0});
+    view.self = bodies[0];
+  }
+  void AddBody(std::uint32_t body, protocol::Vector3 place, std::optional<protocol::Vector3> velocity = std::nullopt) {
+    bodies.push_back({body, {place, {}}, velocity, 0.5});
+  }
+  Script::Result Resume(double time) {
+    view.time = time;
+    return m_script.Resume(1, view, wish, error);
+  }
+
+  Script::View view;
+  Script::Wish wish;
+  std::vector<client::Sighting> bodies;
+  std::unordered_map<std::uint32_t, std::string> names;
+  std::deque<client::Client::Event> events;
+  unsigned looks = 0;
+  std::string printed;
+  std::string error;
+
+ private:
+  Script m_script;
+};
+
+TEST(BotScriptWorld, NearListsBodiesByDistance) {
+  World world(R"(function run(bot)
+    for i, b in ipairs(bot:near(5)) do
+      print(i, b.body, b.distance, b.x, b.y, b.z, b.vx, b.vy, b.vz, b.age, b.name)
+    end
+    print(#bot:near(0), #bot:near(), #bot:near(2.5), #bot:near(nil, 3), bot:near(9, 1)[1].body)
+  end)");
+  world.AddBody(9, {1, 5, 0}, protocol::Vector3{1, 2, 3});
+  world.AddBody(8, {1, 1, 2});
+  world.AddBody(6, {1, 1, -2});  // as far as 8
+  world.AddBody(5, {1, 7, 0});   // too far
+  world.names = {{8, "Ada"}, {5, "Bob"}};
+  EXPECT_EQ(world.Resume(0), Script::Result::kFinished) << world.error;
+  EXPECT_EQ(world.printed,
+            "1\t6\t2.0\t1.0\t1.0\t-2.0\tnil\tnil\tnil\t0.5\tnil\n"
+            "2\t8\t2.0\t1.0\t1.0\t2.0\tnil\tnil\tnil\t0.5\tAda\n"
+            "3\t9\t4.0\t1.0\t5.0\t0.0\t1.0\t2.0\t3.0\t0.5\tnil\n"
+            "0\t4\t2\t3\t6\n");
+  EXPECT_EQ(world.looks, 6U);
+}
+
+TEST(BotScriptWorld, LooksOnlyWhenAskedAndPaysForIt) {
+  World quiet("function run(bot) while true do bot:wait(0) end end");
+  for (int round = 0; round < 10; ++round) EXPECT_EQ(quiet.Resume(round), Script::Result::kRunning);
+  EXPECT_EQ(quiet.looks, 0U);
+
+  World greedy("function run(bot) while true do bot:near() end end");
+  for (std::uint32_t body = 100; body < 1100; ++body) greedy.AddBody(body, {2, 2, 0});
+  EXPECT_EQ(greedy.Resume(0), Script::Result::kFailed);
+  EXPECT_EQ(greedy.error.find("test.lua:1: stopped"), 0U) << greedy.error;
+  EXPECT_LT(greedy.looks, 40U);
+}
+
+TEST(BotScriptWorld, KnowsItsOwnBodyAndItsMotion) {
+  World world("function run(bot) print(bot:body(), bot:velocity()) bot:wait(0) print(bot:velocity()) end");
+  EXPECT_EQ(world.Resume(0), Script::Result::kRunning) << world.error;
+  world.view.self->velocity = protocol::Vector3{3, 0, -1};
+  EXPECT_EQ(world.Resume(1), Script::Result::kFinished) << world.error;
+  EXPECT_EQ(world.printed, "7\tnil\n3.0\t0.0\t-1.0\n");
+}
+
+TEST(BotScriptWorld, EventsAreHandedOutOnce) {
+  World world(R"(function run(bot)
+    for i = 1, 2 do
+      for _, e in ipairs(bot:events()) do print(e.kind, e.body, e.name, e.own) end
+      print(#bot:events())
+      bot:wait(0)
+    end
+  end)");
+  world.events = {{wire::EventKind::Join, 1, 7, "bot 1"}, {wire::EventKind::Respawn, 0, 7, ""}};
+  EXPECT_EQ(world.Resume(0), Script::Result::kRunning) << world.error;
+  world.events = {{wire::EventKind::Leave, 2, 0, "watcher"}, {wire::EventKind::BodyRemoved, 0, 9, ""}};
+  EXPECT_EQ(world.Resume(1), Script::Result::kRunning) << world.error;
+  EXPECT_EQ(world.printed,
+            "join\t7\tbot 1\ttrue\nrespawn\t7\tnil\ttrue\n0\n"
+            "leave\tnil\twatcher\tfalse\nremoved\t9\tnil\tfalse\n0\n");
+}
+
+TEST(BotScriptWorld, LeavesWaitsAndJoinsAgain) {
+  World world(R"(function run(bot)
+    bot:join()  -- is in already
+    bot:move(1, 0) bot:puff(true)
+    bot:leave()
+    print('away', bot:time(), bot:position(), bot:body(), #bot:near(), #bot:events())
+    bot:wait(2)
+    bot:join()
+    print('back', bot:time(), bot:body())
+  end)");
+  EXPECT_EQ(world.Resume(0), Script::Result::kRunning) << world.error;
+  EXPECT_FALSE(world.wish.play);
+  EXPECT_FALSE(world.wish.input.puff);  // keys are let go
+  world.view.isPlaying = false;         // on its way out
+  EXPECT_EQ(world.Resume(0.5), Script::Result::kRunning) << world.error;
+  EXPECT_EQ(world.printed, "");
+  world.view.isAway = true;
+  world.view.self.reset();
+  EXPECT_EQ(world.Resume(1), Script::Result::kRunning) << world.error;
+  EXPECT_EQ(world.printed, "away\t1.0\tnil\tnil\t0\t0\n");
+  EXPECT_EQ(world.Resume(2.9), Script::Result::kRunning) << world.error;
+  EXPECT_FALSE(world.wish.play);
+  EXPECT_EQ(world.Resume(3), Script::Result::kRunning) << world.error;
+  EXPECT_TRUE(world.wish.play);
+  EXPECT_EQ(world.wish.input.moveX, 0);
+  world.view.isAway = false;
+  EXPECT_EQ(world.Resume(4), Script::Result::kRunning) << world.error;
+  world.view.isPlaying = true;
+  EXPECT_EQ(world.Resume(5), Script::Result::kFinished) << world.error;
+  EXPECT_EQ(world.printed, "away\t1.0\tnil\tnil\t0\t0\nback\t5.0\t7\n");
+  EXPECT_TRUE(world.wish.play);
+}
+
+TEST(BotScriptWorld, ShippedScriptsRun) {
+  for (const char* name : {"chase", "mash", "storm", "wander", "idle"}) {
+    Script script(3, [](unsigned, std::string_view text) { ADD_FAILURE() << text; });
+    std::string error;
+    ASSERT_TRUE(script.LoadFile(std::string(WOBBLE_SOURCE_DIR "/client/bots/scripts/") + name + ".lua", error))
+        << error;
+    ASSERT_EQ(script.AddBot(error), 1U);
+    Script::View view;
+    view.body = 7;
+    view.listBodies = [](std::vector<client::Sighting>& sightings) {
+      sightings = {{8, {{2, 0, 0}, {}}, protocol::Vector3{1, 0, 0}, 0}};
+    };
+    std::unordered_map<std::uint32_t, std::string> names{{8, "Ada"}};
+    view.names = &names;
+    unsigned moving = 0, jumping = 0, leaving = 0;
+    Script::Wish wish;
+    for (int round = 0; round < 1200; ++round) {
+      view.time = round / 60.0;
+      view.isPlaying = wish.play;
+      view.isAway = !wish.play;
+      view.self.reset();
+      if (view.isPlaying && round > 5)
+        view.self = client::Sighting{7, {{0.1F * static_cast<float>(round % 100), 0, 0}, {}}, {}, 0};
+      ASSERT_NE(script.Resume(1, view, wish, error), Script::Result::kFailed) << error;
+      moving += wish.input.moveX != 0 ? 1 : 0;
+      jumping += wish.input.jump ? 1 : 0;
+      leaving += wish.play ? 0 : 1;
+    }
+    const std::string which = name;
+    EXPECT_EQ(moving > 300, which != "idle") << name << ' ' << moving;
+    EXPECT_EQ(jumping > 10, which != "idle" && which != "storm") << name << ' ' << jumping;
+    EXPECT_EQ(leaving > 100, which == "storm") << name << ' ' << leaving;
+  }
+}
+
+TEST(LuaCosts, PatternStepsGrowWithTheRepeats) {
+  EXPECT_NEAR(CountPatternSteps(10, "abc", true), 1, 0.5);
+  EXPECT_NEAR(CountPatternSteps(10, "a%-%+%%", true), 1, 0.5);  // escaped: no repeats
+  EXPECT_GT(CountPatternSteps(10, "abc", false), 10);           // from every start
+  EXPECT_GT(CountPatternSteps(100, "^a*b*", true), 100.0 * 100 / 2);
+  EXPECT_GT(CountPatternSteps(100, "%b()%1", false), 100.0 * 100 * 100 / 6);
+  EXPECT_LT(CountPatternSteps(32, "^%s*(.-)%s*$", true), 20'000);
+  EXPECT_GT(CountPatternSteps(1000, std::string(5000, '-'), false), 1e12);
+}
+
+}  // namespace
+}  // namespace wobble::bots
