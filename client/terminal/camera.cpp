@@ -86,7 +86,8 @@ void Camera::Update(double seconds, std::optional<Vector3> own, std::span<const 
   const float distance = m_zoom * (follows          ? kFollowDistance
                                    : bodies.empty() ? m_distance / m_zoom
                                                     : FindDistance(bodies, target));
-  const float pitch = (m_mode == CameraMode::kFollow ? kFollowPitch : kCirclePitch) + m_tilt;
+  const float pitch =
+      std::clamp((m_mode == CameraMode::kFollow ? kFollowPitch : kCirclePitch) + m_tilt, kLeastPitch, kMostPitch);
   m_sinceTurn += seconds;
 
   if (!m_placed || (follows && Length(target - m_focus) > kJump && m_sinceTurn > kModeLag)) {
@@ -98,10 +99,10 @@ void Camera::Update(double seconds, std::optional<Vector3> own, std::span<const 
     if (follows) FollowHeading(seconds, m_focus - before);
   }
   m_distance = m_placed ? Approach(m_distance, distance, seconds, kModeLag) : distance;
+  m_pitch = m_placed ? Approach(m_pitch, pitch, seconds, kModeLag) : pitch;
   m_placed = m_placed || own.has_value() || !bodies.empty();
   if (m_mode == CameraMode::kCircle) m_yawAsked += kCircleSpeed * static_cast<float>(seconds);
   m_yaw = Approach(m_yaw, m_yawAsked, seconds, kTurnLag);
-  m_pitch = Approach(m_pitch, std::clamp(pitch, kLeastPitch, kMostPitch), seconds, kModeLag);
 }
 
 void Camera::FollowHeading(double seconds, Vector3 moved) {

@@ -18,17 +18,17 @@ constexpr std::uint32_t kSurface = 0xFFFFFFFF;  // a material; bodies are 0, 1, 
 constexpr Light kSunLight{0.95F, 0.88F, 0.76F};
 constexpr Light kSkyLight{0.34F, 0.42F, 0.58F};
 constexpr Light kGroundLight{0.13F, 0.12F, 0.13F};
-constexpr Light kHorizon{0.085F, 0.13F, 0.21F};
-constexpr Light kZenith{0.012F, 0.022F, 0.055F};
+constexpr Light kHorizon{0.050F, 0.085F, 0.150F};
+constexpr Light kZenith{0.006F, 0.012F, 0.034F};
 constexpr Light kDepths{0.006F, 0.010F, 0.022F};
-constexpr Light kFloor{0.115F, 0.145F, 0.195F};
-constexpr Light kWall{0.20F, 0.19F, 0.24F};
-constexpr Light kLine{0.30F, 0.40F, 0.52F};
+constexpr Light kFloor{0.055F, 0.078F, 0.118F};
+constexpr Light kWall{0.120F, 0.105F, 0.150F};
+constexpr Light kLine{0.20F, 0.29F, 0.40F};
 
 constexpr float kLineWidth = 0.05F;      // metres, of the lines a metre apart
 constexpr float kWideLineWidth = 0.12F;  // and of every fifth
 constexpr float kFogDistance = 45;       // metres at which all but 1/e is fog
-constexpr float kShadowDepth = 0.72F;    // share of the sun that a shadow takes
+constexpr float kShadowDepth = 0.85F;    // share of the sun that a shadow takes
 
 // Samples a picture of which costs a few milliseconds.
 constexpr int kMaxSamples = 120'000;
@@ -62,7 +62,7 @@ Light LightBody(const Sample& sample, Light colour, Vector3 toEye) {
   const Vector3 normal = Normalise(sample.normal);
   const float facing = std::max(0.0F, (Dot(normal, kToSun) + 0.3F) / 1.3F);
   const bool dark = ((sample.mark.x < 0) != (sample.mark.y < 0)) != (sample.mark.z < 0);
-  const Light surface = colour * (dark ? 0.62F : 1.0F);
+  const Light surface = colour * (dark ? 0.52F : 1.0F);
   Light light = Filter(surface, kSunLight * (facing * facing) + FindAmbient(normal));
   const float glint = std::max(0.0F, Dot(normal, Normalise(kToSun + toEye)));
   light = light + kSunLight * (0.45F * std::pow(glint, 48.0F));

@@ -7,6 +7,7 @@ namespace wobble::terminal {
 namespace {
 
 constexpr Colour kInk{205, 214, 228};
+constexpr Colour kFaintInk{130, 142, 162};
 constexpr Colour kPaper{24, 30, 42};
 
 }  // namespace
@@ -15,16 +16,18 @@ std::string FormatStatus(const StatusFigures& figures) {
   char input[24] = "-";
   if (figures.inputMs) std::snprintf(input, sizeof input, "%.0f ms", *figures.inputMs);
   char text[160];
-  std::snprintf(text, sizeof text, "input %s  %.0f kbit/s  delay %.0f ms  %llu stalls  %zu bodies  %zu players  ?:keys",
-                input, figures.kbitPerSecond, figures.interpolationDelayMs,
-                static_cast<unsigned long long>(figures.stalls), figures.bodies, figures.players);
+  std::snprintf(text, sizeof text, "input %s  %.0f kbit/s  delay %.0f ms  %llu stalls  %zu bodies  %zu player%s", input,
+                figures.kbitPerSecond, figures.interpolationDelayMs, static_cast<unsigned long long>(figures.stalls),
+                figures.bodies, figures.players, figures.players == 1 ? "" : "s");
   return text;
 }
 
-void WriteStatus(CellGrid& grid, const std::string& text) {
+void WriteStatus(CellGrid& grid, const std::string& text, const std::string& hint) {
   const int row = grid.rows - 1;
   for (int column = 0; column < grid.columns; ++column) grid.At(column, row) = {U' ', kInk, kPaper};
   grid.Write(1, row, text, kInk, kPaper);
+  const int left = grid.columns - 1 - static_cast<int>(hint.size());
+  if (left > static_cast<int>(text.size()) + 2) grid.Write(left, row, hint, kFaintInk, kPaper);
 }
 
 void WriteBox(CellGrid& grid, const std::vector<std::string>& lines) {

@@ -24,8 +24,8 @@ struct StatusFigures {
 // Fits 79 columns as long as no figure is out of all proportion.
 [[nodiscard]] std::string FormatStatus(const StatusFigures& figures);
 
-// In the last row.
-void WriteStatus(CellGrid& grid, const std::string& text);
+// In the last row; the hint at its right end if there is room.
+void WriteStatus(CellGrid& grid, const std::string& text, const std::string& hint);
 // In a box in the middle.
 void WriteBox(CellGrid& grid, const std::vector<std::string>& lines);
 

@@ -66,6 +66,12 @@ std::unique_ptr<Terminal> Terminal::Open(std::string& error) {
     if (descriptor >= 0) close(descriptor);
     return nullptr;
   }
+  const pid_t foreground = tcgetpgrp(descriptor);
+  if (foreground > 0 && foreground != getpgrp()) {
+    error = "in the background there are no keys to read; start it in the foreground";
+    close(descriptor);
+    return nullptr;
+  }
   return std::unique_ptr<Terminal>(new Terminal(descriptor, found));
 }
 

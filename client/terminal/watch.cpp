@@ -319,7 +319,7 @@ void Watch::DrawFrame(double now) {
   } else {
     const bool connecting = m_client->ReadState() == client::State::kConnecting;
     WriteBox(m_grid, {(connecting ? "connecting to " : "joining ") + tool::Describe(m_options.server) + " ..."});
-    WriteStatus(m_grid, "q: quit");
+    WriteStatus(m_grid, "", "Q: quit");
   }
   Send(begin);
 }
@@ -344,7 +344,7 @@ void Watch::DrawWorld(double now) {
   m_figures.stalls = statistics.stalls;
   m_figures.bodies = m_samples.size();
   m_figures.players = m_players.size();
-  WriteStatus(m_grid, FormatStatus(m_figures));
+  WriteStatus(m_grid, FormatStatus(m_figures), "?: keys");
   if (m_showKeys) WriteBox(m_grid, DescribeKeys(m_figures));
 }
 
