@@ -12,10 +12,10 @@ namespace wobble::terminal {
 namespace {
 
 // Pitch downwards, radians, and distance, metres, before tilt and zoom.
-constexpr float kFollowPitch = 0.40F;
+constexpr float kFollowPitch = 0.45F;
 constexpr float kCirclePitch = 0.46F;
-constexpr float kFollowDistance = 6.5F;
-constexpr float kFollowHeight = 0.5F;  // of the focus above the body
+constexpr float kFollowDistance = 5.6F;
+constexpr float kFollowHeight = 0.35F;  // of the focus above the body
 constexpr float kLeastPitch = 0.05F;
 constexpr float kMostPitch = 1.45F;
 constexpr float kLeastZoom = 0.3F;

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <cstdlib>
 
 namespace wobble::terminal {
@@ -18,22 +17,6 @@ namespace {
 
 // Steps of 255 that two colours may differ by and still be taken for one.
 constexpr int kTolerance = 3;
-
-// xterm's colour cube has these levels, its greys are 8, 18 ... 238.
-constexpr int kLevels[] = {0, 95, 135, 175, 215, 255};
-
-int FindLevel(int value) {
-  int best = 0;
-  for (int i = 1; i < 6; ++i) {
-    if (std::abs(kLevels[i] - value) < std::abs(kLevels[best] - value)) best = i;
-  }
-  return best;
-}
-
-int Distance(Colour a, Colour b) {
-  const auto square = [](int x) { return x * x; };
-  return square(a.red - b.red) + square(a.green - b.green) + square(a.blue - b.blue);
-}
 
 bool AreClose(Colour a, Colour b, int tolerance) {
   return std::abs(a.red - b.red) <= tolerance && std::abs(a.green - b.green) <= tolerance &&
@@ -51,33 +34,6 @@ void AppendGlyph(char32_t glyph, std::string& bytes) {
 }
 
 }  // namespace
-
-Colour Show(Light light) {
-  const auto show = [](float value) {
-    if (!(value > 0)) return std::uint8_t{0};
-    return static_cast<std::uint8_t>(std::lround(std::sqrt(std::min(value, 1.0F)) * 255));
-  };
-  return {show(light.x), show(light.y), show(light.z)};
-}
-
-std::uint8_t FindNearest256(Colour colour) {
-  const int red = FindLevel(colour.red), green = FindLevel(colour.green), blue = FindLevel(colour.blue);
-  const auto cube = static_cast<std::uint8_t>(16 + 36 * red + 6 * green + blue);
-  const int mean = (colour.red + colour.green + colour.blue) / 3;
-  const auto grey = static_cast<std::uint8_t>(232 + std::clamp((mean - 3) / 10, 0, 23));
-  return Distance(Show256(grey), colour) < Distance(Show256(cube), colour) ? grey : cube;
-}
-
-Colour Show256(std::uint8_t index) {
-  assert(index >= 16);
-  if (index >= 232) {
-    const auto grey = static_cast<std::uint8_t>(8 + 10 * (index - 232));
-    return {grey, grey, grey};
-  }
-  const int cube = index - 16;
-  const auto level = [](int i) { return static_cast<std::uint8_t>(kLevels[i]); };
-  return {level(cube / 36), level(cube / 6 % 6), level(cube % 6)};
-}
 
 void CellGrid::Resize(int newColumns, int newRows) {
   assert(newColumns > 0 && newRows > 0);
@@ -100,19 +56,7 @@ bool FrameEncoder::Encode(const CellGrid& wanted, std::size_t maxBytes, std::str
   const std::size_t begin = bytes.size();
   bytes += "\033[?2026h";
   const std::size_t empty = bytes.size();
-  if (!m_known) {
-    m_shown.Resize(wanted.columns, wanted.rows);  // black blanks, as after the clearing
-    m_known = true;
-    m_hasForeground = m_hasBackground = true;
-    m_foreground = Colour{255, 255, 255};
-    m_background = Colour{};
-    if (m_palette == Palette::k256) m_foreground = {FindNearest256(m_foreground), 0, 0};
-    if (m_palette == Palette::k256) m_background = {FindNearest256(m_background), 0, 0};
-    for (Cell& cell : m_shown.cells) cell.background = m_background;
-    bytes +=
-        m_palette == Palette::k256 ? "\033[0;38;5;231;48;5;16m\033[2J" : "\033[0;38;2;255;255;255;48;2;0;0;0m\033[2J";
-    m_column = -1;
-  }
+  if (!m_known) Clear(wanted.columns, wanted.rows, bytes);
   assert(wanted.columns == m_shown.columns && wanted.rows == m_shown.rows);
   m_column = -1;  // others may have moved it
   int done = 0;
@@ -126,6 +70,22 @@ bool FrameEncoder::Encode(const CellGrid& wanted, std::size_t maxBytes, std::str
     bytes += "\033[?2026l";
   }
   return done == wanted.rows;
+}
+
+// Blanks on black, and nothing else is known to be there.
+void FrameEncoder::Clear(int columns, int rows, std::string& bytes) {
+  const bool few = m_palette == Palette::k256;
+  m_foreground = few ? Colour{FindNearest256({255, 255, 255}), 0, 0} : Colour{255, 255, 255};
+  m_background = few ? Colour{FindNearest256({}), 0, 0} : Colour{};
+  m_shown.Resize(columns, rows);
+  for (Cell& cell : m_shown.cells) cell.background = m_background;
+  m_known = true;
+  m_nextRow = 0;
+  bytes += "\033[0;";
+  AppendColour(38, m_foreground, bytes);
+  bytes += ';';
+  AppendColour(48, m_background, bytes);
+  bytes += "m\033[2J";
 }
 
 // The cell as it is sent: two halves alike are a space, and in 256 colours `red` holds the colour's number.
@@ -176,30 +136,29 @@ void FrameEncoder::MoveTo(int column, int row, std::string& bytes) {
   m_row = row;
 }
 
+// code: 38 for the foreground, 48 for the background.
+void FrameEncoder::AppendColour(int code, Colour colour, std::string& bytes) const {
+  AppendNumber(code, bytes);
+  bytes += m_palette == Palette::k256 ? ";5;" : ";2;";
+  AppendNumber(colour.red, bytes);
+  if (m_palette == Palette::k256) return;
+  for (const int level : {colour.green, colour.blue}) {
+    bytes += ';';
+    AppendNumber(level, bytes);
+  }
+}
+
 // Sets what has to be set; the cell's colours become those that it is really shown in.
 void FrameEncoder::SetColours(Cell& cell, std::string& bytes) {
   const int tolerance = m_palette == Palette::k256 ? 0 : kTolerance / 2;
-  const auto append = [&](int code, Colour colour) {
-    AppendNumber(code, bytes);
-    bytes += m_palette == Palette::k256 ? ";5;" : ";2;";
-    AppendNumber(colour.red, bytes);
-    if (m_palette == Palette::k256) return;
-    bytes += ';';
-    AppendNumber(colour.green, bytes);
-    bytes += ';';
-    AppendNumber(colour.blue, bytes);
-  };
-  const bool needsForeground =
-      cell.glyph != U' ' && !(m_hasForeground && AreClose(cell.foreground, m_foreground, tolerance));
-  const bool needsBackground = !(m_hasBackground && AreClose(cell.background, m_background, tolerance));
+  const bool needsForeground = cell.glyph != U' ' && !AreClose(cell.foreground, m_foreground, tolerance);
+  const bool needsBackground = !AreClose(cell.background, m_background, tolerance);
   if (needsForeground || needsBackground) {
     bytes += "\033[";
-    if (needsForeground) append(38, m_foreground = cell.foreground);
+    if (needsForeground) AppendColour(38, m_foreground = cell.foreground, bytes);
     if (needsForeground && needsBackground) bytes += ';';
-    if (needsBackground) append(48, m_background = cell.background);
+    if (needsBackground) AppendColour(48, m_background = cell.background, bytes);
     bytes += 'm';
-    m_hasForeground |= needsForeground;
-    m_hasBackground |= needsBackground;
   }
   cell.foreground = m_foreground;
   cell.background = m_background;

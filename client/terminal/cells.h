@@ -53,10 +53,12 @@ class FrameEncoder {
   bool Encode(const CellGrid& wanted, std::size_t maxBytes, std::string& bytes);
 
  private:
+  void Clear(int columns, int rows, std::string& bytes);
   [[nodiscard]] Cell Convert(const Cell& cell) const;
   [[nodiscard]] bool LooksLike(const Cell& a, const Cell& b) const;
   void EncodeRow(const CellGrid& wanted, int row, std::string& bytes);
   void MoveTo(int column, int row, std::string& bytes);
+  void AppendColour(int code, Colour colour, std::string& bytes) const;
   void SetColours(Cell& cell, std::string& bytes);
 
   Palette m_palette;
@@ -65,15 +67,8 @@ class FrameEncoder {
   int m_nextRow = 0;
   int m_column = 0;  // of the cursor; -1: not known
   int m_row = 0;
-  bool m_hasForeground = false;
-  bool m_hasBackground = false;
   Colour m_foreground;  // as set last, in the palette's terms
   Colour m_background;
 };
-
-// Of xterm's 256, the nearest but for the 16 that people redefine: 16..255.
-[[nodiscard]] std::uint8_t FindNearest256(Colour colour);
-// What xterm shows for it, 16..255.
-[[nodiscard]] Colour Show256(std::uint8_t index);
 
 }  // namespace wobble::terminal

@@ -25,4 +25,15 @@ inline Light Filter(Light light, Light by) { return {light.x * by.x, light.y * b
 // A gamma of 2 stands for the display's 2.2. Anything too bright is white, anything that is no number black.
 [[nodiscard]] Colour Show(Light light);
 
+// Of xterm's 256, the nearest but for the 16 that people redefine: 16..255.
+[[nodiscard]] std::uint8_t FindNearest256(Colour colour);
+// What xterm shows for it, 16..255.
+[[nodiscard]] Colour Show256(std::uint8_t index);
+
+// Of bodies: one's own, those of the scene, and of other players, each always the same, neighbours in number far apart
+// and none like the own.
+inline constexpr Light kOwnColour{1.0F, 0.36F, 0.04F};
+inline constexpr Light kSceneColour{0.62F, 0.60F, 0.55F};
+[[nodiscard]] Light FindPlayerColour(std::uint32_t body);
+
 }  // namespace wobble::terminal

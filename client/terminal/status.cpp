@@ -22,6 +22,12 @@ std::string FormatStatus(const StatusFigures& figures) {
   return text;
 }
 
+std::string FormatSilence(double seconds) {
+  char text[80];
+  std::snprintf(text, sizeof text, "nothing from the server for %.0f s", seconds);
+  return text;
+}
+
 void WriteStatus(CellGrid& grid, const std::string& text, const std::string& hint) {
   const int row = grid.rows - 1;
   for (int column = 0; column < grid.columns; ++column) grid.At(column, row) = {U' ', kInk, kPaper};

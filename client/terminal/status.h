@@ -24,6 +24,9 @@ struct StatusFigures {
 // Fits 79 columns as long as no figure is out of all proportion.
 [[nodiscard]] std::string FormatStatus(const StatusFigures& figures);
 
+// Instead of it, when nothing came for so long.
+[[nodiscard]] std::string FormatSilence(double seconds);
+
 // In the last row; the hint at its right end if there is room.
 void WriteStatus(CellGrid& grid, const std::string& text, const std::string& hint);
 // In a box in the middle.

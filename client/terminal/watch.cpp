@@ -8,7 +8,6 @@
 #include <poll.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
@@ -21,8 +20,8 @@
 
 #include "client/client.h"
 #include "client/terminal/camera.h"
+#include "client/terminal/controls.h"
 #include "client/terminal/guardian.h"
-#include "client/terminal/held_keys.h"
 #include "client/terminal/keys.h"
 #include "client/terminal/picture_file.h"
 #include "client/terminal/renderer.h"
@@ -40,28 +39,11 @@ constexpr Size kLeastSize{24, 6};
 constexpr std::size_t kMaxFrameBytes = 64 * 1024;
 constexpr double kGoodbyePatience = 1.5;  // s; a client takes a second at most
 constexpr double kRateEvery = 1;          // s over which the rate is measured
+constexpr double kSilence = 1.5;          // s without a snapshot that are worth a word
 constexpr double kFigureSmoothing = 0.1;
-
-constexpr float kTurnStep = 0.09F;  // rad a key
-constexpr float kZoomStep = 1.12F;
-
-constexpr Light kOwnColour{1.0F, 0.36F, 0.04F};
-constexpr Light kBallColour{0.62F, 0.60F, 0.55F};
 
 double ReadClock() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-// Of a player's body: always the same, neighbours in number far apart, none like the own.
-Light FindPlayerColour(std::uint32_t body) {
-  const double turn = std::fmod(body * 0.61803398875, 1.0);
-  const auto hue = static_cast<float>(0.22 + 0.70 * turn) * 6;  // of six sixths; red to orange is left out
-  const auto channel = [hue](float at) {
-    const float away = std::abs(hue - at);
-    const float level = std::clamp(2 - std::min(away, 6 - away), 0.0F, 1.0F);
-    return 0.06F + 0.80F * level * level;
-  };
-  return {channel(0), channel(2), channel(4)};
 }
 
 class Watch {
@@ -84,8 +66,6 @@ class Watch {
   int Conclude();
 
   void ReadKeys(double now);
-  void HandleKey(const KeyEvent& event, double now);
-  void SetInput(double now);
   void NoteEvent(const client::Client::Event& event);
 
   void DrawFrame(double now);
@@ -108,10 +88,9 @@ class Watch {
   std::set<std::uint32_t> m_players;  // their bodies
 
   KeyDecoder m_decoder;
-  HeldKeys m_held;
+  Controls m_controls;
   std::vector<KeyEvent> m_events;
-  bool m_quit = false;
-  bool m_showKeys = false;
+  bool m_gone = false;  // the terminal
 
   FrameEncoder m_encoder;
   Camera m_camera;
@@ -125,6 +104,8 @@ class Watch {
   StatusFigures m_figures;
   bool m_played = false;
   double m_lastDrawn = 0;
+  std::uint64_t m_newsCount = 0;  // snapshots at the last picture
+  double m_newsAt = 0;            // when there was a new one
   double m_rateFrom = 0;
   std::uint64_t m_rateBytes = 0;
 };
@@ -157,7 +138,7 @@ void Watch::Play() {
   const double begin = ReadClock();
   double nextUpdate = begin, nextFrame = begin;
   m_lastDrawn = m_rateFrom = begin;
-  while (!m_quit && !m_isStopAsked() && !m_guard.IsAlone()) {
+  while (!m_gone && !m_controls.IsQuitAsked() && !m_isStopAsked() && !m_guard.IsAlone()) {
     const double now = ReadClock();
     if (m_options.duration > 0 && now >= begin + m_options.duration) return;
     if (now >= nextUpdate) {
@@ -170,8 +151,12 @@ void Watch::Play() {
       m_encoder.Invalidate();
       m_output.clear();
     }
-    if (!m_guard.IsPaused()) ReadKeys(now);
-    SetInput(now);
+    if (m_guard.IsPaused()) {
+      m_controls.ReleaseAll();
+    } else {
+      ReadKeys(now);
+    }
+    m_client->SetInput(m_controls.MakeInput(now, m_camera));
     if (!m_terminal.Write(m_output)) return;
     if (now >= nextFrame) {
       if (!m_guard.IsPaused() && m_output.empty()) DrawFrame(now);
@@ -209,93 +194,11 @@ int Watch::Conclude() {
 void Watch::ReadKeys(double now) {
   m_events.clear();
   std::string bytes;
-  if (!m_terminal.Read(bytes)) m_quit = true;
+  if (!m_terminal.Read(bytes)) m_gone = true;
   m_decoder.Feed(bytes, now, m_events);
-  for (const KeyEvent& event : m_events) HandleKey(event, now);
-}
-
-void Watch::HandleKey(const KeyEvent& event, double now) {
-  struct Binding {
-    char32_t key;
-    Action action;
-  };
-  static constexpr std::array<Binding, 12> kBindings{{{U'w', Action::kForward},
-                                                      {kKeyUp, Action::kForward},
-                                                      {U's', Action::kBack},
-                                                      {kKeyDown, Action::kBack},
-                                                      {U'a', Action::kLeft},
-                                                      {kKeyLeft, Action::kLeft},
-                                                      {U'd', Action::kRight},
-                                                      {kKeyRight, Action::kRight},
-                                                      {U' ', Action::kJump},
-                                                      {U'e', Action::kPuff},
-                                                      {U'p', Action::kPuff},
-                                                      {U'f', Action::kStiffen}}};
-  const char32_t key = event.key >= U'A' && event.key <= U'Z' ? event.key - U'A' + U'a' : event.key;
-  const auto binding =
-      std::find_if(kBindings.begin(), kBindings.end(), [key](const Binding& each) { return each.key == key; });
-  if (binding != kBindings.end()) {
-    if (event.released) {
-      m_held.Release(binding->action);
-    } else {
-      m_held.Press(binding->action, now);
-    }
-    return;
-  }
-  if (event.released) return;
-  constexpr char32_t kControlC = 3, kControlZ = 26;
-  switch (key) {
-    case U'q':
-    case kKeyEscape:
-    case kControlC:
-      m_quit = true;
-      return;
-    case kControlZ:
-      m_held.ReleaseAll();
-      return m_guard.Pause();
-    case kReleasesReported:
-      return m_held.TrustReleases();
-    case U'x':
-      return m_held.ReleaseAll();
-    case U'c':
-      return m_camera.ChooseNextMode(IsPlaying() && m_client->Welcome().ownBody != 0);
-    case U'j':
-    case U'[':
-      return m_camera.Turn(kTurnStep);
-    case U'l':
-    case U']':
-      return m_camera.Turn(-kTurnStep);
-    case U'i':
-      return m_camera.Tilt(-kTurnStep / 2);
-    case U'k':
-      return m_camera.Tilt(kTurnStep / 2);
-    case U'+':
-    case U'=':
-      return m_camera.Zoom(1 / kZoomStep);
-    case U'-':
-      return m_camera.Zoom(kZoomStep);
-    case U'?':
-    case U'h':
-      m_showKeys = !m_showKeys;
-      return;
-    default:
-      return;
-  }
-}
-
-void Watch::SetInput(double now) {
-  const auto held = [&](Action action) { return m_held.IsHeld(action, now) ? 1.0F : 0.0F; };
-  const float right = held(Action::kRight) - held(Action::kLeft);
-  const float forward = held(Action::kForward) - held(Action::kBack);
-  const float length = std::max(1.0F, std::hypot(right, forward));
-  const Direction move = m_camera.ToWorld(right / length, forward / length);
-  client::Input input;
-  input.moveX = std::clamp(move.x, -1.0F, 1.0F);
-  input.moveY = std::clamp(move.y, -1.0F, 1.0F);
-  input.jump = held(Action::kJump) > 0;
-  input.puff = held(Action::kPuff) > 0;
-  input.stiffen = held(Action::kStiffen) > 0;
-  m_client->SetInput(input);
+  const bool hasBody = IsPlaying() && m_client->Welcome().ownBody != 0;
+  for (const KeyEvent& event : m_events) m_controls.Take(event, now, hasBody, m_camera);
+  if (m_controls.TakePause()) m_guard.Pause();
 }
 
 void Watch::NoteEvent(const client::Client::Event& event) {
@@ -344,8 +247,10 @@ void Watch::DrawWorld(double now) {
   m_figures.stalls = statistics.stalls;
   m_figures.bodies = m_samples.size();
   m_figures.players = m_players.size();
-  WriteStatus(m_grid, FormatStatus(m_figures), "?: keys");
-  if (m_showKeys) WriteBox(m_grid, DescribeKeys(m_figures));
+  if (statistics.snapshots != m_newsCount) m_newsAt = now;
+  m_newsCount = statistics.snapshots;
+  WriteStatus(m_grid, now < m_newsAt + kSilence ? FormatStatus(m_figures) : FormatSilence(now - m_newsAt), "?: keys");
+  if (m_controls.ShowsKeys()) WriteBox(m_grid, DescribeKeys(m_figures));
 }
 
 void Watch::DrawBodies(int width, int height) {
@@ -354,7 +259,7 @@ void Watch::DrawBodies(int width, int height) {
     if (sample.vertices.size() != sample.blueprint->rest.size()) continue;
     const Light colour = sample.body == m_client->Welcome().ownBody ? kOwnColour
                          : m_players.count(sample.body) > 0         ? FindPlayerColour(sample.body)
-                                                                    : kBallColour;
+                                                                    : kSceneColour;
     m_bodies.push_back({sample.vertices, sample.blueprint->rest, sample.blueprint->faces, colour});
   }
   const World world{m_client->Welcome().obstacles, m_bodies, m_camera.Focus()};
@@ -375,7 +280,7 @@ void Watch::Send(double begin) {
   m_figures.frameKilobytes +=
       (static_cast<double>(m_output.size()) / 1000 - m_figures.frameKilobytes) * kFigureSmoothing;
   m_figures.frameMs += ((ReadClock() - begin) * 1000 - m_figures.frameMs) * kFigureSmoothing;
-  if (!m_terminal.Write(m_output)) m_quit = true;
+  if (!m_terminal.Write(m_output)) m_gone = true;
 }
 
 void Watch::MeasureRate(double now) {

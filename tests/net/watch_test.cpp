@@ -404,6 +404,9 @@ TEST(Watch, SaysWhyItEndedOnceTheTerminalIsRestored) {
   {
     Session session(Watching(7944));
     ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
+    server.Signal(SIGSTOP);
+    EXPECT_TRUE(session.AwaitStatus("nothing from the server for 2 s")) << session.Status();
+    server.Signal(SIGCONT);
     server.Signal(SIGTERM);
     EXPECT_EQ(session.AwaitEnd(), 1);
     session.ExpectRestored();

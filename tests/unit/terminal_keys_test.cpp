@@ -1,8 +1,11 @@
 // The keyboard: bytes to keys, and keys to what is held.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
+#include "client/terminal/colour.h"
+#include "client/terminal/controls.h"
 #include "client/terminal/held_keys.h"
 #include "client/terminal/keys.h"
 
@@ -202,6 +205,84 @@ TEST(TerminalHeldKeys, ReleasesAreTrustedWhereTheyAreReported) {
   EXPECT_TRUE(held.IsHeld(Action::kRight, 1000)) << "both are down, which the player will notice";
   held.Release(Action::kForward);
   EXPECT_FALSE(held.IsHeld(Action::kForward, 2));
+}
+
+TEST(TerminalControls, KeysBecomeInputAsTheCameraSeesIt) {
+  Controls controls;
+  Camera camera(CameraMode::kFollow);
+  const Vector3 own{0, 0, 1};
+  const auto settle = [&] {
+    for (int i = 0; i < 100; ++i) camera.Update(0.03, own, std::span(&own, 1));
+  };
+  settle();
+  const Direction forward = camera.ToWorld(0, 1), right = camera.ToWorld(1, 0);
+  controls.Take({U'W'}, 10, true, camera);
+  client::Input input = controls.MakeInput(10, camera);
+  EXPECT_NEAR(input.moveX, forward.x, 1e-5F);
+  EXPECT_NEAR(input.moveY, forward.y, 1e-5F);
+  EXPECT_FALSE(input.jump || input.puff || input.stiffen);
+  controls.Take({kKeyRight}, 10, true, camera);
+  for (const char32_t key : {U' ', U'e', U'f'}) controls.Take({key}, 10, true, camera);
+  input = controls.MakeInput(10, camera);
+  EXPECT_NEAR(input.moveX, (forward.x + right.x) / std::sqrt(2.0F), 1e-5F) << "no faster diagonally";
+  EXPECT_NEAR(input.moveY, (forward.y + right.y) / std::sqrt(2.0F), 1e-5F);
+  EXPECT_TRUE(input.jump && input.puff && input.stiffen);
+  controls.Take({U'x'}, 10, true, camera);
+  input = controls.MakeInput(10, camera);
+  EXPECT_EQ(std::hypot(input.moveX, input.moveY), 0);
+  EXPECT_FALSE(input.jump || input.puff || input.stiffen);
+
+  // Turned to the left, forward is what was left before.
+  for (int i = 0; i < 100; ++i) controls.Take({U'j'}, 11, true, camera);
+  settle();
+  controls.Take({U'w'}, 20, true, camera);
+  input = controls.MakeInput(20, camera);
+  const float turned = std::atan2(input.moveY, input.moveX) - std::atan2(forward.y, forward.x);
+  EXPECT_NEAR(std::remainder(turned - 100 * 0.09F, 6.2831853F), 0, 0.01F);
+}
+
+TEST(TerminalControls, ReleasesEndWhatTheyReleaseAndNothingElse) {
+  Controls controls;
+  Camera camera(CameraMode::kFollow);
+  controls.Take({kReleasesReported}, 0, true, camera);
+  controls.Take({U'w'}, 1, true, camera);
+  controls.Take({U'w', true}, 2, true, camera);
+  controls.Take({U'q', true}, 2, true, camera);
+  controls.Take({U'?', true}, 2, true, camera);
+  EXPECT_EQ(controls.MakeInput(2, camera).moveX, 0);
+  EXPECT_FALSE(controls.IsQuitAsked());
+  EXPECT_FALSE(controls.ShowsKeys());
+}
+
+TEST(TerminalControls, CommandsActAtOnce) {
+  Controls controls;
+  Camera camera(CameraMode::kFollow);
+  controls.Take({U'c'}, 0, false, camera);
+  EXPECT_EQ(camera.Mode(), CameraMode::kCircle);
+  EXPECT_FALSE(controls.TakePause());
+  controls.Take({26}, 0, true, camera);
+  EXPECT_TRUE(controls.TakePause());
+  EXPECT_FALSE(controls.TakePause());
+  controls.Take({U'?'}, 0, true, camera);
+  EXPECT_TRUE(controls.ShowsKeys());
+  for (const char32_t key : {char32_t{U'Q'}, kKeyEscape, char32_t{3}}) {
+    Controls quitting;
+    quitting.Take({key}, 0, true, camera);
+    EXPECT_TRUE(quitting.IsQuitAsked());
+  }
+}
+
+TEST(TerminalColour, PlayersAreToldApart) {
+  for (std::uint32_t body = 1; body < 200; ++body) {
+    const Colour colour = Show(FindPlayerColour(body));
+    const auto distance = [&](Colour other) {
+      return std::abs(colour.red - other.red) + std::abs(colour.green - other.green) +
+             std::abs(colour.blue - other.blue);
+    };
+    EXPECT_GT(distance(Show(kOwnColour)), 90) << body;
+    EXPECT_GT(distance(Show(FindPlayerColour(body + 1))), 60) << body;
+    EXPECT_EQ(colour, Show(FindPlayerColour(body))) << "always the same";
+  }
 }
 
 }  // namespace
