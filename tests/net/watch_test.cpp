@@ -286,9 +286,9 @@ bool IsStopped(pid_t process) {
 }
 
 TEST(Watch, ShowsTheWorldAndQuitsByKey) {
-  const Wobbled server(7940);
+  const Wobbled server(7930);
   for (const std::string key : {"q", "\x03", "\033", "\033[113u"}) {
-    Session session(Watching(7940));
+    Session session(Watching(7930));
     ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
     EXPECT_TRUE(session.IsRaw());
     EXPECT_TRUE(session.Shown().IsSet("?1049"));
@@ -303,9 +303,9 @@ TEST(Watch, ShowsTheWorldAndQuitsByKey) {
 }
 
 TEST(Watch, KeysMoveTheOwnBody) {
-  const Wobbled server(7948);
-  Observer observer(7948);
-  Session session(Watching(7948));
+  const Wobbled server(7931);
+  Observer observer(7931);
+  Session session(Watching(7931));
   std::optional<protocol::Vector3> at;
   const auto awaitPlayer = [&](const std::function<bool()>& condition) {
     return session.Await([&] {
@@ -335,8 +335,8 @@ TEST(Watch, KeysMoveTheOwnBody) {
 }
 
 TEST(Watch, HelpComesAndGoes) {
-  const Wobbled server(7940);
-  Session session(Watching(7940, {"--spectate"}), "");
+  const Wobbled server(7932);
+  Session session(Watching(7932, {"--spectate"}), "");
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
   EXPECT_TRUE(session.AwaitStatus("12 bodies  0 players")) << session.Status();
   session.Type("?");
@@ -349,9 +349,9 @@ TEST(Watch, HelpComesAndGoes) {
 }
 
 TEST(Watch, EndsByItselfAndCapturesItsPicture) {
-  const Wobbled server(7940);
+  const Wobbled server(7933);
   const std::string file = testing::TempDir() + "/watch_test.svg";
-  Session session(Watching(7940, {"--for", "4", "--capture", file}));
+  Session session(Watching(7933, {"--for", "4", "--capture", file}));
   EXPECT_EQ(session.AwaitEnd(), 0);
   session.ExpectRestored();
   const std::string svg = ReadWhole(file);
@@ -361,9 +361,9 @@ TEST(Watch, EndsByItselfAndCapturesItsPicture) {
 }
 
 TEST(Watch, IsRestoredAfterEverySignal) {
-  const Wobbled server(7941);
+  const Wobbled server(7934);
   for (const int signal : {SIGTERM, SIGINT, SIGHUP}) {
-    Session session(Watching(7941));
+    Session session(Watching(7934));
     ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
     kill(session.Guardian(), signal);
     EXPECT_EQ(session.AwaitEnd(), 0) << "signal " << signal;
@@ -372,9 +372,9 @@ TEST(Watch, IsRestoredAfterEverySignal) {
 }
 
 TEST(Watch, IsRestoredWhateverBecomesOfTheDrawingProcess) {
-  const Wobbled server(7942);
+  const Wobbled server(7935);
   for (const int signal : {SIGTERM, SIGKILL, SIGSEGV, SIGABRT}) {
-    Session session(Watching(7942));
+    Session session(Watching(7935));
     ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
     const std::vector<pid_t> drawing = session.FindChildren();
     ASSERT_EQ(drawing.size(), 1U);
@@ -388,8 +388,8 @@ TEST(Watch, IsRestoredWhateverBecomesOfTheDrawingProcess) {
 }
 
 TEST(Watch, IsRestoredWhenItsGuardianIsKilled) {
-  const Wobbled server(7943);
-  Session session(Watching(7943));
+  const Wobbled server(7936);
+  Session session(Watching(7936));
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
   const std::vector<pid_t> drawing = session.FindChildren();
   ASSERT_EQ(drawing.size(), 1U);
@@ -400,9 +400,9 @@ TEST(Watch, IsRestoredWhenItsGuardianIsKilled) {
 }
 
 TEST(Watch, SaysWhyItEndedOnceTheTerminalIsRestored) {
-  Wobbled server(7944);
+  Wobbled server(7937);
   {
-    Session session(Watching(7944));
+    Session session(Watching(7937));
     ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
     server.Signal(SIGSTOP);
     EXPECT_TRUE(session.AwaitStatus("nothing from the server for 2 s")) << session.Status();
@@ -410,23 +410,23 @@ TEST(Watch, SaysWhyItEndedOnceTheTerminalIsRestored) {
     server.Signal(SIGTERM);
     EXPECT_EQ(session.AwaitEnd(), 1);
     session.ExpectRestored();
-    EXPECT_EQ(session.Errors().rfind("wobble watch: 127.0.0.1:7944 is no longer there: ", 0), 0U) << session.Errors();
+    EXPECT_EQ(session.Errors().rfind("wobble watch: 127.0.0.1:7937 is no longer there: ", 0), 0U) << session.Errors();
   }
   server.Kill();
-  Session session(Watching(7944));
-  EXPECT_TRUE(session.Await([&] { return session.Text().find("connecting to 127.0.0.1:7944") != std::string::npos; }));
+  Session session(Watching(7937));
+  EXPECT_TRUE(session.Await([&] { return session.Text().find("connecting to 127.0.0.1:7937") != std::string::npos; }));
   EXPECT_EQ(session.AwaitEnd(), 2);
   session.ExpectRestored();
-  EXPECT_EQ(session.Errors(), "wobble watch: no server answers at 127.0.0.1:7944\n");
+  EXPECT_EQ(session.Errors(), "wobble watch: no server answers at 127.0.0.1:7937\n");
 }
 
 // Under a shell that knows jobs, as people run it; it takes the terminal for its own that its standard error is.
 TEST(Watch, SuspendsAndComesBack) {
-  const Wobbled server(7945);
+  const Wobbled server(7938);
   for (const bool byKey : {true, false}) {
     Session session(
         {"/bin/bash", "-c",
-         "exec 2>&1; set -m; '" + kProgram + "' watch 127.0.0.1:7945; echo left; read line; fg; echo over"});
+         "exec 2>&1; set -m; '" + kProgram + "' watch 127.0.0.1:7938; echo left; read line; fg; echo over"});
     ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
     const std::vector<pid_t> jobs = session.FindChildren();
     ASSERT_EQ(jobs.size(), 1U);
@@ -452,8 +452,8 @@ TEST(Watch, SuspendsAndComesBack) {
 }
 
 TEST(Watch, WithoutAShellItDoesNotStop) {
-  const Wobbled server(7945);
-  Session session(Watching(7945));
+  const Wobbled server(7939);
+  Session session(Watching(7939));
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
   session.Type("\x1a");
   for (int i = 0; i < 10; ++i) session.Take(50);
@@ -471,8 +471,8 @@ TEST(Watch, WithoutAShellItDoesNotStop) {
 }
 
 TEST(Watch, FollowsTheTerminalsSize) {
-  const Wobbled server(7946);
-  Session session(Watching(7946));
+  const Wobbled server(7940);
+  Session session(Watching(7940));
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
   session.Resize(120, 40);
   EXPECT_TRUE(session.AwaitPlaying()) << session.Text();
@@ -486,8 +486,8 @@ TEST(Watch, FollowsTheTerminalsSize) {
 
 // A terminal that nobody reads: the program goes on, keeps its connection, and ends when it is told to.
 TEST(Watch, IsNotHeldUpByASlowTerminal) {
-  const Wobbled server(7947);
-  Session session(Watching(7947));
+  const Wobbled server(7941);
+  Session session(Watching(7941));
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
   session.Type("lllllllll");  // a picture that changes all over
   usleep(1'500'000);          // reading nothing
