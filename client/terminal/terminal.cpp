@@ -85,7 +85,11 @@ void Terminal::Enter() {
   raw.c_cc[VMIN] = 1;
   raw.c_cc[VTIME] = 0;
   tcsetattr(m_descriptor, TCSANOW, &raw);
-  WriteAll(std::string(kEnterScreen) + std::string(kAskForReleases) + std::string(kPrepareScreen));
+  // Entered again, the alternate screen would take its own cursor for that of the shell. The keyboard's modes are a
+  // stack: what an earlier Enter has put there is taken off first.
+  WriteAll(std::string(m_entered ? "" : kEnterScreen) + std::string(kStopReleases) + std::string(kAskForReleases) +
+           std::string(kPrepareScreen));
+  m_entered = true;
 }
 
 void Terminal::Leave() {
@@ -93,6 +97,7 @@ void Terminal::Leave() {
   WriteAll(std::string(kResetScreen) + std::string(kStopReleases) + std::string(kLeaveScreen));
   tcflush(m_descriptor, TCIFLUSH);  // keys meant for us, not for the shell
   tcsetattr(m_descriptor, TCSANOW, &m_found);
+  m_entered = false;
 }
 
 Size Terminal::ReadSize() const {

@@ -46,6 +46,7 @@ class Terminal {
   void WriteAll(std::string bytes);
 
   int m_descriptor;
+  bool m_entered = false;
   termios m_found;
 };
 

@@ -151,6 +151,9 @@ class Session {
     ioctl(m_master, TIOCSWINSZ, &size);
   }
 
+  // As something else that writes to the same terminal; where it is still unless the whole screen is drawn anew.
+  void Scribble() { m_screen.Take("\033[1;1Hscribbled"); }
+
   // Reads until then. False when it never was.
   bool Await(const std::function<bool()>& condition) {
     for (const double end = ReadClock() + kPatience; ReadClock() < end;) {
@@ -463,11 +466,14 @@ TEST(Watch, WithoutAShellItDoesNotStop) {
   // Stopped and continued by others: the screen is drawn anew.
   kill(session.Guardian(), SIGSTOP);
   ASSERT_TRUE(session.Await([&] { return IsStopped(session.Guardian()); }));
-  session.Resize(kColumns, kRows);  // forgets all that was shown
+  session.Scribble();
+  ASSERT_THAT(session.Text(), HasSubstr("scribbled"));
   kill(session.Guardian(), SIGCONT);
-  ASSERT_TRUE(session.AwaitPlaying());
+  EXPECT_TRUE(session.Await([&] { return session.Text().find("scribbled") == std::string::npos; })) << session.Text();
+  EXPECT_EQ(session.Shown().KeyboardModes(), 1);
   session.Type("q");
   EXPECT_EQ(session.AwaitEnd(), 0);
+  session.ExpectRestored();
 }
 
 TEST(Watch, FollowsTheTerminalsSize) {

@@ -94,7 +94,7 @@ class Screen {
       if (final == 'h') m_modes.insert(mode);
       if (final == 'l') m_modes.erase(mode);
     } else if (final == 'u' && (mark == '>' || mark == '<')) {
-      m_keyboardModes += mark == '>' ? 1 : -1;
+      m_keyboardModes = std::max(0, m_keyboardModes + (mark == '>' ? 1 : -1));
     } else if (final == 'u' && mark == '?') {
       // a question
     } else if (final == 'H' && numbers.size() == 2) {
