@@ -48,7 +48,7 @@ float FindDistance(std::span<const Vector3> points, Vector3 middle) {
   float squares = 0;
   for (const Vector3& point : points) squares += Dot(point - middle, point - middle);
   const float spread = std::sqrt(squares / static_cast<float>(std::max<std::size_t>(points.size(), 1)));
-  return std::clamp(2.1F * spread, 7.0F, 60.0F);
+  return std::clamp(1.8F * spread, 7.0F, 60.0F);
 }
 
 }  // namespace

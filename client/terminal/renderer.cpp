@@ -27,7 +27,8 @@ constexpr Light kLine{0.20F, 0.29F, 0.40F};
 
 constexpr float kLineWidth = 0.05F;      // metres, of the lines a metre apart
 constexpr float kWideLineWidth = 0.12F;  // and of every fifth
-constexpr float kFogDistance = 45;       // metres at which all but 1/e is fog
+constexpr float kFogDistance = 45;       // metres at which all but 1/e is fog, at least
+constexpr float kFogReach = 2.5F;        // and times the distance of what is looked at
 constexpr float kShadowDepth = 0.85F;    // share of the sun that a shadow takes
 
 // Samples a picture of which costs a few milliseconds.
@@ -160,7 +161,8 @@ Light Renderer::LightSample(const World& world, const View& view, const Viewport
   } else {
     light = LightBody(sample, world.bodies[sample.material].colour, direction * -1);
   }
-  const float far = depth * Length(ray) / kFogDistance;
+  const float fog = std::max(kFogDistance, kFogReach * Length(view.eye - world.focus));
+  const float far = depth * Length(ray) / fog;
   return Blend(FindSky({direction.x, direction.y, std::min(direction.z, 0.0F) * 0.2F}), light, std::exp(-far * far));
 }
 
