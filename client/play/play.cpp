@@ -110,9 +110,8 @@ int Play::Run() {
     return m_failures.empty() ? tool::kExitGood : tool::kExitFailed;
   }
   const std::string self = std::filesystem::proximate(m_options.programFolder / "wobble").string();
-  std::printf(
-      "scene %s on UDP port %u; join it with: %s bots 127.0.0.1:%u --script wander.lua --count 8; Ctrl-C ends all\n",
-      m_options.scene.c_str(), m_options.port, self.c_str(), m_options.port);
+  std::printf("scene %s on UDP port %u; watch it from another terminal with: %s watch 127.0.0.1:%u; Ctrl-C ends all\n",
+              m_options.scene.c_str(), m_options.port, self.c_str(), m_options.port);
   std::fflush(stdout);
 
   const bool botsStarted = m_options.bots > 0 && StartBots();

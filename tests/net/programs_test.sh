@@ -202,7 +202,7 @@ case_port_in_use() {
 
 case_unknown_option() {
   local program
-  for program in wobbled wobble 'wobble bots' 'wobble play' 'wobble link'; do
+  for program in wobbled wobble 'wobble bots' 'wobble play' 'wobble watch' 'wobble link'; do
     # shellcheck disable=SC2086  # program and command are two words
     expect_refusal "--frobnicate.*$program --help\|--frobnicate.*wobble --help" $program --frobnicate
   done
@@ -211,6 +211,13 @@ case_unknown_option() {
   expect_refusal '^wobble bots: HOST:PORT of the server is required' wobble bots --script idle.lua
   expect_refusal '^wobble bots: --script is required' wobble bots 127.0.0.1:7815
   expect_refusal "'nowhere' is no HOST:PORT" wobble bots nowhere --script idle.lua
+  expect_refusal '^wobble watch: HOST:PORT of the server is required' wobble watch
+  expect_refusal "^wobble watch: server: 'nowhere:0' is no HOST:PORT" wobble watch nowhere:0
+  expect_refusal "^wobble: --fps: '0' is not 1 to 60" wobble watch 127.0.0.1:7815 --fps 0
+  expect_refusal '^wobble: --colours: 7 not in' wobble watch 127.0.0.1:7815 --colours 7
+  expect_refusal '^wobble watch: --name: .* is 33 bytes long' wobble watch 127.0.0.1:7815 \
+    --name 123456789012345678901234567890123
+  expect_refusal '^wobble watch: standard output is no terminal$' wobble watch 127.0.0.1:7815
   expect_refusal '^wobbled: --port 99999: must be 1 to 65535$' wobbled --port 99999
   expect_refusal '^wobbled: --for -3: must be 0 to 1000000$' wobbled --for -3
   expect_refusal '^wobbled: --for nan: must be 0 to 1000000$' wobbled --for nan
@@ -379,7 +386,7 @@ case_random_datagrams() {
 
 case_help_and_version() {
   local program
-  for program in wobbled wobble 'wobble bots' 'wobble play' 'wobble link'; do
+  for program in wobbled wobble 'wobble bots' 'wobble play' 'wobble watch' 'wobble link'; do
     # shellcheck disable=SC2086  # program and command are two words
     expect_exit 0 $program --help
     expect_line "$out" '^Examples:'

@@ -1,0 +1,85 @@
+#include "client/terminal/command.h"
+
+#include <cstdio>
+#include <memory>
+
+#include "client/terminal/watch.h"
+#include "protocol/limits.h"
+
+namespace wobble::terminal {
+namespace {
+
+constexpr double kMaxDuration = 1e6;  // seconds, eleven days
+constexpr double kMaxFps = 60;
+
+// What the command line says before it is understood.
+struct Words {
+  std::string address;
+  std::string colours = "auto";
+};
+
+CLI::App* AddWords(CLI::App& app, WatchOptions& options, Words& words) {
+  CLI::App* command = app.add_subcommand("watch", "Shows a server's world in this terminal, with keys to play in it");
+  // Not required() of CLI11: it would complain of that even when an unknown option is the fault.
+  command->add_option("server", words.address, "The server")->type_name("HOST:PORT REQUIRED");
+  command->add_option("--name", options.name, "What others are told")->capture_default_str();
+  command->add_flag("--spectate", options.spectate, "Look on without a body");
+  command->add_option("--fps", options.fps, "Pictures a second at most; fewer for a slow line")
+      ->check(tool::Within(1, kMaxFps))
+      ->capture_default_str();
+  command->add_option("--colours", words.colours, "auto (by COLORTERM and TERM), true (16 million) or 256")
+      ->check(CLI::IsMember({"auto", "true", "256"}))
+      ->capture_default_str();
+  command->add_option("--for", options.duration, "Seconds to run; 0: until q")
+      ->check(tool::Within(0, kMaxDuration))
+      ->capture_default_str();
+  command->add_option("--capture", options.captureFile, "Where to write the last picture as SVG")->type_name("FILE");
+  command->footer(
+      "Keys: W A S D or arrows go, space jumps, E or P puffs up, F stiffens, X lets go of all keys;\n"
+      "C camera (follow, circle, stand), J L or [ ] turn, I K tilt, + - zoom; ? keys; Q, Esc, Ctrl-C quit.\n"
+      "Most terminals do not tell when a key is let go: a tap counts for half a second, a held key while it repeats.\n"
+      "Exit code: 0 told to end, 1 the server went away, 2 bad usage, no terminal or no server.\n"
+      "Examples:\n"
+      "  wobble watch 127.0.0.1:7777\n"
+      "  wobble watch example.org:7777 --name mira --colours true --fps 20\n"
+      "  wobble watch 127.0.0.1:7777 --spectate --for 10 --capture picture.svg");
+  return command;
+}
+
+// False with one line in `error`.
+bool Understand(const Words& words, WatchOptions& options, std::string& error) {
+  if (words.address.empty()) {
+    error = "HOST:PORT of the server is required (see wobble watch --help)";
+    return false;
+  }
+  const auto address = tool::ParseAddress(words.address, error);
+  if (!address) {
+    error = "server: " + error;
+    return false;
+  }
+  if (options.name.size() > protocol::kMaxNameBytes) {
+    error = "--name: '" + options.name + "' is " + std::to_string(options.name.size()) + " bytes long; at most " +
+            std::to_string(protocol::kMaxNameBytes) + " are allowed";
+    return false;
+  }
+  options.server = *address;
+  if (words.colours == "true") options.palette = Palette::kTruecolour;
+  if (words.colours == "256") options.palette = Palette::k256;
+  return true;
+}
+
+}  // namespace
+
+tool::Command DescribeWatch(CLI::App& app) {
+  const auto options = std::make_shared<WatchOptions>();
+  const auto words = std::make_shared<Words>();
+  CLI::App* command = AddWords(app, *options, *words);
+  return {command, [options, words](const tool::IsStopAsked& isStopAsked) {
+            std::string error;
+            if (Understand(*words, *options, error)) return RunWatch(*options, isStopAsked);
+            std::fprintf(stderr, "wobble watch: %s\n", error.c_str());
+            return tool::kExitBadUse;
+          }};
+}
+
+}  // namespace wobble::terminal

@@ -1,0 +1,10 @@
+// The words of `wobble watch`.
+#pragma once
+
+#include "client/tool/command.h"
+
+namespace wobble::terminal {
+
+[[nodiscard]] tool::Command DescribeWatch(CLI::App& app);
+
+}  // namespace wobble::terminal

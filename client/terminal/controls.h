@@ -1,0 +1,34 @@
+// What each key does.
+#pragma once
+
+#include "client/client.h"
+#include "client/terminal/camera.h"
+#include "client/terminal/held_keys.h"
+#include "client/terminal/keys.h"
+
+namespace wobble::terminal {
+
+class Controls {
+ public:
+  // hasBody: there is one of one's own for the camera to follow.
+  void Take(const KeyEvent& event, double now, bool hasBody, Camera& camera);
+  void ReleaseAll() { m_held.ReleaseAll(); }
+
+  // What the player asks for. Right and forward are as the camera sees them; the server is told in world x and y.
+  [[nodiscard]] client::Input MakeInput(double now, const Camera& camera) const;
+
+  [[nodiscard]] bool IsQuitAsked() const { return m_quit; }
+  [[nodiscard]] bool ShowsKeys() const { return m_showsKeys; }
+  // True once after each Ctrl-Z.
+  [[nodiscard]] bool TakePause();
+
+ private:
+  void TakeCommand(char32_t key, bool hasBody, Camera& camera);
+
+  HeldKeys m_held;
+  bool m_quit = false;
+  bool m_pause = false;
+  bool m_showsKeys = false;
+};
+
+}  // namespace wobble::terminal

@@ -1,0 +1,208 @@
+// Bodies and boxes go through the rasteriser; planes have no end and are met by each sample's ray. Then every sample is
+// lit once, and each pixel is the mean of its samples in linear light: that is the anti-aliasing, and what makes 80 ×
+// 48 pixels enough to see a ball wobble.
+//
+// Light is a sun, half Lambert so that it goes softly round a body, a sky above and the ground's reflection below, a
+// glint and a brighter rim. Bodies are of two shades by the octants of their rest shape: one sees them roll and bulge.
+// The grid on surfaces is averaged exactly over a sample's extent on the surface, or it would flicker far away.
+#include "client/terminal/renderer.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wobble::terminal {
+namespace {
+
+constexpr std::uint32_t kSurface = 0xFFFFFFFF;  // a material; bodies are 0, 1, ...
+
+constexpr Light kSunLight{0.95F, 0.88F, 0.76F};
+constexpr Light kSkyLight{0.34F, 0.42F, 0.58F};
+constexpr Light kGroundLight{0.13F, 0.12F, 0.13F};
+constexpr Light kHorizon{0.050F, 0.085F, 0.150F};
+constexpr Light kZenith{0.006F, 0.012F, 0.034F};
+constexpr Light kDepths{0.006F, 0.010F, 0.022F};
+constexpr Light kFloor{0.055F, 0.078F, 0.118F};
+constexpr Light kWall{0.120F, 0.105F, 0.150F};
+constexpr Light kLine{0.20F, 0.29F, 0.40F};
+
+constexpr float kLineWidth = 0.05F;      // metres, of the lines a metre apart
+constexpr float kWideLineWidth = 0.12F;  // and of every fifth
+constexpr float kFogDistance = 45;       // metres at which all but 1/e is fog, at least
+constexpr float kFogReach = 2.5F;        // and times the distance of what is looked at
+constexpr float kShadowDepth = 0.85F;    // share of the sun that a shadow takes
+
+// Samples a picture of which costs a few milliseconds.
+constexpr int kMaxSamples = 120'000;
+
+// Shown of what a server may claim to have.
+constexpr std::size_t kMaxPlanes = 16;
+constexpr std::size_t kMaxBoxes = 512;
+
+Vector3 ToVector(const protocol::wire::Vec3& v) { return {v.x(), v.y(), v.z()}; }
+Vector3 MultiplyEach(Vector3 a, Vector3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+
+// Share of x - width/2 .. x + width/2 that lies on lines of `line` metres at each multiple of `spacing`.
+float FindCoverage(float x, float width, float line, float spacing) {
+  const auto coveredUpTo = [&](float to) {
+    const float cell = std::floor(to / spacing);
+    return cell * line + std::min(to - cell * spacing, line);
+  };
+  const float begin = x + line / 2 - width / 2;
+  return std::clamp((coveredUpTo(begin + width) - coveredUpTo(begin)) / width, 0.0F, 1.0F);
+}
+
+Light FindSky(Vector3 direction) {
+  const float up = direction.z;
+  if (up < 0) return Blend(kHorizon, kDepths, std::min(1.0F, -up * 2.5F));
+  return Blend(kHorizon, kZenith, std::min(1.0F, std::sqrt(up) * 1.15F));
+}
+
+Light FindAmbient(Vector3 normal) { return Blend(kGroundLight, kSkyLight, normal.z * 0.5F + 0.5F); }
+
+Light LightBody(const Sample& sample, Light colour, Vector3 toEye) {
+  const Vector3 normal = Normalise(sample.normal);
+  const float facing = std::max(0.0F, (Dot(normal, kToSun) + 0.3F) / 1.3F);
+  const bool dark = ((sample.mark.x < 0) != (sample.mark.y < 0)) != (sample.mark.z < 0);
+  const Light surface = colour * (dark ? 0.52F : 1.0F);
+  Light light = Filter(surface, kSunLight * (facing * facing) + FindAmbient(normal));
+  const float glint = std::max(0.0F, Dot(normal, Normalise(kToSun + toEye)));
+  light = light + kSunLight * (0.45F * std::pow(glint, 48.0F));
+  const float rim = 1 - std::max(0.0F, Dot(normal, toEye));
+  return light + Filter(kSkyLight, colour) * (0.55F * rim * rim * rim);
+}
+
+}  // namespace
+
+void Renderer::Draw(const World& world, const View& view, int width, int height, std::vector<Colour>& pixels) {
+  int factor = 3;
+  while (factor > 1 && width * height * factor * factor > kMaxSamples) --factor;
+  m_samples.Reset(width * factor, height * factor);
+  m_planes.clear();
+  AddObstacles(world.obstacles, view);
+  AddBodies(world.bodies, view);
+  const float reach = std::clamp(1.5F * Length(view.eye - world.focus), 8.0F, 40.0F);
+  m_shadows.Reset(world.focus, reach);
+  for (const DrawnBody& body : world.bodies) m_shadows.Add(body.vertices, body.faces);
+
+  const Viewport viewport(m_samples.width, m_samples.height, view);
+  m_lights.resize(m_samples.samples.size());
+  for (int y = 0; y < m_samples.height; ++y) {
+    for (int x = 0; x < m_samples.width; ++x) {
+      m_lights[static_cast<std::size_t>(y * m_samples.width + x)] = LightSample(world, view, viewport, x, y);
+    }
+  }
+  Reduce(factor, width, height, pixels);
+}
+
+void Renderer::AddObstacles(std::span<const protocol::wire::Obstacle> obstacles, const View& view) {
+  std::size_t boxes = 0;
+  for (const protocol::wire::Obstacle& obstacle : obstacles) {
+    if (obstacle.kind() == protocol::wire::ObstacleKind::Box) {
+      if (boxes++ < kMaxBoxes) AddBox(ToVector(obstacle.a()), ToVector(obstacle.b()), view);
+    } else if (m_planes.size() < kMaxPlanes) {
+      m_planes.push_back({Normalise(ToVector(obstacle.a())), obstacle.b().x()});
+    }
+  }
+  if (obstacles.empty()) m_planes.push_back({{0, 0, 1}, 0});
+}
+
+void Renderer::AddBox(Vector3 centre, Vector3 half, const View& view) {
+  constexpr std::array<Vector3, 3> kAxes{Vector3{1, 0, 0}, Vector3{0, 1, 0}, Vector3{0, 0, 1}};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (const float side : {-1.0F, 1.0F}) {
+      const Vector3 normal = kAxes[axis] * side;
+      const Vector3 across = kAxes[(axis + 1) % 3] * side, along = kAxes[(axis + 2) % 3];
+      std::array<Corner, 4> corners;
+      constexpr std::array<std::array<float, 2>, 4> kTurns{{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}};
+      for (std::size_t i = 0; i < 4; ++i) {
+        const Vector3 offset = normal + across * kTurns[i][0] + along * kTurns[i][1];
+        const Vector3 position = centre + MultiplyEach(offset, half);
+        corners[i] = {position, normal, position};
+      }
+      DrawTriangle(view, {corners[0], corners[1], corners[2]}, kSurface, m_samples);
+      DrawTriangle(view, {corners[0], corners[2], corners[3]}, kSurface, m_samples);
+    }
+  }
+}
+
+void Renderer::AddBodies(std::span<const DrawnBody> bodies, const View& view) {
+  std::uint32_t material = 0;
+  for (const DrawnBody& body : bodies) {
+    ComputeNormals(body.vertices, body.faces, m_normals);
+    for (const auto& face : body.faces) {
+      std::array<Corner, 3> corners;
+      for (std::size_t i = 0; i < 3; ++i) corners[i] = {body.vertices[face[i]], m_normals[face[i]], body.rest[face[i]]};
+      DrawTriangle(view, corners, material, m_samples);
+    }
+    ++material;
+  }
+}
+
+Light Renderer::LightSample(const World& world, const View& view, const Viewport& viewport, int x, int y) const {
+  const Vector3 ray = viewport.FindRay(view, x, y);
+  const Sample& sample = m_samples.At(x, y);
+  float inverseDepth = sample.inverseDepth;
+  const Plane* nearest = nullptr;
+  for (const Plane& plane : m_planes) {
+    const float slope = Dot(plane.normal, ray);
+    const float height = Dot(plane.normal, view.eye) - plane.offset;
+    if (slope >= 0 || height <= 0 || -slope / height <= inverseDepth) continue;
+    inverseDepth = -slope / height;
+    nearest = &plane;
+  }
+  const Vector3 direction = Normalise(ray);
+  if (inverseDepth <= 0) return FindSky(direction);
+  const float depth = 1 / inverseDepth;
+  Light light;
+  if (nearest != nullptr) {
+    light = LightSurface(view.eye + ray * depth, nearest->normal, ray, view, viewport);
+  } else if (sample.material == kSurface) {
+    light = LightSurface(sample.mark, sample.normal, ray, view, viewport);
+  } else {
+    light = LightBody(sample, world.bodies[sample.material].colour, direction * -1);
+  }
+  const float fog = std::max(kFogDistance, kFogReach * Length(view.eye - world.focus));
+  const float far = depth * Length(ray) / fog;
+  return Blend(FindSky({direction.x, direction.y, std::min(direction.z, 0.0F) * 0.2F}), light, std::exp(-far * far));
+}
+
+Light Renderer::LightSurface(Vector3 point, Vector3 normal, Vector3 ray, const View& view,
+                             const Viewport& viewport) const {
+  // How far on the surface it is to the samples beside and above.
+  const float depth = Dot(point - view.eye, view.forward);
+  const auto step = [&](Vector3 axis) {
+    const Vector3 sideways = axis * (depth / viewport.scale);
+    return sideways - ray * (Dot(sideways, normal) / std::min(Dot(ray, normal), -1e-4F));
+  };
+  const Vector3 right = step(view.right), up = step(view.up);
+  const auto cover = [&](float Vector3::*axis) {
+    const float extent = std::max(1e-4F, std::abs(right.*axis) + std::abs(up.*axis));
+    const float thin = FindCoverage(point.*axis, extent, kLineWidth, 1);
+    const float wide = FindCoverage(point.*axis, extent, kWideLineWidth, 5);
+    return std::max(0.5F * thin, wide);
+  };
+  const bool level = std::abs(normal.z) > 0.7F;
+  float lines = 0;
+  if (level || std::abs(normal.y) > 0.7F) lines = std::max(lines, cover(&Vector3::x));
+  if (level || std::abs(normal.y) <= 0.7F) lines = std::max(lines, cover(&Vector3::y));
+  const Light surface = Blend(level ? kFloor : kWall, kLine, 0.6F * lines);
+  const float sun = std::max(0.0F, Dot(normal, kToSun)) * (1 - kShadowDepth * m_shadows.FindShade(point));
+  return Filter(surface, kSunLight * sun + FindAmbient(normal));
+}
+
+void Renderer::Reduce(int factor, int width, int height, std::vector<Colour>& pixels) const {
+  pixels.resize(static_cast<std::size_t>(width * height));
+  const float share = 1 / static_cast<float>(factor * factor);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      Light sum;
+      for (int i = 0; i < factor * factor; ++i) {
+        const int column = x * factor + i % factor, row = y * factor + i / factor;
+        sum = sum + m_lights[static_cast<std::size_t>(row * m_samples.width + column)];
+      }
+      pixels[static_cast<std::size_t>(y * width + x)] = Show(sum * share);
+    }
+  }
+}
+
+}  // namespace wobble::terminal

@@ -1,0 +1,56 @@
+// A picture of the world: bodies, obstacles, shadows and sky, lit.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "client/terminal/colour.h"
+#include "client/terminal/rasteriser.h"
+#include "client/terminal/shadow.h"
+#include "client/terminal/view.h"
+#include "protocol/messages.h"
+
+namespace wobble::terminal {
+
+struct DrawnBody {
+  std::span<const Vector3> vertices;                    // in the world, metres
+  std::span<const Vector3> rest;                        // as many, body frame; the pattern clings to it
+  std::span<const std::array<std::uint16_t, 3>> faces;  // outward, of vertices that exist
+  Light colour;
+};
+
+struct World {
+  std::span<const protocol::wire::Obstacle> obstacles;  // none: the plane z = 0 stands for them
+  std::span<const DrawnBody> bodies;
+  Vector3 focus;  // shadows are found around it
+};
+
+class Renderer {
+ public:
+  // pixels: of width × height, row by row from the top.
+  void Draw(const World& world, const View& view, int width, int height, std::vector<Colour>& pixels);
+
+ private:
+  struct Plane {
+    Vector3 normal;
+    float offset = 0;
+  };
+  void AddObstacles(std::span<const protocol::wire::Obstacle> obstacles, const View& view);
+  void AddBox(Vector3 centre, Vector3 half, const View& view);
+  void AddBodies(std::span<const DrawnBody> bodies, const View& view);
+  [[nodiscard]] Light LightSample(const World& world, const View& view, const Viewport& viewport, int x, int y) const;
+  [[nodiscard]] Light LightSurface(Vector3 point, Vector3 normal, Vector3 ray, const View& view,
+                                   const Viewport& viewport) const;
+  void Reduce(int factor, int width, int height, std::vector<Colour>& pixels) const;
+
+  // Scratch, kept to save allocations.
+  SampleGrid m_samples;
+  ShadowMap m_shadows;
+  std::vector<Plane> m_planes;
+  std::vector<Vector3> m_normals;
+  std::vector<Light> m_lights;
+};
+
+}  // namespace wobble::terminal

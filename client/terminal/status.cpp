@@ -1,0 +1,80 @@
+#include "client/terminal/status.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace wobble::terminal {
+namespace {
+
+constexpr Colour kInk{205, 214, 228};
+constexpr Colour kFaintInk{130, 142, 162};
+constexpr Colour kPaper{24, 30, 42};
+
+}  // namespace
+
+std::string FormatStatus(const StatusFigures& figures) {
+  char input[24] = "-";
+  if (figures.inputMs) std::snprintf(input, sizeof input, "%.0f ms", *figures.inputMs);
+  char text[160];
+  std::snprintf(text, sizeof text, "input %s  %.0f kbit/s  delay %.0f ms  %llu stalls  %zu bodies  %zu player%s", input,
+                figures.kbitPerSecond, figures.interpolationDelayMs, static_cast<unsigned long long>(figures.stalls),
+                figures.bodies, figures.players, figures.players == 1 ? "" : "s");
+  return text;
+}
+
+std::string FormatSilence(double seconds) {
+  char text[80];
+  std::snprintf(text, sizeof text, "nothing from the server for %.0f s", seconds);
+  return text;
+}
+
+void WriteStatus(CellGrid& grid, const std::string& text, const std::string& hint) {
+  const int row = grid.rows - 1;
+  for (int column = 0; column < grid.columns; ++column) grid.At(column, row) = {U' ', kInk, kPaper};
+  grid.Write(1, row, text, kInk, kPaper);
+  const int left = grid.columns - 1 - static_cast<int>(hint.size());
+  if (left > static_cast<int>(text.size()) + 2) grid.Write(left, row, hint, kFaintInk, kPaper);
+}
+
+void WriteBox(CellGrid& grid, const std::vector<std::string>& lines) {
+  std::size_t widest = 0;
+  for (const std::string& line : lines) widest = std::max(widest, line.size());
+  const int width = std::min(static_cast<int>(widest) + 4, grid.columns);
+  const int left = (grid.columns - width) / 2;
+  const int margin = static_cast<int>(lines.size()) + 2 < grid.rows ? 1 : 0;  // as long as there is room for it
+  int row = std::max(0, (grid.rows - 1 - static_cast<int>(lines.size())) / 2 - margin);
+  const auto write = [&](const std::string& line) {
+    if (row >= grid.rows) return;
+    for (int column = left; column < left + width; ++column) grid.At(column, row) = {U' ', kInk, kPaper};
+    grid.Write(left + (width > 4 ? 2 : 0), row, line, kInk, kPaper);
+    ++row;
+  };
+  if (margin > 0) write("");
+  for (const std::string& line : lines) write(line);
+  if (margin > 0) write("");
+}
+
+std::vector<std::string> DescribeKeys(const StatusFigures& figures) {
+  char drawing[80];
+  std::snprintf(drawing, sizeof drawing, "a picture: %.1f ms to draw, %.1f kB to send", figures.frameMs,
+                figures.frameKilobytes);
+  return {
+      "W A S D, arrows  go, as seen from here",
+      "space            jump",
+      "E or P           puff up",
+      "F                stiffen",
+      "X                let go of all keys",
+      "",
+      "C                camera: follow, circle, stand",
+      "J L or [ ]       turn     I K  tilt     + -  zoom",
+      "?                these keys",
+      "Q, Esc, Ctrl-C   quit     Ctrl-Z  suspend",
+      "",
+      "input   from a key sent to a snapshot that shows it",
+      "delay   bodies are shown so far behind the server",
+      "stalls  times that news of a body did not come in time",
+      drawing,
+  };
+}
+
+}  // namespace wobble::terminal

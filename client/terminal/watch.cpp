@@ -1,0 +1,345 @@
+// The one loop with a clock: take in what came, read keys, draw when a picture is due, wait for the next of these.
+//
+// A picture is encoded only when the one before has gone to the terminal in full: over a slow line pictures are left
+// out, and what is shown is never older than one picture. The loop itself waits for nothing but the time, so the
+// connection and the keys go on whatever the terminal does.
+#include "client/terminal/watch.h"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <set>
+#include <string_view>
+
+#include "client/client.h"
+#include "client/terminal/camera.h"
+#include "client/terminal/controls.h"
+#include "client/terminal/guardian.h"
+#include "client/terminal/keys.h"
+#include "client/terminal/picture_file.h"
+#include "client/terminal/renderer.h"
+#include "client/terminal/status.h"
+#include "client/terminal/terminal.h"
+#include "client/tool/exit_codes.h"
+#include "protocol/transport/enet_transport.h"
+
+namespace wobble::terminal {
+namespace {
+
+constexpr double kUpdateHz = 60;
+constexpr Size kLeastSize{24, 6};
+// Bytes of one picture after which the rest waits for the next.
+constexpr std::size_t kMaxFrameBytes = 64 * 1024;
+constexpr double kGoodbyePatience = 1.5;  // s; a client takes a second at most
+constexpr double kRateEvery = 1;          // s over which the rate is measured
+constexpr double kSilence = 1.5;          // s without a snapshot that are worth a word
+constexpr double kFigureSmoothing = 0.1;
+
+double ReadClock() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+class Watch {
+ public:
+  Watch(const WatchOptions& options, Terminal& terminal, Guard& guard, const std::function<bool()>& isStopAsked)
+      : m_options(options),
+        m_terminal(terminal),
+        m_guard(guard),
+        m_isStopAsked(isStopAsked),
+        m_encoder(options.palette.value_or(FindPalette(std::getenv("COLORTERM"), std::getenv("TERM")))),
+        m_camera(options.spectate ? CameraMode::kCircle : CameraMode::kFollow) {}
+
+  int Run();
+  [[nodiscard]] const CellGrid& Picture() const { return m_grid; }
+
+ private:
+  bool Connect();
+  void Play();
+  void SayGoodbye();
+  int Conclude();
+
+  void ReadKeys(double now);
+  void NoteEvent(const client::Client::Event& event);
+
+  void DrawFrame(double now);
+  void DrawWorld(double now);
+  void DrawBodies(int width, int height);
+  void FillCells(int width, int height);
+  void Send(double begin);
+  void MeasureRate(double now);
+  void Wait(double until);
+  [[nodiscard]] bool IsPlaying() const { return m_client->ReadState() == client::State::kPlaying; }
+
+  const WatchOptions& m_options;
+  Terminal& m_terminal;
+  Guard& m_guard;
+  const std::function<bool()>& m_isStopAsked;
+
+  transport::Transport* m_transport = nullptr;  // the client's
+  std::unique_ptr<client::Client> m_client;
+  std::vector<client::BodySample> m_samples;
+  std::set<std::uint32_t> m_players;  // their bodies
+
+  KeyDecoder m_decoder;
+  Controls m_controls;
+  std::vector<KeyEvent> m_events;
+  bool m_gone = false;  // the terminal
+
+  FrameEncoder m_encoder;
+  Camera m_camera;
+  Renderer m_renderer;
+  CellGrid m_grid;
+  std::vector<DrawnBody> m_bodies;
+  std::vector<Vector3> m_centroids;
+  std::vector<Colour> m_pixels;
+  std::string m_output;  // of a picture, not yet taken by the terminal
+
+  StatusFigures m_figures;
+  bool m_played = false;
+  double m_lastDrawn = 0;
+  std::uint64_t m_newsCount = 0;  // snapshots at the last picture
+  double m_newsAt = 0;            // when there was a new one
+  double m_rateFrom = 0;
+  std::uint64_t m_rateBytes = 0;
+};
+
+int Watch::Run() {
+  if (!Connect()) return tool::kExitBadUse;
+  Play();
+  SayGoodbye();
+  return Conclude();
+}
+
+// False with a line said.
+bool Watch::Connect() {
+  std::string error;
+  auto transport = transport::EnetTransport::Connect(m_options.server.host, m_options.server.port, error);
+  if (transport == nullptr) {
+    std::fprintf(stderr, "wobble watch: %s\n", error.c_str());
+    return false;
+  }
+  m_transport = transport.get();
+  client::Options options;
+  options.name = m_options.name;
+  options.spectator = m_options.spectate;
+  m_client = std::make_unique<client::Client>(std::move(transport), options, ReadClock());
+  m_client->OnEvent([this](const client::Client::Event& event) { NoteEvent(event); });
+  return true;
+}
+
+void Watch::Play() {
+  const double begin = ReadClock();
+  double nextUpdate = begin, nextFrame = begin;
+  m_lastDrawn = m_rateFrom = begin;
+  while (!m_gone && !m_controls.IsQuitAsked() && !m_isStopAsked() && !m_guard.IsAlone()) {
+    const double now = ReadClock();
+    if (m_options.duration > 0 && now >= begin + m_options.duration) return;
+    if (now >= nextUpdate) {
+      m_client->Update(now);
+      nextUpdate = std::max(nextUpdate + 1 / kUpdateHz, now);
+      if (m_client->ReadState() == client::State::kEnded) return;
+      m_played = m_played || IsPlaying();
+    }
+    if (m_guard.Update()) {
+      m_encoder.Invalidate();
+      m_output.clear();
+    }
+    if (m_guard.IsPaused()) {
+      m_controls.ReleaseAll();
+    } else {
+      ReadKeys(now);
+    }
+    m_client->SetInput(m_controls.MakeInput(now, m_camera));
+    if (!m_terminal.Write(m_output)) return;
+    if (now >= nextFrame) {
+      if (!m_guard.IsPaused() && m_output.empty()) DrawFrame(now);
+      nextFrame = std::max(nextFrame + 1 / m_options.fps, now);
+    }
+    Wait(std::min(nextUpdate, nextFrame));
+  }
+}
+
+void Watch::SayGoodbye() {
+  m_client->Leave(ReadClock());
+  const double end = ReadClock() + kGoodbyePatience;
+  while (m_client->ReadState() != client::State::kEnded && ReadClock() < end) {
+    m_client->Update(ReadClock());
+    static_cast<void>(poll(nullptr, 0, 10));
+  }
+}
+
+int Watch::Conclude() {
+  if (!m_client->EndedUnasked()) return tool::kExitGood;
+  const std::string address = tool::Describe(m_options.server);
+  const std::string& reason = m_client->EndReason();
+  if (m_played) {
+    std::fprintf(stderr, "wobble watch: %s is no longer there: %s\n", address.c_str(), reason.c_str());
+    return tool::kExitFailed;
+  }
+  if (m_transport->ReadStatistics().bytesIn == 0) {
+    std::fprintf(stderr, "wobble watch: no server answers at %s\n", address.c_str());
+  } else {
+    std::fprintf(stderr, "wobble watch: could not join %s: %s\n", address.c_str(), reason.c_str());
+  }
+  return tool::kExitBadUse;
+}
+
+void Watch::ReadKeys(double now) {
+  m_events.clear();
+  std::string bytes;
+  if (!m_terminal.Read(bytes)) m_gone = true;
+  m_decoder.Feed(bytes, now, m_events);
+  const bool hasBody = IsPlaying() && m_client->Welcome().ownBody != 0;
+  for (const KeyEvent& event : m_events) m_controls.Take(event, now, hasBody, m_camera);
+  if (m_controls.TakePause()) m_guard.Pause();
+}
+
+void Watch::NoteEvent(const client::Client::Event& event) {
+  if (event.kind == wire::EventKind::Join && event.body != 0) m_players.insert(event.body);
+  if (event.kind == wire::EventKind::Leave) m_players.erase(event.body);
+}
+
+void Watch::DrawFrame(double now) {
+  const double begin = ReadClock();
+  const Size size = m_terminal.ReadSize();
+  if (size != Size{m_grid.columns, m_grid.rows}) m_encoder.Invalidate();
+  m_grid.Resize(size.columns, size.rows);
+  MeasureRate(now);
+  if (size.columns < kLeastSize.columns || size.rows < kLeastSize.rows) {
+    char text[80];
+    std::snprintf(text, sizeof text, "too small: %dx%d, needs %dx%d", size.columns, size.rows, kLeastSize.columns,
+                  kLeastSize.rows);
+    m_grid.Write(0, 0, text, {255, 255, 255}, {});
+  } else if (IsPlaying()) {
+    DrawWorld(now);
+  } else {
+    const bool connecting = m_client->ReadState() == client::State::kConnecting;
+    WriteBox(m_grid, {(connecting ? "connecting to " : "joining ") + tool::Describe(m_options.server) + " ..."});
+    WriteStatus(m_grid, "", "Q: quit");
+  }
+  Send(begin);
+}
+
+void Watch::DrawWorld(double now) {
+  m_client->Sample(now, client::Detail::kVertices, m_samples);
+  const int width = m_grid.columns, height = 2 * (m_grid.rows - 1);
+  std::optional<Vector3> own;
+  m_centroids.clear();
+  for (const client::BodySample& sample : m_samples) {
+    m_centroids.push_back(sample.pose.centroid);
+    if (sample.body == m_client->Welcome().ownBody) own = sample.pose.centroid;
+  }
+  m_camera.Update(now - m_lastDrawn, own, m_centroids);
+  m_lastDrawn = now;
+  DrawBodies(width, height);
+  FillCells(width, height);
+
+  const client::Statistics& statistics = m_client->ReadStatistics();
+  if (statistics.inputToSnapshot > 0) m_figures.inputMs = statistics.inputToSnapshot * 1000;
+  m_figures.interpolationDelayMs = m_client->InterpolationDelay() * 1000;
+  m_figures.stalls = statistics.stalls;
+  m_figures.bodies = m_samples.size();
+  m_figures.players = m_players.size();
+  if (statistics.snapshots != m_newsCount) m_newsAt = now;
+  m_newsCount = statistics.snapshots;
+  WriteStatus(m_grid, now < m_newsAt + kSilence ? FormatStatus(m_figures) : FormatSilence(now - m_newsAt), "?: keys");
+  if (m_controls.ShowsKeys()) WriteBox(m_grid, DescribeKeys(m_figures));
+}
+
+void Watch::DrawBodies(int width, int height) {
+  m_bodies.clear();
+  for (const client::BodySample& sample : m_samples) {
+    if (sample.vertices.size() != sample.blueprint->rest.size()) continue;
+    const Light colour = sample.body == m_client->Welcome().ownBody ? kOwnColour
+                         : m_players.count(sample.body) > 0         ? FindPlayerColour(sample.body)
+                                                                    : kSceneColour;
+    m_bodies.push_back({sample.vertices, sample.blueprint->rest, sample.blueprint->faces, colour});
+  }
+  const World world{m_client->Welcome().obstacles, m_bodies, m_camera.Focus()};
+  m_renderer.Draw(world, m_camera.MakeView(), width, height, m_pixels);
+}
+
+void Watch::FillCells(int width, int height) {
+  for (int y = 0; y < height; y += 2) {
+    for (int x = 0; x < width; ++x) {
+      const auto upper = static_cast<std::size_t>(y * width + x);
+      m_grid.At(x, y / 2) = {kUpperHalf, m_pixels[upper], m_pixels[upper + static_cast<std::size_t>(width)]};
+    }
+  }
+}
+
+void Watch::Send(double begin) {
+  m_encoder.Encode(m_grid, kMaxFrameBytes, m_output);
+  m_figures.frameKilobytes +=
+      (static_cast<double>(m_output.size()) / 1000 - m_figures.frameKilobytes) * kFigureSmoothing;
+  m_figures.frameMs += ((ReadClock() - begin) * 1000 - m_figures.frameMs) * kFigureSmoothing;
+  if (!m_terminal.Write(m_output)) m_gone = true;
+}
+
+void Watch::MeasureRate(double now) {
+  if (now < m_rateFrom + kRateEvery) return;
+  const std::uint64_t bytes = m_transport->ReadStatistics().bytesIn;
+  m_figures.kbitPerSecond = static_cast<double>(bytes - m_rateBytes) * 8 / 1000 / (now - m_rateFrom);
+  m_rateBytes = bytes;
+  m_rateFrom = now;
+}
+
+// Until then, or a key, or the terminal takes more, or a signal.
+void Watch::Wait(double until) {
+  const double seconds = std::clamp(until - ReadClock(), 0.0, 1.0);
+  pollfd descriptor{m_terminal.Descriptor(), POLLIN, 0};
+  if (!m_output.empty()) descriptor.events |= POLLOUT;
+  const nfds_t count = m_guard.IsPaused() ? 0 : 1;
+  static_cast<void>(poll(&descriptor, count, static_cast<int>(std::ceil(seconds * 1000))));
+}
+
+bool BeginsWith(std::string_view text, std::string_view beginning) {
+  return text.substr(0, beginning.size()) == beginning;
+}
+
+}  // namespace
+
+Palette FindPalette(const char* colorTerm, const char* term) {
+  const std::string_view depth = colorTerm == nullptr ? "" : colorTerm;
+  const std::string_view kind = term == nullptr ? "" : term;
+  const bool known = kind.find("direct") != std::string_view::npos || BeginsWith(kind, "xterm-kitty") ||
+                     BeginsWith(kind, "alacritty") || BeginsWith(kind, "foot") || BeginsWith(kind, "wezterm") ||
+                     BeginsWith(kind, "xterm-ghostty");
+  return depth == "truecolor" || depth == "24bit" || known ? Palette::kTruecolour : Palette::k256;
+}
+
+int RunWatch(const WatchOptions& options, const std::function<bool()>& isStopAsked) {
+  std::string error;
+  const auto terminal = Terminal::Open(error);
+  if (terminal == nullptr) {
+    std::fprintf(stderr, "wobble watch: %s\n", error.c_str());
+    return tool::kExitBadUse;
+  }
+  std::ofstream capture;
+  if (!options.captureFile.empty()) {
+    errno = 0;
+    capture.open(options.captureFile, std::ios::binary | std::ios::trunc);
+    if (!capture) {
+      std::fprintf(stderr, "wobble watch: --capture: '%s' cannot be written: %s\n", options.captureFile.c_str(),
+                   std::strerror(errno));
+      return tool::kExitBadUse;
+    }
+  }
+  return RunGuarded(*terminal, [&](Guard& guard) {
+    Watch watch(options, *terminal, guard, isStopAsked);
+    const int code = watch.Run();
+    if (capture.is_open()) capture << MakeSvg(watch.Picture()) << std::flush;
+    if (capture) return code;
+    std::fprintf(stderr, "wobble watch: --capture: '%s' could not be written in full\n", options.captureFile.c_str());
+    return tool::kExitBadUse;
+  });
+}
+
+}  // namespace wobble::terminal

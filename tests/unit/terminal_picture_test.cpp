@@ -1,0 +1,395 @@
+// From the camera to the pixels: where things appear, what hides what, and what broken geometry does.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "client/terminal/camera.h"
+#include "client/terminal/rasteriser.h"
+#include "client/terminal/renderer.h"
+#include "client/terminal/shadow.h"
+
+namespace wobble::terminal {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+// Looks along y; x is right, z up.
+View LookAlongY() { return View{}; }
+
+// Counterclockwise for an eye on the -y side.
+std::array<Corner, 3> MakeTriangle(float y, float size = 1, Vector3 middle = {}) {
+  const Vector3 normal{0, -1, 0};
+  return {Corner{middle + Vector3{-size, y, -size}, normal, {1, 0, 0}},
+          Corner{middle + Vector3{size, y, -size}, normal, {0, 1, 0}},
+          Corner{middle + Vector3{0, y, size}, normal, {0, 0, 1}}};
+}
+
+int CountCovered(const SampleGrid& grid) {
+  int count = 0;
+  for (const Sample& sample : grid.samples) count += sample.inverseDepth > 0 ? 1 : 0;
+  return count;
+}
+
+SampleGrid MakeGrid(int width = 60, int height = 40) {
+  SampleGrid grid;
+  grid.Reset(width, height);
+  return grid;
+}
+
+TEST(TerminalRasteriser, DrawsWhereTheProjectionSays) {
+  SampleGrid grid = MakeGrid();
+  const View view = LookAlongY();
+  DrawTriangle(view, MakeTriangle(4), 7, grid);
+  const Viewport viewport(grid.width, grid.height, view);
+  for (int y = 0; y < grid.height; ++y) {
+    for (int x = 0; x < grid.width; ++x) {
+      const Vector3 at = viewport.FindRay(view, x, y) * 4;  // on the triangle's plane
+      const float margin = std::min(at.z + 1, (1 - at.z) / 2 - std::abs(at.x));
+      if (std::abs(margin) < 1e-3F) continue;
+      ASSERT_EQ(grid.At(x, y).inverseDepth > 0, margin > 0) << x << ", " << y;
+      if (margin < 0) continue;
+      EXPECT_NEAR(grid.At(x, y).inverseDepth, 0.25F, 1e-5F);
+      EXPECT_EQ(grid.At(x, y).material, 7U);
+      // Shares of the corners are linear on the triangle.
+      EXPECT_NEAR(grid.At(x, y).mark.z, (at.z + 1) / 2, 1e-4F);
+    }
+  }
+}
+
+TEST(TerminalRasteriser, InterpolatesInPerspective) {
+  // A floor that runs away from the eye: halfway on the screen is not halfway on the ground.
+  SampleGrid grid = MakeGrid(41, 41);
+  const auto corner = [](float x, float y) { return Corner{{x, y, -1}, {0, 0, 1}, {0, y, 0}}; };
+  DrawTriangle(LookAlongY(), {corner(-50, 1), corner(50, 1), corner(0, 101)}, 0, grid);
+  int checked = 0;
+  for (int y = 21; y < 41; ++y) {
+    const Sample& sample = grid.At(20, y);
+    if (sample.inverseDepth <= 0) continue;
+    EXPECT_NEAR(sample.mark.y, 1 / sample.inverseDepth, 0.01F / sample.inverseDepth);
+    ++checked;
+  }
+  EXPECT_GT(checked, 15);
+}
+
+TEST(TerminalRasteriser, TheNearerHidesTheFartherInEitherOrder) {
+  for (const bool nearFirst : {true, false}) {
+    SampleGrid grid = MakeGrid();
+    const auto near = MakeTriangle(3), far = MakeTriangle(5, 3);
+    DrawTriangle(LookAlongY(), nearFirst ? near : far, nearFirst ? 1 : 2, grid);
+    DrawTriangle(LookAlongY(), nearFirst ? far : near, nearFirst ? 2 : 1, grid);
+    EXPECT_EQ(grid.At(30, 20).material, 1U);
+    EXPECT_EQ(grid.At(30, 36).material, 2U);
+  }
+}
+
+TEST(TerminalRasteriser, TheBackOfATriangleIsNotDrawn) {
+  SampleGrid grid = MakeGrid();
+  auto turned = MakeTriangle(4);
+  std::swap(turned[0], turned[1]);
+  DrawTriangle(LookAlongY(), turned, 0, grid);
+  EXPECT_EQ(CountCovered(grid), 0);
+}
+
+TEST(TerminalRasteriser, BehindTheEyeNothingIsDrawn) {
+  SampleGrid grid = MakeGrid();
+  DrawTriangle(LookAlongY(), MakeTriangle(-4), 0, grid);
+  auto turned = MakeTriangle(-4);
+  std::swap(turned[0], turned[1]);
+  DrawTriangle(LookAlongY(), turned, 0, grid);
+  DrawTriangle(LookAlongY(), MakeTriangle(kNearPlane / 2, 0.1F), 0, grid);
+  EXPECT_EQ(CountCovered(grid), 0);
+}
+
+// A floor that reaches behind the eye covers what a floor that ends before the eye covers, as far as both go.
+TEST(TerminalRasteriser, IsCutOffAtTheNearPlane) {
+  const auto corner = [](float x, float y) { return Corner{{x, y, -1}, {0, 0, 1}, {}}; };
+  for (const float back : {-0.5F, -5.0F, -4000.0F}) {
+    SampleGrid grid = MakeGrid();
+    DrawTriangle(LookAlongY(), {corner(-400, back), corner(400, back), corner(0, 500)}, 0, grid);
+    for (int x = 0; x < grid.width; ++x) {
+      EXPECT_GT(grid.At(x, grid.height - 1).inverseDepth, 0) << "at " << x << " with " << back;
+      EXPECT_EQ(grid.At(x, 10).inverseDepth, 0) << "above the horizon";
+    }
+    const Viewport viewport(grid.width, grid.height, LookAlongY());
+    const float slope = -viewport.FindRay(LookAlongY(), 30, 39).z;
+    EXPECT_NEAR(grid.At(30, 39).inverseDepth, slope, 0.01F * slope);
+  }
+}
+
+TEST(TerminalRasteriser, TwoCornersBehindLeaveATip) {
+  SampleGrid grid = MakeGrid();
+  const auto corner = [](float x, float y) { return Corner{{x, y, -1}, {0, 0, 1}, {}}; };
+  DrawTriangle(LookAlongY(), {corner(-1, -3), corner(1, -3), corner(0, 9)}, 0, grid);
+  EXPECT_GT(CountCovered(grid), 50);
+}
+
+TEST(TerminalRasteriser, BrokenTrianglesDrawNothing) {
+  SampleGrid grid = MakeGrid();
+  auto triangle = MakeTriangle(4);
+  triangle[2].position = triangle[0].position;  // no area
+  DrawTriangle(LookAlongY(), triangle, 0, grid);
+  triangle[1].position = triangle[2].position;
+  DrawTriangle(LookAlongY(), triangle, 0, grid);
+  for (const float value : {kNan, kInfinity, -kInfinity}) {
+    triangle = MakeTriangle(4);
+    triangle[1].position.x = value;
+    DrawTriangle(LookAlongY(), triangle, 0, grid);
+  }
+  EXPECT_EQ(CountCovered(grid), 0);
+}
+
+TEST(TerminalRasteriser, OutlivesAnyTriangle) {
+  std::mt19937 random(12);
+  SampleGrid grid = MakeGrid();
+  std::uniform_real_distribution<float> power(-6, 30);
+  for (int i = 0; i < 3000; ++i) {
+    std::array<Corner, 3> corners;
+    for (Corner& corner : corners) {
+      const auto draw = [&] { return (random() % 2 == 0 ? 1.0F : -1.0F) * std::pow(10.0F, power(random)); };
+      corner.position = {draw(), draw(), draw()};
+    }
+    DrawTriangle(LookAlongY(), corners, 0, grid);
+  }
+  for (const Sample& sample : grid.samples) ASSERT_TRUE(std::isfinite(sample.inverseDepth));
+}
+
+TEST(TerminalRasteriser, NormalsAreTheFacesMeanByArea) {
+  // A corner of a box whose faces are 1, 2 and 4 m² around it: the mean leans to the largest.
+  const std::vector<Vector3> vertices{{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {0, 0, 4}, {9, 9, 9}};
+  const std::vector<std::array<std::uint16_t, 3>> faces{{0, 1, 2}, {0, 2, 3}, {0, 3, 1}};
+  std::vector<Vector3> normals;
+  ComputeNormals(vertices, faces, normals);
+  ASSERT_EQ(normals.size(), 5U);
+  const Vector3 expected = Normalise({4, 8, 2});
+  EXPECT_NEAR(Length(normals[0] - expected), 0, 1e-6F);
+  EXPECT_NEAR(normals[4].z, 1, 1e-6F) << "of no face";
+  for (const Vector3& normal : normals) EXPECT_NEAR(Length(normal), 1, 1e-6F);
+  ComputeNormals(vertices, std::vector<std::array<std::uint16_t, 3>>{{0, 0, 0}, {1, 2, 1}}, normals);
+  for (const Vector3& normal : normals) EXPECT_EQ(normal.z, 1) << "degenerate faces only";
+}
+
+// A ball of 2·lines·lines faces around `centre`.
+struct Ball {
+  std::vector<Vector3> rest, vertices;
+  std::vector<std::array<std::uint16_t, 3>> faces;
+
+  Ball(Vector3 centre, float radius, int lines = 16) {
+    for (int i = 0; i <= lines; ++i) {
+      for (int j = 0; j < lines; ++j) {
+        const float polar = 3.14159265F * static_cast<float>(i) / static_cast<float>(lines);
+        const float turn = 6.28318531F * static_cast<float>(j) / static_cast<float>(lines);
+        rest.push_back(Vector3{std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar)} *
+                       radius);
+        vertices.push_back(rest.back() + centre);
+      }
+    }
+    const auto index = [lines](int i, int j) { return static_cast<std::uint16_t>(i * lines + j % lines); };
+    for (int i = 0; i < lines; ++i) {
+      for (int j = 0; j < lines; ++j) {
+        faces.push_back({index(i, j), index(i + 1, j), index(i + 1, j + 1)});
+        faces.push_back({index(i, j), index(i + 1, j + 1), index(i, j + 1)});
+      }
+    }
+  }
+  [[nodiscard]] DrawnBody Draw(Light colour) const { return {vertices, rest, faces, colour}; }
+};
+
+TEST(TerminalShadow, LiesWhereTheSunIsHidden) {
+  const Ball ball({1, 2, 3}, 0.5F);
+  ShadowMap shadows;
+  shadows.Reset({0, 0, 0}, 10);
+  shadows.Add(ball.vertices, ball.faces);
+  const Vector3 below = Vector3{1, 2, 3} - kToSun * (3 / kToSun.z);  // on the ground
+  EXPECT_EQ(shadows.FindShade(below), 1);
+  EXPECT_EQ(shadows.FindShade(below + Vector3{0.3F, 0, 0}), 1);
+  EXPECT_EQ(shadows.FindShade(below + Vector3{0.8F, 0, 0}), 0);
+  EXPECT_EQ(shadows.FindShade({1, 2, 5}), 0) << "above the ball";
+  EXPECT_EQ(shadows.FindShade({500, 0, 0}), 0) << "outside of the map";
+  EXPECT_EQ(shadows.FindShade({kNan, 0, 0}), 0);
+}
+
+View MakeView(Vector3 own) {
+  Camera camera(CameraMode::kFollow);
+  camera.Update(0.03, own, std::span(&own, 1));
+  return camera.MakeView();
+}
+
+int Brightness(Colour colour) { return colour.red + colour.green + colour.blue; }
+
+TEST(TerminalRenderer, ShowsABallItsShadowAndTheSky) {
+  const Vector3 centre{0, 0, 1.5F};
+  const Ball ball(centre, 0.5F);
+  const std::array<DrawnBody, 1> bodies{ball.Draw({1, 0, 0})};
+  const View view = MakeView(centre);
+  Renderer renderer;
+  std::vector<Colour> pixels, without;
+  renderer.Draw({{}, bodies, centre}, view, 80, 46, pixels);
+  ASSERT_EQ(pixels.size(), 80U * 46U);
+  renderer.Draw({{}, {}, centre}, view, 80, 46, without);
+  const Viewport viewport(80, 46, view);
+  const auto find = [&](Vector3 point) {
+    const Vector3 seen = view.ToCamera(point);
+    const int x = static_cast<int>(40 + seen.x * viewport.scale / seen.z);
+    const int y = static_cast<int>(23 - seen.y * viewport.scale / seen.z);
+    return static_cast<std::size_t>(y * 80 + x);
+  };
+  const Colour middle = pixels[find(centre)];
+  EXPECT_GT(middle.red, 2 * middle.green) << "the ball is red";
+  const Vector3 shadow = centre - kToSun * (centre.z / kToSun.z);
+  EXPECT_LT(Brightness(pixels[find(shadow)]), Brightness(without[find(shadow)]) - 20);
+  // A corner of the picture, far from both, is as without them.
+  EXPECT_EQ(pixels[79], without[79]);
+  EXPECT_EQ(pixels.back(), without.back());
+}
+
+TEST(TerminalRenderer, ObstaclesAreWhereTheServerSays) {
+  using protocol::wire::Obstacle, protocol::wire::ObstacleKind, protocol::wire::Vec3;
+  const Vector3 own{0, 0, 1};
+  const View view = MakeView(own);
+  Renderer renderer;
+  std::vector<Colour> sky, box, plane;
+  const std::vector<Obstacle> away{{ObstacleKind::Box, Vec3(0, 0, -500), Vec3(1, 1, 1)}};
+  const std::vector<Obstacle> near{{ObstacleKind::Box, Vec3(0, 0, -1), Vec3(3, 3, 1)}};
+  const std::vector<Obstacle> floor{{ObstacleKind::Plane, Vec3(0, 0, 2), Vec3(0, 0, 0)}};
+  renderer.Draw({away, {}, own}, view, 80, 46, sky);
+  renderer.Draw({near, {}, own}, view, 80, 46, box);
+  renderer.Draw({floor, {}, own}, view, 80, 46, plane);
+  EXPECT_NE(box[30 * 80 + 40], sky[30 * 80 + 40]) << "the platform under the eye";
+  EXPECT_EQ(box[30 * 80 + 40], plane[30 * 80 + 40]) << "both are level at z = 0";
+  EXPECT_EQ(box[30 * 80 + 1], sky[30 * 80 + 1]) << "beside the platform";
+  EXPECT_NE(plane[30 * 80 + 1], sky[30 * 80 + 1]) << "a plane has no end";
+  EXPECT_EQ(plane[40], sky[40]);
+}
+
+TEST(TerminalRenderer, OutlivesBrokenBodiesAndSizes) {
+  Ball ball({0, 0, 1}, 0.5F);
+  ball.vertices[5].x = kNan;
+  ball.vertices[40].z = kInfinity;
+  ball.vertices[41] = {1e30F, 1e30F, -1e30F};
+  const std::array<DrawnBody, 1> bodies{ball.Draw({1, 1, 1})};
+  Renderer renderer;
+  std::vector<Colour> pixels;
+  for (const auto& [width, height] : {std::pair{1, 2}, {300, 2}, {24, 10}, {500, 300}}) {
+    renderer.Draw({{}, bodies, {0, 0, 1}}, MakeView({0, 0, 1}), width, height, pixels);
+    EXPECT_EQ(pixels.size(), static_cast<std::size_t>(width * height));
+  }
+}
+
+TEST(TerminalCamera, LooksAtTheOwnBodyFromBehindAndAbove) {
+  Camera camera(CameraMode::kFollow);
+  const Vector3 own{3, -2, 1};
+  camera.Update(0.03, own, std::span(&own, 1));
+  const View view = camera.MakeView();
+  const Vector3 seen = view.ToCamera(own);
+  EXPECT_GT(seen.z, 3);
+  EXPECT_LT(std::abs(seen.x), 1e-3F);
+  EXPECT_LT(std::abs(seen.y), 1);
+  EXPECT_GT(view.eye.z, own.z + 1);
+  EXPECT_NEAR(Length(view.up), 1, 1e-5F);
+  EXPECT_NEAR(Dot(view.up, view.forward), 0, 1e-5F);
+  EXPECT_NEAR(Dot(view.right, view.up), 0, 1e-5F);
+  EXPECT_GT(view.up.z, 0);
+}
+
+// Forward on the keyboard is away from the eye, right is right, whatever way the camera is turned.
+TEST(TerminalCamera, KeysGoWhereTheyPointOnTheScreen) {
+  Camera camera(CameraMode::kFollow);
+  const Vector3 own{1, 1, 0.5F};
+  for (int turn = 0; turn < 12; ++turn) {
+    for (int i = 0; i < 100; ++i) camera.Update(0.03, own, std::span(&own, 1));
+    const View view = camera.MakeView();
+    const Vector3 before = view.ToCamera(own);
+    const Direction forward = camera.ToWorld(0, 1), right = camera.ToWorld(1, 0);
+    EXPECT_NEAR(std::hypot(forward.x, forward.y), 1, 1e-5F);
+    EXPECT_GT(view.ToCamera(own + Vector3{forward.x, forward.y, 0}).z, before.z + 0.5F);
+    EXPECT_NEAR(view.ToCamera(own + Vector3{forward.x, forward.y, 0}).x, before.x, 1e-3F);
+    EXPECT_NEAR(view.ToCamera(own + Vector3{right.x, right.y, 0}).x, before.x + 1, 1e-3F);
+    camera.Turn(0.6F);
+  }
+}
+
+TEST(TerminalCamera, FollowsSmoothlyAndJumpsWithARespawn) {
+  Camera camera(CameraMode::kFollow);
+  Vector3 own{0, 0, 1};
+  for (int i = 0; i < 60; ++i) camera.Update(0.03, own, std::span(&own, 1));
+  own.x = 1;
+  camera.Update(0.03, own, std::span(&own, 1));
+  EXPECT_GT(camera.Focus().x, 0.05F);
+  EXPECT_LT(camera.Focus().x, 0.6F);
+  for (int i = 0; i < 60; ++i) camera.Update(0.03, own, std::span(&own, 1));
+  EXPECT_NEAR(camera.Focus().x, 1, 0.01F);
+  own = {-30, 40, 1};
+  camera.Update(0.03, own, std::span(&own, 1));
+  EXPECT_EQ(camera.Focus().x, -30);
+}
+
+TEST(TerminalCamera, DoesNotDependOnTheFrameRate) {
+  Camera slow(CameraMode::kFollow), fast(CameraMode::kFollow);
+  Vector3 own{0, 0, 1};
+  for (Camera* camera : {&slow, &fast}) camera->Update(0.03, own, std::span(&own, 1));
+  own.y = 2;
+  for (int i = 0; i < 4; ++i) slow.Update(0.05, own, std::span(&own, 1));
+  for (int i = 0; i < 20; ++i) fast.Update(0.01, own, std::span(&own, 1));
+  EXPECT_NEAR(slow.Focus().y, fast.Focus().y, 0.01F);
+}
+
+TEST(TerminalCamera, TurnsTowardsWhereTheBodyGoes) {
+  Camera camera(CameraMode::kFollow);
+  Vector3 own{0, 0, 1};
+  camera.Update(1.0 / 30, own, std::span(&own, 1));
+  const Direction right = camera.ToWorld(1, 0);
+  for (int i = 0; i < 300; ++i) {  // ten seconds of walking to what was the right at first
+    own = own + Vector3{right.x, right.y, 0} * (5.0F / 30);
+    camera.Update(1.0 / 30, own, std::span(&own, 1));
+  }
+  const Direction forward = camera.ToWorld(0, 1);
+  EXPECT_GT(forward.x * right.x + forward.y * right.y, 0.9F);
+}
+
+TEST(TerminalCamera, CirclesRoundAllBodies) {
+  Camera camera(CameraMode::kCircle);
+  const std::vector<Vector3> bodies{{-5, -5, 1}, {5, 5, 1}, {-5, 5, 1}, {5, -5, 1}};
+  camera.Update(0.03, std::nullopt, bodies);
+  const Vector3 before = camera.MakeView().eye;
+  for (const Vector3& body : bodies) {
+    const Vector3 seen = camera.MakeView().ToCamera(body);
+    EXPECT_GT(seen.z, 1);
+    EXPECT_LT(std::abs(seen.y / seen.z), View{}.tangent) << "in sight";
+  }
+  for (int i = 0; i < 100; ++i) camera.Update(0.03, std::nullopt, bodies);
+  EXPECT_GT(Length(camera.MakeView().eye - before), 1);
+  EXPECT_NEAR(camera.MakeView().eye.z, before.z, 1e-3F);
+  camera.ChooseNextMode(false);
+  for (int i = 0; i < 100; ++i) camera.Update(0.03, std::nullopt, bodies);
+  const Vector3 standing = camera.MakeView().eye;
+  camera.Update(1, std::nullopt, bodies);
+  EXPECT_LT(Length(camera.MakeView().eye - standing), 0.01F);
+  camera.ChooseNextMode(false);
+  EXPECT_EQ(camera.Mode(), CameraMode::kCircle) << "nothing to follow";
+  camera.ChooseNextMode(true);
+  camera.ChooseNextMode(true);
+  EXPECT_EQ(camera.Mode(), CameraMode::kFollow);
+}
+
+TEST(TerminalCamera, ZoomAndTiltHaveLimits) {
+  Camera camera(CameraMode::kFollow);
+  const Vector3 own{0, 0, 1};
+  const auto settle = [&] {
+    for (int i = 0; i < 200; ++i) camera.Update(0.03, own, std::span(&own, 1));
+    return camera.MakeView();
+  };
+  for (int i = 0; i < 100; ++i) camera.Zoom(1.5F);
+  EXPECT_LT(Length(settle().eye - own), 40);
+  for (int i = 0; i < 100; ++i) camera.Zoom(0.5F);
+  EXPECT_GT(Length(settle().eye - own), 1);
+  for (int i = 0; i < 100; ++i) camera.Tilt(0.3F);
+  EXPECT_GT(settle().up.z, 0) << "never over the top";
+  for (int i = 0; i < 100; ++i) camera.Tilt(-0.3F);
+  EXPECT_LT(settle().forward.z, 0) << "never from below";
+}
+
+}  // namespace
+}  // namespace wobble::terminal
