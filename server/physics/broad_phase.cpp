@@ -17,11 +17,6 @@ namespace {
 constexpr double kLargeRatio = 4;
 constexpr std::int64_t kCellsEachWay = std::int64_t{1} << 20;  // 21 bits of the key an axis
 
-struct Placed {
-  std::uint64_t cell;
-  std::uint32_t box;
-};
-
 double FindExtent(const Box& box) { return (box.high - box.low).maxCoeff(); }
 
 bool Overlap(const Box& a, const Box& b) {
@@ -48,64 +43,64 @@ Cell FindCell(const Box& box, double size) {
   return {whole(middle.x()), whole(middle.y()), whole(middle.z())};
 }
 
-void AddPair(std::span<const Box> boxes, std::uint32_t a, std::uint32_t b, std::vector<IndexPair>& pairs) {
-  if (Overlap(boxes[a], boxes[b])) pairs.push_back({std::min(a, b), std::max(a, b)});
-}
-
-// Every placed box after `first` whose cell is one of the three from (x - 1, y, z) on.
-void AddRow(std::span<const Box> boxes, std::span<const Placed> placed, std::size_t first, const Cell& middle,
-            std::vector<IndexPair>& pairs) {
-  const std::uint64_t from = PackCell(middle.x - 1, middle.y, middle.z);
-  const std::uint64_t to = PackCell(middle.x + 1, middle.y, middle.z);
-  auto other = std::lower_bound(placed.begin() + static_cast<std::ptrdiff_t>(first) + 1, placed.end(), from,
-                                [](const Placed& each, std::uint64_t cell) { return each.cell < cell; });
-  for (; other != placed.end() && other->cell <= to; ++other) AddPair(boxes, placed[first].box, other->box, pairs);
-}
-
 }  // namespace
 
-void FindOverlaps(std::span<const Box> boxes, std::vector<IndexPair>& pairs) {
-  pairs.clear();
-  if (boxes.size() < 2) return;
+void BroadPhase::AddPair(std::uint32_t a, std::uint32_t b) {
+  if (Overlap(m_boxes[a], m_boxes[b])) m_pairs.push_back({std::min(a, b), std::max(a, b)});
+}
+
+// With every placed box after `first` whose cell is one of the three from (x - 1, y, z) on.
+void BroadPhase::AddRow(std::size_t first, std::int64_t x, std::int64_t y, std::int64_t z) {
+  const std::uint64_t from = PackCell(x - 1, y, z);
+  const std::uint64_t to = PackCell(x + 1, y, z);
+  auto other = std::lower_bound(m_placed.begin() + static_cast<std::ptrdiff_t>(first) + 1, m_placed.end(), from,
+                                [](const Placed& each, std::uint64_t cell) { return each.cell < cell; });
+  for (; other != m_placed.end() && other->cell <= to; ++other) AddPair(m_placed[first].box, other->box);
+}
+
+std::span<const IndexPair> BroadPhase::FindOverlaps(std::span<const Box> boxes) {
+  m_boxes = boxes;
+  m_pairs.clear();
+  m_placed.clear();
+  m_large.clear();
   double sum = 0;
   for (const Box& box : boxes) sum += FindExtent(box);
   const double limit = kLargeRatio * sum / static_cast<double>(boxes.size());
 
   double size = 0;
-  std::vector<std::uint32_t> large;
   for (std::uint32_t i = 0; i < boxes.size(); ++i) {
     const double extent = FindExtent(boxes[i]);
     if (extent > limit) {
-      large.push_back(i);
+      m_large.push_back(i);
     } else {
+      m_placed.push_back({0, i});
       size = std::max(size, extent);
     }
   }
-  std::vector<Placed> placed;
-  placed.reserve(boxes.size());
-  for (std::uint32_t i = 0; i < boxes.size(); ++i) {
-    if (FindExtent(boxes[i]) > limit) continue;
-    const Cell cell = FindCell(boxes[i], size);
-    placed.push_back({PackCell(cell.x, cell.y, cell.z), i});
+  for (Placed& placed : m_placed) {
+    const Cell cell = FindCell(boxes[placed.box], size);
+    placed.cell = PackCell(cell.x, cell.y, cell.z);
   }
-  std::sort(placed.begin(), placed.end(),
+  std::sort(m_placed.begin(), m_placed.end(),
             [](const Placed& a, const Placed& b) { return a.cell != b.cell ? a.cell < b.cell : a.box < b.box; });
 
-  for (std::size_t i = 0; i < placed.size(); ++i) {
-    const Cell at = FindCell(boxes[placed[i].box], size);
-    AddRow(boxes, placed, i, at, pairs);
-    AddRow(boxes, placed, i, {at.x, at.y + 1, at.z}, pairs);
-    for (int y = -1; y <= 1; ++y) AddRow(boxes, placed, i, {at.x, at.y + y, at.z + 1}, pairs);
+  for (std::size_t i = 0; i < m_placed.size(); ++i) {
+    const Cell at = FindCell(boxes[m_placed[i].box], size);
+    AddRow(i, at.x, at.y, at.z);
+    AddRow(i, at.x, at.y + 1, at.z);
+    for (int y = -1; y <= 1; ++y) AddRow(i, at.x, at.y + y, at.z + 1);
   }
-  for (std::size_t i = 0; i < large.size(); ++i) {
-    for (const Placed& other : placed) AddPair(boxes, large[i], other.box, pairs);
-    for (std::size_t j = i + 1; j < large.size(); ++j) AddPair(boxes, large[i], large[j], pairs);
+  for (std::size_t i = 0; i < m_large.size(); ++i) {
+    for (const Placed& other : m_placed) AddPair(m_large[i], other.box);
+    for (std::size_t j = i + 1; j < m_large.size(); ++j) AddPair(m_large[i], m_large[j]);
   }
-  std::sort(pairs.begin(), pairs.end());
+  std::sort(m_pairs.begin(), m_pairs.end());
+  return m_pairs;
 }
 
-void FindGroups(std::size_t count, std::span<const IndexPair> pairs, Groups& groups) {
-  std::vector<std::uint32_t> parent(count);
+void Groups::Find(std::size_t count, std::span<const IndexPair> pairs) {
+  std::vector<std::uint32_t>& parent = m_groupOf;
+  parent.resize(count);
   std::iota(parent.begin(), parent.end(), 0U);
   const auto findRoot = [&parent](std::uint32_t i) {
     while (parent[i] != i) i = parent[i] = parent[parent[i]];
@@ -116,16 +111,19 @@ void FindGroups(std::size_t count, std::span<const IndexPair> pairs, Groups& gro
     const std::uint32_t other = findRoot(b);
     parent[std::max(one, other)] = std::min(one, other);  // so the least member is the root
   }
-  groups.begins.clear();
-  groups.members.resize(count);
-  std::iota(groups.members.begin(), groups.members.end(), 0U);
   for (std::uint32_t i = 0; i < count; ++i) parent[i] = findRoot(i);
-  std::stable_sort(groups.members.begin(), groups.members.end(),
-                   [&parent](std::uint32_t a, std::uint32_t b) { return parent[a] < parent[b]; });
-  for (std::uint32_t i = 0; i < count; ++i) {
-    if (i == 0 || parent[groups.members[i]] != parent[groups.members[i - 1]]) groups.begins.push_back(i);
-  }
-  groups.begins.push_back(static_cast<std::uint32_t>(count));
+  // A root comes before its members, so its place in parent can take the group's number on the way.
+  std::uint32_t groups = 0;
+  for (std::uint32_t i = 0; i < count; ++i) m_groupOf[i] = parent[i] == i ? groups++ : m_groupOf[parent[i]];
+
+  m_begins.assign(groups + 1U, 0);
+  for (const std::uint32_t group : m_groupOf) ++m_begins[group + 1U];
+  for (std::uint32_t group = 0; group < groups; ++group) m_begins[group + 1U] += m_begins[group];
+  m_members.resize(count);
+  for (std::uint32_t i = static_cast<std::uint32_t>(count); i-- > 0;) m_members[--m_begins[m_groupOf[i] + 1U]] = i;
+  // Each group's end has been counted down to its begin: one step to the right, and they are begins again.
+  m_begins.erase(m_begins.begin());
+  m_begins.push_back(static_cast<std::uint32_t>(count));
 }
 
 }  // namespace wobble::physics

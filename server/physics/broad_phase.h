@@ -18,21 +18,42 @@ struct Box {
 
 using IndexPair = std::array<std::uint32_t, 2>;  // the lower index first
 
-// All pairs of boxes that overlap or touch, ascending, each once; `pairs` is reused.
-void FindOverlaps(std::span<const Box> boxes, std::vector<IndexPair>& pairs);
+// Keeps what it works with, so that it allocates nothing once warm.
+class BroadPhase {
+ public:
+  // All pairs of boxes that overlap or touch, ascending, each once; valid until the next call.
+  std::span<const IndexPair> FindOverlaps(std::span<const Box> boxes);
 
-// Sets of bodies that hang together by pairs: members[begins[g]] up to members[begins[g + 1]] is group g. Groups are
-// ordered by their least member, members ascending; a body without a pair is a group of its own.
-struct Groups {
-  std::vector<std::uint32_t> begins;
-  std::vector<std::uint32_t> members;
+ private:
+  struct Placed {
+    std::uint64_t cell;
+    std::uint32_t box;
+  };
+  void AddPair(std::uint32_t a, std::uint32_t b);
+  void AddRow(std::size_t first, std::int64_t x, std::int64_t y, std::int64_t z);
 
-  [[nodiscard]] std::size_t Count() const { return begins.size() - 1; }
-  [[nodiscard]] std::span<const std::uint32_t> MembersOf(std::size_t group) const {
-    return std::span(members).subspan(begins[group], begins[group + 1] - begins[group]);
-  }
+  std::span<const Box> m_boxes;
+  std::vector<Placed> m_placed;  // by cell
+  std::vector<std::uint32_t> m_large;
+  std::vector<IndexPair> m_pairs;
 };
-// `groups` is reused.
-void FindGroups(std::size_t count, std::span<const IndexPair> pairs, Groups& groups);
+
+// Sets of bodies that hang together by pairs. Groups are ordered by their least member, members ascending; a body
+// without a pair is a group of its own.
+class Groups {
+ public:
+  void Find(std::size_t count, std::span<const IndexPair> pairs);
+
+  [[nodiscard]] std::size_t Count() const { return m_begins.size() - 1; }
+  [[nodiscard]] std::span<const std::uint32_t> MembersOf(std::size_t group) const {
+    return std::span(m_members).subspan(m_begins[group], m_begins[group + 1] - m_begins[group]);
+  }
+  [[nodiscard]] std::uint32_t GroupOf(std::uint32_t member) const { return m_groupOf[member]; }
+
+ private:
+  std::vector<std::uint32_t> m_begins{0};
+  std::vector<std::uint32_t> m_members;
+  std::vector<std::uint32_t> m_groupOf;
+};
 
 }  // namespace wobble::physics

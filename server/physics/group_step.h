@@ -37,6 +37,15 @@ struct GroupScratch {
   std::vector<Vector3<Real>> velocities;
   std::vector<std::size_t> begins;
   std::vector<VertexLoad> loads;  // of every vertex of the group
+
+  // For the largest group there can be, so that one that grows allocates nothing.
+  void Reserve(std::size_t vertices, std::size_t bodies) {
+    stages.Reserve(vertices);
+    positions.reserve(vertices);
+    velocities.reserve(vertices);
+    loads.reserve(vertices);
+    begins.reserve(bodies + 1);
+  }
 };
 
 // One side of an encounter between bodies at x and v.

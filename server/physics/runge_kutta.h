@@ -32,6 +32,11 @@ struct StageBuffers {
   std::array<std::vector<Vector3<Real>>, Stages> accelerations;  // k_v
   std::vector<Vector3<Real>> positions;
 
+  void Reserve(std::size_t vertices) {
+    for (auto& k : velocities) k.reserve(vertices);
+    for (auto& k : accelerations) k.reserve(vertices);
+    positions.reserve(vertices);
+  }
   void Resize(std::size_t vertices) {
     for (auto& k : velocities) k.resize(vertices);
     for (auto& k : accelerations) k.resize(vertices);

@@ -23,6 +23,9 @@ namespace {
 // How near bodies are looked at beyond the way they go in the tick, m: what gravity and springs may add.
 constexpr double kMargin = 0.02;
 
+// Room for so many contacts is made when two bodies meet: more seldom come, and a list that is full grows.
+constexpr std::size_t kLikelyContacts = 128;
+
 // Two bodies near one another, and what lives on of their contacts from tick to tick. first < second.
 template <class Real>
 struct BodyPair {
@@ -55,15 +58,16 @@ template <class Real>
 struct Workspace {
   std::vector<BodyPair<Real>> pairs;  // ascending
   std::vector<BodyPair<Real>> pairsBefore;
-  std::vector<IndexPair> pairIndices;  // the bodies of `pairs`, by their places in the world
-  std::vector<Member<Real>> members;   // of all bodies
+  std::vector<std::vector<BodyContact<Real>>> spareLists;  // of pairs that have parted
+  std::vector<IndexPair> pairIndices;                      // the bodies of `pairs`, by their places in the world
+  std::vector<Member<Real>> members;                       // of all bodies
   std::vector<Box> boxes;
-  std::vector<IndexPair> overlaps;
+  BroadPhase broadPhase;
   std::vector<Vector3d> safePlaces;
   Groups groups;
-  std::vector<std::uint32_t> groupOf;  // of each body, and its place in it
-  std::vector<std::uint32_t> placeOf;
-  std::vector<std::vector<Encounter<Real>>> encounters;  // of each group
+  std::vector<std::uint32_t> placeOf;       // of each body in its group
+  std::vector<Encounter<Real>> encounters;  // those of group g from encounterBegins[g] up to encounterBegins[g + 1]
+  std::vector<std::size_t> encounterBegins;
   std::vector<Outcome> outcomes;
   tbb::enumerable_thread_specific<Scratch<Real>> scratch;
 };
@@ -127,23 +131,41 @@ class World::Stepper {
   }
 
   void MeetAll() {
-    FindOverlaps(m_work.boxes, m_work.overlaps);
     m_work.pairs.swap(m_work.pairsBefore);
     m_work.pairs.clear();
     auto before = m_work.pairsBefore.begin();
-    for (const auto& [a, b] : m_work.overlaps) {
+    for (const auto& [a, b] : m_work.broadPhase.FindOverlaps(m_work.boxes)) {
       if (HasNoFaces(a) || HasNoFaces(b)) continue;
       BodyPair<Real> pair{m_world.m_bodies[a].id, m_world.m_bodies[b].id, {}};
-      while (before != m_work.pairsBefore.end() && ComesBefore(*before, pair)) ++before;
+      for (; before != m_work.pairsBefore.end() && ComesBefore(*before, pair); ++before) Recycle(*before);
       const bool known = before != m_work.pairsBefore.end() && !ComesBefore(pair, *before);
-      if (known) pair.sides = std::move(before->sides);
+      for (std::size_t side = 0; side < 2; ++side) {
+        pair.sides[side] = known ? std::move(before->sides[side]) : TakeSpareList();
+      }
+      if (known) ++before;
       m_work.pairs.push_back(std::move(pair));
       m_work.pairIndices.resize(m_work.pairs.size());
       m_work.pairIndices.back() = {a, b};
     }
+    for (; before != m_work.pairsBefore.end(); ++before) Recycle(*before);
     m_work.pairIndices.resize(m_work.pairs.size());
     m_threads.ForEach(m_work.pairs.size(), [this](std::size_t i) { Meet(i); });
     DropPairsApart();
+  }
+
+  void Recycle(BodyPair<Real>& pair) {
+    for (auto& side : pair.sides) m_work.spareLists.push_back(std::move(side));
+  }
+
+  std::vector<BodyContact<Real>> TakeSpareList() {
+    std::vector<BodyContact<Real>> list;
+    if (!m_work.spareLists.empty()) {
+      list = std::move(m_work.spareLists.back());
+      m_work.spareLists.pop_back();
+    }
+    list.clear();
+    list.reserve(kLikelyContacts);
+    return list;
   }
 
   bool HasNoFaces(std::uint32_t body) const { return m_work.members[body].blueprint->full.faces.empty(); }
@@ -170,7 +192,10 @@ class World::Stepper {
   void DropPairsApart() {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < m_work.pairs.size(); ++i) {
-      if (m_work.pairs[i].sides[0].empty() && m_work.pairs[i].sides[1].empty()) continue;
+      if (m_work.pairs[i].sides[0].empty() && m_work.pairs[i].sides[1].empty()) {
+        Recycle(m_work.pairs[i]);
+        continue;
+      }
       if (kept != i) {
         m_work.pairs[kept] = std::move(m_work.pairs[i]);
         m_work.pairIndices[kept] = m_work.pairIndices[i];
@@ -183,35 +208,49 @@ class World::Stepper {
 
   void FindAllGroups() {
     const std::size_t count = m_world.m_bodies.size();
-    FindGroups(count, m_work.pairIndices, m_work.groups);
-    m_work.groupOf.resize(count);
+    m_work.groups.Find(count, m_work.pairIndices);
     m_work.placeOf.resize(count);
     for (std::uint32_t group = 0; group < m_work.groups.Count(); ++group) {
       const auto members = m_work.groups.MembersOf(group);
-      for (std::uint32_t place = 0; place < members.size(); ++place) {
-        m_work.groupOf[members[place]] = group;
-        m_work.placeOf[members[place]] = place;
-      }
+      for (std::uint32_t place = 0; place < members.size(); ++place) m_work.placeOf[members[place]] = place;
     }
-    if (m_work.encounters.size() < m_work.groups.Count()) m_work.encounters.resize(m_work.groups.Count());
-    for (auto& encounters : m_work.encounters) encounters.clear();
-    for (std::size_t i = 0; i < m_work.pairs.size(); ++i) {
+    FindEncounters();
+  }
+
+  // Pairs by group, in their order.
+  void FindEncounters() {
+    std::vector<std::size_t>& begins = m_work.encounterBegins;
+    begins.assign(m_work.groups.Count() + 1, 0);
+    const auto groupOf = [this](std::size_t pair) { return m_work.groups.GroupOf(m_work.pairIndices[pair][0]); };
+    for (std::size_t i = 0; i < m_work.pairs.size(); ++i) ++begins[groupOf(i) + 1U];
+    for (std::size_t group = 0; group + 1 < begins.size(); ++group) begins[group + 1] += begins[group];
+    m_work.encounters.resize(m_work.pairs.size());
+    for (std::size_t i = m_work.pairs.size(); i-- > 0;) {
       const auto [a, b] = m_work.pairIndices[i];
       const auto& ofA = m_work.members[a].blueprint->template Read<Real>().contact;
       const auto& ofB = m_work.members[b].blueprint->template Read<Real>().contact;
-      m_work.encounters[m_work.groupOf[a]].push_back({{m_work.placeOf[a], m_work.placeOf[b]},
+      m_work.encounters[--begins[groupOf(i) + 1U]] = {{m_work.placeOf[a], m_work.placeOf[b]},
                                                       Combine(ofA, ofB),
-                                                      {&m_work.pairs[i].sides[0], &m_work.pairs[i].sides[1]}});
+                                                      {&m_work.pairs[i].sides[0], &m_work.pairs[i].sides[1]}};
     }
+    // Each group's end has been counted down to its begin: one step to the left, and they are begins again.
+    begins.erase(begins.begin());
+    begins.push_back(m_work.pairs.size());
   }
 
   void StepAll() {
-    m_threads.ForEach(m_work.groups.Count(), [this](std::size_t group) {
+    std::size_t vertices = 0;
+    for (const Member<Real>& member : m_work.members) vertices += member.state->positions.size();
+    m_threads.ForEach(m_work.groups.Count(), [this, vertices](std::size_t group) {
       Scratch<Real>& scratch = m_work.scratch.local();
+      scratch.group.Reserve(vertices, m_work.members.size());
+      scratch.members.reserve(m_work.members.size());
       const auto bodies = m_work.groups.MembersOf(group);
       scratch.members.clear();
       for (const std::uint32_t body : bodies) scratch.members.push_back(&m_work.members[body]);
-      const std::span<const Encounter<Real>> encounters = m_work.encounters[group];
+      const std::size_t begin = m_work.encounterBegins[group];
+      const auto encounters =
+          std::span<const Encounter<Real>>(m_work.encounters).subspan(begin, m_work.encounterBegins[group + 1] - begin);
       const int substeps = StepGroup<Real>(scratch.members, encounters, m_world.m_settings.tickDuration, scratch.group);
       for (const std::uint32_t body : bodies) Finish(body, substeps);
       for (const Encounter<Real>& encounter : encounters) Finish(encounter, bodies);

@@ -32,18 +32,19 @@ std::vector<Box> MakeBoxes(unsigned seed, std::size_t count, double spread, doub
   return boxes;
 }
 
-class BroadPhase : public testing::TestWithParam<unsigned> {};
+class BroadPhaseOfBoxes : public testing::TestWithParam<unsigned> {};
 
-TEST_P(BroadPhase, FindsWhatComparingAllFinds) {
+TEST_P(BroadPhaseOfBoxes, FindsWhatComparingAllFinds) {
   std::vector<Box> boxes = MakeBoxes(GetParam(), 300, 12, 1);
-  std::vector<IndexPair> pairs;
-  FindOverlaps(boxes, pairs);
+  BroadPhase broadPhase;
+  const auto found = broadPhase.FindOverlaps(boxes);
+  const std::vector<IndexPair> pairs(found.begin(), found.end());
   EXPECT_EQ(pairs, FindAllPairs(boxes));
   EXPECT_GT(pairs.size(), 50U);
 }
 
 // Few large ones among many small, some far from the origin, and some that no cell can hold.
-TEST_P(BroadPhase, FindsThemWhateverTheirSizesAndPlaces) {
+TEST_P(BroadPhaseOfBoxes, FindsThemWhateverTheirSizesAndPlaces) {
   std::vector<Box> boxes = MakeBoxes(GetParam(), 200, 10, 0.5);
   const std::vector<Box> large = MakeBoxes(GetParam() + 100, 3, 10, 30);
   boxes.insert(boxes.end(), large.begin(), large.end());
@@ -51,17 +52,18 @@ TEST_P(BroadPhase, FindsThemWhateverTheirSizesAndPlaces) {
     boxes[i].low.x() += 1e9;
     boxes[i].high.x() += 1e9;
   }
-  std::vector<IndexPair> pairs;
-  FindOverlaps(boxes, pairs);
+  BroadPhase broadPhase;
+  const auto found = broadPhase.FindOverlaps(boxes);
+  const std::vector<IndexPair> pairs(found.begin(), found.end());
   EXPECT_EQ(pairs, FindAllPairs(boxes));
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, BroadPhase, testing::Values(1U, 2U, 3U, 4U));
+INSTANTIATE_TEST_SUITE_P(Seeds, BroadPhaseOfBoxes, testing::Values(1U, 2U, 3U, 4U));
 
 TEST(Groups, AreWhatPairsConnect) {
   const std::vector<IndexPair> pairs{{1, 4}, {2, 3}, {4, 6}};
   Groups groups;
-  FindGroups(7, pairs, groups);
+  groups.Find(7, pairs);
   ASSERT_EQ(groups.Count(), 4U);
   const auto membersOf = [&groups](std::size_t group) {
     const auto members = groups.MembersOf(group);
@@ -75,7 +77,7 @@ TEST(Groups, AreWhatPairsConnect) {
 
 TEST(Groups, OfNobodyAreNone) {
   Groups groups;
-  FindGroups(0, {}, groups);
+  groups.Find(0, {});
   EXPECT_EQ(groups.Count(), 0U);
 }
 
