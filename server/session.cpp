@@ -14,7 +14,8 @@ MessageEffect Drop(Session& session, DropReason reason, double now,
     session.badWindowBegin = now;
     session.badInWindow = 0;
   }
-  ++session.badInWindow;
+  // A server that stood still finds the inputs of that time ahead of its own: nobody's fault, so not held against him.
+  if (reason != DropReason::kFutureInput) ++session.badInWindow;
   MessageEffect effect;
   effect.dropped = reason;
   effect.parsed = parsed;

@@ -132,6 +132,17 @@ TEST(Session, OneFutureFrameDropsTheWholeMessage) {
   EXPECT_EQ(TakeControl(session, 101, 6).moveX, 0);
 }
 
+// When the server has stood still for seconds, what it then reads is ahead of its own time.
+TEST(Session, InputsAheadOfAServerThatPausedAreNotHeldAgainstHim) {
+  Session session = MakeSession(State::kPlaying);
+  for (std::uint32_t i = 0; i < 150; ++i) {
+    const InputFrame frame(300 + i, 1, 0, 0);
+    EXPECT_EQ(TakeMessage(session, Channel::kInput, protocol::MakeInput({&frame, 1}, 0, 0), 100, 20).dropped,
+              DropReason::kFutureInput);
+  }
+  EXPECT_FALSE(FindTimeout(session, 20));
+}
+
 TEST(Session, AFloodOfGarbageEndsIt) {
   Session session = MakeSession(State::kPlaying);
   for (unsigned i = 0; i < protocol::kMaxBadMessagesPerSecond; ++i) {
