@@ -28,7 +28,19 @@ Coefficients<float> ToSingle(const Coefficients<double>& full) {
   single.ambientPressure = static_cast<float>(full.ambientPressure);
   single.floorVolume = static_cast<float>(full.floorVolume);
   single.contact = ToSingle(full.contact);
+  single.contactShares.assign(full.contactShares.begin(), full.contactShares.end());
   return single;
+}
+
+// A body without faces has no surface to share: each vertex stands for itself.
+void FindContactShares(Blueprint& blueprint) {
+  Coefficients<double>& full = blueprint.full;
+  full.contactShares.assign(full.masses.size(), 1);
+  double heaviest = 0;
+  for (const std::uint16_t vertex : blueprint.topology.vertices) heaviest = std::max(heaviest, full.masses[vertex]);
+  for (const std::uint16_t vertex : blueprint.topology.vertices) {
+    full.contactShares[vertex] = full.masses[vertex] / heaviest;
+  }
 }
 
 }  // namespace
@@ -66,8 +78,9 @@ void FinishBlueprint(Blueprint& blueprint) {
   blueprint.size = std::sqrt(squares / static_cast<double>(blueprint.rest.size()));
   blueprint.restVolume = full.faces.empty() ? 0 : ComputeVolume<double>(full.faces, blueprint.rest);
   full.floorVolume = kFloorVolumeShare * blueprint.restVolume;
-  blueprint.single = ToSingle(full);
   blueprint.topology = MakeTopology(full.faces, blueprint.rest.size());
+  FindContactShares(blueprint);
+  blueprint.single = ToSingle(full);
   FindBodyStability(blueprint);
 }
 

@@ -183,7 +183,8 @@ void AddBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Re
     const Real strength = std::sqrt(pull.dot(pull));
     if (strength > limit) pull *= limit / strength;
 
-    const Vector3<Real> force = normalForce * at.normal - pull;
+    const Real share = meeting.shares[contact.vertex];
+    const Vector3<Real> force = share * (normalForce * at.normal - pull);
     forces[contact.vertex] += force;
     // ∇wᵢ = n × (side opposite to corner i) / 2A, so −d (F·∇wᵢ) with F = −pull is d pull·(n × side)/2A.
     // On a face that is lower than the contact is deep they would exceed the friction itself and ring with the thin
@@ -193,7 +194,7 @@ void AddBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Re
       sides[i] = meeting.shell.x[face[(i + 2) % 3]] - meeting.shell.x[face[(i + 1) % 3]];
     const Real longest = std::sqrt(std::max({sides[0].squaredNorm(), sides[1].squaredNorm(), sides[2].squaredNorm()}));
     const Real lever = std::min(depth / at.doubleArea, Real(1) / longest);
-    const Vector3<Real> turned = pull.cross(at.normal) * lever;
+    const Vector3<Real> turned = pull.cross(at.normal) * (share * lever);
     for (std::size_t i = 0; i < 3; ++i) {
       shellForces[face[i]] += turned.dot(sides[i]) * at.normal - at.weights[static_cast<Eigen::Index>(i)] * force;
     }
@@ -235,12 +236,13 @@ int AddContactLoads(const ContactParameters<Real>& parameters, const Meeting<Rea
     const double depth = PredictDepth(-double{at.distance}, approach, duration);
     if (depth <= 0) continue;
     const auto reached = static_cast<Real>(depth);
+    const Real ofAll = meeting.shares[contact.vertex];
     const Real stiffness = std::max(ComputePenaltySlope(parameters, reached), parameters.stickStiffness);
     const Real damping =
         std::max(parameters.damping * ComputeDampingShare(parameters, reached), parameters.stickDamping);
-    const auto add = [&](VertexLoad& load, Real share) {
-      load.stiffness += 2 * double{share * stiffness};
-      load.damping += 2 * double{share * damping};
+    const auto add = [&](VertexLoad& load, Real weight) {
+      load.stiffness += 2 * double{ofAll * weight * stiffness};
+      load.damping += 2 * double{ofAll * weight * damping};
     };
     add(loads[contact.vertex], Real(1));
     const Face& face = meeting.shell.faces[contact.face];

@@ -43,7 +43,8 @@ template <class Real>
 struct Meeting {
   std::span<const Vector3<Real>> x;  // of the vertices' body, in its own local coordinates
   std::span<const Vector3<Real>> v;
-  Shell<Real> shell;  // of the faces' body, in that one's coordinates
+  std::span<const Real> shares;  // Coefficients::contactShares of the same
+  Shell<Real> shell;             // of the faces' body, in that one's coordinates
   std::span<const Vector3<Real>> shellV;
   Vector3<Real> shift = Vector3<Real>::Zero();  // from the former to the latter
 };

@@ -86,9 +86,9 @@ void FindContacts(std::span<const Surface<Real>> surfaces, const Bounds<Real>& b
 }
 
 template <class Real>
-void AddContacts(const ContactParameters<Real>& parameters, std::span<const Surface<Real>> surfaces,
-                 std::span<const Contact<Real>> contacts, std::span<const Vector3<Real>> x,
-                 std::span<const Vector3<Real>> v, std::span<Vector3<Real>> forces) {
+void AddContacts(const ContactParameters<Real>& parameters, std::span<const Real> shares,
+                 std::span<const Surface<Real>> surfaces, std::span<const Contact<Real>> contacts,
+                 std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, std::span<Vector3<Real>> forces) {
   for (const Contact<Real>& contact : contacts) {
     const Surface<Real>& surface = surfaces[contact.surface];
     const SurfacePoint<Real> point = FindSurfacePoint(surface, x[contact.vertex]);
@@ -106,7 +106,7 @@ void AddContacts(const ContactParameters<Real>& parameters, std::span<const Surf
     const Real limit = parameters.friction * surface.friction * normalForce;
     const Real strength = std::sqrt(pull.dot(pull));
     if (strength > limit) pull *= limit / strength;
-    forces[contact.vertex] += normalForce * point.normal - pull;
+    forces[contact.vertex] += shares[contact.vertex] * (normalForce * point.normal - pull);
   }
 }
 
@@ -138,9 +138,10 @@ void UpdateAnchors(const ContactParameters<Real>& parameters, std::span<const Su
   template void FindContacts<Real>(std::span<const Surface<Real>>, const Bounds<Real>&,                  \
                                    std::span<const Vector3<Real>>, std::span<const Vector3<Real>>, Real, \
                                    std::vector<Contact<Real>>&, std::vector<Contact<Real>>&);            \
-  template void AddContacts<Real>(const ContactParameters<Real>&, std::span<const Surface<Real>>,        \
-                                  std::span<const Contact<Real>>, std::span<const Vector3<Real>>,        \
-                                  std::span<const Vector3<Real>>, std::span<Vector3<Real>>);             \
+  template void AddContacts<Real>(const ContactParameters<Real>&, std::span<const Real>,                 \
+                                  std::span<const Surface<Real>>, std::span<const Contact<Real>>,        \
+                                  std::span<const Vector3<Real>>, std::span<const Vector3<Real>>,        \
+                                  std::span<Vector3<Real>>);                                             \
   template void UpdateAnchors<Real>(const ContactParameters<Real>&, std::span<const Surface<Real>>,      \
                                     std::span<Contact<Real>>, std::span<const Vector3<Real>>);
 WOBBLE_INSTANTIATE(float)

@@ -35,10 +35,11 @@ void FindContacts(std::span<const Surface<Real>> surfaces, const Bounds<Real>& b
                   std::span<const Vector3<Real>> v, Real duration, std::vector<Contact<Real>>& contacts,
                   std::vector<Contact<Real>>& scratch);
 
+// shares: Coefficients::contactShares.
 template <class Real>
-void AddContacts(const ContactParameters<Real>& parameters, std::span<const Surface<Real>> surfaces,
-                 std::span<const Contact<Real>> contacts, std::span<const Vector3<Real>> x,
-                 std::span<const Vector3<Real>> v, std::span<Vector3<Real>> forces);
+void AddContacts(const ContactParameters<Real>& parameters, std::span<const Real> shares,
+                 std::span<const Surface<Real>> surfaces, std::span<const Contact<Real>> contacts,
+                 std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, std::span<Vector3<Real>> forces);
 
 // After a substep: sets, drags and drops anchors.
 template <class Real>

@@ -55,7 +55,7 @@ void ComputeForces(const Coefficients<Real>& body, const Load<Real>& load, std::
   for (Vector3<Real>& force : forces) force.setZero();
   AddSprings<Real>(body.springs, load.stiffnessFactor, x, v, forces);
   if (body.gas > Real(0)) AddGas<Real>(body, load.gasFactor, x, forces);
-  AddContacts<Real>(body.contact, surfaces, contacts, x, v, forces);
+  AddContacts<Real>(body.contact, body.contactShares, surfaces, contacts, x, v, forces);
 }
 
 template <class Real>

@@ -146,6 +146,7 @@ Meeting<Real> MakeMeeting(const Member<Real>& ofVertices, std::span<const Vector
   const Vector3d shift = ofVertices.state->origin - ofFaces.state->origin;
   return {x,
           v,
+          ofVertices.blueprint->template Read<Real>().contactShares,
           {ofFaces.blueprint->template Read<Real>().faces, &ofFaces.blueprint->topology, shellX},
           shellV,
           shift.cast<Real>()};

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "server/physics/ball.h"
+#include "server/physics/lattice.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 
@@ -87,10 +88,11 @@ struct Touching {
   std::vector<Vector3d> shellX{{0, 0, 0}, {1, 0, 0.1}, {0, 1, -0.1}, {1, 1, 0}};
   std::vector<Vector3d> shellV{{0.1, 0, 0.2}, {0, 0.3, 0}, {-0.1, 0, 0}, {0, 0, 0}};
   std::vector<Face> faces{{0, 1, 2}, {2, 1, 3}};
+  std::vector<double> shares{0.5};
   Topology topology = MakeTopology(faces, 4);
   std::vector<BodyContact<double>> contacts{{.vertex = 0, .face = 0, .armed = true, .touching = true, .maxDepth = 1}};
 
-  Meeting<double> Meet() const { return {x, v, {faces, &topology, shellX}, shellV, Vector3d(0, 0, -0.003)}; }
+  Meeting<double> Meet() const { return {x, v, shares, {faces, &topology, shellX}, shellV, Vector3d(0, 0, -0.003)}; }
 };
 
 ContactParameters<double> MakeParameters(double friction) {
@@ -130,8 +132,9 @@ TEST(BodyContact, NormalForceIsTheGradientOfAPotential) {
     const Meeting<double> meeting = touching.Meet();
     const double depth = -FindFacePoint<double>(meeting.shell, 0, touching.x[0] + meeting.shift).distance;
     const double delta = parameters.fadeDepth;
-    return depth < delta ? parameters.stiffness * depth * depth * depth / (6 * delta)
-                         : parameters.stiffness * (depth * depth / 2 - depth * delta / 2 + delta * delta / 6);
+    return touching.shares[0] *
+           (depth < delta ? parameters.stiffness * depth * depth * depth / (6 * delta)
+                          : parameters.stiffness * (depth * depth / 2 - depth * delta / 2 + delta * delta / 6));
   };
   std::vector<Vector3d> force(1, Vector3d::Zero());
   std::vector<Vector3d> shellForces(4, Vector3d::Zero());
@@ -279,6 +282,28 @@ TEST(BodyContact, APileComesToRest) {
       const double apart = (world.FindCentre(other) - centre).norm();
       EXPECT_TRUE(other.id == body.id || apart > 0.6) << body.id << " " << other.id << " " << apart;
     }
+  }
+}
+
+// Their vertices lie over one another, corner over corner: what stands there must neither slide nor sink nor dance.
+TEST(BodyContact, AStackOfSlabsStands) {
+  World world(WorldSettings{});
+  LatticeDefinition slab;
+  slab.cells = {3, 3, 2};
+  slab.cellSize = 0.3;
+  slab.youngModulus = 31400;
+  world.AddBlueprint(MakeLattice(slab));
+  world.AddObstacle(Obstacle{});
+  for (int i = 0; i < 3; ++i) world.AddBody(0, Vector3d(0, 0, 0.31 + 0.61 * i));
+  for (int i = 0; i < 5 * 60; ++i) {
+    const StepReport report = world.Step();
+    ASSERT_EQ(report.nonFinite, 0U);
+  }
+  for (const Body& body : world.Bodies()) {
+    const Vector3d centre = world.FindCentre(body);
+    EXPECT_LT(centre.head<2>().norm(), 0.01);
+    EXPECT_NEAR(centre.z(), 0.3 + 0.6 * (body.id - 1), 0.05);
+    EXPECT_LT(FindMeanVelocity(world.BlueprintOf(body), std::get<State<float>>(body.state)).norm(), 0.05);
   }
 }
 

@@ -119,6 +119,7 @@ Slide MeasureSlide(double slopeDegrees, double friction, double seconds) {
   Coefficients<double> body;
   body.masses = {0.1};
   body.inverseMasses = {10};
+  body.contactShares = {1};
   body.contact = MakeContactParameters(material, 0.1, 1);
   const double angle = slopeDegrees * 3.14159265358979 / 180;
   Load<double> load;
