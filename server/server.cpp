@@ -162,7 +162,7 @@ void Server::Join(Session& session) {
   session.clientId = m_nextClientId++;
   if (!session.spectator) {
     session.body = m_world.AddBody(static_cast<std::uint8_t>(m_scene.player.blueprint),
-                                   scenes::FindSpawn(m_scene.player, session.clientId));
+                                   scenes::FindFreeSpawn(m_scene.player, session.clientId, m_world));
   }
   ++m_counts.joins;
   m_counts.clientsPeak = std::max(m_counts.clientsPeak, CountPlaying());
@@ -244,7 +244,7 @@ void Server::RespawnFallen() {
   }
   for (const auto& [connection, session] : m_sessions) {
     if (session.body != 0 && hasFallen(session.body)) {
-      Respawn(session.body, scenes::FindSpawn(m_scene.player, session.clientId));
+      Respawn(session.body, scenes::FindFreeSpawn(m_scene.player, session.clientId, m_world));
     }
   }
 }

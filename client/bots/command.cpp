@@ -17,6 +17,7 @@ std::string FindScript(const std::string& name) {
   const auto shipped = tool::FindProgramFolder() / "scripts" / name;
   std::error_code error;
   const bool bare = name.find('/') == std::string::npos;
+  if (bare && !name.ends_with(".lua") && !std::filesystem::exists(name, error)) return FindScript(name + ".lua");
   return bare && !std::filesystem::exists(name, error) && std::filesystem::exists(shipped, error) ? shipped.string()
                                                                                                   : name;
 }

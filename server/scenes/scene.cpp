@@ -54,6 +54,31 @@ Vector3d FindSpawn(const PlayerRules& player, std::uint32_t index) {
   return player.spawn + player.spawnRadius * Vector3d(std::cos(angle), std::sin(angle), 0);
 }
 
+Vector3d FindFreeSpawn(const PlayerRules& player, std::uint32_t index, const physics::World& world) {
+  constexpr std::uint32_t kPlacesALayer = 16;
+  constexpr int kLayers = 16;
+  const double reach = world.Blueprints()[player.blueprint].reach;
+  std::vector<Vector3d> centres;
+  std::vector<double> reaches;
+  for (const physics::Body& body : world.Bodies()) {
+    centres.push_back(world.FindCentre(body));
+    reaches.push_back(world.BlueprintOf(body).reach);
+  }
+  const auto isFree = [&](const Vector3d& place) {
+    for (std::size_t i = 0; i < centres.size(); ++i) {
+      if ((centres[i] - place).norm() < reach + reaches[i]) return false;
+    }
+    return true;
+  };
+  for (int layer = 0; layer < kLayers; ++layer) {
+    for (std::uint32_t next = 0; next < kPlacesALayer; ++next) {
+      const Vector3d place = FindSpawn(player, index + next) + Vector3d(0, 0, 2.1 * reach * layer);
+      if (isFree(place)) return place;
+    }
+  }
+  return FindSpawn(player, index);
+}
+
 std::size_t CountBodies(const Scene& scene) {
   std::size_t bodies = 0;
   for (const BodyGroup& group : scene.groups) {

@@ -229,5 +229,21 @@ TEST(SceneLimits, WhatTheProtocolCannotCarryIsRefusedWithBothNumbers) {
                           "--client-kbit 1: must be 32 to 100000"));
 }
 
+// A crowd that joins at once, on a circle that has room for few of them.
+TEST(Spawn, NobodyIsPutIntoAnother) {
+  physics::World world(physics::WorldSettings{});
+  world.AddBlueprint(physics::MakeBall(physics::BallDefinition{}));
+  PlayerRules rules;
+  rules.spawnRadius = 3;
+  for (std::uint32_t i = 1; i <= 100; ++i) world.AddBody(0, FindFreeSpawn(rules, i, world));
+  for (const physics::Body& one : world.Bodies()) {
+    for (const physics::Body& other : world.Bodies()) {
+      if (one.id < other.id) {
+        EXPECT_GT((world.FindCentre(one) - world.FindCentre(other)).norm(), 1);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace wobble::scenes
