@@ -19,6 +19,7 @@
 #include "client/bots/script.h"
 #include "client/bots/status.h"
 #include "client/link/relay_loop.h"
+#include "client/tool/clock.h"
 #include "client/tool/exit_codes.h"
 #include "client/tool/sockets.h"
 #include "protocol/transport/enet_transport.h"
@@ -33,12 +34,8 @@ constexpr double kRoundHz = kBotHz * kParts;
 // Longer than a client takes to give up on the answer to its goodbye, seconds.
 constexpr double kGoodbyePatience = 1.5;
 
-double ReadClock() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 void SleepUntil(double time) {
-  const double seconds = time - ReadClock();
+  const double seconds = time - tool::ReadClock();
   if (seconds > 0) std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
@@ -69,7 +66,7 @@ bool StartLink(const LoadTestOptions& options, std::unique_ptr<link::RelayThread
 
 // Returns true when it was stopped from outside.
 bool RunRounds(Runner& runner, const LoadTestOptions& options, Status& status, const std::function<bool()>& stopAsked) {
-  const double begin = ReadClock();
+  const double begin = tool::ReadClock();
   double due = 0;
   double now = 0;
   bool stopped = false;
@@ -82,13 +79,13 @@ bool RunRounds(Runner& runner, const LoadTestOptions& options, Status& status, c
     if (stopped || runner.HaveAllEnded() || runner.IsHopeless(now) || runner.HaveAllScriptsFailed()) break;
     due += (1 + std::floor(late * kRoundHz)) / kRoundHz;
     SleepUntil(begin + due);
-    now = ReadClock() - begin;
+    now = tool::ReadClock() - begin;
   }
   runner.Leave(now);
   for (const double end = now + kGoodbyePatience; now < end && !runner.HaveAllEnded();) {
     runner.RunRound(now, 0);
     SleepUntil(begin + now + 1 / kBotHz);
-    now = ReadClock() - begin;
+    now = tool::ReadClock() - begin;
   }
   return stopped;
 }
@@ -168,7 +165,7 @@ int RunLoadTest(const LoadTestOptions& options, const std::function<bool()>& sto
     if (relay != nullptr) return transport::EnetTransport::Connect("127.0.0.1", relay->ReadPort(), reason);
     return transport::EnetTransport::Connect(options.server.host, options.server.port, reason);
   };
-  Runner runner(options, script, connect, &ReadClock, [&status](std::string_view line) {
+  Runner runner(options, script, connect, &tool::ReadClock, [&status](std::string_view line) {
     status.Close();
     Complain(line);
   });

@@ -30,14 +30,6 @@ constexpr int kHookInterval = 1000;
 // Bytes handed out that count as an instruction.
 constexpr std::int64_t kBytesPerInstruction = 64;
 
-// SplitMix64 (Steele, Lea, Flood 2014): eight bytes of state a bot, and neighbouring seeds are unrelated.
-std::uint64_t Advance(std::uint64_t& state) {
-  std::uint64_t z = state += 0x9e3779b97f4a7c15U;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
-  return z ^ (z >> 31);
-}
-
 void Forget(lua_State* lua, const char* name) {
   lua_pushnil(lua);
   lua_setfield(lua, -2, name);
@@ -69,9 +61,8 @@ LuaSandbox::~LuaSandbox() {
 }
 
 LuaSandbox::Caller LuaSandbox::MakeCaller(unsigned number) const {
-  std::uint64_t mixed = m_seed;
-  mixed = Advance(mixed) + number;
-  return {number, Advance(mixed)};
+  protocol::Random mixed(protocol::Random(m_seed).Next() + number);
+  return {number, protocol::Random(mixed.Next())};
 }
 
 void LuaSandbox::BeginCall(Caller& caller) {
@@ -201,7 +192,7 @@ int LuaSandbox::AnswerRandom(lua_State* lua) {
   }
   luaL_argcheck(lua, count == 0 || low <= high, first + count - 1, "interval is empty");
 
-  const std::uint64_t bits = Advance(Of(lua).m_caller->random);
+  const std::uint64_t bits = Of(lua).m_caller->random.Next();
   if (count == 0) {
     lua_pushnumber(lua, static_cast<double>(bits >> 11) * 0x1p-53);  // [0, 1)
     return 1;

@@ -7,6 +7,8 @@
 #include <functional>
 #include <string_view>
 
+#include "protocol/random.h"
+
 struct lua_Debug;
 struct lua_State;
 
@@ -23,7 +25,7 @@ class LuaSandbox {
   // Whose call it is: print and math.random answer for him. number 0: nobody's, the script is being loaded.
   struct Caller {
     unsigned number = 0;
-    std::uint64_t random = 0;  // the generator's state; MakeCaller sets it
+    protocol::Random random{0};  // MakeCaller seeds it
   };
   using Log = std::function<void(unsigned caller, std::string_view text)>;
 

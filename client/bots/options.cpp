@@ -6,6 +6,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "client/tool/clock.h"
+
 namespace wobble::bots {
 namespace {
 
@@ -36,7 +38,7 @@ std::optional<double> ParseDuration(const std::string& text, std::string& error)
   double value = 0;
   const auto [end, result] = std::from_chars(number.data(), number.data() + number.size(), value);
   const bool isNumber = result == std::errc{} && end == number.data() + number.size();
-  if (isNumber && value >= 0 && value * unit <= kMaxDuration) return value * unit;
+  if (isNumber && value >= 0 && value * unit <= tool::kMaxDuration) return value * unit;
   error = "'" + text + "' is no duration; write 90 or 90s, 500ms, 1.5m or 2h, of 0 to 1000000 s";
   return std::nullopt;
 }

@@ -25,10 +25,9 @@ struct DecodeShare {
 [[nodiscard]] std::optional<DecodeShare> ParseDecodeShare(const std::string& text, std::string& error);
 
 inline constexpr unsigned kMaxBots = 10'000;
-inline constexpr double kMaxDuration = 1e6;  // seconds, eleven days
 
-// A number with ms, s, m or h behind it, or bare for seconds, of 0 to kMaxDuration. Seconds; nullopt with one line in
-// `error`.
+// A number with ms, s, m or h behind it, or bare for seconds, of 0 to tool::kMaxDuration. Seconds; nullopt with one
+// line in `error`.
 [[nodiscard]] std::optional<double> ParseDuration(const std::string& text, std::string& error);
 
 // For so long, the number of bots goes linearly from what it was to this.

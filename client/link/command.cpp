@@ -10,12 +10,11 @@
 
 #include "client/link/relay_loop.h"
 #include "client/tool/address.h"
+#include "client/tool/clock.h"
 #include "client/tool/sockets.h"
 
 namespace wobble::link {
 namespace {
-
-constexpr double kMaxDuration = 1e6;  // seconds, eleven days
 
 // What the command line says.
 struct Words {
@@ -38,10 +37,10 @@ CLI::App* AddWords(CLI::App& app, Words& words) {
   command->add_option("--to", words.server, "The server")->type_name("HOST:PORT REQUIRED");
   command->add_option("--seed", words.seed, "Of all that happens by chance")->capture_default_str();
   command->add_option("--for", words.duration, "Seconds to run; 0: until Ctrl-C")
-      ->check(tool::Within(0, kMaxDuration))
+      ->check(tool::Within(0, tool::kMaxDuration))
       ->capture_default_str();
   command->add_option("--status", words.statusEvery, "Seconds between status lines, 0: none (1 on a terminal, else 0)")
-      ->check(tool::Within(0, kMaxDuration));
+      ->check(tool::Within(0, tool::kMaxDuration));
   command->footer(
       "CONDITIONS hold in each direction by itself, separated by commas, all optional:\n"
       "  loss=5%             share of datagrams that never arrive\n"

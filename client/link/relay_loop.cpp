@@ -8,15 +8,13 @@
 #include <chrono>
 #include <cstdio>
 
+#include "client/tool/clock.h"
+
 namespace wobble::link {
 namespace {
 
 constexpr double kLongestWait = 0.05;     // seconds, until isDone is asked again
 constexpr double kShortestTurn = 0.0002;  // seconds; what it adds to a datagram's lateness at most
-
-double ReadClock() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 std::string DescribeDirection(const transport::RelayDirectionCounts& counts) {
   const auto show = [](std::uint64_t value) { return static_cast<unsigned long long>(value); };
@@ -32,14 +30,14 @@ std::string DescribeDirection(const transport::RelayDirectionCounts& counts) {
 }  // namespace
 
 void RunRelay(transport::Relay& relay, const std::function<bool(double now)>& isDone) {
-  const double begin = ReadClock();
+  const double begin = tool::ReadClock();
   for (;;) {
-    const double now = ReadClock();
+    const double now = tool::ReadClock();
     const bool isIdle = relay.Run(now);
     if (isDone(now - begin)) return;
     if (!isIdle) continue;
-    relay.Wait(std::min(kLongestWait, relay.NextDue() - ReadClock()));
-    const double early = now + kShortestTurn - ReadClock();
+    relay.Wait(std::min(kLongestWait, relay.NextDue() - tool::ReadClock()));
+    const double early = now + kShortestTurn - tool::ReadClock();
     if (early > 0) std::this_thread::sleep_for(std::chrono::duration<double>(early));
   }
 }

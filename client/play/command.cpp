@@ -4,6 +4,7 @@
 
 #include "client/bots/options.h"
 #include "client/play/play.h"
+#include "client/tool/clock.h"
 
 namespace wobble::play {
 
@@ -12,7 +13,7 @@ tool::Command DescribePlay(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("play", "Starts a server and some bots, shows how they do, and ends them together");
   command->add_option("--for", options->duration, "Seconds to run; 0: until Ctrl-C")
-      ->check(tool::Within(0, bots::kMaxDuration))
+      ->check(tool::Within(0, tool::kMaxDuration))
       ->capture_default_str();
   command->add_option("--port", options->port, "UDP port of the server")
       ->check(tool::Within(1, 65535))

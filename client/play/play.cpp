@@ -11,7 +11,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -21,6 +20,7 @@
 #include <vector>
 
 #include "client/play/child.h"
+#include "client/tool/clock.h"
 #include "client/tool/exit_codes.h"
 
 namespace wobble::play {
@@ -35,10 +35,6 @@ constexpr double kEndPatience = 5;
 constexpr double kStatusEvery = 1;
 // The children's own status lines of a second are given this long to arrive.
 constexpr double kStatusLag = 0.1;
-
-double ReadClock() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 // A folder for the children's summaries, gone with this object.
 class TemporaryFolder {
@@ -156,8 +152,8 @@ bool Play::StartBots() {
 
 // False when it did not get ready; without a failure noted when a stop was asked for meanwhile.
 bool Play::AwaitServer() {
-  const double begin = ReadClock();
-  while (!m_ready && m_server.IsRunning() && !m_stopAsked() && ReadClock() < begin + kStartPatience) {
+  const double begin = tool::ReadClock();
+  while (!m_ready && m_server.IsRunning() && !m_stopAsked() && tool::ReadClock() < begin + kStartPatience) {
     Update(begin + kStartPatience);
   }
   if (m_ready && m_server.IsRunning()) return true;
@@ -171,10 +167,10 @@ bool Play::AwaitServer() {
 }
 
 void Play::Watch() {
-  const double begin = ReadClock();
+  const double begin = tool::ReadClock();
   const double end = m_options.duration > 0 ? begin + m_options.duration : INFINITY;
   double nextStatus = begin + kStatusEvery + kStatusLag;
-  while (!m_stopAsked() && ReadClock() < end) {
+  while (!m_stopAsked() && tool::ReadClock() < end) {
     Update(std::min(nextStatus, end));
     if (!m_server.IsRunning()) {
       return Fail("the server ended early with exit code " + std::to_string(m_server.ExitCode().value_or(0)));
@@ -182,9 +178,9 @@ void Play::Watch() {
     if (m_options.bots > 0 && !m_bots.IsRunning()) {
       return Fail("the bots ended early with exit code " + std::to_string(m_bots.ExitCode().value_or(0)));
     }
-    if (ReadClock() < nextStatus) continue;
+    if (tool::ReadClock() < nextStatus) continue;
     nextStatus += kStatusEvery;
-    ShowStatus(end - ReadClock());
+    ShowStatus(end - tool::ReadClock());
   }
 }
 
@@ -192,13 +188,13 @@ void Play::Watch() {
 void Play::End(Child& child, const char* name) {
   if (!child.IsRunning()) return;
   child.Signal(SIGINT);
-  const double deadline = ReadClock() + kEndPatience;
-  while (child.IsRunning() && ReadClock() < deadline) Update(deadline);
+  const double deadline = tool::ReadClock() + kEndPatience;
+  while (child.IsRunning() && tool::ReadClock() < deadline) Update(deadline);
   if (child.IsRunning()) {
     Fail(std::string("the ") + name + " did not end within " + std::to_string(std::lround(kEndPatience)) +
          " s of being asked, and had to be killed");
     child.Signal(SIGKILL);
-    while (child.IsRunning()) Update(ReadClock() + 1);
+    while (child.IsRunning()) Update(tool::ReadClock() + 1);
     return;
   }
   // Stopped in its first moments, before it listened for the signal: an end as asked for.
@@ -213,7 +209,7 @@ void Play::End(Child& child, const char* name) {
 void Play::Update(double until) {
   pollfd descriptors[4];
   nfds_t count = 0;
-  double wait = until - ReadClock();
+  double wait = until - tool::ReadClock();
   for (const Child* child : {&m_server, &m_bots}) {
     for (const int descriptor : {child->OutputDescriptor(), child->ErrorsDescriptor()}) {
       if (descriptor >= 0) descriptors[count++] = {descriptor, POLLIN, 0};

@@ -4,12 +4,12 @@
 #include <memory>
 
 #include "client/terminal/watch.h"
+#include "client/tool/clock.h"
 #include "protocol/limits.h"
 
 namespace wobble::terminal {
 namespace {
 
-constexpr double kMaxDuration = 1e6;  // seconds, eleven days
 constexpr double kMaxFps = 60;
 
 // What the command line says before it is understood.
@@ -31,7 +31,7 @@ CLI::App* AddWords(CLI::App& app, WatchOptions& options, Words& words) {
       ->check(CLI::IsMember({"auto", "true", "256"}))
       ->capture_default_str();
   command->add_option("--for", options.duration, "Seconds to run; 0: until q")
-      ->check(tool::Within(0, kMaxDuration))
+      ->check(tool::Within(0, tool::kMaxDuration))
       ->capture_default_str();
   command->add_option("--capture", options.captureFile, "Where to write the last picture as SVG")->type_name("FILE");
   command->footer(

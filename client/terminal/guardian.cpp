@@ -18,13 +18,13 @@
 
 #include <atomic>
 #include <cerrno>
-#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <initializer_list>
 #include <optional>
 #include <string>
 
+#include "client/tool/clock.h"
 #include "client/tool/exit_codes.h"
 
 namespace wobble::terminal {
@@ -40,10 +40,6 @@ constexpr int kPaused = SIGUSR1;   // fork to guardian: the terminal is left
 // Seconds that the fork has to end once it was asked to; a client's goodbye takes a second at most.
 constexpr double kEndPatience = 3;
 constexpr std::size_t kMaxHeldBack = 64 * 1024;  // bytes of the fork's standard error
-
-double ReadClock() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 sigset_t MakeSet(std::initializer_list<int> signals) {
   sigset_t set;
@@ -101,7 +97,7 @@ int Guardian::Wait() {
       ReadErrors();
       return status;
     }
-    if (m_deadline && ReadClock() >= *m_deadline) kill(m_child, SIGKILL);
+    if (m_deadline && tool::ReadClock() >= *m_deadline) kill(m_child, SIGKILL);
     pollfd descriptors[]{{m_signals, POLLIN, 0}, {m_errors, POLLIN, 0}};
     static_cast<void>(poll(descriptors, m_errors >= 0 ? 2 : 1, m_deadline ? 100 : 1000));
     ReadErrors();
@@ -117,7 +113,7 @@ void Guardian::HandleSignals() {
       case SIGINT:
       case SIGHUP:
         kill(m_child, SIGTERM);
-        if (!m_deadline) m_deadline = ReadClock() + kEndPatience;
+        if (!m_deadline) m_deadline = tool::ReadClock() + kEndPatience;
         break;
       case SIGTSTP:
         kill(m_child, SIGTSTP);

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -27,6 +26,7 @@
 #include "client/terminal/renderer.h"
 #include "client/terminal/status.h"
 #include "client/terminal/terminal.h"
+#include "client/tool/clock.h"
 #include "client/tool/exit_codes.h"
 #include "protocol/transport/enet_transport.h"
 
@@ -41,10 +41,6 @@ constexpr double kGoodbyePatience = 1.5;  // s; a client takes a second at most
 constexpr double kRateEvery = 1;          // s over which the rate is measured
 constexpr double kSilence = 1.5;          // s without a snapshot that are worth a word
 constexpr double kFigureSmoothing = 0.1;
-
-double ReadClock() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 class Watch {
  public:
@@ -129,17 +125,17 @@ bool Watch::Connect() {
   client::Options options;
   options.name = m_options.name;
   options.spectator = m_options.spectate;
-  m_client = std::make_unique<client::Client>(std::move(transport), options, ReadClock());
+  m_client = std::make_unique<client::Client>(std::move(transport), options, tool::ReadClock());
   m_client->OnEvent([this](const client::Client::Event& event) { NoteEvent(event); });
   return true;
 }
 
 void Watch::Play() {
-  const double begin = ReadClock();
+  const double begin = tool::ReadClock();
   double nextUpdate = begin, nextFrame = begin;
   m_lastDrawn = m_rateFrom = begin;
   while (!m_gone && !m_controls.IsQuitAsked() && !m_isStopAsked() && !m_guard.IsAlone()) {
-    const double now = ReadClock();
+    const double now = tool::ReadClock();
     if (m_options.duration > 0 && now >= begin + m_options.duration) return;
     if (now >= nextUpdate) {
       m_client->Update(now);
@@ -167,10 +163,10 @@ void Watch::Play() {
 }
 
 void Watch::SayGoodbye() {
-  m_client->Leave(ReadClock());
-  const double end = ReadClock() + kGoodbyePatience;
-  while (m_client->ReadState() != client::State::kEnded && ReadClock() < end) {
-    m_client->Update(ReadClock());
+  m_client->Leave(tool::ReadClock());
+  const double end = tool::ReadClock() + kGoodbyePatience;
+  while (m_client->ReadState() != client::State::kEnded && tool::ReadClock() < end) {
+    m_client->Update(tool::ReadClock());
     static_cast<void>(poll(nullptr, 0, 10));
   }
 }
@@ -207,7 +203,7 @@ void Watch::NoteEvent(const client::Client::Event& event) {
 }
 
 void Watch::DrawFrame(double now) {
-  const double begin = ReadClock();
+  const double begin = tool::ReadClock();
   const Size size = m_terminal.ReadSize();
   if (size != Size{m_grid.columns, m_grid.rows}) m_encoder.Invalidate();
   m_grid.Resize(size.columns, size.rows);
@@ -279,7 +275,7 @@ void Watch::Send(double begin) {
   m_encoder.Encode(m_grid, kMaxFrameBytes, m_output);
   m_figures.frameKilobytes +=
       (static_cast<double>(m_output.size()) / 1000 - m_figures.frameKilobytes) * kFigureSmoothing;
-  m_figures.frameMs += ((ReadClock() - begin) * 1000 - m_figures.frameMs) * kFigureSmoothing;
+  m_figures.frameMs += ((tool::ReadClock() - begin) * 1000 - m_figures.frameMs) * kFigureSmoothing;
   if (!m_terminal.Write(m_output)) m_gone = true;
 }
 
@@ -293,7 +289,7 @@ void Watch::MeasureRate(double now) {
 
 // Until then, or a key, or the terminal takes more, or a signal.
 void Watch::Wait(double until) {
-  const double seconds = std::clamp(until - ReadClock(), 0.0, 1.0);
+  const double seconds = std::clamp(until - tool::ReadClock(), 0.0, 1.0);
   pollfd descriptor{m_terminal.Descriptor(), POLLIN, 0};
   if (!m_output.empty()) descriptor.events |= POLLOUT;
   const nfds_t count = m_guard.IsPaused() ? 0 : 1;

@@ -45,11 +45,6 @@ bool Pushes(const BodyContact<Real>& contact, const FacePoint<Real>& at) {
          at.weights.minCoeff() >= -static_cast<Real>(kMaxOverhang);
 }
 
-template <class Real>
-Vector3<Real> RemoveNormalPart(const Vector3<Real>& v, const Vector3<Real>& normal) {
-  return v - normal.dot(v) * normal;
-}
-
 // Nearest of the surface's vertices, as a place to begin the search from; kNoFace when it is farther than `within`.
 template <class Real>
 std::uint16_t FindStart(const Shell<Real>& shell, const Vector3<Real>& p, Real within) {
@@ -175,8 +170,7 @@ void AddBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Re
     const Face& face = meeting.shell.faces[at.face];
     const Vector3<Real> velocity = FindRelativeVelocity(meeting, contact.vertex, at);
     const Real rate = -at.normal.dot(velocity);
-    const Real normalForce = std::max(Real(0), ComputePenalty(parameters, depth) +
-                                                   parameters.damping * ComputeDampingShare(parameters, depth) * rate);
+    const Real normalForce = ComputeNormalForce(parameters, depth, rate);
     Vector3<Real> pull = parameters.stickDamping * RemoveNormalPart<Real>(velocity, at.normal);
     if (contact.touching) pull += parameters.stickStiffness * FindSlip(meeting, contact, p, at.normal);
     const Real limit = parameters.friction * normalForce;

@@ -19,11 +19,6 @@ bool ComesBefore(std::uint32_t surfaceA, std::uint32_t vertexA, std::uint32_t su
   return surfaceA != surfaceB ? surfaceA < surfaceB : vertexA < vertexB;
 }
 
-template <class Real>
-Vector3<Real> RemoveNormalPart(const Vector3<Real>& v, const Vector3<Real>& normal) {
-  return v - normal.dot(v) * normal;
-}
-
 }  // namespace
 
 ContactParameters<double> MakeContactParameters(const Material& material, double vertexMass, double size) {
@@ -62,6 +57,12 @@ Real ComputeDampingShare(const ContactParameters<Real>& parameters, Real depth) 
 }
 
 template <class Real>
+Real ComputeNormalForce(const ContactParameters<Real>& parameters, Real depth, Real rate) {
+  return std::max(
+      Real(0), ComputePenalty(parameters, depth) + parameters.damping * ComputeDampingShare(parameters, depth) * rate);
+}
+
+template <class Real>
 void FindContacts(std::span<const Surface<Real>> surfaces, const Bounds<Real>& bounds, std::span<const Vector3<Real>> x,
                   std::span<const Vector3<Real>> v, Real duration, std::vector<Contact<Real>>& contacts,
                   std::vector<Contact<Real>>& scratch) {
@@ -96,8 +97,7 @@ void AddContacts(const ContactParameters<Real>& parameters, std::span<const Real
     if (!(depth > Real(0))) continue;
     const Vector3<Real>& velocity = v[contact.vertex];
     const Real rate = -point.normal.dot(velocity);
-    const Real normalForce = std::max(Real(0), ComputePenalty(parameters, depth) +
-                                                   parameters.damping * ComputeDampingShare(parameters, depth) * rate);
+    const Real normalForce = ComputeNormalForce(parameters, depth, rate);
     Vector3<Real> pull = parameters.stickDamping * RemoveNormalPart<Real>(velocity, point.normal);
     if (contact.touching) {
       const Vector3<Real> slip = x[contact.vertex] - contact.anchor;
@@ -134,6 +134,7 @@ void UpdateAnchors(const ContactParameters<Real>& parameters, std::span<const Su
 #define WOBBLE_INSTANTIATE(Real)                                                                         \
   template Real ComputePenalty<Real>(const ContactParameters<Real>&, Real);                              \
   template Real ComputePenaltySlope<Real>(const ContactParameters<Real>&, Real);                         \
+  template Real ComputeNormalForce<Real>(const ContactParameters<Real>&, Real, Real);                    \
   template Real ComputeDampingShare<Real>(const ContactParameters<Real>&, Real);                         \
   template void FindContacts<Real>(std::span<const Surface<Real>>, const Bounds<Real>&,                  \
                                    std::span<const Vector3<Real>>, std::span<const Vector3<Real>>, Real, \

@@ -51,6 +51,9 @@ template <class Real>
 [[nodiscard]] Real ComputePenalty(const ContactParameters<Real>& parameters, Real depth);
 template <class Real>
 [[nodiscard]] Real ComputePenaltySlope(const ContactParameters<Real>& parameters, Real depth);
+// The law's N at depth d > 0 that grows at `rate`, m/s.
+template <class Real>
+[[nodiscard]] Real ComputeNormalForce(const ContactParameters<Real>& parameters, Real depth, Real rate);
 // s(d), 0..1.
 template <class Real>
 [[nodiscard]] Real ComputeDampingShare(const ContactParameters<Real>& parameters, Real depth);

@@ -133,6 +133,7 @@ class World::Stepper {
   void MeetAll() {
     m_work.pairs.swap(m_work.pairsBefore);
     m_work.pairs.clear();
+    m_work.pairIndices.clear();
     auto before = m_work.pairsBefore.begin();
     for (const auto& [a, b] : m_work.broadPhase.FindOverlaps(m_work.boxes)) {
       if (HasNoFaces(a) || HasNoFaces(b)) continue;
@@ -144,11 +145,9 @@ class World::Stepper {
       }
       if (known) ++before;
       m_work.pairs.push_back(std::move(pair));
-      m_work.pairIndices.resize(m_work.pairs.size());
-      m_work.pairIndices.back() = {a, b};
+      m_work.pairIndices.push_back({a, b});
     }
     for (; before != m_work.pairsBefore.end(); ++before) Recycle(*before);
-    m_work.pairIndices.resize(m_work.pairs.size());
     m_threads.ForEach(m_work.pairs.size(), [this](std::size_t i) { Meet(i); });
     DropPairsApart();
   }

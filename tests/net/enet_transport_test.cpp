@@ -5,11 +5,7 @@
 // hand: it sees genuine datagrams, and what it adds comes from where the client seems to be.
 #include "protocol/transport/enet_transport.h"
 
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -22,12 +18,14 @@
 #include <thread>
 #include <vector>
 
+#include "tests/support/udp_socket.h"
+
 namespace wobble::transport {
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
-
-double Now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+using test::Bytes;
+using test::Now;
+using Socket = test::UdpSocket;
 
 struct Seen {
   Event::Kind kind;
@@ -89,50 +87,6 @@ void RunFor(double seconds, const std::function<void()>& step) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 }
-
-sockaddr_in Loopback(std::uint16_t port) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(port);
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  return address;
-}
-
-class Socket {
- public:
-  Socket() : m_handle(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK, 0)) {
-    sockaddr_in address = Loopback(0);
-    EXPECT_EQ(bind(m_handle, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
-  }
-  Socket(const Socket&) = delete;
-  Socket& operator=(const Socket&) = delete;
-  ~Socket() { close(m_handle); }
-
-  void SendTo(std::uint16_t port, const Bytes& bytes) {
-    const sockaddr_in address = Loopback(port);
-    sendto(m_handle, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&address), sizeof address);
-  }
-  bool Receive(Bytes& bytes, std::uint16_t& from) {
-    sockaddr_in address{};
-    socklen_t size = sizeof address;
-    bytes.resize(8192);
-    const ssize_t length =
-        recvfrom(m_handle, bytes.data(), bytes.size(), 0, reinterpret_cast<sockaddr*>(&address), &size);
-    if (length < 0) return false;
-    bytes.resize(static_cast<std::size_t>(length));
-    from = ntohs(address.sin_port);
-    return true;
-  }
-  std::uint16_t Port() const {
-    sockaddr_in address{};
-    socklen_t size = sizeof address;
-    getsockname(m_handle, reinterpret_cast<sockaddr*>(&address), &size);
-    return ntohs(address.sin_port);
-  }
-
- private:
-  int m_handle;
-};
 
 // Stands between one client and the server.
 struct Forwarder {
