@@ -54,7 +54,7 @@ class Group {
       if (!FindBadMembers()) {
         next = redos++ < kMaxRedos ? FindFinerSubsteps(outcome.substeps) : 0;
       } else {
-        next = rescues++ < kMaxRescues ? 2 * outcome.substeps : 0;
+        next = rescues++ < kMaxRescues && !BlameThoseWhoBeganBad() ? 2 * outcome.substeps : 0;
       }
     }
     Scatter();
@@ -269,6 +269,22 @@ class Group {
     if (runaway == nullptr) return false;
     runaway->health = std::max(runaway->health, Health::kRunaway);
     runaway->lost = true;
+    return true;
+  }
+
+  // No step can help a member that began the tick in a state that cannot be. It alone is lost then, and what it has
+  // touched goes back to where it began.
+  bool BlameThoseWhoBeganBad() {
+    const auto beganBad = [](const Member<Real>* member) {
+      const Coefficients<Real>& body = member->blueprint->template Read<Real>();
+      return FindHealth<Real>(body, member->state->positions, member->state->velocities) != Health::kGood;
+    };
+    if (std::none_of(m_members.begin(), m_members.end(), beganBad)) return false;
+    StartAgain();
+    for (Member<Real>* member : m_members) {
+      member->lost = beganBad(member);
+      if (!member->lost) member->health = Health::kGood;
+    }
     return true;
   }
 
