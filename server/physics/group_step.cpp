@@ -323,9 +323,9 @@ class Group {
       const Member<Real>& member = *m_members[i];
       const std::size_t count = member.state->contacts.size();
       gain += ComputeElasticEnergy<Real>(*member.blueprint, member.load, member.surfaces, member.state->contacts,
-                                         PartOf(m_scratch.positions, i)) -
+                                         PartOf(m_scratch.positions, i), m_scratch.places) -
               ComputeElasticEnergy<Real>(*member.blueprint, member.load, member.surfaces, contactsBefore.first(count),
-                                         member.state->positions);
+                                         member.state->positions, m_scratch.places);
       contactsBefore = contactsBefore.subspan(count);
     }
     auto bodyContactsBefore = std::span<const BodyContact<Real>>(m_scratch.bodyContacts);

@@ -56,6 +56,7 @@ struct GroupScratch {
   // Contacts as the tick found them, one list behind the other, for a tick that is stepped again.
   std::vector<Contact<Real>> contacts;
   std::vector<BodyContact<Real>> bodyContacts;
+  std::vector<Vector3d> places;  // of one body
 
   // For the largest group there can be, so that one that grows allocates nothing.
   void Reserve(std::size_t vertices, std::size_t bodies) {
@@ -63,6 +64,9 @@ struct GroupScratch {
     positions.reserve(vertices);
     velocities.reserve(vertices);
     loads.reserve(vertices);
+    contacts.reserve(vertices);
+    bodyContacts.reserve(vertices);
+    places.reserve(vertices);
     begins.reserve(bodies + 1);
   }
 };

@@ -27,12 +27,13 @@ double ComputeMotionEnergy(const Blueprint& blueprint, const Load<Real>& load, s
 
 template <class Real>
 double ComputeElasticEnergy(const Blueprint& blueprint, const Load<Real>& load, std::span<const Surface<Real>> surfaces,
-                            std::span<const Contact<Real>> contacts, std::span<const Vector3<Real>> x) {
-  std::vector<Vector3d> places;
-  for (const Vector3<Real>& place : x) places.push_back(place.template cast<double>());
+                            std::span<const Contact<Real>> contacts, std::span<const Vector3<Real>> x,
+                            std::vector<Vector3d>& scratch) {
+  scratch.clear();
+  for (const Vector3<Real>& place : x) scratch.push_back(place.template cast<double>());
   const Coefficients<double>& full = blueprint.full;
-  return double{load.stiffnessFactor} * ComputeSpringEnergy(full, places) +
-         ComputeGasEnergy(full, places, double{load.gasFactor}) +
+  return double{load.stiffnessFactor} * ComputeSpringEnergy(full, scratch) +
+         ComputeGasEnergy(full, scratch, double{load.gasFactor}) +
          ComputeContactEnergy<Real>(blueprint.Read<Real>(), surfaces, contacts, x);
 }
 
@@ -42,7 +43,8 @@ double ComputeElasticEnergy(const Blueprint& blueprint, const Load<Real>& load, 
   template double ComputeMotionEnergy<Real>(const Blueprint&, const Load<Real>&, std::span<const Vector3<Real>>,  \
                                             std::span<const Vector3<Real>>);                                      \
   template double ComputeElasticEnergy<Real>(const Blueprint&, const Load<Real>&, std::span<const Surface<Real>>, \
-                                             std::span<const Contact<Real>>, std::span<const Vector3<Real>>);
+                                             std::span<const Contact<Real>>, std::span<const Vector3<Real>>,      \
+                                             std::vector<Vector3d>&);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)
 #undef WOBBLE_INSTANTIATE

@@ -30,11 +30,11 @@ inline constexpr double kRunawayShare = 0.05;
 template <class Real>
 [[nodiscard]] double ComputeMotionEnergy(const Blueprint& blueprint, const Load<Real>& load,
                                          std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v);
-// Of springs, gas and contacts with static surfaces; the gas up to a constant. J. For checks that are seldom made: it
-// allocates.
+// Of springs, gas and contacts with static surfaces; the gas up to a constant. J. scratch saves allocations.
 template <class Real>
 [[nodiscard]] double ComputeElasticEnergy(const Blueprint& blueprint, const Load<Real>& load,
                                           std::span<const Surface<Real>> surfaces,
-                                          std::span<const Contact<Real>> contacts, std::span<const Vector3<Real>> x);
+                                          std::span<const Contact<Real>> contacts, std::span<const Vector3<Real>> x,
+                                          std::vector<Vector3d>& scratch);
 
 }  // namespace wobble::physics
