@@ -264,8 +264,7 @@ class World::Stepper {
     Outcome& outcome = m_work.outcomes[i];
     outcome.substeps = substeps;
     outcome.nonFinite = !IsFinite(state);
-    outcome.inverted = !outcome.nonFinite && coefficients.gas > Real(0) &&
-                       !(ComputeVolume<Real>(coefficients.faces, state.positions) > Real(0));
+    outcome.inverted = !outcome.nonFinite && IsInsideOut<Real>(coefficients, state.positions);
     if (outcome.nonFinite || outcome.inverted) {
       state = MakeState<Real>(blueprint, m_work.safePlaces[i], Vector3d::Zero());
     } else {
