@@ -38,15 +38,27 @@ Coefficients<float> ToSingle(const Coefficients<double>& full) {
   return single;
 }
 
+// The vertices that may meet something: of a planar body those on its border, though faces lie all over it.
+std::vector<std::uint16_t> FindOuterVertices(const Blueprint& blueprint) {
+  const Topology& topology = blueprint.topology;
+  if (!blueprint.full.planar) return topology.vertices;
+  std::vector<std::uint16_t> outer;
+  for (std::size_t f = 0; f < topology.neighbours.size(); ++f) {
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      if (topology.neighbours[f][corner] == kNoFace) outer.push_back(blueprint.full.faces[f][(corner + 1) % 3]);
+    }
+  }
+  return outer;
+}
+
 // A body without faces has no surface to share: each vertex stands for itself.
 void FindContactShares(Blueprint& blueprint) {
   Coefficients<double>& full = blueprint.full;
   full.contactShares.assign(full.masses.size(), 1);
   double heaviest = 0;
-  for (const std::uint16_t vertex : blueprint.topology.vertices) heaviest = std::max(heaviest, full.masses[vertex]);
-  for (const std::uint16_t vertex : blueprint.topology.vertices) {
-    full.contactShares[vertex] = full.masses[vertex] / heaviest;
-  }
+  const std::vector<std::uint16_t> outer = FindOuterVertices(blueprint);
+  for (const std::uint16_t vertex : outer) heaviest = std::max(heaviest, full.masses[vertex]);
+  for (const std::uint16_t vertex : outer) full.contactShares[vertex] = full.masses[vertex] / heaviest;
 }
 
 bool IsClosed(const Topology& topology) {

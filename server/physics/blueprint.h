@@ -21,7 +21,7 @@ struct FieldError {
 // Adds `value` to the errors unless it is valid.
 void CheckField(std::vector<FieldError>& errors, const char* field, double value, bool valid, const char* range);
 
-// Physical quantities of a ball and of the material that its shell is made of. SI units.
+// Physical quantities of a body and of the material that its springs are made of. SI units.
 struct Material {
   double mass = 8;              // of the whole body, kg
   double stiffness = 150;       // of each spring, N/m
@@ -31,6 +31,8 @@ struct Material {
   double friction = 0.8;        // Coulomb's coefficient, static and kinetic
   double restitution = 0.5;     // of a single vertex on a rigid surface
   double contactStiffness = 0;  // of a vertex against a surface, N/m; 0: kContactStiffnessRatio x stiffness
+  double drag = 0;              // ½ρC of the air round its faces, kg/m³: 0.6 on a plate across the wind
+  double repulsion = 0;         // between neighbours at distance d: this/d⁴, N·m⁴
 };
 inline constexpr double kContactStiffnessRatio = 10;
 

@@ -54,7 +54,8 @@ void TableReader::Refuse(std::string_view key, const std::string& value, const s
 void TableReader::RefuseAsWritten(std::string_view key, const std::string& value, const std::string& range) {
   const toml::node* node = m_table.get(key);
   if (node == nullptr) return Refuse(key, value, range);
-  Refuse(key, FormatNode(*node), node->is_number() || node->is_array() ? range : "a number, " + range);
+  const bool meantNumber = value.empty() || value == "nan";  // what ReadUnchecked makes of anything else
+  Refuse(key, FormatNode(*node), meantNumber && !node->is_number() ? "a number, " + range : range);
 }
 
 void TableReader::ReadUnchecked(std::string_view key, double& value) {
@@ -80,6 +81,14 @@ void TableReader::Read(std::string_view key, int low, int high, int& value) {
     return Refuse(key, FormatNode(*node), "a whole number from " + std::to_string(low) + " to " + std::to_string(high));
   }
   value = static_cast<int>(*number);
+}
+
+void TableReader::Read(std::string_view key, bool& value) {
+  const toml::node* node = Find(key);
+  if (node == nullptr) return;
+  const auto answer = node->value_exact<bool>();
+  if (!answer) return Refuse(key, FormatNode(*node), "true or false");
+  value = *answer;
 }
 
 void TableReader::Read(std::string_view key, std::size_t maxLength, std::string& value) {

@@ -46,6 +46,7 @@ class TableReader {
   void ReadUnchecked(std::string_view key, double& value);
   void Read(std::string_view key, double low, double high, const char* unit, double& value);
   void Read(std::string_view key, int low, int high, int& value);
+  void Read(std::string_view key, bool& value);
   void Read(std::string_view key, std::size_t maxLength, std::string& value);
   void Read(std::string_view key, double low, double high, const char* unit, physics::Vector3d& value);
   void Read(std::string_view key, int low, int high, std::array<int, 3>& value);
