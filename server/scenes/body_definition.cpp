@@ -6,17 +6,21 @@ namespace {
 
 using physics::BallDefinition;
 using physics::LatticeDefinition;
+using physics::PairDefinition;
 
 std::size_t CountVerticesOf(const BallDefinition& ball) { return physics::CountVertices(ball.subdivisions); }
 std::size_t CountVerticesOf(const LatticeDefinition& lattice) { return physics::CountVertices(lattice.cells); }
+std::size_t CountVerticesOf(const PairDefinition& /*pair*/) { return 2; }
 
 std::vector<physics::FieldError> ValidateOne(const BallDefinition& ball) { return physics::ValidateBall(ball); }
 std::vector<physics::FieldError> ValidateOne(const LatticeDefinition& lattice) {
   return physics::ValidateLattice(lattice);
 }
+std::vector<physics::FieldError> ValidateOne(const PairDefinition& pair) { return physics::ValidatePair(pair); }
 
 physics::Blueprint MakeOne(const BallDefinition& ball) { return physics::MakeBall(ball); }
 physics::Blueprint MakeOne(const LatticeDefinition& lattice) { return physics::MakeLattice(lattice); }
+physics::Blueprint MakeOne(const PairDefinition& pair) { return physics::MakePair(pair); }
 
 }  // namespace
 

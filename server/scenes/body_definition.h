@@ -7,10 +7,11 @@
 
 #include "server/physics/ball.h"
 #include "server/physics/lattice.h"
+#include "server/physics/pair.h"
 
 namespace wobble::scenes {
 
-using BodyDefinition = std::variant<physics::BallDefinition, physics::LatticeDefinition>;
+using BodyDefinition = std::variant<physics::BallDefinition, physics::LatticeDefinition, physics::PairDefinition>;
 
 [[nodiscard]] const std::string& NameOf(const BodyDefinition& definition);
 [[nodiscard]] std::size_t CountVertices(const BodyDefinition& definition);

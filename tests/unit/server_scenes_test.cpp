@@ -186,17 +186,45 @@ TEST(SceneMistakes, EachKindOfBlueprintHasItsOwnFields) {
   EXPECT_THAT(errorsOf("cells = [2, 2, 2]\n"),
               ElementsAre(AllOf(StartsWith("test.toml:3: cells is no field here"), HasSubstr("subdivisions"))));
   EXPECT_THAT(errorsOf("kind = \"jelly\"\nanything = 1\n"),
-              ElementsAre(AllOf(StartsWith("test.toml:3: kind = "), HasSubstr("one of: ball, lattice"))));
+              ElementsAre(AllOf(StartsWith("test.toml:3: kind = "), HasSubstr("one of: ball, lattice, pair"))));
   EXPECT_THAT(
       errorsOf("kind = \"lattice\"\npoisson_ratio = 0.4\n"),
       ElementsAre("test.toml:4: poisson_ratio = 0.4: must be 0.25: a lattice of central springs has no other in "
                   "3-D"));
   EXPECT_THAT(errorsOf("kind = \"lattice\"\ncells = [2, 2.5, 2]\n"),
-              ElementsAre(AllOf(HasSubstr("cells = "), HasSubstr("three whole numbers from 1 to 100"))));
+              ElementsAre(AllOf(HasSubstr("cells = "), HasSubstr("three whole numbers from 0 to 100"))));
   EXPECT_THAT(errorsOf("kind = \"lattice\"\ncells = [40, 40, 40]\n"),
               ElementsAre(AllOf(HasSubstr("68921 vertices"), HasSubstr("at most 10000"))));
   EXPECT_THAT(errorsOf("kind = \"lattice\"\nyoung_modulus = \"soft\"\n"),
               ElementsAre(AllOf(HasSubstr("soft"), HasSubstr("a number, above 0, up to 1e12 Pa"))));
+}
+
+std::vector<std::string> ErrorsOfBlueprint(const std::string& fields) {
+  return ErrorsOf("[[blueprint]]\nname = \"it\"\n" + fields + "[player]\nblueprint = \"it\"\n");
+}
+
+TEST(SceneMistakes, APlanarLatticeHasItsOwnPoissonRatioAndSides) {
+  const std::string planar = "kind = \"lattice\"\ncells = [4, 0, 3]\n";
+  EXPECT_THAT(ErrorsOfBlueprint(planar + "fixed = \"z+\"\n"), IsEmpty());
+  EXPECT_THAT(ErrorsOfBlueprint(planar + "poisson_ratio = 0.3333\n"), IsEmpty());
+  EXPECT_THAT(ErrorsOfBlueprint(planar + "poisson_ratio = 0.25\n"),
+              ElementsAre(AllOf(StartsWith("test.toml:5: poisson_ratio = 0.25"), HasSubstr("1/3"), HasSubstr("2-D"))));
+  EXPECT_THAT(ErrorsOfBlueprint(planar + "fixed = \"y-\"\n"),
+              ElementsAre(AllOf(StartsWith("test.toml:5: fixed = "), HasSubstr("y-"), HasSubstr("x-, x+, z-, z+"))));
+  EXPECT_THAT(ErrorsOfBlueprint(planar + "fixed = \"top\"\n"),
+              ElementsAre(AllOf(HasSubstr("top"), HasSubstr("one of: none, x+, x-"))));
+  EXPECT_THAT(ErrorsOfBlueprint("kind = \"lattice\"\ncells = [0, 3, 3]\n"),
+              ElementsAre(AllOf(StartsWith("test.toml:4: cells = "), HasSubstr("the second 0: a planar lattice"))));
+}
+
+TEST(SceneMistakes, APairHasLengthAndMaterial) {
+  EXPECT_THAT(ErrorsOfBlueprint("kind = \"pair\"\nlength = 0.8\nmass = 3\nstiffness = 40\ndamping_ratio = 0.05\n"
+                                "direction = [0, 0, 1]\nfirst_is_fixed = true\n"),
+              IsEmpty());
+  EXPECT_THAT(ErrorsOfBlueprint("kind = \"pair\"\nlength = 0\ndirection = [0, 0, 0]\nfirst_is_fixed = 1\n"),
+              ElementsAre(AllOf(HasSubstr(":4: length = 0"), HasSubstr("0.02 to 50 m")),
+                          AllOf(HasSubstr(":5: direction"), HasSubstr("a direction")),
+                          AllOf(HasSubstr(":6: first_is_fixed = 1"), HasSubstr("true or false"))));
 }
 
 TEST(SceneMistakes, ASyntaxErrorHasItsLine) {

@@ -1,0 +1,89 @@
+#include "server/scenes/blueprint_reader.h"
+
+#include <algorithm>
+#include <map>
+
+namespace wobble::scenes {
+namespace {
+
+// The ranges of quantities are the physics' own and checked by Validate.
+void ReadMaterial(TableReader& reader, physics::Material& material) {
+  reader.ReadUnchecked("mass", material.mass);
+  reader.ReadUnchecked("stiffness", material.stiffness);
+  reader.ReadUnchecked("damping_ratio", material.dampingRatio);
+  reader.ReadUnchecked("friction", material.friction);
+  reader.ReadUnchecked("restitution", material.restitution);
+  reader.ReadUnchecked("contact_stiffness", material.contactStiffness);
+  reader.ReadUnchecked("repulsion", material.repulsion);
+}
+
+void ReadGas(TableReader& reader, physics::Material& material) {
+  reader.ReadUnchecked("gas", material.gas);
+  reader.ReadUnchecked("ambient_pressure", material.ambientPressure);
+}
+
+void ReadFields(TableReader& reader, physics::BallDefinition& ball) {
+  reader.Read("subdivisions", 0, physics::kMaxSubdivisions, ball.subdivisions);
+  reader.ReadUnchecked("radius", ball.radius);
+  ReadMaterial(reader, ball.material);
+  ReadGas(reader, ball.material);
+  reader.ReadUnchecked("drag", ball.material.drag);
+}
+
+void ReadFields(TableReader& reader, physics::PairDefinition& pair) {
+  reader.ReadUnchecked("length", pair.length);
+  reader.Read("direction", -1, 1, "", pair.direction);
+  reader.Read("first_is_fixed", pair.firstIsFixed);
+  ReadMaterial(reader, pair.material);
+}
+
+void ReadFields(TableReader& reader, physics::LatticeDefinition& lattice) {
+  using physics::Side;
+  reader.Read("cells", 0, physics::kMaxLatticeCells, lattice.cells);
+  lattice.poissonRatio = physics::FindPoissonRatio(lattice.cells);
+  reader.ReadUnchecked("cell_size", lattice.cellSize);
+  reader.ReadUnchecked("young_modulus", lattice.youngModulus);
+  reader.ReadUnchecked("poisson_ratio", lattice.poissonRatio);
+  reader.ReadUnchecked("density", lattice.density);
+  reader.ReadUnchecked("damping_ratio", lattice.dampingRatio);
+  reader.ReadUnchecked("friction", lattice.friction);
+  reader.ReadUnchecked("restitution", lattice.restitution);
+  reader.ReadUnchecked("contact_stiffness", lattice.contactStiffness);
+  reader.ReadUnchecked("repulsion", lattice.repulsion);
+  reader.Read("fixed",
+              std::map<std::string, Side>{{"none", Side::kNone},
+                                          {"x-", Side::kLowX},
+                                          {"x+", Side::kHighX},
+                                          {"y-", Side::kLowY},
+                                          {"y+", Side::kHighY},
+                                          {"z-", Side::kLowZ},
+                                          {"z+", Side::kHighZ}},
+              lattice.fixed);
+}
+
+}  // namespace
+
+void ReadBlueprint(TableReader& reader, Scene& scene) {
+  const std::map<std::string, BodyDefinition> kinds{{"ball", physics::BallDefinition{}},
+                                                    {"lattice", physics::LatticeDefinition{}},
+                                                    {"pair", physics::PairDefinition{}}};
+  BodyDefinition definition = kinds.at("ball");
+  const bool kindIsKnown = !reader.Has("kind") || reader.Read("kind", kinds, definition);
+  reader.Require("name");
+  std::visit([&](auto& one) { reader.Read("name", 64, one.name); }, definition);
+  const auto taken = [&](const BodyDefinition& other) { return NameOf(other) == NameOf(definition); };
+  if (std::any_of(scene.blueprints.begin(), scene.blueprints.end(), taken)) {
+    reader.Refuse("name", NameOf(definition), "a name that no other blueprint has");
+  }
+  if (kindIsKnown) {
+    std::visit([&](auto& one) { ReadFields(reader, one); }, definition);
+    for (const physics::FieldError& error : Validate(definition)) {
+      reader.RefuseAsWritten(error.field, error.value, error.range);
+    }
+  } else {
+    reader.PassOver();
+  }
+  scene.blueprints.push_back(std::move(definition));
+}
+
+}  // namespace wobble::scenes
