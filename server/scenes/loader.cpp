@@ -41,6 +41,12 @@ std::string FormatNode(const toml::node& node) {
   return text.str();
 }
 
+std::string Abbreviate(std::string text) {
+  constexpr std::size_t kMost = 40;
+  if (text.size() > kMost) text = text.substr(0, kMost) + "...";
+  return text;
+}
+
 class ErrorList {
  public:
   explicit ErrorList(std::string label) : m_label(std::move(label)) {}
@@ -150,6 +156,35 @@ class TableReader {
     value = read;
   }
 
+  // A grid of numbers, one array a row, all rows equally long. False when there is none or it is not so.
+  bool Read(std::string_view key, double low, double high, const char* unit, int most, std::vector<double>& values,
+            int& columns) {
+    const toml::node* node = Find(key);
+    if (node == nullptr) return false;
+    const std::string range = "2 to " + std::to_string(most) + " rows of as many numbers each, 2 to " +
+                              std::to_string(most) + ", from " + FormatNumber(low) + " to " + FormatNumber(high) + unit;
+    const toml::array* rows = node->as_array();
+    const auto fits = [most](const toml::array* array) {
+      return array != nullptr && array->size() >= 2 && array->size() <= static_cast<std::size_t>(most);
+    };
+    if (!fits(rows)) return Refuse(key, Abbreviate(FormatNode(*node)), range), false;
+    std::vector<double> read;
+    for (const toml::node& row : *rows) {
+      const toml::array* numbers = row.as_array();
+      if (!fits(numbers) || numbers->size() != rows->front().as_array()->size()) {
+        return Refuse(key, Abbreviate(FormatNode(row)), range), false;
+      }
+      for (const toml::node& one : *numbers) {
+        const auto number = one.value<double>();
+        if (!number || !(*number >= low && *number <= high)) return Refuse(key, FormatNode(one), range), false;
+        read.push_back(*number);
+      }
+    }
+    columns = static_cast<int>(rows->front().as_array()->size());
+    values = std::move(read);
+    return true;
+  }
+
   // One of a few words. False when there is none or another one.
   template <class Value>
   bool Read(std::string_view key, const std::map<std::string, Value>& words, Value& value) {
@@ -220,24 +255,62 @@ class TableReader {
   std::set<std::string> m_known;
 };
 
+void ReadPlane(TableReader& reader, physics::Obstacle& plane) {
+  reader.Read("normal", -1, 1, "", plane.normal);
+  if (const double length = plane.normal.norm(); length > 1e-6) {
+    plane.normal /= length;
+  } else {
+    reader.Refuse("normal", "[0, 0, 0]", "a direction");
+  }
+  reader.Read("offset", -kPlacesWithin, kPlacesWithin, " m", plane.offset);
+}
+
+// False when there is no field to be made.
+bool ReadHeightField(TableReader& reader, physics::Obstacle& ground) {
+  reader.Read("position", -kPlacesWithin, kPlacesWithin, " m", ground.centre);
+  double cellSize = 1;
+  reader.Read("cell_size", 0.05, 100, " m", cellSize);
+  reader.Require("heights");
+  std::vector<double> heights;
+  int columns = 0;
+  if (!reader.Read("heights", -1000, 1000, " m", physics::kMaxFieldNodes, heights, columns)) return false;
+  ground.field = physics::MakeHeightField(columns, cellSize, heights);
+  return true;
+}
+
 void ReadObstacle(TableReader& reader, Scene& scene) {
   physics::Obstacle obstacle;
   using Kind = physics::Obstacle::Kind;
   reader.Require("kind");
-  const std::map<std::string, Kind> kinds{{"plane", Kind::kPlane}, {"box", Kind::kBox}};
+  const std::map<std::string, Kind> kinds{{"plane", Kind::kPlane},
+                                          {"box", Kind::kBox},
+                                          {"sphere", Kind::kSphere},
+                                          {"capsule", Kind::kCapsule},
+                                          {"height_field", Kind::kHeightField}};
   if (!reader.Read("kind", kinds, obstacle.kind)) return reader.PassOver();
   reader.Read("friction", 0, 10, "", obstacle.friction);
-  if (obstacle.kind == Kind::kPlane) {
-    reader.Read("normal", -1, 1, "", obstacle.normal);
-    if (const double length = obstacle.normal.norm(); length > 1e-6) {
-      obstacle.normal /= length;
-    } else {
-      reader.Refuse("normal", "[0, 0, 0]", "a direction");
-    }
-    reader.Read("offset", -kPlacesWithin, kPlacesWithin, " m", obstacle.offset);
-  } else {
-    reader.Read("center", -kPlacesWithin, kPlacesWithin, " m", obstacle.centre);
-    reader.Read("half_extents", physics::kMinHalfExtent, kPlacesWithin, " m", obstacle.halfExtents);
+  switch (obstacle.kind) {
+    case Kind::kPlane:
+      ReadPlane(reader, obstacle);
+      break;
+    case Kind::kBox:
+      reader.Read("center", -kPlacesWithin, kPlacesWithin, " m", obstacle.centre);
+      reader.Read("half_extents", physics::kMinHalfExtent, kPlacesWithin, " m", obstacle.halfExtents);
+      break;
+    case Kind::kSphere:
+      reader.Read("center", -kPlacesWithin, kPlacesWithin, " m", obstacle.centre);
+      reader.Read("radius", physics::kMinRadius, 1000, " m", obstacle.radius);
+      break;
+    case Kind::kCapsule:
+      reader.Require("from");
+      reader.Require("to");
+      reader.Read("from", -kPlacesWithin, kPlacesWithin, " m", obstacle.centre);
+      reader.Read("to", -kPlacesWithin, kPlacesWithin, " m", obstacle.end);
+      reader.Read("radius", physics::kMinRadius, 1000, " m", obstacle.radius);
+      break;
+    case Kind::kHeightField:
+      if (!ReadHeightField(reader, obstacle)) return;
+      break;
   }
   scene.obstacles.push_back(obstacle);
 }
