@@ -172,7 +172,7 @@ TEST(Scenes, PlayersStartApart) {
 TEST(SceneMistakes, ThreeAreThreeLinesEachWithLineValueAndRange) {
   const auto errors = ErrorsOf(R"(kill_height = -9999
 [[obstacle]]
-kind = "sphere"
+kind = "torus"
 [[blueprint]]
 name = "ball"
 mass = -1
@@ -182,7 +182,7 @@ blueprint = "ball"
   ASSERT_EQ(errors.size(), 3U) << testing::PrintToString(errors);
   EXPECT_THAT(errors[0],
               AllOf(StartsWith("test.toml:1: "), HasSubstr("kill_height = -9999"), HasSubstr("-4000 to 4000")));
-  EXPECT_THAT(errors[1], AllOf(StartsWith("test.toml:3: "), HasSubstr("kind = "), HasSubstr("sphere"), HasSubstr("box"),
+  EXPECT_THAT(errors[1], AllOf(StartsWith("test.toml:3: "), HasSubstr("kind = "), HasSubstr("torus"), HasSubstr("box"),
                                HasSubstr("plane")));
   EXPECT_EQ(errors[2], "test.toml:6: mass = -1: must be 0.001 to 1000000 kg");
   for (const std::string& error : errors) EXPECT_EQ(error.find('\n'), std::string::npos);
