@@ -15,6 +15,7 @@
 #include "client/blueprint_store.h"
 #include "client/bodies.h"
 #include "client/clock.h"
+#include "client/grounds.h"
 #include "client/input_stream.h"
 #include "client/jitter_buffer.h"
 #include "client/newest_poses.h"
@@ -72,6 +73,7 @@ struct Client::Implementation {
   protocol::WelcomeFields welcome;
   double tickSeconds = 0;
   double snapshotSeconds = 0;  // promised
+  client::Grounds grounds;
   BlueprintStore blueprints;
   Statistics statistics;
   std::function<void(const Event&)> onEvent;
@@ -165,6 +167,7 @@ State Client::ReadState() const { return m->state; }
 const std::string& Client::EndReason() const { return m->endReason; }
 bool Client::EndedUnasked() const { return m->state == State::kEnded && !m->leaving; }
 const protocol::WelcomeFields& Client::Welcome() const { return m->welcome; }
+const std::vector<Ground>& Client::Grounds() const { return m->grounds.All(); }
 const Statistics& Client::ReadStatistics() const { return m->statistics; }
 double Client::ServerTime(double now) const { return m->hasSnapshot ? m->clock.ServerTime(now) : 0.0; }
 double Client::InterpolationDelay() const { return m->jitter.Delay(); }
@@ -256,7 +259,7 @@ void Client::Implementation::SayHello() {
 }
 
 void Client::Implementation::StartPlayingWhenComplete() {
-  if (state != State::kJoining || !welcomed || !blueprints.Complete()) return;
+  if (state != State::kJoining || !welcomed || !blueprints.Complete() || !grounds.Complete()) return;
   state = State::kPlaying;
   statistics.joinSeconds = now - startedAt;
 }
@@ -274,6 +277,8 @@ void Client::Implementation::HandleControl(std::span<const std::uint8_t> bytes) 
     inPlace = HandleWelcome(*fields);
   } else if (const auto* chunk = message->body_as_BlueprintChunk()) {
     inPlace = blueprints.AddChunk(*chunk);
+  } else if (const auto* rows = message->body_as_HeightRows()) {
+    inPlace = grounds.AddRows(*rows);
   } else if (const auto* event = message->body_as_Event()) {
     HandleEvent(*event);
   }
@@ -293,6 +298,8 @@ bool Client::Implementation::HandleWelcome(const wire::Welcome& message) {
   welcome.blueprintCount = message.blueprint_count();
   welcome.obstacles.reserve(message.obstacles()->size());
   for (const wire::Obstacle* obstacle : *message.obstacles()) welcome.obstacles.push_back(*obstacle);
+  for (const wire::HeightField* field : *message.height_fields()) welcome.heightFields.push_back(*field);
+  grounds.Expect(welcome.heightFields);
   blueprints.Expect(welcome.blueprintCount);
 
   tickSeconds = 1.0 / welcome.tickHz;

@@ -50,6 +50,16 @@ struct Blueprint {
   float size = 0;                                   // RMS distance of the rest vertices from their centroid, metres
 };
 
+// Ground as heights over a grid, row by row, x first; near enough to the true surface with triangles in between. Solid
+// below, nothing beyond.
+struct Ground {
+  protocol::Vector3 corner;    // x and y of the first height, metres; z is in the heights already
+  float cellSize = 1;          // metres
+  int columns = 0;             // along x, at least 2
+  int rows = 0;                // along y, at least 2
+  std::vector<float> heights;  // metres
+};
+
 // One body at one moment.
 struct BodySample {
   std::uint32_t body = 0;
@@ -105,6 +115,7 @@ class Client {
 
   // Set while kPlaying and after.
   [[nodiscard]] const protocol::WelcomeFields& Welcome() const;
+  [[nodiscard]] const std::vector<Ground>& Grounds() const;
   [[nodiscard]] const Statistics& ReadStatistics() const;
 
   // Estimated time of the world on the server, seconds since its tick 0; 0 before the first snapshot. Judged by

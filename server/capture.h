@@ -27,8 +27,16 @@ struct CapturedBlueprint {
   std::uint64_t hash = 0;     // of the message
 };
 
+// Ground as clients draw it.
+struct CapturedGround {
+  protocol::wire::HeightField field;
+  std::vector<std::uint16_t> heights;  // row by row
+};
+
 [[nodiscard]] CapturedBlueprint CaptureBlueprint(const physics::Blueprint& blueprint);
+// All but height fields, and these.
 [[nodiscard]] std::vector<protocol::wire::Obstacle> CaptureObstacles(std::span<const physics::Obstacle> obstacles);
+[[nodiscard]] std::vector<CapturedGround> CaptureGrounds(std::span<const physics::Obstacle> obstacles);
 
 // Fills `bodies` with the world's, by ascending id. What it holds from the last capture speeds up the next: memory, and
 // each body's rotation as the start of the search for the new one.

@@ -22,6 +22,19 @@ physics::WorldSettings MakeWorldSettings(const Config& config, const scenes::Sce
 // Beyond this the wire cannot show a body any more; it starts again like one that fell, metres.
 constexpr double kBorder = 0.9 * protocol::kWorldHalfExtent;
 
+// The heights of the welcome's field of this number.
+std::vector<protocol::Message> MakeRows(std::uint16_t number, const CapturedGround& ground) {
+  const std::size_t columns = ground.field.columns();
+  const std::size_t most = protocol::kMaxRowsHeights / columns * columns;
+  const std::span<const std::uint16_t> heights = ground.heights;
+  std::vector<protocol::Message> messages;
+  for (std::size_t begin = 0; begin < heights.size(); begin += most) {
+    const auto part = heights.subspan(begin, std::min(most, heights.size() - begin));
+    messages.push_back(protocol::MakeHeightRows(number, static_cast<std::uint16_t>(begin / columns), part));
+  }
+  return messages;
+}
+
 // A client that loses more than this gets half its bytes: its link is full, and ENet's own throttle is off.
 constexpr double kHeavyLoss = 0.1;
 
@@ -33,6 +46,7 @@ Server::Server(const Config& config, scenes::Scene scene, std::unique_ptr<transp
       m_transport(std::move(transport)),
       m_world(MakeWorldSettings(config, m_scene)),
       m_sceneBodies(scenes::FillWorld(m_scene, config.seed, m_world)),
+      m_grounds(CaptureGrounds(m_world.Obstacles())),
       m_sender(*m_transport),
       m_clock(1.0 / config.tickHz, now) {
   assert(Validate(m_config, m_scene).empty());
@@ -182,12 +196,16 @@ void Server::SendWelcome(Session& session) {
   fields.scene = m_scene.name;
   fields.blueprintCount = static_cast<std::uint16_t>(m_blueprints.size());
   fields.obstacles = CaptureObstacles(m_world.Obstacles());
+  for (const CapturedGround& ground : m_grounds) fields.heightFields.push_back(ground.field);
   const auto send = [&](const protocol::Message& message) {
     if (m_transport->Send(session.connection, Channel::kControl, message) != transport::SendResult::kQueued) {
       spdlog::warn("client {}: could not be welcomed", session.clientId);
     }
   };
   send(protocol::MakeWelcome(fields));
+  for (std::size_t i = 0; i < m_grounds.size(); ++i) {
+    for (const protocol::Message& rows : MakeRows(static_cast<std::uint16_t>(i), m_grounds[i])) send(rows);
+  }
   for (std::size_t i = 0; i < m_blueprints.size(); ++i) {
     const std::span<const std::uint8_t> whole = m_blueprints[i].message;
     for (std::size_t offset = 0; offset < whole.size(); offset += protocol::kBlueprintChunkBytes) {

@@ -82,6 +82,7 @@ class Server {
   std::unique_ptr<transport::Transport> m_transport;
   physics::World m_world;
   std::vector<scenes::PlacedBody> m_sceneBodies;
+  std::vector<CapturedGround> m_grounds;
   std::vector<CapturedBlueprint> m_blueprints;
   std::map<transport::ConnectionId, Session> m_sessions;
   std::vector<CapturedBody> m_captured;

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "client/client.h"
 #include "client/terminal/colour.h"
 #include "client/terminal/rasteriser.h"
 #include "client/terminal/shadow.h"
@@ -22,9 +23,10 @@ struct DrawnBody {
 };
 
 struct World {
-  std::span<const protocol::wire::Obstacle> obstacles;  // none: the plane z = 0 stands for them
+  std::span<const protocol::wire::Obstacle> obstacles;  // neither these nor grounds: the plane z = 0 stands for them
   std::span<const DrawnBody> bodies;
   Vector3 focus;  // shadows are found around it
+  std::span<const client::Ground> grounds = {};
 };
 
 class Renderer {
@@ -37,8 +39,11 @@ class Renderer {
     Vector3 normal;
     float offset = 0;
   };
-  void AddObstacles(std::span<const protocol::wire::Obstacle> obstacles, const View& view);
+  void AddObstacles(const World& world, const View& view);
   void AddBox(Vector3 centre, Vector3 half, const View& view);
+  void AddCapsule(Vector3 from, Vector3 to, float radius, const View& view);
+  void AddGround(const client::Ground& ground, const View& view);
+  void DrawSurface(const View& view, const Corner& a, const Corner& b, const Corner& c, const Corner& d);
   void AddBodies(std::span<const DrawnBody> bodies, const View& view);
   [[nodiscard]] Light LightSample(const World& world, const View& view, const Viewport& viewport, int x, int y) const;
   [[nodiscard]] Light LightSurface(Vector3 point, Vector3 normal, Vector3 ray, const View& view,
@@ -50,6 +55,7 @@ class Renderer {
   ShadowMap m_shadows;
   std::vector<Plane> m_planes;
   std::vector<Vector3> m_normals;
+  std::vector<Corner> m_corners;
   std::vector<Light> m_lights;
 };
 

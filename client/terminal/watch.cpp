@@ -258,7 +258,7 @@ void Watch::DrawBodies(int width, int height) {
                                                                     : kSceneColour;
     m_bodies.push_back({sample.vertices, sample.blueprint->rest, sample.blueprint->faces, colour});
   }
-  const World world{m_client->Welcome().obstacles, m_bodies, m_camera.Focus()};
+  const World world{m_client->Welcome().obstacles, m_bodies, m_camera.Focus(), m_client->Grounds()};
   m_renderer.Draw(world, m_camera.MakeView(), width, height, m_pixels);
 }
 

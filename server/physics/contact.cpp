@@ -80,11 +80,11 @@ void FindContacts(std::span<const Surface<Real>> surfaces, const Bounds<Real>& b
   const Real reach = std::sqrt(half.dot(half)) + bounds.speed * duration + static_cast<Real>(kMargin);
   auto kept = contacts.begin();
   for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
-    // A distance changes by at most the way gone, so one look at the middle clears a whole body that is far off.
-    if (FindSurfacePoint(surfaces[s], middle).distance > reach) continue;
+    // Nothing is nearer than this, so one look at the middle clears a whole body that is far off.
+    if (FindClearance(surfaces[s], middle) > reach) continue;
     for (std::uint32_t i = 0; i < x.size(); ++i) {
       const SurfacePoint<Real> point = FindSurfacePoint(surfaces[s], x[i]);
-      const Real approach = std::max(Real(0), -point.normal.dot(v[i])) * duration;
+      const Real approach = std::max(Real(0), FindApproach(surfaces[s], point, v[i])) * duration;
       if (point.distance > static_cast<Real>(kMargin) + approach) continue;
       while (kept != contacts.end() && ComesBefore(kept->surface, kept->vertex, s, i)) ++kept;
       const bool known = kept != contacts.end() && kept->surface == s && kept->vertex == i;

@@ -62,7 +62,8 @@ ContactRates FindContactRates(const Coefficients<Real>& body, std::span<const Su
     const std::uint32_t i = candidate.vertex;
     const SurfacePoint<Real> point = FindSurfacePoint(surfaces[candidate.surface], state.positions[i]);
     const double mass = double{body.masses[i]} / double{body.contactShares[i]};
-    const double approach = std::max(agitation, -double{point.normal.dot(state.velocities[i])});
+    const double approach =
+        std::max(agitation, double{FindApproach(surfaces[candidate.surface], point, state.velocities[i])});
     const double depth = PredictDepth(-double{point.distance}, approach, duration);
     if (depth <= 0) continue;
     const auto at = static_cast<Real>(depth);

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "server/scenes/blueprint_reader.h"
+#include "server/scenes/obstacle_reader.h"
 #include "server/scenes/table_reader.h"
 
 namespace wobble::scenes {
@@ -15,30 +16,7 @@ namespace {
 
 using physics::Vector3d;
 
-constexpr double kPlacesWithin = 4000;  // m from the origin: well inside what the protocol can show
 constexpr std::size_t kMaxSceneBodies = 20000;
-
-void ReadObstacle(TableReader& reader, Scene& scene) {
-  physics::Obstacle obstacle;
-  using Kind = physics::Obstacle::Kind;
-  reader.Require("kind");
-  const std::map<std::string, Kind> kinds{{"plane", Kind::kPlane}, {"box", Kind::kBox}};
-  if (!reader.Read("kind", kinds, obstacle.kind)) return reader.PassOver();
-  reader.Read("friction", 0, 10, "", obstacle.friction);
-  if (obstacle.kind == Kind::kPlane) {
-    reader.Read("normal", -1, 1, "", obstacle.normal);
-    if (const double length = obstacle.normal.norm(); length > 1e-6) {
-      obstacle.normal /= length;
-    } else {
-      reader.Refuse("normal", "[0, 0, 0]", "a direction");
-    }
-    reader.Read("offset", -kPlacesWithin, kPlacesWithin, " m", obstacle.offset);
-  } else {
-    reader.Read("center", -kPlacesWithin, kPlacesWithin, " m", obstacle.centre);
-    reader.Read("half_extents", physics::kMinHalfExtent, kPlacesWithin, " m", obstacle.halfExtents);
-  }
-  scene.obstacles.push_back(obstacle);
-}
 
 void ReadBlueprintName(TableReader& reader, const Scene& scene, std::size_t& blueprint) {
   reader.Require("blueprint");

@@ -411,6 +411,32 @@ TEST_F(ClientTest, CountsRecordsThatItCannotUse) {
   EXPECT_FALSE(client->NewestPose(4).has_value());
 }
 
+TEST_F(ClientTest, PlaysWhenAllHeightsAreThereAndTakesNoOthers) {
+  Start();
+  Connect();
+  protocol::WelcomeFields welcome{9, 3, 100, kTickHz, 30, "arena", 0, {}};
+  welcome.heightFields = {{{1, 2, 10}, 0.5F, -1, 0.25F, 3, 4}};
+  Arrive(Channel::kControl, protocol::MakeWelcome(welcome));
+  const auto send = [&](std::uint16_t field, std::uint16_t row, const std::vector<std::uint16_t>& heights) {
+    Arrive(Channel::kControl, protocol::MakeHeightRows(field, row, heights));
+    return client->ReadStatistics().badMessages;
+  };
+  EXPECT_EQ(client->ReadState(), State::kJoining);
+  EXPECT_EQ(send(1, 0, {1, 2, 3}), 1U) << "no such field";
+  EXPECT_EQ(send(0, 0, {1, 2, 3, 4}), 2U) << "no whole rows";
+  EXPECT_EQ(send(0, 1, {1, 2, 3}), 3U) << "a gap";
+  EXPECT_EQ(send(0, 0, {0, 1, 2, 3, 4, 5}), 3U);
+  EXPECT_EQ(send(0, 0, {0, 1, 2}), 4U) << "twice";
+  EXPECT_EQ(send(0, 2, {1, 1, 1, 1, 1, 1, 1, 1, 1}), 5U) << "more than there are";
+  EXPECT_EQ(client->ReadState(), State::kJoining);
+  EXPECT_EQ(send(0, 2, {6, 7, 8, 9, 10, 65535}), 5U);
+  EXPECT_EQ(client->ReadState(), State::kPlaying);
+  ASSERT_EQ(client->Grounds().size(), 1U);
+  EXPECT_EQ(client->Grounds()[0].rows, 4);
+  EXPECT_EQ(client->Grounds()[0].heights[4], 10) << "10 - 1 + 4 / 4";
+  EXPECT_EQ(send(0, 4, {1, 2, 3}), 6U);
+}
+
 TEST_F(ClientTest, TakesASnapshotThatOvertookTheWelcome) {
   Start();
   Connect();

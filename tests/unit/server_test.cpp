@@ -113,6 +113,33 @@ TEST(Server, AClientJoinsGetsBlueprintsAndPlays) {
   EXPECT_EQ(client.ReadStatistics().badMessages + client.ReadStatistics().badRecords, 0U);
 }
 
+TEST(Server, AClientHasTheGroundAndRoundObstaclesWhenItPlays) {
+  scenes::Scene scene = MakeYard();
+  physics::Obstacle ground;
+  ground.kind = physics::Obstacle::Kind::kHeightField;
+  ground.centre = physics::Vector3d(-20, 10, 2);
+  std::vector<double> heights;
+  for (int i = 0; i < 128 * 70; ++i) heights.push_back(0.5 * std::sin(0.2 * (i % 128)) + 0.1 * (i / 128));
+  ground.field = physics::MakeHeightField(128, 0.25, heights);
+  scene.obstacles.push_back(ground);
+  physics::Obstacle sphere;
+  sphere.kind = physics::Obstacle::Kind::kSphere;
+  sphere.radius = 0.75;
+  scene.obstacles.push_back(sphere);
+  Game game(scene);
+  auto& client = game.AddClient();
+  while (client.ReadState() != State::kPlaying && game.now < 5) game.Step();
+  ASSERT_EQ(client.ReadState(), State::kPlaying);
+  ASSERT_EQ(client.Welcome().obstacles.size(), 2U);
+  EXPECT_EQ(client.Welcome().obstacles[1].radius(), 0.75F);
+  ASSERT_EQ(client.Grounds().size(), 1U);
+  const client::Ground& shown = client.Grounds()[0];
+  EXPECT_EQ(shown.columns, 128);
+  ASSERT_EQ(shown.heights.size(), heights.size());
+  for (std::size_t i = 0; i < heights.size(); i += 37) ASSERT_NEAR(shown.heights[i], 2 + heights[i], 1e-3) << i;
+  EXPECT_EQ(client.ReadStatistics().badMessages, 0U);
+}
+
 TEST(Server, SnapshotsComeAtTheirRate) {
   for (const int snapshotHz : {10, 25, 30, 60}) {
     Config config;

@@ -251,9 +251,9 @@ TEST(TerminalRenderer, ObstaclesAreWhereTheServerSays) {
   const View view = MakeView(own);
   Renderer renderer;
   std::vector<Colour> sky, box, plane;
-  const std::vector<Obstacle> away{{ObstacleKind::Box, Vec3(0, 0, -500), Vec3(1, 1, 1)}};
-  const std::vector<Obstacle> near{{ObstacleKind::Box, Vec3(0, 0, -1), Vec3(3, 3, 1)}};
-  const std::vector<Obstacle> floor{{ObstacleKind::Plane, Vec3(0, 0, 2), Vec3(0, 0, 0)}};
+  const std::vector<Obstacle> away{{ObstacleKind::Box, Vec3(0, 0, -500), Vec3(1, 1, 1), 0}};
+  const std::vector<Obstacle> near{{ObstacleKind::Box, Vec3(0, 0, -1), Vec3(3, 3, 1), 0}};
+  const std::vector<Obstacle> floor{{ObstacleKind::Plane, Vec3(0, 0, 2), Vec3(0, 0, 0), 0}};
   renderer.Draw({away, {}, own}, view, 80, 46, sky);
   renderer.Draw({near, {}, own}, view, 80, 46, box);
   renderer.Draw({floor, {}, own}, view, 80, 46, plane);
@@ -262,6 +262,57 @@ TEST(TerminalRenderer, ObstaclesAreWhereTheServerSays) {
   EXPECT_EQ(box[30 * 80 + 1], sky[30 * 80 + 1]) << "beside the platform";
   EXPECT_NE(plane[30 * 80 + 1], sky[30 * 80 + 1]) << "a plane has no end";
   EXPECT_EQ(plane[40], sky[40]);
+}
+
+TEST(TerminalRenderer, RoundObstaclesAndGroundAreWhereTheServerSays) {
+  using protocol::wire::Obstacle, protocol::wire::ObstacleKind, protocol::wire::Vec3;
+  View view = LookAlongY();
+  view.eye = {0, -10, 0};
+  Renderer renderer;
+  std::vector<Colour> sky, round, capsule, ground;
+  const std::vector<Obstacle> away{{ObstacleKind::Box, Vec3(0, 0, -500), Vec3(1, 1, 1), 0}};
+  const std::vector<Obstacle> sphere{{ObstacleKind::Sphere, Vec3(1, 0, 0.5F), Vec3(), 2}};
+  const std::vector<Obstacle> bar{{ObstacleKind::Capsule, Vec3(-3, 0, -1), Vec3(3, 0, 2), 0.5F}};
+  // Level at −1 to the left of x = 0, rising to the right.
+  const client::Ground slope{{-4, -4, 0}, 4, 3, 3, {-1, -1, 1, -1, -1, 1, -1, -1, 1}};
+  renderer.Draw({away, {}, {}}, view, 120, 90, sky);
+  renderer.Draw({sphere, {}, {}}, view, 120, 90, round);
+  renderer.Draw({bar, {}, {}}, view, 120, 90, capsule);
+  renderer.Draw({away, {}, {}, {&slope, 1}}, view, 120, 90, ground);
+  const Viewport viewport(120, 90, view);
+  int inSphere = 0, inBar = 0;
+  for (int y = 0; y < 90; ++y) {
+    for (int x = 0; x < 120; ++x) {
+      const auto pixel = static_cast<std::size_t>(y * 120 + x);
+      const Vector3 ray = Normalise(viewport.FindRay(view, x, y));
+      const auto passes = [&](Vector3 from, Vector3 to) {  // least way between the ray and the axis
+        float nearest = 1e9F;
+        for (float share = 0; share <= 1; share += 1.0F / 64) {
+          const Vector3 point = from + (to - from) * share - view.eye;
+          nearest = std::min(nearest, Length(point - ray * Dot(point, ray)));
+        }
+        return nearest;
+      };
+      const float ofSphere = passes({1, 0, 0.5F}, {1, 0, 0.5F}) - 2;
+      const float ofBar = passes({-3, 0, -1}, {3, 0, 2}) - 0.5F;
+      EXPECT_TRUE(std::abs(ofSphere) < 0.15F || (round[pixel] != sky[pixel]) == (ofSphere < 0)) << x << ", " << y;
+      EXPECT_TRUE(std::abs(ofBar) < 0.15F || (capsule[pixel] != sky[pixel]) == (ofBar < 0)) << x << ", " << y;
+      inSphere += ofSphere < 0 ? 1 : 0;
+      inBar += ofBar < 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(inSphere, 500);
+  EXPECT_GT(inBar, 200);
+  const auto find = [&](Vector3 point) {
+    const Vector3 seen = view.ToCamera(point);
+    const auto x = static_cast<std::size_t>(60 + seen.x * viewport.scale / seen.z);
+    const auto y = static_cast<std::size_t>(45 - seen.y * viewport.scale / seen.z);
+    return y * 120 + x;
+  };
+  EXPECT_NE(ground[find({-2, 0, -1})], sky[find({-2, 0, -1})]);
+  EXPECT_NE(ground[find({3, 0, 0.4F})], sky[find({3, 0, 0.4F})]) << "half way up";
+  EXPECT_EQ(ground[find({-2, 0, 0.5F})], sky[find({-2, 0, 0.5F})]) << "nothing above the level part";
+  EXPECT_GT(Brightness(round[find({1, -2, 1.9F})]), Brightness(round[find({1, -2, -0.9F})])) << "lit from above";
 }
 
 TEST(TerminalRenderer, OutlivesBrokenBodiesAndSizes) {
