@@ -269,7 +269,7 @@ class World::Stepper {
     m_work.outcomes[i] = {steps, member.health, member.lost};
     body.touchesBody = false;
     if (member.lost) {
-      state = MakeState<Real>(*member.blueprint, m_work.safePlaces[i], Vector3d::Zero());
+      state = MakeState<Real>(*member.blueprint, FindFreePlace(member, m_work.safePlaces[i]), Vector3d::Zero());
       body.steps = {};
       WakeUp(body);
     } else {
@@ -277,6 +277,18 @@ class World::Stepper {
       NoteMotion(member, body);
       Recentre(*member.blueprint, state);
     }
+  }
+
+  // Near `place`, clear of obstacles where there is room: a body is lost where it is crushed, and its rest shape put
+  // there would stick in what has crushed it.
+  Vector3d FindFreePlace(const Member<Real>& member, const Vector3d& place) const {
+    Vector3d free = place;
+    for (const Obstacle& obstacle : m_world.m_obstacles) {
+      const SurfacePoint<double> point = FindSurfacePoint(MakeSurface<double>(obstacle, Vector3d::Zero()), free);
+      const double missing = member.blueprint->reach - point.distance;
+      if (missing > 0) free += missing * point.normal;
+    }
+    return free;
   }
 
   // A body that was reset has left those that it touched.
