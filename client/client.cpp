@@ -113,7 +113,8 @@ struct Client::Implementation {
   void MeasureSnapshot(const protocol::SnapshotHead& head);
   double MeasureInput(std::uint32_t inputTick);
   void HandleRecord(const protocol::Record& record, std::uint32_t tick);
-  [[nodiscard]] bool DecodeRecord(const protocol::Record& record, const Blueprint& blueprint, std::uint32_t tick);
+  [[nodiscard]] bool DecodeRecord(const protocol::Record& record, const std::shared_ptr<const Blueprint>& blueprint,
+                                  std::uint32_t tick);
 
   void SendDueInputs();
   void SendInput();
@@ -375,7 +376,7 @@ double Client::Implementation::MeasureInput(std::uint32_t inputTick) {
 }
 
 void Client::Implementation::HandleRecord(const protocol::Record& record, std::uint32_t tick) {
-  const Blueprint* blueprint = blueprints.Find(record.head.blueprint);
+  const std::shared_ptr<const Blueprint> blueprint = blueprints.Find(record.head.blueprint, record.head.generation);
   if (blueprint == nullptr) {
     ++statistics.unknownRecords;
     return;
@@ -383,7 +384,7 @@ void Client::Implementation::HandleRecord(const protocol::Record& record, std::u
   protocol::BitReader reader(record.payload);
   protocol::QuantisedPose pose;
   const bool isGood = protocol::PatchSize(blueprint->rest.size(), record.head.patch) > 0 &&
-                      (!options.decode || DecodeRecord(record, *blueprint, tick)) && protocol::ReadPose(reader, pose);
+                      (!options.decode || DecodeRecord(record, blueprint, tick)) && protocol::ReadPose(reader, pose);
   if (!isGood) {
     ++statistics.badRecords;
   } else if (record.head.patch == 0) {
@@ -391,10 +392,10 @@ void Client::Implementation::HandleRecord(const protocol::Record& record, std::u
   }
 }
 
-bool Client::Implementation::DecodeRecord(const protocol::Record& record, const Blueprint& blueprint,
-                                          std::uint32_t tick) {
-  const std::size_t size = protocol::PatchSize(blueprint.rest.size(), record.head.patch);
-  const auto rest = std::span(blueprint.rest).subspan(record.head.patch * protocol::kMaxPatchVertices, size);
+bool Client::Implementation::DecodeRecord(const protocol::Record& record,
+                                          const std::shared_ptr<const Blueprint>& blueprint, std::uint32_t tick) {
+  const std::size_t size = protocol::PatchSize(blueprint->rest.size(), record.head.patch);
+  const auto rest = std::span(blueprint->rest).subspan(record.head.patch * protocol::kMaxPatchVertices, size);
   protocol::Pose pose;
   shape.resize(size);
   return protocol::DecodeShape(record.payload, rest, pose, shape) == protocol::DecodeResult::kOk &&

@@ -91,13 +91,25 @@ CapturedGround CaptureGround(const physics::Obstacle& obstacle) {
   return captured;
 }
 
+// The springs, of which no more than the wire takes are drawn.
+std::vector<std::array<std::uint16_t, 2>> FindEdges(const physics::Blueprint& blueprint) {
+  std::vector<std::array<std::uint16_t, 2>> edges;
+  for (const physics::Spring<double>& spring : blueprint.full.springs) {
+    if (edges.size() == protocol::kMaxBlueprintEdges) break;
+    edges.push_back({static_cast<std::uint16_t>(spring.a), static_cast<std::uint16_t>(spring.b)});
+  }
+  return edges;
+}
+
 }  // namespace
 
 CapturedBlueprint CaptureBlueprint(const physics::Blueprint& blueprint) {
   CapturedBlueprint captured;
+  std::vector<std::array<std::uint16_t, 2>> edges;
+  if (blueprint.full.faces.empty()) edges = FindEdges(blueprint);
   for (const physics::Vector3d& x : blueprint.rest) captured.rest.push_back(ToWire(x));
   captured.size = static_cast<float>(blueprint.size);
-  captured.message = protocol::MakeBlueprint(blueprint.name, captured.rest, blueprint.full.faces, captured.size);
+  captured.message = protocol::MakeBlueprint(blueprint.name, captured.rest, blueprint.full.faces, captured.size, edges);
   captured.hash = protocol::HashBytes(captured.message);
   return captured;
 }

@@ -44,6 +44,13 @@ constexpr std::size_t kMaxCapsules = 64;  // and spheres
 constexpr std::size_t kSides = 32;
 constexpr std::size_t kRings = 16;
 
+// Radius of a rod: a share of the mean spring, within limits, metres, and never less than this many samples.
+constexpr float kRodShare = 0.05F;
+constexpr float kThinRod = 0.01F;
+constexpr float kThickRod = 0.06F;
+constexpr float kLeastRod = 0.75F;
+constexpr std::array<std::array<std::uint16_t, 3>, 2> kStripFaces{{{0, 1, 2}, {0, 2, 3}}};
+
 Vector3 ToVector(const protocol::wire::Vec3& v) { return {v.x(), v.y(), v.z()}; }
 Vector3 MultiplyEach(Vector3 a, Vector3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 
@@ -85,10 +92,9 @@ void Renderer::Draw(const World& world, const View& view, int width, int height,
   m_samples.Reset(width * factor, height * factor);
   m_planes.clear();
   AddObstacles(world, view);
-  AddBodies(world.bodies, view);
   const float reach = std::clamp(1.5F * Length(view.eye - world.focus), 8.0F, 40.0F);
   m_shadows.Reset(world.focus, reach);
-  for (const DrawnBody& body : world.bodies) m_shadows.Add(body.vertices, body.faces);
+  AddBodies(world.bodies, view);
 
   const Viewport viewport(m_samples.width, m_samples.height, view);
   m_lights.resize(m_samples.samples.size());
@@ -196,14 +202,89 @@ void Renderer::AddBox(Vector3 centre, Vector3 half, const View& view) {
 void Renderer::AddBodies(std::span<const DrawnBody> bodies, const View& view) {
   std::uint32_t material = 0;
   for (const DrawnBody& body : bodies) {
-    ComputeNormals(body.vertices, body.faces, m_normals);
-    for (const auto& face : body.faces) {
-      std::array<Corner, 3> corners;
-      for (std::size_t i = 0; i < 3; ++i) corners[i] = {body.vertices[face[i]], m_normals[face[i]], body.rest[face[i]]};
-      DrawTriangle(view, corners, material, m_samples);
+    if (body.faces.empty()) {
+      AddEdges(body, material, view);
+    } else {
+      AddFaces(body, material, view);
     }
     ++material;
   }
+}
+
+void Renderer::AddFaces(const DrawnBody& body, std::uint32_t material, const View& view) {
+  ComputeNormals(body.vertices, body.faces, m_normals);
+  for (const auto& face : body.faces) {
+    std::array<Corner, 3> corners;
+    for (std::size_t i = 0; i < 3; ++i) corners[i] = {body.vertices[face[i]], m_normals[face[i]], body.rest[face[i]]};
+    DrawTriangle(view, corners, material, m_samples);
+    if (!body.open) continue;
+    for (Corner& corner : corners) corner.normal = corner.normal * -1;
+    DrawTriangle(view, {corners[0], corners[2], corners[1]}, material, m_samples);
+  }
+  m_shadows.Add(body.vertices, body.faces);
+}
+
+// Springs as rods and masses as dots twice as thick, of a size that goes with the springs' own and can be seen from
+// afar.
+void Renderer::AddEdges(const DrawnBody& body, std::uint32_t material, const View& view) {
+  float length = 0;
+  for (const auto& edge : body.edges) length += Length(body.rest[edge[1]] - body.rest[edge[0]]);
+  if (!body.edges.empty()) length /= static_cast<float>(body.edges.size());
+  const float rod = std::clamp(kRodShare * length, kThinRod, kThickRod);
+  const float scale = Viewport(m_samples.width, m_samples.height, view).scale;
+  const auto thicken = [&](float radius, Vector3 at) {
+    return std::max(radius, kLeastRod * Dot(at - view.eye, view.forward) / scale);
+  };
+  for (const auto& edge : body.edges) {
+    const Vector3 from = body.vertices[edge[0]], to = body.vertices[edge[1]];
+    AddRod({from, {}, body.rest[edge[0]]}, {to, {}, body.rest[edge[1]]}, thicken(rod, (from + to) * 0.5F), material,
+           view);
+  }
+  for (std::size_t i = 0; i < body.vertices.size(); ++i) {
+    const Vector3 at = body.vertices[i];
+    AddDot({at, {}, body.rest[i]}, 2 * thicken(rod, at), material, view);
+  }
+}
+
+// The half that the eye sees, as a roof of two sides whose normals make it look round; in the shadow map a strip.
+void Renderer::AddRod(const Corner& from, const Corner& to, float radius, std::uint32_t material, const View& view) {
+  const Vector3 axis = to.position - from.position;
+  const auto findSide = [&](Vector3 towards) { return Normalise(Cross(axis, towards), {0, 0, 0}) * radius; };
+  const Vector3 side = findSide(view.eye - from.position);
+  const Vector3 ridge = Normalise(Cross(side, axis), {0, 0, 0}) * radius;
+  const auto move = [](Corner corner, Vector3 by) {
+    corner.position = corner.position + by;
+    corner.normal = by;
+    return corner;
+  };
+  for (const Vector3 edge : {side, side * -1}) {
+    const std::array<Corner, 4> roof{move(from, edge), move(to, edge), move(to, ridge), move(from, ridge)};
+    // In either order, of which one shows its front.
+    DrawTriangle(view, {roof[0], roof[1], roof[2]}, material, m_samples);
+    DrawTriangle(view, {roof[0], roof[2], roof[3]}, material, m_samples);
+    DrawTriangle(view, {roof[0], roof[2], roof[1]}, material, m_samples);
+    DrawTriangle(view, {roof[0], roof[3], roof[2]}, material, m_samples);
+  }
+  const Vector3 width = findSide(kToSun);
+  const std::array<Vector3, 4> strip{from.position - width, from.position + width, to.position + width,
+                                     to.position - width};
+  m_shadows.Add(strip, kStripFaces);
+}
+
+void Renderer::AddDot(const Corner& at, float radius, std::uint32_t material, const View& view) {
+  const Vector3 facing = Normalise(view.eye - at.position);
+  const auto move = [&](Vector3 by) { return Corner{at.position + by * radius, by, at.mark}; };
+  constexpr int kCorners = 8;
+  const auto rim = [&](int corner) {
+    const float angle = 2 * 3.14159265F * static_cast<float>(corner) / kCorners;
+    return move(view.right * std::cos(angle) + view.up * std::sin(angle));
+  };
+  for (int i = 0; i < kCorners; ++i) DrawTriangle(view, {move(facing), rim(i), rim(i + 1)}, material, m_samples);
+  const Vector3 across = Normalise(Cross(kToSun, {0, 1, 0})) * radius;
+  const Vector3 along = Normalise(Cross(kToSun, across)) * radius;
+  const std::array<Vector3, 4> square{at.position - across, at.position - along, at.position + across,
+                                      at.position + along};
+  m_shadows.Add(square, kStripFaces);
 }
 
 Light Renderer::LightSample(const World& world, const View& view, const Viewport& viewport, int x, int y) const {

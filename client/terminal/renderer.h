@@ -20,6 +20,9 @@ struct DrawnBody {
   std::span<const Vector3> rest;                        // as many, body frame; the pattern clings to it
   std::span<const std::array<std::uint16_t, 3>> faces;  // outward, of vertices that exist
   Light colour;
+  bool open = false;  // the backs of its faces are seen as well
+  std::span<const std::array<std::uint16_t, 2>> edges =
+      {};  // what is drawn, with all vertices, where there are no faces
 };
 
 struct World {
@@ -45,6 +48,10 @@ class Renderer {
   void AddGround(const client::Ground& ground, const View& view);
   void DrawSurface(const View& view, const Corner& a, const Corner& b, const Corner& c, const Corner& d);
   void AddBodies(std::span<const DrawnBody> bodies, const View& view);
+  void AddFaces(const DrawnBody& body, std::uint32_t material, const View& view);
+  void AddEdges(const DrawnBody& body, std::uint32_t material, const View& view);
+  void AddRod(const Corner& from, const Corner& to, float radius, std::uint32_t material, const View& view);
+  void AddDot(const Corner& at, float radius, std::uint32_t material, const View& view);
   [[nodiscard]] Light LightSample(const World& world, const View& view, const Viewport& viewport, int x, int y) const;
   [[nodiscard]] Light LightSurface(Vector3 point, Vector3 normal, Vector3 ray, const View& view,
                                    const Viewport& viewport) const;

@@ -169,6 +169,20 @@ TEST_F(CaptureTest, BlueprintsArriveAsTheyAre) {
   EXPECT_EQ(captured.hash, protocol::HashBytes(captured.message));
 }
 
+TEST(CaptureBlueprint, SendsEdgesOnlyWhereThereAreNoFaces) {
+  physics::Blueprint ball = MakeSmallBall();
+  const auto read = [](const CapturedBlueprint& captured) {
+    const protocol::wire::Blueprint* parsed = nullptr;
+    EXPECT_EQ(protocol::ParseBlueprint(captured.message, parsed), protocol::ParseResult::kOk);
+    return parsed->edges() == nullptr ? std::size_t{0} : std::size_t{parsed->edges()->size()};
+  };
+  EXPECT_EQ(read(CaptureBlueprint(ball)), 0U);
+  ball.full.faces.clear();
+  EXPECT_EQ(read(CaptureBlueprint(ball)), ball.full.springs.size());
+  ball.full.springs.resize(protocol::kMaxBlueprintEdges + 5, ball.full.springs[0]);
+  EXPECT_EQ(read(CaptureBlueprint(ball)), protocol::kMaxBlueprintEdges);
+}
+
 TEST(CaptureObstacles, EveryKindAsTheWireHasIt) {
   using Kind = physics::Obstacle::Kind;
   physics::Obstacle sphere;
