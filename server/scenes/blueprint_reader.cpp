@@ -61,12 +61,46 @@ void ReadFields(TableReader& reader, physics::LatticeDefinition& lattice) {
               lattice.fixed);
 }
 
+void ReadFields(TableReader& reader, physics::RingDefinition& ring) {
+  reader.Read("points", 3, physics::kMaxRingPoints, ring.points);
+  reader.Read("layers", 1, physics::kMaxRingLayers, ring.layers);
+  reader.ReadUnchecked("radius", ring.radius);
+  reader.ReadUnchecked("thickness", ring.thickness);
+  ReadMaterial(reader, ring.material);
+  ReadGas(reader, ring.material);
+}
+
+void ReadFields(TableReader& reader, physics::ClothDefinition& cloth) {
+  using physics::Orientation;
+  using physics::Pinned;
+  reader.Read("points", 2, physics::kMaxClothPoints, cloth.points);
+  reader.ReadUnchecked("spacing", cloth.spacing);
+  reader.Read("orientation",
+              std::map<std::string, Orientation>{{"horizontal", Orientation::kHorizontal},
+                                                 {"vertical", Orientation::kVertical}},
+              cloth.orientation);
+  reader.Read("pinned",
+              std::map<std::string, Pinned>{{"none", Pinned::kNone},
+                                            {"corners", Pinned::kCorners},
+                                            {"top_corners", Pinned::kTopCorners},
+                                            {"edge", Pinned::kEdge},
+                                            {"frame", Pinned::kFrame}},
+              cloth.pinned);
+  reader.ReadUnchecked("shear", cloth.shear);
+  reader.ReadUnchecked("bend", cloth.bend);
+  reader.ReadUnchecked("tear_stretch", cloth.tearStretch);
+  ReadMaterial(reader, cloth.material);
+  reader.ReadUnchecked("drag", cloth.material.drag);
+}
+
 }  // namespace
 
 void ReadBlueprint(TableReader& reader, Scene& scene) {
   const std::map<std::string, BodyDefinition> kinds{{"ball", physics::BallDefinition{}},
+                                                    {"cloth", physics::ClothDefinition{}},
                                                     {"lattice", physics::LatticeDefinition{}},
-                                                    {"pair", physics::PairDefinition{}}};
+                                                    {"pair", physics::PairDefinition{}},
+                                                    {"ring", physics::RingDefinition{}}};
   BodyDefinition definition = kinds.at("ball");
   const bool kindIsKnown = !reader.Has("kind") || reader.Read("kind", kinds, definition);
   reader.Require("name");

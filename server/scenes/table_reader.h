@@ -6,6 +6,7 @@
 #include <array>
 #include <map>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -49,6 +50,7 @@ class TableReader {
   void Read(std::string_view key, bool& value);
   void Read(std::string_view key, std::size_t maxLength, std::string& value);
   void Read(std::string_view key, double low, double high, const char* unit, physics::Vector3d& value);
+  void Read(std::string_view key, int low, int high, std::array<int, 2>& value);
   void Read(std::string_view key, int low, int high, std::array<int, 3>& value);
 
   // One of a few words. False when there is none or another one.
@@ -96,6 +98,7 @@ class TableReader {
 
  private:
   const toml::node* Find(std::string_view key);
+  void ReadWhole(std::string_view key, const char* count, int low, int high, std::span<int> value);
 
   const toml::table& m_table;
   ErrorList& m_errors;
