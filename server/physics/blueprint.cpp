@@ -101,7 +101,7 @@ bool IsSlowEnough(const Blueprint& blueprint) {
   return rate / 60 / kStabilityLimit <= kMaxSubsteps / 2;
 }
 
-void FinishBlueprint(Blueprint& blueprint) {
+void FinishBlueprintButStability(Blueprint& blueprint) {
   Coefficients<double>& full = blueprint.full;
   blueprint.totalMass = 0;
   Vector3d moment = Vector3d::Zero();
@@ -128,6 +128,10 @@ void FinishBlueprint(Blueprint& blueprint) {
   blueprint.dragRate = FindDragRate(blueprint);
   FindContactShares(blueprint);
   blueprint.single = ToSingle(full);
+}
+
+void FinishBlueprint(Blueprint& blueprint) {
+  FinishBlueprintButStability(blueprint);
   FindBodyStability(blueprint);
 }
 

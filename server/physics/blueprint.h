@@ -114,6 +114,8 @@ inline constexpr double kMinSize = 0.01;
 // Fills everything that follows from `rest` and `full`: single precision, sizes, masses, volume, stability, topology.
 // Vertices in `full.fixed` lose their inverse masses.
 void FinishBlueprint(Blueprint& blueprint);
+// The same without stability, for those who know it: the power iteration takes longer than all the rest.
+void FinishBlueprintButStability(Blueprint& blueprint);
 
 // Whether the body by itself leaves half of the largest number of substeps, at 60 ticks a second, to what it touches.
 [[nodiscard]] bool IsSlowEnough(const Blueprint& blueprint);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 
 namespace wobble::scenes {
 namespace {
@@ -61,12 +62,71 @@ void ReadFields(TableReader& reader, physics::LatticeDefinition& lattice) {
               lattice.fixed);
 }
 
+void ReadFields(TableReader& reader, physics::RingDefinition& ring) {
+  reader.Read("points", 3, physics::kMaxRingPoints, ring.points);
+  reader.Read("layers", 1, physics::kMaxRingLayers, ring.layers);
+  reader.ReadUnchecked("radius", ring.radius);
+  reader.ReadUnchecked("thickness", ring.thickness);
+  ReadMaterial(reader, ring.material);
+  ReadGas(reader, ring.material);
+}
+
+void ReadFields(TableReader& reader, physics::ClothDefinition& cloth) {
+  using physics::Orientation;
+  using physics::Pinned;
+  reader.Read("points", 2, physics::kMaxClothPoints, cloth.points);
+  reader.ReadUnchecked("spacing", cloth.spacing);
+  reader.Read("orientation",
+              std::map<std::string, Orientation>{{"horizontal", Orientation::kHorizontal},
+                                                 {"vertical", Orientation::kVertical}},
+              cloth.orientation);
+  reader.Read("pinned",
+              std::map<std::string, Pinned>{{"none", Pinned::kNone},
+                                            {"corners", Pinned::kCorners},
+                                            {"top_corners", Pinned::kTopCorners},
+                                            {"edge", Pinned::kEdge},
+                                            {"frame", Pinned::kFrame}},
+              cloth.pinned);
+  reader.ReadUnchecked("shear", cloth.shear);
+  reader.ReadUnchecked("bend", cloth.bend);
+  reader.ReadUnchecked("tear_stretch", cloth.tearStretch);
+  ReadMaterial(reader, cloth.material);
+  reader.ReadUnchecked("drag", cloth.material.drag);
+}
+
+// Ranges of what stands in lists are checked here as well, where each has its line.
+void ReadFields(TableReader& reader, physics::GraphDefinition& graph) {
+  reader.ReadTables("particle", [&](TableReader& table) {
+    physics::Particle particle;
+    table.Read("position", -100, 100, " m", particle.position);
+    table.Read("mass", 0.001, 1e6, " kg", particle.mass);
+    table.Read("fixed", particle.fixed);
+    graph.particles.push_back(particle);
+  });
+  reader.ReadTables("spring", [&](TableReader& table) {
+    physics::GraphSpring spring;
+    std::array<int, 2> ends{spring.a, spring.b};
+    table.Require("ends");
+    table.Read("ends", 0, static_cast<int>(physics::kMaxParticles) - 1, ends);
+    std::tie(spring.a, spring.b) = std::tie(ends[0], ends[1]);
+    table.Read("stiffness", 1e-6, 1e9, " N/m", spring.stiffness);
+    table.Read("damping", 0, 1e6, " N·s/m", spring.damping);
+    table.Read("rest_length", 0, 500, " m", spring.restLength);
+    graph.springs.push_back(spring);
+  });
+  reader.Read("planar", graph.planar);
+  reader.ReadUnchecked("friction", graph.friction);
+  reader.ReadUnchecked("restitution", graph.restitution);
+  reader.ReadUnchecked("contact_stiffness", graph.contactStiffness);
+}
+
 }  // namespace
 
 void ReadBlueprint(TableReader& reader, Scene& scene) {
-  const std::map<std::string, BodyDefinition> kinds{{"ball", physics::BallDefinition{}},
-                                                    {"lattice", physics::LatticeDefinition{}},
-                                                    {"pair", physics::PairDefinition{}}};
+  const std::map<std::string, BodyDefinition> kinds{
+      {"ball", physics::BallDefinition{}},   {"cloth", physics::ClothDefinition{}},
+      {"graph", physics::GraphDefinition{}}, {"lattice", physics::LatticeDefinition{}},
+      {"pair", physics::PairDefinition{}},   {"ring", physics::RingDefinition{}}};
   BodyDefinition definition = kinds.at("ball");
   const bool kindIsKnown = !reader.Has("kind") || reader.Read("kind", kinds, definition);
   reader.Require("name");

@@ -122,22 +122,30 @@ void TableReader::Read(std::string_view key, double low, double high, const char
   value = read;
 }
 
+void TableReader::Read(std::string_view key, int low, int high, std::array<int, 2>& value) {
+  ReadWhole(key, "two", low, high, value);
+}
+
 void TableReader::Read(std::string_view key, int low, int high, std::array<int, 3>& value) {
+  ReadWhole(key, "three", low, high, value);
+}
+
+// count: how many in words.
+void TableReader::ReadWhole(std::string_view key, const char* count, int low, int high, std::span<int> value) {
   const toml::node* node = Find(key);
   if (node == nullptr) return;
-  std::array<int, 3> read{};
+  std::vector<int> read;
   const toml::array* array = node->as_array();
-  bool valid = array != nullptr && array->size() == read.size();
-  for (std::size_t i = 0; valid && i < read.size(); ++i) {
+  for (std::size_t i = 0; array != nullptr && i < array->size(); ++i) {
     const auto number = (*array)[i].value<std::int64_t>();
-    valid = number && *number >= low && *number <= high;
-    if (valid) read[i] = static_cast<int>(*number);
+    if (!number || *number < low || *number > high) break;
+    read.push_back(static_cast<int>(*number));
   }
-  if (!valid) {
+  if (array == nullptr || array->size() != value.size() || read.size() != value.size()) {
     return Refuse(key, FormatNode(*node),
-                  "three whole numbers from " + std::to_string(low) + " to " + std::to_string(high));
+                  std::string(count) + " whole numbers from " + std::to_string(low) + " to " + std::to_string(high));
   }
-  value = read;
+  std::ranges::copy(read, value.begin());
 }
 
 bool TableReader::Read(std::string_view key, double low, double high, const char* unit, int most,

@@ -6,6 +6,7 @@
 #include <array>
 #include <map>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -51,6 +52,7 @@ class TableReader {
   void Read(std::string_view key, bool& value);
   void Read(std::string_view key, std::size_t maxLength, std::string& value);
   void Read(std::string_view key, double low, double high, const char* unit, physics::Vector3d& value);
+  void Read(std::string_view key, int low, int high, std::array<int, 2>& value);
   void Read(std::string_view key, int low, int high, std::array<int, 3>& value);
 
   // A grid of numbers, one array a row, all rows equally long. False when there is none or it is not so.
@@ -102,6 +104,7 @@ class TableReader {
 
  private:
   const toml::node* Find(std::string_view key);
+  void ReadWhole(std::string_view key, const char* count, int low, int high, std::span<int> value);
 
   const toml::table& m_table;
   ErrorList& m_errors;
