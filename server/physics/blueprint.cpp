@@ -56,6 +56,15 @@ bool IsSlowEnough(const Blueprint& blueprint) {
   return rate / 60 / kStabilityLimit <= kMaxSubsteps / 2;
 }
 
+void SetIntegrator(Blueprint& blueprint, Integrator integrator) {
+  blueprint.integrator = integrator;
+  blueprint.sparsePattern.reset();
+  if (integrator != Integrator::kImplicitEuler) return;
+  std::vector<std::array<std::uint32_t, 2>> pairs;
+  for (const Spring<double>& spring : blueprint.full.springs) pairs.push_back({spring.a, spring.b});
+  blueprint.sparsePattern = std::make_shared<SparsePattern>(MakeSparsePattern(pairs, blueprint.rest.size()));
+}
+
 void FinishBlueprint(Blueprint& blueprint) {
   Coefficients<double>& full = blueprint.full;
   blueprint.totalMass = 0;

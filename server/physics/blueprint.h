@@ -3,9 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "server/physics/integrator.h"
+#include "server/physics/sparse_pattern.h"
 #include "server/physics/topology.h"
 #include "server/physics/vector.h"
 
@@ -81,7 +84,9 @@ struct Blueprint {
   // Largest angular frequency at rest (springs and gas) and the damping rate that goes with it, 1/s; see stability.h.
   double angularFrequency = 0;
   double dampingRate = 0;
-  Topology topology;  // of full.faces
+  Integrator integrator = Integrator::kRungeKutta4;
+  std::shared_ptr<const SparsePattern> sparsePattern;  // of full.springs; for implicit Euler only
+  Topology topology;                                   // of full.faces
   Coefficients<float> single;
   Coefficients<double> full;
 
@@ -97,6 +102,9 @@ struct Blueprint {
 
 // Fills everything that follows from `rest` and `full`: single precision, sizes, masses, volume, stability, topology.
 void FinishBlueprint(Blueprint& blueprint);
+
+// Sets the method and makes what it needs; after FinishBlueprint.
+void SetIntegrator(Blueprint& blueprint, Integrator integrator);
 
 // Whether the body by itself leaves half of the largest number of substeps, at 60 ticks a second, to what it touches.
 [[nodiscard]] bool IsSlowEnough(const Blueprint& blueprint);

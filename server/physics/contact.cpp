@@ -15,6 +15,36 @@ constexpr double kStickDampingRatio = 0.3;
 // Candidates beyond the way a vertex goes in the tick, m: what gravity and springs may add.
 constexpr double kMargin = 0.02;
 
+// A contact that pushes.
+template <class Real>
+struct Push {
+  Vector3<Real> normal = Vector3<Real>::UnitZ();
+  Real depth = 0;                              // m; 0: it does not push
+  Real normalForce = 0;                        // N
+  Vector3<Real> pull = Vector3<Real>::Zero();  // of friction before Coulomb's limit, N
+  Real kept = 1;                               // share of it that the limit leaves
+};
+
+template <class Real>
+Push<Real> FindPush(const ContactParameters<Real>& parameters, const Surface<Real>& surface,
+                    const Contact<Real>& contact, const Vector3<Real>& x, const Vector3<Real>& velocity) {
+  const SurfacePoint<Real> point = FindSurfacePoint(surface, x);
+  Push<Real> push;
+  if (!(point.distance < Real(0))) return push;
+  push.normal = point.normal;
+  push.depth = -point.distance;
+  push.normalForce = ComputeNormalForce(parameters, push.depth, -point.normal.dot(velocity));
+  push.pull = parameters.stickDamping * RemoveNormalPart<Real>(velocity, point.normal);
+  if (contact.touching) {
+    const Vector3<Real> slip = x - contact.anchor;
+    push.pull += parameters.stickStiffness * RemoveNormalPart<Real>(slip, point.normal);
+  }
+  const Real limit = parameters.friction * surface.friction * push.normalForce;
+  const Real strength = std::sqrt(push.pull.dot(push.pull));
+  if (strength > limit) push.kept = limit / strength;
+  return push;
+}
+
 bool ComesBefore(std::uint32_t surfaceA, std::uint32_t vertexA, std::uint32_t surfaceB, std::uint32_t vertexB) {
   return surfaceA != surfaceB ? surfaceA < surfaceB : vertexA < vertexB;
 }
@@ -91,23 +121,27 @@ void AddContacts(const ContactParameters<Real>& parameters, std::span<const Real
                  std::span<const Surface<Real>> surfaces, std::span<const Contact<Real>> contacts,
                  std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, std::span<Vector3<Real>> forces) {
   for (const Contact<Real>& contact : contacts) {
-    const Surface<Real>& surface = surfaces[contact.surface];
-    const SurfacePoint<Real> point = FindSurfacePoint(surface, x[contact.vertex]);
-    const Real depth = -point.distance;
-    if (!(depth > Real(0))) continue;
-    const Vector3<Real>& velocity = v[contact.vertex];
-    const Real rate = -point.normal.dot(velocity);
-    const Real normalForce = ComputeNormalForce(parameters, depth, rate);
-    Vector3<Real> pull = parameters.stickDamping * RemoveNormalPart<Real>(velocity, point.normal);
-    if (contact.touching) {
-      const Vector3<Real> slip = x[contact.vertex] - contact.anchor;
-      pull += parameters.stickStiffness * RemoveNormalPart<Real>(slip, point.normal);
-    }
-    const Real limit = parameters.friction * surface.friction * normalForce;
-    const Real strength = std::sqrt(pull.dot(pull));
-    if (strength > limit) pull *= limit / strength;
-    forces[contact.vertex] += shares[contact.vertex] * (normalForce * point.normal - pull);
+    const std::uint32_t i = contact.vertex;
+    const Push<Real> push = FindPush(parameters, surfaces[contact.surface], contact, x[i], v[i]);
+    if (!(push.depth > Real(0))) continue;
+    forces[i] += shares[i] * (push.normalForce * push.normal - push.kept * push.pull);
   }
+}
+
+template <class Real>
+ContactStiffness<Real> FindContactStiffness(const ContactParameters<Real>& parameters, std::span<const Real> shares,
+                                            std::span<const Surface<Real>> surfaces, const Contact<Real>& contact,
+                                            std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v) {
+  const std::uint32_t i = contact.vertex;
+  const Push<Real> push = FindPush(parameters, surfaces[contact.surface], contact, x[i], v[i]);
+  ContactStiffness<Real> found;
+  if (!(push.normalForce > Real(0))) return found;
+  found.normal = push.normal;
+  found.stiffness = shares[i] * ComputePenaltySlope(parameters, push.depth);
+  found.damping = shares[i] * parameters.damping * ComputeDampingShare(parameters, push.depth);
+  found.stickStiffness = contact.touching ? shares[i] * push.kept * parameters.stickStiffness : Real(0);
+  found.stickDamping = shares[i] * push.kept * parameters.stickDamping;
+  return found;
 }
 
 template <class Real>
@@ -131,19 +165,22 @@ void UpdateAnchors(const ContactParameters<Real>& parameters, std::span<const Su
   }
 }
 
-#define WOBBLE_INSTANTIATE(Real)                                                                         \
-  template Real ComputePenalty<Real>(const ContactParameters<Real>&, Real);                              \
-  template Real ComputePenaltySlope<Real>(const ContactParameters<Real>&, Real);                         \
-  template Real ComputeNormalForce<Real>(const ContactParameters<Real>&, Real, Real);                    \
-  template Real ComputeDampingShare<Real>(const ContactParameters<Real>&, Real);                         \
-  template void FindContacts<Real>(std::span<const Surface<Real>>, const Bounds<Real>&,                  \
-                                   std::span<const Vector3<Real>>, std::span<const Vector3<Real>>, Real, \
-                                   std::vector<Contact<Real>>&, std::vector<Contact<Real>>&);            \
-  template void AddContacts<Real>(const ContactParameters<Real>&, std::span<const Real>,                 \
-                                  std::span<const Surface<Real>>, std::span<const Contact<Real>>,        \
-                                  std::span<const Vector3<Real>>, std::span<const Vector3<Real>>,        \
-                                  std::span<Vector3<Real>>);                                             \
-  template void UpdateAnchors<Real>(const ContactParameters<Real>&, std::span<const Surface<Real>>,      \
+#define WOBBLE_INSTANTIATE(Real)                                                                                   \
+  template Real ComputePenalty<Real>(const ContactParameters<Real>&, Real);                                        \
+  template Real ComputePenaltySlope<Real>(const ContactParameters<Real>&, Real);                                   \
+  template Real ComputeNormalForce<Real>(const ContactParameters<Real>&, Real, Real);                              \
+  template Real ComputeDampingShare<Real>(const ContactParameters<Real>&, Real);                                   \
+  template void FindContacts<Real>(std::span<const Surface<Real>>, const Bounds<Real>&,                            \
+                                   std::span<const Vector3<Real>>, std::span<const Vector3<Real>>, Real,           \
+                                   std::vector<Contact<Real>>&, std::vector<Contact<Real>>&);                      \
+  template void AddContacts<Real>(const ContactParameters<Real>&, std::span<const Real>,                           \
+                                  std::span<const Surface<Real>>, std::span<const Contact<Real>>,                  \
+                                  std::span<const Vector3<Real>>, std::span<const Vector3<Real>>,                  \
+                                  std::span<Vector3<Real>>);                                                       \
+  template ContactStiffness<Real> FindContactStiffness<Real>(                                                      \
+      const ContactParameters<Real>&, std::span<const Real>, std::span<const Surface<Real>>, const Contact<Real>&, \
+      std::span<const Vector3<Real>>, std::span<const Vector3<Real>>);                                             \
+  template void UpdateAnchors<Real>(const ContactParameters<Real>&, std::span<const Surface<Real>>,                \
                                     std::span<Contact<Real>>, std::span<const Vector3<Real>>);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)

@@ -41,6 +41,21 @@ void AddContacts(const ContactParameters<Real>& parameters, std::span<const Real
                  std::span<const Surface<Real>> surfaces, std::span<const Contact<Real>> contacts,
                  std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, std::span<Vector3<Real>> forces);
 
+// What a contact does to small motions of its vertex, along the normal and across it, N/m and N·s/m.
+template <class Real>
+struct ContactStiffness {
+  Vector3<Real> normal = Vector3<Real>::UnitZ();
+  Real stiffness = 0;
+  Real damping = 0;
+  Real stickStiffness = 0;
+  Real stickDamping = 0;
+};
+// Friction that Coulomb's limit cuts counts by the share that is left of it. All 0 while nothing pushes.
+template <class Real>
+[[nodiscard]] ContactStiffness<Real> FindContactStiffness(
+    const ContactParameters<Real>& parameters, std::span<const Real> shares, std::span<const Surface<Real>> surfaces,
+    const Contact<Real>& contact, std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v);
+
 // After a substep: sets, drags and drops anchors.
 template <class Real>
 void UpdateAnchors(const ContactParameters<Real>& parameters, std::span<const Surface<Real>> surfaces,

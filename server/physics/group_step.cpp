@@ -1,5 +1,5 @@
 // Bodies that touch are one system of equations: their states stand behind one another in one array, so that each stage
-// of RK4 sees all of them at the same moment, and forces between them are equal and opposite at every stage.
+// of a step sees all of them at the same moment, and forces between them are equal and opposite at every stage.
 #include "server/physics/group_step.h"
 
 #include <algorithm>
@@ -19,20 +19,55 @@ class Group {
   }
 
   int Step(double duration) {
-    const int substeps = FindSubsteps(duration);
+    const Integrator integrator = FindIntegrator();
+    const int substeps = FindSubsteps(integrator, duration);
     const auto h = static_cast<Real>(duration / substeps);
-    const auto accelerate = [this](std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v,
-                                   std::span<Vector3<Real>> a) { Accelerate(x, v, a); };
     for (int substep = 0; substep < substeps; ++substep) {
-      StepRungeKutta<Real>(kClassicRungeKutta, h, accelerate, std::span(m_scratch.positions),
-                           std::span(m_scratch.velocities), m_scratch.stages);
+      StepOnce<Real>(integrator, h, *this, std::span(m_scratch.positions), std::span(m_scratch.velocities),
+                     m_scratch.integrator);
       UpdateContacts(h);
     }
     Scatter();
     return substeps;
   }
 
+  // As a system of StepOnce.
+  [[nodiscard]] std::size_t CountBodies() const { return m_members.size(); }
+  [[nodiscard]] SteppedBody<Real> ReadBody(std::size_t i) const {
+    const Member<Real>& member = *m_members[i];
+    return {member.blueprint, &member.load, member.surfaces, member.state->contacts, {}, m_scratch.begins[i]};
+  }
+  void Accelerate(std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, std::span<Vector3<Real>> a,
+                  bool springs) const {
+    for (std::size_t i = 0; i < m_members.size(); ++i) {
+      const Member<Real>& member = *m_members[i];
+      Load<Real> load = member.load;
+      if (!springs) load.stiffnessFactor = 0;
+      ComputeForces<Real>(member.blueprint->template Read<Real>(), load, member.surfaces, member.state->contacts,
+                          PartOf(x, i), PartOf(v, i), PartOf(a, i));
+    }
+    for (const Encounter<Real>& encounter : m_encounters) {
+      for (std::size_t side = 0; side < 2; ++side) {
+        AddBodyContacts<Real>(encounter.parameters, Meet(encounter, side, x, v), *encounter.sides[side],
+                              PartOf(a, encounter.members[side]), PartOf(a, encounter.members[1 - side]));
+      }
+    }
+    for (std::size_t i = 0; i < m_members.size(); ++i) {
+      DivideByMasses<Real>(m_members[i]->blueprint->template Read<Real>(), m_members[i]->load, PartOf(a, i));
+    }
+  }
+
  private:
+  // Bodies that touch are stepped as one. Where they ask for different methods none of those is right for all, and
+  // what they have in common is the default.
+  [[nodiscard]] Integrator FindIntegrator() const {
+    const Integrator first = m_members[0]->blueprint->integrator;
+    for (const Member<Real>* member : m_members) {
+      if (member->blueprint->integrator != first) return Integrator::kRungeKutta4;
+    }
+    return first;
+  }
+
   template <class Value>
   std::span<Value> PartOf(std::span<Value> values, std::size_t member) const {
     const std::size_t begin = m_scratch.begins[member];
@@ -68,7 +103,7 @@ class Group {
                              PartOf(x, faces), PartOf(v, faces));
   }
 
-  int FindSubsteps(double duration) {
+  int FindSubsteps(Integrator integrator, double duration) {
     m_scratch.loads.assign(m_scratch.positions.size(), {});
     int most = AddAllContactLoads(duration);
     for (std::size_t i = 0; i < m_members.size(); ++i) {
@@ -79,8 +114,8 @@ class Group {
         rates.squareFrequency = std::max(rates.squareFrequency, load.stiffness / mass);
         rates.dampingRate = std::max(rates.dampingRate, load.damping / mass);
       }
-      most = std::max(
-          most, ChooseSubsteps<Real>(*member.blueprint, member.load, member.surfaces, *member.state, rates, duration));
+      most = std::max(most, ChooseSubsteps<Real>(integrator, *member.blueprint, member.load, member.surfaces,
+                                                 *member.state, rates, duration));
     }
     return most;
   }
@@ -97,24 +132,6 @@ class Group {
       }
     }
     return most;
-  }
-
-  void Accelerate(std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v,
-                  std::span<Vector3<Real>> a) const {
-    for (std::size_t i = 0; i < m_members.size(); ++i) {
-      const Member<Real>& member = *m_members[i];
-      ComputeForces<Real>(member.blueprint->template Read<Real>(), member.load, member.surfaces, member.state->contacts,
-                          PartOf(x, i), PartOf(v, i), PartOf(a, i));
-    }
-    for (const Encounter<Real>& encounter : m_encounters) {
-      for (std::size_t side = 0; side < 2; ++side) {
-        AddBodyContacts<Real>(encounter.parameters, Meet(encounter, side, x, v), *encounter.sides[side],
-                              PartOf(a, encounter.members[side]), PartOf(a, encounter.members[1 - side]));
-      }
-    }
-    for (std::size_t i = 0; i < m_members.size(); ++i) {
-      DivideByMasses<Real>(m_members[i]->blueprint->template Read<Real>(), m_members[i]->load, PartOf(a, i));
-    }
   }
 
   void UpdateContacts(Real h) {

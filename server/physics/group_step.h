@@ -7,7 +7,7 @@
 
 #include "server/physics/body_contact.h"
 #include "server/physics/forces.h"
-#include "server/physics/runge_kutta.h"
+#include "server/physics/integrator_step.h"
 #include "server/physics/state.h"
 
 namespace wobble::physics {
@@ -32,7 +32,7 @@ struct Encounter {
 
 template <class Real>
 struct GroupScratch {
-  StageBuffers<Real, 4> stages;
+  IntegratorScratch<Real> integrator;
   std::vector<Vector3<Real>> positions;
   std::vector<Vector3<Real>> velocities;
   std::vector<std::size_t> begins;
@@ -40,7 +40,7 @@ struct GroupScratch {
 
   // For the largest group there can be, so that one that grows allocates nothing.
   void Reserve(std::size_t vertices, std::size_t bodies) {
-    stages.Reserve(vertices);
+    integrator.Reserve(vertices);
     positions.reserve(vertices);
     velocities.reserve(vertices);
     loads.reserve(vertices);

@@ -220,6 +220,20 @@ class TableReader {
   std::set<std::string> m_known;
 };
 
+void ReadIntegrator(TableReader& reader, physics::Integrator& integrator) {
+  using physics::Integrator;
+  static const std::map<std::string, Integrator> kWords{
+      {"rk4", Integrator::kRungeKutta4},
+      {"explicit_euler", Integrator::kExplicitEuler},
+      {"semi_implicit_euler", Integrator::kSemiImplicitEuler},
+      {"velocity_verlet", Integrator::kVelocityVerlet},
+      {"leap_frog", Integrator::kLeapFrog},
+      {"position_verlet", Integrator::kPositionVerlet},
+      {"implicit_euler", Integrator::kImplicitEuler},
+  };
+  reader.Read("integrator", kWords, integrator);
+}
+
 void ReadObstacle(TableReader& reader, Scene& scene) {
   physics::Obstacle obstacle;
   using Kind = physics::Obstacle::Kind;
@@ -280,8 +294,10 @@ void ReadBlueprint(TableReader& reader, Scene& scene) {
   if (std::any_of(scene.blueprints.begin(), scene.blueprints.end(), taken)) {
     reader.Refuse("name", NameOf(definition), "a name that no other blueprint has");
   }
+  physics::Integrator integrator = scene.integrator;
   if (kindIsKnown) {
     std::visit([&](auto& one) { ReadFields(reader, one); }, definition);
+    ReadIntegrator(reader, integrator);
     for (const physics::FieldError& error : Validate(definition)) {
       reader.RefuseAsWritten(error.field, error.value, error.range);
     }
@@ -289,6 +305,7 @@ void ReadBlueprint(TableReader& reader, Scene& scene) {
     reader.PassOver();
   }
   scene.blueprints.push_back(std::move(definition));
+  scene.integrators.push_back(integrator);
 }
 
 void ReadBlueprintName(TableReader& reader, const Scene& scene, std::size_t& blueprint) {
@@ -328,6 +345,7 @@ void ReadScene(TableReader& reader, Scene& scene) {
   reader.Read("precision",
               std::map<std::string, Precision>{{"float", Precision::kSingle}, {"double", Precision::kDouble}},
               scene.precision);
+  ReadIntegrator(reader, scene.integrator);
   reader.Read("kill_height", -kPlacesWithin, kPlacesWithin, " m", scene.killHeight);
   reader.Require("blueprint");
   reader.Require("player");

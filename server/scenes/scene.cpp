@@ -41,7 +41,11 @@ void PlaceGroup(const BodyGroup& group, Random& random, physics::World& world, s
 
 std::vector<PlacedBody> FillWorld(const Scene& scene, std::uint64_t seed, physics::World& world) {
   for (const physics::Obstacle& obstacle : scene.obstacles) world.AddObstacle(obstacle);
-  for (const BodyDefinition& definition : scene.blueprints) world.AddBlueprint(MakeBlueprint(definition));
+  for (std::size_t i = 0; i < scene.blueprints.size(); ++i) {
+    physics::Blueprint blueprint = MakeBlueprint(scene.blueprints[i]);
+    SetIntegrator(blueprint, i < scene.integrators.size() ? scene.integrators[i] : scene.integrator);
+    world.AddBlueprint(std::move(blueprint));
+  }
   Random random(seed);
   std::vector<PlacedBody> placed;
   for (const BodyGroup& group : scene.groups) PlaceGroup(group, random, world, placed);

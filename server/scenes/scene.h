@@ -36,7 +36,9 @@ struct Scene {
   physics::Precision precision = physics::Precision::kSingle;
   double killHeight = -20;  // below this a body starts again, m
   std::vector<physics::Obstacle> obstacles;
+  physics::Integrator integrator = physics::Integrator::kRungeKutta4;  // of blueprints that name none
   std::vector<BodyDefinition> blueprints;
+  std::vector<physics::Integrator> integrators;  // one a blueprint; those beyond its end have the scene's
   std::vector<BodyGroup> groups;
   PlayerRules player;
 };
@@ -53,8 +55,8 @@ struct PlacedBody {
 // The start of the index-th player, m: golden-angle steps round the circle keep any number of players apart.
 [[nodiscard]] physics::Vector3d FindSpawn(const PlayerRules& player, std::uint32_t index);
 
-// The first of the index-th, the next and so on that no body of the world lies in; above them when all are taken. Bodies
-// that were put into one another would take seconds to part.
+// The first of the index-th, the next and so on that no body of the world lies in; above them when all are taken.
+// Bodies that were put into one another would take seconds to part.
 [[nodiscard]] physics::Vector3d FindFreeSpawn(const PlayerRules& player, std::uint32_t index,
                                               const physics::World& world);
 

@@ -71,6 +71,22 @@ TEST(Scenes, TheShippedOnesAreListed) {
   EXPECT_THAT(names, ElementsAre("arena", "ball_drop", "crowd", "jelly_stack", "lattice"));
 }
 
+TEST(Scenes, IntegratorsAreTheScenesOrTheBlueprintsOwn) {
+  using physics::Integrator;
+  EXPECT_THAT(ParseScene(MakeText(""), "test.toml").scene.integrators, ElementsAre(Integrator::kRungeKutta4));
+  const std::string another = "[[blueprint]]\nname = \"other\"\nintegrator = \"implicit_euler\"\n";
+  const LoadResult loaded = ParseScene(MakeText("integrator = \"leap_frog\"", "", another), "test.toml");
+  ASSERT_THAT(loaded.errors, IsEmpty());
+  EXPECT_THAT(loaded.scene.integrators, ElementsAre(Integrator::kLeapFrog, Integrator::kImplicitEuler));
+  physics::World world{physics::WorldSettings{}};
+  const auto placed = FillWorld(loaded.scene, 1, world);
+  EXPECT_EQ(world.Blueprints()[0].integrator, Integrator::kLeapFrog);
+  EXPECT_EQ(world.Blueprints()[1].integrator, Integrator::kImplicitEuler);
+  EXPECT_NE(world.Blueprints()[1].sparsePattern, nullptr);
+  EXPECT_THAT(ErrorsOf(MakeText("integrator = \"magic\"")),
+              ElementsAre(AllOf(StartsWith("test.toml:1: integrator"), HasSubstr("explicit_euler"), HasSubstr("rk4"))));
+}
+
 TEST(Scenes, WhatTheyAreMeantToBe) {
   const Scene arena = LoadScene("arena", kFolder).scene;
   EXPECT_EQ(arena.obstacles.size(), 5U);
