@@ -3,6 +3,16 @@
 #include <cmath>
 
 namespace wobble::physics {
+namespace {
+
+template <class Real>
+Real FindKeptLength(const Blueprint& blueprint, const Spring<Real>& spring) {
+  if (!(blueprint.full.gas > 0)) return spring.restLength;
+  const Vector3d l = blueprint.rest[spring.a] - blueprint.rest[spring.b];
+  return static_cast<Real>(std::sqrt(l.dot(l)));
+}
+
+}  // namespace
 
 template <class Real>
 void RelaxSprings(Real h, const SteppedBody<Real>& body, int sweeps, std::span<Vector3<Real>> x,
@@ -19,7 +29,8 @@ void RelaxSprings(Real h, const SteppedBody<Real>& body, int sweeps, std::span<V
       const Real ofA = coefficients.inverseMasses[spring.a];
       const Real ofB = coefficients.inverseMasses[spring.b];
       if (!(length > Real(0)) || !(ofA + ofB > Real(0))) continue;
-      const Vector3<Real> correction = l * ((length - spring.restLength) / (length * (ofA + ofB)));
+      const Real stretch = length - FindKeptLength(*body.blueprint, spring);
+      const Vector3<Real> correction = l * (stretch / (length * (ofA + ofB)));
       const Vector3<Real> moveA = -ofA * correction;
       const Vector3<Real> moveB = ofB * correction;
       x[spring.a] += moveA;

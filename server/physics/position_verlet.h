@@ -4,6 +4,9 @@
 // rest length, each by its share of inverse mass, a few sweeps over. Stiffness and dashpots do not appear: what is left
 // of a stretch goes with the number of sweeps, substeps and springs in a row. The state's v is (x − x_before)/h, so v
 // is corrected along with x; as a difference of positions it would lose four digits of a float. Order 1.
+//
+// Springs that hold gas in are stretched at rest. Kept at their rest lengths they would crush it, so those of a body
+// with gas are kept as long as they are in the rest shape.
 #pragma once
 
 #include <span>

@@ -500,6 +500,17 @@ TEST(PositionVerlet, TornSpringsHoldNothing) {
   EXPECT_GT((system.x[10] - system.x[11]).norm(), 0.1);
 }
 
+// Kept at the springs' own lengths, which are little more than half of these, the shell would crush its gas.
+TEST(PositionVerlet, HoldsGasAtTheShapeOfRest) {
+  LoneSystem<double> system(MakeBall(BallDefinition{}), Integrator::kPositionVerlet);
+  const std::vector<Vector3d> rest = system.blueprint.rest;
+  const Spring<double>& spring = system.blueprint.full.springs[0];
+  EXPECT_LT(spring.restLength, 0.6 * (rest[spring.a] - rest[spring.b]).norm());
+  system.Start(rest, std::vector<Vector3d>(rest.size(), Vector3d::Zero()));
+  system.Run(600, 1.0 / 600);
+  EXPECT_NEAR(ComputeVolume<double>(system.blueprint.full.faces, system.x) / system.blueprint.restVolume, 1, 0.05);
+}
+
 // In the world, through the substeps that each asks for: a ball and a cube fall, bounce and come to rest.
 class WorldIntegratorTest : public testing::TestWithParam<Integrator> {};
 
