@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "server/physics/backtracking.h"
 #include "server/physics/stability.h"
 
 namespace wobble::physics {
@@ -23,8 +24,10 @@ class Group {
     const int substeps = FindSubsteps(integrator, duration);
     const auto h = static_cast<Real>(duration / substeps);
     for (int substep = 0; substep < substeps; ++substep) {
+      KeepBefore();
       StepOnce<Real>(integrator, h, *this, std::span(m_scratch.positions), std::span(m_scratch.velocities),
                      m_scratch.integrator);
+      PutAllBack(h);
       UpdateContacts(h);
     }
     Scatter();
@@ -132,6 +135,28 @@ class Group {
       }
     }
     return most;
+  }
+
+  static bool Backtracks(const Member<Real>& member) {
+    return member.blueprint->full.contact.law == ContactLaw::kBacktracking && !member.state->contacts.empty();
+  }
+
+  void KeepBefore() {
+    if (std::none_of(m_members.begin(), m_members.end(), [](const auto* member) { return Backtracks(*member); }))
+      return;
+    m_scratch.positionsBefore = m_scratch.positions;
+    m_scratch.velocitiesBefore = m_scratch.velocities;
+  }
+
+  void PutAllBack(Real h) {
+    for (std::size_t i = 0; i < m_members.size(); ++i) {
+      const Member<Real>& member = *m_members[i];
+      if (!Backtracks(member)) continue;
+      PutBack<Real>(member.blueprint->template Read<Real>(), h, member.surfaces,
+                    PartOf(std::span<const Vector3<Real>>(m_scratch.positionsBefore), i),
+                    PartOf(std::span<const Vector3<Real>>(m_scratch.velocitiesBefore), i), member.state->contacts,
+                    PartOf(std::span(m_scratch.positions), i), PartOf(std::span(m_scratch.velocities), i));
+    }
   }
 
   void UpdateContacts(Real h) {

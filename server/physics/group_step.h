@@ -35,6 +35,8 @@ struct GroupScratch {
   IntegratorScratch<Real> integrator;
   std::vector<Vector3<Real>> positions;
   std::vector<Vector3<Real>> velocities;
+  std::vector<Vector3<Real>> positionsBefore;  // the substep, where a member's contact law asks for them
+  std::vector<Vector3<Real>> velocitiesBefore;
   std::vector<std::size_t> begins;
   std::vector<VertexLoad> loads;  // of every vertex of the group
 
@@ -43,6 +45,8 @@ struct GroupScratch {
     integrator.Reserve(vertices);
     positions.reserve(vertices);
     velocities.reserve(vertices);
+    positionsBefore.reserve(vertices);
+    velocitiesBefore.reserve(vertices);
     loads.reserve(vertices);
     begins.reserve(bodies + 1);
   }

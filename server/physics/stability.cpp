@@ -64,13 +64,9 @@ ContactRates FindContactRates(const Coefficients<Real>& body, std::span<const Su
     const double mass = double{body.masses[i]} / double{body.contactShares[i]};
     const double approach = std::max(agitation, -double{point.normal.dot(state.velocities[i])});
     const double depth = PredictDepth(-double{point.distance}, approach, duration);
-    if (depth <= 0) continue;
-    const auto at = static_cast<Real>(depth);
-    const double normalDamping = double{contact.damping} * double{ComputeDampingShare(contact, at)};
-    const double frequency = (double{ComputePenaltySlope(contact, at)} + double{contact.stickStiffness}) / mass;
-    const double damping = (normalDamping + double{contact.stickDamping}) / mass;
-    largest.squareFrequency = std::max(largest.squareFrequency, frequency);
-    largest.dampingRate = std::max(largest.dampingRate, damping);
+    const ContactRates rates = FindRates(contact, depth, mass);
+    largest.squareFrequency = std::max(largest.squareFrequency, rates.squareFrequency);
+    largest.dampingRate = std::max(largest.dampingRate, rates.dampingRate);
   }
   return largest;
 }

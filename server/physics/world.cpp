@@ -123,8 +123,9 @@ class World::Stepper {
       member.surfaces.push_back(MakeSurface<Real>(obstacle, state.origin));
     }
     member.bounds = FindBounds<Real>(state.positions, state.velocities);
-    FindContacts<Real>(member.surfaces, member.bounds, state.positions, state.velocities, static_cast<Real>(duration),
-                       state.contacts, m_work.scratch.local().contacts);
+    const Real range = member.blueprint->template Read<Real>().contact.range;
+    FindContacts<Real>(member.surfaces, range, member.bounds, state.positions, state.velocities,
+                       static_cast<Real>(duration), state.contacts, m_work.scratch.local().contacts);
     const double fat = kMargin + duration * double{member.bounds.speed};
     m_work.boxes[i] = {state.origin + member.bounds.low.template cast<double>() - Vector3d::Constant(fat),
                        state.origin + member.bounds.high.template cast<double>() + Vector3d::Constant(fat)};

@@ -234,6 +234,20 @@ void ReadIntegrator(TableReader& reader, physics::Integrator& integrator) {
   reader.Read("integrator", kWords, integrator);
 }
 
+void ReadMethods(TableReader& reader, Methods& methods) {
+  using physics::ContactLaw;
+  ReadIntegrator(reader, methods.integrator);
+  static const std::map<std::string, ContactLaw> kLaws{{"penalty", ContactLaw::kPenalty},
+                                                       {"magnetic", ContactLaw::kMagnetic},
+                                                       {"backtracking", ContactLaw::kBacktracking}};
+  reader.Read("contact_law", kLaws, methods.contactLaw);
+  reader.Read("magnetic_strength", physics::kMinMagneticStrength, physics::kMaxMagneticStrength, " N·m²",
+              methods.magneticStrength);
+  if (reader.Has("magnetic_strength") && methods.contactLaw != ContactLaw::kMagnetic) {
+    reader.RefuseAsWritten("magnetic_strength", "", "left out unless contact_law is \"magnetic\"");
+  }
+}
+
 void ReadObstacle(TableReader& reader, Scene& scene) {
   physics::Obstacle obstacle;
   using Kind = physics::Obstacle::Kind;
@@ -283,7 +297,7 @@ void ReadFields(TableReader& reader, physics::LatticeDefinition& lattice) {
   reader.ReadUnchecked("contact_stiffness", lattice.contactStiffness);
 }
 
-void ReadBlueprint(TableReader& reader, Scene& scene) {
+void ReadBlueprint(TableReader& reader, Scene& scene, physics::Integrator defaultIntegrator) {
   const std::map<std::string, BodyDefinition> kinds{{"ball", physics::BallDefinition{}},
                                                     {"lattice", physics::LatticeDefinition{}}};
   BodyDefinition definition = kinds.at("ball");
@@ -294,10 +308,11 @@ void ReadBlueprint(TableReader& reader, Scene& scene) {
   if (std::any_of(scene.blueprints.begin(), scene.blueprints.end(), taken)) {
     reader.Refuse("name", NameOf(definition), "a name that no other blueprint has");
   }
-  physics::Integrator integrator = scene.integrator;
+  Methods methods;
+  methods.integrator = defaultIntegrator;
   if (kindIsKnown) {
     std::visit([&](auto& one) { ReadFields(reader, one); }, definition);
-    ReadIntegrator(reader, integrator);
+    ReadMethods(reader, methods);
     for (const physics::FieldError& error : Validate(definition)) {
       reader.RefuseAsWritten(error.field, error.value, error.range);
     }
@@ -305,7 +320,7 @@ void ReadBlueprint(TableReader& reader, Scene& scene) {
     reader.PassOver();
   }
   scene.blueprints.push_back(std::move(definition));
-  scene.integrators.push_back(integrator);
+  scene.methods.push_back(methods);
 }
 
 void ReadBlueprintName(TableReader& reader, const Scene& scene, std::size_t& blueprint) {
@@ -345,12 +360,13 @@ void ReadScene(TableReader& reader, Scene& scene) {
   reader.Read("precision",
               std::map<std::string, Precision>{{"float", Precision::kSingle}, {"double", Precision::kDouble}},
               scene.precision);
-  ReadIntegrator(reader, scene.integrator);
+  physics::Integrator integrator = physics::Integrator::kRungeKutta4;
+  ReadIntegrator(reader, integrator);
   reader.Read("kill_height", -kPlacesWithin, kPlacesWithin, " m", scene.killHeight);
   reader.Require("blueprint");
   reader.Require("player");
   reader.ReadTables("obstacle", [&](TableReader& table) { ReadObstacle(table, scene); });
-  reader.ReadTables("blueprint", [&](TableReader& table) { ReadBlueprint(table, scene); });
+  reader.ReadTables("blueprint", [&](TableReader& table) { ReadBlueprint(table, scene, integrator); });
   reader.ReadTables("bodies", [&](TableReader& table) { ReadGroup(table, scene); });
   reader.ReadTables("player", [&](TableReader& table) { ReadPlayer(table, scene); });
   if (const std::size_t bodies = CountBodies(scene); bodies > kMaxSceneBodies) {

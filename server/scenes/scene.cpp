@@ -43,7 +43,9 @@ std::vector<PlacedBody> FillWorld(const Scene& scene, std::uint64_t seed, physic
   for (const physics::Obstacle& obstacle : scene.obstacles) world.AddObstacle(obstacle);
   for (std::size_t i = 0; i < scene.blueprints.size(); ++i) {
     physics::Blueprint blueprint = MakeBlueprint(scene.blueprints[i]);
-    SetIntegrator(blueprint, i < scene.integrators.size() ? scene.integrators[i] : scene.integrator);
+    const Methods methods = i < scene.methods.size() ? scene.methods[i] : Methods{};
+    SetIntegrator(blueprint, methods.integrator);
+    SetContactLaw(blueprint, methods.contactLaw, methods.magneticStrength);
     world.AddBlueprint(std::move(blueprint));
   }
   Random random(seed);

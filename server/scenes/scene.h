@@ -21,6 +21,13 @@ struct BodyGroup {
   physics::Vector3d velocity = physics::Vector3d::Zero();  // m/s
 };
 
+// What a blueprint of any kind is stepped with.
+struct Methods {
+  physics::Integrator integrator = physics::Integrator::kRungeKutta4;
+  physics::ContactLaw contactLaw = physics::ContactLaw::kPenalty;
+  double magneticStrength = physics::kDefaultMagneticStrength;  // N·m²
+};
+
 // What a player gets. Players appear one after the other on a circle about `spawn`.
 struct PlayerRules {
   std::size_t blueprint = 0;
@@ -36,9 +43,8 @@ struct Scene {
   physics::Precision precision = physics::Precision::kSingle;
   double killHeight = -20;  // below this a body starts again, m
   std::vector<physics::Obstacle> obstacles;
-  physics::Integrator integrator = physics::Integrator::kRungeKutta4;  // of blueprints that name none
   std::vector<BodyDefinition> blueprints;
-  std::vector<physics::Integrator> integrators;  // one a blueprint; those beyond its end have the scene's
+  std::vector<Methods> methods;  // one a blueprint; those beyond its end have the default
   std::vector<BodyGroup> groups;
   PlayerRules player;
 };

@@ -73,11 +73,10 @@ TEST(Scenes, TheShippedOnesAreListed) {
 
 TEST(Scenes, IntegratorsAreTheScenesOrTheBlueprintsOwn) {
   using physics::Integrator;
-  EXPECT_THAT(ParseScene(MakeText(""), "test.toml").scene.integrators, ElementsAre(Integrator::kRungeKutta4));
+  EXPECT_EQ(ParseScene(MakeText(""), "test.toml").scene.methods[0].integrator, Integrator::kRungeKutta4);
   const std::string another = "[[blueprint]]\nname = \"other\"\nintegrator = \"implicit_euler\"\n";
   const LoadResult loaded = ParseScene(MakeText("integrator = \"leap_frog\"", "", another), "test.toml");
   ASSERT_THAT(loaded.errors, IsEmpty());
-  EXPECT_THAT(loaded.scene.integrators, ElementsAre(Integrator::kLeapFrog, Integrator::kImplicitEuler));
   physics::World world{physics::WorldSettings{}};
   const auto placed = FillWorld(loaded.scene, 1, world);
   EXPECT_EQ(world.Blueprints()[0].integrator, Integrator::kLeapFrog);
@@ -85,6 +84,24 @@ TEST(Scenes, IntegratorsAreTheScenesOrTheBlueprintsOwn) {
   EXPECT_NE(world.Blueprints()[1].sparsePattern, nullptr);
   EXPECT_THAT(ErrorsOf(MakeText("integrator = \"magic\"")),
               ElementsAre(AllOf(StartsWith("test.toml:1: integrator"), HasSubstr("explicit_euler"), HasSubstr("rk4"))));
+}
+
+TEST(Scenes, ContactLawsAreTheBlueprintsOwn) {
+  using physics::ContactLaw;
+  const std::string another = "[[blueprint]]\nname = \"other\"\ncontact_law = \"magnetic\"\nmagnetic_strength = 0.5\n";
+  const LoadResult loaded = ParseScene(MakeText("", "contact_law = \"backtracking\"", another), "test.toml");
+  ASSERT_THAT(loaded.errors, IsEmpty());
+  physics::World world{physics::WorldSettings{}};
+  const auto placed = FillWorld(loaded.scene, 1, world);
+  EXPECT_EQ(world.Blueprints()[0].full.contact.law, ContactLaw::kBacktracking);
+  EXPECT_EQ(world.Blueprints()[1].single.contact.law, ContactLaw::kMagnetic);
+  EXPECT_EQ(world.Blueprints()[1].single.contact.strength, 0.5F);
+  EXPECT_THAT(ErrorsOf(MakeText("", "contact_law = \"sticky\"")),
+              ElementsAre(AllOf(HasSubstr("contact_law"), HasSubstr("backtracking, magnetic, penalty"))));
+  EXPECT_THAT(ErrorsOf(MakeText("", "contact_law = \"magnetic\"\nmagnetic_strength = 0")),
+              ElementsAre(HasSubstr("magnetic_strength = 0: must be 1e-07 to 100 N·m²")));
+  EXPECT_THAT(ErrorsOf(MakeText("", "magnetic_strength = 0.1")),
+              ElementsAre(HasSubstr("magnetic_strength = 0.1: must be left out unless")));
 }
 
 TEST(Scenes, WhatTheyAreMeantToBe) {
