@@ -15,10 +15,6 @@ using transport::Channel;
 
 namespace {
 
-physics::WorldSettings MakeWorldSettings(const Config& config, const scenes::Scene& scene) {
-  return {scene.gravity, 1.0 / config.tickHz, scene.precision, config.threads};
-}
-
 // Beyond this the wire cannot show a body any more; it starts again like one that fell, metres.
 constexpr double kBorder = 0.9 * protocol::kWorldHalfExtent;
 
@@ -56,7 +52,7 @@ Server::Server(const Config& config, scenes::Scene scene, std::unique_ptr<transp
     : m_config(config),
       m_scene(std::move(scene)),
       m_transport(std::move(transport)),
-      m_world(MakeWorldSettings(config, m_scene)),
+      m_world(scenes::MakeWorldSettings(m_scene, 1.0 / config.tickHz, config.threads)),
       m_sceneBodies(scenes::FillWorld(m_scene, config.seed, m_world)),
       m_grounds(CaptureGrounds(m_world.Obstacles())),
       m_sender(*m_transport),

@@ -23,7 +23,8 @@ struct WorldSettings {
   int threads = 1;
   // Of each body, RMS over its vertices, that may build up in a second of motion, m/s.
   double errorTarget = 0.001;
-  int maxSubsteps = 64;  // that the error target may ask for; stability takes what it needs
+  int maxSubsteps = 64;              // that the error target may ask for; stability takes what it needs
+  Vector3d wind = Vector3d::Zero();  // of the medium that drags at faces, m/s
 };
 
 // What one tick did. Counts of bodies but for substeps, sums over them.

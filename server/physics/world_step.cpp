@@ -82,6 +82,8 @@ class World::Stepper {
     State<Real>& state = *member.state;
     m_work.safePlaces[i] = physics::FindCentre(*member.blueprint, state);
     member.load = ApplyControl(*member.blueprint, m_world.m_settings.gravity, body, state);
+    member.load.wind = m_world.m_settings.wind.template cast<Real>();
+    member.load.torn = state.torn;
     member.substepsForError = body.steps.Substeps();
     member.health = Health::kGood;
     member.lost = false;
@@ -90,8 +92,9 @@ class World::Stepper {
       member.surfaces.push_back(MakeSurface<Real>(obstacle, state.origin));
     }
     member.bounds = FindBounds<Real>(state.positions, state.velocities);
-    FindContacts<Real>(member.surfaces, member.bounds, state.positions, state.velocities, static_cast<Real>(m_duration),
-                       state.contacts, m_work.scratch.local().contacts);
+    FindContacts<Real>(member.surfaces, member.blueprint->template Read<Real>().contact.range, member.bounds,
+                       state.positions, state.velocities, static_cast<Real>(m_duration), state.contacts,
+                       m_work.scratch.local().contacts);
     const double fat = kMargin + m_duration * double{member.bounds.speed};
     m_work.boxes[i] = {state.origin + member.bounds.low.template cast<double>() - Vector3d::Constant(fat),
                        state.origin + member.bounds.high.template cast<double>() + Vector3d::Constant(fat)};

@@ -7,6 +7,7 @@
 #include <map>
 #include <sstream>
 
+#include "server/physics/stability.h"
 #include "server/scenes/blueprint_reader.h"
 #include "server/scenes/obstacle_reader.h"
 #include "server/scenes/table_reader.h"
@@ -17,6 +18,8 @@ namespace {
 using physics::Vector3d;
 
 constexpr std::size_t kMaxSceneBodies = 20000;
+constexpr double kMinErrorTarget = 1e-6;  // m/s: below, single precision is all that is seen
+constexpr double kMaxErrorTarget = 1;
 
 void ReadBlueprintName(TableReader& reader, const Scene& scene, std::size_t& blueprint) {
   reader.Require("blueprint");
@@ -55,11 +58,16 @@ void ReadScene(TableReader& reader, Scene& scene) {
   reader.Read("precision",
               std::map<std::string, Precision>{{"float", Precision::kSingle}, {"double", Precision::kDouble}},
               scene.precision);
+  reader.Read("error_target", kMinErrorTarget, kMaxErrorTarget, " m/s", scene.errorTarget);
+  reader.Read("max_substeps", 1, physics::kMaxSubsteps, scene.maxSubsteps);
+  reader.Read("wind", -50, 50, " m/s", scene.wind);
+  physics::Integrator integrator = physics::Integrator::kRungeKutta4;
+  ReadIntegrator(reader, integrator);
   reader.Read("kill_height", -kPlacesWithin, kPlacesWithin, " m", scene.killHeight);
   reader.Require("blueprint");
   reader.Require("player");
   reader.ReadTables("obstacle", [&](TableReader& table) { ReadObstacle(table, scene); });
-  reader.ReadTables("blueprint", [&](TableReader& table) { ReadBlueprint(table, scene); });
+  reader.ReadTables("blueprint", [&](TableReader& table) { ReadBlueprint(table, integrator, scene); });
   reader.ReadTables("bodies", [&](TableReader& table) { ReadGroup(table, scene); });
   reader.ReadTables("player", [&](TableReader& table) { ReadPlayer(table, scene); });
   if (const std::size_t bodies = CountBodies(scene); bodies > kMaxSceneBodies) {

@@ -31,7 +31,7 @@ std::vector<std::string> ErrorsOf(const std::string& text) { return ParseScene(t
 class ShippedScene : public testing::TestWithParam<std::string> {
  protected:
   static std::uint64_t PlayAndHash(const Scene& scene, std::uint64_t seed) {
-    physics::World world({scene.gravity, 1.0 / 60, scene.precision, 1});
+    physics::World world(MakeWorldSettings(scene, 1.0 / 60, 1));
     const auto placed = FillWorld(scene, seed, world);
     EXPECT_EQ(placed.size(), CountBodies(scene));
     EXPECT_EQ(world.Bodies().size(), CountBodies(scene));
@@ -137,6 +137,39 @@ kind = "height_field"
                           AllOf(HasSubstr("heights = [ 2 ]"), HasSubstr("as many numbers each")),
                           AllOf(HasSubstr("heights = nan"), HasSubstr("-1000 to 1000 m")),
                           AllOf(HasSubstr("heights = "), HasSubstr("2 to 128 rows")), HasSubstr("heights is missing")));
+}
+
+TEST(Scenes, IntegratorsAreTheScenesOrTheBlueprintsOwn) {
+  using physics::Integrator;
+  EXPECT_EQ(ParseScene(MakeText(""), "test.toml").scene.methods[0].integrator, Integrator::kRungeKutta4);
+  const std::string another = "[[blueprint]]\nname = \"other\"\nintegrator = \"implicit_euler\"\n";
+  const LoadResult loaded = ParseScene(MakeText("integrator = \"leap_frog\"", "", another), "test.toml");
+  ASSERT_THAT(loaded.errors, IsEmpty());
+  physics::World world{physics::WorldSettings{}};
+  const auto placed = FillWorld(loaded.scene, 1, world);
+  EXPECT_EQ(world.Blueprints()[0].integrator, Integrator::kLeapFrog);
+  EXPECT_EQ(world.Blueprints()[1].integrator, Integrator::kImplicitEuler);
+  EXPECT_NE(world.Blueprints()[1].sparsePattern, nullptr);
+  EXPECT_THAT(ErrorsOf(MakeText("integrator = \"magic\"")),
+              ElementsAre(AllOf(StartsWith("test.toml:1: integrator"), HasSubstr("explicit_euler"), HasSubstr("rk4"))));
+}
+
+TEST(Scenes, ContactLawsAreTheBlueprintsOwn) {
+  using physics::ContactLaw;
+  const std::string another = "[[blueprint]]\nname = \"other\"\ncontact_law = \"magnetic\"\nmagnetic_strength = 0.5\n";
+  const LoadResult loaded = ParseScene(MakeText("", "contact_law = \"backtracking\"", another), "test.toml");
+  ASSERT_THAT(loaded.errors, IsEmpty());
+  physics::World world{physics::WorldSettings{}};
+  const auto placed = FillWorld(loaded.scene, 1, world);
+  EXPECT_EQ(world.Blueprints()[0].full.contact.law, ContactLaw::kBacktracking);
+  EXPECT_EQ(world.Blueprints()[1].single.contact.law, ContactLaw::kMagnetic);
+  EXPECT_EQ(world.Blueprints()[1].single.contact.strength, 0.5F);
+  EXPECT_THAT(ErrorsOf(MakeText("", "contact_law = \"sticky\"")),
+              ElementsAre(AllOf(HasSubstr("contact_law"), HasSubstr("backtracking, magnetic, penalty"))));
+  EXPECT_THAT(ErrorsOf(MakeText("", "contact_law = \"magnetic\"\nmagnetic_strength = 0")),
+              ElementsAre(HasSubstr("magnetic_strength = 0: must be 1e-07 to 100 N·m²")));
+  EXPECT_THAT(ErrorsOf(MakeText("", "magnetic_strength = 0.1")),
+              ElementsAre(HasSubstr("magnetic_strength = 0.1: must be left out unless")));
 }
 
 TEST(Scenes, WhatTheyAreMeantToBe) {

@@ -609,7 +609,7 @@ TEST(Server, SameCallsSameWorld) {
 
 TEST(Server, StepCaptureAndEncodeDoNotAllocateOnceWarm) {
   const scenes::Scene scene = test::LoadShippedScene("arena");
-  physics::World world({scene.gravity, 1.0 / 60, scene.precision, 1});
+  physics::World world(scenes::MakeWorldSettings(scene, 1.0 / 60, 1));
   const auto placed = scenes::FillWorld(scene, 1, world);
   std::vector<CapturedBlueprint> blueprints;
   for (const auto& blueprint : world.Blueprints()) blueprints.push_back(CaptureBlueprint(blueprint));
