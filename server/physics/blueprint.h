@@ -2,6 +2,7 @@
 // them once (force coefficients in the precision of the kernel, the stability of the body at rest).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -20,7 +21,7 @@ struct FieldError {
 // Adds `value` to the errors unless it is valid.
 void CheckField(std::vector<FieldError>& errors, const char* field, double value, bool valid, const char* range);
 
-// Physical quantities of a ball and of the material that its shell is made of. SI units.
+// Physical quantities of a body and of the material that its springs are made of. SI units.
 struct Material {
   double mass = 8;              // of the whole body, kg
   double stiffness = 150;       // of each spring, N/m
@@ -30,6 +31,8 @@ struct Material {
   double friction = 0.8;        // Coulomb's coefficient, static and kinetic
   double restitution = 0.5;     // of a single vertex on a rigid surface
   double contactStiffness = 0;  // of a vertex against a surface, N/m; 0: kContactStiffnessRatio x stiffness
+  double drag = 0;              // ½ρC of the air round its faces, kg/m³: 0.6 on a plate across the wind
+  double repulsion = 0;         // between neighbours at distance d: this/d⁴, N·m⁴
 };
 inline constexpr double kContactStiffnessRatio = 10;
 
@@ -57,13 +60,21 @@ struct ContactParameters {
 // All that the force terms read, in the kernel's precision.
 template <class Real>
 struct Coefficients {
-  std::vector<Real> masses;         // kg, one a vertex
-  std::vector<Real> inverseMasses;  // 1/kg
+  std::vector<Real> masses;          // kg, one a vertex
+  std::vector<Real> inverseMasses;   // 1/kg; 0: the vertex is fixed, whatever pulls at it
+  std::vector<std::uint16_t> fixed;  // those vertices
   std::vector<Spring<Real>> springs;
   std::vector<Face> faces;
+  // A planar body lives in the plane y = 0 of its own: nothing accelerates it along y. Its gas is held by `outline`,
+  // edges that go round it counter-clockwise as seen from −y, and all that follows is per metre of depth.
+  bool planar = false;
+  std::vector<std::array<std::uint16_t, 2>> outline;
   Real gas = 0;              // nRT, J; 0: the body has no gas and the term is skipped
   Real ambientPressure = 0;  // Pa
-  Real floorVolume = 0;      // below this the pressure is continued linearly, m³
+  Real floorVolume = 0;      // below this the pressure is continued linearly, m³ (planar: m²)
+  Real repulsion = 0;        // K_r between the ends of each spring, N·m⁴; 0: none
+  Real drag = 0;             // ½ρC of the medium on every face, kg/m³; 0: none
+  Real tearStretch = 0;      // springs tear when longer than this times their rest length; 0: never
   ContactParameters<Real> contact;
   // Of each vertex, times all contact forces on it, 0..1: its mass over the heaviest on the surface. Corners and edges
   // of a solid stand for less surface than the middle of a face, in the measure in which they carry less mass; with
@@ -74,13 +85,15 @@ struct Coefficients {
 struct Blueprint {
   std::string name;
   std::vector<Vector3d> rest;  // shape in equilibrium without gravity, centre of mass at the origin, m
-  double restVolume = 0;       // m³; 0 when not closed
+  double restVolume = 0;       // m³; planar with gas: m²; 0 when not closed
   double size = 0;             // RMS distance of the rest vertices from the centre, m
   double reach = 0;            // largest such distance, m
   double totalMass = 0;        // kg
   // Largest angular frequency at rest (springs and gas) and the damping rate that goes with it, 1/s; see stability.h.
   double angularFrequency = 0;
   double dampingRate = 0;
+  // What drag adds to it at a metre per second of relative speed, 1/m.
+  double dragRate = 0;
   Topology topology;  // of full.faces
   Coefficients<float> single;
   Coefficients<double> full;
@@ -95,8 +108,14 @@ struct Blueprint {
   }
 };
 
+// A body is at least this large in formulas that divide by its size, m: it may be a single particle.
+inline constexpr double kMinSize = 0.01;
+
 // Fills everything that follows from `rest` and `full`: single precision, sizes, masses, volume, stability, topology.
+// Vertices in `full.fixed` lose their inverse masses.
 void FinishBlueprint(Blueprint& blueprint);
+// The same without stability, for those who know it: the power iteration takes longer than all the rest.
+void FinishBlueprintButStability(Blueprint& blueprint);
 
 // Whether the body by itself leaves half of the largest number of substeps, at 60 ticks a second, to what it touches.
 [[nodiscard]] bool IsSlowEnough(const Blueprint& blueprint);

@@ -53,8 +53,8 @@ struct PlacedBody {
 // The start of the index-th player, m: golden-angle steps round the circle keep any number of players apart.
 [[nodiscard]] physics::Vector3d FindSpawn(const PlayerRules& player, std::uint32_t index);
 
-// The first of the index-th, the next and so on that no body of the world lies in; above them when all are taken. Bodies
-// that were put into one another would take seconds to part.
+// The first of the index-th, the next and so on that no body of the world lies in; above them when all are taken.
+// Bodies that were put into one another would take seconds to part.
 [[nodiscard]] physics::Vector3d FindFreeSpawn(const PlayerRules& player, std::uint32_t index,
                                               const physics::World& world);
 

@@ -254,17 +254,87 @@ TEST(SceneMistakes, EachKindOfBlueprintHasItsOwnFields) {
   EXPECT_THAT(errorsOf("cells = [2, 2, 2]\n"),
               ElementsAre(AllOf(StartsWith("test.toml:3: cells is no field here"), HasSubstr("subdivisions"))));
   EXPECT_THAT(errorsOf("kind = \"jelly\"\nanything = 1\n"),
-              ElementsAre(AllOf(StartsWith("test.toml:3: kind = "), HasSubstr("one of: ball, lattice"))));
+              ElementsAre(AllOf(StartsWith("test.toml:3: kind = "),
+                                HasSubstr("one of: ball, cloth, graph, lattice, pair, ring"))));
   EXPECT_THAT(
       errorsOf("kind = \"lattice\"\npoisson_ratio = 0.4\n"),
       ElementsAre("test.toml:4: poisson_ratio = 0.4: must be 0.25: a lattice of central springs has no other in "
                   "3-D"));
   EXPECT_THAT(errorsOf("kind = \"lattice\"\ncells = [2, 2.5, 2]\n"),
-              ElementsAre(AllOf(HasSubstr("cells = "), HasSubstr("three whole numbers from 1 to 100"))));
+              ElementsAre(AllOf(HasSubstr("cells = "), HasSubstr("three whole numbers from 0 to 100"))));
   EXPECT_THAT(errorsOf("kind = \"lattice\"\ncells = [40, 40, 40]\n"),
               ElementsAre(AllOf(HasSubstr("68921 vertices"), HasSubstr("at most 10000"))));
   EXPECT_THAT(errorsOf("kind = \"lattice\"\nyoung_modulus = \"soft\"\n"),
               ElementsAre(AllOf(HasSubstr("soft"), HasSubstr("a number, above 0, up to 1e12 Pa"))));
+}
+
+std::vector<std::string> ErrorsOfBlueprint(const std::string& fields) {
+  return ErrorsOf("[[blueprint]]\nname = \"it\"\n" + fields + "[player]\nblueprint = \"it\"\n");
+}
+
+TEST(SceneMistakes, APlanarLatticeHasItsOwnPoissonRatioAndSides) {
+  const std::string planar = "kind = \"lattice\"\ncells = [4, 0, 3]\n";
+  EXPECT_THAT(ErrorsOfBlueprint(planar + "fixed = \"z+\"\n"), IsEmpty());
+  EXPECT_THAT(ErrorsOfBlueprint(planar + "poisson_ratio = 0.3333\n"), IsEmpty());
+  EXPECT_THAT(ErrorsOfBlueprint(planar + "poisson_ratio = 0.25\n"),
+              ElementsAre(AllOf(StartsWith("test.toml:5: poisson_ratio = 0.25"), HasSubstr("1/3"), HasSubstr("2-D"))));
+  EXPECT_THAT(ErrorsOfBlueprint(planar + "fixed = \"y-\"\n"),
+              ElementsAre(AllOf(StartsWith("test.toml:5: fixed = "), HasSubstr("y-"), HasSubstr("x-, x+, z-, z+"))));
+  EXPECT_THAT(ErrorsOfBlueprint(planar + "fixed = \"top\"\n"),
+              ElementsAre(AllOf(HasSubstr("top"), HasSubstr("one of: none, x+, x-"))));
+  EXPECT_THAT(ErrorsOfBlueprint("kind = \"lattice\"\ncells = [0, 3, 3]\n"),
+              ElementsAre(AllOf(StartsWith("test.toml:4: cells = "), HasSubstr("the second 0: a planar lattice"))));
+}
+
+TEST(SceneMistakes, APairHasLengthAndMaterial) {
+  EXPECT_THAT(ErrorsOfBlueprint("kind = \"pair\"\nlength = 0.8\nmass = 3\nstiffness = 40\ndamping_ratio = 0.05\n"
+                                "direction = [0, 0, 1]\nfirst_is_fixed = true\n"),
+              IsEmpty());
+  EXPECT_THAT(ErrorsOfBlueprint("kind = \"pair\"\nlength = 0\ndirection = [0, 0, 0]\nfirst_is_fixed = 1\n"),
+              ElementsAre(AllOf(HasSubstr(":4: length = 0"), HasSubstr("0.02 to 50 m")),
+                          AllOf(HasSubstr(":5: direction"), HasSubstr("a direction")),
+                          AllOf(HasSubstr(":6: first_is_fixed = 1"), HasSubstr("true or false"))));
+}
+
+TEST(SceneMistakes, ARingHasPointsLayersAndGas) {
+  EXPECT_THAT(
+      ErrorsOfBlueprint(
+          "kind = \"ring\"\npoints = 30\nlayers = 3\nradius = 0.6\nthickness = 0.2\ngas = 40\nstiffness = 2000\n"),
+      IsEmpty());
+  EXPECT_THAT(ErrorsOfBlueprint("kind = \"ring\"\npoints = 2\nlayers = 1.5\ngas = 0\n"),
+              ElementsAre(AllOf(HasSubstr(":4: points = 2"), HasSubstr("whole number from 3 to 512")),
+                          AllOf(HasSubstr(":5: layers = 1.5"), HasSubstr("whole number from 1 to 8")),
+                          AllOf(HasSubstr(":6: gas = 0"), HasSubstr("held open"))));
+}
+
+TEST(SceneMistakes, AClothHasPointsPinsAndATearStretch) {
+  EXPECT_THAT(
+      ErrorsOfBlueprint("kind = \"cloth\"\npoints = [12, 8]\nspacing = 0.2\norientation = \"horizontal\"\n"
+                        "pinned = \"frame\"\nshear = 0.4\nbend = 0.05\ntear_stretch = 1.6\nmass = 2\ndrag = 0.6\n"),
+      IsEmpty());
+  EXPECT_THAT(
+      ErrorsOfBlueprint("kind = \"cloth\"\npoints = [12, 8, 3]\npinned = \"left\"\ntear_stretch = \"no\"\n"),
+      ElementsAre(AllOf(HasSubstr(":4: points = "), HasSubstr("two whole numbers from 2 to 100")),
+                  AllOf(HasSubstr(":5: pinned = "), HasSubstr("one of: corners, edge, frame, none, top_corners")),
+                  AllOf(HasSubstr(":6: tear_stretch = "), HasSubstr("a number, 0 (never) or 1.05 to 10"))));
+}
+
+TEST(SceneMistakes, AGraphListsParticlesAndSprings) {
+  const std::string graph = R"(kind = "graph"
+planar = true
+particle = [{ position = [0, 0, 2], mass = 2, fixed = true }, { position = [1, 0, 2] }]
+)";
+  EXPECT_THAT(
+      ErrorsOfBlueprint(graph + "spring = [{ ends = [0, 1], stiffness = 40, damping = 0.5, rest_length = 0.8 }]\n"),
+      IsEmpty());
+  EXPECT_THAT(ErrorsOfBlueprint("kind = \"graph\"\n"), ElementsAre(HasSubstr("particles = 0.0: must be at least 1")));
+  EXPECT_THAT(ErrorsOfBlueprint(graph + "spring = [{ ends = [0, 1] }, { ends = [1, 0] }, { ends = [0, 2] },\n"
+                                        "  { stiffness = -1 }]\n"),
+              testing::UnorderedElementsAre(AllOf(StartsWith("test.toml:7: stiffness = -1"), HasSubstr("1e+09 N/m")),
+                                            AllOf(StartsWith("test.toml:7: ends is missing")),
+                                            AllOf(HasSubstr("spring[1].ends = [1, 0]"), HasSubstr("no spring joins")),
+                                            AllOf(HasSubstr("spring[2].ends = [0, 2]"), HasSubstr("from 0 to 1")),
+                                            AllOf(HasSubstr("spring[3].ends = [0, 1]"), HasSubstr("no spring joins"))));
 }
 
 TEST(SceneMistakes, ASyntaxErrorHasItsLine) {
