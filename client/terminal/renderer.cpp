@@ -48,7 +48,7 @@ constexpr std::size_t kRings = 16;
 constexpr float kRodShare = 0.05F;
 constexpr float kThinRod = 0.01F;
 constexpr float kThickRod = 0.06F;
-constexpr float kLeastRod = 0.75F;
+constexpr float kLeastRod = 1.2F;
 constexpr std::array<std::array<std::uint16_t, 3>, 2> kStripFaces{{{0, 1, 2}, {0, 2, 3}}};
 
 Vector3 ToVector(const protocol::wire::Vec3& v) { return {v.x(), v.y(), v.z()}; }
