@@ -47,6 +47,7 @@ struct Body {
   StepHistory steps;
   bool asleep = false;  // neither stepped nor looked at until something wakes it
   int quietTicks = 0;   // in a row
+  int tornTicks = 0;    // since a spring tore that its blueprint still has; 0: none
 };
 
 // visit(index, position) for every vertex in the world, in double precision, m.

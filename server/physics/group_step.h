@@ -27,6 +27,7 @@ struct Member {
   const Blueprint* blueprint = nullptr;
   State<Real>* state = nullptr;
   Load<Real> load;
+  std::vector<VertexForce<Real>> pushes;  // the load's
   std::vector<Surface<Real>> surfaces;
   Bounds<Real> bounds;
   int substepsForError = 1;  // that its last ticks ask for

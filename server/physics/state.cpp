@@ -35,6 +35,13 @@ State<Real> MakeState(const Blueprint& blueprint, const Vector3d& position, cons
 }
 
 template <class Real>
+void PutBackToRest(const Blueprint& blueprint, const Vector3d& position, State<Real>& state) {
+  std::vector<std::uint8_t> torn = std::move(state.torn);
+  state = MakeState<Real>(blueprint, position, Vector3d::Zero());
+  state.torn = std::move(torn);
+}
+
+template <class Real>
 void Recentre(const Blueprint& blueprint, State<Real>& state) {
   const double step = FindOriginStep(blueprint);
   const Vector3d local = AverageByMass(blueprint, state.positions);
@@ -94,6 +101,7 @@ std::uint64_t HashState(const State<Real>& state, std::uint64_t hash) {
 
 #define WOBBLE_INSTANTIATE(Real)                                                            \
   template State<Real> MakeState<Real>(const Blueprint&, const Vector3d&, const Vector3d&); \
+  template void PutBackToRest<Real>(const Blueprint&, const Vector3d&, State<Real>&);       \
   template void Recentre<Real>(const Blueprint&, State<Real>&);                             \
   template Vector3d FindCentre<Real>(const Blueprint&, const State<Real>&);                 \
   template Vector3d FindMeanVelocity<Real>(const Blueprint&, const State<Real>&);           \

@@ -29,6 +29,10 @@ struct State {
 template <class Real>
 [[nodiscard]] State<Real> MakeState(const Blueprint& blueprint, const Vector3d& position, const Vector3d& velocity);
 
+// The same for a body that is there: what has torn stays torn.
+template <class Real>
+void PutBackToRest(const Blueprint& blueprint, const Vector3d& position, State<Real>& state);
+
 // Moves the origin by whole steps when the body has strayed from it; positions and anchors follow.
 template <class Real>
 void Recentre(const Blueprint& blueprint, State<Real>& state);

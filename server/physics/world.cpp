@@ -55,16 +55,14 @@ void World::RemoveBody(BodyId id) {
   const auto index = static_cast<std::size_t>(&FindBody(id) - m_bodies.data());
   m_bodies.erase(m_bodies.begin() + static_cast<std::ptrdiff_t>(index));
   m_engine->Forget(index);
+  std::erase_if(m_drives, [id](const Drive& drive) { return drive.body == id; });
 }
 
 void World::PlaceBody(BodyId id, const Vector3d& position) {
   DropPairsOf(id);
   Body& body = FindBody(id);
-  std::visit(
-      [&]<class Real>(State<Real>& state) {
-        state = MakeState<Real>(m_blueprints[body.blueprint], position, Vector3d::Zero());
-      },
-      body.state);
+  std::visit([&]<class Real>(State<Real>& state) { PutBackToRest(m_blueprints[body.blueprint], position, state); },
+             body.state);
   body.steps = {};
   WakeUp(body);
 }
@@ -89,39 +87,21 @@ void World::SetGravity(const Vector3d& gravity) {
   for (Body& body : m_bodies) WakeUp(body);
 }
 
-std::size_t World::FindFreeSlot() const {
-  std::vector<bool> isUsed(m_slots.size(), false);
-  for (const Body& body : m_bodies) isUsed[body.blueprint] = true;
-  std::size_t best = m_slots.size();
-  for (std::size_t slot = 0; slot < m_slots.size(); ++slot) {
-    if (m_slots[slot].isKept || isUsed[slot]) continue;
-    if (best == m_slots.size() || m_slots[slot].revision < m_slots[best].revision) best = slot;
-  }
-  return best;
+void World::AddDrive(const Drive& drive) {
+  assert(drive.period > 0 && drive.begin < drive.end);
+  m_drives.push_back(drive);
 }
 
-bool World::ReplaceBlueprint(BodyId id, Blueprint blueprint) {
-  const std::size_t slot = FindFreeSlot();
-  if (slot >= 255) return false;
-  DropPairsOf(id);
-  Body& body = FindBody(id);
-  const Vector3d centre = FindCentre(body);
-  if (slot == m_slots.size()) {
-    m_blueprints.emplace_back();
-    m_slots.emplace_back();
+// Asleep or not, a body feels a drive from its first tick on, and the lack of it from its last.
+void World::WakeTheDriven() {
+  const double duration = m_settings.tickDuration;
+  for (const Drive& drive : m_drives) {
+    const bool isOn = IsOn(drive, m_tick * duration);
+    if (isOn == IsOn(drive, (m_tick - 1.0) * duration)) continue;
+    for (Body& body : m_bodies) {
+      if (drive.body == 0 || drive.body == body.id) WakeUp(body);
+    }
   }
-  m_blueprints[slot] = std::move(blueprint);
-  m_slots[slot].revision = ++m_blueprintRevision;
-  body.blueprint = static_cast<std::uint8_t>(slot);
-  WakeUp(body);
-  std::visit(
-      [&]<class Real>(State<Real>& state) {
-        state.contacts.clear();
-        if (state.positions.size() == m_blueprints[slot].rest.size()) return;
-        state = MakeState<Real>(m_blueprints[slot], centre, Vector3d::Zero());
-      },
-      body.state);
-  return true;
 }
 
 void World::SetControl(BodyId id, const Control& control, const ControlLimits& limits) {

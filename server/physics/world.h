@@ -10,6 +10,7 @@
 
 #include "server/physics/blueprint.h"
 #include "server/physics/body.h"
+#include "server/physics/drive.h"
 #include "server/physics/obstacle.h"
 
 namespace wobble::physics {
@@ -36,6 +37,7 @@ struct StepReport {
   std::uint32_t inverted = 0;     // closed bodies turned inside out, as well
   std::uint32_t quarantined = 0;  // these, and those whose energy ran away: stepped again in more substeps
   std::uint32_t reset = 0;        // of these: no number of substeps has helped, back in the rest shape
+  std::uint32_t torn = 0;         // springs
 };
 
 class World {
@@ -59,10 +61,13 @@ class World {
   // Wakes everything that sleeps: down is elsewhere now.
   void SetGravity(const Vector3d& gravity);
   // Puts the body onto a blueprint of its own, in a slot that no body uses any more, but none of AddBlueprint's, or in
-  // a new one. With as many vertices as before it keeps their places and velocities; else it takes the rest shape at
-  // its centre. False, and nothing done, when all 255 slots are taken.
+  // a new one. Vertices keep their places and velocities; further ones come where the rest shape has them beside these.
+  // False, and nothing done, when all 255 slots are taken.
   bool ReplaceBlueprint(BodyId id, Blueprint blueprint);
   [[nodiscard]] const Body& ReadBody(BodyId id) const;
+
+  // Of a body that exists, or of all; for as long as it does.
+  void AddDrive(const Drive& drive);
 
   StepReport Step();
 
@@ -94,6 +99,10 @@ class World {
   Body& FindBody(BodyId id);
   // Of those that may be given another blueprint, the one that has had its own for longest, or one more than there are.
   [[nodiscard]] std::size_t FindFreeSlot() const;
+  void PutOntoSlot(Body& body, std::size_t slot, Blueprint blueprint);
+  // Gives bodies whose springs have torn blueprints without them, a few times a second.
+  void RebuildTorn();
+  void WakeTheDriven();
   // Forgets whom it touched, for one that is gone or elsewhere, and wakes them.
   void DropPairsOf(BodyId id);
 
@@ -103,6 +112,7 @@ class World {
   std::uint64_t m_blueprintRevision = 0;
   std::vector<Obstacle> m_obstacles;
   std::vector<Body> m_bodies;
+  std::vector<Drive> m_drives;
   std::unique_ptr<Engine> m_engine;
   BodyId m_nextId = 1;
   std::uint32_t m_tick = 0;

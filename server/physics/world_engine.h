@@ -28,6 +28,7 @@ struct Outcome {
   GroupOutcome steps;
   Health health = Health::kGood;
   bool reset = false;
+  std::size_t torn = 0;  // springs
 };
 
 template <class Real>

@@ -9,6 +9,7 @@
 #include <array>
 
 #include "server/physics/control.h"
+#include "server/physics/tear.h"
 #include "server/physics/world_engine.h"
 
 namespace wobble::physics {
@@ -84,6 +85,7 @@ class World::Stepper {
     member.load = ApplyControl(*member.blueprint, m_world.m_settings.gravity, body, state);
     member.load.wind = m_world.m_settings.wind.template cast<Real>();
     member.load.torn = state.torn;
+    AddDrives(body, member);
     member.substepsForError = body.steps.Substeps();
     member.health = Health::kGood;
     member.lost = false;
@@ -98,6 +100,18 @@ class World::Stepper {
     const double fat = kMargin + m_duration * double{member.bounds.speed};
     m_work.boxes[i] = {state.origin + member.bounds.low.template cast<double>() - Vector3d::Constant(fat),
                        state.origin + member.bounds.high.template cast<double>() + Vector3d::Constant(fat)};
+  }
+
+  void AddDrives(const Body& body, Member<Real>& member) const {
+    member.pushes.clear();
+    for (const Drive& drive : m_world.m_drives) {
+      if ((drive.body != 0 && drive.body != body.id) || !IsOn(drive, m_world.m_tick * m_duration)) continue;
+      member.load.wind += drive.wind.template cast<Real>();
+      member.load.gasFactor *= static_cast<Real>(drive.gasFactor);
+      const Vector3d share = drive.force / std::max(1.0, static_cast<double>(drive.vertices.size()));
+      for (const std::uint16_t vertex : drive.vertices) member.pushes.push_back({vertex, share.template cast<Real>()});
+    }
+    member.load.pushes = member.pushes;
   }
 
   void FindPairs() {
@@ -272,14 +286,25 @@ class World::Stepper {
     m_work.outcomes[i] = {steps, member.health, member.lost};
     body.touchesBody = false;
     if (member.lost) {
-      state = MakeState<Real>(*member.blueprint, FindFreePlace(member, m_work.safePlaces[i]), Vector3d::Zero());
+      PutBackToRest(*member.blueprint, FindFreePlace(member, m_work.safePlaces[i]), state);
       body.steps = {};
       WakeUp(body);
     } else {
       body.steps.Record(member.error, steps.substeps, m_rules.allowedError);
       NoteMotion(member, body);
+      Tear(i);
       Recentre(*member.blueprint, state);
     }
+  }
+
+  void Tear(std::uint32_t i) {
+    State<Real>& state = *m_work.members[i].state;
+    if (state.torn.empty()) return;
+    Outcome& outcome = m_work.outcomes[i];
+    outcome.torn = FindTorn<Real>(m_work.members[i].blueprint->template Read<Real>(), state.positions, state.torn);
+    Body& body = m_bodies[i];
+    if (outcome.torn > 0 || body.tornTicks > 0) ++body.tornTicks;
+    if (outcome.torn > 0) WakeUp(body);
   }
 
   // Near `place`, clear of obstacles where there is room: a body is lost where it is crushed, and its rest shape put
@@ -333,6 +358,7 @@ class World::Stepper {
       report.inverted += outcome.health == Health::kInverted ? 1 : 0;
       report.quarantined += outcome.health != Health::kGood ? 1 : 0;
       report.reset += outcome.reset ? 1 : 0;
+      report.torn += static_cast<std::uint32_t>(outcome.torn);
     }
     return report;
   }
@@ -347,7 +373,11 @@ class World::Stepper {
 
 StepReport World::Step() {
   ++m_tick;
-  return m_settings.precision == Precision::kSingle ? Stepper<float>(*this).Step() : Stepper<double>(*this).Step();
+  WakeTheDriven();
+  const StepReport report =
+      m_settings.precision == Precision::kSingle ? Stepper<float>(*this).Step() : Stepper<double>(*this).Step();
+  RebuildTorn();
+  return report;
 }
 
 }  // namespace wobble::physics
