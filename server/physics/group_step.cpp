@@ -56,7 +56,12 @@ class Group {
       }
     }
     for (std::size_t i = 0; i < m_members.size(); ++i) {
-      DivideByMasses<Real>(m_members[i]->blueprint->template Read<Real>(), m_members[i]->load, PartOf(a, i));
+      const Member<Real>& member = *m_members[i];
+      const Coefficients<Real>& body = member.blueprint->template Read<Real>();
+      DivideByMasses<Real>(body, member.load, PartOf(a, i));
+      if (Backtracks(member)) {
+        HoldResting<Real>(body, member.surfaces, member.state->contacts, PartOf(x, i), PartOf(a, i));
+      }
     }
   }
 
