@@ -242,7 +242,8 @@ TEST(SceneMistakes, ASyntaxErrorHasItsLine) {
 TEST(SceneMistakes, AnUnknownSceneListsTheKnownOnes) {
   const LoadResult loaded = LoadScene("arina", kFolder);
   EXPECT_THAT(loaded.errors,
-              ElementsAre(AllOf(HasSubstr("'arina'"), HasSubstr("arena, ball_drop, crowd, jelly_stack, lattice"))));
+              ElementsAre(AllOf(HasSubstr("'arina'"),
+                                HasSubstr("arena, backtracking, ball_drop, crowd, jelly_stack, lattice, magnetic"))));
   EXPECT_THAT(LoadScene("/nowhere/at/all.toml", kFolder).errors, ElementsAre(HasSubstr("/nowhere/at/all.toml")));
 }
 
