@@ -10,6 +10,11 @@ constexpr int kBisections = 50;
 constexpr double kRestingSteps = 2;
 // Slower than this no vertex bounces, m/s: half a tenth of a millimetre high.
 constexpr double kRestingSpeed = 0.03;
+// A vertex that lies on a surface is this near to it, m.
+constexpr double kLyingDistance = 1e-5;
+// One that slips more slowly does not slip, m/s: on a plane that no axis is parallel to, rounding leaves a slip of some
+// 10⁻⁸ m/s, and friction in full against that is noise which lets a cube creep.
+constexpr double kStuckSpeed = 1e-5;
 // Out of one surface a vertex may be put into another; so many looks at all of them.
 constexpr int kSweeps = 4;
 
@@ -94,8 +99,20 @@ void Rest(const Substep<Real>& substep, const Surface<Real>& surface, Real frict
   Lift(surface, x, v);
 }
 
+// Where friction has stopped a slide within the substep, which it cannot turn round.
 template <class Real>
-void PutBack(const ContactParameters<Real>& parameters, const Substep<Real>& substep, const Surface<Real>& surface,
+void StopSlide(Real h, const Vector3<Real>& before, const Vector3<Real>& normal, Vector3<Real>& x, Vector3<Real>& v) {
+  const Vector3<Real> slip = RemoveNormalPart<Real>(v, normal);
+  if (before.isZero(0) || slip.dot(before) > Real(0)) return;
+  const Real was = std::sqrt(before.dot(before));
+  const Real is = std::sqrt(slip.dot(slip));
+  v -= slip;
+  x -= (h / Real(2) * is / (was + is)) * slip;  // the way back since then
+}
+
+// True when the vertex lies on the surface now.
+template <class Real>
+bool PutBack(const ContactParameters<Real>& parameters, const Substep<Real>& substep, const Surface<Real>& surface,
              Vector3<Real>& x, Vector3<Real>& v) {
   const Real friction = parameters.friction * surface.friction;
   const Real crossing = FindCrossing(surface, substep);
@@ -105,9 +122,10 @@ void PutBack(const ContactParameters<Real>& parameters, const Substep<Real>& sub
   const Real gained = std::max(Real(0), normal.dot(substep.begin.v) - normal.dot(substep.end.v));
   if (approach > std::max(static_cast<Real>(kRestingSpeed), static_cast<Real>(kRestingSteps) * gained)) {
     Bounce(substep, surface, friction, parameters.restitution, crossing, x, v);
-  } else {
-    Rest(substep, surface, friction, crossing, x, v);
+    return false;
   }
+  Rest(substep, surface, friction, crossing, x, v);
+  return true;
 }
 
 }  // namespace
@@ -116,26 +134,63 @@ template <class Real>
 void PutBack(const Coefficients<Real>& body, Real h, std::span<const Surface<Real>> surfaces,
              std::span<const Vector3<Real>> x0, std::span<const Vector3<Real>> v0, std::span<Contact<Real>> contacts,
              std::span<Vector3<Real>> x, std::span<Vector3<Real>> v) {
-  bool touches = false;
   for (Contact<Real>& contact : contacts) {
     const std::uint32_t i = contact.vertex;
+    if (!(body.inverseMasses[i] > Real(0))) continue;
     const Surface<Real>& surface = surfaces[contact.surface];
-    contact.touching = body.inverseMasses[i] > Real(0) && FindSurfacePoint(surface, x[i]).distance < Real(0);
-    if (!contact.touching) continue;
-    PutBack<Real>(body.contact, {h, {x0[i], v0[i]}, {x[i], v[i]}}, surface, x[i], v[i]);
-    touches = true;
+    const SurfacePoint<Real> point = FindSurfacePoint(surface, x[i]);
+    if (contact.touching) {
+      StopSlide<Real>(h, contact.slip, point.normal, x[i], v[i]);
+      contact.touching = point.distance <= static_cast<Real>(kLyingDistance);
+    } else if (point.distance < Real(0)) {
+      contact.touching = PutBack<Real>(body.contact, {h, {x0[i], v0[i]}, {x[i], v[i]}}, surface, x[i], v[i]);
+    }
   }
-  for (int sweep = 0; touches && sweep < kSweeps; ++sweep) {
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
     for (const Contact<Real>& contact : contacts) {
       const std::uint32_t i = contact.vertex;
       if (body.inverseMasses[i] > Real(0)) Lift(surfaces[contact.surface], x[i], v[i]);
     }
   }
+  for (Contact<Real>& contact : contacts) {
+    if (!contact.touching) continue;
+    const Vector3<Real> normal = FindSurfacePoint(surfaces[contact.surface], x[contact.vertex]).normal;
+    contact.slip = RemoveNormalPart<Real>(v[contact.vertex], normal);
+    if (contact.slip.dot(contact.slip) > static_cast<Real>(kStuckSpeed * kStuckSpeed)) continue;
+    v[contact.vertex] -= contact.slip;
+    contact.slip.setZero();
+  }
 }
 
-#define WOBBLE_INSTANTIATE(Real)                                                               \
-  template void PutBack<Real>(const Coefficients<Real>&, Real, std::span<const Surface<Real>>, \
-                              std::span<const Vector3<Real>>, std::span<const Vector3<Real>>,  \
+template <class Real>
+void HoldResting(const Coefficients<Real>& body, std::span<const Surface<Real>> surfaces,
+                 std::span<const Contact<Real>> contacts, std::span<const Vector3<Real>> x,
+                 std::span<Vector3<Real>> accelerations) {
+  for (const Contact<Real>& contact : contacts) {
+    if (!contact.touching) continue;
+    const Surface<Real>& surface = surfaces[contact.surface];
+    const SurfacePoint<Real> point = FindSurfacePoint(surface, x[contact.vertex]);
+    Vector3<Real>& a = accelerations[contact.vertex];
+    const Real pressed = -point.normal.dot(a);
+    if (point.distance > static_cast<Real>(kLyingDistance) || !(pressed > Real(0))) continue;
+    a += pressed * point.normal;
+    const Real limit = body.contact.friction * surface.friction * pressed;
+    const Real slipSpeed = std::sqrt(contact.slip.dot(contact.slip));
+    const Real along = std::sqrt(a.dot(a));
+    if (slipSpeed > Real(0)) {
+      a -= (limit / slipSpeed) * contact.slip;
+    } else if (along > Real(0)) {
+      a -= std::min(Real(1), limit / along) * a;
+    }
+  }
+}
+
+#define WOBBLE_INSTANTIATE(Real)                                                                  \
+  template void HoldResting<Real>(const Coefficients<Real>&, std::span<const Surface<Real>>,      \
+                                  std::span<const Contact<Real>>, std::span<const Vector3<Real>>, \
+                                  std::span<Vector3<Real>>);                                      \
+  template void PutBack<Real>(const Coefficients<Real>&, Real, std::span<const Surface<Real>>,    \
+                              std::span<const Vector3<Real>>, std::span<const Vector3<Real>>,     \
                               std::span<Contact<Real>>, std::span<Vector3<Real>>, std::span<Vector3<Real>>);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)

@@ -4,13 +4,12 @@
 // accurate) meets the surface. There the normal velocity turns round times the restitution, Coulomb's impulse μ Δv_n
 // slows the slip, and the rest of the substep is flown with its mean acceleration.
 //
-// A vertex that lies on a surface crosses it in every substep, at a speed that the substep itself gave it. It would
-// bounce for ever in ever smaller hops; slower than kRestingSteps such substeps make it, it stays on the surface
-// instead, and what was taken from its normal velocity is the impulse that bounds friction. Half of the velocity that
-// friction takes over a substep is taken from the way as well: without that a body that sticks creeps downhill by
-// ½ g sin α h² each substep, and a slide ends v h/2 late.
+// A vertex that lies on a surface would cross it in every substep, at a speed that the substep itself gave it, and hop
+// for ever. Slower than kRestingSteps such substeps make it, it stays on the surface; from then on the surface takes
+// what accelerates it inward, and friction what accelerates it along, up to μ times that: it is held within the
+// substep, where to be put back after each would let a cube creep downhill at millimetres a second.
 //
-// Putting vertices back breaks the smoothness that gives RK4 its order: after a touch it is one of order 1.
+// A touch breaks the smoothness that gives RK4 its order: through one it is a method of order 1.
 #pragma once
 
 #include <span>
@@ -26,7 +25,14 @@ namespace wobble::physics {
 // at, m.
 inline constexpr double kBacktrackingRange = 0.1;
 
-// After a substep of h s from x0, v0 to x, v of one body: puts its vertices back and says which contacts touch. No
+// Takes from the accelerations of vertices that lie on a surface what the surface and friction on it withstand.
+template <class Real>
+void HoldResting(const Coefficients<Real>& body, std::span<const Surface<Real>> surfaces,
+                 std::span<const Contact<Real>> contacts, std::span<const Vector3<Real>> x,
+                 std::span<Vector3<Real>> accelerations);
+
+// After a substep of h s from x0, v0 to x, v of one body: puts its vertices back and says which contacts touch: those
+// that lie, not those that bounce. No
 // vertex that is listed is left below a surface by more than rounding, where it can be above all of them.
 template <class Real>
 void PutBack(const Coefficients<Real>& body, Real h, std::span<const Surface<Real>> surfaces,

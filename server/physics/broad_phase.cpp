@@ -38,7 +38,8 @@ Cell FindCell(const Box& box, double size) {
   const Vector3d middle = (box.low + box.high) / (2 * size);
   const auto whole = [](double value) {
     constexpr auto kLimit = static_cast<double>(kCellsEachWay);
-    return static_cast<std::int64_t>(std::floor(std::clamp(value, -kLimit, kLimit - 1)));
+    // Written so that what is no number, of a body that is about to be reset, has a cell as well.
+    return static_cast<std::int64_t>(std::floor(value > -kLimit ? std::min(value, kLimit - 1) : -kLimit));
   };
   return {whole(middle.x()), whole(middle.y()), whole(middle.z())};
 }

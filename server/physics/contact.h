@@ -32,6 +32,7 @@ struct Contact {
   std::uint32_t vertex = 0;
   bool touching = false;                         // at the end of the last substep; the anchor is set
   Vector3<Real> anchor = Vector3<Real>::Zero();  // local coordinates, m
+  Vector3<Real> slip = Vector3<Real>::Zero();    // backtracking: along the surface, at the end of the last substep, m/s
 };
 
 // Lists every vertex that may come within `range` (m) of a surface before `duration` (s) is over, keeping anchors of

@@ -5,9 +5,15 @@
 #include <algorithm>
 #include <span>
 
+#include "server/physics/backtracking.h"
 #include "server/physics/group_step.h"
 
 namespace wobble::physics {
+
+template <class Real>
+[[nodiscard]] bool Backtracks(const Member<Real>& member) {
+  return member.blueprint->full.contact.law == ContactLaw::kBacktracking && !member.state->contacts.empty();
+}
 
 template <class Real>
 class Group {
@@ -83,7 +89,12 @@ class Group {
       }
     }
     ForEach(m_members.size(), [&](std::size_t i) {
-      DivideByMasses<Real>(m_members[i]->blueprint->template Read<Real>(), m_members[i]->load, PartOf(a, i));
+      const Member<Real>& member = *m_members[i];
+      const Coefficients<Real>& body = member.blueprint->template Read<Real>();
+      DivideByMasses<Real>(body, member.load, PartOf(a, i));
+      if (Backtracks(member)) {
+        HoldResting<Real>(body, member.surfaces, member.state->contacts, PartOf(x, i), PartOf(a, i));
+      }
     });
   }
 

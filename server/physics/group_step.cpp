@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/physics/backtracking.h"
 #include "server/physics/group.h"
 #include "server/physics/group_health.h"
 #include "server/physics/stability.h"
@@ -29,11 +28,6 @@ double FindRmsOfDifference(std::span<const Vector3<Real>> a, std::span<const Vec
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i) sum += double{(a[i] - b[i]).squaredNorm()};
   return std::sqrt(sum / static_cast<double>(a.size()));
-}
-
-template <class Real>
-bool Backtracks(const Member<Real>& member) {
-  return member.blueprint->full.contact.law == ContactLaw::kBacktracking && !member.state->contacts.empty();
 }
 
 // Bodies that touch are stepped as one. Where they ask for different methods none of those is right for all, and what

@@ -128,6 +128,7 @@ struct Hopper {
     const auto accelerate = [&](std::span<const Vector3<Real>> at, std::span<const Vector3<Real>> speed,
                                 std::span<Vector3<Real>> a) {
       ComputeAccelerations<Real>(body, load, surfaces, contacts, at, speed, a);
+      HoldResting<Real>(body, surfaces, contacts, at, a);
     };
     StepRungeKutta<Real>(kClassicRungeKutta, static_cast<Real>(h), accelerate, std::span(x), std::span(v), buffers);
     PutBack<Real>(body, static_cast<Real>(h), surfaces, x0, v0, contacts, x, v);
@@ -232,6 +233,40 @@ TEST(Backtracking, CornersHoldToo) {
   }
   EXPECT_LT(particle.x[0].norm(), 1e-3);
   EXPECT_LT(particle.v[0].norm(), 1e-3);
+}
+
+// As a whole: a cube lies still on a slope below the angle of friction, to the last vertex, and slides above it. The
+// slope is a tilted plane, or gravity is tilted and the plane is not.
+TEST(Backtracking, BodiesStickAndSlideAsParticlesDo) {
+  const double angle = 10 * kPi / 180;
+  const Vector3d down(std::sin(angle), 0, -std::cos(angle));
+  for (const auto& [friction, planeIsTilted] : {std::pair(0.3, false), {0.3, true}, {0.1, false}, {0.1, true}}) {
+    WorldSettings settings;
+    if (!planeIsTilted) settings.gravity = 9.81 * down;
+    World world(settings);
+    LatticeDefinition definition = MakeJellyCube(0.1);
+    definition.friction = friction;
+    Blueprint cube = MakeLattice(definition);
+    SetContactLaw(cube, ContactLaw::kBacktracking);
+    world.AddBlueprint(std::move(cube));
+    Obstacle plane;
+    if (planeIsTilted) plane.normal = Vector3d(std::sin(angle), 0, std::cos(angle));
+    world.AddObstacle(plane);
+    const BodyId body = world.AddBody(0, 0.45 * plane.normal);
+    for (int tick = 0; tick < 600; ++tick) world.Step();
+    const Vector3d before = world.FindCentre(world.ReadBody(body));
+    const auto& state = std::get<State<float>>(world.ReadBody(body).state);
+    const double speed = FindMeanVelocity(world.Blueprints()[0], state).norm();
+    for (int tick = 0; tick < 120; ++tick) world.Step();
+    const double way = (world.FindCentre(world.ReadBody(body)) - before).norm();
+    if (friction > std::tan(angle)) {
+      EXPECT_LT(way, 5e-5) << "m in 2 s";
+      for (const Vector3f& v : state.velocities) EXPECT_LT(v.norm(), 2e-3F);
+    } else {
+      const double acceleration = 9.81 * (std::sin(angle) - friction * std::cos(angle));
+      EXPECT_NEAR(way - 2 * speed, 0.5 * acceleration * 4, 0.02 * 2 * acceleration);
+    }
+  }
 }
 
 // Balls and cubes of each law, in both precisions, dropped on a plane.

@@ -58,7 +58,9 @@ TEST_P(ShippedScene, LoadsAndMakesAWorld) {
   for (const BodyGroup& group : loaded.scene.groups) hasJitter = hasJitter || group.jitter > 0;
   EXPECT_EQ(PlayAndHash(loaded.scene, 2) != hash, hasJitter);
 }
-INSTANTIATE_TEST_SUITE_P(All, ShippedScene, testing::Values("arena", "ball_drop", "crowd", "jelly_stack", "lattice"),
+INSTANTIATE_TEST_SUITE_P(All, ShippedScene,
+                         testing::Values("arena", "backtracking", "ball_drop", "crowd", "jelly_stack", "lattice",
+                                         "magnetic"),
                          [](const auto& parameter) { return parameter.param; });
 
 TEST(Scenes, TheShippedOnesAreListed) {
@@ -68,7 +70,7 @@ TEST(Scenes, TheShippedOnesAreListed) {
     EXPECT_FALSE(scene.description.empty());
     EXPECT_THAT(scene.description, testing::Not(HasSubstr("has errors")));
   }
-  EXPECT_THAT(names, ElementsAre("arena", "ball_drop", "crowd", "jelly_stack", "lattice"));
+  EXPECT_THAT(names, ElementsAre("arena", "backtracking", "ball_drop", "crowd", "jelly_stack", "lattice", "magnetic"));
 }
 
 TEST(Scenes, ObstaclesOfEveryKind) {
@@ -378,7 +380,8 @@ TEST(SceneMistakes, ASyntaxErrorHasItsLine) {
 TEST(SceneMistakes, AnUnknownSceneListsTheKnownOnes) {
   const LoadResult loaded = LoadScene("arina", kFolder);
   EXPECT_THAT(loaded.errors,
-              ElementsAre(AllOf(HasSubstr("'arina'"), HasSubstr("arena, ball_drop, crowd, jelly_stack, lattice"))));
+              ElementsAre(AllOf(HasSubstr("'arina'"),
+                                HasSubstr("arena, backtracking, ball_drop, crowd, jelly_stack, lattice, magnetic"))));
   EXPECT_THAT(LoadScene("/nowhere/at/all.toml", kFolder).errors, ElementsAre(HasSubstr("/nowhere/at/all.toml")));
 }
 

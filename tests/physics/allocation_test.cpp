@@ -1,0 +1,83 @@
+// No step of any method or contact law allocates once the world has warmed up. Counted at malloc, since Eigen does not
+// go through operator new.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+
+#include "server/physics/world.h"
+#include "tests/physics/bodies.h"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define WOBBLE_MALLOC_IS_TAKEN
+#endif
+
+namespace {
+
+std::atomic<std::uint64_t> allocations{0};
+
+}  // namespace
+
+#ifndef WOBBLE_MALLOC_IS_TAKEN
+extern "C" {  // of glibc
+void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t count, std::size_t size);
+void* __libc_realloc(void* memory, std::size_t size);
+
+void* malloc(std::size_t size) {
+  allocations.fetch_add(1, std::memory_order_relaxed);
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t count, std::size_t size) {
+  allocations.fetch_add(1, std::memory_order_relaxed);
+  return __libc_calloc(count, size);
+}
+void* realloc(void* memory, std::size_t size) {
+  allocations.fetch_add(1, std::memory_order_relaxed);
+  return __libc_realloc(memory, size);
+}
+}
+#endif
+
+namespace wobble::physics {
+namespace {
+
+std::uint64_t CountAllocations(Integrator integrator, ContactLaw law, Precision precision) {
+  WorldSettings settings;
+  settings.precision = precision;
+  World world(settings);
+  for (Blueprint blueprint : {MakeBall(BallDefinition{}), MakeLattice(MakeJellyCube(0.1))}) {
+    SetIntegrator(blueprint, integrator);
+    SetContactLaw(blueprint, law);
+    world.AddBlueprint(std::move(blueprint));
+  }
+  world.AddObstacle(Obstacle{});
+  for (int i = 0; i < 4; ++i) world.AddBody(static_cast<std::uint8_t>(i % 2), Vector3d(2 * i, 0, 1));
+  for (int tick = 0; tick < 120; ++tick) world.Step();
+  const std::uint64_t before = allocations;
+  for (int tick = 0; tick < 120; ++tick) world.Step();
+  return allocations - before;
+}
+
+TEST(Allocations, NoMethodAllocatesInAStep) {
+#ifdef WOBBLE_MALLOC_IS_TAKEN
+  GTEST_SKIP() << "the sanitizer has its own malloc";
+#endif
+  const std::uint64_t before = allocations;
+  void* volatile memory = std::malloc(16);  // volatile, or the compiler leaves both out
+  std::free(memory);
+  ASSERT_GE(allocations - before, 1U) << "it counts";
+  for (const Precision precision : {Precision::kSingle, Precision::kDouble}) {
+    for (const Integrator integrator :
+         {Integrator::kRungeKutta4, Integrator::kSemiImplicitEuler, Integrator::kVelocityVerlet, Integrator::kLeapFrog,
+          Integrator::kPositionVerlet, Integrator::kImplicitEuler}) {
+      EXPECT_EQ(CountAllocations(integrator, ContactLaw::kPenalty, precision), 0U) << static_cast<int>(integrator);
+    }
+    for (const ContactLaw law : {ContactLaw::kMagnetic, ContactLaw::kBacktracking}) {
+      EXPECT_EQ(CountAllocations(Integrator::kRungeKutta4, law, precision), 0U) << static_cast<int>(law);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace wobble::physics
