@@ -1,12 +1,15 @@
 // Blueprints of a scene file: the kind that a [[blueprint]] names says which fields it has.
 #pragma once
 
+#include <filesystem>
+
 #include "server/scenes/scene.h"
 #include "server/scenes/table_reader.h"
 
 namespace wobble::scenes {
 
-// Adds one blueprint to the scene, also when it is wrong: what names it is then no further mistake.
-void ReadBlueprint(TableReader& reader, Scene& scene);
+// Adds one blueprint to the scene, also when it is wrong: what names it is then no further mistake. folder: the scene
+// file's; files that a blueprint names are looked for from there.
+void ReadBlueprint(TableReader& reader, const std::filesystem::path& folder, Scene& scene);
 
 }  // namespace wobble::scenes
