@@ -4,9 +4,11 @@
 
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
+#include "server/physics/world.h"
 #include "server/scenes/loader.h"
 #include "server/scenes/obj_reader.h"
 
@@ -64,6 +66,46 @@ TEST(Obj, TooManyVerticesAreRefusedOnceTheyAre) {
   for (std::size_t i = 0; i <= physics::kMaxMeshVertices; ++i) text += "v " + std::to_string(i) + " 0 0\n";
   EXPECT_THAT(ParseObj(text).errors, ElementsAre("line 4097: vertex 4097: at most 4096 vertices"));
 }
+
+// The creatures that are shipped: good meshes of a size that play can bear, which hold their shape and a fall.
+class ShippedMesh : public testing::TestWithParam<std::string> {};
+
+TEST_P(ShippedMesh, LoadsHoldsItsShapeAndBearsAFall) {
+  const ObjMesh obj =
+      LoadObj(std::filesystem::path(WOBBLE_SOURCE_DIR) / "server/scenes/meshes" / (GetParam() + ".obj"));
+  ASSERT_THAT(obj.errors, IsEmpty());
+  EXPECT_GE(obj.vertices.size(), 150U);
+  EXPECT_LE(obj.vertices.size(), 450U);
+  physics::MeshDefinition mesh;
+  mesh.vertices = obj.vertices;
+  mesh.faces = obj.faces;
+  mesh.bend = 0.5;
+  mesh.material.mass = 10;
+  mesh.material.stiffness = 1000;
+  mesh.material.gas = 120;
+  const auto errors = physics::ValidateMesh(mesh);
+  ASSERT_TRUE(errors.empty()) << errors[0].field << ": " << errors[0].range;
+  physics::World world(physics::WorldSettings{});
+  world.AddBlueprint(physics::MakeMesh(mesh));
+  world.AddObstacle(physics::Obstacle{});
+  const physics::BodyId id = world.AddBody(0, {0, 0, 2});
+  for (int tick = 0; tick < 300; ++tick) {
+    const physics::StepReport report = world.Step();
+    ASSERT_EQ(report.nonFinite + report.inverted, 0U) << tick;
+  }
+  const physics::Blueprint& blueprint = world.Blueprints()[0];
+  std::vector<physics::Vector3d> x(blueprint.rest.size());
+  physics::VisitVertices(world.ReadBody(id), [&](std::size_t i, const physics::Vector3d& at) { x[i] = at; });
+  double change = 0;  // of the springs' lengths, RMS
+  for (const auto& spring : blueprint.full.springs) {
+    const double length = (blueprint.rest[spring.a] - blueprint.rest[spring.b]).norm();
+    change += std::pow((x[spring.a] - x[spring.b]).norm() / length - 1, 2);
+  }
+  change = std::sqrt(change / static_cast<double>(blueprint.full.springs.size()));
+  EXPECT_LT(change, 0.05);
+}
+INSTANTIATE_TEST_SUITE_P(All, ShippedMesh, testing::Values("calf", "caterpillar", "whale"),
+                         [](const auto& parameter) { return parameter.param; });
 
 class MeshScene : public testing::Test {
  protected:
