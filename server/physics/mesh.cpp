@@ -58,8 +58,7 @@ Frame FindFrame(std::span<const Face> faces) {
     }
   }
   std::ranges::sort(frame.across);
-  const auto doubled = std::ranges::unique(frame.across);
-  frame.across.erase(doubled.begin(), doubled.end());
+  frame.across.erase(std::unique(frame.across.begin(), frame.across.end()), frame.across.end());
   return frame;
 }
 
