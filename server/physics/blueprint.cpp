@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/physics/backtracking.h"
 #include "server/physics/forces.h"
 #include "server/physics/stability.h"
 
@@ -10,8 +11,17 @@ namespace wobble::physics {
 namespace {
 
 ContactParameters<float> ToSingle(const ContactParameters<double>& c) {
-  return {static_cast<float>(c.stiffness),      static_cast<float>(c.fadeDepth),    static_cast<float>(c.damping),
-          static_cast<float>(c.stickStiffness), static_cast<float>(c.stickDamping), static_cast<float>(c.friction)};
+  return {c.law,
+          static_cast<float>(c.stiffness),
+          static_cast<float>(c.fadeDepth),
+          static_cast<float>(c.damping),
+          static_cast<float>(c.stickStiffness),
+          static_cast<float>(c.stickDamping),
+          static_cast<float>(c.friction),
+          static_cast<float>(c.restitution),
+          static_cast<float>(c.strength),
+          static_cast<float>(c.floorDistance),
+          static_cast<float>(c.range)};
 }
 
 Coefficients<float> ToSingle(const Coefficients<double>& full) {
@@ -99,6 +109,26 @@ void CheckField(std::vector<FieldError>& errors, const char* field, double value
 bool IsSlowEnough(const Blueprint& blueprint) {
   const double rate = std::max(blueprint.angularFrequency, blueprint.dampingRate);
   return rate / 60 / kStabilityLimit <= kMaxSubsteps / 2;
+}
+
+void SetIntegrator(Blueprint& blueprint, Integrator integrator) {
+  blueprint.integrator = integrator;
+  blueprint.sparsePattern.reset();
+  if (integrator != Integrator::kImplicitEuler) return;
+  std::vector<std::array<std::uint32_t, 2>> pairs;
+  for (const Spring<double>& spring : blueprint.full.springs) pairs.push_back({spring.a, spring.b});
+  blueprint.sparsePattern = std::make_shared<SparsePattern>(MakeSparsePattern(pairs, blueprint.rest.size()));
+}
+
+void SetContactLaw(Blueprint& blueprint, ContactLaw law, double magneticStrength) {
+  ContactParameters<double>& contact = blueprint.full.contact;
+  contact.law = law;
+  contact.range = law == ContactLaw::kBacktracking ? kBacktrackingRange : 0;
+  if (law == ContactLaw::kMagnetic) {
+    const std::vector<double>& masses = blueprint.full.masses;
+    FillMagneticLaw(contact, magneticStrength, *std::max_element(masses.begin(), masses.end()));
+  }
+  blueprint.single.contact = ToSingle(contact);
 }
 
 void FinishBlueprintButStability(Blueprint& blueprint) {

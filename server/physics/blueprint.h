@@ -4,9 +4,12 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "server/physics/integrator.h"
+#include "server/physics/sparse_pattern.h"
 #include "server/physics/topology.h"
 #include "server/physics/vector.h"
 
@@ -46,15 +49,27 @@ struct Spring {
   Real damping = 0;     // c, N·s/m
 };
 
-// How a vertex of the body meets a surface; contact.h has the law.
+// How a body meets static surfaces; bodies meet one another by the penalty law whatever theirs is.
+enum class ContactLaw : std::uint8_t {
+  kPenalty,       // contact.h
+  kMagnetic,      // contact.h
+  kBacktracking,  // backtracking.h
+};
+
+// How a vertex of the body meets a surface.
 template <class Real>
 struct ContactParameters {
+  ContactLaw law = ContactLaw::kPenalty;
   Real stiffness = 0;       // k_c: slope of the normal force from `fadeDepth` on, N/m
   Real fadeDepth = 0;       // δ: depth up to which force and damping grow smoothly, m
   Real damping = 0;         // of the normal motion beyond δ, N·s/m
   Real stickStiffness = 0;  // of the anchor spring, N/m
   Real stickDamping = 0;    // beside it, N·s/m
   Real friction = 0;        // Coulomb's coefficient of this body
+  Real restitution = 0;     // backtracking: speed after a bounce over that before it
+  Real strength = 0;        // magnetic: K, N·m²
+  Real floorDistance = 0;   // magnetic: nearer than this the force goes on along its tangent, m
+  Real range = 0;           // vertices farther than this from a surface are none of its business, m
 };
 
 // All that the force terms read, in the kernel's precision.
@@ -94,7 +109,9 @@ struct Blueprint {
   double dampingRate = 0;
   // What drag adds to it at a metre per second of relative speed, 1/m.
   double dragRate = 0;
-  Topology topology;  // of full.faces
+  Integrator integrator = Integrator::kRungeKutta4;
+  std::shared_ptr<const SparsePattern> sparsePattern;  // of full.springs; for implicit Euler only
+  Topology topology;                                   // of full.faces
   Coefficients<float> single;
   Coefficients<double> full;
 
@@ -116,6 +133,16 @@ inline constexpr double kMinSize = 0.01;
 void FinishBlueprint(Blueprint& blueprint);
 // The same without stability, for those who know it: the power iteration takes longer than all the rest.
 void FinishBlueprintButStability(Blueprint& blueprint);
+
+// Sets the method and makes what it needs; after FinishBlueprint.
+void SetIntegrator(Blueprint& blueprint, Integrator integrator);
+
+// What may be asked of `magnetic_strength`, N·m², and what it is unless it is asked for.
+inline constexpr double kMinMagneticStrength = 1e-7;
+inline constexpr double kMaxMagneticStrength = 100;
+inline constexpr double kDefaultMagneticStrength = 1e-3;
+// Sets the law and what follows from it; after FinishBlueprint. magneticStrength: K, for that law only.
+void SetContactLaw(Blueprint& blueprint, ContactLaw law, double magneticStrength = kDefaultMagneticStrength);
 
 // Whether the body by itself leaves half of the largest number of substeps, at 60 ticks a second, to what it touches.
 [[nodiscard]] bool IsSlowEnough(const Blueprint& blueprint);

@@ -21,14 +21,21 @@ struct WorldSettings {
   double tickDuration = 1.0 / 60;  // s
   Precision precision = Precision::kSingle;
   int threads = 1;
+  // Of each body, RMS over its vertices, that may build up in a second of motion, m/s.
+  double errorTarget = 0.001;
+  int maxSubsteps = 64;              // that the error target may ask for; stability takes what it needs
+  Vector3d wind = Vector3d::Zero();  // of the medium that drags at faces, m/s
 };
 
-// What one tick did. Counts of bodies but for `substeps`, their sum.
+// What one tick did. Counts of bodies but for substeps, sums over them.
 struct StepReport {
-  std::uint64_t substeps = 0;
+  std::uint64_t substeps = 0;     // that the tick was played in
+  std::uint64_t allSubsteps = 0;  // with those that were stepped again
   std::uint32_t awake = 0;
-  std::uint32_t nonFinite = 0;  // had a coordinate that is no number: reset to the rest shape
-  std::uint32_t inverted = 0;   // closed bodies turned inside out: reset as well
+  std::uint32_t nonFinite = 0;    // had a coordinate that is no number in one of the tries
+  std::uint32_t inverted = 0;     // closed bodies turned inside out, as well
+  std::uint32_t quarantined = 0;  // these, and those whose energy ran away: stepped again in more substeps
+  std::uint32_t reset = 0;        // of these: no number of substeps has helped, back in the rest shape
 };
 
 class World {
@@ -41,11 +48,20 @@ class World {
   void AddObstacle(const Obstacle& obstacle);
 
   BodyId AddBody(std::uint8_t blueprint, const Vector3d& position, const Vector3d& velocity = Vector3d::Zero());
-  // These four take ids that exist.
+  // These take ids that exist.
   void RemoveBody(BodyId id);
   // Rest shape at `position`, not moving.
   void PlaceBody(BodyId id, const Vector3d& position);
   void SetControl(BodyId id, const Control& control, const ControlLimits& limits);
+  // Puts every vertex where and as fast as is said, in the world. Any numbers are taken: what cannot be is for Step to
+  // find.
+  void SetMotion(BodyId id, std::span<const Vector3d> positions, std::span<const Vector3d> velocities);
+  // Wakes everything that sleeps: down is elsewhere now.
+  void SetGravity(const Vector3d& gravity);
+  // Puts the body onto a blueprint of its own, in a slot that no body uses any more, but none of AddBlueprint's, or in
+  // a new one. With as many vertices as before it keeps their places and velocities; else it takes the rest shape at
+  // its centre. False, and nothing done, when all 255 slots are taken.
+  bool ReplaceBlueprint(BodyId id, Blueprint blueprint);
   [[nodiscard]] const Body& ReadBody(BodyId id) const;
 
   StepReport Step();
@@ -53,6 +69,9 @@ class World {
   [[nodiscard]] std::uint32_t Tick() const { return m_tick; }  // steps taken
   [[nodiscard]] const WorldSettings& Settings() const { return m_settings; }
   [[nodiscard]] std::span<const Blueprint> Blueprints() const { return m_blueprints; }
+  // Grow whenever a slot, or this one, is given another blueprint.
+  [[nodiscard]] std::uint64_t BlueprintRevision() const { return m_blueprintRevision; }
+  [[nodiscard]] std::uint64_t SlotRevision(std::uint8_t slot) const { return m_slots[slot].revision; }
   [[nodiscard]] std::span<const Obstacle> Obstacles() const { return m_obstacles; }
   [[nodiscard]] std::span<const Body> Bodies() const { return m_bodies; }  // by ascending id
   [[nodiscard]] const Blueprint& BlueprintOf(const Body& body) const { return m_blueprints[body.blueprint]; }
@@ -67,12 +86,21 @@ class World {
   template <class Real>
   class Stepper;
 
+  struct Slot {
+    std::uint64_t revision = 0;
+    bool isKept = false;  // AddBlueprint's
+  };
+
   Body& FindBody(BodyId id);
-  // Forgets whom it touched, for one that is gone or elsewhere.
+  // Of those that may be given another blueprint, the one that has had its own for longest, or one more than there are.
+  [[nodiscard]] std::size_t FindFreeSlot() const;
+  // Forgets whom it touched, for one that is gone or elsewhere, and wakes them.
   void DropPairsOf(BodyId id);
 
   WorldSettings m_settings;
   std::vector<Blueprint> m_blueprints;
+  std::vector<Slot> m_slots;  // of m_blueprints
+  std::uint64_t m_blueprintRevision = 0;
   std::vector<Obstacle> m_obstacles;
   std::vector<Body> m_bodies;
   std::unique_ptr<Engine> m_engine;

@@ -9,6 +9,20 @@
 namespace wobble::scenes {
 namespace {
 
+void ReadMethods(TableReader& reader, Methods& methods) {
+  using physics::ContactLaw;
+  ReadIntegrator(reader, methods.integrator);
+  static const std::map<std::string, ContactLaw> kLaws{{"penalty", ContactLaw::kPenalty},
+                                                       {"magnetic", ContactLaw::kMagnetic},
+                                                       {"backtracking", ContactLaw::kBacktracking}};
+  reader.Read("contact_law", kLaws, methods.contactLaw);
+  reader.Read("magnetic_strength", physics::kMinMagneticStrength, physics::kMaxMagneticStrength, " N·m²",
+              methods.magneticStrength);
+  if (reader.Has("magnetic_strength") && methods.contactLaw != ContactLaw::kMagnetic) {
+    reader.RefuseAsWritten("magnetic_strength", "", "left out unless contact_law is \"magnetic\"");
+  }
+}
+
 // The ranges of quantities are the physics' own and checked by Validate.
 void ReadMaterial(TableReader& reader, physics::Material& material) {
   reader.ReadUnchecked("mass", material.mass);
@@ -142,7 +156,22 @@ bool ReadMesh(TableReader& reader, const std::filesystem::path& folder, physics:
 
 }  // namespace
 
-void ReadBlueprint(TableReader& reader, const std::filesystem::path& folder, Scene& scene) {
+void ReadIntegrator(TableReader& reader, physics::Integrator& integrator) {
+  using physics::Integrator;
+  static const std::map<std::string, Integrator> kWords{
+      {"rk4", Integrator::kRungeKutta4},
+      {"explicit_euler", Integrator::kExplicitEuler},
+      {"semi_implicit_euler", Integrator::kSemiImplicitEuler},
+      {"velocity_verlet", Integrator::kVelocityVerlet},
+      {"leap_frog", Integrator::kLeapFrog},
+      {"position_verlet", Integrator::kPositionVerlet},
+      {"implicit_euler", Integrator::kImplicitEuler},
+  };
+  reader.Read("integrator", kWords, integrator);
+}
+
+void ReadBlueprint(TableReader& reader, const std::filesystem::path& folder, physics::Integrator defaultIntegrator,
+                   Scene& scene) {
   const std::map<std::string, BodyDefinition> kinds{
       {"ball", physics::BallDefinition{}},   {"cloth", physics::ClothDefinition{}},
       {"graph", physics::GraphDefinition{}}, {"lattice", physics::LatticeDefinition{}},
@@ -156,6 +185,8 @@ void ReadBlueprint(TableReader& reader, const std::filesystem::path& folder, Sce
   if (std::any_of(scene.blueprints.begin(), scene.blueprints.end(), taken)) {
     reader.Refuse("name", NameOf(definition), "a name that no other blueprint has");
   }
+  Methods methods;
+  methods.integrator = defaultIntegrator;
   if (kindIsKnown) {
     bool isWhole = true;
     std::visit(
@@ -167,6 +198,7 @@ void ReadBlueprint(TableReader& reader, const std::filesystem::path& folder, Sce
           }
         },
         definition);
+    ReadMethods(reader, methods);
     for (const physics::FieldError& error : isWhole ? Validate(definition) : std::vector<physics::FieldError>{}) {
       reader.RefuseAsWritten(error.field, error.value, error.range);
     }
@@ -174,6 +206,7 @@ void ReadBlueprint(TableReader& reader, const std::filesystem::path& folder, Sce
     reader.PassOver();
   }
   scene.blueprints.push_back(std::move(definition));
+  scene.methods.push_back(methods);
 }
 
 }  // namespace wobble::scenes

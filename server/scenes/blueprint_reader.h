@@ -8,8 +8,12 @@
 
 namespace wobble::scenes {
 
+// The field `integrator` of a scene or of a blueprint.
+void ReadIntegrator(TableReader& reader, physics::Integrator& integrator);
+
 // Adds one blueprint to the scene, also when it is wrong: what names it is then no further mistake. folder: the scene
 // file's; files that a blueprint names are looked for from there.
-void ReadBlueprint(TableReader& reader, const std::filesystem::path& folder, Scene& scene);
+void ReadBlueprint(TableReader& reader, const std::filesystem::path& folder, physics::Integrator defaultIntegrator,
+                   Scene& scene);
 
 }  // namespace wobble::scenes

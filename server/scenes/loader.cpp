@@ -7,7 +7,9 @@
 #include <map>
 #include <sstream>
 
+#include "server/physics/stability.h"
 #include "server/scenes/blueprint_reader.h"
+#include "server/scenes/obstacle_reader.h"
 #include "server/scenes/table_reader.h"
 
 namespace wobble::scenes {
@@ -15,30 +17,9 @@ namespace {
 
 using physics::Vector3d;
 
-constexpr double kPlacesWithin = 4000;  // m from the origin: well inside what the protocol can show
 constexpr std::size_t kMaxSceneBodies = 20000;
-
-void ReadObstacle(TableReader& reader, Scene& scene) {
-  physics::Obstacle obstacle;
-  using Kind = physics::Obstacle::Kind;
-  reader.Require("kind");
-  const std::map<std::string, Kind> kinds{{"plane", Kind::kPlane}, {"box", Kind::kBox}};
-  if (!reader.Read("kind", kinds, obstacle.kind)) return reader.PassOver();
-  reader.Read("friction", 0, 10, "", obstacle.friction);
-  if (obstacle.kind == Kind::kPlane) {
-    reader.Read("normal", -1, 1, "", obstacle.normal);
-    if (const double length = obstacle.normal.norm(); length > 1e-6) {
-      obstacle.normal /= length;
-    } else {
-      reader.Refuse("normal", "[0, 0, 0]", "a direction");
-    }
-    reader.Read("offset", -kPlacesWithin, kPlacesWithin, " m", obstacle.offset);
-  } else {
-    reader.Read("center", -kPlacesWithin, kPlacesWithin, " m", obstacle.centre);
-    reader.Read("half_extents", physics::kMinHalfExtent, kPlacesWithin, " m", obstacle.halfExtents);
-  }
-  scene.obstacles.push_back(obstacle);
-}
+constexpr double kMinErrorTarget = 1e-6;  // m/s: below, single precision is all that is seen
+constexpr double kMaxErrorTarget = 1;
 
 void ReadBlueprintName(TableReader& reader, const Scene& scene, std::size_t& blueprint) {
   reader.Require("blueprint");
@@ -77,11 +58,16 @@ void ReadScene(TableReader& reader, const std::filesystem::path& folder, Scene& 
   reader.Read("precision",
               std::map<std::string, Precision>{{"float", Precision::kSingle}, {"double", Precision::kDouble}},
               scene.precision);
+  reader.Read("error_target", kMinErrorTarget, kMaxErrorTarget, " m/s", scene.errorTarget);
+  reader.Read("max_substeps", 1, physics::kMaxSubsteps, scene.maxSubsteps);
+  reader.Read("wind", -50, 50, " m/s", scene.wind);
+  physics::Integrator integrator = physics::Integrator::kRungeKutta4;
+  ReadIntegrator(reader, integrator);
   reader.Read("kill_height", -kPlacesWithin, kPlacesWithin, " m", scene.killHeight);
   reader.Require("blueprint");
   reader.Require("player");
   reader.ReadTables("obstacle", [&](TableReader& table) { ReadObstacle(table, scene); });
-  reader.ReadTables("blueprint", [&](TableReader& table) { ReadBlueprint(table, folder, scene); });
+  reader.ReadTables("blueprint", [&](TableReader& table) { ReadBlueprint(table, folder, integrator, scene); });
   reader.ReadTables("bodies", [&](TableReader& table) { ReadGroup(table, scene); });
   reader.ReadTables("player", [&](TableReader& table) { ReadPlayer(table, scene); });
   if (const std::size_t bodies = CountBodies(scene); bodies > kMaxSceneBodies) {

@@ -14,6 +14,12 @@ std::string FormatNumber(double value) {
   return text.str();
 }
 
+std::string Abbreviate(std::string text) {
+  constexpr std::size_t kMost = 40;
+  if (text.size() > kMost) text = text.substr(0, kMost) + "...";
+  return text;
+}
+
 }  // namespace
 
 void ErrorList::Add(const toml::source_region& where, const std::string& what) {
@@ -140,6 +146,34 @@ void TableReader::ReadWhole(std::string_view key, const char* count, int low, in
                   std::string(count) + " whole numbers from " + std::to_string(low) + " to " + std::to_string(high));
   }
   std::ranges::copy(read, value.begin());
+}
+
+bool TableReader::Read(std::string_view key, double low, double high, const char* unit, int most,
+                       std::vector<double>& values, int& columns) {
+  const toml::node* node = Find(key);
+  if (node == nullptr) return false;
+  const std::string range = "2 to " + std::to_string(most) + " rows of as many numbers each, 2 to " +
+                            std::to_string(most) + ", from " + FormatNumber(low) + " to " + FormatNumber(high) + unit;
+  const toml::array* rows = node->as_array();
+  const auto fits = [most](const toml::array* array) {
+    return array != nullptr && array->size() >= 2 && array->size() <= static_cast<std::size_t>(most);
+  };
+  if (!fits(rows)) return Refuse(key, Abbreviate(FormatNode(*node)), range), false;
+  std::vector<double> read;
+  for (const toml::node& row : *rows) {
+    const toml::array* numbers = row.as_array();
+    if (!fits(numbers) || numbers->size() != rows->front().as_array()->size()) {
+      return Refuse(key, Abbreviate(FormatNode(row)), range), false;
+    }
+    for (const toml::node& one : *numbers) {
+      const auto number = one.value<double>();
+      if (!number || !(*number >= low && *number <= high)) return Refuse(key, FormatNode(one), range), false;
+      read.push_back(*number);
+    }
+  }
+  columns = static_cast<int>(rows->front().as_array()->size());
+  values = std::move(read);
+  return true;
 }
 
 bool TableReader::Has(std::string_view key) {

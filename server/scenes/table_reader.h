@@ -33,6 +33,8 @@ class ErrorList {
 // A node as it would stand in a file.
 [[nodiscard]] std::string FormatNode(const toml::node& node);
 
+inline constexpr double kPlacesWithin = 4000;  // m from the origin: well inside what the protocol can show
+
 // Every Read leaves `value` as it is when the field is not there, and when it is refused.
 class TableReader {
  public:
@@ -52,6 +54,10 @@ class TableReader {
   void Read(std::string_view key, double low, double high, const char* unit, physics::Vector3d& value);
   void Read(std::string_view key, int low, int high, std::array<int, 2>& value);
   void Read(std::string_view key, int low, int high, std::array<int, 3>& value);
+
+  // A grid of numbers, one array a row, all rows equally long. False when there is none or it is not so.
+  bool Read(std::string_view key, double low, double high, const char* unit, int most, std::vector<double>& values,
+            int& columns);
 
   // One of a few words. False when there is none or another one.
   template <class Value>

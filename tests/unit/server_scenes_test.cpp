@@ -31,7 +31,7 @@ std::vector<std::string> ErrorsOf(const std::string& text) { return ParseScene(t
 class ShippedScene : public testing::TestWithParam<std::string> {
  protected:
   static std::uint64_t PlayAndHash(const Scene& scene, std::uint64_t seed) {
-    physics::World world({scene.gravity, 1.0 / 60, scene.precision, 1});
+    physics::World world(MakeWorldSettings(scene, 1.0 / 60, 1));
     const auto placed = FillWorld(scene, seed, world);
     EXPECT_EQ(placed.size(), CountBodies(scene));
     EXPECT_EQ(world.Bodies().size(), CountBodies(scene));
@@ -71,6 +71,107 @@ TEST(Scenes, TheShippedOnesAreListed) {
   EXPECT_THAT(names, ElementsAre("arena", "ball_drop", "crowd", "jelly_stack", "lattice"));
 }
 
+TEST(Scenes, ObstaclesOfEveryKind) {
+  const LoadResult loaded = ParseScene(MakeText("", "", R"(
+[[obstacle]]
+kind = "sphere"
+center = [1, 2, 3]
+radius = 4
+[[obstacle]]
+kind = "capsule"
+from = [1, 2, 3]
+to = [4, 5, 6]
+radius = 0.5
+friction = 0.25
+[[obstacle]]
+kind = "height_field"
+position = [-1, -1, 5]
+cell_size = 2
+heights = [[0, 1, 2], [0.5, 1.5, 2.5]]
+)"),
+                                       "test.toml");
+  ASSERT_THAT(loaded.errors, IsEmpty());
+  ASSERT_EQ(loaded.scene.obstacles.size(), 3U);
+  const physics::Obstacle& sphere = loaded.scene.obstacles[0];
+  EXPECT_EQ(sphere.kind, physics::Obstacle::Kind::kSphere);
+  EXPECT_EQ(sphere.centre, physics::Vector3d(1, 2, 3));
+  EXPECT_EQ(sphere.radius, 4);
+  const physics::Obstacle& capsule = loaded.scene.obstacles[1];
+  EXPECT_EQ(capsule.kind, physics::Obstacle::Kind::kCapsule);
+  EXPECT_EQ(capsule.end, physics::Vector3d(4, 5, 6));
+  EXPECT_EQ(capsule.friction, 0.25);
+  const physics::Obstacle& ground = loaded.scene.obstacles[2];
+  EXPECT_EQ(ground.centre, physics::Vector3d(-1, -1, 5));
+  ASSERT_NE(ground.field, nullptr);
+  EXPECT_EQ(ground.field->columns, 3);
+  EXPECT_EQ(ground.field->rows, 2);
+  EXPECT_NEAR(physics::FindHeight(*ground.field, 4, 2), 2.5, 1e-12) << "x is along a row";
+  EXPECT_NEAR(physics::FindHeight(*ground.field, 2, 0), 1, 1e-12);
+}
+
+TEST(Scenes, MistakesInObstaclesAreNamed) {
+  const auto errors = ErrorsOf(MakeText("", "", R"(
+[[obstacle]]
+kind = "sphere"
+radius = 0.01
+[[obstacle]]
+kind = "capsule"
+from = [1, 2]
+[[obstacle]]
+kind = "height_field"
+cell_size = 0
+heights = [[0, 1], [2]]
+[[obstacle]]
+kind = "height_field"
+heights = [[0, 1], [2, nan]]
+[[obstacle]]
+kind = "height_field"
+heights = [[0, 1]]
+[[obstacle]]
+kind = "height_field"
+)"));
+  EXPECT_THAT(errors,
+              ElementsAre(AllOf(HasSubstr("radius = 0.01"), HasSubstr("0.1 to 1000 m")), HasSubstr("to is missing"),
+                          AllOf(HasSubstr("from = [ 1, 2 ]"), HasSubstr("three")),
+                          AllOf(HasSubstr("cell_size = 0"), HasSubstr("0.05 to 100 m")),
+                          AllOf(HasSubstr("heights = [ 2 ]"), HasSubstr("as many numbers each")),
+                          AllOf(HasSubstr("heights = nan"), HasSubstr("-1000 to 1000 m")),
+                          AllOf(HasSubstr("heights = "), HasSubstr("2 to 128 rows")), HasSubstr("heights is missing")));
+}
+
+TEST(Scenes, IntegratorsAreTheScenesOrTheBlueprintsOwn) {
+  using physics::Integrator;
+  EXPECT_EQ(ParseScene(MakeText(""), "test.toml").scene.methods[0].integrator, Integrator::kRungeKutta4);
+  const std::string another = "[[blueprint]]\nname = \"other\"\nintegrator = \"implicit_euler\"\n";
+  const LoadResult loaded = ParseScene(MakeText("integrator = \"leap_frog\"", "", another), "test.toml");
+  ASSERT_THAT(loaded.errors, IsEmpty());
+  physics::World world{physics::WorldSettings{}};
+  const auto placed = FillWorld(loaded.scene, 1, world);
+  EXPECT_EQ(world.Blueprints()[0].integrator, Integrator::kLeapFrog);
+  EXPECT_EQ(world.Blueprints()[1].integrator, Integrator::kImplicitEuler);
+  EXPECT_NE(world.Blueprints()[1].sparsePattern, nullptr);
+  EXPECT_THAT(ErrorsOf(MakeText("integrator = \"magic\"")),
+              ElementsAre(AllOf(StartsWith("test.toml:1: integrator"), HasSubstr("explicit_euler"), HasSubstr("rk4"))));
+}
+
+TEST(Scenes, ContactLawsAreTheBlueprintsOwn) {
+  using physics::ContactLaw;
+  const std::string another = "[[blueprint]]\nname = \"other\"\ncontact_law = \"magnetic\"\nmagnetic_strength = 0.5\n";
+  const LoadResult loaded = ParseScene(MakeText("", "contact_law = \"backtracking\"", another), "test.toml");
+  ASSERT_THAT(loaded.errors, IsEmpty());
+  physics::World world{physics::WorldSettings{}};
+  const auto placed = FillWorld(loaded.scene, 1, world);
+  EXPECT_EQ(world.Blueprints()[0].full.contact.law, ContactLaw::kBacktracking);
+  EXPECT_EQ(world.Blueprints()[1].single.contact.law, ContactLaw::kMagnetic);
+  EXPECT_EQ(world.Blueprints()[1].single.contact.strength, 0.5F);
+  EXPECT_THAT(ErrorsOf(MakeText("", "contact_law = \"sticky\"")),
+              ElementsAre(AllOf(HasSubstr("contact_law"), HasSubstr("backtracking, magnetic, penalty"))));
+  EXPECT_THAT(ErrorsOf(MakeText("", "contact_law = \"magnetic\"\nmagnetic_strength = 0")),
+              ElementsAre(HasSubstr("magnetic_strength = 0: must be 1e-07 to 100 N·m²")));
+  EXPECT_THAT(ErrorsOf(MakeText("", "magnetic_strength = 0.1")),
+              ElementsAre(HasSubstr("magnetic_strength = 0.1: must be left out unless")));
+}
+
 TEST(Scenes, WhatTheyAreMeantToBe) {
   const Scene arena = LoadScene("arena", kFolder).scene;
   EXPECT_EQ(arena.obstacles.size(), 5U);
@@ -104,7 +205,7 @@ TEST(Scenes, PlayersStartApart) {
 TEST(SceneMistakes, ThreeAreThreeLinesEachWithLineValueAndRange) {
   const auto errors = ErrorsOf(R"(kill_height = -9999
 [[obstacle]]
-kind = "sphere"
+kind = "torus"
 [[blueprint]]
 name = "ball"
 mass = -1
@@ -114,7 +215,7 @@ blueprint = "ball"
   ASSERT_EQ(errors.size(), 3U) << testing::PrintToString(errors);
   EXPECT_THAT(errors[0],
               AllOf(StartsWith("test.toml:1: "), HasSubstr("kill_height = -9999"), HasSubstr("-4000 to 4000")));
-  EXPECT_THAT(errors[1], AllOf(StartsWith("test.toml:3: "), HasSubstr("kind = "), HasSubstr("sphere"), HasSubstr("box"),
+  EXPECT_THAT(errors[1], AllOf(StartsWith("test.toml:3: "), HasSubstr("kind = "), HasSubstr("torus"), HasSubstr("box"),
                                HasSubstr("plane")));
   EXPECT_EQ(errors[2], "test.toml:6: mass = -1: must be 0.001 to 1000000 kg");
   for (const std::string& error : errors) EXPECT_EQ(error.find('\n'), std::string::npos);
