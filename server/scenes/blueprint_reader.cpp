@@ -4,6 +4,8 @@
 #include <map>
 #include <tuple>
 
+#include "server/scenes/obj_reader.h"
+
 namespace wobble::scenes {
 namespace {
 
@@ -134,6 +136,24 @@ void ReadFields(TableReader& reader, physics::GraphDefinition& graph) {
   reader.ReadUnchecked("contact_stiffness", graph.contactStiffness);
 }
 
+// False when there is no mesh to check the other fields against.
+bool ReadMesh(TableReader& reader, const std::filesystem::path& folder, physics::MeshDefinition& mesh) {
+  reader.ReadUnchecked("scale", mesh.scale);
+  reader.ReadUnchecked("bend", mesh.bend);
+  ReadMaterial(reader, mesh.material);
+  ReadGas(reader, mesh.material);
+  reader.ReadUnchecked("drag", mesh.material.drag);
+  std::string file;
+  reader.Require("file");
+  reader.Read("file", 256, file);
+  if (file.empty()) return false;
+  ObjMesh read = LoadObj(folder / file);
+  for (const std::string& error : read.errors) reader.Refuse("file", file + ": " + error, "a mesh without mistakes");
+  mesh.vertices = std::move(read.vertices);
+  mesh.faces = std::move(read.faces);
+  return read.errors.empty();
+}
+
 }  // namespace
 
 void ReadIntegrator(TableReader& reader, physics::Integrator& integrator) {
@@ -150,11 +170,13 @@ void ReadIntegrator(TableReader& reader, physics::Integrator& integrator) {
   reader.Read("integrator", kWords, integrator);
 }
 
-void ReadBlueprint(TableReader& reader, physics::Integrator defaultIntegrator, Scene& scene) {
+void ReadBlueprint(TableReader& reader, const std::filesystem::path& folder, physics::Integrator defaultIntegrator,
+                   Scene& scene) {
   const std::map<std::string, BodyDefinition> kinds{
       {"ball", physics::BallDefinition{}},   {"cloth", physics::ClothDefinition{}},
       {"graph", physics::GraphDefinition{}}, {"lattice", physics::LatticeDefinition{}},
-      {"pair", physics::PairDefinition{}},   {"ring", physics::RingDefinition{}}};
+      {"mesh", physics::MeshDefinition{}},   {"pair", physics::PairDefinition{}},
+      {"ring", physics::RingDefinition{}}};
   BodyDefinition definition = kinds.at("ball");
   const bool kindIsKnown = !reader.Has("kind") || reader.Read("kind", kinds, definition);
   reader.Require("name");
@@ -166,9 +188,18 @@ void ReadBlueprint(TableReader& reader, physics::Integrator defaultIntegrator, S
   Methods methods;
   methods.integrator = defaultIntegrator;
   if (kindIsKnown) {
-    std::visit([&](auto& one) { ReadFields(reader, one); }, definition);
+    bool isWhole = true;
+    std::visit(
+        [&]<class One>(One& one) {
+          if constexpr (std::is_same_v<One, physics::MeshDefinition>) {
+            isWhole = ReadMesh(reader, folder, one);
+          } else {
+            ReadFields(reader, one);
+          }
+        },
+        definition);
     ReadMethods(reader, methods);
-    for (const physics::FieldError& error : Validate(definition)) {
+    for (const physics::FieldError& error : isWhole ? Validate(definition) : std::vector<physics::FieldError>{}) {
       reader.RefuseAsWritten(error.field, error.value, error.range);
     }
   } else {

@@ -8,6 +8,7 @@ using physics::BallDefinition;
 using physics::ClothDefinition;
 using physics::GraphDefinition;
 using physics::LatticeDefinition;
+using physics::MeshDefinition;
 using physics::PairDefinition;
 using physics::RingDefinition;
 
@@ -19,6 +20,7 @@ std::size_t CountVerticesOf(const ClothDefinition& cloth) {
   return static_cast<std::size_t>(cloth.points[0] * cloth.points[1]);
 }
 std::size_t CountVerticesOf(const GraphDefinition& graph) { return graph.particles.size(); }
+std::size_t CountVerticesOf(const MeshDefinition& mesh) { return mesh.vertices.size(); }
 
 std::vector<physics::FieldError> ValidateOne(const BallDefinition& ball) { return physics::ValidateBall(ball); }
 std::vector<physics::FieldError> ValidateOne(const LatticeDefinition& lattice) {
@@ -28,6 +30,7 @@ std::vector<physics::FieldError> ValidateOne(const PairDefinition& pair) { retur
 std::vector<physics::FieldError> ValidateOne(const RingDefinition& ring) { return physics::ValidateRing(ring); }
 std::vector<physics::FieldError> ValidateOne(const ClothDefinition& cloth) { return physics::ValidateCloth(cloth); }
 std::vector<physics::FieldError> ValidateOne(const GraphDefinition& graph) { return physics::ValidateGraph(graph); }
+std::vector<physics::FieldError> ValidateOne(const MeshDefinition& mesh) { return physics::ValidateMesh(mesh); }
 
 physics::Blueprint MakeOne(const BallDefinition& ball) { return physics::MakeBall(ball); }
 physics::Blueprint MakeOne(const LatticeDefinition& lattice) { return physics::MakeLattice(lattice); }
@@ -35,6 +38,7 @@ physics::Blueprint MakeOne(const PairDefinition& pair) { return physics::MakePai
 physics::Blueprint MakeOne(const RingDefinition& ring) { return physics::MakeRing(ring); }
 physics::Blueprint MakeOne(const ClothDefinition& cloth) { return physics::MakeCloth(cloth); }
 physics::Blueprint MakeOne(const GraphDefinition& graph) { return physics::MakeGraph(graph); }
+physics::Blueprint MakeOne(const MeshDefinition& mesh) { return physics::MakeMesh(mesh); }
 
 }  // namespace
 

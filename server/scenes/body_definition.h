@@ -9,13 +9,15 @@
 #include "server/physics/cloth.h"
 #include "server/physics/graph.h"
 #include "server/physics/lattice.h"
+#include "server/physics/mesh.h"
 #include "server/physics/pair.h"
 #include "server/physics/ring.h"
 
 namespace wobble::scenes {
 
-using BodyDefinition = std::variant<physics::BallDefinition, physics::LatticeDefinition, physics::PairDefinition,
-                                    physics::RingDefinition, physics::ClothDefinition, physics::GraphDefinition>;
+using BodyDefinition =
+    std::variant<physics::BallDefinition, physics::LatticeDefinition, physics::PairDefinition, physics::RingDefinition,
+                 physics::ClothDefinition, physics::GraphDefinition, physics::MeshDefinition>;
 
 [[nodiscard]] const std::string& NameOf(const BodyDefinition& definition);
 [[nodiscard]] std::size_t CountVertices(const BodyDefinition& definition);

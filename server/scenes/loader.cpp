@@ -51,7 +51,7 @@ void ReadPlayer(TableReader& reader, Scene& scene) {
   reader.Read("stiffen", 1, 4, "", player.limits.stiffenFactor);
 }
 
-void ReadScene(TableReader& reader, Scene& scene) {
+void ReadScene(TableReader& reader, const std::filesystem::path& folder, Scene& scene) {
   using physics::Precision;
   reader.Read("description", 256, scene.description);
   reader.Read("gravity", -100, 100, " m/s²", scene.gravity);
@@ -67,7 +67,7 @@ void ReadScene(TableReader& reader, Scene& scene) {
   reader.Require("blueprint");
   reader.Require("player");
   reader.ReadTables("obstacle", [&](TableReader& table) { ReadObstacle(table, scene); });
-  reader.ReadTables("blueprint", [&](TableReader& table) { ReadBlueprint(table, integrator, scene); });
+  reader.ReadTables("blueprint", [&](TableReader& table) { ReadBlueprint(table, folder, integrator, scene); });
   reader.ReadTables("bodies", [&](TableReader& table) { ReadGroup(table, scene); });
   reader.ReadTables("player", [&](TableReader& table) { ReadPlayer(table, scene); });
   if (const std::size_t bodies = CountBodies(scene); bodies > kMaxSceneBodies) {
@@ -85,7 +85,7 @@ LoadResult ParseScene(const std::string& text, const std::string& label) {
   try {
     const toml::table table = toml::parse(text, label);
     TableReader reader(table, errors);
-    ReadScene(reader, result.scene);
+    ReadScene(reader, std::filesystem::path(label).parent_path(), result.scene);
   } catch (const toml::parse_error& error) {
     errors.Add(error.source(), std::string(error.description()));
   }

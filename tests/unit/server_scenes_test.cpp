@@ -290,7 +290,7 @@ TEST(SceneMistakes, EachKindOfBlueprintHasItsOwnFields) {
               ElementsAre(AllOf(StartsWith("test.toml:3: cells is no field here"), HasSubstr("subdivisions"))));
   EXPECT_THAT(errorsOf("kind = \"jelly\"\nanything = 1\n"),
               ElementsAre(AllOf(StartsWith("test.toml:3: kind = "),
-                                HasSubstr("one of: ball, cloth, graph, lattice, pair, ring"))));
+                                HasSubstr("one of: ball, cloth, graph, lattice, mesh, pair, ring"))));
   EXPECT_THAT(
       errorsOf("kind = \"lattice\"\npoisson_ratio = 0.4\n"),
       ElementsAre("test.toml:4: poisson_ratio = 0.4: must be 0.25: a lattice of central springs has no other in "
