@@ -15,8 +15,11 @@ constexpr int kMaxSteps = 16;
 // nearest to an edge or a corner that both have.
 constexpr double kTieShare = 1e-5;
 // Sides flatter than this (cosine of the angle between normals, 45°) are those of a smooth surface: there a point
-// changes its face where both planes are equally deep. Over a sharper edge it must truly leave the first face.
+// changes its face where both planes are equally deep. Over a sharper edge it must truly leave the first face, unless
+// it is no deeper than this share of the face's size: so deep a cube presses into what it stands on, and when it slides
+// its front side would otherwise be caught by every vertex that rises before it.
 constexpr double kSmoothCosine = 0.7;
+constexpr double kShallowShare = 0.05;
 
 template <class Real>
 Real FindSquaredDistance(const Vector3<Real>& a, const Vector3<Real>& b, const Vector3<Real>& c,
@@ -85,7 +88,9 @@ template <class Real>
 bool SlidesOver(const Shell<Real>& shell, const FacePoint<Real>& from, std::size_t corner, const FacePoint<Real>& to) {
   const bool rises = to.distance > from.distance && IsConvex(shell, from, to.face);
   if (from.weights[static_cast<Eigen::Index>(corner)] >= Real(0)) {
-    return rises && from.normal.dot(to.normal) > static_cast<Real>(kSmoothCosine);
+    const Real share = static_cast<Real>(kShallowShare);
+    const bool shallow = from.distance * from.distance < share * share * from.doubleArea;
+    return rises && (shallow || from.normal.dot(to.normal) > static_cast<Real>(kSmoothCosine));
   }
   const int back = FindCornerOpposite(*shell.topology, to.face, from.face);
   return rises || (back < 3 && to.weights[back] >= Real(0));
@@ -103,11 +108,12 @@ FacePoint<Real> FindFacePoint(const Shell<Real>& shell, std::uint16_t face, cons
   at.face = face;
   const Vector3<Real> area = (b - a).cross(c - a);
   at.doubleArea = std::max(std::sqrt(area.dot(area)), std::numeric_limits<Real>::min());
-  at.normal = area / at.doubleArea;
+  const Vector3<Real> normal = area / at.doubleArea;
+  at.normal = shell.side * normal;
   at.distance = (p - a).dot(at.normal);
   // A corner's weight is the area of the triangle that the foot makes with the side opposite, over the face's.
-  at.weights[1] = (p - a).cross(c - a).dot(at.normal) / at.doubleArea;
-  at.weights[2] = (b - a).cross(p - a).dot(at.normal) / at.doubleArea;
+  at.weights[1] = (p - a).cross(c - a).dot(normal) / at.doubleArea;
+  at.weights[2] = (b - a).cross(p - a).dot(normal) / at.doubleArea;
   at.weights[0] = Real(1) - at.weights[1] - at.weights[2];
   return at;
 }

@@ -43,6 +43,12 @@ double FindWinding(const std::vector<Face>& faces, const std::vector<Vector3d>& 
   return sum / (4 * kPi);
 }
 
+double FindDistance(const Vector3d& p, const std::vector<Face>& faces, const std::vector<Vector3d>& x) {
+  double least = std::numeric_limits<double>::max();
+  for (const Face& face : faces) least = std::min(least, FindDistance(x[face[0]], x[face[1]], x[face[2]], p));
+  return least;
+}
+
 double FindDeepestInside(const std::vector<Vector3d>& points, const std::vector<Face>& faces,
                          const std::vector<Vector3d>& x) {
   Vector3d low = x[0];
@@ -55,9 +61,7 @@ double FindDeepestInside(const std::vector<Vector3d>& points, const std::vector<
   for (const Vector3d& p : points) {
     if ((p.array() < low.array()).any() || (p.array() > high.array()).any()) continue;
     if (FindWinding(faces, x, p) < 0.5) continue;
-    double least = std::numeric_limits<double>::max();
-    for (const Face& face : faces) least = std::min(least, FindDistance(x[face[0]], x[face[1]], x[face[2]], p));
-    deepest = std::max(deepest, least);
+    deepest = std::max(deepest, FindDistance(p, faces, x));
   }
   return deepest;
 }

@@ -13,6 +13,10 @@ namespace wobble::bench {
 [[nodiscard]] double FindWinding(const std::vector<physics::Face>& faces, const std::vector<physics::Vector3d>& x,
                                  const physics::Vector3d& p);
 
+// From p to the nearest point of a surface, m.
+[[nodiscard]] double FindDistance(const physics::Vector3d& p, const std::vector<physics::Face>& faces,
+                                  const std::vector<physics::Vector3d>& x);
+
 // Of the points inside a closed surface, the greatest distance from it, m; 0 when there are none.
 [[nodiscard]] double FindDeepestInside(const std::vector<physics::Vector3d>& points,
                                        const std::vector<physics::Face>& faces,

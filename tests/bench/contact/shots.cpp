@@ -31,7 +31,8 @@ constexpr double kTick = 1.0 / 60;
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kAfter = 0.4;  // s of play after the bodies would have met
 constexpr double kDeep = 0.8;
-constexpr double kBehind = 0.25;  // m
+constexpr double kDeepShare = 0.25;  // of a radius
+constexpr double kBehind = 0.25;     // m
 constexpr double kLeastSpeed = 5;
 constexpr double kMostSpeed = 50;
 constexpr double kGhost = 1e-6;  // times the contact stiffness
@@ -212,13 +213,16 @@ class Trial {
       if (std::fabs(turns[i] - m_turns[i]) > 0.5) m_side[i] += turns[i] > m_turns[i] ? 1 : -1;
     }
     m_turns = std::move(turns);
+    m_behind = 0;
+    for (std::size_t i = 0; i < m_side.size(); ++i) {
+      if (m_side[i] != 0) m_behind = std::max(m_behind, FindDistance(points[i], faces, sheet));
+    }
+    m_shot.depth = std::max(m_shot.depth, m_behind);
   }
 
   bool HasGoneThrough() const {
     if (m_shot.target == ShotTarget::kSheet) {
-      const auto vertices = m_side.size() - 1;
-      const auto behind = std::count_if(m_side.begin(), m_side.end() - 1, [](int side) { return side != 0; });
-      return m_side.back() != 0 || static_cast<std::size_t>(behind) * 20 > vertices;
+      return m_side.back() != 0 || m_behind > kDeepShare * m_world->Blueprints()[0].size;
     }
     if (m_shot.target != ShotTarget::kBody) {
       const std::vector<Vector3d> x = ReadPositions(Thrower());
@@ -228,7 +232,7 @@ class Trial {
     if (HasDeepVertex(Thrower(), Target()) || HasDeepVertex(Target(), Thrower())) return true;
     const Vector3d between = m_world->FindCentre(Target()) - m_world->FindCentre(Thrower());
     return between.dot(m_direction) < 0 && m_nearest < m_sumOfRadii / 2 &&
-           m_shot.depth > 0.25 * std::min(m_world->Blueprints()[0].size, m_world->Blueprints()[1].size);
+           m_shot.depth > kDeepShare * std::min(m_world->Blueprints()[0].size, m_world->Blueprints()[1].size);
   }
 
   bool HasDeepVertex(const Body& ofVertices, const Body& ofFaces) const {
@@ -252,7 +256,8 @@ class Trial {
   double m_sumOfRadii = 0;
   double m_nearest = 0;         // that the centres came, m
   std::vector<double> m_turns;  // of each vertex, then the centre, as seen at the last tick
-  std::vector<int> m_side;
+  std::vector<int> m_side;      // of each, 0 while it is on the side that it came from
+  double m_behind = 0;          // farthest of those that are on the other, m
 };
 
 }  // namespace
@@ -338,7 +343,7 @@ void MeasureShots(Bench& bench) {
   }
   bench.results.AddFigureAtMost("ghosts_unnoticed", static_cast<double>(meant - seen), 0);
   Plot plot{"penetration", "Deepest vertex of each shot", "speed, m/s", "depth, m", {}};
-  for (const ShotTarget target : {ShotTarget::kBody, ShotTarget::kPlane, ShotTarget::kWall}) {
+  for (const ShotTarget target : {ShotTarget::kBody, ShotTarget::kPlane, ShotTarget::kWall, ShotTarget::kSheet}) {
     Series series{NameTarget(target), false, {}};
     for (const Shot& shot : shots) {
       if (shot.target == target) series.points.push_back({shot.speed, shot.depth});
