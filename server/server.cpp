@@ -68,9 +68,10 @@ void Server::Step() {
   m_counts.awakeSum += report.awake;
   m_counts.nonFinite += report.nonFinite;
   m_counts.inverted += report.inverted;
-  if (report.nonFinite + report.inverted > 0) {
-    spdlog::warn("tick {}: {} bodies were not finite, {} inside out; reset", m_world.Tick(), report.nonFinite,
-                 report.inverted);
+  m_counts.quarantined += report.quarantined;
+  if (report.quarantined > 0) {
+    spdlog::warn("tick {}: {} bodies stepped again in more substeps ({} not finite, {} inside out), {} of them reset",
+                 m_world.Tick(), report.quarantined, report.nonFinite, report.inverted, report.reset);
   }
   RespawnFallen();
 }

@@ -25,6 +25,7 @@ struct Counts {
   std::uint64_t awakeSum = 0;  // over ticks
   std::uint64_t nonFinite = 0;
   std::uint64_t inverted = 0;
+  std::uint64_t quarantined = 0;
   std::uint64_t respawns = 0;
   std::uint64_t joins = 0;
   std::uint64_t leaves = 0;       // said goodbye

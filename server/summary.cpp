@@ -67,7 +67,7 @@ std::string MakeSummary(const Server& server, const TickTimes& times) {
   json["messages_dropped"] = dropped;
   json["non_finite"] = counts.nonFinite;
   json["inverted"] = counts.inverted;
-  json["quarantined"] = nullptr;  // bodies are reset, not yet stepped finer first
+  json["quarantined"] = counts.quarantined;
   json["state_hash"] = fmt::format("{:016x}", world.Hash());
   return json.dump(2) + "\n";
 }

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "server/physics/state.h"
+#include "server/physics/step_choice.h"
 
 namespace wobble::physics {
 
@@ -18,6 +19,8 @@ struct Control {
   bool jump = false;  // acts once, when it turns true while the body touches something
   bool puff = false;
   bool stiffen = false;
+
+  bool operator==(const Control&) const = default;
 };
 
 // What the scene allows a control to do.
@@ -27,6 +30,8 @@ struct ControlLimits {
   double jumpSpeed = 6;      // m/s
   double puffFactor = 1.6;   // times the gas while puffed up
   double stiffenFactor = 2;  // times springs and dashpots while stiffened
+
+  bool operator==(const ControlLimits&) const = default;
 };
 
 struct Body {
@@ -39,6 +44,9 @@ struct Body {
   bool touchesBody = false;  // at the end of the last tick
   double gasFactor = 1;      // follows the control within a few ticks
   double stiffnessFactor = 1;
+  StepHistory steps;
+  bool asleep = false;  // neither stepped nor looked at until something wakes it
+  int quietTicks = 0;   // in a row
 };
 
 // visit(index, position) for every vertex in the world, in double precision, m.

@@ -250,6 +250,24 @@ void UpdateBodyContacts(const ContactParameters<Real>& parameters, const Meeting
 }
 
 template <class Real>
+double ComputeBodyContactEnergy(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
+                                std::span<const BodyContact<Real>> contacts) {
+  double energy = 0;
+  for (const BodyContact<Real>& contact : contacts) {
+    const Vector3<Real> p = meeting.x[contact.vertex] + meeting.shift;
+    const FacePoint<Real> at = FollowFace(meeting.shell, contact.face, p);
+    if (!Pushes(contact, at)) continue;
+    Real stored = ComputePenaltyEnergy(parameters, -at.distance);
+    if (contact.touching) {
+      const Vector3<Real> slip = FindSlip(meeting, contact, p, at.normal);
+      stored += parameters.stickStiffness * slip.dot(slip) / Real(2);
+    }
+    energy += double{meeting.shares[contact.vertex] * stored};
+  }
+  return energy;
+}
+
+template <class Real>
 int AddContactLoads(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
                     std::span<const BodyContact<Real>> contacts, double duration, std::span<VertexLoad> loads,
                     std::span<VertexLoad> shellLoads) {
@@ -289,6 +307,8 @@ int AddContactLoads(const ContactParameters<Real>& parameters, const Meeting<Rea
                                       std::span<Vector3<Real>>);                                                      \
   template void UpdateBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&, Real,                  \
                                          std::span<BodyContact<Real>>);                                               \
+  template double ComputeBodyContactEnergy<Real>(const ContactParameters<Real>&, const Meeting<Real>&,                \
+                                                 std::span<const BodyContact<Real>>);                                 \
   template int AddContactLoads<Real>(const ContactParameters<Real>&, const Meeting<Real>&,                            \
                                      std::span<const BodyContact<Real>>, double, std::span<VertexLoad>,               \
                                      std::span<VertexLoad>);

@@ -77,6 +77,11 @@ template <class Real>
 void UpdateBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting, Real h,
                         std::span<BodyContact<Real>> contacts);
 
+// What the springs of one side hold, normal and stick, J.
+template <class Real>
+[[nodiscard]] double ComputeBodyContactEnergy(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
+                                              std::span<const BodyContact<Real>> contacts);
+
 // What contacts ask of a vertex's step, as sums over them: stiffness, N/m, and damping, N·s/m.
 struct VertexLoad {
   double stiffness = 0;

@@ -51,6 +51,14 @@ Real ComputePenaltySlope(const ContactParameters<Real>& parameters, Real depth) 
 }
 
 template <class Real>
+Real ComputePenaltyEnergy(const ContactParameters<Real>& parameters, Real depth) {
+  const Real delta = parameters.fadeDepth;
+  if (depth <= Real(0)) return 0;
+  if (depth < delta) return parameters.stiffness * depth * depth * depth / (Real(6) * delta);
+  return parameters.stiffness * (depth * (depth - delta) / Real(2) + delta * delta / Real(6));
+}
+
+template <class Real>
 Real ComputeDampingShare(const ContactParameters<Real>& parameters, Real depth) {
   const Real s = std::clamp(depth / parameters.fadeDepth, Real(0), Real(1));
   return s * s * (Real(3) - Real(2) * s);
@@ -131,19 +139,38 @@ void UpdateAnchors(const ContactParameters<Real>& parameters, std::span<const Su
   }
 }
 
-#define WOBBLE_INSTANTIATE(Real)                                                                         \
-  template Real ComputePenalty<Real>(const ContactParameters<Real>&, Real);                              \
-  template Real ComputePenaltySlope<Real>(const ContactParameters<Real>&, Real);                         \
-  template Real ComputeNormalForce<Real>(const ContactParameters<Real>&, Real, Real);                    \
-  template Real ComputeDampingShare<Real>(const ContactParameters<Real>&, Real);                         \
-  template void FindContacts<Real>(std::span<const Surface<Real>>, const Bounds<Real>&,                  \
-                                   std::span<const Vector3<Real>>, std::span<const Vector3<Real>>, Real, \
-                                   std::vector<Contact<Real>>&, std::vector<Contact<Real>>&);            \
-  template void AddContacts<Real>(const ContactParameters<Real>&, std::span<const Real>,                 \
-                                  std::span<const Surface<Real>>, std::span<const Contact<Real>>,        \
-                                  std::span<const Vector3<Real>>, std::span<const Vector3<Real>>,        \
-                                  std::span<Vector3<Real>>);                                             \
-  template void UpdateAnchors<Real>(const ContactParameters<Real>&, std::span<const Surface<Real>>,      \
+template <class Real>
+double ComputeContactEnergy(const Coefficients<Real>& body, std::span<const Surface<Real>> surfaces,
+                            std::span<const Contact<Real>> contacts, std::span<const Vector3<Real>> x) {
+  double energy = 0;
+  for (const Contact<Real>& contact : contacts) {
+    const SurfacePoint<Real> point = FindSurfacePoint(surfaces[contact.surface], x[contact.vertex]);
+    Real stored = ComputePenaltyEnergy(body.contact, -point.distance);
+    if (contact.touching) {
+      const Vector3<Real> slip = RemoveNormalPart<Real>(x[contact.vertex] - contact.anchor, point.normal);
+      stored += body.contact.stickStiffness * slip.dot(slip) / Real(2);
+    }
+    energy += double{body.contactShares[contact.vertex] * stored};
+  }
+  return energy;
+}
+
+#define WOBBLE_INSTANTIATE(Real)                                                                              \
+  template Real ComputePenalty<Real>(const ContactParameters<Real>&, Real);                                   \
+  template double ComputeContactEnergy<Real>(const Coefficients<Real>&, std::span<const Surface<Real>>,       \
+                                             std::span<const Contact<Real>>, std::span<const Vector3<Real>>); \
+  template Real ComputePenaltyEnergy<Real>(const ContactParameters<Real>&, Real);                             \
+  template Real ComputePenaltySlope<Real>(const ContactParameters<Real>&, Real);                              \
+  template Real ComputeNormalForce<Real>(const ContactParameters<Real>&, Real, Real);                         \
+  template Real ComputeDampingShare<Real>(const ContactParameters<Real>&, Real);                              \
+  template void FindContacts<Real>(std::span<const Surface<Real>>, const Bounds<Real>&,                       \
+                                   std::span<const Vector3<Real>>, std::span<const Vector3<Real>>, Real,      \
+                                   std::vector<Contact<Real>>&, std::vector<Contact<Real>>&);                 \
+  template void AddContacts<Real>(const ContactParameters<Real>&, std::span<const Real>,                      \
+                                  std::span<const Surface<Real>>, std::span<const Contact<Real>>,             \
+                                  std::span<const Vector3<Real>>, std::span<const Vector3<Real>>,             \
+                                  std::span<Vector3<Real>>);                                                  \
+  template void UpdateAnchors<Real>(const ContactParameters<Real>&, std::span<const Surface<Real>>,           \
                                     std::span<Contact<Real>>, std::span<const Vector3<Real>>);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)

@@ -46,6 +46,15 @@ template <class Real>
 void UpdateAnchors(const ContactParameters<Real>& parameters, std::span<const Surface<Real>> surfaces,
                    std::span<Contact<Real>> contacts, std::span<const Vector3<Real>> x);
 
+// What the contacts' springs hold, normal and stick, J.
+template <class Real>
+[[nodiscard]] double ComputeContactEnergy(const Coefficients<Real>& body, std::span<const Surface<Real>> surfaces,
+                                          std::span<const Contact<Real>> contacts, std::span<const Vector3<Real>> x);
+
+// Of the normal force at depth d, ∫ F dd: k d³/6δ up to δ, then k (d²/2 − dδ/2 + δ²/6). J.
+template <class Real>
+[[nodiscard]] Real ComputePenaltyEnergy(const ContactParameters<Real>& parameters, Real depth);
+
 // F(d), N, and its slope dF/dd, N/m. d <= 0: none.
 template <class Real>
 [[nodiscard]] Real ComputePenalty(const ContactParameters<Real>& parameters, Real depth);

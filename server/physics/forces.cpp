@@ -81,10 +81,14 @@ double ComputeSpringEnergy(const Coefficients<double>& body, std::span<const Vec
   return energy;
 }
 
-double ComputeGasEnergy(const Coefficients<double>& body, std::span<const Vector3d> x) {
+double ComputeGasEnergy(const Coefficients<double>& body, std::span<const Vector3d> x, double gasFactor) {
   if (!(body.gas > 0)) return 0;
   const double volume = ComputeVolume<double>(body.faces, x);
-  return body.ambientPressure * volume - body.gas * std::log(volume);
+  const double gas = gasFactor * body.gas;
+  if (volume > body.floorVolume) return body.ambientPressure * volume - gas * std::log(volume);
+  // From the floor V_c on: ∫ (nRT/V_c)(2 − V/V_c) dV from V to V_c = nRT (3/2 − 2u + u²/2) with u = V/V_c.
+  const double u = volume / body.floorVolume;
+  return body.ambientPressure * volume - gas * (std::log(body.floorVolume) - (1.5 - 2 * u + u * u / 2));
 }
 
 double ComputeKineticEnergy(const Coefficients<double>& body, std::span<const Vector3d> v) {

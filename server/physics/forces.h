@@ -66,8 +66,10 @@ void ComputeAccelerations(const Coefficients<Real>& body, const Load<Real>& load
 
 // Energies, for health checks, tests and the laboratory. J.
 [[nodiscard]] double ComputeSpringEnergy(const Coefficients<double>& body, std::span<const Vector3d> x);
-// P₀V − nRT ln(V/V₀), with V₀ = 1 m³: the work that the gas has left to do, up to a constant. Above the floor only.
-[[nodiscard]] double ComputeGasEnergy(const Coefficients<double>& body, std::span<const Vector3d> x);
+// P₀V − nRT ln(V/V₀), with V₀ = 1 m³: the work that the gas has left to do, up to a constant; below the floor volume
+// what the tangent's pressure leaves of it.
+[[nodiscard]] double ComputeGasEnergy(const Coefficients<double>& body, std::span<const Vector3d> x,
+                                      double gasFactor = 1);
 [[nodiscard]] double ComputeKineticEnergy(const Coefficients<double>& body, std::span<const Vector3d> v);
 
 }  // namespace wobble::physics

@@ -7,10 +7,19 @@
 
 #include "server/physics/body_contact.h"
 #include "server/physics/forces.h"
+#include "server/physics/health.h"
+#include "server/physics/parallel.h"
 #include "server/physics/runge_kutta.h"
 #include "server/physics/state.h"
 
 namespace wobble::physics {
+
+// What a tick has to keep to.
+struct StepRules {
+  double duration = 1.0 / 60;    // s
+  double allowedError = 1.7e-5;  // of one tick, RMS over a body's vertices, m
+  int maxSubsteps = 64;          // of a tick that nothing went wrong in
+};
 
 // A body of the group, and what stays constant for it through the tick.
 template <class Real>
@@ -20,6 +29,13 @@ struct Member {
   Load<Real> load;
   std::vector<Surface<Real>> surfaces;
   Bounds<Real> bounds;
+  int substepsForError = 1;  // that its last ticks ask for
+  // What the tick did:
+  double error = 0;               // as it is estimated, RMS over vertices, m
+  double speed = 0;               // at its end, RMS over vertices, m/s
+  double acceleration = 0;        // mean through it, RMS over vertices, m/s²
+  Health health = Health::kGood;  // the worst that any try found
+  bool lost = false;              // no try has helped: the state is not to be used
 };
 
 // Two members near one another. sides[0]: vertices of the first against faces of the second; sides[1] the reverse.
@@ -37,6 +53,10 @@ struct GroupScratch {
   std::vector<Vector3<Real>> velocities;
   std::vector<std::size_t> begins;
   std::vector<VertexLoad> loads;  // of every vertex of the group
+  // Contacts as the tick found them, one list behind the other, for a tick that is stepped again.
+  std::vector<Contact<Real>> contacts;
+  std::vector<BodyContact<Real>> bodyContacts;
+  std::vector<Vector3d> places;  // of one body
 
   // For the largest group there can be, so that one that grows allocates nothing.
   void Reserve(std::size_t vertices, std::size_t bodies) {
@@ -44,6 +64,9 @@ struct GroupScratch {
     positions.reserve(vertices);
     velocities.reserve(vertices);
     loads.reserve(vertices);
+    contacts.reserve(vertices);
+    bodyContacts.reserve(vertices);
+    places.reserve(vertices);
     begins.reserve(bodies + 1);
   }
 };
@@ -54,10 +77,18 @@ template <class Real>
                                         std::span<const Vector3<Real>> v, const Member<Real>& ofFaces,
                                         std::span<const Vector3<Real>> shellX, std::span<const Vector3<Real>> shellV);
 
-// Steps all members through `duration` s in equal substeps and returns their number, the most that any of them needs.
-// encounters: between these members only, by their index in `members`.
+struct GroupOutcome {
+  int substeps = 0;     // that the tick was played in, equal for all members
+  int allSubsteps = 0;  // with those of the tries that were thrown away
+};
+
+// Steps all members through a tick in equal substeps, as many as stability and error ask of any of them. A tick that
+// missed its error by far is stepped again in more; one that left a member in a state that cannot be is stepped again
+// in 2, 4, 8 and 16 times as many, and what is bad still after that is `lost`. encounters: between these members only,
+// by their index in `members`. threads: works on several members at a time; null: one after the other. The result does
+// not depend on it.
 template <class Real>
-int StepGroup(std::span<Member<Real>* const> members, std::span<const Encounter<Real>> encounters, double duration,
-              GroupScratch<Real>& scratch);
+GroupOutcome StepGroup(std::span<Member<Real>* const> members, std::span<const Encounter<Real>> encounters,
+                       const StepRules& rules, Threads* threads, GroupScratch<Real>& scratch);
 
 }  // namespace wobble::physics

@@ -44,29 +44,30 @@ struct StageBuffers {
   }
 };
 
-// One step of h seconds. accelerate(x, v, a) fills a, m/s², from spans of positions and velocities.
-template <class Real, std::size_t Stages, class Accelerate>
-void StepRungeKutta(const ButcherTableau<Stages>& tableau, Real h, Accelerate&& accelerate, std::span<Vector3<Real>> x,
-                    std::span<Vector3<Real>> v, StageBuffers<Real, Stages>& buffers) {
-  buffers.Resize(x.size());
-  for (std::size_t stage = 0; stage < Stages; ++stage) {
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      Vector3<Real> stepX = Vector3<Real>::Zero();
-      Vector3<Real> stepV = Vector3<Real>::Zero();
-      for (std::size_t j = 0; j < stage; ++j) {
-        if (tableau.a[stage][j] == 0) continue;
-        const Real weight = h * static_cast<Real>(tableau.a[stage][j]);
-        stepX += weight * buffers.velocities[j][i];
-        stepV += weight * buffers.accelerations[j][i];
-      }
-      buffers.positions[i] = x[i] + stepX;
-      buffers.velocities[stage][i] = v[i] + stepV;
+// Positions and velocities of a stage, for vertices from `begin` up to `end`, from the accelerations of those before.
+template <class Real, std::size_t Stages>
+void CombineStage(const ButcherTableau<Stages>& tableau, std::size_t stage, Real h, std::span<const Vector3<Real>> x,
+                  std::span<const Vector3<Real>> v, std::size_t begin, std::size_t end,
+                  StageBuffers<Real, Stages>& buffers) {
+  for (std::size_t i = begin; i < end; ++i) {
+    Vector3<Real> stepX = Vector3<Real>::Zero();
+    Vector3<Real> stepV = Vector3<Real>::Zero();
+    for (std::size_t j = 0; j < stage; ++j) {
+      if (tableau.a[stage][j] == 0) continue;
+      const Real weight = h * static_cast<Real>(tableau.a[stage][j]);
+      stepX += weight * buffers.velocities[j][i];
+      stepV += weight * buffers.accelerations[j][i];
     }
-    accelerate(std::span<const Vector3<Real>>(buffers.positions),
-               std::span<const Vector3<Real>>(buffers.velocities[stage]),
-               std::span<Vector3<Real>>(buffers.accelerations[stage]));
+    buffers.positions[i] = x[i] + stepX;
+    buffers.velocities[stage][i] = v[i] + stepV;
   }
-  for (std::size_t i = 0; i < x.size(); ++i) {
+}
+
+// The new state of those vertices, once the accelerations of all stages are known.
+template <class Real, std::size_t Stages>
+void AddIncrements(const ButcherTableau<Stages>& tableau, Real h, std::size_t begin, std::size_t end,
+                   const StageBuffers<Real, Stages>& buffers, std::span<Vector3<Real>> x, std::span<Vector3<Real>> v) {
+  for (std::size_t i = begin; i < end; ++i) {
     Vector3<Real> incrementX = Vector3<Real>::Zero();
     Vector3<Real> incrementV = Vector3<Real>::Zero();
     for (std::size_t stage = 0; stage < Stages; ++stage) {
@@ -77,6 +78,20 @@ void StepRungeKutta(const ButcherTableau<Stages>& tableau, Real h, Accelerate&& 
     x[i] += incrementX;
     v[i] += incrementV;
   }
+}
+
+// One step of h seconds. accelerate(x, v, a) fills a, m/s², from spans of positions and velocities.
+template <class Real, std::size_t Stages, class Accelerate>
+void StepRungeKutta(const ButcherTableau<Stages>& tableau, Real h, Accelerate&& accelerate, std::span<Vector3<Real>> x,
+                    std::span<Vector3<Real>> v, StageBuffers<Real, Stages>& buffers) {
+  buffers.Resize(x.size());
+  for (std::size_t stage = 0; stage < Stages; ++stage) {
+    CombineStage<Real>(tableau, stage, h, x, v, 0, x.size(), buffers);
+    accelerate(std::span<const Vector3<Real>>(buffers.positions),
+               std::span<const Vector3<Real>>(buffers.velocities[stage]),
+               std::span<Vector3<Real>>(buffers.accelerations[stage]));
+  }
+  AddIncrements<Real>(tableau, h, 0, x.size(), buffers, x, v);
 }
 
 }  // namespace wobble::physics

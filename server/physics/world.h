@@ -21,14 +21,20 @@ struct WorldSettings {
   double tickDuration = 1.0 / 60;  // s
   Precision precision = Precision::kSingle;
   int threads = 1;
+  // Of each body, RMS over its vertices, that may build up in a second of motion, m/s.
+  double errorTarget = 0.001;
+  int maxSubsteps = 64;  // that the error target may ask for; stability takes what it needs
 };
 
-// What one tick did. Counts of bodies but for `substeps`, their sum.
+// What one tick did. Counts of bodies but for substeps, sums over them.
 struct StepReport {
-  std::uint64_t substeps = 0;
+  std::uint64_t substeps = 0;     // that the tick was played in
+  std::uint64_t allSubsteps = 0;  // with those that were stepped again
   std::uint32_t awake = 0;
-  std::uint32_t nonFinite = 0;  // had a coordinate that is no number: reset to the rest shape
-  std::uint32_t inverted = 0;   // closed bodies turned inside out: reset as well
+  std::uint32_t nonFinite = 0;    // had a coordinate that is no number in one of the tries
+  std::uint32_t inverted = 0;     // closed bodies turned inside out, as well
+  std::uint32_t quarantined = 0;  // these, and those whose energy ran away: stepped again in more substeps
+  std::uint32_t reset = 0;        // of these: no number of substeps has helped, back in the rest shape
 };
 
 class World {
@@ -41,11 +47,16 @@ class World {
   void AddObstacle(const Obstacle& obstacle);
 
   BodyId AddBody(std::uint8_t blueprint, const Vector3d& position, const Vector3d& velocity = Vector3d::Zero());
-  // These four take ids that exist.
+  // These take ids that exist.
   void RemoveBody(BodyId id);
   // Rest shape at `position`, not moving.
   void PlaceBody(BodyId id, const Vector3d& position);
   void SetControl(BodyId id, const Control& control, const ControlLimits& limits);
+  // Puts every vertex where and as fast as is said, in the world. Any numbers are taken: what cannot be is for Step to
+  // find.
+  void SetMotion(BodyId id, std::span<const Vector3d> positions, std::span<const Vector3d> velocities);
+  // Wakes everything that sleeps: down is elsewhere now.
+  void SetGravity(const Vector3d& gravity);
   [[nodiscard]] const Body& ReadBody(BodyId id) const;
 
   StepReport Step();
@@ -68,7 +79,7 @@ class World {
   class Stepper;
 
   Body& FindBody(BodyId id);
-  // Forgets whom it touched, for one that is gone or elsewhere.
+  // Forgets whom it touched, for one that is gone or elsewhere, and wakes them.
   void DropPairsOf(BodyId id);
 
   WorldSettings m_settings;

@@ -316,7 +316,11 @@ case_storm_joins_and_leaves() {
   kill -INT "$server"
   expect_end server "$server" 0
   expect_figure "$folder/b.json" connected '== 8'
-  expect_figure "$folder/a.json" joins "== $(read_figure "$folder/b.json" joins)"
+  # A bot that stops or leaves before its welcome has come does not count the join; the server does.
+  local joins
+  joins="$(read_figure "$folder/b.json" joins)"
+  expect_figure "$folder/a.json" joins ">= $joins"
+  expect_figure "$folder/a.json" joins "<= $joins + 8"
   expect_figure "$folder/a.json" disconnects '== 0'
   expect_figure "$folder/a.json" non_finite '== 0'
 }

@@ -1,0 +1,40 @@
+// Whether what a step has made of a body can be.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "server/physics/blueprint.h"
+#include "server/physics/forces.h"
+
+namespace wobble::physics {
+
+// From best to worst.
+enum class Health : std::uint8_t {
+  kGood,
+  kRunaway,    // its group has gained energy that nobody put in
+  kInverted,   // a closed body turned inside out
+  kNonFinite,  // a coordinate is no number
+};
+
+template <class Real>
+[[nodiscard]] Health FindHealth(const Coefficients<Real>& body, std::span<const Vector3<Real>> x,
+                                std::span<const Vector3<Real>> v);
+
+// Energy that a group may gain beyond what was put in, as a share of its kinetic energy and M g R: honest play stays
+// under 0.6 %, whatever falls onto whatever.
+inline constexpr double kRunawayShare = 0.05;
+
+// What can be turned into motion within a tick by forces that are constant through it: kinetic energy less the load's
+// work, ½ Σ m v² − Σ m a·x. J.
+template <class Real>
+[[nodiscard]] double ComputeMotionEnergy(const Blueprint& blueprint, const Load<Real>& load,
+                                         std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v);
+// Of springs, gas and contacts with static surfaces; the gas up to a constant. J. scratch saves allocations.
+template <class Real>
+[[nodiscard]] double ComputeElasticEnergy(const Blueprint& blueprint, const Load<Real>& load,
+                                          std::span<const Surface<Real>> surfaces,
+                                          std::span<const Contact<Real>> contacts, std::span<const Vector3<Real>> x,
+                                          std::vector<Vector3d>& scratch);
+
+}  // namespace wobble::physics

@@ -1,0 +1,35 @@
+#include "server/physics/sleep.h"
+
+#include <cmath>
+
+namespace wobble::physics {
+namespace {
+
+// Gas and stiffness follow the control for ever more slowly; within this share of it they have arrived.
+constexpr double kFactorPlay = 1e-3;
+
+}  // namespace
+
+bool IsLeftAlone(const Body& body) {
+  return body.control == Control{} && std::fabs(body.gasFactor - 1) < kFactorPlay &&
+         std::fabs(body.stiffnessFactor - 1) < kFactorPlay;
+}
+
+template <class Real>
+void NoteMotion(const Member<Real>& member, Body& body) {
+  const bool quiet = member.speed < kQuietSpeed && member.acceleration < kQuietAcceleration && IsLeftAlone(body);
+  body.quietTicks = quiet ? body.quietTicks + 1 : 0;
+}
+
+template <class Real>
+void FallAsleep(Body& body, State<Real>& state) {
+  body.asleep = true;
+  for (Vector3<Real>& v : state.velocities) v.setZero();
+}
+
+template void NoteMotion<float>(const Member<float>&, Body&);
+template void NoteMotion<double>(const Member<double>&, Body&);
+template void FallAsleep<float>(Body&, State<float>&);
+template void FallAsleep<double>(Body&, State<double>&);
+
+}  // namespace wobble::physics

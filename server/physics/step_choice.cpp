@@ -1,0 +1,51 @@
+#include "server/physics/step_choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "server/physics/stability.h"
+
+namespace wobble::physics {
+namespace {
+
+// Of the allowed error, what is aimed at: the next tick is a little different.
+constexpr double kAim = 0.8;
+// Ticks that a lower rung must have sufficed before one is gone down: a vibration's error comes and goes with it.
+constexpr int kPatience = 2;
+
+int FindSubstepsForCoefficient(double coefficient, double allowed) {
+  return FindRung(std::sqrt(std::sqrt(coefficient / (kAim * allowed))));
+}
+
+double FindCoefficient(double error, int substeps) {
+  const double square = double{1} * substeps * substeps;
+  return error * square * square;
+}
+
+int FindRungBelow(int substeps) {
+  const auto* rung = std::lower_bound(std::begin(kSubstepLadder), std::end(kSubstepLadder), substeps);
+  return rung == std::begin(kSubstepLadder) ? *rung : *std::prev(rung);
+}
+
+}  // namespace
+
+void StepHistory::Record(double error, int substeps, double allowed) {
+  m_coefficients[m_next] = FindCoefficient(error, substeps);
+  m_next = (m_next + 1) % kTicks;
+  const int wanted =
+      FindSubstepsForCoefficient(*std::max_element(m_coefficients.begin(), m_coefficients.end()), allowed);
+  m_ticksBelow = wanted < m_substeps ? m_ticksBelow + 1 : 0;
+  if (wanted > m_substeps) {
+    m_substeps = wanted;
+  } else if (m_ticksBelow >= kPatience) {
+    m_substeps = FindRungBelow(m_substeps);
+    m_ticksBelow = 0;
+  }
+}
+
+int FindSubstepsForError(double error, int substeps, double allowed) {
+  return FindSubstepsForCoefficient(FindCoefficient(error, substeps), allowed);
+}
+
+}  // namespace wobble::physics

@@ -1,0 +1,81 @@
+// What a world works with besides its bodies, for world.cpp and world_step.cpp alone. Kept from tick to tick to save
+// allocations; only `pairs`, and what stands here of sleeping bodies, carries anything over.
+#pragma once
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <tuple>
+#include <vector>
+
+#include "server/physics/broad_phase.h"
+#include "server/physics/group_step.h"
+#include "server/physics/parallel.h"
+#include "server/physics/sleep.h"
+#include "server/physics/world.h"
+
+namespace wobble::physics {
+
+// Two bodies near one another, and what lives on of their contacts from tick to tick. first < second.
+template <class Real>
+struct BodyPair {
+  BodyId first = 0;
+  BodyId second = 0;
+  std::array<std::vector<BodyContact<Real>>, 2> sides;  // as in Encounter
+  bool met = false;                                     // its contacts are this tick's
+};
+
+struct Outcome {
+  GroupOutcome steps;
+  Health health = Health::kGood;
+  bool reset = false;
+};
+
+template <class Real>
+struct Scratch {
+  GroupScratch<Real> group;
+  std::vector<Contact<Real>> contacts;
+  std::vector<BodyContact<Real>> bodyContacts;
+  std::vector<Member<Real>*> members;
+};
+
+template <class Real>
+struct Workspace {
+  std::vector<BodyPair<Real>> pairs;  // ascending
+  std::vector<BodyPair<Real>> pairsBefore;
+  std::vector<std::vector<BodyContact<Real>>> spareLists;  // of pairs that have parted
+  std::vector<IndexPair> pairIndices;                      // the bodies of `pairs`, by their places in the world
+  std::vector<Member<Real>> members;                       // of all bodies
+  std::vector<Box> boxes;
+  BroadPhase broadPhase;
+  std::vector<Vector3d> safePlaces;
+  std::vector<std::uint32_t> woken;
+  Groups groups;
+  std::vector<std::uint32_t> placeOf;       // of each body in its group
+  std::vector<Encounter<Real>> encounters;  // those of group g from encounterBegins[g] up to encounterBegins[g + 1]
+  std::vector<std::size_t> encounterBegins;
+  std::vector<std::uint32_t> smallGroups;  // stepped side by side, each by one thread
+  std::vector<std::uint32_t> largeGroups;  // one after the other, each by all
+  std::vector<Outcome> outcomes;
+  tbb::enumerable_thread_specific<Scratch<Real>> scratch;
+
+  // Of the body that was at `index` and is gone.
+  void Forget(std::size_t index) {
+    if (index >= members.size()) return;
+    members.erase(members.begin() + static_cast<std::ptrdiff_t>(index));
+    boxes.erase(boxes.begin() + static_cast<std::ptrdiff_t>(index));
+  }
+};
+
+struct World::Engine {
+  explicit Engine(int threadCount) : threads(threadCount) {}
+
+  void Forget(std::size_t index) {
+    std::get<0>(workspaces).Forget(index);
+    std::get<1>(workspaces).Forget(index);
+  }
+
+  Threads threads;
+  std::tuple<Workspace<float>, Workspace<double>> workspaces;  // the world's precision uses one
+};
+
+}  // namespace wobble::physics

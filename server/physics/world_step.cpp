@@ -1,0 +1,338 @@
+// A tick, phase by phase: Prepare (control, static contacts), Meet (who is near whom, and with which vertices), Wake
+// (whoever sleeps and is touched), Group (bodies that hang together by contacts), Step (each group by itself), Finish
+// (health, origin, sleep).
+//
+// Every phase runs in parallel over things that do not see each other: bodies, pairs, groups. Each is worked on by one
+// thread from beginning to end and nothing is summed across threads, so the result cannot depend on how many there are.
+// A group too large for one thread is stepped by all, body by body.
+#include <algorithm>
+#include <array>
+
+#include "server/physics/control.h"
+#include "server/physics/world_engine.h"
+
+namespace wobble::physics {
+namespace {
+
+// How near bodies are looked at beyond the way they go in the tick, m: what gravity and springs may add.
+constexpr double kMargin = 0.02;
+
+// Room for so many contacts is made when two bodies meet: more seldom come, and a list that is full grows.
+constexpr std::size_t kLikelyContacts = 128;
+
+// Vertices from which on a group is stepped by all threads: below, they would wait for one another longer than they
+// work.
+constexpr std::size_t kLargeGroup = 2000;
+
+template <class Real>
+bool ComesBefore(const BodyPair<Real>& a, const BodyPair<Real>& b) {
+  return a.first != b.first ? a.first < b.first : a.second < b.second;
+}
+
+template <class Real>
+bool HasContacts(const BodyPair<Real>& pair) {
+  return !pair.sides[0].empty() || !pair.sides[1].empty();
+}
+
+}  // namespace
+
+// One tick in one precision.
+template <class Real>
+class World::Stepper {
+ public:
+  explicit Stepper(World& world)
+      : m_world(world),
+        m_bodies(world.m_bodies),
+        m_threads(world.m_engine->threads),
+        m_work(std::get<Workspace<Real>>(world.m_engine->workspaces)),
+        m_duration(world.m_settings.tickDuration),
+        m_rules{m_duration, m_duration * world.m_settings.errorTarget, world.m_settings.maxSubsteps} {}
+
+  StepReport Step() {
+    PrepareAll();
+    FindPairs();
+    MeetAll();
+    WakeTouched();
+    DropPairsApart();
+    FindAllGroups();
+    StepAll();
+    LetFallAsleep();
+    return Report();
+  }
+
+ private:
+  State<Real>& StateOf(std::size_t body) { return std::get<State<Real>>(m_bodies[body].state); }
+
+  void PrepareAll() {
+    const std::size_t count = m_bodies.size();
+    m_work.members.resize(count);
+    m_work.boxes.resize(count);
+    m_work.safePlaces.resize(count);
+    m_work.outcomes.assign(count, {});
+    m_threads.ForEach(count, [this](std::size_t i) {
+      m_work.members[i].blueprint = &m_world.m_blueprints[m_bodies[i].blueprint];
+      m_work.members[i].state = &StateOf(i);
+      if (!m_bodies[i].asleep) Prepare(i);
+    });
+  }
+
+  void Prepare(std::size_t i) {
+    Body& body = m_bodies[i];
+    Member<Real>& member = m_work.members[i];
+    State<Real>& state = *member.state;
+    m_work.safePlaces[i] = physics::FindCentre(*member.blueprint, state);
+    member.load = ApplyControl(*member.blueprint, m_world.m_settings.gravity, body, state);
+    member.substepsForError = body.steps.Substeps();
+    member.health = Health::kGood;
+    member.lost = false;
+    member.surfaces.clear();
+    for (const Obstacle& obstacle : m_world.m_obstacles) {
+      member.surfaces.push_back(MakeSurface<Real>(obstacle, state.origin));
+    }
+    member.bounds = FindBounds<Real>(state.positions, state.velocities);
+    FindContacts<Real>(member.surfaces, member.bounds, state.positions, state.velocities, static_cast<Real>(m_duration),
+                       state.contacts, m_work.scratch.local().contacts);
+    const double fat = kMargin + m_duration * double{member.bounds.speed};
+    m_work.boxes[i] = {state.origin + member.bounds.low.template cast<double>() - Vector3d::Constant(fat),
+                       state.origin + member.bounds.high.template cast<double>() + Vector3d::Constant(fat)};
+  }
+
+  void FindPairs() {
+    m_work.pairs.swap(m_work.pairsBefore);
+    m_work.pairs.clear();
+    m_work.pairIndices.clear();
+    auto before = m_work.pairsBefore.begin();
+    for (const auto& [a, b] : m_work.broadPhase.FindOverlaps(m_work.boxes)) {
+      if (HasNoFaces(a) || HasNoFaces(b)) continue;
+      BodyPair<Real> pair{m_bodies[a].id, m_bodies[b].id, {}};
+      for (; before != m_work.pairsBefore.end() && ComesBefore(*before, pair); ++before) Recycle(*before);
+      const bool known = before != m_work.pairsBefore.end() && !ComesBefore(pair, *before);
+      for (std::size_t side = 0; side < 2; ++side) {
+        pair.sides[side] = known ? std::move(before->sides[side]) : TakeSpareList();
+      }
+      if (known) ++before;
+      m_work.pairs.push_back(std::move(pair));
+      m_work.pairIndices.push_back({a, b});
+    }
+    for (; before != m_work.pairsBefore.end(); ++before) Recycle(*before);
+  }
+
+  void Recycle(BodyPair<Real>& pair) {
+    for (auto& side : pair.sides) m_work.spareLists.push_back(std::move(side));
+  }
+
+  std::vector<BodyContact<Real>> TakeSpareList() {
+    std::vector<BodyContact<Real>> list;
+    if (!m_work.spareLists.empty()) {
+      list = std::move(m_work.spareLists.back());
+      m_work.spareLists.pop_back();
+    }
+    list.clear();
+    list.reserve(kLikelyContacts);
+    return list;
+  }
+
+  bool HasNoFaces(std::uint32_t body) const { return m_work.members[body].blueprint->full.faces.empty(); }
+
+  // Contacts of two that sleep stay as they are.
+  void MeetAll() {
+    m_threads.ForEach(m_work.pairs.size(), [this](std::size_t i) {
+      const auto [a, b] = m_work.pairIndices[i];
+      if (m_work.pairs[i].met || (m_bodies[a].asleep && m_bodies[b].asleep)) return;
+      m_work.pairs[i].met = true;
+      Meet(i);
+    });
+  }
+
+  void Meet(std::size_t i) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      const Member<Real>& vertices = m_work.members[m_work.pairIndices[i][side]];
+      const Member<Real>& faces = m_work.members[m_work.pairIndices[i][1 - side]];
+      const Meeting<Real> meeting = MakeMeeting<Real>(vertices, vertices.state->positions, vertices.state->velocities,
+                                                      faces, faces.state->positions, faces.state->velocities);
+      Bounds<Real> near = faces.bounds;
+      near.speed += vertices.bounds.speed;
+      const Real fat = static_cast<Real>(kMargin) + near.speed * static_cast<Real>(m_duration);
+      near.low.array() -= fat;
+      near.high.array() += fat;
+      FindBodyContacts<Real>(meeting, vertices.blueprint->topology.vertices, near, static_cast<Real>(kMargin),
+                             static_cast<Real>(m_duration), m_work.pairs[i].sides[side],
+                             m_work.scratch.local().bodyContacts);
+    }
+  }
+
+  // Sleepers near somebody awake wake in this tick, and then those near them.
+  void WakeTouched() {
+    for (;;) {
+      m_work.woken.clear();
+      for (std::size_t i = 0; i < m_work.pairs.size(); ++i) {
+        const auto [a, b] = m_work.pairIndices[i];
+        if (m_bodies[a].asleep == m_bodies[b].asleep || !HasContacts(m_work.pairs[i])) continue;
+        const std::uint32_t sleeper = m_bodies[a].asleep ? a : b;
+        WakeUp(m_bodies[sleeper]);
+        m_work.woken.push_back(sleeper);
+      }
+      if (m_work.woken.empty()) return;
+      m_threads.ForEach(m_work.woken.size(), [this](std::size_t i) { Prepare(m_work.woken[i]); });
+      MeetAll();
+    }
+  }
+
+  // Boxes that overlap without a vertex near a face bind nothing together.
+  void DropPairsApart() {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < m_work.pairs.size(); ++i) {
+      if (!HasContacts(m_work.pairs[i])) {
+        Recycle(m_work.pairs[i]);
+        continue;
+      }
+      if (kept != i) {
+        m_work.pairs[kept] = std::move(m_work.pairs[i]);
+        m_work.pairIndices[kept] = m_work.pairIndices[i];
+      }
+      ++kept;
+    }
+    m_work.pairs.resize(kept);
+    m_work.pairIndices.resize(kept);
+  }
+
+  // Sleepers are in groups as well: those that hang together all sleep, or none.
+  void FindAllGroups() {
+    const std::size_t count = m_bodies.size();
+    m_work.groups.Find(count, m_work.pairIndices);
+    m_work.placeOf.resize(count);
+    m_work.smallGroups.clear();
+    m_work.largeGroups.clear();
+    for (std::uint32_t group = 0; group < m_work.groups.Count(); ++group) {
+      const auto members = m_work.groups.MembersOf(group);
+      std::size_t vertices = 0;
+      for (std::uint32_t place = 0; place < members.size(); ++place) {
+        m_work.placeOf[members[place]] = place;
+        vertices += m_work.members[members[place]].state->positions.size();
+      }
+      if (m_bodies[members[0]].asleep) continue;
+      (members.size() > 1 && vertices >= kLargeGroup ? m_work.largeGroups : m_work.smallGroups).push_back(group);
+    }
+    FindEncounters();
+  }
+
+  // Pairs by group, in their order.
+  void FindEncounters() {
+    std::vector<std::size_t>& begins = m_work.encounterBegins;
+    begins.assign(m_work.groups.Count() + 1, 0);
+    const auto groupOf = [this](std::size_t pair) { return m_work.groups.GroupOf(m_work.pairIndices[pair][0]); };
+    for (std::size_t i = 0; i < m_work.pairs.size(); ++i) ++begins[groupOf(i) + 1U];
+    for (std::size_t group = 0; group + 1 < begins.size(); ++group) begins[group + 1] += begins[group];
+    m_work.encounters.resize(m_work.pairs.size());
+    for (std::size_t i = m_work.pairs.size(); i-- > 0;) {
+      const auto [a, b] = m_work.pairIndices[i];
+      const auto& ofA = m_work.members[a].blueprint->template Read<Real>().contact;
+      const auto& ofB = m_work.members[b].blueprint->template Read<Real>().contact;
+      m_work.encounters[--begins[groupOf(i) + 1U]] = {{m_work.placeOf[a], m_work.placeOf[b]},
+                                                      Combine(ofA, ofB),
+                                                      {&m_work.pairs[i].sides[0], &m_work.pairs[i].sides[1]}};
+    }
+    // Each group's end has been counted down to its begin: one step to the left, and they are begins again.
+    begins.erase(begins.begin());
+    begins.push_back(m_work.pairs.size());
+  }
+
+  std::span<const Encounter<Real>> EncountersOf(std::uint32_t group) const {
+    const std::size_t begin = m_work.encounterBegins[group];
+    return std::span(m_work.encounters).subspan(begin, m_work.encounterBegins[group + 1U] - begin);
+  }
+
+  void StepAll() {
+    std::size_t vertices = 0;
+    for (const Member<Real>& member : m_work.members) vertices += member.state->positions.size();
+    for (const std::uint32_t group : m_work.largeGroups) StepOne(group, vertices, &m_threads);
+    m_threads.ForEach(m_work.smallGroups.size(),
+                      [this, vertices](std::size_t i) { StepOne(m_work.smallGroups[i], vertices, nullptr); });
+  }
+
+  void StepOne(std::uint32_t group, std::size_t allVertices, Threads* threads) {
+    Scratch<Real>& scratch = m_work.scratch.local();
+    scratch.group.Reserve(allVertices, m_work.members.size());
+    scratch.members.reserve(m_work.members.size());
+    const auto bodies = m_work.groups.MembersOf(group);
+    scratch.members.clear();
+    for (const std::uint32_t body : bodies) scratch.members.push_back(&m_work.members[body]);
+    const GroupOutcome steps = StepGroup<Real>(scratch.members, EncountersOf(group), m_rules, threads, scratch.group);
+    for (const std::uint32_t body : bodies) Finish(body, steps);
+    for (const Encounter<Real>& encounter : EncountersOf(group)) Finish(encounter, bodies);
+  }
+
+  void Finish(std::uint32_t i, const GroupOutcome& steps) {
+    Body& body = m_bodies[i];
+    const Member<Real>& member = m_work.members[i];
+    State<Real>& state = *member.state;
+    m_work.outcomes[i] = {steps, member.health, member.lost};
+    body.touchesBody = false;
+    if (member.lost) {
+      state = MakeState<Real>(*member.blueprint, m_work.safePlaces[i], Vector3d::Zero());
+      body.steps = {};
+      WakeUp(body);
+    } else {
+      body.steps.Record(member.error, steps.substeps, m_rules.allowedError);
+      NoteMotion(member, body);
+      Recentre(*member.blueprint, state);
+    }
+  }
+
+  // A body that was reset has left those that it touched.
+  void Finish(const Encounter<Real>& encounter, std::span<const std::uint32_t> bodies) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      std::vector<BodyContact<Real>>& contacts = *encounter.sides[side];
+      const std::uint32_t a = bodies[encounter.members[0]];
+      const std::uint32_t b = bodies[encounter.members[1]];
+      if (m_work.outcomes[a].reset || m_work.outcomes[b].reset) contacts.clear();
+      const bool touch = std::any_of(contacts.begin(), contacts.end(), [](const auto& each) { return each.touching; });
+      m_bodies[a].touchesBody |= touch;
+      m_bodies[b].touchesBody |= touch;
+    }
+  }
+
+  void LetFallAsleep() {
+    const int patience = static_cast<int>(kQuietTime / m_duration);
+    for (std::uint32_t group = 0; group < m_work.groups.Count(); ++group) {
+      const auto members = m_work.groups.MembersOf(group);
+      const auto isQuiet = [&](std::uint32_t body) { return m_bodies[body].quietTicks >= patience; };
+      if (m_bodies[members[0]].asleep || !std::all_of(members.begin(), members.end(), isQuiet)) continue;
+      for (const std::uint32_t body : members) FallAsleep(body);
+    }
+  }
+
+  void FallAsleep(std::uint32_t i) {
+    State<Real>& state = StateOf(i);
+    physics::FallAsleep<Real>(m_bodies[i], state);
+    m_work.members[i].bounds = FindBounds<Real>(state.positions, state.velocities);
+  }
+
+  StepReport Report() const {
+    StepReport report;
+    for (const Outcome& outcome : m_work.outcomes) {
+      report.awake += outcome.steps.substeps > 0 ? 1 : 0;
+      report.substeps += static_cast<std::uint64_t>(outcome.steps.substeps);
+      report.allSubsteps += static_cast<std::uint64_t>(outcome.steps.allSubsteps);
+      report.nonFinite += outcome.health == Health::kNonFinite ? 1 : 0;
+      report.inverted += outcome.health == Health::kInverted ? 1 : 0;
+      report.quarantined += outcome.health != Health::kGood ? 1 : 0;
+      report.reset += outcome.reset ? 1 : 0;
+    }
+    return report;
+  }
+
+  World& m_world;
+  std::vector<Body>& m_bodies;
+  Threads& m_threads;
+  Workspace<Real>& m_work;
+  double m_duration;
+  StepRules m_rules;
+};
+
+StepReport World::Step() {
+  ++m_tick;
+  return m_settings.precision == Precision::kSingle ? Stepper<float>(*this).Step() : Stepper<double>(*this).Step();
+}
+
+}  // namespace wobble::physics
