@@ -71,6 +71,23 @@ Real ComputeNormalForce(const ContactParameters<Real>& parameters, Real depth, R
 }
 
 template <class Real>
+SurfacePoint<Real> FindContactPoint(const Surface<Real>& surface, const Contact<Real>& contact,
+                                    const Vector3<Real>& x) {
+  const SurfacePoint<Real> point = FindSurfacePoint(surface, x);
+  if (surface.kind != Obstacle::Kind::kBox || !(point.normal.dot(contact.side) < Real(0))) return point;
+  const Vector3<Real> fromCentre = x - surface.centre;
+  int axis = 0;
+  const Real component = contact.side.cwiseAbs().maxCoeff(&axis);
+  const Vector3<Real> beyond = fromCentre.cwiseAbs() - surface.halfExtents;
+  for (int other = 0; other < 3; ++other) {
+    if (other != axis && beyond[other] > static_cast<Real>(kEdgeRadius)) return point;  // it has gone round
+  }
+  Vector3<Real> normal = Vector3<Real>::Zero();
+  normal[axis] = contact.side[axis] / component;
+  return {normal.dot(fromCentre) - surface.halfExtents[axis] - static_cast<Real>(kEdgeRadius), normal};
+}
+
+template <class Real>
 void FindContacts(std::span<const Surface<Real>> surfaces, const Bounds<Real>& bounds, std::span<const Vector3<Real>> x,
                   std::span<const Vector3<Real>> v, Real duration, std::vector<Contact<Real>>& contacts,
                   std::vector<Contact<Real>>& scratch) {
@@ -83,12 +100,14 @@ void FindContacts(std::span<const Surface<Real>> surfaces, const Bounds<Real>& b
     // A distance changes by at most the way gone, so one look at the middle clears a whole body that is far off.
     if (FindSurfacePoint(surfaces[s], middle).distance > reach) continue;
     for (std::uint32_t i = 0; i < x.size(); ++i) {
-      const SurfacePoint<Real> point = FindSurfacePoint(surfaces[s], x[i]);
-      const Real approach = std::max(Real(0), -point.normal.dot(v[i])) * duration;
-      if (point.distance > static_cast<Real>(kMargin) + approach) continue;
       while (kept != contacts.end() && ComesBefore(kept->surface, kept->vertex, s, i)) ++kept;
       const bool known = kept != contacts.end() && kept->surface == s && kept->vertex == i;
-      scratch.push_back(known ? *kept : Contact<Real>{s, i});
+      Contact<Real> contact = known ? *kept : Contact<Real>{s, i};
+      const SurfacePoint<Real> point = FindContactPoint(surfaces[s], contact, x[i]);
+      const Real approach = std::max(Real(0), -point.normal.dot(v[i])) * duration;
+      if (point.distance > static_cast<Real>(kMargin) + approach) continue;
+      contact.side = point.normal;
+      scratch.push_back(contact);
     }
   }
   contacts.swap(scratch);
@@ -100,7 +119,7 @@ void AddContacts(const ContactParameters<Real>& parameters, std::span<const Real
                  std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, std::span<Vector3<Real>> forces) {
   for (const Contact<Real>& contact : contacts) {
     const Surface<Real>& surface = surfaces[contact.surface];
-    const SurfacePoint<Real> point = FindSurfacePoint(surface, x[contact.vertex]);
+    const SurfacePoint<Real> point = FindContactPoint(surface, contact, x[contact.vertex]);
     const Real depth = -point.distance;
     if (!(depth > Real(0))) continue;
     const Vector3<Real>& velocity = v[contact.vertex];
@@ -123,7 +142,8 @@ void UpdateAnchors(const ContactParameters<Real>& parameters, std::span<const Su
                    std::span<Contact<Real>> contacts, std::span<const Vector3<Real>> x) {
   for (Contact<Real>& contact : contacts) {
     const Surface<Real>& surface = surfaces[contact.surface];
-    const SurfacePoint<Real> point = FindSurfacePoint(surface, x[contact.vertex]);
+    const SurfacePoint<Real> point = FindContactPoint(surface, contact, x[contact.vertex]);
+    contact.side = point.normal;
     const Real depth = -point.distance;
     const bool wasTouching = contact.touching;
     contact.touching = depth > Real(0);
@@ -144,7 +164,7 @@ double ComputeContactEnergy(const Coefficients<Real>& body, std::span<const Surf
                             std::span<const Contact<Real>> contacts, std::span<const Vector3<Real>> x) {
   double energy = 0;
   for (const Contact<Real>& contact : contacts) {
-    const SurfacePoint<Real> point = FindSurfacePoint(surfaces[contact.surface], x[contact.vertex]);
+    const SurfacePoint<Real> point = FindContactPoint(surfaces[contact.surface], contact, x[contact.vertex]);
     Real stored = ComputePenaltyEnergy(body.contact, -point.distance);
     if (contact.touching) {
       const Vector3<Real> slip = RemoveNormalPart<Real>(x[contact.vertex] - contact.anchor, point.normal);
@@ -163,6 +183,8 @@ double ComputeContactEnergy(const Coefficients<Real>& body, std::span<const Surf
   template Real ComputePenaltySlope<Real>(const ContactParameters<Real>&, Real);                              \
   template Real ComputeNormalForce<Real>(const ContactParameters<Real>&, Real, Real);                         \
   template Real ComputeDampingShare<Real>(const ContactParameters<Real>&, Real);                              \
+  template SurfacePoint<Real> FindContactPoint<Real>(const Surface<Real>&, const Contact<Real>&,              \
+                                                     const Vector3<Real>&);                                   \
   template void FindContacts<Real>(std::span<const Surface<Real>>, const Bounds<Real>&,                       \
                                    std::span<const Vector3<Real>>, std::span<const Vector3<Real>>, Real,      \
                                    std::vector<Contact<Real>>&, std::vector<Contact<Real>>&);                 \

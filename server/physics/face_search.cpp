@@ -15,11 +15,8 @@ constexpr int kMaxSteps = 16;
 // nearest to an edge or a corner that both have.
 constexpr double kTieShare = 1e-5;
 // Sides flatter than this (cosine of the angle between normals, 45°) are those of a smooth surface: there a point
-// changes its face where both planes are equally deep. Over a sharper edge it must truly leave the first face, unless
-// it is no deeper than this share of the face's size: so deep a cube presses into what it stands on, and when it slides
-// its front side would otherwise be caught by every vertex that rises before it.
+// changes its face where both planes are equally deep. Over a sharper edge it must truly leave the first face.
 constexpr double kSmoothCosine = 0.7;
-constexpr double kShallowShare = 0.05;
 
 template <class Real>
 Real FindSquaredDistance(const Vector3<Real>& a, const Vector3<Real>& b, const Vector3<Real>& c,
@@ -88,9 +85,7 @@ template <class Real>
 bool SlidesOver(const Shell<Real>& shell, const FacePoint<Real>& from, std::size_t corner, const FacePoint<Real>& to) {
   const bool rises = to.distance > from.distance && IsConvex(shell, from, to.face);
   if (from.weights[static_cast<Eigen::Index>(corner)] >= Real(0)) {
-    const Real share = static_cast<Real>(kShallowShare);
-    const bool shallow = from.distance * from.distance < share * share * from.doubleArea;
-    return rises && (shallow || from.normal.dot(to.normal) > static_cast<Real>(kSmoothCosine));
+    return rises && from.normal.dot(to.normal) > static_cast<Real>(kSmoothCosine);
   }
   const int back = FindCornerOpposite(*shell.topology, to.face, from.face);
   return rises || (back < 3 && to.weights[back] >= Real(0));

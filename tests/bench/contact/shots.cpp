@@ -5,12 +5,16 @@
 // A shot has gone through when at its end
 //   - a vertex of one body lies deep in the other (inside it even when it is shrunk to kDeep about its middle), or the
 //     bodies have changed places along the line of the shot, having come nearer than half the sum of their radii, and a
-//     vertex was deeper inside than a quarter of the smaller radius: the last two keep bodies that graze, or that roll
-//     over one another, from being counted;
+//     vertex was deeper inside than half the smaller radius: the last two keep bodies that graze, or that roll over
+//     one another, from being counted;
 //   - of a plane or wall: the centre, or a vertex by more than kBehind, is behind it;
 //   - of a sheet: the solid angle under which a vertex or the centre sees it has jumped by a whole turn (to go round
 //   its
 //     edge changes it steadily, to go through it does not), more often than one twentieth of the vertices.
+// Firm bodies can bear the shot: the impact's energy is no more than the gas of a ball holds (nRT), the speed no more
+// than a third of √(E/ρ) of a lattice. Softer ones fold up or are turned inside out by it, whatever the contact does;
+// they are shot as well, and counted by themselves.
+//
 // That this notices what goes through is shown by ghosts: the same shots with contacts a million times softer.
 #include "tests/bench/contact/shots.h"
 
@@ -31,8 +35,9 @@ constexpr double kTick = 1.0 / 60;
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kAfter = 0.4;  // s of play after the bodies would have met
 constexpr double kDeep = 0.8;
-constexpr double kDeepShare = 0.25;  // of a radius
-constexpr double kBehind = 0.25;     // m
+constexpr double kDeepShare = 0.5;     // of the smaller radius
+constexpr double kBehindShare = 0.25;  // of the radius
+constexpr double kBehind = 0.25;       // m
 constexpr double kLeastSpeed = 5;
 constexpr double kMostSpeed = 50;
 constexpr double kGhost = 1e-6;  // times the contact stiffness
@@ -64,19 +69,31 @@ struct Thrown {
   Blueprint blueprint;
 };
 
-// Materials from the default's to what 64 substeps can still hold at these speeds.
-Thrown DrawBody(Random& random, double contactShare) {
+// A number between them, each order of magnitude as likely as the next.
+double DrawMagnitude(Random& random, double least, double most) {
+  return least * std::pow(most / least, random.Draw(0, 1));
+}
+
+// Materials from the default's, or what bears the shot, to what 64 substeps can still hold at these speeds.
+Thrown DrawBody(Random& random, double speed, bool firm, double contactShare) {
+  constexpr double kHardest = 100;  // times the default ball
+  constexpr double kSoftest = 1e4;  // Pa
+  constexpr double kStiffest = 1e6;
   Thrown thrown;
   char name[64];
   if (random.Choose(3) > 0) {
     const int subdivisions = 1 + static_cast<int>(random.Choose(3));
-    const double ratio = std::pow(10, random.Draw(0, subdivisions == 3 ? 1 : 2));
+    const Material standard = DescribeBall(subdivisions).material;
+    const double bearing = std::clamp(standard.mass * speed * speed / 2 / standard.gas, 1.0, kHardest);
+    const double ratio = firm ? DrawMagnitude(random, bearing, kHardest) : DrawMagnitude(random, 1, bearing);
     BallDefinition ball = DescribeHardBall(subdivisions, ratio);
     ball.material.contactStiffness = contactShare * kContactStiffnessRatio * ball.material.stiffness;
     std::snprintf(name, sizeof name, "ball of %zu, k %.0f N/m", CountVertices(subdivisions), ball.material.stiffness);
     thrown = {name, MakeBall(ball)};
   } else {
-    LatticeDefinition lattice = DescribeCube(std::pow(10, random.Draw(4, 6)), 0.8);
+    LatticeDefinition lattice = DescribeCube(kSoftest, 0.8);
+    const double bearing = std::clamp(9 * lattice.density * speed * speed, kSoftest, kStiffest);
+    lattice.youngModulus = firm ? DrawMagnitude(random, bearing, kStiffest) : DrawMagnitude(random, kSoftest, bearing);
     const int cells = 2 + static_cast<int>(random.Choose(3));
     lattice.cells = {cells, cells, cells};
     lattice.cellSize = 0.75 / cells;
@@ -96,7 +113,8 @@ Vector3d DrawAcross(Random& random, const Vector3d& direction, double radius) {
 
 class Trial {
  public:
-  Trial(std::uint64_t seed, ShotTarget target, double contactShare) : m_random(seed), m_share(contactShare) {
+  Trial(std::uint64_t seed, ShotTarget target, bool firm, double contactShare)
+      : m_random(seed), m_firm(firm), m_share(contactShare) {
     m_shot.target = target;
     m_shot.speed = m_random.Draw(kLeastSpeed, kMostSpeed);
     WorldSettings settings;
@@ -105,7 +123,7 @@ class Trial {
   }
 
   Shot Play() {
-    const Thrown thrown = DrawBody(m_random, m_share);
+    const Thrown thrown = DrawBody(m_random, m_shot.speed, m_firm, m_share);
     m_shot.bodies = thrown.name;
     m_radius = thrown.blueprint.reach;
     m_gap = m_random.Draw(0.05, 0.9);
@@ -138,7 +156,7 @@ class Trial {
   const Body& Target() const { return m_world->Bodies()[1]; }
 
   void AimAtBody(const Thrown& thrown) {
-    const Thrown other = DrawBody(m_random, m_share);
+    const Thrown other = DrawBody(m_random, m_shot.speed, m_firm, m_share);
     m_shot.bodies += " at " + other.name;
     m_direction = m_random.DrawDirection();
     m_sumOfRadii = thrown.blueprint.size + other.blueprint.size;
@@ -222,7 +240,7 @@ class Trial {
 
   bool HasGoneThrough() const {
     if (m_shot.target == ShotTarget::kSheet) {
-      return m_side.back() != 0 || m_behind > kDeepShare * m_world->Blueprints()[0].size;
+      return m_side.back() != 0 || m_behind > kBehindShare * m_world->Blueprints()[0].size;
     }
     if (m_shot.target != ShotTarget::kBody) {
       const std::vector<Vector3d> x = ReadPositions(Thrower());
@@ -246,7 +264,8 @@ class Trial {
   }
 
   Random m_random;
-  double m_share;
+  bool m_firm;
+  double m_share;  // of the contact stiffness that the material would have
   Shot m_shot;
   std::unique_ptr<World> m_world;
   Vector3d m_direction = Vector3d::Zero();
@@ -267,11 +286,11 @@ const char* NameTarget(ShotTarget target) {
   return kNames[static_cast<std::size_t>(target)];
 }
 
-Shot PlayShot(std::uint64_t seed, std::uint32_t number, bool ghost) {
+Shot PlayShot(std::uint64_t seed, std::uint32_t number, ShotKind kind) {
   constexpr ShotTarget kTargets[] = {ShotTarget::kBody,  ShotTarget::kPlane, ShotTarget::kBody,
                                      ShotTarget::kSheet, ShotTarget::kBody,  ShotTarget::kWall};
   const ShotTarget target = kTargets[number % std::size(kTargets)];
-  return Trial(seed * 1000003 + number, target, ghost ? kGhost : 1).Play();
+  return Trial(seed * 1000003 + number, target, kind != ShotKind::kSoft, kind == ShotKind::kGhost ? kGhost : 1).Play();
 }
 
 namespace {
@@ -301,12 +320,16 @@ void MeasureShots(Bench& bench) {
     for (std::uint32_t i = 0; i < (options.quick ? 60U : 1000U); ++i) numbers.push_back(i);
   }
   std::vector<Shot> shots(numbers.size());
-  std::vector<Shot> ghosts(options.trial ? 0 : options.quick ? 12 : 60);
-  const bool done = RunTrials(bench, shots.size() + ghosts.size(), [&](std::size_t i) {
+  const std::uint32_t others = options.trial ? 0 : options.quick ? 12 : 120;
+  std::vector<Shot> soft(others);
+  std::vector<Shot> ghosts(others);
+  const bool done = RunTrials(bench, shots.size() + others, [&](std::size_t i) {
     if (i < shots.size()) {
-      shots[i] = PlayShot(options.seed, numbers[i], false);
+      shots[i] = PlayShot(options.seed, numbers[i], ShotKind::kFirm);
     } else {
-      ghosts[i - shots.size()] = PlayShot(options.seed, static_cast<std::uint32_t>(i - shots.size()), true);
+      const std::size_t k = i - shots.size();
+      soft[k] = PlayShot(options.seed, static_cast<std::uint32_t>(k), ShotKind::kSoft);
+      ghosts[k] = PlayShot(options.seed, static_cast<std::uint32_t>(k), ShotKind::kGhost);
     }
   });
   if (!done) return;
@@ -333,6 +356,11 @@ void MeasureShots(Bench& bench) {
   bench.results.AddFigureAtMost("non_finite", nonFinite, 0);
   bench.results.AddFigure("penetration_max", deepest);
   if (options.trial) return;
+  const auto share = [&soft](auto&& predicate) {
+    return static_cast<double>(std::count_if(soft.begin(), soft.end(), predicate)) / static_cast<double>(soft.size());
+  };
+  bench.results.AddFigure("soft_tunnelled_share", share([](const Shot& shot) { return shot.through; }));
+  bench.results.AddFigure("soft_inverted_share", share([](const Shot& shot) { return shot.inverted > 0; }));
 
   // Central enough that without contact they must come out on the far side.
   std::size_t meant = 0, seen = 0;

@@ -9,6 +9,9 @@ namespace wobble::bench {
 enum class ShotTarget : std::uint8_t { kBody, kPlane, kWall, kSheet };
 [[nodiscard]] const char* NameTarget(ShotTarget target);
 
+// kSoft: of bodies that cannot bear the shot; kGhost: with contacts so soft that everything goes through.
+enum class ShotKind : std::uint8_t { kFirm, kSoft, kGhost };
+
 struct Shot {
   ShotTarget target = ShotTarget::kBody;
   std::string bodies;
@@ -21,7 +24,6 @@ struct Shot {
   std::uint32_t nonFinite = 0;
 };
 
-// ghost: with contacts so soft that everything goes through.
-[[nodiscard]] Shot PlayShot(std::uint64_t seed, std::uint32_t number, bool ghost);
+[[nodiscard]] Shot PlayShot(std::uint64_t seed, std::uint32_t number, ShotKind kind);
 
 }  // namespace wobble::bench
