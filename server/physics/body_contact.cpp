@@ -75,11 +75,11 @@ bool IsInside(const Vector3<Real>& p, const Bounds<Real>& box) {
 
 // Arms a contact that has just begun, disarms one that has leapt, and says how deep it may come from here.
 template <class Real>
-void Arm(const FacePoint<Real>& at, const Vector3<Real>& velocity, Real h, BodyContact<Real>& contact) {
+void Arm(const FacePoint<Real>& at, const Vector3<Real>& velocity, Real h, bool isOpen, BodyContact<Real>& contact) {
   const Real depth = std::max(Real(0), -at.distance);
   const Real play =
       static_cast<Real>(kArmingDepth) + static_cast<Real>(kArmingSteps) * h * std::sqrt(velocity.dot(velocity));
-  contact.armed = depth <= (contact.armed ? contact.maxDepth : static_cast<Real>(kArmingDepth));
+  contact.armed = isOpen || depth <= (contact.armed ? contact.maxDepth : static_cast<Real>(kArmingDepth));
   contact.maxDepth = depth + play;
 }
 
@@ -113,7 +113,7 @@ FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const Vector3<Real
     if (at.distance < Real(0) && !(isOpen && IsPastBorder(*shell.topology, at))) return at;
   }
   const FacePoint<Real> at = FindNearestFace(shell, contact.face, p);
-  if (!isOpen || at.distance >= Real(0) || (contact.armed && !IsPastBorder(*shell.topology, at))) return at;
+  if (!isOpen || at.distance >= Real(0) || !IsPastBorder(*shell.topology, at)) return at;
   return ChooseSide(meeting, at.face, p, contact.behind);
 }
 
@@ -182,7 +182,7 @@ void FindBodyContacts(const Meeting<Real>& meeting, std::span<const std::uint16_
     if (at.distance > margin + approach) continue;
     contact.face = at.face;
     contact.foot = at.weights;
-    Arm(at, velocity, duration / static_cast<Real>(kLikelySubsteps), contact);
+    Arm(at, velocity, duration / static_cast<Real>(kLikelySubsteps), meeting.shell.topology->isOpen, contact);
     scratch.push_back(contact);
   }
   contacts.swap(scratch);
@@ -233,7 +233,7 @@ void UpdateBodyContacts(const ContactParameters<Real>& parameters, const Meeting
   for (BodyContact<Real>& contact : contacts) {
     const Vector3<Real> p = meeting.x[contact.vertex] + meeting.shift;
     const FacePoint<Real> at = FindPresentFace(meeting, p, contact);
-    Arm<Real>(at, FindRelativeVelocity(meeting, contact.vertex, at), h, contact);
+    Arm<Real>(at, FindRelativeVelocity(meeting, contact.vertex, at), h, meeting.shell.topology->isOpen, contact);
     const Real depth = -at.distance;
     Vector3<Real> slip = Vector3<Real>::Zero();
     if (contact.touching) {

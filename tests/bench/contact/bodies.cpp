@@ -47,12 +47,14 @@ Blueprint MakeSheet(int cells, double cellSize, double mass, double stiffness) {
   Blueprint blueprint;
   blueprint.name = "sheet";
   Coefficients<double>& full = blueprint.full;
+  constexpr double kRim = 1000;
   const double vertexMass = mass / (side * side);
   const double damping = 0.2 * 2 * std::sqrt(stiffness * vertexMass / 2);
   for (int y = 0; y < side; ++y) {
     for (int x = 0; x < side; ++x) {
       blueprint.rest.push_back(cellSize * Vector3d(x, y, 0));
-      full.masses.push_back(vertexMass);
+      const bool onRim = x == 0 || y == 0 || x + 1 == side || y + 1 == side;
+      full.masses.push_back(onRim ? kRim * vertexMass : vertexMass);
       const auto join = [&](int toX, int toY, double length) {
         if (toX < 0 || toX >= side || toY >= side) return;
         full.springs.push_back({at(x, y), at(toX, toY), length * cellSize, stiffness, damping});
@@ -70,6 +72,9 @@ Blueprint MakeSheet(int cells, double cellSize, double mass, double stiffness) {
   material.stiffness = stiffness;
   full.contact = MakeContactParameters(material, vertexMass, DescribeBall(2).radius);
   FinishBlueprint(blueprint);
+  // All stand for the same surface, whatever they weigh.
+  full.contactShares.assign(full.contactShares.size(), 1);
+  blueprint.single.contactShares.assign(full.contactShares.size(), 1);
   return blueprint;
 }
 

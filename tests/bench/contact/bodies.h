@@ -20,7 +20,8 @@ using physics::Vector3d;
 [[nodiscard]] physics::BallDefinition DescribeHardBall(int subdivisions, double ratio);
 // A cube of 0.75 m with 64 vertices.
 [[nodiscard]] physics::LatticeDefinition DescribeCube(double youngModulus, double friction);
-// A flat square sheet of springs in the plane of z, open, without gas: what a cloth is to a contact.
+// A flat square sheet of springs in the plane of z, open, without gas: what a cloth is to a contact. Its rim is so
+// heavy that it hardly moves, as if held in a frame. mass: of what is within, kg.
 [[nodiscard]] physics::Blueprint MakeSheet(int cells, double cellSize, double mass, double stiffness);
 
 [[nodiscard]] std::vector<Vector3d> ReadPositions(const physics::Body& body);   // in the world, m

@@ -11,6 +11,8 @@ void MeasureBounces(Bench& bench);
 void MeasureSlides(Bench& bench);
 // Key momentum_drift: bodies that collide in free space.
 void MeasureCollisions(Bench& bench);
+// Key apart_growth: what a body costs the search for contacts, among many against among few.
+void MeasureApart(Bench& bench);
 // Key tunnelled: bodies shot at one another and at what stands still.
 void MeasureShots(Bench& bench);
 

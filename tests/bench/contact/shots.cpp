@@ -8,9 +8,10 @@
 //     vertex was deeper inside than half the smaller radius: the last two keep bodies that graze, or that roll over
 //     one another, from being counted;
 //   - of a plane or wall: the centre, or a vertex by more than kBehind, is behind it;
-//   - of a sheet: the solid angle under which a vertex or the centre sees it has jumped by a whole turn (to go round
-//   its
-//     edge changes it steadily, to go through it does not), more often than one twentieth of the vertices.
+//   - of a sheet: the centre, or more than a twentieth of the vertices by more than a quarter of the body's radius, is
+//     behind it: the solid angle under which they see the sheet has jumped by a whole turn (to go round its edge would
+//     change it steadily). With fewer vertices behind it is snagged: it has not passed, but hangs in the cloth.
+//
 // Firm bodies can bear the shot: the impact's energy is no more than the gas of a ball holds (nRT), the speed no more
 // than a third of √(E/ρ) of a lattice. Softer ones fold up or are turned inside out by it, whatever the contact does;
 // they are shot as well, and counted by themselves.
@@ -231,16 +232,18 @@ class Trial {
       if (std::fabs(turns[i] - m_turns[i]) > 0.5) m_side[i] += turns[i] > m_turns[i] ? 1 : -1;
     }
     m_turns = std::move(turns);
-    m_behind = 0;
+    m_countBehind = 0;
     for (std::size_t i = 0; i < m_side.size(); ++i) {
-      if (m_side[i] != 0) m_behind = std::max(m_behind, FindDistance(points[i], faces, sheet));
+      const double behind = m_side[i] != 0 ? FindDistance(points[i], faces, sheet) : 0;
+      m_shot.depth = std::max(m_shot.depth, behind);
+      m_countBehind += behind > kBehindShare * m_world->Blueprints()[0].size ? 1 : 0;
     }
-    m_shot.depth = std::max(m_shot.depth, m_behind);
+    m_shot.snagged = m_countBehind > 0;
   }
 
   bool HasGoneThrough() const {
     if (m_shot.target == ShotTarget::kSheet) {
-      return m_side.back() != 0 || m_behind > kBehindShare * m_world->Blueprints()[0].size;
+      return m_side.back() != 0 || m_countBehind * 20 > m_side.size();
     }
     if (m_shot.target != ShotTarget::kBody) {
       const std::vector<Vector3d> x = ReadPositions(Thrower());
@@ -276,7 +279,7 @@ class Trial {
   double m_nearest = 0;         // that the centres came, m
   std::vector<double> m_turns;  // of each vertex, then the centre, as seen at the last tick
   std::vector<int> m_side;      // of each, 0 while it is on the side that it came from
-  double m_behind = 0;          // farthest of those that are on the other, m
+  std::size_t m_countBehind = 0;
 };
 
 }  // namespace
@@ -305,6 +308,7 @@ nlohmann::ordered_json MakeRow(std::uint32_t number, const Shot& shot) {
           {"depth", shot.depth},
           {"most_substeps", shot.mostSubsteps},
           {"through", shot.through},
+          {"snagged", shot.snagged},
           {"inverted", shot.inverted},
           {"non_finite", shot.nonFinite}};
 }
@@ -355,6 +359,8 @@ void MeasureShots(Bench& bench) {
   bench.results.AddFigureAtMost("inverted", inverted, 0);
   bench.results.AddFigureAtMost("non_finite", nonFinite, 0);
   bench.results.AddFigure("penetration_max", deepest);
+  const auto isSnagged = [](const Shot& shot) { return shot.snagged && !shot.through; };
+  bench.results.AddFigure("snagged", static_cast<double>(std::count_if(shots.begin(), shots.end(), isSnagged)));
   if (options.trial) return;
   const auto share = [&soft](auto&& predicate) {
     return static_cast<double>(std::count_if(soft.begin(), soft.end(), predicate)) / static_cast<double>(soft.size());

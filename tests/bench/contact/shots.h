@@ -20,6 +20,7 @@ struct Shot {
   double depth = 0;   // deepest of a vertex inside the other body, or behind the surface, m
   double mostSubsteps = 0;
   bool through = false;
+  bool snagged = false;  // in a sheet, by a few vertices
   std::uint32_t inverted = 0;
   std::uint32_t nonFinite = 0;
 };
