@@ -178,7 +178,10 @@ void FindBodyContacts(const Meeting<Real>& meeting, std::span<const std::uint16_
       at = ChooseSide(meeting, start, p, contact.behind);
     }
     const Vector3<Real> velocity = FindRelativeVelocity(meeting, vertex, at);
-    const Real approach = std::max(Real(0), -at.normal.dot(velocity)) * duration;
+    // What a sheet does next its present motion hardly tells: it is light, and passed over unseen it is passed for
+    // good.
+    const Real approach =
+        (meeting.shell.topology->isOpen ? near.speed : std::max(Real(0), -at.normal.dot(velocity))) * duration;
     if (at.distance > margin + approach) continue;
     contact.face = at.face;
     contact.foot = at.weights;
