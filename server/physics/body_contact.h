@@ -9,6 +9,10 @@
 // A contact is armed when the vertex comes from outside. Until then it does nothing: bodies that were put into one
 // another drift apart instead of exploding. For the same reason it is disarmed when it is suddenly deeper than it can
 // have come, as on a face that a violent impact has folded over.
+//
+// An open surface has no inside. There a contact keeps to the side that its vertex was seen on first, however deep it
+// is behind it, until the vertex leaves past the border: a thin sheet is crossed within one substep, and by where the
+// vertex is then nobody could tell.
 #pragma once
 
 #include <span>
@@ -32,6 +36,7 @@ struct BodyContact {
   std::uint16_t vertex = 0;
   std::uint16_t face = 0;
   bool armed = false;
+  bool behind = false;                         // on the side of an open surface that its normals point away from
   bool touching = false;                       // at the end of the last substep; foot and slip are set
   Real maxDepth = 0;                           // that it can come to in the next substep, m
   Vector3<Real> foot = Vector3<Real>::Zero();  // barycentric, of the point of `face` that was under the vertex
