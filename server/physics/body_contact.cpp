@@ -192,10 +192,12 @@ void FindBodyContacts(const Meeting<Real>& meeting, std::span<const std::uint16_
 }
 
 template <class Real>
-void AddBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
-                     std::span<const BodyContact<Real>> contacts, std::span<Vector3<Real>> forces,
-                     std::span<Vector3<Real>> shellForces) {
-  for (const BodyContact<Real>& contact : contacts) {
+void ComputeBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
+                         std::span<const BodyContact<Real>> contacts, std::span<ContactForce<Real>> forces) {
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    const BodyContact<Real>& contact = contacts[c];
+    ContactForce<Real>& result = forces[c];
+    result.acts = false;
     if (!contact.armed) continue;
     const Vector3<Real> p = meeting.x[contact.vertex] + meeting.shift;
     const FacePoint<Real> at = FollowFace(FaceShell(meeting, contact.behind), contact.face, p);
@@ -213,7 +215,10 @@ void AddBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Re
 
     const Real share = meeting.shares[contact.vertex];
     const Vector3<Real> force = share * (normalForce * at.normal - pull);
-    forces[contact.vertex] += force;
+    result.acts = true;
+    result.vertex = contact.vertex;
+    result.corners = face;
+    result.onVertex = force;
     // ∇wᵢ = n × (side opposite to corner i) / 2A, so −d (F·∇wᵢ) with F = −pull is d pull·(n × side)/2A.
     // On a face that is lower than the contact is deep they would exceed the friction itself and ring with the thin
     // triangle; there part of the torque is given up.
@@ -225,7 +230,7 @@ void AddBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Re
     const Real winding = contact.behind ? Real(-1) : Real(1);  // the sides go round the other way
     const Vector3<Real> turned = pull.cross(at.normal) * (winding * share * lever);
     for (std::size_t i = 0; i < 3; ++i) {
-      shellForces[face[i]] += turned.dot(sides[i]) * at.normal - at.weights[static_cast<Eigen::Index>(i)] * force;
+      result.onCorners[i] = turned.dot(sides[i]) * at.normal - at.weights[static_cast<Eigen::Index>(i)] * force;
     }
   }
 }
@@ -305,9 +310,8 @@ int AddContactLoads(const ContactParameters<Real>& parameters, const Meeting<Rea
   template ContactParameters<Real> Combine<Real>(const ContactParameters<Real>&, const ContactParameters<Real>&);     \
   template void FindBodyContacts<Real>(const Meeting<Real>&, std::span<const std::uint16_t>, const Bounds<Real>&,     \
                                        Real, Real, std::vector<BodyContact<Real>>&, std::vector<BodyContact<Real>>&); \
-  template void AddBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&,                           \
-                                      std::span<const BodyContact<Real>>, std::span<Vector3<Real>>,                   \
-                                      std::span<Vector3<Real>>);                                                      \
+  template void ComputeBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&,                       \
+                                          std::span<const BodyContact<Real>>, std::span<ContactForce<Real>>);         \
   template void UpdateBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&, Real,                  \
                                          std::span<BodyContact<Real>>);                                               \
   template double ComputeBodyContactEnergy<Real>(const ContactParameters<Real>&, const Meeting<Real>&,                \

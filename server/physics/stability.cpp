@@ -72,6 +72,15 @@ ContactRates FindContactRates(const Coefficients<Real>& body, std::span<const Su
   return largest;
 }
 
+// Quadratic drag on a face damps it at dragRate times its speed against the medium, 1/s.
+template <class Real>
+double FindDragDamping(const Blueprint& blueprint, const Load<Real>& load, const State<Real>& state) {
+  if (!(blueprint.dragRate > 0)) return 0;
+  Real fastest = 0;
+  for (const Vector3<Real>& v : state.velocities) fastest = std::max(fastest, (v - load.wind).squaredNorm());
+  return blueprint.dragRate * std::sqrt(double{fastest});
+}
+
 ContactRates AddRates(const ContactRates& a, const ContactRates& b) {
   return {a.squareFrequency + b.squareFrequency, a.dampingRate + b.dampingRate};
 }
@@ -166,7 +175,7 @@ Modes FindModes(const Blueprint& blueprint, const Load<Real>& load, std::span<co
   const double factor = std::max({1.0, double{load.stiffnessFactor}, double{load.gasFactor}});
   Modes modes;
   modes.body.squareFrequency = blueprint.angularFrequency * blueprint.angularFrequency * factor;
-  modes.body.dampingRate = blueprint.dampingRate * factor;
+  modes.body.dampingRate = blueprint.dampingRate * factor + FindDragDamping(blueprint, load, state);
   modes.surfaces = FindContactRates(blueprint.Read<Real>(), surfaces, state, duration);
   modes.bodies = fromBodies;
   return modes;

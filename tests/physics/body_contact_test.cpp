@@ -12,6 +12,16 @@
 namespace wobble::physics {
 namespace {
 
+template <class Real>
+void AddBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
+                     std::span<const BodyContact<Real>> contacts, std::span<Vector3<Real>> forces,
+                     std::span<Vector3<Real>> shellForces) {
+  std::vector<ContactForce<Real>> computed(contacts.size());
+  ComputeBodyContacts<Real>(parameters, meeting, contacts, computed);
+  AddToVertices<Real>(computed, forces);
+  AddToCorners<Real>(computed, shellForces);
+}
+
 constexpr double kTick = 1.0 / 60;
 
 struct Sums {
