@@ -1,8 +1,10 @@
 // The control channel is reliable and ordered, so an honest server's chunks of one blueprint come one after the other,
 // each where the last ended; anything else is refused instead of being pieced together. What a hostile server can make
-// a client hold is kMaxBlueprints × kMaxBlueprintBytes, and it has to send every byte of it.
+// a client hold is twice kMaxBlueprints × kMaxBlueprintBytes, and it has to send every byte of it; blueprints that have
+// been replaced live on in bodies alone, whose vertices are counted.
 #include "client/blueprint_store.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
@@ -12,12 +14,24 @@ namespace {
 // Not in the world, or not a number.
 bool IsOutside(float coordinate) { return !(std::fabs(coordinate) <= static_cast<float>(protocol::kWorldHalfExtent)); }
 
+// Whether an edge has a face on one side only.
+bool IsOpen(const std::vector<std::array<std::uint16_t, 3>>& faces) {
+  std::vector<std::uint32_t> edges;  // from · 2¹⁶ + to, as they go round each face
+  for (const auto& face : faces) {
+    for (std::size_t i = 0; i < 3; ++i) edges.push_back(std::uint32_t{face[i]} << 16U | face[(i + 1) % 3]);
+  }
+  std::sort(edges.begin(), edges.end());
+  return std::any_of(edges.begin(), edges.end(), [&](std::uint32_t edge) {
+    return !std::binary_search(edges.begin(), edges.end(), edge << 16U | edge >> 16U);
+  });
+}
+
 // nullptr when it is not a blueprint that anything could be drawn from.
-std::unique_ptr<Blueprint> MakeBlueprint(const std::vector<std::uint8_t>& bytes) {
+std::shared_ptr<const Blueprint> MakeBlueprint(const std::vector<std::uint8_t>& bytes) {
   const wire::Blueprint* source = nullptr;
   if (protocol::ParseBlueprint(bytes, source) != protocol::ParseResult::kOk || IsOutside(source->size()))
     return nullptr;
-  auto blueprint = std::make_unique<Blueprint>();
+  auto blueprint = std::make_shared<Blueprint>();
   blueprint->name = source->name()->str();
   blueprint->size = source->size();
   blueprint->rest.reserve(source->rest()->size());
@@ -29,33 +43,48 @@ std::unique_ptr<Blueprint> MakeBlueprint(const std::vector<std::uint8_t>& bytes)
   for (const wire::Face* face : *source->faces()) {
     blueprint->faces.push_back({face->a(), face->b(), face->c()});
   }
+  blueprint->open = IsOpen(blueprint->faces);
+  if (source->edges() != nullptr) {
+    blueprint->edges.reserve(source->edges()->size());
+    for (const wire::Edge* edge : *source->edges()) blueprint->edges.push_back({edge->a(), edge->b()});
+  }
   return blueprint;
 }
 
 }  // namespace
 
 void BlueprintStore::Expect(std::size_t count) {
-  assert(m_entries.empty() && count <= protocol::kMaxBlueprints);
+  assert(!m_expects && count <= protocol::kMaxBlueprints);
   m_entries.resize(count);
+  m_expected = m_missing = count;
+  m_expects = true;
 }
 
 bool BlueprintStore::AddChunk(const wire::BlueprintChunk& chunk) {
-  if (chunk.blueprint() >= m_entries.size()) return false;
+  if (!m_expects || chunk.blueprint() >= protocol::kMaxBlueprints) return false;
+  if (chunk.blueprint() >= m_entries.size()) {
+    if (chunk.offset() != 0) return false;
+    m_entries.resize(std::size_t{chunk.blueprint()} + 1);
+  }
   Entry& entry = m_entries[chunk.blueprint()];
-  if (entry.blueprint != nullptr) return false;
   if (entry.bytes.empty()) {
+    if (entry.blueprint != nullptr && entry.generation == chunk.generation()) return false;
     entry.total = chunk.total();
     entry.hash = chunk.hash();
+    entry.nextGeneration = chunk.generation();
   }
-  const bool follows =
-      chunk.offset() == entry.bytes.size() && chunk.total() == entry.total && chunk.hash() == entry.hash;
+  const bool follows = chunk.offset() == entry.bytes.size() && chunk.total() == entry.total &&
+                       chunk.hash() == entry.hash && chunk.generation() == entry.nextGeneration;
   if (follows) entry.bytes.insert(entry.bytes.end(), chunk.bytes()->begin(), chunk.bytes()->end());
   if (follows && entry.bytes.size() < entry.total) return true;
 
-  if (follows && protocol::HashBytes(entry.bytes) == entry.hash) entry.blueprint = MakeBlueprint(entry.bytes);
+  std::shared_ptr<const Blueprint> whole;
+  if (follows && protocol::HashBytes(entry.bytes) == entry.hash) whole = MakeBlueprint(entry.bytes);
   entry.bytes = {};
-  if (entry.blueprint == nullptr) return false;
-  ++m_complete;
+  if (whole == nullptr) return false;
+  if (entry.blueprint == nullptr && chunk.blueprint() < m_expected) --m_missing;
+  entry.blueprint = std::move(whole);
+  entry.generation = entry.nextGeneration;
   return true;
 }
 

@@ -2,6 +2,11 @@
 // cost is known and refused before anything is kept. Patches come in packets of their own and may be of different
 // ticks; each is shown from its own track under its own pose, at the same moment, and the body's pose is that of the
 // first. A patch nothing has come of is shown in its rest shape.
+//
+// A body that goes over to another blueprint keeps its old form until the moment shown reaches the first record of the
+// new one: what is shown lies a tenth of a second behind, and a new track alone would jump ahead and wait there.
+// Between forms nothing is interpolated, unless the rest shapes are the same (a torn cloth); then only the faces
+// change.
 #include "client/bodies.h"
 
 #include <algorithm>
@@ -19,36 +24,73 @@ std::size_t CostOf(const Blueprint& blueprint) {
   return blueprint.rest.size() + kTrackCost * PatchCount(blueprint.rest.size());
 }
 
+bool HaveSameRest(const Blueprint& a, const Blueprint& b) {
+  return std::equal(a.rest.begin(), a.rest.end(), b.rest.begin(), b.rest.end(),
+                    [](protocol::Vector3 p, protocol::Vector3 q) { return p.x == q.x && p.y == q.y && p.z == q.z; });
+}
+
 }  // namespace
 
-bool Bodies::Add(const protocol::RecordHead& head, const Blueprint& blueprint, std::uint32_t tick, double time,
-                 const protocol::Pose& pose, std::span<const protocol::Vector3> shape, double playback) {
-  assert(shape.size() == protocol::PatchSize(blueprint.rest.size(), head.patch) && !shape.empty());
+bool Bodies::Add(const protocol::RecordHead& head, const std::shared_ptr<const Blueprint>& blueprint,
+                 std::uint32_t tick, double time, const protocol::Pose& pose, std::span<const protocol::Vector3> shape,
+                 double playback) {
+  assert(shape.size() == protocol::PatchSize(blueprint->rest.size(), head.patch) && !shape.empty());
   if (WasRemoved(head.body, tick)) return true;
   const auto known = m_bodies.find(head.body);
-  if (known != m_bodies.end() && known->second.blueprint != &blueprint) {  // another body under the same number
-    if (tick < known->second.newestTick) return true;
-    Erase(known);
+  if (known == m_bodies.end() && m_bodies.size() >= protocol::kMaxBodies) return false;
+  Body& body = known == m_bodies.end() ? m_bodies[head.body] : known->second;
+  if (body.forms.empty() || tick >= body.newestTick) {
+    const bool isNew = body.forms.empty() || body.forms.back().blueprint != blueprint;
+    if (isNew && !AppendForm(body, blueprint)) {
+      if (body.forms.empty()) m_bodies.erase(head.body);
+      return false;
+    }
+    if (isNew) body.forms.back().firstTick = tick, body.forms.back().firstTime = time;
+    body.newestTick = tick;
+    body.newestTime = time;
   }
-  Body* body = FindOrMake(head.body, blueprint);
-  if (body == nullptr) return false;
-  body->patches[head.patch].Insert(time, pose, shape, playback);
-  if (tick >= body->newestTick) {
-    body->newestTick = tick;
-    body->newestTime = time;
-  }
+  Form* form = FindForm(body, *blueprint, tick);
+  if (form == nullptr) return true;
+  if (tick < form->firstTick) form->firstTick = tick, form->firstTime = time;
+  (*form->patches)[head.patch].Insert(time, pose, shape, playback);
+  DropUnseen(body, playback);
   return true;
 }
 
-Bodies::Body* Bodies::FindOrMake(std::uint32_t number, const Blueprint& blueprint) {
-  const auto known = m_bodies.find(number);
-  if (known != m_bodies.end()) return &known->second;
-  if (m_bodies.size() >= protocol::kMaxBodies || m_tracked + CostOf(blueprint) > kMaxTrackedVertices) return nullptr;
-  m_tracked += CostOf(blueprint);
-  Body& body = m_bodies[number];
-  body.blueprint = &blueprint;
-  body.patches.assign(PatchCount(blueprint.rest.size()), Track(blueprint.size));
-  return &body;
+Bodies::Form* Bodies::FindForm(Body& body, const Blueprint& blueprint, std::uint32_t tick) {
+  std::size_t next = body.forms.size();
+  while (next > 0 && body.forms[next - 1].firstTick > tick) --next;
+  // Under that at this tick, or the next, whose first record then was not the first to come.
+  if (next > 0 && body.forms[next - 1].blueprint.get() == &blueprint) return &body.forms[next - 1];
+  if (next < body.forms.size() && body.forms[next].blueprint.get() == &blueprint) return &body.forms[next];
+  return nullptr;
+}
+
+bool Bodies::AppendForm(Body& body, const std::shared_ptr<const Blueprint>& blueprint) {
+  Form form;
+  form.blueprint = blueprint;
+  if (!body.forms.empty() && HaveSameRest(*body.forms.back().blueprint, *blueprint)) {
+    form.patches = body.forms.back().patches;
+  } else {
+    if (m_tracked + CostOf(*blueprint) > kMaxTrackedVertices) return false;
+    m_tracked += CostOf(*blueprint);
+    form.patches = std::make_shared<std::vector<Track>>(PatchCount(blueprint->rest.size()), Track(blueprint->size));
+  }
+  if (body.forms.size() == kMaxForms) DropOldestForm(body);
+  body.forms.push_back(std::move(form));
+  return true;
+}
+
+void Bodies::DropOldestForm(Body& body) {
+  if (body.forms.front().patches.use_count() == 1) m_tracked -= CostOf(*body.forms.front().blueprint);
+  body.forms.erase(body.forms.begin());
+}
+
+// Forms that have been shown to their end.
+void Bodies::DropUnseen(Body& body, double playback) {
+  while (body.forms.size() > 1 && body.forms[1].firstTime <= playback && !body.forms[1].patches->front().Empty()) {
+    DropOldestForm(body);
+  }
 }
 
 void Bodies::Remove(std::uint32_t body, std::uint32_t tick) {
@@ -64,7 +106,7 @@ bool Bodies::WasRemoved(std::uint32_t body, std::uint32_t tick) const {
 }
 
 Bodies::BodyMap::iterator Bodies::Erase(BodyMap::iterator body) {
-  m_tracked -= CostOf(*body->second.blueprint);
+  while (!body->second.forms.empty()) DropOldestForm(body->second);
   return m_bodies.erase(body);
 }
 
@@ -78,11 +120,12 @@ void Bodies::Sample(double time, double newest, Detail detail, std::vector<BodyS
                     Statistics& statistics) {
   std::size_t count = 0;
   for (auto& [number, body] : m_bodies) {
-    if (body.patches[0].Empty()) continue;  // no pose yet
+    const Form& form = ChooseForm(body, time);
+    if (form.patches->front().Empty()) continue;  // no pose yet
     if (samples.size() == count) samples.emplace_back();
     BodySample& sample = samples[count++];
     sample.body = number;
-    SampleBody(body, time, newest, detail, sample);
+    SampleBody(form, time, newest, detail, sample);
     ++statistics.framesSampled;
     if (sample.held) ++statistics.framesHeld;
     if (sample.held && !body.wasHeld) ++statistics.stalls;
@@ -91,18 +134,25 @@ void Bodies::Sample(double time, double newest, Detail detail, std::vector<BodyS
   samples.resize(count);
 }
 
-void Bodies::SampleBody(const Body& body, double time, double newest, Detail detail, BodySample& sample) {
-  sample.blueprint = body.blueprint;
+// The newest that has begun and of which there is a pose.
+const Bodies::Form& Bodies::ChooseForm(const Body& body, double time) {
+  std::size_t chosen = body.forms.size() - 1;
+  while (chosen > 0 && (body.forms[chosen].firstTime > time || body.forms[chosen].patches->front().Empty())) --chosen;
+  return body.forms[chosen];
+}
+
+void Bodies::SampleBody(const Form& form, double time, double newest, Detail detail, BodySample& sample) {
+  if (sample.blueprint != form.blueprint) sample.blueprint = form.blueprint;
   sample.vertices.clear();
   sample.age = 0;
   sample.held = false;
-  for (std::size_t patch = 0; patch < body.patches.size(); ++patch) {
-    const Track& track = body.patches[patch];
+  for (std::size_t patch = 0; patch < form.patches->size(); ++patch) {
+    const Track& track = (*form.patches)[patch];
     if (track.Empty()) {
       if (detail == Detail::kPosesOnly) continue;
       const auto rest =
-          std::span(body.blueprint->rest)
-              .subspan(patch * protocol::kMaxPatchVertices, protocol::PatchSize(body.blueprint->rest.size(), patch));
+          std::span(form.blueprint->rest)
+              .subspan(patch * protocol::kMaxPatchVertices, protocol::PatchSize(form.blueprint->rest.size(), patch));
       for (const protocol::Vector3& point : rest) sample.vertices.push_back(protocol::Transform(sample.pose, point));
       continue;
     }

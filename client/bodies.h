@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -23,13 +24,16 @@ inline constexpr double kForgetAfter = 30.0;
 // 92 vertices. Each is kept up to kTrackSamples times, at 12 bytes: 150 MB at the very worst.
 inline constexpr std::size_t kMaxTrackedVertices = std::size_t{1} << 19;
 inline constexpr std::size_t kTrackCost = 8;
+// Blueprints that a body may go through within the delay at which it is shown: kMaxDelay at 30 Hz and one more.
+inline constexpr std::size_t kMaxForms = 16;
 
 class Bodies {
  public:
   // A decoded record. shape has as many vertices as that patch of the blueprint. False when it would be one body or
   // vertex too many; what is old, or of a body that has been removed since, is ignored and true.
-  [[nodiscard]] bool Add(const protocol::RecordHead& head, const Blueprint& blueprint, std::uint32_t tick, double time,
-                         const protocol::Pose& pose, std::span<const protocol::Vector3> shape, double playback);
+  [[nodiscard]] bool Add(const protocol::RecordHead& head, const std::shared_ptr<const Blueprint>& blueprint,
+                         std::uint32_t tick, double time, const protocol::Pose& pose,
+                         std::span<const protocol::Vector3> shape, double playback);
 
   // The server removed it at this tick: records of earlier ticks that still come do not bring it back.
   void Remove(std::uint32_t body, std::uint32_t tick);
@@ -41,9 +45,15 @@ class Bodies {
   [[nodiscard]] std::size_t Count() const { return m_bodies.size(); }
 
  private:
+  // A body under one blueprint, from its first record on. Where the rest shape stays the same, so do the tracks.
+  struct Form {
+    std::shared_ptr<const Blueprint> blueprint;
+    std::shared_ptr<std::vector<Track>> patches;
+    std::uint32_t firstTick = 0;
+    double firstTime = 0;
+  };
   struct Body {
-    const Blueprint* blueprint = nullptr;
-    std::vector<Track> patches;
+    std::vector<Form> forms;  // ascending by time, at least one
     std::uint32_t newestTick = 0;
     double newestTime = 0;
     bool wasHeld = false;
@@ -54,10 +64,16 @@ class Bodies {
   };
   using BodyMap = std::map<std::uint32_t, Body>;
 
-  Body* FindOrMake(std::uint32_t number, const Blueprint& blueprint);
+  // Where a record of this blueprint and tick belongs; nullptr when it comes too late to be of use.
+  static Form* FindForm(Body& body, const Blueprint& blueprint, std::uint32_t tick);
+  // False when it would be too much.
+  bool AppendForm(Body& body, const std::shared_ptr<const Blueprint>& blueprint);
+  void DropOldestForm(Body& body);
+  void DropUnseen(Body& body, double playback);
   [[nodiscard]] bool WasRemoved(std::uint32_t body, std::uint32_t tick) const;
   BodyMap::iterator Erase(BodyMap::iterator body);
-  static void SampleBody(const Body& body, double time, double newest, Detail detail, BodySample& sample);
+  static const Form& ChooseForm(const Body& body, double time);
+  static void SampleBody(const Form& form, double time, double newest, Detail detail, BodySample& sample);
 
   BodyMap m_bodies;
   std::size_t m_tracked = 0;             // counted against kMaxTrackedVertices

@@ -15,6 +15,7 @@
 #include "client/blueprint_store.h"
 #include "client/bodies.h"
 #include "client/clock.h"
+#include "client/grounds.h"
 #include "client/input_stream.h"
 #include "client/jitter_buffer.h"
 #include "client/newest_poses.h"
@@ -72,6 +73,7 @@ struct Client::Implementation {
   protocol::WelcomeFields welcome;
   double tickSeconds = 0;
   double snapshotSeconds = 0;  // promised
+  client::Grounds grounds;
   BlueprintStore blueprints;
   Statistics statistics;
   std::function<void(const Event&)> onEvent;
@@ -111,7 +113,8 @@ struct Client::Implementation {
   void MeasureSnapshot(const protocol::SnapshotHead& head);
   double MeasureInput(std::uint32_t inputTick);
   void HandleRecord(const protocol::Record& record, std::uint32_t tick);
-  [[nodiscard]] bool DecodeRecord(const protocol::Record& record, const Blueprint& blueprint, std::uint32_t tick);
+  [[nodiscard]] bool DecodeRecord(const protocol::Record& record, const std::shared_ptr<const Blueprint>& blueprint,
+                                  std::uint32_t tick);
 
   void SendDueInputs();
   void SendInput();
@@ -165,6 +168,7 @@ State Client::ReadState() const { return m->state; }
 const std::string& Client::EndReason() const { return m->endReason; }
 bool Client::EndedUnasked() const { return m->state == State::kEnded && !m->leaving; }
 const protocol::WelcomeFields& Client::Welcome() const { return m->welcome; }
+const std::vector<Ground>& Client::Grounds() const { return m->grounds.All(); }
 const Statistics& Client::ReadStatistics() const { return m->statistics; }
 double Client::ServerTime(double now) const { return m->hasSnapshot ? m->clock.ServerTime(now) : 0.0; }
 double Client::InterpolationDelay() const { return m->jitter.Delay(); }
@@ -256,7 +260,7 @@ void Client::Implementation::SayHello() {
 }
 
 void Client::Implementation::StartPlayingWhenComplete() {
-  if (state != State::kJoining || !welcomed || !blueprints.Complete()) return;
+  if (state != State::kJoining || !welcomed || !blueprints.Complete() || !grounds.Complete()) return;
   state = State::kPlaying;
   statistics.joinSeconds = now - startedAt;
 }
@@ -274,6 +278,8 @@ void Client::Implementation::HandleControl(std::span<const std::uint8_t> bytes) 
     inPlace = HandleWelcome(*fields);
   } else if (const auto* chunk = message->body_as_BlueprintChunk()) {
     inPlace = blueprints.AddChunk(*chunk);
+  } else if (const auto* rows = message->body_as_HeightRows()) {
+    inPlace = grounds.AddRows(*rows);
   } else if (const auto* event = message->body_as_Event()) {
     HandleEvent(*event);
   }
@@ -293,6 +299,8 @@ bool Client::Implementation::HandleWelcome(const wire::Welcome& message) {
   welcome.blueprintCount = message.blueprint_count();
   welcome.obstacles.reserve(message.obstacles()->size());
   for (const wire::Obstacle* obstacle : *message.obstacles()) welcome.obstacles.push_back(*obstacle);
+  for (const wire::HeightField* field : *message.height_fields()) welcome.heightFields.push_back(*field);
+  grounds.Expect(welcome.heightFields);
   blueprints.Expect(welcome.blueprintCount);
 
   tickSeconds = 1.0 / welcome.tickHz;
@@ -368,7 +376,7 @@ double Client::Implementation::MeasureInput(std::uint32_t inputTick) {
 }
 
 void Client::Implementation::HandleRecord(const protocol::Record& record, std::uint32_t tick) {
-  const Blueprint* blueprint = blueprints.Find(record.head.blueprint);
+  const std::shared_ptr<const Blueprint> blueprint = blueprints.Find(record.head.blueprint, record.head.generation);
   if (blueprint == nullptr) {
     ++statistics.unknownRecords;
     return;
@@ -376,7 +384,7 @@ void Client::Implementation::HandleRecord(const protocol::Record& record, std::u
   protocol::BitReader reader(record.payload);
   protocol::QuantisedPose pose;
   const bool isGood = protocol::PatchSize(blueprint->rest.size(), record.head.patch) > 0 &&
-                      (!options.decode || DecodeRecord(record, *blueprint, tick)) && protocol::ReadPose(reader, pose);
+                      (!options.decode || DecodeRecord(record, blueprint, tick)) && protocol::ReadPose(reader, pose);
   if (!isGood) {
     ++statistics.badRecords;
   } else if (record.head.patch == 0) {
@@ -384,10 +392,10 @@ void Client::Implementation::HandleRecord(const protocol::Record& record, std::u
   }
 }
 
-bool Client::Implementation::DecodeRecord(const protocol::Record& record, const Blueprint& blueprint,
-                                          std::uint32_t tick) {
-  const std::size_t size = protocol::PatchSize(blueprint.rest.size(), record.head.patch);
-  const auto rest = std::span(blueprint.rest).subspan(record.head.patch * protocol::kMaxPatchVertices, size);
+bool Client::Implementation::DecodeRecord(const protocol::Record& record,
+                                          const std::shared_ptr<const Blueprint>& blueprint, std::uint32_t tick) {
+  const std::size_t size = protocol::PatchSize(blueprint->rest.size(), record.head.patch);
+  const auto rest = std::span(blueprint->rest).subspan(record.head.patch * protocol::kMaxPatchVertices, size);
   protocol::Pose pose;
   shape.resize(size);
   return protocol::DecodeShape(record.payload, rest, pose, shape) == protocol::DecodeResult::kOk &&

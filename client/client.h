@@ -42,18 +42,30 @@ enum class State {
   kEnded,  // see EndReason()
 };
 
-// Shared by all bodies made from it; kept for as long as the client lives.
+// Shared by all bodies made from it; kept for as long as anything names it.
 struct Blueprint {
   std::string name;
   std::vector<protocol::Vector3> rest;              // body frame, metres
   std::vector<std::array<std::uint16_t, 3>> faces;  // outward
   float size = 0;                                   // RMS distance of the rest vertices from their centroid, metres
+  std::vector<std::array<std::uint16_t, 2>> edges;  // springs of a body without faces; a vertex may be in none
+  bool open = false;                                // its faces leave a rim, so that one sees their backs
+};
+
+// Ground as heights over a grid, row by row, x first; near enough to the true surface with triangles in between. Solid
+// below, nothing beyond.
+struct Ground {
+  protocol::Vector3 corner;    // x and y of the first height, metres; z is in the heights already
+  float cellSize = 1;          // metres
+  int columns = 0;             // along x, at least 2
+  int rows = 0;                // along y, at least 2
+  std::vector<float> heights;  // metres
 };
 
 // One body at one moment.
 struct BodySample {
   std::uint32_t body = 0;
-  const Blueprint* blueprint = nullptr;
+  std::shared_ptr<const Blueprint> blueprint;
   protocol::Pose pose;
   std::vector<protocol::Vector3> vertices;  // in the world, metres; empty for PosesOnly
   double age = 0;                           // of the newest record used, server seconds behind the newest tick known
@@ -105,6 +117,7 @@ class Client {
 
   // Set while kPlaying and after.
   [[nodiscard]] const protocol::WelcomeFields& Welcome() const;
+  [[nodiscard]] const std::vector<Ground>& Grounds() const;
   [[nodiscard]] const Statistics& ReadStatistics() const;
 
   // Estimated time of the world on the server, seconds since its tick 0; 0 before the first snapshot. Judged by

@@ -10,7 +10,7 @@
 namespace wobble::protocol {
 
 // Raised whenever a byte on the wire means something else than before.
-inline constexpr std::uint16_t kProtocolVersion = 1;
+inline constexpr std::uint16_t kProtocolVersion = 2;
 
 // A datagram's payload, bytes. 1,200 fits every path's MTU (IPv6's floor is 1,280); ENet would fragment a larger one,
 // and a snapshot of ten fragments survives 5 % loss only 60 % of the time.
@@ -37,7 +37,18 @@ inline constexpr std::size_t kMaxBodyVertices = 4096;
 inline constexpr std::size_t kMaxPatchVertices = 512;
 // Blueprints a scene (a record names one in a byte) and bodies a world.
 inline constexpr std::size_t kMaxBlueprints = 255;
+// Blueprints that one number may mean after each other before a record of an old one could be taken for a new one: five
+// bits, which a record has to spare. A number that changed 30 times a second would come round in a second.
+inline constexpr unsigned kGenerations = 32;
+// Edges of a blueprint, which has them only when it has no faces. With 4,096 vertices these are 180 KiB.
+inline constexpr std::size_t kMaxBlueprintEdges = 32768;
 inline constexpr std::size_t kMaxBodies = 65535;
+
+// Static surfaces that a welcome may hold: 48 KiB with all of them; of each height field there follow up to 32 KiB.
+inline constexpr std::size_t kMaxObstacles = 1024;
+inline constexpr std::size_t kMaxHeightFields = 16;
+inline constexpr std::size_t kMaxFieldNodes = 128;        // along x and along y
+inline constexpr std::size_t kMaxRowsHeights = 2 * 1024;  // in one message
 
 // The world ends here, metres from the origin along each axis: centroids are 26-bit integers of kCentroidStep.
 inline constexpr double kWorldHalfExtent = 8192;

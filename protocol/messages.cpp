@@ -48,21 +48,50 @@ ParseResult CheckInput(const wire::Input& input) {
   return ParseResult::kOk;
 }
 
+bool IsFinite(const wire::Vec3& v) { return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z()); }
+
+bool IsGood(const wire::Obstacle& obstacle) {
+  const bool isRound = obstacle.kind() == wire::ObstacleKind::Sphere || obstacle.kind() == wire::ObstacleKind::Capsule;
+  return IsKnown(obstacle.kind(), wire::ObstacleKind::MAX) && IsFinite(obstacle.a()) && IsFinite(obstacle.b()) &&
+         std::isfinite(obstacle.radius()) && (!isRound || obstacle.radius() > 0.0F);
+}
+
+bool IsGood(const wire::HeightField& field) {
+  const auto fits = [](std::uint16_t nodes) { return nodes >= 2 && nodes <= kMaxFieldNodes; };
+  return fits(field.columns()) && fits(field.rows()) && IsFinite(field.corner()) && field.cell_size() > 0.0F &&
+         std::isfinite(field.cell_size() * static_cast<float>(kMaxFieldNodes)) && std::isfinite(field.low()) &&
+         field.step() >= 0.0F && std::isfinite(field.corner().z() + field.low() + field.step() * 65535.0F);
+}
+
 ParseResult CheckWelcome(const wire::Welcome& welcome) {
-  if (welcome.scene() == nullptr || welcome.obstacles() == nullptr) return ParseResult::kMissingField;
-  if (welcome.tick_hz() == 0 || welcome.snapshot_hz() == 0 || welcome.blueprint_count() > kMaxBlueprints) {
+  if (welcome.scene() == nullptr || welcome.obstacles() == nullptr || welcome.height_fields() == nullptr) {
+    return ParseResult::kMissingField;
+  }
+  if (welcome.tick_hz() == 0 || welcome.snapshot_hz() == 0 || welcome.blueprint_count() > kMaxBlueprints ||
+      welcome.obstacles()->size() > kMaxObstacles || welcome.height_fields()->size() > kMaxHeightFields) {
     return ParseResult::kOutOfRange;
   }
   for (const wire::Obstacle* obstacle : *welcome.obstacles()) {
-    if (!IsKnown(obstacle->kind(), wire::ObstacleKind::MAX)) return ParseResult::kOutOfRange;
+    if (!IsGood(*obstacle)) return ParseResult::kOutOfRange;
+  }
+  for (const wire::HeightField* field : *welcome.height_fields()) {
+    if (!IsGood(*field)) return ParseResult::kOutOfRange;
   }
   return ParseResult::kOk;
 }
 
+ParseResult CheckRows(const wire::HeightRows& rows) {
+  if (rows.heights() == nullptr || rows.heights()->size() == 0) return ParseResult::kMissingField;
+  const bool fits =
+      rows.heights()->size() <= kMaxRowsHeights && rows.field() < kMaxHeightFields && rows.first_row() < kMaxFieldNodes;
+  return fits ? ParseResult::kOk : ParseResult::kOutOfRange;
+}
+
 ParseResult CheckChunk(const wire::BlueprintChunk& chunk) {
   if (chunk.bytes() == nullptr || chunk.bytes()->size() == 0) return ParseResult::kMissingField;
-  if (chunk.total() > kMaxBlueprintBytes || chunk.bytes()->size() > kBlueprintChunkBytes ||
-      chunk.offset() > chunk.total() || chunk.bytes()->size() > chunk.total() - chunk.offset()) {
+  if (chunk.generation() >= kGenerations || chunk.total() > kMaxBlueprintBytes ||
+      chunk.bytes()->size() > kBlueprintChunkBytes || chunk.offset() > chunk.total() ||
+      chunk.bytes()->size() > chunk.total() - chunk.offset()) {
     return ParseResult::kOutOfRange;
   }
   return ParseResult::kOk;
@@ -119,6 +148,7 @@ ParseResult ParseServerMessage(std::span<const std::uint8_t> bytes, const wire::
   ParseResult result = ParseResult::kOutOfRange;
   if (const auto* welcome = root->body_as_Welcome()) result = CheckWelcome(*welcome);
   if (const auto* chunk = root->body_as_BlueprintChunk()) result = CheckChunk(*chunk);
+  if (const auto* rows = root->body_as_HeightRows()) result = CheckRows(*rows);
   if (const auto* event = root->body_as_Event()) result = CheckEvent(*event);
   if (const auto* goodbye = root->body_as_Goodbye()) result = CheckGoodbye(*goodbye);
   if (result == ParseResult::kOk) message = root;
@@ -137,12 +167,16 @@ ParseResult ParseBlueprint(std::span<const std::uint8_t> bytes, const wire::Blue
     return ParseResult::kOutOfRange;
   }
   for (const wire::Vec3* vertex : *root->rest()) {
-    if (!std::isfinite(vertex->x()) || !std::isfinite(vertex->y()) || !std::isfinite(vertex->z())) {
-      return ParseResult::kOutOfRange;
-    }
+    if (!IsFinite(*vertex)) return ParseResult::kOutOfRange;
   }
   for (const wire::Face* face : *root->faces()) {
     if (face->a() >= count || face->b() >= count || face->c() >= count) return ParseResult::kOutOfRange;
+  }
+  if (root->edges() != nullptr) {
+    if (root->edges()->size() > kMaxBlueprintEdges) return ParseResult::kOutOfRange;
+    for (const wire::Edge* edge : *root->edges()) {
+      if (edge->a() >= count || edge->b() >= count) return ParseResult::kOutOfRange;
+    }
   }
   blueprint = root;
   return ParseResult::kOk;
@@ -172,17 +206,26 @@ Message MakeWelcome(const WelcomeFields& fields) {
   FlatBufferBuilder builder;
   const auto scene = builder.CreateString(fields.scene);
   const auto obstacles = builder.CreateVectorOfStructs(fields.obstacles);
-  return FinishServerMessage(builder,
-                             wire::CreateWelcome(builder, fields.clientId, fields.ownBody, fields.tick, fields.tickHz,
-                                                 fields.snapshotHz, scene, fields.blueprintCount, obstacles));
+  const auto heightFields = builder.CreateVectorOfStructs(fields.heightFields);
+  return FinishServerMessage(
+      builder, wire::CreateWelcome(builder, fields.clientId, fields.ownBody, fields.tick, fields.tickHz,
+                                   fields.snapshotHz, scene, fields.blueprintCount, obstacles, heightFields));
 }
 
 Message MakeBlueprintChunk(std::uint8_t blueprint, std::uint64_t hash, std::uint32_t total, std::uint32_t offset,
-                           std::span<const std::uint8_t> bytes) {
-  assert(bytes.size() <= kBlueprintChunkBytes);
+                           std::span<const std::uint8_t> bytes, std::uint8_t generation) {
+  assert(bytes.size() <= kBlueprintChunkBytes && generation < kGenerations);
   FlatBufferBuilder builder;
   const auto vector = builder.CreateVector(bytes.data(), bytes.size());
-  return FinishServerMessage(builder, wire::CreateBlueprintChunk(builder, blueprint, hash, total, offset, vector));
+  return FinishServerMessage(builder,
+                             wire::CreateBlueprintChunk(builder, blueprint, hash, total, offset, vector, generation));
+}
+
+Message MakeHeightRows(std::uint16_t field, std::uint16_t firstRow, std::span<const std::uint16_t> heights) {
+  assert(!heights.empty() && heights.size() <= kMaxRowsHeights);
+  FlatBufferBuilder builder;
+  const auto vector = builder.CreateVector(heights.data(), heights.size());
+  return FinishServerMessage(builder, wire::CreateHeightRows(builder, field, firstRow, vector));
 }
 
 Message MakeEvent(wire::EventKind kind, std::uint32_t tick, std::uint32_t clientId, std::uint32_t body,
@@ -199,7 +242,9 @@ Message MakeServerGoodbye(wire::GoodbyeReason reason, std::string_view detail) {
 }
 
 Message MakeBlueprint(std::string_view name, std::span<const Vector3> rest,
-                      std::span<const std::array<std::uint16_t, 3>> faces, float size) {
+                      std::span<const std::array<std::uint16_t, 3>> faces, float size,
+                      std::span<const std::array<std::uint16_t, 2>> edges) {
+  assert(edges.size() <= kMaxBlueprintEdges);
   FlatBufferBuilder builder;
   std::vector<wire::Vec3> wireRest(rest.size());
   std::transform(rest.begin(), rest.end(), wireRest.begin(), ToWire);
@@ -209,7 +254,12 @@ Message MakeBlueprint(std::string_view name, std::span<const Vector3> rest,
   const auto text = builder.CreateString(name.data(), name.size());
   const auto restVector = builder.CreateVectorOfStructs(wireRest);
   const auto faceVector = builder.CreateVectorOfStructs(wireFaces);
-  builder.Finish(wire::CreateBlueprint(builder, text, restVector, faceVector, size));
+  std::vector<wire::Edge> wireEdges;
+  wireEdges.reserve(edges.size());
+  for (const auto& edge : edges) wireEdges.emplace_back(edge[0], edge[1]);
+  const auto edgeVector =
+      edges.empty() ? Offset<flatbuffers::Vector<const wire::Edge*>>() : builder.CreateVectorOfStructs(wireEdges);
+  builder.Finish(wire::CreateBlueprint(builder, text, restVector, faceVector, size, edgeVector));
   assert(builder.GetSize() <= kMaxBlueprintBytes);
   return Take(builder);
 }

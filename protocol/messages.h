@@ -34,7 +34,7 @@ inline constexpr std::size_t kParseResultCount = 5;
 // Sets `message` only when the result is kOk; its body is then set and of a known type.
 [[nodiscard]] ParseResult ParseClientMessage(std::span<const std::uint8_t> bytes, const wire::ClientMessage*& message);
 [[nodiscard]] ParseResult ParseServerMessage(std::span<const std::uint8_t> bytes, const wire::ServerMessage*& message);
-// Faces name vertices that exist, vertices are finite, and their count is within limits.h.
+// Faces and edges name vertices that exist, vertices are finite, and the counts are within limits.h.
 [[nodiscard]] ParseResult ParseBlueprint(std::span<const std::uint8_t> bytes, const wire::Blueprint*& blueprint);
 
 using Message = std::vector<std::uint8_t>;
@@ -55,17 +55,23 @@ struct WelcomeFields {
   std::string scene;
   std::uint16_t blueprintCount = 0;
   std::vector<wire::Obstacle> obstacles;
+  std::vector<wire::HeightField> heightFields = {};
 };
 [[nodiscard]] Message MakeWelcome(const WelcomeFields& fields);
 [[nodiscard]] Message MakeBlueprintChunk(std::uint8_t blueprint, std::uint64_t hash, std::uint32_t total,
-                                         std::uint32_t offset, std::span<const std::uint8_t> bytes);
+                                         std::uint32_t offset, std::span<const std::uint8_t> bytes,
+                                         std::uint8_t generation = 0);
+// At most kMaxRowsHeights.
+[[nodiscard]] Message MakeHeightRows(std::uint16_t field, std::uint16_t firstRow,
+                                     std::span<const std::uint16_t> heights);
 [[nodiscard]] Message MakeEvent(wire::EventKind kind, std::uint32_t tick, std::uint32_t clientId, std::uint32_t body,
                                 std::string_view name);
 [[nodiscard]] Message MakeServerGoodbye(wire::GoodbyeReason reason, std::string_view detail);
 
-// What a client needs to draw a body, as one FlatBuffer; sent in chunks.
+// What a client needs to draw a body, as one FlatBuffer; sent in chunks. At most kMaxBlueprintEdges.
 [[nodiscard]] Message MakeBlueprint(std::string_view name, std::span<const Vector3> rest,
-                                    std::span<const std::array<std::uint16_t, 3>> faces, float size);
+                                    std::span<const std::array<std::uint16_t, 3>> faces, float size,
+                                    std::span<const std::array<std::uint16_t, 2>> edges = {});
 // FNV-1a, 64 bits: names a blueprint in a client's cache. Not a defence against forgery.
 [[nodiscard]] std::uint64_t HashBytes(std::span<const std::uint8_t> bytes);
 

@@ -11,6 +11,8 @@ namespace {
 
 constexpr std::uint8_t kKind = 0x57;  // 'W'
 constexpr float kTimeRatioScale = 65535.0F;
+constexpr unsigned kPatchBits = 3;
+static_assert(kMaxBodyVertices <= kMaxPatchVertices << kPatchBits && kGenerations <= 1U << (8 - kPatchBits));
 
 void PutLittleEndian(std::uint8_t* at, std::uint32_t value, int bytes) {
   for (int i = 0; i < bytes; ++i) at[i] = static_cast<std::uint8_t>(value >> (8 * i));
@@ -25,11 +27,13 @@ std::uint32_t GetLittleEndian(const std::uint8_t* at, int bytes) {
 }  // namespace
 
 void AppendRecord(const RecordHead& head, std::span<const std::uint8_t> payload, std::vector<std::uint8_t>& out) {
-  assert(head.body != 0 && !payload.empty() && payload.size() <= kMaxRecordPayload);
+  assert(head.body != 0 && head.patch < 1U << kPatchBits && head.generation < kGenerations);
+  assert(!payload.empty() && payload.size() <= kMaxRecordPayload);
   BitWriter writer(out);
   writer.WriteVarint(head.body);
   writer.Write(head.blueprint, 8);
-  writer.Write(head.patch, 8);
+  writer.Write(head.patch, kPatchBits);
+  writer.Write(head.generation, 8 - kPatchBits);
   writer.WriteVarint(static_cast<std::uint32_t>(payload.size()));
   out.insert(out.end(), payload.begin(), payload.end());
 }
@@ -76,7 +80,8 @@ SnapshotResult ReadSnapshot(std::span<const std::uint8_t> packet, SnapshotHead& 
     Record record;
     record.head.body = reader.ReadVarint();
     record.head.blueprint = static_cast<std::uint8_t>(reader.Read(8));
-    record.head.patch = static_cast<std::uint8_t>(reader.Read(8));
+    record.head.patch = static_cast<std::uint8_t>(reader.Read(kPatchBits));
+    record.head.generation = static_cast<std::uint8_t>(reader.Read(8 - kPatchBits));
     const std::uint32_t length = reader.ReadVarint();
     if (reader.Overran()) return SnapshotResult::kTruncated;
     if (record.head.body == 0 || length == 0) return SnapshotResult::kBadRecord;

@@ -23,7 +23,8 @@ inline constexpr std::size_t kSnapshotHeadBytes = 16;
 struct RecordHead {
   std::uint32_t body = 0;  // never 0
   std::uint8_t blueprint = 0;
-  std::uint8_t patch = 0;  // vertices patch·kMaxPatchVertices onwards
+  std::uint8_t patch = 0;       // vertices patch·kMaxPatchVertices onwards
+  std::uint8_t generation = 0;  // of the blueprint, below kGenerations
 };
 
 struct Record {

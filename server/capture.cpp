@@ -22,6 +22,11 @@ protocol::wire::Vec3 ToMessage(const physics::Vector3d& v) {
   return {w.x, w.y, w.z};
 }
 
+// Ground is sent so finely: up to kMostCells cells for each of its own, while it has no more than kDrawnCells along an
+// axis.
+constexpr int kDrawnCells = 64;
+constexpr int kMostCells = 8;
+
 physics::Vector3d FromWire(const Vector3& v) { return Vector3f(v.x, v.y, v.z).cast<double>(); }
 
 Vector3 FindCentroid(std::span<const Vector3> vertices) {
@@ -60,27 +65,87 @@ void CaptureBody(const physics::World& world, const physics::Body& body, Capture
                             static_cast<float>(q.z())};
 }
 
+// The surface itself, not the heights that it was made from: a client need not know how it runs between these.
+CapturedGround CaptureGround(const physics::Obstacle& obstacle) {
+  static_assert(protocol::kMaxFieldNodes >= std::size_t{physics::kMaxFieldNodes});
+  const physics::HeightField& field = *obstacle.field;
+  const int cells = std::clamp(kDrawnCells / (std::max(field.columns, field.rows) - 1), 1, kMostCells);
+  const int columns = (field.columns - 1) * cells + 1;
+  const int rows = (field.rows - 1) * cells + 1;
+  const double cellSize = field.cellSize / cells;
+  std::vector<double> heights;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      heights.push_back(physics::FindHeight(field, cellSize * column, cellSize * row));
+    }
+  }
+  const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
+  const double step = (*high - *low) / 65535;
+  CapturedGround captured;
+  captured.field = {ToMessage(obstacle.centre), static_cast<float>(cellSize),        static_cast<float>(*low),
+                    static_cast<float>(step),   static_cast<std::uint16_t>(columns), static_cast<std::uint16_t>(rows)};
+  for (const double height : heights) {
+    const double steps = step > 0 ? std::nearbyint((height - *low) / step) : 0;
+    captured.heights.push_back(static_cast<std::uint16_t>(std::clamp(steps, 0.0, 65535.0)));
+  }
+  return captured;
+}
+
+// The springs, of which no more than the wire takes are drawn.
+std::vector<std::array<std::uint16_t, 2>> FindEdges(const physics::Blueprint& blueprint) {
+  std::vector<std::array<std::uint16_t, 2>> edges;
+  for (const physics::Spring<double>& spring : blueprint.full.springs) {
+    if (edges.size() == protocol::kMaxBlueprintEdges) break;
+    edges.push_back({static_cast<std::uint16_t>(spring.a), static_cast<std::uint16_t>(spring.b)});
+  }
+  return edges;
+}
+
 }  // namespace
 
 CapturedBlueprint CaptureBlueprint(const physics::Blueprint& blueprint) {
   CapturedBlueprint captured;
+  std::vector<std::array<std::uint16_t, 2>> edges;
+  if (blueprint.full.faces.empty()) edges = FindEdges(blueprint);
   for (const physics::Vector3d& x : blueprint.rest) captured.rest.push_back(ToWire(x));
   captured.size = static_cast<float>(blueprint.size);
-  captured.message = protocol::MakeBlueprint(blueprint.name, captured.rest, blueprint.full.faces, captured.size);
+  captured.message = protocol::MakeBlueprint(blueprint.name, captured.rest, blueprint.full.faces, captured.size, edges);
   captured.hash = protocol::HashBytes(captured.message);
   return captured;
 }
 
 std::vector<protocol::wire::Obstacle> CaptureObstacles(std::span<const physics::Obstacle> obstacles) {
-  std::vector<protocol::wire::Obstacle> captured;
+  using Kind = physics::Obstacle::Kind;
+  namespace wire = protocol::wire;
+  std::vector<wire::Obstacle> captured;
   for (const physics::Obstacle& obstacle : obstacles) {
-    if (obstacle.kind == physics::Obstacle::Kind::kPlane) {
-      captured.emplace_back(protocol::wire::ObstacleKind::Plane, ToMessage(obstacle.normal),
-                            protocol::wire::Vec3(static_cast<float>(obstacle.offset), 0, 0));
-    } else {
-      captured.emplace_back(protocol::wire::ObstacleKind::Box, ToMessage(obstacle.centre),
-                            ToMessage(obstacle.halfExtents));
+    const auto radius = static_cast<float>(obstacle.radius);
+    switch (obstacle.kind) {
+      case Kind::kPlane:
+        captured.emplace_back(wire::ObstacleKind::Plane, ToMessage(obstacle.normal),
+                              wire::Vec3(static_cast<float>(obstacle.offset), 0, 0), 0.0F);
+        break;
+      case Kind::kBox:
+        captured.emplace_back(wire::ObstacleKind::Box, ToMessage(obstacle.centre), ToMessage(obstacle.halfExtents),
+                              0.0F);
+        break;
+      case Kind::kSphere:
+        captured.emplace_back(wire::ObstacleKind::Sphere, ToMessage(obstacle.centre), wire::Vec3(), radius);
+        break;
+      case Kind::kCapsule:
+        captured.emplace_back(wire::ObstacleKind::Capsule, ToMessage(obstacle.centre), ToMessage(obstacle.end), radius);
+        break;
+      case Kind::kHeightField:
+        break;
     }
+  }
+  return captured;
+}
+
+std::vector<CapturedGround> CaptureGrounds(std::span<const physics::Obstacle> obstacles) {
+  std::vector<CapturedGround> captured;
+  for (const physics::Obstacle& obstacle : obstacles) {
+    if (obstacle.kind == physics::Obstacle::Kind::kHeightField) captured.push_back(CaptureGround(obstacle));
   }
   return captured;
 }

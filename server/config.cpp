@@ -1,5 +1,7 @@
 #include "server/config.h"
 
+#include <algorithm>
+
 #include "protocol/limits.h"
 
 namespace wobble::server {
@@ -41,6 +43,19 @@ std::vector<std::string> Validate(const Config& config, const scenes::Scene& sce
   if (bodies > protocol::kMaxBodies) {
     errors.push_back("scene " + scene.name + ": " + std::to_string(bodies) + " bodies with all players in; at most " +
                      std::to_string(protocol::kMaxBodies));
+  }
+  const auto isGround = [](const physics::Obstacle& obstacle) {
+    return obstacle.kind == physics::Obstacle::Kind::kHeightField;
+  };
+  const auto grounds =
+      static_cast<std::size_t>(std::count_if(scene.obstacles.begin(), scene.obstacles.end(), isGround));
+  if (grounds > protocol::kMaxHeightFields) {
+    errors.push_back("scene " + scene.name + ": " + std::to_string(grounds) + " height fields; at most " +
+                     std::to_string(protocol::kMaxHeightFields));
+  }
+  if (scene.obstacles.size() - grounds > protocol::kMaxObstacles) {
+    errors.push_back("scene " + scene.name + ": " + std::to_string(scene.obstacles.size() - grounds) +
+                     " obstacles besides height fields; at most " + std::to_string(protocol::kMaxObstacles));
   }
   if (scene.blueprints.size() > protocol::kMaxBlueprints) {
     errors.push_back("scene " + scene.name + ": " + std::to_string(scene.blueprints.size()) + " blueprints; at most " +

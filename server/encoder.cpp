@@ -22,7 +22,7 @@ void Encoder::EncodeBody(const CapturedBody& body, const CapturedBlueprint& blue
     if (!encoding.fits || encoding.rmsError > target) ++m_coarsened;
     if (!encoding.fits) continue;  // spread over hundreds of metres: left out until it is reset
     const std::size_t begin = m_bytes.size();
-    protocol::AppendRecord({body.body, body.blueprint, patch}, m_payload, m_bytes);
+    protocol::AppendRecord({body.body, body.blueprint, patch, blueprint.generation}, m_payload, m_bytes);
     m_ranges.push_back({begin, m_bytes.size()});
     m_vertices += count;
     m_bits += 8 * (m_bytes.size() - begin);

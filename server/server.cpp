@@ -15,12 +15,33 @@ using transport::Channel;
 
 namespace {
 
-physics::WorldSettings MakeWorldSettings(const Config& config, const scenes::Scene& scene) {
-  return {scene.gravity, 1.0 / config.tickHz, scene.precision, config.threads};
-}
-
 // Beyond this the wire cannot show a body any more; it starts again like one that fell, metres.
 constexpr double kBorder = 0.9 * protocol::kWorldHalfExtent;
+
+// The heights of the welcome's field of this number.
+std::vector<protocol::Message> MakeRows(std::uint16_t number, const CapturedGround& ground) {
+  const std::size_t columns = ground.field.columns();
+  const std::size_t most = protocol::kMaxRowsHeights / columns * columns;
+  const std::span<const std::uint16_t> heights = ground.heights;
+  std::vector<protocol::Message> messages;
+  for (std::size_t begin = 0; begin < heights.size(); begin += most) {
+    const auto part = heights.subspan(begin, std::min(most, heights.size() - begin));
+    messages.push_back(protocol::MakeHeightRows(number, static_cast<std::uint16_t>(begin / columns), part));
+  }
+  return messages;
+}
+
+std::vector<protocol::Message> MakeChunks(std::uint8_t number, const CapturedBlueprint& blueprint) {
+  const std::span<const std::uint8_t> whole = blueprint.message;
+  std::vector<protocol::Message> chunks;
+  for (std::size_t offset = 0; offset < whole.size(); offset += protocol::kBlueprintChunkBytes) {
+    const std::size_t size = std::min(protocol::kBlueprintChunkBytes, whole.size() - offset);
+    chunks.push_back(protocol::MakeBlueprintChunk(number, blueprint.hash, static_cast<std::uint32_t>(whole.size()),
+                                                  static_cast<std::uint32_t>(offset), whole.subspan(offset, size),
+                                                  blueprint.generation));
+  }
+  return chunks;
+}
 
 // A client that loses more than this gets half its bytes: its link is full, and ENet's own throttle is off.
 constexpr double kHeavyLoss = 0.1;
@@ -31,14 +52,13 @@ Server::Server(const Config& config, scenes::Scene scene, std::unique_ptr<transp
     : m_config(config),
       m_scene(std::move(scene)),
       m_transport(std::move(transport)),
-      m_world(MakeWorldSettings(config, m_scene)),
+      m_world(scenes::MakeWorldSettings(m_scene, 1.0 / config.tickHz, config.threads)),
       m_sceneBodies(scenes::FillWorld(m_scene, config.seed, m_world)),
+      m_grounds(CaptureGrounds(m_world.Obstacles())),
       m_sender(*m_transport),
       m_clock(1.0 / config.tickHz, now) {
   assert(Validate(m_config, m_scene).empty());
-  for (const physics::Blueprint& blueprint : m_world.Blueprints()) {
-    m_blueprints.push_back(CaptureBlueprint(blueprint));
-  }
+  PublishBlueprints();
 }
 
 int Server::Tick(double now) {
@@ -76,7 +96,35 @@ void Server::Step() {
   RespawnFallen();
 }
 
-void Server::Capture() { CaptureBodies(m_world, m_captured); }
+void Server::Capture() {
+  PublishBlueprints();
+  CaptureBodies(m_world, m_captured);
+}
+
+void Server::PublishBlueprints() {
+  if (m_publishedRevision == m_world.BlueprintRevision()) return;
+  m_publishedRevision = m_world.BlueprintRevision();
+  const std::span<const physics::Blueprint> present = m_world.Blueprints();
+  for (std::size_t slot = 0; slot < present.size(); ++slot) {
+    const auto number = static_cast<std::uint8_t>(slot);
+    const bool isNew = slot == m_blueprints.size();
+    if (!isNew && m_blueprints[slot].revision == m_world.SlotRevision(number)) continue;
+    CapturedBlueprint fresh = CaptureBlueprint(present[slot]);
+    fresh.revision = m_world.SlotRevision(number);
+    if (isNew) {
+      m_blueprints.emplace_back();
+    } else {
+      const CapturedBlueprint& old = m_blueprints[slot];
+      const bool isSame = fresh.hash == old.hash;
+      fresh.generation =
+          isSame ? old.generation : static_cast<std::uint8_t>((old.generation + 1) % protocol::kGenerations);
+    }
+    const bool isKnown = !isNew && fresh.generation == m_blueprints[slot].generation;
+    m_blueprints[slot] = std::move(fresh);
+    if (isKnown) continue;
+    for (const protocol::Message& chunk : MakeChunks(number, m_blueprints[slot])) Broadcast(chunk);
+  }
+}
 
 void Server::Encode() { m_encoder.Encode(m_captured, m_blueprints); }
 
@@ -159,6 +207,7 @@ void Server::Join(Session& session) {
         std::to_string(m_config.maxClients) + " of " + std::to_string(m_config.maxClients) + " players are in");
     return;
   }
+  PublishBlueprints();  // to the others: the newcomer gets all of them with its welcome
   session.state = Session::State::kPlaying;
   session.clientId = m_nextClientId++;
   if (!session.spectator) {
@@ -182,20 +231,18 @@ void Server::SendWelcome(Session& session) {
   fields.scene = m_scene.name;
   fields.blueprintCount = static_cast<std::uint16_t>(m_blueprints.size());
   fields.obstacles = CaptureObstacles(m_world.Obstacles());
+  for (const CapturedGround& ground : m_grounds) fields.heightFields.push_back(ground.field);
   const auto send = [&](const protocol::Message& message) {
     if (m_transport->Send(session.connection, Channel::kControl, message) != transport::SendResult::kQueued) {
       spdlog::warn("client {}: could not be welcomed", session.clientId);
     }
   };
   send(protocol::MakeWelcome(fields));
+  for (std::size_t i = 0; i < m_grounds.size(); ++i) {
+    for (const protocol::Message& rows : MakeRows(static_cast<std::uint16_t>(i), m_grounds[i])) send(rows);
+  }
   for (std::size_t i = 0; i < m_blueprints.size(); ++i) {
-    const std::span<const std::uint8_t> whole = m_blueprints[i].message;
-    for (std::size_t offset = 0; offset < whole.size(); offset += protocol::kBlueprintChunkBytes) {
-      const std::size_t size = std::min(protocol::kBlueprintChunkBytes, whole.size() - offset);
-      send(protocol::MakeBlueprintChunk(static_cast<std::uint8_t>(i), m_blueprints[i].hash,
-                                        static_cast<std::uint32_t>(whole.size()), static_cast<std::uint32_t>(offset),
-                                        whole.subspan(offset, size)));
-    }
+    for (const protocol::Message& chunk : MakeChunks(static_cast<std::uint8_t>(i), m_blueprints[i])) send(chunk);
   }
   // Those who are in already, so that every body has its name.
   for (const auto& [connection, other] : m_sessions) {

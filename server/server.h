@@ -73,6 +73,8 @@ class Server {
   void DropTimedOut(double now);
   void RespawnFallen();
   void Respawn(physics::BodyId body, const physics::Vector3d& place);
+  // Blueprints that the world has changed or added since the last call, to everybody who plays.
+  void PublishBlueprints();
   void SendWelcome(Session& session);
   void Broadcast(const protocol::Message& message);
   [[nodiscard]] bool IsSnapshotDue() const;  // never while nobody plays
@@ -82,7 +84,9 @@ class Server {
   std::unique_ptr<transport::Transport> m_transport;
   physics::World m_world;
   std::vector<scenes::PlacedBody> m_sceneBodies;
-  std::vector<CapturedBlueprint> m_blueprints;
+  std::vector<CapturedGround> m_grounds;
+  std::vector<CapturedBlueprint> m_blueprints;  // by slot
+  std::uint64_t m_publishedRevision = 0;
   std::map<transport::ConnectionId, Session> m_sessions;
   std::vector<CapturedBody> m_captured;
   Encoder m_encoder;

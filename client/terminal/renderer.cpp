@@ -1,4 +1,4 @@
-// Bodies and boxes go through the rasteriser; planes have no end and are met by each sample's ray. Then every sample is
+// All but planes goes through the rasteriser; planes have no end and are met by each sample's ray. Then every sample is
 // lit once, and each pixel is the mean of its samples in linear light: that is the anti-aliasing, and what makes 80 ×
 // 48 pixels enough to see a ball wobble.
 //
@@ -37,6 +37,19 @@ constexpr int kMaxSamples = 120'000;
 // Shown of what a server may claim to have.
 constexpr std::size_t kMaxPlanes = 16;
 constexpr std::size_t kMaxBoxes = 512;
+constexpr std::size_t kMaxCapsules = 64;  // and spheres
+
+// Of a sphere or capsule: sides around its axis, and rings from pole to pole, an even number. At 32 a silhouette is off
+// by half a percent of the radius.
+constexpr std::size_t kSides = 32;
+constexpr std::size_t kRings = 16;
+
+// Radius of a rod: a share of the mean spring, within limits, metres, and never less than this many samples.
+constexpr float kRodShare = 0.05F;
+constexpr float kThinRod = 0.01F;
+constexpr float kThickRod = 0.06F;
+constexpr float kLeastRod = 1.2F;
+constexpr std::array<std::array<std::uint16_t, 3>, 2> kStripFaces{{{0, 1, 2}, {0, 2, 3}}};
 
 Vector3 ToVector(const protocol::wire::Vec3& v) { return {v.x(), v.y(), v.z()}; }
 Vector3 MultiplyEach(Vector3 a, Vector3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
@@ -78,11 +91,10 @@ void Renderer::Draw(const World& world, const View& view, int width, int height,
   while (factor > 1 && width * height * factor * factor > kMaxSamples) --factor;
   m_samples.Reset(width * factor, height * factor);
   m_planes.clear();
-  AddObstacles(world.obstacles, view);
-  AddBodies(world.bodies, view);
+  AddObstacles(world, view);
   const float reach = std::clamp(1.5F * Length(view.eye - world.focus), 8.0F, 40.0F);
   m_shadows.Reset(world.focus, reach);
-  for (const DrawnBody& body : world.bodies) m_shadows.Add(body.vertices, body.faces);
+  AddBodies(world.bodies, view);
 
   const Viewport viewport(m_samples.width, m_samples.height, view);
   m_lights.resize(m_samples.samples.size());
@@ -94,16 +106,79 @@ void Renderer::Draw(const World& world, const View& view, int width, int height,
   Reduce(factor, width, height, pixels);
 }
 
-void Renderer::AddObstacles(std::span<const protocol::wire::Obstacle> obstacles, const View& view) {
-  std::size_t boxes = 0;
-  for (const protocol::wire::Obstacle& obstacle : obstacles) {
-    if (obstacle.kind() == protocol::wire::ObstacleKind::Box) {
-      if (boxes++ < kMaxBoxes) AddBox(ToVector(obstacle.a()), ToVector(obstacle.b()), view);
+void Renderer::AddObstacles(const World& world, const View& view) {
+  using Kind = protocol::wire::ObstacleKind;
+  std::size_t boxes = 0, capsules = 0;
+  for (const protocol::wire::Obstacle& obstacle : world.obstacles) {
+    const Vector3 a = ToVector(obstacle.a()), b = ToVector(obstacle.b());
+    if (obstacle.kind() == Kind::Box) {
+      if (boxes++ < kMaxBoxes) AddBox(a, b, view);
+    } else if (obstacle.kind() == Kind::Sphere || obstacle.kind() == Kind::Capsule) {
+      const Vector3 to = obstacle.kind() == Kind::Sphere ? a : b;
+      if (capsules++ < kMaxCapsules) AddCapsule(a, to, obstacle.radius(), view);
     } else if (m_planes.size() < kMaxPlanes) {
-      m_planes.push_back({Normalise(ToVector(obstacle.a())), obstacle.b().x()});
+      m_planes.push_back({Normalise(a), b.x});
     }
   }
-  if (obstacles.empty()) m_planes.push_back({{0, 0, 1}, 0});
+  for (const client::Ground& ground : world.grounds) AddGround(ground, view);
+  if (world.obstacles.empty() && world.grounds.empty()) m_planes.push_back({{0, 0, 1}, 0});
+}
+
+// The front of a quadrangle, counterclockwise.
+void Renderer::DrawSurface(const View& view, const Corner& a, const Corner& b, const Corner& c, const Corner& d) {
+  DrawTriangle(view, {a, b, c}, kSurface, m_samples);
+  DrawTriangle(view, {a, c, d}, kSurface, m_samples);
+}
+
+// Rings of latitude about the axis; the equator is there twice, once at each end.
+void Renderer::AddCapsule(Vector3 from, Vector3 to, float radius, const View& view) {
+  const Vector3 axis = Normalise(to - from);
+  const Vector3 across = Normalise(Cross(axis, std::abs(axis.x) < 0.7F ? Vector3{1, 0, 0} : Vector3{0, 1, 0}));
+  const Vector3 along = Cross(axis, across);
+  constexpr float kPi = 3.14159265F;
+  m_corners.clear();
+  for (std::size_t ring = 0; ring < kRings + 2; ++ring) {
+    const bool upper = ring > kRings / 2;
+    const float latitude = kPi * static_cast<float>(upper ? ring - 1 : ring) / kRings - kPi / 2;
+    for (std::size_t side = 0; side < kSides; ++side) {
+      const float longitude = 2 * kPi * static_cast<float>(side) / kSides;
+      const Vector3 level = across * std::cos(longitude) + along * std::sin(longitude);
+      const Vector3 normal = level * std::cos(latitude) + axis * std::sin(latitude);
+      const Vector3 position = (upper ? to : from) + normal * radius;
+      m_corners.push_back({position, normal, position});
+    }
+  }
+  for (std::size_t ring = 0; ring <= kRings; ++ring) {
+    for (std::size_t side = 0; side < kSides; ++side) {
+      const std::size_t below = ring * kSides + side, beside = ring * kSides + (side + 1) % kSides;
+      DrawSurface(view, m_corners[below], m_corners[beside], m_corners[beside + kSides], m_corners[below + kSides]);
+    }
+  }
+}
+
+void Renderer::AddGround(const client::Ground& ground, const View& view) {
+  const auto height = [&](int column, int row) {
+    return ground.heights[static_cast<std::size_t>(row * ground.columns + column)];
+  };
+  m_corners.clear();
+  for (int row = 0; row < ground.rows; ++row) {
+    for (int column = 0; column < ground.columns; ++column) {
+      const int left = std::max(column - 1, 0), right = std::min(column + 1, ground.columns - 1);
+      const int down = std::max(row - 1, 0), up = std::min(row + 1, ground.rows - 1);
+      const float slopeX =
+          (height(right, row) - height(left, row)) / (ground.cellSize * static_cast<float>(right - left));
+      const float slopeY =
+          (height(column, up) - height(column, down)) / (ground.cellSize * static_cast<float>(up - down));
+      const Vector3 position{ground.corner.x + ground.cellSize * static_cast<float>(column),
+                             ground.corner.y + ground.cellSize * static_cast<float>(row), height(column, row)};
+      m_corners.push_back({position, Normalise({-slopeX, -slopeY, 1}), position});
+    }
+  }
+  const auto columns = static_cast<std::size_t>(ground.columns);
+  for (std::size_t i = 0; i + columns + 1 < m_corners.size(); ++i) {
+    if (i % columns + 1 == columns) continue;
+    DrawSurface(view, m_corners[i], m_corners[i + 1], m_corners[i + columns + 1], m_corners[i + columns]);
+  }
 }
 
 void Renderer::AddBox(Vector3 centre, Vector3 half, const View& view) {
@@ -119,8 +194,7 @@ void Renderer::AddBox(Vector3 centre, Vector3 half, const View& view) {
         const Vector3 position = centre + MultiplyEach(offset, half);
         corners[i] = {position, normal, position};
       }
-      DrawTriangle(view, {corners[0], corners[1], corners[2]}, kSurface, m_samples);
-      DrawTriangle(view, {corners[0], corners[2], corners[3]}, kSurface, m_samples);
+      DrawSurface(view, corners[0], corners[1], corners[2], corners[3]);
     }
   }
 }
@@ -128,14 +202,89 @@ void Renderer::AddBox(Vector3 centre, Vector3 half, const View& view) {
 void Renderer::AddBodies(std::span<const DrawnBody> bodies, const View& view) {
   std::uint32_t material = 0;
   for (const DrawnBody& body : bodies) {
-    ComputeNormals(body.vertices, body.faces, m_normals);
-    for (const auto& face : body.faces) {
-      std::array<Corner, 3> corners;
-      for (std::size_t i = 0; i < 3; ++i) corners[i] = {body.vertices[face[i]], m_normals[face[i]], body.rest[face[i]]};
-      DrawTriangle(view, corners, material, m_samples);
+    if (body.faces.empty()) {
+      AddEdges(body, material, view);
+    } else {
+      AddFaces(body, material, view);
     }
     ++material;
   }
+}
+
+void Renderer::AddFaces(const DrawnBody& body, std::uint32_t material, const View& view) {
+  ComputeNormals(body.vertices, body.faces, m_normals);
+  for (const auto& face : body.faces) {
+    std::array<Corner, 3> corners;
+    for (std::size_t i = 0; i < 3; ++i) corners[i] = {body.vertices[face[i]], m_normals[face[i]], body.rest[face[i]]};
+    DrawTriangle(view, corners, material, m_samples);
+    if (!body.open) continue;
+    for (Corner& corner : corners) corner.normal = corner.normal * -1;
+    DrawTriangle(view, {corners[0], corners[2], corners[1]}, material, m_samples);
+  }
+  m_shadows.Add(body.vertices, body.faces);
+}
+
+// Springs as rods and masses as dots twice as thick, of a size that goes with the springs' own and can be seen from
+// afar.
+void Renderer::AddEdges(const DrawnBody& body, std::uint32_t material, const View& view) {
+  float length = 0;
+  for (const auto& edge : body.edges) length += Length(body.rest[edge[1]] - body.rest[edge[0]]);
+  if (!body.edges.empty()) length /= static_cast<float>(body.edges.size());
+  const float rod = std::clamp(kRodShare * length, kThinRod, kThickRod);
+  const float scale = Viewport(m_samples.width, m_samples.height, view).scale;
+  const auto thicken = [&](float radius, Vector3 at) {
+    return std::max(radius, kLeastRod * Dot(at - view.eye, view.forward) / scale);
+  };
+  for (const auto& edge : body.edges) {
+    const Vector3 from = body.vertices[edge[0]], to = body.vertices[edge[1]];
+    AddRod({from, {}, body.rest[edge[0]]}, {to, {}, body.rest[edge[1]]}, thicken(rod, (from + to) * 0.5F), material,
+           view);
+  }
+  for (std::size_t i = 0; i < body.vertices.size(); ++i) {
+    const Vector3 at = body.vertices[i];
+    AddDot({at, {}, body.rest[i]}, 2 * thicken(rod, at), material, view);
+  }
+}
+
+// The half that the eye sees, as a roof of two sides whose normals make it look round; in the shadow map a strip.
+void Renderer::AddRod(const Corner& from, const Corner& to, float radius, std::uint32_t material, const View& view) {
+  const Vector3 axis = to.position - from.position;
+  const auto findSide = [&](Vector3 towards) { return Normalise(Cross(axis, towards), {0, 0, 0}) * radius; };
+  const Vector3 side = findSide(view.eye - from.position);
+  const Vector3 ridge = Normalise(Cross(side, axis), {0, 0, 0}) * radius;
+  const auto move = [](Corner corner, Vector3 by) {
+    corner.position = corner.position + by;
+    corner.normal = by;
+    return corner;
+  };
+  for (const Vector3 edge : {side, side * -1}) {
+    const std::array<Corner, 4> roof{move(from, edge), move(to, edge), move(to, ridge), move(from, ridge)};
+    // In either order, of which one shows its front.
+    DrawTriangle(view, {roof[0], roof[1], roof[2]}, material, m_samples);
+    DrawTriangle(view, {roof[0], roof[2], roof[3]}, material, m_samples);
+    DrawTriangle(view, {roof[0], roof[2], roof[1]}, material, m_samples);
+    DrawTriangle(view, {roof[0], roof[3], roof[2]}, material, m_samples);
+  }
+  const Vector3 width = findSide(kToSun);
+  const std::array<Vector3, 4> strip{from.position - width, from.position + width, to.position + width,
+                                     to.position - width};
+  m_shadows.Add(strip, kStripFaces);
+}
+
+void Renderer::AddDot(const Corner& at, float radius, std::uint32_t material, const View& view) {
+  const Vector3 facing = Normalise(view.eye - at.position);
+  const auto move = [&](Vector3 by) { return Corner{at.position + by * radius, by, at.mark}; };
+  constexpr int kCorners = 8;
+  const auto rim = [&](int corner) {
+    const float angle = 2 * 3.14159265F * static_cast<float>(corner) / kCorners;
+    return move(view.right * std::cos(angle) + view.up * std::sin(angle));
+  };
+  for (int i = 0; i < kCorners; ++i) DrawTriangle(view, {move(facing), rim(i), rim(i + 1)}, material, m_samples);
+  const Vector3 across = Normalise(Cross(kToSun, {0, 1, 0})) * radius;
+  const Vector3 along = Normalise(Cross(kToSun, across)) * radius;
+  const std::array<Vector3, 4> square{at.position - across, at.position - along, at.position + across,
+                                      at.position + along};
+  m_shadows.Add(square, kStripFaces);
 }
 
 Light Renderer::LightSample(const World& world, const View& view, const Viewport& viewport, int x, int y) const {
@@ -157,7 +306,7 @@ Light Renderer::LightSample(const World& world, const View& view, const Viewport
   if (nearest != nullptr) {
     light = LightSurface(view.eye + ray * depth, nearest->normal, ray, view, viewport);
   } else if (sample.material == kSurface) {
-    light = LightSurface(sample.mark, sample.normal, ray, view, viewport);
+    light = LightSurface(sample.mark, Normalise(sample.normal), ray, view, viewport);
   } else {
     light = LightBody(sample, world.bodies[sample.material].colour, direction * -1);
   }
@@ -185,7 +334,8 @@ Light Renderer::LightSurface(Vector3 point, Vector3 normal, Vector3 ray, const V
   float lines = 0;
   if (level || std::abs(normal.y) > 0.7F) lines = std::max(lines, cover(&Vector3::x));
   if (level || std::abs(normal.y) <= 0.7F) lines = std::max(lines, cover(&Vector3::y));
-  const Light surface = Blend(level ? kFloor : kWall, kLine, 0.6F * lines);
+  const float steep = std::clamp((0.8F - std::abs(normal.z)) * 5, 0.0F, 1.0F);
+  const Light surface = Blend(Blend(kFloor, kWall, steep * steep * (3 - 2 * steep)), kLine, 0.6F * lines);
   const float sun = std::max(0.0F, Dot(normal, kToSun)) * (1 - kShadowDepth * m_shadows.FindShade(point));
   return Filter(surface, kSunLight * sun + FindAmbient(normal));
 }

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "client/client.h"
 #include "client/terminal/colour.h"
 #include "client/terminal/rasteriser.h"
 #include "client/terminal/shadow.h"
@@ -19,12 +20,16 @@ struct DrawnBody {
   std::span<const Vector3> rest;                        // as many, body frame; the pattern clings to it
   std::span<const std::array<std::uint16_t, 3>> faces;  // outward, of vertices that exist
   Light colour;
+  bool open = false;  // the backs of its faces are seen as well
+  std::span<const std::array<std::uint16_t, 2>> edges =
+      {};  // what is drawn, with all vertices, where there are no faces
 };
 
 struct World {
-  std::span<const protocol::wire::Obstacle> obstacles;  // none: the plane z = 0 stands for them
+  std::span<const protocol::wire::Obstacle> obstacles;  // neither these nor grounds: the plane z = 0 stands for them
   std::span<const DrawnBody> bodies;
   Vector3 focus;  // shadows are found around it
+  std::span<const client::Ground> grounds = {};
 };
 
 class Renderer {
@@ -37,9 +42,16 @@ class Renderer {
     Vector3 normal;
     float offset = 0;
   };
-  void AddObstacles(std::span<const protocol::wire::Obstacle> obstacles, const View& view);
+  void AddObstacles(const World& world, const View& view);
   void AddBox(Vector3 centre, Vector3 half, const View& view);
+  void AddCapsule(Vector3 from, Vector3 to, float radius, const View& view);
+  void AddGround(const client::Ground& ground, const View& view);
+  void DrawSurface(const View& view, const Corner& a, const Corner& b, const Corner& c, const Corner& d);
   void AddBodies(std::span<const DrawnBody> bodies, const View& view);
+  void AddFaces(const DrawnBody& body, std::uint32_t material, const View& view);
+  void AddEdges(const DrawnBody& body, std::uint32_t material, const View& view);
+  void AddRod(const Corner& from, const Corner& to, float radius, std::uint32_t material, const View& view);
+  void AddDot(const Corner& at, float radius, std::uint32_t material, const View& view);
   [[nodiscard]] Light LightSample(const World& world, const View& view, const Viewport& viewport, int x, int y) const;
   [[nodiscard]] Light LightSurface(Vector3 point, Vector3 normal, Vector3 ray, const View& view,
                                    const Viewport& viewport) const;
@@ -50,6 +62,7 @@ class Renderer {
   ShadowMap m_shadows;
   std::vector<Plane> m_planes;
   std::vector<Vector3> m_normals;
+  std::vector<Corner> m_corners;
   std::vector<Light> m_lights;
 };
 

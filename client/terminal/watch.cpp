@@ -256,9 +256,10 @@ void Watch::DrawBodies(int width, int height) {
     const Light colour = sample.body == m_client->Welcome().ownBody ? kOwnColour
                          : m_players.count(sample.body) > 0         ? FindPlayerColour(sample.body)
                                                                     : kSceneColour;
-    m_bodies.push_back({sample.vertices, sample.blueprint->rest, sample.blueprint->faces, colour});
+    const client::Blueprint& blueprint = *sample.blueprint;
+    m_bodies.push_back({sample.vertices, blueprint.rest, blueprint.faces, colour, blueprint.open, blueprint.edges});
   }
-  const World world{m_client->Welcome().obstacles, m_bodies, m_camera.Focus()};
+  const World world{m_client->Welcome().obstacles, m_bodies, m_camera.Focus(), m_client->Grounds()};
   m_renderer.Draw(world, m_camera.MakeView(), width, height, m_pixels);
 }
 

@@ -11,12 +11,11 @@
 #include <map>
 
 #include "server/physics/forces.h"
+#include "server/physics/material.h"
+#include "server/physics/relax.h"
 
 namespace wobble::physics {
 namespace {
-
-// Springs keep at least this share of their length; shorter ones would leave the shell limp against bending.
-constexpr double kMinRestShare = 0.3;
 
 std::uint16_t FindMidpoint(std::uint16_t a, std::uint16_t b, Icosphere& sphere,
                            std::map<std::array<std::uint16_t, 2>, std::uint16_t>& midpoints) {
@@ -63,27 +62,6 @@ double FindShortening(const BallDefinition& definition, const Icosphere& sphere)
   return 3 * pressure * volume / (definition.material.stiffness * SumSquaredLengths(sphere) * r * r);
 }
 
-// Damped motion towards equilibrium. Steps of a fifth of the fastest period at most, friction near critical for the
-// slow modes; ends when forces have fallen to rounding beside what a spring carries.
-void Relax(Blueprint& blueprint, double stiffness, double length) {
-  const std::size_t count = blueprint.rest.size();
-  const Load<double> load;
-  std::vector<Vector3d> v(count, Vector3d::Zero());
-  std::vector<Vector3d> a(count);
-  const double step = 1 / blueprint.angularFrequency;
-  const double tolerance = 1e-10 * stiffness * length * blueprint.full.inverseMasses[0];
-  for (int iteration = 0; iteration < 4000; ++iteration) {
-    ComputeAccelerations<double>(blueprint.full, load, {}, {}, blueprint.rest, v, a);
-    double worst = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      worst = std::max(worst, a[i].cwiseAbs().maxCoeff());
-      v[i] = 0.9 * v[i] + step * a[i];
-      blueprint.rest[i] += step * v[i];
-    }
-    if (worst < tolerance) break;
-  }
-}
-
 }  // namespace
 
 Icosphere MakeIcosphere(int subdivisions) {
@@ -121,16 +99,8 @@ std::vector<FieldError> ValidateBall(const BallDefinition& d) {
   CheckField(errors, "subdivisions", d.subdivisions, d.subdivisions >= 0 && d.subdivisions <= kMaxSubdivisions,
              "0 to 5");
   CheckField(errors, "radius", d.radius, d.radius >= 0.05 && d.radius <= 50, "0.05 to 50 m");
-  CheckField(errors, "mass", m.mass, m.mass >= 1e-3 && m.mass <= 1e6, "0.001 to 1000000 kg");
-  CheckField(errors, "stiffness", m.stiffness, m.stiffness > 0 && m.stiffness <= 1e9, "above 0, up to 1e9 N/m");
-  CheckField(errors, "damping_ratio", m.dampingRatio, m.dampingRatio >= 0 && m.dampingRatio <= 2, "0 to 2");
-  CheckField(errors, "gas", m.gas, m.gas >= 0 && m.gas <= 1e9, "0 to 1e9 J");
-  CheckField(errors, "ambient_pressure", m.ambientPressure, m.ambientPressure >= 0 && m.ambientPressure <= 1e6,
-             "0 to 1e6 Pa");
-  CheckField(errors, "friction", m.friction, m.friction >= 0 && m.friction <= 10, "0 to 10");
-  CheckField(errors, "restitution", m.restitution, m.restitution >= 0 && m.restitution <= 1, "0 to 1");
-  CheckField(errors, "contact_stiffness", m.contactStiffness, m.contactStiffness >= 0 && m.contactStiffness <= 1e9,
-             "0 (ten times stiffness) to 1e9 N/m");
+  CheckMaterial(errors, m);
+  CheckGas(errors, m);
   if (!errors.empty()) return errors;
 
   const double shortening = FindShortening(d, MakeIcosphere(d.subdivisions));
@@ -143,8 +113,7 @@ std::vector<FieldError> ValidateBall(const BallDefinition& d) {
                                     .c_str());
     return errors;
   }
-  CheckField(errors, "stiffness", m.stiffness, IsSlowEnough(MakeBall(d)),
-             "lower, or mass higher: the body would need more than 32 substeps a tick before it touches anything");
+  CheckStiffness(errors, m, MakeBall(d));
   return errors;
 }
 
@@ -153,8 +122,7 @@ Blueprint MakeBall(const BallDefinition& definition) {
   const Material& material = definition.material;
   const double vertexMass = material.mass / static_cast<double>(sphere.vertices.size());
   const double restShare = 1 - FindShortening(definition, sphere);
-  // Critical for two masses on a spring: c = 2 √(k μ) with the reduced mass μ = m/2.
-  const double damping = material.dampingRatio * 2 * std::sqrt(material.stiffness * vertexMass / 2);
+  const double damping = FindDamping(material.dampingRatio, material.stiffness, vertexMass);
 
   Blueprint blueprint;
   blueprint.name = definition.name;
@@ -169,10 +137,14 @@ Blueprint MakeBall(const BallDefinition& definition) {
   blueprint.full.masses.assign(sphere.vertices.size(), vertexMass);
   blueprint.full.gas = material.gas;
   blueprint.full.ambientPressure = material.ambientPressure;
+  blueprint.full.drag = material.drag;
+  SetRepulsion(blueprint, material.repulsion);
   blueprint.full.contact = MakeContactParameters(material, vertexMass, definition.radius);
   FinishBlueprint(blueprint);
   if (material.gas > 0) {
-    Relax(blueprint, material.stiffness, meanLength);
+    // Until forces have fallen to rounding beside what a spring carries.
+    const double tolerance = 1e-10 * material.stiffness * meanLength * blueprint.full.inverseMasses[0];
+    (void)RelaxRest(blueprint, tolerance, 4000);
     FinishBlueprint(blueprint);
   }
   return blueprint;

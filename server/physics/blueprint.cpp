@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/physics/backtracking.h"
 #include "server/physics/forces.h"
 #include "server/physics/stability.h"
 
@@ -10,26 +11,54 @@ namespace wobble::physics {
 namespace {
 
 ContactParameters<float> ToSingle(const ContactParameters<double>& c) {
-  return {static_cast<float>(c.stiffness),      static_cast<float>(c.fadeDepth),    static_cast<float>(c.damping),
-          static_cast<float>(c.stickStiffness), static_cast<float>(c.stickDamping), static_cast<float>(c.friction)};
+  return {c.law,
+          static_cast<float>(c.stiffness),
+          static_cast<float>(c.fadeDepth),
+          static_cast<float>(c.damping),
+          static_cast<float>(c.stickStiffness),
+          static_cast<float>(c.stickDamping),
+          static_cast<float>(c.friction),
+          static_cast<float>(c.restitution),
+          static_cast<float>(c.strength),
+          static_cast<float>(c.floorDistance),
+          static_cast<float>(c.range)};
 }
 
 Coefficients<float> ToSingle(const Coefficients<double>& full) {
   Coefficients<float> single;
   single.masses.assign(full.masses.begin(), full.masses.end());
   single.inverseMasses.assign(full.inverseMasses.begin(), full.inverseMasses.end());
+  single.fixed = full.fixed;
   single.springs.reserve(full.springs.size());
   for (const Spring<double>& s : full.springs) {
     single.springs.push_back(
         {s.a, s.b, static_cast<float>(s.restLength), static_cast<float>(s.stiffness), static_cast<float>(s.damping)});
   }
   single.faces = full.faces;
+  single.planar = full.planar;
+  single.outline = full.outline;
   single.gas = static_cast<float>(full.gas);
   single.ambientPressure = static_cast<float>(full.ambientPressure);
   single.floorVolume = static_cast<float>(full.floorVolume);
+  single.repulsion = static_cast<float>(full.repulsion);
+  single.drag = static_cast<float>(full.drag);
+  single.tearStretch = static_cast<float>(full.tearStretch);
   single.contact = ToSingle(full.contact);
   single.contactShares.assign(full.contactShares.begin(), full.contactShares.end());
   return single;
+}
+
+// The vertices that may meet something: of a planar body those on its border, though faces lie all over it.
+std::vector<std::uint16_t> FindOuterVertices(const Blueprint& blueprint) {
+  const Topology& topology = blueprint.topology;
+  if (!blueprint.full.planar) return topology.vertices;
+  std::vector<std::uint16_t> outer;
+  for (std::size_t f = 0; f < topology.neighbours.size(); ++f) {
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      if (topology.neighbours[f][corner] == kNoFace) outer.push_back(blueprint.full.faces[f][(corner + 1) % 3]);
+    }
+  }
+  return outer;
 }
 
 // A body without faces has no surface to share: each vertex stands for itself.
@@ -37,10 +66,36 @@ void FindContactShares(Blueprint& blueprint) {
   Coefficients<double>& full = blueprint.full;
   full.contactShares.assign(full.masses.size(), 1);
   double heaviest = 0;
-  for (const std::uint16_t vertex : blueprint.topology.vertices) heaviest = std::max(heaviest, full.masses[vertex]);
-  for (const std::uint16_t vertex : blueprint.topology.vertices) {
-    full.contactShares[vertex] = full.masses[vertex] / heaviest;
+  const std::vector<std::uint16_t> outer = FindOuterVertices(blueprint);
+  for (const std::uint16_t vertex : outer) heaviest = std::max(heaviest, full.masses[vertex]);
+  for (const std::uint16_t vertex : outer) full.contactShares[vertex] = full.masses[vertex] / heaviest;
+}
+
+bool IsClosed(const Topology& topology) {
+  return !topology.neighbours.empty() && std::ranges::none_of(topology.neighbours, [](const auto& sides) {
+    return std::ranges::any_of(sides, [](std::uint16_t face) { return face == kNoFace; });
+  });
+}
+
+double FindRestVolume(const Blueprint& blueprint) {
+  const Coefficients<double>& full = blueprint.full;
+  if (!full.outline.empty()) return ComputeArea<double>(full.outline, blueprint.rest);
+  return IsClosed(blueprint.topology) ? ComputeVolume<double>(full.faces, blueprint.rest) : 0;
+}
+
+// A face of area A that meets the medium at u adds 2 (½ρC) A |u| to the damping of its motion, a third to each vertex.
+double FindDragRate(const Blueprint& blueprint) {
+  const Coefficients<double>& full = blueprint.full;
+  if (!(full.drag > 0)) return 0;
+  std::vector<double> areas(blueprint.rest.size(), 0);
+  for (const Face& face : full.faces) {
+    const Vector3d& a = blueprint.rest[face[0]];
+    const double area = (blueprint.rest[face[1]] - a).cross(blueprint.rest[face[2]] - a).norm() / 2;
+    for (const std::uint16_t vertex : face) areas[vertex] += area / 3;
   }
+  double rate = 0;
+  for (std::size_t i = 0; i < areas.size(); ++i) rate = std::max(rate, 2 * full.drag * areas[i] / full.masses[i]);
+  return rate;
 }
 
 }  // namespace
@@ -56,7 +111,27 @@ bool IsSlowEnough(const Blueprint& blueprint) {
   return rate / 60 / kStabilityLimit <= kMaxSubsteps / 2;
 }
 
-void FinishBlueprint(Blueprint& blueprint) {
+void SetIntegrator(Blueprint& blueprint, Integrator integrator) {
+  blueprint.integrator = integrator;
+  blueprint.sparsePattern.reset();
+  if (integrator != Integrator::kImplicitEuler) return;
+  std::vector<std::array<std::uint32_t, 2>> pairs;
+  for (const Spring<double>& spring : blueprint.full.springs) pairs.push_back({spring.a, spring.b});
+  blueprint.sparsePattern = std::make_shared<SparsePattern>(MakeSparsePattern(pairs, blueprint.rest.size()));
+}
+
+void SetContactLaw(Blueprint& blueprint, ContactLaw law, double magneticStrength) {
+  ContactParameters<double>& contact = blueprint.full.contact;
+  contact.law = law;
+  contact.range = law == ContactLaw::kBacktracking ? kBacktrackingRange : 0;
+  if (law == ContactLaw::kMagnetic) {
+    const std::vector<double>& masses = blueprint.full.masses;
+    FillMagneticLaw(contact, magneticStrength, *std::max_element(masses.begin(), masses.end()));
+  }
+  blueprint.single.contact = ToSingle(contact);
+}
+
+void FinishBlueprintButStability(Blueprint& blueprint) {
   Coefficients<double>& full = blueprint.full;
   blueprint.totalMass = 0;
   Vector3d moment = Vector3d::Zero();
@@ -66,21 +141,27 @@ void FinishBlueprint(Blueprint& blueprint) {
     blueprint.totalMass += full.masses[i];
     moment += full.masses[i] * blueprint.rest[i];
   }
+  for (const std::uint16_t vertex : full.fixed) full.inverseMasses[vertex] = 0;
   const Vector3d centre = moment / blueprint.totalMass;
 
   double squares = 0;
-  blueprint.reach = 0;
+  blueprint.reach = kMinSize;
   for (Vector3d& x : blueprint.rest) {
     x -= centre;
     squares += x.squaredNorm();
     blueprint.reach = std::max(blueprint.reach, x.norm());
   }
-  blueprint.size = std::sqrt(squares / static_cast<double>(blueprint.rest.size()));
-  blueprint.restVolume = full.faces.empty() ? 0 : ComputeVolume<double>(full.faces, blueprint.rest);
-  full.floorVolume = kFloorVolumeShare * blueprint.restVolume;
+  blueprint.size = std::max(kMinSize, std::sqrt(squares / static_cast<double>(blueprint.rest.size())));
   blueprint.topology = MakeTopology(full.faces, blueprint.rest.size());
+  blueprint.restVolume = FindRestVolume(blueprint);
+  full.floorVolume = kFloorVolumeShare * blueprint.restVolume;
+  blueprint.dragRate = FindDragRate(blueprint);
   FindContactShares(blueprint);
   blueprint.single = ToSingle(full);
+}
+
+void FinishBlueprint(Blueprint& blueprint) {
+  FinishBlueprintButStability(blueprint);
   FindBodyStability(blueprint);
 }
 

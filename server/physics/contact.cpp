@@ -15,6 +15,50 @@ constexpr double kStickDampingRatio = 0.3;
 // Candidates beyond the way a vertex goes in the tick, m: what gravity and springs may add.
 constexpr double kMargin = 0.02;
 
+// A contact that pushes.
+template <class Real>
+struct Push {
+  Vector3<Real> normal = Vector3<Real>::UnitZ();
+  Real depth = 0;                              // m; 0: it does not push
+  Real normalForce = 0;                        // N
+  Vector3<Real> pull = Vector3<Real>::Zero();  // of friction before Coulomb's limit, N
+  Real kept = 1;                               // share of it that the limit leaves
+};
+
+template <class Real>
+Push<Real> FindPush(const ContactParameters<Real>& parameters, const Surface<Real>& surface,
+                    const Contact<Real>& contact, const Vector3<Real>& x, const Vector3<Real>& velocity) {
+  const SurfacePoint<Real> point = FindContactPoint(surface, contact, x);
+  Push<Real> push;
+  if (!(point.distance < Real(0))) return push;
+  push.normal = point.normal;
+  push.depth = -point.distance;
+  push.normalForce = ComputeNormalForce(parameters, push.depth, -point.normal.dot(velocity));
+  push.pull = parameters.stickDamping * RemoveNormalPart<Real>(velocity, point.normal);
+  if (contact.touching) {
+    const Vector3<Real> slip = x - contact.anchor;
+    push.pull += parameters.stickStiffness * RemoveNormalPart<Real>(slip, point.normal);
+  }
+  const Real limit = parameters.friction * surface.friction * push.normalForce;
+  const Real strength = std::sqrt(push.pull.dot(push.pull));
+  if (strength > limit) push.kept = limit / strength;
+  return push;
+}
+
+// The share of the magnetic force that is left at a distance, and how fast that falls, 1/m.
+template <class Real>
+struct Fade {
+  Real share = 1;
+  Real slope = 0;
+};
+
+template <class Real>
+Fade<Real> FindFade(const ContactParameters<Real>& parameters, Real distance) {
+  const Real half = parameters.range / Real(2);
+  const Real s = std::clamp((parameters.range - distance) / half, Real(0), Real(1));
+  return {s * s * (Real(3) - Real(2) * s), Real(6) * s * (Real(1) - s) / half};
+}
+
 bool ComesBefore(std::uint32_t surfaceA, std::uint32_t vertexA, std::uint32_t surfaceB, std::uint32_t vertexB) {
   return surfaceA != surfaceB ? surfaceA < surfaceB : vertexA < vertexB;
 }
@@ -33,7 +77,45 @@ ContactParameters<double> MakeContactParameters(const Material& material, double
   p.stickStiffness = kStickShare * p.stiffness;
   p.stickDamping = 2 * kStickDampingRatio * std::sqrt(p.stickStiffness * vertexMass);
   p.friction = material.friction;
+  p.restitution = material.restitution;
   return p;
+}
+
+void FillMagneticLaw(ContactParameters<double>& parameters, double strength, double vertexMass) {
+  constexpr double kGravity = 9.81;
+  parameters.strength = strength;
+  parameters.floorDistance = std::cbrt(2 * strength / parameters.stiffness);
+  // Where 1 % of a vertex's weight is carried, but never so near that the tangent would be cut.
+  parameters.range = std::max(10 * std::sqrt(strength / (vertexMass * kGravity)), 4 * parameters.floorDistance);
+}
+
+template <class Real>
+Real ComputeMagneticForce(const ContactParameters<Real>& parameters, Real distance) {
+  if (distance >= parameters.range) return 0;
+  const Real floor = parameters.floorDistance;
+  if (distance < floor) return parameters.strength / (floor * floor) * (Real(3) - Real(2) * distance / floor);
+  return parameters.strength / (distance * distance) * FindFade(parameters, distance).share;
+}
+
+template <class Real>
+Real ComputeMagneticSlope(const ContactParameters<Real>& parameters, Real distance) {
+  if (distance >= parameters.range) return 0;
+  const Real at = std::max(distance, parameters.floorDistance);
+  const Fade<Real> fade = FindFade(parameters, at);
+  return parameters.strength / (at * at) * (Real(2) / at * fade.share + fade.slope);
+}
+
+template <class Real>
+ContactRates FindRates(const ContactParameters<Real>& parameters, double depth, double mass) {
+  const auto at = static_cast<Real>(depth);
+  if (parameters.law == ContactLaw::kMagnetic) {
+    // At the nearest that it may come it is stiffest.
+    return {double{ComputeMagneticSlope(parameters, -at)} / mass, 0};
+  }
+  if (parameters.law == ContactLaw::kBacktracking || !(depth > 0)) return {};
+  const double normalDamping = double{parameters.damping} * double{ComputeDampingShare(parameters, at)};
+  return {(double{ComputePenaltySlope(parameters, at)} + double{parameters.stickStiffness}) / mass,
+          (normalDamping + double{parameters.stickDamping}) / mass};
 }
 
 template <class Real>
@@ -88,24 +170,25 @@ SurfacePoint<Real> FindContactPoint(const Surface<Real>& surface, const Contact<
 }
 
 template <class Real>
-void FindContacts(std::span<const Surface<Real>> surfaces, const Bounds<Real>& bounds, std::span<const Vector3<Real>> x,
-                  std::span<const Vector3<Real>> v, Real duration, std::vector<Contact<Real>>& contacts,
-                  std::vector<Contact<Real>>& scratch) {
+void FindContacts(std::span<const Surface<Real>> surfaces, Real range, const Bounds<Real>& bounds,
+                  std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, Real duration,
+                  std::vector<Contact<Real>>& contacts, std::vector<Contact<Real>>& scratch) {
   scratch.clear();
   const Vector3<Real> half = (bounds.high - bounds.low) / Real(2);
   const Vector3<Real> middle = bounds.low + half;
-  const Real reach = std::sqrt(half.dot(half)) + bounds.speed * duration + static_cast<Real>(kMargin);
+  const Real margin = range + static_cast<Real>(kMargin);
+  const Real reach = std::sqrt(half.dot(half)) + bounds.speed * duration + margin;
   auto kept = contacts.begin();
   for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
-    // A distance changes by at most the way gone, so one look at the middle clears a whole body that is far off.
-    if (FindSurfacePoint(surfaces[s], middle).distance > reach) continue;
+    // Nothing is nearer than this, so one look at the middle clears a whole body that is far off.
+    if (FindClearance(surfaces[s], middle) > reach) continue;
     for (std::uint32_t i = 0; i < x.size(); ++i) {
       while (kept != contacts.end() && ComesBefore(kept->surface, kept->vertex, s, i)) ++kept;
       const bool known = kept != contacts.end() && kept->surface == s && kept->vertex == i;
       Contact<Real> contact = known ? *kept : Contact<Real>{s, i};
       const SurfacePoint<Real> point = FindContactPoint(surfaces[s], contact, x[i]);
-      const Real approach = std::max(Real(0), -point.normal.dot(v[i])) * duration;
-      if (point.distance > static_cast<Real>(kMargin) + approach) continue;
+      const Real approach = std::max(Real(0), FindApproach(surfaces[s], point, v[i])) * duration;
+      if (point.distance > margin + approach) continue;
       contact.side = point.normal;
       scratch.push_back(contact);
     }
@@ -117,33 +200,57 @@ template <class Real>
 void AddContacts(const ContactParameters<Real>& parameters, std::span<const Real> shares,
                  std::span<const Surface<Real>> surfaces, std::span<const Contact<Real>> contacts,
                  std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, std::span<Vector3<Real>> forces) {
+  if (parameters.law == ContactLaw::kBacktracking) return;
   for (const Contact<Real>& contact : contacts) {
+    const std::uint32_t i = contact.vertex;
     const Surface<Real>& surface = surfaces[contact.surface];
-    const SurfacePoint<Real> point = FindContactPoint(surface, contact, x[contact.vertex]);
-    const Real depth = -point.distance;
-    if (!(depth > Real(0))) continue;
-    const Vector3<Real>& velocity = v[contact.vertex];
-    const Real rate = -point.normal.dot(velocity);
-    const Real normalForce = ComputeNormalForce(parameters, depth, rate);
-    Vector3<Real> pull = parameters.stickDamping * RemoveNormalPart<Real>(velocity, point.normal);
-    if (contact.touching) {
-      const Vector3<Real> slip = x[contact.vertex] - contact.anchor;
-      pull += parameters.stickStiffness * RemoveNormalPart<Real>(slip, point.normal);
+    if (parameters.law == ContactLaw::kMagnetic) {
+      const SurfacePoint<Real> point = FindContactPoint(surface, contact, x[i]);
+      forces[i] += (shares[i] * ComputeMagneticForce(parameters, point.distance)) * point.normal;
+      continue;
     }
-    const Real limit = parameters.friction * surface.friction * normalForce;
-    const Real strength = std::sqrt(pull.dot(pull));
-    if (strength > limit) pull *= limit / strength;
-    forces[contact.vertex] += shares[contact.vertex] * (normalForce * point.normal - pull);
+    const Push<Real> push = FindPush(parameters, surface, contact, x[i], v[i]);
+    if (!(push.depth > Real(0))) continue;
+    forces[i] += shares[i] * (push.normalForce * push.normal - push.kept * push.pull);
   }
+}
+
+template <class Real>
+ContactStiffness<Real> FindContactStiffness(const ContactParameters<Real>& parameters, std::span<const Real> shares,
+                                            std::span<const Surface<Real>> surfaces, const Contact<Real>& contact,
+                                            std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v) {
+  const std::uint32_t i = contact.vertex;
+  const Surface<Real>& surface = surfaces[contact.surface];
+  ContactStiffness<Real> found;
+  if (parameters.law == ContactLaw::kBacktracking) return found;
+  if (parameters.law == ContactLaw::kMagnetic) {
+    const SurfacePoint<Real> point = FindSurfacePoint(surface, x[i]);
+    found.normal = point.normal;
+    found.stiffness = shares[i] * ComputeMagneticSlope(parameters, point.distance);
+    return found;
+  }
+  const Push<Real> push = FindPush(parameters, surface, contact, x[i], v[i]);
+  if (!(push.normalForce > Real(0))) return found;
+  found.normal = push.normal;
+  found.stiffness = shares[i] * ComputePenaltySlope(parameters, push.depth);
+  found.damping = shares[i] * parameters.damping * ComputeDampingShare(parameters, push.depth);
+  found.stickStiffness = contact.touching ? shares[i] * push.kept * parameters.stickStiffness : Real(0);
+  found.stickDamping = shares[i] * push.kept * parameters.stickDamping;
+  return found;
 }
 
 template <class Real>
 void UpdateAnchors(const ContactParameters<Real>& parameters, std::span<const Surface<Real>> surfaces,
                    std::span<Contact<Real>> contacts, std::span<const Vector3<Real>> x) {
+  if (parameters.law == ContactLaw::kBacktracking) return;
   for (Contact<Real>& contact : contacts) {
     const Surface<Real>& surface = surfaces[contact.surface];
     const SurfacePoint<Real> point = FindContactPoint(surface, contact, x[contact.vertex]);
     contact.side = point.normal;
+    if (parameters.law == ContactLaw::kMagnetic) {
+      contact.touching = point.distance < parameters.range / Real(2);
+      continue;
+    }
     const Real depth = -point.distance;
     const bool wasTouching = contact.touching;
     contact.touching = depth > Real(0);
@@ -163,6 +270,7 @@ template <class Real>
 double ComputeContactEnergy(const Coefficients<Real>& body, std::span<const Surface<Real>> surfaces,
                             std::span<const Contact<Real>> contacts, std::span<const Vector3<Real>> x) {
   double energy = 0;
+  if (body.contact.law != ContactLaw::kPenalty) return energy;
   for (const Contact<Real>& contact : contacts) {
     const SurfacePoint<Real> point = FindContactPoint(surfaces[contact.surface], contact, x[contact.vertex]);
     Real stored = ComputePenaltyEnergy(body.contact, -point.distance);
@@ -175,24 +283,30 @@ double ComputeContactEnergy(const Coefficients<Real>& body, std::span<const Surf
   return energy;
 }
 
-#define WOBBLE_INSTANTIATE(Real)                                                                              \
-  template Real ComputePenalty<Real>(const ContactParameters<Real>&, Real);                                   \
-  template double ComputeContactEnergy<Real>(const Coefficients<Real>&, std::span<const Surface<Real>>,       \
-                                             std::span<const Contact<Real>>, std::span<const Vector3<Real>>); \
-  template Real ComputePenaltyEnergy<Real>(const ContactParameters<Real>&, Real);                             \
-  template Real ComputePenaltySlope<Real>(const ContactParameters<Real>&, Real);                              \
-  template Real ComputeNormalForce<Real>(const ContactParameters<Real>&, Real, Real);                         \
-  template Real ComputeDampingShare<Real>(const ContactParameters<Real>&, Real);                              \
-  template SurfacePoint<Real> FindContactPoint<Real>(const Surface<Real>&, const Contact<Real>&,              \
-                                                     const Vector3<Real>&);                                   \
-  template void FindContacts<Real>(std::span<const Surface<Real>>, const Bounds<Real>&,                       \
-                                   std::span<const Vector3<Real>>, std::span<const Vector3<Real>>, Real,      \
-                                   std::vector<Contact<Real>>&, std::vector<Contact<Real>>&);                 \
-  template void AddContacts<Real>(const ContactParameters<Real>&, std::span<const Real>,                      \
-                                  std::span<const Surface<Real>>, std::span<const Contact<Real>>,             \
-                                  std::span<const Vector3<Real>>, std::span<const Vector3<Real>>,             \
-                                  std::span<Vector3<Real>>);                                                  \
-  template void UpdateAnchors<Real>(const ContactParameters<Real>&, std::span<const Surface<Real>>,           \
+#define WOBBLE_INSTANTIATE(Real)                                                                                   \
+  template Real ComputePenalty<Real>(const ContactParameters<Real>&, Real);                                        \
+  template double ComputeContactEnergy<Real>(const Coefficients<Real>&, std::span<const Surface<Real>>,            \
+                                             std::span<const Contact<Real>>, std::span<const Vector3<Real>>);      \
+  template Real ComputePenaltyEnergy<Real>(const ContactParameters<Real>&, Real);                                  \
+  template Real ComputePenaltySlope<Real>(const ContactParameters<Real>&, Real);                                   \
+  template Real ComputeNormalForce<Real>(const ContactParameters<Real>&, Real, Real);                              \
+  template Real ComputeDampingShare<Real>(const ContactParameters<Real>&, Real);                                   \
+  template Real ComputeMagneticForce<Real>(const ContactParameters<Real>&, Real);                                  \
+  template Real ComputeMagneticSlope<Real>(const ContactParameters<Real>&, Real);                                  \
+  template ContactRates FindRates<Real>(const ContactParameters<Real>&, double, double);                           \
+  template SurfacePoint<Real> FindContactPoint<Real>(const Surface<Real>&, const Contact<Real>&,                   \
+                                                     const Vector3<Real>&);                                        \
+  template void FindContacts<Real>(std::span<const Surface<Real>>, Real, const Bounds<Real>&,                      \
+                                   std::span<const Vector3<Real>>, std::span<const Vector3<Real>>, Real,           \
+                                   std::vector<Contact<Real>>&, std::vector<Contact<Real>>&);                      \
+  template void AddContacts<Real>(const ContactParameters<Real>&, std::span<const Real>,                           \
+                                  std::span<const Surface<Real>>, std::span<const Contact<Real>>,                  \
+                                  std::span<const Vector3<Real>>, std::span<const Vector3<Real>>,                  \
+                                  std::span<Vector3<Real>>);                                                       \
+  template ContactStiffness<Real> FindContactStiffness<Real>(                                                      \
+      const ContactParameters<Real>&, std::span<const Real>, std::span<const Surface<Real>>, const Contact<Real>&, \
+      std::span<const Vector3<Real>>, std::span<const Vector3<Real>>);                                             \
+  template void UpdateAnchors<Real>(const ContactParameters<Real>&, std::span<const Surface<Real>>,                \
                                     std::span<Contact<Real>>, std::span<const Vector3<Real>>);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)

@@ -1,5 +1,6 @@
-// Vertices against static surfaces: the default law, and who may touch what this tick.
+// Vertices against static surfaces: the laws that are forces, and who may touch what this tick.
 //
+// Penalty, the default.
 // Normal force at depth d with rate ḋ:  N = max(0, F(d) + c·s(d)·ḋ),
 //   F = k d²/2δ up to δ, then k (d − δ/2): C¹, slope at most k;
 //   s = smoothstep(d/δ): damping that sets in with depth (Hunt & Crossley 1975), since a dashpot that begins at full
@@ -7,6 +8,11 @@
 // Friction (Cundall & Strack 1979): a stick spring from an anchor with a dashpot beside it, f = k_t (x − anchor)ₜ + c_t
 // vₜ, cut to Coulomb's μN. The anchor is set where a vertex first touches and dragged along when the spring alone would
 // pull harder than μN. Friction regularised by slip speed alone lets a body that should stick creep downhill.
+//
+// Magnetic: N = K/d² at distance d above the surface, without friction and damping: nothing touches. Within d_m, which
+// has the slope 2K/d_m³ = k, it goes on along its tangent, N = K/d_m² (3 − 2d/d_m), through the surface and below:
+// finite and C¹, and never stiffer than the penalty. Faded out by a smoothstep between half the range and all of it,
+// where it would carry 4 % and 1 % of a vertex.
 #pragma once
 
 #include <span>
@@ -36,12 +42,12 @@ template <class Real>
 [[nodiscard]] SurfacePoint<Real> FindContactPoint(const Surface<Real>& surface, const Contact<Real>& contact,
                                                   const Vector3<Real>& x);
 
-// Lists every vertex that may touch a surface before `duration` (s) is over, keeping anchors of `contacts`.
-// `scratch` saves allocations.
+// Lists every vertex that may come within `range` (m) of a surface before `duration` (s) is over, keeping anchors of
+// `contacts`. `scratch` saves allocations.
 template <class Real>
-void FindContacts(std::span<const Surface<Real>> surfaces, const Bounds<Real>& bounds, std::span<const Vector3<Real>> x,
-                  std::span<const Vector3<Real>> v, Real duration, std::vector<Contact<Real>>& contacts,
-                  std::vector<Contact<Real>>& scratch);
+void FindContacts(std::span<const Surface<Real>> surfaces, Real range, const Bounds<Real>& bounds,
+                  std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, Real duration,
+                  std::vector<Contact<Real>>& contacts, std::vector<Contact<Real>>& scratch);
 
 // shares: Coefficients::contactShares.
 template <class Real>
@@ -49,12 +55,28 @@ void AddContacts(const ContactParameters<Real>& parameters, std::span<const Real
                  std::span<const Surface<Real>> surfaces, std::span<const Contact<Real>> contacts,
                  std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, std::span<Vector3<Real>> forces);
 
-// After a substep: sets, drags and drops anchors.
+// What a contact does to small motions of its vertex, along the normal and across it, N/m and N·s/m.
+template <class Real>
+struct ContactStiffness {
+  Vector3<Real> normal = Vector3<Real>::UnitZ();
+  Real stiffness = 0;
+  Real damping = 0;
+  Real stickStiffness = 0;
+  Real stickDamping = 0;
+};
+// Friction that Coulomb's limit cuts counts by the share that is left of it. All 0 while nothing pushes.
+template <class Real>
+[[nodiscard]] ContactStiffness<Real> FindContactStiffness(
+    const ContactParameters<Real>& parameters, std::span<const Real> shares, std::span<const Surface<Real>> surfaces,
+    const Contact<Real>& contact, std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v);
+
+// After a substep: sets, drags and drops anchors. Of a magnetic contact only whether the surface is felt: what hovers
+// may jump.
 template <class Real>
 void UpdateAnchors(const ContactParameters<Real>& parameters, std::span<const Surface<Real>> surfaces,
                    std::span<Contact<Real>> contacts, std::span<const Vector3<Real>> x);
 
-// What the contacts' springs hold, normal and stick, J.
+// What the springs of penalty contacts hold, normal and stick, J; 0 for the other laws.
 template <class Real>
 [[nodiscard]] double ComputeContactEnergy(const Coefficients<Real>& body, std::span<const Surface<Real>> surfaces,
                                           std::span<const Contact<Real>> contacts, std::span<const Vector3<Real>> x);
@@ -75,6 +97,12 @@ template <class Real>
 template <class Real>
 [[nodiscard]] Real ComputeDampingShare(const ContactParameters<Real>& parameters, Real depth);
 
+// Magnetic N at a distance, m, and its slope −dN/dd, N/m; the distance may be negative.
+template <class Real>
+[[nodiscard]] Real ComputeMagneticForce(const ContactParameters<Real>& parameters, Real distance);
+template <class Real>
+[[nodiscard]] Real ComputeMagneticSlope(const ContactParameters<Real>& parameters, Real distance);
+
 // The depth, m, that a vertex at `depth` (negative while outside), coming nearer at `approach` m/s, reaches in
 // `duration` s unless it is stopped. Its own spring cannot be relied on to do that: behind it may press the weight of
 // the body.
@@ -88,8 +116,13 @@ struct ContactRates {
   double squareFrequency = 0;
   double dampingRate = 0;
 };
+// Of one vertex of `mass` (kg, over its share) that will be at `depth` (m, negative outside).
+template <class Real>
+[[nodiscard]] ContactRates FindRates(const ContactParameters<Real>& parameters, double depth, double mass);
 
 // The parameters that follow from a material for a vertex of `vertexMass` in a body of `size`.
 [[nodiscard]] ContactParameters<double> MakeContactParameters(const Material& material, double vertexMass, double size);
+// Distances of the magnetic law of that strength, N·m².
+void FillMagneticLaw(ContactParameters<double>& parameters, double strength, double vertexMass);
 
 }  // namespace wobble::physics

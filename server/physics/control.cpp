@@ -35,6 +35,7 @@ Load<Real> ApplyControl(const Blueprint& blueprint, const Vector3d& gravity, Bod
   const ControlLimits& limits = body.limits;
   if (control.jump && !body.jumpHeld && (body.touchesBody || IsTouching(state))) {
     for (Vector3<Real>& v : state.velocities) v.z() += static_cast<Real>(limits.jumpSpeed);
+    for (const std::uint16_t vertex : blueprint.full.fixed) state.velocities[vertex].setZero();
   }
   body.jumpHeld = control.jump;
   body.gasFactor += kFactorApproach * ((control.puff ? limits.puffFactor : 1.0) - body.gasFactor);
@@ -45,6 +46,7 @@ Load<Real> ApplyControl(const Blueprint& blueprint, const Vector3d& gravity, Bod
   load.acceleration = (gravity + push).cast<Real>();
   load.gasFactor = static_cast<Real>(body.gasFactor);
   load.stiffnessFactor = static_cast<Real>(body.stiffnessFactor);
+  load.torn = state.torn;
   return load;
 }
 

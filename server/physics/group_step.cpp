@@ -1,10 +1,11 @@
-// Bodies that touch are one system of equations: their states stand behind one another in one array, so that each stage
-// of RK4 sees all of them at the same moment, and forces between them are equal and opposite at every stage.
 #include "server/physics/group_step.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "server/physics/backtracking.h"
+#include "server/physics/group.h"
+#include "server/physics/group_health.h"
 #include "server/physics/stability.h"
 #include "server/physics/step_choice.h"
 
@@ -15,9 +16,6 @@ namespace {
 constexpr int kMaxRedos = 2;
 // Times that a tick which left a body in a state that cannot be is stepped again, each in twice the substeps.
 constexpr int kMaxRescues = 4;
-// Acceleration that the energy check takes for the least in its M g R, m/s²: without gravity a body at rest would have
-// no energy to compare with.
-constexpr double kLeastGravity = 1;
 
 template <class Real>
 double FindRms(std::span<const Vector3<Real>> values) {
@@ -34,128 +32,71 @@ double FindRmsOfDifference(std::span<const Vector3<Real>> a, std::span<const Vec
 }
 
 template <class Real>
-class Group {
+bool Backtracks(const Member<Real>& member) {
+  return member.blueprint->full.contact.law == ContactLaw::kBacktracking && !member.state->contacts.empty();
+}
+
+// Bodies that touch are stepped as one. Where they ask for different methods none of those is right for all, and what
+// they have in common is the default.
+template <class Real>
+Integrator FindIntegrator(std::span<Member<Real>* const> members) {
+  const Integrator first = members[0]->blueprint->integrator;
+  const auto isFirst = [first](const Member<Real>* member) { return member->blueprint->integrator == first; };
+  return std::all_of(members.begin(), members.end(), isFirst) ? first : Integrator::kRungeKutta4;
+}
+
+// Energy from nowhere is looked for where there is an account of it: the other methods are there to show what they do,
+// magnets have a potential that nobody adds up, and wind is a source.
+template <class Real>
+bool HasEnergyAccount(Integrator integrator, std::span<Member<Real>* const> members) {
+  const auto adds = [](const Member<Real>* member) {
+    const Coefficients<double>& body = member->blueprint->full;
+    return body.contact.law != ContactLaw::kMagnetic && (!(body.drag > 0) || member->load.wind.isZero(0));
+  };
+  return integrator == Integrator::kRungeKutta4 && std::all_of(members.begin(), members.end(), adds);
+}
+
+template <class Real>
+class Stepping {
  public:
-  Group(std::span<Member<Real>* const> members, std::span<const Encounter<Real>> encounters, const StepRules& rules,
-        Threads* threads, GroupScratch<Real>& scratch)
-      : m_members(members), m_encounters(encounters), m_rules(rules), m_threads(threads), m_scratch(scratch) {}
+  Stepping(Group<Real>& group, const StepRules& rules)
+      : m_group(group), m_rules(rules), m_scratch(group.Scratch()), m_integrator(FindIntegrator(group.Members())) {}
 
   GroupOutcome Step() {
-    Gather();
-    SaveContacts();
+    const bool checkEnergy = HasEnergyAccount(m_integrator, m_group.Members());
     GroupOutcome outcome;
     int redos = 0;
     int rescues = 0;
     for (int next = FindSubsteps(); next > 0;) {
-      if (outcome.substeps > 0) StartAgain();
+      if (outcome.substeps > 0) m_group.StartAgain();
       Integrate(next);
       outcome.substeps = next;
       outcome.allSubsteps += next;
-      if (!FindBadMembers()) {
+      if (!FindBadMembers(m_group, checkEnergy)) {
         next = redos++ < kMaxRedos ? FindFinerSubsteps(outcome.substeps) : 0;
       } else {
-        next = rescues++ < kMaxRescues && !BlameThoseWhoBeganBad() ? 2 * outcome.substeps : 0;
+        next = rescues++ < kMaxRescues && !BlameThoseWhoBeganBad(m_group) ? 2 * outcome.substeps : 0;
       }
     }
-    Scatter();
+    MeasureMotion();
+    m_group.Scatter();
     return outcome;
   }
 
  private:
-  template <class Visit>
-  void ForEach(std::size_t count, const Visit& visit) const {
-    if (m_threads != nullptr) {
-      m_threads->ForEach(count, visit);
-    } else {
-      for (std::size_t i = 0; i < count; ++i) visit(i);
-    }
-  }
-
-  template <class Value>
-  std::span<Value> PartOf(std::span<Value> values, std::size_t member) const {
-    const std::size_t begin = m_scratch.begins[member];
-    return values.subspan(begin, m_scratch.begins[member + 1] - begin);
-  }
-  template <class Value>
-  std::span<const Value> PartOf(const std::vector<Value>& values, std::size_t member) const {
-    return PartOf(std::span<const Value>(values), member);
-  }
-
-  // The bodies' own states stay as the tick found them until Scatter.
-  void Gather() {
-    m_scratch.positions.clear();
-    m_scratch.velocities.clear();
-    m_scratch.begins.assign(1, 0);
-    for (const Member<Real>* member : m_members) {
-      const State<Real>& state = *member->state;
-      m_scratch.positions.insert(m_scratch.positions.end(), state.positions.begin(), state.positions.end());
-      m_scratch.velocities.insert(m_scratch.velocities.end(), state.velocities.begin(), state.velocities.end());
-      m_scratch.begins.push_back(m_scratch.positions.size());
-    }
-  }
-
-  void Scatter() const {
-    for (std::size_t i = 0; i < m_members.size(); ++i) {
-      Member<Real>& member = *m_members[i];
-      State<Real>& state = *member.state;
-      const auto positions = PartOf(m_scratch.positions, i);
-      const auto velocities = PartOf(m_scratch.velocities, i);
-      member.speed = FindRms<Real>(velocities);
-      member.acceleration = FindRmsOfDifference<Real>(velocities, state.velocities) / m_rules.duration;
-      std::copy(positions.begin(), positions.end(), state.positions.begin());
-      std::copy(velocities.begin(), velocities.end(), state.velocities.begin());
-    }
-  }
-
-  void SaveContacts() {
-    m_scratch.contacts.clear();
-    m_scratch.bodyContacts.clear();
-    for (const Member<Real>* member : m_members) {
-      const auto& contacts = member->state->contacts;
-      m_scratch.contacts.insert(m_scratch.contacts.end(), contacts.begin(), contacts.end());
-    }
-    for (const Encounter<Real>& encounter : m_encounters) {
-      for (const auto* side : encounter.sides) {
-        m_scratch.bodyContacts.insert(m_scratch.bodyContacts.end(), side->begin(), side->end());
-      }
-    }
-  }
-
-  void StartAgain() {
-    Gather();
-    auto contact = m_scratch.contacts.cbegin();
-    for (Member<Real>* member : m_members) {
-      for (Contact<Real>& each : member->state->contacts) each = *contact++;
-    }
-    auto bodyContact = m_scratch.bodyContacts.cbegin();
-    for (const Encounter<Real>& encounter : m_encounters) {
-      for (auto* side : encounter.sides) {
-        for (BodyContact<Real>& each : *side) each = *bodyContact++;
-      }
-    }
-  }
-
-  Meeting<Real> Meet(const Encounter<Real>& encounter, std::size_t side, std::span<const Vector3<Real>> x,
-                     std::span<const Vector3<Real>> v) const {
-    const std::uint32_t vertices = encounter.members[side];
-    const std::uint32_t faces = encounter.members[1 - side];
-    return MakeMeeting<Real>(*m_members[vertices], PartOf(x, vertices), PartOf(v, vertices), *m_members[faces],
-                             PartOf(x, faces), PartOf(v, faces));
-  }
-
   int FindSubsteps() {
     m_scratch.loads.assign(m_scratch.positions.size(), {});
     int most = AddAllContactLoads();
-    for (std::size_t i = 0; i < m_members.size(); ++i) {
-      const Member<Real>& member = *m_members[i];
+    for (std::size_t i = 0; i < m_group.CountBodies(); ++i) {
+      const Member<Real>& member = *m_group.Members()[i];
       ContactRates rates;
-      for (std::size_t vertex = 0; const VertexLoad& load : PartOf(m_scratch.loads, i)) {
+      for (std::size_t vertex = 0; const VertexLoad& load : m_group.PartOf(m_scratch.loads, i)) {
         const double mass = member.blueprint->full.masses[vertex++];
         rates.squareFrequency = std::max(rates.squareFrequency, load.stiffness / mass);
         rates.dampingRate = std::max(rates.dampingRate, load.damping / mass);
       }
-      const int forStability =
-          ChooseSubsteps<Real>(*member.blueprint, member.load, member.surfaces, *member.state, rates, m_rules.duration);
+      const int forStability = ChooseSubsteps<Real>(m_integrator, *member.blueprint, member.load, member.surfaces,
+                                                    *member.state, rates, m_rules.duration);
       most = std::max({most, forStability, std::min(member.substepsForError, m_rules.maxSubsteps)});
     }
     return most;
@@ -164,89 +105,96 @@ class Group {
   int AddAllContactLoads() {
     int most = 1;
     const std::span<VertexLoad> loads(m_scratch.loads);
-    for (const Encounter<Real>& encounter : m_encounters) {
+    for (const Encounter<Real>& encounter : m_group.Encounters()) {
       for (std::size_t side = 0; side < 2; ++side) {
-        const Meeting<Real> meeting = Meet(encounter, side, m_scratch.positions, m_scratch.velocities);
+        const Meeting<Real> meeting = m_group.Meet(encounter, side, m_scratch.positions, m_scratch.velocities);
         most = std::max(most, AddContactLoads<Real>(encounter.parameters, meeting, *encounter.sides[side],
-                                                    m_rules.duration, PartOf(loads, encounter.members[side]),
-                                                    PartOf(loads, encounter.members[1 - side])));
+                                                    m_rules.duration, m_group.PartOf(loads, encounter.members[side]),
+                                                    m_group.PartOf(loads, encounter.members[1 - side])));
       }
     }
     return most;
   }
 
-  // RK4, with each member's error estimated as step_choice.h says.
   void Integrate(int substeps) {
     const double step = m_rules.duration / substeps;
-    const auto h = static_cast<Real>(step);
-    for (Member<Real>* member : m_members) member->error = 0;
-    m_scratch.stages.Resize(m_scratch.positions.size());
+    for (Member<Real>* member : m_group.Members()) member->error = 0;
     for (int substep = 0; substep < substeps; ++substep) {
-      for (std::size_t stage = 0; stage < 4; ++stage) {
-        Accelerate(stage, h);
-        if (stage == 0 && substep > 0) AddAccelerationErrors(step, m_rules.duration - substep * step);
+      KeepBefore();
+      if (m_integrator == Integrator::kRungeKutta4) {
+        StepRungeKutta(step, substep > 0, m_rules.duration - substep * step);
+      } else {
+        StepOnce<Real>(m_integrator, static_cast<Real>(step), m_group, m_group.Positions(), m_group.Velocities(),
+                       m_scratch.integrator);
       }
-      FinishSubstep(step);
+      UpdateContacts(static_cast<Real>(step));
     }
-    for (Member<Real>* member : m_members) member->error *= kErrorShare / substeps;
+    for (Member<Real>* member : m_group.Members()) member->error *= kErrorShare / substeps;
   }
 
-  void Accelerate(std::size_t stage, Real h) {
-    auto& stages = m_scratch.stages;
-    const std::span<const Vector3<Real>> x(stages.positions);
-    const std::span<const Vector3<Real>> v(stages.velocities[stage]);
-    const std::span<Vector3<Real>> a(stages.accelerations[stage]);
-    ForEach(m_members.size(), [&](std::size_t i) {
-      CombineStage<Real>(kClassicRungeKutta, stage, h, m_scratch.positions, m_scratch.velocities, m_scratch.begins[i],
-                         m_scratch.begins[i + 1], stages);
-      const Member<Real>& member = *m_members[i];
-      ComputeForces<Real>(member.blueprint->template Read<Real>(), member.load, member.surfaces, member.state->contacts,
-                          PartOf(x, i), PartOf(v, i), PartOf(a, i));
-    });
-    for (const Encounter<Real>& encounter : m_encounters) {
-      for (std::size_t side = 0; side < 2; ++side) {
-        AddBodyContacts<Real>(encounter.parameters, Meet(encounter, side, x, v), *encounter.sides[side],
-                              PartOf(a, encounter.members[side]), PartOf(a, encounter.members[1 - side]));
-      }
-    }
-    ForEach(m_members.size(), [&](std::size_t i) {
-      DivideByMasses<Real>(m_members[i]->blueprint->template Read<Real>(), m_members[i]->load, PartOf(a, i));
-    });
-  }
-
-  void FinishSubstep(double step) {
-    auto& stages = m_scratch.stages;
+  // As runge_kutta.h does it, member by member, with each one's error estimated as step_choice.h says.
+  void StepRungeKutta(double step, bool hasBefore, double timeLeft) {
     const auto h = static_cast<Real>(step);
-    const std::span<const Vector3<Real>> x(m_scratch.positions);
-    const std::span<const Vector3<Real>> v(m_scratch.velocities);
-    ForEach(m_members.size(), [&](std::size_t i) {
+    auto& stages = m_scratch.integrator.stages;
+    stages.Resize(m_scratch.positions.size());
+    for (std::size_t stage = 0; stage < 4; ++stage) {
+      m_group.Accelerate(stages.positions, stages.velocities[stage], stages.accelerations[stage], true,
+                         [&](std::size_t i) {
+                           CombineStage<Real>(kClassicRungeKutta, stage, h, m_scratch.positions, m_scratch.velocities,
+                                              m_scratch.begins[i], m_scratch.begins[i + 1], stages);
+                         });
+      if (stage == 0 && hasBefore) AddAccelerationErrors(step, timeLeft);
+    }
+    m_group.ForEach(m_group.CountBodies(), [&](std::size_t i) {
       AddIncrements<Real>(kClassicRungeKutta, h, m_scratch.begins[i], m_scratch.begins[i + 1], stages,
                           m_scratch.positions, m_scratch.velocities);
-      Member<Real>& member = *m_members[i];
-      member.error += step / 6 * FindRmsOfDifference<Real>(PartOf(stages.velocities[3], i), PartOf(v, i));
-      UpdateAnchors<Real>(member.blueprint->template Read<Real>().contact, member.surfaces, member.state->contacts,
-                          PartOf(x, i));
+      m_group.Members()[i]->error +=
+          step / 6 *
+          FindRmsOfDifference<Real>(m_group.PartOf(stages.velocities[3], i), m_group.PartOf(m_scratch.velocities, i));
     });
-    for (const Encounter<Real>& encounter : m_encounters) {
-      for (std::size_t side = 0; side < 2; ++side) {
-        UpdateBodyContacts<Real>(encounter.parameters, Meet(encounter, side, x, v), h, *encounter.sides[side]);
-      }
-    }
   }
 
   // a₄ of the substep before still stands in its place when the first stage of the next one is known.
   void AddAccelerationErrors(double step, double timeLeft) {
-    const auto& accelerations = m_scratch.stages.accelerations;
-    ForEach(m_members.size(), [&](std::size_t i) {
-      m_members[i]->error +=
-          step / 6 * FindRmsOfDifference<Real>(PartOf(accelerations[3], i), PartOf(accelerations[0], i)) * timeLeft;
+    const auto& accelerations = m_scratch.integrator.stages.accelerations;
+    m_group.ForEach(m_group.CountBodies(), [&](std::size_t i) {
+      const double jump =
+          FindRmsOfDifference<Real>(m_group.PartOf(accelerations[3], i), m_group.PartOf(accelerations[0], i));
+      m_group.Members()[i]->error += step / 6 * jump * timeLeft;
+    });
+  }
+
+  void KeepBefore() {
+    const auto members = m_group.Members();
+    if (std::none_of(members.begin(), members.end(), [](const auto* member) { return Backtracks(*member); })) return;
+    m_scratch.positionsBefore = m_scratch.positions;
+    m_scratch.velocitiesBefore = m_scratch.velocities;
+  }
+
+  void UpdateContacts(Real h) {
+    m_group.ForEach(m_group.CountBodies(), [&](std::size_t i) {
+      const Member<Real>& member = *m_group.Members()[i];
+      const Coefficients<Real>& body = member.blueprint->template Read<Real>();
+      const auto x = m_group.PartOf(m_group.Positions(), i);
+      if (Backtracks(member)) {
+        PutBack<Real>(body, h, member.surfaces, m_group.PartOf(m_scratch.positionsBefore, i),
+                      m_group.PartOf(m_scratch.velocitiesBefore, i), member.state->contacts, x,
+                      m_group.PartOf(m_group.Velocities(), i));
+      }
+      UpdateAnchors<Real>(body.contact, member.surfaces, member.state->contacts, x);
+    });
+    const auto encounters = m_group.Encounters();
+    m_group.ForEach(2 * encounters.size(), [&](std::size_t i) {
+      const Encounter<Real>& encounter = encounters[i / 2];
+      const Meeting<Real> meeting = m_group.Meet(encounter, i % 2, m_scratch.positions, m_scratch.velocities);
+      UpdateBodyContacts<Real>(encounter.parameters, meeting, h, *encounter.sides[i % 2]);
     });
   }
 
   // More substeps for a tick that missed its error by far; 0 when none did, or none are to be had.
   int FindFinerSubsteps(int substeps) const {
     int wanted = 0;
-    for (const Member<Real>* member : m_members) {
+    for (const Member<Real>* member : m_group.Members()) {
       if (member->error <= kRedoFactor * m_rules.allowedError) continue;
       wanted = std::max(wanted, FindSubstepsForError(member->error, substeps, m_rules.allowedError));
     }
@@ -254,102 +202,19 @@ class Group {
     return wanted > substeps ? wanted : 0;
   }
 
-  bool FindBadMembers() {
-    bool anyBad = false;
-    for (std::size_t i = 0; i < m_members.size(); ++i) {
-      Member<Real>& member = *m_members[i];
-      const Health health = FindHealth<Real>(member.blueprint->template Read<Real>(), PartOf(m_scratch.positions, i),
-                                             PartOf(m_scratch.velocities, i));
-      member.health = std::max(member.health, health);
-      member.lost = health != Health::kGood;
-      anyBad |= member.lost;
+  void MeasureMotion() const {
+    for (std::size_t i = 0; i < m_group.CountBodies(); ++i) {
+      Member<Real>& member = *m_group.Members()[i];
+      const auto velocities = m_group.PartOf(m_scratch.velocities, i);
+      member.speed = FindRms<Real>(velocities);
+      member.acceleration = FindRmsOfDifference<Real>(velocities, member.state->velocities) / m_rules.duration;
     }
-    if (anyBad) return true;
-    Member<Real>* runaway = FindRunaway();
-    if (runaway == nullptr) return false;
-    runaway->health = std::max(runaway->health, Health::kRunaway);
-    runaway->lost = true;
-    return true;
   }
 
-  // No step can help a member that began the tick in a state that cannot be. It alone is lost then, and what it has
-  // touched goes back to where it began.
-  bool BlameThoseWhoBeganBad() {
-    const auto beganBad = [](const Member<Real>* member) {
-      const Coefficients<Real>& body = member->blueprint->template Read<Real>();
-      return FindHealth<Real>(body, member->state->positions, member->state->velocities) != Health::kGood;
-    };
-    if (std::none_of(m_members.begin(), m_members.end(), beganBad)) return false;
-    StartAgain();
-    for (Member<Real>* member : m_members) {
-      member->lost = beganBad(member);
-      if (!member->lost) member->health = Health::kGood;
-    }
-    return true;
-  }
-
-  // The member that gained most when the group as a whole has gained energy from nowhere. Forces that are constant
-  // through the tick have a potential, everything else conserves or dissipates. Elastic energies are looked at only
-  // where motion has gained so much, so that a quiet tick costs two sums over its vertices.
-  Member<Real>* FindRunaway() const {
-    Member<Real>* greatest = nullptr;
-    double largest = 0;
-    double gained = 0;
-    double scale = 0;
-    for (std::size_t i = 0; i < m_members.size(); ++i) {
-      Member<Real>& member = *m_members[i];
-      const Blueprint& blueprint = *member.blueprint;
-      const State<Real>& before = *member.state;
-      const double gain = ComputeMotionEnergy<Real>(blueprint, member.load, PartOf(m_scratch.positions, i),
-                                                    PartOf(m_scratch.velocities, i)) -
-                          ComputeMotionEnergy<Real>(blueprint, member.load, before.positions, before.velocities);
-      gained += gain;
-      if (gain > largest) {
-        largest = gain;
-        greatest = &member;
-      }
-      const double gravity = std::max(kLeastGravity, double{member.load.acceleration.norm()});
-      scale += blueprint.totalMass * gravity * blueprint.reach +
-               ComputeMotionEnergy<Real>(blueprint, {}, before.positions, before.velocities);
-    }
-    if (greatest == nullptr || gained <= kRunawayShare * scale) return nullptr;
-    return gained + FindElasticGain() > kRunawayShare * scale ? greatest : nullptr;
-  }
-
-  double FindElasticGain() const {
-    double gain = 0;
-    auto contactsBefore = std::span<const Contact<Real>>(m_scratch.contacts);
-    for (std::size_t i = 0; i < m_members.size(); ++i) {
-      const Member<Real>& member = *m_members[i];
-      const std::size_t count = member.state->contacts.size();
-      gain += ComputeElasticEnergy<Real>(*member.blueprint, member.load, member.surfaces, member.state->contacts,
-                                         PartOf(m_scratch.positions, i), m_scratch.places) -
-              ComputeElasticEnergy<Real>(*member.blueprint, member.load, member.surfaces, contactsBefore.first(count),
-                                         member.state->positions, m_scratch.places);
-      contactsBefore = contactsBefore.subspan(count);
-    }
-    auto bodyContactsBefore = std::span<const BodyContact<Real>>(m_scratch.bodyContacts);
-    for (const Encounter<Real>& encounter : m_encounters) {
-      for (std::size_t side = 0; side < 2; ++side) {
-        const std::size_t count = encounter.sides[side]->size();
-        const Member<Real>& vertices = *m_members[encounter.members[side]];
-        const Member<Real>& faces = *m_members[encounter.members[1 - side]];
-        const Meeting<Real> before = MakeMeeting<Real>(vertices, vertices.state->positions, vertices.state->velocities,
-                                                       faces, faces.state->positions, faces.state->velocities);
-        const Meeting<Real> after = Meet(encounter, side, m_scratch.positions, m_scratch.velocities);
-        gain += ComputeBodyContactEnergy<Real>(encounter.parameters, after, *encounter.sides[side]) -
-                ComputeBodyContactEnergy<Real>(encounter.parameters, before, bodyContactsBefore.first(count));
-        bodyContactsBefore = bodyContactsBefore.subspan(count);
-      }
-    }
-    return gain;
-  }
-
-  std::span<Member<Real>* const> m_members;
-  std::span<const Encounter<Real>> m_encounters;
+  Group<Real>& m_group;
   const StepRules& m_rules;
-  Threads* m_threads;
   GroupScratch<Real>& m_scratch;
+  Integrator m_integrator;
 };
 
 }  // namespace
@@ -370,7 +235,8 @@ Meeting<Real> MakeMeeting(const Member<Real>& ofVertices, std::span<const Vector
 template <class Real>
 GroupOutcome StepGroup(std::span<Member<Real>* const> members, std::span<const Encounter<Real>> encounters,
                        const StepRules& rules, Threads* threads, GroupScratch<Real>& scratch) {
-  return Group<Real>(members, encounters, rules, threads, scratch).Step();
+  Group<Real> group(members, encounters, threads, scratch);
+  return Stepping<Real>(group, rules).Step();
 }
 
 #define WOBBLE_INSTANTIATE(Real)                                                                            \

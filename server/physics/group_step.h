@@ -8,8 +8,8 @@
 #include "server/physics/body_contact.h"
 #include "server/physics/forces.h"
 #include "server/physics/health.h"
+#include "server/physics/integrator_step.h"
 #include "server/physics/parallel.h"
-#include "server/physics/runge_kutta.h"
 #include "server/physics/state.h"
 
 namespace wobble::physics {
@@ -48,9 +48,11 @@ struct Encounter {
 
 template <class Real>
 struct GroupScratch {
-  StageBuffers<Real, 4> stages;
+  IntegratorScratch<Real> integrator;
   std::vector<Vector3<Real>> positions;
   std::vector<Vector3<Real>> velocities;
+  std::vector<Vector3<Real>> positionsBefore;  // the substep, where a member's contact law asks for them
+  std::vector<Vector3<Real>> velocitiesBefore;
   std::vector<std::size_t> begins;
   std::vector<VertexLoad> loads;  // of every vertex of the group
   // Contacts as the tick found them, one list behind the other, for a tick that is stepped again.
@@ -60,9 +62,11 @@ struct GroupScratch {
 
   // For the largest group there can be, so that one that grows allocates nothing.
   void Reserve(std::size_t vertices, std::size_t bodies) {
-    stages.Reserve(vertices);
+    integrator.Reserve(vertices);
     positions.reserve(vertices);
     velocities.reserve(vertices);
+    positionsBefore.reserve(vertices);
+    velocitiesBefore.reserve(vertices);
     loads.reserve(vertices);
     contacts.reserve(vertices);
     bodyContacts.reserve(vertices);

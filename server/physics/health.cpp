@@ -8,8 +8,7 @@ Health FindHealth(const Coefficients<Real>& body, std::span<const Vector3<Real>>
   Vector3<Real> sum = Vector3<Real>::Zero();
   for (std::size_t i = 0; i < x.size(); ++i) sum += x[i].cwiseAbs() + v[i].cwiseAbs();
   if (!sum.allFinite()) return Health::kNonFinite;
-  if (body.gas > Real(0) && !(ComputeVolume<Real>(body.faces, x) > Real(0))) return Health::kInverted;
-  return Health::kGood;
+  return IsInsideOut<Real>(body, x) ? Health::kInverted : Health::kGood;
 }
 
 template <class Real>
@@ -32,7 +31,7 @@ double ComputeElasticEnergy(const Blueprint& blueprint, const Load<Real>& load, 
   scratch.clear();
   for (const Vector3<Real>& place : x) scratch.push_back(place.template cast<double>());
   const Coefficients<double>& full = blueprint.full;
-  return double{load.stiffnessFactor} * ComputeSpringEnergy(full, scratch) +
+  return double{load.stiffnessFactor} * ComputeSpringEnergy(full, scratch) + ComputeRepulsionEnergy(full, scratch) +
          ComputeGasEnergy(full, scratch, double{load.gasFactor}) +
          ComputeContactEnergy<Real>(blueprint.Read<Real>(), surfaces, contacts, x);
 }

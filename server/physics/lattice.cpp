@@ -9,6 +9,9 @@
 // √(E/ρ) dents a cube of 4³ cells for good. With s = ¼ its corners bear 0.6 and any side 0.35; a larger s was no
 // better.
 //
+// In a plane, per metre of depth, a cell owns two edges and two diagonals. With stiffnesses 2 K and K
+//   C₁₁ = 2 K + K = 3 K,   C₁₂ = C₄₄ = K:   isotropic, E = C₁₁ − C₁₂²/C₁₁ = 8/3 K and ν = C₁₂/C₁₁ = 1/3.
+//
 // On the boundary a cell brings what is its own: ¼ of each of its edges, which four cells share inside, ½ of each
 // face diagonal, which two share, ⅛ of its mass to each corner. All cells are then alike and a body of any number of
 // them has exactly E, ν and the density. Equal masses instead would give contacts heavier corners, but put the mass
@@ -21,6 +24,7 @@
 #include <cmath>
 
 #include "server/physics/contact.h"
+#include "server/physics/material.h"
 
 namespace wobble::physics {
 namespace {
@@ -36,7 +40,9 @@ struct Grid {
   [[nodiscard]] bool Holds(const Place& p) const {
     return std::ranges::equal(p, cells, [](int at, int last) { return at >= 0 && at <= last; });
   }
-  [[nodiscard]] bool IsOuter(std::size_t axis, const Place& p) const { return p[axis] == 0 || p[axis] == cells[axis]; }
+  [[nodiscard]] bool IsOuter(std::size_t axis, const Place& p) const {
+    return cells[axis] > 0 && (p[axis] == 0 || p[axis] == cells[axis]);
+  }
 
   // Of the cells that meet in a vertex, or in a spring that leaves it along `direction`, the share that is there.
   [[nodiscard]] double FindShare(const Place& p, const Place& direction) const {
@@ -60,25 +66,30 @@ struct Grid {
 constexpr double kBodyDiagonals = 0.25;  // s
 // Of edges, face diagonals, body diagonals, as multiples of K.
 constexpr double kStiffnesses[] = {1 + kBodyDiagonals, 1 - kBodyDiagonals, 0.75 * kBodyDiagonals};
+constexpr double kPlanarStiffnesses[] = {2, 1};
 
 // Half of the directions that springs leave a vertex in; the other half is the neighbours' own.
 constexpr Place kDirections[] = {{1, 0, 0}, {0, 1, 0},  {0, 0, 1}, {1, 1, 0},  {-1, 1, 0}, {1, 0, 1},  {-1, 0, 1},
                                  {0, 1, 1}, {0, -1, 1}, {1, 1, 1}, {-1, 1, 1}, {1, -1, 1}, {-1, -1, 1}};
 
-double FindStiffness(const LatticeDefinition& d) { return d.youngModulus * d.cellSize / 2.5; }  // K
-double FindCellMass(const LatticeDefinition& d) { return d.density * d.cellSize * d.cellSize * d.cellSize; }
+double FindStiffness(const LatticeDefinition& d) {  // K
+  return IsPlanar(d.cells) ? d.youngModulus * 3 / 8 : d.youngModulus * d.cellSize / 2.5;
+}
+double FindCellMass(const LatticeDefinition& d) {
+  return d.density * d.cellSize * d.cellSize * (IsPlanar(d.cells) ? 1 : d.cellSize);
+}
 
 // Damping goes with stiffness, whatever the spring's: then it slows every mode by its frequency alone, wherever it is.
 void AddVertexSprings(const Grid& grid, const Place& p, const LatticeDefinition& definition,
                       std::vector<Spring<double>>& springs) {
   const double stiffness = FindStiffness(definition);
-  // Critical for two masses on a spring: c = 2 √(k μ) with the reduced mass μ = m/2.
-  const double damping = definition.dampingRatio * 2 * std::sqrt(stiffness * FindCellMass(definition) / 2);
+  const double damping = FindDamping(definition.dampingRatio, stiffness, FindCellMass(definition));
+  const double* stiffnesses = IsPlanar(definition.cells) ? kPlanarStiffnesses : kStiffnesses;
   for (const Place& direction : kDirections) {
     const Place q{p[0] + direction[0], p[1] + direction[1], p[2] + direction[2]};
     if (!grid.Holds(q)) continue;
     const int squares = direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2];
-    const double share = grid.FindShare(p, direction) * kStiffnesses[squares - 1];
+    const double share = grid.FindShare(p, direction) * stiffnesses[squares - 1];
     springs.push_back({grid.IndexOf(p), grid.IndexOf(q), std::sqrt(squares) * definition.cellSize, share * stiffness,
                        share * damping});
   }
@@ -124,14 +135,35 @@ double FindMeanOuterMass(const Grid& grid, const std::vector<double>& masses) {
   return sum / count;
 }
 
+void FixSide(const Grid& grid, Side side, std::vector<std::uint16_t>& fixed) {
+  if (side == Side::kNone) return;
+  const auto index = static_cast<std::size_t>(side) - static_cast<std::size_t>(Side::kLowX);
+  const std::size_t axis = index / 2;
+  const int at = index % 2 == 0 ? 0 : grid.cells[axis];
+  grid.VisitPlaces([&](const Place& p) {
+    if (p[axis] == at) fixed.push_back(grid.IndexOf(p));
+  });
+}
+
+// Half of the shortest way through, m.
+double FindHalfWidth(const LatticeDefinition& d) {
+  int fewest = kMaxLatticeCells;
+  for (const int n : d.cells) {
+    if (n > 0) fewest = std::min(fewest, n);
+  }
+  return d.cellSize * fewest / 2;
+}
+
 std::string FormatCells(const std::array<int, 3>& cells) {
   return "[" + std::to_string(cells[0]) + ", " + std::to_string(cells[1]) + ", " + std::to_string(cells[2]) + "]";
 }
 
 void CheckCells(std::vector<FieldError>& errors, const std::array<int, 3>& cells) {
-  if (std::ranges::any_of(cells, [](int n) { return n < 1 || n > kMaxLatticeCells; })) {
+  const auto isGood = [](int n, int least) { return n >= least && n <= kMaxLatticeCells; };
+  if (!isGood(cells[0], 1) || !isGood(cells[1], 0) || !isGood(cells[2], 1)) {
     errors.push_back(
-        {"cells", FormatCells(cells), "three whole numbers from 1 to " + std::to_string(kMaxLatticeCells)});
+        {"cells", FormatCells(cells),
+         "three whole numbers from 1 to " + std::to_string(kMaxLatticeCells) + ", or the second 0: a planar lattice"});
   } else if (CountVertices(cells) > kMaxLatticeVertices) {
     errors.push_back({"cells", FormatCells(cells),
                       "fewer: " + std::to_string(CountVertices(cells)) + " vertices; at most " +
@@ -147,17 +179,25 @@ std::vector<FieldError> ValidateLattice(const LatticeDefinition& d) {
   CheckField(errors, "cell_size", d.cellSize, d.cellSize >= 0.02 && d.cellSize <= 50, "0.02 to 50 m");
   CheckField(errors, "young_modulus", d.youngModulus, d.youngModulus > 0 && d.youngModulus <= 1e12,
              "above 0, up to 1e12 Pa");
-  CheckField(errors, "poisson_ratio", d.poissonRatio, std::fabs(d.poissonRatio - 0.25) < 1e-9,
-             "0.25: a lattice of central springs has no other in 3-D");
+  CheckField(errors, "poisson_ratio", d.poissonRatio, std::fabs(d.poissonRatio - FindPoissonRatio(d.cells)) < 1e-3,
+             IsPlanar(d.cells) ? "1/3 (0.333): a lattice of central springs has no other in 2-D"
+                               : "0.25: a lattice of central springs has no other in 3-D");
   CheckField(errors, "density", d.density, d.density >= 0.1 && d.density <= 1e5, "0.1 to 100000 kg/m³");
   CheckField(errors, "damping_ratio", d.dampingRatio, d.dampingRatio >= 0 && d.dampingRatio <= 2, "0 to 2");
   CheckField(errors, "friction", d.friction, d.friction >= 0 && d.friction <= 10, "0 to 10");
   CheckField(errors, "restitution", d.restitution, d.restitution >= 0 && d.restitution <= 1, "0 to 1");
   CheckField(errors, "contact_stiffness", d.contactStiffness, d.contactStiffness >= 0 && d.contactStiffness <= 1e9,
              "0 (four times young_modulus x cell_size) to 1e9 N/m");
+  CheckField(errors, "repulsion", d.repulsion, d.repulsion >= 0 && d.repulsion <= 1e6, "0 to 1e6 N·m⁴");
+  if (IsPlanar(d.cells) && (d.fixed == Side::kLowY || d.fixed == Side::kHighY)) {
+    errors.push_back({"fixed", d.fixed == Side::kLowY ? "y-" : "y+", "a side of a planar lattice: x-, x+, z-, z+"});
+  }
   if (!errors.empty()) return errors;
 
-  CheckField(errors, "young_modulus", d.youngModulus, IsSlowEnough(MakeLattice(d)),
+  const Blueprint lattice = MakeLattice(d);
+  CheckField(errors, "repulsion", d.repulsion, d.repulsion == 0 || HasLongEnoughSprings(lattice),
+             "lower, or young_modulus higher: springs that balance it would vanish");
+  CheckField(errors, "young_modulus", d.youngModulus, IsSlowEnough(lattice),
              "lower, or density or cell_size higher: the body would need more than 32 substeps a tick before it "
              "touches anything");
   return errors;
@@ -175,18 +215,21 @@ Blueprint MakeLattice(const LatticeDefinition& definition) {
     blueprint.full.masses.push_back(FindCellMass(definition) * grid.FindShare(p, {0, 0, 0}));
     AddVertexSprings(grid, p, definition, blueprint.full.springs);
   });
+  blueprint.full.planar = IsPlanar(definition.cells);
   for (const std::size_t axis : {0U, 1U, 2U}) {
     AddSide(grid, axis, false, blueprint.full.faces);
-    AddSide(grid, axis, true, blueprint.full.faces);
+    if (!blueprint.full.planar) AddSide(grid, axis, true, blueprint.full.faces);
   }
+  FixSide(grid, definition.fixed, blueprint.full.fixed);
+  SetRepulsion(blueprint, definition.repulsion);
 
   Material material;
   material.stiffness = FindStiffness(definition);
   material.friction = definition.friction;
   material.restitution = definition.restitution;
   material.contactStiffness = definition.contactStiffness;
-  blueprint.full.contact = MakeContactParameters(material, FindMeanOuterMass(grid, blueprint.full.masses),
-                                                 a * *std::ranges::min_element(definition.cells) / 2);
+  blueprint.full.contact =
+      MakeContactParameters(material, FindMeanOuterMass(grid, blueprint.full.masses), FindHalfWidth(definition));
   FinishBlueprint(blueprint);
   return blueprint;
 }

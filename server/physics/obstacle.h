@@ -1,38 +1,52 @@
-// Static surfaces: planes and boxes, as signed distances.
+// Static surfaces as signed distances: planes, boxes, spheres, capsules, ground given by heights.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "server/physics/height_field.h"
 #include "server/physics/vector.h"
 
 namespace wobble::physics {
 
 struct Obstacle {
-  enum class Kind { kPlane, kBox };
+  enum class Kind { kPlane, kBox, kSphere, kCapsule, kHeightField };
   Kind kind = Kind::kPlane;
-  Vector3d normal = Vector3d::UnitZ();      // plane: outward, of unit length
-  double offset = 0;                        // plane: normal · x on it, m
-  Vector3d centre = Vector3d::Zero();       // box, parallel to the axes, m
-  Vector3d halfExtents = Vector3d::Ones();  // box, m, each at least kMinHalfExtent
-  double friction = 1;                      // times the coefficient of the body that touches it
+  Vector3d normal = Vector3d::UnitZ();  // plane: outward, of unit length
+  double offset = 0;                    // plane: normal · x on it, m
+  // Of a box, parallel to the axes, and of a sphere; capsule: one end of its axis; height field: where the first height
+  // counts from, m.
+  Vector3d centre = Vector3d::Zero();
+  Vector3d halfExtents = Vector3d::Ones();             // box, m, each at least kMinHalfExtent
+  double friction = 1;                                 // times the coefficient of the body that touches it
+  Vector3d end = Vector3d::Zero();                     // capsule: the other end of its axis, m
+  double radius = 1;                                   // sphere, capsule, m, at least kMinRadius
+  std::shared_ptr<const HeightField> field = nullptr;  // height field: solid below it, nothing beyond its rectangle
 };
 
 // Edges and corners of boxes are rounded by this radius, m: inside a sharp box the nearest face, and with it the
 // direction of the push, jumps; inside a rounded one it turns smoothly down to this depth.
 inline constexpr double kEdgeRadius = 0.05;
 inline constexpr double kMinHalfExtent = 2 * kEdgeRadius;
+inline constexpr double kMinRadius = 2 * kEdgeRadius;
 
 // An obstacle in a body's local coordinates and the kernel's precision, made afresh each tick: the offset is taken in
-// double precision, so a body far from the world's origin loses nothing.
+// double precision, so a body far from the world's origin loses nothing. It names its obstacle's field, owns nothing.
 template <class Real>
 struct Surface {
   Obstacle::Kind kind = Obstacle::Kind::kPlane;
   Vector3<Real> normal = Vector3<Real>::UnitZ();
   Real offset = 0;
-  Vector3<Real> centre = Vector3<Real>::Zero();
+  Vector3<Real> centre = Vector3<Real>::Zero();  // height field, x and y: the node (column, row)
   Vector3<Real> halfExtents = Vector3<Real>::Ones();
-  Real friction = 0;  // factor on the body's coefficient
+  Real friction = 0;                           // factor on the body's coefficient
+  Vector3<Real> axis = Vector3<Real>::Zero();  // capsule: from `centre` to its other end
+  Real radius = 0;
+  const HeightField* field = nullptr;
+  int column = 0;  // of the node nearest to the body's origin, which may lie outside of the field
+  int row = 0;
+  double base = 0;  // the body's origin over the height 0, m
 };
 
 template <class Real>
@@ -44,7 +58,20 @@ struct SurfacePoint {
   Vector3<Real> normal = Vector3<Real>::UnitZ();  // where the distance grows fastest, unit length
 };
 
+// Of a height field the distance is the height above it times normal.z, right to the first order: at a distance d from
+// ground whose radius of curvature is r it is off by d²/r or so, and further away it says little. Beyond the field's
+// rectangle, which has no walls, it is kBeyond.
 template <class Real>
 [[nodiscard]] SurfacePoint<Real> FindSurfacePoint(const Surface<Real>& surface, const Vector3<Real>& x);
+inline constexpr double kBeyond = 1e6;  // m
+
+// At most as far as the way from x to any point of the surface, m; at most 0 inside.
+template <class Real>
+[[nodiscard]] Real FindClearance(const Surface<Real>& surface, const Vector3<Real>& x);
+
+// How fast the distance may shrink, at most, for something that goes straight on at v from `point`, m/s. Of what is
+// convex, as fast as it does now; ground may rise in the way.
+template <class Real>
+[[nodiscard]] Real FindApproach(const Surface<Real>& surface, const SurfacePoint<Real>& point, const Vector3<Real>& v);
 
 }  // namespace wobble::physics

@@ -11,9 +11,9 @@ namespace wobble::physics {
 
 // Slower than this and changing its speed by less for so long, a body is at rest. RMS over vertices, so that a corner
 // that trembles does not keep it awake. Creep at the limit would be a centimetre a second.
-inline constexpr double kQuietSpeed = 0.01;        // m/s
-inline constexpr double kQuietAcceleration = 0.2;  // m/s²
-inline constexpr double kQuietTime = 0.5;          // s
+inline constexpr double kQuietSpeed = 0.01;         // m/s
+inline constexpr double kQuietAcceleration = 0.05;  // m/s²
+inline constexpr double kQuietTime = 0.5;           // s
 
 inline void WakeUp(Body& body) {
   body.asleep = false;

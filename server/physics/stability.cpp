@@ -62,15 +62,12 @@ ContactRates FindContactRates(const Coefficients<Real>& body, std::span<const Su
     const std::uint32_t i = candidate.vertex;
     const SurfacePoint<Real> point = FindContactPoint(surfaces[candidate.surface], candidate, state.positions[i]);
     const double mass = double{body.masses[i]} / double{body.contactShares[i]};
-    const double approach = std::max(agitation, -double{point.normal.dot(state.velocities[i])});
+    const double approach =
+        std::max(agitation, double{FindApproach(surfaces[candidate.surface], point, state.velocities[i])});
     const double depth = PredictDepth(-double{point.distance}, approach, duration);
-    if (depth <= 0) continue;
-    const auto at = static_cast<Real>(depth);
-    const double normalDamping = double{contact.damping} * double{ComputeDampingShare(contact, at)};
-    const double frequency = (double{ComputePenaltySlope(contact, at)} + double{contact.stickStiffness}) / mass;
-    const double damping = (normalDamping + double{contact.stickDamping}) / mass;
-    largest.squareFrequency = std::max(largest.squareFrequency, frequency);
-    largest.dampingRate = std::max(largest.dampingRate, damping);
+    const ContactRates rates = FindRates(contact, depth, mass);
+    largest.squareFrequency = std::max(largest.squareFrequency, rates.squareFrequency);
+    largest.dampingRate = std::max(largest.dampingRate, rates.dampingRate);
   }
   return largest;
 }
@@ -88,13 +85,17 @@ double FindLandingSubsteps(const Blueprint& blueprint, std::span<const Surface<R
   for (const Contact<Real>& candidate : state.contacts) {
     const std::uint32_t i = candidate.vertex;
     const SurfacePoint<Real> point = FindContactPoint(surfaces[candidate.surface], candidate, state.positions[i]);
-    const double approach = -double{point.normal.dot(state.velocities[i])};
+    const double approach = double{FindApproach(surfaces[candidate.surface], point, state.velocities[i])};
     const double depth = -double{point.distance};
     if (depth >= fade || PredictDepth(depth, approach, duration) <= -fade) continue;
     landing += double{body.masses[i]};
     fastest = std::max(fastest, approach);
   }
   return fade > 0 ? fastest * duration / fade * std::sqrt(std::min(1.0, landing / blueprint.totalMass)) : 0;
+}
+
+ContactRates AddRates(const ContactRates& a, const ContactRates& b) {
+  return {a.squareFrequency + b.squareFrequency, a.dampingRate + b.dampingRate};
 }
 
 }  // namespace
@@ -143,15 +144,41 @@ void FindBodyStability(Blueprint& blueprint) {
   blueprint.dampingRate = ratio * blueprint.angularFrequency * blueprint.angularFrequency;
 }
 
+double FindStableRate(Integrator integrator, const Blueprint& blueprint, const Modes& modes) {
+  if (integrator == Integrator::kImplicitEuler) {
+    // What is not in its matrix it takes as semi-implicit Euler does.
+    return FindStableRate(Integrator::kSemiImplicitEuler, modes.bodies.squareFrequency, modes.bodies.dampingRate);
+  }
+  // The body's own frequency has springs and gas in one, so the springs that are distances are left out without gas.
+  const bool springsAreDistances = integrator == Integrator::kPositionVerlet && !(blueprint.full.gas > 0);
+  const ContactRates body = springsAreDistances ? ContactRates{} : modes.body;
+  const ContactRates contact = AddRates(modes.surfaces, modes.bodies);
+  const double together = body.squareFrequency + contact.squareFrequency;
+  const double damping = body.dampingRate + contact.dampingRate;
+  return std::max({FindStableRate(integrator, body.squareFrequency, damping),
+                   FindStableRate(integrator, together, damping),
+                   FindStableRate(integrator, together, body.dampingRate)});
+}
+
+template <class Real>
+Modes FindModes(const Blueprint& blueprint, const Load<Real>& load, std::span<const Surface<Real>> surfaces,
+                const State<Real>& state, const ContactRates& fromBodies, double duration) {
+  const double factor = std::max({1.0, double{load.stiffnessFactor}, double{load.gasFactor}});
+  Modes modes;
+  modes.body.squareFrequency = blueprint.angularFrequency * blueprint.angularFrequency * factor;
+  modes.body.dampingRate = blueprint.dampingRate * factor;
+  modes.surfaces = FindContactRates(blueprint.Read<Real>(), surfaces, state, duration);
+  modes.bodies = fromBodies;
+  return modes;
+}
+
 template <class Real>
 double FindLargestRate(const Blueprint& blueprint, const Load<Real>& load, std::span<const Surface<Real>> surfaces,
                        const State<Real>& state, const ContactRates& fromBodies, double duration, bool& lightlyDamped) {
-  const double factor = std::max({1.0, double{load.stiffnessFactor}, double{load.gasFactor}});
-  const double body = blueprint.angularFrequency * blueprint.angularFrequency * factor;
-  const double bodyDamping = blueprint.dampingRate * factor;
-  ContactRates contact = FindContactRates(blueprint.Read<Real>(), surfaces, state, duration);
-  contact.squareFrequency += fromBodies.squareFrequency;
-  contact.dampingRate += fromBodies.dampingRate;
+  const Modes modes = FindModes(blueprint, load, surfaces, state, fromBodies, duration);
+  const double body = modes.body.squareFrequency;
+  const double bodyDamping = modes.body.dampingRate;
+  const ContactRates contact = AddRates(modes.surfaces, modes.bodies);
   const double both = bodyDamping + contact.dampingRate;
   const double rate =
       std::max({FindModeRate(body, both), contact.dampingRate, FindModeRate(body + contact.squareFrequency, both),
@@ -161,18 +188,25 @@ double FindLargestRate(const Blueprint& blueprint, const Load<Real>& load, std::
 }
 
 template <class Real>
-int ChooseSubsteps(const Blueprint& blueprint, const Load<Real>& load, std::span<const Surface<Real>> surfaces,
-                   const State<Real>& state, const ContactRates& fromBodies, double duration) {
+int ChooseSubsteps(Integrator integrator, const Blueprint& blueprint, const Load<Real>& load,
+                   std::span<const Surface<Real>> surfaces, const State<Real>& state, const ContactRates& fromBodies,
+                   double duration) {
+  if (integrator != Integrator::kRungeKutta4) {
+    const Modes modes = FindModes(blueprint, load, surfaces, state, fromBodies, duration);
+    return FindRung(FindStableRate(integrator, blueprint, modes) * duration);
+  }
   bool lightlyDamped = false;
   const double rate = FindLargestRate(blueprint, load, surfaces, state, fromBodies, duration, lightlyDamped);
   const double forStability = rate * duration / (lightlyDamped ? kStabilityLimitLightlyDamped : kStabilityLimit);
   return FindRung(std::max(forStability, FindLandingSubsteps(blueprint, surfaces, state, duration)));
 }
 
-#define WOBBLE_INSTANTIATE(Real)                                                                             \
-  template double FindLargestRate<Real>(const Blueprint&, const Load<Real>&, std::span<const Surface<Real>>, \
-                                        const State<Real>&, const ContactRates&, double, bool&);             \
-  template int ChooseSubsteps<Real>(const Blueprint&, const Load<Real>&, std::span<const Surface<Real>>,     \
+#define WOBBLE_INSTANTIATE(Real)                                                                                     \
+  template double FindLargestRate<Real>(const Blueprint&, const Load<Real>&, std::span<const Surface<Real>>,         \
+                                        const State<Real>&, const ContactRates&, double, bool&);                     \
+  template Modes FindModes<Real>(const Blueprint&, const Load<Real>&, std::span<const Surface<Real>>,                \
+                                 const State<Real>&, const ContactRates&, double);                                   \
+  template int ChooseSubsteps<Real>(Integrator, const Blueprint&, const Load<Real>&, std::span<const Surface<Real>>, \
                                     const State<Real>&, const ContactRates&, double);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)

@@ -9,6 +9,7 @@
 
 #include "server/physics/blueprint.h"
 #include "server/physics/forces.h"
+#include "server/physics/integrator.h"
 #include "server/physics/state.h"
 
 namespace wobble::physics {
@@ -27,6 +28,22 @@ inline constexpr int kMaxSubsteps = 64;
 // Fills angularFrequency (power iteration on springs and gas at rest, times 1.05 for squeezing) and dampingRate.
 void FindBodyStability(Blueprint& blueprint);
 
+// The modes of a body with everything it may touch within a tick: squares of the largest angular frequencies, 1/s², and
+// the damping rates that go with them, 1/s.
+struct Modes {
+  ContactRates body;
+  ContactRates surfaces;
+  ContactRates bodies;  // its contacts with others
+};
+// fromBodies: what its contacts with other bodies add.
+template <class Real>
+[[nodiscard]] Modes FindModes(const Blueprint& blueprint, const Load<Real>& load,
+                              std::span<const Surface<Real>> surfaces, const State<Real>& state,
+                              const ContactRates& fromBodies, double duration);
+
+// Substeps a second with which the method is stable for all of them.
+[[nodiscard]] double FindStableRate(Integrator integrator, const Blueprint& blueprint, const Modes& modes);
+
 // The largest rate ρ, 1/s, over the modes of the body with everything it may touch within `duration` seconds.
 // fromBodies: what its contacts with other bodies add.
 template <class Real>
@@ -34,9 +51,9 @@ template <class Real>
                                      std::span<const Surface<Real>> surfaces, const State<Real>& state,
                                      const ContactRates& fromBodies, double duration, bool& lightlyDamped);
 
-// Substeps for a tick of `duration` seconds.
+// Substeps for a tick of `duration` seconds with which the method is stable.
 template <class Real>
-[[nodiscard]] int ChooseSubsteps(const Blueprint& blueprint, const Load<Real>& load,
+[[nodiscard]] int ChooseSubsteps(Integrator integrator, const Blueprint& blueprint, const Load<Real>& load,
                                  std::span<const Surface<Real>> surfaces, const State<Real>& state,
                                  const ContactRates& fromBodies, double duration);
 

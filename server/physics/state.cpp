@@ -26,7 +26,11 @@ State<Real> MakeState(const Blueprint& blueprint, const Vector3d& position, cons
   state.origin = position;
   state.positions.reserve(blueprint.rest.size());
   for (const Vector3d& x : blueprint.rest) state.positions.push_back(x.cast<Real>());
-  state.velocities.assign(blueprint.rest.size(), velocity.cast<Real>());
+  const Coefficients<double>& full = blueprint.full;
+  const Vector3d free = full.planar ? Vector3d(velocity.x(), 0, velocity.z()) : velocity;
+  state.velocities.assign(blueprint.rest.size(), free.cast<Real>());
+  for (const std::uint16_t vertex : full.fixed) state.velocities[vertex].setZero();
+  if (full.tearStretch > 0) state.torn.assign(full.springs.size(), 0);
   return state;
 }
 
@@ -82,6 +86,9 @@ std::uint64_t HashState(const State<Real>& state, std::uint64_t hash) {
   hash = HashBytes(std::as_bytes(std::span(state.origin.data(), 3)), hash);
   for (const Vector3<Real>& x : state.positions) hash = HashBytes(std::as_bytes(std::span(x.data(), 3)), hash);
   for (const Vector3<Real>& v : state.velocities) hash = HashBytes(std::as_bytes(std::span(v.data(), 3)), hash);
+  for (std::uint32_t spring = 0; spring < state.torn.size(); ++spring) {
+    if (state.torn[spring] != 0) hash = HashBytes(std::as_bytes(std::span(&spring, 1)), hash);
+  }
   return hash;
 }
 

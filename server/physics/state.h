@@ -21,9 +21,11 @@ struct State {
   std::vector<Vector3<Real>> positions;   // local, m
   std::vector<Vector3<Real>> velocities;  // m/s
   std::vector<Contact<Real>> contacts;    // with static surfaces
+  std::vector<std::uint8_t> torn;         // one a spring, not 0 once it has torn; empty where the blueprint cannot tear
 };
 
-// The rest shape at `position`, turned by nothing, every vertex moving at `velocity`.
+// The rest shape at `position`, turned by nothing and whole, every vertex that can move moving at `velocity` (planar
+// bodies: in their plane).
 template <class Real>
 [[nodiscard]] State<Real> MakeState(const Blueprint& blueprint, const Vector3d& position, const Vector3d& velocity);
 

@@ -18,6 +18,7 @@ World::~World() = default;
 std::uint8_t World::AddBlueprint(Blueprint blueprint) {
   assert(m_bodies.empty() && m_blueprints.size() < 255);
   m_blueprints.push_back(std::move(blueprint));
+  m_slots.push_back({++m_blueprintRevision, true});
   return static_cast<std::uint8_t>(m_blueprints.size() - 1);
 }
 
@@ -86,6 +87,41 @@ void World::SetGravity(const Vector3d& gravity) {
   if (gravity == m_settings.gravity) return;
   m_settings.gravity = gravity;
   for (Body& body : m_bodies) WakeUp(body);
+}
+
+std::size_t World::FindFreeSlot() const {
+  std::vector<bool> isUsed(m_slots.size(), false);
+  for (const Body& body : m_bodies) isUsed[body.blueprint] = true;
+  std::size_t best = m_slots.size();
+  for (std::size_t slot = 0; slot < m_slots.size(); ++slot) {
+    if (m_slots[slot].isKept || isUsed[slot]) continue;
+    if (best == m_slots.size() || m_slots[slot].revision < m_slots[best].revision) best = slot;
+  }
+  return best;
+}
+
+bool World::ReplaceBlueprint(BodyId id, Blueprint blueprint) {
+  const std::size_t slot = FindFreeSlot();
+  if (slot >= 255) return false;
+  DropPairsOf(id);
+  Body& body = FindBody(id);
+  const Vector3d centre = FindCentre(body);
+  if (slot == m_slots.size()) {
+    m_blueprints.emplace_back();
+    m_slots.emplace_back();
+  }
+  m_blueprints[slot] = std::move(blueprint);
+  m_slots[slot].revision = ++m_blueprintRevision;
+  body.blueprint = static_cast<std::uint8_t>(slot);
+  WakeUp(body);
+  std::visit(
+      [&]<class Real>(State<Real>& state) {
+        state.contacts.clear();
+        if (state.positions.size() == m_blueprints[slot].rest.size()) return;
+        state = MakeState<Real>(m_blueprints[slot], centre, Vector3d::Zero());
+      },
+      body.state);
+  return true;
 }
 
 void World::SetControl(BodyId id, const Control& control, const ControlLimits& limits) {

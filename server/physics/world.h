@@ -23,7 +23,8 @@ struct WorldSettings {
   int threads = 1;
   // Of each body, RMS over its vertices, that may build up in a second of motion, m/s.
   double errorTarget = 0.001;
-  int maxSubsteps = 64;  // that the error target may ask for; stability takes what it needs
+  int maxSubsteps = 64;              // that the error target may ask for; stability takes what it needs
+  Vector3d wind = Vector3d::Zero();  // of the medium that drags at faces, m/s
 };
 
 // What one tick did. Counts of bodies but for substeps, sums over them.
@@ -57,6 +58,10 @@ class World {
   void SetMotion(BodyId id, std::span<const Vector3d> positions, std::span<const Vector3d> velocities);
   // Wakes everything that sleeps: down is elsewhere now.
   void SetGravity(const Vector3d& gravity);
+  // Puts the body onto a blueprint of its own, in a slot that no body uses any more, but none of AddBlueprint's, or in
+  // a new one. With as many vertices as before it keeps their places and velocities; else it takes the rest shape at
+  // its centre. False, and nothing done, when all 255 slots are taken.
+  bool ReplaceBlueprint(BodyId id, Blueprint blueprint);
   [[nodiscard]] const Body& ReadBody(BodyId id) const;
 
   StepReport Step();
@@ -64,6 +69,9 @@ class World {
   [[nodiscard]] std::uint32_t Tick() const { return m_tick; }  // steps taken
   [[nodiscard]] const WorldSettings& Settings() const { return m_settings; }
   [[nodiscard]] std::span<const Blueprint> Blueprints() const { return m_blueprints; }
+  // Grow whenever a slot, or this one, is given another blueprint.
+  [[nodiscard]] std::uint64_t BlueprintRevision() const { return m_blueprintRevision; }
+  [[nodiscard]] std::uint64_t SlotRevision(std::uint8_t slot) const { return m_slots[slot].revision; }
   [[nodiscard]] std::span<const Obstacle> Obstacles() const { return m_obstacles; }
   [[nodiscard]] std::span<const Body> Bodies() const { return m_bodies; }  // by ascending id
   [[nodiscard]] const Blueprint& BlueprintOf(const Body& body) const { return m_blueprints[body.blueprint]; }
@@ -78,12 +86,21 @@ class World {
   template <class Real>
   class Stepper;
 
+  struct Slot {
+    std::uint64_t revision = 0;
+    bool isKept = false;  // AddBlueprint's
+  };
+
   Body& FindBody(BodyId id);
+  // Of those that may be given another blueprint, the one that has had its own for longest, or one more than there are.
+  [[nodiscard]] std::size_t FindFreeSlot() const;
   // Forgets whom it touched, for one that is gone or elsewhere, and wakes them.
   void DropPairsOf(BodyId id);
 
   WorldSettings m_settings;
   std::vector<Blueprint> m_blueprints;
+  std::vector<Slot> m_slots;  // of m_blueprints
+  std::uint64_t m_blueprintRevision = 0;
   std::vector<Obstacle> m_obstacles;
   std::vector<Body> m_bodies;
   std::unique_ptr<Engine> m_engine;

@@ -82,6 +82,8 @@ class World::Stepper {
     State<Real>& state = *member.state;
     m_work.safePlaces[i] = physics::FindCentre(*member.blueprint, state);
     member.load = ApplyControl(*member.blueprint, m_world.m_settings.gravity, body, state);
+    member.load.wind = m_world.m_settings.wind.template cast<Real>();
+    member.load.torn = state.torn;
     member.substepsForError = body.steps.Substeps();
     member.health = Health::kGood;
     member.lost = false;
@@ -90,8 +92,9 @@ class World::Stepper {
       member.surfaces.push_back(MakeSurface<Real>(obstacle, state.origin));
     }
     member.bounds = FindBounds<Real>(state.positions, state.velocities);
-    FindContacts<Real>(member.surfaces, member.bounds, state.positions, state.velocities, static_cast<Real>(m_duration),
-                       state.contacts, m_work.scratch.local().contacts);
+    FindContacts<Real>(member.surfaces, member.blueprint->template Read<Real>().contact.range, member.bounds,
+                       state.positions, state.velocities, static_cast<Real>(m_duration), state.contacts,
+                       m_work.scratch.local().contacts);
     const double fat = kMargin + m_duration * double{member.bounds.speed};
     m_work.boxes[i] = {state.origin + member.bounds.low.template cast<double>() - Vector3d::Constant(fat),
                        state.origin + member.bounds.high.template cast<double>() + Vector3d::Constant(fat)};
@@ -269,7 +272,7 @@ class World::Stepper {
     m_work.outcomes[i] = {steps, member.health, member.lost};
     body.touchesBody = false;
     if (member.lost) {
-      state = MakeState<Real>(*member.blueprint, m_work.safePlaces[i], Vector3d::Zero());
+      state = MakeState<Real>(*member.blueprint, FindFreePlace(member, m_work.safePlaces[i]), Vector3d::Zero());
       body.steps = {};
       WakeUp(body);
     } else {
@@ -277,6 +280,18 @@ class World::Stepper {
       NoteMotion(member, body);
       Recentre(*member.blueprint, state);
     }
+  }
+
+  // Near `place`, clear of obstacles where there is room: a body is lost where it is crushed, and its rest shape put
+  // there would stick in what has crushed it.
+  Vector3d FindFreePlace(const Member<Real>& member, const Vector3d& place) const {
+    Vector3d free = place;
+    for (const Obstacle& obstacle : m_world.m_obstacles) {
+      const SurfacePoint<double> point = FindSurfacePoint(MakeSurface<double>(obstacle, Vector3d::Zero()), free);
+      const double missing = member.blueprint->reach - point.distance;
+      if (missing > 0) free += missing * point.normal;
+    }
+    return free;
   }
 
   // A body that was reset has left those that it touched.

@@ -5,18 +5,36 @@ namespace wobble::scenes {
 namespace {
 
 using physics::BallDefinition;
+using physics::ClothDefinition;
+using physics::GraphDefinition;
 using physics::LatticeDefinition;
+using physics::PairDefinition;
+using physics::RingDefinition;
 
 std::size_t CountVerticesOf(const BallDefinition& ball) { return physics::CountVertices(ball.subdivisions); }
 std::size_t CountVerticesOf(const LatticeDefinition& lattice) { return physics::CountVertices(lattice.cells); }
+std::size_t CountVerticesOf(const PairDefinition& /*pair*/) { return 2; }
+std::size_t CountVerticesOf(const RingDefinition& ring) { return static_cast<std::size_t>(ring.points * ring.layers); }
+std::size_t CountVerticesOf(const ClothDefinition& cloth) {
+  return static_cast<std::size_t>(cloth.points[0] * cloth.points[1]);
+}
+std::size_t CountVerticesOf(const GraphDefinition& graph) { return graph.particles.size(); }
 
 std::vector<physics::FieldError> ValidateOne(const BallDefinition& ball) { return physics::ValidateBall(ball); }
 std::vector<physics::FieldError> ValidateOne(const LatticeDefinition& lattice) {
   return physics::ValidateLattice(lattice);
 }
+std::vector<physics::FieldError> ValidateOne(const PairDefinition& pair) { return physics::ValidatePair(pair); }
+std::vector<physics::FieldError> ValidateOne(const RingDefinition& ring) { return physics::ValidateRing(ring); }
+std::vector<physics::FieldError> ValidateOne(const ClothDefinition& cloth) { return physics::ValidateCloth(cloth); }
+std::vector<physics::FieldError> ValidateOne(const GraphDefinition& graph) { return physics::ValidateGraph(graph); }
 
 physics::Blueprint MakeOne(const BallDefinition& ball) { return physics::MakeBall(ball); }
 physics::Blueprint MakeOne(const LatticeDefinition& lattice) { return physics::MakeLattice(lattice); }
+physics::Blueprint MakeOne(const PairDefinition& pair) { return physics::MakePair(pair); }
+physics::Blueprint MakeOne(const RingDefinition& ring) { return physics::MakeRing(ring); }
+physics::Blueprint MakeOne(const ClothDefinition& cloth) { return physics::MakeCloth(cloth); }
+physics::Blueprint MakeOne(const GraphDefinition& graph) { return physics::MakeGraph(graph); }
 
 }  // namespace
 

@@ -6,11 +6,16 @@
 #include <vector>
 
 #include "server/physics/ball.h"
+#include "server/physics/cloth.h"
+#include "server/physics/graph.h"
 #include "server/physics/lattice.h"
+#include "server/physics/pair.h"
+#include "server/physics/ring.h"
 
 namespace wobble::scenes {
 
-using BodyDefinition = std::variant<physics::BallDefinition, physics::LatticeDefinition>;
+using BodyDefinition = std::variant<physics::BallDefinition, physics::LatticeDefinition, physics::PairDefinition,
+                                    physics::RingDefinition, physics::ClothDefinition, physics::GraphDefinition>;
 
 [[nodiscard]] const std::string& NameOf(const BodyDefinition& definition);
 [[nodiscard]] std::size_t CountVertices(const BodyDefinition& definition);

@@ -39,9 +39,27 @@ void PlaceGroup(const BodyGroup& group, Random& random, physics::World& world, s
 
 }  // namespace
 
+physics::WorldSettings MakeWorldSettings(const Scene& scene, double tickDuration, int threads) {
+  physics::WorldSettings settings;
+  settings.gravity = scene.gravity;
+  settings.wind = scene.wind;
+  settings.tickDuration = tickDuration;
+  settings.precision = scene.precision;
+  settings.threads = threads;
+  settings.errorTarget = scene.errorTarget;
+  settings.maxSubsteps = scene.maxSubsteps;
+  return settings;
+}
+
 std::vector<PlacedBody> FillWorld(const Scene& scene, std::uint64_t seed, physics::World& world) {
   for (const physics::Obstacle& obstacle : scene.obstacles) world.AddObstacle(obstacle);
-  for (const BodyDefinition& definition : scene.blueprints) world.AddBlueprint(MakeBlueprint(definition));
+  for (std::size_t i = 0; i < scene.blueprints.size(); ++i) {
+    physics::Blueprint blueprint = MakeBlueprint(scene.blueprints[i]);
+    const Methods methods = i < scene.methods.size() ? scene.methods[i] : Methods{};
+    SetIntegrator(blueprint, methods.integrator);
+    SetContactLaw(blueprint, methods.contactLaw, methods.magneticStrength);
+    world.AddBlueprint(std::move(blueprint));
+  }
   Random random(seed);
   std::vector<PlacedBody> placed;
   for (const BodyGroup& group : scene.groups) PlaceGroup(group, random, world, placed);

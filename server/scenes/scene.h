@@ -21,6 +21,13 @@ struct BodyGroup {
   physics::Vector3d velocity = physics::Vector3d::Zero();  // m/s
 };
 
+// What a blueprint of any kind is stepped with.
+struct Methods {
+  physics::Integrator integrator = physics::Integrator::kRungeKutta4;
+  physics::ContactLaw contactLaw = physics::ContactLaw::kPenalty;
+  double magneticStrength = physics::kDefaultMagneticStrength;  // N·m²
+};
+
 // What a player gets. Players appear one after the other on a circle about `spawn`.
 struct PlayerRules {
   std::size_t blueprint = 0;
@@ -32,11 +39,15 @@ struct PlayerRules {
 struct Scene {
   std::string name;
   std::string description;
-  physics::Vector3d gravity{0, 0, -9.81};  // m/s²
+  physics::Vector3d gravity{0, 0, -9.81};              // m/s²
+  physics::Vector3d wind = physics::Vector3d::Zero();  // m/s
   physics::Precision precision = physics::Precision::kSingle;
+  double errorTarget = physics::WorldSettings{}.errorTarget;  // m/s
+  int maxSubsteps = physics::WorldSettings{}.maxSubsteps;
   double killHeight = -20;  // below this a body starts again, m
   std::vector<physics::Obstacle> obstacles;
   std::vector<BodyDefinition> blueprints;
+  std::vector<Methods> methods;  // one a blueprint; those beyond its end have the default
   std::vector<BodyGroup> groups;
   PlayerRules player;
 };
@@ -47,14 +58,17 @@ struct PlacedBody {
   physics::Vector3d home = physics::Vector3d::Zero();
 };
 
+// Of a world for the scene.
+[[nodiscard]] physics::WorldSettings MakeWorldSettings(const Scene& scene, double tickDuration, int threads);
+
 // Fills an empty world with the scene's obstacles, blueprints and bodies. Same seed, same world.
 [[nodiscard]] std::vector<PlacedBody> FillWorld(const Scene& scene, std::uint64_t seed, physics::World& world);
 
 // The start of the index-th player, m: golden-angle steps round the circle keep any number of players apart.
 [[nodiscard]] physics::Vector3d FindSpawn(const PlayerRules& player, std::uint32_t index);
 
-// The first of the index-th, the next and so on that no body of the world lies in; above them when all are taken. Bodies
-// that were put into one another would take seconds to part.
+// The first of the index-th, the next and so on that no body of the world lies in; above them when all are taken.
+// Bodies that were put into one another would take seconds to part.
 [[nodiscard]] physics::Vector3d FindFreeSpawn(const PlayerRules& player, std::uint32_t index,
                                               const physics::World& world);
 

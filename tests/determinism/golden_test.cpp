@@ -36,7 +36,7 @@ physics::Control MakeScriptedControl(int tick) {
 
 // A line a second: scene, second, hash.
 std::string PlayScene(const scenes::Scene& scene, int threads, int seconds) {
-  physics::World world({scene.gravity, 1.0 / kTickHz, scene.precision, threads});
+  physics::World world(scenes::MakeWorldSettings(scene, 1.0 / kTickHz, threads));
   [[maybe_unused]] const auto placed = scenes::FillWorld(scene, kSeed, world);
   const physics::BodyId player =
       world.AddBody(static_cast<std::uint8_t>(scene.player.blueprint), scenes::FindSpawn(scene.player, 1));

@@ -33,7 +33,15 @@ unsigned Read(const wire::ServerMessage& message) {
   unsigned sum = 0;
   if (const auto* welcome = message.body_as_Welcome()) {
     for (const wire::Obstacle* obstacle : *welcome->obstacles()) sum += obstacle->b().z() > 0;
+    for (const wire::HeightField* field : *welcome->height_fields()) {
+      Require(field->columns() >= 2 && field->rows() >= 2);
+      sum += field->low() > 0;
+    }
     return sum + Sum(*welcome->scene());
+  }
+  if (const auto* rows = message.body_as_HeightRows()) {
+    for (const std::uint16_t height : *rows->heights()) sum += height;
+    return sum;
   }
   const auto* chunk = message.body_as_BlueprintChunk();
   Require(chunk != nullptr && chunk->offset() + chunk->bytes()->size() <= chunk->total());
@@ -46,6 +54,11 @@ unsigned Read(const wire::Blueprint& blueprint) {
   for (const wire::Vec3* vertex : *blueprint.rest()) sum += vertex->z() > 0;
   for (const wire::Face* face : *blueprint.faces()) {
     Require(std::max({face->a(), face->b(), face->c()}) < blueprint.rest()->size());
+  }
+  if (blueprint.edges() != nullptr) {
+    for (const wire::Edge* edge : *blueprint.edges()) {
+      Require(std::max(edge->a(), edge->b()) < blueprint.rest()->size());
+    }
   }
   return sum;
 }

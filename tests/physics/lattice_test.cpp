@@ -252,14 +252,14 @@ TEST(Lattice, SpringsBackFromAHit) {
 
 TEST(Lattice, ValidateNamesFieldValueAndRange) {
   LatticeDefinition definition;
-  definition.cells = {3, 0, 3};
+  definition.cells = {3, 3, 0};
   definition.poissonRatio = 0.3;
   definition.density = -2;
   const std::vector<FieldError> errors = ValidateLattice(definition);
   ASSERT_EQ(errors.size(), 3U);
   EXPECT_EQ(errors[0].field, "cells");
-  EXPECT_EQ(errors[0].value, "[3, 0, 3]");
-  EXPECT_EQ(errors[0].range, "three whole numbers from 1 to 100");
+  EXPECT_EQ(errors[0].value, "[3, 3, 0]");
+  EXPECT_EQ(errors[0].range, "three whole numbers from 1 to 100, or the second 0: a planar lattice");
   EXPECT_EQ(errors[1].field, "poisson_ratio");
   EXPECT_EQ(errors[1].value, "0.3");
   EXPECT_EQ(errors[1].range, "0.25: a lattice of central springs has no other in 3-D");

@@ -174,22 +174,24 @@ TEST(ClientInterpolator, StaysExactFarFromTheOrigin) {
 }
 
 // From here on whole bodies.
-Blueprint MakeRow(std::size_t vertices) {
-  Blueprint blueprint;
-  for (std::size_t i = 0; i < vertices; ++i) blueprint.rest.push_back({static_cast<float>(i), 0, 0});
-  blueprint.size = 1;
-  return blueprint;
+using SharedBlueprint = std::shared_ptr<const Blueprint>;
+
+SharedBlueprint MakeRow(std::size_t vertices) {
+  auto row = std::make_shared<Blueprint>();
+  for (std::size_t i = 0; i < vertices; ++i) row->rest.push_back({static_cast<float>(i), 0, 0});
+  row->size = 1;
+  return row;
 }
 
-bool AddRecord(Bodies& bodies, const Blueprint& blueprint, std::uint32_t body, std::uint8_t patch, std::uint32_t tick,
-               float x) {
+bool AddRecord(Bodies& bodies, const SharedBlueprint& blueprint, std::uint32_t body, std::uint8_t patch,
+               std::uint32_t tick, float x) {
   const std::size_t first = patch * protocol::kMaxPatchVertices;
-  const auto shape = std::span(blueprint.rest).subspan(first, protocol::PatchSize(blueprint.rest.size(), patch));
+  const auto shape = std::span(blueprint->rest).subspan(first, protocol::PatchSize(blueprint->rest.size(), patch));
   return bodies.Add({body, 0, patch}, blueprint, tick, tick / 60.0, {{x, 0, 0}, {}}, shape, 0);
 }
 
 TEST(ClientBodies, CountsAStallOnceForEachBeginning) {
-  const Blueprint blueprint = MakeRow(1);
+  const SharedBlueprint blueprint = MakeRow(1);
   Bodies bodies;
   Statistics statistics;
   std::vector<BodySample> samples;
@@ -206,7 +208,7 @@ TEST(ClientBodies, CountsAStallOnceForEachBeginning) {
 }
 
 TEST(ClientBodies, JoinsPatchesEachUnderItsOwnPose) {
-  const Blueprint blueprint = MakeRow(protocol::kMaxPatchVertices + 10);
+  const SharedBlueprint blueprint = MakeRow(protocol::kMaxPatchVertices + 10);
   Bodies bodies;
   Statistics statistics;
   std::vector<BodySample> samples;
@@ -216,7 +218,7 @@ TEST(ClientBodies, JoinsPatchesEachUnderItsOwnPose) {
   ASSERT_TRUE(AddRecord(bodies, blueprint, 7, 0, 62, 1000));
   bodies.Sample(1, 62 / 60.0, Detail::kVertices, samples, statistics);
   ASSERT_EQ(samples.size(), 1U);
-  ASSERT_EQ(samples[0].vertices.size(), blueprint.rest.size());
+  ASSERT_EQ(samples[0].vertices.size(), blueprint->rest.size());
   EXPECT_EQ(samples[0].pose.centroid.x, 1000);
   EXPECT_EQ(samples[0].vertices[3].x, 1003);
   EXPECT_EQ(samples[0].vertices[protocol::kMaxPatchVertices].x, 5000 + protocol::kMaxPatchVertices);
@@ -224,7 +226,7 @@ TEST(ClientBodies, JoinsPatchesEachUnderItsOwnPose) {
 }
 
 TEST(ClientBodies, SamplesByAscendingNumberAndForgets) {
-  const Blueprint blueprint = MakeRow(1);
+  const SharedBlueprint blueprint = MakeRow(1);
   Bodies bodies;
   Statistics statistics;
   std::vector<BodySample> samples;
@@ -243,19 +245,43 @@ TEST(ClientBodies, SamplesByAscendingNumberAndForgets) {
 }
 
 TEST(ClientBodies, RefusesMoreThanItMayHold) {
-  const Blueprint large = MakeRow(protocol::kMaxBodyVertices);
+  const SharedBlueprint large = MakeRow(protocol::kMaxBodyVertices);
   Bodies bodies;
   std::uint32_t number = 1;
   while (number < 10000 && AddRecord(bodies, large, number, 0, 60, 0)) ++number;
-  EXPECT_LE(bodies.Count() * large.rest.size(), kMaxTrackedVertices);
-  EXPECT_GE((bodies.Count() + 2) * large.rest.size(), kMaxTrackedVertices);
+  EXPECT_LE(bodies.Count() * large->rest.size(), kMaxTrackedVertices);
+  EXPECT_GE((bodies.Count() + 2) * large->rest.size(), kMaxTrackedVertices);
   bodies.Remove(1, 60);
   EXPECT_TRUE(AddRecord(bodies, large, 10001, 0, 60, 0));
 
-  const Blueprint small = MakeRow(1);
+  const SharedBlueprint small = MakeRow(1);
   Bodies many;
   for (number = 1; AddRecord(many, small, number, 0, 60, 0); ++number) ASSERT_LT(number, 1U << 20);
   EXPECT_LE(many.Count(), protocol::kMaxBodies);
+}
+
+// Two forms in turn for each tick, shown far behind: what is kept is bounded, and given back.
+TEST(ClientBodies, KeepsNoMoreFormsThanItMayAndGivesThemBack) {
+  const SharedBlueprint one = MakeRow(2000), two = MakeRow(3000);
+  Bodies bodies;
+  Statistics statistics;
+  std::vector<BodySample> samples;
+  for (std::uint32_t body = 1; body <= 5; ++body) {
+    for (std::uint32_t tick = 60; tick < 260; tick += 2) {
+      ASSERT_TRUE(AddRecord(bodies, tick % 4 == 0 ? one : two, body, 0, tick, static_cast<float>(tick)));
+    }
+  }
+  bodies.Sample(1, 5, Detail::kPosesOnly, samples, statistics);
+  ASSERT_EQ(samples.size(), 5U);
+  EXPECT_EQ(samples[0].pose.centroid.x, 260 - 2 * static_cast<float>(kMaxForms)) << "the oldest that is kept";
+  bodies.Sample(259 / 60.0, 5, Detail::kPosesOnly, samples, statistics);
+  EXPECT_EQ(samples[0].blueprint, two);
+  for (std::uint32_t body = 1; body <= 5; ++body) bodies.Remove(body, 300);
+  EXPECT_EQ(bodies.Count(), 0U);
+  const SharedBlueprint large = MakeRow(protocol::kMaxBodyVertices);
+  std::uint32_t number = 100;
+  while (number < 10000 && AddRecord(bodies, large, number, 0, 400, 0)) ++number;
+  EXPECT_GE((bodies.Count() + 2) * large->rest.size(), kMaxTrackedVertices) << "nothing is still counted";
 }
 
 }  // namespace

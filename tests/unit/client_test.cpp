@@ -94,26 +94,29 @@ Message MakeStrip() {
   return protocol::MakeBlueprint("strip", rest, faces, 2.0F);
 }
 
-std::vector<Message> CutIntoChunks(std::uint8_t index, const Message& blueprint, std::size_t chunkBytes) {
+std::vector<Message> CutIntoChunks(std::uint8_t index, const Message& blueprint, std::size_t chunkBytes,
+                                   std::uint8_t generation = 0) {
   std::vector<Message> chunks;
   for (std::size_t offset = 0; offset < blueprint.size(); offset += chunkBytes) {
     const auto part = std::span(blueprint).subspan(offset, std::min(chunkBytes, blueprint.size() - offset));
     chunks.push_back(protocol::MakeBlueprintChunk(index, protocol::HashBytes(blueprint),
                                                   static_cast<std::uint32_t>(blueprint.size()),
-                                                  static_cast<std::uint32_t>(offset), part));
+                                                  static_cast<std::uint32_t>(offset), part, generation));
   }
   return chunks;
 }
 
 // A body at rest in shape, at this pose; patch 0 of the tetrahedron.
-std::vector<std::uint8_t> MakeRecord(std::uint32_t body, const Pose& pose, std::uint8_t blueprint = 0) {
-  const std::vector<Vector3> rest{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
+std::vector<std::uint8_t> MakeRecord(std::uint32_t body, const Pose& pose, std::uint8_t blueprint = 0,
+                                     std::uint8_t generation = 0,
+                                     const std::vector<Vector3>& rest = {
+                                         {1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}) {
   const Pose seen = protocol::Dequantise(protocol::Quantise(pose));
   std::vector<Vector3> world;
   for (const Vector3& point : rest) world.push_back(protocol::Transform(seen, point));
   std::vector<std::uint8_t> payload, record;
   EXPECT_TRUE(protocol::EncodeShape(pose, rest, world, 0.001F, 512, payload).fits);
-  protocol::AppendRecord({body, blueprint, 0}, payload, record);
+  protocol::AppendRecord({body, blueprint, 0, generation}, payload, record);
   return record;
 }
 
@@ -411,6 +414,32 @@ TEST_F(ClientTest, CountsRecordsThatItCannotUse) {
   EXPECT_FALSE(client->NewestPose(4).has_value());
 }
 
+TEST_F(ClientTest, PlaysWhenAllHeightsAreThereAndTakesNoOthers) {
+  Start();
+  Connect();
+  protocol::WelcomeFields welcome{9, 3, 100, kTickHz, 30, "arena", 0, {}};
+  welcome.heightFields = {{{1, 2, 10}, 0.5F, -1, 0.25F, 3, 4}};
+  Arrive(Channel::kControl, protocol::MakeWelcome(welcome));
+  const auto send = [&](std::uint16_t field, std::uint16_t row, const std::vector<std::uint16_t>& heights) {
+    Arrive(Channel::kControl, protocol::MakeHeightRows(field, row, heights));
+    return client->ReadStatistics().badMessages;
+  };
+  EXPECT_EQ(client->ReadState(), State::kJoining);
+  EXPECT_EQ(send(1, 0, {1, 2, 3}), 1U) << "no such field";
+  EXPECT_EQ(send(0, 0, {1, 2, 3, 4}), 2U) << "no whole rows";
+  EXPECT_EQ(send(0, 1, {1, 2, 3}), 3U) << "a gap";
+  EXPECT_EQ(send(0, 0, {0, 1, 2, 3, 4, 5}), 3U);
+  EXPECT_EQ(send(0, 0, {0, 1, 2}), 4U) << "twice";
+  EXPECT_EQ(send(0, 2, {1, 1, 1, 1, 1, 1, 1, 1, 1}), 5U) << "more than there are";
+  EXPECT_EQ(client->ReadState(), State::kJoining);
+  EXPECT_EQ(send(0, 2, {6, 7, 8, 9, 10, 65535}), 5U);
+  EXPECT_EQ(client->ReadState(), State::kPlaying);
+  ASSERT_EQ(client->Grounds().size(), 1U);
+  EXPECT_EQ(client->Grounds()[0].rows, 4);
+  EXPECT_EQ(client->Grounds()[0].heights[4], 10) << "10 - 1 + 4 / 4";
+  EXPECT_EQ(send(0, 4, {1, 2, 3}), 6U);
+}
+
 TEST_F(ClientTest, TakesASnapshotThatOvertookTheWelcome) {
   Start();
   Connect();
@@ -465,6 +494,102 @@ TEST_F(ClientTest, SurvivesDamagedSnapshots) {
   EXPECT_GT(client->ReadStatistics().snapshots, 100U);
 }
 
+// The tetrahedron without two of its faces, and a body of springs alone.
+Message MakeTornTetrahedron() {
+  const std::vector<Vector3> rest{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
+  const std::vector<std::array<std::uint16_t, 3>> faces{{0, 1, 2}, {0, 3, 1}};
+  return protocol::MakeBlueprint("torn", rest, faces, 1.732F);
+}
+const std::vector<Vector3> kChainRest{{-1, 0, 0}, {0, 0, 0}, {1, 0, 0}};
+Message MakeChain() {
+  const std::vector<std::array<std::uint16_t, 2>> edges{{0, 1}, {1, 2}};
+  return protocol::MakeBlueprint("chain", kChainRest, {}, 0.8F, edges);
+}
+
+TEST_F(ClientTest, KnowsWhichBlueprintsAreOpenAndWhichAreOfEdges) {
+  Join();
+  for (const Message& chunk : CutIntoChunks(1, MakeTornTetrahedron(), 64)) Arrive(Channel::kControl, chunk);
+  for (const Message& chunk : CutIntoChunks(2, MakeChain(), 64)) Arrive(Channel::kControl, chunk);
+  Snapshot(1, {MakeRecord(3, {}), MakeRecord(4, {}, 1), MakeRecord(5, {}, 2, 0, kChainRest)});
+  std::vector<BodySample> samples;
+  client->Sample(now, Detail::kVertices, samples);
+  ASSERT_EQ(samples.size(), 3U) << "blueprints beyond the welcome's count may come at any time";
+  EXPECT_FALSE(samples[0].blueprint->open);
+  EXPECT_TRUE(samples[1].blueprint->open);
+  EXPECT_TRUE(samples[0].blueprint->edges.empty());
+  ASSERT_EQ(samples[2].blueprint->edges.size(), 2U);
+  EXPECT_EQ(samples[2].blueprint->edges[1][1], 2);
+  EXPECT_EQ(client->ReadStatistics().badMessages, 0U);
+}
+
+TEST_F(ClientTest, ARecordIsReadUnderItsOwnGenerationAlone) {
+  Join();
+  const auto chunks = CutIntoChunks(0, MakeChain(), 64, 1);
+  Snapshot(1, {MakeRecord(3, {})});
+  now += 1.0 / 30;
+  // Overtakes the blueprint that it needs: held back by nothing, left out.
+  Snapshot(2, {MakeRecord(3, {}, 0, 1, kChainRest)});
+  EXPECT_EQ(client->ReadStatistics().unknownRecords, 1U);
+  for (std::size_t i = 0; i + 1 < chunks.size(); ++i) Arrive(Channel::kControl, chunks[i]);
+  Snapshot(3, {MakeRecord(8, {})});
+  EXPECT_EQ(client->ReadStatistics().unknownRecords, 1U) << "the old one holds until the new one is whole";
+  Arrive(Channel::kControl, chunks.back());
+  Snapshot(4, {MakeRecord(9, {})});
+  EXPECT_EQ(client->ReadStatistics().unknownRecords, 2U) << "late, of the generation before";
+  Snapshot(5, {MakeRecord(10, {}, 0, 1, kChainRest)});
+  EXPECT_EQ(client->ReadStatistics().unknownRecords, 2U);
+  EXPECT_EQ(client->ReadStatistics().badRecords, 0U);
+  EXPECT_EQ(client->ReadStatistics().badMessages, 0U);
+  Arrive(Channel::kControl, chunks[0]);
+  EXPECT_EQ(client->ReadStatistics().badMessages, 1U) << "the generation that is here already";
+
+  std::vector<BodySample> samples;
+  client->Sample(now, Detail::kVertices, samples);
+  ASSERT_EQ(samples.size(), 3U);
+  EXPECT_EQ(samples[0].blueprint->name, "tetrahedron") << "bodies keep what they were made from";
+  EXPECT_EQ(samples[2].blueprint->name, "chain");
+  EXPECT_EQ(samples[2].vertices.size(), 3U);
+}
+
+// Moves at 6 m/s and is a chain from 0.5 s on, then torn; half of the records come in the wrong order.
+TEST_F(ClientTest, ABodyGoesOverToAnotherBlueprintWithoutAJump) {
+  for (const bool isTorn : {false, true}) {
+    SCOPED_TRACE(isTorn ? "the same rest shape" : "another number of vertices");
+    link = {};
+    now = 50;
+    Join();
+    const Message other = isTorn ? MakeTornTetrahedron() : MakeChain();
+    for (const Message& chunk : CutIntoChunks(1, other, 64)) Arrive(Channel::kControl, chunk);
+    std::uint32_t sequence = 0;
+    std::vector<BodySample> samples;
+    double changedAt = 0, before = 0;
+    for (int frame = 0; frame < 60; ++frame) {
+      const auto makePacket = [&](int i) {
+        const double time = i / 30.0;
+        const Pose pose{{static_cast<float>(6 * time), 0, 0}, {}};
+        const protocol::SnapshotHead head{++sequence, 100 + static_cast<std::uint32_t>(2 * i), 1, 0};
+        if (i < 15) return MakeSnapshot(head, {MakeRecord(3, pose)});
+        return MakeSnapshot(head, {isTorn ? MakeRecord(3, pose, 1) : MakeRecord(3, pose, 1, 0, kChainRest)});
+      };
+      if (frame % 2 == 1) {
+        Arrive(Channel::kSnapshot, makePacket(frame));
+        Arrive(Channel::kSnapshot, makePacket(frame - 1));
+      }
+      now += 1.0 / 30;
+      client->Sample(now, Detail::kVertices, samples);
+      if (samples.empty()) continue;
+      ASSERT_EQ(samples.size(), 1U);
+      ASSERT_EQ(samples[0].vertices.size(), samples[0].blueprint->rest.size());
+      const double x = static_cast<double>(samples[0].pose.centroid.x);
+      EXPECT_TRUE(frame <= 8 || std::fabs(x - before - 0.2) < 0.05) << "frame " << frame << ": " << x - before;
+      before = x;
+      if (changedAt == 0 && samples[0].blueprint->name != "tetrahedron") changedAt = x;
+    }
+    EXPECT_NEAR(changedAt, 6 * 0.5, 0.21) << "where it was when it changed, within a frame";
+    EXPECT_EQ(client->ReadStatistics().badRecords, 0U);
+  }
+}
+
 TEST_F(ClientTest, RefusesBlueprintChunksThatDoNotAddUp) {
   const Message blueprint = MakeTetrahedron();
   const auto total = static_cast<std::uint32_t>(blueprint.size());
@@ -479,7 +604,7 @@ TEST_F(ClientTest, RefusesBlueprintChunksThatDoNotAddUp) {
   Welcome();
   Welcome();  // again
   EXPECT_EQ(client->ReadStatistics().badMessages, 2U);
-  Arrive(Channel::kControl, protocol::MakeBlueprintChunk(1, hash, total, 0, part(0, 40)));  // one too many
+  Arrive(Channel::kControl, protocol::MakeBlueprintChunk(255, hash, total, 0, part(0, 40)));  // no such number
   EXPECT_EQ(client->ReadStatistics().badMessages, 3U);
 
   const auto begin = [&] { Arrive(Channel::kControl, protocol::MakeBlueprintChunk(0, hash, total, 0, part(0, 40))); };

@@ -63,8 +63,14 @@ void Read(const wire::ServerMessage& message) {
     EXPECT_GT(welcome->snapshot_hz(), 0);
     EXPECT_LE(welcome->blueprint_count(), kMaxBlueprints);
     Touch(*welcome->scene());
+    for (const wire::HeightField* field : *welcome->height_fields()) {
+      EXPECT_LE(field->columns(), kMaxFieldNodes);
+      EXPECT_GE(field->rows(), 2);
+      EXPECT_TRUE(std::isfinite(field->corner().z() + field->low() + field->step() * 65535.0F));
+    }
     for (const wire::Obstacle* obstacle : *welcome->obstacles()) {
       EXPECT_LE(obstacle->kind(), wire::ObstacleKind::MAX);
+      EXPECT_TRUE(std::isfinite(obstacle->radius()));
       Touch(obstacle->a());
       Touch(obstacle->b());
     }
@@ -72,7 +78,11 @@ void Read(const wire::ServerMessage& message) {
     Touch(chunk->blueprint() + chunk->hash());
     EXPECT_LE(chunk->total(), kMaxBlueprintBytes);
     EXPECT_LE(std::uint64_t{chunk->offset()} + chunk->bytes()->size(), chunk->total());
+    EXPECT_LT(chunk->generation(), kGenerations);
     for (const std::uint8_t byte : *chunk->bytes()) Touch(byte);
+  } else if (const auto* rows = message.body_as_HeightRows()) {
+    EXPECT_LE(rows->heights()->size(), kMaxRowsHeights);
+    for (const std::uint16_t height : *rows->heights()) Touch(height);
   } else if (const auto* event = message.body_as_Event()) {
     EXPECT_LE(event->kind(), wire::EventKind::MAX);
     Touch(event->tick() + event->client_id() + event->body());
@@ -93,6 +103,12 @@ void Read(const wire::Blueprint& blueprint) {
   }
   for (const wire::Face* face : *blueprint.faces()) {
     EXPECT_LT(std::max({face->a(), face->b(), face->c()}), blueprint.rest()->size());
+  }
+  if (blueprint.edges() != nullptr) {
+    EXPECT_LE(blueprint.edges()->size(), kMaxBlueprintEdges);
+    for (const wire::Edge* edge : *blueprint.edges()) {
+      EXPECT_LT(std::max(edge->a(), edge->b()), blueprint.rest()->size());
+    }
   }
 }
 
@@ -128,6 +144,12 @@ Message MakeTriangle() {
   return MakeBlueprint("tetrahedron", rest, faces, 1.2F);
 }
 
+Message MakeChain() {
+  const std::vector<Vector3> rest{{-1, 0, 0}, {0, 0, 0}, {1, 0, 0}};
+  const std::vector<std::array<std::uint16_t, 2>> edges{{0, 1}, {1, 2}};
+  return MakeBlueprint("chain", rest, {}, 0.8F, edges);
+}
+
 struct Kind {
   const char* name;
   char side;  // who sends it: c, s; b: a blueprint, put together from chunks
@@ -137,8 +159,9 @@ struct Kind {
 std::vector<Kind> MakeEveryKind() {
   const std::vector<wire::InputFrame> frames{{104, 127, -127, 7}, {103, 0, 0, 0}, {102, 1, -1, 2}, {101, 5, 6, 1}};
   WelcomeFields welcome{7, 9, 1000, 60, 30, "arena", 2, {}};
-  welcome.obstacles = {{wire::ObstacleKind::Plane, {0, 0, 1}, {0, 0, 0}},
-                       {wire::ObstacleKind::Box, {1, 2, 3}, {4, 5, 6}}};
+  welcome.obstacles = {{wire::ObstacleKind::Plane, {0, 0, 1}, {0, 0, 0}, 0},
+                       {wire::ObstacleKind::Capsule, {1, 2, 3}, {4, 5, 6}, 0.5F}};
+  welcome.heightFields = {{{1, 2, 3}, 0.5F, -1, 0.01F, 3, 2}};
   const Bytes part(64, 0xA5);
   return {
       {"hello", 'c', MakeHello("Ada", wire::Role::Player)},
@@ -146,9 +169,11 @@ std::vector<Kind> MakeEveryKind() {
       {"client goodbye", 'c', MakeClientGoodbye(wire::GoodbyeReason::Left, "bye")},
       {"welcome", 's', MakeWelcome(welcome)},
       {"blueprint chunk", 's', MakeBlueprintChunk(1, 0x1122334455667788U, 1000, 128, part)},
+      {"height rows", 's', MakeHeightRows(1, 2, std::vector<std::uint16_t>{0, 1, 65535, 7})},
       {"event", 's', MakeEvent(wire::EventKind::Join, 1001, 7, 9, "Ada")},
       {"server goodbye", 's', MakeServerGoodbye(wire::GoodbyeReason::BadMessages, "20 in a second")},
       {"blueprint", 'b', MakeTriangle()},
+      {"blueprint of edges", 'b', MakeChain()},
   };
 }
 
@@ -253,7 +278,7 @@ TEST(Messages, FieldsComeBack) {
 
   const wire::ServerMessage* server = nullptr;
   const Message welcome =
-      MakeWelcome({7, 9, 1000, 60, 30, "arena", 2, {{wire::ObstacleKind::Box, {1, 2, 3}, {4, 5, 6}}}});
+      MakeWelcome({7, 9, 1000, 60, 30, "arena", 2, {{wire::ObstacleKind::Box, {1, 2, 3}, {4, 5, 6}, 0}}});
   ASSERT_EQ(ParseServerMessage(welcome, server), ParseResult::kOk);
   EXPECT_EQ(server->body_as_Welcome()->scene()->str(), "arena");
   EXPECT_EQ(server->body_as_Welcome()->tick_hz(), 60);
@@ -323,8 +348,72 @@ TEST(Messages, WelcomeOutOfRange) {
   EXPECT_EQ(ParseAs('s', MakeWelcome({1, 2, 3, 60, 0, "a", 1, {}})), ParseResult::kOutOfRange) << "snapshot rate";
   EXPECT_EQ(ParseAs('s', MakeWelcome({1, 2, 3, 60, 30, "a", 255, {}})), ParseResult::kOk);
   EXPECT_EQ(ParseAs('s', MakeWelcome({1, 2, 3, 60, 30, "a", 256, {}})), ParseResult::kOutOfRange) << "blueprints";
-  const auto unknown = static_cast<wire::ObstacleKind>(2);
-  EXPECT_EQ(ParseAs('s', MakeWelcome({1, 2, 3, 60, 30, "a", 1, {{unknown, {}, {}}}})), ParseResult::kOutOfRange);
+  const auto unknown = static_cast<wire::ObstacleKind>(4);
+  EXPECT_EQ(ParseAs('s', MakeWelcome({1, 2, 3, 60, 30, "a", 1, {{unknown, {}, {}, 1}}})), ParseResult::kOutOfRange);
+}
+
+TEST(Messages, ObstaclesOutOfRange) {
+  const auto parse = [](const wire::Obstacle& obstacle) {
+    return ParseAs('s', MakeWelcome({1, 2, 3, 60, 30, "a", 1, {obstacle}}));
+  };
+  using Shape = wire::ObstacleKind;
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(parse({Shape::Sphere, {1, 2, 3}, {}, 0.5F}), ParseResult::kOk);
+  EXPECT_EQ(parse({Shape::Sphere, {1, 2, 3}, {}, 0}), ParseResult::kOutOfRange) << "no radius";
+  EXPECT_EQ(parse({Shape::Capsule, {1, 2, 3}, {}, -1}), ParseResult::kOutOfRange);
+  EXPECT_EQ(parse({Shape::Capsule, {1, 2, 3}, {}, kNan}), ParseResult::kOutOfRange);
+  EXPECT_EQ(parse({Shape::Plane, {1, kNan, 3}, {}, 0}), ParseResult::kOutOfRange);
+  EXPECT_EQ(parse({Shape::Box, {1, 2, 3}, {1, 1, kNan}, 0}), ParseResult::kOutOfRange);
+  const wire::Obstacle plane{Shape::Plane, {0, 0, 1}, {}, 0};
+  WelcomeFields many{1, 2, 3, 60, 30, "a", 1, std::vector(kMaxObstacles, plane)};
+  EXPECT_EQ(ParseAs('s', MakeWelcome(many)), ParseResult::kOk);
+  many.obstacles.push_back(plane);
+  EXPECT_EQ(ParseAs('s', MakeWelcome(many)), ParseResult::kOutOfRange);
+}
+
+TEST(Messages, HeightFieldsOutOfRange) {
+  const auto parse = [](const std::vector<wire::HeightField>& fields) {
+    WelcomeFields welcome{1, 2, 3, 60, 30, "a", 1, {}};
+    welcome.heightFields = fields;
+    return ParseAs('s', MakeWelcome(welcome));
+  };
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const wire::HeightField good{{0, 0, 1}, 1, -1, 0.1F, 128, 2};
+  EXPECT_EQ(parse(std::vector(kMaxHeightFields, good)), ParseResult::kOk);
+  EXPECT_EQ(parse(std::vector(kMaxHeightFields + 1, good)), ParseResult::kOutOfRange);
+  EXPECT_EQ(parse({{{0, 0, 1}, 1, -1, 0.1F, 129, 2}}), ParseResult::kOutOfRange);
+  EXPECT_EQ(parse({{{0, 0, 1}, 1, -1, 0.1F, 2, 1}}), ParseResult::kOutOfRange);
+  EXPECT_EQ(parse({{{kNan, 0, 1}, 1, -1, 0.1F, 2, 2}}), ParseResult::kOutOfRange);
+  EXPECT_EQ(parse({{{0, 0, 1}, 0, -1, 0.1F, 2, 2}}), ParseResult::kOutOfRange) << "no cell";
+  EXPECT_EQ(parse({{{0, 0, 1}, 3e38F, -1, 0.1F, 2, 2}}), ParseResult::kOutOfRange) << "ends in infinity";
+  EXPECT_EQ(parse({{{0, 0, 1}, 1, -1, -0.1F, 2, 2}}), ParseResult::kOutOfRange);
+  EXPECT_EQ(parse({{{0, 0, 1}, 1, -1, 1e35F, 2, 2}}), ParseResult::kOutOfRange) << "as high as infinity";
+
+  const auto rows = [](std::uint16_t field, std::uint16_t first, std::size_t count) {
+    flatbuffers::FlatBufferBuilder builder;
+    const auto vector = builder.CreateVector(std::vector<std::uint16_t>(count, 3));
+    return ParseAs('s', WrapServer(builder, wire::CreateHeightRows(builder, field, first, vector)));
+  };
+  EXPECT_EQ(rows(15, 127, kMaxRowsHeights), ParseResult::kOk);
+  EXPECT_EQ(rows(16, 0, 2), ParseResult::kOutOfRange);
+  EXPECT_EQ(rows(0, 128, 2), ParseResult::kOutOfRange);
+  EXPECT_EQ(rows(0, 0, kMaxRowsHeights + 1), ParseResult::kOutOfRange);
+  EXPECT_EQ(rows(0, 0, 0), ParseResult::kMissingField);
+}
+
+TEST(Messages, EdgesAndGenerationsOutOfRange) {
+  const std::vector<Vector3> rest{{-1, 0, 0}, {1, 0, 0}};
+  const auto parse = [&](const std::vector<std::array<std::uint16_t, 2>>& edges) {
+    return ParseAs('b', MakeBlueprint("pair", rest, {}, 1, edges));
+  };
+  EXPECT_EQ(parse({{0, 1}}), ParseResult::kOk);
+  EXPECT_EQ(parse({}), ParseResult::kOk) << "none";
+  EXPECT_EQ(parse({{0, 2}}), ParseResult::kOutOfRange);
+  EXPECT_EQ(parse(std::vector<std::array<std::uint16_t, 2>>(kMaxBlueprintEdges, {0, 1})), ParseResult::kOk);
+  flatbuffers::FlatBufferBuilder builder;
+  const auto vector = builder.CreateVector(Bytes(4, 1));
+  const auto chunk = wire::CreateBlueprintChunk(builder, 0, 1, 4, 0, vector, kGenerations);
+  EXPECT_EQ(ParseAs('s', WrapServer(builder, chunk)), ParseResult::kOutOfRange);
 }
 
 ParseResult ParseChunk(std::uint32_t total, std::uint32_t offset, std::size_t length) {

@@ -261,7 +261,7 @@ struct Golden {
 
 // A change here is a change of the format: raise kProtocolVersion and mend STANDARD.md.
 TEST(ShapeCodec, GoldenBytes) {
-  EXPECT_EQ(kProtocolVersion, 1);
+  EXPECT_EQ(kProtocolVersion, 2);
   const Golden golden;
   const Pose seen = Dequantise(Quantise(golden.pose));
   Cloud cloud{golden.rest, {}, golden.pose};

@@ -169,5 +169,61 @@ TEST_F(CaptureTest, BlueprintsArriveAsTheyAre) {
   EXPECT_EQ(captured.hash, protocol::HashBytes(captured.message));
 }
 
+TEST(CaptureBlueprint, SendsEdgesOnlyWhereThereAreNoFaces) {
+  physics::Blueprint ball = MakeSmallBall();
+  const auto read = [](const CapturedBlueprint& captured) {
+    const protocol::wire::Blueprint* parsed = nullptr;
+    EXPECT_EQ(protocol::ParseBlueprint(captured.message, parsed), protocol::ParseResult::kOk);
+    return parsed->edges() == nullptr ? std::size_t{0} : std::size_t{parsed->edges()->size()};
+  };
+  EXPECT_EQ(read(CaptureBlueprint(ball)), 0U);
+  ball.full.faces.clear();
+  EXPECT_EQ(read(CaptureBlueprint(ball)), ball.full.springs.size());
+  ball.full.springs.resize(protocol::kMaxBlueprintEdges + 5, ball.full.springs[0]);
+  EXPECT_EQ(read(CaptureBlueprint(ball)), protocol::kMaxBlueprintEdges);
+}
+
+TEST(CaptureObstacles, EveryKindAsTheWireHasIt) {
+  using Kind = physics::Obstacle::Kind;
+  physics::Obstacle sphere;
+  sphere.kind = Kind::kSphere;
+  sphere.centre = Vector3d(1, 2, 3);
+  sphere.radius = 4;
+  physics::Obstacle capsule = sphere;
+  capsule.kind = Kind::kCapsule;
+  capsule.end = Vector3d(5, 6, 7);
+  physics::Obstacle ground;
+  ground.kind = Kind::kHeightField;
+  ground.centre = Vector3d(-1, -2, 10);
+  const std::vector<double> heights{0, 1, 0, 0, 3, 0};
+  ground.field = physics::MakeHeightField(3, 2, heights);
+  const std::vector<physics::Obstacle> all{sphere, ground, capsule};
+
+  const auto captured = CaptureObstacles(all);
+  ASSERT_EQ(captured.size(), 2U) << "ground goes by itself";
+  EXPECT_EQ(captured[0].kind(), protocol::wire::ObstacleKind::Sphere);
+  EXPECT_EQ(captured[0].a().z(), 3);
+  EXPECT_EQ(captured[0].radius(), 4);
+  EXPECT_EQ(captured[1].kind(), protocol::wire::ObstacleKind::Capsule);
+  EXPECT_EQ(captured[1].b().x(), 5);
+
+  const auto grounds = CaptureGrounds(all);
+  ASSERT_EQ(grounds.size(), 1U);
+  const protocol::wire::HeightField& field = grounds[0].field;
+  EXPECT_EQ(field.columns(), 17) << "eight cells for each of its own";
+  EXPECT_EQ(field.rows(), 9);
+  EXPECT_EQ(field.cell_size(), 0.25F);
+  ASSERT_EQ(grounds[0].heights.size(), 17U * 9);
+  for (int row = 0; row < 9; ++row) {
+    for (int column = 0; column < 17; ++column) {
+      const double sent =
+          static_cast<double>(field.low()) +
+          static_cast<double>(field.step()) * grounds[0].heights[static_cast<std::size_t>(row * 17 + column)];
+      EXPECT_NEAR(sent, physics::FindHeight(*ground.field, 0.25 * column, 0.25 * row), 1e-4);
+    }
+  }
+  EXPECT_EQ(field.corner().z(), 10);
+}
+
 }  // namespace
 }  // namespace wobble::server

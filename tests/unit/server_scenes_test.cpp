@@ -31,7 +31,7 @@ std::vector<std::string> ErrorsOf(const std::string& text) { return ParseScene(t
 class ShippedScene : public testing::TestWithParam<std::string> {
  protected:
   static std::uint64_t PlayAndHash(const Scene& scene, std::uint64_t seed) {
-    physics::World world({scene.gravity, 1.0 / 60, scene.precision, 1});
+    physics::World world(MakeWorldSettings(scene, 1.0 / 60, 1));
     const auto placed = FillWorld(scene, seed, world);
     EXPECT_EQ(placed.size(), CountBodies(scene));
     EXPECT_EQ(world.Bodies().size(), CountBodies(scene));
@@ -71,6 +71,107 @@ TEST(Scenes, TheShippedOnesAreListed) {
   EXPECT_THAT(names, ElementsAre("arena", "ball_drop", "crowd", "jelly_stack", "lattice"));
 }
 
+TEST(Scenes, ObstaclesOfEveryKind) {
+  const LoadResult loaded = ParseScene(MakeText("", "", R"(
+[[obstacle]]
+kind = "sphere"
+center = [1, 2, 3]
+radius = 4
+[[obstacle]]
+kind = "capsule"
+from = [1, 2, 3]
+to = [4, 5, 6]
+radius = 0.5
+friction = 0.25
+[[obstacle]]
+kind = "height_field"
+position = [-1, -1, 5]
+cell_size = 2
+heights = [[0, 1, 2], [0.5, 1.5, 2.5]]
+)"),
+                                       "test.toml");
+  ASSERT_THAT(loaded.errors, IsEmpty());
+  ASSERT_EQ(loaded.scene.obstacles.size(), 3U);
+  const physics::Obstacle& sphere = loaded.scene.obstacles[0];
+  EXPECT_EQ(sphere.kind, physics::Obstacle::Kind::kSphere);
+  EXPECT_EQ(sphere.centre, physics::Vector3d(1, 2, 3));
+  EXPECT_EQ(sphere.radius, 4);
+  const physics::Obstacle& capsule = loaded.scene.obstacles[1];
+  EXPECT_EQ(capsule.kind, physics::Obstacle::Kind::kCapsule);
+  EXPECT_EQ(capsule.end, physics::Vector3d(4, 5, 6));
+  EXPECT_EQ(capsule.friction, 0.25);
+  const physics::Obstacle& ground = loaded.scene.obstacles[2];
+  EXPECT_EQ(ground.centre, physics::Vector3d(-1, -1, 5));
+  ASSERT_NE(ground.field, nullptr);
+  EXPECT_EQ(ground.field->columns, 3);
+  EXPECT_EQ(ground.field->rows, 2);
+  EXPECT_NEAR(physics::FindHeight(*ground.field, 4, 2), 2.5, 1e-12) << "x is along a row";
+  EXPECT_NEAR(physics::FindHeight(*ground.field, 2, 0), 1, 1e-12);
+}
+
+TEST(Scenes, MistakesInObstaclesAreNamed) {
+  const auto errors = ErrorsOf(MakeText("", "", R"(
+[[obstacle]]
+kind = "sphere"
+radius = 0.01
+[[obstacle]]
+kind = "capsule"
+from = [1, 2]
+[[obstacle]]
+kind = "height_field"
+cell_size = 0
+heights = [[0, 1], [2]]
+[[obstacle]]
+kind = "height_field"
+heights = [[0, 1], [2, nan]]
+[[obstacle]]
+kind = "height_field"
+heights = [[0, 1]]
+[[obstacle]]
+kind = "height_field"
+)"));
+  EXPECT_THAT(errors,
+              ElementsAre(AllOf(HasSubstr("radius = 0.01"), HasSubstr("0.1 to 1000 m")), HasSubstr("to is missing"),
+                          AllOf(HasSubstr("from = [ 1, 2 ]"), HasSubstr("three")),
+                          AllOf(HasSubstr("cell_size = 0"), HasSubstr("0.05 to 100 m")),
+                          AllOf(HasSubstr("heights = [ 2 ]"), HasSubstr("as many numbers each")),
+                          AllOf(HasSubstr("heights = nan"), HasSubstr("-1000 to 1000 m")),
+                          AllOf(HasSubstr("heights = "), HasSubstr("2 to 128 rows")), HasSubstr("heights is missing")));
+}
+
+TEST(Scenes, IntegratorsAreTheScenesOrTheBlueprintsOwn) {
+  using physics::Integrator;
+  EXPECT_EQ(ParseScene(MakeText(""), "test.toml").scene.methods[0].integrator, Integrator::kRungeKutta4);
+  const std::string another = "[[blueprint]]\nname = \"other\"\nintegrator = \"implicit_euler\"\n";
+  const LoadResult loaded = ParseScene(MakeText("integrator = \"leap_frog\"", "", another), "test.toml");
+  ASSERT_THAT(loaded.errors, IsEmpty());
+  physics::World world{physics::WorldSettings{}};
+  const auto placed = FillWorld(loaded.scene, 1, world);
+  EXPECT_EQ(world.Blueprints()[0].integrator, Integrator::kLeapFrog);
+  EXPECT_EQ(world.Blueprints()[1].integrator, Integrator::kImplicitEuler);
+  EXPECT_NE(world.Blueprints()[1].sparsePattern, nullptr);
+  EXPECT_THAT(ErrorsOf(MakeText("integrator = \"magic\"")),
+              ElementsAre(AllOf(StartsWith("test.toml:1: integrator"), HasSubstr("explicit_euler"), HasSubstr("rk4"))));
+}
+
+TEST(Scenes, ContactLawsAreTheBlueprintsOwn) {
+  using physics::ContactLaw;
+  const std::string another = "[[blueprint]]\nname = \"other\"\ncontact_law = \"magnetic\"\nmagnetic_strength = 0.5\n";
+  const LoadResult loaded = ParseScene(MakeText("", "contact_law = \"backtracking\"", another), "test.toml");
+  ASSERT_THAT(loaded.errors, IsEmpty());
+  physics::World world{physics::WorldSettings{}};
+  const auto placed = FillWorld(loaded.scene, 1, world);
+  EXPECT_EQ(world.Blueprints()[0].full.contact.law, ContactLaw::kBacktracking);
+  EXPECT_EQ(world.Blueprints()[1].single.contact.law, ContactLaw::kMagnetic);
+  EXPECT_EQ(world.Blueprints()[1].single.contact.strength, 0.5F);
+  EXPECT_THAT(ErrorsOf(MakeText("", "contact_law = \"sticky\"")),
+              ElementsAre(AllOf(HasSubstr("contact_law"), HasSubstr("backtracking, magnetic, penalty"))));
+  EXPECT_THAT(ErrorsOf(MakeText("", "contact_law = \"magnetic\"\nmagnetic_strength = 0")),
+              ElementsAre(HasSubstr("magnetic_strength = 0: must be 1e-07 to 100 N·m²")));
+  EXPECT_THAT(ErrorsOf(MakeText("", "magnetic_strength = 0.1")),
+              ElementsAre(HasSubstr("magnetic_strength = 0.1: must be left out unless")));
+}
+
 TEST(Scenes, WhatTheyAreMeantToBe) {
   const Scene arena = LoadScene("arena", kFolder).scene;
   EXPECT_EQ(arena.obstacles.size(), 5U);
@@ -104,7 +205,7 @@ TEST(Scenes, PlayersStartApart) {
 TEST(SceneMistakes, ThreeAreThreeLinesEachWithLineValueAndRange) {
   const auto errors = ErrorsOf(R"(kill_height = -9999
 [[obstacle]]
-kind = "sphere"
+kind = "torus"
 [[blueprint]]
 name = "ball"
 mass = -1
@@ -114,7 +215,7 @@ blueprint = "ball"
   ASSERT_EQ(errors.size(), 3U) << testing::PrintToString(errors);
   EXPECT_THAT(errors[0],
               AllOf(StartsWith("test.toml:1: "), HasSubstr("kill_height = -9999"), HasSubstr("-4000 to 4000")));
-  EXPECT_THAT(errors[1], AllOf(StartsWith("test.toml:3: "), HasSubstr("kind = "), HasSubstr("sphere"), HasSubstr("box"),
+  EXPECT_THAT(errors[1], AllOf(StartsWith("test.toml:3: "), HasSubstr("kind = "), HasSubstr("torus"), HasSubstr("box"),
                                HasSubstr("plane")));
   EXPECT_EQ(errors[2], "test.toml:6: mass = -1: must be 0.001 to 1000000 kg");
   for (const std::string& error : errors) EXPECT_EQ(error.find('\n'), std::string::npos);
@@ -186,17 +287,87 @@ TEST(SceneMistakes, EachKindOfBlueprintHasItsOwnFields) {
   EXPECT_THAT(errorsOf("cells = [2, 2, 2]\n"),
               ElementsAre(AllOf(StartsWith("test.toml:3: cells is no field here"), HasSubstr("subdivisions"))));
   EXPECT_THAT(errorsOf("kind = \"jelly\"\nanything = 1\n"),
-              ElementsAre(AllOf(StartsWith("test.toml:3: kind = "), HasSubstr("one of: ball, lattice"))));
+              ElementsAre(AllOf(StartsWith("test.toml:3: kind = "),
+                                HasSubstr("one of: ball, cloth, graph, lattice, pair, ring"))));
   EXPECT_THAT(
       errorsOf("kind = \"lattice\"\npoisson_ratio = 0.4\n"),
       ElementsAre("test.toml:4: poisson_ratio = 0.4: must be 0.25: a lattice of central springs has no other in "
                   "3-D"));
   EXPECT_THAT(errorsOf("kind = \"lattice\"\ncells = [2, 2.5, 2]\n"),
-              ElementsAre(AllOf(HasSubstr("cells = "), HasSubstr("three whole numbers from 1 to 100"))));
+              ElementsAre(AllOf(HasSubstr("cells = "), HasSubstr("three whole numbers from 0 to 100"))));
   EXPECT_THAT(errorsOf("kind = \"lattice\"\ncells = [40, 40, 40]\n"),
               ElementsAre(AllOf(HasSubstr("68921 vertices"), HasSubstr("at most 10000"))));
   EXPECT_THAT(errorsOf("kind = \"lattice\"\nyoung_modulus = \"soft\"\n"),
               ElementsAre(AllOf(HasSubstr("soft"), HasSubstr("a number, above 0, up to 1e12 Pa"))));
+}
+
+std::vector<std::string> ErrorsOfBlueprint(const std::string& fields) {
+  return ErrorsOf("[[blueprint]]\nname = \"it\"\n" + fields + "[player]\nblueprint = \"it\"\n");
+}
+
+TEST(SceneMistakes, APlanarLatticeHasItsOwnPoissonRatioAndSides) {
+  const std::string planar = "kind = \"lattice\"\ncells = [4, 0, 3]\n";
+  EXPECT_THAT(ErrorsOfBlueprint(planar + "fixed = \"z+\"\n"), IsEmpty());
+  EXPECT_THAT(ErrorsOfBlueprint(planar + "poisson_ratio = 0.3333\n"), IsEmpty());
+  EXPECT_THAT(ErrorsOfBlueprint(planar + "poisson_ratio = 0.25\n"),
+              ElementsAre(AllOf(StartsWith("test.toml:5: poisson_ratio = 0.25"), HasSubstr("1/3"), HasSubstr("2-D"))));
+  EXPECT_THAT(ErrorsOfBlueprint(planar + "fixed = \"y-\"\n"),
+              ElementsAre(AllOf(StartsWith("test.toml:5: fixed = "), HasSubstr("y-"), HasSubstr("x-, x+, z-, z+"))));
+  EXPECT_THAT(ErrorsOfBlueprint(planar + "fixed = \"top\"\n"),
+              ElementsAre(AllOf(HasSubstr("top"), HasSubstr("one of: none, x+, x-"))));
+  EXPECT_THAT(ErrorsOfBlueprint("kind = \"lattice\"\ncells = [0, 3, 3]\n"),
+              ElementsAre(AllOf(StartsWith("test.toml:4: cells = "), HasSubstr("the second 0: a planar lattice"))));
+}
+
+TEST(SceneMistakes, APairHasLengthAndMaterial) {
+  EXPECT_THAT(ErrorsOfBlueprint("kind = \"pair\"\nlength = 0.8\nmass = 3\nstiffness = 40\ndamping_ratio = 0.05\n"
+                                "direction = [0, 0, 1]\nfirst_is_fixed = true\n"),
+              IsEmpty());
+  EXPECT_THAT(ErrorsOfBlueprint("kind = \"pair\"\nlength = 0\ndirection = [0, 0, 0]\nfirst_is_fixed = 1\n"),
+              ElementsAre(AllOf(HasSubstr(":4: length = 0"), HasSubstr("0.02 to 50 m")),
+                          AllOf(HasSubstr(":5: direction"), HasSubstr("a direction")),
+                          AllOf(HasSubstr(":6: first_is_fixed = 1"), HasSubstr("true or false"))));
+}
+
+TEST(SceneMistakes, ARingHasPointsLayersAndGas) {
+  EXPECT_THAT(
+      ErrorsOfBlueprint(
+          "kind = \"ring\"\npoints = 30\nlayers = 3\nradius = 0.6\nthickness = 0.2\ngas = 40\nstiffness = 2000\n"),
+      IsEmpty());
+  EXPECT_THAT(ErrorsOfBlueprint("kind = \"ring\"\npoints = 2\nlayers = 1.5\ngas = 0\n"),
+              ElementsAre(AllOf(HasSubstr(":4: points = 2"), HasSubstr("whole number from 3 to 512")),
+                          AllOf(HasSubstr(":5: layers = 1.5"), HasSubstr("whole number from 1 to 8")),
+                          AllOf(HasSubstr(":6: gas = 0"), HasSubstr("held open"))));
+}
+
+TEST(SceneMistakes, AClothHasPointsPinsAndATearStretch) {
+  EXPECT_THAT(
+      ErrorsOfBlueprint("kind = \"cloth\"\npoints = [12, 8]\nspacing = 0.2\norientation = \"horizontal\"\n"
+                        "pinned = \"frame\"\nshear = 0.4\nbend = 0.05\ntear_stretch = 1.6\nmass = 2\ndrag = 0.6\n"),
+      IsEmpty());
+  EXPECT_THAT(
+      ErrorsOfBlueprint("kind = \"cloth\"\npoints = [12, 8, 3]\npinned = \"left\"\ntear_stretch = \"no\"\n"),
+      ElementsAre(AllOf(HasSubstr(":4: points = "), HasSubstr("two whole numbers from 2 to 100")),
+                  AllOf(HasSubstr(":5: pinned = "), HasSubstr("one of: corners, edge, frame, none, top_corners")),
+                  AllOf(HasSubstr(":6: tear_stretch = "), HasSubstr("a number, 0 (never) or 1.05 to 10"))));
+}
+
+TEST(SceneMistakes, AGraphListsParticlesAndSprings) {
+  const std::string graph = R"(kind = "graph"
+planar = true
+particle = [{ position = [0, 0, 2], mass = 2, fixed = true }, { position = [1, 0, 2] }]
+)";
+  EXPECT_THAT(
+      ErrorsOfBlueprint(graph + "spring = [{ ends = [0, 1], stiffness = 40, damping = 0.5, rest_length = 0.8 }]\n"),
+      IsEmpty());
+  EXPECT_THAT(ErrorsOfBlueprint("kind = \"graph\"\n"), ElementsAre(HasSubstr("particles = 0.0: must be at least 1")));
+  EXPECT_THAT(ErrorsOfBlueprint(graph + "spring = [{ ends = [0, 1] }, { ends = [1, 0] }, { ends = [0, 2] },\n"
+                                        "  { stiffness = -1 }]\n"),
+              testing::UnorderedElementsAre(AllOf(StartsWith("test.toml:7: stiffness = -1"), HasSubstr("1e+09 N/m")),
+                                            AllOf(StartsWith("test.toml:7: ends is missing")),
+                                            AllOf(HasSubstr("spring[1].ends = [1, 0]"), HasSubstr("no spring joins")),
+                                            AllOf(HasSubstr("spring[2].ends = [0, 2]"), HasSubstr("from 0 to 1")),
+                                            AllOf(HasSubstr("spring[3].ends = [0, 1]"), HasSubstr("no spring joins"))));
 }
 
 TEST(SceneMistakes, ASyntaxErrorHasItsLine) {

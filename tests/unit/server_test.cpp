@@ -113,6 +113,143 @@ TEST(Server, AClientJoinsGetsBlueprintsAndPlays) {
   EXPECT_EQ(client.ReadStatistics().badMessages + client.ReadStatistics().badRecords, 0U);
 }
 
+TEST(Server, AClientHasTheGroundAndRoundObstaclesWhenItPlays) {
+  scenes::Scene scene = MakeYard();
+  physics::Obstacle ground;
+  ground.kind = physics::Obstacle::Kind::kHeightField;
+  ground.centre = physics::Vector3d(-20, 10, 2);
+  std::vector<double> heights;
+  for (int i = 0; i < 128 * 70; ++i) heights.push_back(0.5 * std::sin(0.2 * (i % 128)) + 0.1 * (i / 128));
+  ground.field = physics::MakeHeightField(128, 0.25, heights);
+  scene.obstacles.push_back(ground);
+  physics::Obstacle sphere;
+  sphere.kind = physics::Obstacle::Kind::kSphere;
+  sphere.radius = 0.75;
+  scene.obstacles.push_back(sphere);
+  Game game(scene);
+  auto& client = game.AddClient();
+  while (client.ReadState() != State::kPlaying && game.now < 5) game.Step();
+  ASSERT_EQ(client.ReadState(), State::kPlaying);
+  ASSERT_EQ(client.Welcome().obstacles.size(), 2U);
+  EXPECT_EQ(client.Welcome().obstacles[1].radius(), 0.75F);
+  ASSERT_EQ(client.Grounds().size(), 1U);
+  const client::Ground& shown = client.Grounds()[0];
+  EXPECT_EQ(shown.columns, 128);
+  ASSERT_EQ(shown.heights.size(), heights.size());
+  for (std::size_t i = 0; i < heights.size(); i += 37) ASSERT_NEAR(shown.heights[i], 2 + heights[i], 1e-3) << i;
+  EXPECT_EQ(client.ReadStatistics().badMessages, 0U);
+}
+
+// A ball of the yard's kind without its first `torn` faces, or another one.
+physics::Blueprint MakeTornBall(std::size_t torn, int subdivisions = 1) {
+  physics::BallDefinition ball;
+  ball.name = "torn " + std::to_string(torn);
+  ball.subdivisions = subdivisions;
+  ball.material.mass = 4;
+  ball.material.gas = 0;
+  physics::Blueprint blueprint = physics::MakeBall(ball);
+  blueprint.full.faces.erase(blueprint.full.faces.begin(),
+                             blueprint.full.faces.begin() + static_cast<std::ptrdiff_t>(torn));
+  physics::FinishBlueprint(blueprint);
+  return blueprint;
+}
+
+// What a client shows of a body.
+client::BodySample Look(client::Client& client, double now, std::uint32_t body) {
+  std::vector<client::BodySample> samples;
+  client.Sample(now, client::Detail::kVertices, samples);
+  for (const client::BodySample& sample : samples) {
+    if (sample.body == body) return sample;
+  }
+  return {};
+}
+
+TEST(Server, ABodyThatChangesItsBlueprintIsSeenSoByAllAndByLatecomers) {
+  Game game(MakeYard());
+  auto& world = const_cast<physics::World&>(game.server.World());
+  const physics::BodyId body = world.Bodies()[0].id;
+  auto& first = game.AddClient();
+  game.Run(1);
+  const std::size_t whole = Look(first, game.now, body).blueprint->faces.size();
+  EXPECT_EQ(whole, 80U);
+
+  ASSERT_TRUE(world.ReplaceBlueprint(body, MakeTornBall(30)));
+  game.Run(1);
+  auto& second = game.AddClient();
+  game.Run(1);
+  for (client::Client* each : {&first, &second}) {
+    const client::BodySample sample = Look(*each, game.now, body);
+    ASSERT_NE(sample.blueprint, nullptr);
+    EXPECT_EQ(sample.blueprint->faces.size(), 50U);
+    EXPECT_TRUE(sample.blueprint->open);
+    EXPECT_EQ(sample.vertices.size(), 42U);
+  }
+  EXPECT_EQ(first.Welcome().blueprintCount, 1);
+  EXPECT_EQ(second.Welcome().blueprintCount, 2);
+
+  // More vertices, in the next slot; then the first slot again, with other content.
+  ASSERT_TRUE(world.ReplaceBlueprint(body, MakeTornBall(0, 2)));
+  game.Run(1);
+  for (client::Client* each : {&first, &second}) {
+    EXPECT_EQ(Look(*each, game.now, body).vertices.size(), 162U);
+  }
+  ASSERT_TRUE(world.ReplaceBlueprint(body, MakeTornBall(79)));
+  EXPECT_EQ(world.Blueprints().size(), 3U) << "a slot that nobody used";
+  auto& third = game.AddClient();
+  game.Run(1);
+  for (client::Client* each : {&first, &second, &third}) {
+    const client::BodySample sample = Look(*each, game.now, body);
+    ASSERT_NE(sample.blueprint, nullptr);
+    EXPECT_EQ(sample.blueprint->name, "torn 79");
+    EXPECT_EQ(sample.blueprint->faces.size(), 1U);
+    EXPECT_EQ(sample.vertices.size(), 42U);
+    const client::Statistics& statistics = each->ReadStatistics();
+    EXPECT_EQ(statistics.badMessages + statistics.badRecords + statistics.badSnapshots, 0U);
+  }
+}
+
+// A body that is changed ten times a second over a bad link: nothing is ever read under the wrong blueprint.
+TEST(Server, ChangingBlueprintsSurviveABadLink) {
+  Game game(MakeYard());
+  transport::LinkConditions conditions;
+  conditions.loss = 0.1;
+  conditions.delay = 0.05;
+  conditions.jitter = 0.1;
+  conditions.reorder = 0.05;
+  conditions.duplicate = 0.02;
+  game.network.SetConditions(conditions);
+  auto& world = const_cast<physics::World&>(game.server.World());
+  const physics::BodyId body = world.Bodies()[0].id;
+  auto& client = game.AddClient();
+  game.Run(3);
+  ASSERT_EQ(client.ReadState(), State::kPlaying);
+  std::map<std::string, int> shown;
+  double reach = 0;  // the furthest that a vertex has been from the middle, m
+  for (std::size_t change = 0; change < 79; ++change) {
+    ASSERT_TRUE(world.ReplaceBlueprint(body, MakeTornBall(change, change % 7 == 3 ? 2 : 1)));
+    for (int tick = 0; tick < 6; ++tick) {
+      game.Step();
+      const client::BodySample sample = Look(client, game.now, body);
+      ASSERT_NE(sample.blueprint, nullptr);
+      ASSERT_EQ(sample.vertices.size(), sample.blueprint->rest.size());
+      ++shown[sample.blueprint->name];
+      const physics::Vector3d centre = game.Centre(body);
+      physics::VisitVertices(world.ReadBody(body), [&](std::size_t, const physics::Vector3d& x) {
+        reach = std::max(reach, (x - centre).norm());
+      });
+      for (const protocol::Vector3& vertex : sample.vertices) {
+        ASSERT_LT(Length(vertex - sample.pose.centroid), 1.1 * reach + 0.01) << "read under a wrong rest shape";
+      }
+    }
+  }
+  EXPECT_LE(world.Blueprints().size(), 3U);
+  EXPECT_GT(shown.size(), 40U) << "of 79 that last a tenth of a second each";
+  game.Run(3);
+  EXPECT_EQ(Look(client, game.now, body).blueprint->name, "torn 78");
+  const client::Statistics& statistics = client.ReadStatistics();
+  EXPECT_EQ(statistics.badMessages + statistics.badRecords + statistics.badSnapshots, 0U);
+}
+
 TEST(Server, SnapshotsComeAtTheirRate) {
   for (const int snapshotHz : {10, 25, 30, 60}) {
     Config config;
@@ -472,7 +609,7 @@ TEST(Server, SameCallsSameWorld) {
 
 TEST(Server, StepCaptureAndEncodeDoNotAllocateOnceWarm) {
   const scenes::Scene scene = test::LoadShippedScene("arena");
-  physics::World world({scene.gravity, 1.0 / 60, scene.precision, 1});
+  physics::World world(scenes::MakeWorldSettings(scene, 1.0 / 60, 1));
   const auto placed = scenes::FillWorld(scene, 1, world);
   std::vector<CapturedBlueprint> blueprints;
   for (const auto& blueprint : world.Blueprints()) blueprints.push_back(CaptureBlueprint(blueprint));

@@ -1,0 +1,144 @@
+#include "server/physics/backtracking.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wobble::physics {
+namespace {
+
+constexpr int kBisections = 50;
+constexpr double kRestingSteps = 2;
+// Slower than this no vertex bounces, m/s: half a tenth of a millimetre high.
+constexpr double kRestingSpeed = 0.03;
+// Out of one surface a vertex may be put into another; so many looks at all of them.
+constexpr int kSweeps = 4;
+
+template <class Real>
+struct Flight {
+  Vector3<Real> x;
+  Vector3<Real> v;
+};
+
+// Both ends of a substep, the way between them as the share s of it that has passed.
+template <class Real>
+struct Substep {
+  Real h;
+  Flight<Real> begin;
+  Flight<Real> end;
+
+  [[nodiscard]] Flight<Real> At(Real s) const {
+    const Vector3<Real> way = end.x - begin.x;
+    const Vector3<Real> first = h * begin.v;
+    const Vector3<Real> bend = Real(3) * way - Real(2) * first - h * end.v;
+    const Vector3<Real> twist = first + h * end.v - Real(2) * way;
+    return {begin.x + s * (first + s * (bend + s * twist)), (first + s * (Real(2) * bend + s * (Real(3) * twist))) / h};
+  }
+};
+
+// The share of the substep after which the surface is met; 0 when it began there.
+template <class Real>
+Real FindCrossing(const Surface<Real>& surface, const Substep<Real>& substep) {
+  if (!(FindSurfacePoint(surface, substep.begin.x).distance > Real(0))) return 0;
+  Real above = 0;
+  Real below = 1;
+  for (int i = 0; i < kBisections; ++i) {
+    const Real middle = (above + below) / Real(2);
+    (FindSurfacePoint(surface, substep.At(middle).x).distance > Real(0) ? above : below) = middle;
+  }
+  return above;
+}
+
+// Of a vertex that slips at `velocity`, what friction may take while the normal velocity changes by `kick`.
+template <class Real>
+Vector3<Real> FindSlowing(const Vector3<Real>& velocity, const Vector3<Real>& normal, Real friction, Real kick) {
+  const Vector3<Real> slip = RemoveNormalPart<Real>(velocity, normal);
+  const Real speed = std::sqrt(slip.dot(slip));
+  const Real limit = friction * kick;
+  return speed > limit ? Vector3<Real>(slip * (limit / speed)) : slip;
+}
+
+// Onto the surface, if it is below it; what is left of its approach is taken.
+template <class Real>
+void Lift(const Surface<Real>& surface, Vector3<Real>& x, Vector3<Real>& v) {
+  const SurfacePoint<Real> point = FindSurfacePoint(surface, x);
+  if (!(point.distance < Real(0))) return;
+  x -= point.distance * point.normal;
+  v -= std::min(Real(0), point.normal.dot(v)) * point.normal;
+}
+
+// Bounces at the crossing and flies on.
+template <class Real>
+void Bounce(const Substep<Real>& substep, const Surface<Real>& surface, Real friction, Real restitution, Real crossing,
+            Vector3<Real>& x, Vector3<Real>& v) {
+  const Flight<Real> at = substep.At(crossing);
+  const Vector3<Real> normal = FindSurfacePoint(surface, at.x).normal;
+  const Real approach = -normal.dot(at.v);
+  const Real kick = (Real(1) + restitution) * approach;
+  const Vector3<Real> after = at.v + kick * normal - FindSlowing(at.v, normal, friction, kick);
+  const Real left = (Real(1) - crossing) * substep.h;
+  const Vector3<Real> acceleration = (substep.end.v - substep.begin.v) / substep.h;
+  v = after + left * acceleration;
+  x = at.x + left * (after + (left / Real(2)) * acceleration);
+  Lift(surface, x, v);
+}
+
+// Stays on the surface from the crossing on.
+template <class Real>
+void Rest(const Substep<Real>& substep, const Surface<Real>& surface, Real friction, Real crossing, Vector3<Real>& x,
+          Vector3<Real>& v) {
+  const Vector3<Real> normal = FindSurfacePoint(surface, x).normal;
+  const Real kick = std::max(Real(0), -normal.dot(v));
+  const Vector3<Real> slowing = FindSlowing(v, normal, friction, kick);
+  v -= slowing;
+  x -= ((Real(1) - crossing) * substep.h / Real(2)) * slowing;
+  Lift(surface, x, v);
+}
+
+template <class Real>
+void PutBack(const ContactParameters<Real>& parameters, const Substep<Real>& substep, const Surface<Real>& surface,
+             Vector3<Real>& x, Vector3<Real>& v) {
+  const Real friction = parameters.friction * surface.friction;
+  const Real crossing = FindCrossing(surface, substep);
+  const Flight<Real> at = substep.At(crossing);
+  const Vector3<Real> normal = FindSurfacePoint(surface, at.x).normal;
+  const Real approach = -normal.dot(at.v);
+  const Real gained = std::max(Real(0), normal.dot(substep.begin.v) - normal.dot(substep.end.v));
+  if (approach > std::max(static_cast<Real>(kRestingSpeed), static_cast<Real>(kRestingSteps) * gained)) {
+    Bounce(substep, surface, friction, parameters.restitution, crossing, x, v);
+  } else {
+    Rest(substep, surface, friction, crossing, x, v);
+  }
+}
+
+}  // namespace
+
+template <class Real>
+void PutBack(const Coefficients<Real>& body, Real h, std::span<const Surface<Real>> surfaces,
+             std::span<const Vector3<Real>> x0, std::span<const Vector3<Real>> v0, std::span<Contact<Real>> contacts,
+             std::span<Vector3<Real>> x, std::span<Vector3<Real>> v) {
+  bool touches = false;
+  for (Contact<Real>& contact : contacts) {
+    const std::uint32_t i = contact.vertex;
+    const Surface<Real>& surface = surfaces[contact.surface];
+    contact.touching = body.inverseMasses[i] > Real(0) && FindSurfacePoint(surface, x[i]).distance < Real(0);
+    if (!contact.touching) continue;
+    PutBack<Real>(body.contact, {h, {x0[i], v0[i]}, {x[i], v[i]}}, surface, x[i], v[i]);
+    touches = true;
+  }
+  for (int sweep = 0; touches && sweep < kSweeps; ++sweep) {
+    for (const Contact<Real>& contact : contacts) {
+      const std::uint32_t i = contact.vertex;
+      if (body.inverseMasses[i] > Real(0)) Lift(surfaces[contact.surface], x[i], v[i]);
+    }
+  }
+}
+
+#define WOBBLE_INSTANTIATE(Real)                                                               \
+  template void PutBack<Real>(const Coefficients<Real>&, Real, std::span<const Surface<Real>>, \
+                              std::span<const Vector3<Real>>, std::span<const Vector3<Real>>,  \
+                              std::span<Contact<Real>>, std::span<Vector3<Real>>, std::span<Vector3<Real>>);
+WOBBLE_INSTANTIATE(float)
+WOBBLE_INSTANTIATE(double)
+#undef WOBBLE_INSTANTIATE
+
+}  // namespace wobble::physics

@@ -1,0 +1,139 @@
+// Builds cloths. On the border a square brings what is its own, as in a lattice: half of each of its sides, a quarter
+// of its mass to each corner. So a wider cloth of the same material and mass a square metre moves alike.
+#include "server/physics/cloth.h"
+
+#include <cmath>
+
+#include "server/physics/contact.h"
+#include "server/physics/material.h"
+
+namespace wobble::physics {
+namespace {
+
+struct Weave {
+  int columns;
+  int rows;
+
+  [[nodiscard]] std::uint16_t IndexOf(int column, int row) const {
+    return static_cast<std::uint16_t>(row * columns + column);
+  }
+  [[nodiscard]] bool Holds(int column, int row) const {
+    return column >= 0 && column < columns && row >= 0 && row < rows;
+  }
+  [[nodiscard]] double FindColumnShare(int column) const { return column == 0 || column == columns - 1 ? 0.5 : 1; }
+  [[nodiscard]] double FindRowShare(int row) const { return row == 0 || row == rows - 1 ? 0.5 : 1; }
+
+  template <class Visit>
+  void VisitPoints(Visit&& visit) const {
+    for (int row = 0; row < rows; ++row) {
+      for (int column = 0; column < columns; ++column) visit(column, row);
+    }
+  }
+};
+
+bool IsPinned(const Weave& weave, Pinned pinned, int column, int row) {
+  const bool side = column == 0 || column == weave.columns - 1;
+  const bool end = row == 0 || row == weave.rows - 1;
+  switch (pinned) {
+    case Pinned::kNone:
+      return false;
+    case Pinned::kCorners:
+      return side && end;
+    case Pinned::kTopCorners:
+      return side && row == 0;
+    case Pinned::kEdge:
+      return row == 0;
+    case Pinned::kFrame:
+      return side || end;
+  }
+  return false;
+}
+
+void AddSprings(const ClothDefinition& definition, const Weave& weave, double vertexMass, Blueprint& blueprint) {
+  const Material& material = definition.material;
+  const double damping = FindDamping(material.dampingRatio, material.stiffness, vertexMass);
+  weave.VisitPoints([&](int column, int row) {
+    const auto add = [&](int columns, int rows, double share) {
+      if (!weave.Holds(column + columns, row + rows)) return;
+      const double length = definition.spacing * std::hypot(columns, rows);
+      blueprint.full.springs.push_back({weave.IndexOf(column, row), weave.IndexOf(column + columns, row + rows), length,
+                                        share * material.stiffness, share * damping});
+    };
+    add(1, 0, weave.FindRowShare(row));
+    add(0, 1, weave.FindColumnShare(column));
+    if (definition.shear > 0) {
+      add(1, 1, definition.shear);
+      add(-1, 1, definition.shear);
+    }
+    if (definition.bend > 0) {
+      add(2, 0, definition.bend * weave.FindRowShare(row));
+      add(0, 2, definition.bend * weave.FindColumnShare(column));
+    }
+  });
+}
+
+// Two triangles a square, cut along alternating diagonals so that no direction is favoured.
+void AddFaces(const Weave& weave, std::vector<Face>& faces) {
+  for (int row = 0; row + 1 < weave.rows; ++row) {
+    for (int column = 0; column + 1 < weave.columns; ++column) {
+      const std::uint16_t a = weave.IndexOf(column, row);
+      const std::uint16_t b = weave.IndexOf(column, row + 1);
+      const std::uint16_t c = weave.IndexOf(column + 1, row + 1);
+      const std::uint16_t d = weave.IndexOf(column + 1, row);
+      if ((column + row) % 2 == 0) {
+        faces.push_back({a, b, c});
+        faces.push_back({a, c, d});
+      } else {
+        faces.push_back({a, b, d});
+        faces.push_back({b, c, d});
+      }
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<FieldError> ValidateCloth(const ClothDefinition& d) {
+  std::vector<FieldError> errors;
+  const auto isGood = [](int n) { return n >= 2 && n <= kMaxClothPoints; };
+  if (!isGood(d.points[0]) || !isGood(d.points[1])) {
+    errors.push_back({"points", "[" + std::to_string(d.points[0]) + ", " + std::to_string(d.points[1]) + "]",
+                      "two whole numbers from 2 to " + std::to_string(kMaxClothPoints)});
+  }
+  CheckField(errors, "spacing", d.spacing, d.spacing >= 0.01 && d.spacing <= 5, "0.01 to 5 m");
+  CheckField(errors, "shear", d.shear, d.shear > 0 && d.shear <= 1, "above 0, up to 1");
+  CheckField(errors, "bend", d.bend, d.bend >= 0 && d.bend <= 1, "0 to 1");
+  CheckField(errors, "tear_stretch", d.tearStretch,
+             d.tearStretch == 0 || (d.tearStretch >= 1.05 && d.tearStretch <= 10), "0 (never) or 1.05 to 10");
+  CheckMaterial(errors, d.material);
+  if (errors.empty()) CheckStiffness(errors, d.material, MakeCloth(d));
+  return errors;
+}
+
+Blueprint MakeCloth(const ClothDefinition& definition) {
+  const Weave weave{definition.points[0], definition.points[1]};
+  const Material& material = definition.material;
+  const double squareMass = material.mass / ((weave.columns - 1) * (weave.rows - 1));
+
+  Blueprint blueprint;
+  blueprint.name = definition.name;
+  Coefficients<double>& full = blueprint.full;
+  weave.VisitPoints([&](int column, int row) {
+    const double along = definition.spacing * column;
+    const double down = definition.spacing * row;
+    const bool vertical = definition.orientation == Orientation::kVertical;
+    blueprint.rest.push_back(vertical ? Vector3d(along, 0, -down) : Vector3d(along, -down, 0));
+    full.masses.push_back(squareMass * weave.FindColumnShare(column) * weave.FindRowShare(row));
+    if (IsPinned(weave, definition.pinned, column, row)) full.fixed.push_back(weave.IndexOf(column, row));
+  });
+  AddSprings(definition, weave, squareMass, blueprint);
+  AddFaces(weave, full.faces);
+  full.drag = material.drag;
+  full.tearStretch = definition.tearStretch;
+  SetRepulsion(blueprint, material.repulsion);
+  full.contact = MakeContactParameters(material, squareMass, definition.spacing);
+  FinishBlueprint(blueprint);
+  return blueprint;
+}
+
+}  // namespace wobble::physics

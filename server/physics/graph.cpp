@@ -1,0 +1,182 @@
+// Builds and changes graphs. Particles of a graph may come to stand anywhere, so what the power iteration finds in the
+// rest shape would not hold for long: of two springs in one line the frequencies add up, of two across they do not. Its
+// frequency is bounded for every shape instead: the matrix M^−½ K M^−½ has blocks k n nᵀ/√(mᵢ mⱼ) at most, so by
+// Gershgorin's circles
+//   ω² ≤ maxᵢ Σⱼ kᵢⱼ (1/mᵢ + 1/√(mᵢ mⱼ)),
+// at most twice too large, and exact for a chain. It takes one pass over the springs, as fits a change in mid-game.
+#include "server/physics/graph.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/physics/contact.h"
+
+namespace wobble::physics {
+namespace {
+
+constexpr double kParticleSize = 0.5;  // that a contact's fade depth is a share of, m
+
+// maxᵢ Σⱼ of the formula above, of what `pick` reads from a spring.
+template <class Pick>
+double BoundRate(const Coefficients<double>& full, Pick&& pick) {
+  std::vector<double> sums(full.masses.size(), 0);
+  for (const Spring<double>& spring : full.springs) {
+    const double a = full.inverseMasses[spring.a];
+    const double b = full.inverseMasses[spring.b];
+    sums[spring.a] += pick(spring) * (a + std::sqrt(a * b));
+    sums[spring.b] += pick(spring) * (b + std::sqrt(a * b));
+  }
+  return sums.empty() ? 0 : *std::ranges::max_element(sums);
+}
+
+void FinishGraph(Blueprint& graph) {
+  FinishBlueprintButStability(graph);
+  graph.angularFrequency = std::sqrt(BoundRate(graph.full, [](const auto& spring) { return spring.stiffness; }));
+  graph.dampingRate = BoundRate(graph.full, [](const auto& spring) { return spring.damping; });
+}
+
+// `where` goes before the name of each field.
+void CheckParticle(std::vector<FieldError>& errors, const std::string& where, const Particle& particle) {
+  const double farthest = particle.position.cwiseAbs().maxCoeff();
+  CheckField(errors, (where + "position").c_str(), farthest, farthest <= 100, "within 100 m along each axis");
+  CheckField(errors, (where + "mass").c_str(), particle.mass, particle.mass >= 1e-3 && particle.mass <= 1e6,
+             "0.001 to 1000000 kg");
+}
+
+// Of a spring between particles that are there.
+void CheckQuantities(std::vector<FieldError>& errors, const std::string& where, const Spring<double>& spring) {
+  CheckField(errors, (where + "stiffness").c_str(), spring.stiffness, spring.stiffness > 0 && spring.stiffness <= 1e9,
+             "above 0, up to 1e9 N/m");
+  CheckField(errors, (where + "damping").c_str(), spring.damping, spring.damping >= 0 && spring.damping <= 1e6,
+             "0 to 1e6 N·s/m");
+  CheckField(errors, (where + "rest_length").c_str(), spring.restLength,
+             spring.restLength >= 1e-3 && spring.restLength <= 500, "0.001 to 500 m (0: what lies between its ends)");
+}
+
+bool IsJoined(const std::vector<Spring<double>>& springs, std::uint32_t a, std::uint32_t b) {
+  return std::ranges::any_of(springs,
+                             [&](const Spring<double>& s) { return (s.a == a && s.b == b) || (s.a == b && s.b == a); });
+}
+
+// Adds the spring if its ends are good; its quantities are checked as well.
+void AppendSpring(std::vector<FieldError>& errors, const std::string& where, const GraphSpring& added,
+                  Blueprint& graph) {
+  const int count = static_cast<int>(graph.rest.size());
+  const std::string ends = "[" + std::to_string(added.a) + ", " + std::to_string(added.b) + "]";
+  if (added.a < 0 || added.a >= count || added.b < 0 || added.b >= count || added.a == added.b) {
+    errors.push_back({where + "ends", ends, "two different particles from 0 to " + std::to_string(count - 1)});
+    return;
+  }
+  const auto a = static_cast<std::uint32_t>(added.a);
+  const auto b = static_cast<std::uint32_t>(added.b);
+  if (IsJoined(graph.full.springs, a, b)) errors.push_back({where + "ends", ends, "two that no spring joins yet"});
+  const double length = added.restLength == 0 ? (graph.rest[a] - graph.rest[b]).norm() : added.restLength;
+  graph.full.springs.push_back({a, b, length, added.stiffness, added.damping});
+  CheckQuantities(errors, where, graph.full.springs.back());
+}
+
+void AppendParticle(const Particle& added, Blueprint& graph) {
+  Coefficients<double>& full = graph.full;
+  if (added.fixed) full.fixed.push_back(static_cast<std::uint16_t>(graph.rest.size()));
+  graph.rest.push_back(full.planar ? Vector3d(added.position.x(), 0, added.position.z()) : added.position);
+  full.masses.push_back(added.mass);
+}
+
+// Checks the sizes and, if all is well, finishes the blueprint. field: what made it too fast, if it is.
+void FinishEdit(GraphEdit& edit, const char* field, double value) {
+  const auto checkCount = [&](const char* what, std::size_t count, std::size_t most) {
+    CheckField(edit.errors, what, static_cast<double>(count), count <= most,
+               ("at most " + std::to_string(most)).c_str());
+  };
+  checkCount("particles", edit.blueprint.rest.size(), kMaxParticles);
+  checkCount("springs", edit.blueprint.full.springs.size(), kMaxGraphSprings);
+  if (!edit.errors.empty()) return;
+  FinishGraph(edit.blueprint);
+  CheckField(edit.errors, field, value, IsSlowEnough(edit.blueprint),
+             "softer, less damped or heavier: the body would need more than 32 substeps a tick");
+}
+
+GraphEdit BuildGraph(const GraphDefinition& definition) {
+  GraphEdit edit;
+  Blueprint& graph = edit.blueprint;
+  graph.name = definition.name;
+  graph.full.planar = definition.planar;
+  CheckField(edit.errors, "friction", definition.friction, definition.friction >= 0 && definition.friction <= 10,
+             "0 to 10");
+  CheckField(edit.errors, "restitution", definition.restitution,
+             definition.restitution >= 0 && definition.restitution <= 1, "0 to 1");
+  CheckField(edit.errors, "contact_stiffness", definition.contactStiffness,
+             definition.contactStiffness > 0 && definition.contactStiffness <= 1e9, "above 0, up to 1e9 N/m");
+  CheckField(edit.errors, "particles", 0, !definition.particles.empty(), "at least 1");
+  double mass = 0;
+  for (std::size_t i = 0; i < definition.particles.size(); ++i) {
+    CheckParticle(edit.errors, "particle[" + std::to_string(i) + "].", definition.particles[i]);
+    AppendParticle(definition.particles[i], graph);
+    mass += definition.particles[i].mass / static_cast<double>(definition.particles.size());
+  }
+  for (std::size_t i = 0; i < definition.springs.size(); ++i) {
+    AppendSpring(edit.errors, "spring[" + std::to_string(i) + "].", definition.springs[i], graph);
+  }
+  Material material;
+  material.friction = definition.friction;
+  material.restitution = definition.restitution;
+  material.contactStiffness = definition.contactStiffness;
+  graph.full.contact = MakeContactParameters(material, mass, kParticleSize);
+  double stiffest = 0;
+  for (const Spring<double>& spring : graph.full.springs) stiffest = std::max(stiffest, spring.stiffness);
+  FinishEdit(edit, "stiffness", stiffest);
+  return edit;
+}
+
+}  // namespace
+
+std::vector<FieldError> ValidateGraph(const GraphDefinition& definition) { return BuildGraph(definition).errors; }
+
+Blueprint MakeGraph(const GraphDefinition& definition) { return BuildGraph(definition).blueprint; }
+
+GraphEdit AddParticle(const Blueprint& graph, const Particle& particle) {
+  GraphEdit edit{graph, {}};
+  CheckParticle(edit.errors, "", particle);
+  AppendParticle(particle, edit.blueprint);
+  FinishEdit(edit, "mass", particle.mass);
+  return edit;
+}
+
+GraphEdit AddSpring(const Blueprint& graph, const GraphSpring& spring) {
+  GraphEdit edit{graph, {}};
+  AppendSpring(edit.errors, "", spring, edit.blueprint);
+  FinishEdit(edit, "stiffness", spring.stiffness);
+  return edit;
+}
+
+GraphEdit SetSpring(const Blueprint& graph, std::size_t index, const GraphSpring& spring) {
+  GraphEdit edit{graph, {}};
+  if (index >= graph.full.springs.size()) {
+    edit.errors.push_back(
+        {"spring", std::to_string(index), "one of " + std::to_string(graph.full.springs.size()) + ", counted from 0"});
+    return edit;
+  }
+  Spring<double>& changed = edit.blueprint.full.springs[index];
+  changed.stiffness = spring.stiffness;
+  changed.damping = spring.damping;
+  changed.restLength =
+      spring.restLength == 0 ? (graph.rest[changed.a] - graph.rest[changed.b]).norm() : spring.restLength;
+  CheckQuantities(edit.errors, "", changed);
+  FinishEdit(edit, "stiffness", spring.stiffness);
+  return edit;
+}
+
+GraphEdit SetMass(const Blueprint& graph, std::size_t particle, double mass) {
+  GraphEdit edit{graph, {}};
+  if (particle >= graph.rest.size()) {
+    edit.errors.push_back(
+        {"particle", std::to_string(particle), "one of " + std::to_string(graph.rest.size()) + ", counted from 0"});
+    return edit;
+  }
+  edit.blueprint.full.masses[particle] = mass;
+  CheckParticle(edit.errors, "", {graph.rest[particle], mass, false});
+  FinishEdit(edit, "mass", mass);
+  return edit;
+}
+
+}  // namespace wobble::physics

@@ -1,0 +1,18 @@
+// Whether a step has left a group in a state that can be, and who is to blame when not.
+#pragma once
+
+#include "server/physics/group.h"
+
+namespace wobble::physics {
+
+// Notes each member's health and which are lost; false when all is well. checkEnergy: also looks for energy from
+// nowhere, which only methods that have none to give can be blamed for.
+template <class Real>
+[[nodiscard]] bool FindBadMembers(const Group<Real>& group, bool checkEnergy);
+
+// No step can help a member that began the tick in a state that cannot be. It alone is lost then, and what it has
+// touched goes back to where it began. False, and nothing done, when none began so.
+template <class Real>
+[[nodiscard]] bool BlameThoseWhoBeganBad(Group<Real>& group);
+
+}  // namespace wobble::physics

@@ -1,0 +1,89 @@
+#include "server/physics/integrator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+
+#include "server/physics/stability.h"
+
+namespace wobble::physics {
+namespace {
+
+constexpr double kForever = std::numeric_limits<double>::infinity();
+constexpr int kBisections = 60;  // from an interval of the limit's own size to its last bit
+
+// The step in [0, end] up to which `isStable` holds.
+template <class IsStable>
+double Bisect(double end, const IsStable& isStable) {
+  double begin = 0;
+  for (int i = 0; i < kBisections; ++i) {
+    const double middle = (begin + end) / 2;
+    (isStable(middle) ? begin : end) = middle;
+  }
+  return begin;
+}
+
+// |1 + hλ|² = 1 − hg + h²w² while it rings; 1 − hμ > −1 for the faster root once overdamped.
+double FindExplicitEulerStep(double w2, double g) {
+  const double discriminant = g * g / 4 - w2;
+  return discriminant <= 0 ? g / w2 : 2 / (g / 2 + std::sqrt(discriminant));
+}
+
+// h²w² + 2hg = 4, solved without the cancellation of the textbook form.
+double FindSymplecticStep(double w2, double g) { return 4 / (g + std::sqrt(g * g + 4 * w2)); }
+
+// The first root of the cubic f(h) = h²w²(2 − hg/2) − 4(2 − hg + h²g²/4). It rises from −8 to its one maximum and falls
+// from there; where that stays below 0, or comes late, hg < 4 is the limit.
+double FindVerletStep(double w2, double g) {
+  if (!(g > 0)) return 2 / std::sqrt(w2);
+  const auto f = [&](double h) { return h * h * w2 * (2 - h * g / 2) - 4 * (2 - h * g + h * h * g * g / 4); };
+  const double slope = 2 * w2 - g * g;
+  // f' = 4g + 2·slope·h − (3/2) w² g h², of which the positive root.
+  const double top = w2 > 0 ? (slope + std::sqrt(slope * slope + 6 * w2 * g * g)) / (1.5 * w2 * g) : kForever;
+  const double end = std::min(top, 4 / g);
+  return f(end) > 0 ? Bisect(end, [&](double h) { return f(h) < 0; }) : 4 / g;
+}
+
+double FindRungeKuttaStep(double w2, double g) {
+  using Complex = std::complex<double>;
+  const Complex root = std::sqrt(Complex(g * g / 4 - w2));
+  const auto grows = [](const Complex& m) {
+    return std::abs(1.0 + m * (1.0 + m / 2.0 * (1.0 + m / 3.0 * (1.0 + m / 4.0)))) > 1;
+  };
+  const auto isStable = [&](double h) { return !grows(h * (-g / 2 + root)) && !grows(h * (-g / 2 - root)); };
+  return Bisect(4 / FindModeRate(w2, g), isStable);
+}
+
+}  // namespace
+
+double FindLargestStep(Integrator integrator, double squareFrequency, double dampingRate) {
+  if (!(squareFrequency > 0) && !(dampingRate > 0)) return kForever;
+  switch (integrator) {
+    case Integrator::kRungeKutta4:
+      return FindRungeKuttaStep(squareFrequency, dampingRate);
+    case Integrator::kExplicitEuler:
+      return FindExplicitEulerStep(squareFrequency, dampingRate);
+    case Integrator::kSemiImplicitEuler:
+    case Integrator::kLeapFrog:
+    case Integrator::kPositionVerlet:
+      return FindSymplecticStep(squareFrequency, dampingRate);
+    case Integrator::kVelocityVerlet:
+      return FindVerletStep(squareFrequency, dampingRate);
+    case Integrator::kImplicitEuler:
+      break;
+  }
+  return kForever;
+}
+
+double FindStableRate(Integrator integrator, double squareFrequency, double dampingRate) {
+  if (integrator == Integrator::kRungeKutta4) {
+    const double rate = FindModeRate(squareFrequency, dampingRate);
+    const bool lightlyDamped = dampingRate < rate * 2 / 3;  // g = 2ζω: under a third of critical
+    return rate / (lightlyDamped ? kStabilityLimitLightlyDamped : kStabilityLimit);
+  }
+  if (integrator == Integrator::kExplicitEuler) integrator = Integrator::kSemiImplicitEuler;
+  return 1 / FindLargestStep(integrator, squareFrequency, dampingRate);
+}
+
+}  // namespace wobble::physics

@@ -1,0 +1,29 @@
+// Steps of a sixth of the fastest period, friction near critical for the slow modes.
+#include "server/physics/relax.h"
+
+#include <algorithm>
+
+#include "server/physics/forces.h"
+
+namespace wobble::physics {
+
+bool RelaxRest(Blueprint& blueprint, double tolerance, int maxSteps) {
+  const std::size_t count = blueprint.rest.size();
+  const Load<double> load;
+  std::vector<Vector3d> v(count, Vector3d::Zero());
+  std::vector<Vector3d> a(count);
+  const double step = 1 / blueprint.angularFrequency;
+  for (int iteration = 0; iteration < maxSteps; ++iteration) {
+    ComputeAccelerations<double>(blueprint.full, load, {}, {}, blueprint.rest, v, a);
+    double worst = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      worst = std::max(worst, a[i].cwiseAbs().maxCoeff());
+      v[i] = 0.9 * v[i] + step * a[i];
+      blueprint.rest[i] += step * v[i];
+    }
+    if (worst < tolerance) return true;
+  }
+  return false;
+}
+
+}  // namespace wobble::physics

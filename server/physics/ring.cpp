@@ -1,0 +1,165 @@
+// Builds rings. The gas pushes each of the p vertices of the innermost ring, of radius R, outward with
+//   G = (P − P₀) R sin(2π/p),
+// half the chord between its two neighbours times the pressure. A ring under tension T pulls its vertices inward with
+// 2T sin(π/p). Every one of L layers is given the same tension,
+//   T = G / (2 L sin(π/p)) = (P − P₀) R cos(π/p) / L,
+// Laplace's law for a polygon; radial springs, compressed, hand on what the rings inside have not borne, and diagonals
+// are at rest. So the rest lengths are known and the stated radii exact, without the relaxation that a ball needs.
+#include "server/physics/ring.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "server/physics/contact.h"
+#include "server/physics/material.h"
+
+namespace wobble::physics {
+namespace {
+
+struct Layout {
+  int points;
+  int layers;
+  double innerRadius;
+  double spacing;  // of the rings
+
+  explicit Layout(const RingDefinition& d)
+      : points(d.points),
+        layers(d.layers),
+        innerRadius(d.layers > 1 ? d.radius - d.thickness : d.radius),
+        spacing(d.layers > 1 ? d.thickness / (d.layers - 1) : 0) {}
+
+  [[nodiscard]] std::uint16_t IndexOf(int layer, int point) const {
+    return static_cast<std::uint16_t>(layer * points + point % points);
+  }
+  [[nodiscard]] double HalfAngle() const { return std::numbers::pi / points; }
+  [[nodiscard]] double InnerArea() const { return points * innerRadius * innerRadius * std::sin(2 * HalfAngle()) / 2; }
+};
+
+// P − P₀.
+double FindGaugePressure(const Layout& layout, const Material& material) {
+  return material.gas > 0 ? material.gas / layout.InnerArea() - material.ambientPressure : 0;
+}
+
+double FindTension(const Layout& layout, const Material& material) {
+  return FindGaugePressure(layout, material) * layout.innerRadius * std::cos(layout.HalfAngle()) / layout.layers;
+}
+
+// The most gas whose tension leaves the innermost springs kMinRestShare of their length, J.
+double FindMostGas(const Layout& layout, const Material& material) {
+  const double length = 2 * layout.innerRadius * std::sin(layout.HalfAngle());
+  const double tension = (1 - kMinRestShare) * material.stiffness * length;
+  const double pressure = tension * layout.layers / (layout.innerRadius * std::cos(layout.HalfAngle()));
+  return (pressure + material.ambientPressure) * layout.InnerArea();
+}
+
+void AddSprings(const Layout& layout, const Material& material, double vertexMass, Blueprint& blueprint) {
+  const double damping = FindDamping(material.dampingRatio, material.stiffness, vertexMass);
+  const auto add = [&](std::uint16_t a, std::uint16_t b, double tension) {
+    const double length = (blueprint.rest[a] - blueprint.rest[b]).norm();
+    blueprint.full.springs.push_back({a, b, length - tension / material.stiffness, material.stiffness, damping});
+  };
+  const double tension = FindTension(layout, material);
+  const double borne = 2 * tension * std::sin(layout.HalfAngle());
+  for (int layer = 0; layer < layout.layers; ++layer) {
+    for (int i = 0; i < layout.points; ++i) add(layout.IndexOf(layer, i), layout.IndexOf(layer, i + 1), tension);
+    if (layer + 1 == layout.layers) break;
+    const double handedOn = borne * (layout.layers - layer - 1);
+    for (int i = 0; i < layout.points; ++i) {
+      add(layout.IndexOf(layer, i), layout.IndexOf(layer + 1, i), -handedOn);
+      add(layout.IndexOf(layer, i), layout.IndexOf(layer + 1, i + 1), 0);
+      add(layout.IndexOf(layer, i + 1), layout.IndexOf(layer + 1, i), 0);
+    }
+  }
+}
+
+// A strip that goes to and fro across the inside: 0 1 p−1, 1 2 p−1, 2 p−2 p−1 and so on.
+void AddStrip(int points, std::vector<Face>& faces) {
+  auto low = std::uint16_t{0};
+  auto high = static_cast<std::uint16_t>(points - 1);
+  for (bool fromLow = true; high - low >= 2; fromLow = !fromLow) {
+    if (fromLow) {
+      faces.push_back({low, static_cast<std::uint16_t>(low + 1), high});
+      ++low;
+    } else {
+      faces.push_back({low, static_cast<std::uint16_t>(high - 1), high});
+      --high;
+    }
+  }
+}
+
+void AddFaces(const Layout& layout, std::vector<Face>& faces) {
+  if (layout.layers == 1) return AddStrip(layout.points, faces);
+  for (int layer = 0; layer + 1 < layout.layers; ++layer) {
+    for (int i = 0; i < layout.points; ++i) {
+      const std::uint16_t a = layout.IndexOf(layer, i);
+      const std::uint16_t b = layout.IndexOf(layer + 1, i);
+      const std::uint16_t c = layout.IndexOf(layer + 1, i + 1);
+      const std::uint16_t d = layout.IndexOf(layer, i + 1);
+      if ((layer + i) % 2 == 0) {
+        faces.push_back({a, b, c});
+        faces.push_back({a, c, d});
+      } else {
+        faces.push_back({a, b, d});
+        faces.push_back({b, c, d});
+      }
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<FieldError> ValidateRing(const RingDefinition& d) {
+  std::vector<FieldError> errors;
+  const Material& m = d.material;
+  CheckField(errors, "points", d.points, d.points >= 3 && d.points <= kMaxRingPoints, "3 to 512");
+  CheckField(errors, "layers", d.layers, d.layers >= 1 && d.layers <= kMaxRingLayers, "1 to 8");
+  CheckField(errors, "radius", d.radius, d.radius >= 0.05 && d.radius <= 50, "0.05 to 50 m");
+  CheckField(errors, "thickness", d.thickness,
+             d.layers <= 1 || (d.thickness >= 0.01 * (d.layers - 1) && d.thickness <= 0.9 * d.radius),
+             "from 0.01 m a layer to 0.9 of the radius");
+  CheckMaterial(errors, m);
+  CheckGas(errors, m);
+  if (!errors.empty()) return errors;
+
+  const Layout layout(d);
+  const double pressure = FindGaugePressure(layout, m);
+  const std::string most = std::to_string(FindMostGas(layout, m));
+  CheckField(errors, "gas", m.gas, d.layers > 1 || m.gas > 0, "above 0 J: a single ring is held open by its gas alone");
+  CheckField(errors, "gas", m.gas, pressure >= 0, "more, or ambient_pressure lower: the ring would be crushed");
+  CheckField(
+      errors, "gas", m.gas, m.gas <= FindMostGas(layout, m),
+      ("at most " + most + " J for this radius, stiffness and ambient_pressure, or its springs would vanish").c_str());
+  if (errors.empty()) CheckStiffness(errors, m, MakeRing(d));
+  return errors;
+}
+
+Blueprint MakeRing(const RingDefinition& definition) {
+  const Layout layout(definition);
+  const Material& material = definition.material;
+  const double vertexMass = material.mass / (layout.points * layout.layers);
+
+  Blueprint blueprint;
+  blueprint.name = definition.name;
+  Coefficients<double>& full = blueprint.full;
+  for (int layer = 0; layer < layout.layers; ++layer) {
+    const double radius = layout.innerRadius + layer * layout.spacing;
+    for (int i = 0; i < layout.points; ++i) {
+      const double angle = 2 * layout.HalfAngle() * i;
+      blueprint.rest.emplace_back(radius * std::cos(angle), 0, radius * std::sin(angle));
+      full.masses.push_back(vertexMass);
+    }
+  }
+  AddSprings(layout, material, vertexMass, blueprint);
+  AddFaces(layout, full.faces);
+  full.planar = true;
+  for (int i = 0; i < layout.points; ++i) full.outline.push_back({layout.IndexOf(0, i), layout.IndexOf(0, i + 1)});
+  full.gas = material.gas;
+  full.ambientPressure = material.ambientPressure;
+  SetRepulsion(blueprint, material.repulsion);
+  full.contact = MakeContactParameters(material, vertexMass, definition.radius);
+  FinishBlueprint(blueprint);
+  return blueprint;
+}
+
+}  // namespace wobble::physics

@@ -1,0 +1,29 @@
+// A body of a system that is being stepped, as those methods see it that need more than its accelerations.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "server/physics/blueprint.h"
+#include "server/physics/contact.h"
+#include "server/physics/forces.h"
+#include "server/physics/obstacle.h"
+
+namespace wobble::physics {
+
+template <class Real>
+struct SteppedBody {
+  const Blueprint* blueprint = nullptr;
+  const Load<Real>* load = nullptr;
+  std::span<const Surface<Real>> surfaces;
+  std::span<const Contact<Real>> contacts;
+  std::span<const std::uint8_t> torn;  // one a spring, not 0 where it is; empty: none is
+  std::size_t begin = 0;               // of its vertices in the system's
+};
+
+template <class Real>
+[[nodiscard]] bool IsTorn(const SteppedBody<Real>& body, std::size_t spring) {
+  return !body.torn.empty() && body.torn[spring] != 0;
+}
+
+}  // namespace wobble::physics

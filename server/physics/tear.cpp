@@ -1,0 +1,63 @@
+#include "server/physics/tear.h"
+
+#include <algorithm>
+#include <cassert>
+#include <set>
+
+namespace wobble::physics {
+namespace {
+
+using Edge = std::array<std::uint32_t, 2>;
+
+Edge MakeEdge(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
+template <class Real>
+void RemoveSprings(std::span<const std::uint8_t> torn, std::vector<Spring<Real>>& springs) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < springs.size(); ++i) {
+    if (torn[i] == 0) springs[kept++] = springs[i];
+  }
+  springs.resize(kept);
+}
+
+}  // namespace
+
+template <class Real>
+std::size_t FindTorn(const Coefficients<Real>& body, std::span<const Vector3<Real>> x, std::span<std::uint8_t> torn) {
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < torn.size(); ++i) {
+    if (torn[i] != 0) continue;
+    const Spring<Real>& spring = body.springs[i];
+    const Vector3<Real> l = x[spring.a] - x[spring.b];
+    const Real longest = body.tearStretch * spring.restLength;
+    if (!(l.dot(l) > longest * longest)) continue;
+    torn[i] = 1;
+    ++found;
+  }
+  return found;
+}
+
+Blueprint MakeTornBlueprint(const Blueprint& blueprint, std::span<const std::uint8_t> torn) {
+  assert(torn.size() == blueprint.full.springs.size());
+  assert(blueprint.full.gas == 0);
+  std::set<Edge> gone;
+  for (std::size_t i = 0; i < torn.size(); ++i) {
+    const Spring<double>& spring = blueprint.full.springs[i];
+    if (torn[i] != 0) gone.insert(MakeEdge(spring.a, spring.b));
+  }
+  Blueprint left = blueprint;
+  RemoveSprings(torn, left.full.springs);
+  RemoveSprings(torn, left.single.springs);
+  std::erase_if(left.full.faces, [&](const Face& face) {
+    return gone.contains(MakeEdge(face[0], face[1])) || gone.contains(MakeEdge(face[1], face[2])) ||
+           gone.contains(MakeEdge(face[2], face[0]));
+  });
+  left.single.faces = left.full.faces;
+  left.topology = MakeTopology(left.full.faces, left.rest.size());
+  return left;
+}
+
+template std::size_t FindTorn<float>(const Coefficients<float>&, std::span<const Vector3f>, std::span<std::uint8_t>);
+template std::size_t FindTorn<double>(const Coefficients<double>&, std::span<const Vector3d>, std::span<std::uint8_t>);
+
+}  // namespace wobble::physics

@@ -1,0 +1,181 @@
+#include "server/scenes/blueprint_reader.h"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+namespace wobble::scenes {
+namespace {
+
+void ReadMethods(TableReader& reader, Methods& methods) {
+  using physics::ContactLaw;
+  ReadIntegrator(reader, methods.integrator);
+  static const std::map<std::string, ContactLaw> kLaws{{"penalty", ContactLaw::kPenalty},
+                                                       {"magnetic", ContactLaw::kMagnetic},
+                                                       {"backtracking", ContactLaw::kBacktracking}};
+  reader.Read("contact_law", kLaws, methods.contactLaw);
+  reader.Read("magnetic_strength", physics::kMinMagneticStrength, physics::kMaxMagneticStrength, " N·m²",
+              methods.magneticStrength);
+  if (reader.Has("magnetic_strength") && methods.contactLaw != ContactLaw::kMagnetic) {
+    reader.RefuseAsWritten("magnetic_strength", "", "left out unless contact_law is \"magnetic\"");
+  }
+}
+
+// The ranges of quantities are the physics' own and checked by Validate.
+void ReadMaterial(TableReader& reader, physics::Material& material) {
+  reader.ReadUnchecked("mass", material.mass);
+  reader.ReadUnchecked("stiffness", material.stiffness);
+  reader.ReadUnchecked("damping_ratio", material.dampingRatio);
+  reader.ReadUnchecked("friction", material.friction);
+  reader.ReadUnchecked("restitution", material.restitution);
+  reader.ReadUnchecked("contact_stiffness", material.contactStiffness);
+  reader.ReadUnchecked("repulsion", material.repulsion);
+}
+
+void ReadGas(TableReader& reader, physics::Material& material) {
+  reader.ReadUnchecked("gas", material.gas);
+  reader.ReadUnchecked("ambient_pressure", material.ambientPressure);
+}
+
+void ReadFields(TableReader& reader, physics::BallDefinition& ball) {
+  reader.Read("subdivisions", 0, physics::kMaxSubdivisions, ball.subdivisions);
+  reader.ReadUnchecked("radius", ball.radius);
+  ReadMaterial(reader, ball.material);
+  ReadGas(reader, ball.material);
+  reader.ReadUnchecked("drag", ball.material.drag);
+}
+
+void ReadFields(TableReader& reader, physics::PairDefinition& pair) {
+  reader.ReadUnchecked("length", pair.length);
+  reader.Read("direction", -1, 1, "", pair.direction);
+  reader.Read("first_is_fixed", pair.firstIsFixed);
+  ReadMaterial(reader, pair.material);
+}
+
+void ReadFields(TableReader& reader, physics::LatticeDefinition& lattice) {
+  using physics::Side;
+  reader.Read("cells", 0, physics::kMaxLatticeCells, lattice.cells);
+  lattice.poissonRatio = physics::FindPoissonRatio(lattice.cells);
+  reader.ReadUnchecked("cell_size", lattice.cellSize);
+  reader.ReadUnchecked("young_modulus", lattice.youngModulus);
+  reader.ReadUnchecked("poisson_ratio", lattice.poissonRatio);
+  reader.ReadUnchecked("density", lattice.density);
+  reader.ReadUnchecked("damping_ratio", lattice.dampingRatio);
+  reader.ReadUnchecked("friction", lattice.friction);
+  reader.ReadUnchecked("restitution", lattice.restitution);
+  reader.ReadUnchecked("contact_stiffness", lattice.contactStiffness);
+  reader.ReadUnchecked("repulsion", lattice.repulsion);
+  reader.Read("fixed",
+              std::map<std::string, Side>{{"none", Side::kNone},
+                                          {"x-", Side::kLowX},
+                                          {"x+", Side::kHighX},
+                                          {"y-", Side::kLowY},
+                                          {"y+", Side::kHighY},
+                                          {"z-", Side::kLowZ},
+                                          {"z+", Side::kHighZ}},
+              lattice.fixed);
+}
+
+void ReadFields(TableReader& reader, physics::RingDefinition& ring) {
+  reader.Read("points", 3, physics::kMaxRingPoints, ring.points);
+  reader.Read("layers", 1, physics::kMaxRingLayers, ring.layers);
+  reader.ReadUnchecked("radius", ring.radius);
+  reader.ReadUnchecked("thickness", ring.thickness);
+  ReadMaterial(reader, ring.material);
+  ReadGas(reader, ring.material);
+}
+
+void ReadFields(TableReader& reader, physics::ClothDefinition& cloth) {
+  using physics::Orientation;
+  using physics::Pinned;
+  reader.Read("points", 2, physics::kMaxClothPoints, cloth.points);
+  reader.ReadUnchecked("spacing", cloth.spacing);
+  reader.Read("orientation",
+              std::map<std::string, Orientation>{{"horizontal", Orientation::kHorizontal},
+                                                 {"vertical", Orientation::kVertical}},
+              cloth.orientation);
+  reader.Read("pinned",
+              std::map<std::string, Pinned>{{"none", Pinned::kNone},
+                                            {"corners", Pinned::kCorners},
+                                            {"top_corners", Pinned::kTopCorners},
+                                            {"edge", Pinned::kEdge},
+                                            {"frame", Pinned::kFrame}},
+              cloth.pinned);
+  reader.ReadUnchecked("shear", cloth.shear);
+  reader.ReadUnchecked("bend", cloth.bend);
+  reader.ReadUnchecked("tear_stretch", cloth.tearStretch);
+  ReadMaterial(reader, cloth.material);
+  reader.ReadUnchecked("drag", cloth.material.drag);
+}
+
+// Ranges of what stands in lists are checked here as well, where each has its line.
+void ReadFields(TableReader& reader, physics::GraphDefinition& graph) {
+  reader.ReadTables("particle", [&](TableReader& table) {
+    physics::Particle particle;
+    table.Read("position", -100, 100, " m", particle.position);
+    table.Read("mass", 0.001, 1e6, " kg", particle.mass);
+    table.Read("fixed", particle.fixed);
+    graph.particles.push_back(particle);
+  });
+  reader.ReadTables("spring", [&](TableReader& table) {
+    physics::GraphSpring spring;
+    std::array<int, 2> ends{spring.a, spring.b};
+    table.Require("ends");
+    table.Read("ends", 0, static_cast<int>(physics::kMaxParticles) - 1, ends);
+    std::tie(spring.a, spring.b) = std::tie(ends[0], ends[1]);
+    table.Read("stiffness", 1e-6, 1e9, " N/m", spring.stiffness);
+    table.Read("damping", 0, 1e6, " N·s/m", spring.damping);
+    table.Read("rest_length", 0, 500, " m", spring.restLength);
+    graph.springs.push_back(spring);
+  });
+  reader.Read("planar", graph.planar);
+  reader.ReadUnchecked("friction", graph.friction);
+  reader.ReadUnchecked("restitution", graph.restitution);
+  reader.ReadUnchecked("contact_stiffness", graph.contactStiffness);
+}
+
+}  // namespace
+
+void ReadIntegrator(TableReader& reader, physics::Integrator& integrator) {
+  using physics::Integrator;
+  static const std::map<std::string, Integrator> kWords{
+      {"rk4", Integrator::kRungeKutta4},
+      {"explicit_euler", Integrator::kExplicitEuler},
+      {"semi_implicit_euler", Integrator::kSemiImplicitEuler},
+      {"velocity_verlet", Integrator::kVelocityVerlet},
+      {"leap_frog", Integrator::kLeapFrog},
+      {"position_verlet", Integrator::kPositionVerlet},
+      {"implicit_euler", Integrator::kImplicitEuler},
+  };
+  reader.Read("integrator", kWords, integrator);
+}
+
+void ReadBlueprint(TableReader& reader, physics::Integrator defaultIntegrator, Scene& scene) {
+  const std::map<std::string, BodyDefinition> kinds{
+      {"ball", physics::BallDefinition{}},   {"cloth", physics::ClothDefinition{}},
+      {"graph", physics::GraphDefinition{}}, {"lattice", physics::LatticeDefinition{}},
+      {"pair", physics::PairDefinition{}},   {"ring", physics::RingDefinition{}}};
+  BodyDefinition definition = kinds.at("ball");
+  const bool kindIsKnown = !reader.Has("kind") || reader.Read("kind", kinds, definition);
+  reader.Require("name");
+  std::visit([&](auto& one) { reader.Read("name", 64, one.name); }, definition);
+  const auto taken = [&](const BodyDefinition& other) { return NameOf(other) == NameOf(definition); };
+  if (std::any_of(scene.blueprints.begin(), scene.blueprints.end(), taken)) {
+    reader.Refuse("name", NameOf(definition), "a name that no other blueprint has");
+  }
+  Methods methods;
+  methods.integrator = defaultIntegrator;
+  if (kindIsKnown) {
+    std::visit([&](auto& one) { ReadFields(reader, one); }, definition);
+    ReadMethods(reader, methods);
+    for (const physics::FieldError& error : Validate(definition)) {
+      reader.RefuseAsWritten(error.field, error.value, error.range);
+    }
+  } else {
+    reader.PassOver();
+  }
+  scene.blueprints.push_back(std::move(definition));
+  scene.methods.push_back(methods);
+}
+
+}  // namespace wobble::scenes
