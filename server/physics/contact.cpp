@@ -205,7 +205,7 @@ void AddContacts(const ContactParameters<Real>& parameters, std::span<const Real
     const std::uint32_t i = contact.vertex;
     const Surface<Real>& surface = surfaces[contact.surface];
     if (parameters.law == ContactLaw::kMagnetic) {
-      const SurfacePoint<Real> point = FindSurfacePoint(surface, x[i]);
+      const SurfacePoint<Real> point = FindContactPoint(surface, contact, x[i]);
       forces[i] += (shares[i] * ComputeMagneticForce(parameters, point.distance)) * point.normal;
       continue;
     }

@@ -98,7 +98,7 @@ double FindLandingSubsteps(const Blueprint& blueprint, std::span<const Surface<R
   for (const Contact<Real>& candidate : state.contacts) {
     const std::uint32_t i = candidate.vertex;
     const SurfacePoint<Real> point = FindContactPoint(surfaces[candidate.surface], candidate, state.positions[i]);
-    const double approach = -double{point.normal.dot(state.velocities[i])};
+    const double approach = double{FindApproach(surfaces[candidate.surface], point, state.velocities[i])};
     const double depth = -double{point.distance};
     if (depth >= fade || PredictDepth(depth, approach, duration) <= -fade) continue;
     landing += double{body.masses[i]};

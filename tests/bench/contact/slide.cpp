@@ -1,8 +1,8 @@
 // On which slope does a cube begin to slide? By Coulomb's law on tan θ = μ, whatever it weighs.
 //
-// Gravity is tilted instead of the plane. The cube lands and settles for a second; then it slides if its centre goes
-// farther in the next second than creep could explain. The angle is bisected between one that holds and one that does
-// not.
+// Gravity is tilted instead of the plane. The cube comes to rest on the level, the slope grows
+// slowly, and a second later it slides if its centre goes farther in the next than creep could explain. The angle is
+// bisected between one that holds and one that does not.
 //
 // The same on a slab that is held by far more friction (contact between bodies, whose coefficient is the geometric
 // mean) has a figure of its own and no limit: there the sharp edge of the cube is caught by the slab's vertices, which
@@ -42,7 +42,7 @@ struct Motion {
 Motion Play(bool onSlab, double friction, double degrees) {
   const double angle = degrees * kPi / 180;
   WorldSettings settings;
-  settings.gravity = kGravity * Vector3d(std::sin(angle), 0, -std::cos(angle));
+  settings.gravity = Vector3d(0, 0, -kGravity);
   World world(settings);
   LatticeDefinition cube = DescribeCube(20000, friction);
   cube.cells = {2, 2, 2};
@@ -67,6 +67,13 @@ Motion Play(bool onSlab, double friction, double degrees) {
     const double base = onSlab ? world.FindCentre(world.Bodies()[0]).x() : 0;
     return world.FindCentre(world.ReadBody(id)).x() - base;
   };
+  step(kSettle);
+  constexpr int kTiltTicks = 120;  // a sudden slope would shake it loose
+  for (int i = 1; i <= kTiltTicks; ++i) {
+    const double now = angle * i / kTiltTicks;
+    world.SetGravity(kGravity * Vector3d(std::sin(now), 0, -std::cos(now)));
+    world.Step();
+  }
   step(kSettle);
   const double from = findX();
   step(kWatch);
