@@ -173,18 +173,24 @@ void ComputeAccelerations(const Coefficients<Real>& body, const Load<Real>& load
   DivideByMasses<Real>(body, load, accelerations);
 }
 
-double ComputeSpringEnergy(const Coefficients<double>& body, std::span<const Vector3d> x) {
+double ComputeSpringEnergy(const Coefficients<double>& body, std::span<const Vector3d> x,
+                           std::span<const std::uint8_t> torn) {
   double energy = 0;
-  for (const Spring<double>& spring : body.springs) {
+  for (std::size_t i = 0; i < body.springs.size(); ++i) {
+    if (!torn.empty() && torn[i] != 0) continue;
+    const Spring<double>& spring = body.springs[i];
     const double stretch = (x[spring.a] - x[spring.b]).norm() - spring.restLength;
     energy += 0.5 * spring.stiffness * stretch * stretch;
   }
   return energy;
 }
 
-double ComputeRepulsionEnergy(const Coefficients<double>& body, std::span<const Vector3d> x) {
+double ComputeRepulsionEnergy(const Coefficients<double>& body, std::span<const Vector3d> x,
+                              std::span<const std::uint8_t> torn) {
   double energy = 0;
-  for (const Spring<double>& spring : body.springs) {
+  for (std::size_t i = 0; i < body.springs.size(); ++i) {
+    if (!torn.empty() && torn[i] != 0) continue;
+    const Spring<double>& spring = body.springs[i];
     const double length = (x[spring.a] - x[spring.b]).norm();
     const double floor = kRepulsionFloorShare * spring.restLength;
     const double bounded = std::max(length, floor);
