@@ -173,24 +173,26 @@ void ComputeAccelerations(const Coefficients<Real>& body, const Load<Real>& load
   DivideByMasses<Real>(body, load, accelerations);
 }
 
-double ComputeSpringEnergy(const Coefficients<double>& body, std::span<const Vector3d> x) {
+double ComputeSpringEnergy(const Coefficients<double>& body, std::span<const Vector3d> x,
+                           std::span<const std::uint8_t> torn) {
   double energy = 0;
-  for (const Spring<double>& spring : body.springs) {
+  ForWhole(std::span<const Spring<double>>(body.springs), torn, [&](const Spring<double>& spring) {
     const double stretch = (x[spring.a] - x[spring.b]).norm() - spring.restLength;
     energy += 0.5 * spring.stiffness * stretch * stretch;
-  }
+  });
   return energy;
 }
 
-double ComputeRepulsionEnergy(const Coefficients<double>& body, std::span<const Vector3d> x) {
+double ComputeRepulsionEnergy(const Coefficients<double>& body, std::span<const Vector3d> x,
+                              std::span<const std::uint8_t> torn) {
   double energy = 0;
-  for (const Spring<double>& spring : body.springs) {
+  ForWhole(std::span<const Spring<double>>(body.springs), torn, [&](const Spring<double>& spring) {
     const double length = (x[spring.a] - x[spring.b]).norm();
     const double floor = kRepulsionFloorShare * spring.restLength;
     const double bounded = std::max(length, floor);
     energy += body.repulsion / (3 * bounded * bounded * bounded);
     if (length < floor) energy += body.repulsion * (floor - length) / (floor * floor * floor * floor);
-  }
+  });
   return energy;
 }
 

@@ -109,8 +109,10 @@ void ComputeAccelerations(const Coefficients<Real>& body, const Load<Real>& load
                           std::span<Vector3<Real>> accelerations);
 
 // Energies, for health checks, tests and the laboratory. J.
-[[nodiscard]] double ComputeSpringEnergy(const Coefficients<double>& body, std::span<const Vector3d> x);
-[[nodiscard]] double ComputeRepulsionEnergy(const Coefficients<double>& body, std::span<const Vector3d> x);
+[[nodiscard]] double ComputeSpringEnergy(const Coefficients<double>& body, std::span<const Vector3d> x,
+                                         std::span<const std::uint8_t> torn = {});
+[[nodiscard]] double ComputeRepulsionEnergy(const Coefficients<double>& body, std::span<const Vector3d> x,
+                                            std::span<const std::uint8_t> torn = {});
 // P₀V − nRT ln(V/V₀), with V₀ = 1 m³ (planar: m²): the work that the gas has left to do, up to a constant; below the
 // floor volume what the tangent's pressure leaves of it.
 [[nodiscard]] double ComputeGasEnergy(const Coefficients<double>& body, std::span<const Vector3d> x,

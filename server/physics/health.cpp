@@ -21,6 +21,9 @@ double ComputeMotionEnergy(const Blueprint& blueprint, const Load<Real>& load, s
     const double kinetic = v[i].template cast<double>().squaredNorm() / 2;
     energy += double{body.masses[i]} * (kinetic - acceleration.dot(x[i].template cast<double>()));
   }
+  for (const VertexForce<Real>& push : load.pushes) {
+    energy -= push.force.template cast<double>().dot(x[push.vertex].template cast<double>());
+  }
   return energy;
 }
 
@@ -31,8 +34,8 @@ double ComputeElasticEnergy(const Blueprint& blueprint, const Load<Real>& load, 
   scratch.clear();
   for (const Vector3<Real>& place : x) scratch.push_back(place.template cast<double>());
   const Coefficients<double>& full = blueprint.full;
-  return double{load.stiffnessFactor} * ComputeSpringEnergy(full, scratch) + ComputeRepulsionEnergy(full, scratch) +
-         ComputeGasEnergy(full, scratch, double{load.gasFactor}) +
+  return double{load.stiffnessFactor} * ComputeSpringEnergy(full, scratch, load.torn) +
+         ComputeRepulsionEnergy(full, scratch, load.torn) + ComputeGasEnergy(full, scratch, double{load.gasFactor}) +
          ComputeContactEnergy<Real>(blueprint.Read<Real>(), surfaces, contacts, x);
 }
 

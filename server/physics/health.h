@@ -26,7 +26,7 @@ template <class Real>
 inline constexpr double kRunawayShare = 0.05;
 
 // What can be turned into motion within a tick by forces that are constant through it: kinetic energy less the load's
-// work, ½ Σ m v² − Σ m a·x. J.
+// work, ½ Σ m v² − Σ m a·x − Σ F·x. J.
 template <class Real>
 [[nodiscard]] double ComputeMotionEnergy(const Blueprint& blueprint, const Load<Real>& load,
                                          std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v);
