@@ -31,6 +31,14 @@ Vector3<Real> Blend(const Vector3<Real>& weights, const Face& face, std::span<co
   return weights[0] * values[face[0]] + weights[1] * values[face[1]] + weights[2] * values[face[2]];
 }
 
+// The surface as the contact's vertex has it before itself.
+template <class Real>
+Shell<Real> FaceShell(const Meeting<Real>& meeting, bool behind) {
+  Shell<Real> shell = meeting.shell;
+  shell.side = behind ? Real(-1) : Real(1);
+  return shell;
+}
+
 // Of the vertex against the surface under it, or where that ends the nearest part of the face.
 template <class Real>
 Vector3<Real> FindRelativeVelocity(const Meeting<Real>& meeting, std::uint16_t vertex, const FacePoint<Real>& at) {
@@ -67,23 +75,46 @@ bool IsInside(const Vector3<Real>& p, const Bounds<Real>& box) {
 
 // Arms a contact that has just begun, disarms one that has leapt, and says how deep it may come from here.
 template <class Real>
-void Arm(const FacePoint<Real>& at, const Vector3<Real>& velocity, Real h, BodyContact<Real>& contact) {
+void Arm(const FacePoint<Real>& at, const Vector3<Real>& velocity, Real h, bool isOpen, BodyContact<Real>& contact) {
   const Real depth = std::max(Real(0), -at.distance);
   const Real play =
       static_cast<Real>(kArmingDepth) + static_cast<Real>(kArmingSteps) * h * std::sqrt(velocity.dot(velocity));
-  contact.armed = depth <= (contact.armed ? contact.maxDepth : static_cast<Real>(kArmingDepth));
+  contact.armed = isOpen || depth <= (contact.armed ? contact.maxDepth : static_cast<Real>(kArmingDepth));
   contact.maxDepth = depth + play;
 }
 
-// The face that a known contact has come to.
+// Whether the foot lies past a border of the surface.
 template <class Real>
-FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const BodyContact<Real>& contact,
-                                const Vector3<Real>& p) {
-  if (contact.armed) {
-    const FacePoint<Real> at = SlideToFace(meeting.shell, contact.face, p);
-    if (at.distance < Real(0)) return at;
+bool IsPastBorder(const Topology& topology, const FacePoint<Real>& at) {
+  for (std::size_t corner = 0; corner < 3; ++corner) {
+    const bool beyond = at.weights[static_cast<Eigen::Index>(corner)] < Real(0);
+    if (beyond && topology.neighbours[at.face][corner] == kNoFace) return true;
   }
-  return FindNearestFace(meeting.shell, contact.face, p);
+  return false;
+}
+
+// The nearest face from the side that p is on.
+template <class Real>
+FacePoint<Real> ChooseSide(const Meeting<Real>& meeting, std::uint16_t start, const Vector3<Real>& p, bool& behind) {
+  behind = false;
+  const FacePoint<Real> at = FindNearestFace(FaceShell(meeting, behind), start, p);
+  if (!meeting.shell.topology->isOpen || at.distance >= Real(0)) return at;
+  behind = true;
+  return FindNearestFace(FaceShell(meeting, behind), at.face, p);
+}
+
+// The face that a known contact has come to, and on an open surface the side.
+template <class Real>
+FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const Vector3<Real>& p, BodyContact<Real>& contact) {
+  const Shell<Real> shell = FaceShell(meeting, contact.behind);
+  const bool isOpen = shell.topology->isOpen;
+  if (contact.armed) {
+    const FacePoint<Real> at = SlideToFace(shell, contact.face, p);
+    if (at.distance < Real(0) && !(isOpen && IsPastBorder(*shell.topology, at))) return at;
+  }
+  const FacePoint<Real> at = FindNearestFace(shell, contact.face, p);
+  if (!isOpen || at.distance >= Real(0) || !IsPastBorder(*shell.topology, at)) return at;
+  return ChooseSide(meeting, at.face, p, contact.behind);
 }
 
 // The stick spring of a touching contact, m.
@@ -138,33 +169,38 @@ void FindBodyContacts(const Meeting<Real>& meeting, std::span<const std::uint16_
     BodyContact<Real> contact = known ? *kept : BodyContact<Real>{.vertex = vertex};
     FacePoint<Real> at;
     if (known) {
-      at = FindPresentFace(meeting, contact, p);
+      at = FindPresentFace(meeting, p, contact);
     } else {
       if (longestSide < Real(0)) longestSide = FindLongestSide(meeting.shell);
       const Real reach = longestSide + margin + near.speed * duration;
       const std::uint16_t start = FindStart(meeting.shell, p, reach);
       if (start == kNoFace) continue;
-      at = FindNearestFace(meeting.shell, start, p);
+      at = ChooseSide(meeting, start, p, contact.behind);
     }
     const Vector3<Real> velocity = FindRelativeVelocity(meeting, vertex, at);
-    const Real approach = std::max(Real(0), -at.normal.dot(velocity)) * duration;
+    // What a sheet does next its present motion hardly tells: it is light, and passed over unseen it is passed for
+    // good.
+    const Real approach =
+        (meeting.shell.topology->isOpen ? near.speed : std::max(Real(0), -at.normal.dot(velocity))) * duration;
     if (at.distance > margin + approach) continue;
     contact.face = at.face;
     contact.foot = at.weights;
-    Arm(at, velocity, duration / static_cast<Real>(kLikelySubsteps), contact);
+    Arm(at, velocity, duration / static_cast<Real>(kLikelySubsteps), meeting.shell.topology->isOpen, contact);
     scratch.push_back(contact);
   }
   contacts.swap(scratch);
 }
 
 template <class Real>
-void AddBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
-                     std::span<const BodyContact<Real>> contacts, std::span<Vector3<Real>> forces,
-                     std::span<Vector3<Real>> shellForces) {
-  for (const BodyContact<Real>& contact : contacts) {
+void ComputeBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
+                         std::span<const BodyContact<Real>> contacts, std::span<ContactForce<Real>> forces) {
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    const BodyContact<Real>& contact = contacts[c];
+    ContactForce<Real>& result = forces[c];
+    result.acts = false;
     if (!contact.armed) continue;
     const Vector3<Real> p = meeting.x[contact.vertex] + meeting.shift;
-    const FacePoint<Real> at = FollowFace(meeting.shell, contact.face, p);
+    const FacePoint<Real> at = FollowFace(FaceShell(meeting, contact.behind), contact.face, p);
     if (!Pushes(contact, at)) continue;
     const Real depth = -at.distance;
     const Face& face = meeting.shell.faces[at.face];
@@ -179,7 +215,10 @@ void AddBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Re
 
     const Real share = meeting.shares[contact.vertex];
     const Vector3<Real> force = share * (normalForce * at.normal - pull);
-    forces[contact.vertex] += force;
+    result.acts = true;
+    result.vertex = contact.vertex;
+    result.corners = face;
+    result.onVertex = force;
     // ∇wᵢ = n × (side opposite to corner i) / 2A, so −d (F·∇wᵢ) with F = −pull is d pull·(n × side)/2A.
     // On a face that is lower than the contact is deep they would exceed the friction itself and ring with the thin
     // triangle; there part of the torque is given up.
@@ -188,9 +227,10 @@ void AddBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Re
       sides[i] = meeting.shell.x[face[(i + 2) % 3]] - meeting.shell.x[face[(i + 1) % 3]];
     const Real longest = std::sqrt(std::max({sides[0].squaredNorm(), sides[1].squaredNorm(), sides[2].squaredNorm()}));
     const Real lever = std::min(depth / at.doubleArea, Real(1) / longest);
-    const Vector3<Real> turned = pull.cross(at.normal) * (share * lever);
+    const Real winding = contact.behind ? Real(-1) : Real(1);  // the sides go round the other way
+    const Vector3<Real> turned = pull.cross(at.normal) * (winding * share * lever);
     for (std::size_t i = 0; i < 3; ++i) {
-      shellForces[face[i]] += turned.dot(sides[i]) * at.normal - at.weights[static_cast<Eigen::Index>(i)] * force;
+      result.onCorners[i] = turned.dot(sides[i]) * at.normal - at.weights[static_cast<Eigen::Index>(i)] * force;
     }
   }
 }
@@ -200,8 +240,8 @@ void UpdateBodyContacts(const ContactParameters<Real>& parameters, const Meeting
                         std::span<BodyContact<Real>> contacts) {
   for (BodyContact<Real>& contact : contacts) {
     const Vector3<Real> p = meeting.x[contact.vertex] + meeting.shift;
-    const FacePoint<Real> at = FindPresentFace(meeting, contact, p);
-    Arm<Real>(at, FindRelativeVelocity(meeting, contact.vertex, at), h, contact);
+    const FacePoint<Real> at = FindPresentFace(meeting, p, contact);
+    Arm<Real>(at, FindRelativeVelocity(meeting, contact.vertex, at), h, meeting.shell.topology->isOpen, contact);
     const Real depth = -at.distance;
     Vector3<Real> slip = Vector3<Real>::Zero();
     if (contact.touching) {
@@ -242,8 +282,8 @@ int AddContactLoads(const ContactParameters<Real>& parameters, const Meeting<Rea
   int substeps = 1;
   for (const BodyContact<Real>& contact : contacts) {
     if (!contact.armed) continue;
-    const FacePoint<Real> at =
-        FindFacePoint<Real>(meeting.shell, contact.face, meeting.x[contact.vertex] + meeting.shift);
+    const FacePoint<Real> at = FindFacePoint<Real>(FaceShell(meeting, contact.behind), contact.face,
+                                                   meeting.x[contact.vertex] + meeting.shift);
     const double approach = -double{at.normal.dot(FindRelativeVelocity(meeting, contact.vertex, at))};
     const double depth = PredictDepth(-double{at.distance}, approach, duration);
     if (depth <= 0) continue;
@@ -270,9 +310,8 @@ int AddContactLoads(const ContactParameters<Real>& parameters, const Meeting<Rea
   template ContactParameters<Real> Combine<Real>(const ContactParameters<Real>&, const ContactParameters<Real>&);     \
   template void FindBodyContacts<Real>(const Meeting<Real>&, std::span<const std::uint16_t>, const Bounds<Real>&,     \
                                        Real, Real, std::vector<BodyContact<Real>>&, std::vector<BodyContact<Real>>&); \
-  template void AddBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&,                           \
-                                      std::span<const BodyContact<Real>>, std::span<Vector3<Real>>,                   \
-                                      std::span<Vector3<Real>>);                                                      \
+  template void ComputeBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&,                       \
+                                          std::span<const BodyContact<Real>>, std::span<ContactForce<Real>>);         \
   template void UpdateBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&, Real,                  \
                                          std::span<BodyContact<Real>>);                                               \
   template double ComputeBodyContactEnergy<Real>(const ContactParameters<Real>&, const Meeting<Real>&,                \

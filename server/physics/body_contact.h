@@ -9,6 +9,10 @@
 // A contact is armed when the vertex comes from outside. Until then it does nothing: bodies that were put into one
 // another drift apart instead of exploding. For the same reason it is disarmed when it is suddenly deeper than it can
 // have come, as on a face that a violent impact has folded over.
+//
+// An open surface has no inside. There a contact keeps to the side that its vertex was seen on first, however deep it
+// is behind it, until the vertex leaves past the border: a thin sheet is crossed within one substep, and by where the
+// vertex is then nobody could tell.
 #pragma once
 
 #include <span>
@@ -32,6 +36,7 @@ struct BodyContact {
   std::uint16_t vertex = 0;
   std::uint16_t face = 0;
   bool armed = false;
+  bool behind = false;                         // on the side of an open surface that its normals point away from
   bool touching = false;                       // at the end of the last substep; foot and slip are set
   Real maxDepth = 0;                           // that it can come to in the next substep, m
   Vector3<Real> foot = Vector3<Real>::Zero();  // barycentric, of the point of `face` that was under the vertex
@@ -62,10 +67,35 @@ void FindBodyContacts(const Meeting<Real>& meeting, std::span<const std::uint16_
                       const Bounds<Real>& near, Real margin, Real duration, std::vector<BodyContact<Real>>& contacts,
                       std::vector<BodyContact<Real>>& scratch);
 
+// What one contact does, N. Computed for all contacts first and added up body by body afterwards: so bodies that share
+// neighbours can be worked on at the same time, and every sum still has its one order.
 template <class Real>
-void AddBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
-                     std::span<const BodyContact<Real>> contacts, std::span<Vector3<Real>> forces,
-                     std::span<Vector3<Real>> shellForces);
+struct ContactForce {
+  std::uint16_t vertex = 0;
+  Face corners{};  // in the faces' body
+  bool acts = false;
+  Vector3<Real> onVertex;
+  std::array<Vector3<Real>, 3> onCorners;
+};
+
+// forces: as many as contacts.
+template <class Real>
+void ComputeBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
+                         std::span<const BodyContact<Real>> contacts, std::span<ContactForce<Real>> forces);
+
+template <class Real>
+void AddToVertices(std::span<const ContactForce<Real>> contactForces, std::span<Vector3<Real>> forces) {
+  for (const ContactForce<Real>& force : contactForces) {
+    if (force.acts) forces[force.vertex] += force.onVertex;
+  }
+}
+template <class Real>
+void AddToCorners(std::span<const ContactForce<Real>> contactForces, std::span<Vector3<Real>> forces) {
+  for (const ContactForce<Real>& force : contactForces) {
+    if (!force.acts) continue;
+    for (std::size_t i = 0; i < 3; ++i) forces[force.corners[i]] += force.onCorners[i];
+  }
+}
 
 // After a substep of h seconds: follows faces, arms, lets sticking contacts slip as far as friction cannot hold them.
 template <class Real>

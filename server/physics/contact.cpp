@@ -28,7 +28,7 @@ struct Push {
 template <class Real>
 Push<Real> FindPush(const ContactParameters<Real>& parameters, const Surface<Real>& surface,
                     const Contact<Real>& contact, const Vector3<Real>& x, const Vector3<Real>& velocity) {
-  const SurfacePoint<Real> point = FindSurfacePoint(surface, x);
+  const SurfacePoint<Real> point = FindContactPoint(surface, contact, x);
   Push<Real> push;
   if (!(point.distance < Real(0))) return push;
   push.normal = point.normal;
@@ -153,6 +153,23 @@ Real ComputeNormalForce(const ContactParameters<Real>& parameters, Real depth, R
 }
 
 template <class Real>
+SurfacePoint<Real> FindContactPoint(const Surface<Real>& surface, const Contact<Real>& contact,
+                                    const Vector3<Real>& x) {
+  const SurfacePoint<Real> point = FindSurfacePoint(surface, x);
+  if (surface.kind != Obstacle::Kind::kBox || !(point.normal.dot(contact.side) < Real(0))) return point;
+  const Vector3<Real> fromCentre = x - surface.centre;
+  int axis = 0;
+  const Real component = contact.side.cwiseAbs().maxCoeff(&axis);
+  const Vector3<Real> beyond = fromCentre.cwiseAbs() - surface.halfExtents;
+  for (int other = 0; other < 3; ++other) {
+    if (other != axis && beyond[other] > static_cast<Real>(kEdgeRadius)) return point;  // it has gone round
+  }
+  Vector3<Real> normal = Vector3<Real>::Zero();
+  normal[axis] = contact.side[axis] / component;
+  return {normal.dot(fromCentre) - surface.halfExtents[axis] - static_cast<Real>(kEdgeRadius), normal};
+}
+
+template <class Real>
 void FindContacts(std::span<const Surface<Real>> surfaces, Real range, const Bounds<Real>& bounds,
                   std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, Real duration,
                   std::vector<Contact<Real>>& contacts, std::vector<Contact<Real>>& scratch) {
@@ -166,12 +183,14 @@ void FindContacts(std::span<const Surface<Real>> surfaces, Real range, const Bou
     // Nothing is nearer than this, so one look at the middle clears a whole body that is far off.
     if (FindClearance(surfaces[s], middle) > reach) continue;
     for (std::uint32_t i = 0; i < x.size(); ++i) {
-      const SurfacePoint<Real> point = FindSurfacePoint(surfaces[s], x[i]);
-      const Real approach = std::max(Real(0), FindApproach(surfaces[s], point, v[i])) * duration;
-      if (point.distance > margin + approach) continue;
       while (kept != contacts.end() && ComesBefore(kept->surface, kept->vertex, s, i)) ++kept;
       const bool known = kept != contacts.end() && kept->surface == s && kept->vertex == i;
-      scratch.push_back(known ? *kept : Contact<Real>{s, i});
+      Contact<Real> contact = known ? *kept : Contact<Real>{s, i};
+      const SurfacePoint<Real> point = FindContactPoint(surfaces[s], contact, x[i]);
+      const Real approach = std::max(Real(0), FindApproach(surfaces[s], point, v[i])) * duration;
+      if (point.distance > margin + approach) continue;
+      contact.side = point.normal;
+      scratch.push_back(contact);
     }
   }
   contacts.swap(scratch);
@@ -186,7 +205,7 @@ void AddContacts(const ContactParameters<Real>& parameters, std::span<const Real
     const std::uint32_t i = contact.vertex;
     const Surface<Real>& surface = surfaces[contact.surface];
     if (parameters.law == ContactLaw::kMagnetic) {
-      const SurfacePoint<Real> point = FindSurfacePoint(surface, x[i]);
+      const SurfacePoint<Real> point = FindContactPoint(surface, contact, x[i]);
       forces[i] += (shares[i] * ComputeMagneticForce(parameters, point.distance)) * point.normal;
       continue;
     }
@@ -226,7 +245,8 @@ void UpdateAnchors(const ContactParameters<Real>& parameters, std::span<const Su
   if (parameters.law == ContactLaw::kBacktracking) return;
   for (Contact<Real>& contact : contacts) {
     const Surface<Real>& surface = surfaces[contact.surface];
-    const SurfacePoint<Real> point = FindSurfacePoint(surface, x[contact.vertex]);
+    const SurfacePoint<Real> point = FindContactPoint(surface, contact, x[contact.vertex]);
+    contact.side = point.normal;
     if (parameters.law == ContactLaw::kMagnetic) {
       contact.touching = point.distance < parameters.range / Real(2);
       continue;
@@ -252,7 +272,7 @@ double ComputeContactEnergy(const Coefficients<Real>& body, std::span<const Surf
   double energy = 0;
   if (body.contact.law != ContactLaw::kPenalty) return energy;
   for (const Contact<Real>& contact : contacts) {
-    const SurfacePoint<Real> point = FindSurfacePoint(surfaces[contact.surface], x[contact.vertex]);
+    const SurfacePoint<Real> point = FindContactPoint(surfaces[contact.surface], contact, x[contact.vertex]);
     Real stored = ComputePenaltyEnergy(body.contact, -point.distance);
     if (contact.touching) {
       const Vector3<Real> slip = RemoveNormalPart<Real>(x[contact.vertex] - contact.anchor, point.normal);
@@ -274,6 +294,8 @@ double ComputeContactEnergy(const Coefficients<Real>& body, std::span<const Surf
   template Real ComputeMagneticForce<Real>(const ContactParameters<Real>&, Real);                                  \
   template Real ComputeMagneticSlope<Real>(const ContactParameters<Real>&, Real);                                  \
   template ContactRates FindRates<Real>(const ContactParameters<Real>&, double, double);                           \
+  template SurfacePoint<Real> FindContactPoint<Real>(const Surface<Real>&, const Contact<Real>&,                   \
+                                                     const Vector3<Real>&);                                        \
   template void FindContacts<Real>(std::span<const Surface<Real>>, Real, const Bounds<Real>&,                      \
                                    std::span<const Vector3<Real>>, std::span<const Vector3<Real>>, Real,           \
                                    std::vector<Contact<Real>>&, std::vector<Contact<Real>>&);                      \

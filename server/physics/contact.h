@@ -33,7 +33,15 @@ struct Contact {
   bool touching = false;                         // at the end of the last substep; the anchor is set
   Vector3<Real> anchor = Vector3<Real>::Zero();  // local coordinates, m
   Vector3<Real> slip = Vector3<Real>::Zero();    // backtracking: along the surface, at the end of the last substep, m/s
+  Vector3<Real> side = Vector3<Real>::Zero();    // normal of the surface where the vertex was last; zero: not yet known
 };
+
+// Where the vertex of a contact stands to its surface. In a box the face that is nearest is not always the one that it
+// came in through: a fast vertex is past the middle of a wall before it is stopped, and would be pushed out on the far
+// side. So where the normal has turned round since the contact was last looked at, the side that it had then counts.
+template <class Real>
+[[nodiscard]] SurfacePoint<Real> FindContactPoint(const Surface<Real>& surface, const Contact<Real>& contact,
+                                                  const Vector3<Real>& x);
 
 // Lists every vertex that may come within `range` (m) of a surface before `duration` (s) is over, keeping anchors of
 // `contacts`. `scratch` saves allocations.

@@ -103,11 +103,12 @@ FacePoint<Real> FindFacePoint(const Shell<Real>& shell, std::uint16_t face, cons
   at.face = face;
   const Vector3<Real> area = (b - a).cross(c - a);
   at.doubleArea = std::max(std::sqrt(area.dot(area)), std::numeric_limits<Real>::min());
-  at.normal = area / at.doubleArea;
+  const Vector3<Real> normal = area / at.doubleArea;
+  at.normal = shell.side * normal;
   at.distance = (p - a).dot(at.normal);
   // A corner's weight is the area of the triangle that the foot makes with the side opposite, over the face's.
-  at.weights[1] = (p - a).cross(c - a).dot(at.normal) / at.doubleArea;
-  at.weights[2] = (b - a).cross(p - a).dot(at.normal) / at.doubleArea;
+  at.weights[1] = (p - a).cross(c - a).dot(normal) / at.doubleArea;
+  at.weights[2] = (b - a).cross(p - a).dot(normal) / at.doubleArea;
   at.weights[0] = Real(1) - at.weights[1] - at.weights[2];
   return at;
 }

@@ -19,6 +19,7 @@ struct Shell {
   std::span<const Face> faces;
   const Topology* topology = nullptr;
   std::span<const Vector3<Real>> x;
+  Real side = 1;  // -1: an open surface looked at from behind, where its outward is our inward
 };
 
 // A point seen from the plane of a face.
@@ -26,7 +27,7 @@ template <class Real>
 struct FacePoint {
   std::uint16_t face = kNoFace;
   Real distance = 0;      // from the plane, m; negative inside
-  Vector3<Real> normal;   // outward, unit length
+  Vector3<Real> normal;   // outward on the shell's side, unit length
   Vector3<Real> weights;  // barycentric, of the point's foot on the plane; they add up to one, negative beyond a side
   Real doubleArea = 0;    // m²
 };

@@ -23,6 +23,7 @@ class Group {
       : m_members(members), m_encounters(encounters), m_threads(threads), m_scratch(scratch) {
     Gather();
     SaveContacts();
+    ListSides();
   }
 
   [[nodiscard]] std::span<Member<Real>* const> Members() const { return m_members; }
@@ -82,13 +83,13 @@ class Group {
       ComputeForces<Real>(member.blueprint->template Read<Real>(), load, member.surfaces, member.state->contacts,
                           PartOf(x, i), PartOf(v, i), PartOf(a, i));
     });
-    for (const Encounter<Real>& encounter : m_encounters) {
-      for (std::size_t side = 0; side < 2; ++side) {
-        AddBodyContacts<Real>(encounter.parameters, Meet(encounter, side, x, v), *encounter.sides[side],
-                              PartOf(a, encounter.members[side]), PartOf(a, encounter.members[1 - side]));
-      }
-    }
+    ForEach(2 * m_encounters.size(), [&](std::size_t side) {
+      const Encounter<Real>& encounter = m_encounters[side / 2];
+      ComputeBodyContacts<Real>(encounter.parameters, Meet(encounter, side % 2, x, v), *encounter.sides[side % 2],
+                                ForcesOf(side));
+    });
     ForEach(m_members.size(), [&](std::size_t i) {
+      AddContactForces(i, PartOf(a, i));
       const Member<Real>& member = *m_members[i];
       const Coefficients<Real>& body = member.blueprint->template Read<Real>();
       DivideByMasses<Real>(body, member.load, PartOf(a, i));
@@ -146,6 +147,47 @@ class Group {
     for (const Encounter<Real>& encounter : m_encounters) {
       for (const auto* side : encounter.sides) {
         m_scratch.bodyContacts.insert(m_scratch.bodyContacts.end(), side->begin(), side->end());
+      }
+    }
+  }
+
+  // Which sides of encounters act on which member, ascending.
+  void ListSides() {
+    m_scratch.sideBegins.assign(1, 0);
+    m_scratch.sidesOf.assign(m_members.size() + 1, 0);
+    for (const Encounter<Real>& encounter : m_encounters) {
+      for (const auto* side : encounter.sides) {
+        m_scratch.sideBegins.push_back(m_scratch.sideBegins.back() + side->size());
+      }
+      for (const std::uint32_t member : encounter.members) m_scratch.sidesOf[member + 1U] += 2;
+    }
+    m_scratch.contactForces.resize(m_scratch.sideBegins.back());
+    m_scratch.sides.resize(4 * m_encounters.size());
+    for (std::size_t i = 0; i < m_members.size(); ++i) m_scratch.sidesOf[i + 1] += m_scratch.sidesOf[i];
+    for (std::size_t e = m_encounters.size(); e-- > 0;) {
+      for (std::uint32_t s = 2; s-- > 0;) {
+        for (const std::uint32_t member : m_encounters[e].members) {
+          m_scratch.sides[--m_scratch.sidesOf[member + 1U]] = static_cast<std::uint32_t>(2 * e) + s;
+        }
+      }
+    }
+    // Each member's end has been counted down to its begin: one step to the left, and they are begins again.
+    m_scratch.sidesOf.erase(m_scratch.sidesOf.begin());
+    m_scratch.sidesOf.push_back(m_scratch.sides.size());
+  }
+
+  std::span<ContactForce<Real>> ForcesOf(std::size_t side) const {
+    const std::size_t begin = m_scratch.sideBegins[side];
+    return std::span(m_scratch.contactForces).subspan(begin, m_scratch.sideBegins[side + 1] - begin);
+  }
+
+  void AddContactForces(std::size_t member, std::span<Vector3<Real>> forces) const {
+    for (std::size_t i = m_scratch.sidesOf[member]; i < m_scratch.sidesOf[member + 1]; ++i) {
+      const std::uint32_t side = m_scratch.sides[i];
+      if (m_encounters[side / 2].members[side % 2] == member) {
+        AddToVertices<Real>(ForcesOf(side), forces);
+      } else {
+        AddToCorners<Real>(ForcesOf(side), forces);
       }
     }
   }

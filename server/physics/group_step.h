@@ -55,6 +55,10 @@ struct GroupScratch {
   std::vector<Vector3<Real>> positionsBefore;  // the substep, where a member's contact law asks for them
   std::vector<Vector3<Real>> velocitiesBefore;
   std::vector<std::size_t> begins;
+  std::vector<ContactForce<Real>> contactForces;  // of all contacts between members, side by side
+  std::vector<std::size_t> sideBegins;            // of those of side s of encounter e, at 2 e + s
+  std::vector<std::uint32_t> sides;               // 2 e + s, those that member m has a part in from sidesOf[m] on
+  std::vector<std::size_t> sidesOf;
   std::vector<VertexLoad> loads;  // of every vertex of the group
   // Contacts as the tick found them, one list behind the other, for a tick that is stepped again.
   std::vector<Contact<Real>> contacts;
@@ -73,6 +77,10 @@ struct GroupScratch {
     bodyContacts.reserve(vertices);
     places.reserve(vertices);
     begins.reserve(bodies + 1);
+    sidesOf.reserve(bodies + 1);
+    contactForces.reserve(vertices);
+    sideBegins.reserve(16 * bodies);  // seldom has a body more than eight neighbours
+    sides.reserve(32 * bodies);
   }
 };
 

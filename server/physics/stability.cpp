@@ -60,7 +60,7 @@ ContactRates FindContactRates(const Coefficients<Real>& body, std::span<const Su
   const double agitation = FindAgitation<Real>(state.velocities);
   for (const Contact<Real>& candidate : state.contacts) {
     const std::uint32_t i = candidate.vertex;
-    const SurfacePoint<Real> point = FindSurfacePoint(surfaces[candidate.surface], state.positions[i]);
+    const SurfacePoint<Real> point = FindContactPoint(surfaces[candidate.surface], candidate, state.positions[i]);
     const double mass = double{body.masses[i]} / double{body.contactShares[i]};
     const double approach =
         std::max(agitation, double{FindApproach(surfaces[candidate.surface], point, state.velocities[i])});
@@ -72,8 +72,39 @@ ContactRates FindContactRates(const Coefficients<Real>& body, std::span<const Su
   return largest;
 }
 
+// Quadratic drag on a face damps it at dragRate times its speed against the medium, 1/s.
+template <class Real>
+double FindDragDamping(const Blueprint& blueprint, const Load<Real>& load, const State<Real>& state) {
+  if (!(blueprint.dragRate > 0)) return 0;
+  Real fastest = 0;
+  for (const Vector3<Real>& v : state.velocities) fastest = std::max(fastest, (v - load.wind).squaredNorm());
+  return blueprint.dragRate * std::sqrt(double{fastest});
+}
+
 ContactRates AddRates(const ContactRates& a, const ContactRates& b) {
   return {a.squareFrequency + b.squareFrequency, a.dampingRate + b.dampingRate};
+}
+
+// Substeps in which vertices that land on a surface cross the depth over which its force sets in, as many as the body
+// feels of it: that an error stays behind there which no stage of RK4 sees shows in how high the body comes back, by
+// the square root of the mass that lands. Without this a lone particle came back up to 10 % too high or low.
+template <class Real>
+double FindLandingSubsteps(const Blueprint& blueprint, std::span<const Surface<Real>> surfaces,
+                           const State<Real>& state, double duration) {
+  const Coefficients<Real>& body = blueprint.Read<Real>();
+  const double fade = double{body.contact.fadeDepth};
+  double landing = 0;
+  double fastest = 0;
+  for (const Contact<Real>& candidate : state.contacts) {
+    const std::uint32_t i = candidate.vertex;
+    const SurfacePoint<Real> point = FindContactPoint(surfaces[candidate.surface], candidate, state.positions[i]);
+    const double approach = double{FindApproach(surfaces[candidate.surface], point, state.velocities[i])};
+    const double depth = -double{point.distance};
+    if (depth >= fade || PredictDepth(depth, approach, duration) <= -fade) continue;
+    landing += double{body.masses[i]};
+    fastest = std::max(fastest, approach);
+  }
+  return fade > 0 ? fastest * duration / fade * std::sqrt(std::min(1.0, landing / blueprint.totalMass)) : 0;
 }
 
 }  // namespace
@@ -144,7 +175,7 @@ Modes FindModes(const Blueprint& blueprint, const Load<Real>& load, std::span<co
   const double factor = std::max({1.0, double{load.stiffnessFactor}, double{load.gasFactor}});
   Modes modes;
   modes.body.squareFrequency = blueprint.angularFrequency * blueprint.angularFrequency * factor;
-  modes.body.dampingRate = blueprint.dampingRate * factor;
+  modes.body.dampingRate = blueprint.dampingRate * factor + FindDragDamping(blueprint, load, state);
   modes.surfaces = FindContactRates(blueprint.Read<Real>(), surfaces, state, duration);
   modes.bodies = fromBodies;
   return modes;
@@ -175,7 +206,8 @@ int ChooseSubsteps(Integrator integrator, const Blueprint& blueprint, const Load
   }
   bool lightlyDamped = false;
   const double rate = FindLargestRate(blueprint, load, surfaces, state, fromBodies, duration, lightlyDamped);
-  return FindRung(rate * duration / (lightlyDamped ? kStabilityLimitLightlyDamped : kStabilityLimit));
+  const double forStability = rate * duration / (lightlyDamped ? kStabilityLimitLightlyDamped : kStabilityLimit);
+  return FindRung(std::max(forStability, FindLandingSubsteps(blueprint, surfaces, state, duration)));
 }
 
 #define WOBBLE_INSTANTIATE(Real)                                                                                     \

@@ -49,6 +49,7 @@ Topology MakeTopology(std::span<const Face> faces, std::size_t vertexCount) {
       open.erase(twin);
     }
   }
+  topology.isOpen = !open.empty();
   FillRings(faces, vertexCount, topology);
   return topology;
 }

@@ -16,6 +16,7 @@ struct Topology {
   // Of each face: the face across the side opposite to its first, second, third corner; kNoFace at a border.
   std::vector<std::array<std::uint16_t, 3>> neighbours;
   std::vector<std::uint16_t> vertices;  // those that belong to a face, ascending
+  bool isOpen = false;                  // a side without a face across it: a sheet, which has two sides to touch
   // The faces round vertex i are ring[ringBegin[i]] up to, not including, ring[ringBegin[i + 1]].
   std::vector<std::uint32_t> ringBegin;
   std::vector<std::uint16_t> ring;

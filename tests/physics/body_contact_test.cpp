@@ -12,6 +12,16 @@
 namespace wobble::physics {
 namespace {
 
+template <class Real>
+void AddBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
+                     std::span<const BodyContact<Real>> contacts, std::span<Vector3<Real>> forces,
+                     std::span<Vector3<Real>> shellForces) {
+  std::vector<ContactForce<Real>> computed(contacts.size());
+  ComputeBodyContacts<Real>(parameters, meeting, contacts, computed);
+  AddToVertices<Real>(computed, forces);
+  AddToCorners<Real>(computed, shellForces);
+}
+
 constexpr double kTick = 1.0 / 60;
 
 struct Sums {
@@ -119,6 +129,83 @@ TEST(BodyContact, ForcesAddUpToNothingAndTurnNothing) {
     EXPECT_GT(force[0].norm(), 1);
     EXPECT_LT(sum.norm(), 1e-12 * force[0].norm());
     EXPECT_LT(torque.norm(), 1e-12 * force[0].norm());
+  }
+}
+
+// The same vertex above a sheet whose faces look down: it is touched from behind, and the forces are the same.
+TEST(BodyContact, BothSidesOfASheetPushAlike) {
+  Touching front;
+  front.contacts[0].foot = Vector3d(0.5, 0.3, 0.2);
+  front.contacts[0].slip = Vector3d(0.001, 0.002, 0);
+  Touching back = front;
+  for (Face& face : back.faces) std::swap(face[1], face[2]);
+  back.topology = MakeTopology(back.faces, 4);
+  back.contacts[0].foot = Vector3d(0.5, 0.2, 0.3);
+  back.contacts[0].behind = true;
+  std::vector<Vector3d> forces[2], shellForces[2];
+  int i = 0;
+  for (const Touching* touching : {&front, &back}) {
+    forces[i].assign(1, Vector3d::Zero());
+    shellForces[i].assign(4, Vector3d::Zero());
+    AddBodyContacts<double>(MakeParameters(0.3), touching->Meet(), touching->contacts, forces[i], shellForces[i]);
+    ++i;
+  }
+  ASSERT_GT(forces[0][0].norm(), 1);
+  EXPECT_LT((forces[1][0] - forces[0][0]).norm(), 1e-12 * forces[0][0].norm());
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_LT((shellForces[1][k] - shellForces[0][k]).norm(), 1e-12 * forces[0][0].norm());
+  }
+}
+
+// A square of 3 m, its rim so heavy that it holds the rest.
+Blueprint MakeSheet() {
+  constexpr int kSide = 13;
+  constexpr double kCell = 0.25;
+  const auto at = [](int x, int y) { return static_cast<std::uint16_t>(y * kSide + x); };
+  Blueprint blueprint;
+  Coefficients<double>& full = blueprint.full;
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      const bool onRim = x == 0 || y == 0 || x + 1 == kSide || y + 1 == kSide;
+      blueprint.rest.push_back(kCell * Vector3d(x, y, 0));
+      full.masses.push_back(onRim ? 200 : 0.2);
+      if (x + 1 < kSide) full.springs.push_back({at(x, y), at(x + 1, y), kCell, 4000, 5});
+      if (y + 1 < kSide) full.springs.push_back({at(x, y), at(x, y + 1), kCell, 4000, 5});
+      if (x + 1 == kSide || y + 1 == kSide) continue;
+      full.springs.push_back({at(x, y), at(x + 1, y + 1), kCell * std::sqrt(2.0), 2000, 5});
+      full.faces.push_back({at(x, y), at(x + 1, y), at(x + 1, y + 1)});
+      full.faces.push_back({at(x, y), at(x + 1, y + 1), at(x, y + 1)});
+    }
+  }
+  Material material;
+  material.stiffness = 4000;
+  full.contact = MakeContactParameters(material, 0.2, 0.5);
+  FinishBlueprint(blueprint);
+  full.contactShares.assign(full.masses.size(), 1);
+  blueprint.single.contactShares.assign(full.masses.size(), 1);
+  return blueprint;
+}
+
+// Faster than the sheet is thick in a substep, and it has no thickness: from either side, the ball comes back.
+TEST(BodyContact, ASheetStopsABallFromEitherSide) {
+  for (const double side : {1.0, -1.0}) {
+    WorldSettings settings;
+    settings.gravity = Vector3d::Zero();
+    World world(settings);
+    BallDefinition ball;
+    ball.material.stiffness *= 20;
+    ball.material.gas *= 20;
+    world.AddBlueprint(MakeBall(ball));
+    world.AddBlueprint(MakeSheet());
+    world.AddBody(0, Vector3d(0.1, -0.07, 0.9 * side), Vector3d(0, 0, -25 * side));
+    world.AddBody(1, Vector3d::Zero());
+    for (int i = 0; i < 25; ++i) {
+      const StepReport report = world.Step();
+      ASSERT_EQ(report.nonFinite + report.inverted, 0U) << side << " " << i;
+    }
+    EXPECT_GT(side * world.FindCentre(world.Bodies()[0]).z(), 0.5);
+    const auto& state = std::get<State<float>>(world.Bodies()[0].state);
+    EXPECT_GT(side * FindMeanVelocity(world.BlueprintOf(world.Bodies()[0]), state).z(), 1);
   }
 }
 

@@ -168,6 +168,79 @@ TEST(Contact, NoFrictionNoGrip) {
   EXPECT_NEAR(sandbox.Centre(ball).x(), 0.5 * 9.81 * std::sin(10 * 3.14159265 / 180) * 9, 0.05);
 }
 
+// A thin wall's far side is nearer to a vertex past its middle; the side that it came from still counts, until it has
+// gone round.
+TEST(Contact, AWallKeepsTheSideThatAVertexCameFrom) {
+  Obstacle wall;
+  wall.kind = Obstacle::Kind::kBox;
+  wall.halfExtents = Vector3d(2, 2, 0.1);
+  const Surface<double> surface = MakeSurface<double>(wall, Vector3d::Zero());
+  Contact<double> contact;
+  const Vector3d past(0, 0, -0.06);
+  EXPECT_EQ(FindContactPoint(surface, contact, past).normal, Vector3d(0, 0, -1)) << "nothing known of it";
+  contact.side = Vector3d(0, 0, 1);
+  for (const double z : {0.05, -0.06, -0.3}) {
+    const SurfacePoint<double> point = FindContactPoint(surface, contact, Vector3d(0.5, -1, z));
+    EXPECT_EQ(point.normal, Vector3d(0, 0, 1)) << z;
+    EXPECT_NEAR(point.distance, z - 0.1, 1e-12) << z;
+  }
+  const SurfacePoint<double> round = FindContactPoint(surface, contact, Vector3d(2.2, 0, -0.3));
+  EXPECT_LT(round.normal.z(), 0);
+  EXPECT_GT(round.distance, 0);
+}
+
+// Several wall thicknesses a tick.
+TEST(Contact, NothingFastPassesAWall) {
+  for (const double speed : {20.0, 35.0, 50.0}) {
+    WorldSettings settings;
+    settings.gravity = Vector3d::Zero();
+    World world(settings);
+    BallDefinition ball;
+    ball.subdivisions = 1;
+    ball.material.stiffness *= 50;
+    ball.material.gas *= 50;
+    world.AddBlueprint(MakeBall(ball));
+    Obstacle wall;
+    wall.kind = Obstacle::Kind::kBox;
+    wall.halfExtents = Vector3d(5, 5, 0.1);
+    world.AddObstacle(wall);
+    world.AddBody(0, Vector3d(0, 0, 0.9), Vector3d(0, 0, -speed));
+    for (int i = 0; i < 20; ++i) world.Step();
+    VisitVertices(world.Bodies()[0], [&](std::size_t, const Vector3d& x) { EXPECT_GT(x.z(), 0) << speed; });
+  }
+}
+
+// A lone particle, which feels all of an error in the depth over which the force sets in: it comes back as high as it
+// fell from, by the conservation of energy.
+TEST(Contact, AParticleThatLosesNothingComesBackAsHigh) {
+  Material material;
+  material.restitution = 1;
+  Blueprint particles;
+  particles.rest = {Vector3d(1, 0, 0), Vector3d(-1, 0, 0)};
+  particles.full.masses = {0.05, 0.05};
+  particles.full.contact = MakeContactParameters(material, 0.05, 0.5);
+  particles.full.contact.damping = 0;
+  FinishBlueprint(particles);
+  for (const double height : {0.5, 1.0, 2.0}) {
+    World world(WorldSettings{});
+    world.AddBlueprint(particles);
+    world.AddObstacle(Obstacle{});
+    const BodyId id = world.AddBody(0, Vector3d(0, 0, height));
+    double top = 0;
+    bool rose = false;
+    for (int i = 0; i < 200; ++i) {
+      world.Step();
+      const Body& body = world.ReadBody(id);
+      const double z = world.FindCentre(body).z();
+      const double v = FindMeanVelocity(world.BlueprintOf(body), std::get<State<float>>(body.state)).z();
+      if (rose && v < 0) break;
+      rose |= v > 0;
+      if (rose && z > 0) top = z + v * v / (2 * 9.81);
+    }
+    EXPECT_NEAR(top, height, 0.01 * height);
+  }
+}
+
 TEST(Contact, BodiesStopAtBoxesToo) {
   WorldSettings settings;
   World world(settings);

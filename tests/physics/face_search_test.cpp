@@ -72,6 +72,23 @@ TEST_F(FaceSearch, ABorderHasNoNeighbour) {
   EXPECT_TRUE(open.RingOf(4).empty());
 }
 
+TEST_F(FaceSearch, OnlyASheetIsOpen) {
+  EXPECT_FALSE(topology.isOpen);
+  EXPECT_TRUE(MakeTopology(std::vector<Face>{{0, 1, 2}, {2, 1, 3}}, 4).isOpen);
+}
+
+// Seen from behind, in is out and everything else stays.
+TEST_F(FaceSearch, TheOtherSideOfASurfaceIsItsMirrorImage) {
+  Shell<double> shell = MakeShell();
+  const Vector3d p(0.3, 0.5, 1.1);
+  const FacePoint<double> front = FindFacePoint(shell, 17, p);
+  shell.side = -1;
+  const FacePoint<double> back = FindFacePoint(shell, 17, p);
+  EXPECT_EQ(back.distance, -front.distance);
+  EXPECT_EQ(back.normal, Vector3d(-front.normal));
+  EXPECT_EQ(back.weights, front.weights);
+}
+
 // From the next face as well as from the far side of the ball.
 TEST_F(FaceSearch, NearestFaceOfAPointOutsideIsTheNearestOfAll) {
   const Shell<double> shell = MakeShell();

@@ -1,0 +1,212 @@
+// How high does it come back? A body falls on a plane and the height of its centre at the top of the first rebound,
+// above where the centre is when the body just touches, is compared with what it must be:
+//   particles that lose nothing: the height that they fell from, by the conservation of energy;
+//   particles with restitution: the law of contact.h written down once more as one equation, m z'' = −mg + N(−z, −z'),
+//     and solved in steps of a microsecond;
+//   balls and lattices: their own equations, all vertices against the plane, by RK4 in steps so fine that half as many
+//     give the same height (the difference is in the row).
+// A rebound is a well-posed problem: it is over after one impact, whose length is a few of the slowest periods.
+#include <algorithm>
+#include <cmath>
+
+#include "server/physics/forces.h"
+#include "server/physics/runge_kutta.h"
+#include "tests/bench/contact/bodies.h"
+#include "tests/bench/contact/experiments.h"
+#include "tests/bench/trials.h"
+
+namespace wobble::bench {
+namespace {
+
+using namespace physics;
+
+constexpr double kGravity = 9.81;
+constexpr double kTick = 1.0 / 60;
+
+struct Case {
+  std::string body;
+  Blueprint blueprint;
+  double fall;                                           // of the lowest vertex, m
+  double height = -1;                                    // what it must come back to, m; negative: by fine steps
+  double rebound = 0;                                    // as played
+  double coarser = 0;                                    // the reference with half as many steps
+  double substeps = 0;                                   // most that a tick of play took
+  std::vector<std::array<double, 2>> played, reference;  // height of the centre over time
+};
+
+// The top of the first rebound from heights and velocities of the centre as they come, m. In flight the centre is a
+// particle: its top is at z + v²/2g wherever it is looked at.
+class TopFinder {
+ public:
+  // False once the top is behind.
+  bool Add(double z, double v) {
+    m_falls |= v < 0 && !m_rose;
+    if (m_falls && v > 0) m_rose = true;
+    if (!m_rose) return true;
+    if (z > m_highest) {
+      m_highest = z;
+      m_top = z + v * std::fabs(v) / (2 * kGravity);
+      if (v < 0) m_top = z + v * v / (2 * kGravity);
+    }
+    return v > 0;
+  }
+  double Top() const { return m_top; }
+
+ private:
+  bool m_falls = false;
+  bool m_rose = false;
+  double m_highest = -1e9;
+  double m_top = 0;
+};
+
+double FindLowest(const Blueprint& blueprint) {
+  double lowest = 0;
+  for (const Vector3d& x : blueprint.rest) lowest = std::min(lowest, x.z());
+  return lowest;
+}
+
+void Play(Case& each) {
+  WorldSettings settings;
+  settings.gravity = Vector3d(0, 0, -kGravity);
+  World world(settings);
+  world.AddBlueprint(each.blueprint);
+  world.AddObstacle(Obstacle{});
+  const double touching = -FindLowest(each.blueprint);
+  world.AddBody(0, Vector3d(0, 0, touching + each.fall));
+  TopFinder top;
+  const Body& body = world.Bodies()[0];
+  for (int tick = 1; tick < 600; ++tick) {
+    each.substeps = std::max(each.substeps, static_cast<double>(world.Step().substeps));
+    const double z = world.FindCentre(body).z() - touching;
+    each.played.push_back({tick * kTick, z});
+    if (!top.Add(z, FindVelocity(world, body).z())) break;
+  }
+  each.rebound = top.Top();
+}
+
+double SumZ(const Blueprint& blueprint, const std::vector<Vector3d>& values) {
+  double sum = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) sum += blueprint.full.masses[i] * values[i].z();
+  return sum / blueprint.totalMass;
+}
+
+// The engine's forces, nothing else of it: no choice of steps, no lists of candidates, no single precision.
+double SolveFinely(const Blueprint& blueprint, double fall, int stepsATick, std::vector<std::array<double, 2>>* track) {
+  const double touching = -FindLowest(blueprint);
+  std::vector<Vector3d> x = blueprint.rest;
+  for (Vector3d& p : x) p.z() += touching + fall;
+  std::vector<Vector3d> v(x.size(), Vector3d::Zero());
+  const std::vector<Surface<double>> surfaces{MakeSurface<double>(Obstacle{}, Vector3d::Zero())};
+  std::vector<Contact<double>> contacts;
+  for (std::uint32_t i = 0; i < x.size(); ++i) contacts.push_back({0, i});
+  Load<double> load;
+  load.acceleration = Vector3d(0, 0, -kGravity);
+  const auto accelerate = [&](std::span<const Vector3d> atX, std::span<const Vector3d> atV, std::span<Vector3d> a) {
+    ComputeAccelerations<double>(blueprint.full, load, surfaces, contacts, atX, atV, a);
+  };
+  StageBuffers<double, 4> buffers;
+  TopFinder top;
+  for (int step = 1; step < 600 * stepsATick; ++step) {
+    StepRungeKutta<double>(kClassicRungeKutta, kTick / stepsATick, accelerate, std::span(x), std::span(v), buffers);
+    UpdateAnchors<double>(blueprint.full.contact, surfaces, contacts, x);
+    const double z = SumZ(blueprint, x) - touching;
+    if (track != nullptr && step % (stepsATick / 4) == 0) track->push_back({step * kTick / stepsATick, z});
+    if (!top.Add(z, SumZ(blueprint, v))) break;
+  }
+  return top.Top();
+}
+
+// One particle under the law of contact.h, from its formulas.
+double SolveParticle(const ContactParameters<double>& law, double mass, double fall) {
+  const auto accelerate = [&](double z, double v) {
+    const double d = -z;
+    if (d <= 0) return -kGravity;
+    const double spring =
+        d < law.fadeDepth ? law.stiffness * d * d / (2 * law.fadeDepth) : law.stiffness * (d - law.fadeDepth / 2);
+    const double s = std::min(1.0, d / law.fadeDepth);
+    return -kGravity + std::max(0.0, spring - law.damping * s * s * (3 - 2 * s) * v) / mass;
+  };
+  constexpr double h = 1e-6;
+  double z = 0;
+  double v = -std::sqrt(2 * kGravity * fall);
+  do {  // the midpoint rule
+    const double middleZ = z + h / 2 * v;
+    const double middleV = v + h / 2 * accelerate(z, v);
+    z += h * middleV;
+    v += h * accelerate(middleZ, middleV);
+  } while (z < 0);
+  return z + v * v / (2 * kGravity);
+}
+
+std::vector<Case> MakeCases(bool quick) {
+  std::vector<Case> cases;
+  const auto add = [&](const std::string& body, const Blueprint& blueprint, std::initializer_list<double> falls) {
+    for (const double fall : falls) {
+      cases.push_back({});
+      cases.back().body = body;
+      cases.back().blueprint = blueprint;
+      cases.back().fall = fall;
+      if (quick) break;
+    }
+  };
+  const auto addParticles = [&](double restitution) {
+    const std::size_t first = cases.size();
+    char name[48];
+    std::snprintf(name, sizeof name, "particle, restitution %g", restitution);
+    add(name, MakeParticles(restitution), {1, 0.3, 3});
+    for (std::size_t i = first; i < cases.size(); ++i) {
+      Case& each = cases[i];
+      each.height = restitution == 1
+                        ? each.fall
+                        : SolveParticle(each.blueprint.full.contact, each.blueprint.full.masses[0], each.fall);
+    }
+  };
+  for (const double restitution : {1.0, 0.8, 0.5}) addParticles(restitution);
+  for (const int subdivisions : {1, 2, 3}) {
+    if (quick && subdivisions == 3) continue;
+    const Blueprint ball = MakeBall(DescribeBall(subdivisions));
+    add("ball of " + std::to_string(ball.rest.size()), ball, {1, 0.3, 3});
+  }
+  add("hard ball of 162", MakeBall(DescribeHardBall(2, 10)), {1, 3, 5});
+  add("lattice cube", MakeLattice(DescribeCube(10000, 0.8)), {0.5, 1});
+  return cases;
+}
+
+}  // namespace
+
+void MeasureBounces(Bench& bench) {
+  std::vector<Case> cases = MakeCases(bench.options.quick);
+  const int stepsATick = bench.options.quick ? 256 : 1024;
+  const bool done = RunTrials(bench, cases.size(), [&](std::size_t i) {
+    Case& each = cases[i];
+    Play(each);
+    if (each.height >= 0) return;
+    each.coarser = SolveFinely(each.blueprint, each.fall, stepsATick / 2, nullptr);
+    each.height = SolveFinely(each.blueprint, each.fall, stepsATick, &each.reference);
+  });
+  if (!done) return;
+
+  double worst = 0;
+  for (const Case& each : cases) {
+    const double error = std::fabs(each.rebound - each.height) / each.height;
+    worst = std::isfinite(error) ? std::max(worst, error) : error;
+    bench.results.rows.push_back({{"experiment", "bounce"},
+                                  {"body", each.body},
+                                  {"fall", each.fall},
+                                  {"must_be", each.height},
+                                  {"played", each.rebound},
+                                  {"error", error},
+                                  {"reference_change", each.coarser > 0 ? each.height - each.coarser : 0},
+                                  {"most_substeps", each.substeps}});
+  }
+  bench.results.AddFigureAtMost("bounce_error", worst, 0.01);
+  const auto shown =
+      std::find_if(cases.begin(), cases.end(), [](const Case& each) { return each.body == "ball of 162"; });
+  bench.results.plots.push_back({"bounce",
+                                 "A ball of 162 vertices dropped from 1 m",
+                                 "time, s",
+                                 "height of the centre above touching, m",
+                                 {{"played", false, shown->played}, {"reference", true, shown->reference}}});
+}
+
+}  // namespace wobble::bench

@@ -1,0 +1,69 @@
+#include "tests/bench/contact/insides.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace wobble::bench {
+
+using namespace physics;
+
+namespace {
+
+// To a triangle: its plane where the foot lies inside, else the nearest of its sides.
+double FindDistance(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& p) {
+  const Vector3d corners[] = {a, b, c};
+  const Vector3d normal = (b - a).cross(c - a).normalized();
+  bool inside = true;
+  double least = std::numeric_limits<double>::max();
+  for (int i = 0; i < 3; ++i) {
+    const Vector3d& from = corners[i];
+    const Vector3d side = corners[(i + 1) % 3] - from;
+    inside = inside && normal.dot(side.cross(p - from)) >= 0;
+    const double share = std::clamp(side.dot(p - from) / side.squaredNorm(), 0.0, 1.0);
+    least = std::min(least, (p - from - share * side).norm());
+  }
+  return inside ? std::fabs(normal.dot(p - a)) : least;
+}
+
+}  // namespace
+
+double FindWinding(const std::vector<Face>& faces, const std::vector<Vector3d>& x, const Vector3d& p) {
+  double sum = 0;
+  for (const Face& face : faces) {
+    const Vector3d a = x[face[0]] - p;
+    const Vector3d b = x[face[1]] - p;
+    const Vector3d c = x[face[2]] - p;
+    const double la = a.norm();
+    const double lb = b.norm();
+    const double lc = c.norm();
+    sum += 2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  }
+  constexpr double kPi = 3.14159265358979323846;
+  return sum / (4 * kPi);
+}
+
+double FindDistance(const Vector3d& p, const std::vector<Face>& faces, const std::vector<Vector3d>& x) {
+  double least = std::numeric_limits<double>::max();
+  for (const Face& face : faces) least = std::min(least, FindDistance(x[face[0]], x[face[1]], x[face[2]], p));
+  return least;
+}
+
+double FindDeepestInside(const std::vector<Vector3d>& points, const std::vector<Face>& faces,
+                         const std::vector<Vector3d>& x) {
+  Vector3d low = x[0];
+  Vector3d high = x[0];
+  for (const Vector3d& p : x) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  double deepest = 0;
+  for (const Vector3d& p : points) {
+    if ((p.array() < low.array()).any() || (p.array() > high.array()).any()) continue;
+    if (FindWinding(faces, x, p) < 0.5) continue;
+    deepest = std::max(deepest, FindDistance(p, faces, x));
+  }
+  return deepest;
+}
+
+}  // namespace wobble::bench

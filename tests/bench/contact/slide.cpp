@@ -1,0 +1,142 @@
+// On which slope does a cube begin to slide? By Coulomb's law on tan θ = μ, whatever it weighs.
+//
+// Gravity is tilted instead of the plane. The cube comes to rest on the level, the slope grows
+// slowly, and a second later it slides if its centre goes farther in the next than creep could explain. The angle is
+// bisected between one that holds and one that does not.
+//
+// The same on a slab that is held by far more friction (contact between bodies, whose coefficient is the geometric
+// mean) has a figure of its own and no limit: there the sharp edge of the cube is caught by the slab's vertices, which
+// rise before it by as much as the cube presses in, so that it holds on slopes on which it should slide.
+#include <algorithm>
+#include <cmath>
+
+#include "tests/bench/contact/bodies.h"
+#include "tests/bench/contact/experiments.h"
+#include "tests/bench/trials.h"
+
+namespace wobble::bench {
+namespace {
+
+using namespace physics;
+
+constexpr double kGravity = 9.81;
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kSettle = 1;     // s
+constexpr double kWatch = 1;      // s
+constexpr double kCreep = 0.004;  // m in kWatch
+constexpr int kBisections = 8;    // of kSpan either way: to 0.04
+constexpr double kSpan = 10;      // about the angle of Coulomb's law, degrees
+
+struct Case {
+  bool onSlab = false;
+  double friction = 0;
+  double angle = 0;  // found, degrees
+};
+
+// How far it goes in kWatch after kSettle, m, and how fast it is then.
+struct Motion {
+  double way = 0;
+  double speed = 0;
+};
+
+Motion Play(bool onSlab, double friction, double degrees) {
+  const double angle = degrees * kPi / 180;
+  WorldSettings settings;
+  settings.gravity = Vector3d(0, 0, -kGravity);
+  World world(settings);
+  LatticeDefinition cube = DescribeCube(20000, friction);
+  cube.cells = {2, 2, 2};
+  cube.cellSize = 0.2;
+  world.AddBlueprint(MakeLattice(cube));
+  Obstacle plane;
+  plane.friction = onSlab ? 20 / friction : 1;
+  world.AddObstacle(plane);
+  double floor = 0;
+  if (onSlab) {
+    LatticeDefinition slab = cube;
+    slab.cells = {7, 5, 1};
+    world.AddBlueprint(MakeLattice(slab));
+    world.AddBody(1, Vector3d(0.3, 0, 0.1));
+    floor = 0.2;
+  }
+  const BodyId id = world.AddBody(0, Vector3d(0, 0, floor + 0.2));
+  const auto step = [&world](double duration) {
+    for (int i = 0; i < std::lround(60 * duration); ++i) world.Step();
+  };
+  const auto findX = [&] {
+    const double base = onSlab ? world.FindCentre(world.Bodies()[0]).x() : 0;
+    return world.FindCentre(world.ReadBody(id)).x() - base;
+  };
+  step(kSettle);
+  constexpr int kTiltTicks = 120;  // a sudden slope would shake it loose
+  for (int i = 1; i <= kTiltTicks; ++i) {
+    const double now = angle * i / kTiltTicks;
+    world.SetGravity(kGravity * Vector3d(std::sin(now), 0, -std::cos(now)));
+    world.Step();
+  }
+  step(kSettle);
+  const double from = findX();
+  step(kWatch);
+  return {findX() - from, FindVelocity(world, world.ReadBody(id)).x()};
+}
+
+double FindAngle(const Case& each) {
+  const double theory = std::atan(each.friction) * 180 / kPi;
+  double holds = theory - kSpan;
+  double slides = theory + kSpan;
+  const auto slidesAt = [&](double angle) { return Play(each.onSlab, each.friction, angle).way > kCreep; };
+  if (slidesAt(holds)) return holds;
+  if (!slidesAt(slides)) return slides;
+  for (int i = 0; i < kBisections; ++i) {
+    const double middle = (holds + slides) / 2;
+    (slidesAt(middle) ? slides : holds) = middle;
+  }
+  return (holds + slides) / 2;
+}
+
+// Speed after the two seconds over the slope, played and by Coulomb's law.
+void AddPlot(Bench& bench, double friction) {
+  Series played{"played", false, {}};
+  Series theory{"g (sin θ − μ cos θ) t", true, {}};
+  std::vector<double> angles;
+  for (double angle = 10; angle <= 34; angle += bench.options.quick ? 4 : 1) angles.push_back(angle);
+  played.points.resize(angles.size());
+  theory.points.resize(angles.size());
+  const bool done = RunTrials(bench, angles.size(), [&](std::size_t i) {
+    const double angle = angles[i] * kPi / 180;
+    const double acceleration = std::max(0.0, kGravity * (std::sin(angle) - friction * std::cos(angle)));
+    played.points[i] = {angles[i], Play(false, friction, angles[i]).speed};
+    theory.points[i] = {angles[i], acceleration * (kSettle + kWatch)};
+  });
+  if (!done) return;
+  bench.results.plots.push_back(
+      {"slide", "A cube on a slope, μ = 0.4, after 2 s", "slope, degrees", "speed, m/s", {played, theory}});
+}
+
+}  // namespace
+
+void MeasureSlides(Bench& bench) {
+  std::vector<Case> cases;
+  for (const double friction : {0.2, 0.4, 0.6, 0.8}) {
+    if (bench.options.quick && friction != 0.4) continue;
+    for (const bool onSlab : {false, true}) cases.push_back({onSlab, friction});
+  }
+  if (!RunTrials(bench, cases.size(), [&](std::size_t i) { cases[i].angle = FindAngle(cases[i]); })) return;
+  double worst = 0;
+  double worstOnSlab = 0;
+  for (const Case& each : cases) {
+    const double theory = std::atan(each.friction) * 180 / kPi;
+    double& worstThere = each.onSlab ? worstOnSlab : worst;
+    worstThere = std::max(worstThere, std::fabs(each.angle - theory));
+    bench.results.rows.push_back({{"experiment", "slide"},
+                                  {"on", each.onSlab ? "slab" : "plane"},
+                                  {"friction", each.friction},
+                                  {"must_be_deg", theory},
+                                  {"played_deg", each.angle}});
+  }
+  bench.results.AddFigureAtMost("slide_angle_error_deg", worst, 0.5);
+  bench.results.AddFigure("slide_angle_error_on_slab_deg", worstOnSlab);
+  AddPlot(bench, 0.4);
+}
+
+}  // namespace wobble::bench

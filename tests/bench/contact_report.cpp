@@ -1,0 +1,25 @@
+// `wobble_lab contact`: contact as the server plays it, against theory where there is one and otherwise against the
+// same equations solved in steps so fine that they make no difference.
+#include "tests/bench/contact/experiments.h"
+
+namespace wobble::bench {
+
+void ReportContact(Bench& bench) {
+  struct Part {
+    const char* name;
+    double share;  // of the time that all take
+    void (*measure)(Bench& bench);
+  };
+  constexpr Part kParts[] = {
+      {"bounces", 0.15, &MeasureBounces}, {"slides", 0.15, &MeasureSlides}, {"collisions", 0.08, &MeasureCollisions},
+      {"apart", 0.02, &MeasureApart},     {"shots", 0.6, &MeasureShots},
+  };
+  for (const Part& part : kParts) {
+    if (bench.progress.IsStopAsked()) return;
+    if (bench.options.trial && part.measure != &MeasureShots) continue;
+    bench.progress.Begin(part.name, part.share);
+    part.measure(bench);
+  }
+}
+
+}  // namespace wobble::bench

@@ -1,0 +1,101 @@
+#!/usr/bin/env bash
+# wobble_lab as a person runs it: what it refuses, what it writes, and that the quick run of a report keeps its figures.
+#
+#   bash lab_test.sh CASE BIN_DIR
+#
+# Exit code 0: the case holds; 1: it does not, and what was expected and what came instead is printed.
+set -uo pipefail
+
+readonly case_name="${1:?usage: lab_test.sh CASE BIN_DIR}"
+lab="$(cd "${2:?usage: lab_test.sh CASE BIN_DIR}" && pwd)/wobble_lab" || exit 1
+readonly lab
+folder="$(mktemp -d)" || exit 1
+readonly folder
+readonly out="$folder/out" err="$folder/err"
+trap 'rm -rf "$folder"' EXIT
+
+fail() {
+  echo "FAILED $case_name: expected $1; came:"
+  sed 's|^|  out: |' "$out"
+  sed 's|^|  err: |' "$err"
+  exit 1
+}
+
+# expect_exit CODE ARGUMENT...
+expect_exit() {
+  local code
+  PATH="${lab_path-$PATH}" "$lab" "${@:2}" >"$out" 2>"$err"
+  code=$?
+  [ "$code" -eq "$1" ] || fail "exit code $1 of wobble_lab ${*:2}, not $code"
+}
+
+expect_line() { # FILE PATTERN
+  grep -q -e "$2" "$1" || fail "a line '$2'"
+}
+
+# What is wrong is said in one line, and nothing is left behind.
+expect_refusal() { # PATTERN ARGUMENT...
+  expect_exit 2 "${@:2}"
+  expect_line "$err" "$1"
+  [ "$(wc -l <"$err")" -eq 1 ] || fail "one line"
+}
+
+case_help_and_version() {
+  local words
+  for words in '' contact; do
+    # shellcheck disable=SC2086  # no word at all when there is no report
+    expect_exit 0 $words --help
+    expect_line "$out" '^Examples:'
+    expect_line "$out" '^  wobble_lab contact --quick$'
+    # shellcheck disable=SC2086
+    expect_exit 0 $words --version
+    expect_line "$out" '^wobble_lab [0-9][0-9]*\.[0-9][0-9]*\.[0-9][0-9]*$'
+  done
+}
+
+case_bad_use() {
+  expect_refusal 'a report is required, one of: contact'
+  expect_refusal 'not expected: gravity' gravity
+  expect_refusal 'not expected: --loud' contact --loud
+  expect_refusal "'-1' is not 0 to 9007199254740992" contact --seed=-1
+  expect_refusal "'x' is not 0 to" contact --trial x
+  expect_refusal "^wobble_lab: --json: $folder/none/a.json cannot be written" contact --json "$folder/none/a.json"
+  touch "$folder/file"
+  expect_refusal "^wobble_lab: --plot: $folder/file/plots: " contact --plot "$folder/file/plots"
+  lab_path=/nowhere expect_refusal '^wobble_lab: --plot: gnuplot is not installed' contact --plot "$folder/plots"
+}
+
+case_interrupt() {
+  "$lab" contact --json "$folder/a.json" >"$out" 2>"$err" &
+  local pid=$!
+  sleep 0.5
+  kill -INT "$pid"
+  wait "$pid"
+  [ $? -eq 1 ] || fail "exit code 1"
+  expect_line "$err" '^wobble_lab: stopped before it was done: no results$'
+  [ ! -e "$folder/a.json" ] || fail "no results"
+}
+
+# The same trial gives the same row, whatever else is played.
+case_trial_again() {
+  expect_exit 0 contact --trial 2 --quick --json "$folder/a.json"
+  expect_exit 0 contact --trial 2 --quick --json "$folder/b.json"
+  cmp "$folder/a.json" "$folder/b.json" >"$out" || fail "twice the same"
+  expect_line "$folder/a.json" '"trial": 2'
+}
+
+# Exit code 0 says that all figures keep to their limits.
+case_contact() {
+  expect_exit 0 contact --quick --json "$folder/contact.json" --plot "$folder/plots"
+  local key
+  for key in cpu isa compiler commit rows summary bounce_error slide_angle_error_deg momentum_drift tunnelled; do
+    expect_line "$folder/contact.json" "\"$key\": "
+  done
+  for key in bounce slide penetration; do expect_line "$folder/plots/$key.svg" '^</svg>'; done
+}
+
+declare -F "case_$case_name" >/dev/null || {
+  echo "lab_test.sh: no case '$case_name'"
+  exit 1
+}
+"case_$case_name"

@@ -1,0 +1,65 @@
+#include "tests/bench/plot.h"
+
+#include <stdio.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <sstream>
+
+namespace wobble::bench {
+namespace {
+
+// In gnuplot's single quotes only a quote itself has to be written otherwise: twice.
+std::string Quote(const std::string& text) {
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? "''" : std::string(1, c);
+  return quoted + "'";
+}
+
+std::string MakeScript(const Plot& plot, const std::string& file) {
+  std::ostringstream script;
+  script.precision(9);
+  for (std::size_t i = 0; i < plot.series.size(); ++i) {
+    script << "$data" << i << " << EOD\n";
+    for (const auto& [x, y] : plot.series[i].points) script << x << ' ' << y << '\n';
+    script << "EOD\n";
+  }
+  script << "set terminal svg size 800,500 background 'white' noenhanced\n"
+         << "set output " << Quote(file) << "\nset title " << Quote(plot.title) << "\nset xlabel " << Quote(plot.xLabel)
+         << "\nset ylabel " << Quote(plot.yLabel) << "\nset grid\nset key outside bottom horizontal\nplot ";
+  for (std::size_t i = 0; i < plot.series.size(); ++i) {
+    script << (i > 0 ? ", " : "") << "$data" << i
+           << (plot.series[i].line ? " with lines lw 1.5" : " with points pt 7 ps 0.4") << " title "
+           << Quote(plot.series[i].name);
+  }
+  script << '\n';
+  return script.str();
+}
+
+}  // namespace
+
+bool HasGnuplot() {
+  const char* const path = std::getenv("PATH");
+  std::istringstream folders(path != nullptr ? path : "");
+  std::string folder;
+  while (std::getline(folders, folder, ':')) {
+    if (access((folder + "/gnuplot").c_str(), X_OK) == 0) return true;
+  }
+  return false;
+}
+
+bool DrawPlot(const Plot& plot, const std::string& folder, std::string& error) {
+  const std::string file = folder + "/" + plot.name + ".svg";
+  FILE* const gnuplot = popen("gnuplot", "w");
+  if (gnuplot == nullptr) {
+    error = "gnuplot cannot be started";
+    return false;
+  }
+  const std::string script = MakeScript(plot, file);
+  const bool written = fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
+  const bool good = pclose(gnuplot) == 0;  // it has told its reasons on standard error
+  if (!written || !good) error = file + ": gnuplot failed";
+  return written && good;
+}
+
+}  // namespace wobble::bench

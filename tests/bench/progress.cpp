@@ -1,0 +1,49 @@
+#include "tests/bench/progress.h"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "client/tool/clock.h"
+
+namespace wobble::bench {
+namespace {
+
+constexpr double kShowEvery = 0.2;  // s
+// An estimate from less than this share of the work says nothing.
+constexpr double kLeastShare = 0.02;
+
+}  // namespace
+
+Progress::Progress(std::string report, double shares, std::function<bool()> isStopAsked)
+    : m_report(std::move(report)),
+      m_shares(shares),
+      m_isStopAsked(std::move(isStopAsked)),
+      m_terminal(isatty(STDERR_FILENO) != 0),
+      m_began(tool::ReadClock()) {}
+
+Progress::~Progress() {
+  if (m_terminal) std::fprintf(stderr, "\r\033[K");
+}
+
+void Progress::Begin(const std::string& part, double share) {
+  const std::lock_guard lock(m_mutex);
+  m_part = part;
+  m_before += m_share;
+  m_share = share;
+}
+
+void Progress::Show(std::size_t done, std::size_t count) {
+  const std::lock_guard lock(m_mutex);
+  const double now = tool::ReadClock();
+  if (!m_terminal || now < m_shown + kShowEvery) return;
+  m_shown = now;
+  const double share = (m_before + m_share * static_cast<double>(done) / static_cast<double>(count)) / m_shares;
+  std::fprintf(stderr, "\r%s: %s %zu/%zu", m_report.c_str(), m_part.c_str(), done, count);
+  if (share > kLeastShare) std::fprintf(stderr, ", %ld s left", std::lround((now - m_began) * (1 / share - 1)));
+  std::fprintf(stderr, "\033[K");
+  std::fflush(stderr);
+}
+
+}  // namespace wobble::bench

@@ -1,0 +1,39 @@
+// A report of the laboratory: an experiment whose figures are compared with what they should be.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "tests/bench/progress.h"
+#include "tests/bench/results.h"
+
+namespace wobble::bench {
+
+// As the command line has them.
+struct Options {
+  bool quick = false;  // answers within 40 s on two cores
+  std::string jsonFile;
+  std::string plotFolder;
+  std::uint64_t seed = 1;
+  std::optional<std::uint32_t> trial;  // only this one of the random trials
+};
+
+// What a report is given. It looks at progress.IsStopAsked() between trials and then returns early.
+struct Bench {
+  const Options& options;
+  Progress& progress;
+  Results& results;
+};
+
+struct Report {
+  const char* name;
+  const char* shows;  // in one line
+  bool hasTrials;     // takes --trial
+  void (*run)(Bench& bench);
+};
+
+// One function a report, each in the file of its name.
+void ReportContact(Bench& bench);
+
+}  // namespace wobble::bench

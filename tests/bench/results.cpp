@@ -1,0 +1,94 @@
+#include "tests/bench/results.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+
+#include "tests/bench/commit.h"
+
+namespace wobble::bench {
+namespace {
+
+std::string FormatNumber(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+// JSON has no word for what is no number.
+nlohmann::ordered_json MakeNumber(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  if (value == std::floor(value) && std::fabs(value) < 9e15) return static_cast<std::int64_t>(value);
+  return value;
+}
+
+// What the physics is compiled for; see wobble_flags.
+std::string FindInstructionSet() {
+#if defined(__AVX512F__)
+  return "avx512";
+#elif defined(__AVX2__)
+  return "avx2";
+#else
+  return "sse2";
+#endif
+}
+
+std::string FindCompiler() {
+#ifdef __clang__
+  return "clang " __clang_version__;
+#else
+  return "gcc " __VERSION__;
+#endif
+}
+
+}  // namespace
+
+void Results::AddFigure(const std::string& key, double value) { figures.push_back({key, value, "", true}); }
+
+void Results::AddFigureAtMost(const std::string& key, double value, double limit) {
+  figures.push_back({key, value, "<= " + FormatNumber(limit), value <= limit});
+}
+
+bool Results::AreAllKept() const {
+  return std::all_of(figures.begin(), figures.end(), [](const Figure& figure) { return figure.kept; });
+}
+
+std::string ReadCpuName() {
+  std::ifstream file("/proc/cpuinfo");
+  std::string line;
+  while (std::getline(file, line)) {
+    const std::size_t colon = line.find(": ");
+    if (line.rfind("model name", 0) == 0 && colon != std::string::npos) return line.substr(colon + 2);
+  }
+  return "unknown";
+}
+
+std::string FormatJson(const Results& results) {
+  nlohmann::ordered_json json;
+  json["cpu"] = ReadCpuName();
+  json["isa"] = FindInstructionSet();
+  json["compiler"] = FindCompiler();
+  json["commit"] = kCommit;
+  json["rows"] = results.rows;
+  json["summary"] = nlohmann::ordered_json::object();
+  for (const Figure& figure : results.figures) json["summary"][figure.key] = MakeNumber(figure.value);
+  return json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+std::string FormatText(const Results& results) {
+  std::string text;
+  for (const std::string& remark : results.remarks) text += remark + "\n";
+  for (const Figure& figure : results.figures) {
+    char line[160];
+    std::snprintf(line, sizeof line, "%-24s %-12s %-10s%s\n", figure.key.c_str(), FormatNumber(figure.value).c_str(),
+                  figure.limit.c_str(),
+                  figure.limit.empty() ? ""
+                  : figure.kept        ? " ok"
+                                       : " MISSED");
+    text += line;
+  }
+  return text;
+}
+
+}  // namespace wobble::bench

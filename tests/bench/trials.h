@@ -1,0 +1,31 @@
+// Trials that know nothing of one another, on all cores.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+#include <vector>
+
+#include "tests/bench/report.h"
+
+namespace wobble::bench {
+
+// run(i) for all i below count, in any order; each keeps what it finds in a place of its own. Worlds hold oneTBB's
+// threads down to their own number, so these are plain threads. False when it was asked to stop.
+template <class Run>
+bool RunTrials(Bench& bench, std::size_t count, const Run& run) {
+  std::atomic<std::size_t> next{0};
+  std::atomic<std::size_t> done{0};
+  const auto work = [&] {
+    for (std::size_t i = next++; i < count && !bench.progress.IsStopAsked(); i = next++) {
+      run(i);
+      bench.progress.Show(++done, count);
+    }
+  };
+  std::vector<std::jthread> threads(std::max(1U, std::thread::hardware_concurrency()));
+  for (std::jthread& thread : threads) thread = std::jthread(work);
+  for (std::jthread& thread : threads) thread.join();
+  return !bench.progress.IsStopAsked();
+}
+
+}  // namespace wobble::bench
