@@ -176,27 +176,23 @@ void ComputeAccelerations(const Coefficients<Real>& body, const Load<Real>& load
 double ComputeSpringEnergy(const Coefficients<double>& body, std::span<const Vector3d> x,
                            std::span<const std::uint8_t> torn) {
   double energy = 0;
-  for (std::size_t i = 0; i < body.springs.size(); ++i) {
-    if (!torn.empty() && torn[i] != 0) continue;
-    const Spring<double>& spring = body.springs[i];
+  ForWhole(std::span<const Spring<double>>(body.springs), torn, [&](const Spring<double>& spring) {
     const double stretch = (x[spring.a] - x[spring.b]).norm() - spring.restLength;
     energy += 0.5 * spring.stiffness * stretch * stretch;
-  }
+  });
   return energy;
 }
 
 double ComputeRepulsionEnergy(const Coefficients<double>& body, std::span<const Vector3d> x,
                               std::span<const std::uint8_t> torn) {
   double energy = 0;
-  for (std::size_t i = 0; i < body.springs.size(); ++i) {
-    if (!torn.empty() && torn[i] != 0) continue;
-    const Spring<double>& spring = body.springs[i];
+  ForWhole(std::span<const Spring<double>>(body.springs), torn, [&](const Spring<double>& spring) {
     const double length = (x[spring.a] - x[spring.b]).norm();
     const double floor = kRepulsionFloorShare * spring.restLength;
     const double bounded = std::max(length, floor);
     energy += body.repulsion / (3 * bounded * bounded * bounded);
     if (length < floor) energy += body.repulsion * (floor - length) / (floor * floor * floor * floor);
-  }
+  });
   return energy;
 }
 

@@ -96,8 +96,8 @@ void World::AddDrive(const Drive& drive) {
 void World::WakeTheDriven() {
   const double duration = m_settings.tickDuration;
   for (const Drive& drive : m_drives) {
-    const bool isOn = IsOn(drive, m_tick * duration);
-    if (isOn == IsOn(drive, (m_tick - 1.0) * duration)) continue;
+    const bool isOn = IsOn(drive, (m_tick - 1.0) * duration);
+    if (isOn == IsOn(drive, (m_tick - 2.0) * duration)) continue;
     for (Body& body : m_bodies) {
       if (drive.body == 0 || drive.body == body.id) WakeUp(body);
     }

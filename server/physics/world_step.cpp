@@ -105,7 +105,7 @@ class World::Stepper {
   void AddDrives(const Body& body, Member<Real>& member) const {
     member.pushes.clear();
     for (const Drive& drive : m_world.m_drives) {
-      if ((drive.body != 0 && drive.body != body.id) || !IsOn(drive, m_world.m_tick * m_duration)) continue;
+      if ((drive.body != 0 && drive.body != body.id) || !IsOn(drive, (m_world.m_tick - 1.0) * m_duration)) continue;
       member.load.wind += drive.wind.template cast<Real>();
       member.load.gasFactor *= static_cast<Real>(drive.gasFactor);
       const Vector3d share = drive.force / std::max(1.0, static_cast<double>(drive.vertices.size()));

@@ -209,4 +209,11 @@ void ReadBlueprint(TableReader& reader, const std::filesystem::path& folder, phy
   scene.methods.push_back(methods);
 }
 
+void ReadBlueprintName(TableReader& reader, const Scene& scene, std::size_t& blueprint) {
+  reader.Require("blueprint");
+  std::map<std::string, std::size_t> names;
+  for (std::size_t i = 0; i < scene.blueprints.size(); ++i) names[NameOf(scene.blueprints[i])] = i;
+  reader.Read("blueprint", names, blueprint);
+}
+
 }  // namespace wobble::scenes

@@ -16,4 +16,7 @@ void ReadIntegrator(TableReader& reader, physics::Integrator& integrator);
 void ReadBlueprint(TableReader& reader, const std::filesystem::path& folder, physics::Integrator defaultIntegrator,
                    Scene& scene);
 
+// The field `blueprint`, which must be there: one of the scene's by its name.
+void ReadBlueprintName(TableReader& reader, const Scene& scene, std::size_t& blueprint);
+
 }  // namespace wobble::scenes

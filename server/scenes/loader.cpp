@@ -9,6 +9,7 @@
 
 #include "server/physics/stability.h"
 #include "server/scenes/blueprint_reader.h"
+#include "server/scenes/drive_reader.h"
 #include "server/scenes/obstacle_reader.h"
 #include "server/scenes/table_reader.h"
 
@@ -20,13 +21,8 @@ using physics::Vector3d;
 constexpr std::size_t kMaxSceneBodies = 20000;
 constexpr double kMinErrorTarget = 1e-6;  // m/s: below, single precision is all that is seen
 constexpr double kMaxErrorTarget = 1;
-
-void ReadBlueprintName(TableReader& reader, const Scene& scene, std::size_t& blueprint) {
-  reader.Require("blueprint");
-  std::map<std::string, std::size_t> names;
-  for (std::size_t i = 0; i < scene.blueprints.size(); ++i) names[NameOf(scene.blueprints[i])] = i;
-  reader.Read("blueprint", names, blueprint);
-}
+constexpr double kMinStretch = 0.2;
+constexpr double kMaxStretch = 3;
 
 void ReadGroup(TableReader& reader, Scene& scene) {
   BodyGroup group;
@@ -36,6 +32,7 @@ void ReadGroup(TableReader& reader, Scene& scene) {
   reader.Read("spacing", -100, 100, " m", group.spacing);
   reader.Read("jitter", 0, 10, " m", group.jitter);
   reader.Read("velocity", -50, 50, " m/s", group.velocity);
+  reader.Read("stretch", kMinStretch, kMaxStretch, "", group.stretch);
   scene.groups.push_back(group);
 }
 
@@ -69,6 +66,7 @@ void ReadScene(TableReader& reader, const std::filesystem::path& folder, Scene& 
   reader.ReadTables("obstacle", [&](TableReader& table) { ReadObstacle(table, scene); });
   reader.ReadTables("blueprint", [&](TableReader& table) { ReadBlueprint(table, folder, integrator, scene); });
   reader.ReadTables("bodies", [&](TableReader& table) { ReadGroup(table, scene); });
+  reader.ReadTables("drive", [&](TableReader& table) { ReadDrive(table, scene); });
   reader.ReadTables("player", [&](TableReader& table) { ReadPlayer(table, scene); });
   if (const std::size_t bodies = CountBodies(scene); bodies > kMaxSceneBodies) {
     reader.Refuse("bodies", std::to_string(bodies), "at most " + std::to_string(kMaxSceneBodies) + " in all");

@@ -1,6 +1,8 @@
 #include "server/scenes/scene.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace wobble::scenes {
 namespace {
@@ -24,6 +26,14 @@ class Random {
   std::uint64_t m_state;
 };
 
+void Stretch(const BodyGroup& group, physics::BodyId body, const Vector3d& home, physics::World& world) {
+  std::vector<Vector3d> places;
+  physics::VisitVertices(world.ReadBody(body), [&](std::size_t /*index*/, const Vector3d& place) {
+    places.emplace_back(home + (place - home).cwiseProduct(group.stretch));
+  });
+  world.SetMotion(body, places, std::vector<Vector3d>(places.size(), group.velocity));
+}
+
 void PlaceGroup(const BodyGroup& group, Random& random, physics::World& world, std::vector<PlacedBody>& placed) {
   for (int iz = 0; iz < group.count[2]; ++iz) {
     for (int iy = 0; iy < group.count[1]; ++iy) {
@@ -31,9 +41,23 @@ void PlaceGroup(const BodyGroup& group, Random& random, physics::World& world, s
         Vector3d home = group.position + Vector3d(ix, iy, iz).cwiseProduct(group.spacing);
         for (int axis = 0; axis < 3; ++axis) home[axis] += group.jitter * random.NextSigned();
         const auto body = world.AddBody(static_cast<std::uint8_t>(group.blueprint), home, group.velocity);
+        if (group.stretch != Vector3d::Ones()) Stretch(group, body, home, world);
         placed.push_back({body, home});
       }
     }
+  }
+}
+
+void AddDrives(const DriveRule& rule, const Scene& scene, physics::World& world) {
+  physics::Drive drive = rule.drive;
+  if (!rule.blueprint) return world.AddDrive(drive);
+  if (drive.force != Vector3d::Zero()) {
+    drive.vertices = FindSide(scene.blueprints[*rule.blueprint], world.Blueprints()[*rule.blueprint].rest, rule.side);
+  }
+  for (const physics::Body& body : world.Bodies()) {
+    if (body.blueprint != *rule.blueprint) continue;
+    drive.body = body.id;
+    world.AddDrive(drive);
   }
 }
 
@@ -63,6 +87,7 @@ std::vector<PlacedBody> FillWorld(const Scene& scene, std::uint64_t seed, physic
   Random random(seed);
   std::vector<PlacedBody> placed;
   for (const BodyGroup& group : scene.groups) PlaceGroup(group, random, world, placed);
+  for (const DriveRule& rule : scene.drives) AddDrives(rule, scene, world);
   return placed;
 }
 
@@ -95,6 +120,31 @@ Vector3d FindFreeSpawn(const PlayerRules& player, std::uint32_t index, const phy
     }
   }
   return FindSpawn(player, index);
+}
+
+std::vector<std::uint16_t> FindSide(const BodyDefinition& definition, const std::vector<Vector3d>& rest,
+                                    physics::Side side) {
+  using physics::Side;
+  constexpr double kShareOfFlat = 0.02;
+  constexpr double kShareOfRound = 0.1;
+  const bool isRound = std::holds_alternative<physics::BallDefinition>(definition) ||
+                       std::holds_alternative<physics::RingDefinition>(definition) ||
+                       std::holds_alternative<physics::MeshDefinition>(definition);
+  const int axis = side == Side::kLowX || side == Side::kHighX   ? 0
+                   : side == Side::kLowY || side == Side::kHighY ? 1
+                                                                 : 2;
+  const double sign = side == Side::kHighX || side == Side::kHighY || side == Side::kHighZ ? 1 : -1;
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (const Vector3d& place : rest) {
+    least = std::min(least, sign * place[axis]);
+    most = std::max(most, sign * place[axis]);
+  }
+  const double from = most - (isRound ? kShareOfRound : kShareOfFlat) * (most - least);
+  std::vector<std::uint16_t> found;
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    if (side == Side::kNone || sign * rest[i][axis] >= from) found.push_back(static_cast<std::uint16_t>(i));
+  }
+  return found;
 }
 
 std::size_t CountBodies(const Scene& scene) {

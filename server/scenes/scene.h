@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@ struct BodyGroup {
   physics::Vector3d spacing = physics::Vector3d::Zero();   // m
   double jitter = 0;                                       // m
   physics::Vector3d velocity = physics::Vector3d::Zero();  // m/s
+  physics::Vector3d stretch = physics::Vector3d::Ones();   // of each about its centre when it is first put there
 };
 
 // What a blueprint of any kind is stepped with.
@@ -26,6 +28,13 @@ struct Methods {
   physics::Integrator integrator = physics::Integrator::kRungeKutta4;
   physics::ContactLaw contactLaw = physics::ContactLaw::kPenalty;
   double magneticStrength = physics::kDefaultMagneticStrength;  // N·m²
+};
+
+// A drive of every body that the scene has of a blueprint, or of all, players' too.
+struct DriveRule {
+  std::optional<std::size_t> blueprint;
+  physics::Side side = physics::Side::kNone;  // the vertices there in the rest shape share the force; kNone: all do
+  physics::Drive drive;                       // but for its body and vertices
 };
 
 // What a player gets. Players appear one after the other on a circle about `spawn`.
@@ -49,6 +58,7 @@ struct Scene {
   std::vector<BodyDefinition> blueprints;
   std::vector<Methods> methods;  // one a blueprint; those beyond its end have the default
   std::vector<BodyGroup> groups;
+  std::vector<DriveRule> drives;
   PlayerRules player;
 };
 
@@ -61,7 +71,7 @@ struct PlacedBody {
 // Of a world for the scene.
 [[nodiscard]] physics::WorldSettings MakeWorldSettings(const Scene& scene, double tickDuration, int threads);
 
-// Fills an empty world with the scene's obstacles, blueprints and bodies. Same seed, same world.
+// Fills an empty world with the scene's obstacles, blueprints, bodies and drives. Same seed, same world.
 [[nodiscard]] std::vector<PlacedBody> FillWorld(const Scene& scene, std::uint64_t seed, physics::World& world);
 
 // The start of the index-th player, m: golden-angle steps round the circle keep any number of players apart.
@@ -71,6 +81,11 @@ struct PlacedBody {
 // Bodies that were put into one another would take seconds to part.
 [[nodiscard]] physics::Vector3d FindFreeSpawn(const PlayerRules& player, std::uint32_t index,
                                               const physics::World& world);
+
+// The vertices of a rest shape within 2 % of its extent of a side: all of a flat end, none beside it. Of what is round,
+// balls, rings and meshes, it is a cap of 10 %. All for kNone.
+[[nodiscard]] std::vector<std::uint16_t> FindSide(const BodyDefinition& definition,
+                                                  const std::vector<physics::Vector3d>& rest, physics::Side side);
 
 [[nodiscard]] std::size_t CountBodies(const Scene& scene);
 

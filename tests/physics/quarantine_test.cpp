@@ -80,6 +80,16 @@ TEST(Quarantine, InsideOutIsPutRight) {
   EXPECT_NEAR(volume, blueprint.restVolume, 0.2 * blueprint.restVolume);
 }
 
+// A drive's work is put in by somebody.
+TEST(Quarantine, APushIsNoRunaway) {
+  World world(WorldSettings{.gravity = Vector3d::Zero()});
+  world.AddBlueprint(MakeBall(BallDefinition{}));
+  const BodyId ball = world.AddBody(0, Vector3d::Zero());
+  world.AddDrive({.body = ball, .vertices = {0, 1, 2}, .force = Vector3d(200, 0, 0), .end = 2});
+  EXPECT_EQ(Play(world, 30).quarantined, 0U);
+  EXPECT_NEAR(world.FindCentre(world.ReadBody(ball)).x(), 0.5 * 200 / 8 * 0.25, 0.05);
+}
+
 TEST(Quarantine, TheNeighbourOfALostBodyLives) {
   World world(WorldSettings{});
   world.AddBlueprint(MakeBall(BallDefinition{}));
