@@ -91,7 +91,7 @@ case_contact() {
   for key in cpu isa compiler commit rows summary bounce_error slide_angle_error_deg momentum_drift tunnelled; do
     expect_line "$folder/contact.json" "\"$key\": "
   done
-  for key in bounce slide penetration; do expect_line "$folder/plots/$key.svg" '^</svg>'; done
+  for key in bounce laws slide penetration; do expect_line "$folder/plots/$key.svg" '^</svg>'; done
 }
 
 declare -F "case_$case_name" >/dev/null || {

@@ -7,6 +7,8 @@ namespace wobble::bench {
 
 // Key bounce_error: heights that bodies come back to.
 void MeasureBounces(Bench& bench);
+// No key: rows and a plot of the magnetic law and of backtracking beside the default.
+void MeasureLaws(Bench& bench);
 // Key slide_angle_error_deg: the slope on which a cube begins to slide.
 void MeasureSlides(Bench& bench);
 // Key momentum_drift: bodies that collide in free space.
