@@ -19,6 +19,8 @@ constexpr double kArmingSteps = 2;
 // face that is squashed thin turns so fast that its plane can sweep over a vertex far beside it, whose weights are then
 // a lever that makes any force as large as one likes.
 constexpr double kMaxOverhang = 0.25;
+// How far beyond a sharp edge, in the same weights, it may have come and still belong to its face.
+constexpr double kHangingOverhang = 0.05;
 // Substeps that a new contact is taken to have when it is found, before their number is known.
 constexpr double kLikelySubsteps = 4;
 // A contact whose vertex comes nearer by more than this in a tick, m, needs kFastSubsteps, or the vertex may have
@@ -95,12 +97,33 @@ bool IsPastBorder(const Topology& topology, const FacePoint<Real>& at) {
 
 // The nearest face from the side that p is on.
 template <class Real>
-FacePoint<Real> ChooseSide(const Meeting<Real>& meeting, std::uint16_t start, const Vector3<Real>& p, bool& behind) {
+FacePoint<Real> ChooseSide(const Meeting<Real>& meeting, std::uint16_t start, const Vector3<Real>& p,
+                           const Vector3<Real>& outward, bool& behind) {
   behind = false;
-  const FacePoint<Real> at = FindNearestFace(FaceShell(meeting, behind), start, p);
-  if (!meeting.shell.topology->isOpen || at.distance >= Real(0)) return at;
+  const Shell<Real> shell = FaceShell(meeting, behind);
+  const FacePoint<Real> at = FindNearestFace(shell, start, p);
+  if (!shell.topology->isOpen) return TurnToFacing(shell, at, p, outward, static_cast<Real>(kArmingDepth));
+  if (at.distance >= Real(0)) return at;
   behind = true;
   return FindNearestFace(FaceShell(meeting, behind), at.face, p);
+}
+
+// Whether the vertex still hangs on to the face that it has slid over the side of, to one that it cannot have come in
+// through. Where edges lie on edges, a hair decides which side of them a vertex is on, and to change the face with it
+// would push sideways now and then, or drop the contact and with it what friction holds.
+template <class Real>
+bool HangsOn(const BodyContact<Real>& contact, const FacePoint<Real>& slid, const FacePoint<Real>& kept) {
+  return LooksAlong(slid, contact.outward) && !LooksAlong(kept, contact.outward) && kept.distance < Real(0) &&
+         kept.weights.minCoeff() >= -static_cast<Real>(kHangingOverhang);
+}
+
+// Within a step.
+template <class Real>
+FacePoint<Real> FollowContact(const Shell<Real>& shell, const BodyContact<Real>& contact, const Vector3<Real>& p) {
+  const FacePoint<Real> at = FollowFace(shell, contact.face, p);
+  if (at.face == contact.face) return at;
+  const FacePoint<Real> kept = FindFacePoint(shell, contact.face, p);
+  return HangsOn(contact, at, kept) ? kept : at;
 }
 
 // The face that a known contact has come to, and on an open surface the side.
@@ -110,11 +133,19 @@ FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const Vector3<Real
   const bool isOpen = shell.topology->isOpen;
   if (contact.armed) {
     const FacePoint<Real> at = SlideToFace(shell, contact.face, p);
-    if (at.distance < Real(0) && !(isOpen && IsPastBorder(*shell.topology, at))) return at;
+    if (LooksAlong(at, contact.outward)) {
+      const FacePoint<Real> kept = FindFacePoint(shell, contact.face, p);
+      if (HangsOn(contact, at, kept)) return kept;
+    }
+    if (at.distance < Real(0)) {
+      if (!isOpen) return TurnToFacing(shell, at, p, contact.outward, static_cast<Real>(kArmingDepth));
+      if (!IsPastBorder(*shell.topology, at)) return at;
+    }
   }
   const FacePoint<Real> at = FindNearestFace(shell, contact.face, p);
-  if (!isOpen || at.distance >= Real(0) || !IsPastBorder(*shell.topology, at)) return at;
-  return ChooseSide(meeting, at.face, p, contact.behind);
+  if (!isOpen) return TurnToFacing(shell, at, p, contact.outward, static_cast<Real>(kArmingDepth));
+  if (at.distance >= Real(0) || !IsPastBorder(*shell.topology, at)) return at;
+  return ChooseSide(meeting, at.face, p, contact.outward, contact.behind);
 }
 
 // The stick spring of a touching contact, m.
@@ -155,18 +186,19 @@ ContactParameters<Real> Combine(const ContactParameters<Real>& a, const ContactP
 }
 
 template <class Real>
-void FindBodyContacts(const Meeting<Real>& meeting, std::span<const std::uint16_t> surfaceVertices,
-                      const Bounds<Real>& near, Real margin, Real duration, std::vector<BodyContact<Real>>& contacts,
+void FindBodyContacts(const Meeting<Real>& meeting, const Shell<Real>& own, const Bounds<Real>& near, Real margin,
+                      Real duration, std::vector<BodyContact<Real>>& contacts,
                       std::vector<BodyContact<Real>>& scratch) {
   scratch.clear();
   Real longestSide = -1;
   auto kept = contacts.begin();
-  for (const std::uint16_t vertex : surfaceVertices) {
+  for (const std::uint16_t vertex : own.topology->vertices) {
     const Vector3<Real> p = meeting.x[vertex] + meeting.shift;
     while (kept != contacts.end() && kept->vertex < vertex) ++kept;
     if (!IsInside(p, near)) continue;
     const bool known = kept != contacts.end() && kept->vertex == vertex;
     BodyContact<Real> contact = known ? *kept : BodyContact<Real>{.vertex = vertex};
+    if (!own.topology->isOpen && !meeting.shell.topology->isOpen) contact.outward = FindOutward(own, vertex);
     FacePoint<Real> at;
     if (known) {
       at = FindPresentFace(meeting, p, contact);
@@ -175,7 +207,7 @@ void FindBodyContacts(const Meeting<Real>& meeting, std::span<const std::uint16_
       const Real reach = longestSide + margin + near.speed * duration;
       const std::uint16_t start = FindStart(meeting.shell, p, reach);
       if (start == kNoFace) continue;
-      at = ChooseSide(meeting, start, p, contact.behind);
+      at = ChooseSide(meeting, start, p, contact.outward, contact.behind);
     }
     const Vector3<Real> velocity = FindRelativeVelocity(meeting, vertex, at);
     // What a sheet does next its present motion hardly tells: it is light, and passed over unseen it is passed for
@@ -200,7 +232,7 @@ void ComputeBodyContacts(const ContactParameters<Real>& parameters, const Meetin
     result.acts = false;
     if (!contact.armed) continue;
     const Vector3<Real> p = meeting.x[contact.vertex] + meeting.shift;
-    const FacePoint<Real> at = FollowFace(FaceShell(meeting, contact.behind), contact.face, p);
+    const FacePoint<Real> at = FollowContact(FaceShell(meeting, contact.behind), contact, p);
     if (!Pushes(contact, at)) continue;
     const Real depth = -at.distance;
     const Face& face = meeting.shell.faces[at.face];
@@ -263,7 +295,7 @@ double ComputeBodyContactEnergy(const ContactParameters<Real>& parameters, const
   double energy = 0;
   for (const BodyContact<Real>& contact : contacts) {
     const Vector3<Real> p = meeting.x[contact.vertex] + meeting.shift;
-    const FacePoint<Real> at = FollowFace(meeting.shell, contact.face, p);
+    const FacePoint<Real> at = FollowContact(meeting.shell, contact, p);
     if (!Pushes(contact, at)) continue;
     Real stored = ComputePenaltyEnergy(parameters, -at.distance);
     if (contact.touching) {
@@ -306,18 +338,18 @@ int AddContactLoads(const ContactParameters<Real>& parameters, const Meeting<Rea
   return substeps;
 }
 
-#define WOBBLE_INSTANTIATE(Real)                                                                                      \
-  template ContactParameters<Real> Combine<Real>(const ContactParameters<Real>&, const ContactParameters<Real>&);     \
-  template void FindBodyContacts<Real>(const Meeting<Real>&, std::span<const std::uint16_t>, const Bounds<Real>&,     \
-                                       Real, Real, std::vector<BodyContact<Real>>&, std::vector<BodyContact<Real>>&); \
-  template void ComputeBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&,                       \
-                                          std::span<const BodyContact<Real>>, std::span<ContactForce<Real>>);         \
-  template void UpdateBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&, Real,                  \
-                                         std::span<BodyContact<Real>>);                                               \
-  template double ComputeBodyContactEnergy<Real>(const ContactParameters<Real>&, const Meeting<Real>&,                \
-                                                 std::span<const BodyContact<Real>>);                                 \
-  template int AddContactLoads<Real>(const ContactParameters<Real>&, const Meeting<Real>&,                            \
-                                     std::span<const BodyContact<Real>>, double, std::span<VertexLoad>,               \
+#define WOBBLE_INSTANTIATE(Real)                                                                                  \
+  template ContactParameters<Real> Combine<Real>(const ContactParameters<Real>&, const ContactParameters<Real>&); \
+  template void FindBodyContacts<Real>(const Meeting<Real>&, const Shell<Real>&, const Bounds<Real>&, Real, Real, \
+                                       std::vector<BodyContact<Real>>&, std::vector<BodyContact<Real>>&);         \
+  template void ComputeBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&,                   \
+                                          std::span<const BodyContact<Real>>, std::span<ContactForce<Real>>);     \
+  template void UpdateBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&, Real,              \
+                                         std::span<BodyContact<Real>>);                                           \
+  template double ComputeBodyContactEnergy<Real>(const ContactParameters<Real>&, const Meeting<Real>&,            \
+                                                 std::span<const BodyContact<Real>>);                             \
+  template int AddContactLoads<Real>(const ContactParameters<Real>&, const Meeting<Real>&,                        \
+                                     std::span<const BodyContact<Real>>, double, std::span<VertexLoad>,           \
                                      std::span<VertexLoad>);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)

@@ -13,6 +13,8 @@ void MeasureLaws(Bench& bench);
 void MeasureSlides(Bench& bench);
 // Key momentum_drift: bodies that collide in free space.
 void MeasureCollisions(Bench& bench);
+// Keys stack_drift, stack_asleep_s, slab_stack_asleep_s and stack_changed_asleep: bodies on one another.
+void MeasureStacks(Bench& bench);
 // Key apart_growth: what a body costs the search for contacts, among many against among few.
 void MeasureApart(Bench& bench);
 // Key tunnelled: bodies shot at one another and at what stands still.
