@@ -19,6 +19,8 @@ constexpr double kArmingSteps = 2;
 // face that is squashed thin turns so fast that its plane can sweep over a vertex far beside it, whose weights are then
 // a lever that makes any force as large as one likes.
 constexpr double kMaxOverhang = 0.25;
+// How far beyond a sharp edge, in the same weights, it may have come and still belong to its face.
+constexpr double kHangingOverhang = 0.05;
 // Substeps that a new contact is taken to have when it is found, before their number is known.
 constexpr double kLikelySubsteps = 4;
 // A contact whose vertex comes nearer by more than this in a tick, m, needs kFastSubsteps, or the vertex may have
@@ -95,12 +97,33 @@ bool IsPastBorder(const Topology& topology, const FacePoint<Real>& at) {
 
 // The nearest face from the side that p is on.
 template <class Real>
-FacePoint<Real> ChooseSide(const Meeting<Real>& meeting, std::uint16_t start, const Vector3<Real>& p, bool& behind) {
+FacePoint<Real> ChooseSide(const Meeting<Real>& meeting, std::uint16_t start, const Vector3<Real>& p,
+                           const Vector3<Real>& outward, bool& behind) {
   behind = false;
-  const FacePoint<Real> at = FindNearestFace(FaceShell(meeting, behind), start, p);
-  if (!meeting.shell.topology->isOpen || at.distance >= Real(0)) return at;
+  const Shell<Real> shell = FaceShell(meeting, behind);
+  const FacePoint<Real> at = FindNearestFace(shell, start, p);
+  if (!shell.topology->isOpen) return TurnToFacing(shell, at, p, outward, static_cast<Real>(kArmingDepth));
+  if (at.distance >= Real(0)) return at;
   behind = true;
   return FindNearestFace(FaceShell(meeting, behind), at.face, p);
+}
+
+// Whether the vertex still hangs on to the face that it has slid over the side of, to one that it cannot have come in
+// through. Where edges lie on edges, a hair decides which side of them a vertex is on, and to change the face with it
+// would push sideways now and then, or drop the contact and with it what friction holds.
+template <class Real>
+bool HangsOn(const BodyContact<Real>& contact, const FacePoint<Real>& slid, const FacePoint<Real>& kept) {
+  return LooksAlong(slid, contact.outward) && !LooksAlong(kept, contact.outward) && kept.distance < Real(0) &&
+         kept.weights.minCoeff() >= -static_cast<Real>(kHangingOverhang);
+}
+
+// Within a step.
+template <class Real>
+FacePoint<Real> FollowContact(const Shell<Real>& shell, const BodyContact<Real>& contact, const Vector3<Real>& p) {
+  const FacePoint<Real> at = FollowFace(shell, contact.face, p);
+  if (at.face == contact.face) return at;
+  const FacePoint<Real> kept = FindFacePoint(shell, contact.face, p);
+  return HangsOn(contact, at, kept) ? kept : at;
 }
 
 // The face that a known contact has come to, and on an open surface the side.
@@ -110,11 +133,19 @@ FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const Vector3<Real
   const bool isOpen = shell.topology->isOpen;
   if (contact.armed) {
     const FacePoint<Real> at = SlideToFace(shell, contact.face, p);
-    if (at.distance < Real(0) && !(isOpen && IsPastBorder(*shell.topology, at))) return at;
+    if (LooksAlong(at, contact.outward)) {
+      const FacePoint<Real> kept = FindFacePoint(shell, contact.face, p);
+      if (HangsOn(contact, at, kept)) return kept;
+    }
+    if (at.distance < Real(0)) {
+      if (!isOpen) return TurnToFacing(shell, at, p, contact.outward, static_cast<Real>(kArmingDepth));
+      if (!IsPastBorder(*shell.topology, at)) return at;
+    }
   }
   const FacePoint<Real> at = FindNearestFace(shell, contact.face, p);
-  if (!isOpen || at.distance >= Real(0) || !IsPastBorder(*shell.topology, at)) return at;
-  return ChooseSide(meeting, at.face, p, contact.behind);
+  if (!isOpen) return TurnToFacing(shell, at, p, contact.outward, static_cast<Real>(kArmingDepth));
+  if (at.distance >= Real(0) || !IsPastBorder(*shell.topology, at)) return at;
+  return ChooseSide(meeting, at.face, p, contact.outward, contact.behind);
 }
 
 // Where a fold brings another face before a vertex, or one that did not lie above it begins to, the depth leaps. A
@@ -141,8 +172,7 @@ void NoteLeap(const Meeting<Real>& meeting, const FacePoint<Real>& before, const
 
 // FindPresentFace after a substep of h, with the distance that counts for the force.
 template <class Real>
-FacePoint<Real> FollowContact(const Meeting<Real>& meeting, const Vector3<Real>& p, Real h,
-                              BodyContact<Real>& contact) {
+FacePoint<Real> RenewContact(const Meeting<Real>& meeting, const Vector3<Real>& p, Real h, BodyContact<Real>& contact) {
   const bool wasBehind = contact.behind;
   const FacePoint<Real> before = FindFacePoint(FaceShell(meeting, wasBehind), contact.face, p);
   FacePoint<Real> at = FindPresentFace(meeting, p, contact);
@@ -155,10 +185,10 @@ FacePoint<Real> FollowContact(const Meeting<Real>& meeting, const Vector3<Real>&
   return at;
 }
 
-// Between two looks at the faces: where the contact's vertex is to the face that it had or the one beside it.
+// Within a step: where the contact's vertex is to the face that it had or the one beside it.
 template <class Real>
 FacePoint<Real> FindReach(const Meeting<Real>& meeting, const Vector3<Real>& p, const BodyContact<Real>& contact) {
-  FacePoint<Real> at = FollowFace(FaceShell(meeting, contact.behind), contact.face, p);
+  FacePoint<Real> at = FollowContact(FaceShell(meeting, contact.behind), contact, p);
   at.distance += contact.leap;
   return at;
 }
@@ -201,27 +231,28 @@ ContactParameters<Real> Combine(const ContactParameters<Real>& a, const ContactP
 }
 
 template <class Real>
-void FindBodyContacts(const Meeting<Real>& meeting, std::span<const std::uint16_t> surfaceVertices,
-                      const Bounds<Real>& near, Real margin, Real duration, std::vector<BodyContact<Real>>& contacts,
+void FindBodyContacts(const Meeting<Real>& meeting, const Shell<Real>& own, const Bounds<Real>& near, Real margin,
+                      Real duration, std::vector<BodyContact<Real>>& contacts,
                       std::vector<BodyContact<Real>>& scratch) {
   scratch.clear();
   Real longestSide = -1;
   auto kept = contacts.begin();
-  for (const std::uint16_t vertex : surfaceVertices) {
+  for (const std::uint16_t vertex : own.topology->vertices) {
     const Vector3<Real> p = meeting.x[vertex] + meeting.shift;
     while (kept != contacts.end() && kept->vertex < vertex) ++kept;
     if (!IsInside(p, near)) continue;
     const bool known = kept != contacts.end() && kept->vertex == vertex;
     BodyContact<Real> contact = known ? *kept : BodyContact<Real>{.vertex = vertex};
+    if (!own.topology->isOpen && !meeting.shell.topology->isOpen) contact.outward = FindOutward(own, vertex);
     FacePoint<Real> at;
     if (known) {
-      at = FollowContact(meeting, p, Real(0), contact);
+      at = RenewContact(meeting, p, Real(0), contact);
     } else {
       if (longestSide < Real(0)) longestSide = FindLongestSide(meeting.shell);
       const Real reach = longestSide + margin + near.speed * duration;
       const std::uint16_t start = FindStart(meeting.shell, p, reach);
       if (start == kNoFace) continue;
-      at = ChooseSide(meeting, start, p, contact.behind);
+      at = ChooseSide(meeting, start, p, contact.outward, contact.behind);
     }
     const Vector3<Real> velocity = FindRelativeVelocity(meeting, vertex, at);
     // What a sheet does next its present motion hardly tells: it is light, and passed over unseen it is passed for
@@ -287,7 +318,7 @@ void UpdateBodyContacts(const ContactParameters<Real>& parameters, const Meeting
                         std::span<BodyContact<Real>> contacts) {
   for (BodyContact<Real>& contact : contacts) {
     const Vector3<Real> p = meeting.x[contact.vertex] + meeting.shift;
-    const FacePoint<Real> at = FollowContact(meeting, p, h, contact);
+    const FacePoint<Real> at = RenewContact(meeting, p, h, contact);
     Arm<Real>(at, FindRelativeVelocity(meeting, contact.vertex, at), h, meeting.shell.topology->isOpen, contact);
     const Real depth = -at.distance;
     Vector3<Real> slip = Vector3<Real>::Zero();
@@ -354,18 +385,18 @@ int AddContactLoads(const ContactParameters<Real>& parameters, const Meeting<Rea
   return substeps;
 }
 
-#define WOBBLE_INSTANTIATE(Real)                                                                                      \
-  template ContactParameters<Real> Combine<Real>(const ContactParameters<Real>&, const ContactParameters<Real>&);     \
-  template void FindBodyContacts<Real>(const Meeting<Real>&, std::span<const std::uint16_t>, const Bounds<Real>&,     \
-                                       Real, Real, std::vector<BodyContact<Real>>&, std::vector<BodyContact<Real>>&); \
-  template void ComputeBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&,                       \
-                                          std::span<const BodyContact<Real>>, std::span<ContactForce<Real>>);         \
-  template void UpdateBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&, Real,                  \
-                                         std::span<BodyContact<Real>>);                                               \
-  template double ComputeBodyContactEnergy<Real>(const ContactParameters<Real>&, const Meeting<Real>&,                \
-                                                 std::span<const BodyContact<Real>>);                                 \
-  template int AddContactLoads<Real>(const ContactParameters<Real>&, const Meeting<Real>&,                            \
-                                     std::span<const BodyContact<Real>>, double, std::span<VertexLoad>,               \
+#define WOBBLE_INSTANTIATE(Real)                                                                                  \
+  template ContactParameters<Real> Combine<Real>(const ContactParameters<Real>&, const ContactParameters<Real>&); \
+  template void FindBodyContacts<Real>(const Meeting<Real>&, const Shell<Real>&, const Bounds<Real>&, Real, Real, \
+                                       std::vector<BodyContact<Real>>&, std::vector<BodyContact<Real>>&);         \
+  template void ComputeBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&,                   \
+                                          std::span<const BodyContact<Real>>, std::span<ContactForce<Real>>);     \
+  template void UpdateBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&, Real,              \
+                                         std::span<BodyContact<Real>>);                                           \
+  template double ComputeBodyContactEnergy<Real>(const ContactParameters<Real>&, const Meeting<Real>&,            \
+                                                 std::span<const BodyContact<Real>>);                             \
+  template int AddContactLoads<Real>(const ContactParameters<Real>&, const Meeting<Real>&,                        \
+                                     std::span<const BodyContact<Real>>, double, std::span<VertexLoad>,           \
                                      std::span<VertexLoad>);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)

@@ -10,6 +10,9 @@
 // another drift apart instead of exploding. For the same reason it is disarmed when it is suddenly deeper than it can
 // have come, as on a face that a violent impact has folded over.
 //
+// Where boxes lie edge on edge, the face nearest to a vertex may be one that it only passes by, and would push it
+// sideways; so a face must look towards the vertex's own surface if there is one beside it that does.
+//
 // An open surface has no inside. There a contact keeps to the side that its vertex was seen on first, however deep it
 // is behind it, until the vertex leaves past the border: a thin sheet is crossed within one substep, and by where the
 // vertex is then nobody could tell.
@@ -43,6 +46,8 @@ struct BodyContact {
   Real leap = 0;          // depth beyond that, which no motion has brought: not pushed back, m
   Vector3<Real> foot = Vector3<Real>::Zero();  // barycentric, of the point of `face` that was under the vertex
   Vector3<Real> slip = Vector3<Real>::Zero();  // of the stick spring then, along the face, m
+  // Normal of the vertex's own surface when the tick began; zero: it or the other surface is open.
+  Vector3<Real> outward = Vector3<Real>::Zero();
 };
 
 // One side of a pair at one moment: a body whose vertices are looked at, and one whose faces are.
@@ -62,12 +67,11 @@ template <class Real>
 [[nodiscard]] ContactParameters<Real> Combine(const ContactParameters<Real>& a, const ContactParameters<Real>& b);
 
 // Lists every surface vertex that may touch the other body before `duration` (s) is over, keeping what is known of
-// `contacts`. near: a box in the shell's coordinates that holds the shell, fat enough for the time. margin: m, for what
-// the vertex's present motion does not tell.
+// `contacts`. own: the surface that the vertices belong to. near: a box in the shell's coordinates that holds the
+// shell, fat enough for the time. margin: m, for what the vertex's present motion does not tell.
 template <class Real>
-void FindBodyContacts(const Meeting<Real>& meeting, std::span<const std::uint16_t> surfaceVertices,
-                      const Bounds<Real>& near, Real margin, Real duration, std::vector<BodyContact<Real>>& contacts,
-                      std::vector<BodyContact<Real>>& scratch);
+void FindBodyContacts(const Meeting<Real>& meeting, const Shell<Real>& own, const Bounds<Real>& near, Real margin,
+                      Real duration, std::vector<BodyContact<Real>>& contacts, std::vector<BodyContact<Real>>& scratch);
 
 // What one contact does, N. Computed for all contacts first and added up body by body afterwards: so bodies that share
 // neighbours can be worked on at the same time, and every sum still has its one order.

@@ -6,6 +6,8 @@
 #include "server/physics/face_search.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace wobble::physics {
 namespace {
@@ -17,6 +19,11 @@ constexpr double kTieShare = 1e-5;
 // Sides flatter than this (cosine of the angle between normals, 45°) are those of a smooth surface: there a point
 // changes its face where both planes are equally deep. Over a sharper edge it must truly leave the first face.
 constexpr double kSmoothCosine = 0.7;
+// A face can have been come in through when its normal and the vertex's own are farther apart than this (cosine, 107°).
+// Where boxes meet flat it is 180° in the middle of a side, 135° on its edges and no less than 114° in its corners,
+// whose normal is drawn to the side with more triangles; from the sides that a vertex only passes by, 90° or less,
+// and a little more where the boxes yield.
+constexpr double kFacingCosine = -0.3;
 
 template <class Real>
 Real FindSquaredDistance(const Vector3<Real>& a, const Vector3<Real>& b, const Vector3<Real>& c,
@@ -140,6 +147,45 @@ FacePoint<Real> FindNearestFace(const Shell<Real>& shell, std::uint16_t start, c
 }
 
 template <class Real>
+bool LooksAlong(const FacePoint<Real>& at, const Vector3<Real>& outward) {
+  return (outward.array() != Real(0)).any() && at.normal.dot(outward) > static_cast<Real>(kFacingCosine);
+}
+
+template <class Real>
+FacePoint<Real> TurnToFacing(const Shell<Real>& shell, const FacePoint<Real>& at, const Vector3<Real>& p,
+                             const Vector3<Real>& outward, Real within) {
+  if (!LooksAlong(at, outward)) return at;
+  FacePoint<Real> best = at;
+  Real least = within * within;
+  if (at.distance >= Real(0)) {
+    least = FindSquaredDistance(shell, at.face, p) + static_cast<Real>(kTieShare) * at.doubleArea;
+  }
+  for (const std::uint16_t vertex : shell.faces[at.face]) {
+    for (const std::uint16_t face : shell.topology->RingOf(vertex)) {
+      const Real square = FindSquaredDistance(shell, face, p);
+      if (square >= least) continue;
+      const FacePoint<Real> there = FindFacePoint(shell, face, p);
+      if (LooksAlong(there, outward)) continue;
+      least = square;
+      best = there;
+    }
+  }
+  return best;
+}
+
+template <class Real>
+Vector3<Real> FindOutward(const Shell<Real>& shell, std::uint16_t vertex) {
+  Vector3<Real> sum = Vector3<Real>::Zero();
+  for (const std::uint16_t face : shell.topology->RingOf(vertex)) {
+    const Face& f = shell.faces[face];
+    sum += (shell.x[f[1]] - shell.x[f[0]]).cross(shell.x[f[2]] - shell.x[f[0]]);
+  }
+  const Real length = std::sqrt(sum.dot(sum));
+  if (length > Real(0)) sum /= length;
+  return sum;
+}
+
+template <class Real>
 FacePoint<Real> SlideToFace(const Shell<Real>& shell, std::uint16_t start, const Vector3<Real>& p) {
   FacePoint<Real> at = FindFacePoint(shell, start, p);
   for (int step = 0; step < kMaxSteps; ++step) {
@@ -168,10 +214,14 @@ FacePoint<Real> FollowFace(const Shell<Real>& shell, std::uint16_t face, const V
   return SlidesOver(shell, at, static_cast<std::size_t>(corner), there) ? there : at;
 }
 
-#define WOBBLE_INSTANTIATE(Real)                                                                           \
-  template FacePoint<Real> FindFacePoint<Real>(const Shell<Real>&, std::uint16_t, const Vector3<Real>&);   \
-  template FacePoint<Real> FindNearestFace<Real>(const Shell<Real>&, std::uint16_t, const Vector3<Real>&); \
-  template FacePoint<Real> SlideToFace<Real>(const Shell<Real>&, std::uint16_t, const Vector3<Real>&);     \
+#define WOBBLE_INSTANTIATE(Real)                                                                                \
+  template FacePoint<Real> FindFacePoint<Real>(const Shell<Real>&, std::uint16_t, const Vector3<Real>&);        \
+  template FacePoint<Real> FindNearestFace<Real>(const Shell<Real>&, std::uint16_t, const Vector3<Real>&);      \
+  template bool LooksAlong<Real>(const FacePoint<Real>&, const Vector3<Real>&);                                 \
+  template FacePoint<Real> TurnToFacing<Real>(const Shell<Real>&, const FacePoint<Real>&, const Vector3<Real>&, \
+                                              const Vector3<Real>&, Real);                                      \
+  template Vector3<Real> FindOutward<Real>(const Shell<Real>&, std::uint16_t);                                  \
+  template FacePoint<Real> SlideToFace<Real>(const Shell<Real>&, std::uint16_t, const Vector3<Real>&);          \
   template FacePoint<Real> FollowFace<Real>(const Shell<Real>&, std::uint16_t, const Vector3<Real>&);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)

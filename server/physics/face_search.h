@@ -40,6 +40,21 @@ template <class Real>
 template <class Real>
 [[nodiscard]] FacePoint<Real> FindNearestFace(const Shell<Real>& shell, std::uint16_t start, const Vector3<Real>& p);
 
+// Whether the face looks too much the way that `outward` does for a vertex of a surface with that normal to have come
+// in through it. outward: unit length; zero: of a surface that has two sides, and may have come in through any.
+template <class Real>
+[[nodiscard]] bool LooksAlong(const FacePoint<Real>& at, const Vector3<Real>& outward);
+
+// Where `at` looks along `outward`: the nearest of the faces round it that does not, if p is inside and within that
+// distance of it (m), or if that one is as near as `at`. Else `at`.
+template <class Real>
+[[nodiscard]] FacePoint<Real> TurnToFacing(const Shell<Real>& shell, const FacePoint<Real>& at, const Vector3<Real>& p,
+                                           const Vector3<Real>& outward, Real within);
+
+// Sum of the normals of the faces round the vertex by their areas, unit length; zero where they cancel.
+template <class Real>
+[[nodiscard]] Vector3<Real> FindOutward(const Shell<Real>& shell, std::uint16_t vertex);
+
 // The face that a point inside has come to from `start` by sliding.
 template <class Real>
 [[nodiscard]] FacePoint<Real> SlideToFace(const Shell<Real>& shell, std::uint16_t start, const Vector3<Real>& p);

@@ -172,9 +172,10 @@ class World::Stepper {
       const Real fat = static_cast<Real>(kMargin) + near.speed * static_cast<Real>(m_duration);
       near.low.array() -= fat;
       near.high.array() += fat;
-      FindBodyContacts<Real>(meeting, vertices.blueprint->topology.vertices, near, static_cast<Real>(kMargin),
-                             static_cast<Real>(m_duration), m_work.pairs[i].sides[side],
-                             m_work.scratch.local().bodyContacts);
+      const Shell<Real> own{vertices.blueprint->template Read<Real>().faces, &vertices.blueprint->topology,
+                            vertices.state->positions};
+      FindBodyContacts<Real>(meeting, own, near, static_cast<Real>(kMargin), static_cast<Real>(m_duration),
+                             m_work.pairs[i].sides[side], m_work.scratch.local().bodyContacts);
     }
   }
 

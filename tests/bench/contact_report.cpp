@@ -11,8 +11,9 @@ void ReportContact(Bench& bench) {
     void (*measure)(Bench& bench);
   };
   constexpr Part kParts[] = {
-      {"bounces", 0.15, &MeasureBounces}, {"slides", 0.15, &MeasureSlides}, {"collisions", 0.08, &MeasureCollisions},
-      {"apart", 0.02, &MeasureApart},     {"shots", 0.6, &MeasureShots},
+      {"bounces", 0.15, &MeasureBounces},       {"laws", 0.01, &MeasureLaws},     {"slides", 0.14, &MeasureSlides},
+      {"collisions", 0.08, &MeasureCollisions}, {"stacks", 0.02, &MeasureStacks}, {"apart", 0.02, &MeasureApart},
+      {"shots", 0.58, &MeasureShots},
   };
   for (const Part& part : kParts) {
     if (bench.progress.IsStopAsked()) return;

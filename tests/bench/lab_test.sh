@@ -88,10 +88,11 @@ case_trial_again() {
 case_contact() {
   expect_exit 0 contact --quick --json "$folder/contact.json" --plot "$folder/plots"
   local key
-  for key in cpu isa compiler commit rows summary bounce_error slide_angle_error_deg momentum_drift tunnelled; do
+  for key in cpu isa compiler commit rows summary bounce_error slide_angle_error_deg momentum_drift stack_drift \
+    stack_asleep_s tunnelled; do
     expect_line "$folder/contact.json" "\"$key\": "
   done
-  for key in bounce slide penetration; do expect_line "$folder/plots/$key.svg" '^</svg>'; done
+  for key in bounce laws slide penetration; do expect_line "$folder/plots/$key.svg" '^</svg>'; done
 }
 
 declare -F "case_$case_name" >/dev/null || {

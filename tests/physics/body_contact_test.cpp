@@ -394,6 +394,54 @@ TEST(BodyContact, AStackOfSlabsStands) {
   }
 }
 
+// Face on face and edge on edge, without a gap: which side of an edge a vertex is on, rounding decides.
+TEST(BodyContact, CubesStandEdgeOnEdge) {
+  for (const int cells : {2, 3}) {
+    World world(WorldSettings{});
+    LatticeDefinition cube;
+    cube.cells = {cells, cells, cells};
+    cube.cellSize = 0.5 / cells;
+    cube.dampingRatio = 0.3;
+    world.AddBlueprint(MakeLattice(cube));
+    world.AddObstacle(Obstacle{});
+    for (int i = 0; i < 3; ++i) world.AddBody(0, Vector3d(0, 0, 0.25 + 0.5 * i));
+    for (int i = 0; i < 5 * 60; ++i) world.Step();
+    for (const Body& body : world.Bodies()) {
+      const Vector3d centre = world.FindCentre(body);
+      EXPECT_LT(centre.head<2>().norm(), 0.001) << cells << " cells, body " << body.id;
+      EXPECT_NEAR(centre.z(), 0.25 + 0.5 * (body.id - 1), 0.05) << cells << " cells, body " << body.id;
+    }
+  }
+}
+
+// A cube on a slab held by far more friction slides on a slope of 26° when their friction is 0.4: what of the slab
+// rises before it must not catch its edge.
+TEST(BodyContact, AnEdgeIsNotCaughtByWhatItSlidesOver) {
+  WorldSettings settings;
+  World world(settings);
+  LatticeDefinition cube;
+  cube.cells = {2, 2, 2};
+  cube.cellSize = 0.2;
+  cube.youngModulus = 20000;
+  cube.friction = 0.4;
+  LatticeDefinition slab = cube;
+  slab.cells = {7, 5, 1};
+  world.AddBlueprint(MakeLattice(cube));
+  world.AddBlueprint(MakeLattice(slab));
+  world.AddObstacle({.friction = 50});
+  world.AddBody(0, Vector3d(0, 0, 0.4));
+  world.AddBody(1, Vector3d(0.3, 0, 0.1));
+  for (int i = 0; i < 60; ++i) world.Step();
+  for (int i = 1; i <= 120; ++i) {
+    const double angle = i / 120.0 * 26 / 180 * std::acos(-1.0);
+    world.SetGravity(9.81 * Vector3d(std::sin(angle), 0, -std::cos(angle)));
+    world.Step();
+  }
+  const double from = world.FindCentre(world.Bodies()[0]).x();
+  for (int i = 0; i < 30; ++i) world.Step();
+  EXPECT_GT(world.FindCentre(world.Bodies()[0]).x() - from, 0.05);
+}
+
 // Who stands on another can jump off it, and pushes it down.
 TEST(BodyContact, ABodyIsGroundToJumpFrom) {
   World world(WorldSettings{});

@@ -138,5 +138,35 @@ TEST_F(FaceSearch, APointInACornerKeepsTheFaceItCameThrough) {
   EXPECT_GE(SlideToFace<double>(shell, 0, Vector3d(1.01, 0.3, -0.2)).face, 2);
 }
 
+// Under the edge between the top of a cube and its side, nearer to the side: whose face it is, its own normal tells.
+TEST_F(FaceSearch, AVertexTurnsToTheFaceThatLooksTowardsIt) {
+  const std::vector<Vector3d> x{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, -1}, {1, 1, -1}};
+  const std::vector<Face> faces{{0, 1, 2}, {0, 2, 3}, {1, 4, 5}, {1, 5, 2}};  // top, and the side at x = 1
+  const Topology sharp = MakeTopology(faces, x.size());
+  const Shell<double> shell{faces, &sharp, x};
+  const Vector3d p(0.999, 0.3, -0.004);
+  const FacePoint<double> side = FindFacePoint<double>(shell, 3, p);
+  const double edge = std::sqrt(0.5);
+  const auto turn = [&](const Vector3d& at, const Vector3d& outward, double within) {
+    return TurnToFacing<double>(shell, FindFacePoint<double>(shell, 3, at), at, outward, within).face;
+  };
+  EXPECT_TRUE(LooksAlong<double>(side, Vector3d(edge, 0, -edge)));
+  EXPECT_FALSE(LooksAlong<double>(side, Vector3d(-edge, 0, -edge)));
+  EXPECT_EQ(turn(p, Vector3d(edge, 0, -edge), 0.01), 0) << "an edge that lies on this edge";
+  EXPECT_EQ(turn(p, Vector3d(edge, 0, -edge), 0.003), 3) << "too far from the top";
+  EXPECT_EQ(turn(p, Vector3d(-1, 0, 0), 0.01), 3) << "came from the side";
+  EXPECT_EQ(turn(p, Vector3d::Zero(), 0.01), 3) << "a sheet";
+  EXPECT_EQ(turn(Vector3d(1, 0.3, 0), Vector3d(edge, 0, -edge), 0), 0) << "on the edge itself";
+  EXPECT_EQ(turn(Vector3d(1.1, 0.3, -0.004), Vector3d(edge, 0, -edge), 0.01), 3) << "outside, beyond the edge";
+}
+
+TEST_F(FaceSearch, OutwardIsTheMeanNormalOfTheFacesRound) {
+  const Shell<double> shell = MakeShell();
+  for (const std::uint16_t vertex : topology.vertices) {
+    EXPECT_GT(FindOutward(shell, vertex).dot(sphere.vertices[vertex]), 0.99);
+    EXPECT_NEAR(FindOutward(shell, vertex).norm(), 1, 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace wobble::physics

@@ -167,6 +167,15 @@ std::vector<Case> MakeCases(bool quick) {
     const Blueprint ball = MakeBall(DescribeBall(subdivisions));
     add("ball of " + std::to_string(ball.rest.size()), ball, {1, 0.3, 3});
   }
+  // A ground that takes no energy, and that the strongest feels all the way.
+  for (const double strength : {1e-2, 1e-4, 1.0, 1e-1}) {
+    if (quick && strength > 1e-2) continue;
+    Blueprint ball = MakeBall(DescribeBall(2));
+    SetContactLaw(ball, ContactLaw::kMagnetic, strength);
+    char name[48];
+    std::snprintf(name, sizeof name, "ball of 162, magnetic, K = %g", strength);
+    add(name, ball, {3});
+  }
   add("hard ball of 162", MakeBall(DescribeHardBall(2, 10)), {1, 3, 5});
   add("lattice cube", MakeLattice(DescribeCube(10000, 0.8)), {0.5, 1});
   return cases;

@@ -1,0 +1,107 @@
+// Does a stack stand? Cubes lie on one another, face on face and vertex on vertex, with a gap of a finger's breadth or
+// with none at all, for 20 s or until they sleep; after that no bit may change for 10 s more.
+//
+// A stack of equal bodies has no reason to lean any way, so how far its top has gone sideways is all error. What
+// friction holds can move by no more than its springs yield, tenths of a millimetre; a stack that slides passes any
+// limit. The slabs of jelly_stack are damped by so little that their swaying takes longer to die away than the cubes',
+// and have a key of their own.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tests/bench/contact/bodies.h"
+#include "tests/bench/contact/experiments.h"
+#include "tests/bench/trials.h"
+
+namespace wobble::bench {
+namespace {
+
+using namespace physics;
+
+constexpr double kTick = 1.0 / 60;
+constexpr double kStands = 20;    // s
+constexpr double kPatience = 90;  // for those that sleep later, s
+constexpr double kAfter = 10;     // s
+
+struct Case {
+  std::string body;
+  LatticeDefinition definition;
+  int count = 4;
+  double gap = 0;  // m
+  bool isSlab = false;
+  double drift = 0;   // of the top, sideways, m
+  double sunk = 0;    // of the top below where it would be if nothing yielded, m
+  double asleep = 0;  // after how long, s; negative: not at all
+  bool changed = false;
+};
+
+void Play(Case& each) {
+  World world(WorldSettings{});
+  world.AddBlueprint(MakeLattice(each.definition));
+  world.AddObstacle(Obstacle{});
+  const double height = each.definition.cells[2] * each.definition.cellSize;
+  for (int i = 0; i < each.count; ++i) {
+    world.AddBody(0, Vector3d(0, 0, height / 2 + each.gap + i * (height + each.gap)));
+  }
+  const Body& top = world.Bodies().back();
+  each.asleep = -1;
+  for (int tick = 1; tick * kTick <= (each.asleep < 0 ? kPatience : kStands); ++tick) {
+    const bool isAwake = world.Step().awake > 0;
+    if (isAwake || each.asleep < 0) each.asleep = isAwake ? -1 : tick * kTick;
+    each.drift = std::max(each.drift, world.FindCentre(top).head<2>().norm());
+  }
+  each.sunk = (each.count - 0.5) * height - world.FindCentre(top).z();
+  const std::uint64_t hash = world.Hash();
+  for (int tick = 1; tick <= std::lround(kAfter / kTick); ++tick) {
+    world.Step();
+    each.changed |= world.Hash() != hash;
+  }
+}
+
+std::vector<Case> MakeCases() {
+  std::vector<Case> cases;
+  const auto add = [&](const char* name, std::array<int, 3> cells, double cellSize, double youngModulus, double damping,
+                       int count) {
+    LatticeDefinition definition;
+    definition.cells = cells;
+    definition.cellSize = cellSize;
+    definition.youngModulus = youngModulus;
+    definition.dampingRatio = damping;
+    for (const double gap : {0.0, 0.01}) cases.push_back({name, definition, count, gap, cells[2] != cells[0]});
+  };
+  add("cube of 8 cells", {2, 2, 2}, 0.25, 10000, 0.3, 4);
+  add("cube of 27 cells", {3, 3, 3}, 0.5 / 3, 10000, 0.3, 4);
+  add("slab of jelly_stack", {5, 5, 2}, 0.3, 31400, 0.1, 8);
+  return cases;
+}
+
+}  // namespace
+
+void MeasureStacks(Bench& bench) {
+  std::vector<Case> cases = MakeCases();
+  if (!RunTrials(bench, cases.size(), [&](std::size_t i) { Play(cases[i]); })) return;
+  double drift = 0;
+  double asleep[2] = {0, 0};  // cubes, slabs
+  bool changed = false;
+  for (const Case& each : cases) {
+    constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
+    drift = std::max(drift, each.drift);
+    double& latest = asleep[each.isSlab ? 1 : 0];
+    latest = each.asleep < 0 || std::isnan(latest) ? kNever : std::max(latest, each.asleep);
+    changed |= each.changed;
+    bench.results.rows.push_back({{"experiment", "stack"},
+                                  {"body", each.body},
+                                  {"count", each.count},
+                                  {"gap", each.gap},
+                                  {"drift", each.drift},
+                                  {"sunk", each.sunk},
+                                  {"asleep_s", each.asleep},
+                                  {"changed_after", each.changed}});
+  }
+  bench.results.AddFigureAtMost("stack_drift", drift, 0.001);
+  bench.results.AddFigureAtMost("stack_asleep_s", asleep[0], kStands);
+  bench.results.AddFigureAtMost("slab_stack_asleep_s", asleep[1], kPatience);
+  bench.results.AddFigureAtMost("stack_changed_asleep", changed ? 1 : 0, 0);
+}
+
+}  // namespace wobble::bench
