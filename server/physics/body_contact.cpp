@@ -73,14 +73,20 @@ bool IsInside(const Vector3<Real>& p, const Bounds<Real>& box) {
   return (p.array() >= box.low.array()).all() && (p.array() <= box.high.array()).all();
 }
 
-// Arms a contact that has just begun, disarms one that has leapt, and says how deep it may come from here.
+// Arms a contact that has just begun, disarms one that has leapt, and says how deep it may come from here. On an open
+// surface one that has leapt, as between the folds of a torn sheet, is seen from the other side from now on: kept to
+// its side at that depth it would bring in the energy of a spring that nobody pressed.
 template <class Real>
 void Arm(const FacePoint<Real>& at, const Vector3<Real>& velocity, Real h, bool isOpen, BodyContact<Real>& contact) {
   const Real depth = std::max(Real(0), -at.distance);
   const Real play =
       static_cast<Real>(kArmingDepth) + static_cast<Real>(kArmingSteps) * h * std::sqrt(velocity.dot(velocity));
-  contact.armed = isOpen || depth <= (contact.armed ? contact.maxDepth : static_cast<Real>(kArmingDepth));
+  contact.armed = depth <= (contact.armed ? contact.maxDepth : static_cast<Real>(kArmingDepth));
   contact.maxDepth = depth + play;
+  if (isOpen && !contact.armed) {
+    contact.behind = !contact.behind;
+    contact.maxDepth = play;
+  }
 }
 
 // Whether the foot lies past a border of the surface.
@@ -263,7 +269,7 @@ double ComputeBodyContactEnergy(const ContactParameters<Real>& parameters, const
   double energy = 0;
   for (const BodyContact<Real>& contact : contacts) {
     const Vector3<Real> p = meeting.x[contact.vertex] + meeting.shift;
-    const FacePoint<Real> at = FollowFace(meeting.shell, contact.face, p);
+    const FacePoint<Real> at = FollowFace(FaceShell(meeting, contact.behind), contact.face, p);
     if (!Pushes(contact, at)) continue;
     Real stored = ComputePenaltyEnergy(parameters, -at.distance);
     if (contact.touching) {

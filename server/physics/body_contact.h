@@ -11,8 +11,8 @@
 // have come, as on a face that a violent impact has folded over.
 //
 // An open surface has no inside. There a contact keeps to the side that its vertex was seen on first, however deep it
-// is behind it, until the vertex leaves past the border: a thin sheet is crossed within one substep, and by where the
-// vertex is then nobody could tell.
+// is behind it, until the vertex leaves past the border or is deeper than it can have come: a thin sheet is crossed
+// within one substep, and by where the vertex is then nobody could tell.
 #pragma once
 
 #include <span>
