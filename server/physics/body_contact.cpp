@@ -73,20 +73,14 @@ bool IsInside(const Vector3<Real>& p, const Bounds<Real>& box) {
   return (p.array() >= box.low.array()).all() && (p.array() <= box.high.array()).all();
 }
 
-// Arms a contact that has just begun, disarms one that has leapt, and says how deep it may come from here. On an open
-// surface one that has leapt, as between the folds of a torn sheet, is seen from the other side from now on: kept to
-// its side at that depth it would bring in the energy of a spring that nobody pressed.
+// Arms a contact that has just begun, disarms one that has leapt, and says how deep it may come from here.
 template <class Real>
 void Arm(const FacePoint<Real>& at, const Vector3<Real>& velocity, Real h, bool isOpen, BodyContact<Real>& contact) {
   const Real depth = std::max(Real(0), -at.distance);
   const Real play =
       static_cast<Real>(kArmingDepth) + static_cast<Real>(kArmingSteps) * h * std::sqrt(velocity.dot(velocity));
-  contact.armed = depth <= (contact.armed ? contact.maxDepth : static_cast<Real>(kArmingDepth));
+  contact.armed = isOpen || depth <= (contact.armed ? contact.maxDepth : static_cast<Real>(kArmingDepth));
   contact.maxDepth = depth + play;
-  if (isOpen && !contact.armed) {
-    contact.behind = !contact.behind;
-    contact.maxDepth = play;
-  }
 }
 
 // Whether the foot lies past a border of the surface.
@@ -121,6 +115,52 @@ FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const Vector3<Real
   const FacePoint<Real> at = FindNearestFace(shell, contact.face, p);
   if (!isOpen || at.distance >= Real(0) || !IsPastBorder(*shell.topology, at)) return at;
   return ChooseSide(meeting, at.face, p, contact.behind);
+}
+
+// Where a fold brings another face before a vertex, or one that did not lie above it begins to, the depth leaps. A
+// force that leapt with it would bring in the energy of a spring that nobody pressed, again at every change: a ball
+// caught by a rubber sheet was thrown out faster than it had come. So depth that has leapt is none: only what the
+// vertex goes beyond it is pushed back, and it is forgotten as the vertex comes out.
+//
+// In a closed body all that motion cannot have brought has leapt. An open one has nothing behind its faces that could
+// catch the vertex later, so there only a change of face counts: with the rule for closed ones balls sank through.
+template <class Real>
+void NoteLeap(const Meeting<Real>& meeting, const FacePoint<Real>& before, const FacePoint<Real>& at, Real h,
+              BodyContact<Real>& contact) {
+  const Real depth = -at.distance;
+  if (meeting.shell.topology->isOpen) {
+    if (at.face != before.face) contact.leap += before.distance - at.distance;
+  } else {
+    const Real approach = -at.normal.dot(FindRelativeVelocity(meeting, contact.vertex, at));
+    const Real most = contact.depth + static_cast<Real>(kArmingDepth) +
+                      static_cast<Real>(kArmingSteps) * h * std::max(Real(0), approach);
+    contact.leap += std::max(Real(0), depth - contact.leap - most);
+  }
+  contact.leap = std::clamp(contact.leap, Real(0), std::max(Real(0), depth));
+}
+
+// FindPresentFace after a substep of h, with the distance that counts for the force.
+template <class Real>
+FacePoint<Real> FollowContact(const Meeting<Real>& meeting, const Vector3<Real>& p, Real h,
+                              BodyContact<Real>& contact) {
+  const bool wasBehind = contact.behind;
+  const FacePoint<Real> before = FindFacePoint(FaceShell(meeting, wasBehind), contact.face, p);
+  FacePoint<Real> at = FindPresentFace(meeting, p, contact);
+  if (!contact.armed || contact.behind != wasBehind) {
+    contact.leap = 0;
+    return at;
+  }
+  NoteLeap(meeting, before, at, h, contact);
+  at.distance += contact.leap;
+  return at;
+}
+
+// Between two looks at the faces: where the contact's vertex is to the face that it had or the one beside it.
+template <class Real>
+FacePoint<Real> FindReach(const Meeting<Real>& meeting, const Vector3<Real>& p, const BodyContact<Real>& contact) {
+  FacePoint<Real> at = FollowFace(FaceShell(meeting, contact.behind), contact.face, p);
+  at.distance += contact.leap;
+  return at;
 }
 
 // The stick spring of a touching contact, m.
@@ -175,7 +215,7 @@ void FindBodyContacts(const Meeting<Real>& meeting, std::span<const std::uint16_
     BodyContact<Real> contact = known ? *kept : BodyContact<Real>{.vertex = vertex};
     FacePoint<Real> at;
     if (known) {
-      at = FindPresentFace(meeting, p, contact);
+      at = FollowContact(meeting, p, Real(0), contact);
     } else {
       if (longestSide < Real(0)) longestSide = FindLongestSide(meeting.shell);
       const Real reach = longestSide + margin + near.speed * duration;
@@ -189,6 +229,7 @@ void FindBodyContacts(const Meeting<Real>& meeting, std::span<const std::uint16_
     const Real approach =
         (meeting.shell.topology->isOpen ? near.speed : std::max(Real(0), -at.normal.dot(velocity))) * duration;
     if (at.distance > margin + approach) continue;
+    if (!known) contact.depth = -at.distance;
     contact.face = at.face;
     contact.foot = at.weights;
     Arm(at, velocity, duration / static_cast<Real>(kLikelySubsteps), meeting.shell.topology->isOpen, contact);
@@ -206,7 +247,7 @@ void ComputeBodyContacts(const ContactParameters<Real>& parameters, const Meetin
     result.acts = false;
     if (!contact.armed) continue;
     const Vector3<Real> p = meeting.x[contact.vertex] + meeting.shift;
-    const FacePoint<Real> at = FollowFace(FaceShell(meeting, contact.behind), contact.face, p);
+    const FacePoint<Real> at = FindReach(meeting, p, contact);
     if (!Pushes(contact, at)) continue;
     const Real depth = -at.distance;
     const Face& face = meeting.shell.faces[at.face];
@@ -246,7 +287,7 @@ void UpdateBodyContacts(const ContactParameters<Real>& parameters, const Meeting
                         std::span<BodyContact<Real>> contacts) {
   for (BodyContact<Real>& contact : contacts) {
     const Vector3<Real> p = meeting.x[contact.vertex] + meeting.shift;
-    const FacePoint<Real> at = FindPresentFace(meeting, p, contact);
+    const FacePoint<Real> at = FollowContact(meeting, p, h, contact);
     Arm<Real>(at, FindRelativeVelocity(meeting, contact.vertex, at), h, meeting.shell.topology->isOpen, contact);
     const Real depth = -at.distance;
     Vector3<Real> slip = Vector3<Real>::Zero();
@@ -257,6 +298,7 @@ void UpdateBodyContacts(const ContactParameters<Real>& parameters, const Meeting
       if (strength > limit) slip *= limit / strength;
     }
     contact.touching = Pushes(contact, at);
+    contact.depth = contact.touching ? depth : std::min(depth, Real(0));
     contact.face = at.face;
     contact.foot = at.weights;
     contact.slip = slip;
@@ -269,7 +311,7 @@ double ComputeBodyContactEnergy(const ContactParameters<Real>& parameters, const
   double energy = 0;
   for (const BodyContact<Real>& contact : contacts) {
     const Vector3<Real> p = meeting.x[contact.vertex] + meeting.shift;
-    const FacePoint<Real> at = FollowFace(FaceShell(meeting, contact.behind), contact.face, p);
+    const FacePoint<Real> at = FindReach(meeting, p, contact);
     if (!Pushes(contact, at)) continue;
     Real stored = ComputePenaltyEnergy(parameters, -at.distance);
     if (contact.touching) {

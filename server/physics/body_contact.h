@@ -11,8 +11,8 @@
 // have come, as on a face that a violent impact has folded over.
 //
 // An open surface has no inside. There a contact keeps to the side that its vertex was seen on first, however deep it
-// is behind it, until the vertex leaves past the border or is deeper than it can have come: a thin sheet is crossed
-// within one substep, and by where the vertex is then nobody could tell.
+// is behind it, until the vertex leaves past the border: a thin sheet is crossed within one substep, and by where the
+// vertex is then nobody could tell.
 #pragma once
 
 #include <span>
@@ -36,9 +36,11 @@ struct BodyContact {
   std::uint16_t vertex = 0;
   std::uint16_t face = 0;
   bool armed = false;
-  bool behind = false;                         // on the side of an open surface that its normals point away from
-  bool touching = false;                       // at the end of the last substep; foot and slip are set
-  Real maxDepth = 0;                           // that it can come to in the next substep, m
+  bool behind = false;    // on the side of an open surface that its normals point away from
+  bool touching = false;  // at the end of the last substep; foot and slip are set
+  Real maxDepth = 0;      // that it can come to in the next substep, m
+  Real depth = 0;         // that was pushed back at the end of the last substep, m; negative outside
+  Real leap = 0;          // depth beyond that, which no motion has brought: not pushed back, m
   Vector3<Real> foot = Vector3<Real>::Zero();  // barycentric, of the point of `face` that was under the vertex
   Vector3<Real> slip = Vector3<Real>::Zero();  // of the stick spring then, along the face, m
 };

@@ -9,18 +9,27 @@ namespace {
 // no energy to compare with.
 constexpr double kLeastGravity = 1;
 
+struct ElasticChange {
+  double before = 0;  // what springs and contacts held, J
+  double gain = 0;    // of that and of the gas, J
+};
+
 template <class Real>
-double FindElasticGain(const Group<Real>& group) {
+ElasticChange FindElasticChange(const Group<Real>& group) {
   GroupScratch<Real>& scratch = group.Scratch();
-  double gain = 0;
+  ElasticChange change;
   auto contactsBefore = std::span<const Contact<Real>>(scratch.contacts);
   for (std::size_t i = 0; i < group.CountBodies(); ++i) {
     const Member<Real>& member = *group.Members()[i];
     const std::size_t count = member.state->contacts.size();
-    gain += ComputeElasticEnergy<Real>(*member.blueprint, member.load, member.surfaces, member.state->contacts,
-                                       group.PartOf(scratch.positions, i), scratch.places) -
-            ComputeElasticEnergy<Real>(*member.blueprint, member.load, member.surfaces, contactsBefore.first(count),
-                                       member.state->positions, scratch.places);
+    const ElasticEnergy after =
+        ComputeElasticEnergy<Real>(*member.blueprint, member.load, member.surfaces, member.state->contacts,
+                                   group.PartOf(scratch.positions, i), scratch.places);
+    const ElasticEnergy before =
+        ComputeElasticEnergy<Real>(*member.blueprint, member.load, member.surfaces, contactsBefore.first(count),
+                                   member.state->positions, scratch.places);
+    change.before += before.stored;
+    change.gain += after.stored - before.stored + after.gas - before.gas;
     contactsBefore = contactsBefore.subspan(count);
   }
   auto bodyContactsBefore = std::span<const BodyContact<Real>>(scratch.bodyContacts);
@@ -29,15 +38,19 @@ double FindElasticGain(const Group<Real>& group) {
       const std::size_t count = encounter.sides[side]->size();
       const Member<Real>& vertices = *group.Members()[encounter.members[side]];
       const Member<Real>& faces = *group.Members()[encounter.members[1 - side]];
-      const Meeting<Real> before = MakeMeeting<Real>(vertices, vertices.state->positions, vertices.state->velocities,
-                                                     faces, faces.state->positions, faces.state->velocities);
-      const Meeting<Real> after = group.Meet(encounter, side, scratch.positions, scratch.velocities);
-      gain += ComputeBodyContactEnergy<Real>(encounter.parameters, after, *encounter.sides[side]) -
-              ComputeBodyContactEnergy<Real>(encounter.parameters, before, bodyContactsBefore.first(count));
+      const Meeting<Real> meetingBefore =
+          MakeMeeting<Real>(vertices, vertices.state->positions, vertices.state->velocities, faces,
+                            faces.state->positions, faces.state->velocities);
+      const Meeting<Real> meetingAfter = group.Meet(encounter, side, scratch.positions, scratch.velocities);
+      const double before =
+          ComputeBodyContactEnergy<Real>(encounter.parameters, meetingBefore, bodyContactsBefore.first(count));
+      change.before += before;
+      change.gain +=
+          ComputeBodyContactEnergy<Real>(encounter.parameters, meetingAfter, *encounter.sides[side]) - before;
       bodyContactsBefore = bodyContactsBefore.subspan(count);
     }
   }
-  return gain;
+  return change;
 }
 
 // The member that gained most when the group as a whole has gained energy from nowhere; null when it has not. Forces
@@ -49,7 +62,7 @@ Member<Real>* FindRunaway(const Group<Real>& group) {
   Member<Real>* greatest = nullptr;
   double largest = 0;
   double gained = 0;
-  double scale = 0;
+  double has = 0;
   for (std::size_t i = 0; i < group.CountBodies(); ++i) {
     Member<Real>& member = *group.Members()[i];
     const Blueprint& blueprint = *member.blueprint;
@@ -63,11 +76,12 @@ Member<Real>* FindRunaway(const Group<Real>& group) {
       greatest = &member;
     }
     const double gravity = std::max(kLeastGravity, double{member.load.acceleration.norm()});
-    scale += blueprint.totalMass * gravity * blueprint.reach +
-             ComputeMotionEnergy<Real>(blueprint, {}, before.positions, before.velocities);
+    has += blueprint.totalMass * gravity * blueprint.reach +
+           ComputeMotionEnergy<Real>(blueprint, {}, before.positions, before.velocities);
   }
-  if (greatest == nullptr || gained <= kRunawayShare * scale) return nullptr;
-  return gained + FindElasticGain(group) > kRunawayShare * scale ? greatest : nullptr;
+  if (greatest == nullptr || gained <= kRunawayShare * has) return nullptr;
+  const ElasticChange elastic = FindElasticChange(group);
+  return gained + elastic.gain > kRunawayShare * (has + elastic.before) ? greatest : nullptr;
 }
 
 }  // namespace

@@ -28,25 +28,28 @@ double ComputeMotionEnergy(const Blueprint& blueprint, const Load<Real>& load, s
 }
 
 template <class Real>
-double ComputeElasticEnergy(const Blueprint& blueprint, const Load<Real>& load, std::span<const Surface<Real>> surfaces,
-                            std::span<const Contact<Real>> contacts, std::span<const Vector3<Real>> x,
-                            std::vector<Vector3d>& scratch) {
+ElasticEnergy ComputeElasticEnergy(const Blueprint& blueprint, const Load<Real>& load,
+                                   std::span<const Surface<Real>> surfaces, std::span<const Contact<Real>> contacts,
+                                   std::span<const Vector3<Real>> x, std::vector<Vector3d>& scratch) {
   scratch.clear();
   for (const Vector3<Real>& place : x) scratch.push_back(place.template cast<double>());
   const Coefficients<double>& full = blueprint.full;
-  return double{load.stiffnessFactor} * ComputeSpringEnergy(full, scratch, load.torn) +
-         ComputeRepulsionEnergy(full, scratch, load.torn) + ComputeGasEnergy(full, scratch, double{load.gasFactor}) +
-         ComputeContactEnergy<Real>(blueprint.Read<Real>(), surfaces, contacts, x);
+  ElasticEnergy energy;
+  energy.stored = double{load.stiffnessFactor} * ComputeSpringEnergy(full, scratch, load.torn) +
+                  ComputeRepulsionEnergy(full, scratch, load.torn) +
+                  ComputeContactEnergy<Real>(blueprint.Read<Real>(), surfaces, contacts, x);
+  energy.gas = ComputeGasEnergy(full, scratch, double{load.gasFactor});
+  return energy;
 }
 
-#define WOBBLE_INSTANTIATE(Real)                                                                                  \
-  template Health FindHealth<Real>(const Coefficients<Real>&, std::span<const Vector3<Real>>,                     \
-                                   std::span<const Vector3<Real>>);                                               \
-  template double ComputeMotionEnergy<Real>(const Blueprint&, const Load<Real>&, std::span<const Vector3<Real>>,  \
-                                            std::span<const Vector3<Real>>);                                      \
-  template double ComputeElasticEnergy<Real>(const Blueprint&, const Load<Real>&, std::span<const Surface<Real>>, \
-                                             std::span<const Contact<Real>>, std::span<const Vector3<Real>>,      \
-                                             std::vector<Vector3d>&);
+#define WOBBLE_INSTANTIATE(Real)                                                                                    \
+  template Health FindHealth<Real>(const Coefficients<Real>&, std::span<const Vector3<Real>>,                       \
+                                   std::span<const Vector3<Real>>);                                                 \
+  template double ComputeMotionEnergy<Real>(const Blueprint&, const Load<Real>&, std::span<const Vector3<Real>>,    \
+                                            std::span<const Vector3<Real>>);                                        \
+  template ElasticEnergy ComputeElasticEnergy<Real>(const Blueprint&, const Load<Real>&,                            \
+                                                    std::span<const Surface<Real>>, std::span<const Contact<Real>>, \
+                                                    std::span<const Vector3<Real>>, std::vector<Vector3d>&);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)
 #undef WOBBLE_INSTANTIATE

@@ -21,20 +21,25 @@ template <class Real>
 [[nodiscard]] Health FindHealth(const Coefficients<Real>& body, std::span<const Vector3<Real>> x,
                                 std::span<const Vector3<Real>> v);
 
-// Energy that a group may gain beyond what was put in, as a share of its kinetic energy and M g R: honest play stays
-// under 0.6 %, whatever falls onto whatever.
+// Energy that a group may gain beyond what was put in, as a share of what it has: honest play stays under 0.6 %,
+// whatever falls onto whatever.
 inline constexpr double kRunawayShare = 0.05;
 
-// What can be turned into motion within a tick by forces that are constant through it: kinetic energy less the load's
-// work, ½ Σ m v² − Σ m a·x − Σ F·x. J.
+// What can be turned into motion within a tick by forces that are constant through it: kinetic energy less the work of
+// the load, ½ Σ m v² − Σ (m a + f)·x. J.
 template <class Real>
 [[nodiscard]] double ComputeMotionEnergy(const Blueprint& blueprint, const Load<Real>& load,
                                          std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v);
-// Of springs, gas and contacts with static surfaces; the gas up to a constant. J. scratch saves allocations.
+
+struct ElasticEnergy {
+  double stored = 0;  // of springs, repulsion and contacts with static surfaces, J
+  double gas = 0;     // up to a constant, J
+};
+// scratch saves allocations.
 template <class Real>
-[[nodiscard]] double ComputeElasticEnergy(const Blueprint& blueprint, const Load<Real>& load,
-                                          std::span<const Surface<Real>> surfaces,
-                                          std::span<const Contact<Real>> contacts, std::span<const Vector3<Real>> x,
-                                          std::vector<Vector3d>& scratch);
+[[nodiscard]] ElasticEnergy ComputeElasticEnergy(const Blueprint& blueprint, const Load<Real>& load,
+                                                 std::span<const Surface<Real>> surfaces,
+                                                 std::span<const Contact<Real>> contacts,
+                                                 std::span<const Vector3<Real>> x, std::vector<Vector3d>& scratch);
 
 }  // namespace wobble::physics

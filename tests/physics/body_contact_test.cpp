@@ -161,23 +161,6 @@ TEST(BodyContact, BothSidesOfASheetPushAlike) {
               1e-12 * stored);
 }
 
-// As between the folds of a torn sheet: nobody has pressed a spring there, so none pushes.
-TEST(BodyContact, AVertexThatLeapsThroughASheetIsOnItsOtherSide) {
-  for (const bool leaps : {false, true}) {
-    Touching touching;
-    touching.contacts[0].maxDepth = leaps ? 0.001 : 1;
-    for (int substep = 0; substep < 2; ++substep) {
-      UpdateBodyContacts<double>(MakeParameters(0), touching.Meet(), 0.001, touching.contacts);
-    }
-    EXPECT_TRUE(touching.contacts[0].armed);
-    EXPECT_EQ(touching.contacts[0].behind, leaps);
-    std::vector<Vector3d> force(1, Vector3d::Zero());
-    std::vector<Vector3d> shellForces(4, Vector3d::Zero());
-    AddBodyContacts<double>(MakeParameters(0), touching.Meet(), touching.contacts, force, shellForces);
-    EXPECT_EQ(force[0].norm() > 0, !leaps);
-  }
-}
-
 // A square of 3 m, its rim so heavy that it holds the rest.
 Blueprint MakeSheet() {
   constexpr int kSide = 13;

@@ -1,0 +1,187 @@
+// Bodies whose topology changes while the world runs: cloth that tears, graphs that somebody edits; and what acts by
+// the clock.
+#include <gtest/gtest.h>
+
+#include "server/physics/cloth.h"
+#include "server/physics/graph.h"
+#include "server/physics/world.h"
+#include "tests/physics/bodies.h"
+
+namespace wobble::physics {
+namespace {
+
+ClothDefinition MakeSheet(double tearStretch) {
+  ClothDefinition sheet;
+  sheet.points = {17, 17};
+  sheet.pinned = Pinned::kFrame;
+  sheet.tearStretch = tearStretch;
+  sheet.material.mass = 4;
+  sheet.material.stiffness = 600;
+  return sheet;
+}
+
+struct Fall {
+  std::uint32_t torn = 0;
+  std::size_t springsLeft = 0;
+  std::size_t facesLeft = 0;
+  double ballHeight = 0;
+  std::uint32_t quarantined = 0;
+  std::uint64_t hash = 0;
+};
+
+// A heavy ball dropped onto a sheet in a frame.
+Fall DropOnto(const ClothDefinition& sheet, int threads = 1) {
+  WorldSettings settings;
+  settings.threads = threads;
+  World world(settings);
+  world.AddBlueprint(MakeCloth(sheet));
+  BallDefinition ball;
+  ball.radius = 0.3;
+  ball.material.mass = 4;
+  ball.material.gas = 400;
+  ball.material.stiffness = 600;
+  world.AddBlueprint(MakeBall(ball));
+  const BodyId cloth = world.AddBody(0, Vector3d(0, 0, 3));
+  const BodyId falling = world.AddBody(1, Vector3d(0.05, 0.02, 3.5), Vector3d(0, 0, -8));
+  Fall fall;
+  for (int tick = 0; tick < 120; ++tick) {
+    const StepReport report = world.Step();
+    fall.torn += report.torn;
+    fall.quarantined += report.quarantined;
+  }
+  const Blueprint& left = world.BlueprintOf(world.ReadBody(cloth));
+  fall.springsLeft = left.full.springs.size();
+  fall.facesLeft = left.full.faces.size();
+  fall.ballHeight = world.FindCentre(world.ReadBody(falling)).z();
+  fall.hash = world.Hash();
+  return fall;
+}
+
+TEST(Tearing, ASheetThatCanTearLetsTheBallThrough) {
+  const Blueprint whole = MakeCloth(MakeSheet(0));
+  const Fall holds = DropOnto(MakeSheet(0));
+  EXPECT_EQ(holds.torn, 0U);
+  EXPECT_EQ(holds.springsLeft, whole.full.springs.size());
+  const Fall tears = DropOnto(MakeSheet(1.3));
+  EXPECT_GT(tears.torn, 4U);
+  EXPECT_EQ(tears.springsLeft, whole.full.springs.size() - tears.torn) << "torn for good, and each told once";
+  EXPECT_LT(tears.facesLeft, whole.full.faces.size());
+  EXPECT_LT(tears.ballHeight, 2) << "through";
+  EXPECT_GT(holds.ballHeight, 2) << "caught";
+  EXPECT_EQ(holds.quarantined + tears.quarantined, 0U);
+}
+
+TEST(Tearing, IsTheSameForAnyNumberOfThreads) {
+  EXPECT_EQ(DropOnto(MakeSheet(1.3), 1).hash, DropOnto(MakeSheet(1.3), 4).hash);
+}
+
+TEST(Tearing, APlacedSheetStaysTorn) {
+  World world(WorldSettings{});
+  world.AddBlueprint(MakeCloth(MakeSheet(1.2)));
+  const BodyId cloth = world.AddBody(0, Vector3d(0, 0, 3));
+  std::vector<Vector3d> positions;
+  VisitVertices(world.ReadBody(cloth), [&](std::size_t, const Vector3d& x) { positions.push_back(x); });
+  positions[144] += Vector3d(0, 0, 1);  // the middle, pulled out
+  world.SetMotion(cloth, positions, std::vector<Vector3d>(positions.size(), Vector3d::Zero()));
+  const std::uint32_t torn = world.Step().torn;
+  ASSERT_GT(torn, 0U);
+  world.PlaceBody(cloth, Vector3d(0, 0, 5));
+  for (int tick = 0; tick < 30; ++tick) world.Step();
+  const Blueprint whole = MakeCloth(MakeSheet(1.2));
+  EXPECT_LE(world.BlueprintOf(world.ReadBody(cloth)).full.springs.size(), whole.full.springs.size() - torn);
+}
+
+// Two particles on a spring, one of them held.
+Blueprint MakePendulum() {
+  GraphDefinition graph;
+  graph.particles = {{Vector3d(0, 0, 0), 1, true}, {Vector3d(0, 0, -1), 1, false}};
+  graph.springs = {{0, 1, 500, 5, 0}};
+  return MakeGraph(graph);
+}
+
+TEST(Graph, GrowsWhileItRuns) {
+  World world(WorldSettings{});
+  world.AddBlueprint(MakePendulum());
+  const BodyId id = world.AddBody(0, Vector3d(0, 0, 5));
+  for (int tick = 0; tick < 60; ++tick) world.Step();
+  std::vector<Vector3d> before;
+  VisitVertices(world.ReadBody(id), [&](std::size_t, const Vector3d& x) { before.push_back(x); });
+
+  const Blueprint& graph = world.BlueprintOf(world.ReadBody(id));
+  GraphEdit grown = AddParticle(graph, {graph.rest[1] + Vector3d(0, 0, -1), 0.5, false});
+  ASSERT_TRUE(grown.errors.empty());
+  grown = AddSpring(grown.blueprint, {1, 2, 300, 3, 0});
+  ASSERT_TRUE(grown.errors.empty());
+  ASSERT_TRUE(world.ReplaceBlueprint(id, std::move(grown.blueprint)));
+
+  std::vector<Vector3d> after;
+  VisitVertices(world.ReadBody(id), [&](std::size_t, const Vector3d& x) { after.push_back(x); });
+  ASSERT_EQ(after.size(), 3U);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_LT((after[i] - before[i]).norm(), 1e-6);
+  EXPECT_NEAR((after[2] - after[1]).norm(), 1, 0.05);
+  for (int tick = 0; tick < 600; ++tick) ASSERT_EQ(world.Step().quarantined, 0U);
+  const auto state = std::get<State<float>>(world.ReadBody(id).state);
+  // At rest each spring carries what hangs below it: 1.5 kg, 0.5 kg.
+  EXPECT_NEAR((state.positions[0] - state.positions[1]).norm(), 1 + 1.5 * 9.81 / 500, 1e-3);
+  EXPECT_NEAR((state.positions[1] - state.positions[2]).norm(), 1 + 0.5 * 9.81 / 300, 1e-3);
+}
+
+TEST(Graph, IsTunedWhileItRuns) {
+  World world(WorldSettings{});
+  world.AddBlueprint(MakePendulum());
+  const BodyId id = world.AddBody(0, Vector3d(0, 0, 5));
+  for (int tick = 0; tick < 600; ++tick) world.Step();
+  const auto lengthOf = [&] {
+    const auto& x = std::get<State<float>>(world.ReadBody(id).state).positions;
+    return static_cast<double>((x[0] - x[1]).norm());
+  };
+  EXPECT_NEAR(lengthOf(), 1 + 9.81 / 500, 1e-3);
+  GraphEdit softer = SetSpring(world.BlueprintOf(world.ReadBody(id)), 0, {0, 1, 100, 5, 0.5});
+  ASSERT_TRUE(softer.errors.empty());
+  ASSERT_TRUE(world.ReplaceBlueprint(id, std::move(softer.blueprint)));
+  for (int tick = 0; tick < 900; ++tick) world.Step();
+  EXPECT_NEAR(lengthOf(), 0.5 + 9.81 / 100, 1e-3);
+}
+
+TEST(Drive, PushesByTheClockAndWakes) {
+  World world(WorldSettings{});
+  LatticeDefinition cube;
+  cube.cells = {1, 1, 1};
+  world.AddBlueprint(MakeLattice(cube));
+  world.AddObstacle(Obstacle{});
+  const BodyId id = world.AddBody(0, Vector3d(0, 0, 0.125));
+  Drive drive;
+  drive.body = id;
+  for (std::uint16_t vertex = 0; vertex < 8; ++vertex) drive.vertices.push_back(vertex);
+  const double mass = world.Blueprints()[0].totalMass;
+  drive.force = Vector3d(2 * mass * 9.81, 0, 0);
+  drive.begin = 4;
+  drive.end = 4.5;
+  drive.period = 1000;
+  world.AddDrive(drive);
+  for (int tick = 0; tick < 238; ++tick) world.Step();
+  EXPECT_TRUE(world.ReadBody(id).asleep);
+  EXPECT_NEAR(world.FindCentre(world.ReadBody(id)).x(), 0, 1e-3);
+  for (int tick = 0; tick < 4; ++tick) world.Step();
+  EXPECT_FALSE(world.ReadBody(id).asleep);
+  for (int tick = 0; tick < 60; ++tick) world.Step();
+  // 2 g less friction of 0.8 g for half a second, then friction alone: ½ a t² and beyond.
+  EXPECT_GT(world.FindCentre(world.ReadBody(id)).x(), 1.2);
+}
+
+TEST(Drive, WithoutABodyIsWind) {
+  World world(WorldSettings{});
+  BallDefinition ball;
+  ball.material.drag = 1;
+  world.AddBlueprint(MakeBall(ball));
+  const BodyId id = world.AddBody(0, Vector3d(0, 0, 50));
+  Drive gust;
+  gust.wind = Vector3d(10, 0, 0);
+  gust.end = 2;
+  world.AddDrive(gust);
+  for (int tick = 0; tick < 60; ++tick) world.Step();
+  EXPECT_GT(world.FindCentre(world.ReadBody(id)).x(), 0.2);
+}
+
+}  // namespace
+}  // namespace wobble::physics
