@@ -155,6 +155,10 @@ TEST(BodyContact, BothSidesOfASheetPushAlike) {
   for (std::size_t k = 0; k < 4; ++k) {
     EXPECT_LT((shellForces[1][k] - shellForces[0][k]).norm(), 1e-12 * forces[0][0].norm());
   }
+  const double stored = ComputeBodyContactEnergy<double>(MakeParameters(0.3), front.Meet(), front.contacts);
+  EXPECT_GT(stored, 0);
+  EXPECT_NEAR(ComputeBodyContactEnergy<double>(MakeParameters(0.3), back.Meet(), back.contacts), stored,
+              1e-12 * stored);
 }
 
 // A square of 3 m, its rim so heavy that it holds the rest.

@@ -1,0 +1,77 @@
+// What `wobble watch` shows of every shipped scene, kept as a picture of each in the build folder's captures/. Whether
+// it shows what the scene's line promises is for people to look at; that there are bodies to be seen at all is checked
+// here.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tests/support/watching.h"
+
+namespace wobble::test {
+namespace {
+
+constexpr int kFirstPort = 8100;
+constexpr double kShown = 3;  // seconds: what is dropped has landed, what is driven moves
+constexpr int kWidth = 110;
+constexpr int kHeight = 32;
+
+std::vector<std::string> FindScenes() {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(WOBBLE_SOURCE_DIR "/server/scenes")) {
+    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+// Ground and walls are blue or dark, bodies that nobody plays are grey and lit.
+bool IsOfABody(terminal::Colour colour) { return colour.red >= 70 && colour.blue <= colour.red + 8; }
+
+// Half cells, but for the row of figures.
+int CountBodyPixels(const Screen& screen) {
+  int count = 0;
+  for (int row = 0; row + 1 < screen.Grid().rows; ++row) {
+    for (int column = 0; column < screen.Grid().columns; ++column) {
+      const terminal::Cell& cell = screen.Grid().At(column, row);
+      const bool isText = cell.glyph != terminal::kUpperHalf && cell.glyph != U' ';
+      if (!isText && IsOfABody(cell.background)) ++count;
+      if (cell.glyph == terminal::kUpperHalf ? IsOfABody(cell.foreground) : !isText && IsOfABody(cell.background)) {
+        ++count;
+      }
+    }
+  }
+  return count;
+}
+
+class Captures : public testing::TestWithParam<std::string> {};
+
+TEST_P(Captures, ShowsItsBodies) {
+  const std::vector<std::string> scenes = FindScenes();
+  const auto index = std::find(scenes.begin(), scenes.end(), GetParam()) - scenes.begin();
+  const int port = kFirstPort + static_cast<int>(index);
+  const std::filesystem::path folder = WOBBLE_CAPTURES_DIR;
+  std::filesystem::create_directories(folder);
+  const std::filesystem::path file = folder / (GetParam() + ".svg");
+  std::filesystem::remove(file);
+
+  const Wobbled server(port, GetParam());
+  Session session(Watching(port, {"--spectate", "--fps", "10", "--capture", file}), "truecolor", kWidth, kHeight);
+  ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
+  for (const double end = ReadClock() + kShown; ReadClock() < end;) session.Take(20);
+  EXPECT_TRUE(session.Await([&] { return CountBodyPixels(session.Shown()) >= 40; }))
+      << CountBodyPixels(session.Shown()) << " half cells of bodies";
+  EXPECT_NE(session.Status().find("kbit/s"), std::string::npos) << session.Status();
+  session.Type("q");
+  EXPECT_EQ(session.AwaitEnd(), 0);
+  const std::string picture = ReadWhole(file);
+  EXPECT_EQ(picture.rfind("<svg ", 0), 0U);
+  EXPECT_NE(picture.find("</svg>"), std::string::npos);
+}
+INSTANTIATE_TEST_SUITE_P(All, Captures, testing::ValuesIn(FindScenes()),
+                         [](const auto& parameter) { return parameter.param; });
+
+}  // namespace
+}  // namespace wobble::test
