@@ -10,6 +10,7 @@
 #include "server/physics/contact.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
+#include "tests/support/pace.h"
 
 namespace wobble::physics {
 namespace {
@@ -296,7 +297,7 @@ TEST(Obstacle, NothingShotAtThemGoesThrough) {
   box.centre = Vector3d(-120, 0, 2);
   box.halfExtents = Vector3d(2, 4, 4);
   std::array<double, 4> deepest{};
-  for (int shot = 0; shot < 12; ++shot) {
+  for (int shot = 0; shot < test::Shorten(12); ++shot) {
     Place place({ridge, sphere, capsule, box});
     const double speed = 18 + 7 * within(random);  // faster, the ball is crushed flat
     const Vector3d jitter(0, within(random), 0.5 * within(random));

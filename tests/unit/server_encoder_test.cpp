@@ -9,6 +9,7 @@
 #include "protocol/snapshot.h"
 #include "server/physics/ball.h"
 #include "server/physics/world.h"
+#include "tests/support/pace.h"
 
 namespace wobble::server {
 namespace {
@@ -80,7 +81,7 @@ TEST_F(EncoderTest, DecodedVerticesAreWithinTheTarget) {
   double squares = 0;
   std::size_t vertices = 0;
   std::uint64_t missed = 0;
-  for (int snapshot = 0; snapshot < 60; ++snapshot) {
+  for (int snapshot = 0; snapshot < test::Shorten(60); ++snapshot) {
     Play(2);
     encoder.Encode(bodies, blueprints);
     for (std::size_t i = 0; i < bodies.size(); ++i) {
