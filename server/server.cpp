@@ -89,6 +89,8 @@ void Server::Step() {
   m_counts.nonFinite += report.nonFinite;
   m_counts.inverted += report.inverted;
   m_counts.quarantined += report.quarantined;
+  m_counts.reset += report.reset;
+  m_counts.torn += report.torn;
   if (report.quarantined > 0) {
     spdlog::warn("tick {}: {} bodies stepped again in more substeps ({} not finite, {} inside out), {} of them reset",
                  m_world.Tick(), report.quarantined, report.nonFinite, report.inverted, report.reset);

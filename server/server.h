@@ -26,6 +26,8 @@ struct Counts {
   std::uint64_t nonFinite = 0;
   std::uint64_t inverted = 0;
   std::uint64_t quarantined = 0;
+  std::uint64_t reset = 0;
+  std::uint64_t torn = 0;  // springs
   std::uint64_t respawns = 0;
   std::uint64_t joins = 0;
   std::uint64_t leaves = 0;       // said goodbye

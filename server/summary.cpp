@@ -68,6 +68,8 @@ std::string MakeSummary(const Server& server, const TickTimes& times) {
   json["non_finite"] = counts.nonFinite;
   json["inverted"] = counts.inverted;
   json["quarantined"] = counts.quarantined;
+  json["reset"] = counts.reset;
+  json["torn"] = counts.torn;
   json["state_hash"] = fmt::format("{:016x}", world.Hash());
   return json.dump(2) + "\n";
 }

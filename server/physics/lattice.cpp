@@ -187,7 +187,7 @@ std::vector<FieldError> ValidateLattice(const LatticeDefinition& d) {
   CheckField(errors, "friction", d.friction, d.friction >= 0 && d.friction <= 10, "0 to 10");
   CheckField(errors, "restitution", d.restitution, d.restitution >= 0 && d.restitution <= 1, "0 to 1");
   CheckField(errors, "contact_stiffness", d.contactStiffness, d.contactStiffness >= 0 && d.contactStiffness <= 1e9,
-             "0 (four times young_modulus x cell_size) to 1e9 N/m");
+             "0 (ten times that of an edge's spring) to 1e9 N/m");
   CheckField(errors, "repulsion", d.repulsion, d.repulsion >= 0 && d.repulsion <= 1e6, "0 to 1e6 N·m⁴");
   if (IsPlanar(d.cells) && (d.fixed == Side::kLowY || d.fixed == Side::kHighY)) {
     errors.push_back({"fixed", d.fixed == Side::kLowY ? "y-" : "y+", "a side of a planar lattice: x-, x+, z-, z+"});
