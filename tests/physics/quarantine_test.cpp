@@ -5,6 +5,7 @@
 
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
+#include "tests/support/pace.h"
 
 namespace wobble::physics {
 namespace {
@@ -145,7 +146,7 @@ TEST(Quarantine, HonestViolenceIsNoRunaway) {
   const ControlLimits limits;
   for (int i = 0; i < 6; ++i) world.AddBody(0, Vector3d(0.2 * i, 0.1 * i, 1 + 1.2 * i), Vector3d(0, 0, -10));
   Counts counts;
-  for (int second = 0; second < 10; ++second) {
+  for (int second = 0; second < test::Shorten(10); ++second) {
     for (BodyId id = 1; id <= 6; ++id) {
       control.jump = (second + static_cast<int>(id)) % 2 == 0;
       control.puff = second % 3 == 0;
