@@ -29,7 +29,7 @@ Bytes MakePacket() {
   PacketBuilder builder;
   EXPECT_TRUE(builder.Add(MakeRecord({1, 0, 0}, 20)));
   EXPECT_TRUE(builder.Add(MakeRecord({300, 254, 7}, 200)));
-  EXPECT_TRUE(builder.Add(MakeRecord({0xFFFFFFFF, 3, 255}, 1)));
+  EXPECT_TRUE(builder.Add(MakeRecord({0xFFFFFFFF, 3, 5, kGenerations - 1}, 1)));
   const auto packet = builder.Finish({77, 123456, 0.5F, 123450});
   return {packet.begin(), packet.end()};
 }
@@ -75,6 +75,8 @@ TEST(Snapshot, WhatIsBuiltIsRead) {
   const Bytes payload(records[1].payload.begin(), records[1].payload.end());
   EXPECT_EQ(payload, MakePayload(200, 7));
   EXPECT_EQ(records[2].head.body, 0xFFFFFFFF);
+  EXPECT_EQ(records[2].head.patch, 5);
+  EXPECT_EQ(records[2].head.generation, kGenerations - 1);
 }
 
 // A change here is a change of the format: raise kProtocolVersion and mend STANDARD.md.
