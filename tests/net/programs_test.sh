@@ -253,7 +253,7 @@ TOML
   expect_line "$err" '^wobbled: bad.toml:7: mass = 0\(\.0\)\{0,1\}: must be 0.001 to 1000000 kg$'
   expect_line "$err" "^wobbled: bad.toml:10: blueprint = 'bal': must be one of: ball$"
   [ ! -s "$out" ] || fail "nothing to listen" "$out"
-  expect_refusal "scene 'aren' is not known; one of: arena, backtracking, ball_drop, crowd" wobbled --port 7816 --scene aren
+  expect_refusal "scene 'aren' is not known; one of: arena, backtracking, ball_drop, breathing, " wobbled --port 7816 --scene aren
   expect_refusal "scene file '$folder/none.toml' cannot be read" wobbled --port 7816 --scene "$folder/none.toml"
   printf 'gravity = \n' >"$folder/bad.toml"
   expect_refusal '^wobbled: bad.toml:1: ' wobbled --port 7816 --scene "$folder/bad.toml"
