@@ -6,6 +6,7 @@
 
 #include "server/physics/contact.h"
 #include "server/physics/material.h"
+#include "server/physics/quad.h"
 
 namespace wobble::physics {
 namespace {
@@ -80,13 +81,7 @@ void AddFaces(const Weave& weave, std::vector<Face>& faces) {
       const std::uint16_t b = weave.IndexOf(column, row + 1);
       const std::uint16_t c = weave.IndexOf(column + 1, row + 1);
       const std::uint16_t d = weave.IndexOf(column + 1, row);
-      if ((column + row) % 2 == 0) {
-        faces.push_back({a, b, c});
-        faces.push_back({a, c, d});
-      } else {
-        faces.push_back({a, b, d});
-        faces.push_back({b, c, d});
-      }
+      AddQuad(a, b, c, d, (column + row) % 2 != 0, faces);
     }
   }
 }

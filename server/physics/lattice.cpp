@@ -25,6 +25,7 @@
 
 #include "server/physics/contact.h"
 #include "server/physics/material.h"
+#include "server/physics/quad.h"
 
 namespace wobble::physics {
 namespace {
@@ -112,13 +113,7 @@ void AddSide(const Grid& grid, std::size_t axis, bool far, std::vector<Face>& fa
       std::array<std::uint16_t, 4> square{corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)};
       if (!far) std::swap(square[1], square[3]);
       const auto& [a, b, c, d] = square;
-      if ((p[u] + p[v]) % 2 == 0) {
-        faces.push_back({a, b, c});
-        faces.push_back({a, c, d});
-      } else {
-        faces.push_back({a, b, d});
-        faces.push_back({b, c, d});
-      }
+      AddQuad(a, b, c, d, (p[u] + p[v]) % 2 != 0, faces);
     }
   }
 }

@@ -13,6 +13,7 @@
 
 #include "server/physics/contact.h"
 #include "server/physics/material.h"
+#include "server/physics/quad.h"
 
 namespace wobble::physics {
 namespace {
@@ -96,13 +97,7 @@ void AddFaces(const Layout& layout, std::vector<Face>& faces) {
       const std::uint16_t b = layout.IndexOf(layer + 1, i);
       const std::uint16_t c = layout.IndexOf(layer + 1, i + 1);
       const std::uint16_t d = layout.IndexOf(layer, i + 1);
-      if ((layer + i) % 2 == 0) {
-        faces.push_back({a, b, c});
-        faces.push_back({a, c, d});
-      } else {
-        faces.push_back({a, b, d});
-        faces.push_back({b, c, d});
-      }
+      AddQuad(a, b, c, d, (layer + i) % 2 != 0, faces);
     }
   }
 }

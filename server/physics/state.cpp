@@ -67,17 +67,6 @@ Vector3d FindMeanVelocity(const Blueprint& blueprint, const State<Real>& state) 
   return AverageByMass(blueprint, state.velocities);
 }
 
-template <class Real>
-bool IsFinite(const State<Real>& state) {
-  for (const Vector3<Real>& x : state.positions) {
-    if (!x.allFinite()) return false;
-  }
-  for (const Vector3<Real>& v : state.velocities) {
-    if (!v.allFinite()) return false;
-  }
-  return true;
-}
-
 std::uint64_t HashBytes(std::span<const std::byte> bytes, std::uint64_t hash) {
   for (std::size_t i = 0; i + 4 <= bytes.size(); i += 4) {
     std::uint32_t word = 0;
@@ -105,7 +94,6 @@ std::uint64_t HashState(const State<Real>& state, std::uint64_t hash) {
   template void Recentre<Real>(const Blueprint&, State<Real>&);                             \
   template Vector3d FindCentre<Real>(const Blueprint&, const State<Real>&);                 \
   template Vector3d FindMeanVelocity<Real>(const Blueprint&, const State<Real>&);           \
-  template bool IsFinite<Real>(const State<Real>&);                                         \
   template std::uint64_t HashState<Real>(const State<Real>&, std::uint64_t);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)

@@ -43,9 +43,6 @@ template <class Real>
 template <class Real>
 [[nodiscard]] Vector3d FindMeanVelocity(const Blueprint& blueprint, const State<Real>& state);
 
-template <class Real>
-[[nodiscard]] bool IsFinite(const State<Real>& state);
-
 // Mixes every bit of the state into a running hash (FNV-1a over 32-bit words).
 inline constexpr std::uint64_t kHashSeed = 0xCBF29CE484222325U;
 [[nodiscard]] std::uint64_t HashBytes(std::span<const std::byte> bytes, std::uint64_t hash);

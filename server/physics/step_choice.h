@@ -19,13 +19,11 @@ inline constexpr double kErrorShare = 0.58;
 // What one body asks of the next tick. Errors are RMS over its vertices.
 class StepHistory {
  public:
-  // For the next tick. allowed: error of one tick, m.
+  // For the next tick.
   [[nodiscard]] int Substeps() const { return m_substeps; }
 
-  // After a tick of `substeps` that had this error, m.
+  // After a tick of `substeps` that had this error. allowed: that of one tick, m.
   void Record(double error, int substeps, double allowed);
-
-  void Forget() { *this = {}; }
 
  private:
   static constexpr std::size_t kTicks = 6;

@@ -84,7 +84,6 @@ class World::Stepper {
     m_work.safePlaces[i] = physics::FindCentre(*member.blueprint, state);
     member.load = ApplyControl(*member.blueprint, m_world.m_settings.gravity, body, state);
     member.load.wind = m_world.m_settings.wind.template cast<Real>();
-    member.load.torn = state.torn;
     AddDrives(body, member);
     member.substepsForError = body.steps.Substeps();
     member.health = Health::kGood;
