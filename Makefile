@@ -1,7 +1,7 @@
 # Thin wrappers: the packages, CMake's presets, and `wobble play`.
 FOR ?= 0
 
-.PHONY: play test format packages
+.PHONY: play test lab format
 play:
 	@sh docker/packages.sh server
 	@cmake --preset release --log-level=WARNING
@@ -9,9 +9,15 @@ play:
 	@build/release/bin/wobble play --for $(FOR)
 
 test:
-	@sh docker/packages.sh server test
+	@sh docker/packages.sh server test lab
 	@cmake --workflow --preset asan
 	@cmake --workflow --preset release
+
+lab:
+	@sh docker/packages.sh server test lab
+	@cmake --preset release --log-level=WARNING
+	@cmake --build --preset release --target wobble_lab
+	@build/release/bin/wobble_lab all --into tests/bench/results
 
 format:
 	@sh docker/packages.sh server test

@@ -13,12 +13,12 @@ packages_of() {
       echo "g++ make cmake ninja-build ccache git ca-certificates
             libeigen3-dev libtbb-dev libenet-dev libflatbuffers-dev flatbuffers-compiler
             libspdlog-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev liblua5.4-dev" ;;
-    test) # the test runner, a second compiler whose results must be the same bits, and what draws the laboratory's plots
-      echo "libgtest-dev libgmock-dev clang-19 libclang-rt-19-dev clang-format gnuplot-nox" ;;
+    test) # the test runner, and a second compiler whose results must be the same bits
+      echo "libgtest-dev libgmock-dev clang-19 libclang-rt-19-dev clang-format" ;;
     web) # nothing yet: the page comes with its own issue
       echo "" ;;
-    lab) # what wobble_lab needs beyond the server group: it is built there, and draws plots with this
-      echo "gnuplot-nox" ;;
+    lab) # what wobble_lab is measured against, and what draws its plots
+      echo "libsundials-dev libboost-dev gnuplot-nox" ;;
     *)
       echo "packages.sh: unknown group '$1'; one of: server, web, test, lab" >&2
       exit 2 ;;

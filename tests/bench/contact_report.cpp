@@ -5,22 +5,12 @@
 namespace wobble::bench {
 
 void ReportContact(Bench& bench) {
-  struct Part {
-    const char* name;
-    double share;  // of the time that all take
-    void (*measure)(Bench& bench);
-  };
   constexpr Part kParts[] = {
       {"bounces", 0.15, &MeasureBounces},       {"laws", 0.01, &MeasureLaws},     {"slides", 0.14, &MeasureSlides},
       {"collisions", 0.08, &MeasureCollisions}, {"stacks", 0.02, &MeasureStacks}, {"apart", 0.02, &MeasureApart},
-      {"shots", 0.58, &MeasureShots},
+      {"shots", 0.58, &MeasureShots, true},
   };
-  for (const Part& part : kParts) {
-    if (bench.progress.IsStopAsked()) return;
-    if (bench.options.trial && part.measure != &MeasureShots) continue;
-    bench.progress.Begin(part.name, part.share);
-    part.measure(bench);
-  }
+  MeasureParts(bench, kParts);
 }
 
 }  // namespace wobble::bench

@@ -42,11 +42,11 @@ expect_refusal() { # PATTERN ARGUMENT...
 
 case_help_and_version() {
   local words
-  for words in '' contact; do
+  for words in '' accuracy contact stability; do
     # shellcheck disable=SC2086  # no word at all when there is no report
     expect_exit 0 $words --help
     expect_line "$out" '^Examples:'
-    expect_line "$out" '^  wobble_lab contact --quick$'
+    expect_line "$out" "^  wobble_lab ${words:-accuracy} --quick\$"
     # shellcheck disable=SC2086
     expect_exit 0 $words --version
     expect_line "$out" '^wobble_lab [0-9][0-9]*\.[0-9][0-9]*\.[0-9][0-9]*$'
@@ -54,7 +54,7 @@ case_help_and_version() {
 }
 
 case_bad_use() {
-  expect_refusal 'a report is required, one of: contact'
+  expect_refusal 'a report is required, one of: accuracy, stability, contact, or all'
   expect_refusal 'not expected: gravity' gravity
   expect_refusal 'not expected: --loud' contact --loud
   expect_refusal "'-1' is not 0 to 9007199254740992" contact --seed=-1
@@ -62,6 +62,7 @@ case_bad_use() {
   expect_refusal "^wobble_lab: --json: $folder/none/a.json cannot be written" contact --json "$folder/none/a.json"
   touch "$folder/file"
   expect_refusal "^wobble_lab: --plot: $folder/file/plots: " contact --plot "$folder/file/plots"
+  expect_refusal 'not expected: --trial' accuracy --trial 1
   lab_path=/nowhere expect_refusal '^wobble_lab: --plot: gnuplot is not installed' contact --plot "$folder/plots"
 }
 
@@ -85,14 +86,27 @@ case_trial_again() {
 }
 
 # Exit code 0 says that all figures keep to their limits.
+expect_report() { # NAME "KEY..." "PLOT..."
+  expect_exit 0 "$1" --quick --json "$folder/$1.json" --plot "$folder/plots"
+  local each
+  for each in cpu isa compiler commit rows summary $2; do expect_line "$folder/$1.json" "\"$each\": "; done
+  for each in $3; do expect_line "$folder/plots/$each.svg" '^</svg>'; done
+}
+
+case_accuracy() {
+  expect_report accuracy "order_rk4 reference_agreement speedup_vs_odeint error_target_met error_target_overhead" \
+    "laws"
+}
+
 case_contact() {
-  expect_exit 0 contact --quick --json "$folder/contact.json" --plot "$folder/plots"
-  local key
-  for key in cpu isa compiler commit rows summary bounce_error slide_angle_error_deg momentum_drift stack_drift \
-    stack_asleep_s tunnelled; do
-    expect_line "$folder/contact.json" "\"$key\": "
-  done
-  for key in bounce laws slide penetration; do expect_line "$folder/plots/$key.svg" '^</svg>'; done
+  expect_report contact \
+    "bounce_error slide_angle_error_deg momentum_drift stack_drift stack_asleep_s tunnelled" \
+    "bounce laws slide penetration"
+}
+
+case_stability() {
+  expect_report stability \
+    "theory_deviation_max random_trials non_finite inverted quarantined penetration_p999" ""
 }
 
 declare -F "case_$case_name" >/dev/null || {

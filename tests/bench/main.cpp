@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
+#include <cctype>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -19,6 +20,8 @@ using namespace wobble;
 using namespace wobble::bench;
 
 constexpr Report kReports[] = {
+    {"accuracy", "Run time against error, of every method, step and precision", false, &ReportAccuracy},
+    {"stability", "The largest step of every method against theory; random trials", true, &ReportStability},
     {"contact", "Bounce height, friction angle, momentum, tunnelling, stacks", true, &ReportContact},
 };
 
@@ -51,6 +54,19 @@ CLI::App* AddReport(CLI::App& app, const Report& report, Options& options) {
   words->set_version_flag("--version", "wobble_lab " WOBBLE_VERSION);
   words->footer("Examples:\n  wobble_lab " + std::string(report.name) + " --quick\n  wobble_lab " + report.name +
                 " --json results.json --plot plots");
+  return words;
+}
+
+CLI::App* AddAll(CLI::App& app, Options& options, std::string& folder) {
+  CLI::App* words = app.add_subcommand("all", "Every report, one after the other, with its JSON and plots");
+  words->add_flag("--quick", options.quick, "Fewer and shorter trials");
+  words->add_option("--into", folder, "Where to keep results, in a folder named after this processor; needs gnuplot")
+      ->type_name("DIR")
+      ->capture_default_str();
+  words->add_option("--seed", options.seed, "Of all that is drawn by chance")
+      ->check(tool::Within(0, kMaxSeed))
+      ->capture_default_str();
+  words->footer("Examples:\n  wobble_lab all --quick\n  wobble_lab all --into tests/bench/results");
   return words;
 }
 
@@ -100,6 +116,35 @@ int Run(const Report& report, const Options& options) {
   return results.AreAllKept() ? tool::kExitGood : tool::kExitThresholdFailed;
 }
 
+// "AMD EPYC 9B14" -> "amd_epyc_9b14".
+std::string MakeFolderName(const std::string& cpu) {
+  std::string name;
+  for (const char c : cpu) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
+      name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    } else if (!name.empty() && name.back() != '_') {
+      name += '_';
+    }
+  }
+  while (!name.empty() && name.back() == '_') name.pop_back();
+  return name;
+}
+
+// A figure that is missed does not keep the next report from being made; what fails altogether does.
+int RunAll(Options options, const std::string& folder) {
+  options.plotFolder = folder + "/" + MakeFolderName(ReadCpuName());
+  int worst = tool::kExitGood;
+  for (const Report& report : kReports) {
+    options.jsonFile = options.plotFolder + "/" + report.name + ".json";
+    const int code = Run(report, options);
+    if (code == tool::kExitFailed || code == tool::kExitBadUse) return code;
+    worst = std::max(worst, code);
+    std::fflush(stdout);
+  }
+  std::printf("kept in %s\n", options.plotFolder.c_str());
+  return worst;
+}
+
 int Run(int argc, char** argv) {
   CLI::App app("wobble_lab: measures the engine and compares it with what it should be");
   app.require_subcommand(0, 1);  // none is refused below: CLI11 would say so even when an unknown option is the fault
@@ -107,9 +152,10 @@ int Run(int argc, char** argv) {
   app.footer(
       "Exit code: 0 every figure keeps to its limit, 99 one does not, 2 bad usage, 1 stopped or failed.\n"
       "Examples:\n"
-      "  wobble_lab contact --quick\n"
+      "  wobble_lab accuracy --quick\n"
       "  wobble_lab contact --json contact.json --plot plots\n"
-      "  wobble_lab contact --trial 417");
+      "  wobble_lab stability --trial 417\n"
+      "  wobble_lab all --into tests/bench/results");
   Options options;
   std::vector<CLI::App*> words;
   std::string names;
@@ -117,6 +163,8 @@ int Run(int argc, char** argv) {
     words.push_back(AddReport(app, report, options));
     names += (names.empty() ? "" : ", ") + std::string(report.name);
   }
+  std::string allFolder = "wobble_lab_results";
+  const CLI::App* const all = AddAll(app, options, allFolder);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -124,12 +172,14 @@ int Run(int argc, char** argv) {
     std::fprintf(stderr, "wobble_lab: %s (see wobble_lab --help)\n", error.what());
     return tool::kExitBadUse;
   }
+  InstallSignals();
+  if (all->parsed()) return RunAll(options, allFolder);
   const auto chosen = std::find_if(words.begin(), words.end(), [](const CLI::App* each) { return each->parsed(); });
   if (chosen == words.end()) {
-    std::fprintf(stderr, "wobble_lab: a report is required, one of: %s (see wobble_lab --help)\n", names.c_str());
+    std::fprintf(stderr, "wobble_lab: a report is required, one of: %s, or all (see wobble_lab --help)\n",
+                 names.c_str());
     return tool::kExitBadUse;
   }
-  InstallSignals();
   return Run(kReports[chosen - words.begin()], options);
 }
 

@@ -16,6 +16,20 @@ std::string Quote(const std::string& text) {
   return quoted + "'";
 }
 
+const char* FindStyle(Stroke stroke) {
+  switch (stroke) {
+    case Stroke::kLine:
+      return " with lines lw 1.5";
+    case Stroke::kDashed:
+      return " with linespoints lw 1.5 dt 2 pt 6 ps 0.4";
+    case Stroke::kPoints:
+      return " with points pt 7 ps 0.4";
+    case Stroke::kLineAndPoints:
+      return " with linespoints lw 1.5 pt 7 ps 0.4";
+  }
+  return "";
+}
+
 std::string MakeScript(const Plot& plot, const std::string& file) {
   std::ostringstream script;
   script.precision(9);
@@ -26,10 +40,11 @@ std::string MakeScript(const Plot& plot, const std::string& file) {
   }
   script << "set terminal svg size 800,500 background 'white' noenhanced\n"
          << "set output " << Quote(file) << "\nset title " << Quote(plot.title) << "\nset xlabel " << Quote(plot.xLabel)
-         << "\nset ylabel " << Quote(plot.yLabel) << "\nset grid\nset key outside bottom horizontal\nplot ";
+         << "\nset ylabel " << Quote(plot.yLabel) << "\nset grid\nset key outside bottom horizontal\n"
+         << (plot.logX ? "set logscale x\nset format x '%.0e'\n" : "")
+         << (plot.logY ? "set logscale y\nset format y '%.0e'\n" : "") << "plot ";
   for (std::size_t i = 0; i < plot.series.size(); ++i) {
-    script << (i > 0 ? ", " : "") << "$data" << i
-           << (plot.series[i].line ? " with lines lw 1.5" : " with points pt 7 ps 0.4") << " title "
+    script << (i > 0 ? ", " : "") << "$data" << i << FindStyle(plot.series[i].stroke) << " title "
            << Quote(plot.series[i].name);
   }
   script << '\n';

@@ -7,9 +7,11 @@
 
 namespace wobble::bench {
 
+enum class Stroke { kLine, kDashed, kPoints, kLineAndPoints };
+
 struct Series {
   std::string name;
-  bool line = true;  // else points
+  Stroke stroke = Stroke::kLine;
   std::vector<std::array<double, 2>> points;
 };
 
@@ -19,6 +21,8 @@ struct Plot {
   std::string xLabel;
   std::string yLabel;
   std::vector<Series> series;
+  bool logX = false;
+  bool logY = false;
 };
 
 // Whether gnuplot is to be found on the path.

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "tests/bench/progress.h"
@@ -26,6 +27,16 @@ struct Bench {
   Results& results;
 };
 
+// Of a report, in the order in which they are measured.
+struct Part {
+  const char* name;
+  double share;  // of the time that all take together
+  void (*measure)(Bench& bench);
+  bool hasTrials = false;  // those that --trial plays one of
+};
+// Until it is asked to stop; with --trial only the part that has trials.
+void MeasureParts(Bench& bench, std::span<const Part> parts);
+
 struct Report {
   const char* name;
   const char* shows;  // in one line
@@ -34,6 +45,8 @@ struct Report {
 };
 
 // One function a report, each in the file of its name.
+void ReportAccuracy(Bench& bench);
 void ReportContact(Bench& bench);
+void ReportStability(Bench& bench);
 
 }  // namespace wobble::bench

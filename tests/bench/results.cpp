@@ -50,6 +50,14 @@ void Results::AddFigureAtMost(const std::string& key, double value, double limit
   figures.push_back({key, value, "<= " + FormatNumber(limit), value <= limit});
 }
 
+void Results::AddFigureAtLeast(const std::string& key, double value, double limit) {
+  figures.push_back({key, value, ">= " + FormatNumber(limit), value >= limit});
+}
+
+void Results::AddFigureWithin(const std::string& key, double value, double least, double most) {
+  figures.push_back({key, value, FormatNumber(least) + " to " + FormatNumber(most), value >= least && value <= most});
+}
+
 bool Results::AreAllKept() const {
   return std::all_of(figures.begin(), figures.end(), [](const Figure& figure) { return figure.kept; });
 }
@@ -81,7 +89,7 @@ std::string FormatText(const Results& results) {
   for (const std::string& remark : results.remarks) text += remark + "\n";
   for (const Figure& figure : results.figures) {
     char line[160];
-    std::snprintf(line, sizeof line, "%-24s %-12s %-10s%s\n", figure.key.c_str(), FormatNumber(figure.value).c_str(),
+    std::snprintf(line, sizeof line, "%-30s %-12s %-14s%s\n", figure.key.c_str(), FormatNumber(figure.value).c_str(),
                   figure.limit.c_str(),
                   figure.limit.empty() ? ""
                   : figure.kept        ? " ok"

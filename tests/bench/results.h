@@ -25,6 +25,8 @@ struct Results {
 
   void AddFigure(const std::string& key, double value);
   void AddFigureAtMost(const std::string& key, double value, double limit);
+  void AddFigureAtLeast(const std::string& key, double value, double limit);
+  void AddFigureWithin(const std::string& key, double value, double least, double most);
   [[nodiscard]] bool AreAllKept() const;
 };
 

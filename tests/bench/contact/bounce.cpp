@@ -215,7 +215,7 @@ void MeasureBounces(Bench& bench) {
                                  "A ball of 162 vertices dropped from 1 m",
                                  "time, s",
                                  "height of the centre above touching, m",
-                                 {{"played", false, shown->played}, {"reference", true, shown->reference}}});
+                                 {{"played", Stroke::kPoints, shown->played}, {"reference", Stroke::kLine, shown->reference}}});
 }
 
 }  // namespace wobble::bench

@@ -111,7 +111,7 @@ void MeasureLaws(Bench& bench) {
          {"first_top_against_penalty", top / defaultTop},
          {"substeps_per_tick", static_cast<double>(each.substeps) / static_cast<double>(each.heights.size())},
          {"most_substeps", each.mostSubsteps}});
-    plot.series.push_back({FindName(each), true, each.heights});
+    plot.series.push_back({FindName(each), Stroke::kLine, each.heights});
   }
   bench.results.plots.push_back(std::move(plot));
 }

@@ -378,7 +378,7 @@ void MeasureShots(Bench& bench) {
   bench.results.AddFigureAtMost("ghosts_unnoticed", static_cast<double>(meant - seen), 0);
   Plot plot{"penetration", "Deepest vertex of each shot", "speed, m/s", "depth, m", {}};
   for (const ShotTarget target : {ShotTarget::kBody, ShotTarget::kPlane, ShotTarget::kWall, ShotTarget::kSheet}) {
-    Series series{NameTarget(target), false, {}};
+    Series series{NameTarget(target), Stroke::kPoints, {}};
     for (const Shot& shot : shots) {
       if (shot.target == target) series.points.push_back({shot.speed, shot.depth});
     }

@@ -95,8 +95,8 @@ double FindAngle(const Case& each) {
 
 // Speed after the two seconds over the slope, played and by Coulomb's law.
 void AddPlot(Bench& bench, double friction) {
-  Series played{"played", false, {}};
-  Series theory{"g (sin θ − μ cos θ) t", true, {}};
+  Series played{"played", Stroke::kPoints, {}};
+  Series theory{"g (sin θ − μ cos θ) t", Stroke::kLine, {}};
   std::vector<double> angles;
   for (double angle = 10; angle <= 34; angle += bench.options.quick ? 4 : 1) angles.push_back(angle);
   played.points.resize(angles.size());

@@ -1,0 +1,7 @@
+#include "tests/bench/accuracy/experiments.h"
+
+namespace wobble::bench {
+
+void MeasureWorkAndPrecision(Bench&) {}
+
+}  // namespace wobble::bench

@@ -1,0 +1,18 @@
+// `wobble_lab accuracy`: run time against error, of every method, step and precision, against the same equations
+// written a second time and solved by SUNDIALS, and against what theory says exactly where it does.
+#include "tests/bench/accuracy/experiments.h"
+#include "tests/bench/contact/experiments.h"
+
+namespace wobble::bench {
+
+void ReportAccuracy(Bench& bench) {
+  constexpr Part kParts[] = {
+      {"reference", 0.1, &MeasureReference},      {"exact solutions", 0.05, &MeasureExactSolutions},
+      {"orders", 0.05, &MeasureOrders},           {"work and precision", 0.4, &MeasureWorkAndPrecision},
+      {"opponents", 0.1, &MeasureOpponents},      {"error targets", 0.15, &MeasureErrorTargets},
+      {"scenes as played", 0.14, &MeasureScenes}, {"laws", 0.01, &MeasureLaws},
+  };
+  MeasureParts(bench, kParts);
+}
+
+}  // namespace wobble::bench

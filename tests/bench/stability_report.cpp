@@ -1,0 +1,17 @@
+// `wobble_lab stability`: how large a step each method bears against what theory says, what becomes of a perturbation,
+// and thousands of worlds drawn by chance in the server's own stepping, none of which may fail.
+#include "tests/bench/stability/experiments.h"
+
+namespace wobble::bench {
+
+void ReportStability(Bench& bench) {
+  constexpr Part kParts[] = {
+      {"limits", 0.05, &MeasureLimits},
+      {"perturbations", 0.02, &MeasurePerturbations},
+      {"growth", 0.03, &MeasureGrowth},
+      {"random trials", 0.9, &MeasureRandomTrials, true},
+  };
+  MeasureParts(bench, kParts);
+}
+
+}  // namespace wobble::bench
