@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "server/physics/bounds.h"
 #include "server/physics/integrator_step.h"
@@ -18,7 +19,22 @@ namespace {
 using namespace physics;
 
 constexpr double kTick = 1.0 / 60;
-constexpr double kFarAway = 1000;  // m
+
+// Of each integrator, in the order of the enumeration.
+struct Words {
+  const char* name;
+  const char* title;
+};
+constexpr Words kWords[] = {
+    {"rk4", "RK4"},
+    {"explicit_euler", "explicit Euler"},
+    {"semi_implicit_euler", "semi-implicit Euler"},
+    {"velocity_verlet", "velocity Verlet"},
+    {"leap_frog", "leap-frog"},
+    {"position_verlet", "position Verlet"},
+    {"implicit_euler", "implicit Euler"},
+};
+static_assert(std::size(kWords) == kIntegrators.size());
 
 // A system for StepOnce.
 template <class Real>
@@ -126,24 +142,8 @@ SolvedMotion SolveInSteps(const Problem& problem, const FixedSteps& how) {
   return how.isSingle ? Solve<float>(problem, blueprint, how) : Solve<double>(problem, blueprint, how);
 }
 
-const char* FindName(Integrator integrator) {
-  switch (integrator) {
-    case Integrator::kRungeKutta4:
-      return "rk4";
-    case Integrator::kExplicitEuler:
-      return "explicit_euler";
-    case Integrator::kSemiImplicitEuler:
-      return "semi_implicit_euler";
-    case Integrator::kVelocityVerlet:
-      return "velocity_verlet";
-    case Integrator::kLeapFrog:
-      return "leap_frog";
-    case Integrator::kPositionVerlet:
-      return "position_verlet";
-    case Integrator::kImplicitEuler:
-      return "implicit_euler";
-  }
-  return "";
-}
+const char* FindName(Integrator integrator) { return kWords[static_cast<std::size_t>(integrator)].name; }
+
+const char* FindTitle(Integrator integrator) { return kWords[static_cast<std::size_t>(integrator)].title; }
 
 }  // namespace wobble::bench

@@ -20,18 +20,22 @@ struct FixedSteps {
   bool isTimed = false;    // takes a step beforehand, so that memory and the analysis of a matrix do not count
 };
 
+// What has come this far has blown up, m.
+inline constexpr double kFarAway = 1000;
+
 struct SolvedMotion {
   Motion end;                                   // of the first body; what it had come to where it blew up
-  bool blewUp = false;                          // no number, or a kilometre away: it was not followed to the end
+  bool blewUp = false;                          // no number, or far away: it was not followed to the end
   std::int64_t evaluations = 0;                 // of the forces, a body
   double time = 0;                              // of this thread, for all bodies, s; without looking at energies
-  std::vector<std::array<double, 2>> energies;  // s, J
+  std::vector<std::array<double, 2>> energies;  // s, and by FindEnergy J
 };
 
 [[nodiscard]] SolvedMotion SolveInSteps(const Problem& problem, const FixedSteps& how);
 
-// As rows and plots have them: "rk4", "explicit_euler" …
+// As rows have it, "explicit_euler", and as plots do, "explicit Euler".
 [[nodiscard]] const char* FindName(physics::Integrator integrator);
+[[nodiscard]] const char* FindTitle(physics::Integrator integrator);
 // All of them, RK4 first.
 inline constexpr std::array kIntegrators = {
     physics::Integrator::kRungeKutta4,    physics::Integrator::kVelocityVerlet,    physics::Integrator::kLeapFrog,
