@@ -27,8 +27,10 @@ struct Problem {
 // A ball of 162 vertices, 20 % longer along z and thinner across, for 0.25 s without damping: the one that methods are
 // compared on.
 [[nodiscard]] Problem MakeStretchedBall();
-// All of them, that one first.
+// All of them, that one first, then it at 2 % for 10 s, then at 20 % for 10 s with damping.
 [[nodiscard]] std::vector<Problem> MakeProblems();
+// Not one of them, for the reason above.
+[[nodiscard]] Problem MakeIllPosedBall();
 
 // Where a motion is at the end.
 struct Motion {

@@ -117,6 +117,8 @@ Problem MakeBounce() {
 
 Problem MakeStretchedBall() { return MakeBallProblem("ball, 20 % stretch, 0.25 s", 1.2, 0, 0.25); }
 
+Problem MakeIllPosedBall() { return MakeBallProblem("ball, 20 % stretch, 10 s", 1.2, 0, 10); }
+
 std::vector<Problem> MakeProblems() {
   return {MakeStretchedBall(),
           MakeBallProblem("ball, 2 % stretch, 10 s", 1.02, 0, 10),
