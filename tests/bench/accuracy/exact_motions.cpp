@@ -161,14 +161,20 @@ std::vector<ExactValue> SolveBounce() {
   problem.equations.obstacles = {Obstacle{}};
   for (Vector3d& x : problem.x) x.z() = kFall;
 
-  const auto solve = [&](const std::string& quantity, double duration, double exact, double scale) {
+  const auto solve = [&](double duration) {
     problem.duration = duration;
-    const Ends ends = SolveBoth(problem, kBounceStep);
-    return ExactValue{"bounce of a particle", quantity, exact, ends.engine.x[0].z(), ends.reference.x[0].z(), scale};
+    return SolveBoth(problem, kBounceStep);
   };
+  const auto findEnergy = [&](const Motion& motion) { return FindEnergy(problem.equations, motion.x, motion.v); };
+  const double energy = problem.blueprint->totalMass * kGravity * kFall;
   const double height = speed * kAfter - kGravity * kAfter * kAfter / 2;
-  return {solve("height when it is deepest, m", falling + impact.Duration() / 2, -impact.Depth(), impact.Depth()),
-          solve("height after 0.15 s of flight, m", falling + impact.Duration() + kAfter, height, kFall)};
+  const Ends deep = solve(falling + impact.Duration() / 2);
+  const Ends after = solve(falling + impact.Duration() + kAfter);
+  const std::string name = "bounce of a particle";
+  return {{name, "height when it is deepest, m", -impact.Depth(), deep.engine.x[0].z(), deep.reference.x[0].z(),
+           impact.Depth()},
+          {name, "energy when it is deepest, J", energy, findEnergy(deep.engine), findEnergy(deep.reference), energy},
+          {name, "height after 0.15 s of flight, m", height, after.engine.x[0].z(), after.reference.x[0].z(), kFall}};
 }
 
 }  // namespace

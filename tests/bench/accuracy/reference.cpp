@@ -26,7 +26,8 @@ struct Comparison {
   std::int64_t steps = 0;  // of the engine
   double distance = 0;     // of the engine's end from the reference's
   double uncertainty = 0;  // between the reference's tolerances; no number: not looked at
-  double time = 0;         // that the reference took, s
+  double energyGain = 0;   // of the reference, J
+  double time = 0;         // that it took, s
   long referenceSteps = 0;
   long evaluations = 0;
 };
@@ -52,6 +53,8 @@ Comparison Compare(const Problem& problem, bool quick) {
   const Solution reference = SolveByCvode(problem, kReferenceTolerance);
   Comparison compared;
   compared.time = ReadThreadTime() - began;
+  compared.energyGain = FindEnergy(problem.equations, reference.motion.x, reference.motion.v) -
+                        FindEnergy(problem.equations, problem.x, problem.v);
   compared.referenceSteps = reference.steps;
   compared.evaluations = reference.evaluations;
   compared.steps = FindFineSteps(problem, reference.motion);
@@ -125,6 +128,7 @@ void CompareAll(Bench& bench) {
                                {"cvode_steps", each.referenceSteps},
                                {"cvode_evaluations", each.evaluations},
                                {"cvode_time", each.time}};
+    if (problems[i].isConservative) row["cvode_energy_gain"] = each.energyGain;
     if (!bench.options.quick) row["cvode_uncertainty"] = each.uncertainty;
     bench.results.rows.push_back(row);
   }
