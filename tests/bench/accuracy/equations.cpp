@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/physics/forces.h"
-
 namespace wobble::bench {
 namespace {
 
@@ -134,6 +132,7 @@ void FindAccelerations(const Equations& equations, std::span<const Vector3d> x, 
   const Coefficients& body = equations.blueprint->full;
   std::fill(accelerations.begin(), accelerations.end(), Vector3d::Zero());
   AddOwnForces(equations, x, v, accelerations);
+  for (const auto& [vertex, force] : equations.pulls) accelerations[vertex] += force;
   for (const Obstacle& plane : equations.obstacles) AddPushOfPlane(body, plane, x, v, accelerations);
   for (std::size_t i = 0; i < accelerations.size(); ++i) {
     accelerations[i] = accelerations[i] / body.masses[i] + equations.gravity;

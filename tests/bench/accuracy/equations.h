@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/physics/blueprint.h"
+#include "server/physics/forces.h"
 #include "server/physics/obstacle.h"
 
 namespace wobble::bench {
@@ -15,8 +16,9 @@ using physics::Vector3d;
 // One body on its own. Vertices are in the world, in double precision.
 struct Equations {
   const physics::Blueprint* blueprint = nullptr;
-  Vector3d gravity = Vector3d::Zero();       // m/s²
-  Vector3d wind = Vector3d::Zero();          // m/s
+  Vector3d gravity = Vector3d::Zero();  // m/s²
+  Vector3d wind = Vector3d::Zero();     // m/s
+  std::vector<physics::VertexForce<double>> pulls;
   std::vector<physics::Obstacle> obstacles;  // planes, met by the penalty law without friction
 
   [[nodiscard]] std::size_t CountVertices() const { return blueprint->rest.size(); }
