@@ -71,8 +71,7 @@ void AddRow(Bench& bench, const Case& each) {
                                 {"blew_up", each.blewUp},
                                 {"least", least},
                                 {"most", most},
-                                {"end", each.energies.back()[1]},
-                                {"loss", 1 - each.energies.back()[1]}});
+                                {"end", each.energies.back()[1]}});
 }
 
 }  // namespace

@@ -172,7 +172,7 @@ void MeasureOpponents(Bench& bench) {
   Race race;
   AddEngine(race);
   AddOdeint(race);
-  const int rounds = bench.options.quick ? 15 : 100;
+  const int rounds = bench.options.quick ? 10 : 100;
   for (int round = 0; round < rounds; ++round) {
     if (bench.progress.IsStopAsked()) return;
     race.Run();

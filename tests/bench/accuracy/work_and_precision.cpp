@@ -229,7 +229,7 @@ void MeasureWorkAndPrecision(Bench& bench) {
   const bool quick = bench.options.quick;
   const bool done = RunTrials(bench, lines.size(), [&](std::size_t i) {
     const bool isDrawn = lines[i].problem == &first || lines[i].problem == &damped;
-    SolveAll(bench, quick ? Limits{isDrawn ? 12000.0 : 3000.0, 0.003} : Limits{200000, 0.02}, lines[i]);
+    SolveAll(bench, quick ? Limits{isDrawn ? 12000.0 : 2500.0, 0.002} : Limits{200000, 0.02}, lines[i]);
   });
   if (!done) return;
   for (const Line& line : lines) AddRow(bench, line);
