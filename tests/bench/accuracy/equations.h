@@ -15,9 +15,9 @@ using physics::Vector3d;
 // One body on its own. Vertices are in the world, in double precision.
 struct Equations {
   const physics::Blueprint* blueprint = nullptr;
-  Vector3d gravity = Vector3d::Zero();  // m/s²
-  Vector3d wind = Vector3d::Zero();     // m/s
-  std::vector<physics::Obstacle> obstacles;
+  Vector3d gravity = Vector3d::Zero();       // m/s²
+  Vector3d wind = Vector3d::Zero();          // m/s
+  std::vector<physics::Obstacle> obstacles;  // planes, met by the penalty law without friction
 
   [[nodiscard]] std::size_t CountVertices() const { return blueprint->rest.size(); }
 };
@@ -29,7 +29,7 @@ void AddOwnForces(const Equations& equations, std::span<const Vector3d> x, std::
 void FindAccelerations(const Equations& equations, std::span<const Vector3d> x, std::span<const Vector3d> v,
                        std::span<Vector3d> accelerations);
 
-// Kinetic, of springs, gas and height, J; up to a constant.
+// Kinetic, of springs, repulsion, gas, height and the ground, J; up to a constant.
 [[nodiscard]] double FindEnergy(const Equations& equations, std::span<const Vector3d> x, std::span<const Vector3d> v);
 
 }  // namespace wobble::bench

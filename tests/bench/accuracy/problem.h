@@ -36,7 +36,16 @@ struct Motion {
   std::vector<Vector3d> v;  // m/s
 };
 
-// By SUNDIALS' CVODE (variable-order Adams), relative tolerance 1e-12 a step.
+// By SUNDIALS' CVODE (variable-order Adams) with that relative tolerance of a step. A problem that it cannot solve ends
+// the process with a line.
+struct Solution {
+  Motion motion;
+  long steps = 0;
+  long evaluations = 0;  // of the accelerations
+};
+[[nodiscard]] Solution SolveByCvode(const Problem& problem, double tolerance);
+// With the tightest.
+inline constexpr double kReferenceTolerance = 1e-12;
 [[nodiscard]] Motion SolveReference(const Problem& problem);
 
 // RMS over the vertices of how far they are apart, m.
