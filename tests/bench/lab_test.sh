@@ -94,8 +94,9 @@ expect_report() { # NAME "KEY..." "PLOT..."
 }
 
 case_accuracy() {
-  expect_report accuracy "order_rk4 reference_agreement speedup_vs_odeint error_target_met error_target_overhead" \
-    "laws"
+  expect_report accuracy "order_rk4 reference_agreement speedup_vs_odeint error_target_met error_target_overhead \
+    scene_error_ball_drop scene_error_cloth scene_error_scrum scene_error_jelly_stack" \
+    "accuracy_error_target accuracy_scenes laws"
 }
 
 case_contact() {
