@@ -213,7 +213,7 @@ void MeasureErrorTargets(Bench& bench) {
       trials.back().isGrowthMeasured = !quick && target == 1e-3;
     }
   }
-  const int seconds = quick ? 2 : 5;
+  const int seconds = quick ? 3 : 5;
   if (!RunTrials(bench, trials.size(), [&](std::size_t i) { Run(trials[i], seconds); })) return;
   AddRows(trials, bench.results);
   AddFigures(trials, bench.results);
