@@ -13,7 +13,6 @@
 // beside the played ones tell what single precision has of the error.
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "server/physics/stability.h"
 #include "tests/bench/accuracy/experiments.h"
@@ -117,7 +116,10 @@ double FindQuantile(std::vector<double> values, double share) {
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
-double FindOverhead(const Trial& trial) { return trial.fixedSubsteps > 0 ? trial.substeps / trial.fixedSubsteps : 0; }
+// Where no fixed number will do, of what is at least more than the largest.
+double FindOverhead(const Trial& trial) {
+  return trial.substeps / (trial.fixedSubsteps > 0 ? trial.fixedSubsteps : kMaxSubsteps);
+}
 
 void AddRows(const std::vector<Trial>& trials, Results& results) {
   for (const Trial& trial : trials) {
