@@ -43,6 +43,9 @@ struct StepReport {
 class World {
  public:
   explicit World(const WorldSettings& settings);
+  // Everything as it stands in `other`, contacts and what they remember as well, but all awake, to go on by other
+  // settings: another precision, tick or error target.
+  World(const World& other, const WorldSettings& settings);
   ~World();
 
   // Blueprints and obstacles come before the first body. At most 255 blueprints.

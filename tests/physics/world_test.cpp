@@ -162,5 +162,42 @@ TEST(World, RemovedBodiesAreGoneAndIdsAreNotReused) {
   EXPECT_EQ(world->ReadBody(13).id, 13U);
 }
 
+// Balls that touch the ground and one another: contacts remember anchors, faces and slips, and steps their errors.
+TEST(World, TwinGoesOnWithTheSameBits) {
+  for (const Precision precision : {Precision::kSingle, Precision::kDouble}) {
+    const auto world = MakeFilledWorld(1, precision, 0);
+    for (int i = 0; i < 6; ++i) world->AddBody(0, Vector3d(0.3 * i, 0.1 * i, 0.6 + 0.9 * i), Vector3d(1, 0, -2));
+    for (int i = 0; i < 50; ++i) world->Step();
+    World twin(*world, world->Settings());
+    for (int i = 0; i < 20; ++i) {
+      world->Step();
+      twin.Step();
+    }
+    EXPECT_EQ(world->Hash(), twin.Hash());
+    EXPECT_EQ(world->Tick(), twin.Tick());
+  }
+}
+
+// In double precision and finer ticks it moves as the one that it was made from, and hears its drives at the same time.
+TEST(World, TwinGoesOnInFinerSteps) {
+  const auto world = MakeFilledWorld(1, Precision::kSingle, 0);
+  for (int i = 0; i < 3; ++i) world->AddBody(0, Vector3d(0.3 * i, 0, 0.6 + 0.9 * i));
+  Drive push;
+  push.force = Vector3d(20, 0, 0);
+  push.begin = 0.75;
+  push.end = 2;
+  world->AddDrive(push);
+  for (int i = 0; i < 30; ++i) world->Step();
+  WorldSettings fine = world->Settings();
+  fine.precision = Precision::kDouble;
+  fine.tickDuration /= 8;
+  World twin(*world, fine);
+  for (int i = 0; i < 30; ++i) world->Step();
+  for (int i = 0; i < 240; ++i) twin.Step();
+  for (std::size_t i = 0; i < world->Bodies().size(); ++i) {
+    EXPECT_NEAR((world->FindCentre(world->Bodies()[i]) - twin.FindCentre(twin.Bodies()[i])).norm(), 0, 2e-3);
+  }
+}
+
 }  // namespace
 }  // namespace wobble::physics
