@@ -24,6 +24,8 @@ const char* FindStyle(Stroke stroke) {
       return " with linespoints lw 1.5 dt 2 pt 6 ps 0.4";
     case Stroke::kPoints:
       return " with points pt 7 ps 0.4";
+    case Stroke::kRings:
+      return " with points pt 6 ps 0.8 lw 1.5";
     case Stroke::kLineAndPoints:
       return " with linespoints lw 1.5 pt 7 ps 0.4";
   }

@@ -7,7 +7,7 @@
 
 namespace wobble::bench {
 
-enum class Stroke { kLine, kDashed, kPoints, kLineAndPoints };
+enum class Stroke { kLine, kDashed, kPoints, kRings, kLineAndPoints };  // rings: points on a line
 
 struct Series {
   std::string name;  // empty: not in the key
