@@ -7,10 +7,15 @@ namespace wobble::bench {
 
 void ReportAccuracy(Bench& bench) {
   constexpr Part kParts[] = {
-      {"reference", 0.1, &MeasureReference},      {"exact solutions", 0.05, &MeasureExactSolutions},
-      {"orders", 0.05, &MeasureOrders},           {"work and precision", 0.4, &MeasureWorkAndPrecision},
-      {"opponents", 0.1, &MeasureOpponents},      {"error targets", 0.15, &MeasureErrorTargets},
-      {"scenes as played", 0.14, &MeasureScenes}, {"laws", 0.01, &MeasureLaws},
+      {"reference", 0.1, &MeasureReference},
+      {"exact solutions", 0.05, &MeasureExactSolutions},
+      {"orders", 0.05, &MeasureOrders},
+      {"work and precision", 0.4, &MeasureWorkAndPrecision},
+      {"energies", 0.02, &MeasureEnergies},
+      {"opponents", 0.1, &MeasureOpponents},
+      {"error targets", 0.15, &MeasureErrorTargets},
+      {"scenes as played", 0.14, &MeasureScenes},
+      {"laws", 0.01, &MeasureLaws},
   };
   MeasureParts(bench, kParts);
 }

@@ -94,8 +94,12 @@ expect_report() { # NAME "KEY..." "PLOT..."
 }
 
 case_accuracy() {
-  expect_report accuracy "order_rk4 reference_agreement speedup_vs_odeint error_target_met error_target_overhead" \
-    "laws"
+  local keys="reference_agreement exact_solution_error_max young_modulus_error speedup_vs_odeint"
+  keys+=" order_rk4 order_velocity_verlet order_velocity_verlet_damped order_leap_frog order_leap_frog_damped"
+  keys+=" order_semi_implicit_euler order_explicit_euler order_implicit_euler"
+  keys+=" error_target_met error_target_overhead"
+  expect_report accuracy "$keys" \
+    "accuracy_work_precision accuracy_work_precision_damped accuracy_float_floor accuracy_energy laws"
 }
 
 case_contact() {

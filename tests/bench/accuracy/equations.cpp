@@ -1,11 +1,10 @@
-// Springs, gas, repulsion and drag as they stand on paper. The engine shares the area of a face among its corners; here
-// the gas pushes along the derivative of the volume by each vertex, which is the same only if both are right.
+// Springs, gas, repulsion, drag and the ground as they stand on paper. The engine shares the area of a face among its
+// corners; here the gas pushes along the derivative of the volume by each vertex, which is the same only if both are
+// right.
 #include "tests/bench/accuracy/equations.h"
 
 #include <algorithm>
 #include <cmath>
-
-#include "server/physics/forces.h"
 
 namespace wobble::bench {
 namespace {
@@ -77,6 +76,46 @@ void AddDragOfFaces(const Coefficients& body, const Vector3d& wind, std::span<co
   }
 }
 
+// Along the normal N = F(d) + c s(d) ḋ at depth d, never a pull: F'(d) = k min(d/δ, 1), s the cubic that rises from 0
+// to 1 between 0 and δ with level ends.
+void AddPushOfPlane(const Coefficients& body, const Obstacle& plane, std::span<const Vector3d> x,
+                    std::span<const Vector3d> v, std::span<Vector3d> forces) {
+  const ContactParameters<double>& law = body.contact;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double depth = plane.offset - x[i].dot(plane.normal);
+    if (depth <= 0) continue;
+    const double grown = std::min(depth, law.fadeDepth);
+    const double share = grown / law.fadeDepth;
+    const double spring = law.stiffness * (grown * share / 2 + depth - grown);
+    const double dashpot = -law.damping * (3 - 2 * share) * share * share * v[i].dot(plane.normal);
+    forces[i] += std::max(spring + dashpot, 0.0) * body.contactShares[i] * plane.normal;
+  }
+}
+
+// ∫ F dd.
+double FindPushEnergy(const Coefficients& body, const Obstacle& plane, const Vector3d& x) {
+  const ContactParameters<double>& law = body.contact;
+  const double depth = std::max(plane.offset - x.dot(plane.normal), 0.0);
+  const double grown = std::min(depth, law.fadeDepth);
+  const double beyond = depth - grown;
+  return law.stiffness * (grown * grown * grown / (6 * law.fadeDepth) + beyond * (grown + beyond) / 2);
+}
+
+// ∫ K/d⁴ dd from where the ends are to infinity.
+double FindRepulsionEnergy(const Coefficients& body, const Spring<double>& spring, double length) {
+  const double floor = kRepulsionFloorShare * spring.restLength;
+  const double outside = std::max(length, floor);
+  return body.repulsion * (1 / (3 * std::pow(outside, 3)) + (outside - length) / std::pow(outside, 4));
+}
+
+// ∫ (P₀ − P) dV, whose part below the floor is that of a straight line.
+double FindGasEnergy(const Coefficients& body, double volume) {
+  const double outside = std::max(volume, body.floorVolume);
+  const double below = outside - volume;
+  return body.ambientPressure * volume - body.gas * std::log(outside) +
+         body.gas / outside * below * (1 + below / (2 * outside));
+}
+
 }  // namespace
 
 void AddOwnForces(const Equations& equations, std::span<const Vector3d> x, std::span<const Vector3d> v,
@@ -93,6 +132,8 @@ void FindAccelerations(const Equations& equations, std::span<const Vector3d> x, 
   const Coefficients& body = equations.blueprint->full;
   std::fill(accelerations.begin(), accelerations.end(), Vector3d::Zero());
   AddOwnForces(equations, x, v, accelerations);
+  for (const auto& [vertex, force] : equations.pulls) accelerations[vertex] += force;
+  for (const Obstacle& plane : equations.obstacles) AddPushOfPlane(body, plane, x, v, accelerations);
   for (std::size_t i = 0; i < accelerations.size(); ++i) {
     accelerations[i] = accelerations[i] / body.masses[i] + equations.gravity;
     if (body.planar) accelerations[i].y() = 0;
@@ -107,12 +148,13 @@ double FindEnergy(const Equations& equations, std::span<const Vector3d> x, std::
     energy += body.masses[i] * (v[i].squaredNorm() / 2 - equations.gravity.dot(x[i]));
   }
   for (const Spring<double>& spring : body.springs) {
-    const double stretch = (x[spring.a] - x[spring.b]).norm() - spring.restLength;
-    energy += spring.stiffness * stretch * stretch / 2;
+    const double length = (x[spring.a] - x[spring.b]).norm();
+    energy += spring.stiffness * (length - spring.restLength) * (length - spring.restLength) / 2;
+    if (body.repulsion > 0) energy += FindRepulsionEnergy(body, spring, length);
   }
-  if (body.gas > 0) {
-    const double volume = body.planar ? FindArea(body, x) : FindVolume(body, x);
-    energy += body.ambientPressure * volume - body.gas * std::log(volume);
+  if (body.gas > 0) energy += FindGasEnergy(body, body.planar ? FindArea(body, x) : FindVolume(body, x));
+  for (const Obstacle& plane : equations.obstacles) {
+    for (std::size_t i = 0; i < x.size(); ++i) energy += body.contactShares[i] * FindPushEnergy(body, plane, x[i]);
   }
   return energy;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/physics/blueprint.h"
+#include "server/physics/forces.h"
 #include "server/physics/obstacle.h"
 
 namespace wobble::bench {
@@ -17,7 +18,8 @@ struct Equations {
   const physics::Blueprint* blueprint = nullptr;
   Vector3d gravity = Vector3d::Zero();  // m/s²
   Vector3d wind = Vector3d::Zero();     // m/s
-  std::vector<physics::Obstacle> obstacles;
+  std::vector<physics::VertexForce<double>> pulls;
+  std::vector<physics::Obstacle> obstacles;  // planes, met by the penalty law without friction
 
   [[nodiscard]] std::size_t CountVertices() const { return blueprint->rest.size(); }
 };
@@ -29,7 +31,7 @@ void AddOwnForces(const Equations& equations, std::span<const Vector3d> x, std::
 void FindAccelerations(const Equations& equations, std::span<const Vector3d> x, std::span<const Vector3d> v,
                        std::span<Vector3d> accelerations);
 
-// Kinetic, of springs, gas and height, J; up to a constant.
+// Kinetic, of springs, repulsion, gas, height and the ground, J; up to a constant.
 [[nodiscard]] double FindEnergy(const Equations& equations, std::span<const Vector3d> x, std::span<const Vector3d> v);
 
 }  // namespace wobble::bench

@@ -11,8 +11,10 @@ void MeasureReference(Bench& bench);
 void MeasureExactSolutions(Bench& bench);
 // Keys order_*: how the error of each method falls with its step.
 void MeasureOrders(Bench& bench);
-// No key: rows and plots of run time, evaluations of the forces, error and energy of each method.
+// No key: rows and plots of run time, evaluations of the forces and error of each method, Boost.odeint's beside them.
 void MeasureWorkAndPrecision(Bench& bench);
+// No key: what each method does to the energy of a body that loses none.
+void MeasureEnergies(Bench& bench);
 // Key speedup_vs_odeint.
 void MeasureOpponents(Bench& bench);
 // Keys error_target_met, error_target_overhead: bodies stepped as the server steps them.

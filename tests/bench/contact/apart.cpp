@@ -1,14 +1,13 @@
 // What does the search for contacts cost where nothing touches? Boxes of a body's size stand apart on a grid, as dense
 // as a crowd; the time for each must not grow with their number. Sorting makes it grow by the logarithm, and caches by
 // a little more.
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "server/physics/broad_phase.h"
 #include "tests/bench/contact/experiments.h"
+#include "tests/bench/thread_time.h"
 
 namespace wobble::bench {
 namespace {
@@ -16,13 +15,6 @@ namespace {
 using namespace physics;
 
 constexpr int kAgain = 15;  // the fastest counts: other programs can only slow it down
-
-// That this thread has worked, s: what others take from it is not its own.
-double ReadThreadTime() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 // For each of `count` boxes, s.
 double TimeSearch(std::size_t count) {

@@ -1,0 +1,149 @@
+// What a server does in a tick, with one thing chosen by hand: contacts are listed and the origin is moved each 1/60 s,
+// in between come steps of equal length by integrator_step.h over the forces of forces.h, and anchors follow after
+// each. Steps need not fit into ticks; one belongs to the tick that it begins in. Several bodies take turns tick by
+// tick, as in a world, so that the caches hold what they would hold there.
+#include "tests/bench/accuracy/fixed_steps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "server/physics/bounds.h"
+#include "server/physics/integrator_step.h"
+#include "server/physics/state.h"
+#include "tests/bench/thread_time.h"
+
+namespace wobble::bench {
+namespace {
+
+using namespace physics;
+
+constexpr double kTick = 1.0 / 60;
+
+// Of each integrator, in the order of the enumeration.
+struct Words {
+  const char* name;
+  const char* title;
+};
+constexpr Words kWords[] = {
+    {"rk4", "RK4"},
+    {"explicit_euler", "explicit Euler"},
+    {"semi_implicit_euler", "semi-implicit Euler"},
+    {"velocity_verlet", "velocity Verlet"},
+    {"leap_frog", "leap-frog"},
+    {"position_verlet", "position Verlet"},
+    {"implicit_euler", "implicit Euler"},
+};
+static_assert(std::size(kWords) == kIntegrators.size());
+
+// A system for StepOnce.
+template <class Real>
+class LoneBody {
+ public:
+  LoneBody(const Problem& problem, const Blueprint& blueprint)
+      : m_equations(problem.equations), m_blueprint(blueprint) {
+    m_load.acceleration = m_equations.gravity.cast<Real>();
+    m_load.wind = m_equations.wind.cast<Real>();
+    for (const Vector3d& x : problem.x) m_state.origin += x / static_cast<double>(problem.x.size());
+    for (const Vector3d& x : problem.x) m_state.positions.push_back((x - m_state.origin).template cast<Real>());
+    for (const Vector3d& v : problem.v) m_state.velocities.push_back(v.cast<Real>());
+  }
+
+  void Accelerate(std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, std::span<Vector3<Real>> a,
+                  bool springs) const {
+    ++m_evaluations;
+    Load<Real> load = m_load;
+    if (!springs) load.stiffnessFactor = 0;
+    ComputeAccelerations<Real>(m_blueprint.Read<Real>(), load, m_surfaces, m_state.contacts, x, v, a);
+  }
+  [[nodiscard]] std::size_t CountBodies() const { return 1; }
+  [[nodiscard]] SteppedBody<Real> ReadBody(std::size_t) const {
+    return {&m_blueprint, &m_load, m_surfaces, m_state.contacts, m_state.torn, 0};
+  }
+
+  void BeginTick() {
+    Recentre(m_blueprint, m_state);
+    if (m_equations.obstacles.empty()) return;
+    m_surfaces.clear();
+    for (const Obstacle& each : m_equations.obstacles) m_surfaces.push_back(MakeSurface<Real>(each, m_state.origin));
+    FindContacts<Real>(m_surfaces, m_blueprint.Read<Real>().contact.range,
+                       FindBounds<Real>(m_state.positions, m_state.velocities), m_state.positions, m_state.velocities,
+                       static_cast<Real>(kTick), m_state.contacts, m_contactScratch);
+  }
+  void Step(Integrator integrator, double h, IntegratorScratch<Real>& scratch) {
+    StepOnce<Real>(integrator, static_cast<Real>(h), *this, std::span(m_state.positions), std::span(m_state.velocities),
+                   scratch);
+    UpdateAnchors<Real>(m_blueprint.Read<Real>().contact, m_surfaces, m_state.contacts, m_state.positions);
+  }
+
+  [[nodiscard]] bool IsAway() const {
+    return std::any_of(m_state.positions.begin(), m_state.positions.end(),
+                       [](const Vector3<Real>& x) { return !(x.norm() < static_cast<Real>(kFarAway)); });
+  }
+  [[nodiscard]] Motion Read() const {
+    Motion motion;
+    for (const Vector3<Real>& x : m_state.positions) motion.x.push_back(m_state.origin + x.template cast<double>());
+    for (const Vector3<Real>& v : m_state.velocities) motion.v.push_back(v.template cast<double>());
+    return motion;
+  }
+  [[nodiscard]] std::int64_t CountEvaluations() const { return m_evaluations; }
+
+ private:
+  const Equations& m_equations;
+  const Blueprint& m_blueprint;
+  Load<Real> m_load;
+  State<Real> m_state;
+  std::vector<Surface<Real>> m_surfaces;
+  std::vector<Contact<Real>> m_contactScratch;
+  mutable std::int64_t m_evaluations = 0;
+};
+
+template <class Real>
+SolvedMotion Solve(const Problem& problem, const Blueprint& blueprint, const FixedSteps& how) {
+  const double h = problem.duration / static_cast<double>(how.steps);
+  const auto ticks = static_cast<std::int64_t>(std::ceil(problem.duration / kTick - 1e-9));
+  IntegratorScratch<Real> scratch;
+  if (how.isTimed) {
+    LoneBody<Real> before(problem, blueprint);
+    before.BeginTick();
+    before.Step(how.integrator, h, scratch);
+  }
+  std::vector<LoneBody<Real>> bodies(how.bodies, LoneBody<Real>(problem, blueprint));
+  SolvedMotion solved;
+  const auto look = [&](std::int64_t steps) {
+    if (!how.isSampled) return;
+    const Motion now = bodies[0].Read();
+    solved.energies.push_back({static_cast<double>(steps) * h, FindEnergy(problem.equations, now.x, now.v)});
+  };
+  look(0);
+  std::int64_t done = 0;
+  for (std::int64_t tick = 0; tick < ticks && !solved.blewUp; ++tick) {
+    const std::int64_t end = how.steps * (tick + 1) / ticks;
+    const double began = ReadThreadTime();
+    for (LoneBody<Real>& body : bodies) {
+      body.BeginTick();
+      for (std::int64_t step = done; step < end; ++step) body.Step(how.integrator, h, scratch);
+    }
+    solved.time += ReadThreadTime() - began;
+    if (end > done) look(end);
+    done = end;
+    solved.blewUp = bodies[0].IsAway();
+  }
+  solved.end = bodies[0].Read();
+  solved.evaluations = bodies[0].CountEvaluations();
+  return solved;
+}
+
+}  // namespace
+
+SolvedMotion SolveInSteps(const Problem& problem, const FixedSteps& how) {
+  Blueprint blueprint = *problem.blueprint;
+  SetIntegrator(blueprint, how.integrator);
+  return how.isSingle ? Solve<float>(problem, blueprint, how) : Solve<double>(problem, blueprint, how);
+}
+
+const char* FindName(Integrator integrator) { return kWords[static_cast<std::size_t>(integrator)].name; }
+
+const char* FindTitle(Integrator integrator) { return kWords[static_cast<std::size_t>(integrator)].title; }
+
+}  // namespace wobble::bench
