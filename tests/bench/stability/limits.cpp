@@ -31,9 +31,10 @@ using namespace physics;
 
 constexpr double kForever = std::numeric_limits<double>::infinity();
 constexpr int kSteps = 2048;
-constexpr int kEulerSteps = 1 << 16;  // it lets slow modes grow by a millionth a step
-constexpr double kBracket = 2;        // theory's limit times and over this, to begin with
-constexpr int kBisections = 9;        // of the logarithm: to 0.3 %
+constexpr int kEulerSteps = 1 << 16;       // it lets slow modes grow by a millionth a step
+constexpr double kBracket = 2;             // theory's limit times and over this, to begin with
+constexpr int kBisections = 9;             // of the logarithm: to 0.3 %
+constexpr double kWeakestDamping = 0.004;  // ratio, that steps are counted for
 constexpr double kEulerMargin = 0.02;
 constexpr double kHugeSteps[] = {1, 30, 1000};  // times one over the fastest frequency
 constexpr double kSmallStep = 0.02;             // over the fastest frequency: explicit Euler lets e grow in 5000 steps
@@ -115,12 +116,21 @@ std::vector<Subject> MakeSubjects(bool quick) {
 
 double FindSmallStep(const Trial& trial) { return kSmallStep / trial.theory.frequency; }
 
+// Explicit Euler lets a motion of damping ratio ζ grow by 2ζ² a step for each whole that the step is too large by, and
+// lets the others die away no faster: the weaker the damping, the longer it takes to tell.
+int CountSteps(const Trial& trial) {
+  if (trial.integrator != Integrator::kExplicitEuler) return kSteps;
+  const double ratio = std::max(trial.theory.dampingRatio, kWeakestDamping);
+  int steps = kEulerSteps;
+  while (trial.theory.step > 0 && steps < 16 / (ratio * ratio)) steps *= 2;
+  return steps;
+}
+
 double MeasureStep(const Trial& trial) {
   Disturbed body(trial.subject->blueprint, trial.integrator, trial.subject->IsPair());
   const bool isEuler = trial.integrator == Integrator::kExplicitEuler;
-  const auto grows = [&](double h) {
-    return body.Grows(h, isEuler ? kEulerSteps : kSteps, isEuler ? kEulerMargin : 1);
-  };
+  const int steps = CountSteps(trial);
+  const auto grows = [&](double h) { return body.Grows(h, steps, isEuler ? kEulerMargin : 1); };
   if (trial.theory.step == 0) return grows(FindSmallStep(trial)) ? 0 : FindSmallStep(trial);
   double begin = trial.theory.step / kBracket;
   double end = trial.theory.step * kBracket;
