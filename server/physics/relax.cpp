@@ -1,4 +1,6 @@
-// Steps of a sixth of the fastest period, friction near critical for the slow modes.
+// Steps of a sixth of the fastest period, friction near critical for the slow modes. Forces are those of a body that is
+// still: dashpots have no say in where balance is, and with strong ones (a damping ratio of 0.6) the step would be too
+// large for them.
 #include "server/physics/relax.h"
 
 #include <algorithm>
@@ -10,11 +12,12 @@ namespace wobble::physics {
 bool RelaxRest(Blueprint& blueprint, double tolerance, int maxSteps) {
   const std::size_t count = blueprint.rest.size();
   const Load<double> load;
+  const std::vector<Vector3d> still(count, Vector3d::Zero());
   std::vector<Vector3d> v(count, Vector3d::Zero());
   std::vector<Vector3d> a(count);
   const double step = 1 / blueprint.angularFrequency;
   for (int iteration = 0; iteration < maxSteps; ++iteration) {
-    ComputeAccelerations<double>(blueprint.full, load, {}, {}, blueprint.rest, v, a);
+    ComputeAccelerations<double>(blueprint.full, load, {}, {}, blueprint.rest, still, a);
     double worst = 0;
     for (std::size_t i = 0; i < count; ++i) {
       worst = std::max(worst, a[i].cwiseAbs().maxCoeff());

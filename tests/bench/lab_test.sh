@@ -112,7 +112,9 @@ case_contact() {
 
 case_stability() {
   expect_report stability \
-    "theory_deviation_max random_trials non_finite inverted quarantined penetration_p999" ""
+    "theory_deviation_max server_step_over_limit_max perturbation_rk4_left growth_over_bound_max
+     random_trials non_finite inverted quarantined penetration_p999" \
+    "stability_limits stability_map stability_perturbation stability_growth"
 }
 
 declare -F "case_$case_name" >/dev/null || {

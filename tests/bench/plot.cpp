@@ -24,10 +24,22 @@ const char* FindStyle(Stroke stroke) {
       return " with linespoints lw 1.5 dt 2 pt 6 ps 0.4";
     case Stroke::kPoints:
       return " with points pt 7 ps 0.4";
+    case Stroke::kRings:
+      return " with points pt 6 ps 0.8 lw 1.5";
     case Stroke::kLineAndPoints:
       return " with linespoints lw 1.5 pt 7 ps 0.4";
   }
   return "";
+}
+
+std::string FindColour(int colour) { return colour > 0 ? " lc " + std::to_string(colour) : ""; }
+
+// As rectangles: an image would be a file of its own beside the SVG.
+void AddMap(const Map& map, std::ostringstream& script) {
+  script << "$map << EOD\n";
+  for (const auto& [x, y, value] : map.cells) script << x << ' ' << y << ' ' << value << '\n';
+  script << "EOD\nset palette defined (-1 '#2166ac', 0 '#ffffff', 1 '#b2182b')\nset cbrange [" << -map.reach << ':'
+         << map.reach << "]\nset cblabel " << Quote(map.label) << '\n';
 }
 
 std::string MakeScript(const Plot& plot, const std::string& file) {
@@ -38,14 +50,17 @@ std::string MakeScript(const Plot& plot, const std::string& file) {
     for (const auto& [x, y] : plot.series[i].points) script << x << ' ' << y << '\n';
     script << "EOD\n";
   }
+  const bool hasMap = !plot.map.cells.empty();
+  if (hasMap) AddMap(plot.map, script);
   script << "set terminal svg size 800,500 background 'white' noenhanced\n"
          << "set output " << Quote(file) << "\nset title " << Quote(plot.title) << "\nset xlabel " << Quote(plot.xLabel)
          << "\nset ylabel " << Quote(plot.yLabel) << "\nset grid\nset key outside bottom horizontal\n"
          << (plot.logX ? "set logscale x\nset format x '%.0e'\n" : "")
-         << (plot.logY ? "set logscale y\nset format y '%.0e'\n" : "") << "plot ";
+         << (plot.logY ? "set logscale y\nset format y '%.0e'\n" : "")
+         << (hasMap ? "set autoscale fix\nplot $map with image pixels notitle, " : "plot ");
   for (std::size_t i = 0; i < plot.series.size(); ++i) {
-    script << (i > 0 ? ", " : "") << "$data" << i << FindStyle(plot.series[i].stroke) << " title "
-           << Quote(plot.series[i].name);
+    script << (i > 0 ? ", " : "") << "$data" << i << FindStyle(plot.series[i].stroke)
+           << FindColour(plot.series[i].colour) << " title " << Quote(plot.series[i].name);
   }
   script << '\n';
   return script.str();

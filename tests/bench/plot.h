@@ -7,12 +7,20 @@
 
 namespace wobble::bench {
 
-enum class Stroke { kLine, kDashed, kPoints, kLineAndPoints };
+enum class Stroke { kLine, kDashed, kPoints, kRings, kLineAndPoints };  // rings: points on a line
 
 struct Series {
-  std::string name;
+  std::string name;  // empty: not in the key
   Stroke stroke = Stroke::kLine;
   std::vector<std::array<double, 2>> points;
+  int colour = 0;  // series of one colour belong together; 0: one of its own
+};
+
+// Colours below the series: blue below 0, white at 0, red above.
+struct Map {
+  std::string label;                         // of the colours
+  double reach = 1;                          // from 0 to the fullest colour, either way; what lies beyond has that one
+  std::vector<std::array<double, 3>> cells;  // x and y of the middle, value; row by row, equally far apart
 };
 
 struct Plot {
@@ -23,6 +31,7 @@ struct Plot {
   std::vector<Series> series;
   bool logX = false;
   bool logY = false;
+  Map map = {};  // no cells: none
 };
 
 // Whether gnuplot is to be found on the path.

@@ -74,6 +74,18 @@ TEST(Ball, FrequencyIsThatMeasuredBefore) {
   EXPECT_NEAR(MakeBall(definition).angularFrequency / 1.05, 132, 2);
 }
 
+// Dashpots do nothing to a body at rest.
+TEST(Ball, DampingDoesNotMoveTheRestShape) {
+  BallDefinition definition;
+  definition.subdivisions = 1;
+  definition.material.dampingRatio = 0;
+  const Blueprint undamped = MakeBall(definition);
+  for (const double dampingRatio : {0.2, 0.6, 1.0, 2.0}) {
+    definition.material.dampingRatio = dampingRatio;
+    EXPECT_EQ(MakeBall(definition).rest, undamped.rest) << "damping ratio " << dampingRatio;
+  }
+}
+
 TEST(Ball, ValidateNamesFieldValueAndRange) {
   BallDefinition definition;
   definition.material.mass = -1;

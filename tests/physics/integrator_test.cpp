@@ -226,6 +226,18 @@ TEST_P(StepLimitTest, IsWhatTheorySays) {
     }
   }
 }
+
+// The slower modes of a body are damped by the square of their frequency.
+TEST_P(StepLimitTest, IsChosenForTheSlowerModesAsWell) {
+  if (GetParam() == Integrator::kExplicitEuler) return;
+  for (double ratio = 0; ratio < 3; ratio += 0.01) {
+    const double chosen = 1 / FindStableRate(GetParam(), 1, 2 * ratio);
+    for (double share = 0.01; share <= 1; share += 0.01) {
+      ASSERT_LE(chosen, 1.0001 * FindLargestStep(GetParam(), share, 2 * ratio * share))
+          << "damping ratio " << ratio << ", square of frequency " << share;
+    }
+  }
+}
 INSTANTIATE_TEST_SUITE_P(All, StepLimitTest, testing::ValuesIn(kExplicit), NameMethod);
 
 // All modes of a body, kicked: they stay small below the limit of the stiffest and do not above it. Explicit Euler is

@@ -1,7 +1,333 @@
+// The largest step that each method bears, tried out in the engine, against theory (modes.h).
+//
+// A body at rest is disturbed by a ten-millionth of its size and stepped; the step is bisected between one with which
+// the disturbance dies away, or at least does not grow, and one with which it grows. Balls are held at three vertices
+// and lattices at one side, so that they cannot drift. Theory only says where to look: half of its limit must hold and
+// twice must not, or the figure is missed.
+//
+// Two methods have no limit to compare, and are given huge steps, none of which may let anything grow. Implicit Euler
+// by its theory bears any. Position Verlet puts springs back to their lengths instead of stepping them, and with
+// nothing but springs in the body its step has no h in it: x'' = P (2 x' − x), P a chain of projections and no longer
+// than 1. With gas inside it rests in a shape of its own, farther out the larger the step, of which linear theory knows
+// nothing; what becomes of that is in perturbations.cpp.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/physics/ball.h"
+#include "server/physics/lattice.h"
+#include "server/physics/pair.h"
+#include "server/physics/stability.h"
+#include "tests/bench/accuracy/fixed_steps.h"
 #include "tests/bench/stability/experiments.h"
+#include "tests/bench/stability/growing.h"
+#include "tests/bench/stability/modes.h"
+#include "tests/bench/trials.h"
 
 namespace wobble::bench {
+namespace {
 
-void MeasureLimits(Bench&) {}
+using namespace physics;
+
+constexpr double kForever = std::numeric_limits<double>::infinity();
+constexpr int kSteps = 2048;
+constexpr int kEulerSteps = 1 << 16;       // it lets slow modes grow by a millionth a step
+constexpr double kBracket = 2;             // theory's limit times and over this, to begin with
+constexpr int kBisections = 9;             // of the logarithm: to 0.3 %
+constexpr double kWeakestDamping = 0.004;  // ratio, that steps are counted for
+constexpr double kEulerMargin = 0.02;
+constexpr double kHugeSteps[] = {1, 30, 1000};  // times one over the fastest frequency
+constexpr double kSmallStep = 0.02;             // over the fastest frequency: explicit Euler lets e grow in 5000 steps
+constexpr Integrator kLimited[] = {Integrator::kRungeKutta4, Integrator::kVelocityVerlet, Integrator::kLeapFrog,
+                                   Integrator::kSemiImplicitEuler, Integrator::kExplicitEuler};
+
+struct Subject {
+  std::string kind;
+  double stiffness = 0;  // of a spring, N/m; of a lattice: Young's modulus, Pa
+  double dampingRatio = 0;
+  double gas = 0;  // J
+  Blueprint blueprint;
+  LinearMotion motion;
+
+  [[nodiscard]] bool IsPair() const { return blueprint.rest.size() == 2; }
+};
+
+struct Trial {
+  const Subject* subject;
+  Integrator integrator;
+  StepLimit theory;
+  double measured = 0;  // s; 0: the smallest step tried grows, infinity: the largest does not
+};
+
+Subject MakeSubject(const std::string& kind, double stiffness, double dampingRatio, double gas, Blueprint blueprint) {
+  return {kind, stiffness, dampingRatio, gas, std::move(blueprint), {}};
+}
+
+Subject MakeBallSubject(int subdivisions, double stiffness, double dampingRatio, double gas) {
+  BallDefinition ball;
+  ball.subdivisions = subdivisions;
+  ball.material.stiffness = stiffness;
+  ball.material.dampingRatio = dampingRatio;
+  ball.material.gas = gas;
+  Blueprint blueprint = MakeBall(ball);
+  blueprint.full.fixed = {0, 1, 2};
+  FinishBlueprint(blueprint);
+  return MakeSubject("ball of " + std::to_string(CountVertices(subdivisions)), stiffness, dampingRatio, gas,
+                     std::move(blueprint));
+}
+
+Subject MakeLatticeSubject(double youngModulus, double dampingRatio) {
+  LatticeDefinition lattice;
+  lattice.cells = {2, 2, 2};
+  lattice.youngModulus = youngModulus;
+  lattice.dampingRatio = dampingRatio;
+  lattice.fixed = Side::kLowZ;
+  return MakeSubject("lattice of 27", youngModulus, dampingRatio, 0, MakeLattice(lattice));
+}
+
+Subject MakePairSubject(double dampingRatio) {
+  PairDefinition pair;
+  pair.firstIsFixed = true;
+  pair.material.dampingRatio = dampingRatio;
+  return MakeSubject("pair", pair.material.stiffness, dampingRatio, 0, MakePair(pair));
+}
+
+std::vector<Subject> MakeSubjects(bool quick) {
+  std::vector<Subject> subjects;
+  const std::vector<double> dampings =
+      quick ? std::vector<double>{0, 0.2, 1} : std::vector<double>{0, 0.05, 0.2, 0.5, 1};
+  for (const double stiffness : {150.0, 1500.0, 15000.0}) {
+    if (quick && stiffness == 1500) continue;
+    for (const double dampingRatio : dampings) {
+      for (const double gas : {0.0, 30.0, 300.0}) {
+        if (quick && gas == 30) continue;
+        subjects.push_back(MakeBallSubject(1, stiffness, dampingRatio, gas));
+      }
+      if (quick && stiffness > 150) continue;
+      subjects.push_back(MakeLatticeSubject(20 * stiffness, dampingRatio));
+    }
+  }
+  for (const double dampingRatio : {0.0, 0.2}) {
+    if (!quick) subjects.push_back(MakeBallSubject(2, 1500, dampingRatio, 300));
+  }
+  for (int i = 0; i <= 10; ++i) subjects.push_back(MakePairSubject(0.28 * i));
+  return subjects;
+}
+
+double FindSmallStep(const Trial& trial) { return kSmallStep / trial.theory.frequency; }
+
+// Explicit Euler lets a motion of damping ratio ζ grow by 2ζ² a step for each whole that the step is too large by, and
+// lets the others die away no faster: the weaker the damping, the longer it takes to tell.
+int CountSteps(const Trial& trial) {
+  if (trial.integrator != Integrator::kExplicitEuler) return kSteps;
+  const double ratio = std::max(trial.theory.dampingRatio, kWeakestDamping);
+  int steps = kEulerSteps;
+  while (trial.theory.step > 0 && steps < 16 / (ratio * ratio)) steps *= 2;
+  return steps;
+}
+
+double MeasureStep(const Trial& trial) {
+  Disturbed body(trial.subject->blueprint, trial.integrator, trial.subject->IsPair());
+  const bool isEuler = trial.integrator == Integrator::kExplicitEuler;
+  const int steps = CountSteps(trial);
+  const auto grows = [&](double h) { return body.Grows(h, steps, isEuler ? kEulerMargin : 1); };
+  if (trial.theory.step == 0) return grows(FindSmallStep(trial)) ? 0 : FindSmallStep(trial);
+  double begin = trial.theory.step / kBracket;
+  double end = trial.theory.step * kBracket;
+  if (grows(begin)) return 0;
+  if (!grows(end)) return kForever;
+  for (int i = 0; i < kBisections; ++i) {
+    const double middle = std::sqrt(begin * end);
+    (grows(middle) ? end : begin) = middle;
+  }
+  return std::sqrt(begin * end);
+}
+
+double FindDeviation(double found, double theory) {
+  if (theory == 0) return found == 0 ? 0 : kForever;
+  return std::fabs(found / theory - 1);
+}
+
+// What integrator.h says of the one oscillator that the limit is that of.
+double FindClosedForm(const Trial& trial) {
+  const double w = trial.theory.frequency;
+  return FindLargestStep(trial.integrator, w * w, 2 * trial.theory.dampingRatio * w);
+}
+
+// What a server takes for this body alone.
+double FindServerStep(const Trial& trial) {
+  const Blueprint& blueprint = trial.subject->blueprint;
+  Modes modes;
+  modes.body = {blueprint.angularFrequency * blueprint.angularFrequency, blueprint.dampingRate};
+  return 1 / FindStableRate(trial.integrator, blueprint, modes);
+}
+
+void AddRow(Bench& bench, const Trial& trial) {
+  const Subject& subject = *trial.subject;
+  bench.results.rows.push_back({{"experiment", "limit"},
+                                {"method", FindName(trial.integrator)},
+                                {"body", subject.kind},
+                                {"stiffness", subject.stiffness},
+                                {"damping_ratio", subject.dampingRatio},
+                                {"gas", subject.gas},
+                                {"mode_frequency", trial.theory.frequency},
+                                {"mode_damping_ratio", trial.theory.dampingRatio},
+                                {"theory", trial.theory.step},
+                                {"closed_form", FindClosedForm(trial)},
+                                {"measured", trial.measured},
+                                {"deviation", FindDeviation(trial.measured, trial.theory.step)},
+                                {"server_step", FindServerStep(trial)}});
+}
+
+void AddFigures(Bench& bench, const std::vector<Trial>& trials) {
+  double worst = 0;
+  double worstOfForms = 0;
+  double worstOfServer = 0;
+  for (const Trial& trial : trials) {
+    const bool isOneOscillator = trial.integrator != Integrator::kVelocityVerlet || trial.subject->gas == 0;
+    const double ofForm = FindDeviation(FindClosedForm(trial), trial.theory.step);
+    worst = std::max(worst, FindDeviation(trial.measured, trial.theory.step));
+    if (isOneOscillator) worstOfForms = std::max(worstOfForms, ofForm);
+    // A server does not try to make explicit Euler stable.
+    if (trial.integrator == Integrator::kExplicitEuler) continue;
+    worstOfServer = std::max(worstOfServer, FindServerStep(trial) / trial.measured);
+  }
+  bench.results.AddFigureAtMost("theory_deviation_max", worst, 0.03);
+  bench.results.AddFigureAtMost("closed_form_deviation_max", worstOfForms, 1e-3);
+  bench.results.AddFigureAtMost("server_step_over_limit_max", worstOfServer, 1);
+}
+
+// Both in units of the oscillator that the limit is that of, so that all bodies share one line.
+void AddPlotOfLimits(Bench& bench, const std::vector<Trial>& trials) {
+  struct Line {
+    const char* name;
+    Integrator integrator;
+  };
+  constexpr Line kLines[] = {{"RK4", Integrator::kRungeKutta4},
+                             {"velocity Verlet", Integrator::kVelocityVerlet},
+                             {"semi-implicit Euler, leap-frog", Integrator::kSemiImplicitEuler},
+                             {"explicit Euler", Integrator::kExplicitEuler}};
+  Plot plot{"stability_limits",
+            "Largest stable step: theory (lines), measured on balls, lattices and pairs (points)",
+            "damping of the motion that grows first, 1 = critical",
+            "step times its angular frequency, hω",
+            {}};
+  int colour = 0;
+  for (const Line& line : kLines) {
+    Series theory{line.name, Stroke::kLine, {}, ++colour};
+    Series measured{colour == 1 ? "measured" : "", Stroke::kRings, {}, colour};
+    for (int i = 0; i <= 260; ++i) {
+      theory.points.push_back({0.01 * i, FindLargestStep(line.integrator, 1, 0.02 * i)});
+    }
+    for (const Trial& trial : trials) {
+      const bool isLeapFrog =
+          trial.integrator == Integrator::kLeapFrog && line.integrator == Integrator::kSemiImplicitEuler;
+      if (trial.integrator != line.integrator && !isLeapFrog) continue;
+      measured.points.push_back({std::fabs(trial.theory.dampingRatio), trial.measured * trial.theory.frequency});
+    }
+    plot.series.push_back(std::move(theory));
+    plot.series.push_back(std::move(measured));
+  }
+  bench.results.plots.push_back(std::move(plot));
+}
+
+// What a step does to a pair, the one body that is a single oscillator, over damping and step.
+void AddMap(Bench& bench, Integrator integrator, const std::string& name, const std::string& title) {
+  const int across = bench.options.quick ? 30 : 60;
+  constexpr double kLargestRatio = 2;
+  constexpr double kLargestProduct = 3.5;
+  std::vector<std::array<double, 3>> cells(static_cast<std::size_t>(across) * static_cast<std::size_t>(across));
+  const bool done = RunTrials(bench, static_cast<std::size_t>(across), [&](std::size_t column) {
+    const double ratio = kLargestRatio * (static_cast<double>(column) + 0.5) / across;
+    // √2: the ratio is that of two masses that swing, of which one is fixed here.
+    const Subject pair = MakePairSubject(std::sqrt(2) * ratio);
+    Disturbed body(pair.blueprint, integrator, true);
+    const double frequency = std::sqrt(pair.stiffness / pair.blueprint.full.masses[1]);
+    for (int row = 0; row < across; ++row) {
+      const double product = kLargestProduct * (row + 0.5) / across;
+      cells[static_cast<std::size_t>(row * across) + column] = {ratio, product,
+                                                                body.FindGrowth(product / frequency, 64)};
+    }
+  });
+  if (!done) return;
+  Series limit{"the limit by theory", Stroke::kLine, {}, 8};
+  for (int i = 0; i <= 200; ++i) {
+    limit.points.push_back({0.01 * i, FindLargestStep(integrator, 1, 0.02 * i)});
+  }
+  bench.results.plots.push_back({name,
+                                 title,
+                                 "damping, 1 = critical",
+                                 "step times angular frequency, hω",
+                                 {limit},
+                                 false,
+                                 false,
+                                 {"growth in a step, natural logarithm, measured", 0.5, cells}});
+}
+
+// Implicit Euler on all bodies but the largest, position Verlet on those without gas.
+void MeasureHugeSteps(Bench& bench, const std::vector<Subject>& subjects) {
+  struct HugeStep {
+    const Subject* subject;
+    Integrator integrator;
+    double product;  // hω
+    bool grows = false;
+  };
+  std::vector<HugeStep> steps;
+  for (const Subject& subject : subjects) {
+    if (subject.blueprint.rest.size() > 100) continue;
+    for (const double product : kHugeSteps) {
+      steps.push_back({&subject, Integrator::kImplicitEuler, product});
+      if (subject.gas == 0) steps.push_back({&subject, Integrator::kPositionVerlet, product});
+    }
+  }
+  if (!RunTrials(bench, steps.size(), [&](std::size_t i) {
+        HugeStep& each = steps[i];
+        Disturbed body(each.subject->blueprint, each.integrator, each.subject->IsPair());
+        each.grows = body.Grows(each.product / each.subject->blueprint.angularFrequency, kSteps, 1);
+      })) {
+    return;
+  }
+  int grown = 0;
+  for (const HugeStep& each : steps) {
+    grown += each.grows ? 1 : 0;
+    bench.results.rows.push_back({{"experiment", "huge_step"},
+                                  {"method", FindName(each.integrator)},
+                                  {"body", each.subject->kind},
+                                  {"stiffness", each.subject->stiffness},
+                                  {"damping_ratio", each.subject->dampingRatio},
+                                  {"gas", each.subject->gas},
+                                  {"step", each.product / each.subject->blueprint.angularFrequency},
+                                  {"step_times_frequency", each.product},
+                                  {"grows", each.grows}});
+  }
+  bench.results.AddFigureAtMost("huge_steps_that_grow", grown, 0);
+}
+
+}  // namespace
+
+void MeasureLimits(Bench& bench) {
+  std::vector<Subject> subjects = MakeSubjects(bench.options.quick);
+  if (!RunTrials(bench, subjects.size(),
+                 [&](std::size_t i) { subjects[i].motion = LineariseAtRest(subjects[i].blueprint); })) {
+    return;
+  }
+  std::vector<Trial> trials;
+  for (const Subject& subject : subjects) {
+    for (const Integrator integrator : kLimited) trials.push_back({&subject, integrator, {}});
+  }
+  if (!RunTrials(bench, trials.size(), [&](std::size_t i) {
+        trials[i].theory = FindStepLimit(trials[i].integrator, trials[i].subject->motion);
+        trials[i].measured = MeasureStep(trials[i]);
+      })) {
+    return;
+  }
+  for (const Trial& trial : trials) AddRow(bench, trial);
+  AddFigures(bench, trials);
+  AddPlotOfLimits(bench, trials);
+  AddMap(bench, Integrator::kRungeKutta4, "stability_map", "RK4: one oscillator, what a step does to it");
+  AddMap(bench, Integrator::kExplicitEuler, "stability_map_euler",
+         "Explicit Euler: one oscillator, what a step does to it");
+  MeasureHugeSteps(bench, subjects);
+}
 
 }  // namespace wobble::bench
