@@ -122,7 +122,7 @@ int CountSteps(const Trial& trial) {
   if (trial.integrator != Integrator::kExplicitEuler) return kSteps;
   const double ratio = std::max(trial.theory.dampingRatio, kWeakestDamping);
   int steps = kEulerSteps;
-  while (trial.theory.step > 0 && steps < 16 / (ratio * ratio)) steps *= 2;
+  while (trial.theory.step > 0 && steps < 64 / (ratio * ratio)) steps *= 2;
   return steps;
 }
 
