@@ -9,23 +9,36 @@
 namespace wobble::physics {
 namespace {
 
+template <class Real>
+const SweepKernel<Real>& FindNarrowest(std::span<const SweepKernel<Real>> kernels, std::size_t bodies) {
+  return *std::find_if(kernels.begin(), kernels.end(), [bodies](const SweepKernel<Real>& kernel) {
+    return static_cast<std::size_t>(kernel.width) >= bodies;
+  });
+}
+
 // The bodies of a pack that are stepped together through one try of a tick, [place][k][lane]. Lanes to spare repeat the
 // first body: they cost nothing more, and numbers that are none would.
 template <class Real>
 class Pack {
  public:
-  Pack(const Blueprint& blueprint, std::span<Group<Real>* const> groups, const SweepKernel<Real>& kernel,
+  Pack(const Blueprint& blueprint, std::span<Group<Real>* const> groups, std::span<const SweepKernel<Real>> kernels,
        PackScratch<Real>& scratch)
       : m_plan(blueprint.ReadPlan<Real>()),
         m_body(blueprint.Read<Real>()),
         m_tables(m_plan.Tables()),
         m_groups(groups),
-        m_kernel(kernel),
+        m_kernel(FindNarrowest(kernels, groups.size())),
+        m_contactKernel(kernels.back().computeContacts),
         m_scratch(scratch),
-        m_width(static_cast<std::size_t>(kernel.width)) {
+        m_width(static_cast<std::size_t>(m_kernel.width)) {
     LayOut();
     for (std::size_t lane = 0; lane < m_width; ++lane) Load(lane, *m_groups[lane < m_groups.size() ? lane : 0]);
     m_kernel.computeVolume(m_tables, m_lanes);
+    m_scratch.contacts.Clear(m_body);
+    for (std::size_t lane = 0; lane < m_groups.size() && IsBulkLaw(m_body.contact.law); ++lane) {
+      m_scratch.contacts.Add(MemberOf(*m_groups[lane]), lane, m_plan.places);
+    }
+    m_scratch.contacts.Close();
   }
 
   // Leaves positions, velocities and errors of the tick in the groups and their members.
@@ -130,14 +143,22 @@ class Pack {
     for (const std::uint32_t place : m_scratch.outerPlaces) m_scratch.hasOuter[place] = 0;
     m_scratch.outerPlaces.clear();
     for (std::size_t lane = 0; lane < m_groups.size(); ++lane) AddOuterForces(lane, from);
+    if (!m_scratch.contacts.IsEmpty()) {
+      m_scratch.contacts.FindForces(from, m_width, m_contactKernel,
+                                    [this](std::size_t place, std::size_t lane, const Vector3<Real>& force) {
+                                      AddOuterForce(place, lane, force);
+                                    });
+    }
     m_lanes.outer = m_scratch.outerPlaces.empty() ? nullptr : m_outer;
   }
 
   void AddOuterForces(std::size_t lane, Real* from) {
     const Member<Real>& member = MemberOf(*m_groups[lane]);
-    for (const VertexForce<Real>& push : member.load.pushes) AddOuterForce(push.vertex, lane, push.force);
+    for (const VertexForce<Real>& push : member.load.pushes) {
+      AddOuterForce(m_plan.places[push.vertex], lane, push.force);
+    }
     const std::vector<Contact<Real>>& contacts = member.state->contacts;
-    if (contacts.empty()) return;
+    if (IsBulkLaw(m_body.contact.law) || contacts.empty()) return;
     for (const Contact<Real>& contact : contacts) {
       CopyVertex(contact.vertex, lane, from);
       m_scratch.forces[contact.vertex].setZero();
@@ -146,17 +167,16 @@ class Pack {
                       m_scratch.velocities, m_scratch.forces);
     for (const Contact<Real>& contact : contacts) {
       Vector3<Real>& force = m_scratch.forces[contact.vertex];
-      if (!force.isZero(Real(0))) AddOuterForce(contact.vertex, lane, force);
+      if (!force.isZero(Real(0))) AddOuterForce(m_plan.places[contact.vertex], lane, force);
       force.setZero();  // a vertex may have several contacts
     }
   }
 
-  void AddOuterForce(std::size_t vertex, std::size_t lane, const Vector3<Real>& force) {
-    const std::uint32_t place = m_plan.places[vertex];
+  void AddOuterForce(std::size_t place, std::size_t lane, const Vector3<Real>& force) {
     if (m_scratch.hasOuter[place] == 0) {
       std::fill_n(m_outer + 3 * place * m_width, 3 * m_width, Real(0));
       m_scratch.hasOuter[place] = 1;
-      m_scratch.outerPlaces.push_back(place);
+      m_scratch.outerPlaces.push_back(static_cast<std::uint32_t>(place));
     }
     for (int k = 0; k < 3; ++k) At(m_outer, place, 3, static_cast<std::size_t>(k), lane) += force[k];
   }
@@ -177,6 +197,8 @@ class Pack {
   }
 
   void UpdateAllAnchors() {
+    m_scratch.contacts.Update(m_lanes.state, m_width);
+    if (IsBulkLaw(m_body.contact.law)) return;
     for (std::size_t lane = 0; lane < m_groups.size(); ++lane) {
       const Member<Real>& member = MemberOf(*m_groups[lane]);
       for (const Contact<Real>& contact : member.state->contacts) CopyVertex(contact.vertex, lane, m_lanes.state);
@@ -189,6 +211,7 @@ class Pack {
   SweepTables<Real> m_tables;
   std::span<Group<Real>* const> m_groups;
   const SweepKernel<Real>& m_kernel;
+  ContactKernel<Real> m_contactKernel;
   PackScratch<Real>& m_scratch;
   std::size_t m_width;
   SweepLanes<Real> m_lanes;
@@ -235,8 +258,9 @@ int FindFirstSubsteps(Member<Real>& member, const StepRules& rules, GroupScratch
 }
 
 template <class Real>
-void StepPack(std::span<Member<Real>*> members, int substeps, const StepRules& rules, const SweepKernel<Real>& kernel,
-              PackScratch<Real>& scratch, std::span<GroupOutcome> outcomes) {
+void StepPack(std::span<Member<Real>*> members, int substeps, const StepRules& rules,
+              std::span<const SweepKernel<Real>> kernels, PackScratch<Real>& scratch,
+              std::span<GroupOutcome> outcomes) {
   std::array<std::optional<Seat<Real>>, kWidestPack> seats;
   for (std::size_t i = 0; i < members.size(); ++i) {
     seats[i].emplace(members[i], rules, scratch.groups[i]);
@@ -255,17 +279,18 @@ void StepPack(std::span<Member<Real>*> members, int substeps, const StepRules& r
       groups[count++] = &seats[i]->group;
     }
     if (count == 0) break;
-    Pack<Real>(*members[0]->blueprint, std::span(groups).first(count), kernel, scratch).Integrate(rules.duration, next);
+    Pack<Real>(*members[0]->blueprint, std::span(groups).first(count), kernels, scratch)
+        .Integrate(rules.duration, next);
     for (std::size_t i = 0; i < count; ++i) seats[whose[i]]->next = seats[whose[i]]->tick.Judge(next);
   }
   for (std::size_t i = 0; i < members.size(); ++i) outcomes[i] = seats[i]->tick.Finish();
 }
 
-#define WOBBLE_INSTANTIATE(Real)                                                                          \
-  template struct PackScratch<Real>;                                                                      \
-  template bool CanGoInPack<Real>(const Blueprint&);                                                      \
-  template int FindFirstSubsteps<Real>(Member<Real>&, const StepRules&, GroupScratch<Real>&);             \
-  template void StepPack<Real>(std::span<Member<Real>*>, int, const StepRules&, const SweepKernel<Real>&, \
+#define WOBBLE_INSTANTIATE(Real)                                                                                    \
+  template struct PackScratch<Real>;                                                                                \
+  template bool CanGoInPack<Real>(const Blueprint&);                                                                \
+  template int FindFirstSubsteps<Real>(Member<Real>&, const StepRules&, GroupScratch<Real>&);                       \
+  template void StepPack<Real>(std::span<Member<Real>*>, int, const StepRules&, std::span<const SweepKernel<Real>>, \
                                PackScratch<Real>&, std::span<GroupOutcome>);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)

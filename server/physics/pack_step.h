@@ -8,6 +8,7 @@
 
 #include "server/physics/group_step.h"
 #include "server/physics/lanes/kernels.h"
+#include "server/physics/pack_contacts.h"
 
 namespace wobble::physics {
 
@@ -24,6 +25,7 @@ struct PackScratch {
   std::vector<Vector3<Real>> positions;
   std::vector<Vector3<Real>> velocities;
   std::vector<Vector3<Real>> forces;
+  PackContacts<Real> contacts;
   std::array<GroupScratch<Real>, kWidestPack> groups;
 
   // For a pack of the largest body there is.
@@ -38,9 +40,10 @@ template <class Real>
 template <class Real>
 [[nodiscard]] int FindFirstSubsteps(Member<Real>& member, const StepRules& rules, GroupScratch<Real>& scratch);
 
-// At most kernel.width members, all of one blueprint, which begin with `substeps`. outcomes: one a member.
+// At most as many members as the widest kernel has lanes, all of one blueprint, which begin with `substeps`. outcomes:
+// one a member.
 template <class Real>
-void StepPack(std::span<Member<Real>*> members, int substeps, const StepRules& rules, const SweepKernel<Real>& kernel,
-              PackScratch<Real>& scratch, std::span<GroupOutcome> outcomes);
+void StepPack(std::span<Member<Real>*> members, int substeps, const StepRules& rules,
+              std::span<const SweepKernel<Real>> kernels, PackScratch<Real>& scratch, std::span<GroupOutcome> outcomes);
 
 }  // namespace wobble::physics

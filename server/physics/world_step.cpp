@@ -305,12 +305,8 @@ class World::Stepper {
     Scratch<Real>& scratch = m_work.scratch.local();
     scratch.members.clear();
     for (const LoneBody& each : bodies) scratch.members.push_back(&m_work.members[each.body]);
-    const auto isWideEnough = [&](const auto& kernel) {
-      return static_cast<std::size_t>(kernel.width) >= bodies.size();
-    };
     std::array<GroupOutcome, kWidestPack> outcomes;
-    StepPack<Real>(scratch.members, bodies[0].substeps, m_rules,
-                   *std::find_if(kernels.begin(), kernels.end(), isWideEnough), scratch.pack, outcomes);
+    StepPack<Real>(scratch.members, bodies[0].substeps, m_rules, kernels, scratch.pack, outcomes);
     for (std::size_t i = 0; i < bodies.size(); ++i) Finish(bodies[i].body, outcomes[i]);
   }
 

@@ -47,18 +47,18 @@ struct Bodies {
     }
   }
 
-  // All that begin with as many substeps as the first, in a pack of this kernel.
-  std::vector<std::size_t> StepInLanes(const SweepKernel<Real>& kernel) {
+  // All that begin with as many substeps as the first, in a pack of this many lanes.
+  std::vector<std::size_t> StepInLanes(int width) {
     std::vector<std::size_t> stepped;
     std::vector<Member<Real>*> together;
     const int substeps = FindFirstSubsteps<Real>(members[0], kRules, scratch.groups[0]);
-    for (std::size_t i = 0; i < members.size() && together.size() < static_cast<std::size_t>(kernel.width); ++i) {
+    for (std::size_t i = 0; i < members.size() && together.size() < static_cast<std::size_t>(width); ++i) {
       if (FindFirstSubsteps<Real>(members[i], kRules, scratch.groups[0]) != substeps) continue;
       stepped.push_back(i);
       together.push_back(&members[i]);
     }
     std::array<GroupOutcome, kWidestPack> outcomes;
-    StepPack<Real>(together, substeps, kRules, kernel, scratch, outcomes);
+    StepPack<Real>(together, substeps, kRules, FindSweepKernels<Real>(width), scratch, outcomes);
     return stepped;
   }
 
@@ -108,7 +108,7 @@ TYPED_TEST(PackStepTest, DoesWhatThePlainReferenceDoes) {
     for (const SweepKernel<Real>& kernel : FindSweepKernels<Real>(kWidestPack)) {
       Bodies<Real> inLanes(kind, 5);
       Bodies<Real> plainly(kind, 5);
-      const std::vector<std::size_t> stepped = inLanes.StepInLanes(kernel);
+      const std::vector<std::size_t> stepped = inLanes.StepInLanes(kernel.width);
       for (const std::size_t i : stepped) {
         plainly.StepPlainly(i);
         const double rounding = sizeof(Real) == 4 ? 2e-6 : 1e-14;
@@ -127,12 +127,12 @@ TYPED_TEST(PackStepTest, GivesTheSameBitsInAnyLaneOfAnyWidth) {
     std::vector<bool> known(16, false);
     for (const SweepKernel<Real>& kernel : FindSweepKernels<Real>(kWidestPack)) {
       Bodies<Real> together(kind, 16);
-      for (const std::size_t i : together.StepInLanes(kernel)) {
+      for (const std::size_t i : together.StepInLanes(kernel.width)) {
         Member<Real>* member = &alone.members[i];
         std::array<GroupOutcome, kWidestPack> outcomes;
         const int substeps = FindFirstSubsteps<Real>(*member, kRules, alone.scratch.groups[0]);
         if (!known[i]) {
-          StepPack<Real>(std::span(&member, 1), substeps, kRules, FindSweepKernels<Real>(1)[0], alone.scratch, outcomes);
+          StepPack<Real>(std::span(&member, 1), substeps, kRules, FindSweepKernels<Real>(1), alone.scratch, outcomes);
         }
         known[i] = true;
         EXPECT_EQ(HashState(together.states[i], kHashSeed), HashState(alone.states[i], kHashSeed))

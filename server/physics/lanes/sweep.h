@@ -13,6 +13,7 @@
 #include <cstdint>
 
 #include "server/physics/lanes/arc.h"
+#include "server/physics/lanes/contact_lanes.h"
 
 namespace wobble::physics {
 
@@ -63,6 +64,7 @@ struct SweepKernel {
   int width = 0;
   Sweep<Real> stages[4] = {};
   void (*computeVolume)(const SweepTables<Real>& tables, SweepLanes<Real>& lanes) = nullptr;  // of `state`
+  ContactKernel<Real> computeContacts = nullptr;
 };
 
 }  // namespace wobble::physics

@@ -1,6 +1,7 @@
 // The sweep itself, for the translation units that compile it for one instruction set each.
 #pragma once
 
+#include "server/physics/lanes/contact_kernel.h"
 #include "server/physics/lanes/lanes.h"
 #include "server/physics/lanes/sweep.h"
 
@@ -228,7 +229,8 @@ SweepKernel<Real> MakeKernel() {
   using V = typename LanesOf<Real, W>::Type;
   return {W,
           {&SweepStage<0, V, Real>, &SweepStage<1, V, Real>, &SweepStage<2, V, Real>, &SweepStage<3, V, Real>},
-          &ComputeSixVolume<V, Real>};
+          &ComputeSixVolume<V, Real>,
+          &ComputePenaltyForces<V, Real>};
 }
 
 #undef WOBBLE_INLINE
