@@ -32,7 +32,8 @@ class Pack {
         m_scratch(scratch),
         m_width(static_cast<std::size_t>(m_kernel.width)) {
     LayOut();
-    for (std::size_t lane = 0; lane < m_width; ++lane) Load(lane, *m_groups[lane < m_groups.size() ? lane : 0]);
+    for (std::size_t lane = 0; lane < m_width; ++lane) LoadBody(lane, GroupIn(lane));
+    LoadVertices();
     m_kernel.computeVolume(m_tables, m_lanes);
     m_scratch.contacts.Clear(m_body);
     for (std::size_t lane = 0; lane < m_groups.size() && IsBulkLaw(m_body.contact.law); ++lane) {
@@ -58,11 +59,12 @@ class Pack {
     }
     for (std::size_t lane = 0; lane < m_groups.size(); ++lane) {
       MemberOf(*m_groups[lane]).error *= kErrorShare / substeps;
-      Store(lane, *m_groups[lane]);
     }
+    StoreVertices();
   }
 
  private:
+  const Group<Real>& GroupIn(std::size_t lane) const { return *m_groups[lane < m_groups.size() ? lane : 0]; }
   static Member<Real>& MemberOf(const Group<Real>& group) { return *group.Members()[0]; }
 
   // One block for all arrays, each of them aligned.
@@ -114,26 +116,41 @@ class Pack {
     return array[(place * numbers + k) * m_width + lane];
   }
 
-  void Load(std::size_t lane, const Group<Real>& group) {
+  void LoadBody(std::size_t lane, const Group<Real>& group) {
     const physics::Load<Real>& load = MemberOf(group).load;
     for (std::size_t k = 0; k < 3; ++k) m_acceleration[k * m_width + lane] = load.acceleration[static_cast<int>(k)];
     m_gas[lane] = load.gasFactor * m_body.gas;
     m_stiffnessFactors[lane] = load.stiffnessFactor;
-    for (std::size_t place = 0; place < m_tables.count; ++place) {
+  }
+
+  // Lane by lane would go through the whole pack once a body.
+  void LoadVertices() {
+    Real* to = m_lanes.state;
+    for (std::size_t place = 0; place < m_tables.count; ++place, to += 6 * m_width) {
       const std::size_t vertex = m_plan.vertices[place];
-      for (int k = 0; k < 3; ++k) {
-        At(m_lanes.state, place, 6, static_cast<std::size_t>(k), lane) = group.Positions()[vertex][k];
-        At(m_lanes.state, place, 6, static_cast<std::size_t>(k) + 3, lane) = group.Velocities()[vertex][k];
+      for (std::size_t lane = 0; lane < m_width; ++lane) {
+        const Group<Real>& group = GroupIn(lane);
+        const Vector3<Real>& x = group.Positions()[vertex];
+        const Vector3<Real>& v = group.Velocities()[vertex];
+        for (std::size_t k = 0; k < 3; ++k) {
+          to[k * m_width + lane] = x[static_cast<int>(k)];
+          to[(k + 3) * m_width + lane] = v[static_cast<int>(k)];
+        }
       }
     }
   }
 
-  void Store(std::size_t lane, const Group<Real>& group) const {
-    for (std::size_t place = 0; place < m_tables.count; ++place) {
+  void StoreVertices() const {
+    const Real* from = m_lanes.state;
+    for (std::size_t place = 0; place < m_tables.count; ++place, from += 6 * m_width) {
       const std::size_t vertex = m_plan.vertices[place];
-      for (int k = 0; k < 3; ++k) {
-        group.Positions()[vertex][k] = At(m_lanes.state, place, 6, static_cast<std::size_t>(k), lane);
-        group.Velocities()[vertex][k] = At(m_lanes.state, place, 6, static_cast<std::size_t>(k) + 3, lane);
+      for (std::size_t lane = 0; lane < m_groups.size(); ++lane) {
+        Vector3<Real>& x = m_groups[lane]->Positions()[vertex];
+        Vector3<Real>& v = m_groups[lane]->Velocities()[vertex];
+        for (std::size_t k = 0; k < 3; ++k) {
+          x[static_cast<int>(k)] = from[k * m_width + lane];
+          v[static_cast<int>(k)] = from[(k + 3) * m_width + lane];
+        }
       }
     }
   }
