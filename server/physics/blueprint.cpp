@@ -158,6 +158,8 @@ void FinishBlueprintButStability(Blueprint& blueprint) {
   blueprint.dragRate = FindDragRate(blueprint);
   FindContactShares(blueprint);
   blueprint.single = ToSingle(full);
+  blueprint.singlePlan = MakeSweepPlan(blueprint.single);
+  blueprint.fullPlan = MakeSweepPlan(full);
 }
 
 void FinishBlueprint(Blueprint& blueprint) {

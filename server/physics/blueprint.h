@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/physics/integrator.h"
+#include "server/physics/lanes/sweep_plan.h"
 #include "server/physics/sparse_pattern.h"
 #include "server/physics/topology.h"
 #include "server/physics/vector.h"
@@ -114,6 +115,9 @@ struct Blueprint {
   Topology topology;                                   // of full.faces
   Coefficients<float> single;
   Coefficients<double> full;
+  // How it is stepped in lanes; empty when it cannot be.
+  SweepPlan<float> singlePlan;
+  SweepPlan<double> fullPlan;
 
   template <class Real>
   [[nodiscard]] const Coefficients<Real>& Read() const {
@@ -121,6 +125,14 @@ struct Blueprint {
       return single;
     } else {
       return full;
+    }
+  }
+  template <class Real>
+  [[nodiscard]] const SweepPlan<Real>& ReadPlan() const {
+    if constexpr (std::is_same_v<Real, float>) {
+      return singlePlan;
+    } else {
+      return fullPlan;
     }
   }
 };

@@ -240,29 +240,34 @@ ContactStiffness<Real> FindContactStiffness(const ContactParameters<Real>& param
 }
 
 template <class Real>
+void UpdateAnchor(const ContactParameters<Real>& parameters, const Surface<Real>& surface, const Vector3<Real>& x,
+                  Contact<Real>& contact) {
+  const SurfacePoint<Real> point = FindContactPoint(surface, contact, x);
+  contact.side = point.normal;
+  if (parameters.law == ContactLaw::kMagnetic) {
+    contact.touching = point.distance < parameters.range / Real(2);
+    return;
+  }
+  const Real depth = -point.distance;
+  const bool wasTouching = contact.touching;
+  contact.touching = depth > Real(0);
+  if (!contact.touching) return;
+  if (!wasTouching) {
+    contact.anchor = x;
+    return;
+  }
+  const Vector3<Real> slip = RemoveNormalPart<Real>(x - contact.anchor, point.normal);
+  const Real limit = parameters.friction * surface.friction * ComputePenalty(parameters, depth);
+  const Real strength = parameters.stickStiffness * std::sqrt(slip.dot(slip));
+  if (strength > limit) contact.anchor = x - slip * (limit / strength);
+}
+
+template <class Real>
 void UpdateAnchors(const ContactParameters<Real>& parameters, std::span<const Surface<Real>> surfaces,
                    std::span<Contact<Real>> contacts, std::span<const Vector3<Real>> x) {
   if (parameters.law == ContactLaw::kBacktracking) return;
   for (Contact<Real>& contact : contacts) {
-    const Surface<Real>& surface = surfaces[contact.surface];
-    const SurfacePoint<Real> point = FindContactPoint(surface, contact, x[contact.vertex]);
-    contact.side = point.normal;
-    if (parameters.law == ContactLaw::kMagnetic) {
-      contact.touching = point.distance < parameters.range / Real(2);
-      continue;
-    }
-    const Real depth = -point.distance;
-    const bool wasTouching = contact.touching;
-    contact.touching = depth > Real(0);
-    if (!contact.touching) continue;
-    if (!wasTouching) {
-      contact.anchor = x[contact.vertex];
-      continue;
-    }
-    const Vector3<Real> slip = RemoveNormalPart<Real>(x[contact.vertex] - contact.anchor, point.normal);
-    const Real limit = parameters.friction * surface.friction * ComputePenalty(parameters, depth);
-    const Real strength = parameters.stickStiffness * std::sqrt(slip.dot(slip));
-    if (strength > limit) contact.anchor = x[contact.vertex] - slip * (limit / strength);
+    UpdateAnchor<Real>(parameters, surfaces[contact.surface], x[contact.vertex], contact);
   }
 }
 
@@ -306,6 +311,8 @@ double ComputeContactEnergy(const Coefficients<Real>& body, std::span<const Surf
   template ContactStiffness<Real> FindContactStiffness<Real>(                                                      \
       const ContactParameters<Real>&, std::span<const Real>, std::span<const Surface<Real>>, const Contact<Real>&, \
       std::span<const Vector3<Real>>, std::span<const Vector3<Real>>);                                             \
+  template void UpdateAnchor<Real>(const ContactParameters<Real>&, const Surface<Real>&, const Vector3<Real>&,     \
+                                   Contact<Real>&);                                                                \
   template void UpdateAnchors<Real>(const ContactParameters<Real>&, std::span<const Surface<Real>>,                \
                                     std::span<Contact<Real>>, std::span<const Vector3<Real>>);
 WOBBLE_INSTANTIATE(float)

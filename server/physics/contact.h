@@ -77,6 +77,11 @@ template <class Real>
 void UpdateAnchors(const ContactParameters<Real>& parameters, std::span<const Surface<Real>> surfaces,
                    std::span<Contact<Real>> contacts, std::span<const Vector3<Real>> x);
 
+// Of one contact, whose vertex is at x.
+template <class Real>
+void UpdateAnchor(const ContactParameters<Real>& parameters, const Surface<Real>& surface, const Vector3<Real>& x,
+                  Contact<Real>& contact);
+
 // What the springs of penalty contacts hold, normal and stick, J; 0 for the other laws.
 template <class Real>
 [[nodiscard]] double ComputeContactEnergy(const Coefficients<Real>& body, std::span<const Surface<Real>> surfaces,

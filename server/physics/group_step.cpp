@@ -1,124 +1,33 @@
 #include "server/physics/group_step.h"
 
 #include <algorithm>
-#include <cmath>
 
-#include "server/physics/group.h"
-#include "server/physics/group_health.h"
-#include "server/physics/stability.h"
-#include "server/physics/step_choice.h"
+#include "server/physics/group_tick.h"
 
 namespace wobble::physics {
 namespace {
-
-// Times that a tick which missed its error is stepped again: the first guess from a bad tick may fall short.
-constexpr int kMaxRedos = 2;
-// Times that a tick which left a body in a state that cannot be is stepped again, each in twice the substeps.
-constexpr int kMaxRescues = 4;
-
-template <class Real>
-double FindRms(std::span<const Vector3<Real>> values) {
-  double sum = 0;
-  for (const Vector3<Real>& value : values) sum += double{value.squaredNorm()};
-  return std::sqrt(sum / static_cast<double>(values.size()));
-}
-
-template <class Real>
-double FindRmsOfDifference(std::span<const Vector3<Real>> a, std::span<const Vector3<Real>> b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += double{(a[i] - b[i]).squaredNorm()};
-  return std::sqrt(sum / static_cast<double>(a.size()));
-}
-
-// Bodies that touch are stepped as one. Where they ask for different methods none of those is right for all, and what
-// they have in common is the default.
-template <class Real>
-Integrator FindIntegrator(std::span<Member<Real>* const> members) {
-  const Integrator first = members[0]->blueprint->integrator;
-  const auto isFirst = [first](const Member<Real>* member) { return member->blueprint->integrator == first; };
-  return std::all_of(members.begin(), members.end(), isFirst) ? first : Integrator::kRungeKutta4;
-}
-
-// Energy from nowhere is looked for where there is an account of it: the other methods are there to show what they do,
-// magnets have a potential that nobody adds up, and wind is a source.
-template <class Real>
-bool HasEnergyAccount(Integrator integrator, std::span<Member<Real>* const> members) {
-  const auto adds = [](const Member<Real>* member) {
-    const Coefficients<double>& body = member->blueprint->full;
-    return body.contact.law != ContactLaw::kMagnetic && (!(body.drag > 0) || member->load.wind.isZero(0));
-  };
-  return integrator == Integrator::kRungeKutta4 && std::all_of(members.begin(), members.end(), adds);
-}
 
 template <class Real>
 class Stepping {
  public:
   Stepping(Group<Real>& group, const StepRules& rules)
-      : m_group(group), m_rules(rules), m_scratch(group.Scratch()), m_integrator(FindIntegrator(group.Members())) {}
+      : m_group(group), m_rules(rules), m_scratch(group.Scratch()), m_tick(group, rules) {}
 
   GroupOutcome Step() {
-    const bool checkEnergy = HasEnergyAccount(m_integrator, m_group.Members());
-    GroupOutcome outcome;
-    int redos = 0;
-    int rescues = 0;
-    for (int next = FindSubsteps(); next > 0;) {
-      if (outcome.substeps > 0) m_group.StartAgain();
-      Integrate(next);
-      outcome.substeps = next;
-      outcome.allSubsteps += next;
-      if (!FindBadMembers(m_group, checkEnergy)) {
-        next = redos++ < kMaxRedos ? FindFinerSubsteps(outcome.substeps) : 0;
-      } else {
-        next = rescues++ < kMaxRescues && !BlameThoseWhoBeganBad(m_group) ? 2 * outcome.substeps : 0;
-      }
-    }
-    MeasureMotion();
-    m_group.Scatter();
-    return outcome;
+    for (int substeps = m_tick.FindSubsteps(); substeps > 0; substeps = m_tick.Judge(substeps)) Integrate(substeps);
+    return m_tick.Finish();
   }
 
  private:
-  int FindSubsteps() {
-    m_scratch.loads.assign(m_scratch.positions.size(), {});
-    int most = AddAllContactLoads();
-    for (std::size_t i = 0; i < m_group.CountBodies(); ++i) {
-      const Member<Real>& member = *m_group.Members()[i];
-      ContactRates rates;
-      for (std::size_t vertex = 0; const VertexLoad& load : m_group.PartOf(m_scratch.loads, i)) {
-        const double mass = member.blueprint->full.masses[vertex++];
-        rates.squareFrequency = std::max(rates.squareFrequency, load.stiffness / mass);
-        rates.dampingRate = std::max(rates.dampingRate, load.damping / mass);
-      }
-      const int forStability = ChooseSubsteps<Real>(m_integrator, *member.blueprint, member.load, member.surfaces,
-                                                    *member.state, rates, m_rules.duration);
-      most = std::max({most, forStability, std::min(member.substepsForError, m_rules.maxSubsteps)});
-    }
-    return most;
-  }
-
-  int AddAllContactLoads() {
-    int most = 1;
-    const std::span<VertexLoad> loads(m_scratch.loads);
-    for (const Encounter<Real>& encounter : m_group.Encounters()) {
-      for (std::size_t side = 0; side < 2; ++side) {
-        const Meeting<Real> meeting = m_group.Meet(encounter, side, m_scratch.positions, m_scratch.velocities);
-        most = std::max(most, AddContactLoads<Real>(encounter.parameters, meeting, *encounter.sides[side],
-                                                    m_rules.duration, m_group.PartOf(loads, encounter.members[side]),
-                                                    m_group.PartOf(loads, encounter.members[1 - side])));
-      }
-    }
-    return most;
-  }
-
   void Integrate(int substeps) {
     const double step = m_rules.duration / substeps;
     for (Member<Real>* member : m_group.Members()) member->error = 0;
     for (int substep = 0; substep < substeps; ++substep) {
       KeepBefore();
-      if (m_integrator == Integrator::kRungeKutta4) {
+      if (m_tick.Method() == Integrator::kRungeKutta4) {
         StepRungeKutta(step, substep > 0, m_rules.duration - substep * step);
       } else {
-        StepOnce<Real>(m_integrator, static_cast<Real>(step), m_group, m_group.Positions(), m_group.Velocities(),
+        StepOnce<Real>(m_tick.Method(), static_cast<Real>(step), m_group, m_group.Positions(), m_group.Velocities(),
                        m_scratch.integrator);
       }
       UpdateContacts(static_cast<Real>(step));
@@ -185,30 +94,10 @@ class Stepping {
     });
   }
 
-  // More substeps for a tick that missed its error by far; 0 when none did, or none are to be had.
-  int FindFinerSubsteps(int substeps) const {
-    int wanted = 0;
-    for (const Member<Real>* member : m_group.Members()) {
-      if (member->error <= kRedoFactor * m_rules.allowedError) continue;
-      wanted = std::max(wanted, FindSubstepsForError(member->error, substeps, m_rules.allowedError));
-    }
-    wanted = std::min(wanted, m_rules.maxSubsteps);
-    return wanted > substeps ? wanted : 0;
-  }
-
-  void MeasureMotion() const {
-    for (std::size_t i = 0; i < m_group.CountBodies(); ++i) {
-      Member<Real>& member = *m_group.Members()[i];
-      const auto velocities = m_group.PartOf(m_scratch.velocities, i);
-      member.speed = FindRms<Real>(velocities);
-      member.acceleration = FindRmsOfDifference<Real>(velocities, member.state->velocities) / m_rules.duration;
-    }
-  }
-
   Group<Real>& m_group;
   const StepRules& m_rules;
   GroupScratch<Real>& m_scratch;
-  Integrator m_integrator;
+  GroupTick<Real> m_tick;
 };
 
 }  // namespace

@@ -26,6 +26,9 @@ struct WorldSettings {
   double errorTarget = 0.001;
   int maxSubsteps = 64;              // that the error target may ask for; stability takes what it needs
   Vector3d wind = Vector3d::Zero();  // of the medium that drags at faces, m/s
+  // At most so many bodies are stepped side by side, in the lanes of a vector; the processor sets a limit too. The
+  // result does not depend on it.
+  int widestPack = 16;
 };
 
 // What one tick did. Counts of bodies but for substeps, sums over them.

@@ -9,6 +9,7 @@
 
 #include "server/physics/broad_phase.h"
 #include "server/physics/group_step.h"
+#include "server/physics/pack_step.h"
 #include "server/physics/parallel.h"
 #include "server/physics/sleep.h"
 #include "server/physics/world.h"
@@ -37,6 +38,16 @@ struct Scratch {
   std::vector<Contact<Real>> contacts;
   std::vector<BodyContact<Real>> bodyContacts;
   std::vector<Member<Real>*> members;
+  PackScratch<Real> pack;
+};
+
+// A body that touches no other and is stepped beside others of its kind.
+struct LoneBody {
+  std::uint32_t blueprint = 0;
+  int substeps = 0;  // of its first try
+  std::uint32_t body = 0;
+
+  auto operator<=>(const LoneBody&) const = default;
 };
 
 template <class Real>
@@ -56,6 +67,8 @@ struct Workspace {
   std::vector<std::size_t> encounterBegins;
   std::vector<std::uint32_t> smallGroups;  // stepped side by side, each by one thread
   std::vector<std::uint32_t> largeGroups;  // one after the other, each by all
+  std::vector<LoneBody> loneBodies;        // in packs, the p-th from packBegins[p] up to packBegins[p + 1]
+  std::vector<std::size_t> packBegins;
   std::vector<Outcome> outcomes;
   tbb::enumerable_thread_specific<Scratch<Real>> scratch;
 

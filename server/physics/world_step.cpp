@@ -220,6 +220,7 @@ class World::Stepper {
     m_work.placeOf.resize(count);
     m_work.smallGroups.clear();
     m_work.largeGroups.clear();
+    m_work.loneBodies.clear();
     for (std::uint32_t group = 0; group < m_work.groups.Count(); ++group) {
       const auto members = m_work.groups.MembersOf(group);
       std::size_t vertices = 0;
@@ -228,6 +229,10 @@ class World::Stepper {
         vertices += m_work.members[members[place]].state->positions.size();
       }
       if (m_bodies[members[0]].asleep) continue;
+      if (members.size() == 1 && CanGoInPack<Real>(*m_work.members[members[0]].blueprint)) {
+        m_work.loneBodies.push_back({m_bodies[members[0]].blueprint, 0, members[0]});
+        continue;
+      }
       (members.size() > 1 && vertices >= kLargeGroup ? m_work.largeGroups : m_work.smallGroups).push_back(group);
     }
     FindEncounters();
@@ -261,10 +266,48 @@ class World::Stepper {
 
   void StepAll() {
     std::size_t vertices = 0;
-    for (const Member<Real>& member : m_work.members) vertices += member.state->positions.size();
+    std::size_t mostVertices = 0;  // of one body
+    for (const Member<Real>& member : m_work.members) {
+      vertices += member.state->positions.size();
+      mostVertices = std::max(mostVertices, member.state->positions.size());
+    }
     for (const std::uint32_t group : m_work.largeGroups) StepOne(group, vertices, &m_threads);
     m_threads.ForEach(m_work.smallGroups.size(),
                       [this, vertices](std::size_t i) { StepOne(m_work.smallGroups[i], vertices, nullptr); });
+    StepLoneBodies(mostVertices);
+  }
+
+  // Bodies of one blueprint that ask for equal substeps share packs; the last of these need not be full.
+  void StepLoneBodies(std::size_t mostVertices) {
+    std::vector<LoneBody>& bodies = m_work.loneBodies;
+    const auto kernels = FindSweepKernels<Real>(m_world.m_settings.widestPack);
+    m_threads.ForEach(bodies.size(), [&](std::size_t i) {
+      PackScratch<Real>& scratch = m_work.scratch.local().pack;
+      scratch.Reserve(mostVertices);
+      bodies[i].substeps = FindFirstSubsteps<Real>(m_work.members[bodies[i].body], m_rules, scratch.groups[0]);
+    });
+    std::sort(bodies.begin(), bodies.end());
+    m_work.packBegins.clear();
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      const bool fits = !m_work.packBegins.empty() && bodies[i].blueprint == bodies[i - 1].blueprint &&
+                        bodies[i].substeps == bodies[i - 1].substeps &&
+                        i - m_work.packBegins.back() < static_cast<std::size_t>(kernels.back().width);
+      if (!fits) m_work.packBegins.push_back(i);
+    }
+    m_work.packBegins.push_back(bodies.size());
+    m_threads.ForEach(m_work.packBegins.size() - 1, [&](std::size_t i) {
+      const std::size_t begin = m_work.packBegins[i];
+      StepOnePack(std::span(bodies).subspan(begin, m_work.packBegins[i + 1] - begin), kernels);
+    });
+  }
+
+  void StepOnePack(std::span<const LoneBody> bodies, std::span<const SweepKernel<Real>> kernels) {
+    Scratch<Real>& scratch = m_work.scratch.local();
+    scratch.members.clear();
+    for (const LoneBody& each : bodies) scratch.members.push_back(&m_work.members[each.body]);
+    std::array<GroupOutcome, kWidestPack> outcomes;
+    StepPack<Real>(scratch.members, bodies[0].substeps, m_rules, kernels, scratch.pack, outcomes);
+    for (std::size_t i = 0; i < bodies.size(); ++i) Finish(bodies[i].body, outcomes[i]);
   }
 
   void StepOne(std::uint32_t group, std::size_t allVertices, Threads* threads) {

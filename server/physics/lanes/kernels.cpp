@@ -1,0 +1,23 @@
+#include "server/physics/lanes/kernels.h"
+
+#include <algorithm>
+#include <array>
+
+namespace wobble::physics {
+
+template <class Real>
+std::span<const SweepKernel<Real>> FindSweepKernels(int widest) {
+  static const std::array<SweepKernel<Real>, 3> kernels{MakeOneLaneKernel(Real()), MakeAvx2Kernel(Real()),
+                                                        MakeAvx512Kernel(Real())};
+  // AVX2 is what everything is compiled for.
+  static const std::size_t known =
+      __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512dq") != 0 ? 3 : 2;
+  const auto isTooWide = [widest](const SweepKernel<Real>& kernel) { return kernel.width > std::max(1, widest); };
+  const auto end = std::find_if(kernels.begin(), kernels.begin() + known, isTooWide);
+  return {kernels.begin(), end};
+}
+
+template std::span<const SweepKernel<float>> FindSweepKernels<float>(int);
+template std::span<const SweepKernel<double>> FindSweepKernels<double>(int);
+
+}  // namespace wobble::physics

@@ -1,0 +1,11 @@
+#include "server/physics/lanes/kernels.h"
+#include "server/physics/lanes/sweep_kernel.h"
+
+namespace wobble::physics {
+
+SweepKernel<float> MakeAvx2Kernel(float) { return MakeKernel<float, 8>(); }
+SweepKernel<double> MakeAvx2Kernel(double) { return MakeKernel<double, 4>(); }
+SweepKernel<float> MakeOneLaneKernel(float) { return MakeKernel<float, 1>(); }
+SweepKernel<double> MakeOneLaneKernel(double) { return MakeKernel<double, 1>(); }
+
+}  // namespace wobble::physics

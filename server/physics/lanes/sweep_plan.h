@@ -1,0 +1,57 @@
+// What one sweep over a body's vertices needs, worked out once per blueprint.
+//
+// Vertices stand in breadth-first order over the springs: whatever a vertex is joined to is then near it in memory, and
+// the forces that it passes on to vertices further on fit a small ring.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "server/physics/lanes/sweep.h"
+
+namespace wobble::physics {
+
+template <class Real>
+struct Coefficients;
+
+template <class Real>
+struct SweepPlan {
+  std::vector<std::uint16_t> vertices;  // of the blueprint, in the order of the sweep: place -> vertex
+  std::vector<std::uint32_t> places;    // vertex -> place
+  std::vector<Real> inverseMasses;      // 1/kg; 0: fixed
+  // Those of place i from begins[i] up to begins[i + 1], for each of the three:
+  std::vector<std::uint32_t> arcBegins;
+  std::vector<Arc<Real>> arcs;
+  std::vector<std::uint32_t> ringBegins;  // neighbours round the vertex, counter-clockwise from outside; gas only
+  std::vector<std::uint32_t> ring;
+  std::vector<std::uint32_t> faceBegins;  // faces whose last place is i: the other two, in the face's order
+  std::vector<std::uint32_t> faces;
+  std::uint32_t pendingMask = 0;  // forces on places further on fit a ring of this + 1
+  bool planar = false;
+  bool hasGas = false;
+  Real ambientPressure = 0;  // Pa
+  Real floorVolume = 0;      // m³
+
+  [[nodiscard]] SweepTables<Real> Tables() const {
+    return {static_cast<std::uint32_t>(vertices.size()),
+            inverseMasses.data(),
+            arcBegins.data(),
+            arcs.data(),
+            ringBegins.data(),
+            ring.data(),
+            faceBegins.data(),
+            faces.data(),
+            pendingMask,
+            planar,
+            hasGas,
+            ambientPressure,
+            floorVolume};
+  }
+};
+
+// Of a body without repulsion, drag, gas in an outline and springs that tear: the sweep knows none of these, and bodies
+// that have one get an empty plan.
+template <class Real>
+[[nodiscard]] SweepPlan<Real> MakeSweepPlan(const Coefficients<Real>& body);
+
+}  // namespace wobble::physics

@@ -1,0 +1,182 @@
+// Bodies stepped in lanes against the plain reference, and the same bits however many lanes there are.
+#include "server/physics/pack_step.h"
+
+#include <gtest/gtest.h>
+
+#include "server/physics/pair.h"
+#include "server/physics/world.h"
+#include "tests/physics/bodies.h"
+
+namespace wobble::physics {
+namespace {
+
+constexpr StepRules kRules;
+
+// Bodies of one blueprint on a floor, each pushed, deformed and turned over in its own way.
+template <class Real>
+struct Bodies {
+  Bodies(const Blueprint& made, std::size_t count) : blueprint(made), states(count), members(count) {
+    const Obstacle floor;
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto number = static_cast<double>(i);
+      states[i] = MakeState<Real>(blueprint, Vector3d(3 * number, 0, blueprint.reach * (0.8 + 0.05 * number)),
+                                  Vector3d(0.3, blueprint.full.planar ? 0 : 0.1 * number, -0.2 * number));
+      for (std::size_t v = 0; v < states[i].positions.size(); ++v) {
+        const double phase = 1.7 * static_cast<double>(v) + number;
+        states[i].positions[v].x() += static_cast<Real>(0.02 * blueprint.size * std::sin(phase));
+      }
+      Member<Real>& member = members[i];
+      member.blueprint = &blueprint;
+      member.state = &states[i];
+      member.load.acceleration = Vector3<Real>(0, 0, Real(-9.81));
+      member.load.gasFactor = static_cast<Real>(1 + 0.1 * number);
+      member.load.stiffnessFactor = static_cast<Real>(1 + 0.05 * number);
+      if (i % 2 == 1) member.pushes.push_back({0, Vector3<Real>(5, 0, 3)});
+      member.load.pushes = member.pushes;
+      member.surfaces.push_back(MakeSurface<Real>(floor, states[i].origin));
+    }
+    FindAllContacts();
+  }
+
+  void FindAllContacts() {
+    std::vector<Contact<Real>> scratch;
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      FindContacts<Real>(members[i].surfaces, 0, FindBounds<Real>(states[i].positions, states[i].velocities),
+                         states[i].positions, states[i].velocities, static_cast<Real>(kRules.duration),
+                         states[i].contacts, scratch);
+    }
+  }
+
+  // All that begin with as many substeps as the first, in a pack of this many lanes.
+  std::vector<std::size_t> StepInLanes(int width) {
+    std::vector<std::size_t> stepped;
+    std::vector<Member<Real>*> together;
+    const int substeps = FindFirstSubsteps<Real>(members[0], kRules, scratch.groups[0]);
+    for (std::size_t i = 0; i < members.size() && together.size() < static_cast<std::size_t>(width); ++i) {
+      if (FindFirstSubsteps<Real>(members[i], kRules, scratch.groups[0]) != substeps) continue;
+      stepped.push_back(i);
+      together.push_back(&members[i]);
+    }
+    std::array<GroupOutcome, kWidestPack> outcomes;
+    StepPack<Real>(together, substeps, kRules, FindSweepKernels<Real>(width), scratch, outcomes);
+    return stepped;
+  }
+
+  void StepPlainly(std::size_t i) {
+    Member<Real>* member = &members[i];
+    StepGroup<Real>({&member, 1}, {}, kRules, nullptr, scratch.groups[0]);
+  }
+
+  const Blueprint& blueprint;
+  std::vector<State<Real>> states;
+  std::vector<Member<Real>> members;
+  PackScratch<Real> scratch;
+};
+
+std::vector<Blueprint> MakeKinds() {
+  std::vector<Blueprint> kinds{MakeBall(MakeMeasuredBall(0.2)), MakeLattice(MakeJellyCube(0.1)),
+                               MakePair(PairDefinition{})};
+  LatticeDefinition sheet;
+  sheet.cells = {6, 0, 3};
+  sheet.poissonRatio = FindPoissonRatio(sheet.cells);
+  kinds.push_back(MakeLattice(sheet));
+  Blueprint held = MakeBall(MakeMeasuredBall(0.2));
+  held.full.fixed = {3, 40};
+  FinishBlueprint(held);
+  kinds.push_back(std::move(held));
+  return kinds;
+}
+
+template <class Real>
+double FindLargestDifference(const State<Real>& a, const State<Real>& b) {
+  double largest = 0;
+  for (std::size_t i = 0; i < a.positions.size(); ++i) {
+    largest = std::max({largest, double{(a.positions[i] - b.positions[i]).norm()},
+                        double{(a.velocities[i] - b.velocities[i]).norm()} * kRules.duration});
+  }
+  return largest;
+}
+
+template <class Real>
+class PackStepTest : public testing::Test {};
+using Precisions = testing::Types<float, double>;
+TYPED_TEST_SUITE(PackStepTest, Precisions);
+
+TYPED_TEST(PackStepTest, DoesWhatThePlainReferenceDoes) {
+  using Real = TypeParam;
+  for (const Blueprint& kind : MakeKinds()) {
+    for (const SweepKernel<Real>& kernel : FindSweepKernels<Real>(kWidestPack)) {
+      Bodies<Real> inLanes(kind, 5);
+      Bodies<Real> plainly(kind, 5);
+      const std::vector<std::size_t> stepped = inLanes.StepInLanes(kernel.width);
+      for (const std::size_t i : stepped) {
+        plainly.StepPlainly(i);
+        const double rounding = sizeof(Real) == 4 ? 2e-6 : 1e-14;
+        EXPECT_LT(FindLargestDifference(inLanes.states[i], plainly.states[i]), rounding)
+            << kind.name << ", " << kernel.width << " lanes, body " << i;
+        EXPECT_NEAR(inLanes.members[i].error, plainly.members[i].error, 0.01 * plainly.members[i].error + 1e-9);
+      }
+    }
+  }
+}
+
+TYPED_TEST(PackStepTest, GivesTheSameBitsInAnyLaneOfAnyWidth) {
+  using Real = TypeParam;
+  for (const Blueprint& kind : MakeKinds()) {
+    Bodies<Real> alone(kind, 16);
+    std::vector<bool> known(16, false);
+    for (const SweepKernel<Real>& kernel : FindSweepKernels<Real>(kWidestPack)) {
+      Bodies<Real> together(kind, 16);
+      for (const std::size_t i : together.StepInLanes(kernel.width)) {
+        Member<Real>* member = &alone.members[i];
+        std::array<GroupOutcome, kWidestPack> outcomes;
+        const int substeps = FindFirstSubsteps<Real>(*member, kRules, alone.scratch.groups[0]);
+        if (!known[i]) {
+          StepPack<Real>(std::span(&member, 1), substeps, kRules, FindSweepKernels<Real>(1), alone.scratch, outcomes);
+        }
+        known[i] = true;
+        EXPECT_EQ(HashState(together.states[i], kHashSeed), HashState(alone.states[i], kHashSeed))
+            << kind.name << ", " << kernel.width << " lanes, body " << i;
+      }
+    }
+  }
+}
+
+TEST(PackStepTest, WorldIsTheSameWhateverThePacks) {
+  std::vector<std::uint64_t> hashes;
+  for (const int widest : {1, 8, 16}) {
+    WorldSettings settings;
+    settings.widestPack = widest;
+    settings.threads = 2;
+    World world(settings);
+    world.AddBlueprint(MakeBall(MakeMeasuredBall(0.2)));
+    world.AddBlueprint(MakeLattice(MakeJellyCube(0.2)));
+    world.AddObstacle(Obstacle{});
+    for (int i = 0; i < 21; ++i) {
+      world.AddBody(static_cast<std::uint8_t>(i % 2), Vector3d(2.5 * i, 0, 1.2 + 0.1 * i), Vector3d(0, 0.1 * i, 0));
+    }
+    for (int tick = 0; tick < 90; ++tick) world.Step();
+    hashes.push_back(world.Hash());
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+  EXPECT_EQ(hashes[0], hashes[2]);
+}
+
+TEST(PackStepTest, RefusesWhatTheSweepDoesNotKnow) {
+  Blueprint ball = MakeBall(MakeMeasuredBall());
+  EXPECT_TRUE(CanGoInPack<float>(ball));
+  SetContactLaw(ball, ContactLaw::kMagnetic);
+  EXPECT_TRUE(CanGoInPack<float>(ball));
+  SetContactLaw(ball, ContactLaw::kBacktracking);
+  EXPECT_FALSE(CanGoInPack<float>(ball));
+  SetContactLaw(ball, ContactLaw::kPenalty);
+  SetIntegrator(ball, Integrator::kLeapFrog);
+  EXPECT_FALSE(CanGoInPack<float>(ball));
+  SetIntegrator(ball, Integrator::kRungeKutta4);
+  ball.full.drag = 0.5;
+  FinishBlueprint(ball);
+  EXPECT_FALSE(CanGoInPack<float>(ball));
+}
+
+}  // namespace
+}  // namespace wobble::physics
