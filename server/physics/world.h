@@ -38,6 +38,7 @@ struct StepReport {
   std::uint32_t quarantined = 0;  // these, and those whose energy ran away: stepped again in more substeps
   std::uint32_t reset = 0;        // of these: no number of substeps has helped, back in the rest shape
   std::uint32_t torn = 0;         // springs
+  BodyId firstQuarantined = 0;    // the least id of these; 0: none was
 };
 
 class World {

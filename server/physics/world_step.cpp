@@ -350,7 +350,8 @@ class World::Stepper {
 
   StepReport Report() const {
     StepReport report;
-    for (const Outcome& outcome : m_work.outcomes) {
+    for (std::size_t i = 0; i < m_work.outcomes.size(); ++i) {
+      const Outcome& outcome = m_work.outcomes[i];
       report.awake += outcome.steps.substeps > 0 ? 1 : 0;
       report.substeps += static_cast<std::uint64_t>(outcome.steps.substeps);
       report.allSubsteps += static_cast<std::uint64_t>(outcome.steps.allSubsteps);
