@@ -136,7 +136,7 @@ void PutBack(const Coefficients<Real>& body, Real h, std::span<const Surface<Rea
              std::span<Vector3<Real>> x, std::span<Vector3<Real>> v) {
   for (Contact<Real>& contact : contacts) {
     const std::uint32_t i = contact.vertex;
-    if (!(body.inverseMasses[i] > Real(0))) continue;
+    if (contact.buried || !(body.inverseMasses[i] > Real(0))) continue;
     const Surface<Real>& surface = surfaces[contact.surface];
     const SurfacePoint<Real> point = FindSurfacePoint(surface, x[i]);
     if (contact.touching) {
@@ -149,7 +149,7 @@ void PutBack(const Coefficients<Real>& body, Real h, std::span<const Surface<Rea
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     for (const Contact<Real>& contact : contacts) {
       const std::uint32_t i = contact.vertex;
-      if (body.inverseMasses[i] > Real(0)) Lift(surfaces[contact.surface], x[i], v[i]);
+      if (!contact.buried && body.inverseMasses[i] > Real(0)) Lift(surfaces[contact.surface], x[i], v[i]);
     }
   }
   for (Contact<Real>& contact : contacts) {

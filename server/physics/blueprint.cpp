@@ -107,8 +107,9 @@ void CheckField(std::vector<FieldError>& errors, const char* field, double value
 }
 
 bool IsSlowEnough(const Blueprint& blueprint) {
+  constexpr double kTick = 1.0 / 60;
   const double rate = std::max(blueprint.angularFrequency, blueprint.dampingRate);
-  return rate / 60 / kStabilityLimit <= kMaxSubsteps / 2;
+  return rate * kTick / kStabilityLimit <= kMaxSubsteps / 2 && FindSubstepsOnGround(blueprint, kTick) <= kMaxSubsteps;
 }
 
 void SetIntegrator(Blueprint& blueprint, Integrator integrator) {

@@ -156,7 +156,8 @@ inline constexpr double kDefaultMagneticStrength = 1e-3;
 // Sets the law and what follows from it; after FinishBlueprint. magneticStrength: K, for that law only.
 void SetContactLaw(Blueprint& blueprint, ContactLaw law, double magneticStrength = kDefaultMagneticStrength);
 
-// Whether the body by itself leaves half of the largest number of substeps, at 60 ticks a second, to what it touches.
+// Whether the body by itself leaves half of the largest number of substeps, at 60 ticks a second, to what it touches,
+// and needs no more than all of them on a rigid surface.
 [[nodiscard]] bool IsSlowEnough(const Blueprint& blueprint);
 
 }  // namespace wobble::physics

@@ -70,8 +70,9 @@ template <class Real>
 // `contacts`. own: the surface that the vertices belong to. near: a box in the shell's coordinates that holds the
 // shell, fat enough for the time. margin: m, for what the vertex's present motion does not tell.
 template <class Real>
-void FindBodyContacts(const Meeting<Real>& meeting, const Shell<Real>& own, const Bounds<Real>& near, Real margin,
-                      Real duration, std::vector<BodyContact<Real>>& contacts, std::vector<BodyContact<Real>>& scratch);
+void FindBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting, const Shell<Real>& own,
+                      const Bounds<Real>& near, Real margin, Real duration, std::vector<BodyContact<Real>>& contacts,
+                      std::vector<BodyContact<Real>>& scratch);
 
 // What one contact does, N. Computed for all contacts first and added up body by body afterwards: so bodies that share
 // neighbours can be worked on at the same time, and every sum still has its one order.

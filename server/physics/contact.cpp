@@ -12,6 +12,8 @@ constexpr double kFadeShare = 0.0075;
 constexpr double kStickShare = 0.5;
 // Its dashpot, as a share of critical for the vertex alone: a slide ends without ringing.
 constexpr double kStickDampingRatio = 0.3;
+// A vertex that comes in over the edge of ground may be this deep, m.
+constexpr double kBuriedDepth = 0.01;
 // Candidates beyond the way a vertex goes in the tick, m: what gravity and springs may add.
 constexpr double kMargin = 0.02;
 
@@ -57,6 +59,16 @@ Fade<Real> FindFade(const ContactParameters<Real>& parameters, Real distance) {
   const Real half = parameters.range / Real(2);
   const Real s = std::clamp((parameters.range - distance) / half, Real(0), Real(1));
   return {s * s * (Real(3) - Real(2) * s), Real(6) * s * (Real(1) - s) / half};
+}
+
+// Ground has no walls where its heights end. What has come in there would be lifted by a spring that nobody pressed, as
+// hard as it is deep: a ball that had rolled off the edge, and under it, was shot out at fifteen kilometres a second.
+template <class Real>
+bool HasComeFromBeside(const Surface<Real>& surface, const SurfacePoint<Real>& point, const Vector3<Real>& x,
+                       const Vector3<Real>& v, Real duration) {
+  if (surface.kind != Obstacle::Kind::kHeightField || point.distance > -static_cast<Real>(kBuriedDepth)) return false;
+  const Vector3<Real> before = x - Real(2) * duration * v;
+  return FindSurfacePoint(surface, before).distance >= static_cast<Real>(kBeyond);
 }
 
 bool ComesBefore(std::uint32_t surfaceA, std::uint32_t vertexA, std::uint32_t surfaceB, std::uint32_t vertexB) {
@@ -156,6 +168,7 @@ template <class Real>
 SurfacePoint<Real> FindContactPoint(const Surface<Real>& surface, const Contact<Real>& contact,
                                     const Vector3<Real>& x) {
   const SurfacePoint<Real> point = FindSurfacePoint(surface, x);
+  if (contact.buried) return {static_cast<Real>(kBeyond), point.normal};
   if (surface.kind != Obstacle::Kind::kBox || !(point.normal.dot(contact.side) < Real(0))) return point;
   const Vector3<Real> fromCentre = x - surface.centre;
   int axis = 0;
@@ -186,7 +199,10 @@ void FindContacts(std::span<const Surface<Real>> surfaces, Real range, const Bou
       while (kept != contacts.end() && ComesBefore(kept->surface, kept->vertex, s, i)) ++kept;
       const bool known = kept != contacts.end() && kept->surface == s && kept->vertex == i;
       Contact<Real> contact = known ? *kept : Contact<Real>{s, i};
+      contact.buried = false;
       const SurfacePoint<Real> point = FindContactPoint(surfaces[s], contact, x[i]);
+      contact.buried = known && kept->buried ? point.distance < Real(0)
+                                             : !known && HasComeFromBeside(surfaces[s], point, x[i], v[i], duration);
       const Real approach = std::max(Real(0), FindApproach(surfaces[s], point, v[i])) * duration;
       if (point.distance > margin + approach) continue;
       contact.side = point.normal;

@@ -93,7 +93,8 @@ void FinishEdit(GraphEdit& edit, const char* field, double value) {
   if (!edit.errors.empty()) return;
   FinishGraph(edit.blueprint);
   CheckField(edit.errors, field, value, IsSlowEnough(edit.blueprint),
-             "softer, less damped or heavier: the body would need more than 32 substeps a tick");
+             "softer, less damped or heavier: the body would need more than 32 substeps a tick, or more than 64 on the "
+             "ground");
 }
 
 GraphEdit BuildGraph(const GraphDefinition& definition) {

@@ -193,8 +193,8 @@ std::vector<FieldError> ValidateLattice(const LatticeDefinition& d) {
   CheckField(errors, "repulsion", d.repulsion, d.repulsion == 0 || HasLongEnoughSprings(lattice),
              "lower, or young_modulus higher: springs that balance it would vanish");
   CheckField(errors, "young_modulus", d.youngModulus, IsSlowEnough(lattice),
-             "lower, or density or cell_size higher: the body would need more than 32 substeps a tick before it "
-             "touches anything");
+             "lower, or contact_stiffness lower, or density or cell_size higher: the body would need more than 32 "
+             "substeps a tick before it touches anything, or more than 64 on the ground");
   return errors;
 }
 

@@ -25,8 +25,10 @@ void CheckGas(std::vector<FieldError>& errors, const Material& m) {
 void CheckStiffness(std::vector<FieldError>& errors, const Material& material, const Blueprint& blueprint) {
   CheckField(errors, "repulsion", material.repulsion, material.repulsion == 0 || HasLongEnoughSprings(blueprint),
              "lower, or stiffness higher: springs that balance it would vanish");
-  CheckField(errors, "stiffness", material.stiffness, IsSlowEnough(blueprint),
-             "lower, or mass higher: the body would need more than 32 substeps a tick before it touches anything");
+  CheckField(
+      errors, "stiffness", material.stiffness, IsSlowEnough(blueprint),
+      "lower, or contact_stiffness lower, or mass higher: the body would need more than 32 substeps a tick before it "
+      "touches anything, or more than 64 on the ground");
 }
 
 void SetRepulsion(Blueprint& blueprint, double repulsion) {

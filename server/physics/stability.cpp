@@ -85,6 +85,19 @@ ContactRates AddRates(const ContactRates& a, const ContactRates& b) {
   return {a.squareFrequency + b.squareFrequency, a.dampingRate + b.dampingRate};
 }
 
+// The body with all that it touches at once.
+double FindLargestRate(const Modes& modes, bool& lightlyDamped) {
+  const double body = modes.body.squareFrequency;
+  const double bodyDamping = modes.body.dampingRate;
+  const ContactRates contact = AddRates(modes.surfaces, modes.bodies);
+  const double both = bodyDamping + contact.dampingRate;
+  const double rate =
+      std::max({FindModeRate(body, both), contact.dampingRate, FindModeRate(body + contact.squareFrequency, both),
+                FindModeRate(body + contact.squareFrequency, bodyDamping)});
+  lightlyDamped = both < rate * 2 / 3;  // g = 2ζω: under a third of critical
+  return rate;
+}
+
 // Substeps in which vertices that land on a surface cross the depth over which its force sets in, as many as the body
 // feels of it: that an error stays behind there which no stage of RK4 sees shows in how high the body comes back, by
 // the square root of the mass that lands. Without this a lone particle came back up to 10 % too high or low.
@@ -184,16 +197,23 @@ Modes FindModes(const Blueprint& blueprint, const Load<Real>& load, std::span<co
 template <class Real>
 double FindLargestRate(const Blueprint& blueprint, const Load<Real>& load, std::span<const Surface<Real>> surfaces,
                        const State<Real>& state, const ContactRates& fromBodies, double duration, bool& lightlyDamped) {
-  const Modes modes = FindModes(blueprint, load, surfaces, state, fromBodies, duration);
-  const double body = modes.body.squareFrequency;
-  const double bodyDamping = modes.body.dampingRate;
-  const ContactRates contact = AddRates(modes.surfaces, modes.bodies);
-  const double both = bodyDamping + contact.dampingRate;
-  const double rate =
-      std::max({FindModeRate(body, both), contact.dampingRate, FindModeRate(body + contact.squareFrequency, both),
-                FindModeRate(body + contact.squareFrequency, bodyDamping)});
-  lightlyDamped = both < rate * 2 / 3;  // g = 2ζω: under a third of critical
-  return rate;
+  return FindLargestRate(FindModes(blueprint, load, surfaces, state, fromBodies, duration), lightlyDamped);
+}
+
+double FindSubstepsOnGround(const Blueprint& blueprint, double duration) {
+  Modes modes;
+  modes.body = {blueprint.angularFrequency * blueprint.angularFrequency, blueprint.dampingRate};
+  const Coefficients<double>& body = blueprint.full;
+  for (std::size_t i = 0; i < body.masses.size(); ++i) {
+    // From the fade depth on, force and damping grow no steeper.
+    const ContactRates rates =
+        FindRates(body.contact, 2 * body.contact.fadeDepth, body.masses[i] / body.contactShares[i]);
+    modes.surfaces.squareFrequency = std::max(modes.surfaces.squareFrequency, rates.squareFrequency);
+    modes.surfaces.dampingRate = std::max(modes.surfaces.dampingRate, rates.dampingRate);
+  }
+  bool lightlyDamped = false;
+  const double rate = FindLargestRate(modes, lightlyDamped);
+  return rate * duration / (lightlyDamped ? kStabilityLimitLightlyDamped : kStabilityLimit);
 }
 
 template <class Real>

@@ -44,6 +44,10 @@ template <class Real>
 // Substeps a second with which the method is stable for all of them.
 [[nodiscard]] double FindStableRate(Integrator integrator, const Blueprint& blueprint, const Modes& modes);
 
+// Substeps for a tick of `duration` seconds with which RK4 is stable while the body lies on a rigid surface, as deep in
+// it and as fast as may be.
+[[nodiscard]] double FindSubstepsOnGround(const Blueprint& blueprint, double duration);
+
 // The largest rate ρ, 1/s, over the modes of the body with everything it may touch within `duration` seconds.
 // fromBodies: what its contacts with other bodies add.
 template <class Real>

@@ -73,10 +73,13 @@ void World::SetMotion(BodyId id, std::span<const Vector3d> positions, std::span<
   std::visit(
       [&]<class Real>(State<Real>& state) {
         assert(positions.size() == state.positions.size() && velocities.size() == state.velocities.size());
+        const Coefficients<double>& full = m_blueprints[body.blueprint].full;
         for (std::size_t i = 0; i < positions.size(); ++i) {
           state.positions[i] = (positions[i] - state.origin).template cast<Real>();
           state.velocities[i] = velocities[i].template cast<Real>();
+          if (full.planar) state.velocities[i].y() = Real(0);
         }
+        for (const std::uint16_t vertex : full.fixed) state.velocities[vertex].setZero();
       },
       body.state);
 }

@@ -41,6 +41,7 @@ struct StepReport {
   std::uint32_t quarantined = 0;  // these, and those whose energy ran away: stepped again in more substeps
   std::uint32_t reset = 0;        // of these: no number of substeps has helped, back in the rest shape
   std::uint32_t torn = 0;         // springs
+  BodyId firstQuarantined = 0;    // the least id of these; 0: none was
 };
 
 class World {
@@ -62,7 +63,7 @@ class World {
   void PlaceBody(BodyId id, const Vector3d& position);
   void SetControl(BodyId id, const Control& control, const ControlLimits& limits);
   // Puts every vertex where and as fast as is said, in the world. Any numbers are taken: what cannot be is for Step to
-  // find.
+  // find. But nothing could ever stop a fixed vertex, or motion across a planar body's plane: these stay at rest.
   void SetMotion(BodyId id, std::span<const Vector3d> positions, std::span<const Vector3d> velocities);
   // Wakes everything that sleeps: down is elsewhere now.
   void SetGravity(const Vector3d& gravity);

@@ -173,7 +173,9 @@ class World::Stepper {
       near.high.array() += fat;
       const Shell<Real> own{vertices.blueprint->template Read<Real>().faces, &vertices.blueprint->topology,
                             vertices.state->positions};
-      FindBodyContacts<Real>(meeting, own, near, static_cast<Real>(kMargin), static_cast<Real>(m_duration),
+      const ContactParameters<Real> both =
+          Combine(vertices.blueprint->template Read<Real>().contact, faces.blueprint->template Read<Real>().contact);
+      FindBodyContacts<Real>(both, meeting, own, near, static_cast<Real>(kMargin), static_cast<Real>(m_duration),
                              m_work.pairs[i].sides[side], m_work.scratch.local().bodyContacts);
     }
   }
@@ -393,7 +395,8 @@ class World::Stepper {
 
   StepReport Report() const {
     StepReport report;
-    for (const Outcome& outcome : m_work.outcomes) {
+    for (std::size_t i = 0; i < m_work.outcomes.size(); ++i) {
+      const Outcome& outcome = m_work.outcomes[i];
       report.awake += outcome.steps.substeps > 0 ? 1 : 0;
       report.substeps += static_cast<std::uint64_t>(outcome.steps.substeps);
       report.allSubsteps += static_cast<std::uint64_t>(outcome.steps.allSubsteps);
@@ -402,6 +405,7 @@ class World::Stepper {
       report.quarantined += outcome.health != Health::kGood ? 1 : 0;
       report.reset += outcome.reset ? 1 : 0;
       report.torn += static_cast<std::uint32_t>(outcome.torn);
+      if (report.firstQuarantined == 0 && outcome.health != Health::kGood) report.firstQuarantined = m_bodies[i].id;
     }
     return report;
   }

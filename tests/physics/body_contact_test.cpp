@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "server/physics/ball.h"
@@ -473,6 +474,62 @@ TEST(BodyContact, ABodyIsGroundToJumpFrom) {
   };
   world.Step();
   EXPECT_GT(speedOf(top), 4);
+}
+
+// Random trials found hard bodies with few vertices, edge on edge, torn apart by contacts that began a centimetre deep.
+TEST(BodyContact, WhatBeginsInsideAHardBodyIsNotShotOut) {
+  BallDefinition ball;
+  ball.subdivisions = 0;
+  ball.radius = 0.4;
+  ball.material = {.mass = 2.4, .stiffness = 1.4e5, .dampingRatio = 0.02, .gas = 700};
+  WorldSettings settings;
+  settings.gravity = Vector3d::Zero();
+  World world(settings);
+  world.AddBlueprint(MakeBall(ball));
+  const Blueprint& blueprint = world.Blueprints()[0];
+  const Face& face = blueprint.full.faces[0];
+  const Vector3d middle = (blueprint.rest[face[0]] + blueprint.rest[face[1]] + blueprint.rest[face[2]]) / 3;
+  const Vector3d outward = middle.normalized();
+  const Vector3d tip = *std::ranges::min_element(
+      blueprint.rest, {}, [&](const Vector3d& x) { return x.dot(outward) - 0.1 * x.dot(Vector3d(1, 2, 3)); });
+  world.AddBody(0, Vector3d::Zero());
+  world.AddBody(0, middle - 0.008 * outward - tip);
+  for (int tick = 0; tick < 60; ++tick) {
+    const StepReport report = world.Step();
+    ASSERT_EQ(report.quarantined, 0U) << "tick " << tick;
+    for (const Body& body : world.Bodies()) {
+      const auto& state = std::get<State<float>>(body.state);
+      ASSERT_LT(FindMeanVelocity(blueprint, state).norm(), 0.5) << "tick " << tick;
+    }
+  }
+}
+
+// Random trials found a planar ring, squashed, whose faces turned over in their plane: what stood 0.4 m before them was
+// pushed as if 0.4 m behind.
+TEST(BodyContact, AFaceThatTurnsOverInItsPlanePushesNothing) {
+  const std::vector<Face> faces{{0, 1, 2}};
+  const Topology topology = MakeTopology(faces, 3);
+  std::vector<Vector3d> sheet{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const std::vector<Vector3d> x{{0.3, 0.3, 0.4}, {1.3, 0.3, 0.4}, {0.3, 1.3, 0.4}};
+  const std::vector<Vector3d> still(3, Vector3d::Zero());
+  const std::vector<double> shares(3, 1);
+  const ContactParameters<double> parameters = MakeContactParameters(Material{}, 0.1, 0.5);
+  const Meeting<double> meeting{x, still, shares, {faces, &topology, sheet}, still};
+  const Bounds<double> near{Vector3d::Constant(-1), Vector3d::Constant(2), 1};
+  std::vector<BodyContact<double>> contacts;
+  std::vector<BodyContact<double>> scratch;
+  FindBodyContacts<double>(parameters, meeting, {faces, &topology, x}, near, 0.5, kTick, contacts, scratch);
+  ASSERT_FALSE(contacts.empty());
+  for (int turn = 0; turn < 4; ++turn) {
+    std::swap(sheet[1], sheet[2]);
+    UpdateBodyContacts<double>(parameters, meeting, kTick / 16, contacts);
+    std::vector<ContactForce<double>> forces(contacts.size());
+    ComputeBodyContacts<double>(parameters, meeting, contacts, forces);
+    for (const ContactForce<double>& force : forces) {
+      EXPECT_TRUE(!force.acts || force.onVertex.norm() < 1e-9) << "turn " << turn << ": " << force.onVertex.norm();
+    }
+    EXPECT_LT(ComputeBodyContactEnergy<double>(parameters, meeting, contacts), 1e-9);
+  }
 }
 
 }  // namespace

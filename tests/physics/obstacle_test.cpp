@@ -195,6 +195,26 @@ TEST(HeightField, ClearanceAndApproachPromiseNoMoreThanIsTrue) {
   EXPECT_EQ(FindSurfacePoint(surface, Vector3d(5, 0, -3)).distance, kBeyond) << "nothing beyond the rectangle";
 }
 
+// Random trials found a ball that had rolled off the edge of the ground, and in under it, shot out at 15 km/s.
+TEST(HeightField, WhatComesInUnderItFromBesideIsLeftAlone) {
+  World world{WorldSettings{}};
+  world.AddBlueprint(MakeBall(BallDefinition{}));
+  world.AddObstacle(MakeGround(Vector3d(-8, -8, 0), 9, 2, [](double, double) { return 0.0; }));
+  const BodyId under = world.AddBody(0, Vector3d(10, 0, -3), Vector3d(-8, 0, 0));
+  const BodyId over = world.AddBody(0, Vector3d(0, 0, 1));
+  const BodyId inside = world.AddBody(0, Vector3d(0, 4, 0.3));  // put there, it is pushed out
+  for (int tick = 0; tick < 60; ++tick) {
+    world.Step();
+    for (const Vector3<float>& v : std::get<State<float>>(world.ReadBody(under).state).velocities) {
+      ASSERT_LT(v.norm(), 20) << "tick " << tick;
+    }
+  }
+  EXPECT_LT(world.FindCentre(world.ReadBody(under)).x(), 4) << "it went in";
+  EXPECT_LT(world.FindCentre(world.ReadBody(under)).z(), -7) << "and falls on";
+  EXPECT_GT(world.FindCentre(world.ReadBody(over)).z(), 0.3);
+  EXPECT_GT(world.FindCentre(world.ReadBody(inside)).z(), 0.3);
+}
+
 // A float far from the field's corner, by way of the body's origin, sees what a double does.
 TEST(HeightField, IsAsExactFarFromItsCorner) {
   const Obstacle ground = MakeGround(Vector3d(-2000, -2000, 100), 128, 20, [](double x, double y) {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "server/physics/pair.h"
 #include "server/physics/runge_kutta.h"
 #include "server/physics/stability.h"
 #include "server/physics/world.h"
@@ -15,6 +16,29 @@ TEST(Stability, LadderGivesTheNextRung) {
   EXPECT_EQ(FindRung(5), 6);
   EXPECT_EQ(FindRung(64), 64);
   EXPECT_EQ(FindRung(1000), 64);
+}
+
+// Random trials found a pair whose springs were slow enough, on the ground in more substeps than there are.
+TEST(Stability, ABodyTooStiffForTheGroundIsRefused) {
+  PairDefinition pair;
+  pair.length = 0.5;
+  pair.material.mass = 1;
+  pair.material.stiffness = 4e5;
+  ASSERT_TRUE(ValidatePair(pair).empty());
+  const double needed = FindSubstepsOnGround(MakePair(pair), 1.0 / 60);
+  EXPECT_LE(needed, kMaxSubsteps);
+  pair.material.contactStiffness = 100 * pair.material.stiffness;
+  EXPECT_GT(FindSubstepsOnGround(MakePair(pair), 1.0 / 60), kMaxSubsteps);
+  EXPECT_FALSE(ValidatePair(pair).empty());
+
+  // No less than a tick asks for when the body lies deep in the ground.
+  pair.material.contactStiffness = 0;
+  World world{WorldSettings{}};
+  world.AddBlueprint(MakePair(pair));
+  world.AddObstacle(Obstacle{});
+  world.AddBody(0, Vector3d(0, 0, -0.1));
+  const StepReport report = world.Step();
+  EXPECT_GE(static_cast<double>(report.substeps), needed);
 }
 
 // Growth of a kicked free body over ten seconds at a given hω of its stiffest mode.

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "server/physics/pair.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 #include "tests/support/pace.h"
@@ -151,6 +152,31 @@ TEST(World, PuffedUpBodyIsLargerAndShrinksAgain) {
     sum += volume();
   }
   EXPECT_NEAR(sum / 120, before, 0.1 * before);
+}
+
+// Random trials found bodies that gained energy for ever: nothing ever stopped what SetMotion had set moving.
+TEST(World, SetMotionMovesNeitherFixedVerticesNorPlanarBodiesAcrossTheirPlane) {
+  PairDefinition pair;
+  pair.firstIsFixed = true;
+  LatticeDefinition sheet;
+  sheet.cells = {2, 0, 2};
+  sheet.poissonRatio = FindPoissonRatio(sheet.cells);
+  World world{WorldSettings{}};
+  world.AddBlueprint(MakePair(pair));
+  world.AddBlueprint(MakeLattice(sheet));
+  const Vector3d velocity(1, 2, 3);
+  for (const std::uint8_t blueprint : {std::uint8_t{0}, std::uint8_t{1}}) {
+    const BodyId id = world.AddBody(blueprint, Vector3d(5.0 * blueprint, 0, 10));
+    std::vector<Vector3d> positions;
+    VisitVertices(world.ReadBody(id), [&](std::size_t, const Vector3d& x) { positions.push_back(x); });
+    world.SetMotion(id, positions, std::vector<Vector3d>(positions.size(), velocity));
+  }
+  const auto& held = std::get<State<float>>(world.ReadBody(1).state).velocities;
+  EXPECT_TRUE(held[0].isZero(0));
+  EXPECT_TRUE(held[1].isApprox(velocity.cast<float>()));
+  for (const auto& v : std::get<State<float>>(world.ReadBody(2).state).velocities) {
+    EXPECT_TRUE(v.isApprox(Vector3<float>(1, 0, 3)));
+  }
 }
 
 TEST(World, RemovedBodiesAreGoneAndIdsAreNotReused) {
