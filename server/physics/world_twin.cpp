@@ -24,35 +24,34 @@ std::vector<Vector3<To>> Convert(const std::vector<Vector3<From>>& from) {
   return to;
 }
 
+// Each field by its name: one that is added later and forgotten here does not compile.
 template <class To, class From>
 Contact<To> Convert(const Contact<From>& from) {
-  return {from.surface,           from.vertex,           from.touching, Convert<To>(from.anchor),
-          Convert<To>(from.slip), Convert<To>(from.side)};
+  const auto& [surface, vertex, touching, buried, anchor, slip, side] = from;
+  return {surface, vertex, touching, buried, Convert<To>(anchor), Convert<To>(slip), Convert<To>(side)};
 }
 
 template <class To, class From>
 BodyContact<To> Convert(const BodyContact<From>& from) {
-  return {from.vertex,
-          from.face,
-          from.armed,
-          from.behind,
-          from.touching,
-          static_cast<To>(from.maxDepth),
-          static_cast<To>(from.depth),
-          static_cast<To>(from.leap),
-          Convert<To>(from.foot),
-          Convert<To>(from.slip),
-          Convert<To>(from.outward)};
+  const auto& [vertex, face, armed, behind, touching, maxDepth, depth, leap, foot, slip, outward] = from;
+  return {vertex,
+          face,
+          armed,
+          behind,
+          touching,
+          static_cast<To>(maxDepth),
+          static_cast<To>(depth),
+          static_cast<To>(leap),
+          Convert<To>(foot),
+          Convert<To>(slip),
+          Convert<To>(outward)};
 }
 
 template <class To, class From>
 State<To> Convert(const State<From>& from) {
-  State<To> to;
-  to.origin = from.origin;
-  to.positions = Convert<To>(from.positions);
-  to.velocities = Convert<To>(from.velocities);
-  for (const Contact<From>& contact : from.contacts) to.contacts.push_back(Convert<To>(contact));
-  to.torn = from.torn;
+  const auto& [origin, positions, velocities, contacts, torn] = from;
+  State<To> to{origin, Convert<To>(positions), Convert<To>(velocities), {}, torn};
+  for (const Contact<From>& contact : contacts) to.contacts.push_back(Convert<To>(contact));
   return to;
 }
 

@@ -39,11 +39,11 @@ struct Bodies {
   }
 
   void FindAllContacts() {
-    std::vector<Contact<Real>> scratch;
+    std::vector<Contact<Real>> spare;
     for (std::size_t i = 0; i < members.size(); ++i) {
       FindContacts<Real>(members[i].surfaces, 0, FindBounds<Real>(states[i].positions, states[i].velocities),
                          states[i].positions, states[i].velocities, static_cast<Real>(kRules.duration),
-                         states[i].contacts, scratch);
+                         states[i].contacts, spare);
     }
   }
 
