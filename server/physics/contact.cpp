@@ -71,6 +71,26 @@ bool HasComeFromBeside(const Surface<Real>& surface, const SurfacePoint<Real>& p
   return FindSurfacePoint(surface, before).distance >= static_cast<Real>(kBeyond);
 }
 
+// How fast a vertex may be within the tick, whatever it does now: a body that vibrates faster than a tick throws it
+// onto a surface at the speed of any other. By its own speed alone it was in the ground before anybody looked, a hand
+// deep, and what lifted it out was energy from nowhere that no check sees, since it comes between two ticks.
+template <class Real>
+struct Agitation {
+  Vector3<Real> mean = Vector3<Real>::Zero();  // m/s
+  Real speed = -1;                             // of the fastest vertex against that, m/s; negative: not yet known
+};
+
+template <class Real>
+Agitation<Real> FindAgitation(std::span<const Vector3<Real>> v) {
+  Agitation<Real> agitation;
+  for (const Vector3<Real>& each : v) agitation.mean += each;
+  agitation.mean /= static_cast<Real>(v.size());
+  Real square = 0;
+  for (const Vector3<Real>& each : v) square = std::max(square, (each - agitation.mean).squaredNorm());
+  agitation.speed = std::sqrt(square);
+  return agitation;
+}
+
 bool ComesBefore(std::uint32_t surfaceA, std::uint32_t vertexA, std::uint32_t surfaceB, std::uint32_t vertexB) {
   return surfaceA != surfaceB ? surfaceA < surfaceB : vertexA < vertexB;
 }
@@ -191,10 +211,12 @@ void FindContacts(std::span<const Surface<Real>> surfaces, Real range, const Bou
   const Vector3<Real> middle = bounds.low + half;
   const Real margin = range + static_cast<Real>(kMargin);
   const Real reach = std::sqrt(half.dot(half)) + bounds.speed * duration + margin;
+  Agitation<Real> agitation;
   auto kept = contacts.begin();
   for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
     // Nothing is nearer than this, so one look at the middle clears a whole body that is far off.
     if (FindClearance(surfaces[s], middle) > reach) continue;
+    if (agitation.speed < Real(0)) agitation = FindAgitation<Real>(v);
     for (std::uint32_t i = 0; i < x.size(); ++i) {
       while (kept != contacts.end() && ComesBefore(kept->surface, kept->vertex, s, i)) ++kept;
       const bool known = kept != contacts.end() && kept->surface == s && kept->vertex == i;
@@ -203,7 +225,9 @@ void FindContacts(std::span<const Surface<Real>> surfaces, Real range, const Bou
       const SurfacePoint<Real> point = FindContactPoint(surfaces[s], contact, x[i]);
       contact.buried = known && kept->buried ? point.distance < Real(0)
                                              : !known && HasComeFromBeside(surfaces[s], point, x[i], v[i], duration);
-      const Real approach = std::max(Real(0), FindApproach(surfaces[s], point, v[i])) * duration;
+      const Real own = FindApproach(surfaces[s], point, v[i]);
+      const Real shaken = FindApproach(surfaces[s], point, agitation.mean) + agitation.speed;
+      const Real approach = std::max({Real(0), own, shaken}) * duration;
       if (point.distance > margin + approach) continue;
       contact.side = point.normal;
       scratch.push_back(contact);

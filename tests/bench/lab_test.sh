@@ -83,6 +83,11 @@ case_trial_again() {
   expect_exit 0 contact --trial 2 --quick --json "$folder/b.json"
   cmp "$folder/a.json" "$folder/b.json" >"$out" || fail "twice the same"
   expect_line "$folder/a.json" '"trial": 2'
+  expect_exit 0 stability --trial 12 --json "$folder/a.json"
+  expect_line "$out" '^stability --trial 12 --seed 1: '
+  expect_exit 0 stability --trial 12 --json "$folder/b.json"
+  cmp "$folder/a.json" "$folder/b.json" >"$out" || fail "twice the same"
+  expect_line "$folder/a.json" '"trial": 12'
 }
 
 # Exit code 0 says that all figures keep to their limits.
@@ -114,7 +119,7 @@ case_stability() {
   expect_report stability \
     "theory_deviation_max server_step_over_limit_max perturbation_rk4_left growth_over_bound_max
      random_trials non_finite inverted quarantined penetration_p999" \
-    "stability_limits stability_map stability_perturbation stability_growth"
+    "stability_limits stability_map stability_perturbation stability_growth stability_trials"
 }
 
 declare -F "case_$case_name" >/dev/null || {

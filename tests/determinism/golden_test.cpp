@@ -1,7 +1,7 @@
 // Plays every shipped scene with a scripted player and compares the world's hash after each second with golden.txt.
 //
-//   golden_test SCENE_FOLDER GOLDEN_FILE [THREADS]     compares; exit 1 when any differs
-//   golden_test SCENE_FOLDER --write                   prints a new table
+//   golden_test SCENE_FOLDER GOLDEN_FILE [THREADS [SECONDS [LANES]]]   compares; exit 1 when any differs
+//   golden_test SCENE_FOLDER --write                                   prints a new table
 //
 // A golden hash changes only when the physics is meant to change; then the new table is part of that commit. The same
 // program is built by gcc and by clang: both must agree with the one table.
@@ -35,8 +35,10 @@ physics::Control MakeScriptedControl(int tick) {
 }
 
 // A line a second: scene, second, hash.
-std::string PlayScene(const scenes::Scene& scene, int threads, int seconds) {
-  physics::World world(scenes::MakeWorldSettings(scene, 1.0 / kTickHz, threads));
+std::string PlayScene(const scenes::Scene& scene, int threads, int seconds, int lanes) {
+  physics::WorldSettings settings = scenes::MakeWorldSettings(scene, 1.0 / kTickHz, threads);
+  settings.widestPack = lanes;
+  physics::World world(settings);
   [[maybe_unused]] const auto placed = scenes::FillWorld(scene, kSeed, world);
   const physics::BodyId player =
       world.AddBody(static_cast<std::uint8_t>(scene.player.blueprint), scenes::FindSpawn(scene.player, 1));
@@ -71,11 +73,12 @@ std::string ReadGolden(const char* path, int seconds) {
 
 int main(int argc, char** argv) {
   if (argc < 3) {
-    std::fprintf(stderr, "usage: golden_test SCENE_FOLDER GOLDEN_FILE|--write [THREADS [SECONDS]]\n");
+    std::fprintf(stderr, "usage: golden_test SCENE_FOLDER GOLDEN_FILE|--write [THREADS [SECONDS [LANES]]]\n");
     return 2;
   }
   const int threads = argc > 3 ? std::atoi(argv[3]) : 1;
   const int seconds = argc > 4 ? std::atoi(argv[4]) : kSeconds;
+  const int lanes = argc > 5 ? std::atoi(argv[5]) : physics::WorldSettings().widestPack;
   std::string table;
   for (const scenes::SceneSummary& summary : scenes::ListScenes(argv[1])) {
     const scenes::LoadResult loaded = scenes::LoadScene(summary.name, argv[1]);
@@ -83,7 +86,7 @@ int main(int argc, char** argv) {
       std::fprintf(stderr, "%s\n", loaded.errors.front().c_str());
       return 2;
     }
-    table += PlayScene(loaded.scene, threads, seconds);
+    table += PlayScene(loaded.scene, threads, seconds, lanes);
   }
   if (std::strcmp(argv[2], "--write") == 0) {
     std::cout << table;

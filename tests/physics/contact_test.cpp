@@ -262,5 +262,21 @@ TEST(Contact, BodiesStopAtBoxesToo) {
   EXPECT_LT(world.FindCentre(world.ReadBody(ball)).x(), 2.1);
 }
 
+// Random trials found a ring that shook so fast that vertices were in the ground before anybody looked: it was thrown
+// up with seven times the energy that it had come with.
+TEST(Contact, ABodyThatShakesIsLookedAtAsFarAsItMayReach) {
+  const std::vector<Surface<double>> ground{MakeSurface<double>(Obstacle{}, Vector3d::Zero())};
+  const std::vector<Vector3d> x{{0, 0, 0.3}, {1, 0, 0.3}, {2, 0, 5}};
+  std::vector<Contact<double>> contacts;
+  std::vector<Contact<double>> scratch;
+  const auto count = [&](const std::vector<Vector3d>& v) {
+    FindContacts<double>(ground, 0, FindBounds<double>(x, v), x, v, 1.0 / 60, contacts, scratch);
+    return contacts.size();
+  };
+  EXPECT_EQ(count({{0, 0, 0}, {0, 0, 60}, {0, 0, -60}}), 2U) << "the next moment it is theirs";
+  EXPECT_EQ(count({{0, 0, 60}, {0, 0, 60}, {0, 0, 60}}), 0U) << "it flies up as a whole";
+  EXPECT_EQ(count({{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}), 0U);
+}
+
 }  // namespace
 }  // namespace wobble::physics

@@ -25,6 +25,7 @@
 #include "tests/bench/contact/bodies.h"
 #include "tests/bench/contact/experiments.h"
 #include "tests/bench/contact/insides.h"
+#include "tests/bench/random.h"
 #include "tests/bench/trials.h"
 
 namespace wobble::bench {
@@ -43,37 +44,10 @@ constexpr double kLeastSpeed = 5;
 constexpr double kMostSpeed = 50;
 constexpr double kGhost = 1e-6;  // times the contact stiffness
 
-// SplitMix64 (Steele, Lea, Flood 2014): the same draws with every compiler and library.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : m_state(seed) {}
-  double Draw(double least, double most) {
-    std::uint64_t z = m_state += 0x9E3779B97F4A7C15U;
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9U;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBU;
-    return least + (most - least) * static_cast<double>((z ^ (z >> 31)) >> 11) / 9007199254740992.0;
-  }
-  std::size_t Choose(std::size_t count) { return static_cast<std::size_t>(Draw(0, static_cast<double>(count))); }
-  Vector3d DrawDirection() {
-    const double z = Draw(-1, 1);
-    const double angle = Draw(0, 2 * kPi);
-    const double across = std::sqrt(1 - z * z);
-    return {across * std::cos(angle), across * std::sin(angle), z};
-  }
-
- private:
-  std::uint64_t m_state;
-};
-
 struct Thrown {
   std::string name;
   Blueprint blueprint;
 };
-
-// A number between them, each order of magnitude as likely as the next.
-double DrawMagnitude(Random& random, double least, double most) {
-  return least * std::pow(most / least, random.Draw(0, 1));
-}
 
 // Materials from the default's, or what bears the shot, to what 64 substeps can still hold at these speeds.
 Thrown DrawBody(Random& random, double speed, bool firm, double contactShare) {
@@ -86,7 +60,7 @@ Thrown DrawBody(Random& random, double speed, bool firm, double contactShare) {
     const int subdivisions = 1 + static_cast<int>(random.Choose(3));
     const Material standard = DescribeBall(subdivisions).material;
     const double bearing = std::clamp(standard.mass * speed * speed / 2 / standard.gas, 1.0, kHardest);
-    const double ratio = firm ? DrawMagnitude(random, bearing, kHardest) : DrawMagnitude(random, 1, bearing);
+    const double ratio = firm ? random.DrawMagnitude(bearing, kHardest) : random.DrawMagnitude(1, bearing);
     BallDefinition ball = DescribeHardBall(subdivisions, ratio);
     ball.material.contactStiffness = contactShare * kContactStiffnessRatio * ball.material.stiffness;
     std::snprintf(name, sizeof name, "ball of %zu, k %.0f N/m", CountVertices(subdivisions), ball.material.stiffness);
@@ -94,7 +68,7 @@ Thrown DrawBody(Random& random, double speed, bool firm, double contactShare) {
   } else {
     LatticeDefinition lattice = DescribeCube(kSoftest, 0.8);
     const double bearing = std::clamp(9 * lattice.density * speed * speed, kSoftest, kStiffest);
-    lattice.youngModulus = firm ? DrawMagnitude(random, bearing, kStiffest) : DrawMagnitude(random, kSoftest, bearing);
+    lattice.youngModulus = firm ? random.DrawMagnitude(bearing, kStiffest) : random.DrawMagnitude(kSoftest, bearing);
     const int cells = 2 + static_cast<int>(random.Choose(3));
     lattice.cells = {cells, cells, cells};
     lattice.cellSize = 0.75 / cells;

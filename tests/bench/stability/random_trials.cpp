@@ -1,7 +1,310 @@
+// Thousands of worlds drawn by chance, ten seconds each, in the server's own stepping: single precision, its error
+// target, sleep, contact, several bodies. None may do what no body can. What one of them finds is a fault of the engine
+// and is mended there; a trial is played again by its number.
+//
+// Penetration is looked for by means of its own (insides.h): the deepest vertex of a body under a static surface or
+// inside a closed body, as a share of its own size, of every body every third of a second. What a body does between
+// looks is not seen; looking takes as long as several ticks do.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "server/physics/stability.h"
+#include "tests/bench/contact/bodies.h"
+#include "tests/bench/contact/insides.h"
 #include "tests/bench/stability/experiments.h"
+#include "tests/bench/stability/random_world.h"
+#include "tests/bench/trials.h"
 
 namespace wobble::bench {
+namespace {
 
-void MeasureRandomTrials(Bench&) {}
+using namespace physics;
+
+constexpr int kTicks = 600;
+constexpr int kTicksBetweenLooks = 20;
+constexpr std::size_t kTrials = 10000;
+constexpr std::size_t kTrialsBeyond = 500;
+constexpr double kQuickTime = 20;  // s, on all cores
+
+struct Trial {
+  bool played = false;
+  std::string place;
+  std::string stiffestBody;
+  std::size_t bodies = 0;
+  double mostSpeed = 0;  // m/s
+  double stiffness = 0;  // substeps that the stiffest body needs by itself
+  int refused = 0;
+  int crushed = 0;
+  std::uint64_t substeps = 0;
+  std::uint64_t awake = 0;  // body-ticks
+  std::uint32_t nonFinite = 0;
+  std::uint32_t inverted = 0;
+  std::uint32_t quarantined = 0;
+  int failedTick = 0;  // the first, from 1; 0: none
+  std::string failedBody;
+  const char* failure = "";
+  std::vector<float> depths;  // of each body at each look, over its size
+};
+
+double FindDepthUnderSurfaces(const World& world, const std::vector<Vector3d>& x) {
+  double deepest = 0;
+  for (const Obstacle& obstacle : world.Obstacles()) {
+    const Surface<double> surface = MakeSurface<double>(obstacle, Vector3d::Zero());
+    for (const Vector3d& p : x) deepest = std::max(deepest, -FindSurfacePoint(surface, p).distance);
+  }
+  return deepest;
+}
+
+// Bodies without faces, such as graphs, pass through others: that is what they are.
+bool HasSurface(const Blueprint& blueprint) { return !blueprint.full.faces.empty(); }
+bool IsClosed(const Blueprint& blueprint) { return blueprint.restVolume > 0 && !blueprint.full.planar; }
+
+void LookAtDepths(const World& world, std::vector<float>& depths) {
+  std::vector<std::vector<Vector3d>> places;
+  for (const Body& body : world.Bodies()) places.push_back(ReadPositions(body));
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    double deepest = FindDepthUnderSurfaces(world, places[i]);
+    for (std::size_t j = 0; j < places.size(); ++j) {
+      const Blueprint& other = world.BlueprintOf(world.Bodies()[j]);
+      if (j != i && IsClosed(other) && HasSurface(world.BlueprintOf(world.Bodies()[i]))) {
+        deepest = std::max(deepest, FindDeepestInside(places[i], other.full.faces, places[j]));
+      }
+    }
+    depths.push_back(static_cast<float>(deepest / world.BlueprintOf(world.Bodies()[i]).size));
+  }
+}
+
+void DescribeWorld(const RandomWorld& random, Trial& trial) {
+  trial.place = random.Place();
+  trial.bodies = random.Engine().Bodies().size();
+  trial.mostSpeed = random.MostSpeed();
+  trial.refused = random.Refused();
+  trial.crushed = random.Crushed();
+  std::uint8_t place = 0;
+  for (const Blueprint& blueprint : random.Engine().Blueprints()) {
+    const double rate = std::max(blueprint.angularFrequency, blueprint.dampingRate);
+    const double needed = rate * random.Engine().Settings().tickDuration / kStabilityLimit;
+    if (needed > trial.stiffness) {
+      trial.stiffness = needed;
+      trial.stiffestBody = random.Describe(place);
+    }
+    ++place;
+  }
+}
+
+void Note(const StepReport& report, const RandomWorld& random, Trial& trial) {
+  trial.substeps += report.substeps;
+  trial.awake += report.awake;
+  trial.nonFinite += report.nonFinite;
+  trial.inverted += report.inverted;
+  trial.quarantined += report.quarantined;
+  if (report.quarantined == 0 || trial.failedTick > 0) return;
+  trial.failedTick = static_cast<int>(random.Engine().Tick());
+  trial.failedBody = random.Describe(random.Engine().ReadBody(report.firstQuarantined).blueprint);
+  trial.failure = report.nonFinite > 0 ? "not finite" : report.inverted > 0 ? "inverted" : "energy from nowhere";
+}
+
+Trial Play(std::uint64_t seed, std::uint32_t number, Violence violence) {
+  RandomWorld random(seed, number, violence);
+  Trial trial;
+  trial.played = true;
+  DescribeWorld(random, trial);
+  bool moved = true;
+  for (int tick = 1; tick <= kTicks; ++tick) {
+    random.Act();
+    const StepReport report = random.Engine().Step();
+    Note(report, random, trial);
+    moved = moved || report.awake > 0;
+    // What sleeps counts once.
+    if (tick % kTicksBetweenLooks != 0 || !moved) continue;
+    LookAtDepths(random.Engine(), trial.depths);
+    moved = false;
+  }
+  return trial;
+}
+
+float FindDeepest(const Trial& trial) {
+  return trial.depths.empty() ? 0 : *std::max_element(trial.depths.begin(), trial.depths.end());
+}
+
+// The value that a thousandth of them exceed; 0 of none.
+double FindP999(std::vector<float> values) {
+  if (values.empty()) return 0;
+  const auto place = static_cast<std::ptrdiff_t>(0.999 * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + place, values.end());
+  return values[static_cast<std::size_t>(place)];
+}
+
+nlohmann::ordered_json MakeRow(std::size_t number, const Trial& trial) {
+  return {{"experiment", "random_trial"},
+          {"trial", number},
+          {"place", trial.place},
+          {"bodies", trial.bodies},
+          {"stiffest_body", trial.stiffestBody},
+          {"substeps_by_itself", trial.stiffness},
+          {"most_speed", trial.mostSpeed},
+          {"body_ticks", trial.awake},
+          {"substeps", trial.substeps},
+          {"depth", FindDeepest(trial)},
+          {"non_finite", trial.nonFinite},
+          {"inverted", trial.inverted},
+          {"quarantined", trial.quarantined},
+          {"failed_tick", trial.failedTick},
+          {"failed_body", trial.failedBody}};
+}
+
+std::string Describe(std::uint64_t seed, std::size_t number, const Trial& trial) {
+  char line[512];
+  std::snprintf(line, sizeof line, "stability --trial %zu --seed %llu: ", number,
+                static_cast<unsigned long long>(seed));
+  const std::string start(line);
+  if (trial.failedTick == 0) {
+    std::snprintf(line, sizeof line, "%zu bodies, %s, all well; the stiffest a %s; deepest %.3f of its size",
+                  trial.bodies, trial.place.c_str(), trial.stiffestBody.c_str(),
+                  static_cast<double>(FindDeepest(trial)));
+  } else {
+    std::snprintf(line, sizeof line, "%zu bodies, %s, %s at tick %d: %s", trial.bodies, trial.place.c_str(),
+                  trial.failure, trial.failedTick, trial.failedBody.c_str());
+  }
+  return start + line;
+}
+
+// What all of them have found, by how stiff their stiffest body is: a row for each decade of its stiffness.
+void AddRows(const std::vector<Trial>& trials, Results& results) {
+  constexpr double kDecade = 3.1622776601683795;  // of the frequency, and so of the substeps
+  for (double low = 1e-3; low < kMaxSubsteps; low *= kDecade) {
+    std::size_t count = 0;
+    std::size_t failed = 0;
+    double substeps = 0;
+    double awake = 0;
+    std::vector<float> depths;
+    for (const Trial& trial : trials) {
+      if (trial.stiffness < low || trial.stiffness >= low * kDecade) continue;
+      ++count;
+      failed += trial.failedTick > 0 ? 1 : 0;
+      substeps += static_cast<double>(trial.substeps);
+      awake += static_cast<double>(trial.awake);
+      depths.insert(depths.end(), trial.depths.begin(), trial.depths.end());
+    }
+    if (count == 0) continue;
+    results.rows.push_back({{"experiment", "random_trials"},
+                            {"substeps_by_itself_from", low},
+                            {"to", low * kDecade},
+                            {"trials", count},
+                            {"failed", failed},
+                            {"mean_substeps", awake > 0 ? substeps / awake : 0},
+                            {"penetration_p999", FindP999(std::move(depths))}});
+  }
+}
+
+Plot MakePlot(const std::vector<Trial>& trials) {
+  constexpr std::size_t kMostPoints = 1500;
+  constexpr double kLeastDepth = 1e-5;  // none is no place on a logarithmic axis
+  Plot plot{"stability_trials",
+            "Random trials: the deepest vertex of each",
+            "substeps that the stiffest body needs by itself",
+            "deepest penetration, share of the body's size",
+            {}};
+  plot.logX = true;
+  plot.logY = true;
+  Series good{"well", Stroke::kPoints, {}};
+  Series failed{"failed", Stroke::kPoints, {}};
+  const std::size_t stride = trials.size() / kMostPoints + 1;
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    const bool bad = trials[i].failedTick > 0;
+    if (!bad && i % stride != 0) continue;
+    (bad ? failed : good)
+        .points.push_back({trials[i].stiffness, std::max(kLeastDepth, static_cast<double>(FindDeepest(trials[i])))});
+  }
+  plot.series.push_back(std::move(good));
+  if (!failed.points.empty()) plot.series.push_back(std::move(failed));
+  return plot;
+}
+
+struct Sums {
+  double trials = 0;
+  double failed = 0;
+  double nonFinite = 0;
+  double inverted = 0;
+  double quarantined = 0;
+  double bodies = 0;
+  double refused = 0;
+  double crushed = 0;
+  std::vector<float> depths;
+};
+
+Sums AddUp(const std::vector<Trial>& trials) {
+  Sums sums;
+  for (const Trial& trial : trials) {
+    ++sums.trials;
+    sums.failed += trial.failedTick > 0 ? 1 : 0;
+    sums.nonFinite += trial.nonFinite;
+    sums.inverted += trial.inverted;
+    sums.quarantined += trial.quarantined;
+    sums.bodies += static_cast<double>(trial.bodies);
+    sums.refused += trial.refused;
+    sums.crushed += trial.crushed;
+    sums.depths.insert(sums.depths.end(), trial.depths.begin(), trial.depths.end());
+  }
+  return sums;
+}
+
+// As many as the time allows, in order; in quick runs the last may be left out, never one in between.
+bool PlayAll(Bench& bench, std::vector<Trial>& trials, std::vector<Trial>& beyond) {
+  const auto began = std::chrono::steady_clock::now();
+  const std::uint64_t seed = bench.options.seed;
+  const bool done = RunTrials(bench, trials.size() + beyond.size(), [&](std::size_t i) {
+    const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
+    if (bench.options.quick && gone.count() > kQuickTime) return;
+    if (i < trials.size()) {
+      trials[i] = Play(seed, static_cast<std::uint32_t>(i), Violence::kPlay);
+    } else {
+      beyond[i - trials.size()] = Play(seed, static_cast<std::uint32_t>(i - trials.size()), Violence::kBeyond);
+    }
+  });
+  while (!trials.empty() && !trials.back().played) trials.pop_back();
+  return done;
+}
+
+void ReplayOne(Bench& bench) {
+  const std::uint32_t number = *bench.options.trial;
+  const Trial trial = Play(bench.options.seed, number, Violence::kPlay);
+  bench.results.rows.push_back(MakeRow(number, trial));
+  bench.results.remarks.push_back(Describe(bench.options.seed, number, trial));
+  bench.results.AddFigureAtMost("quarantined", trial.quarantined, 0);
+}
+
+}  // namespace
+
+void MeasureRandomTrials(Bench& bench) {
+  if (bench.options.trial) return ReplayOne(bench);
+  std::vector<Trial> trials(kTrials);
+  std::vector<Trial> beyond(bench.options.quick ? 0 : kTrialsBeyond);
+  if (!PlayAll(bench, trials, beyond)) return;
+  Results& results = bench.results;
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    if (trials[i].failedTick == 0) continue;
+    results.rows.push_back(MakeRow(i, trials[i]));
+    results.remarks.push_back(Describe(bench.options.seed, i, trials[i]));
+  }
+  AddRows(trials, results);
+  Sums sums = AddUp(trials);
+  results.rows.push_back({{"experiment", "random_trial_materials"},
+                          {"bodies", sums.bodies},
+                          {"refused", sums.refused},
+                          {"crushed", sums.crushed}});
+  results.AddFigure("random_trials", sums.trials);
+  results.AddFigureAtMost("non_finite", sums.nonFinite, 0);
+  results.AddFigureAtMost("inverted", sums.inverted, 0);
+  results.AddFigureAtMost("quarantined", sums.quarantined, 0);
+  results.AddFigure("failed_trials", sums.failed);
+  results.AddFigure("penetration_p999", FindP999(std::move(sums.depths)));
+  results.plots.push_back(MakePlot(trials));
+  if (beyond.empty()) return;
+  const Sums more = AddUp(beyond);
+  results.AddFigure("beyond_failed_share", more.failed / more.trials);
+  results.AddFigure("beyond_non_finite", more.nonFinite);
+}
 
 }  // namespace wobble::bench

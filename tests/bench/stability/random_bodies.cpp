@@ -1,0 +1,250 @@
+// Every kind of body, of any size up to the number of vertices asked for, and materials over three decades of stiffness
+// below what the substeps can hold. A stiffness is drawn by the substeps that the body will need by itself, each order
+// of magnitude as likely as the next, so that small and large, light and heavy bodies all come as soft and as stiff as
+// may be; the estimate is not exact, and of those near the upper end Validate refuses some: they are drawn again.
+//
+// Validate is the scenes' own: what it lets through anybody may write into a scene file, and it must hold.
+#include "tests/bench/stability/random_bodies.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "server/physics/stability.h"
+
+namespace wobble::bench {
+namespace {
+
+using namespace physics;
+
+// What a body may need by itself, as Validate has it, and a little beyond.
+constexpr double kMostSubsteps = 36;
+constexpr double kDecades = 3;  // of stiffness
+constexpr double kTickHz = 60;
+constexpr double kPi = 3.14159265358979323846;
+// Faster than anything is thrown, m/s.
+constexpr double kAnySpeed = 1e3;
+
+double DrawDamping(Random& random) { return random.Happens(0.15) ? 0 : random.DrawMagnitude(0.02, 2); }
+
+// A stiffness for springs with this damping between masses of `vertexMass`.
+double DrawStiffness(Random& random, double fastest, double vertexMass, double dampingRatio) {
+  const double substeps = random.DrawMagnitude(kMostSubsteps * std::pow(10, -kDecades / 2), kMostSubsteps);
+  // γ = (c/k) ω² with c = 2ζ √(k m/2) is ζ √(2 · fastest) times ω.
+  const double rate = substeps * kTickHz * kStabilityLimit / std::max(1.0, dampingRatio * std::sqrt(2 * fastest));
+  return rate * rate * vertexMass / fastest;
+}
+
+Material DrawMaterial(Random& random, double fastest, std::size_t vertices) {
+  Material material;
+  material.mass = random.DrawMagnitude(1, 20);
+  material.dampingRatio = DrawDamping(random);
+  material.stiffness =
+      DrawStiffness(random, fastest, material.mass / static_cast<double>(vertices), material.dampingRatio);
+  material.friction = random.Draw(0, 1.5);
+  material.restitution = random.Draw(0, 1);
+  if (random.Happens(0.2)) material.contactStiffness = material.stiffness * random.DrawMagnitude(1, 30);
+  material.gas = 0;
+  return material;
+}
+
+std::string Describe(const char* kind, std::size_t vertices, const Material& m) {
+  char text[160];
+  std::snprintf(text, sizeof text, "%s of %zu, %.3g kg, k %.3g N/m, damping %.2g, gas %.3g J", kind, vertices, m.mass,
+                m.stiffness, m.dampingRatio, m.gas);
+  return text;
+}
+
+struct Draft {
+  scenes::BodyDefinition definition;
+  std::string description;
+  double bearableSpeed = kAnySpeed;
+};
+
+// nRT from a hundredth of what the springs can hold to all of it; sometimes against a pressure from outside.
+void DrawGas(Random& random, double most, double volume, Material& material) {
+  material.gas = random.DrawMagnitude(0.01, 1) * most;
+  if (!random.Happens(0.2)) return;
+  material.ambientPressure = random.DrawMagnitude(0.1, 10) * material.gas / volume;
+  material.gas += material.ambientPressure * volume;
+}
+
+Draft DraftBall(Random& random, std::size_t vertices) {
+  BallDefinition ball;
+  ball.subdivisions = vertices < 42 ? 0 : vertices < 162 ? 1 : vertices < 600 ? 2 : 3;
+  ball.radius = random.Draw(0.25, 0.8);
+  const std::size_t count = CountVertices(ball.subdivisions);
+  ball.material = DrawMaterial(random, 6, count);
+  ball.material.drag = random.Happens(0.2) ? random.Draw(0, 1) : 0;
+  const double square = ball.radius * ball.radius;
+  DrawGas(random, 10 * ball.material.stiffness * square, 4 * kPi / 3 * square * ball.radius, ball.material);
+  return {ball, Describe("ball", count, ball.material)};
+}
+
+Draft DraftLattice(Random& random, std::size_t vertices) {
+  LatticeDefinition lattice;
+  const bool planar = random.Happens(0.3);
+  const double side = planar ? std::sqrt(static_cast<double>(vertices)) : std::cbrt(static_cast<double>(vertices));
+  for (int& cells : lattice.cells) {
+    cells = std::clamp(static_cast<int>(std::lround(side * random.Draw(0.6, 1.5))) - 1, 1, 30);
+  }
+  if (planar) lattice.cells[1] = 0;
+  lattice.poissonRatio = FindPoissonRatio(lattice.cells);
+  const int longest = *std::max_element(lattice.cells.begin(), lattice.cells.end());
+  lattice.cellSize = random.Draw(0.5, 1.5) / longest;
+  lattice.density = random.DrawMagnitude(10, 100);
+  lattice.dampingRatio = DrawDamping(random);
+  lattice.friction = random.Draw(0, 1.5);
+  lattice.restitution = random.Draw(0, 1);
+  const double a = lattice.cellSize;
+  const double vertexMass = lattice.density * (planar ? a * a : a * a * a);
+  const double k = DrawStiffness(random, planar ? 6 : 12, vertexMass, lattice.dampingRatio);
+  lattice.youngModulus = planar ? k * 4 / 3 : 2.5 * k / a;
+  char text[160];
+  std::snprintf(text, sizeof text, "lattice of %dx%dx%d cells, %.3g kg/m3, E %.3g Pa, damping %.2g", lattice.cells[0],
+                lattice.cells[1], lattice.cells[2], lattice.density, lattice.youngModulus, lattice.dampingRatio);
+  return {lattice, text, std::sqrt(lattice.youngModulus / lattice.density) / 3};
+}
+
+Draft DraftRing(Random& random, std::size_t vertices) {
+  RingDefinition ring;
+  ring.layers = vertices < 20 ? 1 : random.DrawWhole(1, 4);
+  ring.points = std::clamp(static_cast<int>(vertices) / ring.layers, 6, 80);
+  ring.radius = random.Draw(0.3, 0.8);
+  ring.thickness = ring.radius * random.Draw(0.15, 0.5);
+  const auto count = static_cast<std::size_t>(ring.points * ring.layers);
+  ring.material = DrawMaterial(random, ring.layers > 1 ? 8 : 4, count);
+  const double inner = ring.layers > 1 ? ring.radius - ring.thickness : ring.radius;
+  const double most = 0.7 * ring.material.stiffness * 2 * kPi * inner * inner * 2 / ring.points * kPi * ring.layers / 2;
+  DrawGas(random, most, kPi * inner * inner, ring.material);
+  return {ring, Describe(ring.layers > 1 ? "layered ring" : "ring", count, ring.material)};
+}
+
+Draft DraftCloth(Random& random, std::size_t vertices) {
+  ClothDefinition cloth;
+  const double side = std::sqrt(static_cast<double>(vertices));
+  for (int& points : cloth.points) {
+    points = std::clamp(static_cast<int>(std::lround(side * random.Draw(0.7, 1.4))), 2, 30);
+  }
+  cloth.spacing = random.Draw(0.8, 2) / (std::max(cloth.points[0], cloth.points[1]) - 1);
+  cloth.orientation = random.Happens(0.5) ? Orientation::kHorizontal : Orientation::kVertical;
+  constexpr std::array kPins{Pinned::kNone, Pinned::kCorners, Pinned::kTopCorners, Pinned::kEdge, Pinned::kFrame};
+  cloth.pinned = kPins[random.Choose(kPins.size())];
+  cloth.shear = random.Draw(0.1, 1);
+  cloth.bend = random.Draw(0, 0.5);
+  cloth.tearStretch = random.Happens(0.15) ? random.Draw(1.1, 3) : 0;
+  const auto count = static_cast<std::size_t>(cloth.points[0] * cloth.points[1]);
+  cloth.material = DrawMaterial(random, 8, count);
+  cloth.material.drag = random.Happens(0.7) ? random.Draw(0, 1) : 0;
+  return {cloth, Describe("cloth", count, cloth.material)};
+}
+
+Draft DraftPair(Random& random) {
+  PairDefinition pair;
+  pair.length = random.Draw(0.1, 1);
+  pair.direction = random.DrawDirection();
+  pair.firstIsFixed = random.Happens(0.3);
+  pair.material = DrawMaterial(random, 2, 2);
+  return {pair, Describe("pair", 2, pair.material)};
+}
+
+// A chain, a strip of two rows that are joined crosswise, or a tower of four.
+Draft DraftGraph(Random& random, std::size_t vertices) {
+  GraphDefinition graph;
+  constexpr std::array kRows{1, 2, 4};
+  const int rows = kRows[random.Choose(kRows.size())];
+  const int count = std::clamp(static_cast<int>(vertices) / rows, 2, 40);
+  const double step = random.Draw(0.1, 0.4);
+  const double mass = random.DrawMagnitude(0.05, 1);
+  const double ratio = DrawDamping(random);
+  const double k = DrawStiffness(random, 2 + 2 * rows, mass, ratio);
+  graph.planar = rows < 4 && random.Happens(0.5);
+  graph.friction = random.Draw(0, 1.5);
+  graph.restitution = random.Draw(0, 1);
+  graph.contactStiffness = k * random.DrawMagnitude(1, 10);
+  for (int i = 0; i < count; ++i) {
+    for (int row = 0; row < rows; ++row) {
+      const Vector3d place(i * step, row / 2 * step, row % 2 * step);
+      graph.particles.push_back({place, mass * random.Draw(0.5, 1.5), i == 0 && random.Happens(0.15)});
+      const int end = rows * i + row;
+      const auto join = [&](int other) {
+        const double own = k * random.Draw(0.5, 1);
+        graph.springs.push_back({other, end, own, ratio * 2 * std::sqrt(own * mass / 2), 0});
+      };
+      for (int other = rows * i; other < end; ++other) join(other);
+      for (int other = 0; i > 0 && other < rows; ++other) join(rows * (i - 1) + other);
+    }
+  }
+  char text[160];
+  std::snprintf(text, sizeof text, "graph of %zu, %d a row, %.3g kg each, k %.3g N/m, damping %.2g",
+                graph.particles.size(), rows, mass, k, ratio);
+  return {graph, text};
+}
+
+// A squashed or drawn out icosphere with gas in it, or half of one, which is open.
+Draft DraftMesh(Random& random, std::size_t vertices) {
+  MeshDefinition mesh;
+  const Icosphere sphere = MakeIcosphere(vertices < 42 ? 0 : vertices < 162 ? 1 : 2);
+  const bool open = random.Happens(0.4);
+  const Vector3d axes(random.Draw(0.25, 0.6), random.Draw(0.25, 0.6), random.Draw(0.25, 0.6));
+  std::vector<int> places(sphere.vertices.size(), -1);
+  for (const Face& face : sphere.faces) {
+    const double height = sphere.vertices[face[0]].z() + sphere.vertices[face[1]].z() + sphere.vertices[face[2]].z();
+    if (open && height < 0) continue;
+    Face kept = face;
+    for (std::uint16_t& corner : kept) {
+      if (places[corner] < 0) {
+        places[corner] = static_cast<int>(mesh.vertices.size());
+        mesh.vertices.push_back(sphere.vertices[corner].cwiseProduct(axes));
+      }
+      corner = static_cast<std::uint16_t>(places[corner]);
+    }
+    mesh.faces.push_back(kept);
+  }
+  mesh.bend = random.Draw(0.1, 0.6);
+  mesh.material = DrawMaterial(random, 9, mesh.vertices.size());
+  mesh.material.drag = random.Happens(0.3) ? random.Draw(0, 1) : 0;
+  const double extent = std::cbrt(axes.prod());
+  if (!open) {
+    const double most = 3 * mesh.material.stiffness * extent * extent;
+    DrawGas(random, most, 4 * kPi / 3 * axes.prod(), mesh.material);
+  }
+  return {mesh, Describe(open ? "open mesh" : "closed mesh", mesh.vertices.size(), mesh.material)};
+}
+
+Draft DraftAny(Random& random, std::size_t vertices) {
+  const std::size_t lot = random.Choose(20);
+  if (lot < 7) return DraftBall(random, vertices);
+  if (lot < 11) return DraftLattice(random, vertices);
+  if (lot < 13) return DraftRing(random, vertices);
+  if (lot < 15) return DraftCloth(random, vertices);
+  if (lot < 17) return DraftMesh(random, vertices);
+  return lot < 19 ? DraftGraph(random, vertices) : DraftPair(random);
+}
+
+}  // namespace
+
+double FindCarryingGas(double mass, double gravity, double reach) { return 2 * mass * gravity * reach; }
+
+RandomBody DrawBody(Random& random, std::size_t vertices, double gravity) {
+  RandomBody body;
+  for (;;) {
+    const Draft draft = DraftAny(random, vertices);
+    if (!scenes::Validate(draft.definition).empty()) {
+      ++body.refused;
+      continue;
+    }
+    body.blueprint = scenes::MakeBlueprint(draft.definition);
+    const double gas = body.blueprint.full.gas;
+    if (gas > 0 && gas < FindCarryingGas(body.blueprint.totalMass, gravity, body.blueprint.reach)) {
+      ++body.crushed;
+      continue;
+    }
+    body.description = draft.description;
+    body.bearableSpeed = draft.bearableSpeed;
+    return body;
+  }
+}
+
+}  // namespace wobble::bench

@@ -1,0 +1,261 @@
+// What bodies can bear, so that all that goes wrong within it is the engine's fault:
+//   - a shell takes an impact whose energy is up to its nRT; above it folds and unfolds, since there is no contact of a
+//     body with itself, and may be left inside out. So nothing is faster than √(2 nRT/m) of the weakest gas and the
+//     heaviest body of the world, nor than 15 m/s, a fall from four storeys;
+//   - gas that cannot carry what lies on it lets its shell be crushed flat, and what is flat is as soon inside out:
+//   each
+//     gas carries the whole heap, nRT >= 2 m g R;
+//   - a lattice of springs has no inside: beyond a third of √(E/ρ) cells may stay turned over (lattice.h).
+// Worlds drawn without these bounds are played as well and counted by themselves.
+#include "tests/bench/stability/random_world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tests/bench/stability/random_bodies.h"
+
+namespace wobble::bench {
+namespace {
+
+using namespace physics;
+
+constexpr int kTicks = 600;
+constexpr double kGravity = 9.81;
+constexpr std::size_t kMostBodies = 12;
+constexpr double kPi = 3.14159265358979323846;
+
+}  // namespace
+
+RandomWorld::RandomWorld(std::uint64_t seed, std::uint32_t number, Violence violence)
+    : m_random(seed * 1000003 + number), m_violence(violence) {
+  WorldSettings settings;
+  if (m_random.Happens(0.1)) settings.gravity.z() = -m_random.Draw(0, 25);
+  if (m_random.Happens(0.2)) settings.wind = m_random.Draw(0, 15) * m_random.DrawDirection();
+  m_world = std::make_unique<World>(settings);
+  DrawBlueprints();
+  DrawGround();
+  PlaceBodies();
+  AddDrives();
+  const int kicks = m_random.DrawWhole(0, 6);
+  for (int i = 0; i < kicks; ++i) m_kicks.push_back(m_random.DrawWhole(1, kTicks));
+  if (m_random.Happens(0.15)) {
+    for (int i = 0; i < 3; ++i) m_tilts.push_back(m_random.DrawWhole(1, kTicks));
+  }
+  for (const Body& body : m_world->Bodies()) {
+    if (m_players.size() < 3 && m_random.Happens(0.25)) m_players.push_back({body.id, m_random.DrawWhole(1, 60)});
+  }
+}
+
+double RandomWorld::FindLoad() const {
+  return m_violence == Violence::kPlay ? std::max(kGravity, m_world->Settings().gravity.norm()) : 0;
+}
+
+bool RandomWorld::Carries(double mass) const {
+  const auto carries = [&](const Blueprint& blueprint) {
+    return !(blueprint.full.gas > 0) || blueprint.full.gas >= FindCarryingGas(mass, FindLoad(), blueprint.reach);
+  };
+  return std::ranges::all_of(m_world->Blueprints(), carries);
+}
+
+// Few worlds are large: large ones take most of the time.
+void RandomWorld::DrawBlueprints() {
+  constexpr double kFewest = 8;
+  constexpr double kMost = 645;
+  m_mostVertices = static_cast<std::size_t>(kFewest * std::pow(kMost / kFewest, std::pow(m_random.Draw(0, 1), 2)));
+  const int count = m_random.DrawWhole(1, 3);
+  double least = std::numeric_limits<double>::max();
+  double heaviest = 0;
+  for (int i = 0; i < count; ++i) {
+    // Of the vertices of the world: the rest is for others.
+    const double share = m_random.Happens(0.25) ? 1 : m_random.DrawMagnitude(0.08, 0.7);
+    RandomBody body =
+        DrawBody(m_random, static_cast<std::size_t>(share * static_cast<double>(m_mostVertices)), FindLoad());
+    m_refused += body.refused;
+    m_crushed += body.crushed;
+    if (m_violence == Violence::kPlay) m_mostSpeed = std::min(m_mostSpeed, body.bearableSpeed);
+    if (body.blueprint.full.gas > 0) least = std::min(least, body.blueprint.full.gas);
+    heaviest = std::max(heaviest, body.blueprint.totalMass);
+    m_reach = std::max(m_reach, body.blueprint.reach);
+    m_descriptions.push_back(body.description);
+    m_world->AddBlueprint(std::move(body.blueprint));
+  }
+  if (m_violence == Violence::kPlay) m_mostSpeed = std::min(m_mostSpeed, std::sqrt(2 * least / heaviest));
+}
+
+void RandomWorld::DrawGround() {
+  Obstacle ground;
+  ground.friction = m_random.Draw(0.1, 1);
+  const std::size_t lot = m_random.Choose(8);
+  if (lot == 0) return AddTerrain();
+  m_world->AddObstacle(ground);
+  m_place = "plane";
+  if (lot <= 2) return;
+  if (lot <= 4) return AddSlopes();
+  Obstacle thing;
+  thing.friction = m_random.Draw(0.1, 1);
+  thing.centre = Vector3d(m_random.Draw(-0.5, 0.5), m_random.Draw(-0.5, 0.5), 0);
+  if (lot == 5) {
+    thing.kind = Obstacle::Kind::kBox;
+    thing.halfExtents = Vector3d(m_random.Draw(0.1, 2), m_random.Draw(0.1, 2), m_random.Draw(0.1, 1));
+    m_floor = thing.halfExtents.z() + 0.05;
+    m_place = "box on a plane";
+  } else if (lot == 6) {
+    thing.kind = Obstacle::Kind::kSphere;
+    thing.radius = m_random.Draw(0.1, 1.5);
+    m_floor = thing.radius;
+    m_place = "sphere on a plane";
+  } else {
+    thing.kind = Obstacle::Kind::kCapsule;
+    thing.end = thing.centre + m_random.Draw(0.2, 3) * m_random.DrawDirection();
+    thing.radius = m_random.Draw(0.1, 0.8);
+    m_floor = std::max(0.0, thing.end.z()) + thing.radius;
+    m_place = "capsule on a plane";
+  }
+  m_world->AddObstacle(thing);
+}
+
+// Two or four planes that run down to a floor too small for what falls into it.
+void RandomWorld::AddSlopes() {
+  const double angle = m_random.Draw(0.3, 1.2);
+  const double narrow = m_random.Draw(0, 2) * m_reach;
+  const int sides = m_random.Happens(0.5) ? 2 : 4;
+  const double friction = m_random.Draw(0.1, 1);
+  for (int side = 0; side < sides; ++side) {
+    const double sign = side % 2 == 0 ? 1 : -1;
+    Obstacle slope;
+    slope.normal = Vector3d(side < 2 ? sign : 0, side < 2 ? 0 : sign, 0) * std::sin(angle);
+    slope.normal.z() = std::cos(angle);
+    slope.offset = -narrow * std::sin(angle);
+    slope.friction = friction;
+    m_world->AddObstacle(slope);
+  }
+  m_place = sides == 2 ? "wedge" : "funnel";
+}
+
+// Hills in a bowl that nothing leaves.
+void RandomWorld::AddTerrain() {
+  constexpr int kNodes = 32;
+  const double cell = m_random.Draw(1, 2);
+  const double hills = m_random.Draw(0, 0.4) * cell;
+  std::vector<double> heights;
+  for (int row = 0; row < kNodes; ++row) {
+    for (int column = 0; column < kNodes; ++column) {
+      const double x = column - (kNodes - 1) / 2.0;
+      const double y = row - (kNodes - 1) / 2.0;
+      heights.push_back(0.05 * cell * (x * x + y * y) / 2 + m_random.Draw(0, hills));
+      m_floor = std::max(m_floor, std::hypot(x, y) < 4 ? heights.back() : 0);
+    }
+  }
+  Obstacle ground;
+  ground.kind = Obstacle::Kind::kHeightField;
+  ground.friction = m_random.Draw(0.1, 1);
+  ground.centre = Vector3d(-cell * (kNodes - 1) / 2, -cell * (kNodes - 1) / 2, 0);
+  ground.field = MakeHeightField(kNodes, cell, heights);
+  m_world->AddObstacle(ground);
+  m_place = "hills";
+}
+
+// A heap: several side by side; or a column. Apart from one another, at a height from which they fall at up to the most
+// speed.
+void RandomWorld::PlaceBodies() {
+  const bool column = m_random.Happens(0.4);
+  const double gravity = std::max(1.0, -m_world->Settings().gravity.z());
+  const double drop = m_mostSpeed * m_mostSpeed * m_random.Draw(0, 1) / (2 * gravity);
+  const double spacing = 2.1 * m_reach + 0.05;
+  // On slopes, above where they meet what falls beside the middle.
+  const double base =
+      m_floor + 1.2 * m_reach + 0.05 + std::min(drop, 12.0) + (m_world->Obstacles().size() > 2 ? 4 * m_reach : 0);
+  std::size_t vertices = 0;
+  double mass = 0;
+  const std::size_t most = m_random.Happens(0.3) ? 1 : static_cast<std::size_t>(m_random.DrawWhole(2, kMostBodies));
+  for (std::size_t i = 0; i < most; ++i) {
+    const std::size_t blueprint = i < m_world->Blueprints().size() ? i : m_random.Choose(m_world->Blueprints().size());
+    vertices += m_world->Blueprints()[blueprint].rest.size();
+    mass += m_world->Blueprints()[blueprint].totalMass;
+    if (i > 0 && (vertices > m_mostVertices || !Carries(mass))) break;
+    const double level = column ? static_cast<double>(i) : static_cast<double>(i / 4);
+    Vector3d position(0, 0, base + spacing * level);
+    if (!column)
+      position += spacing * Vector3d(static_cast<double>(i % 2) - 0.5, static_cast<double>(i / 2 % 2) - 0.5, 0);
+    position += m_random.Draw(0, 0.2 * m_reach) * Vector3d(m_random.Draw(-1, 1), m_random.Draw(-1, 1), 0);
+    const bool thrown = m_random.Happens(0.3);
+    const Vector3d velocity =
+        thrown ? Vector3d(m_mostSpeed * m_random.Draw(0, 0.7) * m_random.DrawDirection()) : Vector3d::Zero();
+    m_world->AddBody(static_cast<std::uint8_t>(blueprint), position, velocity);
+  }
+}
+
+void RandomWorld::AddDrives() {
+  for (const Body& body : m_world->Bodies()) {
+    if (!m_random.Happens(0.1)) continue;
+    const Blueprint& blueprint = m_world->BlueprintOf(body);
+    Drive drive;
+    drive.body = body.id;
+    drive.force = m_random.Draw(0, 2) * kGravity * blueprint.totalMass * m_random.DrawDirection();
+    drive.gasFactor = m_random.Happens(0.5) ? m_random.Draw(0.7, 1.6) : 1;
+    drive.period = m_random.Draw(1, 5);
+    drive.begin = 0;
+    drive.end = drive.period * m_random.Draw(0.1, 0.5);
+    for (std::size_t i = 0; i < blueprint.rest.size(); ++i) drive.vertices.push_back(static_cast<std::uint16_t>(i));
+    m_world->AddDrive(drive);
+  }
+}
+
+void RandomWorld::Act() {
+  const int tick = static_cast<int>(m_world->Tick());
+  for (const int due : m_kicks) {
+    if (due == tick) Kick();
+  }
+  for (const int due : m_tilts) {
+    if (due != tick) continue;
+    const double gravity = m_world->Settings().gravity.norm();
+    const double angle = m_random.Draw(0, 0.6);
+    const double towards = m_random.Draw(0, 2 * kPi);
+    m_world->SetGravity(
+        gravity * Vector3d(std::sin(angle) * std::cos(towards), std::sin(angle) * std::sin(towards), -std::cos(angle)));
+  }
+  for (Player& player : m_players) {
+    if (player.nextTick == tick) Steer(player);
+  }
+}
+
+// The whole body, a spin, or only the half of it that looks towards where it is hit.
+void RandomWorld::Kick() {
+  const Body& body = m_world->Bodies()[m_random.Choose(m_world->Bodies().size())];
+  const Vector3d centre = m_world->FindCentre(body);
+  const double speed = m_mostSpeed * m_random.Draw(0, 1);
+  const Vector3d direction = m_random.DrawDirection();
+  const std::size_t lot = m_random.Choose(3);
+  const double reach = m_world->BlueprintOf(body).reach;
+  std::vector<Vector3d> positions;
+  VisitVertices(body, [&](std::size_t, const Vector3d& p) { positions.push_back(p); });
+  std::vector<Vector3d> velocities;
+  std::visit(
+      [&](const auto& state) {
+        for (std::size_t i = 0; i < positions.size(); ++i) {
+          const Vector3d way = positions[i] - centre;
+          const Vector3d added = lot == 0   ? Vector3d(speed * direction)
+                                 : lot == 1 ? Vector3d(speed / reach * direction.cross(way))
+                                            : Vector3d((way.dot(direction) < 0 ? speed : 0) * direction);
+          velocities.push_back(state.velocities[i].template cast<double>() + added);
+        }
+      },
+      body.state);
+  m_world->SetMotion(body.id, positions, velocities);
+}
+
+void RandomWorld::Steer(Player& player) {
+  Control control;
+  const double angle = m_random.Draw(0, 2 * kPi);
+  const double strength = m_random.Happens(0.3) ? 0 : 1;
+  control.moveX = strength * std::cos(angle);
+  control.moveY = strength * std::sin(angle);
+  control.jump = m_random.Happens(0.3);
+  control.puff = m_random.Happens(0.3);
+  control.stiffen = m_random.Happens(0.3);
+  m_world->SetControl(player.body, control, {});
+  player.nextTick += m_random.DrawWhole(10, 90);
+}
+
+}  // namespace wobble::bench
