@@ -233,7 +233,9 @@ void FindContacts(std::span<const Surface<Real>> surfaces, Real range, const Bou
       scratch.push_back(contact);
     }
   }
-  contacts.swap(scratch);
+  // Not swapped: bodies would hand lists of one another's size round for ever, and each have to grow again.
+  if (scratch.size() > contacts.capacity()) contacts.reserve(std::max(scratch.size(), x.size()));
+  contacts.assign(scratch.begin(), scratch.end());
 }
 
 template <class Real>

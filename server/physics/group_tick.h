@@ -102,8 +102,10 @@ class GroupTick {
   }
 
  private:
+  // What has become of the bodies in a try that is not to count says nothing of them.
   int FindNext(int substeps) {
-    if (!FindBadMembers(m_group, m_checkEnergy)) return m_redos++ < kMaxRedos ? FindFinerSubsteps(substeps) : 0;
+    const int finer = m_redos++ < kMaxRedos ? FindFinerSubsteps(substeps) : 0;
+    if (finer > 0 || !FindBadMembers(m_group, m_checkEnergy)) return finer;
     return m_rescues++ < kMaxRescues && !BlameThoseWhoBeganBad(m_group) ? 2 * substeps : 0;
   }
 
@@ -125,7 +127,7 @@ class GroupTick {
   int FindFinerSubsteps(int substeps) const {
     int wanted = 0;
     for (const Member<Real>* member : m_group.Members()) {
-      if (member->error <= kRedoFactor * m_rules.allowedError) continue;
+      if (!(member->error > kRedoFactor * m_rules.allowedError)) continue;  // nor what is no number: a case for health
       wanted = std::max(wanted, FindSubstepsForError(member->error, substeps, m_rules.allowedError));
     }
     wanted = std::min(wanted, m_rules.maxSubsteps);

@@ -3,6 +3,12 @@
 namespace wobble::physics {
 
 template <class Real>
+void PackContacts<Real>::Reserve(std::size_t contacts) {
+  m_entries.reserve(contacts);
+  m_numbers.reserve((contacts * sizeof(Real) / sizeof(Line) + 1) * kNumbers);
+}
+
+template <class Real>
 void PackContacts<Real>::Clear(const Coefficients<Real>& body) {
   m_body = &body;
   m_entries.clear();

@@ -17,6 +17,8 @@ namespace wobble::physics {
 template <class Real>
 class PackContacts {
  public:
+  // Room for so many contacts.
+  void Reserve(std::size_t contacts);
   // No contacts, of bodies of this kind.
   void Clear(const Coefficients<Real>& body);
   // Those of a member that is in this lane. place: of each vertex in the pack; stride: numbers between two places.

@@ -252,12 +252,13 @@ struct Seat {
 
 template <class Real>
 void PackScratch<Real>::Reserve(std::size_t vertices) {
-  lines.reserve((6 * 4 + 3 + 3) * vertices * kWidestPack * sizeof(Real) / sizeof(Line) + 16 * kWidestPack);
+  lines.reserve((6 * 4 + 3 + 6) * vertices * kWidestPack * sizeof(Real) / sizeof(Line) + 16 * kWidestPack);
   hasOuter.reserve(vertices);
   outerPlaces.reserve(vertices);
   positions.reserve(vertices);
   velocities.reserve(vertices);
   forces.reserve(vertices);
+  contacts.Reserve(kWidestPack * vertices);
   for (GroupScratch<Real>& each : groups) each.Reserve(vertices, 1);
 }
 

@@ -223,6 +223,7 @@ class World::Stepper {
     m_work.smallGroups.clear();
     m_work.largeGroups.clear();
     m_work.loneBodies.clear();
+    m_work.loneBodies.reserve(count);
     for (std::uint32_t group = 0; group < m_work.groups.Count(); ++group) {
       const auto members = m_work.groups.MembersOf(group);
       std::size_t vertices = 0;
@@ -290,6 +291,7 @@ class World::Stepper {
     });
     std::sort(bodies.begin(), bodies.end());
     m_work.packBegins.clear();
+    m_work.packBegins.reserve(bodies.size() + 1);
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       const bool fits = !m_work.packBegins.empty() && bodies[i].blueprint == bodies[i - 1].blueprint &&
                         bodies[i].substeps == bodies[i - 1].substeps &&

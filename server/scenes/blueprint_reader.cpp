@@ -1,6 +1,7 @@
 #include "server/scenes/blueprint_reader.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <map>
 #include <tuple>
 
@@ -170,6 +171,21 @@ void ReadIntegrator(TableReader& reader, physics::Integrator& integrator) {
   reader.Read("integrator", kWords, integrator);
 }
 
+// A shell is held open by its gas alone. Its weight presses it flat over P A = (nRT/V) A, at most about nRT/R: with
+// nRT < m g R it lies flat however stiff its springs are, and what is flat is soon inside out.
+void CheckCarriesItself(TableReader& reader, const BodyDefinition& definition, const physics::Vector3d& gravity) {
+  const auto check = [&](const physics::Material& material, double radius) {
+    const double least = material.mass * gravity.norm() * radius;
+    if (!(material.gas > 0) || material.gas >= least) return;
+    char range[80];
+    std::snprintf(range, sizeof range, "0, or at least mass x gravity x radius, %.4g J: its own weight crushes it",
+                  least);
+    reader.RefuseAsWritten("gas", FormatNode(toml::value<double>(material.gas)), range);
+  };
+  if (const auto* ball = std::get_if<physics::BallDefinition>(&definition)) check(ball->material, ball->radius);
+  if (const auto* ring = std::get_if<physics::RingDefinition>(&definition)) check(ring->material, ring->radius);
+}
+
 void ReadBlueprint(TableReader& reader, const std::filesystem::path& folder, physics::Integrator defaultIntegrator,
                    Scene& scene) {
   const std::map<std::string, BodyDefinition> kinds{
@@ -199,9 +215,9 @@ void ReadBlueprint(TableReader& reader, const std::filesystem::path& folder, phy
         },
         definition);
     ReadMethods(reader, methods);
-    for (const physics::FieldError& error : isWhole ? Validate(definition) : std::vector<physics::FieldError>{}) {
-      reader.RefuseAsWritten(error.field, error.value, error.range);
-    }
+    const auto errors = isWhole ? Validate(definition) : std::vector<physics::FieldError>{};
+    for (const physics::FieldError& error : errors) reader.RefuseAsWritten(error.field, error.value, error.range);
+    if (isWhole && errors.empty()) CheckCarriesItself(reader, definition, scene.gravity);
   } else {
     reader.PassOver();
   }

@@ -298,6 +298,9 @@ TEST(SceneMistakes, WhatIsNeededAndMissingIsNamed) {
 }
 
 TEST(SceneMistakes, ABallThatCannotBeBuiltIsRefusedWithItsBound) {
+  EXPECT_THAT(ErrorsOf(MakeText("", "mass = 20\ngas = 98\n")),
+              ElementsAre(AllOf(StartsWith("test.toml:6: gas = 98"), HasSubstr("98.1 J"))));
+  EXPECT_THAT(ErrorsOf(MakeText("", "mass = 20\ngas = 98.2\n")), IsEmpty());
   EXPECT_THAT(ErrorsOf(MakeText("", "gas = 1e6\n")),
               ElementsAre(AllOf(StartsWith("test.toml:5: gas"), HasSubstr("at most"))));
 }
