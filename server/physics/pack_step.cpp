@@ -276,6 +276,20 @@ int FindFirstSubsteps(Member<Real>& member, const StepRules& rules, GroupScratch
 }
 
 template <class Real>
+void IntegratePack(std::span<Member<Real>*> members, double duration, int substeps,
+                   std::span<const SweepKernel<Real>> kernels, PackScratch<Real>& scratch) {
+  std::array<std::optional<Group<Real>>, kWidestPack> groups;
+  std::array<Group<Real>*, kWidestPack> pointers{};
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    pointers[i] =
+        &groups[i].emplace(members.subspan(i, 1), std::span<const Encounter<Real>>(), nullptr, scratch.groups[i]);
+  }
+  Pack<Real>(*members[0]->blueprint, std::span(pointers).first(members.size()), kernels, scratch)
+      .Integrate(duration, substeps);
+  for (std::size_t i = 0; i < members.size(); ++i) groups[i]->Scatter();
+}
+
+template <class Real>
 void StepPack(std::span<Member<Real>*> members, int substeps, const StepRules& rules,
               std::span<const SweepKernel<Real>> kernels, PackScratch<Real>& scratch,
               std::span<GroupOutcome> outcomes) {
@@ -308,6 +322,8 @@ void StepPack(std::span<Member<Real>*> members, int substeps, const StepRules& r
   template struct PackScratch<Real>;                                                                                \
   template bool CanGoInPack<Real>(const Blueprint&);                                                                \
   template int FindFirstSubsteps<Real>(Member<Real>&, const StepRules&, GroupScratch<Real>&);                       \
+  template void IntegratePack<Real>(std::span<Member<Real>*>, double, int, std::span<const SweepKernel<Real>>,      \
+                                    PackScratch<Real>&);                                                            \
   template void StepPack<Real>(std::span<Member<Real>*>, int, const StepRules&, std::span<const SweepKernel<Real>>, \
                                PackScratch<Real>&, std::span<GroupOutcome>);
 WOBBLE_INSTANTIATE(float)

@@ -40,6 +40,11 @@ template <class Real>
 template <class Real>
 [[nodiscard]] int FindFirstSubsteps(Member<Real>& member, const StepRules& rules, GroupScratch<Real>& scratch);
 
+// Equal substeps, with nobody to choose or judge them: for the laboratory. Members as for StepPack.
+template <class Real>
+void IntegratePack(std::span<Member<Real>*> members, double duration, int substeps,
+                   std::span<const SweepKernel<Real>> kernels, PackScratch<Real>& scratch);
+
 // At most as many members as the widest kernel has lanes, all of one blueprint, which begin with `substeps`. outcomes:
 // one a member.
 template <class Real>

@@ -54,6 +54,7 @@ std::string MakeScript(const Plot& plot, const std::string& file) {
   if (hasMap) AddMap(plot.map, script);
   script << "set terminal svg size 800,500 background 'white' noenhanced\n"
          << "set output " << Quote(file) << "\nset title " << Quote(plot.title) << "\nset xlabel " << Quote(plot.xLabel)
+         << " offset 0,0.4"
          << "\nset ylabel " << Quote(plot.yLabel) << "\nset grid\nset key outside bottom horizontal\n"
          << (plot.logX ? "set logscale x\nset format x '%.0e'\n" : "")
          << (plot.logY ? "set logscale y\nset format y '%.0e'\n" : "")

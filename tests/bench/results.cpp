@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <fstream>
 
+#include "server/physics/lanes/kernels.h"
 #include "tests/bench/commit.h"
 
 namespace wobble::bench {
@@ -23,15 +24,9 @@ nlohmann::ordered_json MakeNumber(double value) {
   return value;
 }
 
-// What the physics is compiled for; see wobble_flags.
+// That bodies are stepped with, of those that the physics is compiled for.
 std::string FindInstructionSet() {
-#if defined(__AVX512F__)
-  return "avx512";
-#elif defined(__AVX2__)
-  return "avx2";
-#else
-  return "sse2";
-#endif
+  return physics::FindSweepKernels<float>(physics::kWidestPack).back().width == 16 ? "avx512" : "avx2";
 }
 
 std::string FindCompiler() {

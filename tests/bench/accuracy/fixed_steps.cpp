@@ -10,6 +10,7 @@
 
 #include "server/physics/bounds.h"
 #include "server/physics/integrator_step.h"
+#include "server/physics/pack_step.h"
 #include "server/physics/state.h"
 #include "tests/bench/thread_time.h"
 
@@ -134,7 +135,44 @@ SolvedMotion Solve(const Problem& problem, const Blueprint& blueprint, const Fix
   return solved;
 }
 
+template <class Real>
+SolvedMotion SolveSideBySide(const Problem& problem, const FixedSteps& how) {
+  const auto kernels = FindSweepKernels<Real>(kWidestPack);
+  std::vector<State<Real>> states(how.bodies, MakeState<Real>(*problem.blueprint, Vector3d::Zero(), Vector3d::Zero()));
+  std::vector<Member<Real>> members(how.bodies);
+  std::vector<Member<Real>*> pointers;
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    for (std::size_t vertex = 0; vertex < problem.x.size(); ++vertex) {
+      states[i].positions[vertex] = problem.x[vertex].cast<Real>();
+      states[i].velocities[vertex] = problem.v[vertex].cast<Real>();
+    }
+    members[i].blueprint = problem.blueprint.get();
+    members[i].state = &states[i];
+    members[i].load.acceleration = problem.equations.gravity.cast<Real>();
+    pointers.push_back(&members[i]);
+  }
+  static thread_local PackScratch<Real> scratch;  // warm from the second time on
+  SolvedMotion solved;
+  const double began = ReadThreadTime();
+  for (std::size_t begin = 0; begin < pointers.size(); begin += kernels.back().width) {
+    const std::size_t count = std::min<std::size_t>(kernels.back().width, pointers.size() - begin);
+    IntegratePack<Real>(std::span(pointers).subspan(begin, count), problem.duration, static_cast<int>(how.steps),
+                        kernels, scratch);
+  }
+  solved.time = ReadThreadTime() - began;
+  solved.evaluations = 4 * how.steps;
+  for (std::size_t vertex = 0; vertex < problem.x.size(); ++vertex) {
+    solved.end.x.push_back(states[0].positions[vertex].template cast<double>());
+    solved.end.v.push_back(states[0].velocities[vertex].template cast<double>());
+  }
+  return solved;
+}
+
 }  // namespace
+
+SolvedMotion SolveInLanes(const Problem& problem, const FixedSteps& how) {
+  return how.isSingle ? SolveSideBySide<float>(problem, how) : SolveSideBySide<double>(problem, how);
+}
 
 SolvedMotion SolveInSteps(const Problem& problem, const FixedSteps& how) {
   Blueprint blueprint = *problem.blueprint;

@@ -33,6 +33,10 @@ struct SolvedMotion {
 
 [[nodiscard]] SolvedMotion SolveInSteps(const Problem& problem, const FixedSteps& how);
 
+// By RK4 with the bodies side by side in lanes, as the server steps those that touch no other; of a problem without
+// obstacles. Not sampled.
+[[nodiscard]] SolvedMotion SolveInLanes(const Problem& problem, const FixedSteps& how);
+
 // As rows have it, "explicit_euler", and as plots do, "explicit Euler".
 [[nodiscard]] const char* FindName(physics::Integrator integrator);
 [[nodiscard]] const char* FindTitle(physics::Integrator integrator);

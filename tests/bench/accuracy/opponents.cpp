@@ -1,7 +1,8 @@
 // How much faster than a solver from the shelf? Sixteen balls, 20 % stretched, for 0.25 s on one thread; each side
 // takes the cheapest step that ends within 0.1 % of the radius, RMS, of the reference.
 //
-// The engine steps by RK4, its default, in float or double, whichever is faster. odeint steps all balls as one state
+// The engine steps by RK4, its default, in float or double, body by body or in lanes as the server does, whichever is
+// faster. odeint steps all balls as one state
 // vector by its RK4 in equal steps or by its Dormand–Prince, which chooses its own; of its tolerances the one counts
 // that happens to need the fewest evaluations. It asks either the plain equations of the laboratory for the forces or
 // the engine's own code in double: of those four the fastest is the opponent. So where the engine's forces are the
@@ -15,6 +16,7 @@
 #include <cmath>
 #include <functional>
 
+#include "server/physics/lanes/kernels.h"
 #include "tests/bench/accuracy/experiments.h"
 #include "tests/bench/accuracy/odeint.h"
 
@@ -118,6 +120,22 @@ void AddEngine(Race& race) {
   }
 }
 
+// What the server does with bodies that touch no other.
+void AddLanes(Race& race) {
+  for (const bool isSingle : {true, false}) {
+    race.AddFirstGood([&](std::int64_t steps) {
+      const auto solve = [=, &race](int bodies) {
+        return SolveInLanes(race.Ball(), {.steps = steps, .isSingle = isSingle, .bodies = bodies});
+      };
+      return Side{.isEngine = true,
+                  .method = "rk4 in lanes",
+                  .forces = isSingle ? "engine, float" : "engine, double",
+                  .steps = steps,
+                  .solve = solve};
+    });
+  }
+}
+
 void AddOdeint(Race& race) {
   using Method = OdeintSteps::Method;
   for (const bool asksEngine : {false, true}) {
@@ -171,6 +189,7 @@ void AddRows(Bench& bench, const Race& race, const Side& opponent) {
 void MeasureOpponents(Bench& bench) {
   Race race;
   AddEngine(race);
+  AddLanes(race);
   AddOdeint(race);
   const int rounds = bench.options.quick ? 10 : 100;
   for (int round = 0; round < rounds; ++round) {
@@ -181,11 +200,15 @@ void MeasureOpponents(Bench& bench) {
   const Side& opponent = race.FindFastest(false);
   const Side& engine = race.FindFastest(true);
   AddRows(bench, race, opponent);
-  bench.results.AddFigure("speedup_vs_odeint", opponent.FindTime() / engine.FindTime());
+  // What is asked for is asked of AVX-512; with half the lanes it only informs.
+  const double speedup = opponent.FindTime() / engine.FindTime();
+  if (FindSweepKernels<float>(kWidestPack).back().width == kWidestPack) {
+    bench.results.AddFigureAtLeast("speedup_vs_odeint", speedup, 8);
+  } else {
+    bench.results.AddFigure("speedup_vs_odeint", speedup);
+  }
   bench.results.remarks.push_back("speedup_vs_odeint: " + engine.method + " (" + engine.forces + ") against " +
-                                  opponent.method + " (" + opponent.forces +
-                                  "); the engine's forces are plain code so far, the kernel that is to make it 8 comes "
-                                  "after this");
+                                  opponent.method + " (" + opponent.forces + ")");
 }
 
 }  // namespace wobble::bench

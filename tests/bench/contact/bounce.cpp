@@ -211,11 +211,12 @@ void MeasureBounces(Bench& bench) {
   bench.results.AddFigureAtMost("bounce_error", worst, 0.01);
   const auto shown =
       std::find_if(cases.begin(), cases.end(), [](const Case& each) { return each.body == "ball of 162"; });
-  bench.results.plots.push_back({"bounce",
-                                 "A ball of 162 vertices dropped from 1 m",
-                                 "time, s",
-                                 "height of the centre above touching, m",
-                                 {{"played", Stroke::kPoints, shown->played}, {"reference", Stroke::kLine, shown->reference}}});
+  bench.results.plots.push_back(
+      {"bounce",
+       "A ball of 162 vertices dropped from 1 m",
+       "time, s",
+       "height of the centre above touching, m",
+       {{"played", Stroke::kPoints, shown->played}, {"reference", Stroke::kLine, shown->reference}}});
 }
 
 }  // namespace wobble::bench
