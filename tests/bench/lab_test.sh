@@ -62,7 +62,8 @@ case_bad_use() {
   expect_refusal "^wobble_lab: --json: $folder/none/a.json cannot be written" contact --json "$folder/none/a.json"
   touch "$folder/file"
   expect_refusal "^wobble_lab: --plot: $folder/file/plots: " contact --plot "$folder/file/plots"
-  expect_refusal 'not expected: --trial' accuracy --trial 1
+  expect_refusal "^wobble_lab: --into: $folder/file/" all --into "$folder/file"
+  expect_refusal 'not expected: 1 --trial' accuracy --trial 1
   lab_path=/nowhere expect_refusal '^wobble_lab: --plot: gnuplot is not installed' contact --plot "$folder/plots"
 }
 

@@ -133,12 +133,18 @@ std::string MakeFolderName(const std::string& cpu) {
 // A figure that is missed does not keep the next report from being made; what fails altogether does.
 int RunAll(Options options, const std::string& folder) {
   options.plotFolder = folder + "/" + MakeFolderName(ReadCpuName());
+  std::error_code code;
+  std::filesystem::create_directories(options.plotFolder, code);
+  if (code) {
+    std::fprintf(stderr, "wobble_lab: --into: %s: %s\n", options.plotFolder.c_str(), code.message().c_str());
+    return tool::kExitBadUse;
+  }
   int worst = tool::kExitGood;
   for (const Report& report : kReports) {
     options.jsonFile = options.plotFolder + "/" + report.name + ".json";
-    const int code = Run(report, options);
-    if (code == tool::kExitFailed || code == tool::kExitBadUse) return code;
-    worst = std::max(worst, code);
+    const int exit = Run(report, options);
+    if (exit == tool::kExitFailed || exit == tool::kExitBadUse) return exit;
+    worst = std::max(worst, exit);
     std::fflush(stdout);
   }
   std::printf("kept in %s\n", options.plotFolder.c_str());
