@@ -53,6 +53,16 @@ template <class Real>
   return integrator == Integrator::kRungeKutta4 && std::all_of(members.begin(), members.end(), adds);
 }
 
+// For the first try of a member's tick: what stability and what the error of its last ticks ask. fromBodies: what
+// contacts with other members add.
+template <class Real>
+[[nodiscard]] int FindSubstepsOf(const Member<Real>& member, Integrator integrator, const ContactRates& fromBodies,
+                                 const StepRules& rules) {
+  const int forStability = ChooseSubsteps<Real>(integrator, *member.blueprint, member.load, member.surfaces,
+                                                *member.state, fromBodies, rules.duration);
+  return std::max({1, forStability, std::min(member.substepsForError, rules.maxSubsteps)});
+}
+
 template <class Real>
 class GroupTick {
  public:
@@ -77,9 +87,7 @@ class GroupTick {
         rates.squareFrequency = std::max(rates.squareFrequency, load.stiffness / mass);
         rates.dampingRate = std::max(rates.dampingRate, load.damping / mass);
       }
-      const int forStability = ChooseSubsteps<Real>(m_integrator, *member.blueprint, member.load, member.surfaces,
-                                                    *member.state, rates, m_rules.duration);
-      most = std::max({most, forStability, std::min(member.substepsForError, m_rules.maxSubsteps)});
+      most = std::max(most, FindSubstepsOf<Real>(member, m_integrator, rates, m_rules));
     }
     return most;
   }

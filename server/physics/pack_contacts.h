@@ -21,7 +21,7 @@ class PackContacts {
   void Reserve(std::size_t contacts);
   // No contacts, of bodies of this kind.
   void Clear(const Coefficients<Real>& body);
-  // Those of a member that is in this lane. place: of each vertex in the pack; stride: numbers between two places.
+  // Those of a member that is in this lane. places: of its vertices in the pack.
   void Add(Member<Real>& member, std::size_t lane, std::span<const std::uint32_t> places);
   // After the last Add.
   void Close();

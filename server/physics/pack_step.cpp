@@ -267,10 +267,8 @@ bool CanGoInPack(const Blueprint& blueprint) {
 }
 
 template <class Real>
-int FindFirstSubsteps(Member<Real>& member, const StepRules& rules, GroupScratch<Real>& scratch) {
-  Member<Real>* pointer = &member;
-  Seat<Real> seat(pointer, rules, scratch);
-  return seat.tick.FindSubsteps();
+int FindFirstSubsteps(const Member<Real>& member, const StepRules& rules) {
+  return FindSubstepsOf<Real>(member, member.blueprint->integrator, {}, rules);
 }
 
 template <class Real>
@@ -319,7 +317,7 @@ void StepPack(std::span<Member<Real>*> members, int substeps, const StepRules& r
 #define WOBBLE_INSTANTIATE(Real)                                                                                    \
   template struct PackScratch<Real>;                                                                                \
   template bool CanGoInPack<Real>(const Blueprint&);                                                                \
-  template int FindFirstSubsteps<Real>(Member<Real>&, const StepRules&, GroupScratch<Real>&);                       \
+  template int FindFirstSubsteps<Real>(const Member<Real>&, const StepRules&);                                      \
   template void IntegratePack<Real>(std::span<Member<Real>*>, double, int, std::span<const SweepKernel<Real>>,      \
                                     PackScratch<Real>&);                                                            \
   template void StepPack<Real>(std::span<Member<Real>*>, int, const StepRules&, std::span<const SweepKernel<Real>>, \

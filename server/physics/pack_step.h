@@ -38,7 +38,7 @@ template <class Real>
 
 // Substeps that the first try of a body's tick takes.
 template <class Real>
-[[nodiscard]] int FindFirstSubsteps(Member<Real>& member, const StepRules& rules, GroupScratch<Real>& scratch);
+[[nodiscard]] int FindFirstSubsteps(const Member<Real>& member, const StepRules& rules);
 
 // Equal substeps, with nobody to choose or judge them: for the laboratory. Members as for StepPack.
 template <class Real>

@@ -285,9 +285,7 @@ class World::Stepper {
     std::vector<LoneBody>& bodies = m_work.loneBodies;
     const auto kernels = FindSweepKernels<Real>(m_world.m_settings.widestPack);
     m_threads.ForEach(bodies.size(), [&](std::size_t i) {
-      PackScratch<Real>& scratch = m_work.scratch.local().pack;
-      scratch.Reserve(mostVertices);
-      bodies[i].substeps = FindFirstSubsteps<Real>(m_work.members[bodies[i].body], m_rules, scratch.groups[0]);
+      bodies[i].substeps = FindFirstSubsteps<Real>(m_work.members[bodies[i].body], m_rules);
     });
     std::sort(bodies.begin(), bodies.end());
     m_work.packBegins.clear();
@@ -301,12 +299,14 @@ class World::Stepper {
     m_work.packBegins.push_back(bodies.size());
     m_threads.ForEach(m_work.packBegins.size() - 1, [&](std::size_t i) {
       const std::size_t begin = m_work.packBegins[i];
-      StepOnePack(std::span(bodies).subspan(begin, m_work.packBegins[i + 1] - begin), kernels);
+      StepOnePack(std::span(bodies).subspan(begin, m_work.packBegins[i + 1] - begin), kernels, mostVertices);
     });
   }
 
-  void StepOnePack(std::span<const LoneBody> bodies, std::span<const SweepKernel<Real>> kernels) {
+  void StepOnePack(std::span<const LoneBody> bodies, std::span<const SweepKernel<Real>> kernels,
+                   std::size_t mostVertices) {
     Scratch<Real>& scratch = m_work.scratch.local();
+    scratch.pack.Reserve(mostVertices);
     scratch.members.clear();
     for (const LoneBody& each : bodies) scratch.members.push_back(&m_work.members[each.body]);
     std::array<GroupOutcome, kWidestPack> outcomes;

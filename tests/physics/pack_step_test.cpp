@@ -51,9 +51,9 @@ struct Bodies {
   std::vector<std::size_t> StepInLanes(int width) {
     std::vector<std::size_t> stepped;
     std::vector<Member<Real>*> together;
-    const int substeps = FindFirstSubsteps<Real>(members[0], kRules, scratch.groups[0]);
+    const int substeps = FindFirstSubsteps<Real>(members[0], kRules);
     for (std::size_t i = 0; i < members.size() && together.size() < static_cast<std::size_t>(width); ++i) {
-      if (FindFirstSubsteps<Real>(members[i], kRules, scratch.groups[0]) != substeps) continue;
+      if (FindFirstSubsteps<Real>(members[i], kRules) != substeps) continue;
       stepped.push_back(i);
       together.push_back(&members[i]);
     }
@@ -130,7 +130,7 @@ TYPED_TEST(PackStepTest, GivesTheSameBitsInAnyLaneOfAnyWidth) {
       for (const std::size_t i : together.StepInLanes(kernel.width)) {
         Member<Real>* member = &alone.members[i];
         std::array<GroupOutcome, kWidestPack> outcomes;
-        const int substeps = FindFirstSubsteps<Real>(*member, kRules, alone.scratch.groups[0]);
+        const int substeps = FindFirstSubsteps<Real>(*member, kRules);
         if (!known[i]) {
           StepPack<Real>(std::span(&member, 1), substeps, kRules, FindSweepKernels<Real>(1), alone.scratch, outcomes);
         }
