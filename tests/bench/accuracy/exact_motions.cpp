@@ -38,16 +38,6 @@ Ends SolveBoth(const Problem& problem, double step) {
   return {SolveInSteps(problem, {.steps = steps}).end, SolveReference(problem)};
 }
 
-Problem MakeProblem(Blueprint blueprint, double duration) {
-  Problem problem;
-  problem.blueprint = std::make_shared<const Blueprint>(std::move(blueprint));
-  problem.equations.blueprint = problem.blueprint.get();
-  problem.x = problem.blueprint->rest;
-  problem.v.assign(problem.x.size(), Vector3d::Zero());
-  problem.duration = duration;
-  return problem;
-}
-
 PairDefinition DescribePair(double dampingRatio) {
   PairDefinition pair;  // of 1 kg each, 1 m
   pair.material.stiffness = 100;

@@ -26,6 +26,9 @@ struct Problem {
   bool touches = false;         // a surface: the order of a method is not measured on it
 };
 
+// A body at rest, nothing acting on it; named by whoever shows it.
+[[nodiscard]] Problem MakeProblem(physics::Blueprint blueprint, double duration);
+
 // A ball of 162 vertices, 20 % longer along z and thinner across, for 0.25 s without damping: the one that methods are
 // compared on.
 [[nodiscard]] Problem MakeStretchedBall();

@@ -22,14 +22,9 @@ using namespace physics;
 
 const Vector3d kGravity(0, 0, -9.81);  // m/s²
 
-Problem MakeProblem(const std::string& name, Blueprint blueprint, double duration) {
-  Problem problem;
+Problem MakeNamedProblem(const std::string& name, Blueprint blueprint, double duration) {
+  Problem problem = MakeProblem(std::move(blueprint), duration);
   problem.name = name;
-  problem.blueprint = std::make_shared<const Blueprint>(std::move(blueprint));
-  problem.equations.blueprint = problem.blueprint.get();
-  problem.x = problem.blueprint->rest;
-  problem.v.assign(problem.x.size(), Vector3d::Zero());
-  problem.duration = duration;
   return problem;
 }
 
@@ -50,7 +45,7 @@ Problem MakeBallProblem(const std::string& name, double stretch, double dampingR
   ball.material.stiffness = 750;
   ball.material.gas = gas;
   ball.material.dampingRatio = dampingRatio;
-  Problem problem = MakeProblem(name, MakeBall(ball), duration);
+  Problem problem = MakeNamedProblem(name, MakeBall(ball), duration);
   StretchAlongZ(problem.x, stretch);
   problem.isConservative = dampingRatio == 0;
   return problem;
@@ -65,7 +60,7 @@ Problem MakeBeam() {
   beam.density = 100;
   beam.dampingRatio = 0;
   beam.fixed = Side::kLowX;
-  Problem problem = MakeProblem("beam under gravity, 2 s", MakeLattice(beam), 2);
+  Problem problem = MakeNamedProblem("beam under gravity, 2 s", MakeLattice(beam), 2);
   problem.equations.gravity = kGravity;
   problem.isConservative = true;
   return problem;
@@ -76,7 +71,7 @@ Problem MakeSwingingCloth() {
   cloth.points = {12, 12};
   cloth.pinned = Pinned::kEdge;
   cloth.material.dampingRatio = 0.05;
-  Problem problem = MakeProblem("cloth swinging in wind, 2 s", MakeCloth(cloth), 2);
+  Problem problem = MakeNamedProblem("cloth swinging in wind, 2 s", MakeCloth(cloth), 2);
   problem.equations.gravity = kGravity;
   problem.equations.wind = Vector3d(0, 2.5, 0);
   constexpr double kAngle = 40 * std::numbers::pi / 180;  // from the vertical
@@ -93,7 +88,7 @@ Problem MakeRingProblem() {
   ring.layers = 2;
   ring.material.dampingRatio = 0;
   ring.material.repulsion = 5e-4;
-  Problem problem = MakeProblem("ring with repulsion, 10 % stretch, 1 s", MakeRing(ring), 1);
+  Problem problem = MakeNamedProblem("ring with repulsion, 10 % stretch, 1 s", MakeRing(ring), 1);
   for (Vector3d& p : problem.x) p = Vector3d(p.x() / 1.1, 0, p.z() * 1.1);
   problem.isConservative = true;
   return problem;
@@ -104,7 +99,7 @@ Problem MakeBounce() {
   ball.subdivisions = 1;
   ball.material.friction = 0;
   ball.material.restitution = 0.95;
-  Problem problem = MakeProblem("ball bouncing, 0.6 s", MakeBall(ball), 0.6);
+  Problem problem = MakeNamedProblem("ball bouncing, 0.6 s", MakeBall(ball), 0.6);
   problem.touches = true;
   problem.equations.gravity = kGravity;
   problem.equations.obstacles = {Obstacle{}};
@@ -116,6 +111,16 @@ Problem MakeBounce() {
 }
 
 }  // namespace
+
+Problem MakeProblem(Blueprint blueprint, double duration) {
+  Problem problem;
+  problem.blueprint = std::make_shared<const Blueprint>(std::move(blueprint));
+  problem.equations.blueprint = problem.blueprint.get();
+  problem.x = problem.blueprint->rest;
+  problem.v.assign(problem.x.size(), Vector3d::Zero());
+  problem.duration = duration;
+  return problem;
+}
 
 Problem MakeStretchedBall() { return MakeBallProblem("ball, 20 % stretch, 0.25 s", 1.2, 0, 0.25); }
 
