@@ -9,31 +9,16 @@
 #include <array>
 
 #include "server/physics/control.h"
+#include "server/physics/pair_search.h"
 #include "server/physics/tear.h"
 #include "server/physics/world_engine.h"
 
 namespace wobble::physics {
 namespace {
 
-// How near bodies are looked at beyond the way they go in the tick, m: what gravity and springs may add.
-constexpr double kMargin = 0.02;
-
-// Room for so many contacts is made when two bodies meet: more seldom come, and a list that is full grows.
-constexpr std::size_t kLikelyContacts = 128;
-
 // Vertices from which on a group is stepped by all threads: below, they would wait for one another longer than they
 // work.
 constexpr std::size_t kLargeGroup = 2000;
-
-template <class Real>
-bool ComesBefore(const BodyPair<Real>& a, const BodyPair<Real>& b) {
-  return a.first != b.first ? a.first < b.first : a.second < b.second;
-}
-
-template <class Real>
-bool HasContacts(const BodyPair<Real>& pair) {
-  return !pair.sides[0].empty() || !pair.sides[1].empty();
-}
 
 }  // namespace
 
@@ -47,14 +32,15 @@ class World::Stepper {
         m_threads(world.m_engine->threads),
         m_work(std::get<Workspace<Real>>(world.m_engine->workspaces)),
         m_duration(world.m_settings.tickDuration),
-        m_rules{m_duration, m_duration * world.m_settings.errorTarget, world.m_settings.maxSubsteps} {}
+        m_rules{m_duration, m_duration * world.m_settings.errorTarget, world.m_settings.maxSubsteps},
+        m_search(m_bodies, m_duration, m_threads, m_work) {}
 
   StepReport Step() {
     PrepareAll();
-    FindPairs();
-    MeetAll();
+    m_search.FindPairs();
+    m_search.MeetAll();
     WakeTouched();
-    DropPairsApart();
+    m_search.DropPairsApart();
     FindAllGroups();
     StepAll();
     LetFallAsleep();
@@ -96,7 +82,7 @@ class World::Stepper {
     FindContacts<Real>(member.surfaces, member.blueprint->template Read<Real>().contact.range, member.bounds,
                        state.positions, state.velocities, static_cast<Real>(m_duration), state.contacts,
                        m_work.scratch.local().contacts);
-    const double fat = kMargin + m_duration * double{member.bounds.speed};
+    const double fat = kNearMargin + m_duration * double{member.bounds.speed};
     m_work.boxes[i] = {state.origin + member.bounds.low.template cast<double>() - Vector3d::Constant(fat),
                        state.origin + member.bounds.high.template cast<double>() + Vector3d::Constant(fat)};
   }
@@ -113,106 +99,11 @@ class World::Stepper {
     member.load.pushes = member.pushes;
   }
 
-  void FindPairs() {
-    m_work.pairs.swap(m_work.pairsBefore);
-    m_work.pairs.clear();
-    m_work.pairIndices.clear();
-    auto before = m_work.pairsBefore.begin();
-    for (const auto& [a, b] : m_work.broadPhase.FindOverlaps(m_work.boxes)) {
-      if (HasNoFaces(a) || HasNoFaces(b)) continue;
-      BodyPair<Real> pair{m_bodies[a].id, m_bodies[b].id, {}};
-      for (; before != m_work.pairsBefore.end() && ComesBefore(*before, pair); ++before) Recycle(*before);
-      const bool known = before != m_work.pairsBefore.end() && !ComesBefore(pair, *before);
-      for (std::size_t side = 0; side < 2; ++side) {
-        pair.sides[side] = known ? std::move(before->sides[side]) : TakeSpareList();
-      }
-      if (known) ++before;
-      m_work.pairs.push_back(std::move(pair));
-      m_work.pairIndices.push_back({a, b});
-    }
-    for (; before != m_work.pairsBefore.end(); ++before) Recycle(*before);
-  }
-
-  void Recycle(BodyPair<Real>& pair) {
-    for (auto& side : pair.sides) m_work.spareLists.push_back(std::move(side));
-  }
-
-  std::vector<BodyContact<Real>> TakeSpareList() {
-    std::vector<BodyContact<Real>> list;
-    if (!m_work.spareLists.empty()) {
-      list = std::move(m_work.spareLists.back());
-      m_work.spareLists.pop_back();
-    }
-    list.clear();
-    list.reserve(kLikelyContacts);
-    return list;
-  }
-
-  bool HasNoFaces(std::uint32_t body) const { return m_work.members[body].blueprint->full.faces.empty(); }
-
-  // Contacts of two that sleep stay as they are.
-  void MeetAll() {
-    m_threads.ForEach(m_work.pairs.size(), [this](std::size_t i) {
-      const auto [a, b] = m_work.pairIndices[i];
-      if (m_work.pairs[i].met || (m_bodies[a].asleep && m_bodies[b].asleep)) return;
-      m_work.pairs[i].met = true;
-      Meet(i);
-    });
-  }
-
-  void Meet(std::size_t i) {
-    for (std::size_t side = 0; side < 2; ++side) {
-      const Member<Real>& vertices = m_work.members[m_work.pairIndices[i][side]];
-      const Member<Real>& faces = m_work.members[m_work.pairIndices[i][1 - side]];
-      const Meeting<Real> meeting = MakeMeeting<Real>(vertices, vertices.state->positions, vertices.state->velocities,
-                                                      faces, faces.state->positions, faces.state->velocities);
-      Bounds<Real> near = faces.bounds;
-      near.speed += vertices.bounds.speed;
-      const Real fat = static_cast<Real>(kMargin) + near.speed * static_cast<Real>(m_duration);
-      near.low.array() -= fat;
-      near.high.array() += fat;
-      const Shell<Real> own{vertices.blueprint->template Read<Real>().faces, &vertices.blueprint->topology,
-                            vertices.state->positions};
-      const ContactParameters<Real> both =
-          Combine(vertices.blueprint->template Read<Real>().contact, faces.blueprint->template Read<Real>().contact);
-      FindBodyContacts<Real>(both, meeting, own, near, static_cast<Real>(kMargin), static_cast<Real>(m_duration),
-                             m_work.pairs[i].sides[side], m_work.scratch.local().bodyContacts);
-    }
-  }
-
-  // Sleepers near somebody awake wake in this tick, and then those near them.
   void WakeTouched() {
-    for (;;) {
-      m_work.woken.clear();
-      for (std::size_t i = 0; i < m_work.pairs.size(); ++i) {
-        const auto [a, b] = m_work.pairIndices[i];
-        if (m_bodies[a].asleep == m_bodies[b].asleep || !HasContacts(m_work.pairs[i])) continue;
-        const std::uint32_t sleeper = m_bodies[a].asleep ? a : b;
-        WakeUp(m_bodies[sleeper]);
-        m_work.woken.push_back(sleeper);
-      }
-      if (m_work.woken.empty()) return;
+    while (m_search.WakeTouched()) {
       m_threads.ForEach(m_work.woken.size(), [this](std::size_t i) { Prepare(m_work.woken[i]); });
-      MeetAll();
+      m_search.MeetAll();
     }
-  }
-
-  // Boxes that overlap without a vertex near a face bind nothing together.
-  void DropPairsApart() {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < m_work.pairs.size(); ++i) {
-      if (!HasContacts(m_work.pairs[i])) {
-        Recycle(m_work.pairs[i]);
-        continue;
-      }
-      if (kept != i) {
-        m_work.pairs[kept] = std::move(m_work.pairs[i]);
-        m_work.pairIndices[kept] = m_work.pairIndices[i];
-      }
-      ++kept;
-    }
-    m_work.pairs.resize(kept);
-    m_work.pairIndices.resize(kept);
   }
 
   // Sleepers are in groups as well: those that hang together all sleep, or none.
@@ -418,6 +309,7 @@ class World::Stepper {
   Workspace<Real>& m_work;
   double m_duration;
   StepRules m_rules;
+  PairSearch<Real> m_search;
 };
 
 StepReport World::Step() {
