@@ -78,10 +78,9 @@ void PairSearch<Real>::Meet(std::size_t pair) {
   for (std::size_t side = 0; side < 2; ++side) {
     const Member<Real>& vertices = m_work.members[m_work.pairIndices[pair][side]];
     const Member<Real>& faces = m_work.members[m_work.pairIndices[pair][1 - side]];
-    const Meeting<Real> meeting = MakeMeeting<Real>(vertices, vertices.state->positions, vertices.state->velocities,
-                                                    faces, faces.state->positions, faces.state->velocities);
-    Bounds<Real> near = faces.bounds;
-    near.speed += vertices.bounds.speed;
+    const Meeting<Real> meeting = MakeMeeting<Real>(vertices, faces);
+    Bounds<Real> near = faces.survey.bounds;
+    near.speed += vertices.survey.bounds.speed;
     const Real fat = static_cast<Real>(kNearMargin) + near.speed * static_cast<Real>(m_duration);
     near.low.array() -= fat;
     near.high.array() += fat;

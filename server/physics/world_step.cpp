@@ -72,7 +72,6 @@ class World::Stepper {
     Body& body = m_bodies[i];
     Member<Real>& member = m_work.members[i];
     State<Real>& state = *member.state;
-    m_work.safePlaces[i] = physics::FindCentre(*member.blueprint, state);
     member.load = ApplyControl(*member.blueprint, m_world.m_settings.gravity, body, state);
     member.load.wind = m_world.m_settings.wind.template cast<Real>();
     AddDrives(body, member);
@@ -83,13 +82,15 @@ class World::Stepper {
     for (const Obstacle& obstacle : m_world.m_obstacles) {
       member.surfaces.push_back(MakeSurface<Real>(obstacle, state.origin));
     }
-    member.bounds = FindBounds<Real>(state.positions, state.velocities);
-    FindContacts<Real>(member.surfaces, member.blueprint->template Read<Real>().contact.range, member.bounds,
-                       state.positions, state.velocities, static_cast<Real>(m_duration), state.contacts,
-                       m_work.scratch.local().contacts);
-    const double fat = kNearMargin + m_duration * double{member.bounds.speed};
-    m_work.boxes[i] = {state.origin + member.bounds.low.template cast<double>() - Vector3d::Constant(fat),
-                       state.origin + member.bounds.high.template cast<double>() + Vector3d::Constant(fat)};
+    const Coefficients<Real>& coefficients = member.blueprint->template Read<Real>();
+    member.survey = MakeSurvey<Real>(coefficients.masses, state.positions, state.velocities);
+    m_work.safePlaces[i] = state.origin + member.survey.centre;
+    FindContacts<Real>(member.surfaces, coefficients.contact.range, member.survey, state.positions, state.velocities,
+                       static_cast<Real>(m_duration), state.contacts, m_work.scratch.local().contacts);
+    const Bounds<Real>& bounds = member.survey.bounds;
+    const double fat = kNearMargin + m_duration * double{bounds.speed};
+    m_work.boxes[i] = {state.origin + bounds.low.template cast<double>() - Vector3d::Constant(fat),
+                       state.origin + bounds.high.template cast<double>() + Vector3d::Constant(fat)};
   }
 
   void AddDrives(const Body& body, Member<Real>& member) const {
@@ -271,7 +272,7 @@ class World::Stepper {
       body.steps.Record(member.error, steps.substeps, m_rules.allowedError);
       NoteMotion(member, body);
       Tear(i);
-      Recentre(*member.blueprint, state);
+      Recentre(*member.blueprint, member.after.centre, state);
     }
   }
 
@@ -322,8 +323,9 @@ class World::Stepper {
 
   void FallAsleep(std::uint32_t i) {
     State<Real>& state = StateOf(i);
+    Member<Real>& member = m_work.members[i];
     physics::FallAsleep<Real>(m_bodies[i], state);
-    m_work.members[i].bounds = FindBounds<Real>(state.positions, state.velocities);
+    member.survey = MakeSurvey<Real>(member.blueprint->template Read<Real>().masses, state.positions, state.velocities);
   }
 
   StepReport Report() const {
