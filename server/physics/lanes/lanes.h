@@ -54,6 +54,11 @@ struct LanesOf<double, 4> {
   using Type = __m256d;
 };
 
+WOBBLE_LANES __m128 Fma(__m128 a, __m128 b, __m128 c) { return _mm_fmadd_ps(a, b, c); }
+WOBBLE_LANES __m128 Fms(__m128 a, __m128 b, __m128 c) { return _mm_fmsub_ps(a, b, c); }
+WOBBLE_LANES __m128 Fnma(__m128 a, __m128 b, __m128 c) { return _mm_fnmadd_ps(a, b, c); }
+WOBBLE_LANES void Fill(__m128& lanes, float value) { lanes = _mm_set1_ps(value); }
+
 WOBBLE_LANES __m256 Fma(__m256 a, __m256 b, __m256 c) { return _mm256_fmadd_ps(a, b, c); }
 WOBBLE_LANES __m256 Fms(__m256 a, __m256 b, __m256 c) { return _mm256_fmsub_ps(a, b, c); }
 WOBBLE_LANES __m256 Fnma(__m256 a, __m256 b, __m256 c) { return _mm256_fnmadd_ps(a, b, c); }
