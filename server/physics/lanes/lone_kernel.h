@@ -70,19 +70,17 @@ void ComputePulls(const SweepTables<Real>& tables, const Real* from, Real stiffn
   const ArcColumns<Real> columns = tables.columns;
   const V factor = Spread<V>(stiffnessFactor);
   for (std::uint32_t i = 0; i < tables.count; ++i) StoreRow(Spread<Row>(Real(0)), forces + 6 * i);
-  V pulls[4];
-  std::uint32_t begin = 0;
-  for (; begin + kWidth <= tables.arcCount; begin += kWidth) {
+  const auto addPulls = [&](std::uint32_t begin, std::uint32_t count) {
+    V pulls[4];
     FindPulls(columns, begin, from, factor, pulls);
-    for (std::uint32_t i = 0; i < kWidth; ++i) {
+    for (std::uint32_t i = 0; i < count; ++i) {
       AddPull(columns.ends + 2 * (begin + i), FindRow(pulls[i % 4], i >= 4), forces);
     }
-  }
-  if (begin == tables.arcCount) return;
-  FindPulls(columns, begin, from, factor, pulls);
-  for (std::uint32_t i = 0; begin + i < tables.arcCount; ++i) {
-    AddPull(columns.ends + 2 * (begin + i), FindRow(pulls[i % 4], i >= 4), forces);
-  }
+  };
+  const std::uint32_t rest = tables.arcCount % kWidth;
+  const std::uint32_t whole = tables.arcCount - rest;
+  for (std::uint32_t begin = 0; begin < whole; begin += kWidth) addPulls(begin, kWidth);
+  if (rest > 0) addPulls(whole, rest);
 }
 
 // Sum of cross products round the vertex at `own`, as in AddGasOfRing.
