@@ -19,16 +19,17 @@ template <class Real>
 class Group {
  public:
   Group(std::span<Member<Real>* const> members, std::span<const Encounter<Real>> encounters, Threads* threads,
-        GroupScratch<Real>& scratch)
+        GroupScratch<Real>& scratch, int widestPack = kWidestPack)
       : m_members(members), m_encounters(encounters), m_threads(threads), m_scratch(scratch) {
     Gather();
     SaveContacts();
-    ListSides();
+    m_scratch.groupContacts.Build(encounters, members, FindSweepKernels<Real>(widestPack).back());
   }
 
   [[nodiscard]] std::span<Member<Real>* const> Members() const { return m_members; }
   [[nodiscard]] std::span<const Encounter<Real>> Encounters() const { return m_encounters; }
   [[nodiscard]] GroupScratch<Real>& Scratch() const { return m_scratch; }
+  [[nodiscard]] Threads* Parallel() const { return m_threads; }  // null: one thread
   [[nodiscard]] std::span<Vector3<Real>> Positions() const { return m_scratch.positions; }
   [[nodiscard]] std::span<Vector3<Real>> Velocities() const { return m_scratch.velocities; }
 
@@ -40,6 +41,14 @@ class Group {
   template <class Value>
   [[nodiscard]] std::span<const Value> PartOf(const std::vector<Value>& values, std::size_t member) const {
     return PartOf(std::span<const Value>(values), member);
+  }
+
+  // Of all members, until the next call.
+  [[nodiscard]] std::span<const Motion<Real>> FindMotions(std::span<const Vector3<Real>> x,
+                                                          std::span<const Vector3<Real>> v) const {
+    m_scratch.motions.clear();
+    for (std::size_t i = 0; i < m_members.size(); ++i) m_scratch.motions.push_back({PartOf(x, i), PartOf(v, i)});
+    return m_scratch.motions;
   }
 
   // visit(i), each i once, on any thread.
@@ -83,13 +92,11 @@ class Group {
       ComputeForces<Real>(member.blueprint->template Read<Real>(), load, member.surfaces, member.state->contacts,
                           PartOf(x, i), PartOf(v, i), PartOf(a, i));
     });
-    ForEach(2 * m_encounters.size(), [&](std::size_t side) {
-      const Encounter<Real>& encounter = m_encounters[side / 2];
-      ComputeBodyContacts<Real>(encounter.parameters, Meet(encounter, side % 2, x, v), *encounter.sides[side % 2],
-                                ForcesOf(side));
-    });
+    m_scratch.groupContacts.ComputeForces(FindMotions(x, v), m_threads);
     ForEach(m_members.size(), [&](std::size_t i) {
-      AddContactForces(i, PartOf(a, i));
+      const auto forces = PartOf(a, i);
+      m_scratch.groupContacts.VisitForcesOn(
+          i, [forces](std::size_t vertex, const Vector3<Real>& force) { forces[vertex] += force; });
       const Member<Real>& member = *m_members[i];
       const Coefficients<Real>& body = member.blueprint->template Read<Real>();
       DivideByMasses<Real>(body, member.load, PartOf(a, i));
@@ -112,6 +119,7 @@ class Group {
         for (BodyContact<Real>& each : *side) each = *bodyContact++;
       }
     }
+    m_scratch.groupContacts.ReadLists();
   }
 
   void Scatter() const {
@@ -147,47 +155,6 @@ class Group {
     for (const Encounter<Real>& encounter : m_encounters) {
       for (const auto* side : encounter.sides) {
         m_scratch.bodyContacts.insert(m_scratch.bodyContacts.end(), side->begin(), side->end());
-      }
-    }
-  }
-
-  // Which sides of encounters act on which member, ascending.
-  void ListSides() {
-    m_scratch.sideBegins.assign(1, 0);
-    m_scratch.sidesOf.assign(m_members.size() + 1, 0);
-    for (const Encounter<Real>& encounter : m_encounters) {
-      for (const auto* side : encounter.sides) {
-        m_scratch.sideBegins.push_back(m_scratch.sideBegins.back() + side->size());
-      }
-      for (const std::uint32_t member : encounter.members) m_scratch.sidesOf[member + 1U] += 2;
-    }
-    m_scratch.contactForces.resize(m_scratch.sideBegins.back());
-    m_scratch.sides.resize(4 * m_encounters.size());
-    for (std::size_t i = 0; i < m_members.size(); ++i) m_scratch.sidesOf[i + 1] += m_scratch.sidesOf[i];
-    for (std::size_t e = m_encounters.size(); e-- > 0;) {
-      for (std::uint32_t s = 2; s-- > 0;) {
-        for (const std::uint32_t member : m_encounters[e].members) {
-          m_scratch.sides[--m_scratch.sidesOf[member + 1U]] = static_cast<std::uint32_t>(2 * e) + s;
-        }
-      }
-    }
-    // Each member's end has been counted down to its begin: one step to the left, and they are begins again.
-    m_scratch.sidesOf.erase(m_scratch.sidesOf.begin());
-    m_scratch.sidesOf.push_back(m_scratch.sides.size());
-  }
-
-  std::span<ContactForce<Real>> ForcesOf(std::size_t side) const {
-    const std::size_t begin = m_scratch.sideBegins[side];
-    return std::span(m_scratch.contactForces).subspan(begin, m_scratch.sideBegins[side + 1] - begin);
-  }
-
-  void AddContactForces(std::size_t member, std::span<Vector3<Real>> forces) const {
-    for (std::size_t i = m_scratch.sidesOf[member]; i < m_scratch.sidesOf[member + 1]; ++i) {
-      const std::uint32_t side = m_scratch.sides[i];
-      if (m_encounters[side / 2].members[side % 2] == member) {
-        AddToVertices<Real>(ForcesOf(side), forces);
-      } else {
-        AddToCorners<Real>(ForcesOf(side), forces);
       }
     }
   }

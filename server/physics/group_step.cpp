@@ -86,12 +86,8 @@ class Stepping {
       }
       UpdateAnchors<Real>(body.contact, member.surfaces, member.state->contacts, x);
     });
-    const auto encounters = m_group.Encounters();
-    m_group.ForEach(2 * encounters.size(), [&](std::size_t i) {
-      const Encounter<Real>& encounter = encounters[i / 2];
-      const Meeting<Real> meeting = m_group.Meet(encounter, i % 2, m_scratch.positions, m_scratch.velocities);
-      UpdateBodyContacts<Real>(encounter.parameters, meeting, h, *encounter.sides[i % 2]);
-    });
+    m_scratch.groupContacts.Update(m_group.FindMotions(m_scratch.positions, m_scratch.velocities), h,
+                                   m_group.Parallel());
   }
 
   Group<Real>& m_group;
@@ -118,7 +114,7 @@ Meeting<Real> MakeMeeting(const Member<Real>& ofVertices, std::span<const Vector
 template <class Real>
 GroupOutcome StepGroup(std::span<Member<Real>* const> members, std::span<const Encounter<Real>> encounters,
                        const StepRules& rules, Threads* threads, GroupScratch<Real>& scratch) {
-  Group<Real> group(members, encounters, threads, scratch);
+  Group<Real> group(members, encounters, threads, scratch, rules.widestPack);
   return Stepping<Real>(group, rules).Step();
 }
 

@@ -7,8 +7,10 @@
 
 #include "server/physics/body_contact.h"
 #include "server/physics/forces.h"
+#include "server/physics/group_contacts.h"
 #include "server/physics/health.h"
 #include "server/physics/integrator_step.h"
+#include "server/physics/lanes/kernels.h"
 #include "server/physics/parallel.h"
 #include "server/physics/state.h"
 
@@ -19,6 +21,7 @@ struct StepRules {
   double duration = 1.0 / 60;    // s
   double allowedError = 1.7e-5;  // of one tick, RMS over a body's vertices, m
   int maxSubsteps = 64;          // of a tick that nothing went wrong in
+  int widestPack = kWidestPack;  // lanes
 };
 
 // A body of the group, and what stays constant for it through the tick.
@@ -55,11 +58,9 @@ struct GroupScratch {
   std::vector<Vector3<Real>> positionsBefore;  // the substep, where a member's contact law asks for them
   std::vector<Vector3<Real>> velocitiesBefore;
   std::vector<std::size_t> begins;
-  std::vector<ContactForce<Real>> contactForces;  // of all contacts between members, side by side
-  std::vector<std::size_t> sideBegins;            // of those of side s of encounter e, at 2 e + s
-  std::vector<std::uint32_t> sides;               // 2 e + s, those that member m has a part in from sidesOf[m] on
-  std::vector<std::size_t> sidesOf;
-  std::vector<VertexLoad> loads;  // of every vertex of the group
+  GroupContacts<Real> groupContacts;
+  std::vector<Motion<Real>> motions;  // of each member
+  std::vector<VertexLoad> loads;      // of every vertex of the group
   // Contacts as the tick found them, one list behind the other, for a tick that is stepped again.
   std::vector<Contact<Real>> contacts;
   std::vector<BodyContact<Real>> bodyContacts;
@@ -77,10 +78,8 @@ struct GroupScratch {
     bodyContacts.reserve(vertices);
     places.reserve(vertices);
     begins.reserve(bodies + 1);
-    sidesOf.reserve(bodies + 1);
-    contactForces.reserve(vertices);
-    sideBegins.reserve(16 * bodies);  // seldom has a body more than eight neighbours
-    sides.reserve(32 * bodies);
+    groupContacts.Reserve(vertices, bodies);
+    motions.reserve(bodies);
   }
 };
 

@@ -47,7 +47,8 @@ class World::Stepper {
         m_threads(world.m_engine->threads),
         m_work(std::get<Workspace<Real>>(world.m_engine->workspaces)),
         m_duration(world.m_settings.tickDuration),
-        m_rules{m_duration, m_duration * world.m_settings.errorTarget, world.m_settings.maxSubsteps} {}
+        m_rules{m_duration, m_duration * world.m_settings.errorTarget, world.m_settings.maxSubsteps,
+                world.m_settings.widestPack} {}
 
   StepReport Step() {
     PrepareAll();
