@@ -23,7 +23,7 @@ class Group {
       : m_members(members), m_encounters(encounters), m_threads(threads), m_scratch(scratch) {
     Gather();
     SaveContacts();
-    m_scratch.groupContacts.Build(encounters, members, FindSweepKernels<Real>(widestPack).back());
+    m_scratch.groupContacts.Build(encounters, members, FindSweepKernels<Real>(widestPack).back().bodyContacts);
   }
 
   [[nodiscard]] std::span<Member<Real>* const> Members() const { return m_members; }
