@@ -1,5 +1,6 @@
-// The bodies of a group behind one another in one array, as one system of equations: each stage of a step sees all of
-// them at the same moment, and forces between them are equal and opposite at every stage.
+// Bodies that are stepped together, behind one another in one array, as one system of equations: each stage of a step
+// sees all of them at the same moment, and forces between them are equal and opposite at every stage. What hangs
+// together by contacts is one part of a group; parts do nothing to one another and are judged by themselves.
 #pragma once
 
 #include <algorithm>
@@ -7,6 +8,7 @@
 
 #include "server/physics/backtracking.h"
 #include "server/physics/group_step.h"
+#include "server/physics/lanes/sweep.h"
 
 namespace wobble::physics {
 
@@ -15,21 +17,35 @@ template <class Real>
   return member.blueprint->full.contact.law == ContactLaw::kBacktracking && !member.state->contacts.empty();
 }
 
+// Members, and encounters between them, that belong to one part: from begin up to end, by their place in the group.
+struct Part {
+  std::size_t memberBegin = 0;
+  std::size_t memberEnd = 0;
+  std::size_t encounterBegin = 0;
+  std::size_t encounterEnd = 0;
+};
+
 template <class Real>
 class Group {
  public:
   Group(std::span<Member<Real>* const> members, std::span<const Encounter<Real>> encounters, Threads* threads,
-        GroupScratch<Real>& scratch, int widestPack = kWidestPack)
+        const SweepKernel<Real>& kernel, GroupScratch<Real>& scratch)
       : m_members(members), m_encounters(encounters), m_threads(threads), m_scratch(scratch) {
-    Gather();
+    ListMembers();
     SaveContacts();
-    m_scratch.groupContacts.Build(encounters, members, FindSweepKernels<Real>(widestPack).back().bodyContacts);
+    m_scratch.groupContacts.Build(encounters, members, kernel.bodyContacts);
   }
 
+  [[nodiscard]] Part Whole() const { return {0, m_members.size(), 0, m_encounters.size()}; }
+  [[nodiscard]] std::span<Member<Real>* const> MembersOf(const Part& part) const {
+    return m_members.subspan(part.memberBegin, part.memberEnd - part.memberBegin);
+  }
+  [[nodiscard]] std::span<const Encounter<Real>> EncountersOf(const Part& part) const {
+    return m_encounters.subspan(part.encounterBegin, part.encounterEnd - part.encounterBegin);
+  }
   [[nodiscard]] std::span<Member<Real>* const> Members() const { return m_members; }
   [[nodiscard]] std::span<const Encounter<Real>> Encounters() const { return m_encounters; }
   [[nodiscard]] GroupScratch<Real>& Scratch() const { return m_scratch; }
-  [[nodiscard]] Threads* Parallel() const { return m_threads; }  // null: one thread
   [[nodiscard]] std::span<Vector3<Real>> Positions() const { return m_scratch.positions; }
   [[nodiscard]] std::span<Vector3<Real>> Velocities() const { return m_scratch.velocities; }
 
@@ -41,14 +57,6 @@ class Group {
   template <class Value>
   [[nodiscard]] std::span<const Value> PartOf(const std::vector<Value>& values, std::size_t member) const {
     return PartOf(std::span<const Value>(values), member);
-  }
-
-  // Of all members, until the next call.
-  [[nodiscard]] std::span<const Motion<Real>> FindMotions(std::span<const Vector3<Real>> x,
-                                                          std::span<const Vector3<Real>> v) const {
-    m_scratch.motions.clear();
-    for (std::size_t i = 0; i < m_members.size(); ++i) m_scratch.motions.push_back({PartOf(x, i), PartOf(v, i)});
-    return m_scratch.motions;
   }
 
   // visit(i), each i once, on any thread.
@@ -92,11 +100,10 @@ class Group {
       ComputeForces<Real>(member.blueprint->template Read<Real>(), load, member.surfaces, member.state->contacts,
                           PartOf(x, i), PartOf(v, i), PartOf(a, i));
     });
-    m_scratch.groupContacts.ComputeForces(FindMotions(x, v), m_threads);
+    ComputeAllBodyContacts(x, v);
     ForEach(m_members.size(), [&](std::size_t i) {
       const auto forces = PartOf(a, i);
-      m_scratch.groupContacts.VisitForcesOn(
-          i, [forces](std::size_t vertex, const Vector3<Real>& force) { forces[vertex] += force; });
+      VisitContactForces(i, [forces](std::uint16_t vertex, const Vector3<Real>& force) { forces[vertex] += force; });
       const Member<Real>& member = *m_members[i];
       const Coefficients<Real>& body = member.blueprint->template Read<Real>();
       DivideByMasses<Real>(body, member.load, PartOf(a, i));
@@ -106,57 +113,95 @@ class Group {
     });
   }
 
-  // Back to where the tick began: the bodies' own states stay as it found them until Scatter.
-  void StartAgain() {
-    Gather();
-    auto contact = m_scratch.contacts.cbegin();
-    for (Member<Real>* member : m_members) {
-      for (Contact<Real>& each : member->state->contacts) each = *contact++;
+  // The forces of all contacts between members.
+  void ComputeAllBodyContacts(std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v) const {
+    m_scratch.groupContacts.ComputeForces(FindMotions(x, v), m_threads);
+  }
+  // Those that act on a member: add(vertex, force), in their one order.
+  template <class Add>
+  void VisitContactForces(std::size_t member, const Add& add) const {
+    m_scratch.groupContacts.VisitForcesOn(member, add);
+  }
+  // After a substep of h s to these positions and velocities.
+  void UpdateAllBodyContacts(std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, Real h) const {
+    m_scratch.groupContacts.Update(FindMotions(x, v), h, m_threads);
+  }
+
+  // Takes the part's positions and velocities from the bodies' own states, which stay as they are until Scatter.
+  void Gather(const Part& part) const {
+    for (std::size_t i = part.memberBegin; i < part.memberEnd; ++i) {
+      const State<Real>& state = *m_members[i]->state;
+      std::copy(state.positions.begin(), state.positions.end(), PartOf(Positions(), i).begin());
+      std::copy(state.velocities.begin(), state.velocities.end(), PartOf(Velocities(), i).begin());
     }
-    auto bodyContact = m_scratch.bodyContacts.cbegin();
-    for (const Encounter<Real>& encounter : m_encounters) {
-      for (auto* side : encounter.sides) {
-        for (BodyContact<Real>& each : *side) each = *bodyContact++;
-      }
+  }
+
+  // Back to where the tick began.
+  void StartAgain(const Part& part) const {
+    Gather(part);
+    for (std::size_t i = part.memberBegin; i < part.memberEnd; ++i) {
+      const auto saved = ContactsBefore(i);
+      std::copy(saved.begin(), saved.end(), m_members[i]->state->contacts.begin());
+    }
+    for (std::size_t side = 2 * part.encounterBegin; side < 2 * part.encounterEnd; ++side) {
+      const auto saved = BodyContactsBefore(side);
+      std::copy(saved.begin(), saved.end(), m_encounters[side / 2].sides[side % 2]->begin());
     }
     m_scratch.groupContacts.ReadLists();
   }
 
-  void Scatter() const {
-    for (std::size_t i = 0; i < m_members.size(); ++i) {
+  void Scatter(const Part& part) const {
+    for (std::size_t i = part.memberBegin; i < part.memberEnd; ++i) {
       State<Real>& state = *m_members[i]->state;
-      const auto positions = PartOf(m_scratch.positions, i);
-      const auto velocities = PartOf(m_scratch.velocities, i);
+      const auto positions = PartOf(Positions(), i);
+      const auto velocities = PartOf(Velocities(), i);
       std::copy(positions.begin(), positions.end(), state.positions.begin());
       std::copy(velocities.begin(), velocities.end(), state.velocities.begin());
     }
   }
 
+  // Those of a member with what stands still, and those of side s of encounter e, at 2 e + s, as the tick found them.
+  [[nodiscard]] std::span<const Contact<Real>> ContactsBefore(std::size_t member) const {
+    return std::span(m_scratch.contacts).subspan(m_scratch.contactBegins[member], ContactsOf(member).size());
+  }
+  [[nodiscard]] std::span<const BodyContact<Real>> BodyContactsBefore(std::size_t side) const {
+    return std::span(m_scratch.bodyContacts)
+        .subspan(m_scratch.groupContacts.BeginOf(side), m_encounters[side / 2].sides[side % 2]->size());
+  }
+
  private:
-  void Gather() {
-    m_scratch.positions.clear();
-    m_scratch.velocities.clear();
+  void ListMembers() {
     m_scratch.begins.assign(1, 0);
     for (const Member<Real>* member : m_members) {
-      const State<Real>& state = *member->state;
-      m_scratch.positions.insert(m_scratch.positions.end(), state.positions.begin(), state.positions.end());
-      m_scratch.velocities.insert(m_scratch.velocities.end(), state.velocities.begin(), state.velocities.end());
-      m_scratch.begins.push_back(m_scratch.positions.size());
+      m_scratch.begins.push_back(m_scratch.begins.back() + member->state->positions.size());
     }
+    m_scratch.positions.resize(m_scratch.begins.back());
+    m_scratch.velocities.resize(m_scratch.begins.back());
   }
+
+  const std::vector<Contact<Real>>& ContactsOf(std::size_t member) const { return m_members[member]->state->contacts; }
 
   void SaveContacts() {
     m_scratch.contacts.clear();
+    m_scratch.contactBegins.clear();
     m_scratch.bodyContacts.clear();
-    for (const Member<Real>* member : m_members) {
-      const auto& contacts = member->state->contacts;
-      m_scratch.contacts.insert(m_scratch.contacts.end(), contacts.begin(), contacts.end());
+    for (std::size_t i = 0; i < m_members.size(); ++i) {
+      m_scratch.contactBegins.push_back(m_scratch.contacts.size());
+      m_scratch.contacts.insert(m_scratch.contacts.end(), ContactsOf(i).begin(), ContactsOf(i).end());
     }
     for (const Encounter<Real>& encounter : m_encounters) {
       for (const auto* side : encounter.sides) {
         m_scratch.bodyContacts.insert(m_scratch.bodyContacts.end(), side->begin(), side->end());
       }
     }
+  }
+
+  // Of all members, until the next call.
+  [[nodiscard]] std::span<const Motion<Real>> FindMotions(std::span<const Vector3<Real>> x,
+                                                          std::span<const Vector3<Real>> v) const {
+    m_scratch.motions.clear();
+    for (std::size_t i = 0; i < m_members.size(); ++i) m_scratch.motions.push_back({PartOf(x, i), PartOf(v, i)});
+    return m_scratch.motions;
   }
 
   std::span<Member<Real>* const> m_members;

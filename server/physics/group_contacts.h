@@ -39,6 +39,9 @@ class GroupContacts {
 
   [[nodiscard]] bool IsEmpty() const { return m_entries.empty(); }
 
+  // Where those of side s of encounter e, at 2 e + s, begin among all.
+  [[nodiscard]] std::size_t BeginOf(std::size_t side) const { return m_sides[side].begin; }
+
   // motions: of each member, in the members' order; of one that meets nobody they may be empty. threads: null: this
   // one alone. The result does not depend on it.
   void ComputeForces(std::span<const Motion<Real>> motions, Threads* threads);

@@ -1,4 +1,5 @@
-// One tick of a group of bodies that touch; a body alone is a group of one.
+// One tick of a group of bodies that touch, in plain code: the reference for batch_step.h, and what steps those that it
+// cannot. A body alone is a group of one.
 #pragma once
 
 #include <array>
@@ -10,7 +11,6 @@
 #include "server/physics/group_contacts.h"
 #include "server/physics/health.h"
 #include "server/physics/integrator_step.h"
-#include "server/physics/lanes/kernels.h"
 #include "server/physics/parallel.h"
 #include "server/physics/state.h"
 
@@ -21,7 +21,6 @@ struct StepRules {
   double duration = 1.0 / 60;    // s
   double allowedError = 1.7e-5;  // of one tick, RMS over a body's vertices, m
   int maxSubsteps = 64;          // of a tick that nothing went wrong in
-  int widestPack = kWidestPack;  // lanes
 };
 
 // A body of the group, and what stays constant for it through the tick.
@@ -60,9 +59,9 @@ struct GroupScratch {
   std::vector<std::size_t> begins;
   GroupContacts<Real> groupContacts;
   std::vector<Motion<Real>> motions;  // of each member
-  std::vector<VertexLoad> loads;      // of every vertex of the group
   // Contacts as the tick found them, one list behind the other, for a tick that is stepped again.
   std::vector<Contact<Real>> contacts;
+  std::vector<std::size_t> contactBegins;  // of each member's
   std::vector<BodyContact<Real>> bodyContacts;
   std::vector<Vector3d> places;  // of one body
 
@@ -73,34 +72,39 @@ struct GroupScratch {
     velocities.reserve(vertices);
     positionsBefore.reserve(vertices);
     velocitiesBefore.reserve(vertices);
-    loads.reserve(vertices);
     contacts.reserve(vertices);
     bodyContacts.reserve(vertices);
     places.reserve(vertices);
     begins.reserve(bodies + 1);
+    contactBegins.reserve(bodies);
     groupContacts.Reserve(vertices, bodies);
     motions.reserve(bodies);
   }
 };
 
-// One side of an encounter between bodies at x and v.
+// One side of an encounter between bodies at x and v, or where their own states have them.
 template <class Real>
 [[nodiscard]] Meeting<Real> MakeMeeting(const Member<Real>& ofVertices, std::span<const Vector3<Real>> x,
                                         std::span<const Vector3<Real>> v, const Member<Real>& ofFaces,
                                         std::span<const Vector3<Real>> shellX, std::span<const Vector3<Real>> shellV);
+template <class Real>
+[[nodiscard]] Meeting<Real> MakeMeeting(const Member<Real>& ofVertices, const Member<Real>& ofFaces) {
+  return MakeMeeting<Real>(ofVertices, ofVertices.state->positions, ofVertices.state->velocities, ofFaces,
+                           ofFaces.state->positions, ofFaces.state->velocities);
+}
 
 struct GroupOutcome {
   int substeps = 0;     // that the tick was played in, equal for all members
   int allSubsteps = 0;  // with those of the tries that were thrown away
 };
 
-// Steps all members through a tick in equal substeps, as many as stability and error ask of any of them. A tick that
-// missed its error by far is stepped again in more; one that left a member in a state that cannot be is stepped again
-// in 2, 4, 8 and 16 times as many, and what is bad still after that is `lost`. encounters: between these members only,
-// by their index in `members`. threads: works on several members at a time; null: one after the other. The result does
-// not depend on it.
+// Steps all members through a tick in equal substeps, the first try in as many as are given. A tick that missed its
+// error by far is stepped again in more; one that left a member in a state that cannot be is stepped again in 2, 4, 8
+// and 16 times as many, and what is bad still after that is `lost`. encounters: between these members only, by their
+// index in `members`. threads: works on several members at a time; null: one after the other. The result does not
+// depend on it.
 template <class Real>
 GroupOutcome StepGroup(std::span<Member<Real>* const> members, std::span<const Encounter<Real>> encounters,
-                       const StepRules& rules, Threads* threads, GroupScratch<Real>& scratch);
+                       int substeps, const StepRules& rules, Threads* threads, GroupScratch<Real>& scratch);
 
 }  // namespace wobble::physics
