@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/physics/group_tick.h"
+#include "server/physics/lanes/kernels.h"
 
 namespace wobble::physics {
 namespace {
@@ -125,7 +126,7 @@ Meeting<Real> MakeMeeting(const Member<Real>& ofVertices, std::span<const Vector
 template <class Real>
 GroupOutcome StepGroup(std::span<Member<Real>* const> members, std::span<const Encounter<Real>> encounters,
                        int substeps, const StepRules& rules, Threads* threads, GroupScratch<Real>& scratch) {
-  Group<Real> group(members, encounters, threads, scratch);
+  Group<Real> group(members, encounters, threads, FindSweepKernels<Real>(kWidestPack).back(), scratch);
   return Stepping<Real>(group, rules).Step(substeps);
 }
 

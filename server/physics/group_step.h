@@ -8,6 +8,7 @@
 
 #include "server/physics/body_contact.h"
 #include "server/physics/forces.h"
+#include "server/physics/group_contacts.h"
 #include "server/physics/health.h"
 #include "server/physics/integrator_step.h"
 #include "server/physics/parallel.h"
@@ -59,11 +60,8 @@ struct GroupScratch {
   std::vector<Vector3<Real>> positionsBefore;  // the substep, where a member's contact law asks for them
   std::vector<Vector3<Real>> velocitiesBefore;
   std::vector<std::size_t> begins;
-  std::vector<ContactForce<Real>> contactForces;  // of all contacts between members, side by side
-  std::vector<std::size_t> sideBegins;            // of those of side s of encounter e, at 2 e + s
-  std::vector<std::uint32_t> sides;               // 2 e + s, those that member m has a part in from sidesOf[m] on
-  std::vector<std::size_t> sidesOf;
-  std::vector<VertexLoad> loads;  // of every vertex of the group
+  GroupContacts<Real> groupContacts;
+  std::vector<Motion<Real>> motions;  // of each member
   // Contacts as the tick found them, one list behind the other, for a tick that is stepped again.
   std::vector<Contact<Real>> contacts;
   std::vector<std::size_t> contactBegins;  // of each member's
@@ -77,16 +75,13 @@ struct GroupScratch {
     velocities.reserve(vertices);
     positionsBefore.reserve(vertices);
     velocitiesBefore.reserve(vertices);
-    loads.reserve(vertices);
     contacts.reserve(vertices);
     bodyContacts.reserve(vertices);
     places.reserve(vertices);
     begins.reserve(bodies + 1);
-    sidesOf.reserve(bodies + 1);
     contactBegins.reserve(bodies);
-    contactForces.reserve(vertices);
-    sideBegins.reserve(16 * bodies);  // seldom has a body more than eight neighbours
-    sides.reserve(32 * bodies);
+    groupContacts.Reserve(vertices, bodies);
+    motions.reserve(bodies);
   }
 };
 

@@ -1,6 +1,7 @@
 // The sweep itself, for the translation units that compile it for one instruction set each.
 #pragma once
 
+#include "server/physics/lanes/body_contact_kernel.h"
 #include "server/physics/lanes/contact_kernel.h"
 #include "server/physics/lanes/lanes.h"
 #include "server/physics/lanes/sweep.h"
@@ -193,7 +194,8 @@ SweepKernel<Real> MakeKernel() {
   return {W,
           {&SweepStage<0, V, Real>, &SweepStage<1, V, Real>, &SweepStage<2, V, Real>, &SweepStage<3, V, Real>},
           &ComputeSixVolume<V, Real>,
-          &ComputePenaltyForces<V, Real>};
+          &ComputePenaltyForces<V, Real>,
+          {&ComputeBodyContactForces<V, Real>, &UpdateBodyContactBlock<V, Real>}};
 }
 
 #undef WOBBLE_INLINE
