@@ -38,7 +38,7 @@ BodyId World::AddBody(std::uint8_t blueprint, const Vector3d& position, const Ve
     body.state = MakeState<double>(m_blueprints[blueprint], position, velocity);
   }
   m_bodies.push_back(std::move(body));
-  m_engine->Add(m_blueprints[blueprint]);
+  m_engine->roster.Add();
   return m_bodies.back().id;
 }
 
@@ -54,12 +54,6 @@ void World::WakeUp(Body& body) {
   physics::WakeUp(body);
 }
 
-std::size_t World::FindMostVertices() const {
-  std::size_t most = 0;
-  for (const Blueprint& blueprint : m_blueprints) most = std::max(most, blueprint.rest.size());
-  return most;
-}
-
 std::span<const std::uint32_t> World::Stepped() const { return m_engine->stepped; }
 
 const Body& World::ReadBody(BodyId id) const { return const_cast<World*>(this)->FindBody(id); }
@@ -68,7 +62,7 @@ void World::RemoveBody(BodyId id) {
   DropPairsOf(id);
   const Body& body = FindBody(id);
   const auto index = static_cast<std::size_t>(&body - m_bodies.data());
-  m_engine->Forget(index, body, m_blueprints[body.blueprint]);
+  m_engine->Forget(index, body);
   m_bodies.erase(m_bodies.begin() + static_cast<std::ptrdiff_t>(index));
   std::erase(m_tearing, id);
   std::erase_if(m_drives, [id](const Drive& drive) { return drive.body == id; });

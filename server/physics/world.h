@@ -107,7 +107,6 @@ class World {
 
   Body& FindBody(BodyId id);
   void WakeUp(Body& body);
-  [[nodiscard]] std::size_t FindMostVertices() const;  // of any blueprint
   // Of those that may be given another blueprint, the one that has had its own for longest, or one more than there are.
   [[nodiscard]] std::size_t FindFreeSlot() const;
   void PutOntoSlot(Body& body, std::size_t slot, Blueprint blueprint);

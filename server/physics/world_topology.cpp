@@ -72,8 +72,6 @@ void World::PutOntoSlot(Body& body, std::size_t slot, Blueprint blueprint) {
   m_blueprints[slot] = std::move(blueprint);
   SetIntegrator(m_blueprints[slot], m_blueprints[slot].integrator);  // of these springs, not those before
   m_slots[slot].revision = ++m_blueprintRevision;
-  m_engine->vertices += m_blueprints[slot].rest.size();
-  m_engine->vertices -= m_blueprints[body.blueprint].rest.size();
   body.blueprint = static_cast<std::uint8_t>(slot);
   WakeUp(body);
   std::visit([&](auto& state) { FitState(m_blueprints[slot], state); }, body.state);

@@ -87,7 +87,7 @@ World::World(const World& other, const WorldSettings& settings)
           std::lround(other.m_tick * other.m_settings.tickDuration / settings.tickDuration))) {
   for (Body& body : m_bodies) {
     physics::WakeUp(body);
-    m_engine->Add(m_blueprints[body.blueprint]);
+    m_engine->roster.Add();
     if (settings.precision == other.m_settings.precision) continue;
     if (settings.precision == Precision::kSingle) {
       body.state = Convert<float>(std::get<State<double>>(body.state));
