@@ -14,6 +14,7 @@
 
 #include "server/physics/lanes/arc.h"
 #include "server/physics/lanes/contact_lanes.h"
+#include "server/physics/lanes/grid.h"
 
 namespace wobble::physics {
 
@@ -48,6 +49,7 @@ struct SweepLanes {
   const Real* outer = nullptr;             // [place][3][lane]: all further forces, N; null: none
   const std::uint8_t* hasOuter = nullptr;  // [place]: not 0 where a lane has one
   const Real* acceleration = nullptr;      // [3][lane]: gravity and the like, m/s²
+  const Real* wind = nullptr;              // [3][lane]: for a grid with drag, m/s
   const Real* gas = nullptr;               // J
   const Real* stiffnessFactors = nullptr;  // times every spring's stiffness and damping
   Real* sixVolume = nullptr;               // 6 V of the stage's positions, m³
@@ -58,6 +60,9 @@ struct SweepLanes {
 template <class Real>
 using Sweep = void (*)(const SweepTables<Real>& tables, SweepLanes<Real>& lanes, Real step);
 
+template <class Real>
+using GridSweep = void (*)(const GridTables<Real>& tables, SweepLanes<Real>& lanes, Real step);
+
 // The sweeps of one instruction set and width.
 template <class Real>
 struct SweepKernel {
@@ -65,6 +70,7 @@ struct SweepKernel {
   Sweep<Real> stages[4] = {};
   void (*computeVolume)(const SweepTables<Real>& tables, SweepLanes<Real>& lanes) = nullptr;  // of `state`
   ContactKernel<Real> computeContacts = nullptr;
+  GridSweep<Real> gridStages[4] = {};
 };
 
 }  // namespace wobble::physics

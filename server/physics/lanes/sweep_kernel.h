@@ -2,19 +2,12 @@
 #pragma once
 
 #include "server/physics/lanes/contact_kernel.h"
+#include "server/physics/lanes/grid_kernel.h"
 #include "server/physics/lanes/lanes.h"
 #include "server/physics/lanes/sweep.h"
 
 namespace wobble::physics {
 namespace {
-
-template <class V>
-struct Vector3Of {
-  V x, y, z;
-};
-
-// Below this two vertices are in one place: there is no direction to push in. m².
-inline constexpr float kLeastSquare = 1e-30F;
 
 #define WOBBLE_INLINE static inline __attribute__((always_inline))
 
@@ -230,7 +223,8 @@ SweepKernel<Real> MakeKernel() {
   return {W,
           {&SweepStage<0, V, Real>, &SweepStage<1, V, Real>, &SweepStage<2, V, Real>, &SweepStage<3, V, Real>},
           &ComputeSixVolume<V, Real>,
-          &ComputePenaltyForces<V, Real>};
+          &ComputePenaltyForces<V, Real>,
+          {&SweepGrid<0, V, Real>, &SweepGrid<1, V, Real>, &SweepGrid<2, V, Real>, &SweepGrid<3, V, Real>}};
 }
 
 #undef WOBBLE_INLINE
