@@ -11,8 +11,6 @@
 namespace wobble::physics {
 namespace {
 
-constexpr double kStep = 1.0 / 240;
-
 // A body on its way, with all that a sweep reads.
 template <class Real>
 struct Problem {
@@ -46,21 +44,22 @@ struct Problem {
 
   void StepPlainly(int steps) {
     StageBuffers<Real, 4> buffers;
-    for (int step = 0; step < steps; ++step) {
+    for (int i = 0; i < steps; ++i) {
       StepRungeKutta<Real>(
-          kClassicRungeKutta, Real(kStep),
+          kClassicRungeKutta, step,
           [this](auto atX, auto atV, auto a) {
             ComputeAccelerations<Real>(blueprint.Read<Real>(), load, {}, {}, atX, atV, a);
           },
           x, v, buffers);
       velocityErrors = 0;
-      for (std::size_t i = 0; i < v.size(); ++i) velocityErrors += (buffers.velocities[3][i] - v[i]).squaredNorm();
+      for (std::size_t k = 0; k < v.size(); ++k) velocityErrors += (buffers.velocities[3][k] - v[k]).squaredNorm();
     }
   }
 
   void StepInRows(int steps, const SweepKernel<Real>& kernel);
 
   const Blueprint& blueprint;
+  Real step = static_cast<Real>(0.3 / blueprint.angularFrequency);
   std::vector<Vector3<Real>> x;
   std::vector<Vector3<Real>> v;
   std::vector<VertexForce<Real>> pushes;
@@ -114,8 +113,8 @@ void Problem<Real>::StepInRows(int steps, const SweepKernel<Real>& kernel) {
   lanes.stiffnessFactors = &load.stiffnessFactor;
   lanes.velocityErrors = &velocityErrors;
   lanes.accelerationErrors = &accelerationErrors;
-  for (int step = 0; step < steps; ++step) {
-    for (const auto stage : kernel.gridStages) stage(tables, lanes, Real(kStep));
+  for (int i = 0; i < steps; ++i) {
+    for (const auto stage : kernel.gridStages) stage(tables, lanes, step);
   }
   for (std::size_t i = 0; i < x.size(); ++i) {
     const Real* at = lanes.state + 6 * plan.RowOf(i) * width + plan.ColumnOf(i);

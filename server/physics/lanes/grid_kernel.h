@@ -35,20 +35,23 @@ WOBBLE_INLINE void Store(V lanes, Real* to) {
   *reinterpret_cast<V*>(to) = lanes;
 }
 
-// What is the same for all vertices of a row; forces and coefficients are at column 0.
+// Springs of one direction that begin in a row, at its column 0.
+template <class Real>
+struct GridSprings {
+  const Real* coefficients;
+  const Real* other;
+  Real* forces;
+};
+
+// What is the same for all vertices of a row; forces are at its column 0.
 template <class Real>
 struct GridRow {
   const Real* own = nullptr;  // of the stage: [6][width]
   std::uint32_t pulledCount = 0;
   const Real* pulled[kMaxGridDirections + 4];  // forces on the row from rows before it and from within
   std::uint32_t withinCount = 0;
-  const Real* within[kMaxGridDirections];  // forces of springs that begin and end in the row
-  std::uint32_t reachCount = 0;
-  struct Reach {
-    const Real* coefficients;
-    const Real* other;
-    Real* forces;
-  } reaches[kMaxGridDirections];  // springs to rows further on
+  std::uint32_t springCount = 0;
+  GridSprings<Real> springs[kMaxGridDirections];  // those that end in the row come first
 };
 
 template <class Real>
@@ -63,6 +66,7 @@ WOBBLE_INLINE const Real* FindOther(const GridTables<Real>& tables, const Real* 
   return own + 6 * direction.rows * tables.width + direction.columns;
 }
 
+// rowsOf: coefficients of what goes in this direction, of row i at i * stride.
 template <class Real>
 WOBBLE_INLINE void AddPulled(const GridTables<Real>& tables, Real* pending, const GridDirection& direction,
                              const std::uint32_t* rowsOf, std::uint32_t stride, std::uint32_t row,
@@ -72,7 +76,8 @@ WOBBLE_INLINE void AddPulled(const GridTables<Real>& tables, Real* pending, cons
 }
 
 template <bool Drag, class Real>
-GridRow<Real> FindRow(const GridTables<Real>& tables, const Real* from, Real* pending, std::uint32_t row) {
+WOBBLE_INLINE GridRow<Real> FindRow(const GridTables<Real>& tables, const Real* from, Real* pending,
+                                    std::uint32_t row) {
   GridRow<Real> found;
   found.own = from + 6 * row * tables.width;
   const std::uint32_t count = tables.directionCount;
@@ -88,29 +93,16 @@ GridRow<Real> FindRow(const GridTables<Real>& tables, const Real* from, Real* pe
     const GridDirection& direction = tables.directions[i];
     const std::uint32_t coefficients = tables.springRows[row * count + i];
     if (coefficients == kNoGridRow) continue;
-    Real* forces = FindForces(tables, pending, direction, row);
-    if (direction.rows == 0) {
-      found.within[found.withinCount++] = forces;
-    } else {
-      found.reaches[found.reachCount++] = {tables.numbers + coefficients, FindOther(tables, found.own, direction),
-                                           forces};
-    }
+    found.springs[found.springCount++] = {tables.numbers + coefficients, FindOther(tables, found.own, direction),
+                                          FindForces(tables, pending, direction, row)};
+    if (direction.rows == 0) found.withinCount = found.springCount;
   }
   return found;
 }
 
 template <class V, class Real>
-WOBBLE_INLINE Vector3Of<V> FindPullOf(const GridTables<Real>& tables, const V* own, const Real* other,
-                                      const Real* coefficients, V factor) {
-  const std::uint32_t width = tables.width;
-  const V there[6] = {LoadUnaligned<V>(other),
-                      LoadUnaligned<V>(other + width),
-                      LoadUnaligned<V>(other + 2 * width),
-                      LoadUnaligned<V>(other + 3 * width),
-                      LoadUnaligned<V>(other + 4 * width),
-                      LoadUnaligned<V>(other + 5 * width)};
-  return FindPull<V, Real>(own, there, Load<V>(coefficients), Load<V>(coefficients + width),
-                           Load<V>(coefficients + 2 * width), factor);
+WOBBLE_INLINE void LoadVertices(const GridTables<Real>& tables, const Real* from, V* numbers) {
+  for (std::uint32_t k = 0; k < 6; ++k) numbers[k] = Load<V>(from + k * tables.width);
 }
 
 template <class V, class Real>
@@ -121,29 +113,19 @@ WOBBLE_INLINE void StoreForce(const GridTables<Real>& tables, const Vector3Of<V>
   Store(force.z, to + 2 * forceWidth);
 }
 
+// Puts the pull of these springs down for their other ends.
 template <class V, class Real>
-WOBBLE_INLINE void ComputeSpringsWithin(const GridTables<Real>& tables, const Real* from, Real* pending,
-                                        std::uint32_t row, V factor) {
+WOBBLE_INLINE Vector3Of<V> ComputePull(const GridTables<Real>& tables, const GridSprings<Real>& springs,
+                                       std::uint32_t column, const V* own, V factor) {
   const std::uint32_t width = tables.width;
-  const Real* own = from + 6 * row * width;
-  for (std::uint32_t i = 0; i < tables.directionCount; ++i) {
-    const GridDirection& direction = tables.directions[i];
-    const std::uint32_t springs = tables.springRows[row * tables.directionCount + i];
-    if (direction.rows > 0 || springs == kNoGridRow) continue;
-    const Real* coefficients = tables.numbers + springs;
-    const Real* other = FindOther(tables, own, direction);
-    Real* forces = FindForces(tables, pending, direction, row);
-    for (std::uint32_t column = 0; column < tables.columns; column += sizeof(V) / sizeof(Real)) {
-      const Real* at = own + column;
-      const V here[6] = {Load<V>(at),
-                         Load<V>(at + width),
-                         Load<V>(at + 2 * width),
-                         Load<V>(at + 3 * width),
-                         Load<V>(at + 4 * width),
-                         Load<V>(at + 5 * width)};
-      StoreForce(tables, FindPullOf<V>(tables, here, other + column, coefficients + column, factor), forces + column);
-    }
-  }
+  const Real* other = springs.other + column;
+  const Real* coefficients = springs.coefficients + column;
+  V there[6];
+  for (std::uint32_t k = 0; k < 6; ++k) there[k] = LoadUnaligned<V>(other + k * width);
+  const Vector3Of<V> pull = FindPull<V, Real>(own, there, Load<V>(coefficients), Load<V>(coefficients + width),
+                                              Load<V>(coefficients + 2 * width), factor);
+  StoreForce(tables, pull, springs.forces + column);
+  return pull;
 }
 
 // On each corner of a triangle, AddDrag of forces.h. share: ½ρC/6.
@@ -185,6 +167,10 @@ WOBBLE_INLINE void ComputeSquares(const GridTables<Real>& tables, const Real* fr
   const Real* atB = FindOther(tables, atA, squares.b);
   const Real* atC = FindOther(tables, atA, squares.c);
   const Real* atD = FindOther(tables, atA, squares.d);
+  Real* onA = FindForces(tables, pending, squares.a, row);
+  Real* onB = FindForces(tables, pending, squares.b, row);
+  Real* onC = FindForces(tables, pending, squares.c, row);
+  Real* onD = FindForces(tables, pending, squares.d, row);
   const V wind[3] = {Spread<V>(blowing[0]), Spread<V>(blowing[width]), Spread<V>(blowing[2 * width])};
   const V zero = Spread<V>(Real(0));
   for (std::uint32_t column = 0; column < tables.columns; column += sizeof(V) / sizeof(Real)) {
@@ -212,10 +198,10 @@ WOBBLE_INLINE void ComputeSquares(const GridTables<Real>& tables, const Real* fr
                                    cut > zero ? second.z : zero};
     const Vector3Of<V> secondElse{cut > zero ? zero : second.x, cut > zero ? zero : second.y,
                                   cut > zero ? zero : second.z};
-    StoreForce(tables, Add(first, secondElse), FindForces(tables, pending, squares.a, row) + column);
-    StoreForce(tables, Add(first, secondIfCut), FindForces(tables, pending, squares.b, row) + column);
-    StoreForce(tables, Add(second, firstElse), FindForces(tables, pending, squares.c, row) + column);
-    StoreForce(tables, Add(second, firstIfCut), FindForces(tables, pending, squares.d, row) + column);
+    StoreForce(tables, Add(first, secondElse), onA + column);
+    StoreForce(tables, Add(first, secondIfCut), onB + column);
+    StoreForce(tables, Add(second, firstElse), onC + column);
+    StoreForce(tables, Add(second, firstIfCut), onD + column);
   }
 }
 
@@ -233,18 +219,16 @@ WOBBLE_INLINE Vector3Of<V> SumForces(const GridTables<Real>& tables, const GridR
     force.z = force.z + LoadUnaligned<V>(pulled + 2 * forceWidth);
   }
   for (std::uint32_t i = 0; i < row.withinCount; ++i) {
-    const Real* pull = row.within[i] + column;
+    const Real* pull = row.springs[i].forces + column;
     force.x = force.x - Load<V>(pull);
     force.y = force.y - Load<V>(pull + forceWidth);
     force.z = force.z - Load<V>(pull + 2 * forceWidth);
   }
-  for (std::uint32_t i = 0; i < row.reachCount; ++i) {
-    const auto& reach = row.reaches[i];
-    const Vector3Of<V> pull = FindPullOf<V>(tables, own, reach.other + column, reach.coefficients + column, factor);
+  for (std::uint32_t i = row.withinCount; i < row.springCount; ++i) {
+    const Vector3Of<V> pull = ComputePull(tables, row.springs[i], column, own, factor);
     force.x = force.x - pull.x;
     force.y = force.y - pull.y;
     force.z = force.z - pull.z;
-    StoreForce(tables, pull, reach.forces + column);
   }
   return force;
 }
@@ -285,18 +269,17 @@ void SweepGridOnce(const GridTables<Real>& ofBlueprint, SweepLanes<Real>& ofBody
   const std::uint32_t width = tables.width;
   alignas(64) Real errors[kGridSums] = {};
   for (std::uint32_t i = 0; i < tables.rows; ++i) {
-    ComputeSpringsWithin<V>(tables, from, lanes.pending, i, factor);
-    if constexpr (Drag) ComputeSquares<V>(tables, from, lanes.pending, lanes.wind, i);
     const GridRow<Real> row = FindRow<Drag>(tables, from, lanes.pending, i);
+    for (std::uint32_t column = 0; row.withinCount > 0 && column < tables.columns; column += kWidth) {
+      V own[6];
+      LoadVertices(tables, row.own + column, own);
+      for (std::uint32_t k = 0; k < row.withinCount; ++k) ComputePull(tables, row.springs[k], column, own, factor);
+    }
+    if constexpr (Drag) ComputeSquares<V>(tables, from, lanes.pending, lanes.wind, i);
     const bool hasOuter = Outer && lanes.hasOuter[i] != 0;
     for (std::uint32_t column = 0; column < tables.columns; column += kWidth) {
-      const Real* at = row.own + column;
-      const V own[6] = {Load<V>(at),
-                        Load<V>(at + width),
-                        Load<V>(at + 2 * width),
-                        Load<V>(at + 3 * width),
-                        Load<V>(at + 4 * width),
-                        Load<V>(at + 5 * width)};
+      V own[6];
+      LoadVertices(tables, row.own + column, own);
       Vector3Of<V> force = SumForces<V>(tables, row, column, own, factor);
       if (hasOuter) {
         const Real* outer = lanes.outer + 3 * i * width + column;
