@@ -15,6 +15,7 @@
 
 #include "server/physics/lanes/body_contact_lanes.h"
 #include "server/physics/lanes/contact_lanes.h"
+#include "server/physics/lanes/grid.h"
 #include "server/physics/lanes/sweep_tables.h"
 
 namespace wobble::physics {
@@ -31,6 +32,7 @@ struct SweepLanes {
   const Real* outer = nullptr;             // [place][3][lane]: all further forces, N; null: none
   const std::uint8_t* hasOuter = nullptr;  // [place]: not 0 where a lane has one
   const Real* acceleration = nullptr;      // [3][lane]: gravity and the like, m/s²
+  const Real* wind = nullptr;              // [3][lane]: for a grid with drag, m/s
   const Real* gas = nullptr;               // J
   const Real* stiffnessFactors = nullptr;  // times every spring's stiffness and damping
   Real* sixVolume = nullptr;               // 6 V of the stage's positions, m³
@@ -41,6 +43,9 @@ struct SweepLanes {
 template <class Real>
 using Sweep = void (*)(const SweepTables<Real>& tables, SweepLanes<Real>& lanes, Real step);
 
+template <class Real>
+using GridSweep = void (*)(const GridTables<Real>& tables, SweepLanes<Real>& lanes, Real step);
+
 // The sweeps of one instruction set and width.
 template <class Real>
 struct SweepKernel {
@@ -49,6 +54,7 @@ struct SweepKernel {
   void (*computeVolume)(const SweepTables<Real>& tables, SweepLanes<Real>& lanes) = nullptr;  // of `state`
   ContactKernel<Real> computeContacts = nullptr;
   BodyContactKernel<Real> bodyContacts;
+  GridSweep<Real> gridStages[4] = {};
 };
 
 }  // namespace wobble::physics

@@ -3,6 +3,7 @@
 
 #include "server/physics/lanes/body_contact_kernel.h"
 #include "server/physics/lanes/contact_kernel.h"
+#include "server/physics/lanes/grid_kernel.h"
 #include "server/physics/lanes/lanes.h"
 #include "server/physics/lanes/sweep.h"
 #include "server/physics/lanes/terms.h"
@@ -195,7 +196,8 @@ SweepKernel<Real> MakeKernel() {
           {&SweepStage<0, V, Real>, &SweepStage<1, V, Real>, &SweepStage<2, V, Real>, &SweepStage<3, V, Real>},
           &ComputeSixVolume<V, Real>,
           &ComputePenaltyForces<V, Real>,
-          {&ComputeBodyContactForces<V, Real>, &UpdateBodyContactBlock<V, Real>}};
+          {&ComputeBodyContactForces<V, Real>, &UpdateBodyContactBlock<V, Real>},
+          {&SweepGrid<0, V, Real>, &SweepGrid<1, V, Real>, &SweepGrid<2, V, Real>, &SweepGrid<3, V, Real>}};
 }
 
 #undef WOBBLE_INLINE
