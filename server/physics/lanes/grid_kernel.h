@@ -76,7 +76,7 @@ WOBBLE_INLINE void AddPulled(const GridTables<Real>& tables, Real* pending, cons
 }
 
 template <bool Drag, class Real>
-WOBBLE_INLINE GridRow<Real> FindRow(const GridTables<Real>& tables, const Real* from, Real* pending,
+WOBBLE_INLINE GridRow<Real> FindGridRow(const GridTables<Real>& tables, const Real* from, Real* pending,
                                     std::uint32_t row) {
   GridRow<Real> found;
   found.own = from + 6 * row * tables.width;
@@ -271,7 +271,7 @@ void SweepGridOnce(const GridTables<Real>& ofBlueprint, SweepLanes<Real>& ofBody
   const std::uint32_t width = tables.width;
   alignas(64) Real errors[kGridSums] = {};
   for (std::uint32_t i = 0; i < tables.rows; ++i) {
-    const GridRow<Real> row = FindRow<Drag>(tables, from, lanes.pending, i);
+    const GridRow<Real> row = FindGridRow<Drag>(tables, from, lanes.pending, i);
     for (std::uint32_t column = 0; row.withinCount > 0 && column < tables.columns; column += kWidth) {
       V own[6];
       LoadVertices(tables, row.own + column, own);
