@@ -106,8 +106,7 @@ GroupOutcome StepAgain(const Group<Real>& group, const Part& part, int substeps,
 
 template <class Real>
 bool CanGoInPack(const Blueprint& blueprint) {
-  return blueprint.integrator == Integrator::kRungeKutta4 && blueprint.full.contact.law != ContactLaw::kBacktracking &&
-         !blueprint.ReadPlan<Real>().vertices.empty();
+  return blueprint.full.contact.law != ContactLaw::kBacktracking && !blueprint.ReadPlan<Real>().vertices.empty();
 }
 
 template <class Real>

@@ -11,7 +11,7 @@
 
 namespace wobble::physics {
 
-// Whether the body's own blueprint lets it be stepped in lanes.
+// Whether the body's own blueprint lets it be stepped in lanes, where it is RK4 that steps it.
 template <class Real>
 [[nodiscard]] bool CanGoInPack(const Blueprint& blueprint);
 

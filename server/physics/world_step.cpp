@@ -185,6 +185,7 @@ class World::Stepper {
       const std::span<Member<Real>* const> members = Collect({&groups[i], 1});
       Scratch<Real>& scratch = m_work.scratch.local();
       groups[i].substeps = FindFirstSubsteps<Real>(members, scratch.encounters, m_rules, scratch.loads, scratch.begins);
+      if (FindIntegrator(members) != Integrator::kRungeKutta4) groups[i].way = AwakeGroup::Way::kPlain;
     });
     std::sort(groups.begin(), groups.end());
     FindBatches();

@@ -181,9 +181,6 @@ TEST(BatchStepTest, RefusesWhatTheSweepDoesNotKnow) {
   SetContactLaw(ball, ContactLaw::kBacktracking);
   EXPECT_FALSE(CanGoInPack<float>(ball));
   SetContactLaw(ball, ContactLaw::kPenalty);
-  SetIntegrator(ball, Integrator::kLeapFrog);
-  EXPECT_FALSE(CanGoInPack<float>(ball));
-  SetIntegrator(ball, Integrator::kRungeKutta4);
   ball.full.drag = 0.5;
   FinishBlueprint(ball);
   EXPECT_FALSE(CanGoInPack<float>(ball));
