@@ -54,6 +54,8 @@ Blueprint MakeTornBlueprint(const Blueprint& blueprint, std::span<const std::uin
   });
   left.single.faces = left.full.faces;
   left.topology = MakeTopology(left.full.faces, left.rest.size());
+  left.singlePlan = MakeSweepPlan(left.single);
+  left.fullPlan = MakeSweepPlan(left.full);
   return left;
 }
 
