@@ -59,27 +59,22 @@ WOBBLE_INLINE void AddGasOfRing(const std::uint32_t* ring, const std::uint32_t* 
                                 V pressureShare, Vector3Of<V>& force) {
   if (ring == end) return;
   const V* before = from + end[-1];
-  V bx = before[0];
-  V by = before[1];
-  V bz = before[2];
   V ax = Spread<V>(Real(0));
   V ay = ax;
   V az = ax;
   for (; ring != end; ring += 2) {
     const V* middle = from + ring[0];
     const V* after = from + ring[1];
-    const V ux = middle[0] - own[0];
-    const V uy = middle[1] - own[1];
-    const V uz = middle[2] - own[2];
-    const V wx = after[0] - bx;
-    const V wy = after[1] - by;
-    const V wz = after[2] - bz;
-    ax = Fma(uy, wz, Fnma(uz, wy, ax));
-    ay = Fma(uz, wx, Fnma(ux, wz, ay));
-    az = Fma(ux, wy, Fnma(uy, wx, az));
-    bx = after[0];
-    by = after[1];
-    bz = after[2];
+    const V ux = own[0] - middle[0];  // turned round: so each takes one instruction
+    const V uy = own[1] - middle[1];
+    const V uz = own[2] - middle[2];
+    const V wx = after[0] - before[0];
+    const V wy = after[1] - before[1];
+    const V wz = after[2] - before[2];
+    ax = Fnma(uy, wz, Fma(uz, wy, ax));
+    ay = Fnma(uz, wx, Fma(ux, wz, ay));
+    az = Fnma(ux, wy, Fma(uy, wx, az));
+    before = after;
   }
   force.x = Fma(pressureShare, ax, force.x);
   force.y = Fma(pressureShare, ay, force.y);

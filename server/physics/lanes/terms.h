@@ -33,7 +33,7 @@ WOBBLE_INLINE SpringEnds<V> FindEnds(const V* own, const V* other) {
 
 template <class Real, class V>
 WOBBLE_INLINE V FindLength(const Vector3Of<V>& l) {
-  return Sqrt(Max(Fma(l.z, l.z, Fma(l.y, l.y, l.x * l.x)), Spread<V>(Real(kLeastSquare))));
+  return Sqrt(Fma(l.z, l.z, Fma(l.y, l.y, Fma(l.x, l.x, Spread<V>(Real(kLeastSquare))))));
 }
 
 // k − k r/|l| + c (l̇·l)/|l|², which times −l is the spring's force on its own end. inverse: 1/|l|. A spring without
