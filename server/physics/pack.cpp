@@ -64,6 +64,8 @@ void Pack<Real>::LayOut() {
                                                    {&m_outer, 3 * count},
                                                    {&m_lanes.pending, pending},
                                                    {&m_acceleration, 3},
+                                                   {&m_wind, 3},
+                                                   {&m_whole, m_plan.tears ? m_plan.arcs.size() : 0},
                                                    {&m_gas, 1},
                                                    {&m_stiffnessFactors, 1},
                                                    {&m_lanes.sixVolume, 1},
@@ -83,6 +85,8 @@ void Pack<Real>::LayOut() {
   }
   std::fill_n(m_lanes.pending, pending * m_width, Real(0));
   m_lanes.acceleration = m_acceleration;
+  m_lanes.wind = m_wind;
+  m_lanes.whole = m_plan.tears ? m_whole : nullptr;
   m_lanes.gas = m_gas;
   m_lanes.stiffnessFactors = m_stiffnessFactors;
   m_scratch.hasOuter.assign(count, 0);
@@ -97,6 +101,10 @@ void Pack<Real>::LoadBodies() {
   for (std::size_t lane = 0; lane < m_width; ++lane) {
     const Load<Real>& load = MemberIn(lane < m_whose.size() ? lane : 0).load;
     for (std::size_t k = 0; k < 3; ++k) m_acceleration[k * m_width + lane] = load.acceleration[static_cast<int>(k)];
+    for (std::size_t k = 0; k < 3; ++k) m_wind[k * m_width + lane] = load.wind[static_cast<int>(k)];
+    for (std::size_t i = 0; m_plan.tears && i < m_plan.springs.size(); ++i) {
+      m_whole[i * m_width + lane] = Real(load.torn.empty() || load.torn[m_plan.springs[i]] == 0 ? 1 : 0);
+    }
     m_gas[lane] = load.gasFactor * m_body.gas;
     m_stiffnessFactors[lane] = load.stiffnessFactor;
   }

@@ -99,6 +99,8 @@ class Pack {
   SweepLanes<Real> m_lanes;
   Real* m_outer = nullptr;
   Real* m_acceleration = nullptr;
+  Real* m_wind = nullptr;
+  Real* m_whole = nullptr;
   Real* m_gas = nullptr;
   Real* m_stiffnessFactors = nullptr;
 };
