@@ -627,7 +627,7 @@ TEST(Server, AWorldWithoutAnybodyWaitsAndGoesOnForTheFirst) {
   client::Client& client = game.AddClient();
   game.Run(1);
   EXPECT_FALSE(game.server.IsPaused());
-  EXPECT_EQ(client.GetState(), client::Client::State::kPlaying);
+  EXPECT_EQ(client.ReadState(), client::State::kPlaying);
   EXPECT_NEAR(game.server.World().Tick() - tick, 60, 4) << "from its first packet on";
   EXPECT_EQ(game.server.Clock().DroppedTicks(), 0U);
   EXPECT_EQ(game.server.Clock().TimeRatio(), 1);
