@@ -61,6 +61,7 @@ void FollowBodies(std::span<const ShownBody> bodies, std::vector<Kept>& kept) {
     if (next != i) kept[next] = std::move(kept[i]);
     ++next;
   }
+  kept.resize(next);
   kept.resize(bodies.size());
   for (; next < bodies.size(); ++next) kept[next].body = bodies[next].body;
 }

@@ -8,9 +8,10 @@
 namespace wobble::server {
 
 void Encoder::EncodeBody(const CapturedBody& body, const CapturedBlueprint& blueprint, EncodedBody& encoded) {
-  encoded.bytes.clear();
-  m_ends.clear();
   const std::span<const protocol::Vector3> vertices = body.vertices;
+  encoded.bytes.clear();
+  encoded.bytes.reserve((vertices.size() / protocol::kMaxPatchVertices + 1) * protocol::kMaxPacketBytes);
+  m_ends.clear();
   const std::span<const protocol::Vector3> rest = blueprint.rest;
   const float target = kSnapshotErrorShare * blueprint.size;
   std::size_t first = 0;

@@ -217,9 +217,18 @@ void FindContacts(std::span<const Surface<Real>> surfaces, Real range, const Bou
     // Nothing is nearer than this, so one look at the middle clears a whole body that is far off.
     if (FindClearance(surfaces[s], middle) > reach) continue;
     if (agitation.speed < Real(0)) agitation = FindAgitation<Real>(v);
+    const bool isPlane = surfaces[s].kind == Obstacle::Kind::kPlane;
+    const Vector3<Real>& normal = surfaces[s].normal;  // a plane's, as the next
+    const Real shakenOnPlane = -normal.dot(agitation.mean) + agitation.speed;
     for (std::uint32_t i = 0; i < x.size(); ++i) {
       while (kept != contacts.end() && ComesBefore(kept->surface, kept->vertex, s, i)) ++kept;
       const bool known = kept != contacts.end() && kept->surface == s && kept->vertex == i;
+      // The same as below, for most vertices of most bodies.
+      if (isPlane && !known &&
+          normal.dot(x[i]) - surfaces[s].offset >
+              margin + std::max({Real(0), -normal.dot(v[i]), shakenOnPlane}) * duration) {
+        continue;
+      }
       Contact<Real> contact = known ? *kept : Contact<Real>{s, i};
       contact.buried = false;
       const SurfacePoint<Real> point = FindContactPoint(surfaces[s], contact, x[i]);
