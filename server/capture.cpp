@@ -49,22 +49,6 @@ Eigen::Quaterniond FindRotation(const Eigen::Matrix3d& a, Eigen::Quaterniond q) 
   return q;
 }
 
-void CaptureBody(const physics::World& world, const physics::Body& body, CapturedBody& captured) {
-  const physics::Blueprint& blueprint = world.BlueprintOf(body);
-  captured.vertices.resize(blueprint.rest.size());
-  physics::VisitVertices(body, [&](std::size_t i, const physics::Vector3d& x) { captured.vertices[i] = ToWire(x); });
-  captured.blueprint = body.blueprint;
-  captured.pose.centroid = FindCentroid(captured.vertices);
-  Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
-  for (std::size_t i = 0; i < captured.vertices.size(); ++i) {
-    a += FromWire(captured.vertices[i] - captured.pose.centroid) * blueprint.rest[i].transpose();
-  }
-  const protocol::Quaternion& last = captured.pose.rotation;
-  const Eigen::Quaterniond q = FindRotation(a, Eigen::Quaterniond(last.w, last.x, last.y, last.z));
-  captured.pose.rotation = {static_cast<float>(q.w()), static_cast<float>(q.x()), static_cast<float>(q.y()),
-                            static_cast<float>(q.z())};
-}
-
 // The surface itself, not the heights that it was made from: a client need not know how it runs between these.
 CapturedGround CaptureGround(const physics::Obstacle& obstacle) {
   static_assert(protocol::kMaxFieldNodes >= std::size_t{physics::kMaxFieldNodes});
@@ -150,18 +134,63 @@ std::vector<CapturedGround> CaptureGrounds(std::span<const physics::Obstacle> ob
   return captured;
 }
 
-void CaptureBodies(const physics::World& world, std::vector<CapturedBody>& bodies) {
-  const std::span<const physics::Body> present = world.Bodies();
-  // Both lists ascend by id and ids are never reused: without the removed ones, the old list begins the new one.
-  std::erase_if(bodies, [&](const CapturedBody& old) {
-    const auto found = std::lower_bound(present.begin(), present.end(), old.body,
-                                        [](const physics::Body& body, std::uint32_t id) { return body.id < id; });
-    return found == present.end() || found->id != old.body;
-  });
-  for (std::size_t i = 0; i < present.size(); ++i) {
-    if (i == bodies.size()) bodies.emplace_back().body = present[i].id;
-    CaptureBody(world, present[i], bodies[i]);
+void CaptureBody(const physics::World& world, const physics::Body& body, CapturedBody& captured) {
+  const physics::Blueprint& blueprint = world.BlueprintOf(body);
+  captured.vertices.resize(blueprint.rest.size());
+  physics::VisitVertices(body, [&](std::size_t i, const physics::Vector3d& x) { captured.vertices[i] = ToWire(x); });
+  captured.body = body.id;
+  ++captured.version;
+  captured.blueprint = body.blueprint;
+  captured.pose.centroid = FindCentroid(captured.vertices);
+  Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < captured.vertices.size(); ++i) {
+    a += FromWire(captured.vertices[i] - captured.pose.centroid) * blueprint.rest[i].transpose();
   }
+  const protocol::Quaternion& last = captured.pose.rotation;
+  const Eigen::Quaterniond q = FindRotation(a, Eigen::Quaterniond(last.w, last.x, last.y, last.z));
+  captured.pose.rotation = {static_cast<float>(q.w()), static_cast<float>(q.x()), static_cast<float>(q.y()),
+                            static_cast<float>(q.z())};
+}
+
+void BodyCaptures::Follow(const physics::World& world) {
+  if (m_removals != world.CountRemovals()) DropRemoved(world);
+  const std::span<const physics::Body> present = world.Bodies();
+  while (m_shown.size() < present.size()) {
+    const physics::Body& added = present[m_shown.size()];
+    m_shown.push_back({added.id, ToWire(world.FindCentre(added))});
+    m_captured.emplace_back().body = added.id;
+    m_moved.push_back(1);
+  }
+  for (const std::uint32_t place : world.Stepped()) {
+    m_moved[place] = 1;
+    m_shown[place].centre = ToWire(world.FindMiddle(place));
+  }
+}
+
+// Both lists ascend by id and ids are never reused: without the removed ones, ours begins the world's.
+void BodyCaptures::DropRemoved(const physics::World& world) {
+  m_removals = world.CountRemovals();
+  const std::span<const physics::Body> present = world.Bodies();
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < m_shown.size(); ++i) {
+    if (kept == present.size() || m_shown[i].body != present[kept].id) continue;
+    m_shown[kept] = m_shown[i];
+    m_moved[kept] = m_moved[i];
+    if (kept != i) m_captured[kept] = std::move(m_captured[i]);
+    ++kept;
+  }
+  m_shown.resize(kept);
+  m_moved.resize(kept);
+  m_captured.resize(kept);
+}
+
+const CapturedBody& BodyCaptures::Read(const physics::World& world, std::size_t index) {
+  CapturedBody& captured = m_captured[index];
+  if (m_moved[index] != 0) {
+    CaptureBody(world, world.Bodies()[index], captured);
+    m_moved[index] = 0;
+  }
+  return captured;
 }
 
 }  // namespace wobble::server

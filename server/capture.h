@@ -14,6 +14,7 @@ namespace wobble::server {
 // A body as clients are to see it: pose and vertices in the world, metres.
 struct CapturedBody {
   std::uint32_t body = 0;
+  std::uint64_t version = 0;  // another one whenever it has been captured again
   std::uint8_t blueprint = 0;
   protocol::Pose pose;
   std::vector<protocol::Vector3> vertices;
@@ -40,8 +41,48 @@ struct CapturedGround {
 [[nodiscard]] std::vector<protocol::wire::Obstacle> CaptureObstacles(std::span<const physics::Obstacle> obstacles);
 [[nodiscard]] std::vector<CapturedGround> CaptureGrounds(std::span<const physics::Obstacle> obstacles);
 
-// Fills `bodies` with the world's, by ascending id. What it holds from the last capture speeds up the next: memory, and
-// each body's rotation as the start of the search for the new one.
-void CaptureBodies(const physics::World& world, std::vector<CapturedBody>& bodies);
+// Captures the body. What is there of its last capture speeds this one up: memory, and its rotation as the start of the
+// search for the new one.
+void CaptureBody(const physics::World& world, const physics::Body& body, CapturedBody& captured);
+
+// A body that clients may be told of, and where, m, as near as it takes to choose among them.
+struct ShownBody {
+  std::uint32_t body = 0;
+  protocol::Vector3 centre;
+};
+
+// Brings what is kept of each body in line with those there are now: both ascend by id, and ids are never reused, so
+// without the removed ones the kept begin the others. Kept: default-made, with a member `body`.
+template <class Kept>
+void FollowBodies(std::span<const ShownBody> bodies, std::vector<Kept>& kept) {
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    if (next == bodies.size() || kept[i].body != bodies[next].body) continue;
+    if (next != i) kept[next] = std::move(kept[i]);
+    ++next;
+  }
+  kept.resize(next);
+  kept.resize(bodies.size());
+  for (; next < bodies.size(); ++next) kept[next].body = bodies[next].body;
+}
+
+// The world's bodies, each captured when somebody asks for it, and again only when it has moved since.
+class BodyCaptures {
+ public:
+  // After every step of the world, and before Bodies() is read.
+  void Follow(const physics::World& world);
+
+  [[nodiscard]] std::span<const ShownBody> Bodies() const { return m_shown; }  // by ascending id
+  // Of Bodies()[index].
+  const CapturedBody& Read(const physics::World& world, std::size_t index);
+
+ private:
+  void DropRemoved(const physics::World& world);
+
+  std::vector<ShownBody> m_shown;
+  std::vector<CapturedBody> m_captured;
+  std::vector<std::uint8_t> m_moved;  // since it was captured
+  std::uint64_t m_removals = 0;       // of the world
+};
 
 }  // namespace wobble::server

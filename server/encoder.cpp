@@ -7,8 +7,11 @@
 
 namespace wobble::server {
 
-void Encoder::EncodeBody(const CapturedBody& body, const CapturedBlueprint& blueprint) {
+void Encoder::EncodeBody(const CapturedBody& body, const CapturedBlueprint& blueprint, EncodedBody& encoded) {
   const std::span<const protocol::Vector3> vertices = body.vertices;
+  encoded.bytes.clear();
+  encoded.bytes.reserve((vertices.size() / protocol::kMaxPatchVertices + 1) * protocol::kMaxPacketBytes);
+  m_ends.clear();
   const std::span<const protocol::Vector3> rest = blueprint.rest;
   const float target = kSnapshotErrorShare * blueprint.size;
   std::size_t first = 0;
@@ -21,38 +24,31 @@ void Encoder::EncodeBody(const CapturedBody& body, const CapturedBlueprint& blue
     first += count;
     if (!encoding.fits || encoding.rmsError > target) ++m_coarsened;
     if (!encoding.fits) continue;  // spread over hundreds of metres: left out until it is reset
-    const std::size_t begin = m_bytes.size();
-    protocol::AppendRecord({body.body, body.blueprint, patch, blueprint.generation}, m_payload, m_bytes);
-    m_ranges.push_back({begin, m_bytes.size()});
+    const std::size_t begin = encoded.bytes.size();
+    protocol::AppendRecord({body.body, body.blueprint, patch, blueprint.generation}, m_payload, encoded.bytes);
+    m_ends.push_back(encoded.bytes.size());
     m_vertices += count;
-    m_bits += 8 * (m_bytes.size() - begin);
+    m_bits += 8 * (encoded.bytes.size() - begin);
     const double share = double{encoding.rmsError} / double{blueprint.size};
     m_errorSquares += share * share * static_cast<double>(count);
   }
+  // The bytes have stopped growing: only now do spans into them hold.
+  encoded.records.clear();
+  for (std::size_t begin = 0; const std::size_t end : m_ends) {
+    encoded.records.push_back(std::span<const std::uint8_t>(encoded.bytes).subspan(begin, end - begin));
+    begin = end;
+  }
 }
 
-void Encoder::Encode(std::span<const CapturedBody> bodies, std::span<const CapturedBlueprint> blueprints) {
-  m_bytes.clear();
-  m_ranges.clear();
-  m_bodies.resize(bodies.size());
-  std::size_t i = 0;
-  for (const CapturedBody& body : bodies) {
-    EncodedBody& encoded = m_bodies[i++];
-    encoded.body = body.body;
-    encoded.centre = body.pose.centroid;
-    encoded.records.clear();
-    const std::size_t firstRange = m_ranges.size();
-    EncodeBody(body, blueprints[body.blueprint]);
-    encoded.records.resize(m_ranges.size() - firstRange);
+void Encoder::Follow(std::span<const ShownBody> bodies) { FollowBodies(bodies, m_bodies); }
+
+Records Encoder::Encode(std::size_t index, const CapturedBody& body, const CapturedBlueprint& blueprint) {
+  EncodedBody& encoded = m_bodies[index];
+  if (encoded.version != body.version) {
+    encoded.version = body.version;
+    EncodeBody(body, blueprint, encoded);
   }
-  // m_bytes has stopped growing: only now do spans into it hold.
-  auto range = m_ranges.begin();
-  for (EncodedBody& encoded : m_bodies) {
-    for (auto& record : encoded.records) {
-      record = std::span<const std::uint8_t>(m_bytes).subspan(range->begin, range->end - range->begin);
-      ++range;
-    }
-  }
+  return encoded.records;
 }
 
 double Encoder::BitsPerVertex() const {

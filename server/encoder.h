@@ -1,4 +1,4 @@
-// Captured bodies to records, once for all clients.
+// Captured bodies to records, once for all clients, and only when one of them takes the body.
 #pragma once
 
 #include <cstdint>
@@ -11,20 +11,17 @@
 namespace wobble::server {
 
 // A body's records, one for each patch, as bytes to be copied into packets.
-struct EncodedBody {
-  std::uint32_t body = 0;
-  protocol::Vector3 centre;
-  std::vector<std::span<const std::uint8_t>> records;
-};
+using Records = std::span<const std::span<const std::uint8_t>>;
 
 // Error target of a snapshot: RMS over a body's vertices, as a share of its size.
 inline constexpr float kSnapshotErrorShare = 0.0025F;
 
 class Encoder {
  public:
-  // Encodes all bodies; what Bodies() returned before is then invalid.
-  void Encode(std::span<const CapturedBody> bodies, std::span<const CapturedBlueprint> blueprints);
-  [[nodiscard]] std::span<const EncodedBody> Bodies() const { return m_bodies; }
+  // Forgets bodies that are not among these, the world's by ascending id.
+  void Follow(std::span<const ShownBody> bodies);
+  // Of the body at `index` of those. Encodes it unless this capture has been; valid until it is encoded again.
+  Records Encode(std::size_t index, const CapturedBody& body, const CapturedBlueprint& blueprint);
 
   // Over all that was ever encoded; 0 when that is nothing.
   [[nodiscard]] std::uint64_t Vertices() const { return m_vertices; }
@@ -35,14 +32,16 @@ class Encoder {
   }  // missed the target to fit a packet, or did not fit at all
 
  private:
-  struct Range {
-    std::size_t begin, end;
+  struct EncodedBody {
+    std::uint32_t body = 0;
+    std::uint64_t version = 0;        // of the capture; 0: none yet
+    std::vector<std::uint8_t> bytes;  // of all records
+    std::vector<std::span<const std::uint8_t>> records;
   };
-  void EncodeBody(const CapturedBody& body, const CapturedBlueprint& blueprint);
+  void EncodeBody(const CapturedBody& body, const CapturedBlueprint& blueprint, EncodedBody& encoded);
 
   std::vector<EncodedBody> m_bodies;
-  std::vector<std::uint8_t> m_bytes;    // all records of a snapshot
-  std::vector<Range> m_ranges;          // of each record in m_bytes
+  std::vector<std::size_t> m_ends;      // scratch: of each record in the bytes
   std::vector<std::uint8_t> m_payload;  // scratch
   std::uint64_t m_vertices = 0;
   std::uint64_t m_bits = 0;

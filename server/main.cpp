@@ -92,6 +92,8 @@ void DescribeOptions(CLI::App& app, Options& options) {
   addNumber("--threads", server::kThreadsRange, config.threads, "Threads that step bodies");
   addNumber("--client-kbit", server::kClientKbitRange, config.clientKbit,
             "Snapshot budget of a client, kbit/s with headers");
+  addNumber("--pause-after", server::kPauseAfterRange, config.pauseAfter,
+            "Seconds that a world with nobody connected goes on for, then it waits; 0: it never waits");
   addNumber("--for", kDurationRange, options.runFor, "Seconds to run; 0: until Ctrl-C");
   addNumber("--seed", kSeedRange, config.seed, "Of the scene's random placement");
   app.add_option("--log-level", options.logLevel, "debug, info, warn, error or off")->capture_default_str();
@@ -103,7 +105,8 @@ void DescribeOptions(CLI::App& app, Options& options) {
       "  wobbled                                  the arena on port 7777\n"
       "  wobbled --scene crowd --client-kbit 2000 a busy scene, more bytes for each client\n"
       "  wobbled --scene my.toml --port 7801      a scene of your own\n"
-      "  wobbled --for 30 --summary run.json      half a minute, figures at the end");
+      "  wobbled --for 30 --summary run.json      half a minute, figures at the end\n"
+      "  wobbled --for 90 --pause-after 0         the same without players: the world never waits for one");
 }
 
 [[nodiscard]] int ListScenes() {
@@ -160,7 +163,7 @@ void Run(server::Server& server, const Options& options, server::TickTimes& time
     const double duration = (ReadClock() - begin) / std::max(1, ticks);
     for (int i = 0; i < ticks; ++i) times.Record(duration);
     status.Update(server, times, ReadClock());
-    const double wait = server.NextTick() - ReadClock();
+    const double wait = server.NextCall() - ReadClock();
     if (wait > 0) std::this_thread::sleep_for(std::chrono::duration<double>(wait));
   }
   status.Finish();

@@ -29,6 +29,7 @@ struct Counts {
   std::uint64_t reset = 0;
   std::uint64_t torn = 0;  // springs
   std::uint64_t respawns = 0;
+  double pausedTime = 0;  // s
   std::uint64_t joins = 0;
   std::uint64_t leaves = 0;       // said goodbye
   std::uint64_t disconnects = 0;  // were lost, silent or sent away after having joined
@@ -43,9 +44,12 @@ class Server {
   // config and scene are valid. `now`, here and below: seconds, never backwards; the first tick is due at once.
   Server(const Config& config, scenes::Scene scene, std::unique_ptr<transport::Transport> transport, double now);
 
-  // Takes in messages and every tick that is due; returns how many that were.
+  // Takes in messages and every tick that is due; returns how many that were. None while the world waits for somebody
+  // to connect (Config::pauseAfter): then it goes on in the same call.
   int Tick(double now);
-  [[nodiscard]] double NextTick() const { return m_clock.NextTick(); }
+  // When Tick is to be called again.
+  [[nodiscard]] double NextCall() const;
+  [[nodiscard]] bool IsPaused() const { return m_isPaused; }
 
   // Says goodbye to everybody. Keep calling Poll until IsEmpty, or give up; the world stands still.
   void Close(double now);
@@ -62,10 +66,11 @@ class Server {
 
  private:
   void Receive(double now);
+  void PauseOrGoOn(double now);
   void ApplyInputs();
   void Step();
   void Capture();
-  void Encode();
+  Records Encode(std::size_t index);
   void Send(double now);
 
   void TakeEvent(const transport::Event& event, double now);
@@ -90,11 +95,14 @@ class Server {
   std::vector<CapturedBlueprint> m_blueprints;  // by slot
   std::uint64_t m_publishedRevision = 0;
   std::map<transport::ConnectionId, Session> m_sessions;
-  std::vector<CapturedBody> m_captured;
+  BodyCaptures m_captures;
   Encoder m_encoder;
   SnapshotSender m_sender;
   TickClock m_clock;
   Counts m_counts;
+  double m_lastCompany;  // when somebody was connected last, or the server started
+  double m_lastCall;
+  bool m_isPaused = false;
   std::uint32_t m_nextClientId = 1;
   bool m_closing = false;
 };

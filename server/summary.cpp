@@ -70,15 +70,16 @@ std::string MakeSummary(const Server& server, const TickTimes& times) {
   json["quarantined"] = counts.quarantined;
   json["reset"] = counts.reset;
   json["torn"] = counts.torn;
+  json["paused_s"] = Round(counts.pausedTime);
   json["state_hash"] = fmt::format("{:016x}", world.Hash());
   return json.dump(2) + "\n";
 }
 
 std::string MakeStatusLine(const Server& server, const TickTimes& times, double elapsed,
                            std::uint64_t bytesOutLastSecond) {
-  return fmt::format("{:5.0f} s  tick {}  p99 {:.2f} ms  overruns {}  bodies {}  clients {}  {:.0f} kbit/s out",
-                     elapsed, server.World().Tick(), times.PercentileMs(0.99), times.Overruns(),
-                     server.World().Bodies().size(), server.CountPlaying(),
+  return fmt::format("{:5.0f} s  tick {}{}  p99 {:.2f} ms  overruns {}  bodies {}  clients {}  {:.0f} kbit/s out",
+                     elapsed, server.World().Tick(), server.IsPaused() ? " (waits for players)" : "",
+                     times.PercentileMs(0.99), times.Overruns(), server.World().Bodies().size(), server.CountPlaying(),
                      static_cast<double>(bytesOutLastSecond) * 8 / 1000);
 }
 

@@ -22,4 +22,9 @@ int TickClock::TakeDueTicks(double now) {
   return taken;
 }
 
+void TickClock::StandStill(double now) {
+  m_nextTick = std::max(m_nextTick, now);
+  m_lastCall = now;
+}
+
 }  // namespace wobble::server

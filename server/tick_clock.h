@@ -14,6 +14,9 @@ class TickClock {
   // Ticks to take now: at most kMaxCatchUp; what is owed beyond that is dropped from world time for good.
   int TakeDueTicks(double now);
 
+  // The time since the last call is none of the world's: the next tick is due now, and nothing has been dropped.
+  void StandStill(double now);
+
   [[nodiscard]] double NextTick() const { return m_nextTick; }
   // World time per wall time, smoothed over a second; exactly 1 while nothing has been dropped.
   [[nodiscard]] double TimeRatio() const { return m_timeRatio; }

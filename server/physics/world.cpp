@@ -54,6 +54,13 @@ void World::WakeUp(Body& body) {
   physics::WakeUp(body);
 }
 
+Vector3d World::FindMiddle(std::size_t place) const {
+  const std::vector<Box>& boxes = m_settings.precision == Precision::kSingle
+                                      ? std::get<Workspace<float>>(m_engine->workspaces).boxes
+                                      : std::get<Workspace<double>>(m_engine->workspaces).boxes;
+  return (boxes[place].low + boxes[place].high) / 2;
+}
+
 std::span<const std::uint32_t> World::Stepped() const { return m_engine->stepped; }
 
 const Body& World::ReadBody(BodyId id) const { return const_cast<World*>(this)->FindBody(id); }
@@ -65,6 +72,7 @@ void World::RemoveBody(BodyId id) {
   m_engine->Forget(index, body);
   m_bodies.erase(m_bodies.begin() + static_cast<std::ptrdiff_t>(index));
   std::erase(m_tearing, id);
+  ++m_removals;
   std::erase_if(m_drives, [id](const Drive& drive) { return drive.body == id; });
 }
 

@@ -88,6 +88,10 @@ class World {
   [[nodiscard]] std::span<const Body> Bodies() const { return m_bodies; }  // by ascending id
   // Places in Bodies() of those that the last step has stepped, ascending: nobody else has moved in it.
   [[nodiscard]] std::span<const std::uint32_t> Stepped() const;
+  // Of the box round the body at this place that the last step began with, m: where it is, within a body's size.
+  [[nodiscard]] Vector3d FindMiddle(std::size_t place) const;
+  // Grows whenever a body is removed, and those behind it move up.
+  [[nodiscard]] std::uint64_t CountRemovals() const { return m_removals; }
   [[nodiscard]] const Blueprint& BlueprintOf(const Body& body) const { return m_blueprints[body.blueprint]; }
 
   [[nodiscard]] Vector3d FindCentre(const Body& body) const;
@@ -126,6 +130,7 @@ class World {
   std::vector<Drive> m_drives;
   std::unique_ptr<Engine> m_engine;
   BodyId m_nextId = 1;
+  std::uint64_t m_removals = 0;
   std::uint32_t m_tick = 0;
 };
 

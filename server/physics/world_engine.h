@@ -92,7 +92,6 @@ struct Workspace {
   std::vector<Box> awakeBoxes;
   std::vector<IndexPair> overlaps;
   BroadPhase broadPhase;
-  std::vector<Vector3d> safePlaces;
   std::vector<std::uint32_t> woken;
   std::vector<std::uint32_t> falling;  // asleep
   Groups groups;

@@ -62,7 +62,6 @@ class World::Stepper {
     const std::size_t count = m_bodies.size();
     m_work.members.resize(count);
     m_work.boxes.resize(count);
-    m_work.safePlaces.resize(count);
     m_work.outcomes.resize(count);
     const std::span<const std::uint32_t> awake = m_roster.FindAwake();
     m_threads.ForEach(awake.size(), [&](std::size_t i) { Prepare(awake[i]); });
@@ -86,7 +85,6 @@ class World::Stepper {
     }
     const Coefficients<Real>& coefficients = member.blueprint->template Read<Real>();
     member.survey = MakeSurvey<Real>(coefficients.masses, state.positions, state.velocities);
-    m_work.safePlaces[i] = state.origin + member.survey.centre;
     FindContacts<Real>(member.surfaces, coefficients.contact.range, member.survey, state.positions, state.velocities,
                        static_cast<Real>(m_duration), state.contacts, m_work.scratch.local().contacts);
     const Bounds<Real>& bounds = member.survey.bounds;
@@ -273,7 +271,7 @@ class World::Stepper {
     m_work.outcomes[i] = {steps, member.health, member.lost};
     body.touchesBody = false;
     if (member.lost) {
-      PutBackToRest(*member.blueprint, FindFreePlace(member, m_work.safePlaces[i]), state);
+      PutBackToRest(*member.blueprint, FindFreePlace(member, state.origin + member.survey.centre), state);
       body.steps = {};
       physics::WakeUp(body);
     } else {

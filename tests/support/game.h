@@ -110,7 +110,7 @@ class Game {
   }
 
   void Step() {
-    now = server.NextTick();
+    now = server.NextCall();
     server.Tick(now);
     for (auto& each : clients) each->Update(now);
     for (auto& each : raw) each->Poll(now);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "server/physics/ball.h"
+#include "tests/support/captures.h"
 
 namespace wobble::server {
 namespace {
@@ -42,6 +43,14 @@ class CaptureTest : public testing::Test {
     return {double{q.w}, double{q.x}, double{q.y}, double{q.z}};
   }
 
+  Vector3d FindVertex(physics::BodyId id, std::size_t vertex) {
+    Vector3d found;
+    physics::VisitVertices(world.ReadBody(id), [&](std::size_t i, const Vector3d& x) {
+      if (i == vertex) found = x;
+    });
+    return found;
+  }
+
   physics::World world;
   std::vector<CapturedBody> bodies;
 };
@@ -54,7 +63,7 @@ TEST_F(CaptureTest, FindsTheRotationOfARigidlyTurnedBody) {
     q = (Eigen::AngleAxisd(20 * kPi / 180, axis) * q).normalized();
     const Vector3d centre(0.1 * i, -3, 50);
     Deform(id, q.toRotationMatrix(), centre);
-    CaptureBodies(world, bodies);
+    test::CaptureAll(world, bodies);
     ASSERT_EQ(bodies.size(), 1U);
     EXPECT_LT(RotationOf(bodies[0]).angularDistance(q), 1e-5) << "capture " << i;
     const auto& c = bodies[0].pose.centroid;
@@ -70,7 +79,7 @@ TEST_F(CaptureTest, FindsTheRotationOfADeformedBody) {
     q = (Eigen::AngleAxisd(0.15, Vector3d(1, 0.3 * std::sin(0.05 * i), 0).normalized()) * q).normalized();
     Eigen::Matrix3d squash = Vector3d(1.2, 1.1, 0.6 + 0.2 * std::sin(0.3 * i)).asDiagonal();
     Deform(id, squash * q.toRotationMatrix(), {0, 0, 1});
-    CaptureBodies(world, bodies);
+    test::CaptureAll(world, bodies);
     EXPECT_LT(RotationOf(bodies[0]).angularDistance(q), 1e-3) << "capture " << i;
   }
 }
@@ -84,7 +93,7 @@ TEST_F(CaptureTest, DoesNotFlipWhenABodyIsFlattenedOrTurnedInsideOut) {
     const double height = 0.35 + 0.65 * std::cos(2 * kPi * i / 60);
     const Eigen::Matrix3d squash = Vector3d(1, 1.1, height).asDiagonal();
     Deform(id, squash * Eigen::AngleAxisd(i * 2 * kPi / 180, Vector3d::UnitZ()).toRotationMatrix(), {0, 0, 1});
-    CaptureBodies(world, bodies);
+    test::CaptureAll(world, bodies);
     const Eigen::Quaterniond q = RotationOf(bodies[0]);
     ASSERT_TRUE(std::isfinite(q.norm()));
     EXPECT_NEAR(q.norm(), 1, 1e-5);
@@ -110,7 +119,7 @@ TEST_F(CaptureTest, ARollingBodyTurnsSmoothlyInPlay) {
     field.SetControl(id, control, {});
     field.Step();
     if (tick % 2 != 0) continue;
-    CaptureBodies(field, bodies);
+    test::CaptureAll(field, bodies);
     const double angle = RotationOf(bodies[0]).angularDistance(last);
     turned += angle;
     worst = std::max(worst, angle);
@@ -122,31 +131,61 @@ TEST_F(CaptureTest, ARollingBodyTurnsSmoothlyInPlay) {
 
 TEST_F(CaptureTest, RemovedBodiesVanishAndLateOnesAppear) {
   for (int i = 0; i < 5; ++i) world.AddBody(0, {2.0 * i, 0, 5});
-  CaptureBodies(world, bodies);
-  ASSERT_EQ(bodies.size(), 5U);
+  BodyCaptures captures;
+  captures.Follow(world);
+  ASSERT_EQ(captures.Bodies().size(), 5U);
+  for (std::size_t i = 0; i < 5; ++i) (void)captures.Read(world, i);
 
   world.RemoveBody(2);
   world.RemoveBody(5);
   const auto late = world.AddBody(0, {40, 0, 5});
-  CaptureBodies(world, bodies);
-  ASSERT_EQ(bodies.size(), 4U);
+  captures.Follow(world);
+  ASSERT_EQ(captures.Bodies().size(), 4U);
   const std::vector<std::uint32_t> expected{1, 3, 4, late};
   for (std::size_t i = 0; i < 4; ++i) {
-    EXPECT_EQ(bodies[i].body, expected[i]);
+    EXPECT_EQ(captures.Bodies()[i].body, expected[i]);
+    const CapturedBody& captured = captures.Read(world, i);
+    EXPECT_EQ(captured.body, expected[i]);
     const Vector3d centre = world.FindCentre(world.ReadBody(expected[i]));
-    EXPECT_NEAR(double{bodies[i].pose.centroid.x}, centre.x(), 1e-4);
+    EXPECT_NEAR(double{captured.pose.centroid.x}, centre.x(), 1e-4);
+    EXPECT_NEAR(double{captures.Bodies()[i].centre.x}, centre.x(), 1e-4);
   }
-  EXPECT_LT(RotationOf(bodies[3]).angularDistance(Eigen::Quaterniond::Identity()), 1e-6);
+  EXPECT_LT(RotationOf(captures.Read(world, 3)).angularDistance(Eigen::Quaterniond::Identity()), 1e-6);
 
   for (const std::uint32_t id : expected) world.RemoveBody(id);
-  CaptureBodies(world, bodies);
-  EXPECT_TRUE(bodies.empty());
+  captures.Follow(world);
+  EXPECT_TRUE(captures.Bodies().empty());
+}
+
+TEST_F(CaptureTest, OnlyWhatHasMovedIsCapturedAgain) {
+  world.AddObstacle({});
+  for (int i = 0; i < 2; ++i) world.AddBody(0, {3.0 * i, 0, 0.6});
+  BodyCaptures captures;
+  for (int tick = 0; tick < 1200 && !(world.ReadBody(1).asleep && world.ReadBody(2).asleep); ++tick) {
+    world.Step();
+    captures.Follow(world);
+  }
+  ASSERT_TRUE(world.ReadBody(1).asleep);
+  const std::vector<std::uint64_t> resting{captures.Read(world, 0).version, captures.Read(world, 1).version};
+  EXPECT_EQ(captures.Read(world, 0).vertices[0].z, static_cast<float>(FindVertex(1, 0).z())) << "where it came to rest";
+
+  physics::Control control;
+  control.jump = true;
+  world.SetControl(2, control, {});
+  for (int tick = 0; tick < 10; ++tick) {
+    world.Step();
+    captures.Follow(world);
+  }
+  EXPECT_EQ(captures.Read(world, 0).version, resting[0]);
+  EXPECT_EQ(captures.Read(world, 1).version, resting[1] + 1) << "once, however many ticks";
+  EXPECT_NEAR(double{captures.Bodies()[1].centre.z}, world.FindCentre(world.ReadBody(2)).z(), 0.3);
+  EXPECT_GT(captures.Bodies()[1].centre.z, captures.Bodies()[0].centre.z + 0.2F);
 }
 
 TEST_F(CaptureTest, VerticesAreTheWorlds) {
   const auto id = world.AddBody(0, {100, -7, 3}, {1, 2, 3});
   world.Step();
-  CaptureBodies(world, bodies);
+  test::CaptureAll(world, bodies);
   const auto& state = std::get<physics::State<float>>(world.ReadBody(id).state);
   ASSERT_EQ(bodies[0].vertices.size(), state.positions.size());
   for (std::size_t i = 0; i < state.positions.size(); ++i) {

@@ -9,6 +9,7 @@
 #include "protocol/snapshot.h"
 #include "server/physics/ball.h"
 #include "server/physics/world.h"
+#include "tests/support/captures.h"
 #include "tests/support/pace.h"
 
 namespace wobble::server {
@@ -49,8 +50,21 @@ class EncoderTest : public testing::Test {
   }
   void Play(int ticks) {
     for (int i = 0; i < ticks; ++i) world.Step();
-    CaptureBodies(world, bodies);
+    test::CaptureAll(world, bodies);
   }
+
+  // Of every body.
+  std::vector<Records> EncodeAll(Encoder& with) {
+    std::vector<ShownBody> shown;
+    for (const CapturedBody& body : bodies) shown.push_back({body.body, {}});
+    with.Follow(shown);
+    std::vector<Records> all;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      all.push_back(with.Encode(i, bodies[i], blueprints[bodies[i].blueprint]));
+    }
+    return all;
+  }
+  std::vector<Records> EncodeAll() { return EncodeAll(encoder); }
 
   physics::World world;
   std::vector<CapturedBlueprint> blueprints;
@@ -59,17 +73,13 @@ class EncoderTest : public testing::Test {
 };
 
 TEST_F(EncoderTest, OneRecordAPatch) {
-  encoder.Encode(bodies, blueprints);
-  const auto encoded = encoder.Bodies();
-  ASSERT_EQ(encoded.size(), 3U);
-  EXPECT_EQ(encoded[0].records.size(), 1U);
-  ASSERT_EQ(encoded[1].records.size(), 2U);  // 642 = 512 + 130
-  EXPECT_EQ(encoded[2].records.size(), 1U);
+  const auto encoded = EncodeAll();
+  EXPECT_EQ(encoded[0].size(), 1U);
+  ASSERT_EQ(encoded[1].size(), 2U);  // 642 = 512 + 130
+  EXPECT_EQ(encoded[2].size(), 1U);
   for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_EQ(encoded[i].body, bodies[i].body);
-    EXPECT_EQ(encoded[i].centre.x, bodies[i].pose.centroid.x);
-    for (std::size_t patch = 0; patch < encoded[i].records.size(); ++patch) {
-      const Read read = ReadRecord(encoded[i].records[patch]);
+    for (std::size_t patch = 0; patch < encoded[i].size(); ++patch) {
+      const Read read = ReadRecord(encoded[i][patch]);
       EXPECT_EQ(read.head.body, bodies[i].body);
       EXPECT_EQ(read.head.blueprint, bodies[i].blueprint);
       EXPECT_EQ(read.head.patch, patch);
@@ -83,11 +93,11 @@ TEST_F(EncoderTest, DecodedVerticesAreWithinTheTarget) {
   std::uint64_t missed = 0;
   for (int snapshot = 0; snapshot < test::Shorten(60); ++snapshot) {
     Play(2);
-    encoder.Encode(bodies, blueprints);
+    const auto encoded = EncodeAll();
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       const CapturedBlueprint& blueprint = blueprints[bodies[i].blueprint];
       std::size_t first = 0;
-      for (const auto& record : encoder.Bodies()[i].records) {
+      for (const auto& record : encoded[i]) {
         const Read read = ReadRecord(record);
         const std::size_t count = protocol::PatchSize(blueprint.rest.size(), read.head.patch);
         protocol::Pose pose;
@@ -120,35 +130,51 @@ TEST_F(EncoderTest, DecodedVerticesAreWithinTheTarget) {
   EXPECT_LT(encoder.BitsPerVertex(), 18);
 }
 
-TEST_F(EncoderTest, SpansAreValidUntilTheNextCallAndDoNotOverlap) {
-  encoder.Encode(bodies, blueprints);
-  const std::uint8_t* next = nullptr;
+TEST_F(EncoderTest, EachCaptureIsEncodedOnce) {
+  const auto before = EncodeAll();
   std::size_t bits = 0;
-  for (const EncodedBody& body : encoder.Bodies()) {
-    for (const auto& record : body.records) {
+  for (const Records records : before) {
+    const std::uint8_t* next = records[0].data();
+    for (const auto& record : records) {
       ASSERT_FALSE(record.empty());
-      if (next != nullptr) {
-        EXPECT_EQ(record.data(), next);  // one block, in order
-      }
+      EXPECT_EQ(record.data(), next) << "one block, in order";
       next = record.data() + record.size();
       bits += 8 * record.size();
     }
   }
-  // Each was encoded once: what was counted is what lies there.
   EXPECT_DOUBLE_EQ(encoder.BitsPerVertex(), static_cast<double>(bits) / (162 + 642 + 162));
+
+  const std::uint64_t vertices = encoder.Vertices();
+  const auto again = EncodeAll();  // for another client
+  EXPECT_EQ(encoder.Vertices(), vertices);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(again[i][0].data(), before[i][0].data());
+
+  world.Step();
+  CaptureBody(world, world.Bodies()[2], bodies[2]);
+  EncodeAll();
+  EXPECT_EQ(encoder.Vertices(), vertices + 162) << "the one that is new";
+}
+
+TEST_F(EncoderTest, FollowsBodiesThatGo) {
+  const auto before = EncodeAll();
+  const std::vector<std::uint8_t> last(before[2][0].begin(), before[2][0].end());
+  const std::uint64_t vertices = encoder.Vertices();
+  bodies.erase(bodies.begin());
+  const auto after = EncodeAll();
+  EXPECT_EQ(encoder.Vertices(), vertices);
+  EXPECT_EQ(std::vector<std::uint8_t>(after[1][0].begin(), after[1][0].end()), last);
 }
 
 TEST_F(EncoderTest, SameWorldSameBytes) {
   Encoder other;
-  encoder.Encode(bodies, blueprints);
-  other.Encode(bodies, blueprints);
-  other.Encode(bodies, blueprints);  // keeps nothing from one snapshot to the next
+  const auto one = EncodeAll();
+  EncodeAll(other);
+  for (CapturedBody& body : bodies) ++body.version;
+  const auto two = EncodeAll(other);  // keeps nothing from one snapshot to the next
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    ASSERT_EQ(other.Bodies()[i].records.size(), encoder.Bodies()[i].records.size());
-    for (std::size_t j = 0; j < encoder.Bodies()[i].records.size(); ++j) {
-      const auto a = encoder.Bodies()[i].records[j];
-      const auto b = other.Bodies()[i].records[j];
-      EXPECT_TRUE(std::equal(a.begin(), a.end(), b.begin(), b.end()));
+    ASSERT_EQ(two[i].size(), one[i].size());
+    for (std::size_t j = 0; j < one[i].size(); ++j) {
+      EXPECT_TRUE(std::equal(one[i][j].begin(), one[i][j].end(), two[i][j].begin(), two[i][j].end()));
     }
   }
 }
@@ -160,13 +186,14 @@ TEST_F(EncoderTest, ABodyTornApartIsCoarsenedToFitAPacket) {
     wreck.vertices[v].x += throwOut * static_cast<float>(v % 7);
     wreck.vertices[v].y -= throwOut * static_cast<float>(v % 5);
   }
-  encoder.Encode(bodies, blueprints);
+  const auto encoded = EncodeAll();
   EXPECT_GE(encoder.CoarsenedRecords(), 1U);
-  for (const EncodedBody& body : encoder.Bodies()) {
-    for (const auto& record : body.records)
+  for (const Records records : encoded) {
+    for (const auto& record : records) {
       EXPECT_LE(record.size() + protocol::kSnapshotHeadBytes, protocol::kMaxPacketBytes);
+    }
   }
-  EXPECT_EQ(encoder.Bodies()[0].records.size(), 1U);  // others do not suffer
+  EXPECT_EQ(encoded[0].size(), 1U);  // others do not suffer
 }
 
 TEST_F(EncoderTest, ABodyThatNoRecordCanHoldIsLeftOutAlone) {
@@ -174,17 +201,15 @@ TEST_F(EncoderTest, ABodyThatNoRecordCanHoldIsLeftOutAlone) {
     bodies[1].vertices[v].x += 1000.0F * static_cast<float>(v % 7) - 3000.0F;
   }
   for (protocol::Vector3& vertex : bodies[1].vertices) vertex.y = vertex.x;
-  encoder.Encode(bodies, blueprints);
-  ASSERT_EQ(encoder.Bodies().size(), 3U);
-  EXPECT_LT(encoder.Bodies()[1].records.size(), 2U);
-  EXPECT_EQ(ReadRecord(encoder.Bodies()[0].records.at(0)).head.body, bodies[0].body);
-  EXPECT_EQ(ReadRecord(encoder.Bodies()[2].records.at(0)).head.body, bodies[2].body);
+  const auto encoded = EncodeAll();
+  EXPECT_LT(encoded[1].size(), 2U);
+  EXPECT_EQ(ReadRecord(encoded[0][0]).head.body, bodies[0].body);
+  EXPECT_EQ(ReadRecord(encoded[2][0]).head.body, bodies[2].body);
 }
 
 TEST(EncoderWithoutBodies, SaysNothing) {
   Encoder encoder;
-  encoder.Encode({}, {});
-  EXPECT_TRUE(encoder.Bodies().empty());
+  encoder.Follow({});
   EXPECT_EQ(encoder.BitsPerVertex(), 0);
   EXPECT_EQ(encoder.ErrorPercentRms(), 0);
 }

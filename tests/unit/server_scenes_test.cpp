@@ -204,8 +204,8 @@ TEST(Scenes, WhatTheyAreMeantToBe) {
   EXPECT_EQ(arena.obstacles.size(), 5U);
   EXPECT_GT(arena.killHeight, -50);
   const Scene crowd = LoadScene("crowd", kFolder).scene;
-  EXPECT_EQ(CountBodies(crowd), 500U);
-  EXPECT_EQ(CountVertices(crowd.blueprints[crowd.groups[0].blueprint]), 42U);
+  EXPECT_EQ(CountBodies(crowd), 1000U);
+  EXPECT_EQ(CountVertices(crowd.blueprints[crowd.groups[0].blueprint]), 162U);
   // Same seed and another seed where there is jitter: see LoadsAndMakesAWorld.
   EXPECT_GT(crowd.groups[0].jitter, 0);
   const Scene stack = LoadScene("jelly_stack", kFolder).scene;

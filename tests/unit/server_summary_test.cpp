@@ -24,7 +24,7 @@ TEST(Summary, HasEveryKeyWithATrueValue) {
   ASSERT_TRUE(json.is_object());
   for (const char* key : {"ticks", "tick_ms_p50", "tick_ms_p99", "tick_ms_max", "overruns", "bodies", "awake_mean",
                           "clients_peak", "joins", "disconnects", "bytes_out", "bits_per_vertex", "snapshot_error_rms",
-                          "non_finite", "inverted", "quarantined", "reset", "torn", "state_hash"}) {
+                          "non_finite", "inverted", "quarantined", "reset", "torn", "paused_s", "state_hash"}) {
     ASSERT_TRUE(json.contains(key)) << key;
     EXPECT_FALSE(json[key].is_null()) << key;
   }

@@ -608,6 +608,47 @@ TEST(Server, SameCallsSameWorld) {
   EXPECT_EQ(play(), play());
 }
 
+TEST(Server, AWorldWithoutAnybodyWaitsAndGoesOnForTheFirst) {
+  Config config;
+  config.pauseAfter = 2;
+  test::Game game(test::MakeYard(), config);
+  game.Run(1.9);
+  EXPECT_FALSE(game.server.IsPaused());
+  game.Run(0.2);
+  EXPECT_TRUE(game.server.IsPaused());
+  const std::uint32_t tick = game.server.World().Tick();
+  EXPECT_NEAR(tick, 120, 2);
+  const double begin = game.now;
+  int calls = 0;
+  for (; game.now < begin + 600; ++calls) game.Step();
+  EXPECT_EQ(game.server.World().Tick(), tick);
+  EXPECT_LE(calls, 600 * 50 + 1) << "and it is seldom asked";
+
+  client::Client& client = game.AddClient();
+  game.Run(1);
+  EXPECT_FALSE(game.server.IsPaused());
+  EXPECT_EQ(client.ReadState(), client::State::kPlaying);
+  EXPECT_NEAR(game.server.World().Tick() - tick, 60, 4) << "from its first packet on";
+  EXPECT_EQ(game.server.Clock().DroppedTicks(), 0U);
+  EXPECT_EQ(game.server.Clock().TimeRatio(), 1);
+  EXPECT_NEAR(game.server.ReadCounts().pausedTime, 600, 0.5);
+
+  client.Leave(game.now);
+  game.Run(1.5);
+  EXPECT_FALSE(game.server.IsPaused()) << "he may come back";
+  game.Run(1.5);
+  EXPECT_TRUE(game.server.IsPaused());
+}
+
+TEST(Server, AWorldThatNeedNotWaitDoesNot) {
+  Config config;
+  config.pauseAfter = 0;
+  test::Game game(test::MakeYard(), config);
+  game.Run(120);
+  EXPECT_FALSE(game.server.IsPaused());
+  EXPECT_NEAR(game.server.World().Tick(), 7200, 2);
+}
+
 TEST(Server, StepCaptureAndEncodeDoNotAllocateOnceWarm) {
   const scenes::Scene scene = test::LoadShippedScene("arena");
   physics::World world(scenes::MakeWorldSettings(scene, 1.0 / 60, 1));
@@ -617,7 +658,7 @@ TEST(Server, StepCaptureAndEncodeDoNotAllocateOnceWarm) {
   for (std::uint32_t i = 1; i <= 8; ++i) {
     (void)world.AddBody(static_cast<std::uint8_t>(scene.player.blueprint), scenes::FindSpawn(scene.player, i));
   }
-  std::vector<CapturedBody> captured;
+  BodyCaptures captures;
   Encoder encoder;
   const auto play = [&](int from, int to) {
     for (int tick = from; tick < to; ++tick) {
@@ -626,9 +667,13 @@ TEST(Server, StepCaptureAndEncodeDoNotAllocateOnceWarm) {
         world.SetControl(body.id, {std::cos(turn), std::sin(turn), tick % 90 == 0, false, tick % 200 < 50}, {});
       }
       world.Step();
+      captures.Follow(world);
       if (tick % 2 != 0) continue;
-      CaptureBodies(world, captured);
-      encoder.Encode(captured, blueprints);
+      encoder.Follow(captures.Bodies());
+      for (std::size_t i = 0; i < captures.Bodies().size(); ++i) {
+        const CapturedBody& captured = captures.Read(world, i);
+        (void)encoder.Encode(i, captured, blueprints[captured.blueprint]);
+      }
     }
   };
   play(0, test::Shorten(400));
@@ -638,7 +683,7 @@ TEST(Server, StepCaptureAndEncodeDoNotAllocateOnceWarm) {
   play(400, 700);
   countsAllocations = false;
   EXPECT_EQ(allocations.load(), 0U);
-  EXPECT_EQ(captured.size(), 20U);
+  EXPECT_EQ(captures.Bodies().size(), 20U);
 
   countsAllocations = true;  // it does count
   const auto one = std::make_unique<int>(1);

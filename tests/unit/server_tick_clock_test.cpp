@@ -37,6 +37,18 @@ TEST(TickClock, NothingIsDueBeforeItsTime) {
   EXPECT_EQ(clock.TakeDueTicks(clock.NextTick()), 1);
 }
 
+TEST(TickClock, StandingStillOwesNothing) {
+  TickClock clock(kTick, 0);
+  EXPECT_EQ(clock.TakeDueTicks(0), 1);
+  for (double now = 0.02; now < 100; now += 0.02) clock.StandStill(now);
+  clock.StandStill(100);
+  EXPECT_EQ(clock.TakeDueTicks(100), 1);
+  EXPECT_EQ(clock.TakeDueTicks(100 + 0.9 * kTick), 0);
+  EXPECT_EQ(clock.TakeDueTicks(100 + 1.1 * kTick), 1);
+  EXPECT_EQ(clock.DroppedTicks(), 0U);
+  EXPECT_EQ(clock.TimeRatio(), 1);
+}
+
 TEST(TickClock, CatchesUpThreeAtMostAndDropsTheRest) {
   TickClock clock(kTick, 0);
   EXPECT_EQ(clock.TakeDueTicks(0), 1);
