@@ -16,8 +16,9 @@ template <class Real>
 class PairSearch {
  public:
   // duration: of the tick, s.
-  PairSearch(std::span<Body> bodies, double duration, Threads& threads, Workspace<Real>& workspace)
-      : m_bodies(bodies), m_duration(duration), m_threads(threads), m_work(workspace) {}
+  PairSearch(std::span<Body> bodies, double duration, const SweepKernel<Real>& kernel, Threads& threads,
+             Workspace<Real>& workspace)
+      : m_bodies(bodies), m_duration(duration), m_kernel(kernel.points), m_threads(threads), m_work(workspace) {}
 
   // Whose boxes overlap. Those who were near one another in the last tick keep their contacts.
   void FindPairs();
@@ -29,6 +30,9 @@ class PairSearch {
   void DropPairsApart();
 
  private:
+  void ReserveSurfaces();
+  void ReadSurfaces();
+  [[nodiscard]] bool AreToMeet(std::size_t pair) const;
   void Meet(std::size_t pair);
   void Recycle(BodyPair<Real>& pair);
   std::vector<BodyContact<Real>> TakeSpareList();
@@ -36,6 +40,7 @@ class PairSearch {
 
   std::span<Body> m_bodies;
   double m_duration;
+  PointKernel<Real> m_kernel;
   Threads& m_threads;
   Workspace<Real>& m_work;
 };

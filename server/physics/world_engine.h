@@ -34,7 +34,7 @@ struct Outcome {
 template <class Real>
 struct Scratch {
   std::vector<Contact<Real>> contacts;
-  std::vector<BodyContact<Real>> bodyContacts;
+  ContactSearchScratch<Real> search;
   // Of a batch:
   std::vector<Member<Real>*> members;
   std::vector<Encounter<Real>> encounters;
@@ -76,6 +76,9 @@ struct Workspace {
   std::vector<std::vector<BodyContact<Real>>> spareLists;  // of pairs that have parted
   std::vector<IndexPair> pairIndices;                      // the bodies of `pairs`, by their places in the world
   std::vector<Member<Real>> members;                       // of all bodies
+  std::vector<SurfacePoints<Real>> surfaces;               // of bodies that have one, as the tick found them
+  std::vector<std::uint8_t> hasSurface;                    // not 0: this body does
+  std::vector<std::uint32_t> surfaceBodies;                // that have just come near somebody
   std::vector<Box> boxes;
   BroadPhase broadPhase;
   std::vector<Vector3d> safePlaces;

@@ -15,6 +15,7 @@
 #include "server/physics/lanes/arc.h"
 #include "server/physics/lanes/body_contact_lanes.h"
 #include "server/physics/lanes/contact_lanes.h"
+#include "server/physics/lanes/point_lanes.h"
 
 namespace wobble::physics {
 
@@ -67,6 +68,7 @@ struct SweepKernel {
   void (*computeVolume)(const SweepTables<Real>& tables, SweepLanes<Real>& lanes) = nullptr;  // of `state`
   ContactKernel<Real> computeContacts = nullptr;
   BodyContactKernel<Real> bodyContacts;
+  PointKernel<Real> points;
 };
 
 }  // namespace wobble::physics

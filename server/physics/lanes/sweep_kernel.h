@@ -4,6 +4,7 @@
 #include "server/physics/lanes/body_contact_kernel.h"
 #include "server/physics/lanes/contact_kernel.h"
 #include "server/physics/lanes/lanes.h"
+#include "server/physics/lanes/point_kernel.h"
 #include "server/physics/lanes/sweep.h"
 
 namespace wobble::physics {
@@ -232,7 +233,8 @@ SweepKernel<Real> MakeKernel() {
           {&SweepStage<0, V, Real>, &SweepStage<1, V, Real>, &SweepStage<2, V, Real>, &SweepStage<3, V, Real>},
           &ComputeSixVolume<V, Real>,
           &ComputePenaltyForces<V, Real>,
-          {&ComputeBodyContactForces<V, Real>, &UpdateBodyContactBlock<V, Real>}};
+          {&ComputeBodyContactForces<V, Real>, &UpdateBodyContactBlock<V, Real>},
+          {&FindPointsWithin<V, Real>, &FindNearestPoint<V, Real>}};
 }
 
 #undef WOBBLE_INLINE
