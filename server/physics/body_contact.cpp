@@ -103,17 +103,16 @@ bool IsPastBorder(const Topology& topology, const FacePoint<Real>& at) {
   return false;
 }
 
-// The nearest face from the side that p is on.
+// The nearest face from the side that p is on. front: the nearest from before the surface.
 template <class Real>
-FacePoint<Real> ChooseSide(const Meeting<Real>& meeting, std::uint16_t start, const Vector3<Real>& p,
+FacePoint<Real> ChooseSide(const Meeting<Real>& meeting, const FacePoint<Real>& front, const Vector3<Real>& p,
                            const Vector3<Real>& outward, bool& behind) {
   behind = false;
   const Shell<Real> shell = FaceShell(meeting, behind);
-  const FacePoint<Real> at = FindNearestFace(shell, start, p);
-  if (!shell.topology->isOpen) return TurnToFacing(shell, at, p, outward, static_cast<Real>(kArmingDepth));
-  if (at.distance >= Real(0)) return at;
+  if (!shell.topology->isOpen) return TurnToFacing(shell, front, p, outward, static_cast<Real>(kArmingDepth));
+  if (front.distance >= Real(0)) return front;
   behind = true;
-  return FindNearestFace(FaceShell(meeting, behind), at.face, p);
+  return FindNearestFace(FaceShell(meeting, behind), front.face, p);
 }
 
 // Whether the vertex still hangs on to the face that it has slid over the side of, to one that it cannot have come in
@@ -153,7 +152,8 @@ FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const Vector3<Real
   const FacePoint<Real> at = FindNearestFace(shell, contact.face, p);
   if (!isOpen) return TurnToFacing(shell, at, p, contact.outward, static_cast<Real>(kArmingDepth));
   if (at.distance >= Real(0) || !IsPastBorder(*shell.topology, at)) return at;
-  return ChooseSide(meeting, at.face, p, contact.outward, contact.behind);
+  const FacePoint<Real> front = FindNearestFace(FaceShell(meeting, false), at.face, p);
+  return ChooseSide(meeting, front, p, contact.outward, contact.behind);
 }
 
 // Where a fold brings another face before a vertex, or one that did not lie above it begins to, the depth leaps. A
@@ -301,11 +301,12 @@ class SideSearch {
     if (nearest.square > reach * reach + m_search.shell->SquaredGap()) return false;
     const Shell<Real>& shell = m_meeting.shell;
     at = FindNearestFace(shell, FindStart(shell, shell.topology->vertices[nearest.index], p), p);
+    if (at.distance > reach) return false;
     // No other face can be as near to a vertex that is straight above this one.
     const bool isAbove = at.distance >= Real(0) && at.weights.minCoeff() >= Real(0);
     if (isAbove && IsOutOfReach(at, FindRelativeVelocity(m_meeting, contact.vertex, at))) return false;
     if (m_bothClosed) contact.outward = FindOutward(m_own, contact.vertex);
-    at = ChooseSide(m_meeting, at.face, p, contact.outward, contact.behind);
+    at = ChooseSide(m_meeting, at, p, contact.outward, contact.behind);
     return true;
   }
 

@@ -1,7 +1,7 @@
 // What is asked of points, for the translation units that compile it for one instruction set each.
 //
-// All points are looked at: of 162 that takes 25 ns by AVX-512, no longer than a walk from a good guess to the nearest,
-// and there is no surface that it could go astray on, as a walk does on one that is folded.
+// All points are looked at: of 162 that takes 29 ns by AVX-512, 80 by AVX2 (float), against 220 one by one; and
+// there is no surface that it could go astray on, as a walk from vertex to vertex does on one that is folded.
 #pragma once
 
 #include "server/physics/lanes/lanes.h"
