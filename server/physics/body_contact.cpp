@@ -21,6 +21,9 @@ constexpr double kFreeSpeed = 2.5;
 constexpr double kMaxOverhang = 0.25;
 // How far beyond a sharp edge, in the same weights, it may have come and still belong to its face.
 constexpr double kHangingOverhang = 0.05;
+// How far, in the same weights, a vertex may seem to have slid since the last substep when nothing but the origins of
+// coordinates has moved.
+constexpr double kStandingOverhang = 1e-3;
 // Substeps that a new contact is taken to have when it is found, before their number is known.
 constexpr double kLikelySubsteps = 4;
 // A contact whose vertex comes nearer by more than this in a tick, m, needs kFastSubsteps, or the vertex may have
@@ -55,24 +58,21 @@ bool Pushes(const BodyContact<Real>& contact, const FacePoint<Real>& at) {
          at.weights.minCoeff() >= -static_cast<Real>(kMaxOverhang);
 }
 
-// Nearest of the surface's vertices, as a place to begin the search from; kNoFace when it is farther than `within`.
+// Of the faces round the vertex the first that has p above or below itself, or the one that comes nearest to that: a
+// place to begin the search from, and nearly always where it ends.
 template <class Real>
-std::uint16_t FindStart(const Shell<Real>& shell, const Vector3<Real>& p, Real within) {
-  Real least = std::numeric_limits<Real>::max();
-  std::uint16_t nearest = 0;
-  for (const std::uint16_t vertex : shell.topology->vertices) {
-    const Real square = (shell.x[vertex] - p).squaredNorm();
-    if (square < least) {
-      least = square;
-      nearest = vertex;
+std::uint16_t FindStart(const Shell<Real>& shell, std::uint16_t vertex, const Vector3<Real>& p) {
+  std::uint16_t start = kNoFace;
+  Real greatest = std::numeric_limits<Real>::lowest();
+  for (const std::uint16_t face : shell.topology->RingOf(vertex)) {
+    const Real least = FindFacePoint(shell, face, p).weights.minCoeff();
+    if (start == kNoFace || least > greatest) {
+      greatest = least;
+      start = face;
     }
+    if (least >= Real(0)) break;
   }
-  return least < within * within ? shell.topology->RingOf(nearest)[0] : kNoFace;
-}
-
-template <class Real>
-bool IsInside(const Vector3<Real>& p, const Bounds<Real>& box) {
-  return (p.array() >= box.low.array()).all() && (p.array() <= box.high.array()).all();
+  return start;
 }
 
 // Arms a contact that has just begun, disarms one that has leapt, and says how deep it may come from here. One that
@@ -103,17 +103,16 @@ bool IsPastBorder(const Topology& topology, const FacePoint<Real>& at) {
   return false;
 }
 
-// The nearest face from the side that p is on.
+// The nearest face from the side that p is on. front: the nearest from before the surface.
 template <class Real>
-FacePoint<Real> ChooseSide(const Meeting<Real>& meeting, std::uint16_t start, const Vector3<Real>& p,
+FacePoint<Real> ChooseSide(const Meeting<Real>& meeting, const FacePoint<Real>& front, const Vector3<Real>& p,
                            const Vector3<Real>& outward, bool& behind) {
   behind = false;
   const Shell<Real> shell = FaceShell(meeting, behind);
-  const FacePoint<Real> at = FindNearestFace(shell, start, p);
-  if (!shell.topology->isOpen) return TurnToFacing(shell, at, p, outward, static_cast<Real>(kArmingDepth));
-  if (at.distance >= Real(0)) return at;
+  if (!shell.topology->isOpen) return TurnToFacing(shell, front, p, outward, static_cast<Real>(kArmingDepth));
+  if (front.distance >= Real(0)) return front;
   behind = true;
-  return FindNearestFace(FaceShell(meeting, behind), at.face, p);
+  return FindNearestFace(FaceShell(meeting, behind), front.face, p);
 }
 
 // Whether the vertex still hangs on to the face that it has slid over the side of, to one that it cannot have come in
@@ -153,7 +152,8 @@ FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const Vector3<Real
   const FacePoint<Real> at = FindNearestFace(shell, contact.face, p);
   if (!isOpen) return TurnToFacing(shell, at, p, contact.outward, static_cast<Real>(kArmingDepth));
   if (at.distance >= Real(0) || !IsPastBorder(*shell.topology, at)) return at;
-  return ChooseSide(meeting, at.face, p, contact.outward, contact.behind);
+  const FacePoint<Real> front = FindNearestFace(FaceShell(meeting, false), at.face, p);
+  return ChooseSide(meeting, front, p, contact.outward, contact.behind);
 }
 
 // Where a fold brings another face before a vertex, or one that did not lie above it begins to, the depth leaps. A
@@ -214,17 +214,110 @@ Vector3<Real> FindSlip(const Meeting<Real>& meeting, const BodyContact<Real>& co
   return RemoveNormalPart<Real>(contact.slip + p - foot, normal);
 }
 
-// Longest reach of a face from its corners, m: how far from every vertex a point on the surface can be.
+// RenewContact at the beginning of a tick. Where the vertex stands over its face as the last substep left it, which is
+// nearly always, the face is still its own.
 template <class Real>
-Real FindLongestSide(const Shell<Real>& shell) {
-  Real longest = 0;
-  for (const Face& face : shell.faces) {
-    for (std::size_t side = 0; side < 3; ++side) {
-      longest = std::max(longest, (shell.x[face[side]] - shell.x[face[(side + 1) % 3]]).squaredNorm());
-    }
+FacePoint<Real> RecallContact(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
+                              const Vector3<Real>& p, BodyContact<Real>& contact) {
+  FacePoint<Real> at = FindFacePoint(FaceShell(meeting, contact.behind), contact.face, p);
+  const bool stands = (at.weights - contact.foot).cwiseAbs().maxCoeff() < static_cast<Real>(kStandingOverhang) &&
+                      at.weights.minCoeff() >= Real(0);
+  if (!stands || !contact.armed || LooksAlong(at, contact.outward)) {
+    return RenewContact(parameters, meeting, p, Real(0), contact);
   }
-  return std::sqrt(longest);
+  NoteLeap(parameters, meeting, at, at, Real(0), contact);
+  at.distance += contact.leap;
+  return at;
 }
+
+// The search of one side, vertex by vertex.
+template <class Real>
+class SideSearch {
+ public:
+  SideSearch(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting, const Shell<Real>& own,
+             const ContactSearch<Real>& search)
+      : m_parameters(parameters),
+        m_meeting(meeting),
+        m_own(own),
+        m_search(search),
+        m_isOpen(meeting.shell.topology->isOpen),
+        m_bothClosed(!m_isOpen && !own.topology->isOpen),
+        m_velocity(m_search.vertices->Velocity() - m_search.shell->Velocity()) {}
+
+  // Of the vertices those in the shell's fat box and near enough to the ball that holds it.
+  std::span<const std::uint16_t> FindCandidates(std::vector<std::uint16_t>& found) const {
+    const Vector3<Real> toCentre = m_search.shell->Centre() - m_meeting.shift;
+    const Real apart = m_search.shell->Radius() + FindReach(m_velocity, m_search.vertices->Agitation());
+    const Real farthest = apart + m_search.vertices->Radius();
+    if ((m_search.vertices->Centre() - toCentre).squaredNorm() > farthest * farthest) return {};
+    NearRegion<Real> region;
+    for (int axis = 0; axis < 3; ++axis) {
+      region.low[axis] = m_search.near.low[axis] - m_meeting.shift[axis];
+      region.high[axis] = m_search.near.high[axis] - m_meeting.shift[axis];
+      region.centre[axis] = toCentre[axis];
+    }
+    region.squaredRadius = apart * apart;
+    const PointLanes<Real> points = m_search.vertices->Lanes();
+    found.resize(points.count);
+    return std::span(found).first(m_search.kernel.findWithin(points, region, found.data()));
+  }
+
+  // Whether the vertex may touch; fills what follows of its contact. known: since the last tick.
+  bool Look(std::uint16_t vertex, bool known, BodyContact<Real>& contact) const {
+    const Vector3<Real> p = m_meeting.x[vertex] + m_meeting.shift;
+    FacePoint<Real> at;
+    if (known) {
+      if (m_bothClosed) contact.outward = FindOutward(m_own, vertex);
+      at = RecallContact(m_parameters, m_meeting, p, contact);
+    } else if (!FindFirstFace(p, at, contact)) {
+      return false;
+    }
+    const Vector3<Real> velocity = FindRelativeVelocity(m_meeting, vertex, at);
+    if (IsOutOfReach(at, velocity)) return false;
+    Arm(m_parameters, velocity, m_search.duration / static_cast<Real>(kLikelySubsteps), m_isOpen, at, contact);
+    if (!known) contact.depth = -at.distance;
+    contact.face = at.face;
+    contact.foot = at.weights;
+    return true;
+  }
+
+ private:
+  // That IsOutOfReach may grant to a vertex with this velocity, give or take `agitation`, against the shell's.
+  Real FindReach(const Vector3<Real>& velocity, Real agitation) const {
+    const Real fastest = std::sqrt(velocity.dot(velocity)) + agitation + m_search.shell->Agitation();
+    return m_search.margin + (m_isOpen ? m_search.near.speed : fastest) * m_search.duration;
+  }
+
+  // What a sheet does next its present motion hardly tells: it is light, and passed over unseen it is passed for good.
+  bool IsOutOfReach(const FacePoint<Real>& at, const Vector3<Real>& velocity) const {
+    const Real approach = m_isOpen ? m_search.near.speed : std::max(Real(0), -at.normal.dot(velocity));
+    return at.distance > m_search.margin + approach * m_search.duration;
+  }
+
+  // With D the distance to the nearest vertex and d that to the surface, D² ≤ d² + SquaredGap.
+  bool FindFirstFace(const Vector3<Real>& p, FacePoint<Real>& at, BodyContact<Real>& contact) const {
+    const Real reach = FindReach(m_meeting.v[contact.vertex] - m_search.shell->Velocity(), Real(0));
+    const NearestPoint<Real> nearest = m_search.kernel.findNearest(m_search.shell->Lanes(), p.data());
+    if (nearest.square > reach * reach + m_search.shell->SquaredGap()) return false;
+    const Shell<Real>& shell = m_meeting.shell;
+    at = FindNearestFace(shell, FindStart(shell, shell.topology->vertices[nearest.index], p), p);
+    if (at.distance > reach) return false;
+    // No other face can be as near to a vertex that is straight above this one.
+    const bool isAbove = at.distance >= Real(0) && at.weights.minCoeff() >= Real(0);
+    if (isAbove && IsOutOfReach(at, FindRelativeVelocity(m_meeting, contact.vertex, at))) return false;
+    if (m_bothClosed) contact.outward = FindOutward(m_own, contact.vertex);
+    at = ChooseSide(m_meeting, at, p, contact.outward, contact.behind);
+    return true;
+  }
+
+  const ContactParameters<Real>& m_parameters;
+  const Meeting<Real>& m_meeting;
+  const Shell<Real>& m_own;
+  const ContactSearch<Real>& m_search;
+  bool m_isOpen;
+  bool m_bothClosed;
+  Vector3<Real> m_velocity;  // of one body against the other, m/s
+};
 
 }  // namespace
 
@@ -252,42 +345,19 @@ Real FindFreeDepth(const ContactParameters<Real>& parameters) {
 
 template <class Real>
 void FindBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting, const Shell<Real>& own,
-                      const Bounds<Real>& near, Real margin, Real duration, std::vector<BodyContact<Real>>& contacts,
-                      std::vector<BodyContact<Real>>& scratch) {
-  scratch.clear();
-  Real longestSide = -1;
+                      const ContactSearch<Real>& search, std::vector<BodyContact<Real>>& contacts,
+                      ContactSearchScratch<Real>& scratch) {
+  const SideSearch<Real> side(parameters, meeting, own, search);
+  scratch.contacts.clear();
   auto kept = contacts.begin();
-  for (const std::uint16_t vertex : own.topology->vertices) {
-    const Vector3<Real> p = meeting.x[vertex] + meeting.shift;
+  for (const std::uint16_t index : side.FindCandidates(scratch.found)) {
+    const std::uint16_t vertex = own.topology->vertices[index];
     while (kept != contacts.end() && kept->vertex < vertex) ++kept;
-    if (!IsInside(p, near)) continue;
     const bool known = kept != contacts.end() && kept->vertex == vertex;
     BodyContact<Real> contact = known ? *kept : BodyContact<Real>{.vertex = vertex};
-    if (!own.topology->isOpen && !meeting.shell.topology->isOpen) contact.outward = FindOutward(own, vertex);
-    FacePoint<Real> at;
-    if (known) {
-      at = RenewContact(parameters, meeting, p, Real(0), contact);
-    } else {
-      if (longestSide < Real(0)) longestSide = FindLongestSide(meeting.shell);
-      const Real reach = longestSide + margin + near.speed * duration;
-      const std::uint16_t start = FindStart(meeting.shell, p, reach);
-      if (start == kNoFace) continue;
-      at = ChooseSide(meeting, start, p, contact.outward, contact.behind);
-    }
-    const Vector3<Real> velocity = FindRelativeVelocity(meeting, vertex, at);
-    // What a sheet does next its present motion hardly tells: it is light, and passed over unseen it is passed for
-    // good.
-    const Real approach =
-        (meeting.shell.topology->isOpen ? near.speed : std::max(Real(0), -at.normal.dot(velocity))) * duration;
-    if (at.distance > margin + approach) continue;
-    Arm(parameters, velocity, duration / static_cast<Real>(kLikelySubsteps), meeting.shell.topology->isOpen, at,
-        contact);
-    if (!known) contact.depth = -at.distance;
-    contact.face = at.face;
-    contact.foot = at.weights;
-    scratch.push_back(contact);
+    if (side.Look(vertex, known, contact)) scratch.contacts.push_back(contact);
   }
-  contacts.swap(scratch);
+  contacts.swap(scratch.contacts);
 }
 
 template <class Real>
@@ -411,8 +481,8 @@ int AddContactLoads(const ContactParameters<Real>& parameters, const Meeting<Rea
   template ContactParameters<Real> Combine<Real>(const ContactParameters<Real>&, const ContactParameters<Real>&); \
   template Real FindFreeDepth<Real>(const ContactParameters<Real>&);                                              \
   template void FindBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&, const Shell<Real>&,  \
-                                       const Bounds<Real>&, Real, Real, std::vector<BodyContact<Real>>&,          \
-                                       std::vector<BodyContact<Real>>&);                                          \
+                                       const ContactSearch<Real>&, std::vector<BodyContact<Real>>&,               \
+                                       ContactSearchScratch<Real>&);                                              \
   template void ComputeBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&,                   \
                                           std::span<const BodyContact<Real>>, std::span<ContactForce<Real>>);     \
   template void UpdateBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&, Real,              \

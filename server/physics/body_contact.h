@@ -25,6 +25,7 @@
 #include "server/physics/bounds.h"
 #include "server/physics/contact.h"
 #include "server/physics/face_search.h"
+#include "server/physics/surface_points.h"
 
 namespace wobble::physics {
 
@@ -71,13 +72,30 @@ template <class Real>
 template <class Real>
 [[nodiscard]] Real FindFreeDepth(const ContactParameters<Real>& parameters);
 
-// Lists every surface vertex that may touch the other body before `duration` (s) is over, keeping what is known of
-// `contacts`. own: the surface that the vertices belong to. near: a box in the shell's coordinates that holds the
-// shell, fat enough for the time. margin: m, for what the vertex's present motion does not tell.
+// What a side's search goes by, at the beginning of a tick.
+template <class Real>
+struct ContactSearch {
+  const SurfacePoints<Real>* vertices = nullptr;  // of the vertices' body
+  const SurfacePoints<Real>* shell = nullptr;     // of the faces' body
+  PointKernel<Real> kernel;
+  Bounds<Real> near;  // in the shell's coordinates, fat enough for the time; its speed is that of both
+  Real margin = 0;    // m, for what a vertex's present motion does not tell
+  Real duration = 0;  // s
+};
+
+// Saves allocations.
+template <class Real>
+struct ContactSearchScratch {
+  std::vector<BodyContact<Real>> contacts;
+  std::vector<std::uint16_t> found;
+};
+
+// Lists every surface vertex that may touch the other body before the time is over, keeping what is known of
+// `contacts`. own: the surface that the vertices belong to.
 template <class Real>
 void FindBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting, const Shell<Real>& own,
-                      const Bounds<Real>& near, Real margin, Real duration, std::vector<BodyContact<Real>>& contacts,
-                      std::vector<BodyContact<Real>>& scratch);
+                      const ContactSearch<Real>& search, std::vector<BodyContact<Real>>& contacts,
+                      ContactSearchScratch<Real>& scratch);
 
 // What one contact does, N. Computed for all contacts first and added up body by body afterwards: so bodies that share
 // neighbours can be worked on at the same time, and every sum still has its one order.

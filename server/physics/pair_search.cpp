@@ -16,10 +16,16 @@ bool HasContacts(const BodyPair<Real>& pair) {
   return !pair.sides[0].empty() || !pair.sides[1].empty();
 }
 
+template <class Real>
+Shell<Real> FindShell(const Member<Real>& member) {
+  return {member.blueprint->template Read<Real>().faces, &member.blueprint->topology, member.state->positions};
+}
+
 }  // namespace
 
 template <class Real>
 void PairSearch<Real>::FindPairs() {
+  ReserveSurfaces();
   m_work.pairs.swap(m_work.pairsBefore);
   m_work.pairs.clear();
   m_work.overlaps.clear();
@@ -104,10 +110,47 @@ std::vector<BodyContact<Real>> PairSearch<Real>::TakeSpareList() {
 }
 
 template <class Real>
+// Of bodies that are new; the others have theirs.
+template <class Real>
+void PairSearch<Real>::ReserveSurfaces() {
+  const std::size_t count = m_table.bodies.size();
+  m_work.hasSurface.assign(count, 0);
+  m_work.surfaceBodies.reserve(count);
+  if (m_work.surfaces.size() >= count) return;
+  m_work.surfaces.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    m_work.surfaces[i].Reserve(m_table.blueprints[m_table.bodies[i].blueprint].rest.size());
+  }
+}
+
+// Of all that are to meet others and have not met anybody in this tick.
+template <class Real>
+void PairSearch<Real>::ReadSurfaces() {
+  m_work.surfaceBodies.clear();
+  for (const BodyPair<Real>& pair : m_work.pairs) {
+    if (!AreToMeet(pair)) continue;
+    for (const std::uint32_t body : pair.places) {
+      if (m_work.hasSurface[body] == 0) m_work.surfaceBodies.push_back(body);
+      m_work.hasSurface[body] = 1;
+    }
+  }
+  m_threads.ForEach(m_work.surfaceBodies.size(), [this](std::size_t i) {
+    const std::uint32_t body = m_work.surfaceBodies[i];
+    m_work.surfaces[body].Read(FindShell(m_work.members[body]), m_work.members[body].state->velocities);
+  });
+}
+
+template <class Real>
+bool PairSearch<Real>::AreToMeet(const BodyPair<Real>& pair) const {
+  return !pair.met && !(IsAsleep(pair.places[0]) && IsAsleep(pair.places[1]));
+}
+
+template <class Real>
 void PairSearch<Real>::MeetAll() {
+  ReadSurfaces();
   m_threads.ForEach(m_work.pairs.size(), [this](std::size_t i) {
     BodyPair<Real>& pair = m_work.pairs[i];
-    if (pair.met || (IsAsleep(pair.places[0]) && IsAsleep(pair.places[1]))) return;
+    if (!AreToMeet(pair)) return;
     pair.met = true;
     Meet(pair);
   });
@@ -116,20 +159,20 @@ void PairSearch<Real>::MeetAll() {
 template <class Real>
 void PairSearch<Real>::Meet(BodyPair<Real>& pair) {
   for (std::size_t side = 0; side < 2; ++side) {
-    const Member<Real>& vertices = m_work.members[pair.places[side]];
-    const Member<Real>& faces = m_work.members[pair.places[1 - side]];
-    const Meeting<Real> meeting = MakeMeeting<Real>(vertices, faces);
-    Bounds<Real> near = faces.survey.bounds;
-    near.speed += vertices.survey.bounds.speed;
-    const Real fat = static_cast<Real>(kNearMargin) + near.speed * static_cast<Real>(m_duration);
-    near.low.array() -= fat;
-    near.high.array() += fat;
-    const Shell<Real> own{vertices.blueprint->template Read<Real>().faces, &vertices.blueprint->topology,
-                          vertices.state->positions};
+    const std::uint32_t ofVertices = pair.places[side];
+    const std::uint32_t ofFaces = pair.places[1 - side];
+    const Member<Real>& vertices = m_work.members[ofVertices];
+    const Member<Real>& faces = m_work.members[ofFaces];
+    ContactSearch<Real> search{&m_work.surfaces[ofVertices],   &m_work.surfaces[ofFaces],    m_kernel, faces.survey.bounds,
+                               static_cast<Real>(kNearMargin), static_cast<Real>(m_duration)};
+    search.near.speed += vertices.survey.bounds.speed;
+    const Real fat = search.margin + search.near.speed * search.duration;
+    search.near.low.array() -= fat;
+    search.near.high.array() += fat;
     const ContactParameters<Real> both =
         Combine(vertices.blueprint->template Read<Real>().contact, faces.blueprint->template Read<Real>().contact);
-    FindBodyContacts<Real>(both, meeting, own, near, static_cast<Real>(kNearMargin), static_cast<Real>(m_duration),
-                           pair.sides[side], m_work.scratch.local().bodyContacts);
+    FindBodyContacts<Real>(both, MakeMeeting<Real>(vertices, faces), FindShell(vertices), search, pair.sides[side],
+                           m_work.scratch.local().search);
   }
 }
 

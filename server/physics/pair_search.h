@@ -23,8 +23,9 @@ template <class Real>
 class PairSearch {
  public:
   // duration: of the tick, s.
-  PairSearch(const BodyTable& table, double duration, Threads& threads, Workspace<Real>& workspace)
-      : m_table(table), m_duration(duration), m_threads(threads), m_work(workspace) {}
+  PairSearch(const BodyTable& table, double duration, const SweepKernel<Real>& kernel, Threads& threads,
+             Workspace<Real>& workspace)
+      : m_table(table), m_duration(duration), m_kernel(kernel.points), m_threads(threads), m_work(workspace) {}
 
   // Of those awake, whose boxes overlap one another's or a sleeper's. Those who were near one another in the last tick,
   // or when they fell asleep, keep their contacts.
@@ -43,6 +44,9 @@ class PairSearch {
   void AddPairs();
   void AttachSleeper(std::uint32_t body);
   void TakeRestingPairs();
+  void ReserveSurfaces();
+  void ReadSurfaces();
+  [[nodiscard]] bool AreToMeet(const BodyPair<Real>& pair) const;
   void Meet(BodyPair<Real>& pair);
   template <class Keep>
   void KeepPairs(const Keep& keep);
@@ -56,6 +60,7 @@ class PairSearch {
 
   BodyTable m_table;
   double m_duration;
+  PointKernel<Real> m_kernel;
   Threads& m_threads;
   Workspace<Real>& m_work;
 };

@@ -43,6 +43,7 @@ Topology MakeTopology(std::span<const Face> faces, std::size_t vertexCount) {
       const auto twin = open.find({end, begin});
       if (twin == open.end()) {
         open.insert({{begin, end}, {face, corner}});
+        topology.sides.push_back({begin, end});
         continue;
       }
       const Side& other = twin->second;

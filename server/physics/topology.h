@@ -17,8 +17,9 @@ struct Topology {
   std::vector<std::array<std::uint16_t, 3>> neighbours;
   // Of each of these neighbours: its corner that is not on the side; at a border the face's own.
   std::vector<std::array<std::uint16_t, 3>> across;
-  std::vector<std::uint16_t> vertices;  // those that belong to a face, ascending
-  bool isOpen = false;                  // a side without a face across it: a sheet, which has two sides to touch
+  std::vector<std::array<std::uint16_t, 2>> sides;  // of all faces, each once
+  std::vector<std::uint16_t> vertices;              // those that belong to a face, ascending
+  bool isOpen = false;  // a side without a face across it: a sheet, which has two sides to touch
   // The faces round vertex i are ring[ringBegin[i]] up to, not including, ring[ringBegin[i + 1]].
   std::vector<std::uint32_t> ringBegin;
   std::vector<std::uint16_t> ring;

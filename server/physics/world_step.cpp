@@ -39,8 +39,8 @@ class World::Stepper {
         m_work(std::get<Workspace<Real>>(world.m_engine->workspaces)),
         m_duration(world.m_settings.tickDuration),
         m_rules{m_duration, m_duration * world.m_settings.errorTarget, world.m_settings.maxSubsteps},
-        m_search({m_bodies, world.m_blueprints, m_roster}, m_duration, m_threads, m_work),
-        m_kernels(FindSweepKernels<Real>(world.m_settings.widestPack)) {}
+        m_kernels(FindSweepKernels<Real>(world.m_settings.widestPack)),
+        m_search({m_bodies, world.m_blueprints, m_roster}, m_duration, m_kernels.back(), m_threads, m_work) {}
 
   StepReport Step() {
     PrepareAll();
@@ -365,8 +365,8 @@ class World::Stepper {
   Workspace<Real>& m_work;
   double m_duration;
   StepRules m_rules;
-  PairSearch<Real> m_search;
   std::span<const SweepKernel<Real>> m_kernels;
+  PairSearch<Real> m_search;
   std::size_t m_mostVertices = 0;  // of one body that is awake
   std::size_t m_allVertices = 0;   // of all those
 };

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "server/physics/ball.h"
+#include "server/physics/lanes/kernels.h"
 #include "server/physics/lattice.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
@@ -518,10 +519,16 @@ TEST(BodyContact, AFaceThatTurnsOverInItsPlanePushesNothing) {
   const std::vector<double> shares(3, 1);
   const ContactParameters<double> parameters = MakeContactParameters(Material{}, 0.1, 0.5);
   const Meeting<double> meeting{x, still, shares, {faces, &topology, sheet}, still};
+  const Shell<double> own{faces, &topology, x};
+  SurfacePoints<double> vertices;
+  vertices.Read(own, still);
+  SurfacePoints<double> shell;
+  shell.Read(meeting.shell, still);
+  const PointKernel<double>& kernel = FindSweepKernels<double>(1).back().points;
   const Bounds<double> near{Vector3d::Constant(-1), Vector3d::Constant(2), 1};
   std::vector<BodyContact<double>> contacts;
-  std::vector<BodyContact<double>> scratch;
-  FindBodyContacts<double>(parameters, meeting, {faces, &topology, x}, near, 0.5, kTick, contacts, scratch);
+  ContactSearchScratch<double> scratch;
+  FindBodyContacts<double>(parameters, meeting, own, {&vertices, &shell, kernel, near, 0.5, kTick}, contacts, scratch);
   ASSERT_FALSE(contacts.empty());
   for (int turn = 0; turn < 4; ++turn) {
     std::swap(sheet[1], sheet[2]);

@@ -59,14 +59,20 @@ TEST_F(FaceSearch, NeighboursShareASideAndAreMutual) {
       }
       const auto& back = topology.neighbours[other];
       EXPECT_NE(std::find(back.begin(), back.end(), f), back.end());
+      const std::uint16_t across = topology.across[f][corner];
+      EXPECT_NE(std::find(face.begin(), face.end(), across), face.end());
+      EXPECT_EQ(std::find(sphere.faces[f].begin(), sphere.faces[f].end(), across), sphere.faces[f].end());
     }
   }
+  EXPECT_EQ(topology.sides.size(), sphere.edges.size());
 }
 
 TEST_F(FaceSearch, ABorderHasNoNeighbour) {
   const std::vector<Face> sheet{{0, 1, 2}, {2, 1, 3}};
   const Topology open = MakeTopology(sheet, 5);
   EXPECT_EQ(open.neighbours[0], (std::array<std::uint16_t, 3>{1, kNoFace, kNoFace}));
+  EXPECT_EQ(open.across[0], (std::array<std::uint16_t, 3>{3, 1, 2}));
+  EXPECT_EQ(open.sides.size(), 5U);
   EXPECT_EQ(open.vertices, (std::vector<std::uint16_t>{0, 1, 2, 3}));
   EXPECT_EQ(open.RingOf(1).size(), 2U);
   EXPECT_TRUE(open.RingOf(4).empty());

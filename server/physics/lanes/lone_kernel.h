@@ -208,7 +208,8 @@ SweepKernel<Real> MakeLoneKernel() {
           &ComputeSixVolume<Real, Real>,
           &ComputePenaltyForces<Real, Real>,
           {&ComputeBodyContactForces<Real, Real>, &UpdateBodyContactBlock<Real, Real>},
-          {&SweepGrid<0, Real, Real>, &SweepGrid<1, Real, Real>, &SweepGrid<2, Real, Real>, &SweepGrid<3, Real, Real>}};
+          {&SweepGrid<0, Real, Real>, &SweepGrid<1, Real, Real>, &SweepGrid<2, Real, Real>, &SweepGrid<3, Real, Real>},
+          {&FindPointsWithin<Real, Real>, &FindNearestPoint<Real, Real>}};
 }
 
 #undef WOBBLE_INLINE

@@ -16,6 +16,7 @@
 #include "server/physics/lanes/body_contact_lanes.h"
 #include "server/physics/lanes/contact_lanes.h"
 #include "server/physics/lanes/grid.h"
+#include "server/physics/lanes/point_lanes.h"
 #include "server/physics/lanes/sweep_tables.h"
 
 namespace wobble::physics {
@@ -56,6 +57,7 @@ struct SweepKernel {
   ContactKernel<Real> computeContacts = nullptr;
   BodyContactKernel<Real> bodyContacts;
   GridSweep<Real> gridStages[4] = {};
+  PointKernel<Real> points;
 };
 
 }  // namespace wobble::physics
