@@ -5,6 +5,8 @@
 // wake, touch or change. Forces from outside the sweep (contacts, pushes) are found before each stage, at its
 // positions, and wait for it in an array of their own. What a body does depends on nothing that the others of its pack
 // do.
+//
+// A body that stands in a grid and is one of few fills a pack by itself, row by row (lanes/grid.h).
 #pragma once
 
 #include <array>
@@ -26,6 +28,7 @@ struct PackScratch {
   std::vector<Line> lines;                 // all that the sweep works on
   std::vector<std::uint8_t> hasOuter;      // SweepLanes
   std::vector<std::uint32_t> outerPlaces;  // those
+  GridRows<Real> tornRows;                 // of a body by rows that has torn
   // Of one body, with what contacts read and write.
   std::vector<Vector3<Real>> positions;
   std::vector<Vector3<Real>> velocities;
@@ -36,20 +39,25 @@ struct PackScratch {
   void Reserve(std::size_t vertices);
 };
 
+// Whether a body of this kind, of so many together, is stepped by itself, row by row, rather than in a lane of a pack.
+// It comes to the same bits.
+template <class Real>
+[[nodiscard]] bool GoesByRows(const Blueprint& blueprint, std::size_t bodies);
+
 template <class Real>
 class Pack {
  public:
   // whose: members of the group, by their places there, all of one blueprint; at most as many as the widest kernel has
-  // lanes. Filled from their states.
-  Pack(const Group<Real>& group, std::span<const std::uint32_t> whose, std::span<const SweepKernel<Real>> kernels,
-       PackScratch<Real>& scratch);
+  // lanes, and by rows one. Filled from their states.
+  Pack(const Group<Real>& group, std::span<const std::uint32_t> whose, bool byRows,
+       std::span<const SweepKernel<Real>> kernels, PackScratch<Real>& scratch);
 
   // The four stages of a step of h s, each in two parts: first the forces of what stands still and of pushes, to which
   // others may be added, then the sweep.
   void BeginStage(int stage);
   // Of BeginStage's positions; vertex: of the body that is whose[lane].
   void AddOuterForce(std::size_t lane, std::size_t vertex, const Vector3<Real>& force) {
-    AddToPlace(m_plan.places[vertex], lane, force);
+    AddToSeat(FindSeat(lane, vertex), force);
   }
   void Sweep(int stage, Real h);
   // After the fourth: static contacts follow. timeLeft: of the tick, s, when the step began. isFirst: of the tick.
@@ -66,20 +74,30 @@ class Pack {
   void LayOut();
   void LoadBodies();
   void LoadVertices();
+  void LoadRows();
+  void LeaveTornOut();
+  void CopyRowsToGroup(int stage) const;
   void AddUnbulkedForces(std::size_t lane, const Real* from);
-  void AddToPlace(std::size_t place, std::size_t lane, const Vector3<Real>& force);
+  void AddToSeat(const PackSeat& seat, const Vector3<Real>& force);
   void CopyVertex(std::size_t vertex, std::size_t lane, const Real* from);
   void AddErrors(const Real* sums, double weight);
   void UpdateAllAnchors();
 
   [[nodiscard]] Member& MemberIn(std::size_t lane) const { return *m_group.Members()[m_whose[lane]]; }
+  [[nodiscard]] PackSeat FindSeat(std::size_t lane, std::size_t vertex) const {
+    if (m_byRows) return {m_grid.RowOf(vertex), m_grid.ColumnOf(vertex)};
+    return {m_plan.places[vertex], static_cast<std::uint32_t>(lane)};
+  }
   [[nodiscard]] const Real* NumbersOf(int stage) const { return stage == 0 ? m_lanes.state : m_lanes.stage; }
 
   const Group<Real>& m_group;
   std::span<const std::uint32_t> m_whose;
   const Coefficients<Real>& m_body;
   const SweepPlan<Real>& m_plan;
+  const GridPlan<Real>& m_grid;
+  bool m_byRows;  // places are rows then, and lanes columns
   SweepTables<Real> m_tables;
+  GridTables<Real> m_gridTables;
   const SweepKernel<Real>& m_kernel;
   ContactKernel<Real> m_contactKernel;
   PackScratch<Real>& m_scratch;
@@ -87,6 +105,7 @@ class Pack {
   SweepLanes<Real> m_lanes;
   Real* m_outer = nullptr;
   Real* m_acceleration = nullptr;
+  Real* m_wind = nullptr;
   Real* m_gas = nullptr;
   Real* m_stiffnessFactors = nullptr;
 };

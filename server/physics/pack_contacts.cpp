@@ -15,14 +15,6 @@ void PackContacts<Real>::Clear(const Coefficients<Real>& body) {
 }
 
 template <class Real>
-void PackContacts<Real>::Add(Member<Real>& member, std::size_t lane, std::span<const std::uint32_t> places) {
-  for (Contact<Real>& contact : member.state->contacts) {
-    m_entries.push_back(
-        {places[contact.vertex], static_cast<std::uint32_t>(lane), &contact, &member.surfaces[contact.surface]});
-  }
-}
-
-template <class Real>
 void PackContacts<Real>::Close() {
   constexpr std::size_t kInLine = 64 / sizeof(Real);
   const std::size_t lines = (m_entries.size() + kInLine - 1) / kInLine;
@@ -49,7 +41,7 @@ template <class Real>
 void PackContacts<Real>::ReadPoints(const Real* state, std::size_t width) {
   for (std::size_t i = 0; i < m_entries.size(); ++i) {
     const Entry& entry = m_entries[i];
-    const Real* numbers = state + 6 * entry.place * width + entry.lane;
+    const Real* numbers = state + 6 * entry.seat.place * width + entry.seat.lane;
     const Vector3<Real> x(numbers[0], numbers[width], numbers[2 * width]);
     const SurfacePoint<Real> point = FindContactPoint(*entry.surface, *entry.contact, x);
     Row(kDistance)[i] = point.distance;
@@ -84,7 +76,7 @@ template <class Real>
 void PackContacts<Real>::Update(const Real* state, std::size_t width) {
   for (std::size_t i = 0; i < m_entries.size(); ++i) {
     const Entry& entry = m_entries[i];
-    const Real* numbers = state + 6 * entry.place * width + entry.lane;
+    const Real* numbers = state + 6 * entry.seat.place * width + entry.seat.lane;
     UpdateAnchor(m_body->contact, *entry.surface, Vector3<Real>(numbers[0], numbers[width], numbers[2 * width]),
                  *entry.contact);
     ReadAnchor(i);

@@ -6,7 +6,7 @@
 // is in the cache. Springs within a row are computed for the whole row first, for the same reason.
 //
 // A vertex adds up what comes from vertices before it, ascending, and then what it pulls with itself: an order that no
-// width changes. Sums of squares over the body are kept for each column modulo the widest vector.
+// width changes, and that of a body in a lane.
 #pragma once
 
 #include "server/physics/lanes/grid.h"
@@ -17,8 +17,6 @@ namespace wobble::physics {
 namespace {
 
 #define WOBBLE_INLINE static inline __attribute__((always_inline))
-
-inline constexpr std::uint32_t kGridSums = 16;
 
 template <class V, class Real>
 WOBBLE_INLINE V Load(const Real* from) {
@@ -76,7 +74,7 @@ WOBBLE_INLINE void AddPulled(const GridTables<Real>& tables, Real* pending, cons
 }
 
 template <bool Drag, class Real>
-WOBBLE_INLINE GridRow<Real> FindRow(const GridTables<Real>& tables, const Real* from, Real* pending,
+WOBBLE_INLINE GridRow<Real> FindGridRow(const GridTables<Real>& tables, const Real* from, Real* pending,
                                     std::uint32_t row) {
   GridRow<Real> found;
   found.own = from + 6 * row * tables.width;
@@ -120,10 +118,11 @@ WOBBLE_INLINE Vector3Of<V> ComputePull(const GridTables<Real>& tables, const Gri
   const std::uint32_t width = tables.width;
   const Real* other = springs.other + column;
   const Real* coefficients = springs.coefficients + column;
-  V there[6];
-  for (std::uint32_t k = 0; k < 6; ++k) there[k] = LoadUnaligned<V>(other + k * width);
-  const Vector3Of<V> pull = FindPull<V, Real>(own, there, Load<V>(coefficients), Load<V>(coefficients + width),
-                                              Load<V>(coefficients + 2 * width), factor);
+  V l[6];
+  for (std::uint32_t k = 0; k < 6; ++k) l[k] = own[k] - LoadUnaligned<V>(other + k * width);
+  const V rate = Fma(l[2], l[5], Fma(l[1], l[4], l[0] * l[3]));
+  const Vector3Of<V> pull = FindPull<Real, V>({l[0], l[1], l[2]}, rate, Load<V>(coefficients),
+                                              Load<V>(coefficients + width), Load<V>(coefficients + 2 * width), factor);
   StoreForce(tables, pull, springs.forces + column);
   return pull;
 }
@@ -247,13 +246,11 @@ WOBBLE_INLINE void DivideByMasses(const GridTables<Real>& tables, const Real* ac
   if (tables.planar) force.y = zero;
 }
 
-// Always in the same pairs.
+// Sums by numbers of vertices to sums by columns of a row whose first vertex has the number `by`, and, by kErrorSums
+// less that, back.
 template <class Real>
-WOBBLE_INLINE Real AddUp(Real* sums) {
-  for (std::uint32_t half = kGridSums / 2; half > 0; half /= 2) {
-    for (std::uint32_t i = 0; i < half; ++i) sums[i] += sums[i + half];
-  }
-  return sums[0];
+WOBBLE_INLINE void RotateSums(const Real* sums, std::uint32_t by, Real* rotated) {
+  for (std::uint32_t i = 0; i < kErrorSums; ++i) rotated[i] = sums[(i + by) % kErrorSums];
 }
 
 template <int Stage, bool Drag, bool Outer, class V, class Real>
@@ -267,15 +264,18 @@ void SweepGridOnce(const GridTables<Real>& ofBlueprint, SweepLanes<Real>& ofBody
   const V weight = Spread<V>(Stage == 0 || Stage == 3 ? step / 6 : step / 3);
   const V reach = Spread<V>(Stage == 2 ? step : step / 2);
   const std::uint32_t width = tables.width;
-  alignas(64) Real errors[kGridSums] = {};
+  Real errors[kErrorSums] = {};
+  alignas(64) Real errorsOfRow[kErrorSums];
   for (std::uint32_t i = 0; i < tables.rows; ++i) {
-    const GridRow<Real> row = FindRow<Drag>(tables, from, lanes.pending, i);
+    const GridRow<Real> row = FindGridRow<Drag>(tables, from, lanes.pending, i);
     for (std::uint32_t column = 0; row.withinCount > 0 && column < tables.columns; column += kWidth) {
       V own[6];
       LoadVertices(tables, row.own + column, own);
       for (std::uint32_t k = 0; k < row.withinCount; ++k) ComputePull(tables, row.springs[k], column, own, factor);
     }
     if constexpr (Drag) ComputeSquares<V>(tables, from, lanes.pending, lanes.wind, i);
+    const std::uint32_t firstSum = i * tables.columns % kErrorSums;
+    if constexpr (Stage == 0 || Stage == 3) RotateSums(errors, firstSum, errorsOfRow);
     const bool hasOuter = Outer && lanes.hasOuter[i] != 0;
     for (std::uint32_t column = 0; column < tables.columns; column += kWidth) {
       V own[6];
@@ -290,10 +290,11 @@ void SweepGridOnce(const GridTables<Real>& ofBlueprint, SweepLanes<Real>& ofBody
       DivideByMasses(tables, lanes.acceleration, tables.inverseMasses + i * width + column, force);
       const std::uint32_t vertex = 6 * i * width + column;
       const auto vectorsAt = [vertex](Real* array) { return reinterpret_cast<V*>(array + vertex); };
-      V& sums = *reinterpret_cast<V*>(errors + column % kGridSums);
+      V& sums = *reinterpret_cast<V*>(errorsOfRow + column % kErrorSums);
       Advance<Stage>(vectorsAt(lanes.state), vectorsAt(lanes.increments), vectorsAt(to), width / kWidth, own, force,
                      weight, reach, sums);
     }
+    if constexpr (Stage == 0 || Stage == 3) RotateSums(errorsOfRow, kErrorSums - firstSum, errors);
   }
   if constexpr (Stage == 0) *lanes.accelerationErrors = AddUp(errors);
   if constexpr (Stage == 3) *lanes.velocityErrors = AddUp(errors);

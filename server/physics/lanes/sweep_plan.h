@@ -1,12 +1,14 @@
 // What one sweep over a body's vertices needs, worked out once per blueprint.
 //
 // Vertices stand in breadth-first order over the springs: whatever a vertex is joined to is then near it in memory, and
-// the forces that it passes on to vertices further on fit a small ring.
+// the forces that it passes on to vertices further on fit a small ring. In a grid the order of its numbers does as
+// much, and is the one that the sweep of grid.h goes in: both add up alike, so each body can go by whichever is faster.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "server/physics/lanes/grid_plan.h"
 #include "server/physics/lanes/sweep.h"
 
 namespace wobble::physics {
@@ -18,14 +20,15 @@ template <class Real>
 struct SweepPlan {
   std::vector<std::uint16_t> vertices;  // of the blueprint, in the order of the sweep: place -> vertex
   std::vector<std::uint32_t> places;    // vertex -> place
-  std::vector<Real> inverseMasses;      // 1/kg; 0: fixed
-  // Those of place i from begins[i] up to begins[i + 1], for each of the three:
-  std::vector<std::uint32_t> arcBegins;
+  std::vector<SweepPlace<Real>> at;     // one a place
   std::vector<Arc<Real>> arcs;
-  std::vector<std::uint32_t> ringBegins;  // neighbours round the vertex, counter-clockwise from outside; gas only
-  std::vector<std::uint32_t> ring;
-  std::vector<std::uint32_t> faceBegins;  // faces whose last place is i: the other two, in the face's order
-  std::vector<std::uint32_t> faces;
+  std::vector<std::uint32_t> ring;  // neighbours round each vertex, counter-clockwise from outside, even; gas only
+  std::vector<Wedge> wedges;        // gas only
+  // ArcColumns:
+  std::vector<std::uint32_t> arcEnds;
+  std::vector<Real> stiffnesses;
+  std::vector<Real> stiffnessesAtRest;
+  std::vector<Real> dampings;
   std::uint32_t pendingMask = 0;  // forces on places further on fit a ring of this + 1
   bool planar = false;
   bool hasGas = false;
@@ -34,13 +37,12 @@ struct SweepPlan {
 
   [[nodiscard]] SweepTables<Real> Tables() const {
     return {static_cast<std::uint32_t>(vertices.size()),
-            inverseMasses.data(),
-            arcBegins.data(),
+            static_cast<std::uint32_t>(arcs.size()),
+            at.data(),
             arcs.data(),
-            ringBegins.data(),
             ring.data(),
-            faceBegins.data(),
-            faces.data(),
+            wedges.data(),
+            {arcEnds.data(), stiffnesses.data(), stiffnessesAtRest.data(), dampings.data()},
             pendingMask,
             planar,
             hasGas,
@@ -52,6 +54,6 @@ struct SweepPlan {
 // Of a body without repulsion, drag, gas in an outline and springs that tear: the sweep knows none of these, and bodies
 // that have one get an empty plan.
 template <class Real>
-[[nodiscard]] SweepPlan<Real> MakeSweepPlan(const Coefficients<Real>& body);
+[[nodiscard]] SweepPlan<Real> MakeSweepPlan(const Coefficients<Real>& body, const GridShape& grid);
 
 }  // namespace wobble::physics

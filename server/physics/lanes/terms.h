@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "server/physics/lanes/lanes.h"
 
@@ -18,19 +19,38 @@ struct Vector3Of {
 // Below this two vertices are in one place: there is no direction to push in. m².
 inline constexpr float kLeastSquare = 1e-30F;
 
-// What a spring pulls with at its other end, −[k − k r/|l| + c (l̇·l)/|l|²] l being its force on its own. A spring
-// without coefficients gives 0.
-template <class V, class Real>
-WOBBLE_INLINE Vector3Of<V> FindPull(const V* own, const V* other, V stiffness, V stiffnessAtRest, V damping, V factor) {
-  const V lx = own[0] - other[0];
-  const V ly = own[1] - other[1];
-  const V lz = own[2] - other[2];
-  const V square = Max(Fma(lz, lz, Fma(ly, ly, lx * lx)), Spread<V>(Real(kLeastSquare)));
-  const V rate = Fma(lz, own[5] - other[5], Fma(ly, own[4] - other[4], lx * (own[3] - other[3])));
+// What a spring pulls with at its other end, −[k − k r/|l| + c (l̇·l)/|l|²] l being its force on its own. l: from the
+// other end to the own, m; rate: l̇·l. A spring without coefficients gives 0.
+template <class Real, class V>
+WOBBLE_INLINE Vector3Of<V> FindPull(const Vector3Of<V>& l, V rate, V stiffness, V stiffnessAtRest, V damping,
+                                    V factor) {
+  const V square = Max(Fma(l.z, l.z, Fma(l.y, l.y, l.x * l.x)), Spread<V>(Real(kLeastSquare)));
   const V inverse = Spread<V>(Real(1)) / Sqrt(square);
-  const V damped = Fma(damping * rate, inverse, -stiffnessAtRest);
+  const V damped = Fms(damping * rate, inverse, stiffnessAtRest);
   const V tension = factor * Fma(damped, inverse, stiffness);
-  return {tension * lx, tension * ly, tension * lz};
+  return {tension * l.x, tension * l.y, tension * l.z};
+}
+
+template <class V>
+WOBBLE_INLINE V AddSquares(const Vector3Of<V>& a, V sum) {
+  return sum + Fma(a.x, a.x, Fma(a.y, a.y, a.z * a.z));
+}
+
+// Squares are summed over a body's vertices by their numbers modulo so many, so that lanes may be vertices as well.
+inline constexpr std::uint32_t kErrorSums = 16;
+
+template <class V>
+WOBBLE_INLINE void Clear(V (&sums)[kErrorSums]) {
+  for (V& sum : sums) sum = V{};
+}
+
+// Always in the same pairs. Leaves nothing of the sums.
+template <class V>
+WOBBLE_INLINE V AddUp(V* sums) {
+  for (std::uint32_t half = kErrorSums / 2; half > 0; half /= 2) {
+    for (std::uint32_t i = 0; i < half; ++i) sums[i] = sums[i] + sums[i + half];
+  }
+  return sums[0];
 }
 
 // Stage 0 … 3 of the classic tableau: what it adds to the step, and where the next stage stands. The last one completes
@@ -40,10 +60,7 @@ WOBBLE_INLINE void Advance(const V* begin, V* sum, V* next, std::size_t stride, 
                            V weight, V reach, V& errors) {
   const V rates[6] = {own[3], own[4], own[5], a.x, a.y, a.z};
   if constexpr (Stage == 0) {
-    const V jumpX = sum[0] - a.x;
-    const V jumpY = sum[stride] - a.y;
-    const V jumpZ = sum[2 * stride] - a.z;
-    errors = Fma(jumpX, jumpX, Fma(jumpY, jumpY, Fma(jumpZ, jumpZ, errors)));
+    errors = AddSquares<V>({sum[0] - a.x, sum[stride] - a.y, sum[2 * stride] - a.z}, errors);
     for (std::size_t k = 0; k < 6; ++k) sum[k * stride] = weight * rates[k];
   } else if constexpr (Stage < 3) {
     for (std::size_t k = 0; k < 6; ++k) sum[k * stride] = Fma(weight, rates[k], sum[k * stride]);
@@ -52,13 +69,9 @@ WOBBLE_INLINE void Advance(const V* begin, V* sum, V* next, std::size_t stride, 
     for (std::size_t k = 0; k < 6; ++k) next[k * stride] = Fma(reach, rates[k], begin[k * stride]);
   } else {
     for (std::size_t k = 0; k < 6; ++k) {
-      const V arrived = begin[k * stride] + Fma(weight, rates[k], sum[k * stride]);
-      if (k >= 3) {
-        const V error = own[k] - arrived;
-        errors = Fma(error, error, errors);
-      }
-      next[k * stride] = arrived;
+      next[k * stride] = begin[k * stride] + Fma(weight, rates[k], sum[k * stride]);
     }
+    errors = AddSquares<V>({own[3] - next[3 * stride], own[4] - next[4 * stride], own[5] - next[5 * stride]}, errors);
     sum[0] = a.x;
     sum[stride] = a.y;
     sum[2 * stride] = a.z;
