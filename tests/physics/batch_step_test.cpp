@@ -207,7 +207,7 @@ TEST(BatchStepTest, ClothTearsAlikeInRowsOfAnyWidth) {
     std::uint32_t torn = 0;
     for (int tick = 0; tick < 60; ++tick) torn += world.Step().torn;
     EXPECT_GT(torn, 0U);
-    const Blueprint& left = world.ReadBlueprint(world.ReadBody(id).blueprint);
+    const Blueprint& left = world.BlueprintOf(world.ReadBody(id));
     EXPECT_LT(left.full.springs.size(), MakeCloth(curtain).full.springs.size());
     EXPECT_GT(left.ReadGridPlan<float>().rows, 0U) << "what is left of a grid is one";
     hashes.push_back(world.Hash());
