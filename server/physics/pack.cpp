@@ -24,8 +24,7 @@ constexpr std::size_t kFewestInLanes = 5;
 
 template <class Real>
 bool GoesByRows(const Blueprint& blueprint, std::size_t bodies) {
-  return blueprint.ReadGridPlan<Real>().rows > 0 &&
-         (blueprint.ReadPlan<Real>().vertices.empty() || bodies < kFewestInLanes);
+  return blueprint.ReadGridPlan<Real>().rows > 0 && (blueprint.ReadPlan<Real>().isRare || bodies < kFewestInLanes);
 }
 
 template <class Real>
@@ -84,6 +83,7 @@ void Pack<Real>::LayOut() {
                                                    {&m_lanes.pending, pending},
                                                    {&m_acceleration, 3},
                                                    {&m_wind, 3},
+                                                   {&m_whole, HasWhole() ? m_plan.arcs.size() : 0},
                                                    {&m_gas, 1},
                                                    {&m_stiffnessFactors, 1},
                                                    {&m_lanes.sixVolume, 1},
@@ -104,6 +104,7 @@ void Pack<Real>::LayOut() {
   std::fill_n(m_lanes.pending, pending * m_width, Real(0));
   m_lanes.acceleration = m_acceleration;
   m_lanes.wind = m_wind;
+  m_lanes.whole = HasWhole() ? m_whole : nullptr;
   m_lanes.gas = m_gas;
   m_lanes.stiffnessFactors = m_stiffnessFactors;
   m_scratch.hasOuter.assign(count, 0);
@@ -119,9 +120,10 @@ template <class Real>
 void Pack<Real>::LoadBodies() {
   for (std::size_t lane = 0; lane < m_width; ++lane) {
     const Load<Real>& load = MemberIn(lane < m_whose.size() ? lane : 0).load;
-    for (std::size_t k = 0; k < 3; ++k) {
-      m_acceleration[k * m_width + lane] = load.acceleration[static_cast<int>(k)];
-      m_wind[k * m_width + lane] = load.wind[static_cast<int>(k)];
+    for (std::size_t k = 0; k < 3; ++k) m_acceleration[k * m_width + lane] = load.acceleration[static_cast<int>(k)];
+    for (std::size_t k = 0; k < 3; ++k) m_wind[k * m_width + lane] = load.wind[static_cast<int>(k)];
+    for (std::size_t i = 0; HasWhole() && i < m_plan.springs.size(); ++i) {
+      m_whole[i * m_width + lane] = Real(load.torn.empty() || load.torn[m_plan.springs[i]] == 0 ? 1 : 0);
     }
     m_gas[lane] = load.gasFactor * m_body.gas;
     m_stiffnessFactors[lane] = load.stiffnessFactor;

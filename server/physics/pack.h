@@ -40,7 +40,8 @@ struct PackScratch {
 };
 
 // Whether a body of this kind, of so many together, is stepped by itself, row by row, rather than in a lane of a pack.
-// It comes to the same bits.
+// It comes to the same bits, but for rare terms (lanes/rare_terms.h), which add up in another order: a kind that has
+// some goes one way always.
 template <class Real>
 [[nodiscard]] bool GoesByRows(const Blueprint& blueprint, std::size_t bodies);
 
@@ -84,6 +85,8 @@ class Pack {
   void UpdateAllAnchors();
 
   [[nodiscard]] Member& MemberIn(std::size_t lane) const { return *m_group.Members()[m_whose[lane]]; }
+  // Rows leave out what has torn.
+  [[nodiscard]] bool HasWhole() const { return m_plan.tears && !m_byRows; }
   [[nodiscard]] PackSeat FindSeat(std::size_t lane, std::size_t vertex) const {
     if (m_byRows) return {m_grid.RowOf(vertex), m_grid.ColumnOf(vertex)};
     return {m_plan.places[vertex], static_cast<std::uint32_t>(lane)};
@@ -106,6 +109,7 @@ class Pack {
   Real* m_outer = nullptr;
   Real* m_acceleration = nullptr;
   Real* m_wind = nullptr;
+  Real* m_whole = nullptr;
   Real* m_gas = nullptr;
   Real* m_stiffnessFactors = nullptr;
 };

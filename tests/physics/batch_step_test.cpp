@@ -5,7 +5,9 @@
 
 #include "server/physics/cloth.h"
 #include "server/physics/pair.h"
+#include "server/physics/ring.h"
 #include "server/physics/substeps.h"
+#include "server/physics/tear.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 
@@ -33,8 +35,9 @@ struct Bodies {
       member.load.acceleration = Vector3<Real>(0, 0, Real(-9.81));
       member.load.gasFactor = static_cast<Real>(1 + 0.1 * number);
       member.load.stiffnessFactor = static_cast<Real>(1 + 0.05 * number);
-      member.load.wind = Vector3<Real>(1, static_cast<Real>(number), 0);
-      for (std::size_t spring = i; spring < states[i].torn.size(); spring += 9) states[i].torn[spring] = 1;
+      member.load.wind =
+          Vector3<Real>(Real(2), blueprint.full.planar ? Real(0) : Real(0.5), static_cast<Real>(-number));
+      for (std::size_t spring = i; spring < states[i].torn.size(); spring += 7) states[i].torn[spring] = 1;
       member.load.torn = states[i].torn;
       if (i % 2 == 1) member.pushes.push_back({0, Vector3<Real>(5, 0, 3)});
       member.load.pushes = member.pushes;
@@ -87,6 +90,30 @@ struct Bodies {
   BatchScratch<Real> scratch;
 };
 
+// Each with a term that few bodies have, and one with all that go together.
+std::vector<Blueprint> MakeRareKinds() {
+  std::vector<Blueprint> kinds{
+      MakeRing({.material = {.mass = 4, .stiffness = 1500, .gas = 100, .ambientPressure = 50}}),
+      MakeRing({.points = 13, .layers = 3})};
+  ClothDefinition cloth;
+  cloth.points = {7, 5};
+  kinds.push_back(MakeCloth(cloth));
+  cloth.tearStretch = 1.5;
+  cloth.material.drag = 0;
+  kinds.push_back(MakeCloth(cloth));
+  Blueprint cube = MakeLattice(MakeJellyCube(0.1));
+  cube.full.repulsion = 0.001;
+  cube.full.drag = 0.6;
+  cube.full.tearStretch = 2;
+  FinishBlueprint(cube);
+  kinds.push_back(std::move(cube));
+  BallDefinition ball = MakeMeasuredBall(0.2);
+  ball.material.drag = 0.6;
+  ball.material.repulsion = 0.01;
+  kinds.push_back(MakeBall(ball));
+  return kinds;
+}
+
 std::vector<Blueprint> MakeKinds() {
   std::vector<Blueprint> kinds{MakeBall(MakeMeasuredBall(0.2)), MakeLattice(MakeJellyCube(0.1)),
                                MakePair(PairDefinition{})};
@@ -99,15 +126,11 @@ std::vector<Blueprint> MakeKinds() {
   FinishBlueprint(held);
   kinds.push_back(std::move(held));
   ClothDefinition cloth;
-  cloth.points = {9, 13};
-  cloth.pinned = Pinned::kTopCorners;
-  cloth.tearStretch = 2;
-  kinds.push_back(MakeCloth(cloth));
-  cloth = {};
   cloth.name = "cloth in vacuo";
   cloth.points = {21, 6};
   cloth.material.drag = 0;
   kinds.push_back(MakeCloth(cloth));
+  for (Blueprint& rare : MakeRareKinds()) kinds.push_back(std::move(rare));
   return kinds;
 }
 
@@ -223,7 +246,18 @@ TEST(BatchStepTest, GridsGoByRowsWhereTheyAreFew) {
   EXPECT_FALSE(GoesByRows<float>(cube, 16));
   const Blueprint cloth = MakeCloth(ClothDefinition{});
   EXPECT_TRUE(CanGoInPack<float>(cloth));
-  EXPECT_TRUE(GoesByRows<float>(cloth, 16)) << "no lane has wind";
+  EXPECT_TRUE(GoesByRows<float>(cloth, 16)) << "wind adds up otherwise in lanes";
+}
+
+TEST(BatchStepTest, PlanHasNoTornSprings) {
+  ClothDefinition cloth;
+  cloth.tearStretch = 1.5;
+  const Blueprint whole = MakeCloth(cloth);
+  std::vector<std::uint8_t> torn(whole.full.springs.size(), 0);
+  torn[3] = torn[20] = 1;
+  const Blueprint left = MakeTornBlueprint(whole, torn);
+  EXPECT_EQ(left.singlePlan.arcs.size(), whole.singlePlan.arcs.size() - 2);
+  EXPECT_EQ(left.fullPlan.draggedFaces.size(), left.full.faces.size());
 }
 
 TEST(BatchStepTest, RefusesWhatTheSweepDoesNotKnow) {
@@ -237,9 +271,10 @@ TEST(BatchStepTest, RefusesWhatTheSweepDoesNotKnow) {
   SetIntegrator(ball, Integrator::kLeapFrog);
   EXPECT_FALSE(CanGoInPack<float>(ball));
   SetIntegrator(ball, Integrator::kRungeKutta4);
-  ball.full.drag = 0.5;
-  FinishBlueprint(ball);
-  EXPECT_FALSE(CanGoInPack<float>(ball));
+  for (const Blueprint& kind : MakeRareKinds()) {
+    EXPECT_TRUE(CanGoInPack<float>(kind)) << kind.name;
+    EXPECT_TRUE(kind.singlePlan.isRare) << kind.name;
+  }
 }
 
 }  // namespace

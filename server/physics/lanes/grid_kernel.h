@@ -10,6 +10,7 @@
 #pragma once
 
 #include "server/physics/lanes/grid.h"
+#include "server/physics/lanes/rare_terms.h"
 #include "server/physics/lanes/sweep.h"
 #include "server/physics/lanes/terms.h"
 
@@ -118,11 +119,10 @@ WOBBLE_INLINE Vector3Of<V> ComputePull(const GridTables<Real>& tables, const Gri
   const std::uint32_t width = tables.width;
   const Real* other = springs.other + column;
   const Real* coefficients = springs.coefficients + column;
-  V l[6];
-  for (std::uint32_t k = 0; k < 6; ++k) l[k] = own[k] - LoadUnaligned<V>(other + k * width);
-  const V rate = Fma(l[2], l[5], Fma(l[1], l[4], l[0] * l[3]));
-  const Vector3Of<V> pull = FindPull<Real, V>({l[0], l[1], l[2]}, rate, Load<V>(coefficients),
-                                              Load<V>(coefficients + width), Load<V>(coefficients + 2 * width), factor);
+  V there[6];
+  for (std::uint32_t k = 0; k < 6; ++k) there[k] = LoadUnaligned<V>(other + k * width);
+  const Vector3Of<V> pull = FindPull<Real>(FindEnds(own, there), Load<V>(coefficients), Load<V>(coefficients + width),
+                                           Load<V>(coefficients + 2 * width), factor);
   StoreForce(tables, pull, springs.forces + column);
   return pull;
 }
@@ -135,28 +135,6 @@ WOBBLE_INLINE void ComputePullsWithin(const GridTables<Real>& tables, const Grid
     LoadVertices(tables, row.own + column, own);
     for (std::uint32_t i = 0; i < row.withinCount; ++i) ComputePull(tables, row.springs[i], column, own, factor);
   }
-}
-
-// On each corner of a triangle, AddDrag of forces.h. share: ½ρC/6.
-template <class V, class Real>
-WOBBLE_INLINE Vector3Of<V> FindDrag(const V* a, const V* b, const V* c, const V* wind, V share) {
-  const V ux = b[0] - a[0];
-  const V uy = b[1] - a[1];
-  const V uz = b[2] - a[2];
-  const V wx = c[0] - a[0];
-  const V wy = c[1] - a[1];
-  const V wz = c[2] - a[2];
-  const V sx = Fms(uy, wz, uz * wy);
-  const V sy = Fms(uz, wx, ux * wz);
-  const V sz = Fms(ux, wy, uy * wx);
-  const V square = Max(Fma(sz, sz, Fma(sy, sy, sx * sx)), Spread<V>(Real(kLeastSquare)));
-  const V third = Spread<V>(Real(1) / Real(3));
-  const V rx = Fnma(third, a[3] + b[3] + c[3], wind[0]);
-  const V ry = Fnma(third, a[4] + b[4] + c[4], wind[1]);
-  const V rz = Fnma(third, a[5] + b[5] + c[5], wind[2]);
-  const V through = Fma(sz, rz, Fma(sy, ry, sx * rx));
-  const V strength = share * Max(through, -through) * through / square;
-  return {strength * sx, strength * sy, strength * sz};
 }
 
 template <class V>
@@ -201,8 +179,8 @@ WOBBLE_INLINE void ComputeSquares(const GridTables<Real>& tables, const Real* fr
       other[k] = Choose(cut, b[k], a[k]);
     }
     const Vector3Of<V> none{V{}, V{}, V{}};
-    const Vector3Of<V> first = FindDrag<V, Real>(a, b, middle, wind, Load<V>(numbers + column));
-    const Vector3Of<V> second = FindDrag<V, Real>(other, c, d, wind, Load<V>(numbers + width + column));
+    const Vector3Of<V> first = FindDrag<Real, V>(a, b, middle, wind, Load<V>(numbers + column));
+    const Vector3Of<V> second = FindDrag<Real, V>(other, c, d, wind, Load<V>(numbers + width + column));
     StoreForce(tables, AddChosen(cut, first, none, second), onA + column);
     StoreForce(tables, AddChosen(cut, first, second, none), onB + column);
     StoreForce(tables, AddChosen(cut, second, none, first), onC + column);

@@ -5,6 +5,8 @@
 // vertex; rows are x y z in one register, which the rest is done in. Fetching ends by gather instructions would cost
 // more than the sums: differences of whole rows, turned over in registers, take a third of the instructions.
 //
+// Bodies with rare terms go through the sweep of packs with one lane.
+//
 // Forces wait where the stage will write its results, in `nextStage`, which nothing reads before.
 #pragma once
 
@@ -44,7 +46,7 @@ WOBBLE_INLINE void FindPulls(const ArcColumns<Real>& columns, std::uint32_t begi
   LoadDifferences(from, ends, l);
   LoadDifferences(from + 2, ends, u);
   const V rate = Fma(l[2], u[3], Fma(l[1], u[2], l[0] * u[1]));
-  const Vector3Of<V> pull = FindPull<Real, V>({l[0], l[1], l[2]}, rate, read(columns.stiffnesses),
+  const Vector3Of<V> pull = FindPull<Real, V>({{l[0], l[1], l[2]}, rate}, read(columns.stiffnesses),
                                               read(columns.stiffnessesAtRest), read(columns.dampings), factor);
   pulls[0] = pull.x;
   pulls[1] = pull.y;
@@ -158,7 +160,7 @@ void SweepAlone(const SweepTables<Real>& ofBlueprint, SweepLanes<Real>& ofBody, 
   const Real* given = lanes.acceleration;
   const Row acceleration = {given[0], given[1], given[2]};
   Row pressureShare = Spread<Row>(Real(0));
-  if constexpr (Gas) pressureShare = Spread<Row>(FindPressureShare<Real>(tables, lanes));
+  if constexpr (Gas) pressureShare = Spread<Row>(FindPressureShare<Real>(tables, lanes, Real(6)));
   ComputePulls(tables, from, lanes.stiffnessFactors[0], lanes.nextStage);
   Real errors[kErrorSums] = {};
   const std::uint32_t* ring = tables.ring;
@@ -192,19 +194,18 @@ void SweepAlone(const SweepTables<Real>& ofBlueprint, SweepLanes<Real>& ofBody, 
 
 template <int Stage, class Real>
 void SweepStageAlone(const SweepTables<Real>& tables, SweepLanes<Real>& lanes, Real step) {
-  tables.hasGas ? SweepAlone<Stage, true>(tables, lanes, step) : SweepAlone<Stage, false>(tables, lanes, step);
-}
-
-template <class Real>
-void ComputeSixVolumeAlone(const SweepTables<Real>& tables, SweepLanes<Real>& lanes) {
-  *lanes.sixVolume = tables.hasGas ? FindSixVolume(tables, lanes.state) : Real(0);
+  if (tables.isRare) {
+    SweepOnce<Stage, true, true, true, Real>(tables, lanes, step);
+  } else {
+    tables.hasGas ? SweepAlone<Stage, true>(tables, lanes, step) : SweepAlone<Stage, false>(tables, lanes, step);
+  }
 }
 
 template <class Real>
 SweepKernel<Real> MakeLoneKernel() {
   return {1,
           {&SweepStageAlone<0, Real>, &SweepStageAlone<1, Real>, &SweepStageAlone<2, Real>, &SweepStageAlone<3, Real>},
-          &ComputeSixVolumeAlone<Real>,
+          &ComputeSixVolume<Real, Real>,
           &ComputePenaltyForces<Real, Real>,
           {&SweepGrid<0, Real, Real>, &SweepGrid<1, Real, Real>, &SweepGrid<2, Real, Real>, &SweepGrid<3, Real, Real>}};
 }

@@ -31,10 +31,11 @@ struct SweepLanes {
   const Real* outer = nullptr;             // [place][3][lane]: all further forces, N; null: none
   const std::uint8_t* hasOuter = nullptr;  // [place]: not 0 where a lane has one
   const Real* acceleration = nullptr;      // [3][lane]: gravity and the like, m/s²
-  const Real* wind = nullptr;              // [3][lane]: for a grid with drag, m/s
+  const Real* wind = nullptr;              // [3][lane], where bodies drag, m/s
+  const Real* whole = nullptr;             // [arc][lane], 0 where a spring has torn, else 1; null: they do not tear
   const Real* gas = nullptr;               // J
   const Real* stiffnessFactors = nullptr;  // times every spring's stiffness and damping
-  Real* sixVolume = nullptr;               // 6 V of the stage's positions, m³
+  Real* sixVolume = nullptr;               // 6 V of the stage's positions, m³; in an outline twice the area, m²
   Real* velocityErrors = nullptr;          // last stage: Σ |v₄ − v_new|², m²/s²
   Real* accelerationErrors = nullptr;      // first stage: Σ |a₄ of the step before − a₁|², m²/s⁴
 };

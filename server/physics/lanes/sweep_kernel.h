@@ -4,6 +4,7 @@
 #include "server/physics/lanes/contact_kernel.h"
 #include "server/physics/lanes/grid_kernel.h"
 #include "server/physics/lanes/lanes.h"
+#include "server/physics/lanes/rare_terms.h"
 #include "server/physics/lanes/sweep.h"
 #include "server/physics/lanes/terms.h"
 
@@ -12,14 +13,16 @@ namespace {
 
 #define WOBBLE_INLINE static inline __attribute__((always_inline))
 
+// times: what the pack has summed over the true volume, and what cross products have over a vertex's share of the area;
+// 6 and 6, of an outline 2 and 2.
 template <class V, class Real>
-WOBBLE_INLINE V FindPressureShare(const SweepTables<Real>& tables, const SweepLanes<Real>& lanes) {
-  const V volume = *reinterpret_cast<const V*>(lanes.sixVolume) / Spread<V>(Real(6));
+WOBBLE_INLINE V FindPressureShare(const SweepTables<Real>& tables, const SweepLanes<Real>& lanes, Real times) {
+  const V volume = *reinterpret_cast<const V*>(lanes.sixVolume) / Spread<V>(times);
   const V bounded = Max(volume, Spread<V>(tables.floorVolume));
   // (nRT/V)(2 − V/V) is nRT/V, and below the floor its tangent.
   const V gas = *reinterpret_cast<const V*>(lanes.gas);
   const V pressure = gas / bounded * (Spread<V>(Real(2)) - volume / bounded);
-  return (pressure - Spread<V>(tables.ambientPressure)) / Spread<V>(Real(6));
+  return (pressure - Spread<V>(tables.ambientPressure)) / Spread<V>(times);
 }
 
 template <class V>
@@ -40,11 +43,8 @@ template <class V, class Real>
 WOBBLE_INLINE void AddArcs(const Arc<Real>* arc, const Arc<Real>* end, const V* from, const V* own, V factor,
                            V* pending, Vector3Of<V>& force) {
   for (; arc != end; ++arc) {
-    const V* other = from + arc->other;
-    const Vector3Of<V> l{own[0] - other[0], own[1] - other[1], own[2] - other[2]};
-    const V rate = Fma(l.z, own[5] - other[5], Fma(l.y, own[4] - other[4], l.x * (own[3] - other[3])));
-    const Vector3Of<V> pull = FindPull<Real>(l, rate, Spread<V>(arc->stiffness), Spread<V>(arc->stiffnessAtRest),
-                                             Spread<V>(arc->damping), factor);
+    const Vector3Of<V> pull = FindPull<Real>(FindEnds(own, from + arc->other), Spread<V>(arc->stiffness),
+                                             Spread<V>(arc->stiffnessAtRest), Spread<V>(arc->damping), factor);
     V* onOther = pending + arc->pending;
     force.x = force.x - pull.x;
     force.y = force.y - pull.y;
@@ -105,7 +105,8 @@ WOBBLE_INLINE void DivideByMass(Real perMass, bool planar, const V* given, Vecto
   if (perMass == Real(0)) force.x = force.y = force.z = Spread<V>(Real(0));
 }
 
-template <int Stage, bool Gas, bool Outer, class V, class Real>
+// Rare: with Gas and Outer, and all of them are asked for at run time.
+template <int Stage, bool Gas, bool Outer, bool Rare, class V, class Real>
 void SweepOnce(const SweepTables<Real>& ofBlueprint, SweepLanes<Real>& ofPack, Real step) {
   // Copies that nothing else can point to: stores into the arrays would make the compiler read the pointers again.
   const SweepTables<Real> tables = ofBlueprint;
@@ -117,7 +118,9 @@ void SweepOnce(const SweepTables<Real>& ofBlueprint, SweepLanes<Real>& ofPack, R
   const V weight = Spread<V>(Stage == 0 || Stage == 3 ? step / 6 : step / 3);
   const V reach = Spread<V>(Stage == 2 ? step : step / 2);
   V pressureShare = Spread<V>(Real(0));
-  if constexpr (Gas) pressureShare = FindPressureShare<V>(tables, lanes);
+  const bool hasVolume = Gas && (!Rare || tables.hasGas);
+  const bool hasArea = Rare && tables.hasOutline;
+  if (hasVolume || hasArea) pressureShare = FindPressureShare<V>(tables, lanes, Real(hasArea ? 2 : 6));
   V sixVolume = Spread<V>(Real(0));
   V errors[kErrorSums];
   if constexpr (Stage == 0 || Stage == 3) Clear(errors);
@@ -125,21 +128,29 @@ void SweepOnce(const SweepTables<Real>& ofBlueprint, SweepLanes<Real>& ofPack, R
   const Arc<Real>* arc = tables.arcs;
   const std::uint32_t* ring = tables.ring;
   const Wedge* wedge = tables.wedges;
+  [[maybe_unused]] const DraggedFace* face = tables.draggedFaces;
   for (std::uint32_t i = 0; i < tables.count; ++i) {
     const SweepPlace<Real>& place = tables.places[i];
     const V* source = from + 6 * i;
     const V own[6] = {source[0], source[1], source[2], source[3], source[4], source[5]};
     Vector3Of<V> force = TakePending<V, Real>(pending + 3 * (i & tables.pendingMask));
     const Arc<Real>* arcEnd = tables.arcs + place.arcEnd;
-    AddArcs(arc, arcEnd, from, own, factor, pending, force);
-    arc = arcEnd;
-    if constexpr (Gas) {
-      const std::uint32_t* ringEnd = tables.ring + place.ringEnd;
-      AddGasOfRing<V, Real>(ring, ringEnd, from, own, pressureShare, force);
-      ring = ringEnd;
+    const std::uint32_t* ringEnd = tables.ring + place.ringEnd;
+    if constexpr (Rare) {
+      const auto begin = static_cast<std::uint32_t>(arc - tables.arcs);
+      AddRareArcs(tables, lanes, begin, place.arcEnd, from, own, pending, force);
+      const DraggedFace* faceEnd = tables.draggedFaces + tables.draggedEnds[i];
+      AddDragOfFaces(tables, lanes, face, faceEnd, from, own, pending, force);
+      face = faceEnd;
+      if (hasArea) AddGasOfOutline(ring, ringEnd, from, pressureShare, force);
+    } else {
+      AddArcs(arc, arcEnd, from, own, factor, pending, force);
     }
+    if (hasVolume) AddGasOfRing<V, Real>(ring, ringEnd, from, own, pressureShare, force);
+    arc = arcEnd;
+    ring = ringEnd;
     if constexpr (Outer) {
-      if (lanes.hasOuter[i] != 0) {
+      if ((!Rare || lanes.outer != nullptr) && lanes.hasOuter[i] != 0) {
         const V* outer = reinterpret_cast<const V*>(lanes.outer) + 3 * i;
         force.x = force.x + outer[0];
         force.y = force.y + outer[1];
@@ -152,7 +163,7 @@ void SweepOnce(const SweepTables<Real>& ofBlueprint, SweepLanes<Real>& ofPack, R
                    next, 1, own, force, weight, reach, errors[i % kErrorSums]);
     if constexpr (Gas) {
       for (const Wedge* end = tables.wedges + place.wedgeEnd; wedge != end; ++wedge) {
-        sixVolume = AddSixVolume(*wedge, next, to, sixVolume);
+        sixVolume = hasArea ? AddTwiceArea(*wedge, next, to, sixVolume) : AddSixVolume(*wedge, next, to, sixVolume);
       }
     }
   }
@@ -167,12 +178,14 @@ void SweepOnce(const SweepTables<Real>& ofBlueprint, SweepLanes<Real>& ofPack, R
 
 template <int Stage, class V, class Real>
 void SweepStage(const SweepTables<Real>& tables, SweepLanes<Real>& lanes, Real step) {
-  if (lanes.outer != nullptr) {
-    tables.hasGas ? SweepOnce<Stage, true, true, V>(tables, lanes, step)
-                  : SweepOnce<Stage, false, true, V>(tables, lanes, step);
+  if (tables.isRare) {
+    SweepOnce<Stage, true, true, true, V>(tables, lanes, step);
+  } else if (lanes.outer != nullptr) {
+    tables.hasGas ? SweepOnce<Stage, true, true, false, V>(tables, lanes, step)
+                  : SweepOnce<Stage, false, true, false, V>(tables, lanes, step);
   } else {
-    tables.hasGas ? SweepOnce<Stage, true, false, V>(tables, lanes, step)
-                  : SweepOnce<Stage, false, false, V>(tables, lanes, step);
+    tables.hasGas ? SweepOnce<Stage, true, false, false, V>(tables, lanes, step)
+                  : SweepOnce<Stage, false, false, false, V>(tables, lanes, step);
   }
 }
 
@@ -180,11 +193,10 @@ template <class V, class Real>
 void ComputeSixVolume(const SweepTables<Real>& tables, SweepLanes<Real>& lanes) {
   const V* x = reinterpret_cast<const V*>(lanes.state);
   V sum = Spread<V>(Real(0));
-  if (tables.hasGas) {
-    const Wedge* end = tables.wedges + tables.places[tables.count - 1].wedgeEnd;
-    for (const Wedge* wedge = tables.wedges; wedge != end; ++wedge) {
-      sum = AddSixVolume(*wedge, x + wedge->last, x, sum);
-    }
+  const Wedge* end = tables.wedges + tables.places[tables.count - 1].wedgeEnd;
+  for (const Wedge* wedge = tables.wedges; wedge != end; ++wedge) {
+    const V* last = x + wedge->last;
+    sum = tables.hasOutline ? AddTwiceArea(*wedge, last, x, sum) : AddSixVolume(*wedge, last, x, sum);
   }
   *reinterpret_cast<V*>(lanes.sixVolume) = sum;
 }

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "server/physics/blueprint.h"
+#include "server/physics/forces.h"
 
 namespace wobble::physics {
 namespace {
@@ -50,23 +51,80 @@ std::vector<std::uint16_t> ListNumbers(std::size_t count) {
 
 template <class Real>
 void FillArcs(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
-  std::vector<std::vector<Arc<Real>>> arcs(plan.at.size());
-  std::uint32_t reach = 0;
-  for (const Spring<Real>& spring : body.springs) {
-    const auto [first, last] = std::minmax(plan.places[spring.a], plan.places[spring.b]);
-    reach = std::max(reach, last - first);
-    arcs[first].push_back({last, 0, spring.stiffness, spring.stiffness * spring.restLength, spring.damping});
+  Lists springs(plan.at.size());
+  for (std::uint32_t i = 0; i < body.springs.size(); ++i) {
+    springs[std::min(plan.places[body.springs[i].a], plan.places[body.springs[i].b])].push_back(i);
   }
-  plan.pendingMask = std::bit_ceil(reach + 1) - 1;
-  for (std::uint32_t place = 0; place < arcs.size(); ++place) {
-    std::ranges::stable_sort(arcs[place], {}, &Arc<Real>::other);
-    for (Arc<Real>& arc : arcs[place]) {
-      arc.pending = 3 * (arc.other & plan.pendingMask);
-      arc.other *= 6;
-      plan.arcs.push_back(arc);
-      plan.arcEnds.insert(plan.arcEnds.end(), {6 * place, arc.other});
+  for (std::uint32_t place = 0; place < springs.size(); ++place) {
+    const auto otherOf = [&](std::uint32_t i) {
+      return std::max(plan.places[body.springs[i].a], plan.places[body.springs[i].b]);
+    };
+    std::ranges::stable_sort(springs[place], {}, otherOf);
+    for (const std::uint32_t i : springs[place]) {
+      const Spring<Real>& spring = body.springs[i];
+      const std::uint32_t other = otherOf(i);
+      plan.arcs.push_back({6 * other, 3 * (other & plan.pendingMask), spring.stiffness,
+                           spring.stiffness * spring.restLength, spring.damping});
+      plan.springs.push_back(i);
+      plan.repulsionFloors.push_back(static_cast<Real>(kRepulsionFloorShare) * spring.restLength);
+      plan.arcEnds.insert(plan.arcEnds.end(), {6 * place, 6 * other});
     }
     plan.at[place].arcEnd = static_cast<std::uint32_t>(plan.arcs.size());
+  }
+}
+
+// Places that forces are passed on to, from springs and, where it drags, from faces.
+template <class Real>
+std::uint32_t FindReach(const Coefficients<Real>& body, const std::vector<std::uint32_t>& places) {
+  std::uint32_t reach = 0;
+  const auto extend = [&](std::uint32_t a, std::uint32_t b) {
+    reach = std::max(reach, std::max(places[a], places[b]) - std::min(places[a], places[b]));
+  };
+  for (const Spring<Real>& spring : body.springs) extend(spring.a, spring.b);
+  if (!(body.drag > Real(0))) return reach;
+  for (const Face& face : body.faces) {
+    for (std::size_t corner = 0; corner < 3; ++corner) extend(face[corner], face[(corner + 1) % 3]);
+  }
+  return reach;
+}
+
+template <class Real>
+void FillDraggedFaces(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
+  std::vector<std::vector<DraggedFace>> faces(plan.at.size());
+  for (const Face& face : body.faces) {
+    if (!(body.drag > Real(0))) break;
+    const std::array<std::uint32_t, 3> at{plan.places[face[0]], plan.places[face[1]], plan.places[face[2]]};
+    const std::size_t first = std::min_element(at.begin(), at.end()) - at.begin();
+    const std::uint32_t b = at[(first + 1) % 3];
+    const std::uint32_t c = at[(first + 2) % 3];
+    faces[at[first]].push_back({{6 * b, 6 * c}, {3 * (b & plan.pendingMask), 3 * (c & plan.pendingMask)}});
+  }
+  for (const std::vector<DraggedFace>& own : faces) {
+    plan.draggedFaces.insert(plan.draggedFaces.end(), own.begin(), own.end());
+    plan.draggedEnds.push_back(static_cast<std::uint32_t>(plan.draggedFaces.size()));
+  }
+}
+
+// Rings and wedges of an outline: of each place the ends of the two edges that meet there, and those of them that come
+// before it.
+template <class Real>
+void FillOutline(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
+  Lists before(plan.at.size());
+  Lists after(plan.at.size());
+  for (const auto& [a, b] : body.outline) {
+    after[plan.places[a]].push_back(plan.places[b]);
+    before[plan.places[b]].push_back(plan.places[a]);
+  }
+  for (std::uint32_t place = 0; place < plan.at.size(); ++place) {
+    for (std::size_t i = 0; i < std::max(before[place].size(), after[place].size()); ++i) {
+      const std::uint32_t from = i < before[place].size() ? before[place][i] : place;
+      const std::uint32_t to = i < after[place].size() ? after[place][i] : place;
+      plan.ring.insert(plan.ring.end(), {6 * from, 6 * to});
+      if (from >= place && to >= place) continue;
+      plan.wedges.push_back({6 * place, 6 * std::min(from, place), 6 * place, 6 * std::min(to, place)});
+    }
+    plan.at[place].ringEnd = static_cast<std::uint32_t>(plan.ring.size());
+    plan.at[place].wedgeEnd = static_cast<std::uint32_t>(plan.wedges.size());
   }
 }
 
@@ -159,23 +217,28 @@ void FillWedges(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
 template <class Real>
 SweepPlan<Real> MakeSweepPlan(const Coefficients<Real>& body, const GridShape& grid) {
   SweepPlan<Real> plan;
-  const bool isTooMuch = body.repulsion > Real(0) || body.drag > Real(0) || body.tearStretch > Real(0) ||
-                         (body.gas > Real(0) && !body.outline.empty());
-  if (isTooMuch) return plan;
   plan.vertices = grid.columns > 0 ? ListNumbers(body.masses.size()) : FindOrder(FindNeighbours(body));
   plan.places.resize(plan.vertices.size());
   for (std::uint32_t place = 0; place < plan.places.size(); ++place) plan.places[plan.vertices[place]] = place;
   for (const std::uint16_t vertex : plan.vertices) plan.at.push_back({body.inverseMasses[vertex], 0, 0, 0});
+  plan.pendingMask = std::bit_ceil(FindReach(body, plan.places) + 1) - 1;
   FillArcs(body, plan);
   FillColumns(plan);
+  FillDraggedFaces(body, plan);
   plan.planar = body.planar;
   plan.hasGas = body.gas > Real(0) && body.outline.empty();
+  plan.hasOutline = body.gas > Real(0) && !body.outline.empty();
   if (plan.hasGas) {
     FillRings(body, plan);
     FillWedges(body, plan);
-    plan.ambientPressure = body.ambientPressure;
-    plan.floorVolume = body.floorVolume;
   }
+  if (plan.hasOutline) FillOutline(body, plan);
+  plan.ambientPressure = body.ambientPressure;
+  plan.floorVolume = body.floorVolume;
+  plan.repulsion = body.repulsion;
+  plan.dragShare = body.drag / Real(6);
+  plan.tears = body.tearStretch > Real(0);
+  plan.isRare = plan.hasOutline || plan.tears || body.repulsion > Real(0) || body.drag > Real(0);
   return plan;
 }
 

@@ -29,11 +29,20 @@ struct SweepPlan {
   std::vector<Real> stiffnesses;
   std::vector<Real> stiffnessesAtRest;
   std::vector<Real> dampings;
+  std::vector<std::uint32_t> springs;  // arc -> spring of the blueprint
+  std::vector<Real> repulsionFloors;
+  std::vector<DraggedFace> draggedFaces;
+  std::vector<std::uint32_t> draggedEnds;
   std::uint32_t pendingMask = 0;  // forces on places further on fit a ring of this + 1
   bool planar = false;
   bool hasGas = false;
+  bool hasOutline = false;
+  bool isRare = false;
+  bool tears = false;
+  Real repulsion = 0;
+  Real dragShare = 0;
   Real ambientPressure = 0;  // Pa
-  Real floorVolume = 0;      // m³
+  Real floorVolume = 0;      // m³; of an outline m²
 
   [[nodiscard]] SweepTables<Real> Tables() const {
     return {static_cast<std::uint32_t>(vertices.size()),
@@ -43,16 +52,21 @@ struct SweepPlan {
             ring.data(),
             wedges.data(),
             {arcEnds.data(), stiffnesses.data(), stiffnessesAtRest.data(), dampings.data()},
+            repulsionFloors.data(),
+            draggedFaces.data(),
+            draggedEnds.data(),
             pendingMask,
             planar,
             hasGas,
+            hasOutline,
+            isRare,
+            repulsion,
+            dragShare,
             ambientPressure,
             floorVolume};
   }
 };
 
-// Of a body without repulsion, drag, gas in an outline and springs that tear: the sweep knows none of these, and bodies
-// that have one get an empty plan.
 template <class Real>
 [[nodiscard]] SweepPlan<Real> MakeSweepPlan(const Coefficients<Real>& body, const GridShape& grid);
 

@@ -16,8 +16,15 @@ struct Arc {
   Real damping = 0;           // c, N·s/m
 };
 
+// A face that drags, of the place that comes first of its three: the others in the face's order.
+struct DraggedFace {
+  std::uint32_t others[2] = {};
+  std::uint32_t pending[2] = {};  // as an arc's
+};
+
 // Two faces whose last place is `last`, last before middle and last middle after: x_last·(x_middle × (x_after −
-// x_before)) is six times the volume between them and the origin. Of one face alone `after` is `middle`.
+// x_before)) is six times the volume between them and the origin. Of one face alone `after` is `middle`. Of an outline:
+// two edges, before to last and last to after; of one edge alone the other is `last`.
 struct Wedge {
   std::uint32_t last = 0;
   std::uint32_t before = 0;
@@ -55,9 +62,16 @@ struct SweepTables {
   const std::uint32_t* ring = nullptr;
   const Wedge* wedges = nullptr;
   ArcColumns<Real> columns;
+  const Real* repulsionFloors = nullptr;      // [arc]
+  const DraggedFace* draggedFaces = nullptr;  // those of place i up to draggedEnds[i]
+  const std::uint32_t* draggedEnds = nullptr;
   std::uint32_t pendingMask = 0;
   bool planar = false;
-  bool hasGas = false;
+  bool hasGas = false;      // in a closed surface
+  bool hasOutline = false;  // gas in an outline: ring and wedges are its
+  bool isRare = false;      // has such an outline, repulsion, drag or springs that tear
+  Real repulsion = 0;       // N·m⁴
+  Real dragShare = 0;       // ½ρC/6, kg/m³
   Real ambientPressure = 0;
   Real floorVolume = 0;
 };

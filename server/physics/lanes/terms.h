@@ -19,16 +19,37 @@ struct Vector3Of {
 // Below this two vertices are in one place: there is no direction to push in. m².
 inline constexpr float kLeastSquare = 1e-30F;
 
-// What a spring pulls with at its other end, −[k − k r/|l| + c (l̇·l)/|l|²] l being its force on its own. l: from the
-// other end to the own, m; rate: l̇·l. A spring without coefficients gives 0.
+// From the other end of a spring to the own, m, and l̇·l.
+template <class V>
+struct SpringEnds {
+  Vector3Of<V> l;
+  V rate;
+};
+
+template <class V>
+WOBBLE_INLINE SpringEnds<V> FindEnds(const V* own, const V* other) {
+  const Vector3Of<V> l{own[0] - other[0], own[1] - other[1], own[2] - other[2]};
+  return {l, Fma(l.z, own[5] - other[5], Fma(l.y, own[4] - other[4], l.x * (own[3] - other[3])))};
+}
+
 template <class Real, class V>
-WOBBLE_INLINE Vector3Of<V> FindPull(const Vector3Of<V>& l, V rate, V stiffness, V stiffnessAtRest, V damping,
-                                    V factor) {
-  const V square = Max(Fma(l.z, l.z, Fma(l.y, l.y, l.x * l.x)), Spread<V>(Real(kLeastSquare)));
-  const V inverse = Spread<V>(Real(1)) / Sqrt(square);
-  const V damped = Fms(damping * rate, inverse, stiffnessAtRest);
-  const V tension = factor * Fma(damped, inverse, stiffness);
-  return {tension * l.x, tension * l.y, tension * l.z};
+WOBBLE_INLINE V FindLength(const Vector3Of<V>& l) {
+  return Sqrt(Max(Fma(l.z, l.z, Fma(l.y, l.y, l.x * l.x)), Spread<V>(Real(kLeastSquare))));
+}
+
+// k − k r/|l| + c (l̇·l)/|l|², which times −l is the spring's force on its own end. inverse: 1/|l|. A spring without
+// coefficients gives 0.
+template <class V>
+WOBBLE_INLINE V FindTension(V rate, V inverse, V stiffness, V stiffnessAtRest, V damping) {
+  return Fma(Fms(damping * rate, inverse, stiffnessAtRest), inverse, stiffness);
+}
+
+// What a spring pulls with at its other end.
+template <class Real, class V>
+WOBBLE_INLINE Vector3Of<V> FindPull(const SpringEnds<V>& ends, V stiffness, V stiffnessAtRest, V damping, V factor) {
+  const V inverse = Spread<V>(Real(1)) / FindLength<Real>(ends.l);
+  const V tension = factor * FindTension(ends.rate, inverse, stiffness, stiffnessAtRest, damping);
+  return {tension * ends.l.x, tension * ends.l.y, tension * ends.l.z};
 }
 
 template <class V>

@@ -1,0 +1,110 @@
+// Terms that few bodies have: repulsion, springs that tear, drag, gas in an outline. One sweep knows all of them and
+// asks the tables at run time which a body has; the others have never heard of them.
+#pragma once
+
+#include "server/physics/lanes/sweep.h"
+#include "server/physics/lanes/terms.h"
+
+namespace wobble::physics {
+namespace {
+
+#define WOBBLE_INLINE static inline __attribute__((always_inline))
+
+// AddRepulsion of forces.h as a part of a spring's tension. floor: the distance below which it grows no more, m.
+template <class V>
+WOBBLE_INLINE V FindRepulsion(V repulsion, V length, V inverse, V floor) {
+  const V bounded = Max(length, floor);
+  const V square = bounded * bounded;
+  return repulsion / (square * square) * inverse;
+}
+
+// On each corner of a triangle, AddDrag of forces.h. share: ½ρC/6.
+template <class Real, class V>
+WOBBLE_INLINE Vector3Of<V> FindDrag(const V* a, const V* b, const V* c, const V* wind, V share) {
+  const V ux = b[0] - a[0];
+  const V uy = b[1] - a[1];
+  const V uz = b[2] - a[2];
+  const V wx = c[0] - a[0];
+  const V wy = c[1] - a[1];
+  const V wz = c[2] - a[2];
+  const V sx = Fms(uy, wz, uz * wy);
+  const V sy = Fms(uz, wx, ux * wz);
+  const V sz = Fms(ux, wy, uy * wx);
+  const V square = Max(Fma(sz, sz, Fma(sy, sy, sx * sx)), Spread<V>(Real(kLeastSquare)));
+  const V third = Spread<V>(Real(1) / Real(3));
+  const V rx = Fnma(third, a[3] + b[3] + c[3], wind[0]);
+  const V ry = Fnma(third, a[4] + b[4] + c[4], wind[1]);
+  const V rz = Fnma(third, a[5] + b[5] + c[5], wind[2]);
+  const V through = Fma(sz, rz, Fma(sy, ry, sx * rx));
+  const V strength = share * Max(through, -through) * through / square;
+  return {strength * sx, strength * sy, strength * sz};
+}
+
+template <class V>
+WOBBLE_INLINE void AddTo(V* sum, const Vector3Of<V>& force) {
+  sum[0] = sum[0] + force.x;
+  sum[1] = sum[1] + force.y;
+  sum[2] = sum[2] + force.z;
+}
+
+// Of the springs from `begin` up to `end`, as AddArcs, with what else acts between their ends.
+template <class V, class Real>
+void AddRareArcs(const SweepTables<Real>& tables, const SweepLanes<Real>& lanes, std::uint32_t begin, std::uint32_t end,
+                 const V* from, const V* own, V* pending, Vector3Of<V>& force) {
+  const V factor = *reinterpret_cast<const V*>(lanes.stiffnessFactors);
+  const V repulsion = Spread<V>(tables.repulsion);
+  for (std::uint32_t i = begin; i < end; ++i) {
+    const Arc<Real>& arc = tables.arcs[i];
+    const SpringEnds<V> ends = FindEnds(own, from + arc.other);
+    const V length = FindLength<Real>(ends.l);
+    const V inverse = Spread<V>(Real(1)) / length;
+    V tension = factor * FindTension(ends.rate, inverse, Spread<V>(arc.stiffness), Spread<V>(arc.stiffnessAtRest),
+                                     Spread<V>(arc.damping));
+    if (tables.repulsion > Real(0)) {
+      tension = tension - FindRepulsion(repulsion, length, inverse, Spread<V>(tables.repulsionFloors[i]));
+    }
+    if (lanes.whole != nullptr) tension = tension * reinterpret_cast<const V*>(lanes.whole)[i];
+    const Vector3Of<V> pull{tension * ends.l.x, tension * ends.l.y, tension * ends.l.z};
+    force = {force.x - pull.x, force.y - pull.y, force.z - pull.z};
+    AddTo(pending + arc.pending, pull);
+  }
+}
+
+// Of the faces whose first place the sweep is at.
+template <class V, class Real>
+void AddDragOfFaces(const SweepTables<Real>& tables, const SweepLanes<Real>& lanes, const DraggedFace* face,
+                    const DraggedFace* end, const V* from, const V* own, V* pending, Vector3Of<V>& force) {
+  const V* wind = reinterpret_cast<const V*>(lanes.wind);
+  for (; face != end; ++face) {
+    const Vector3Of<V> drag =
+        FindDrag<Real>(own, from + face->others[0], from + face->others[1], wind, Spread<V>(tables.dragShare));
+    force = {force.x + drag.x, force.y + drag.y, force.z + drag.z};
+    for (const std::uint32_t slot : face->pending) AddTo(pending + slot, drag);
+  }
+}
+
+// The two edges of an outline that meet in a vertex push it across the line between their other ends. ring: those, the
+// one before and the one behind.
+template <class V>
+WOBBLE_INLINE void AddGasOfOutline(const std::uint32_t* ring, const std::uint32_t* end, const V* from, V pressureShare,
+                                   Vector3Of<V>& force) {
+  for (; ring != end; ring += 2) {
+    const V* before = from + ring[0];
+    const V* after = from + ring[1];
+    force.x = Fma(pressureShare, after[2] - before[2], force.x);
+    force.z = Fnma(pressureShare, after[0] - before[0], force.z);
+  }
+}
+
+// Twice the area between two edges that meet in `last` and the origin.
+template <class V>
+WOBBLE_INLINE V AddTwiceArea(const Wedge& wedge, const V* last, const V* from, V sum) {
+  const V* before = from + wedge.before;
+  const V* after = from + wedge.after;
+  return sum + Fms(last[0], after[2] - before[2], last[2] * (after[0] - before[0]));
+}
+
+#undef WOBBLE_INLINE
+
+}  // namespace
+}  // namespace wobble::physics
