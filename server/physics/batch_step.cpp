@@ -107,7 +107,7 @@ GroupOutcome StepAgain(const Group<Real>& group, const Part& part, int substeps,
 template <class Real>
 bool CanGoInPack(const Blueprint& blueprint) {
   return blueprint.integrator == Integrator::kRungeKutta4 && blueprint.full.contact.law != ContactLaw::kBacktracking &&
-         (!blueprint.ReadPlan<Real>().vertices.empty() || blueprint.ReadGridPlan<Real>().rows > 0);
+         !blueprint.ReadPlan<Real>().vertices.empty();
 }
 
 template <class Real>
