@@ -52,10 +52,14 @@ class Stepping {
     const auto widest = static_cast<std::size_t>(kernels.back().width);
     m_packs.clear();
     for (std::size_t begin = 0; begin < order.size();) {
+      const Blueprint* blueprint = blueprintOf(order[begin]);
       std::size_t end = begin + 1;
-      while (end < order.size() && end - begin < widest && blueprintOf(order[end]) == blueprintOf(order[begin])) ++end;
+      while (end < order.size() && blueprintOf(order[end]) == blueprint) ++end;
+      const bool byRows = GoesByRows<Real>(*blueprint, end - begin);
+      end = std::min(end, begin + (byRows ? 1 : widest));
       if (scratch.packScratches.size() == m_packs.size()) scratch.packScratches.emplace_back();
-      m_packs.emplace_back(m_group, order.subspan(begin, end - begin), kernels, scratch.packScratches[m_packs.size()]);
+      m_packs.emplace_back(m_group, order.subspan(begin, end - begin), byRows, kernels,
+                           scratch.packScratches[m_packs.size()]);
       begin = end;
     }
   }

@@ -163,8 +163,8 @@ void FinishBlueprintButStability(Blueprint& blueprint) {
 }
 
 void MakePlans(Blueprint& blueprint) {
-  blueprint.singlePlan = MakeSweepPlan(blueprint.single);
-  blueprint.fullPlan = MakeSweepPlan(blueprint.full);
+  blueprint.singlePlan = MakeSweepPlan(blueprint.single, blueprint.grid);
+  blueprint.fullPlan = MakeSweepPlan(blueprint.full, blueprint.grid);
   blueprint.singleGridPlan = MakeGridPlan(blueprint.single, blueprint.grid);
   blueprint.fullGridPlan = MakeGridPlan(blueprint.full, blueprint.grid);
 }

@@ -111,7 +111,7 @@ struct Blueprint {
   double dampingRate = 0;
   // What drag adds to it at a metre per second of relative speed, 1/m.
   double dragRate = 0;
-  GridShape grid;      // in which the vertices stand, if they do; its maker's to say
+  GridShape grid;  // in which the vertices stand, if they do; its maker's to say
   Integrator integrator = Integrator::kRungeKutta4;
   std::shared_ptr<const SparsePattern> sparsePattern;  // of full.springs; for implicit Euler only
   Topology topology;                                   // of full.faces

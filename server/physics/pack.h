@@ -5,6 +5,8 @@
 // wake, touch or change. Forces from outside the sweep (contacts, pushes) are found before each stage, at its
 // positions, and wait for it in an array of their own. What a body does depends on nothing that the others of its pack
 // do.
+//
+// A body that stands in a grid and is one of few fills a pack by itself, row by row (lanes/grid.h).
 #pragma once
 
 #include <algorithm>
@@ -27,6 +29,7 @@ struct PackScratch {
   std::vector<Line> lines;                 // all that the sweep works on
   std::vector<std::uint8_t> hasOuter;      // SweepLanes
   std::vector<std::uint32_t> outerPlaces;  // those
+  GridRows<Real> tornRows;                 // of a body by rows that has torn
   // Of one body, with what contacts read and write.
   std::vector<Vector3<Real>> positions;
   std::vector<Vector3<Real>> velocities;
@@ -37,20 +40,26 @@ struct PackScratch {
   void Reserve(std::size_t vertices);
 };
 
+// Whether a body of this kind, of so many together, is stepped by itself, row by row, rather than in a lane of a pack.
+// It comes to the same bits, but for rare terms (lanes/rare_terms.h), which add up in another order: a kind that has
+// some goes one way always.
+template <class Real>
+[[nodiscard]] bool GoesByRows(const Blueprint& blueprint, std::size_t bodies);
+
 template <class Real>
 class Pack {
  public:
   // whose: members of the group, by their places there, all of one blueprint; at most as many as the widest kernel has
-  // lanes. Filled from their states.
-  Pack(const Group<Real>& group, std::span<const std::uint32_t> whose, std::span<const SweepKernel<Real>> kernels,
-       PackScratch<Real>& scratch);
+  // lanes, and by rows one. Filled from their states.
+  Pack(const Group<Real>& group, std::span<const std::uint32_t> whose, bool byRows,
+       std::span<const SweepKernel<Real>> kernels, PackScratch<Real>& scratch);
 
   // The four stages of a step of h s, each in two parts: first the forces of what stands still and of pushes, to which
   // others may be added, then the sweep.
   void BeginStage(int stage);
   // Of BeginStage's positions; vertex: of the body that is whose[lane].
   void AddOuterForce(std::size_t lane, std::size_t vertex, const Vector3<Real>& force) {
-    AddToPlace(m_plan.places[vertex], lane, force);
+    AddToSeat(FindSeat(lane, vertex), force);
   }
   void Sweep(int stage, Real h);
   // After the fourth: static contacts follow. timeLeft: of the tick, s, when the step began. isFirst: of the tick.
@@ -70,28 +79,40 @@ class Pack {
   void LayOut();
   void LoadBodies();
   void LoadVertices();
+  void LoadRows();
+  void LeaveTornOut();
+  void CopyRowsToGroup(int stage) const;
   void AddUnbulkedForces(std::size_t lane, const Real* from);
-  void AddToPlace(std::size_t place, std::size_t lane, const Vector3<Real>& force) {
-    Real* at = m_outer + 3 * place * m_width;
-    if (m_scratch.hasOuter[place] == 0) {
+  void AddToSeat(const PackSeat& seat, const Vector3<Real>& force) {
+    Real* at = m_outer + 3 * seat.place * m_width;
+    if (m_scratch.hasOuter[seat.place] == 0) {
       std::fill_n(at, 3 * m_width, Real(0));
-      m_scratch.hasOuter[place] = 1;
-      m_scratch.outerPlaces.push_back(static_cast<std::uint32_t>(place));
+      m_scratch.hasOuter[seat.place] = 1;
+      m_scratch.outerPlaces.push_back(seat.place);
     }
-    for (std::size_t k = 0; k < 3; ++k) at[k * m_width + lane] += force[static_cast<int>(k)];
+    for (std::size_t k = 0; k < 3; ++k) at[k * m_width + seat.lane] += force[static_cast<int>(k)];
   }
   void CopyVertex(std::size_t vertex, std::size_t lane, const Real* from);
   void AddErrors(const Real* sums, double weight);
   void UpdateAllAnchors();
 
   [[nodiscard]] Member& MemberIn(std::size_t lane) const { return *m_group.Members()[m_whose[lane]]; }
+  // Rows leave out what has torn.
+  [[nodiscard]] bool HasWhole() const { return m_plan.tears && !m_byRows; }
+  [[nodiscard]] PackSeat FindSeat(std::size_t lane, std::size_t vertex) const {
+    if (m_byRows) return {m_grid.RowOf(vertex), m_grid.ColumnOf(vertex)};
+    return {m_plan.places[vertex], static_cast<std::uint32_t>(lane)};
+  }
   [[nodiscard]] const Real* NumbersOf(int stage) const { return stage == 0 ? m_lanes.state : m_lanes.stage; }
 
   const Group<Real>& m_group;
   std::span<const std::uint32_t> m_whose;
   const Coefficients<Real>& m_body;
   const SweepPlan<Real>& m_plan;
+  const GridPlan<Real>& m_grid;
+  bool m_byRows;  // places are rows then, and lanes columns
   SweepTables<Real> m_tables;
+  GridTables<Real> m_gridTables;
   const SweepKernel<Real>& m_kernel;
   ContactKernel<Real> m_contactKernel;
   PackScratch<Real>& m_scratch;

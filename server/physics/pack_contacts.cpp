@@ -22,15 +22,6 @@ void PackContacts<Real>::Clear(const Coefficients<Real>& body, std::size_t width
 }
 
 template <class Real>
-void PackContacts<Real>::Add(Member<Real>& member, std::size_t lane, std::span<const std::uint32_t> places) {
-  for (Contact<Real>& contact : member.state->contacts) {
-    const Surface<Real>& surface = member.surfaces[contact.surface];
-    (surface.kind == Obstacle::Kind::kPlane ? m_entries : m_others)
-        .push_back({places[contact.vertex], static_cast<std::uint32_t>(lane), &contact, &surface});
-  }
-}
-
-template <class Real>
 void PackContacts<Real>::Close() {
   constexpr std::size_t kInLine = 64 / sizeof(Real);
   m_planes = m_entries.size();
@@ -56,7 +47,7 @@ template <class Real>
 void PackContacts<Real>::ReadPoints(const Real* state) {
   Real* const rows[6] = {Row(kX), Row(kX + 1), Row(kX + 2), Row(kV), Row(kV + 1), Row(kV + 2)};
   for (std::size_t i = 0; i < m_entries.size(); ++i) {
-    const Real* numbers = state + 6 * m_entries[i].place * m_width + m_entries[i].lane;
+    const Real* numbers = state + 6 * m_entries[i].seat.place * m_width + m_entries[i].seat.lane;
     for (std::size_t k = 0; k < 6; ++k) rows[k][i] = numbers[k * m_width];
   }
   const Real* const normals[3] = {Row(kNormal), Row(kNormal + 1), Row(kNormal + 2)};

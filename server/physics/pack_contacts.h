@@ -16,6 +16,12 @@ namespace wobble::physics {
 // Whether the bulk computes this law; the others go through AddContacts.
 [[nodiscard]] inline bool IsBulkLaw(ContactLaw law) { return law == ContactLaw::kPenalty; }
 
+// Where a vertex is in a pack: number k of n that an array has of each stands at (n place + k) width + lane.
+struct PackSeat {
+  std::uint32_t place = 0;
+  std::uint32_t lane = 0;
+};
+
 template <class Real>
 class PackContacts {
  public:
@@ -23,14 +29,21 @@ class PackContacts {
   void Reserve(std::size_t contacts);
   // No contacts, of bodies of this kind in a pack of so many lanes.
   void Clear(const Coefficients<Real>& body, std::size_t width);
-  // Those of a member that is in this lane. places: of its vertices in the pack.
-  void Add(Member<Real>& member, std::size_t lane, std::span<const std::uint32_t> places);
+  // Those of a member. findSeat(vertex): where in the pack it is.
+  template <class FindSeat>
+  void Add(Member<Real>& member, const FindSeat& findSeat) {
+    for (Contact<Real>& contact : member.state->contacts) {
+      const Surface<Real>& surface = member.surfaces[contact.surface];
+      (surface.kind == Obstacle::Kind::kPlane ? m_entries : m_others)
+          .push_back({findSeat(contact.vertex), &contact, &surface});
+    }
+  }
   // After the last Add.
   void Close();
 
   [[nodiscard]] bool IsEmpty() const { return m_entries.empty(); }
 
-  // state: [place][x y z vx vy vz][lane]. Calls add(place, lane, force) for those that push.
+  // state: [place][x y z vx vy vz][lane]. Calls add(seat, force) for those that push.
   template <class Add>
   void FindForces(const Real* state, ContactKernel<Real> kernel, const Add& add) {
     if (!m_isRead) ReadPoints(state);
@@ -38,7 +51,7 @@ class PackContacts {
     ComputeForces(kernel);
     for (std::size_t i = 0; i < m_entries.size(); ++i) {
       if (!(Row(kDistance)[i] < Real(0))) continue;
-      add(m_entries[i].place, m_entries[i].lane, Vector3<Real>(Row(kForce)[i], Row(kForce + 1)[i], Row(kForce + 2)[i]));
+      add(m_entries[i].seat, Vector3<Real>(Row(kForce)[i], Row(kForce + 1)[i], Row(kForce + 2)[i]));
     }
   }
 
@@ -64,8 +77,7 @@ class PackContacts {
   };
 
   struct Entry {
-    std::uint32_t place = 0;
-    std::uint32_t lane = 0;
+    PackSeat seat;
     Contact<Real>* contact = nullptr;
     const Surface<Real>* surface = nullptr;
   };

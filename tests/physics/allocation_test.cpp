@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdlib>
 
+#include "server/physics/cloth.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 
@@ -46,13 +47,15 @@ std::uint64_t CountAllocations(Integrator integrator, ContactLaw law, Precision 
   WorldSettings settings;
   settings.precision = precision;
   World world(settings);
-  for (Blueprint blueprint : {MakeBall(BallDefinition{}), MakeLattice(MakeJellyCube(0.1))}) {
+  ClothDefinition cloth;
+  cloth.points = {5, 4};
+  for (Blueprint blueprint : {MakeBall(BallDefinition{}), MakeLattice(MakeJellyCube(0.1)), MakeCloth(cloth)}) {
     SetIntegrator(blueprint, integrator);
     SetContactLaw(blueprint, law);
     world.AddBlueprint(std::move(blueprint));
   }
   world.AddObstacle(Obstacle{});
-  for (int i = 0; i < 4; ++i) world.AddBody(static_cast<std::uint8_t>(i % 2), Vector3d(2 * i, 0, 1));
+  for (int i = 0; i < 6; ++i) world.AddBody(static_cast<std::uint8_t>(i % 3), Vector3d(2 * i, 0, 1));
   for (int tick = 0; tick < 120; ++tick) world.Step();
   const std::uint64_t before = allocations;
   for (int tick = 0; tick < 120; ++tick) world.Step();

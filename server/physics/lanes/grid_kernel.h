@@ -6,10 +6,11 @@
 // is in the cache. Springs within a row are computed for the whole row first, for the same reason.
 //
 // A vertex adds up what comes from vertices before it, ascending, and then what it pulls with itself: an order that no
-// width changes. Sums of squares over the body are kept for each column modulo the widest vector.
+// width changes, and that of a body in a lane.
 #pragma once
 
 #include "server/physics/lanes/grid.h"
+#include "server/physics/lanes/rare_terms.h"
 #include "server/physics/lanes/sweep.h"
 #include "server/physics/lanes/terms.h"
 
@@ -17,8 +18,6 @@ namespace wobble::physics {
 namespace {
 
 #define WOBBLE_INLINE static inline __attribute__((always_inline))
-
-inline constexpr std::uint32_t kGridSums = 16;
 
 template <class V, class Real>
 WOBBLE_INLINE V Load(const Real* from) {
@@ -77,7 +76,7 @@ WOBBLE_INLINE void AddPulled(const GridTables<Real>& tables, Real* pending, cons
 
 template <bool Drag, class Real>
 WOBBLE_INLINE GridRow<Real> FindGridRow(const GridTables<Real>& tables, const Real* from, Real* pending,
-                                    std::uint32_t row) {
+                                        std::uint32_t row) {
   GridRow<Real> found;
   found.own = from + 6 * row * tables.width;
   const std::uint32_t count = tables.directionCount;
@@ -122,39 +121,31 @@ WOBBLE_INLINE Vector3Of<V> ComputePull(const GridTables<Real>& tables, const Gri
   const Real* coefficients = springs.coefficients + column;
   V there[6];
   for (std::uint32_t k = 0; k < 6; ++k) there[k] = LoadUnaligned<V>(other + k * width);
-  const Vector3Of<V> l{own[0] - there[0], own[1] - there[1], own[2] - there[2]};
-  const V rate = Fma(l.z, own[5] - there[5], Fma(l.y, own[4] - there[4], l.x * (own[3] - there[3])));
-  const Vector3Of<V> pull = FindPull<Real>(l, rate, Load<V>(coefficients), Load<V>(coefficients + width),
+  const Vector3Of<V> pull = FindPull<Real>(FindEnds(own, there), Load<V>(coefficients), Load<V>(coefficients + width),
                                            Load<V>(coefficients + 2 * width), factor);
   StoreForce(tables, pull, springs.forces + column);
   return pull;
 }
 
-// On each corner of a triangle, AddDrag of forces.h. share: ½ρC/6.
 template <class V, class Real>
-WOBBLE_INLINE Vector3Of<V> FindDrag(const V* a, const V* b, const V* c, const V* wind, V share) {
-  const V ux = b[0] - a[0];
-  const V uy = b[1] - a[1];
-  const V uz = b[2] - a[2];
-  const V wx = c[0] - a[0];
-  const V wy = c[1] - a[1];
-  const V wz = c[2] - a[2];
-  const V sx = Fma(uy, wz, -(uz * wy));
-  const V sy = Fma(uz, wx, -(ux * wz));
-  const V sz = Fma(ux, wy, -(uy * wx));
-  const V square = Max(Fma(sz, sz, Fma(sy, sy, sx * sx)), Spread<V>(Real(kLeastSquare)));
-  const V third = Spread<V>(Real(1) / Real(3));
-  const V rx = Fnma(third, a[3] + b[3] + c[3], wind[0]);
-  const V ry = Fnma(third, a[4] + b[4] + c[4], wind[1]);
-  const V rz = Fnma(third, a[5] + b[5] + c[5], wind[2]);
-  const V through = Fma(sz, rz, Fma(sy, ry, sx * rx));
-  const V strength = share * Max(through, -through) * through / square;
-  return {strength * sx, strength * sy, strength * sz};
+WOBBLE_INLINE void ComputePullsWithin(const GridTables<Real>& tables, const GridRow<Real>& row, V factor) {
+  if (row.withinCount == 0) return;
+  for (std::uint32_t column = 0; column < tables.columns; column += sizeof(V) / sizeof(Real)) {
+    V own[6];
+    LoadVertices(tables, row.own + column, own);
+    for (std::uint32_t i = 0; i < row.withinCount; ++i) ComputePull(tables, row.springs[i], column, own, factor);
+  }
 }
 
 template <class V>
-WOBBLE_INLINE Vector3Of<V> Add(const Vector3Of<V>& a, const Vector3Of<V>& b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
+WOBBLE_INLINE V Choose(V cut, V ifCut, V otherwise) {
+  return cut > V{} ? ifCut : otherwise;
+}
+
+// a, and where the square is cut b as well or, without, c.
+template <class V>
+WOBBLE_INLINE Vector3Of<V> AddChosen(V cut, const Vector3Of<V>& a, const Vector3Of<V>& b, const Vector3Of<V>& c) {
+  return {a.x + Choose(cut, b.x, c.x), a.y + Choose(cut, b.y, c.y), a.z + Choose(cut, b.z, c.z)};
 }
 
 // Forces of the squares that begin in a row, on each of their corners.
@@ -174,36 +165,26 @@ WOBBLE_INLINE void ComputeSquares(const GridTables<Real>& tables, const Real* fr
   Real* onC = FindForces(tables, pending, squares.c, row);
   Real* onD = FindForces(tables, pending, squares.d, row);
   const V wind[3] = {Spread<V>(blowing[0]), Spread<V>(blowing[width]), Spread<V>(blowing[2 * width])};
-  const V zero = Spread<V>(Real(0));
   for (std::uint32_t column = 0; column < tables.columns; column += sizeof(V) / sizeof(Real)) {
     const V cut = Load<V>(numbers + 2 * width + column);
-    V a[6];
-    V b[6];
-    V c[6];
-    V d[6];
-    V middle[6];  // the third corner of the first triangle, and the first of the second
-    V other[6];
+    V a[6], b[6], c[6], d[6];
+    V middle[6];  // the third corner of the first triangle
+    V other[6];   // the first of the second
     for (std::uint32_t k = 0; k < 6; ++k) {
       a[k] = Load<V>(atA + k * width + column);
       b[k] = LoadUnaligned<V>(atB + k * width + column);
       c[k] = LoadUnaligned<V>(atC + k * width + column);
       d[k] = LoadUnaligned<V>(atD + k * width + column);
-      middle[k] = cut > zero ? d[k] : c[k];
-      other[k] = cut > zero ? b[k] : a[k];
+      middle[k] = Choose(cut, d[k], c[k]);
+      other[k] = Choose(cut, b[k], a[k]);
     }
-    const Vector3Of<V> first = FindDrag<V, Real>(a, b, middle, wind, Load<V>(numbers + column));
-    const Vector3Of<V> second = FindDrag<V, Real>(other, c, d, wind, Load<V>(numbers + width + column));
-    const Vector3Of<V> firstIfCut{cut > zero ? first.x : zero, cut > zero ? first.y : zero,
-                                  cut > zero ? first.z : zero};
-    const Vector3Of<V> firstElse{cut > zero ? zero : first.x, cut > zero ? zero : first.y, cut > zero ? zero : first.z};
-    const Vector3Of<V> secondIfCut{cut > zero ? second.x : zero, cut > zero ? second.y : zero,
-                                   cut > zero ? second.z : zero};
-    const Vector3Of<V> secondElse{cut > zero ? zero : second.x, cut > zero ? zero : second.y,
-                                  cut > zero ? zero : second.z};
-    StoreForce(tables, Add(first, secondElse), onA + column);
-    StoreForce(tables, Add(first, secondIfCut), onB + column);
-    StoreForce(tables, Add(second, firstElse), onC + column);
-    StoreForce(tables, Add(second, firstIfCut), onD + column);
+    const Vector3Of<V> none{V{}, V{}, V{}};
+    const Vector3Of<V> first = FindDrag<Real, V>(a, b, middle, wind, Load<V>(numbers + column));
+    const Vector3Of<V> second = FindDrag<Real, V>(other, c, d, wind, Load<V>(numbers + width + column));
+    StoreForce(tables, AddChosen(cut, first, none, second), onA + column);
+    StoreForce(tables, AddChosen(cut, first, second, none), onB + column);
+    StoreForce(tables, AddChosen(cut, second, none, first), onC + column);
+    StoreForce(tables, AddChosen(cut, second, first, none), onD + column);
   }
 }
 
@@ -236,6 +217,13 @@ WOBBLE_INLINE Vector3Of<V> SumForces(const GridTables<Real>& tables, const GridR
 }
 
 template <class V, class Real>
+WOBBLE_INLINE void AddOuter(const Real* outer, std::uint32_t width, Vector3Of<V>& force) {
+  force.x = force.x + Load<V>(outer);
+  force.y = force.y + Load<V>(outer + width);
+  force.z = force.z + Load<V>(outer + 2 * width);
+}
+
+template <class V, class Real>
 WOBBLE_INLINE void DivideByMasses(const GridTables<Real>& tables, const Real* acceleration, const Real* inverseMasses,
                                   Vector3Of<V>& force) {
   const V zero = Spread<V>(Real(0));
@@ -249,13 +237,11 @@ WOBBLE_INLINE void DivideByMasses(const GridTables<Real>& tables, const Real* ac
   if (tables.planar) force.y = zero;
 }
 
-// Always in the same pairs.
+// Sums by numbers of vertices to sums by columns of a row whose first vertex has the number `by`, and, by kErrorSums
+// less that, back.
 template <class Real>
-WOBBLE_INLINE Real AddUp(Real* sums) {
-  for (std::uint32_t half = kGridSums / 2; half > 0; half /= 2) {
-    for (std::uint32_t i = 0; i < half; ++i) sums[i] += sums[i + half];
-  }
-  return sums[0];
+WOBBLE_INLINE void RotateSums(const Real* sums, std::uint32_t by, Real* rotated) {
+  for (std::uint32_t i = 0; i < kErrorSums; ++i) rotated[i] = sums[(i + by) % kErrorSums];
 }
 
 template <int Stage, bool Drag, bool Outer, class V, class Real>
@@ -269,33 +255,28 @@ void SweepGridOnce(const GridTables<Real>& ofBlueprint, SweepLanes<Real>& ofBody
   const V weight = Spread<V>(Stage == 0 || Stage == 3 ? step / 6 : step / 3);
   const V reach = Spread<V>(Stage == 2 ? step : step / 2);
   const std::uint32_t width = tables.width;
-  alignas(64) Real errors[kGridSums] = {};
+  Real errors[kErrorSums] = {};
+  alignas(64) Real errorsOfRow[kErrorSums];
   for (std::uint32_t i = 0; i < tables.rows; ++i) {
     const GridRow<Real> row = FindGridRow<Drag>(tables, from, lanes.pending, i);
-    for (std::uint32_t column = 0; row.withinCount > 0 && column < tables.columns; column += kWidth) {
-      V own[6];
-      LoadVertices(tables, row.own + column, own);
-      for (std::uint32_t k = 0; k < row.withinCount; ++k) ComputePull(tables, row.springs[k], column, own, factor);
-    }
+    ComputePullsWithin(tables, row, factor);
     if constexpr (Drag) ComputeSquares<V>(tables, from, lanes.pending, lanes.wind, i);
+    const std::uint32_t firstSum = i * tables.columns % kErrorSums;
+    if constexpr (Stage == 0 || Stage == 3) RotateSums(errors, firstSum, errorsOfRow);
     const bool hasOuter = Outer && lanes.hasOuter[i] != 0;
     for (std::uint32_t column = 0; column < tables.columns; column += kWidth) {
       V own[6];
       LoadVertices(tables, row.own + column, own);
       Vector3Of<V> force = SumForces<V>(tables, row, column, own, factor);
-      if (hasOuter) {
-        const Real* outer = lanes.outer + 3 * i * width + column;
-        force.x = force.x + Load<V>(outer);
-        force.y = force.y + Load<V>(outer + width);
-        force.z = force.z + Load<V>(outer + 2 * width);
-      }
+      if (hasOuter) AddOuter(lanes.outer + 3 * i * width + column, width, force);
       DivideByMasses(tables, lanes.acceleration, tables.inverseMasses + i * width + column, force);
       const std::uint32_t vertex = 6 * i * width + column;
       const auto vectorsAt = [vertex](Real* array) { return reinterpret_cast<V*>(array + vertex); };
-      V& sums = *reinterpret_cast<V*>(errors + column % kGridSums);
+      V& sums = *reinterpret_cast<V*>(errorsOfRow + column % kErrorSums);
       Advance<Stage>(vectorsAt(lanes.state), vectorsAt(lanes.increments), vectorsAt(to), width / kWidth, own, force,
                      weight, reach, sums);
     }
+    if constexpr (Stage == 0 || Stage == 3) RotateSums(errorsOfRow, kErrorSums - firstSum, errors);
   }
   if constexpr (Stage == 0) *lanes.accelerationErrors = AddUp(errors);
   if constexpr (Stage == 3) *lanes.velocityErrors = AddUp(errors);

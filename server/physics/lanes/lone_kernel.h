@@ -162,7 +162,7 @@ void SweepAlone(const SweepTables<Real>& ofBlueprint, SweepLanes<Real>& ofBody, 
   Row pressureShare = Spread<Row>(Real(0));
   if constexpr (Gas) pressureShare = Spread<Row>(FindPressureShare<Real>(tables, lanes, Real(6)));
   ComputePulls(tables, from, lanes.stiffnessFactors[0], lanes.nextStage);
-  Real errors = 0;
+  Real errors[kErrorSums] = {};
   const std::uint32_t* ring = tables.ring;
   for (std::uint32_t i = 0; i < tables.count; ++i) {
     const SweepPlace<Real>& place = tables.places[i];
@@ -181,11 +181,11 @@ void SweepAlone(const SweepTables<Real>& ofBlueprint, SweepLanes<Real>& ofBody, 
       a = place.inverseMass == Real(0) ? Spread<Row>(Real(0)) : Row{a[0], Real(0), a[2]};
     }
     AdvanceRow<Stage>(lanes.state + 6 * i, lanes.increments + 6 * i, to + 6 * i, Rotate(LoadRow(from + 6 * i + 2)), a,
-                      weight, reach, errors);
+                      weight, reach, errors[i % kErrorSums]);
   }
   if constexpr (Gas) *lanes.sixVolume = FindSixVolume(tables, to);
-  if constexpr (Stage == 0) *lanes.accelerationErrors = errors;
-  if constexpr (Stage == 3) *lanes.velocityErrors = errors;
+  if constexpr (Stage == 0) *lanes.accelerationErrors = AddUp(errors);
+  if constexpr (Stage == 3) *lanes.velocityErrors = AddUp(errors);
   if constexpr (Stage < 3) {
     ofBody.stage = lanes.nextStage;
     ofBody.nextStage = lanes.stage;

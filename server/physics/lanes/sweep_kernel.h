@@ -119,7 +119,8 @@ void SweepOnce(const SweepTables<Real>& ofBlueprint, SweepLanes<Real>& ofPack, R
   const bool hasArea = Rare && tables.hasOutline;
   if (hasVolume || hasArea) pressureShare = FindPressureShare<V>(tables, lanes, Real(hasArea ? 2 : 6));
   V sixVolume = Spread<V>(Real(0));
-  V errors = sixVolume;
+  V errors[kErrorSums];
+  if constexpr (Stage == 0 || Stage == 3) Clear(errors);
   const V* given = reinterpret_cast<const V*>(lanes.acceleration);
   const Arc<Real>* arc = tables.arcs;
   const std::uint32_t* ring = tables.ring;
@@ -156,7 +157,7 @@ void SweepOnce(const SweepTables<Real>& ofBlueprint, SweepLanes<Real>& ofPack, R
     DivideByMass(place.inverseMass, tables.planar, given, force);
     V* next = to + 6 * i;
     Advance<Stage>(reinterpret_cast<const V*>(lanes.state) + 6 * i, reinterpret_cast<V*>(lanes.increments) + 6 * i,
-                   next, 1, own, force, weight, reach, errors);
+                   next, 1, own, force, weight, reach, errors[i % kErrorSums]);
     if constexpr (Gas) {
       for (const Wedge* end = tables.wedges + place.wedgeEnd; wedge != end; ++wedge) {
         sixVolume = hasArea ? AddTwiceArea(*wedge, next, to, sixVolume) : AddSixVolume(*wedge, next, to, sixVolume);
@@ -164,8 +165,8 @@ void SweepOnce(const SweepTables<Real>& ofBlueprint, SweepLanes<Real>& ofPack, R
     }
   }
   if constexpr (Gas) *reinterpret_cast<V*>(lanes.sixVolume) = sixVolume;
-  if constexpr (Stage == 0) *reinterpret_cast<V*>(lanes.accelerationErrors) = errors;
-  if constexpr (Stage == 3) *reinterpret_cast<V*>(lanes.velocityErrors) = errors;
+  if constexpr (Stage == 0) *reinterpret_cast<V*>(lanes.accelerationErrors) = AddUp(errors);
+  if constexpr (Stage == 3) *reinterpret_cast<V*>(lanes.velocityErrors) = AddUp(errors);
   if constexpr (Stage < 3) {
     ofPack.stage = lanes.nextStage;
     ofPack.nextStage = lanes.stage;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <numeric>
 
 #include "server/physics/blueprint.h"
 #include "server/physics/forces.h"
@@ -42,6 +43,12 @@ std::vector<std::uint16_t> FindOrder(const Lists& neighbours) {
   return order;
 }
 
+std::vector<std::uint16_t> ListNumbers(std::size_t count) {
+  std::vector<std::uint16_t> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), std::uint16_t{0});
+  return numbers;
+}
+
 template <class Real>
 void FillArcs(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
   Lists springs(plan.at.size());
@@ -49,9 +56,13 @@ void FillArcs(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
     springs[std::min(plan.places[body.springs[i].a], plan.places[body.springs[i].b])].push_back(i);
   }
   for (std::uint32_t place = 0; place < springs.size(); ++place) {
+    const auto otherOf = [&](std::uint32_t i) {
+      return std::max(plan.places[body.springs[i].a], plan.places[body.springs[i].b]);
+    };
+    std::ranges::stable_sort(springs[place], {}, otherOf);
     for (const std::uint32_t i : springs[place]) {
       const Spring<Real>& spring = body.springs[i];
-      const std::uint32_t other = std::max(plan.places[spring.a], plan.places[spring.b]);
+      const std::uint32_t other = otherOf(i);
       plan.arcs.push_back({6 * other, 3 * (other & plan.pendingMask), spring.stiffness,
                            spring.stiffness * spring.restLength, spring.damping});
       plan.springs.push_back(i);
@@ -204,9 +215,9 @@ void FillWedges(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
 }  // namespace
 
 template <class Real>
-SweepPlan<Real> MakeSweepPlan(const Coefficients<Real>& body) {
+SweepPlan<Real> MakeSweepPlan(const Coefficients<Real>& body, const GridShape& grid) {
   SweepPlan<Real> plan;
-  plan.vertices = FindOrder(FindNeighbours(body));
+  plan.vertices = grid.columns > 0 ? ListNumbers(body.masses.size()) : FindOrder(FindNeighbours(body));
   plan.places.resize(plan.vertices.size());
   for (std::uint32_t place = 0; place < plan.places.size(); ++place) plan.places[plan.vertices[place]] = place;
   for (const std::uint16_t vertex : plan.vertices) plan.at.push_back({body.inverseMasses[vertex], 0, 0, 0});
@@ -231,7 +242,7 @@ SweepPlan<Real> MakeSweepPlan(const Coefficients<Real>& body) {
   return plan;
 }
 
-template SweepPlan<float> MakeSweepPlan<float>(const Coefficients<float>&);
-template SweepPlan<double> MakeSweepPlan<double>(const Coefficients<double>&);
+template SweepPlan<float> MakeSweepPlan<float>(const Coefficients<float>&, const GridShape&);
+template SweepPlan<double> MakeSweepPlan<double>(const Coefficients<double>&, const GridShape&);
 
 }  // namespace wobble::physics

@@ -1,12 +1,14 @@
 // What one sweep over a body's vertices needs, worked out once per blueprint.
 //
 // Vertices stand in breadth-first order over the springs: whatever a vertex is joined to is then near it in memory, and
-// the forces that it passes on to vertices further on fit a small ring.
+// the forces that it passes on to vertices further on fit a small ring. In a grid the order of its numbers does as
+// much, and is the one that the sweep of grid.h goes in: both add up alike, so each body can go by whichever is faster.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "server/physics/lanes/grid_plan.h"
 #include "server/physics/lanes/sweep.h"
 
 namespace wobble::physics {
@@ -66,6 +68,6 @@ struct SweepPlan {
 };
 
 template <class Real>
-[[nodiscard]] SweepPlan<Real> MakeSweepPlan(const Coefficients<Real>& body);
+[[nodiscard]] SweepPlan<Real> MakeSweepPlan(const Coefficients<Real>& body, const GridShape& grid);
 
 }  // namespace wobble::physics

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "server/physics/lanes/lanes.h"
 
@@ -54,6 +55,23 @@ WOBBLE_INLINE Vector3Of<V> FindPull(const SpringEnds<V>& ends, V stiffness, V st
 template <class V>
 WOBBLE_INLINE V AddSquares(const Vector3Of<V>& a, V sum) {
   return sum + Fma(a.x, a.x, Fma(a.y, a.y, a.z * a.z));
+}
+
+// Squares are summed over a body's vertices by their numbers modulo so many, so that lanes may be vertices as well.
+inline constexpr std::uint32_t kErrorSums = 16;
+
+template <class V>
+WOBBLE_INLINE void Clear(V (&sums)[kErrorSums]) {
+  for (V& sum : sums) sum = V{};
+}
+
+// Always in the same pairs. Leaves nothing of the sums.
+template <class V>
+WOBBLE_INLINE V AddUp(V* sums) {
+  for (std::uint32_t half = kErrorSums / 2; half > 0; half /= 2) {
+    for (std::uint32_t i = 0; i < half; ++i) sums[i] = sums[i] + sums[i + half];
+  }
+  return sums[0];
 }
 
 // Stage 0 … 3 of the classic tableau: what it adds to the step, and where the next stage stands. The last one completes
