@@ -41,11 +41,13 @@ std::string FindCompiler() {
 
 void Results::AddFigure(const std::string& key, double value) { figures.push_back({key, value, "", true}); }
 
-void Results::AddFigureAtMost(const std::string& key, double value, double limit) {
+void Results::AddFigureAtMost(const std::string& key, double value, double limit, bool isHeld) {
+  if (!isHeld) return AddFigure(key, value);
   figures.push_back({key, value, "<= " + FormatNumber(limit), value <= limit});
 }
 
-void Results::AddFigureAtLeast(const std::string& key, double value, double limit) {
+void Results::AddFigureAtLeast(const std::string& key, double value, double limit, bool isHeld) {
+  if (!isHeld) return AddFigure(key, value);
   figures.push_back({key, value, ">= " + FormatNumber(limit), value >= limit});
 }
 
