@@ -90,17 +90,17 @@ template <class Real>
 void ComputeBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
                          std::span<const BodyContact<Real>> contacts, std::span<ContactForce<Real>> forces);
 
-template <class Real>
-void AddToVertices(std::span<const ContactForce<Real>> contactForces, std::span<Vector3<Real>> forces) {
+// add(vertex, force)
+template <class Real, class Add>
+void AddToVertices(std::span<const ContactForce<Real>> contactForces, const Add& add) {
   for (const ContactForce<Real>& force : contactForces) {
-    if (force.acts) forces[force.vertex] += force.onVertex;
+    if (force.acts) add(force.vertex, force.onVertex);
   }
 }
-template <class Real>
-void AddToCorners(std::span<const ContactForce<Real>> contactForces, std::span<Vector3<Real>> forces) {
+template <class Real, class Add>
+void AddToCorners(std::span<const ContactForce<Real>> contactForces, const Add& add) {
   for (const ContactForce<Real>& force : contactForces) {
-    if (!force.acts) continue;
-    for (std::size_t i = 0; i < 3; ++i) forces[force.corners[i]] += force.onCorners[i];
+    for (std::size_t i = 0; force.acts && i < 3; ++i) add(force.corners[i], force.onCorners[i]);
   }
 }
 

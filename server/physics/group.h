@@ -1,5 +1,6 @@
-// The bodies of a group behind one another in one array, as one system of equations: each stage of a step sees all of
-// them at the same moment, and forces between them are equal and opposite at every stage.
+// Bodies that are stepped together, behind one another in one array, as one system of equations: each stage of a step
+// sees all of them at the same moment, and forces between them are equal and opposite at every stage. What hangs
+// together by contacts is one part of a group; parts do nothing to one another and are judged by themselves.
 #pragma once
 
 #include <algorithm>
@@ -15,17 +16,32 @@ template <class Real>
   return member.blueprint->full.contact.law == ContactLaw::kBacktracking && !member.state->contacts.empty();
 }
 
+// Members, and encounters between them, that belong to one part: from begin up to end, by their place in the group.
+struct Part {
+  std::size_t memberBegin = 0;
+  std::size_t memberEnd = 0;
+  std::size_t encounterBegin = 0;
+  std::size_t encounterEnd = 0;
+};
+
 template <class Real>
 class Group {
  public:
   Group(std::span<Member<Real>* const> members, std::span<const Encounter<Real>> encounters, Threads* threads,
         GroupScratch<Real>& scratch)
       : m_members(members), m_encounters(encounters), m_threads(threads), m_scratch(scratch) {
-    Gather();
+    ListMembers();
     SaveContacts();
     ListSides();
   }
 
+  [[nodiscard]] Part Whole() const { return {0, m_members.size(), 0, m_encounters.size()}; }
+  [[nodiscard]] std::span<Member<Real>* const> MembersOf(const Part& part) const {
+    return m_members.subspan(part.memberBegin, part.memberEnd - part.memberBegin);
+  }
+  [[nodiscard]] std::span<const Encounter<Real>> EncountersOf(const Part& part) const {
+    return m_encounters.subspan(part.encounterBegin, part.encounterEnd - part.encounterBegin);
+  }
   [[nodiscard]] std::span<Member<Real>* const> Members() const { return m_members; }
   [[nodiscard]] std::span<const Encounter<Real>> Encounters() const { return m_encounters; }
   [[nodiscard]] GroupScratch<Real>& Scratch() const { return m_scratch; }
@@ -83,13 +99,10 @@ class Group {
       ComputeForces<Real>(member.blueprint->template Read<Real>(), load, member.surfaces, member.state->contacts,
                           PartOf(x, i), PartOf(v, i), PartOf(a, i));
     });
-    ForEach(2 * m_encounters.size(), [&](std::size_t side) {
-      const Encounter<Real>& encounter = m_encounters[side / 2];
-      ComputeBodyContacts<Real>(encounter.parameters, Meet(encounter, side % 2, x, v), *encounter.sides[side % 2],
-                                ForcesOf(side));
-    });
+    ComputeAllBodyContacts(x, v);
     ForEach(m_members.size(), [&](std::size_t i) {
-      AddContactForces(i, PartOf(a, i));
+      const auto forces = PartOf(a, i);
+      VisitContactForces(i, [forces](std::uint16_t vertex, const Vector3<Real>& force) { forces[vertex] += force; });
       const Member<Real>& member = *m_members[i];
       const Coefficients<Real>& body = member.blueprint->template Read<Real>();
       DivideByMasses<Real>(body, member.load, PartOf(a, i));
@@ -99,50 +112,94 @@ class Group {
     });
   }
 
-  // Back to where the tick began: the bodies' own states stay as it found them until Scatter.
-  void StartAgain() {
-    Gather();
-    auto contact = m_scratch.contacts.cbegin();
-    for (Member<Real>* member : m_members) {
-      for (Contact<Real>& each : member->state->contacts) each = *contact++;
-    }
-    auto bodyContact = m_scratch.bodyContacts.cbegin();
-    for (const Encounter<Real>& encounter : m_encounters) {
-      for (auto* side : encounter.sides) {
-        for (BodyContact<Real>& each : *side) each = *bodyContact++;
+  // The forces of all contacts between members.
+  void ComputeAllBodyContacts(std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v) const {
+    ForEach(2 * m_encounters.size(), [&](std::size_t side) {
+      const Encounter<Real>& encounter = m_encounters[side / 2];
+      ComputeBodyContacts<Real>(encounter.parameters, Meet(encounter, side % 2, x, v), *encounter.sides[side % 2],
+                                ForcesOf(side));
+    });
+  }
+  // Those that act on a member: add(vertex, force), in their one order.
+  template <class Add>
+  void VisitContactForces(std::size_t member, const Add& add) const {
+    for (std::size_t i = m_scratch.sidesOf[member]; i < m_scratch.sidesOf[member + 1]; ++i) {
+      const std::uint32_t side = m_scratch.sides[i];
+      if (m_encounters[side / 2].members[side % 2] == member) {
+        AddToVertices<Real>(ForcesOf(side), add);
+      } else {
+        AddToCorners<Real>(ForcesOf(side), add);
       }
     }
   }
+  // After a substep of h s to these positions and velocities.
+  void UpdateAllBodyContacts(std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, Real h) const {
+    ForEach(2 * m_encounters.size(), [&](std::size_t side) {
+      const Encounter<Real>& encounter = m_encounters[side / 2];
+      UpdateBodyContacts<Real>(encounter.parameters, Meet(encounter, side % 2, x, v), h, *encounter.sides[side % 2]);
+    });
+  }
 
-  void Scatter() const {
-    for (std::size_t i = 0; i < m_members.size(); ++i) {
+  // Takes the part's positions and velocities from the bodies' own states, which stay as they are until Scatter.
+  void Gather(const Part& part) const {
+    for (std::size_t i = part.memberBegin; i < part.memberEnd; ++i) {
+      const State<Real>& state = *m_members[i]->state;
+      std::copy(state.positions.begin(), state.positions.end(), PartOf(Positions(), i).begin());
+      std::copy(state.velocities.begin(), state.velocities.end(), PartOf(Velocities(), i).begin());
+    }
+  }
+
+  // Back to where the tick began.
+  void StartAgain(const Part& part) const {
+    Gather(part);
+    for (std::size_t i = part.memberBegin; i < part.memberEnd; ++i) {
+      const auto saved = ContactsBefore(i);
+      std::copy(saved.begin(), saved.end(), m_members[i]->state->contacts.begin());
+    }
+    for (std::size_t side = 2 * part.encounterBegin; side < 2 * part.encounterEnd; ++side) {
+      const auto saved = BodyContactsBefore(side);
+      std::copy(saved.begin(), saved.end(), m_encounters[side / 2].sides[side % 2]->begin());
+    }
+  }
+
+  void Scatter(const Part& part) const {
+    for (std::size_t i = part.memberBegin; i < part.memberEnd; ++i) {
       State<Real>& state = *m_members[i]->state;
-      const auto positions = PartOf(m_scratch.positions, i);
-      const auto velocities = PartOf(m_scratch.velocities, i);
+      const auto positions = PartOf(Positions(), i);
+      const auto velocities = PartOf(Velocities(), i);
       std::copy(positions.begin(), positions.end(), state.positions.begin());
       std::copy(velocities.begin(), velocities.end(), state.velocities.begin());
     }
   }
 
+  // Those of a member with what stands still, and those of side s of encounter e, at 2 e + s, as the tick found them.
+  [[nodiscard]] std::span<const Contact<Real>> ContactsBefore(std::size_t member) const {
+    return std::span(m_scratch.contacts).subspan(m_scratch.contactBegins[member], ContactsOf(member).size());
+  }
+  [[nodiscard]] std::span<const BodyContact<Real>> BodyContactsBefore(std::size_t side) const {
+    const std::size_t begin = m_scratch.sideBegins[side];
+    return std::span(m_scratch.bodyContacts).subspan(begin, m_scratch.sideBegins[side + 1] - begin);
+  }
+
  private:
-  void Gather() {
-    m_scratch.positions.clear();
-    m_scratch.velocities.clear();
+  void ListMembers() {
     m_scratch.begins.assign(1, 0);
     for (const Member<Real>* member : m_members) {
-      const State<Real>& state = *member->state;
-      m_scratch.positions.insert(m_scratch.positions.end(), state.positions.begin(), state.positions.end());
-      m_scratch.velocities.insert(m_scratch.velocities.end(), state.velocities.begin(), state.velocities.end());
-      m_scratch.begins.push_back(m_scratch.positions.size());
+      m_scratch.begins.push_back(m_scratch.begins.back() + member->state->positions.size());
     }
+    m_scratch.positions.resize(m_scratch.begins.back());
+    m_scratch.velocities.resize(m_scratch.begins.back());
   }
+
+  const std::vector<Contact<Real>>& ContactsOf(std::size_t member) const { return m_members[member]->state->contacts; }
 
   void SaveContacts() {
     m_scratch.contacts.clear();
+    m_scratch.contactBegins.clear();
     m_scratch.bodyContacts.clear();
-    for (const Member<Real>* member : m_members) {
-      const auto& contacts = member->state->contacts;
-      m_scratch.contacts.insert(m_scratch.contacts.end(), contacts.begin(), contacts.end());
+    for (std::size_t i = 0; i < m_members.size(); ++i) {
+      m_scratch.contactBegins.push_back(m_scratch.contacts.size());
+      m_scratch.contacts.insert(m_scratch.contacts.end(), ContactsOf(i).begin(), ContactsOf(i).end());
     }
     for (const Encounter<Real>& encounter : m_encounters) {
       for (const auto* side : encounter.sides) {
@@ -179,17 +236,6 @@ class Group {
   std::span<ContactForce<Real>> ForcesOf(std::size_t side) const {
     const std::size_t begin = m_scratch.sideBegins[side];
     return std::span(m_scratch.contactForces).subspan(begin, m_scratch.sideBegins[side + 1] - begin);
-  }
-
-  void AddContactForces(std::size_t member, std::span<Vector3<Real>> forces) const {
-    for (std::size_t i = m_scratch.sidesOf[member]; i < m_scratch.sidesOf[member + 1]; ++i) {
-      const std::uint32_t side = m_scratch.sides[i];
-      if (m_encounters[side / 2].members[side % 2] == member) {
-        AddToVertices<Real>(ForcesOf(side), forces);
-      } else {
-        AddToCorners<Real>(ForcesOf(side), forces);
-      }
-    }
   }
 
   std::span<Member<Real>* const> m_members;

@@ -15,40 +15,30 @@ struct ElasticChange {
 };
 
 template <class Real>
-ElasticChange FindElasticChange(const Group<Real>& group) {
+ElasticChange FindElasticChange(const Group<Real>& group, const Part& part) {
   GroupScratch<Real>& scratch = group.Scratch();
   ElasticChange change;
-  auto contactsBefore = std::span<const Contact<Real>>(scratch.contacts);
-  for (std::size_t i = 0; i < group.CountBodies(); ++i) {
+  for (std::size_t i = part.memberBegin; i < part.memberEnd; ++i) {
     const Member<Real>& member = *group.Members()[i];
-    const std::size_t count = member.state->contacts.size();
     const ElasticEnergy after =
         ComputeElasticEnergy<Real>(*member.blueprint, member.load, member.surfaces, member.state->contacts,
                                    group.PartOf(scratch.positions, i), scratch.places);
     const ElasticEnergy before =
-        ComputeElasticEnergy<Real>(*member.blueprint, member.load, member.surfaces, contactsBefore.first(count),
+        ComputeElasticEnergy<Real>(*member.blueprint, member.load, member.surfaces, group.ContactsBefore(i),
                                    member.state->positions, scratch.places);
     change.before += before.stored;
     change.gain += after.stored - before.stored + after.gas - before.gas;
-    contactsBefore = contactsBefore.subspan(count);
   }
-  auto bodyContactsBefore = std::span<const BodyContact<Real>>(scratch.bodyContacts);
-  for (const Encounter<Real>& encounter : group.Encounters()) {
-    for (std::size_t side = 0; side < 2; ++side) {
-      const std::size_t count = encounter.sides[side]->size();
-      const Member<Real>& vertices = *group.Members()[encounter.members[side]];
-      const Member<Real>& faces = *group.Members()[encounter.members[1 - side]];
-      const Meeting<Real> meetingBefore =
-          MakeMeeting<Real>(vertices, vertices.state->positions, vertices.state->velocities, faces,
-                            faces.state->positions, faces.state->velocities);
-      const Meeting<Real> meetingAfter = group.Meet(encounter, side, scratch.positions, scratch.velocities);
-      const double before =
-          ComputeBodyContactEnergy<Real>(encounter.parameters, meetingBefore, bodyContactsBefore.first(count));
-      change.before += before;
-      change.gain +=
-          ComputeBodyContactEnergy<Real>(encounter.parameters, meetingAfter, *encounter.sides[side]) - before;
-      bodyContactsBefore = bodyContactsBefore.subspan(count);
-    }
+  for (std::size_t side = 2 * part.encounterBegin; side < 2 * part.encounterEnd; ++side) {
+    const Encounter<Real>& encounter = group.Encounters()[side / 2];
+    const Member<Real>& vertices = *group.Members()[encounter.members[side % 2]];
+    const Member<Real>& faces = *group.Members()[encounter.members[1 - side % 2]];
+    const Meeting<Real> meetingAfter = group.Meet(encounter, side % 2, scratch.positions, scratch.velocities);
+    const double before = ComputeBodyContactEnergy<Real>(encounter.parameters, MakeMeeting<Real>(vertices, faces),
+                                                         group.BodyContactsBefore(side));
+    change.before += before;
+    change.gain +=
+        ComputeBodyContactEnergy<Real>(encounter.parameters, meetingAfter, *encounter.sides[side % 2]) - before;
   }
   return change;
 }
@@ -57,13 +47,13 @@ ElasticChange FindElasticChange(const Group<Real>& group) {
 // that are constant through the tick have a potential, everything else conserves or dissipates. Elastic energies are
 // looked at only where motion has gained so much, so that a quiet tick costs two sums over its vertices.
 template <class Real>
-Member<Real>* FindRunaway(const Group<Real>& group) {
+Member<Real>* FindRunaway(const Group<Real>& group, const Part& part) {
   const GroupScratch<Real>& scratch = group.Scratch();
   Member<Real>* greatest = nullptr;
   double largest = 0;
   double gained = 0;
   double has = 0;
-  for (std::size_t i = 0; i < group.CountBodies(); ++i) {
+  for (std::size_t i = part.memberBegin; i < part.memberEnd; ++i) {
     Member<Real>& member = *group.Members()[i];
     const Blueprint& blueprint = *member.blueprint;
     const State<Real>& before = *member.state;
@@ -80,16 +70,16 @@ Member<Real>* FindRunaway(const Group<Real>& group) {
            ComputeMotionEnergy<Real>(blueprint, {}, before.positions, before.velocities);
   }
   if (greatest == nullptr || gained <= kRunawayShare * has) return nullptr;
-  const ElasticChange elastic = FindElasticChange(group);
+  const ElasticChange elastic = FindElasticChange(group, part);
   return gained + elastic.gain > kRunawayShare * (has + elastic.before) ? greatest : nullptr;
 }
 
 }  // namespace
 
 template <class Real>
-bool FindBadMembers(const Group<Real>& group, bool checkEnergy) {
+bool FindBadMembers(const Group<Real>& group, const Part& part, bool checkEnergy) {
   bool anyBad = false;
-  for (std::size_t i = 0; i < group.CountBodies(); ++i) {
+  for (std::size_t i = part.memberBegin; i < part.memberEnd; ++i) {
     Member<Real>& member = *group.Members()[i];
     const Health health =
         FindHealth<Real>(member.blueprint->template Read<Real>(), group.PartOf(group.Scratch().positions, i),
@@ -99,7 +89,7 @@ bool FindBadMembers(const Group<Real>& group, bool checkEnergy) {
     anyBad |= member.lost;
   }
   if (anyBad || !checkEnergy) return anyBad;
-  Member<Real>* runaway = FindRunaway(group);
+  Member<Real>* runaway = FindRunaway(group, part);
   if (runaway == nullptr) return false;
   runaway->health = std::max(runaway->health, Health::kRunaway);
   runaway->lost = true;
@@ -107,23 +97,24 @@ bool FindBadMembers(const Group<Real>& group, bool checkEnergy) {
 }
 
 template <class Real>
-bool BlameThoseWhoBeganBad(Group<Real>& group) {
+bool BlameThoseWhoBeganBad(const Group<Real>& group, const Part& part) {
   const auto beganBad = [](const Member<Real>* member) {
     const Coefficients<Real>& body = member->blueprint->template Read<Real>();
     return FindHealth<Real>(body, member->state->positions, member->state->velocities) != Health::kGood;
   };
-  if (std::none_of(group.Members().begin(), group.Members().end(), beganBad)) return false;
-  group.StartAgain();
-  for (Member<Real>* member : group.Members()) {
+  const auto members = group.MembersOf(part);
+  if (std::none_of(members.begin(), members.end(), beganBad)) return false;
+  group.StartAgain(part);
+  for (Member<Real>* member : members) {
     member->lost = beganBad(member);
     if (!member->lost) member->health = Health::kGood;
   }
   return true;
 }
 
-template bool FindBadMembers<float>(const Group<float>&, bool);
-template bool FindBadMembers<double>(const Group<double>&, bool);
-template bool BlameThoseWhoBeganBad<float>(Group<float>&);
-template bool BlameThoseWhoBeganBad<double>(Group<double>&);
+template bool FindBadMembers<float>(const Group<float>&, const Part&, bool);
+template bool FindBadMembers<double>(const Group<double>&, const Part&, bool);
+template bool BlameThoseWhoBeganBad<float>(const Group<float>&, const Part&);
+template bool BlameThoseWhoBeganBad<double>(const Group<double>&, const Part&);
 
 }  // namespace wobble::physics

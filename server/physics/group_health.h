@@ -5,14 +5,14 @@
 
 namespace wobble::physics {
 
-// Notes each member's health and which are lost; false when all is well. checkEnergy: also looks for energy from
-// nowhere, which only methods that have none to give can be blamed for.
+// Notes the health of each member of the part and which are lost; false when all is well. checkEnergy: also looks for
+// energy from nowhere, which only methods that have none to give can be blamed for.
 template <class Real>
-[[nodiscard]] bool FindBadMembers(const Group<Real>& group, bool checkEnergy);
+[[nodiscard]] bool FindBadMembers(const Group<Real>& group, const Part& part, bool checkEnergy);
 
 // No step can help a member that began the tick in a state that cannot be. It alone is lost then, and what it has
 // touched goes back to where it began. False, and nothing done, when none began so.
 template <class Real>
-[[nodiscard]] bool BlameThoseWhoBeganBad(Group<Real>& group);
+[[nodiscard]] bool BlameThoseWhoBeganBad(const Group<Real>& group, const Part& part);
 
 }  // namespace wobble::physics

@@ -11,11 +11,17 @@ template <class Real>
 class Stepping {
  public:
   Stepping(Group<Real>& group, const StepRules& rules)
-      : m_group(group), m_rules(rules), m_scratch(group.Scratch()), m_tick(group, rules) {}
+      : m_group(group),
+        m_rules(rules),
+        m_scratch(group.Scratch()),
+        m_integrator(FindIntegrator(group.Members())),
+        m_tick(group.Members(), rules) {}
 
-  GroupOutcome Step() {
-    for (int substeps = m_tick.FindSubsteps(); substeps > 0; substeps = m_tick.Judge(substeps)) Integrate(substeps);
-    return m_tick.Finish();
+  GroupOutcome Step(int substeps) {
+    const Part whole = m_group.Whole();
+    m_group.Gather(whole);
+    for (; substeps > 0; substeps = m_tick.Judge(m_group, whole, substeps)) Integrate(substeps);
+    return m_tick.Finish(m_group, whole);
   }
 
  private:
@@ -24,10 +30,10 @@ class Stepping {
     for (Member<Real>* member : m_group.Members()) member->error = 0;
     for (int substep = 0; substep < substeps; ++substep) {
       KeepBefore();
-      if (m_tick.Method() == Integrator::kRungeKutta4) {
+      if (m_integrator == Integrator::kRungeKutta4) {
         StepRungeKutta(step, substep > 0, m_rules.duration - substep * step);
       } else {
-        StepOnce<Real>(m_tick.Method(), static_cast<Real>(step), m_group, m_group.Positions(), m_group.Velocities(),
+        StepOnce<Real>(m_integrator, static_cast<Real>(step), m_group, m_group.Positions(), m_group.Velocities(),
                        m_scratch.integrator);
       }
       UpdateContacts(static_cast<Real>(step));
@@ -86,17 +92,13 @@ class Stepping {
       }
       UpdateAnchors<Real>(body.contact, member.surfaces, member.state->contacts, x);
     });
-    const auto encounters = m_group.Encounters();
-    m_group.ForEach(2 * encounters.size(), [&](std::size_t i) {
-      const Encounter<Real>& encounter = encounters[i / 2];
-      const Meeting<Real> meeting = m_group.Meet(encounter, i % 2, m_scratch.positions, m_scratch.velocities);
-      UpdateBodyContacts<Real>(encounter.parameters, meeting, h, *encounter.sides[i % 2]);
-    });
+    m_group.UpdateAllBodyContacts(m_scratch.positions, m_scratch.velocities, h);
   }
 
   Group<Real>& m_group;
   const StepRules& m_rules;
   GroupScratch<Real>& m_scratch;
+  Integrator m_integrator;
   GroupTick<Real> m_tick;
 };
 
@@ -117,16 +119,16 @@ Meeting<Real> MakeMeeting(const Member<Real>& ofVertices, std::span<const Vector
 
 template <class Real>
 GroupOutcome StepGroup(std::span<Member<Real>* const> members, std::span<const Encounter<Real>> encounters,
-                       const StepRules& rules, Threads* threads, GroupScratch<Real>& scratch) {
+                       int substeps, const StepRules& rules, Threads* threads, GroupScratch<Real>& scratch) {
   Group<Real> group(members, encounters, threads, scratch);
-  return Stepping<Real>(group, rules).Step();
+  return Stepping<Real>(group, rules).Step(substeps);
 }
 
-#define WOBBLE_INSTANTIATE(Real)                                                                            \
-  template Meeting<Real> MakeMeeting<Real>(const Member<Real>&, std::span<const Vector3<Real>>,             \
-                                           std::span<const Vector3<Real>>, const Member<Real>&,             \
-                                           std::span<const Vector3<Real>>, std::span<const Vector3<Real>>); \
-  template GroupOutcome StepGroup<Real>(std::span<Member<Real>* const>, std::span<const Encounter<Real>>,   \
+#define WOBBLE_INSTANTIATE(Real)                                                                               \
+  template Meeting<Real> MakeMeeting<Real>(const Member<Real>&, std::span<const Vector3<Real>>,                \
+                                           std::span<const Vector3<Real>>, const Member<Real>&,                \
+                                           std::span<const Vector3<Real>>, std::span<const Vector3<Real>>);    \
+  template GroupOutcome StepGroup<Real>(std::span<Member<Real>* const>, std::span<const Encounter<Real>>, int, \
                                         const StepRules&, Threads*, GroupScratch<Real>&);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)

@@ -1,4 +1,5 @@
-// One tick of a group of bodies that touch; a body alone is a group of one.
+// One tick of a group of bodies that touch, in plain code: the reference for batch_step.h, and what steps those that it
+// cannot. A body alone is a group of one.
 #pragma once
 
 #include <array>
@@ -62,6 +63,7 @@ struct GroupScratch {
   std::vector<VertexLoad> loads;  // of every vertex of the group
   // Contacts as the tick found them, one list behind the other, for a tick that is stepped again.
   std::vector<Contact<Real>> contacts;
+  std::vector<std::size_t> contactBegins;  // of each member's
   std::vector<BodyContact<Real>> bodyContacts;
   std::vector<Vector3d> places;  // of one body
 
@@ -78,30 +80,36 @@ struct GroupScratch {
     places.reserve(vertices);
     begins.reserve(bodies + 1);
     sidesOf.reserve(bodies + 1);
+    contactBegins.reserve(bodies);
     contactForces.reserve(vertices);
     sideBegins.reserve(16 * bodies);  // seldom has a body more than eight neighbours
     sides.reserve(32 * bodies);
   }
 };
 
-// One side of an encounter between bodies at x and v.
+// One side of an encounter between bodies at x and v, or where their own states have them.
 template <class Real>
 [[nodiscard]] Meeting<Real> MakeMeeting(const Member<Real>& ofVertices, std::span<const Vector3<Real>> x,
                                         std::span<const Vector3<Real>> v, const Member<Real>& ofFaces,
                                         std::span<const Vector3<Real>> shellX, std::span<const Vector3<Real>> shellV);
+template <class Real>
+[[nodiscard]] Meeting<Real> MakeMeeting(const Member<Real>& ofVertices, const Member<Real>& ofFaces) {
+  return MakeMeeting<Real>(ofVertices, ofVertices.state->positions, ofVertices.state->velocities, ofFaces,
+                           ofFaces.state->positions, ofFaces.state->velocities);
+}
 
 struct GroupOutcome {
   int substeps = 0;     // that the tick was played in, equal for all members
   int allSubsteps = 0;  // with those of the tries that were thrown away
 };
 
-// Steps all members through a tick in equal substeps, as many as stability and error ask of any of them. A tick that
-// missed its error by far is stepped again in more; one that left a member in a state that cannot be is stepped again
-// in 2, 4, 8 and 16 times as many, and what is bad still after that is `lost`. encounters: between these members only,
-// by their index in `members`. threads: works on several members at a time; null: one after the other. The result does
-// not depend on it.
+// Steps all members through a tick in equal substeps, the first try in as many as are given. A tick that missed its
+// error by far is stepped again in more; one that left a member in a state that cannot be is stepped again in 2, 4, 8
+// and 16 times as many, and what is bad still after that is `lost`. encounters: between these members only, by their
+// index in `members`. threads: works on several members at a time; null: one after the other. The result does not
+// depend on it.
 template <class Real>
 GroupOutcome StepGroup(std::span<Member<Real>* const> members, std::span<const Encounter<Real>> encounters,
-                       const StepRules& rules, Threads* threads, GroupScratch<Real>& scratch);
+                       int substeps, const StepRules& rules, Threads* threads, GroupScratch<Real>& scratch);
 
 }  // namespace wobble::physics

@@ -7,9 +7,8 @@
 #include <tuple>
 #include <vector>
 
+#include "server/physics/batch_step.h"
 #include "server/physics/broad_phase.h"
-#include "server/physics/group_step.h"
-#include "server/physics/pack_step.h"
 #include "server/physics/parallel.h"
 #include "server/physics/sleep.h"
 #include "server/physics/world.h"
@@ -34,20 +33,40 @@ struct Outcome {
 
 template <class Real>
 struct Scratch {
-  GroupScratch<Real> group;
   std::vector<Contact<Real>> contacts;
   std::vector<BodyContact<Real>> bodyContacts;
+  // Of a batch:
   std::vector<Member<Real>*> members;
-  PackScratch<Real> pack;
+  std::vector<Encounter<Real>> encounters;
+  std::vector<Part> parts;
+  std::vector<GroupOutcome> outcomes;
+  BatchScratch<Real> batch;
+  std::vector<VertexLoad> loads;
+  std::vector<std::size_t> begins;
+
+  void Reserve(std::size_t mostVertices, std::size_t allVertices, std::size_t bodies) {
+    members.reserve(bodies);
+    encounters.reserve(bodies);
+    parts.reserve(bodies);
+    outcomes.reserve(bodies);
+    loads.reserve(allVertices);
+    begins.reserve(bodies + 1);
+    batch.Reserve(mostVertices, allVertices, bodies);
+  }
 };
 
-// A body that touches no other and is stepped beside others of its kind.
-struct LoneBody {
-  std::uint32_t blueprint = 0;
-  int substeps = 0;  // of its first try
-  std::uint32_t body = 0;
+// Bodies that are awake and hang together by contacts. Ordered so that those which are stepped in one batch are side by
+// side.
+struct AwakeGroup {
+  enum class Way : std::uint8_t { kPlain, kAlone, kTogether };
 
-  auto operator<=>(const LoneBody&) const = default;
+  bool isLarge = false;         // stepped by all threads, one after the other
+  Way way = Way::kPlain;        // alone or together: in lanes
+  std::uint32_t blueprint = 0;  // of a body that is alone
+  int substeps = 0;             // of the first try
+  std::uint32_t group = 0;      // in Workspace::groups
+
+  auto operator<=>(const AwakeGroup&) const = default;
 };
 
 template <class Real>
@@ -65,10 +84,8 @@ struct Workspace {
   std::vector<std::uint32_t> placeOf;       // of each body in its group
   std::vector<Encounter<Real>> encounters;  // those of group g from encounterBegins[g] up to encounterBegins[g + 1]
   std::vector<std::size_t> encounterBegins;
-  std::vector<std::uint32_t> smallGroups;  // stepped side by side, each by one thread
-  std::vector<std::uint32_t> largeGroups;  // one after the other, each by all
-  std::vector<LoneBody> loneBodies;        // in packs, the p-th from packBegins[p] up to packBegins[p + 1]
-  std::vector<std::size_t> packBegins;
+  std::vector<AwakeGroup> awakeGroups;  // the b-th batch from batchBegins[b] up to batchBegins[b + 1]
+  std::vector<std::size_t> batchBegins;
   std::vector<Outcome> outcomes;
   tbb::enumerable_thread_specific<Scratch<Real>> scratch;
 

@@ -9,31 +9,20 @@
 #include <array>
 
 #include "server/physics/control.h"
+#include "server/physics/pair_search.h"
+#include "server/physics/substeps.h"
 #include "server/physics/tear.h"
 #include "server/physics/world_engine.h"
 
 namespace wobble::physics {
 namespace {
 
-// How near bodies are looked at beyond the way they go in the tick, m: what gravity and springs may add.
-constexpr double kMargin = 0.02;
-
-// Room for so many contacts is made when two bodies meet: more seldom come, and a list that is full grows.
-constexpr std::size_t kLikelyContacts = 128;
-
 // Vertices from which on a group is stepped by all threads: below, they would wait for one another longer than they
 // work.
 constexpr std::size_t kLargeGroup = 2000;
 
-template <class Real>
-bool ComesBefore(const BodyPair<Real>& a, const BodyPair<Real>& b) {
-  return a.first != b.first ? a.first < b.first : a.second < b.second;
-}
-
-template <class Real>
-bool HasContacts(const BodyPair<Real>& pair) {
-  return !pair.sides[0].empty() || !pair.sides[1].empty();
-}
+// Bodies of several groups that are stepped together at most: their packs should stay in a core's own cache.
+constexpr std::size_t kMostTogether = 32;
 
 }  // namespace
 
@@ -47,14 +36,16 @@ class World::Stepper {
         m_threads(world.m_engine->threads),
         m_work(std::get<Workspace<Real>>(world.m_engine->workspaces)),
         m_duration(world.m_settings.tickDuration),
-        m_rules{m_duration, m_duration * world.m_settings.errorTarget, world.m_settings.maxSubsteps} {}
+        m_rules{m_duration, m_duration * world.m_settings.errorTarget, world.m_settings.maxSubsteps},
+        m_search(m_bodies, m_duration, m_threads, m_work),
+        m_kernels(FindSweepKernels<Real>(world.m_settings.widestPack)) {}
 
   StepReport Step() {
     PrepareAll();
-    FindPairs();
-    MeetAll();
+    m_search.FindPairs();
+    m_search.MeetAll();
     WakeTouched();
-    DropPairsApart();
+    m_search.DropPairsApart();
     FindAllGroups();
     StepAll();
     LetFallAsleep();
@@ -96,7 +87,7 @@ class World::Stepper {
     FindContacts<Real>(member.surfaces, member.blueprint->template Read<Real>().contact.range, member.bounds,
                        state.positions, state.velocities, static_cast<Real>(m_duration), state.contacts,
                        m_work.scratch.local().contacts);
-    const double fat = kMargin + m_duration * double{member.bounds.speed};
+    const double fat = kNearMargin + m_duration * double{member.bounds.speed};
     m_work.boxes[i] = {state.origin + member.bounds.low.template cast<double>() - Vector3d::Constant(fat),
                        state.origin + member.bounds.high.template cast<double>() + Vector3d::Constant(fat)};
   }
@@ -113,106 +104,11 @@ class World::Stepper {
     member.load.pushes = member.pushes;
   }
 
-  void FindPairs() {
-    m_work.pairs.swap(m_work.pairsBefore);
-    m_work.pairs.clear();
-    m_work.pairIndices.clear();
-    auto before = m_work.pairsBefore.begin();
-    for (const auto& [a, b] : m_work.broadPhase.FindOverlaps(m_work.boxes)) {
-      if (HasNoFaces(a) || HasNoFaces(b)) continue;
-      BodyPair<Real> pair{m_bodies[a].id, m_bodies[b].id, {}};
-      for (; before != m_work.pairsBefore.end() && ComesBefore(*before, pair); ++before) Recycle(*before);
-      const bool known = before != m_work.pairsBefore.end() && !ComesBefore(pair, *before);
-      for (std::size_t side = 0; side < 2; ++side) {
-        pair.sides[side] = known ? std::move(before->sides[side]) : TakeSpareList();
-      }
-      if (known) ++before;
-      m_work.pairs.push_back(std::move(pair));
-      m_work.pairIndices.push_back({a, b});
-    }
-    for (; before != m_work.pairsBefore.end(); ++before) Recycle(*before);
-  }
-
-  void Recycle(BodyPair<Real>& pair) {
-    for (auto& side : pair.sides) m_work.spareLists.push_back(std::move(side));
-  }
-
-  std::vector<BodyContact<Real>> TakeSpareList() {
-    std::vector<BodyContact<Real>> list;
-    if (!m_work.spareLists.empty()) {
-      list = std::move(m_work.spareLists.back());
-      m_work.spareLists.pop_back();
-    }
-    list.clear();
-    list.reserve(kLikelyContacts);
-    return list;
-  }
-
-  bool HasNoFaces(std::uint32_t body) const { return m_work.members[body].blueprint->full.faces.empty(); }
-
-  // Contacts of two that sleep stay as they are.
-  void MeetAll() {
-    m_threads.ForEach(m_work.pairs.size(), [this](std::size_t i) {
-      const auto [a, b] = m_work.pairIndices[i];
-      if (m_work.pairs[i].met || (m_bodies[a].asleep && m_bodies[b].asleep)) return;
-      m_work.pairs[i].met = true;
-      Meet(i);
-    });
-  }
-
-  void Meet(std::size_t i) {
-    for (std::size_t side = 0; side < 2; ++side) {
-      const Member<Real>& vertices = m_work.members[m_work.pairIndices[i][side]];
-      const Member<Real>& faces = m_work.members[m_work.pairIndices[i][1 - side]];
-      const Meeting<Real> meeting = MakeMeeting<Real>(vertices, vertices.state->positions, vertices.state->velocities,
-                                                      faces, faces.state->positions, faces.state->velocities);
-      Bounds<Real> near = faces.bounds;
-      near.speed += vertices.bounds.speed;
-      const Real fat = static_cast<Real>(kMargin) + near.speed * static_cast<Real>(m_duration);
-      near.low.array() -= fat;
-      near.high.array() += fat;
-      const Shell<Real> own{vertices.blueprint->template Read<Real>().faces, &vertices.blueprint->topology,
-                            vertices.state->positions};
-      const ContactParameters<Real> both =
-          Combine(vertices.blueprint->template Read<Real>().contact, faces.blueprint->template Read<Real>().contact);
-      FindBodyContacts<Real>(both, meeting, own, near, static_cast<Real>(kMargin), static_cast<Real>(m_duration),
-                             m_work.pairs[i].sides[side], m_work.scratch.local().bodyContacts);
-    }
-  }
-
-  // Sleepers near somebody awake wake in this tick, and then those near them.
   void WakeTouched() {
-    for (;;) {
-      m_work.woken.clear();
-      for (std::size_t i = 0; i < m_work.pairs.size(); ++i) {
-        const auto [a, b] = m_work.pairIndices[i];
-        if (m_bodies[a].asleep == m_bodies[b].asleep || !HasContacts(m_work.pairs[i])) continue;
-        const std::uint32_t sleeper = m_bodies[a].asleep ? a : b;
-        WakeUp(m_bodies[sleeper]);
-        m_work.woken.push_back(sleeper);
-      }
-      if (m_work.woken.empty()) return;
+    while (m_search.WakeTouched()) {
       m_threads.ForEach(m_work.woken.size(), [this](std::size_t i) { Prepare(m_work.woken[i]); });
-      MeetAll();
+      m_search.MeetAll();
     }
-  }
-
-  // Boxes that overlap without a vertex near a face bind nothing together.
-  void DropPairsApart() {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < m_work.pairs.size(); ++i) {
-      if (!HasContacts(m_work.pairs[i])) {
-        Recycle(m_work.pairs[i]);
-        continue;
-      }
-      if (kept != i) {
-        m_work.pairs[kept] = std::move(m_work.pairs[i]);
-        m_work.pairIndices[kept] = m_work.pairIndices[i];
-      }
-      ++kept;
-    }
-    m_work.pairs.resize(kept);
-    m_work.pairIndices.resize(kept);
   }
 
   // Sleepers are in groups as well: those that hang together all sleep, or none.
@@ -220,25 +116,33 @@ class World::Stepper {
     const std::size_t count = m_bodies.size();
     m_work.groups.Find(count, m_work.pairIndices);
     m_work.placeOf.resize(count);
-    m_work.smallGroups.clear();
-    m_work.largeGroups.clear();
-    m_work.loneBodies.clear();
-    m_work.loneBodies.reserve(count);
+    m_work.awakeGroups.clear();
+    m_work.awakeGroups.reserve(count);
     for (std::uint32_t group = 0; group < m_work.groups.Count(); ++group) {
       const auto members = m_work.groups.MembersOf(group);
-      std::size_t vertices = 0;
-      for (std::uint32_t place = 0; place < members.size(); ++place) {
-        m_work.placeOf[members[place]] = place;
-        vertices += m_work.members[members[place]].state->positions.size();
-      }
-      if (m_bodies[members[0]].asleep) continue;
-      if (members.size() == 1 && CanGoInPack<Real>(*m_work.members[members[0]].blueprint)) {
-        m_work.loneBodies.push_back({m_bodies[members[0]].blueprint, 0, members[0]});
-        continue;
-      }
-      (members.size() > 1 && vertices >= kLargeGroup ? m_work.largeGroups : m_work.smallGroups).push_back(group);
+      for (std::uint32_t place = 0; place < members.size(); ++place) m_work.placeOf[members[place]] = place;
+      if (!m_bodies[members[0]].asleep) m_work.awakeGroups.push_back(Describe(group));
     }
     FindEncounters();
+  }
+
+  AwakeGroup Describe(std::uint32_t group) {
+    const auto members = m_work.groups.MembersOf(group);
+    std::size_t vertices = 0;
+    bool inLanes = true;
+    for (const std::uint32_t body : members) {
+      const std::size_t own = m_work.members[body].state->positions.size();
+      vertices += own;
+      m_mostVertices = std::max(m_mostVertices, own);
+      inLanes = inLanes && CanGoInPack<Real>(*m_work.members[body].blueprint);
+    }
+    m_allVertices += vertices;
+    AwakeGroup described;
+    described.group = group;
+    described.isLarge = members.size() > 1 && vertices >= kLargeGroup;
+    if (inLanes) described.way = members.size() > 1 ? AwakeGroup::Way::kTogether : AwakeGroup::Way::kAlone;
+    if (described.way == AwakeGroup::Way::kAlone) described.blueprint = m_bodies[members[0]].blueprint;
+    return described;
   }
 
   // Pairs by group, in their order.
@@ -268,62 +172,89 @@ class World::Stepper {
   }
 
   void StepAll() {
-    std::size_t vertices = 0;
-    std::size_t mostVertices = 0;  // of one body
-    for (const Member<Real>& member : m_work.members) {
-      vertices += member.state->positions.size();
-      mostVertices = std::max(mostVertices, member.state->positions.size());
-    }
-    for (const std::uint32_t group : m_work.largeGroups) StepOne(group, vertices, &m_threads);
-    m_threads.ForEach(m_work.smallGroups.size(),
-                      [this, vertices](std::size_t i) { StepOne(m_work.smallGroups[i], vertices, nullptr); });
-    StepLoneBodies(mostVertices);
-  }
-
-  // Bodies of one blueprint that ask for equal substeps share packs; the last of these need not be full.
-  void StepLoneBodies(std::size_t mostVertices) {
-    std::vector<LoneBody>& bodies = m_work.loneBodies;
-    const auto kernels = FindSweepKernels<Real>(m_world.m_settings.widestPack);
-    m_threads.ForEach(bodies.size(), [&](std::size_t i) {
-      bodies[i].substeps = FindFirstSubsteps<Real>(m_work.members[bodies[i].body], m_rules);
+    std::vector<AwakeGroup>& groups = m_work.awakeGroups;
+    m_threads.ForEach(groups.size(), [&](std::size_t i) {
+      const std::span<Member<Real>* const> members = Collect({&groups[i], 1});
+      Scratch<Real>& scratch = m_work.scratch.local();
+      groups[i].substeps = FindFirstSubsteps<Real>(members, scratch.encounters, m_rules, scratch.loads, scratch.begins);
     });
-    std::sort(bodies.begin(), bodies.end());
-    m_work.packBegins.clear();
-    m_work.packBegins.reserve(bodies.size() + 1);
-    for (std::size_t i = 0; i < bodies.size(); ++i) {
-      const bool fits = !m_work.packBegins.empty() && bodies[i].blueprint == bodies[i - 1].blueprint &&
-                        bodies[i].substeps == bodies[i - 1].substeps &&
-                        i - m_work.packBegins.back() < static_cast<std::size_t>(kernels.back().width);
-      if (!fits) m_work.packBegins.push_back(i);
+    std::sort(groups.begin(), groups.end());
+    FindBatches();
+    const auto batch = [&](std::size_t i) {
+      const std::size_t begin = m_work.batchBegins[i];
+      return std::span<const AwakeGroup>(groups).subspan(begin, m_work.batchBegins[i + 1] - begin);
+    };
+    const std::size_t count = m_work.batchBegins.size() - 1;
+    std::size_t small = count;
+    while (small > 0 && batch(small - 1)[0].isLarge) StepOne(batch(--small), &m_threads);
+    m_threads.ForEach(small, [&](std::size_t i) { StepOne(batch(i), nullptr); });
+  }
+
+  // What goes in one batch asks for equal substeps. Bodies alone fill one pack; groups of several, which are stepped
+  // stage by stage, come together until their packs have few lanes to spare.
+  void FindBatches() {
+    using Way = AwakeGroup::Way;
+    const std::vector<AwakeGroup>& groups = m_work.awakeGroups;
+    const auto lanes = static_cast<std::size_t>(m_kernels.back().width);
+    std::vector<std::size_t>& begins = m_work.batchBegins;
+    begins.clear();
+    begins.reserve(groups.size() + 1);
+    std::size_t bodies = 0;
+    for (std::size_t i = 0; i < groups.size(); ++i) {
+      const AwakeGroup& group = groups[i];
+      const std::size_t own = m_work.groups.MembersOf(group.group).size();
+      const bool fits = i > 0 && group.way != Way::kPlain && !group.isLarge && group.way == groups[i - 1].way &&
+                        group.blueprint == groups[i - 1].blueprint && group.substeps == groups[i - 1].substeps &&
+                        bodies + own <= (group.way == Way::kAlone ? lanes : kMostTogether);
+      if (!fits) {
+        begins.push_back(i);
+        bodies = 0;
+      }
+      bodies += own;
     }
-    m_work.packBegins.push_back(bodies.size());
-    m_threads.ForEach(m_work.packBegins.size() - 1, [&](std::size_t i) {
-      const std::size_t begin = m_work.packBegins[i];
-      StepOnePack(std::span(bodies).subspan(begin, m_work.packBegins[i + 1] - begin), kernels, mostVertices);
-    });
+    begins.push_back(groups.size());
   }
 
-  void StepOnePack(std::span<const LoneBody> bodies, std::span<const SweepKernel<Real>> kernels,
-                   std::size_t mostVertices) {
+  // Members, encounters and parts of these groups, in this thread's scratch.
+  std::span<Member<Real>* const> Collect(std::span<const AwakeGroup> groups) {
     Scratch<Real>& scratch = m_work.scratch.local();
-    scratch.pack.Reserve(mostVertices);
+    scratch.Reserve(m_mostVertices, m_allVertices, m_bodies.size());
     scratch.members.clear();
-    for (const LoneBody& each : bodies) scratch.members.push_back(&m_work.members[each.body]);
-    std::array<GroupOutcome, kWidestPack> outcomes;
-    StepPack<Real>(scratch.members, bodies[0].substeps, m_rules, kernels, scratch.pack, outcomes);
-    for (std::size_t i = 0; i < bodies.size(); ++i) Finish(bodies[i].body, outcomes[i]);
+    scratch.encounters.clear();
+    scratch.parts.clear();
+    for (const AwakeGroup& each : groups) {
+      Part part{scratch.members.size(), 0, scratch.encounters.size(), 0};
+      for (Encounter<Real> encounter : EncountersOf(each.group)) {
+        for (std::uint32_t& member : encounter.members) member += static_cast<std::uint32_t>(part.memberBegin);
+        scratch.encounters.push_back(encounter);
+      }
+      for (const std::uint32_t body : m_work.groups.MembersOf(each.group)) {
+        scratch.members.push_back(&m_work.members[body]);
+      }
+      part.memberEnd = scratch.members.size();
+      part.encounterEnd = scratch.encounters.size();
+      scratch.parts.push_back(part);
+    }
+    scratch.outcomes.assign(groups.size(), {});
+    return scratch.members;
   }
 
-  void StepOne(std::uint32_t group, std::size_t allVertices, Threads* threads) {
+  void StepOne(std::span<const AwakeGroup> groups, Threads* threads) {
+    const std::span<Member<Real>* const> members = Collect(groups);
     Scratch<Real>& scratch = m_work.scratch.local();
-    scratch.group.Reserve(allVertices, m_work.members.size());
-    scratch.members.reserve(m_work.members.size());
-    const auto bodies = m_work.groups.MembersOf(group);
-    scratch.members.clear();
-    for (const std::uint32_t body : bodies) scratch.members.push_back(&m_work.members[body]);
-    const GroupOutcome steps = StepGroup<Real>(scratch.members, EncountersOf(group), m_rules, threads, scratch.group);
-    for (const std::uint32_t body : bodies) Finish(body, steps);
-    for (const Encounter<Real>& encounter : EncountersOf(group)) Finish(encounter, bodies);
+    const int substeps = groups[0].substeps;
+    if (groups[0].way == AwakeGroup::Way::kPlain) {
+      scratch.outcomes[0] =
+          StepGroup<Real>(members, scratch.encounters, substeps, m_rules, threads, scratch.batch.group);
+    } else {
+      StepBatch<Real>(members, scratch.encounters, scratch.parts, substeps, m_rules, m_kernels, threads, scratch.batch,
+                      scratch.outcomes);
+    }
+    for (std::size_t i = 0; i < groups.size(); ++i) {
+      const auto bodies = m_work.groups.MembersOf(groups[i].group);
+      for (const std::uint32_t body : bodies) Finish(body, scratch.outcomes[i]);
+      for (const Encounter<Real>& encounter : EncountersOf(groups[i].group)) Finish(encounter, bodies);
+    }
   }
 
   void Finish(std::uint32_t i, const GroupOutcome& steps) {
@@ -418,6 +349,10 @@ class World::Stepper {
   Workspace<Real>& m_work;
   double m_duration;
   StepRules m_rules;
+  PairSearch<Real> m_search;
+  std::span<const SweepKernel<Real>> m_kernels;
+  std::size_t m_mostVertices = 0;  // of one body that is awake
+  std::size_t m_allVertices = 0;   // of all those
 };
 
 StepReport World::Step() {

@@ -20,8 +20,11 @@ void AddBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Re
                      std::span<Vector3<Real>> shellForces) {
   std::vector<ContactForce<Real>> computed(contacts.size());
   ComputeBodyContacts<Real>(parameters, meeting, contacts, computed);
-  AddToVertices<Real>(computed, forces);
-  AddToCorners<Real>(computed, shellForces);
+  const auto addTo = [](std::span<Vector3<Real>> sums) {
+    return [sums](std::uint16_t vertex, const Vector3<Real>& force) { sums[vertex] += force; };
+  };
+  AddToVertices<Real>(computed, addTo(forces));
+  AddToCorners<Real>(computed, addTo(shellForces));
 }
 
 constexpr double kTick = 1.0 / 60;

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <iterator>
 
+#include "server/physics/batch_step.h"
 #include "server/physics/bounds.h"
 #include "server/physics/integrator_step.h"
-#include "server/physics/pack_step.h"
 #include "server/physics/state.h"
 #include "tests/bench/thread_time.h"
 
@@ -151,13 +151,13 @@ SolvedMotion SolveSideBySide(const Problem& problem, const FixedSteps& how) {
     members[i].load.acceleration = problem.equations.gravity.cast<Real>();
     pointers.push_back(&members[i]);
   }
-  static thread_local PackScratch<Real> scratch;  // warm from the second time on
+  static thread_local BatchScratch<Real> scratch;  // warm from the second time on
   SolvedMotion solved;
   const double began = ReadThreadTime();
   for (std::size_t begin = 0; begin < pointers.size(); begin += kernels.back().width) {
     const std::size_t count = std::min<std::size_t>(kernels.back().width, pointers.size() - begin);
-    IntegratePack<Real>(std::span(pointers).subspan(begin, count), problem.duration, static_cast<int>(how.steps),
-                        kernels, scratch);
+    IntegrateBatch<Real>(std::span(pointers).subspan(begin, count), problem.duration, static_cast<int>(how.steps),
+                         kernels, scratch);
   }
   solved.time = ReadThreadTime() - began;
   solved.evaluations = 4 * how.steps;

@@ -1,9 +1,10 @@
 // Bodies stepped in lanes against the plain reference, and the same bits however many lanes there are.
-#include "server/physics/pack_step.h"
+#include "server/physics/batch_step.h"
 
 #include <gtest/gtest.h>
 
 #include "server/physics/pair.h"
+#include "server/physics/substeps.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 
@@ -51,26 +52,35 @@ struct Bodies {
   std::vector<std::size_t> StepInLanes(int width) {
     std::vector<std::size_t> stepped;
     std::vector<Member<Real>*> together;
-    const int substeps = FindFirstSubsteps<Real>(members[0], kRules);
+    std::vector<Part> parts;
+    const int substeps = FindSubsteps(0);
     for (std::size_t i = 0; i < members.size() && together.size() < static_cast<std::size_t>(width); ++i) {
-      if (FindFirstSubsteps<Real>(members[i], kRules) != substeps) continue;
+      if (FindSubsteps(i) != substeps) continue;
       stepped.push_back(i);
       together.push_back(&members[i]);
+      parts.push_back({parts.size(), parts.size() + 1, 0, 0});
     }
     std::array<GroupOutcome, kWidestPack> outcomes;
-    StepPack<Real>(together, substeps, kRules, FindSweepKernels<Real>(width), scratch, outcomes);
+    StepBatch<Real>(together, {}, parts, substeps, kRules, FindSweepKernels<Real>(width), nullptr, scratch, outcomes);
     return stepped;
   }
 
   void StepPlainly(std::size_t i) {
     Member<Real>* member = &members[i];
-    StepGroup<Real>({&member, 1}, {}, kRules, nullptr, scratch.groups[0]);
+    StepGroup<Real>({&member, 1}, {}, FindSubsteps(i), kRules, nullptr, scratch.group);
+  }
+
+  int FindSubsteps(std::size_t i) {
+    Member<Real>* member = &members[i];
+    std::vector<VertexLoad> loads;
+    std::vector<std::size_t> begins;
+    return FindFirstSubsteps<Real>({&member, 1}, {}, kRules, loads, begins);
   }
 
   const Blueprint& blueprint;
   std::vector<State<Real>> states;
   std::vector<Member<Real>> members;
-  PackScratch<Real> scratch;
+  BatchScratch<Real> scratch;
 };
 
 std::vector<Blueprint> MakeKinds() {
@@ -98,11 +108,11 @@ double FindLargestDifference(const State<Real>& a, const State<Real>& b) {
 }
 
 template <class Real>
-class PackStepTest : public testing::Test {};
+class BatchStepTest : public testing::Test {};
 using Precisions = testing::Types<float, double>;
-TYPED_TEST_SUITE(PackStepTest, Precisions);
+TYPED_TEST_SUITE(BatchStepTest, Precisions);
 
-TYPED_TEST(PackStepTest, DoesWhatThePlainReferenceDoes) {
+TYPED_TEST(BatchStepTest, DoesWhatThePlainReferenceDoes) {
   using Real = TypeParam;
   for (const Blueprint& kind : MakeKinds()) {
     for (const SweepKernel<Real>& kernel : FindSweepKernels<Real>(kWidestPack)) {
@@ -120,7 +130,7 @@ TYPED_TEST(PackStepTest, DoesWhatThePlainReferenceDoes) {
   }
 }
 
-TYPED_TEST(PackStepTest, GivesTheSameBitsInAnyLaneOfAnyWidth) {
+TYPED_TEST(BatchStepTest, GivesTheSameBitsInAnyLaneOfAnyWidth) {
   using Real = TypeParam;
   for (const Blueprint& kind : MakeKinds()) {
     Bodies<Real> alone(kind, 16);
@@ -130,9 +140,10 @@ TYPED_TEST(PackStepTest, GivesTheSameBitsInAnyLaneOfAnyWidth) {
       for (const std::size_t i : together.StepInLanes(kernel.width)) {
         Member<Real>* member = &alone.members[i];
         std::array<GroupOutcome, kWidestPack> outcomes;
-        const int substeps = FindFirstSubsteps<Real>(*member, kRules);
         if (!known[i]) {
-          StepPack<Real>(std::span(&member, 1), substeps, kRules, FindSweepKernels<Real>(1), alone.scratch, outcomes);
+          const Part part{0, 1, 0, 0};
+          StepBatch<Real>({&member, 1}, {}, {&part, 1}, alone.FindSubsteps(i), kRules, FindSweepKernels<Real>(1),
+                          nullptr, alone.scratch, outcomes);
         }
         known[i] = true;
         EXPECT_EQ(HashState(together.states[i], kHashSeed), HashState(alone.states[i], kHashSeed))
@@ -142,7 +153,7 @@ TYPED_TEST(PackStepTest, GivesTheSameBitsInAnyLaneOfAnyWidth) {
   }
 }
 
-TEST(PackStepTest, WorldIsTheSameWhateverThePacks) {
+TEST(BatchStepTest, WorldIsTheSameWhateverThePacks) {
   std::vector<std::uint64_t> hashes;
   for (const int widest : {1, 8, 16}) {
     WorldSettings settings;
@@ -162,7 +173,7 @@ TEST(PackStepTest, WorldIsTheSameWhateverThePacks) {
   EXPECT_EQ(hashes[0], hashes[2]);
 }
 
-TEST(PackStepTest, RefusesWhatTheSweepDoesNotKnow) {
+TEST(BatchStepTest, RefusesWhatTheSweepDoesNotKnow) {
   Blueprint ball = MakeBall(MakeMeasuredBall());
   EXPECT_TRUE(CanGoInPack<float>(ball));
   SetContactLaw(ball, ContactLaw::kMagnetic);

@@ -1,0 +1,154 @@
+#include "server/physics/batch_step.h"
+
+#include <algorithm>
+#include <functional>
+#include <numeric>
+
+#include "server/physics/group_tick.h"
+
+namespace wobble::physics {
+namespace {
+
+// One try of a tick of all members of a group.
+template <class Real>
+class Stepping {
+ public:
+  Stepping(const Group<Real>& group, std::span<const SweepKernel<Real>> kernels, BatchScratch<Real>& scratch)
+      : m_group(group), m_touch(!group.Encounters().empty()), m_packs(scratch.packs) {
+    FillPacks(kernels, scratch);
+  }
+
+  // Leaves positions and velocities in the group, errors in the members.
+  void Integrate(double duration, int substeps) {
+    const double step = duration / substeps;
+    for (Member<Real>* member : m_group.Members()) member->error = 0;
+    if (m_touch) m_group.Gather(m_group.Whole());
+    for (int substep = 0; substep < substeps; ++substep) {
+      for (int stage = 0; stage < 4; ++stage) StepStage(stage, static_cast<Real>(step));
+      const bool copies = m_touch || substep + 1 == substeps;
+      m_group.ForEach(m_packs.size(), [&](std::size_t i) {
+        m_packs[i].EndStep(step, duration - substep * step, substep == 0);
+        if (copies) m_packs[i].CopyToGroup(0);
+      });
+      if (m_touch) m_group.UpdateAllBodyContacts(m_group.Positions(), m_group.Velocities(), static_cast<Real>(step));
+    }
+    for (Member<Real>* member : m_group.Members()) member->error *= kErrorShare / substeps;
+  }
+
+ private:
+  void FillPacks(std::span<const SweepKernel<Real>> kernels, BatchScratch<Real>& scratch) {
+    const auto blueprintOf = [this](std::uint32_t i) { return m_group.Members()[i]->blueprint; };
+    const auto comesBefore = [&](std::uint32_t a, std::uint32_t b) {
+      return blueprintOf(a) != blueprintOf(b) ? std::less<>()(blueprintOf(a), blueprintOf(b)) : a < b;
+    };
+    scratch.order.resize(m_group.CountBodies());
+    std::iota(scratch.order.begin(), scratch.order.end(), 0U);
+    std::sort(scratch.order.begin(), scratch.order.end(), comesBefore);
+    const std::span<const std::uint32_t> order(scratch.order);
+    const auto widest = static_cast<std::size_t>(kernels.back().width);
+    m_packs.clear();
+    for (std::size_t begin = 0; begin < order.size();) {
+      std::size_t end = begin + 1;
+      while (end < order.size() && end - begin < widest && blueprintOf(order[end]) == blueprintOf(order[begin])) ++end;
+      if (scratch.packScratches.size() == m_packs.size()) scratch.packScratches.emplace_back();
+      m_packs.emplace_back(m_group, order.subspan(begin, end - begin), kernels, scratch.packScratches[m_packs.size()]);
+      begin = end;
+    }
+  }
+
+  // Within a substep the group's arrays hold what a stage is computed at; those of the first have been left there by
+  // the substep before.
+  void StepStage(int stage, Real h) {
+    if (m_touch) {
+      if (stage > 0) m_group.ForEach(m_packs.size(), [&](std::size_t i) { m_packs[i].CopyToGroup(stage); });
+      m_group.ComputeAllBodyContacts(m_group.Positions(), m_group.Velocities());
+    }
+    m_group.ForEach(m_packs.size(), [&](std::size_t i) {
+      Pack<Real>& pack = m_packs[i];
+      pack.BeginStage(stage);
+      for (std::size_t lane = 0; m_touch && lane < pack.Whose().size(); ++lane) {
+        m_group.VisitContactForces(pack.Whose()[lane], [&pack, lane](std::size_t vertex, const Vector3<Real>& force) {
+          pack.AddOuterForce(lane, vertex, force);
+        });
+      }
+      pack.Sweep(stage, h);
+    });
+  }
+
+  const Group<Real>& m_group;
+  bool m_touch;
+  std::vector<Pack<Real>>& m_packs;
+};
+
+// The tries after the first of a part, which has the lanes to itself: few are needed, and each has its own number of
+// substeps.
+template <class Real>
+GroupOutcome StepAgain(const Group<Real>& group, const Part& part, int substeps, const StepRules& rules,
+                       GroupTick<Real>& tick, std::span<const SweepKernel<Real>> kernels, Threads* threads,
+                       BatchScratch<Real>& scratch) {
+  const auto encounters = group.EncountersOf(part);
+  scratch.encountersAgain.assign(encounters.begin(), encounters.end());
+  for (Encounter<Real>& encounter : scratch.encountersAgain) {
+    for (std::uint32_t& member : encounter.members) member -= static_cast<std::uint32_t>(part.memberBegin);
+  }
+  const Group<Real> alone(group.MembersOf(part), scratch.encountersAgain, threads, scratch.again);
+  for (; substeps > 0; substeps = tick.Judge(alone, alone.Whole(), substeps)) {
+    Stepping<Real>(alone, kernels, scratch).Integrate(rules.duration, substeps);
+  }
+  return tick.Finish(alone, alone.Whole());
+}
+
+}  // namespace
+
+template <class Real>
+bool CanGoInPack(const Blueprint& blueprint) {
+  return blueprint.integrator == Integrator::kRungeKutta4 && blueprint.full.contact.law != ContactLaw::kBacktracking &&
+         !blueprint.ReadPlan<Real>().vertices.empty();
+}
+
+template <class Real>
+void BatchScratch<Real>::Reserve(std::size_t mostVertices, std::size_t allVertices, std::size_t bodies) {
+  group.Reserve(allVertices, bodies);
+  again.Reserve(allVertices, bodies);
+  order.reserve(bodies);
+  packs.reserve(bodies);
+  if (packScratches.empty()) packScratches.emplace_back();
+  for (PackScratch<Real>& each : packScratches) each.Reserve(mostVertices);
+}
+
+template <class Real>
+void StepBatch(std::span<Member<Real>* const> members, std::span<const Encounter<Real>> encounters,
+               std::span<const Part> parts, int substeps, const StepRules& rules,
+               std::span<const SweepKernel<Real>> kernels, Threads* threads, BatchScratch<Real>& scratch,
+               std::span<GroupOutcome> outcomes) {
+  const Group<Real> group(members, encounters, threads, scratch.group);
+  Stepping<Real>(group, kernels, scratch).Integrate(rules.duration, substeps);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    GroupTick<Real> tick(group.MembersOf(parts[i]), rules);
+    const int next = tick.Judge(group, parts[i], substeps);
+    outcomes[i] = next == 0 ? tick.Finish(group, parts[i])
+                            : StepAgain(group, parts[i], next, rules, tick, kernels, threads, scratch);
+  }
+}
+
+template <class Real>
+void IntegrateBatch(std::span<Member<Real>* const> members, double duration, int substeps,
+                    std::span<const SweepKernel<Real>> kernels, BatchScratch<Real>& scratch) {
+  const Group<Real> group(members, {}, nullptr, scratch.group);
+  Stepping<Real>(group, kernels, scratch).Integrate(duration, substeps);
+  group.Scatter(group.Whole());
+}
+
+#define WOBBLE_INSTANTIATE(Real)                                                                                      \
+  template struct BatchScratch<Real>;                                                                                 \
+  template bool CanGoInPack<Real>(const Blueprint&);                                                                  \
+  template void StepBatch<Real>(std::span<Member<Real>* const>, std::span<const Encounter<Real>>,                     \
+                                std::span<const Part>, int, const StepRules&, std::span<const SweepKernel<Real>>,     \
+                                Threads*, BatchScratch<Real>&, std::span<GroupOutcome>);                              \
+  template void IntegrateBatch<Real>(std::span<Member<Real>* const>, double, int, std::span<const SweepKernel<Real>>, \
+                                     BatchScratch<Real>&);
+WOBBLE_INSTANTIATE(float)
+WOBBLE_INSTANTIATE(double)
+#undef WOBBLE_INSTANTIATE
+
+}  // namespace wobble::physics

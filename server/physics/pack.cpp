@@ -1,0 +1,233 @@
+#include "server/physics/pack.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/physics/step_choice.h"
+
+namespace wobble::physics {
+namespace {
+
+template <class Real>
+const SweepKernel<Real>& FindNarrowest(std::span<const SweepKernel<Real>> kernels, std::size_t bodies) {
+  return *std::find_if(kernels.begin(), kernels.end(), [bodies](const SweepKernel<Real>& kernel) {
+    return static_cast<std::size_t>(kernel.width) >= bodies;
+  });
+}
+
+}  // namespace
+
+template <class Real>
+void PackScratch<Real>::Reserve(std::size_t vertices) {
+  lines.reserve((6 * 4 + 3 + 6) * vertices * kWidestPack * sizeof(Real) / sizeof(Line) + 16 * kWidestPack);
+  hasOuter.reserve(vertices);
+  outerPlaces.reserve(vertices);
+  positions.reserve(vertices);
+  velocities.reserve(vertices);
+  forces.reserve(vertices);
+  contacts.Reserve(kWidestPack * vertices);
+}
+
+template <class Real>
+Pack<Real>::Pack(const Group<Real>& group, std::span<const std::uint32_t> whose,
+                 std::span<const SweepKernel<Real>> kernels, PackScratch<Real>& scratch)
+    : m_group(group),
+      m_whose(whose),
+      m_body(group.Members()[whose[0]]->blueprint->template Read<Real>()),
+      m_plan(group.Members()[whose[0]]->blueprint->template ReadPlan<Real>()),
+      m_tables(m_plan.Tables()),
+      m_kernel(FindNarrowest(kernels, whose.size())),
+      m_contactKernel(kernels.back().computeContacts),
+      m_scratch(scratch),
+      m_width(static_cast<std::size_t>(m_kernel.width)) {
+  LayOut();
+  LoadBodies();
+  LoadVertices();
+  m_kernel.computeVolume(m_tables, m_lanes);
+  m_scratch.contacts.Clear(m_body);
+  for (std::size_t lane = 0; lane < m_whose.size() && IsBulkLaw(m_body.contact.law); ++lane) {
+    m_scratch.contacts.Add(MemberIn(lane), lane, m_plan.places);
+  }
+  m_scratch.contacts.Close();
+}
+
+// One block for all arrays, each of them aligned.
+template <class Real>
+void Pack<Real>::LayOut() {
+  const std::size_t count = m_tables.count;
+  const std::size_t pending = 3 * (m_tables.pendingMask + 1);
+  const std::pair<Real**, std::size_t> arrays[] = {// and how many vectors each holds
+                                                   {&m_lanes.state, 6 * count},
+                                                   {&m_lanes.stage, 6 * count},
+                                                   {&m_lanes.nextStage, 6 * count},
+                                                   {&m_lanes.increments, 6 * count},
+                                                   {&m_outer, 3 * count},
+                                                   {&m_lanes.pending, pending},
+                                                   {&m_acceleration, 3},
+                                                   {&m_gas, 1},
+                                                   {&m_stiffnessFactors, 1},
+                                                   {&m_lanes.sixVolume, 1},
+                                                   {&m_lanes.velocityErrors, 1},
+                                                   {&m_lanes.accelerationErrors, 1}};
+  using Line = typename PackScratch<Real>::Line;
+  const auto countLines = [this](std::size_t vectors) {
+    return (vectors * m_width * sizeof(Real) + sizeof(Line) - 1) / sizeof(Line);
+  };
+  std::size_t lines = 0;
+  for (const auto& [array, vectors] : arrays) lines += countLines(vectors);
+  if (m_scratch.lines.size() < lines) m_scratch.lines.resize(lines);
+  Line* at = m_scratch.lines.data();
+  for (const auto& [array, vectors] : arrays) {
+    *array = reinterpret_cast<Real*>(at);
+    at += countLines(vectors);
+  }
+  std::fill_n(m_lanes.pending, pending * m_width, Real(0));
+  m_lanes.acceleration = m_acceleration;
+  m_lanes.gas = m_gas;
+  m_lanes.stiffnessFactors = m_stiffnessFactors;
+  m_scratch.hasOuter.assign(count, 0);
+  m_scratch.outerPlaces.clear();
+  m_lanes.hasOuter = m_scratch.hasOuter.data();
+  for (auto* ofOneBody : {&m_scratch.positions, &m_scratch.velocities, &m_scratch.forces}) ofOneBody->resize(count);
+}
+
+// Lanes to spare repeat the first body: they cost nothing more, and numbers that are none would.
+template <class Real>
+void Pack<Real>::LoadBodies() {
+  for (std::size_t lane = 0; lane < m_width; ++lane) {
+    const Load<Real>& load = MemberIn(lane < m_whose.size() ? lane : 0).load;
+    for (std::size_t k = 0; k < 3; ++k) m_acceleration[k * m_width + lane] = load.acceleration[static_cast<int>(k)];
+    m_gas[lane] = load.gasFactor * m_body.gas;
+    m_stiffnessFactors[lane] = load.stiffnessFactor;
+  }
+}
+
+// Lane by lane would go through the whole pack once a body.
+template <class Real>
+void Pack<Real>::LoadVertices() {
+  std::array<const State<Real>*, kWidestPack> states{};
+  for (std::size_t lane = 0; lane < m_width; ++lane) states[lane] = MemberIn(lane < m_whose.size() ? lane : 0).state;
+  Real* to = m_lanes.state;
+  for (std::size_t place = 0; place < m_tables.count; ++place, to += 6 * m_width) {
+    const std::size_t vertex = m_plan.vertices[place];
+    for (std::size_t lane = 0; lane < m_width; ++lane) {
+      const Vector3<Real>& x = states[lane]->positions[vertex];
+      const Vector3<Real>& v = states[lane]->velocities[vertex];
+      for (std::size_t k = 0; k < 3; ++k) {
+        to[k * m_width + lane] = x[static_cast<int>(k)];
+        to[(k + 3) * m_width + lane] = v[static_cast<int>(k)];
+      }
+    }
+  }
+}
+
+template <class Real>
+void Pack<Real>::CopyToGroup(int stage) const {
+  std::array<Vector3<Real>*, kWidestPack> positions{};
+  std::array<Vector3<Real>*, kWidestPack> velocities{};
+  for (std::size_t lane = 0; lane < m_whose.size(); ++lane) {
+    positions[lane] = m_group.PartOf(m_group.Positions(), m_whose[lane]).data();
+    velocities[lane] = m_group.PartOf(m_group.Velocities(), m_whose[lane]).data();
+  }
+  const Real* from = NumbersOf(stage);
+  for (std::size_t place = 0; place < m_tables.count; ++place, from += 6 * m_width) {
+    const std::size_t vertex = m_plan.vertices[place];
+    for (std::size_t lane = 0; lane < m_whose.size(); ++lane) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        positions[lane][vertex][static_cast<int>(k)] = from[k * m_width + lane];
+        velocities[lane][vertex][static_cast<int>(k)] = from[(k + 3) * m_width + lane];
+      }
+    }
+  }
+}
+
+template <class Real>
+void Pack<Real>::BeginStage(int stage) {
+  const Real* from = NumbersOf(stage);
+  for (const std::uint32_t place : m_scratch.outerPlaces) m_scratch.hasOuter[place] = 0;
+  m_scratch.outerPlaces.clear();
+  for (std::size_t lane = 0; lane < m_whose.size(); ++lane) {
+    for (const VertexForce<Real>& push : MemberIn(lane).load.pushes) AddOuterForce(lane, push.vertex, push.force);
+    if (!IsBulkLaw(m_body.contact.law)) AddUnbulkedForces(lane, from);
+  }
+  if (m_scratch.contacts.IsEmpty()) return;
+  m_scratch.contacts.FindForces(
+      from, m_width, m_contactKernel,
+      [this](std::size_t place, std::size_t lane, const Vector3<Real>& force) { AddToPlace(place, lane, force); });
+}
+
+template <class Real>
+void Pack<Real>::AddUnbulkedForces(std::size_t lane, const Real* from) {
+  const Member& member = MemberIn(lane);
+  const std::vector<Contact<Real>>& contacts = member.state->contacts;
+  for (const Contact<Real>& contact : contacts) {
+    CopyVertex(contact.vertex, lane, from);
+    m_scratch.forces[contact.vertex].setZero();
+  }
+  AddContacts<Real>(m_body.contact, m_body.contactShares, member.surfaces, contacts, m_scratch.positions,
+                    m_scratch.velocities, m_scratch.forces);
+  for (const Contact<Real>& contact : contacts) {
+    Vector3<Real>& force = m_scratch.forces[contact.vertex];
+    if (!force.isZero(Real(0))) AddOuterForce(lane, contact.vertex, force);
+    force.setZero();  // a vertex may have several contacts
+  }
+}
+
+template <class Real>
+void Pack<Real>::AddToPlace(std::size_t place, std::size_t lane, const Vector3<Real>& force) {
+  Real* at = m_outer + 3 * place * m_width;
+  if (m_scratch.hasOuter[place] == 0) {
+    std::fill_n(at, 3 * m_width, Real(0));
+    m_scratch.hasOuter[place] = 1;
+    m_scratch.outerPlaces.push_back(static_cast<std::uint32_t>(place));
+  }
+  for (std::size_t k = 0; k < 3; ++k) at[k * m_width + lane] += force[static_cast<int>(k)];
+}
+
+template <class Real>
+void Pack<Real>::Sweep(int stage, Real h) {
+  m_lanes.outer = m_scratch.outerPlaces.empty() ? nullptr : m_outer;
+  m_kernel.stages[stage](m_tables, m_lanes, h);
+}
+
+template <class Real>
+void Pack<Real>::EndStep(double step, double timeLeft, bool isFirst) {
+  if (!isFirst) AddErrors(m_lanes.accelerationErrors, step / 6 * timeLeft);
+  AddErrors(m_lanes.velocityErrors, step / 6);
+  UpdateAllAnchors();
+}
+
+template <class Real>
+void Pack<Real>::CopyVertex(std::size_t vertex, std::size_t lane, const Real* from) {
+  const Real* numbers = from + 6 * m_plan.places[vertex] * m_width + lane;
+  for (std::size_t k = 0; k < 3; ++k) {
+    m_scratch.positions[vertex][static_cast<int>(k)] = numbers[k * m_width];
+    m_scratch.velocities[vertex][static_cast<int>(k)] = numbers[(k + 3) * m_width];
+  }
+}
+
+// sums: of squares over a body's vertices.
+template <class Real>
+void Pack<Real>::AddErrors(const Real* sums, double weight) {
+  for (std::size_t lane = 0; lane < m_whose.size(); ++lane) {
+    MemberIn(lane).error += weight * std::sqrt(double{sums[lane]} / m_tables.count);
+  }
+}
+
+template <class Real>
+void Pack<Real>::UpdateAllAnchors() {
+  m_scratch.contacts.Update(m_lanes.state, m_width);
+  if (IsBulkLaw(m_body.contact.law)) return;
+  for (std::size_t lane = 0; lane < m_whose.size(); ++lane) {
+    const Member& member = MemberIn(lane);
+    for (const Contact<Real>& contact : member.state->contacts) CopyVertex(contact.vertex, lane, m_lanes.state);
+    UpdateAnchors<Real>(m_body.contact, member.surfaces, member.state->contacts, m_scratch.positions);
+  }
+}
+
+template struct PackScratch<float>;
+template struct PackScratch<double>;
+template class Pack<float>;
+template class Pack<double>;
+
+}  // namespace wobble::physics

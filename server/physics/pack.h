@@ -1,0 +1,94 @@
+// Bodies of one blueprint side by side, a lane each, for the sweeps of lanes/sweep.h.
+//
+// The bodies' own states stay as they are, one vertex behind the other: a pack is filled from them for a try of a tick
+// and read back after it, which costs a few nanoseconds a vertex and leaves nothing to be kept in step when bodies
+// wake, touch or change. Forces from outside the sweep (contacts, pushes) are found before each stage, at its
+// positions, and wait for it in an array of their own. What a body does depends on nothing that the others of its pack
+// do.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "server/physics/group.h"
+#include "server/physics/lanes/kernels.h"
+#include "server/physics/pack_contacts.h"
+
+namespace wobble::physics {
+
+// Reused from pack to pack.
+template <class Real>
+struct PackScratch {
+  struct alignas(64) Line {
+    std::array<std::byte, 64> bytes;
+  };
+  std::vector<Line> lines;                 // all that the sweep works on
+  std::vector<std::uint8_t> hasOuter;      // SweepLanes
+  std::vector<std::uint32_t> outerPlaces;  // those
+  // Of one body, with what contacts read and write.
+  std::vector<Vector3<Real>> positions;
+  std::vector<Vector3<Real>> velocities;
+  std::vector<Vector3<Real>> forces;
+  PackContacts<Real> contacts;
+
+  // For a pack of bodies of so many vertices.
+  void Reserve(std::size_t vertices);
+};
+
+template <class Real>
+class Pack {
+ public:
+  // whose: members of the group, by their places there, all of one blueprint; at most as many as the widest kernel has
+  // lanes. Filled from their states.
+  Pack(const Group<Real>& group, std::span<const std::uint32_t> whose, std::span<const SweepKernel<Real>> kernels,
+       PackScratch<Real>& scratch);
+
+  // The four stages of a step of h s, each in two parts: first the forces of what stands still and of pushes, to which
+  // others may be added, then the sweep.
+  void BeginStage(int stage);
+  // Of BeginStage's positions; vertex: of the body that is whose[lane].
+  void AddOuterForce(std::size_t lane, std::size_t vertex, const Vector3<Real>& force) {
+    AddToPlace(m_plan.places[vertex], lane, force);
+  }
+  void Sweep(int stage, Real h);
+  // After the fourth: static contacts follow. timeLeft: of the tick, s, when the step began. isFirst: of the tick.
+  void EndStep(double step, double timeLeft, bool isFirst);
+
+  // Positions and velocities at which `stage` will be swept to the group's arrays; after the fourth: stage 0.
+  void CopyToGroup(int stage) const;
+
+  [[nodiscard]] std::span<const std::uint32_t> Whose() const { return m_whose; }
+
+ private:
+  using Member = physics::Member<Real>;
+
+  void LayOut();
+  void LoadBodies();
+  void LoadVertices();
+  void AddUnbulkedForces(std::size_t lane, const Real* from);
+  void AddToPlace(std::size_t place, std::size_t lane, const Vector3<Real>& force);
+  void CopyVertex(std::size_t vertex, std::size_t lane, const Real* from);
+  void AddErrors(const Real* sums, double weight);
+  void UpdateAllAnchors();
+
+  [[nodiscard]] Member& MemberIn(std::size_t lane) const { return *m_group.Members()[m_whose[lane]]; }
+  [[nodiscard]] const Real* NumbersOf(int stage) const { return stage == 0 ? m_lanes.state : m_lanes.stage; }
+
+  const Group<Real>& m_group;
+  std::span<const std::uint32_t> m_whose;
+  const Coefficients<Real>& m_body;
+  const SweepPlan<Real>& m_plan;
+  SweepTables<Real> m_tables;
+  const SweepKernel<Real>& m_kernel;
+  ContactKernel<Real> m_contactKernel;
+  PackScratch<Real>& m_scratch;
+  std::size_t m_width;
+  SweepLanes<Real> m_lanes;
+  Real* m_outer = nullptr;
+  Real* m_acceleration = nullptr;
+  Real* m_gas = nullptr;
+  Real* m_stiffnessFactors = nullptr;
+};
+
+}  // namespace wobble::physics

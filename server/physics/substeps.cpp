@@ -1,0 +1,78 @@
+#include "server/physics/substeps.h"
+
+#include <algorithm>
+
+#include "server/physics/stability.h"
+
+namespace wobble::physics {
+namespace {
+
+// What contacts with other members add to the rates of a body.
+template <class Real>
+ContactRates FindLargestRates(const Member<Real>& member, std::span<const VertexLoad> loads) {
+  ContactRates rates;
+  for (std::size_t vertex = 0; const VertexLoad& load : loads) {
+    const double mass = member.blueprint->full.masses[vertex++];
+    rates.squareFrequency = std::max(rates.squareFrequency, load.stiffness / mass);
+    rates.dampingRate = std::max(rates.dampingRate, load.damping / mass);
+  }
+  return rates;
+}
+
+// Fills every member's loads and returns the substeps that the fastest contact asks for.
+template <class Real>
+int AddAllContactLoads(std::span<Member<Real>* const> members, std::span<const Encounter<Real>> encounters,
+                       double duration, std::span<const std::size_t> begins, std::span<VertexLoad> loads) {
+  int most = 1;
+  const auto loadsOf = [&](std::size_t i) { return loads.subspan(begins[i], begins[i + 1] - begins[i]); };
+  for (const Encounter<Real>& encounter : encounters) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      const std::uint32_t vertices = encounter.members[side];
+      const std::uint32_t faces = encounter.members[1 - side];
+      most = std::max(
+          most, AddContactLoads<Real>(encounter.parameters, MakeMeeting<Real>(*members[vertices], *members[faces]),
+                                      *encounter.sides[side], duration, loadsOf(vertices), loadsOf(faces)));
+    }
+  }
+  return most;
+}
+
+}  // namespace
+
+template <class Real>
+Integrator FindIntegrator(std::span<Member<Real>* const> members) {
+  const Integrator first = members[0]->blueprint->integrator;
+  const auto isFirst = [first](const Member<Real>* member) { return member->blueprint->integrator == first; };
+  return std::all_of(members.begin(), members.end(), isFirst) ? first : Integrator::kRungeKutta4;
+}
+
+template <class Real>
+int FindFirstSubsteps(std::span<Member<Real>* const> members, std::span<const Encounter<Real>> encounters,
+                      const StepRules& rules, std::vector<VertexLoad>& loads, std::vector<std::size_t>& begins) {
+  begins.assign(1, 0);
+  for (const Member<Real>* member : members) begins.push_back(begins.back() + member->state->positions.size());
+  loads.assign(encounters.empty() ? 0 : begins.back(), {});
+  int most = AddAllContactLoads(members, encounters, rules.duration, begins, loads);
+  const Integrator integrator = FindIntegrator(members);
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    const Member<Real>& member = *members[i];
+    ContactRates fromBodies;
+    if (!loads.empty()) {
+      fromBodies = FindLargestRates<Real>(member, std::span(loads).subspan(begins[i], begins[i + 1] - begins[i]));
+    }
+    const int forStability = ChooseSubsteps<Real>(integrator, *member.blueprint, member.load, member.surfaces,
+                                                  *member.state, fromBodies, rules.duration);
+    most = std::max({most, forStability, std::min(member.substepsForError, rules.maxSubsteps)});
+  }
+  return most;
+}
+
+#define WOBBLE_INSTANTIATE(Real)                                                                         \
+  template Integrator FindIntegrator<Real>(std::span<Member<Real>* const>);                              \
+  template int FindFirstSubsteps<Real>(std::span<Member<Real>* const>, std::span<const Encounter<Real>>, \
+                                       const StepRules&, std::vector<VertexLoad>&, std::vector<std::size_t>&);
+WOBBLE_INSTANTIATE(float)
+WOBBLE_INSTANTIATE(double)
+#undef WOBBLE_INSTANTIATE
+
+}  // namespace wobble::physics
