@@ -25,6 +25,8 @@ constexpr Report kReports[] = {
     {"contact", "Bounce height, friction angle, momentum, tunnelling, stacks", true, &ReportContact},
     {"throughput", "What steps and ticks cost, beside plain code, Bullet and the peak of the core", false,
      &ReportThroughput},
+    {"skip", "What it costs that a world could do more: sleepers, absent terms, bodies apart, no client", false,
+     &ReportSkip},
 };
 
 // 2^53, as the server's: exact as a number in JSON too.

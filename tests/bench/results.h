@@ -36,6 +36,9 @@ struct Results {
 // For people, on lines of their own.
 [[nodiscard]] std::string FormatText(const Results& results);
 
+// As printf does, for remarks and names.
+[[nodiscard]] __attribute__((format(printf, 1, 2))) std::string FormatLine(const char* format, ...);
+
 // Of this machine, as the system names it.
 [[nodiscard]] std::string ReadCpuName();
 

@@ -13,7 +13,8 @@ namespace wobble::bench {
 struct BulletSettings {
   enum class Contacts { kNone, kVertexFace, kClusters };  // between soft bodies
   Contacts contacts = Contacts::kNone;
-  int clusters = 8;  // of a body
+  int clusters = 8;      // of a body
+  double margin = 0.25;  // about a body, within which it touches, m
 };
 
 // All but what is said in the settings as Bullet has it: one step a tick, one round of its position solver.

@@ -18,6 +18,8 @@ void PlayOnce(const Replay& replay, double (*readClock)(), std::vector<Fastest>&
 
 }  // namespace
 
+double TickTimes::FindLeast() const { return *std::min_element(times.begin(), times.end()); }
+
 double TickTimes::FindMean() const {
   return std::accumulate(times.begin(), times.end(), 0.0) / static_cast<double>(times.size());
 }

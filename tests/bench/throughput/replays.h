@@ -20,6 +20,7 @@ struct Replay {
 
 struct TickTimes {
   std::vector<double> times;  // of each tick, s
+  [[nodiscard]] double FindLeast() const;
   [[nodiscard]] double FindMean() const;
   [[nodiscard]] double FindMost() const;
 };

@@ -5,10 +5,10 @@
 //
 // The work of a step is fixed at 684 flop a vertex, whoever does it and however many more they need: then the share of
 // the peak tells how long it took and nothing else.
-#include "server/physics/pack_step.h"
-#include "tests/bench/contact/bodies.h"
+#include <limits>
+
+#include "tests/bench/throughput/balls.h"
 #include "tests/bench/throughput/experiments.h"
-#include "tests/bench/throughput/worlds.h"
 
 namespace wobble::bench {
 namespace {
@@ -18,109 +18,20 @@ using namespace physics;
 constexpr std::size_t kBodies = 16;
 constexpr int kManySteps = 32;
 constexpr int kFewSteps = 4;
-constexpr double kTick = 1.0 / 60;
 constexpr double kUsefulFlops = 684;  // of a ball's vertex and step
-
-// What is stepped.
-struct Setting {
-  std::size_t bodies = kBodies;
-  int steps = kManySteps;  // of a tick
-  bool isOnGround = true;
-};
-
-template <class Real>
-class Balls {
- public:
-  explicit Balls(const Setting& setting) : m_steps(setting.steps) {
-    const std::size_t count = setting.bodies;
-    WorldSettings settings;
-    settings.precision = std::is_same_v<Real, float> ? Precision::kSingle : Precision::kDouble;
-    m_world = MakeBallsApart(kBodies, settings);
-    m_blueprint = &m_world->Blueprints()[0];
-    for (const Body& body : m_world->Bodies().first(count)) m_beginning.push_back(std::get<State<Real>>(body.state));
-    m_states = m_beginning;
-    m_members.resize(count);
-    std::vector<Contact<Real>> spare;
-    for (std::size_t i = 0; i < count; ++i) {
-      Member<Real>& member = m_members[i];
-      State<Real>& state = m_beginning[i];
-      member.blueprint = m_blueprint;
-      member.state = &m_states[i];
-      member.load.acceleration = settings.gravity.cast<Real>();
-      if (!setting.isOnGround) state.contacts.clear();
-      if (!setting.isOnGround) continue;
-      member.surfaces.push_back(MakeSurface<Real>(m_world->Obstacles()[0], state.origin));
-      FindContacts<Real>(member.surfaces, m_blueprint->Read<Real>().contact.range,
-                         FindBounds<Real>(state.positions, state.velocities), state.positions, state.velocities,
-                         static_cast<Real>(kTick), state.contacts, spare);
-    }
-    m_stages.Reserve(m_blueprint->rest.size());
-    Reset();
-  }
-
-  // To where the tick begins.
-  void Reset() { m_states = m_beginning; }
-
-  void StepInLanes(int widest) {
-    const auto kernels = FindSweepKernels<Real>(widest);
-    const auto width = static_cast<std::size_t>(kernels.back().width);
-    std::array<Member<Real>*, kBodies> pack;
-    for (std::size_t begin = 0; begin < m_members.size(); begin += width) {
-      const std::size_t count = std::min(width, m_members.size() - begin);
-      for (std::size_t i = 0; i < count; ++i) pack[i] = &m_members[begin + i];
-      IntegratePack<Real>(std::span(pack).first(count), kTick, m_steps, kernels, m_scratch);
-    }
-  }
-
-  void StepPlainly() {
-    for (Member<Real>& member : m_members) {
-      State<Real>& state = *member.state;
-      const Coefficients<Real>& body = m_blueprint->Read<Real>();
-      const auto accelerate = [&](std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v,
-                                  std::span<Vector3<Real>> a) {
-        ComputeAccelerations<Real>(body, member.load, member.surfaces, state.contacts, x, v, a);
-      };
-      for (int step = 0; step < m_steps; ++step) {
-        StepRungeKutta<Real>(kClassicRungeKutta, static_cast<Real>(kTick / m_steps), accelerate,
-                             std::span(state.positions), std::span(state.velocities), m_stages);
-        UpdateAnchors<Real>(body.contact, member.surfaces, state.contacts, state.positions);
-      }
-    }
-  }
-
-  // Of a vertex and step, when all of it took `time`, s.
-  [[nodiscard]] double FindShare(double time) const {
-    return time / static_cast<double>(m_members.size() * m_blueprint->rest.size()) / m_steps;
-  }
-  [[nodiscard]] double CountContacts() const {
-    std::size_t count = 0;
-    for (const State<Real>& state : m_beginning) count += state.contacts.size();
-    return static_cast<double>(count) / static_cast<double>(m_beginning.size());
-  }
-
- private:
-  int m_steps;
-  std::unique_ptr<World> m_world;
-  const Blueprint* m_blueprint = nullptr;
-  std::vector<State<Real>> m_beginning;
-  std::vector<State<Real>> m_states;
-  std::vector<Member<Real>> m_members;
-  PackScratch<Real> m_scratch;
-  StageBuffers<Real, 4> m_stages;
-};
 
 // A way to take the steps.
 struct Way {
   int lanes = 0;  // at most; 0: the plain reference
   bool isSingle = true;
-  Setting setting;
+  BallsSetting setting;
   std::function<void()> take{};         // and notes how long it took
   std::function<double()> findShare{};  // of a vertex and step, s
   double contacts = 0;                  // listed, of a body
 };
 
 template <class Real>
-Way MakeWay(int lanes, const Setting& setting) {
+Way MakeWay(int lanes, const BallsSetting& setting) {
   const auto balls = std::make_shared<Balls<Real>>(setting);
   const auto fastest = std::make_shared<Fastest>();
   Way way{.lanes = lanes > 0 ? FindSweepKernels<Real>(lanes).back().width : 0,
