@@ -128,11 +128,11 @@ case_throughput() {
   keys+=" vertex_ticks_per_s thread_scaling_2 speedup_vs_bullet touching_ms_per_tick speedup_vs_bullet_touching"
   keys+=" ladder_lanes_filled ladder_cost lattice_exponent_3d gas_exponent_3d lattice_exponent_2d gas_exponent_2d"
   expect_report throughput "$keys" \
-    "throughput_ways throughput_lanes throughput_ladder throughput_sizes throughput_crowds"
+    "throughput_lanes throughput_ladder throughput_sizes throughput_crowds"
 }
 
 case_skip() {
-  expect_report skip "asleep_ratio apart_ratio term_ratio_max empty_cpu" "skip"
+  expect_report skip "asleep_ratio apart_ratio term_ratio_max empty_cpu" "skip_asleep"
 }
 
 declare -F "case_$case_name" >/dev/null || {

@@ -14,6 +14,15 @@ namespace wobble::bench {
 
 inline constexpr double kBallsTick = 1.0 / 60;  // s
 
+// Sixteen, fallen five seconds ago.
+template <class Real>
+[[nodiscard]] std::shared_ptr<const physics::World> MakeBallsAtRest() {
+  constexpr int kTicksToRest = 300;
+  physics::WorldSettings settings;
+  settings.precision = std::is_same_v<Real, float> ? physics::Precision::kSingle : physics::Precision::kDouble;
+  return MakeBallsApart(physics::kWidestPack, settings, kTicksToRest);
+}
+
 struct BallsSetting {
   std::size_t bodies = 16;
   int steps = 32;  // of a tick
@@ -23,11 +32,10 @@ struct BallsSetting {
 template <class Real>
 class Balls {
  public:
-  explicit Balls(const BallsSetting& setting) : m_steps(setting.steps) {
+  // Of the first of `world`, which has this precision, a floor and bodies of one blueprint.
+  Balls(std::shared_ptr<const physics::World> world, const BallsSetting& setting)
+      : m_steps(setting.steps), m_world(std::move(world)) {
     const std::size_t count = setting.bodies;
-    physics::WorldSettings settings;
-    settings.precision = std::is_same_v<Real, float> ? physics::Precision::kSingle : physics::Precision::kDouble;
-    m_world = MakeBallsApart(physics::kWidestPack, settings);
     m_blueprint = &m_world->Blueprints()[0];
     for (const physics::Body& body : m_world->Bodies().first(count))
       m_beginning.push_back(std::get<physics::State<Real>>(body.state));
@@ -39,7 +47,7 @@ class Balls {
       physics::State<Real>& state = m_beginning[i];
       member.blueprint = m_blueprint;
       member.state = &m_states[i];
-      member.load.acceleration = settings.gravity.cast<Real>();
+      member.load.acceleration = m_world->Settings().gravity.cast<Real>();
       if (!setting.isOnGround) state.contacts.clear();
       if (!setting.isOnGround) continue;
       member.surfaces.push_back(physics::MakeSurface<Real>(m_world->Obstacles()[0], state.origin));
@@ -93,7 +101,7 @@ class Balls {
 
  private:
   int m_steps;
-  std::unique_ptr<physics::World> m_world;
+  std::shared_ptr<const physics::World> m_world;
   const physics::Blueprint* m_blueprint = nullptr;
   std::vector<physics::State<Real>> m_beginning;
   std::vector<physics::State<Real>> m_states;

@@ -50,7 +50,7 @@ void MeasureBulletApart(Bench& bench) {
                             MakeReplay(*chosen, chosen->Settings(), kTicks),
                             MakeBulletReplay(*beginning, {}, kTicksToFall)};
   Peak peak;
-  const auto times = TimeReplays(bench, replays, bench.options.quick ? 3 : 20, peak);
+  const auto times = TimeReplays(bench, replays, bench.options.quick ? 2 : 20, peak);
   AddRow(bench, "bullet_apart", "wobble, 4 substeps", kApart, times[0], peak);
   AddRow(bench, "bullet_apart", "wobble, 1 mm/s", kApart, times[1], peak);
   AddRow(bench, "bullet_apart", "bullet", kApart, times[2], peak);

@@ -25,31 +25,34 @@ constexpr double kMostStretch = 0.2;
 
 void MeasurePacks(Bench& bench) {
   Plot plot{.name = "throughput_lanes",
-            .title = "A step of one pack with ever more balls of 162 vertices, on the ground",
+            .title = "A step of a pack with ever more balls of 162 vertices, on the ground",
             .xLabel = "balls in the pack",
             .yLabel = "ns a vertex and step"};
+  Series measured{"measured", Stroke::kLineAndPoints, {}};
+  const int widest = FindSweepKernels<float>(kWidestPack).back().width;
+  const auto world = MakeBallsAtRest<float>();
   const int rounds = bench.options.quick ? 4 : 100;
-  for (const SweepKernel<float>& kernel : FindSweepKernels<float>(kWidestPack)) {
-    if (kernel.width == 1) continue;
-    plot.series.push_back({std::to_string(kernel.width) + " lanes", Stroke::kLineAndPoints, {}});
-    for (std::size_t bodies = 1; bodies <= static_cast<std::size_t>(kernel.width); ++bodies) {
-      Balls<float> balls({.bodies = bodies, .steps = kSubsteps});
-      Fastest fastest;
-      Peak peak;
-      for (int round = 0; round < rounds; ++round) {
-        balls.Reset();
-        fastest.Time([&] { balls.StepInLanes(kernel.width); });
-        peak.Measure();
-      }
-      const double share = balls.FindShare(fastest.Read()) * 1e9;
-      plot.series.back().points.push_back({static_cast<double>(bodies), share});
-      bench.results.rows.push_back({{"experiment", "pack"},
-                                    {"widest", kernel.width},
-                                    {"bodies", bodies},
-                                    {"ns_per_vertex_step", share},
-                                    {"peak_gflops", peak.FlopsPerSecond() / 1e9}});
+  for (int bodies = 1; bodies <= widest; ++bodies) {
+    Balls<float> balls(world, {.bodies = static_cast<std::size_t>(bodies), .steps = kSubsteps});
+    Fastest fastest;
+    Peak peak;
+    for (int round = 0; round < rounds; ++round) {
+      balls.Reset();
+      fastest.Time([&] { balls.StepInLanes(widest); });
+      peak.Measure();
     }
+    const double share = balls.FindShare(fastest.Read()) * 1e9;
+    measured.points.push_back({static_cast<double>(bodies), share});
+    bench.results.rows.push_back({{"experiment", "pack"},
+                                  {"bodies", bodies},
+                                  {"ns_per_vertex_step", share},
+                                  {"peak_gflops", peak.FlopsPerSecond() / 1e9}});
   }
+  Series ideal{"if a step took the same, however many they are", Stroke::kDashed, {}};
+  for (const auto& [bodies, share] : measured.points) {
+    ideal.points.push_back({bodies, measured.points.back()[1] * widest / bodies});
+  }
+  plot.series = {measured, ideal};
   bench.results.plots.push_back(std::move(plot));
 }
 
@@ -94,19 +97,21 @@ struct Population {
 
 Population MeasurePopulation(Bench& bench, std::size_t count) {
   const auto world = MakeVibratingBalls(count);
-  WorldSettings alike = FixSubsteps(kSubsteps);
+  const Played own = CountPlayed(*world, world->Settings(), kTicks);
+  // Of the numbers that there are the next to their mean: what a tick costs once is then shared by as many.
+  WorldSettings alike = FixSubsteps(FindRung(own.substeps - 0.5));
   alike.gravity.setZero();
   const Replay replays[] = {MakeReplay(*world, world->Settings(), kTicks), MakeReplay(*world, alike, kTicks)};
   Peak peak;
   const auto times = TimeReplays(bench, replays, bench.options.quick ? 3 : 20, peak);
   const double vertices = static_cast<double>(count * world->Blueprints()[0].rest.size());
-  const Played own = CountPlayed(*world, world->Settings(), kTicks);
   const Played same = CountPlayed(*world, alike, kTicks);
   const Population population{FindFilledShare(*world), times[0].FindMean() / vertices / own.allSubsteps * 1e9,
                               times[1].FindMean() / vertices / same.allSubsteps * 1e9};
   bench.results.rows.push_back({{"experiment", "ladder"},
                                 {"bodies", count},
                                 {"substeps", own.substeps},
+                                {"substeps_alike", same.substeps},
                                 {"lanes_filled", population.filled},
                                 {"ns_per_vertex_substep", population.spread},
                                 {"ns_per_vertex_substep_alike", population.alike},
@@ -123,8 +128,8 @@ void MeasureLadder(Bench& bench) {
             .xLabel = "balls in the world",
             .yLabel = "ns a vertex and substep, whole tick"};
   plot.series = {{"each as many as it needs", Stroke::kLineAndPoints, {}},
-                 {"all four", Stroke::kLineAndPoints, {}},
-                 {"all four, over the share of lanes that are filled", Stroke::kDashed, {}}};
+                 {"all the same number", Stroke::kLineAndPoints, {}},
+                 {"all the same, over the share of lanes that are filled", Stroke::kDashed, {}}};
   Population largest;
   for (const std::size_t count : {16U, 32U, 64U, 128U, 256U, 512U}) {
     if (bench.progress.IsStopAsked() || (bench.options.quick && count > 64)) break;

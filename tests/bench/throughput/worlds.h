@@ -8,7 +8,7 @@
 
 namespace wobble::bench {
 
-inline constexpr int kTicksToFall = 50;
+inline constexpr int kTicksToFall = 120;
 inline constexpr int kTicksToPress = 150;
 
 // 1 m, k = 750 N/m, 0.25 kg a vertex, as firm as a ball for play.
