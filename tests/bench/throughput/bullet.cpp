@@ -112,22 +112,4 @@ BulletWorld::~BulletWorld() = default;
 
 void BulletWorld::Step() { m_bodies->world.stepSimulation(static_cast<btScalar>(m_bodies->tick), 0); }
 
-std::size_t BulletWorld::CountContacts() const {
-  std::size_t count = 0;
-  for (const auto& body : m_bodies->soft) {
-    count += static_cast<std::size_t>(body->m_rcontacts.size() + body->m_scontacts.size());
-  }
-  return count;
-}
-
-double BulletWorld::FindMeanHeight() const {
-  double sum = 0;
-  for (const auto& body : m_bodies->soft) {
-    for (int i = 0; i < body->m_nodes.size(); ++i) {
-      sum += double{body->m_nodes[i].m_x.z()} / body->m_nodes.size() / static_cast<double>(m_bodies->soft.size());
-    }
-  }
-  return sum;
-}
-
 }  // namespace wobble::bench

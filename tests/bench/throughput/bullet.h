@@ -26,10 +26,6 @@ class BulletWorld {
   ~BulletWorld();
 
   void Step();
-  // Vertices that touch rigid or soft bodies, after a step.
-  [[nodiscard]] std::size_t CountContacts() const;
-  // Of the centre of each body, mean, m.
-  [[nodiscard]] double FindMeanHeight() const;
 
  private:
   struct Bodies;
