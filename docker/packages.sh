@@ -18,7 +18,7 @@ packages_of() {
     web) # nothing yet: the page comes with its own issue
       echo "" ;;
     lab) # what wobble_lab is measured against, and what draws its plots
-      echo "libsundials-dev libboost-dev gnuplot-nox" ;;
+      echo "libsundials-dev libboost-dev libbullet-dev valgrind gnuplot-nox" ;;
     *)
       echo "packages.sh: unknown group '$1'; one of: server, web, test, lab" >&2
       exit 2 ;;

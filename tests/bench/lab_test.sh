@@ -42,7 +42,7 @@ expect_refusal() { # PATTERN ARGUMENT...
 
 case_help_and_version() {
   local words
-  for words in '' accuracy contact stability; do
+  for words in '' accuracy contact skip stability throughput; do
     # shellcheck disable=SC2086  # no word at all when there is no report
     expect_exit 0 $words --help
     expect_line "$out" '^Examples:'
@@ -54,7 +54,7 @@ case_help_and_version() {
 }
 
 case_bad_use() {
-  expect_refusal 'a report is required, one of: accuracy, stability, contact, or all'
+  expect_refusal 'a report is required, one of: accuracy, stability, contact, throughput, skip, or all'
   expect_refusal 'not expected: gravity' gravity
   expect_refusal 'not expected: --loud' contact --loud
   expect_refusal "'-1' is not 0 to 9007199254740992" contact --seed=-1
@@ -121,6 +121,18 @@ case_stability() {
     "theory_deviation_max server_step_over_limit_max perturbation_rk4_left growth_over_bound_max
      random_trials non_finite inverted quarantined penetration_p999" \
     "stability_limits stability_map stability_perturbation stability_growth stability_trials"
+}
+
+case_throughput() {
+  local keys="peak_gflops ns_per_vertex_step plain_ns_per_vertex_step speedup_vs_plain peak_share lone_ratio"
+  keys+=" vertex_ticks_per_s thread_scaling_2 speedup_vs_bullet touching_ms_per_tick speedup_vs_bullet_touching"
+  keys+=" ladder_lanes_filled ladder_cost lattice_exponent_3d gas_exponent_3d lattice_exponent_2d gas_exponent_2d"
+  expect_report throughput "$keys" \
+    "throughput_lanes throughput_ladder throughput_sizes throughput_crowds"
+}
+
+case_skip() {
+  expect_report skip "asleep_ratio apart_ratio term_ratio_max empty_cpu" "skip_asleep"
 }
 
 declare -F "case_$case_name" >/dev/null || {

@@ -23,6 +23,10 @@ constexpr Report kReports[] = {
     {"accuracy", "Run time against error, of every method, step and precision", false, &ReportAccuracy},
     {"stability", "The largest step of every method against theory; random trials", true, &ReportStability},
     {"contact", "Bounce height, friction angle, momentum, tunnelling, stacks", true, &ReportContact},
+    {"throughput", "What steps and ticks cost, beside plain code, Bullet and the peak of the core", false,
+     &ReportThroughput},
+    {"skip", "What it costs that a world could do more: sleepers, absent terms, bodies apart, no client", false,
+     &ReportSkip},
 };
 
 // 2^53, as the server's: exact as a number in JSON too.

@@ -28,7 +28,7 @@ struct Plot {
   std::string title;
   std::string xLabel;
   std::string yLabel;
-  std::vector<Series> series;
+  std::vector<Series> series = {};
   bool logX = false;
   bool logY = false;
   Map map = {};  // no cells: none

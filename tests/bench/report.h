@@ -47,6 +47,8 @@ struct Report {
 // One function a report, each in the file of its name.
 void ReportAccuracy(Bench& bench);
 void ReportContact(Bench& bench);
+void ReportSkip(Bench& bench);
 void ReportStability(Bench& bench);
+void ReportThroughput(Bench& bench);
 
 }  // namespace wobble::bench

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdarg>
 #include <cstdio>
 #include <fstream>
 
@@ -41,11 +42,13 @@ std::string FindCompiler() {
 
 void Results::AddFigure(const std::string& key, double value) { figures.push_back({key, value, "", true}); }
 
-void Results::AddFigureAtMost(const std::string& key, double value, double limit) {
+void Results::AddFigureAtMost(const std::string& key, double value, double limit, bool isHeld) {
+  if (!isHeld) return AddFigure(key, value);
   figures.push_back({key, value, "<= " + FormatNumber(limit), value <= limit});
 }
 
-void Results::AddFigureAtLeast(const std::string& key, double value, double limit) {
+void Results::AddFigureAtLeast(const std::string& key, double value, double limit, bool isHeld) {
+  if (!isHeld) return AddFigure(key, value);
   figures.push_back({key, value, ">= " + FormatNumber(limit), value >= limit});
 }
 
@@ -55,6 +58,15 @@ void Results::AddFigureWithin(const std::string& key, double value, double least
 
 bool Results::AreAllKept() const {
   return std::all_of(figures.begin(), figures.end(), [](const Figure& figure) { return figure.kept; });
+}
+
+std::string FormatLine(const char* format, ...) {
+  char line[400];
+  va_list values;
+  va_start(values, format);
+  std::vsnprintf(line, sizeof line, format, values);
+  va_end(values);
+  return line;
 }
 
 std::string ReadCpuName() {

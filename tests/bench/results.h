@@ -23,9 +23,10 @@ struct Results {
   std::vector<Plot> plots;
   std::vector<std::string> remarks;  // what a reader must know to read the figures, a line each
 
+  // isHeld: else it only informs, such as a time in a quick run, which a busy machine makes what it likes.
   void AddFigure(const std::string& key, double value);
-  void AddFigureAtMost(const std::string& key, double value, double limit);
-  void AddFigureAtLeast(const std::string& key, double value, double limit);
+  void AddFigureAtMost(const std::string& key, double value, double limit, bool isHeld = true);
+  void AddFigureAtLeast(const std::string& key, double value, double limit, bool isHeld = true);
   void AddFigureWithin(const std::string& key, double value, double least, double most);
   [[nodiscard]] bool AreAllKept() const;
 };
@@ -34,6 +35,9 @@ struct Results {
 [[nodiscard]] std::string FormatJson(const Results& results);
 // For people, on lines of their own.
 [[nodiscard]] std::string FormatText(const Results& results);
+
+// As printf does, for remarks and names.
+[[nodiscard]] __attribute__((format(printf, 1, 2))) std::string FormatLine(const char* format, ...);
 
 // Of this machine, as the system names it.
 [[nodiscard]] std::string ReadCpuName();

@@ -7,11 +7,11 @@ namespace wobble::physics {
 
 template <class Real>
 std::span<const SweepKernel<Real>> FindSweepKernels(int widest) {
-  static const std::array<SweepKernel<Real>, 3> kernels{MakeOneLaneKernel(Real()), MakeAvx2Kernel(Real()),
-                                                        MakeAvx512Kernel(Real())};
-  // AVX2 is what everything is compiled for.
+  // AVX2 is what everything is compiled for. Even the function that names the kernels of AVX-512 is compiled for it.
   static const std::size_t known =
       __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512dq") != 0 ? 3 : 2;
+  static const std::array<SweepKernel<Real>, 3> kernels{MakeOneLaneKernel(Real()), MakeAvx2Kernel(Real()),
+                                                        known == 3 ? MakeAvx512Kernel(Real()) : SweepKernel<Real>{}};
   const auto isTooWide = [widest](const SweepKernel<Real>& kernel) { return kernel.width > std::max(1, widest); };
   const auto end = std::find_if(kernels.begin(), kernels.begin() + known, isTooWide);
   return {kernels.begin(), end};

@@ -1,0 +1,55 @@
+// A thousand balls apart: how much of the tick it takes to find out that none is near another. What is timed is what
+// the tick does for that: a box about each body from its vertices, and the search among them.
+#include "server/physics/bounds.h"
+#include "server/physics/broad_phase.h"
+#include "tests/bench/skip/experiments.h"
+#include "tests/bench/throughput/worlds.h"
+
+namespace wobble::bench {
+namespace {
+
+using namespace physics;
+
+constexpr std::size_t kBodies = 1000;
+constexpr int kTicks = 6;
+constexpr double kFat = 0.1;  // m, about what a tick adds to a box
+
+void FindBoxes(const World& world, std::vector<Box>& boxes) {
+  boxes.clear();
+  for (const Body& body : world.Bodies()) {
+    const auto& state = std::get<State<float>>(body.state);
+    const Bounds<float> bounds = physics::FindBounds<float>(state.positions, state.velocities);
+    boxes.push_back({state.origin + bounds.low.cast<double>() - Vector3d::Constant(kFat),
+                     state.origin + bounds.high.cast<double>() + Vector3d::Constant(kFat)});
+  }
+}
+
+}  // namespace
+
+void MeasureSearch(Bench& bench) {
+  const auto world = MakeBallsApart(kBodies, WorldSettings{});
+  const Replay replay = MakeReplay(*world, world->Settings(), kTicks);
+  const int rounds = bench.options.quick ? 3 : 30;
+  Peak peak;
+  const TickTimes times = TimeReplays(bench, {&replay, 1}, rounds, peak)[0];
+  std::vector<Box> boxes;
+  BroadPhase broadPhase;
+  Fastest finding;
+  Fastest searching;
+  std::size_t pairs = 0;
+  for (int round = 0; round < 10 * rounds; ++round) {
+    finding.Time([&] { FindBoxes(*world, boxes); });
+    searching.Time([&] { pairs += broadPhase.FindOverlaps(boxes).size(); });
+  }
+  bench.results.rows.push_back({{"experiment", "search"},
+                                {"bodies", kBodies},
+                                {"pairs", pairs},
+                                {"substeps", CountPlayed(*world, world->Settings(), kTicks).substeps},
+                                {"boxes_us", finding.Read() * 1e6},
+                                {"search_us", searching.Read() * 1e6},
+                                {"us_per_tick", times.FindMean() * 1e6},
+                                {"peak_gflops", peak.FlopsPerSecond() / 1e9}});
+  bench.results.AddFigureAtMost("apart_ratio", (finding.Read() + searching.Read()) / times.FindMean(), 0.05);
+}
+
+}  // namespace wobble::bench

@@ -1,0 +1,65 @@
+// What a server's tick comes to: the whole step of a world at the default error target, by one thread, over the number
+// of balls, apart on a floor and pressed together in a funnel as in the scene `scrum`.
+#include "tests/bench/throughput/experiments.h"
+#include "tests/bench/throughput/worlds.h"
+
+namespace wobble::bench {
+namespace {
+
+using namespace physics;
+
+constexpr int kTicks = 12;
+constexpr double kTickMs = 1000.0 / 60;
+
+using MakeWorld = std::unique_ptr<World> (*)(std::size_t, const WorldSettings&, int);
+
+struct Crowd {
+  const char* name;
+  MakeWorld make;
+  int ticks;
+};
+constexpr Crowd kCrowds[] = {{"apart", &MakeBallsApart, kTicksToFall}, {"pressed", &MakeBallsInFunnel, kTicksToPress}};
+
+// Mean ms a tick.
+double MeasureCrowd(Bench& bench, const Crowd& crowd, std::size_t bodies) {
+  const auto world = crowd.make(bodies, WorldSettings{}, crowd.ticks);
+  const Replay replay = MakeReplay(*world, world->Settings(), kTicks);
+  Peak peak;
+  const TickTimes times = TimeReplays(bench, {&replay, 1}, bench.options.quick ? 2 : 5, peak)[0];
+  const Played played = CountPlayed(*world, world->Settings(), kTicks);
+  bench.results.rows.push_back({{"experiment", "crowd"},
+                                {"where", crowd.name},
+                                {"bodies", bodies},
+                                {"awake", played.awake},
+                                {"substeps", played.substeps},
+                                {"all_substeps", played.allSubsteps},
+                                {"ms_per_tick", times.FindMean() * 1e3},
+                                {"most_ms_per_tick", times.FindMost() * 1e3},
+                                {"peak_gflops", peak.FlopsPerSecond() / 1e9}});
+  return times.FindMean() * 1e3;
+}
+
+}  // namespace
+
+void MeasureCrowds(Bench& bench) {
+  std::vector<std::size_t> counts{64, 128, 256, 512};
+  if (bench.options.quick) counts = {16, 32};
+  Plot plot{.name = "throughput_crowds",
+            .title = "A tick of the whole world, balls of 162 vertices, error target 1 mm/s, one thread",
+            .xLabel = "balls",
+            .yLabel = "ms a tick"};
+  for (const Crowd& crowd : kCrowds) {
+    plot.series.push_back({crowd.name, Stroke::kLineAndPoints, {}});
+    for (const std::size_t bodies : counts) {
+      if (bench.progress.IsStopAsked()) return;
+      plot.series.back().points.push_back({static_cast<double>(bodies), MeasureCrowd(bench, crowd, bodies)});
+    }
+  }
+  plot.series.push_back(
+      {"a tick at 60 Hz",
+       Stroke::kLine,
+       {{static_cast<double>(counts.front()), kTickMs}, {static_cast<double>(counts.back()), kTickMs}}});
+  bench.results.plots.push_back(std::move(plot));
+}
+
+}  // namespace wobble::bench

@@ -1,0 +1,9 @@
+// Compiled for AVX-512, run only where the processor has it.
+#include "tests/bench/throughput/peak.h"
+#include "tests/bench/throughput/peak_kernel.h"
+
+namespace wobble::bench {
+
+float RunChainsAvx512() { return RunChains<16>(); }
+
+}  // namespace wobble::bench
