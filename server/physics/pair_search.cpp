@@ -109,7 +109,6 @@ std::vector<BodyContact<Real>> PairSearch<Real>::TakeSpareList() {
   return list;
 }
 
-template <class Real>
 // Of bodies that are new; the others have theirs.
 template <class Real>
 void PairSearch<Real>::ReserveSurfaces() {
@@ -163,8 +162,9 @@ void PairSearch<Real>::Meet(BodyPair<Real>& pair) {
     const std::uint32_t ofFaces = pair.places[1 - side];
     const Member<Real>& vertices = m_work.members[ofVertices];
     const Member<Real>& faces = m_work.members[ofFaces];
-    ContactSearch<Real> search{&m_work.surfaces[ofVertices],   &m_work.surfaces[ofFaces],    m_kernel, faces.survey.bounds,
-                               static_cast<Real>(kNearMargin), static_cast<Real>(m_duration)};
+    ContactSearch<Real> search{
+        &m_work.surfaces[ofVertices], &m_work.surfaces[ofFaces],      m_kernel,
+        faces.survey.bounds,          static_cast<Real>(kNearMargin), static_cast<Real>(m_duration)};
     search.near.speed += vertices.survey.bounds.speed;
     const Real fat = search.margin + search.near.speed * search.duration;
     search.near.low.array() -= fat;
