@@ -25,10 +25,14 @@ class Stepping {
     if (m_touch) m_group.Gather(m_group.Whole());
     for (int substep = 0; substep < substeps; ++substep) {
       for (int stage = 0; stage < 4; ++stage) StepStage(stage, static_cast<Real>(step));
-      const bool copies = m_touch || substep + 1 == substeps;
+      const bool isLast = substep + 1 == substeps;
       m_group.ForEach(m_packs.size(), [&](std::size_t i) {
         m_packs[i].EndStep(step, duration - substep * step, substep == 0);
-        if (copies) m_packs[i].CopyToGroup(0);
+        if (isLast) {
+          m_packs[i].EndTry();
+        } else if (m_touch) {
+          m_packs[i].CopyToGroup(0);
+        }
       });
       if (m_touch) m_group.UpdateAllBodyContacts(m_group.Positions(), m_group.Velocities(), static_cast<Real>(step));
     }

@@ -159,8 +159,14 @@ void FinishBlueprintButStability(Blueprint& blueprint) {
   blueprint.dragRate = FindDragRate(blueprint);
   FindContactShares(blueprint);
   blueprint.single = ToSingle(full);
+  MakePlans(blueprint);
+}
+
+void MakePlans(Blueprint& blueprint) {
   blueprint.singlePlan = MakeSweepPlan(blueprint.single);
-  blueprint.fullPlan = MakeSweepPlan(full);
+  blueprint.fullPlan = MakeSweepPlan(blueprint.full);
+  blueprint.singleGridPlan = MakeGridPlan(blueprint.single, blueprint.grid);
+  blueprint.fullGridPlan = MakeGridPlan(blueprint.full, blueprint.grid);
 }
 
 void FinishBlueprint(Blueprint& blueprint) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/physics/integrator.h"
+#include "server/physics/lanes/grid_plan.h"
 #include "server/physics/lanes/sweep_plan.h"
 #include "server/physics/sparse_pattern.h"
 #include "server/physics/topology.h"
@@ -110,6 +111,7 @@ struct Blueprint {
   double dampingRate = 0;
   // What drag adds to it at a metre per second of relative speed, 1/m.
   double dragRate = 0;
+  GridShape grid;      // in which the vertices stand, if they do; its maker's to say
   Integrator integrator = Integrator::kRungeKutta4;
   std::shared_ptr<const SparsePattern> sparsePattern;  // of full.springs; for implicit Euler only
   Topology topology;                                   // of full.faces
@@ -118,6 +120,9 @@ struct Blueprint {
   // How it is stepped in lanes; empty when it cannot be.
   SweepPlan<float> singlePlan;
   SweepPlan<double> fullPlan;
+  // How one of them is, row by row; likewise.
+  GridPlan<float> singleGridPlan;
+  GridPlan<double> fullGridPlan;
 
   template <class Real>
   [[nodiscard]] const Coefficients<Real>& Read() const {
@@ -135,6 +140,14 @@ struct Blueprint {
       return fullPlan;
     }
   }
+  template <class Real>
+  [[nodiscard]] const GridPlan<Real>& ReadGridPlan() const {
+    if constexpr (std::is_same_v<Real, float>) {
+      return singleGridPlan;
+    } else {
+      return fullGridPlan;
+    }
+  }
 };
 
 // A body is at least this large in formulas that divide by its size, m: it may be a single particle.
@@ -145,6 +158,9 @@ inline constexpr double kMinSize = 0.01;
 void FinishBlueprint(Blueprint& blueprint);
 // The same without stability, for those who know it: the power iteration takes longer than all the rest.
 void FinishBlueprintButStability(Blueprint& blueprint);
+
+// How the body is stepped in lanes, from its coefficients and its grid.
+void MakePlans(Blueprint& blueprint);
 
 // Sets the method and makes what it needs; after FinishBlueprint.
 void SetIntegrator(Blueprint& blueprint, Integrator integrator);

@@ -121,6 +121,7 @@ Blueprint MakeCloth(const ClothDefinition& definition) {
     full.masses.push_back(squareMass * weave.FindColumnShare(column) * weave.FindRowShare(row));
     if (IsPinned(weave, definition.pinned, column, row)) full.fixed.push_back(weave.IndexOf(column, row));
   });
+  blueprint.grid = {static_cast<std::uint32_t>(weave.columns), static_cast<std::uint32_t>(weave.rows)};
   AddSprings(definition, weave, squareMass, blueprint);
   AddFaces(weave, full.faces);
   full.drag = material.drag;

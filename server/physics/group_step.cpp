@@ -39,7 +39,12 @@ class Stepping {
       }
       UpdateContacts(static_cast<Real>(step));
     }
-    for (Member<Real>* member : m_group.Members()) member->error *= kErrorShare / substeps;
+    for (std::size_t i = 0; i < m_group.CountBodies(); ++i) {
+      Member<Real>& member = *m_group.Members()[i];
+      member.error *= kErrorShare / substeps;
+      member.insideOut =
+          IsInsideOut<Real>(member.blueprint->template Read<Real>(), m_group.PartOf(m_scratch.positions, i));
+    }
   }
 
   // As runge_kutta.h does it, member by member, with each one's error estimated as step_choice.h says.

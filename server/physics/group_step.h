@@ -13,6 +13,7 @@
 #include "server/physics/integrator_step.h"
 #include "server/physics/parallel.h"
 #include "server/physics/state.h"
+#include "server/physics/survey.h"
 
 namespace wobble::physics {
 
@@ -31,12 +32,14 @@ struct Member {
   Load<Real> load;
   std::vector<VertexForce<Real>> pushes;  // the load's
   std::vector<Surface<Real>> surfaces;
-  Bounds<Real> bounds;
+  Survey<Real> survey;       // as the tick began; of a sleeper as it fell asleep
   int substepsForError = 1;  // that its last ticks ask for
   // What the tick did:
   double error = 0;               // as it is estimated, RMS over vertices, m
-  double speed = 0;               // at its end, RMS over vertices, m/s
-  double acceleration = 0;        // mean through it, RMS over vertices, m/s²
+  bool insideOut = false;         // at its end: no volume is left to its gas
+  Survey<Real> after;             // at its end
+  double speed = 0;               // then, RMS by mass, m/s
+  double acceleration = 0;        // mean through it, RMS over vertices, m/s²; of a fast body, nobody asks: infinite
   Health health = Health::kGood;  // the worst that any try found
   bool lost = false;              // no try has helped: the state is not to be used
 };

@@ -210,6 +210,9 @@ Blueprint MakeLattice(const LatticeDefinition& definition) {
     blueprint.full.masses.push_back(FindCellMass(definition) * grid.FindShare(p, {0, 0, 0}));
     AddVertexSprings(grid, p, definition, blueprint.full.springs);
   });
+  blueprint.grid = {static_cast<std::uint32_t>(definition.cells[0]) + 1,
+                    static_cast<std::uint32_t>(definition.cells[1]) + 1,
+                    static_cast<std::uint32_t>(definition.cells[2]) + 1};
   blueprint.full.planar = IsPlanar(definition.cells);
   for (const std::size_t axis : {0U, 1U, 2U}) {
     AddSide(grid, axis, false, blueprint.full.faces);

@@ -7,6 +7,7 @@
 // do.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
@@ -55,6 +56,9 @@ class Pack {
   // After the fourth: static contacts follow. timeLeft: of the tick, s, when the step began. isFirst: of the tick.
   void EndStep(double step, double timeLeft, bool isFirst);
 
+  // After the last step: everything to the group's arrays and members.
+  void EndTry() const;
+
   // Positions and velocities at which `stage` will be swept to the group's arrays; after the fourth: stage 0.
   void CopyToGroup(int stage) const;
 
@@ -67,7 +71,15 @@ class Pack {
   void LoadBodies();
   void LoadVertices();
   void AddUnbulkedForces(std::size_t lane, const Real* from);
-  void AddToPlace(std::size_t place, std::size_t lane, const Vector3<Real>& force);
+  void AddToPlace(std::size_t place, std::size_t lane, const Vector3<Real>& force) {
+    Real* at = m_outer + 3 * place * m_width;
+    if (m_scratch.hasOuter[place] == 0) {
+      std::fill_n(at, 3 * m_width, Real(0));
+      m_scratch.hasOuter[place] = 1;
+      m_scratch.outerPlaces.push_back(static_cast<std::uint32_t>(place));
+    }
+    for (std::size_t k = 0; k < 3; ++k) at[k * m_width + lane] += force[static_cast<int>(k)];
+  }
   void CopyVertex(std::size_t vertex, std::size_t lane, const Real* from);
   void AddErrors(const Real* sums, double weight);
   void UpdateAllAnchors();

@@ -54,6 +54,7 @@ Blueprint MakeTornBlueprint(const Blueprint& blueprint, std::span<const std::uin
   });
   left.single.faces = left.full.faces;
   left.topology = MakeTopology(left.full.faces, left.rest.size());
+  MakePlans(left);
   return left;
 }
 

@@ -26,9 +26,10 @@ struct LanesOf<double, 1> {
   using Type = double;
 };
 
-// These are named by what they compute: Fma(a, b, c) = ab + c, Fnma(a, b, c) = c − ab, rounded once. FindBelow(a, b):
-// bit i is whether a < b in lane i.
+// These are named by what they compute: Fma(a, b, c) = ab + c, Fms(a, b, c) = ab − c, Fnma(a, b, c) = c − ab, rounded
+// once. FindBelow(a, b): bit i is whether a < b in lane i.
 WOBBLE_LANES float Fma(float a, float b, float c) { return __builtin_fmaf(a, b, c); }
+WOBBLE_LANES float Fms(float a, float b, float c) { return __builtin_fmaf(a, b, -c); }
 WOBBLE_LANES float Fnma(float a, float b, float c) { return __builtin_fmaf(-a, b, c); }
 WOBBLE_LANES float Sqrt(float a) { return __builtin_sqrtf(a); }
 WOBBLE_LANES float Max(float a, float b) { return a > b ? a : b; }
@@ -37,6 +38,7 @@ WOBBLE_LANES unsigned FindBelow(float a, float b) { return a < b ? 1U : 0U; }
 WOBBLE_LANES void Fill(float& lanes, float value) { lanes = value; }
 
 WOBBLE_LANES double Fma(double a, double b, double c) { return __builtin_fma(a, b, c); }
+WOBBLE_LANES double Fms(double a, double b, double c) { return __builtin_fma(a, b, -c); }
 WOBBLE_LANES double Fnma(double a, double b, double c) { return __builtin_fma(-a, b, c); }
 WOBBLE_LANES double Sqrt(double a) { return __builtin_sqrt(a); }
 WOBBLE_LANES double Max(double a, double b) { return a > b ? a : b; }
@@ -54,7 +56,13 @@ struct LanesOf<double, 4> {
   using Type = __m256d;
 };
 
+WOBBLE_LANES __m128 Fma(__m128 a, __m128 b, __m128 c) { return _mm_fmadd_ps(a, b, c); }
+WOBBLE_LANES __m128 Fms(__m128 a, __m128 b, __m128 c) { return _mm_fmsub_ps(a, b, c); }
+WOBBLE_LANES __m128 Fnma(__m128 a, __m128 b, __m128 c) { return _mm_fnmadd_ps(a, b, c); }
+WOBBLE_LANES void Fill(__m128& lanes, float value) { lanes = _mm_set1_ps(value); }
+
 WOBBLE_LANES __m256 Fma(__m256 a, __m256 b, __m256 c) { return _mm256_fmadd_ps(a, b, c); }
+WOBBLE_LANES __m256 Fms(__m256 a, __m256 b, __m256 c) { return _mm256_fmsub_ps(a, b, c); }
 WOBBLE_LANES __m256 Fnma(__m256 a, __m256 b, __m256 c) { return _mm256_fnmadd_ps(a, b, c); }
 WOBBLE_LANES __m256 Sqrt(__m256 a) { return _mm256_sqrt_ps(a); }
 WOBBLE_LANES __m256 Max(__m256 a, __m256 b) { return _mm256_max_ps(a, b); }
@@ -65,6 +73,7 @@ WOBBLE_LANES unsigned FindBelow(__m256 a, __m256 b) {
 WOBBLE_LANES void Fill(__m256& lanes, float value) { lanes = _mm256_set1_ps(value); }
 
 WOBBLE_LANES __m256d Fma(__m256d a, __m256d b, __m256d c) { return _mm256_fmadd_pd(a, b, c); }
+WOBBLE_LANES __m256d Fms(__m256d a, __m256d b, __m256d c) { return _mm256_fmsub_pd(a, b, c); }
 WOBBLE_LANES __m256d Fnma(__m256d a, __m256d b, __m256d c) { return _mm256_fnmadd_pd(a, b, c); }
 WOBBLE_LANES __m256d Sqrt(__m256d a) { return _mm256_sqrt_pd(a); }
 WOBBLE_LANES __m256d Max(__m256d a, __m256d b) { return _mm256_max_pd(a, b); }
@@ -86,6 +95,7 @@ struct LanesOf<double, 8> {
 };
 
 WOBBLE_LANES __m512 Fma(__m512 a, __m512 b, __m512 c) { return _mm512_fmadd_ps(a, b, c); }
+WOBBLE_LANES __m512 Fms(__m512 a, __m512 b, __m512 c) { return _mm512_fmsub_ps(a, b, c); }
 WOBBLE_LANES __m512 Fnma(__m512 a, __m512 b, __m512 c) { return _mm512_fnmadd_ps(a, b, c); }
 WOBBLE_LANES __m512 Sqrt(__m512 a) { return _mm512_sqrt_ps(a); }
 WOBBLE_LANES __m512 Max(__m512 a, __m512 b) { return _mm512_max_ps(a, b); }
@@ -94,6 +104,7 @@ WOBBLE_LANES unsigned FindBelow(__m512 a, __m512 b) { return _mm512_cmp_ps_mask(
 WOBBLE_LANES void Fill(__m512& lanes, float value) { lanes = _mm512_set1_ps(value); }
 
 WOBBLE_LANES __m512d Fma(__m512d a, __m512d b, __m512d c) { return _mm512_fmadd_pd(a, b, c); }
+WOBBLE_LANES __m512d Fms(__m512d a, __m512d b, __m512d c) { return _mm512_fmsub_pd(a, b, c); }
 WOBBLE_LANES __m512d Fnma(__m512d a, __m512d b, __m512d c) { return _mm512_fnmadd_pd(a, b, c); }
 WOBBLE_LANES __m512d Sqrt(__m512d a) { return _mm512_sqrt_pd(a); }
 WOBBLE_LANES __m512d Max(__m512d a, __m512d b) { return _mm512_max_pd(a, b); }

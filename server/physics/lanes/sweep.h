@@ -3,8 +3,9 @@
 //
 // At place i the forces from places before it are already in the pending ring; the springs to places further on add
 // theirs to registers and pass the opposite on. The gas pushes along the sum of cross products over the one-ring, the
-// derivative of the volume. Its pressure must be known before the sweep begins: the volume of the positions that a
-// stage leaves behind is summed while they are written, face by face, as soon as a face's last vertex is.
+// derivative of the volume; Σ xₖ × xₖ₊₁ round a ring is the sum of xₖ × (xₖ₊₁ − xₖ₋₁) over every other k, half as many.
+// Its pressure must be known before the sweep begins: the volume of the positions that a stage leaves behind is summed
+// while they are written, two faces at a time, as soon as their last vertex is.
 //
 // The step is the classic tableau in increments, runge_kutta.h, for x'' = a(x, v): stage s reads its positions and
 // velocities from one array and writes those of stage s + 1 into another.
@@ -12,31 +13,13 @@
 
 #include <cstdint>
 
-#include "server/physics/lanes/arc.h"
 #include "server/physics/lanes/body_contact_lanes.h"
 #include "server/physics/lanes/contact_lanes.h"
+#include "server/physics/lanes/grid.h"
 #include "server/physics/lanes/point_lanes.h"
+#include "server/physics/lanes/sweep_tables.h"
 
 namespace wobble::physics {
-
-// A SweepPlan as bare arrays: what is compiled for one instruction set must not share inline functions of the standard
-// library with what is compiled for all.
-template <class Real>
-struct SweepTables {
-  std::uint32_t count = 0;
-  const Real* inverseMasses = nullptr;
-  const std::uint32_t* arcBegins = nullptr;
-  const Arc<Real>* arcs = nullptr;
-  const std::uint32_t* ringBegins = nullptr;
-  const std::uint32_t* ring = nullptr;
-  const std::uint32_t* faceBegins = nullptr;
-  const std::uint32_t* faces = nullptr;
-  std::uint32_t pendingMask = 0;
-  bool planar = false;
-  bool hasGas = false;
-  Real ambientPressure = 0;
-  Real floorVolume = 0;
-};
 
 // Of the bodies in a pack. [place][k][lane] where an array has several numbers a vertex, [lane] where it has one a
 // body; aligned to a whole vector.
@@ -50,6 +33,7 @@ struct SweepLanes {
   const Real* outer = nullptr;             // [place][3][lane]: all further forces, N; null: none
   const std::uint8_t* hasOuter = nullptr;  // [place]: not 0 where a lane has one
   const Real* acceleration = nullptr;      // [3][lane]: gravity and the like, m/s²
+  const Real* wind = nullptr;              // [3][lane]: for a grid with drag, m/s
   const Real* gas = nullptr;               // J
   const Real* stiffnessFactors = nullptr;  // times every spring's stiffness and damping
   Real* sixVolume = nullptr;               // 6 V of the stage's positions, m³
@@ -60,6 +44,9 @@ struct SweepLanes {
 template <class Real>
 using Sweep = void (*)(const SweepTables<Real>& tables, SweepLanes<Real>& lanes, Real step);
 
+template <class Real>
+using GridSweep = void (*)(const GridTables<Real>& tables, SweepLanes<Real>& lanes, Real step);
+
 // The sweeps of one instruction set and width.
 template <class Real>
 struct SweepKernel {
@@ -69,6 +56,7 @@ struct SweepKernel {
   ContactKernel<Real> computeContacts = nullptr;
   BodyContactKernel<Real> bodyContacts;
   PointKernel<Real> points;
+  GridSweep<Real> gridStages[4] = {};
 };
 
 }  // namespace wobble::physics

@@ -1,11 +1,12 @@
 #include "server/physics/lanes/kernels.h"
+#include "server/physics/lanes/lone_kernel.h"
 #include "server/physics/lanes/sweep_kernel.h"
 
 namespace wobble::physics {
 
 SweepKernel<float> MakeAvx2Kernel(float) { return MakeKernel<float, 8>(); }
 SweepKernel<double> MakeAvx2Kernel(double) { return MakeKernel<double, 4>(); }
-SweepKernel<float> MakeOneLaneKernel(float) { return MakeKernel<float, 1>(); }
-SweepKernel<double> MakeOneLaneKernel(double) { return MakeKernel<double, 1>(); }
+SweepKernel<float> MakeOneLaneKernel(float) { return MakeLoneKernel<float>(); }
+SweepKernel<double> MakeOneLaneKernel(double) { return MakeLoneKernel<double>(); }
 
 }  // namespace wobble::physics

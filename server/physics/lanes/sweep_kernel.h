@@ -3,20 +3,14 @@
 
 #include "server/physics/lanes/body_contact_kernel.h"
 #include "server/physics/lanes/contact_kernel.h"
+#include "server/physics/lanes/grid_kernel.h"
 #include "server/physics/lanes/lanes.h"
 #include "server/physics/lanes/point_kernel.h"
 #include "server/physics/lanes/sweep.h"
+#include "server/physics/lanes/terms.h"
 
 namespace wobble::physics {
 namespace {
-
-template <class V>
-struct Vector3Of {
-  V x, y, z;
-};
-
-// Below this two vertices are in one place: there is no direction to push in. m².
-inline constexpr float kLeastSquare = 1e-30F;
 
 #define WOBBLE_INLINE static inline __attribute__((always_inline))
 
@@ -31,63 +25,64 @@ WOBBLE_INLINE V FindPressureShare(const SweepTables<Real>& tables, const SweepLa
 }
 
 template <class V>
-WOBBLE_INLINE V AddSixVolume(const V* a, const V* b, const V* c, V sum) {
-  const V x = Fma(b[1], c[2], -(b[2] * c[1]));
-  const V y = Fma(b[2], c[0], -(b[0] * c[2]));
-  const V z = Fma(b[0], c[1], -(b[1] * c[0]));
-  return Fma(a[0], x, Fma(a[1], y, Fma(a[2], z, sum)));
+WOBBLE_INLINE V AddSixVolume(const Wedge& wedge, const V* last, const V* from, V sum) {
+  const V* before = from + wedge.before;
+  const V* middle = from + wedge.middle;
+  const V* after = from + wedge.after;
+  const V u = after[0] - before[0];
+  const V v = after[1] - before[1];
+  const V w = after[2] - before[2];
+  const V x = Fms(middle[1], w, middle[2] * v);
+  const V y = Fms(middle[2], u, middle[0] * w);
+  const V z = Fms(middle[0], v, middle[1] * u);
+  return sum + Fma(last[0], x, Fma(last[1], y, last[2] * z));
 }
 
 template <class V, class Real>
-WOBBLE_INLINE void AddArcs(const SweepTables<Real>& tables, std::uint32_t place, const V* from, const V* own, V factor,
+WOBBLE_INLINE void AddArcs(const Arc<Real>* arc, const Arc<Real>* end, const V* from, const V* own, V factor,
                            V* pending, Vector3Of<V>& force) {
-  for (std::uint32_t i = tables.arcBegins[place]; i < tables.arcBegins[place + 1]; ++i) {
-    const Arc<Real>& arc = tables.arcs[i];
-    const V* other = from + 6 * arc.other;
-    const V lx = own[0] - other[0];
-    const V ly = own[1] - other[1];
-    const V lz = own[2] - other[2];
-    const V square = Max(Fma(lz, lz, Fma(ly, ly, lx * lx)), Spread<V>(Real(kLeastSquare)));
-    const V rate = Fma(lz, own[5] - other[5], Fma(ly, own[4] - other[4], lx * (own[3] - other[3])));
-    const V inverse = Spread<V>(Real(1)) / Sqrt(square);
-    const V damped = Fma(Spread<V>(arc.damping) * rate, inverse, -Spread<V>(arc.stiffnessAtRest));
-    const V tension = factor * Fma(damped, inverse, Spread<V>(arc.stiffness));
-    V* onOther = pending + 3 * (arc.other & tables.pendingMask);
-    const V px = tension * lx;
-    const V py = tension * ly;
-    const V pz = tension * lz;
-    force.x = force.x - px;
-    force.y = force.y - py;
-    force.z = force.z - pz;
-    onOther[0] = onOther[0] + px;
-    onOther[1] = onOther[1] + py;
-    onOther[2] = onOther[2] + pz;
+  for (; arc != end; ++arc) {
+    const V* other = from + arc->other;
+    const Vector3Of<V> l{own[0] - other[0], own[1] - other[1], own[2] - other[2]};
+    const V rate = Fma(l.z, own[5] - other[5], Fma(l.y, own[4] - other[4], l.x * (own[3] - other[3])));
+    const Vector3Of<V> pull = FindPull<Real>(l, rate, Spread<V>(arc->stiffness), Spread<V>(arc->stiffnessAtRest),
+                                             Spread<V>(arc->damping), factor);
+    V* onOther = pending + arc->pending;
+    force.x = force.x - pull.x;
+    force.y = force.y - pull.y;
+    force.z = force.z - pull.z;
+    onOther[0] = onOther[0] + pull.x;
+    onOther[1] = onOther[1] + pull.y;
+    onOther[2] = onOther[2] + pull.z;
   }
 }
 
 template <class V, class Real>
-WOBBLE_INLINE void AddGasOfRing(const SweepTables<Real>& tables, std::uint32_t place, const V* from, const V* own,
+WOBBLE_INLINE void AddGasOfRing(const std::uint32_t* ring, const std::uint32_t* end, const V* from, const V* own,
                                 V pressureShare, Vector3Of<V>& force) {
-  const std::uint32_t end = tables.ringBegins[place + 1];
-  std::uint32_t i = tables.ringBegins[place];
-  const V* last = from + 6 * tables.ring[end - 1];
-  V ux = last[0] - own[0];
-  V uy = last[1] - own[1];
-  V uz = last[2] - own[2];
+  if (ring == end) return;
+  const V* before = from + end[-1];
+  V bx = before[0];
+  V by = before[1];
+  V bz = before[2];
   V ax = Spread<V>(Real(0));
   V ay = ax;
   V az = ax;
-  for (; i < end; ++i) {
-    const V* next = from + 6 * tables.ring[i];
-    const V wx = next[0] - own[0];
-    const V wy = next[1] - own[1];
-    const V wz = next[2] - own[2];
+  for (; ring != end; ring += 2) {
+    const V* middle = from + ring[0];
+    const V* after = from + ring[1];
+    const V ux = middle[0] - own[0];
+    const V uy = middle[1] - own[1];
+    const V uz = middle[2] - own[2];
+    const V wx = after[0] - bx;
+    const V wy = after[1] - by;
+    const V wz = after[2] - bz;
     ax = Fma(uy, wz, Fnma(uz, wy, ax));
     ay = Fma(uz, wx, Fnma(ux, wz, ay));
     az = Fma(ux, wy, Fnma(uy, wx, az));
-    ux = wx;
-    uy = wy;
-    uz = wz;
+    bx = after[0];
+    by = after[1];
+    bz = after[2];
   }
   force.x = Fma(pressureShare, ax, force.x);
   force.y = Fma(pressureShare, ay, force.y);
@@ -103,57 +98,13 @@ WOBBLE_INLINE Vector3Of<V> TakePending(V* pending) {
 }
 
 template <class V, class Real>
-WOBBLE_INLINE void DivideByMass(const SweepTables<Real>& tables, const SweepLanes<Real>& lanes, std::uint32_t place,
-                                Vector3Of<V>& force) {
-  const V* given = reinterpret_cast<const V*>(lanes.acceleration);
-  const V inverseMass = Spread<V>(tables.inverseMasses[place]);
+WOBBLE_INLINE void DivideByMass(Real perMass, bool planar, const V* given, Vector3Of<V>& force) {
+  const V inverseMass = Spread<V>(perMass);
   force.x = Fma(force.x, inverseMass, given[0]);
   force.y = Fma(force.y, inverseMass, given[1]);
   force.z = Fma(force.z, inverseMass, given[2]);
-  if (tables.planar) force.y = Spread<V>(Real(0));
-  if (tables.inverseMasses[place] == Real(0)) force.x = force.y = force.z = Spread<V>(Real(0));
-}
-
-// Stage 0 … 3 of the classic tableau: what it adds to the step, and where the next stage stands. The last one completes
-// the step, whose new state is nextStage's then.
-template <int Stage, class V, class Real>
-WOBBLE_INLINE void Advance(const SweepLanes<Real>& lanes, std::uint32_t place, const V* own, const Vector3Of<V>& a,
-                           V weight, V reach, V* next, V& errors) {
-  V* sum = reinterpret_cast<V*>(lanes.increments) + 6 * place;
-  const V* begin = reinterpret_cast<const V*>(lanes.state) + 6 * place;
-  if constexpr (Stage == 0) {
-    const V jumpX = sum[0] - a.x;
-    const V jumpY = sum[1] - a.y;
-    const V jumpZ = sum[2] - a.z;
-    errors = Fma(jumpX, jumpX, Fma(jumpY, jumpY, Fma(jumpZ, jumpZ, errors)));
-    for (int k = 0; k < 3; ++k) sum[k] = weight * own[k + 3];
-    sum[3] = weight * a.x;
-    sum[4] = weight * a.y;
-    sum[5] = weight * a.z;
-  } else if constexpr (Stage < 3) {
-    for (int k = 0; k < 3; ++k) sum[k] = Fma(weight, own[k + 3], sum[k]);
-    sum[3] = Fma(weight, a.x, sum[3]);
-    sum[4] = Fma(weight, a.y, sum[4]);
-    sum[5] = Fma(weight, a.z, sum[5]);
-  }
-  if constexpr (Stage < 3) {
-    for (int k = 0; k < 3; ++k) next[k] = Fma(reach, own[k + 3], begin[k]);
-    next[3] = Fma(reach, a.x, begin[3]);
-    next[4] = Fma(reach, a.y, begin[4]);
-    next[5] = Fma(reach, a.z, begin[5]);
-  } else {
-    for (int k = 0; k < 3; ++k) next[k] = begin[k] + Fma(weight, own[k + 3], sum[k]);
-    next[3] = begin[3] + Fma(weight, a.x, sum[3]);
-    next[4] = begin[4] + Fma(weight, a.y, sum[4]);
-    next[5] = begin[5] + Fma(weight, a.z, sum[5]);
-    for (int k = 3; k < 6; ++k) {
-      const V error = own[k] - next[k];
-      errors = Fma(error, error, errors);
-    }
-    sum[0] = a.x;
-    sum[1] = a.y;
-    sum[2] = a.z;
-  }
+  if (planar) force.y = Spread<V>(Real(0));
+  if (perMass == Real(0)) force.x = force.y = force.z = Spread<V>(Real(0));
 }
 
 template <int Stage, bool Gas, bool Outer, class V, class Real>
@@ -171,26 +122,38 @@ void SweepOnce(const SweepTables<Real>& ofBlueprint, SweepLanes<Real>& ofPack, R
   if constexpr (Gas) pressureShare = FindPressureShare<V>(tables, lanes);
   V sixVolume = Spread<V>(Real(0));
   V errors = sixVolume;
-  for (std::uint32_t place = 0; place < tables.count; ++place) {
-    const V* source = from + 6 * place;
+  const V* given = reinterpret_cast<const V*>(lanes.acceleration);
+  const Arc<Real>* arc = tables.arcs;
+  const std::uint32_t* ring = tables.ring;
+  const Wedge* wedge = tables.wedges;
+  for (std::uint32_t i = 0; i < tables.count; ++i) {
+    const SweepPlace<Real>& place = tables.places[i];
+    const V* source = from + 6 * i;
     const V own[6] = {source[0], source[1], source[2], source[3], source[4], source[5]};
-    Vector3Of<V> force = TakePending<V, Real>(pending + 3 * (place & tables.pendingMask));
-    AddArcs(tables, place, from, own, factor, pending, force);
-    if constexpr (Gas) AddGasOfRing(tables, place, from, own, pressureShare, force);
+    Vector3Of<V> force = TakePending<V, Real>(pending + 3 * (i & tables.pendingMask));
+    const Arc<Real>* arcEnd = tables.arcs + place.arcEnd;
+    AddArcs(arc, arcEnd, from, own, factor, pending, force);
+    arc = arcEnd;
+    if constexpr (Gas) {
+      const std::uint32_t* ringEnd = tables.ring + place.ringEnd;
+      AddGasOfRing<V, Real>(ring, ringEnd, from, own, pressureShare, force);
+      ring = ringEnd;
+    }
     if constexpr (Outer) {
-      if (lanes.hasOuter[place] != 0) {
-        const V* outer = reinterpret_cast<const V*>(lanes.outer) + 3 * place;
+      if (lanes.hasOuter[i] != 0) {
+        const V* outer = reinterpret_cast<const V*>(lanes.outer) + 3 * i;
         force.x = force.x + outer[0];
         force.y = force.y + outer[1];
         force.z = force.z + outer[2];
       }
     }
-    DivideByMass(tables, lanes, place, force);
-    V* next = to + 6 * place;
-    Advance<Stage>(lanes, place, own, force, weight, reach, next, errors);
+    DivideByMass(place.inverseMass, tables.planar, given, force);
+    V* next = to + 6 * i;
+    Advance<Stage>(reinterpret_cast<const V*>(lanes.state) + 6 * i, reinterpret_cast<V*>(lanes.increments) + 6 * i,
+                   next, 1, own, force, weight, reach, errors);
     if constexpr (Gas) {
-      for (std::uint32_t i = tables.faceBegins[place]; i < tables.faceBegins[place + 1]; i += 2) {
-        sixVolume = AddSixVolume(next, to + 6 * tables.faces[i], to + 6 * tables.faces[i + 1], sixVolume);
+      for (const Wedge* end = tables.wedges + place.wedgeEnd; wedge != end; ++wedge) {
+        sixVolume = AddSixVolume(*wedge, next, to, sixVolume);
       }
     }
   }
@@ -218,9 +181,10 @@ template <class V, class Real>
 void ComputeSixVolume(const SweepTables<Real>& tables, SweepLanes<Real>& lanes) {
   const V* x = reinterpret_cast<const V*>(lanes.state);
   V sum = Spread<V>(Real(0));
-  for (std::uint32_t place = 0; tables.hasGas && place < tables.count; ++place) {
-    for (std::uint32_t i = tables.faceBegins[place]; i < tables.faceBegins[place + 1]; i += 2) {
-      sum = AddSixVolume(x + 6 * place, x + 6 * tables.faces[i], x + 6 * tables.faces[i + 1], sum);
+  if (tables.hasGas) {
+    const Wedge* end = tables.wedges + tables.places[tables.count - 1].wedgeEnd;
+    for (const Wedge* wedge = tables.wedges; wedge != end; ++wedge) {
+      sum = AddSixVolume(*wedge, x + wedge->last, x, sum);
     }
   }
   *reinterpret_cast<V*>(lanes.sixVolume) = sum;
@@ -234,7 +198,8 @@ SweepKernel<Real> MakeKernel() {
           &ComputeSixVolume<V, Real>,
           &ComputePenaltyForces<V, Real>,
           {&ComputeBodyContactForces<V, Real>, &UpdateBodyContactBlock<V, Real>},
-          {&FindPointsWithin<V, Real>, &FindNearestPoint<V, Real>}};
+          {&FindPointsWithin<V, Real>, &FindNearestPoint<V, Real>},
+          {&SweepGrid<0, V, Real>, &SweepGrid<1, V, Real>, &SweepGrid<2, V, Real>, &SweepGrid<3, V, Real>}};
 }
 
 #undef WOBBLE_INLINE

@@ -18,14 +18,15 @@ template <class Real>
 struct SweepPlan {
   std::vector<std::uint16_t> vertices;  // of the blueprint, in the order of the sweep: place -> vertex
   std::vector<std::uint32_t> places;    // vertex -> place
-  std::vector<Real> inverseMasses;      // 1/kg; 0: fixed
-  // Those of place i from begins[i] up to begins[i + 1], for each of the three:
-  std::vector<std::uint32_t> arcBegins;
+  std::vector<SweepPlace<Real>> at;     // one a place
   std::vector<Arc<Real>> arcs;
-  std::vector<std::uint32_t> ringBegins;  // neighbours round the vertex, counter-clockwise from outside; gas only
-  std::vector<std::uint32_t> ring;
-  std::vector<std::uint32_t> faceBegins;  // faces whose last place is i: the other two, in the face's order
-  std::vector<std::uint32_t> faces;
+  std::vector<std::uint32_t> ring;  // neighbours round each vertex, counter-clockwise from outside, even; gas only
+  std::vector<Wedge> wedges;        // gas only
+  // ArcColumns:
+  std::vector<std::uint32_t> arcEnds;
+  std::vector<Real> stiffnesses;
+  std::vector<Real> stiffnessesAtRest;
+  std::vector<Real> dampings;
   std::uint32_t pendingMask = 0;  // forces on places further on fit a ring of this + 1
   bool planar = false;
   bool hasGas = false;
@@ -34,13 +35,12 @@ struct SweepPlan {
 
   [[nodiscard]] SweepTables<Real> Tables() const {
     return {static_cast<std::uint32_t>(vertices.size()),
-            inverseMasses.data(),
-            arcBegins.data(),
+            static_cast<std::uint32_t>(arcs.size()),
+            at.data(),
             arcs.data(),
-            ringBegins.data(),
             ring.data(),
-            faceBegins.data(),
-            faces.data(),
+            wedges.data(),
+            {arcEnds.data(), stiffnesses.data(), stiffnessesAtRest.data(), dampings.data()},
             pendingMask,
             planar,
             hasGas,

@@ -1,0 +1,82 @@
+// A vertex in a register: x y z and one number more, for sweeps of a single body. Four vertices or more at a time can
+// be turned into vectors that have a lane for each, and back.
+#pragma once
+
+#include <immintrin.h>
+
+#define WOBBLE_INLINE static inline __attribute__((always_inline))
+
+namespace wobble::physics {
+
+template <class Real>
+struct RowsOf;
+
+template <>
+struct RowsOf<float> {
+  using Row = __m128;
+  using Lanes = __m256;  // two rows, or a lane for each of kVertices
+};
+template <>
+struct RowsOf<double> {
+  using Row = __m256d;
+  using Lanes = __m256d;
+};
+
+WOBBLE_INLINE __m128 LoadRow(const float* from) { return _mm_loadu_ps(from); }
+WOBBLE_INLINE __m256d LoadRow(const double* from) { return _mm256_loadu_pd(from); }
+WOBBLE_INLINE void StoreRow(__m128 row, float* to) { _mm_storeu_ps(to, row); }
+WOBBLE_INLINE void StoreRow(__m256d row, double* to) { _mm256_storeu_pd(to, row); }
+
+// Two numbers, and two zeros.
+WOBBLE_INLINE __m128 LoadHalf(const float* from) { return _mm_castsi128_ps(_mm_loadu_si64(from)); }
+WOBBLE_INLINE __m256d LoadHalf(const double* from) { return _mm256_zextpd128_pd256(_mm_loadu_pd(from)); }
+WOBBLE_INLINE void StoreHalf(__m128 row, float* to) { _mm_storeu_si64(to, _mm_castps_si128(row)); }
+WOBBLE_INLINE void StoreHalf(__m256d row, double* to) { _mm_storeu_pd(to, _mm256_castpd256_pd128(row)); }
+
+// y z x: each lane gets the one behind it, the last stays.
+WOBBLE_INLINE __m128 Turn(__m128 row) { return _mm_shuffle_ps(row, row, _MM_SHUFFLE(3, 0, 2, 1)); }
+WOBBLE_INLINE __m256d Turn(__m256d row) { return _mm256_permute4x64_pd(row, _MM_SHUFFLE(3, 0, 2, 1)); }
+// All four, the first comes last.
+WOBBLE_INLINE __m128 Rotate(__m128 row) { return _mm_shuffle_ps(row, row, _MM_SHUFFLE(0, 3, 2, 1)); }
+WOBBLE_INLINE __m256d Rotate(__m256d row) { return _mm256_permute4x64_pd(row, _MM_SHUFFLE(0, 3, 2, 1)); }
+// x y z of the first, then x of the second.
+WOBBLE_INLINE __m128 AppendFirst(__m128 a, __m128 b) { return _mm_insert_ps(a, b, 0x30); }
+WOBBLE_INLINE __m256d AppendFirst(__m256d a, __m256d b) {
+  return _mm256_blend_pd(a, _mm256_permute4x64_pd(b, _MM_SHUFFLE(0, 0, 0, 0)), 8);
+}
+
+// Vertex i of every four, and the one four further on where two rows fit.
+WOBBLE_INLINE __m256 LoadRows(const float* a, const float* b) {
+  return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(a)), _mm_loadu_ps(b), 1);
+}
+WOBBLE_INLINE __m256d LoadRows(const double* a, const double*) { return _mm256_loadu_pd(a); }
+WOBBLE_INLINE __m128 FindRow(__m256 rows, bool second) {
+  return second ? _mm256_extractf128_ps(rows, 1) : _mm256_castps256_ps128(rows);
+}
+WOBBLE_INLINE __m256d FindRow(__m256d rows, bool) { return rows; }
+
+// Rows of vertices 0 … 3 become x, y, z, w of all, and the other way round.
+WOBBLE_INLINE void Transpose(__m256 (&rows)[4]) {
+  const __m256 xy01 = _mm256_unpacklo_ps(rows[0], rows[1]);
+  const __m256 zw01 = _mm256_unpackhi_ps(rows[0], rows[1]);
+  const __m256 xy23 = _mm256_unpacklo_ps(rows[2], rows[3]);
+  const __m256 zw23 = _mm256_unpackhi_ps(rows[2], rows[3]);
+  rows[0] = _mm256_shuffle_ps(xy01, xy23, _MM_SHUFFLE(1, 0, 1, 0));
+  rows[1] = _mm256_shuffle_ps(xy01, xy23, _MM_SHUFFLE(3, 2, 3, 2));
+  rows[2] = _mm256_shuffle_ps(zw01, zw23, _MM_SHUFFLE(1, 0, 1, 0));
+  rows[3] = _mm256_shuffle_ps(zw01, zw23, _MM_SHUFFLE(3, 2, 3, 2));
+}
+WOBBLE_INLINE void Transpose(__m256d (&rows)[4]) {
+  const __m256d xz01 = _mm256_unpacklo_pd(rows[0], rows[1]);
+  const __m256d yw01 = _mm256_unpackhi_pd(rows[0], rows[1]);
+  const __m256d xz23 = _mm256_unpacklo_pd(rows[2], rows[3]);
+  const __m256d yw23 = _mm256_unpackhi_pd(rows[2], rows[3]);
+  rows[0] = _mm256_permute2f128_pd(xz01, xz23, 0x20);
+  rows[1] = _mm256_permute2f128_pd(yw01, yw23, 0x20);
+  rows[2] = _mm256_permute2f128_pd(xz01, xz23, 0x31);
+  rows[3] = _mm256_permute2f128_pd(yw01, yw23, 0x31);
+}
+
+}  // namespace wobble::physics
+
+#undef WOBBLE_INLINE
