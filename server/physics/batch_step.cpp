@@ -25,10 +25,14 @@ class Stepping {
     if (m_touch) m_group.Gather(m_group.Whole());
     for (int substep = 0; substep < substeps; ++substep) {
       for (int stage = 0; stage < 4; ++stage) StepStage(stage, static_cast<Real>(step));
-      const bool copies = m_touch || substep + 1 == substeps;
+      const bool isLast = substep + 1 == substeps;
       m_group.ForEach(m_packs.size(), [&](std::size_t i) {
         m_packs[i].EndStep(step, duration - substep * step, substep == 0);
-        if (copies) m_packs[i].CopyToGroup(0);
+        if (isLast) {
+          m_packs[i].EndTry();
+        } else if (m_touch) {
+          m_packs[i].CopyToGroup(0);
+        }
       });
       if (m_touch) m_group.UpdateAllBodyContacts(m_group.Positions(), m_group.Velocities(), static_cast<Real>(step));
     }
@@ -95,7 +99,7 @@ GroupOutcome StepAgain(const Group<Real>& group, const Part& part, int substeps,
   for (Encounter<Real>& encounter : scratch.encountersAgain) {
     for (std::uint32_t& member : encounter.members) member -= static_cast<std::uint32_t>(part.memberBegin);
   }
-  const Group<Real> alone(group.MembersOf(part), scratch.encountersAgain, threads, scratch.again);
+  const Group<Real> alone(group.MembersOf(part), scratch.encountersAgain, threads, kernels.back(), scratch.again);
   for (; substeps > 0; substeps = tick.Judge(alone, alone.Whole(), substeps)) {
     Stepping<Real>(alone, kernels, scratch).Integrate(rules.duration, substeps);
   }
@@ -125,7 +129,7 @@ void StepBatch(std::span<Member<Real>* const> members, std::span<const Encounter
                std::span<const Part> parts, int substeps, const StepRules& rules,
                std::span<const SweepKernel<Real>> kernels, Threads* threads, BatchScratch<Real>& scratch,
                std::span<GroupOutcome> outcomes) {
-  const Group<Real> group(members, encounters, threads, scratch.group);
+  const Group<Real> group(members, encounters, threads, kernels.back(), scratch.group);
   Stepping<Real>(group, kernels, scratch).Integrate(rules.duration, substeps);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     GroupTick<Real> tick(group.MembersOf(parts[i]), rules);
@@ -138,7 +142,7 @@ void StepBatch(std::span<Member<Real>* const> members, std::span<const Encounter
 template <class Real>
 void IntegrateBatch(std::span<Member<Real>* const> members, double duration, int substeps,
                     std::span<const SweepKernel<Real>> kernels, BatchScratch<Real>& scratch) {
-  const Group<Real> group(members, {}, nullptr, scratch.group);
+  const Group<Real> group(members, {}, nullptr, kernels.back(), scratch.group);
   Stepping<Real>(group, kernels, scratch).Integrate(duration, substeps);
   group.Scatter(group.Whole());
 }

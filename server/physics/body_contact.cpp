@@ -7,17 +7,14 @@
 #include <cmath>
 #include <limits>
 
+#include "server/physics/contact_limits.h"
+
 namespace wobble::physics {
 namespace {
 
-// A contact may begin this deep, m. It was found before the vertex came in, so a deeper beginning is none: each would
-// bring in the energy of a spring that nobody pressed.
-constexpr double kArmingDepth = 0.01;
-// Speed at which such a beginning may throw out a vertex, m/s. Bodies of 12 vertices that met edge on edge were torn
-// apart by a centimetre of springs that are stiff for their mass.
+// Speed at which a beginning at kArmingDepth may throw out its vertex, m/s. Bodies of 12 vertices that met edge on edge
+// were torn apart by a centimetre of springs that are stiff for their mass.
 constexpr double kFreeSpeed = 2.5;
-// One that goes on may be deeper than it was by that and by the motion of so many substeps.
-constexpr double kArmingSteps = 2;
 // How far, in barycentric weight, a vertex may have slid beyond its face within a substep and still be pushed by it. A
 // face that is squashed thin turns so fast that its plane can sweep over a vertex far beside it, whose weights are then
 // a lever that makes any force as large as one likes.
@@ -76,15 +73,6 @@ std::uint16_t FindStart(const Shell<Real>& shell, const Vector3<Real>& p, Real w
 template <class Real>
 bool IsInside(const Vector3<Real>& p, const Bounds<Real>& box) {
   return (p.array() >= box.low.array()).all() && (p.array() <= box.high.array()).all();
-}
-
-// Depth that may come from nowhere, m: with it comes the energy of a spring that nobody pressed, the more the stiffer
-// it is. By stickDamping/stickStiffness, which goes with the time that the contact's vertex takes to swing.
-template <class Real>
-Real FindFreeDepth(const ContactParameters<Real>& parameters) {
-  const auto most = static_cast<Real>(kArmingDepth);
-  if (!(parameters.stickStiffness > Real(0))) return most;
-  return std::min(most, static_cast<Real>(kFreeSpeed) * parameters.stickDamping / parameters.stickStiffness);
 }
 
 // Arms a contact that has just begun, disarms one that has leapt, and says how deep it may come from here. One that
@@ -256,6 +244,13 @@ ContactParameters<Real> Combine(const ContactParameters<Real>& a, const ContactP
 }
 
 template <class Real>
+Real FindFreeDepth(const ContactParameters<Real>& parameters) {
+  const auto most = static_cast<Real>(kArmingDepth);
+  if (!(parameters.stickStiffness > Real(0))) return most;
+  return std::min(most, static_cast<Real>(kFreeSpeed) * parameters.stickDamping / parameters.stickStiffness);
+}
+
+template <class Real>
 void FindBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting, const Shell<Real>& own,
                       const Bounds<Real>& near, Real margin, Real duration, std::vector<BodyContact<Real>>& contacts,
                       std::vector<BodyContact<Real>>& scratch) {
@@ -414,6 +409,7 @@ int AddContactLoads(const ContactParameters<Real>& parameters, const Meeting<Rea
 
 #define WOBBLE_INSTANTIATE(Real)                                                                                  \
   template ContactParameters<Real> Combine<Real>(const ContactParameters<Real>&, const ContactParameters<Real>&); \
+  template Real FindFreeDepth<Real>(const ContactParameters<Real>&);                                              \
   template void FindBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&, const Shell<Real>&,  \
                                        const Bounds<Real>&, Real, Real, std::vector<BodyContact<Real>>&,          \
                                        std::vector<BodyContact<Real>>&);                                          \

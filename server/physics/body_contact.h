@@ -66,6 +66,11 @@ struct Meeting {
 template <class Real>
 [[nodiscard]] ContactParameters<Real> Combine(const ContactParameters<Real>& a, const ContactParameters<Real>& b);
 
+// Depth that may come from nowhere, m: with it comes the energy of a spring that nobody pressed, the more the stiffer
+// it is. By stickDamping/stickStiffness, which goes with the time that the contact's vertex takes to swing.
+template <class Real>
+[[nodiscard]] Real FindFreeDepth(const ContactParameters<Real>& parameters);
+
 // Lists every surface vertex that may touch the other body before `duration` (s) is over, keeping what is known of
 // `contacts`. own: the surface that the vertices belong to. near: a box in the shell's coordinates that holds the
 // shell, fat enough for the time. margin: m, for what the vertex's present motion does not tell.

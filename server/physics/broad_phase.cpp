@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace wobble::physics {
 namespace {
@@ -16,12 +15,6 @@ namespace {
 // Times the mean box, from which on a box is one of the large.
 constexpr double kLargeRatio = 4;
 constexpr std::int64_t kCellsEachWay = std::int64_t{1} << 20;  // 21 bits of the key an axis
-
-double FindExtent(const Box& box) { return (box.high - box.low).maxCoeff(); }
-
-bool Overlap(const Box& a, const Box& b) {
-  return (a.low.array() <= b.high.array()).all() && (b.low.array() <= a.high.array()).all();
-}
 
 std::uint64_t PackCell(std::int64_t x, std::int64_t y, std::int64_t z) {
   const auto part = [](std::int64_t i) {
@@ -99,10 +92,10 @@ std::span<const IndexPair> BroadPhase::FindOverlaps(std::span<const Box> boxes) 
   return m_pairs;
 }
 
-void Groups::Find(std::size_t count, std::span<const IndexPair> pairs) {
+void Groups::Find(std::span<const std::uint32_t> bodies, std::span<const IndexPair> pairs) {
   std::vector<std::uint32_t>& parent = m_groupOf;
-  parent.resize(count);
-  std::iota(parent.begin(), parent.end(), 0U);
+  if (!bodies.empty()) parent.resize(std::max(parent.size(), bodies.back() + std::size_t{1}));
+  for (const std::uint32_t i : bodies) parent[i] = i;
   const auto findRoot = [&parent](std::uint32_t i) {
     while (parent[i] != i) i = parent[i] = parent[parent[i]];
     return i;
@@ -112,19 +105,19 @@ void Groups::Find(std::size_t count, std::span<const IndexPair> pairs) {
     const std::uint32_t other = findRoot(b);
     parent[std::max(one, other)] = std::min(one, other);  // so the least member is the root
   }
-  for (std::uint32_t i = 0; i < count; ++i) parent[i] = findRoot(i);
+  for (const std::uint32_t i : bodies) parent[i] = findRoot(i);
   // A root comes before its members, so its place in parent can take the group's number on the way.
   std::uint32_t groups = 0;
-  for (std::uint32_t i = 0; i < count; ++i) m_groupOf[i] = parent[i] == i ? groups++ : m_groupOf[parent[i]];
+  for (const std::uint32_t i : bodies) m_groupOf[i] = parent[i] == i ? groups++ : m_groupOf[parent[i]];
 
   m_begins.assign(groups + 1U, 0);
-  for (const std::uint32_t group : m_groupOf) ++m_begins[group + 1U];
+  for (const std::uint32_t i : bodies) ++m_begins[m_groupOf[i] + 1U];
   for (std::uint32_t group = 0; group < groups; ++group) m_begins[group + 1U] += m_begins[group];
-  m_members.resize(count);
-  for (std::uint32_t i = static_cast<std::uint32_t>(count); i-- > 0;) m_members[--m_begins[m_groupOf[i] + 1U]] = i;
+  m_members.resize(bodies.size());
+  for (std::size_t i = bodies.size(); i-- > 0;) m_members[--m_begins[m_groupOf[bodies[i]] + 1U]] = bodies[i];
   // Each group's end has been counted down to its begin: one step to the right, and they are begins again.
   m_begins.erase(m_begins.begin());
-  m_begins.push_back(static_cast<std::uint32_t>(count));
+  m_begins.push_back(static_cast<std::uint32_t>(bodies.size()));
 }
 
 }  // namespace wobble::physics

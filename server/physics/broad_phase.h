@@ -16,6 +16,13 @@ struct Box {
   Vector3d high = Vector3d::Zero();
 };
 
+[[nodiscard]] inline double FindExtent(const Box& box) { return (box.high - box.low).maxCoeff(); }
+
+// Or touch.
+[[nodiscard]] inline bool Overlap(const Box& a, const Box& b) {
+  return (a.low.array() <= b.high.array()).all() && (b.low.array() <= a.high.array()).all();
+}
+
 using IndexPair = std::array<std::uint32_t, 2>;  // the lower index first
 
 // Keeps what it works with, so that it allocates nothing once warm.
@@ -42,7 +49,8 @@ class BroadPhase {
 // without a pair is a group of its own.
 class Groups {
  public:
-  void Find(std::size_t count, std::span<const IndexPair> pairs);
+  // bodies: ascending. pairs: of these.
+  void Find(std::span<const std::uint32_t> bodies, std::span<const IndexPair> pairs);
 
   [[nodiscard]] std::size_t Count() const { return m_begins.size() - 1; }
   [[nodiscard]] std::span<const std::uint32_t> MembersOf(std::size_t group) const {
@@ -53,7 +61,7 @@ class Groups {
  private:
   std::vector<std::uint32_t> m_begins{0};
   std::vector<std::uint32_t> m_members;
-  std::vector<std::uint32_t> m_groupOf;
+  std::vector<std::uint32_t> m_groupOf;  // by body; of those that were not asked for it says nothing
 };
 
 }  // namespace wobble::physics

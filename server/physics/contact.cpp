@@ -1,6 +1,7 @@
 #include "server/physics/contact.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace wobble::physics {
@@ -71,24 +72,46 @@ bool HasComeFromBeside(const Surface<Real>& surface, const SurfacePoint<Real>& p
   return FindSurfacePoint(surface, before).distance >= static_cast<Real>(kBeyond);
 }
 
-// How fast a vertex may be within the tick, whatever it does now: a body that vibrates faster than a tick throws it
-// onto a surface at the speed of any other. By its own speed alone it was in the ground before anybody looked, a hand
-// deep, and what lifted it out was energy from nowhere that no check sees, since it comes between two ticks.
+// Of one contact, whose vertex is at x.
 template <class Real>
-struct Agitation {
-  Vector3<Real> mean = Vector3<Real>::Zero();  // m/s
-  Real speed = -1;                             // of the fastest vertex against that, m/s; negative: not yet known
-};
+void UpdateAnchor(const ContactParameters<Real>& parameters, const Surface<Real>& surface, const Vector3<Real>& x,
+                  Contact<Real>& contact) {
+  const SurfacePoint<Real> point = FindContactPoint(surface, contact, x);
+  contact.side = point.normal;
+  if (parameters.law == ContactLaw::kMagnetic) {
+    contact.touching = point.distance < parameters.range / Real(2);
+    return;
+  }
+  const bool wasTouching = contact.touching;
+  contact.touching = point.distance < Real(0);
+  if (!contact.touching) return;
+  const Real friction = parameters.friction * surface.friction;
+  contact.anchor =
+      wasTouching ? DragAnchor<Real>(parameters, friction, -point.distance, point.normal, x, contact.anchor) : x;
+}
 
-template <class Real>
-Agitation<Real> FindAgitation(std::span<const Vector3<Real>> v) {
-  Agitation<Real> agitation;
-  for (const Vector3<Real>& each : v) agitation.mean += each;
-  agitation.mean /= static_cast<Real>(v.size());
-  Real square = 0;
-  for (const Vector3<Real>& each : v) square = std::max(square, (each - agitation.mean).squaredNorm());
-  agitation.speed = std::sqrt(square);
-  return agitation;
+// Vertices that may come within `reach` (m) of the surface by where they are: of a plane by its distance, of anything
+// else all. Calls visit(vertex), ascending.
+template <class Real, class Visit>
+void VisitNear(const Surface<Real>& surface, Real reach, std::span<const Vector3<Real>> x, const Visit& visit) {
+  if (surface.kind != Obstacle::Kind::kPlane) {
+    for (std::uint32_t i = 0; i < x.size(); ++i) visit(i);
+    return;
+  }
+  const Real limit = reach + surface.offset;
+  constexpr std::size_t kBlock = 32;
+  for (std::size_t begin = 0; begin < x.size(); begin += kBlock) {
+    std::array<Real, kBlock> heights;
+    const std::size_t count = std::min(kBlock, x.size() - begin);
+    const Real* numbers = x[begin].data();
+    for (std::size_t i = 0; i < count; ++i) {
+      heights[i] = surface.normal[0] * numbers[3 * i] + surface.normal[1] * numbers[3 * i + 1] +
+                   surface.normal[2] * numbers[3 * i + 2];
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!(heights[i] > limit)) visit(static_cast<std::uint32_t>(begin + i));
+    }
+  }
 }
 
 bool ComesBefore(std::uint32_t surfaceA, std::uint32_t vertexA, std::uint32_t surfaceB, std::uint32_t vertexB) {
@@ -203,21 +226,25 @@ SurfacePoint<Real> FindContactPoint(const Surface<Real>& surface, const Contact<
 }
 
 template <class Real>
-void FindContacts(std::span<const Surface<Real>> surfaces, Real range, const Bounds<Real>& bounds,
+void FindContacts(std::span<const Surface<Real>> surfaces, Real range, const Survey<Real>& survey,
                   std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, Real duration,
                   std::vector<Contact<Real>>& contacts, std::vector<Contact<Real>>& scratch) {
   scratch.clear();
+  const Bounds<Real>& bounds = survey.bounds;
   const Vector3<Real> half = (bounds.high - bounds.low) / Real(2);
   const Vector3<Real> middle = bounds.low + half;
   const Real margin = range + static_cast<Real>(kMargin);
   const Real reach = std::sqrt(half.dot(half)) + bounds.speed * duration + margin;
-  Agitation<Real> agitation;
+  const Vector3<Real> mean = survey.velocity.template cast<Real>();
   auto kept = contacts.begin();
   for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
     // Nothing is nearer than this, so one look at the middle clears a whole body that is far off.
     if (FindClearance(surfaces[s], middle) > reach) continue;
-    if (agitation.speed < Real(0)) agitation = FindAgitation<Real>(v);
-    for (std::uint32_t i = 0; i < x.size(); ++i) {
+    // Rounding may take no vertex from the list.
+    const Real shakenMost =
+        std::max(Real(0), FindApproach<Real>(surfaces[s], {0, surfaces[s].normal}, mean)) + survey.agitation;
+    const Real fastest = Real(1.001) * std::max(survey.bounds.speed, shakenMost);
+    VisitNear<Real>(surfaces[s], Real(1.001) * margin + fastest * duration, x, [&](std::uint32_t i) {
       while (kept != contacts.end() && ComesBefore(kept->surface, kept->vertex, s, i)) ++kept;
       const bool known = kept != contacts.end() && kept->surface == s && kept->vertex == i;
       Contact<Real> contact = known ? *kept : Contact<Real>{s, i};
@@ -226,12 +253,15 @@ void FindContacts(std::span<const Surface<Real>> surfaces, Real range, const Bou
       contact.buried = known && kept->buried ? point.distance < Real(0)
                                              : !known && HasComeFromBeside(surfaces[s], point, x[i], v[i], duration);
       const Real own = FindApproach(surfaces[s], point, v[i]);
-      const Real shaken = FindApproach(surfaces[s], point, agitation.mean) + agitation.speed;
+      // A body that vibrates faster than a tick throws a vertex onto a surface at the speed of any other. By its own
+      // speed alone it was in the ground before anybody looked, a hand deep, and what lifted it out was energy from
+      // nowhere that no check sees, since it comes between two ticks.
+      const Real shaken = FindApproach(surfaces[s], point, mean) + survey.agitation;
       const Real approach = std::max({Real(0), own, shaken}) * duration;
-      if (point.distance > margin + approach) continue;
+      if (point.distance > margin + approach) return;
       contact.side = point.normal;
       scratch.push_back(contact);
-    }
+    });
   }
   // Not swapped: bodies would hand lists of one another's size round for ever, and each have to grow again.
   if (scratch.size() > contacts.capacity()) contacts.reserve(std::max(scratch.size(), x.size()));
@@ -282,29 +312,6 @@ ContactStiffness<Real> FindContactStiffness(const ContactParameters<Real>& param
 }
 
 template <class Real>
-void UpdateAnchor(const ContactParameters<Real>& parameters, const Surface<Real>& surface, const Vector3<Real>& x,
-                  Contact<Real>& contact) {
-  const SurfacePoint<Real> point = FindContactPoint(surface, contact, x);
-  contact.side = point.normal;
-  if (parameters.law == ContactLaw::kMagnetic) {
-    contact.touching = point.distance < parameters.range / Real(2);
-    return;
-  }
-  const Real depth = -point.distance;
-  const bool wasTouching = contact.touching;
-  contact.touching = depth > Real(0);
-  if (!contact.touching) return;
-  if (!wasTouching) {
-    contact.anchor = x;
-    return;
-  }
-  const Vector3<Real> slip = RemoveNormalPart<Real>(x - contact.anchor, point.normal);
-  const Real limit = parameters.friction * surface.friction * ComputePenalty(parameters, depth);
-  const Real strength = parameters.stickStiffness * std::sqrt(slip.dot(slip));
-  if (strength > limit) contact.anchor = x - slip * (limit / strength);
-}
-
-template <class Real>
 void UpdateAnchors(const ContactParameters<Real>& parameters, std::span<const Surface<Real>> surfaces,
                    std::span<Contact<Real>> contacts, std::span<const Vector3<Real>> x) {
   if (parameters.law == ContactLaw::kBacktracking) return;
@@ -343,7 +350,7 @@ double ComputeContactEnergy(const Coefficients<Real>& body, std::span<const Surf
   template ContactRates FindRates<Real>(const ContactParameters<Real>&, double, double);                           \
   template SurfacePoint<Real> FindContactPoint<Real>(const Surface<Real>&, const Contact<Real>&,                   \
                                                      const Vector3<Real>&);                                        \
-  template void FindContacts<Real>(std::span<const Surface<Real>>, Real, const Bounds<Real>&,                      \
+  template void FindContacts<Real>(std::span<const Surface<Real>>, Real, const Survey<Real>&,                      \
                                    std::span<const Vector3<Real>>, std::span<const Vector3<Real>>, Real,           \
                                    std::vector<Contact<Real>>&, std::vector<Contact<Real>>&);                      \
   template void AddContacts<Real>(const ContactParameters<Real>&, std::span<const Real>,                           \
@@ -353,8 +360,6 @@ double ComputeContactEnergy(const Coefficients<Real>& body, std::span<const Surf
   template ContactStiffness<Real> FindContactStiffness<Real>(                                                      \
       const ContactParameters<Real>&, std::span<const Real>, std::span<const Surface<Real>>, const Contact<Real>&, \
       std::span<const Vector3<Real>>, std::span<const Vector3<Real>>);                                             \
-  template void UpdateAnchor<Real>(const ContactParameters<Real>&, const Surface<Real>&, const Vector3<Real>&,     \
-                                   Contact<Real>&);                                                                \
   template void UpdateAnchors<Real>(const ContactParameters<Real>&, std::span<const Surface<Real>>,                \
                                     std::span<Contact<Real>>, std::span<const Vector3<Real>>);
 WOBBLE_INSTANTIATE(float)

@@ -19,8 +19,8 @@
 #include <vector>
 
 #include "server/physics/blueprint.h"
-#include "server/physics/bounds.h"
 #include "server/physics/obstacle.h"
+#include "server/physics/survey.h"
 #include "server/physics/vector.h"
 
 namespace wobble::physics {
@@ -47,7 +47,7 @@ template <class Real>
 // Lists every vertex that may come within `range` (m) of a surface before `duration` (s) is over, keeping anchors of
 // `contacts`. `scratch` saves allocations.
 template <class Real>
-void FindContacts(std::span<const Surface<Real>> surfaces, Real range, const Bounds<Real>& bounds,
+void FindContacts(std::span<const Surface<Real>> surfaces, Real range, const Survey<Real>& survey,
                   std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, Real duration,
                   std::vector<Contact<Real>>& contacts, std::vector<Contact<Real>>& scratch);
 
@@ -78,10 +78,16 @@ template <class Real>
 void UpdateAnchors(const ContactParameters<Real>& parameters, std::span<const Surface<Real>> surfaces,
                    std::span<Contact<Real>> contacts, std::span<const Vector3<Real>> x);
 
-// Of one contact, whose vertex is at x.
+// Where the anchor of a touching contact goes, whose vertex is at x and `depth` deep. friction: of body and surface.
 template <class Real>
-void UpdateAnchor(const ContactParameters<Real>& parameters, const Surface<Real>& surface, const Vector3<Real>& x,
-                  Contact<Real>& contact);
+[[nodiscard]] Vector3<Real> DragAnchor(const ContactParameters<Real>& parameters, Real friction, Real depth,
+                                       const Vector3<Real>& normal, const Vector3<Real>& x,
+                                       const Vector3<Real>& anchor) {
+  const Vector3<Real> slip = RemoveNormalPart<Real>(x - anchor, normal);
+  const Real limit = friction * ComputePenalty(parameters, depth);
+  const Real strength = parameters.stickStiffness * std::sqrt(slip.dot(slip));
+  return strength > limit ? Vector3<Real>(x - slip * (limit / strength)) : anchor;
+}
 
 // What the springs of penalty contacts hold, normal and stick, J; 0 for the other laws.
 template <class Real>

@@ -13,10 +13,12 @@ constexpr double kFactorApproach = 0.4;
 constexpr double kSpeedBand = 0.25;
 
 // Horizontal acceleration towards the speed asked for. Without a request the body is left to friction.
-Vector3d FindMoveAcceleration(const Control& control, const ControlLimits& limits, const Vector3d& velocity) {
+template <class Real>
+Vector3d FindMoveAcceleration(const Control& control, const ControlLimits& limits, const Blueprint& blueprint,
+                              const State<Real>& state) {
   const Vector3d wanted(control.moveX, control.moveY, 0);
   if (wanted.isZero(0) || !(limits.speed > 0)) return Vector3d::Zero();
-  Vector3d missing = wanted * limits.speed - velocity;
+  Vector3d missing = wanted * limits.speed - FindMeanVelocity(blueprint, state);
   missing.z() = 0;
   const Vector3d share = missing / (kSpeedBand * limits.speed);
   return limits.acceleration * share / std::max(1.0, share.norm());
@@ -42,7 +44,7 @@ Load<Real> ApplyControl(const Blueprint& blueprint, const Vector3d& gravity, Bod
   body.stiffnessFactor += kFactorApproach * ((control.stiffen ? limits.stiffenFactor : 1.0) - body.stiffnessFactor);
 
   Load<Real> load;
-  const Vector3d push = FindMoveAcceleration(control, limits, FindMeanVelocity(blueprint, state));
+  const Vector3d push = FindMoveAcceleration(control, limits, blueprint, state);
   load.acceleration = (gravity + push).cast<Real>();
   load.gasFactor = static_cast<Real>(body.gasFactor);
   load.stiffnessFactor = static_cast<Real>(body.stiffnessFactor);

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <limits>
 
+#include "server/physics/contact_limits.h"
+
 namespace wobble::physics {
 namespace {
 
@@ -16,14 +18,6 @@ constexpr int kMaxSteps = 16;
 // Squared distances that differ by less than this share of a face's squared size are taken for equal: the point is
 // nearest to an edge or a corner that both have.
 constexpr double kTieShare = 1e-5;
-// Sides flatter than this (cosine of the angle between normals, 45°) are those of a smooth surface: there a point
-// changes its face where both planes are equally deep. Over a sharper edge it must truly leave the first face.
-constexpr double kSmoothCosine = 0.7;
-// A face can have been come in through when its normal and the vertex's own are farther apart than this (cosine, 107°).
-// Where boxes meet flat it is 180° in the middle of a side, 135° on its edges and no less than 114° in its corners,
-// whose normal is drawn to the side with more triangles; from the sides that a vertex only passes by, 90° or less,
-// and a little more where the boxes yield.
-constexpr double kFacingCosine = -0.3;
 
 template <class Real>
 Real FindSquaredDistance(const Vector3<Real>& a, const Vector3<Real>& b, const Vector3<Real>& c,

@@ -8,6 +8,7 @@
 
 #include "server/physics/backtracking.h"
 #include "server/physics/group_step.h"
+#include "server/physics/lanes/sweep.h"
 
 namespace wobble::physics {
 
@@ -28,11 +29,11 @@ template <class Real>
 class Group {
  public:
   Group(std::span<Member<Real>* const> members, std::span<const Encounter<Real>> encounters, Threads* threads,
-        GroupScratch<Real>& scratch)
+        const SweepKernel<Real>& kernel, GroupScratch<Real>& scratch)
       : m_members(members), m_encounters(encounters), m_threads(threads), m_scratch(scratch) {
     ListMembers();
     SaveContacts();
-    ListSides();
+    m_scratch.groupContacts.Build(encounters, members, kernel.bodyContacts);
   }
 
   [[nodiscard]] Part Whole() const { return {0, m_members.size(), 0, m_encounters.size()}; }
@@ -114,30 +115,16 @@ class Group {
 
   // The forces of all contacts between members.
   void ComputeAllBodyContacts(std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v) const {
-    ForEach(2 * m_encounters.size(), [&](std::size_t side) {
-      const Encounter<Real>& encounter = m_encounters[side / 2];
-      ComputeBodyContacts<Real>(encounter.parameters, Meet(encounter, side % 2, x, v), *encounter.sides[side % 2],
-                                ForcesOf(side));
-    });
+    m_scratch.groupContacts.ComputeForces(FindMotions(x, v), m_threads);
   }
   // Those that act on a member: add(vertex, force), in their one order.
   template <class Add>
   void VisitContactForces(std::size_t member, const Add& add) const {
-    for (std::size_t i = m_scratch.sidesOf[member]; i < m_scratch.sidesOf[member + 1]; ++i) {
-      const std::uint32_t side = m_scratch.sides[i];
-      if (m_encounters[side / 2].members[side % 2] == member) {
-        AddToVertices<Real>(ForcesOf(side), add);
-      } else {
-        AddToCorners<Real>(ForcesOf(side), add);
-      }
-    }
+    m_scratch.groupContacts.VisitForcesOn(member, add);
   }
   // After a substep of h s to these positions and velocities.
   void UpdateAllBodyContacts(std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, Real h) const {
-    ForEach(2 * m_encounters.size(), [&](std::size_t side) {
-      const Encounter<Real>& encounter = m_encounters[side / 2];
-      UpdateBodyContacts<Real>(encounter.parameters, Meet(encounter, side % 2, x, v), h, *encounter.sides[side % 2]);
-    });
+    m_scratch.groupContacts.Update(FindMotions(x, v), h, m_threads);
   }
 
   // Takes the part's positions and velocities from the bodies' own states, which stay as they are until Scatter.
@@ -160,6 +147,7 @@ class Group {
       const auto saved = BodyContactsBefore(side);
       std::copy(saved.begin(), saved.end(), m_encounters[side / 2].sides[side % 2]->begin());
     }
+    m_scratch.groupContacts.ReadLists();
   }
 
   void Scatter(const Part& part) const {
@@ -177,8 +165,8 @@ class Group {
     return std::span(m_scratch.contacts).subspan(m_scratch.contactBegins[member], ContactsOf(member).size());
   }
   [[nodiscard]] std::span<const BodyContact<Real>> BodyContactsBefore(std::size_t side) const {
-    const std::size_t begin = m_scratch.sideBegins[side];
-    return std::span(m_scratch.bodyContacts).subspan(begin, m_scratch.sideBegins[side + 1] - begin);
+    return std::span(m_scratch.bodyContacts)
+        .subspan(m_scratch.groupContacts.BeginOf(side), m_encounters[side / 2].sides[side % 2]->size());
   }
 
  private:
@@ -208,34 +196,12 @@ class Group {
     }
   }
 
-  // Which sides of encounters act on which member, ascending.
-  void ListSides() {
-    m_scratch.sideBegins.assign(1, 0);
-    m_scratch.sidesOf.assign(m_members.size() + 1, 0);
-    for (const Encounter<Real>& encounter : m_encounters) {
-      for (const auto* side : encounter.sides) {
-        m_scratch.sideBegins.push_back(m_scratch.sideBegins.back() + side->size());
-      }
-      for (const std::uint32_t member : encounter.members) m_scratch.sidesOf[member + 1U] += 2;
-    }
-    m_scratch.contactForces.resize(m_scratch.sideBegins.back());
-    m_scratch.sides.resize(4 * m_encounters.size());
-    for (std::size_t i = 0; i < m_members.size(); ++i) m_scratch.sidesOf[i + 1] += m_scratch.sidesOf[i];
-    for (std::size_t e = m_encounters.size(); e-- > 0;) {
-      for (std::uint32_t s = 2; s-- > 0;) {
-        for (const std::uint32_t member : m_encounters[e].members) {
-          m_scratch.sides[--m_scratch.sidesOf[member + 1U]] = static_cast<std::uint32_t>(2 * e) + s;
-        }
-      }
-    }
-    // Each member's end has been counted down to its begin: one step to the left, and they are begins again.
-    m_scratch.sidesOf.erase(m_scratch.sidesOf.begin());
-    m_scratch.sidesOf.push_back(m_scratch.sides.size());
-  }
-
-  std::span<ContactForce<Real>> ForcesOf(std::size_t side) const {
-    const std::size_t begin = m_scratch.sideBegins[side];
-    return std::span(m_scratch.contactForces).subspan(begin, m_scratch.sideBegins[side + 1] - begin);
+  // Of all members, until the next call.
+  [[nodiscard]] std::span<const Motion<Real>> FindMotions(std::span<const Vector3<Real>> x,
+                                                          std::span<const Vector3<Real>> v) const {
+    m_scratch.motions.clear();
+    for (std::size_t i = 0; i < m_members.size(); ++i) m_scratch.motions.push_back({PartOf(x, i), PartOf(v, i)});
+    return m_scratch.motions;
   }
 
   std::span<Member<Real>* const> m_members;

@@ -56,18 +56,16 @@ Member<Real>* FindRunaway(const Group<Real>& group, const Part& part) {
   for (std::size_t i = part.memberBegin; i < part.memberEnd; ++i) {
     Member<Real>& member = *group.Members()[i];
     const Blueprint& blueprint = *member.blueprint;
-    const State<Real>& before = *member.state;
-    const double gain = ComputeMotionEnergy<Real>(blueprint, member.load, group.PartOf(scratch.positions, i),
-                                                  group.PartOf(scratch.velocities, i)) -
-                        ComputeMotionEnergy<Real>(blueprint, member.load, before.positions, before.velocities);
+    const double gain =
+        ComputeMotionEnergy<Real>(blueprint, member.load, member.after, group.PartOf(scratch.positions, i)) -
+        ComputeMotionEnergy<Real>(blueprint, member.load, member.survey, member.state->positions);
     gained += gain;
     if (gain > largest) {
       largest = gain;
       greatest = &member;
     }
     const double gravity = std::max(kLeastGravity, double{member.load.acceleration.norm()});
-    has += blueprint.totalMass * gravity * blueprint.reach +
-           ComputeMotionEnergy<Real>(blueprint, {}, before.positions, before.velocities);
+    has += blueprint.totalMass * gravity * blueprint.reach + member.survey.kineticEnergy;
   }
   if (greatest == nullptr || gained <= kRunawayShare * has) return nullptr;
   const ElasticChange elastic = FindElasticChange(group, part);
@@ -81,9 +79,9 @@ bool FindBadMembers(const Group<Real>& group, const Part& part, bool checkEnergy
   bool anyBad = false;
   for (std::size_t i = part.memberBegin; i < part.memberEnd; ++i) {
     Member<Real>& member = *group.Members()[i];
-    const Health health =
-        FindHealth<Real>(member.blueprint->template Read<Real>(), group.PartOf(group.Scratch().positions, i),
-                         group.PartOf(group.Scratch().velocities, i));
+    member.after = MakeSurvey<Real>(member.blueprint->template Read<Real>().masses, group.PartOf(group.Positions(), i),
+                                    group.PartOf(group.Velocities(), i));
+    const Health health = FindHealth(member.after, member.insideOut);
     member.health = std::max(member.health, health);
     member.lost = health != Health::kGood;
     anyBad |= member.lost;
@@ -99,8 +97,9 @@ bool FindBadMembers(const Group<Real>& group, const Part& part, bool checkEnergy
 template <class Real>
 bool BlameThoseWhoBeganBad(const Group<Real>& group, const Part& part) {
   const auto beganBad = [](const Member<Real>* member) {
-    const Coefficients<Real>& body = member->blueprint->template Read<Real>();
-    return FindHealth<Real>(body, member->state->positions, member->state->velocities) != Health::kGood;
+    const bool insideOut =
+        IsInsideOut<Real>(member->blueprint->template Read<Real>(), std::span(member->state->positions));
+    return FindHealth(member->survey, insideOut) != Health::kGood;
   };
   const auto members = group.MembersOf(part);
   if (std::none_of(members.begin(), members.end(), beganBad)) return false;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/physics/group_tick.h"
+#include "server/physics/lanes/kernels.h"
 
 namespace wobble::physics {
 namespace {
@@ -38,7 +39,12 @@ class Stepping {
       }
       UpdateContacts(static_cast<Real>(step));
     }
-    for (Member<Real>* member : m_group.Members()) member->error *= kErrorShare / substeps;
+    for (std::size_t i = 0; i < m_group.CountBodies(); ++i) {
+      Member<Real>& member = *m_group.Members()[i];
+      member.error *= kErrorShare / substeps;
+      member.insideOut =
+          IsInsideOut<Real>(member.blueprint->template Read<Real>(), m_group.PartOf(m_scratch.positions, i));
+    }
   }
 
   // As runge_kutta.h does it, member by member, with each one's error estimated as step_choice.h says.
@@ -120,7 +126,7 @@ Meeting<Real> MakeMeeting(const Member<Real>& ofVertices, std::span<const Vector
 template <class Real>
 GroupOutcome StepGroup(std::span<Member<Real>* const> members, std::span<const Encounter<Real>> encounters,
                        int substeps, const StepRules& rules, Threads* threads, GroupScratch<Real>& scratch) {
-  Group<Real> group(members, encounters, threads, scratch);
+  Group<Real> group(members, encounters, threads, FindSweepKernels<Real>(kWidestPack).back(), scratch);
   return Stepping<Real>(group, rules).Step(substeps);
 }
 

@@ -8,10 +8,12 @@
 
 #include "server/physics/body_contact.h"
 #include "server/physics/forces.h"
+#include "server/physics/group_contacts.h"
 #include "server/physics/health.h"
 #include "server/physics/integrator_step.h"
 #include "server/physics/parallel.h"
 #include "server/physics/state.h"
+#include "server/physics/survey.h"
 
 namespace wobble::physics {
 
@@ -30,12 +32,14 @@ struct Member {
   Load<Real> load;
   std::vector<VertexForce<Real>> pushes;  // the load's
   std::vector<Surface<Real>> surfaces;
-  Bounds<Real> bounds;
+  Survey<Real> survey;       // as the tick began; of a sleeper as it fell asleep
   int substepsForError = 1;  // that its last ticks ask for
   // What the tick did:
   double error = 0;               // as it is estimated, RMS over vertices, m
-  double speed = 0;               // at its end, RMS over vertices, m/s
-  double acceleration = 0;        // mean through it, RMS over vertices, m/s²
+  bool insideOut = false;         // at its end: no volume is left to its gas
+  Survey<Real> after;             // at its end
+  double speed = 0;               // then, RMS by mass, m/s
+  double acceleration = 0;        // mean through it, RMS over vertices, m/s²; of a fast body, nobody asks: infinite
   Health health = Health::kGood;  // the worst that any try found
   bool lost = false;              // no try has helped: the state is not to be used
 };
@@ -56,11 +60,8 @@ struct GroupScratch {
   std::vector<Vector3<Real>> positionsBefore;  // the substep, where a member's contact law asks for them
   std::vector<Vector3<Real>> velocitiesBefore;
   std::vector<std::size_t> begins;
-  std::vector<ContactForce<Real>> contactForces;  // of all contacts between members, side by side
-  std::vector<std::size_t> sideBegins;            // of those of side s of encounter e, at 2 e + s
-  std::vector<std::uint32_t> sides;               // 2 e + s, those that member m has a part in from sidesOf[m] on
-  std::vector<std::size_t> sidesOf;
-  std::vector<VertexLoad> loads;  // of every vertex of the group
+  GroupContacts<Real> groupContacts;
+  std::vector<Motion<Real>> motions;  // of each member
   // Contacts as the tick found them, one list behind the other, for a tick that is stepped again.
   std::vector<Contact<Real>> contacts;
   std::vector<std::size_t> contactBegins;  // of each member's
@@ -74,16 +75,13 @@ struct GroupScratch {
     velocities.reserve(vertices);
     positionsBefore.reserve(vertices);
     velocitiesBefore.reserve(vertices);
-    loads.reserve(vertices);
     contacts.reserve(vertices);
     bodyContacts.reserve(vertices);
     places.reserve(vertices);
     begins.reserve(bodies + 1);
-    sidesOf.reserve(bodies + 1);
     contactBegins.reserve(bodies);
-    contactForces.reserve(vertices);
-    sideBegins.reserve(16 * bodies);  // seldom has a body more than eight neighbours
-    sides.reserve(32 * bodies);
+    groupContacts.Reserve(vertices, bodies);
+    motions.reserve(bodies);
   }
 };
 

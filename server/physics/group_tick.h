@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "server/physics/group.h"
 #include "server/physics/group_health.h"
+#include "server/physics/sleep.h"
 #include "server/physics/step_choice.h"
 #include "server/physics/substeps.h"
 
@@ -17,13 +19,6 @@ namespace wobble::physics {
 inline constexpr int kMaxRedos = 2;
 // Times that a tick which left a body in a state that cannot be is stepped again, each in twice the substeps.
 inline constexpr int kMaxRescues = 4;
-
-template <class Real>
-[[nodiscard]] double FindRms(std::span<const Vector3<Real>> values) {
-  double sum = 0;
-  for (const Vector3<Real>& value : values) sum += double{value.squaredNorm()};
-  return std::sqrt(sum / static_cast<double>(values.size()));
-}
 
 template <class Real>
 [[nodiscard]] double FindRmsOfDifference(std::span<const Vector3<Real>> a, std::span<const Vector3<Real>> b) {
@@ -63,9 +58,11 @@ class GroupTick {
   GroupOutcome Finish(const Group<Real>& group, const Part& part) const {
     for (std::size_t i = part.memberBegin; i < part.memberEnd; ++i) {
       Member<Real>& member = *group.Members()[i];
-      const auto velocities = group.PartOf(group.Velocities(), i);
-      member.speed = FindRms<Real>(velocities);
-      member.acceleration = FindRmsOfDifference<Real>(velocities, member.state->velocities) / m_rules.duration;
+      member.speed = std::sqrt(2 * member.after.kineticEnergy / member.blueprint->totalMass);
+      member.acceleration = member.speed < kQuietSpeed ? FindRmsOfDifference<Real>(group.PartOf(group.Velocities(), i),
+                                                                                   member.state->velocities) /
+                                                             m_rules.duration
+                                                       : std::numeric_limits<double>::infinity();
     }
     group.Scatter(part);
     return m_outcome;

@@ -1,26 +1,21 @@
 #include "server/physics/health.h"
 
+#include <cmath>
+
 namespace wobble::physics {
 
 template <class Real>
-Health FindHealth(const Coefficients<Real>& body, std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v) {
+Health FindHealth(const Survey<Real>& survey, bool insideOut) {
   // A sum of what is finite may overflow, but not these: places and speeds that large are no better than none.
-  Vector3<Real> sum = Vector3<Real>::Zero();
-  for (std::size_t i = 0; i < x.size(); ++i) sum += x[i].cwiseAbs() + v[i].cwiseAbs();
-  if (!sum.allFinite()) return Health::kNonFinite;
-  return IsInsideOut<Real>(body, x) ? Health::kInverted : Health::kGood;
+  if (!std::isfinite(survey.kineticEnergy) || !survey.centre.allFinite()) return Health::kNonFinite;
+  return insideOut ? Health::kInverted : Health::kGood;
 }
 
 template <class Real>
-double ComputeMotionEnergy(const Blueprint& blueprint, const Load<Real>& load, std::span<const Vector3<Real>> x,
-                           std::span<const Vector3<Real>> v) {
-  const Coefficients<Real>& body = blueprint.Read<Real>();
+double ComputeMotionEnergy(const Blueprint& blueprint, const Load<Real>& load, const Survey<Real>& survey,
+                           std::span<const Vector3<Real>> x) {
   const Vector3d acceleration = load.acceleration.template cast<double>();
-  double energy = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const double kinetic = v[i].template cast<double>().squaredNorm() / 2;
-    energy += double{body.masses[i]} * (kinetic - acceleration.dot(x[i].template cast<double>()));
-  }
+  double energy = survey.kineticEnergy - blueprint.totalMass * acceleration.dot(survey.centre);
   for (const VertexForce<Real>& push : load.pushes) {
     energy -= push.force.template cast<double>().dot(x[push.vertex].template cast<double>());
   }
@@ -43,9 +38,8 @@ ElasticEnergy ComputeElasticEnergy(const Blueprint& blueprint, const Load<Real>&
 }
 
 #define WOBBLE_INSTANTIATE(Real)                                                                                    \
-  template Health FindHealth<Real>(const Coefficients<Real>&, std::span<const Vector3<Real>>,                       \
-                                   std::span<const Vector3<Real>>);                                                 \
-  template double ComputeMotionEnergy<Real>(const Blueprint&, const Load<Real>&, std::span<const Vector3<Real>>,    \
+  template Health FindHealth<Real>(const Survey<Real>&, bool);                                                      \
+  template double ComputeMotionEnergy<Real>(const Blueprint&, const Load<Real>&, const Survey<Real>&,               \
                                             std::span<const Vector3<Real>>);                                        \
   template ElasticEnergy ComputeElasticEnergy<Real>(const Blueprint&, const Load<Real>&,                            \
                                                     std::span<const Surface<Real>>, std::span<const Contact<Real>>, \

@@ -6,6 +6,7 @@
 
 #include "server/physics/blueprint.h"
 #include "server/physics/forces.h"
+#include "server/physics/survey.h"
 
 namespace wobble::physics {
 
@@ -17,9 +18,9 @@ enum class Health : std::uint8_t {
   kNonFinite,  // a coordinate is no number
 };
 
+// insideOut: whether the gas of the body is.
 template <class Real>
-[[nodiscard]] Health FindHealth(const Coefficients<Real>& body, std::span<const Vector3<Real>> x,
-                                std::span<const Vector3<Real>> v);
+[[nodiscard]] Health FindHealth(const Survey<Real>& survey, bool insideOut);
 
 // Energy that a group may gain beyond what was put in, as a share of what it has: honest play stays under 0.6 %,
 // whatever falls onto whatever.
@@ -28,8 +29,8 @@ inline constexpr double kRunawayShare = 0.05;
 // What can be turned into motion within a tick by forces that are constant through it: kinetic energy less the work of
 // the load, ½ Σ m v² − Σ (m a + f)·x. J.
 template <class Real>
-[[nodiscard]] double ComputeMotionEnergy(const Blueprint& blueprint, const Load<Real>& load,
-                                         std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v);
+[[nodiscard]] double ComputeMotionEnergy(const Blueprint& blueprint, const Load<Real>& load, const Survey<Real>& survey,
+                                         std::span<const Vector3<Real>> x);
 
 struct ElasticEnergy {
   double stored = 0;  // of springs, repulsion and contacts with static surfaces, J

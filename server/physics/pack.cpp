@@ -62,7 +62,7 @@ Pack<Real>::Pack(const Group<Real>& group, std::span<const std::uint32_t> whose,
     LoadVertices();
     m_kernel.computeVolume(m_tables, m_lanes);
   }
-  m_scratch.contacts.Clear(m_body);
+  m_scratch.contacts.Clear(m_body, m_width);
   for (std::size_t lane = 0; lane < m_whose.size() && IsBulkLaw(m_body.contact.law); ++lane) {
     m_scratch.contacts.Add(MemberIn(lane), [this, lane](std::size_t vertex) { return FindSeat(lane, vertex); });
   }
@@ -225,7 +225,7 @@ void Pack<Real>::BeginStage(int stage) {
     if (!IsBulkLaw(m_body.contact.law)) AddUnbulkedForces(lane, from);
   }
   if (m_scratch.contacts.IsEmpty()) return;
-  m_scratch.contacts.FindForces(from, m_width, m_contactKernel,
+  m_scratch.contacts.FindForces(from, m_contactKernel,
                                 [this](const PackSeat& seat, const Vector3<Real>& force) { AddToSeat(seat, force); });
 }
 
@@ -247,17 +247,6 @@ void Pack<Real>::AddUnbulkedForces(std::size_t lane, const Real* from) {
 }
 
 template <class Real>
-void Pack<Real>::AddToSeat(const PackSeat& seat, const Vector3<Real>& force) {
-  Real* at = m_outer + 3 * seat.place * m_width;
-  if (m_scratch.hasOuter[seat.place] == 0) {
-    std::fill_n(at, 3 * m_width, Real(0));
-    m_scratch.hasOuter[seat.place] = 1;
-    m_scratch.outerPlaces.push_back(seat.place);
-  }
-  for (std::size_t k = 0; k < 3; ++k) at[k * m_width + seat.lane] += force[static_cast<int>(k)];
-}
-
-template <class Real>
 void Pack<Real>::Sweep(int stage, Real h) {
   m_lanes.outer = m_scratch.outerPlaces.empty() ? nullptr : m_outer;
   if (m_byRows) {
@@ -272,6 +261,15 @@ void Pack<Real>::EndStep(double step, double timeLeft, bool isFirst) {
   if (!isFirst) AddErrors(m_lanes.accelerationErrors, step / 6 * timeLeft);
   AddErrors(m_lanes.velocityErrors, step / 6);
   UpdateAllAnchors();
+}
+
+template <class Real>
+void Pack<Real>::EndTry() const {
+  CopyToGroup(0);
+  m_scratch.contacts.WriteBack();
+  for (std::size_t lane = 0; lane < m_whose.size(); ++lane) {
+    MemberIn(lane).insideOut = m_tables.hasGas && !(m_lanes.sixVolume[lane] > Real(0));
+  }
 }
 
 template <class Real>
@@ -294,7 +292,7 @@ void Pack<Real>::AddErrors(const Real* sums, double weight) {
 
 template <class Real>
 void Pack<Real>::UpdateAllAnchors() {
-  m_scratch.contacts.Update(m_lanes.state, m_width);
+  if (!m_scratch.contacts.IsEmpty()) m_scratch.contacts.Update(m_lanes.state);
   if (IsBulkLaw(m_body.contact.law)) return;
   for (std::size_t lane = 0; lane < m_whose.size(); ++lane) {
     const Member& member = MemberIn(lane);

@@ -9,6 +9,7 @@
 // A body that stands in a grid and is one of few fills a pack by itself, row by row (lanes/grid.h).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
@@ -64,6 +65,9 @@ class Pack {
   // After the fourth: static contacts follow. timeLeft: of the tick, s, when the step began. isFirst: of the tick.
   void EndStep(double step, double timeLeft, bool isFirst);
 
+  // After the last step: everything to the group's arrays and members.
+  void EndTry() const;
+
   // Positions and velocities at which `stage` will be swept to the group's arrays; after the fourth: stage 0.
   void CopyToGroup(int stage) const;
 
@@ -79,7 +83,15 @@ class Pack {
   void LeaveTornOut();
   void CopyRowsToGroup(int stage) const;
   void AddUnbulkedForces(std::size_t lane, const Real* from);
-  void AddToSeat(const PackSeat& seat, const Vector3<Real>& force);
+  void AddToSeat(const PackSeat& seat, const Vector3<Real>& force) {
+    Real* at = m_outer + 3 * seat.place * m_width;
+    if (m_scratch.hasOuter[seat.place] == 0) {
+      std::fill_n(at, 3 * m_width, Real(0));
+      m_scratch.hasOuter[seat.place] = 1;
+      m_scratch.outerPlaces.push_back(seat.place);
+    }
+    for (std::size_t k = 0; k < 3; ++k) at[k * m_width + seat.lane] += force[static_cast<int>(k)];
+  }
   void CopyVertex(std::size_t vertex, std::size_t lane, const Real* from);
   void AddErrors(const Real* sums, double weight);
   void UpdateAllAnchors();

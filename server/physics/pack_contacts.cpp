@@ -1,55 +1,66 @@
 #include "server/physics/pack_contacts.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace wobble::physics {
 
 template <class Real>
 void PackContacts<Real>::Reserve(std::size_t contacts) {
   m_entries.reserve(contacts);
+  m_others.reserve(contacts);
   m_numbers.reserve((contacts * sizeof(Real) / sizeof(Line) + 1) * kNumbers);
 }
 
 template <class Real>
-void PackContacts<Real>::Clear(const Coefficients<Real>& body) {
+void PackContacts<Real>::Clear(const Coefficients<Real>& body, std::size_t width) {
   m_body = &body;
+  m_width = width;
   m_entries.clear();
+  m_others.clear();
+  m_isRead = false;
 }
 
 template <class Real>
 void PackContacts<Real>::Close() {
   constexpr std::size_t kInLine = 64 / sizeof(Real);
+  m_planes = m_entries.size();
+  m_entries.insert(m_entries.end(), m_others.begin(), m_others.end());
   const std::size_t lines = (m_entries.size() + kInLine - 1) / kInLine;
   m_capacity = lines * kInLine;
   m_numbers.assign(lines * kNumbers, {});
   for (std::size_t i = 0; i < m_entries.size(); ++i) {
     const Entry& entry = m_entries[i];
+    const Contact<Real>& contact = *entry.contact;
     Row(kFriction)[i] = m_body->contact.friction * entry.surface->friction;
-    Row(kShare)[i] = m_body->contactShares[entry.contact->vertex];
-    ReadAnchor(i);
-  }
-}
-
-template <class Real>
-void PackContacts<Real>::ReadAnchor(std::size_t i) {
-  const Contact<Real>& contact = *m_entries[i].contact;
-  Row(kStick)[i] = contact.touching ? m_body->contact.stickStiffness : Real(0);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    Row(kAnchor + axis)[i] = contact.touching ? contact.anchor[static_cast<int>(axis)] : Real(0);
-  }
-}
-
-template <class Real>
-void PackContacts<Real>::ReadPoints(const Real* state, std::size_t width) {
-  for (std::size_t i = 0; i < m_entries.size(); ++i) {
-    const Entry& entry = m_entries[i];
-    const Real* numbers = state + 6 * entry.seat.place * width + entry.seat.lane;
-    const Vector3<Real> x(numbers[0], numbers[width], numbers[2 * width]);
-    const SurfacePoint<Real> point = FindContactPoint(*entry.surface, *entry.contact, x);
-    Row(kDistance)[i] = point.distance;
+    Row(kShare)[i] = m_body->contactShares[contact.vertex];
+    Row(kOffset)[i] = entry.surface->offset;
+    Row(kStick)[i] = contact.touching ? m_body->contact.stickStiffness : Real(0);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      Row(kX + axis)[i] = x[static_cast<int>(axis)];
-      Row(kV + axis)[i] = numbers[(3 + axis) * width];
-      Row(kNormal + axis)[i] = point.normal[static_cast<int>(axis)];
+      Row(kNormal + axis)[i] = entry.surface->normal[static_cast<int>(axis)];
+      Row(kAnchor + axis)[i] = contact.touching ? contact.anchor[static_cast<int>(axis)] : Real(0);
     }
+  }
+}
+
+template <class Real>
+void PackContacts<Real>::ReadPoints(const Real* state) {
+  Real* const rows[6] = {Row(kX), Row(kX + 1), Row(kX + 2), Row(kV), Row(kV + 1), Row(kV + 2)};
+  for (std::size_t i = 0; i < m_entries.size(); ++i) {
+    const Real* numbers = state + 6 * m_entries[i].seat.place * m_width + m_entries[i].seat.lane;
+    for (std::size_t k = 0; k < 6; ++k) rows[k][i] = numbers[k * m_width];
+  }
+  const Real* const normals[3] = {Row(kNormal), Row(kNormal + 1), Row(kNormal + 2)};
+  const Real* const offsets = Row(kOffset);
+  Real* const distances = Row(kDistance);
+  for (std::size_t i = 0; i < m_planes; ++i) {
+    distances[i] = normals[0][i] * rows[0][i] + normals[1][i] * rows[1][i] + normals[2][i] * rows[2][i] - offsets[i];
+  }
+  for (std::size_t i = m_planes; i < m_entries.size(); ++i) {
+    const SurfacePoint<Real> point = FindContactPoint(*m_entries[i].surface, *m_entries[i].contact,
+                                                      Vector3<Real>(rows[0][i], rows[1][i], rows[2][i]));
+    distances[i] = point.distance;
+    for (std::size_t axis = 0; axis < 3; ++axis) Row(kNormal + axis)[i] = point.normal[static_cast<int>(axis)];
   }
 }
 
@@ -73,13 +84,31 @@ void PackContacts<Real>::ComputeForces(ContactKernel<Real> kernel) {
 }
 
 template <class Real>
-void PackContacts<Real>::Update(const Real* state, std::size_t width) {
+void PackContacts<Real>::Update(const Real* state) {
+  ReadPoints(state);
+  m_isRead = true;
+  const ContactParameters<Real>& law = m_body->contact;
   for (std::size_t i = 0; i < m_entries.size(); ++i) {
-    const Entry& entry = m_entries[i];
-    const Real* numbers = state + 6 * entry.seat.place * width + entry.seat.lane;
-    UpdateAnchor(m_body->contact, *entry.surface, Vector3<Real>(numbers[0], numbers[width], numbers[2 * width]),
-                 *entry.contact);
-    ReadAnchor(i);
+    const bool wasTouching = Row(kStick)[i] != Real(0);
+    const bool touches = Row(kDistance)[i] < Real(0);
+    const Vector3<Real> normal(Row(kNormal)[i], Row(kNormal + 1)[i], Row(kNormal + 2)[i]);
+    if (i >= m_planes) m_entries[i].contact->side = normal;
+    Row(kStick)[i] = touches ? law.stickStiffness : Real(0);
+    if (!touches) continue;
+    const Vector3<Real> x(Row(kX)[i], Row(kX + 1)[i], Row(kX + 2)[i]);
+    Vector3<Real> anchor(Row(kAnchor)[i], Row(kAnchor + 1)[i], Row(kAnchor + 2)[i]);
+    anchor = wasTouching ? DragAnchor<Real>(law, Row(kFriction)[i], -Row(kDistance)[i], normal, x, anchor) : x;
+    for (std::size_t axis = 0; axis < 3; ++axis) Row(kAnchor + axis)[i] = anchor[static_cast<int>(axis)];
+  }
+}
+
+template <class Real>
+void PackContacts<Real>::WriteBack() const {
+  for (std::size_t i = 0; i < m_entries.size(); ++i) {
+    Contact<Real>& contact = *m_entries[i].contact;
+    contact.touching = Row(kStick)[i] != Real(0);
+    if (i < m_planes) contact.side = m_entries[i].surface->normal;
+    if (contact.touching) contact.anchor = {Row(kAnchor)[i], Row(kAnchor + 1)[i], Row(kAnchor + 2)[i]};
   }
 }
 

@@ -1,5 +1,7 @@
 // Contacts of a pack's bodies with what stands still, in one list for all of them, so that their forces come as many at
-// a time as a vector has lanes.
+// a time as a vector has lanes. While a pack is stepped its contacts live here alone; the members' own lists hear of it
+// at the end. Planes come first: where a vertex stands to them is arithmetic as well, the other surfaces are asked one
+// by one.
 #pragma once
 
 #include <array>
@@ -25,13 +27,15 @@ class PackContacts {
  public:
   // Room for so many contacts.
   void Reserve(std::size_t contacts);
-  // No contacts, of bodies of this kind.
-  void Clear(const Coefficients<Real>& body);
+  // No contacts, of bodies of this kind in a pack of so many lanes.
+  void Clear(const Coefficients<Real>& body, std::size_t width);
   // Those of a member. findSeat(vertex): where in the pack it is.
   template <class FindSeat>
   void Add(Member<Real>& member, const FindSeat& findSeat) {
     for (Contact<Real>& contact : member.state->contacts) {
-      m_entries.push_back({findSeat(contact.vertex), &contact, &member.surfaces[contact.surface]});
+      const Surface<Real>& surface = member.surfaces[contact.surface];
+      (surface.kind == Obstacle::Kind::kPlane ? m_entries : m_others)
+          .push_back({findSeat(contact.vertex), &contact, &surface});
     }
   }
   // After the last Add.
@@ -39,10 +43,11 @@ class PackContacts {
 
   [[nodiscard]] bool IsEmpty() const { return m_entries.empty(); }
 
-  // state: [place][x y z vx vy vz][lane] with `width` lanes. Calls add(seat, force) for those that push.
+  // state: [place][x y z vx vy vz][lane]. Calls add(seat, force) for those that push.
   template <class Add>
-  void FindForces(const Real* state, std::size_t width, ContactKernel<Real> kernel, const Add& add) {
-    ReadPoints(state, width);
+  void FindForces(const Real* state, ContactKernel<Real> kernel, const Add& add) {
+    if (!m_isRead) ReadPoints(state);
+    m_isRead = false;
     ComputeForces(kernel);
     for (std::size_t i = 0; i < m_entries.size(); ++i) {
       if (!(Row(kDistance)[i] < Real(0))) continue;
@@ -50,8 +55,10 @@ class PackContacts {
     }
   }
 
-  // After a substep: as UpdateAnchors, in the members' own lists.
-  void Update(const Real* state, std::size_t width);
+  // After a substep: as UpdateAnchors. The next FindForces is taken to be at the same state.
+  void Update(const Real* state);
+  // To the members' own lists.
+  void WriteBack() const;
 
  private:
   // Rows of m_numbers; the next two of those with three axes belong to them.
@@ -62,6 +69,7 @@ class PackContacts {
     kAnchor = 9,
     kForce = 12,
     kDistance = 15,
+    kOffset,  // of a plane, m
     kStick,
     kFriction,
     kShare,
@@ -77,15 +85,23 @@ class PackContacts {
     std::array<Real, 64 / sizeof(Real)> numbers;
   };
 
-  Real* Row(std::size_t number) { return reinterpret_cast<Real*>(m_numbers.data()) + number * m_capacity; }
-  void ReadPoints(const Real* state, std::size_t width);
-  void ReadAnchor(std::size_t i);
+  [[nodiscard]] Real* Row(std::size_t number) {
+    return reinterpret_cast<Real*>(m_numbers.data()) + number * m_capacity;
+  }
+  [[nodiscard]] const Real* Row(std::size_t number) const {
+    return reinterpret_cast<const Real*>(m_numbers.data()) + number * m_capacity;
+  }
+  void ReadPoints(const Real* state);
   void ComputeForces(ContactKernel<Real> kernel);
 
   const Coefficients<Real>* m_body = nullptr;
-  std::vector<Entry> m_entries;
+  std::size_t m_width = 0;
+  std::vector<Entry> m_entries;  // planes, then the others
+  std::vector<Entry> m_others;   // until Close
+  std::size_t m_planes = 0;
   std::vector<Line> m_numbers;  // [number][contact]
   std::size_t m_capacity = 0;   // contacts a row has room for, whole lines
+  bool m_isRead = false;        // points are those of the state that comes next
 };
 
 }  // namespace wobble::physics

@@ -36,28 +36,17 @@ double FindNorm(const std::vector<Vector3d>& values) {
   return std::sqrt(sum);
 }
 
-// The fastest that a vertex moves against the body's mean, m/s. A body that vibrates faster than a tick may throw any
-// of its vertices onto a surface at this speed, whatever the vertex does now: of 600 lattices dropped into a wedge,
-// bounded by the speed of each vertex alone, 17 ran away, and none so.
-template <class Real>
-double FindAgitation(const std::vector<Vector3<Real>>& velocities) {
-  Vector3<Real> mean = Vector3<Real>::Zero();
-  for (const Vector3<Real>& v : velocities) mean += v;
-  mean /= static_cast<Real>(velocities.size());
-  Real largest = 0;
-  for (const Vector3<Real>& v : velocities) largest = std::max(largest, (v - mean).squaredNorm());
-  return std::sqrt(double{largest});
-}
-
 // The largest over all contacts with static surfaces. A vertex in a corner touches several surfaces at once; they push
 // along different axes where obstacles are boxes, so one contact's stiffness is taken for each axis.
+//
+// agitation: a body that vibrates faster than a tick may throw any of its vertices onto a surface at this speed,
+// whatever the vertex does now. Of 600 lattices dropped into a wedge, bounded by the speed of each vertex alone, 17 ran
+// away, and none so.
 template <class Real>
 ContactRates FindContactRates(const Coefficients<Real>& body, std::span<const Surface<Real>> surfaces,
-                              const State<Real>& state, double duration) {
+                              const State<Real>& state, double agitation, double duration) {
   const ContactParameters<Real>& contact = body.contact;
   ContactRates largest;
-  if (state.contacts.empty()) return largest;
-  const double agitation = FindAgitation<Real>(state.velocities);
   for (const Contact<Real>& candidate : state.contacts) {
     const std::uint32_t i = candidate.vertex;
     const SurfacePoint<Real> point = FindContactPoint(surfaces[candidate.surface], candidate, state.positions[i]);
@@ -184,20 +173,21 @@ double FindStableRate(Integrator integrator, const Blueprint& blueprint, const M
 
 template <class Real>
 Modes FindModes(const Blueprint& blueprint, const Load<Real>& load, std::span<const Surface<Real>> surfaces,
-                const State<Real>& state, const ContactRates& fromBodies, double duration) {
+                const State<Real>& state, double agitation, const ContactRates& fromBodies, double duration) {
   const double factor = std::max({1.0, double{load.stiffnessFactor}, double{load.gasFactor}});
   Modes modes;
   modes.body.squareFrequency = blueprint.angularFrequency * blueprint.angularFrequency * factor;
   modes.body.dampingRate = blueprint.dampingRate * factor + FindDragDamping(blueprint, load, state);
-  modes.surfaces = FindContactRates(blueprint.Read<Real>(), surfaces, state, duration);
+  modes.surfaces = FindContactRates(blueprint.Read<Real>(), surfaces, state, agitation, duration);
   modes.bodies = fromBodies;
   return modes;
 }
 
 template <class Real>
 double FindLargestRate(const Blueprint& blueprint, const Load<Real>& load, std::span<const Surface<Real>> surfaces,
-                       const State<Real>& state, const ContactRates& fromBodies, double duration, bool& lightlyDamped) {
-  return FindLargestRate(FindModes(blueprint, load, surfaces, state, fromBodies, duration), lightlyDamped);
+                       const State<Real>& state, double agitation, const ContactRates& fromBodies, double duration,
+                       bool& lightlyDamped) {
+  return FindLargestRate(FindModes(blueprint, load, surfaces, state, agitation, fromBodies, duration), lightlyDamped);
 }
 
 double FindSubstepsOnGround(const Blueprint& blueprint, double duration) {
@@ -218,25 +208,25 @@ double FindSubstepsOnGround(const Blueprint& blueprint, double duration) {
 
 template <class Real>
 int ChooseSubsteps(Integrator integrator, const Blueprint& blueprint, const Load<Real>& load,
-                   std::span<const Surface<Real>> surfaces, const State<Real>& state, const ContactRates& fromBodies,
-                   double duration) {
+                   std::span<const Surface<Real>> surfaces, const State<Real>& state, double agitation,
+                   const ContactRates& fromBodies, double duration) {
   if (integrator != Integrator::kRungeKutta4) {
-    const Modes modes = FindModes(blueprint, load, surfaces, state, fromBodies, duration);
+    const Modes modes = FindModes(blueprint, load, surfaces, state, agitation, fromBodies, duration);
     return FindRung(FindStableRate(integrator, blueprint, modes) * duration);
   }
   bool lightlyDamped = false;
-  const double rate = FindLargestRate(blueprint, load, surfaces, state, fromBodies, duration, lightlyDamped);
+  const double rate = FindLargestRate(blueprint, load, surfaces, state, agitation, fromBodies, duration, lightlyDamped);
   const double forStability = rate * duration / (lightlyDamped ? kStabilityLimitLightlyDamped : kStabilityLimit);
   return FindRung(std::max(forStability, FindLandingSubsteps(blueprint, surfaces, state, duration)));
 }
 
 #define WOBBLE_INSTANTIATE(Real)                                                                                     \
   template double FindLargestRate<Real>(const Blueprint&, const Load<Real>&, std::span<const Surface<Real>>,         \
-                                        const State<Real>&, const ContactRates&, double, bool&);                     \
+                                        const State<Real>&, double, const ContactRates&, double, bool&);             \
   template Modes FindModes<Real>(const Blueprint&, const Load<Real>&, std::span<const Surface<Real>>,                \
-                                 const State<Real>&, const ContactRates&, double);                                   \
+                                 const State<Real>&, double, const ContactRates&, double);                           \
   template int ChooseSubsteps<Real>(Integrator, const Blueprint&, const Load<Real>&, std::span<const Surface<Real>>, \
-                                    const State<Real>&, const ContactRates&, double);
+                                    const State<Real>&, double, const ContactRates&, double);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)
 #undef WOBBLE_INSTANTIATE

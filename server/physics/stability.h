@@ -35,10 +35,10 @@ struct Modes {
   ContactRates surfaces;
   ContactRates bodies;  // its contacts with others
 };
-// fromBodies: what its contacts with other bodies add.
+// agitation: Survey's. fromBodies: what its contacts with other bodies add.
 template <class Real>
 [[nodiscard]] Modes FindModes(const Blueprint& blueprint, const Load<Real>& load,
-                              std::span<const Surface<Real>> surfaces, const State<Real>& state,
+                              std::span<const Surface<Real>> surfaces, const State<Real>& state, double agitation,
                               const ContactRates& fromBodies, double duration);
 
 // Substeps a second with which the method is stable for all of them.
@@ -49,16 +49,16 @@ template <class Real>
 [[nodiscard]] double FindSubstepsOnGround(const Blueprint& blueprint, double duration);
 
 // The largest rate ρ, 1/s, over the modes of the body with everything it may touch within `duration` seconds.
-// fromBodies: what its contacts with other bodies add.
 template <class Real>
 [[nodiscard]] double FindLargestRate(const Blueprint& blueprint, const Load<Real>& load,
                                      std::span<const Surface<Real>> surfaces, const State<Real>& state,
-                                     const ContactRates& fromBodies, double duration, bool& lightlyDamped);
+                                     double agitation, const ContactRates& fromBodies, double duration,
+                                     bool& lightlyDamped);
 
 // Substeps for a tick of `duration` seconds with which the method is stable.
 template <class Real>
 [[nodiscard]] int ChooseSubsteps(Integrator integrator, const Blueprint& blueprint, const Load<Real>& load,
-                                 std::span<const Surface<Real>> surfaces, const State<Real>& state,
+                                 std::span<const Surface<Real>> surfaces, const State<Real>& state, double agitation,
                                  const ContactRates& fromBodies, double duration);
 
 // What an oscillator with square of frequency w² and damping rate g asks of an explicit method: ω while it rings,

@@ -42,13 +42,12 @@ void PutBackToRest(const Blueprint& blueprint, const Vector3d& position, State<R
 }
 
 template <class Real>
-void Recentre(const Blueprint& blueprint, State<Real>& state) {
+void Recentre(const Blueprint& blueprint, const Vector3d& centre, State<Real>& state) {
   const double step = FindOriginStep(blueprint);
-  const Vector3d local = AverageByMass(blueprint, state.positions);
   Vector3d shift = Vector3d::Zero();
   for (int axis = 0; axis < 3; ++axis) {
     // Half a step of play either way, or a body resting on a border would move its origin every tick.
-    if (std::fabs(local[axis]) > step) shift[axis] = step * std::nearbyint(local[axis] / step);
+    if (std::fabs(centre[axis]) > step) shift[axis] = step * std::nearbyint(centre[axis] / step);
   }
   if (shift.isZero(0)) return;
   state.origin += shift;
@@ -91,7 +90,7 @@ std::uint64_t HashState(const State<Real>& state, std::uint64_t hash) {
 #define WOBBLE_INSTANTIATE(Real)                                                            \
   template State<Real> MakeState<Real>(const Blueprint&, const Vector3d&, const Vector3d&); \
   template void PutBackToRest<Real>(const Blueprint&, const Vector3d&, State<Real>&);       \
-  template void Recentre<Real>(const Blueprint&, State<Real>&);                             \
+  template void Recentre<Real>(const Blueprint&, const Vector3d&, State<Real>&);            \
   template Vector3d FindCentre<Real>(const Blueprint&, const State<Real>&);                 \
   template Vector3d FindMeanVelocity<Real>(const Blueprint&, const State<Real>&);           \
   template std::uint64_t HashState<Real>(const State<Real>&, std::uint64_t);

@@ -34,8 +34,9 @@ template <class Real>
 void PutBackToRest(const Blueprint& blueprint, const Vector3d& position, State<Real>& state);
 
 // Moves the origin by whole steps when the body has strayed from it; positions and anchors follow.
+// centre: of mass, local coordinates, m.
 template <class Real>
-void Recentre(const Blueprint& blueprint, State<Real>& state);
+void Recentre(const Blueprint& blueprint, const Vector3d& centre, State<Real>& state);
 
 // Centre of mass in the world, m, and its velocity, m/s.
 template <class Real>

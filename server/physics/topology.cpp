@@ -28,6 +28,7 @@ Topology MakeTopology(std::span<const Face> faces, std::size_t vertexCount) {
   assert(faces.size() < kNoFace);
   Topology topology;
   topology.neighbours.assign(faces.size(), {kNoFace, kNoFace, kNoFace});
+  topology.across.assign(faces.begin(), faces.end());
   struct Side {
     std::uint16_t face;
     std::uint16_t corner;  // opposite
@@ -44,8 +45,11 @@ Topology MakeTopology(std::span<const Face> faces, std::size_t vertexCount) {
         open.insert({{begin, end}, {face, corner}});
         continue;
       }
-      topology.neighbours[f][corner] = twin->second.face;
-      topology.neighbours[twin->second.face][twin->second.corner] = face;
+      const Side& other = twin->second;
+      topology.neighbours[f][corner] = other.face;
+      topology.neighbours[other.face][other.corner] = face;
+      topology.across[f][corner] = faces[other.face][other.corner];
+      topology.across[other.face][other.corner] = faces[f][corner];
       open.erase(twin);
     }
   }

@@ -15,6 +15,8 @@ inline constexpr std::uint16_t kNoFace = 0xFFFF;
 struct Topology {
   // Of each face: the face across the side opposite to its first, second, third corner; kNoFace at a border.
   std::vector<std::array<std::uint16_t, 3>> neighbours;
+  // Of each of these neighbours: its corner that is not on the side; at a border the face's own.
+  std::vector<std::array<std::uint16_t, 3>> across;
   std::vector<std::uint16_t> vertices;  // those that belong to a face, ascending
   bool isOpen = false;                  // a side without a face across it: a sheet, which has two sides to touch
   // The faces round vertex i are ring[ringBegin[i]] up to, not including, ring[ringBegin[i + 1]].

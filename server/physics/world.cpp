@@ -38,6 +38,7 @@ BodyId World::AddBody(std::uint8_t blueprint, const Vector3d& position, const Ve
     body.state = MakeState<double>(m_blueprints[blueprint], position, velocity);
   }
   m_bodies.push_back(std::move(body));
+  m_engine->roster.Add();
   return m_bodies.back().id;
 }
 
@@ -48,13 +49,22 @@ Body& World::FindBody(BodyId id) {
   return *found;
 }
 
+void World::WakeUp(Body& body) {
+  if (body.asleep) m_engine->roster.Wake(static_cast<std::uint32_t>(&body - m_bodies.data()));
+  physics::WakeUp(body);
+}
+
+std::span<const std::uint32_t> World::Stepped() const { return m_engine->stepped; }
+
 const Body& World::ReadBody(BodyId id) const { return const_cast<World*>(this)->FindBody(id); }
 
 void World::RemoveBody(BodyId id) {
   DropPairsOf(id);
-  const auto index = static_cast<std::size_t>(&FindBody(id) - m_bodies.data());
+  const Body& body = FindBody(id);
+  const auto index = static_cast<std::size_t>(&body - m_bodies.data());
+  m_engine->Forget(index, body);
   m_bodies.erase(m_bodies.begin() + static_cast<std::ptrdiff_t>(index));
-  m_engine->Forget(index);
+  std::erase(m_tearing, id);
   std::erase_if(m_drives, [id](const Drive& drive) { return drive.body == id; });
 }
 
@@ -117,11 +127,13 @@ void World::SetControl(BodyId id, const Control& control, const ControlLimits& l
 
 void World::DropPairsOf(BodyId id) {
   const auto drop = [&](auto& workspace) {
-    std::erase_if(workspace.pairs, [&](const auto& pair) {
-      if (pair.first != id && pair.second != id) return false;
-      WakeUp(FindBody(pair.first == id ? pair.second : pair.first));  // it may have rested on the one that goes
-      return true;
-    });
+    for (auto* pairs : {&workspace.pairs, &workspace.restingPairs}) {
+      std::erase_if(*pairs, [&](const auto& pair) {
+        if (!pair.Has(id)) return false;
+        WakeUp(FindBody(pair.first == id ? pair.second : pair.first));  // it may have rested on the one that goes
+        return true;
+      });
+    }
   };
   drop(std::get<Workspace<float>>(m_engine->workspaces));
   drop(std::get<Workspace<double>>(m_engine->workspaces));

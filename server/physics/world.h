@@ -86,6 +86,8 @@ class World {
   [[nodiscard]] std::uint64_t SlotRevision(std::uint8_t slot) const { return m_slots[slot].revision; }
   [[nodiscard]] std::span<const Obstacle> Obstacles() const { return m_obstacles; }
   [[nodiscard]] std::span<const Body> Bodies() const { return m_bodies; }  // by ascending id
+  // Places in Bodies() of those that the last step has stepped, ascending: nobody else has moved in it.
+  [[nodiscard]] std::span<const std::uint32_t> Stepped() const;
   [[nodiscard]] const Blueprint& BlueprintOf(const Body& body) const { return m_blueprints[body.blueprint]; }
 
   [[nodiscard]] Vector3d FindCentre(const Body& body) const;
@@ -104,6 +106,7 @@ class World {
   };
 
   Body& FindBody(BodyId id);
+  void WakeUp(Body& body);
   // Of those that may be given another blueprint, the one that has had its own for longest, or one more than there are.
   [[nodiscard]] std::size_t FindFreeSlot() const;
   void PutOntoSlot(Body& body, std::size_t slot, Blueprint blueprint);
@@ -119,6 +122,7 @@ class World {
   std::uint64_t m_blueprintRevision = 0;
   std::vector<Obstacle> m_obstacles;
   std::vector<Body> m_bodies;
+  std::vector<BodyId> m_tearing;  // those with tornTicks, ascending
   std::vector<Drive> m_drives;
   std::unique_ptr<Engine> m_engine;
   BodyId m_nextId = 1;

@@ -1,5 +1,5 @@
 // What a world works with besides its bodies, for world.cpp and world_step.cpp alone. Kept from tick to tick to save
-// allocations; only `pairs`, and what stands here of sleeping bodies, carries anything over.
+// allocations; only pairs and what stands here of sleeping bodies carry anything over.
 #pragma once
 
 #include <tbb/enumerable_thread_specific.h>
@@ -10,6 +10,7 @@
 #include "server/physics/batch_step.h"
 #include "server/physics/broad_phase.h"
 #include "server/physics/parallel.h"
+#include "server/physics/roster.h"
 #include "server/physics/sleep.h"
 #include "server/physics/world.h"
 
@@ -20,9 +21,17 @@ template <class Real>
 struct BodyPair {
   BodyId first = 0;
   BodyId second = 0;
+  IndexPair places{};                                   // of the two in the world
   std::array<std::vector<BodyContact<Real>>, 2> sides;  // as in Encounter
   bool met = false;                                     // its contacts are this tick's
+
+  [[nodiscard]] bool Has(BodyId body) const { return first == body || second == body; }
 };
+
+template <class Real>
+bool ComesBefore(const BodyPair<Real>& a, const BodyPair<Real>& b) {
+  return a.first != b.first ? a.first < b.first : a.second < b.second;
+}
 
 struct Outcome {
   GroupOutcome steps;
@@ -71,15 +80,21 @@ struct AwakeGroup {
 
 template <class Real>
 struct Workspace {
-  std::vector<BodyPair<Real>> pairs;  // ascending
+  std::vector<BodyPair<Real>> pairs;  // ascending; at the end of a tick those of whom both are awake
   std::vector<BodyPair<Real>> pairsBefore;
+  std::vector<BodyPair<Real>> restingPairs;                // of whom both sleep, or did at wake `wakesSeen`
+  std::uint64_t wakesSeen = 0;                             // of the roster's
   std::vector<std::vector<BodyContact<Real>>> spareLists;  // of pairs that have parted
-  std::vector<IndexPair> pairIndices;                      // the bodies of `pairs`, by their places in the world
-  std::vector<Member<Real>> members;                       // of all bodies
+  std::vector<IndexPair> pairIndices;                      // the places of `pairs`
+  // By place in the world. What is looked at of one that sleeps, others have seen to (PairSearch).
+  std::vector<Member<Real>> members;
   std::vector<Box> boxes;
+  std::vector<Box> awakeBoxes;
+  std::vector<IndexPair> overlaps;
   BroadPhase broadPhase;
   std::vector<Vector3d> safePlaces;
   std::vector<std::uint32_t> woken;
+  std::vector<std::uint32_t> falling;  // asleep
   Groups groups;
   std::vector<std::uint32_t> placeOf;       // of each body in its group
   std::vector<Encounter<Real>> encounters;  // those of group g from encounterBegins[g] up to encounterBegins[g + 1]
@@ -89,8 +104,11 @@ struct Workspace {
   std::vector<Outcome> outcomes;
   tbb::enumerable_thread_specific<Scratch<Real>> scratch;
 
-  // Of the body that was at `index` and is gone.
+  // Of the body that was at `index` and is gone, with its pairs.
   void Forget(std::size_t index) {
+    for (BodyPair<Real>& pair : restingPairs) {
+      for (std::uint32_t& place : pair.places) place -= place > index ? 1 : 0;
+    }
     if (index >= members.size()) return;
     members.erase(members.begin() + static_cast<std::ptrdiff_t>(index));
     boxes.erase(boxes.begin() + static_cast<std::ptrdiff_t>(index));
@@ -100,12 +118,16 @@ struct Workspace {
 struct World::Engine {
   explicit Engine(int threadCount) : threads(threadCount) {}
 
-  void Forget(std::size_t index) {
+  void Forget(std::size_t index, const Body& body) {
+    roster.Remove(static_cast<std::uint32_t>(index), body.asleep);
+    for (std::uint32_t& place : stepped) place -= place > index ? 1 : 0;
     std::get<0>(workspaces).Forget(index);
     std::get<1>(workspaces).Forget(index);
   }
 
   Threads threads;
+  Roster roster;
+  std::vector<std::uint32_t> stepped;                          // by the last tick: places, ascending
   std::tuple<Workspace<float>, Workspace<double>> workspaces;  // the world's precision uses one
 };
 

@@ -33,11 +33,13 @@ class World::Stepper {
   explicit Stepper(World& world)
       : m_world(world),
         m_bodies(world.m_bodies),
+        m_roster(world.m_engine->roster),
+        m_stepped(world.m_engine->stepped),
         m_threads(world.m_engine->threads),
         m_work(std::get<Workspace<Real>>(world.m_engine->workspaces)),
         m_duration(world.m_settings.tickDuration),
         m_rules{m_duration, m_duration * world.m_settings.errorTarget, world.m_settings.maxSubsteps},
-        m_search(m_bodies, m_duration, m_threads, m_work),
+        m_search({m_bodies, world.m_blueprints, m_roster}, m_duration, m_threads, m_work),
         m_kernels(FindSweepKernels<Real>(world.m_settings.widestPack)) {}
 
   StepReport Step() {
@@ -46,6 +48,7 @@ class World::Stepper {
     m_search.MeetAll();
     WakeTouched();
     m_search.DropPairsApart();
+    NoteStepped();
     FindAllGroups();
     StepAll();
     LetFallAsleep();
@@ -60,19 +63,17 @@ class World::Stepper {
     m_work.members.resize(count);
     m_work.boxes.resize(count);
     m_work.safePlaces.resize(count);
-    m_work.outcomes.assign(count, {});
-    m_threads.ForEach(count, [this](std::size_t i) {
-      m_work.members[i].blueprint = &m_world.m_blueprints[m_bodies[i].blueprint];
-      m_work.members[i].state = &StateOf(i);
-      if (!m_bodies[i].asleep) Prepare(i);
-    });
+    m_work.outcomes.resize(count);
+    const std::span<const std::uint32_t> awake = m_roster.FindAwake();
+    m_threads.ForEach(awake.size(), [&](std::size_t i) { Prepare(awake[i]); });
   }
 
   void Prepare(std::size_t i) {
     Body& body = m_bodies[i];
     Member<Real>& member = m_work.members[i];
-    State<Real>& state = *member.state;
-    m_work.safePlaces[i] = physics::FindCentre(*member.blueprint, state);
+    State<Real>& state = StateOf(i);
+    member.blueprint = &m_world.m_blueprints[body.blueprint];
+    member.state = &state;
     member.load = ApplyControl(*member.blueprint, m_world.m_settings.gravity, body, state);
     member.load.wind = m_world.m_settings.wind.template cast<Real>();
     AddDrives(body, member);
@@ -83,13 +84,15 @@ class World::Stepper {
     for (const Obstacle& obstacle : m_world.m_obstacles) {
       member.surfaces.push_back(MakeSurface<Real>(obstacle, state.origin));
     }
-    member.bounds = FindBounds<Real>(state.positions, state.velocities);
-    FindContacts<Real>(member.surfaces, member.blueprint->template Read<Real>().contact.range, member.bounds,
-                       state.positions, state.velocities, static_cast<Real>(m_duration), state.contacts,
-                       m_work.scratch.local().contacts);
-    const double fat = kNearMargin + m_duration * double{member.bounds.speed};
-    m_work.boxes[i] = {state.origin + member.bounds.low.template cast<double>() - Vector3d::Constant(fat),
-                       state.origin + member.bounds.high.template cast<double>() + Vector3d::Constant(fat)};
+    const Coefficients<Real>& coefficients = member.blueprint->template Read<Real>();
+    member.survey = MakeSurvey<Real>(coefficients.masses, state.positions, state.velocities);
+    m_work.safePlaces[i] = state.origin + member.survey.centre;
+    FindContacts<Real>(member.surfaces, coefficients.contact.range, member.survey, state.positions, state.velocities,
+                       static_cast<Real>(m_duration), state.contacts, m_work.scratch.local().contacts);
+    const Bounds<Real>& bounds = member.survey.bounds;
+    const double fat = kNearMargin + m_duration * double{bounds.speed};
+    m_work.boxes[i] = {state.origin + bounds.low.template cast<double>() - Vector3d::Constant(fat),
+                       state.origin + bounds.high.template cast<double>() + Vector3d::Constant(fat)};
   }
 
   void AddDrives(const Body& body, Member<Real>& member) const {
@@ -111,17 +114,22 @@ class World::Stepper {
     }
   }
 
-  // Sleepers are in groups as well: those that hang together all sleep, or none.
+  // Whoever is awake from here on is stepped.
+  void NoteStepped() {
+    const std::span<const std::uint32_t> awake = m_roster.FindAwake();
+    m_stepped.assign(awake.begin(), awake.end());
+  }
+
+  // Of those awake: bodies that hang together all sleep, or none.
   void FindAllGroups() {
-    const std::size_t count = m_bodies.size();
-    m_work.groups.Find(count, m_work.pairIndices);
-    m_work.placeOf.resize(count);
+    m_work.groups.Find(m_stepped, m_work.pairIndices);
+    m_work.placeOf.resize(m_bodies.size());
     m_work.awakeGroups.clear();
-    m_work.awakeGroups.reserve(count);
+    m_work.awakeGroups.reserve(m_bodies.size());
     for (std::uint32_t group = 0; group < m_work.groups.Count(); ++group) {
       const auto members = m_work.groups.MembersOf(group);
       for (std::uint32_t place = 0; place < members.size(); ++place) m_work.placeOf[members[place]] = place;
-      if (!m_bodies[members[0]].asleep) m_work.awakeGroups.push_back(Describe(group));
+      m_work.awakeGroups.push_back(Describe(group));
     }
     FindEncounters();
   }
@@ -266,12 +274,12 @@ class World::Stepper {
     if (member.lost) {
       PutBackToRest(*member.blueprint, FindFreePlace(member, m_work.safePlaces[i]), state);
       body.steps = {};
-      WakeUp(body);
+      physics::WakeUp(body);
     } else {
       body.steps.Record(member.error, steps.substeps, m_rules.allowedError);
       NoteMotion(member, body);
       Tear(i);
-      Recentre(*member.blueprint, state);
+      Recentre(*member.blueprint, member.after.centre, state);
     }
   }
 
@@ -282,7 +290,7 @@ class World::Stepper {
     outcome.torn = FindTorn<Real>(m_work.members[i].blueprint->template Read<Real>(), state.positions, state.torn);
     Body& body = m_bodies[i];
     if (outcome.torn > 0 || body.tornTicks > 0) ++body.tornTicks;
-    if (outcome.torn > 0) WakeUp(body);
+    if (outcome.torn > 0) physics::WakeUp(body);
   }
 
   // Near `place`, clear of obstacles where there is room: a body is lost where it is crushed, and its rest shape put
@@ -312,25 +320,32 @@ class World::Stepper {
 
   void LetFallAsleep() {
     const int patience = static_cast<int>(kQuietTime / m_duration);
+    m_work.falling.clear();
     for (std::uint32_t group = 0; group < m_work.groups.Count(); ++group) {
       const auto members = m_work.groups.MembersOf(group);
       const auto isQuiet = [&](std::uint32_t body) { return m_bodies[body].quietTicks >= patience; };
-      if (m_bodies[members[0]].asleep || !std::all_of(members.begin(), members.end(), isQuiet)) continue;
-      for (const std::uint32_t body : members) FallAsleep(body);
+      if (!std::all_of(members.begin(), members.end(), isQuiet)) continue;
+      m_work.falling.insert(m_work.falling.end(), members.begin(), members.end());
     }
+    if (m_work.falling.empty()) return;
+    std::sort(m_work.falling.begin(), m_work.falling.end());
+    for (const std::uint32_t body : m_work.falling) FallAsleep(body);
+    m_roster.LetSleep(m_work.falling, m_work.boxes);
+    m_search.LetPairsRest();
   }
 
   void FallAsleep(std::uint32_t i) {
     State<Real>& state = StateOf(i);
+    Member<Real>& member = m_work.members[i];
     physics::FallAsleep<Real>(m_bodies[i], state);
-    m_work.members[i].bounds = FindBounds<Real>(state.positions, state.velocities);
+    member.survey = MakeSurvey<Real>(member.blueprint->template Read<Real>().masses, state.positions, state.velocities);
   }
 
   StepReport Report() const {
     StepReport report;
-    for (std::size_t i = 0; i < m_work.outcomes.size(); ++i) {
+    report.awake = static_cast<std::uint32_t>(m_stepped.size());
+    for (const std::uint32_t i : m_stepped) {
       const Outcome& outcome = m_work.outcomes[i];
-      report.awake += outcome.steps.substeps > 0 ? 1 : 0;
       report.substeps += static_cast<std::uint64_t>(outcome.steps.substeps);
       report.allSubsteps += static_cast<std::uint64_t>(outcome.steps.allSubsteps);
       report.nonFinite += outcome.health == Health::kNonFinite ? 1 : 0;
@@ -345,6 +360,8 @@ class World::Stepper {
 
   World& m_world;
   std::vector<Body>& m_bodies;
+  Roster& m_roster;
+  std::vector<std::uint32_t>& m_stepped;
   Threads& m_threads;
   Workspace<Real>& m_work;
   double m_duration;

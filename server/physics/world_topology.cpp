@@ -1,5 +1,6 @@
 // Bodies whose topology changes while the world runs. A blueprint is immutable, so each change is a new one in another
 // slot; slots that no body uses any more are taken again, the one that has lain idle for longest first.
+#include <algorithm>
 #include <cassert>
 
 #include "server/physics/tear.h"
@@ -24,11 +25,13 @@ std::vector<std::uint16_t> MapFaces(std::span<const Face> before, std::span<cons
 // Contacts of others with the body's faces follow these to their new places; what a lost face held is let go.
 template <class Real>
 void FollowFaces(Workspace<Real>& workspace, BodyId id, std::span<const std::uint16_t> map) {
-  for (BodyPair<Real>& pair : workspace.pairs) {
-    if (pair.first != id && pair.second != id) continue;
-    auto& contacts = pair.sides[pair.second == id ? 0 : 1];
-    std::erase_if(contacts, [&](const BodyContact<Real>& contact) { return map[contact.face] == kNoFace; });
-    for (BodyContact<Real>& contact : contacts) contact.face = map[contact.face];
+  for (auto* pairs : {&workspace.pairs, &workspace.restingPairs}) {
+    for (BodyPair<Real>& pair : *pairs) {
+      if (!pair.Has(id)) continue;
+      auto& contacts = pair.sides[pair.second == id ? 0 : 1];
+      std::erase_if(contacts, [&](const BodyContact<Real>& contact) { return map[contact.face] == kNoFace; });
+      for (BodyContact<Real>& contact : contacts) contact.face = map[contact.face];
+    }
   }
 }
 
@@ -83,10 +86,16 @@ bool World::ReplaceBlueprint(BodyId id, Blueprint blueprint) {
 }
 
 void World::RebuildTorn() {
-  for (Body& body : m_bodies) {
+  for (const std::uint32_t place : Stepped()) {
+    if (m_bodies[place].tornTicks == 1) m_tearing.push_back(m_bodies[place].id);
+  }
+  if (m_tearing.empty()) return;
+  std::sort(m_tearing.begin(), m_tearing.end());
+  for (const BodyId id : m_tearing) {
+    Body& body = FindBody(id);
     if (body.tornTicks * m_settings.tickDuration < kRebuildTime) continue;
     const std::size_t slot = FindFreeSlot();
-    if (slot >= kMaxSlots) return;
+    if (slot >= kMaxSlots) break;
     const auto& torn = std::visit(
         [](const auto& state) -> const auto& { return state.torn; }, body.state);
     Blueprint left = MakeTornBlueprint(m_blueprints[body.blueprint], torn);
@@ -96,6 +105,7 @@ void World::RebuildTorn() {
     PutOntoSlot(body, slot, std::move(left));
     body.tornTicks = 0;
   }
+  std::erase_if(m_tearing, [this](BodyId id) { return FindBody(id).tornTicks == 0; });
 }
 
 }  // namespace wobble::physics

@@ -6,6 +6,7 @@
 // does not move falls asleep in it once more.
 #include "server/physics/world_engine.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace wobble::physics {
@@ -57,12 +58,15 @@ State<To> Convert(const State<From>& from) {
 
 template <class To, class From>
 void CopyPairs(const Workspace<From>& from, Workspace<To>& to) {
-  for (const BodyPair<From>& pair : from.pairs) {
-    to.pairs.push_back({pair.first, pair.second, {}});
-    for (std::size_t side = 0; side < 2; ++side) {
-      for (const auto& contact : pair.sides[side]) to.pairs.back().sides[side].push_back(Convert<To>(contact));
+  for (const auto* pairs : {&from.pairs, &from.restingPairs}) {
+    for (const BodyPair<From>& pair : *pairs) {
+      to.pairs.push_back({pair.first, pair.second, {}, {}});
+      for (std::size_t side = 0; side < 2; ++side) {
+        for (const auto& contact : pair.sides[side]) to.pairs.back().sides[side].push_back(Convert<To>(contact));
+      }
     }
   }
+  std::sort(to.pairs.begin(), to.pairs.end(), ComesBefore<To>);
 }
 
 }  // namespace
@@ -74,6 +78,7 @@ World::World(const World& other, const WorldSettings& settings)
       m_blueprintRevision(other.m_blueprintRevision),
       m_obstacles(other.m_obstacles),
       m_bodies(other.m_bodies),
+      m_tearing(other.m_tearing),
       m_drives(other.m_drives),
       m_engine(std::make_unique<Engine>(settings.threads)),
       m_nextId(other.m_nextId),
@@ -81,7 +86,8 @@ World::World(const World& other, const WorldSettings& settings)
       m_tick(static_cast<std::uint32_t>(
           std::lround(other.m_tick * other.m_settings.tickDuration / settings.tickDuration))) {
   for (Body& body : m_bodies) {
-    WakeUp(body);
+    physics::WakeUp(body);
+    m_engine->roster.Add();
     if (settings.precision == other.m_settings.precision) continue;
     if (settings.precision == Precision::kSingle) {
       body.state = Convert<float>(std::get<State<double>>(body.state));

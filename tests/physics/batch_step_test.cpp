@@ -49,9 +49,9 @@ struct Bodies {
   void FindAllContacts() {
     std::vector<Contact<Real>> spare;
     for (std::size_t i = 0; i < members.size(); ++i) {
-      FindContacts<Real>(members[i].surfaces, 0, FindBounds<Real>(states[i].positions, states[i].velocities),
-                         states[i].positions, states[i].velocities, static_cast<Real>(kRules.duration),
-                         states[i].contacts, spare);
+      members[i].survey = MakeSurvey<Real>(blueprint.Read<Real>().masses, states[i].positions, states[i].velocities);
+      FindContacts<Real>(members[i].surfaces, 0, members[i].survey, states[i].positions, states[i].velocities,
+                         static_cast<Real>(kRules.duration), states[i].contacts, spare);
     }
   }
 

@@ -63,7 +63,7 @@ INSTANTIATE_TEST_SUITE_P(Seeds, BroadPhaseOfBoxes, testing::Values(1U, 2U, 3U, 4
 TEST(Groups, AreWhatPairsConnect) {
   const std::vector<IndexPair> pairs{{1, 4}, {2, 3}, {4, 6}};
   Groups groups;
-  groups.Find(7, pairs);
+  groups.Find(std::vector<std::uint32_t>{0, 1, 2, 3, 4, 5, 6}, pairs);
   ASSERT_EQ(groups.Count(), 4U);
   const auto membersOf = [&groups](std::size_t group) {
     const auto members = groups.MembersOf(group);
@@ -77,7 +77,7 @@ TEST(Groups, AreWhatPairsConnect) {
 
 TEST(Groups, OfNobodyAreNone) {
   Groups groups;
-  groups.Find(0, {});
+  groups.Find({}, {});
   EXPECT_EQ(groups.Count(), 0U);
 }
 

@@ -270,7 +270,8 @@ TEST(Contact, ABodyThatShakesIsLookedAtAsFarAsItMayReach) {
   std::vector<Contact<double>> contacts;
   std::vector<Contact<double>> scratch;
   const auto count = [&](const std::vector<Vector3d>& v) {
-    FindContacts<double>(ground, 0, FindBounds<double>(x, v), x, v, 1.0 / 60, contacts, scratch);
+    FindContacts<double>(ground, 0, MakeSurvey<double>(std::vector<double>(x.size(), 1.0), x, v), x, v, 1.0 / 60,
+                         contacts, scratch);
     return contacts.size();
   };
   EXPECT_EQ(count({{0, 0, 0}, {0, 0, 60}, {0, 0, -60}}), 2U) << "the next moment it is theirs";

@@ -6,7 +6,7 @@
 
 namespace wobble::physics {
 
-// Of the bodies' blueprint; ContactParameters without what a lane does not need.
+// Of the bodies' blueprint, or of each lane; ContactParameters without what a lane does not need.
 template <class Real>
 struct PenaltyLaw {
   Real stiffness = 0;     // N/m

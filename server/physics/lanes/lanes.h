@@ -26,14 +26,15 @@ struct LanesOf<double, 1> {
   using Type = double;
 };
 
-// These are named by what they compute: Fma(a, b, c) = ab + c, Fms(a, b, c) = ab − c, Fnma(a, b, c) = c −
-// ab, rounded once.
+// These are named by what they compute: Fma(a, b, c) = ab + c, Fms(a, b, c) = ab − c, Fnma(a, b, c) = c − ab, rounded
+// once. FindBelow(a, b): bit i is whether a < b in lane i.
 WOBBLE_LANES float Fma(float a, float b, float c) { return __builtin_fmaf(a, b, c); }
 WOBBLE_LANES float Fms(float a, float b, float c) { return __builtin_fmaf(a, b, -c); }
 WOBBLE_LANES float Fnma(float a, float b, float c) { return __builtin_fmaf(-a, b, c); }
 WOBBLE_LANES float Sqrt(float a) { return __builtin_sqrtf(a); }
 WOBBLE_LANES float Max(float a, float b) { return a > b ? a : b; }
 WOBBLE_LANES float Min(float a, float b) { return a < b ? a : b; }
+WOBBLE_LANES unsigned FindBelow(float a, float b) { return a < b ? 1U : 0U; }
 WOBBLE_LANES void Fill(float& lanes, float value) { lanes = value; }
 
 WOBBLE_LANES double Fma(double a, double b, double c) { return __builtin_fma(a, b, c); }
@@ -42,6 +43,7 @@ WOBBLE_LANES double Fnma(double a, double b, double c) { return __builtin_fma(-a
 WOBBLE_LANES double Sqrt(double a) { return __builtin_sqrt(a); }
 WOBBLE_LANES double Max(double a, double b) { return a > b ? a : b; }
 WOBBLE_LANES double Min(double a, double b) { return a < b ? a : b; }
+WOBBLE_LANES unsigned FindBelow(double a, double b) { return a < b ? 1U : 0U; }
 WOBBLE_LANES void Fill(double& lanes, double value) { lanes = value; }
 
 #ifdef __AVX2__
@@ -65,6 +67,9 @@ WOBBLE_LANES __m256 Fnma(__m256 a, __m256 b, __m256 c) { return _mm256_fnmadd_ps
 WOBBLE_LANES __m256 Sqrt(__m256 a) { return _mm256_sqrt_ps(a); }
 WOBBLE_LANES __m256 Max(__m256 a, __m256 b) { return _mm256_max_ps(a, b); }
 WOBBLE_LANES __m256 Min(__m256 a, __m256 b) { return _mm256_min_ps(a, b); }
+WOBBLE_LANES unsigned FindBelow(__m256 a, __m256 b) {
+  return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LT_OQ)));
+}
 WOBBLE_LANES void Fill(__m256& lanes, float value) { lanes = _mm256_set1_ps(value); }
 
 WOBBLE_LANES __m256d Fma(__m256d a, __m256d b, __m256d c) { return _mm256_fmadd_pd(a, b, c); }
@@ -73,6 +78,9 @@ WOBBLE_LANES __m256d Fnma(__m256d a, __m256d b, __m256d c) { return _mm256_fnmad
 WOBBLE_LANES __m256d Sqrt(__m256d a) { return _mm256_sqrt_pd(a); }
 WOBBLE_LANES __m256d Max(__m256d a, __m256d b) { return _mm256_max_pd(a, b); }
 WOBBLE_LANES __m256d Min(__m256d a, __m256d b) { return _mm256_min_pd(a, b); }
+WOBBLE_LANES unsigned FindBelow(__m256d a, __m256d b) {
+  return static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_LT_OQ)));
+}
 WOBBLE_LANES void Fill(__m256d& lanes, double value) { lanes = _mm256_set1_pd(value); }
 #endif
 
@@ -92,6 +100,7 @@ WOBBLE_LANES __m512 Fnma(__m512 a, __m512 b, __m512 c) { return _mm512_fnmadd_ps
 WOBBLE_LANES __m512 Sqrt(__m512 a) { return _mm512_sqrt_ps(a); }
 WOBBLE_LANES __m512 Max(__m512 a, __m512 b) { return _mm512_max_ps(a, b); }
 WOBBLE_LANES __m512 Min(__m512 a, __m512 b) { return _mm512_min_ps(a, b); }
+WOBBLE_LANES unsigned FindBelow(__m512 a, __m512 b) { return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ); }
 WOBBLE_LANES void Fill(__m512& lanes, float value) { lanes = _mm512_set1_ps(value); }
 
 WOBBLE_LANES __m512d Fma(__m512d a, __m512d b, __m512d c) { return _mm512_fmadd_pd(a, b, c); }
@@ -100,6 +109,7 @@ WOBBLE_LANES __m512d Fnma(__m512d a, __m512d b, __m512d c) { return _mm512_fnmad
 WOBBLE_LANES __m512d Sqrt(__m512d a) { return _mm512_sqrt_pd(a); }
 WOBBLE_LANES __m512d Max(__m512d a, __m512d b) { return _mm512_max_pd(a, b); }
 WOBBLE_LANES __m512d Min(__m512d a, __m512d b) { return _mm512_min_pd(a, b); }
+WOBBLE_LANES unsigned FindBelow(__m512d a, __m512d b) { return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ); }
 WOBBLE_LANES void Fill(__m512d& lanes, double value) { lanes = _mm512_set1_pd(value); }
 #endif
 

@@ -207,6 +207,7 @@ SweepKernel<Real> MakeLoneKernel() {
           {&SweepStageAlone<0, Real>, &SweepStageAlone<1, Real>, &SweepStageAlone<2, Real>, &SweepStageAlone<3, Real>},
           &ComputeSixVolume<Real, Real>,
           &ComputePenaltyForces<Real, Real>,
+          {&ComputeBodyContactForces<Real, Real>, &UpdateBodyContactBlock<Real, Real>},
           {&SweepGrid<0, Real, Real>, &SweepGrid<1, Real, Real>, &SweepGrid<2, Real, Real>, &SweepGrid<3, Real, Real>}};
 }
 

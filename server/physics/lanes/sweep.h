@@ -13,6 +13,7 @@
 
 #include <cstdint>
 
+#include "server/physics/lanes/body_contact_lanes.h"
 #include "server/physics/lanes/contact_lanes.h"
 #include "server/physics/lanes/grid.h"
 #include "server/physics/lanes/sweep_tables.h"
@@ -53,6 +54,7 @@ struct SweepKernel {
   Sweep<Real> stages[4] = {};
   void (*computeVolume)(const SweepTables<Real>& tables, SweepLanes<Real>& lanes) = nullptr;  // of `state`
   ContactKernel<Real> computeContacts = nullptr;
+  BodyContactKernel<Real> bodyContacts;
   GridSweep<Real> gridStages[4] = {};
 };
 

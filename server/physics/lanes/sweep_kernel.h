@@ -1,6 +1,7 @@
 // The sweep itself, for the translation units that compile it for one instruction set each.
 #pragma once
 
+#include "server/physics/lanes/body_contact_kernel.h"
 #include "server/physics/lanes/contact_kernel.h"
 #include "server/physics/lanes/grid_kernel.h"
 #include "server/physics/lanes/lanes.h"
@@ -208,6 +209,7 @@ SweepKernel<Real> MakeKernel() {
           {&SweepStage<0, V, Real>, &SweepStage<1, V, Real>, &SweepStage<2, V, Real>, &SweepStage<3, V, Real>},
           &ComputeSixVolume<V, Real>,
           &ComputePenaltyForces<V, Real>,
+          {&ComputeBodyContactForces<V, Real>, &UpdateBodyContactBlock<V, Real>},
           {&SweepGrid<0, V, Real>, &SweepGrid<1, V, Real>, &SweepGrid<2, V, Real>, &SweepGrid<3, V, Real>}};
 }
 

@@ -9,9 +9,9 @@
 #include <iterator>
 
 #include "server/physics/batch_step.h"
-#include "server/physics/bounds.h"
 #include "server/physics/integrator_step.h"
 #include "server/physics/state.h"
+#include "server/physics/survey.h"
 #include "tests/bench/thread_time.h"
 
 namespace wobble::bench {
@@ -63,13 +63,14 @@ class LoneBody {
   }
 
   void BeginTick() {
-    Recentre(m_blueprint, m_state);
+    Recentre(m_blueprint, FindCentre(m_blueprint, m_state) - m_state.origin, m_state);
     if (m_equations.obstacles.empty()) return;
     m_surfaces.clear();
     for (const Obstacle& each : m_equations.obstacles) m_surfaces.push_back(MakeSurface<Real>(each, m_state.origin));
     FindContacts<Real>(m_surfaces, m_blueprint.Read<Real>().contact.range,
-                       FindBounds<Real>(m_state.positions, m_state.velocities), m_state.positions, m_state.velocities,
-                       static_cast<Real>(kTick), m_state.contacts, m_contactScratch);
+                       MakeSurvey<Real>(m_blueprint.Read<Real>().masses, m_state.positions, m_state.velocities),
+                       m_state.positions, m_state.velocities, static_cast<Real>(kTick), m_state.contacts,
+                       m_contactScratch);
   }
   void Step(Integrator integrator, double h, IntegratorScratch<Real>& scratch) {
     StepOnce<Real>(integrator, static_cast<Real>(h), *this, std::span(m_state.positions), std::span(m_state.velocities),

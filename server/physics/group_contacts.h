@@ -1,0 +1,130 @@
+// Contacts between the members of a group, all in one list, so that their forces come as many at a time as a vector has
+// lanes. They are computed first and added up member by member afterwards: so bodies that share neighbours can be
+// worked on at the same time, and every sum still has its one order.
+#pragma once
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "server/physics/body_contact.h"
+#include "server/physics/lanes/body_contact_lanes.h"
+#include "server/physics/parallel.h"
+
+namespace wobble::physics {
+
+template <class Real>
+struct Member;
+template <class Real>
+struct Encounter;
+
+// Of one member's vertices, local coordinates: m, m/s.
+template <class Real>
+struct Motion {
+  std::span<const Vector3<Real>> x;
+  std::span<const Vector3<Real>> v;
+};
+
+template <class Real>
+class GroupContacts {
+ public:
+  // Room for so many contacts, between so many bodies.
+  void Reserve(std::size_t contacts, std::size_t bodies);
+  // Those of encounters between these members. The encounters' lists stay theirs; they and the members' blueprints must
+  // live, and no list may get longer or shorter, until the next Build.
+  void Build(std::span<const Encounter<Real>> encounters, std::span<Member<Real>* const> members,
+             const BodyContactKernel<Real>& kernel);
+  // After the lists' contacts have been changed by somebody else.
+  void ReadLists();
+
+  [[nodiscard]] bool IsEmpty() const { return m_entries.empty(); }
+
+  // Where those of side s of encounter e, at 2 e + s, begin among all.
+  [[nodiscard]] std::size_t BeginOf(std::size_t side) const { return m_sides[side].begin; }
+
+  // motions: of each member, in the members' order; of one that meets nobody they may be empty. threads: null: this
+  // one alone. The result does not depend on it.
+  void ComputeForces(std::span<const Motion<Real>> motions, Threads* threads);
+
+  // Calls add(vertex, force in N) for every push on the member that ComputeForces found, in an order that depends on
+  // the encounters alone; a vertex may come several times. May be called for several members at the same time.
+  template <class Add>
+  void VisitForcesOn(std::size_t member, const Add& add) const {
+    for (std::size_t i = m_sidesBegin[member]; i < m_sidesBegin[member + 1]; ++i) {
+      const Side& side = m_sides[m_sidesOf[i]];
+      const bool ofVertices = side.ofVertices == member;
+      for (std::size_t contact = side.begin; contact < side.begin + side.contacts->size(); ++contact) {
+        const BodyContactForces<Real>& forces = m_forces[contact / kContactsInBlock];
+        const std::size_t lane = contact % kContactsInBlock;
+        if ((forces.acts >> lane & 1U) == 0) continue;
+        if (ofVertices) {
+          add(m_entries[contact].vertex, ReadRows(forces.onVertex, lane));
+          continue;
+        }
+        const bool left = (forces.left >> lane & 1U) != 0;
+        const Face& corners = left ? m_leftTo[contact] : m_entries[contact].corners;
+        for (std::size_t corner = 0; corner < 3; ++corner)
+          add(corners[corner], ReadRows(forces.onCorners[corner], lane));
+      }
+    }
+  }
+
+  // After a substep of h seconds: as UpdateBodyContacts, in the encounters' lists.
+  void Update(std::span<const Motion<Real>> motions, Real h, Threads* threads);
+
+ private:
+  // One body's vertices against another's faces.
+  struct Side {
+    std::uint32_t ofVertices = 0;  // members
+    std::uint32_t ofFaces = 0;
+    std::vector<BodyContact<Real>>* contacts = nullptr;
+    std::size_t begin = 0;  // of its contacts among all
+    ContactParameters<Real> parameters;
+    Meeting<Real> meeting;  // but for the motion
+  };
+
+  struct Entry {
+    std::uint32_t side = 0;
+    std::uint16_t vertex = 0;
+    Face corners{};
+    Face across{};  // Topology
+  };
+
+  static Vector3<Real> ReadRows(const ContactRow<Real> (&rows)[3], std::size_t lane) {
+    return {rows[0][lane], rows[1][lane], rows[2][lane]};
+  }
+  static void WriteRows(const Vector3<Real>& value, std::size_t lane, ContactRow<Real> (&rows)[3]) {
+    for (int axis = 0; axis < 3; ++axis) rows[axis][lane] = value[axis];
+  }
+
+  [[nodiscard]] std::size_t CountInBlock(std::size_t block) const {
+    return std::min(kContactsInBlock, m_entries.size() - block * kContactsInBlock);
+  }
+  [[nodiscard]] BodyContact<Real>& ContactOf(std::size_t contact) const {
+    const Side& side = m_sides[m_entries[contact].side];
+    return (*side.contacts)[contact - side.begin];
+  }
+  [[nodiscard]] Meeting<Real> Meet(const Side& side, std::span<const Motion<Real>> motions) const;
+  void ListSidesOfMembers(std::size_t members);
+  void WriteConstants(std::size_t contact);
+  void ReadList(std::size_t contact);
+  void GatherPoints(std::size_t block, std::span<const Motion<Real>> motions, BodyContactPoints<Real>& points) const;
+  void GatherAcross(std::size_t block, std::span<const Motion<Real>> motions, BodyContactPoints<Real>& points) const;
+  void ComputeForcesOf(std::size_t block, std::span<const Motion<Real>> motions);
+  void ComputeForceOfLeft(std::size_t contact, std::span<const Motion<Real>> motions);
+  void Update(std::size_t block, std::span<const Motion<Real>> motions, Real h);
+  void WriteList(std::size_t contact, bool armed, bool touching);
+  template <class Visit>
+  void ForEachBlock(Threads* threads, const Visit& visit) const;
+
+  BodyContactKernel<Real> m_kernel;
+  std::vector<Side> m_sides;
+  std::vector<std::uint32_t> m_sidesOf;  // those that member m has a part in, ascending, from m_sidesBegin[m] on
+  std::vector<std::size_t> m_sidesBegin;
+  std::vector<Entry> m_entries;  // of each contact
+  std::vector<Face> m_leftTo;    // corners that it pushes where it has left its face
+  std::vector<BodyContactBlock<Real>> m_blocks;
+  std::vector<BodyContactForces<Real>> m_forces;
+};
+
+}  // namespace wobble::physics

@@ -1,0 +1,279 @@
+// The law of body_contact.h for the translation units that compile it for one instruction set each.
+//
+// No case is told apart: what a contact that does not act comes to is computed beside the others and not used. Divisors
+// are kept above zero by bounds that no living face or force comes near, so that a crushed face gives numbers.
+#pragma once
+
+#include "server/physics/contact_limits.h"
+#include "server/physics/lanes/body_contact_lanes.h"
+#include "server/physics/lanes/contact_kernel.h"
+#include "server/physics/lanes/lanes.h"
+
+namespace wobble::physics {
+namespace {
+
+#define WOBBLE_INLINE static inline __attribute__((always_inline))
+
+// Below these there is no direction, m² and N.
+inline constexpr float kLeastDoubleArea = 1e-30F;
+inline constexpr float kLeastPull = 1e-30F;
+
+template <class V>
+struct Axes {
+  V x, y, z;
+};
+
+template <class V>
+WOBBLE_INLINE Axes<V> Subtract(const Axes<V>& a, const Axes<V>& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class V>
+WOBBLE_INLINE Axes<V> Scale(V factor, const Axes<V>& a) {
+  return {factor * a.x, factor * a.y, factor * a.z};
+}
+// factor a + b
+template <class V>
+WOBBLE_INLINE Axes<V> AddScaled(V factor, const Axes<V>& a, const Axes<V>& b) {
+  return {Fma(factor, a.x, b.x), Fma(factor, a.y, b.y), Fma(factor, a.z, b.z)};
+}
+// b - factor a
+template <class V>
+WOBBLE_INLINE Axes<V> SubtractScaled(const Axes<V>& b, V factor, const Axes<V>& a) {
+  return {Fnma(factor, a.x, b.x), Fnma(factor, a.y, b.y), Fnma(factor, a.z, b.z)};
+}
+template <class V>
+WOBBLE_INLINE V Dot(const Axes<V>& a, const Axes<V>& b) {
+  return Fma(a.z, b.z, Fma(a.y, b.y, a.x * b.x));
+}
+template <class V>
+WOBBLE_INLINE Axes<V> Cross(const Axes<V>& a, const Axes<V>& b) {
+  return {Fma(a.y, b.z, -(a.z * b.y)), Fma(a.z, b.x, -(a.x * b.z)), Fma(a.x, b.y, -(a.y * b.x))};
+}
+
+template <class V, class Real>
+WOBBLE_INLINE V ReadRow(const ContactRow<Real>& row, std::size_t lane) {
+  return *reinterpret_cast<const V*>(row + lane);
+}
+template <class V, class Real>
+WOBBLE_INLINE Axes<V> ReadRows(const ContactRow<Real> (&rows)[3], std::size_t lane) {
+  return {ReadRow<V>(rows[0], lane), ReadRow<V>(rows[1], lane), ReadRow<V>(rows[2], lane)};
+}
+template <class V, class Real>
+WOBBLE_INLINE void WriteRow(V value, ContactRow<Real>& row, std::size_t lane) {
+  *reinterpret_cast<V*>(row + lane) = value;
+}
+template <class V, class Real>
+WOBBLE_INLINE void WriteRows(const Axes<V>& value, ContactRow<Real> (&rows)[3], std::size_t lane) {
+  WriteRow(value.x, rows[0], lane);
+  WriteRow(value.y, rows[1], lane);
+  WriteRow(value.z, rows[2], lane);
+}
+
+// Σ wᵢ aᵢ over a face's corners.
+template <class V>
+WOBBLE_INLINE Axes<V> BlendOf(const Axes<V>& weights, const Axes<V>& a, const Axes<V>& b, const Axes<V>& c) {
+  return AddScaled(weights.z, c, AddScaled(weights.y, b, Scale(weights.x, a)));
+}
+
+// FacePoint: the vertex p seen from its face (a, b, c).
+template <class V>
+struct FaceView {
+  Axes<V> p, a, b, c, ab, ac;
+  Axes<V> normal, weights;
+  V distance, inverseArea;
+};
+
+template <class V, class Real>
+WOBBLE_INLINE FaceView<V> ViewFace(const BodyContactBlock<Real>& block, const BodyContactPoints<Real>& points,
+                                   std::size_t lane) {
+  const V one = Spread<V>(Real(1));
+  FaceView<V> at;
+  at.p = AddScaled(one, ReadRows<V, Real>(block.shift, lane), ReadRows<V, Real>(points.x[0], lane));
+  at.a = ReadRows<V, Real>(points.x[1], lane);
+  at.b = ReadRows<V, Real>(points.x[2], lane);
+  at.c = ReadRows<V, Real>(points.x[3], lane);
+  at.ab = Subtract(at.b, at.a);
+  at.ac = Subtract(at.c, at.a);
+  const Axes<V> ap = Subtract(at.p, at.a);
+  const Axes<V> area = Cross(at.ab, at.ac);
+  at.inverseArea = one / Max(Sqrt(Dot(area, area)), Spread<V>(Real(kLeastDoubleArea)));
+  const Axes<V> normal = Scale(at.inverseArea, area);
+  at.weights.y = Dot(Cross(ap, at.ac), normal) * at.inverseArea;
+  at.weights.z = Dot(Cross(at.ab, ap), normal) * at.inverseArea;
+  at.weights.x = one - at.weights.y - at.weights.z;
+  at.normal = Scale(ReadRow<V>(block.side, lane), normal);
+  at.distance = Dot(ap, at.normal);
+  return at;
+}
+
+// Of the vertex against the point of the face below it.
+template <class V, class Real>
+WOBBLE_INLINE Axes<V> FindVelocity(const FaceView<V>& at, const BodyContactPoints<Real>& points, std::size_t lane) {
+  return Subtract(ReadRows<V, Real>(points.v[0], lane),
+                  BlendOf(at.weights, ReadRows<V, Real>(points.v[1], lane), ReadRows<V, Real>(points.v[2], lane),
+                          ReadRows<V, Real>(points.v[3], lane)));
+}
+
+// The stick spring, m.
+template <class V, class Real>
+WOBBLE_INLINE Axes<V> FindStickSlip(const FaceView<V>& at, const BodyContactBlock<Real>& block, std::size_t lane) {
+  const Axes<V> moved = Subtract(at.p, BlendOf(ReadRows<V, Real>(block.foot, lane), at.a, at.b, at.c));
+  const Axes<V> slip = AddScaled(Spread<V>(Real(1)), ReadRows<V, Real>(block.slip, lane), moved);
+  return SubtractScaled(slip, Dot(slip, at.normal), at.normal);
+}
+
+template <class V, class Real>
+WOBBLE_INLINE PenaltyLaw<V> ReadLaw(const BodyContactBlock<Real>& block, std::size_t lane) {
+  return {ReadRow<V>(block.stiffness, lane), ReadRow<V>(block.fadeDepth, lane), ReadRow<V>(block.damping, lane),
+          ReadRow<V>(block.stickDamping, lane)};
+}
+
+template <class V>
+WOBBLE_INLINE V FindLeast(const Axes<V>& a) {
+  return Min(a.x, Min(a.y, a.z));
+}
+
+// Forces on the corners, as ComputeBodyContacts has them. force: on the vertex.
+template <class V, class Real>
+WOBBLE_INLINE void PushCorners(const FaceView<V>& at, const BodyContactBlock<Real>& block, const Axes<V>& pull, V depth,
+                               const Axes<V>& force, std::size_t lane, BodyContactForces<Real>& forces) {
+  const V one = Spread<V>(Real(1));
+  const Axes<V> sides[3] = {Subtract(at.c, at.b), Subtract(at.a, at.c), at.ab};
+  const V square = Max(Dot(sides[0], sides[0]), Max(Dot(sides[1], sides[1]), Dot(sides[2], sides[2])));
+  const V lever = Min(depth * at.inverseArea, one / Max(Sqrt(square), Spread<V>(Real(kLeastDoubleArea))));
+  const V winding = ReadRow<V>(block.side, lane);
+  const Axes<V> turned = Scale(winding * ReadRow<V>(block.share, lane) * lever, Cross(pull, at.normal));
+  const V weights[3] = {at.weights.x, at.weights.y, at.weights.z};
+  for (int i = 0; i < 3; ++i) {
+    WriteRows<V, Real>(SubtractScaled(Scale(Dot(turned, sides[i]), at.normal), weights[i], force), forces.onCorners[i],
+                       lane);
+  }
+}
+
+template <class V, class Real>
+void ComputeBodyContactForces(const BodyContactBlock<Real>& block, const BodyContactPoints<Real>& points,
+                              BodyContactForces<Real>& forces) {
+  constexpr std::size_t kWidth = sizeof(V) / sizeof(Real);
+  const V zero = Spread<V>(Real(0));
+  forces.acts = 0;
+  forces.left = 0;
+  for (std::size_t lane = 0; lane < kContactsInBlock; lane += kWidth) {
+    const FaceView<V> at = ViewFace<V>(block, points, lane);
+    const V maxDepth = ReadRow<V>(block.maxDepth, lane);
+    const V depth = -(at.distance + ReadRow<V>(block.leap, lane));
+    const std::uint32_t left = FindBelow(FindLeast(at.weights), zero) & FindBelow(zero, maxDepth);
+    const std::uint32_t acts = FindBelow(zero, depth) & FindBelow(depth, maxDepth) & ~left;
+    forces.left |= left << lane;
+    forces.acts |= acts << lane;
+    if (acts == 0) continue;
+    const Axes<V> velocity = FindVelocity(at, points, lane);
+    const V away = Dot(at.normal, velocity);
+    const PenaltyLaw<V> law = ReadLaw<V>(block, lane);
+    const V normalForce = FindNormalForce<Real>(law, depth, -away);
+    const V stick = ReadRow<V>(block.touching, lane) * ReadRow<V>(block.stickStiffness, lane);
+    const Axes<V> drag = Scale(law.stickDamping, SubtractScaled(velocity, away, at.normal));
+    const Axes<V> pull = AddScaled(stick, FindStickSlip(at, block, lane), drag);
+    const V limit = ReadRow<V>(block.friction, lane) * normalForce;
+    const V strength = Max(Sqrt(Dot(pull, pull)), Spread<V>(Real(kLeastPull)));
+    const Axes<V> kept = Scale(Min(limit / strength, Spread<V>(Real(1))), pull);
+    const V share = ReadRow<V>(block.share, lane);
+    const Axes<V> force = Scale(share, Subtract(Scale(normalForce, at.normal), kept));
+    WriteRows<V, Real>(force, forces.onVertex, lane);
+    PushCorners(at, block, kept, depth, force, lane, forces);
+  }
+}
+
+// What a vertex on its face must know of the neighbour over one side (from, to): whether the surface is convex there,
+// and whether p has slid over it (SlidesOver of face_search.cpp for a weight that is not negative).
+struct SideView {
+  std::uint32_t concave;
+  std::uint32_t slides;
+};
+template <class V, class Real>
+WOBBLE_INLINE SideView ViewSide(const FaceView<V>& at, const Axes<V>& from, const Axes<V>& to, const Axes<V>& beyond,
+                                V side) {
+  const Axes<V> area = Cross(Subtract(from, to), Subtract(beyond, to));
+  const V inverse = side / Max(Sqrt(Dot(area, area)), Spread<V>(Real(kLeastDoubleArea)));
+  const Axes<V> normal = Scale(inverse, area);
+  const V distance = Dot(Subtract(at.p, to), normal);
+  const std::uint32_t concave = FindBelow(Spread<V>(Real(0)), Dot(Subtract(beyond, at.a), at.normal));
+  const std::uint32_t rises = FindBelow(at.distance, distance);
+  const std::uint32_t smooth = FindBelow(Spread<V>(static_cast<Real>(kSmoothCosine)), Dot(at.normal, normal));
+  return {concave, rises & smooth & ~concave};
+}
+
+// Whether the contact keeps its face for certain: neither beside nor sliding off it, nor looking along its own
+// surface's normal, and when outside with no face round it that rises towards the vertex.
+template <class V, class Real>
+WOBBLE_INLINE std::uint32_t FindThoseThatMove(const FaceView<V>& at, const BodyContactBlock<Real>& block,
+                                              const BodyContactPoints<Real>& points, std::size_t lane) {
+  const V zero = Spread<V>(Real(0));
+  const V side = ReadRow<V>(block.side, lane);
+  const Axes<V>* corners[3] = {&at.a, &at.b, &at.c};
+  SideView all{0, 0};
+  for (int i = 0; i < 3; ++i) {
+    const SideView one = ViewSide<V, Real>(at, *corners[(i + 1) % 3], *corners[(i + 2) % 3],
+                                           ReadRows<V, Real>(points.across[i], lane), side);
+    all = {all.concave | one.concave, all.slides | one.slides};
+  }
+  const Axes<V> outward = ReadRows<V, Real>(block.outward, lane);
+  const std::uint32_t hasOutward = FindBelow(zero, Dot(outward, outward));
+  const std::uint32_t along = FindBelow(Spread<V>(static_cast<Real>(kFacingCosine)), Dot(at.normal, outward));
+  return FindBelow(FindLeast(at.weights), zero) | (all.concave & ~FindBelow(at.distance, zero)) | all.slides |
+         (hasOutward & along) | FindBelow(ReadRow<V>(block.maxDepth, lane), zero);
+}
+
+// NoteLeap, for a contact that keeps its face.
+template <class V, class Real>
+WOBBLE_INLINE V FindLeap(const FaceView<V>& at, const BodyContactBlock<Real>& block, V speed, V away, V reach,
+                         std::size_t lane) {
+  const V zero = Spread<V>(Real(0));
+  const V depth = -at.distance;
+  const V approach = Max(zero, -away);
+  const V counts = Fma(ReadRow<V>(block.open, lane), speed - approach, approach);
+  const V most = Fma(reach, counts, ReadRow<V>(block.depth, lane) + ReadRow<V>(block.freeDepth, lane));
+  const V before = ReadRow<V>(block.leap, lane);
+  const V leap = before + Max(zero, depth - before - most);
+  return Min(Max(leap, zero), Max(zero, depth));
+}
+
+template <class V, class Real>
+BodyContactChange UpdateBodyContactBlock(const BodyContactPoints<Real>& points, Real h, BodyContactBlock<Real>& block) {
+  constexpr std::size_t kWidth = sizeof(V) / sizeof(Real);
+  constexpr std::uint32_t kAll = (1U << kWidth) - 1;
+  const V zero = Spread<V>(Real(0));
+  const V one = Spread<V>(Real(1));
+  const V reach = Spread<V>(static_cast<Real>(kArmingSteps) * h);
+  BodyContactChange change;
+  for (std::size_t lane = 0; lane < kContactsInBlock; lane += kWidth) {
+    const FaceView<V> at = ViewFace<V>(block, points, lane);
+    change.left |= FindThoseThatMove(at, block, points, lane) << lane;
+    const Axes<V> velocity = FindVelocity(at, points, lane);
+    const V speed = Sqrt(Dot(velocity, velocity));
+    const V leap = FindLeap(at, block, speed, Dot(at.normal, velocity), reach, lane);
+    const V depth = -(at.distance + leap);
+    const V inside = Max(zero, depth);
+    const std::uint32_t open = FindBelow(zero, ReadRow<V>(block.open, lane));
+    const std::uint32_t armed = open | (kAll & ~FindBelow(ReadRow<V>(block.maxDepth, lane), inside));
+    // Not less than the depth itself, so an armed contact pushes wherever it is inside.
+    const V maxDepth = inside + Fma(reach, speed, Spread<V>(static_cast<Real>(kArmingDepth)));
+    const std::uint32_t touching = armed & FindBelow(zero, depth);
+    const Axes<V> slip = FindStickSlip(at, block, lane);
+    const V limit = ReadRow<V>(block.friction, lane) * FindSpringForce<Real>(ReadLaw<V>(block, lane), inside);
+    const V strength = ReadRow<V>(block.stickStiffness, lane) * Sqrt(Dot(slip, slip));
+    const V kept = Min(limit / Max(strength, Spread<V>(Real(kLeastPull))), one);
+    WriteRows<V, Real>(Scale(kept * ReadRow<V>(block.touching, lane), slip), block.slip, lane);
+    WriteRows<V, Real>(at.weights, block.foot, lane);
+    WriteRow(leap, block.leap, lane);
+    WriteRow(depth, block.depth, lane);
+    WriteRow(maxDepth, block.maxDepth, lane);
+    change.armed |= armed << lane;
+    change.touching |= touching << lane;
+  }
+  return change;
+}
+
+#undef WOBBLE_INLINE
+
+}  // namespace
+}  // namespace wobble::physics

@@ -1,0 +1,58 @@
+// A list instead of a mark in each body, which would be a cache line to read for each that sleeps.
+#include "server/physics/roster.h"
+
+#include <algorithm>
+
+namespace wobble::physics {
+
+void Roster::Add() { m_woken.push_back(m_count++); }
+
+void Roster::Remove(std::uint32_t body, bool asleep) {
+  if (asleep) {
+    m_sleepers.Remove(body);
+  } else {
+    FindAwake();
+    m_awake.erase(std::lower_bound(m_awake.begin(), m_awake.end(), body));
+  }
+  m_sleepers.Renumber(body);
+  for (auto* list : {&m_awake, &m_woken}) {
+    for (std::uint32_t& other : *list) other -= other > body ? 1 : 0;
+  }
+  --m_count;
+}
+
+void Roster::Wake(std::uint32_t body) {
+  m_sleepers.Remove(body);
+  m_woken.push_back(body);
+  ++m_wakes;
+}
+
+void Roster::LetSleep(std::span<const std::uint32_t> bodies, std::span<const Box> boxes) {
+  FindAwake();
+  auto next = bodies.begin();
+  std::erase_if(m_awake, [&](std::uint32_t body) {
+    if (next == bodies.end() || *next != body) return false;
+    ++next;
+    return true;
+  });
+  for (const std::uint32_t body : bodies) m_sleepers.Add(body, boxes[body]);
+}
+
+// Merged from behind, where there is room: both lists ascend.
+std::span<const std::uint32_t> Roster::FindAwake() {
+  if (m_woken.empty()) return m_awake;
+  std::sort(m_woken.begin(), m_woken.end());
+  std::size_t old = m_awake.size();
+  m_awake.resize(old + m_woken.size());
+  for (std::size_t to = m_awake.size(); !m_woken.empty();) {
+    if (old > 0 && m_awake[old - 1] > m_woken.back()) {
+      m_awake[--to] = m_awake[--old];
+    } else {
+      m_awake[--to] = m_woken.back();
+      m_woken.pop_back();
+    }
+  }
+  return m_awake;
+}
+
+}  // namespace wobble::physics
