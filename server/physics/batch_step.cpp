@@ -14,28 +14,19 @@ template <class Real>
 class Stepping {
  public:
   Stepping(const Group<Real>& group, std::span<const SweepKernel<Real>> kernels, BatchScratch<Real>& scratch)
-      : m_group(group), m_touch(!group.Encounters().empty()), m_packs(scratch.packs) {
+      : m_group(group), m_packs(scratch.packs) {
     FillPacks(kernels, scratch);
   }
 
   // Leaves positions and velocities in the group, errors in the members.
   void Integrate(double duration, int substeps) {
-    const double step = duration / substeps;
     for (Member<Real>* member : m_group.Members()) member->error = 0;
-    if (m_touch) m_group.Gather(m_group.Whole());
-    for (int substep = 0; substep < substeps; ++substep) {
-      for (int stage = 0; stage < 4; ++stage) StepStage(stage, static_cast<Real>(step));
-      const bool isLast = substep + 1 == substeps;
-      m_group.ForEach(m_packs.size(), [&](std::size_t i) {
-        m_packs[i].EndStep(step, duration - substep * step, substep == 0);
-        if (isLast) {
-          m_packs[i].EndTry();
-        } else if (m_touch) {
-          m_packs[i].CopyToGroup(0);
-        }
-      });
-      if (m_touch) m_group.UpdateAllBodyContacts(m_group.Positions(), m_group.Velocities(), static_cast<Real>(step));
+    if (m_group.Encounters().empty()) {
+      m_group.ForEach(m_packs.size(), [&](std::size_t i) { IntegrateAlone(m_packs[i], duration, substeps); });
+    } else {
+      IntegrateTogether(duration, substeps);
     }
+    m_group.ForEach(m_packs.size(), [&](std::size_t i) { m_packs[i].EndTry(); });
     for (Member<Real>* member : m_group.Members()) member->error *= kErrorShare / substeps;
   }
 
@@ -64,17 +55,40 @@ class Stepping {
     }
   }
 
-  // Within a substep the group's arrays hold what a stage is computed at; those of the first have been left there by
-  // the substep before.
-  void StepStage(int stage, Real h) {
-    if (m_touch) {
-      if (stage > 0) m_group.ForEach(m_packs.size(), [&](std::size_t i) { m_packs[i].CopyToGroup(stage); });
-      m_group.ComputeAllBodyContacts(m_group.Positions(), m_group.Velocities());
+  // From beginning to end, while it is in the cache.
+  static void IntegrateAlone(Pack<Real>& pack, double duration, int substeps) {
+    const double step = duration / substeps;
+    for (int substep = 0; substep < substeps; ++substep) {
+      for (int stage = 0; stage < 4; ++stage) {
+        pack.BeginStage(stage);
+        pack.Sweep(stage, static_cast<Real>(step));
+      }
+      pack.EndStep(step, duration - substep * step, substep == 0);
     }
+  }
+
+  // The group's arrays hold what a stage is computed at, for the contacts between its members.
+  void IntegrateTogether(double duration, int substeps) {
+    const double step = duration / substeps;
+    m_group.Gather(m_group.Whole());
+    for (int substep = 0; substep < substeps; ++substep) {
+      for (int stage = 0; stage < 4; ++stage) StepStage(stage, static_cast<Real>(step));
+      m_group.ForEach(m_packs.size(), [&](std::size_t i) {
+        m_packs[i].EndStep(step, duration - substep * step, substep == 0);
+        m_packs[i].CopyToGroup(0);
+      });
+      m_group.UpdateAllBodyContacts(m_group.Positions(), m_group.Velocities(), static_cast<Real>(step));
+    }
+  }
+
+  // Where the first stage is computed, the substep before has left in the group's arrays.
+  void StepStage(int stage, Real h) {
+    if (stage > 0) m_group.ForEach(m_packs.size(), [&](std::size_t i) { m_packs[i].CopyToGroup(stage); });
+    m_group.ComputeAllBodyContacts(m_group.Positions(), m_group.Velocities());
     m_group.ForEach(m_packs.size(), [&](std::size_t i) {
       Pack<Real>& pack = m_packs[i];
       pack.BeginStage(stage);
-      for (std::size_t lane = 0; m_touch && lane < pack.Whose().size(); ++lane) {
+      for (std::size_t lane = 0; lane < pack.Whose().size(); ++lane) {
         m_group.VisitContactForces(pack.Whose()[lane], [&pack, lane](std::size_t vertex, const Vector3<Real>& force) {
           pack.AddOuterForce(lane, vertex, force);
         });
@@ -84,7 +98,6 @@ class Stepping {
   }
 
   const Group<Real>& m_group;
-  bool m_touch;
   std::vector<Pack<Real>>& m_packs;
 };
 
