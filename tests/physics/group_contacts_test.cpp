@@ -67,7 +67,8 @@ struct Pile {
       for (std::size_t k = 0; k < shaken.size(); ++k) states[i].velocities[k] += Real(30) * shaken[k];
       members[i].blueprint = &blueprints[i / 2];
       members[i].state = &states[i];
-      members[i].bounds = FindBounds<Real>(states[i].positions, states[i].velocities);
+      members[i].survey =
+          MakeSurvey<Real>(blueprints[i / 2].Read<Real>().masses, states[i].positions, states[i].velocities);
       pointers.push_back(&members[i]);
     }
     lists.resize(2);
@@ -84,10 +85,10 @@ struct Pile {
       const Member<Real>& faces = members[both[1 - side]];
       const SurfacePoints<Real> own = ReadSurface(vertices);
       const SurfacePoints<Real> shell = ReadSurface(faces);
-      Bounds<Real> near = faces.bounds;
+      Bounds<Real> near = faces.survey.bounds;
       near.low.array() -= Real(0.1);
       near.high.array() += Real(0.1);
-      near.speed += vertices.bounds.speed;
+      near.speed += vertices.survey.bounds.speed;
       FindBodyContacts<Real>(
           parameters, MakeMeeting<Real>(vertices, faces),
           {vertices.blueprint->template Read<Real>().faces, &vertices.blueprint->topology, vertices.state->positions},

@@ -68,7 +68,7 @@ class Watched {
 
   // One tick, and what the server took for it, s.
   double Step() {
-    const double now = m_server.NextTick();
+    const double now = m_server.NextCall();
     const double began = ReadThreadTime();
     m_server.Tick(now);
     const double time = ReadThreadTime() - began;

@@ -1,7 +1,7 @@
 // A thousand balls apart: how much of the tick it takes to find out that none is near another. What is timed is what
 // the tick does for that: a box about each body from its vertices, and the search among them.
-#include "server/physics/bounds.h"
 #include "server/physics/broad_phase.h"
+#include "server/physics/survey.h"
 #include "tests/bench/skip/experiments.h"
 #include "tests/bench/throughput/worlds.h"
 
@@ -18,7 +18,8 @@ void FindBoxes(const World& world, std::vector<Box>& boxes) {
   boxes.clear();
   for (const Body& body : world.Bodies()) {
     const auto& state = std::get<State<float>>(body.state);
-    const Bounds<float> bounds = physics::FindBounds<float>(state.positions, state.velocities);
+    const std::vector<float>& masses = world.BlueprintOf(body).Read<float>().masses;
+    const Bounds<float> bounds = MakeSurvey<float>(masses, state.positions, state.velocities).bounds;
     boxes.push_back({state.origin + bounds.low.cast<double>() - Vector3d::Constant(kFat),
                      state.origin + bounds.high.cast<double>() + Vector3d::Constant(kFat)});
   }

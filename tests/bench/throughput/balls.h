@@ -48,12 +48,13 @@ class Balls {
       member.blueprint = m_blueprint;
       member.state = &m_states[i];
       member.load.acceleration = m_world->Settings().gravity.cast<Real>();
+      member.survey = physics::MakeSurvey<Real>(m_blueprint->Read<Real>().masses, state.positions, state.velocities);
       if (!setting.isOnGround) state.contacts.clear();
       if (!setting.isOnGround) continue;
       member.surfaces.push_back(physics::MakeSurface<Real>(m_world->Obstacles()[0], state.origin));
-      physics::FindContacts<Real>(member.surfaces, m_blueprint->Read<Real>().contact.range,
-                                  physics::FindBounds<Real>(state.positions, state.velocities), state.positions,
-                                  state.velocities, static_cast<Real>(kBallsTick), state.contacts, spare);
+      physics::FindContacts<Real>(member.surfaces, m_blueprint->Read<Real>().contact.range, member.survey,
+                                  state.positions, state.velocities, static_cast<Real>(kBallsTick), state.contacts,
+                                  spare);
     }
     m_stages.Reserve(m_blueprint->rest.size());
     Reset();
