@@ -35,6 +35,7 @@ void PackScratch<Real>::Reserve(std::size_t vertices) {
   positions.reserve(vertices);
   velocities.reserve(vertices);
   forces.reserve(vertices);
+  planes.Reserve(vertices);
   contacts.Reserve(kWidestPack * vertices);
 }
 
@@ -62,10 +63,26 @@ Pack<Real>::Pack(const Group<Real>& group, std::span<const std::uint32_t> whose,
     LoadVertices();
     m_kernel.computeVolume(m_tables, m_lanes);
   }
+  LoadContacts();
+}
+
+template <class Real>
+void Pack<Real>::LoadContacts() {
+  m_scratch.planes.Clear(m_body, m_scratch.hasOuter.size(), m_width);
   m_scratch.contacts.Clear(m_body, m_width);
   for (std::size_t lane = 0; lane < m_whose.size() && IsBulkLaw(m_body.contact.law); ++lane) {
-    m_scratch.contacts.Add(MemberIn(lane), [this, lane](std::size_t vertex) { return FindSeat(lane, vertex); });
+    Member& member = MemberIn(lane);
+    for (Contact<Real>& contact : member.state->contacts) {
+      const Surface<Real>& surface = member.surfaces[contact.surface];
+      const PackSeat seat = FindSeat(lane, contact.vertex);
+      if (surface.kind == Obstacle::Kind::kPlane) {
+        m_scratch.planes.Add(seat, surface, contact);
+      } else {
+        m_scratch.contacts.Add(seat, surface, contact);
+      }
+    }
   }
+  m_scratch.planes.Close();
   m_scratch.contacts.Close();
 }
 
@@ -224,9 +241,21 @@ void Pack<Real>::BeginStage(int stage) {
     for (const VertexForce<Real>& push : MemberIn(lane).load.pushes) AddOuterForce(lane, push.vertex, push.force);
     if (!IsBulkLaw(m_body.contact.law)) AddUnbulkedForces(lane, from);
   }
+  AddPlaneForces(from);
   if (m_scratch.contacts.IsEmpty()) return;
   m_scratch.contacts.FindForces(from, m_contactKernel,
                                 [this](const PackSeat& seat, const Vector3<Real>& force) { AddToSeat(seat, force); });
+}
+
+template <class Real>
+void Pack<Real>::AddPlaneForces(const Real* from) {
+  if (m_scratch.planes.IsEmpty()) return;
+  std::vector<std::uint32_t>& places = m_scratch.outerPlaces;
+  OuterLanes<Real> outer{m_outer, m_scratch.hasOuter.data(), nullptr, static_cast<std::uint32_t>(places.size())};
+  places.resize(m_scratch.hasOuter.size());
+  outer.places = places.data();
+  m_scratch.planes.AddForces(from, m_kernel.planes, outer);
+  places.resize(outer.count);
 }
 
 template <class Real>
@@ -266,6 +295,7 @@ void Pack<Real>::EndStep(double step, double timeLeft, bool isFirst) {
 template <class Real>
 void Pack<Real>::EndTry() const {
   CopyToGroup(0);
+  m_scratch.planes.WriteBack();
   m_scratch.contacts.WriteBack();
   for (std::size_t lane = 0; lane < m_whose.size(); ++lane) {
     MemberIn(lane).insideOut = m_tables.hasGas && !(m_lanes.sixVolume[lane] > Real(0));
@@ -292,6 +322,7 @@ void Pack<Real>::AddErrors(const Real* sums, double weight) {
 
 template <class Real>
 void Pack<Real>::UpdateAllAnchors() {
+  if (!m_scratch.planes.IsEmpty()) m_scratch.planes.Update(m_lanes.state, m_kernel.planes);
   if (!m_scratch.contacts.IsEmpty()) m_scratch.contacts.Update(m_lanes.state);
   if (IsBulkLaw(m_body.contact.law)) return;
   for (std::size_t lane = 0; lane < m_whose.size(); ++lane) {

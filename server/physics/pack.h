@@ -17,6 +17,7 @@
 #include "server/physics/group.h"
 #include "server/physics/lanes/kernels.h"
 #include "server/physics/pack_contacts.h"
+#include "server/physics/pack_planes.h"
 
 namespace wobble::physics {
 
@@ -34,6 +35,7 @@ struct PackScratch {
   std::vector<Vector3<Real>> positions;
   std::vector<Vector3<Real>> velocities;
   std::vector<Vector3<Real>> forces;
+  PackPlanes<Real> planes;
   PackContacts<Real> contacts;
 
   // For a pack of bodies of so many vertices.
@@ -78,10 +80,12 @@ class Pack {
 
   void LayOut();
   void LoadBodies();
+  void LoadContacts();
   void LoadVertices();
   void LoadRows();
   void LeaveTornOut();
   void CopyRowsToGroup(int stage) const;
+  void AddPlaneForces(const Real* from);
   void AddUnbulkedForces(std::size_t lane, const Real* from);
   void AddToSeat(const PackSeat& seat, const Vector3<Real>& force) {
     Real* at = m_outer + 3 * seat.place * m_width;

@@ -8,7 +8,6 @@ namespace wobble::physics {
 template <class Real>
 void PackContacts<Real>::Reserve(std::size_t contacts) {
   m_entries.reserve(contacts);
-  m_others.reserve(contacts);
   m_numbers.reserve((contacts * sizeof(Real) / sizeof(Line) + 1) * kNumbers);
 }
 
@@ -17,15 +16,12 @@ void PackContacts<Real>::Clear(const Coefficients<Real>& body, std::size_t width
   m_body = &body;
   m_width = width;
   m_entries.clear();
-  m_others.clear();
   m_isRead = false;
 }
 
 template <class Real>
 void PackContacts<Real>::Close() {
   constexpr std::size_t kInLine = 64 / sizeof(Real);
-  m_planes = m_entries.size();
-  m_entries.insert(m_entries.end(), m_others.begin(), m_others.end());
   const std::size_t lines = (m_entries.size() + kInLine - 1) / kInLine;
   m_capacity = lines * kInLine;
   m_numbers.assign(lines * kNumbers, {});
@@ -34,10 +30,8 @@ void PackContacts<Real>::Close() {
     const Contact<Real>& contact = *entry.contact;
     Row(kFriction)[i] = m_body->contact.friction * entry.surface->friction;
     Row(kShare)[i] = m_body->contactShares[contact.vertex];
-    Row(kOffset)[i] = entry.surface->offset;
     Row(kStick)[i] = contact.touching ? m_body->contact.stickStiffness : Real(0);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      Row(kNormal + axis)[i] = entry.surface->normal[static_cast<int>(axis)];
       Row(kAnchor + axis)[i] = contact.touching ? contact.anchor[static_cast<int>(axis)] : Real(0);
     }
   }
@@ -50,13 +44,8 @@ void PackContacts<Real>::ReadPoints(const Real* state) {
     const Real* numbers = state + 6 * m_entries[i].seat.place * m_width + m_entries[i].seat.lane;
     for (std::size_t k = 0; k < 6; ++k) rows[k][i] = numbers[k * m_width];
   }
-  const Real* const normals[3] = {Row(kNormal), Row(kNormal + 1), Row(kNormal + 2)};
-  const Real* const offsets = Row(kOffset);
   Real* const distances = Row(kDistance);
-  for (std::size_t i = 0; i < m_planes; ++i) {
-    distances[i] = normals[0][i] * rows[0][i] + normals[1][i] * rows[1][i] + normals[2][i] * rows[2][i] - offsets[i];
-  }
-  for (std::size_t i = m_planes; i < m_entries.size(); ++i) {
+  for (std::size_t i = 0; i < m_entries.size(); ++i) {
     const SurfacePoint<Real> point = FindContactPoint(*m_entries[i].surface, *m_entries[i].contact,
                                                       Vector3<Real>(rows[0][i], rows[1][i], rows[2][i]));
     distances[i] = point.distance;
@@ -92,7 +81,7 @@ void PackContacts<Real>::Update(const Real* state) {
     const bool wasTouching = Row(kStick)[i] != Real(0);
     const bool touches = Row(kDistance)[i] < Real(0);
     const Vector3<Real> normal(Row(kNormal)[i], Row(kNormal + 1)[i], Row(kNormal + 2)[i]);
-    if (i >= m_planes) m_entries[i].contact->side = normal;
+    m_entries[i].contact->side = normal;
     Row(kStick)[i] = touches ? law.stickStiffness : Real(0);
     if (!touches) continue;
     const Vector3<Real> x(Row(kX)[i], Row(kX + 1)[i], Row(kX + 2)[i]);
@@ -107,7 +96,6 @@ void PackContacts<Real>::WriteBack() const {
   for (std::size_t i = 0; i < m_entries.size(); ++i) {
     Contact<Real>& contact = *m_entries[i].contact;
     contact.touching = Row(kStick)[i] != Real(0);
-    if (i < m_planes) contact.side = m_entries[i].surface->normal;
     if (contact.touching) contact.anchor = {Row(kAnchor)[i], Row(kAnchor + 1)[i], Row(kAnchor + 2)[i]};
   }
 }

@@ -1,7 +1,6 @@
 // Contacts of a pack's bodies with what stands still, in one list for all of them, so that their forces come as many at
 // a time as a vector has lanes. While a pack is stepped its contacts live here alone; the members' own lists hear of it
-// at the end. Planes come first: where a vertex stands to them is arithmetic as well, the other surfaces are asked one
-// by one.
+// at the end. Contacts with planes are not among them (pack_planes.h).
 #pragma once
 
 #include <array>
@@ -10,17 +9,12 @@
 
 #include "server/physics/group_step.h"
 #include "server/physics/lanes/contact_lanes.h"
+#include "server/physics/pack_planes.h"
 
 namespace wobble::physics {
 
 // Whether the bulk computes this law; the others go through AddContacts.
 [[nodiscard]] inline bool IsBulkLaw(ContactLaw law) { return law == ContactLaw::kPenalty; }
-
-// Where a vertex is in a pack: number k of n that an array has of each stands at (n place + k) width + lane.
-struct PackSeat {
-  std::uint32_t place = 0;
-  std::uint32_t lane = 0;
-};
 
 template <class Real>
 class PackContacts {
@@ -29,14 +23,8 @@ class PackContacts {
   void Reserve(std::size_t contacts);
   // No contacts, of bodies of this kind in a pack of so many lanes.
   void Clear(const Coefficients<Real>& body, std::size_t width);
-  // Those of a member. findSeat(vertex): where in the pack it is.
-  template <class FindSeat>
-  void Add(Member<Real>& member, const FindSeat& findSeat) {
-    for (Contact<Real>& contact : member.state->contacts) {
-      const Surface<Real>& surface = member.surfaces[contact.surface];
-      (surface.kind == Obstacle::Kind::kPlane ? m_entries : m_others)
-          .push_back({findSeat(contact.vertex), &contact, &surface});
-    }
+  void Add(const PackSeat& seat, const Surface<Real>& surface, Contact<Real>& contact) {
+    m_entries.push_back({seat, &contact, &surface});
   }
   // After the last Add.
   void Close();
@@ -69,7 +57,6 @@ class PackContacts {
     kAnchor = 9,
     kForce = 12,
     kDistance = 15,
-    kOffset,  // of a plane, m
     kStick,
     kFriction,
     kShare,
@@ -96,9 +83,7 @@ class PackContacts {
 
   const Coefficients<Real>* m_body = nullptr;
   std::size_t m_width = 0;
-  std::vector<Entry> m_entries;  // planes, then the others
-  std::vector<Entry> m_others;   // until Close
-  std::size_t m_planes = 0;
+  std::vector<Entry> m_entries;
   std::vector<Line> m_numbers;  // [number][contact]
   std::size_t m_capacity = 0;   // contacts a row has room for, whole lines
   bool m_isRead = false;        // points are those of the state that comes next

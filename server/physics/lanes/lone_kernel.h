@@ -209,7 +209,8 @@ SweepKernel<Real> MakeLoneKernel() {
           &ComputePenaltyForces<Real, Real>,
           {&ComputeBodyContactForces<Real, Real>, &UpdateBodyContactBlock<Real, Real>},
           {&SweepGrid<0, Real, Real>, &SweepGrid<1, Real, Real>, &SweepGrid<2, Real, Real>, &SweepGrid<3, Real, Real>},
-          {&FindPointsWithin<Real, Real>, &FindNearestPoint<Real, Real>}};
+          {&FindPointsWithin<Real, Real>, &FindNearestPoint<Real, Real>},
+          {&AddPlaneForces<Real, Real>, &DragPlaneAnchors<Real, Real>}};
 }
 
 #undef WOBBLE_INLINE

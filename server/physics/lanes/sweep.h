@@ -16,6 +16,7 @@
 #include "server/physics/lanes/body_contact_lanes.h"
 #include "server/physics/lanes/contact_lanes.h"
 #include "server/physics/lanes/grid.h"
+#include "server/physics/lanes/plane_lanes.h"
 #include "server/physics/lanes/point_lanes.h"
 #include "server/physics/lanes/sweep_tables.h"
 
@@ -58,6 +59,7 @@ struct SweepKernel {
   BodyContactKernel<Real> bodyContacts;
   GridSweep<Real> gridStages[4] = {};
   PointKernel<Real> points;
+  PlaneKernel<Real> planes;
 };
 
 }  // namespace wobble::physics

@@ -5,6 +5,7 @@
 #include "server/physics/lanes/contact_kernel.h"
 #include "server/physics/lanes/grid_kernel.h"
 #include "server/physics/lanes/lanes.h"
+#include "server/physics/lanes/plane_kernel.h"
 #include "server/physics/lanes/point_kernel.h"
 #include "server/physics/lanes/rare_terms.h"
 #include "server/physics/lanes/sweep.h"
@@ -207,7 +208,8 @@ SweepKernel<Real> MakeKernel() {
           &ComputePenaltyForces<V, Real>,
           {&ComputeBodyContactForces<V, Real>, &UpdateBodyContactBlock<V, Real>},
           {&SweepGrid<0, V, Real>, &SweepGrid<1, V, Real>, &SweepGrid<2, V, Real>, &SweepGrid<3, V, Real>},
-          {&FindPointsWithin<V, Real>, &FindNearestPoint<V, Real>}};
+          {&FindPointsWithin<V, Real>, &FindNearestPoint<V, Real>},
+          {&AddPlaneForces<V, Real>, &DragPlaneAnchors<V, Real>}};
 }
 
 #undef WOBBLE_INLINE

@@ -1,0 +1,136 @@
+// Contacts with planes for the translation units that compile them for one instruction set each.
+#pragma once
+
+#include "server/physics/lanes/contact_kernel.h"
+#include "server/physics/lanes/plane_lanes.h"
+
+#define WOBBLE_INLINE static inline __attribute__((always_inline))
+
+namespace wobble::physics {
+namespace {
+
+template <class V>
+struct PlanePoint {
+  V x[3];
+  V normal[3];
+  V distance;
+};
+
+template <class V, class Real>
+WOBBLE_INLINE V ReadLanes(const Real* from) {
+  return *reinterpret_cast<const V*>(from);
+}
+
+template <class V, class Real>
+WOBBLE_INLINE PlanePoint<V> FindPlanePoint(const PlaneLanes<Real>& planes, std::uint32_t slot, const Real* numbers,
+                                           std::uint32_t lane) {
+  PlanePoint<V> point;
+  for (std::uint32_t axis = 0; axis < 3; ++axis) {
+    point.x[axis] = ReadLanes<V>(numbers + axis * planes.width);
+    point.normal[axis] = Spread<V>(planes.slots[slot].normal[axis]);
+  }
+  const V height = Fma(point.normal[2], point.x[2], Fma(point.normal[1], point.x[1], point.normal[0] * point.x[0]));
+  point.distance = height - ReadLanes<V>(planes.offsets + slot * planes.width + lane);
+  return point;
+}
+
+template <class V>
+WOBBLE_INLINE V Dot(const V* a, const V* b) {
+  return Fma(a[2], b[2], Fma(a[1], b[1], a[0] * b[0]));
+}
+
+// Of the anchor, m.
+template <class V, class Real>
+WOBBLE_INLINE void FindPlaneSlip(const PlaneLanes<Real>& planes, const PlanePoint<V>& point, const Real* anchors,
+                                 V* slip) {
+  V way[3];
+  for (std::uint32_t axis = 0; axis < 3; ++axis) {
+    way[axis] = point.x[axis] - ReadLanes<V>(anchors + axis * planes.width);
+  }
+  const V away = Dot(point.normal, way);
+  for (std::uint32_t axis = 0; axis < 3; ++axis) slip[axis] = Fnma(point.normal[axis], away, way[axis]);
+}
+
+template <class Real>
+WOBBLE_INLINE Real* FindOuter(OuterLanes<Real>& outer, std::uint32_t place, std::uint32_t width) {
+  Real* forces = outer.forces + 3 * place * width;
+  if (outer.hasForce[place] == 0) {
+    for (std::uint32_t i = 0; i < 3 * width; ++i) forces[i] = Real(0);
+    outer.hasForce[place] = 1;
+    outer.places[outer.count++] = place;
+  }
+  return forces;
+}
+
+template <class V, class Real>
+void AddPlaneForces(const PenaltyLaw<Real>& law, const PlaneLanes<Real>& planes, const Real* state,
+                    OuterLanes<Real>& outer) {
+  constexpr std::uint32_t kWidth = sizeof(V) / sizeof(Real);
+  const PenaltyLaw<V> everywhere{Spread<V>(law.stiffness), Spread<V>(law.fadeDepth), Spread<V>(law.damping),
+                                 Spread<V>(law.stickDamping)};
+  const V zero = Spread<V>(Real(0));
+  const std::uint32_t width = planes.width;
+  for (std::uint32_t slot = 0; slot < planes.count; ++slot) {
+    const std::uint32_t place = planes.slots[slot].place;
+    for (std::uint32_t lane = 0; lane < width; lane += kWidth) {
+      const Real* numbers = state + 6 * place * width + lane;
+      const PlanePoint<V> point = FindPlanePoint<V>(planes, slot, numbers, lane);
+      if (FindBelow(point.distance, zero) == 0) continue;
+      V v[3];
+      for (std::uint32_t axis = 0; axis < 3; ++axis) v[axis] = ReadLanes<V>(numbers + (3 + axis) * width);
+      const V away = Dot(point.normal, v);
+      const V force = FindNormalForce<Real>(everywhere, Max(-point.distance, zero), -away);
+      V pull[3];
+      FindPlaneSlip(planes, point, planes.anchors + 3 * slot * width + lane, pull);
+      const V stick = ReadLanes<V>(planes.sticks + slot * width + lane);
+      for (std::uint32_t axis = 0; axis < 3; ++axis) {
+        pull[axis] = Fma(everywhere.stickDamping, Fnma(point.normal[axis], away, v[axis]), stick * pull[axis]);
+      }
+      // Any pull this weak is within the limit of any force.
+      const V strength = Max(Sqrt(Dot(pull, pull)), Spread<V>(Real(1e-30F)));
+      const V kept = Min(Spread<V>(planes.slots[slot].friction) * force / strength, Spread<V>(Real(1)));
+      const V share = ReadLanes<V>(planes.shares + slot * width + lane);
+      Real* to = FindOuter(outer, place, width) + lane;
+      for (std::uint32_t axis = 0; axis < 3; ++axis) {
+        V* sum = reinterpret_cast<V*>(to + axis * width);
+        *sum = *sum + share * Fnma(kept, pull[axis], force * point.normal[axis]);
+      }
+    }
+  }
+}
+
+template <class V, class Real>
+void DragPlaneAnchors(const PenaltyLaw<Real>& law, Real stick, const PlaneLanes<Real>& planes, const Real* state) {
+  constexpr std::uint32_t kWidth = sizeof(V) / sizeof(Real);
+  const PenaltyLaw<V> everywhere{Spread<V>(law.stiffness), Spread<V>(law.fadeDepth), Spread<V>(law.damping),
+                                 Spread<V>(law.stickDamping)};
+  const V zero = Spread<V>(Real(0));
+  const std::uint32_t width = planes.width;
+  for (std::uint32_t slot = 0; slot < planes.count; ++slot) {
+    for (std::uint32_t lane = 0; lane < width; lane += kWidth) {
+      const PlanePoint<V> point =
+          FindPlanePoint<V>(planes, slot, state + 6 * planes.slots[slot].place * width + lane, lane);
+      V& set = *reinterpret_cast<V*>(planes.sticks + slot * width + lane);
+      const V before = set;
+      set = point.distance < zero ? Spread<V>(stick) : zero;
+      if (FindBelow(point.distance, zero) == 0) continue;
+      Real* anchors = planes.anchors + 3 * slot * width + lane;
+      V slip[3];
+      FindPlaneSlip(planes, point, anchors, slip);
+      const V limit =
+          Spread<V>(planes.slots[slot].friction) * FindSpringForce<Real>(everywhere, Max(-point.distance, zero));
+      const V strength = Spread<V>(stick) * Sqrt(Dot(slip, slip));
+      const V kept = limit / Max(strength, Spread<V>(Real(1e-30F)));
+      for (std::uint32_t axis = 0; axis < 3; ++axis) {
+        V& anchor = *reinterpret_cast<V*>(anchors + axis * width);
+        const V dragged = strength > limit ? Fnma(slip[axis], kept, point.x[axis]) : anchor;
+        anchor = before > zero ? dragged : point.x[axis];
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace wobble::physics
+
+#undef WOBBLE_INLINE
