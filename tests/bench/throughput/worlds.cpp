@@ -17,6 +17,10 @@ constexpr double kScrumHalf = 1.6;       // of the square at the bottom, m,
 constexpr std::size_t kScrumBalls = 16;  // which is too small for so many
 constexpr double kSlopeNormal = 0.6;     // horizontal part of the slopes' normal, 37°
 
+// nRT/R carries twice the weight of ten balls above one another, J: with less the lowest of the heap are crushed flat,
+// through which nothing can be asked of contact.
+constexpr double kHeapGas = 8000;
+
 void AddFunnel(World& world, double half) {
   world.AddObstacle(Obstacle{});
   for (const Vector3d& side : {Vector3d(1, 0, 0), Vector3d(-1, 0, 0), Vector3d(0, 1, 0), Vector3d(0, -1, 0)}) {
@@ -30,12 +34,12 @@ void AddFunnel(World& world, double half) {
 
 }  // namespace
 
-Blueprint MakeTimedBall() {
+Blueprint MakeTimedBall(double gas) {
   BallDefinition ball;
   ball.radius = 1;
   ball.material.mass = 0.25 * static_cast<double>(CountVertices(ball.subdivisions));
   ball.material.stiffness = 750;
-  ball.material.gas = 1000;
+  ball.material.gas = gas;
   return MakeBall(ball);
 }
 
@@ -62,7 +66,7 @@ std::unique_ptr<World> MakeBallsApart(std::size_t count, const WorldSettings& se
 
 std::unique_ptr<World> MakeBallsInFunnel(std::size_t count, const WorldSettings& settings, int ticks) {
   auto world = std::make_unique<World>(settings);
-  world->AddBlueprint(MakeTimedBall());
+  world->AddBlueprint(MakeTimedBall(kHeapGas));
   const double size = std::cbrt(static_cast<double>(count) / kScrumBalls);
   AddFunnel(*world, kScrumHalf * size);
   const auto side = static_cast<std::size_t>(std::ceil(4 * size));

@@ -11,8 +11,8 @@ namespace wobble::bench {
 inline constexpr int kTicksToFall = 120;
 inline constexpr int kTicksToPress = 150;
 
-// 1 m, k = 750 N/m, 0.25 kg a vertex, as firm as a ball for play.
-[[nodiscard]] physics::Blueprint MakeTimedBall();
+// 1 m, k = 750 N/m, 0.25 kg a vertex. gas: nRT, J; by default as firm as a ball for play.
+[[nodiscard]] physics::Blueprint MakeTimedBall(double gas = 1000);
 
 // Each ball takes exactly so many: no error is small enough for it, and more are not allowed. Only stability may ask
 // for more, and rows say what was played.
