@@ -55,7 +55,6 @@ void PackContacts<Real>::ReadPoints(const Real* state) {
 
 template <class Real>
 void PackContacts<Real>::ComputeForces(ContactKernel<Real> kernel) {
-  const ContactParameters<Real>& parameters = m_body->contact;
   ContactLanes<Real> lanes;
   lanes.count = m_entries.size();
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -69,7 +68,7 @@ void PackContacts<Real>::ComputeForces(ContactKernel<Real> kernel) {
   lanes.stick = Row(kStick);
   lanes.friction = Row(kFriction);
   lanes.share = Row(kShare);
-  kernel({parameters.stiffness, parameters.fadeDepth, parameters.damping, parameters.stickDamping}, lanes);
+  kernel(ReadLaw(m_body->contact), lanes);
 }
 
 template <class Real>

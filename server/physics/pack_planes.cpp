@@ -91,12 +91,6 @@ void PackPlanes<Real>::WriteBack() const {
 }
 
 template <class Real>
-PenaltyLaw<Real> PackPlanes<Real>::Law() const {
-  const ContactParameters<Real>& parameters = m_body->contact;
-  return {parameters.stiffness, parameters.fadeDepth, parameters.damping, parameters.stickDamping};
-}
-
-template <class Real>
 PlaneLanes<Real> PackPlanes<Real>::Lanes() const {
   const std::size_t count = m_slots.size() * m_width;
   Real* const numbers = reinterpret_cast<Real*>(m_numbers.data());

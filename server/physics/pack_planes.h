@@ -20,6 +20,11 @@ struct PackSeat {
 };
 
 template <class Real>
+[[nodiscard]] PenaltyLaw<Real> ReadLaw(const ContactParameters<Real>& parameters) {
+  return {parameters.stiffness, parameters.fadeDepth, parameters.damping, parameters.stickDamping};
+}
+
+template <class Real>
 class PackPlanes {
  public:
   // For packs of bodies of so many vertices.
@@ -35,11 +40,11 @@ class PackPlanes {
 
   // state: [place][x y z vx vy vz][lane]
   void AddForces(const Real* state, const PlaneKernel<Real>& kernel, OuterLanes<Real>& outer) {
-    kernel.addForces(Law(), Lanes(), state, outer);
+    kernel.addForces(ReadLaw(m_body->contact), Lanes(), state, outer);
   }
   // After a substep: as UpdateAnchors.
   void Update(const Real* state, const PlaneKernel<Real>& kernel) {
-    kernel.dragAnchors(Law(), m_body->contact.stickStiffness, Lanes(), state);
+    kernel.dragAnchors(ReadLaw(m_body->contact), m_body->contact.stickStiffness, Lanes(), state);
   }
   // To the members' own lists.
   void WriteBack() const;
@@ -56,7 +61,6 @@ class PackPlanes {
   };
 
   std::uint32_t FindSlot(std::uint32_t place, std::uint32_t surface, const Surface<Real>& plane);
-  [[nodiscard]] PenaltyLaw<Real> Law() const;
   [[nodiscard]] PlaneLanes<Real> Lanes() const;
 
   const Coefficients<Real>* m_body = nullptr;

@@ -7,6 +7,7 @@
 #include "server/physics/resting_boxes.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace wobble::physics {
 namespace {
@@ -103,6 +104,12 @@ void RestingBoxes::Add(std::uint32_t body, const Box& box) {
   }
   Link(m_entryOf[body]);
   if (m_largeCount > kFewLarge + m_entries.size() / 4) Rebuild();
+}
+
+void RestingBoxes::Reserve(std::size_t bodies) {
+  m_entries.reserve(bodies);
+  m_entryOf.reserve(bodies);
+  m_heads.reserve(std::max<std::size_t>(kLeastHeads, std::bit_ceil(4 * bodies)));  // as Rebuild takes at most
 }
 
 void RestingBoxes::Remove(std::uint32_t body) {

@@ -12,6 +12,8 @@ namespace wobble::physics {
 
 class RestingBoxes {
  public:
+  // Room for so many bodies, whose places are below that.
+  void Reserve(std::size_t bodies);
   // body: any number, its place in the world, that is not in yet.
   void Add(std::uint32_t body, const Box& box);
   // Of a body that is in.

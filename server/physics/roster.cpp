@@ -2,10 +2,18 @@
 #include "server/physics/roster.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace wobble::physics {
 
-void Roster::Add() { m_woken.push_back(m_count++); }
+// Room is made here, so that nobody who falls asleep or wakes in a tick has to.
+void Roster::Add() {
+  m_woken.push_back(m_count++);
+  const std::size_t room = std::bit_ceil(std::size_t{m_count});
+  m_awake.reserve(room);
+  m_woken.reserve(room);
+  m_sleepers.Reserve(room);
+}
 
 void Roster::Remove(std::uint32_t body, bool asleep) {
   if (asleep) {

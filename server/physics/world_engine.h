@@ -53,14 +53,14 @@ struct Scratch {
   std::vector<VertexLoad> loads;
   std::vector<std::size_t> begins;
 
-  void Reserve(std::size_t mostVertices, std::size_t allVertices, std::size_t bodies) {
+  // For so many bodies with so many vertices in all; the batch makes its own room.
+  void Reserve(std::size_t allVertices, std::size_t bodies) {
     members.reserve(bodies);
     encounters.reserve(bodies);
     parts.reserve(bodies);
     outcomes.reserve(bodies);
     loads.reserve(allVertices);
     begins.reserve(bodies + 1);
-    batch.Reserve(mostVertices, allVertices, bodies);
   }
 };
 

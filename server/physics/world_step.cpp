@@ -63,6 +63,7 @@ class World::Stepper {
     m_work.members.resize(count);
     m_work.boxes.resize(count);
     m_work.outcomes.resize(count);
+    m_work.falling.reserve(count);
     const std::span<const std::uint32_t> awake = m_roster.FindAwake();
     m_threads.ForEach(awake.size(), [&](std::size_t i) { Prepare(awake[i]); });
   }
@@ -225,7 +226,7 @@ class World::Stepper {
   // Members, encounters and parts of these groups, in this thread's scratch.
   std::span<Member<Real>* const> Collect(std::span<const AwakeGroup> groups) {
     Scratch<Real>& scratch = m_work.scratch.local();
-    scratch.Reserve(m_mostVertices, m_allVertices, m_bodies.size());
+    scratch.Reserve(m_allVertices, m_bodies.size());
     scratch.members.clear();
     scratch.encounters.clear();
     scratch.parts.clear();
@@ -249,6 +250,7 @@ class World::Stepper {
   void StepOne(std::span<const AwakeGroup> groups, Threads* threads) {
     const std::span<Member<Real>* const> members = Collect(groups);
     Scratch<Real>& scratch = m_work.scratch.local();
+    scratch.batch.Reserve(m_mostVertices, m_allVertices, m_bodies.size());
     const int substeps = groups[0].substeps;
     if (groups[0].way == AwakeGroup::Way::kPlain) {
       scratch.outcomes[0] =

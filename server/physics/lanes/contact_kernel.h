@@ -26,38 +26,60 @@ static inline __attribute__((always_inline)) V FindNormalForce(const PenaltyLaw<
 }
 
 template <class V, class Real>
+static inline __attribute__((always_inline)) PenaltyLaw<V> SpreadLaw(const PenaltyLaw<Real>& law) {
+  return {Spread<V>(law.stiffness), Spread<V>(law.fadeDepth), Spread<V>(law.damping), Spread<V>(law.stickDamping)};
+}
+
+template <class V>
+static inline __attribute__((always_inline)) V Dot(const V* a, const V* b) {
+  return Fma(a[2], b[2], Fma(a[1], b[1], a[0] * b[0]));
+}
+
+// What is along the surface of a way from the anchor.
+template <class V>
+static inline __attribute__((always_inline)) void FindSlip(const V* normal, const V* way, V* slip) {
+  const V away = Dot(normal, way);
+  for (int axis = 0; axis < 3; ++axis) slip[axis] = Fnma(normal[axis], away, way[axis]);
+}
+
+// Force on a vertex that has all of the contact, N. friction: Coulomb's coefficient; stick: of the anchor spring, N/m.
+template <class Real, class V>
+static inline __attribute__((always_inline)) void FindContactForce(const PenaltyLaw<V>& law, const V* normal,
+                                                                   V distance, const V* v, const V* slip, V stick,
+                                                                   V friction, V* force) {
+  const V away = Dot(normal, v);
+  const V push = FindNormalForce<Real>(law, Max(-distance, Spread<V>(Real(0))), -away);
+  V pull[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    pull[axis] = Fma(law.stickDamping, Fnma(normal[axis], away, v[axis]), stick * slip[axis]);
+  }
+  // Any pull this weak is within the limit of any force.
+  const V strength = Max(Sqrt(Dot(pull, pull)), Spread<V>(Real(1e-30F)));
+  const V kept = Min(friction * push / strength, Spread<V>(Real(1)));
+  for (int axis = 0; axis < 3; ++axis) force[axis] = Fnma(kept, pull[axis], push * normal[axis]);
+}
+
+template <class V, class Real>
 void ComputePenaltyForces(const PenaltyLaw<Real>& law, const ContactLanes<Real>& contacts) {
   constexpr std::size_t kWidth = sizeof(V) / sizeof(Real);
   const auto read = [](const Real* array, std::size_t i) { return *reinterpret_cast<const V*>(array + i); };
-  const PenaltyLaw<V> everywhere{Spread<V>(law.stiffness), Spread<V>(law.fadeDepth), Spread<V>(law.damping),
-                                 Spread<V>(law.stickDamping)};
+  const PenaltyLaw<V> everywhere = SpreadLaw<V>(law);
   for (std::size_t i = 0; i < contacts.count; i += kWidth) {
     V normal[3];
     V v[3];
-    V slip[3];
+    V way[3];
     for (int axis = 0; axis < 3; ++axis) {
       normal[axis] = read(contacts.normal[axis], i);
       v[axis] = read(contacts.v[axis], i);
-      slip[axis] = read(contacts.x[axis], i) - read(contacts.anchor[axis], i);
+      way[axis] = read(contacts.x[axis], i) - read(contacts.anchor[axis], i);
     }
-    const V away = Fma(normal[2], v[2], Fma(normal[1], v[1], normal[0] * v[0]));
-    const V slipAway = Fma(normal[2], slip[2], Fma(normal[1], slip[1], normal[0] * slip[0]));
-    const V depth = Max(-read(contacts.distance, i), Spread<V>(Real(0)));
-    const V force = FindNormalForce<Real>(everywhere, depth, -away);
-    const V stick = read(contacts.stick, i);
-    V pull[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      pull[axis] = Fma(everywhere.stickDamping, Fnma(normal[axis], away, v[axis]),
-                       stick * Fnma(normal[axis], slipAway, slip[axis]));
-    }
-    const V strength = Sqrt(Fma(pull[2], pull[2], Fma(pull[1], pull[1], pull[0] * pull[0])));
-    const V limit = read(contacts.friction, i) * force;
-    // Any pull this weak is within the limit of any force.
-    const V kept = Min(limit / Max(strength, Spread<V>(Real(1e-30F))), Spread<V>(Real(1)));
+    V slip[3];
+    V force[3];
+    FindSlip(normal, way, slip);
+    FindContactForce<Real>(everywhere, normal, read(contacts.distance, i), v, slip, read(contacts.stick, i),
+                           read(contacts.friction, i), force);
     const V share = read(contacts.share, i);
-    for (int axis = 0; axis < 3; ++axis) {
-      *reinterpret_cast<V*>(contacts.force[axis] + i) = share * Fnma(kept, pull[axis], force * normal[axis]);
-    }
+    for (int axis = 0; axis < 3; ++axis) *reinterpret_cast<V*>(contacts.force[axis] + i) = share * force[axis];
   }
 }
 

@@ -34,11 +34,6 @@ WOBBLE_INLINE PlanePoint<V> FindPlanePoint(const PlaneLanes<Real>& planes, std::
   return point;
 }
 
-template <class V>
-WOBBLE_INLINE V Dot(const V* a, const V* b) {
-  return Fma(a[2], b[2], Fma(a[1], b[1], a[0] * b[0]));
-}
-
 // Of the anchor, m.
 template <class V, class Real>
 WOBBLE_INLINE void FindPlaneSlip(const PlaneLanes<Real>& planes, const PlanePoint<V>& point, const Real* anchors,
@@ -47,8 +42,7 @@ WOBBLE_INLINE void FindPlaneSlip(const PlaneLanes<Real>& planes, const PlanePoin
   for (std::uint32_t axis = 0; axis < 3; ++axis) {
     way[axis] = point.x[axis] - ReadLanes<V>(anchors + axis * planes.width);
   }
-  const V away = Dot(point.normal, way);
-  for (std::uint32_t axis = 0; axis < 3; ++axis) slip[axis] = Fnma(point.normal[axis], away, way[axis]);
+  FindSlip(point.normal, way, slip);
 }
 
 template <class Real>
@@ -66,8 +60,7 @@ template <class V, class Real>
 void AddPlaneForces(const PenaltyLaw<Real>& law, const PlaneLanes<Real>& planes, const Real* state,
                     OuterLanes<Real>& outer) {
   constexpr std::uint32_t kWidth = sizeof(V) / sizeof(Real);
-  const PenaltyLaw<V> everywhere{Spread<V>(law.stiffness), Spread<V>(law.fadeDepth), Spread<V>(law.damping),
-                                 Spread<V>(law.stickDamping)};
+  const PenaltyLaw<V> everywhere = SpreadLaw<V>(law);
   const V zero = Spread<V>(Real(0));
   const std::uint32_t width = planes.width;
   for (std::uint32_t slot = 0; slot < planes.count; ++slot) {
@@ -78,22 +71,17 @@ void AddPlaneForces(const PenaltyLaw<Real>& law, const PlaneLanes<Real>& planes,
       if (FindBelow(point.distance, zero) == 0) continue;
       V v[3];
       for (std::uint32_t axis = 0; axis < 3; ++axis) v[axis] = ReadLanes<V>(numbers + (3 + axis) * width);
-      const V away = Dot(point.normal, v);
-      const V force = FindNormalForce<Real>(everywhere, Max(-point.distance, zero), -away);
-      V pull[3];
-      FindPlaneSlip(planes, point, planes.anchors + 3 * slot * width + lane, pull);
-      const V stick = ReadLanes<V>(planes.sticks + slot * width + lane);
-      for (std::uint32_t axis = 0; axis < 3; ++axis) {
-        pull[axis] = Fma(everywhere.stickDamping, Fnma(point.normal[axis], away, v[axis]), stick * pull[axis]);
-      }
-      // Any pull this weak is within the limit of any force.
-      const V strength = Max(Sqrt(Dot(pull, pull)), Spread<V>(Real(1e-30F)));
-      const V kept = Min(Spread<V>(planes.slots[slot].friction) * force / strength, Spread<V>(Real(1)));
+      V slip[3];
+      V force[3];
+      FindPlaneSlip(planes, point, planes.anchors + 3 * slot * width + lane, slip);
+      FindContactForce<Real>(everywhere, point.normal, point.distance, v, slip,
+                             ReadLanes<V>(planes.sticks + slot * width + lane), Spread<V>(planes.slots[slot].friction),
+                             force);
       const V share = ReadLanes<V>(planes.shares + slot * width + lane);
       Real* to = FindOuter(outer, place, width) + lane;
       for (std::uint32_t axis = 0; axis < 3; ++axis) {
         V* sum = reinterpret_cast<V*>(to + axis * width);
-        *sum = *sum + share * Fnma(kept, pull[axis], force * point.normal[axis]);
+        *sum = *sum + share * force[axis];
       }
     }
   }
@@ -102,8 +90,7 @@ void AddPlaneForces(const PenaltyLaw<Real>& law, const PlaneLanes<Real>& planes,
 template <class V, class Real>
 void DragPlaneAnchors(const PenaltyLaw<Real>& law, Real stick, const PlaneLanes<Real>& planes, const Real* state) {
   constexpr std::uint32_t kWidth = sizeof(V) / sizeof(Real);
-  const PenaltyLaw<V> everywhere{Spread<V>(law.stiffness), Spread<V>(law.fadeDepth), Spread<V>(law.damping),
-                                 Spread<V>(law.stickDamping)};
+  const PenaltyLaw<V> everywhere = SpreadLaw<V>(law);
   const V zero = Spread<V>(Real(0));
   const std::uint32_t width = planes.width;
   for (std::uint32_t slot = 0; slot < planes.count; ++slot) {
