@@ -20,7 +20,7 @@
 #include "client/jitter_buffer.h"
 #include "client/newest_poses.h"
 #include "protocol/acknowledgement.h"
-#include "protocol/pose.h"
+#include "protocol/shape_codec.h"
 #include "protocol/snapshot.h"
 
 namespace wobble::client {
@@ -96,6 +96,7 @@ struct Client::Implementation {
   double nextForget = 0;
   NewestPoses newestPoses;
   std::vector<protocol::Record> records;  // scratch
+  protocol::ShapeDecoder decoder;
   std::vector<protocol::Vector3> shape;   // scratch
 
   void TakeIn(const transport::Event& event);
@@ -128,6 +129,7 @@ Client::Client(std::unique_ptr<transport::Transport> transport, Options options,
   assert(transport != nullptr && options.name.size() <= protocol::kMaxNameBytes);
   m->transport = std::move(transport);
   m->options = std::move(options);
+  if (!m->options.decode) m->blueprints.PassOverBases();
   m->startedAt = m->now = m->lastReceived = m->windowBegin = now;
 }
 
@@ -381,10 +383,10 @@ void Client::Implementation::HandleRecord(const protocol::Record& record, std::u
     ++statistics.unknownRecords;
     return;
   }
-  protocol::BitReader reader(record.payload);
   protocol::QuantisedPose pose;
   const bool isGood = protocol::PatchSize(blueprint->rest.size(), record.head.patch) > 0 &&
-                      (!options.decode || DecodeRecord(record, blueprint, tick)) && protocol::ReadPose(reader, pose);
+                      (!options.decode || DecodeRecord(record, blueprint, tick)) &&
+                      protocol::DecodePose(record.payload, blueprint->size, pose) == protocol::DecodeResult::kOk;
   if (!isGood) {
     ++statistics.badRecords;
   } else if (record.head.patch == 0) {
@@ -398,7 +400,9 @@ bool Client::Implementation::DecodeRecord(const protocol::Record& record,
   const auto rest = std::span(blueprint->rest).subspan(record.head.patch * protocol::kMaxPatchVertices, size);
   protocol::Pose pose;
   shape.resize(size);
-  return protocol::DecodeShape(record.payload, rest, pose, shape) == protocol::DecodeResult::kOk &&
+  const protocol::Basis* basis = blueprint->bases.empty() ? nullptr : blueprint->bases[record.head.patch].get();
+  const protocol::PatchModel model{rest, blueprint->size, basis, welcome.obstacles};
+  return decoder.Decode(model, record.payload, pose, shape) == protocol::DecodeResult::kOk &&
          bodies.Add(record.head, blueprint, tick, TimeOf(tick), pose, shape, jitter.Playback());
 }
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "client/statistics.h"
+#include "protocol/basis.h"
 #include "protocol/geometry.h"
 #include "protocol/messages.h"
 #include "protocol/transport/transport.h"
@@ -49,6 +50,7 @@ struct Blueprint {
   std::vector<std::array<std::uint16_t, 3>> faces;  // outward
   float size = 0;                                   // RMS distance of the rest vertices from their centroid, metres
   std::vector<std::array<std::uint16_t, 2>> edges;  // springs of a body without faces; a vertex may be in none
+  std::vector<std::shared_ptr<const protocol::Basis>> bases;  // of its patches, to decode them; or none
   bool open = false;                                // its faces leave a rim, so that one sees their backs
 };
 

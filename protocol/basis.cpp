@@ -128,18 +128,6 @@ bool ReadSource(std::span<const std::uint8_t> bytes, BasisSource& source) {
   return reader.IsWhole();
 }
 
-// The modes that were sent, each made 1 long.
-bool Normalise(const std::vector<std::int8_t>& modes, std::size_t rows, std::vector<double>& normalised) {
-  for (std::size_t begin = 0; begin < modes.size(); begin += rows) {
-    int square = 0;
-    for (std::size_t i = 0; i < rows; ++i) square += modes[begin + i] * modes[begin + i];
-    if (square == 0) return false;
-    const double length = std::sqrt(static_cast<double>(square));
-    for (std::size_t i = 0; i < rows; ++i) normalised.push_back(modes[begin + i] / length);
-  }
-  return true;
-}
-
 // Appends the completed modes, each block turned by its matrix, in the true order of rows.
 bool AppendRest(const BasisSource& source, const std::vector<double>& completed,
                 const std::vector<std::size_t>& rowOrder, std::vector<double>& columns) {
@@ -179,7 +167,8 @@ bool MakeColumns(const BasisSource& source, std::vector<double>& columns) {
     for (std::size_t axis = 0; axis < axes; ++axis) rowOrder.push_back(vertex * axes + axis);
   }
   columns.reserve(rows * rows);
-  if (!Normalise(source.modes, rows, columns)) return false;
+  columns.assign(source.modes.begin(), source.modes.end());
+  if (!Orthonormalise(columns, rows)) return false;
   return AppendRest(source, CompleteBasis(columns, rows, rowOrder), rowOrder, columns);
 }
 

@@ -76,25 +76,25 @@ std::vector<double> CompleteBasis(std::span<const double> given, std::size_t row
   return completed;
 }
 
-bool Orthonormalise(std::span<double> matrix, std::size_t size) {
-  constexpr double kSmallest = 1e-3;  // of what is left of a column, as a share of it
-  for (std::size_t c = 0; c < size; ++c) {
-    const std::span<double> column = matrix.subspan(c * size, size);
-    const auto measure = [&] {
-      double square = 0;
-      for (const double x : column) square += x * x;
-      return std::sqrt(square);
-    };
-    const double before = measure();
-    for (std::size_t p = 0; p < c; ++p) {
-      const std::span<const double> other = matrix.subspan(p * size, size);
+bool Orthonormalise(std::span<double> vectors, std::size_t rows) {
+  constexpr double kSmallest = 1e-3;  // of what is left of a vector, as a share of it
+  const auto measure = [](std::span<const double> vector) {
+    double square = 0;
+    for (const double x : vector) square += x * x;
+    return std::sqrt(square);
+  };
+  for (std::size_t begin = 0; begin < vectors.size(); begin += rows) {
+    const std::span<double> vector = vectors.subspan(begin, rows);
+    const double before = measure(vector);
+    for (std::size_t other = 0; other < begin; other += rows) {
+      const std::span<const double> unit = vectors.subspan(other, rows);
       double dot = 0;
-      for (std::size_t i = 0; i < size; ++i) dot += other[i] * column[i];
-      for (std::size_t i = 0; i < size; ++i) column[i] -= dot * other[i];
+      for (std::size_t i = 0; i < rows; ++i) dot += unit[i] * vector[i];
+      for (std::size_t i = 0; i < rows; ++i) vector[i] -= dot * unit[i];
     }
-    const double left = measure();
+    const double left = measure(vector);
     if (!(left > kSmallest * before)) return false;
-    for (double& x : column) x /= left;
+    for (double& x : vector) x /= left;
   }
   return true;
 }

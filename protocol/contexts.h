@@ -30,8 +30,11 @@ inline constexpr int kHighestLevel = 80;
   return 8 * octave + static_cast<int>((x << (31 - octave)) >> 28 & 7);
 }
 
-// The magnitude that a level leads one to expect, in 2^-12.
-[[nodiscard]] std::uint32_t FindExpectation(int level);
+// The magnitude that a level leads one to expect, in 2^-12; every second level from kLowestLevel on.
+extern const std::array<std::uint32_t, (kHighestLevel - kLowestLevel) / 2 + 1> kExpectations;
+[[nodiscard]] inline std::uint32_t FindExpectation(int level) {
+  return kExpectations[static_cast<std::size_t>(level - kLowestLevel) / 2];
+}
 
 struct Frequency {
   std::uint16_t start = 0;

@@ -31,7 +31,6 @@ void RangeEncoder::Finish() {
     for (unsigned i = 0; i < count; ++i) m_bytes.push_back(static_cast<std::uint8_t>(value >> (24 - 8 * i)));
     break;
   }
-  while (m_bytes.size() > m_begin + 1 && m_bytes.back() == 0) m_bytes.pop_back();
   if (m_bytes.size() == m_begin) m_bytes.push_back(0);
 }
 

@@ -87,12 +87,12 @@ DecodeResult ShapeDecoder::Decode(const PatchModel& model, std::span<const std::
       shape[i] = model.rest[i] + Vector3{static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])} * step;
     }
   } else {
-    const bool follows = head.mode.followsContact && FindContact(model, m_sides, m_suggested);
+    const bool follows = head.mode.followsContact && FindContact(model, m_sides, m_contact);
     const float scale = FindContactScale(model.size, step);
     m_sums.assign(3 * count, 0);
     for (std::size_t k = 0; k < 3 * count; ++k) {
       std::uint32_t value = static_cast<std::uint32_t>(m_coefficients[k]) * 16;
-      if (follows) value += static_cast<std::uint32_t>(FindSuggestion(m_suggested[k], basis->gains[k], scale));
+      if (follows) value += static_cast<std::uint32_t>(FindSuggestion(m_contact.along[k], basis->gains[k], scale));
       if (value == 0) continue;
       if (basis->isScalar) {
         AddMode(basis->Column(k / 3), value, m_sums.data() + k % 3 * count);

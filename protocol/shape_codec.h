@@ -32,6 +32,13 @@ struct PatchModel {
 enum class DecodeResult : std::uint8_t { kOk, kTruncated, kBadMode, kBadPose, kBadStep, kBadCoefficient, kTrailingBytes };
 [[nodiscard]] const char* Name(DecodeResult result);
 
+// The rest shape where contact would press it, and how far along each mode that is.
+struct ContactScratch {
+  std::vector<Vector3> pressed;
+  std::vector<std::int16_t> moved;
+  std::vector<std::int32_t> along;
+};
+
 // Reads a payload's pose alone, which takes no basis.
 [[nodiscard]] DecodeResult DecodePose(std::span<const std::uint8_t> payload, float size, QuantisedPose& pose);
 
@@ -45,7 +52,7 @@ class ShapeDecoder {
 
  private:
   std::vector<std::int32_t> m_coefficients;
-  std::vector<std::int32_t> m_suggested;
+  ContactScratch m_contact;
   std::vector<std::uint32_t> m_sums;
   std::vector<Side> m_sides;
 };
@@ -69,22 +76,26 @@ class ShapeEncoder {
   struct Choice;
   [[nodiscard]] ShapeEncoding EncodeAt(const PatchModel& model, const Pose& pose, std::span<const Vector3> vertices,
                                        float targetRms, std::vector<std::uint8_t>& out);
-  void Project(const PatchModel& model);
-  bool Suggest(const PatchModel& model);
-  double Round(const PatchModel& model, const Choice& choice, float weight);
-  void SearchStep(const PatchModel& model, Choice& choice, double budget);
-  void Write(const PatchModel& model, const Choice& choice, const QuantisedPose& pose, std::vector<std::uint8_t>& out);
-  void Measure(const PatchModel& model, std::span<const Vector3> vertices, std::span<const std::uint8_t> payload,
-               ShapeEncoding& encoding);
+  void FindDepartures(const PatchModel& model, const Pose& seen, std::span<const Vector3> vertices);
+  void Transform(const Basis& basis);
+  [[nodiscard]] bool FollowsContact(const PatchModel& model) const;
+  double Round(const PatchModel& model, const Choice& choice);
+  void GuessStep(const PatchModel& model, double budget, Choice& choice);
+  void SearchStep(const PatchModel& model, double budget, Choice& choice);
+  void SpendRest(double left, const Choice& choice);
+  void Write(const PatchModel& model, const Choice& choice, std::vector<std::uint8_t>& out) const;
+  [[nodiscard]] ShapeEncoding Measure(std::span<const Vector3> shape) const;
 
   ShapeDecoder m_decoder;
+  ContactScratch m_contact;
   std::vector<Side> m_sides;
-  std::vector<float> m_departure;         // 3n, m
-  std::vector<std::int16_t> m_rounded;    // of these, for the transform
-  std::vector<float> m_coefficients;      // m
-  std::vector<std::int32_t> m_suggested;  // of contact, along each mode
-  std::vector<std::int32_t> m_chosen;     // in steps
-  std::vector<Vector3> m_shape;
+  std::vector<Vector3> m_local;         // where the vertices are in the frame of the pose as decoded
+  std::vector<std::int16_t> m_rounded;  // departures, for the transform
+  std::vector<float> m_coefficients;    // m
+  std::vector<float> m_left;            // of these, without what contact suggests
+  std::vector<float> m_wanted;          // magnitudes, in steps
+  std::vector<std::int32_t> m_chosen;   // in steps
+  std::vector<Vector3> m_shape;         // as decoded
 };
 
 }  // namespace wobble::protocol

@@ -64,12 +64,11 @@ DecodeResult ReadHead(RangeDecoder& decoder, float size, ShapeHead& head) {
   return decoder.Overran() ? DecodeResult::kTruncated : DecodeResult::kOk;
 }
 
-bool FindContact(const PatchModel& model, std::span<const Side> sides, std::vector<std::int32_t>& along) {
-  static thread_local std::vector<Vector3> pressed;
+bool FindContact(const PatchModel& model, std::span<const Side> sides, ContactScratch& contact) {
+  auto& [pressed, moved, along] = contact;
   pressed.assign(model.rest.begin(), model.rest.end());
   if (!PressOut(sides, pressed)) return false;
   const std::size_t count = model.rest.size();
-  static thread_local std::vector<std::int16_t> moved;
   moved.resize(3 * count);
   // In 2^-12 of a size between 1/2 and 1; scalar: all x, all y, all z.
   const float unit = std::ldexp(1.0F, 12 - FindExponent(model.size));
@@ -82,8 +81,9 @@ bool FindContact(const PatchModel& model, std::span<const Side> sides, std::vect
           static_cast<std::int16_t>(std::nearbyint(std::clamp(part, -8191.0F, 8191.0F)));
     }
   }
-  along.resize(3 * count);
+  along.assign(3 * count, 0);
   for (std::size_t k = 0; k < 3 * count; ++k) {
+    if (model.basis->gains[k] == 0) continue;
     const std::int16_t* numbers = model.basis->isScalar ? moved.data() + k % 3 * count : moved.data();
     along[k] = Project(model.basis->Column(model.basis->isScalar ? k / 3 : k), numbers);
   }

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "protocol/contexts.h"
 #include "protocol/pose.h"
 #include "protocol/shape_codec.h"
 
@@ -59,7 +60,7 @@ void WriteHead(RangeEncoder& encoder, float size, const ShapeHead& head);
 }
 
 // What contact suggests: the rest shape pressed out of the sides, along each mode. False when it touches none.
-[[nodiscard]] bool FindContact(const PatchModel& model, std::span<const Side> sides, std::vector<std::int32_t>& along);
+[[nodiscard]] bool FindContact(const PatchModel& model, std::span<const Side> sides, ContactScratch& contact);
 // Of that, what a coefficient follows, in sixteenths of the step. scale: FindContactScale.
 [[nodiscard]] inline std::int32_t FindSuggestion(std::int32_t along, std::int8_t gain, float scale) {
   const float suggested = static_cast<float>(along) * static_cast<float>(gain) * scale;
