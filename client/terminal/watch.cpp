@@ -109,6 +109,7 @@ class Watch {
 int Watch::Run() {
   if (!Connect()) return tool::kExitBadUse;
   Play();
+  m_guard.LeaveIfAlone();
   SayGoodbye();
   return Conclude();
 }
