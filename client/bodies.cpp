@@ -48,11 +48,12 @@ bool Bodies::Add(const protocol::RecordHead& head, const std::shared_ptr<const B
     if (isNew) body.forms.back().firstTick = tick, body.forms.back().firstTime = time;
     body.newestTick = tick;
     body.newestTime = time;
+    body.rests = head.restTick != 0;
   }
   Form* form = FindForm(body, *blueprint, tick);
   if (form == nullptr) return true;
   if (tick < form->firstTick) form->firstTick = tick, form->firstTime = time;
-  (*form->patches)[head.patch].Insert(time, pose, shape, playback);
+  (*form->patches)[head.patch].Insert(time, head.restTick != 0, pose, shape, playback);
   DropUnseen(body, playback);
   return true;
 }
@@ -112,7 +113,8 @@ Bodies::BodyMap::iterator Bodies::Erase(BodyMap::iterator body) {
 
 void Bodies::Forget(double olderThan) {
   for (auto body = m_bodies.begin(); body != m_bodies.end();) {
-    body = body->second.newestTime < olderThan ? Erase(body) : std::next(body);
+    const bool isForgotten = !body->second.rests && body->second.newestTime < olderThan;
+    body = isForgotten ? Erase(body) : std::next(body);
   }
 }
 
@@ -160,7 +162,8 @@ void Bodies::SampleBody(const Form& form, double time, double newest, Detail det
     const protocol::Pose pose = BlendPose(moment);
     if (patch == 0) sample.pose = pose;
     if (detail == Detail::kVertices) AppendVertices(moment, pose, sample.vertices);
-    sample.age = std::max(sample.age, newest - moment.samples[moment.count - 1]->time);
+    const TrackSample& last = *moment.samples[moment.count - 1];
+    if (!last.atRest) sample.age = std::max(sample.age, newest - last.time);
     sample.held = sample.held || moment.held;
   }
 }

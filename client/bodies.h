@@ -16,9 +16,9 @@
 
 namespace wobble::client {
 
-// Seconds of world time after which a body of which nothing came any more is taken to be gone. The server says reliably
-// when a body goes; this is for the case that it does not, and long enough for the last in a crowd to have its turn.
-// Holds only as long as servers send bodies that lie still, too.
+// Seconds of world time after which a body that moved when it was last heard of is taken to be gone, or out of view.
+// The server says reliably when a body goes; this is for the case that it does not, and long enough for the last in a
+// crowd to have its turn. Of a body that lies still nothing comes any more, and it stays.
 inline constexpr double kForgetAfter = 30.0;
 // What all tracks may hold together, vertices, each track counting kTrackCost more for its frame: 5,000 balls of
 // 92 vertices. Each is kept up to kTrackSamples times, at 12 bytes: 150 MB at the very worst.
@@ -29,15 +29,16 @@ inline constexpr std::size_t kMaxForms = 16;
 
 class Bodies {
  public:
-  // A decoded record. shape has as many vertices as that patch of the blueprint. False when it would be one body or
-  // vertex too many; what is old, or of a body that has been removed since, is ignored and true.
+  // A decoded record. time: of its tick, or since when the body lies still. shape has as many vertices as that patch of
+  // the blueprint. False when it would be one body or vertex too many; what is old, or of a body that has been removed
+  // since, is ignored and true.
   [[nodiscard]] bool Add(const protocol::RecordHead& head, const std::shared_ptr<const Blueprint>& blueprint,
                          std::uint32_t tick, double time, const protocol::Pose& pose,
                          std::span<const protocol::Vector3> shape, double playback);
 
   // The server removed it at this tick: records of earlier ticks that still come do not bring it back.
   void Remove(std::uint32_t body, std::uint32_t tick);
-  // Drops all bodies whose newest sample is older than this, world seconds.
+  // Drops all bodies that do not lie still and whose newest sample is older than this, world seconds.
   void Forget(double olderThan);
 
   // All bodies at `time`, by ascending number. newest: time of the newest tick known. Counts what it shows.
@@ -56,6 +57,7 @@ class Bodies {
     std::vector<Form> forms;  // ascending by time, at least one
     std::uint32_t newestTick = 0;
     double newestTime = 0;
+    bool rests = false;  // in the newest record
     bool wasHeld = false;
   };
   struct Removal {

@@ -102,7 +102,7 @@ struct Client::Implementation {
   NewestPoses newestPoses;
   std::vector<protocol::Record> records;  // scratch
   protocol::ShapeDecoder decoder;
-  std::vector<protocol::Vector3> shape;   // scratch
+  std::vector<protocol::Vector3> shape;  // scratch
 
   void TakeIn(const transport::Event& event);
   void End(std::string reason);
@@ -396,7 +396,7 @@ void Client::Implementation::HandleRecord(const protocol::Record& record, std::u
   if (!isGood) {
     ++statistics.badRecords;
   } else if (record.head.patch == 0) {
-    newestPoses.Add(record.head.body, tick, pose);
+    newestPoses.Add(record.head.body, tick, record.head.restTick != 0, pose);
   }
 }
 
@@ -409,7 +409,8 @@ bool Client::Implementation::DecodeRecord(const protocol::Record& record,
   const protocol::Basis* basis = blueprint->bases.empty() ? nullptr : blueprint->bases[record.head.patch].get();
   const protocol::PatchModel model{rest, blueprint->size, basis, welcome.obstacles};
   return decoder.Decode(model, record.payload, pose, shape) == protocol::DecodeResult::kOk &&
-         bodies.Add(record.head, blueprint, tick, TimeOf(tick), pose, shape, jitter.Playback());
+         bodies.Add(record.head, blueprint, tick, TimeOf(record.head.restTick != 0 ? record.head.restTick : tick), pose,
+                    shape, jitter.Playback());
 }
 
 void Client::Implementation::SendDueInputs() {

@@ -93,7 +93,7 @@ const TrackSample& Track::Newest() const {
   return m_slots[m_count - 1];
 }
 
-bool Track::Insert(double time, const Pose& pose, std::span<const Vector3> shape, double playback) {
+bool Track::Insert(double time, bool atRest, const Pose& pose, std::span<const Vector3> shape, double playback) {
   // The segment that is shown, and one sample before it for the tangent.
   while (m_count > 2 && m_slots[2].time <= playback) DropOldest();
   std::size_t place = m_count;
@@ -108,6 +108,7 @@ bool Track::Insert(double time, const Pose& pose, std::span<const Vector3> shape
   if (m_slots.size() == m_count) m_slots.emplace_back();
   TrackSample& slot = m_slots[m_count];
   slot.time = time;
+  slot.atRest = atRest;
   slot.pose = pose;
   slot.shape.assign(shape.begin(), shape.end());
   ++m_count;
@@ -120,6 +121,11 @@ bool Track::Insert(double time, const Pose& pose, std::span<const Vector3> shape
 void Track::DropOldest() {
   std::rotate(m_slots.begin(), m_slots.begin() + 1, m_slots.begin() + static_cast<std::ptrdiff_t>(m_count));
   --m_count;
+}
+
+// When what was at `from` set out for `to`, the sample after it.
+double Track::FindDeparture(const TrackSample& from, const TrackSample& to) {
+  return from.atRest ? std::max(from.time, to.time - kWakeSpan) : from.time;
 }
 
 bool Track::IsCut(const TrackSample& from, const TrackSample& to) const {
@@ -139,9 +145,11 @@ Moment Track::Extrapolate(double time) const {
   const TrackSample& last = m_slots[m_count - 1];
   const double beyond = time - last.time;
   Moment moment = Still(last);
+  if (last.atRest) return moment;
   if (m_count > 1 && !IsCut(m_slots[m_count - 2], last)) {
     const TrackSample& before = m_slots[m_count - 2];
-    const auto s = static_cast<float>(std::min(beyond, kMaxExtrapolation) / (last.time - before.time));
+    const double span = last.time - FindDeparture(before, last);
+    const auto s = static_cast<float>(std::min(beyond, kMaxExtrapolation) / span);
     moment = {{&before, &last}, {-s, 1 + s}, {0, 1}, 2, false};
   }
   moment.held = beyond > kMaxExtrapolation;
@@ -151,14 +159,16 @@ Moment Track::Extrapolate(double time) const {
 Moment Track::Interpolate(std::size_t next, double time) const {
   const TrackSample& from = m_slots[next - 1];
   const TrackSample& to = m_slots[next];
-  if (IsCut(from, to)) return Still(from);
-  const TrackSample* before = next >= 2 && !IsCut(m_slots[next - 2], from) ? &m_slots[next - 2] : nullptr;
+  const double departure = FindDeparture(from, to);
+  if (time < departure || IsCut(from, to)) return Still(from);
+  const bool comesFromRest = from.atRest || next < 2;
+  const TrackSample* before = !comesFromRest && !IsCut(m_slots[next - 2], from) ? &m_slots[next - 2] : nullptr;
   const TrackSample* after = next + 1 < m_count && !IsCut(to, m_slots[next + 1]) ? &m_slots[next + 1] : nullptr;
 
-  const double h = to.time - from.time;
-  const double u = (time - from.time) / h;
-  const Weights curve = CurveWeights(before != nullptr ? from.time - before->time : 0, h,
-                                     after != nullptr ? after->time - to.time : 0, u);
+  const double h = to.time - departure;
+  const double u = (time - departure) / h;
+  const Weights curve = CurveWeights(before != nullptr ? from.time - FindDeparture(*before, from) : 0, h,
+                                     after != nullptr ? after->time - FindDeparture(to, *after) : 0, u);
   const Weights line{0, 1 - u, u, 0};
   const Weights& shape = h > kMaxShapeCurve ? line : curve;
 

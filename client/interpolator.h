@@ -12,11 +12,15 @@ namespace wobble::client {
 
 // Seconds. Beyond its last sample a patch goes on as it was going for the first, then it is held where that led.
 inline constexpr double kMaxExtrapolation = 0.1;
+// What has lain still until it was seen to move began to do so about so long before, seconds: snapshots come that
+// often.
+inline constexpr double kWakeSpan = 1.0 / 30;
 // Samples a track keeps: kMaxDelay at 30 Hz and a few more.
 inline constexpr std::size_t kTrackSamples = 24;
 
 struct TrackSample {
-  double time = 0;  // world time, seconds
+  double time = 0;      // world time, seconds
+  bool atRest = false;  // from then on it lies still, until shortly before the next sample
   protocol::Pose pose;
   std::vector<protocol::Vector3> shape;  // body frame, metres
 };
@@ -37,7 +41,8 @@ class Track {
 
   // Puts a sample in its place; false when one of that time is there, or it is older than all of a full track. What
   // lies so far before `playback` that no moment from there on needs it makes room.
-  bool Insert(double time, const protocol::Pose& pose, std::span<const protocol::Vector3> shape, double playback);
+  bool Insert(double time, bool atRest, const protocol::Pose& pose, std::span<const protocol::Vector3> shape,
+              double playback);
 
   [[nodiscard]] bool Empty() const { return m_count == 0; }
   [[nodiscard]] const TrackSample& Newest() const;
@@ -45,6 +50,7 @@ class Track {
   [[nodiscard]] Moment FindMoment(double time) const;
 
  private:
+  [[nodiscard]] static double FindDeparture(const TrackSample& from, const TrackSample& to);
   [[nodiscard]] bool IsCut(const TrackSample& from, const TrackSample& to) const;
   [[nodiscard]] Moment Extrapolate(double time) const;
   [[nodiscard]] Moment Interpolate(std::size_t next, double time) const;

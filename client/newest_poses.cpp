@@ -17,12 +17,13 @@ NewestPoses::Entry* NewestPoses::FindOrMake(std::uint32_t body) {
   return m_entries.size() < protocol::kMaxBodies ? &m_entries[body] : nullptr;
 }
 
-void NewestPoses::Add(std::uint32_t body, std::uint32_t tick, const protocol::QuantisedPose& pose) {
+void NewestPoses::Add(std::uint32_t body, std::uint32_t tick, bool rests, const protocol::QuantisedPose& pose) {
   Entry* entry = FindOrMake(body);
   if (entry == nullptr || tick <= entry->tick || tick <= entry->removed) return;
   entry->before = entry->pose;
   entry->beforeTick = entry->IsThere() ? entry->tick : 0;
   entry->pose = pose;
+  entry->rests = rests;
   entry->tick = tick;
 }
 
@@ -36,7 +37,9 @@ void NewestPoses::NoteRespawn(std::uint32_t body, std::uint32_t tick) {
 
 void NewestPoses::Forget(std::uint32_t tick) {
   std::erase_if(m_entries, [tick](const auto& known) {
-    return std::max({known.second.tick, known.second.removed, known.second.respawned}) < tick;
+    const Entry& entry = known.second;
+    const bool rests = entry.rests && entry.IsThere();
+    return !rests && std::max({entry.tick, entry.removed, entry.respawned}) < tick;
   });
 }
 
@@ -65,6 +68,10 @@ Sighting NewestPoses::MakeSighting(std::uint32_t body, const Entry& entry, doubl
   Sighting sighting;
   sighting.body = body;
   sighting.pose = protocol::Dequantise(entry.pose);
+  if (entry.rests) {
+    sighting.velocity = protocol::Vector3{};
+    return sighting;
+  }
   sighting.age = newestTick > entry.tick ? (newestTick - entry.tick) * tickSeconds : 0;
   const double span = (entry.tick - entry.beforeTick) * tickSeconds;
   // A respawn's tick may show the body at either place.

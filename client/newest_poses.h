@@ -19,11 +19,11 @@ class NewestPoses {
  public:
   // A record of the body's first patch. What is not newer than the newest known, or than a removal, is ignored; so is a
   // body beyond protocol::kMaxBodies.
-  void Add(std::uint32_t body, std::uint32_t tick, const protocol::QuantisedPose& pose);
+  void Add(std::uint32_t body, std::uint32_t tick, bool rests, const protocol::QuantisedPose& pose);
   // As the server's events say it: from this tick on the body is gone, or somewhere else.
   void Remove(std::uint32_t body, std::uint32_t tick);
   void NoteRespawn(std::uint32_t body, std::uint32_t tick);
-  // Drops what was last heard before this tick.
+  // Drops what does not lie still and was last heard before this tick.
   void Forget(std::uint32_t tick);
 
   [[nodiscard]] std::optional<protocol::Pose> Find(std::uint32_t body) const;
@@ -37,6 +37,7 @@ class NewestPoses {
   struct Entry {
     protocol::QuantisedPose pose;
     protocol::QuantisedPose before;
+    bool rests = false;            // at pose, and until something newer comes
     std::uint32_t tick = 0;        // of pose; 0: none yet
     std::uint32_t beforeTick = 0;  // of before; 0: none yet
     std::uint32_t removed = 0;     // tick of the last removal

@@ -12,7 +12,8 @@ namespace {
 constexpr std::uint8_t kKind = 0x57;  // 'W'
 constexpr float kTimeRatioScale = 65535.0F;
 constexpr unsigned kPatchBits = 3;
-// Blueprints from this number on take a byte more; so do a patch and a generation that are not both 0.
+// Blueprints from this number on take a byte more. A patch, a generation or a rest that is not 0 takes a byte for the
+// first two and a varint for the third.
 constexpr std::uint8_t kLongBlueprint = 127;
 static_assert(kMaxBodyVertices <= kMaxPatchVertices << kPatchBits && kGenerations <= 1U << (8 - kPatchBits));
 
@@ -33,13 +34,14 @@ void AppendRecord(const RecordHead& head, std::span<const std::uint8_t> payload,
   assert(!payload.empty() && payload.size() <= kMaxRecordPayload);
   BitWriter writer(out);
   writer.WriteVarint(head.body);
-  const bool isPlain = head.patch == 0 && head.generation == 0;
+  const bool isPlain = head.patch == 0 && head.generation == 0 && head.restTick == 0;
   writer.Write(std::min<std::uint32_t>(head.blueprint, kLongBlueprint), 7);
   writer.Write(isPlain ? 0 : 1, 1);
   if (head.blueprint >= kLongBlueprint) writer.Write(head.blueprint, 8);
   if (!isPlain) {
     writer.Write(head.patch, kPatchBits);
     writer.Write(head.generation, 8 - kPatchBits);
+    writer.WriteVarint(head.restTick);
   }
   writer.WriteVarint(static_cast<std::uint32_t>(payload.size()));
   out.insert(out.end(), payload.begin(), payload.end());
@@ -93,12 +95,15 @@ SnapshotResult ReadSnapshot(std::span<const std::uint8_t> packet, SnapshotHead& 
     if (!isPlain) {
       record.head.patch = static_cast<std::uint8_t>(reader.Read(kPatchBits));
       record.head.generation = static_cast<std::uint8_t>(reader.Read(8 - kPatchBits));
+      record.head.restTick = reader.ReadVarint();
     }
-    const bool isShortest = (!isLong || record.head.blueprint >= kLongBlueprint) &&
-                            (isPlain || record.head.patch != 0 || record.head.generation != 0);
+    const bool isShortest =
+        (!isLong || record.head.blueprint >= kLongBlueprint) &&
+        (isPlain || record.head.patch != 0 || record.head.generation != 0 || record.head.restTick != 0);
     const std::uint32_t length = reader.ReadVarint();
     if (reader.Overran()) return SnapshotResult::kTruncated;
-    if (record.head.body == 0 || length == 0 || !isShortest) return SnapshotResult::kBadRecord;
+    const bool isAhead = record.head.restTick > head.tick;
+    if (record.head.body == 0 || length == 0 || !isShortest || isAhead) return SnapshotResult::kBadRecord;
     if (length > rest.size() - reader.ByteOffset()) return SnapshotResult::kTruncated;
     record.payload = rest.subspan(reader.ByteOffset(), length);
     rest = rest.subspan(reader.ByteOffset() + length);

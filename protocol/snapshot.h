@@ -25,6 +25,9 @@ struct RecordHead {
   std::uint8_t blueprint = 0;
   std::uint8_t patch = 0;       // vertices patch·kMaxPatchVertices onwards
   std::uint8_t generation = 0;  // of the blueprint, below kGenerations
+  // Since when the body has been lying still, and will until a record says otherwise; not after the packet's tick. 0:
+  // it moves.
+  std::uint32_t restTick = 0;
 };
 
 struct Record {
@@ -41,7 +44,7 @@ enum class SnapshotResult : std::uint8_t {
 [[nodiscard]] const char* Name(SnapshotResult result);
 
 // The most that one record's payload may take, bytes, so that a packet always holds at least one.
-inline constexpr std::size_t kMaxRecordPayload = kMaxPacketBytes - kSnapshotHeadBytes - 10;
+inline constexpr std::size_t kMaxRecordPayload = kMaxPacketBytes - kSnapshotHeadBytes - 15;
 
 // Appends a whole record: head, payload length, payload.
 void AppendRecord(const RecordHead& head, std::span<const std::uint8_t> payload, std::vector<std::uint8_t>& out);

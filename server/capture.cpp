@@ -168,9 +168,14 @@ void BodyCaptures::Follow(const physics::World& world) {
     m_captured.emplace_back().body = added.id;
     m_moved.push_back(1);
   }
+  const auto perTick = static_cast<float>(1 / world.Settings().tickDuration);
   for (const std::uint32_t place : world.Stepped()) {
     m_moved[place] = 1;
-    m_shown[place].centre = ToWire(world.FindMiddle(place));
+    ShownBody& shown = m_shown[place];
+    const Vector3 centre = ToWire(world.FindMiddle(place));
+    shown.speed = protocol::Length(centre - shown.centre) * perTick;
+    shown.centre = centre;
+    shown.restTick = present[place].asleep ? world.Tick() : 0;
   }
 }
 
@@ -195,6 +200,7 @@ const CapturedBody& BodyCaptures::Read(const physics::World& world, std::size_t 
   CapturedBody& captured = m_captured[index];
   if (m_moved[index] != 0) {
     CaptureBody(world, world.Bodies()[index], captured);
+    captured.restTick = m_shown[index].restTick;
     m_moved[index] = 0;
   }
   return captured;

@@ -18,6 +18,7 @@ struct CapturedBody {
   std::uint32_t body = 0;
   std::uint64_t version = 0;  // another one whenever it has been captured again
   std::uint8_t blueprint = 0;
+  std::uint32_t restTick = 0;  // as ShownBody has it
   protocol::Pose pose;
   std::vector<protocol::Vector3> vertices;
 };
@@ -26,10 +27,10 @@ struct CapturedBody {
 struct CapturedBlueprint {
   std::vector<protocol::Vector3> rest;
   float size = 0;
-  protocol::Message message;    // serialised, to be sent in chunks
+  protocol::Message message;                                  // serialised, to be sent in chunks
   std::vector<std::shared_ptr<const protocol::Basis>> bases;  // one a patch, or none
-  std::uint64_t hash = 0;       // of the message
-  std::uint64_t revision = 0;   // of its slot in the world
+  std::uint64_t hash = 0;                                     // of the message
+  std::uint64_t revision = 0;                                 // of its slot in the world
   std::uint8_t generation = 0;  // under its number on the wire, below protocol::kGenerations
 };
 
@@ -54,6 +55,8 @@ void CaptureBody(const physics::World& world, const physics::Body& body, Capture
 struct ShownBody {
   std::uint32_t body = 0;
   protocol::Vector3 centre;
+  float speed = 0;             // of the centre, m/s
+  std::uint32_t restTick = 0;  // since when it sleeps; 0: it does not
 };
 
 // Brings what is kept of each body in line with those there are now: both ascend by id, and ids are never reused, so

@@ -30,6 +30,7 @@ std::vector<std::string> Validate(const Config& config, const scenes::Scene& sce
   Check(errors, "--max-per-address", config.maxPerAddress, kMaxPerAddressRange);
   Check(errors, "--threads", config.threads, kThreadsRange);
   Check(errors, "--client-kbit", config.clientKbit, kClientKbitRange);
+  Check(errors, "--view-distance", config.viewDistance, kViewDistanceRange);
   Check(errors, "--pause-after", config.pauseAfter, kPauseAfterRange);
 
   for (const scenes::BodyDefinition& blueprint : scene.blueprints) {

@@ -19,7 +19,8 @@ inline constexpr Range kMaxClientsRange{1, 4000};
 inline constexpr Range kMaxPerAddressRange{0, 4000};
 inline constexpr Range kThreadsRange{1, 256};
 inline constexpr Range kClientKbitRange{32, 100000};
-inline constexpr Range kPauseAfterRange{0, 1e6};  // s
+inline constexpr Range kPauseAfterRange{0, 1e6};    // s
+inline constexpr Range kViewDistanceRange{1, 1e5};  // m
 
 struct Config {
   std::uint16_t port = 7777;  // UDP
@@ -28,8 +29,9 @@ struct Config {
   int maxClients = 64;
   int maxPerAddress = 0;  // 0: as many as clients
   int threads = 1;
-  double clientKbit = 384;  // a client's share of snapshots, kbit/s, all headers counted
-  double pauseAfter = 30;   // seconds that a world without a single connection goes on for; 0: always
+  double clientKbit = 384;    // a client's share of snapshots, kbit/s, all headers counted
+  double viewDistance = 250;  // from a player's own body within which others are sent, m
+  double pauseAfter = 30;     // seconds that a world without a single connection goes on for; 0: always
   std::uint64_t seed = 1;
 };
 

@@ -94,6 +94,8 @@ void DescribeOptions(CLI::App& app, Options& options) {
   addNumber("--threads", server::kThreadsRange, config.threads, "Threads that step bodies");
   addNumber("--client-kbit", server::kClientKbitRange, config.clientKbit,
             "Snapshot budget of a client, kbit/s with headers");
+  addNumber("--view-distance", server::kViewDistanceRange, config.viewDistance,
+            "Metres from a player's body within which other bodies are sent");
   addNumber("--pause-after", server::kPauseAfterRange, config.pauseAfter,
             "Seconds that a world with nobody connected goes on for, then it waits; 0: it never waits");
   addNumber("--for", kDurationRange, options.runFor, "Seconds to run; 0: until Ctrl-C");
@@ -101,7 +103,8 @@ void DescribeOptions(CLI::App& app, Options& options) {
   app.add_option("--log-level", options.logLevel, "debug, info, warn, error or off")->capture_default_str();
   addNumber("--status", kDurationRange, options.statusEvery, "Seconds between status lines on stdout; 0: none");
   app.add_option("--summary", options.summaryFile, "File to write a summary of the run to, as JSON");
-  app.add_option("--cache", options.cacheFolder, "Folder that keeps trained bases of shapes from one start to the next");
+  app.add_option("--cache", options.cacheFolder,
+                 "Folder that keeps trained bases of shapes from one start to the next");
   app.add_flag("--list-scenes", options.listScenes, "Names of shipped scenes");
   app.footer(
       "Examples:\n"

@@ -64,7 +64,7 @@ Server::Server(const Config& config, scenes::Scene scene, std::unique_ptr<transp
       m_grounds(CaptureGrounds(m_world.Obstacles())),
       m_bases(std::move(bases)),
       m_encoder(CaptureObstacles(m_world.Obstacles())),
-      m_sender(*m_transport),
+      m_sender(*m_transport, config.viewDistance),
       m_clock(1.0 / config.tickHz, now),
       m_lastCompany(now),
       m_lastCall(now) {
@@ -173,13 +173,15 @@ const Bases& Server::FindBases(std::size_t slot) const {
   return kNone;
 }
 
-Records Server::Encode(std::size_t index) {
+const EncodedBody& Server::Encode(std::size_t index, std::size_t quality) {
   const CapturedBody& captured = m_captures.Read(m_world, index);
-  return m_encoder.Encode(index, captured, m_blueprints[captured.blueprint]);
+  return m_encoder.Encode(index, quality, captured, m_blueprints[captured.blueprint]);
 }
 
 void Server::Send(double now) {
-  const auto encode = [this](std::size_t index) { return Encode(index); };
+  const auto encode = [this](std::size_t index, std::size_t quality) -> const EncodedBody& {
+    return Encode(index, quality);
+  };
   const double share = m_config.clientKbit * 1000 / 8 / m_config.snapshotHz;
   for (auto& [connection, session] : m_sessions) {
     if (session.state != Session::State::kPlaying) continue;

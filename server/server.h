@@ -73,7 +73,7 @@ class Server {
   void ApplyInputs();
   void Step();
   void Capture();
-  Records Encode(std::size_t index);
+  const EncodedBody& Encode(std::size_t index, std::size_t quality);
   void Send(double now);
 
   void TakeEvent(const transport::Event& event, double now);
@@ -96,7 +96,7 @@ class Server {
   physics::World m_world;
   std::vector<scenes::PlacedBody> m_sceneBodies;
   std::vector<CapturedGround> m_grounds;
-  std::vector<Bases> m_bases;  // of the scene's blueprints
+  std::vector<Bases> m_bases;                   // of the scene's blueprints
   std::vector<CapturedBlueprint> m_blueprints;  // by slot
   std::uint64_t m_publishedRevision = 0;
   std::map<transport::ConnectionId, Session> m_sessions;

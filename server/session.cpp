@@ -56,7 +56,7 @@ MessageEffect TakeInput(Session& session, const protocol::wire::Input& input, st
     if (!InputBuffer::IsNear(*frame, currentTick)) return Drop(session, DropReason::kFutureInput, now);
   }
   protocol::SentWindow::Report report;
-  if (!session.subscription.sent.RecordAcknowledgement(input.acked_sequence(), input.acked_history(), now, report)) {
+  if (!session.subscription.TakeAcknowledgement(input.acked_sequence(), input.acked_history(), now, report)) {
     return Drop(session, DropReason::kBadAcknowledgement, now);
   }
   if (report.roundTrip >= 0) session.roundTrip = report.roundTrip;

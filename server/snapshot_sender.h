@@ -1,7 +1,9 @@
-// Which bodies a client gets this time, within its share of the wire.
+// Which bodies a client gets this time, and how exactly, within its share of the wire.
 //
-// Each body's priority grows with every snapshot, faster when near, until it is sent: near bodies come every time, far
-// ones take turns, none starves (Fiedler, "State Synchronization"). The own body goes first.
+// Each body's priority grows with every snapshot, faster when it is near or fast, until it is sent: near bodies come
+// every time, far ones take turns, none starves (Fiedler, "State Synchronization"). The own body goes first. What lies
+// still is sent until the client has it, what is out of view never. Where bodies are left out all the same, all but the
+// own are sent less exactly, before they are sent less often.
 #pragma once
 
 #include <cstdint>
@@ -9,40 +11,40 @@
 #include <span>
 #include <vector>
 
-#include "protocol/acknowledgement.h"
 #include "protocol/snapshot.h"
 #include "protocol/transport/transport.h"
 #include "server/encoder.h"
+#include "server/subscription.h"
 
 namespace wobble::server {
 
-// A client's view of the sending.
-struct Subscription {
-  struct Interest {
-    std::uint32_t body = 0;
-    float priority = 0;
-  };
-  std::vector<Interest> interests;  // by ascending body, as those shown
-  protocol::SentWindow sent;
-  double credit = 0;  // bytes that may be sent; below zero after a record that just went over
-};
-
 struct SendCounts {
   std::uint64_t packets = 0;
-  std::uint64_t bytes = 0;          // payloads
-  std::uint64_t bodiesLeftOut = 0;  // for want of budget, to come later
+  std::uint64_t bytes = 0;            // payloads
+  std::uint64_t bodiesLeftOut = 0;    // for want of budget, to come later
+  std::uint64_t bodiesCoarsened = 0;  // sent at less than the best quality
+  std::uint64_t bodiesOutOfView = 0;  // too far away
+  // Of all records that went out:
+  std::uint64_t vertices = 0;
+  std::uint64_t recordBytes = 0;
+  double errorSquares = 0;  // EncodedBody
+
+  [[nodiscard]] double BitsPerVertex() const;    // 0 when there was none
+  [[nodiscard]] double ErrorPercentRms() const;  // of the body's size
 };
 
 class SnapshotSender {
  public:
-  explicit SnapshotSender(transport::Transport& transport) : m_transport(transport) {}
+  // viewDistance: m; bodies further from a player's own, or from a spectator's origin, are not sent.
+  SnapshotSender(transport::Transport& transport, double viewDistance)
+      : m_transport(transport), m_viewDistance(static_cast<float>(viewDistance)) {}
 
-  // Of the body at an index of those shown; asked for those alone that are sent.
-  using ReadRecords = std::function<Records(std::size_t index)>;
+  // Of the body at an index of those shown; asked for those alone that are sent. quality: of kSnapshotErrorShares.
+  using ReadBody = std::function<const EncodedBody&(std::size_t index, std::size_t quality)>;
 
   // ownBody: 0 for a spectator, who looks from the origin. head: sequence is filled in here. creditBytes: what the
   // client's budget grew by since the last snapshot.
-  void Send(std::span<const ShownBody> bodies, const ReadRecords& readRecords, std::uint32_t ownBody,
+  void Send(std::span<const ShownBody> bodies, const ReadBody& readBody, std::uint32_t ownBody,
             protocol::SnapshotHead head, double creditBytes, double now, transport::ConnectionId connection,
             Subscription& subscription);
 
@@ -52,14 +54,23 @@ class SnapshotSender {
   // Each body's turn by its priority: index and priority in one number, which orders faster than a look into two lists.
   using Turn = std::uint64_t;
 
-  void RaisePriorities(std::span<const ShownBody> bodies, std::uint32_t ownBody, Subscription& subscription);
+  void RaisePriorities(std::span<const ShownBody> bodies, Subscription& subscription);
   [[nodiscard]] std::size_t TakeNext(std::size_t taken);
-  void SendPacket(protocol::SnapshotHead head, double now, transport::ConnectionId connection,
-                  Subscription& subscription);
+  [[nodiscard]] std::size_t FindQuality(const ShownBody& body, const Subscription& subscription) const;
+  void SendBody(const ShownBody& shown, const EncodedBody& body, Subscription& subscription,
+                Subscription::Interest& interest);
+  void SendPacket(Subscription& subscription);
 
   transport::Transport& m_transport;
+  float m_viewDistance;
   protocol::PacketBuilder m_packet;
-  std::vector<Turn> m_turns;  // scratch: by falling priority up to m_sorted
+  // Of the client who is being sent to:
+  protocol::SnapshotHead m_head;
+  transport::ConnectionId m_connection = 0;
+  double m_now = 0;
+  std::uint32_t m_ownBody = 0;
+  protocol::Vector3 m_viewpoint;
+  std::vector<Turn> m_turns;  // by falling priority up to m_sorted
   std::size_t m_sorted = 0;
   SendCounts m_counts;
 };

@@ -1,0 +1,61 @@
+// A body at rest is sent until its client has it. What was sent is taken for lost as soon as later packets have come
+// without it, as TCP's fast retransmit does (RFC 5681, section 3.2), so it is sent twice, not at every snapshot of a
+// round trip.
+#include "server/subscription.h"
+
+#include <algorithm>
+
+namespace wobble::server {
+namespace {
+
+// Packets that may overtake one that is not lost.
+constexpr std::uint32_t kMostOvertaking = 3;
+// s after which it is sent again though nothing was heard at all.
+constexpr double kPatience = 0.5;
+
+}  // namespace
+
+Subscription::Interest* Subscription::FindInterest(std::uint32_t body) {
+  const auto found =
+      std::lower_bound(interests.begin(), interests.end(), body,
+                       [](const Interest& interest, std::uint32_t wanted) { return interest.body < wanted; });
+  return found != interests.end() && found->body == body ? &*found : nullptr;
+}
+
+Subscription::Fate Subscription::FindFate(const Delivery& delivery, std::uint32_t newest, std::uint64_t history) {
+  if (newest < delivery.last) return Fate::kUnknown;
+  if (newest - delivery.first > protocol::kAckHistory) return Fate::kLost;  // nobody will tell any more
+  for (std::uint32_t sequence = delivery.first; sequence <= delivery.last; ++sequence) {
+    const bool arrived = sequence == newest || (history >> (newest - sequence - 1) & 1) != 0;
+    if (!arrived) return newest > delivery.last + kMostOvertaking ? Fate::kLost : Fate::kUnknown;
+  }
+  return Fate::kArrived;
+}
+
+bool Subscription::TakeAcknowledgement(std::uint32_t newest, std::uint64_t history, double now,
+                                       protocol::SentWindow::Report& report) {
+  if (!sent.RecordAcknowledgement(newest, history, now, report)) return false;
+  std::erase_if(m_deliveries, [&](const Delivery& delivery) {
+    const Fate fate = FindFate(delivery, newest, history);
+    if (fate == Fate::kUnknown) return false;
+    if (Interest* interest = FindInterest(delivery.body); interest != nullptr) {
+      if (fate == Fate::kArrived) interest->restKnown = delivery.restTick;
+      if (fate == Fate::kLost && interest->restSent == delivery.restTick) interest->restSent = 0;
+    }
+    return true;
+  });
+  return true;
+}
+
+void Subscription::NoteRestSent(Interest& interest, std::uint32_t restTick, std::uint32_t first, std::uint32_t last,
+                                double now) {
+  interest.restSent = restTick;
+  interest.restSentAt = now;
+  m_deliveries.push_back({interest.body, restTick, first, last});
+}
+
+bool Subscription::IsSettled(const Interest& interest, std::uint32_t restTick, double now) {
+  return interest.restKnown == restTick || (interest.restSent == restTick && now < interest.restSentAt + kPatience);
+}
+
+}  // namespace wobble::server
