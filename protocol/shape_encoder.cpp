@@ -340,7 +340,13 @@ ShapeEncoding ShapeEncoder::Encode(const PatchModel& model, const Pose& pose, st
   constexpr int kCoarsenings = 64;  // a million times coarser
   float target = targetRms;
   for (int i = 0; i < kCoarsenings; ++i, target *= 1.25F) {
-    const ShapeEncoding encoding = EncodeAt(model, pose, vertices, target, out);
+    ShapeEncoding encoding = EncodeAt(model, pose, vertices, target, out);
+    if (model.basis != nullptr && encoding.rmsError > target) {  // too far for the decoder's sums: vertex by vertex
+      PatchModel plain = model;
+      plain.basis = nullptr;
+      out.resize(begin);
+      encoding = EncodeAt(plain, pose, vertices, target, out);
+    }
     if (out.size() - begin <= maxBytes) return encoding;
     out.resize(begin);
   }
