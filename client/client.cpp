@@ -97,7 +97,7 @@ struct Client::Implementation {
   NewestPoses newestPoses;
   std::vector<protocol::Record> records;  // scratch
   protocol::ShapeDecoder decoder;
-  std::vector<protocol::Vector3> shape;   // scratch
+  std::vector<protocol::Vector3> shape;  // scratch
 
   void TakeIn(const transport::Event& event);
   void End(std::string reason);

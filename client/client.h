@@ -51,7 +51,7 @@ struct Blueprint {
   float size = 0;                                   // RMS distance of the rest vertices from their centroid, metres
   std::vector<std::array<std::uint16_t, 2>> edges;  // springs of a body without faces; a vertex may be in none
   std::vector<std::shared_ptr<const protocol::Basis>> bases;  // of its patches, to decode them; or none
-  bool open = false;                                // its faces leave a rim, so that one sees their backs
+  bool open = false;                                          // its faces leave a rim, so that one sees their backs
 };
 
 // Ground as heights over a grid, row by row, x first; near enough to the true surface with triangles in between. Solid

@@ -43,7 +43,8 @@ std::vector<std::uint16_t> FindOrder(std::span<const Vector3> rest, std::size_t 
     for (std::size_t i = 0; i < rest.size(); ++i) {
       distances[i] = std::min(distances[i], protocol::Length(rest[i] - rest[order.back()]));
     }
-    order.push_back(static_cast<std::uint16_t>(std::max_element(distances.begin(), distances.end()) - distances.begin()));
+    order.push_back(
+        static_cast<std::uint16_t>(std::max_element(distances.begin(), distances.end()) - distances.begin()));
   }
   std::vector<std::uint16_t> sorted = order;
   std::sort(sorted.begin(), sorted.end());
@@ -148,8 +149,8 @@ void AddLevels(const BasisStatistics& statistics, BasisSource& source) {
     const double share = gain / 64;
     const double left = std::max(departure[i] - 2 * share * both[i] + share * share * contact[i], 1e-14);
     source.gains[k] = static_cast<std::int8_t>(gain);
-    source.levels[k] = static_cast<std::uint8_t>(
-        std::clamp(std::lround(4 * std::log2(left)) + protocol::kLevelZero, 0L, 255L));
+    source.levels[k] =
+        static_cast<std::uint8_t>(std::clamp(std::lround(4 * std::log2(left)) + protocol::kLevelZero, 0L, 255L));
   }
 }
 

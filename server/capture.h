@@ -26,10 +26,10 @@ struct CapturedBody {
 struct CapturedBlueprint {
   std::vector<protocol::Vector3> rest;
   float size = 0;
-  protocol::Message message;    // serialised, to be sent in chunks
+  protocol::Message message;                                  // serialised, to be sent in chunks
   std::vector<std::shared_ptr<const protocol::Basis>> bases;  // one a patch, or none
-  std::uint64_t hash = 0;       // of the message
-  std::uint64_t revision = 0;   // of its slot in the world
+  std::uint64_t hash = 0;                                     // of the message
+  std::uint64_t revision = 0;                                 // of its slot in the world
   std::uint8_t generation = 0;  // under its number on the wire, below protocol::kGenerations
 };
 

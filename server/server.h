@@ -96,7 +96,7 @@ class Server {
   physics::World m_world;
   std::vector<scenes::PlacedBody> m_sceneBodies;
   std::vector<CapturedGround> m_grounds;
-  std::vector<Bases> m_bases;  // of the scene's blueprints
+  std::vector<Bases> m_bases;                   // of the scene's blueprints
   std::vector<CapturedBlueprint> m_blueprints;  // by slot
   std::uint64_t m_publishedRevision = 0;
   std::map<transport::ConnectionId, Session> m_sessions;

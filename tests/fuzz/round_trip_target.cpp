@@ -34,8 +34,8 @@ class Numbers {
 void FuzzOne(std::span<const std::uint8_t> bytes) {
   static const std::array<std::shared_ptr<const protocol::Basis>, 4> kBases = {nullptr, MakeBasis(0, 10),
                                                                                MakeBasis(1, 10), MakeBasis(2, 10)};
-  static const auto kObstacles = std::vector<protocol::wire::Obstacle>{
-      {protocol::wire::ObstacleKind::Box, {0, 0, -1}, {90, 90, 1}, 0}};
+  static const auto kObstacles =
+      std::vector<protocol::wire::Obstacle>{{protocol::wire::ObstacleKind::Box, {0, 0, -1}, {90, 90, 1}, 0}};
   Numbers numbers(bytes);
   const protocol::Basis* basis = kBases[numbers.Next() % 4].get();
   const float size = std::ldexp(1.0F, numbers.Next() % 12 - 7);

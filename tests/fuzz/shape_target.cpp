@@ -15,10 +15,10 @@ using protocol::Vector3;
 
 void FuzzOne(std::span<const std::uint8_t> bytes) {
   if (bytes.empty()) return;
-  static const auto kObstacles = std::vector<protocol::wire::Obstacle>{
-      {protocol::wire::ObstacleKind::Box, {0, 0, -1}, {9, 9, 1}, 0},
-      {protocol::wire::ObstacleKind::Plane, {0.6F, 0, 0.8F}, {-2, 0, 0}, 0},
-      {protocol::wire::ObstacleKind::Sphere, {1, 1, 1}, {}, 1}};
+  static const auto kObstacles =
+      std::vector<protocol::wire::Obstacle>{{protocol::wire::ObstacleKind::Box, {0, 0, -1}, {9, 9, 1}, 0},
+                                            {protocol::wire::ObstacleKind::Plane, {0.6F, 0, 0.8F}, {-2, 0, 0}, 0},
+                                            {protocol::wire::ObstacleKind::Sphere, {1, 1, 1}, {}, 1}};
   static const std::array<std::shared_ptr<const protocol::Basis>, 4> kBases = {nullptr, MakeBasis(0, 6),
                                                                                MakeBasis(1, 6), MakeBasis(2, 6)};
   const protocol::Basis* basis = kBases[bytes[0] % 4].get();

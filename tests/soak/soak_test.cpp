@@ -83,7 +83,7 @@ struct Tapped {
   Ledger bytes;
   Ledger vertices;
   std::vector<std::vector<protocol::Vector3>> rests;  // of each blueprint, as the server has them
-  std::vector<float> sizes;                            // and how large it is
+  std::vector<float> sizes;                           // and how large it is
   std::uint64_t disagreements = 0;
   std::uint64_t broken = 0;
 };

@@ -33,7 +33,8 @@ BasisSource MakeSource(BasisSource::Kind kind, std::size_t vertices, std::size_t
     const std::size_t rest = rows - modes;
     const std::size_t size = FindBlockBegin(rest, blocks, block + 1) - FindBlockBegin(rest, blocks, block);
     for (std::size_t i = 0; i < size * size; ++i) {
-      source.turns.push_back(static_cast<std::int8_t>(static_cast<int>(random() % 7) - 3 + (i % (size + 1) == 0 ? 4 : 0)));
+      source.turns.push_back(
+          static_cast<std::int8_t>(static_cast<int>(random() % 7) - 3 + (i % (size + 1) == 0 ? 4 : 0)));
     }
   }
   return source;

@@ -155,8 +155,9 @@ TEST(Pose, ABodyInARoomCostsElevenBytes) {
   for (int i = 0; i < 500; ++i) {
     std::vector<std::uint8_t> one;
     RangeEncoder encoder(one);
-    WritePose(encoder, Quantise({{coordinate(random), coordinate(random), coordinate(random)},
-                                 MakeUnitQuaternion(random)}, kGrid));
+    WritePose(
+        encoder,
+        Quantise({{coordinate(random), coordinate(random), coordinate(random)}, MakeUnitQuaternion(random)}, kGrid));
     encoder.Finish();
     bytes += one.size();
   }

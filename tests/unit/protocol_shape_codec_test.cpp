@@ -79,13 +79,12 @@ struct Coded {
   Bytes bytes;
 };
 
-PatchModel MakeModel(const Cloud& cloud, const Basis* basis = nullptr,
-                     std::span<const wire::Obstacle> obstacles = {}) {
+PatchModel MakeModel(const Cloud& cloud, const Basis* basis = nullptr, std::span<const wire::Obstacle> obstacles = {}) {
   return {cloud.rest, cloud.size, basis, obstacles};
 }
 
-Coded Encode(const Cloud& cloud, float target, const Basis* basis = nullptr,
-             std::size_t maxBytes = kMaxRecordPayload, std::span<const wire::Obstacle> obstacles = {}) {
+Coded Encode(const Cloud& cloud, float target, const Basis* basis = nullptr, std::size_t maxBytes = kMaxRecordPayload,
+             std::span<const wire::Obstacle> obstacles = {}) {
   Coded coded;
   ShapeEncoder encoder;
   coded.encoding =
@@ -156,7 +155,8 @@ TEST(ShapeCodec, ErrorIsWithinTheTargetInTheWorld) {
     const auto floor = MakeFloor(cloud);
     for (const float percent : {0.1F, 0.25F, 1.0F, 3.0F}) {
       for (const Basis* with : {static_cast<const Basis*>(nullptr), basis.get()}) {
-        SCOPED_TRACE(testing::Message() << "seed " << seed << ", target " << percent << " %, basis " << (with != nullptr));
+        SCOPED_TRACE(testing::Message() << "seed " << seed << ", target " << percent << " %, basis "
+                                        << (with != nullptr));
         const float target = percent / 100 * size;
         const Coded coded = Encode(cloud, target, with, kMaxRecordPayload, floor);
         ASSERT_TRUE(coded.encoding.fits);
