@@ -26,8 +26,13 @@
 namespace wobble::client {
 namespace {
 
-// Seconds that a goodbye of our own may take until the link is taken for closed.
-constexpr double kLeaveTimeout = 1.0;
+// Seconds that a goodbye of our own may take until the link is taken for closed, and round trips beyond that: a few
+// tries, since a server that never hears it keeps the body until it finds the silence too long. A link that claims to
+// take longer than kMaxLeaveRoundTrip, seconds, gains no more by it.
+constexpr double kLeaveTimeout = 1;
+constexpr double kLeaveRoundTrips = 4;
+constexpr double kMaxLeaveRoundTrip = 1;
+static_assert(kLeaveTimeout + kLeaveRoundTrips * kMaxLeaveRoundTrip == kLongestLeave);
 // Inputs sent in one Update at most; after a longer pause the schedule starts anew.
 constexpr int kMaxCatchUp = 3;
 // Snapshot intervals that the measured one may reach, in terms of the promised one, before it is not believed.
@@ -154,7 +159,8 @@ void Client::SetInput(const Input& input) { m->input = input; }
 void Client::Leave(double now) {
   if (m->state == State::kEnded || m->leaving) return;
   m->leaving = true;
-  m->leaveDeadline = now + kLeaveTimeout;
+  const double roundTrip = m->connection != 0 ? m->transport->ReadRoundTrip(m->connection) : 0;
+  m->leaveDeadline = now + kLeaveTimeout + kLeaveRoundTrips * std::min(roundTrip, kMaxLeaveRoundTrip);
   if (m->connection == 0) {
     m->End("left");
     return;

@@ -96,6 +96,9 @@ struct SnapshotArrival {
   double inputToSnapshot = -1;
 };
 
+// Seconds.
+inline constexpr double kLongestLeave = 5;
+
 class Client {
  public:
   // The transport is one that is connecting to the server already.
@@ -108,7 +111,8 @@ class Client {
 
   void SetInput(const Input& input);
 
-  // Says goodbye. State is kEnded once the server or the link has closed, at the latest after a second of Updates.
+  // Says goodbye. State is kEnded once the server or the link has closed, at the latest after a second of Updates and
+  // four round trips, which is never more than kLongestLeave.
   void Leave(double now);
 
   [[nodiscard]] State ReadState() const;

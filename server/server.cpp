@@ -303,8 +303,9 @@ void Server::SendWelcome(Session& session) {
 }
 
 void Server::End(Session& session, GoodbyeReason reason, const std::string& detail) {
-  spdlog::info("client {} ({}) is sent away: {}{}{}", session.clientId, session.name, protocol::Name(reason),
-               detail.empty() ? "" : ", ", detail);
+  const std::string who = session.clientId != 0 ? fmt::format("client {} ({})", session.clientId, session.name)
+                                                : fmt::format("connection {}", session.connection);
+  spdlog::info("{} is sent away: {}{}{}", who, protocol::Name(reason), detail.empty() ? "" : ", ", detail);
   if (session.state == Session::State::kAwaitingHello) ++m_counts.refusals;
   ForgetPlayer(session, session.state == Session::State::kPlaying && !m_closing);
   session.state = Session::State::kEnding;

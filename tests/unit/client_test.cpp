@@ -744,6 +744,21 @@ TEST_F(ClientTest, LeavesWithAGoodbyeAndDoesNotWaitForEver) {
   EXPECT_FALSE(client->EndedUnasked());
 
   Join();
+  link.roundTrip = 0.5;
+  client->Leave(now);
+  client->Update(now += 2.9);
+  EXPECT_EQ(client->ReadState(), State::kPlaying);
+  client->Update(now += 0.2);
+  EXPECT_EQ(client->ReadState(), State::kEnded);
+
+  Join();
+  link.roundTrip = 1000;  // whatever it claims
+  client->Leave(now);
+  client->Update(now += kLongestLeave);
+  EXPECT_EQ(client->ReadState(), State::kEnded);
+  link.roundTrip = 0;
+
+  Join();
   client->Leave(now);
   Arrive(transport::Event::Kind::kDisconnected);
   EXPECT_EQ(client->EndReason(), "left");
