@@ -1,18 +1,17 @@
-// The numbers of contexts.h. The frequencies were counted on the coefficients of recorded play (balls of 42 and 162
-// vertices, four of each, chased and pushed about; targets of 0.1, 0.25 and 0.5 %), with thirty coefficients of a
-// Laplace distribution added to each table; the expectations are the mean magnitudes of a Laplace distribution behind a
-// dead zone of 0.6 steps. STANDARD.md repeats both.
+// The numbers of contexts.h. The frequencies were counted on the coefficients of recorded play (two kinds of ball
+// of 162 vertices, four of each, chasing each other in a room; targets of 0.1, 0.25 and 0.5 % of the size), with thirty
+// coefficients of a Laplace distribution added to each table; the expectations are the mean magnitudes of a Laplace
+// distribution behind a dead zone of 0.6 steps. STANDARD.md repeats both.
 #include "protocol/contexts.h"
 
 namespace wobble::protocol {
 
 const std::array<std::uint32_t, 61> kExpectations = {
-    1, 1, 1, 1, 1, 1, 1, 2, 5, 14, 34, 73,
-    138, 238, 379, 564, 798, 1084, 1427, 1835, 2317, 2886, 3557, 4349,
-    5287, 6397, 7712, 9273, 11125, 13325, 15938, 19044, 22735, 27123, 32340, 38543,
-    45919, 54689, 65117, 77519, 92266, 109803, 130658, 155459, 184951, 220024, 261732, 311332,
-    370317, 440461, 523878, 623077, 741045, 881334, 1048166, 1246564, 1482501, 1763078, 2096743, 2493539,
-    2965411};
+    1,      1,      1,       1,       1,       1,       1,       2,       5,      14,     34,     73,     138,
+    238,    379,    564,     798,     1084,    1427,    1835,    2317,    2886,   3557,   4349,   5287,   6397,
+    7712,   9273,   11125,   13325,   15938,   19044,   22735,   27123,   32340,  38543,  45919,  54689,  65117,
+    77519,  92266,  109803,  130658,  155459,  184951,  220024,  261732,  311332, 370317, 440461, 523878, 623077,
+    741045, 881334, 1048166, 1246564, 1482501, 1763078, 2096743, 2493539, 2965411};
 
 namespace {
 
@@ -54,7 +53,8 @@ constexpr std::array<Counts, kContexts> kFrequencies = {{
     {595, 540, 466, 403, 366, 305, 245, 200, 165, 138, 115, 98, 83, 64, 54, 259},
     {440, 416, 381, 346, 334, 305, 250, 210, 200, 179, 154, 128, 112, 101, 74, 466},
     {1011, 655, 508, 402, 316, 258, 204, 150, 117, 94, 71, 46, 40, 29, 25, 170},
-    {611, 534, 437, 349, 282, 251, 219, 192, 163, 140, 114, 98, 86, 75, 62, 483},}};
+    {611, 534, 437, 349, 282, 251, 219, 192, 163, 140, 114, 98, 86, 75, 62, 483},
+}};
 
 using Table = std::array<std::array<Frequency, kMagnitudes>, kContexts>;
 

@@ -15,7 +15,7 @@ constexpr unsigned kMaxLength = 31;
 // Of the bit length of a centroid's coordinate, from 0; out of kFrequencyTotal. Broad about 2^13 steps, which is a few
 // metres at the usual target.
 constexpr std::array<std::uint16_t, kMaxLength + 1> kLengthFrequencies = {
-    40,  20,  20,  20,  24,  32,  44,  60,  90,  140, 220, 350, 520, 680, 640, 480,
+    40,  20,  20, 20, 24, 32, 44, 60, 90, 140, 220, 350, 520, 680, 640, 480,
     300, 170, 90, 50, 30, 20, 14, 10, 8,  6,   4,   4,   4,   2,   2,   2};
 
 constexpr std::array<std::uint16_t, kMaxLength + 2> MakeStarts() {
@@ -75,7 +75,8 @@ std::int32_t FindMostSteps(unsigned turn) { return (46341 >> (kFinestTurn - turn
 
 // 1 − a² − b² − c², the square of the component left out.
 float FindSquareLeft(const QuantisedPose& pose) {
-  const float a = Shrink(pose.a, pose.grid.turn), b = Shrink(pose.b, pose.grid.turn), c = Shrink(pose.c, pose.grid.turn);
+  const float a = Shrink(pose.a, pose.grid.turn), b = Shrink(pose.b, pose.grid.turn),
+              c = Shrink(pose.c, pose.grid.turn);
   return 1.0F - a * a - b * b - c * c;
 }
 

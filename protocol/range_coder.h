@@ -1,9 +1,9 @@
 // A static range coder: symbols of known frequency into bytes and back, in integers.
 //
 // Carries go back into the bytes already written (as in Martin 1979) instead of being kept out by a narrower range:
-// that loses 0.1 bit a record less than the carry-less variant. The end is the shortest string of bytes that, with zeros
-// behind it, lies in the last range: half a byte more than the symbols are worth. rANS was as dense, but writes from
-// the back, which the encoder's contexts do not allow.
+// that loses 0.1 bit a record less than the carry-less variant. The end is the shortest string of bytes that, with
+// zeros behind it, lies in the last range: half a byte more than the symbols are worth. rANS was as dense, but writes
+// from the back, which the encoder's contexts do not allow.
 #pragma once
 
 #include <cstdint>

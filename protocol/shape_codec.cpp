@@ -84,7 +84,8 @@ DecodeResult ShapeDecoder::Decode(const PatchModel& model, std::span<const std::
   if (basis == nullptr) {
     for (std::size_t i = 0; i < count; ++i) {
       const std::int32_t* c = m_coefficients.data() + 3 * i;
-      shape[i] = model.rest[i] + Vector3{static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])} * step;
+      shape[i] =
+          model.rest[i] + Vector3{static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])} * step;
     }
   } else {
     const bool follows = head.mode.followsContact && FindContact(model, m_sides, m_contact);

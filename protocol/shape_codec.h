@@ -23,13 +23,21 @@ namespace wobble::protocol {
 
 // What both ends know of a patch.
 struct PatchModel {
-  std::span<const Vector3> rest;             // in the body's frame, m; at most kMaxPatchVertices
-  float size = 1;                            // of the blueprint, m; above 0
-  const Basis* basis = nullptr;              // of as many vertices; nullptr: coordinates are coded one by one
+  std::span<const Vector3> rest;                   // in the body's frame, m; at most kMaxPatchVertices
+  float size = 1;                                  // of the blueprint, m; above 0
+  const Basis* basis = nullptr;                    // of as many vertices; nullptr: coordinates are coded one by one
   std::span<const wire::Obstacle> obstacles = {};  // of the welcome
 };
 
-enum class DecodeResult : std::uint8_t { kOk, kTruncated, kBadMode, kBadPose, kBadStep, kBadCoefficient, kTrailingBytes };
+enum class DecodeResult : std::uint8_t {
+  kOk,
+  kTruncated,
+  kBadMode,
+  kBadPose,
+  kBadStep,
+  kBadCoefficient,
+  kTrailingBytes
+};
 [[nodiscard]] const char* Name(DecodeResult result);
 
 // The rest shape where contact would press it, and how far along each mode that is.
@@ -78,7 +86,7 @@ class ShapeEncoder {
                                        float targetRms, std::vector<std::uint8_t>& out);
   void FindDepartures(const PatchModel& model, const Pose& seen, std::span<const Vector3> vertices);
   void Transform(const Basis& basis);
-  [[nodiscard]] bool FollowsContact(const PatchModel& model) const;
+  [[nodiscard]] bool FollowsContact(const PatchModel& model, float targetRms) const;
   double Round(const PatchModel& model, const Choice& choice);
   void GuessStep(const PatchModel& model, double budget, Choice& choice);
   void SearchStep(const PatchModel& model, double budget, Choice& choice);

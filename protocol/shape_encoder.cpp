@@ -21,6 +21,8 @@ constexpr float kMostBitWorth = 0.17F;
 constexpr double kErrorGrowth = 2;
 // Less of the error allowed is not enough: another try is worth its time. What is left then goes into ones made zeros.
 constexpr double kEnough = 0.93;
+// A step over the target, about.
+constexpr float kUsualStep = 2.3F;
 // Grid of poses over the target, at most.
 constexpr float kPoseShare = 0.3F;
 // Of the error allowed, what is planned with: the transform's own rounding is not.
@@ -176,20 +178,27 @@ void ShapeEncoder::GuessStep(const PatchModel& model, double budget, Choice& cho
   while (low < high) {
     const unsigned middle = (low + high + 1) / 2;
     const float step = FindStep(FindStepLevel(c.head.pose.grid.grid, middle));
-    if (GuessError(m_left, step) <= budget) low = middle;
-    else high = middle - 1;
+    if (GuessError(m_left, step) <= budget)
+      low = middle;
+    else
+      high = middle - 1;
   }
   choice.head.stepIndex = low;
 }
 
-// Whether less is left of the coefficients when what contact suggests is taken off.
-bool ShapeEncoder::FollowsContact(const PatchModel& model) const {
+// Whether the coefficients have fewer bits before the point of a step when what contact suggests is taken off.
+bool ShapeEncoder::FollowsContact(const PatchModel& model, float targetRms) const {
   const float scale = FindContactScale(model.size, 16.0F);  // in metres
-  float with = 0, without = 0;
+  const float sixteenths = 16.0F / (kUsualStep * targetRms);
+  const auto measure = [&](float coefficient) {
+    return FindLogarithm(16 + static_cast<std::uint32_t>(std::min(std::fabs(coefficient) * sixteenths, 1e9F)));
+  };
+  int with = 0, without = 0;
   for (std::size_t k = 0; k < m_coefficients.size(); ++k) {
+    if (m_contact.along[k] == 0) continue;
     const float suggested = static_cast<float>(m_contact.along[k]) * static_cast<float>(model.basis->gains[k]) * scale;
-    with += std::fabs(m_coefficients[k] - suggested);
-    without += std::fabs(m_coefficients[k]);
+    with += measure(m_coefficients[k] - suggested);
+    without += measure(m_coefficients[k]);
   }
   return with < without;
 }
@@ -307,7 +316,7 @@ ShapeEncoding ShapeEncoder::EncodeAt(const PatchModel& model, const Pose& pose, 
   head.mode.usesBasis = model.basis != nullptr;
   if (head.mode.usesBasis) {
     Transform(*model.basis);
-    head.mode.followsContact = FindContact(model, m_sides, m_contact) && FollowsContact(model);
+    head.mode.followsContact = FindContact(model, m_sides, m_contact) && FollowsContact(model, targetRms);
   }
   const std::size_t start = out.size();
   double budget = kPlannedShare * static_cast<double>(vertices.size()) * double{targetRms} * double{targetRms};
@@ -340,7 +349,13 @@ ShapeEncoding ShapeEncoder::Encode(const PatchModel& model, const Pose& pose, st
   constexpr int kCoarsenings = 64;  // a million times coarser
   float target = targetRms;
   for (int i = 0; i < kCoarsenings; ++i, target *= 1.25F) {
-    const ShapeEncoding encoding = EncodeAt(model, pose, vertices, target, out);
+    ShapeEncoding encoding = EncodeAt(model, pose, vertices, target, out);
+    if (model.basis != nullptr && encoding.rmsError > target) {  // too far for the decoder's sums: vertex by vertex
+      PatchModel plain = model;
+      plain.basis = nullptr;
+      out.resize(begin);
+      encoding = EncodeAt(plain, pose, vertices, target, out);
+    }
     if (out.size() - begin <= maxBytes) return encoding;
     out.resize(begin);
   }

@@ -10,20 +10,20 @@ constexpr std::size_t kModes = 8;
 constexpr std::array<Frequency, kModes> kModeFrequencies = {
     {{0, 64}, {64, 1900}, {1964, 32}, {1996, 1600}, {3596, 32}, {3628, 200}, {3828, 32}, {3860, 236}}};
 
-// The grid is written as its distance from the usual one for a body of this size, from 4 coarser to 4 finer; the last is
-// for the others, and the grid follows as it is.
+// The grid is written as its distance from the usual one for a body of this size, from 4 coarser to 4 finer; the last
+// is for the others, and the grid follows as it is.
 constexpr std::size_t kGrids = 10;
 constexpr int kUsualGrid = 12;
 constexpr std::array<Frequency, kGrids> kGridFrequencies = {{{0, 30},
-                                                            {30, 60},
-                                                            {90, 200},
-                                                            {290, 700},
-                                                            {990, 1500},
-                                                            {2490, 1200},
-                                                            {3690, 250},
-                                                            {3940, 80},
-                                                            {4020, 40},
-                                                            {4060, 36}}};
+                                                             {30, 60},
+                                                             {90, 200},
+                                                             {290, 700},
+                                                             {990, 1500},
+                                                             {2490, 1200},
+                                                             {3690, 250},
+                                                             {3940, 80},
+                                                             {4020, 40},
+                                                             {4060, 36}}};
 
 template <std::size_t kCount>
 std::size_t TakeSymbol(RangeDecoder& decoder, const std::array<Frequency, kCount>& frequencies) {

@@ -65,8 +65,7 @@ void WriteHead(RangeEncoder& encoder, float size, const ShapeHead& head);
 [[nodiscard]] inline std::int32_t FindSuggestion(std::int32_t along, std::int8_t gain, float scale) {
   const float suggested = static_cast<float>(along) * static_cast<float>(gain) * scale;
   constexpr float kMost = 1048576.0F;
-  return static_cast<std::int32_t>(
-      std::nearbyint(suggested < -kMost ? -kMost : suggested > kMost ? kMost : suggested));
+  return static_cast<std::int32_t>(std::nearbyint(suggested < -kMost ? -kMost : suggested > kMost ? kMost : suggested));
 }
 [[nodiscard]] inline float FindContactScale(float size, float step) {
   return std::ldexp(1.0F, FindExponent(size) - 28) / step;

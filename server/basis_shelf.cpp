@@ -7,7 +7,6 @@
 #include <spdlog/spdlog.h>
 
 #include <atomic>
-#include <chrono>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -101,19 +100,17 @@ void WriteFile(const std::filesystem::path& path, const Bases& bases) {
 
 Bases LoadOrTrain(const physics::Blueprint& blueprint, const scenes::Scene& scene,
                   const std::filesystem::path& folder) {
-  const auto begin = std::chrono::steady_clock::now();
   const std::filesystem::path path = folder / fmt::format("{:016x}.basis", FindHash(blueprint, scene));
   Bases bases;
   if (!folder.empty() && ReadFile(path, blueprint.rest.size(), bases)) {
     spdlog::info("basis of {}: read from {}", blueprint.name, path.string());
     return bases;
   }
+  spdlog::info("basis of {}: training", blueprint.name);
   bases = TrainBases(blueprint, RecordPlay(blueprint, scene.gravity, scene.player.limits, kTrainingSeed));
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   std::size_t bytes = 0;
   for (const auto& basis : bases) bytes += basis.size();
-  spdlog::info("basis of {}: trained in {:.2f} s, {:.0f} KiB", blueprint.name, took.count(),
-               static_cast<double>(bytes) / 1024);
+  spdlog::info("basis of {}: trained, {} KiB", blueprint.name, (bytes + 1023) / 1024);
   if (!folder.empty() && !bases.empty()) WriteFile(path, bases);
   return bases;
 }

@@ -56,20 +56,34 @@ Matrix3d MakeFrame(const Vector3d& a, const Vector3d& b, double side) {
   return frame;
 }
 
-MatrixXd Average(const MatrixXd& moments, const std::vector<Symmetry>& symmetries) {
-  if (symmetries.size() == 1) return moments;
-  MatrixXd sum = MatrixXd::Zero(moments.rows(), moments.cols());
+// Adds the moments as the symmetry's image of the body would have them.
+void AddImage(const MatrixXd& moments, const Symmetry& symmetry, MatrixXd& sum) {
   MatrixXd turned(3, moments.cols());
-  for (const Symmetry& symmetry : symmetries) {
-    for (std::size_t i = 0; i < symmetry.image.size(); ++i) {
-      const auto from = static_cast<Eigen::Index>(3 * i), to = static_cast<Eigen::Index>(3 * symmetry.image[i]);
-      turned.noalias() = symmetry.matrix * moments.middleRows(from, 3);
-      for (std::size_t j = 0; j < symmetry.image.size(); ++j) {
-        sum.block<3, 3>(to, static_cast<Eigen::Index>(3 * symmetry.image[j])) +=
-            turned.middleCols<3>(static_cast<Eigen::Index>(3 * j)).lazyProduct(symmetry.matrix.transpose());
-      }
+  for (std::size_t i = 0; i < symmetry.image.size(); ++i) {
+    const auto from = static_cast<Eigen::Index>(3 * i), to = static_cast<Eigen::Index>(3 * symmetry.image[i]);
+    turned.noalias() = symmetry.matrix * moments.middleRows(from, 3);
+    for (std::size_t j = 0; j < symmetry.image.size(); ++j) {
+      sum.block<3, 3>(to, static_cast<Eigen::Index>(3 * symmetry.image[j])) +=
+          turned.middleCols<3>(static_cast<Eigen::Index>(3 * j)).lazyProduct(symmetry.matrix.transpose());
     }
   }
+}
+
+// Over all symmetries; of more than kFew, each of as many takes the mean with its image, one after the other, which
+// halves again and again what is not alike under all of them.
+MatrixXd Average(MatrixXd moments, const std::vector<Symmetry>& symmetries) {
+  constexpr std::size_t kFew = 20;
+  if (symmetries.size() == 1) return moments;
+  if (symmetries.size() > kFew) {
+    for (std::size_t i = 0; i < kFew; ++i) {
+      MatrixXd sum = moments;
+      AddImage(moments, symmetries[(37 * i + 11) % symmetries.size()], sum);
+      moments = 0.5 * sum;
+    }
+    return moments;
+  }
+  MatrixXd sum = MatrixXd::Zero(moments.rows(), moments.cols());
+  for (const Symmetry& symmetry : symmetries) AddImage(moments, symmetry, sum);
   return sum / static_cast<double>(symmetries.size());
 }
 

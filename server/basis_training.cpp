@@ -26,7 +26,7 @@ using protocol::BasisSource;
 using protocol::Vector3;
 
 constexpr std::size_t kPlayers = 4;
-constexpr double kPlayTime = 24, kLeadTime = 1, kTickHz = 60;  // s
+constexpr double kPlayTime = 12, kLeadTime = 1, kTickHz = 60;  // s
 constexpr double kUsualVertices = 162;
 // A block of completed modes that is turned by a matrix of its own is about so large.
 constexpr std::size_t kBlockSize = 48;
@@ -208,15 +208,6 @@ std::vector<std::uint8_t> MakeVibrationBasis(const physics::Blueprint& blueprint
   return protocol::WriteBasis(source);
 }
 
-std::vector<Vector3> FindRest(const physics::Blueprint& blueprint) {
-  std::vector<Vector3> rest;
-  for (const physics::Vector3d& x : blueprint.rest) {
-    const physics::Vector3f v = x.cast<float>();
-    rest.push_back({v.x(), v.y(), v.z()});
-  }
-  return rest;
-}
-
 physics::Obstacle MakeBox(const physics::Vector3d& centre, const physics::Vector3d& half) {
   physics::Obstacle box;
   box.kind = physics::Obstacle::Kind::kBox;
@@ -313,7 +304,7 @@ std::vector<std::uint8_t> TrainBasis(std::span<const Vector3> rest, const Play& 
 }
 
 Bases TrainBases(const physics::Blueprint& blueprint, const Play& play) {
-  const std::vector<Vector3> rest = FindRest(blueprint);
+  const std::vector<Vector3> rest = CaptureBlueprint(blueprint).rest;
   const physics::GridShape& grid = blueprint.grid;
   Bases bases;
   if (rest.size() < 2 || play.frames.empty()) return bases;
