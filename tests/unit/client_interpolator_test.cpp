@@ -28,7 +28,7 @@ Quaternion TurnAboutZ(double angle) {
 }
 
 void InsertAt(Track& track, double time, const Pose& pose, const std::vector<Vector3>& shape = {{1, 0, 0}}) {
-  EXPECT_TRUE(track.Insert(time, pose, shape, 0)) << "at " << time;
+  EXPECT_TRUE(track.Insert(time, false, pose, shape, 0)) << "at " << time;
 }
 
 Vector3 VertexAt(const Track& track, double time) {
@@ -50,6 +50,55 @@ TEST(ClientInterpolator, ReproducesUniformAccelerationOverUnevenTimes) {
     EXPECT_NEAR(pose.centroid.x, 5 * t, 2e-6) << "at " << t;
     EXPECT_NEAR(pose.centroid.z, height(t), 2e-6) << "at " << t;
   }
+}
+
+TEST(ClientInterpolator, WhatRestsStaysWhereItIsUntilShortlyBeforeItIsSeenToMove) {
+  const auto at = [](double x) { return Pose{{static_cast<float>(x), 0, 0}, {}}; };
+  Track track(1);
+  InsertAt(track, 0, at(0));
+  InsertAt(track, kInterval, at(1));
+  EXPECT_TRUE(track.Insert(2 * kInterval, true, at(2), std::vector<Vector3>{{1, 0, 0}}, 0));
+  const auto show = [&](double time) { return BlendPose(track.FindMoment(time)).centroid.x; };
+  // It never runs on, and what is not news is not missed.
+  for (const double later : {0.001, 0.05, 0.2, 60.0}) {
+    EXPECT_EQ(show(2 * kInterval + later), 2) << later;
+    EXPECT_FALSE(track.FindMoment(2 * kInterval + later).held) << later;
+  }
+  InsertAt(track, 10, at(3));
+  EXPECT_EQ(show(5), 2);
+  EXPECT_EQ(show(10 - kWakeSpan), 2);
+  EXPECT_NEAR(show(10 - kWakeSpan / 2), 2.5, 1e-6);
+  EXPECT_EQ(show(10), 3);
+  // Two metres apart within one interval, and its speed is that, not two metres in ten seconds.
+  EXPECT_NEAR(show(10 + kWakeSpan / 2), 3.5, 1e-6);
+  InsertAt(track, 10 + kInterval, at(4));
+  EXPECT_NEAR(show(10 + kInterval / 2), 3.5, 1e-6);
+}
+
+TEST(ClientInterpolator, ABodyThatRestsIsNotForgotten) {
+  const auto blueprint = std::make_shared<Blueprint>();
+  blueprint->rest.assign(4, {1, 0, 0});
+  blueprint->size = 1;
+  const std::vector<Vector3> shape(4, Vector3{1, 0, 0});
+  Bodies bodies;
+  EXPECT_TRUE(bodies.Add({.body = 1}, blueprint, 100, 1.0, {}, shape, 0));
+  EXPECT_TRUE(bodies.Add({.body = 2, .restTick = 90}, blueprint, 100, 0.9, {}, shape, 0));
+  Statistics statistics;
+  std::vector<BodySample> samples;
+  bodies.Sample(50, 50, Detail::kVertices, samples, statistics);
+  ASSERT_EQ(samples.size(), 2U);
+  EXPECT_TRUE(samples[0].held);
+  EXPECT_FALSE(samples[1].held);
+  EXPECT_GT(samples[0].age, 40);
+  EXPECT_EQ(samples[1].age, 0);
+  bodies.Forget(40);
+  EXPECT_EQ(bodies.Count(), 1U);
+  // It moves on, and then nothing comes.
+  EXPECT_TRUE(bodies.Add({.body = 2}, blueprint, 6000, 60.0, {}, shape, 50));
+  // A record of its rest that comes late changes nothing.
+  EXPECT_TRUE(bodies.Add({.body = 2, .restTick = 90}, blueprint, 110, 0.9, {}, shape, 50));
+  bodies.Forget(61);
+  EXPECT_EQ(bodies.Count(), 0U);
 }
 
 TEST(ClientInterpolator, ShapesFollowTheSameCurve) {
@@ -138,7 +187,7 @@ TEST(ClientInterpolator, TakesSamplesInAnyOrderOnceEach) {
   const std::vector<int> order{3, 0, 2, 5, 1, 4};
   for (int i = 0; i < 6; ++i) InsertAt(ordered, i * kInterval, {{static_cast<float>(i * i), 0, 0}, {}});
   for (const int i : order) InsertAt(mixed, i * kInterval, {{static_cast<float>(i * i), 0, 0}, {}});
-  EXPECT_FALSE(mixed.Insert(2 * kInterval, {{99, 0, 0}, {}}, std::vector<Vector3>{{1, 0, 0}}, 0));
+  EXPECT_FALSE(mixed.Insert(2 * kInterval, false, {{99, 0, 0}, {}}, std::vector<Vector3>{{1, 0, 0}}, 0));
   for (double t = 0; t < 5.5 * kInterval; t += 0.001) {
     EXPECT_EQ(BlendPose(mixed.FindMoment(t)).centroid.x, BlendPose(ordered.FindMoment(t)).centroid.x);
   }
@@ -147,7 +196,7 @@ TEST(ClientInterpolator, TakesSamplesInAnyOrderOnceEach) {
 TEST(ClientInterpolator, KeepsNoMoreSamplesThanItMayAndTheNewestOfThem) {
   Track track(1);
   for (int i = 1; i <= 1000; ++i) InsertAt(track, i * kInterval, {{static_cast<float>(i) * 0.1F, 0, 0}, {}});
-  EXPECT_FALSE(track.Insert(kInterval, {}, std::vector<Vector3>{{1, 0, 0}}, 0));
+  EXPECT_FALSE(track.Insert(kInterval, false, {}, std::vector<Vector3>{{1, 0, 0}}, 0));
   const double oldest = (1001 - static_cast<double>(kTrackSamples));
   EXPECT_NEAR(BlendPose(track.FindMoment(0)).centroid.x, oldest * 0.1, 1e-4);
   EXPECT_NEAR(BlendPose(track.FindMoment(1000 * kInterval)).centroid.x, 100, 1e-4);
@@ -159,8 +208,8 @@ TEST(ClientInterpolator, KeepsWhatTheShownMomentStillNeeds) {
     const double playback = (i - 3) * kInterval;
     const Pose pose{{static_cast<float>(std::sin(i)), 0, 0}, {}};
     const std::vector<Vector3> shape{{1, 0, 0}};
-    EXPECT_TRUE(full.Insert(i * kInterval, pose, shape, 0));
-    EXPECT_TRUE(trimmed.Insert(i * kInterval, pose, shape, playback));
+    EXPECT_TRUE(full.Insert(i * kInterval, false, pose, shape, 0));
+    EXPECT_TRUE(trimmed.Insert(i * kInterval, false, pose, shape, playback));
     for (double t = std::max(playback, 0.0); t < i * kInterval; t += 0.003) {
       ASSERT_EQ(BlendPose(trimmed.FindMoment(t)).centroid.x, BlendPose(full.FindMoment(t)).centroid.x);
     }

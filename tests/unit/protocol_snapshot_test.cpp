@@ -29,7 +29,7 @@ Bytes MakePacket() {
   PacketBuilder builder;
   EXPECT_TRUE(builder.Add(MakeRecord({1, 0, 0}, 20)));
   EXPECT_TRUE(builder.Add(MakeRecord({300, 254, 7}, 200)));
-  EXPECT_TRUE(builder.Add(MakeRecord({0xFFFFFFFF, 3, 5, kGenerations - 1}, 1)));
+  EXPECT_TRUE(builder.Add(MakeRecord({0xFFFFFFFF, 3, 5, kGenerations - 1, 123456}, 1)));
   const auto packet = builder.Finish({77, 123456, 0.5F, 123450});
   return {packet.begin(), packet.end()};
 }
@@ -77,19 +77,30 @@ TEST(Snapshot, WhatIsBuiltIsRead) {
   EXPECT_EQ(records[2].head.body, 0xFFFFFFFF);
   EXPECT_EQ(records[2].head.patch, 5);
   EXPECT_EQ(records[2].head.generation, kGenerations - 1);
+  EXPECT_EQ(records[2].head.restTick, 123456U);
+  EXPECT_EQ(records[1].head.restTick, 0U);
 }
 
 // A change here is a change of the format: raise kProtocolVersion and mend STANDARD.md.
 TEST(Snapshot, GoldenBytes) {
   PacketBuilder builder;
   Bytes record;
-  AppendRecord({300, 2, 1}, Bytes{0xAA, 0xBB}, record);
+  AppendRecord({300, 2, 1, 0, 200}, Bytes{0xAA, 0xBB}, record);
   ASSERT_TRUE(builder.Add(record));
   const auto packet = builder.Finish({0x01020304, 0x05060708, 1.0F, 0x090A0B0C});
   const Bytes expected{0x57, 0x03, 0x04, 0x03, 0x02, 0x01, 0x08, 0x07, 0x06, 0x05, 0xFF, 0xFF,
-                       0x0C, 0x0B, 0x0A, 0x09, 0xAC, 0x02, 0x82, 0x01, 0x02, 0xAA, 0xBB};
+                       0x0C, 0x0B, 0x0A, 0x09, 0xAC, 0x02, 0x82, 0x01, 0xC8, 0x01, 0x02, 0xAA, 0xBB};
   EXPECT_EQ(Bytes(packet.begin(), packet.end()), expected);
   EXPECT_EQ(kProtocolVersion, 3);
+}
+
+TEST(Snapshot, ARestThatIsYetToComeIsRefused) {
+  for (const std::uint32_t rest : {1U, 999U, 1000U, 1001U}) {
+    PacketBuilder builder;
+    ASSERT_TRUE(builder.Add(MakeRecord({1, 0, 0, 0, rest}, 5)));
+    EXPECT_EQ(ReadAndCheck(builder.Finish({1, 1000, 1, 0})),
+              rest <= 1000 ? SnapshotResult::kOk : SnapshotResult::kBadRecord);
+  }
 }
 
 TEST(Snapshot, TheBuilderNeverExceedsAPacket) {
@@ -113,7 +124,7 @@ TEST(Snapshot, TheBuilderNeverExceedsAPacket) {
 TEST(Snapshot, TheLargestRecordFitsAnEmptyPacket) {
   PacketBuilder builder;
   EXPECT_TRUE(builder.Empty());
-  const Bytes record = MakeRecord({0xFFFFFFFF, 254, 7}, kMaxRecordPayload);
+  const Bytes record = MakeRecord({0xFFFFFFFF, 254, 7, 0, 0xFFFFFFFF}, kMaxRecordPayload);
   EXPECT_TRUE(builder.Add(record));
   EXPECT_FALSE(builder.Add(MakeRecord({1, 0, 0}, 1)));
   EXPECT_FALSE(builder.Empty());

@@ -39,7 +39,8 @@ class SnapshotSenderTest : public testing::Test {
       storage[id].push_back(record);
     }
     records[id].assign(storage[id].begin(), storage[id].end());
-    bodies.push_back({id, centre});
+    bodies.push_back({.body = id, .centre = centre});
+    encoded[id] = {records[id], 100, 0};
   }
   void RemoveBody(std::uint32_t id) {
     std::erase_if(bodies, [&](const ShownBody& body) { return body.body == id; });
@@ -52,11 +53,12 @@ class SnapshotSenderTest : public testing::Test {
     protocol::SnapshotHead head;
     head.tick = tick;
     head.inputTick = 17;
-    const auto readRecords = [this](std::size_t index) -> Records {
+    const auto readBody = [this](std::size_t index, std::size_t quality) -> const EncodedBody& {
       ++recordsRead;
-      return records[bodies[index].body];
+      qualities[bodies[index].body] = quality;
+      return encoded[bodies[index].body];
     };
-    sender.Send(bodies, readRecords, own, head, creditBytes, tick / 30.0, 1, subscription);
+    sender.Send(bodies, readBody, own, head, creditBytes, tick / 30.0, 1, subscription);
     std::vector<std::uint32_t> sent;
     for (const auto& packet : transport.packets) {
       EXPECT_LE(packet.size(), protocol::kMaxPacketBytes);
@@ -77,9 +79,11 @@ class SnapshotSenderTest : public testing::Test {
 
   std::map<std::uint32_t, std::vector<std::vector<std::uint8_t>>> storage;
   std::map<std::uint32_t, std::vector<std::span<const std::uint8_t>>> records;
+  std::map<std::uint32_t, EncodedBody> encoded;
+  std::map<std::uint32_t, std::size_t> qualities;  // that were asked for last
   std::vector<ShownBody> bodies;
   RecordingTransport transport;
-  SnapshotSender sender{transport};
+  SnapshotSender sender{transport, 250};
   Subscription subscription;
   std::uint32_t tick = 0;
   std::uint32_t sequence = 0;
@@ -200,7 +204,7 @@ TEST_F(SnapshotSenderTest, PrioritiesSurviveRemovals) {
     const auto& interest = subscription.interests[i];
     EXPECT_EQ(interest.body, bodies[i].body);
     EXPECT_GT(interest.priority, before[interest.body]) << interest.body;
-    EXPECT_LT(interest.priority, before[interest.body] + 1.26F) << "one growth, 1.25 at most";
+    EXPECT_LT(interest.priority, before[interest.body] + 1.26F) << "one growth, 1.25 at most of what does not move";
   }
 }
 
@@ -211,6 +215,97 @@ TEST_F(SnapshotSenderTest, ALargeBodysPatchesGoTogether) {
   EXPECT_EQ(sent.size(), 2U);
   EXPECT_EQ(recordsSent, 9U);
   EXPECT_GE(transport.packets.size(), 8U);
+}
+
+TEST_F(SnapshotSenderTest, WhatRestsIsSentUntilItIsThere) {
+  AddBody(1, {}, 100);
+  AddBody(2, {2, 0, 0}, 100);
+  bodies[1].restTick = 5;
+  EXPECT_EQ(Send(kShare384, 1).size(), 2U);
+  EXPECT_EQ(Send(kShare384, 1).size(), 1U) << "it is on its way";
+  protocol::SentWindow::Report report;
+  ASSERT_TRUE(subscription.TakeAcknowledgement(sequence, 1, tick / 30.0, report));
+  for (int i = 0; i < 600; ++i) EXPECT_EQ(Send(kShare384, 1).size(), 1U);
+  bodies[1].restTick = 0;
+  EXPECT_EQ(Send(kShare384, 1).size(), 2U) << "it wakes";
+  bodies[1].restTick = tick;
+  EXPECT_EQ(Send(kShare384, 1).size(), 2U) << "and rests somewhere else";
+}
+
+TEST_F(SnapshotSenderTest, WithoutAcknowledgementsWhatRestsComesAgainAndAgain) {
+  AddBody(1, {}, 100);
+  bodies[0].restTick = 5;
+  int times = 0;
+  for (int i = 0; i < 300; ++i) times += static_cast<int>(Send(kShare384).size());
+  EXPECT_GE(times, 15);
+  EXPECT_LE(times, 30);
+}
+
+TEST_F(SnapshotSenderTest, AWorldAtRestIsToldByHeadsAlone) {
+  for (std::uint32_t id = 1; id <= 20; ++id) {
+    AddBody(id, {static_cast<float>(id), 0, 0}, 100, 2);
+    bodies.back().restTick = 3;
+  }
+  protocol::SentWindow::Report report;
+  for (int i = 0; i < 20; ++i) {
+    Send(kShare384);
+    ASSERT_TRUE(subscription.TakeAcknowledgement(sequence, ~std::uint64_t{0} >> (64 - std::min(64U, sequence)) >> 1,
+                                                 tick / 30.0, report));
+  }
+  EXPECT_TRUE(Send(kShare384).empty());
+  ASSERT_EQ(transport.packets.size(), 1U);
+  EXPECT_EQ(transport.packets[0].size(), protocol::kSnapshotHeadBytes);
+}
+
+TEST_F(SnapshotSenderTest, WhatIsOutOfViewIsNotSentButCounted) {
+  AddBody(1, {}, 100);
+  AddBody(2, {249, 0, 0}, 100);
+  AddBody(3, {0, 251, 0}, 100);
+  EXPECT_EQ(Send(kShare384, 1), (std::vector<std::uint32_t>{1, 2}));
+  EXPECT_EQ(sender.Counts().bodiesOutOfView, 1U);
+  EXPECT_EQ(sender.Counts().bodiesLeftOut, 0U);
+}
+
+TEST_F(SnapshotSenderTest, FastBodiesComeMoreOftenThanSlowOnes) {
+  for (std::uint32_t id = 1; id <= 40; ++id) {
+    AddBody(id, {30, 0, 0}, 200);
+    bodies.back().speed = id <= 20 ? 8.0F : 0.0F;
+  }
+  std::map<std::uint32_t, int> times;
+  for (int i = 0; i < 900; ++i) {
+    for (const std::uint32_t id : Send(kShare384)) ++times[id];
+  }
+  for (std::uint32_t id = 1; id <= 20; ++id) {
+    EXPECT_NEAR(times[id], 2 * times[id + 20], 0.1 * times[id]);
+  }
+}
+
+TEST_F(SnapshotSenderTest, QualityFallsWithDistanceAndBeforeTheRate) {
+  AddBody(1, {}, 100);
+  AddBody(2, {5, 0, 0}, 100);
+  AddBody(3, {20, 0, 0}, 100);
+  AddBody(4, {50, 0, 0}, 100);
+  Send(kShare384, 1);
+  EXPECT_EQ(qualities, (std::map<std::uint32_t, std::size_t>{{1, 0}, {2, 0}, {3, 1}, {4, 2}}));
+  EXPECT_EQ(sender.Counts().bodiesCoarsened, 2U);
+  // A crowd comes: all but the own are coarser, and when it has gone, finer again.
+  for (std::uint32_t id = 5; id <= 60; ++id) AddBody(id, {1, 0, 0}, 200);
+  for (int i = 0; i < 20; ++i) Send(kShare384, 1);
+  EXPECT_EQ(qualities[1], 0U);
+  EXPECT_EQ(qualities[2], 2U);
+  for (std::uint32_t id = 5; id <= 60; ++id) RemoveBody(id);
+  for (int i = 0; i < 100; ++i) Send(kShare384, 1);
+  EXPECT_EQ(qualities[2], 0U);
+}
+
+TEST_F(SnapshotSenderTest, CountsWhatWasSent) {
+  AddBody(1, {}, 100);
+  encoded[1].errorSquares = 100 * 0.0025 * 0.0025;
+  Send(kShare384);
+  Send(kShare384);
+  EXPECT_EQ(sender.Counts().vertices, 200U);
+  EXPECT_NEAR(sender.Counts().BitsPerVertex(), 8 * 103 / 100.0, 1e-9);
+  EXPECT_NEAR(sender.Counts().ErrorPercentRms(), 0.25, 1e-9);
 }
 
 TEST_F(SnapshotSenderTest, AnEmptyWorldIsToldByAHeadAlone) {
