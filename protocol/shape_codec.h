@@ -3,10 +3,10 @@
 //
 // There is no baseline: a soft body forgets its shape in 50 ms, so that against the last acknowledged snapshot a
 // record would be 3 % shorter, but different for each client and lost with that one. What each part brings, in bits a
-// vertex on balls of 162 vertices thrown about a room (targets 0.25 %, 0.5 %, 0.1 % of the size; 4.3, 2.2, 8.1 in all):
-// completion of the basis 0.6 (basis.h); contexts from what came before 0.36, 0.14, 0.6 (contexts.h); following what
-// contact with known walls suggests 0.32, 0.27, 0.38 (surfaces.h); rate-distortion optimised rounding 0.1; a pose as
-// coarse as the target 0.3 (pose.h); the step that meets the target of this very record instead of one for all 0.1.
+// vertex on balls of 162 vertices thrown about a room (targets 0.25 %, 0.5 %, 0.1 % of the size; 4.36, 2.25, 8.12 in
+// all): completion of the basis 0.7, 0.2 and most of the last (basis.h); contexts from what came before 0.36, 0.14, 0.6
+// (contexts.h); following what contact with known walls suggests 0.29, 0.27, 0.31 (surfaces.h); rate-distortion
+// optimised rounding 0.28, 0.22, 0.21 (shape_encoder.cpp); a pose as coarse as the target 0.25, 0.28, 0.2 (pose.h).
 #pragma once
 
 #include <cstdint>
