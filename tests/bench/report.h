@@ -46,6 +46,7 @@ struct Report {
 
 // One function a report, each in the file of its name.
 void ReportAccuracy(Bench& bench);
+void ReportCodec(Bench& bench);
 void ReportContact(Bench& bench);
 void ReportSkip(Bench& bench);
 void ReportStability(Bench& bench);
