@@ -152,8 +152,10 @@ Moment Track::Interpolate(std::size_t next, double time) const {
   const TrackSample& from = m_slots[next - 1];
   const TrackSample& to = m_slots[next];
   if (IsCut(from, to)) return Still(from);
-  const TrackSample* before = next >= 2 && !IsCut(m_slots[next - 2], from) ? &m_slots[next - 2] : nullptr;
-  const TrackSample* after = next + 1 < m_count && !IsCut(to, m_slots[next + 1]) ? &m_slots[next + 1] : nullptr;
+  const bool isCurve = m_curve == Curve::kCatmullRom;
+  const TrackSample* before = isCurve && next >= 2 && !IsCut(m_slots[next - 2], from) ? &m_slots[next - 2] : nullptr;
+  const TrackSample* after =
+      isCurve && next + 1 < m_count && !IsCut(to, m_slots[next + 1]) ? &m_slots[next + 1] : nullptr;
 
   const double h = to.time - from.time;
   const double u = (time - from.time) / h;

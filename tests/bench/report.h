@@ -48,6 +48,7 @@ struct Report {
 void ReportAccuracy(Bench& bench);
 void ReportCodec(Bench& bench);
 void ReportContact(Bench& bench);
+void ReportInterpolation(Bench& bench);
 void ReportSkip(Bench& bench);
 void ReportStability(Bench& bench);
 void ReportThroughput(Bench& bench);

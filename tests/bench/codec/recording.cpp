@@ -10,9 +10,9 @@
 #include "server/physics/ball.h"
 #include "server/physics/cloth.h"
 #include "server/physics/lattice.h"
+#include "tests/bench/codec/play.h"
 #include "tests/bench/contact/bodies.h"
 #include "tests/bench/random.h"
-#include "tests/bench/throughput/worlds.h"
 
 namespace wobble::bench {
 namespace {
@@ -21,61 +21,6 @@ using namespace physics;
 
 constexpr int kTicksPerFrame = 2;  // at 60 Hz
 constexpr int kWarmUpTicks = 120;
-constexpr double kArena = 6;  // half of its side, m
-constexpr ControlLimits kLimits{.acceleration = 12, .speed = 4, .jumpSpeed = 5};
-// nRT, J: as firm for its weight as the ball that players of the shipped scenes have.
-constexpr double kGas = 3300;
-
-void AddArena(World& world, double half) {
-  world.AddObstacle(Obstacle{});
-  for (const Vector3d& side : {Vector3d(1, 0, 0), Vector3d(-1, 0, 0), Vector3d(0, 1, 0), Vector3d(0, -1, 0)}) {
-    Obstacle wall;
-    wall.normal = side;
-    wall.offset = -half;
-    wall.friction = 0.2;
-    world.AddObstacle(wall);
-  }
-}
-
-// One of those who play, each with draws of its own, so that what one does never shifts what another draws.
-class Actor {
- public:
-  Actor(std::uint64_t seed, std::size_t self) : m_random(seed * 64 + self), m_self(self) {}
-
-  Control Act(Pattern pattern, const World& world) {
-    if (--m_ticksLeft <= 0) TurnElsewhere(pattern, world.Bodies().size());
-    Control control;
-    Vector3d way = m_way;
-    if (m_hunts) {
-      way = world.FindCentre(world.Bodies()[m_prey]) - world.FindCentre(world.Bodies()[m_self]);
-      way.z() = 0;
-    }
-    if (way.norm() > 0) way.normalize();
-    control.moveX = way.x();
-    control.moveY = way.y();
-    control.jump = m_random.Happens(pattern == Pattern::kChase ? 0.02 : 0.01);
-    control.puff = m_puffs;
-    return control;
-  }
-
- private:
-  void TurnElsewhere(Pattern pattern, std::size_t count) {
-    m_ticksLeft = m_random.DrawWhole(15, 60);
-    m_prey = (m_self + 1 + m_random.Choose(count - 1)) % count;
-    m_way = m_random.DrawDirection();
-    m_way.z() = 0;
-    m_hunts = pattern == Pattern::kChase && m_random.Happens(0.3);
-    m_puffs = pattern == Pattern::kRoam && m_random.Happens(0.2);
-  }
-
-  Random m_random;
-  std::size_t m_self;
-  int m_ticksLeft = 0;
-  std::size_t m_prey = 0;
-  Vector3d m_way = Vector3d::Zero();
-  bool m_hunts = false;
-  bool m_puffs = false;
-};
 
 Recording BeginRecording(const Blueprint& blueprint) {
   Recording recording;
@@ -101,7 +46,7 @@ void AddFrame(const World& world, Recording& recording) {
 
 Recording RecordPlay(const Blueprint& blueprint, Pattern pattern, std::uint64_t seed, double seconds) {
   World world{WorldSettings{}};
-  AddArena(world, kArena);
+  for (const Obstacle& each : MakeArena()) world.AddObstacle(each);
   world.AddBlueprint(blueprint);
   std::vector<Actor> actors;
   for (const auto& [x, y] : {std::array{-1, -1}, std::array{1, -1}, std::array{1, 1}, std::array{-1, 1}}) {
@@ -112,7 +57,7 @@ Recording RecordPlay(const Blueprint& blueprint, Pattern pattern, std::uint64_t 
   const int ticks = kWarmUpTicks + static_cast<int>(seconds * kFrameHz) * kTicksPerFrame;
   for (int tick = 0; tick < ticks; ++tick) {
     for (std::size_t i = 0; i < actors.size(); ++i) {
-      world.SetControl(world.Bodies()[i].id, actors[i].Act(pattern, world), kLimits);
+      world.SetControl(world.Bodies()[i].id, actors[i].Act(pattern, world), kPlayLimits);
     }
     (void)world.Step();
     if (tick >= kWarmUpTicks && tick % kTicksPerFrame == 0) AddFrame(world, recording);
@@ -123,7 +68,7 @@ Recording RecordPlay(const Blueprint& blueprint, Pattern pattern, std::uint64_t 
 }  // namespace
 
 Recording RecordBalls(Pattern pattern, std::uint64_t seed, double seconds) {
-  return RecordPlay(MakeTimedBall(kGas), pattern, seed, seconds);
+  return RecordPlay(MakePlayedBall(), pattern, seed, seconds);
 }
 
 Recording RecordLattices(Pattern pattern, std::uint64_t seed, double seconds) {

@@ -6,6 +6,7 @@
 
 #include "server/capture.h"
 #include "server/physics/world.h"
+#include "tests/bench/codec/play.h"
 
 namespace wobble::bench {
 
@@ -21,11 +22,6 @@ struct Recording {
 
   [[nodiscard]] std::size_t CountVertices() const { return blueprint.rest.size(); }
 };
-
-// Everybody does something else after a quarter to a whole second. kChase: runs at another one a third of the time,
-// else somewhere, and jumps. kRoam: runs somewhere, puffs up, jumps seldom: what bases are trained on that are measured
-// on kChase.
-enum class Pattern { kChase, kRoam };
 
 // The fixed play: four balls of radius 1 m with 162 vertices between four walls. seconds: of play, after two to begin.
 [[nodiscard]] Recording RecordBalls(Pattern pattern, std::uint64_t seed, double seconds);
