@@ -15,7 +15,7 @@ namespace wobble::bench {
 // on kChase.
 enum class Pattern { kChase, kRoam };
 
-inline constexpr physics::ControlLimits kPlayLimits{.acceleration = 12, .speed = 4, .jumpSpeed = 5};
+inline constexpr physics::ControlLimits kPlayLimits{.acceleration = 12, .speed = 4, .jumpSpeed = 3};
 
 // A floor and four walls, 12 m apart.
 [[nodiscard]] std::vector<physics::Obstacle> MakeArena();

@@ -50,7 +50,7 @@ spawn = [0, 0, 1.5]
 spawn_radius = 2
 acceleration = 12
 speed = 4
-jump_speed = 5
+jump_speed = 3
 )";
 
 scenes::Scene MakeScene() {
