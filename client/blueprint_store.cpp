@@ -8,6 +8,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "protocol/snapshot.h"
+
 namespace wobble::client {
 namespace {
 
@@ -26,8 +28,19 @@ bool IsOpen(const std::vector<std::array<std::uint16_t, 3>>& faces) {
   });
 }
 
+bool ReadBases(const wire::Blueprint& source, Blueprint& blueprint) {
+  if (source.bases() == nullptr) return true;
+  for (const wire::Basis* basis : *source.bases()) {
+    const std::span bytes(basis->bytes()->data(), basis->bytes()->size());
+    const std::size_t vertices = protocol::PatchSize(blueprint.rest.size(), blueprint.bases.size());
+    blueprint.bases.push_back(protocol::ReadBasis(bytes, vertices));
+    if (blueprint.bases.back() == nullptr) return false;
+  }
+  return true;
+}
+
 // nullptr when it is not a blueprint that anything could be drawn from.
-std::shared_ptr<const Blueprint> MakeBlueprint(const std::vector<std::uint8_t>& bytes) {
+std::shared_ptr<const Blueprint> MakeBlueprint(const std::vector<std::uint8_t>& bytes, bool readsBases) {
   const wire::Blueprint* source = nullptr;
   if (protocol::ParseBlueprint(bytes, source) != protocol::ParseResult::kOk || IsOutside(source->size()))
     return nullptr;
@@ -48,6 +61,7 @@ std::shared_ptr<const Blueprint> MakeBlueprint(const std::vector<std::uint8_t>& 
     blueprint->edges.reserve(source->edges()->size());
     for (const wire::Edge* edge : *source->edges()) blueprint->edges.push_back({edge->a(), edge->b()});
   }
+  if (readsBases && !ReadBases(*source, *blueprint)) return nullptr;
   return blueprint;
 }
 
@@ -79,7 +93,7 @@ bool BlueprintStore::AddChunk(const wire::BlueprintChunk& chunk) {
   if (follows && entry.bytes.size() < entry.total) return true;
 
   std::shared_ptr<const Blueprint> whole;
-  if (follows && protocol::HashBytes(entry.bytes) == entry.hash) whole = MakeBlueprint(entry.bytes);
+  if (follows && protocol::HashBytes(entry.bytes) == entry.hash) whole = MakeBlueprint(entry.bytes, m_readsBases);
   entry.bytes = {};
   if (whole == nullptr) return false;
   if (entry.blueprint == nullptr && chunk.blueprint() < m_expected) --m_missing;

@@ -12,6 +12,8 @@ namespace wobble::client {
 
 class BlueprintStore {
  public:
+  // For a client that decodes no shapes: bases are not looked at.
+  void PassOverBases() { m_readsBases = false; }
   // As many as the welcome promised; once. More may follow.
   void Expect(std::size_t count);
 
@@ -43,6 +45,7 @@ class BlueprintStore {
   std::size_t m_expected = 0;
   std::size_t m_missing = 0;  // of those
   bool m_expects = false;
+  bool m_readsBases = true;
 };
 
 }  // namespace wobble::client

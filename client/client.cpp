@@ -20,14 +20,19 @@
 #include "client/jitter_buffer.h"
 #include "client/newest_poses.h"
 #include "protocol/acknowledgement.h"
-#include "protocol/pose.h"
+#include "protocol/shape_codec.h"
 #include "protocol/snapshot.h"
 
 namespace wobble::client {
 namespace {
 
-// Seconds that a goodbye of our own may take until the link is taken for closed.
-constexpr double kLeaveTimeout = 1.0;
+// Seconds that a goodbye of our own may take until the link is taken for closed, and round trips beyond that: a few
+// tries, since a server that never hears it keeps the body until it finds the silence too long. A link that claims to
+// take longer than kMaxLeaveRoundTrip, seconds, gains no more by it.
+constexpr double kLeaveTimeout = 1;
+constexpr double kLeaveRoundTrips = 4;
+constexpr double kMaxLeaveRoundTrip = 1;
+static_assert(kLeaveTimeout + kLeaveRoundTrips * kMaxLeaveRoundTrip == kLongestLeave);
 // Inputs sent in one Update at most; after a longer pause the schedule starts anew.
 constexpr int kMaxCatchUp = 3;
 // Snapshot intervals that the measured one may reach, in terms of the promised one, before it is not believed.
@@ -98,7 +103,8 @@ struct Client::Implementation {
   double nextForget = 0;
   NewestPoses newestPoses;
   std::vector<protocol::Record> records;  // scratch
-  std::vector<protocol::Vector3> shape;   // scratch
+  protocol::ShapeDecoder decoder;
+  std::vector<protocol::Vector3> shape;  // scratch
 
   void TakeIn(const transport::Event& event);
   void End(std::string reason);
@@ -130,6 +136,7 @@ Client::Client(std::unique_ptr<transport::Transport> transport, Options options,
   assert(transport != nullptr && options.name.size() <= protocol::kMaxNameBytes);
   m->transport = std::move(transport);
   m->options = std::move(options);
+  if (!m->options.decode) m->blueprints.PassOverBases();
   m->startedAt = m->now = m->lastReceived = m->windowBegin = now;
 }
 
@@ -154,7 +161,8 @@ void Client::SetInput(const Input& input) { m->input = input; }
 void Client::Leave(double now) {
   if (m->state == State::kEnded || m->leaving) return;
   m->leaving = true;
-  m->leaveDeadline = now + kLeaveTimeout;
+  const double roundTrip = m->connection != 0 ? m->transport->ReadRoundTrip(m->connection) : 0;
+  m->leaveDeadline = now + kLeaveTimeout + kLeaveRoundTrips * std::min(roundTrip, kMaxLeaveRoundTrip);
   if (m->connection == 0) {
     m->End("left");
     return;
@@ -383,10 +391,10 @@ void Client::Implementation::HandleRecord(const protocol::Record& record, std::u
     ++statistics.unknownRecords;
     return;
   }
-  protocol::BitReader reader(record.payload);
   protocol::QuantisedPose pose;
   const bool isGood = protocol::PatchSize(blueprint->rest.size(), record.head.patch) > 0 &&
-                      (!options.decode || DecodeRecord(record, blueprint, tick)) && protocol::ReadPose(reader, pose);
+                      (!options.decode || DecodeRecord(record, blueprint, tick)) &&
+                      protocol::DecodePose(record.payload, blueprint->size, pose) == protocol::DecodeResult::kOk;
   if (!isGood) {
     ++statistics.badRecords;
   } else if (record.head.patch == 0) {
@@ -400,7 +408,9 @@ bool Client::Implementation::DecodeRecord(const protocol::Record& record,
   const auto rest = std::span(blueprint->rest).subspan(record.head.patch * protocol::kMaxPatchVertices, size);
   protocol::Pose pose;
   shape.resize(size);
-  return protocol::DecodeShape(record.payload, rest, pose, shape) == protocol::DecodeResult::kOk &&
+  const protocol::Basis* basis = blueprint->bases.empty() ? nullptr : blueprint->bases[record.head.patch].get();
+  const protocol::PatchModel model{rest, blueprint->size, basis, welcome.obstacles};
+  return decoder.Decode(model, record.payload, pose, shape) == protocol::DecodeResult::kOk &&
          bodies.Add(record.head, blueprint, tick, TimeOf(tick), pose, shape, jitter.Playback());
 }
 

@@ -14,6 +14,7 @@
 
 #include "client/curve.h"
 #include "client/statistics.h"
+#include "protocol/basis.h"
 #include "protocol/geometry.h"
 #include "protocol/messages.h"
 #include "protocol/transport/transport.h"
@@ -51,7 +52,8 @@ struct Blueprint {
   std::vector<std::array<std::uint16_t, 3>> faces;  // outward
   float size = 0;                                   // RMS distance of the rest vertices from their centroid, metres
   std::vector<std::array<std::uint16_t, 2>> edges;  // springs of a body without faces; a vertex may be in none
-  bool open = false;                                // its faces leave a rim, so that one sees their backs
+  std::vector<std::shared_ptr<const protocol::Basis>> bases;  // of its patches, to decode them; or none
+  bool open = false;                                          // its faces leave a rim, so that one sees their backs
 };
 
 // Ground as heights over a grid, row by row, x first; near enough to the true surface with triangles in between. Solid
@@ -96,6 +98,9 @@ struct SnapshotArrival {
   double inputToSnapshot = -1;
 };
 
+// Seconds.
+inline constexpr double kLongestLeave = 5;
+
 class Client {
  public:
   // The transport is one that is connecting to the server already.
@@ -108,7 +113,8 @@ class Client {
 
   void SetInput(const Input& input);
 
-  // Says goodbye. State is kEnded once the server or the link has closed, at the latest after a second of Updates.
+  // Says goodbye. State is kEnded once the server or the link has closed, at the latest after a second of Updates and
+  // four round trips, which is never more than kLongestLeave.
   void Leave(double now);
 
   [[nodiscard]] State ReadState() const;

@@ -10,7 +10,7 @@
 namespace wobble::protocol {
 
 // Raised whenever a byte on the wire means something else than before.
-inline constexpr std::uint16_t kProtocolVersion = 2;
+inline constexpr std::uint16_t kProtocolVersion = 3;
 
 // A datagram's payload, bytes. 1,200 fits every path's MTU (IPv6's floor is 1,280); ENet would fragment a larger one,
 // and a snapshot of ten fragments survives 5 % loss only 60 % of the time.
@@ -23,9 +23,9 @@ inline constexpr std::size_t kMaxClientMessageBytes = 4 * 1024;
 
 // Blueprints travel in chunks of this many bytes, so that a large one does not hold up the control channel.
 inline constexpr std::size_t kBlueprintChunkBytes = 4 * 1024;
-// The largest serialised blueprint, bytes: 4,096 vertices with 8,192 faces need about 100 KiB. A client reserves no
-// more.
-inline constexpr std::size_t kMaxBlueprintBytes = 256 * 1024;
+// The largest serialised blueprint, bytes: 4,096 vertices with 8,192 faces need about 100 KiB, and their bases may take
+// 256 KiB. A client reserves no more.
+inline constexpr std::size_t kMaxBlueprintBytes = 512 * 1024;
 
 // FlatBuffers verifier: nesting and table count that any honest message stays far under.
 inline constexpr std::uint32_t kMaxMessageDepth = 8;
@@ -35,6 +35,11 @@ inline constexpr std::uint32_t kMaxMessageTables = 64;
 // 18 bits a vertex; a scene with larger bodies is refused.
 inline constexpr std::size_t kMaxBodyVertices = 4096;
 inline constexpr std::size_t kMaxPatchVertices = 512;
+// A patch's basis, bytes: 110 of a 162-vertex ball's 486 modes as bytes, and the rest in half a byte. A client keeps
+// two bytes for each pair of coordinates, 1.2 MB at the most vertices that may have modes of their own; larger patches
+// have one number a vertex and mode, 0.5 MB.
+inline constexpr std::size_t kMaxBasisBytes = 64 * 1024;
+inline constexpr std::size_t kMaxTrainedVertices = 256;
 // Blueprints a scene (a record names one in a byte) and bodies a world.
 inline constexpr std::size_t kMaxBlueprints = 255;
 // Blueprints that one number may mean after each other before a record of an old one could be taken for a new one: five
@@ -50,10 +55,8 @@ inline constexpr std::size_t kMaxHeightFields = 16;
 inline constexpr std::size_t kMaxFieldNodes = 128;        // along x and along y
 inline constexpr std::size_t kMaxRowsHeights = 2 * 1024;  // in one message
 
-// The world ends here, metres from the origin along each axis: centroids are 26-bit integers of kCentroidStep.
+// The world ends here, metres from the origin along each axis: centroids have at most 13 bits before the point.
 inline constexpr double kWorldHalfExtent = 8192;
-// Centroid grid, metres. The shape is coded against the quantised pose, so this costs no accuracy, only bits.
-inline constexpr double kCentroidStep = 1.0 / 4096;
 
 // Packets that an acknowledgement covers: the newest and this many before it.
 inline constexpr unsigned kAckHistory = 64;

@@ -178,6 +178,13 @@ ParseResult ParseBlueprint(std::span<const std::uint8_t> bytes, const wire::Blue
       if (edge->a() >= count || edge->b() >= count) return ParseResult::kOutOfRange;
     }
   }
+  if (root->bases() != nullptr) {
+    if (root->bases()->size() != (count + kMaxPatchVertices - 1) / kMaxPatchVertices) return ParseResult::kOutOfRange;
+    for (const wire::Basis* basis : *root->bases()) {
+      if (basis->bytes() == nullptr) return ParseResult::kMissingField;
+      if (basis->bytes()->size() > kMaxBasisBytes) return ParseResult::kOutOfRange;
+    }
+  }
   blueprint = root;
   return ParseResult::kOk;
 }
@@ -243,7 +250,8 @@ Message MakeServerGoodbye(wire::GoodbyeReason reason, std::string_view detail) {
 
 Message MakeBlueprint(std::string_view name, std::span<const Vector3> rest,
                       std::span<const std::array<std::uint16_t, 3>> faces, float size,
-                      std::span<const std::array<std::uint16_t, 2>> edges) {
+                      std::span<const std::array<std::uint16_t, 2>> edges,
+                      std::span<const std::vector<std::uint8_t>> bases) {
   assert(edges.size() <= kMaxBlueprintEdges);
   FlatBufferBuilder builder;
   std::vector<wire::Vec3> wireRest(rest.size());
@@ -259,7 +267,13 @@ Message MakeBlueprint(std::string_view name, std::span<const Vector3> rest,
   for (const auto& edge : edges) wireEdges.emplace_back(edge[0], edge[1]);
   const auto edgeVector =
       edges.empty() ? Offset<flatbuffers::Vector<const wire::Edge*>>() : builder.CreateVectorOfStructs(wireEdges);
-  builder.Finish(wire::CreateBlueprint(builder, text, restVector, faceVector, size, edgeVector));
+  std::vector<Offset<wire::Basis>> wireBases;
+  for (const std::vector<std::uint8_t>& basis : bases) {
+    wireBases.push_back(wire::CreateBasis(builder, builder.CreateVector(basis)));
+  }
+  const auto basisVector =
+      bases.empty() ? Offset<flatbuffers::Vector<Offset<wire::Basis>>>() : builder.CreateVector(wireBases);
+  builder.Finish(wire::CreateBlueprint(builder, text, restVector, faceVector, size, edgeVector, basisVector));
   assert(builder.GetSize() <= kMaxBlueprintBytes);
   return Take(builder);
 }

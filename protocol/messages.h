@@ -68,10 +68,12 @@ struct WelcomeFields {
                                 std::string_view name);
 [[nodiscard]] Message MakeServerGoodbye(wire::GoodbyeReason reason, std::string_view detail);
 
-// What a client needs to draw a body, as one FlatBuffer; sent in chunks. At most kMaxBlueprintEdges.
+// What a client needs to draw a body, as one FlatBuffer; sent in chunks. At most kMaxBlueprintEdges;
+// bases: as WriteBasis makes them, one a patch or none.
 [[nodiscard]] Message MakeBlueprint(std::string_view name, std::span<const Vector3> rest,
                                     std::span<const std::array<std::uint16_t, 3>> faces, float size,
-                                    std::span<const std::array<std::uint16_t, 2>> edges = {});
+                                    std::span<const std::array<std::uint16_t, 2>> edges = {},
+                                    std::span<const std::vector<std::uint8_t>> bases = {});
 // FNV-1a, 64 bits: names a blueprint in a client's cache. Not a defence against forgery.
 [[nodiscard]] std::uint64_t HashBytes(std::span<const std::uint8_t> bytes);
 

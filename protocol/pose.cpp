@@ -2,41 +2,100 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cassert>
 
 #include "protocol/limits.h"
 
 namespace wobble::protocol {
 namespace {
 
-constexpr unsigned kCentroidBits = 26;
-constexpr std::int32_t kCentroidLimit = (1 << (kCentroidBits - 1)) - 1;
-constexpr unsigned kRotationBits = 15;
-// Component c in [-1/√2, 1/√2] ↔ integer in [0, 2·16383]; zero is exact, so an unturned body is exactly unturned.
-constexpr std::int32_t kRotationHalf = (1 << (kRotationBits - 1)) - 1;
-constexpr float kRotationScale = 0.70710678F / static_cast<float>(kRotationHalf);
+// 8,192 m in steps of 2^-17 m.
+constexpr unsigned kMaxLength = 31;
+// Of the bit length of a centroid's coordinate, from 0; out of kFrequencyTotal. Broad about 2^13 steps, which is a few
+// metres at the usual target.
+constexpr std::array<std::uint16_t, kMaxLength + 1> kLengthFrequencies = {
+    40,  20,  20, 20, 24, 32, 44, 60, 90, 140, 220, 350, 520, 680, 640, 480,
+    300, 170, 90, 50, 30, 20, 14, 10, 8,  6,   4,   4,   4,   2,   2,   2};
 
-std::int32_t QuantiseCoordinate(float value) {
-  const double grid = std::nearbyint(static_cast<double>(value) / kCentroidStep);
-  return static_cast<std::int32_t>(std::clamp(grid, -double{kCentroidLimit}, double{kCentroidLimit}));
+constexpr std::array<std::uint16_t, kMaxLength + 2> MakeStarts() {
+  std::array<std::uint16_t, kMaxLength + 2> starts{};
+  for (std::size_t i = 0; i <= kMaxLength; ++i) {
+    starts[i + 1] = static_cast<std::uint16_t>(starts[i] + kLengthFrequencies[i]);
+  }
+  return starts;
+}
+constexpr auto kLengthStarts = MakeStarts();
+static_assert(kLengthStarts.back() == kFrequencyTotal);
+
+// A number below 2^bits in pieces that the range coder takes.
+void WriteBits(RangeEncoder& encoder, std::uint32_t value, unsigned bits) {
+  for (; bits > 16; bits -= 16, value >>= 16) encoder.EncodeBits(value & 0xFFFF, 16);
+  encoder.EncodeBits(value, bits);
 }
 
-float Component(std::uint32_t value) {
-  return static_cast<float>(static_cast<std::int32_t>(value) - kRotationHalf) * kRotationScale;
+std::uint32_t ReadBits(RangeDecoder& decoder, unsigned bits) {
+  std::uint32_t value = 0;
+  unsigned shift = 0;
+  for (; bits > 16; bits -= 16, shift += 16) value |= decoder.DecodeBits(16) << shift;
+  return value | decoder.DecodeBits(bits) << shift;
 }
+
+void WriteCoordinate(RangeEncoder& encoder, std::int32_t value) {
+  const auto size = static_cast<std::uint32_t>(value < 0 ? -value : value);
+  const auto length = static_cast<unsigned>(std::bit_width(size));
+  encoder.Encode(kLengthStarts[length], kLengthFrequencies[length]);
+  if (length == 0) return;
+  WriteBits(encoder, size ^ 1U << (length - 1), length - 1);
+  encoder.EncodeBits(value < 0 ? 1 : 0, 1);
+}
+
+std::int32_t ReadCoordinate(RangeDecoder& decoder) {
+  const std::uint32_t place = decoder.Find();
+  unsigned length = 0;
+  while (kLengthStarts[length + 1] <= place) ++length;
+  decoder.Take(kLengthStarts[length], kLengthFrequencies[length]);
+  if (length == 0) return 0;
+  const auto size = static_cast<std::int32_t>(ReadBits(decoder, length - 1) | 1U << (length - 1));
+  return decoder.DecodeBits(1) != 0 ? -size : size;
+}
+
+std::int32_t QuantiseCoordinate(float value, unsigned grid) {
+  const double limit = std::ldexp(kWorldHalfExtent, static_cast<int>(grid));
+  const double steps = std::nearbyint(std::ldexp(static_cast<double>(value), static_cast<int>(grid)));
+  return static_cast<std::int32_t>(std::clamp(steps, -limit, limit));
+}
+
+float Shrink(std::int32_t value, unsigned bits) {
+  return std::ldexp(static_cast<float>(value), -static_cast<int>(bits));
+}
+
+// The most steps that a component but the largest can have: 2^turn / √2.
+std::int32_t FindMostSteps(unsigned turn) { return (46341 >> (kFinestTurn - turn)) + 1; }
 
 // 1 − a² − b² − c², the square of the component left out.
-float SquareLeft(const QuantisedPose& pose) {
-  const float a = Component(pose.a), b = Component(pose.b), c = Component(pose.c);
+float FindSquareLeft(const QuantisedPose& pose) {
+  const float a = Shrink(pose.a, pose.grid.turn), b = Shrink(pose.b, pose.grid.turn),
+              c = Shrink(pose.c, pose.grid.turn);
   return 1.0F - a * a - b * b - c * c;
 }
 
 }  // namespace
 
-QuantisedPose Quantise(const Pose& pose) {
+PoseGrid MakePoseGrid(unsigned grid, float size) {
+  assert(grid <= kFinestGrid && size > 0);
+  int exponent = 0;
+  std::frexp(size, &exponent);
+  const int turn = std::clamp(static_cast<int>(grid) + exponent + 1, int{kCoarsestTurn}, int{kFinestTurn});
+  return {grid, static_cast<unsigned>(turn)};
+}
+
+QuantisedPose Quantise(const Pose& pose, PoseGrid grid) {
   QuantisedPose result;
-  result.x = QuantiseCoordinate(pose.centroid.x);
-  result.y = QuantiseCoordinate(pose.centroid.y);
-  result.z = QuantiseCoordinate(pose.centroid.z);
+  result.grid = grid;
+  result.x = QuantiseCoordinate(pose.centroid.x, grid.grid);
+  result.y = QuantiseCoordinate(pose.centroid.y, grid.grid);
+  result.z = QuantiseCoordinate(pose.centroid.z, grid.grid);
 
   std::array<float, 4> q{pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z};
   const float length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
@@ -45,52 +104,52 @@ QuantisedPose Quantise(const Pose& pose) {
     if (std::fabs(q[i]) > std::fabs(q[result.largest])) result.largest = i;
   }
   const float sign = q[result.largest] < 0.0F ? -1.0F : 1.0F;
-  const float scale = length > 0.0F ? sign / (length * kRotationScale) : sign / kRotationScale;
-  std::array<std::uint32_t*, 3> fields{&result.a, &result.b, &result.c};
+  const float scale = std::ldexp(length > 0.0F ? sign / length : sign, static_cast<int>(grid.turn));
+  const auto most = static_cast<float>(FindMostSteps(grid.turn));
+  const std::array<std::int32_t*, 3> fields{&result.a, &result.b, &result.c};
   std::size_t next = 0;
   for (std::uint32_t i = 0; i < 4; ++i) {
     if (i == result.largest) continue;
-    const float grid =
-        std::clamp(std::nearbyint(q[i] * scale), -static_cast<float>(kRotationHalf), static_cast<float>(kRotationHalf));
-    *fields[next++] = static_cast<std::uint32_t>(static_cast<std::int32_t>(grid) + kRotationHalf);
+    *fields[next++] = static_cast<std::int32_t>(std::clamp(std::nearbyint(q[i] * scale), -most, most));
   }
   return result;
 }
 
 Pose Dequantise(const QuantisedPose& pose) {
   Pose result;
-  constexpr auto kStep = static_cast<float>(kCentroidStep);
-  result.centroid = {static_cast<float>(pose.x) * kStep, static_cast<float>(pose.y) * kStep,
-                     static_cast<float>(pose.z) * kStep};
-  const float left = std::sqrt(std::max(SquareLeft(pose), 0.0F));
+  const unsigned grid = pose.grid.grid, turn = pose.grid.turn;
+  result.centroid = {Shrink(pose.x, grid), Shrink(pose.y, grid), Shrink(pose.z, grid)};
+  const float left = std::sqrt(std::max(FindSquareLeft(pose), 0.0F));
   std::array<float, 4> q{};
-  const std::array<float, 3> others{Component(pose.a), Component(pose.b), Component(pose.c)};
+  const std::array<float, 3> others{Shrink(pose.a, turn), Shrink(pose.b, turn), Shrink(pose.c, turn)};
   std::size_t next = 0;
   for (std::uint32_t i = 0; i < 4; ++i) q[i] = i == pose.largest ? left : others[next++];
   result.rotation = {q[0], q[1], q[2], q[3]};
   return result;
 }
 
-void WritePose(BitWriter& writer, const QuantisedPose& pose) {
-  for (const std::int32_t value : {pose.x, pose.y, pose.z}) {
-    writer.Write(static_cast<std::uint32_t>(value) & ((1U << kCentroidBits) - 1), kCentroidBits);
+void WritePose(RangeEncoder& encoder, const QuantisedPose& pose) {
+  for (const std::int32_t value : {pose.x, pose.y, pose.z}) WriteCoordinate(encoder, value);
+  encoder.EncodeBits(pose.largest, 2);
+  const std::int32_t most = FindMostSteps(pose.grid.turn);
+  for (const std::int32_t value : {pose.a, pose.b, pose.c}) {
+    encoder.EncodeUniform(static_cast<std::uint32_t>(value + most), static_cast<std::uint32_t>(2 * most + 1));
   }
-  writer.Write(pose.largest, 2);
-  for (const std::uint32_t value : {pose.a, pose.b, pose.c}) writer.Write(value, kRotationBits);
 }
 
-bool ReadPose(BitReader& reader, QuantisedPose& pose) {
+bool ReadPose(RangeDecoder& decoder, QuantisedPose& pose) {
   for (std::int32_t* value : {&pose.x, &pose.y, &pose.z}) {
-    const auto raw = static_cast<std::int32_t>(reader.Read(kCentroidBits) << (32 - kCentroidBits));
-    *value = raw >> (32 - kCentroidBits);  // extends the sign
+    *value = ReadCoordinate(decoder);
+    // A length of 31 bits reaches further than the finest grid needs.
+    if (std::fabs(Shrink(*value, pose.grid.grid)) > static_cast<float>(kWorldHalfExtent)) return false;
   }
-  pose.largest = reader.Read(2);
-  for (std::uint32_t* value : {&pose.a, &pose.b, &pose.c}) {
-    *value = reader.Read(kRotationBits);
-    if (*value > 2U * kRotationHalf) return false;
+  pose.largest = decoder.DecodeBits(2);
+  const std::int32_t most = FindMostSteps(pose.grid.turn);
+  for (std::int32_t* value : {&pose.a, &pose.b, &pose.c}) {
+    *value = static_cast<std::int32_t>(decoder.DecodeUniform(static_cast<std::uint32_t>(2 * most + 1))) - most;
   }
   // The component left out is the largest, so its square is a quarter at least; anything else is no rotation.
-  return !reader.Overran() && SquareLeft(pose) > 0.2F;
+  return FindSquareLeft(pose) > 0.2F;
 }
 
 }  // namespace wobble::protocol

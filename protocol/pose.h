@@ -1,30 +1,45 @@
-// A pose in 125 bits: the centroid on a grid of kCentroidStep (3 x 26 bits), the rotation as the three smallest
-// components of its quaternion (2 + 3 x 15 bits).
+// A pose on a grid as coarse as the shape's error allows: 80 bits for a ball in an arena where a fixed grid took 125.
 //
-// The largest component follows from the unit length, and a quaternion and its negative are one rotation, so three
-// components in [-1/sqrt 2, 1/sqrt 2] say all. The shape is coded against the pose as the decoder will see it, so the
-// rounding here costs no accuracy.
+// The shape is coded against the pose as decoded, so a coarse pose costs no accuracy but makes the shape dearer: steps
+// of a quarter of the error target were cheapest (half of it: +0.07 bits a vertex, no finer than the target: +0.2).
+// The centroid is written as an exponential Golomb code whose exponents have likely lengths, which for a body anywhere
+// in a room costs what the room's size would; so no bounds need to be agreed. The rotation is the three smallest
+// components of its quaternion; a quaternion and its negative are one rotation, so these say all.
 #pragma once
 
-#include "protocol/bits.h"
 #include "protocol/geometry.h"
+#include "protocol/range_coder.h"
 
 namespace wobble::protocol {
 
-// A pose on the wire's grid.
-struct QuantisedPose {
-  std::int32_t x = 0, y = 0, z = 0;   // centroid / kCentroidStep, signed 26-bit
-  std::uint32_t largest = 0;          // index of the component left out: w x y z
-  std::uint32_t a = 0, b = 0, c = 0;  // the others in order, 15 bits
+// Centroids are multiples of 2^-grid m, a rotation's components of 2^-turn.
+struct PoseGrid {
+  unsigned grid = 0;
+  unsigned turn = 0;
 };
+inline constexpr unsigned kFinestGrid = 17;
+inline constexpr unsigned kCoarsestTurn = 7;
+inline constexpr unsigned kFinestTurn = 16;
+
+// A pose on a grid. Comparable to the bit.
+struct QuantisedPose {
+  PoseGrid grid;
+  std::int32_t x = 0, y = 0, z = 0;  // centroid
+  std::uint32_t largest = 0;         // index of the component left out: w x y z
+  std::int32_t a = 0, b = 0, c = 0;  // the others in order
+};
+
+// The grid for a body of this size, m (RMS distance of its vertices from the centroid), above 0: turning by one step
+// moves no further than one step of the centroid does. grid <= kFinestGrid.
+[[nodiscard]] PoseGrid MakePoseGrid(unsigned grid, float size);
 
 // The nearest pose on the grid; a centroid beyond kWorldHalfExtent is put on the border, a rotation that is not of unit
 // length is normalised.
-[[nodiscard]] QuantisedPose Quantise(const Pose& pose);
+[[nodiscard]] QuantisedPose Quantise(const Pose& pose, PoseGrid grid);
 [[nodiscard]] Pose Dequantise(const QuantisedPose& pose);
 
-void WritePose(BitWriter& writer, const QuantisedPose& pose);
-// False when the fields name no rotation.
-[[nodiscard]] bool ReadPose(BitReader& reader, QuantisedPose& pose);
+void WritePose(RangeEncoder& encoder, const QuantisedPose& pose);
+// pose.grid is given. False when the fields name no rotation.
+[[nodiscard]] bool ReadPose(RangeDecoder& decoder, QuantisedPose& pose);
 
 }  // namespace wobble::protocol

@@ -1,182 +1,115 @@
+// Everything up to the sum of modes is in integers, and these wrap: a record made to overflow shows nonsense, but the
+// same nonsense everywhere. The encoder looks at what the decoder makes of a record and never sends one that does.
 #include "protocol/shape_codec.h"
 
-#include <algorithm>
-#include <bit>
 #include <cassert>
-#include <cstdlib>
 
-#include "protocol/bits.h"
-#include "protocol/pose.h"
+#include "protocol/contexts.h"
+#include "protocol/shape_layout.h"
 
 namespace wobble::protocol {
 namespace {
 
-// Steps m·2^-e with four mantissas an octave: exact in every float, so no two decoders differ.
-constexpr unsigned kStepBits = 7;
-constexpr unsigned kFinestStep = 95;  // 2^-23 m
-float StepSize(unsigned index) {
-  const auto mantissa = static_cast<float>(7 - (index & 3)) / 4.0F;
-  return std::ldexp(mantissa, -static_cast<int>(index >> 2));
+// Twenty ones at most; the number behind them has as many bits. At most 2^21 − 2.
+std::uint32_t ReadEscape(RangeDecoder& decoder) {
+  unsigned length = 0;
+  while (length < 20 && decoder.DecodeBits(1) == 1) ++length;
+  const unsigned high = length > 16 ? length - 16 : 0;
+  const std::uint32_t low = decoder.DecodeBits(length - high);
+  return (1U << length) - 1 + (low | decoder.DecodeBits(high) << (length - high));
 }
 
-// A quotient of this many ones is followed by the value in kEscapeBits instead of a remainder.
-constexpr unsigned kEscape = 24;
-constexpr unsigned kEscapeBits = 22;
-constexpr std::int32_t kMaxResidual = (1 << (kEscapeBits - 1)) - 1;
-
-std::uint32_t FoldSign(std::int32_t value) {
-  return (static_cast<std::uint32_t>(value) << 1) ^ static_cast<std::uint32_t>(value >> 31);
-}
-std::int32_t UnfoldSign(std::uint32_t value) {
-  return static_cast<std::int32_t>(value >> 1) ^ -static_cast<std::int32_t>(value & 1);
-}
-
-// The Rice parameter follows the magnitudes seen: k is the smallest with count·2^k ≥ sum. Both ends step it alike.
-class RiceState {
- public:
-  [[nodiscard]] unsigned Parameter() const {
-    unsigned k = 0;
-    while ((std::uint64_t{m_count} << k) < m_sum) ++k;
-    return std::min(k, kEscapeBits);
-  }
-  void Update(std::uint32_t folded) {
-    m_sum += folded;
-    if (++m_count == 32) {  // halved now and then, so that it follows the patch from calm to busy vertices
-      m_sum >>= 1;
-      m_count >>= 1;
-    }
-  }
-
- private:
-  std::uint64_t m_sum = 8;
-  std::uint32_t m_count = 1;
-};
-
-void WriteResidual(BitWriter& writer, RiceState& state, std::int32_t residual) {
-  const std::uint32_t folded = FoldSign(residual);
-  const unsigned k = state.Parameter();
-  const std::uint32_t quotient = folded >> k;
-  if (quotient < kEscape) {
-    writer.Write((1U << quotient) - 1, quotient + 1);  // ones, then a zero
-    writer.Write(folded & ((1U << k) - 1), k);
-  } else {
-    writer.Write((1U << kEscape) - 1, kEscape);
-    writer.Write(folded, kEscapeBits);
-  }
-  state.Update(folded);
-}
-
-bool ReadResidual(BitReader& reader, RiceState& state, std::int32_t& residual) {
-  const unsigned k = state.Parameter();
-  unsigned quotient = 0;
-  while (quotient < kEscape && reader.Read(1) == 1) ++quotient;
-  std::uint32_t folded = 0;
-  if (quotient < kEscape) {
-    const std::uint64_t wide = (std::uint64_t{quotient} << k) | reader.Read(k);
-    if (wide >> kEscapeBits != 0) return false;
-    folded = static_cast<std::uint32_t>(wide);
-  } else {
-    folded = reader.Read(kEscapeBits);
-  }
-  state.Update(folded);
-  residual = UnfoldSign(folded);
+// False when it is too large.
+bool ReadCoefficient(RangeDecoder& decoder, Contexts& contexts, int level, std::int32_t& value) {
+  const std::size_t context = contexts.Find(level);
+  const auto& frequencies = FindFrequencies(context);
+  const std::uint32_t place = decoder.Find();
+  std::uint32_t magnitude = 0;
+  while (magnitude < kEscapeMagnitude && frequencies[magnitude + 1].start <= place) ++magnitude;
+  decoder.Take(frequencies[magnitude].start, frequencies[magnitude].size);
+  if (magnitude == kEscapeMagnitude) magnitude += ReadEscape(decoder);
+  const unsigned lowBits = FindLowBits(context);
+  if (lowBits > 0) magnitude = magnitude << lowBits | decoder.DecodeBits(lowBits);
+  if (magnitude > kMaxMagnitude) return false;
+  contexts.Add(magnitude);
+  value = static_cast<std::int32_t>(magnitude);
+  if (magnitude > 0 && decoder.DecodeBits(1) == 1) value = -value;
   return true;
 }
 
-// The vertex as every decoder computes it.
-Vector3 Reconstruct(Vector3 rest, std::int32_t x, std::int32_t y, std::int32_t z, float step) {
-  return {rest.x + static_cast<float>(x) * step, rest.y + static_cast<float>(y) * step,
-          rest.z + static_cast<float>(z) * step};
-}
-
-std::int32_t QuantiseResidual(float value, float step) {
-  assert(!std::isnan(value));
-  const float grid = std::nearbyint(value / step);
-  return static_cast<std::int32_t>(
-      std::clamp(grid, -static_cast<float>(kMaxResidual), static_cast<float>(kMaxResidual)));
-}
-
-// Writes the payload at one step. The error is exact: rotation keeps lengths, so it is measured in the body frame.
-ShapeEncoding EncodeAtStep(const QuantisedPose& pose, std::span<const Vector3> rest, std::span<const Vector3> vertices,
-                           unsigned stepIndex, std::vector<std::uint8_t>& out) {
-  const Pose seen = Dequantise(pose);
-  const Quaternion inverse = Conjugate(seen.rotation);
-  ShapeEncoding result{true, StepSize(stepIndex)};
-
-  BitWriter writer(out);
-  WritePose(writer, pose);
-  writer.Write(stepIndex, kStepBits);
-  RiceState state;
-  double sum = 0;
-  for (std::size_t i = 0; i < rest.size(); ++i) {
-    const Vector3 local = Rotate(inverse, vertices[i] - seen.centroid);
-    const Vector3 departure = local - rest[i];
-    const std::int32_t x = QuantiseResidual(departure.x, result.step);
-    const std::int32_t y = QuantiseResidual(departure.y, result.step);
-    const std::int32_t z = QuantiseResidual(departure.z, result.step);
-    WriteResidual(writer, state, x);
-    WriteResidual(writer, state, y);
-    WriteResidual(writer, state, z);
-    const Vector3 error = Reconstruct(rest[i], x, y, z, result.step) - local;
-    const float square = Dot(error, error);
-    sum += square;
-    result.maxError = std::max(result.maxError, square);
+void AddMode(std::span<const std::int16_t> column, std::uint32_t value, std::uint32_t* sums) {
+  for (std::size_t i = 0; i < column.size(); ++i) {
+    sums[i] += value * static_cast<std::uint32_t>(std::int32_t{column[i]});
   }
-  writer.Align();
-  result.maxError = std::sqrt(result.maxError);
-  result.rmsError = static_cast<float>(std::sqrt(sum / static_cast<double>(rest.size())));
-  return result;
 }
 
 }  // namespace
 
-ShapeEncoding EncodeShape(const Pose& pose, std::span<const Vector3> rest, std::span<const Vector3> vertices,
-                          float targetRms, std::size_t maxBytes, std::vector<std::uint8_t>& out) {
-  assert(!rest.empty() && rest.size() == vertices.size() && targetRms > 0.0F);
-  const QuantisedPose quantised = Quantise(pose);
-  const std::size_t begin = out.size();
-
-  // RMS is about step/2: start at the coarsest step not above twice the target, go finer if chance put it above.
-  unsigned index = 0;
-  while (index < kFinestStep && StepSize(index) > 2.0F * targetRms) ++index;
-  bool tooLarge = false;
-  for (;;) {
-    const ShapeEncoding result = EncodeAtStep(quantised, rest, vertices, index, out);
-    if (out.size() - begin > maxBytes) {
-      tooLarge = true;
-      out.resize(begin);
-      if (index == 0) return {};
-      --index;
-    } else if (result.rmsError > targetRms && !tooLarge && index < kFinestStep) {
-      out.resize(begin);
-      ++index;
-    } else {
-      return result;
-    }
-  }
+DecodeResult DecodePose(std::span<const std::uint8_t> payload, float size, QuantisedPose& pose) {
+  RangeDecoder decoder(payload);
+  ShapeHead head;
+  const DecodeResult result = ReadHead(decoder, size, head);
+  pose = head.pose;
+  return result;
 }
 
-DecodeResult DecodeShape(std::span<const std::uint8_t> payload, std::span<const Vector3> rest, Pose& pose,
-                         std::span<Vector3> shape) {
-  assert(rest.size() == shape.size());
-  BitReader reader(payload);
-  QuantisedPose quantised;
-  if (!ReadPose(reader, quantised)) return reader.Overran() ? DecodeResult::kTruncated : DecodeResult::kBadPose;
-  const unsigned index = reader.Read(kStepBits);
-  if (reader.Overran()) return DecodeResult::kTruncated;
-  if (index > kFinestStep) return DecodeResult::kBadStep;
-  const float step = StepSize(index);
-  RiceState state;
-  for (std::size_t i = 0; i < rest.size(); ++i) {
-    std::int32_t x = 0, y = 0, z = 0;
-    if (!ReadResidual(reader, state, x) || !ReadResidual(reader, state, y) || !ReadResidual(reader, state, z)) {
-      return DecodeResult::kBadResidual;
+DecodeResult ShapeDecoder::Decode(const PatchModel& model, std::span<const std::uint8_t> payload, Pose& pose,
+                                  std::span<Vector3> shape) {
+  const std::size_t count = model.rest.size();
+  assert(shape.size() == count && (model.basis == nullptr || model.basis->vertices == count));
+  RangeDecoder decoder(payload);
+  ShapeHead head;
+  const DecodeResult headResult = ReadHead(decoder, model.size, head);
+  if (headResult != DecodeResult::kOk) return headResult;
+  const Basis* basis = head.mode.usesBasis ? model.basis : nullptr;
+  if (head.mode.usesBasis && basis == nullptr) return DecodeResult::kBadMode;
+
+  const int stepLevel = FindStepLevel(head.pose.grid.grid, head.stepIndex);
+  Contexts contexts;
+  m_coefficients.resize(3 * count);
+  for (std::size_t k = 0; k < 3 * count; ++k) {
+    if (!ReadCoefficient(decoder, contexts, FindLevel(basis, k, stepLevel), m_coefficients[k])) {
+      return DecodeResult::kBadCoefficient;
     }
-    if (reader.Overran()) return DecodeResult::kTruncated;
-    shape[i] = Reconstruct(rest[i], x, y, z, step);
+    if (decoder.Overran()) return DecodeResult::kTruncated;
   }
-  if (!reader.AtEnd()) return DecodeResult::kTrailingBytes;
-  pose = Dequantise(quantised);
+  if (decoder.LeftBytes()) return DecodeResult::kTrailingBytes;
+
+  pose = Dequantise(head.pose);
+  m_sides.clear();
+  if (head.mode.followsContact || head.mode.pressesOut) {
+    FindSides(model.obstacles, pose, FindReach(model.rest), m_sides);
+  }
+  const float step = FindStep(stepLevel);
+  if (basis == nullptr) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::int32_t* c = m_coefficients.data() + 3 * i;
+      shape[i] =
+          model.rest[i] + Vector3{static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])} * step;
+    }
+  } else {
+    const bool follows = head.mode.followsContact && FindContact(model, m_sides, m_contact);
+    const float scale = FindContactScale(model.size, step);
+    m_sums.assign(3 * count, 0);
+    for (std::size_t k = 0; k < 3 * count; ++k) {
+      std::uint32_t value = static_cast<std::uint32_t>(m_coefficients[k]) * 16;
+      if (follows) value += static_cast<std::uint32_t>(FindSuggestion(m_contact.along[k], basis->gains[k], scale));
+      if (value == 0) continue;
+      if (basis->isScalar) {
+        AddMode(basis->Column(k / 3), value, m_sums.data() + k % 3 * count);
+      } else {
+        AddMode(basis->Column(k), value, m_sums.data());
+      }
+    }
+    const float unit = std::ldexp(step, -18);  // 2^-4 of a step times 2^-14 of a column
+    const std::size_t apart = basis->isScalar ? count : 1, stride = basis->isScalar ? 1 : 3;
+    const auto read = [&](std::size_t at) { return static_cast<float>(static_cast<std::int32_t>(m_sums[at])); };
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t at = i * stride;
+      shape[i] = model.rest[i] + Vector3{read(at), read(at + apart), read(at + 2 * apart)} * unit;
+    }
+  }
+  if (head.mode.pressesOut) static_cast<void>(PressOut(m_sides, shape));
   return DecodeResult::kOk;
 }
 
@@ -186,12 +119,14 @@ const char* Name(DecodeResult result) {
       return "ok";
     case DecodeResult::kTruncated:
       return "truncated";
+    case DecodeResult::kBadMode:
+      return "bad mode";
     case DecodeResult::kBadPose:
       return "bad pose";
     case DecodeResult::kBadStep:
       return "bad step";
-    case DecodeResult::kBadResidual:
-      return "bad residual";
+    case DecodeResult::kBadCoefficient:
+      return "bad coefficient";
     case DecodeResult::kTrailingBytes:
       return "trailing bytes";
   }

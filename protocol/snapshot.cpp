@@ -12,6 +12,8 @@ namespace {
 constexpr std::uint8_t kKind = 0x57;  // 'W'
 constexpr float kTimeRatioScale = 65535.0F;
 constexpr unsigned kPatchBits = 3;
+// Blueprints from this number on take a byte more; so do a patch and a generation that are not both 0.
+constexpr std::uint8_t kLongBlueprint = 127;
 static_assert(kMaxBodyVertices <= kMaxPatchVertices << kPatchBits && kGenerations <= 1U << (8 - kPatchBits));
 
 void PutLittleEndian(std::uint8_t* at, std::uint32_t value, int bytes) {
@@ -31,9 +33,14 @@ void AppendRecord(const RecordHead& head, std::span<const std::uint8_t> payload,
   assert(!payload.empty() && payload.size() <= kMaxRecordPayload);
   BitWriter writer(out);
   writer.WriteVarint(head.body);
-  writer.Write(head.blueprint, 8);
-  writer.Write(head.patch, kPatchBits);
-  writer.Write(head.generation, 8 - kPatchBits);
+  const bool isPlain = head.patch == 0 && head.generation == 0;
+  writer.Write(std::min<std::uint32_t>(head.blueprint, kLongBlueprint), 7);
+  writer.Write(isPlain ? 0 : 1, 1);
+  if (head.blueprint >= kLongBlueprint) writer.Write(head.blueprint, 8);
+  if (!isPlain) {
+    writer.Write(head.patch, kPatchBits);
+    writer.Write(head.generation, 8 - kPatchBits);
+  }
   writer.WriteVarint(static_cast<std::uint32_t>(payload.size()));
   out.insert(out.end(), payload.begin(), payload.end());
 }
@@ -79,12 +86,19 @@ SnapshotResult ReadSnapshot(std::span<const std::uint8_t> packet, SnapshotHead& 
     BitReader reader(rest);
     Record record;
     record.head.body = reader.ReadVarint();
-    record.head.blueprint = static_cast<std::uint8_t>(reader.Read(8));
-    record.head.patch = static_cast<std::uint8_t>(reader.Read(kPatchBits));
-    record.head.generation = static_cast<std::uint8_t>(reader.Read(8 - kPatchBits));
+    const std::uint32_t shortBlueprint = reader.Read(7);
+    const bool isPlain = reader.Read(1) == 0;
+    const bool isLong = shortBlueprint == kLongBlueprint;
+    record.head.blueprint = static_cast<std::uint8_t>(isLong ? reader.Read(8) : shortBlueprint);
+    if (!isPlain) {
+      record.head.patch = static_cast<std::uint8_t>(reader.Read(kPatchBits));
+      record.head.generation = static_cast<std::uint8_t>(reader.Read(8 - kPatchBits));
+    }
+    const bool isShortest = (!isLong || record.head.blueprint >= kLongBlueprint) &&
+                            (isPlain || record.head.patch != 0 || record.head.generation != 0);
     const std::uint32_t length = reader.ReadVarint();
     if (reader.Overran()) return SnapshotResult::kTruncated;
-    if (record.head.body == 0 || length == 0) return SnapshotResult::kBadRecord;
+    if (record.head.body == 0 || length == 0 || !isShortest) return SnapshotResult::kBadRecord;
     if (length > rest.size() - reader.ByteOffset()) return SnapshotResult::kTruncated;
     record.payload = rest.subspan(reader.ByteOffset(), length);
     rest = rest.subspan(reader.ByteOffset() + length);

@@ -36,12 +36,12 @@ enum class SnapshotResult : std::uint8_t {
   kOk,
   kTruncated,  // ends inside the head or a record
   kBadHead,    // not a snapshot of this version, or a field out of range
-  kBadRecord,  // a record without a body or a payload
+  kBadRecord,  // a record without a body or a payload, or not in its shortest form
 };
 [[nodiscard]] const char* Name(SnapshotResult result);
 
 // The most that one record's payload may take, bytes, so that a packet always holds at least one.
-inline constexpr std::size_t kMaxRecordPayload = kMaxPacketBytes - kSnapshotHeadBytes - 9;
+inline constexpr std::size_t kMaxRecordPayload = kMaxPacketBytes - kSnapshotHeadBytes - 10;
 
 // Appends a whole record: head, payload length, payload.
 void AppendRecord(const RecordHead& head, std::span<const std::uint8_t> payload, std::vector<std::uint8_t>& out);

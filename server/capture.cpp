@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "protocol/snapshot.h"
+
 namespace wobble::server {
 namespace {
 
@@ -87,13 +89,18 @@ std::vector<std::array<std::uint16_t, 2>> FindEdges(const physics::Blueprint& bl
 
 }  // namespace
 
-CapturedBlueprint CaptureBlueprint(const physics::Blueprint& blueprint) {
+CapturedBlueprint CaptureBlueprint(const physics::Blueprint& blueprint,
+                                   std::span<const std::vector<std::uint8_t>> bases) {
   CapturedBlueprint captured;
   std::vector<std::array<std::uint16_t, 2>> edges;
   if (blueprint.full.faces.empty()) edges = FindEdges(blueprint);
   for (const physics::Vector3d& x : blueprint.rest) captured.rest.push_back(ToWire(x));
   captured.size = static_cast<float>(blueprint.size);
-  captured.message = protocol::MakeBlueprint(blueprint.name, captured.rest, blueprint.full.faces, captured.size, edges);
+  captured.message =
+      protocol::MakeBlueprint(blueprint.name, captured.rest, blueprint.full.faces, captured.size, edges, bases);
+  for (std::size_t patch = 0; patch < bases.size(); ++patch) {
+    captured.bases.push_back(protocol::ReadBasis(bases[patch], protocol::PatchSize(captured.rest.size(), patch)));
+  }
   captured.hash = protocol::HashBytes(captured.message);
   return captured;
 }

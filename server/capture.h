@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "protocol/basis.h"
 #include "protocol/geometry.h"
 #include "protocol/messages.h"
 #include "server/physics/world.h"
@@ -24,9 +26,10 @@ struct CapturedBody {
 struct CapturedBlueprint {
   std::vector<protocol::Vector3> rest;
   float size = 0;
-  protocol::Message message;    // serialised, to be sent in chunks
-  std::uint64_t hash = 0;       // of the message
-  std::uint64_t revision = 0;   // of its slot in the world
+  protocol::Message message;                                  // serialised, to be sent in chunks
+  std::vector<std::shared_ptr<const protocol::Basis>> bases;  // one a patch, or none
+  std::uint64_t hash = 0;                                     // of the message
+  std::uint64_t revision = 0;                                 // of its slot in the world
   std::uint8_t generation = 0;  // under its number on the wire, below protocol::kGenerations
 };
 
@@ -36,7 +39,9 @@ struct CapturedGround {
   std::vector<std::uint16_t> heights;  // row by row
 };
 
-[[nodiscard]] CapturedBlueprint CaptureBlueprint(const physics::Blueprint& blueprint);
+// bases: as TrainBases makes them.
+[[nodiscard]] CapturedBlueprint CaptureBlueprint(const physics::Blueprint& blueprint,
+                                                 std::span<const std::vector<std::uint8_t>> bases = {});
 // All but height fields, and these.
 [[nodiscard]] std::vector<protocol::wire::Obstacle> CaptureObstacles(std::span<const physics::Obstacle> obstacles);
 [[nodiscard]] std::vector<CapturedGround> CaptureGrounds(std::span<const physics::Obstacle> obstacles);

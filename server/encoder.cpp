@@ -18,9 +18,10 @@ void Encoder::EncodeBody(const CapturedBody& body, const CapturedBlueprint& blue
   for (std::uint8_t patch = 0; first < vertices.size(); ++patch) {
     const std::size_t count = protocol::PatchSize(vertices.size(), patch);
     m_payload.clear();
-    const protocol::ShapeEncoding encoding =
-        protocol::EncodeShape(body.pose, rest.subspan(first, count), vertices.subspan(first, count), target,
-                              protocol::kMaxRecordPayload, m_payload);
+    const protocol::PatchModel model{rest.subspan(first, count), blueprint.size,
+                                     blueprint.bases.empty() ? nullptr : blueprint.bases[patch].get(), m_obstacles};
+    const protocol::ShapeEncoding encoding = m_shapes.Encode(model, body.pose, vertices.subspan(first, count), target,
+                                                             protocol::kMaxRecordPayload, m_payload);
     first += count;
     if (!encoding.fits || encoding.rmsError > target) ++m_coarsened;
     if (!encoding.fits) continue;  // spread over hundreds of metres: left out until it is reset

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "protocol/geometry.h"
+#include "protocol/shape_codec.h"
 #include "server/capture.h"
 
 namespace wobble::server {
@@ -18,6 +19,8 @@ inline constexpr float kSnapshotErrorShare = 0.0025F;
 
 class Encoder {
  public:
+  // obstacles: of the welcome.
+  explicit Encoder(std::vector<protocol::wire::Obstacle> obstacles = {}) : m_obstacles(std::move(obstacles)) {}
   // Forgets bodies that are not among these, the world's by ascending id.
   void Follow(std::span<const ShownBody> bodies);
   // Of the body at `index` of those. Encodes it unless this capture has been; valid until it is encoded again.
@@ -40,6 +43,8 @@ class Encoder {
   };
   void EncodeBody(const CapturedBody& body, const CapturedBlueprint& blueprint, EncodedBody& encoded);
 
+  std::vector<protocol::wire::Obstacle> m_obstacles;
+  protocol::ShapeEncoder m_shapes;
   std::vector<EncodedBody> m_bodies;
   std::vector<std::size_t> m_ends;      // scratch: of each record in the bytes
   std::vector<std::uint8_t> m_payload;  // scratch

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "protocol/transport/enet_transport.h"
+#include "server/basis_shelf.h"
 #include "server/scenes/loader.h"
 #include "server/server.h"
 #include "server/summary.h"
@@ -39,6 +40,7 @@ struct Options {
   double statusEvery = 0;
   std::string logLevel = "info";
   std::string summaryFile;
+  std::string cacheFolder;
   bool listScenes = false;
   std::vector<std::string> errors;  // a line for every number that cannot be used
 };
@@ -99,6 +101,8 @@ void DescribeOptions(CLI::App& app, Options& options) {
   app.add_option("--log-level", options.logLevel, "debug, info, warn, error or off")->capture_default_str();
   addNumber("--status", kDurationRange, options.statusEvery, "Seconds between status lines on stdout; 0: none");
   app.add_option("--summary", options.summaryFile, "File to write a summary of the run to, as JSON");
+  app.add_option("--cache", options.cacheFolder,
+                 "Folder that keeps trained bases of shapes from one start to the next");
   app.add_flag("--list-scenes", options.listScenes, "Names of shipped scenes");
   app.footer(
       "Examples:\n"
@@ -212,7 +216,8 @@ int RunServer(const Options& options) {
     return kBadUsage;
   }
 
-  server::Server server(options.config, std::move(loaded.scene), std::move(transport), ReadClock());
+  std::vector<server::Bases> bases = server::LoadBases(loaded.scene, options.cacheFolder, options.config.threads);
+  server::Server server(options.config, std::move(loaded.scene), std::move(transport), ReadClock(), std::move(bases));
   server::TickTimes times(1.0 / options.config.tickHz);
   fmt::print("listening on UDP port {}, scene {}\n", options.config.port, options.scene);
   std::fflush(stdout);

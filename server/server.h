@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "protocol/transport/transport.h"
+#include "server/basis_training.h"
 #include "server/capture.h"
 #include "server/config.h"
 #include "server/encoder.h"
@@ -42,7 +43,9 @@ struct Counts {
 class Server {
  public:
   // config and scene are valid. `now`, here and below: seconds, never backwards; the first tick is due at once.
-  Server(const Config& config, scenes::Scene scene, std::unique_ptr<transport::Transport> transport, double now);
+  // bases: of the scene's blueprints, in their order; without them shapes take three times the bits.
+  Server(const Config& config, scenes::Scene scene, std::unique_ptr<transport::Transport> transport, double now,
+         std::vector<Bases> bases = {});
 
   // Takes in messages and every tick that is due; returns how many that were. None while the world waits for somebody
   // to connect (Config::pauseAfter): then it goes on in the same call.
@@ -82,6 +85,7 @@ class Server {
   void Respawn(physics::BodyId body, const physics::Vector3d& place);
   // Blueprints that the world has changed or added since the last call, to everybody who plays.
   void PublishBlueprints();
+  [[nodiscard]] const Bases& FindBases(std::size_t slot) const;
   void SendWelcome(Session& session);
   void Broadcast(const protocol::Message& message);
   [[nodiscard]] bool IsSnapshotDue() const;  // never while nobody plays
@@ -92,6 +96,7 @@ class Server {
   physics::World m_world;
   std::vector<scenes::PlacedBody> m_sceneBodies;
   std::vector<CapturedGround> m_grounds;
+  std::vector<Bases> m_bases;                   // of the scene's blueprints
   std::vector<CapturedBlueprint> m_blueprints;  // by slot
   std::uint64_t m_publishedRevision = 0;
   std::map<transport::ConnectionId, Session> m_sessions;

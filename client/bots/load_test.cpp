@@ -31,8 +31,8 @@ constexpr double kBotHz = 60;
 // A prime, so that the bots that decode, often every 32nd, do not all come in one of them.
 constexpr unsigned kParts = 5;
 constexpr double kRoundHz = kBotHz * kParts;
-// Longer than a client takes to give up on the answer to its goodbye, seconds.
-constexpr double kGoodbyePatience = 1.5;
+// Longer than any client takes to give up on the answer to its goodbye, seconds.
+constexpr double kGoodbyePatience = client::kLongestLeave + 0.5;
 
 void SleepUntil(double time) {
   const double seconds = time - tool::ReadClock();

@@ -133,7 +133,8 @@ void Runner::RunScript(Bot& bot, double now) {
     bot.scriptFailed = true;
     // One script, so mostly one error in all bots; what differs is said, as far as it can be of interest.
     if (m_scriptErrors.size() < kFailuresLogged && m_scriptErrors.insert(error).second) {
-      m_log("bot " + std::to_string(bot.number) + " stands still: " + error);
+      const char* last = m_scriptErrors.size() == kFailuresLogged ? " (other errors are only counted)" : "";
+      m_log("bot " + std::to_string(bot.number) + " stands still: " + error + last);
     }
   }
   if (!wish.play) return player.Leave(now);

@@ -48,7 +48,7 @@ CLI::App* AddWords(CLI::App& app, Words& words) {
       "  jitter=20ms         added to the delay, from 0 to this, by chance\n"
       "  duplicate=1%        share that arrives twice\n"
       "  reorder=2%          share held back by 50 ms, beside what jitter reorders\n"
-      "  rate=512kbit        with headers; what does not fit a queue of 250 ms is dropped\n"
+      "  rate=512kbit        each player's, with headers; what does not fit a queue of 250 ms is dropped\n"
       "  blackout=250ms/15s  nothing passes for 250 ms of every 15 s, and nothing is kept for later\n"
       "up.loss=5% is for what players send alone, down.rate=1mbit for what the server sends.\n"
       "Which datagrams suffer follows from the seed, the player's number and the datagram's own.\n"

@@ -17,6 +17,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "client/play/child.h"
@@ -232,9 +233,11 @@ void Play::Forward(Child& child, const char* name) {
     line.erase(0, line.find_first_not_of(' '));
     (&child == &m_server ? m_serverLine : m_botsLine) = std::move(line);
   }
+  const std::string_view program = &child == &m_server ? "wobbled: " : "wobble bots: ";
   for (const std::string& line : child.TakeErrors()) {
     EndStatusLine();
-    std::fprintf(stderr, "%s: %s\n", name, line.c_str());
+    const std::size_t begin = line.rfind(program, 0) == 0 ? program.size() : 0;
+    std::fprintf(stderr, "%s: %s\n", name, line.c_str() + begin);
   }
 }
 

@@ -43,12 +43,16 @@ Vector3 FindMiddle(std::span<const Vector3> points) {
   return sum * (1 / static_cast<float>(std::max<std::size_t>(points.size(), 1)));
 }
 
-// From which all of them are in sight, more or less; metres.
+// From which all of them are in sight, but for one that is far from all others; metres.
 float FindDistance(std::span<const Vector3> points, Vector3 middle) {
-  float squares = 0;
-  for (const Vector3& point : points) squares += Dot(point - middle, point - middle);
+  float squares = 0, farthest = 0;
+  for (const Vector3& point : points) {
+    const float square = Dot(point - middle, point - middle);
+    squares += square;
+    farthest = std::max(farthest, square);
+  }
   const float spread = std::sqrt(squares / static_cast<float>(std::max<std::size_t>(points.size(), 1)));
-  return std::clamp(1.8F * spread, 7.0F, 60.0F);
+  return std::clamp(1.8F * std::min(std::sqrt(farthest), 2 * spread), 7.0F, 60.0F);
 }
 
 }  // namespace

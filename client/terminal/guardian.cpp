@@ -65,7 +65,7 @@ const sigset_t kGuarded = MakeSet({SIGTERM, SIGINT, SIGHUP, SIGCHLD, SIGTSTP, SI
   sigprocmask(SIG_SETMASK, &mask, nullptr);
   Guard guard(terminal, guardian);
   const int code = guard.IsAlone() ? tool::kExitFailed : draw(guard);
-  if (guard.IsAlone() && !guard.IsPaused()) terminal.Leave();
+  guard.LeaveIfAlone();
   std::fflush(nullptr);
   _exit(code);
 }
@@ -178,6 +178,13 @@ bool Guard::Update() {
 }
 
 bool Guard::IsAlone() const { return getppid() != m_guardian; }
+
+// The shell has seen the guardian die and goes on at the same time.
+void Guard::LeaveIfAlone() {
+  if (m_paused || !IsAlone()) return;
+  m_terminal.LeaveToOthers();
+  m_paused = true;  // nothing is drawn any more
+}
 
 int RunGuarded(Terminal& terminal, const std::function<int(Guard&)>& draw) {
   int errors[2];

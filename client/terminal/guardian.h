@@ -17,8 +17,9 @@ class Guard {
   // Looks for signals that have come. Returns true when the terminal has to be drawn anew in full.
   [[nodiscard]] bool Update();
   [[nodiscard]] bool IsPaused() const { return m_paused; }
-  // The guardian has died: the drawing process must put the terminal back itself.
+  // The guardian has died: the drawing process must put the terminal back itself, before anything that takes time.
   [[nodiscard]] bool IsAlone() const;
+  void LeaveIfAlone();
 
  private:
   Terminal& m_terminal;

@@ -32,8 +32,10 @@ void WriteStatus(CellGrid& grid, const std::string& text, const std::string& hin
   const int row = grid.rows - 1;
   for (int column = 0; column < grid.columns; ++column) grid.At(column, row) = {U' ', kInk, kPaper};
   grid.Write(1, row, text, kInk, kPaper);
-  const int left = grid.columns - 1 - static_cast<int>(hint.size());
-  if (left > static_cast<int>(text.size()) + 2) grid.Write(left, row, hint, kFaintInk, kPaper);
+  for (const std::string& words : {hint, hint.substr(0, 1)}) {
+    const int left = grid.columns - 1 - static_cast<int>(words.size());
+    if (left > static_cast<int>(text.size()) + 2) return grid.Write(left, row, words, kFaintInk, kPaper);
+  }
 }
 
 void WriteBox(CellGrid& grid, const std::vector<std::string>& lines) {

@@ -27,7 +27,7 @@ struct StatusFigures {
 // Instead of it, when nothing came for so long.
 [[nodiscard]] std::string FormatSilence(double seconds);
 
-// In the last row; the hint at its right end if there is room.
+// In the last row; the hint at its right end, or the key alone that it begins with, if there is room.
 void WriteStatus(CellGrid& grid, const std::string& text, const std::string& hint);
 // In a box in the middle.
 void WriteBox(CellGrid& grid, const std::vector<std::string>& lines);

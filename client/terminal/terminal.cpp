@@ -75,16 +75,18 @@ std::unique_ptr<Terminal> Terminal::Open(std::string& error) {
   return std::unique_ptr<Terminal>(new Terminal(descriptor, found));
 }
 
+Terminal::Terminal(int descriptor, const termios& found) : m_descriptor(descriptor), m_found(found), m_raw(found) {
+  m_raw.c_iflag &= ~static_cast<tcflag_t>(BRKINT | ICRNL | INLCR | IGNCR | INPCK | ISTRIP | IXON);
+  m_raw.c_lflag &= ~static_cast<tcflag_t>(ECHO | ECHONL | ICANON | IEXTEN | ISIG);
+  m_raw.c_cc[VMIN] = 1;
+  m_raw.c_cc[VTIME] = 0;
+}
+
 Terminal::~Terminal() { close(m_descriptor); }
 
 void Terminal::Enter() {
   const BackgroundAllowed allowed;
-  termios raw = m_found;
-  raw.c_iflag &= ~static_cast<tcflag_t>(BRKINT | ICRNL | INLCR | IGNCR | INPCK | ISTRIP | IXON);
-  raw.c_lflag &= ~static_cast<tcflag_t>(ECHO | ECHONL | ICANON | IEXTEN | ISIG);
-  raw.c_cc[VMIN] = 1;
-  raw.c_cc[VTIME] = 0;
-  tcsetattr(m_descriptor, TCSANOW, &raw);
+  tcsetattr(m_descriptor, TCSANOW, &m_raw);
   // Entered again, the alternate screen would take its own cursor for that of the shell. The keyboard's modes are a
   // stack: what an earlier Enter has put there is taken off first.
   WriteAll(std::string(m_entered ? "" : kEnterScreen) + std::string(kStopReleases) + std::string(kAskForReleases) +
@@ -97,6 +99,16 @@ void Terminal::Leave() {
   WriteAll(std::string(kResetScreen) + std::string(kStopReleases) + std::string(kLeaveScreen));
   tcflush(m_descriptor, TCIFLUSH);  // keys meant for us, not for the shell
   tcsetattr(m_descriptor, TCSANOW, &m_found);
+  m_entered = false;
+}
+
+void Terminal::LeaveToOthers() {
+  termios now{};
+  const bool isOurs =
+      tcgetattr(m_descriptor, &now) == 0 && now.c_iflag == m_raw.c_iflag && now.c_lflag == m_raw.c_lflag;
+  if (isOurs) return Leave();
+  const BackgroundAllowed allowed;
+  WriteAll(std::string(kResetScreen) + std::string(kStopReleases) + std::string(kLeaveScreen));
   m_entered = false;
 }
 

@@ -29,6 +29,8 @@ class Terminal {
   // repeated.
   void Enter();
   void Leave();
+  // As Leave, but settings that somebody else has made since, and keys meant for him, are left alone.
+  void LeaveToOthers();
 
   // 80 × 24 where it is not known.
   [[nodiscard]] Size ReadSize() const;
@@ -42,12 +44,13 @@ class Terminal {
   [[nodiscard]] int Descriptor() const { return m_descriptor; }
 
  private:
-  Terminal(int descriptor, const termios& found) : m_descriptor(descriptor), m_found(found) {}
+  Terminal(int descriptor, const termios& found);
   void WriteAll(std::string bytes);
 
   int m_descriptor;
   bool m_entered = false;
   termios m_found;
+  termios m_raw;
 };
 
 }  // namespace wobble::terminal

@@ -37,7 +37,7 @@ constexpr double kUpdateHz = 60;
 constexpr Size kLeastSize{24, 6};
 // Bytes of one picture after which the rest waits for the next.
 constexpr std::size_t kMaxFrameBytes = 64 * 1024;
-constexpr double kGoodbyePatience = 1.5;  // s; a client takes a second at most
+constexpr double kGoodbyePatience = 1.5;  // s; whoever leaves waits no longer, be the link ever so bad
 constexpr double kRateEvery = 1;          // s over which the rate is measured
 constexpr double kSilence = 1.5;          // s without a snapshot that are worth a word
 constexpr double kFigureSmoothing = 0.1;
@@ -109,6 +109,7 @@ class Watch {
 int Watch::Run() {
   if (!Connect()) return tool::kExitBadUse;
   Play();
+  m_guard.LeaveIfAlone();
   SayGoodbye();
   return Conclude();
 }

@@ -90,23 +90,27 @@ void UpdateAnchor(const ContactParameters<Real>& parameters, const Surface<Real>
       wasTouching ? DragAnchor<Real>(parameters, friction, -point.distance, point.normal, x, contact.anchor) : x;
 }
 
-// Vertices that may come within `reach` (m) of the surface by where they are: of a plane by its distance, of anything
-// else all. Calls visit(vertex), ascending.
+// Vertices that may come within `reach` (m) of the surface by where they are and how fast they go to it in `duration`
+// (s), at least `shaken` (m/s): of a plane by its distance, of anything else all. Calls visit(vertex), ascending.
 template <class Real, class Visit>
-void VisitNear(const Surface<Real>& surface, Real reach, std::span<const Vector3<Real>> x, const Visit& visit) {
+void VisitNear(const Surface<Real>& surface, Real reach, Real shaken, Real duration, std::span<const Vector3<Real>> x,
+               std::span<const Vector3<Real>> v, const Visit& visit) {
   if (surface.kind != Obstacle::Kind::kPlane) {
     for (std::uint32_t i = 0; i < x.size(); ++i) visit(i);
     return;
   }
   const Real limit = reach + surface.offset;
+  const auto findHeight = [&surface](const Real* numbers) {
+    return surface.normal[0] * numbers[0] + surface.normal[1] * numbers[1] + surface.normal[2] * numbers[2];
+  };
   constexpr std::size_t kBlock = 32;
   for (std::size_t begin = 0; begin < x.size(); begin += kBlock) {
     std::array<Real, kBlock> heights;
     const std::size_t count = std::min(kBlock, x.size() - begin);
-    const Real* numbers = x[begin].data();
+    const Real* places = x[begin].data();
+    const Real* speeds = v[begin].data();
     for (std::size_t i = 0; i < count; ++i) {
-      heights[i] = surface.normal[0] * numbers[3 * i] + surface.normal[1] * numbers[3 * i + 1] +
-                   surface.normal[2] * numbers[3 * i + 2];
+      heights[i] = findHeight(places + 3 * i) - duration * std::max(shaken, -findHeight(speeds + 3 * i));
     }
     for (std::size_t i = 0; i < count; ++i) {
       if (!(heights[i] > limit)) visit(static_cast<std::uint32_t>(begin + i));
@@ -208,8 +212,8 @@ Real ComputeNormalForce(const ContactParameters<Real>& parameters, Real depth, R
 }
 
 template <class Real>
-SurfacePoint<Real> FindContactPoint(const Surface<Real>& surface, const Contact<Real>& contact,
-                                    const Vector3<Real>& x) {
+SurfacePoint<Real> FindOtherContactPoint(const Surface<Real>& surface, const Contact<Real>& contact,
+                                         const Vector3<Real>& x) {
   const SurfacePoint<Real> point = FindSurfacePoint(surface, x);
   if (contact.buried) return {static_cast<Real>(kBeyond), point.normal};
   if (surface.kind != Obstacle::Kind::kBox || !(point.normal.dot(contact.side) < Real(0))) return point;
@@ -235,7 +239,7 @@ void FindContacts(std::span<const Surface<Real>> surfaces, Real range, const Sur
   const Vector3<Real> middle = bounds.low + half;
   const Real margin = range + static_cast<Real>(kMargin);
   const Real reach = std::sqrt(half.dot(half)) + bounds.speed * duration + margin;
-  const Vector3<Real> mean = survey.velocity.template cast<Real>();
+  const Vector3<Real> mean = survey.bulk.velocity.template cast<Real>();
   auto kept = contacts.begin();
   for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
     // Nothing is nearer than this, so one look at the middle clears a whole body that is far off.
@@ -243,8 +247,8 @@ void FindContacts(std::span<const Surface<Real>> surfaces, Real range, const Sur
     // Rounding may take no vertex from the list.
     const Real shakenMost =
         std::max(Real(0), FindApproach<Real>(surfaces[s], {0, surfaces[s].normal}, mean)) + survey.agitation;
-    const Real fastest = Real(1.001) * std::max(survey.bounds.speed, shakenMost);
-    VisitNear<Real>(surfaces[s], Real(1.001) * margin + fastest * duration, x, [&](std::uint32_t i) {
+    const Real longer = Real(1.001) * duration;
+    VisitNear<Real>(surfaces[s], Real(1.001) * margin, shakenMost, longer, x, v, [&](std::uint32_t i) {
       while (kept != contacts.end() && ComesBefore(kept->surface, kept->vertex, s, i)) ++kept;
       const bool known = kept != contacts.end() && kept->surface == s && kept->vertex == i;
       Contact<Real> contact = known ? *kept : Contact<Real>{s, i};
@@ -348,8 +352,8 @@ double ComputeContactEnergy(const Coefficients<Real>& body, std::span<const Surf
   template Real ComputeMagneticForce<Real>(const ContactParameters<Real>&, Real);                                  \
   template Real ComputeMagneticSlope<Real>(const ContactParameters<Real>&, Real);                                  \
   template ContactRates FindRates<Real>(const ContactParameters<Real>&, double, double);                           \
-  template SurfacePoint<Real> FindContactPoint<Real>(const Surface<Real>&, const Contact<Real>&,                   \
-                                                     const Vector3<Real>&);                                        \
+  template SurfacePoint<Real> FindOtherContactPoint<Real>(const Surface<Real>&, const Contact<Real>&,              \
+                                                          const Vector3<Real>&);                                   \
   template void FindContacts<Real>(std::span<const Surface<Real>>, Real, const Survey<Real>&,                      \
                                    std::span<const Vector3<Real>>, std::span<const Vector3<Real>>, Real,           \
                                    std::vector<Contact<Real>>&, std::vector<Contact<Real>>&);                      \

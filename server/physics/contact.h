@@ -41,8 +41,14 @@ struct Contact {
 // came in through: a fast vertex is past the middle of a wall before it is stopped, and would be pushed out on the far
 // side. So where the normal has turned round since the contact was last looked at, the side that it had then counts.
 template <class Real>
-[[nodiscard]] SurfacePoint<Real> FindContactPoint(const Surface<Real>& surface, const Contact<Real>& contact,
-                                                  const Vector3<Real>& x);
+[[nodiscard]] SurfacePoint<Real> FindOtherContactPoint(const Surface<Real>& surface, const Contact<Real>& contact,
+                                                       const Vector3<Real>& x);
+template <class Real>
+[[nodiscard]] inline SurfacePoint<Real> FindContactPoint(const Surface<Real>& surface, const Contact<Real>& contact,
+                                                         const Vector3<Real>& x) {
+  if (surface.kind != Obstacle::Kind::kPlane) return FindOtherContactPoint(surface, contact, x);
+  return FindSurfacePoint(surface, x);
+}
 
 // Lists every vertex that may come within `range` (m) of a surface before `duration` (s) is over, keeping anchors of
 // `contacts`. `scratch` saves allocations.

@@ -186,6 +186,7 @@ double ComputeSpringEnergy(const Coefficients<double>& body, std::span<const Vec
 double ComputeRepulsionEnergy(const Coefficients<double>& body, std::span<const Vector3d> x,
                               std::span<const std::uint8_t> torn) {
   double energy = 0;
+  if (!(body.repulsion > 0)) return energy;
   ForWhole(std::span<const Spring<double>>(body.springs), torn, [&](const Spring<double>& spring) {
     const double length = (x[spring.a] - x[spring.b]).norm();
     const double floor = kRepulsionFloorShare * spring.restLength;

@@ -91,6 +91,7 @@ void GroupContacts<Real>::WriteConstants(std::size_t contact) {
   WriteRows(side.meeting.shift, lane, block.shift);
   block.stiffness[lane] = side.parameters.stiffness;
   block.fadeDepth[lane] = side.parameters.fadeDepth;
+  block.perFadeDepth[lane] = Real(1) / side.parameters.fadeDepth;
   block.damping[lane] = side.parameters.damping;
   block.stickStiffness[lane] = side.parameters.stickStiffness;
   block.stickDamping[lane] = side.parameters.stickDamping;

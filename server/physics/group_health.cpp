@@ -58,14 +58,14 @@ Member<Real>* FindRunaway(const Group<Real>& group, const Part& part) {
     const Blueprint& blueprint = *member.blueprint;
     const double gain =
         ComputeMotionEnergy<Real>(blueprint, member.load, member.after, group.PartOf(scratch.positions, i)) -
-        ComputeMotionEnergy<Real>(blueprint, member.load, member.survey, member.state->positions);
+        ComputeMotionEnergy<Real>(blueprint, member.load, member.survey.bulk, member.state->positions);
     gained += gain;
     if (gain > largest) {
       largest = gain;
       greatest = &member;
     }
     const double gravity = std::max(kLeastGravity, double{member.load.acceleration.norm()});
-    has += blueprint.totalMass * gravity * blueprint.reach + member.survey.kineticEnergy;
+    has += blueprint.totalMass * gravity * blueprint.reach + member.survey.bulk.kineticEnergy;
   }
   if (greatest == nullptr || gained <= kRunawayShare * has) return nullptr;
   const ElasticChange elastic = FindElasticChange(group, part);
@@ -79,8 +79,8 @@ bool FindBadMembers(const Group<Real>& group, const Part& part, bool checkEnergy
   bool anyBad = false;
   for (std::size_t i = part.memberBegin; i < part.memberEnd; ++i) {
     Member<Real>& member = *group.Members()[i];
-    member.after = MakeSurvey<Real>(member.blueprint->template Read<Real>().masses, group.PartOf(group.Positions(), i),
-                                    group.PartOf(group.Velocities(), i));
+    member.after = FindBulkMotion<Real>(member.blueprint->template Read<Real>().masses,
+                                        group.PartOf(group.Positions(), i), group.PartOf(group.Velocities(), i));
     const Health health = FindHealth(member.after, member.insideOut);
     member.health = std::max(member.health, health);
     member.lost = health != Health::kGood;
@@ -99,7 +99,7 @@ bool BlameThoseWhoBeganBad(const Group<Real>& group, const Part& part) {
   const auto beganBad = [](const Member<Real>* member) {
     const bool insideOut =
         IsInsideOut<Real>(member->blueprint->template Read<Real>(), std::span(member->state->positions));
-    return FindHealth(member->survey, insideOut) != Health::kGood;
+    return FindHealth(member->survey.bulk, insideOut) != Health::kGood;
   };
   const auto members = group.MembersOf(part);
   if (std::none_of(members.begin(), members.end(), beganBad)) return false;

@@ -12,6 +12,7 @@
 #include "server/physics/health.h"
 #include "server/physics/integrator_step.h"
 #include "server/physics/parallel.h"
+#include "server/physics/stability.h"
 #include "server/physics/state.h"
 #include "server/physics/survey.h"
 
@@ -33,11 +34,12 @@ struct Member {
   std::vector<VertexForce<Real>> pushes;  // the load's
   std::vector<Surface<Real>> surfaces;
   Survey<Real> survey;       // as the tick began; of a sleeper as it fell asleep
+  SurfaceDemands demands;    // of its listed contacts
   int substepsForError = 1;  // that its last ticks ask for
   // What the tick did:
   double error = 0;               // as it is estimated, RMS over vertices, m
   bool insideOut = false;         // at its end: no volume is left to its gas
-  Survey<Real> after;             // at its end
+  BulkMotion after;               // at its end
   double speed = 0;               // then, RMS by mass, m/s
   double acceleration = 0;        // mean through it, RMS over vertices, m/s²; of a fast body, nobody asks: infinite
   Health health = Health::kGood;  // the worst that any try found

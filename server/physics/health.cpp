@@ -4,18 +4,17 @@
 
 namespace wobble::physics {
 
-template <class Real>
-Health FindHealth(const Survey<Real>& survey, bool insideOut) {
+Health FindHealth(const BulkMotion& bulk, bool insideOut) {
   // A sum of what is finite may overflow, but not these: places and speeds that large are no better than none.
-  if (!std::isfinite(survey.kineticEnergy) || !survey.centre.allFinite()) return Health::kNonFinite;
+  if (!std::isfinite(bulk.kineticEnergy) || !bulk.centre.allFinite()) return Health::kNonFinite;
   return insideOut ? Health::kInverted : Health::kGood;
 }
 
 template <class Real>
-double ComputeMotionEnergy(const Blueprint& blueprint, const Load<Real>& load, const Survey<Real>& survey,
+double ComputeMotionEnergy(const Blueprint& blueprint, const Load<Real>& load, const BulkMotion& bulk,
                            std::span<const Vector3<Real>> x) {
   const Vector3d acceleration = load.acceleration.template cast<double>();
-  double energy = survey.kineticEnergy - blueprint.totalMass * acceleration.dot(survey.centre);
+  double energy = bulk.kineticEnergy - blueprint.totalMass * acceleration.dot(bulk.centre);
   for (const VertexForce<Real>& push : load.pushes) {
     energy -= push.force.template cast<double>().dot(x[push.vertex].template cast<double>());
   }
@@ -38,8 +37,7 @@ ElasticEnergy ComputeElasticEnergy(const Blueprint& blueprint, const Load<Real>&
 }
 
 #define WOBBLE_INSTANTIATE(Real)                                                                                    \
-  template Health FindHealth<Real>(const Survey<Real>&, bool);                                                      \
-  template double ComputeMotionEnergy<Real>(const Blueprint&, const Load<Real>&, const Survey<Real>&,               \
+  template double ComputeMotionEnergy<Real>(const Blueprint&, const Load<Real>&, const BulkMotion&,                 \
                                             std::span<const Vector3<Real>>);                                        \
   template ElasticEnergy ComputeElasticEnergy<Real>(const Blueprint&, const Load<Real>&,                            \
                                                     std::span<const Surface<Real>>, std::span<const Contact<Real>>, \

@@ -19,8 +19,7 @@ enum class Health : std::uint8_t {
 };
 
 // insideOut: whether the gas of the body is.
-template <class Real>
-[[nodiscard]] Health FindHealth(const Survey<Real>& survey, bool insideOut);
+[[nodiscard]] Health FindHealth(const BulkMotion& bulk, bool insideOut);
 
 // Energy that a group may gain beyond what was put in, as a share of what it has: honest play stays under 0.6 %,
 // whatever falls onto whatever.
@@ -29,7 +28,7 @@ inline constexpr double kRunawayShare = 0.05;
 // What can be turned into motion within a tick by forces that are constant through it: kinetic energy less the work of
 // the load, ½ Σ m v² − Σ (m a + f)·x. J.
 template <class Real>
-[[nodiscard]] double ComputeMotionEnergy(const Blueprint& blueprint, const Load<Real>& load, const Survey<Real>& survey,
+[[nodiscard]] double ComputeMotionEnergy(const Blueprint& blueprint, const Load<Real>& load, const BulkMotion& bulk,
                                          std::span<const Vector3<Real>> x);
 
 struct ElasticEnergy {

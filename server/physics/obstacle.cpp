@@ -129,7 +129,7 @@ Surface<Real> MakeSurface(const Obstacle& obstacle, const Vector3d& origin) {
 }
 
 template <class Real>
-SurfacePoint<Real> FindSurfacePoint(const Surface<Real>& surface, const Vector3<Real>& x) {
+SurfacePoint<Real> FindOtherSurfacePoint(const Surface<Real>& surface, const Vector3<Real>& x) {
   using Kind = Obstacle::Kind;
   switch (surface.kind) {
     case Kind::kPlane:
@@ -152,17 +152,16 @@ Real FindClearance(const Surface<Real>& surface, const Vector3<Real>& x) {
 }
 
 template <class Real>
-Real FindApproach(const Surface<Real>& surface, const SurfacePoint<Real>& point, const Vector3<Real>& v) {
-  if (surface.kind != Obstacle::Kind::kHeightField) return -point.normal.dot(v);
+Real FindApproachToGround(const Surface<Real>& surface, const Vector3<Real>& v) {
   // The height above ground, which the distance is at most.
   return static_cast<Real>(surface.field->steepest) * std::sqrt(v.x() * v.x() + v.y() * v.y()) - v.z();
 }
 
-#define WOBBLE_INSTANTIATE(Real)                                                                  \
-  template Surface<Real> MakeSurface<Real>(const Obstacle&, const Vector3d&);                     \
-  template SurfacePoint<Real> FindSurfacePoint<Real>(const Surface<Real>&, const Vector3<Real>&); \
-  template Real FindClearance<Real>(const Surface<Real>&, const Vector3<Real>&);                  \
-  template Real FindApproach<Real>(const Surface<Real>&, const SurfacePoint<Real>&, const Vector3<Real>&);
+#define WOBBLE_INSTANTIATE(Real)                                                                       \
+  template Surface<Real> MakeSurface<Real>(const Obstacle&, const Vector3d&);                          \
+  template SurfacePoint<Real> FindOtherSurfacePoint<Real>(const Surface<Real>&, const Vector3<Real>&); \
+  template Real FindClearance<Real>(const Surface<Real>&, const Vector3<Real>&);                       \
+  template Real FindApproachToGround<Real>(const Surface<Real>&, const Vector3<Real>&);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)
 #undef WOBBLE_INSTANTIATE

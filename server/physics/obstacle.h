@@ -62,16 +62,28 @@ struct SurfacePoint {
 // ground whose radius of curvature is r it is off by d²/r or so, and further away it says little. Beyond the field's
 // rectangle, which has no walls, it is kBeyond.
 template <class Real>
-[[nodiscard]] SurfacePoint<Real> FindSurfacePoint(const Surface<Real>& surface, const Vector3<Real>& x);
+[[nodiscard]] SurfacePoint<Real> FindOtherSurfacePoint(const Surface<Real>& surface, const Vector3<Real>& x);
+template <class Real>
+[[nodiscard]] inline SurfacePoint<Real> FindSurfacePoint(const Surface<Real>& surface, const Vector3<Real>& x) {
+  // Nearly all contacts are with planes, of which a call would take longer than the answer.
+  if (surface.kind != Obstacle::Kind::kPlane) return FindOtherSurfacePoint(surface, x);
+  return {surface.normal.dot(x) - surface.offset, surface.normal};
+}
 inline constexpr double kBeyond = 1e6;  // m
 
 // At most as far as the way from x to any point of the surface, m; at most 0 inside.
 template <class Real>
 [[nodiscard]] Real FindClearance(const Surface<Real>& surface, const Vector3<Real>& x);
 
+template <class Real>
+[[nodiscard]] Real FindApproachToGround(const Surface<Real>& surface, const Vector3<Real>& v);
 // How fast the distance may shrink, at most, for something that goes straight on at v from `point`, m/s. Of what is
 // convex, as fast as it does now; ground may rise in the way.
 template <class Real>
-[[nodiscard]] Real FindApproach(const Surface<Real>& surface, const SurfacePoint<Real>& point, const Vector3<Real>& v);
+[[nodiscard]] inline Real FindApproach(const Surface<Real>& surface, const SurfacePoint<Real>& point,
+                                       const Vector3<Real>& v) {
+  if (surface.kind != Obstacle::Kind::kHeightField) return -point.normal.dot(v);
+  return FindApproachToGround(surface, v);
+}
 
 }  // namespace wobble::physics

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "server/physics/lanes/vertex_rows.h"
 #include "server/physics/step_choice.h"
 
 namespace wobble::physics {
@@ -19,6 +21,42 @@ const SweepKernel<Real>& FindNarrowest(std::span<const SweepKernel<Real>> kernel
 // vertex and step of a lattice of 64 vertices: 42 by rows; in lanes 104 alone, 83 with two, 42 with four, 21 with
 // eight, 15 with sixteen.
 constexpr std::size_t kFewestInLanes = 5;
+
+// Lanes that are turned into bodies' vectors, or these into them, at once.
+template <class Real>
+inline constexpr std::size_t kLanesAtOnce = sizeof(typename RowsOf<Real>::Lanes) / sizeof(Real);
+
+// from: so many bodies' numbers, of which x y z stand from `at` on, with a number behind that is left out. To
+// [x y z][lane], lanes `width` apart.
+template <class Real>
+inline __attribute__((always_inline)) void SpreadVertex(const Real* const* from, std::size_t at, Real* to,
+                                                        std::size_t width) {
+  typename RowsOf<Real>::Lanes rows[4];
+  for (std::size_t i = 0; i < 4; ++i) rows[i] = LoadRows(from[i] + at, from[(i + 4) % kLanesAtOnce<Real>] + at);
+  Transpose(rows);
+  for (std::size_t k = 0; k < 3; ++k) StoreLanes(rows[k], to + k * width);
+}
+
+// The other way round, for the first `count` of them. Something is left behind each.
+template <class Real>
+inline __attribute__((always_inline)) void CollectVertex(const Real* from, std::size_t width, std::size_t count,
+                                                         Real* const* to, std::size_t at) {
+  const auto z = LoadLanes(from + 2 * width);
+  typename RowsOf<Real>::Lanes rows[4] = {LoadLanes(from), LoadLanes(from + width), z, z};
+  Transpose(rows);
+  // One by one, since registers have no index.
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    ((I < count ? StoreRow(FindRow(rows[I % 4], I >= 4), to[I] + at) : void()), ...);
+  }
+  (std::make_index_sequence<kLanesAtOnce<Real>>());
+}
+
+template <class Value>
+void Fetch(const std::vector<Value>& values) {
+  constexpr std::size_t kCacheLine = 64;
+  const auto* bytes = reinterpret_cast<const char*>(values.data());
+  for (std::size_t i = 0; i < values.size() * sizeof(Value); i += kCacheLine) __builtin_prefetch(bytes + i);
+}
 
 }  // namespace
 
@@ -147,20 +185,34 @@ void Pack<Real>::LoadBodies() {
   }
 }
 
-// Lane by lane would go through the whole pack once a body.
+// Vertex by vertex through all bodies, a block of lanes at a time: body by body would go through the whole pack once
+// for each. Of the last vertex there is no number behind.
 template <class Real>
 void Pack<Real>::LoadVertices() {
-  std::array<const State<Real>*, kWidestPack> states{};
-  for (std::size_t lane = 0; lane < m_width; ++lane) states[lane] = MemberIn(lane < m_whose.size() ? lane : 0).state;
+  std::array<const Real*, kWidestPack> x{};
+  std::array<const Real*, kWidestPack> v{};
+  for (std::size_t lane = 0; lane < m_width; ++lane) {
+    const State<Real>& state = *MemberIn(lane < m_whose.size() ? lane : 0).state;
+    // So many side by side are more than a processor sees coming, one behind the other it does.
+    Fetch(state.positions);
+    Fetch(state.velocities);
+    x[lane] = state.positions.data()->data();
+    v[lane] = state.velocities.data()->data();
+  }
+  const std::size_t last = m_tables.count - 1;
+  const std::size_t inBlocks = m_width - m_width % kLanesAtOnce<Real>;
   Real* to = m_lanes.state;
-  for (std::size_t place = 0; place < m_tables.count; ++place, to += 6 * m_width) {
+  for (std::size_t place = 0; place <= last; ++place, to += 6 * m_width) {
     const std::size_t vertex = m_plan.vertices[place];
-    for (std::size_t lane = 0; lane < m_width; ++lane) {
-      const Vector3<Real>& x = states[lane]->positions[vertex];
-      const Vector3<Real>& v = states[lane]->velocities[vertex];
+    const std::size_t blocks = vertex == last ? 0 : inBlocks;
+    for (std::size_t lane = 0; lane < blocks; lane += kLanesAtOnce<Real>) {
+      SpreadVertex(&x[lane], 3 * vertex, to + lane, m_width);
+      SpreadVertex(&v[lane], 3 * vertex, to + 3 * m_width + lane, m_width);
+    }
+    for (std::size_t lane = blocks; lane < m_width; ++lane) {
       for (std::size_t k = 0; k < 3; ++k) {
-        to[k * m_width + lane] = x[static_cast<int>(k)];
-        to[(k + 3) * m_width + lane] = v[static_cast<int>(k)];
+        to[k * m_width + lane] = x[lane][3 * vertex + k];
+        to[(k + 3) * m_width + lane] = v[lane][3 * vertex + k];
       }
     }
   }
@@ -211,22 +263,32 @@ void Pack<Real>::CopyRowsToGroup(int stage) const {
   }
 }
 
+// As it was filled, but in the order of vertices: what is put behind one is overwritten by the next, and the last has
+// nothing behind that is this body's.
 template <class Real>
 void Pack<Real>::CopyToGroup(int stage) const {
   if (m_byRows) return CopyRowsToGroup(stage);
-  std::array<Vector3<Real>*, kWidestPack> positions{};
-  std::array<Vector3<Real>*, kWidestPack> velocities{};
-  for (std::size_t lane = 0; lane < m_whose.size(); ++lane) {
-    positions[lane] = m_group.PartOf(m_group.Positions(), m_whose[lane]).data();
-    velocities[lane] = m_group.PartOf(m_group.Velocities(), m_whose[lane]).data();
+  std::array<Real*, kWidestPack> x{};
+  std::array<Real*, kWidestPack> v{};
+  const std::size_t bodies = m_whose.size();
+  for (std::size_t lane = 0; lane < bodies; ++lane) {
+    x[lane] = m_group.PartOf(m_group.Positions(), m_whose[lane]).data()->data();
+    v[lane] = m_group.PartOf(m_group.Velocities(), m_whose[lane]).data()->data();
   }
-  const Real* from = NumbersOf(stage);
-  for (std::size_t place = 0; place < m_tables.count; ++place, from += 6 * m_width) {
-    const std::size_t vertex = m_plan.vertices[place];
-    for (std::size_t lane = 0; lane < m_whose.size(); ++lane) {
+  const Real* const numbers = NumbersOf(stage);
+  const std::size_t last = m_tables.count - 1;
+  const std::size_t inBlocks = m_width - m_width % kLanesAtOnce<Real>;
+  for (std::size_t vertex = 0; vertex <= last; ++vertex) {
+    const Real* const from = numbers + 6 * m_plan.places[vertex] * m_width;
+    const std::size_t blocks = vertex == last ? 0 : std::min(inBlocks, bodies);
+    for (std::size_t lane = 0; lane < blocks; lane += kLanesAtOnce<Real>) {
+      CollectVertex(from + lane, m_width, bodies - lane, &x[lane], 3 * vertex);
+      CollectVertex(from + 3 * m_width + lane, m_width, bodies - lane, &v[lane], 3 * vertex);
+    }
+    for (std::size_t lane = blocks; lane < bodies; ++lane) {
       for (std::size_t k = 0; k < 3; ++k) {
-        positions[lane][vertex][static_cast<int>(k)] = from[k * m_width + lane];
-        velocities[lane][vertex][static_cast<int>(k)] = from[(k + 3) * m_width + lane];
+        x[lane][3 * vertex + k] = from[k * m_width + lane];
+        v[lane][3 * vertex + k] = from[(k + 3) * m_width + lane];
       }
     }
   }

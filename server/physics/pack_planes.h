@@ -21,7 +21,8 @@ struct PackSeat {
 
 template <class Real>
 [[nodiscard]] PenaltyLaw<Real> ReadLaw(const ContactParameters<Real>& parameters) {
-  return {parameters.stiffness, parameters.fadeDepth, parameters.damping, parameters.stickDamping};
+  return {parameters.stiffness, parameters.fadeDepth, Real(1) / parameters.fadeDepth, parameters.damping,
+          parameters.stickDamping};
 }
 
 template <class Real>

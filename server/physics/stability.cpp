@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace wobble::physics {
 namespace {
@@ -36,31 +37,6 @@ double FindNorm(const std::vector<Vector3d>& values) {
   return std::sqrt(sum);
 }
 
-// The largest over all contacts with static surfaces. A vertex in a corner touches several surfaces at once; they push
-// along different axes where obstacles are boxes, so one contact's stiffness is taken for each axis.
-//
-// agitation: a body that vibrates faster than a tick may throw any of its vertices onto a surface at this speed,
-// whatever the vertex does now. Of 600 lattices dropped into a wedge, bounded by the speed of each vertex alone, 17 ran
-// away, and none so.
-template <class Real>
-ContactRates FindContactRates(const Coefficients<Real>& body, std::span<const Surface<Real>> surfaces,
-                              const State<Real>& state, double agitation, double duration) {
-  const ContactParameters<Real>& contact = body.contact;
-  ContactRates largest;
-  for (const Contact<Real>& candidate : state.contacts) {
-    const std::uint32_t i = candidate.vertex;
-    const SurfacePoint<Real> point = FindContactPoint(surfaces[candidate.surface], candidate, state.positions[i]);
-    const double mass = double{body.masses[i]} / double{body.contactShares[i]};
-    const double approach =
-        std::max(agitation, double{FindApproach(surfaces[candidate.surface], point, state.velocities[i])});
-    const double depth = PredictDepth(-double{point.distance}, approach, duration);
-    const ContactRates rates = FindRates(contact, depth, mass);
-    largest.squareFrequency = std::max(largest.squareFrequency, rates.squareFrequency);
-    largest.dampingRate = std::max(largest.dampingRate, rates.dampingRate);
-  }
-  return largest;
-}
-
 // Quadratic drag on a face damps it at dragRate times its speed against the medium, 1/s.
 template <class Real>
 double FindDragDamping(const Blueprint& blueprint, const Load<Real>& load, const State<Real>& state) {
@@ -72,41 +48,6 @@ double FindDragDamping(const Blueprint& blueprint, const Load<Real>& load, const
 
 ContactRates AddRates(const ContactRates& a, const ContactRates& b) {
   return {a.squareFrequency + b.squareFrequency, a.dampingRate + b.dampingRate};
-}
-
-// The body with all that it touches at once.
-double FindLargestRate(const Modes& modes, bool& lightlyDamped) {
-  const double body = modes.body.squareFrequency;
-  const double bodyDamping = modes.body.dampingRate;
-  const ContactRates contact = AddRates(modes.surfaces, modes.bodies);
-  const double both = bodyDamping + contact.dampingRate;
-  const double rate =
-      std::max({FindModeRate(body, both), contact.dampingRate, FindModeRate(body + contact.squareFrequency, both),
-                FindModeRate(body + contact.squareFrequency, bodyDamping)});
-  lightlyDamped = both < rate * 2 / 3;  // g = 2ζω: under a third of critical
-  return rate;
-}
-
-// Substeps in which vertices that land on a surface cross the depth over which its force sets in, as many as the body
-// feels of it: that an error stays behind there which no stage of RK4 sees shows in how high the body comes back, by
-// the square root of the mass that lands. Without this a lone particle came back up to 10 % too high or low.
-template <class Real>
-double FindLandingSubsteps(const Blueprint& blueprint, std::span<const Surface<Real>> surfaces,
-                           const State<Real>& state, double duration) {
-  const Coefficients<Real>& body = blueprint.Read<Real>();
-  const double fade = double{body.contact.fadeDepth};
-  double landing = 0;
-  double fastest = 0;
-  for (const Contact<Real>& candidate : state.contacts) {
-    const std::uint32_t i = candidate.vertex;
-    const SurfacePoint<Real> point = FindContactPoint(surfaces[candidate.surface], candidate, state.positions[i]);
-    const double approach = double{FindApproach(surfaces[candidate.surface], point, state.velocities[i])};
-    const double depth = -double{point.distance};
-    if (depth >= fade || PredictDepth(depth, approach, duration) <= -fade) continue;
-    landing += double{body.masses[i]};
-    fastest = std::max(fastest, approach);
-  }
-  return fade > 0 ? fastest * duration / fade * std::sqrt(std::min(1.0, landing / blueprint.totalMass)) : 0;
 }
 
 }  // namespace
@@ -171,23 +112,73 @@ double FindStableRate(Integrator integrator, const Blueprint& blueprint, const M
                    FindStableRate(integrator, together, body.dampingRate)});
 }
 
+// Rates are the largest over all of them. A vertex in a corner touches several surfaces at once; they push along
+// different axes where obstacles are boxes, so one contact's stiffness is taken for each axis.
+//
+// agitation: a body that vibrates faster than a tick may throw any of its vertices onto a surface at this speed,
+// whatever the vertex does now. Of 600 lattices dropped into a wedge, bounded by the speed of each vertex alone, 17 ran
+// away, and none so.
+//
+// Landing: substeps in which vertices that land on a surface cross the depth over which its force sets in, as many as
+// the body feels of it: that an error stays behind there which no stage of RK4 sees shows in how high the body comes
+// back, by the square root of the mass that lands. Without this a lone particle came back up to 10 % too high or low.
 template <class Real>
-Modes FindModes(const Blueprint& blueprint, const Load<Real>& load, std::span<const Surface<Real>> surfaces,
-                const State<Real>& state, double agitation, const ContactRates& fromBodies, double duration) {
+SurfaceDemands FindSurfaceDemands(const Blueprint& blueprint, std::span<const Surface<Real>> surfaces,
+                                  const State<Real>& state, double agitation, double duration) {
+  const Coefficients<Real>& body = blueprint.Read<Real>();
+  const ContactParameters<Real>& contact = body.contact;
+  const double fade = double{contact.fadeDepth};
+  SurfaceDemands demands;
+  double deepest = -std::numeric_limits<double>::infinity();
+  double itsMass = 0;
+  double landing = 0;
+  double fastest = 0;
+  for (const Contact<Real>& candidate : state.contacts) {
+    const std::uint32_t i = candidate.vertex;
+    const Surface<Real>& surface = surfaces[candidate.surface];
+    const SurfacePoint<Real> point = FindContactPoint(surface, candidate, state.positions[i]);
+    const double approach = double{FindApproach(surface, point, state.velocities[i])};
+    const double depth = -double{point.distance};
+    const double mass = double{body.masses[i]} / double{body.contactShares[i]};
+    const double shaken = PredictDepth(depth, std::max(agitation, approach), duration);
+    // Rates grow with the depth and fall with the mass.
+    if (shaken > deepest || mass < itsMass) {
+      const ContactRates rates = FindRates(contact, shaken, mass);
+      demands.rates.squareFrequency = std::max(demands.rates.squareFrequency, rates.squareFrequency);
+      demands.rates.dampingRate = std::max(demands.rates.dampingRate, rates.dampingRate);
+      deepest = shaken;
+      itsMass = mass;
+    }
+    if (depth >= fade || PredictDepth(depth, approach, duration) <= -fade) continue;
+    landing += double{body.masses[i]};
+    fastest = std::max(fastest, approach);
+  }
+  if (fade > 0) demands.landing = fastest * duration / fade * std::sqrt(std::min(1.0, landing / blueprint.totalMass));
+  return demands;
+}
+
+template <class Real>
+Modes FindModes(const Blueprint& blueprint, const Load<Real>& load, const State<Real>& state,
+                const ContactRates& fromSurfaces, const ContactRates& fromBodies) {
   const double factor = std::max({1.0, double{load.stiffnessFactor}, double{load.gasFactor}});
   Modes modes;
   modes.body.squareFrequency = blueprint.angularFrequency * blueprint.angularFrequency * factor;
   modes.body.dampingRate = blueprint.dampingRate * factor + FindDragDamping(blueprint, load, state);
-  modes.surfaces = FindContactRates(blueprint.Read<Real>(), surfaces, state, agitation, duration);
+  modes.surfaces = fromSurfaces;
   modes.bodies = fromBodies;
   return modes;
 }
 
-template <class Real>
-double FindLargestRate(const Blueprint& blueprint, const Load<Real>& load, std::span<const Surface<Real>> surfaces,
-                       const State<Real>& state, double agitation, const ContactRates& fromBodies, double duration,
-                       bool& lightlyDamped) {
-  return FindLargestRate(FindModes(blueprint, load, surfaces, state, agitation, fromBodies, duration), lightlyDamped);
+double FindLargestRate(const Modes& modes, bool& lightlyDamped) {
+  const double body = modes.body.squareFrequency;
+  const double bodyDamping = modes.body.dampingRate;
+  const ContactRates contact = AddRates(modes.surfaces, modes.bodies);
+  const double both = bodyDamping + contact.dampingRate;
+  const double rate =
+      std::max({FindModeRate(body, both), contact.dampingRate, FindModeRate(body + contact.squareFrequency, both),
+                FindModeRate(body + contact.squareFrequency, bodyDamping)});
+  lightlyDamped = both < rate * 2 / 3;  // g = 2ζω: under a third of critical
+  return rate;
 }
 
 double FindSubstepsOnGround(const Blueprint& blueprint, double duration) {
@@ -207,26 +198,23 @@ double FindSubstepsOnGround(const Blueprint& blueprint, double duration) {
 }
 
 template <class Real>
-int ChooseSubsteps(Integrator integrator, const Blueprint& blueprint, const Load<Real>& load,
-                   std::span<const Surface<Real>> surfaces, const State<Real>& state, double agitation,
-                   const ContactRates& fromBodies, double duration) {
-  if (integrator != Integrator::kRungeKutta4) {
-    const Modes modes = FindModes(blueprint, load, surfaces, state, agitation, fromBodies, duration);
-    return FindRung(FindStableRate(integrator, blueprint, modes) * duration);
-  }
+int ChooseSubsteps(Integrator integrator, const Blueprint& blueprint, const Load<Real>& load, const State<Real>& state,
+                   const SurfaceDemands& fromSurfaces, const ContactRates& fromBodies, double duration) {
+  const Modes modes = FindModes(blueprint, load, state, fromSurfaces.rates, fromBodies);
+  if (integrator != Integrator::kRungeKutta4) return FindRung(FindStableRate(integrator, blueprint, modes) * duration);
   bool lightlyDamped = false;
-  const double rate = FindLargestRate(blueprint, load, surfaces, state, agitation, fromBodies, duration, lightlyDamped);
+  const double rate = FindLargestRate(modes, lightlyDamped);
   const double forStability = rate * duration / (lightlyDamped ? kStabilityLimitLightlyDamped : kStabilityLimit);
-  return FindRung(std::max(forStability, FindLandingSubsteps(blueprint, surfaces, state, duration)));
+  return FindRung(std::max(forStability, fromSurfaces.landing));
 }
 
-#define WOBBLE_INSTANTIATE(Real)                                                                                     \
-  template double FindLargestRate<Real>(const Blueprint&, const Load<Real>&, std::span<const Surface<Real>>,         \
-                                        const State<Real>&, double, const ContactRates&, double, bool&);             \
-  template Modes FindModes<Real>(const Blueprint&, const Load<Real>&, std::span<const Surface<Real>>,                \
-                                 const State<Real>&, double, const ContactRates&, double);                           \
-  template int ChooseSubsteps<Real>(Integrator, const Blueprint&, const Load<Real>&, std::span<const Surface<Real>>, \
-                                    const State<Real>&, double, const ContactRates&, double);
+#define WOBBLE_INSTANTIATE(Real)                                                                               \
+  template SurfaceDemands FindSurfaceDemands<Real>(const Blueprint&, std::span<const Surface<Real>>,           \
+                                                   const State<Real>&, double, double);                        \
+  template Modes FindModes<Real>(const Blueprint&, const Load<Real>&, const State<Real>&, const ContactRates&, \
+                                 const ContactRates&);                                                         \
+  template int ChooseSubsteps<Real>(Integrator, const Blueprint&, const Load<Real>&, const State<Real>&,       \
+                                    const SurfaceDemands&, const ContactRates&, double);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)
 #undef WOBBLE_INSTANTIATE

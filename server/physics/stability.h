@@ -35,11 +35,10 @@ struct Modes {
   ContactRates surfaces;
   ContactRates bodies;  // its contacts with others
 };
-// agitation: Survey's. fromBodies: what its contacts with other bodies add.
+// fromSurfaces, fromBodies: what its contacts add.
 template <class Real>
-[[nodiscard]] Modes FindModes(const Blueprint& blueprint, const Load<Real>& load,
-                              std::span<const Surface<Real>> surfaces, const State<Real>& state, double agitation,
-                              const ContactRates& fromBodies, double duration);
+[[nodiscard]] Modes FindModes(const Blueprint& blueprint, const Load<Real>& load, const State<Real>& state,
+                              const ContactRates& fromSurfaces, const ContactRates& fromBodies);
 
 // Substeps a second with which the method is stable for all of them.
 [[nodiscard]] double FindStableRate(Integrator integrator, const Blueprint& blueprint, const Modes& modes);
@@ -48,17 +47,23 @@ template <class Real>
 // it and as fast as may be.
 [[nodiscard]] double FindSubstepsOnGround(const Blueprint& blueprint, double duration);
 
-// The largest rate ρ, 1/s, over the modes of the body with everything it may touch within `duration` seconds.
+// The largest rate ρ, 1/s, over the modes of the body with all that it touches at once.
+[[nodiscard]] double FindLargestRate(const Modes& modes, bool& lightlyDamped);
+
+// What the listed contacts with static surfaces ask of a tick.
+struct SurfaceDemands {
+  ContactRates rates;
+  double landing = 0;  // substeps
+};
+// agitation: Survey's.
 template <class Real>
-[[nodiscard]] double FindLargestRate(const Blueprint& blueprint, const Load<Real>& load,
-                                     std::span<const Surface<Real>> surfaces, const State<Real>& state,
-                                     double agitation, const ContactRates& fromBodies, double duration,
-                                     bool& lightlyDamped);
+[[nodiscard]] SurfaceDemands FindSurfaceDemands(const Blueprint& blueprint, std::span<const Surface<Real>> surfaces,
+                                                const State<Real>& state, double agitation, double duration);
 
 // Substeps for a tick of `duration` seconds with which the method is stable.
 template <class Real>
 [[nodiscard]] int ChooseSubsteps(Integrator integrator, const Blueprint& blueprint, const Load<Real>& load,
-                                 std::span<const Surface<Real>> surfaces, const State<Real>& state, double agitation,
+                                 const State<Real>& state, const SurfaceDemands& fromSurfaces,
                                  const ContactRates& fromBodies, double duration);
 
 // What an oscillator with square of frequency w² and damping rate g asks of an explicit method: ω while it rings,

@@ -60,9 +60,8 @@ int FindFirstSubsteps(std::span<Member<Real>* const> members, std::span<const En
     if (!loads.empty()) {
       fromBodies = FindLargestRates<Real>(member, std::span(loads).subspan(begins[i], begins[i + 1] - begins[i]));
     }
-    const int forStability =
-        ChooseSubsteps<Real>(integrator, *member.blueprint, member.load, member.surfaces, *member.state,
-                             double{member.survey.agitation}, fromBodies, rules.duration);
+    const int forStability = ChooseSubsteps<Real>(integrator, *member.blueprint, member.load, *member.state,
+                                                  member.demands, fromBodies, rules.duration);
     most = std::max({most, forStability, std::min(member.substepsForError, rules.maxSubsteps)});
   }
   return most;

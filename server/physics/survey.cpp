@@ -50,26 +50,21 @@ Block<double> Split(const double* from) {
            __builtin_shufflevector(abZ, c, 0, 1, 4, 7)}};
 }
 
-// Calls visit(masses, x, v) block by block. Lanes beyond the last vertex repeat it without mass.
+// Calls visit(masses, vectors) block by block. Lanes beyond the last vertex repeat it without mass.
 template <class Real, class Visit>
-void VisitBlocks(std::span<const Real> masses, std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v,
-                 const Visit& visit) {
+void VisitBlocks(std::span<const Real> masses, std::span<const Vector3<Real>> vectors, const Visit& visit) {
   constexpr std::size_t kWidth = kLanes<Real>;
-  const std::size_t whole = x.size() / kWidth * kWidth;
-  for (std::size_t i = 0; i < whole; i += kWidth) visit(Load(&masses[i]), Split(x[i].data()), Split(v[i].data()));
-  if (whole == x.size()) return;
+  const std::size_t whole = vectors.size() / kWidth * kWidth;
+  for (std::size_t i = 0; i < whole; i += kWidth) visit(Load(&masses[i]), Split(vectors[i].data()));
+  if (whole == vectors.size()) return;
   std::array<Real, kWidth> restMasses{};
-  std::array<Real, 3 * kWidth> restX;
-  std::array<Real, 3 * kWidth> restV;
+  std::array<Real, 3 * kWidth> rest;
   for (std::size_t lane = 0; lane < kWidth; ++lane) {
-    const std::size_t i = std::min(whole + lane, x.size() - 1);
-    if (whole + lane < x.size()) restMasses[lane] = masses[i];
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      restX[3 * lane + axis] = x[i][static_cast<int>(axis)];
-      restV[3 * lane + axis] = v[i][static_cast<int>(axis)];
-    }
+    const std::size_t i = std::min(whole + lane, vectors.size() - 1);
+    if (whole + lane < vectors.size()) restMasses[lane] = masses[i];
+    for (std::size_t axis = 0; axis < 3; ++axis) rest[3 * lane + axis] = vectors[i][static_cast<int>(axis)];
   }
-  visit(Load(restMasses.data()), Split(restX.data()), Split(restV.data()));
+  visit(Load(restMasses.data()), Split(rest.data()));
 }
 
 template <class Real>
@@ -96,7 +91,49 @@ Lanes<Real> FindSquares(const Block<Real>& block) {
   return Fma(block.axes[2], block.axes[2], Fma(block.axes[1], block.axes[1], block.axes[0] * block.axes[0]));
 }
 
+// Sums over vertices, a lane for every so many of them.
+template <class Real>
+struct BulkSums {
+  using V = Lanes<Real>;
+  Block<Real> weighted{};
+  Block<Real> momentum{};
+  V mass{};
+  V energy{};
+
+  void AddPlaces(const V& m, const Block<Real>& x) {
+    for (std::size_t axis = 0; axis < 3; ++axis) weighted.axes[axis] = Fma(m, x.axes[axis], weighted.axes[axis]);
+    mass = mass + m;
+  }
+  // squares: of the speeds.
+  void AddSpeeds(const V& m, const Block<Real>& v, const V& squares) {
+    for (std::size_t axis = 0; axis < 3; ++axis) momentum.axes[axis] = Fma(m, v.axes[axis], momentum.axes[axis]);
+    energy = Fma(m, squares, energy);
+  }
+
+  [[nodiscard]] BulkMotion FindMotion() const {
+    BulkMotion bulk;
+    const double all = Sum<Real>(mass);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      bulk.centre[static_cast<int>(axis)] = Sum<Real>(weighted.axes[axis]) / all;
+      bulk.velocity[static_cast<int>(axis)] = Sum<Real>(momentum.axes[axis]) / all;
+    }
+    bulk.kineticEnergy = Sum<Real>(energy) / 2;
+    return bulk;
+  }
+};
+
 }  // namespace
+
+template <class Real>
+BulkMotion FindBulkMotion(std::span<const Real> masses, std::span<const Vector3<Real>> x,
+                          std::span<const Vector3<Real>> v) {
+  using V = Lanes<Real>;
+  BulkSums<Real> sums;
+  VisitBlocks<Real>(masses, x, [&](const V& m, const Block<Real>& block) { sums.AddPlaces(m, block); });
+  VisitBlocks<Real>(masses, v,
+                    [&](const V& m, const Block<Real>& block) { sums.AddSpeeds(m, block, FindSquares<Real>(block)); });
+  return sums.FindMotion();
+}
 
 template <class Real>
 Survey<Real> MakeSurvey(std::span<const Real> masses, std::span<const Vector3<Real>> x,
@@ -105,50 +142,49 @@ Survey<Real> MakeSurvey(std::span<const Real> masses, std::span<const Vector3<Re
   const V zero = Spread<V>(Real(0));
   Block<Real> low{{Spread<V>(x[0][0]), Spread<V>(x[0][1]), Spread<V>(x[0][2])}};
   Block<Real> high = low;
-  Block<Real> weighted{{zero, zero, zero}};
-  Block<Real> momentum = weighted;
-  V mass = zero;
-  V energy = zero;
+  BulkSums<Real> sums;
   V fastest = zero;
-  VisitBlocks<Real>(masses, x, v, [&](const V& m, const Block<Real>& atX, const Block<Real>& atV) {
+  VisitBlocks<Real>(masses, x, [&](const V& m, const Block<Real>& block) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      low.axes[axis] = Min(low.axes[axis], atX.axes[axis]);
-      high.axes[axis] = Max(high.axes[axis], atX.axes[axis]);
-      weighted.axes[axis] = Fma(m, atX.axes[axis], weighted.axes[axis]);
-      momentum.axes[axis] = Fma(m, atV.axes[axis], momentum.axes[axis]);
+      low.axes[axis] = Min(low.axes[axis], block.axes[axis]);
+      high.axes[axis] = Max(high.axes[axis], block.axes[axis]);
     }
-    const V square = FindSquares<Real>(atV);
-    mass = mass + m;
-    energy = Fma(m, square, energy);
-    fastest = Max(fastest, square);
+    sums.AddPlaces(m, block);
+  });
+  VisitBlocks<Real>(masses, v, [&](const V& m, const Block<Real>& block) {
+    const V squares = FindSquares<Real>(block);
+    sums.AddSpeeds(m, block, squares);
+    fastest = Max(fastest, squares);
   });
   Survey<Real> survey;
-  const double all = Sum<Real>(mass);
+  survey.bulk = sums.FindMotion();
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto k = static_cast<int>(axis);
-    survey.bounds.low[k] = FindLeast<Real>(low.axes[axis]);
-    survey.bounds.high[k] = FindLargest<Real>(high.axes[axis]);
-    survey.centre[k] = Sum<Real>(weighted.axes[axis]) / all;
-    survey.velocity[k] = Sum<Real>(momentum.axes[axis]) / all;
+    survey.bounds.low[static_cast<int>(axis)] = FindLeast<Real>(low.axes[axis]);
+    survey.bounds.high[static_cast<int>(axis)] = FindLargest<Real>(high.axes[axis]);
   }
   survey.bounds.speed = std::sqrt(FindLargest<Real>(fastest));
-  survey.kineticEnergy = Sum<Real>(energy) / 2;
 
+  Block<Real> mean;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    mean.axes[axis] = Spread<V>(static_cast<Real>(survey.bulk.velocity[static_cast<int>(axis)]));
+  }
   V farthest = zero;
-  VisitBlocks<Real>(masses, x, v, [&](const V&, const Block<Real>&, const Block<Real>& atV) {
+  VisitBlocks<Real>(masses, v, [&](const V&, const Block<Real>& block) {
     Block<Real> against;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      against.axes[axis] = atV.axes[axis] - Spread<V>(static_cast<Real>(survey.velocity[static_cast<int>(axis)]));
-    }
+    for (std::size_t axis = 0; axis < 3; ++axis) against.axes[axis] = block.axes[axis] - mean.axes[axis];
     farthest = Max(farthest, FindSquares<Real>(against));
   });
   survey.agitation = std::sqrt(FindLargest<Real>(farthest));
   return survey;
 }
 
-template Survey<float> MakeSurvey<float>(std::span<const float>, std::span<const Vector3<float>>,
-                                         std::span<const Vector3<float>>);
-template Survey<double> MakeSurvey<double>(std::span<const double>, std::span<const Vector3<double>>,
-                                           std::span<const Vector3<double>>);
+#define WOBBLE_INSTANTIATE(Real)                                                                  \
+  template BulkMotion FindBulkMotion<Real>(std::span<const Real>, std::span<const Vector3<Real>>, \
+                                           std::span<const Vector3<Real>>);                       \
+  template Survey<Real> MakeSurvey<Real>(std::span<const Real>, std::span<const Vector3<Real>>,   \
+                                         std::span<const Vector3<Real>>);
+WOBBLE_INSTANTIATE(float)
+WOBBLE_INSTANTIATE(double)
+#undef WOBBLE_INSTANTIATE
 
 }  // namespace wobble::physics

@@ -13,18 +13,27 @@
 
 namespace wobble::physics {
 
-template <class Real>
-struct Survey {
-  Bounds<Real> bounds;
+// Of a body as a whole.
+struct BulkMotion {
   Vector3d centre = Vector3d::Zero();    // of mass, local coordinates, m
   Vector3d velocity = Vector3d::Zero();  // of that, m/s
   double kineticEnergy = 0;              // J
-  Real agitation = 0;                    // fastest that a vertex moves against `velocity`, m/s
+};
+
+template <class Real>
+struct Survey {
+  BulkMotion bulk;
+  Bounds<Real> bounds;
+  Real agitation = 0;  // fastest that a vertex moves against the velocity, m/s
 };
 
 // At least one vertex; masses: kg, all positive. Any vertex that is no number makes the energy or the centre none.
 template <class Real>
 [[nodiscard]] Survey<Real> MakeSurvey(std::span<const Real> masses, std::span<const Vector3<Real>> x,
                                       std::span<const Vector3<Real>> v);
+// The same bits for half the work.
+template <class Real>
+[[nodiscard]] BulkMotion FindBulkMotion(std::span<const Real> masses, std::span<const Vector3<Real>> x,
+                                        std::span<const Vector3<Real>> v);
 
 }  // namespace wobble::physics

@@ -88,6 +88,8 @@ class World::Stepper {
     member.survey = MakeSurvey<Real>(coefficients.masses, state.positions, state.velocities);
     FindContacts<Real>(member.surfaces, coefficients.contact.range, member.survey, state.positions, state.velocities,
                        static_cast<Real>(m_duration), state.contacts, m_work.scratch.local().contacts);
+    member.demands = FindSurfaceDemands<Real>(*member.blueprint, member.surfaces, state,
+                                              double{member.survey.agitation}, m_duration);
     const Bounds<Real>& bounds = member.survey.bounds;
     const double fat = kNearMargin + m_duration * double{bounds.speed};
     m_work.boxes[i] = {state.origin + bounds.low.template cast<double>() - Vector3d::Constant(fat),
@@ -273,7 +275,7 @@ class World::Stepper {
     m_work.outcomes[i] = {steps, member.health, member.lost};
     body.touchesBody = false;
     if (member.lost) {
-      PutBackToRest(*member.blueprint, FindFreePlace(member, state.origin + member.survey.centre), state);
+      PutBackToRest(*member.blueprint, FindFreePlace(member, state.origin + member.survey.bulk.centre), state);
       body.steps = {};
       physics::WakeUp(body);
     } else {

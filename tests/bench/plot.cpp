@@ -57,7 +57,7 @@ std::string MakeScript(const Plot& plot, const std::string& file) {
          << " offset 0,0.4"
          << "\nset ylabel " << Quote(plot.yLabel) << "\nset grid\nset key outside bottom horizontal\n"
          << (plot.logX ? "set logscale x\nset format x '%.0e'\n" : "")
-         << (plot.logY ? "set logscale y\nset format y '%.0e'\n" : "")
+         << (plot.logY ? "set logscale y\nset format y '%.0e'\n" : "") << (plot.yFromZero ? "set yrange [0:]\n" : "")
          << (hasMap ? "set autoscale fix\nplot $map with image pixels notitle, " : "plot ");
   for (std::size_t i = 0; i < plot.series.size(); ++i) {
     script << (i > 0 ? ", " : "") << "$data" << i << FindStyle(plot.series[i].stroke)

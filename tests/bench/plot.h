@@ -31,7 +31,8 @@ struct Plot {
   std::vector<Series> series = {};
   bool logX = false;
   bool logY = false;
-  Map map = {};  // no cells: none
+  Map map = {};            // no cells: none
+  bool yFromZero = false;  // where a small difference is to look small
 };
 
 // Whether gnuplot is to be found on the path.

@@ -1,10 +1,11 @@
-// One shape payload: the first byte chooses the vertex count (1 to 64), the rest is decoded.
+// One shape payload: the first byte chooses the basis, or none, and the vertex count; the rest is decoded.
 //
-// Beyond memory safety: what decodes is finite, turns by a unit rotation, and stays within the largest residual.
+// Beyond memory safety: what decodes is finite and turns by a unit rotation, and the pose read alone is the same.
 #include "protocol/shape_codec.h"
 
 #include <cmath>
 
+#include "tests/fuzz/bases.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace wobble::fuzz {
@@ -14,17 +15,27 @@ using protocol::Vector3;
 
 void FuzzOne(std::span<const std::uint8_t> bytes) {
   if (bytes.empty()) return;
-  const std::vector<Vector3> rest(1 + bytes[0] % 64, Vector3{1, 0, -1});
+  static const auto kObstacles =
+      std::vector<protocol::wire::Obstacle>{{protocol::wire::ObstacleKind::Box, {0, 0, -1}, {9, 9, 1}, 0},
+                                            {protocol::wire::ObstacleKind::Plane, {0.6F, 0, 0.8F}, {-2, 0, 0}, 0},
+                                            {protocol::wire::ObstacleKind::Sphere, {1, 1, 1}, {}, 1}};
+  static const std::array<std::shared_ptr<const protocol::Basis>, 4> kBases = {nullptr, MakeBasis(0, 6),
+                                                                               MakeBasis(1, 6), MakeBasis(2, 6)};
+  const protocol::Basis* basis = kBases[bytes[0] % 4].get();
+  const std::vector<Vector3> rest(basis != nullptr ? 6U : 1U + bytes[0] / 4U, Vector3{1, 0, -1});
+  const protocol::PatchModel model{rest, 1.4F, basis, kObstacles};
+  static protocol::ShapeDecoder decoder;
   std::vector<Vector3> shape(rest.size());
   protocol::Pose pose;
-  if (protocol::DecodeShape(bytes.subspan(1), rest, pose, shape) != protocol::DecodeResult::kOk) return;
+  const std::vector<std::uint8_t> payload(bytes.begin() + 1, bytes.end());  // a read past its end is then seen
+  if (decoder.Decode(model, payload, pose, shape) != protocol::DecodeResult::kOk) return;
   const auto q = pose.rotation;
   Require(std::fabs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1) < 1e-5F);
   Require(protocol::Length(pose.centroid) < 8192 * 1.7321F + 1);
-  for (const Vector3& v : shape) {
-    // 2^21 steps of at most 7/4 m, and the rest shape's 1 m.
-    Require(std::fabs(v.x) < 3.7e6F && std::fabs(v.y) < 3.7e6F && std::fabs(v.z) < 3.7e6F);
-  }
+  for (const Vector3& v : shape) Require(std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z));
+  protocol::QuantisedPose alone;
+  Require(protocol::DecodePose(payload, model.size, alone) == protocol::DecodeResult::kOk);
+  Require(protocol::Dequantise(alone).centroid.x == pose.centroid.x);
 }
 
 }  // namespace

@@ -29,9 +29,9 @@ void FuzzOne(std::span<const std::uint8_t> bytes) {
     const std::size_t bodyVertices = std::array<std::size_t, 4>{12, 42, 162, 2562}[record.head.blueprint % 4];
     const std::size_t count = protocol::PatchSize(bodyVertices, record.head.patch);
     protocol::Pose pose;
-    const auto rest = std::span(kRest).first(count);
-    if (protocol::DecodeShape(record.payload, rest, pose, std::span(shape).first(count)) !=
-        protocol::DecodeResult::kOk) {
+    static protocol::ShapeDecoder decoder;
+    const protocol::PatchModel model{std::span(kRest).first(count)};
+    if (decoder.Decode(model, record.payload, pose, std::span(shape).first(count)) != protocol::DecodeResult::kOk) {
       continue;
     }
     for (const Vector3& v : std::span(shape).first(count)) {

@@ -197,7 +197,7 @@ case_play_ends_on_interrupt() {
 case_port_in_use() {
   start_server --port 7814
   expect_refusal '^wobbled: port 7814 (UDP) is in use$' wobbled --port 7814
-  expect_refusal 'port 7814 (UDP) is in use$' wobble play --port 7814 --for 5
+  expect_refusal '^server: port 7814 (UDP) is in use$' wobble play --port 7814 --for 5
 }
 
 case_unknown_option() {

@@ -167,6 +167,26 @@ TEST(Watch, IsRestoredWhenItsGuardianIsKilled) {
   session.ExpectRestored();
 }
 
+// A shell that edits lines has taken the terminal before the drawing process hears of the guardian's end.
+TEST(Watch, AKilledGuardianLeavesTheShellItsOwnSettings) {
+  const Wobbled server(7943);
+  Session session({"/bin/bash", "-c", "exec 2>&1; exec bash --norc --noprofile -i"});
+  ASSERT_TRUE(session.Await([&] { return session.IsRaw(); }));
+  const tcflag_t prompting = session.LocalModes();
+  session.Type("'" + kProgram + "' watch 127.0.0.1:7943\n");
+  ASSERT_TRUE(session.AwaitPlaying()) << session.Text();
+  const std::vector<pid_t> jobs = session.FindChildren();
+  ASSERT_EQ(jobs.size(), 1U);
+  kill(jobs[0], SIGKILL);
+  ASSERT_TRUE(session.Await([&] { return !session.Shown().IsSet("?1049"); }));
+  ASSERT_TRUE(session.Await([&] { return session.IsRaw(); }));
+  for (int i = 0; i < 10; ++i) session.Take(50);
+  EXPECT_EQ(session.LocalModes(), prompting);
+  session.Type("exit\n");
+  EXPECT_NE(session.AwaitEnd(), -1);
+  session.ExpectRestored();
+}
+
 TEST(Watch, SaysWhyItEndedOnceTheTerminalIsRestored) {
   Wobbled server(7937);
   {

@@ -59,9 +59,13 @@ TYPED_TEST(SurveyTest, TellsWhatSumsOneByOneTell) {
       EXPECT_TRUE((cloud.x[i].array() >= survey.bounds.low.array()).all()) << count;
       EXPECT_TRUE((cloud.x[i].array() <= survey.bounds.high.array()).all()) << count;
     }
-    EXPECT_LT((survey.centre - centre).norm(), rounding * (1 + centre.norm())) << count;
-    EXPECT_LT((survey.velocity - velocity).norm(), rounding * (1 + velocity.norm())) << count;
-    EXPECT_NEAR(survey.kineticEnergy, energy, rounding * energy) << count;
+    EXPECT_LT((survey.bulk.centre - centre).norm(), rounding * (1 + centre.norm())) << count;
+    EXPECT_LT((survey.bulk.velocity - velocity).norm(), rounding * (1 + velocity.norm())) << count;
+    EXPECT_NEAR(survey.bulk.kineticEnergy, energy, rounding * energy) << count;
+    const BulkMotion bulk = FindBulkMotion<Real>(cloud.masses, cloud.x, cloud.v);
+    EXPECT_EQ(bulk.centre, survey.bulk.centre) << count;
+    EXPECT_EQ(bulk.velocity, survey.bulk.velocity) << count;
+    EXPECT_EQ(bulk.kineticEnergy, survey.bulk.kineticEnergy) << count;
     EXPECT_NEAR(double{survey.bounds.speed}, double{fastest}, rounding * double{fastest}) << count;
     EXPECT_NEAR(double{survey.agitation}, farthest, 10 * rounding * (1 + farthest)) << count;
   }
@@ -72,10 +76,10 @@ TYPED_TEST(SurveyTest, SeesAVertexThatIsNoNumberWhereverItStands) {
   for (std::size_t bad = 0; bad < 19; ++bad) {
     Cloud<Real> nowhere(19);
     nowhere.x[bad].y() = std::numeric_limits<Real>::quiet_NaN();
-    EXPECT_FALSE(nowhere.Look().centre.allFinite()) << bad;
+    EXPECT_FALSE(nowhere.Look().bulk.centre.allFinite()) << bad;
     Cloud<Real> racing(19);
     racing.v[bad].z() = std::numeric_limits<Real>::infinity();
-    EXPECT_FALSE(std::isfinite(racing.Look().kineticEnergy)) << bad;
+    EXPECT_FALSE(std::isfinite(racing.Look().bulk.kineticEnergy)) << bad;
   }
 }
 

@@ -207,6 +207,11 @@ class Session {
     tcgetattr(m_slave, &now);
     return (now.c_lflag & ICANON) == 0;
   }
+  [[nodiscard]] tcflag_t LocalModes() const {
+    termios now{};
+    tcgetattr(m_slave, &now);
+    return now.c_lflag;
+  }
   [[nodiscard]] std::string Status() const { return m_screen.Row(m_screen.Grid().rows - 1); }
   [[nodiscard]] std::string Text() const {
     std::string text;

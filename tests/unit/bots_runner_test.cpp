@@ -268,6 +268,13 @@ TEST(BotRunner, AFailedScriptLeavesItsBotConnected) {
   both.RunUntil(2);
   EXPECT_TRUE(both.Bots().HaveAllScriptsFailed());
   EXPECT_EQ(both.log.size(), 1U);  // the same error is said once
+
+  Theatre many(MakeOptions(7), "function run(bot) error('tired ' .. bot:id()) end");
+  many.RunUntil(2);
+  EXPECT_EQ(many.Bots().ReadFigures().scriptErrors, 7U);
+  ASSERT_EQ(many.log.size(), 5U);
+  EXPECT_EQ(many.log[3].find("counted"), std::string::npos) << many.log[3];
+  EXPECT_NE(many.log[4].find("(other errors are only counted)"), std::string::npos) << many.log[4];
 }
 
 TEST(BotRunner, LeavingAndJoiningAgainIsNoDisconnect) {

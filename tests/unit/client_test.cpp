@@ -111,11 +111,13 @@ std::vector<std::uint8_t> MakeRecord(std::uint32_t body, const Pose& pose, std::
                                      std::uint8_t generation = 0,
                                      const std::vector<Vector3>& rest = {
                                          {1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}) {
-  const Pose seen = protocol::Dequantise(protocol::Quantise(pose));
+  const protocol::PatchModel model{rest, rest.size() == 4 ? 1.732F : 0.8F};  // as their blueprints say
+  const Pose seen = protocol::Dequantise(protocol::Quantise(pose, protocol::MakePoseGrid(12, model.size)));
   std::vector<Vector3> world;
   for (const Vector3& point : rest) world.push_back(protocol::Transform(seen, point));
   std::vector<std::uint8_t> payload, record;
-  EXPECT_TRUE(protocol::EncodeShape(pose, rest, world, 0.001F, 512, payload).fits);
+  protocol::ShapeEncoder encoder;
+  EXPECT_TRUE(encoder.Encode(model, pose, world, 0.001F, 512, payload).fits);
   protocol::AppendRecord({body, blueprint, 0, generation}, payload, record);
   return record;
 }
@@ -740,6 +742,21 @@ TEST_F(ClientTest, LeavesWithAGoodbyeAndDoesNotWaitForEver) {
   EXPECT_EQ(client->ReadState(), State::kEnded);
   EXPECT_EQ(client->EndReason(), "left");
   EXPECT_FALSE(client->EndedUnasked());
+
+  Join();
+  link.roundTrip = 0.5;
+  client->Leave(now);
+  client->Update(now += 2.9);
+  EXPECT_EQ(client->ReadState(), State::kPlaying);
+  client->Update(now += 0.2);
+  EXPECT_EQ(client->ReadState(), State::kEnded);
+
+  Join();
+  link.roundTrip = 1000;  // whatever it claims
+  client->Leave(now);
+  client->Update(now += kLongestLeave);
+  EXPECT_EQ(client->ReadState(), State::kEnded);
+  link.roundTrip = 0;
 
   Join();
   client->Leave(now);

@@ -51,6 +51,8 @@ const std::vector<Layer> kLayers{
     {"server/ops/", {"server/", "protocol/"}, Join(kSystem, {"prometheus/", "spdlog/"}), kClock},
     // What comes out of the engine comes out in Eigen's types, and a body's rotation is found with its solvers.
     {"server/capture.", {"server/", "protocol/"}, {"Eigen/"}, kClock},
+    // Bases are eigenvectors of what play does to a body.
+    {"server/basis_", {"server/", "protocol/"}, {"Eigen/", "fmt/", "spdlog/"}, kClock},
     {"server/",
      {"server/", "protocol/acknowledgement.h", "protocol/bits.h", "protocol/geometry.h", "protocol/limits.h",
       "protocol/messages", "protocol/pose.h", "protocol/shape_codec.h", "protocol/snapshot.h",
@@ -69,8 +71,8 @@ const std::vector<Layer> kLayers{
     {"client/main.cpp", {"client/", "protocol/"}, Join(kSystem, {"CLI/", "nlohmann/"}), {}},
     {"client/play/", {"client/", "protocol/"}, Join(kSystem, {"CLI/", "nlohmann/"}), {}},
     {"client/",
-     {"client/", "protocol/acknowledgement.h", "protocol/bits.h", "protocol/geometry.h", "protocol/limits.h",
-      "protocol/messages", "protocol/pose.h", "protocol/shape_codec.h", "protocol/snapshot.h",
+     {"client/", "protocol/acknowledgement.h", "protocol/basis.h", "protocol/bits.h", "protocol/geometry.h",
+      "protocol/limits.h", "protocol/messages", "protocol/pose.h", "protocol/shape_codec.h", "protocol/snapshot.h",
       "protocol/transport/transport.h"},
      {},
      kPortable},

@@ -18,15 +18,20 @@ Quaternion MakeUnitQuaternion(std::mt19937& random) {
   return {q.w / length, q.x / length, q.y / length, q.z / length};
 }
 
-Pose SendAndReceive(const Pose& pose) {
+// As fine as a ball of 1 m at a target of 0.25 % has it.
+constexpr PoseGrid kGrid{11, 13};
+constexpr double kStep = 1.0 / 2048, kTurn = 1.0 / 8192;
+
+Pose SendAndReceive(const Pose& pose, PoseGrid grid = kGrid) {
   std::vector<std::uint8_t> bytes;
-  BitWriter writer(bytes);
-  WritePose(writer, Quantise(pose));
-  writer.Align();
-  EXPECT_EQ(bytes.size(), 16U);  // 125 bits
-  BitReader reader(bytes);
+  RangeEncoder encoder(bytes);
+  WritePose(encoder, Quantise(pose, grid));
+  encoder.Finish();
+  RangeDecoder decoder(bytes);
   QuantisedPose quantised;
-  EXPECT_TRUE(ReadPose(reader, quantised));
+  quantised.grid = grid;
+  EXPECT_TRUE(ReadPose(decoder, quantised));
+  EXPECT_FALSE(decoder.Overran());
   return Dequantise(quantised);
 }
 
@@ -45,7 +50,7 @@ TEST(Pose, CentroidIsWithinHalfAGridStep) {
     const Pose pose{{coordinate(random), coordinate(random), coordinate(random)}, {}};
     const Pose seen = SendAndReceive(pose);
     // Half the grid, and half a unit in the last place of a float of 1,000 m.
-    const double bound = kCentroidStep / 2 + 1000 * 6e-8;
+    const double bound = kStep / 2 + 1000 * 6e-8;
     EXPECT_NEAR(seen.centroid.x, pose.centroid.x, bound);
     EXPECT_NEAR(seen.centroid.y, pose.centroid.y, bound);
     EXPECT_NEAR(seen.centroid.z, pose.centroid.z, bound);
@@ -54,9 +59,9 @@ TEST(Pose, CentroidIsWithinHalfAGridStep) {
 
 TEST(Pose, RotationIsWithinTheGrid) {
   std::mt19937 random(12);
-  // Each of three components is off by half a step of 1/(16383 sqrt 2); the fourth follows, at worst as far off as the
+  // Each of three components is off by half a step; the fourth follows, at worst as far off as the
   // three together (when all four are equal): |dq| <= sqrt(3 + 9) / 2 steps, and the angle is twice that.
-  const double bound = std::sqrt(12.0) / (16383 * std::sqrt(2.0)) * 1.01;
+  const double bound = std::sqrt(12.0) * kTurn * 1.01;
   double worst = 0;
   for (int i = 0; i < 20000; ++i) {
     const Quaternion q = MakeUnitQuaternion(random);
@@ -89,53 +94,74 @@ TEST(Pose, EachComponentMayBeTheLargest) {
                                          {0, 0, -1, 0},
                                          {0, 0, 0, -1}}};
   for (std::size_t i = 0; i < turns.size(); ++i) {
-    EXPECT_EQ(Quantise({{}, turns[i]}).largest, i % 4);
+    EXPECT_EQ(Quantise({{}, turns[i]}, kGrid).largest, i % 4);
     EXPECT_EQ(FindAngle(SendAndReceive({{}, turns[i]}).rotation, turns[i]), 0) << i;
   }
   const Quaternion equal{-0.5F, 0.5F, -0.5F, 0.5F};
-  EXPECT_LT(FindAngle(SendAndReceive({{}, equal}).rotation, equal), 2e-4);
+  EXPECT_LT(FindAngle(SendAndReceive({{}, equal}).rotation, equal), 4 * kTurn);
 }
 
 TEST(Pose, BeyondTheWorldIsPutOnItsBorder) {
   const auto border = static_cast<float>(kWorldHalfExtent);
   const Pose seen = SendAndReceive({{1e9F, -1e9F, border}, {}});
-  EXPECT_NEAR(seen.centroid.x, border, kCentroidStep);
-  EXPECT_NEAR(seen.centroid.y, -border, kCentroidStep);
-  EXPECT_NEAR(seen.centroid.z, border, kCentroidStep);
+  EXPECT_NEAR(seen.centroid.x, border, kStep);
+  EXPECT_NEAR(seen.centroid.y, -border, kStep);
+  EXPECT_NEAR(seen.centroid.z, border, kStep);
 }
 
 TEST(Pose, ARotationOfAnyLengthIsNormalised) {
-  EXPECT_LT(FindAngle(SendAndReceive({{}, {8, 0, 6, 0}}).rotation, {0.8F, 0, 0.6F, 0}), 2e-4);
+  EXPECT_LT(FindAngle(SendAndReceive({{}, {8, 0, 6, 0}}).rotation, {0.8F, 0, 0.6F, 0}), 4 * kTurn);
   EXPECT_EQ(SendAndReceive({{}, {0, 0, 0, 0}}).rotation.w, 1.0F);
 }
 
-bool IsRead(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+bool IsRead(std::int32_t a, std::int32_t b, std::int32_t c) {
   QuantisedPose pose;
+  pose.grid = kGrid;
   pose.a = a, pose.b = b, pose.c = c;
   std::vector<std::uint8_t> bytes;
-  BitWriter writer(bytes);
-  WritePose(writer, pose);
-  writer.Align();
-  BitReader reader(bytes);
-  return ReadPose(reader, pose);
+  RangeEncoder encoder(bytes);
+  WritePose(encoder, pose);
+  encoder.Finish();
+  RangeDecoder decoder(bytes);
+  return ReadPose(decoder, pose);
 }
 
 TEST(Pose, WhatIsNoRotationIsRefused) {
-  EXPECT_TRUE(IsRead(16383, 16383, 16383));
-  EXPECT_TRUE(IsRead(0, 16383, 16383));
-  EXPECT_FALSE(IsRead(0, 0, 0)) << "squares add up to 3/2";
-  EXPECT_FALSE(IsRead(32766, 16383, 0)) << "nothing left for the largest";
-  EXPECT_FALSE(IsRead(32767, 16383, 16383)) << "beyond 1/sqrt 2";
+  EXPECT_TRUE(IsRead(0, 0, 0));
+  EXPECT_TRUE(IsRead(-5792, 0, 0));
+  EXPECT_FALSE(IsRead(5792, 5792, 5792)) << "squares add up to 3/2";
+  EXPECT_FALSE(IsRead(5792, 5000, 0)) << "too little left for the largest";
 }
 
-TEST(Pose, ATruncatedPoseIsRefused) {
-  for (std::size_t length = 0; length < 16; ++length) {
-    const std::vector<std::uint8_t> bytes(length, 0x55);
-    BitReader reader(bytes);
-    QuantisedPose pose;
-    EXPECT_FALSE(ReadPose(reader, pose)) << length;
-    EXPECT_TRUE(reader.Overran()) << length;
+TEST(Pose, AnyGridKeepsWithinItsSteps) {
+  std::mt19937 random(14);
+  std::uniform_real_distribution<float> coordinate(-100, 100);
+  for (const float size : {0.01F, 0.5F, 1.0F, 30.0F}) {
+    for (unsigned grid = 0; grid <= kFinestGrid; ++grid) {
+      const PoseGrid made = MakePoseGrid(grid, size);
+      EXPECT_TRUE(made.turn >= kCoarsestTurn && made.turn <= kFinestTurn);
+      const Pose pose{{coordinate(random), coordinate(random), coordinate(random)}, MakeUnitQuaternion(random)};
+      const Pose seen = SendAndReceive(pose, made);
+      EXPECT_NEAR(seen.centroid.y, pose.centroid.y, std::ldexp(0.5, -static_cast<int>(grid)) + 1e-5);
+      EXPECT_LE(FindAngle(seen.rotation, pose.rotation), std::ldexp(3.6, -static_cast<int>(made.turn)));
+    }
   }
+}
+
+TEST(Pose, ABodyInARoomCostsElevenBytes) {
+  std::mt19937 random(15);
+  std::uniform_real_distribution<float> coordinate(-4, 4);
+  std::size_t bytes = 0;
+  for (int i = 0; i < 500; ++i) {
+    std::vector<std::uint8_t> one;
+    RangeEncoder encoder(one);
+    WritePose(
+        encoder,
+        Quantise({{coordinate(random), coordinate(random), coordinate(random)}, MakeUnitQuaternion(random)}, kGrid));
+    encoder.Finish();
+    bytes += one.size();
+  }
+  EXPECT_LE(bytes, 500U * 11 + 100);
 }
 
 }  // namespace

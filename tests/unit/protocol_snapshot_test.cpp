@@ -44,7 +44,7 @@ SnapshotResult ReadAndCheck(std::span<const std::uint8_t> packet) {
   for (const Record& record : records) {
     EXPECT_NE(record.head.body, 0U);
     EXPECT_FALSE(record.payload.empty());
-    EXPECT_GE(record.payload.data(), end + 4);
+    EXPECT_GE(record.payload.data(), end + 3);
     end = record.payload.data() + record.payload.size();
     EXPECT_LE(end, packet.data() + packet.size());
     for (const std::uint8_t byte : record.payload) sum += byte;
@@ -86,10 +86,10 @@ TEST(Snapshot, GoldenBytes) {
   AppendRecord({300, 2, 1}, Bytes{0xAA, 0xBB}, record);
   ASSERT_TRUE(builder.Add(record));
   const auto packet = builder.Finish({0x01020304, 0x05060708, 1.0F, 0x090A0B0C});
-  const Bytes expected{0x57, 0x02, 0x04, 0x03, 0x02, 0x01, 0x08, 0x07, 0x06, 0x05, 0xFF, 0xFF,
-                       0x0C, 0x0B, 0x0A, 0x09, 0xAC, 0x02, 0x02, 0x01, 0x02, 0xAA, 0xBB};
+  const Bytes expected{0x57, 0x03, 0x04, 0x03, 0x02, 0x01, 0x08, 0x07, 0x06, 0x05, 0xFF, 0xFF,
+                       0x0C, 0x0B, 0x0A, 0x09, 0xAC, 0x02, 0x82, 0x01, 0x02, 0xAA, 0xBB};
   EXPECT_EQ(Bytes(packet.begin(), packet.end()), expected);
-  EXPECT_EQ(kProtocolVersion, 2);
+  EXPECT_EQ(kProtocolVersion, 3);
 }
 
 TEST(Snapshot, TheBuilderNeverExceedsAPacket) {
@@ -175,9 +175,12 @@ SnapshotResult ReadChanged(std::size_t at, std::uint8_t value) {
 TEST(Snapshot, RefusalsHaveTheirReason) {
   EXPECT_EQ(ReadChanged(0, 0x58), SnapshotResult::kBadHead) << "kind";
   EXPECT_EQ(ReadChanged(1, kProtocolVersion + 1), SnapshotResult::kBadHead) << "version";
+  Bytes longWay = MakePacket();
+  longWay[17] = 0x80;
+  EXPECT_EQ(ReadAndCheck(longWay), SnapshotResult::kBadRecord) << "a patch that need not be said";
   EXPECT_EQ(ReadChanged(2, 0), SnapshotResult::kBadHead) << "sequence 0";
   EXPECT_EQ(ReadChanged(16, 0), SnapshotResult::kBadRecord) << "body 0";
-  EXPECT_EQ(ReadChanged(19, 0), SnapshotResult::kBadRecord) << "no payload";
+  EXPECT_EQ(ReadChanged(18, 0), SnapshotResult::kBadRecord) << "no payload";
   Bytes large = MakePacket();
   large.resize(kMaxPacketBytes + 1);
   EXPECT_EQ(ReadAndCheck(large), SnapshotResult::kBadHead) << "larger than a packet may be";

@@ -204,6 +204,24 @@ TEST(TerminalStatus, FitsEightyColumnsAndSaysWhatItIs) {
   EXPECT_THAT(FormatStatus(figures), HasSubstr("input -"));
 }
 
+TEST(TerminalStatus, TellsTheKeyForHelpInEightyColumns) {
+  StatusFigures figures;
+  figures.inputMs = 33;
+  figures.kbitPerSecond = 371;
+  figures.interpolationDelayMs = 81;
+  figures.bodies = 19;
+  figures.players = 7;
+  CellGrid grid;
+  grid.Resize(80, 24);
+  WriteStatus(grid, FormatStatus(figures), "?: keys");
+  EXPECT_EQ(grid.At(72, 23).glyph, U'?');
+  EXPECT_EQ(grid.At(78, 23).glyph, U's');
+  figures.stalls = 2117;
+  WriteStatus(grid, FormatStatus(figures), "?: keys");
+  EXPECT_EQ(grid.At(72, 23).glyph, U' ');
+  EXPECT_EQ(grid.At(78, 23).glyph, U'?');
+}
+
 TEST(TerminalStatus, ABoxFitsAnySize) {
   for (int columns = 1; columns < 90; columns += 4) {
     for (int rows = 1; rows < 30; ++rows) {

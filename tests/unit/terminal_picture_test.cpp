@@ -492,6 +492,20 @@ TEST(TerminalCamera, CirclesRoundAllBodies) {
   EXPECT_EQ(camera.Mode(), CameraMode::kFollow);
 }
 
+TEST(TerminalCamera, HasBodiesInSightThatAreFartherOutThanMost) {
+  Camera camera(CameraMode::kCircle);
+  std::vector<Vector3> bodies{{0, -9, 0.5F}, {0, 9, 0.5F}, {-9, 0, 0.5F}, {9, 0, 0.5F}};
+  for (int i = 0; i < 8; ++i) bodies.push_back({0.5F * static_cast<float>(i % 4) - 0.75F, i < 4 ? -1.0F : 1.0F, 0.5F});
+  for (int i = 0; i < 2000; ++i) {  // once round
+    camera.Update(0.03, std::nullopt, bodies);
+    for (const Vector3& body : bodies) {
+      const Vector3 seen = camera.MakeView().ToCamera(body);
+      ASSERT_LT(std::abs(seen.y / seen.z), View{}.tangent) << "picture " << i;
+      ASSERT_LT(std::abs(seen.x / seen.z), View{}.tangent * 80 / 46) << "picture " << i;
+    }
+  }
+}
+
 TEST(TerminalCamera, ZoomAndTiltHaveLimits) {
   Camera camera(CameraMode::kFollow);
   const Vector3 own{0, 0, 1};

@@ -22,6 +22,7 @@ struct alignas(64) BodyContactBlock {
   ContactRow<Real> shift[3];   // from the vertex's local coordinates to the face's, m
   ContactRow<Real> stiffness;  // ContactParameters
   ContactRow<Real> fadeDepth;
+  ContactRow<Real> perFadeDepth;
   ContactRow<Real> damping;
   ContactRow<Real> stickStiffness;
   ContactRow<Real> stickDamping;

@@ -13,21 +13,22 @@ namespace {
 template <class Real, class V>
 static inline __attribute__((always_inline)) V FindSpringForce(const PenaltyLaw<V>& law, V depth) {
   const V bounded = Min(depth, law.fadeDepth);
-  const V t = bounded / law.fadeDepth;
+  const V t = bounded * law.perFadeDepth;
   return Fma(law.stiffness * bounded * t, Spread<V>(Real(0.5)), law.stiffness * (depth - bounded));
 }
 
 // F + c s ḋ, at least 0.
 template <class Real, class V>
 static inline __attribute__((always_inline)) V FindNormalForce(const PenaltyLaw<V>& law, V depth, V rate) {
-  const V t = Min(depth, law.fadeDepth) / law.fadeDepth;
+  const V t = Min(depth, law.fadeDepth) * law.perFadeDepth;
   const V fade = t * t * Fnma(Spread<V>(Real(2)), t, Spread<V>(Real(3)));
   return Max(Fma(law.damping * fade, rate, FindSpringForce<Real>(law, depth)), Spread<V>(Real(0)));
 }
 
 template <class V, class Real>
 static inline __attribute__((always_inline)) PenaltyLaw<V> SpreadLaw(const PenaltyLaw<Real>& law) {
-  return {Spread<V>(law.stiffness), Spread<V>(law.fadeDepth), Spread<V>(law.damping), Spread<V>(law.stickDamping)};
+  return {Spread<V>(law.stiffness), Spread<V>(law.fadeDepth), Spread<V>(law.perFadeDepth), Spread<V>(law.damping),
+          Spread<V>(law.stickDamping)};
 }
 
 template <class V>

@@ -11,6 +11,7 @@ template <class Real>
 struct PenaltyLaw {
   Real stiffness = 0;     // N/m
   Real fadeDepth = 0;     // m
+  Real perFadeDepth = 0;  // 1/m
   Real damping = 0;       // N·s/m
   Real stickDamping = 0;  // N·s/m
 };

@@ -27,6 +27,11 @@ WOBBLE_INLINE __m256d LoadRow(const double* from) { return _mm256_loadu_pd(from)
 WOBBLE_INLINE void StoreRow(__m128 row, float* to) { _mm_storeu_ps(to, row); }
 WOBBLE_INLINE void StoreRow(__m256d row, double* to) { _mm256_storeu_pd(to, row); }
 
+WOBBLE_INLINE __m256 LoadLanes(const float* from) { return _mm256_loadu_ps(from); }
+WOBBLE_INLINE __m256d LoadLanes(const double* from) { return _mm256_loadu_pd(from); }
+WOBBLE_INLINE void StoreLanes(__m256 lanes, float* to) { _mm256_storeu_ps(to, lanes); }
+WOBBLE_INLINE void StoreLanes(__m256d lanes, double* to) { _mm256_storeu_pd(to, lanes); }
+
 // Two numbers, and two zeros.
 WOBBLE_INLINE __m128 LoadHalf(const float* from) { return _mm_castsi128_ps(_mm_loadu_si64(from)); }
 WOBBLE_INLINE __m256d LoadHalf(const double* from) { return _mm256_zextpd128_pd256(_mm_loadu_pd(from)); }

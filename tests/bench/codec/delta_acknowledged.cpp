@@ -79,7 +79,7 @@ struct Stream {
       TakeOffGrid(now[body], step, shown[body]);
     }
     sent.push_back(std::move(now));
-    return bytes.size() + kBaselineBytes + shown.size() * (kRecordHeadBytes + kCentroidBytes);
+    return bytes.size() + kBaselineBytes + shown.size() * (kBodyBytes + kCentroidBytes);
   }
 
   [[nodiscard]] int FindBaseline(std::size_t frame, std::size_t body, std::size_t i) const {

@@ -92,11 +92,11 @@ std::size_t CodePoints(const std::vector<Vector3>& vertices, int bits, std::vect
 Method MakeDraco(const char* name, bool isMesh) {
   const auto begin = [isMesh](const Recording& recording, double bits) -> CodeFrame {
     return [&recording, isMesh, bits = static_cast<int>(bits)](std::size_t frame, Shown& shown) {
-      std::size_t bytes = shown.size() * kRecordHeadBytes;
+      std::size_t bytes = 0;
       for (std::size_t body = 0; body < shown.size(); ++body) {
         const std::vector<Vector3>& vertices = recording.frames[frame][body].vertices;
-        bytes +=
-            isMesh ? CodeMesh(vertices, recording.faces, bits, shown[body]) : CodePoints(vertices, bits, shown[body]);
+        bytes += AddHead(isMesh ? CodeMesh(vertices, recording.faces, bits, shown[body])
+                                : CodePoints(vertices, bits, shown[body]));
       }
       return bytes;
     };

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "protocol/pose.h"
-
 namespace wobble::bench {
 namespace {
 
@@ -14,11 +12,14 @@ std::int16_t Round(float way, double step) {
   return static_cast<std::int16_t>(std::clamp(std::nearbyint(static_cast<double>(way) / step), -32767.0, 32767.0));
 }
 
+float RoundCentroid(float place) { return std::nearbyint(place / kCentroidStep) * kCentroidStep; }
+Vector3 RoundCentroid(Vector3 v) { return {RoundCentroid(v.x), RoundCentroid(v.y), RoundCentroid(v.z)}; }
+
 }  // namespace
 
 GridBody PutOnGrid(const server::CapturedBody& body, double step, bool isCentred) {
   GridBody grid;
-  if (isCentred) grid.centre = protocol::Dequantise(protocol::Quantise(body.pose)).centroid;
+  if (isCentred) grid.centre = RoundCentroid(body.pose.centroid);
   for (const Vector3& vertex : body.vertices) {
     const Vector3 way = vertex - grid.centre;
     for (const float each : {way.x, way.y, way.z}) grid.places.push_back(Round(each, step));

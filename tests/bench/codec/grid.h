@@ -10,9 +10,10 @@
 namespace wobble::bench {
 
 struct GridBody {
-  protocol::Vector3 centre;          // the world's origin, or the centroid on the protocol's grid
+  protocol::Vector3 centre;          // the world's origin, or the centroid in steps of kCentroidStep
   std::vector<std::int16_t> places;  // x, y, z of each vertex, in steps
 };
+inline constexpr float kCentroidStep = 1.0F / 4096;  // m
 // Of a centroid: three numbers of 26 bits.
 inline constexpr std::size_t kCentroidBytes = 10;
 

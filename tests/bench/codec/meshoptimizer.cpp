@@ -69,7 +69,7 @@ struct Stream {
       }
       TakeOffGrid(decoded[body], step, shown[body]);
     }
-    return packed.size() + shown.size() * (kRecordHeadBytes + kCentroidBytes);
+    return packed.size() + shown.size() * (kBodyBytes + kCentroidBytes);
   }
 };
 

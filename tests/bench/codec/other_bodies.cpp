@@ -1,4 +1,5 @@
-// The same codec on what is no ball: a hung cloth of two patches, and solids.
+// The same codec on other bodies: a hung cloth of two patches, solids, and balls that are softer and firmer than those
+// of the fixed play.
 #include "tests/bench/codec/curve.h"
 #include "tests/bench/codec/experiments.h"
 
@@ -7,7 +8,7 @@ namespace {
 
 constexpr double kTarget = 0.0025;
 
-void MeasureBody(Bench& bench, const std::string& name, const Recording& recording) {
+double MeasureBody(Bench& bench, const std::string& name, const Recording& recording) {
   const RatePoint point = MeasurePoint(recording, MakeOurs(), kTarget);
   bench.results.rows.push_back({{"experiment", "other_bodies"},
                                 {"body", name},
@@ -17,7 +18,7 @@ void MeasureBody(Bench& bench, const std::string& name, const Recording& recordi
                                 {"bits_per_vertex", point.bitsPerVertex},
                                 {"error_percent", point.errorPercent},
                                 {"error_percent_p999", point.errorPercentP999}});
-  bench.results.AddFigure(name + "_bits_per_vertex_025", point.bitsPerVertex);
+  return point.bitsPerVertex;
 }
 
 }  // namespace
@@ -25,8 +26,13 @@ void MeasureBody(Bench& bench, const std::string& name, const Recording& recordi
 void MeasureOtherBodies(Bench& bench) {
   const double seconds = bench.options.quick ? 5 : 30;
   const std::uint64_t seed = bench.options.seed;
-  MeasureBody(bench, "cloth", RecordCloth(seed, seconds));
-  MeasureBody(bench, "lattice", RecordLattices(Pattern::kChase, seed, seconds));
+  Results& results = bench.results;
+  results.AddFigure("cloth_bits_per_vertex_025", MeasureBody(bench, "cloth", RecordCloth(seed, seconds)));
+  results.AddFigure("lattice_bits_per_vertex_025",
+                    MeasureBody(bench, "lattice", RecordLattices(Pattern::kChase, seed, seconds)));
+  for (const double gas : {1500.0, 3000.0, 6000.0}) {
+    (void)MeasureBody(bench, FormatLine("ball, gas %g J", gas), RecordBalls(Pattern::kChase, seed, seconds, gas));
+  }
 }
 
 }  // namespace wobble::bench

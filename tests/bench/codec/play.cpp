@@ -1,14 +1,13 @@
 #include "tests/bench/codec/play.h"
 
-#include "tests/bench/throughput/worlds.h"
+#include "server/physics/ball.h"
 
 namespace wobble::bench {
 namespace {
 
 using namespace physics;
 
-constexpr double kArena = 6;   // half of its side, m
-constexpr double kGas = 3300;  // nRT, J
+constexpr double kArena = 6;  // half of its side, m
 
 }  // namespace
 
@@ -23,7 +22,15 @@ std::vector<Obstacle> MakeArena() {
   return arena;
 }
 
-Blueprint MakePlayedBall() { return MakeTimedBall(kGas); }
+Blueprint MakePlayedBall(double gas) {
+  BallDefinition ball;
+  ball.radius = 1;
+  ball.material.mass = 0.25 * static_cast<double>(CountVertices(ball.subdivisions));
+  ball.material.stiffness = 750;
+  ball.material.dampingRatio = 0.3;
+  ball.material.gas = gas;
+  return MakeBall(ball);
+}
 
 Control Actor::Act(Pattern pattern, const World& world) {
   if (--m_ticksLeft <= 0) TurnElsewhere(pattern, world.Bodies().size());

@@ -21,10 +21,13 @@ using namespace physics;
 
 constexpr int kTicksPerFrame = 2;  // at 60 Hz
 constexpr int kWarmUpTicks = 120;
+constexpr std::uint64_t kTrainingSeed = 0x7EA1;
 
-Recording BeginRecording(const Blueprint& blueprint) {
+Recording BeginRecording(const World& world) {
+  const Blueprint& blueprint = world.Blueprints().front();
   Recording recording;
-  recording.blueprint = server::CaptureBlueprint(blueprint);
+  recording.blueprint = server::CaptureBlueprint(blueprint, TrainBasesAsServer(blueprint));
+  recording.obstacles = server::CaptureObstacles(world.Obstacles());
   recording.faces = blueprint.full.faces;
   return recording;
 }
@@ -53,7 +56,7 @@ Recording RecordPlay(const Blueprint& blueprint, Pattern pattern, std::uint64_t 
     actors.emplace_back(seed, actors.size());
     world.AddBody(0, Vector3d(1.5 * x, 1.5 * y, 1.5));
   }
-  Recording recording = BeginRecording(blueprint);
+  Recording recording = BeginRecording(world);
   const int ticks = kWarmUpTicks + static_cast<int>(seconds * kFrameHz) * kTicksPerFrame;
   for (int tick = 0; tick < ticks; ++tick) {
     for (std::size_t i = 0; i < actors.size(); ++i) {
@@ -67,8 +70,13 @@ Recording RecordPlay(const Blueprint& blueprint, Pattern pattern, std::uint64_t 
 
 }  // namespace
 
-Recording RecordBalls(Pattern pattern, std::uint64_t seed, double seconds) {
-  return RecordPlay(MakePlayedBall(), pattern, seed, seconds);
+server::Bases TrainBasesAsServer(const Blueprint& blueprint) {
+  return server::TrainBases(blueprint,
+                            server::RecordPlay(blueprint, WorldSettings{}.gravity, kPlayLimits, kTrainingSeed));
+}
+
+Recording RecordBalls(Pattern pattern, std::uint64_t seed, double seconds, double gas) {
+  return RecordPlay(MakePlayedBall(gas), pattern, seed, seconds);
 }
 
 Recording RecordLattices(Pattern pattern, std::uint64_t seed, double seconds) {
@@ -96,7 +104,7 @@ Recording RecordCloth(std::uint64_t seed, double seconds) {
                          Vector3d(random.Draw(-1, 1), 7, random.Draw(1, 3)));
   };
   BodyId ball = throwBall();
-  Recording recording = BeginRecording(cloth);
+  Recording recording = BeginRecording(world);
   const int ticks = kWarmUpTicks + static_cast<int>(seconds * kFrameHz) * kTicksPerFrame;
   for (int tick = 0; tick < ticks; ++tick) {
     if (tick % 90 == 89) {

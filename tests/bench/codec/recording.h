@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "server/basis_training.h"
 #include "server/capture.h"
 #include "server/physics/world.h"
 #include "tests/bench/codec/play.h"
@@ -15,6 +16,7 @@ inline constexpr int kFrameHz = 30;
 struct Recording {
   server::CapturedBlueprint blueprint;
   std::vector<physics::Face> faces;
+  std::vector<protocol::wire::Obstacle> obstacles;
   // All bodies of each frame, kFrameHz a second, in the same order.
   std::vector<std::vector<server::CapturedBody>> frames;
   std::vector<double> speeds;        // of the centre of each body and frame, m/s
@@ -23,8 +25,11 @@ struct Recording {
   [[nodiscard]] std::size_t CountVertices() const { return blueprint.rest.size(); }
 };
 
+// As a server trains them when it loads a scene with this body: on a play of its own in a room of its own.
+[[nodiscard]] server::Bases TrainBasesAsServer(const physics::Blueprint& blueprint);
+
 // The fixed play: four balls of radius 1 m with 162 vertices between four walls. seconds: of play, after two to begin.
-[[nodiscard]] Recording RecordBalls(Pattern pattern, std::uint64_t seed, double seconds);
+[[nodiscard]] Recording RecordBalls(Pattern pattern, std::uint64_t seed, double seconds, double gas = kPlayedGas);
 // A cloth of 32 x 32 vertices, hung by its two upper corners in gusts of wind, and balls thrown at it.
 [[nodiscard]] Recording RecordCloth(std::uint64_t seed, double seconds);
 // Four cubes of 64 vertices in the same play as the balls.

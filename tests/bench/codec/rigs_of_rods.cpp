@@ -24,7 +24,7 @@ Method MakeRigsOfRods() {
           const Vector3 way = vertices[i] - reference;
           shown[body][i] = reference + Vector3{RoundToHalf(way.x), RoundToHalf(way.y), RoundToHalf(way.z)};
         }
-        bytes += kRecordHeadBytes + sizeof(Vector3) + 6 * (vertices.size() - 1);
+        bytes += AddHead(sizeof(Vector3) + 6 * (vertices.size() - 1));
       }
       return bytes;
     };

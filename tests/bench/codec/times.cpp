@@ -2,10 +2,9 @@
 // a client have them, and of many such passes the fastest.
 #include <stdexcept>
 
-#include "protocol/shape_codec.h"
 #include "protocol/snapshot.h"
 #include "tests/bench/codec/experiments.h"
-#include "tests/bench/codec/recording.h"
+#include "tests/bench/codec/method.h"
 #include "tests/bench/thread_time.h"
 
 namespace wobble::bench {
@@ -15,23 +14,24 @@ constexpr float kTarget = 0.0025F;
 
 using Payloads = std::vector<std::vector<std::uint8_t>>;
 
-void EncodeAll(const Recording& recording, Payloads& payloads) {
+void EncodeAll(const Recording& recording, protocol::ShapeEncoder& encoder, Payloads& payloads) {
+  const protocol::PatchModel model = FindModel(recording, 0);
   std::size_t next = 0;
   for (const auto& frame : recording.frames) {
     for (const server::CapturedBody& body : frame) {
       std::vector<std::uint8_t>& payload = payloads[next++];
       payload.clear();
-      (void)protocol::EncodeShape(body.pose, recording.blueprint.rest, body.vertices,
-                                  kTarget * recording.blueprint.size, protocol::kMaxRecordPayload, payload);
+      (void)encoder.Encode(model, body.pose, body.vertices, kTarget * model.size, protocol::kMaxRecordPayload, payload);
     }
   }
 }
 
-void DecodeAll(const Recording& recording, const Payloads& payloads) {
+void DecodeAll(const Recording& recording, protocol::ShapeDecoder& decoder, const Payloads& payloads) {
+  const protocol::PatchModel model = FindModel(recording, 0);
   protocol::Pose pose;
   std::vector<protocol::Vector3> shape(recording.CountVertices());
   for (const auto& payload : payloads) {
-    if (protocol::DecodeShape(payload, recording.blueprint.rest, pose, shape) != protocol::DecodeResult::kOk) {
+    if (decoder.Decode(model, payload, pose, shape) != protocol::DecodeResult::kOk) {
       throw std::runtime_error("a shape that cannot be decoded");
     }
   }
@@ -41,13 +41,15 @@ void DecodeAll(const Recording& recording, const Payloads& payloads) {
 
 void MeasureCodecTimes(Bench& bench) {
   const Recording recording = RecordBalls(Pattern::kChase, bench.options.seed, 2);
+  protocol::ShapeEncoder encoder;
+  protocol::ShapeDecoder decoder;
   Payloads payloads(recording.speeds.size());
   const std::size_t passes = bench.options.quick ? 20 : 200;
   Fastest encode;
   Fastest decode;
   for (std::size_t pass = 0; pass < passes && !bench.progress.IsStopAsked(); ++pass) {
-    encode.Time([&] { EncodeAll(recording, payloads); });
-    decode.Time([&] { DecodeAll(recording, payloads); });
+    encode.Time([&] { EncodeAll(recording, encoder, payloads); });
+    decode.Time([&] { DecodeAll(recording, decoder, payloads); });
     bench.progress.Show(pass + 1, passes);
   }
   const auto count = static_cast<double>(payloads.size());

@@ -7,7 +7,7 @@ namespace wobble::bench {
 
 // Keys displayed_error_*, kbit_per_body_30hz*, display_delay_ms*, stalls_share, disconnects, truth_error.
 void MeasureLinks(Bench& bench);
-// Keys budget_physics, budget_codec, budget_interpolation.
+// Keys budget_*.
 void MeasureBudget(Bench& bench);
 
 }  // namespace wobble::bench

@@ -43,7 +43,8 @@ name = "ball"
 radius = 1
 mass = 40.5
 stiffness = 750
-gas = 3300
+gas = 4500
+damping_ratio = 0.3
 [player]
 blueprint = "ball"
 spawn = [0, 0, 1.5]
@@ -177,8 +178,9 @@ Game::Game(int snapshotHz, const std::vector<Watcher>& watchers, std::uint64_t s
   server::Config config;
   config.tickHz = kTickHz;
   config.snapshotHz = snapshotHz;
+  const std::vector<server::Bases> bases{TrainBasesAsServer(MakePlayedBall())};
   config.clientKbit = server::kClientKbitRange.high;
-  m_server.emplace(config, MakeScene(), std::make_unique<TransportGroup>(std::move(members), m_sent), 0);
+  m_server.emplace(config, MakeScene(), std::make_unique<TransportGroup>(std::move(members), m_sent), 0, bases);
   for (std::size_t i = 0; i < kPlayers; ++i) {
     m_players.emplace_back(m_playersNetwork.MakeClient(), client::Options{.decode = false}, 0);
     m_actors.emplace_back(seed, i);

@@ -117,7 +117,8 @@ void MeasureAsleep(Bench& bench) {
   Plot plot{.name = "skip_asleep",
             .title = "A tick of the server: ten balls that move, and ever more that sleep",
             .xLabel = "balls asleep",
-            .yLabel = "us a tick"};
+            .yLabel = "µs a tick",
+            .yFromZero = true};
   plot.series = {{"measured", Stroke::kLineAndPoints, {}}, {"the ten alone", Stroke::kDashed, {}}};
   for (std::size_t i = 0; i < counts.size(); ++i) {
     const double time = fastest[i].Read() * 1e6;

@@ -79,8 +79,8 @@ double FindFilledShare(const World& world) {
   const Blueprint& blueprint = world.Blueprints()[0];
   std::map<int, std::size_t> rungs;
   for (const Body& body : world.Bodies()) {
-    const int stable = ChooseSubsteps<float>(blueprint.integrator, blueprint, {}, {},
-                                             std::get<State<float>>(body.state), 0, {}, world.Settings().tickDuration);
+    const int stable = ChooseSubsteps<float>(blueprint.integrator, blueprint, {}, std::get<State<float>>(body.state),
+                                             {}, {}, world.Settings().tickDuration);
     ++rungs[std::max(stable, body.steps.Substeps())];
   }
   const auto width = static_cast<std::size_t>(FindSweepKernels<float>(kWidestPack).back().width);

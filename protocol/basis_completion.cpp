@@ -1,0 +1,138 @@
+// Doubles, and nothing but sums, products, quotients and square roots in one order: IEEE 754 leaves no choice about
+// these, so all clients get the same bits although no integer is in sight. Sums run over rows in ascending order; the
+// loops inside run over columns, which the compiler may put side by side without changing any of them. Gram–Schmidt on
+// unit vectors would be simpler to tell, but ends in vectors of which nothing but rounding is left.
+#include "protocol/basis_completion.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <numeric>
+
+namespace wobble::protocol {
+namespace {
+
+// x − 2 v (v·x)/(v·v) for every column x of a matrix whose rows are `columns` numbers; v begins at row `first`.
+struct Reflection {
+  std::size_t first = 0;
+  std::vector<double> v;
+  double factor = 0;  // 2/(v·v)
+};
+
+void Reflect(const Reflection& reflection, std::size_t columns, std::vector<double>& matrix,
+             std::vector<double>& dots) {
+  dots.assign(columns, 0.0);
+  for (std::size_t i = 0; i < reflection.v.size(); ++i) {
+    const double* row = matrix.data() + (reflection.first + i) * columns;
+    const double v = reflection.v[i];
+    for (std::size_t j = 0; j < columns; ++j) dots[j] += v * row[j];
+  }
+  for (double& dot : dots) dot *= reflection.factor;
+  for (std::size_t i = 0; i < reflection.v.size(); ++i) {
+    double* row = matrix.data() + (reflection.first + i) * columns;
+    const double v = reflection.v[i];
+    for (std::size_t j = 0; j < columns; ++j) row[j] -= v * dots[j];
+  }
+}
+
+// The reflection that turns what is below row `first` of the column into a multiple of the first unit vector.
+Reflection MakeReflection(const std::vector<double>& matrix, std::size_t rows, std::size_t columns, std::size_t first) {
+  Reflection reflection;
+  reflection.first = first;
+  double square = 0;
+  for (std::size_t i = first; i < rows; ++i) {
+    const double x = matrix[i * columns + first];
+    reflection.v.push_back(x);
+    square += x * x;
+  }
+  const double length = std::sqrt(square);
+  reflection.v[0] += reflection.v[0] < 0 ? -length : length;
+  double vv = 0;
+  for (const double v : reflection.v) vv += v * v;
+  reflection.factor = vv > 0 ? 2 / vv : 0;
+  return reflection;
+}
+
+}  // namespace
+
+std::vector<double> CompleteBasis(std::span<const double> given, std::size_t rows, std::span<const std::size_t> order) {
+  const std::size_t modes = given.size() / rows;
+  std::vector<double> work(given.size());
+  for (std::size_t i = 0; i < rows; ++i) {
+    for (std::size_t k = 0; k < modes; ++k) work[i * modes + k] = given[k * rows + order[i]];
+  }
+  std::vector<Reflection> reflections;
+  std::vector<double> dots;
+  for (std::size_t k = 0; k < modes; ++k) {
+    reflections.push_back(MakeReflection(work, rows, modes, k));
+    Reflect(reflections.back(), modes, work, dots);
+  }
+  const std::size_t rest = rows - modes;
+  std::vector<double> completed(rows * rest, 0.0);
+  for (std::size_t j = 0; j < rest; ++j) completed[(modes + j) * rest + j] = 1;
+  for (std::size_t k = modes; k-- > 0;) Reflect(reflections[k], rest, completed, dots);
+  return completed;
+}
+
+bool Orthonormalise(std::span<double> vectors, std::size_t rows) {
+  constexpr double kSmallest = 1e-3;  // of what is left of a vector, as a share of it
+  const auto measure = [](std::span<const double> vector) {
+    double square = 0;
+    for (const double x : vector) square += x * x;
+    return std::sqrt(square);
+  };
+  for (std::size_t begin = 0; begin < vectors.size(); begin += rows) {
+    const std::span<double> vector = vectors.subspan(begin, rows);
+    const double before = measure(vector);
+    for (std::size_t other = 0; other < begin; other += rows) {
+      const std::span<const double> unit = vectors.subspan(other, rows);
+      double dot = 0;
+      for (std::size_t i = 0; i < rows; ++i) dot += unit[i] * vector[i];
+      for (std::size_t i = 0; i < rows; ++i) vector[i] -= dot * unit[i];
+    }
+    const double left = measure(vector);
+    if (!(left > kSmallest * before)) return false;
+    for (double& x : vector) x /= left;
+  }
+  return true;
+}
+
+std::vector<double> MakeCosines(std::size_t nx, std::size_t ny, std::size_t nz) {
+  const std::array<std::size_t, 3> counts{nx, ny, nz};
+  std::array<std::vector<double>, 3> axes;  // mode · count + place
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t n = counts[axis];
+    for (std::size_t m = 0; m < n; ++m) {
+      const double scale = std::sqrt((m == 0 ? 1.0 : 2.0) / static_cast<double>(n));
+      for (std::size_t i = 0; i < n; ++i) {
+        const double angle = std::numbers::pi * static_cast<double>(m * (2 * i + 1)) / static_cast<double>(2 * n);
+        axes[axis].push_back(scale * std::cos(angle));
+      }
+    }
+  }
+  // Frequencies as integers, so that equal ones keep the order of their numbers: (m/n)² times (nx ny nz)².
+  const std::size_t rows = nx * ny * nz;
+  const auto frequency = [&](std::size_t mode) {
+    const std::uint64_t a = mode % nx * ny * nz, b = mode / nx % ny * nx * nz, c = mode / (nx * ny) * nx * ny;
+    return a * a + b * b + c * c;
+  };
+  std::vector<std::size_t> modes(rows);
+  std::iota(modes.begin(), modes.end(), std::size_t{0});
+  std::stable_sort(modes.begin(), modes.end(),
+                   [&](std::size_t a, std::size_t b) { return frequency(a) < frequency(b); });
+  std::vector<double> cosines;
+  cosines.reserve(rows * rows);
+  for (const std::size_t mode : modes) {
+    const double* x = axes[0].data() + mode % nx * nx;
+    const double* y = axes[1].data() + mode / nx % ny * ny;
+    const double* z = axes[2].data() + mode / (nx * ny) * nz;
+    for (std::size_t row = 0; row < rows; ++row) {
+      cosines.push_back(x[row % nx] * y[row / nx % ny] * z[row / (nx * ny)]);
+    }
+  }
+  return cosines;
+}
+
+}  // namespace wobble::protocol

@@ -1,0 +1,365 @@
+// Per coefficient the encoder takes, of the nearest value, the next smaller and 0, the one of least error plus 0.1
+// squared steps a bit (0.06 and 0.15 made records 1 % longer); per record the coarsest step at which the error stays
+// within the target, and then the dearest bits: three or four tries of each. A trellis over contexts was not worth its
+// time, nor were values rebuilt nearer to zero.
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "protocol/contexts.h"
+#include "protocol/shape_codec.h"
+#include "protocol/shape_layout.h"
+
+namespace wobble::protocol {
+namespace {
+
+// Squared steps of error that a bit is worth.
+constexpr float kBitWorth = 0.1F;
+constexpr float kLeastBitWorth = 0.07F;
+constexpr float kMostBitWorth = 0.17F;
+// How much more error, as a share of it, a bit's worth of one squared step more would make.
+constexpr double kErrorGrowth = 2;
+// Less of the error allowed is not enough: another try is worth its time. What is left then goes into ones made zeros.
+constexpr double kEnough = 0.93;
+// A step over the target, about.
+constexpr float kUsualStep = 2.3F;
+// Grid of poses over the target, at most.
+constexpr float kPoseShare = 0.3F;
+// Of the error allowed, what is planned with: the transform's own rounding is not.
+constexpr double kPlannedShare = 0.9985;
+
+using Costs = std::array<std::array<float, kMagnitudes>, kContexts>;
+
+// The error that a step makes, m²: of what is rounded a twelfth of its square, of what is not everything.
+double GuessError(std::span<const float> coefficients, float step) {
+  constexpr std::size_t kLanes = 8;  // side by side, for the compiler
+  std::array<float, kLanes> sums{};
+  const float dead = 0.4F * step * step, rounded = 0.08F * step * step;
+  const std::size_t whole = coefficients.size() / kLanes * kLanes;
+  for (std::size_t i = 0; i < whole; i += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      const float square = coefficients[i + lane] * coefficients[i + lane];
+      sums[lane] += square < dead ? square : rounded;
+    }
+  }
+  double sum = 0;
+  for (std::size_t i = whole; i < coefficients.size(); ++i) {
+    const float square = coefficients[i] * coefficients[i];
+    sum += double{square < dead ? square : rounded};
+  }
+  for (const float each : sums) sum += double{each};
+  return sum;
+}
+
+Costs MakeCosts() {
+  Costs costs{};
+  for (std::size_t context = 0; context < kContexts; ++context) {
+    for (std::size_t i = 0; i < kMagnitudes; ++i) {
+      const double share = static_cast<double>(FindFrequencies(context)[i].size) / kFrequencyTotal;
+      costs[context][i] = static_cast<float>(FindLowBits(context) - std::log2(share));
+    }
+  }
+  return costs;
+}
+
+const Costs kCosts = MakeCosts();
+
+// Bits, with the sign.
+float FindCost(std::size_t context, std::uint32_t magnitude) {
+  const std::uint32_t high = magnitude >> FindLowBits(context);
+  const float sign = magnitude > 0 ? 1.0F : 0.0F;
+  if (high < kEscapeMagnitude) return kCosts[context][high] + sign;
+  const int length = std::bit_width(high - kEscapeMagnitude + 1) - 1;
+  return kCosts[context][kEscapeMagnitude] + sign + static_cast<float>(2 * length + 1);
+}
+
+std::uint32_t ChooseMagnitude(std::size_t context, float wanted, float bitWorth) {
+  const auto nearest = static_cast<std::uint32_t>(std::min(wanted + 0.5F, static_cast<float>(kMaxMagnitude)));
+  if (nearest == 0) return 0;
+  const auto price = [&](std::uint32_t magnitude) {
+    const float error = wanted - static_cast<float>(magnitude);
+    return error * error + bitWorth * FindCost(context, magnitude);
+  };
+  std::uint32_t best = nearest;
+  float least = price(nearest);
+  for (const std::uint32_t other : {nearest - 1, std::uint32_t{0}}) {
+    const float each = price(other);
+    if (each < least) best = other, least = each;
+  }
+  return best;
+}
+
+void WriteEscape(RangeEncoder& encoder, std::uint32_t rest) {
+  const auto length = static_cast<unsigned>(std::bit_width(rest + 1) - 1);
+  for (unsigned i = 0; i < length; ++i) encoder.EncodeBits(1, 1);
+  if (length < 20) encoder.EncodeBits(0, 1);
+  const std::uint32_t number = rest + 1 - (1U << length);
+  const unsigned high = length > 16 ? length - 16 : 0;
+  encoder.EncodeBits(number & ((1U << (length - high)) - 1), length - high);
+  encoder.EncodeBits(number >> (length - high), high);
+}
+
+void WriteCoefficient(RangeEncoder& encoder, Contexts& contexts, int level, std::int32_t value) {
+  const std::size_t context = contexts.Find(level);
+  const auto magnitude = static_cast<std::uint32_t>(value < 0 ? -value : value);
+  const unsigned lowBits = FindLowBits(context);
+  const std::uint32_t high = magnitude >> lowBits;
+  const Frequency frequency = FindFrequencies(context)[std::min(high, kEscapeMagnitude)];
+  encoder.Encode(frequency.start, frequency.size);
+  if (high >= kEscapeMagnitude) WriteEscape(encoder, high - kEscapeMagnitude);
+  if (lowBits > 0) encoder.EncodeBits(magnitude & ((1U << lowBits) - 1), lowBits);
+  contexts.Add(magnitude);
+  if (value != 0) encoder.EncodeBits(value < 0 ? 1 : 0, 1);
+}
+
+unsigned FindGrid(float targetRms) {
+  unsigned grid = 0;
+  while (grid < kFinestGrid && std::ldexp(1.0F, -static_cast<int>(grid)) > kPoseShare * targetRms) ++grid;
+  return grid;
+}
+
+}  // namespace
+
+struct ShapeEncoder::Choice {
+  ShapeHead head;
+  float bitWorth = kBitWorth;
+
+  [[nodiscard]] int StepLevel() const { return FindStepLevel(head.pose.grid.grid, head.stepIndex); }
+};
+
+void ShapeEncoder::FindDepartures(const PatchModel& model, const Pose& seen, std::span<const Vector3> vertices) {
+  const std::size_t count = model.rest.size();
+  const Quaternion inverse = Conjugate(seen.rotation);
+  m_local.resize(count);
+  m_coefficients.resize(3 * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    m_local[i] = Rotate(inverse, vertices[i] - seen.centroid);
+    const Vector3 way = m_local[i] - model.rest[i];
+    m_coefficients[3 * i] = way.x;
+    m_coefficients[3 * i + 1] = way.y;
+    m_coefficients[3 * i + 2] = way.z;
+  }
+}
+
+// Departures into coefficients. As the columns are orthonormal, so rounded numbers whose squares add up to 2^34 have no
+// product with a column of 2^31 or more.
+void ShapeEncoder::Transform(const Basis& basis) {
+  const std::size_t size = m_coefficients.size(), count = basis.vertices;
+  double square = 0;
+  float largest = 0;
+  for (const float x : m_coefficients) {
+    square += double{x} * double{x};
+    largest = std::max(largest, std::fabs(x));
+  }
+  if (square <= 0) return;
+  const auto scale = static_cast<float>(std::min(1.28e5 / std::sqrt(square), 32767.0 / double{largest}));
+  m_rounded.resize(size);
+  const std::size_t apart = basis.isScalar ? count : 1, stride = basis.isScalar ? 1 : 3;
+  for (std::size_t i = 0; i < size; ++i) {
+    m_rounded[i / 3 * stride + i % 3 * apart] = static_cast<std::int16_t>(std::nearbyint(m_coefficients[i] * scale));
+  }
+  const float unit = 1.0F / (16384.0F * scale);
+  for (std::size_t k = 0; k < size; ++k) {
+    const std::int16_t* numbers = basis.isScalar ? m_rounded.data() + k % 3 * count : m_rounded.data();
+    m_coefficients[k] = static_cast<float>(Project(basis.Column(basis.isScalar ? k / 3 : k), numbers)) * unit;
+  }
+}
+
+void ShapeEncoder::GuessStep(const PatchModel& model, double budget, Choice& choice) {
+  const Choice& c = choice;
+  m_left = m_coefficients;
+  if (c.head.mode.followsContact) {
+    const float scale = FindContactScale(model.size, 16.0F);  // in metres
+    for (std::size_t k = 0; k < m_left.size(); ++k) {
+      m_left[k] -= static_cast<float>(m_contact.along[k]) * static_cast<float>(model.basis->gains[k]) * scale;
+    }
+  }
+  unsigned low = 0, high = kSteps - 1;
+  while (low < high) {
+    const unsigned middle = (low + high + 1) / 2;
+    const float step = FindStep(FindStepLevel(c.head.pose.grid.grid, middle));
+    if (GuessError(m_left, step) <= budget)
+      low = middle;
+    else
+      high = middle - 1;
+  }
+  choice.head.stepIndex = low;
+}
+
+// Whether the coefficients have fewer bits before the point of a step when what contact suggests is taken off.
+bool ShapeEncoder::FollowsContact(const PatchModel& model, float targetRms) const {
+  const float scale = FindContactScale(model.size, 16.0F);  // in metres
+  const float sixteenths = 16.0F / (kUsualStep * targetRms);
+  const auto measure = [&](float coefficient) {
+    return FindLogarithm(16 + static_cast<std::uint32_t>(std::min(std::fabs(coefficient) * sixteenths, 1e9F)));
+  };
+  int with = 0, without = 0;
+  for (std::size_t k = 0; k < m_coefficients.size(); ++k) {
+    if (m_contact.along[k] == 0) continue;
+    const float suggested = static_cast<float>(m_contact.along[k]) * static_cast<float>(model.basis->gains[k]) * scale;
+    with += measure(m_coefficients[k] - suggested);
+    without += measure(m_coefficients[k]);
+  }
+  return with < without;
+}
+
+// Chooses all coefficients. Returns the sum of squared errors, m².
+double ShapeEncoder::Round(const PatchModel& model, const Choice& choice) {
+  const Basis* basis = choice.head.mode.usesBasis ? model.basis : nullptr;
+  const float step = FindStep(choice.StepLevel());
+  const float scale = FindContactScale(model.size, step), perStep = 1.0F / step;
+  const int stepLevel = choice.StepLevel();
+  Contexts contexts;
+  double sum = 0;
+  m_chosen.resize(m_coefficients.size());
+  m_wanted.resize(m_coefficients.size());
+  for (std::size_t k = 0; k < m_coefficients.size(); ++k) {
+    float wanted = m_coefficients[k] * perStep;
+    if (choice.head.mode.followsContact) {
+      wanted -= static_cast<float>(FindSuggestion(m_contact.along[k], basis->gains[k], scale)) / 16.0F;
+    }
+    const std::size_t context = contexts.Find(FindLevel(basis, k, stepLevel));
+    const std::uint32_t magnitude = ChooseMagnitude(context, std::fabs(wanted), choice.bitWorth);
+    contexts.Add(magnitude);
+    const float error = std::fabs(wanted) - static_cast<float>(magnitude);
+    sum += double{error * error};
+    m_wanted[k] = std::fabs(wanted);
+    m_chosen[k] = wanted < 0 ? -static_cast<std::int32_t>(magnitude) : static_cast<std::int32_t>(magnitude);
+  }
+  return sum * double{step} * double{step};
+}
+
+// Steps and worths of a bit until the error is just within the budget, m². Leaves the coefficients chosen.
+void ShapeEncoder::SearchStep(const PatchModel& model, double budget, Choice& choice) {
+  unsigned& index = choice.head.stepIndex;
+  choice.bitWorth = kBitWorth;
+  Choice best = choice;
+  double bestError = -1;
+  double error = 0;
+  constexpr int kTries = 4;
+  for (int i = 0; i < kTries; ++i) {
+    error = Round(model, choice);
+    if (error <= budget && error > bestError) best = choice, bestError = error;
+    if (error <= budget && error > kEnough * budget) return SpendRest(budget - error, choice);
+    const double ratio = budget / std::max(error, 1e-9 * budget);
+    const float worth = choice.bitWorth + static_cast<float>((0.995 * ratio - 1) / kErrorGrowth);
+    if (worth >= kLeastBitWorth && worth <= kMostBitWorth) {
+      choice.bitWorth = worth;
+      continue;
+    }
+    // The error grows somewhat slower than the square of the step.
+    const int way = static_cast<int>(std::lround(5 * std::log2(ratio)));
+    const int next = static_cast<int>(index) + (ratio < 1 ? std::min(way, -1) : std::max(way, 1));
+    if (next < 0 || next >= static_cast<int>(kSteps)) break;
+    index = static_cast<unsigned>(next);
+    choice.bitWorth = kBitWorth;
+  }
+  if (bestError >= 0) {
+    choice = best;
+    return SpendRest(budget - Round(model, choice), choice);
+  }
+  choice.bitWorth = kBitWorth;
+  for (error = Round(model, choice); error > budget && index > 0; error = Round(model, choice)) --index;
+}
+
+// Makes zeros of ones as long as there is error left for it, m²: of those first that it costs the least.
+void ShapeEncoder::SpendRest(double left, const Choice& choice) {
+  const float step = FindStep(choice.StepLevel());
+  double steps = left / (double{step} * double{step});
+  for (float most = 0.6F; most < 1.3F && steps > 2 * double{most} - 1.1; most += 0.05F) {
+    for (std::size_t k = 0; k < m_chosen.size(); ++k) {
+      if (m_wanted[k] >= most || (m_chosen[k] != 1 && m_chosen[k] != -1)) continue;
+      const double cost = 2 * double{m_wanted[k]} - 1;  // w² − (1 − w)²
+      if (cost > steps) continue;
+      steps -= cost;
+      m_chosen[k] = 0;
+    }
+  }
+}
+
+void ShapeEncoder::Write(const PatchModel& model, const Choice& choice, std::vector<std::uint8_t>& out) const {
+  const Basis* basis = choice.head.mode.usesBasis ? model.basis : nullptr;
+  RangeEncoder encoder(out);
+  WriteHead(encoder, model.size, choice.head);
+  Contexts contexts;
+  for (std::size_t k = 0; k < m_chosen.size(); ++k) {
+    WriteCoefficient(encoder, contexts, FindLevel(basis, k, choice.StepLevel()), m_chosen[k]);
+  }
+  encoder.Finish();
+}
+
+// Rotation keeps lengths, so the error is that in the body's frame.
+ShapeEncoding ShapeEncoder::Measure(std::span<const Vector3> shape) const {
+  ShapeEncoding encoding{true};
+  double sum = 0;
+  float largest = 0;
+  for (std::size_t i = 0; i < shape.size(); ++i) {
+    const Vector3 error = shape[i] - m_local[i];
+    const float square = Dot(error, error);
+    sum += double{square};
+    largest = std::max(largest, square);
+  }
+  encoding.rmsError = static_cast<float>(std::sqrt(sum / static_cast<double>(shape.size())));
+  encoding.maxError = std::sqrt(largest);
+  return encoding;
+}
+
+ShapeEncoding ShapeEncoder::EncodeAt(const PatchModel& model, const Pose& pose, std::span<const Vector3> vertices,
+                                     float targetRms, std::vector<std::uint8_t>& out) {
+  Choice choice;
+  ShapeHead& head = choice.head;
+  const unsigned grid = FindGrid(targetRms);
+  head.pose = Quantise(pose, MakePoseGrid(grid, model.size));
+  const Pose seen = Dequantise(head.pose);
+  FindDepartures(model, seen, vertices);
+  FindSides(model.obstacles, seen, FindReach(model.rest), m_sides);
+  head.mode.usesBasis = model.basis != nullptr;
+  if (head.mode.usesBasis) {
+    Transform(*model.basis);
+    head.mode.followsContact = FindContact(model, m_sides, m_contact) && FollowsContact(model, targetRms);
+  }
+  const std::size_t start = out.size();
+  double budget = kPlannedShare * static_cast<double>(vertices.size()) * double{targetRms} * double{targetRms};
+  GuessStep(model, budget, choice);
+  ShapeEncoding encoding;
+  m_shape.resize(vertices.size());
+  constexpr int kTries = 4;
+  for (int i = 0; i < kTries; ++i) {
+    SearchStep(model, budget, choice);
+    out.resize(start);
+    Write(model, choice, out);
+    Pose decoded;
+    const DecodeResult result =
+        m_decoder.Decode(model, std::span<const std::uint8_t>(out).subspan(start), decoded, m_shape);
+    assert(result == DecodeResult::kOk);
+    static_cast<void>(result);
+    encoding = Measure(m_shape);
+    encoding.step = FindStep(choice.StepLevel());
+    if (encoding.rmsError <= targetRms) return encoding;
+    const double over = double{encoding.rmsError} / double{targetRms};
+    budget *= 0.998 / (over * over);
+  }
+  return encoding;
+}
+
+ShapeEncoding ShapeEncoder::Encode(const PatchModel& model, const Pose& pose, std::span<const Vector3> vertices,
+                                   float targetRms, std::size_t maxBytes, std::vector<std::uint8_t>& out) {
+  assert(!model.rest.empty() && model.rest.size() == vertices.size() && targetRms > 0.0F);
+  const std::size_t begin = out.size();
+  constexpr int kCoarsenings = 64;  // a million times coarser
+  float target = targetRms;
+  for (int i = 0; i < kCoarsenings; ++i, target *= 1.25F) {
+    ShapeEncoding encoding = EncodeAt(model, pose, vertices, target, out);
+    if (model.basis != nullptr && encoding.rmsError > target) {  // too far for the decoder's sums: vertex by vertex
+      PatchModel plain = model;
+      plain.basis = nullptr;
+      out.resize(begin);
+      encoding = EncodeAt(plain, pose, vertices, target, out);
+    }
+    if (out.size() - begin <= maxBytes) return encoding;
+    out.resize(begin);
+  }
+  return {};
+}
+
+}  // namespace wobble::protocol
