@@ -75,7 +75,8 @@ bool Bodies::AppendForm(Body& body, const std::shared_ptr<const Blueprint>& blue
   } else {
     if (m_tracked + CostOf(*blueprint) > kMaxTrackedVertices) return false;
     m_tracked += CostOf(*blueprint);
-    form.patches = std::make_shared<std::vector<Track>>(PatchCount(blueprint->rest.size()), Track(blueprint->size));
+    form.patches =
+        std::make_shared<std::vector<Track>>(PatchCount(blueprint->rest.size()), Track(blueprint->size, m_curve));
   }
   if (body.forms.size() == kMaxForms) DropOldestForm(body);
   body.forms.push_back(std::move(form));

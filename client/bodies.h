@@ -29,6 +29,8 @@ inline constexpr std::size_t kMaxForms = 16;
 
 class Bodies {
  public:
+  explicit Bodies(Curve curve = Curve::kCatmullRom) : m_curve(curve) {}
+
   // A decoded record. time: of its tick, or since when the body lies still. shape has as many vertices as that patch of
   // the blueprint. False when it would be one body or vertex too many; what is old, or of a body that has been removed
   // since, is ignored and true.
@@ -77,6 +79,7 @@ class Bodies {
   static const Form& ChooseForm(const Body& body, double time);
   static void SampleBody(const Form& form, double time, double newest, Detail detail, BodySample& sample);
 
+  Curve m_curve;
   BodyMap m_bodies;
   std::size_t m_tracked = 0;             // counted against kMaxTrackedVertices
   std::array<Removal, 64> m_removals{};  // the latest; a late record is late by less than these took

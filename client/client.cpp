@@ -63,6 +63,8 @@ std::string DescribeGoodbye(const wire::Goodbye& goodbye) {
 }  // namespace
 
 struct Client::Implementation {
+  explicit Implementation(Curve curve) : bodies(curve) {}
+
   std::unique_ptr<transport::Transport> transport;
   Options options;
   transport::ConnectionId connection = 0;
@@ -130,7 +132,7 @@ struct Client::Implementation {
 };
 
 Client::Client(std::unique_ptr<transport::Transport> transport, Options options, double now)
-    : m(std::make_unique<Implementation>()) {
+    : m(std::make_unique<Implementation>(options.curve)) {
   assert(transport != nullptr && options.name.size() <= protocol::kMaxNameBytes);
   m->transport = std::move(transport);
   m->options = std::move(options);

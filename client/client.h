@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "client/curve.h"
 #include "client/statistics.h"
 #include "protocol/basis.h"
 #include "protocol/geometry.h"
@@ -24,6 +25,7 @@ struct Options {
   std::string name = "player";  // at most protocol::kMaxNameBytes bytes
   bool spectator = false;       // sees the world but has no body
   bool decode = true;           // false: reads heads only (for load tests): where bodies are, not how they look
+  Curve curve = Curve::kCatmullRom;
   std::uint16_t protocolVersion = protocol::kProtocolVersion;  // said in hello; another one is for testing servers
 };
 

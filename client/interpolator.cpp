@@ -161,9 +161,11 @@ Moment Track::Interpolate(std::size_t next, double time) const {
   const TrackSample& to = m_slots[next];
   const double departure = FindDeparture(from, to);
   if (time < departure || IsCut(from, to)) return Still(from);
-  const bool comesFromRest = from.atRest || next < 2;
-  const TrackSample* before = !comesFromRest && !IsCut(m_slots[next - 2], from) ? &m_slots[next - 2] : nullptr;
-  const TrackSample* after = next + 1 < m_count && !IsCut(to, m_slots[next + 1]) ? &m_slots[next + 1] : nullptr;
+  const bool isCurve = m_curve == Curve::kCatmullRom;
+  const bool hasBefore = isCurve && !from.atRest && next >= 2;
+  const TrackSample* before = hasBefore && !IsCut(m_slots[next - 2], from) ? &m_slots[next - 2] : nullptr;
+  const bool hasAfter = isCurve && next + 1 < m_count;
+  const TrackSample* after = hasAfter && !IsCut(to, m_slots[next + 1]) ? &m_slots[next + 1] : nullptr;
 
   const double h = to.time - departure;
   const double u = (time - departure) / h;

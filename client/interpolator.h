@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "client/curve.h"
 #include "protocol/geometry.h"
 
 namespace wobble::client {
@@ -37,7 +38,7 @@ struct Moment {
 class Track {
  public:
   // size: RMS radius of the body, metres; it sets how far a sample may be from the one before and still be motion.
-  explicit Track(float size) : m_size(size) {}
+  explicit Track(float size, Curve curve = Curve::kCatmullRom) : m_size(size), m_curve(curve) {}
 
   // Puts a sample in its place; false when one of that time is there, or it is older than all of a full track. What
   // lies so far before `playback` that no moment from there on needs it makes room.
@@ -57,6 +58,7 @@ class Track {
   void DropOldest();
 
   float m_size;
+  Curve m_curve;
   std::vector<TrackSample> m_slots;  // the first m_count ascending in time; the others wait to be used again
   std::size_t m_count = 0;
 };

@@ -18,7 +18,8 @@ packages_of() {
     web) # nothing yet: the page comes with its own issue
       echo "" ;;
     lab) # what wobble_lab is measured against, and what draws its plots
-      echo "libsundials-dev libboost-dev libbullet-dev valgrind gnuplot-nox" ;;
+      echo "libsundials-dev libboost-dev libbullet-dev libdraco-dev libmeshoptimizer-dev
+            libzstd-dev valgrind gnuplot-nox" ;;
     *)
       echo "packages.sh: unknown group '$1'; one of: server, web, test, lab" >&2
       exit 2 ;;

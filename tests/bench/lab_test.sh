@@ -42,7 +42,7 @@ expect_refusal() { # PATTERN ARGUMENT...
 
 case_help_and_version() {
   local words
-  for words in '' accuracy contact skip stability throughput; do
+  for words in '' accuracy codec contact interpolation skip stability throughput; do
     # shellcheck disable=SC2086  # no word at all when there is no report
     expect_exit 0 $words --help
     expect_line "$out" '^Examples:'
@@ -54,7 +54,7 @@ case_help_and_version() {
 }
 
 case_bad_use() {
-  expect_refusal 'a report is required, one of: accuracy, stability, contact, throughput, skip, or all'
+  expect_refusal 'a report is required, one of: accuracy, stability, contact, throughput, skip, codec, interpolation, or all'
   expect_refusal 'not expected: gravity' gravity
   expect_refusal 'not expected: --loud' contact --loud
   expect_refusal "'-1' is not 0 to 9007199254740992" contact --seed=-1
@@ -108,6 +108,21 @@ case_accuracy() {
   expect_report accuracy "$keys" \
     "accuracy_work_precision accuracy_work_precision_damped accuracy_float_floor accuracy_energy accuracy_error_target
     accuracy_scenes laws"
+}
+
+case_codec() {
+  local keys="speed_median deformation_median bits_per_vertex_01 bits_per_vertex_025 bits_per_vertex_05 bits_at_rest"
+  keys+=" ratio_vs_rigs_of_rods ratio_vs_draco ratio_vs_meshopt_zstd ratio_vs_delta_zstd ratio_vs_delta_acknowledged basis_kb"
+  keys+=" vertex_error_p999_025 encode_us_per_body decode_us_per_body"
+  keys+=" cloth_bits_per_vertex_025 lattice_bits_per_vertex_025"
+  expect_report codec "$keys" "codec_curves"
+}
+
+case_interpolation() {
+  local keys="displayed_error_30hz_clean displayed_error_30hz_loss5_jitter20 kbit_per_body_30hz kbit_per_body_30hz_sent"
+  keys+=" display_delay_ms_clean display_delay_ms_jitter stalls_share disconnects speed_median truth_error_of_half"
+  keys+=" budget_physics budget_codec budget_interpolation budget_displayed"
+  expect_report interpolation "$keys" "interpolation_links"
 }
 
 case_contact() {

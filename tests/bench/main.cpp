@@ -27,6 +27,9 @@ constexpr Report kReports[] = {
      &ReportThroughput},
     {"skip", "What it costs that a world could do more: sleepers, absent terms, bodies apart, no client", false,
      &ReportSkip},
+    {"codec", "Bits a vertex against error, beside Rigs of Rods, Draco, meshoptimizer and deltas", false, &ReportCodec},
+    {"interpolation", "What a player is shown against what was, over links that lose and delay", false,
+     &ReportInterpolation},
 };
 
 // 2^53, as the server's: exact as a number in JSON too.

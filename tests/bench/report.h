@@ -46,7 +46,9 @@ struct Report {
 
 // One function a report, each in the file of its name.
 void ReportAccuracy(Bench& bench);
+void ReportCodec(Bench& bench);
 void ReportContact(Bench& bench);
+void ReportInterpolation(Bench& bench);
 void ReportSkip(Bench& bench);
 void ReportStability(Bench& bench);
 void ReportThroughput(Bench& bench);

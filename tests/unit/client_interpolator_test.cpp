@@ -101,6 +101,17 @@ TEST(ClientInterpolator, ABodyThatRestsIsNotForgotten) {
   EXPECT_EQ(bodies.Count(), 0U);
 }
 
+TEST(ClientInterpolator, StraightLinesKeepToTheTwoSamplesBesideThem) {
+  Track track(1, Curve::kLinear);
+  for (const double t : kUnevenTimes) InsertAt(track, t, {{static_cast<float>(t * t), 0, 0}, {}});
+  for (std::size_t i = 0; i + 1 < kUnevenTimes.size(); ++i) {
+    const double from = kUnevenTimes[i], to = kUnevenTimes[i + 1];
+    const Moment moment = track.FindMoment((from + to) / 2);
+    EXPECT_EQ(moment.count, 2U);
+    EXPECT_NEAR(BlendPose(moment).centroid.x, (from * from + to * to) / 2, 1e-7) << "between " << from << " and " << to;
+  }
+}
+
 TEST(ClientInterpolator, ShapesFollowTheSameCurve) {
   const auto bulge = [](double t) { return 1 + 0.5 * t - 3 * t * t; };
   Track track(1);

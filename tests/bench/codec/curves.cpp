@@ -1,0 +1,158 @@
+// Bits against error: ours and the others on the same frames of the fixed play. What is compared is bits at equal
+// error, read off the curve of each; of an opponent with variants the one that takes fewest there.
+#include <algorithm>
+
+#include "tests/bench/codec/curve.h"
+#include "tests/bench/codec/experiments.h"
+#include "tests/bench/trials.h"
+
+namespace wobble::bench {
+namespace {
+
+// Steps of a grid, share of the body's size. Rounding to it is off by half a step, RMS over vertices.
+std::vector<double> ListSteps(bool isQuick) {
+  if (isQuick) return {0.024, 0.011, 0.005, 0.002, 0.0006};
+  return {0.03, 0.02, 0.014, 0.01, 0.007, 0.005, 0.0035, 0.0024, 0.0016, 0.001, 0.0006};
+}
+
+// Ours, finer than any grid here: what Rigs of Rods' half floats are off by must lie on the curve.
+constexpr double kFinestTarget = 0.0002;
+
+std::vector<double> ListDracoBits(bool isQuick) {
+  if (isQuick) return {7, 8, 9, 10, 11};
+  return {6, 7, 8, 9, 10, 11, 12, 13};
+}
+
+struct Opponent {
+  const char* ratioKey;
+  double ratio;  // to reach; 0: it only informs
+  std::vector<Method> variants;
+};
+
+std::vector<Opponent> ListOpponents() {
+  return {
+      {"ratio_vs_draco", 5, {MakeDracoMesh(), MakeDracoPoints()}},
+      {"ratio_vs_meshopt_zstd", 6, {MakeMeshoptimizer(false)}},
+      {"ratio_vs_delta_zstd", 5, {MakeDeltaZstd(false)}},
+      // Not as they are, but as we would set them up ourselves.
+      {"ratio_vs_meshopt_delta_zstd", 0, {MakeMeshoptimizer(true)}},
+      {"ratio_vs_tuned_delta_zstd", 0, {MakeDeltaZstd(true)}},
+      {"ratio_vs_delta_acknowledged", 0, {MakeDeltaAcknowledged()}},
+  };
+}
+
+// A method's points; all points of all methods are trials of their own.
+struct Sweep {
+  Method method;
+  Curve curve;
+};
+
+void Fill(std::vector<Sweep>& sweeps, const Recording& recording, Bench& bench) {
+  struct Place {
+    std::size_t sweep, point;
+  };
+  std::vector<Place> places;
+  for (std::size_t i = 0; i < sweeps.size(); ++i) {
+    sweeps[i].curve.resize(sweeps[i].method.parameters.size());
+    for (std::size_t j = 0; j < sweeps[i].curve.size(); ++j) places.push_back({i, j});
+  }
+  RunTrials(bench, places.size(), [&](std::size_t i) {
+    Sweep& sweep = sweeps[places[i].sweep];
+    sweep.curve[places[i].point] = MeasurePoint(recording, sweep.method, sweep.method.parameters[places[i].point]);
+  });
+}
+
+void AddRows(const std::vector<Sweep>& sweeps, Bench& bench) {
+  for (const Sweep& sweep : sweeps) {
+    for (const RatePoint& point : sweep.curve) {
+      bench.results.rows.push_back({{"experiment", "curves"},
+                                    {"method", sweep.method.name},
+                                    {"parameter", point.parameter},
+                                    {"bits_per_vertex", point.bitsPerVertex},
+                                    {"error_percent", point.errorPercent},
+                                    {"error_percent_p999", point.errorPercentP999}});
+    }
+  }
+}
+
+void AddPlot(const std::vector<Sweep>& sweeps, Bench& bench) {
+  Plot plot{.name = "codec_curves",
+            .title = "Four balls of 162 vertices in violent play: what a vertex costs",
+            .xLabel = "RMS error, % of the radius",
+            .yLabel = "bits a vertex, heads of records included",
+            .logX = true};
+  for (const Sweep& sweep : sweeps) {
+    Series series{sweep.method.name, sweep.curve.size() > 1 ? Stroke::kLineAndPoints : Stroke::kRings, {}};
+    for (const RatePoint& point : sweep.curve) series.points.push_back({point.errorPercent, point.bitsPerVertex});
+    plot.series.push_back(std::move(series));
+  }
+  bench.results.plots.push_back(std::move(plot));
+}
+
+void AddPlayFigures(const Recording& recording, Results& results) {
+  results.AddFigureAtLeast("speed_median", FindMedian(recording.speeds), 3);
+  results.AddFigureAtLeast("deformation_median", 100 * FindMedian(recording.deformations), 3);
+  results.remarks.push_back(
+      FormatLine("play: %zu frames of 4 balls, 162 vertices, radius 1 m; deformation_median: RMS departure from the "
+                 "best rigid fit, "
+                 "%% of the radius; bits include heads of records, not of packets",
+                 recording.frames.size()));
+}
+
+void AddBasisFigure(Results& results) {
+  std::size_t most = 0;
+  for (const auto& basis : TrainBasesAsServer(MakePlayedBall())) most = std::max(most, basis.size());
+  results.AddFigureAtMost("basis_kb", static_cast<double>(most) / 1024, 64);
+}
+
+}  // namespace
+
+void MeasureCurves(Bench& bench) {
+  const bool isQuick = bench.options.quick;
+  const Recording recording = RecordBalls(Pattern::kChase, bench.options.seed, isQuick ? 20 : 60);
+  AddPlayFigures(recording, bench.results);
+  AddBasisFigure(bench.results);
+  const std::vector<Opponent> opponents = ListOpponents();
+  std::vector<Sweep> sweeps{{MakeOurs(), {}}, {MakeRigsOfRods(), {}}};
+  for (const double step : ListSteps(isQuick)) sweeps[0].method.parameters.push_back(step / 2);
+  sweeps[0].method.parameters.push_back(kFinestTarget);
+  for (const Opponent& opponent : opponents) {
+    for (const Method& variant : opponent.variants) {
+      sweeps.push_back({variant, {}});
+      sweeps.back().method.parameters = variant.parameters.empty() ? ListSteps(isQuick) : ListDracoBits(isQuick);
+    }
+  }
+  for (const Without without : {Without::kBasis, Without::kSurfaces}) {
+    sweeps.push_back({MakeOurs(without), {}});
+    sweeps.back().method.parameters = sweeps[0].method.parameters;
+  }
+  Fill(sweeps, recording, bench);
+  if (bench.progress.IsStopAsked()) return;
+  AddRows(sweeps, bench);
+  AddPlot(sweeps, bench);
+
+  Results& results = bench.results;
+  const Curve& ours = sweeps[0].curve;
+  // A quick run is a third as long, and its play a few percent more or less violent by chance: there the ratios are
+  // held.
+  results.AddFigureAtMost("bits_per_vertex_01", FindBitsAt(ours, 0.1), 8, !isQuick);
+  results.AddFigureAtMost("bits_per_vertex_025", FindBitsAt(ours, 0.25), 4.5, !isQuick);
+  results.AddFigureAtMost("bits_per_vertex_05", FindBitsAt(ours, 0.5), 2.4, !isQuick);
+  const RatePoint& rigs = sweeps[1].curve.front();
+  results.AddFigureAtLeast("ratio_vs_rigs_of_rods", rigs.bitsPerVertex / FindBitsAt(ours, rigs.errorPercent), 4,
+                           !isQuick);
+  std::size_t next = 2;
+  for (const Opponent& opponent : opponents) {
+    std::vector<Curve> curves;
+    for (std::size_t i = 0; i < opponent.variants.size(); ++i) curves.push_back(sweeps[next++].curve);
+    const double ratio = FindFewestBitsAt(curves, 0.25) / FindBitsAt(ours, 0.25);
+    results.AddFigureAtLeast(opponent.ratioKey, ratio, opponent.ratio, opponent.ratio > 0);
+  }
+  for (const char* const key : {"ratio_without_basis", "ratio_without_surfaces"}) {
+    results.AddFigure(key, FindBitsAt(sweeps[next++].curve, 0.25) / FindBitsAt(ours, 0.25));
+  }
+  const RatePoint setting = MeasurePoint(recording, sweeps[0].method, 0.0025);
+  results.AddFigureAtMost("vertex_error_p999_025", setting.errorPercentP999, 1);
+}
+
+}  // namespace wobble::bench

@@ -1,0 +1,44 @@
+// What is coded: bodies in play, frame by frame, as the server captures them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "server/basis_training.h"
+#include "server/capture.h"
+#include "server/physics/world.h"
+#include "tests/bench/codec/play.h"
+
+namespace wobble::bench {
+
+inline constexpr int kFrameHz = 30;
+
+struct Recording {
+  server::CapturedBlueprint blueprint;
+  std::vector<physics::Face> faces;
+  std::vector<protocol::wire::Obstacle> obstacles;
+  // All bodies of each frame, kFrameHz a second, in the same order.
+  std::vector<std::vector<server::CapturedBody>> frames;
+  std::vector<double> speeds;        // of the centre of each body and frame, m/s
+  std::vector<double> deformations;  // of each body and frame, share of the body's size; see FindDeformation
+
+  [[nodiscard]] std::size_t CountVertices() const { return blueprint.rest.size(); }
+};
+
+// As a server trains them when it loads a scene with this body: on a play of its own in a room of its own.
+[[nodiscard]] server::Bases TrainBasesAsServer(const physics::Blueprint& blueprint);
+
+// The fixed play: four balls of radius 1 m with 162 vertices between four walls. seconds: of play, after two to begin.
+[[nodiscard]] Recording RecordBalls(Pattern pattern, std::uint64_t seed, double seconds, double gas = kPlayedGas);
+// A cloth of 32 x 32 vertices, hung by its two upper corners in gusts of wind, and balls thrown at it.
+[[nodiscard]] Recording RecordCloth(std::uint64_t seed, double seconds);
+// Four cubes of 64 vertices in the same play as the balls.
+[[nodiscard]] Recording RecordLattices(Pattern pattern, std::uint64_t seed, double seconds);
+
+// RMS over the vertices of what is left when the body's best rigid fit (centroid, and the rotation that takes the rest
+// shape nearest to the shape) is taken off, share of the body's size.
+[[nodiscard]] double FindDeformation(const server::CapturedBody& body, const server::CapturedBlueprint& blueprint);
+
+[[nodiscard]] double FindMedian(std::vector<double> values);
+
+}  // namespace wobble::bench

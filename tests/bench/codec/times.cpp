@@ -1,0 +1,62 @@
+// What it takes to encode and decode a body in play: all frames of a few seconds, one after the other, as a server and
+// a client have them, and of many such passes the fastest.
+#include <stdexcept>
+
+#include "protocol/snapshot.h"
+#include "tests/bench/codec/experiments.h"
+#include "tests/bench/codec/method.h"
+#include "tests/bench/thread_time.h"
+
+namespace wobble::bench {
+namespace {
+
+constexpr float kTarget = 0.0025F;
+
+using Payloads = std::vector<std::vector<std::uint8_t>>;
+
+void EncodeAll(const Recording& recording, protocol::ShapeEncoder& encoder, Payloads& payloads) {
+  const protocol::PatchModel model = FindModel(recording, 0);
+  std::size_t next = 0;
+  for (const auto& frame : recording.frames) {
+    for (const server::CapturedBody& body : frame) {
+      std::vector<std::uint8_t>& payload = payloads[next++];
+      payload.clear();
+      (void)encoder.Encode(model, body.pose, body.vertices, kTarget * model.size, protocol::kMaxRecordPayload, payload);
+    }
+  }
+}
+
+void DecodeAll(const Recording& recording, protocol::ShapeDecoder& decoder, const Payloads& payloads) {
+  const protocol::PatchModel model = FindModel(recording, 0);
+  protocol::Pose pose;
+  std::vector<protocol::Vector3> shape(recording.CountVertices());
+  for (const auto& payload : payloads) {
+    if (decoder.Decode(model, payload, pose, shape) != protocol::DecodeResult::kOk) {
+      throw std::runtime_error("a shape that cannot be decoded");
+    }
+  }
+}
+
+}  // namespace
+
+void MeasureCodecTimes(Bench& bench) {
+  const Recording recording = RecordBalls(Pattern::kChase, bench.options.seed, 2);
+  protocol::ShapeEncoder encoder;
+  protocol::ShapeDecoder decoder;
+  Payloads payloads(recording.speeds.size());
+  const std::size_t passes = bench.options.quick ? 20 : 200;
+  Fastest encode;
+  Fastest decode;
+  for (std::size_t pass = 0; pass < passes && !bench.progress.IsStopAsked(); ++pass) {
+    encode.Time([&] { EncodeAll(recording, encoder, payloads); });
+    decode.Time([&] { DecodeAll(recording, decoder, payloads); });
+    bench.progress.Show(pass + 1, passes);
+  }
+  const auto count = static_cast<double>(payloads.size());
+  // Times of a quick run are whatever a busy machine makes of them.
+  const bool isHeld = !bench.options.quick;
+  bench.results.AddFigureAtMost("encode_us_per_body", 1e6 * encode.Read() / count, 50, isHeld);
+  bench.results.AddFigureAtMost("decode_us_per_body", 1e6 * decode.Read() / count, 20, isHeld);
+}
+
+}  // namespace wobble::bench

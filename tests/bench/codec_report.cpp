@@ -1,0 +1,17 @@
+// `wobble_lab codec`: what the shapes of bodies cost on the wire at which error, beside what others would need for the
+// same frames, all in the same run.
+#include "tests/bench/codec/experiments.h"
+
+namespace wobble::bench {
+
+void ReportCodec(Bench& bench) {
+  constexpr Part kParts[] = {
+      {"curves", 0.85, &MeasureCurves},
+      {"other bodies", 0.05, &MeasureOtherBodies},
+      {"rest", 0.03, &MeasureRest},
+      {"times", 0.07, &MeasureCodecTimes},
+  };
+  MeasureParts(bench, kParts);
+}
+
+}  // namespace wobble::bench

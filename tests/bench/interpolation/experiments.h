@@ -1,0 +1,13 @@
+// The experiments of `wobble_lab interpolation`.
+#pragma once
+
+#include "tests/bench/report.h"
+
+namespace wobble::bench {
+
+// Keys displayed_error_*, kbit_per_body_30hz*, display_delay_ms*, stalls_share, disconnects, truth_error.
+void MeasureLinks(Bench& bench);
+// Keys budget_*.
+void MeasureBudget(Bench& bench);
+
+}  // namespace wobble::bench
