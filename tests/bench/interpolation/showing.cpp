@@ -232,7 +232,7 @@ Showing Game::Finish(double seconds) {
   for (std::size_t i = 0; i < m_seats.size(); ++i) {
     showing.watchers.push_back(m_seats[i].Finish((*m_sent)[i + 1], seconds));
   }
-  showing.codecError = m_server->ReadEncoder().ErrorPercentRms();
+  showing.codecError = m_server->ReadSendCounts().ErrorPercentRms();
   showing.truthErrorOfHalf = kPercent * m_truth.ErrorOfHalf();
   showing.speedMedian = FindMedian(m_speeds);
   return showing;
