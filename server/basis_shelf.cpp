@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <cstring>
@@ -85,7 +86,7 @@ bool ReadFile(const std::filesystem::path& path, std::size_t vertices, Bases& ba
 void WriteFile(const std::filesystem::path& path, const Bases& bases) {
   // Under another name first: two servers may share the folder.
   const std::filesystem::path draft =
-      path.string() + fmt::format(".{:x}", std::hash<std::thread::id>{}(std::this_thread::get_id()));
+      path.string() + fmt::format(".{}.{:x}", getpid(), std::hash<std::thread::id>{}(std::this_thread::get_id()));
   std::ofstream file(draft, std::ios::binary);
   for (const auto& basis : bases) {
     const auto length = static_cast<std::uint32_t>(basis.size());
