@@ -103,7 +103,9 @@ class ShapeEncoder {
   std::vector<float> m_left;            // of these, without what contact suggests
   std::vector<float> m_wanted;          // magnitudes, in steps
   std::vector<std::int32_t> m_chosen;   // in steps
-  std::vector<Vector3> m_shape;         // as decoded
+  std::vector<float> m_bestWanted;      // of the best try so far
+  std::vector<std::int32_t> m_bestChosen;
+  std::vector<Vector3> m_shape;  // as decoded
 };
 
 }  // namespace wobble::protocol

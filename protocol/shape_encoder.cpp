@@ -239,8 +239,13 @@ void ShapeEncoder::SearchStep(const PatchModel& model, double budget, Choice& ch
   constexpr int kTries = 4;
   for (int i = 0; i < kTries; ++i) {
     error = Round(model, choice);
-    if (error <= budget && error > bestError) best = choice, bestError = error;
     if (error <= budget && error > kEnough * budget) return SpendRest(budget - error, choice);
+    if (error <= budget && error > bestError) {
+      best = choice;
+      bestError = error;
+      m_chosen.swap(m_bestChosen);
+      m_wanted.swap(m_bestWanted);
+    }
     const double ratio = budget / std::max(error, 1e-9 * budget);
     const float worth = choice.bitWorth + static_cast<float>((0.995 * ratio - 1) / kErrorGrowth);
     if (worth >= kLeastBitWorth && worth <= kMostBitWorth) {
@@ -256,7 +261,9 @@ void ShapeEncoder::SearchStep(const PatchModel& model, double budget, Choice& ch
   }
   if (bestError >= 0) {
     choice = best;
-    return SpendRest(budget - Round(model, choice), choice);
+    m_chosen.swap(m_bestChosen);
+    m_wanted.swap(m_bestWanted);
+    return SpendRest(budget - bestError, choice);
   }
   choice.bitWorth = kBitWorth;
   for (error = Round(model, choice); error > budget && index > 0; error = Round(model, choice)) --index;

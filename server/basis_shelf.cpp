@@ -5,12 +5,12 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <random>
 #include <thread>
 
 #include "protocol/messages.h"
@@ -85,8 +85,7 @@ bool ReadFile(const std::filesystem::path& path, std::size_t vertices, Bases& ba
 
 void WriteFile(const std::filesystem::path& path, const Bases& bases) {
   // Under another name first: two servers may share the folder.
-  const std::filesystem::path draft =
-      path.string() + fmt::format(".{}.{:x}", getpid(), std::hash<std::thread::id>{}(std::this_thread::get_id()));
+  const std::filesystem::path draft = path.string() + fmt::format(".{:x}", std::random_device{}());
   std::ofstream file(draft, std::ios::binary);
   for (const auto& basis : bases) {
     const auto length = static_cast<std::uint32_t>(basis.size());
