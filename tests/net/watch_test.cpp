@@ -179,12 +179,15 @@ TEST(Watch, AKilledGuardianLeavesTheShellItsOwnSettings) {
   ASSERT_EQ(jobs.size(), 1U);
   kill(jobs[0], SIGKILL);
   ASSERT_TRUE(session.Await([&] { return !session.Shown().IsSet("?1049"); }));
-  ASSERT_TRUE(session.Await([&] { return session.IsRaw(); }));
+  // The shell prompts again, and nobody changes that afterwards.
+  ASSERT_TRUE(session.Await([&] { return session.LocalModes() == prompting; }));
   for (int i = 0; i < 10; ++i) session.Take(50);
   EXPECT_EQ(session.LocalModes(), prompting);
   session.Type("exit\n");
   EXPECT_NE(session.AwaitEnd(), -1);
-  session.ExpectRestored();
+  // Where the shell's first prompt lands is not told: it may come before the picture has gone.
+  EXPECT_FALSE(session.Shown().IsSet("?1049"));
+  EXPECT_TRUE(session.Shown().IsSet("?25"));
 }
 
 TEST(Watch, SaysWhyItEndedOnceTheTerminalIsRestored) {

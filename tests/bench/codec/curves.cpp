@@ -82,7 +82,13 @@ void AddPlot(const std::vector<Sweep>& sweeps, Bench& bench) {
             .yLabel = "bits a vertex, heads of records included",
             .logX = true};
   for (const Sweep& sweep : sweeps) {
-    Series series{sweep.method.name, sweep.curve.size() > 1 ? Stroke::kLineAndPoints : Stroke::kRings, {}};
+    // Ours are of one colour; of the others there are more than seven that can be told apart.
+    const std::size_t number = plot.series.size();
+    const bool isOurs = sweep.method.name.rfind("ours", 0) == 0;
+    const bool isDashed = number >= 8;
+    const Stroke line = isDashed ? Stroke::kDashed : Stroke::kLineAndPoints;
+    Series series{sweep.method.name, sweep.curve.size() > 1 ? line : Stroke::kRings, {}};
+    series.colour = isOurs ? 1 : 2 + static_cast<int>((number + 6) % 7);
     for (const RatePoint& point : sweep.curve) series.points.push_back({point.errorPercent, point.bitsPerVertex});
     plot.series.push_back(std::move(series));
   }
