@@ -120,8 +120,9 @@ std::vector<double> MakeCosines(std::size_t nx, std::size_t ny, std::size_t nz) 
   };
   std::vector<std::size_t> modes(rows);
   std::iota(modes.begin(), modes.end(), std::size_t{0});
-  std::stable_sort(modes.begin(), modes.end(),
-                   [&](std::size_t a, std::size_t b) { return frequency(a) < frequency(b); });
+  std::sort(modes.begin(), modes.end(), [&](std::size_t a, std::size_t b) {
+    return frequency(a) != frequency(b) ? frequency(a) < frequency(b) : a < b;
+  });
   std::vector<double> cosines;
   cosines.reserve(rows * rows);
   for (const std::size_t mode : modes) {
