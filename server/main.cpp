@@ -41,6 +41,7 @@ struct Options {
   std::string logLevel = "info";
   std::string summaryFile;
   std::string cacheFolder;
+  bool isUntrained = false;
   bool listScenes = false;
   std::vector<std::string> errors;  // a line for every number that cannot be used
 };
@@ -105,6 +106,9 @@ void DescribeOptions(CLI::App& app, Options& options) {
   app.add_option("--summary", options.summaryFile, "File to write a summary of the run to, as JSON");
   app.add_option("--cache", options.cacheFolder,
                  "Folder that keeps trained bases of shapes from one start to the next");
+  app.add_flag("--untrained", options.isUntrained,
+               "Starts at once, without trained bases: shapes take three times the bits")
+      ->envname("WOBBLE_UNTRAINED");
   app.add_flag("--list-scenes", options.listScenes, "Names of shipped scenes");
   app.footer(
       "Examples:\n"
@@ -218,7 +222,8 @@ int RunServer(const Options& options) {
     return kBadUsage;
   }
 
-  std::vector<server::Bases> bases = server::LoadBases(loaded.scene, options.cacheFolder, options.config.threads);
+  std::vector<server::Bases> bases;
+  if (!options.isUntrained) bases = server::LoadBases(loaded.scene, options.cacheFolder, options.config.threads);
   server::Server server(options.config, std::move(loaded.scene), std::move(transport), ReadClock(), std::move(bases));
   server::TickTimes times(1.0 / options.config.tickHz);
   fmt::print("listening on UDP port {}, scene {}\n", options.config.port, options.scene);

@@ -24,6 +24,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/pace.h"
 #include "tests/support/screen.h"
 
 namespace wobble::test {
@@ -64,6 +65,7 @@ class Wobbled {
   explicit Wobbled(int port, const std::string& scene = "arena") {
     std::vector<std::string> words{WOBBLE_BIN_DIR "/wobbled", "--scene",     scene,  "--port",
                                    std::to_string(port),      "--log-level", "error"};
+    if (kIsSanitized) words.emplace_back("--untrained");  // it would take half a minute
     const std::vector<char*> arguments = MakeArguments(words);
     int output[2];
     if (pipe(output) != 0) return;
