@@ -60,22 +60,32 @@ class Script {
   client::Input m_input;
 };
 
-// What all clients have been told of a body at a tick, by hash.
+// What all clients have been told of a body at a tick, by hash: as many different records as there are qualities, and
+// from one record the same vertices.
 class Ledger {
  public:
-  // False when another client got other bytes.
-  bool Agree(std::uint32_t tick, const protocol::Record& record, std::span<const std::uint8_t> bytes, int kind) {
-    const std::uint64_t key = (std::uint64_t{tick} << 40) | (std::uint64_t{record.head.body} << 16) |
-                              (std::uint64_t{record.head.patch} << 8) | static_cast<std::uint64_t>(kind);
-    const std::uint64_t hash = protocol::HashBytes(bytes);
-    const auto [entry, isNew] = m_hashes.emplace(key, hash);
-    if (!isNew) ++m_compared;
-    return entry->second == hash;
+  // False when another client got other bytes, or made others of them.
+  bool AgreeOnRecord(std::uint32_t tick, const protocol::Record& record) {
+    const std::uint64_t key = (std::uint64_t{tick} << 32) | (std::uint64_t{record.head.body} << 8) | record.head.patch;
+    return Agree(key, protocol::HashBytes(record.payload), server::kQualities);
+  }
+  bool AgreeOnVertices(const protocol::Record& record, std::span<const std::uint8_t> vertices) {
+    return Agree(protocol::HashBytes(record.payload), protocol::HashBytes(vertices), 1);
   }
   [[nodiscard]] std::uint64_t Compared() const { return m_compared; }
 
  private:
-  std::unordered_map<std::uint64_t, std::uint64_t> m_hashes;
+  bool Agree(std::uint64_t key, std::uint64_t hash, std::size_t most) {
+    std::vector<std::uint64_t>& known = m_hashes[key];
+    if (std::find(known.begin(), known.end(), hash) != known.end()) {
+      ++m_compared;
+      return true;
+    }
+    known.push_back(hash);
+    return known.size() <= most;
+  }
+
+  std::unordered_map<std::uint64_t, std::vector<std::uint64_t>> m_hashes;
   std::uint64_t m_compared = 0;
 };
 
@@ -117,11 +127,11 @@ class TappingTransport final : public transport::Transport {
       return;
     }
     for (const protocol::Record& record : m_records) {
-      if (!m_tapped.bytes.Agree(head.tick, record, record.payload, 0)) ++m_tapped.disagreements;
-      if (m_decodes) LookAtVertices(head.tick, record);
+      if (!m_tapped.bytes.AgreeOnRecord(head.tick, record)) ++m_tapped.disagreements;
+      if (m_decodes) LookAtVertices(record);
     }
   }
-  void LookAtVertices(std::uint32_t tick, const protocol::Record& record) {
+  void LookAtVertices(const protocol::Record& record) {
     const auto& rest = m_tapped.rests.at(record.head.blueprint);
     const std::size_t size = protocol::PatchSize(rest.size(), record.head.patch);
     m_shape.resize(size);
@@ -135,7 +145,7 @@ class TappingTransport final : public transport::Transport {
     for (protocol::Vector3& vertex : m_shape) vertex = protocol::Transform(pose, vertex);
     const std::span bytes(reinterpret_cast<const std::uint8_t*>(m_shape.data()),
                           m_shape.size() * sizeof(protocol::Vector3));
-    if (!m_tapped.vertices.Agree(tick, record, bytes, 1)) ++m_tapped.disagreements;
+    if (!m_tapped.vertices.AgreeOnVertices(record, bytes)) ++m_tapped.disagreements;
   }
 
   std::unique_ptr<transport::Transport> m_beneath;
