@@ -206,9 +206,9 @@ bool ShapeEncoder::FollowsContact(const PatchModel& model, float targetRms) cons
 // Chooses all coefficients. Returns the sum of squared errors, m².
 double ShapeEncoder::Round(const PatchModel& model, const Choice& choice) {
   const Basis* basis = choice.head.mode.usesBasis ? model.basis : nullptr;
-  const float step = FindStep(choice.StepLevel());
-  const float scale = FindContactScale(model.size, step), perStep = 1.0F / step;
   const int stepLevel = choice.StepLevel();
+  const float step = FindStep(stepLevel);
+  const float scale = FindContactScale(model.size, step), perStep = 1.0F / step;
   Contexts contexts;
   double sum = 0;
   m_chosen.resize(m_coefficients.size());

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "protocol/shape_layout.h"
 #include "protocol/surfaces.h"
 
 namespace wobble::server {
@@ -119,8 +120,7 @@ BasisStatistics MeasurePlay(const Play& play, std::span<const Vector3> rest, std
   const auto rows = static_cast<Eigen::Index>(3 * rest.size());
   const auto count = static_cast<Eigen::Index>(play.frames.size());
   MatrixXd departures(rows, count), contacts(rows, count);
-  float reach = 0;
-  for (const Vector3& v : rest) reach = std::max(reach, protocol::Length(v));
+  const float reach = protocol::FindReach(rest);
   std::vector<protocol::Side> sides;
   std::vector<Vector3> pressed;
   for (Eigen::Index f = 0; f < count; ++f) {

@@ -14,6 +14,7 @@
 
 #include "protocol/basis_completion.h"
 #include "protocol/random.h"
+#include "protocol/snapshot.h"
 #include "server/capture.h"
 
 namespace wobble::server {
@@ -309,7 +310,8 @@ Bases TrainBases(const physics::Blueprint& blueprint, const Play& play) {
   Bases bases;
   if (rest.size() < 2 || play.frames.empty()) return bases;
   for (std::size_t first = 0; first < rest.size(); first += protocol::kMaxPatchVertices) {
-    const auto part = std::span(rest).subspan(first, std::min(protocol::kMaxPatchVertices, rest.size() - first));
+    const auto part =
+        std::span(rest).subspan(first, protocol::PatchSize(rest.size(), first / protocol::kMaxPatchVertices));
     const BasisStatistics statistics = MeasurePlay(play, part, first);
     const bool isGrid = grid.columns > 0 && grid.CountVertices() == rest.size();
     if (isGrid && part.size() == rest.size()) {

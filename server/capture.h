@@ -1,6 +1,7 @@
 // World to wire: the one place where the engine's types become the protocol's on the way out.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -72,6 +73,14 @@ void FollowBodies(std::span<const ShownBody> bodies, std::vector<Kept>& kept) {
   kept.resize(next);
   kept.resize(bodies.size());
   for (; next < bodies.size(); ++next) kept[next].body = bodies[next].body;
+}
+
+// Of what is kept of each body, by ascending id. Null when there is none.
+template <class Kept>
+[[nodiscard]] Kept* FindBody(std::span<Kept> kept, std::uint32_t body) {
+  const auto found = std::lower_bound(kept.begin(), kept.end(), body,
+                                      [](const Kept& each, std::uint32_t wanted) { return each.body < wanted; });
+  return found != kept.end() && found->body == body ? &*found : nullptr;
 }
 
 // The world's bodies, each captured when somebody asks for it, and again only when it has moved since.

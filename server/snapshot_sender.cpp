@@ -37,13 +37,6 @@ float FindGain(protocol::Vector3 from, const ShownBody& to) {
 // As many turns as are put in order first: more than a small share of the wire takes. Then twice as many each time.
 constexpr std::size_t kFirstTurns = 16;
 
-// Null when there is none.
-const ShownBody* FindShown(std::span<const ShownBody> bodies, std::uint32_t body) {
-  const auto found = std::lower_bound(bodies.begin(), bodies.end(), body,
-                                      [](const ShownBody& other, std::uint32_t id) { return other.body < id; });
-  return found != bodies.end() && found->body == body ? &*found : nullptr;
-}
-
 void AdaptCoarseness(bool leftOut, bool isEasy, Subscription& subscription) {
   subscription.crowdedSnapshots = leftOut ? subscription.crowdedSnapshots + 1 : 0;
   subscription.easySnapshots = isEasy ? subscription.easySnapshots + 1 : 0;
@@ -68,7 +61,7 @@ double SendCounts::ErrorPercentRms() const {
 }
 
 void SnapshotSender::RaisePriorities(std::span<const ShownBody> bodies, Subscription& subscription) {
-  const ShownBody* own = FindShown(bodies, m_ownBody);
+  const ShownBody* own = FindBody(bodies, m_ownBody);
   m_viewpoint = own != nullptr ? own->centre : protocol::Vector3{};
   std::vector<Subscription::Interest>& interests = subscription.interests;
   FollowBodies(bodies, interests);

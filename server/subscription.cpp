@@ -3,7 +3,7 @@
 // round trip.
 #include "server/subscription.h"
 
-#include <algorithm>
+#include "server/capture.h"
 
 namespace wobble::server {
 namespace {
@@ -12,15 +12,10 @@ namespace {
 constexpr std::uint32_t kMostOvertaking = 3;
 // s after which it is sent again though nothing was heard at all.
 constexpr double kPatience = 0.5;
+// Deliveries that are remembered. A client that never acknowledges any would have the list grow for ever.
+constexpr std::size_t kMostDeliveries = 4096;
 
 }  // namespace
-
-Subscription::Interest* Subscription::FindInterest(std::uint32_t body) {
-  const auto found =
-      std::lower_bound(interests.begin(), interests.end(), body,
-                       [](const Interest& interest, std::uint32_t wanted) { return interest.body < wanted; });
-  return found != interests.end() && found->body == body ? &*found : nullptr;
-}
 
 Subscription::Fate Subscription::FindFate(const Delivery& delivery, std::uint32_t newest, std::uint64_t history) {
   if (newest < delivery.last) return Fate::kUnknown;
@@ -38,7 +33,7 @@ bool Subscription::TakeAcknowledgement(std::uint32_t newest, std::uint64_t histo
   std::erase_if(m_deliveries, [&](const Delivery& delivery) {
     const Fate fate = FindFate(delivery, newest, history);
     if (fate == Fate::kUnknown) return false;
-    if (Interest* interest = FindInterest(delivery.body); interest != nullptr) {
+    if (Interest* interest = FindBody(std::span(interests), delivery.body); interest != nullptr) {
       if (fate == Fate::kArrived) interest->restKnown = delivery.restTick;
       if (fate == Fate::kLost && interest->restSent == delivery.restTick) interest->restSent = 0;
     }
@@ -51,6 +46,7 @@ void Subscription::NoteRestSent(Interest& interest, std::uint32_t restTick, std:
                                 double now) {
   interest.restSent = restTick;
   interest.restSentAt = now;
+  if (m_deliveries.size() == kMostDeliveries) m_deliveries.erase(m_deliveries.begin());
   m_deliveries.push_back({interest.body, restTick, first, last});
 }
 

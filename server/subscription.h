@@ -45,7 +45,6 @@ class Subscription {
   };
   enum class Fate : std::uint8_t { kUnknown, kArrived, kLost };
   [[nodiscard]] static Fate FindFate(const Delivery& delivery, std::uint32_t newest, std::uint64_t history);
-  Interest* FindInterest(std::uint32_t body);
 
   std::vector<Delivery> m_deliveries;  // that nothing is known of yet
 };

@@ -100,6 +100,15 @@ TEST_F(SubscriptionTest, BodiesThatHaveGoneMeanwhileAreNotMissed) {
   EXPECT_EQ(subscription.interests[1].restKnown, 0U);
 }
 
+TEST_F(SubscriptionTest, WhoNeverAcknowledgesHasOnlyTheLatestRemembered) {
+  SendRest(2);
+  for (int i = 0; i < 5000; ++i) SendRest(1);
+  Acknowledge(1, 0);
+  EXPECT_EQ(InterestOf(2).restKnown, 0U) << "forgotten meanwhile: it is sent again";
+  Acknowledge(subscription.sent.Newest(), 0);
+  EXPECT_EQ(InterestOf(1).restKnown, kRest);
+}
+
 TEST_F(SubscriptionTest, WhatWasNeverSentIsNotAcknowledged) {
   SendRest(1);
   protocol::SentWindow::Report report;
