@@ -43,6 +43,15 @@ void AddMode(std::span<const std::int16_t> column, std::uint32_t value, std::uin
   }
 }
 
+// Without a basis: each coordinate by itself, coefficients in steps.
+void MoveVertices(std::span<const Vector3> rest, std::span<const std::int32_t> coefficients, float step,
+                  std::span<Vector3> shape) {
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    const std::int32_t* c = coefficients.data() + 3 * i;
+    shape[i] = rest[i] + Vector3{static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])} * step;
+  }
+}
+
 }  // namespace
 
 DecodeResult DecodePose(std::span<const std::uint8_t> payload, float size, QuantisedPose& pose) {
@@ -51,6 +60,30 @@ DecodeResult DecodePose(std::span<const std::uint8_t> payload, float size, Quant
   const DecodeResult result = ReadHead(decoder, size, head);
   pose = head.pose;
   return result;
+}
+
+void ShapeDecoder::MoveAlongModes(const PatchModel& model, bool followsContact, float step, std::span<Vector3> shape) {
+  const Basis& basis = *model.basis;
+  const std::size_t count = model.rest.size();
+  const float scale = FindContactScale(model.size, step);
+  m_sums.assign(3 * count, 0);
+  for (std::size_t k = 0; k < 3 * count; ++k) {
+    std::uint32_t value = static_cast<std::uint32_t>(m_coefficients[k]) * 16;
+    if (followsContact) value += static_cast<std::uint32_t>(FindSuggestion(m_contact.along[k], basis.gains[k], scale));
+    if (value == 0) continue;
+    if (basis.isScalar) {
+      AddMode(basis.Column(k / 3), value, m_sums.data() + k % 3 * count);
+    } else {
+      AddMode(basis.Column(k), value, m_sums.data());
+    }
+  }
+  const float unit = std::ldexp(step, -18);  // 2^-4 of a step times 2^-14 of a column
+  const std::size_t apart = basis.isScalar ? count : 1, stride = basis.isScalar ? 1 : 3;
+  const auto read = [&](std::size_t at) { return static_cast<float>(static_cast<std::int32_t>(m_sums[at])); };
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t at = i * stride;
+    shape[i] = model.rest[i] + Vector3{read(at), read(at + apart), read(at + 2 * apart)} * unit;
+  }
 }
 
 DecodeResult ShapeDecoder::Decode(const PatchModel& model, std::span<const std::uint8_t> payload, Pose& pose,
@@ -80,34 +113,11 @@ DecodeResult ShapeDecoder::Decode(const PatchModel& model, std::span<const std::
   if (head.mode.followsContact || head.mode.pressesOut) {
     FindSides(model.obstacles, pose, FindReach(model.rest), m_sides);
   }
-  const float step = FindStep(stepLevel);
   if (basis == nullptr) {
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::int32_t* c = m_coefficients.data() + 3 * i;
-      shape[i] =
-          model.rest[i] + Vector3{static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])} * step;
-    }
+    MoveVertices(model.rest, m_coefficients, FindStep(stepLevel), shape);
   } else {
     const bool follows = head.mode.followsContact && FindContact(model, m_sides, m_contact);
-    const float scale = FindContactScale(model.size, step);
-    m_sums.assign(3 * count, 0);
-    for (std::size_t k = 0; k < 3 * count; ++k) {
-      std::uint32_t value = static_cast<std::uint32_t>(m_coefficients[k]) * 16;
-      if (follows) value += static_cast<std::uint32_t>(FindSuggestion(m_contact.along[k], basis->gains[k], scale));
-      if (value == 0) continue;
-      if (basis->isScalar) {
-        AddMode(basis->Column(k / 3), value, m_sums.data() + k % 3 * count);
-      } else {
-        AddMode(basis->Column(k), value, m_sums.data());
-      }
-    }
-    const float unit = std::ldexp(step, -18);  // 2^-4 of a step times 2^-14 of a column
-    const std::size_t apart = basis->isScalar ? count : 1, stride = basis->isScalar ? 1 : 3;
-    const auto read = [&](std::size_t at) { return static_cast<float>(static_cast<std::int32_t>(m_sums[at])); };
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t at = i * stride;
-      shape[i] = model.rest[i] + Vector3{read(at), read(at + apart), read(at + 2 * apart)} * unit;
-    }
+    MoveAlongModes(model, follows, FindStep(stepLevel), shape);
   }
   if (head.mode.pressesOut) static_cast<void>(PressOut(m_sides, shape));
   return DecodeResult::kOk;

@@ -59,6 +59,9 @@ class ShapeDecoder {
                                     std::span<Vector3> shape);
 
  private:
+  // By m_coefficients, in the model's basis, and by what contact suggests.
+  void MoveAlongModes(const PatchModel& model, bool followsContact, float step, std::span<Vector3> shape);
+
   std::vector<std::int32_t> m_coefficients;
   ContactScratch m_contact;
   std::vector<std::uint32_t> m_sums;
