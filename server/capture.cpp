@@ -111,6 +111,29 @@ CapturedBlueprint CaptureBlueprint(const physics::Blueprint& blueprint,
   return captured;
 }
 
+BlueprintTags CaptureTags(const physics::Blueprint& blueprint, std::span<const PartTag> particles,
+                          std::span<const PartTag> springs) {
+  const physics::Coefficients<double>& full = blueprint.full;
+  BlueprintTags tags;
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const bool isFixed = std::ranges::find(full.fixed, i) != full.fixed.end();
+    tags.particles.emplace_back(static_cast<float>(full.masses[i]), particles[i].owner, particles[i].number, isFixed);
+  }
+  for (std::size_t i = 0; i < springs.size(); ++i) {
+    const physics::Spring<double>& spring = full.springs[i];
+    tags.springs.emplace_back(static_cast<float>(spring.stiffness), static_cast<float>(spring.damping),
+                              static_cast<float>(spring.restLength), springs[i].owner, springs[i].number);
+  }
+  return tags;
+}
+
+std::uint8_t CaptureHands(const scenes::Scene& scene) {
+  const scenes::HandRules& hands = scene.hands;
+  return static_cast<std::uint8_t>((hands.grab ? protocol::kMayGrab : 0) | (hands.cut ? protocol::kMayCut : 0) |
+                                   (hands.push ? protocol::kMayPush : 0) |
+                                   (scene.workshop.isOpen ? protocol::kMayBuild : 0));
+}
+
 std::vector<protocol::wire::Obstacle> CaptureObstacles(std::span<const physics::Obstacle> obstacles) {
   using Kind = physics::Obstacle::Kind;
   namespace wire = protocol::wire;
