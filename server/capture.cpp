@@ -170,6 +170,26 @@ std::vector<CapturedGround> CaptureGrounds(std::span<const physics::Obstacle> ob
   return captured;
 }
 
+protocol::Message CaptureForces(const physics::World& world, physics::BodyId body) {
+  using Kind = protocol::wire::ForceKind;
+  const physics::InspectedForces forces = world.InspectForces(body);
+  const std::size_t stride = (forces.weight.size() + protocol::kMaxShownForces - 1) / protocol::kMaxShownForces;
+  std::vector<protocol::ForceField> fields;
+  const auto add = [&](Kind kind, const std::vector<physics::Vector3d>& values) {
+    protocol::ForceField& field = fields.emplace_back();
+    field.kind = kind;
+    for (std::size_t i = 0; i < values.size(); i += stride) field.values.push_back(ToWire(values[i]));
+  };
+  add(Kind::Elastic, forces.elastic);
+  add(Kind::Damping, forces.damping);
+  add(Kind::Gas, forces.gas);
+  add(Kind::Weight, forces.weight);
+  add(Kind::Contact, forces.contact);
+  add(Kind::Other, forces.other);
+  add(Kind::Acceleration, forces.accelerations);
+  return protocol::MakeForces(body, world.Tick(), static_cast<std::uint16_t>(stride), fields);
+}
+
 void CaptureBody(const physics::World& world, const physics::Body& body, CapturedBody& captured) {
   const physics::Blueprint& blueprint = world.BlueprintOf(body);
   captured.vertices.resize(blueprint.rest.size());

@@ -10,9 +10,7 @@
 
 namespace wobble::server {
 
-inline constexpr double kMaxGravity = 30;        // m/s²
-inline constexpr double kLeastStiffness = 0.25;  // times
-inline constexpr double kMostStiffness = 4;
+inline constexpr double kMaxGravity = 30;      // m/s²
 inline constexpr double kLeastTimeRate = 0.1;  // seconds of the world a second
 inline constexpr double kLongestJump = 10;     // s
 
