@@ -61,6 +61,12 @@ std::shared_ptr<const Blueprint> MakeBlueprint(const std::vector<std::uint8_t>& 
     blueprint->edges.reserve(source->edges()->size());
     for (const wire::Edge* edge : *source->edges()) blueprint->edges.push_back({edge->a(), edge->b()});
   }
+  if (source->particles() != nullptr) {
+    for (const wire::ParticleTag* tag : *source->particles()) blueprint->particles.push_back(*tag);
+  }
+  if (source->springs() != nullptr) {
+    for (const wire::SpringTag* tag : *source->springs()) blueprint->springs.push_back(*tag);
+  }
   if (readsBases && !ReadBases(*source, *blueprint)) return nullptr;
   return blueprint;
 }

@@ -19,6 +19,7 @@
 #include "client/input_stream.h"
 #include "client/jitter_buffer.h"
 #include "client/newest_poses.h"
+#include "client/news.h"
 #include "protocol/acknowledgement.h"
 #include "protocol/shape_codec.h"
 #include "protocol/snapshot.h"
@@ -49,15 +50,19 @@ constexpr std::uint32_t kPoorLinkPackets = 64;  // of fewer no share is told
 constexpr std::size_t kMaxDetail = 200;
 
 // One line that a terminal cannot take for anything but text.
-std::string DescribeGoodbye(const wire::Goodbye& goodbye) {
-  std::string text = protocol::Name(goodbye.reason());
-  if (goodbye.detail() == nullptr || goodbye.detail()->size() == 0) return text;
-  text += ": ";
-  for (const char c : goodbye.detail()->string_view().substr(0, kMaxDetail)) {
+std::string MakeLine(const flatbuffers::String& words) {
+  std::string text(words.string_view().substr(0, kMaxDetail));
+  for (char& c : text) {
     const auto byte = static_cast<unsigned char>(c);
-    text += byte < 0x20 || byte == 0x7F ? ' ' : c;
+    if (byte < 0x20 || byte == 0x7F) c = ' ';
   }
   return text;
+}
+
+std::string DescribeGoodbye(const wire::Goodbye& goodbye) {
+  const std::string reason = protocol::Name(goodbye.reason());
+  const bool hasDetail = goodbye.detail() != nullptr && goodbye.detail()->size() > 0;
+  return hasDetail ? reason + ": " + MakeLine(*goodbye.detail()) : reason;
 }
 
 }  // namespace
@@ -85,8 +90,13 @@ struct Client::Implementation {
   Statistics statistics;
   std::function<void(const Event&)> onEvent;
   std::function<void(const SnapshotArrival&)> onSnapshot;
+  std::function<void(const std::string&)> onNotice;
+  std::function<void(const DecodedPatch&)> onDecoded;
+  News news;
 
   Input input;
+  std::optional<wire::Hand> hand;
+  std::uint16_t grips = 0;  // made so far
   InputStream inputs;
   double nextInput = 0;
   double smallestInputToSnapshot = -1;
@@ -126,6 +136,7 @@ struct Client::Implementation {
 
   void SendDueInputs();
   void SendInput();
+  void Ask(const protocol::Message& message);
 
   void MoveOn(double to);
   [[nodiscard]] double TimeOf(std::uint32_t tick) const { return static_cast<double>(tick) * tickSeconds; }
@@ -158,6 +169,29 @@ void Client::Update(double now) {
 
 void Client::SetInput(const Input& input) { m->input = input; }
 
+void Client::SetHand(const std::optional<Hand>& hand) {
+  if (!hand) {
+    m->hand.reset();
+    return;
+  }
+  const bool isSame = m->hand && m->hand->body() == hand->body && m->hand->vertex() == hand->vertex;
+  if (!isSame && ++m->grips == 0) m->grips = 1;  // 0 says that the hand is empty
+  m->hand.emplace(wire::Vec3(hand->target.x, hand->target.y, hand->target.z), hand->body, hand->vertex, m->grips);
+}
+
+void Client::Push(std::uint32_t body, std::uint16_t vertex, const protocol::Vector3& direction) {
+  m->Ask(protocol::MakePush(body, vertex, direction));
+}
+
+void Client::Cut(std::uint32_t body, const protocol::Vector3& eye, const protocol::Vector3& from,
+                 const protocol::Vector3& to) {
+  m->Ask(protocol::MakeCut(body, eye, from, to));
+}
+
+void Client::Inspect(std::uint32_t body) { m->Ask(protocol::MakeInspect(body)); }
+void Client::Tune(wire::TuneKind kind, const protocol::Vector3& value) { m->Ask(protocol::MakeTune(kind, value)); }
+void Client::Build(const protocol::BuildFields& fields) { m->Ask(protocol::MakeBuild(fields)); }
+
 void Client::Leave(double now) {
   if (m->state == State::kEnded || m->leaving) return;
   m->leaving = true;
@@ -180,9 +214,14 @@ bool Client::EndedUnasked() const { return m->state == State::kEnded && !m->leav
 const protocol::WelcomeFields& Client::Welcome() const { return m->welcome; }
 const std::vector<Ground>& Client::Grounds() const { return m->grounds.All(); }
 const Statistics& Client::ReadStatistics() const { return m->statistics; }
+const Tuning& Client::ReadTuning() const { return m->news.tuning; }
+const Scoreboard& Client::ReadScoreboard() const { return m->news.scoreboard; }
+const Forces& Client::ReadForces() const { return m->news.forces; }
 double Client::ServerTime(double now) const { return m->hasSnapshot ? m->clock.ServerTime(now) : 0.0; }
 double Client::InterpolationDelay() const { return m->jitter.Delay(); }
 void Client::OnEvent(std::function<void(const Event&)> handler) { m->onEvent = std::move(handler); }
+void Client::OnNotice(std::function<void(const std::string&)> handler) { m->onNotice = std::move(handler); }
+void Client::OnDecoded(std::function<void(const DecodedPatch&)> handler) { m->onDecoded = std::move(handler); }
 void Client::OnSnapshot(std::function<void(const SnapshotArrival&)> handler) { m->onSnapshot = std::move(handler); }
 
 void Client::Sample(double now, Detail detail, std::vector<BodySample>& samples) {
@@ -292,6 +331,10 @@ void Client::Implementation::HandleControl(std::span<const std::uint8_t> bytes) 
     inPlace = grounds.AddRows(*rows);
   } else if (const auto* event = message->body_as_Event()) {
     HandleEvent(*event);
+  } else if (const auto* notice = message->body_as_Notice()) {
+    if (onNotice) onNotice(MakeLine(*notice->text()));
+  } else {
+    inPlace = welcomed && news.Take(*message);
   }
   if (!inPlace) ++statistics.badMessages;
   StartPlayingWhenComplete();
@@ -310,6 +353,10 @@ bool Client::Implementation::HandleWelcome(const wire::Welcome& message) {
   welcome.obstacles.reserve(message.obstacles()->size());
   for (const wire::Obstacle* obstacle : *message.obstacles()) welcome.obstacles.push_back(*obstacle);
   for (const wire::HeightField* field : *message.height_fields()) welcome.heightFields.push_back(*field);
+  welcome.hands = message.hands();
+  welcome.reach = message.reach();
+  welcome.game = message.game()->str();
+  welcome.workshop = message.workshop();
   grounds.Expect(welcome.heightFields);
   blueprints.Expect(welcome.blueprintCount);
 
@@ -410,8 +457,9 @@ bool Client::Implementation::DecodeRecord(const protocol::Record& record,
   shape.resize(size);
   const protocol::Basis* basis = blueprint->bases.empty() ? nullptr : blueprint->bases[record.head.patch].get();
   const protocol::PatchModel model{rest, blueprint->size, basis, welcome.obstacles};
-  return decoder.Decode(model, record.payload, pose, shape) == protocol::DecodeResult::kOk &&
-         bodies.Add(record.head, blueprint, tick, TimeOf(record.head.restTick != 0 ? record.head.restTick : tick), pose,
+  if (decoder.Decode(model, record.payload, pose, shape) != protocol::DecodeResult::kOk) return false;
+  if (onDecoded) onDecoded({record.head.body, tick, pose, shape});
+  return bodies.Add(record.head, blueprint, tick, TimeOf(record.head.restTick != 0 ? record.head.restTick : tick), pose,
                     shape, jitter.Playback());
 }
 
@@ -425,9 +473,15 @@ void Client::Implementation::SendDueInputs() {
 }
 
 void Client::Implementation::SendInput() {
-  const auto message = protocol::MakeInput(inputs.Frames(), received.Newest(), received.History());
+  const auto message =
+      protocol::MakeInput(inputs.Frames(), received.Newest(), received.History(), hand ? &*hand : nullptr);
   const auto sent = transport->Send(connection, transport::Channel::kInput, message);
   if (sent == transport::SendResult::kQueued) ++statistics.inputsSent;
+}
+
+void Client::Implementation::Ask(const protocol::Message& message) {
+  // A link on which nothing can be sent any more ends by itself.
+  if (state == State::kPlaying) static_cast<void>(transport->Send(connection, transport::Channel::kControl, message));
 }
 
 void Client::Implementation::MoveOn(double to) {

@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,14 @@ struct Input {
   bool stiffen = false;
 };
 
+// What the hand holds, until the next SetHand: the vertices of a body round one of them, drawn after the target. The
+// server says who may hold what, and from how far away.
+struct Hand {
+  std::uint32_t body = 0;
+  std::uint16_t vertex = 0;
+  protocol::Vector3 target;  // of this vertex, m
+};
+
 enum class State {
   kConnecting,  // no answer from the server yet
   kJoining,     // hello sent, welcome or blueprints still to come
@@ -54,6 +63,8 @@ struct Blueprint {
   std::vector<std::array<std::uint16_t, 2>> edges;  // springs of a body without faces; a vertex may be in none
   std::vector<std::shared_ptr<const protocol::Basis>> bases;  // of its patches, to decode them; or none
   bool open = false;                                          // its faces leave a rim, so that one sees their backs
+  std::vector<wire::ParticleTag> particles;                   // of the workshop: one a vertex
+  std::vector<wire::SpringTag> springs;                       // and one an edge
 };
 
 // Ground as heights over a grid, row by row, x first; near enough to the true surface with triangles in between. Solid
@@ -87,6 +98,25 @@ struct Sighting {
   double age = 0;  // of the pose, server seconds behind the newest tick known
 };
 
+using Tuning = protocol::TuningFields;
+using Scoreboard = protocol::ScoreboardFields;
+
+// The forces on every stride-th vertex of a body, by kind; a kind that is zero all over is left out.
+struct Forces {
+  std::uint32_t body = 0;  // 0: none have come yet
+  std::uint32_t tick = 0;
+  std::uint16_t stride = 1;
+  std::vector<protocol::ForceField> fields;
+};
+
+// A patch of a body as a record had it, in the order of arrival. Valid only inside the handler.
+struct DecodedPatch {
+  std::uint32_t body = 0;
+  std::uint32_t tick = 0;
+  protocol::Pose pose;
+  std::span<const protocol::Vector3> shape;  // body frame, m
+};
+
 // What one snapshot packet says about the link. Seconds.
 struct SnapshotArrival {
   std::uint32_t tick = 0;
@@ -112,6 +142,20 @@ class Client {
   void Update(double now);
 
   void SetInput(const Input& input);
+  // nullopt opens the hand. Another body or vertex than before is a new grip.
+  void SetHand(const std::optional<Hand>& hand);
+
+  // These ask the server once, and do nothing unless kPlaying. Whether it does it, the world shows; why not, OnNotice.
+  // direction: of any length but none.
+  void Push(std::uint32_t body, std::uint16_t vertex, const protocol::Vector3& direction);
+  // Cuts the springs that pass through the triangle of these points, m.
+  void Cut(std::uint32_t body, const protocol::Vector3& eye, const protocol::Vector3& from,
+           const protocol::Vector3& to);
+  // From now on ReadForces is about this body; 0: no more.
+  void Inspect(std::uint32_t body);
+  // Units as messages.fbs has them.
+  void Tune(wire::TuneKind kind, const protocol::Vector3& value);
+  void Build(const protocol::BuildFields& fields);
 
   // Says goodbye. State is kEnded once the server or the link has closed, at the latest after a second of Updates and
   // four round trips, which is never more than kLongestLeave.
@@ -127,6 +171,11 @@ class Client {
   [[nodiscard]] const protocol::WelcomeFields& Welcome() const;
   [[nodiscard]] const std::vector<Ground>& Grounds() const;
   [[nodiscard]] const Statistics& ReadStatistics() const;
+
+  // As the server said last.
+  [[nodiscard]] const Tuning& ReadTuning() const;
+  [[nodiscard]] const Scoreboard& ReadScoreboard() const;  // of scenes that have a game
+  [[nodiscard]] const Forces& ReadForces() const;          // of the body asked for by Inspect
 
   // Estimated time of the world on the server, seconds since its tick 0; 0 before the first snapshot. Judged by
   // arrivals alone, so it lags the server's own by the fastest one-way trip seen lately.
@@ -150,6 +199,10 @@ class Client {
   };
   // Called inside Update for every event of the server.
   void OnEvent(std::function<void(const Event&)> handler);
+  // Called inside Update with a line for the player: why something was not done.
+  void OnNotice(std::function<void(const std::string&)> handler);
+  // Called inside Update for each record that has been decoded, for tests that compare clients.
+  void OnDecoded(std::function<void(const DecodedPatch&)> handler);
   // Called inside Update for every snapshot packet that counts as one in Statistics and came after the welcome.
   void OnSnapshot(std::function<void(const SnapshotArrival&)> handler);
 

@@ -10,7 +10,7 @@
 namespace wobble::protocol {
 
 // Raised whenever a byte on the wire means something else than before.
-inline constexpr std::uint16_t kProtocolVersion = 3;
+inline constexpr std::uint16_t kProtocolVersion = 4;
 
 // A datagram's payload, bytes. 1,200 fits every path's MTU (IPv6's floor is 1,280); ENet would fragment a larger one,
 // and a snapshot of ten fragments survives 5 % loss only 60 % of the time.
@@ -66,8 +66,19 @@ inline constexpr std::size_t kMaxInputFrames = 8;
 // An input further ahead of the server's tick than this is refused, ticks.
 inline constexpr std::uint32_t kMaxInputLeadTicks = 64;
 
-// Characters of a player's name, bytes of UTF-8.
+// Characters of a player's name, bytes of UTF-8; and of a line that tells a player why something was not done.
 inline constexpr std::size_t kMaxNameBytes = 32;
+inline constexpr std::size_t kMaxNoticeBytes = 256;
+
+// Lines of a scoreboard: as many as a server can have clients, in 48 KiB.
+inline constexpr std::size_t kMaxScores = 4000;
+// Vertices that Forces shows at most: 5.4 KiB for all kinds, ten times a second to whoever has asked.
+inline constexpr std::size_t kMaxShownForces = 256;
+// Steps of such a force from nothing to the largest of its kind.
+inline constexpr float kForceSteps = 127;
+// Messages that change something beyond the own body (push, cut, inspect, tune, build), from one client within a
+// second. More than hands can do; what comes beyond it is dropped.
+inline constexpr unsigned kMaxCommandsPerSecond = 60;
 
 // Seconds. A connection must say hello within the first; a client (or server) silent for the second has gone; without
 // a newer input the last one is held for the third, then the player stands still.

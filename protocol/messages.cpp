@@ -10,101 +10,6 @@ namespace {
 using flatbuffers::FlatBufferBuilder;
 using flatbuffers::Offset;
 
-template <class Root>
-const Root* VerifyRoot(std::span<const std::uint8_t> bytes, std::uint32_t maxTables = kMaxMessageTables) {
-  flatbuffers::Verifier verifier(bytes.data(), bytes.size(), kMaxMessageDepth, maxTables);
-  return verifier.VerifyBuffer<Root>(nullptr) ? flatbuffers::GetRoot<Root>(bytes.data()) : nullptr;
-}
-
-// FlatBuffers reads numbers where they lie: its verifier wants the alignment that a network buffer need not have.
-// Every transport hands out buffers from the allocator or ENet's packets, both aligned to 8; a caller with another
-// buffer gets kMalformed, not undefined behaviour.
-bool IsAligned(std::span<const std::uint8_t> bytes) {
-  return reinterpret_cast<std::uintptr_t>(bytes.data()) % alignof(std::uint64_t) == 0;
-}
-
-template <class Enum>
-bool IsKnown(Enum value, Enum last) {
-  return static_cast<std::uint8_t>(value) <= static_cast<std::uint8_t>(last);
-}
-
-ParseResult CheckGoodbye(const wire::Goodbye& goodbye) {
-  if (goodbye.detail() == nullptr) return ParseResult::kMissingField;
-  return IsKnown(goodbye.reason(), wire::GoodbyeReason::MAX) ? ParseResult::kOk : ParseResult::kOutOfRange;
-}
-
-ParseResult CheckHello(const wire::Hello& hello) {
-  if (hello.name() == nullptr) return ParseResult::kMissingField;
-  if (hello.name()->size() > kMaxNameBytes || !IsKnown(hello.role(), wire::Role::MAX)) return ParseResult::kOutOfRange;
-  return ParseResult::kOk;
-}
-
-ParseResult CheckInput(const wire::Input& input) {
-  if (input.frames() == nullptr || input.frames()->size() == 0) return ParseResult::kMissingField;
-  if (input.frames()->size() > kMaxInputFrames) return ParseResult::kOutOfRange;
-  for (const wire::InputFrame* frame : *input.frames()) {
-    if (frame->buttons() > 7 || frame->move_x() == -128 || frame->move_y() == -128) return ParseResult::kOutOfRange;
-  }
-  return ParseResult::kOk;
-}
-
-bool IsFinite(const wire::Vec3& v) { return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z()); }
-
-bool IsGood(const wire::Obstacle& obstacle) {
-  const bool isRound = obstacle.kind() == wire::ObstacleKind::Sphere || obstacle.kind() == wire::ObstacleKind::Capsule;
-  return IsKnown(obstacle.kind(), wire::ObstacleKind::MAX) && IsFinite(obstacle.a()) && IsFinite(obstacle.b()) &&
-         std::isfinite(obstacle.radius()) && (!isRound || obstacle.radius() > 0.0F);
-}
-
-bool IsGood(const wire::HeightField& field) {
-  const auto fits = [](std::uint16_t nodes) { return nodes >= 2 && nodes <= kMaxFieldNodes; };
-  return fits(field.columns()) && fits(field.rows()) && IsFinite(field.corner()) && field.cell_size() > 0.0F &&
-         std::isfinite(field.cell_size() * static_cast<float>(kMaxFieldNodes)) && std::isfinite(field.low()) &&
-         field.step() >= 0.0F && std::isfinite(field.corner().z() + field.low() + field.step() * 65535.0F);
-}
-
-ParseResult CheckWelcome(const wire::Welcome& welcome) {
-  if (welcome.scene() == nullptr || welcome.obstacles() == nullptr || welcome.height_fields() == nullptr) {
-    return ParseResult::kMissingField;
-  }
-  if (welcome.tick_hz() == 0 || welcome.snapshot_hz() == 0 || welcome.blueprint_count() > kMaxBlueprints ||
-      welcome.obstacles()->size() > kMaxObstacles || welcome.height_fields()->size() > kMaxHeightFields) {
-    return ParseResult::kOutOfRange;
-  }
-  for (const wire::Obstacle* obstacle : *welcome.obstacles()) {
-    if (!IsGood(*obstacle)) return ParseResult::kOutOfRange;
-  }
-  for (const wire::HeightField* field : *welcome.height_fields()) {
-    if (!IsGood(*field)) return ParseResult::kOutOfRange;
-  }
-  return ParseResult::kOk;
-}
-
-ParseResult CheckRows(const wire::HeightRows& rows) {
-  if (rows.heights() == nullptr || rows.heights()->size() == 0) return ParseResult::kMissingField;
-  const bool fits =
-      rows.heights()->size() <= kMaxRowsHeights && rows.field() < kMaxHeightFields && rows.first_row() < kMaxFieldNodes;
-  return fits ? ParseResult::kOk : ParseResult::kOutOfRange;
-}
-
-ParseResult CheckChunk(const wire::BlueprintChunk& chunk) {
-  if (chunk.bytes() == nullptr || chunk.bytes()->size() == 0) return ParseResult::kMissingField;
-  if (chunk.generation() >= kGenerations || chunk.total() > kMaxBlueprintBytes ||
-      chunk.bytes()->size() > kBlueprintChunkBytes || chunk.offset() > chunk.total() ||
-      chunk.bytes()->size() > chunk.total() - chunk.offset()) {
-    return ParseResult::kOutOfRange;
-  }
-  return ParseResult::kOk;
-}
-
-ParseResult CheckEvent(const wire::Event& event) {
-  if (event.name() == nullptr) return ParseResult::kMissingField;
-  if (event.name()->size() > kMaxNameBytes || !IsKnown(event.kind(), wire::EventKind::MAX)) {
-    return ParseResult::kOutOfRange;
-  }
-  return ParseResult::kOk;
-}
-
 Message Take(const FlatBufferBuilder& builder) {
   return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
 }
@@ -127,68 +32,6 @@ wire::Vec3 ToWire(Vector3 v) { return {v.x, v.y, v.z}; }
 
 }  // namespace
 
-ParseResult ParseClientMessage(std::span<const std::uint8_t> bytes, const wire::ClientMessage*& message) {
-  if (bytes.size() > kMaxClientMessageBytes) return ParseResult::kTooLarge;
-  const auto* root = IsAligned(bytes) ? VerifyRoot<wire::ClientMessage>(bytes) : nullptr;
-  if (root == nullptr) return ParseResult::kMalformed;
-  if (root->body() == nullptr) return ParseResult::kMissingField;
-  ParseResult result = ParseResult::kOutOfRange;  // a body of a kind this version does not know
-  if (const auto* hello = root->body_as_Hello()) result = CheckHello(*hello);
-  if (const auto* input = root->body_as_Input()) result = CheckInput(*input);
-  if (const auto* goodbye = root->body_as_Goodbye()) result = CheckGoodbye(*goodbye);
-  if (result == ParseResult::kOk) message = root;
-  return result;
-}
-
-ParseResult ParseServerMessage(std::span<const std::uint8_t> bytes, const wire::ServerMessage*& message) {
-  if (bytes.size() > kMaxServerMessageBytes) return ParseResult::kTooLarge;
-  const auto* root = IsAligned(bytes) ? VerifyRoot<wire::ServerMessage>(bytes) : nullptr;
-  if (root == nullptr) return ParseResult::kMalformed;
-  if (root->body() == nullptr) return ParseResult::kMissingField;
-  ParseResult result = ParseResult::kOutOfRange;
-  if (const auto* welcome = root->body_as_Welcome()) result = CheckWelcome(*welcome);
-  if (const auto* chunk = root->body_as_BlueprintChunk()) result = CheckChunk(*chunk);
-  if (const auto* rows = root->body_as_HeightRows()) result = CheckRows(*rows);
-  if (const auto* event = root->body_as_Event()) result = CheckEvent(*event);
-  if (const auto* goodbye = root->body_as_Goodbye()) result = CheckGoodbye(*goodbye);
-  if (result == ParseResult::kOk) message = root;
-  return result;
-}
-
-ParseResult ParseBlueprint(std::span<const std::uint8_t> bytes, const wire::Blueprint*& blueprint) {
-  if (bytes.size() > kMaxBlueprintBytes) return ParseResult::kTooLarge;
-  const auto* root = IsAligned(bytes) ? VerifyRoot<wire::Blueprint>(bytes) : nullptr;
-  if (root == nullptr) return ParseResult::kMalformed;
-  if (root->name() == nullptr || root->rest() == nullptr || root->rest()->size() == 0 || root->faces() == nullptr) {
-    return ParseResult::kMissingField;
-  }
-  const std::size_t count = root->rest()->size();
-  if (count > kMaxBodyVertices || !(root->size() > 0.0F) || !std::isfinite(root->size())) {
-    return ParseResult::kOutOfRange;
-  }
-  for (const wire::Vec3* vertex : *root->rest()) {
-    if (!IsFinite(*vertex)) return ParseResult::kOutOfRange;
-  }
-  for (const wire::Face* face : *root->faces()) {
-    if (face->a() >= count || face->b() >= count || face->c() >= count) return ParseResult::kOutOfRange;
-  }
-  if (root->edges() != nullptr) {
-    if (root->edges()->size() > kMaxBlueprintEdges) return ParseResult::kOutOfRange;
-    for (const wire::Edge* edge : *root->edges()) {
-      if (edge->a() >= count || edge->b() >= count) return ParseResult::kOutOfRange;
-    }
-  }
-  if (root->bases() != nullptr) {
-    if (root->bases()->size() != (count + kMaxPatchVertices - 1) / kMaxPatchVertices) return ParseResult::kOutOfRange;
-    for (const wire::Basis* basis : *root->bases()) {
-      if (basis->bytes() == nullptr) return ParseResult::kMissingField;
-      if (basis->bytes()->size() > kMaxBasisBytes) return ParseResult::kOutOfRange;
-    }
-  }
-  blueprint = root;
-  return ParseResult::kOk;
-}
-
 Message MakeHello(std::string_view name, wire::Role role, std::uint16_t version, std::uint64_t schemaHash) {
   assert(name.size() <= kMaxNameBytes);
   FlatBufferBuilder builder;
@@ -196,11 +39,12 @@ Message MakeHello(std::string_view name, wire::Role role, std::uint16_t version,
   return FinishClientMessage(builder, wire::CreateHello(builder, version, schemaHash, text, role));
 }
 
-Message MakeInput(std::span<const wire::InputFrame> frames, std::uint32_t ackedSequence, std::uint64_t ackedHistory) {
+Message MakeInput(std::span<const wire::InputFrame> frames, std::uint32_t ackedSequence, std::uint64_t ackedHistory,
+                  const wire::Hand* hand) {
   assert(!frames.empty() && frames.size() <= kMaxInputFrames);
   FlatBufferBuilder builder;
   const auto vector = builder.CreateVectorOfStructs(frames.data(), frames.size());
-  return FinishClientMessage(builder, wire::CreateInput(builder, vector, ackedSequence, ackedHistory));
+  return FinishClientMessage(builder, wire::CreateInput(builder, vector, ackedSequence, ackedHistory, hand));
 }
 
 Message MakeClientGoodbye(wire::GoodbyeReason reason, std::string_view detail) {
@@ -209,14 +53,47 @@ Message MakeClientGoodbye(wire::GoodbyeReason reason, std::string_view detail) {
   return FinishClientMessage(builder, wire::CreateGoodbye(builder, reason, text));
 }
 
+Message MakePush(std::uint32_t body, std::uint16_t vertex, const Vector3& direction) {
+  FlatBufferBuilder builder;
+  const wire::Vec3 along = ToWire(direction);
+  return FinishClientMessage(builder, wire::CreatePush(builder, body, vertex, &along));
+}
+
+Message MakeCut(std::uint32_t body, const Vector3& eye, const Vector3& from, const Vector3& to) {
+  FlatBufferBuilder builder;
+  const wire::Vec3 corners[] = {ToWire(eye), ToWire(from), ToWire(to)};
+  return FinishClientMessage(builder, wire::CreateCut(builder, body, &corners[0], &corners[1], &corners[2]));
+}
+
+Message MakeInspect(std::uint32_t body) {
+  FlatBufferBuilder builder;
+  return FinishClientMessage(builder, wire::CreateInspect(builder, body));
+}
+
+Message MakeTune(wire::TuneKind kind, const Vector3& value) {
+  FlatBufferBuilder builder;
+  const wire::Vec3 wireValue = ToWire(value);
+  return FinishClientMessage(builder, wire::CreateTune(builder, kind, &wireValue));
+}
+
+Message MakeBuild(const BuildFields& fields) {
+  FlatBufferBuilder builder;
+  const wire::Vec3 at = ToWire(fields.at);
+  return FinishClientMessage(builder,
+                             wire::CreateBuild(builder, fields.kind, fields.a, fields.b, &at, fields.mass, fields.fixed,
+                                               fields.stiffness, fields.damping, fields.restLength));
+}
+
 Message MakeWelcome(const WelcomeFields& fields) {
   FlatBufferBuilder builder;
   const auto scene = builder.CreateString(fields.scene);
   const auto obstacles = builder.CreateVectorOfStructs(fields.obstacles);
   const auto heightFields = builder.CreateVectorOfStructs(fields.heightFields);
+  const auto game = builder.CreateString(fields.game);
   return FinishServerMessage(
       builder, wire::CreateWelcome(builder, fields.clientId, fields.ownBody, fields.tick, fields.tickHz,
-                                   fields.snapshotHz, scene, fields.blueprintCount, obstacles, heightFields));
+                                   fields.snapshotHz, scene, fields.blueprintCount, obstacles, heightFields,
+                                   fields.hands, fields.reach, game, fields.workshop));
 }
 
 Message MakeBlueprintChunk(std::uint8_t blueprint, std::uint64_t hash, std::uint32_t total, std::uint32_t offset,
@@ -248,32 +125,102 @@ Message MakeServerGoodbye(wire::GoodbyeReason reason, std::string_view detail) {
   return FinishServerMessage(builder, wire::CreateGoodbye(builder, reason, text));
 }
 
-Message MakeBlueprint(std::string_view name, std::span<const Vector3> rest,
-                      std::span<const std::array<std::uint16_t, 3>> faces, float size,
-                      std::span<const std::array<std::uint16_t, 2>> edges,
-                      std::span<const std::vector<std::uint8_t>> bases) {
-  assert(edges.size() <= kMaxBlueprintEdges);
+Message MakeTuning(const TuningFields& fields) {
   FlatBufferBuilder builder;
-  std::vector<wire::Vec3> wireRest(rest.size());
-  std::transform(rest.begin(), rest.end(), wireRest.begin(), ToWire);
-  std::vector<wire::Face> wireFaces;
-  wireFaces.reserve(faces.size());
-  for (const auto& face : faces) wireFaces.emplace_back(face[0], face[1], face[2]);
-  const auto text = builder.CreateString(name.data(), name.size());
-  const auto restVector = builder.CreateVectorOfStructs(wireRest);
-  const auto faceVector = builder.CreateVectorOfStructs(wireFaces);
-  std::vector<wire::Edge> wireEdges;
-  wireEdges.reserve(edges.size());
-  for (const auto& edge : edges) wireEdges.emplace_back(edge[0], edge[1]);
-  const auto edgeVector =
-      edges.empty() ? Offset<flatbuffers::Vector<const wire::Edge*>>() : builder.CreateVectorOfStructs(wireEdges);
+  const wire::Vec3 gravity = ToWire(fields.gravity);
+  return FinishServerMessage(builder,
+                             wire::CreateTuning(builder, &gravity, fields.stiffness, fields.timeRate, fields.may));
+}
+
+namespace {
+
+float FindLargest(std::span<const Vector3> values) {
+  float largest = 0;
+  for (const Vector3& v : values) largest = std::max({largest, std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
+  return largest;
+}
+
+}  // namespace
+
+Message MakeForces(std::uint32_t body, std::uint32_t tick, std::uint16_t stride, std::span<const ForceField> fields) {
+  FlatBufferBuilder builder;
+  std::vector<Offset<wire::ForceSet>> sets;
+  for (const ForceField& field : fields) {
+    assert(field.values.size() <= kMaxShownForces);
+    const float scale = FindLargest(field.values);
+    if (!(scale > 0)) continue;
+    std::vector<std::int8_t> steps;
+    for (const Vector3& v : field.values) {
+      for (const float value : {v.x, v.y, v.z}) {
+        steps.push_back(static_cast<std::int8_t>(std::lround(value / scale * kForceSteps)));
+      }
+    }
+    const auto values = builder.CreateVector(steps);
+    sets.push_back(wire::CreateForceSet(builder, field.kind, scale, values));
+  }
+  const auto vector = builder.CreateVector(sets);
+  return FinishServerMessage(builder, wire::CreateForces(builder, body, tick, stride, vector));
+}
+
+Message MakeScoreboard(const ScoreboardFields& fields) {
+  assert(fields.scores.size() <= kMaxScores);
+  FlatBufferBuilder builder;
+  const auto scores = builder.CreateVectorOfStructs(fields.scores);
+  return FinishServerMessage(builder, wire::CreateScoreboard(builder, fields.phase, fields.round, fields.secondsLeft,
+                                                             fields.pointsToWin, fields.winner, scores));
+}
+
+Message MakeNotice(std::string_view text) {
+  assert(text.size() <= kMaxNoticeBytes);
+  FlatBufferBuilder builder;
+  const auto line = builder.CreateString(text.data(), text.size());
+  return FinishServerMessage(builder, wire::CreateNotice(builder, line));
+}
+
+namespace {
+
+// No vector at all instead of an empty one.
+template <class Struct>
+Offset<flatbuffers::Vector<const Struct*>> CreateUnlessEmpty(FlatBufferBuilder& builder, std::span<const Struct> list) {
+  return list.empty() ? Offset<flatbuffers::Vector<const Struct*>>()
+                      : builder.CreateVectorOfStructs(list.data(), list.size());
+}
+
+Offset<flatbuffers::Vector<Offset<wire::Basis>>> CreateBases(FlatBufferBuilder& builder,
+                                                             std::span<const std::vector<std::uint8_t>> bases) {
+  if (bases.empty()) return {};
   std::vector<Offset<wire::Basis>> wireBases;
   for (const std::vector<std::uint8_t>& basis : bases) {
     wireBases.push_back(wire::CreateBasis(builder, builder.CreateVector(basis)));
   }
-  const auto basisVector =
-      bases.empty() ? Offset<flatbuffers::Vector<Offset<wire::Basis>>>() : builder.CreateVector(wireBases);
-  builder.Finish(wire::CreateBlueprint(builder, text, restVector, faceVector, size, edgeVector, basisVector));
+  return builder.CreateVector(wireBases);
+}
+
+}  // namespace
+
+Message MakeBlueprint(const BlueprintFields& fields) {
+  assert(fields.edges.size() <= kMaxBlueprintEdges);
+  assert(fields.particles.empty() || fields.particles.size() == fields.rest.size());
+  assert(fields.springs.empty() || fields.springs.size() == fields.edges.size());
+  FlatBufferBuilder builder;
+  std::vector<wire::Vec3> rest(fields.rest.size());
+  std::transform(fields.rest.begin(), fields.rest.end(), rest.begin(), ToWire);
+  std::vector<wire::Face> faces;
+  faces.reserve(fields.faces.size());
+  for (const auto& face : fields.faces) faces.emplace_back(face[0], face[1], face[2]);
+  std::vector<wire::Edge> edges;
+  edges.reserve(fields.edges.size());
+  for (const auto& edge : fields.edges) edges.emplace_back(edge[0], edge[1]);
+
+  const auto name = builder.CreateString(fields.name.data(), fields.name.size());
+  const auto restVector = builder.CreateVectorOfStructs(rest);
+  const auto faceVector = builder.CreateVectorOfStructs(faces);
+  const auto edgeVector = CreateUnlessEmpty<wire::Edge>(builder, edges);
+  const auto bases = CreateBases(builder, fields.bases);
+  const auto particles = CreateUnlessEmpty(builder, fields.particles);
+  const auto springs = CreateUnlessEmpty(builder, fields.springs);
+  builder.Finish(
+      wire::CreateBlueprint(builder, name, restVector, faceVector, fields.size, edgeVector, bases, particles, springs));
   assert(builder.GetSize() <= kMaxBlueprintBytes);
   return Take(builder);
 }

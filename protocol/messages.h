@@ -42,9 +42,32 @@ using Message = std::vector<std::uint8_t>;
 [[nodiscard]] Message MakeHello(std::string_view name, wire::Role role, std::uint16_t version = kProtocolVersion,
                                 std::uint64_t schemaHash = kSchemaHash);
 // frames: newest first, at most kMaxInputFrames.
+// hand: nullptr when it is empty.
 [[nodiscard]] Message MakeInput(std::span<const wire::InputFrame> frames, std::uint32_t ackedSequence,
-                                std::uint64_t ackedHistory);
+                                std::uint64_t ackedHistory, const wire::Hand* hand = nullptr);
 [[nodiscard]] Message MakeClientGoodbye(wire::GoodbyeReason reason, std::string_view detail);
+
+[[nodiscard]] Message MakePush(std::uint32_t body, std::uint16_t vertex, const Vector3& direction);
+[[nodiscard]] Message MakeCut(std::uint32_t body, const Vector3& eye, const Vector3& from, const Vector3& to);
+[[nodiscard]] Message MakeInspect(std::uint32_t body);
+[[nodiscard]] Message MakeTune(wire::TuneKind kind, const Vector3& value);
+// As messages.fbs says which of them count.
+struct BuildFields {
+  wire::BuildKind kind = wire::BuildKind::AddParticle;
+  std::uint16_t a = 0;
+  std::uint16_t b = 0;
+  Vector3 at = {};
+  float mass = 1;
+  bool fixed = false;
+  float stiffness = 100;
+  float damping = 1;
+  float restLength = 0;
+};
+[[nodiscard]] Message MakeBuild(const BuildFields& fields);
+
+// Bits of WelcomeFields::hands and of TuningFields::may.
+inline constexpr std::uint8_t kMayGrab = 1, kMayCut = 2, kMayPush = 4, kMayBuild = 8;
+inline constexpr std::uint8_t kMayTuneGravity = 1, kMayTuneStiffness = 2, kMayTuneTime = 4;
 
 struct WelcomeFields {
   std::uint32_t clientId = 0;
@@ -56,6 +79,10 @@ struct WelcomeFields {
   std::uint16_t blueprintCount = 0;
   std::vector<wire::Obstacle> obstacles;
   std::vector<wire::HeightField> heightFields = {};
+  std::uint8_t hands = 0;
+  float reach = 0;             // m; 0: any distance
+  std::string game = {};       // empty: none
+  std::uint32_t workshop = 0;  // body; 0: none
 };
 [[nodiscard]] Message MakeWelcome(const WelcomeFields& fields);
 [[nodiscard]] Message MakeBlueprintChunk(std::uint8_t blueprint, std::uint64_t hash, std::uint32_t total,
@@ -68,12 +95,48 @@ struct WelcomeFields {
                                 std::string_view name);
 [[nodiscard]] Message MakeServerGoodbye(wire::GoodbyeReason reason, std::string_view detail);
 
-// What a client needs to draw a body, as one FlatBuffer; sent in chunks. At most kMaxBlueprintEdges;
-// bases: as WriteBasis makes them, one a patch or none.
-[[nodiscard]] Message MakeBlueprint(std::string_view name, std::span<const Vector3> rest,
-                                    std::span<const std::array<std::uint16_t, 3>> faces, float size,
-                                    std::span<const std::array<std::uint16_t, 2>> edges = {},
-                                    std::span<const std::vector<std::uint8_t>> bases = {});
+struct TuningFields {
+  Vector3 gravity{0, 0, -9.81F};  // m/s²
+  float stiffness = 1;            // times every spring's stiffness and damping
+  float timeRate = 1;             // seconds of the world a second
+  std::uint8_t may = 0;           // what the receiver may tune
+};
+[[nodiscard]] Message MakeTuning(const TuningFields& fields);
+
+// One kind of force on each vertex shown, N (acceleration: m/s²).
+struct ForceField {
+  wire::ForceKind kind = wire::ForceKind::Elastic;
+  std::vector<Vector3> values = {};
+};
+// fields: equally many vertices, at most kMaxShownForces. Each is sent in steps of 1/kForceSteps of its largest
+// coordinate, and not at all when it is zero all over.
+[[nodiscard]] Message MakeForces(std::uint32_t body, std::uint32_t tick, std::uint16_t stride,
+                                 std::span<const ForceField> fields);
+
+struct ScoreboardFields {
+  wire::GamePhase phase = wire::GamePhase::Playing;
+  std::uint16_t round = 0;
+  std::uint16_t secondsLeft = 0;  // of the phase
+  std::uint16_t pointsToWin = 0;
+  std::uint32_t winner = 0;              // of the last round; 0: nobody
+  std::vector<wire::Score> scores = {};  // at most kMaxScores
+};
+[[nodiscard]] Message MakeScoreboard(const ScoreboardFields& fields);
+// At most kMaxNoticeBytes.
+[[nodiscard]] Message MakeNotice(std::string_view text);
+
+// What a client needs to draw a body, as one FlatBuffer; sent in chunks.
+struct BlueprintFields {
+  std::string_view name;
+  std::span<const Vector3> rest;
+  std::span<const std::array<std::uint16_t, 3>> faces = {};
+  float size = 1;
+  std::span<const std::array<std::uint16_t, 2>> edges = {};  // at most kMaxBlueprintEdges
+  std::span<const std::vector<std::uint8_t>> bases = {};     // as WriteBasis makes them, one a patch or none
+  std::span<const wire::ParticleTag> particles = {};         // one a vertex or none
+  std::span<const wire::SpringTag> springs = {};             // one an edge or none
+};
+[[nodiscard]] Message MakeBlueprint(const BlueprintFields& fields);
 // FNV-1a, 64 bits: names a blueprint in a client's cache. Not a defence against forgery.
 [[nodiscard]] std::uint64_t HashBytes(std::span<const std::uint8_t> bytes);
 

@@ -90,14 +90,20 @@ std::vector<std::array<std::uint16_t, 2>> FindEdges(const physics::Blueprint& bl
 }  // namespace
 
 CapturedBlueprint CaptureBlueprint(const physics::Blueprint& blueprint,
-                                   std::span<const std::vector<std::uint8_t>> bases) {
+                                   std::span<const std::vector<std::uint8_t>> bases, const BlueprintTags& tags) {
   CapturedBlueprint captured;
   std::vector<std::array<std::uint16_t, 2>> edges;
   if (blueprint.full.faces.empty()) edges = FindEdges(blueprint);
   for (const physics::Vector3d& x : blueprint.rest) captured.rest.push_back(ToWire(x));
   captured.size = static_cast<float>(blueprint.size);
-  captured.message =
-      protocol::MakeBlueprint(blueprint.name, captured.rest, blueprint.full.faces, captured.size, edges, bases);
+  captured.message = protocol::MakeBlueprint({.name = blueprint.name,
+                                              .rest = captured.rest,
+                                              .faces = blueprint.full.faces,
+                                              .size = captured.size,
+                                              .edges = edges,
+                                              .bases = bases,
+                                              .particles = tags.particles,
+                                              .springs = tags.springs});
   for (std::size_t patch = 0; patch < bases.size(); ++patch) {
     captured.bases.push_back(protocol::ReadBasis(bases[patch], protocol::PatchSize(captured.rest.size(), patch)));
   }

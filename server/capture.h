@@ -41,9 +41,16 @@ struct CapturedGround {
   std::vector<std::uint16_t> heights;  // row by row
 };
 
+// Of the particles and springs of the workshop, one a vertex and one a spring; of other bodies none.
+struct BlueprintTags {
+  std::span<const protocol::wire::ParticleTag> particles;
+  std::span<const protocol::wire::SpringTag> springs;
+};
+
 // bases: as TrainBases makes them.
 [[nodiscard]] CapturedBlueprint CaptureBlueprint(const physics::Blueprint& blueprint,
-                                                 std::span<const std::vector<std::uint8_t>> bases = {});
+                                                 std::span<const std::vector<std::uint8_t>> bases = {},
+                                                 const BlueprintTags& tags = {});
 // All but height fields, and these.
 [[nodiscard]] std::vector<protocol::wire::Obstacle> CaptureObstacles(std::span<const physics::Obstacle> obstacles);
 [[nodiscard]] std::vector<CapturedGround> CaptureGrounds(std::span<const physics::Obstacle> obstacles);

@@ -22,7 +22,7 @@ constexpr double kRound = 1.0 / 60;
 protocol::Message MakeTetrahedron() {
   const std::vector<protocol::Vector3> rest{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
   const std::vector<std::array<std::uint16_t, 3>> faces{{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
-  return protocol::MakeBlueprint("tetrahedron", rest, faces, 1.732F);
+  return protocol::MakeBlueprint({.name = "tetrahedron", .rest = rest, .faces = faces, .size = 1.732F});
 }
 
 // Welcomes every version that it knows, sends an empty snapshot to all every second round, and keeps what it hears.

@@ -82,7 +82,7 @@ class ScriptedTransport final : public transport::Transport {
 Message MakeTetrahedron() {
   const std::vector<Vector3> rest{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
   const std::vector<std::array<std::uint16_t, 3>> faces{{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
-  return protocol::MakeBlueprint("tetrahedron", rest, faces, 1.732F);
+  return protocol::MakeBlueprint({.name = "tetrahedron", .rest = rest, .faces = faces, .size = 1.732F});
 }
 Message MakeStrip() {
   std::vector<Vector3> rest;
@@ -91,7 +91,7 @@ Message MakeStrip() {
     rest.push_back({static_cast<float>(i) * 0.01F, static_cast<float>(i % 2), 0});
     if (i >= 2) faces.push_back({static_cast<std::uint16_t>(i - 2), static_cast<std::uint16_t>(i - 1), i});
   }
-  return protocol::MakeBlueprint("strip", rest, faces, 2.0F);
+  return protocol::MakeBlueprint({.name = "strip", .rest = rest, .faces = faces, .size = 2.0F});
 }
 
 std::vector<Message> CutIntoChunks(std::uint8_t index, const Message& blueprint, std::size_t chunkBytes,
@@ -500,12 +500,12 @@ TEST_F(ClientTest, SurvivesDamagedSnapshots) {
 Message MakeTornTetrahedron() {
   const std::vector<Vector3> rest{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
   const std::vector<std::array<std::uint16_t, 3>> faces{{0, 1, 2}, {0, 3, 1}};
-  return protocol::MakeBlueprint("torn", rest, faces, 1.732F);
+  return protocol::MakeBlueprint({.name = "torn", .rest = rest, .faces = faces, .size = 1.732F});
 }
 const std::vector<Vector3> kChainRest{{-1, 0, 0}, {0, 0, 0}, {1, 0, 0}};
 Message MakeChain() {
   const std::vector<std::array<std::uint16_t, 2>> edges{{0, 1}, {1, 2}};
-  return protocol::MakeBlueprint("chain", kChainRest, {}, 0.8F, edges);
+  return protocol::MakeBlueprint({.name = "chain", .rest = kChainRest, .size = 0.8F, .edges = edges});
 }
 
 TEST_F(ClientTest, KnowsWhichBlueprintsAreOpenAndWhichAreOfEdges) {

@@ -26,6 +26,10 @@ void Touch(const flatbuffers::String& text) {
   EXPECT_EQ(text.c_str()[text.size()], '\0');
 }
 
+void ExpectFinite(const wire::Vec3& v) {
+  EXPECT_TRUE(std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z()));
+}
+
 void Read(const wire::Goodbye& goodbye) {
   Touch(*goodbye.detail());
   EXPECT_STRNE(Name(goodbye.reason()), "unknown reason");
@@ -49,6 +53,22 @@ void Read(const wire::ClientMessage& message) {
     }
     Touch(input->acked_sequence());
     Touch(input->acked_history());
+    if (input->hand() != nullptr) ExpectFinite(input->hand()->target());
+  } else if (const auto* push = message.body_as_Push()) {
+    ExpectFinite(*push->direction());
+  } else if (const auto* cut = message.body_as_Cut()) {
+    for (const wire::Vec3* place : {cut->eye(), cut->from(), cut->to()}) ExpectFinite(*place);
+  } else if (const auto* inspect = message.body_as_Inspect()) {
+    Touch(inspect->body());
+  } else if (const auto* tune = message.body_as_Tune()) {
+    EXPECT_LE(tune->kind(), wire::TuneKind::MAX);
+    ExpectFinite(*tune->value());
+  } else if (const auto* build = message.body_as_Build()) {
+    EXPECT_LE(build->kind(), wire::BuildKind::MAX);
+    ExpectFinite(*build->at());
+    for (const float value : {build->mass(), build->stiffness(), build->damping(), build->rest_length()}) {
+      EXPECT_TRUE(std::isfinite(value));
+    }
   } else if (const auto* goodbye = message.body_as_Goodbye()) {
     Read(*goodbye);
   } else {
@@ -87,6 +107,22 @@ void Read(const wire::ServerMessage& message) {
     EXPECT_LE(event->kind(), wire::EventKind::MAX);
     Touch(event->tick() + event->client_id() + event->body());
     Touch(*event->name());
+  } else if (const auto* tuning = message.body_as_Tuning()) {
+    ExpectFinite(*tuning->gravity());
+    EXPECT_TRUE(tuning->time_rate() > 0 && tuning->time_rate() <= 1 && tuning->stiffness() > 0);
+  } else if (const auto* forces = message.body_as_Forces()) {
+    EXPECT_GT(forces->stride(), 0);
+    for (const wire::ForceSet* set : *forces->sets()) {
+      EXPECT_LE(set->kind(), wire::ForceKind::MAX);
+      EXPECT_LE(set->values()->size(), 3 * kMaxShownForces);
+      for (const std::int8_t value : *set->values()) Touch(static_cast<std::uint8_t>(value));
+    }
+  } else if (const auto* board = message.body_as_Scoreboard()) {
+    EXPECT_LE(board->phase(), wire::GamePhase::MAX);
+    for (const wire::Score* score : *board->scores()) Touch(score->points());
+  } else if (const auto* notice = message.body_as_Notice()) {
+    EXPECT_LE(notice->text()->size(), kMaxNoticeBytes);
+    Touch(*notice->text());
   } else if (const auto* goodbye = message.body_as_Goodbye()) {
     Read(*goodbye);
   } else {
@@ -98,8 +134,14 @@ void Read(const wire::Blueprint& blueprint) {
   Touch(*blueprint.name());
   EXPECT_TRUE(blueprint.size() > 0 && std::isfinite(blueprint.size()));
   EXPECT_LE(blueprint.rest()->size(), kMaxBodyVertices);
-  for (const wire::Vec3* vertex : *blueprint.rest()) {
-    EXPECT_TRUE(std::isfinite(vertex->x()) && std::isfinite(vertex->y()) && std::isfinite(vertex->z()));
+  for (const wire::Vec3* vertex : *blueprint.rest()) ExpectFinite(*vertex);
+  if (blueprint.particles() != nullptr) {
+    EXPECT_EQ(blueprint.particles()->size(), blueprint.rest()->size());
+    for (const wire::ParticleTag* tag : *blueprint.particles()) EXPECT_TRUE(std::isfinite(tag->mass()));
+  }
+  if (blueprint.springs() != nullptr) {
+    EXPECT_EQ(blueprint.springs()->size(), blueprint.edges() == nullptr ? 0 : blueprint.edges()->size());
+    for (const wire::SpringTag* tag : *blueprint.springs()) EXPECT_TRUE(std::isfinite(tag->stiffness()));
   }
   for (const wire::Face* face : *blueprint.faces()) {
     EXPECT_LT(std::max({face->a(), face->b(), face->c()}), blueprint.rest()->size());
@@ -141,13 +183,21 @@ ParseResult ParseAs(char side, std::span<const std::uint8_t> bytes) {
 Message MakeTriangle() {
   const std::vector<Vector3> rest{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, -1, -1}};
   const std::vector<std::array<std::uint16_t, 3>> faces{{0, 1, 2}, {0, 2, 3}, {1, 3, 2}};
-  return MakeBlueprint("tetrahedron", rest, faces, 1.2F);
+  return MakeBlueprint({.name = "tetrahedron", .rest = rest, .faces = faces, .size = 1.2F});
+}
+
+Message MakeWorkshop() {
+  const std::vector<Vector3> rest{{-1, 0, 0}, {1, 0, 0}};
+  const std::vector<std::array<std::uint16_t, 2>> edges{{0, 1}};
+  const std::vector<wire::ParticleTag> particles{{0.5F, 7, 12, false}, {1, 0, 13, true}};
+  const std::vector<wire::SpringTag> springs{{100, 1, 2, 7, 3}};
+  return MakeBlueprint({.name = "workshop", .rest = rest, .edges = edges, .particles = particles, .springs = springs});
 }
 
 Message MakeChain() {
   const std::vector<Vector3> rest{{-1, 0, 0}, {0, 0, 0}, {1, 0, 0}};
   const std::vector<std::array<std::uint16_t, 2>> edges{{0, 1}, {1, 2}};
-  return MakeBlueprint("chain", rest, {}, 0.8F, edges);
+  return MakeBlueprint({.name = "chain", .rest = rest, .size = 0.8F, .edges = edges});
 }
 
 struct Kind {
@@ -162,18 +212,36 @@ std::vector<Kind> MakeEveryKind() {
   welcome.obstacles = {{wire::ObstacleKind::Plane, {0, 0, 1}, {0, 0, 0}, 0},
                        {wire::ObstacleKind::Capsule, {1, 2, 3}, {4, 5, 6}, 0.5F}};
   welcome.heightFields = {{{1, 2, 3}, 0.5F, -1, 0.01F, 3, 2}};
+  welcome.hands = kMayGrab | kMayBuild;
+  welcome.reach = 2.5F;
+  welcome.game = "sumo";
   const Bytes part(64, 0xA5);
+  const wire::Hand hand({1, 2, 3}, 4, 5, 6);
+  const std::vector<ForceField> forces{{wire::ForceKind::Gas, {{1, 2, 3}, {-4, 5, 6}}},
+                                       {wire::ForceKind::Weight, {{}, {}}}};
   return {
       {"hello", 'c', MakeHello("Ada", wire::Role::Player)},
       {"input", 'c', MakeInput(frames, 77, 0xF0F0F0F0F0F0F0F0U)},
+      {"input with a hand", 'c', MakeInput(frames, 77, 1, &hand)},
+      {"push", 'c', MakePush(3, 17, {0, 1, 0.5F})},
+      {"cut", 'c', MakeCut(3, {1, 2, 3}, {4, 5, 6}, {7, 8, 9})},
+      {"inspect", 'c', MakeInspect(3)},
+      {"tune", 'c', MakeTune(wire::TuneKind::TimeRate, {0.5F, 0, 0})},
+      {"build", 'c', MakeBuild({.kind = wire::BuildKind::AddSpring, .a = 3, .b = 4, .stiffness = 200})},
       {"client goodbye", 'c', MakeClientGoodbye(wire::GoodbyeReason::Left, "bye")},
       {"welcome", 's', MakeWelcome(welcome)},
       {"blueprint chunk", 's', MakeBlueprintChunk(1, 0x1122334455667788U, 1000, 128, part)},
       {"height rows", 's', MakeHeightRows(1, 2, std::vector<std::uint16_t>{0, 1, 65535, 7})},
       {"event", 's', MakeEvent(wire::EventKind::Join, 1001, 7, 9, "Ada")},
+      {"tuning", 's', MakeTuning({.stiffness = 2, .timeRate = 0.25F, .may = 7})},
+      {"forces", 's', MakeForces(3, 1001, 1, forces)},
+      {"scoreboard", 's',
+       MakeScoreboard({.round = 2, .secondsLeft = 61, .winner = 7, .scores = {{7, 3, 1}, {8, 0, 0}}})},
+      {"notice", 's', MakeNotice("the spring would be too stiff")},
       {"server goodbye", 's', MakeServerGoodbye(wire::GoodbyeReason::BadMessages, "20 in a second")},
       {"blueprint", 'b', MakeTriangle()},
       {"blueprint of edges", 'b', MakeChain()},
+      {"blueprint of the workshop", 'b', MakeWorkshop()},
   };
 }
 
@@ -333,11 +401,76 @@ TEST(Messages, InputOutOfRange) {
   EXPECT_EQ(ParseInput({good, {1, 0, 0, 8}}), ParseResult::kOutOfRange);
 }
 
+TEST(Messages, WhatHandsDoOutOfRange) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const std::vector<wire::InputFrame> frames{{1, 0, 0, 0}};
+  const wire::Hand hand({1, kNan, 3}, 4, 5, 6);
+  EXPECT_EQ(ParseAs('c', MakeInput(frames, 1, 1, &hand)), ParseResult::kOutOfRange);
+  EXPECT_EQ(ParseAs('c', MakePush(1, 2, {kNan, 0, 0})), ParseResult::kOutOfRange);
+  EXPECT_EQ(ParseAs('c', MakeCut(1, {}, {}, {0, 0, kNan})), ParseResult::kOutOfRange);
+  EXPECT_EQ(ParseAs('c', MakeTune(static_cast<wire::TuneKind>(4), {})), ParseResult::kOutOfRange);
+  EXPECT_EQ(ParseAs('c', MakeTune(wire::TuneKind::Gravity, {0, kNan, 0})), ParseResult::kOutOfRange);
+  EXPECT_EQ(ParseAs('c', MakeBuild({.kind = static_cast<wire::BuildKind>(6)})), ParseResult::kOutOfRange);
+  EXPECT_EQ(ParseAs('c', MakeBuild({.mass = kNan})), ParseResult::kOutOfRange);
+  EXPECT_EQ(ParseAs('c', MakeBuild({.restLength = kNan})), ParseResult::kOutOfRange);
+  flatbuffers::FlatBufferBuilder builder;
+  EXPECT_EQ(ParseAs('c', WrapClient(builder, wire::CreatePush(builder, 1, 2))), ParseResult::kMissingField);
+  builder.Clear();
+  EXPECT_EQ(ParseAs('c', WrapClient(builder, wire::CreateBuild(builder))), ParseResult::kMissingField);
+}
+
+TEST(Messages, WhatTheServerTellsOutOfRange) {
+  EXPECT_EQ(ParseAs('s', MakeTuning({.stiffness = 0})), ParseResult::kOutOfRange);
+  EXPECT_EQ(ParseAs('s', MakeTuning({.timeRate = 1.5F})), ParseResult::kOutOfRange);
+  EXPECT_EQ(ParseAs('s', MakeTuning({.may = 8})), ParseResult::kOutOfRange);
+  EXPECT_EQ(ParseAs('s', MakeScoreboard({.phase = static_cast<wire::GamePhase>(2)})), ParseResult::kOutOfRange);
+  EXPECT_EQ(ParseAs('s', MakeForces(1, 2, 0, {})), ParseResult::kOutOfRange) << "no stride";
+  flatbuffers::FlatBufferBuilder builder;
+  const auto values = builder.CreateVector(std::vector<std::int8_t>(4, 1));
+  const auto sets = builder.CreateVector(std::vector{wire::CreateForceSet(builder, wire::ForceKind::Gas, 1, values)});
+  const auto forces = wire::CreateForces(builder, 1, 2, 1, sets);
+  EXPECT_EQ(ParseAs('s', WrapServer(builder, forces)), ParseResult::kOutOfRange) << "no whole vectors";
+  EXPECT_EQ(ParseAs('s', MakeNotice(std::string(kMaxNoticeBytes, 'a'))), ParseResult::kOk);
+}
+
+TEST(Messages, ForcesComeBackInStepsOfTheLargest) {
+  const std::vector<ForceField> fields{{wire::ForceKind::Gas, {{254, -127, 0}}}, {wire::ForceKind::Elastic, {{}}}};
+  const Message message = MakeForces(3, 1001, 2, fields);
+  const wire::ServerMessage* parsed = nullptr;
+  ASSERT_EQ(ParseServerMessage(message, parsed), ParseResult::kOk);
+  const wire::Forces& forces = *parsed->body_as_Forces();
+  ASSERT_EQ(forces.sets()->size(), 1U) << "what is zero all over is not sent";
+  const wire::ForceSet& set = *forces.sets()->Get(0);
+  EXPECT_EQ(set.kind(), wire::ForceKind::Gas);
+  EXPECT_EQ(set.scale(), 254);
+  EXPECT_EQ(std::vector<int>(set.values()->begin(), set.values()->end()), (std::vector<int>{127, -64, 0}));
+}
+
+TEST(Messages, TagsAreOneForEachOrNone) {
+  const std::vector<Vector3> rest{{-1, 0, 0}, {1, 0, 0}};
+  flatbuffers::FlatBufferBuilder builder;
+  const auto parse = [&](std::size_t particles, std::size_t springs, float mass) {
+    builder.Clear();
+    const auto name = builder.CreateString("a");
+    const auto restVector = builder.CreateVectorOfStructs(std::vector<wire::Vec3>(2));
+    const auto faces = builder.CreateVectorOfStructs(std::vector<wire::Face>());
+    const auto edges = builder.CreateVectorOfStructs(std::vector<wire::Edge>{{0, 1}});
+    const auto tags = builder.CreateVectorOfStructs(std::vector<wire::ParticleTag>(particles, {mass, 0, 1, false}));
+    const auto springTags = builder.CreateVectorOfStructs(std::vector<wire::SpringTag>(springs, {1, 1, 1, 0, 1}));
+    builder.Finish(wire::CreateBlueprint(builder, name, restVector, faces, 1, edges, 0, tags, springTags));
+    return ParseAs('b', Bytes(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()));
+  };
+  EXPECT_EQ(parse(2, 1, 1), ParseResult::kOk);
+  EXPECT_EQ(parse(1, 1, 1), ParseResult::kOutOfRange);
+  EXPECT_EQ(parse(2, 2, 1), ParseResult::kOutOfRange);
+  EXPECT_EQ(parse(2, 1, std::numeric_limits<float>::infinity()), ParseResult::kOutOfRange);
+}
+
 TEST(Messages, GoodbyeAndEventOutOfRange) {
   const auto unknownReason = static_cast<wire::GoodbyeReason>(8);
   EXPECT_EQ(ParseAs('c', MakeClientGoodbye(unknownReason, "")), ParseResult::kOutOfRange);
   EXPECT_EQ(ParseAs('s', MakeServerGoodbye(unknownReason, "")), ParseResult::kOutOfRange);
-  const auto unknownEvent = static_cast<wire::EventKind>(4);
+  const auto unknownEvent = static_cast<wire::EventKind>(5);
   EXPECT_EQ(ParseAs('s', MakeEvent(unknownEvent, 1, 2, 3, "")), ParseResult::kOutOfRange);
   const std::string longName(kMaxNameBytes + 1, 'a');
   EXPECT_EQ(ParseAs('s', MakeEvent(wire::EventKind::Join, 1, 2, 3, longName)), ParseResult::kOutOfRange);
@@ -348,6 +481,8 @@ TEST(Messages, WelcomeOutOfRange) {
   EXPECT_EQ(ParseAs('s', MakeWelcome({1, 2, 3, 60, 0, "a", 1, {}})), ParseResult::kOutOfRange) << "snapshot rate";
   EXPECT_EQ(ParseAs('s', MakeWelcome({1, 2, 3, 60, 30, "a", 255, {}})), ParseResult::kOk);
   EXPECT_EQ(ParseAs('s', MakeWelcome({1, 2, 3, 60, 30, "a", 256, {}})), ParseResult::kOutOfRange) << "blueprints";
+  EXPECT_EQ(ParseAs('s', MakeWelcome({1, 2, 3, 60, 30, "a", 1, {}, {}, 16})), ParseResult::kOutOfRange) << "hands";
+  EXPECT_EQ(ParseAs('s', MakeWelcome({1, 2, 3, 60, 30, "a", 1, {}, {}, 1, -1})), ParseResult::kOutOfRange) << "reach";
   const auto unknown = static_cast<wire::ObstacleKind>(4);
   EXPECT_EQ(ParseAs('s', MakeWelcome({1, 2, 3, 60, 30, "a", 1, {{unknown, {}, {}, 1}}})), ParseResult::kOutOfRange);
 }
@@ -404,7 +539,7 @@ TEST(Messages, HeightFieldsOutOfRange) {
 TEST(Messages, EdgesAndGenerationsOutOfRange) {
   const std::vector<Vector3> rest{{-1, 0, 0}, {1, 0, 0}};
   const auto parse = [&](const std::vector<std::array<std::uint16_t, 2>>& edges) {
-    return ParseAs('b', MakeBlueprint("pair", rest, {}, 1, edges));
+    return ParseAs('b', MakeBlueprint({.name = "pair", .rest = rest, .edges = edges}));
   };
   EXPECT_EQ(parse({{0, 1}}), ParseResult::kOk);
   EXPECT_EQ(parse({}), ParseResult::kOk) << "none";
@@ -435,21 +570,23 @@ TEST(Messages, ChunkOutOfRange) {
 TEST(Messages, BlueprintOutOfRange) {
   using Faces = std::vector<std::array<std::uint16_t, 3>>;
   const std::vector<Vector3> rest(4);
-  EXPECT_EQ(ParseAs('b', MakeBlueprint("a", rest, {}, 1)), ParseResult::kOk);
+  EXPECT_EQ(ParseAs('b', MakeBlueprint({.name = "a", .rest = rest})), ParseResult::kOk);
   for (const Faces& faces : {Faces{{4, 0, 1}}, Faces{{0, 4, 1}}, Faces{{0, 1, 2}, {0, 1, 65535}}}) {
-    EXPECT_EQ(ParseAs('b', MakeBlueprint("a", rest, faces, 1)), ParseResult::kOutOfRange);
+    EXPECT_EQ(ParseAs('b', MakeBlueprint({.name = "a", .rest = rest, .faces = faces})), ParseResult::kOutOfRange);
   }
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   for (const float size : {0.0F, -1.0F, kInfinity, kNan}) {
-    EXPECT_EQ(ParseAs('b', MakeBlueprint("a", rest, {}, size)), ParseResult::kOutOfRange) << size;
+    EXPECT_EQ(ParseAs('b', MakeBlueprint({.name = "a", .rest = rest, .size = size})), ParseResult::kOutOfRange) << size;
   }
   for (const Vector3 bad : {Vector3{kNan, 0, 0}, Vector3{0, -kInfinity, 0}, Vector3{0, 0, kNan}}) {
-    EXPECT_EQ(ParseAs('b', MakeBlueprint("a", std::vector{Vector3{}, bad}, {}, 1)), ParseResult::kOutOfRange);
+    EXPECT_EQ(ParseAs('b', MakeBlueprint({.name = "a", .rest = std::vector{Vector3{}, bad}})),
+              ParseResult::kOutOfRange);
   }
-  EXPECT_EQ(ParseAs('b', MakeBlueprint("a", {}, {}, 1)), ParseResult::kMissingField);
-  EXPECT_EQ(ParseAs('b', MakeBlueprint("a", std::vector<Vector3>(kMaxBodyVertices), {}, 1)), ParseResult::kOk);
-  EXPECT_EQ(ParseAs('b', MakeBlueprint("a", std::vector<Vector3>(kMaxBodyVertices + 1), {}, 1)),
+  EXPECT_EQ(ParseAs('b', MakeBlueprint({.name = "a", .rest = {}})), ParseResult::kMissingField);
+  EXPECT_EQ(ParseAs('b', MakeBlueprint({.name = "a", .rest = std::vector<Vector3>(kMaxBodyVertices)})),
+            ParseResult::kOk);
+  EXPECT_EQ(ParseAs('b', MakeBlueprint({.name = "a", .rest = std::vector<Vector3>(kMaxBodyVertices + 1)})),
             ParseResult::kOutOfRange);
 }
 
@@ -478,7 +615,7 @@ TEST(Messages, AbsentPartsAreMissing) {
 TEST(Messages, AnUnknownKindIsOutOfRange) {
   flatbuffers::FlatBufferBuilder builder;
   const auto body = wire::CreateGoodbye(builder, wire::GoodbyeReason::Left, builder.CreateString("x"));
-  builder.Finish(wire::CreateClientMessage(builder, static_cast<wire::ClientBody>(9), body.Union()));
+  builder.Finish(wire::CreateClientMessage(builder, static_cast<wire::ClientBody>(13), body.Union()));
   const Bytes bytes(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
   EXPECT_EQ(ParseAs('c', bytes), ParseResult::kOutOfRange);
   EXPECT_EQ(ParseAs('s', bytes), ParseResult::kOutOfRange);

@@ -1,0 +1,263 @@
+// From bytes to messages that can be trusted. FlatBuffers' verifier goes first, over the whole of a message; then what
+// only we know: that what every honest sender sets is there, that numbers are finite, enumerators known, counts within
+// limits.h and places within what they are places of.
+#include <cmath>
+#include <initializer_list>
+
+#include "protocol/messages.h"
+
+namespace wobble::protocol {
+namespace {
+
+template <class Root>
+const Root* VerifyRoot(std::span<const std::uint8_t> bytes, std::uint32_t maxTables = kMaxMessageTables) {
+  flatbuffers::Verifier verifier(bytes.data(), bytes.size(), kMaxMessageDepth, maxTables);
+  return verifier.VerifyBuffer<Root>(nullptr) ? flatbuffers::GetRoot<Root>(bytes.data()) : nullptr;
+}
+
+// FlatBuffers reads numbers where they lie: its verifier wants the alignment that a network buffer need not have.
+// Every transport hands out buffers from the allocator or ENet's packets, both aligned to 8; a caller with another
+// buffer gets kMalformed, not undefined behaviour.
+bool IsAligned(std::span<const std::uint8_t> bytes) {
+  return reinterpret_cast<std::uintptr_t>(bytes.data()) % alignof(std::uint64_t) == 0;
+}
+
+template <class Enum>
+bool IsKnown(Enum value, Enum last) {
+  return static_cast<std::uint8_t>(value) <= static_cast<std::uint8_t>(last);
+}
+
+ParseResult CheckGoodbye(const wire::Goodbye& goodbye) {
+  if (goodbye.detail() == nullptr) return ParseResult::kMissingField;
+  return IsKnown(goodbye.reason(), wire::GoodbyeReason::MAX) ? ParseResult::kOk : ParseResult::kOutOfRange;
+}
+
+ParseResult CheckHello(const wire::Hello& hello) {
+  if (hello.name() == nullptr) return ParseResult::kMissingField;
+  if (hello.name()->size() > kMaxNameBytes || !IsKnown(hello.role(), wire::Role::MAX)) return ParseResult::kOutOfRange;
+  return ParseResult::kOk;
+}
+
+bool IsFinite(const wire::Vec3& v) { return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z()); }
+
+ParseResult CheckInput(const wire::Input& input) {
+  if (input.frames() == nullptr || input.frames()->size() == 0) return ParseResult::kMissingField;
+  if (input.frames()->size() > kMaxInputFrames) return ParseResult::kOutOfRange;
+  for (const wire::InputFrame* frame : *input.frames()) {
+    if (frame->buttons() > 7 || frame->move_x() == -128 || frame->move_y() == -128) return ParseResult::kOutOfRange;
+  }
+  const bool isGood = input.hand() == nullptr || IsFinite(input.hand()->target());
+  return isGood ? ParseResult::kOk : ParseResult::kOutOfRange;
+}
+
+// Those that every honest sender sets, and all finite.
+ParseResult CheckPlaces(std::initializer_list<const wire::Vec3*> places) {
+  for (const wire::Vec3* place : places) {
+    if (place == nullptr) return ParseResult::kMissingField;
+    if (!IsFinite(*place)) return ParseResult::kOutOfRange;
+  }
+  return ParseResult::kOk;
+}
+
+ParseResult CheckTune(const wire::Tune& tune) {
+  if (!IsKnown(tune.kind(), wire::TuneKind::MAX)) return ParseResult::kOutOfRange;
+  return CheckPlaces({tune.value()});
+}
+
+ParseResult CheckBuild(const wire::Build& build) {
+  const bool isGood = IsKnown(build.kind(), wire::BuildKind::MAX) && std::isfinite(build.mass()) &&
+                      std::isfinite(build.stiffness()) && std::isfinite(build.damping()) &&
+                      std::isfinite(build.rest_length());
+  return isGood ? CheckPlaces({build.at()}) : ParseResult::kOutOfRange;
+}
+
+bool IsGood(const wire::Obstacle& obstacle) {
+  const bool isRound = obstacle.kind() == wire::ObstacleKind::Sphere || obstacle.kind() == wire::ObstacleKind::Capsule;
+  return IsKnown(obstacle.kind(), wire::ObstacleKind::MAX) && IsFinite(obstacle.a()) && IsFinite(obstacle.b()) &&
+         std::isfinite(obstacle.radius()) && (!isRound || obstacle.radius() > 0.0F);
+}
+
+bool IsGood(const wire::HeightField& field) {
+  const auto fits = [](std::uint16_t nodes) { return nodes >= 2 && nodes <= kMaxFieldNodes; };
+  return fits(field.columns()) && fits(field.rows()) && IsFinite(field.corner()) && field.cell_size() > 0.0F &&
+         std::isfinite(field.cell_size() * static_cast<float>(kMaxFieldNodes)) && std::isfinite(field.low()) &&
+         field.step() >= 0.0F && std::isfinite(field.corner().z() + field.low() + field.step() * 65535.0F);
+}
+
+ParseResult CheckWelcome(const wire::Welcome& welcome) {
+  if (welcome.scene() == nullptr || welcome.obstacles() == nullptr || welcome.height_fields() == nullptr ||
+      welcome.game() == nullptr) {
+    return ParseResult::kMissingField;
+  }
+  if (welcome.tick_hz() == 0 || welcome.snapshot_hz() == 0 || welcome.blueprint_count() > kMaxBlueprints ||
+      welcome.obstacles()->size() > kMaxObstacles || welcome.height_fields()->size() > kMaxHeightFields ||
+      welcome.hands() > 15 || !(welcome.reach() >= 0.0F) || welcome.game()->size() > kMaxNameBytes) {
+    return ParseResult::kOutOfRange;
+  }
+  for (const wire::Obstacle* obstacle : *welcome.obstacles()) {
+    if (!IsGood(*obstacle)) return ParseResult::kOutOfRange;
+  }
+  for (const wire::HeightField* field : *welcome.height_fields()) {
+    if (!IsGood(*field)) return ParseResult::kOutOfRange;
+  }
+  return ParseResult::kOk;
+}
+
+ParseResult CheckRows(const wire::HeightRows& rows) {
+  if (rows.heights() == nullptr || rows.heights()->size() == 0) return ParseResult::kMissingField;
+  const bool fits =
+      rows.heights()->size() <= kMaxRowsHeights && rows.field() < kMaxHeightFields && rows.first_row() < kMaxFieldNodes;
+  return fits ? ParseResult::kOk : ParseResult::kOutOfRange;
+}
+
+ParseResult CheckChunk(const wire::BlueprintChunk& chunk) {
+  if (chunk.bytes() == nullptr || chunk.bytes()->size() == 0) return ParseResult::kMissingField;
+  if (chunk.generation() >= kGenerations || chunk.total() > kMaxBlueprintBytes ||
+      chunk.bytes()->size() > kBlueprintChunkBytes || chunk.offset() > chunk.total() ||
+      chunk.bytes()->size() > chunk.total() - chunk.offset()) {
+    return ParseResult::kOutOfRange;
+  }
+  return ParseResult::kOk;
+}
+
+ParseResult CheckEvent(const wire::Event& event) {
+  if (event.name() == nullptr) return ParseResult::kMissingField;
+  if (event.name()->size() > kMaxNameBytes || !IsKnown(event.kind(), wire::EventKind::MAX)) {
+    return ParseResult::kOutOfRange;
+  }
+  return ParseResult::kOk;
+}
+
+ParseResult CheckTuning(const wire::Tuning& tuning) {
+  const bool isGood = std::isfinite(tuning.stiffness()) && tuning.stiffness() > 0.0F && tuning.may() <= 7 &&
+                      tuning.time_rate() > 0.0F && tuning.time_rate() <= 1.0F;
+  return isGood ? CheckPlaces({tuning.gravity()}) : ParseResult::kOutOfRange;
+}
+
+ParseResult CheckForces(const wire::Forces& forces) {
+  if (forces.sets() == nullptr) return ParseResult::kMissingField;
+  if (forces.stride() == 0 || forces.sets()->size() > static_cast<std::size_t>(wire::ForceKind::MAX) + 1) {
+    return ParseResult::kOutOfRange;
+  }
+  for (const wire::ForceSet* set : *forces.sets()) {
+    if (set->values() == nullptr) return ParseResult::kMissingField;
+    const bool isGood = IsKnown(set->kind(), wire::ForceKind::MAX) && set->values()->size() % 3 == 0 &&
+                        set->values()->size() <= 3 * kMaxShownForces && std::isfinite(set->scale());
+    if (!isGood) return ParseResult::kOutOfRange;
+  }
+  return ParseResult::kOk;
+}
+
+ParseResult CheckScoreboard(const wire::Scoreboard& board) {
+  if (board.scores() == nullptr) return ParseResult::kMissingField;
+  const bool isGood = IsKnown(board.phase(), wire::GamePhase::MAX) && board.scores()->size() <= kMaxScores;
+  return isGood ? ParseResult::kOk : ParseResult::kOutOfRange;
+}
+
+ParseResult CheckNotice(const wire::Notice& notice) {
+  if (notice.text() == nullptr) return ParseResult::kMissingField;
+  return notice.text()->size() <= kMaxNoticeBytes ? ParseResult::kOk : ParseResult::kOutOfRange;
+}
+
+ParseResult CheckTags(const wire::Blueprint& blueprint) {
+  const std::size_t edges = blueprint.edges() == nullptr ? 0 : blueprint.edges()->size();
+  if (blueprint.particles() != nullptr) {
+    if (blueprint.particles()->size() != blueprint.rest()->size()) return ParseResult::kOutOfRange;
+    for (const wire::ParticleTag* tag : *blueprint.particles()) {
+      if (!std::isfinite(tag->mass())) return ParseResult::kOutOfRange;
+    }
+  }
+  if (blueprint.springs() != nullptr) {
+    if (blueprint.springs()->size() != edges) return ParseResult::kOutOfRange;
+    for (const wire::SpringTag* tag : *blueprint.springs()) {
+      const bool isGood =
+          std::isfinite(tag->stiffness()) && std::isfinite(tag->damping()) && std::isfinite(tag->rest_length());
+      if (!isGood) return ParseResult::kOutOfRange;
+    }
+  }
+  return ParseResult::kOk;
+}
+
+ParseResult CheckClientBody(const wire::ClientMessage& message) {
+  if (const auto* hello = message.body_as_Hello()) return CheckHello(*hello);
+  if (const auto* input = message.body_as_Input()) return CheckInput(*input);
+  if (const auto* goodbye = message.body_as_Goodbye()) return CheckGoodbye(*goodbye);
+  if (const auto* push = message.body_as_Push()) return CheckPlaces({push->direction()});
+  if (const auto* cut = message.body_as_Cut()) return CheckPlaces({cut->eye(), cut->from(), cut->to()});
+  if (message.body_as_Inspect() != nullptr) return ParseResult::kOk;
+  if (const auto* tune = message.body_as_Tune()) return CheckTune(*tune);
+  if (const auto* build = message.body_as_Build()) return CheckBuild(*build);
+  return ParseResult::kOutOfRange;  // of a kind this version does not know
+}
+
+ParseResult CheckServerBody(const wire::ServerMessage& message) {
+  if (const auto* welcome = message.body_as_Welcome()) return CheckWelcome(*welcome);
+  if (const auto* chunk = message.body_as_BlueprintChunk()) return CheckChunk(*chunk);
+  if (const auto* rows = message.body_as_HeightRows()) return CheckRows(*rows);
+  if (const auto* event = message.body_as_Event()) return CheckEvent(*event);
+  if (const auto* goodbye = message.body_as_Goodbye()) return CheckGoodbye(*goodbye);
+  if (const auto* tuning = message.body_as_Tuning()) return CheckTuning(*tuning);
+  if (const auto* forces = message.body_as_Forces()) return CheckForces(*forces);
+  if (const auto* board = message.body_as_Scoreboard()) return CheckScoreboard(*board);
+  if (const auto* notice = message.body_as_Notice()) return CheckNotice(*notice);
+  return ParseResult::kOutOfRange;
+}
+
+}  // namespace
+
+ParseResult ParseClientMessage(std::span<const std::uint8_t> bytes, const wire::ClientMessage*& message) {
+  if (bytes.size() > kMaxClientMessageBytes) return ParseResult::kTooLarge;
+  const auto* root = IsAligned(bytes) ? VerifyRoot<wire::ClientMessage>(bytes) : nullptr;
+  if (root == nullptr) return ParseResult::kMalformed;
+  if (root->body() == nullptr) return ParseResult::kMissingField;
+  const ParseResult result = CheckClientBody(*root);
+  if (result == ParseResult::kOk) message = root;
+  return result;
+}
+
+ParseResult ParseServerMessage(std::span<const std::uint8_t> bytes, const wire::ServerMessage*& message) {
+  if (bytes.size() > kMaxServerMessageBytes) return ParseResult::kTooLarge;
+  const auto* root = IsAligned(bytes) ? VerifyRoot<wire::ServerMessage>(bytes) : nullptr;
+  if (root == nullptr) return ParseResult::kMalformed;
+  if (root->body() == nullptr) return ParseResult::kMissingField;
+  const ParseResult result = CheckServerBody(*root);
+  if (result == ParseResult::kOk) message = root;
+  return result;
+}
+
+ParseResult ParseBlueprint(std::span<const std::uint8_t> bytes, const wire::Blueprint*& blueprint) {
+  if (bytes.size() > kMaxBlueprintBytes) return ParseResult::kTooLarge;
+  const auto* root = IsAligned(bytes) ? VerifyRoot<wire::Blueprint>(bytes) : nullptr;
+  if (root == nullptr) return ParseResult::kMalformed;
+  if (root->name() == nullptr || root->rest() == nullptr || root->rest()->size() == 0 || root->faces() == nullptr) {
+    return ParseResult::kMissingField;
+  }
+  const std::size_t count = root->rest()->size();
+  if (count > kMaxBodyVertices || !(root->size() > 0.0F) || !std::isfinite(root->size())) {
+    return ParseResult::kOutOfRange;
+  }
+  for (const wire::Vec3* vertex : *root->rest()) {
+    if (!IsFinite(*vertex)) return ParseResult::kOutOfRange;
+  }
+  for (const wire::Face* face : *root->faces()) {
+    if (face->a() >= count || face->b() >= count || face->c() >= count) return ParseResult::kOutOfRange;
+  }
+  if (root->edges() != nullptr) {
+    if (root->edges()->size() > kMaxBlueprintEdges) return ParseResult::kOutOfRange;
+    for (const wire::Edge* edge : *root->edges()) {
+      if (edge->a() >= count || edge->b() >= count) return ParseResult::kOutOfRange;
+    }
+  }
+  if (root->bases() != nullptr) {
+    if (root->bases()->size() != (count + kMaxPatchVertices - 1) / kMaxPatchVertices) return ParseResult::kOutOfRange;
+    for (const wire::Basis* basis : *root->bases()) {
+      if (basis->bytes() == nullptr) return ParseResult::kMissingField;
+      if (basis->bytes()->size() > kMaxBasisBytes) return ParseResult::kOutOfRange;
+    }
+  }
+  if (const ParseResult tags = CheckTags(*root); tags != ParseResult::kOk) return tags;
+  blueprint = root;
+  return ParseResult::kOk;
+}
+
+}  // namespace wobble::protocol
