@@ -4,24 +4,19 @@
 // Texts and messages from the script are written where PrepareInput says, then the call that uses them follows.
 #include <emscripten/emscripten.h>
 
+#include <array>
+#include <cstring>
+#include <optional>
 #include <string>
 
 #include "client/web/wasm/session.h"
 
+using wobble::client::Hand;
+using wobble::protocol::Vector3;
 using wobble::web::Session;
-
-namespace {
-
-std::string ReadText(const Session& session, std::size_t size) {
-  const auto bytes = session.Input(size);
-  return {bytes.begin(), bytes.end()};
-}
-
-}  // namespace
 
 extern "C" {
 
-// The name lies at PrepareName before there is a session.
 EMSCRIPTEN_KEEPALIVE Session* CreateSession(const char* name, std::size_t size, bool isSpectator, double now) {
   return new Session(std::string(name, size), isSpectator, now);
 }
@@ -65,6 +60,44 @@ EMSCRIPTEN_KEEPALIVE const void* FindBlueprint(Session* session, std::uint32_t n
 // buttons: bit 0 jump, 1 puff, 2 stiffen.
 EMSCRIPTEN_KEEPALIVE void SetInput(Session* session, float moveX, float moveY, unsigned buttons) {
   session->Client().SetInput({moveX, moveY, (buttons & 1) != 0, (buttons & 2) != 0, (buttons & 4) != 0});
+}
+
+// What the server tells.
+EMSCRIPTEN_KEEPALIVE const void* TakeNotice(Session* session) { return session->TakeNotice(); }
+EMSCRIPTEN_KEEPALIVE const void* ReadTuning(Session* session) { return &session->MakeTuning(); }
+EMSCRIPTEN_KEEPALIVE const void* ReadScoreboard(Session* session) { return &session->MakeScoreboard(); }
+EMSCRIPTEN_KEEPALIVE const void* ReadForces(Session* session) { return &session->MakeForces(); }
+
+// The hands.
+EMSCRIPTEN_KEEPALIVE void SetHand(Session* session, std::uint32_t body, unsigned vertex, float x, float y, float z) {
+  session->Client().SetHand(Hand{body, static_cast<std::uint16_t>(vertex), {x, y, z}});
+}
+EMSCRIPTEN_KEEPALIVE void OpenHand(Session* session) { session->Client().SetHand(std::nullopt); }
+EMSCRIPTEN_KEEPALIVE void Push(Session* session, std::uint32_t body, unsigned vertex, float x, float y, float z) {
+  session->Client().Push(body, static_cast<std::uint16_t>(vertex), {x, y, z});
+}
+// Nine floats lie in the input: the eye, where the stroke comes from and where it goes.
+EMSCRIPTEN_KEEPALIVE void Cut(Session* session, std::uint32_t body) {
+  std::array<Vector3, 3> corners;
+  const auto input = session->Input(sizeof corners);
+  if (input.size() == sizeof corners) std::memcpy(corners.data(), input.data(), sizeof corners);
+  session->Client().Cut(body, corners[0], corners[1], corners[2]);
+}
+EMSCRIPTEN_KEEPALIVE void Inspect(Session* session, std::uint32_t body) { session->Client().Inspect(body); }
+EMSCRIPTEN_KEEPALIVE void Tune(Session* session, unsigned kind, float x, float y, float z) {
+  session->Client().Tune(static_cast<wobble::protocol::wire::TuneKind>(kind), {x, y, z});
+}
+// A BuildRequest lies in the input.
+EMSCRIPTEN_KEEPALIVE void Build(Session* session) {
+  wobble::web::BuildRequest request;
+  const auto input = session->Input(sizeof request);
+  if (input.size() == sizeof request) std::memcpy(&request, input.data(), sizeof request);
+  session->Build(request);
+}
+
+// For tests: over all that has been decoded so far; 64 bits in two halves.
+EMSCRIPTEN_KEEPALIVE std::uint32_t ReadDecodedHash(Session* session, bool upper) {
+  return static_cast<std::uint32_t>(session->DecodedHash() >> (upper ? 32 : 0));
 }
 
 }  // extern "C"

@@ -10,10 +10,6 @@ namespace {
 
 constexpr std::size_t kMaxEvents = 1024;  // a page that takes none keeps the newest
 
-Address AddressOf(const void* pointer) { return static_cast<Address>(reinterpret_cast<std::uintptr_t>(pointer)); }
-
-Text MakeText(const std::string& text) { return {AddressOf(text.data()), static_cast<std::uint32_t>(text.size())}; }
-
 client::Options MakeOptions(std::string name, bool isSpectator) {
   if (name.size() > protocol::kMaxNameBytes) {
     std::size_t end = protocol::kMaxNameBytes;
@@ -35,6 +31,11 @@ Session::Session(std::string name, bool isSpectator, double now)
     if (m_events.size() == kMaxEvents) m_events.pop_front();
     m_events.push_back(event);
   });
+  m_client.OnNotice([this](const std::string& text) {
+    if (m_notices.size() == kMaxEvents) m_notices.pop_front();
+    m_notices.push_back(text);
+  });
+  m_client.OnDecoded([this](const client::DecodedPatch& patch) { m_decoded.Add(patch); });
 }
 
 std::uint8_t* Session::PrepareInput(std::size_t size) {
@@ -71,6 +72,10 @@ const WelcomeView& Session::MakeWelcome() {
   m_welcomeView.obstacles = AddressOf(welcome.obstacles.data());
   m_welcomeView.groundCount = static_cast<std::uint32_t>(m_groundViews.size());
   m_welcomeView.grounds = AddressOf(m_groundViews.data());
+  m_welcomeView.hands = welcome.hands;
+  m_welcomeView.reach = welcome.reach;
+  m_welcomeView.game = MakeText(welcome.game);
+  m_welcomeView.workshop = welcome.workshop;
   return m_welcomeView;
 }
 
@@ -101,6 +106,59 @@ const EventView* Session::TakeEvent() {
   m_eventView.body = m_event.body;
   m_eventView.name = MakeText(m_event.name);
   return &m_eventView;
+}
+
+const Text* Session::TakeNotice() {
+  if (m_notices.empty()) return nullptr;
+  m_notice = std::move(m_notices.front());
+  m_notices.pop_front();
+  m_noticeView = MakeText(m_notice);
+  return &m_noticeView;
+}
+
+const TuningView& Session::MakeTuning() {
+  const client::Tuning& tuning = m_client.ReadTuning();
+  m_tuningView = {
+      {tuning.gravity.x, tuning.gravity.y, tuning.gravity.z}, tuning.stiffness, tuning.timeRate, tuning.may};
+  return m_tuningView;
+}
+
+const ScoreboardView& Session::MakeScoreboard() {
+  const client::Scoreboard& board = m_client.ReadScoreboard();
+  m_scoreboardView = {static_cast<std::uint32_t>(board.phase),
+                      board.round,
+                      board.secondsLeft,
+                      board.pointsToWin,
+                      board.winner,
+                      static_cast<std::uint32_t>(board.scores.size()),
+                      AddressOf(board.scores.data())};
+  return m_scoreboardView;
+}
+
+const ForcesView& Session::MakeForces() {
+  const client::Forces& forces = m_client.ReadForces();
+  m_fieldViews.clear();
+  for (const protocol::ForceField& field : forces.fields) {
+    m_fieldViews.push_back({static_cast<std::uint32_t>(field.kind), static_cast<std::uint32_t>(field.values.size()),
+                            AddressOf(field.values.data())});
+  }
+  m_forcesView = {forces.body, forces.tick, forces.stride, static_cast<std::uint32_t>(m_fieldViews.size()),
+                  AddressOf(m_fieldViews.data())};
+  return m_forcesView;
+}
+
+void Session::Build(const BuildRequest& request) {
+  protocol::BuildFields fields;
+  fields.kind = static_cast<protocol::wire::BuildKind>(request.kind);
+  fields.a = static_cast<std::uint16_t>(request.a);
+  fields.b = static_cast<std::uint16_t>(request.b);
+  fields.at = {request.at[0], request.at[1], request.at[2]};
+  fields.mass = request.mass;
+  fields.fixed = request.fixed != 0;
+  fields.stiffness = request.stiffness;
+  fields.damping = request.damping;
+  fields.restLength = request.restLength;
+  m_client.Build(fields);
 }
 
 }  // namespace wobble::web

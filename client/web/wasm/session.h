@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "client/client.h"
+#include "client/web/wasm/decoded_hash.h"
 #include "client/web/wasm/layout.h"
 #include "client/web/wasm/shown_bodies.h"
 #include "client/web/wasm/web_socket_transport.h"
@@ -36,6 +37,16 @@ class Session {
   const StatisticsView& MakeStatistics(double now);
   // The oldest event that has not been taken; nullptr when there is none.
   const EventView* TakeEvent();
+  // The same of notices.
+  const Text* TakeNotice();
+  const TuningView& MakeTuning();
+  const ScoreboardView& MakeScoreboard();
+  const ForcesView& MakeForces();
+
+  // An unknown kind is for the server to refuse.
+  void Build(const BuildRequest& request);
+  // Over all that has been decoded so far.
+  [[nodiscard]] std::uint64_t DecodedHash() const { return m_decoded.Value(); }
 
  private:
   WebSocketTransport* m_transport;  // the client's
@@ -50,6 +61,14 @@ class Session {
   std::vector<GroundView> m_groundViews;
   StatisticsView m_statisticsView;
   EventView m_eventView;
+  std::deque<std::string> m_notices;
+  std::string m_notice;  // that was taken last
+  Text m_noticeView;
+  TuningView m_tuningView;
+  ScoreboardView m_scoreboardView;
+  std::vector<ForceFieldView> m_fieldViews;
+  ForcesView m_forcesView;
+  web::DecodedHash m_decoded;
 };
 
 }  // namespace wobble::web

@@ -9,8 +9,6 @@
 namespace wobble::web {
 namespace {
 
-Address AddressOf(const void* pointer) { return static_cast<Address>(reinterpret_cast<std::uintptr_t>(pointer)); }
-
 template <typename Map>
 void DropUnused(Map& map, std::uint32_t round) {
   for (auto entry = map.begin(); entry != map.end();) {
@@ -81,7 +79,9 @@ const BlueprintView* ShownBodies::FindBlueprint(std::uint32_t number) {
     view.edges = AddressOf(blueprint.edges.data());
     view.size = blueprint.size;
     view.isOpen = blueprint.open ? 1 : 0;
-    view.name = {AddressOf(blueprint.name.data()), static_cast<std::uint32_t>(blueprint.name.size())};
+    view.name = MakeText(blueprint.name);
+    view.particles = blueprint.particles.empty() ? 0 : AddressOf(blueprint.particles.data());
+    view.springs = blueprint.springs.empty() ? 0 : AddressOf(blueprint.springs.data());
     return &view;
   }
   return nullptr;

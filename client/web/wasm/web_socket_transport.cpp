@@ -45,7 +45,7 @@ void WebSocketTransport::Poll(double, const Sink& sink) {
   using Kind = transport::Event::Kind;
   if (m_state == State::kOpening) {
     m_state = State::kOpen;
-    sink({Kind::kConnected, kConnection});
+    sink({Kind::kConnected, kConnection, transport::Channel::kControl, {}});
   }
   while (!m_incoming.empty()) {
     const Bytes message = std::move(m_incoming.front());
@@ -55,7 +55,7 @@ void WebSocketTransport::Poll(double, const Sink& sink) {
   }
   if (m_state == State::kClosing) {
     m_state = State::kClosed;
-    sink({Kind::kDisconnected, kConnection});
+    sink({Kind::kDisconnected, kConnection, transport::Channel::kControl, {}});
   }
 }
 

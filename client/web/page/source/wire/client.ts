@@ -5,11 +5,29 @@ import {
   ReadBlueprint,
   ReadBodies,
   ReadEvent,
+  ReadForces,
+  ReadNotice,
+  ReadScoreboard,
   ReadStatistics,
+  ReadTuning,
   ReadWelcome,
   ReadZeroText,
 } from './memory';
-import { State, type Blueprint, type Body, type Input, type Statistics, type Welcome, type WorldEvent } from './views';
+import {
+  State,
+  type Blueprint,
+  type Body,
+  type BuildRequest,
+  type Forces,
+  type Input,
+  type Scoreboard,
+  type Statistics,
+  type TuneKind,
+  type Tuning,
+  type Vector,
+  type Welcome,
+  type WorldEvent,
+} from './views';
 
 const kEncoder = new TextEncoder();
 
@@ -106,6 +124,29 @@ export class Client {
     return address === 0 ? null : ReadEvent(this.m_module, address);
   }
 
+  TakeNotice(): string | null {
+    const address = this.m_module._TakeNotice(this.m_session);
+    return address === 0 ? null : ReadNotice(this.m_module, address);
+  }
+
+  ReadTuning(): Tuning {
+    return ReadTuning(this.m_module, this.m_module._ReadTuning(this.m_session));
+  }
+
+  ReadScoreboard(): Scoreboard {
+    return ReadScoreboard(this.m_module, this.m_module._ReadScoreboard(this.m_session));
+  }
+
+  ReadForces(): Forces {
+    return ReadForces(this.m_module, this.m_module._ReadForces(this.m_session));
+  }
+
+  // 64 bits in hexadecimal digits; of all that has been decoded so far.
+  ReadDecodedHash(): string {
+    const half = (upper: boolean) => this.m_module._ReadDecodedHash(this.m_session, upper) >>> 0;
+    return half(true).toString(16).padStart(8, '0') + half(false).toString(16).padStart(8, '0');
+  }
+
   UpdateStatistics(): void {
     ReadStatistics(this.m_module, this.m_module._ReadStatistics(this.m_session, ReadNow()), this.statistics);
   }
@@ -147,6 +188,53 @@ export class Client {
   SetInput(input: Input): void {
     const buttons = (input.jump ? 1 : 0) | (input.puff ? 2 : 0) | (input.stiffen ? 4 : 0);
     this.m_module._SetInput(this.m_session, input.moveX, input.moveY, buttons);
+  }
+
+  // What the hand holds until the next call; null opens it.
+  SetHand(hand: { body: number; vertex: number; target: Vector } | null): void {
+    if (hand === null) {
+      this.m_module._OpenHand(this.m_session);
+      return;
+    }
+    const { x, y, z } = hand.target;
+    this.m_module._SetHand(this.m_session, hand.body, hand.vertex, x, y, z);
+  }
+
+  Push(body: number, vertex: number, direction: Vector): void {
+    this.m_module._Push(this.m_session, body, vertex, direction.x, direction.y, direction.z);
+  }
+
+  // The blade is the triangle of the three points.
+  Cut(body: number, eye: Vector, from: Vector, to: Vector): void {
+    this.WriteWords(9, (floats, at) => {
+      [eye, from, to].forEach((point, i) => floats.set([point.x, point.y, point.z], at + 3 * i));
+    });
+    this.m_module._Cut(this.m_session, body);
+  }
+
+  Inspect(body: number): void {
+    this.m_module._Inspect(this.m_session, body);
+  }
+
+  // A single value goes into x.
+  Tune(kind: TuneKind, value: Vector): void {
+    this.m_module._Tune(this.m_session, kind, value.x, value.y, value.z);
+  }
+
+  Build(request: BuildRequest): void {
+    this.WriteWords(11, (floats, at) => {
+      const at3 = request.at ?? { x: 0, y: 0, z: 0 };
+      this.m_module.HEAPU32.set([request.kind, request.a ?? 0, request.b ?? 0], at);
+      floats.set([at3.x, at3.y, at3.z, request.mass ?? 1], at + 3);
+      this.m_module.HEAPU32[at + 7] = request.fixed === true ? 1 : 0;
+      floats.set([request.stiffness ?? 100, request.damping ?? 1, request.restLength ?? 0], at + 8);
+    });
+    this.m_module._Build(this.m_session);
+  }
+
+  private WriteWords(count: number, write: (floats: Float32Array, at: number) => void): void {
+    const address = this.m_module._PrepareInput(this.m_session, 4 * count);
+    write(this.m_module.HEAPF32, address >> 2);
   }
 
   // A cloth that tears goes through many.

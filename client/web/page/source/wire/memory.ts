@@ -2,11 +2,29 @@
 //
 // The views onto the memory are taken anew for every structure, since they are dead once it has grown.
 import type { WobbleModule } from 'wobble-wasm';
-import type { Blueprint, Body, Ground, Obstacle, Statistics, Vector, Welcome, WorldEvent } from './views';
+import type {
+  Blueprint,
+  Body,
+  Forces,
+  Ground,
+  Obstacle,
+  ParticleTag,
+  Scoreboard,
+  SpringTag,
+  Statistics,
+  Tuning,
+  Vector,
+  Welcome,
+  WorldEvent,
+} from './views';
 
 const kBodyWords = 14;
 const kObstacleWords = 8;
 const kGroundWords = 7;
+const kParticleTagBytes = 12;
+const kSpringTagBytes = 20;
+const kScoreBytes = 8;
+const kForceFieldWords = 3;
 const kDecoder = new TextDecoder();
 
 export function ReadText(module: WobbleModule, address: number, length: number): string {
@@ -66,7 +84,7 @@ export function ReadBlueprint(module: WobbleModule, address: number, number: num
   const at = address >> 2;
   const words = module.HEAPU32;
   const [vertexCount, rest, faceCount, faces, edgeCount, edges] = words.subarray(at, at + 6);
-  const [isOpen, name, nameLength, particleTags, springTags] = words.subarray(at + 7, at + 12);
+  const [isOpen, name, nameLength, particles, springs] = words.subarray(at + 7, at + 12);
   return {
     number,
     name: ReadText(module, name, nameLength),
@@ -75,9 +93,37 @@ export function ReadBlueprint(module: WobbleModule, address: number, number: num
     rest: module.HEAPF32.slice(rest >> 2, (rest >> 2) + 3 * vertexCount),
     faces: module.HEAPU16.slice(faces >> 1, (faces >> 1) + 3 * faceCount),
     edges: module.HEAPU16.slice(edges >> 1, (edges >> 1) + 2 * edgeCount),
-    particleTags: particleTags === 0 ? new Uint32Array() : words.slice(particleTags >> 2, (particleTags >> 2) + vertexCount),
-    springTags: springTags === 0 ? new Uint32Array() : words.slice(springTags >> 2, (springTags >> 2) + edgeCount),
+    particles: particles === 0 ? [] : ReadParticleTags(module, particles, vertexCount),
+    springs: springs === 0 ? [] : ReadSpringTags(module, springs, edgeCount),
   };
+}
+
+// A structure of FlatBuffers, as are those below: fields aligned by their size.
+function ReadParticleTags(module: WobbleModule, address: number, count: number): ParticleTag[] {
+  const tags: ParticleTag[] = [];
+  for (let i = 0, at = address; i < count; ++i, at += kParticleTagBytes) {
+    tags.push({
+      mass: module.HEAPF32[at >> 2],
+      owner: module.HEAPU32[(at + 4) >> 2],
+      number: module.HEAPU16[(at + 8) >> 1],
+      fixed: module.HEAPU8[at + 10] !== 0,
+    });
+  }
+  return tags;
+}
+
+function ReadSpringTags(module: WobbleModule, address: number, count: number): SpringTag[] {
+  const tags: SpringTag[] = [];
+  for (let i = 0, at = address; i < count; ++i, at += kSpringTagBytes) {
+    tags.push({
+      stiffness: module.HEAPF32[at >> 2],
+      damping: module.HEAPF32[(at + 4) >> 2],
+      restLength: module.HEAPF32[(at + 8) >> 2],
+      owner: module.HEAPU32[(at + 12) >> 2],
+      number: module.HEAPU16[(at + 16) >> 1],
+    });
+  }
+  return tags;
 }
 
 export function ReadVector(module: WobbleModule, address: number): Vector {
@@ -103,10 +149,13 @@ export function ReadWelcome(module: WobbleModule, address: number): Welcome {
     scene: ReadText(module, words[at + 4], words[at + 5]),
     obstacles,
     grounds,
+    hands: words[at + 10],
+    reach: module.HEAPF32[at + 11],
+    game: ReadText(module, words[at + 12], words[at + 13]),
+    workshop: words[at + 14],
   };
 }
 
-// A structure of FlatBuffers: a byte, three of padding, seven floats.
 function ReadObstacle(module: WobbleModule, address: number): Obstacle {
   return {
     kind: module.HEAPU8[address],
@@ -165,4 +214,48 @@ export function MakeStatistics(): Statistics {
     serverTime: 0,
     joinSeconds: 0,
   };
+}
+
+export function ReadNotice(module: WobbleModule, address: number): string {
+  const at = address >> 2;
+  return ReadText(module, module.HEAPU32[at], module.HEAPU32[at + 1]);
+}
+
+export function ReadTuning(module: WobbleModule, address: number): Tuning {
+  const at = address >> 2;
+  const floats = module.HEAPF32;
+  return {
+    gravity: ReadVector(module, address),
+    stiffness: floats[at + 3],
+    timeRate: floats[at + 4],
+    may: module.HEAPU32[at + 5],
+  };
+}
+
+export function ReadScoreboard(module: WobbleModule, address: number): Scoreboard {
+  const words = module.HEAPU32.subarray(address >> 2, (address >> 2) + 7);
+  const scores = [];
+  for (let i = 0, at = words[6]; i < words[5]; ++i, at += kScoreBytes) {
+    const halves = module.HEAPU16;
+    scores.push({ clientId: module.HEAPU32[at >> 2], points: halves[(at + 4) >> 1], rounds: halves[(at + 6) >> 1] });
+  }
+  return {
+    phase: words[0],
+    round: words[1],
+    secondsLeft: words[2],
+    pointsToWin: words[3],
+    winner: words[4],
+    scores,
+  };
+}
+
+export function ReadForces(module: WobbleModule, address: number): Forces {
+  const [body, tick, stride, count, fieldsAt] = module.HEAPU32.subarray(address >> 2, (address >> 2) + 5);
+  const forces: Forces = { body, tick, stride, fields: [] };
+  for (let i = 0; i < count; ++i) {
+    const at = (fieldsAt >> 2) + kForceFieldWords * i;
+    const [kind, vertices, values] = module.HEAPU32.subarray(at, at + kForceFieldWords);
+    forces.fields.push({ kind, values: module.HEAPF32.slice(values >> 2, (values >> 2) + 3 * vertices) });
+  }
+  return forces;
 }

@@ -34,8 +34,24 @@ export interface Blueprint {
   rest: Float32Array;
   faces: Uint16Array;
   edges: Uint16Array;
-  particleTags: Uint32Array;
-  springTags: Uint32Array;
+  particles: ParticleTag[]; // of the workshop: one a vertex; empty otherwise
+  springs: SpringTag[]; // and one an edge
+}
+
+// Units: kg, N/m, N s/m, m. owner: the client that made it, 0: the scene has it.
+export interface ParticleTag {
+  number: number;
+  owner: number;
+  mass: number;
+  fixed: boolean;
+}
+
+export interface SpringTag {
+  number: number;
+  owner: number;
+  stiffness: number;
+  damping: number;
+  restLength: number;
 }
 
 export enum ObstacleKind {
@@ -69,6 +85,99 @@ export interface Welcome {
   scene: string;
   obstacles: Obstacle[];
   grounds: Ground[];
+  hands: number; // bits of Hands
+  reach: number; // m from the own body's centre; 0: any distance
+  game: string; // empty: none
+  workshop: number; // body that Build changes; 0: none
+}
+
+// Bits.
+export enum Hands {
+  Grab = 1,
+  Cut = 2,
+  Push = 4,
+  Build = 8,
+}
+
+export enum TuneKind {
+  Gravity = 0,
+  Stiffness = 1,
+  TimeRate = 2,
+  Jump = 3,
+}
+
+// Bits of Tuning.may.
+export enum MayTune {
+  Gravity = 1,
+  Stiffness = 2,
+  Time = 4,
+}
+
+export interface Tuning {
+  gravity: Vector; // m/s²
+  stiffness: number; // times every spring's
+  timeRate: number; // seconds of the world a second
+  may: number;
+}
+
+export enum GamePhase {
+  Playing = 0,
+  Won = 1,
+}
+
+export interface Score {
+  clientId: number;
+  points: number;
+  rounds: number;
+}
+
+export interface Scoreboard {
+  phase: GamePhase;
+  round: number;
+  secondsLeft: number;
+  pointsToWin: number;
+  winner: number; // client; 0: nobody
+  scores: Score[];
+}
+
+export enum ForceKind {
+  Elastic = 0,
+  Damping = 1,
+  Gas = 2,
+  Weight = 3,
+  Contact = 4,
+  Other = 5,
+  Acceleration = 6,
+}
+
+// On every stride-th vertex of the body, N (Acceleration: m/s²), three numbers each.
+export interface Forces {
+  body: number; // 0: none yet
+  tick: number;
+  stride: number;
+  fields: { kind: ForceKind; values: Float32Array }[];
+}
+
+export enum BuildKind {
+  AddParticle = 0,
+  AddSpring = 1,
+  SetParticle = 2,
+  SetSpring = 3,
+  RemoveParticle = 4,
+  RemoveSpring = 5,
+}
+
+// messages.fbs says which of them count for which kind.
+export interface BuildRequest {
+  kind: BuildKind;
+  a?: number;
+  b?: number;
+  at?: Vector;
+  mass?: number;
+  fixed?: boolean;
+  stiffness?: number;
+  damping?: number;
+  restLength?: number;
 }
 
 export enum EventKind {
@@ -76,6 +185,7 @@ export enum EventKind {
   Leave = 1,
   Respawn = 2,
   BodyRemoved = 3,
+  Fall = 4, // body fell; clientId, if not 0, is said to have pushed it
 }
 
 export interface WorldEvent {

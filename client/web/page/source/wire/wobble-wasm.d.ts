@@ -29,6 +29,18 @@ declare module 'wobble-wasm' {
     _ReadBodies(session: number): number;
     _ReadBodyCount(session: number): number;
     _FindBlueprint(session: number, number: number): number;
+    _TakeNotice(session: number): number;
+    _ReadTuning(session: number): number;
+    _ReadScoreboard(session: number): number;
+    _ReadForces(session: number): number;
+    _SetHand(session: number, body: number, vertex: number, x: number, y: number, z: number): void;
+    _OpenHand(session: number): void;
+    _Push(session: number, body: number, vertex: number, x: number, y: number, z: number): void;
+    _Cut(session: number, body: number): void;
+    _Inspect(session: number, body: number): void;
+    _Tune(session: number, kind: number, x: number, y: number, z: number): void;
+    _Build(session: number): void;
+    _ReadDecodedHash(session: number, upper: boolean): number;
     _SetInput(session: number, moveX: number, moveY: number, buttons: number): void;
   }
   export default function createModule(options?: { locateFile?: (path: string) => string }): Promise<WobbleModule>;
