@@ -14,6 +14,7 @@
 #include "client/play/command.h"
 #include "client/terminal/command.h"
 #include "client/tool/command.h"
+#include "client/web/command.h"
 
 namespace {
 
@@ -36,7 +37,8 @@ int Run(int argc, char** argv) {
   CLI::App app("wobble: tools for players and testers of wobbled, the server of soft bodies");
   app.require_subcommand(0, 1);  // none is refused below: CLI11 would say so even when an unknown option is the fault
   const std::vector<tool::Command> commands{play::DescribePlay(app), terminal::DescribeWatch(app),
-                                            bots::DescribeBots(app), link::DescribeLink(app)};
+                                            bots::DescribeBots(app), web::DescribeGateway(app),
+                                            link::DescribeLink(app)};
   app.set_version_flag("--version", "wobble " WOBBLE_VERSION);
   for (const tool::Command& command : commands) command.words->set_version_flag("--version", "wobble " WOBBLE_VERSION);
   app.footer("Examples:\n  wobble play --for 20\n  wobble bots --help");

@@ -111,6 +111,29 @@ CapturedBlueprint CaptureBlueprint(const physics::Blueprint& blueprint,
   return captured;
 }
 
+BlueprintTags CaptureTags(const physics::Blueprint& blueprint, std::span<const PartTag> particles,
+                          std::span<const PartTag> springs) {
+  const physics::Coefficients<double>& full = blueprint.full;
+  BlueprintTags tags;
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const bool isFixed = std::ranges::find(full.fixed, i) != full.fixed.end();
+    tags.particles.emplace_back(static_cast<float>(full.masses[i]), particles[i].owner, particles[i].number, isFixed);
+  }
+  for (std::size_t i = 0; i < springs.size(); ++i) {
+    const physics::Spring<double>& spring = full.springs[i];
+    tags.springs.emplace_back(static_cast<float>(spring.stiffness), static_cast<float>(spring.damping),
+                              static_cast<float>(spring.restLength), springs[i].owner, springs[i].number);
+  }
+  return tags;
+}
+
+std::uint8_t CaptureHands(const scenes::Scene& scene) {
+  const scenes::HandRules& hands = scene.hands;
+  return static_cast<std::uint8_t>((hands.grab ? protocol::kMayGrab : 0) | (hands.cut ? protocol::kMayCut : 0) |
+                                   (hands.push ? protocol::kMayPush : 0) |
+                                   (scene.workshop.isOpen ? protocol::kMayBuild : 0));
+}
+
 std::vector<protocol::wire::Obstacle> CaptureObstacles(std::span<const physics::Obstacle> obstacles) {
   using Kind = physics::Obstacle::Kind;
   namespace wire = protocol::wire;
@@ -145,6 +168,26 @@ std::vector<CapturedGround> CaptureGrounds(std::span<const physics::Obstacle> ob
     if (obstacle.kind == physics::Obstacle::Kind::kHeightField) captured.push_back(CaptureGround(obstacle));
   }
   return captured;
+}
+
+protocol::Message CaptureForces(const physics::World& world, physics::BodyId body) {
+  using Kind = protocol::wire::ForceKind;
+  const physics::InspectedForces forces = world.InspectForces(body);
+  const std::size_t stride = (forces.weight.size() + protocol::kMaxShownForces - 1) / protocol::kMaxShownForces;
+  std::vector<protocol::ForceField> fields;
+  const auto add = [&](Kind kind, const std::vector<physics::Vector3d>& values) {
+    protocol::ForceField& field = fields.emplace_back();
+    field.kind = kind;
+    for (std::size_t i = 0; i < values.size(); i += stride) field.values.push_back(ToWire(values[i]));
+  };
+  add(Kind::Elastic, forces.elastic);
+  add(Kind::Damping, forces.damping);
+  add(Kind::Gas, forces.gas);
+  add(Kind::Weight, forces.weight);
+  add(Kind::Contact, forces.contact);
+  add(Kind::Other, forces.other);
+  add(Kind::Acceleration, forces.accelerations);
+  return protocol::MakeForces(body, world.Tick(), static_cast<std::uint16_t>(stride), fields);
 }
 
 void CaptureBody(const physics::World& world, const physics::Body& body, CapturedBody& captured) {

@@ -11,6 +11,8 @@
 #include "protocol/geometry.h"
 #include "protocol/messages.h"
 #include "server/physics/world.h"
+#include "server/scenes/scene.h"
+#include "server/workshop.h"
 
 namespace wobble::server {
 
@@ -43,9 +45,13 @@ struct CapturedGround {
 
 // Of the particles and springs of the workshop, one a vertex and one a spring; of other bodies none.
 struct BlueprintTags {
-  std::span<const protocol::wire::ParticleTag> particles;
-  std::span<const protocol::wire::SpringTag> springs;
+  std::vector<protocol::wire::ParticleTag> particles;
+  std::vector<protocol::wire::SpringTag> springs;
 };
+[[nodiscard]] BlueprintTags CaptureTags(const physics::Blueprint& blueprint, std::span<const PartTag> particles,
+                                        std::span<const PartTag> springs);
+// What the scene lets hands do, as the welcome has it.
+[[nodiscard]] std::uint8_t CaptureHands(const scenes::Scene& scene);
 
 // bases: as TrainBases makes them.
 [[nodiscard]] CapturedBlueprint CaptureBlueprint(const physics::Blueprint& blueprint,
@@ -58,6 +64,9 @@ struct BlueprintTags {
 // Captures the body. What is there of its last capture speeds this one up: memory, and its rotation as the start of the
 // search for the new one.
 void CaptureBody(const physics::World& world, const physics::Body& body, CapturedBody& captured);
+
+// The forces on the body, which is there, of at most kMaxShownForces vertices.
+[[nodiscard]] protocol::Message CaptureForces(const physics::World& world, physics::BodyId body);
 
 // A body that clients may be told of, and where, m, as near as it takes to choose among them.
 struct ShownBody {

@@ -66,15 +66,24 @@ Server::Server(const Config& config, scenes::Scene scene, std::unique_ptr<transp
       m_encoder(CaptureObstacles(m_world.Obstacles())),
       m_sender(*m_transport, config.viewDistance),
       m_clock(1.0 / config.tickHz, now),
+      m_hands(m_scene.hands, 1.0 / config.tickHz),
+      m_tuning(m_scene.tuning, m_scene.gravity),
       m_lastCompany(now),
       m_lastCall(now) {
   assert(Validate(m_config, m_scene).empty());
+  if (m_scene.workshop.isOpen) {
+    const auto isWorkshop = [&](const physics::Body& body) { return body.blueprint == m_scene.workshop.blueprint; };
+    m_workshop.emplace(m_scene.workshop, std::ranges::find_if(m_world.Bodies(), isWorkshop)->id, m_world);
+  }
+  if (m_scene.game.kind == scenes::GameRules::Kind::kSumo) m_game.emplace(m_scene.game);
   PublishBlueprints();
 }
 
 int Server::Tick(double now) {
   Receive(now);
   PauseOrGoOn(now);
+  const int jumped = m_isPaused ? 0 : m_clock.TakeJumpTicks();
+  for (int i = 0; i < jumped; ++i) Step();
   const int ticks = m_isPaused ? 0 : m_clock.TakeDueTicks(now);
   for (int i = 0; i < ticks; ++i) {
     Step();
@@ -84,7 +93,7 @@ int Server::Tick(double now) {
     }
   }
   m_transport->Flush();
-  return ticks;
+  return jumped + ticks;
 }
 
 void Server::Receive(double now) {
@@ -109,6 +118,7 @@ double Server::NextCall() const { return m_isPaused ? m_lastCall + kPausedPoll :
 
 void Server::Step() {
   ApplyInputs();
+  ActByHand();
   const physics::StepReport report = m_world.Step();
   m_counts.substeps += report.substeps;
   m_counts.awakeSum += report.awake;
@@ -122,6 +132,7 @@ void Server::Step() {
                  m_world.Tick(), report.quarantined, report.nonFinite, report.inverted, report.reset);
   }
   RespawnFallen();
+  PlayGame();
   m_captures.Follow(m_world);
 }
 
@@ -138,7 +149,10 @@ void Server::PublishBlueprints() {
     const auto number = static_cast<std::uint8_t>(slot);
     const bool isNew = slot == m_blueprints.size();
     if (!isNew && m_blueprints[slot].revision == m_world.SlotRevision(number)) continue;
-    CapturedBlueprint fresh = CaptureBlueprint(present[slot], FindBases(slot));
+    const bool isWorkshop = m_workshop && m_world.ReadBody(m_workshop->Body()).blueprint == number;
+    const BlueprintTags tags =
+        isWorkshop ? CaptureTags(present[slot], m_workshop->Particles(), m_workshop->Springs()) : BlueprintTags{};
+    CapturedBlueprint fresh = CaptureBlueprint(present[slot], FindBases(slot), tags);
     fresh.revision = m_world.SlotRevision(number);
     if (isNew) {
       m_blueprints.emplace_back();
@@ -192,6 +206,7 @@ void Server::Send(double now) {
     const double credit = session.subscription.sent.LossShare() > kHeavyLoss ? share / 2 : share;
     m_sender.Send(m_captures.Bodies(), encode, session.body, head, credit, now, connection, session.subscription);
   }
+  SendForces();
 }
 
 bool Server::IsSnapshotDue() const {
@@ -251,6 +266,9 @@ void Server::TakeEvent(const transport::Event& event, double now) {
       session.state = Session::State::kEnding;
       m_transport->Disconnect(session.connection);
       break;
+    case MessageEffect::Kind::kCommand:
+      Obey(session, *effect.command);
+      break;
   }
 }
 
@@ -272,6 +290,8 @@ void Server::Join(Session& session) {
   spdlog::info("client {} ({}) joined{}", session.clientId, session.name, session.spectator ? " as spectator" : "");
   SendWelcome(session);
   Broadcast(protocol::MakeEvent(EventKind::Join, m_world.Tick(), session.clientId, session.body, session.name));
+  if (m_game && session.body != 0) m_game->Enter(session.clientId);
+  TellTuning();
 }
 
 void Server::SendWelcome(Session& session) {
@@ -285,11 +305,11 @@ void Server::SendWelcome(Session& session) {
   fields.blueprintCount = static_cast<std::uint16_t>(m_blueprints.size());
   fields.obstacles = CaptureObstacles(m_world.Obstacles());
   for (const CapturedGround& ground : m_grounds) fields.heightFields.push_back(ground.field);
-  const auto send = [&](const protocol::Message& message) {
-    if (m_transport->Send(session.connection, Channel::kControl, message) != transport::SendResult::kQueued) {
-      spdlog::warn("client {}: could not be welcomed", session.clientId);
-    }
-  };
+  fields.hands = CaptureHands(m_scene);
+  fields.reach = static_cast<float>(m_scene.hands.reach);
+  fields.game = m_game ? "sumo" : "";
+  fields.workshop = m_workshop ? m_workshop->Body() : 0;
+  const auto send = [&](const protocol::Message& message) { SendTo(session, message); };
   send(protocol::MakeWelcome(fields));
   for (std::size_t i = 0; i < m_grounds.size(); ++i) {
     for (const protocol::Message& rows : MakeRows(static_cast<std::uint16_t>(i), m_grounds[i])) send(rows);
@@ -328,6 +348,10 @@ void Server::ForgetPlayer(Session& session, bool unasked) {
   Broadcast(protocol::MakeEvent(EventKind::Leave, m_world.Tick(), session.clientId, session.body, session.name));
   if (session.body != 0) Broadcast(protocol::MakeEvent(EventKind::BodyRemoved, m_world.Tick(), 0, session.body, ""));
   session.body = 0;
+  m_hands.Forget(session.clientId);
+  if (m_game) m_game->Leave(session.clientId);
+  if (CountPlaying() == 0) m_tuning.Reset(m_world, m_clock);
+  TellTuning();
 }
 
 void Server::DropTimedOut(double now) {
@@ -352,6 +376,7 @@ void Server::RespawnFallen() {
   }
   for (const auto& [connection, session] : m_sessions) {
     if (session.body != 0 && !m_world.ReadBody(session.body).asleep && hasFallen(session.body)) {
+      NoteFall(session);
       Respawn(session.body, scenes::FindFreeSpawn(m_scene.player, session.clientId, m_world));
     }
   }
@@ -365,10 +390,13 @@ void Server::Respawn(physics::BodyId body, const physics::Vector3d& place) {
 
 void Server::Broadcast(const protocol::Message& message) {
   for (const auto& [connection, session] : m_sessions) {
-    if (session.state != Session::State::kPlaying) continue;
-    if (m_transport->Send(connection, Channel::kControl, message) != transport::SendResult::kQueued) {
-      spdlog::debug("client {}: an event could not be sent", session.clientId);
-    }
+    if (session.state == Session::State::kPlaying) SendTo(session, message);
+  }
+}
+
+void Server::SendTo(const Session& session, const protocol::Message& message) {
+  if (m_transport->Send(session.connection, Channel::kControl, message) != transport::SendResult::kQueued) {
+    spdlog::debug("client {}: a message could not be sent", session.clientId);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "protocol/transport/transport.h"
@@ -12,11 +13,15 @@
 #include "server/capture.h"
 #include "server/config.h"
 #include "server/encoder.h"
+#include "server/hands.h"
 #include "server/physics/world.h"
 #include "server/scenes/scene.h"
 #include "server/session.h"
 #include "server/snapshot_sender.h"
+#include "server/sumo.h"
 #include "server/tick_clock.h"
+#include "server/tuning.h"
+#include "server/workshop.h"
 
 namespace wobble::server {
 
@@ -81,6 +86,18 @@ class Server {
   void End(Session& session, protocol::wire::GoodbyeReason reason, const std::string& detail);
   void ForgetPlayer(Session& session, bool unasked);
   void DropTimedOut(double now);
+
+  // What players do beyond moving about: server_play.cpp.
+  void Obey(Session& session, const Command& command);
+  void ActByHand();
+  void PlayGame();
+  void NoteFall(const Session& session);
+  void TellStandings();
+  void TellTuning();
+  void SendForces();
+  void Notify(const Session& session, const std::string& text);
+  [[nodiscard]] ClientId FindHost() const;  // who has played longest; 0: nobody plays
+
   void RespawnFallen();
   void Respawn(physics::BodyId body, const physics::Vector3d& place);
   // Blueprints that the world has changed or added since the last call, to everybody who plays.
@@ -88,6 +105,7 @@ class Server {
   [[nodiscard]] const Bases& FindBases(std::size_t slot) const;
   void SendWelcome(Session& session);
   void Broadcast(const protocol::Message& message);
+  void SendTo(const Session& session, const protocol::Message& message);
   [[nodiscard]] bool IsSnapshotDue() const;  // never while nobody plays
 
   Config m_config;
@@ -104,11 +122,16 @@ class Server {
   Encoder m_encoder;
   SnapshotSender m_sender;
   TickClock m_clock;
+  Hands m_hands;
+  Tuning m_tuning;
+  std::optional<Workshop> m_workshop;
+  std::optional<Sumo> m_game;
+  std::uint64_t m_toldGame = 0;  // its revision
   Counts m_counts;
   double m_lastCompany;  // when somebody was connected last, or the server started
   double m_lastCall;
   bool m_isPaused = false;
-  std::uint32_t m_nextClientId = 1;
+  ClientId m_nextClientId = 1;
   bool m_closing = false;
 };
 

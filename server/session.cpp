@@ -14,8 +14,9 @@ MessageEffect Drop(Session& session, DropReason reason, double now,
     session.badWindowBegin = now;
     session.badInWindow = 0;
   }
-  // A server that stood still finds the inputs of that time ahead of its own: nobody's fault, so not held against him.
-  if (reason != DropReason::kFutureInput) ++session.badInWindow;
+  // A server that stood still finds the inputs of that time ahead of its own: nobody's fault, so not held against him;
+  // nor is a hand that is quicker than it can be heard.
+  if (reason != DropReason::kFutureInput && reason != DropReason::kTooMany) ++session.badInWindow;
   MessageEffect effect;
   effect.dropped = reason;
   effect.parsed = parsed;
@@ -23,7 +24,11 @@ MessageEffect Drop(Session& session, DropReason reason, double now,
 }
 
 MessageEffect Refuse(GoodbyeReason reason, std::string detail) {
-  return {MessageEffect::Kind::kRefuse, reason, std::move(detail), {}, {}};
+  MessageEffect effect;
+  effect.kind = MessageEffect::Kind::kRefuse;
+  effect.reason = reason;
+  effect.detail = std::move(detail);
+  return effect;
 }
 
 // Names go to other clients and into logs: nothing that a terminal would obey.
@@ -47,7 +52,21 @@ MessageEffect TakeHello(Session& session, const protocol::wire::Hello& hello, do
   }
   session.name = CleanName(*hello.name());
   session.spectator = hello.role() == protocol::wire::Role::Spectator;
-  return {MessageEffect::Kind::kJoin, {}, {}, {}, {}};
+  MessageEffect effect;
+  effect.kind = MessageEffect::Kind::kJoin;
+  return effect;
+}
+
+// Inputs overtake one another: what an older one says of the hand is no news.
+void TakeHand(Session& session, const protocol::wire::Input& input) {
+  const std::uint32_t tick = input.frames()->Get(0)->tick();
+  if (tick < session.handTick) return;
+  session.handTick = tick;
+  session.hand.reset();
+  const protocol::wire::Hand* hand = input.hand();
+  if (hand == nullptr || hand->grip() == 0) return;
+  const protocol::wire::Vec3& target = hand->target();
+  session.hand = HandCommand{hand->body(), hand->vertex(), hand->grip(), {target.x(), target.y(), target.z()}};
 }
 
 MessageEffect TakeInput(Session& session, const protocol::wire::Input& input, std::uint32_t currentTick, double now) {
@@ -61,8 +80,63 @@ MessageEffect TakeInput(Session& session, const protocol::wire::Input& input, st
   }
   if (report.roundTrip >= 0) session.roundTrip = report.roundTrip;
   for (const protocol::wire::InputFrame* frame : *input.frames()) session.inputs.Push(*frame, currentTick);
+  TakeHand(session, input);
   session.hasSentInput = true;
   return {};
+}
+
+physics::Vector3d ToVector(const protocol::wire::Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+PushCommand MakeCommand(const protocol::wire::Push& push) {
+  return {push.body(), push.vertex(), ToVector(*push.direction())};
+}
+
+CutCommand MakeCommand(const protocol::wire::Cut& cut) {
+  return {cut.body(), ToVector(*cut.eye()), ToVector(*cut.from()), ToVector(*cut.to())};
+}
+
+TuneCommand MakeCommand(const protocol::wire::Tune& tune) {
+  using Kind = TuneCommand::Kind;
+  static constexpr Kind kKinds[] = {Kind::kGravity, Kind::kStiffness, Kind::kTimeRate, Kind::kJump};
+  return {kKinds[static_cast<std::size_t>(tune.kind())], ToVector(*tune.value())};
+}
+
+BuildCommand MakeCommand(const protocol::wire::Build& build) {
+  using Kind = BuildCommand::Kind;
+  static constexpr Kind kKinds[] = {Kind::kAddParticle, Kind::kAddSpring,      Kind::kSetParticle,
+                                    Kind::kSetSpring,   Kind::kRemoveParticle, Kind::kRemoveSpring};
+  return {kKinds[static_cast<std::size_t>(build.kind())],
+          build.a(),
+          build.b(),
+          ToVector(*build.at()),
+          double{build.mass()},
+          build.fixed(),
+          double{build.stiffness()},
+          double{build.damping()},
+          double{build.rest_length()}};
+}
+
+// nullopt for a message that is none.
+std::optional<Command> FindCommand(const protocol::wire::ClientMessage& message) {
+  if (const auto* push = message.body_as_Push()) return MakeCommand(*push);
+  if (const auto* cut = message.body_as_Cut()) return MakeCommand(*cut);
+  if (const auto* inspect = message.body_as_Inspect()) return InspectCommand{inspect->body()};
+  if (const auto* tune = message.body_as_Tune()) return MakeCommand(*tune);
+  if (const auto* build = message.body_as_Build()) return MakeCommand(*build);
+  return {};
+}
+
+MessageEffect TakeCommand(Session& session, Command&& command, double now) {
+  if (session.state != Session::State::kPlaying) return Drop(session, DropReason::kOutOfOrder, now);
+  if (now - session.commandWindowBegin > 1) {
+    session.commandWindowBegin = now;
+    session.commandsInWindow = 0;
+  }
+  if (++session.commandsInWindow > protocol::kMaxCommandsPerSecond) return Drop(session, DropReason::kTooMany, now);
+  MessageEffect effect;
+  effect.kind = MessageEffect::Kind::kCommand;
+  effect.command = std::move(command);
+  return effect;
 }
 
 }  // namespace
@@ -80,7 +154,11 @@ MessageEffect TakeMessage(Session& session, transport::Channel channel, std::spa
   }
   if (isInput) return TakeInput(session, *message->body_as_Input(), currentTick, now);
   if (const auto* hello = message->body_as_Hello()) return TakeHello(session, *hello, now);
-  return {MessageEffect::Kind::kLeave, message->body_as_Goodbye()->reason(), {}, {}, {}};
+  if (auto command = FindCommand(*message)) return TakeCommand(session, std::move(*command), now);
+  MessageEffect effect;
+  effect.kind = MessageEffect::Kind::kLeave;
+  effect.reason = message->body_as_Goodbye()->reason();
+  return effect;
 }
 
 std::optional<GoodbyeReason> FindTimeout(const Session& session, double now) {
@@ -123,6 +201,8 @@ const char* Name(DropReason reason) {
       return "input too far ahead";
     case DropReason::kBadAcknowledgement:
       return "acknowledges what was never sent";
+    case DropReason::kTooMany:
+      return "too many commands in a second";
   }
   return "unknown";
 }

@@ -11,6 +11,7 @@
 
 #include "protocol/messages.h"
 #include "protocol/transport/transport.h"
+#include "server/command.h"
 #include "server/input_buffer.h"
 #include "server/physics/world.h"
 #include "server/snapshot_sender.h"
@@ -24,8 +25,9 @@ enum class DropReason : std::uint8_t {
   kWrongChannel,  // a message on a channel that is not its own
   kFutureInput,   // too far ahead
   kBadAcknowledgement,
+  kTooMany,  // commands within a second
 };
-inline constexpr std::size_t kDropReasonCount = 5;
+inline constexpr std::size_t kDropReasonCount = 6;
 [[nodiscard]] const char* Name(DropReason reason);
 
 struct Session {
@@ -36,11 +38,16 @@ struct Session {
   double lastHeard = 0;
   double joinPatience = 0;  // granted beyond both timeouts until the first input has come, s
   bool hasSentInput = false;
-  std::uint32_t clientId = 0;  // from 1
+  ClientId clientId = 0;  // from 1
   std::string name;
   bool spectator = false;
   physics::BodyId body = 0;  // 0: none
   InputBuffer inputs;
+  std::optional<HandCommand> hand;  // as of the newest input
+  std::uint32_t handTick = 0;       // that input's stamp
+  physics::BodyId inspected = 0;    // 0: none
+  double commandWindowBegin = 0;
+  unsigned commandsInWindow = 0;
   Subscription subscription;
   double roundTrip = 0;  // newest measured, s
   double badWindowBegin = 0;
@@ -49,12 +56,13 @@ struct Session {
 
 // What a message asks the server to do beyond the session.
 struct MessageEffect {
-  enum class Kind { kNone, kJoin, kRefuse, kLeave };
+  enum class Kind { kNone, kJoin, kRefuse, kLeave, kCommand };
   Kind kind = Kind::kNone;
   protocol::wire::GoodbyeReason reason{};  // of a refusal or a leave
   std::string detail;
   std::optional<DropReason> dropped;
   protocol::ParseResult parsed = protocol::ParseResult::kOk;
+  std::optional<Command> command;  // of kCommand
 };
 
 // Takes one message of any bytes. currentTick: the world's. Never throws, never asserts on what is in the message.

@@ -6,20 +6,31 @@
 namespace wobble::server {
 
 int TickClock::TakeDueTicks(double now) {
-  const double owed = now < m_nextTick ? 0 : std::floor((now - m_nextTick) / m_tickDuration) + 1;
+  const double interval = m_tickDuration / m_rate;
+  const double owed = now < m_nextTick ? 0 : std::floor((now - m_nextTick) / interval) + 1;
   const int taken = static_cast<int>(std::min<double>(owed, kMaxCatchUp));
   const double dropped = owed - taken;
-  m_nextTick += owed * m_tickDuration;
+  m_nextTick += owed * interval;
   m_droppedTicks += static_cast<std::uint64_t>(dropped);
 
   const double elapsed = now - m_lastCall;
   m_lastCall = now;
   if (elapsed > 0) {
-    const double ratio = std::clamp(1 - dropped * m_tickDuration / elapsed, 0.0, 1.0);
-    m_timeRatio += (ratio - m_timeRatio) * (1 - std::exp(-elapsed));
-    if (m_timeRatio > 0.9995) m_timeRatio = 1;
+    const double kept = std::clamp(1 - dropped * interval / elapsed, 0.0, 1.0);
+    m_kept += (kept - m_kept) * (1 - std::exp(-elapsed));
+    if (m_kept > 0.9995) m_kept = 1;
   }
   return taken;
+}
+
+int TickClock::TakeJumpTicks() {
+  const int taken = std::min(m_jumpTicks, kJumpTicks);
+  m_jumpTicks -= taken;
+  return taken;
+}
+
+void TickClock::Jump(double seconds) {
+  m_jumpTicks = std::min(m_jumpTicks + static_cast<int>(std::lround(seconds / m_tickDuration)), kMostJumpTicks);
 }
 
 void TickClock::StandStill(double now) {

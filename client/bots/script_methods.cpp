@@ -71,6 +71,8 @@ const char* Name(wire::EventKind kind) {
       return "respawn";
     case wire::EventKind::BodyRemoved:
       return "removed";
+    case wire::EventKind::Fall:
+      return "fall";
   }
   return "unknown";
 }

@@ -5,30 +5,37 @@
 #include "client/bots/options.h"
 #include "client/play/play.h"
 #include "client/tool/clock.h"
+#include "client/web/command.h"
 
 namespace wobble::play {
 
 tool::Command DescribePlay(CLI::App& app) {
   const auto options = std::make_shared<PlayOptions>();
   CLI::App* command =
-      app.add_subcommand("play", "Starts a server and some bots, shows how they do, and ends them together");
+      app.add_subcommand("play", "Starts a server, a page to play on and some bots, and ends them together");
   command->add_option("--for", options->duration, "Seconds to run; 0: until Ctrl-C")
       ->check(tool::Within(0, tool::kMaxDuration))
       ->capture_default_str();
   command->add_option("--port", options->port, "UDP port of the server")
       ->check(tool::Within(1, 65535))
       ->capture_default_str();
+  command->add_option("--http", options->http, "TCP port of the page for browsers; 0: none")
+      ->check(tool::Within(0, 65535))
+      ->capture_default_str();
+  command->add_option("--page", options->page, "Folder of the page; default: 'page' beside this program")
+      ->type_name("DIR");
   command->add_option("--bots", options->bots, "Bots that wander about")
       ->check(tool::Within(0, bots::kMaxBots))
       ->capture_default_str();
   command->add_option("--scene", options->scene, "A shipped scene's name or a scene file")->capture_default_str();
   command->footer(
-      "Exit code: 0 nothing failed, 1 something did, 2 the server cannot start with these options.\n"
+      "Exit code: 0 nothing failed, 1 something did, 2 server or gateway cannot start with these options.\n"
       "Examples:\n"
       "  wobble play\n"
-      "  wobble play --for 20 --bots 12 --port 7801");
+      "  wobble play --for 20 --bots 12 --port 7801 --http 8081");
   return {command, [options](const tool::IsStopAsked& isStopAsked) {
             options->programFolder = tool::FindProgramFolder();
+            if (options->page.empty()) options->page = web::FindPageFolder();
             return RunPlay(*options, isStopAsked);
           }};
 }

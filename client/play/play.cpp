@@ -1,8 +1,9 @@
 // Real programs as children rather than a server in this process: what is shown here is what people will run, and a
 // crash of one part is seen as what it is.
 //
-// The order of the end matters: bots first, so that they say goodbye to a server that still lives, then the server.
-// Both are asked by SIGINT and killed when they do not listen; what they measured is read from their summary files.
+// The order matters. Each starts when the one before is ready, so that what it needs is there and a line that tells
+// people to open something is true. At the end bots and browsers say goodbye to a server that still lives. All are
+// asked by SIGINT and killed when they do not listen; what they measured is read from their summary files.
 #include "client/play/play.h"
 
 #include <poll.h>
@@ -11,16 +12,15 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
-#include <nlohmann/json.hpp>
-#include <optional>
 #include <string_view>
 #include <vector>
 
 #include "client/play/child.h"
+#include "client/play/summary.h"
 #include "client/tool/clock.h"
 #include "client/tool/exit_codes.h"
 
@@ -58,6 +58,17 @@ class TemporaryFolder {
   std::filesystem::path m_path;
 };
 
+// One of the programs.
+struct Part {
+  const char* name;
+  std::string errorPrefix;  // of its own lines on standard error, which are passed on without it
+  std::string readyPrefix;  // of the line that says it is ready
+  Child child = {};
+  std::string readyLine = {};  // empty until then
+  std::string line = {};       // the latest of any other
+  bool hasStarted = false;
+};
+
 class Play {
  public:
   Play(const PlayOptions& options, const std::function<bool()>& stopAsked)
@@ -67,32 +78,31 @@ class Play {
 
  private:
   bool StartServer();
-  bool StartBots();
-  bool AwaitServer();
+  bool StartGateway();
+  void StartBots();
+  bool Start(Part& part, const std::vector<std::string>& command);
+  bool Await(Part& part);
   void Watch();
-  void End(Child& child, const char* name);
+  void End(Part& part);
+  int GiveUp();
+  int Report();
 
   void Update(double until);
-  void Forward(Child& child, const char* name);
+  void Forward(Part& part);
   void ShowStatus(double left);
   void EndStatusLine();
   void Fail(const std::string& reason);
-
-  [[nodiscard]] nlohmann::json ReadSummary(const char* file, const Child& child);
-  void ReportServer();
-  void ReportBots();
 
   const PlayOptions& m_options;
   const std::function<bool()>& m_stopAsked;
   bool m_terminal;
   bool m_statusOpen = false;
-  bool m_ready = false;
-  std::string m_serverLine;
-  std::string m_botsLine;
   std::vector<std::string> m_failures;
   TemporaryFolder m_folder;
-  Child m_server;
-  Child m_bots;
+  Part m_server{"server", "wobbled: ", "listening"};
+  Part m_gateway{"gateway", "wobble gateway: ", "open http"};
+  Part m_bots{"bots", "wobble bots: ", "\n"};                          // never: nobody waits for them
+  const std::array<Part*, 3> m_parts{&m_bots, &m_gateway, &m_server};  // in the order of their end
 };
 
 int Play::Run() {
@@ -100,71 +110,90 @@ int Play::Run() {
     std::fprintf(stderr, "wobble play: no temporary folder can be made\n");
     return tool::kExitFailed;
   }
-  if (!StartServer() || !AwaitServer()) {
-    EndStatusLine();
-    if (m_server.ExitCode() == tool::kExitBadUse) return tool::kExitBadUse;  // the server has said what is wrong
-    for (const std::string& failure : m_failures) std::fprintf(stderr, "wobble play: %s\n", failure.c_str());
-    return m_failures.empty() ? tool::kExitGood : tool::kExitFailed;
+  if (!StartServer() || !StartGateway()) return GiveUp();
+  if (m_options.bots > 0) StartBots();
+  Watch();
+  EndStatusLine();
+  for (Part* part : m_parts) End(*part);
+  return Report();
+}
+
+bool Play::StartServer() {
+  const unsigned places = kGuests + m_options.bots;
+  if (!Start(m_server, {(m_options.programFolder / "wobbled").string(), "--scene", m_options.scene, "--port",
+                        std::to_string(m_options.port), "--max-clients", std::to_string(places), "--status", "1",
+                        "--log-level", "warn", "--summary", (m_folder.Path() / "server.json").string()}) ||
+      !Await(m_server)) {
+    return false;
   }
   const std::string self = std::filesystem::proximate(m_options.programFolder / "wobble").string();
   std::printf("scene %s on UDP port %u; watch it from another terminal with: %s watch 127.0.0.1:%u; Ctrl-C ends all\n",
               m_options.scene.c_str(), m_options.port, self.c_str(), m_options.port);
   std::fflush(stdout);
+  return true;
+}
 
-  const bool botsStarted = m_options.bots > 0 && StartBots();
-  Watch();
-  EndStatusLine();
-  End(m_bots, "bots");
-  End(m_server, "server");
-  ReportServer();
-  if (botsStarted) ReportBots();
-  for (const std::string& failure : m_failures) std::printf("FAILED: %s\n", failure.c_str());
-  if (m_failures.empty()) std::printf("all went well\n");
+// True also where none is wanted or there is no page for it.
+bool Play::StartGateway() {
+  if (m_options.http == 0) return true;
+  std::error_code error;
+  if (!std::filesystem::is_directory(m_options.page, error)) {
+    std::printf("no page for browsers: '%s' is not there; sh docker/packages.sh web and the next build make it\n",
+                std::filesystem::proximate(m_options.page).c_str());
+    std::fflush(stdout);
+    return true;
+  }
+  if (!Start(m_gateway,
+             {(m_options.programFolder / "wobble").string(), "gateway", "--http", std::to_string(m_options.http),
+              "--server", "127.0.0.1:" + std::to_string(m_options.port), "--page", m_options.page.string(),
+              "--max-connections", std::to_string(kGuests), "--status", "1"}) ||
+      !Await(m_gateway)) {
+    return false;
+  }
+  std::printf("%s\n", m_gateway.readyLine.c_str());
   std::fflush(stdout);
-  return m_failures.empty() ? tool::kExitGood : tool::kExitFailed;
+  return true;
 }
 
-bool Play::StartServer() {
-  std::string error;
-  if (m_server.Start({(m_options.programFolder / "wobbled").string(), "--scene", m_options.scene, "--port",
-                      std::to_string(m_options.port), "--max-clients",
-                      std::to_string(kGuests + static_cast<unsigned>(m_options.bots)), "--status", "1", "--log-level",
-                      "warn", "--summary", (m_folder.Path() / "server.json").string()},
-                     error)) {
-    return true;
-  }
-  Fail(error);
-  return false;
+void Play::StartBots() {
+  static_cast<void>(Start(
+      m_bots,
+      {(m_options.programFolder / "wobble").string(), "bots", "127.0.0.1:" + std::to_string(m_options.port), "--script",
+       (m_options.programFolder / "scripts" / "wander.lua").string(), "--count", std::to_string(m_options.bots),
+       "--ramp", "1", "--status", "1", "--summary", (m_folder.Path() / "bots.json").string()}));
 }
 
-bool Play::StartBots() {
+bool Play::Start(Part& part, const std::vector<std::string>& command) {
   std::string error;
-  if (m_bots.Start(
-          {(m_options.programFolder / "wobble").string(), "bots", "127.0.0.1:" + std::to_string(m_options.port),
-           "--script", (m_options.programFolder / "scripts" / "wander.lua").string(), "--count",
-           std::to_string(m_options.bots), "--ramp", "1", "--status", "1", "--summary",
-           (m_folder.Path() / "bots.json").string()},
-          error)) {
-    return true;
-  }
-  Fail(error);
-  return false;
+  part.hasStarted = part.child.Start(command, error);
+  if (!part.hasStarted) Fail(error);
+  return part.hasStarted;
 }
 
 // False when it did not get ready; without a failure noted when a stop was asked for meanwhile.
-bool Play::AwaitServer() {
-  const double begin = tool::ReadClock();
-  while (!m_ready && m_server.IsRunning() && !m_stopAsked() && tool::ReadClock() < begin + kStartPatience) {
-    Update(begin + kStartPatience);
-  }
-  if (m_ready && m_server.IsRunning()) return true;
-  if (!m_server.IsRunning()) {
-    Fail("the server ended at once with exit code " + std::to_string(m_server.ExitCode().value_or(0)));
+bool Play::Await(Part& part) {
+  const double end = tool::ReadClock() + kStartPatience;
+  while (part.readyLine.empty() && part.child.IsRunning() && !m_stopAsked() && tool::ReadClock() < end) Update(end);
+  if (!part.readyLine.empty() && part.child.IsRunning()) return true;
+  if (!part.child.IsRunning()) {
+    Fail(std::string("the ") + part.name + " ended at once with exit code " +
+         std::to_string(part.child.ExitCode().value_or(0)));
   } else if (!m_stopAsked()) {
-    Fail("the server was not ready after 30 s");
+    Fail(std::string("the ") + part.name + " was not ready after 30 s");
   }
-  End(m_server, "server");
   return false;
+}
+
+// What was told to start in a way that it cannot has said so itself.
+int Play::GiveUp() {
+  EndStatusLine();
+  const auto refused = std::find_if(m_parts.begin(), m_parts.end(),
+                                    [](const Part* part) { return part->child.ExitCode() == tool::kExitBadUse; });
+  const bool isBadUse = refused != m_parts.end();
+  for (Part* part : m_parts) End(*part);
+  if (isBadUse) return tool::kExitBadUse;
+  for (const std::string& failure : m_failures) std::fprintf(stderr, "wobble play: %s\n", failure.c_str());
+  return m_failures.empty() ? tool::kExitGood : tool::kExitFailed;
 }
 
 void Play::Watch() {
@@ -173,11 +202,10 @@ void Play::Watch() {
   double nextStatus = begin + kStatusEvery + kStatusLag;
   while (!m_stopAsked() && tool::ReadClock() < end) {
     Update(std::min(nextStatus, end));
-    if (!m_server.IsRunning()) {
-      return Fail("the server ended early with exit code " + std::to_string(m_server.ExitCode().value_or(0)));
-    }
-    if (m_options.bots > 0 && !m_bots.IsRunning()) {
-      return Fail("the bots ended early with exit code " + std::to_string(m_bots.ExitCode().value_or(0)));
+    for (const Part* part : m_parts) {
+      if (!part->hasStarted || part->child.IsRunning()) continue;
+      return Fail(std::string("the ") + part->name + " ended early with exit code " +
+                  std::to_string(part->child.ExitCode().value_or(0)));
     }
     if (tool::ReadClock() < nextStatus) continue;
     nextStatus += kStatusEvery;
@@ -186,13 +214,14 @@ void Play::Watch() {
 }
 
 // Asks a child that still runs to end, and sees to it that it does.
-void Play::End(Child& child, const char* name) {
+void Play::End(Part& part) {
+  Child& child = part.child;
   if (!child.IsRunning()) return;
   child.Signal(SIGINT);
   const double deadline = tool::ReadClock() + kEndPatience;
   while (child.IsRunning() && tool::ReadClock() < deadline) Update(deadline);
   if (child.IsRunning()) {
-    Fail(std::string("the ") + name + " did not end within " + std::to_string(std::lround(kEndPatience)) +
+    Fail(std::string("the ") + part.name + " did not end within " + std::to_string(std::lround(kEndPatience)) +
          " s of being asked, and had to be killed");
     child.Signal(SIGKILL);
     while (child.IsRunning()) Update(tool::ReadClock() + 1);
@@ -201,51 +230,49 @@ void Play::End(Child& child, const char* name) {
   // Stopped in its first moments, before it listened for the signal: an end as asked for.
   const bool deafYet = child.ExitCode() == 128 + SIGINT && m_stopAsked();
   if (child.ExitCode() != 0 && !deafYet) {
-    Fail(std::string("the ") + name + " ended with exit code " + std::to_string(child.ExitCode().value_or(0)));
+    Fail(std::string("the ") + part.name + " ended with exit code " + std::to_string(child.ExitCode().value_or(0)));
   }
 }
 
 // Waits for output of the children until then at the latest, and passes it on. A child's end closes its output, but
 // may be noticed a little later: a closed stream is polled no more, so that wait is cut short.
 void Play::Update(double until) {
-  pollfd descriptors[4];
+  pollfd descriptors[2 * std::tuple_size_v<decltype(m_parts)>];
   nfds_t count = 0;
   double wait = until - tool::ReadClock();
-  for (const Child* child : {&m_server, &m_bots}) {
-    for (const int descriptor : {child->OutputDescriptor(), child->ErrorsDescriptor()}) {
+  for (const Part* part : m_parts) {
+    for (const int descriptor : {part->child.OutputDescriptor(), part->child.ErrorsDescriptor()}) {
       if (descriptor >= 0) descriptors[count++] = {descriptor, POLLIN, 0};
-      if (descriptor < 0 && child->IsRunning()) wait = std::min(wait, 0.01);
+      if (descriptor < 0 && part->child.IsRunning()) wait = std::min(wait, 0.01);
     }
   }
   const int milliseconds = static_cast<int>(std::ceil(std::clamp(wait, 0.0, 1.0) * 1000));
   static_cast<void>(poll(descriptors, count, milliseconds));  // a signal cuts it short, which is as well
-  Forward(m_server, "server");
-  Forward(m_bots, "bots");
+  for (Part* part : m_parts) Forward(*part);
 }
 
-void Play::Forward(Child& child, const char* name) {
-  child.Update();
-  for (std::string& line : child.TakeOutput()) {
-    if (&child == &m_server && line.rfind("listening", 0) == 0) {
-      m_ready = true;
+void Play::Forward(Part& part) {
+  part.child.Update();
+  for (std::string& line : part.child.TakeOutput()) {
+    if (part.readyLine.empty() && line.rfind(part.readyPrefix, 0) == 0) {
+      part.readyLine = std::move(line);
       continue;
     }
     line.erase(0, line.find_first_not_of(' '));
-    (&child == &m_server ? m_serverLine : m_botsLine) = std::move(line);
+    part.line = std::move(line);
   }
-  const std::string_view program = &child == &m_server ? "wobbled: " : "wobble bots: ";
-  for (const std::string& line : child.TakeErrors()) {
+  for (const std::string& line : part.child.TakeErrors()) {
     EndStatusLine();
-    const std::size_t begin = line.rfind(program, 0) == 0 ? program.size() : 0;
-    std::fprintf(stderr, "%s: %s\n", name, line.c_str() + begin);
+    const std::size_t begin = line.rfind(part.errorPrefix, 0) == 0 ? part.errorPrefix.size() : 0;
+    std::fprintf(stderr, "%s: %s\n", part.name, line.c_str() + begin);
   }
 }
 
 void Play::ShowStatus(double left) {
   std::string line;
-  for (const std::string* part : {&m_serverLine, &m_botsLine}) {
-    if (!line.empty() && !part->empty()) line += " | ";
-    line += *part;
+  for (const Part* part : {&m_server, &m_gateway, &m_bots}) {
+    if (!line.empty() && !part->line.empty()) line += " | ";
+    line += part->line;
   }
   if (std::isfinite(left)) line = std::to_string(std::lround(left)) + " s left | " + line;
   winsize size{};
@@ -265,52 +292,15 @@ void Play::EndStatusLine() {
 
 void Play::Fail(const std::string& reason) { m_failures.push_back(reason); }
 
-nlohmann::json Play::ReadSummary(const char* file, const Child& child) {
-  std::ifstream stream(m_folder.Path() / file);
-  nlohmann::json summary = nlohmann::json::parse(stream, nullptr, false);
-  if (summary.is_object()) return summary;
-  if (child.ExitCode() == 0) Fail(std::string(file) + ", the summary, is missing or broken");
-  return nlohmann::json::object();
-}
-
-// A figure as text, "?" when it is missing or null.
-std::string Show(const nlohmann::json& summary, const char* key, int decimals = 0) {
-  const auto figure = summary.find(key);
-  if (figure == summary.end() || !figure->is_number()) return "?";
-  char text[32];
-  std::snprintf(text, sizeof text, "%.*f", decimals, figure->get<double>());
-  return text;
-}
-
-double Number(const nlohmann::json& summary, const char* key) {
-  const auto figure = summary.find(key);
-  return figure != summary.end() && figure->is_number() ? figure->get<double>() : 0;
-}
-
-void Play::ReportServer() {
-  const nlohmann::json summary = ReadSummary("server.json", m_server);
-  if (summary.empty()) return;
-  std::printf("server: %s ticks of %s ms (p50), %s ms (p99), %s overruns, %s joins, %s disconnects, %s non-finite\n",
-              Show(summary, "ticks").c_str(), Show(summary, "tick_ms_p50", 2).c_str(),
-              Show(summary, "tick_ms_p99", 2).c_str(), Show(summary, "overruns").c_str(),
-              Show(summary, "joins").c_str(), Show(summary, "disconnects").c_str(),
-              Show(summary, "non_finite").c_str());
-  if (Number(summary, "non_finite") > 0) Fail("bodies became non-finite");
-  // No failure: a busy machine can be late for a tick, and the world then only runs behind for a moment.
-  if (Number(summary, "overruns") > 0)
-    std::printf("warning: %s ticks took too long\n", Show(summary, "overruns").c_str());
-}
-
-void Play::ReportBots() {
-  const nlohmann::json summary = ReadSummary("bots.json", m_bots);
-  if (summary.empty()) return;
-  std::printf("bots: %s of %u connected, %s disconnects, %s script errors, snapshots %s ms old (p50), %s ms (p99)\n",
-              Show(summary, "connected").c_str(), m_options.bots, Show(summary, "disconnects").c_str(),
-              Show(summary, "script_errors").c_str(), Show(summary, "snapshot_age_ms_p50", 1).c_str(),
-              Show(summary, "snapshot_age_ms_p99", 1).c_str());
-  if (Number(summary, "connected") < Number(summary, "bots")) Fail("not all bots connected");
-  if (Number(summary, "disconnects") > 0) Fail("bots were disconnected");
-  if (Number(summary, "script_errors") > 0) Fail("scripts failed");
+int Play::Report() {
+  const bool hasServerEndedWell = m_server.child.ExitCode() == 0;
+  ReportServer(m_folder.Path() / "server.json", hasServerEndedWell, m_failures);
+  if (m_gateway.hasStarted) std::printf("gateway: %s\n", m_gateway.line.c_str());  // its last is what it counted
+  if (m_bots.hasStarted) ReportBots(m_folder.Path() / "bots.json", m_bots.child.ExitCode() == 0, m_failures);
+  for (const std::string& failure : m_failures) std::printf("FAILED: %s\n", failure.c_str());
+  if (m_failures.empty()) std::printf("all went well\n");
+  std::fflush(stdout);
+  return m_failures.empty() ? tool::kExitGood : tool::kExitFailed;
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// `wobble play`: a server and some bots, started, watched and ended together.
+// `wobble play`: a server, the gateway for browsers and some bots, started, watched and ended together.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +12,14 @@ struct PlayOptions {
   std::filesystem::path programFolder;  // where wobbled, wobble and scripts/ lie
   std::string scene = "arena";
   std::uint16_t port = 7777;
+  std::uint16_t http = 8080;   // TCP port of the gateway; 0: no gateway
+  std::filesystem::path page;  // folder of its page; no gateway where there is none
   unsigned bots = 6;
   double duration = 0;  // seconds from when the server is ready; 0: until stopped
 };
 
 // Until the time is up, stopAsked is true or a child has ended. Returns the exit code: 0 when nothing failed, 2 when
-// the server could not start as it was told to, else 1.
+// server or gateway could not start as told to, else 1.
 [[nodiscard]] int RunPlay(const PlayOptions& options, const std::function<bool()>& stopAsked);
 
 }  // namespace wobble::play

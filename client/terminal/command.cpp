@@ -36,6 +36,8 @@ CLI::App* AddWords(CLI::App& app, WatchOptions& options, Words& words) {
   command->add_option("--capture", options.captureFile, "Where to write the last picture as SVG")->type_name("FILE");
   command->footer(
       "Keys: W A S D or arrows go, space jumps, E or P puffs up, F stiffens, X lets go of all keys;\n"
+      "Where the scene lets hands: G grabs and lets go, V pushes, T cuts; 1 2 softer, stiffer, 3 4 slower, faster,\n"
+      "5 a second ahead, 6 7 tilt gravity.\n"
       "C camera (follow, circle, stand), J L or [ ] turn, I K tilt, + - zoom; ? keys; Q, Esc, Ctrl-C quit.\n"
       "Most terminals do not tell when a key is let go: a tap counts for half a second, a held key while it repeats.\n"
       "Exit code: 0 told to end, 1 the server went away, 2 bad usage, no terminal or no server.\n"

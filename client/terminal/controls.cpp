@@ -1,7 +1,6 @@
 // Keys that are held go through HeldKeys and become the player's input; all others act at once, and again with each
 // repetition. Letters count alike with and without Shift or Caps Lock. Which key does what is also written in
-// command.cpp
-// (--help) and status.cpp (the keys on the screen).
+// command.cpp (--help) and status.cpp (the keys on the screen).
 #include "client/terminal/controls.h"
 
 #include <algorithm>
@@ -35,6 +34,8 @@ constexpr std::array<Binding, 12> kBindings{{{U'w', Action::kForward},
 }  // namespace
 
 bool Controls::TakePause() { return std::exchange(m_pause, false); }
+
+std::vector<char32_t> Controls::TakeOthers() { return std::exchange(m_others, {}); }
 
 void Controls::Take(const KeyEvent& event, double now, bool hasBody, Camera& camera) {
   const char32_t key = event.key >= U'A' && event.key <= U'Z' ? event.key - U'A' + U'a' : event.key;
@@ -88,7 +89,7 @@ void Controls::TakeCommand(char32_t key, bool hasBody, Camera& camera) {
       m_showsKeys = !m_showsKeys;
       return;
     default:
-      return;
+      m_others.push_back(key);
   }
 }
 

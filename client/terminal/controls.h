@@ -1,6 +1,8 @@
 // What each key does.
 #pragma once
 
+#include <vector>
+
 #include "client/client.h"
 #include "client/terminal/camera.h"
 #include "client/terminal/held_keys.h"
@@ -17,6 +19,9 @@ class Controls {
   // What the player asks for. Right and forward are as the camera sees them; the server is told in world x and y.
   [[nodiscard]] client::Input MakeInput(double now, const Camera& camera) const;
 
+  // Keys pressed since the last call that mean nothing here: Hands may know them.
+  [[nodiscard]] std::vector<char32_t> TakeOthers();
+
   [[nodiscard]] bool IsQuitAsked() const { return m_quit; }
   [[nodiscard]] bool ShowsKeys() const { return m_showsKeys; }
   // True once after each Ctrl-Z.
@@ -26,6 +31,7 @@ class Controls {
   void TakeCommand(char32_t key, bool hasBody, Camera& camera);
 
   HeldKeys m_held;
+  std::vector<char32_t> m_others;
   bool m_quit = false;
   bool m_pause = false;
   bool m_showsKeys = false;

@@ -38,6 +38,25 @@ void WriteStatus(CellGrid& grid, const std::string& text, const std::string& hin
   }
 }
 
+void WriteTop(CellGrid& grid, const std::string& text) {
+  for (int column = 0; column < grid.columns; ++column) grid.At(column, 0) = {U' ', kInk, kPaper};
+  grid.Write(1, 0, text, kInk, kPaper);
+}
+
+std::string FormatScores(const client::Scoreboard& board, const std::function<std::string(std::uint32_t)>& nameOf) {
+  std::string text = "round " + std::to_string(board.round) + "  ";
+  if (board.phase == wire::GamePhase::Won) {
+    text += (board.winner == 0 ? "a draw" : nameOf(board.winner) + " has won") + "; the next begins in " +
+            std::to_string(board.secondsLeft) + " s";
+  } else {
+    text += std::to_string(board.secondsLeft) + " s  first to " + std::to_string(board.pointsToWin);
+  }
+  for (const wire::Score& score : board.scores) {
+    text += "   " + nameOf(score.client_id()) + " " + std::to_string(score.points());
+  }
+  return text;
+}
+
 void WriteBox(CellGrid& grid, const std::vector<std::string>& lines) {
   std::size_t widest = 0;
   for (const std::string& line : lines) widest = std::max(widest, line.size());
@@ -56,27 +75,31 @@ void WriteBox(CellGrid& grid, const std::vector<std::string>& lines) {
   if (margin > 0) write("");
 }
 
-std::vector<std::string> DescribeKeys(const StatusFigures& figures) {
+std::vector<std::string> DescribeKeys(const StatusFigures& figures, const std::vector<std::string>& hands) {
   char drawing[80];
   std::snprintf(drawing, sizeof drawing, "a picture: %.1f ms to draw, %.1f kB to send", figures.frameMs,
                 figures.frameKilobytes);
-  return {
+  std::vector<std::string> lines{
       "W A S D, arrows  go, as seen from here",
       "space            jump",
       "E or P           puff up",
       "F                stiffen",
-      "X                let go of all keys",
-      "",
-      "C                camera: follow, circle, stand",
-      "J L or [ ]       turn     I K  tilt     + -  zoom",
-      "?                these keys",
-      "Q, Esc, Ctrl-C   quit     Ctrl-Z  suspend",
-      "",
-      "input   from a key sent to a snapshot that shows it",
-      "delay   bodies are shown so far behind the server",
-      "stalls  times that news of a body did not come in time",
-      drawing,
   };
+  lines.insert(lines.end(), hands.begin(), hands.end());
+  lines.insert(lines.end(), {
+                                "X                let go of all keys",
+                                "",
+                                "C                camera: follow, circle, stand",
+                                "J L or [ ]       turn     I K  tilt     + -  zoom",
+                                "?                these keys",
+                                "Q, Esc, Ctrl-C   quit     Ctrl-Z  suspend",
+                                "",
+                                "input   from a key sent to a snapshot that shows it",
+                                "delay   bodies are shown so far behind the server",
+                                "stalls  times that news of a body did not come in time",
+                                drawing,
+                            });
+  return lines;
 }
 
 }  // namespace wobble::terminal

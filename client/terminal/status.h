@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "client/client.h"
 #include "client/terminal/cells.h"
 
 namespace wobble::terminal {
@@ -29,9 +31,17 @@ struct StatusFigures {
 
 // In the last row; the hint at its right end, or the key alone that it begins with, if there is room.
 void WriteStatus(CellGrid& grid, const std::string& text, const std::string& hint);
+// In the first row.
+void WriteTop(CellGrid& grid, const std::string& text);
 // In a box in the middle.
 void WriteBox(CellGrid& grid, const std::vector<std::string>& lines);
 
-[[nodiscard]] std::vector<std::string> DescribeKeys(const StatusFigures& figures);
+// hands: lines of keys that not every server has a use for.
+[[nodiscard]] std::vector<std::string> DescribeKeys(const StatusFigures& figures,
+                                                    const std::vector<std::string>& hands = {});
+
+// How a game stands, the best first.
+[[nodiscard]] std::string FormatScores(const client::Scoreboard& board,
+                                       const std::function<std::string(std::uint32_t)>& nameOf);
 
 }  // namespace wobble::terminal

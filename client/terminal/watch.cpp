@@ -14,13 +14,14 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <set>
+#include <map>
 #include <string_view>
 
 #include "client/client.h"
 #include "client/terminal/camera.h"
 #include "client/terminal/controls.h"
 #include "client/terminal/guardian.h"
+#include "client/terminal/hands.h"
 #include "client/terminal/keys.h"
 #include "client/terminal/picture_file.h"
 #include "client/terminal/renderer.h"
@@ -41,6 +42,15 @@ constexpr double kGoodbyePatience = 1.5;  // s; whoever leaves waits no longer, 
 constexpr double kRateEvery = 1;          // s over which the rate is measured
 constexpr double kSilence = 1.5;          // s without a snapshot that are worth a word
 constexpr double kFigureSmoothing = 0.1;
+constexpr double kNoticeTime = 4;  // s that a line from the server stays
+
+// One cell a character: the picture's letters are those of ASCII.
+std::string MakePlain(std::string text) {
+  for (char& c : text) {
+    if (c < 0x20 || c >= 0x7F) c = '?';
+  }
+  return text;
+}
 
 class Watch {
  public:
@@ -63,6 +73,8 @@ class Watch {
 
   void ReadKeys(double now);
   void NoteEvent(const client::Client::Event& event);
+  void Show(const std::string& notice);
+  [[nodiscard]] std::string NameOf(std::uint32_t clientId) const;
 
   void DrawFrame(double now);
   void DrawWorld(double now);
@@ -81,7 +93,11 @@ class Watch {
   transport::Transport* m_transport = nullptr;  // the client's
   std::unique_ptr<client::Client> m_client;
   std::vector<client::BodySample> m_samples;
-  std::set<std::uint32_t> m_players;  // their bodies
+  std::map<std::uint32_t, std::string> m_players;  // names by body
+  std::map<std::uint32_t, std::string> m_clients;  // names by client
+  Hands m_hands;
+  std::string m_notice;
+  double m_noticeUntil = 0;
 
   KeyDecoder m_decoder;
   Controls m_controls;
@@ -128,6 +144,7 @@ bool Watch::Connect() {
   options.spectator = m_options.spectate;
   m_client = std::make_unique<client::Client>(std::move(transport), options, tool::ReadClock());
   m_client->OnEvent([this](const client::Client::Event& event) { NoteEvent(event); });
+  m_client->OnNotice([this](const std::string& text) { Show(text); });
   return true;
 }
 
@@ -196,11 +213,34 @@ void Watch::ReadKeys(double now) {
   const bool hasBody = IsPlaying() && m_client->Welcome().ownBody != 0;
   for (const KeyEvent& event : m_events) m_controls.Take(event, now, hasBody, m_camera);
   if (m_controls.TakePause()) m_guard.Pause();
+  for (const char32_t key : m_controls.TakeOthers()) {
+    if (hasBody) m_hands.Take(key, m_camera, m_samples, *m_client);
+  }
 }
 
 void Watch::NoteEvent(const client::Client::Event& event) {
-  if (event.kind == wire::EventKind::Join && event.body != 0) m_players.insert(event.body);
-  if (event.kind == wire::EventKind::Leave) m_players.erase(event.body);
+  if (event.kind == wire::EventKind::Join) {
+    const std::string name = MakePlain(event.name);
+    if (event.body != 0) m_players[event.body] = name;
+    m_clients[event.clientId] = name;
+  } else if (event.kind == wire::EventKind::Leave) {
+    m_players.erase(event.body);
+    m_clients.erase(event.clientId);
+  } else if (event.kind == wire::EventKind::Fall) {
+    const auto fallen = m_players.find(event.body);
+    const std::string who = fallen == m_players.end() ? "somebody" : fallen->second;
+    Show(event.clientId == 0 ? who + " fell off" : NameOf(event.clientId) + " pushed " + who + " off");
+  }
+}
+
+void Watch::Show(const std::string& notice) {
+  m_notice = notice;
+  m_noticeUntil = tool::ReadClock() + kNoticeTime;
+}
+
+std::string Watch::NameOf(std::uint32_t clientId) const {
+  const auto found = m_clients.find(clientId);
+  return found == m_clients.end() ? "somebody" : found->second;
 }
 
 void Watch::DrawFrame(double now) {
@@ -235,6 +275,7 @@ void Watch::DrawWorld(double now) {
   }
   m_camera.Update(now - m_lastDrawn, own, m_centroids);
   m_lastDrawn = now;
+  m_hands.Update(m_camera, m_samples, *m_client);
   DrawBodies(width, height);
   FillCells(width, height);
 
@@ -246,8 +287,13 @@ void Watch::DrawWorld(double now) {
   m_figures.players = m_players.size();
   if (statistics.snapshots != m_newsCount) m_newsAt = now;
   m_newsCount = statistics.snapshots;
-  WriteStatus(m_grid, now < m_newsAt + kSilence ? FormatStatus(m_figures) : FormatSilence(now - m_newsAt), "?: keys");
-  if (m_controls.ShowsKeys()) WriteBox(m_grid, DescribeKeys(m_figures));
+  if (!m_client->Welcome().game.empty()) {
+    WriteTop(m_grid, FormatScores(m_client->ReadScoreboard(), [this](std::uint32_t id) { return NameOf(id); }));
+  }
+  const std::string silence = FormatSilence(now - m_newsAt);
+  const std::string words = now < m_noticeUntil ? m_notice : FormatStatus(m_figures);
+  WriteStatus(m_grid, now < m_newsAt + kSilence ? words : silence, "?: keys");
+  if (m_controls.ShowsKeys()) WriteBox(m_grid, DescribeKeys(m_figures, DescribeHandKeys(*m_client)));
 }
 
 void Watch::DrawBodies(int width, int height) {
@@ -255,7 +301,7 @@ void Watch::DrawBodies(int width, int height) {
   for (const client::BodySample& sample : m_samples) {
     if (sample.vertices.size() != sample.blueprint->rest.size()) continue;
     const Light colour = sample.body == m_client->Welcome().ownBody ? kOwnColour
-                         : m_players.count(sample.body) > 0         ? FindPlayerColour(sample.body)
+                         : m_players.contains(sample.body)         ? FindPlayerColour(sample.body)
                                                                     : kSceneColour;
     const client::Blueprint& blueprint = *sample.blueprint;
     m_bodies.push_back({sample.vertices, blueprint.rest, blueprint.faces, colour, blueprint.open, blueprint.edges});

@@ -33,8 +33,10 @@ class Stepping {
  private:
   void FillPacks(std::span<const SweepKernel<Real>> kernels, BatchScratch<Real>& scratch) {
     const auto blueprintOf = [this](std::uint32_t i) { return m_group.Members()[i]->blueprint; };
+    const auto isCut = [this](std::uint32_t i) { return IsCut(*m_group.Members()[i]); };
     const auto comesBefore = [&](std::uint32_t a, std::uint32_t b) {
-      return blueprintOf(a) != blueprintOf(b) ? std::less<>()(blueprintOf(a), blueprintOf(b)) : a < b;
+      if (blueprintOf(a) != blueprintOf(b)) return std::less<>()(blueprintOf(a), blueprintOf(b));
+      return isCut(a) != isCut(b) ? isCut(b) : a < b;
     };
     scratch.order.resize(m_group.CountBodies());
     std::iota(scratch.order.begin(), scratch.order.end(), 0U);
@@ -44,9 +46,10 @@ class Stepping {
     m_packs.clear();
     for (std::size_t begin = 0; begin < order.size();) {
       const Blueprint* blueprint = blueprintOf(order[begin]);
+      const bool cut = isCut(order[begin]);
       std::size_t end = begin + 1;
-      while (end < order.size() && blueprintOf(order[end]) == blueprint) ++end;
-      const bool byRows = GoesByRows<Real>(*blueprint, end - begin);
+      while (end < order.size() && blueprintOf(order[end]) == blueprint && isCut(order[end]) == cut) ++end;
+      const bool byRows = GoesByRows<Real>(*blueprint, cut ? 1 : end - begin);  // a rare term: one way always
       end = std::min(end, begin + (byRows ? 1 : widest));
       if (scratch.packScratches.size() == m_packs.size()) scratch.packScratches.emplace_back();
       m_packs.emplace_back(m_group, order.subspan(begin, end - begin), byRows, kernels,

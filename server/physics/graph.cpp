@@ -7,7 +7,10 @@
 #include "server/physics/graph.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
+#include <limits>
+#include <numeric>
 
 #include "server/physics/contact.h"
 
@@ -37,7 +40,8 @@ void FinishGraph(Blueprint& graph) {
 
 // `where` goes before the name of each field.
 void CheckParticle(std::vector<FieldError>& errors, const std::string& where, const Particle& particle) {
-  const double farthest = particle.position.cwiseAbs().maxCoeff();
+  const double farthest =
+      particle.position.allFinite() ? particle.position.cwiseAbs().maxCoeff() : std::numeric_limits<double>::infinity();
   CheckField(errors, (where + "position").c_str(), farthest, farthest <= 100, "within 100 m along each axis");
   CheckField(errors, (where + "mass").c_str(), particle.mass, particle.mass >= 1e-3 && particle.mass <= 1e6,
              "0.001 to 1000000 kg");
@@ -80,6 +84,34 @@ void AppendParticle(const Particle& added, Blueprint& graph) {
   if (added.fixed) full.fixed.push_back(static_cast<std::uint16_t>(graph.rest.size()));
   graph.rest.push_back(full.planar ? Vector3d(added.position.x(), 0, added.position.z()) : added.position);
   full.masses.push_back(added.mass);
+}
+
+GraphEdit BeginEdit(const Blueprint& graph) {
+  GraphEdit edit{graph, {}, {}, {}};
+  edit.keptParticles.resize(graph.rest.size());
+  edit.keptSprings.resize(graph.full.springs.size());
+  std::iota(edit.keptParticles.begin(), edit.keptParticles.end(), std::uint16_t{0});
+  std::iota(edit.keptSprings.begin(), edit.keptSprings.end(), std::uint16_t{0});
+  return edit;
+}
+
+// Whether there is one at this place in the list.
+bool CheckPlace(GraphEdit& edit, const char* what, std::size_t index, std::size_t count) {
+  if (index < count) return true;
+  edit.errors.push_back({what, std::to_string(index), "one of " + std::to_string(count) + ", counted from 0"});
+  return false;
+}
+
+Vector3d FindCentre(const Blueprint& graph, std::span<const Vector3d> positions) {
+  assert(positions.size() == graph.rest.size());
+  Vector3d moment = Vector3d::Zero();
+  for (std::size_t i = 0; i < positions.size(); ++i) moment += graph.full.masses[i] * positions[i];
+  return moment / graph.totalMass;
+}
+
+template <class Value>
+void EraseAt(std::vector<Value>& values, std::size_t index) {
+  values.erase(values.begin() + static_cast<std::ptrdiff_t>(index));
 }
 
 // Checks the sizes and, if all is well, finishes the blueprint. field: what made it too fast, if it is.
@@ -136,27 +168,31 @@ std::vector<FieldError> ValidateGraph(const GraphDefinition& definition) { retur
 Blueprint MakeGraph(const GraphDefinition& definition) { return BuildGraph(definition).blueprint; }
 
 GraphEdit AddParticle(const Blueprint& graph, const Particle& particle) {
-  GraphEdit edit{graph, {}};
+  GraphEdit edit = BeginEdit(graph);
   CheckParticle(edit.errors, "", particle);
   AppendParticle(particle, edit.blueprint);
   FinishEdit(edit, "mass", particle.mass);
   return edit;
 }
 
+GraphEdit AddParticle(const Blueprint& graph, std::span<const Vector3d> positions, const Particle& particle) {
+  GraphEdit edit = SetShape(graph, positions);
+  if (!edit.errors.empty()) return edit;
+  Particle local = particle;
+  local.position -= FindCentre(graph, positions);
+  return AddParticle(edit.blueprint, local);
+}
+
 GraphEdit AddSpring(const Blueprint& graph, const GraphSpring& spring) {
-  GraphEdit edit{graph, {}};
+  GraphEdit edit = BeginEdit(graph);
   AppendSpring(edit.errors, "", spring, edit.blueprint);
   FinishEdit(edit, "stiffness", spring.stiffness);
   return edit;
 }
 
 GraphEdit SetSpring(const Blueprint& graph, std::size_t index, const GraphSpring& spring) {
-  GraphEdit edit{graph, {}};
-  if (index >= graph.full.springs.size()) {
-    edit.errors.push_back(
-        {"spring", std::to_string(index), "one of " + std::to_string(graph.full.springs.size()) + ", counted from 0"});
-    return edit;
-  }
+  GraphEdit edit = BeginEdit(graph);
+  if (!CheckPlace(edit, "spring", index, graph.full.springs.size())) return edit;
   Spring<double>& changed = edit.blueprint.full.springs[index];
   changed.stiffness = spring.stiffness;
   changed.damping = spring.damping;
@@ -168,15 +204,67 @@ GraphEdit SetSpring(const Blueprint& graph, std::size_t index, const GraphSpring
 }
 
 GraphEdit SetMass(const Blueprint& graph, std::size_t particle, double mass) {
-  GraphEdit edit{graph, {}};
-  if (particle >= graph.rest.size()) {
-    edit.errors.push_back(
-        {"particle", std::to_string(particle), "one of " + std::to_string(graph.rest.size()) + ", counted from 0"});
-    return edit;
-  }
+  GraphEdit edit = BeginEdit(graph);
+  if (!CheckPlace(edit, "particle", particle, graph.rest.size())) return edit;
   edit.blueprint.full.masses[particle] = mass;
   CheckParticle(edit.errors, "", {graph.rest[particle], mass, false});
   FinishEdit(edit, "mass", mass);
+  return edit;
+}
+
+GraphEdit SetFixed(const Blueprint& graph, std::size_t particle, bool fixed) {
+  GraphEdit edit = BeginEdit(graph);
+  if (!CheckPlace(edit, "particle", particle, graph.rest.size())) return edit;
+  std::vector<std::uint16_t>& list = edit.blueprint.full.fixed;
+  std::erase(list, particle);
+  if (fixed) list.insert(std::ranges::lower_bound(list, particle), static_cast<std::uint16_t>(particle));
+  FinishEdit(edit, "fixed", fixed ? 1 : 0);
+  return edit;
+}
+
+GraphEdit SetShape(const Blueprint& graph, std::span<const Vector3d> positions) {
+  GraphEdit edit = BeginEdit(graph);
+  const Vector3d centre = FindCentre(graph, positions);
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    Vector3d& x = edit.blueprint.rest[i];
+    x = positions[i] - centre;
+    if (graph.full.planar) x.y() = 0;
+    CheckParticle(edit.errors, "particle[" + std::to_string(i) + "].", {x, graph.full.masses[i], false});
+  }
+  FinishEdit(edit, "shape", 0);
+  return edit;
+}
+
+GraphEdit RemoveParticle(const Blueprint& graph, std::size_t index) {
+  GraphEdit edit = BeginEdit(graph);
+  if (!CheckPlace(edit, "particle", index, graph.rest.size())) return edit;
+  if (graph.rest.size() == 1) {
+    edit.errors.push_back({"particles", "0", "at least 1"});
+    return edit;
+  }
+  Coefficients<double>& full = edit.blueprint.full;
+  EraseAt(edit.blueprint.rest, index);
+  EraseAt(full.masses, index);
+  EraseAt(edit.keptParticles, index);
+  const auto endsIn = [index](const Spring<double>& spring) { return spring.a == index || spring.b == index; };
+  std::erase_if(edit.keptSprings, [&](std::uint16_t spring) { return endsIn(graph.full.springs[spring]); });
+  std::erase_if(full.springs, endsIn);
+  for (Spring<double>& spring : full.springs) {
+    spring.a -= spring.a > index ? 1 : 0;
+    spring.b -= spring.b > index ? 1 : 0;
+  }
+  std::erase(full.fixed, index);
+  for (std::uint16_t& fixed : full.fixed) fixed = static_cast<std::uint16_t>(fixed - (fixed > index ? 1 : 0));
+  FinishEdit(edit, "particle", static_cast<double>(index));
+  return edit;
+}
+
+GraphEdit RemoveSpring(const Blueprint& graph, std::size_t index) {
+  GraphEdit edit = BeginEdit(graph);
+  if (!CheckPlace(edit, "spring", index, graph.full.springs.size())) return edit;
+  EraseAt(edit.blueprint.full.springs, index);
+  EraseAt(edit.keptSprings, index);
+  FinishEdit(edit, "spring", static_cast<double>(index));
   return edit;
 }
 

@@ -2,6 +2,8 @@
 // the world runs. A blueprint is immutable, so every change makes another one.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -47,15 +49,34 @@ inline constexpr std::size_t kMaxGraphSprings = 4096;
 struct GraphEdit {
   Blueprint blueprint;  // meaningful only when there are no errors
   std::vector<FieldError> errors;
+  // Of those that were there and still are, which come first and in their order: their places before. The former is
+  // what World::ReplaceBlueprint asks for.
+  std::vector<std::uint16_t> keptParticles;
+  std::vector<std::uint16_t> keptSprings;
 };
 
-// Of a blueprint that MakeGraph or one of these has made. Particles and springs keep their places in the lists and new
-// ones come last, so a body's state goes on as it is, with a new particle's position and velocity at its end. Positions
-// are in the rest shape of `graph`, about its centre of mass; the new blueprint's rest shape has a centre of its own.
+// Of a blueprint that MakeGraph or one of these has made. Particles and springs keep their order and new ones come
+// last, so a body's state goes on as it is, with a new particle's position and velocity at its end. Positions are in
+// the rest shape of `graph`, about its centre of mass; the new blueprint's rest shape has a centre of its own.
+//
+// Of a body that moves, the rest shape says nothing of where its particles are now. So whoever builds on it as it is
+// seen takes that for the rest shape first: SetShape with the body's positions, and AddParticle with the place in the
+// world less the body's centre there, or both in one by the AddParticle that takes positions. Then ReplaceBlueprint
+// puts the particle where it was asked for, at rest, and leaves the others as they are; SetMotion may give it a
+// velocity. A rest length of 0 is then what lies between a spring's ends as they are.
 [[nodiscard]] GraphEdit AddParticle(const Blueprint& graph, const Particle& particle);
+// particle.position as well as these positions, one a particle, are in the world.
+[[nodiscard]] GraphEdit AddParticle(const Blueprint& graph, std::span<const Vector3d> positions,
+                                    const Particle& particle);
 [[nodiscard]] GraphEdit AddSpring(const Blueprint& graph, const GraphSpring& spring);
 // Its ends stay; `spring` gives the rest.
 [[nodiscard]] GraphEdit SetSpring(const Blueprint& graph, std::size_t index, const GraphSpring& spring);
 [[nodiscard]] GraphEdit SetMass(const Blueprint& graph, std::size_t particle, double mass);
+[[nodiscard]] GraphEdit SetFixed(const Blueprint& graph, std::size_t particle, bool fixed);
+// The shape that particles at these positions, one each, wherever in the world, are in. Springs stay as they are.
+[[nodiscard]] GraphEdit SetShape(const Blueprint& graph, std::span<const Vector3d> positions);
+// With the springs that end in it. One particle at least must stay.
+[[nodiscard]] GraphEdit RemoveParticle(const Blueprint& graph, std::size_t index);
+[[nodiscard]] GraphEdit RemoveSpring(const Blueprint& graph, std::size_t index);
 
 }  // namespace wobble::physics

@@ -86,12 +86,14 @@ Pack<Real>::Pack(const Group<Real>& group, std::span<const std::uint32_t> whose,
       m_plan(group.Members()[whose[0]]->blueprint->template ReadPlan<Real>()),
       m_grid(group.Members()[whose[0]]->blueprint->template ReadGridPlan<Real>()),
       m_byRows(byRows),
+      m_isCut(IsCut(*group.Members()[whose[0]])),
       m_tables(m_plan.Tables()),
       m_gridTables(m_grid.Tables(m_grid.coefficients)),
       m_kernel(FindNarrowest(kernels, byRows ? m_grid.columns : whose.size())),
       m_contactKernel(kernels.back().computeContacts),
       m_scratch(scratch),
       m_width(byRows ? m_grid.width : static_cast<std::size_t>(m_kernel.width)) {
+  m_tables.isRare = m_tables.isRare || m_isCut;
   LayOut();
   LoadBodies();
   if (m_byRows) {

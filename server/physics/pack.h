@@ -48,11 +48,18 @@ struct PackScratch {
 template <class Real>
 [[nodiscard]] bool GoesByRows(const Blueprint& blueprint, std::size_t bodies);
 
+// Whether springs of the body have torn that by its blueprint cannot. The sweep of rare terms leaves them out, which is
+// not the one that others of its kind go through.
+template <class Real>
+[[nodiscard]] bool IsCut(const Member<Real>& member) {
+  return !member.load.torn.empty() && !member.blueprint->template ReadPlan<Real>().tears;
+}
+
 template <class Real>
 class Pack {
  public:
-  // whose: members of the group, by their places there, all of one blueprint; at most as many as the widest kernel has
-  // lanes, and by rows one. Filled from their states.
+  // whose: members of the group, by their places there, all of one blueprint and all cut or none; at most as many as
+  // the widest kernel has lanes, and by rows one. Filled from their states.
   Pack(const Group<Real>& group, std::span<const std::uint32_t> whose, bool byRows,
        std::span<const SweepKernel<Real>> kernels, PackScratch<Real>& scratch);
 
@@ -102,7 +109,7 @@ class Pack {
 
   [[nodiscard]] Member& MemberIn(std::size_t lane) const { return *m_group.Members()[m_whose[lane]]; }
   // Rows leave out what has torn.
-  [[nodiscard]] bool HasWhole() const { return m_plan.tears && !m_byRows; }
+  [[nodiscard]] bool HasWhole() const { return (m_plan.tears || m_isCut) && !m_byRows; }
   [[nodiscard]] PackSeat FindSeat(std::size_t lane, std::size_t vertex) const {
     if (m_byRows) return {m_grid.RowOf(vertex), m_grid.ColumnOf(vertex)};
     return {m_plan.places[vertex], static_cast<std::uint32_t>(lane)};
@@ -115,6 +122,7 @@ class Pack {
   const SweepPlan<Real>& m_plan;
   const GridPlan<Real>& m_grid;
   bool m_byRows;  // places are rows then, and lanes columns
+  bool m_isCut;
   SweepTables<Real> m_tables;
   GridTables<Real> m_gridTables;
   const SweepKernel<Real>& m_kernel;

@@ -21,7 +21,8 @@ struct State {
   std::vector<Vector3<Real>> positions;   // local, m
   std::vector<Vector3<Real>> velocities;  // m/s
   std::vector<Contact<Real>> contacts;    // with static surfaces
-  std::vector<std::uint8_t> torn;         // one a spring, not 0 once it has torn; empty where the blueprint cannot tear
+  // One a spring, not 0 once it has torn; empty where the blueprint cannot tear and nobody has cut.
+  std::vector<std::uint8_t> torn;
 };
 
 // The rest shape at `position`, turned by nothing and whole, every vertex that can move moving at `velocity` (planar

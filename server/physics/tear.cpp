@@ -25,12 +25,45 @@ void RemoveSprings(std::span<const std::uint8_t> torn, std::vector<Spring<Real>>
 template <class Real>
 std::size_t FindTorn(const Coefficients<Real>& body, std::span<const Vector3<Real>> x, std::span<std::uint8_t> torn) {
   std::size_t found = 0;
+  if (!(body.tearStretch > Real(0))) return found;
   for (std::size_t i = 0; i < torn.size(); ++i) {
     if (torn[i] != 0) continue;
     const Spring<Real>& spring = body.springs[i];
     const Vector3<Real> l = x[spring.a] - x[spring.b];
     const Real longest = body.tearStretch * spring.restLength;
     if (!(l.dot(l) > longest * longest)) continue;
+    torn[i] = 1;
+    ++found;
+  }
+  return found;
+}
+
+// By the signs of volumes, after Segura and Feito 2001, "Algorithms to test ray-triangle intersection": a side that two
+// blades share has the same volume in both but for its sign, bit for bit, so nothing slips through between them.
+bool IsCrossed(const Vector3d& p, const Vector3d& q, const Blade& blade) {
+  const Vector3d area = (blade[1] - blade[0]).cross(blade[2] - blade[0]);
+  const double play = kBladePlay * area.norm();
+  const bool isBehind = area.dot(p - blade[0]) < -play;
+  if (isBehind == (area.dot(q - blade[0]) < -play)) return false;
+  const Vector3d along = q - p;
+  bool left = true;
+  bool right = true;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double volume = along.dot((blade[i] - p).cross(blade[(i + 1) % 3] - p));
+    left = left && volume >= 0;
+    right = right && volume <= 0;
+  }
+  return left || right;
+}
+
+template <class Real>
+std::size_t FindCut(const Coefficients<Real>& body, const Blade& blade, std::span<const Vector3<Real>> x,
+                    std::span<std::uint8_t> torn) {
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < torn.size(); ++i) {
+    const Spring<Real>& spring = body.springs[i];
+    if (torn[i] != 0) continue;
+    if (!IsCrossed(x[spring.a].template cast<double>(), x[spring.b].template cast<double>(), blade)) continue;
     torn[i] = 1;
     ++found;
   }
@@ -60,5 +93,9 @@ Blueprint MakeTornBlueprint(const Blueprint& blueprint, std::span<const std::uin
 
 template std::size_t FindTorn<float>(const Coefficients<float>&, std::span<const Vector3f>, std::span<std::uint8_t>);
 template std::size_t FindTorn<double>(const Coefficients<double>&, std::span<const Vector3d>, std::span<std::uint8_t>);
+template std::size_t FindCut<float>(const Coefficients<float>&, const Blade&, std::span<const Vector3f>,
+                                    std::span<std::uint8_t>);
+template std::size_t FindCut<double>(const Coefficients<double>&, const Blade&, std::span<const Vector3d>,
+                                     std::span<std::uint8_t>);
 
 }  // namespace wobble::physics

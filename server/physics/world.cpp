@@ -74,6 +74,7 @@ void World::RemoveBody(BodyId id) {
   std::erase(m_tearing, id);
   ++m_removals;
   std::erase_if(m_drives, [id](const Drive& drive) { return drive.body == id; });
+  std::erase_if(m_pushes, [id](const Push& push) { return push.body == id; });
 }
 
 void World::PlaceBody(BodyId id, const Vector3d& position) {
@@ -131,6 +132,39 @@ void World::SetControl(BodyId id, const Control& control, const ControlLimits& l
   if (control != body.control || limits != body.limits) WakeUp(body);
   body.control = control;
   body.limits = limits;
+}
+
+void World::PushVertices(BodyId id, std::span<const VertexForce<double>> forces) {
+  if (forces.empty()) return;
+  Body& body = FindBody(id);
+  WakeUp(body);
+  const auto comesBefore = [](BodyId wanted, const Push& push) { return wanted < push.body; };
+  for (const VertexForce<double>& force : forces) {
+    assert(force.vertex < BlueprintOf(body).rest.size() && force.force.allFinite());
+    m_pushes.insert(std::upper_bound(m_pushes.begin(), m_pushes.end(), id, comesBefore), {id, force});
+  }
+  // Room, so that the step need not make it.
+  m_engine->ReservePushes(static_cast<std::size_t>(&body - m_bodies.data()), PushesOn(id).size() + m_drives.size());
+}
+
+std::span<const World::Push> World::PushesOn(BodyId id) const {
+  const auto begin = std::lower_bound(m_pushes.begin(), m_pushes.end(), id,
+                                      [](const Push& push, BodyId wanted) { return push.body < wanted; });
+  const auto end =
+      std::upper_bound(begin, m_pushes.end(), id, [](BodyId wanted, const Push& push) { return wanted < push.body; });
+  return {begin, end};
+}
+
+void World::WakeNeighboursOf(BodyId id) {
+  const auto wake = [&](const auto& workspace) {
+    for (const auto* pairs : {&workspace.pairs, &workspace.restingPairs}) {
+      for (const auto& pair : *pairs) {
+        if (pair.Has(id)) WakeUp(FindBody(pair.first == id ? pair.second : pair.first));
+      }
+    }
+  };
+  wake(std::get<Workspace<float>>(m_engine->workspaces));
+  wake(std::get<Workspace<double>>(m_engine->workspaces));
 }
 
 void World::DropPairsOf(BodyId id) {

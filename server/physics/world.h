@@ -11,7 +11,9 @@
 #include "server/physics/blueprint.h"
 #include "server/physics/body.h"
 #include "server/physics/drive.h"
+#include "server/physics/forces.h"
 #include "server/physics/obstacle.h"
+#include "server/physics/tear.h"
 
 namespace wobble::physics {
 
@@ -68,9 +70,19 @@ class World {
   // Wakes everything that sleeps: down is elsewhere now.
   void SetGravity(const Vector3d& gravity);
   // Puts the body onto a blueprint of its own, in a slot that no body uses any more, but none of AddBlueprint's, or in
-  // a new one. Vertices keep their places and velocities; further ones come where the rest shape has them beside these.
-  // False, and nothing done, when all 255 slots are taken.
+  // a new one. kept: which vertex each of the new blueprint's first ones has been, ascending; without it, as many as
+  // there are stay what they were. These keep their places, velocities and contacts; what pushes or drives them
+  // follows, and so does what has torn between them. Further ones come where the rest shape has them beside these, at
+  // rest. False, and nothing done, when all 255 slots are taken.
   bool ReplaceBlueprint(BodyId id, Blueprint blueprint);
+  bool ReplaceBlueprint(BodyId id, Blueprint blueprint, std::span<const std::uint16_t> kept);
+  // Tears every whole spring of the body that crosses the blade, in the world, for good, and with it the faces that it
+  // is a side of, as if it had been overstretched, whether the blueprint can tear or not. Wakes the body and those that
+  // touch it. Returns how many; always 0 for a body with gas, which would leak.
+  std::size_t CutSprings(BodyId id, const Blade& blade);
+  // Forces on single vertices, N, finite, that act through the next Step and no longer, beside all others. Several
+  // calls add up. A fixed vertex feels nothing of it, a planar body only what lies in its plane. Wakes the body.
+  void PushVertices(BodyId id, std::span<const VertexForce<double>> forces);
   [[nodiscard]] const Body& ReadBody(BodyId id) const;
 
   // Of a body that exists, or of all; for as long as it does.
@@ -108,17 +120,26 @@ class World {
     std::uint64_t revision = 0;
     bool isKept = false;  // AddBlueprint's
   };
+  struct Push {
+    BodyId body = 0;
+    VertexForce<double> force;
+  };
 
   Body& FindBody(BodyId id);
   void WakeUp(Body& body);
   // Of those that may be given another blueprint, the one that has had its own for longest, or one more than there are.
   [[nodiscard]] std::size_t FindFreeSlot() const;
-  void PutOntoSlot(Body& body, std::size_t slot, Blueprint blueprint);
+  void PutOntoSlot(Body& body, std::size_t slot, Blueprint blueprint, std::span<const std::uint16_t> kept);
+  // Those of the next step.
+  [[nodiscard]] std::span<const Push> PushesOn(BodyId id) const;
   // Gives bodies whose springs have torn blueprints without them, a few times a second.
   void RebuildTorn();
   void WakeTheDriven();
   // Forgets whom it touched, for one that is gone or elsewhere, and wakes them.
   void DropPairsOf(BodyId id);
+  void WakeNeighboursOf(BodyId id);
+  // Pushes and drives on its vertices go to these new places.
+  void FollowPushes(BodyId id, std::span<const std::uint16_t> places);
 
   WorldSettings m_settings;
   std::vector<Blueprint> m_blueprints;
@@ -128,6 +149,7 @@ class World {
   std::vector<Body> m_bodies;
   std::vector<BodyId> m_tearing;  // those with tornTicks, ascending
   std::vector<Drive> m_drives;
+  std::vector<Push> m_pushes;  // of the next step, by ascending body
   std::unique_ptr<Engine> m_engine;
   BodyId m_nextId = 1;
   std::uint64_t m_removals = 0;

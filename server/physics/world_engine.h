@@ -127,6 +127,15 @@ struct World::Engine {
     std::get<1>(workspaces).Forget(index);
   }
 
+  // For so many on the body at `index`.
+  void ReservePushes(std::size_t index, std::size_t count) {
+    const auto reserve = [&](auto& workspace) {
+      if (index < workspace.members.size()) workspace.members[index].pushes.reserve(count);
+    };
+    reserve(std::get<0>(workspaces));
+    reserve(std::get<1>(workspaces));
+  }
+
   Threads threads;
   Roster roster;
   std::vector<std::uint32_t> stepped;                          // by the last tick: places, ascending

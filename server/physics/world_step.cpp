@@ -105,6 +105,9 @@ class World::Stepper {
       const Vector3d share = drive.force / std::max(1.0, static_cast<double>(drive.vertices.size()));
       for (const std::uint16_t vertex : drive.vertices) member.pushes.push_back({vertex, share.template cast<Real>()});
     }
+    for (const Push& push : m_world.PushesOn(body.id)) {
+      member.pushes.push_back({push.force.vertex, push.force.force.template cast<Real>()});
+    }
     member.load.pushes = member.pushes;
   }
 
@@ -380,6 +383,7 @@ StepReport World::Step() {
   WakeTheDriven();
   const StepReport report =
       m_settings.precision == Precision::kSingle ? Stepper<float>(*this).Step() : Stepper<double>(*this).Step();
+  m_pushes.clear();
   RebuildTorn();
   return report;
 }

@@ -2,6 +2,9 @@
 // slot; slots that no body uses any more are taken again, the one that has lain idle for longest first.
 #include <algorithm>
 #include <cassert>
+#include <functional>
+#include <numeric>
+#include <set>
 
 #include "server/physics/tear.h"
 #include "server/physics/world_engine.h"
@@ -12,6 +15,55 @@ namespace {
 // Between two blueprints of a body that goes on tearing, s: each is sent to every client, faces and all.
 constexpr double kRebuildTime = 0.25;
 constexpr std::size_t kMaxSlots = 255;
+
+constexpr std::uint16_t kGone = 0xFFFF;
+
+using Edge = std::array<std::uint32_t, 2>;
+
+// kept as World::ReplaceBlueprint takes it. The place that each of `count` has now; kGone: none.
+std::vector<std::uint16_t> FindPlaces(std::span<const std::uint16_t> kept, std::size_t count) {
+  std::vector<std::uint16_t> places(count, kGone);
+  for (std::size_t i = 0; i < kept.size(); ++i) places[kept[i]] = static_cast<std::uint16_t>(i);
+  return places;
+}
+
+std::vector<std::uint16_t> ListNumbers(std::size_t count) {
+  std::vector<std::uint16_t> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), std::uint16_t{0});
+  return numbers;
+}
+
+// Faces by the new places of their vertices.
+std::vector<Face> Renumber(std::vector<Face> faces, std::span<const std::uint16_t> places) {
+  for (Face& face : faces) {
+    for (std::uint16_t& vertex : face) vertex = places[vertex];
+  }
+  return faces;
+}
+
+Edge MakeEdge(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
+// Springs that have torn, by the new places of their ends; those that have lost one are gone themselves.
+std::set<Edge> FindTornEdges(const Blueprint& blueprint, std::span<const std::uint8_t> torn,
+                             std::span<const std::uint16_t> places) {
+  std::set<Edge> edges;
+  for (std::size_t i = 0; i < torn.size(); ++i) {
+    const Spring<double>& spring = blueprint.full.springs[i];
+    if (torn[i] == 0 || places[spring.a] == kGone || places[spring.b] == kGone) continue;
+    edges.insert(MakeEdge(places[spring.a], places[spring.b]));
+  }
+  return edges;
+}
+
+// Whether there are any of these.
+bool MarkTorn(const Blueprint& blueprint, const std::set<Edge>& edges, std::vector<std::uint8_t>& torn) {
+  const std::vector<Spring<double>>& springs = blueprint.full.springs;
+  const auto isTorn = [&](const Spring<double>& spring) { return edges.contains(MakeEdge(spring.a, spring.b)); };
+  if (std::ranges::none_of(springs, isTorn)) return false;
+  torn.resize(springs.size(), 0);
+  for (std::size_t i = 0; i < springs.size(); ++i) torn[i] = isTorn(springs[i]) ? 1 : 0;
+  return true;
+}
 
 // Where each face of `before` is in `after`, which has lost some and kept the order of the others.
 std::vector<std::uint16_t> MapFaces(std::span<const Face> before, std::span<const Face> after) {
@@ -35,19 +87,41 @@ void FollowFaces(Workspace<Real>& workspace, BodyId id, std::span<const std::uin
   }
 }
 
-// Vertices beyond those that the body has had come where the rest shape has them beside these.
+// places: of the vertices before. Contacts of those that are gone are let go.
+template <class Contacts>
+void FollowVertices(Contacts& contacts, std::span<const std::uint16_t> places) {
+  std::erase_if(contacts, [&](const auto& contact) { return places[contact.vertex] == kGone; });
+  for (auto& contact : contacts) contact.vertex = places[contact.vertex];
+}
+
+// The body's contacts with others.
 template <class Real>
-void FitState(const Blueprint& blueprint, State<Real>& state) {
-  const std::size_t kept = std::min(state.positions.size(), blueprint.rest.size());
+void FollowVertices(Workspace<Real>& workspace, BodyId id, std::span<const std::uint16_t> places) {
+  for (auto* pairs : {&workspace.pairs, &workspace.restingPairs}) {
+    for (BodyPair<Real>& pair : *pairs) {
+      if (pair.Has(id)) FollowVertices(pair.sides[pair.first == id ? 0 : 1], places);
+    }
+  }
+}
+
+// Vertices beyond those that are kept come where the rest shape has them beside these.
+template <class Real>
+void FitState(const Blueprint& blueprint, std::span<const std::uint16_t> kept, State<Real>& state) {
+  FollowVertices(state.contacts, FindPlaces(kept, state.positions.size()));
   Vector3d shift = Vector3d::Zero();
-  for (std::size_t i = 0; i < kept; ++i) shift += state.positions[i].template cast<double>() - blueprint.rest[i];
-  if (kept > 0) shift /= static_cast<double>(kept);
-  state.positions.resize(kept);
-  for (std::size_t i = kept; i < blueprint.rest.size(); ++i) {
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    state.positions[i] = state.positions[kept[i]];
+    state.velocities[i] = state.velocities[kept[i]];
+    shift += state.positions[i].template cast<double>() - blueprint.rest[i];
+  }
+  if (!kept.empty()) shift /= static_cast<double>(kept.size());
+  state.positions.resize(kept.size());
+  for (std::size_t i = kept.size(); i < blueprint.rest.size(); ++i) {
     state.positions.push_back((blueprint.rest[i] + shift).template cast<Real>());
   }
+  state.velocities.resize(kept.size());
   state.velocities.resize(blueprint.rest.size(), Vector3<Real>::Zero());
-  std::erase_if(state.contacts, [&](const Contact<Real>& contact) { return contact.vertex >= kept; });
+  for (const std::uint16_t vertex : blueprint.full.fixed) state.velocities[vertex].setZero();
   state.torn.assign(blueprint.full.tearStretch > 0 ? blueprint.full.springs.size() : 0, 0);
 }
 
@@ -64,7 +138,7 @@ std::size_t World::FindFreeSlot() const {
   return best;
 }
 
-void World::PutOntoSlot(Body& body, std::size_t slot, Blueprint blueprint) {
+void World::PutOntoSlot(Body& body, std::size_t slot, Blueprint blueprint, std::span<const std::uint16_t> kept) {
   if (slot == m_slots.size()) {
     m_blueprints.emplace_back();
     m_slots.emplace_back();
@@ -74,15 +148,75 @@ void World::PutOntoSlot(Body& body, std::size_t slot, Blueprint blueprint) {
   m_slots[slot].revision = ++m_blueprintRevision;
   body.blueprint = static_cast<std::uint8_t>(slot);
   WakeUp(body);
-  std::visit([&](auto& state) { FitState(m_blueprints[slot], state); }, body.state);
+  std::visit([&](auto& state) { FitState(m_blueprints[slot], kept, state); }, body.state);
 }
 
 bool World::ReplaceBlueprint(BodyId id, Blueprint blueprint) {
+  const std::size_t before = BlueprintOf(ReadBody(id)).rest.size();
+  const auto kept = ListNumbers(std::min(before, blueprint.rest.size()));
+  return ReplaceBlueprint(id, std::move(blueprint), kept);
+}
+
+bool World::ReplaceBlueprint(BodyId id, Blueprint blueprint, std::span<const std::uint16_t> kept) {
   const std::size_t slot = FindFreeSlot();
   if (slot >= kMaxSlots) return false;
-  DropPairsOf(id);
-  PutOntoSlot(FindBody(id), slot, std::move(blueprint));
+  Body& body = FindBody(id);
+  const Blueprint& before = BlueprintOf(body);
+  assert(kept.size() <= blueprint.rest.size() && std::ranges::is_sorted(kept, std::ranges::less_equal()));
+  assert(kept.empty() || kept.back() < before.rest.size());
+  const auto places = FindPlaces(kept, before.rest.size());
+  const auto faces = MapFaces(Renumber(before.full.faces, places), blueprint.full.faces);
+  const auto follow = [&](auto& workspace) {
+    FollowVertices(workspace, id, places);
+    FollowFaces(workspace, id, faces);
+  };
+  follow(std::get<0>(m_engine->workspaces));
+  follow(std::get<1>(m_engine->workspaces));
+  FollowPushes(id, places);
+  const auto torn = std::visit([&](auto& state) { return FindTornEdges(before, state.torn, places); }, body.state);
+  WakeNeighboursOf(id);
+  PutOntoSlot(body, slot, std::move(blueprint), kept);
+  const bool isTorn =
+      std::visit([&](auto& state) { return MarkTorn(m_blueprints[slot], torn, state.torn); }, body.state);
+  if (!isTorn) body.tornTicks = 0;
   return true;
+}
+
+void World::FollowPushes(BodyId id, std::span<const std::uint16_t> places) {
+  std::erase_if(m_pushes, [&](const Push& push) { return push.body == id && places[push.force.vertex] == kGone; });
+  for (Push& push : m_pushes) {
+    if (push.body == id) push.force.vertex = places[push.force.vertex];
+  }
+  for (Drive& drive : m_drives) {
+    if (drive.body != id) continue;
+    std::erase_if(drive.vertices, [&](std::uint16_t vertex) { return places[vertex] == kGone; });
+    for (std::uint16_t& vertex : drive.vertices) vertex = places[vertex];
+  }
+}
+
+std::size_t World::CutSprings(BodyId id, const Blade& blade) {
+  assert(std::ranges::all_of(blade, [](const Vector3d& corner) { return corner.allFinite(); }));
+  Body& body = FindBody(id);
+  const Blueprint& blueprint = BlueprintOf(body);
+  if (blueprint.full.gas > 0) return 0;
+  const std::size_t cut = std::visit(
+      [&]<class Real>(State<Real>& state) {
+        const Blade local{blade[0] - state.origin, blade[1] - state.origin, blade[2] - state.origin};
+        std::vector<std::uint8_t> torn = state.torn;
+        torn.resize(blueprint.full.springs.size(), 0);
+        const std::size_t found = FindCut<Real>(blueprint.Read<Real>(), local, state.positions, torn);
+        if (found > 0) state.torn = std::move(torn);
+        return found;
+      },
+      body.state);
+  if (cut == 0) return 0;
+  if (body.tornTicks == 0) {
+    body.tornTicks = 1;
+    m_tearing.push_back(id);
+  }
+  WakeUp(body);
+  WakeNeighboursOf(id);
+  return cut;
 }
 
 void World::RebuildTorn() {
@@ -98,11 +232,12 @@ void World::RebuildTorn() {
     if (slot >= kMaxSlots) break;
     const auto& torn = std::visit(
         [](const auto& state) -> const auto& { return state.torn; }, body.state);
+    const auto kept = ListNumbers(m_blueprints[body.blueprint].rest.size());
     Blueprint left = MakeTornBlueprint(m_blueprints[body.blueprint], torn);
     const auto map = MapFaces(m_blueprints[body.blueprint].full.faces, left.full.faces);
     FollowFaces(std::get<0>(m_engine->workspaces), body.id, map);
     FollowFaces(std::get<1>(m_engine->workspaces), body.id, map);
-    PutOntoSlot(body, slot, std::move(left));
+    PutOntoSlot(body, slot, std::move(left), kept);
     body.tornTicks = 0;
   }
   std::erase_if(m_tearing, [this](BodyId id) { return FindBody(id).tornTicks == 0; });

@@ -80,6 +80,7 @@ World::World(const World& other, const WorldSettings& settings)
       m_bodies(other.m_bodies),
       m_tearing(other.m_tearing),
       m_drives(other.m_drives),
+      m_pushes(other.m_pushes),
       m_engine(std::make_unique<Engine>(settings.threads)),
       m_nextId(other.m_nextId),
       // Drives go by the time, which is counted in ticks.

@@ -11,6 +11,7 @@
 #include "server/scenes/blueprint_reader.h"
 #include "server/scenes/drive_reader.h"
 #include "server/scenes/obstacle_reader.h"
+#include "server/scenes/play_reader.h"
 #include "server/scenes/table_reader.h"
 
 namespace wobble::scenes {
@@ -68,6 +69,7 @@ void ReadScene(TableReader& reader, const std::filesystem::path& folder, Scene& 
   reader.ReadTables("bodies", [&](TableReader& table) { ReadGroup(table, scene); });
   reader.ReadTables("drive", [&](TableReader& table) { ReadDrive(table, scene); });
   reader.ReadTables("player", [&](TableReader& table) { ReadPlayer(table, scene); });
+  ReadPlayRules(reader, scene);
   if (const std::size_t bodies = CountBodies(scene); bodies > kMaxSceneBodies) {
     reader.Refuse("bodies", std::to_string(bodies), "at most " + std::to_string(kMaxSceneBodies) + " in all");
   }

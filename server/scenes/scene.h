@@ -8,6 +8,7 @@
 
 #include "server/physics/world.h"
 #include "server/scenes/body_definition.h"
+#include "server/scenes/play_rules.h"
 
 namespace wobble::scenes {
 
@@ -60,6 +61,10 @@ struct Scene {
   std::vector<BodyGroup> groups;
   std::vector<DriveRule> drives;
   PlayerRules player;
+  HandRules hands;
+  TuningRules tuning;
+  WorkshopRules workshop;
+  GameRules game;
 };
 
 // A body and where it starts, also after it has fallen off.

@@ -172,9 +172,16 @@ case_threshold_fails() {
   expect_line "$folder/b.json" '"ok": false'
 }
 
+# make_page: a folder that the gateway takes for the page.
+make_page() { mkdir -p "$folder/page" && echo '<!doctype html><title>wobble</title>' >"$folder/page/index.html"; }
+
 case_play_ends_by_itself() {
-  expect_exit 0 wobble play --for 4 --port 7812
+  make_page
+  expect_exit 0 wobble play --for 4 --port 7812 --http 8812 --page "$folder/page"
   expect_line "$out" '^scene arena on UDP port 7812'
+  expect_line "$out" '^open http://localhost:8812 in a browser to play on 127.0.0.1:7812$'
+  expect_line "$out" ' | browsers 0/64, up 0 kbit/s, down 0 kbit/s | bots 6/6'
+  expect_line "$out" '^gateway: 0 requests, 0 refused; 0 browsers'
   expect_line "$out" ' s left | .* clients 6 .* | bots 6/6'
   expect_line "$out" '^server: .* 6 joins, 0 disconnects, 0 non-finite'
   expect_line "$out" '^bots: 6 of 6 connected, 0 disconnects, 0 script errors'
@@ -184,9 +191,10 @@ case_play_ends_by_itself() {
 }
 
 case_play_ends_on_interrupt() {
-  start play wobble play --port 7813
+  make_page
+  start play wobble play --port 7813 --http 8813 --page "$folder/page"
   wait_for_line play 'bots 6/6'
-  [ "$(list_processes 7813 | wc -l)" -eq 3 ] || fail "play, server and bots to run" <(list_processes 7813)
+  [ "$(list_processes 7813 | wc -l)" -eq 4 ] || fail "play, server, gateway and bots to run" <(list_processes 7813)
   kill -INT "$pid"
   expect_end play "$pid" 0 5
   expect_line "$folder/play.out" '^server: .* 6 joins, 0 disconnects, 0 non-finite'
@@ -194,15 +202,52 @@ case_play_ends_on_interrupt() {
   expect_no_processes 7813
 }
 
+# The page is one more thing that play can do; without it, it says so and goes on.
+case_play_without_page() {
+  expect_exit 0 wobble play --for 2 --port 7823 --bots 0 --page "$folder/none"
+  expect_line "$out" "^no page for browsers: '.*none' is not there; "
+  expect_line "$out" '^all went well$'
+  expect_exit 0 wobble play --for 1 --port 7823 --bots 0 --http 0
+  if grep -q -e page -e gateway "$out"; then fail "no word of a page" "$out"; fi
+}
+
+# Whatever part ends before it is told to is a failure of the whole, and all others are ended.
+case_play_notices_a_gateway_that_ends() {
+  local line gateway=""
+  make_page
+  start play wobble play --port 7824 --http 8824 --page "$folder/page"
+  wait_for_line play 'bots 6/6'
+  for line in /proc/[0-9]*; do
+    case "$({ tr '\0' ' ' <"$line/cmdline"; } 2>/dev/null)" in
+      "$bin/wobble gateway --http 8824 "*) gateway="${line##*/}" ;;
+    esac
+  done
+  kill -KILL "$gateway" || fail "a gateway to run" "$folder/play.out"
+  expect_end play "$pid" 1
+  expect_line "$folder/play.out" '^FAILED: the gateway ended early with exit code 137$'
+  expect_no_processes 7824
+}
+
 case_port_in_use() {
   start_server --port 7814
   expect_refusal '^wobbled: port 7814 (UDP) is in use$' wobbled --port 7814
   expect_refusal '^server: port 7814 (UDP) is in use$' wobble play --port 7814 --for 5
+  make_page
+  start gateway wobble gateway --server 127.0.0.1:7814 --http 8814 --page "$folder/page"
+  local gateway=$pid
+  wait_for_line gateway '^open http://localhost:8814 '
+  expect_refusal '^wobble gateway: port 8814 (TCP) is in use; ' \
+    wobble gateway --server 127.0.0.1:7814 --http 8814 --page "$folder/page"
+  expect_exit 2 wobble play --port 7825 --http 8814 --page "$folder/page" --for 5
+  expect_line "$err" '^gateway: port 8814 (TCP) is in use; '
+  expect_no_processes 7825
+  kill -TERM "$gateway"
+  expect_end gateway "$gateway" 0 5
 }
 
 case_unknown_option() {
   local program
-  for program in wobbled wobble 'wobble bots' 'wobble play' 'wobble watch' 'wobble link'; do
+  for program in wobbled wobble 'wobble bots' 'wobble play' 'wobble watch' 'wobble link' 'wobble gateway'; do
     # shellcheck disable=SC2086  # program and command are two words
     expect_refusal "--frobnicate.*$program --help\|--frobnicate.*wobble --help" $program --frobnicate
   done
@@ -218,6 +263,14 @@ case_unknown_option() {
   expect_refusal '^wobble watch: --name: .* is 33 bytes long' wobble watch 127.0.0.1:7815 \
     --name 123456789012345678901234567890123
   expect_refusal '^wobble watch: standard output is no terminal$' wobble watch 127.0.0.1:7815
+  expect_refusal '^wobble gateway: --server HOST:PORT is required' wobble gateway
+  expect_refusal "^wobble gateway: --server: 'here' is no HOST:PORT" wobble gateway --server here
+  expect_refusal "^wobble: --http: '70000' is not 0 to 65535" wobble gateway --server 127.0.0.1:7815 --http 70000
+  expect_refusal "^wobble gateway: --bind: 'here' is no IP address" wobble gateway --server 127.0.0.1:7815 --bind here
+  expect_refusal "^wobble gateway: --origin: 'http://a/b' is no " \
+    wobble gateway --server 127.0.0.1:7815 --origin http://c:81 --origin http://a/b
+  expect_refusal "^wobble gateway: no page: '$folder/index.html' is not there" \
+    wobble gateway --server 127.0.0.1:7815 --page "$folder"
   expect_refusal '^wobbled: --port 99999: must be 1 to 65535$' wobbled --port 99999
   expect_refusal '^wobbled: --for -3: must be 0 to 1000000$' wobbled --for -3
   expect_refusal '^wobbled: --for nan: must be 0 to 1000000$' wobbled --for nan
@@ -390,7 +443,7 @@ case_random_datagrams() {
 
 case_help_and_version() {
   local program
-  for program in wobbled wobble 'wobble bots' 'wobble play' 'wobble watch' 'wobble link'; do
+  for program in wobbled wobble 'wobble bots' 'wobble play' 'wobble watch' 'wobble link' 'wobble gateway'; do
     # shellcheck disable=SC2086  # program and command are two words
     expect_exit 0 $program --help
     expect_line "$out" '^Examples:'

@@ -62,6 +62,28 @@ std::uint64_t CountAllocations(Integrator integrator, ContactLaw law, Precision 
   return allocations - before;
 }
 
+// Of those who are pushed in the last ticks, having been left alone before.
+TEST(Allocations, NoPushAllocatesInAStep) {
+#ifdef WOBBLE_MALLOC_IS_TAKEN
+  GTEST_SKIP() << "the sanitizer has its own malloc";
+#endif
+  World world(WorldSettings{});
+  world.AddBlueprint(MakeBall(BallDefinition{}));
+  world.AddObstacle(Obstacle{});
+  for (int i = 0; i < 6; ++i) world.AddBody(0, Vector3d(3 * i, 0, 1));
+  for (int tick = 0; tick < 60; ++tick) world.Step();
+  std::vector<VertexForce<double>> pushes;
+  for (std::uint16_t vertex = 0; vertex < 20; ++vertex) pushes.push_back({vertex, Vector3d(0, 1, 0.5)});
+  std::uint64_t allocated = 0;
+  for (int tick = 0; tick < 60; ++tick) {
+    world.PushVertices(static_cast<BodyId>(1 + tick % 6), pushes);
+    const std::uint64_t before = allocations;
+    world.Step();
+    allocated += allocations - before;
+  }
+  EXPECT_EQ(allocated, 0U);
+}
+
 TEST(Allocations, NoMethodAllocatesInAStep) {
 #ifdef WOBBLE_MALLOC_IS_TAKEN
   GTEST_SKIP() << "the sanitizer has its own malloc";

@@ -159,9 +159,83 @@ TEST(Graph, ChangesThatCannotBeAreRefusedWithFieldValueAndRange) {
   EXPECT_EQ(only(SetSpring(chain, 0, {0, 1, 100, -1, 1})), "damping = -1.0");
   EXPECT_EQ(only(SetMass(chain, 9, 1)), "particle = 9");
   EXPECT_EQ(only(SetMass(chain, 1, std::nan(""))), "mass = nan");
+  EXPECT_EQ(only(AddParticle(chain, {Vector3d(0, std::nan(""), 0), 1, false})), "position = inf");
+  EXPECT_EQ(only(AddParticle(chain, chain.rest, {Vector3d(0, 0, -300), 1, false})), "position = 300.0");
+  EXPECT_EQ(only(SetShape(chain, std::vector<Vector3d>{{0, 0, 0}, {0, 0, 0}, {240, 0, 0}})),
+            "particle[2].position = 160.0");
+  EXPECT_EQ(only(RemoveParticle(chain, 3)), "particle = 3");
+  EXPECT_EQ(only(RemoveSpring(chain, 2)), "spring = 2");
+  EXPECT_EQ(only(SetFixed(chain, 7, true)), "particle = 7");
+  GraphDefinition lone;
+  lone.particles.resize(1);
+  EXPECT_EQ(only(RemoveParticle(MakeGraph(lone), 0)), "particles = 0");
   GraphDefinition crowd;
   crowd.particles.resize(kMaxParticles);
   EXPECT_EQ(only(AddParticle(MakeGraph(crowd), {})), "particles = 513.0");
+}
+
+TEST(Graph, RemovalKeepsTheOrderOfThoseLeft) {
+  GraphDefinition definition = MakeChain(5, 400, true);
+  definition.springs.push_back({1, 3, 100, 1, 0});
+  for (std::size_t i = 0; i < 5; ++i) definition.particles[i].mass = 0.2 + 0.1 * static_cast<double>(i);
+  const Blueprint graph = MakeGraph(definition);
+  const GraphEdit less = RemoveParticle(graph, 2);
+  ASSERT_TRUE(less.errors.empty());
+  EXPECT_EQ(less.keptParticles, (std::vector<std::uint16_t>{0, 1, 3, 4}));
+  EXPECT_EQ(less.keptSprings, (std::vector<std::uint16_t>{0, 3, 4})) << "those at the third are gone";
+  const Coefficients<double>& full = less.blueprint.full;
+  ASSERT_EQ(full.masses.size(), 4U);
+  ASSERT_EQ(full.springs.size(), 3U);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(full.masses[i], graph.full.masses[less.keptParticles[i]]);
+    const Vector3d shift = less.blueprint.rest[i] - graph.rest[less.keptParticles[i]];
+    EXPECT_LT((shift - (less.blueprint.rest[0] - graph.rest[0])).norm(), 1e-12);
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Spring<double>& before = graph.full.springs[less.keptSprings[i]];
+    EXPECT_EQ(less.keptParticles[full.springs[i].a], before.a);
+    EXPECT_EQ(less.keptParticles[full.springs[i].b], before.b);
+    EXPECT_EQ(full.springs[i].stiffness, before.stiffness);
+  }
+  EXPECT_EQ(full.fixed, (std::vector<std::uint16_t>{0, 3}));
+  EXPECT_EQ(full.inverseMasses[3], 0);
+  EXPECT_GT(full.inverseMasses[2], 0);
+  EXPECT_EQ(less.blueprint.single.springs.size(), 3U);
+  const GraphEdit parted = RemoveSpring(less.blueprint, 1);
+  ASSERT_TRUE(parted.errors.empty());
+  EXPECT_EQ(parted.keptSprings, (std::vector<std::uint16_t>{0, 2}));
+  EXPECT_EQ(parted.blueprint.full.springs.size(), 2U);
+  EXPECT_EQ(parted.keptParticles.size(), 4U);
+}
+
+TEST(Graph, ParticlesAreFixedAndLetGo) {
+  const Blueprint chain = MakeGraph(MakeChain(4, 400, false));
+  const GraphEdit fixed = SetFixed(chain, 2, true);
+  ASSERT_TRUE(fixed.errors.empty());
+  EXPECT_EQ(fixed.blueprint.full.fixed, (std::vector<std::uint16_t>{0, 2}));
+  EXPECT_EQ(fixed.blueprint.single.inverseMasses[2], 0);
+  EXPECT_EQ(SetFixed(fixed.blueprint, 2, true).blueprint.full.fixed.size(), 2U) << "once is enough";
+  const GraphEdit free = SetFixed(fixed.blueprint, 0, false);
+  ASSERT_TRUE(free.errors.empty());
+  EXPECT_EQ(free.blueprint.full.fixed, (std::vector<std::uint16_t>{2}));
+  EXPECT_EQ(free.blueprint.full.inverseMasses[0], 1 / 0.2);
+}
+
+TEST(Graph, TakesTheShapeThatItsParticlesAreIn) {
+  const Blueprint chain = MakeGraph(MakeChain(3, 400, false));
+  const std::vector<Vector3d> positions{{50, 20, 3}, {50, 20.2, 3}, {50, 20.2, 3.5}};
+  const GraphEdit bent = SetShape(chain, positions);
+  ASSERT_TRUE(bent.errors.empty());
+  Vector3d moment = Vector3d::Zero();
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_LT((bent.blueprint.rest[i] - bent.blueprint.rest[0] - positions[i] + positions[0]).norm(), 1e-12);
+    moment += bent.blueprint.full.masses[i] * bent.blueprint.rest[i];
+  }
+  EXPECT_LT(moment.norm(), 1e-12);
+  EXPECT_EQ(bent.blueprint.full.springs[0].restLength, chain.full.springs[0].restLength);
+  const GraphEdit joined = AddSpring(bent.blueprint, {0, 2, 100, 1, 0});
+  ASSERT_TRUE(joined.errors.empty());
+  EXPECT_NEAR(joined.blueprint.full.springs.back().restLength, std::hypot(0.2, 0.5), 1e-12);
 }
 
 TEST(Graph, OneParticleAloneIsABody) {

@@ -146,6 +146,131 @@ TEST(Graph, IsTunedWhileItRuns) {
   EXPECT_NEAR(lengthOf(), 0.5 + 9.81 / 100, 1e-3);
 }
 
+std::vector<Vector3d> ListPositions(const World& world, BodyId id) {
+  std::vector<Vector3d> positions;
+  VisitVertices(world.ReadBody(id), [&](std::size_t, const Vector3d& x) { positions.push_back(x); });
+  return positions;
+}
+
+std::vector<Vector3d> ListVelocities(const World& world, BodyId id) {
+  std::vector<Vector3d> velocities;
+  for (const Vector3f& v : std::get<State<float>>(world.ReadBody(id).state).velocities) {
+    velocities.push_back(v.cast<double>());
+  }
+  return velocities;
+}
+
+// A heap of particles that is thrown, turns over in the air and lands far from where it was built.
+struct Sandbox {
+  World world{WorldSettings{}};
+  BodyId id = 0;
+
+  Sandbox() {
+    GraphDefinition graph;
+    graph.particles = {{Vector3d(0, 0, 0), 1, false},
+                       {Vector3d(0.5, 0, 0), 2, false},
+                       {Vector3d(0, 0.5, 0), 1, false},
+                       {Vector3d(0, 0, 0.5), 0.5, false}};
+    for (int a = 0; a < 4; ++a) {
+      for (int b = a + 1; b < 4; ++b) graph.springs.push_back({a, b, 300, 3, 0});
+    }
+    world.AddBlueprint(MakeGraph(graph));
+    world.AddObstacle(Obstacle{});
+    id = world.AddBody(0, Vector3d(3, 2, 4));
+    const VertexForce<double> kick{3, Vector3d(400, 150, 0)};
+    world.PushVertices(id, {&kick, 1});
+    for (int tick = 0; tick < 20; ++tick) world.Step();
+  }
+
+  [[nodiscard]] const Blueprint& Graph() const { return world.BlueprintOf(world.ReadBody(id)); }
+  bool Replace(GraphEdit edit) {
+    EXPECT_TRUE(edit.errors.empty()) << edit.errors[0].field << " " << edit.errors[0].value;
+    return world.ReplaceBlueprint(id, std::move(edit.blueprint), edit.keptParticles);
+  }
+};
+
+TEST(Sandbox, AParticleComesWhereItIsPutThoughTheBodyFlies) {
+  Sandbox sandbox;
+  const std::vector<Vector3d> before = ListPositions(sandbox.world, sandbox.id);
+  const std::vector<Vector3d> velocities = ListVelocities(sandbox.world, sandbox.id);
+  const Vector3d place = before[3] + Vector3d(0.2, -0.3, 0.6);
+  ASSERT_TRUE(sandbox.Replace(AddParticle(sandbox.Graph(), before, {place, 0.7, false})));
+  ASSERT_TRUE(sandbox.Replace(AddSpring(sandbox.Graph(), {3, 4, 200, 2, 0})));
+  EXPECT_NEAR(sandbox.Graph().full.springs.back().restLength, Vector3d(0.2, -0.3, 0.6).norm(), 1e-5)
+      << "as far as they are apart";
+  const std::vector<Vector3d> after = ListPositions(sandbox.world, sandbox.id);
+  ASSERT_EQ(after.size(), 5U);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(after[i], before[i]);
+    EXPECT_EQ(ListVelocities(sandbox.world, sandbox.id)[i], velocities[i]);
+  }
+  EXPECT_LT((after[4] - place).norm(), 2e-6);
+  EXPECT_EQ(ListVelocities(sandbox.world, sandbox.id)[4].norm(), 0);
+  for (int tick = 0; tick < 300; ++tick) ASSERT_EQ(sandbox.world.Step().quarantined, 0U);
+}
+
+TEST(Sandbox, ARemovedParticleLeavesTheOthersInTheirMotion) {
+  Sandbox sandbox;
+  const std::vector<Vector3d> before = ListPositions(sandbox.world, sandbox.id);
+  const std::vector<Vector3d> velocities = ListVelocities(sandbox.world, sandbox.id);
+  ASSERT_TRUE(sandbox.Replace(RemoveParticle(sandbox.Graph(), 1)));
+  const std::vector<Vector3d> after = ListPositions(sandbox.world, sandbox.id);
+  ASSERT_EQ(after.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(after[i], before[i == 0 ? 0 : i + 1]);
+    EXPECT_EQ(ListVelocities(sandbox.world, sandbox.id)[i], velocities[i == 0 ? 0 : i + 1]);
+  }
+  for (int tick = 0; tick < 300; ++tick) ASSERT_EQ(sandbox.world.Step().quarantined, 0U);
+}
+
+TEST(Sandbox, ContactsFollowTheirParticles) {
+  Sandbox sandbox;
+  for (int tick = 0; tick < 900; ++tick) sandbox.world.Step();
+  const auto contactsOf = [&] { return std::get<State<float>>(sandbox.world.ReadBody(sandbox.id).state).contacts; };
+  const auto before = contactsOf();
+  const auto others = std::ranges::count_if(before, [](const auto& contact) { return contact.vertex != 0; });
+  ASSERT_GT(others, 1);
+  ASSERT_TRUE(sandbox.Replace(RemoveParticle(sandbox.Graph(), 0)));
+  const auto after = contactsOf();
+  ASSERT_EQ(static_cast<long>(after.size()), others);
+  std::size_t next = 0;
+  for (const auto& contact : before) {
+    if (contact.vertex == 0) continue;
+    EXPECT_EQ(after[next].vertex, contact.vertex - 1);
+    EXPECT_EQ(after[next++].anchor, contact.anchor);
+  }
+}
+
+TEST(Sandbox, WhatIsFixedStopsAndWhatIsLetGoFalls) {
+  Sandbox sandbox;
+  ASSERT_TRUE(sandbox.Replace(SetFixed(sandbox.Graph(), 2, true)));
+  const Vector3d held = ListPositions(sandbox.world, sandbox.id)[2];
+  for (int tick = 0; tick < 30; ++tick) sandbox.world.Step();
+  EXPECT_EQ(ListPositions(sandbox.world, sandbox.id)[2], held);
+  ASSERT_TRUE(sandbox.Replace(SetFixed(sandbox.Graph(), 2, false)));
+  for (int tick = 0; tick < 30; ++tick) sandbox.world.Step();
+  EXPECT_GT((ListPositions(sandbox.world, sandbox.id)[2] - held).norm(), 0.3);
+}
+
+// What contacts remember of friction and depth goes on, so the motion is the same to the last bit.
+TEST(World, ContactsBetweenBodiesOutliveAChangeOfBlueprint) {
+  const auto play = [](bool replace) {
+    World world(WorldSettings{});
+    world.AddBlueprint(MakeLattice(LatticeDefinition{}));
+    world.AddObstacle(Obstacle{});
+    const BodyId below = world.AddBody(0, Vector3d(0, 0, 0.38));
+    const BodyId above = world.AddBody(0, Vector3d(0.1, 0.05, 1.13));
+    for (int tick = 0; tick < 60; ++tick) world.Step();
+    EXPECT_TRUE(world.ReadBody(above).touchesBody);
+    const bool replaced = replace && world.ReplaceBlueprint(below, world.Blueprints()[0]);
+    EXPECT_EQ(replaced, replace);
+    for (int tick = 0; tick < 20; ++tick) world.Step();
+    EXPECT_TRUE(world.ReadBody(above).touchesBody);
+    return world.Hash();
+  };
+  EXPECT_EQ(play(true), play(false));
+}
+
 TEST(Drive, PushesByTheClockAndWakes) {
   World world(WorldSettings{});
   LatticeDefinition cube;

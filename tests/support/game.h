@@ -25,9 +25,10 @@ inline scenes::Scene LoadShippedScene(const std::string& name) {
   return std::move(loaded.scene);
 }
 
-// A floor of 12 m a side, a kill height below it, one ball of 42 vertices and players of the same kind.
-inline scenes::Scene MakeYard() {
-  scenes::LoadResult loaded = scenes::ParseScene(R"(
+// A floor of 12 m a side, a kill height below it, one ball of 42 vertices and players of the same kind; and more
+// tables.
+inline scenes::Scene MakeYard(const std::string& more = "") {
+  scenes::LoadResult loaded = scenes::ParseScene(std::string(R"(
 kill_height = -5
 [[obstacle]]
 kind = "box"
@@ -45,7 +46,7 @@ position = [3, 3, 1]
 blueprint = "ball"
 spawn = [0, 0, 1]
 spawn_radius = 2
-)",
+)") + more,
                                                  "yard");
   for (const std::string& error : loaded.errors) ADD_FAILURE() << error;
   return std::move(loaded.scene);

@@ -49,6 +49,31 @@ TEST(TickClock, StandingStillOwesNothing) {
   EXPECT_EQ(clock.TimeRatio(), 1);
 }
 
+TEST(TickClock, SlowMotionIsTheSameTickLessOften) {
+  TickClock clock(kTick, 0);
+  EXPECT_EQ(clock.TakeDueTicks(0), 1);
+  clock.SetRate(0.25);
+  EXPECT_EQ(clock.TimeRatio(), 0.25);
+  int ticks = 0;
+  for (int i = 1; i <= 1000; ++i) ticks += clock.TakeDueTicks(0.016 * i);
+  EXPECT_NEAR(ticks, 16 * 60 * 0.25, 2);
+  EXPECT_EQ(clock.TimeRatio(), 0.25);
+  EXPECT_EQ(clock.DroppedTicks(), 0U);
+}
+
+TEST(TickClock, AJumpIsTakenAFewTicksACall) {
+  TickClock clock(kTick, 0);
+  EXPECT_EQ(clock.TakeJumpTicks(), 0);
+  clock.Jump(0.1);
+  int ticks = 0, calls = 0;
+  for (int taken = clock.TakeJumpTicks(); taken > 0; taken = clock.TakeJumpTicks()) ticks += taken, ++calls;
+  EXPECT_EQ(ticks, 6);
+  EXPECT_GT(calls, 1);
+  for (int i = 0; i < 1000; ++i) clock.Jump(10);
+  for (ticks = 0; const int taken = clock.TakeJumpTicks();) ticks += taken;
+  EXPECT_LE(ticks, 3600) << "whoever asks again and again";
+}
+
 TEST(TickClock, CatchesUpThreeAtMostAndDropsTheRest) {
   TickClock clock(kTick, 0);
   EXPECT_EQ(clock.TakeDueTicks(0), 1);

@@ -1,0 +1,61 @@
+#include "client/play/summary.h"
+
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+namespace wobble::play {
+namespace {
+
+// An empty object when there is none.
+nlohmann::json ReadSummary(const std::filesystem::path& file, bool isExpected, std::vector<std::string>& failures) {
+  std::ifstream stream(file);
+  nlohmann::json summary = nlohmann::json::parse(stream, nullptr, false);
+  if (summary.is_object()) return summary;
+  if (isExpected) failures.push_back(file.filename().string() + ", the summary, is missing or broken");
+  return nlohmann::json::object();
+}
+
+// A figure as text, "?" when it is missing or null.
+std::string Show(const nlohmann::json& summary, const char* key, int decimals = 0) {
+  const auto figure = summary.find(key);
+  if (figure == summary.end() || !figure->is_number()) return "?";
+  char text[32];
+  std::snprintf(text, sizeof text, "%.*f", decimals, figure->get<double>());
+  return text;
+}
+
+double Number(const nlohmann::json& summary, const char* key) {
+  const auto figure = summary.find(key);
+  return figure != summary.end() && figure->is_number() ? figure->get<double>() : 0;
+}
+
+}  // namespace
+
+void ReportServer(const std::filesystem::path& file, bool isExpected, std::vector<std::string>& failures) {
+  const nlohmann::json summary = ReadSummary(file, isExpected, failures);
+  if (summary.empty()) return;
+  std::printf("server: %s ticks of %s ms (p50), %s ms (p99), %s overruns, %s joins, %s disconnects, %s non-finite\n",
+              Show(summary, "ticks").c_str(), Show(summary, "tick_ms_p50", 2).c_str(),
+              Show(summary, "tick_ms_p99", 2).c_str(), Show(summary, "overruns").c_str(),
+              Show(summary, "joins").c_str(), Show(summary, "disconnects").c_str(),
+              Show(summary, "non_finite").c_str());
+  if (Number(summary, "non_finite") > 0) failures.push_back("bodies became non-finite");
+  // No failure: a busy machine can be late for a tick, and the world then only runs behind for a moment.
+  if (Number(summary, "overruns") > 0)
+    std::printf("warning: %s ticks took too long\n", Show(summary, "overruns").c_str());
+}
+
+void ReportBots(const std::filesystem::path& file, bool isExpected, std::vector<std::string>& failures) {
+  const nlohmann::json summary = ReadSummary(file, isExpected, failures);
+  if (summary.empty()) return;
+  std::printf("bots: %s of %s connected, %s disconnects, %s script errors, snapshots %s ms old (p50), %s ms (p99)\n",
+              Show(summary, "connected").c_str(), Show(summary, "bots").c_str(), Show(summary, "disconnects").c_str(),
+              Show(summary, "script_errors").c_str(), Show(summary, "snapshot_age_ms_p50", 1).c_str(),
+              Show(summary, "snapshot_age_ms_p99", 1).c_str());
+  if (Number(summary, "connected") < Number(summary, "bots")) failures.push_back("not all bots connected");
+  if (Number(summary, "disconnects") > 0) failures.push_back("bots were disconnected");
+  if (Number(summary, "script_errors") > 0) failures.push_back("scripts failed");
+}
+
+}  // namespace wobble::play

@@ -1,0 +1,13 @@
+// The words of `wobble gateway`.
+#pragma once
+
+#include "client/tool/command.h"
+
+namespace wobble::web {
+
+[[nodiscard]] tool::Command DescribeGateway(CLI::App& app);
+
+// The folder of the page that lies beside the program.
+[[nodiscard]] std::filesystem::path FindPageFolder();
+
+}  // namespace wobble::web

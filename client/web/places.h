@@ -1,0 +1,46 @@
+// How many are here at once, in all and of one address.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <unordered_map>
+
+namespace wobble::web {
+
+// Held by whoever takes one up, free again when the last copy is gone. It must not outlive its Places.
+using Place = std::shared_ptr<const void>;
+
+class Places {
+ public:
+  Places(std::size_t inAll, std::size_t perAddress) : m_most(inAll), m_mostPerAddress(perAddress) {}
+
+  // Null when all are taken, or all that one address may have.
+  [[nodiscard]] Place Take(const std::string& address) {
+    if (m_taken >= m_most || CountOf(address) >= m_mostPerAddress) return nullptr;
+    ++m_taken;
+    ++m_byAddress[address];
+    return Place(this, [this, address](const void*) { Free(address); });
+  }
+
+  [[nodiscard]] std::size_t CountTaken() const { return m_taken; }
+
+ private:
+  [[nodiscard]] std::size_t CountOf(const std::string& address) const {
+    const auto found = m_byAddress.find(address);
+    return found == m_byAddress.end() ? 0 : found->second;
+  }
+
+  void Free(const std::string& address) {
+    --m_taken;
+    const auto found = m_byAddress.find(address);
+    if (--found->second == 0) m_byAddress.erase(found);
+  }
+
+  std::size_t m_most;
+  std::size_t m_mostPerAddress;
+  std::size_t m_taken = 0;
+  std::unordered_map<std::string, std::size_t> m_byAddress;
+};
+
+}  // namespace wobble::web

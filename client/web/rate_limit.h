@@ -1,0 +1,39 @@
+// What one browser may send: so much a second for as long as it likes, and a burst after a silence.
+//
+// A page sends 60 inputs a second and a few commands. When its link stood still for a while, all that it wrote
+// meanwhile comes at once, and is no fault of its own: a burst may be as long as the server waits for a silent client.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+#include "protocol/limits.h"
+
+namespace wobble::web {
+
+inline constexpr double kMessagesPerSecond = 120;
+inline constexpr double kBytesPerSecond = 32 * 1024;  // an input is under 200 bytes
+inline constexpr double kBurstSeconds = protocol::kSilenceTimeout;
+
+class RateLimit {
+ public:
+  // One message of so many bytes, `now` in seconds and never backwards. False when it is one too many.
+  [[nodiscard]] bool Allow(std::size_t bytes, double now) {
+    const double passed = m_hasBegun ? now - m_now : 0;
+    m_hasBegun = true;
+    m_now = now;
+    m_messages = std::min(m_messages + passed * kMessagesPerSecond, kBurstSeconds * kMessagesPerSecond) - 1;
+    m_bytes =
+        std::min(m_bytes + passed * kBytesPerSecond, kBurstSeconds * kBytesPerSecond) - static_cast<double>(bytes);
+    return m_messages >= 0 && m_bytes >= 0;
+  }
+
+ private:
+  bool m_hasBegun = false;
+  double m_now = 0;
+  // Still allowed at m_now.
+  double m_messages = kBurstSeconds * kMessagesPerSecond;
+  double m_bytes = kBurstSeconds * kBytesPerSecond;
+};
+
+}  // namespace wobble::web

@@ -1,0 +1,57 @@
+// One browser's connection to the server, and the framing between the two.
+//
+// A message over the WebSocket is one byte, the channel, and then what ENet carries. Channel 3 is the link's own: a
+// browser's ping of four bytes is answered with the same four and the ENet round trip.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "client/web/outbox.h"
+#include "protocol/limits.h"
+#include "protocol/transport/enet_transport.h"
+
+namespace wobble::web {
+
+// The channel of pings, beside those of transport::Channel.
+inline constexpr std::uint8_t kPingChannel = 3;
+inline constexpr std::size_t kPingBytes = 4;
+
+// The largest message that a browser may send, bytes.
+inline constexpr std::size_t kMaxBrowserMessageBytes = 1 + protocol::kMaxClientMessageBytes;
+
+// "wobble.4": the WebSocket subprotocol, by the protocol's version.
+[[nodiscard]] std::string MakeSubprotocol();
+
+class ServerLink {
+ public:
+  // host: numeric, so that nothing is looked up here. Null with one line in `error`.
+  [[nodiscard]] static std::unique_ptr<ServerLink> Open(const std::string& host, std::uint16_t port,
+                                                        std::string& error);
+
+  // Takes in what the server has sent. What is for the browser goes into `outbox`.
+  void Poll(double now, Outbox& outbox);
+
+  enum class Verdict { kGood, kTooLarge, kNotUnderstood };
+  // A message of the browser, passed on or answered at once. Only while IsConnected.
+  [[nodiscard]] Verdict Take(std::span<const std::uint8_t> message, Outbox& outbox);
+
+  // Says to the server that the browser has gone. Poll until HasEnded, three seconds at most.
+  void Leave();
+
+  [[nodiscard]] bool IsConnected() const { return m_isConnected; }  // was, at least
+  [[nodiscard]] bool HasEnded() const { return m_hasEnded; }
+
+ private:
+  explicit ServerLink(std::unique_ptr<transport::EnetTransport> transport) : m_transport(std::move(transport)) {}
+
+  void AnswerPing(std::span<const std::uint8_t> bytes, Outbox& outbox) const;
+
+  std::unique_ptr<transport::EnetTransport> m_transport;
+  bool m_isConnected = false;
+  bool m_hasEnded = false;
+};
+
+}  // namespace wobble::web

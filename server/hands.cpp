@@ -1,0 +1,199 @@
+// A grip is a critically damped spring between each vertex held and its place beside the target, worked out once a tick
+// from where the tick began:
+//   f = m (ω² (target + offset − x) − 2 ω v)
+// with the vertex's own mass m, so that a heavy body hangs low and a light cloth follows at once. Constant through the
+// tick it is an impulse that lags by half of one, and stable as long as ω h < 1 (the discrete oscillator with
+// zero-order hold; h the tick): ω = 0.5/h at most. A spring inside the engine's stages was considered and rejected: it
+// would be one more stiffness to bound in every kernel, and feel the same.
+//
+// Hands of a body (a reach above 0) obey action and reaction: the same force pulls at their owner, who thus hangs from
+// a curtain that he holds, and cannot fly by lifting what he stands on.
+#include "server/hands.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/find_body.h"
+
+namespace wobble::server {
+namespace {
+
+using physics::Vector3d;
+
+constexpr double kGripFrequency = 30;  // ω, 1/s
+constexpr double kMostPerTick = 0.5;   // ω h
+constexpr double kSlip = 1.5;          // times the reach: farther away a grip slips
+constexpr double kPushTime = 0.1;      // s that an impulse takes: a shorter one would only dent
+constexpr double kPushPause = 0.3;     // s from one push to the next
+constexpr double kPushShare = 0.5;     // of the body's reach that a push takes hold of
+constexpr double kLongestBlade = 4;    // m
+constexpr double kFarthestEye = 200;   // m
+
+template <class Visit>
+void VisitMotion(const physics::Body& body, Visit&& visit) {
+  std::visit(
+      [&](const auto& state) {
+        for (std::size_t i = 0; i < state.positions.size(); ++i) {
+          visit(i, Vector3d(state.origin + state.positions[i].template cast<double>()),
+                Vector3d(state.velocities[i].template cast<double>()));
+        }
+      },
+      body.state);
+}
+
+Vector3d FindVertex(const physics::Body& body, std::size_t vertex) {
+  return std::visit(
+      [&](const auto& state) -> Vector3d { return state.origin + state.positions[vertex].template cast<double>(); },
+      body.state);
+}
+
+std::vector<std::uint16_t> FindRound(const physics::Body& body, const Vector3d& place, double radius) {
+  std::vector<std::uint16_t> found;
+  physics::VisitVertices(body, [&](std::size_t i, const Vector3d& x) {
+    if ((x - place).norm() <= radius) found.push_back(static_cast<std::uint16_t>(i));
+  });
+  return found;
+}
+
+}  // namespace
+
+bool Hands::IsWithin(double reach, physics::BodyId own, const Vector3d& place, const physics::World& world) {
+  if (reach == 0) return true;
+  const physics::Body* body = FindBody(world, own);
+  return body != nullptr && (world.FindCentre(*body) - place).norm() <= reach;
+}
+
+void Hands::Hold(const Actor& actor, const std::optional<HandCommand>& command, const physics::World& world) {
+  if (!command || !m_rules.grab || actor.body == 0) {
+    m_grips.erase(actor.client);
+    return;
+  }
+  const auto [found, isNew] = m_grips.try_emplace(actor.client);
+  Grip& grip = found->second;
+  const bool closes = isNew || grip.command.grip != command->grip;
+  grip.command = *command;
+  grip.own = actor.body;
+  if (closes) Close(actor, grip, world);
+}
+
+void Hands::Close(const Actor& actor, Grip& grip, const physics::World& world) const {
+  grip.vertices.clear();
+  grip.offsets.clear();
+  const physics::Body* body = FindBody(world, grip.command.body);
+  if (body == nullptr || body->id == actor.body) return;
+  if (grip.command.vertex >= world.BlueprintOf(*body).rest.size()) return;
+  const Vector3d place = FindVertex(*body, grip.command.vertex);
+  if (!IsWithin(m_rules.reach, actor.body, place, world)) return;
+  grip.vertices = FindRound(*body, place, m_rules.radius);
+  for (const std::uint16_t vertex : grip.vertices) grip.offsets.emplace_back(FindVertex(*body, vertex) - place);
+}
+
+std::string Hands::Push(const Actor& actor, const PushCommand& command, const physics::World& world) {
+  if (!m_rules.push || actor.body == 0) return "nobody pushes by hand here";
+  const physics::Body* body = FindBody(world, command.body);
+  const double length = command.direction.norm();
+  if (body == nullptr || command.vertex >= world.BlueprintOf(*body).rest.size() || !(length > 0)) return "";
+  const Vector3d place = FindVertex(*body, command.vertex);
+  if (!IsWithin(m_rules.reach, actor.body, place, world)) return "too far away to push";
+  Shove& shove = m_shoves[actor.client];
+  if (shove.ticksToRest > 0) return "";
+  shove.command = command;
+  shove.command.direction /= length;
+  shove.own = actor.body;
+  shove.vertices = FindRound(*body, place, std::max(m_rules.radius, kPushShare * world.BlueprintOf(*body).reach));
+  shove.ticksLeft = std::max(1, static_cast<int>(std::lround(kPushTime / m_tickDuration)));
+  shove.ticksToRest = std::max(1, static_cast<int>(std::lround(kPushPause / m_tickDuration)));
+  return "";
+}
+
+std::string Hands::Cut(const Actor& actor, const CutCommand& command, physics::World& world) {
+  if (!m_rules.cut || actor.body == 0) return "nobody cuts here";
+  if (FindBody(world, command.body) == nullptr) return "";
+  const Vector3d middle = (command.from + command.to) / 2;
+  if ((command.from - command.to).norm() > kLongestBlade || (command.eye - middle).norm() > kFarthestEye) return "";
+  if (!IsWithin(m_rules.reach, actor.body, middle, world)) return "too far away to cut";
+  world.CutSprings(command.body, {command.eye, command.from, command.to});
+  return "";
+}
+
+void Hands::Forget(ClientId client) {
+  m_grips.erase(client);
+  m_shoves.erase(client);
+}
+
+void Hands::LetGo(physics::BodyId body) {
+  for (auto& [client, grip] : m_grips) {
+    if (grip.command.body == body) grip.vertices.clear();
+  }
+  for (auto& [client, shove] : m_shoves) {
+    if (shove.command.body == body) shove.ticksLeft = 0;
+  }
+}
+
+void Hands::Act(physics::World& world) {
+  for (auto& [client, grip] : m_grips) {
+    if (!grip.vertices.empty()) Drag(grip, world);
+  }
+  for (auto& [client, shove] : m_shoves) {
+    if (shove.ticksLeft > 0) Deal(shove, world);
+    if (shove.ticksToRest > 0) --shove.ticksToRest;
+  }
+}
+
+void Hands::Drag(Grip& grip, physics::World& world) {
+  const physics::Body* body = FindBody(world, grip.command.body);
+  const bool holds =
+      body != nullptr && IsWithin(kSlip * m_rules.reach, grip.own, FindVertex(*body, grip.command.vertex), world);
+  if (!holds) {
+    grip.vertices.clear();
+    return;
+  }
+  const double omega = std::min(kGripFrequency, kMostPerTick / m_tickDuration);
+  const std::vector<double>& masses = world.BlueprintOf(*body).full.masses;
+  m_forces.clear();
+  double total = 0;
+  std::size_t next = 0;
+  VisitMotion(*body, [&](std::size_t i, const Vector3d& x, const Vector3d& v) {
+    if (next == grip.vertices.size() || grip.vertices[next] != i) return;
+    const Vector3d away = grip.command.target + grip.offsets[next] - x;
+    ++next;
+    const Vector3d force = masses[i] * (omega * omega * away - 2 * omega * v);
+    total += force.norm();
+    m_forces.push_back({static_cast<std::uint16_t>(i), force});
+  });
+  const double share = total > m_rules.strength ? m_rules.strength / total : 1;
+  Vector3d sum = Vector3d::Zero();
+  for (auto& each : m_forces) {
+    each.force *= share;
+    sum += each.force;
+  }
+  world.PushVertices(body->id, m_forces);
+  PushBack(grip.own, -sum, world);
+}
+
+void Hands::Deal(Shove& shove, physics::World& world) {
+  --shove.ticksLeft;
+  const physics::Body* body = FindBody(world, shove.command.body);
+  if (body == nullptr) return;
+  const Vector3d force = m_rules.impulse / kPushTime * shove.command.direction;
+  m_forces.clear();
+  for (const std::uint16_t vertex : shove.vertices) {
+    m_forces.push_back({vertex, force / static_cast<double>(shove.vertices.size())});
+  }
+  world.PushVertices(body->id, m_forces);
+  if (body->id != shove.own) PushBack(shove.own, -force, world);
+}
+
+// Spread by mass, so that it moves its owner and does not dent him.
+void Hands::PushBack(physics::BodyId own, const Vector3d& force, physics::World& world) {
+  const physics::Body* body = FindBody(world, own);
+  if (m_rules.reach == 0 || body == nullptr) return;
+  const physics::Blueprint& blueprint = world.BlueprintOf(*body);
+  m_forces.clear();
+  for (std::size_t i = 0; i < blueprint.full.masses.size(); ++i) {
+    m_forces.push_back({static_cast<std::uint16_t>(i), blueprint.full.masses[i] / blueprint.totalMass * force});
+  }
+  world.PushVertices(own, m_forces);
+}
+
+}  // namespace wobble::server

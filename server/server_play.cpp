@@ -1,0 +1,163 @@
+// What players do to the world beyond moving about in it: by hand, by tuning, in the workshop, and for points. Each has
+// its rules in a file of its own; here they are given the world and the players.
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <map>
+
+#include "server/find_body.h"
+#include "server/server.h"
+
+namespace wobble::server {
+
+namespace {
+
+// Forces a second that are sent to whoever asks for them: they are read by eye.
+constexpr int kForcesHz = 10;
+
+template <class... Each>
+struct Visitor : Each... {
+  using Each::operator()...;
+};
+
+}  // namespace
+
+void Server::Obey(Session& session, const Command& command) {
+  const Actor actor{session.clientId, session.body};
+  const std::string refusal =
+      std::visit(Visitor{
+                     [&](const PushCommand& push) { return m_hands.Push(actor, push, m_world); },
+                     [&](const CutCommand& cut) {
+                       const bool inWorkshop = m_workshop && cut.body == m_workshop->Body() && m_scene.hands.cut;
+                       return inWorkshop ? m_workshop->Cut({cut.eye, cut.from, cut.to}, m_world)
+                                         : m_hands.Cut(actor, cut, m_world);
+                     },
+                     [&](const InspectCommand& inspect) {
+                       session.inspected = inspect.body;
+                       return std::string();
+                     },
+                     [&](const TuneCommand& tune) {
+                       if (session.body == 0) return std::string("who only watches tunes nothing");
+            std::string error = m_tuning.Tune(tune, session.clientId == FindHost(), m_world, m_clock);
+                       if (error.empty()) TellTuning();
+                       return error;
+                     },
+                     [&](const BuildCommand& build) {
+                       if (!m_workshop || session.body == 0) return std::string("nothing is built here");
+                       return m_workshop->Build(session.clientId, build, m_world);
+                     },
+                 },
+                 command);
+  if (!refusal.empty()) Notify(session, refusal);
+}
+
+void Server::ActByHand() {
+  for (const auto& [connection, session] : m_sessions) {
+    if (session.state != Session::State::kPlaying) continue;
+    m_hands.Hold({session.clientId, session.body}, session.hand, m_world);
+  }
+  m_hands.Act(m_world);
+  if (m_workshop && m_workshop->Update(m_world)) m_hands.LetGo(m_workshop->Body());
+}
+
+void Server::PlayGame() {
+  if (!m_game) return;
+  std::map<physics::BodyId, ClientId> players;
+  for (const auto& [connection, session] : m_sessions) {
+    if (session.body != 0) players[session.body] = session.clientId;
+  }
+  std::vector<physics::BodyId> touched;
+  for (const auto& [body, client] : players) {
+    m_world.ListTouching(body, touched);
+    for (const physics::BodyId other : touched) {
+      const auto found = players.find(other);
+      if (found != players.end()) m_game->NoteTouch(client, found->second);
+    }
+  }
+  const int round = m_game->Round();
+  m_game->Advance(m_world.Settings().tickDuration);
+  if (m_game->Round() != round) {
+    for (const auto& [connection, session] : m_sessions) {
+      if (session.body == 0) continue;
+      Respawn(session.body, scenes::FindFreeSpawn(m_scene.player, session.clientId, m_world));
+    }
+  }
+  const bool isSecond = m_world.Tick() % static_cast<std::uint32_t>(m_config.tickHz) == 0;
+  if (isSecond || m_game->Revision() != m_toldGame) TellStandings();
+}
+
+void Server::NoteFall(const Session& session) {
+  if (!m_game) return;
+  const ClientId by = m_game->NoteFall(session.clientId);
+  Broadcast(protocol::MakeEvent(protocol::wire::EventKind::Fall, m_world.Tick(), by, session.body, ""));
+}
+
+void Server::TellStandings() {
+  m_toldGame = m_game->Revision();
+  protocol::ScoreboardFields board;
+  const bool isWon = m_game->ReadPhase() == Sumo::Phase::kWon;
+  board.phase = isWon ? protocol::wire::GamePhase::Won : protocol::wire::GamePhase::Playing;
+  board.round = static_cast<std::uint16_t>(m_game->Round());
+  board.secondsLeft = static_cast<std::uint16_t>(std::max(0.0, m_game->SecondsLeft()));
+  board.pointsToWin = static_cast<std::uint16_t>(m_scene.game.pointsToWin);
+  board.winner = m_game->Winner();
+  for (const Sumo::Standing& each : m_game->Standings()) {
+    board.scores.emplace_back(each.client, static_cast<std::uint16_t>(each.points),
+                              static_cast<std::uint16_t>(each.rounds));
+  }
+  Broadcast(protocol::MakeScoreboard(board));
+}
+
+void Server::TellTuning() {
+  using Kind = TuneCommand::Kind;
+  const ClientId host = FindHost();
+  for (const auto& [connection, session] : m_sessions) {
+    if (session.state != Session::State::kPlaying) continue;
+    const bool isHost = session.clientId == host;
+    const auto bit = [&](Kind kind, std::uint8_t value) {
+      return static_cast<unsigned>(session.body != 0 && m_tuning.MayTune(kind, isHost) ? value : 0);
+    };
+    protocol::TuningFields fields;
+    const physics::Vector3f gravity = m_tuning.Gravity().cast<float>();
+    fields.gravity = {gravity.x(), gravity.y(), gravity.z()};
+    fields.stiffness = static_cast<float>(m_tuning.Stiffness());
+    fields.timeRate = static_cast<float>(m_clock.Rate());
+    fields.may = static_cast<std::uint8_t>(bit(Kind::kGravity, protocol::kMayTuneGravity) |
+                                           bit(Kind::kStiffness, protocol::kMayTuneStiffness) |
+                                           bit(Kind::kTimeRate, protocol::kMayTuneTime));
+    SendTo(session, protocol::MakeTuning(fields));
+  }
+}
+
+void Server::SendForces() {
+  if (m_world.Tick() % static_cast<std::uint32_t>(std::max(1, m_config.tickHz / kForcesHz)) >=
+      static_cast<std::uint32_t>(m_config.tickHz / m_config.snapshotHz)) {
+    return;
+  }
+  std::map<physics::BodyId, protocol::Message> messages;
+  for (auto& [connection, session] : m_sessions) {
+    if (session.state != Session::State::kPlaying || session.inspected == 0) continue;
+    if (FindBody(m_world, session.inspected) == nullptr) {
+      session.inspected = 0;
+      continue;
+    }
+    protocol::Message& message = messages[session.inspected];
+    if (message.empty()) message = CaptureForces(m_world, session.inspected);
+    SendTo(session, message);
+  }
+}
+
+void Server::Notify(const Session& session, const std::string& text) {
+  SendTo(session, protocol::MakeNotice(std::string_view(text).substr(0, protocol::kMaxNoticeBytes)));
+}
+
+ClientId Server::FindHost() const {
+  ClientId host = 0;
+  for (const auto& [connection, session] : m_sessions) {
+    const bool plays = session.state == Session::State::kPlaying && session.body != 0;
+    if (plays && (host == 0 || session.clientId < host)) host = session.clientId;
+  }
+  return host;
+}
+
+}  // namespace wobble::server

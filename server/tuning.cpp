@@ -1,0 +1,58 @@
+#include "server/tuning.h"
+
+#include <spdlog/fmt/fmt.h>
+
+namespace wobble::server {
+namespace {
+
+using Kind = TuneCommand::Kind;
+using physics::Vector3d;
+
+std::string CheckRange(const char* what, double value, double low, double high, const char* unit) {
+  if (value >= low && value <= high) return "";
+  return fmt::format("{} {:g}{}: must be {:g} to {:g}{}", what, value, unit, low, high, unit);
+}
+
+}  // namespace
+
+bool Tuning::MayTune(Kind kind, bool isHost) const {
+  const scenes::Who who = kind == Kind::kGravity     ? m_rules.gravity
+                          : kind == Kind::kStiffness ? m_rules.stiffness
+                                                     : m_rules.time;
+  return who == scenes::Who::kEveryone || (who == scenes::Who::kHost && isHost);
+}
+
+std::string Tuning::Tune(const TuneCommand& command, bool isHost, physics::World& world, TickClock& clock) {
+  if (!MayTune(command.kind, isHost)) return "that is not yours to tune in this scene";
+  const double value = command.value.x();
+  std::string error;
+  switch (command.kind) {
+    case Kind::kGravity:
+      error = CheckRange("gravity", command.value.norm(), 0, kMaxGravity, " m/s²");
+      if (error.empty()) world.SetGravity(m_gravity = command.value);
+      break;
+    case Kind::kStiffness:
+      error = CheckRange("stiffness", value, physics::kLeastStiffnessFactor, physics::kMostStiffnessFactor, " times");
+      if (error.empty()) world.SetStiffnessFactor(m_stiffness = value);
+      break;
+    case Kind::kTimeRate:
+      error = CheckRange("pace of time", value, kLeastTimeRate, 1, " s a second");
+      if (error.empty()) clock.SetRate(value);
+      break;
+    case Kind::kJump:
+      error = CheckRange("jump in time", value, 0, kLongestJump, " s");
+      if (error.empty()) clock.Jump(value);
+      break;
+  }
+  return error;
+}
+
+bool Tuning::Reset(physics::World& world, TickClock& clock) {
+  if (m_gravity == m_usualGravity && m_stiffness == 1 && clock.Rate() == 1) return false;
+  world.SetGravity(m_gravity = m_usualGravity);
+  world.SetStiffnessFactor(m_stiffness = 1);
+  clock.SetRate(1);
+  return true;
+}
+
+}  // namespace wobble::server

@@ -1,0 +1,175 @@
+#include "server/workshop.h"
+
+#include <algorithm>
+
+#include "server/physics/tear.h"
+
+namespace wobble::server {
+namespace {
+
+using physics::GraphEdit;
+using physics::Vector3d;
+
+constexpr double kUpdateTime = 0.2;  // s from one blueprint to the next
+
+std::ptrdiff_t Find(const std::vector<PartTag>& tags, std::uint16_t number) {
+  const auto found = std::ranges::find(tags, number, &PartTag::number);
+  return found == tags.end() ? -1 : found - tags.begin();
+}
+
+int CountOf(const std::vector<PartTag>& tags, ClientId client) {
+  return static_cast<int>(std::ranges::count(tags, client, &PartTag::owner));
+}
+
+// What is left of them, at its new places.
+template <class Value>
+void Keep(std::vector<Value>& values, std::span<const std::uint16_t> kept) {
+  for (std::size_t i = 0; i < kept.size(); ++i) values[i] = values[kept[i]];
+  values.resize(kept.size());
+}
+
+std::string Describe(const std::vector<physics::FieldError>& errors) {
+  const physics::FieldError& error = errors.front();
+  return error.field + " " + error.value + ": must be " + error.range;
+}
+
+std::string MissingPart(const char* what, std::uint16_t number) {
+  return std::string(what) + " " + std::to_string(number) + " is no longer there";
+}
+
+std::string AllUsed(const char* what, int most) {
+  return "you have all your " + std::to_string(most) + " " + what + "; remove one first";
+}
+
+}  // namespace
+
+Workshop::Workshop(const scenes::WorkshopRules& rules, physics::BodyId body, const physics::World& world)
+    : m_rules(rules), m_body(body), m_draft(world.BlueprintOf(world.ReadBody(body))) {
+  for (std::size_t i = 0; i < m_draft.rest.size(); ++i) {
+    m_particles.push_back({++m_lastNumber, 0});
+    m_kept.push_back(static_cast<std::uint16_t>(i));
+  }
+  for (std::size_t i = 0; i < m_draft.full.springs.size(); ++i) m_springs.push_back({++m_lastNumber, 0});
+  m_shownParticles = m_particles;
+  m_shownSprings = m_springs;
+}
+
+std::string Workshop::Build(ClientId client, const BuildCommand& command, const physics::World& world) {
+  using Kind = BuildCommand::Kind;
+  if (command.kind == Kind::kAddParticle) return AddParticle(client, command, world);
+  if (command.kind == Kind::kAddSpring) return AddSpring(client, command, world);
+  const bool isSpring = command.kind == Kind::kSetSpring || command.kind == Kind::kRemoveSpring;
+  const std::ptrdiff_t found = Find(isSpring ? m_springs : m_particles, command.a);
+  if (found < 0) return MissingPart(isSpring ? "spring" : "particle", command.a);
+  const auto place = static_cast<std::size_t>(found);
+  switch (command.kind) {
+    case Kind::kSetSpring:
+      return Take(SetSpring(m_draft, place, {0, 0, command.stiffness, command.damping, command.restLength}), client);
+    case Kind::kRemoveSpring:
+      return Take(RemoveSpring(m_draft, place), client);
+    case Kind::kRemoveParticle:
+      return Take(RemoveParticle(m_draft, place), client);
+    default:
+      break;
+  }
+  GraphEdit edit = SetMass(m_draft, place, command.mass);
+  if (edit.errors.empty()) edit = SetFixed(edit.blueprint, place, command.fixed);
+  return Take(std::move(edit), client);
+}
+
+std::string Workshop::AddParticle(ClientId client, const BuildCommand& command, const physics::World& world) {
+  if (CountOf(m_particles, client) >= m_rules.particlesEach) return AllUsed("particles", m_rules.particlesEach);
+  const std::vector<Vector3d> places = FindPlaces(world);
+  const Vector3d at = m_draft.full.planar ? Vector3d(command.at.x(), places[0].y(), command.at.z()) : command.at;
+  std::string error = Take(physics::AddParticle(m_draft, places, {at, command.mass, command.fixed}), client);
+  if (error.empty()) m_new.push_back(at);
+  return error;
+}
+
+std::string Workshop::AddSpring(ClientId client, const BuildCommand& command, const physics::World& world) {
+  if (CountOf(m_springs, client) >= m_rules.springsEach) return AllUsed("springs", m_rules.springsEach);
+  const std::ptrdiff_t a = Find(m_particles, command.a);
+  const std::ptrdiff_t b = Find(m_particles, command.b);
+  if (a < 0 || b < 0) return MissingPart("particle", a < 0 ? command.a : command.b);
+  physics::GraphSpring spring{static_cast<int>(a), static_cast<int>(b), command.stiffness, command.damping,
+                              command.restLength};
+  if (spring.restLength == 0) {  // as they are, not as the rest shape has them
+    const std::vector<Vector3d> places = FindPlaces(world);
+    spring.restLength = (places[static_cast<std::size_t>(a)] - places[static_cast<std::size_t>(b)]).norm();
+  }
+  return Take(physics::AddSpring(m_draft, spring), client);
+}
+
+std::string Workshop::Cut(const physics::Blade& blade, const physics::World& world) {
+  const std::vector<Vector3d> places = FindPlaces(world);
+  for (std::size_t i = m_springs.size(); i-- > 0;) {
+    const physics::Spring<double>& spring = m_draft.full.springs[i];
+    if (!physics::IsCrossed(places[spring.a], places[spring.b], blade)) continue;
+    if (std::string error = Take(RemoveSpring(m_draft, i), 0); !error.empty()) return error;
+  }
+  return "";
+}
+
+std::string Workshop::Take(GraphEdit&& edit, ClientId client) {
+  if (!edit.errors.empty()) return Describe(edit.errors);
+  const std::size_t particles = edit.blueprint.rest.size();
+  const std::size_t springs = edit.blueprint.full.springs.size();
+  KeepPlaces(edit.keptParticles);
+  Keep(m_particles, edit.keptParticles);
+  Keep(m_springs, edit.keptSprings);
+  if (particles > m_particles.size()) m_particles.push_back({FindNumber(), client});
+  if (springs > m_springs.size()) m_springs.push_back({FindNumber(), client});
+  m_draft = std::move(edit.blueprint);
+  m_changed = true;
+  return "";
+}
+
+void Workshop::KeepPlaces(std::span<const std::uint16_t> kept) {
+  const std::size_t fromWorld = m_kept.size();
+  const auto split = std::ranges::lower_bound(kept, fromWorld) - kept.begin();
+  std::vector<std::uint16_t> waiting(kept.begin() + split, kept.end());
+  for (std::uint16_t& place : waiting) place = static_cast<std::uint16_t>(place - fromWorld);
+  Keep(m_kept, kept.first(static_cast<std::size_t>(split)));
+  Keep(m_new, waiting);
+}
+
+// There are many more than parts.
+std::uint16_t Workshop::FindNumber() {
+  do {
+    ++m_lastNumber;
+  } while (m_lastNumber == 0 || Find(m_particles, m_lastNumber) >= 0 || Find(m_springs, m_lastNumber) >= 0);
+  return m_lastNumber;
+}
+
+std::vector<Vector3d> Workshop::FindPlaces(const physics::World& world) const {
+  std::vector<Vector3d> present;
+  physics::VisitVertices(world.ReadBody(m_body), [&](std::size_t, const Vector3d& x) { present.push_back(x); });
+  std::vector<Vector3d> places;
+  for (const std::uint16_t vertex : m_kept) places.push_back(present[vertex]);
+  places.insert(places.end(), m_new.begin(), m_new.end());
+  return places;
+}
+
+bool Workshop::Update(physics::World& world) {
+  m_sinceChange += world.Settings().tickDuration;
+  if (!m_changed || m_sinceChange < kUpdateTime) return false;
+  const std::vector<Vector3d> places = FindPlaces(world);
+  if (!world.ReplaceBlueprint(m_body, m_draft, m_kept)) return false;  // all slots are taken: at the next tick perhaps
+  std::vector<Vector3d> velocities;
+  std::visit(
+      [&](const auto& state) {
+        for (const auto& v : state.velocities) velocities.emplace_back(v.template cast<double>());
+      },
+      world.ReadBody(m_body).state);
+  world.SetMotion(m_body, places, velocities);
+  m_new.clear();
+  m_kept.resize(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) m_kept[i] = static_cast<std::uint16_t>(i);
+  m_shownParticles = m_particles;
+  m_shownSprings = m_springs;
+  m_changed = false;
+  m_sinceChange = 0;
+  return true;
+}
+
+}  // namespace wobble::server
