@@ -27,7 +27,8 @@ void WebSocketTransport::Receive(std::span<const std::uint8_t> message) {
     return;
   }
   if (m_incoming.size() < kMaxQueued) {
-    m_incoming.emplace_back(message.begin(), message.end());
+    m_incoming.push_back(
+        {static_cast<transport::Channel>(message[0]), {message.begin() + kChannelByte, message.end()}});
   } else if (message[0] == static_cast<std::uint8_t>(transport::Channel::kControl)) {
     Close();
   }
@@ -48,10 +49,9 @@ void WebSocketTransport::Poll(double, const Sink& sink) {
     sink({Kind::kConnected, kConnection, transport::Channel::kControl, {}});
   }
   while (!m_incoming.empty()) {
-    const Bytes message = std::move(m_incoming.front());
+    const Incoming message = std::move(m_incoming.front());
     m_incoming.pop_front();
-    const auto channel = static_cast<transport::Channel>(message[0]);
-    sink({Kind::kMessage, kConnection, channel, std::span(message).subspan(kChannelByte)});
+    sink({Kind::kMessage, kConnection, message.channel, message.bytes});
   }
   if (m_state == State::kClosing) {
     m_state = State::kClosed;

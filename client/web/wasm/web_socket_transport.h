@@ -40,11 +40,16 @@ class WebSocketTransport final : public transport::Transport {
  private:
   enum class State { kConnecting, kOpening, kOpen, kClosing, kClosed };
   using Bytes = std::vector<std::uint8_t>;
+  // Apart from its channel: FlatBuffers takes no message that is not aligned.
+  struct Incoming {
+    transport::Channel channel;
+    Bytes bytes;
+  };
 
   State m_state = State::kConnecting;
   bool m_isCloseAsked = false;
   double m_roundTrip = 0;
-  std::deque<Bytes> m_incoming;
+  std::deque<Incoming> m_incoming;
   std::deque<Bytes> m_outgoing;
   transport::Statistics m_statistics;
 };

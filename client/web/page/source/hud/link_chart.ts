@@ -23,8 +23,8 @@ export class LinkChart {
   private readonly m_canvas = MakeElement('canvas');
   private readonly m_figures: HTMLElement[] = [];
   private readonly m_series = [
-    MakeSeries('ping ms', '#ffd166', 80, (value) => value.toFixed(0)),
-    MakeSeries('delay ms', '#7ee0c3', 200, (value) => value.toFixed(0)),
+    MakeSeries('ping', '#ffd166', 80, (value) => `${value.toFixed(0)} ms`),
+    MakeSeries('delay', '#7ee0c3', 200, (value) => `${value.toFixed(0)} ms`),
     MakeSeries('kbit/s', '#8ecbff', 300, (value) => value.toFixed(0)),
     MakeSeries('stalls', '#ff8f8f', 4, (value) => value.toFixed(0)),
   ];

@@ -10,7 +10,7 @@ const kSpacing = 0.36; // rad to each side
 const kLift = 0.38; // rad above the horizon
 const kTurnLag = 0.18; // s
 const kSharpness = 14; // of finding the surface in a direction
-const kEyeShare = 0.21; // of the body's size
+const kEyeShare = 0.25; // of the body's size
 const kBlinkEvery = 3.4; // s
 const kBlinkFor = 0.13;
 
@@ -84,15 +84,15 @@ export class Eyes {
         Math.sin(yaw) * Math.cos(kLift),
         Math.sin(kLift),
       );
-      const radius = FindRadius(body, floats, direction) - 0.25 * eye;
+      const radius = FindRadius(body, floats, direction) - 0.38 * eye;
       WriteBall(this.m_whites, this.m_count, body, direction, radius, eye, lid);
       // A pupil peeps out of its eye ahead.
       const ahead = this.m_direction.set(
-        direction.x * radius + 0.42 * eye * (0.55 * direction.x + Math.cos(gaze.yaw)),
-        direction.y * radius + 0.42 * eye * (0.55 * direction.y + Math.sin(gaze.yaw)),
-        direction.z * radius + 0.42 * eye * (0.35 * direction.z + look),
+        direction.x * radius + 0.36 * eye * (0.55 * direction.x + Math.cos(gaze.yaw)),
+        direction.y * radius + 0.36 * eye * (0.55 * direction.y + Math.sin(gaze.yaw)),
+        direction.z * radius + 0.36 * eye * (0.35 * direction.z + look),
       );
-      WriteBall(this.m_pupils, this.m_count, body, ahead, 1, 0.56 * eye, lid);
+      WriteBall(this.m_pupils, this.m_count, body, ahead, 1, 0.6 * eye, lid);
       this.m_count += 1;
     }
   }

@@ -12,8 +12,8 @@ import {
   type WebGLRenderer,
 } from 'three';
 
-export const kHorizonColour = new Color('#dfeaf2');
-const kZenithColour = new Color('#4f9be0');
+export const kHorizonColour = new Color('#cfe6f5');
+const kZenithColour = new Color('#3d8fe0');
 const kNadirColour = new Color('#8fa6c4');
 const kSunColour = new Color('#fff1d6');
 
@@ -47,7 +47,7 @@ float Clouds(vec2 p) {
 void main() {
   vec3 d = normalize(vDirection);
   float up = max(d.z, 0.0);
-  vec3 colour = d.z > 0.0 ? mix(horizon, zenith, pow(up, 0.55)) : mix(horizon, nadir, smoothstep(0.0, 0.7, -d.z));
+  vec3 colour = d.z > 0.0 ? mix(horizon, zenith, pow(up, 0.45)) : mix(horizon, nadir, smoothstep(0.0, 0.7, -d.z));
   if (d.z > 0.02) {
     float cover = smoothstep(0.46, 0.78, Clouds(1.6 * d.xy / (d.z + 0.12)));
     colour = mix(colour, vec3(1.0), 0.75 * cover * smoothstep(0.02, 0.25, d.z));
