@@ -7,6 +7,7 @@ import { BodyShape } from './body_shape';
 import { MakeOwnColour, MakePlayerColour, MakeSceneColour } from './colours';
 import { Springs } from './springs';
 
+const kMostFine = 250; // bodies up to which they are drawn rounder than they are
 const kRodShare = 0.09; // of a spring's length in the rest shape, but no thicker or thinner than these, m
 const kThickestRod = 0.018;
 const kThinnestRod = 0.006;
@@ -24,6 +25,7 @@ export class Bodies {
   private readonly m_players: Players;
   private m_dressing = -1;
   private m_round = 0;
+  private m_isFine = true;
 
   constructor(players: Players) {
     this.m_players = players;
@@ -37,6 +39,7 @@ export class Bodies {
   Update(client: Client): void {
     this.m_round += 1;
     this.m_springs.Clear();
+    this.m_isFine = client.bodyCount <= kMostFine;
     const floats = client.ReadFloats();
     const isDressed = this.m_dressing === this.m_players.revision;
     for (let i = 0; i < client.bodyCount; ++i) {
@@ -53,7 +56,7 @@ export class Bodies {
   private UpdateShape(body: Body, blueprint: Blueprint, floats: Float32Array, isDressed: boolean): void {
     let shape = this.m_shapes.get(body.body);
     if (shape === undefined) {
-      shape = new BodyShape(blueprint);
+      shape = new BodyShape(blueprint, this.m_isFine);
       this.m_shapes.set(body.body, shape);
       this.group.add(shape.mesh, shape.wires);
       this.Dress(body.body, shape);

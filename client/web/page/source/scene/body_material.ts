@@ -57,7 +57,7 @@ export class BodyMaterial {
   private readonly m_restSize = { value: new Vector3(1, 1, 1) };
 
   constructor() {
-    this.material = new MeshStandardMaterial({ roughness: 0.34, metalness: 0 });
+    this.material = new MeshStandardMaterial({ roughness: 0.34, metalness: 0, shadowSide: FrontSide });
     this.material.onBeforeCompile = (shader) => {
       shader.uniforms.pattern = this.m_pattern;
       shader.uniforms.restSize = this.m_restSize;
@@ -80,7 +80,7 @@ export class BodyMaterial {
     this.material.roughness = blueprint.isOpen ? 0.75 : 0.34;
     const side = blueprint.isOpen ? DoubleSide : FrontSide;
     if (this.material.side !== side) this.material.needsUpdate = true;
-    this.material.side = side;
+    this.material.side = this.material.shadowSide = side;
   }
 }
 

@@ -3,7 +3,10 @@
 import { BufferAttribute, BufferGeometry, DynamicDrawUsage, LineBasicMaterial, LineSegments, Mesh, Sphere } from 'three';
 import type { Blueprint, Body } from '../wire/views';
 import { BodyMaterial } from './body_material';
+import { ExtendRest, FillMiddles, MakeFiner } from './finer';
 
+const kMostFiner = 1500; // vertices of a body up to which it is worth it
+const kNoEdges = new Uint16Array();
 const kWireMaterial = new LineBasicMaterial({ color: '#2f4358', transparent: true, opacity: 0.85 });
 
 export class BodyShape {
@@ -18,9 +21,13 @@ export class BodyShape {
   private m_positions = new Float32Array();
   private m_normals = new Float32Array();
   private m_revision = 0;
+  private m_middles: Uint16Array = kNoEdges; // edges that have a vertex in their middle
+  private readonly m_isFine: boolean;
 
-  constructor(blueprint: Blueprint) {
+  // isFine: drawn rounder than it is.
+  constructor(blueprint: Blueprint, isFine: boolean) {
     this.blueprint = blueprint;
+    this.m_isFine = isFine;
     this.m_geometry.boundingSphere = new Sphere();
     this.m_wireGeometry.boundingSphere = this.m_geometry.boundingSphere;
     this.mesh = new Mesh(this.m_geometry, this.dress.material);
@@ -39,10 +46,13 @@ export class BodyShape {
   TakeBlueprint(blueprint: Blueprint): void {
     this.blueprint = blueprint;
     this.m_revision = 0;
-    const size = blueprint.rest.length;
+    const vertexCount = blueprint.rest.length / 3;
+    const finer = this.m_isFine && vertexCount <= kMostFiner ? MakeFiner(vertexCount, blueprint.faces) : null;
+    this.m_middles = finer?.edges ?? kNoEdges;
+    const size = 3 * (vertexCount + this.m_middles.length / 2);
     if (this.m_positions.length !== size) this.MakeBuffers(size);
-    this.m_geometry.setAttribute('rest', new BufferAttribute(blueprint.rest, 3));
-    this.m_geometry.setIndex(new BufferAttribute(blueprint.faces, 1));
+    this.m_geometry.setAttribute('rest', new BufferAttribute(ExtendRest(blueprint.rest, this.m_middles), 3));
+    this.m_geometry.setIndex(new BufferAttribute(finer?.faces ?? blueprint.faces, 1));
     this.m_wireGeometry.setIndex(new BufferAttribute(FindFaceEdges(blueprint.faces), 1));
   }
 
@@ -59,13 +69,14 @@ export class BodyShape {
 
   // floats: of linear memory.
   Update(body: Body, floats: Float32Array): void {
-    if (body.revision === this.m_revision || 3 * body.vertexCount !== this.m_positions.length) return;
+    if (body.revision === this.m_revision || 3 * body.vertexCount !== this.blueprint.rest.length) return;
     this.m_revision = body.revision;
-    const count = this.m_positions.length;
+    const count = 3 * body.vertexCount;
     for (let i = 0; i < count; ++i) {
       this.m_positions[i] = floats[body.vertices + i];
       this.m_normals[i] = floats[body.normals + i];
     }
+    FillMiddles(this.m_middles, body.vertexCount, this.m_positions, this.m_normals);
     this.m_geometry.attributes.position.needsUpdate = true;
     this.m_geometry.attributes.normal.needsUpdate = true;
     this.BoundSphere(body);
