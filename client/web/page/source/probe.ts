@@ -1,5 +1,8 @@
 // What tests read: window.wobble. Nothing of the page itself uses it.
 import type { App } from './app';
+import { MakePoint } from './input/picking';
+import type { Place } from './input/pointer';
+import { Project } from './tools/tool';
 import { State, type Vector } from './wire/views';
 
 export interface Probe {
@@ -19,6 +22,8 @@ export interface Probe {
   faceCount(body: number): number;
   edgeCount(body: number): number;
   decodedHash(): string;
+  vertices(body: number): Vector[];
+  project(point: Vector): Place;
 }
 
 declare global {
@@ -66,5 +71,10 @@ export function MakeProbe(app: App): Probe {
     faceCount: (body) => (blueprint(body)?.faces.length ?? 0) / 3,
     edgeCount: (body) => (blueprint(body)?.edges.length ?? 0) / 2,
     decodedHash: () => client()?.ReadDecodedHash() ?? '',
+    vertices: (body) => {
+      const { vertices = 0, vertexCount = 0 } = find(body) ?? {};
+      return Array.from({ length: vertexCount }, (_, i) => MakePoint(client()!.ReadFloats(), vertices + 3 * i));
+    },
+    project: (point) => Project(point, app.stage.camera),
   };
 }

@@ -1,0 +1,60 @@
+// What a native client makes of the messages that a page received: `replay < FILE` prints, after each of them that held
+// records, how many records there have been and the hash of all that was decoded from them.
+//
+// FILE is messages as the page's WebSocket had them, each behind its length as 32 bits, little-endian. Nothing is
+// answered, since nobody is there to hear it, and time goes on by a millisecond a message: what is decoded does not
+// depend on when it came, and that is a part of what is compared.
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <vector>
+
+#include "client/client.h"
+#include "client/web/wasm/decoded_hash.h"
+#include "client/web/wasm/web_socket_transport.h"
+
+namespace {
+
+using wobble::client::Client;
+using wobble::web::WebSocketTransport;
+
+constexpr double kBetween = 0.001;                    // s from a message to the next
+constexpr std::uint32_t kLongestMessage = 1U << 24U;  // bytes, more is no message
+
+// False at the end of the file, or where it is broken.
+bool ReadMessage(std::istream& from, std::vector<std::uint8_t>& message) {
+  std::array<unsigned char, 4> head{};
+  if (!from.read(reinterpret_cast<char*>(head.data()), head.size())) return false;
+  const std::uint32_t size = head[0] | head[1] << 8U | head[2] << 16U | std::uint32_t{head[3]} << 24U;
+  if (size > kLongestMessage) return false;
+  message.resize(size);
+  return static_cast<bool>(from.read(reinterpret_cast<char*>(message.data()), size));
+}
+
+void Replay(std::istream& from) {
+  auto owned = std::make_unique<WebSocketTransport>();
+  WebSocketTransport& transport = *owned;
+  double now = 0;
+  Client client(std::move(owned), {}, now);
+  wobble::web::DecodedHash hash;
+  client.OnDecoded([&](const wobble::client::DecodedPatch& patch) { hash.Add(patch); });
+  transport.Open();
+
+  std::vector<std::uint8_t> message;
+  std::uint64_t records = 0;
+  while (ReadMessage(from, message)) {
+    transport.Receive(message);
+    client.Update(now += kBetween);
+    while (!transport.FindOutgoing().empty()) transport.TakeOutgoing();
+    if (client.ReadStatistics().records == records) continue;
+    records = client.ReadStatistics().records;
+    std::printf("%llu %016llx\n", static_cast<unsigned long long>(records),
+                static_cast<unsigned long long>(hash.Value()));
+  }
+}
+
+}  // namespace
+
+int main() { Replay(std::cin); }
