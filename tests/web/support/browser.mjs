@@ -59,8 +59,8 @@ export function startBots(world, count, script = 'wander.lua') {
 
 // The page in a tab of its own, with nothing kept from any before: { tab, complaints, requests, failures, leave }, the
 // lists being what its console, its requests and its network errors came to. onTab: with the tab before anything is
-// asked for. options: of the tab.
-export async function openPage(browser, host, { query = 'name=mira', onTab = () => {}, ...options } = {}) {
+// asked for. query: a quality that is kept, or the picture changes by itself. options: of the tab.
+export async function openPage(browser, host, { query = 'name=mira&quality=4', onTab = () => {}, ...options } = {}) {
   const context = await browser.newContext({ viewport: smallScreen, reducedMotion: 'reduce', ...options });
   const tab = await context.newPage();
   const page = { tab, complaints: [], requests: [], failures: [], leave: () => context.close() };
@@ -79,7 +79,7 @@ export async function openPage(browser, host, { query = 'name=mira', onTab = () 
   return page;
 }
 
-// The page once it plays, the own body and all others being there.
+// The page once it plays, and its own body, if it has one, is there.
 export async function joinPage(browser, host, options) {
   const page = await openPage(browser, host, options);
   await waitForPlaying(page.tab);
@@ -90,7 +90,7 @@ export async function waitForPlaying(tab) {
   await waitFor('a world in the page', () =>
     tab.evaluate(() => {
       const { connection, ownBody, bodies } = window.wobble?.state() ?? {};
-      return connection === 'Playing' && bodies > 0 && window.wobble.position(ownBody) !== null;
+      return connection === 'Playing' && bodies > 0 && (ownBody === 0 || window.wobble.position(ownBody) !== null);
     }),
   );
 }
