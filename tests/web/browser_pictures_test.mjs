@@ -25,7 +25,7 @@ for (const scene of ['arena', 'sumo', 'curtain', 'sandbox']) {
   test(`a picture of ${scene}`, async () => {
     const world = await startWorld(scene);
     // The first to come is put where one sees most.
-    const page = await joinPage(browser, world.host, { viewport: smallScreen, query: 'name=mira&quality=2' });
+    const page = await joinPage(browser, world.host, { viewport: smallScreen, query: 'name=mira&quality=3' });
     const bots = startBots(world, botCount);
     await waitFor('all players', async () => (await probe(page, 'state')).players.length === botCount + 1);
     await page.tab.waitForTimeout(playFor);

@@ -40,10 +40,7 @@ export async function startWorld(scene, options = ['--untrained']) {
   const world = { address, server: await startServerAt(address, scene, options) };
   const { program, host } = await startGateway(address, pageFolder);
   world.host = host;
-  world.stop = async () => {
-    await program.stop();
-    await world.server.stop();
-  };
+  world.stop = () => Promise.all([program.stop(), world.server.stop()]);
   return world;
 }
 
