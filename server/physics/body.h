@@ -1,6 +1,7 @@
 // A body of the world: its state, and what a player asks of it.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <variant>
 
@@ -32,6 +33,17 @@ struct ControlLimits {
   double stiffenFactor = 2;  // times springs and dashpots while stiffened
 
   bool operator==(const ControlLimits&) const = default;
+};
+
+// What the springs of a body come to.
+struct StiffnessRule {
+  double ofWorld = 1;  // the world's factor
+  double bound = 1;    // that this factor may take them to, and no further; what a player does is his scene's to say
+
+  // stiffened: the player's factor.
+  [[nodiscard]] double Find(double stiffened) const {
+    return std::min(stiffened * ofWorld, std::max(stiffened, bound));
+  }
 };
 
 struct Body {

@@ -30,7 +30,8 @@ bool IsTouching(const State<Real>& state) {
 }  // namespace
 
 template <class Real>
-Load<Real> ApplyControl(const Blueprint& blueprint, const Vector3d& gravity, Body& body, State<Real>& state) {
+Load<Real> ApplyControl(const Blueprint& blueprint, const Vector3d& gravity, const StiffnessRule& stiffness, Body& body,
+                        State<Real>& state) {
   const Control& control = body.control;
   const ControlLimits& limits = body.limits;
   if (control.jump && !body.jumpHeld && (body.touchesBody || IsTouching(state))) {
@@ -39,7 +40,8 @@ Load<Real> ApplyControl(const Blueprint& blueprint, const Vector3d& gravity, Bod
   }
   body.jumpHeld = control.jump;
   body.gasFactor += kFactorApproach * ((control.puff ? limits.puffFactor : 1.0) - body.gasFactor);
-  body.stiffnessFactor += kFactorApproach * ((control.stiffen ? limits.stiffenFactor : 1.0) - body.stiffnessFactor);
+  const double wanted = stiffness.Find(control.stiffen ? limits.stiffenFactor : 1.0);
+  body.stiffnessFactor += kFactorApproach * (wanted - body.stiffnessFactor);
 
   Load<Real> load;
   // Without a request the body is left to friction.
@@ -53,7 +55,8 @@ Load<Real> ApplyControl(const Blueprint& blueprint, const Vector3d& gravity, Bod
   return load;
 }
 
-template Load<float> ApplyControl<float>(const Blueprint&, const Vector3d&, Body&, State<float>&);
-template Load<double> ApplyControl<double>(const Blueprint&, const Vector3d&, Body&, State<double>&);
+template Load<float> ApplyControl<float>(const Blueprint&, const Vector3d&, const StiffnessRule&, Body&, State<float>&);
+template Load<double> ApplyControl<double>(const Blueprint&, const Vector3d&, const StiffnessRule&, Body&,
+                                           State<double>&);
 
 }  // namespace wobble::physics

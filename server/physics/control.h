@@ -8,7 +8,7 @@ namespace wobble::physics {
 
 // Applies a jump at once and returns what else acts through the tick. state: the body's own.
 template <class Real>
-[[nodiscard]] Load<Real> ApplyControl(const Blueprint& blueprint, const Vector3d& gravity, Body& body,
-                                      State<Real>& state);
+[[nodiscard]] Load<Real> ApplyControl(const Blueprint& blueprint, const Vector3d& gravity,
+                                      const StiffnessRule& stiffness, Body& body, State<Real>& state);
 
 }  // namespace wobble::physics

@@ -10,14 +10,15 @@ constexpr double kFactorPlay = 1e-3;
 
 }  // namespace
 
-bool IsLeftAlone(const Body& body) {
+bool IsLeftAlone(const Body& body, double restingStiffness) {
   return body.control == Control{} && std::fabs(body.gasFactor - 1) < kFactorPlay &&
-         std::fabs(body.stiffnessFactor - 1) < kFactorPlay;
+         std::fabs(body.stiffnessFactor - restingStiffness) < kFactorPlay;
 }
 
 template <class Real>
-void NoteMotion(const Member<Real>& member, Body& body) {
-  const bool quiet = member.speed < kQuietSpeed && member.acceleration < kQuietAcceleration && IsLeftAlone(body);
+void NoteMotion(const Member<Real>& member, double restingStiffness, Body& body) {
+  const bool quiet =
+      member.speed < kQuietSpeed && member.acceleration < kQuietAcceleration && IsLeftAlone(body, restingStiffness);
   body.quietTicks = quiet ? body.quietTicks + 1 : 0;
 }
 
@@ -27,8 +28,8 @@ void FallAsleep(Body& body, State<Real>& state) {
   for (Vector3<Real>& v : state.velocities) v.setZero();
 }
 
-template void NoteMotion<float>(const Member<float>&, Body&);
-template void NoteMotion<double>(const Member<double>&, Body&);
+template void NoteMotion<float>(const Member<float>&, double, Body&);
+template void NoteMotion<double>(const Member<double>&, double, Body&);
 template void FallAsleep<float>(Body&, State<float>&);
 template void FallAsleep<double>(Body&, State<double>&);
 

@@ -20,12 +20,12 @@ inline void WakeUp(Body& body) {
   body.quietTicks = 0;
 }
 
-// Nothing is asked of it that would move it.
-[[nodiscard]] bool IsLeftAlone(const Body& body);
+// Nothing is asked of it that would move it. restingStiffness: what its stiffness factor is on its way to then.
+[[nodiscard]] bool IsLeftAlone(const Body& body, double restingStiffness);
 
 // Counts the ticks that the body has been quiet for.
 template <class Real>
-void NoteMotion(const Member<Real>& member, Body& body);
+void NoteMotion(const Member<Real>& member, double restingStiffness, Body& body);
 
 // Stops every vertex: what was left of its motion is not to come back when it wakes.
 template <class Real>

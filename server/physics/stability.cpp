@@ -50,6 +50,28 @@ ContactRates AddRates(const ContactRates& a, const ContactRates& b) {
   return {a.squareFrequency + b.squareFrequency, a.dampingRate + b.dampingRate};
 }
 
+// Of a body on a rigid surface, as deep in it and as fast as may be.
+Modes FindModesOnGround(const Blueprint& blueprint) {
+  Modes modes;
+  modes.body = {blueprint.angularFrequency * blueprint.angularFrequency, blueprint.dampingRate};
+  const Coefficients<double>& body = blueprint.full;
+  for (std::size_t i = 0; i < body.masses.size(); ++i) {
+    // From the fade depth on, force and damping grow no steeper.
+    const ContactRates rates =
+        FindRates(body.contact, 2 * body.contact.fadeDepth, body.masses[i] / body.contactShares[i]);
+    modes.surfaces.squareFrequency = std::max(modes.surfaces.squareFrequency, rates.squareFrequency);
+    modes.surfaces.dampingRate = std::max(modes.surfaces.dampingRate, rates.dampingRate);
+  }
+  return modes;
+}
+
+// For RK4.
+double FindSubsteps(const Modes& modes, double duration) {
+  bool lightlyDamped = false;
+  const double rate = FindLargestRate(modes, lightlyDamped);
+  return rate * duration / (lightlyDamped ? kStabilityLimitLightlyDamped : kStabilityLimit);
+}
+
 }  // namespace
 
 int FindRung(double needed) {
@@ -182,19 +204,23 @@ double FindLargestRate(const Modes& modes, bool& lightlyDamped) {
 }
 
 double FindSubstepsOnGround(const Blueprint& blueprint, double duration) {
-  Modes modes;
-  modes.body = {blueprint.angularFrequency * blueprint.angularFrequency, blueprint.dampingRate};
-  const Coefficients<double>& body = blueprint.full;
-  for (std::size_t i = 0; i < body.masses.size(); ++i) {
-    // From the fade depth on, force and damping grow no steeper.
-    const ContactRates rates =
-        FindRates(body.contact, 2 * body.contact.fadeDepth, body.masses[i] / body.contactShares[i]);
-    modes.surfaces.squareFrequency = std::max(modes.surfaces.squareFrequency, rates.squareFrequency);
-    modes.surfaces.dampingRate = std::max(modes.surfaces.dampingRate, rates.dampingRate);
+  return FindSubsteps(FindModesOnGround(blueprint), duration);
+}
+
+// Implicit Euler has springs in its matrix and position Verlet takes them for distances; neither minds.
+double FindStiffnessBound(const Blueprint& blueprint, double duration) {
+  const Modes atOne = FindModesOnGround(blueprint);
+  double factor = kMostStiffness;
+  for (; factor > 1; factor *= 0.95) {
+    Modes modes = atOne;
+    modes.body.squareFrequency *= factor;
+    modes.body.dampingRate *= factor;
+    const double substeps = blueprint.integrator == Integrator::kRungeKutta4
+                                ? FindSubsteps(modes, duration)
+                                : FindStableRate(blueprint.integrator, blueprint, modes) * duration;
+    if (substeps <= kMaxSubsteps) return factor;
   }
-  bool lightlyDamped = false;
-  const double rate = FindLargestRate(modes, lightlyDamped);
-  return rate * duration / (lightlyDamped ? kStabilityLimitLightlyDamped : kStabilityLimit);
+  return 1;
 }
 
 template <class Real>
@@ -202,10 +228,7 @@ int ChooseSubsteps(Integrator integrator, const Blueprint& blueprint, const Load
                    const SurfaceDemands& fromSurfaces, const ContactRates& fromBodies, double duration) {
   const Modes modes = FindModes(blueprint, load, state, fromSurfaces.rates, fromBodies);
   if (integrator != Integrator::kRungeKutta4) return FindRung(FindStableRate(integrator, blueprint, modes) * duration);
-  bool lightlyDamped = false;
-  const double rate = FindLargestRate(modes, lightlyDamped);
-  const double forStability = rate * duration / (lightlyDamped ? kStabilityLimitLightlyDamped : kStabilityLimit);
-  return FindRung(std::max(forStability, fromSurfaces.landing));
+  return FindRung(std::max(FindSubsteps(modes, duration), fromSurfaces.landing));
 }
 
 #define WOBBLE_INSTANTIATE(Real)                                                                               \

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "server/physics/stability.h"
 #include "server/physics/world_engine.h"
 
 namespace wobble::physics {
@@ -11,6 +12,7 @@ namespace wobble::physics {
 World::World(const WorldSettings& settings)
     : m_settings(settings), m_engine(std::make_unique<Engine>(settings.threads)) {
   assert(settings.threads >= 1 && settings.tickDuration > 0);
+  assert(settings.stiffnessFactor >= kLeastStiffnessFactor && settings.stiffnessFactor <= kMostStiffnessFactor);
 }
 
 World::~World() = default;
@@ -18,7 +20,7 @@ World::~World() = default;
 std::uint8_t World::AddBlueprint(Blueprint blueprint) {
   assert(m_bodies.empty() && m_blueprints.size() < 255);
   m_blueprints.push_back(std::move(blueprint));
-  m_slots.push_back({++m_blueprintRevision, true});
+  m_slots.push_back({++m_blueprintRevision, true, FindStiffnessBound(m_blueprints.back(), m_settings.tickDuration)});
   return static_cast<std::uint8_t>(m_blueprints.size() - 1);
 }
 
@@ -32,6 +34,7 @@ BodyId World::AddBody(std::uint8_t blueprint, const Vector3d& position, const Ve
   Body body;
   body.id = m_nextId++;
   body.blueprint = blueprint;
+  body.stiffnessFactor = FindStiffnessRule(body).Find(1);
   if (m_settings.precision == Precision::kSingle) {
     body.state = MakeState<float>(m_blueprints[blueprint], position, velocity);
   } else {
@@ -109,6 +112,17 @@ void World::SetGravity(const Vector3d& gravity) {
   for (Body& body : m_bodies) WakeUp(body);
 }
 
+void World::SetStiffnessFactor(double factor) {
+  assert(factor >= kLeastStiffnessFactor && factor <= kMostStiffnessFactor);
+  if (factor == m_settings.stiffnessFactor) return;
+  m_settings.stiffnessFactor = factor;
+  for (Body& body : m_bodies) WakeUp(body);
+}
+
+StiffnessRule World::FindStiffnessRule(const Body& body) const {
+  return {m_settings.stiffnessFactor, m_slots[body.blueprint].stiffnessBound};
+}
+
 void World::AddDrive(const Drive& drive) {
   assert(drive.period > 0 && drive.begin < drive.end);
   m_drives.push_back(drive);
@@ -184,6 +198,20 @@ void World::DropPairsOf(BodyId id) {
 Vector3d World::FindCentre(const Body& body) const {
   return std::visit([&](const auto& state) { return physics::FindCentre(m_blueprints[body.blueprint], state); },
                     body.state);
+}
+
+void World::ListTouching(BodyId id, std::vector<BodyId>& touching) const {
+  touching.clear();
+  const auto list = [&](const auto& workspace) {
+    for (const auto* pairs : {&workspace.pairs, &workspace.restingPairs}) {
+      for (const auto& pair : *pairs) {
+        if (pair.Has(id) && pair.IsTouching()) touching.push_back(pair.first == id ? pair.second : pair.first);
+      }
+    }
+  };
+  list(std::get<Workspace<float>>(m_engine->workspaces));
+  list(std::get<Workspace<double>>(m_engine->workspaces));
+  std::sort(touching.begin(), touching.end());
 }
 
 std::uint64_t World::Hash() const {

@@ -12,6 +12,7 @@
 #include "server/physics/body.h"
 #include "server/physics/drive.h"
 #include "server/physics/forces.h"
+#include "server/physics/inspect.h"
 #include "server/physics/obstacle.h"
 #include "server/physics/tear.h"
 
@@ -31,7 +32,11 @@ struct WorldSettings {
   // At most so many bodies are stepped side by side, in the lanes of a vector; the processor sets a limit too. The
   // result does not depend on it.
   int widestPack = 16;
+  double stiffnessFactor = 1;  // SetStiffnessFactor
 };
+
+inline constexpr double kLeastStiffnessFactor = 0.25;
+inline constexpr double kMostStiffnessFactor = 4;
 
 // What one tick did. Counts of bodies but for substeps, sums over them.
 struct StepReport {
@@ -69,6 +74,11 @@ class World {
   void SetMotion(BodyId id, std::span<const Vector3d> positions, std::span<const Vector3d> velocities);
   // Wakes everything that sleeps: down is elsewhere now.
   void SetGravity(const Vector3d& gravity);
+  // Times the stiffness and damping of every spring of every body, on top of what players stiffen, from
+  // kLeastStiffnessFactor to kMostStiffnessFactor; 1: as blueprints have them. Bodies follow within a few ticks, as far
+  // as substeps suffice for them (FindStiffnessBound); what is stepped by position Verlet, which takes springs for
+  // distances, not at all. Wakes everything that sleeps.
+  void SetStiffnessFactor(double factor);
   // Puts the body onto a blueprint of its own, in a slot that no body uses any more, but none of AddBlueprint's, or in
   // a new one. kept: which vertex each of the new blueprint's first ones has been, ascending; without it, as many as
   // there are stay what they were. These keep their places, velocities and contacts; what pushes or drives them
@@ -107,6 +117,12 @@ class World {
   [[nodiscard]] const Blueprint& BlueprintOf(const Body& body) const { return m_blueprints[body.blueprint]; }
 
   [[nodiscard]] Vector3d FindCentre(const Body& body) const;
+  // Fills in which bodies this one touched at the end of the last step, or as both fell asleep, ascending. Takes a look
+  // at every pair of bodies near one another.
+  void ListTouching(BodyId id, std::vector<BodyId>& touching) const;
+  // As the body stands after the last step, under what was asked of it in that step; before its first step under
+  // gravity and the world's wind alone.
+  [[nodiscard]] InspectedForces InspectForces(BodyId id) const;
 
   // Of every bit of every body's state.
   [[nodiscard]] std::uint64_t Hash() const;
@@ -118,7 +134,8 @@ class World {
 
   struct Slot {
     std::uint64_t revision = 0;
-    bool isKept = false;  // AddBlueprint's
+    bool isKept = false;        // AddBlueprint's
+    double stiffnessBound = 1;  // FindStiffnessBound
   };
   struct Push {
     BodyId body = 0;
@@ -126,6 +143,7 @@ class World {
   };
 
   Body& FindBody(BodyId id);
+  [[nodiscard]] StiffnessRule FindStiffnessRule(const Body& body) const;
   void WakeUp(Body& body);
   // Of those that may be given another blueprint, the one that has had its own for longest, or one more than there are.
   [[nodiscard]] std::size_t FindFreeSlot() const;

@@ -4,6 +4,7 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
+#include <algorithm>
 #include <tuple>
 #include <vector>
 
@@ -26,6 +27,12 @@ struct BodyPair {
   bool met = false;                                     // its contacts are this tick's
 
   [[nodiscard]] bool Has(BodyId body) const { return first == body || second == body; }
+  // At the end of the last step that it was in.
+  [[nodiscard]] bool IsTouching() const {
+    const auto touches = [](const BodyContact<Real>& contact) { return contact.touching; };
+    return std::any_of(sides[0].begin(), sides[0].end(), touches) ||
+           std::any_of(sides[1].begin(), sides[1].end(), touches);
+  }
 };
 
 template <class Real>
@@ -139,6 +146,7 @@ struct World::Engine {
   Threads threads;
   Roster roster;
   std::vector<std::uint32_t> stepped;                          // by the last tick: places, ascending
+  Vector3d gravity = Vector3d::Zero();                         // of the last tick, m/s²
   std::tuple<Workspace<float>, Workspace<double>> workspaces;  // the world's precision uses one
 };
 

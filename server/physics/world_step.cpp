@@ -74,7 +74,8 @@ class World::Stepper {
     State<Real>& state = StateOf(i);
     member.blueprint = &m_world.m_blueprints[body.blueprint];
     member.state = &state;
-    member.load = ApplyControl(*member.blueprint, m_world.m_settings.gravity, body, state);
+    member.load =
+        ApplyControl(*member.blueprint, m_world.m_settings.gravity, m_world.FindStiffnessRule(body), body, state);
     member.load.wind = m_world.m_settings.wind.template cast<Real>();
     AddDrives(body, member);
     member.substepsForError = body.steps.Substeps();
@@ -283,7 +284,7 @@ class World::Stepper {
       physics::WakeUp(body);
     } else {
       body.steps.Record(member.error, steps.substeps, m_rules.allowedError);
-      NoteMotion(member, body);
+      NoteMotion(member, m_world.FindStiffnessRule(body).Find(1), body);
       Tear(i);
       Recentre(*member.blueprint, member.after.centre, state);
     }
@@ -381,6 +382,7 @@ class World::Stepper {
 StepReport World::Step() {
   ++m_tick;
   WakeTheDriven();
+  m_engine->gravity = m_settings.gravity;
   const StepReport report =
       m_settings.precision == Precision::kSingle ? Stepper<float>(*this).Step() : Stepper<double>(*this).Step();
   m_pushes.clear();

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <set>
 
+#include "server/physics/stability.h"
 #include "server/physics/tear.h"
 #include "server/physics/world_engine.h"
 
@@ -146,6 +147,7 @@ void World::PutOntoSlot(Body& body, std::size_t slot, Blueprint blueprint, std::
   m_blueprints[slot] = std::move(blueprint);
   SetIntegrator(m_blueprints[slot], m_blueprints[slot].integrator);  // of these springs, not those before
   m_slots[slot].revision = ++m_blueprintRevision;
+  m_slots[slot].stiffnessBound = FindStiffnessBound(m_blueprints[slot], m_settings.tickDuration);
   body.blueprint = static_cast<std::uint8_t>(slot);
   WakeUp(body);
   std::visit([&](auto& state) { FitState(m_blueprints[slot], kept, state); }, body.state);

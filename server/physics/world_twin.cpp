@@ -4,10 +4,11 @@
 //
 // What a twin is without: boxes and surfaces of sleepers, which live in the workspace only. Hence it is awake, and what
 // does not move falls asleep in it once more.
-#include "server/physics/world_engine.h"
-
 #include <algorithm>
 #include <cmath>
+
+#include "server/physics/stability.h"
+#include "server/physics/world_engine.h"
 
 namespace wobble::physics {
 namespace {
@@ -86,6 +87,9 @@ World::World(const World& other, const WorldSettings& settings)
       // Drives go by the time, which is counted in ticks.
       m_tick(static_cast<std::uint32_t>(
           std::lround(other.m_tick * other.m_settings.tickDuration / settings.tickDuration))) {
+  for (std::size_t i = 0; i < m_slots.size(); ++i) {
+    m_slots[i].stiffnessBound = FindStiffnessBound(m_blueprints[i], settings.tickDuration);
+  }
   for (Body& body : m_bodies) {
     physics::WakeUp(body);
     m_engine->roster.Add();

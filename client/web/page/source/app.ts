@@ -1,0 +1,340 @@
+// The page's parts and what they have to do with each other. A frame is: take in, move the camera, show, draw.
+import type { WobbleModule } from 'wobble-wasm';
+import { Board } from './hud/board';
+import { BuildPanel } from './hud/build_panel';
+import { ConnectionCard } from './hud/connection_card';
+import { Help } from './hud/help';
+import { Hints } from './hud/hints';
+import { LinkChart } from './hud/link_chart';
+import { CutName, People } from './hud/people';
+import { Toasts } from './hud/toasts';
+import { MakeButton, MakeElement, SetPressed } from './hud/element';
+import { ViewPanel } from './hud/view_panel';
+import { WorldPanel } from './hud/world_panel';
+import { Keys, type Command } from './input/keys';
+import { Picking } from './input/picking';
+import { Pointer } from './input/pointer';
+import { TouchControls } from './input/touch_controls';
+import { Inspector } from './inspector';
+import { KeepName, ReadName } from './names';
+import { Players } from './players';
+import { MakeProbe } from './probe';
+import { Arrows } from './scene/arrows';
+import { Arena } from './scene/arena';
+import { Bodies } from './scene/bodies';
+import { CameraMode, OrbitCamera } from './scene/camera';
+import { Eyes } from './scene/eyes';
+import { Labels } from './scene/labels';
+import { Quality } from './scene/quality';
+import { Stage } from './scene/stage';
+import { Build } from './tools/build';
+import { Cut } from './tools/cut';
+import { Grab } from './tools/grab';
+import { HandTools } from './tools/hands';
+import { Marks } from './tools/marks';
+import { Push } from './tools/push';
+import type { Bench } from './tools/tool';
+import { ReadNow, type Client } from './wire/client';
+import { Connection } from './wire/connection';
+import { EventKind, State, type Vector, type Welcome, type WorldEvent } from './wire/views';
+
+export class App {
+  readonly connection: Connection;
+  readonly stage: Stage;
+  readonly players = new Players();
+  readonly bodies = new Bodies(this.players);
+  readonly arena = new Arena();
+  readonly camera: OrbitCamera;
+  readonly quality: Quality;
+  welcome: Welcome | null = null; // of the world that is shown
+
+  private readonly m_eyes: Eyes;
+  private readonly m_labels: Labels;
+  private readonly m_keys = new Keys();
+  private readonly m_touch = new TouchControls();
+  private readonly m_people: People;
+  private readonly m_toasts = new Toasts();
+  private readonly m_chart = new LinkChart();
+  private readonly m_card: ConnectionCard;
+  private readonly m_board = new Board();
+  private readonly m_hints = new Hints();
+  private readonly m_help = new Help();
+  private readonly m_view = new ViewPanel();
+  private readonly m_world: WorldPanel;
+  private readonly m_inspector: Inspector;
+  private readonly m_marks: Marks;
+  private readonly m_build: Build;
+  private readonly m_buildPanel: BuildPanel;
+  private readonly m_hands: HandTools;
+  private readonly m_pointer: Pointer;
+  private readonly m_panelButtons: HTMLButtonElement[] = [];
+  private m_lastFrame = ReadNow();
+  private readonly m_middle: Vector = { x: 0, y: 0, z: 1 };
+  private m_spread = 8;
+
+  constructor(module: WobbleModule) {
+    const query = new URLSearchParams(location.search);
+    const canvas = document.querySelector<HTMLCanvasElement>('#world')!;
+    this.stage = new Stage(canvas);
+    const fixed = query.get('quality');
+    this.quality = new Quality(fixed === null ? null : Number(fixed), this.stage.isSoftware, (level) =>
+      this.stage.ApplyQuality(level),
+    );
+    this.camera = new OrbitCamera(window.matchMedia('(prefers-reduced-motion: reduce)').matches);
+    this.stage.scene.add(this.arena.group, this.bodies.group);
+    this.m_eyes = new Eyes(this.stage.scene);
+    this.m_labels = new Labels(document.querySelector<HTMLElement>('#labels')!);
+
+    this.connection = new Connection(module, CutName(ReadName()), query.has('spectate'));
+    this.connection.onClient = () => this.Forget();
+    this.m_people = new People(this.connection.name);
+    this.m_card = new ConnectionCard(() => this.connection.JoinAgain());
+    this.m_world = new WorldPanel(() => this.FindClient());
+    this.m_inspector = new Inspector(this.m_view, new Arrows(this.stage.scene), this.players);
+    this.m_marks = new Marks(document.querySelector<HTMLCanvasElement>('#marks')!);
+    const bench = this.MakeBench();
+    this.m_build = new Build(bench);
+    this.m_buildPanel = new BuildPanel(this.m_build);
+    this.m_hands = new HandTools(bench, [new Grab(bench), new Cut(bench), new Push(bench), this.m_build]);
+    this.m_pointer = new Pointer(canvas, this.camera, this.m_hands);
+    this.Wire();
+    this.BuildHud(document.querySelector<HTMLElement>('#hud')!);
+    window.addEventListener('resize', () => this.stage.Resize());
+    window.addEventListener('pagehide', () => this.connection.Leave());
+  }
+
+  Start(): void {
+    window.wobble = MakeProbe(this);
+    // First the sky: what it takes to get ready must not count as silence.
+    this.DrawFrame();
+    this.connection.Join();
+    const frame = () => {
+      requestAnimationFrame(frame);
+      this.DrawFrame();
+    };
+    requestAnimationFrame(frame);
+  }
+
+  private MakeBench(): Bench {
+    return {
+      camera: this.stage.camera,
+      picking: new Picking(this.stage.camera),
+      marks: this.m_marks,
+      solids: this.arena.solids,
+      FindClient: () => this.FindClient(),
+      FindWelcome: () => this.welcome,
+      Say: (text) => this.m_toasts.Add(text, true),
+    };
+  }
+
+  private Wire(): void {
+    this.m_people.onRename = (name) => this.Rename(name);
+    this.m_keys.onCommand = (command) => this.Take(command);
+    const noteUse = (what: string) => this.m_hints.NoteUse(what);
+    this.m_keys.onUse = this.m_pointer.onUse = this.m_hands.onUse = noteUse;
+    this.m_hands.onClick = (body) => this.m_inspector.Choose(body);
+    this.m_hands.onChoose = (tool) => {
+      if (tool !== null && this.welcome !== null) this.m_hints.Say(tool.name, tool.hint, ReadNow());
+    };
+    this.m_view.onChange = () => (this.bodies.showsSurface = this.m_view.showsSurface);
+  }
+
+  private BuildHud(hud: HTMLElement): void {
+    const middle = MakeElement('div', 'middle');
+    middle.append(this.m_board.element, this.m_board.banner, this.m_toasts.element);
+    const buttons = MakeElement('div', 'buttons');
+    const add = (text: string, label: string, key: string, command: Command) => {
+      const button = MakeButton(text, label, key, () => this.Take(command));
+      this.m_panelButtons.push(button);
+      buttons.append(button);
+    };
+    add('View', 'View: forces and springs', 'V', 'view');
+    add('World', 'World: gravity, stiffness, time', 'G', 'world');
+    add('Cam', 'Camera: follow, circle, free', 'C', 'camera');
+    add('?', 'All keys', '', 'help');
+    const corner = MakeElement('div', 'corner');
+    corner.append(this.m_chart.element, buttons, this.m_view.element, this.m_world.element);
+    const below = MakeElement('div', 'below');
+    below.append(this.m_hints.element, this.m_buildPanel.element, this.m_hands.element);
+    const touch = [this.m_touch.stick, this.m_touch.buttons];
+    hud.append(this.m_people.element, corner, middle, ...touch, below, this.m_card.element, this.m_help.element);
+  }
+
+  // null while there is none that plays.
+  private FindClient(): Client | null {
+    const client = this.connection.client;
+    return client !== null && this.connection.end === null && client.ReadState() === State.Playing ? client : null;
+  }
+
+  private Take(command: Command): void {
+    if (typeof command === 'object') {
+      this.m_hands.Choose(command.tool);
+      return;
+    }
+    switch (command) {
+      case 'camera':
+        this.camera.ChooseNextMode(this.players.ownBody !== 0);
+        this.m_toasts.Add(`camera: ${this.camera.mode}`);
+        break;
+      case 'view':
+        this.m_view.element.hidden = !this.m_view.element.hidden;
+        break;
+      case 'world':
+        this.m_world.element.hidden = !this.m_world.element.hidden || this.m_world.may === 0;
+        if (this.m_world.may === 0) this.m_toasts.Add('This scene lets nobody change the world', true);
+        break;
+      case 'surface':
+        this.m_view.ToggleSurface();
+        break;
+      case 'help':
+        this.m_help.Toggle();
+        break;
+      case 'remove':
+        this.m_build.Remove();
+        break;
+      case 'escape':
+        this.m_help.element.hidden = this.m_view.element.hidden = this.m_world.element.hidden = true;
+        this.m_build.Drop();
+        break;
+    }
+    SetPressed(this.m_panelButtons[0], !this.m_view.element.hidden);
+    SetPressed(this.m_panelButtons[1], !this.m_world.element.hidden);
+  }
+
+  private Rename(name: string): void {
+    KeepName(name);
+    this.connection.name = name;
+    this.connection.JoinAgain();
+  }
+
+  // Another connection: nothing of the world before is true any more.
+  private Forget(): void {
+    this.welcome = null;
+    this.players.Clear();
+    this.bodies.Clear();
+    this.m_chart.Clear();
+    this.m_inspector.Clear();
+    this.m_board.Hide();
+  }
+
+  private DrawFrame(): void {
+    const now = ReadNow();
+    const seconds = Math.max(1e-4, now - this.m_lastFrame);
+    this.m_lastFrame = now;
+    this.quality.NoteFrame(now, seconds);
+    this.connection.Update();
+    this.m_card.Update(this.connection);
+    const client = this.FindClient();
+    if (client !== null) this.ShowWorld(client, now, Math.min(seconds, 0.1));
+    else this.Wait(seconds);
+    this.m_marks.Draw(now);
+    this.stage.Render();
+  }
+
+  // There is at least the sky to be seen.
+  private Wait(seconds: number): void {
+    this.camera.Update(seconds, null, this.m_middle, this.m_spread);
+    this.camera.Apply(this.stage.camera);
+    this.m_hands.element.hidden = this.m_buildPanel.element.hidden = true;
+  }
+
+  private ShowWorld(client: Client, now: number, seconds: number): void {
+    this.Welcome(client);
+    for (let event = client.TakeEvent(); event !== null; event = client.TakeEvent()) this.NoteEvent(event);
+    for (let text = client.TakeNotice(); text !== null; text = client.TakeNotice()) this.m_toasts.Add(text, true);
+    client.Sample();
+    this.MoveBody(client, seconds);
+    this.bodies.selectedParticle = this.m_build.selectedParticle;
+    this.bodies.selectedSpring = this.m_build.selectedSpring;
+    this.bodies.Update(client);
+    this.m_eyes.Update(client, this.players, now, seconds, this.bodies.showsSurface);
+    this.MoveCamera(client, seconds);
+    this.m_hands.Update();
+    this.m_inspector.Update(client);
+    this.UpdateHud(client, now);
+  }
+
+  private UpdateHud(client: Client, now: number): void {
+    this.m_labels.Update(client, this.players, this.stage.camera, window.innerWidth, window.innerHeight);
+    this.m_chart.Update(client, this.connection.ping, now);
+    this.m_people.Update(this.welcome!.scene, this.players);
+    this.m_buildPanel.Update(this.m_hands.active === this.m_build);
+    this.m_world.Update(this.camera.yaw);
+    this.m_hints.Update(now);
+    if (this.welcome!.game !== '') this.m_board.Update(client.ReadScoreboard(), this.players);
+  }
+
+  private Welcome(client: Client): void {
+    if (this.welcome !== null) return;
+    const welcome = client.ReadWelcome()!;
+    this.welcome = welcome;
+    this.arena.Build(welcome.obstacles, welcome.grounds);
+    this.players.NoteOwn(welcome.clientId, welcome.ownBody, this.connection.name);
+    this.camera.Reset(welcome.ownBody !== 0 ? CameraMode.Follow : CameraMode.Orbit);
+    this.m_hands.Allow(welcome.hands);
+    this.m_hints.Begin(welcome.ownBody !== 0, this.m_hands.Allowed());
+  }
+
+  private NoteEvent(event: WorldEvent): void {
+    const isNew = event.kind === EventKind.Join && !this.players.all.has(event.clientId);
+    if (event.kind === EventKind.Leave) this.m_toasts.Add(`${this.players.FindName(event.clientId)} left`);
+    if (event.kind === EventKind.Fall) this.m_toasts.Add(this.DescribeFall(event));
+    this.players.NoteEvent(event);
+    if (isNew && event.clientId !== this.players.ownClient) this.m_toasts.Add(`${event.name} is here`);
+  }
+
+  private DescribeFall(event: WorldEvent): string {
+    const name = (clientId: number) => (clientId === this.players.ownClient ? 'you' : this.players.FindName(clientId));
+    const fallen = this.players.FindByBody(event.body);
+    const who = fallen === null ? event.name : name(fallen.clientId);
+    const text = event.clientId === 0 ? `${who} fell off` : `${name(event.clientId)} pushed ${who} off`;
+    return text.charAt(0).toUpperCase() + text.slice(1);
+  }
+
+  private MoveBody(client: Client, seconds: number): void {
+    const keys = this.m_keys;
+    const touch = this.m_touch;
+    const right = keys.Read('right') - keys.Read('left') + touch.moveX;
+    const forward = keys.Read('forward') - keys.Read('back') + touch.moveY;
+    const length = Math.max(1, Math.hypot(right, forward));
+    const held = (action: string) => keys.Read(action) + touch.Read(action) > 0;
+    if (this.camera.mode === CameraMode.Free) {
+      this.camera.Fly(right / length, forward / length, keys.Read('jump') - keys.Read('stiffen'), seconds);
+      client.SetInput({ moveX: 0, moveY: 0, jump: false, puff: false, stiffen: false });
+      return;
+    }
+    const move = this.camera.ToWorld(right / length, forward / length);
+    client.SetInput({ moveX: move.x, moveY: move.y, jump: held('jump'), puff: held('puff'), stiffen: held('stiffen') });
+  }
+
+  private MoveCamera(client: Client, seconds: number): void {
+    this.FindMiddle(client, seconds);
+    const own = client.FindBody(this.players.ownBody);
+    this.camera.Update(seconds, own, this.m_middle, this.m_spread);
+    this.camera.Apply(this.stage.camera);
+    const focus = this.camera.focus;
+    this.stage.FocusLight(focus.x, focus.y, focus.z, this.camera.distance);
+  }
+
+  private FindMiddle(client: Client, seconds: number): void {
+    const count = client.bodyCount;
+    if (count === 0) return;
+    let x = 0;
+    let y = 0;
+    let z = 0;
+    for (let i = 0; i < count; ++i) {
+      x += client.bodies[i].x / count;
+      y += client.bodies[i].y / count;
+      z += client.bodies[i].z / count;
+    }
+    let square = 0;
+    for (let i = 0; i < count; ++i) {
+      square += ((client.bodies[i].x - x) ** 2 + (client.bodies[i].y - y) ** 2) / count;
+    }
+    const share = 1 - Math.exp(-seconds);
+    this.m_middle.x = x;
+    this.m_middle.y = y;
+    this.m_middle.z = z;
+    this.m_spread += (2 * Math.sqrt(square) + 3 - this.m_spread) * share;
+  }
+}

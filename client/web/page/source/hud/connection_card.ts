@@ -1,0 +1,43 @@
+// What stands in the middle while there is no world: joining, or why it ended and how to go on.
+import { ReadNow } from '../wire/client';
+import type { Connection } from '../wire/connection';
+import { State } from '../wire/views';
+import { MakeButton, MakeElement, SetText } from './element';
+
+export class ConnectionCard {
+  readonly element = MakeElement('div', 'veil');
+  private readonly m_ball = MakeElement('div', 'ball');
+  private readonly m_title = MakeElement('h1');
+  private readonly m_text = MakeElement('p');
+  private readonly m_button: HTMLButtonElement;
+
+  constructor(onJoin: () => void) {
+    const card = MakeElement('div', 'card');
+    card.setAttribute('role', 'status');
+    this.m_button = MakeButton('Join again', 'Join again', '', onJoin);
+    this.m_button.classList.add('main');
+    card.append(this.m_ball, this.m_title, this.m_text, this.m_button);
+    this.element.append(card);
+  }
+
+  Update(connection: Connection): void {
+    const { client, end } = connection;
+    this.element.hidden = end === null && client?.ReadState() === State.Playing;
+    this.m_button.hidden = end === null;
+    this.m_ball.hidden = end !== null && end.retryAt === null;
+    if (end === null) {
+      SetText(this.m_title, 'Joining…');
+      SetText(this.m_text, client?.ReadState() === State.Joining ? 'The world is on its way' : 'Looking for the server');
+      return;
+    }
+    SetText(this.m_title, 'The world has gone');
+    const reason = end.reason === '' ? 'The connection was lost' : MakeSentence(end.reason);
+    const left = end.retryAt === null ? null : Math.max(0, Math.ceil(end.retryAt - ReadNow()));
+    SetText(this.m_text, left === null ? reason : `${reason} Trying again in ${left} s.`);
+  }
+}
+
+function MakeSentence(text: string): string {
+  const end = /[.!?]$/.test(text) ? '' : '.';
+  return text.charAt(0).toUpperCase() + text.slice(1) + end;
+}

@@ -1,0 +1,90 @@
+// Elements of the page in a line each.
+
+export function MakeElement<K extends keyof HTMLElementTagNameMap>(
+  tag: K,
+  className = '',
+  text = '',
+): HTMLElementTagNameMap[K] {
+  const element = document.createElement(tag);
+  if (className !== '') element.className = className;
+  if (text !== '') element.textContent = text;
+  return element;
+}
+
+// label: for those who do not see it. key: shown beside the text; empty: none.
+export function MakeButton(text: string, label: string, key: string, onClick: () => void): HTMLButtonElement {
+  const button = MakeElement('button', '', text);
+  button.type = 'button';
+  button.setAttribute('aria-label', label);
+  button.title = key === '' ? label : `${label} (${key})`;
+  if (key !== '') button.append(' ', MakeElement('kbd', '', key));
+  button.addEventListener('click', () => {
+    onClick();
+    // The space bar is to jump, not to press the button again.
+    if (document.activeElement === button && !button.matches(':focus-visible')) button.blur();
+  });
+  return button;
+}
+
+export function SetPressed(button: HTMLButtonElement, isPressed: boolean): void {
+  const pressed = String(isPressed);
+  if (button.getAttribute('aria-pressed') !== pressed) button.setAttribute('aria-pressed', pressed);
+}
+
+// Text that is set only when it is another one, or the browser would lay out anew each frame.
+export function SetText(element: HTMLElement, text: string): void {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+export interface Slider {
+  element: HTMLElement;
+  // Does not call onInput; nothing while the player holds the slider.
+  Set(value: number): void;
+}
+
+// toValue: of the slider's own 0..1000; toShare is its inverse.
+export function MakeSlider(
+  text: string,
+  toValue: (share: number) => number,
+  toShare: (value: number) => number,
+  show: (value: number) => string,
+  onInput: (value: number) => void,
+): Slider {
+  const element = MakeElement('label', 'field');
+  const line = MakeElement('span', '', text);
+  const output = MakeElement('output');
+  line.append(output);
+  const input = MakeElement('input');
+  input.type = 'range';
+  input.min = '0';
+  input.max = '1000';
+  input.setAttribute('aria-label', text);
+  element.append(line, input);
+  let isHeld = false;
+  input.addEventListener('pointerdown', () => (isHeld = true));
+  for (const end of ['pointerup', 'pointercancel', 'blur'] as const) {
+    input.addEventListener(end, () => (isHeld = false));
+  }
+  input.addEventListener('input', () => {
+    const value = toValue(Number(input.value) / 1000);
+    SetText(output, show(value));
+    onInput(value);
+  });
+  return {
+    element,
+    Set(value: number): void {
+      if (isHeld) return;
+      const share = String(Math.round(1000 * Math.max(0, Math.min(1, toShare(value)))));
+      if (input.value !== share) input.value = share;
+      SetText(output, show(value));
+    },
+  };
+}
+
+// Between two values, equal ratios at equal ways.
+export function MakeLogarithmicScale(least: number, most: number) {
+  return {
+    toValue: (share: number) => least * Math.pow(most / least, share),
+    toShare: (value: number) => Math.log(Math.max(value, least) / least) / Math.log(most / least),
+  };
+}

@@ -1,0 +1,77 @@
+// Which scene it is and who is in it, the own name first: it can be written over.
+import { MakeOwnColour, MakePlayerColour } from '../scene/colours';
+import type { Players } from '../players';
+import { MakeElement, SetText } from './element';
+
+const kMostShown = 12;
+const kMaxNameBytes = 32;
+
+export class People {
+  readonly element = MakeElement('section', 'panel people');
+  onRename: (name: string) => void = () => {};
+  private readonly m_scene = MakeElement('span');
+  private readonly m_count = MakeElement('span');
+  private readonly m_list = MakeElement('ul');
+  private readonly m_name = MakeElement('input', 'name-field');
+  private m_revision = -1;
+
+  constructor(name: string) {
+    this.element.setAttribute('aria-label', 'Scene and players');
+    const title = MakeElement('div', 'scene');
+    title.append(this.m_scene, this.m_count);
+    this.m_name.value = name;
+    this.m_name.spellcheck = false;
+    this.m_name.maxLength = kMaxNameBytes;
+    this.m_name.setAttribute('aria-label', 'Your name');
+    this.m_name.title = 'Your name: click to change it';
+    this.m_name.addEventListener('change', () => this.TakeName());
+    this.m_name.addEventListener('keydown', (event) => {
+      event.stopPropagation();
+      if (event.key === 'Enter' || event.key === 'Escape') this.m_name.blur();
+    });
+    const own = MakeElement('li');
+    own.append(MakeDot(`#${MakeOwnColour().getHexString()}`), this.m_name);
+    this.element.append(title, own, this.m_list);
+  }
+
+  Update(scene: string, players: Players): void {
+    SetText(this.m_scene, scene);
+    if (this.m_revision === players.revision) return;
+    this.m_revision = players.revision;
+    const others = [...players.all.values()].filter((player) => player.clientId !== players.ownClient);
+    SetText(this.m_count, others.length === 0 ? 'you alone' : `${others.length + 1} here`);
+    this.m_list.replaceChildren();
+    for (const player of others.slice(0, kMostShown)) {
+      const item = MakeElement('li');
+      const colour = player.body === 0 ? 'transparent' : `#${MakePlayerColour(player.body).getHexString()}`;
+      item.append(MakeDot(colour), MakeElement('span', '', player.name));
+      this.m_list.append(item);
+    }
+    if (others.length > kMostShown) {
+      this.m_list.append(MakeElement('li', 'note', `and ${others.length - kMostShown} more`));
+    }
+  }
+
+  private TakeName(): void {
+    const name = CutName(this.m_name.value);
+    this.m_name.value = name;
+    if (name !== '') this.onRename(name);
+  }
+}
+
+function MakeDot(colour: string): HTMLElement {
+  const dot = MakeElement('span', 'dot');
+  dot.style.setProperty('--player', colour);
+  return dot;
+}
+
+// To what the wire takes, by whole characters.
+export function CutName(text: string): string {
+  let name = '';
+  const encoder = new TextEncoder();
+  for (const character of text.trim()) {
+    if (encoder.encode(name + character).length > kMaxNameBytes) break;
+    name += character;
+  }
+  return name;
+}

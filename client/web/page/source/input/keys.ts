@@ -1,0 +1,78 @@
+// The keyboard: keys that are held become what the body does, all others act once.
+export type Command =
+  | 'camera'
+  | 'view'
+  | 'world'
+  | 'help'
+  | 'surface'
+  | 'escape'
+  | 'remove'
+  | { tool: number };
+
+const kHeld: Record<string, string> = {
+  KeyW: 'forward',
+  ArrowUp: 'forward',
+  KeyS: 'back',
+  ArrowDown: 'back',
+  KeyA: 'left',
+  ArrowLeft: 'left',
+  KeyD: 'right',
+  ArrowRight: 'right',
+  Space: 'jump',
+  KeyE: 'puff',
+  KeyP: 'puff',
+  KeyF: 'stiffen',
+};
+const kCommands: Record<string, Command> = {
+  KeyC: 'camera',
+  KeyV: 'view',
+  KeyG: 'world',
+  KeyH: 'help',
+  KeyX: 'surface',
+  Escape: 'escape',
+  Delete: 'remove',
+  Backspace: 'remove',
+  Digit1: { tool: 0 },
+  Digit2: { tool: 1 },
+  Digit3: { tool: 2 },
+  Digit4: { tool: 3 },
+};
+
+export class Keys {
+  onCommand: (command: Command) => void = () => {};
+  // Which hint has been followed.
+  onUse: (what: string) => void = () => {};
+  private readonly m_held = new Set<string>(); // codes
+
+  constructor() {
+    window.addEventListener('keydown', (event) => this.Press(event));
+    window.addEventListener('keyup', (event) => this.m_held.delete(event.code));
+    window.addEventListener('blur', () => this.m_held.clear());
+  }
+
+  // 1 or 0.
+  Read(action: string): number {
+    for (const code of this.m_held) if (kHeld[code] === action) return 1;
+    return 0;
+  }
+
+  private Press(event: KeyboardEvent): void {
+    if (event.ctrlKey || event.metaKey || event.altKey || IsWriting(event.target)) return;
+    const isOnButton = event.target instanceof HTMLButtonElement && (event.code === 'Space' || event.code === 'Enter');
+    if (isOnButton) return;
+    const action = kHeld[event.code];
+    if (action !== undefined) {
+      event.preventDefault();
+      this.m_held.add(event.code);
+      this.onUse(action === 'jump' || action === 'puff' || action === 'stiffen' ? action : 'move');
+      return;
+    }
+    const command = event.key === '?' ? 'help' : kCommands[event.code];
+    if (command === undefined || event.repeat) return;
+    this.onCommand(command);
+  }
+}
+
+function IsWriting(target: EventTarget | null): boolean {
+  return target instanceof HTMLInputElement && target.type !== 'range' && target.type !== 'checkbox';
+}

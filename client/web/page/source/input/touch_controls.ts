@@ -1,0 +1,83 @@
+// A stick on the left and round buttons on the right, for fingers; they appear with the first touch.
+import { MakeElement } from '../hud/element';
+
+const kActions = [
+  ['jump', 'Jump'],
+  ['puff', 'Puff'],
+  ['stiffen', 'Stiff'],
+] as const;
+
+export class TouchControls {
+  readonly stick = MakeElement('div', 'stick');
+  readonly buttons = MakeElement('div', 'round');
+  // Right and forward, -1 to 1.
+  moveX = 0;
+  moveY = 0;
+  private readonly m_knob = MakeElement('i');
+  private readonly m_held = new Map<string, number>(); // action, pointer
+  private m_finger: number | null = null;
+
+  constructor() {
+    this.stick.append(this.m_knob);
+    this.stick.setAttribute('aria-label', 'Move');
+    this.stick.addEventListener('pointerdown', (event) => this.PressStick(event));
+    this.stick.addEventListener('pointermove', (event) => this.MoveStick(event));
+    for (const end of ['pointerup', 'pointercancel'] as const) {
+      this.stick.addEventListener(end, () => this.ReleaseStick());
+    }
+    for (const [action, text] of kActions) this.buttons.append(this.MakeRound(action, text));
+    this.Show(window.matchMedia('(pointer: coarse)').matches);
+    window.addEventListener('touchstart', () => this.Show(true), { once: true, passive: true });
+  }
+
+  Read(action: string): number {
+    return this.m_held.has(action) ? 1 : 0;
+  }
+
+  private Show(isShown: boolean): void {
+    this.stick.hidden = this.buttons.hidden = !isShown;
+  }
+
+  private MakeRound(action: string, text: string): HTMLButtonElement {
+    const button = MakeElement('button', '', text);
+    button.type = 'button';
+    button.addEventListener('pointerdown', (event) => {
+      button.setPointerCapture(event.pointerId);
+      this.m_held.set(action, event.pointerId);
+      button.classList.add('held');
+      event.preventDefault();
+    });
+    for (const end of ['pointerup', 'pointercancel'] as const) {
+      button.addEventListener(end, () => {
+        this.m_held.delete(action);
+        button.classList.remove('held');
+      });
+    }
+    return button;
+  }
+
+  private PressStick(event: PointerEvent): void {
+    this.m_finger = event.pointerId;
+    this.stick.setPointerCapture(event.pointerId);
+    this.MoveStick(event);
+    event.preventDefault();
+  }
+
+  private MoveStick(event: PointerEvent): void {
+    if (event.pointerId !== this.m_finger) return;
+    const box = this.stick.getBoundingClientRect();
+    const half = box.width / 2;
+    const x = (event.clientX - box.left - half) / half;
+    const y = (event.clientY - box.top - half) / half;
+    const length = Math.max(1, Math.hypot(x, y));
+    this.moveX = x / length;
+    this.moveY = -y / length;
+    this.m_knob.style.transform = `translate(${this.moveX * half * 0.6}px, ${-this.moveY * half * 0.6}px)`;
+  }
+
+  private ReleaseStick(): void {
+    this.m_finger = null;
+    this.moveX = this.moveY = 0;
+    this.m_knob.style.transform = '';
+  }
+}

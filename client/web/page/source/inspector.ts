@@ -1,0 +1,57 @@
+// Forces on one body: asks the server for those of the body that was clicked last, or of the own one, for as long as
+// they are to be seen, and shows them.
+import type { ViewPanel } from './hud/view_panel';
+import type { Players } from './players';
+import type { Arrows } from './scene/arrows';
+import type { Client } from './wire/client';
+
+export class Inspector {
+  private readonly m_panel: ViewPanel;
+  private readonly m_arrows: Arrows;
+  private readonly m_players: Players;
+  private m_clicked = 0;
+  private m_asked = 0;
+
+  constructor(panel: ViewPanel, arrows: Arrows, players: Players) {
+    this.m_panel = panel;
+    this.m_arrows = arrows;
+    this.m_players = players;
+  }
+
+  Choose(body: number): void {
+    this.m_clicked = body;
+  }
+
+  // Another world.
+  Clear(): void {
+    this.m_clicked = this.m_asked = 0;
+    this.m_arrows.Hide();
+  }
+
+  Update(client: Client): void {
+    if (this.m_clicked !== 0 && client.FindBody(this.m_clicked) === null) this.m_clicked = 0;
+    const wanted = this.m_panel.shown.size === 0 ? 0 : this.m_clicked || this.m_players.ownBody;
+    if (wanted !== this.m_asked) {
+      this.m_asked = wanted;
+      client.Inspect(wanted);
+    }
+    this.m_panel.Describe(this.Describe(client, wanted));
+    const body = wanted === 0 ? null : client.FindBody(wanted);
+    if (body === null) {
+      this.m_arrows.Hide();
+      return;
+    }
+    const forces = client.ReadForces();
+    if (forces.body === wanted) this.m_arrows.Update(forces, body, client.ReadFloats(), this.m_panel.shown);
+    else this.m_arrows.Hide();
+  }
+
+  private Describe(client: Client, body: number): string {
+    if (body === 0) return 'Click a body to see into it';
+    if (body === this.m_players.ownBody) return 'On your body. Click another one to see into it';
+    const found = client.FindBody(body);
+    const player = this.m_players.FindByBody(body);
+    const name = player?.name ?? (found === null ? '' : client.FindBlueprint(found.blueprint).name);
+    return `On ${name}`;
+  }
+}

@@ -1,0 +1,61 @@
+// Who plays: names and bodies by what the server's events say.
+import { EventKind, type WorldEvent } from './wire/views';
+
+export interface Player {
+  clientId: number;
+  name: string;
+  body: number; // 0: a spectator
+}
+
+export class Players {
+  ownBody = 0;
+  ownClient = 0;
+  revision = 0; // another one when who plays has changed
+  readonly all = new Map<number, Player>();
+  private readonly m_bodies = new Map<number, Player>();
+
+  Clear(): void {
+    this.ownBody = this.ownClient = 0;
+    this.all.clear();
+    this.m_bodies.clear();
+    this.revision += 1;
+  }
+
+  NoteOwn(clientId: number, body: number, name: string): void {
+    this.ownClient = clientId;
+    this.ownBody = body;
+    this.Add({ clientId, name, body });
+  }
+
+  NoteEvent(event: WorldEvent): void {
+    if (event.kind === EventKind.Join) this.Add({ clientId: event.clientId, name: event.name, body: event.body });
+    if (event.kind === EventKind.Leave) this.Remove(event.clientId);
+  }
+
+  IsPlayer(body: number): boolean {
+    return this.m_bodies.has(body);
+  }
+
+  FindByBody(body: number): Player | null {
+    return this.m_bodies.get(body) ?? null;
+  }
+
+  FindName(clientId: number): string {
+    return this.all.get(clientId)?.name ?? 'somebody';
+  }
+
+  private Add(player: Player): void {
+    this.Remove(player.clientId);
+    this.all.set(player.clientId, player);
+    if (player.body !== 0) this.m_bodies.set(player.body, player);
+    this.revision += 1;
+  }
+
+  private Remove(clientId: number): void {
+    const player = this.all.get(clientId);
+    if (player === undefined) return;
+    this.all.delete(clientId);
+    this.m_bodies.delete(player.body);
+    this.revision += 1;
+  }
+}

@@ -1,0 +1,70 @@
+// What tests read: window.wobble. Nothing of the page itself uses it.
+import type { App } from './app';
+import { State, type Vector } from './wire/views';
+
+export interface Probe {
+  state(): {
+    connection: string;
+    scene: string;
+    ownBody: number;
+    players: string[];
+    bodies: number;
+    frameMs: number;
+    quality: number;
+    endReason: string;
+  };
+  statistics(): Record<string, number>;
+  position(body: number): Vector | null;
+  bodies(): { body: number; name: string; faces: number; edges: number; vertices: number; at: Vector }[];
+  faceCount(body: number): number;
+  edgeCount(body: number): number;
+  decodedHash(): string;
+}
+
+declare global {
+  interface Window {
+    wobble?: Probe;
+  }
+}
+
+export function MakeProbe(app: App): Probe {
+  const client = () => app.connection.client;
+  const find = (body: number) => client()?.FindBody(body) ?? null;
+  const blueprint = (body: number) => {
+    const found = find(body);
+    return found === null ? null : client()!.FindBlueprint(found.blueprint);
+  };
+  return {
+    state: () => ({
+      connection: State[client()?.ReadState() ?? State.Ended],
+      scene: app.welcome?.scene ?? '',
+      ownBody: app.players.ownBody,
+      players: [...app.players.all.values()].map((player) => player.name),
+      bodies: client()?.bodyCount ?? 0,
+      frameMs: Math.round(1000 * app.quality.frameTime),
+      quality: app.quality.level,
+      endReason: app.connection.end?.reason ?? '',
+    }),
+    statistics: () => {
+      client()?.UpdateStatistics();
+      return { ...client()?.statistics, ping: app.connection.ping };
+    },
+    position: (body) => {
+      const found = find(body);
+      return found === null ? null : { x: found.x, y: found.y, z: found.z };
+    },
+    bodies: () => {
+      const list = [];
+      for (let i = 0; i < (client()?.bodyCount ?? 0); ++i) {
+        const { body, x, y, z, vertexCount } = client()!.bodies[i];
+        const { name, faces, edges } = blueprint(body)!;
+        const at = { x, y, z };
+        list.push({ body, name, faces: faces.length / 3, edges: edges.length / 2, vertices: vertexCount, at });
+      }
+      return list;
+    },
+    faceCount: (body) => (blueprint(body)?.faces.length ?? 0) / 3,
+    edgeCount: (body) => (blueprint(body)?.edges.length ?? 0) / 2,
+    decodedHash: () => client()?.ReadDecodedHash() ?? '',
+  };
+}

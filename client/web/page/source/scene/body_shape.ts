@@ -1,0 +1,119 @@
+// One body on the graphics card: buffers that are kept for as long as it has that many vertices, filled from linear
+// memory when they have changed.
+import { BufferAttribute, BufferGeometry, DynamicDrawUsage, LineBasicMaterial, LineSegments, Mesh, Sphere } from 'three';
+import type { Blueprint, Body } from '../wire/views';
+import { BodyMaterial } from './body_material';
+import { ExtendRest, FillMiddles, MakeFiner } from './finer';
+
+const kMostFiner = 1500; // vertices of a body up to which it is worth it
+const kNoEdges = new Uint16Array();
+const kWireMaterial = new LineBasicMaterial({ color: '#2f4358', transparent: true, opacity: 0.85 });
+
+export class BodyShape {
+  readonly mesh: Mesh;
+  readonly wires: LineSegments;
+  readonly dress = new BodyMaterial();
+  blueprint: Blueprint;
+  round = 0; // of the last frame that had it
+
+  private readonly m_geometry = new BufferGeometry();
+  private readonly m_wireGeometry = new BufferGeometry();
+  private m_positions = new Float32Array();
+  private m_normals = new Float32Array();
+  private m_revision = 0;
+  private m_middles: Uint16Array = kNoEdges; // edges that have a vertex in their middle
+  private readonly m_isFine: boolean;
+
+  // isFine: drawn rounder than it is.
+  constructor(blueprint: Blueprint, isFine: boolean) {
+    this.blueprint = blueprint;
+    this.m_isFine = isFine;
+    this.m_geometry.boundingSphere = new Sphere();
+    this.m_wireGeometry.boundingSphere = this.m_geometry.boundingSphere;
+    this.mesh = new Mesh(this.m_geometry, this.dress.material);
+    this.mesh.castShadow = this.mesh.receiveShadow = true;
+    this.mesh.matrixAutoUpdate = false;
+    this.wires = new LineSegments(this.m_wireGeometry, kWireMaterial);
+    this.wires.matrixAutoUpdate = false;
+    this.TakeBlueprint(blueprint);
+  }
+
+  get positions(): Float32Array {
+    return this.m_positions;
+  }
+
+  // A torn cloth keeps its vertices and loses faces.
+  TakeBlueprint(blueprint: Blueprint): void {
+    this.blueprint = blueprint;
+    this.m_revision = 0;
+    const vertexCount = blueprint.rest.length / 3;
+    const finer = this.m_isFine && vertexCount <= kMostFiner ? MakeFiner(vertexCount, blueprint.faces) : null;
+    this.m_middles = finer?.edges ?? kNoEdges;
+    const size = 3 * (vertexCount + this.m_middles.length / 2);
+    if (this.m_positions.length !== size) this.MakeBuffers(size);
+    this.m_geometry.setAttribute('rest', new BufferAttribute(ExtendRest(blueprint.rest, this.m_middles), 3));
+    this.m_geometry.setIndex(new BufferAttribute(finer?.faces ?? blueprint.faces, 1));
+    this.m_wireGeometry.setIndex(new BufferAttribute(FindFaceEdges(blueprint.faces), 1));
+  }
+
+  private MakeBuffers(size: number): void {
+    this.m_geometry.dispose();
+    this.m_wireGeometry.dispose();
+    this.m_positions = new Float32Array(size);
+    this.m_normals = new Float32Array(size);
+    const positions = new BufferAttribute(this.m_positions, 3).setUsage(DynamicDrawUsage);
+    this.m_geometry.setAttribute('position', positions);
+    this.m_geometry.setAttribute('normal', new BufferAttribute(this.m_normals, 3).setUsage(DynamicDrawUsage));
+    this.m_wireGeometry.setAttribute('position', positions);
+  }
+
+  // floats: of linear memory.
+  Update(body: Body, floats: Float32Array): void {
+    if (body.revision === this.m_revision || 3 * body.vertexCount !== this.blueprint.rest.length) return;
+    this.m_revision = body.revision;
+    const count = 3 * body.vertexCount;
+    for (let i = 0; i < count; ++i) {
+      this.m_positions[i] = floats[body.vertices + i];
+      this.m_normals[i] = floats[body.normals + i];
+    }
+    FillMiddles(this.m_middles, body.vertexCount, this.m_positions, this.m_normals);
+    this.m_geometry.attributes.position.needsUpdate = true;
+    this.m_geometry.attributes.normal.needsUpdate = true;
+    this.BoundSphere(body);
+  }
+
+  // Computed by three.js it would be another pass with allocations.
+  private BoundSphere(body: Body): void {
+    const sphere = this.m_geometry.boundingSphere!;
+    let square = 0;
+    for (let i = 0; i < this.m_positions.length; i += 3) {
+      const x = this.m_positions[i] - body.x;
+      const y = this.m_positions[i + 1] - body.y;
+      const z = this.m_positions[i + 2] - body.z;
+      square = Math.max(square, x * x + y * y + z * z);
+    }
+    sphere.center.set(body.x, body.y, body.z);
+    sphere.radius = Math.sqrt(square);
+  }
+
+  Dispose(): void {
+    this.m_geometry.dispose();
+    this.m_wireGeometry.dispose();
+    this.dress.material.dispose();
+  }
+}
+
+// Each once.
+export function FindFaceEdges(faces: Uint16Array): Uint16Array {
+  const seen = new Set<number>();
+  const edges: number[] = [];
+  for (let i = 0; i < faces.length; ++i) {
+    const from = faces[i];
+    const to = faces[i % 3 === 2 ? i - 2 : i + 1];
+    const key = from < to ? from * 65536 + to : to * 65536 + from;
+    if (seen.has(key)) continue;
+    seen.add(key);
+    edges.push(from, to);
+  }
+  return new Uint16Array(edges);
+}

@@ -1,0 +1,124 @@
+// The tool bar, and which tool the pointer's presses go to. What is clicked with any tool is also the body that the view
+// panel looks into.
+import { MakeElement, SetPressed } from '../hud/element';
+import type { Place, PointerTaker } from '../input/pointer';
+import type { Bench, Tool } from './tool';
+
+const kSvg = 'http://www.w3.org/2000/svg';
+
+export class HandTools implements PointerTaker {
+  readonly element = MakeElement('div', 'panel tools');
+  onUse: (what: string) => void = () => {};
+  onClick: (body: number) => void = () => {};
+  onChoose: (tool: Tool | null) => void = () => {};
+  active: Tool | null = null;
+
+  private readonly m_bench: Bench;
+  private readonly m_tools: Tool[];
+  private m_allowed: Tool[] = [];
+  private readonly m_buttons = new Map<Tool, HTMLButtonElement>();
+
+  constructor(bench: Bench, tools: Tool[]) {
+    this.m_bench = bench;
+    this.m_tools = tools;
+    this.element.setAttribute('role', 'toolbar');
+    this.element.setAttribute('aria-label', 'Tools');
+    this.element.hidden = true;
+  }
+
+  // hands: bits of Welcome.hands.
+  Allow(hands: number): void {
+    this.active?.Drop();
+    this.m_allowed = this.m_tools.filter((tool) => (tool.hand & hands) !== 0);
+    this.m_buttons.clear();
+    this.element.replaceChildren();
+    this.m_allowed.forEach((tool, index) => {
+      const button = MakeToolButton(tool, index + 1, () => this.Choose(index));
+      this.m_buttons.set(tool, button);
+      this.element.append(button);
+    });
+    this.element.hidden = this.m_allowed.length === 0;
+    const kept = this.active !== null && this.m_allowed.includes(this.active) ? this.active : this.m_allowed[0];
+    this.Activate(kept ?? null);
+  }
+
+  Allowed(): readonly Tool[] {
+    return this.m_allowed;
+  }
+
+  // As the number keys say, from 0; nothing where there is no such tool.
+  Choose(index: number): void {
+    const tool = this.m_allowed[index];
+    if (tool !== undefined) this.Activate(tool);
+  }
+
+  Update(): void {
+    this.active?.Update();
+  }
+
+  Begin(place: Place): boolean {
+    this.NoteClick(place);
+    const isTaken = this.active?.Begin(place) ?? false;
+    if (isTaken) this.onUse(this.active!.name);
+    return isTaken;
+  }
+
+  Move(place: Place): void {
+    this.active?.Move(place);
+  }
+
+  End(place: Place): void {
+    this.active?.End(place);
+  }
+
+  Wheel(notches: number): boolean {
+    return this.active?.Wheel(notches) ?? false;
+  }
+
+  Hover(): void {}
+
+  private Activate(tool: Tool | null): void {
+    if (this.active !== tool) this.active?.Drop();
+    this.active = tool;
+    for (const [each, button] of this.m_buttons) SetPressed(button, each === tool);
+    this.onChoose(tool);
+  }
+
+  private NoteClick(place: Place): void {
+    const client = this.m_bench.FindClient();
+    if (client === null) return;
+    this.m_bench.picking.AimAt(place.x, place.y);
+    const pick = this.m_bench.picking.FindBody(client);
+    if (pick !== null) this.onClick(pick.body);
+  }
+}
+
+function MakeToolButton(tool: Tool, key: number, onClick: () => void): HTMLButtonElement {
+  const button = MakeElement('button');
+  button.type = 'button';
+  button.title = tool.hint;
+  button.setAttribute('aria-label', `${tool.name}: ${tool.hint}`);
+  const drawing = document.createElementNS(kSvg, 'svg');
+  drawing.setAttribute('viewBox', '0 0 24 24');
+  drawing.setAttribute('aria-hidden', 'true');
+  const path = document.createElementNS(kSvg, 'path');
+  for (const [name, value] of [
+    ['d', tool.icon],
+    ['fill', 'none'],
+    ['stroke', 'currentColor'],
+    ['stroke-width', '1.8'],
+    ['stroke-linecap', 'round'],
+    ['stroke-linejoin', 'round'],
+  ]) {
+    path.setAttribute(name, value);
+  }
+  drawing.append(path);
+  const text = MakeElement('span', '', tool.name);
+  text.append(' ', MakeElement('kbd', '', String(key)));
+  button.append(drawing, text);
+  button.addEventListener('click', () => {
+    onClick();
+    if (!button.matches(':focus-visible')) button.blur();
+  });
+  return button;
+}

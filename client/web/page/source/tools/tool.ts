@@ -1,0 +1,43 @@
+// What a hand can be: one object for each of the tools, and what all of them work with.
+import { Vector3, type Mesh, type PerspectiveCamera } from 'three';
+import type { Place } from '../input/pointer';
+import type { Picking } from '../input/picking';
+import type { Client } from '../wire/client';
+import type { Vector, Welcome } from '../wire/views';
+import type { Marks } from './marks';
+
+export interface Bench {
+  readonly camera: PerspectiveCamera;
+  readonly picking: Picking;
+  readonly marks: Marks;
+  readonly solids: Mesh[];
+  // null while there is no world.
+  FindClient(): Client | null;
+  FindWelcome(): Welcome | null;
+  Say(text: string): void;
+}
+
+export interface Tool {
+  readonly name: string;
+  readonly hand: number; // the bit of Welcome.hands that allows it
+  readonly hint: string;
+  readonly icon: string; // paths of a drawing of 24 by 24
+  // False: there is nothing here for this tool.
+  Begin(place: Place): boolean;
+  Move(place: Place): void;
+  End(place: Place): void;
+  // notches: away from the player when negative. False: of no use.
+  Wheel(notches: number): boolean;
+  // Once a frame, after the sample.
+  Update(): void;
+  // Another tool is taken, or another world.
+  Drop(): void;
+}
+
+const kScratch = new Vector3();
+
+// Pixels of the window.
+export function Project(point: Vector, camera: PerspectiveCamera): Place {
+  const place = kScratch.set(point.x, point.y, point.z).project(camera);
+  return { x: (0.5 + 0.5 * place.x) * window.innerWidth, y: (0.5 - 0.5 * place.y) * window.innerHeight };
+}

@@ -1,0 +1,155 @@
+// The way to the world: a WebSocket to the gateway that served the page, and a client at its end; tried anew when lost.
+//
+// A page in the background gets no frames and hardly any timers, but its socket still wakes it: so the client is
+// updated with every message, and the connection lives on for as long as the server has something to say.
+import type { WobbleModule } from 'wobble-wasm';
+import { Client, ReadNow } from './client';
+import { State } from './views';
+
+const kSubprotocol = 'wobble.4';
+const kPingChannel = 3;
+const kPingEvery = 1; // s
+const kPingBytes = 7;
+const kRetryDelays = [1, 2, 4, 8, 15]; // s
+const kGoodFor = 10; // s of playing after which the tries count anew
+const kTimer = 250; // ms
+
+export interface ConnectionEnd {
+  reason: string;
+  retryAt: number | null; // page's clock; null: not by itself
+}
+
+export class Connection {
+  client: Client | null = null;
+  end: ConnectionEnd | null = null;
+  ping = 0; // s to the server and back
+  name: string;
+  // Another client from here on: nothing of the one before may be used.
+  onClient: (client: Client) => void = () => {};
+
+  private readonly m_module: WobbleModule;
+  private readonly m_isSpectator: boolean;
+  private m_socket: WebSocket | null = null;
+  private m_tries = 0;
+  private m_playingSince: number | null = null;
+  private m_nextPing = 0;
+  private readonly m_pingMessage = new Uint8Array([kPingChannel, 0, 0, 0, 0]);
+  private m_pingNumber = 0;
+  private m_pingSent = 0;
+  private m_closeReason = '';
+
+  constructor(module: WobbleModule, name: string, isSpectator: boolean) {
+    this.m_module = module;
+    this.name = name;
+    this.m_isSpectator = isSpectator;
+    setInterval(() => this.Update(), kTimer);
+  }
+
+  // Leaves what there is.
+  Join(): void {
+    this.Drop();
+    this.end = null;
+    this.m_closeReason = '';
+    this.m_playingSince = null;
+    const client = new Client(this.m_module, this.name, this.m_isSpectator);
+    this.client = client;
+    this.OpenSocket(client);
+    this.onClient(client);
+  }
+
+  JoinAgain(): void {
+    this.m_tries = 0;
+    this.Join();
+  }
+
+  // Says goodbye at once; for when the page closes.
+  Leave(): void {
+    if (this.client === null) return;
+    this.client.Leave();
+    this.SendOutgoing();
+    this.m_socket?.close(1000);
+  }
+
+  Update(): void {
+    const client = this.client;
+    if (client === null) return;
+    const now = ReadNow();
+    if (this.end !== null) {
+      if (this.end.retryAt !== null && now >= this.end.retryAt) this.Join();
+      return;
+    }
+    client.Update();
+    this.SendOutgoing();
+    if (client.IsCloseAsked()) this.m_socket?.close(1000);
+    const state = client.ReadState();
+    if (state === State.Playing) this.NotePlaying(now);
+    if (state === State.Ended) this.NoteEnd(client, now);
+  }
+
+  private OpenSocket(client: Client): void {
+    const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
+    const socket = new WebSocket(`${scheme}://${location.host}/play`, kSubprotocol);
+    socket.binaryType = 'arraybuffer';
+    this.m_socket = socket;
+    const isCurrent = () => this.client === client && this.end === null;
+    socket.onopen = () => {
+      if (!isCurrent()) return;
+      client.OpenSocket();
+      this.Update();
+    };
+    socket.onmessage = (event) => {
+      if (!isCurrent() || !(event.data instanceof ArrayBuffer)) return;
+      this.Receive(client, new Uint8Array(event.data));
+      this.Update();
+    };
+    socket.onclose = (event) => {
+      if (!isCurrent()) return;
+      this.m_closeReason = event.reason;
+      client.CloseSocket();
+      this.Update();
+    };
+  }
+
+  private Receive(client: Client, message: Uint8Array): void {
+    if (message[0] !== kPingChannel) {
+      client.ReceiveMessage(message);
+      return;
+    }
+    if (message.length !== kPingBytes || message[1] !== this.m_pingNumber) return;
+    this.ping = ReadNow() - this.m_pingSent + (message[5] + 256 * message[6]) / 1000;
+    client.SetRoundTrip(this.ping);
+  }
+
+  private SendOutgoing(): void {
+    const socket = this.m_socket;
+    this.client?.SendOutgoing((message) => {
+      if (socket?.readyState === WebSocket.OPEN) socket.send(message as Uint8Array<ArrayBuffer>);
+    });
+  }
+
+  private NotePlaying(now: number): void {
+    this.m_playingSince ??= now;
+    if (now - this.m_playingSince > kGoodFor) this.m_tries = 0;
+    if (now < this.m_nextPing || this.m_socket?.readyState !== WebSocket.OPEN) return;
+    this.m_nextPing = now + kPingEvery;
+    this.m_pingNumber = (this.m_pingNumber + 1) % 256;
+    this.m_pingMessage[1] = this.m_pingNumber;
+    this.m_pingSent = now;
+    this.m_socket.send(this.m_pingMessage);
+  }
+
+  private NoteEnd(client: Client, now: number): void {
+    const reason = this.m_closeReason !== '' ? this.m_closeReason : client.ReadEndReason();
+    const delay = kRetryDelays[this.m_tries];
+    this.m_tries += 1;
+    this.end = { reason, retryAt: delay === undefined ? null : now + delay };
+    this.m_socket?.close(1000);
+  }
+
+  private Drop(): void {
+    if (this.client === null) return;
+    if (this.end === null) this.Leave();
+    this.client.Destroy();
+    this.client = null;
+  }
+}

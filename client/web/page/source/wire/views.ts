@@ -1,0 +1,226 @@
+// What the page knows of the world, as plain objects. Metres, seconds, radians; z is up.
+
+export interface Vector {
+  x: number;
+  y: number;
+  z: number;
+}
+
+// A body at the moment of the last sample. vertices and normals are indices into the memory's floats, three a vertex,
+// good until the next sample. revision changes with the vertices.
+export interface Body {
+  body: number;
+  blueprint: number;
+  revision: number;
+  vertexCount: number;
+  vertices: number;
+  normals: number; // 0: none
+  x: number;
+  y: number;
+  z: number;
+  rotationW: number;
+  rotationX: number;
+  rotationY: number;
+  rotationZ: number;
+  held: boolean;
+}
+
+// Copies, so they stay good.
+export interface Blueprint {
+  number: number;
+  name: string;
+  size: number;
+  isOpen: boolean;
+  rest: Float32Array;
+  faces: Uint16Array;
+  edges: Uint16Array;
+  particles: ParticleTag[]; // of the workshop: one a vertex; empty otherwise
+  springs: SpringTag[]; // and one an edge
+}
+
+// Units: kg, N/m, N s/m, m. owner: the client that made it, 0: the scene has it.
+export interface ParticleTag {
+  number: number;
+  owner: number;
+  mass: number;
+  fixed: boolean;
+}
+
+export interface SpringTag {
+  number: number;
+  owner: number;
+  stiffness: number;
+  damping: number;
+  restLength: number;
+}
+
+export enum ObstacleKind {
+  Plane = 0,
+  Box = 1,
+  Sphere = 2,
+  Capsule = 3,
+}
+
+// Plane: a is the outward normal, b.x the offset. Box: centre and half extents. Sphere: centre. Capsule: ends.
+export interface Obstacle {
+  kind: ObstacleKind;
+  a: Vector;
+  b: Vector;
+  radius: number;
+}
+
+export interface Ground {
+  corner: Vector;
+  cellSize: number;
+  columns: number;
+  rows: number;
+  heights: Float32Array;
+}
+
+export interface Welcome {
+  clientId: number;
+  ownBody: number; // 0: none
+  tickHz: number;
+  snapshotHz: number;
+  scene: string;
+  obstacles: Obstacle[];
+  grounds: Ground[];
+  hands: number; // bits of Hands
+  reach: number; // m from the own body's centre; 0: any distance
+  game: string; // empty: none
+  workshop: number; // body that Build changes; 0: none
+}
+
+// Bits.
+export enum Hands {
+  Grab = 1,
+  Cut = 2,
+  Push = 4,
+  Build = 8,
+}
+
+export enum TuneKind {
+  Gravity = 0,
+  Stiffness = 1,
+  TimeRate = 2,
+  Jump = 3,
+}
+
+// Bits of Tuning.may.
+export enum MayTune {
+  Gravity = 1,
+  Stiffness = 2,
+  Time = 4,
+}
+
+export interface Tuning {
+  gravity: Vector; // m/s²
+  stiffness: number; // times every spring's
+  timeRate: number; // seconds of the world a second
+  may: number;
+}
+
+export enum GamePhase {
+  Playing = 0,
+  Won = 1,
+}
+
+export interface Score {
+  clientId: number;
+  points: number;
+  rounds: number;
+}
+
+export interface Scoreboard {
+  phase: GamePhase;
+  round: number;
+  secondsLeft: number;
+  pointsToWin: number;
+  winner: number; // client; 0: nobody
+  scores: Score[];
+}
+
+export enum ForceKind {
+  Elastic = 0,
+  Damping = 1,
+  Gas = 2,
+  Weight = 3,
+  Contact = 4,
+  Other = 5,
+  Acceleration = 6,
+}
+
+// On every stride-th vertex of the body, N (Acceleration: m/s²), three numbers each.
+export interface Forces {
+  body: number; // 0: none yet
+  tick: number;
+  stride: number;
+  fields: { kind: ForceKind; values: Float32Array }[];
+}
+
+export enum BuildKind {
+  AddParticle = 0,
+  AddSpring = 1,
+  SetParticle = 2,
+  SetSpring = 3,
+  RemoveParticle = 4,
+  RemoveSpring = 5,
+}
+
+// messages.fbs says which of them count for which kind.
+export interface BuildRequest {
+  kind: BuildKind;
+  a?: number;
+  b?: number;
+  at?: Vector;
+  mass?: number;
+  fixed?: boolean;
+  stiffness?: number;
+  damping?: number;
+  restLength?: number;
+}
+
+export enum EventKind {
+  Join = 0,
+  Leave = 1,
+  Respawn = 2,
+  BodyRemoved = 3,
+  Fall = 4, // body fell; clientId, if not 0, is said to have pushed it
+}
+
+export interface WorldEvent {
+  kind: EventKind;
+  clientId: number;
+  body: number;
+  name: string;
+}
+
+export interface Statistics {
+  snapshots: number;
+  records: number;
+  badMessages: number;
+  bytesReceived: number;
+  stalls: number;
+  delay: number;
+  inputToSnapshot: number;
+  snapshotAge: number;
+  timeRatio: number;
+  lossShare: number;
+  serverTime: number;
+  joinSeconds: number;
+}
+
+export enum State {
+  Connecting = 0,
+  Joining = 1,
+  Playing = 2,
+  Ended = 3,
+}
+
+export interface Input {
+  moveX: number;
+  moveY: number;
+  jump: boolean;
+  puff: boolean;
+  stiffen: boolean;
+}

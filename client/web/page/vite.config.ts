@@ -1,0 +1,20 @@
+// The folder with wobble.mjs and wobble.wasm, and the folder to build into, come from CMake (client/web/CMakeLists.txt).
+import { defineConfig } from 'vite';
+
+const wasmFolder = process.env.WOBBLE_WASM_FOLDER ?? '../../../build/release/wasm';
+const pageFolder = process.env.WOBBLE_PAGE_FOLDER ?? '../../../build/release/bin/page';
+
+export default defineConfig({
+  base: './',
+  resolve: { alias: { 'wobble-wasm': `${wasmFolder}/wobble.mjs` } },
+  server: { fs: { strict: false } },
+  build: {
+    outDir: pageFolder,
+    emptyOutDir: true,
+    target: 'es2022',
+    modulePreload: false,
+    assetsInlineLimit: 0,
+    reportCompressedSize: false,
+    chunkSizeWarningLimit: 2000,
+  },
+});

@@ -1,0 +1,31 @@
+// What a client has decoded, in one number: two clients that were fed the same messages have the same one.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "client/client.h"
+
+namespace wobble::web {
+
+// FNV-1a, 64 bits, over each record's body, tick, pose and vertices as they lie in memory; little-endian machines all.
+class DecodedHash {
+ public:
+  void Add(const client::DecodedPatch& patch) {
+    AddBytes(&patch.body, sizeof patch.body);
+    AddBytes(&patch.tick, sizeof patch.tick);
+    AddBytes(&patch.pose, sizeof patch.pose);
+    AddBytes(patch.shape.data(), patch.shape.size_bytes());
+  }
+  [[nodiscard]] std::uint64_t Value() const { return m_value; }
+
+ private:
+  void AddBytes(const void* bytes, std::size_t size) {
+    const auto* next = static_cast<const std::uint8_t*>(bytes);
+    for (std::size_t i = 0; i < size; ++i) m_value = (m_value ^ next[i]) * 0x100000001B3U;
+  }
+
+  std::uint64_t m_value = 0xCBF29CE484222325U;
+};
+
+}  // namespace wobble::web

@@ -1,0 +1,74 @@
+// One connection of a page: the client library over a WebSocket, and what the script reads of it.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "client/client.h"
+#include "client/web/wasm/decoded_hash.h"
+#include "client/web/wasm/layout.h"
+#include "client/web/wasm/shown_bodies.h"
+#include "client/web/wasm/web_socket_transport.h"
+
+namespace wobble::web {
+
+class Session {
+ public:
+  // name: cut to what the wire takes. now: seconds, as in all of these.
+  Session(std::string name, bool isSpectator, double now);
+
+  // Where the script writes a message before it is received, or another text or array before it is used; of at least
+  // this many bytes.
+  [[nodiscard]] std::uint8_t* PrepareInput(std::size_t size);
+  [[nodiscard]] std::span<const std::uint8_t> Input(std::size_t size) const;
+
+  [[nodiscard]] client::Client& Client() { return m_client; }
+  [[nodiscard]] WebSocketTransport& Transport() { return *m_transport; }
+  [[nodiscard]] ShownBodies& Bodies() { return m_bodies; }
+
+  void Sample(double now);
+
+  // Each valid until the next call.
+  const WelcomeView& MakeWelcome();
+  const StatisticsView& MakeStatistics(double now);
+  // The oldest event that has not been taken; nullptr when there is none.
+  const EventView* TakeEvent();
+  // The same of notices.
+  const Text* TakeNotice();
+  const TuningView& MakeTuning();
+  const ScoreboardView& MakeScoreboard();
+  const ForcesView& MakeForces();
+
+  // An unknown kind is for the server to refuse.
+  void Build(const BuildRequest& request);
+  // Over all that has been decoded so far.
+  [[nodiscard]] std::uint64_t DecodedHash() const { return m_decoded.Value(); }
+
+ private:
+  WebSocketTransport* m_transport;  // the client's
+  client::Client m_client;
+  std::vector<std::uint8_t> m_input;
+  std::vector<client::BodySample> m_samples;
+  ShownBodies m_bodies;
+  std::deque<client::Client::Event> m_events;
+  client::Client::Event m_event;  // that was taken last
+
+  WelcomeView m_welcomeView;
+  std::vector<GroundView> m_groundViews;
+  StatisticsView m_statisticsView;
+  EventView m_eventView;
+  std::deque<std::string> m_notices;
+  std::string m_notice;  // that was taken last
+  Text m_noticeView;
+  TuningView m_tuningView;
+  ScoreboardView m_scoreboardView;
+  std::vector<ForceFieldView> m_fieldViews;
+  ForcesView m_forcesView;
+  web::DecodedHash m_decoded;
+};
+
+}  // namespace wobble::web

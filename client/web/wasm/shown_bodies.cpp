@@ -1,0 +1,103 @@
+// Most bodies of a large scene lie still: their vertices are compared, which is ten times cheaper than their normals
+// and the way to the graphics card, and only what differs gets a new revision.
+#include "client/web/wasm/shown_bodies.h"
+
+#include <array>
+#include <cstring>
+#include <iterator>
+
+namespace wobble::web {
+namespace {
+
+template <typename Map>
+void DropUnused(Map& map, std::uint32_t round) {
+  for (auto entry = map.begin(); entry != map.end();) {
+    entry = entry->second.round == round ? std::next(entry) : map.erase(entry);
+  }
+}
+
+bool AreSame(std::span<const protocol::Vector3> a, std::span<const protocol::Vector3> b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
+}
+
+}  // namespace
+
+void ShownBodies::Update(std::span<const client::BodySample> samples) {
+  ++m_round;
+  m_views.clear();
+  for (const client::BodySample& sample : samples) {
+    Named& named = Name(sample.blueprint);
+    Shown& shown = m_shown[sample.body];
+    shown.round = m_round;
+    Take(sample, shown, shown.blueprint != named.number);
+    shown.blueprint = named.number;
+
+    BodyView& view = m_views.emplace_back();
+    view.body = sample.body;
+    view.blueprint = shown.blueprint;
+    view.revision = shown.revision;
+    view.vertexCount = static_cast<std::uint32_t>(shown.vertices.size());
+    view.vertices = AddressOf(shown.vertices.data());
+    view.normals = AddressOf(shown.normals.data());
+    const auto& [centroid, rotation] = sample.pose;
+    view.centroid[0] = centroid.x, view.centroid[1] = centroid.y, view.centroid[2] = centroid.z;
+    view.rotation[0] = rotation.w, view.rotation[1] = rotation.x;
+    view.rotation[2] = rotation.y, view.rotation[3] = rotation.z;
+    view.held = sample.held ? 1 : 0;
+  }
+  DropUnused(m_shown, m_round);
+  DropUnused(m_blueprints, m_round);
+}
+
+ShownBodies::Named& ShownBodies::Name(const std::shared_ptr<const client::Blueprint>& blueprint) {
+  Named& named = m_blueprints[blueprint.get()];
+  if (named.blueprint == nullptr) {
+    named.blueprint = blueprint;
+    named.number = m_nextNumber++;
+  }
+  named.round = m_round;
+  return named;
+}
+
+void ShownBodies::Take(const client::BodySample& sample, Shown& shown, bool isOtherBlueprint) {
+  if (!isOtherBlueprint && AreSame(shown.vertices, sample.vertices)) return;
+  shown.vertices = sample.vertices;
+  FindNormals(shown.vertices, sample.blueprint->faces, shown.normals);
+  ++shown.revision;
+}
+
+const BlueprintView* ShownBodies::FindBlueprint(std::uint32_t number) {
+  for (const auto& [pointer, named] : m_blueprints) {
+    if (named.number != number) continue;
+    const client::Blueprint& blueprint = *pointer;
+    BlueprintView& view = m_blueprintView;
+    view.vertexCount = static_cast<std::uint32_t>(blueprint.rest.size());
+    view.rest = AddressOf(blueprint.rest.data());
+    view.faceCount = static_cast<std::uint32_t>(blueprint.faces.size());
+    view.faces = AddressOf(blueprint.faces.data());
+    view.edgeCount = static_cast<std::uint32_t>(blueprint.edges.size());
+    view.edges = AddressOf(blueprint.edges.data());
+    view.size = blueprint.size;
+    view.isOpen = blueprint.open ? 1 : 0;
+    view.name = MakeText(blueprint.name);
+    view.particles = blueprint.particles.empty() ? 0 : AddressOf(blueprint.particles.data());
+    view.springs = blueprint.springs.empty() ? 0 : AddressOf(blueprint.springs.data());
+    return &view;
+  }
+  return nullptr;
+}
+
+void FindNormals(std::span<const protocol::Vector3> vertices, std::span<const std::array<std::uint16_t, 3>> faces,
+                 std::vector<protocol::Vector3>& normals) {
+  normals.assign(faces.empty() ? 0 : vertices.size(), {});
+  for (const auto& [a, b, c] : faces) {
+    const protocol::Vector3 twiceArea = Cross(vertices[b] - vertices[a], vertices[c] - vertices[a]);
+    for (const std::uint16_t corner : {a, b, c}) normals[corner] = normals[corner] + twiceArea;
+  }
+  for (protocol::Vector3& normal : normals) {
+    const float length = Length(normal);
+    normal = length > 0 ? normal * (1 / length) : protocol::Vector3{};
+  }
+}
+
+}  // namespace wobble::web

@@ -1,0 +1,57 @@
+// The Transport of a page: messages go through a WebSocket that the page's script owns.
+//
+// The script says when the socket has opened and closed, puts in what came and takes out what is to go; nothing here
+// calls it. So the same code runs under a browser, under Node with recorded bytes and natively in a test.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <span>
+#include <vector>
+
+#include "protocol/transport/transport.h"
+
+namespace wobble::web {
+
+class WebSocketTransport final : public transport::Transport {
+ public:
+  static constexpr transport::ConnectionId kConnection = 1;
+
+  // What the script does. A message is a byte that names its channel, and then the message as ENet would carry it.
+  void Open() { m_state = m_state == State::kConnecting ? State::kOpening : m_state; }
+  void Close();
+  void Receive(std::span<const std::uint8_t> message);
+  // Seconds there and back, to the game's server.
+  void SetRoundTrip(double seconds) { m_roundTrip = seconds; }
+  // The oldest message that is to go; empty when there is none. Valid until TakeOutgoing, which drops it.
+  [[nodiscard]] std::span<const std::uint8_t> FindOutgoing() const;
+  void TakeOutgoing();
+  // The client has done with it: the script closes the socket once nothing is outgoing.
+  [[nodiscard]] bool IsCloseAsked() const { return m_isCloseAsked; }
+
+  void Poll(double now, const Sink& sink) override;
+  [[nodiscard]] transport::SendResult Send(transport::ConnectionId connection, transport::Channel channel,
+                                           std::span<const std::uint8_t> message) override;
+  void Disconnect(transport::ConnectionId connection) override;
+  void Flush() override {}
+  [[nodiscard]] transport::Statistics ReadStatistics() const override { return m_statistics; }
+  [[nodiscard]] double ReadRoundTrip(transport::ConnectionId) const override { return m_roundTrip; }
+
+ private:
+  enum class State { kConnecting, kOpening, kOpen, kClosing, kClosed };
+  using Bytes = std::vector<std::uint8_t>;
+  // Apart from its channel: FlatBuffers takes no message that is not aligned.
+  struct Incoming {
+    transport::Channel channel;
+    Bytes bytes;
+  };
+
+  State m_state = State::kConnecting;
+  bool m_isCloseAsked = false;
+  double m_roundTrip = 0;
+  std::deque<Incoming> m_incoming;
+  std::deque<Bytes> m_outgoing;
+  transport::Statistics m_statistics;
+};
+
+}  // namespace wobble::web

@@ -1,0 +1,197 @@
+// Takes the forces on a body apart again, with the plain force terms and in the precision of the world, so that the
+// kinds add up to what a step computes. The step itself keeps no account of them: it would cost as much as the forces,
+// for every body and substep, and somebody looks at one body a few times a second.
+//
+// Forces are those of the equations of motion. Position Verlet moves springs' ends to their rest lengths instead; of a
+// body that it steps this shows what its springs would do.
+#include "server/physics/inspect.h"
+
+#include "server/physics/backtracking.h"
+#include "server/physics/world_engine.h"
+
+namespace wobble::physics {
+namespace {
+
+// A body as the last step has left it.
+template <class Real>
+struct Subject {
+  const Blueprint& blueprint;
+  const Coefficients<Real>& body;
+  const State<Real>& state;
+  Load<Real> load;  // of the last step
+  std::vector<Surface<Real>> surfaces;
+};
+
+// add(forces): adds to them, one a vertex.
+template <class Real, class Add>
+std::vector<Vector3d> Collect(const Subject<Real>& subject, const Add& add) {
+  std::vector<Vector3<Real>> forces(subject.state.positions.size(), Vector3<Real>::Zero());
+  add(std::span<Vector3<Real>>(forces));
+  std::vector<Vector3d> collected;
+  collected.reserve(forces.size());
+  for (const Vector3<Real>& force : forces) collected.push_back(force.template cast<double>());
+  return collected;
+}
+
+template <class Real>
+std::vector<Vector3d> FindElastic(const Subject<Real>& subject) {
+  return Collect(subject, [&](std::span<Vector3<Real>> forces) {
+    const std::vector<Vector3<Real>> still(forces.size(), Vector3<Real>::Zero());
+    const Coefficients<Real>& body = subject.body;
+    AddSprings<Real>(body.springs, subject.load.stiffnessFactor, subject.state.positions, still, forces,
+                     subject.load.torn);
+    if (!(body.repulsion > Real(0))) return;
+    AddRepulsion<Real>(body.springs, body.repulsion, subject.state.positions, forces, subject.load.torn);
+  });
+}
+
+template <class Real>
+std::vector<Vector3d> FindDamping(const Subject<Real>& subject) {
+  return Collect(subject, [&](std::span<Vector3<Real>> forces) {
+    std::vector<Spring<Real>> dashpots = subject.body.springs;
+    for (Spring<Real>& dashpot : dashpots) dashpot.stiffness = 0;
+    AddSprings<Real>(dashpots, subject.load.stiffnessFactor, subject.state.positions, subject.state.velocities, forces,
+                     subject.load.torn);
+  });
+}
+
+template <class Real>
+std::vector<Vector3d> FindGas(const Subject<Real>& subject) {
+  return Collect(subject, [&](std::span<Vector3<Real>> forces) {
+    if (!(subject.body.gas > Real(0))) return;
+    AddGas<Real>(subject.body, subject.load.gasFactor, subject.state.positions, forces);
+  });
+}
+
+std::vector<Vector3d> FindWeight(const Blueprint& blueprint, const Vector3d& gravity) {
+  std::vector<Vector3d> weight;
+  for (const double mass : blueprint.full.masses) weight.push_back(mass * gravity);
+  return weight;
+}
+
+template <class Real>
+std::vector<Vector3d> FindOther(const Subject<Real>& subject, const Vector3d& gravity) {
+  return Collect(subject, [&](std::span<Vector3<Real>> forces) {
+    const Coefficients<Real>& body = subject.body;
+    const State<Real>& state = subject.state;
+    if (body.drag > Real(0)) {
+      AddDrag<Real>(body.faces, body.drag, subject.load.wind, state.positions, state.velocities, forces);
+    }
+    for (const VertexForce<Real>& push : subject.load.pushes) {
+      // The body may have lost vertices since.
+      if (push.vertex < forces.size()) forces[push.vertex] += push.force;
+    }
+    const Vector3<Real> moving = subject.load.acceleration - gravity.template cast<Real>();
+    for (std::size_t i = 0; i < forces.size(); ++i) forces[i] += body.masses[i] * moving;
+  });
+}
+
+template <class Real>
+Meeting<Real> Meet(const Subject<Real>& ofVertices, const Subject<Real>& ofFaces) {
+  return {ofVertices.state.positions,    ofVertices.state.velocities,
+          ofVertices.body.contactShares, {ofFaces.body.faces, &ofFaces.blueprint.topology, ofFaces.state.positions},
+          ofFaces.state.velocities,      (ofVertices.state.origin - ofFaces.state.origin).template cast<Real>()};
+}
+
+// Of a pair's two sides, what they do to one of the two. ofSubject: its place in the pair.
+template <class Real>
+void AddBodyContacts(const BodyPair<Real>& pair, const Subject<Real>& subject, std::size_t ofSubject,
+                     const Subject<Real>& other, std::span<Vector3<Real>> forces) {
+  const auto add = [forces](std::uint16_t vertex, const Vector3<Real>& force) { forces[vertex] += force; };
+  const ContactParameters<Real> both = ofSubject == 0 ? Combine(subject.body.contact, other.body.contact)
+                                                      : Combine(other.body.contact, subject.body.contact);
+  for (std::size_t side = 0; side < 2; ++side) {
+    const bool ofVertices = side == ofSubject;
+    std::vector<ContactForce<Real>> computed(pair.sides[side].size());
+    ComputeBodyContacts<Real>(both, ofVertices ? Meet(subject, other) : Meet(other, subject), pair.sides[side],
+                              computed);
+    if (ofVertices) AddToVertices<Real>(computed, add);
+    if (!ofVertices) AddToCorners<Real>(computed, add);
+  }
+}
+
+template <class Real>
+Subject<Real> MakeSubject(const World& world, const Body& body) {
+  const Blueprint& blueprint = world.BlueprintOf(body);
+  return {blueprint, blueprint.Read<Real>(), std::get<State<Real>>(body.state), {}, {}};
+}
+
+template <class Real>
+std::vector<Vector3d> FindContacts(const World& world, const Workspace<Real>& workspace, const Body& body,
+                                   const Subject<Real>& subject) {
+  return Collect(subject, [&](std::span<Vector3<Real>> forces) {
+    AddContacts<Real>(subject.body.contact, subject.body.contactShares, subject.surfaces, subject.state.contacts,
+                      subject.state.positions, subject.state.velocities, forces);
+    for (const auto* pairs : {&workspace.pairs, &workspace.restingPairs}) {
+      for (const BodyPair<Real>& pair : *pairs) {
+        if (!pair.Has(body.id)) continue;
+        const std::size_t place = pair.first == body.id ? 0 : 1;
+        const Body& other = world.ReadBody(place == 0 ? pair.second : pair.first);
+        AddBodyContacts(pair, subject, place, MakeSubject<Real>(world, other), forces);
+      }
+    }
+  });
+}
+
+// Where contact is an event, what lies is held by taking from its acceleration: this is the force that does so.
+template <class Real>
+void HoldWhatLies(const Subject<Real>& subject, InspectedForces& found) {
+  std::vector<Vector3<Real>> held;
+  for (const Vector3d& acceleration : found.accelerations) held.push_back(acceleration.cast<Real>());
+  HoldResting<Real>(subject.body, subject.surfaces, subject.state.contacts, subject.state.positions, held);
+  for (const Contact<Real>& contact : subject.state.contacts) {
+    const std::size_t i = contact.vertex;
+    const Vector3d after = held[i].template cast<double>();
+    found.contact[i] += double{subject.body.masses[i]} * (after - found.accelerations[i]);
+    found.accelerations[i] = after;
+  }
+}
+
+std::vector<Vector3d> FindAccelerations(const Coefficients<double>& body, const InspectedForces& found) {
+  std::vector<Vector3d> accelerations;
+  for (std::size_t i = 0; i < body.masses.size(); ++i) {
+    const Vector3d sum =
+        found.elastic[i] + found.damping[i] + found.gas[i] + found.weight[i] + found.contact[i] + found.other[i];
+    accelerations.push_back(body.inverseMasses[i] * sum);
+    if (body.planar) accelerations.back().y() = 0;
+  }
+  return accelerations;
+}
+
+}  // namespace
+
+InspectedForces World::InspectForces(BodyId id) const {
+  const Body& body = ReadBody(id);
+  const auto inspect = [&]<class Real>(const State<Real>& state) {
+    const auto& workspace = std::get<Workspace<Real>>(m_engine->workspaces);
+    const auto place = static_cast<std::size_t>(&body - m_bodies.data());
+    const bool wasStepped = place < workspace.members.size() && workspace.members[place].blueprint != nullptr;
+    Subject<Real> subject = MakeSubject<Real>(*this, body);
+    const Vector3d& gravity = wasStepped ? m_engine->gravity : m_settings.gravity;
+    if (wasStepped) {
+      subject.load = workspace.members[place].load;
+      subject.load.pushes = workspace.members[place].pushes;
+    } else {
+      subject.load.acceleration = gravity.cast<Real>();
+      subject.load.stiffnessFactor = static_cast<Real>(body.stiffnessFactor);
+      subject.load.wind = m_settings.wind.cast<Real>();
+    }
+    subject.load.torn = state.torn;
+    for (const Obstacle& obstacle : m_obstacles) {
+      subject.surfaces.push_back(MakeSurface<Real>(obstacle, state.origin));
+    }
+    InspectedForces found{FindElastic(subject),
+                          FindDamping(subject),
+                          FindGas(subject),
+                          FindWeight(subject.blueprint, gravity),
+                          FindContacts(*this, workspace, body, subject),
+                          FindOther(subject, gravity),
+                          {}};
+    found.accelerations = FindAccelerations(subject.blueprint.full, found);
+    if (subject.body.contact.law == ContactLaw::kBacktracking) HoldWhatLies(subject, found);
+    return found;
+  };
+  return std::visit(inspect, body.state);
+}
+
+}  // namespace wobble::physics
