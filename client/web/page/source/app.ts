@@ -38,6 +38,8 @@ import { ReadNow, type Client } from './wire/client';
 import { Connection } from './wire/connection';
 import { EventKind, State, type Vector, type Welcome, type WorldEvent } from './wire/views';
 
+const kFramesToJoin = 3;
+
 export class App {
   readonly connection: Connection;
   readonly stage: Stage;
@@ -105,12 +107,12 @@ export class App {
 
   Start(): void {
     window.wobble = MakeProbe(this);
-    // First the sky: what it takes to get ready must not count as silence.
-    this.DrawFrame();
-    this.connection.Join();
+    let frames = 0;
     const frame = () => {
       requestAnimationFrame(frame);
       this.DrawFrame();
+      // First the sky: what it takes to get ready must not count as silence.
+      if (++frames === kFramesToJoin) this.connection.Join();
     };
     requestAnimationFrame(frame);
   }

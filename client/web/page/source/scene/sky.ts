@@ -17,6 +17,8 @@ const kZenithColour = new Color('#3d8fe0');
 const kNadirColour = new Color('#8fa6c4');
 const kSunColour = new Color('#fff1d6');
 
+const kReflectionSize = 64; // texels of a cube's edge; there is nothing fine in it
+
 const kVertexShader = `
 varying vec3 vDirection;
 void main() {
@@ -47,7 +49,7 @@ float Clouds(vec2 p) {
 void main() {
   vec3 d = normalize(vDirection);
   float up = max(d.z, 0.0);
-  vec3 colour = d.z > 0.0 ? mix(horizon, zenith, pow(up, 0.45)) : mix(horizon, nadir, smoothstep(0.0, 0.7, -d.z));
+  vec3 colour = d.z > 0.0 ? mix(horizon, zenith, 1.0 - exp(-2.8 * up)) : mix(horizon, nadir, smoothstep(0.0, 0.7, -d.z));
   if (d.z > 0.02) {
     float cover = smoothstep(0.46, 0.78, Clouds(1.6 * d.xy / (d.z + 0.12)));
     colour = mix(colour, vec3(1.0), 0.75 * cover * smoothstep(0.02, 0.25, d.z));
@@ -88,7 +90,7 @@ export function MakeReflections(renderer: WebGLRenderer, toSun: Vector3): Textur
   (sky.material as ShaderMaterial).vertexShader = kVertexShader.replace('place.xyww', 'place');
   scene.add(sky);
   const generator = new PMREMGenerator(renderer);
-  const texture = generator.fromScene(scene, 0.04).texture;
+  const texture = generator.fromScene(scene, 0.04, 0.1, 100, { size: kReflectionSize }).texture;
   generator.dispose();
   return texture;
 }
