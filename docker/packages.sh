@@ -1,10 +1,10 @@
 #!/bin/sh
-# The one list of Debian packages that wobble is built, run and tested with, in groups.
+# The one list of Debian packages that wobble is built, run and tested with, in groups; and for the page what npm brings.
 #
 #   sh docker/packages.sh [GROUP...]          install what is missing of these groups (default: server)
-#   sh docker/packages.sh --list [GROUP...]   print the names only
+#   sh docker/packages.sh --list [GROUP...]   print the names of Debian packages only
 #
-# Packages that are there are left alone, so a second run asks for no network and no root.
+# What is there is left alone, so a second run asks for no network and no root.
 set -eu
 
 packages_of() {
@@ -12,11 +12,12 @@ packages_of() {
     server) # what builds and runs wobbled and wobble
       echo "g++ make cmake ninja-build ccache git ca-certificates
             libeigen3-dev libtbb-dev libenet-dev libflatbuffers-dev flatbuffers-compiler
-            libspdlog-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev liblua5.4-dev" ;;
-    test) # the test runner, and a second compiler whose results must be the same bits
-      echo "libgtest-dev libgmock-dev clang-19 libclang-rt-19-dev clang-format" ;;
-    web) # nothing yet: the page comes with its own issue
-      echo "" ;;
+            libspdlog-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev liblua5.4-dev
+            libboost-dev zlib1g-dev" ;;
+    test) # the test runner, a second compiler whose results must be the same bits, and a browser to play in
+      echo "libgtest-dev libgmock-dev clang-19 libclang-rt-19-dev clang-format chromium" ;;
+    web) # what makes the page; a server, and a gateway without a page, need none of it
+      echo "emscripten nodejs npm" ;;
     lab) # what wobble_lab is measured against, and what draws its plots
       echo "libsundials-dev libboost-dev libbullet-dev libdraco-dev libmeshoptimizer-dev
             libzstd-dev valgrind gnuplot-nox" ;;
@@ -26,7 +27,12 @@ packages_of() {
   esac
 }
 
+# Node and npm often come from elsewhere than Debian, and Debian's would then not install beside them.
 is_installed() {
+  case "$1" in
+    nodejs) command -v node >/dev/null 2>&1 && return ;;
+    npm) command -v npm >/dev/null 2>&1 && return ;;
+  esac
   [ "$(dpkg-query -W -f='${Status}' "$1" 2>/dev/null)" = "install ok installed" ]
 }
 
@@ -47,22 +53,38 @@ if [ "$list_only" = yes ]; then
   exit 0
 fi
 
-missing=""
-for package in $wanted; do
-  is_installed "$package" || missing="$missing $package"
-done
-[ -n "$missing" ] || exit 0
+install_missing() {
+  missing=""
+  for package in $wanted; do
+    is_installed "$package" || missing="$missing $package"
+  done
+  [ -n "$missing" ] || return 0
 
-as_root=""
-if [ "$(id -u)" -ne 0 ]; then
-  command -v sudo >/dev/null 2>&1 || {
-    echo "packages.sh: missing:$missing; run as root or install sudo" >&2
-    exit 1
-  }
-  as_root="sudo"
-fi
+  as_root=""
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null 2>&1 || {
+      echo "packages.sh: missing:$missing; run as root or install sudo" >&2
+      exit 1
+    }
+    as_root="sudo"
+  fi
 
-echo "Installing:$missing"
-$as_root apt-get update -qq
-# shellcheck disable=SC2086  # the list is meant to be split
-$as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing
+  echo "Installing:$missing"
+  $as_root apt-get update -qq
+  # shellcheck disable=SC2086  # the list is meant to be split
+  $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing
+}
+
+# What the page and the tests of it are made with, as the lock file has it; again when that has changed since.
+install_modules() {
+  page="$(dirname "$0")/../client/web/page"
+  done_by_npm="$page/node_modules/.package-lock.json"
+  if [ -f "$done_by_npm" ] && [ -z "$(find "$page/package-lock.json" -newer "$done_by_npm")" ]; then return 0; fi
+  echo "Installing: what client/web/page/package-lock.json lists"
+  (cd "$page" && npm ci --ignore-scripts --no-audit --no-fund --loglevel=error)
+}
+
+install_missing
+case " $* " in
+  *" web "*) install_modules ;;
+esac

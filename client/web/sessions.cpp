@@ -1,0 +1,420 @@
+// All of Boost.Beast, in one file because each that includes it takes half a minute to compile; what needs no Beast is
+// in the files beside it.
+//
+// A connection is a Visitor as long as it asks for files, and becomes a Browser when it asks for /play. Both live by
+// the handlers that wait for them, a Browser by the shared list as well. Callbacks rather than coroutines, which this
+// Boost has for one of the two compilers only.
+//
+// A browser is not read before its link to the server stands: what it says meanwhile waits in the system's buffer, and
+// there is no queue here to be filled. No message of a browser is trusted; all limits end in a close with a reason.
+#include "client/web/sessions.h"
+
+#include <algorithm>
+#include <boost/asio.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <chrono>
+#include <cstdio>
+#include <optional>
+#include <span>
+
+#include "client/tool/clock.h"
+#include "client/web/origin.h"
+#include "client/web/outbox.h"
+#include "client/web/rate_limit.h"
+
+namespace wobble::web {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using asio::ip::tcp;
+using asio::ip::udp;
+using boost::system::error_code;
+using std::chrono::seconds;
+using Request = http::request<http::empty_body>;
+
+constexpr std::uint32_t kMaxHeaderBytes = 8 * 1024;
+// For a whole request, and for the next one on the same connection; and for the page over a slow link.
+constexpr seconds kRequestTimeout{10};
+constexpr seconds kResponseTimeout{60};
+// For the rest of what a client sends that is not read: to close at once could destroy the answer on its way.
+constexpr seconds kLingerTimeout{1};
+constexpr seconds kHandshakeTimeout{5};
+// Without a sign of life; a ping is sent after half of it.
+constexpr seconds kIdleTimeout{20};
+// Seconds for a browser to take what waits for it and the close.
+constexpr double kCloseTimeout = 3;
+
+// Scripts, styles and pictures from here alone. WebAssembly counts as a kind of eval, and not all browsers take 'self'
+// to mean a WebSocket too.
+constexpr const char* kContentSecurityPolicy =
+    "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' data: blob:; "
+    "font-src 'self'; connect-src 'self' ws: wss:; manifest-src 'self'; worker-src 'self'; base-uri 'none'; "
+    "form-action 'none'; frame-ancestors 'none'";
+
+std::string_view AsView(beast::string_view text) { return {text.data(), text.size()}; }
+
+}  // namespace
+
+// A browser that plays: its WebSocket, and its link to the server.
+class Browser : public std::enable_shared_from_this<Browser> {
+ public:
+  Browser(Shared& shared, tcp::socket socket, Request request, std::string address, Place place)
+      : m_shared(shared),
+        m_stream(std::move(socket)),
+        m_resolver(m_stream.get_executor()),
+        m_request(std::move(request)),
+        m_address(std::move(address)),
+        m_place(std::move(place)),
+        m_seat(shared.players.Take(m_address)),
+        m_number(++shared.counts.browsers),
+        m_begin(tool::ReadClock()) {}
+
+  void Start();
+  // Several hundred times a second.
+  void Turn(double now);
+
+  enum class Waiting { kDeliver, kDiscard };
+  // Once; later reasons are not heard of.
+  void Close(websocket::close_code code, const std::string& reason, Waiting waiting);
+
+  [[nodiscard]] bool IsOver() const { return m_isOver; }
+
+ private:
+  void OnAccepted(error_code error);
+  void OnResolved(error_code error, const udp::resolver::results_type& results);
+  void Read();
+  void OnRead(error_code error);
+  void Judge(std::span<const std::uint8_t> message);
+  void CutOff(websocket::close_code code, const std::string& reason);
+  void Write();
+  void End(const std::string& reason);
+  void LeaveServer();
+
+  Shared& m_shared;
+  websocket::stream<beast::tcp_stream> m_stream;
+  udp::resolver m_resolver;
+  Request m_request;
+  std::string m_address;
+  Place m_place;
+  Place m_seat;  // null: none was left
+  std::uint64_t m_number;
+  double m_begin;
+
+  std::unique_ptr<ServerLink> m_link;
+  RateLimit m_rate;
+  Outbox m_outbox;
+  Outbox::Message m_sending;
+  beast::flat_buffer m_incoming;
+  std::optional<websocket::close_reason> m_farewell;
+  double m_closeBy = 0;  // with a farewell
+  bool m_isAccepted = false;
+  bool m_isReading = false;
+  bool m_isWriting = false;
+  bool m_isClosing = false;
+  bool m_isOver = false;
+  bool m_hasFlooded = false;
+};
+
+void Browser::Start() {
+  m_stream.set_option(websocket::stream_base::timeout{kHandshakeTimeout, kIdleTimeout, true});
+  m_stream.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
+    response.set(http::field::sec_websocket_protocol, MakeSubprotocol());
+  }));
+  m_stream.read_message_max(kMaxBrowserMessageBytes);
+  m_stream.binary(true);
+  m_stream.auto_fragment(false);
+  // Pings are answered by Beast, and count like messages.
+  m_stream.control_callback([this](websocket::frame_type, beast::string_view text) {
+    if (!m_rate.Allow(text.size(), tool::ReadClock())) m_hasFlooded = true;
+  });
+  m_stream.async_accept(m_request, [self = shared_from_this()](error_code error) { self->OnAccepted(error); });
+}
+
+void Browser::OnAccepted(error_code error) {
+  if (error) return End(error.message());
+  m_isAccepted = true;
+  if (m_farewell) return Write();
+  if (m_seat == nullptr) {
+    ++m_shared.counts.browsersRefused;
+    return Close(websocket::close_code::try_again_later, "all places are taken", Waiting::kDiscard);
+  }
+  std::fprintf(stderr, "browser %llu: %s plays, %zu of %zu\n", static_cast<unsigned long long>(m_number),
+               m_address.c_str(), m_shared.players.CountTaken(), m_shared.options.maxConnections);
+  // Each time anew: a server may have moved since the gateway began.
+  m_resolver.async_resolve(udp::v4(), m_shared.options.server.host, std::to_string(m_shared.options.server.port),
+                           [self = shared_from_this()](error_code failure, const udp::resolver::results_type& results) {
+                             self->OnResolved(failure, results);
+                           });
+}
+
+void Browser::OnResolved(error_code error, const udp::resolver::results_type& results) {
+  if (m_farewell) return;
+  std::string reason = "the server's name is not known";
+  if (!error && !results.empty()) {
+    m_link = ServerLink::Open(results.begin()->endpoint().address().to_string(), m_shared.options.server.port, reason);
+  }
+  if (m_link == nullptr) Close(websocket::close_code::try_again_later, reason, Waiting::kDiscard);
+}
+
+void Browser::Turn(double now) {
+  if (m_link != nullptr) {
+    m_link->Poll(now, m_outbox);
+    if (m_link->HasEnded()) {
+      const bool wasThere = m_link->IsConnected();
+      Close(wasThere ? websocket::close_code::normal : websocket::close_code::try_again_later,
+            wasThere ? "the server has ended the connection" : "the server does not answer", Waiting::kDeliver);
+    } else if (m_link->IsConnected() && !m_isReading) {
+      m_isReading = true;
+      Read();
+    }
+  }
+  if (m_hasFlooded) CutOff(websocket::close_code::policy_error, "too many messages");
+  if (m_outbox.IsOverfull()) CutOff(websocket::close_code::policy_error, "reads too slowly");
+  Write();
+  if (m_farewell && now >= m_closeBy) End("");
+}
+
+void Browser::Read() {
+  m_stream.async_read(m_incoming, [self = shared_from_this()](error_code error, std::size_t) { self->OnRead(error); });
+}
+
+void Browser::OnRead(error_code error) {
+  if (error == websocket::error::closed) return End("left");
+  if (error == websocket::error::message_too_big) {
+    ++m_shared.counts.browsersCutOff;
+    return End("too large a message");  // Beast has closed with 1009
+  }
+  if (error) return End(error.message());
+  if (!m_farewell) Judge({static_cast<const std::uint8_t*>(m_incoming.cdata().data()), m_incoming.size()});
+  m_incoming.consume(m_incoming.size());
+  if (!m_farewell) Read();
+}
+
+void Browser::Judge(std::span<const std::uint8_t> message) {
+  m_shared.counts.bytesUp += message.size();
+  if (!m_stream.got_binary()) return CutOff(websocket::close_code::unknown_data, "text is not understood");
+  if (!m_rate.Allow(message.size(), tool::ReadClock())) {
+    return CutOff(websocket::close_code::policy_error, "too many messages");
+  }
+  switch (m_link->Take(message, m_outbox)) {
+    case ServerLink::Verdict::kGood:
+      break;
+    case ServerLink::Verdict::kTooLarge:
+      return CutOff(websocket::close_code::too_big, "too large a message for its channel");
+    case ServerLink::Verdict::kNotUnderstood:
+      return CutOff(websocket::close_code::policy_error, "a message that is not understood");
+  }
+  Write();
+}
+
+void Browser::CutOff(websocket::close_code code, const std::string& reason) {
+  if (!m_farewell) ++m_shared.counts.browsersCutOff;
+  Close(code, reason, Waiting::kDiscard);
+}
+
+void Browser::Close(websocket::close_code code, const std::string& reason, Waiting waiting) {
+  if (m_farewell || m_isOver) return;
+  m_farewell.emplace(code, reason);
+  m_closeBy = tool::ReadClock() + kCloseTimeout;
+  if (waiting == Waiting::kDiscard) m_outbox.Clear();
+  LeaveServer();
+  Write();
+}
+
+// One message at a time, as Beast has it; the close after the last.
+void Browser::Write() {
+  if (!m_isAccepted || m_isWriting || m_isClosing || m_isOver) return;
+  if (!m_outbox.IsEmpty()) {
+    m_isWriting = true;
+    m_sending = m_outbox.Take();
+    m_shared.counts.bytesDown += m_sending.size();
+    m_stream.async_write(asio::buffer(m_sending), [self = shared_from_this()](error_code error, std::size_t) {
+      self->m_isWriting = false;
+      if (error) return self->End(error.message());
+      self->Write();
+    });
+  } else if (m_farewell) {
+    m_isClosing = true;
+    m_stream.async_close(*m_farewell, [self = shared_from_this()](error_code) { self->End(""); });
+  }
+}
+
+// reason: in words, unless there is a farewell, which tells more.
+void Browser::End(const std::string& reason) {
+  if (m_isOver) return;
+  m_isOver = true;
+  LeaveServer();
+  m_shared.counts.snapshotsDropped += m_outbox.CountDropped();
+  beast::get_lowest_layer(m_stream).close();
+  if (m_seat == nullptr) return;
+  m_seat = nullptr;
+  std::fprintf(stderr, "browser %llu: ended after %.0f s: %s; %llu snapshots dropped\n",
+               static_cast<unsigned long long>(m_number), tool::ReadClock() - m_begin,
+               m_farewell ? m_farewell->reason.c_str() : reason.c_str(),
+               static_cast<unsigned long long>(m_outbox.CountDropped()));
+}
+
+void Browser::LeaveServer() {
+  if (m_link == nullptr) return;
+  m_link->Leave();
+  m_shared.leaving.push_back(std::move(m_link));
+}
+
+namespace {
+
+// A connection that asks for files, until it asks to play.
+class Visitor : public std::enable_shared_from_this<Visitor> {
+ public:
+  Visitor(Shared& shared, tcp::socket socket, std::string address, Place place)
+      : m_shared(shared), m_stream(std::move(socket)), m_address(std::move(address)), m_place(std::move(place)) {}
+
+  void Read();
+
+ private:
+  void OnRead(error_code error);
+  void Answer();
+  void AnswerPlay();
+  void SendFile(const PageFile& file);
+  void SendText(http::status status, std::string_view text);
+  void Send(std::string_view body);
+  void Linger();
+
+  Shared& m_shared;
+  beast::tcp_stream m_stream;
+  std::string m_address;
+  Place m_place;
+  beast::flat_buffer m_buffer;
+  std::optional<http::request_parser<http::empty_body>> m_parser;
+  http::response<http::span_body<const char>> m_response;
+  bool m_isLast = false;  // the connection ends with this answer
+};
+
+void Visitor::Read() {
+  m_parser.emplace();
+  m_parser->header_limit(kMaxHeaderBytes);
+  m_response = {};
+  m_stream.expires_after(kRequestTimeout);
+  http::async_read_header(m_stream, m_buffer, *m_parser,
+                          [self = shared_from_this()](error_code error, std::size_t) { self->OnRead(error); });
+}
+
+void Visitor::OnRead(error_code error) {
+  if (error == http::error::end_of_stream) return Linger();
+  if (error && error.category() != make_error_code(http::error::end_of_stream).category()) return;  // gone, or too slow
+  ++m_shared.counts.requests;
+  m_isLast = error || !m_parser->is_done() || !m_parser->get().keep_alive();
+  if (error == http::error::header_limit) {
+    return SendText(http::status::request_header_fields_too_large, "too large a request\n");
+  }
+  if (error) return SendText(http::status::bad_request, "this is no request\n");
+  Answer();
+}
+
+void Visitor::Answer() {
+  const Request& request = m_parser->get();
+  if (request.method() != http::verb::get && request.method() != http::verb::head) {
+    m_response.set(http::field::allow, "GET, HEAD");
+    m_isLast = true;
+    return SendText(http::status::method_not_allowed, "only GET and HEAD are answered here\n");
+  }
+  if (!m_parser->is_done()) return SendText(http::status::bad_request, "a body is not expected\n");
+  const std::string_view target = AsView(request.target());
+  const std::string_view path = target.substr(0, target.find('?'));
+  if (path == "/play") return AnswerPlay();
+  if (path == "/healthz") return SendText(http::status::ok, "ok\n");
+  const PageFile* file = FindFile(m_shared.page, target);
+  if (file == nullptr) return SendText(http::status::not_found, "there is no such file\n");
+  SendFile(*file);
+}
+
+void Visitor::AnswerPlay() {
+  const Request& request = m_parser->get();
+  if (!websocket::is_upgrade(request)) {
+    m_response.set(http::field::upgrade, "websocket");
+    return SendText(http::status::upgrade_required, "a WebSocket is expected here\n");
+  }
+  if (!IsOriginAllowed(AsView(request[http::field::origin]), AsView(request[http::field::host]),
+                       m_shared.options.origins)) {
+    return SendText(http::status::forbidden, "pages of this origin may not play here\n");
+  }
+  if (!http::token_list(request[http::field::sec_websocket_protocol]).exists(MakeSubprotocol())) {
+    return SendText(http::status::bad_request, "the subprotocol is not offered: load the page again\n");
+  }
+  m_stream.expires_never();
+  const auto browser = std::make_shared<Browser>(m_shared, m_stream.release_socket(), m_parser->release(),
+                                                 std::move(m_address), std::move(m_place));
+  m_shared.browsers.push_back(browser);
+  browser->Start();
+}
+
+void Visitor::SendFile(const PageFile& file) {
+  const bool isCompressed = !file.gzip.empty() && AcceptsGzip(AsView(m_parser->get()[http::field::accept_encoding]));
+  m_response.set(http::field::content_type, beast::string_view(file.type.data(), file.type.size()));
+  m_response.set(http::field::cache_control, file.isForever ? "public, max-age=31536000, immutable" : "no-cache");
+  m_response.set(http::field::vary, "Accept-Encoding");
+  if (isCompressed) m_response.set(http::field::content_encoding, "gzip");
+  Send(isCompressed ? file.gzip : file.bytes);
+}
+
+// text: one that stays, since it is not copied.
+void Visitor::SendText(http::status status, std::string_view text) {
+  if (status != http::status::ok) ++m_shared.counts.requestsRefused;
+  m_response.result(status);
+  m_response.set(http::field::content_type, "text/plain; charset=utf-8");
+  m_response.set(http::field::cache_control, "no-store");
+  Send(text);
+}
+
+void Visitor::Send(std::string_view body) {
+  m_response.version(11);
+  m_response.keep_alive(!m_isLast);
+  m_response.set("X-Content-Type-Options", "nosniff");
+  m_response.set("Content-Security-Policy", kContentSecurityPolicy);
+  m_response.set("Referrer-Policy", "no-referrer");
+  m_response.content_length(body.size());
+  const bool isHeadOnly = m_parser->get().method() == http::verb::head;
+  if (!isHeadOnly) m_response.body() = beast::span<const char>(body.data(), body.size());
+  m_stream.expires_after(kResponseTimeout);
+  http::async_write(m_stream, m_response, [self = shared_from_this()](error_code error, std::size_t) {
+    if (error) return;
+    if (self->m_isLast) return self->Linger();
+    self->Read();
+  });
+}
+
+void Visitor::Linger() {
+  error_code ignored;
+  m_stream.socket().shutdown(tcp::socket::shutdown_send, ignored);
+  m_stream.expires_after(kLingerTimeout);
+  const auto discard = [self = shared_from_this()](const auto& again) -> void {
+    self->m_buffer.clear();
+    self->m_stream.async_read_some(self->m_buffer.prepare(4096), [again, self](error_code error, std::size_t) {
+      if (!error) again(again);
+    });
+  };
+  discard(discard);
+}
+
+}  // namespace
+
+void Greet(Shared& shared, tcp::socket socket, std::string address, Place place) {
+  std::make_shared<Visitor>(shared, std::move(socket), std::move(address), std::move(place))->Read();
+}
+
+void TurnBrowsers(Shared& shared, double now) {
+  for (const std::shared_ptr<Browser>& browser : shared.browsers) browser->Turn(now);
+  std::erase_if(shared.browsers, [](const std::shared_ptr<Browser>& browser) { return browser->IsOver(); });
+}
+
+void CloseBrowsers(Shared& shared) {
+  for (const std::shared_ptr<Browser>& browser : shared.browsers) {
+    browser->Close(websocket::close_code::going_away, "the gateway is closing", Browser::Waiting::kDiscard);
+  }
+}
+
+}  // namespace wobble::web

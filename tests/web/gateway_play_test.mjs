@@ -1,0 +1,185 @@
+// The gateway as a relay: players through it to a real server, and players who misbehave.
+import assert from 'node:assert';
+import crypto from 'node:crypto';
+import net from 'node:net';
+import { after, before } from 'node:test';
+
+import { channels, join, makeHello, Player, serverMessages, subprotocol } from './support/player.mjs';
+import { makePage, removePage, sleep, startGateway, startServer, test, waitFor } from './support/programs.mjs';
+
+let page;
+let server;
+let gateway;
+
+before(async () => {
+  page = makePage({ 'index.html': '<!doctype html><title>wobble</title>' });
+  server = await startServer('--scene', 'arena', '--status', '0.2');
+  gateway = await startGateway(server.address, page);
+});
+after(async () => {
+  await gateway?.program.stop();
+  await server?.program.stop();
+  removePage(page);
+});
+
+test('relays both ways, and the server hears when a browser leaves', async () => {
+  const player = await join(gateway.host);
+  await waitFor('snapshots', () => player.count(channels.snapshot) > 10);
+  assert.ok(player.has(serverMessages.blueprintChunk));
+  assert.equal(player.socket.protocol, subprotocol);
+  assert.equal(server.countClients(), 1);
+  const begin = Date.now();
+  await player.leave();
+  await waitFor('no clients', () => server.countClients() === 0);
+  const seconds = (Date.now() - begin) / 1000;
+  assert.ok(seconds < 4, `${seconds} s`); // a server holds the body of one that is merely silent for 8 s
+});
+
+test('answers pings with the round trip to the server', async () => {
+  const player = await join(gateway.host);
+  player.send(channels.ping, Buffer.from([1, 2, 3, 250]));
+  const answer = await waitFor('an answer', () => player.messages.find((bytes) => bytes[0] === channels.ping));
+  assert.deepEqual([...answer.subarray(0, 5)], [channels.ping, 1, 2, 3, 250]);
+  assert.equal(answer.length, 7);
+  assert.ok(answer.readUInt16LE(5) < 1000);
+  await player.leave();
+});
+
+test('what the server says last is delivered, and then a reason', async () => {
+  const player = new Player(gateway.host);
+  assert.equal(await player.opened, true);
+  assert.deepEqual(await player.closed, { code: 1000, reason: 'the server has ended the connection' });
+  assert.ok(player.has(serverMessages.goodbye)); // no hello within 3 s
+});
+
+test('pages of other origins may not play, unless they are named', async () => {
+  for (const origin of ['http://example.org', `https://${gateway.host}1`, 'null', `http://x@${gateway.host}`]) {
+    assert.equal(await new Player(gateway.host, { origin }).opened, 403, origin);
+  }
+  for (const origin of [`http://${gateway.host}`, `https://${gateway.host.toUpperCase()}`, undefined]) {
+    const player = new Player(gateway.host, { origin });
+    assert.equal(await player.opened, true, origin);
+    await player.leave();
+  }
+  const friends = ['--origin', 'https://friends.example.org', '--origin', 'http://example.org:81'];
+  const open = await startGateway(server.address, page, ...friends);
+  for (const [origin, result] of [['https://friends.example.org', true], ['http://example.org:81', true],
+    ['http://friends.example.org', 403]]) {
+    const player = new Player(open.host, { origin });
+    assert.equal(await player.opened, result, origin);
+    if (result === true) await player.leave();
+  }
+  await open.program.stop();
+});
+
+test('the subprotocol must be offered', async () => {
+  assert.equal(await new Player(gateway.host, { protocols: ['wobble.1'] }).opened, 400);
+  assert.equal(await new Player(gateway.host, { protocols: [] }).opened, 400);
+  const player = new Player(gateway.host, { protocols: ['chat', subprotocol] });
+  assert.equal(await player.opened, true);
+  assert.equal(player.socket.protocol, subprotocol);
+  await player.leave();
+});
+
+test('what is too large, too much or not understood ends a connection with a reason', async () => {
+  const offences = [
+    [1009, '', (player) => player.send(channels.control, Buffer.alloc(4097))],
+    [1009, 'too large a message for its channel', (player) => player.send(channels.input, Buffer.alloc(1201))],
+    [1003, 'text is not understood', (player) => player.socket.send('hello')],
+    [1008, 'a message that is not understood', (player) => player.send(channels.snapshot, Buffer.alloc(10))],
+    [1008, 'a message that is not understood', (player) => player.send(200, Buffer.alloc(10))],
+    [1008, 'a message that is not understood', (player) => player.send(channels.ping, Buffer.alloc(5))],
+    [1008, 'a message that is not understood', (player) => player.socket.send(Buffer.alloc(0))],
+    [1008, 'too many messages', (player) => {
+      for (let i = 0; i < 1200; ++i) player.send(channels.ping, Buffer.alloc(4));
+    }],
+    [1008, 'too many messages', (player) => {
+      for (let i = 0; i < 1200; ++i) player.socket.ping();
+    }],
+  ];
+  for (const [code, reason, offend] of offences) {
+    const player = await join(gateway.host);
+    offend(player);
+    assert.deepEqual(await player.closed, { code, reason });
+  }
+});
+
+test('what an honest page sends is not too much', async () => {
+  const player = await join(gateway.host);
+  for (let i = 0; i < 480; ++i) player.send(channels.ping, Buffer.alloc(4)); // after a link that stood still for 8 s
+  await waitFor('all answers', () => player.count(channels.ping) === 480);
+  for (let i = 0; i < 120; ++i) {
+    player.send(channels.ping, Buffer.alloc(4));
+    await sleep(1000 / 60);
+  }
+  await waitFor('all answers', () => player.count(channels.ping) === 600);
+  await player.leave();
+});
+
+test('there are so many places, and so many for one address', async () => {
+  const small = await startGateway(server.address, page, '--max-connections', '3', '--max-per-address', '2');
+  const players = [await join(small.host), await join(small.host)];
+  const refused = { code: 1013, reason: 'all places are taken' };
+  assert.deepEqual(await new Player(small.host).closed, refused);
+  players.push(await join(small.host, { localAddress: '127.0.0.2' }));
+  assert.deepEqual(await new Player(small.host, { localAddress: '127.0.0.3' }).closed, refused);
+  await players[0].leave();
+  players.push(await join(small.host, { localAddress: '127.0.0.3' })); // a place that is left is free again
+  for (const player of players) await player.leave();
+  assert.equal(await small.program.stop(), 0);
+  assert.match(small.program.lines.at(-1), / 6 browsers, 2 without a place, 0 cut off/);
+});
+
+test('a browser that does not read misses snapshots, and nothing else', async () => {
+  const busy = await startServer('--scene', 'crowd', '--client-kbit', '20000');
+  const through = await startGateway(busy.address, page);
+  const slow = await join(through.host);
+  await waitFor('snapshots', () => slow.count(channels.snapshot) > 10);
+  slow.socket.pause();
+  await sleep(4000);
+  slow.socket.resume();
+  slow.send(channels.ping, Buffer.from([9, 9, 9, 9]));
+  await waitFor('an answer', () => slow.count(channels.ping) === 1);
+  await slow.leave();
+  const line = await through.program.waitForLine(/ended after/);
+  assert.ok(Number(/(\d+) snapshots dropped/.exec(line)[1]) > 10, line);
+  await through.program.stop();
+  await busy.program.stop();
+});
+
+test('random frames harm nobody', async () => {
+  const [, port] = gateway.host.split(':');
+  const witness = await join(gateway.host);
+  const head =
+    `GET /play HTTP/1.1\r\nHost: ${gateway.host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n` +
+    `Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: ${Buffer.alloc(16).toString('base64')}\r\n` +
+    `Sec-WebSocket-Protocol: ${subprotocol}\r\n\r\n`;
+  const hello = Buffer.concat([Buffer.from([0]), makeHello('x')]);
+  for (let i = 0; i < 200; ++i) {
+    const socket = net.connect({ port, host: '127.0.0.1' });
+    socket.on('error', () => {});
+    socket.write(head);
+    await new Promise((resolve) => socket.once('data', resolve));
+    if (i % 2 === 0) socket.write(makeFrame(0x82, hello));
+    const operation = [0x82, 0x02, 0x80, 0x88, 0x89, 0x81, crypto.randomInt(256)][i % 7];
+    const payload = crypto.randomBytes(crypto.randomInt(5000));
+    if (i % 3 === 0) payload[0] = i % 4;
+    socket.write(i % 5 === 0 ? payload : makeFrame(operation, payload));
+    if (i % 11 === 0) socket.destroy();
+    socket.end();
+    socket.resume();
+    await new Promise((resolve) => socket.on('close', resolve));
+  }
+  witness.send(channels.ping, Buffer.alloc(4));
+  await waitFor('an answer', () => witness.count(channels.ping) === 1);
+  await witness.leave();
+});
+
+// A WebSocket frame of a client, masked with zeros.
+function makeFrame(operation, payload) {
+  const head = Buffer.alloc(8);
+  head[0] = operation;
+  head[1] = 0x80 | 126;
+  head.writeUInt16BE(payload.length, 2);
+  return Buffer.concat([head, payload]);
+}

@@ -1,0 +1,103 @@
+// Starts the programs that are tested, on ports of their own, and sees to it that none outlives its test.
+import { spawn } from 'node:child_process';
+import dgram from 'node:dgram';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import * as runner from 'node:test';
+
+const binFolder = process.env.WOBBLE_BIN_DIR ?? path.resolve('build/release/bin');
+const patienceMs = 30_000;
+
+// A test that fails rather than hangs, so that the programs it has started are ended.
+export const test = (name, run) => runner.test(name, { timeout: 2 * patienceMs }, run);
+
+// One program: its lines so far, and its end.
+export class Program {
+  constructor(name, options) {
+    this.lines = [];
+    this.errors = [];
+    this.process = spawn(path.join(binFolder, name), options, { stdio: ['ignore', 'pipe', 'pipe'] });
+    collectLines(this.process.stdout, this.lines);
+    collectLines(this.process.stderr, this.errors);
+    // What the process came to: its exit code, or the name of the signal that ended it.
+    this.end = new Promise((resolve) => this.process.on('close', (code, signal) => resolve(code ?? signal)));
+  }
+
+  // The first line that matches, of standard output or standard error.
+  async waitForLine(pattern) {
+    return await waitFor(`a line ${pattern} of ${this.process.spawnfile}`, () =>
+      [...this.lines, ...this.errors].find((line) => pattern.test(line)),
+    );
+  }
+
+  async stop(signal = 'SIGINT') {
+    this.process.kill(signal);
+    const killer = setTimeout(() => this.process.kill('SIGKILL'), patienceMs);
+    const result = await this.end;
+    clearTimeout(killer);
+    return result;
+  }
+}
+
+function collectLines(stream, lines) {
+  let pending = '';
+  stream.setEncoding('utf8').on('data', (text) => {
+    const parts = (pending + text).split('\n');
+    pending = parts.pop();
+    lines.push(...parts);
+  });
+}
+
+// What `find` returns, once it is neither false nor undefined; it is asked again and again.
+export async function waitFor(what, find) {
+  const end = Date.now() + patienceMs;
+  for (;;) {
+    const found = await find();
+    if (found) return found;
+    if (Date.now() > end) throw new Error(`${what} did not come within ${patienceMs / 1000} s`);
+    await sleep(20);
+  }
+}
+
+export const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+
+// A UDP port that nobody has at the moment.
+export async function findFreePort() {
+  const socket = dgram.createSocket('udp4');
+  await new Promise((resolve) => socket.bind(0, '127.0.0.1', resolve));
+  const { port } = socket.address();
+  await new Promise((resolve) => socket.close(resolve));
+  return port;
+}
+
+// A server that listens: { program, address, countClients }, the last by its newest status line, so it needs --status;
+// -1 where there is none. Untrained, since shapes do not matter here and training takes seconds.
+export async function startServer(...options) {
+  const port = await findFreePort();
+  const program = new Program('wobbled', ['--port', `${port}`, '--untrained', '--log-level', 'info', ...options]);
+  await program.waitForLine(/^listening on UDP port/);
+  const countClients = () => Number(/clients (\d+)/.exec(program.lines.at(-1))?.[1] ?? -1);
+  return { program, address: `127.0.0.1:${port}`, countClients };
+}
+
+// A gateway that listens: { program, host }, host being what a browser has in the address bar.
+export async function startGateway(server, page, ...options) {
+  const program = new Program('wobble', ['gateway', '--http', '0', '--server', server, '--page', page, ...options]);
+  const line = await program.waitForLine(/^open http:\/\/localhost:\d+ /);
+  return { program, host: `localhost:${/localhost:(\d+)/.exec(line)[1]}` };
+}
+
+// A folder with these files, { name: content }, instead of the built page. removePage ends it.
+export function makePage(files) {
+  const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'wobble-page-'));
+  for (const [name, content] of Object.entries(files)) {
+    fs.mkdirSync(path.join(folder, path.dirname(name)), { recursive: true });
+    fs.writeFileSync(path.join(folder, name), content);
+  }
+  return folder;
+}
+
+export function removePage(folder) {
+  fs.rmSync(folder, { recursive: true, force: true });
+}
