@@ -26,7 +26,7 @@ import { CameraMode, OrbitCamera } from './scene/camera';
 import { Eyes } from './scene/eyes';
 import { Labels } from './scene/labels';
 import { Quality } from './scene/quality';
-import { Stage } from './scene/stage';
+import { FindIsSoftware, Stage } from './scene/stage';
 import { Build } from './tools/build';
 import { Cut } from './tools/cut';
 import { Grab } from './tools/grab';
@@ -77,11 +77,11 @@ export class App {
   constructor(module: WobbleModule) {
     const query = new URLSearchParams(location.search);
     const canvas = document.querySelector<HTMLCanvasElement>('#world')!;
-    this.stage = new Stage(canvas);
-    const fixed = query.get('quality');
-    this.quality = new Quality(fixed === null ? null : Number(fixed), this.stage.isSoftware, (level) =>
-      this.stage.ApplyQuality(level),
-    );
+    const asked = query.get('quality');
+    const fixed = asked === null ? null : Number(asked);
+    const isSoftware = FindIsSoftware();
+    this.stage = new Stage(canvas, !isSoftware || fixed !== null);
+    this.quality = new Quality(fixed, isSoftware, (level) => this.stage.ApplyQuality(level));
     this.camera = new OrbitCamera(window.matchMedia('(prefers-reduced-motion: reduce)').matches);
     this.stage.scene.add(this.arena.group, this.bodies.group);
     this.m_eyes = new Eyes(this.stage.scene);

@@ -36,20 +36,15 @@ export class Stage {
   private m_spread = 0;
   private m_shadowFrame = 0;
   private m_quality: QualityLevel | null = null;
-  // Whether the processor draws: two orders of magnitude slower than a graphics card.
-  readonly isSoftware: boolean;
 
-  constructor(canvas: HTMLCanvasElement) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
+  // smooths: edges; it costs software four times the time.
+  constructor(canvas: HTMLCanvasElement, smooths: boolean) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: smooths, powerPreference: 'high-performance' });
     this.renderer.toneMapping = NeutralToneMapping;
     this.renderer.toneMappingExposure = 1.12;
     this.renderer.shadowMap.type = PCFShadowMap;
     this.renderer.shadowMap.autoUpdate = false;
     this.camera.up.set(0, 0, 1);
-    const context = this.renderer.getContext();
-    const names = context.getExtension('WEBGL_debug_renderer_info');
-    const name: unknown = names === null ? '' : context.getParameter(names.UNMASKED_RENDERER_WEBGL);
-    this.isSoftware = /swiftshader|llvmpipe|software|basic render/i.test(String(name));
 
     this.scene.fog = new Fog(kHorizonColour, 45, 260);
     this.scene.environmentIntensity = kReflected;
@@ -123,4 +118,13 @@ export class Stage {
     if (this.m_shadowFrame === 0) this.renderer.shadowMap.needsUpdate = true;
     this.renderer.render(this.scene, this.camera);
   }
+}
+
+// Whether the processor draws: two orders of magnitude slower than a graphics card.
+export function FindIsSoftware(): boolean {
+  const context = document.createElement('canvas').getContext('webgl2');
+  const names = context?.getExtension('WEBGL_debug_renderer_info') ?? null;
+  const name: unknown = context === null || names === null ? '' : context.getParameter(names.UNMASKED_RENDERER_WEBGL);
+  context?.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(String(name));
 }
