@@ -286,11 +286,13 @@ export class App {
   }
 
   private DescribeFall(event: WorldEvent): string {
-    const name = (clientId: number) => (clientId === this.players.ownClient ? 'you' : this.players.FindName(clientId));
     const fallen = this.players.FindByBody(event.body);
-    const who = fallen === null ? event.name : name(fallen.clientId);
-    const text = event.clientId === 0 ? `${who} fell off` : `${name(event.clientId)} pushed ${who} off`;
-    return text.charAt(0).toUpperCase() + text.slice(1);
+    const isOwn = event.body !== 0 && event.body === this.players.ownBody;
+    const name = fallen?.name ?? event.name;
+    if (event.clientId === 0) return isOwn ? 'You fell off' : `${name} fell off`;
+    if (event.clientId === this.players.ownClient) return `You pushed ${name} off`;
+    const pusher = this.players.FindName(event.clientId);
+    return isOwn ? `${pusher} pushed you off` : `${pusher} pushed ${name} off`;
   }
 
   private MoveBody(client: Client, seconds: number): void {

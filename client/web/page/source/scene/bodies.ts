@@ -80,7 +80,7 @@ export class Bodies {
         : isPlayer
           ? MakePlayerColour(body)
           : MakeSceneColour(body);
-    shape.dress.Dress(shape.blueprint, isPlayer, colour);
+    shape.Dress(isPlayer, colour);
   }
 
   private Remove(number: number, shape: BodyShape): void {

@@ -20,6 +20,7 @@ const kAmbient = 0.85;
 const kReflected = 0.35; // light from the sky's picture, where there is one
 const kSunAway = 60; // m
 const kShadowEdge = 3; // texels of the map that a shadow's edge is soft over
+const kBiasTexels = 2.2; // that a surface is lifted by, so as not to lie in its own shadow
 const kNearSpread = 9; // m around the focus that have shadows at least
 const kFarSpread = 45; // and at most
 
@@ -54,8 +55,7 @@ export class Stage {
 
     this.m_sun.castShadow = true;
     this.m_sun.shadow.radius = kShadowEdge;
-    this.m_sun.shadow.bias = -0.0004;
-    this.m_sun.shadow.normalBias = 0.03;
+    this.m_sun.shadow.bias = -0.0006;
     this.m_right.crossVectors(new Vector3(0, 0, 1), kToSun).normalize();
     this.m_up.crossVectors(kToSun, this.m_right);
     this.scene.add(this.m_sun, this.m_sun.target);
@@ -100,6 +100,7 @@ export class Stage {
     target.addScaledVector(this.m_right, Math.round(right / texel) * texel - right);
     target.addScaledVector(this.m_up, Math.round(up / texel) * texel - up);
     this.m_sun.position.copy(target).addScaledVector(kToSun, kSunAway);
+    this.m_sun.shadow.normalBias = kBiasTexels * texel;
   }
 
   private SpreadShadows(spread: number): void {
