@@ -271,6 +271,31 @@ TEST(World, ContactsBetweenBodiesOutliveAChangeOfBlueprint) {
   EXPECT_EQ(play(true), play(false));
 }
 
+// Contacts of vertices and faces that are gone are gone with them: nobody reads past the end of what is left.
+TEST(World, ContactsOfWhatIsGoneAreLetGo) {
+  World world(WorldSettings{});
+  BallDefinition fine;
+  fine.subdivisions = 2;
+  world.AddBlueprint(MakeBall(fine));
+  world.AddObstacle(Obstacle{});
+  const BodyId below = world.AddBody(0, Vector3d(0, 0, 0.6));
+  const BodyId above = world.AddBody(0, Vector3d(0.02, 0.01, 1.9));
+  for (int tick = 0; tick < 120 && !world.ReadBody(above).touchesBody; ++tick) world.Step();
+  for (int tick = 0; tick < 4; ++tick) world.Step();
+  ASSERT_TRUE(world.ReadBody(above).touchesBody);
+  BallDefinition coarse = fine;
+  coarse.subdivisions = 1;
+  const std::vector<std::uint16_t> kept{0, 1, 2, 3, 40, 41};
+  ASSERT_TRUE(world.ReplaceBlueprint(above, MakeBall(coarse), kept));
+  for (const BodyId id : {below, above}) {
+    for (const Vector3d& force : world.InspectForces(id).contact) EXPECT_TRUE(force.allFinite());
+  }
+  for (const auto& contact : std::get<State<float>>(world.ReadBody(above).state).contacts) {
+    EXPECT_LT(contact.vertex, kept.size());
+  }
+  EXPECT_EQ(world.Step().nonFinite, 0U);
+}
+
 TEST(Drive, PushesByTheClockAndWakes) {
   World world(WorldSettings{});
   LatticeDefinition cube;
