@@ -125,7 +125,6 @@ export class App {
       solids: this.arena.solids,
       FindClient: () => this.FindClient(),
       FindWelcome: () => this.welcome,
-      Say: (text) => this.m_toasts.Add(text, true),
     };
   }
 
@@ -263,13 +262,14 @@ export class App {
     this.m_buildPanel.Update(this.m_hands.active === this.m_build);
     this.m_world.Update(this.camera.yaw);
     this.m_hints.Update(now);
-    if (this.welcome!.game !== '') this.m_board.Update(client.ReadScoreboard(), this.players);
+    if (this.welcome!.game !== '') this.m_board.Update(client, this.players, now);
   }
 
   private Welcome(client: Client): void {
     if (this.welcome !== null) return;
     const welcome = client.ReadWelcome()!;
     this.welcome = welcome;
+    document.title = `${welcome.scene} · wobble`;
     this.arena.Build(welcome.obstacles, welcome.grounds);
     this.players.NoteOwn(welcome.clientId, welcome.ownBody, this.connection.name);
     this.camera.Reset(welcome.ownBody !== 0 ? CameraMode.Follow : CameraMode.Orbit);

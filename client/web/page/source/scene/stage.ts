@@ -12,7 +12,7 @@ import {
   Vector3,
   WebGLRenderer,
 } from 'three';
-import { kHorizonColour, MakeReflections, MakeSky } from './sky';
+import { kHorizonColour, MakeReflections, MakeSky, ShowClouds } from './sky';
 import type { QualityLevel } from './quality';
 
 const kToSun = new Vector3(-0.42, -0.36, 0.83).normalize();
@@ -31,6 +31,7 @@ export class Stage {
 
   private readonly m_sun = new DirectionalLight(new Color('#fff0d8'), 2.6);
   private readonly m_ambient = new HemisphereLight(new Color('#dcecff'), new Color('#c9b79d'));
+  private readonly m_sky = MakeSky(kToSun);
   private m_reflections: Texture | null = null;
   private readonly m_right = new Vector3();
   private readonly m_up = new Vector3();
@@ -49,7 +50,7 @@ export class Stage {
 
     this.scene.fog = new Fog(kHorizonColour, 45, 260);
     this.scene.environmentIntensity = kReflected;
-    this.scene.add(MakeSky(kToSun));
+    this.scene.add(this.m_sky);
     this.m_ambient.position.set(0, 0, 1);
     this.scene.add(this.m_ambient);
 
@@ -63,9 +64,10 @@ export class Stage {
 
   ApplyQuality(quality: QualityLevel): void {
     this.m_quality = quality;
-    if (quality.reflects) this.m_reflections ??= MakeReflections(this.renderer, kToSun);
-    this.scene.environment = quality.reflects ? this.m_reflections : null;
-    this.m_ambient.intensity = quality.reflects ? kAmbient : kAmbient + kReflected;
+    if (quality.isRich) this.m_reflections ??= MakeReflections(this.renderer, kToSun);
+    this.scene.environment = quality.isRich ? this.m_reflections : null;
+    ShowClouds(this.m_sky, quality.isRich);
+    this.m_ambient.intensity = quality.isRich ? kAmbient : kAmbient + kReflected;
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, quality.maxPixelRatio) * quality.pixelShare);
     this.renderer.shadowMap.enabled = quality.shadowSize > 0;
     this.m_sun.castShadow = quality.shadowSize > 0;
