@@ -92,6 +92,7 @@ class Browser : public std::enable_shared_from_this<Browser> {
   void Judge(std::span<const std::uint8_t> message);
   void CutOff(websocket::close_code code, const std::string& reason);
   void Write();
+  [[nodiscard]] std::string DescribeEnd(error_code error) const;
   void End(const std::string& reason);
   void LeaveServer();
 
@@ -184,12 +185,11 @@ void Browser::Read() {
 }
 
 void Browser::OnRead(error_code error) {
-  if (error == websocket::error::closed) return End("left");
   if (error == websocket::error::message_too_big) {
     ++m_shared.counts.browsersCutOff;
     return End("too large a message");  // Beast has closed with 1009
   }
-  if (error) return End(error.message());
+  if (error) return End(DescribeEnd(error));
   if (!m_farewell) Judge({static_cast<const std::uint8_t*>(m_incoming.cdata().data()), m_incoming.size()});
   m_incoming.consume(m_incoming.size());
   if (!m_farewell) Read();
@@ -235,13 +235,23 @@ void Browser::Write() {
     m_shared.counts.bytesDown += m_sending.size();
     m_stream.async_write(asio::buffer(m_sending), [self = shared_from_this()](error_code error, std::size_t) {
       self->m_isWriting = false;
-      if (error) return self->End(error.message());
+      if (error) return self->End(self->DescribeEnd(error));
       self->Write();
     });
   } else if (m_farewell) {
     m_isClosing = true;
     m_stream.async_close(*m_farewell, [self = shared_from_this()](error_code) { self->End(""); });
   }
+}
+
+// The system's words for a connection that is gone would tell people nothing; Beast's say what a browser did wrong.
+std::string Browser::DescribeEnd(error_code error) const {
+  // Many a browser says goodbye and is gone before the answer, which then fails.
+  const bool hasLeft = error == websocket::error::closed || m_stream.reason().code != websocket::close_code::none;
+  if (hasLeft) return "left";
+  if (error == beast::error::timeout) return "silent";
+  const bool isGone = error == asio::error::eof || error.category() == boost::system::system_category();
+  return isGone ? "gone" : error.message();
 }
 
 // reason: in words, unless there is a farewell, which tells more.

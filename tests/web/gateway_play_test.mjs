@@ -33,6 +33,7 @@ test('relays both ways, and the server hears when a browser leaves', async () =>
   await waitFor('no clients', () => server.countClients() === 0);
   const seconds = (Date.now() - begin) / 1000;
   assert.ok(seconds < 4, `${seconds} s`); // a server holds the body of one that is merely silent for 8 s
+  await gateway.program.waitForLine(/^browser 1: ended after \d+ s: left; 0 snapshots dropped$/);
 });
 
 test('answers pings with the round trip to the server', async () => {
