@@ -14,7 +14,9 @@ import { makePage, removePage, startGateway, startServer, test, waitFor } from '
 // It is made for browsers and would fetch its other half.
 const glue = pathToFileURL(process.env.WOBBLE_WASM);
 const binary = fs.readFileSync(new URL('wobble.wasm', glue));
-const module = await (await import(glue)).default({
+const module = await (
+  await import(glue)
+).default({
   instantiateWasm: (imports, receive) => {
     WebAssembly.instantiate(binary, imports).then(({ instance }) => receive(instance));
     return {};

@@ -31,11 +31,13 @@ async function withScene(scene, play) {
 
 test('the files are few and small', () => {
   const files = fs.readdirSync(pageFolder, { recursive: true }).map((name) => path.join(pageFolder, name));
-  const sizes = files.filter((name) => fs.statSync(name).isFile()).map((name) => {
-    const bytes = fs.readFileSync(name);
-    if (name.endsWith('.wasm')) assert.ok(bytes.length <= 150_000, `${name}: ${bytes.length} bytes`);
-    return zlib.gzipSync(bytes).length;
-  });
+  const sizes = files
+    .filter((name) => fs.statSync(name).isFile())
+    .map((name) => {
+      const bytes = fs.readFileSync(name);
+      if (name.endsWith('.wasm')) assert.ok(bytes.length <= 150_000, `${name}: ${bytes.length} bytes`);
+      return zlib.gzipSync(bytes).length;
+    });
   assert.ok(sizes.length >= 4, pageFolder);
   const sum = sizes.reduce((a, b) => a + b, 0);
   assert.ok(sum <= 1_000_000, `${sum} bytes`);

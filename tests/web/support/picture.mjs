@@ -7,7 +7,9 @@ const kSignatureBytes = 8;
 export function readPicture(png) {
   const view = new DataView(png.buffer, png.byteOffset, png.byteLength);
   const parts = [];
-  let width = 0, height = 0, channels = 0;
+  let width = 0,
+    height = 0,
+    channels = 0;
   for (let at = kSignatureBytes; at < png.length; at += 12 + view.getUint32(at)) {
     const size = view.getUint32(at);
     const type = png.toString('latin1', at + 4, at + 8);
@@ -18,7 +20,12 @@ export function readPicture(png) {
     }
     if (type === 'IDAT') parts.push(png.subarray(at + 8, at + 8 + size));
   }
-  return { width, height, channels, pixels: undoFilters(zlib.inflateSync(Buffer.concat(parts)), width, height, channels) };
+  return {
+    width,
+    height,
+    channels,
+    pixels: undoFilters(zlib.inflateSync(Buffer.concat(parts)), width, height, channels),
+  };
 }
 
 // Each row begins with a byte that says by what it was predicted: left, above, both, or Paeth's choice.
@@ -47,7 +54,8 @@ function choosePaeth(left, above, corner) {
 
 // Share of the pixels in the middle third of both that differ by more than noise.
 export function findDifference(a, b) {
-  let count = 0, different = 0;
+  let count = 0,
+    different = 0;
   for (let y = Math.floor(a.height / 3); y < (2 * a.height) / 3; ++y) {
     for (let x = Math.floor(a.width / 3); x < (2 * a.width) / 3; ++x) {
       const at = (y * a.width + x) * a.channels;
