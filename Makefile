@@ -3,13 +3,13 @@ FOR ?= 0
 
 .PHONY: play test lab format
 play:
-	@sh docker/packages.sh server
+	@sh docker/packages.sh server web
 	@cmake --preset release --log-level=WARNING
 	@cmake --build --preset release --target programs
 	@build/release/bin/wobble play --for $(FOR)
 
 test:
-	@sh docker/packages.sh server test lab
+	@sh docker/packages.sh server web test lab
 	@cmake --workflow --preset asan
 	@cmake --workflow --preset release
 

@@ -32,7 +32,7 @@ std::string Tuning::Tune(const TuneCommand& command, bool isHost, physics::World
       if (error.empty()) world.SetGravity(m_gravity = command.value);
       break;
     case Kind::kStiffness:
-      error = CheckRange("stiffness", value, physics::kLeastStiffnessFactor, physics::kMostStiffnessFactor, " times");
+      error = CheckRange("stiffness", value, kLeastStiffness, kMostStiffness, " times");
       if (error.empty()) world.SetStiffnessFactor(m_stiffness = value);
       break;
     case Kind::kTimeRate:

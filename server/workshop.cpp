@@ -11,6 +11,11 @@ using physics::GraphEdit;
 using physics::Vector3d;
 
 constexpr double kUpdateTime = 0.2;  // s from one blueprint to the next
+// Changes within that time, of all players together: each takes half a millisecond of a large graph. Twenty sliders
+// that are dragged at once do not reach it.
+constexpr int kMostChanges = 40;
+
+constexpr const char* kBusy = "too many are building at once; try again";
 
 std::ptrdiff_t Find(const std::vector<PartTag>& tags, std::uint16_t number) {
   const auto found = std::ranges::find(tags, number, &PartTag::number);
@@ -56,6 +61,7 @@ Workshop::Workshop(const scenes::WorkshopRules& rules, physics::BodyId body, con
 
 std::string Workshop::Build(ClientId client, const BuildCommand& command, const physics::World& world) {
   using Kind = BuildCommand::Kind;
+  if (m_changes >= kMostChanges) return kBusy;
   if (command.kind == Kind::kAddParticle) return AddParticle(client, command, world);
   if (command.kind == Kind::kAddSpring) return AddSpring(client, command, world);
   const bool isSpring = command.kind == Kind::kSetSpring || command.kind == Kind::kRemoveSpring;
@@ -103,6 +109,7 @@ std::string Workshop::AddSpring(ClientId client, const BuildCommand& command, co
 std::string Workshop::Cut(const physics::Blade& blade, const physics::World& world) {
   const std::vector<Vector3d> places = FindPlaces(world);
   for (std::size_t i = m_springs.size(); i-- > 0;) {
+    if (m_changes >= kMostChanges) return kBusy;
     const physics::Spring<double>& spring = m_draft.full.springs[i];
     if (!physics::IsCrossed(places[spring.a], places[spring.b], blade)) continue;
     if (std::string error = Take(RemoveSpring(m_draft, i), 0); !error.empty()) return error;
@@ -112,6 +119,7 @@ std::string Workshop::Cut(const physics::Blade& blade, const physics::World& wor
 
 std::string Workshop::Take(GraphEdit&& edit, ClientId client) {
   if (!edit.errors.empty()) return Describe(edit.errors);
+  ++m_changes;
   const std::size_t particles = edit.blueprint.rest.size();
   const std::size_t springs = edit.blueprint.full.springs.size();
   KeepPlaces(edit.keptParticles);
@@ -151,8 +159,11 @@ std::vector<Vector3d> Workshop::FindPlaces(const physics::World& world) const {
 }
 
 bool Workshop::Update(physics::World& world) {
-  m_sinceChange += world.Settings().tickDuration;
-  if (!m_changed || m_sinceChange < kUpdateTime) return false;
+  m_sinceUpdate += world.Settings().tickDuration;
+  if (m_sinceUpdate < kUpdateTime) return false;
+  m_sinceUpdate = 0;
+  m_changes = 0;
+  if (!m_changed) return false;
   const std::vector<Vector3d> places = FindPlaces(world);
   if (!world.ReplaceBlueprint(m_body, m_draft, m_kept)) return false;  // all slots are taken: at the next tick perhaps
   std::vector<Vector3d> velocities;
@@ -168,7 +179,6 @@ bool Workshop::Update(physics::World& world) {
   m_shownParticles = m_particles;
   m_shownSprings = m_springs;
   m_changed = false;
-  m_sinceChange = 0;
   return true;
 }
 

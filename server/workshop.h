@@ -62,7 +62,8 @@ class Workshop {
   std::vector<PartTag> m_shownParticles;
   std::vector<PartTag> m_shownSprings;
   bool m_changed = false;
-  double m_sinceChange = 0;  // s
+  int m_changes = 0;         // since the last update
+  double m_sinceUpdate = 0;  // s
   std::uint16_t m_lastNumber = 0;
 };
 

@@ -128,9 +128,9 @@ void Hands::Tune(char32_t key, client::Client& client) {
   };
   switch (key) {
     case U'1':
-      return scale(TuneKind::Stiffness, now.stiffness / kStiffnessStep, 0.25F, 4);
+      return scale(TuneKind::Stiffness, now.stiffness / kStiffnessStep, 0.5F, 4);
     case U'2':
-      return scale(TuneKind::Stiffness, now.stiffness * kStiffnessStep, 0.25F, 4);
+      return scale(TuneKind::Stiffness, now.stiffness * kStiffnessStep, 0.5F, 4);
     case U'3':
       return scale(TuneKind::TimeRate, now.timeRate * kTimeStep, 0.1F, 1);
     case U'4':

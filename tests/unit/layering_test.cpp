@@ -64,7 +64,7 @@ const std::vector<Layer> kLayers{
     {"client/bots/", {"client/", "protocol/"}, Join(kSystem, {"CLI/", "lua.hpp", "nlohmann/"}), {}},
     {"client/tool/", {"client/", "protocol/"}, Join(kSystem, {"CLI/"}), {}},
     {"client/terminal/", {"client/", "protocol/"}, Join(kSystem, {"CLI/"}), {}},
-    {"client/web/", {"client/", "protocol/"}, Join(kSystem, {"CLI/", "boost/", "emscripten"}), {}},
+    {"client/web/", {"client/", "protocol/"}, Join(kSystem, {"CLI/", "boost/", "emscripten", "zlib.h"}), {}},
     {"client/link/", {"client/", "protocol/"}, Join(kSystem, {"CLI/"}), {}},
     // A developer copies it: what it includes is all there is to know.
     {"client/example.cpp", {"client/client.h", "protocol/transport/enet_transport.h"}, {}, {}},

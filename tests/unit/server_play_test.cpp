@@ -329,6 +329,22 @@ TEST(Play, BuildingIsBoundedAndRefusedInWords) {
   EXPECT_EQ(FindShown(game, client).blueprint->particles.size(), 5U);
 }
 
+TEST(Play, AFloodOfChangesIsToldToComeAgain) {
+  Game game(test::MakeYard(kWorkshop));
+  client::Client& client = game.AddClient();
+  const Notices notices(client);
+  game.Run(1);
+  const std::uint16_t number = FindShown(game, client).blueprint->particles[1].number();
+  for (int i = 0; i < 55; ++i)
+    client.Build({.kind = BuildKind::SetParticle, .a = number, .mass = 1.0F + 0.01F * static_cast<float>(i)});
+  game.Run(1);
+  ASSERT_FALSE(notices.lines.empty());
+  EXPECT_NE(notices.lines[0].find("try again"), std::string::npos);
+  client.Build({.kind = BuildKind::SetParticle, .a = number, .mass = 3});
+  game.Run(0.5);
+  EXPECT_EQ(FindShown(game, client).blueprint->particles[1].mass(), 3) << "it is heard again";
+}
+
 TEST(Play, ACutInTheWorkshopTakesSpringsAway) {
   Game game(test::MakeYard(kWorkshop));
   client::Client& client = game.AddClient();

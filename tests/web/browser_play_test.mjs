@@ -39,6 +39,12 @@ async function waitForRest(page, body, span) {
   return await probe(page, 'position', body);
 }
 
+const readVertices = (page, body) =>
+  page.tab.evaluate((body) => {
+    const { vertices = 0 } = window.wobble.bodies().find((each) => each.body === body) ?? {};
+    return Array.from({ length: vertices }, (_, i) => window.wobble.vertex(body, i));
+  }, body);
+
 test('a key moves the body, in the world and to the eye', () =>
   play('sandbox', async (page) => {
     const { body } = await findOwn(page);
@@ -97,11 +103,11 @@ test('what one grabs and lifts rises for the others too', () =>
 async function findBallInReach(page, own) {
   return await page.tab.evaluate((own) => {
     const { x, y, z } = window.wobble.position(own);
-    const eye = window.wobble.project({ x, y, z });
+    const eye = window.wobble.place({ x, y, z });
     const balls = window.wobble
       .bodies()
       .filter(({ name }) => name === 'ball')
-      .map(({ body, at }) => ({ ball: body, at, place: window.wobble.project(at) }))
+      .map(({ body, at }) => ({ ball: body, at, place: window.wobble.place(at) }))
       .filter(({ place }) => document.elementFromPoint(place.x, place.y)?.id === 'world')
       .filter(({ place }) => Math.hypot(place.x - eye.x, place.y - eye.y) > 60);
     const away = ({ at }) => Math.hypot(at.x - x, at.y - y, at.z - z);
@@ -130,8 +136,8 @@ test('a cloth that one cuts is torn for everybody', () =>
 
     await page.tab.keyboard.press('Digit2');
     assert.equal(await page.tab.getByRole('button', { name: /^Cut/ }).getAttribute('aria-pressed'), 'true');
-    const from = await probe(page, 'project', { x: -2.6, y: 0, z: 1.5 });
-    const to = await probe(page, 'project', { x: -0.4, y: 0, z: 1.5 });
+    const from = await probe(page, 'place', { x: -2.6, y: 0, z: 1.5 });
+    const to = await probe(page, 'place', { x: -0.4, y: 0, z: 1.5 });
     await page.tab.mouse.move(from.x, from.y);
     await page.tab.mouse.down();
     await page.tab.mouse.move(to.x, to.y, { steps: 12 });
@@ -148,10 +154,10 @@ test('a cloth that one cuts is torn for everybody', () =>
 
 // The balls that tear the curtain to begin with have set it swinging.
 async function waitForStill(page, body) {
-  let before = await probe(page, 'vertices', body);
+  let before = await readVertices(page, body);
   await waitFor('stillness', async () => {
     await sleep(300);
-    const at = await probe(page, 'vertices', body);
+    const at = await readVertices(page, body);
     const away = at.map((each, i) => Math.hypot(each.x - before[i].x, each.y - before[i].y, each.z - before[i].z));
     before = at;
     return Math.max(...away) < 0.15;
@@ -173,8 +179,8 @@ async function waitForSame(count) {
 
 // Where a body is seen, as far as it is seen.
 async function findBox(page, body) {
-  return await page.tab.evaluate((body) => {
-    const places = window.wobble.vertices(body).map(window.wobble.project);
+  return await page.tab.evaluate((vertices) => {
+    const places = vertices.map(window.wobble.place);
     const range = (values, least, most) => {
       const from = Math.max(least, Math.floor(Math.min(...values)));
       return [from, Math.min(most, Math.ceil(Math.max(...values))) - from];
@@ -182,7 +188,7 @@ async function findBox(page, body) {
     const [x, width] = range(places.map((place) => place.x), 0, window.innerWidth);
     const [y, height] = range(places.map((place) => place.y), 0, window.innerHeight);
     return { x, y, width, height };
-  }, body);
+  }, await readVertices(page, body));
 }
 
 test('what one builds is there for everybody, and so is slow motion', () =>
@@ -211,19 +217,30 @@ test('what one builds is there for everybody, and so is slow motion', () =>
 
 // A place on the screen behind which is nothing but floor, away from all particles.
 async function findFreeFloor(page, workshop) {
-  return await page.tab.evaluate((workshop) => {
+  return await page.tab.evaluate((vertices) => {
     const { x, y } = window.wobble.position(window.wobble.state().ownBody);
-    const taken = window.wobble.vertices(workshop).map(window.wobble.project);
+    const taken = vertices.map(window.wobble.place);
     for (const ahead of [0.5, 1, 1.5, 2]) {
       for (const aside of [-2, 2, -1.5, 1.5]) {
-        const place = window.wobble.project({ x: x + aside, y: y + ahead, z: 0 });
+        const place = window.wobble.place({ x: x + aside, y: y + ahead, z: 0 });
         const isFree = taken.every((each) => Math.hypot(each.x - place.x, each.y - place.y) > 40);
         if (isFree && document.elementFromPoint(place.x, place.y)?.id === 'world') return place;
       }
     }
     throw new Error('no free floor in view');
-  }, workshop);
+  }, await readVertices(page, workshop));
 }
+
+test('the forces on a body are shown on request', () =>
+  play('sumo', async (page) => {
+    const { body } = await findOwn(page);
+    await page.tab.keyboard.press('KeyV');
+    await page.tab.getByRole('button', { name: 'Show forces as arrows' }).click();
+    await waitFor('its weight', async () => {
+      const forces = await probe(page, 'forces');
+      return forces.body === body && forces.kinds.includes('Weight');
+    });
+  }, {}));
 
 test('sumo shows how it stands, and who fell', () =>
   play('sumo', async (page, world) => {

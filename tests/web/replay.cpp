@@ -18,7 +18,7 @@
 namespace {
 
 using wobble::client::Client;
-using wobble::web::WebSocketTransport;
+using wobble::wasm::WebSocketTransport;
 
 constexpr double kBetween = 0.001;                    // s from a message to the next
 constexpr std::uint32_t kLongestMessage = 1U << 24U;  // bytes, more is no message
@@ -38,7 +38,7 @@ void Replay(std::istream& from) {
   WebSocketTransport& transport = *owned;
   double now = 0;
   Client client(std::move(owned), {}, now);
-  wobble::web::DecodedHash hash;
+  wobble::wasm::DecodedHash hash;
   client.OnDecoded([&](const wobble::client::DecodedPatch& patch) { hash.Add(patch); });
   transport.Open();
 

@@ -6,7 +6,7 @@
 
 #include "client/client.h"
 
-namespace wobble::web {
+namespace wobble::wasm {
 
 // FNV-1a, 64 bits, over each record's body, tick, pose and vertices as they lie in memory; little-endian machines all.
 class DecodedHash {
@@ -28,4 +28,4 @@ class DecodedHash {
   std::uint64_t m_value = 0xCBF29CE484222325U;
 };
 
-}  // namespace wobble::web
+}  // namespace wobble::wasm

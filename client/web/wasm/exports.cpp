@@ -13,7 +13,7 @@
 
 using wobble::client::Hand;
 using wobble::protocol::Vector3;
-using wobble::web::Session;
+using wobble::wasm::Session;
 
 extern "C" {
 
@@ -24,6 +24,8 @@ EMSCRIPTEN_KEEPALIVE void DestroySession(Session* session) { delete session; }
 EMSCRIPTEN_KEEPALIVE std::uint8_t* PrepareInput(Session* session, std::size_t size) {
   return session->PrepareInput(size);
 }
+
+EMSCRIPTEN_KEEPALIVE int ReadProtocolVersion() { return wobble::protocol::kProtocolVersion; }
 
 // The socket.
 EMSCRIPTEN_KEEPALIVE void OpenSocket(Session* session) { session->Transport().Open(); }
@@ -89,7 +91,7 @@ EMSCRIPTEN_KEEPALIVE void Tune(Session* session, unsigned kind, float x, float y
 }
 // A BuildRequest lies in the input.
 EMSCRIPTEN_KEEPALIVE void Build(Session* session) {
-  wobble::web::BuildRequest request;
+  wobble::wasm::BuildRequest request;
   const auto input = session->Input(sizeof request);
   if (input.size() == sizeof request) std::memcpy(&request, input.data(), sizeof request);
   session->Build(request);

@@ -7,7 +7,7 @@
 
 #include "protocol/messages.h"
 
-namespace wobble::web {
+namespace wobble::wasm {
 
 using Address = std::uint32_t;  // of linear memory; natively only its low half, so tests do not follow it
 
@@ -154,4 +154,4 @@ struct BuildRequest {
 };
 static_assert(sizeof(BuildRequest) == 11 * 4);
 
-}  // namespace wobble::web
+}  // namespace wobble::wasm

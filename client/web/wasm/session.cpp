@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace wobble::web {
+namespace wobble::wasm {
 namespace {
 
 constexpr std::size_t kMaxEvents = 1024;  // a page that takes none keeps the newest
@@ -161,4 +161,4 @@ void Session::Build(const BuildRequest& request) {
   m_client.Build(fields);
 }
 
-}  // namespace wobble::web
+}  // namespace wobble::wasm

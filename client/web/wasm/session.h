@@ -14,7 +14,7 @@
 #include "client/web/wasm/shown_bodies.h"
 #include "client/web/wasm/web_socket_transport.h"
 
-namespace wobble::web {
+namespace wobble::wasm {
 
 class Session {
  public:
@@ -68,7 +68,7 @@ class Session {
   ScoreboardView m_scoreboardView;
   std::vector<ForceFieldView> m_fieldViews;
   ForcesView m_forcesView;
-  web::DecodedHash m_decoded;
+  wasm::DecodedHash m_decoded;
 };
 
-}  // namespace wobble::web
+}  // namespace wobble::wasm

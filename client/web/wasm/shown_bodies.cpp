@@ -6,7 +6,7 @@
 #include <cstring>
 #include <iterator>
 
-namespace wobble::web {
+namespace wobble::wasm {
 namespace {
 
 template <typename Map>
@@ -100,4 +100,4 @@ void FindNormals(std::span<const protocol::Vector3> vertices, std::span<const st
   }
 }
 
-}  // namespace wobble::web
+}  // namespace wobble::wasm

@@ -10,7 +10,7 @@
 #include "client/client.h"
 #include "client/web/wasm/layout.h"
 
-namespace wobble::web {
+namespace wobble::wasm {
 
 class ShownBodies {
  public:
@@ -50,4 +50,4 @@ class ShownBodies {
 void FindNormals(std::span<const protocol::Vector3> vertices, std::span<const std::array<std::uint16_t, 3>> faces,
                  std::vector<protocol::Vector3>& normals);
 
-}  // namespace wobble::web
+}  // namespace wobble::wasm

@@ -6,17 +6,13 @@
 
 #include "protocol/limits.h"
 
-namespace wobble::web {
+namespace wobble::wasm {
 namespace {
 
 constexpr std::size_t kMaxQueued = 4096;  // messages, each way
 constexpr std::size_t kChannelByte = 1;
 
 }  // namespace
-
-void WebSocketTransport::Close() {
-  if (m_state != State::kClosed) m_state = State::kClosing;
-}
 
 void WebSocketTransport::Receive(std::span<const std::uint8_t> message) {
   m_statistics.bytesIn += message.size();
@@ -44,7 +40,7 @@ void WebSocketTransport::TakeOutgoing() {
 
 void WebSocketTransport::Poll(double, const Sink& sink) {
   using Kind = transport::Event::Kind;
-  if (m_state == State::kOpening) {
+  if (m_state == State::kConnecting && m_hasOpened) {
     m_state = State::kOpen;
     sink({Kind::kConnected, kConnection, transport::Channel::kControl, {}});
   }
@@ -53,7 +49,7 @@ void WebSocketTransport::Poll(double, const Sink& sink) {
     m_incoming.pop_front();
     sink({Kind::kMessage, kConnection, message.channel, message.bytes});
   }
-  if (m_state == State::kClosing) {
+  if (m_state != State::kClosed && m_hasClosed) {
     m_state = State::kClosed;
     sink({Kind::kDisconnected, kConnection, transport::Channel::kControl, {}});
   }
@@ -77,4 +73,4 @@ void WebSocketTransport::Disconnect(transport::ConnectionId connection) {
   if (connection == kConnection) m_isCloseAsked = true;
 }
 
-}  // namespace wobble::web
+}  // namespace wobble::wasm

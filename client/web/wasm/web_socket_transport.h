@@ -11,15 +11,15 @@
 
 #include "protocol/transport/transport.h"
 
-namespace wobble::web {
+namespace wobble::wasm {
 
 class WebSocketTransport final : public transport::Transport {
  public:
   static constexpr transport::ConnectionId kConnection = 1;
 
   // What the script does. A message is a byte that names its channel, and then the message as ENet would carry it.
-  void Open() { m_state = m_state == State::kConnecting ? State::kOpening : m_state; }
-  void Close();
+  void Open() { m_hasOpened = true; }
+  void Close() { m_hasClosed = true; }
   void Receive(std::span<const std::uint8_t> message);
   // Seconds there and back, to the game's server.
   void SetRoundTrip(double seconds) { m_roundTrip = seconds; }
@@ -38,7 +38,7 @@ class WebSocketTransport final : public transport::Transport {
   [[nodiscard]] double ReadRoundTrip(transport::ConnectionId) const override { return m_roundTrip; }
 
  private:
-  enum class State { kConnecting, kOpening, kOpen, kClosing, kClosed };
+  enum class State { kConnecting, kOpen, kClosed };
   using Bytes = std::vector<std::uint8_t>;
   // Apart from its channel: FlatBuffers takes no message that is not aligned.
   struct Incoming {
@@ -46,7 +46,9 @@ class WebSocketTransport final : public transport::Transport {
     Bytes bytes;
   };
 
-  State m_state = State::kConnecting;
+  State m_state = State::kConnecting;  // as the client has been told
+  bool m_hasOpened = false;
+  bool m_hasClosed = false;
   bool m_isCloseAsked = false;
   double m_roundTrip = 0;
   std::deque<Incoming> m_incoming;
@@ -54,4 +56,4 @@ class WebSocketTransport final : public transport::Transport {
   transport::Statistics m_statistics;
 };
 
-}  // namespace wobble::web
+}  // namespace wobble::wasm

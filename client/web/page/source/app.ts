@@ -26,7 +26,7 @@ import { CameraMode, OrbitCamera } from './scene/camera';
 import { Eyes } from './scene/eyes';
 import { Labels } from './scene/labels';
 import { Quality } from './scene/quality';
-import { Stage } from './scene/stage';
+import { FindIsSoftware, Stage } from './scene/stage';
 import { Build } from './tools/build';
 import { Cut } from './tools/cut';
 import { Grab } from './tools/grab';
@@ -37,6 +37,8 @@ import type { Bench } from './tools/tool';
 import { ReadNow, type Client } from './wire/client';
 import { Connection } from './wire/connection';
 import { EventKind, State, type Vector, type Welcome, type WorldEvent } from './wire/views';
+
+const kFramesToJoin = 3;
 
 export class App {
   readonly connection: Connection;
@@ -75,11 +77,11 @@ export class App {
   constructor(module: WobbleModule) {
     const query = new URLSearchParams(location.search);
     const canvas = document.querySelector<HTMLCanvasElement>('#world')!;
-    this.stage = new Stage(canvas);
-    const fixed = query.get('quality');
-    this.quality = new Quality(fixed === null ? null : Number(fixed), this.stage.isSoftware, (level) =>
-      this.stage.ApplyQuality(level),
-    );
+    const asked = query.get('quality');
+    const fixed = asked === null ? null : Number(asked);
+    const isSoftware = FindIsSoftware();
+    this.stage = new Stage(canvas, !isSoftware || fixed !== null);
+    this.quality = new Quality(fixed, isSoftware, (level) => this.stage.ApplyQuality(level));
     this.camera = new OrbitCamera(window.matchMedia('(prefers-reduced-motion: reduce)').matches);
     this.stage.scene.add(this.arena.group, this.bodies.group);
     this.m_eyes = new Eyes(this.stage.scene);
@@ -105,12 +107,12 @@ export class App {
 
   Start(): void {
     window.wobble = MakeProbe(this);
-    // First the sky: what it takes to get ready must not count as silence.
-    this.DrawFrame();
-    this.connection.Join();
+    let frames = 0;
     const frame = () => {
       requestAnimationFrame(frame);
       this.DrawFrame();
+      // First the sky: what it takes to get ready must not count as silence.
+      if (++frames === kFramesToJoin) this.connection.Join();
     };
     requestAnimationFrame(frame);
   }
@@ -123,7 +125,6 @@ export class App {
       solids: this.arena.solids,
       FindClient: () => this.FindClient(),
       FindWelcome: () => this.welcome,
-      Say: (text) => this.m_toasts.Add(text, true),
     };
   }
 
@@ -261,13 +262,14 @@ export class App {
     this.m_buildPanel.Update(this.m_hands.active === this.m_build);
     this.m_world.Update(this.camera.yaw);
     this.m_hints.Update(now);
-    if (this.welcome!.game !== '') this.m_board.Update(client.ReadScoreboard(), this.players);
+    if (this.welcome!.game !== '') this.m_board.Update(client, this.players, now);
   }
 
   private Welcome(client: Client): void {
     if (this.welcome !== null) return;
     const welcome = client.ReadWelcome()!;
     this.welcome = welcome;
+    document.title = `${welcome.scene} · wobble`;
     this.arena.Build(welcome.obstacles, welcome.grounds);
     this.players.NoteOwn(welcome.clientId, welcome.ownBody, this.connection.name);
     this.camera.Reset(welcome.ownBody !== 0 ? CameraMode.Follow : CameraMode.Orbit);
@@ -284,11 +286,13 @@ export class App {
   }
 
   private DescribeFall(event: WorldEvent): string {
-    const name = (clientId: number) => (clientId === this.players.ownClient ? 'you' : this.players.FindName(clientId));
     const fallen = this.players.FindByBody(event.body);
-    const who = fallen === null ? event.name : name(fallen.clientId);
-    const text = event.clientId === 0 ? `${who} fell off` : `${name(event.clientId)} pushed ${who} off`;
-    return text.charAt(0).toUpperCase() + text.slice(1);
+    const isOwn = event.body !== 0 && event.body === this.players.ownBody;
+    const name = fallen?.name ?? event.name;
+    if (event.clientId === 0) return isOwn ? 'You fell off' : `${name} fell off`;
+    if (event.clientId === this.players.ownClient) return `You pushed ${name} off`;
+    const pusher = this.players.FindName(event.clientId);
+    return isOwn ? `${pusher} pushed you off` : `${pusher} pushed ${name} off`;
   }
 
   private MoveBody(client: Client, seconds: number): void {

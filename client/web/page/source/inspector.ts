@@ -3,7 +3,10 @@
 import type { ViewPanel } from './hud/view_panel';
 import type { Players } from './players';
 import type { Arrows } from './scene/arrows';
-import type { Client } from './wire/client';
+import { ReadNow, type Client } from './wire/client';
+import type { Forces } from './wire/views';
+
+const kReadEvery = 0.08; // s; the server sends ten times a second
 
 export class Inspector {
   private readonly m_panel: ViewPanel;
@@ -11,6 +14,8 @@ export class Inspector {
   private readonly m_players: Players;
   private m_clicked = 0;
   private m_asked = 0;
+  private m_forces: Forces | null = null;
+  private m_nextRead = 0;
 
   constructor(panel: ViewPanel, arrows: Arrows, players: Players) {
     this.m_panel = panel;
@@ -25,6 +30,7 @@ export class Inspector {
   // Another world.
   Clear(): void {
     this.m_clicked = this.m_asked = 0;
+    this.m_forces = null;
     this.m_arrows.Hide();
   }
 
@@ -41,9 +47,17 @@ export class Inspector {
       this.m_arrows.Hide();
       return;
     }
-    const forces = client.ReadForces();
+    const forces = this.ReadForces(client);
     if (forces.body === wanted) this.m_arrows.Update(forces, body, client.ReadFloats(), this.m_panel.shown);
     else this.m_arrows.Hide();
+  }
+
+  private ReadForces(client: Client): Forces {
+    const now = ReadNow();
+    if (this.m_forces !== null && now < this.m_nextRead) return this.m_forces;
+    this.m_nextRead = now + kReadEvery;
+    this.m_forces = client.ReadForces();
+    return this.m_forces;
   }
 
   private Describe(client: Client, body: number): string {

@@ -1,6 +1,32 @@
 // A name for whoever has not chosen one; kept in this browser.
-const kFirst = ['Merry', 'Jolly', 'Sunny', 'Brave', 'Dizzy', 'Happy', 'Lucky', 'Misty', 'Quick', 'Sleepy', 'Silly', 'Witty'];
-const kSecond = ['Pudding', 'Jelly', 'Dumpling', 'Bubble', 'Plum', 'Muffin', 'Pebble', 'Truffle', 'Noodle', 'Custard', 'Biscuit', 'Berry'];
+const kFirst = [
+  'Merry',
+  'Jolly',
+  'Sunny',
+  'Brave',
+  'Dizzy',
+  'Happy',
+  'Lucky',
+  'Misty',
+  'Quick',
+  'Sleepy',
+  'Silly',
+  'Witty',
+];
+const kSecond = [
+  'Pudding',
+  'Jelly',
+  'Dumpling',
+  'Bubble',
+  'Plum',
+  'Muffin',
+  'Pebble',
+  'Truffle',
+  'Noodle',
+  'Custard',
+  'Biscuit',
+  'Berry',
+];
 const kKey = 'wobble.name';
 
 function Choose(from: string[]): string {

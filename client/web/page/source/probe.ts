@@ -1,9 +1,8 @@
 // What tests read: window.wobble. Nothing of the page itself uses it.
 import type { App } from './app';
 import { MakePoint } from './input/picking';
-import type { Place } from './input/pointer';
 import { Project } from './tools/tool';
-import { State, type Vector } from './wire/views';
+import { ForceKind, State, type ParticleTag, type SpringTag, type Tuning, type Vector } from './wire/views';
 
 export interface Probe {
   state(): {
@@ -21,9 +20,15 @@ export interface Probe {
   bodies(): { body: number; name: string; faces: number; edges: number; vertices: number; at: Vector }[];
   faceCount(body: number): number;
   edgeCount(body: number): number;
+  vertex(body: number, vertex: number): Vector | null;
+  // Where a point of the world is on the screen, pixels.
+  place(point: Vector): { x: number; y: number };
+  tuning(): Tuning | null;
+  // Kinds of the forces that have come, and on which body.
+  forces(): { body: number; kinds: string[] };
+  workshop(): { particles: ParticleTag[]; springs: SpringTag[] };
+  selected(): { particle: number; spring: number };
   decodedHash(): string;
-  vertices(body: number): Vector[];
-  project(point: Vector): Place;
 }
 
 declare global {
@@ -70,11 +75,21 @@ export function MakeProbe(app: App): Probe {
     },
     faceCount: (body) => (blueprint(body)?.faces.length ?? 0) / 3,
     edgeCount: (body) => (blueprint(body)?.edges.length ?? 0) / 2,
-    decodedHash: () => client()?.ReadDecodedHash() ?? '',
-    vertices: (body) => {
-      const { vertices = 0, vertexCount = 0 } = find(body) ?? {};
-      return Array.from({ length: vertexCount }, (_, i) => MakePoint(client()!.ReadFloats(), vertices + 3 * i));
+    vertex: (body, vertex) => {
+      const found = find(body);
+      return found === null ? null : MakePoint(client()!.ReadFloats(), found.vertices + 3 * vertex);
     },
-    project: (point) => Project(point, app.stage.camera),
+    place: (point) => Project(point, app.stage.camera),
+    tuning: () => client()?.ReadTuning() ?? null,
+    forces: () => {
+      const forces = client()?.ReadForces();
+      return { body: forces?.body ?? 0, kinds: (forces?.fields ?? []).map((field) => ForceKind[field.kind]) };
+    },
+    workshop: () => {
+      const { particles, springs } = blueprint(app.welcome?.workshop ?? 0) ?? { particles: [], springs: [] };
+      return { particles, springs };
+    },
+    selected: () => ({ particle: app.bodies.selectedParticle, spring: app.bodies.selectedSpring }),
+    decodedHash: () => client()?.ReadDecodedHash() ?? '',
   };
 }

@@ -1,10 +1,12 @@
 // How the game stands: round, time, points, and who has won.
 import type { Players } from '../players';
 import { MakeOwnColour, MakePlayerColour } from '../scene/colours';
+import type { Client } from '../wire/client';
 import { GamePhase, type Scoreboard } from '../wire/views';
 import { MakeElement, SetText } from './element';
 
 const kMostShown = 8;
+const kEvery = 0.2; // s
 
 export class Board {
   readonly element = MakeElement('section', 'panel board');
@@ -14,6 +16,7 @@ export class Board {
   private readonly m_goal = MakeElement('small');
   private readonly m_list = MakeElement('ol');
   private m_shown = '';
+  private m_next = 0;
 
   constructor() {
     this.element.setAttribute('aria-label', 'Score');
@@ -28,8 +31,11 @@ export class Board {
     this.element.hidden = this.banner.hidden = true;
   }
 
-  Update(board: Scoreboard, players: Players): void {
+  Update(client: Client, players: Players, now: number): void {
+    if (now < this.m_next) return;
+    this.m_next = now + kEvery;
     this.element.hidden = false;
+    const board = client.ReadScoreboard();
     const minutes = Math.floor(board.secondsLeft / 60);
     SetText(this.m_round, `round ${board.round}`);
     SetText(this.m_left, `${minutes}:${String(board.secondsLeft % 60).padStart(2, '0')}`);

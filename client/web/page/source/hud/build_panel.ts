@@ -40,12 +40,8 @@ export class BuildPanel {
     this.m_mass = MakeSlider('mass', kMass.toValue, kMass.toShare, ShowFigure('kg'), (value) =>
       this.ChangeParticle({ mass: value }),
     );
-    this.m_stiffness = MakeSlider(
-      'stiffness k_s',
-      kStiffness.toValue,
-      kStiffness.toShare,
-      ShowFigure('N/m'),
-      (value) => this.ChangeSpring({ stiffness: value }),
+    this.m_stiffness = MakeSlider('stiffness k_s', kStiffness.toValue, kStiffness.toShare, ShowFigure('N/m'), (value) =>
+      this.ChangeSpring({ stiffness: value }),
     );
     this.m_damping = MakeSlider('damping k_d', kDamping.toValue, kDamping.toShare, ShowFigure('N s/m'), (value) =>
       this.ChangeSpring({ damping: value }),

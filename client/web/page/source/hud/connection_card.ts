@@ -27,7 +27,10 @@ export class ConnectionCard {
     this.m_ball.hidden = end !== null && end.retryAt === null;
     if (end === null) {
       SetText(this.m_title, 'Joining…');
-      SetText(this.m_text, client?.ReadState() === State.Joining ? 'The world is on its way' : 'Looking for the server');
+      SetText(
+        this.m_text,
+        client?.ReadState() === State.Joining ? 'The world is on its way' : 'Looking for the server',
+      );
       return;
     }
     SetText(this.m_title, 'The world has gone');

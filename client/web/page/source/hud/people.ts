@@ -39,7 +39,7 @@ export class People {
     if (this.m_revision === players.revision) return;
     this.m_revision = players.revision;
     const others = [...players.all.values()].filter((player) => player.clientId !== players.ownClient);
-    SetText(this.m_count, others.length === 0 ? 'you alone' : `${others.length + 1} here`);
+    SetText(this.m_count, Describe(others.length, players.ownBody !== 0));
     this.m_list.replaceChildren();
     for (const player of others.slice(0, kMostShown)) {
       const item = MakeElement('li');
@@ -57,6 +57,11 @@ export class People {
     this.m_name.value = name;
     if (name !== '') this.onRename(name);
   }
+}
+
+function Describe(others: number, hasBody: boolean): string {
+  if (!hasBody) return `watching ${others}`;
+  return others === 0 ? 'you alone' : `${others + 1} here`;
 }
 
 function MakeDot(colour: string): HTMLElement {

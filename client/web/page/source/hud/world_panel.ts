@@ -8,6 +8,7 @@ import { MakeButton, MakeElement, MakeLogarithmicScale, MakeSlider, SetText, typ
 const kMostTilt = (50 * Math.PI) / 180; // rad
 const kStandard = 9.81; // m/s²
 const kSendEvery = 0.12; // s
+const kReadEvery = 0.1;
 const kStiffnessStep = 1.25;
 const kLeastStiffness = 0.1;
 const kMostStiffness = 10;
@@ -26,6 +27,7 @@ export class WorldPanel {
   private m_tuning: Tuning = { gravity: { x: 0, y: 0, z: -kStandard }, stiffness: 1, timeRate: 1, may: 0 };
   private m_wanted: { kind: TuneKind; value: Vector } | null = null; // the latest of a drag that is not sent yet
   private m_nextSend = 0;
+  private m_nextRead = 0;
   private m_isHeld = false;
   private m_yaw = 0; // of the camera, so that up on the pad is forward
 
@@ -64,6 +66,9 @@ export class WorldPanel {
     if (client === null) return;
     this.m_yaw = yaw;
     this.Flush(client);
+    const now = ReadNow();
+    if (now < this.m_nextRead) return;
+    this.m_nextRead = now + kReadEvery;
     this.m_tuning = client.ReadTuning();
     if (this.element.hidden) return;
     const { may, gravity, stiffness, timeRate } = this.m_tuning;

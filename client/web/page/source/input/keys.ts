@@ -1,13 +1,5 @@
 // The keyboard: keys that are held become what the body does, all others act once.
-export type Command =
-  | 'camera'
-  | 'view'
-  | 'world'
-  | 'help'
-  | 'surface'
-  | 'escape'
-  | 'remove'
-  | { tool: number };
+export type Command = 'camera' | 'view' | 'world' | 'help' | 'surface' | 'escape' | 'remove' | { tool: number };
 
 const kHeld: Record<string, string> = {
   KeyW: 'forward',
@@ -61,7 +53,8 @@ export class Keys {
     const isOnButton = event.target instanceof HTMLButtonElement && (event.code === 'Space' || event.code === 'Enter');
     if (isOnButton) return;
     const action = kHeld[event.code];
-    if (action !== undefined) {
+    const isSlider = event.target instanceof HTMLInputElement && event.code.startsWith('Arrow');
+    if (action !== undefined && !isSlider) {
       event.preventDefault();
       this.m_held.add(event.code);
       this.onUse(action === 'jump' || action === 'puff' || action === 'stiffen' ? action : 'move');

@@ -66,8 +66,7 @@ export class Picking {
   FindFacing(point: Vector, out: Vector3): Vector3 | null {
     const forward = this.m_camera.getWorldDirection(new Vector3());
     const { origin, direction } = this.ray;
-    const away =
-      (point.x - origin.x) * forward.x + (point.y - origin.y) * forward.y + (point.z - origin.z) * forward.z;
+    const away = (point.x - origin.x) * forward.x + (point.y - origin.y) * forward.y + (point.z - origin.z) * forward.z;
     const along = direction.dot(forward);
     if (along <= 1e-6 || away <= 0) return null;
     return out.copy(origin).addScaledVector(direction, away / along);

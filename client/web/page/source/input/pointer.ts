@@ -18,7 +18,6 @@ export interface PointerTaker {
   Move(place: Place): void;
   End(place: Place, isCancelled: boolean): void;
   Wheel(notches: number): boolean;
-  Hover(place: Place): void;
 }
 
 export class Pointer {
@@ -38,11 +37,6 @@ export class Pointer {
     canvas.addEventListener('pointercancel', (event) => this.Release(event, true));
     canvas.addEventListener('contextmenu', (event) => event.preventDefault());
     canvas.addEventListener('wheel', (event) => this.Roll(event), { passive: false });
-  }
-
-  // The tool has let go by itself.
-  Drop(): void {
-    this.m_taken = null;
   }
 
   private Press(canvas: HTMLCanvasElement, event: PointerEvent): void {
@@ -65,10 +59,7 @@ export class Pointer {
       return;
     }
     const before = this.m_turning.get(event.pointerId);
-    if (before === undefined) {
-      if (event.pointerType === 'mouse') this.m_taker.Hover(place);
-      return;
-    }
+    if (before === undefined) return;
     this.m_turning.set(event.pointerId, place);
     if (this.m_turning.size === 1) {
       this.m_camera.Turn(-kTurnSpeed * (place.x - before.x), kTurnSpeed * (place.y - before.y));

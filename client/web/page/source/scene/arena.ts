@@ -193,4 +193,3 @@ function MakeGroundGeometry(ground: Ground): BufferGeometry {
   geometry.computeVertexNormals();
   return geometry;
 }
-

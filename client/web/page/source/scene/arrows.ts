@@ -41,7 +41,11 @@ export class Arrows {
     for (const [kind, colour] of Object.entries(kForceColours)) {
       this.m_colours.set(Number(kind), new Color(colour));
     }
-    this.m_mesh = new InstancedMesh(MakeArrowGeometry(), new MeshBasicMaterial({ fog: false, toneMapped: false }), kMost);
+    this.m_mesh = new InstancedMesh(
+      MakeArrowGeometry(),
+      new MeshBasicMaterial({ fog: false, toneMapped: false }),
+      kMost,
+    );
     this.m_mesh.instanceMatrix.setUsage(DynamicDrawUsage);
     this.m_mesh.instanceColor = new InstancedBufferAttribute(new Float32Array(3 * kMost), 3).setUsage(DynamicDrawUsage);
     this.m_mesh.frustumCulled = false;

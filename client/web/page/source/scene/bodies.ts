@@ -75,12 +75,8 @@ export class Bodies {
   private Dress(body: number, shape: BodyShape): void {
     const isPlayer = this.m_players.IsPlayer(body);
     const colour =
-      body === this.m_players.ownBody
-        ? MakeOwnColour()
-        : isPlayer
-          ? MakePlayerColour(body)
-          : MakeSceneColour(body);
-    shape.dress.Dress(shape.blueprint, isPlayer, colour);
+      body === this.m_players.ownBody ? MakeOwnColour() : isPlayer ? MakePlayerColour(body) : MakeSceneColour(body);
+    shape.Dress(isPlayer, colour);
   }
 
   private Remove(number: number, shape: BodyShape): void {
@@ -110,7 +106,11 @@ export class Bodies {
       const tag = particles.length > 0 ? particles[i] : null;
       const isSelected = tag !== null && tag.number === this.selectedParticle;
       const radius = tag === null ? size : Math.max(0.035, Math.min(0.12, 0.07 * Math.cbrt(tag.mass / 0.5)));
-      const [red, green, blue] = isSelected ? [1, 0.35, 0.02] : tag?.fixed === true ? [0.08, 0.1, 0.16] : [0.9, 0.62, 0.16];
+      const [red, green, blue] = isSelected
+        ? [1, 0.35, 0.02]
+        : tag?.fixed === true
+          ? [0.08, 0.1, 0.16]
+          : [0.9, 0.62, 0.16];
       this.m_springs.AddDot(floats, body.vertices + 3 * i, isSelected ? 1.3 * radius : radius, red, green, blue);
     }
   }

@@ -1,21 +1,30 @@
 // One body on the graphics card: buffers that are kept for as long as it has that many vertices, filled from linear
 // memory when they have changed.
-import { BufferAttribute, BufferGeometry, DynamicDrawUsage, LineBasicMaterial, LineSegments, Mesh, Sphere } from 'three';
+import {
+  BufferAttribute,
+  BufferGeometry,
+  type Color,
+  DynamicDrawUsage,
+  LineBasicMaterial,
+  LineSegments,
+  Mesh,
+  Sphere,
+} from 'three';
 import type { Blueprint, Body } from '../wire/views';
 import { BodyMaterial } from './body_material';
 import { ExtendRest, FillMiddles, MakeFiner } from './finer';
 
 const kMostFiner = 1500; // vertices of a body up to which it is worth it
 const kNoEdges = new Uint16Array();
-const kWireMaterial = new LineBasicMaterial({ color: '#2f4358', transparent: true, opacity: 0.85 });
+const kWireShade = 0.45; // of the body's colour
 
 export class BodyShape {
   readonly mesh: Mesh;
-  readonly wires: LineSegments;
-  readonly dress = new BodyMaterial();
+  readonly wires: LineSegments<BufferGeometry, LineBasicMaterial>;
   blueprint: Blueprint;
   round = 0; // of the last frame that had it
 
+  private readonly m_material = new BodyMaterial();
   private readonly m_geometry = new BufferGeometry();
   private readonly m_wireGeometry = new BufferGeometry();
   private m_positions = new Float32Array();
@@ -30,10 +39,10 @@ export class BodyShape {
     this.m_isFine = isFine;
     this.m_geometry.boundingSphere = new Sphere();
     this.m_wireGeometry.boundingSphere = this.m_geometry.boundingSphere;
-    this.mesh = new Mesh(this.m_geometry, this.dress.material);
+    this.mesh = new Mesh(this.m_geometry, this.m_material.material);
     this.mesh.castShadow = this.mesh.receiveShadow = true;
     this.mesh.matrixAutoUpdate = false;
-    this.wires = new LineSegments(this.m_wireGeometry, kWireMaterial);
+    this.wires = new LineSegments(this.m_wireGeometry, new LineBasicMaterial());
     this.wires.matrixAutoUpdate = false;
     this.TakeBlueprint(blueprint);
   }
@@ -65,6 +74,11 @@ export class BodyShape {
     this.m_geometry.setAttribute('position', positions);
     this.m_geometry.setAttribute('normal', new BufferAttribute(this.m_normals, 3).setUsage(DynamicDrawUsage));
     this.m_wireGeometry.setAttribute('position', positions);
+  }
+
+  Dress(isPlayer: boolean, colour: Color): void {
+    this.m_material.Dress(this.blueprint, isPlayer, colour);
+    this.wires.material.color.copy(colour).multiplyScalar(kWireShade);
   }
 
   // floats: of linear memory.
@@ -99,7 +113,8 @@ export class BodyShape {
   Dispose(): void {
     this.m_geometry.dispose();
     this.m_wireGeometry.dispose();
-    this.dress.material.dispose();
+    this.m_material.material.dispose();
+    this.wires.material.dispose();
   }
 }
 

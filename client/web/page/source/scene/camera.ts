@@ -51,7 +51,9 @@ export class OrbitCamera {
   }
 
   ChooseNextMode(hasBody: boolean): void {
-    const order = hasBody ? [CameraMode.Follow, CameraMode.Orbit, CameraMode.Free] : [CameraMode.Orbit, CameraMode.Free];
+    const order = hasBody
+      ? [CameraMode.Follow, CameraMode.Orbit, CameraMode.Free]
+      : [CameraMode.Orbit, CameraMode.Free];
     this.mode = order[(order.indexOf(this.mode) + 1) % order.length];
   }
 
@@ -87,13 +89,13 @@ export class OrbitCamera {
     const target = follows ? { x: own.x, y: own.y, z: own.z + kAboveBody } : middle;
     const wished = this.m_zoom * (follows ? kFollowDistance : Math.max(6, Math.min(50, 1.7 * spread)));
     this.m_sinceTurn += seconds;
-    const before = { ...this.focus };
-    const gap = Math.hypot(target.x - before.x, target.y - before.y, target.z - before.z);
+    const { x, y, z } = this.focus;
+    const gap = Math.hypot(target.x - x, target.y - y, target.z - z);
     if (!this.m_isPlaced || (follows && gap > kJump && this.m_sinceTurn > kModeLag)) {
       Object.assign(this.focus, target);
     } else if (this.mode !== CameraMode.Free) {
       this.MoveFocus(target, seconds, follows ? kFollowLag : kOrbitLag, follows ? 2 : 1);
-      if (follows && !this.m_isCalm) this.FollowHeading(seconds, this.focus.x - before.x, this.focus.y - before.y);
+      if (follows && !this.m_isCalm) this.FollowHeading(seconds, this.focus.x - x, this.focus.y - y);
     }
     const pitch = this.FindPitch() + this.m_tilt;
     this.distance = this.m_isPlaced ? Approach(this.distance, wished, seconds, kModeLag / 2) : wished;

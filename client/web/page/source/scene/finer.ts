@@ -33,7 +33,12 @@ export function MakeFiner(vertexCount: number, faces: Uint16Array): Finer | null
 }
 
 // Fills what follows the vertices in both arrays.
-export function FillMiddles(edges: Uint16Array, vertexCount: number, positions: Float32Array, normals: Float32Array): void {
+export function FillMiddles(
+  edges: Uint16Array,
+  vertexCount: number,
+  positions: Float32Array,
+  normals: Float32Array,
+): void {
   let to = 3 * vertexCount;
   for (let i = 0; i < edges.length; i += 2, to += 3) {
     const a = 3 * edges[i];

@@ -44,9 +44,11 @@ export function MakeGroundMaterial(colour: string, usesVertexColours = false): M
     vertexColors: usesVertexColours,
   });
   material.onBeforeCompile = (shader) => {
-    shader.vertexShader = kVertexHead + shader.vertexShader.replace('#include <fog_vertex>', `#include <fog_vertex>\n${kVertexBody}`);
+    shader.vertexShader =
+      kVertexHead + shader.vertexShader.replace('#include <fog_vertex>', `#include <fog_vertex>\n${kVertexBody}`);
     shader.fragmentShader =
-      kFragmentHead + shader.fragmentShader.replace('#include <color_fragment>', `#include <color_fragment>\n${kFragmentBody}`);
+      kFragmentHead +
+      shader.fragmentShader.replace('#include <color_fragment>', `#include <color_fragment>\n${kFragmentBody}`);
   };
   material.customProgramCacheKey = () => 'ground';
   return material;

@@ -6,16 +6,16 @@ export interface QualityLevel {
   pixelShare: number; // of that ratio
   shadowSize: number; // texels; 0: no shadows
   shadowEvery: number; // frames
-  reflects: boolean; // smooth surfaces show the sky
+  isRich: boolean; // smooth surfaces show the sky, and the sky has clouds
 }
 
 const kLevels: QualityLevel[] = [
-  { maxPixelRatio: 2, pixelShare: 1, shadowSize: 2048, shadowEvery: 1, reflects: true },
-  { maxPixelRatio: 1.5, pixelShare: 1, shadowSize: 1024, shadowEvery: 1, reflects: true },
-  { maxPixelRatio: 1, pixelShare: 1, shadowSize: 1024, shadowEvery: 2, reflects: true },
-  { maxPixelRatio: 1, pixelShare: 0.75, shadowSize: 512, shadowEvery: 2, reflects: false },
-  { maxPixelRatio: 1, pixelShare: 0.5, shadowSize: 512, shadowEvery: 3, reflects: false },
-  { maxPixelRatio: 1, pixelShare: 0.4, shadowSize: 0, shadowEvery: 1, reflects: false },
+  { maxPixelRatio: 2, pixelShare: 1, shadowSize: 2048, shadowEvery: 1, isRich: true },
+  { maxPixelRatio: 1.5, pixelShare: 1, shadowSize: 1024, shadowEvery: 1, isRich: true },
+  { maxPixelRatio: 1, pixelShare: 1, shadowSize: 1024, shadowEvery: 2, isRich: true },
+  { maxPixelRatio: 1, pixelShare: 0.75, shadowSize: 512, shadowEvery: 2, isRich: false },
+  { maxPixelRatio: 1, pixelShare: 0.5, shadowSize: 512, shadowEvery: 3, isRich: false },
+  { maxPixelRatio: 1, pixelShare: 0.4, shadowSize: 0, shadowEvery: 1, isRich: false },
 ];
 const kSoftwareLevel = 3; // to begin with where no graphics card draws
 const kSlowFrame = 0.033; // s

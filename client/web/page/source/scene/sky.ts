@@ -17,6 +17,9 @@ const kZenithColour = new Color('#3d8fe0');
 const kNadirColour = new Color('#8fa6c4');
 const kSunColour = new Color('#fff1d6');
 
+const kCloudiness = 0.75;
+const kReflectionSize = 64; // texels of a cube's edge; there is nothing fine in it
+
 const kVertexShader = `
 varying vec3 vDirection;
 void main() {
@@ -31,6 +34,7 @@ uniform vec3 zenith;
 uniform vec3 nadir;
 uniform vec3 sun;
 uniform vec3 toSun;
+uniform float clouds;
 varying vec3 vDirection;
 
 float Hash(vec2 p) { return fract(sin(dot(p, vec2(127.1, 311.7))) * 43758.5453); }
@@ -47,10 +51,10 @@ float Clouds(vec2 p) {
 void main() {
   vec3 d = normalize(vDirection);
   float up = max(d.z, 0.0);
-  vec3 colour = d.z > 0.0 ? mix(horizon, zenith, pow(up, 0.45)) : mix(horizon, nadir, smoothstep(0.0, 0.7, -d.z));
-  if (d.z > 0.02) {
+  vec3 colour = d.z > 0.0 ? mix(horizon, zenith, 1.0 - exp(-2.8 * up)) : mix(horizon, nadir, smoothstep(0.0, 0.7, -d.z));
+  if (d.z > 0.02 && clouds > 0.0) {
     float cover = smoothstep(0.46, 0.78, Clouds(1.6 * d.xy / (d.z + 0.12)));
-    colour = mix(colour, vec3(1.0), 0.75 * cover * smoothstep(0.02, 0.25, d.z));
+    colour = mix(colour, vec3(1.0), clouds * cover * smoothstep(0.02, 0.25, d.z));
   }
   float glow = max(dot(d, toSun), 0.0);
   colour += sun * (0.22 * pow(glow, 12.0) + 0.5 * pow(glow, 220.0));
@@ -60,7 +64,7 @@ void main() {
 }`;
 
 // toSun: of unit length.
-export function MakeSky(toSun: Vector3): Mesh {
+export function MakeSky(toSun: Vector3): Mesh<SphereGeometry, ShaderMaterial> {
   const material = new ShaderMaterial({
     uniforms: {
       horizon: { value: kHorizonColour },
@@ -68,6 +72,7 @@ export function MakeSky(toSun: Vector3): Mesh {
       nadir: { value: kNadirColour },
       sun: { value: kSunColour },
       toSun: { value: toSun },
+      clouds: { value: 0 },
     },
     vertexShader: kVertexShader,
     fragmentShader: kFragmentShader,
@@ -80,15 +85,20 @@ export function MakeSky(toSun: Vector3): Mesh {
   return sky;
 }
 
+// Clouds are dear where the processor draws.
+export function ShowClouds(sky: Mesh<SphereGeometry, ShaderMaterial>, isShown: boolean): void {
+  sky.material.uniforms.clouds.value = isShown ? kCloudiness : 0;
+}
+
 // What smooth surfaces reflect; made once.
 export function MakeReflections(renderer: WebGLRenderer, toSun: Vector3): Texture {
   const scene = new Scene();
   const sky = MakeSky(toSun);
   sky.scale.setScalar(50);
-  (sky.material as ShaderMaterial).vertexShader = kVertexShader.replace('place.xyww', 'place');
+  sky.material.vertexShader = kVertexShader.replace('place.xyww', 'place');
   scene.add(sky);
   const generator = new PMREMGenerator(renderer);
-  const texture = generator.fromScene(scene, 0.04).texture;
+  const texture = generator.fromScene(scene, 0.04, 0.1, 100, { size: kReflectionSize }).texture;
   generator.dispose();
   return texture;
 }

@@ -12,7 +12,7 @@ import {
   Vector3,
   WebGLRenderer,
 } from 'three';
-import { kHorizonColour, MakeReflections, MakeSky } from './sky';
+import { kHorizonColour, MakeReflections, MakeSky, ShowClouds } from './sky';
 import type { QualityLevel } from './quality';
 
 const kToSun = new Vector3(-0.42, -0.36, 0.83).normalize();
@@ -20,6 +20,7 @@ const kAmbient = 0.85;
 const kReflected = 0.35; // light from the sky's picture, where there is one
 const kSunAway = 60; // m
 const kShadowEdge = 3; // texels of the map that a shadow's edge is soft over
+const kBiasTexels = 2.2; // that a surface is lifted by, so as not to lie in its own shadow
 const kNearSpread = 9; // m around the focus that have shadows at least
 const kFarSpread = 45; // and at most
 
@@ -30,37 +31,32 @@ export class Stage {
 
   private readonly m_sun = new DirectionalLight(new Color('#fff0d8'), 2.6);
   private readonly m_ambient = new HemisphereLight(new Color('#dcecff'), new Color('#c9b79d'));
+  private readonly m_sky = MakeSky(kToSun);
   private m_reflections: Texture | null = null;
   private readonly m_right = new Vector3();
   private readonly m_up = new Vector3();
   private m_spread = 0;
   private m_shadowFrame = 0;
   private m_quality: QualityLevel | null = null;
-  // Whether the processor draws: two orders of magnitude slower than a graphics card.
-  readonly isSoftware: boolean;
 
-  constructor(canvas: HTMLCanvasElement) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
+  // smooths: edges; it costs software four times the time.
+  constructor(canvas: HTMLCanvasElement, smooths: boolean) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: smooths, powerPreference: 'high-performance' });
     this.renderer.toneMapping = NeutralToneMapping;
     this.renderer.toneMappingExposure = 1.12;
     this.renderer.shadowMap.type = PCFShadowMap;
     this.renderer.shadowMap.autoUpdate = false;
     this.camera.up.set(0, 0, 1);
-    const context = this.renderer.getContext();
-    const names = context.getExtension('WEBGL_debug_renderer_info');
-    const name: unknown = names === null ? '' : context.getParameter(names.UNMASKED_RENDERER_WEBGL);
-    this.isSoftware = /swiftshader|llvmpipe|software|basic render/i.test(String(name));
 
     this.scene.fog = new Fog(kHorizonColour, 45, 260);
     this.scene.environmentIntensity = kReflected;
-    this.scene.add(MakeSky(kToSun));
+    this.scene.add(this.m_sky);
     this.m_ambient.position.set(0, 0, 1);
     this.scene.add(this.m_ambient);
 
     this.m_sun.castShadow = true;
     this.m_sun.shadow.radius = kShadowEdge;
-    this.m_sun.shadow.bias = -0.0004;
-    this.m_sun.shadow.normalBias = 0.03;
+    this.m_sun.shadow.bias = -0.0006;
     this.m_right.crossVectors(new Vector3(0, 0, 1), kToSun).normalize();
     this.m_up.crossVectors(kToSun, this.m_right);
     this.scene.add(this.m_sun, this.m_sun.target);
@@ -68,9 +64,10 @@ export class Stage {
 
   ApplyQuality(quality: QualityLevel): void {
     this.m_quality = quality;
-    if (quality.reflects) this.m_reflections ??= MakeReflections(this.renderer, kToSun);
-    this.scene.environment = quality.reflects ? this.m_reflections : null;
-    this.m_ambient.intensity = quality.reflects ? kAmbient : kAmbient + kReflected;
+    if (quality.isRich) this.m_reflections ??= MakeReflections(this.renderer, kToSun);
+    this.scene.environment = quality.isRich ? this.m_reflections : null;
+    ShowClouds(this.m_sky, quality.isRich);
+    this.m_ambient.intensity = quality.isRich ? kAmbient : kAmbient + kReflected;
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, quality.maxPixelRatio) * quality.pixelShare);
     this.renderer.shadowMap.enabled = quality.shadowSize > 0;
     this.m_sun.castShadow = quality.shadowSize > 0;
@@ -105,6 +102,7 @@ export class Stage {
     target.addScaledVector(this.m_right, Math.round(right / texel) * texel - right);
     target.addScaledVector(this.m_up, Math.round(up / texel) * texel - up);
     this.m_sun.position.copy(target).addScaledVector(kToSun, kSunAway);
+    this.m_sun.shadow.normalBias = kBiasTexels * texel;
   }
 
   private SpreadShadows(spread: number): void {
@@ -123,4 +121,13 @@ export class Stage {
     if (this.m_shadowFrame === 0) this.renderer.shadowMap.needsUpdate = true;
     this.renderer.render(this.scene, this.camera);
   }
+}
+
+// Whether the processor draws: two orders of magnitude slower than a graphics card.
+export function FindIsSoftware(): boolean {
+  const context = document.createElement('canvas').getContext('webgl2');
+  const names = context?.getExtension('WEBGL_debug_renderer_info') ?? null;
+  const name: unknown = context === null || names === null ? '' : context.getParameter(names.UNMASKED_RENDERER_WEBGL);
+  context?.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(String(name));
 }

@@ -2,7 +2,15 @@
 import { Vector3 } from 'three';
 import { MakePoint } from '../input/picking';
 import type { Place } from '../input/pointer';
-import { BuildKind, Hands, type Blueprint, type Body, type ParticleTag, type SpringTag, type Vector } from '../wire/views';
+import {
+  BuildKind,
+  Hands,
+  type Blueprint,
+  type Body,
+  type ParticleTag,
+  type SpringTag,
+  type Vector,
+} from '../wire/views';
 import type { Client } from '../wire/client';
 import { Project, type Bench, type Tool } from './tool';
 
@@ -33,7 +41,8 @@ export class Build implements Tool {
   readonly name = 'Build';
   readonly hand = Hands.Build;
   readonly hint = 'Click where a particle is to be; click two particles to join them';
-  readonly icon = 'M5 19.5a2 2 0 1 0 0-4 2 2 0 0 0 0 4zM19 19.5a2 2 0 1 0 0-4 2 2 0 0 0 0 4zM12 8a2 2 0 1 0 0-4 2 2 0 0 0 0 4zM6 15.8l5-8M18 15.8l-5-8M7 17.5h10';
+  readonly icon =
+    'M5 19.5a2 2 0 1 0 0-4 2 2 0 0 0 0 4zM19 19.5a2 2 0 1 0 0-4 2 2 0 0 0 0 4zM12 8a2 2 0 1 0 0-4 2 2 0 0 0 0 4zM6 15.8l5-8M18 15.8l-5-8M7 17.5h10';
   action = BuildAction.Add;
   mass = 0.4; // kg, of new particles
   isFixed = false;

@@ -18,7 +18,8 @@ export class Cut implements Tool {
   readonly name = 'Cut';
   readonly hand = Hands.Cut;
   readonly hint = 'Draw a line across a cloth or springs to cut them';
-  readonly icon = 'M6 8.5a2.5 2.5 0 1 0 0-5 2.5 2.5 0 0 0 0 5zM6 20.5a2.5 2.5 0 1 0 0-5 2.5 2.5 0 0 0 0 5zM8 7.5L20 18M8 16.5L20 6';
+  readonly icon =
+    'M6 8.5a2.5 2.5 0 1 0 0-5 2.5 2.5 0 0 0 0 5zM6 20.5a2.5 2.5 0 1 0 0-5 2.5 2.5 0 0 0 0 5zM8 7.5L20 18M8 16.5L20 6';
   private readonly m_bench: Bench;
   private m_from: Place | null = null;
   private m_to: Place = { x: 0, y: 0 };

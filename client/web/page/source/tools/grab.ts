@@ -13,7 +13,8 @@ export class Grab implements Tool {
   readonly name = 'Grab';
   readonly hand = Hands.Grab;
   readonly hint = 'Drag a body with the left button; the wheel moves it nearer or farther';
-  readonly icon = 'M8 13V5.5a1.5 1.5 0 0 1 3 0V11V4a1.5 1.5 0 0 1 3 0v7V5.5a1.5 1.5 0 0 1 3 0V14c0 4-2.5 7-6 7-3 0-4.6-1.6-6-4.5L3.4 13a1.5 1.5 0 0 1 2.6-1.4L8 14';
+  readonly icon =
+    'M8 13V5.5a1.5 1.5 0 0 1 3 0V11V4a1.5 1.5 0 0 1 3 0v7V5.5a1.5 1.5 0 0 1 3 0V14c0 4-2.5 7-6 7-3 0-4.6-1.6-6-4.5L3.4 13a1.5 1.5 0 0 1 2.6-1.4L8 14';
   private readonly m_bench: Bench;
   private m_held: { body: number; vertex: number } | null = null;
   private m_depth: Vector = { x: 0, y: 0, z: 0 }; // a point of the plane that the target moves in

@@ -75,8 +75,6 @@ export class HandTools implements PointerTaker {
     return this.active?.Wheel(notches) ?? false;
   }
 
-  Hover(): void {}
-
   private Activate(tool: Tool | null): void {
     if (this.active !== tool) this.active?.Drop();
     this.active = tool;

@@ -22,6 +22,7 @@ export class Marks {
   constructor(canvas: HTMLCanvasElement) {
     this.m_canvas = canvas;
     this.m_context = canvas.getContext('2d')!;
+    canvas.hidden = true;
   }
 
   AddRing(x: number, y: number, now: number): void {
@@ -44,6 +45,7 @@ export class Marks {
     const isEmpty = this.m_rings.length + this.m_stroke.length + this.m_lines.length === 0;
     if (isEmpty && this.m_isEmpty) return;
     this.m_isEmpty = isEmpty;
+    this.m_canvas.hidden = isEmpty; // laid over the world it costs time even so
     this.Clear();
     this.DrawStroke(now);
     this.DrawRings(now);

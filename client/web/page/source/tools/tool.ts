@@ -14,7 +14,6 @@ export interface Bench {
   // null while there is no world.
   FindClient(): Client | null;
   FindWelcome(): Welcome | null;
-  Say(text: string): void;
 }
 
 export interface Tool {

@@ -36,6 +36,10 @@ export function ReadNow(): number {
   return performance.now() / 1000;
 }
 
+// A page that stood still, since its machine slept or its frame took long, knows nothing of the time between: to the
+// client it was no longer than this, s, or it would take what waits in the socket for silence.
+const kLongestGap = 1;
+
 export class Client {
   // As of the last Sample: the first bodyCount of them.
   readonly bodies: Body[] = [];
@@ -46,13 +50,15 @@ export class Client {
   private readonly m_session: number;
   private readonly m_blueprints = new Map<number, Blueprint>();
   private m_welcome: Welcome | null = null;
+  private m_read = ReadNow();
+  private m_now = 0; // s since it was made
 
   constructor(module: WobbleModule, name: string, isSpectator: boolean) {
     this.m_module = module;
     const bytes = kEncoder.encode(name);
     const address = module._malloc(bytes.length + 1);
     module.HEAPU8.set(bytes, address);
-    this.m_session = module._CreateSession(address, bytes.length, isSpectator, ReadNow());
+    this.m_session = module._CreateSession(address, bytes.length, isSpectator, this.m_now);
     module._free(address);
   }
 
@@ -96,11 +102,11 @@ export class Client {
   }
 
   Update(): void {
-    this.m_module._Update(this.m_session, ReadNow());
+    this.m_module._Update(this.m_session, this.Advance());
   }
 
   Leave(): void {
-    this.m_module._Leave(this.m_session, ReadNow());
+    this.m_module._Leave(this.m_session, this.Advance());
   }
 
   ReadState(): State {
@@ -148,11 +154,11 @@ export class Client {
   }
 
   UpdateStatistics(): void {
-    ReadStatistics(this.m_module, this.m_module._ReadStatistics(this.m_session, ReadNow()), this.statistics);
+    ReadStatistics(this.m_module, this.m_module._ReadStatistics(this.m_session, this.Advance()), this.statistics);
   }
 
   Sample(): void {
-    this.m_module._Sample(this.m_session, ReadNow());
+    this.m_module._Sample(this.m_session, this.Advance());
     this.bodyCount = this.m_module._ReadBodyCount(this.m_session);
     ReadBodies(this.m_module, this.m_module._ReadBodies(this.m_session), this.bodyCount, this.bodies);
     this.DropUnusedBlueprints();
@@ -230,6 +236,13 @@ export class Client {
       floats.set([request.stiffness ?? 100, request.damping ?? 1, request.restLength ?? 0], at + 8);
     });
     this.m_module._Build(this.m_session);
+  }
+
+  private Advance(): number {
+    const now = ReadNow();
+    this.m_now += Math.max(0, Math.min(kLongestGap, now - this.m_read));
+    this.m_read = now;
+    return this.m_now;
   }
 
   private WriteWords(count: number, write: (floats: Float32Array, at: number) => void): void {

@@ -6,7 +6,6 @@ import type { WobbleModule } from 'wobble-wasm';
 import { Client, ReadNow } from './client';
 import { State } from './views';
 
-const kSubprotocol = 'wobble.4';
 const kPingChannel = 3;
 const kPingEvery = 1; // s
 const kPingBytes = 7;
@@ -88,7 +87,7 @@ export class Connection {
 
   private OpenSocket(client: Client): void {
     const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
-    const socket = new WebSocket(`${scheme}://${location.host}/play`, kSubprotocol);
+    const socket = new WebSocket(`${scheme}://${location.host}/play`, `wobble.${this.m_module._ReadProtocolVersion()}`);
     socket.binaryType = 'arraybuffer';
     this.m_socket = socket;
     const isCurrent = () => this.client === client && this.end === null;

@@ -7,6 +7,7 @@ declare module 'wobble-wasm' {
     HEAPF32: Float32Array;
     _malloc(size: number): number;
     _free(address: number): void;
+    _ReadProtocolVersion(): number;
     _CreateSession(name: number, size: number, isSpectator: boolean, now: number): number;
     _DestroySession(session: number): void;
     _PrepareInput(session: number, size: number): number;
