@@ -10,6 +10,9 @@ import { sleep, test, waitFor } from './support/programs.mjs';
 
 // Of the small screen, pixels: floor and own body, and no panel.
 const floorView = { x: 150, y: 180, width: 340, height: 105 };
+// Shares of a picture's pixels.
+const littleChange = 0.015;
+const muchChange = 0.075;
 const spectator = { query: 'spectate&quality=4' };
 
 let browser;
@@ -25,6 +28,28 @@ async function play(scene, run, ...tabs) {
     await Promise.all(browser.contexts().map((context) => context.close()));
     await world.stop();
   }
+}
+
+// Ten seconds of the world at once, where the scene lets one, until all that fell has come to rest.
+async function jumpAhead(page) {
+  await page.tab.keyboard.press('KeyG');
+  const jump = page.tab.getByRole('button', { name: 'Jump 5 s ahead in time' });
+  const readTime = async () => (await probe(page, 'statistics')).serverTime;
+  for (const begin = await readTime(); (await readTime()) < begin + 10; await sleep(500)) await jump.click();
+  await page.tab.keyboard.press('KeyG');
+}
+
+// What is seen once it hardly changes by itself any more, so that much more of a change has a cause.
+async function waitForStill(look) {
+  let before = await look();
+  let calm = 0;
+  await waitFor('stillness', async () => {
+    const now = await look();
+    calm = (await compareScreenshots(browser, before, now)) < littleChange ? calm + 1 : 0;
+    before = now;
+    return calm === 2;
+  });
+  return before;
 }
 
 // Soft bodies wobble for seconds after they have fallen; span: how much is left of it, m.
@@ -48,17 +73,15 @@ const readVertices = (page, body) =>
 test('a key moves the body, in the world and to the eye', () =>
   play('sandbox', async (page) => {
     const { body } = await findOwn(page);
-    const begin = await waitForRest(page, body, 0.1);
+    await jumpAhead(page);
     const look = () => page.tab.screenshot({ clip: floorView });
-    const [first, second] = [await look(), await look()];
-    const still = await compareScreenshots(browser, first, second);
-
+    const before = await waitForStill(look);
+    const begin = await probe(page, 'position', body);
     await page.tab.keyboard.down('KeyW');
     await waitFor('the body to move', async () => (await probe(page, 'position', body)).y > begin.y + 1.3);
-    const moved = await compareScreenshots(browser, second, await look());
+    const change = await compareScreenshots(browser, before, await look());
     await page.tab.keyboard.up('KeyW');
-    assert.ok(still < 0.02, `${still} of the picture changes by itself`);
-    assert.ok(moved > 0.03 && moved > 5 * still, `${moved} of the picture changes, ${still} by itself`);
+    assert.ok(change > muchChange, `${change} of the picture`);
   }, {}));
 
 test('a finger on the stick moves the body', () =>
@@ -118,21 +141,16 @@ async function findBallInReach(page, own) {
 test('a cloth that one cuts is torn for everybody', () =>
   play('curtain', async (page, other) => {
     const { body } = await findBody(page, 'curtain');
-    await page.tab.keyboard.press('KeyG');
-    const jump = page.tab.getByRole('button', { name: 'Jump 5 s ahead in time' });
-    const readTime = async () => (await probe(page, 'statistics')).serverTime;
-    for (const begin = await readTime(); (await readTime()) < begin + 10; await sleep(500)) await jump.click();
-    await page.tab.keyboard.press('KeyG');
-    await waitForStill(other, body);
-    const countFaces = () => Promise.all([page, other].map((view) => probe(view, 'faceCount', body)));
-    const before = await waitForSame(countFaces);
+    await jumpAhead(page);
     const looks = [];
     for (const view of [page, other]) {
       const clip = await findBox(view, body);
       const look = () => view.tab.screenshot({ clip });
-      const [first, before] = [await look(), await look()];
-      looks.push({ look, before, still: await compareScreenshots(browser, first, before) });
+      looks.push({ look, before: await waitForStill(look) });
     }
+    const countFaces = () => Promise.all([page, other].map((view) => probe(view, 'faceCount', body)));
+    const [before, there] = await countFaces();
+    assert.equal(before, there);
 
     await page.tab.keyboard.press('Digit2');
     assert.equal(await page.tab.getByRole('button', { name: /^Cut/ }).getAttribute('aria-pressed'), 'true');
@@ -146,25 +164,13 @@ test('a cloth that one cuts is torn for everybody', () =>
     await waitFor('a cut', async () => (await countFaces()).every((count) => count < before));
     const after = await waitForSame(countFaces);
     assert.ok(after < before, `${after} faces of ${before}`);
-    for (const { look, before, still } of looks) {
-      const torn = await compareScreenshots(browser, before, await look());
-      assert.ok(torn > 0.03 && torn > 3 * still, `${torn} of the cloth's picture changes, ${still} by itself`);
+    for (const { look, before } of looks) {
+      const change = await compareScreenshots(browser, before, await look());
+      assert.ok(change > muchChange, `${change} of the cloth's picture`);
     }
   }, {}, spectator));
 
-// The balls that tear the curtain to begin with have set it swinging.
-async function waitForStill(page, body) {
-  let before = await readVertices(page, body);
-  await waitFor('stillness', async () => {
-    await sleep(300);
-    const at = await readVertices(page, body);
-    const away = at.map((each, i) => Math.hypot(each.x - before[i].x, each.y - before[i].y, each.z - before[i].z));
-    before = at;
-    return Math.max(...away) < 0.15;
-  });
-}
-
-// What all count, once it is the same for a second.
+// What both count, once it is the same for a second.
 async function waitForSame(count) {
   let since = Date.now();
   let last = [];
@@ -249,7 +255,7 @@ test('sumo shows how it stands, and who fell', () =>
     await board.waitFor();
     await waitFor('all on the board', async () => (await board.getByRole('listitem').count()) === 3);
     const text = await board.innerText();
-    for (const part of [/round 1/i, /\d:\d\d/, /first to 5/i, /you/]) assert.match(text, part);
+    for (const part of [/round 1/i, /\d:\d\d/, /first to \d/i, /you/]) assert.match(text, part);
     await page.tab.keyboard.down('KeyW');
     await page.tab.getByText(/^(You fell off|.* pushed you off)$/).waitFor();
     await page.tab.keyboard.up('KeyW');
