@@ -128,7 +128,8 @@ void Browser::Start() {
   m_stream.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
     response.set(http::field::sec_websocket_protocol, MakeSubprotocol());
   }));
-  m_stream.read_message_max(kMaxBrowserMessageBytes);
+  // Well above what is judged too large: what Beast refuses itself it closes so abruptly that browsers miss the reason.
+  m_stream.read_message_max(16 * kMaxBrowserMessageBytes);
   m_stream.binary(true);
   m_stream.auto_fragment(false);
   // Pings are answered by Beast, and count like messages.

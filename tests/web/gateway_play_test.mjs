@@ -103,7 +103,8 @@ test('the subprotocol must be offered', async () => {
 
 test('what is too large, too much or not understood ends a connection with a reason', async () => {
   const offences = [
-    [1009, '', (player) => player.send(channels.control, Buffer.alloc(4097))],
+    [1009, '', (player) => player.send(channels.control, Buffer.alloc(70_000))],
+    [1009, 'too large a message for its channel', (player) => player.send(channels.control, Buffer.alloc(4097))],
     [1009, 'too large a message for its channel', (player) => player.send(channels.input, Buffer.alloc(1201))],
     [1003, 'text is not understood', (player) => player.socket.send('hello')],
     [1008, 'a message that is not understood', (player) => player.send(channels.snapshot, Buffer.alloc(10))],

@@ -1,40 +1,60 @@
-// The native client, fed with the messages that a page's client was fed with: prints what both should have decoded.
+// What a native client makes of the messages that a page received: `replay < FILE` prints, after each of them that held
+// records, how many records there have been and the hash of all that was decoded from them.
 //
-//   replay FILE   of messages, each a little-endian size of four bytes and that many bytes, channel first
-//
-// Time stands still but for what makes the input due: what is decoded depends on the bytes alone.
-#include <cinttypes>
+// FILE is messages as the page's WebSocket had them, each behind its length as 32 bits, little-endian. Nothing is
+// answered, since nobody is there to hear it, and time goes on by a millisecond a message: what is decoded does not
+// depend on when it came, and that is a part of what is compared.
+#include <array>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
-#include <fstream>
-#include <iterator>
-#include <span>
+#include <iostream>
+#include <memory>
 #include <vector>
 
-#include "client/web/wasm/session.h"
+#include "client/client.h"
+#include "client/web/wasm/decoded_hash.h"
+#include "client/web/wasm/web_socket_transport.h"
 
-int main(int count, char** arguments) {
-  if (count != 2) {
-    std::fprintf(stderr, "replay: one file, please\n");
-    return 2;
-  }
-  std::ifstream file(arguments[1], std::ios::binary);
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
-  wobble::wasm::Session session("replay", true, 0);
-  session.Transport().Open();
-  session.Client().Update(0);
-  for (std::size_t at = 0; at + sizeof(std::uint32_t) <= bytes.size();) {
-    std::uint32_t size = 0;
-    std::memcpy(&size, &bytes[at], sizeof size);
-    at += sizeof size;
-    if (size > bytes.size() - at) break;
-    const auto* message = reinterpret_cast<const std::uint8_t*>(&bytes[at]);
-    session.Transport().Receive(std::span(message, size));
-    session.Client().Update(0);
-    at += size;
-  }
-  const auto& statistics = session.Client().ReadStatistics();
-  std::printf("%016" PRIx64 " %" PRIu64 "\n", session.DecodedHash(), statistics.records);
-  return 0;
+namespace {
+
+using wobble::client::Client;
+using wobble::wasm::WebSocketTransport;
+
+constexpr double kBetween = 0.001;                    // s from a message to the next
+constexpr std::uint32_t kLongestMessage = 1U << 24U;  // bytes, more is no message
+
+// False at the end of the file, or where it is broken.
+bool ReadMessage(std::istream& from, std::vector<std::uint8_t>& message) {
+  std::array<unsigned char, 4> head{};
+  if (!from.read(reinterpret_cast<char*>(head.data()), head.size())) return false;
+  const std::uint32_t size = head[0] | head[1] << 8U | head[2] << 16U | std::uint32_t{head[3]} << 24U;
+  if (size > kLongestMessage) return false;
+  message.resize(size);
+  return static_cast<bool>(from.read(reinterpret_cast<char*>(message.data()), size));
 }
+
+void Replay(std::istream& from) {
+  auto owned = std::make_unique<WebSocketTransport>();
+  WebSocketTransport& transport = *owned;
+  double now = 0;
+  Client client(std::move(owned), {}, now);
+  wobble::wasm::DecodedHash hash;
+  client.OnDecoded([&](const wobble::client::DecodedPatch& patch) { hash.Add(patch); });
+  transport.Open();
+
+  std::vector<std::uint8_t> message;
+  std::uint64_t records = 0;
+  while (ReadMessage(from, message)) {
+    transport.Receive(message);
+    client.Update(now += kBetween);
+    while (!transport.FindOutgoing().empty()) transport.TakeOutgoing();
+    if (client.ReadStatistics().records == records) continue;
+    records = client.ReadStatistics().records;
+    std::printf("%llu %016llx\n", static_cast<unsigned long long>(records),
+                static_cast<unsigned long long>(hash.Value()));
+  }
+}
+
+}  // namespace
+
+int main() { Replay(std::cin); }

@@ -1,24 +1,30 @@
-// A real Chromium without a screen, and pages in it that play. Pictures are kept where WOBBLE_PICTURES says.
+// A real Chromium on the built page, before a real server and gateway of its own.
+//
+// Software draws, so that a machine without a graphics card gets the same pictures; where a test asks what is to be
+// seen it compares screenshots, as a person would compare two looks, and never with a stored picture.
 import assert from 'node:assert';
-import fs from 'node:fs';
-import { createRequire } from 'node:module';
-import os from 'node:os';
 import path from 'node:path';
+import { createRequire } from 'node:module';
 
-const require = createRequire(new URL('../../../client/web/page/package.json', import.meta.url));
-const { chromium } = require('playwright-core');
+import { findFreePort, Program, startGateway, waitFor } from './programs.mjs';
 
-const patienceMs = 60_000; // two pages drawn by two cores take their time
-const pictures = process.env.WOBBLE_PICTURES ?? path.join(os.tmpdir(), 'wobble-pictures');
+const root = new URL('../../../', import.meta.url);
+const { chromium } = createRequire(new URL('client/web/page/package.json', root))('playwright-core');
 
-export async function startBrowser() {
-  return await chromium.launch({
+const binFolder = process.env.WOBBLE_BIN_DIR ?? path.resolve('build/release/bin');
+export const pageFolder = path.join(binFolder, 'page');
+// Where tests leave what people may want to look at.
+export const outputFolder = process.env.WOBBLE_OUTPUT ?? path.resolve('build/release/tests/web');
+const smallScreen = { width: 640, height: 400 };
+
+export const startBrowser = () =>
+  chromium.launch({
     executablePath: process.env.WOBBLE_CHROMIUM ?? '/usr/bin/chromium',
     args: [
-      '--no-sandbox',
+      '--no-sandbox', // nothing but our own page is opened, and containers have no sandbox
+      '--use-gl=angle',
       '--use-angle=swiftshader',
       '--enable-unsafe-swiftshader',
-      '--ignore-gpu-blocklist',
       '--disable-quic',
       '--no-first-run',
       '--disable-background-networking',
@@ -26,68 +32,105 @@ export async function startBrowser() {
       '--disable-sync',
     ],
   });
+
+// A server with this scene and a gateway to it: { address, server, host, stop }. Untrained, since shapes seldom
+// matter here and training takes a second.
+export async function startWorld(scene, options = ['--untrained']) {
+  const address = `127.0.0.1:${await findFreePort()}`;
+  const world = { address, server: await startServerAt(address, scene, options) };
+  const { program, host } = await startGateway(address, pageFolder);
+  world.host = host;
+  world.stop = () => Promise.all([program.stop(), world.server.stop()]);
+  return world;
 }
 
-// A page that plays. Whatever it complains about is an error of the test that closes it.
-export class PlayingPage {
-  static async open(browser, host, query = '') {
-    const page = new PlayingPage();
-    page.complaints = [];
-    page.context = await browser.newContext({ viewport: { width: 960, height: 540 } });
-    page.page = await page.context.newPage();
-    page.page.on('console', (line) => line.type() === 'error' && page.complaints.push(line.text()));
-    page.page.on('pageerror', (error) => page.complaints.push(error.stack));
-    page.page.on('request', (request) => {
-      const { protocol, host: asked } = new URL(request.url());
-      if (protocol !== 'data:' && asked !== host) page.complaints.push(`fetched ${request.url()}`);
-    });
-    await page.page.goto(`http://${host}/${query}`);
-    await page.waitFor(() => {
-      const state = window.wobble?.state();
-      return state?.connection === 'Playing' && state.bodies > 0;
-    });
-    return page;
-  }
+export async function startServerAt(address, scene, options = ['--untrained']) {
+  const server = new Program('wobbled', ['--port', address.split(':')[1], '--scene', scene, ...options]);
+  await server.waitForLine(/^listening on UDP port/);
+  return server;
+}
 
-  // What `find` returns inside of the page, once it is true there.
-  async waitFor(find, argument) {
-    const handle = await this.page.waitForFunction(find, argument, { timeout: patienceMs, polling: 100 });
-    return await handle.jsonValue();
-  }
+export function startBots(world, count, script = 'wander.lua') {
+  return new Program('wobble', ['bots', world.address, '--script', script, '--count', `${count}`]);
+}
 
-  async read(find, argument) {
-    return await this.page.evaluate(find, argument);
-  }
+// The page in a tab of its own, with nothing kept from any before: { tab, complaints, requests, failures, leave }, the
+// lists being what its console, its requests and its network errors came to. onTab: with the tab before anything is
+// asked for. query: a quality that is kept, or the picture changes by itself. options: of the tab.
+export async function openPage(browser, host, { query = 'name=mira&quality=4', onTab = () => {}, ...options } = {}) {
+  const context = await browser.newContext({ viewport: smallScreen, reducedMotion: 'reduce', ...options });
+  const tab = await context.newPage();
+  const page = { tab, complaints: [], requests: [], failures: [], leave: () => context.close() };
+  tab.on('console', (message) => {
+    if (['error', 'warning'].includes(message.type())) page.complaints.push(message.text());
+  });
+  tab.on('pageerror', (error) => page.complaints.push(error.stack ?? error.message));
+  tab.on('request', (request) => page.requests.push(request.url()));
+  tab.on('requestfailed', (request) => page.failures.push(`${request.url()} ${request.failure()?.errorText}`));
+  tab.on('response', (response) => {
+    if (response.status() >= 400) page.failures.push(`${response.url()} ${response.status()}`);
+  });
+  tab.on('websocket', (socket) => page.requests.push(socket.url()));
+  onTab(tab);
+  await tab.goto(`http://${host}/?${query}`);
+  return page;
+}
 
-  // The number of the first body of this blueprint.
-  async findBody(name) {
-    return await this.waitFor((wanted) => window.wobble.bodies().find((body) => body.name === wanted)?.body, name);
-  }
+// The page once it plays, and its own body, if it has one, is there.
+export async function joinPage(browser, host, options) {
+  const page = await openPage(browser, host, options);
+  await waitForPlaying(page.tab);
+  return page;
+}
 
-  // Where a point of the world is, pixels.
-  async findPlace(point) {
-    return await this.read((wanted) => window.wobble.place(wanted), point);
-  }
+export async function waitForPlaying(tab) {
+  await waitFor('a world in the page', () =>
+    tab.evaluate(() => {
+      const { connection, ownBody, bodies } = window.wobble?.state() ?? {};
+      return connection === 'Playing' && bodies > 0 && (ownBody === 0 || window.wobble.position(ownBody) !== null);
+    }),
+  );
+}
 
-  // In steps, as a hand does it.
-  async drag(from, to) {
-    const { mouse } = this.page;
-    await mouse.move(from.x, from.y);
-    await mouse.down();
-    for (let i = 1; i <= 10; ++i) {
-      await mouse.move(from.x + ((to.x - from.x) * i) / 10, from.y + ((to.y - from.y) * i) / 10);
-      await this.page.waitForTimeout(80);
-    }
-    await mouse.up();
-  }
+// What window.wobble has under this name.
+export const probe = (page, name, ...values) =>
+  page.tab.evaluate(([name, values]) => window.wobble[name](...values), [name, values]);
 
-  async takePicture(name) {
-    fs.mkdirSync(pictures, { recursive: true });
-    return await this.page.screenshot({ path: path.join(pictures, `${name}.png`), timeout: patienceMs });
-  }
+export async function findBody(page, name) {
+  const body = (await probe(page, 'bodies')).find((each) => each.name === name);
+  assert.ok(body, `no body ${name}`);
+  return body;
+}
 
-  async close() {
-    await this.context.close();
-    assert.deepEqual(this.complaints, []);
+export async function findOwn(page) {
+  const { ownBody } = await probe(page, 'state');
+  return { body: ownBody, at: await probe(page, 'position', ownBody) };
+}
+
+// The share of the pixels that differ plainly between two screenshots of the same size.
+export async function compareScreenshots(browser, before, after) {
+  const tab = await browser.newPage();
+  try {
+    return await tab.evaluate(
+      async (pictures) => {
+        const [a, b] = await Promise.all(
+          pictures.map(async (picture) => {
+            const bitmap = await createImageBitmap(await (await fetch(`data:image/png;base64,${picture}`)).blob());
+            const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext('2d');
+            context.drawImage(bitmap, 0, 0);
+            return context.getImageData(0, 0, bitmap.width, bitmap.height).data;
+          }),
+        );
+        let count = 0;
+        for (let i = 0; i < a.length; i += 4) {
+          const away = Math.abs(a[i] - b[i]) + Math.abs(a[i + 1] - b[i + 1]) + Math.abs(a[i + 2] - b[i + 2]);
+          if (away > 60) ++count;
+        }
+        return count / (a.length / 4);
+      },
+      [before, after].map((picture) => picture.toString('base64')),
+    );
+  } finally {
+    await tab.close();
   }
 }

@@ -1,0 +1,79 @@
+// WebAssembly against the machine's own instructions: the page's client and a native one are fed the same messages, and
+// must have decoded the same bits.
+import assert from 'node:assert';
+import { spawnSync } from 'node:child_process';
+import path from 'node:path';
+import { after, before } from 'node:test';
+
+import { joinPage, outputFolder, probe, startBots, startBrowser, startWorld } from './support/browser.mjs';
+import { channels } from './support/player.mjs';
+import { test, waitFor } from './support/programs.mjs';
+
+const replayProgram = process.env.WOBBLE_REPLAY ?? path.resolve('build/release/tests/replay');
+const recordsEnough = 1000;
+
+let browser;
+before(async () => (browser = await startBrowser()));
+after(() => browser?.close());
+
+// Bases of shapes are trained here, as they are in play: they are what is hardest to compute alike.
+for (const [scene, options] of [['arena', ['--cache', path.join(outputFolder, 'cache')]], ['curtain', undefined]]) {
+  test(`what the page decodes of ${scene} is what a native client decodes`, async () => {
+    const world = await startWorld(scene, options);
+    const bots = startBots(world, 3);
+    const { messages, records, hash } = await record(world.host);
+    await bots.stop();
+    await world.stop();
+
+    const native = replay(messages);
+    assert.equal(native.get(records), hash, `after ${records} records`);
+    assert.ok(new Set(native.values()).size > 20); // it is of what was decoded, and not of nothing
+    for (const share of [0.1, 0.5, 0.9]) {
+      assert.notEqual(replay(spoil(messages, share)).get(records), hash, `a byte at ${share} is another`);
+    }
+  });
+}
+
+// A page that plays until it has seen enough: all that it received, how many records were in what it has taken in, and
+// the hash of what it decoded from them.
+async function record(host) {
+  const messages = [];
+  const onTab = (tab) =>
+    tab.on('websocket', (socket) => socket.on('framereceived', ({ payload }) => messages.push(Buffer.from(payload))));
+  const page = await joinPage(browser, host, { onTab });
+  await page.tab.keyboard.down('KeyW');
+  const found = await waitFor('enough records', async () => {
+    const { records, hash } = await page.tab.evaluate(() => ({
+      records: window.wobble.statistics().records,
+      hash: window.wobble.decodedHash(),
+    }));
+    return records >= recordsEnough && { records, hash };
+  });
+  assert.equal((await probe(page, 'statistics')).badMessages, 0);
+  await page.leave();
+  return { messages, ...found };
+}
+
+// Hashes by the number of records so far.
+function replay(messages) {
+  const input = Buffer.concat(
+    messages.flatMap((message) => {
+      const head = Buffer.alloc(4);
+      head.writeUInt32LE(message.length);
+      return [head, message];
+    }),
+  );
+  const result = spawnSync(replayProgram, { input, maxBuffer: 1 << 28 });
+  assert.equal(result.status, 0, String(result.stderr));
+  const lines = result.stdout.toString().trim().split('\n');
+  return new Map(lines.map((line) => line.split(' ')).map(([records, hash]) => [Number(records), hash]));
+}
+
+// The same with one byte changed, in the middle of the snapshot at this share of those of the first half.
+function spoil(messages, share) {
+  const snapshots = [...messages.keys()].filter((i) => messages[i][0] === channels.snapshot);
+  const chosen = snapshots[Math.floor((share * snapshots.length) / 2)];
+  const changed = Buffer.from(messages[chosen]);
+  changed[changed.length >> 1] ^= 1;
+  return messages.with(chosen, changed);
+}

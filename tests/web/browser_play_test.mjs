@@ -1,0 +1,257 @@
+// What a player does, by the real keyboard, mouse and fingers, and what the others see of it.
+//
+// A world each. A second page is a spectator, whose camera stands still and has all of the scene in view.
+import assert from 'node:assert';
+import { after, before } from 'node:test';
+
+import { compareScreenshots, findBody, findOwn, joinPage, probe, startBots, startBrowser, startWorld }
+  from './support/browser.mjs';
+import { sleep, test, waitFor } from './support/programs.mjs';
+
+// Of the small screen, pixels: floor and own body, and no panel.
+const floorView = { x: 150, y: 180, width: 340, height: 105 };
+const spectator = { query: 'spectate&quality=4' };
+
+let browser;
+before(async () => (browser = await startBrowser()));
+after(() => browser?.close());
+
+// A world, and a page in it for each of the options.
+async function play(scene, run, ...tabs) {
+  const world = await startWorld(scene);
+  try {
+    await run(...(await Promise.all(tabs.map((options) => joinPage(browser, world.host, options)))), world);
+  } finally {
+    await Promise.all(browser.contexts().map((context) => context.close()));
+    await world.stop();
+  }
+}
+
+// Soft bodies wobble for seconds after they have fallen; span: how much is left of it, m.
+async function waitForRest(page, body, span) {
+  const heights = [];
+  await waitFor('rest', async () => {
+    heights.push((await probe(page, 'position', body)).z);
+    await sleep(100);
+    const latest = heights.slice(-8);
+    return latest.length === 8 && Math.max(...latest) - Math.min(...latest) < span;
+  });
+  return await probe(page, 'position', body);
+}
+
+const readVertices = (page, body) =>
+  page.tab.evaluate((body) => {
+    const { vertices = 0 } = window.wobble.bodies().find((each) => each.body === body) ?? {};
+    return Array.from({ length: vertices }, (_, i) => window.wobble.vertex(body, i));
+  }, body);
+
+test('a key moves the body, in the world and to the eye', () =>
+  play('sandbox', async (page) => {
+    const { body } = await findOwn(page);
+    const begin = await waitForRest(page, body, 0.1);
+    const look = () => page.tab.screenshot({ clip: floorView });
+    const [first, second] = [await look(), await look()];
+    const still = await compareScreenshots(browser, first, second);
+
+    await page.tab.keyboard.down('KeyW');
+    await waitFor('the body to move', async () => (await probe(page, 'position', body)).y > begin.y + 1.3);
+    const moved = await compareScreenshots(browser, second, await look());
+    await page.tab.keyboard.up('KeyW');
+    assert.ok(still < 0.02, `${still} of the picture changes by itself`);
+    assert.ok(moved > 0.03 && moved > 5 * still, `${moved} of the picture changes, ${still} by itself`);
+  }, {}));
+
+test('a finger on the stick moves the body', () =>
+  play('arena', async (page) => {
+    const { body } = await findOwn(page);
+    const begin = await waitForRest(page, body, 0.5);
+    const places = {};
+    for (const [name, place] of [['stick', page.tab.getByLabel('Move', { exact: true })],
+      ['jump', page.tab.getByRole('button', { name: 'Jump' })]]) {
+      const { x, y, width, height } = await place.boundingBox();
+      places[name] = { x: x + width / 2, y: y + height / 2 };
+      assert.ok(x >= 0 && y >= 0 && x + width <= 390 && y + height <= 780, name);
+    }
+    const { stick, jump } = places;
+    const fingers = await page.tab.context().newCDPSession(page.tab);
+    const touch = (type, ...touchPoints) => fingers.send('Input.dispatchTouchEvent', { type, touchPoints });
+    await touch('touchStart', { ...stick, id: 1 });
+    await touch('touchMove', { ...stick, y: stick.y - 45, id: 1 });
+    await waitFor('the body to move', async () => (await probe(page, 'position', body)).y > begin.y + 1);
+    await touch('touchEnd');
+
+    await touch('touchStart', { ...jump, id: 2 });
+    await waitFor('a jump', async () => (await probe(page, 'position', body)).z > 1.3);
+    await touch('touchEnd');
+  }, { viewport: { width: 390, height: 780 }, hasTouch: true, isMobile: true }));
+
+test('what one grabs and lifts rises for the others too', () =>
+  play('arena', async (page, other) => {
+    const own = await findOwn(page);
+    await waitForRest(page, own.body, 0.5);
+    const { ball, place } = await findBallInReach(page, own.body);
+    await page.tab.mouse.move(place.x, place.y);
+    await page.tab.mouse.down();
+    await page.tab.mouse.move(place.x, Math.max(20, place.y - 150), { steps: 5 });
+    const isLifted = async (view) => (await probe(view, 'position', ball)).z > 1.2; // at rest 0.5
+    await waitFor('the ball to rise', async () => (await isLifted(page)) && (await isLifted(other)));
+    await page.tab.mouse.up();
+    await waitFor('the ball to fall', async () => !(await isLifted(page)) && !(await isLifted(other)));
+  }, {}, spectator));
+
+// The nearest ball that the pointer can get at.
+async function findBallInReach(page, own) {
+  return await page.tab.evaluate((own) => {
+    const { x, y, z } = window.wobble.position(own);
+    const eye = window.wobble.place({ x, y, z });
+    const balls = window.wobble
+      .bodies()
+      .filter(({ name }) => name === 'ball')
+      .map(({ body, at }) => ({ ball: body, at, place: window.wobble.place(at) }))
+      .filter(({ place }) => document.elementFromPoint(place.x, place.y)?.id === 'world')
+      .filter(({ place }) => Math.hypot(place.x - eye.x, place.y - eye.y) > 60);
+    const away = ({ at }) => Math.hypot(at.x - x, at.y - y, at.z - z);
+    return balls.sort((a, b) => away(a) - away(b))[0];
+  }, own);
+}
+
+test('a cloth that one cuts is torn for everybody', () =>
+  play('curtain', async (page, other) => {
+    const { body } = await findBody(page, 'curtain');
+    await page.tab.keyboard.press('KeyG');
+    const jump = page.tab.getByRole('button', { name: 'Jump 5 s ahead in time' });
+    const readTime = async () => (await probe(page, 'statistics')).serverTime;
+    for (const begin = await readTime(); (await readTime()) < begin + 10; await sleep(500)) await jump.click();
+    await page.tab.keyboard.press('KeyG');
+    await waitForStill(other, body);
+    const countFaces = () => Promise.all([page, other].map((view) => probe(view, 'faceCount', body)));
+    const before = await waitForSame(countFaces);
+    const looks = [];
+    for (const view of [page, other]) {
+      const clip = await findBox(view, body);
+      const look = () => view.tab.screenshot({ clip });
+      const [first, before] = [await look(), await look()];
+      looks.push({ look, before, still: await compareScreenshots(browser, first, before) });
+    }
+
+    await page.tab.keyboard.press('Digit2');
+    assert.equal(await page.tab.getByRole('button', { name: /^Cut/ }).getAttribute('aria-pressed'), 'true');
+    const from = await probe(page, 'place', { x: -2.6, y: 0, z: 1.5 });
+    const to = await probe(page, 'place', { x: -0.4, y: 0, z: 1.5 });
+    await page.tab.mouse.move(from.x, from.y);
+    await page.tab.mouse.down();
+    await page.tab.mouse.move(to.x, to.y, { steps: 12 });
+    await page.tab.mouse.up();
+
+    await waitFor('a cut', async () => (await countFaces()).every((count) => count < before));
+    const after = await waitForSame(countFaces);
+    assert.ok(after < before, `${after} faces of ${before}`);
+    for (const { look, before, still } of looks) {
+      const torn = await compareScreenshots(browser, before, await look());
+      assert.ok(torn > 0.03 && torn > 3 * still, `${torn} of the cloth's picture changes, ${still} by itself`);
+    }
+  }, {}, spectator));
+
+// The balls that tear the curtain to begin with have set it swinging.
+async function waitForStill(page, body) {
+  let before = await readVertices(page, body);
+  await waitFor('stillness', async () => {
+    await sleep(300);
+    const at = await readVertices(page, body);
+    const away = at.map((each, i) => Math.hypot(each.x - before[i].x, each.y - before[i].y, each.z - before[i].z));
+    before = at;
+    return Math.max(...away) < 0.15;
+  });
+}
+
+// What all count, once it is the same for a second.
+async function waitForSame(count) {
+  let since = Date.now();
+  let last = [];
+  await waitFor('the same for all', async () => {
+    const counts = await count();
+    if (counts.some((each) => each !== counts[0] || each !== last[0])) since = Date.now();
+    last = counts;
+    return Date.now() - since > 1000;
+  });
+  return last[0];
+}
+
+// Where a body is seen, as far as it is seen.
+async function findBox(page, body) {
+  return await page.tab.evaluate((vertices) => {
+    const places = vertices.map(window.wobble.place);
+    const range = (values, least, most) => {
+      const from = Math.max(least, Math.floor(Math.min(...values)));
+      return [from, Math.min(most, Math.ceil(Math.max(...values))) - from];
+    };
+    const [x, width] = range(places.map((place) => place.x), 0, window.innerWidth);
+    const [y, height] = range(places.map((place) => place.y), 0, window.innerHeight);
+    return { x, y, width, height };
+  }, await readVertices(page, body));
+}
+
+test('what one builds is there for everybody, and so is slow motion', () =>
+  play('sandbox', async (page, other) => {
+    const { body, vertices, edges } = await findBody(page, 'workshop');
+    const count = async (view) => {
+      const workshop = (await probe(view, 'bodies')).find((each) => each.body === body);
+      return `${workshop.vertices - vertices} particles, ${workshop.edges - edges} springs`;
+    };
+    await page.tab.getByRole('button', { name: /^Build/ }).click();
+    for (const [name, result] of [['first', '1 particles, 0 springs'], ['second', '2 particles, 1 springs']]) {
+      const place = await findFreeFloor(page, body);
+      await page.tab.mouse.click(place.x, place.y);
+      for (const view of [page, other]) await waitFor(`the ${name} particle`, async () => (await count(view)) === result);
+    }
+
+    await page.tab.getByRole('button', { name: /^World/ }).click();
+    const slider = page.tab.getByRole('slider', { name: 'slow motion' });
+    for (const [value, isSo] of [[0, (rate) => rate < 0.2], [1000, (rate) => rate > 0.9]]) {
+      await slider.fill(`${value}`);
+      for (const view of [page, other]) {
+        await waitFor(`time to go at ${value}`, async () => isSo((await probe(view, 'statistics')).timeRatio));
+      }
+    }
+  }, { viewport: { width: 1000, height: 640 } }, spectator));
+
+// A place on the screen behind which is nothing but floor, away from all particles.
+async function findFreeFloor(page, workshop) {
+  return await page.tab.evaluate((vertices) => {
+    const { x, y } = window.wobble.position(window.wobble.state().ownBody);
+    const taken = vertices.map(window.wobble.place);
+    for (const ahead of [0.5, 1, 1.5, 2]) {
+      for (const aside of [-2, 2, -1.5, 1.5]) {
+        const place = window.wobble.place({ x: x + aside, y: y + ahead, z: 0 });
+        const isFree = taken.every((each) => Math.hypot(each.x - place.x, each.y - place.y) > 40);
+        if (isFree && document.elementFromPoint(place.x, place.y)?.id === 'world') return place;
+      }
+    }
+    throw new Error('no free floor in view');
+  }, await readVertices(page, workshop));
+}
+
+test('the forces on a body are shown on request', () =>
+  play('sumo', async (page) => {
+    const { body } = await findOwn(page);
+    await page.tab.keyboard.press('KeyV');
+    await page.tab.getByRole('button', { name: 'Show forces as arrows' }).click();
+    await waitFor('its weight', async () => {
+      const forces = await probe(page, 'forces');
+      return forces.body === body && forces.kinds.includes('Weight');
+    });
+  }, {}));
+
+test('sumo shows how it stands, and who fell', () =>
+  play('sumo', async (page, world) => {
+    const bots = startBots(world, 2);
+    const board = page.tab.getByLabel('Score');
+    await board.waitFor();
+    await waitFor('all on the board', async () => (await board.getByRole('listitem').count()) === 3);
+    const text = await board.innerText();
+    for (const part of [/round 1/i, /\d:\d\d/, /first to 5/i, /you/]) assert.match(text, part);
+    await page.tab.keyboard.down('KeyW');
+    await page.tab.getByText(/^(You fell off|.* pushed you off)$/).waitFor();
+    await page.tab.keyboard.up('KeyW');
+    await bots.stop();
+  }, {}));
