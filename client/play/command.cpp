@@ -1,10 +1,12 @@
 #include "client/play/command.h"
 
+#include <cstdio>
 #include <memory>
 
 #include "client/bots/options.h"
 #include "client/play/play.h"
 #include "client/tool/clock.h"
+#include "client/tool/exit_codes.h"
 #include "client/web/command.h"
 
 namespace wobble::play {
@@ -12,11 +14,11 @@ namespace wobble::play {
 tool::Command DescribePlay(CLI::App& app) {
   const auto options = std::make_shared<PlayOptions>();
   CLI::App* command =
-      app.add_subcommand("play", "Starts a server, a page to play on and some bots, and ends them together");
+      app.add_subcommand("play", "Starts some worlds, a page to play in them and some bots, and ends them together");
   command->add_option("--for", options->duration, "Seconds to run; 0: until Ctrl-C")
       ->check(tool::Within(0, tool::kMaxDuration))
       ->capture_default_str();
-  command->add_option("--port", options->port, "UDP port of the server")
+  command->add_option("--port", options->port, "UDP port of the first world's server; the others have those behind it")
       ->check(tool::Within(1, 65535))
       ->capture_default_str();
   command->add_option("--http", options->http, "TCP port of the page for browsers; 0: none")
@@ -24,17 +26,26 @@ tool::Command DescribePlay(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--page", options->page, "Folder of the page; default: 'page' beside this program")
       ->type_name("DIR");
-  command->add_option("--bots", options->bots, "Bots that wander about")
+  command->add_option("--bots", options->bots, "Bots that wander about in the first world")
       ->check(tool::Within(0, bots::kMaxBots))
       ->capture_default_str();
-  command->add_option("--scene", options->scene, "A shipped scene's name or a scene file")->capture_default_str();
+  command
+      ->add_option("--scene", options->scenes,
+                   "A shipped scene's name or a scene file, for a world of its own; may be given often")
+      ->capture_default_str();
   command->footer(
       "Exit code: 0 nothing failed, 1 something did, 2 server or gateway cannot start with these options.\n"
       "Examples:\n"
       "  wobble play\n"
+      "  wobble play --scene sumo\n"
       "  wobble play --for 20 --bots 12 --port 7801 --http 8081");
   return {command, [options](const tool::IsStopAsked& isStopAsked) {
             options->programFolder = tool::FindProgramFolder();
+            if (options->port + options->scenes.size() > 65536) {
+              std::fprintf(stderr, "wobble play: --port %u: %zu worlds need as many ports up to 65535\n", options->port,
+                           options->scenes.size());
+              return tool::kExitBadUse;
+            }
             if (options->page.empty()) options->page = web::FindPageFolder();
             return RunPlay(*options, isStopAsked);
           }};

@@ -12,10 +12,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <deque>
 #include <string_view>
 #include <vector>
 
@@ -60,7 +61,7 @@ class TemporaryFolder {
 
 // One of the programs.
 struct Part {
-  const char* name;
+  std::string name;
   std::string errorPrefix;  // of its own lines on standard error, which are passed on without it
   std::string readyPrefix;  // of the line that says it is ready
   Child child = {};
@@ -68,6 +69,18 @@ struct Part {
   std::string line = {};       // the latest of any other
   bool hasStarted = false;
 };
+
+// What plays against whoever comes alone to a game.
+constexpr unsigned kOpponents = 2;
+
+// A scene file's name without folder and ending, with nothing that an address could not hold.
+std::string FindName(const std::string& scene) {
+  std::string name = std::filesystem::path(scene).stem().string().substr(0, 32);
+  for (char& c : name) {
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-') c = '_';
+  }
+  return name;
+}
 
 class Play {
  public:
@@ -77,12 +90,18 @@ class Play {
   int Run();
 
  private:
-  bool StartServer();
+  Part& AddPart(const std::string& name, const std::string& errorPrefix, const std::string& readyPrefix);
+  bool StartServers();
   bool StartGateway();
-  void StartBots();
+  void StartBots(std::size_t world, unsigned count, const char* script);
+  [[nodiscard]] std::string AddressOf(std::size_t world) const;
+  [[nodiscard]] std::filesystem::path SummaryOf(const Part& part) const {
+    return m_folder.Path() / (part.name + ".json");
+  }
   bool Start(Part& part, const std::vector<std::string>& command);
   bool Await(Part& part);
   void Watch();
+  void EndAll();
   void End(Part& part);
   int GiveUp();
   int Report();
@@ -99,10 +118,9 @@ class Play {
   bool m_statusOpen = false;
   std::vector<std::string> m_failures;
   TemporaryFolder m_folder;
-  Part m_server{"server", "wobbled: ", "listening"};
-  Part m_gateway{"gateway", "wobble gateway: ", "open http"};
-  Part m_bots{"bots", "wobble bots: ", "\n"};                          // never: nobody waits for them
-  const std::array<Part*, 3> m_parts{&m_bots, &m_gateway, &m_server};  // in the order of their end
+  std::deque<Part> m_parts;  // as they were started: servers, in the order of the scenes, gateway, bots
+  Part* m_gateway = nullptr;
+  std::vector<Part*> m_bots;
 };
 
 int Play::Run() {
@@ -110,25 +128,52 @@ int Play::Run() {
     std::fprintf(stderr, "wobble play: no temporary folder can be made\n");
     return tool::kExitFailed;
   }
-  if (!StartServer() || !StartGateway()) return GiveUp();
-  if (m_options.bots > 0) StartBots();
+  if (!StartServers() || !StartGateway()) return GiveUp();
+  if (m_options.bots > 0) StartBots(0, m_options.bots, "wander.lua");
+  for (std::size_t world = 1; world < m_options.scenes.size(); ++world) {
+    if (m_options.scenes[world] == "sumo") StartBots(world, kOpponents, "chase.lua");
+  }
   Watch();
   EndStatusLine();
-  for (Part* part : m_parts) End(*part);
+  EndAll();
   return Report();
 }
 
-bool Play::StartServer() {
+Part& Play::AddPart(const std::string& name, const std::string& errorPrefix, const std::string& readyPrefix) {
+  return m_parts.emplace_back(name, errorPrefix, readyPrefix);
+}
+
+std::string Play::AddressOf(std::size_t world) const { return "127.0.0.1:" + std::to_string(m_options.port + world); }
+
+// All at once: each plays its bodies for a while first. A world that nobody has come to stands still, so that what
+// happens at its beginning is there to be seen, and costs nothing.
+bool Play::StartServers() {
   const unsigned places = kGuests + m_options.bots;
-  if (!Start(m_server, {(m_options.programFolder / "wobbled").string(), "--scene", m_options.scene, "--port",
-                        std::to_string(m_options.port), "--max-clients", std::to_string(places), "--status", "1",
-                        "--log-level", "warn", "--summary", (m_folder.Path() / "server.json").string()}) ||
-      !Await(m_server)) {
-    return false;
+  for (std::size_t world = 0; world < m_options.scenes.size(); ++world) {
+    const std::string name = world == 0 ? "server" : "server of " + FindName(m_options.scenes[world]);
+    Part& part = AddPart(name, "wobbled: ", "listening");
+    std::vector<std::string> command{(m_options.programFolder / "wobbled").string(),
+                                     "--scene",
+                                     m_options.scenes[world],
+                                     "--port",
+                                     std::to_string(m_options.port + world),
+                                     "--max-clients",
+                                     std::to_string(places),
+                                     "--status",
+                                     "1",
+                                     "--log-level",
+                                     "warn",
+                                     "--summary",
+                                     SummaryOf(part).string()};
+    if (world > 0) command.insert(command.end(), {"--pause-after", "0.02"});
+    if (!Start(part, command)) return false;
+  }
+  for (std::size_t world = 0; world < m_options.scenes.size(); ++world) {
+    if (!Await(m_parts[world])) return false;
   }
   const std::string self = std::filesystem::proximate(m_options.programFolder / "wobble").string();
-  std::printf("scene %s on UDP port %u; watch it from another terminal with: %s watch 127.0.0.1:%u; Ctrl-C ends all\n",
-              m_options.scene.c_str(), m_options.port, self.c_str(), m_options.port);
+  std::printf("scene %s on UDP port %u; watch it from another terminal with: %s watch %s; Ctrl-C ends all\n",
+              m_options.scenes[0].c_str(), m_options.port, self.c_str(), AddressOf(0).c_str());
   std::fflush(stdout);
   return true;
 }
@@ -143,24 +188,34 @@ bool Play::StartGateway() {
     std::fflush(stdout);
     return true;
   }
-  if (!Start(m_gateway,
-             {(m_options.programFolder / "wobble").string(), "gateway", "--http", std::to_string(m_options.http),
-              "--server", "127.0.0.1:" + std::to_string(m_options.port), "--page", m_options.page.string(),
-              "--max-connections", std::to_string(kGuests), "--status", "1"}) ||
-      !Await(m_gateway)) {
-    return false;
+  m_gateway = &AddPart("gateway", "wobble gateway: ", "open http");
+  std::vector<std::string> command{(m_options.programFolder / "wobble").string(),
+                                   "gateway",
+                                   "--http",
+                                   std::to_string(m_options.http),
+                                   "--page",
+                                   m_options.page.string(),
+                                   "--max-connections",
+                                   std::to_string(kGuests),
+                                   "--status",
+                                   "1"};
+  for (std::size_t world = 0; world < m_options.scenes.size(); ++world) {
+    command.insert(command.end(), {"--server", FindName(m_options.scenes[world]) + "=" + AddressOf(world)});
   }
-  std::printf("%s\n", m_gateway.readyLine.c_str());
+  if (!Start(*m_gateway, command) || !Await(*m_gateway)) return false;
+  std::printf("%s\n", m_gateway->readyLine.c_str());
   std::fflush(stdout);
   return true;
 }
 
-void Play::StartBots() {
-  static_cast<void>(Start(
-      m_bots,
-      {(m_options.programFolder / "wobble").string(), "bots", "127.0.0.1:" + std::to_string(m_options.port), "--script",
-       (m_options.programFolder / "scripts" / "wander.lua").string(), "--count", std::to_string(m_options.bots),
-       "--ramp", "1", "--status", "1", "--summary", (m_folder.Path() / "bots.json").string()}));
+void Play::StartBots(std::size_t world, unsigned count, const char* script) {
+  const std::string name = world == 0 ? "bots" : "bots in " + FindName(m_options.scenes[world]);
+  Part& part = AddPart(name, "wobble bots: ", "\n");  // never: nobody waits for them
+  m_bots.push_back(&part);
+  static_cast<void>(
+      Start(part, {(m_options.programFolder / "wobble").string(), "bots", AddressOf(world), "--script",
+                   (m_options.programFolder / "scripts" / script).string(), "--count", std::to_string(count), "--ramp",
+                   "1", "--status", "1", "--summary", SummaryOf(part).string()}));
 }
 
 bool Play::Start(Part& part, const std::vector<std::string>& command) {
@@ -176,10 +231,9 @@ bool Play::Await(Part& part) {
   while (part.readyLine.empty() && part.child.IsRunning() && !m_stopAsked() && tool::ReadClock() < end) Update(end);
   if (!part.readyLine.empty() && part.child.IsRunning()) return true;
   if (!part.child.IsRunning()) {
-    Fail(std::string("the ") + part.name + " ended at once with exit code " +
-         std::to_string(part.child.ExitCode().value_or(0)));
+    Fail("the " + part.name + " ended at once with exit code " + std::to_string(part.child.ExitCode().value_or(0)));
   } else if (!m_stopAsked()) {
-    Fail(std::string("the ") + part.name + " was not ready after 30 s");
+    Fail("the " + part.name + " was not ready after 30 s");
   }
   return false;
 }
@@ -187,10 +241,9 @@ bool Play::Await(Part& part) {
 // What was told to start in a way that it cannot has said so itself.
 int Play::GiveUp() {
   EndStatusLine();
-  const auto refused = std::find_if(m_parts.begin(), m_parts.end(),
-                                    [](const Part* part) { return part->child.ExitCode() == tool::kExitBadUse; });
-  const bool isBadUse = refused != m_parts.end();
-  for (Part* part : m_parts) End(*part);
+  const bool isBadUse = std::any_of(m_parts.begin(), m_parts.end(),
+                                    [](const Part& part) { return part.child.ExitCode() == tool::kExitBadUse; });
+  EndAll();
   if (isBadUse) return tool::kExitBadUse;
   for (const std::string& failure : m_failures) std::fprintf(stderr, "wobble play: %s\n", failure.c_str());
   return m_failures.empty() ? tool::kExitGood : tool::kExitFailed;
@@ -202,15 +255,20 @@ void Play::Watch() {
   double nextStatus = begin + kStatusEvery + kStatusLag;
   while (!m_stopAsked() && tool::ReadClock() < end) {
     Update(std::min(nextStatus, end));
-    for (const Part* part : m_parts) {
-      if (!part->hasStarted || part->child.IsRunning()) continue;
-      return Fail(std::string("the ") + part->name + " ended early with exit code " +
-                  std::to_string(part->child.ExitCode().value_or(0)));
+    for (const Part& part : m_parts) {
+      if (!part.hasStarted || part.child.IsRunning()) continue;
+      const int code = part.child.ExitCode().value_or(0);
+      return Fail("the " + part.name + " ended early with exit code " + std::to_string(code));
     }
     if (tool::ReadClock() < nextStatus) continue;
     nextStatus += kStatusEvery;
     ShowStatus(end - tool::ReadClock());
   }
+}
+
+// The last that was started first.
+void Play::EndAll() {
+  for (auto part = m_parts.rbegin(); part != m_parts.rend(); ++part) End(*part);
 }
 
 // Asks a child that still runs to end, and sees to it that it does.
@@ -221,7 +279,7 @@ void Play::End(Part& part) {
   const double deadline = tool::ReadClock() + kEndPatience;
   while (child.IsRunning() && tool::ReadClock() < deadline) Update(deadline);
   if (child.IsRunning()) {
-    Fail(std::string("the ") + part.name + " did not end within " + std::to_string(std::lround(kEndPatience)) +
+    Fail("the " + part.name + " did not end within " + std::to_string(std::lround(kEndPatience)) +
          " s of being asked, and had to be killed");
     child.Signal(SIGKILL);
     while (child.IsRunning()) Update(tool::ReadClock() + 1);
@@ -230,25 +288,25 @@ void Play::End(Part& part) {
   // Stopped in its first moments, before it listened for the signal: an end as asked for.
   const bool deafYet = child.ExitCode() == 128 + SIGINT && m_stopAsked();
   if (child.ExitCode() != 0 && !deafYet) {
-    Fail(std::string("the ") + part.name + " ended with exit code " + std::to_string(child.ExitCode().value_or(0)));
+    Fail("the " + part.name + " ended with exit code " + std::to_string(child.ExitCode().value_or(0)));
   }
 }
 
 // Waits for output of the children until then at the latest, and passes it on. A child's end closes its output, but
 // may be noticed a little later: a closed stream is polled no more, so that wait is cut short.
 void Play::Update(double until) {
-  pollfd descriptors[2 * std::tuple_size_v<decltype(m_parts)>];
-  nfds_t count = 0;
+  std::vector<pollfd> descriptors;
   double wait = until - tool::ReadClock();
-  for (const Part* part : m_parts) {
-    for (const int descriptor : {part->child.OutputDescriptor(), part->child.ErrorsDescriptor()}) {
-      if (descriptor >= 0) descriptors[count++] = {descriptor, POLLIN, 0};
-      if (descriptor < 0 && part->child.IsRunning()) wait = std::min(wait, 0.01);
+  for (const Part& part : m_parts) {
+    for (const int descriptor : {part.child.OutputDescriptor(), part.child.ErrorsDescriptor()}) {
+      if (descriptor >= 0) descriptors.push_back({descriptor, POLLIN, 0});
+      if (descriptor < 0 && part.child.IsRunning()) wait = std::min(wait, 0.01);
     }
   }
   const int milliseconds = static_cast<int>(std::ceil(std::clamp(wait, 0.0, 1.0) * 1000));
-  static_cast<void>(poll(descriptors, count, milliseconds));  // a signal cuts it short, which is as well
-  for (Part* part : m_parts) Forward(*part);
+  static_cast<void>(
+      poll(descriptors.data(), descriptors.size(), milliseconds));  // a signal cuts it short, which is as well
+  for (Part& part : m_parts) Forward(part);
 }
 
 void Play::Forward(Part& part) {
@@ -264,15 +322,16 @@ void Play::Forward(Part& part) {
   for (const std::string& line : part.child.TakeErrors()) {
     EndStatusLine();
     const std::size_t begin = line.rfind(part.errorPrefix, 0) == 0 ? part.errorPrefix.size() : 0;
-    std::fprintf(stderr, "%s: %s\n", part.name, line.c_str() + begin);
+    std::fprintf(stderr, "%s: %s\n", part.name.c_str(), line.c_str() + begin);
   }
 }
 
 void Play::ShowStatus(double left) {
   std::string line;
-  for (const Part* part : {&m_server, &m_gateway, &m_bots}) {
-    if (!line.empty() && !part->line.empty()) line += " | ";
-    line += part->line;
+  for (const Part& part : m_parts) {
+    const bool isAside = &part != &m_parts[0] && &part != m_gateway && (m_bots.empty() || &part != m_bots[0]);
+    if (isAside || part.line.empty()) continue;
+    line += (line.empty() ? "" : " | ") + part.line;
   }
   if (std::isfinite(left)) line = std::to_string(std::lround(left)) + " s left | " + line;
   winsize size{};
@@ -293,10 +352,14 @@ void Play::EndStatusLine() {
 void Play::Fail(const std::string& reason) { m_failures.push_back(reason); }
 
 int Play::Report() {
-  const bool hasServerEndedWell = m_server.child.ExitCode() == 0;
-  ReportServer(m_folder.Path() / "server.json", hasServerEndedWell, m_failures);
-  if (m_gateway.hasStarted) std::printf("gateway: %s\n", m_gateway.line.c_str());  // its last is what it counted
-  if (m_bots.hasStarted) ReportBots(m_folder.Path() / "bots.json", m_bots.child.ExitCode() == 0, m_failures);
+  for (std::size_t world = 0; world < m_options.scenes.size(); ++world) {
+    const Part& part = m_parts[world];
+    ReportServer(part.name, SummaryOf(part), part.child.ExitCode() == 0, m_failures);
+  }
+  if (m_gateway != nullptr) std::printf("gateway: %s\n", m_gateway->line.c_str());  // its last is what it counted
+  for (const Part* bots : m_bots) {
+    if (bots->hasStarted) ReportBots(bots->name, SummaryOf(*bots), bots->child.ExitCode() == 0, m_failures);
+  }
   for (const std::string& failure : m_failures) std::printf("FAILED: %s\n", failure.c_str());
   if (m_failures.empty()) std::printf("all went well\n");
   std::fflush(stdout);

@@ -1,25 +1,27 @@
-// `wobble play`: a server, the gateway for browsers and some bots, started, watched and ended together.
+// `wobble play`: some worlds, the gateway for browsers and some bots, started, watched and ended together.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace wobble::play {
 
 struct PlayOptions {
   std::filesystem::path programFolder;  // where wobbled, wobble and scripts/ lie
-  std::string scene = "arena";
+  // A server each, on one port after the other. The first has the bots; the others wait until somebody comes.
+  std::vector<std::string> scenes{"arena", "sumo", "curtain", "sandbox"};
   std::uint16_t port = 7777;
   std::uint16_t http = 8080;   // TCP port of the gateway; 0: no gateway
   std::filesystem::path page;  // folder of its page; no gateway where there is none
   unsigned bots = 6;
-  double duration = 0;  // seconds from when the server is ready; 0: until stopped
+  double duration = 0;  // seconds from when all is ready; 0: until stopped
 };
 
 // Until the time is up, stopAsked is true or a child has ended. Returns the exit code: 0 when nothing failed, 2 when
-// server or gateway could not start as told to, else 1.
+// a server or the gateway could not start as told to, else 1.
 [[nodiscard]] int RunPlay(const PlayOptions& options, const std::function<bool()>& stopAsked);
 
 }  // namespace wobble::play

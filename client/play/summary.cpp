@@ -32,11 +32,12 @@ double Number(const nlohmann::json& summary, const char* key) {
 
 }  // namespace
 
-void ReportServer(const std::filesystem::path& file, bool isExpected, std::vector<std::string>& failures) {
+void ReportServer(const std::string& name, const std::filesystem::path& file, bool isExpected,
+                  std::vector<std::string>& failures) {
   const nlohmann::json summary = ReadSummary(file, isExpected, failures);
   if (summary.empty()) return;
-  std::printf("server: %s ticks of %s ms (p50), %s ms (p99), %s overruns, %s joins, %s disconnects, %s non-finite\n",
-              Show(summary, "ticks").c_str(), Show(summary, "tick_ms_p50", 2).c_str(),
+  std::printf("%s: %s ticks of %s ms (p50), %s ms (p99), %s overruns, %s joins, %s disconnects, %s non-finite\n",
+              name.c_str(), Show(summary, "ticks").c_str(), Show(summary, "tick_ms_p50", 2).c_str(),
               Show(summary, "tick_ms_p99", 2).c_str(), Show(summary, "overruns").c_str(),
               Show(summary, "joins").c_str(), Show(summary, "disconnects").c_str(),
               Show(summary, "non_finite").c_str());
@@ -46,13 +47,14 @@ void ReportServer(const std::filesystem::path& file, bool isExpected, std::vecto
     std::printf("warning: %s ticks took too long\n", Show(summary, "overruns").c_str());
 }
 
-void ReportBots(const std::filesystem::path& file, bool isExpected, std::vector<std::string>& failures) {
+void ReportBots(const std::string& name, const std::filesystem::path& file, bool isExpected,
+                std::vector<std::string>& failures) {
   const nlohmann::json summary = ReadSummary(file, isExpected, failures);
   if (summary.empty()) return;
-  std::printf("bots: %s of %s connected, %s disconnects, %s script errors, snapshots %s ms old (p50), %s ms (p99)\n",
-              Show(summary, "connected").c_str(), Show(summary, "bots").c_str(), Show(summary, "disconnects").c_str(),
-              Show(summary, "script_errors").c_str(), Show(summary, "snapshot_age_ms_p50", 1).c_str(),
-              Show(summary, "snapshot_age_ms_p99", 1).c_str());
+  std::printf("%s: %s of %s connected, %s disconnects, %s script errors, snapshots %s ms old (p50), %s ms (p99)\n",
+              name.c_str(), Show(summary, "connected").c_str(), Show(summary, "bots").c_str(),
+              Show(summary, "disconnects").c_str(), Show(summary, "script_errors").c_str(),
+              Show(summary, "snapshot_age_ms_p50", 1).c_str(), Show(summary, "snapshot_age_ms_p99", 1).c_str());
   if (Number(summary, "connected") < Number(summary, "bots")) failures.push_back("not all bots connected");
   if (Number(summary, "disconnects") > 0) failures.push_back("bots were disconnected");
   if (Number(summary, "script_errors") > 0) failures.push_back("scripts failed");

@@ -9,7 +9,9 @@ namespace wobble::play {
 
 // A line each on standard output, and what is wrong by these figures added to `failures`. A file that is missing or
 // broken is a failure when isExpected: its writer ended well.
-void ReportServer(const std::filesystem::path& file, bool isExpected, std::vector<std::string>& failures);
-void ReportBots(const std::filesystem::path& file, bool isExpected, std::vector<std::string>& failures);
+void ReportServer(const std::string& name, const std::filesystem::path& file, bool isExpected,
+                  std::vector<std::string>& failures);
+void ReportBots(const std::string& name, const std::filesystem::path& file, bool isExpected,
+                std::vector<std::string>& failures);
 
 }  // namespace wobble::play

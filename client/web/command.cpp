@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <memory>
 
@@ -15,10 +16,11 @@ namespace wobble::web {
 namespace {
 
 constexpr double kMostConnections = 1000;
+constexpr std::size_t kMaxNameBytes = 32;  // of a world's
 
 // What the command line says before it is understood.
 struct Words {
-  std::string server;
+  std::vector<std::string> servers;
   std::string page;
 };
 
@@ -26,7 +28,10 @@ CLI::App* AddWords(CLI::App& app, GatewayOptions& options, Words& words) {
   CLI::App* command =
       app.add_subcommand("gateway", "Serves the page that browsers play in, and relays them to a server");
   // Not required() of CLI11: it would complain of that even when an unknown option is the fault.
-  command->add_option("--server", words.server, "The server")->type_name("HOST:PORT REQUIRED");
+  command
+      ->add_option("--server", words.servers,
+                   "The server; or several, given often, each with the name that the page has for it")
+      ->type_name("[NAME=]HOST:PORT REQUIRED");
   command->add_option("--http", options.port, "TCP port that browsers open; 0: any that is free")
       ->check(tool::Within(0, 65535))
       ->capture_default_str();
@@ -53,6 +58,7 @@ CLI::App* AddWords(CLI::App& app, GatewayOptions& options, Words& words) {
       "Exit code: 0 told to end, 2 bad usage, no page, port in use or unknown host.\n"
       "Examples:\n"
       "  wobble gateway --server 127.0.0.1:7777\n"
+      "  wobble gateway --server arena=127.0.0.1:7777 --server sumo=127.0.0.1:7778\n"
       "  wobble gateway --server 127.0.0.1:7777 --http 80 --max-per-address 4\n"
       "  wobble gateway --server 127.0.0.1:7777 --bind 127.0.0.1 --origin https://friends.example.org");
   return command;
@@ -63,18 +69,38 @@ bool IsAddress(const std::string& text) {
   return inet_pton(AF_INET, text.c_str(), &bytes) == 1 || inet_pton(AF_INET6, text.c_str(), &bytes) == 1;
 }
 
+bool IsName(const std::string& text) {
+  const auto isGood = [](unsigned char c) { return std::isalnum(c) != 0 || c == '-' || c == '_'; };
+  return !text.empty() && text.size() <= kMaxNameBytes && std::all_of(text.begin(), text.end(), isGood);
+}
+
+// False with one line in `error`.
+bool ReadWorlds(const std::vector<std::string>& words, std::vector<World>& worlds, std::string& error) {
+  for (const std::string& word : words) {
+    const std::size_t sign = word.find('=');
+    World world;
+    if (sign != std::string::npos) world.name = word.substr(0, sign);
+    const auto isSame = [&](const World& other) { return other.name == world.name; };
+    if ((sign != std::string::npos || words.size() > 1) && !IsName(world.name)) {
+      error = "--server: '" + word + "' needs a name of letters, digits, - and _, at most 32, before its address";
+    } else if (std::any_of(worlds.begin(), worlds.end(), isSame)) {
+      error = "--server: '" + world.name + "' names two servers";
+    } else if (const auto address = tool::ParseAddress(word.substr(sign + 1), error)) {
+      world.server = *address;
+      worlds.push_back(std::move(world));
+      continue;
+    } else {
+      error = "--server: " + error;
+    }
+    return false;
+  }
+  if (worlds.empty()) error = "--server HOST:PORT is required (see wobble gateway --help)";
+  return !worlds.empty();
+}
+
 // False with one line in `error`.
 bool Understand(const Words& words, GatewayOptions& options, std::string& error) {
-  if (words.server.empty()) {
-    error = "--server HOST:PORT is required (see wobble gateway --help)";
-    return false;
-  }
-  const auto address = tool::ParseAddress(words.server, error);
-  if (!address) {
-    error = "--server: " + error;
-    return false;
-  }
-  options.server = *address;
+  if (!ReadWorlds(words.servers, options.worlds, error)) return false;
   if (!IsAddress(options.bindAddress)) {
     error = "--bind: '" + options.bindAddress + "' is no IP address";
     return false;

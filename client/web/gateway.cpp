@@ -50,10 +50,26 @@ std::string DescribeAddress(const asio::ip::address& address) {
   return asio::ip::address_v6(bytes).to_string() + "/64";
 }
 
+std::string DescribeWorlds(const std::vector<World>& worlds) {
+  if (worlds[0].name.empty()) return "on " + Describe(worlds[0].server);
+  std::string names;
+  for (const World& world : worlds) names += (names.empty() ? "" : ", ") + world.name;
+  return names;
+}
+
+// Names need no escaping.
+std::string ListWorlds(const std::vector<World>& worlds) {
+  std::string names;
+  for (const World& world : worlds) {
+    if (!world.name.empty()) names += (names.empty() ? "\"" : ", \"") + world.name + "\"";
+  }
+  return "{\"worlds\": [" + names + "]}\n";
+}
+
 class Gateway {
  public:
   Gateway(const GatewayOptions& options, const Page& page, const tool::IsStopAsked& isStopAsked)
-      : m_shared{options, page,
+      : m_shared{options, page, ListWorlds(options.worlds),
                  Places(kSocketsPerPlayer * options.maxConnections, kSocketsPerPlayer * options.maxPerAddress),
                  Places(options.maxConnections, options.maxPerAddress)},
         m_isStopAsked(isStopAsked),
@@ -86,9 +102,10 @@ class Gateway {
 bool Gateway::Open(std::string& error) {
   const GatewayOptions& options = m_shared.options;
   error_code failure;
-  udp::resolver(m_context).resolve(udp::v4(), options.server.host, std::to_string(options.server.port), failure);
-  if (failure) {
-    error = "--server: no IPv4 address is known for '" + options.server.host + "'";
+  for (const World& world : options.worlds) {
+    udp::resolver(m_context).resolve(udp::v4(), world.server.host, std::to_string(world.server.port), failure);
+    if (!failure) continue;
+    error = "--server: no IPv4 address is known for '" + world.server.host + "'";
     return false;
   }
   const tcp::endpoint endpoint(asio::ip::make_address(options.bindAddress), options.port);
@@ -109,8 +126,8 @@ void Gateway::Run() {
   const std::string host = address.is_unspecified() || address.is_loopback() ? "localhost"
                            : address.is_v6()                                 ? "[" + options.bindAddress + "]"
                                                                              : options.bindAddress;
-  std::printf("open http://%s:%u in a browser to play on %s\n", host.c_str(), m_acceptor.local_endpoint().port(),
-              Describe(options.server).c_str());
+  std::printf("open http://%s:%u in a browser to play %s\n", host.c_str(), m_acceptor.local_endpoint().port(),
+              DescribeWorlds(options.worlds).c_str());
   std::fflush(stdout);
   m_nextStatus = tool::ReadClock() + options.statusEvery;
   Turn();

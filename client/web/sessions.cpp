@@ -63,8 +63,9 @@ std::string_view AsView(beast::string_view text) { return {text.data(), text.siz
 // A browser that plays: its WebSocket, and its link to the server.
 class Browser : public std::enable_shared_from_this<Browser> {
  public:
-  Browser(Shared& shared, tcp::socket socket, Request request, std::string address, Place place)
+  Browser(Shared& shared, const World& world, tcp::socket socket, Request request, std::string address, Place place)
       : m_shared(shared),
+        m_world(world),
         m_stream(std::move(socket)),
         m_resolver(m_stream.get_executor()),
         m_request(std::move(request)),
@@ -97,6 +98,7 @@ class Browser : public std::enable_shared_from_this<Browser> {
   void LeaveServer();
 
   Shared& m_shared;
+  const World& m_world;
   websocket::stream<beast::tcp_stream> m_stream;
   udp::resolver m_resolver;
   Request m_request;
@@ -144,10 +146,11 @@ void Browser::OnAccepted(error_code error) {
     ++m_shared.counts.browsersRefused;
     return Close(websocket::close_code::try_again_later, "all places are taken", Waiting::kDiscard);
   }
-  std::fprintf(stderr, "browser %llu: %s plays, %zu of %zu\n", static_cast<unsigned long long>(m_number),
-               m_address.c_str(), m_shared.players.CountTaken(), m_shared.options.maxConnections);
+  std::fprintf(stderr, "browser %llu: %s plays%s%s, %zu of %zu\n", static_cast<unsigned long long>(m_number),
+               m_address.c_str(), m_world.name.empty() ? "" : " ", m_world.name.c_str(), m_shared.players.CountTaken(),
+               m_shared.options.maxConnections);
   // Each time anew: a server may have moved since the gateway began.
-  m_resolver.async_resolve(udp::v4(), m_shared.options.server.host, std::to_string(m_shared.options.server.port),
+  m_resolver.async_resolve(udp::v4(), m_world.server.host, std::to_string(m_world.server.port),
                            [self = shared_from_this()](error_code failure, const udp::resolver::results_type& results) {
                              self->OnResolved(failure, results);
                            });
@@ -157,7 +160,7 @@ void Browser::OnResolved(error_code error, const udp::resolver::results_type& re
   if (m_farewell) return;
   std::string reason = "the server's name is not known";
   if (!error && !results.empty()) {
-    m_link = ServerLink::Open(results.begin()->endpoint().address().to_string(), m_shared.options.server.port, reason);
+    m_link = ServerLink::Open(results.begin()->endpoint().address().to_string(), m_world.server.port, reason);
   }
   if (m_link == nullptr) Close(websocket::close_code::try_again_later, reason, Waiting::kDiscard);
 }
@@ -288,7 +291,8 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
  private:
   void OnRead(error_code error);
   void Answer();
-  void AnswerPlay();
+  void AnswerPlay(const World& world);
+  void SendWorlds();
   void SendFile(const PageFile& file);
   void SendText(http::status status, std::string_view text);
   void Send(std::string_view body);
@@ -335,14 +339,18 @@ void Visitor::Answer() {
   if (!m_parser->is_done()) return SendText(http::status::bad_request, "a body is not expected\n");
   const std::string_view target = AsView(request.target());
   const std::string_view path = target.substr(0, target.find('?'));
-  if (path == "/play") return AnswerPlay();
+  if (path == "/worlds") return SendWorlds();
+  if (path == "/play") return AnswerPlay(m_shared.options.worlds[0]);
+  for (const World& world : m_shared.options.worlds) {
+    if (!world.name.empty() && path == "/play/" + world.name) return AnswerPlay(world);
+  }
   if (path == "/healthz") return SendText(http::status::ok, "ok\n");
   const PageFile* file = FindFile(m_shared.page, target);
   if (file == nullptr) return SendText(http::status::not_found, "there is no such file\n");
   SendFile(*file);
 }
 
-void Visitor::AnswerPlay() {
+void Visitor::AnswerPlay(const World& world) {
   const Request& request = m_parser->get();
   if (!websocket::is_upgrade(request)) {
     m_response.set(http::field::upgrade, "websocket");
@@ -356,7 +364,7 @@ void Visitor::AnswerPlay() {
     return SendText(http::status::bad_request, "the subprotocol is not offered: load the page again\n");
   }
   m_stream.expires_never();
-  const auto browser = std::make_shared<Browser>(m_shared, m_stream.release_socket(), m_parser->release(),
+  const auto browser = std::make_shared<Browser>(m_shared, world, m_stream.release_socket(), m_parser->release(),
                                                  std::move(m_address), std::move(m_place));
   m_shared.browsers.push_back(browser);
   browser->Start();
@@ -369,6 +377,12 @@ void Visitor::SendFile(const PageFile& file) {
   m_response.set(http::field::vary, "Accept-Encoding");
   if (isCompressed) m_response.set(http::field::content_encoding, "gzip");
   Send(isCompressed ? file.gzip : file.bytes);
+}
+
+void Visitor::SendWorlds() {
+  m_response.set(http::field::content_type, "application/json");
+  m_response.set(http::field::cache_control, "no-store");
+  Send(m_shared.worlds);
 }
 
 // text: one that stays, since it is not copied.

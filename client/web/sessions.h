@@ -36,6 +36,7 @@ class Browser;
 struct Shared {
   const GatewayOptions& options;
   const Page& page;
+  const std::string worlds;  // their names, as JSON
   Places sockets;
   Places players;
   GatewayCounts counts = {};

@@ -179,12 +179,14 @@ case_play_ends_by_itself() {
   make_page
   expect_exit 0 wobble play --for 4 --port 7812 --http 8812 --page "$folder/page"
   expect_line "$out" '^scene arena on UDP port 7812'
-  expect_line "$out" '^open http://localhost:8812 in a browser to play on 127.0.0.1:7812$'
+  expect_line "$out" '^open http://localhost:8812 in a browser to play arena, sumo, curtain, sandbox$'
   expect_line "$out" ' | browsers 0/64, up 0 kbit/s, down 0 kbit/s | bots 6/6'
   expect_line "$out" '^gateway: 0 requests, 0 refused; 0 browsers'
   expect_line "$out" ' s left | .* clients 6 .* | bots 6/6'
   expect_line "$out" '^server: .* 6 joins, 0 disconnects, 0 non-finite'
   expect_line "$out" '^bots: 6 of 6 connected, 0 disconnects, 0 script errors'
+  expect_line "$out" '^server of curtain: 0 ticks'  # nobody has come
+  expect_line "$out" '^bots in sumo: 2 of 2 connected, 0 disconnects'
   expect_line "$out" '^all went well$'
   if grep -q $'\e' "$out" "$err"; then fail "no colours away from a terminal" "$out" "$err"; fi
   expect_no_processes 7812
@@ -192,7 +194,7 @@ case_play_ends_by_itself() {
 
 case_play_ends_on_interrupt() {
   make_page
-  start play wobble play --port 7813 --http 8813 --page "$folder/page"
+  start play wobble play --scene arena --port 7813 --http 8813 --page "$folder/page"
   wait_for_line play 'bots 6/6'
   [ "$(list_processes 7813 | wc -l)" -eq 4 ] || fail "play, server, gateway and bots to run" <(list_processes 7813)
   kill -INT "$pid"
@@ -204,10 +206,10 @@ case_play_ends_on_interrupt() {
 
 # The page is one more thing that play can do; without it, it says so and goes on.
 case_play_without_page() {
-  expect_exit 0 wobble play --for 2 --port 7823 --bots 0 --page "$folder/none"
+  expect_exit 0 wobble play --scene arena --for 2 --port 7823 --bots 0 --page "$folder/none"
   expect_line "$out" "^no page for browsers: '.*none' is not there; "
   expect_line "$out" '^all went well$'
-  expect_exit 0 wobble play --for 1 --port 7823 --bots 0 --http 0
+  expect_exit 0 wobble play --scene arena --for 1 --port 7823 --bots 0 --http 0
   if grep -q -e page -e gateway "$out"; then fail "no word of a page" "$out"; fi
 }
 
@@ -215,7 +217,7 @@ case_play_without_page() {
 case_play_notices_a_gateway_that_ends() {
   local line gateway=""
   make_page
-  start play wobble play --port 7824 --http 8824 --page "$folder/page"
+  start play wobble play --scene arena --port 7824 --http 8824 --page "$folder/page"
   wait_for_line play 'bots 6/6'
   for line in /proc/[0-9]*; do
     case "$({ tr '\0' ' ' <"$line/cmdline"; } 2>/dev/null)" in
@@ -231,14 +233,14 @@ case_play_notices_a_gateway_that_ends() {
 case_port_in_use() {
   start_server --port 7814
   expect_refusal '^wobbled: port 7814 (UDP) is in use$' wobbled --port 7814
-  expect_refusal '^server: port 7814 (UDP) is in use$' wobble play --port 7814 --for 5
+  expect_refusal '^server: port 7814 (UDP) is in use$' wobble play --scene arena --port 7814 --for 5
   make_page
   start gateway wobble gateway --server 127.0.0.1:7814 --http 8814 --page "$folder/page"
   local gateway=$pid
   wait_for_line gateway '^open http://localhost:8814 '
   expect_refusal '^wobble gateway: port 8814 (TCP) is in use; ' \
     wobble gateway --server 127.0.0.1:7814 --http 8814 --page "$folder/page"
-  expect_exit 2 wobble play --port 7825 --http 8814 --page "$folder/page" --for 5
+  expect_exit 2 wobble play --scene arena --port 7825 --http 8814 --page "$folder/page" --for 5
   expect_line "$err" '^gateway: port 8814 (TCP) is in use; '
   expect_no_processes 7825
   kill -TERM "$gateway"
@@ -265,6 +267,11 @@ case_unknown_option() {
   expect_refusal '^wobble watch: standard output is no terminal$' wobble watch 127.0.0.1:7815
   expect_refusal '^wobble gateway: --server HOST:PORT is required' wobble gateway
   expect_refusal "^wobble gateway: --server: 'here' is no HOST:PORT" wobble gateway --server here
+  expect_refusal "^wobble gateway: --server: 'a b=c:1' needs a name of letters, digits, - and _, at most 32" \
+    wobble gateway --server 'a b=c:1'
+  expect_refusal "^wobble gateway: --server: 'c:1' needs a name" wobble gateway --server a=b:1 --server c:1
+  expect_refusal "^wobble gateway: --server: 'a' names two servers" wobble gateway --server a=b:1 --server a=c:1
+  expect_refusal "^wobble play: --port 65534: 4 worlds need as many ports up to 65535" wobble play --port 65534
   expect_refusal "^wobble: --http: '70000' is not 0 to 65535" wobble gateway --server 127.0.0.1:7815 --http 70000
   expect_refusal "^wobble gateway: --bind: 'here' is no IP address" wobble gateway --server 127.0.0.1:7815 --bind here
   expect_refusal "^wobble gateway: --origin: 'http://a/b' is no " \

@@ -36,6 +36,25 @@ test('relays both ways, and the server hears when a browser leaves', async () =>
   await gateway.program.waitForLine(/^browser 1: ended after \d+ s: left; 0 snapshots dropped$/);
 });
 
+test('leads to several worlds by their names', async () => {
+  const sumo = await startServer('--scene', 'sumo', '--status', '0.2');
+  const worlds = await startGateway(`arena=${server.address}`, page, '--server', `sumo=${sumo.address}`);
+  const listed = await fetch(`http://${worlds.host}/worlds`);
+  assert.match(listed.headers.get('content-type'), /^application\/json/);
+  assert.deepEqual(await listed.json(), { worlds: ['arena', 'sumo'] });
+  const names = (player) => Buffer.concat(player.messages).toString('latin1');
+  for (const [path, scene] of [['/play', 'arena'], ['/play/arena', 'arena'], ['/play/sumo', 'sumo']]) {
+    const player = await join(worlds.host, { path });
+    assert.ok(names(player).includes(scene), path);
+    await player.leave();
+  }
+  assert.equal(await new Player(worlds.host, { path: '/play/curtain' }).opened, 404);
+  const nameless = await fetch(`http://${gateway.host}/worlds`);
+  assert.deepEqual(await nameless.json(), { worlds: [] });
+  await worlds.program.stop();
+  await sumo.program.stop();
+});
+
 test('answers pings with the round trip to the server', async () => {
   const player = await join(gateway.host);
   player.send(channels.ping, Buffer.from([1, 2, 3, 250]));

@@ -23,7 +23,7 @@ export const serverMessages = { welcome: 1, blueprintChunk: 2, event: 3, goodbye
 export class Player {
   constructor(host, options = {}) {
     this.messages = []; // [channel, bytes...] each
-    this.socket = new WebSocket(`ws://${host}/play`, options.protocols ?? [subprotocol], {
+    this.socket = new WebSocket(`ws://${host}${options.path ?? '/play'}`, options.protocols ?? [subprotocol], {
       origin: options.origin,
       perMessageDeflate: false,
       localAddress: options.localAddress,
