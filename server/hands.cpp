@@ -106,14 +106,18 @@ std::string Hands::Push(const Actor& actor, const PushCommand& command, const ph
   return "";
 }
 
-std::string Hands::Cut(const Actor& actor, const CutCommand& command, physics::World& world) {
-  if (!m_rules.cut || actor.body == 0) return "nobody cuts here";
-  if (FindBody(world, command.body) == nullptr) return "";
+std::optional<physics::Blade> Hands::FindBlade(const Actor& actor, const CutCommand& command,
+                                               const physics::World& world, std::string& refusal) const {
   const Vector3d middle = (command.from + command.to) / 2;
-  if ((command.from - command.to).norm() > kLongestBlade || (command.eye - middle).norm() > kFarthestEye) return "";
-  if (!IsWithin(m_rules.reach, actor.body, middle, world)) return "too far away to cut";
-  world.CutSprings(command.body, {command.eye, command.from, command.to});
-  return "";
+  if (!m_rules.cut || actor.body == 0) {
+    refusal = "nobody cuts here";
+  } else if (!IsWithin(m_rules.reach, actor.body, middle, world)) {
+    refusal = "too far away to cut";
+  } else if (FindBody(world, command.body) != nullptr && (command.from - command.to).norm() <= kLongestBlade &&
+             (command.eye - middle).norm() <= kFarthestEye) {
+    return physics::Blade{command.eye, command.from, command.to};
+  }
+  return {};
 }
 
 void Hands::Forget(ClientId client) {

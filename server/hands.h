@@ -27,9 +27,11 @@ class Hands {
   // What the player holds from now on; nullopt: nothing. What he may not hold, or cannot reach, he does not. A grip
   // that was refused or has slipped stays so until the hand closes anew.
   void Hold(const Actor& actor, const std::optional<HandCommand>& command, const physics::World& world);
-  // These return why nothing was done, for people; empty when it was.
+  // Why nothing was done, for people; empty when it was, or when an honest client would not have asked.
   [[nodiscard]] std::string Push(const Actor& actor, const PushCommand& command, const physics::World& world);
-  [[nodiscard]] std::string Cut(const Actor& actor, const CutCommand& command, physics::World& world);
+  // What the player may cut of the body with. nullopt, with a reason as above, when nothing.
+  [[nodiscard]] std::optional<physics::Blade> FindBlade(const Actor& actor, const CutCommand& command,
+                                                        const physics::World& world, std::string& refusal) const;
 
   void Forget(ClientId client);
   // Its vertices are others now: whoever holds it lets go.

@@ -28,9 +28,12 @@ void Server::Obey(Session& session, const Command& command) {
       std::visit(Visitor{
                      [&](const PushCommand& push) { return m_hands.Push(actor, push, m_world); },
                      [&](const CutCommand& cut) {
-                       const bool inWorkshop = m_workshop && cut.body == m_workshop->Body() && m_scene.hands.cut;
-                       return inWorkshop ? m_workshop->Cut({cut.eye, cut.from, cut.to}, m_world)
-                                         : m_hands.Cut(actor, cut, m_world);
+                       std::string error;
+                       const auto blade = m_hands.FindBlade(actor, cut, m_world, error);
+                       if (!blade) return error;
+                       if (m_workshop && cut.body == m_workshop->Body()) return m_workshop->Cut(*blade, m_world);
+                       m_world.CutSprings(cut.body, *blade);
+                       return error;
                      },
                      [&](const InspectCommand& inspect) {
                        session.inspected = inspect.body;
@@ -38,7 +41,7 @@ void Server::Obey(Session& session, const Command& command) {
                      },
                      [&](const TuneCommand& tune) {
                        if (session.body == 0) return std::string("who only watches tunes nothing");
-            std::string error = m_tuning.Tune(tune, session.clientId == FindHost(), m_world, m_clock);
+                       std::string error = m_tuning.Tune(tune, session.clientId == FindHost(), m_world, m_clock);
                        if (error.empty()) TellTuning();
                        return error;
                      },

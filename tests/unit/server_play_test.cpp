@@ -350,6 +350,10 @@ TEST(Play, ACutInTheWorkshopTakesSpringsAway) {
   client::Client& client = game.AddClient();
   game.Run(1);
   const Shown shown = FindShown(game, client);
+  client.Cut(client.Welcome().workshop, {0, -90, 2}, {-80, 90, 2.1F}, {80, 90, 2});
+  client.Cut(client.Welcome().workshop, {0, -1e30F, 2}, {-1e30F, 1e30F, 3e30F}, {1e30F, 1e30F, -1e30F});
+  game.Run(0.5);
+  EXPECT_EQ(FindShown(game, client).blueprint->edges.size(), 1U) << "no blade is that long";
   const Vector3 middle = (shown.vertices[0] + shown.vertices[1]) * 0.5F;
   client.Cut(client.Welcome().workshop, middle + Vector3{0, -3, 0}, middle + Vector3{-0.4F, 0.5F, 0.4F},
              middle + Vector3{0.4F, 0.5F, -0.4F});

@@ -39,6 +39,7 @@ import { Connection } from './wire/connection';
 import { EventKind, State, type Vector, type Welcome, type WorldEvent } from './wire/views';
 
 const kFramesToJoin = 3;
+const kQuietFor = 2; // s after joining
 
 export class App {
   readonly connection: Connection;
@@ -71,6 +72,7 @@ export class App {
   private readonly m_pointer: Pointer;
   private readonly m_panelButtons: HTMLButtonElement[] = [];
   private m_lastFrame = ReadNow();
+  private m_newsFrom = 0;
   private readonly m_middle: Vector = { x: 0, y: 0, z: 1 };
   private m_spread = 8;
 
@@ -269,6 +271,7 @@ export class App {
     if (this.welcome !== null) return;
     const welcome = client.ReadWelcome()!;
     this.welcome = welcome;
+    this.m_newsFrom = ReadNow() + kQuietFor;
     document.title = `${welcome.scene} · wobble`;
     this.arena.Build(welcome.obstacles, welcome.grounds);
     this.players.NoteOwn(welcome.clientId, welcome.ownBody, this.connection.name);
@@ -282,7 +285,9 @@ export class App {
     if (event.kind === EventKind.Leave) this.m_toasts.Add(`${this.players.FindName(event.clientId)} left`);
     if (event.kind === EventKind.Fall) this.m_toasts.Add(this.DescribeFall(event));
     this.players.NoteEvent(event);
-    if (isNew && event.clientId !== this.players.ownClient) this.m_toasts.Add(`${event.name} is here`);
+    // Those who have been here all along are told of as well.
+    const isNews = isNew && event.clientId !== this.players.ownClient && ReadNow() > this.m_newsFrom;
+    if (isNews) this.m_toasts.Add(`${event.name} is here`);
   }
 
   private DescribeFall(event: WorldEvent): string {
