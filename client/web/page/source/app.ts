@@ -10,6 +10,7 @@ import { CutName, People } from './hud/people';
 import { Toasts } from './hud/toasts';
 import { MakeButton, MakeElement, SetPressed } from './hud/element';
 import { ViewPanel } from './hud/view_panel';
+import { WorldMenu } from './hud/world_menu';
 import { WorldPanel } from './hud/world_panel';
 import { Keys, type Command } from './input/keys';
 import { Picking } from './input/picking';
@@ -37,6 +38,7 @@ import type { Bench } from './tools/tool';
 import { ReadNow, type Client } from './wire/client';
 import { Connection } from './wire/connection';
 import { EventKind, State, type Vector, type Welcome, type WorldEvent } from './wire/views';
+import { KeepWorld, ReadWorld } from './worlds';
 
 const kFramesToJoin = 3;
 const kQuietFor = 2; // s after joining
@@ -55,6 +57,7 @@ export class App {
   private readonly m_labels: Labels;
   private readonly m_keys = new Keys();
   private readonly m_touch = new TouchControls();
+  private readonly m_worlds = new WorldMenu();
   private readonly m_people: People;
   private readonly m_toasts = new Toasts();
   private readonly m_chart = new LinkChart();
@@ -76,7 +79,8 @@ export class App {
   private readonly m_middle: Vector = { x: 0, y: 0, z: 1 };
   private m_spread = 8;
 
-  constructor(module: WobbleModule) {
+  // worlds: behind this gateway.
+  constructor(module: WobbleModule, worlds: readonly string[]) {
     const query = new URLSearchParams(location.search);
     const canvas = document.querySelector<HTMLCanvasElement>('#world')!;
     const asked = query.get('quality');
@@ -91,7 +95,10 @@ export class App {
 
     this.connection = new Connection(module, CutName(ReadName()), query.has('spectate'));
     this.connection.onClient = () => this.Forget();
-    this.m_people = new People(this.connection.name);
+    this.connection.world = ReadWorld(worlds);
+    this.m_worlds.List(worlds);
+    this.m_worlds.Show(this.connection.world);
+    this.m_people = new People(this.connection.name, this.m_worlds.element);
     this.m_card = new ConnectionCard(() => this.connection.JoinAgain());
     this.m_world = new WorldPanel(() => this.FindClient());
     this.m_inspector = new Inspector(this.m_view, new Arrows(this.stage.scene), this.players);
@@ -132,6 +139,7 @@ export class App {
 
   private Wire(): void {
     this.m_people.onRename = (name) => this.Rename(name);
+    this.m_worlds.onChoose = (world) => this.Enter(world);
     this.m_keys.onCommand = (command) => this.Take(command);
     const noteUse = (what: string) => this.m_hints.NoteUse(what);
     this.m_keys.onUse = this.m_pointer.onUse = this.m_hands.onUse = noteUse;
@@ -202,6 +210,14 @@ export class App {
     }
     SetPressed(this.m_panelButtons[0], !this.m_view.element.hidden);
     SetPressed(this.m_panelButtons[1], !this.m_world.element.hidden);
+  }
+
+  private Enter(world: string): void {
+    if (world === this.connection.world) return;
+    KeepWorld(world);
+    this.m_worlds.Show(world);
+    this.connection.world = world;
+    this.connection.JoinAgain();
   }
 
   private Rename(name: string): void {

@@ -2,10 +2,11 @@
 import createModule from 'wobble-wasm';
 import { App } from './app';
 import { MakeElement } from './hud/element';
+import { FetchWorlds } from './worlds';
 
 async function Start(): Promise<void> {
-  const module = await createModule();
-  const app = new App(module);
+  const [module, worlds] = await Promise.all([createModule(), FetchWorlds()]);
+  const app = new App(module, worlds);
   app.Start();
 }
 

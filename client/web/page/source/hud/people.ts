@@ -15,7 +15,8 @@ export class People {
   private readonly m_name = MakeElement('input', 'name-field');
   private m_revision = -1;
 
-  constructor(name: string) {
+  // menu: of worlds, above all.
+  constructor(name: string, menu: HTMLElement) {
     this.element.setAttribute('aria-label', 'Scene and players');
     const title = MakeElement('div', 'scene');
     title.append(this.m_scene, this.m_count);
@@ -31,7 +32,7 @@ export class People {
     });
     const own = MakeElement('li');
     own.append(MakeDot(`#${MakeOwnColour().getHexString()}`), this.m_name);
-    this.element.append(title, own, this.m_list);
+    this.element.append(menu, title, own, this.m_list);
   }
 
   Update(scene: string, players: Players): void {

@@ -23,6 +23,7 @@ export class Connection {
   end: ConnectionEnd | null = null;
   ping = 0; // s to the server and back
   name: string;
+  world = ''; // its name at the gateway; empty: the first
   // Another client from here on: nothing of the one before may be used.
   onClient: (client: Client) => void = () => {};
 
@@ -87,7 +88,9 @@ export class Connection {
 
   private OpenSocket(client: Client): void {
     const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
-    const socket = new WebSocket(`${scheme}://${location.host}/play`, `wobble.${this.m_module._ReadProtocolVersion()}`);
+    const path = this.world === '' ? '/play' : `/play/${encodeURIComponent(this.world)}`;
+    const protocol = `wobble.${this.m_module._ReadProtocolVersion()}`;
+    const socket = new WebSocket(`${scheme}://${location.host}${path}`, protocol);
     socket.binaryType = 'arraybuffer';
     this.m_socket = socket;
     const isCurrent = () => this.client === client && this.end === null;
