@@ -103,11 +103,14 @@ void Terminal::Leave() {
 }
 
 void Terminal::LeaveToOthers() {
+  const BackgroundAllowed allowed;
   termios now{};
   const bool isOurs =
       tcgetattr(m_descriptor, &now) == 0 && now.c_iflag == m_raw.c_iflag && now.c_lflag == m_raw.c_lflag;
-  if (isOurs) return Leave();
-  const BackgroundAllowed allowed;
+  if (isOurs) {  // before anything is written, which takes long enough for a shell to put in its own
+    tcsetattr(m_descriptor, TCSANOW, &m_found);
+    tcflush(m_descriptor, TCIFLUSH);
+  }
   WriteAll(std::string(kResetScreen) + std::string(kStopReleases) + std::string(kLeaveScreen));
   m_entered = false;
 }

@@ -5,6 +5,7 @@
 #include "protocol/messages.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "tests/fuzz/fuzz_target.h"
 
@@ -17,17 +18,54 @@ unsigned Sum(const flatbuffers::String& text) {
   return sum;
 }
 
+unsigned ReadPlace(const wire::Vec3& place) {
+  Require(std::isfinite(place.x()) && std::isfinite(place.y()) && std::isfinite(place.z()));
+  return place.z() > 0;
+}
+
 unsigned Read(const wire::ClientMessage& message) {
   if (const auto* hello = message.body_as_Hello()) return Sum(*hello->name()) + hello->protocol_version();
   if (const auto* goodbye = message.body_as_Goodbye()) return Sum(*goodbye->detail());
+  if (const auto* push = message.body_as_Push()) return ReadPlace(*push->direction());
+  if (const auto* cut = message.body_as_Cut()) {
+    return ReadPlace(*cut->eye()) + ReadPlace(*cut->from()) + ReadPlace(*cut->to());
+  }
+  if (const auto* inspect = message.body_as_Inspect()) return inspect->body();
+  if (const auto* tune = message.body_as_Tune()) return ReadPlace(*tune->value());
+  if (const auto* build = message.body_as_Build()) {
+    Require(build->kind() <= wire::BuildKind::MAX && std::isfinite(build->mass()));
+    return ReadPlace(*build->at());
+  }
   const auto* input = message.body_as_Input();
   Require(input != nullptr && input->frames()->size() <= protocol::kMaxInputFrames);
   unsigned sum = input->acked_sequence() + static_cast<unsigned>(input->acked_history());
   for (const wire::InputFrame* frame : *input->frames()) sum += frame->tick() + frame->buttons();
+  if (input->hand() != nullptr) sum += ReadPlace(input->hand()->target());
+  return sum;
+}
+
+unsigned Read(const wire::Forces& forces) {
+  unsigned sum = forces.stride();
+  Require(sum > 0);
+  for (const wire::ForceSet* set : *forces.sets()) {
+    Require(set->values()->size() % 3 == 0 && set->values()->size() <= 3 * protocol::kMaxShownForces);
+    for (const std::int8_t value : *set->values()) sum += static_cast<std::uint8_t>(value);
+  }
   return sum;
 }
 
 unsigned Read(const wire::ServerMessage& message) {
+  if (const auto* tuning = message.body_as_Tuning()) {
+    Require(tuning->time_rate() > 0 && tuning->time_rate() <= 1);
+    return ReadPlace(*tuning->gravity());
+  }
+  if (const auto* forces = message.body_as_Forces()) return Read(*forces);
+  if (const auto* board = message.body_as_Scoreboard()) {
+    unsigned sum = board->round();
+    for (const wire::Score* score : *board->scores()) sum += score->points();
+    return sum;
+  }
+  if (const auto* notice = message.body_as_Notice()) return Sum(*notice->text());
   if (const auto* event = message.body_as_Event()) return Sum(*event->name()) + event->body();
   if (const auto* goodbye = message.body_as_Goodbye()) return Sum(*goodbye->detail());
   unsigned sum = 0;
@@ -37,7 +75,7 @@ unsigned Read(const wire::ServerMessage& message) {
       Require(field->columns() >= 2 && field->rows() >= 2);
       sum += field->low() > 0;
     }
-    return sum + Sum(*welcome->scene());
+    return sum + Sum(*welcome->scene()) + Sum(*welcome->game());
   }
   if (const auto* rows = message.body_as_HeightRows()) {
     for (const std::uint16_t height : *rows->heights()) sum += height;
@@ -59,6 +97,13 @@ unsigned Read(const wire::Blueprint& blueprint) {
     for (const wire::Edge* edge : *blueprint.edges()) {
       Require(std::max(edge->a(), edge->b()) < blueprint.rest()->size());
     }
+  }
+  if (blueprint.particles() != nullptr) {
+    Require(blueprint.particles()->size() == blueprint.rest()->size());
+    for (const wire::ParticleTag* tag : *blueprint.particles()) sum += tag->mass() > 0 ? tag->number() : 0U;
+  }
+  if (blueprint.springs() != nullptr) {
+    for (const wire::SpringTag* tag : *blueprint.springs()) sum += tag->stiffness() > 0 ? tag->number() : 0U;
   }
   return sum;
 }
