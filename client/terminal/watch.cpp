@@ -301,7 +301,7 @@ void Watch::DrawBodies(int width, int height) {
   for (const client::BodySample& sample : m_samples) {
     if (sample.vertices.size() != sample.blueprint->rest.size()) continue;
     const Light colour = sample.body == m_client->Welcome().ownBody ? kOwnColour
-                         : m_players.contains(sample.body)         ? FindPlayerColour(sample.body)
+                         : m_players.contains(sample.body)          ? FindPlayerColour(sample.body)
                                                                     : kSceneColour;
     const client::Blueprint& blueprint = *sample.blueprint;
     m_bodies.push_back({sample.vertices, blueprint.rest, blueprint.faces, colour, blueprint.open, blueprint.edges});
