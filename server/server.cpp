@@ -309,7 +309,11 @@ void Server::SendWelcome(Session& session) {
   fields.reach = static_cast<float>(m_scene.hands.reach);
   fields.game = m_game ? "sumo" : "";
   fields.workshop = m_workshop ? m_workshop->Body() : 0;
-  const auto send = [&](const protocol::Message& message) { SendTo(session, message); };
+  const auto send = [&](const protocol::Message& message) {
+    if (m_transport->Send(session.connection, Channel::kControl, message) != transport::SendResult::kQueued) {
+      spdlog::warn("client {}: could not be welcomed", session.clientId);
+    }
+  };
   send(protocol::MakeWelcome(fields));
   for (std::size_t i = 0; i < m_grounds.size(); ++i) {
     for (const protocol::Message& rows : MakeRows(static_cast<std::uint16_t>(i), m_grounds[i])) send(rows);

@@ -1,6 +1,7 @@
 #include "server/workshop.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "server/physics/tear.h"
 
@@ -50,13 +51,18 @@ std::string AllUsed(const char* what, int most) {
 
 Workshop::Workshop(const scenes::WorkshopRules& rules, physics::BodyId body, const physics::World& world)
     : m_rules(rules), m_body(body), m_draft(world.BlueprintOf(world.ReadBody(body))) {
-  for (std::size_t i = 0; i < m_draft.rest.size(); ++i) {
-    m_particles.push_back({++m_lastNumber, 0});
-    m_kept.push_back(static_cast<std::uint16_t>(i));
-  }
+  for (std::size_t i = 0; i < m_draft.rest.size(); ++i) m_particles.push_back({++m_lastNumber, 0});
   for (std::size_t i = 0; i < m_draft.full.springs.size(); ++i) m_springs.push_back({++m_lastNumber, 0});
+  NoteShown();
+}
+
+void Workshop::NoteShown() {
+  m_new.clear();
+  m_kept.resize(m_particles.size());
+  std::iota(m_kept.begin(), m_kept.end(), std::uint16_t{0});
   m_shownParticles = m_particles;
   m_shownSprings = m_springs;
+  m_changed = false;
 }
 
 std::string Workshop::Build(ClientId client, const BuildCommand& command, const physics::World& world) {
@@ -173,12 +179,7 @@ bool Workshop::Update(physics::World& world) {
       },
       world.ReadBody(m_body).state);
   world.SetMotion(m_body, places, velocities);
-  m_new.clear();
-  m_kept.resize(places.size());
-  for (std::size_t i = 0; i < places.size(); ++i) m_kept[i] = static_cast<std::uint16_t>(i);
-  m_shownParticles = m_particles;
-  m_shownSprings = m_springs;
-  m_changed = false;
+  NoteShown();
   return true;
 }
 

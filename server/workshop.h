@@ -41,6 +41,8 @@ class Workshop {
   [[nodiscard]] std::span<const PartTag> Springs() const { return m_shownSprings; }
 
  private:
+  // The draft is what the world has.
+  void NoteShown();
   // Those particles of the draft that are left, by their places in it.
   void KeepPlaces(std::span<const std::uint16_t> kept);
   // One that no part has.

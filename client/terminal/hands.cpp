@@ -78,7 +78,12 @@ void Hands::Take(char32_t key, const Camera& camera, std::span<const BodySample>
     return FindTarget(centre, centre + forward, FindReach(client), samples, own->body, isWanted);
   };
   if (key == U'g') {
-    Grab(camera, samples, client);
+    if (HoldsSomething()) return LetGo(client);
+    const Target target = find(&IsAny);
+    if (target.sample == nullptr) return;
+    m_held.body = target.sample->body;
+    m_held.vertex = target.vertex;
+    Update(camera, samples, client);
   } else if (key == U'v') {
     const Target target = find(&IsAny);
     if (target.sample != nullptr) client.Push(target.sample->body, target.vertex, forward + Vector3{0, 0, kLift});
@@ -92,31 +97,17 @@ void Hands::Take(char32_t key, const Camera& camera, std::span<const BodySample>
   }
 }
 
-void Hands::Grab(const Camera& camera, std::span<const BodySample> samples, client::Client& client) {
-  if (m_held.body != 0) {
-    m_held = {};
-    client.SetHand({});
-    return;
-  }
-  const BodySample* own = FindOwn(samples, client);
-  const Vector3 centre = own->pose.centroid;
-  const Target target = FindTarget(centre, centre + FindForward(camera), FindReach(client), samples, own->body, &IsAny);
-  if (target.sample == nullptr) return;
-  m_held.body = target.sample->body;
-  m_held.vertex = target.vertex;
-  Update(camera, samples, client);
+void Hands::LetGo(client::Client& client) {
+  m_held = {};
+  client.SetHand({});
 }
 
 void Hands::Update(const Camera& camera, std::span<const BodySample> samples, client::Client& client) {
-  if (m_held.body == 0) return;
+  if (!HoldsSomething()) return;
   const BodySample* own = FindOwn(samples, client);
   const bool isThere =
       std::any_of(samples.begin(), samples.end(), [&](const BodySample& each) { return each.body == m_held.body; });
-  if (own == nullptr || !isThere) {
-    m_held = {};
-    client.SetHand({});
-    return;
-  }
+  if (own == nullptr || !isThere) return LetGo(client);
   m_held.target = own->pose.centroid + FindForward(camera) * kCarryAhead + Vector3{0, 0, kCarryAbove};
   client.SetHand(m_held);
 }

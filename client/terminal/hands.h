@@ -22,7 +22,7 @@ class Hands {
   [[nodiscard]] bool HoldsSomething() const { return m_held.body != 0; }
 
  private:
-  void Grab(const Camera& camera, std::span<const client::BodySample> samples, client::Client& client);
+  void LetGo(client::Client& client);
   void Tune(char32_t key, client::Client& client);
 
   client::Hand m_held;  // body 0: nothing
