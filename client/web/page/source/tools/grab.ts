@@ -4,7 +4,7 @@ import { Vector3 } from 'three';
 import { MakePoint } from '../input/picking';
 import type { Place } from '../input/pointer';
 import { Hands, type Vector } from '../wire/views';
-import { Project, type Bench, type Tool } from './tool';
+import { PickOther, Project, type Bench, type Tool } from './tool';
 
 const kWheelStep = 0.08; // of the distance, a notch
 const kLeastDistance = 1; // m
@@ -26,14 +26,10 @@ export class Grab implements Tool {
   }
 
   Begin(place: Place): boolean {
-    const client = this.m_bench.FindClient();
-    const own = this.m_bench.FindWelcome()?.ownBody ?? 0;
-    if (client === null) return false;
-    this.m_bench.picking.AimAt(place.x, place.y);
-    const pick = this.m_bench.picking.FindBody(client, own);
-    if (pick === null) return false;
-    this.m_held = { body: pick.body, vertex: pick.vertex };
-    this.m_depth = pick.point;
+    const found = PickOther(this.m_bench, place);
+    if (found === null) return false;
+    this.m_held = { body: found.pick.body, vertex: found.pick.vertex };
+    this.m_depth = found.pick.point;
     this.m_place = place;
     return true;
   }

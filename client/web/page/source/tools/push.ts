@@ -2,7 +2,7 @@
 import type { Place } from '../input/pointer';
 import { Hands } from '../wire/views';
 import { ReadNow } from '../wire/client';
-import type { Bench, Tool } from './tool';
+import { PickOther, type Bench, type Tool } from './tool';
 
 export class Push implements Tool {
   readonly name = 'Push';
@@ -16,13 +16,9 @@ export class Push implements Tool {
   }
 
   Begin(place: Place): boolean {
-    const client = this.m_bench.FindClient();
-    const own = this.m_bench.FindWelcome()?.ownBody ?? 0;
-    if (client === null) return false;
-    const { direction } = this.m_bench.picking.AimAt(place.x, place.y);
-    const pick = this.m_bench.picking.FindBody(client, own);
-    if (pick === null) return false;
-    client.Push(pick.body, pick.vertex, direction);
+    const found = PickOther(this.m_bench, place);
+    if (found === null) return false;
+    found.client.Push(found.pick.body, found.pick.vertex, this.m_bench.picking.ray.direction);
     this.m_bench.marks.AddRing(place.x, place.y, ReadNow());
     return true;
   }

@@ -1,7 +1,7 @@
 // What a hand can be: one object for each of the tools, and what all of them work with.
 import { Vector3, type Mesh, type PerspectiveCamera } from 'three';
 import type { Place } from '../input/pointer';
-import type { Picking } from '../input/picking';
+import type { Pick, Picking } from '../input/picking';
 import type { Client } from '../wire/client';
 import type { Vector, Welcome } from '../wire/views';
 import type { Marks } from './marks';
@@ -31,6 +31,15 @@ export interface Tool {
   Update(): void;
   // Another tool is taken, or another world.
   Drop(): void;
+}
+
+// What lies under a place, but for the own body; the bench's picking is aimed there. null: nothing, or no world.
+export function PickOther(bench: Bench, place: Place): { client: Client; pick: Pick } | null {
+  const client = bench.FindClient();
+  if (client === null) return null;
+  bench.picking.AimAt(place.x, place.y);
+  const pick = bench.picking.FindBody(client, bench.FindWelcome()?.ownBody ?? 0);
+  return pick === null ? null : { client, pick };
 }
 
 const kScratch = new Vector3();
