@@ -13,9 +13,9 @@ packages_of() {
       echo "g++ make cmake ninja-build ccache git ca-certificates
             libeigen3-dev libtbb-dev libenet-dev libflatbuffers-dev flatbuffers-compiler
             libspdlog-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev liblua5.4-dev
-            libboost-dev zlib1g-dev" ;;
-    test) # the test runner, a second compiler whose results must be the same bits, and a browser to play in
-      echo "libgtest-dev libgmock-dev clang-19 libclang-rt-19-dev clang-format chromium" ;;
+            libboost-dev zlib1g-dev libcpp-httplib-dev prometheus-cpp-dev" ;;
+    test) # the test runner, a second compiler whose results must be the same bits, a browser to play in, and promtool
+      echo "libgtest-dev libgmock-dev clang-19 libclang-rt-19-dev clang-format chromium prometheus" ;;
     web) # what makes the page; a server, and a gateway without a page, need none of it
       echo "emscripten nodejs npm" ;;
     lab) # what wobble_lab is measured against, and what draws its plots
