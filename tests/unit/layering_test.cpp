@@ -48,7 +48,10 @@ const std::vector<Layer> kLayers{
     {"server/physics/", {"server/physics/"}, {"Eigen/", "immintrin.h", "oneapi/tbb", "tbb/"}, kClockFileLog},
     {"server/scenes/", {"server/scenes/", "server/physics/"}, {"toml++/"}, kClock},
     {"server/main.cpp", {"server/", "protocol/"}, Join(kSystem, {"CLI/", "fmt/", "nlohmann/", "spdlog/"}), {}},
-    {"server/ops/", {"server/", "protocol/"}, Join(kSystem, {"prometheus/", "spdlog/"}), kClock},
+    {"server/ops/",
+     {"server/", "protocol/"},
+     Join(kSystem, {"fmt/", "httplib.h", "nlohmann/", "prometheus/", "spdlog/"}),
+     kClock},
     // What comes out of the engine comes out in Eigen's types, and a body's rotation is found with its solvers.
     {"server/capture.", {"server/", "protocol/"}, {"Eigen/"}, kClock},
     // Bases are eigenvectors of what play does to a body.
@@ -65,6 +68,7 @@ const std::vector<Layer> kLayers{
     {"client/tool/", {"client/", "protocol/"}, Join(kSystem, {"CLI/"}), {}},
     {"client/terminal/", {"client/", "protocol/"}, Join(kSystem, {"CLI/"}), {}},
     {"client/web/", {"client/", "protocol/"}, Join(kSystem, {"CLI/", "boost/", "emscripten", "zlib.h"}), {}},
+    {"client/health/", {"client/"}, {"CLI/", "httplib.h"}, {}},
     {"client/link/", {"client/", "protocol/"}, Join(kSystem, {"CLI/"}), {}},
     // A developer copies it: what it includes is all there is to know.
     {"client/example.cpp", {"client/client.h", "protocol/transport/enet_transport.h"}, {}, {}},
