@@ -23,9 +23,9 @@ struct FleetCall {
 struct FleetView {
   double now = 0;  // s, never backwards
   bool acceptsJoins = false;
-  bool isMatchOver = false;                // by the game's own rules
-  bool isClosing = false;                  // everybody has been told goodbye
-  std::span<const std::uint32_t> players;  // numbers of the clients that have joined, each once, in any order
+  bool isMatchOver = false;                     // by the game's own rules
+  bool isClosing = false;                       // everybody has been told goodbye
+  std::span<const std::uint32_t> players = {};  // numbers of the clients that have joined, each once, in any order
 };
 
 class FleetDuty {
