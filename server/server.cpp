@@ -22,6 +22,9 @@ constexpr double kBorder = 0.9 * protocol::kWorldHalfExtent;
 // While the world waits for somebody, s: what their first packet may have to wait as well.
 constexpr double kPausedPoll = 0.02;
 
+// Fewer are encoded in no time, and a packet after each tick would cost more than it spreads.
+constexpr std::size_t kManyBodies = 32;
+
 // A client that loses more than this gets half its bytes: its link is full, and ENet's own throttle is off.
 constexpr double kHeavyLoss = 0.1;
 
@@ -64,9 +67,9 @@ int Server::Tick(double now) {
   m_lastTicks.clear();
   for (int i = 0; i < jumped + due; ++i) {
     Step();
-    if (i >= jumped && IsSnapshotDue()) {
+    if (const auto share = FindShare(); i >= jumped && share) {
       Capture();
-      Send(now);
+      Send(*share, now);
     }
     m_lastTicks.push_back(m_watch.Take());
   }
@@ -181,30 +184,35 @@ const EncodedBody& Server::Encode(std::size_t index, std::size_t quality) {
   return encoded;
 }
 
-void Server::Send(double now) {
+void Server::Send(Share share, double now) {
   m_watch.Enter(Phase::kSend);
   const auto encode = [this](std::size_t index, std::size_t quality) -> const EncodedBody& {
     return Encode(index, quality);
   };
-  const double share = m_config.clientKbit * 1000 / 8 / m_config.snapshotHz;
+  const double bytes = m_config.clientKbit * 1000 / 8 / m_config.snapshotHz / share.groups;
   for (auto& [connection, session] : m_sessions) {
     if (session.state != Session::State::kPlaying) continue;
     protocol::SnapshotHead head;
     head.tick = m_world.Tick();
     head.timeRatio = static_cast<float>(m_clock.TimeRatio());
     head.inputTick = session.inputs.NewestUsed();
-    const double credit = session.subscription.sent.LossShare() > kHeavyLoss ? share / 2 : share;
-    m_sender.Send(m_captures.Bodies(), encode, session.body, head, credit, now, connection, session.subscription);
+    const double credit = session.subscription.sent.LossShare() > kHeavyLoss ? bytes / 2 : bytes;
+    m_sender.Send(m_captures.Bodies(), encode, session.body, head, share, credit, now, connection,
+                  session.subscription);
   }
-  SendForces();
+  if (share.group == 0) SendForces();
   m_transport->Flush();
 }
 
-bool Server::IsSnapshotDue() const {
-  const auto due = [&](std::uint64_t tick) {
-    return tick * static_cast<std::uint64_t>(m_snapshotHz) / static_cast<std::uint64_t>(m_config.tickHz);
-  };
-  return CountPlaying() > 0 && due(m_world.Tick()) != due(m_world.Tick() - std::uint64_t{1});
+// Where there are many bodies, each is sent as often, but not all after the same tick: to encode them all at once would
+// make every second tick twice as long as the others, and the longest tick is what a machine must have time for.
+std::optional<Share> Server::FindShare() const {
+  if (CountPlaying() == 0) return {};
+  const auto tick = m_world.Tick();
+  const auto tickHz = static_cast<std::uint32_t>(m_config.tickHz), hz = static_cast<std::uint32_t>(m_snapshotHz);
+  if (m_captures.Bodies().size() >= kManyBodies && tickHz % hz == 0) return Share{tick % (tickHz / hz), tickHz / hz};
+  const auto due = [&](std::uint64_t each) { return each * hz / tickHz; };
+  return due(tick) != due(tick - std::uint64_t{1}) ? std::optional(Share{}) : std::nullopt;
 }
 
 // After so many ticks that were due together.

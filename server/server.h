@@ -108,7 +108,7 @@ class Server {
   void Step();
   void Capture();
   const EncodedBody& Encode(std::size_t index, std::size_t quality);
-  void Send(double now);
+  void Send(Share share, double now);
   void FollowLoad(std::size_t due, double now);
 
   void TakeEvent(const transport::Event& event, double now);
@@ -136,7 +136,7 @@ class Server {
   void SendWelcome(Session& session);
   void Broadcast(const protocol::Message& message);
   void SendTo(const Session& session, const protocol::Message& message);
-  [[nodiscard]] bool IsSnapshotDue() const;  // never while nobody plays
+  [[nodiscard]] std::optional<Share> FindShare() const;  // of the bodies to be sent after this tick; none: no snapshot
 
   Config m_config;
   scenes::Scene m_scene;

@@ -63,7 +63,7 @@ double SendCounts::ErrorPercentRms() const {
   return vertices > 0 ? 100 * std::sqrt(errorSquares / static_cast<double>(vertices)) : 0;
 }
 
-void SnapshotSender::RaisePriorities(std::span<const ShownBody> bodies, Subscription& subscription) {
+void SnapshotSender::RaisePriorities(std::span<const ShownBody> bodies, Share share, Subscription& subscription) {
   const ShownBody* own = FindBody(bodies, m_ownBody);
   m_viewpoint = own != nullptr ? own->centre : protocol::Vector3{};
   std::vector<Subscription::Interest>& interests = subscription.interests;
@@ -71,6 +71,7 @@ void SnapshotSender::RaisePriorities(std::span<const ShownBody> bodies, Subscrip
   m_turns.clear();
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const ShownBody& body = bodies[i];
+    if (!share.Has(body.body)) continue;
     if (body.restTick != 0 && Subscription::IsSettled(interests[i], body.restTick, m_now)) continue;
     if (protocol::Length(body.centre - m_viewpoint) > m_viewDistance) {
       ++m_counts.bodiesOutOfView;
@@ -146,13 +147,13 @@ void SnapshotSender::SendBody(const ShownBody& shown, const EncodedBody& body, S
 }
 
 void SnapshotSender::Send(std::span<const ShownBody> bodies, const ReadBody& readBody, std::uint32_t ownBody,
-                          protocol::SnapshotHead head, double creditBytes, double now,
+                          protocol::SnapshotHead head, Share share, double creditBytes, double now,
                           transport::ConnectionId connection, Subscription& subscription) {
   m_head = head;
   m_connection = connection;
   m_now = now;
   m_ownBody = ownBody;
-  RaisePriorities(bodies, subscription);
+  RaisePriorities(bodies, share, subscription);
   // One snapshot's credit may be saved up for a busier one, no more: a quiet minute buys no burst.
   subscription.credit = std::min(subscription.credit + creditBytes, 2 * creditBytes);
   const double creditBefore = subscription.credit;
@@ -168,7 +169,7 @@ void SnapshotSender::Send(std::span<const ShownBody> bodies, const ReadBody& rea
   // A world of which there is nothing to tell is told as well: the head alone keeps clock, time ratio and
   // acknowledgements going. A client that has overdrawn waits in silence instead: heads alone could eat a small share
   // up and leave nothing for bodies.
-  const bool isNothingNew = m_turns.empty() && subscription.credit > 0;
+  const bool isNothingNew = m_turns.empty() && share.group == 0 && subscription.credit > 0;
   if (!m_packet.Empty() || isNothingNew) SendPacket(subscription);
   const bool isEasy = leftOut == 0 && kFinerCost * (creditBefore - subscription.credit) < creditBytes;
   AdaptCoarseness(leftOut > 0, isEasy, subscription);

@@ -39,6 +39,14 @@ struct SendCounts {
   [[nodiscard]] double ErrorPercentRms() const;  // of the body's size
 };
 
+// Whose turn it is: bodies whose number leaves `group` when it is divided by `groups`.
+struct Share {
+  std::uint32_t group = 0;
+  std::uint32_t groups = 1;
+
+  [[nodiscard]] bool Has(std::uint32_t body) const { return body % groups == group; }
+};
+
 class SnapshotSender {
  public:
   // viewDistance: m; bodies further from a player's own, or from a spectator's origin, are not sent.
@@ -48,11 +56,11 @@ class SnapshotSender {
   // Of the body at an index of those shown; asked for those alone that are sent. quality: of kSnapshotErrorShares.
   using ReadBody = std::function<const EncodedBody&(std::size_t index, std::size_t quality)>;
 
-  // ownBody: 0 for a spectator, who looks from the origin. head: sequence is filled in here. creditBytes: what the
-  // client's budget grew by since the last snapshot.
+  // ownBody: 0 for a spectator, who looks from the origin. head: sequence is filled in here. share: of the bodies.
+  // creditBytes: what the client's budget grew by since the last call.
   void Send(std::span<const ShownBody> bodies, const ReadBody& readBody, std::uint32_t ownBody,
-            protocol::SnapshotHead head, double creditBytes, double now, transport::ConnectionId connection,
-            Subscription& subscription);
+            protocol::SnapshotHead head, Share share, double creditBytes, double now,
+            transport::ConnectionId connection, Subscription& subscription);
 
   // While the machine is short of time: whatever is not close by is sent at the coarsest quality.
   void SetCoarser(bool isCoarser) { m_isCoarser = isCoarser; }
@@ -63,7 +71,7 @@ class SnapshotSender {
   // Each body's turn by its priority: index and priority in one number, which orders faster than a look into two lists.
   using Turn = std::uint64_t;
 
-  void RaisePriorities(std::span<const ShownBody> bodies, Subscription& subscription);
+  void RaisePriorities(std::span<const ShownBody> bodies, Share share, Subscription& subscription);
   [[nodiscard]] std::size_t TakeNext(std::size_t taken);
   [[nodiscard]] std::size_t FindQuality(const ShownBody& body, const Subscription& subscription) const;
   void SendBody(const ShownBody& shown, const EncodedBody& body, Subscription& subscription,

@@ -58,7 +58,7 @@ class SnapshotSenderTest : public testing::Test {
       qualities[bodies[index].body] = quality;
       return encoded[bodies[index].body];
     };
-    sender.Send(bodies, readBody, own, head, creditBytes, tick / 30.0, 1, subscription);
+    sender.Send(bodies, readBody, own, head, share, creditBytes, tick / 30.0, 1, subscription);
     std::vector<std::uint32_t> sent;
     for (const auto& packet : transport.packets) {
       EXPECT_LE(packet.size(), protocol::kMaxPacketBytes);
@@ -85,6 +85,7 @@ class SnapshotSenderTest : public testing::Test {
   RecordingTransport transport;
   SnapshotSender sender{transport, 250};
   Subscription subscription;
+  Share share;
   std::uint32_t tick = 0;
   std::uint32_t sequence = 0;
   std::uint64_t recordsSent = 0;
@@ -114,14 +115,44 @@ TEST_F(SnapshotSenderTest, TheBudgetHoldsOverTime) {
 
 TEST_F(SnapshotSenderTest, TheSmallestBudgetHoldsAtTheHighestRateAndStillFeeds) {
   // 32 kbit/s at 480 Hz: a share is smaller than a packet's headers.
-  const double share = 32e3 / 8 / 480;
+  const double credit = 32e3 / 8 / 480;
   for (std::uint32_t id = 1; id <= 3; ++id) AddBody(id, {static_cast<float>(id), 0, 0}, 300);
   std::map<std::uint32_t, int> times;
   for (int i = 0; i < 480 * 20; ++i) {
-    for (const std::uint32_t id : Send(share, 2)) ++times[id];
+    for (const std::uint32_t id : Send(credit, 2)) ++times[id];
   }
-  EXPECT_LE(bytes, share * 480 * 20 + 400);
+  EXPECT_LE(bytes, credit * 480 * 20 + 400);
   EXPECT_GT(times[2], 20 * 5);  // the own body, several times a second
+}
+
+TEST_F(SnapshotSenderTest, EachGetsItsTurnWhenABodysTurnIsEverySecondTick) {
+  for (std::uint32_t id = 1; id <= 40; ++id) AddBody(id, {static_cast<float>(id), 0, 0}, 20);
+  for (std::uint32_t i = 0; i < 60; ++i) {
+    share = {i % 2, 2};
+    const std::vector<std::uint32_t> sent = Send(kShare384 / 2, 7);
+    EXPECT_EQ(sent.size(), 20U);
+    for (const std::uint32_t id : sent) EXPECT_EQ(id % 2, i % 2);
+    EXPECT_EQ(sent.front() == 7, i % 2 == 1);
+  }
+  bodies.clear();
+  std::size_t heads = 0;
+  for (std::uint32_t i = 0; i < 60; ++i) {
+    share = {i % 2, 2};
+    Send(kShare384 / 2, 7);
+    heads += transport.packets.size();
+  }
+  EXPECT_EQ(heads, 30U) << "with nothing to tell no more often than without turns";
+}
+
+TEST_F(SnapshotSenderTest, TheOwnBodyIsNotStarvedByThoseWhoseTurnIsAnotherTick) {
+  const double credit = 32e3 / 8 / 60;  // the smallest budget, half of a share at 30 Hz
+  for (std::uint32_t id = 1; id <= 40; ++id) AddBody(id, {static_cast<float>(id), 0, 0}, 100);
+  std::map<std::uint32_t, int> times;
+  for (std::uint32_t i = 0; i < 60 * 20; ++i) {
+    share = {i % 2, 2};
+    for (const std::uint32_t id : Send(credit, 7)) ++times[id];
+  }
+  EXPECT_GT(times[7], 20 * 5);
 }
 
 TEST_F(SnapshotSenderTest, WhatIsNotSentIsNotAskedFor) {

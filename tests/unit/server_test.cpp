@@ -116,6 +116,24 @@ TEST(Server, AClientJoinsGetsBlueprintsAndPlays) {
   EXPECT_EQ(client.ReadStatistics().badMessages + client.ReadStatistics().badRecords, 0U);
 }
 
+TEST(Server, ManyBodiesComeInTurnsEachAsOftenAsOthers) {
+  Game game(
+      MakeYard("[[bodies]]\nblueprint = \"ball\"\nposition = [-4, -4, 20]\ncount = [6, 6, 1]\nspacing = [1.5, 1.5, 0]"),
+      {.clientKbit = 20000});
+  auto& client = game.AddClient();
+  game.Run(0.5);
+  std::map<std::uint32_t, std::set<std::uint32_t>> ticks;
+  client.OnDecoded([&](const client::DecodedPatch& patch) { ticks[patch.body].insert(patch.tick); });
+  game.Run(1);
+  ASSERT_EQ(ticks.size(), game.server.World().Bodies().size());
+  for (const auto& [body, seen] : ticks) {
+    EXPECT_NEAR(static_cast<double>(seen.size()), 30, 1);
+    for (const std::uint32_t tick : seen) EXPECT_EQ(tick % 2, body % 2);
+  }
+  EXPECT_EQ(client.ReadStatistics().stalls, 0U);
+  EXPECT_NEAR(client.InterpolationDelay(), 2.0 / 30, 0.02) << "as long as without turns";
+}
+
 TEST(Server, AClientHasTheGroundAndRoundObstaclesWhenItPlays) {
   scenes::Scene scene = MakeYard();
   physics::Obstacle ground;
