@@ -104,8 +104,8 @@ void DescribeOptions(CLI::App& app, Options& options) {
   app.add_option("--log-level", options.logLevel, "debug, info, warn, error or off")->capture_default_str();
   addNumber("--status", kDurationRange, options.statusEvery, "Seconds between status lines on stdout; 0: none");
   app.add_option("--summary", options.summaryFile, "File to write a summary of the run to, as JSON");
-  app.add_option("--cache", options.cacheFolder,
-                 "Folder that keeps trained bases of shapes from one start to the next");
+  app.add_option("--cache", options.cacheFolder, "Folder that keeps trained bases of shapes from one start to the next")
+      ->envname("WOBBLE_CACHE");
   app.add_flag("--untrained", options.isUntrained,
                "Starts at once, without trained bases: shapes take three times the bits")
       ->envname("WOBBLE_UNTRAINED");
