@@ -473,8 +473,8 @@ void Client::Implementation::SendDueInputs() {
 }
 
 void Client::Implementation::SendInput() {
-  const auto message =
-      protocol::MakeInput(inputs.Frames(), received.Newest(), received.History(), hand ? &*hand : nullptr);
+  const auto message = protocol::MakeInput(inputs.Frames(), received.Newest(), received.History(),
+                                           hand ? &*hand : nullptr, static_cast<std::uint32_t>(statistics.stalls));
   const auto sent = transport->Send(connection, transport::Channel::kInput, message);
   if (sent == transport::SendResult::kQueued) ++statistics.inputsSent;
 }

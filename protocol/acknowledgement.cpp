@@ -27,6 +27,7 @@ std::uint32_t SentWindow::RecordSent(double now) {
   Slot& slot = SlotOf(++m_newest);
   if (slot.sequence != 0) {  // what leaves the memory without an acknowledgement counts as lost
     m_lostInRow = slot.acknowledged ? 0 : m_lostInRow + 1;
+    m_lost += slot.acknowledged ? 0 : 1;
     if (m_lostInRow <= kCountedInRow) m_lossShare += ((slot.acknowledged ? 0.0 : 1.0) - m_lossShare) / 128.0;
   }
   slot = {m_newest, false, now};

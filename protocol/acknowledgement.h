@@ -43,6 +43,8 @@ class SentWindow {
   // row only the first kCountedInRow count: a link that is full loses some here and there, one that loses all is black
   // for a while and as good as before afterwards.
   [[nodiscard]] double LossShare() const { return m_lossShare; }
+  // Packets that were never acknowledged, of those old enough to be known.
+  [[nodiscard]] std::uint64_t Lost() const { return m_lost; }
   [[nodiscard]] std::uint32_t Newest() const { return m_newest; }
 
  private:
@@ -58,6 +60,7 @@ class SentWindow {
   std::array<Slot, kRemembered> m_slots{};
   std::uint32_t m_newest = 0;
   unsigned m_lostInRow = 0;
+  std::uint64_t m_lost = 0;
   double m_lossShare = 0;
 };
 

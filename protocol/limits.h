@@ -10,7 +10,7 @@
 namespace wobble::protocol {
 
 // Raised whenever a byte on the wire means something else than before.
-inline constexpr std::uint16_t kProtocolVersion = 4;
+inline constexpr std::uint16_t kProtocolVersion = 5;
 
 // A datagram's payload, bytes. 1,200 fits every path's MTU (IPv6's floor is 1,280); ENet would fragment a larger one,
 // and a snapshot of ten fragments survives 5 % loss only 60 % of the time.

@@ -40,11 +40,11 @@ Message MakeHello(std::string_view name, wire::Role role, std::uint16_t version,
 }
 
 Message MakeInput(std::span<const wire::InputFrame> frames, std::uint32_t ackedSequence, std::uint64_t ackedHistory,
-                  const wire::Hand* hand) {
+                  const wire::Hand* hand, std::uint32_t stalls) {
   assert(!frames.empty() && frames.size() <= kMaxInputFrames);
   FlatBufferBuilder builder;
   const auto vector = builder.CreateVectorOfStructs(frames.data(), frames.size());
-  return FinishClientMessage(builder, wire::CreateInput(builder, vector, ackedSequence, ackedHistory, hand));
+  return FinishClientMessage(builder, wire::CreateInput(builder, vector, ackedSequence, ackedHistory, hand, stalls));
 }
 
 Message MakeClientGoodbye(wire::GoodbyeReason reason, std::string_view detail) {
@@ -265,6 +265,8 @@ const char* Name(wire::GoodbyeReason reason) {
       return "silent for too long";
     case wire::GoodbyeReason::BadMessages:
       return "too many bad messages";
+    case wire::GoodbyeReason::Busy:
+      return "server is busy";
   }
   return "unknown reason";
 }

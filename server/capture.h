@@ -61,6 +61,10 @@ struct BlueprintTags {
 [[nodiscard]] std::vector<protocol::wire::Obstacle> CaptureObstacles(std::span<const physics::Obstacle> obstacles);
 [[nodiscard]] std::vector<CapturedGround> CaptureGrounds(std::span<const physics::Obstacle> obstacles);
 
+// Under these numbers: the heights of the welcome's field, and a blueprint, in as many messages as they take.
+[[nodiscard]] std::vector<protocol::Message> MakeRows(std::uint16_t number, const CapturedGround& ground);
+[[nodiscard]] std::vector<protocol::Message> MakeChunks(std::uint8_t number, const CapturedBlueprint& blueprint);
+
 // Captures the body. What is there of its last capture speeds this one up: memory, and its rotation as the start of the
 // search for the new one.
 void CaptureBody(const physics::World& world, const physics::Body& body, CapturedBody& captured);
@@ -106,6 +110,10 @@ class BodyCaptures {
   void Follow(const physics::World& world);
 
   [[nodiscard]] std::span<const ShownBody> Bodies() const { return m_shown; }  // by ascending id
+  // CapturedBody::version of Bodies()[index]; 0 when it has moved since, or was never captured.
+  [[nodiscard]] std::uint64_t Version(std::size_t index) const {
+    return m_moved[index] != 0 ? 0 : m_captured[index].version;
+  }
   // Of Bodies()[index].
   const CapturedBody& Read(const physics::World& world, std::size_t index);
 

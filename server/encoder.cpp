@@ -32,6 +32,8 @@ void Encoder::EncodeBody(float errorShare, const CapturedBody& body, const Captu
     encoding.body.vertices += static_cast<std::uint32_t>(count);
     encoding.body.errorSquares += share * share * static_cast<double>(count);
   }
+  const double vertexCount = std::max(1U, encoding.body.vertices);
+  encoding.body.error = std::sqrt(encoding.body.errorSquares / vertexCount);
   // The bytes have stopped growing: only now do spans into them hold.
   encoding.records.clear();
   for (std::size_t begin = 0; const std::size_t end : m_ends) {

@@ -25,6 +25,7 @@ struct EncodedBody {
   Records records;
   std::uint32_t vertices = 0;  // in them
   double errorSquares = 0;     // of error over size, summed over these
+  double error = 0;            // RMS of that
 };
 
 class Encoder {
@@ -37,6 +38,12 @@ class Encoder {
   // until it is encoded again.
   const EncodedBody& Encode(std::size_t index, std::size_t quality, const CapturedBody& body,
                             const CapturedBlueprint& blueprint);
+
+  // What Encode would return of this capture; null when it would have to encode it first.
+  [[nodiscard]] const EncodedBody* Find(std::size_t index, std::size_t quality, std::uint64_t version) const {
+    const Encoding& encoding = m_bodies[index].qualities[quality];
+    return version != 0 && encoding.version == version ? &encoding.body : nullptr;
+  }
 
   // Missed the target to fit a packet, or did not fit at all.
   [[nodiscard]] std::uint64_t CoarsenedRecords() const { return m_coarsened; }

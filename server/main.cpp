@@ -168,10 +168,8 @@ class StatusLine {
 void Run(server::Server& server, const Options& options, server::TickTimes& times) {
   StatusLine status(options.statusEvery);
   while (g_stop == 0 && (options.runFor <= 0 || ReadClock() < options.runFor)) {
-    const double begin = ReadClock();
-    const int ticks = server.Tick(begin);
-    const double duration = (ReadClock() - begin) / std::max(1, ticks);
-    for (int i = 0; i < ticks; ++i) times.Record(duration);
+    server.Tick(ReadClock());
+    for (const server::PhaseTimes& tick : server.LastTicks()) times.Record(tick.Sum());
     status.Update(server, times, ReadClock());
     const double wait = server.NextCall() - ReadClock();
     if (wait > 0) std::this_thread::sleep_for(std::chrono::duration<double>(wait));
@@ -224,7 +222,8 @@ int RunServer(const Options& options) {
 
   std::vector<server::Bases> bases;
   if (!options.isUntrained) bases = server::LoadBases(loaded.scene, options.cacheFolder, options.config.threads);
-  server::Server server(options.config, std::move(loaded.scene), std::move(transport), ReadClock(), std::move(bases));
+  server::Server server(options.config, std::move(loaded.scene), std::move(transport), ReadClock(), std::move(bases),
+                        &ReadClock);
   server::TickTimes times(1.0 / options.config.tickHz);
   fmt::print("listening on UDP port {}, scene {}\n", options.config.port, options.scene);
   std::fflush(stdout);

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "protocol/transport/transport.h"
@@ -14,6 +15,8 @@
 #include "server/config.h"
 #include "server/encoder.h"
 #include "server/hands.h"
+#include "server/load.h"
+#include "server/phases.h"
 #include "server/physics/world.h"
 #include "server/scenes/scene.h"
 #include "server/session.h"
@@ -24,6 +27,8 @@
 #include "server/workshop.h"
 
 namespace wobble::server {
+
+inline constexpr std::size_t kGoodbyeReasonCount = static_cast<std::size_t>(protocol::wire::GoodbyeReason::MAX) + 1;
 
 // Since the start. What a person hosting wants to know; summary.h writes it out.
 struct Counts {
@@ -37,20 +42,30 @@ struct Counts {
   std::uint64_t respawns = 0;
   double pausedTime = 0;  // s
   std::uint64_t joins = 0;
-  std::uint64_t leaves = 0;       // said goodbye
-  std::uint64_t disconnects = 0;  // were lost, silent or sent away after having joined
-  std::uint64_t refusals = 0;     // never joined: full, wrong version, no hello
+  std::uint64_t leaves = 0;                                   // said goodbye
+  std::uint64_t disconnects = 0;                              // were lost, silent or sent away after having joined
+  std::uint64_t refusals = 0;                                 // never joined: full, busy, wrong version, no hello
+  std::array<std::uint64_t, kGoodbyeReasonCount> goodbyes{};  // said to clients, by wire::GoodbyeReason
+  std::uint64_t stalls = 0;  // of bodies that clients had to show without news of them in time, as they tell
   std::size_t clientsPeak = 0;
   std::array<std::uint64_t, kDropReasonCount> dropped{};           // messages by DropReason
   std::array<std::uint64_t, protocol::kParseResultCount> parse{};  // of kParse, by ParseResult
 };
 
+struct ClientCounts {
+  std::size_t joining = 0;   // connected, no hello yet
+  std::size_t playing = 0;   // with a body
+  std::size_t watching = 0;  // without
+  std::size_t leaving = 0;   // said goodbye to, or gone
+};
+
 class Server {
  public:
   // config and scene are valid. `now`, here and below: seconds, never backwards; the first tick is due at once.
-  // bases: of the scene's blueprints, in their order; without them shapes take three times the bits.
+  // bases: of the scene's blueprints, in their order; without them shapes take three times the bits. clock: to measure
+  // what ticks take; without it they take no time, and the server never finds that it has too much to do.
   Server(const Config& config, scenes::Scene scene, std::unique_ptr<transport::Transport> transport, double now,
-         std::vector<Bases> bases = {});
+         std::vector<Bases> bases = {}, server::Clock clock = {});
 
   // Takes in messages and every tick that is due; returns how many that were. None while the world waits for somebody
   // to connect (Config::pauseAfter): then it goes on in the same call.
@@ -71,6 +86,14 @@ class Server {
   [[nodiscard]] transport::Statistics ReadTransport() const { return m_transport->ReadStatistics(); }
   [[nodiscard]] const TickClock& Clock() const { return m_clock; }
   [[nodiscard]] std::size_t CountPlaying() const;
+  [[nodiscard]] ClientCounts CountClients() const;
+  // Whether somebody who says hello now is let in.
+  [[nodiscard]] bool AcceptsJoins() const;
+  // What each tick of the last call of Tick took.
+  [[nodiscard]] std::span<const PhaseTimes> LastTicks() const { return m_lastTicks; }
+  [[nodiscard]] const server::Load& ReadLoad() const { return m_load; }
+  [[nodiscard]] const physics::StepReport& ReadReport() const { return m_report; }  // of the last step
+  [[nodiscard]] int SnapshotHz() const { return m_snapshotHz; }
 
  private:
   void Receive(double now);
@@ -80,6 +103,7 @@ class Server {
   void Capture();
   const EncodedBody& Encode(std::size_t index, std::size_t quality);
   void Send(double now);
+  void FollowLoad(std::size_t due, double now);
 
   void TakeEvent(const transport::Event& event, double now);
   void Join(Session& session);
@@ -122,6 +146,11 @@ class Server {
   Encoder m_encoder;
   SnapshotSender m_sender;
   TickClock m_clock;
+  PhaseWatch m_watch;
+  std::vector<PhaseTimes> m_lastTicks;
+  server::Load m_load;
+  int m_snapshotHz;  // as often as there is time for
+  physics::StepReport m_report;
   Hands m_hands;
   Tuning m_tuning;
   std::optional<Workshop> m_workshop;

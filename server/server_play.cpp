@@ -134,7 +134,7 @@ void Server::TellTuning() {
 
 void Server::SendForces() {
   if (m_world.Tick() % static_cast<std::uint32_t>(std::max(1, m_config.tickHz / kForcesHz)) >=
-      static_cast<std::uint32_t>(m_config.tickHz / m_config.snapshotHz)) {
+      static_cast<std::uint32_t>(m_config.tickHz / m_snapshotHz)) {
     return;
   }
   std::map<physics::BodyId, protocol::Message> messages;

@@ -8,6 +8,9 @@ namespace {
 
 using protocol::wire::GoodbyeReason;
 
+// All bodies at once, on a link that was black for a while. Whoever tells of more makes it up.
+constexpr std::uint32_t kMostStallsAtOnce = protocol::kMaxBodies;
+
 MessageEffect Drop(Session& session, DropReason reason, double now,
                    protocol::ParseResult parsed = protocol::ParseResult::kOk) {
   if (now - session.badWindowBegin > 1) {
@@ -82,7 +85,12 @@ MessageEffect TakeInput(Session& session, const protocol::wire::Input& input, st
   for (const protocol::wire::InputFrame* frame : *input.frames()) session.inputs.Push(*frame, currentTick);
   TakeHand(session, input);
   session.hasSentInput = true;
-  return {};
+  MessageEffect effect;
+  if (input.stalls() > session.stalls) {
+    effect.stalls = std::min<std::uint32_t>(input.stalls() - session.stalls, kMostStallsAtOnce);
+    session.stalls = input.stalls();
+  }
+  return effect;
 }
 
 physics::Vector3d ToVector(const protocol::wire::Vec3& v) { return {v.x(), v.y(), v.z()}; }

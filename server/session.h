@@ -49,7 +49,8 @@ struct Session {
   double commandWindowBegin = 0;
   unsigned commandsInWindow = 0;
   Subscription subscription;
-  double roundTrip = 0;  // newest measured, s
+  double roundTrip = 0;      // newest measured, s
+  std::uint32_t stalls = 0;  // that it has told of
   double badWindowBegin = 0;
   unsigned badInWindow = 0;
 };
@@ -63,6 +64,7 @@ struct MessageEffect {
   std::optional<DropReason> dropped;
   protocol::ParseResult parsed = protocol::ParseResult::kOk;
   std::optional<Command> command;  // of kCommand
+  std::uint32_t stalls = 0;        // that the client tells of for the first time
 };
 
 // Takes one message of any bytes. currentTick: the world's. Never throws, never asserts on what is in the message.

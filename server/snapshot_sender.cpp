@@ -21,6 +21,9 @@ constexpr float kDoubleSpeed = 4;
 // Metres from which on a body is sent at the next quality, and the one after: a ball of 1 m, seen at an angle of 60° on
 // a thousand pixels, is 50 pixels high at the first, 20 at the second, and an error of 1 % a fraction of one.
 constexpr float kCoarseDistances[] = {16, 40};
+// While the machine is short of time, metres from which on a body is sent at the coarsest quality: it is encoded for
+// those near it and for all others, and in between for nobody.
+constexpr float kCoarserDistance = 8;
 
 // Snapshots in a row that leave bodies out until the quality falls, and that leave none out until it rises. A quality
 // costs about 1.8 times the bytes of the next.
@@ -98,12 +101,15 @@ std::size_t SnapshotSender::FindQuality(const ShownBody& body, const Subscriptio
   if (body.body == m_ownBody) return 0;
   std::size_t quality = subscription.coarseness;
   const float distance = protocol::Length(body.centre - m_viewpoint);
+  if (m_isCoarser && distance > kCoarserDistance) return kQualities - 1;
   for (const float limit : kCoarseDistances) quality += distance > limit ? 1 : 0;
   return std::min(quality, kQualities - 1);
 }
 
 void SnapshotSender::SendPacket(Subscription& subscription) {
+  const std::uint64_t lost = subscription.sent.Lost();
   m_head.sequence = subscription.sent.RecordSent(m_now);
+  m_counts.packetsLost += subscription.sent.Lost() - lost;
   const std::span<const std::uint8_t> packet = m_packet.Finish(m_head);
   if (m_transport.Send(m_connection, transport::Channel::kSnapshot, packet) == transport::SendResult::kQueued) {
     ++m_counts.packets;
@@ -127,6 +133,7 @@ void SnapshotSender::SendBody(const ShownBody& shown, const EncodedBody& body, S
   }
   m_counts.vertices += body.vertices;
   m_counts.errorSquares += body.errorSquares;
+  m_counts.errors.Record(body.error);
   interest.priority = 0;
   if (shown.restTick == 0) return;
   // The packet that is being filled is the next one. What has no record will have none while it lies there.

@@ -13,13 +13,18 @@
 
 #include "protocol/snapshot.h"
 #include "protocol/transport/transport.h"
+#include "server/bins.h"
 #include "server/encoder.h"
 #include "server/subscription.h"
 
 namespace wobble::server {
 
+// Shares of a body's size: of the error of a body as it was sent.
+inline constexpr std::array<double, 9> kErrorBounds{0.0005, 0.001, 0.0015, 0.002, 0.0025, 0.005, 0.01, 0.02, 0.05};
+
 struct SendCounts {
   std::uint64_t packets = 0;
+  std::uint64_t packetsLost = 0;      // that clients do not have, as far as their acknowledgements tell
   std::uint64_t bytes = 0;            // payloads
   std::uint64_t bodiesLeftOut = 0;    // for want of budget, to come later
   std::uint64_t bodiesCoarsened = 0;  // sent at less than the best quality
@@ -28,6 +33,7 @@ struct SendCounts {
   std::uint64_t vertices = 0;
   std::uint64_t recordBytes = 0;
   double errorSquares = 0;  // EncodedBody
+  Bins<kErrorBounds> errors;
 
   [[nodiscard]] double BitsPerVertex() const;    // 0 when there was none
   [[nodiscard]] double ErrorPercentRms() const;  // of the body's size
@@ -48,6 +54,9 @@ class SnapshotSender {
             protocol::SnapshotHead head, double creditBytes, double now, transport::ConnectionId connection,
             Subscription& subscription);
 
+  // While the machine is short of time: whatever is not close by is sent at the coarsest quality.
+  void SetCoarser(bool isCoarser) { m_isCoarser = isCoarser; }
+
   [[nodiscard]] const SendCounts& Counts() const { return m_counts; }
 
  private:
@@ -63,6 +72,7 @@ class SnapshotSender {
 
   transport::Transport& m_transport;
   float m_viewDistance;
+  bool m_isCoarser = false;
   protocol::PacketBuilder m_packet;
   // Of the client who is being sent to:
   protocol::SnapshotHead m_head;

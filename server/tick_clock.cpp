@@ -6,7 +6,7 @@
 namespace wobble::server {
 
 int TickClock::TakeDueTicks(double now) {
-  const double interval = m_tickDuration / m_rate;
+  const double interval = m_tickDuration / Pace();
   const double owed = now < m_nextTick ? 0 : std::floor((now - m_nextTick) / interval) + 1;
   const int taken = static_cast<int>(std::min<double>(owed, kMaxCatchUp));
   const double dropped = owed - taken;

@@ -335,13 +335,14 @@ TEST(Messages, FieldsComeBack) {
   EXPECT_EQ(client->body_as_Hello()->role(), wire::Role::Spectator);
 
   const std::vector<wire::InputFrame> frames{{104, 127, -127, 7}, {103, 1, 2, 4}};
-  const Message input = MakeInput(frames, 77, 0x8000000000000001U);
+  const Message input = MakeInput(frames, 77, 0x8000000000000001U, nullptr, 12);
   EXPECT_LT(input.size(), 200U);
   ASSERT_EQ(ParseClientMessage(input, client), ParseResult::kOk);
   EXPECT_EQ(client->body_as_Input()->frames()->Get(0)->tick(), 104U);
   EXPECT_EQ(client->body_as_Input()->frames()->Get(0)->move_y(), -127);
   EXPECT_EQ(client->body_as_Input()->frames()->Get(1)->buttons(), 4);
   EXPECT_EQ(client->body_as_Input()->acked_sequence(), 77U);
+  EXPECT_EQ(client->body_as_Input()->stalls(), 12U);
   EXPECT_EQ(client->body_as_Input()->acked_history(), 0x8000000000000001U);
 
   const wire::ServerMessage* server = nullptr;
@@ -467,7 +468,7 @@ TEST(Messages, TagsAreOneForEachOrNone) {
 }
 
 TEST(Messages, GoodbyeAndEventOutOfRange) {
-  const auto unknownReason = static_cast<wire::GoodbyeReason>(8);
+  const auto unknownReason = static_cast<wire::GoodbyeReason>(9);
   EXPECT_EQ(ParseAs('c', MakeClientGoodbye(unknownReason, "")), ParseResult::kOutOfRange);
   EXPECT_EQ(ParseAs('s', MakeServerGoodbye(unknownReason, "")), ParseResult::kOutOfRange);
   const auto unknownEvent = static_cast<wire::EventKind>(5);

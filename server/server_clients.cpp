@@ -1,0 +1,209 @@
+// Who comes, who goes, and what they are told on the way: from the first byte of a connection to its goodbye.
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "server/server.h"
+
+namespace wobble::server {
+
+using protocol::wire::EventKind;
+using protocol::wire::GoodbyeReason;
+using transport::Channel;
+
+void Server::TakeEvent(const transport::Event& event, double now) {
+  using Kind = transport::Event::Kind;
+  if (event.kind == Kind::kConnected) {
+    Session& session = m_sessions[event.connection];
+    session.connection = event.connection;
+    session.connectedAt = session.lastHeard = now;
+    session.joinPatience = protocol::FindJoinPatience(m_transport->ReadRoundTrip(event.connection));
+    if (m_closing) End(session, GoodbyeReason::ServerClosing, "");
+    return;
+  }
+  const auto found = m_sessions.find(event.connection);
+  if (found == m_sessions.end()) return;
+  Session& session = found->second;
+  if (event.kind == Kind::kDisconnected) {
+    ForgetPlayer(session, session.state == Session::State::kPlaying);
+    m_sessions.erase(found);
+    return;
+  }
+  if (session.state == Session::State::kEnding) return;
+
+  const MessageEffect effect = TakeMessage(session, event.channel, event.bytes, m_world.Tick(), now);
+  m_counts.stalls += effect.stalls;
+  if (effect.dropped) {
+    ++m_counts.dropped[static_cast<std::size_t>(*effect.dropped)];
+    ++m_counts.parse[static_cast<std::size_t>(effect.parsed)];
+    spdlog::debug("client {}: message dropped, {} ({})", session.clientId, Name(*effect.dropped), Name(effect.parsed));
+  }
+  switch (effect.kind) {
+    case MessageEffect::Kind::kNone:
+      break;
+    case MessageEffect::Kind::kJoin:
+      Join(session);
+      break;
+    case MessageEffect::Kind::kRefuse:
+      End(session, effect.reason, effect.detail);
+      break;
+    case MessageEffect::Kind::kLeave:
+      spdlog::info("client {} ({}) left", session.clientId, session.name);
+      ForgetPlayer(session, false);
+      session.state = Session::State::kEnding;
+      m_transport->Disconnect(session.connection);
+      break;
+    case MessageEffect::Kind::kCommand:
+      Obey(session, *effect.command);
+      break;
+  }
+}
+
+void Server::Join(Session& session) {
+  if (CountPlaying() >= static_cast<std::size_t>(m_config.maxClients)) {
+    End(session, GoodbyeReason::ServerFull,
+        std::to_string(m_config.maxClients) + " of " + std::to_string(m_config.maxClients) + " players are in");
+    return;
+  }
+  if (m_load.Level() >= LoadLevel::kBusy) {
+    End(session, GoodbyeReason::Busy, "this machine has as much to do as it can; try again in a while");
+    return;
+  }
+  PublishBlueprints();  // to the others: the newcomer gets all of them with its welcome
+  session.state = Session::State::kPlaying;
+  session.clientId = m_nextClientId++;
+  if (!session.spectator) {
+    session.body = m_world.AddBody(static_cast<std::uint8_t>(m_scene.player.blueprint),
+                                   scenes::FindFreeSpawn(m_scene.player, session.clientId, m_world));
+  }
+  ++m_counts.joins;
+  m_counts.clientsPeak = std::max(m_counts.clientsPeak, CountPlaying());
+  spdlog::info("client {} ({}) joined{}", session.clientId, session.name, session.spectator ? " as spectator" : "");
+  SendWelcome(session);
+  Broadcast(protocol::MakeEvent(EventKind::Join, m_world.Tick(), session.clientId, session.body, session.name));
+  if (m_game && session.body != 0) m_game->Enter(session.clientId);
+  TellTuning();
+}
+
+void Server::SendWelcome(Session& session) {
+  protocol::WelcomeFields fields;
+  fields.clientId = session.clientId;
+  fields.ownBody = session.body;
+  fields.tick = m_world.Tick();
+  fields.tickHz = static_cast<std::uint16_t>(m_config.tickHz);
+  fields.snapshotHz = static_cast<std::uint16_t>(m_config.snapshotHz);
+  fields.scene = m_scene.name;
+  fields.blueprintCount = static_cast<std::uint16_t>(m_blueprints.size());
+  fields.obstacles = CaptureObstacles(m_world.Obstacles());
+  for (const CapturedGround& ground : m_grounds) fields.heightFields.push_back(ground.field);
+  fields.hands = CaptureHands(m_scene);
+  fields.reach = static_cast<float>(m_scene.hands.reach);
+  fields.game = m_game ? "sumo" : "";
+  fields.workshop = m_workshop ? m_workshop->Body() : 0;
+  const auto send = [&](const protocol::Message& message) {
+    if (m_transport->Send(session.connection, Channel::kControl, message) != transport::SendResult::kQueued) {
+      spdlog::warn("client {}: could not be welcomed", session.clientId);
+    }
+  };
+  send(protocol::MakeWelcome(fields));
+  for (std::size_t i = 0; i < m_grounds.size(); ++i) {
+    for (const protocol::Message& rows : MakeRows(static_cast<std::uint16_t>(i), m_grounds[i])) send(rows);
+  }
+  for (std::size_t i = 0; i < m_blueprints.size(); ++i) {
+    for (const protocol::Message& chunk : MakeChunks(static_cast<std::uint8_t>(i), m_blueprints[i])) send(chunk);
+  }
+  // Those who are in already, so that every body has its name.
+  for (const auto& [connection, other] : m_sessions) {
+    if (other.state != Session::State::kPlaying || &other == &session) continue;
+    send(protocol::MakeEvent(EventKind::Join, m_world.Tick(), other.clientId, other.body, other.name));
+  }
+}
+
+void Server::End(Session& session, GoodbyeReason reason, const std::string& detail) {
+  const std::string who = session.clientId != 0 ? fmt::format("client {} ({})", session.clientId, session.name)
+                                                : fmt::format("connection {}", session.connection);
+  spdlog::info("{} is sent away: {}{}{}", who, protocol::Name(reason), detail.empty() ? "" : ", ", detail);
+  if (session.state == Session::State::kAwaitingHello) ++m_counts.refusals;
+  ++m_counts.goodbyes[static_cast<std::size_t>(reason)];
+  ForgetPlayer(session, session.state == Session::State::kPlaying && !m_closing);
+  session.state = Session::State::kEnding;
+  const protocol::Message goodbye = protocol::MakeServerGoodbye(reason, detail);
+  if (m_transport->Send(session.connection, Channel::kControl, goodbye) != transport::SendResult::kQueued) {
+    spdlog::debug("client {}: gone before its goodbye", session.clientId);
+  }
+  m_transport->Disconnect(session.connection);
+}
+
+// Takes a player who had joined out of the world; nothing to do for others.
+void Server::ForgetPlayer(Session& session, bool unasked) {
+  if (session.state != Session::State::kPlaying) return;
+  session.state = Session::State::kEnding;
+  ++(unasked ? m_counts.disconnects : m_counts.leaves);
+  if (unasked) spdlog::info("client {} ({}) was lost", session.clientId, session.name);
+  if (session.body != 0) m_world.RemoveBody(session.body);
+  Broadcast(protocol::MakeEvent(EventKind::Leave, m_world.Tick(), session.clientId, session.body, session.name));
+  if (session.body != 0) Broadcast(protocol::MakeEvent(EventKind::BodyRemoved, m_world.Tick(), 0, session.body, ""));
+  session.body = 0;
+  m_hands.Forget(session.clientId);
+  if (m_game) m_game->Leave(session.clientId);
+  if (CountPlaying() == 0) m_tuning.Reset(m_world, m_clock);
+  TellTuning();
+}
+
+void Server::DropTimedOut(double now) {
+  for (auto& [connection, session] : m_sessions) {
+    if (const auto reason = FindTimeout(session, now)) End(session, *reason, "");
+  }
+}
+
+void Server::Broadcast(const protocol::Message& message) {
+  for (const auto& [connection, session] : m_sessions) {
+    if (session.state == Session::State::kPlaying) SendTo(session, message);
+  }
+}
+
+void Server::SendTo(const Session& session, const protocol::Message& message) {
+  if (m_transport->Send(session.connection, Channel::kControl, message) != transport::SendResult::kQueued) {
+    spdlog::debug("client {}: a message could not be sent", session.clientId);
+  }
+}
+
+void Server::Close(double now) {
+  m_closing = true;
+  Receive(now);
+  for (auto& [connection, session] : m_sessions) {
+    if (session.state != Session::State::kEnding) End(session, GoodbyeReason::ServerClosing, "");
+  }
+  m_transport->Flush();
+}
+
+bool Server::AcceptsJoins() const {
+  return !m_closing && m_load.Level() < LoadLevel::kBusy &&
+         CountPlaying() < static_cast<std::size_t>(m_config.maxClients);
+}
+
+ClientCounts Server::CountClients() const {
+  ClientCounts counts;
+  for (const auto& [connection, session] : m_sessions) {
+    switch (session.state) {
+      case Session::State::kAwaitingHello:
+        ++counts.joining;
+        break;
+      case Session::State::kPlaying:
+        ++(session.spectator ? counts.watching : counts.playing);
+        break;
+      case Session::State::kEnding:
+        ++counts.leaving;
+        break;
+    }
+  }
+  return counts;
+}
+
+std::size_t Server::CountPlaying() const {
+  return static_cast<std::size_t>(std::count_if(m_sessions.begin(), m_sessions.end(), [](const auto& entry) {
+    return entry.second.state == Session::State::kPlaying;
+  }));
+}
+
+}  // namespace wobble::server
