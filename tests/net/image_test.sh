@@ -60,6 +60,38 @@ case_bases_need_no_writing() {
   if grep -q -e training -e warn "$folder/read"; then fail "nothing to be trained again" "$folder/read"; fi
 }
 
+# fake PROGRAM BODY: on the path that build_image.sh is given, which has little else.
+fake() {
+  printf '#!/bin/sh\n%s\n' "$2" >"$folder/path/$1"
+  chmod +x "$folder/path/$1"
+}
+
+# build CODE: its exit code is this one.
+build() {
+  local code sh
+  sh="$(command -v sh)"
+  PATH="$folder/path" "$sh" "$docker/build_image.sh" --no-cache >"$folder/build" 2>&1
+  code=$?
+  [ "$code" -eq "$1" ] || fail "exit code $1 of build_image.sh, not $code" "$folder/build"
+}
+
+expect_line() { grep -q -e "$1" "$folder/build" || fail "a line '$1'" "$folder/build"; }
+
+# shellcheck disable=SC2016  # it is the fakes that expand
+case_builds_with_what_is_there() {
+  mkdir "$folder/path"
+  ln -s "$(command -v dirname)" "$folder/path/dirname"
+  build 1
+  expect_line '^build_image.sh: .*apt-get install buildah$'
+  fake buildah 'echo buildah "$@"'
+  fake docker '[ "$1" = info ] && exit 1; exit 7' # no daemon answers
+  build 0
+  expect_line '^buildah bud --isolation chroot --format docker .* --file docker/Dockerfile .*--no-cache \.$'
+  fake docker '[ "$1" = info ] && exit 0; echo docker "$@"'
+  build 0
+  expect_line '^docker build --file docker/Dockerfile .*--no-cache \.$'
+}
+
 declare -F "case_$case_name" >/dev/null || {
   echo "unknown case '$case_name'; one of: $(declare -F | sed -n 's/^declare -f case_//p' | paste -sd' ')"
   exit 1
