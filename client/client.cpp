@@ -40,6 +40,8 @@ constexpr int kMaxCatchUp = 3;
 constexpr double kMaxIntervalRatio = 3.0;
 constexpr double kIntervalSmoothing = 1.0 / 32.0;
 constexpr double kForgetEvery = 1.0;
+// A tick that comes late now and then is no slower world.
+constexpr double kOnPace = 0.97;
 // A link on which, over the first, seconds, less than the second, a share, of what the server sent has come is taken
 // for lost: it would show a world that jumps twice a second and call that playing. Twice the silence that is allowed,
 // so that a black-out which ends in time does not count as such a link.
@@ -214,6 +216,10 @@ bool Client::EndedUnasked() const { return m->state == State::kEnded && !m->leav
 const protocol::WelcomeFields& Client::Welcome() const { return m->welcome; }
 const std::vector<Ground>& Client::Grounds() const { return m->grounds.All(); }
 const Statistics& Client::ReadStatistics() const { return m->statistics; }
+double Client::Pace() const {
+  const double pace = m->statistics.timeRatio / double{m->news.tuning.timeRate};
+  return pace < kOnPace ? pace : 1;
+}
 const Tuning& Client::ReadTuning() const { return m->news.tuning; }
 const Scoreboard& Client::ReadScoreboard() const { return m->news.scoreboard; }
 const Forces& Client::ReadForces() const { return m->news.forces; }

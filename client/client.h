@@ -180,6 +180,9 @@ class Client {
   // Estimated time of the world on the server, seconds since its tick 0; 0 before the first snapshot. Judged by
   // arrivals alone, so it lags the server's own by the fastest one-way trip seen lately.
   [[nodiscard]] double ServerTime(double now) const;
+  // How fast the world goes of what players have asked for, 0 to 1; less than 1: the server has too much to do. Exactly
+  // 1 where all goes well.
+  [[nodiscard]] double Pace() const;
   // How far behind ServerTime bodies are shown, seconds: grows with jitter.
   [[nodiscard]] double InterpolationDelay() const;
 

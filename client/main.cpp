@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "client/bots/command.h"
+#include "client/health/command.h"
 #include "client/link/command.h"
 #include "client/play/command.h"
 #include "client/terminal/command.h"
@@ -38,7 +39,7 @@ int Run(int argc, char** argv) {
   app.require_subcommand(0, 1);  // none is refused below: CLI11 would say so even when an unknown option is the fault
   const std::vector<tool::Command> commands{play::DescribePlay(app), terminal::DescribeWatch(app),
                                             bots::DescribeBots(app), web::DescribeGateway(app),
-                                            link::DescribeLink(app)};
+                                            link::DescribeLink(app), health::DescribeHealth(app)};
   app.set_version_flag("--version", "wobble " WOBBLE_VERSION);
   for (const tool::Command& command : commands) command.words->set_version_flag("--version", "wobble " WOBBLE_VERSION);
   app.footer("Examples:\n  wobble play --for 20\n  wobble bots --help");

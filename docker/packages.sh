@@ -16,7 +16,8 @@ packages_of() {
             libspdlog-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev liblua5.4-dev
             libboost-dev zlib1g-dev libcpp-httplib-dev prometheus-cpp-dev" ;;
     runtime) # the libraries of wobbled and wobble, no more
-      echo "libc6 libgcc-s1 libstdc++6 zlib1g libenet7 libfmt9 liblua5.4-0 libspdlog1.10 libtbb12 libtomlplusplus3" ;;
+      echo "libc6 libgcc-s1 libstdc++6 zlib1g libcpp-httplib0.11 libenet7 libfmt9 liblua5.4-0
+            libprometheus-cpp-core1.0 libspdlog1.10 libtbb12 libtomlplusplus3" ;;
     test) # the test runner, a second compiler whose results must be the same bits, a browser to play in, and promtool
       echo "libgtest-dev libgmock-dev clang-19 libclang-rt-19-dev clang-format chromium prometheus" ;;
     web) # what makes the page; a server, and a gateway without a page, need none of it

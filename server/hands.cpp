@@ -13,8 +13,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/find_body.h"
-
 namespace wobble::server {
 namespace {
 
@@ -59,7 +57,7 @@ std::vector<std::uint16_t> FindRound(const physics::Body& body, const Vector3d& 
 
 bool Hands::IsWithin(double reach, physics::BodyId own, const Vector3d& place, const physics::World& world) {
   if (reach == 0) return true;
-  const physics::Body* body = FindBody(world, own);
+  const physics::Body* body = world.FindBody(own);
   return body != nullptr && (world.FindCentre(*body) - place).norm() <= reach;
 }
 
@@ -79,7 +77,7 @@ void Hands::Hold(const Actor& actor, const std::optional<HandCommand>& command, 
 void Hands::Close(const Actor& actor, Grip& grip, const physics::World& world) const {
   grip.vertices.clear();
   grip.offsets.clear();
-  const physics::Body* body = FindBody(world, grip.command.body);
+  const physics::Body* body = world.FindBody(grip.command.body);
   if (body == nullptr || body->id == actor.body) return;
   if (grip.command.vertex >= world.BlueprintOf(*body).rest.size()) return;
   const Vector3d place = FindVertex(*body, grip.command.vertex);
@@ -90,7 +88,7 @@ void Hands::Close(const Actor& actor, Grip& grip, const physics::World& world) c
 
 std::string Hands::Push(const Actor& actor, const PushCommand& command, const physics::World& world) {
   if (!m_rules.push || actor.body == 0) return "nobody pushes by hand here";
-  const physics::Body* body = FindBody(world, command.body);
+  const physics::Body* body = world.FindBody(command.body);
   const double length = command.direction.norm();
   if (body == nullptr || command.vertex >= world.BlueprintOf(*body).rest.size() || !(length > 0)) return "";
   const Vector3d place = FindVertex(*body, command.vertex);
@@ -113,7 +111,7 @@ std::optional<physics::Blade> Hands::FindBlade(const Actor& actor, const CutComm
     refusal = "nobody cuts here";
   } else if (!IsWithin(m_rules.reach, actor.body, middle, world)) {
     refusal = "too far away to cut";
-  } else if (FindBody(world, command.body) != nullptr && (command.from - command.to).norm() <= kLongestBlade &&
+  } else if (world.FindBody(command.body) != nullptr && (command.from - command.to).norm() <= kLongestBlade &&
              (command.eye - middle).norm() <= kFarthestEye) {
     return physics::Blade{command.eye, command.from, command.to};
   }
@@ -145,7 +143,7 @@ void Hands::Act(physics::World& world) {
 }
 
 void Hands::Drag(Grip& grip, physics::World& world) {
-  const physics::Body* body = FindBody(world, grip.command.body);
+  const physics::Body* body = world.FindBody(grip.command.body);
   const bool holds =
       body != nullptr && IsWithin(kSlip * m_rules.reach, grip.own, FindVertex(*body, grip.command.vertex), world);
   if (!holds) {
@@ -177,7 +175,7 @@ void Hands::Drag(Grip& grip, physics::World& world) {
 
 void Hands::Deal(Shove& shove, physics::World& world) {
   --shove.ticksLeft;
-  const physics::Body* body = FindBody(world, shove.command.body);
+  const physics::Body* body = world.FindBody(shove.command.body);
   if (body == nullptr) return;
   const Vector3d force = m_rules.impulse / kPushTime * shove.command.direction;
   m_forces.clear();
@@ -190,7 +188,7 @@ void Hands::Deal(Shove& shove, physics::World& world) {
 
 // Spread by mass, so that it moves its owner and does not dent him.
 void Hands::PushBack(physics::BodyId own, const Vector3d& force, physics::World& world) {
-  const physics::Body* body = FindBody(world, own);
+  const physics::Body* body = world.FindBody(own);
   if (m_rules.reach == 0 || body == nullptr) return;
   const physics::Blueprint& blueprint = world.BlueprintOf(*body);
   m_forces.clear();

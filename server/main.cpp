@@ -14,6 +14,8 @@
 
 #include "protocol/transport/enet_transport.h"
 #include "server/basis_shelf.h"
+#include "server/ops/endpoint.h"
+#include "server/ops/trace.h"
 #include "server/scenes/loader.h"
 #include "server/server.h"
 #include "server/summary.h"
@@ -41,6 +43,8 @@ struct Options {
   std::string logLevel = "info";
   std::string summaryFile;
   std::string cacheFolder;
+  std::string ops;  // address; empty: none
+  std::string traceFile;
   bool isUntrained = false;
   bool listScenes = false;
   std::vector<std::string> errors;  // a line for every number that cannot be used
@@ -104,6 +108,9 @@ void DescribeOptions(CLI::App& app, Options& options) {
   app.add_option("--log-level", options.logLevel, "debug, info, warn, error or off")->capture_default_str();
   addNumber("--status", kDurationRange, options.statusEvery, "Seconds between status lines on stdout; 0: none");
   app.add_option("--summary", options.summaryFile, "File to write a summary of the run to, as JSON");
+  app.add_option("--ops", options.ops,
+                 "HOST:PORT, or PORT for this machine only, that answers /metrics (Prometheus), /healthz and /readyz");
+  app.add_option("--trace", options.traceFile, "File to write the phases of every tick to, for chrome://tracing");
   app.add_option("--cache", options.cacheFolder, "Folder that keeps trained bases of shapes from one start to the next")
       ->envname("WOBBLE_CACHE");
   app.add_flag("--untrained", options.isUntrained,
@@ -116,6 +123,7 @@ void DescribeOptions(CLI::App& app, Options& options) {
       "  wobbled --scene crowd --client-kbit 2000 a busy scene, more bytes for each client\n"
       "  wobbled --scene my.toml --port 7801      a scene of your own\n"
       "  wobbled --for 30 --summary run.json      half a minute, figures at the end\n"
+      "  wobbled --ops 9100                       then: curl 127.0.0.1:9100/metrics\n"
       "  wobbled --for 90 --pause-after 0         the same without players: the world never waits for one");
 }
 
@@ -165,21 +173,38 @@ class StatusLine {
   std::uint64_t m_lastBytes = 0;
 };
 
-void Run(server::Server& server, const Options& options, server::TickTimes& times) {
+// Whatever watches the ticks; none of it must be there.
+struct Watchers {
+  server::TickTimes times;
+  std::unique_ptr<ops::Endpoint> endpoint;
+  std::optional<ops::Gauge> gauge;  // of the endpoint
+  std::optional<ops::Trace> trace;
+
+  void Watch(const server::Server& server) {
+    for (const server::PhaseTimes& tick : server.LastTicks()) times.Record(tick.Sum());
+    if (trace) trace->Write(server.LastTicks(), server.World().Tick());
+    if (endpoint == nullptr) return;
+    gauge->Read(server, ReadClock());
+    endpoint->Tell(gauge->ReadFigures());
+  }
+};
+
+void Run(server::Server& server, const Options& options, Watchers& watchers) {
   StatusLine status(options.statusEvery);
   while (g_stop == 0 && (options.runFor <= 0 || ReadClock() < options.runFor)) {
     server.Tick(ReadClock());
-    for (const server::PhaseTimes& tick : server.LastTicks()) times.Record(tick.Sum());
-    status.Update(server, times, ReadClock());
+    watchers.Watch(server);
+    status.Update(server, watchers.times, ReadClock());
     const double wait = server.NextCall() - ReadClock();
     if (wait > 0) std::this_thread::sleep_for(std::chrono::duration<double>(wait));
   }
   status.Finish();
 }
 
-void CloseDown(server::Server& server) {
+void CloseDown(server::Server& server, Watchers& watchers) {
   const double deadline = ReadClock() + kCloseTime;
   server.Close(ReadClock());
+  watchers.Watch(server);
   while (!server.IsEmpty() && ReadClock() < deadline) {
     server.Poll(ReadClock());
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -191,6 +216,26 @@ bool WriteSummary(const std::string& path, const std::string& summary) {
   std::ofstream file(path);
   file << summary;
   return file.good();
+}
+
+// False with a line said when what was asked for cannot be had.
+bool StartWatching(const Options& options, Watchers& watchers) {
+  if (!options.traceFile.empty() && !watchers.trace.emplace().Open(options.traceFile)) {
+    Complain({"--trace " + options.traceFile + ": cannot be written"});
+    return false;
+  }
+  if (options.ops.empty()) return true;
+  ops::Address address;
+  std::string error;
+  if (ops::ParseAddress(options.ops, address, error)) {
+    watchers.endpoint = ops::Endpoint::Listen(address, WOBBLE_VERSION, options.scene, &ReadClock, error);
+  }
+  if (watchers.endpoint == nullptr) {
+    Complain({"--ops " + error});
+    return false;
+  }
+  watchers.gauge.emplace(options.config);
+  return true;
 }
 
 int RunServer(const Options& options) {
@@ -214,6 +259,8 @@ int RunServer(const Options& options) {
   listen.maxConnections = static_cast<std::size_t>(options.config.maxClients) + kSpareConnections;
   listen.maxPerAddress = static_cast<std::size_t>(options.config.maxPerAddress);
   std::string error;
+  Watchers watchers{server::TickTimes(1.0 / options.config.tickHz), nullptr, {}, {}};
+  if (!StartWatching(options, watchers)) return kBadUsage;
   auto transport = transport::EnetTransport::Listen(listen, error);
   if (transport == nullptr) {
     Complain({error});
@@ -224,12 +271,15 @@ int RunServer(const Options& options) {
   if (!options.isUntrained) bases = server::LoadBases(loaded.scene, options.cacheFolder, options.config.threads);
   server::Server server(options.config, std::move(loaded.scene), std::move(transport), ReadClock(), std::move(bases),
                         &ReadClock);
-  server::TickTimes times(1.0 / options.config.tickHz);
   fmt::print("listening on UDP port {}, scene {}\n", options.config.port, options.scene);
   std::fflush(stdout);
-  Run(server, options, times);
-  const std::string summary = server::MakeSummary(server, times);
-  CloseDown(server);
+  Run(server, options, watchers);
+  const std::string summary = server::MakeSummary(server, watchers.times);
+  CloseDown(server, watchers);
+  if (watchers.trace && !watchers.trace->Close()) {
+    Complain({"--trace " + options.traceFile + ": could not be written in full"});
+    return 1;
+  }
   if (!options.summaryFile.empty() && !WriteSummary(options.summaryFile, summary)) {
     Complain({"--summary " + options.summaryFile + ": cannot be written"});
     return 1;

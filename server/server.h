@@ -77,6 +77,7 @@ class Server {
   // Says goodbye to everybody. Keep calling Poll until IsEmpty, or give up; the world stands still.
   void Close(double now);
   void Poll(double now) { Receive(now); }
+  [[nodiscard]] bool IsClosing() const { return m_closing; }
   [[nodiscard]] bool IsEmpty() const { return m_sessions.empty(); }
 
   [[nodiscard]] const physics::World& World() const { return m_world; }

@@ -170,6 +170,7 @@ void Server::SendTo(const Session& session, const protocol::Message& message) {
 
 void Server::Close(double now) {
   m_closing = true;
+  m_lastTicks.clear();
   Receive(now);
   for (auto& [connection, session] : m_sessions) {
     if (session.state != Session::State::kEnding) End(session, GoodbyeReason::ServerClosing, "");

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <map>
 
-#include "server/find_body.h"
 #include "server/server.h"
 
 namespace wobble::server {
@@ -140,7 +139,7 @@ void Server::SendForces() {
   std::map<physics::BodyId, protocol::Message> messages;
   for (auto& [connection, session] : m_sessions) {
     if (session.state != Session::State::kPlaying || session.inspected == 0) continue;
-    if (FindBody(m_world, session.inspected) == nullptr) {
+    if (m_world.FindBody(session.inspected) == nullptr) {
       session.inspected = 0;
       continue;
     }

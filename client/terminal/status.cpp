@@ -15,10 +15,13 @@ constexpr Colour kPaper{24, 30, 42};
 std::string FormatStatus(const StatusFigures& figures) {
   char input[24] = "-";
   if (figures.inputMs) std::snprintf(input, sizeof input, "%.0f ms", *figures.inputMs);
+  char slow[24] = "";
+  if (figures.pace < 1) std::snprintf(slow, sizeof slow, "SERVER SLOW: %.0f %%  ", 100 * figures.pace);
   char text[160];
-  std::snprintf(text, sizeof text, "input %s  %.0f kbit/s  delay %.0f ms  %llu stalls  %zu bodies  %zu player%s", input,
-                figures.kbitPerSecond, figures.interpolationDelayMs, static_cast<unsigned long long>(figures.stalls),
-                figures.bodies, figures.players, figures.players == 1 ? "" : "s");
+  std::snprintf(text, sizeof text, "%sinput %s  %.0f kbit/s  delay %.0f ms  %llu stalls  %zu bodies  %zu player%s",
+                slow, input, figures.kbitPerSecond, figures.interpolationDelayMs,
+                static_cast<unsigned long long>(figures.stalls), figures.bodies, figures.players,
+                figures.players == 1 ? "" : "s");
   return text;
 }
 
@@ -95,6 +98,7 @@ std::vector<std::string> DescribeKeys(const StatusFigures& figures, const std::v
                                 "Q, Esc, Ctrl-C   quit     Ctrl-Z  suspend",
                                 "",
                                 "input   from a key sent to a snapshot that shows it",
+                                "SERVER SLOW  it has too much to do: the world goes so fast",
                                 "delay   bodies are shown so far behind the server",
                                 "stalls  times that news of a body did not come in time",
                                 drawing,

@@ -16,6 +16,7 @@ struct StatusFigures {
   std::optional<double> inputMs;    // from sending an input to the first snapshot of a world that has used it
   double kbitPerSecond = 0;         // received, all headers above UDP's included
   double interpolationDelayMs = 0;  // how far behind the server's time bodies are shown
+  double pace = 1;                  // of the world, Client::Pace
   std::uint64_t stalls = 0;         // times that a body was shown without anything new in time
   std::size_t bodies = 0;           // shown
   std::size_t players = 0;          // with a body

@@ -282,6 +282,7 @@ void Watch::DrawWorld(double now) {
   const client::Statistics& statistics = m_client->ReadStatistics();
   if (statistics.inputToSnapshot > 0) m_figures.inputMs = statistics.inputToSnapshot * 1000;
   m_figures.interpolationDelayMs = m_client->InterpolationDelay() * 1000;
+  m_figures.pace = m_client->Pace();
   m_figures.stalls = statistics.stalls;
   m_figures.bodies = m_samples.size();
   m_figures.players = m_players.size();

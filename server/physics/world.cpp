@@ -45,12 +45,19 @@ BodyId World::AddBody(std::uint8_t blueprint, const Vector3d& position, const Ve
   return m_bodies.back().id;
 }
 
-Body& World::FindBody(BodyId id) {
+const Body* World::FindBody(BodyId id) const {
   const auto found = std::lower_bound(m_bodies.begin(), m_bodies.end(), id,
                                       [](const Body& body, BodyId wanted) { return body.id < wanted; });
-  assert(found != m_bodies.end() && found->id == id);
-  return *found;
+  return found != m_bodies.end() && found->id == id ? &*found : nullptr;
 }
+
+const Body& World::ReadBody(BodyId id) const {
+  const Body* body = FindBody(id);
+  assert(body != nullptr);
+  return *body;
+}
+
+Body& World::Write(BodyId id) { return const_cast<Body&>(ReadBody(id)); }
 
 void World::WakeUp(Body& body) {
   if (body.asleep) m_engine->roster.Wake(static_cast<std::uint32_t>(&body - m_bodies.data()));
@@ -66,11 +73,9 @@ Vector3d World::FindMiddle(std::size_t place) const {
 
 std::span<const std::uint32_t> World::Stepped() const { return m_engine->stepped; }
 
-const Body& World::ReadBody(BodyId id) const { return const_cast<World*>(this)->FindBody(id); }
-
 void World::RemoveBody(BodyId id) {
   DropPairsOf(id);
-  const Body& body = FindBody(id);
+  const Body& body = Write(id);
   const auto index = static_cast<std::size_t>(&body - m_bodies.data());
   m_engine->Forget(index, body);
   m_bodies.erase(m_bodies.begin() + static_cast<std::ptrdiff_t>(index));
@@ -82,7 +87,7 @@ void World::RemoveBody(BodyId id) {
 
 void World::PlaceBody(BodyId id, const Vector3d& position) {
   DropPairsOf(id);
-  Body& body = FindBody(id);
+  Body& body = Write(id);
   std::visit([&]<class Real>(State<Real>& state) { PutBackToRest(m_blueprints[body.blueprint], position, state); },
              body.state);
   body.steps = {};
@@ -90,7 +95,7 @@ void World::PlaceBody(BodyId id, const Vector3d& position) {
 }
 
 void World::SetMotion(BodyId id, std::span<const Vector3d> positions, std::span<const Vector3d> velocities) {
-  Body& body = FindBody(id);
+  Body& body = Write(id);
   WakeUp(body);
   std::visit(
       [&]<class Real>(State<Real>& state) {
@@ -142,7 +147,7 @@ void World::WakeTheDriven() {
 
 void World::SetControl(BodyId id, const Control& control, const ControlLimits& limits) {
   assert(control.moveX * control.moveX + control.moveY * control.moveY <= 1.0001);
-  Body& body = FindBody(id);
+  Body& body = Write(id);
   if (control != body.control || limits != body.limits) WakeUp(body);
   body.control = control;
   body.limits = limits;
@@ -150,7 +155,7 @@ void World::SetControl(BodyId id, const Control& control, const ControlLimits& l
 
 void World::PushVertices(BodyId id, std::span<const VertexForce<double>> forces) {
   if (forces.empty()) return;
-  Body& body = FindBody(id);
+  Body& body = Write(id);
   WakeUp(body);
   const auto comesBefore = [](BodyId wanted, const Push& push) { return wanted < push.body; };
   for (const VertexForce<double>& force : forces) {
@@ -173,7 +178,7 @@ void World::WakeNeighboursOf(BodyId id) {
   const auto wake = [&](const auto& workspace) {
     for (const auto* pairs : {&workspace.pairs, &workspace.restingPairs}) {
       for (const auto& pair : *pairs) {
-        if (pair.Has(id)) WakeUp(FindBody(pair.first == id ? pair.second : pair.first));
+        if (pair.Has(id)) WakeUp(Write(pair.first == id ? pair.second : pair.first));
       }
     }
   };
@@ -186,7 +191,7 @@ void World::DropPairsOf(BodyId id) {
     for (auto* pairs : {&workspace.pairs, &workspace.restingPairs}) {
       std::erase_if(*pairs, [&](const auto& pair) {
         if (!pair.Has(id)) return false;
-        WakeUp(FindBody(pair.first == id ? pair.second : pair.first));  // it may have rested on the one that goes
+        WakeUp(Write(pair.first == id ? pair.second : pair.first));  // it may have rested on the one that goes
         return true;
       });
     }

@@ -94,6 +94,8 @@ class World {
   // calls add up. A fixed vertex feels nothing of it, a planar body only what lies in its plane. Wakes the body.
   void PushVertices(BodyId id, std::span<const VertexForce<double>> forces);
   [[nodiscard]] const Body& ReadBody(BodyId id) const;
+  // nullptr when there is none of this number: somebody else's, which need not exist.
+  [[nodiscard]] const Body* FindBody(BodyId id) const;
 
   // Of a body that exists, or of all; for as long as it does.
   void AddDrive(const Drive& drive);
@@ -142,7 +144,7 @@ class World {
     VertexForce<double> force;
   };
 
-  Body& FindBody(BodyId id);
+  Body& Write(BodyId id);
   [[nodiscard]] StiffnessRule FindStiffnessRule(const Body& body) const;
   void WakeUp(Body& body);
   // Of those that may be given another blueprint, the one that has had its own for longest, or one more than there are.

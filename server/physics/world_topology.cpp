@@ -162,7 +162,7 @@ bool World::ReplaceBlueprint(BodyId id, Blueprint blueprint) {
 bool World::ReplaceBlueprint(BodyId id, Blueprint blueprint, std::span<const std::uint16_t> kept) {
   const std::size_t slot = FindFreeSlot();
   if (slot >= kMaxSlots) return false;
-  Body& body = FindBody(id);
+  Body& body = Write(id);
   const Blueprint& before = BlueprintOf(body);
   assert(kept.size() <= blueprint.rest.size() && std::ranges::is_sorted(kept, std::ranges::less_equal()));
   assert(kept.empty() || kept.back() < before.rest.size());
@@ -198,7 +198,7 @@ void World::FollowPushes(BodyId id, std::span<const std::uint16_t> places) {
 
 std::size_t World::CutSprings(BodyId id, const Blade& blade) {
   assert(std::ranges::all_of(blade, [](const Vector3d& corner) { return corner.allFinite(); }));
-  Body& body = FindBody(id);
+  Body& body = Write(id);
   const Blueprint& blueprint = BlueprintOf(body);
   if (blueprint.full.gas > 0) return 0;
   const std::size_t cut = std::visit(
@@ -228,7 +228,7 @@ void World::RebuildTorn() {
   if (m_tearing.empty()) return;
   std::sort(m_tearing.begin(), m_tearing.end());
   for (const BodyId id : m_tearing) {
-    Body& body = FindBody(id);
+    Body& body = Write(id);
     if (body.tornTicks * m_settings.tickDuration < kRebuildTime) continue;
     const std::size_t slot = FindFreeSlot();
     if (slot >= kMaxSlots) break;
@@ -242,7 +242,7 @@ void World::RebuildTorn() {
     PutOntoSlot(body, slot, std::move(left), kept);
     body.tornTicks = 0;
   }
-  std::erase_if(m_tearing, [this](BodyId id) { return FindBody(id).tornTicks == 0; });
+  std::erase_if(m_tearing, [this](BodyId id) { return Write(id).tornTicks == 0; });
 }
 
 }  // namespace wobble::physics

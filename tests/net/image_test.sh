@@ -79,8 +79,9 @@ expect_line() { grep -q -e "$1" "$folder/build" || fail "a line '$1'" "$folder/b
 
 # shellcheck disable=SC2016  # it is the fakes that expand
 case_builds_with_what_is_there() {
+  local program
   mkdir "$folder/path"
-  ln -s "$(command -v dirname)" "$folder/path/dirname"
+  for program in dirname sed; do ln -s "$(command -v "$program")" "$folder/path/$program"; done
   build 1
   expect_line '^build_image.sh: .*apt-get install buildah$'
   fake buildah 'echo buildah "$@"'

@@ -98,8 +98,9 @@ class RawConnection {
 
 class Game {
  public:
-  explicit Game(scenes::Scene scene, const server::Config& config = {}, std::uint64_t networkSeed = 1)
-      : network({networkSeed}), server(config, std::move(scene), network.MakeServer(), 0) {}
+  explicit Game(scenes::Scene scene, const server::Config& config = {}, std::uint64_t networkSeed = 1,
+                server::Clock clock = {})
+      : network({networkSeed}), server(config, std::move(scene), network.MakeServer(), 0, {}, std::move(clock)) {}
 
   client::Client& AddClient(const client::Options& options = {}) {
     clients.push_back(std::make_unique<client::Client>(network.MakeClient(), options, now));

@@ -48,7 +48,13 @@ const std::vector<Layer> kLayers{
     {"server/physics/", {"server/physics/"}, {"Eigen/", "immintrin.h", "oneapi/tbb", "tbb/"}, kClockFileLog},
     {"server/scenes/", {"server/scenes/", "server/physics/"}, {"toml++/"}, kClock},
     {"server/main.cpp", {"server/", "protocol/"}, Join(kSystem, {"CLI/", "fmt/", "nlohmann/", "spdlog/"}), {}},
-    {"server/ops/", {"server/", "protocol/"}, Join(kSystem, {"prometheus/", "spdlog/"}), kClock},
+    // Only it waits, on a thread of its own; when it is asked to call is the business of fleet_duty.
+    {"server/ops/agones.", {"server/ops/"}, {"httplib.h", "signal.h", "spdlog/"}, {}},
+    {"server/ops/fleet_duty.", {"server/ops/"}, {}, kClockFileLog},
+    {"server/ops/",
+     {"server/", "protocol/"},
+     Join(kSystem, {"fmt/", "httplib.h", "nlohmann/", "prometheus/", "spdlog/"}),
+     kClock},
     // What comes out of the engine comes out in Eigen's types, and a body's rotation is found with its solvers.
     {"server/capture.", {"server/", "protocol/"}, {"Eigen/"}, kClock},
     // Bases are eigenvectors of what play does to a body.
@@ -65,6 +71,7 @@ const std::vector<Layer> kLayers{
     {"client/tool/", {"client/", "protocol/"}, Join(kSystem, {"CLI/"}), {}},
     {"client/terminal/", {"client/", "protocol/"}, Join(kSystem, {"CLI/"}), {}},
     {"client/web/", {"client/", "protocol/"}, Join(kSystem, {"CLI/", "boost/", "emscripten", "zlib.h"}), {}},
+    {"client/health/", {"client/"}, {"CLI/", "httplib.h"}, {}},
     {"client/link/", {"client/", "protocol/"}, Join(kSystem, {"CLI/"}), {}},
     // A developer copies it: what it includes is all there is to know.
     {"client/example.cpp", {"client/client.h", "protocol/transport/enet_transport.h"}, {}, {}},
@@ -207,6 +214,9 @@ TEST(Layering, TheCheckerSeesEachOffence) {
       {"server/server.cpp", "#include <enet/enet.h>\n", {"server/server.cpp:1: enet/enet.h"}},
       {"server/server.cpp", "#include \"client/client.h\"\n", {"server/server.cpp:1: client/client.h"}},
       {"server/server.cpp", "#include \"protocol/transport/enet_transport.h\"\n", {"server/server.cpp:1: protocol/"}},
+      {"server/server.cpp", "#include <httplib.h>\n", {"server/server.cpp:1: httplib.h"}},
+      {"server/ops/agones.cpp", "#include <httplib.h>\n#include <chrono>\n#include <thread>\n", {}},
+      {"server/ops/fleet_duty.cpp", "#include <chrono>\n", {"server/ops/fleet_duty.cpp:1: chrono"}},
       {"server/main.cpp", "#include \"protocol/transport/enet_transport.h\"\n#include <chrono>\n", {}},
       {"server/server.cpp", "#include \"server/physics/world.h\"\n#include \"protocol/snapshot.h\"\n", {}},
       {"server/server.cpp",

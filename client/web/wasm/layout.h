@@ -101,8 +101,9 @@ struct StatisticsView {
   float lossShare = 0;
   float serverTime = 0;  // s
   float joinSeconds = 0;
+  float pace = 1;  // Client::Pace
 };
-static_assert(sizeof(StatisticsView) == 12 * 4);
+static_assert(sizeof(StatisticsView) == 13 * 4);
 
 struct TuningView {
   float gravity[3] = {};

@@ -94,6 +94,7 @@ const StatisticsView& Session::MakeStatistics(double now) {
   to.lossShare = static_cast<float>(from.lossShare);
   to.serverTime = static_cast<float>(m_client.ServerTime(now));
   to.joinSeconds = static_cast<float>(from.joinSeconds);
+  to.pace = static_cast<float>(m_client.Pace());
   return to;
 }
 

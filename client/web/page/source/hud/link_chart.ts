@@ -1,4 +1,5 @@
-// How well one is served: ping, delay of what is shown, rate and stalls over the last minute, as lines and figures.
+// How well one is served: ping, delay of what is shown, rate and stalls over the last minute, as lines and figures; and
+// whether the server keeps up.
 import type { Client } from '../wire/client';
 import { MakeElement, SetText } from './element';
 
@@ -22,6 +23,7 @@ export class LinkChart {
   readonly element = MakeElement('div', 'panel link');
   private readonly m_canvas = MakeElement('canvas');
   private readonly m_figures: HTMLElement[] = [];
+  private readonly m_slow = MakeElement('div', 'slow');
   private readonly m_series = [
     MakeSeries('ping', '#ffd166', 80, (value) => `${value.toFixed(0)} ms`),
     MakeSeries('delay', '#7ee0c3', 200, (value) => `${value.toFixed(0)} ms`),
@@ -45,7 +47,9 @@ export class LinkChart {
     }
     this.m_canvas.setAttribute('role', 'img');
     this.m_canvas.setAttribute('aria-label', 'Ping, delay, rate and stalls over the last minute');
-    this.element.append(figures, this.m_canvas);
+    this.m_slow.setAttribute('role', 'status');
+    this.m_slow.hidden = true;
+    this.element.append(figures, this.m_slow, this.m_canvas);
   }
 
   // Another connection begins.
@@ -59,7 +63,9 @@ export class LinkChart {
     if (now < this.m_next) return;
     this.m_next = now + kEvery;
     client.UpdateStatistics();
-    const { bytesReceived, delay, stalls } = client.statistics;
+    const { bytesReceived, delay, stalls, pace } = client.statistics;
+    this.m_slow.hidden = pace === 1;
+    SetText(this.m_slow, `The server has too much to do: time goes at ${(100 * pace).toFixed(0)} %`);
     const slot = this.m_samples % kRateOver;
     const bytes = this.m_samples < kRateOver ? NaN : bytesReceived - this.m_bytes[slot];
     this.m_bytes[slot] = bytesReceived;

@@ -197,6 +197,7 @@ export function ReadStatistics(module: WobbleModule, address: number, statistics
   statistics.lossShare = floats[at + 9];
   statistics.serverTime = floats[at + 10];
   statistics.joinSeconds = floats[at + 11];
+  statistics.pace = floats[at + 12];
 }
 
 export function MakeStatistics(): Statistics {
@@ -213,6 +214,7 @@ export function MakeStatistics(): Statistics {
     lossShare: 0,
     serverTime: 0,
     joinSeconds: 0,
+    pace: 1,
   };
 }
 

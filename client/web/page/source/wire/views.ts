@@ -208,6 +208,7 @@ export interface Statistics {
   lossShare: number;
   serverTime: number;
   joinSeconds: number;
+  pace: number; // of the world; 1: the server keeps up
 }
 
 export enum State {

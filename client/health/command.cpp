@@ -1,0 +1,50 @@
+// `wobble health`: asks a server's --ops, or a gateway, whether it is well, and says so by its exit code. For a
+// container's health check, where there is no other program to ask with.
+#include "client/health/command.h"
+
+#include <httplib.h>
+
+#include <cstdio>
+#include <memory>
+
+#include "client/tool/address.h"
+
+namespace wobble::health {
+namespace {
+
+constexpr int kPatience = 2;  // s, for the connection and for the answer
+
+int AskHealth(const std::string& words) {
+  std::string error;
+  const auto address = tool::ParseAddress(words, error);
+  if (!address) {
+    std::fprintf(stderr, "wobble health: %s\n", error.c_str());
+    return tool::kExitBadUse;
+  }
+  httplib::Client client(address->host, address->port);
+  client.set_connection_timeout(kPatience);
+  client.set_read_timeout(kPatience);
+  const httplib::Result result = client.Get("/healthz");
+  if (!result) {
+    std::fprintf(stderr, "wobble health: no answer from %s\n", tool::Describe(*address).c_str());
+    return tool::kExitFailed;
+  }
+  std::printf("%s", result->body.c_str());
+  return result->status == 200 ? tool::kExitGood : tool::kExitFailed;
+}
+
+}  // namespace
+
+tool::Command DescribeHealth(CLI::App& app) {
+  const auto address = std::make_shared<std::string>();
+  CLI::App* command = app.add_subcommand("health", "Asks a server or gateway whether it is well");
+  command->add_option("address", *address, "A server's --ops, or a gateway's --http")->type_name("HOST:PORT REQUIRED");
+  command->footer(
+      "Exit code: 0 it is well, 1 it is not or does not answer within 2 s, 2 bad usage.\n"
+      "Examples:\n"
+      "  wobble health 127.0.0.1:9100     a server started with --ops 9100\n"
+      "  wobble health 127.0.0.1:8080     a gateway");
+  return {command, [address](const tool::IsStopAsked&) { return AskHealth(*address); }};
+}
+
+}  // namespace wobble::health

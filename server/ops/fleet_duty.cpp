@@ -1,0 +1,59 @@
+#include "server/ops/fleet_duty.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace wobble::ops {
+namespace {
+
+// Seconds. Agones gives up on a server after 15 s of silence, as docker/agones/fleet.yaml has it.
+constexpr double kHealthInterval = 2;
+// After the last player has left. Who lost the connection has time to come back, and no machine idles for long.
+constexpr double kDesertedTime = 10;
+
+}  // namespace
+
+std::vector<FleetCall> FleetDuty::Follow(const FleetView& view) {
+  std::vector<FleetCall> calls;
+  // At the end neither health nor those who leave: shutdown is to wait for nothing, and their record goes away with it.
+  if (!view.isClosing && view.now >= m_nextHealth) {
+    calls.push_back({FleetCall::Kind::kHealth});
+    m_nextHealth = view.now + kHealthInterval;
+  }
+  if (m_isOver) return calls;
+  if (view.acceptsJoins && !m_isReady) {
+    calls.push_back({FleetCall::Kind::kReady});
+    m_isReady = true;
+  }
+  // A ready that came after an allocate would offer a world in use to others.
+  if (m_isReady && !view.isClosing) CountPlayers(view.players, calls);
+  if (!m_players.empty()) m_lastCompany = view.now;
+  m_isOver = view.isClosing || view.isMatchOver || IsDeserted(view.now);
+  if (m_isOver) calls.push_back({FleetCall::Kind::kShutdown});
+  return calls;
+}
+
+void FleetDuty::CountPlayers(std::span<const std::uint32_t> players, std::vector<FleetCall>& calls) {
+  m_present.assign(players.begin(), players.end());
+  std::ranges::sort(m_present);
+  if (m_present == m_players) return;
+  if (!m_isAllocated) {
+    calls.push_back({FleetCall::Kind::kAllocate});
+    m_isAllocated = true;
+  }
+  const auto call = [&calls](FleetCall::Kind kind, const auto& these, const auto& butNotThose) {
+    std::vector<std::uint32_t> clients;
+    std::ranges::set_difference(these, butNotThose, std::back_inserter(clients));
+    for (const std::uint32_t client : clients) calls.push_back({kind, client});
+  };
+  // Those who have left first, or the count of a full server would pass its capacity and be refused.
+  call(FleetCall::Kind::kRemovePlayer, m_players, m_present);
+  call(FleetCall::Kind::kAddPlayer, m_present, m_players);
+  std::swap(m_players, m_present);
+}
+
+bool FleetDuty::IsDeserted(double now) const {
+  return m_isAllocated && m_players.empty() && now - m_lastCompany >= kDesertedTime;
+}
+
+}  // namespace wobble::ops

@@ -1,0 +1,13 @@
+// Figures as Prometheus reads them. What each means and which to alert on: docker/README.md.
+#pragma once
+
+#include <string>
+
+#include "server/ops/figures.h"
+
+namespace wobble::ops {
+
+// In Prometheus' text format, version 0.0.4. scene: its name, a label.
+[[nodiscard]] std::string WriteMetrics(const Figures& figures, const std::string& version, const std::string& scene);
+
+}  // namespace wobble::ops
