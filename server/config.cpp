@@ -31,6 +31,10 @@ std::vector<std::string> Validate(const Config& config, const scenes::Scene& sce
   Check(errors, "--threads", config.threads, kThreadsRange);
   Check(errors, "--client-kbit", config.clientKbit, kClientKbitRange);
   Check(errors, "--view-distance", config.viewDistance, kViewDistanceRange);
+  Check(errors, "--rounds", config.rounds, kRoundsRange);
+  if (config.rounds > 0 && scene.game.kind == scenes::GameRules::Kind::kNone) {
+    errors.push_back("--rounds " + std::to_string(config.rounds) + ": scene " + scene.name + " has no game");
+  }
   Check(errors, "--pause-after", config.pauseAfter, kPauseAfterRange);
 
   for (const scenes::BodyDefinition& blueprint : scene.blueprints) {

@@ -17,6 +17,7 @@ inline constexpr Range kTickHzRange{10, 480};
 inline constexpr Range kSnapshotHzRange{1, 480};  // and at most tickHz
 inline constexpr Range kMaxClientsRange{1, 4000};
 inline constexpr Range kMaxPerAddressRange{0, 4000};
+inline constexpr Range kRoundsRange{0, 1000};
 inline constexpr Range kThreadsRange{1, 256};
 inline constexpr Range kClientKbitRange{32, 100000};
 inline constexpr Range kPauseAfterRange{0, 1e6};    // s
@@ -32,6 +33,7 @@ struct Config {
   double clientKbit = 384;    // a client's share of snapshots, kbit/s, all headers counted
   double viewDistance = 250;  // from a player's own body within which others are sent, m
   double pauseAfter = 30;     // seconds that a world without a single connection goes on for; 0: always
+  int rounds = 0;             // of the scene's game that make a match; 0: it has no end
   std::uint64_t seed = 1;
 };
 

@@ -5,17 +5,20 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <thread>
 
 #include "protocol/transport/enet_transport.h"
 #include "server/basis_shelf.h"
+#include "server/ops/agones.h"
 #include "server/ops/endpoint.h"
+#include "server/ops/fleet_duty.h"
 #include "server/ops/trace.h"
+#include "server/options.h"
 #include "server/scenes/loader.h"
 #include "server/server.h"
 #include "server/summary.h"
@@ -23,6 +26,7 @@
 namespace {
 
 using namespace wobble;
+using server::Options;
 
 constexpr int kBadUsage = 2;
 
@@ -31,24 +35,6 @@ constexpr std::size_t kSpareConnections = 8;
 
 // After the last tick, how long goodbyes may take to be acknowledged, s.
 constexpr double kCloseTime = 1;
-
-constexpr server::Range kDurationRange{0, 1e6};             // s, eleven days
-constexpr server::Range kSeedRange{0, 9007199254740992.0};  // 2^53: exact as a number in JSON too
-
-struct Options {
-  server::Config config;
-  std::string scene = "arena";
-  double runFor = 0;  // s; 0: until a signal
-  double statusEvery = 0;
-  std::string logLevel = "info";
-  std::string summaryFile;
-  std::string cacheFolder;
-  std::string ops;  // address; empty: none
-  std::string traceFile;
-  bool isUntrained = false;
-  bool listScenes = false;
-  std::vector<std::string> errors;  // a line for every number that cannot be used
-};
 
 volatile std::sig_atomic_t g_stop = 0;
 void RequestStop(int) { g_stop = 1; }
@@ -61,70 +47,6 @@ double ReadClock() {
 std::filesystem::path FindSceneFolder() {
   std::error_code error;
   return std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / "scenes";
-}
-
-// A bad number is noted rather than thrown, so that all of them are named at once, each with its range.
-template <class Number>
-void AddNumber(CLI::App& app, const char* name, server::Range range, Number& value, const char* description,
-               std::vector<std::string>& errors) {
-  const auto read = [name, range, &value, &errors](const std::string& text) {
-    Number number{};
-    const auto [end, result] = std::from_chars(text.data(), text.data() + text.size(), number);
-    const bool isWhole = result == std::errc{} && end == text.data() + text.size();
-    if (isWhole && static_cast<double>(number) >= range.low && static_cast<double>(number) <= range.high) {
-      value = number;
-    } else {
-      errors.push_back(fmt::format("{} {}: must be {} to {}", name, text, range.low, range.high));
-    }
-  };
-  app.add_option_function<std::string>(name, read, description)
-      ->type_name(fmt::format("{} to {}", range.low, range.high))
-      ->default_str(fmt::format("{}", value));
-}
-
-void DescribeOptions(CLI::App& app, Options& options) {
-  server::Config& config = options.config;
-  const auto addNumber = [&](const char* name, server::Range range, auto& value, const char* description) {
-    AddNumber(app, name, range, value, description, options.errors);
-  };
-  app.description("wobbled hosts a world of soft bodies for many players.");
-  app.set_version_flag("--version", "wobbled " WOBBLE_VERSION);
-  app.add_option("--scene", options.scene, "Name of a shipped scene, or a path to a .toml file")->capture_default_str();
-  addNumber("--port", server::kPortRange, config.port, "UDP port");
-  addNumber("--tick-hz", server::kTickHzRange, config.tickHz, "Steps of the world a second");
-  addNumber("--snapshot-hz", server::kSnapshotHzRange, config.snapshotHz, "Snapshots a second, at most --tick-hz");
-  addNumber("--max-clients", server::kMaxClientsRange, config.maxClients, "Players and spectators at once");
-  addNumber("--max-per-address", server::kMaxPerAddressRange, config.maxPerAddress,
-            "Of one IP address; 0: as many as --max-clients");
-  addNumber("--threads", server::kThreadsRange, config.threads, "Threads that step bodies");
-  addNumber("--client-kbit", server::kClientKbitRange, config.clientKbit,
-            "Snapshot budget of a client, kbit/s with headers");
-  addNumber("--view-distance", server::kViewDistanceRange, config.viewDistance,
-            "Metres from a player's body within which other bodies are sent");
-  addNumber("--pause-after", server::kPauseAfterRange, config.pauseAfter,
-            "Seconds that a world with nobody connected goes on for, then it waits; 0: it never waits");
-  addNumber("--for", kDurationRange, options.runFor, "Seconds to run; 0: until Ctrl-C");
-  addNumber("--seed", kSeedRange, config.seed, "Of the scene's random placement");
-  app.add_option("--log-level", options.logLevel, "debug, info, warn, error or off")->capture_default_str();
-  addNumber("--status", kDurationRange, options.statusEvery, "Seconds between status lines on stdout; 0: none");
-  app.add_option("--summary", options.summaryFile, "File to write a summary of the run to, as JSON");
-  app.add_option("--ops", options.ops,
-                 "HOST:PORT, or PORT for this machine only, that answers /metrics (Prometheus), /healthz and /readyz");
-  app.add_option("--trace", options.traceFile, "File to write the phases of every tick to, for chrome://tracing");
-  app.add_option("--cache", options.cacheFolder, "Folder that keeps trained bases of shapes from one start to the next")
-      ->envname("WOBBLE_CACHE");
-  app.add_flag("--untrained", options.isUntrained,
-               "Starts at once, without trained bases: shapes take three times the bits")
-      ->envname("WOBBLE_UNTRAINED");
-  app.add_flag("--list-scenes", options.listScenes, "Names of shipped scenes");
-  app.footer(
-      "Examples:\n"
-      "  wobbled                                  the arena on port 7777\n"
-      "  wobbled --scene crowd --client-kbit 2000 a busy scene, more bytes for each client\n"
-      "  wobbled --scene my.toml --port 7801      a scene of your own\n"
-      "  wobbled --for 30 --summary run.json      half a minute, figures at the end\n"
-      "  wobbled --ops 9100                       then: curl 127.0.0.1:9100/metrics\n"
-      "  wobbled --for 90 --pause-after 0         the same without players: the world never waits for one");
 }
 
 [[nodiscard]] int ListScenes() {
@@ -173,38 +95,56 @@ class StatusLine {
   std::uint64_t m_lastBytes = 0;
 };
 
-// Whatever watches the ticks; none of it must be there.
+// Whatever watches the ticks; but for the times, none of it must be there.
 struct Watchers {
-  server::TickTimes times;
-  std::unique_ptr<ops::Endpoint> endpoint;
-  std::optional<ops::Gauge> gauge;  // of the endpoint
-  std::optional<ops::Trace> trace;
+  explicit Watchers(const Options& options)
+      : times(1.0 / options.config.tickHz), status(options.statusEvery), gauge(options.config) {}
 
-  void Watch(const server::Server& server) {
+  // After each call of Server::Tick, at `now`.
+  void Watch(const server::Server& server, double now) {
     for (const server::PhaseTimes& tick : server.LastTicks()) times.Record(tick.Sum());
     if (trace) trace->Write(server.LastTicks(), server.World().Tick());
-    if (endpoint == nullptr) return;
-    gauge->Read(server, ReadClock());
-    endpoint->Tell(gauge->ReadFigures());
+    if (endpoint != nullptr) {
+      gauge.Read(server, now);
+      endpoint->Tell(gauge.ReadFigures());
+    }
+    if (agones) {
+      server.ListPlaying(playing);
+      agones->Perform(duty.Follow({now, server.AcceptsJoins(), server.IsMatchOver(), server.IsClosing(), playing}));
+    }
+    status.Update(server, times, now);
   }
+
+  server::TickTimes times;
+  StatusLine status;
+  std::unique_ptr<ops::Endpoint> endpoint;
+  ops::Gauge gauge;  // of the endpoint
+  std::optional<ops::Trace> trace;
+  std::optional<ops::Agones> agones;
+  ops::FleetDuty duty;                    // to Agones
+  std::vector<server::ClientId> playing;  // scratch
 };
 
+// A match that is over ends the server, unless a fleet does that.
+bool HasEnded(const server::Server& server, const Options& options, const Watchers& watchers) {
+  return g_stop != 0 || (options.runFor > 0 && ReadClock() >= options.runFor) ||
+         (server.IsMatchOver() && !watchers.agones);
+}
+
 void Run(server::Server& server, const Options& options, Watchers& watchers) {
-  StatusLine status(options.statusEvery);
-  while (g_stop == 0 && (options.runFor <= 0 || ReadClock() < options.runFor)) {
+  while (!HasEnded(server, options, watchers)) {
     server.Tick(ReadClock());
-    watchers.Watch(server);
-    status.Update(server, watchers.times, ReadClock());
+    watchers.Watch(server, ReadClock());
     const double wait = server.NextCall() - ReadClock();
     if (wait > 0) std::this_thread::sleep_for(std::chrono::duration<double>(wait));
   }
-  status.Finish();
+  watchers.status.Finish();
 }
 
 void CloseDown(server::Server& server, Watchers& watchers) {
   const double deadline = ReadClock() + kCloseTime;
-  server.Close(ReadClock());
-  watchers.Watch(server);
+  server.Close(server.IsMatchOver() ? "the match is over" : "", ReadClock());
+  watchers.Watch(server, ReadClock());
   while (!server.IsEmpty() && ReadClock() < deadline) {
     server.Poll(ReadClock());
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -218,24 +158,28 @@ bool WriteSummary(const std::string& path, const std::string& summary) {
   return file.good();
 }
 
-// False with a line said when what was asked for cannot be had.
-bool StartWatching(const Options& options, Watchers& watchers) {
+// The port of Agones' sidecar in `port`, 0 without a fleet. False with a line said when what was asked for cannot be
+// had.
+bool StartWatching(const Options& options, Watchers& watchers, std::uint16_t& port) {
   if (!options.traceFile.empty() && !watchers.trace.emplace().Open(options.traceFile)) {
     Complain({"--trace " + options.traceFile + ": cannot be written"});
     return false;
   }
+  std::string error;
+  if (const char* words = std::getenv("AGONES_SDK_HTTP_PORT"); words != nullptr) {
+    port = ops::ParseSidecarPort(words, error).value_or(0);
+    if (port == 0) {
+      Complain({error});
+      return false;
+    }
+  }
   if (options.ops.empty()) return true;
   ops::Address address;
-  std::string error;
   if (ops::ParseAddress(options.ops, address, error)) {
     watchers.endpoint = ops::Endpoint::Listen(address, WOBBLE_VERSION, options.scene, &ReadClock, error);
   }
-  if (watchers.endpoint == nullptr) {
-    Complain({"--ops " + error});
-    return false;
-  }
-  watchers.gauge.emplace(options.config);
-  return true;
+  if (watchers.endpoint == nullptr) Complain({"--ops " + error});
+  return watchers.endpoint != nullptr;
 }
 
 int RunServer(const Options& options) {
@@ -259,8 +203,9 @@ int RunServer(const Options& options) {
   listen.maxConnections = static_cast<std::size_t>(options.config.maxClients) + kSpareConnections;
   listen.maxPerAddress = static_cast<std::size_t>(options.config.maxPerAddress);
   std::string error;
-  Watchers watchers{server::TickTimes(1.0 / options.config.tickHz), nullptr, {}, {}};
-  if (!StartWatching(options, watchers)) return kBadUsage;
+  Watchers watchers(options);
+  std::uint16_t sidecar = 0;
+  if (!StartWatching(options, watchers, sidecar)) return kBadUsage;
   auto transport = transport::EnetTransport::Listen(listen, error);
   if (transport == nullptr) {
     Complain({error});
@@ -273,6 +218,7 @@ int RunServer(const Options& options) {
                         &ReadClock);
   fmt::print("listening on UDP port {}, scene {}\n", options.config.port, options.scene);
   std::fflush(stdout);
+  if (sidecar != 0) watchers.agones.emplace(sidecar);
   Run(server, options, watchers);
   const std::string summary = server::MakeSummary(server, watchers.times);
   CloseDown(server, watchers);
@@ -294,7 +240,7 @@ int main(int argc, char** argv) {
   options.config.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   options.statusEvery = isatty(STDOUT_FILENO) == 1 ? 1 : 0;
   CLI::App app;
-  DescribeOptions(app, options);
+  server::DescribeOptions(app, options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

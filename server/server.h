@@ -74,8 +74,11 @@ class Server {
   [[nodiscard]] double NextCall() const;
   [[nodiscard]] bool IsPaused() const { return m_isPaused; }
 
-  // Says goodbye to everybody. Keep calling Poll until IsEmpty, or give up; the world stands still.
-  void Close(double now);
+  // Whether the game has been played for Config::rounds.
+  [[nodiscard]] bool IsMatchOver() const;
+  // Says goodbye to everybody, and why, if there is more to say than that the server closes. Keep calling Poll until
+  // IsEmpty, or give up; the world stands still.
+  void Close(const std::string& why, double now);
   void Poll(double now) { Receive(now); }
   [[nodiscard]] bool IsClosing() const { return m_closing; }
   [[nodiscard]] bool IsEmpty() const { return m_sessions.empty(); }
@@ -88,6 +91,8 @@ class Server {
   [[nodiscard]] const TickClock& Clock() const { return m_clock; }
   [[nodiscard]] std::size_t CountPlaying() const;
   [[nodiscard]] ClientCounts CountClients() const;
+  // Fills in who plays or watches, in no order.
+  void ListPlaying(std::vector<ClientId>& clients) const;
   // Whether somebody who says hello now is let in.
   [[nodiscard]] bool AcceptsJoins() const;
   // What each tick of the last call of Tick took.

@@ -168,18 +168,25 @@ void Server::SendTo(const Session& session, const protocol::Message& message) {
   }
 }
 
-void Server::Close(double now) {
+void Server::Close(const std::string& why, double now) {
   m_closing = true;
   m_lastTicks.clear();
   Receive(now);
   for (auto& [connection, session] : m_sessions) {
-    if (session.state != Session::State::kEnding) End(session, GoodbyeReason::ServerClosing, "");
+    if (session.state != Session::State::kEnding) End(session, GoodbyeReason::ServerClosing, why);
   }
   m_transport->Flush();
 }
 
+void Server::ListPlaying(std::vector<ClientId>& clients) const {
+  clients.clear();
+  for (const auto& [connection, session] : m_sessions) {
+    if (session.state == Session::State::kPlaying) clients.push_back(session.clientId);
+  }
+}
+
 bool Server::AcceptsJoins() const {
-  return !m_closing && m_load.Level() < LoadLevel::kBusy &&
+  return !m_closing && !IsMatchOver() && m_load.Level() < LoadLevel::kBusy &&
          CountPlaying() < static_cast<std::size_t>(m_config.maxClients);
 }
 

@@ -88,6 +88,8 @@ void Server::PlayGame() {
   if (isSecond || m_game->Revision() != m_toldGame) TellStandings();
 }
 
+bool Server::IsMatchOver() const { return m_game && m_config.rounds > 0 && m_game->Round() > m_config.rounds; }
+
 void Server::NoteFall(const Session& session) {
   if (!m_game) return;
   const ClientId by = m_game->NoteFall(session.clientId);

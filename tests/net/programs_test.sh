@@ -509,6 +509,48 @@ case_bad_link() {
   expect_refusal "^wobble: --listen: '65536' is not 0 to 65535" wobble link --listen 65536 --to 127.0.0.1:7825
 }
 
+# get PORT PATH: body of what the endpoint on this machine answers.
+get() {
+  exec 3<>"/dev/tcp/127.0.0.1/$1" || fail "somebody on port $1"
+  printf 'GET %s HTTP/1.0\r\n\r\n' "$2" >&3
+  sed '1,/^\r$/d' <&3
+  exec 3<&-
+}
+
+case_ops_and_trace() {
+  start_server --port 7843 --ops 7844 --trace "$folder/trace.json" --summary "$folder/a.json"
+  expect_exit 0 wobble health 127.0.0.1:7844
+  expect_line "$out" '^ok$'
+  [ "$(get 7844 /readyz)" = ready ] || fail "ready"
+  expect_exit 0 wobble bots 127.0.0.1:7843 --script "$bin/scripts/wander.lua" --count 2 --for 3
+  get 7844 /metrics >"$folder/metrics"
+  promtool check metrics <"$folder/metrics" >"$folder/promtool" 2>&1 || fail "what promtool accepts" "$folder/promtool"
+  expect_line "$folder/metrics" '^wobble_client_joins_total 2$'
+  expect_line "$folder/metrics" '^wobble_tick_phase_seconds_count{phase="encode"} [1-9]'
+  expect_refusal '^wobbled: --ops 127.0.0.1:7844 (TCP): cannot be listened on' wobbled --port 7845 --ops 7844
+  expect_refusal '^wobbled: --ops .nowhere.: must be HOST:PORT or PORT' wobbled --port 7845 --ops nowhere
+  expect_refusal '^wobbled: --trace /nowhere/a.json: cannot be written' wobbled --port 7845 --trace /nowhere/a.json
+  AGONES_SDK_HTTP_PORT=no expect_refusal '^wobbled: AGONES_SDK_HTTP_PORT no: must be 1 to 65535$' wobbled --port 7845
+  kill -TERM "$server"
+  expect_end server "$server" 0 10
+  local ticks
+  ticks="$(read_figure "$folder/a.json" ticks)"
+  [ "$(grep -c '"name":"tick"' "$folder/trace.json")" -eq "$ticks" ] || fail "$ticks ticks" "$folder/trace.json"
+  expect_line "$folder/trace.json" '^\]$'
+  expect_exit 1 wobble health 127.0.0.1:7844
+  expect_line "$err" '^wobble health: no answer from 127.0.0.1:7844$'
+  expect_refusal "^wobble health: 'nowhere' is no HOST:PORT" wobble health nowhere
+}
+
+# One round of ten seconds, which nobody wins.
+case_match_ends() {
+  sed 's/^round = .*/round = 10/' "$bin/scenes/sumo.toml" >"$folder/short.toml"
+  start_server --scene "$folder/short.toml" --port 7846 --rounds 1
+  start bots wobble bots 127.0.0.1:7846 --script "$bin/scripts/idle.lua" --count 2
+  expect_end server "$server" 0 40
+  expect_refusal '^wobbled: --rounds 3: scene arena has no game$' wobbled --port 7847 --rounds 3
+}
+
 # The own ball rolls in a circle: several places, no two the same.
 case_example() {
   start_server --port 7826

@@ -48,6 +48,7 @@ const std::vector<Layer> kLayers{
     {"server/physics/", {"server/physics/"}, {"Eigen/", "immintrin.h", "oneapi/tbb", "tbb/"}, kClockFileLog},
     {"server/scenes/", {"server/scenes/", "server/physics/"}, {"toml++/"}, kClock},
     {"server/main.cpp", {"server/", "protocol/"}, Join(kSystem, {"CLI/", "fmt/", "nlohmann/", "spdlog/"}), {}},
+    {"server/options.", {"server/"}, {"CLI/", "fmt/"}, kClock},
     // Only it waits, on a thread of its own; when it is asked to call is the business of fleet_duty.
     {"server/ops/agones.", {"server/ops/"}, {"httplib.h", "signal.h", "spdlog/"}, {}},
     {"server/ops/fleet_duty.", {"server/ops/"}, {}, kClockFileLog},

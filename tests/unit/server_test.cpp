@@ -477,7 +477,7 @@ TEST(Server, CloseSaysGoodbyeToAll) {
   for (int i = 0; i < 4; ++i) game.AddClient();
   auto& raw = game.AddRaw();  // has not said hello
   game.Run(0.5);
-  game.server.Close(game.now);
+  game.server.Close("", game.now);
   const std::uint32_t tick = game.server.World().Tick();
   for (int i = 0; i < 60 && !game.server.IsEmpty(); ++i) {
     game.now += 1.0 / 60;

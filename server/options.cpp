@@ -1,0 +1,80 @@
+#include "server/options.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+
+namespace wobble::server {
+namespace {
+
+constexpr Range kDurationRange{0, 1e6};             // s, eleven days
+constexpr Range kSeedRange{0, 9007199254740992.0};  // 2^53: exact as a number in JSON too
+
+// A bad number is noted rather than thrown, so that all of them are named at once, each with its range.
+template <class Number>
+void AddNumber(CLI::App& app, const char* name, Range range, Number& value, const char* description,
+               std::vector<std::string>& errors) {
+  const auto read = [name, range, &value, &errors](const std::string& text) {
+    Number number{};
+    const auto [end, result] = std::from_chars(text.data(), text.data() + text.size(), number);
+    const bool isWhole = result == std::errc{} && end == text.data() + text.size();
+    if (isWhole && static_cast<double>(number) >= range.low && static_cast<double>(number) <= range.high) {
+      value = number;
+    } else {
+      errors.push_back(fmt::format("{} {}: must be {} to {}", name, text, range.low, range.high));
+    }
+  };
+  app.add_option_function<std::string>(name, read, description)
+      ->type_name(fmt::format("{} to {}", range.low, range.high))
+      ->default_str(fmt::format("{}", value));
+}
+
+}  // namespace
+
+void DescribeOptions(CLI::App& app, Options& options) {
+  Config& config = options.config;
+  const auto addNumber = [&](const char* name, Range range, auto& value, const char* description) {
+    AddNumber(app, name, range, value, description, options.errors);
+  };
+  app.description("wobbled hosts a world of soft bodies for many players.");
+  app.set_version_flag("--version", "wobbled " WOBBLE_VERSION);
+  app.add_option("--scene", options.scene, "Name of a shipped scene, or a path to a .toml file")->capture_default_str();
+  addNumber("--port", kPortRange, config.port, "UDP port");
+  addNumber("--tick-hz", kTickHzRange, config.tickHz, "Steps of the world a second");
+  addNumber("--snapshot-hz", kSnapshotHzRange, config.snapshotHz, "Snapshots a second, at most --tick-hz");
+  addNumber("--max-clients", kMaxClientsRange, config.maxClients, "Players and spectators at once");
+  addNumber("--max-per-address", kMaxPerAddressRange, config.maxPerAddress,
+            "Of one IP address; 0: as many as --max-clients");
+  addNumber("--threads", kThreadsRange, config.threads, "Threads that step bodies");
+  addNumber("--client-kbit", kClientKbitRange, config.clientKbit, "Snapshot budget of a client, kbit/s with headers");
+  addNumber("--view-distance", kViewDistanceRange, config.viewDistance,
+            "Metres from a player's body within which other bodies are sent");
+  addNumber("--pause-after", kPauseAfterRange, config.pauseAfter,
+            "Seconds that a world with nobody connected goes on for, then it waits; 0: it never waits");
+  addNumber("--rounds", kRoundsRange, config.rounds,
+            "Rounds of the scene's game that make a match, after which the server ends; 0: it goes on");
+  addNumber("--for", kDurationRange, options.runFor, "Seconds to run; 0: until Ctrl-C");
+  addNumber("--seed", kSeedRange, config.seed, "Of the scene's random placement");
+  app.add_option("--log-level", options.logLevel, "debug, info, warn, error or off")->capture_default_str();
+  addNumber("--status", kDurationRange, options.statusEvery, "Seconds between status lines on stdout; 0: none");
+  app.add_option("--summary", options.summaryFile, "File to write a summary of the run to, as JSON");
+  app.add_option("--ops", options.ops,
+                 "HOST:PORT, or PORT for this machine only, that answers /metrics (Prometheus), /healthz and /readyz");
+  app.add_option("--trace", options.traceFile, "File to write the phases of every tick to, for chrome://tracing");
+  app.add_option("--cache", options.cacheFolder, "Folder that keeps trained bases of shapes from one start to the next")
+      ->envname("WOBBLE_CACHE");
+  app.add_flag("--untrained", options.isUntrained,
+               "Starts at once, without trained bases: shapes take three times the bits")
+      ->envname("WOBBLE_UNTRAINED");
+  app.add_flag("--list-scenes", options.listScenes, "Names of shipped scenes");
+  app.footer(
+      "Examples:\n"
+      "  wobbled                                  the arena on port 7777\n"
+      "  wobbled --scene crowd --client-kbit 2000 a busy scene, more bytes for each client\n"
+      "  wobbled --scene my.toml --port 7801      a scene of your own\n"
+      "  wobbled --for 30 --summary run.json      half a minute, figures at the end\n"
+      "  wobbled --ops 9100                       then: curl 127.0.0.1:9100/metrics\n"
+      "  wobbled --for 90 --pause-after 0         the same without players: the world never waits for one");
+}
+
+}  // namespace wobble::server
