@@ -1,7 +1,7 @@
 # Thin wrappers: the packages, CMake's presets, and `wobble play`.
 FOR ?= 0
 
-.PHONY: play test lab format
+.PHONY: play test lab image format
 play:
 	@sh docker/packages.sh server web
 	@cmake --preset release --log-level=WARNING
@@ -18,6 +18,9 @@ lab:
 	@cmake --preset release --log-level=WARNING
 	@cmake --build --preset release --target wobble_lab
 	@build/release/bin/wobble_lab all --into tests/bench/results
+
+image:
+	@sh docker/build_image.sh
 
 format:
 	@sh docker/packages.sh server test

@@ -1,5 +1,6 @@
 #!/bin/sh
 # The one list of Debian packages that wobble is built, run and tested with, in groups; and for the page what npm brings.
+# Group `runtime` is what a container has that only runs the programs; a test compares it with what they are linked to.
 #
 #   sh docker/packages.sh [GROUP...]          install what is missing of these groups (default: server)
 #   sh docker/packages.sh --list [GROUP...]   print the names of Debian packages only
@@ -14,6 +15,9 @@ packages_of() {
             libeigen3-dev libtbb-dev libenet-dev libflatbuffers-dev flatbuffers-compiler
             libspdlog-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev liblua5.4-dev
             libboost-dev zlib1g-dev libcpp-httplib-dev prometheus-cpp-dev" ;;
+    runtime) # the libraries of wobbled and wobble, no more
+      echo "libc6 libgcc-s1 libstdc++6 zlib1g libcpp-httplib0.11 libenet7 libfmt9 liblua5.4-0
+            libprometheus-cpp-core1.0 libspdlog1.10 libtbb12 libtomlplusplus3" ;;
     test) # the test runner, a second compiler whose results must be the same bits, a browser to play in, and promtool
       echo "libgtest-dev libgmock-dev clang-19 libclang-rt-19-dev clang-format chromium prometheus" ;;
     web) # what makes the page; a server, and a gateway without a page, need none of it
@@ -22,7 +26,7 @@ packages_of() {
       echo "libsundials-dev libboost-dev libbullet-dev libdraco-dev libmeshoptimizer-dev
             libzstd-dev valgrind gnuplot-nox" ;;
     *)
-      echo "packages.sh: unknown group '$1'; one of: server, web, test, lab" >&2
+      echo "packages.sh: unknown group '$1'; one of: server, runtime, web, test, lab" >&2
       exit 2 ;;
   esac
 }

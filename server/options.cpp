@@ -61,8 +61,8 @@ void DescribeOptions(CLI::App& app, Options& options) {
   app.add_option("--ops", options.ops,
                  "HOST:PORT, or PORT for this machine only, that answers /metrics (Prometheus), /healthz and /readyz");
   app.add_option("--trace", options.traceFile, "File to write the phases of every tick to, for chrome://tracing");
-  app.add_option("--cache", options.cacheFolder,
-                 "Folder that keeps trained bases of shapes from one start to the next");
+  app.add_option("--cache", options.cacheFolder, "Folder that keeps trained bases of shapes from one start to the next")
+      ->envname("WOBBLE_CACHE");
   app.add_flag("--untrained", options.isUntrained,
                "Starts at once, without trained bases: shapes take three times the bits")
       ->envname("WOBBLE_UNTRAINED");

@@ -1,0 +1,101 @@
+#!/usr/bin/env bash
+# What the container image relies on, as far as it can be seen without building one.
+#
+#   bash image_test.sh CASE BIN_DIR
+#
+# Exit code 0: the case holds; 1: it does not, and what was expected and what came instead is printed.
+set -uo pipefail
+
+readonly case_name="${1:?usage: image_test.sh CASE BIN_DIR}"
+bin="$(cd "${2:?usage: image_test.sh CASE BIN_DIR}" && pwd)" || exit 1
+docker="$(cd "$(dirname "$0")/../../docker" && pwd)" || exit 1
+readonly bin docker
+folder="$(mktemp -d)" || exit 1
+readonly folder
+trap 'rm -rf "$folder"' EXIT
+
+# fail EXPECTED FILE...: ends the case, showing what came instead.
+fail() {
+  echo "FAILED $case_name: expected $1; came:"
+  shift
+  for file in "$@"; do sed "s|^|  ${file##*/}: |" "$file"; done
+  exit 1
+}
+
+# find_package LIBRARY_FILE: Debian's package of it. The loader finds in /lib what packages have in /usr/lib.
+find_package() { { dpkg-query -S "$1" || dpkg-query -S "/usr$1"; } 2>/dev/null | cut -d : -f 1; }
+
+# list_packages PROGRAM: of the libraries that it names itself; what those need comes with their packages.
+list_packages() {
+  local name path
+  readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]$/\1/p' | while read -r name; do
+    path="$(ldd "$1" | awk -v name="$name" '$1 == name { print $3 }')"
+    find_package "$path" | grep . || echo "no package has $name, which is '$path'"
+  done
+}
+
+# The list is what there must be and nothing more, so that no new library is forgotten and no old one kept.
+case_runtime_packages() {
+  sh "$docker/packages.sh" --list runtime | sort >"$folder/listed"
+  { list_packages "$bin/wobbled" && list_packages "$bin/wobble"; } | sort -u >"$folder/linked"
+  grep -q '^libc6$' "$folder/linked" || fail "programs that are linked to libc6" "$folder/linked"
+  diff "$folder/listed" "$folder/linked" >"$folder/difference" ||
+    fail "group runtime of packages.sh ('<') to be what the programs are linked to ('>')" "$folder/difference"
+}
+
+# start_scene LOG: once, with the cache that the environment names.
+start_scene() {
+  WOBBLE_UNTRAINED='' WOBBLE_CACHE="$folder/bases" \
+    "$bin/wobbled" --scene sumo --for 0.001 --port 7964 2>"$folder/$1" || fail "a server that ends well" "$folder/$1"
+}
+
+# The image has the bases of shipped scenes where nothing can be written. (Root can; others are kept out.)
+case_bases_need_no_writing() {
+  start_scene trained
+  grep -q 'trained, ' "$folder/trained" || fail "a basis to be trained" "$folder/trained"
+  chmod a-w "$folder/bases"
+  start_scene read
+  chmod u+w "$folder/bases"
+  grep -q 'read from ' "$folder/read" || fail "a basis to be read" "$folder/read"
+  if grep -q -e training -e warn "$folder/read"; then fail "nothing to be trained again" "$folder/read"; fi
+}
+
+# fake PROGRAM BODY: on the path that build_image.sh is given, which has little else.
+fake() {
+  printf '#!/bin/sh\n%s\n' "$2" >"$folder/path/$1"
+  chmod +x "$folder/path/$1"
+}
+
+# build CODE: its exit code is this one.
+build() {
+  local code sh
+  sh="$(command -v sh)"
+  PATH="$folder/path" "$sh" "$docker/build_image.sh" --no-cache >"$folder/build" 2>&1
+  code=$?
+  [ "$code" -eq "$1" ] || fail "exit code $1 of build_image.sh, not $code" "$folder/build"
+}
+
+expect_line() { grep -q -e "$1" "$folder/build" || fail "a line '$1'" "$folder/build"; }
+
+# shellcheck disable=SC2016  # it is the fakes that expand
+case_builds_with_what_is_there() {
+  local program
+  mkdir "$folder/path"
+  for program in dirname sed; do ln -s "$(command -v "$program")" "$folder/path/$program"; done
+  build 1
+  expect_line '^build_image.sh: .*apt-get install buildah$'
+  fake buildah 'echo buildah "$@"'
+  fake docker '[ "$1" = info ] && exit 1; exit 7' # no daemon answers
+  build 0
+  expect_line '^buildah bud --isolation chroot --format docker .* --file docker/Dockerfile .*--no-cache \.$'
+  fake docker '[ "$1" = info ] && exit 0; echo docker "$@"'
+  build 0
+  expect_line '^docker build --file docker/Dockerfile .*--no-cache \.$'
+}
+
+declare -F "case_$case_name" >/dev/null || {
+  echo "unknown case '$case_name'; one of: $(declare -F | sed -n 's/^declare -f case_//p' | paste -sd' ')"
+  exit 1
+}
+"case_$case_name"
+echo "$case_name holds"
