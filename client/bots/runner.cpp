@@ -103,6 +103,7 @@ void Runner::UpdateBot(Bot& bot, double now) {
   client::Client* client = bot.player.Client();
   if (client == nullptr) return;
   client->Sample(now, client::Detail::kVertices, m_samples);
+  if (m_onShown) m_onShown(*client, m_samples, now);
   const std::uint64_t records = client->ReadStatistics().records - recordsBefore;
   if (records == 0 || m_leaving) return;
   m_decodeSeconds += seconds;
@@ -158,6 +159,10 @@ void Runner::AddArrival(const client::SnapshotArrival& arrival) {
   m_progressAgeSum += arrival.age * 1000;
   ++m_progressArrivals;
   if (arrival.inputToSnapshot >= 0) m_inputToSnapshotMs.Add(arrival.inputToSnapshot * 1000);
+}
+
+void Runner::ForgetTimes() {
+  for (Histogram* times : {&m_ageMs, &m_inputToSnapshotMs, &m_decodeUs, &m_lateMs}) *times = {};
 }
 
 void Runner::Leave(double now) {

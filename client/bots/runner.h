@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -34,6 +35,12 @@ class Runner {
   // One round of one part of the bots, the next at each call; to be called 60 times `parts` times a second. now counts
   // from the first call's, seconds. late: seconds since this round was due.
   void RunRound(double now, double late, unsigned parts = 1);
+
+  // Snapshots' ages, the way of inputs, decoding and lateness count from now on, not while bots came and settled in.
+  void ForgetTimes();
+  // Called in each round of a decoding bot that plays, with what its player sees at `now`.
+  using OnShown = std::function<void(client::Client& client, std::span<const client::BodySample> shown, double now)>;
+  void SetOnShown(OnShown onShown) { m_onShown = std::move(onShown); }
 
   // Says goodbye for all; measuring ends. RunRound goes on until HaveAllEnded.
   void Leave(double now);
@@ -90,6 +97,7 @@ class Runner {
   Connect m_connect;
   Clock m_clock;
   Log m_log;
+  OnShown m_onShown;
 
   std::vector<std::unique_ptr<Bot>> m_bots;
   unsigned m_round = 0;

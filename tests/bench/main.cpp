@@ -12,6 +12,8 @@
 #include <fstream>
 
 #include "client/tool/command.h"
+#include "server/config.h"
+#include "server/scenes/loader.h"
 #include "tests/bench/report.h"
 
 namespace {
@@ -30,11 +32,13 @@ constexpr Report kReports[] = {
     {"codec", "Bits a vertex against error, beside Rigs of Rods, Draco, meshoptimizer and deltas", false, &ReportCodec},
     {"interpolation", "What a player is shown against what was, over links that lose and delay", false,
      &ReportInterpolation},
+    {"capacity", "How many players a core can host, what they get and what they see", false, &ReportCapacity, true},
 };
 
 // 2^53, as the server's: exact as a number in JSON too.
 constexpr double kMaxSeed = 9007199254740992.0;
 constexpr double kMaxTrial = 1e6;
+constexpr double kMaxPlayers = 2000;
 
 // The one global: a signal handler can reach nothing else.
 std::atomic<bool> g_stopAsked{false};
@@ -57,6 +61,12 @@ CLI::App* AddReport(CLI::App& app, const Report& report, Options& options) {
   if (report.hasTrials) {
     words->add_option("--trial", options.trial, "Plays this random trial alone, the one that a report named")
         ->check(tool::Within(0, kMaxTrial));
+  }
+  if (report.hasPlayers) {
+    words->add_option("--scene", options.scene, "Where they play: a shipped scene, or a path to a .toml file")
+        ->capture_default_str();
+    words->add_option("--players", options.players, "So many alone, for five minutes unless --quick")
+        ->check(tool::Within(1, kMaxPlayers));
   }
   words->set_version_flag("--version", "wobble_lab " WOBBLE_VERSION);
   words->footer("Examples:\n  wobble_lab " + std::string(report.name) + " --quick\n  wobble_lab " + report.name +
@@ -98,9 +108,18 @@ bool CanKeepResults(const Options& options, std::string& error) {
   return error.empty();
 }
 
+// Of a scene that cannot be hosted the first fault: wobbled names them all.
+bool CanPlay(const Options& options, std::string& error) {
+  const scenes::LoadResult loaded = scenes::LoadScene(options.scene, tool::FindProgramFolder() / "scenes");
+  std::vector<std::string> errors = loaded.errors;
+  if (errors.empty()) errors = server::Validate({}, loaded.scene);
+  if (!errors.empty()) error = "--scene: " + errors.front();
+  return errors.empty();
+}
+
 int Run(const Report& report, const Options& options) {
   std::string error;
-  if (!CanKeepResults(options, error)) {
+  if (!CanKeepResults(options, error) || (report.hasPlayers && !CanPlay(options, error))) {
     std::fprintf(stderr, "wobble_lab: %s\n", error.c_str());
     return tool::kExitBadUse;
   }

@@ -58,10 +58,13 @@ std::string MakeScript(const Plot& plot, const std::string& file) {
          << "\nset ylabel " << Quote(plot.yLabel) << "\nset grid\nset key outside bottom horizontal\n"
          << (plot.logX ? "set logscale x\nset format x '%.0e'\n" : "")
          << (plot.logY ? "set logscale y\nset format y '%.0e'\n" : "") << (plot.yFromZero ? "set yrange [0:]\n" : "")
+         << (plot.rightLabel.empty() ? "" : "set ytics nomirror\nset y2tics\nset y2range [0:]\nset y2label ")
+         << (plot.rightLabel.empty() ? "" : Quote(plot.rightLabel) + "\n")
          << (hasMap ? "set autoscale fix\nplot $map with image pixels notitle, " : "plot ");
   for (std::size_t i = 0; i < plot.series.size(); ++i) {
-    script << (i > 0 ? ", " : "") << "$data" << i << FindStyle(plot.series[i].stroke)
-           << FindColour(plot.series[i].colour) << " title " << Quote(plot.series[i].name);
+    script << (i > 0 ? ", " : "") << "$data" << i << (plot.series[i].isRight ? " axes x1y2" : "")
+           << FindStyle(plot.series[i].stroke) << FindColour(plot.series[i].colour) << " title "
+           << Quote(plot.series[i].name);
   }
   script << '\n';
   return script.str();

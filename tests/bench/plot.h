@@ -13,7 +13,8 @@ struct Series {
   std::string name;  // empty: not in the key
   Stroke stroke = Stroke::kLine;
   std::vector<std::array<double, 2>> points;
-  int colour = 0;  // series of one colour belong together; 0: one of its own
+  int colour = 0;        // series of one colour belong together; 0: one of its own
+  bool isRight = false;  // by the axis on the right
 };
 
 // Colours below the series: blue below 0, white at 0, red above.
@@ -31,8 +32,9 @@ struct Plot {
   std::vector<Series> series = {};
   bool logX = false;
   bool logY = false;
-  Map map = {};            // no cells: none
-  bool yFromZero = false;  // where a small difference is to look small
+  Map map = {};                 // no cells: none
+  bool yFromZero = false;       // where a small difference is to look small
+  std::string rightLabel = {};  // empty: there is no axis on the right; it begins at 0
 };
 
 // Whether gnuplot is to be found on the path.

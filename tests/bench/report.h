@@ -11,6 +11,9 @@
 
 namespace wobble::bench {
 
+// As many bodies as players, of 162 vertices, who meet by the dozen.
+inline constexpr const char* kCapacityScene = "pitch";
+
 // As the command line has them.
 struct Options {
   bool quick = false;  // answers within 40 s on two cores
@@ -18,6 +21,8 @@ struct Options {
   std::string plotFolder;
   std::uint64_t seed = 1;
   std::optional<std::uint32_t> trial;  // only this one of the random trials
+  std::string scene = kCapacityScene;  // that the players of `capacity` are in: a shipped one, or a file
+  std::optional<unsigned> players;     // only this count of them
 };
 
 // What a report is given. It looks at progress.IsStopAsked() between trials and then returns early.
@@ -42,10 +47,12 @@ struct Report {
   const char* shows;  // in one line
   bool hasTrials;     // takes --trial
   void (*run)(Bench& bench);
+  bool hasPlayers = false;  // takes --scene and --players
 };
 
 // One function a report, each in the file of its name.
 void ReportAccuracy(Bench& bench);
+void ReportCapacity(Bench& bench);
 void ReportCodec(Bench& bench);
 void ReportContact(Bench& bench);
 void ReportInterpolation(Bench& bench);

@@ -80,8 +80,6 @@ class Seat {
   [[nodiscard]] Seen Finish(const TransportGroup::Sent& sent, double seconds);
 
  private:
-  void Compare(const client::BodySample& sample, const std::vector<Vector3d>& vertices);
-
   transport::VirtualNetwork m_network;
   std::unique_ptr<transport::Transport> m_server;
   client::Client m_client;
@@ -108,17 +106,8 @@ void Seat::Draw(double now, bool counts, double serverTime, const physics::World
     if (sample == m_samples.end() || !truth.Find(moment, place, m_true)) {
       throw std::runtime_error("a body that is not shown, or a moment that is not known");
     }
-    Compare(*sample, m_true);
+    m_squares.push_back(FindMeanSquare(*sample, m_true));
   }
-}
-
-void Seat::Compare(const client::BodySample& sample, const std::vector<Vector3d>& vertices) {
-  double sum = 0;
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    const protocol::Vector3& seen = sample.vertices[i];
-    sum += (Vector3d(seen.x, seen.y, seen.z) - vertices[i]).squaredNorm();
-  }
-  m_squares.push_back(sum / static_cast<double>(vertices.size()));
 }
 
 Seen Seat::Finish(const TransportGroup::Sent& sent, double seconds) {
@@ -247,6 +236,15 @@ const std::vector<NamedLink>& ListLinks() {
       {"20 % loss, 100 +- 50 ms, 4 % reordered", {.loss = 0.2, .delay = 0.05, .jitter = 0.1, .reorder = 0.04}},
   };
   return links;
+}
+
+double FindMeanSquare(const client::BodySample& shown, const std::vector<Vector3d>& vertices) {
+  double sum = 0;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const protocol::Vector3& seen = shown.vertices[i];
+    sum += (Vector3d(seen.x, seen.y, seen.z) - vertices[i]).squaredNorm();
+  }
+  return sum / static_cast<double>(vertices.size());
 }
 
 Showing PlayShowing(int snapshotHz, const std::vector<Watcher>& watchers, std::uint64_t seed, double seconds) {

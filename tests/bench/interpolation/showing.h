@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "client/curve.h"
+#include "client/client.h"
 #include "protocol/transport/link_conditions.h"
+#include "tests/bench/contact/bodies.h"
 #include "tests/bench/report.h"
 
 namespace wobble::bench {
@@ -40,6 +41,9 @@ struct Showing {
   double truthErrorOfHalf = 0;  // see Truth, % of the radius
   double speedMedian = 0;       // m/s
 };
+
+// Of the vertices that are shown from where they truly were, mean, m².
+[[nodiscard]] double FindMeanSquare(const client::BodySample& shown, const std::vector<Vector3d>& vertices);
 
 // seconds: of play that counts, after a few to begin. The play is the same whoever watches.
 [[nodiscard]] Showing PlayShowing(int snapshotHz, const std::vector<Watcher>& watchers, std::uint64_t seed,

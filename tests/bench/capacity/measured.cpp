@@ -1,0 +1,138 @@
+#include "tests/bench/capacity/measured.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wobble::bench {
+namespace {
+
+constexpr double kHeaderBytes = 28;  // of a datagram beside ENet's, which its own count has: IPv4, UDP
+// More, and the generator is what is measured.
+constexpr double kFullCore = 0.95;
+
+double ToNumber(const std::optional<double>& figure) {
+  return figure.value_or(std::numeric_limits<double>::quiet_NaN());
+}
+
+// Nearest rank, ms; sorts. Not a number where there are none.
+double FindPercentileMs(std::vector<double>& seconds, double share) {
+  if (seconds.empty()) return std::numeric_limits<double>::quiet_NaN();
+  std::ranges::sort(seconds);
+  const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(seconds.size())));
+  return 1000 * seconds[std::max<std::size_t>(rank, 1) - 1];
+}
+
+double FindOverrunShare(const std::vector<double>& seconds) {
+  const auto isOverrun = [](double each) { return 1000 * each > kTickBudgetMs; };
+  return static_cast<double>(std::ranges::count_if(seconds, isOverrun)) / static_cast<double>(seconds.size());
+}
+
+double FindKbit(const Hosted& hosted, unsigned players) {
+  const auto bytes = static_cast<double>(hosted.after.bytes - hosted.before.bytes);
+  const auto packets = static_cast<double>(hosted.after.packets - hosted.before.packets);
+  return 8e-3 * (bytes + kHeaderBytes * packets) / (hosted.seconds * players);
+}
+
+// A server that has begun to do with less has not held, whatever its ticks took: it is busy because they took more. The
+// bots' core must be able to do its part, and they must all be there to the end.
+bool Judge(const Measured& measured, const Party& party) {
+  return measured.tickMsP99 <= kTickBudgetMs && party.hosted.level < server::LoadLevel::kBusy &&
+         party.guested.playing == party.players && party.guested.figures.disconnects == 0 &&
+         party.guested.work < kFullCore;
+}
+
+nlohmann::ordered_json MakePhases(const Hosted& hosted) {
+  nlohmann::ordered_json phases;
+  for (std::size_t i = 0; i < server::kPhaseCount; ++i) {
+    const double mean = hosted.phases[i] / static_cast<double>(hosted.works.size());
+    phases[std::string(server::Name(static_cast<server::Phase>(i))) + "_ms"] = 1000 * mean;
+  }
+  return phases;
+}
+
+nlohmann::ordered_json MakeRow(const Measured& measured, const Party& party) {
+  const Hosted& hosted = party.hosted;
+  const bots::Figures& figures = party.guested.figures;
+  const auto ticks = static_cast<double>(hosted.after.ticks - hosted.before.ticks);
+  const auto awake = static_cast<double>(hosted.after.awake - hosted.before.awake);
+  const auto vertices = static_cast<double>(hosted.after.vertices - hosted.before.vertices);
+  nlohmann::ordered_json row{{"players", party.players},
+                             {"bodies", hosted.bodies},
+                             {"seconds", hosted.seconds},
+                             {"tick_ms_p50", measured.tickMsP50},
+                             {"tick_ms_p99", measured.tickMsP99},
+                             {"tick_ms_p999", measured.tickMsP999},
+                             {"tick_ms_max", measured.tickMsMax},
+                             {"overrun_share", measured.overrunShare},
+                             {"wall_tick_ms_p99", measured.wallMsP99},
+                             {"wall_overrun_share", measured.wallOverrunShare}};
+  row.update(MakePhases(hosted));
+  row.update({{"dropped_ticks", hosted.after.dropped - hosted.before.dropped},
+              {"load_level", server::Name(hosted.level)},
+              {"kbit_per_client", measured.kbit},
+              {"displayed_error", measured.shownError},
+              {"displayed_error_p99", party.shown.errorP99},
+              {"missing_share", party.shown.missingShare},
+              {"truth_error_of_half", party.shown.truthErrorOfHalf},
+              {"codec_error",
+               100 * std::sqrt((hosted.after.errorSquares - hosted.before.errorSquares) / std::max(1.0, vertices))},
+              {"left_out_per_tick", static_cast<double>(hosted.after.leftOut - hosted.before.leftOut) / ticks},
+              {"input_to_snapshot_ms_p50", ToNumber(figures.inputToSnapshotMsP50)},
+              {"snapshot_age_ms_p50", ToNumber(figures.snapshotAgeMsP50)},
+              {"snapshot_age_ms_p99", ToNumber(figures.snapshotAgeMsP99)},
+              {"touched_by_each", hosted.contacts.TouchedByEach()},
+              {"in_groups_of_12", hosted.contacts.ShareInLargeGroups()},
+              {"largest_group", hosted.contacts.LargestGroup()},
+              {"largest_group_ever", hosted.contacts.LargestGroupEver()},
+              {"substeps", static_cast<double>(hosted.after.substeps - hosted.before.substeps) / std::max(1.0, awake)},
+              {"quarantined", hosted.after.quarantined - hosted.before.quarantined},
+              {"bots_playing", party.guested.playing},
+              {"disconnects", figures.disconnects},
+              {"bots_core_share", party.guested.work},
+              {"late_ms_p99", ToNumber(figures.lateMsP99)},
+              {"times_valid", bots::IsValid(figures)},
+              {"holds", measured.holds}});
+  return row;
+}
+
+std::string MakeLine(const Measured& measured, const Party& party) {
+  const Hosted& hosted = party.hosted;
+  const auto phase = [&](server::Phase which) {
+    return 1000 * hosted.phases[static_cast<std::size_t>(which)] / static_cast<double>(hosted.works.size());
+  };
+  const bots::Figures& figures = party.guested.figures;
+  return FormatLine(
+      "%3u players: tick %.2f, %.2f, %.2f ms (p50, p99, p99.9), wall p99 %.2f; receive %.2f, step %.2f, capture %.2f, "
+      "encode %.2f, send %.2f; %.0f kbit/s, shown %.2f %%, input %.0f ms; each touches %.1f, largest group %.0f; "
+      "bots late by %.1f ms%s; %s: %s",
+      party.players, measured.tickMsP50, measured.tickMsP99, measured.tickMsP999, measured.wallMsP99,
+      phase(server::Phase::kReceive), phase(server::Phase::kStep), phase(server::Phase::kCapture),
+      phase(server::Phase::kEncode), phase(server::Phase::kSend), measured.kbit, measured.shownError,
+      ToNumber(figures.inputToSnapshotMsP50), hosted.contacts.TouchedByEach(), hosted.contacts.LargestGroup(),
+      ToNumber(figures.lateMsP99), bots::IsValid(figures) ? "" : " (ages and inputs not valid)",
+      server::Name(hosted.level), measured.holds ? "holds" : "does not hold");
+}
+
+}  // namespace
+
+Measured Measure(const Party& party) {
+  Measured measured;
+  measured.players = party.players;
+  std::vector<double> works = party.hosted.works;
+  std::vector<double> walls = party.hosted.walls;
+  measured.tickMsP50 = FindPercentileMs(works, 0.5);
+  measured.tickMsP99 = FindPercentileMs(works, 0.99);
+  measured.tickMsP999 = FindPercentileMs(works, 0.999);
+  measured.tickMsMax = FindPercentileMs(works, 1);
+  measured.overrunShare = FindOverrunShare(works);
+  measured.wallMsP99 = FindPercentileMs(walls, 0.99);
+  measured.wallOverrunShare = FindOverrunShare(walls);
+  measured.kbit = FindKbit(party.hosted, party.players);
+  measured.shownError = party.shown.error;
+  measured.holds = Judge(measured, party);
+  measured.row = MakeRow(measured, party);
+  measured.line = MakeLine(measured, party);
+  return measured;
+}
+
+}  // namespace wobble::bench

@@ -1,0 +1,59 @@
+#include "tests/bench/capacity/party.h"
+
+#include <thread>
+
+#include "client/tool/command.h"
+#include "protocol/transport/enet_transport.h"
+#include "tests/bench/capacity/cores.h"
+#include "tests/bench/thread_time.h"
+
+namespace wobble::bench {
+namespace {
+
+constexpr std::size_t kSpareConnections = 8;
+
+server::Config MakeConfig(unsigned players, std::uint64_t seed) {
+  server::Config config;
+  config.maxClients = static_cast<int>(players);
+  config.clientKbit = kClientKbit;
+  config.seed = seed;
+  return config;
+}
+
+}  // namespace
+
+Party PlayParty(const Game& game, unsigned players, const Timetable& timetable,
+                const std::function<bool()>& isStopAsked) {
+  Party party;
+  party.players = players;
+  bots::Script script(game.seed, [](unsigned, std::string_view) {});
+  if (!script.LoadFile(game.script, party.fault)) return party;
+  transport::ListenOptions listen;
+  listen.maxConnections = players + kSpareConnections;
+  auto transport = transport::EnetTransport::Listen(listen, party.fault);
+  if (transport == nullptr) return party;
+  const std::uint16_t port = transport->ReadPort();
+  server::Server server(MakeConfig(players, game.seed), game.scene, std::move(transport), ReadWallTime(), game.bases,
+                        &ReadThreadTime);
+  std::atomic<Stage> stage{Stage::kGather};
+  Host host(server);
+  Guests guests(players, port, game.seed, script, timetable, stage);
+  const Cores cores = ChooseCores();
+  std::jthread hostThread([&] {
+    StayOn(cores.server);
+    host.Run(stage);
+  });
+  std::jthread guestsThread([&] {
+    StayOn(cores.bots);
+    guests.Run(isStopAsked);
+  });
+  guestsThread.join();
+  hostThread.join();
+  party.hosted = host.Take();
+  party.guested = guests.Take();
+  party.shown = CompareViews(party.guested.views, party.hosted.truth, party.hosted.places);
+  if (!party.hosted.hasAllPlaces) party.shown = {};
+  return party;
+}
+
+}  // namespace wobble::bench

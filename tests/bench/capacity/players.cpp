@@ -1,0 +1,175 @@
+// One count of players after the other, each with a server of its own, until one is too many. A quick run stops at what
+// is asked for at least; the full one lets the largest that held play on for five minutes, and the next smaller where a
+// single tick ran over in them.
+#include <spdlog/spdlog.h>
+
+#include <thread>
+
+#include "client/tool/command.h"
+#include "server/basis_shelf.h"
+#include "server/scenes/loader.h"
+#include "tests/bench/capacity/cores.h"
+#include "tests/bench/capacity/experiments.h"
+#include "tests/bench/capacity/measured.h"
+
+namespace wobble::bench {
+namespace {
+
+constexpr unsigned kCounts[] = {1, 2, 4, 8, 16, 32, 64, 96, 128, 192, 256, 384, 512};
+constexpr unsigned kQuickCounts[] = {1, 8, 32, 64};
+constexpr unsigned kAskedPlayers = 64;
+constexpr double kAskedKbit = 1500;
+constexpr Timetable kQuickTimes{.settle = 2, .count = 3, .show = 1};
+constexpr Timetable kTimes{};
+constexpr Timetable kLongTimes{.count = 300};
+
+Game MakeGame(const Options& options) {
+  const std::filesystem::path folder = tool::FindProgramFolder();
+  Game game;
+  game.scene = scenes::LoadScene(options.scene, folder / "scenes").scene;  // as main has checked
+  game.bases = server::LoadBases(game.scene, {}, static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+  game.script = folder / "scripts" / "chase.lua";
+  game.seed = options.seed;
+  return game;
+}
+
+class Ladder {
+ public:
+  explicit Ladder(Bench& bench) : m_bench(bench), m_game(MakeGame(bench.options)) {}
+
+  // Until a count does not hold; all those that were played.
+  std::vector<Measured> Climb(std::span<const unsigned> counts, const Timetable& times);
+  // Five minutes of the last of these that held, or of one below it.
+  std::optional<Measured> PlayLong(const std::vector<Measured>& all);
+  std::optional<Measured> Play(unsigned players, const Timetable& times, const char* experiment);
+
+ private:
+  Bench& m_bench;
+  Game m_game;
+};
+
+std::optional<Measured> Ladder::Play(unsigned players, const Timetable& times, const char* experiment) {
+  const Party party = PlayParty(m_game, players, times, [this] { return m_bench.progress.IsStopAsked(); });
+  if (m_bench.progress.IsStopAsked()) return std::nullopt;
+  if (!party.fault.empty()) {
+    m_bench.results.remarks.push_back(FormatLine("%u players: %s", players, party.fault.c_str()));
+    return std::nullopt;
+  }
+  Measured measured = Measure(party);
+  nlohmann::ordered_json row{{"experiment", experiment}, {"scene", m_game.scene.name}};
+  row.update(measured.row);
+  m_bench.results.rows.push_back(std::move(row));
+  m_bench.results.remarks.push_back(measured.line);
+  return measured;
+}
+
+std::vector<Measured> Ladder::Climb(std::span<const unsigned> counts, const Timetable& times) {
+  std::vector<Measured> all;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    m_bench.progress.Show(i, counts.size());
+    const std::optional<Measured> measured = Play(counts[i], times, "count");
+    if (!measured) break;
+    all.push_back(*measured);
+    if (!measured->holds) break;
+  }
+  return all;
+}
+
+std::optional<Measured> Ladder::PlayLong(const std::vector<Measured>& all) {
+  std::optional<Measured> held;
+  for (auto each = all.rbegin(); each != all.rend(); ++each) {
+    if (!each->holds) continue;
+    held = Play(each->players, kLongTimes, "five minutes");
+    if (!held || (held->holds && held->overrunShare == 0) || each->players <= kAskedPlayers) break;
+  }
+  return held;
+}
+
+Series MakeSeries(const char* name, const std::vector<Measured>& all, double Measured::*value, Stroke stroke) {
+  Series series{name, stroke, {}};
+  for (const Measured& each : all) series.points.push_back({static_cast<double>(each.players), each.*value});
+  return series;
+}
+
+constexpr const char* kPlayersLabel = "players, a ball of 162 vertices each";
+
+void AddTicksPlot(const std::vector<Measured>& all, Results& results) {
+  Plot plot{.name = "capacity_ticks",
+            .title = "A tick of the server on one core, bots on another",
+            .xLabel = kPlayersLabel,
+            .yLabel = "ms",
+            .yFromZero = true};
+  plot.series.push_back(MakeSeries("p50", all, &Measured::tickMsP50, Stroke::kLineAndPoints));
+  plot.series.push_back(MakeSeries("p99", all, &Measured::tickMsP99, Stroke::kLineAndPoints));
+  plot.series.push_back(MakeSeries("p99.9", all, &Measured::tickMsP999, Stroke::kLineAndPoints));
+  plot.series.push_back(MakeSeries("p99 on the wall", all, &Measured::wallMsP99, Stroke::kDashed));
+  const double most = all.back().players;
+  plot.series.push_back({"budget", Stroke::kLine, {{0, kTickBudgetMs}, {most, kTickBudgetMs}}});
+  results.plots.push_back(std::move(plot));
+}
+
+void AddClientsPlot(const std::vector<Measured>& all, Results& results) {
+  Plot plot{.name = "capacity_clients",
+            .title = "What a player is sent, and how far what is shown is from the truth",
+            .xLabel = kPlayersLabel,
+            .yLabel = "kbit/s to each",
+            .yFromZero = true};
+  plot.rightLabel = "displayed error, RMS, % of the body's size";
+  plot.series.push_back(MakeSeries("kbit/s", all, &Measured::kbit, Stroke::kLineAndPoints));
+  plot.series.push_back(MakeSeries("displayed error", all, &Measured::shownError, Stroke::kDashed));
+  plot.series.back().isRight = true;
+  results.plots.push_back(std::move(plot));
+}
+
+void AddFigures(const Measured& best, const Options& options, Results& results) {
+  const bool isAsked = !options.quick && options.scene == kCapacityScene;
+  results.AddFigureAtLeast("players_at_60hz", best.holds ? best.players : 0, kAskedPlayers, isAsked);
+  results.AddFigureAtMost("tick_ms_p99", best.tickMsP99, kTickBudgetMs, isAsked);
+  results.AddFigureAtMost("overrun_share", best.overrunShare, 0, isAsked);
+  results.AddFigureAtMost("kbit_per_client", best.kbit, kAskedKbit);
+  results.AddFigure("wall_tick_ms_p99", best.wallMsP99);
+  results.AddFigure("wall_overrun_share", best.wallOverrunShare);
+  for (const char* key : {"displayed_error", "input_to_snapshot_ms_p50", "snapshot_age_ms_p99", "touched_by_each",
+                          "largest_group", "bots_core_share", "late_ms_p99"}) {
+    const auto& value = best.row[key];
+    results.AddFigure(key, value.get<double>());
+  }
+}
+
+void AddRemarks(Results& results) {
+  const Cores cores = ChooseCores();
+  results.remarks.push_back(
+      "players_at_60hz is judged by the time that the server's thread worked, since what others "
+      "do on its core is not the server's; what passed on the wall is beside it");
+  if (cores.server == cores.bots) {
+    results.remarks.push_back("there is one core only: the bots have taken from the server what it had");
+  }
+}
+
+}  // namespace
+
+void MeasurePlayers(Bench& bench) {
+  spdlog::set_level(spdlog::level::off);
+  const Options& options = bench.options;
+  AddRemarks(bench.results);
+  Ladder ladder(bench);
+  if (options.players) {
+    const auto measured = ladder.Play(*options.players, options.quick ? kQuickTimes : kLongTimes, "count");
+    if (measured) AddFigures(*measured, options, bench.results);
+    return;
+  }
+  const std::vector<Measured> all =
+      options.quick ? ladder.Climb(kQuickCounts, kQuickTimes) : ladder.Climb(kCounts, kTimes);
+  if (all.empty()) return;
+  std::optional<Measured> best;
+  for (const Measured& each : all) {
+    if (each.holds || !best) best = each;
+  }
+  if (!options.quick) best = ladder.PlayLong(all);
+  if (bench.progress.IsStopAsked() || !best) return;
+  AddTicksPlot(all, bench.results);
+  AddClientsPlot(all, bench.results);
+  AddFigures(*best, options, bench.results);
+}
+
+}  // namespace wobble::bench
