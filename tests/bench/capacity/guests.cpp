@@ -54,6 +54,7 @@ void Guests::Run(const std::function<bool()>& isStopAsked) {
   const double began = ReadWallTime();
   PlayStages(began, isStopAsked);
   m_guested.figures = m_runner.ReadFigures();
+  m_stage = Stage::kLeave;
   double now = ReadWallTime() - began;
   m_runner.Leave(now);
   for (const double end = now + kGoodbyePatience; now < end && !m_runner.HaveAllEnded();) {

@@ -49,7 +49,6 @@ void Host::Run(const std::atomic<Stage>& stage) {
     const double wait = m_server.NextCall() - ReadWallTime();
     if (wait > 0) std::this_thread::sleep_for(std::chrono::duration<double>(wait));
   }
-  if (m_stage == Stage::kCount) Enter(Stage::kOver);
 }
 
 void Host::Enter(Stage stage) {

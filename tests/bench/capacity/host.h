@@ -21,6 +21,7 @@ enum class Stage : std::uint8_t {
   kGather,  // they come and settle in
   kCount,   // what ticks cost counts
   kShow,    // what is shown is compared with what was; ticks do not count, since keeping that takes time
+  kLeave,
   kOver,
 };
 
