@@ -42,7 +42,7 @@ expect_refusal() { # PATTERN ARGUMENT...
 
 case_help_and_version() {
   local words
-  for words in '' accuracy codec contact interpolation skip stability throughput; do
+  for words in '' accuracy capacity codec contact interpolation skip stability throughput; do
     # shellcheck disable=SC2086  # no word at all when there is no report
     expect_exit 0 $words --help
     expect_line "$out" '^Examples:'
@@ -54,7 +54,7 @@ case_help_and_version() {
 }
 
 case_bad_use() {
-  expect_refusal 'a report is required, one of: accuracy, stability, contact, throughput, skip, codec, interpolation, or all'
+  expect_refusal 'a report is required, one of: accuracy, stability, contact, throughput, skip, codec, interpolation, capacity, or all'
   expect_refusal 'not expected: gravity' gravity
   expect_refusal 'not expected: --loud' contact --loud
   expect_refusal "'-1' is not 0 to 9007199254740992" contact --seed=-1
@@ -64,6 +64,9 @@ case_bad_use() {
   expect_refusal "^wobble_lab: --plot: $folder/file/plots: " contact --plot "$folder/file/plots"
   expect_refusal "^wobble_lab: --into: $folder/file/" all --into "$folder/file"
   expect_refusal 'not expected: 1 --trial' accuracy --trial 1
+  expect_refusal "not expected: arena --scene" codec --scene arena
+  expect_refusal "^wobble_lab: --scene: nowhere: " capacity --scene nowhere
+  expect_refusal "'0' is not 1 to 2000" capacity --players 0
   lab_path=/nowhere expect_refusal '^wobble_lab: --plot: gnuplot is not installed' contact --plot "$folder/plots"
 }
 
@@ -108,6 +111,13 @@ case_accuracy() {
   expect_report accuracy "$keys" \
     "accuracy_work_precision accuracy_work_precision_damped accuracy_float_floor accuracy_energy accuracy_error_target
     accuracy_scenes laws"
+}
+
+case_capacity() {
+  local keys="players_at_60hz tick_ms_p99 overrun_share kbit_per_client wall_tick_ms_p99 displayed_error"
+  keys+=" input_to_snapshot_ms_p50 snapshot_age_ms_p99 touching largest_group bots_core_share late_ms_p99"
+  keys+=" receive_ms step_ms capture_ms encode_ms send_ms load_level"
+  expect_report capacity "$keys" "capacity_ticks capacity_clients"
 }
 
 case_codec() {

@@ -23,7 +23,8 @@ void Contacts::Look(const physics::World& world) {
   std::iota(m_others.begin(), m_others.end(), std::size_t{0});
   for (std::size_t place = 0; place < bodies.size(); ++place) {
     world.ListTouching(bodies[place].id, m_touched);
-    m_touching += m_touched.size();
+    m_touches += m_touched.size();
+    m_touching += m_touched.empty() ? 0 : 1;
     for (const physics::BodyId other : m_touched) {
       const auto found = std::ranges::lower_bound(bodies, other, {}, &physics::Body::id);
       m_others[FindRoot(static_cast<std::size_t>(found - bodies.begin()))] = FindRoot(place);
@@ -42,7 +43,8 @@ void Contacts::Look(const physics::World& world) {
   m_largestEver = std::max(m_largestEver, largest);
 }
 
-double Contacts::TouchedByEach() const { return Divide(m_touching, m_bodies); }
+double Contacts::Touching() const { return Divide(m_touching, m_looks); }
+double Contacts::TouchedByEach() const { return Divide(m_touches, m_bodies); }
 double Contacts::LargestGroup() const { return Divide(m_largest, m_looks); }
 double Contacts::ShareInLargeGroups() const { return Divide(m_inLargeGroups, m_bodies); }
 

@@ -14,6 +14,7 @@ class Contacts {
   void Look(const physics::World& world);
 
   // Over all looks. A group: bodies each of which touches another of them.
+  [[nodiscard]] double Touching() const;            // bodies that touch another, mean
   [[nodiscard]] double TouchedByEach() const;       // others that a body touches, mean
   [[nodiscard]] double LargestGroup() const;        // bodies in it, mean
   [[nodiscard]] double ShareInLargeGroups() const;  // of all bodies, those in groups of a dozen and more
@@ -25,7 +26,8 @@ class Contacts {
   std::size_t FindRoot(std::size_t place);
 
   std::size_t m_looks = 0;
-  std::size_t m_bodies = 0;  // of all looks, as are the next three
+  std::size_t m_bodies = 0;  // of all looks, as are the next four
+  std::size_t m_touches = 0;
   std::size_t m_touching = 0;
   std::size_t m_inLargeGroups = 0;
   std::size_t m_largest = 0;

@@ -17,11 +17,8 @@ constexpr std::uint32_t kLookEvery = 15;      // ticks
 constexpr std::size_t kMostTicks = 60 * 600;  // for which there is memory from the start
 
 Sums ReadSums(const server::Server& server) {
-  const server::Counts& counts = server.ReadCounts();
   const server::SendCounts& sent = server.ReadSendCounts();
   return {.ticks = server.World().Tick(),
-          .substeps = counts.substeps,
-          .awake = counts.awakeSum,
           .packets = sent.packets,
           .bytes = server.ReadTransport().bytesOut,
           .recordBytes = sent.recordBytes,
@@ -29,7 +26,7 @@ Sums ReadSums(const server::Server& server) {
           .errorSquares = sent.errorSquares,
           .leftOut = sent.bodiesLeftOut,
           .dropped = server.Clock().DroppedTicks(),
-          .quarantined = counts.quarantined};
+          .quarantined = server.ReadCounts().quarantined};
 }
 
 }  // namespace
@@ -73,6 +70,10 @@ void Host::CountTicks(double wall) {
     m_hosted.walls.push_back(wall);
     for (std::size_t i = 0; i < server::kPhaseCount; ++i) m_hosted.phases[i] += tick.phases[i];
   }
+  const physics::StepReport& report = m_server.ReadReport();
+  m_hosted.awake += report.awake;
+  m_hosted.substeps += report.substeps;
+  m_hosted.allSubsteps += report.allSubsteps;
   m_hosted.level = std::max(m_hosted.level, m_server.ReadLoad().Level());
   if (m_server.World().Tick() % kLookEvery == 0) m_hosted.contacts.Look(m_server.World());
 }

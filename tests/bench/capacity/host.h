@@ -28,8 +28,6 @@ enum class Stage : std::uint8_t {
 // What the server counts from its start.
 struct Sums {
   std::uint64_t ticks = 0;
-  std::uint64_t substeps = 0;
-  std::uint64_t awake = 0;    // bodies, over ticks
   std::uint64_t packets = 0;  // snapshots
   std::uint64_t bytes = 0;    // payloads of all datagrams
   std::uint64_t recordBytes = 0;
@@ -51,6 +49,9 @@ struct Hosted {
   server::LoadLevel level = server::LoadLevel::kNormal;  // the highest
   std::size_t bodies = 0;
   Contacts contacts;
+  std::uint64_t awake = 0;  // over those ticks that a call of the server's ended with, as are the next two
+  std::uint64_t substeps = 0;
+  std::uint64_t allSubsteps = 0;  // with those that were stepped again
   // As it was while shown, of these bodies by their place.
   Truth truth{kTickSeconds};
   std::vector<physics::BodyId> places;

@@ -54,7 +54,7 @@ nlohmann::ordered_json MakeRow(const Measured& measured, const Party& party) {
   const Hosted& hosted = party.hosted;
   const bots::Figures& figures = party.guested.figures;
   const auto ticks = static_cast<double>(hosted.after.ticks - hosted.before.ticks);
-  const auto awake = static_cast<double>(hosted.after.awake - hosted.before.awake);
+  const auto awake = static_cast<double>(std::max<std::uint64_t>(1, hosted.awake));
   const auto vertices = static_cast<double>(hosted.after.vertices - hosted.before.vertices);
   nlohmann::ordered_json row{{"players", party.players},
                              {"bodies", hosted.bodies},
@@ -80,11 +80,13 @@ nlohmann::ordered_json MakeRow(const Measured& measured, const Party& party) {
               {"input_to_snapshot_ms_p50", ToNumber(figures.inputToSnapshotMsP50)},
               {"snapshot_age_ms_p50", ToNumber(figures.snapshotAgeMsP50)},
               {"snapshot_age_ms_p99", ToNumber(figures.snapshotAgeMsP99)},
+              {"touching", hosted.contacts.Touching()},
               {"touched_by_each", hosted.contacts.TouchedByEach()},
               {"in_groups_of_12", hosted.contacts.ShareInLargeGroups()},
               {"largest_group", hosted.contacts.LargestGroup()},
               {"largest_group_ever", hosted.contacts.LargestGroupEver()},
-              {"substeps", static_cast<double>(hosted.after.substeps - hosted.before.substeps) / std::max(1.0, awake)},
+              {"substeps", static_cast<double>(hosted.substeps) / awake},
+              {"all_substeps", static_cast<double>(hosted.allSubsteps) / awake},
               {"quarantined", hosted.after.quarantined - hosted.before.quarantined},
               {"bots_playing", party.guested.playing},
               {"disconnects", figures.disconnects},
@@ -103,12 +105,12 @@ std::string MakeLine(const Measured& measured, const Party& party) {
   const bots::Figures& figures = party.guested.figures;
   return FormatLine(
       "%3u players: tick %.2f, %.2f, %.2f ms (p50, p99, p99.9), wall p99 %.2f; receive %.2f, step %.2f, capture %.2f, "
-      "encode %.2f, send %.2f; %.0f kbit/s, shown %.2f %%, input %.0f ms; each touches %.1f, largest group %.0f; "
+      "encode %.2f, send %.2f; %.0f kbit/s, shown %.2f %%, input %.0f ms; %.0f touch, largest group %.0f; "
       "bots late by %.1f ms%s; %s: %s",
       party.players, measured.tickMsP50, measured.tickMsP99, measured.tickMsP999, measured.wallMsP99,
       phase(server::Phase::kReceive), phase(server::Phase::kStep), phase(server::Phase::kCapture),
       phase(server::Phase::kEncode), phase(server::Phase::kSend), measured.kbit, measured.shownError,
-      ToNumber(figures.inputToSnapshotMsP50), hosted.contacts.TouchedByEach(), hosted.contacts.LargestGroup(),
+      ToNumber(figures.inputToSnapshotMsP50), hosted.contacts.Touching(), hosted.contacts.LargestGroup(),
       ToNumber(figures.lateMsP99), bots::IsValid(figures) ? "" : " (ages and inputs not valid)",
       server::Name(hosted.level), measured.holds ? "holds" : "does not hold");
 }
