@@ -8,6 +8,7 @@
 #include <chrono>
 #include <thread>
 
+#include "tests/bench/contact/bodies.h"
 #include "tests/bench/thread_time.h"
 
 namespace wobble::bench {
@@ -75,7 +76,10 @@ void Host::CountTicks(double wall) {
   m_hosted.substeps += report.substeps;
   m_hosted.allSubsteps += report.allSubsteps;
   m_hosted.level = std::max(m_hosted.level, m_server.ReadLoad().Level());
-  if (m_server.World().Tick() % kLookEvery == 0) m_hosted.contacts.Look(m_server.World());
+  const physics::World& world = m_server.World();
+  if (world.Tick() % kLookEvery != 0) return;
+  m_hosted.contacts.Look(world);
+  for (const physics::Body& body : world.Bodies()) m_hosted.speeds.push_back(FindVelocity(world, body).norm());
 }
 
 void Host::KeepTruth() {

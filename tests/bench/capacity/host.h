@@ -49,7 +49,8 @@ struct Hosted {
   server::LoadLevel level = server::LoadLevel::kNormal;  // the highest
   std::size_t bodies = 0;
   Contacts contacts;
-  std::uint64_t awake = 0;  // over those ticks that a call of the server's ended with, as are the next two
+  std::vector<double> speeds;  // of bodies when contacts were looked at, m/s
+  std::uint64_t awake = 0;     // over those ticks that a call of the server's ended with, as are the next two
   std::uint64_t substeps = 0;
   std::uint64_t allSubsteps = 0;  // with those that were stepped again
   // As it was while shown, of these bodies by their place.

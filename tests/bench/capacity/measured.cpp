@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/bench/codec/recording.h"
+
 namespace wobble::bench {
 namespace {
 
@@ -80,6 +82,7 @@ nlohmann::ordered_json MakeRow(const Measured& measured, const Party& party) {
               {"input_to_snapshot_ms_p50", ToNumber(figures.inputToSnapshotMsP50)},
               {"snapshot_age_ms_p50", ToNumber(figures.snapshotAgeMsP50)},
               {"snapshot_age_ms_p99", ToNumber(figures.snapshotAgeMsP99)},
+              {"speed_median", hosted.speeds.empty() ? 0 : FindMedian(hosted.speeds)},
               {"touching", hosted.contacts.Touching()},
               {"touched_by_each", hosted.contacts.TouchedByEach()},
               {"in_groups_of_12", hosted.contacts.ShareInLargeGroups()},

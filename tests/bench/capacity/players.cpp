@@ -132,9 +132,9 @@ void AddFigures(const Measured& best, const Options& options, Results& results) 
   results.AddFigureAtMost("kbit_per_client", best.kbit, kAskedKbit);
   results.AddFigure("wall_tick_ms_p99", best.wallMsP99);
   results.AddFigure("wall_overrun_share", best.wallOverrunShare);
-  for (const char* key :
-       {"receive_ms", "step_ms", "capture_ms", "encode_ms", "send_ms", "displayed_error", "input_to_snapshot_ms_p50",
-        "snapshot_age_ms_p50", "snapshot_age_ms_p99", "touching", "largest_group", "bots_core_share", "late_ms_p99"}) {
+  for (const char* key : {"receive_ms", "step_ms", "capture_ms", "encode_ms", "send_ms", "displayed_error",
+                          "input_to_snapshot_ms_p50", "snapshot_age_ms_p50", "snapshot_age_ms_p99", "speed_median",
+                          "touching", "largest_group", "bots_core_share", "late_ms_p99"}) {
     results.AddFigure(key, best.row[key].get<double>());
   }
 }
