@@ -33,7 +33,7 @@ Sums ReadSums(const server::Server& server) {
 }  // namespace
 
 Host::Host(server::Server& server) : m_server(server) {
-  m_hosted.works.reserve(kMostTicks);
+  m_hosted.ticks.reserve(kMostTicks);
   m_hosted.walls.reserve(kMostTicks);
 }
 
@@ -67,9 +67,8 @@ void Host::Enter(Stage stage) {
 
 void Host::CountTicks(double wall) {
   for (const server::PhaseTimes& tick : m_server.LastTicks()) {
-    m_hosted.works.push_back(tick.Sum());
+    m_hosted.ticks.push_back(tick);
     m_hosted.walls.push_back(wall);
-    for (std::size_t i = 0; i < server::kPhaseCount; ++i) m_hosted.phases[i] += tick.phases[i];
   }
   const physics::StepReport& report = m_server.ReadReport();
   m_hosted.awake += report.awake;

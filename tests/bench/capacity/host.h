@@ -1,7 +1,6 @@
 // The server's half of a party: its loop as the program has it, and what its ticks cost.
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstdint>
 #include <utility>
@@ -39,12 +38,11 @@ struct Sums {
 };
 
 struct Hosted {
-  // Of each tick that counts, s: that the server's thread worked, and that passed meanwhile.
-  std::vector<double> works;
+  // Of each tick that counts: what the server's thread worked on, and how much time passed meanwhile, s.
+  std::vector<server::PhaseTimes> ticks;
   std::vector<double> walls;
-  std::array<double, server::kPhaseCount> phases{};  // sums of the works
-  double seconds = 0;                                // that counted
-  Sums before;                                       // these
+  double seconds = 0;  // that counted
+  Sums before;
   Sums after;
   server::LoadLevel level = server::LoadLevel::kNormal;  // the highest
   std::size_t bodies = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "tests/bench/codec/recording.h"
 
@@ -43,11 +44,25 @@ bool Judge(const Measured& measured, const Party& party) {
          party.guested.work < kFullCore;
 }
 
+std::vector<double> ListTimes(const Hosted& hosted, server::Phase phase) {
+  std::vector<double> times;
+  for (const server::PhaseTimes& tick : hosted.ticks) times.push_back(tick.Of(phase));
+  return times;
+}
+
+double FindMeanMs(const Hosted& hosted, server::Phase phase) {
+  const std::vector<double> times = ListTimes(hosted, phase);
+  return 1000 * std::accumulate(times.begin(), times.end(), 0.0) / static_cast<double>(times.size());
+}
+
 nlohmann::ordered_json MakePhases(const Hosted& hosted) {
   nlohmann::ordered_json phases;
   for (std::size_t i = 0; i < server::kPhaseCount; ++i) {
-    const double mean = hosted.phases[i] / static_cast<double>(hosted.works.size());
-    phases[std::string(server::Name(static_cast<server::Phase>(i))) + "_ms"] = 1000 * mean;
+    const auto phase = static_cast<server::Phase>(i);
+    const std::string key = server::Name(phase) + std::string("_ms");
+    std::vector<double> times = ListTimes(hosted, phase);
+    phases[key] = FindMeanMs(hosted, phase);
+    phases[key + "_p99"] = FindPercentileMs(times, 0.99);
   }
   return phases;
 }
@@ -102,9 +117,7 @@ nlohmann::ordered_json MakeRow(const Measured& measured, const Party& party) {
 
 std::string MakeLine(const Measured& measured, const Party& party) {
   const Hosted& hosted = party.hosted;
-  const auto phase = [&](server::Phase which) {
-    return 1000 * hosted.phases[static_cast<std::size_t>(which)] / static_cast<double>(hosted.works.size());
-  };
+  const auto phase = [&](server::Phase which) { return FindMeanMs(hosted, which); };
   const bots::Figures& figures = party.guested.figures;
   return FormatLine(
       "%3u players: tick %.2f, %.2f, %.2f ms (p50, p99, p99.9), wall p99 %.2f; receive %.2f, step %.2f, capture %.2f, "
@@ -123,7 +136,8 @@ std::string MakeLine(const Measured& measured, const Party& party) {
 Measured Measure(const Party& party) {
   Measured measured;
   measured.players = party.players;
-  std::vector<double> works = party.hosted.works;
+  std::vector<double> works;
+  for (const server::PhaseTimes& tick : party.hosted.ticks) works.push_back(tick.Sum());
   std::vector<double> walls = party.hosted.walls;
   measured.tickMsP50 = FindPercentileMs(works, 0.5);
   measured.tickMsP99 = FindPercentileMs(works, 0.99);
