@@ -197,6 +197,35 @@ TEST(BotRunner, RoundsInPartsLookAfterEveryBot) {
   EXPECT_NEAR(static_cast<double>(theatre.Bots().ReadFigures().snapshots), 6 * 30 * 1.9, 40);
 }
 
+// What whoever measures a stretch of play needs: joins and settling in out of its times, and what players see in it.
+TEST(BotRunner, ForgetsTimesAndHandsOnWhatDecodingBotsShow) {
+  LoadTestOptions options = MakeOptions(4);
+  options.decodeShare = {1, 2};
+  Theatre theatre(options, "function run(bot) end");
+  std::set<const client::Client*> watched;
+  unsigned shown = 0;
+  theatre.Bots().SetOnShown([&](client::Client& client, std::span<const client::BodySample>, double now) {
+    EXPECT_EQ(client.ReadState(), client::State::kPlaying);
+    EXPECT_NEAR(now, theatre.Now(), 1e-9);
+    watched.insert(&client);
+    ++shown;
+  });
+  theatre.RunUntil(2);
+  EXPECT_EQ(watched.size(), 2U);
+  EXPECT_NEAR(shown, 2 * 60 * 1.9, 10);
+  const Figures before = theatre.Bots().ReadFigures();
+  ASSERT_TRUE(before.snapshotAgeMsP50.has_value());
+  theatre.Bots().ForgetTimes();
+  const Figures after = theatre.Bots().ReadFigures();
+  EXPECT_FALSE(after.snapshotAgeMsP50.has_value());
+  EXPECT_FALSE(after.lateMsP99.has_value());
+  EXPECT_EQ(after.joinMsP99, before.joinMsP99);
+  EXPECT_EQ(after.snapshots, before.snapshots);
+  EXPECT_FALSE(theatre.Bots().IsHopeless(theatre.Now() + 10));
+  theatre.RunUntil(3);
+  EXPECT_TRUE(theatre.Bots().ReadFigures().snapshotAgeMsP50.has_value());
+}
+
 TEST(BotRunner, BotsSentAwayAndNeverAnsweredAreDisconnects) {
   Theatre theatre(MakeOptions(4, 4), "function run(bot) bot:wait(60) end");
   theatre.RunUntil(1.5);
