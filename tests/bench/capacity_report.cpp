@@ -5,7 +5,7 @@
 namespace wobble::bench {
 
 void ReportCapacity(Bench& bench) {
-  constexpr Part kParts[] = {{"players", 1, &MeasurePlayers}};
+  constexpr Part kParts[] = {{"seconds of play", 1, &MeasurePlayers}};
   MeasureParts(bench, kParts);
 }
 

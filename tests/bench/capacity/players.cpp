@@ -1,6 +1,6 @@
 // One count of players after the other, each with a server of its own, until one is too many. A quick run stops at what
-// is asked for at least; the full one lets the largest that held play on for five minutes, and the next smaller where a
-// single tick ran over in them.
+// is asked for at least. In the full one the largest that held plays on for five minutes; where a single tick runs over
+// in them the next smaller does, down to the count that is asked for, whose figures say how often.
 #include <spdlog/spdlog.h>
 
 #include <thread>
@@ -11,6 +11,7 @@
 #include "tests/bench/capacity/cores.h"
 #include "tests/bench/capacity/experiments.h"
 #include "tests/bench/capacity/measured.h"
+#include "tests/bench/thread_time.h"
 
 namespace wobble::bench {
 namespace {
@@ -34,23 +35,38 @@ Game MakeGame(const Options& options) {
   return game;
 }
 
+double FindSeconds(std::span<const unsigned> counts, const Timetable& times) {
+  return static_cast<double>(counts.size()) * (times.settle + times.count + times.show);
+}
+
 class Ladder {
  public:
-  explicit Ladder(Bench& bench) : m_bench(bench), m_game(MakeGame(bench.options)) {}
+  // planned: seconds that all will take if every count holds.
+  Ladder(Bench& bench, double planned) : m_bench(bench), m_game(MakeGame(bench.options)), m_planned(planned) {}
 
   // Until a count does not hold; all those that were played.
   std::vector<Measured> Climb(std::span<const unsigned> counts, const Timetable& times);
   // Five minutes of the last of these that held, or of one below it.
   std::optional<Measured> PlayLong(const std::vector<Measured>& all);
-  std::optional<Measured> Play(unsigned players, const Timetable& times, const char* experiment);
 
  private:
+  std::optional<Measured> Play(unsigned players, const Timetable& times, const char* experiment);
+
   Bench& m_bench;
   Game m_game;
+  double m_planned;
+  double m_played = 0;  // s
 };
 
 std::optional<Measured> Ladder::Play(unsigned players, const Timetable& times, const char* experiment) {
-  const Party party = PlayParty(m_game, players, times, [this] { return m_bench.progress.IsStopAsked(); });
+  const double began = ReadWallTime();
+  const auto isStopAsked = [&] {
+    const double played = m_played + ReadWallTime() - began;
+    m_bench.progress.Show(static_cast<std::size_t>(played), static_cast<std::size_t>(std::max(played, m_planned)));
+    return m_bench.progress.IsStopAsked();
+  };
+  const Party party = PlayParty(m_game, players, times, isStopAsked);
+  m_played += ReadWallTime() - began;
   if (m_bench.progress.IsStopAsked()) return std::nullopt;
   if (!party.fault.empty()) {
     m_bench.results.remarks.push_back(FormatLine("%u players: %s", players, party.fault.c_str()));
@@ -66,9 +82,8 @@ std::optional<Measured> Ladder::Play(unsigned players, const Timetable& times, c
 
 std::vector<Measured> Ladder::Climb(std::span<const unsigned> counts, const Timetable& times) {
   std::vector<Measured> all;
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    m_bench.progress.Show(i, counts.size());
-    const std::optional<Measured> measured = Play(counts[i], times, "count");
+  for (const unsigned players : counts) {
+    const std::optional<Measured> measured = Play(players, times, "count");
     if (!measured) break;
     all.push_back(*measured);
     if (!measured->holds) break;
@@ -77,11 +92,12 @@ std::vector<Measured> Ladder::Climb(std::span<const unsigned> counts, const Time
 }
 
 std::optional<Measured> Ladder::PlayLong(const std::vector<Measured>& all) {
+  m_planned = m_played + FindSeconds({kCounts, 1}, kLongTimes);
   std::optional<Measured> held;
   for (auto each = all.rbegin(); each != all.rend(); ++each) {
     if (!each->holds) continue;
     held = Play(each->players, kLongTimes, "five minutes");
-    if (!held || (held->holds && held->overrunShare == 0) || each->players <= kAskedPlayers) break;
+    if (!held || (held->holds && (held->overrunShare == 0 || each->players <= kAskedPlayers))) break;
   }
   return held;
 }
@@ -122,11 +138,22 @@ void AddClientsPlot(const std::vector<Measured>& all, Results& results) {
   results.plots.push_back(std::move(plot));
 }
 
-void AddFigures(const Measured& best, const Options& options, Results& results) {
+// The largest that held; where none did, the smallest.
+std::optional<Measured> FindBest(const std::vector<Measured>& all) {
+  std::optional<Measured> best;
+  for (const Measured& each : all) {
+    if (each.holds || !best) best = each;
+  }
+  return best;
+}
+
+void AddFigures(const std::optional<Measured>& found, const Options& options, Results& results) {
   const bool isHeld = options.scene == kCapacityScene;
   const bool isAsked = isHeld && !options.quick;
   const unsigned asked = options.players.value_or(options.quick ? kQuickPlayers : kAskedPlayers);
-  results.AddFigureAtLeast("players_at_60hz", best.holds ? best.players : 0, asked, isHeld);
+  results.AddFigureAtLeast("players_at_60hz", found && found->holds ? found->players : 0, asked, isHeld || !found);
+  if (!found) return;
+  const Measured& best = *found;
   results.AddFigureAtMost("tick_ms_p99", best.tickMsP99, kTickBudgetMs, isAsked);
   results.AddFigureAtMost("overrun_share", best.overrunShare, 0, isAsked);
   results.AddFigureAtMost("kbit_per_client", best.kbit, kAskedKbit);
@@ -155,24 +182,23 @@ void MeasurePlayers(Bench& bench) {
   spdlog::set_level(spdlog::level::off);
   const Options& options = bench.options;
   AddRemarks(bench.results);
-  Ladder ladder(bench);
-  if (options.players) {
-    const auto measured = ladder.Play(*options.players, options.quick ? kQuickTimes : kLongTimes, "count");
-    if (measured) AddFigures(*measured, options, bench.results);
-    return;
+  std::span<const unsigned> counts = kCounts;
+  if (options.quick) counts = kQuickCounts;
+  if (options.players) counts = {&*options.players, 1};
+  const Timetable& times = options.quick ? kQuickTimes : options.players ? kLongTimes : kTimes;
+  const bool endsLong = !options.quick && !options.players;
+  Ladder ladder(bench, FindSeconds(counts, times) + (endsLong ? FindSeconds({kCounts, 1}, kLongTimes) : 0));
+  const std::vector<Measured> all = ladder.Climb(counts, times);
+  std::optional<Measured> best = FindBest(all);
+  if (endsLong) {
+    if (const auto held = ladder.PlayLong(all)) best = held;
   }
-  const std::vector<Measured> all =
-      options.quick ? ladder.Climb(kQuickCounts, kQuickTimes) : ladder.Climb(kCounts, kTimes);
-  if (all.empty()) return;
-  std::optional<Measured> best;
-  for (const Measured& each : all) {
-    if (each.holds || !best) best = each;
+  if (bench.progress.IsStopAsked()) return;
+  if (all.size() > 1) {
+    AddTicksPlot(all, bench.results);
+    AddClientsPlot(all, bench.results);
   }
-  if (!options.quick) best = ladder.PlayLong(all);
-  if (bench.progress.IsStopAsked() || !best) return;
-  AddTicksPlot(all, bench.results);
-  AddClientsPlot(all, bench.results);
-  AddFigures(*best, options, bench.results);
+  AddFigures(best, options, bench.results);
 }
 
 }  // namespace wobble::bench
