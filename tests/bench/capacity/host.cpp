@@ -22,7 +22,6 @@ Sums ReadSums(const server::Server& server) {
   return {.ticks = server.World().Tick(),
           .packets = sent.packets,
           .bytes = server.ReadTransport().bytesOut,
-          .recordBytes = sent.recordBytes,
           .vertices = sent.vertices,
           .errorSquares = sent.errorSquares,
           .leftOut = sent.bodiesLeftOut,

@@ -27,10 +27,9 @@ enum class Stage : std::uint8_t {
 // What the server counts from its start.
 struct Sums {
   std::uint64_t ticks = 0;
-  std::uint64_t packets = 0;  // snapshots
-  std::uint64_t bytes = 0;    // payloads of all datagrams
-  std::uint64_t recordBytes = 0;
-  std::uint64_t vertices = 0;  // in these records
+  std::uint64_t packets = 0;   // snapshots
+  std::uint64_t bytes = 0;     // payloads of all datagrams
+  std::uint64_t vertices = 0;  // in records
   double errorSquares = 0;     // SendCounts
   std::uint64_t leftOut = 0;
   std::uint64_t dropped = 0;  // ticks
