@@ -22,7 +22,7 @@ constexpr float kDoubleSpeed = 4;
 // a thousand pixels, is 50 pixels high at the first, 20 at the second, and an error of 1 % a fraction of one.
 constexpr float kCoarseDistances[] = {16, 40};
 // While the machine is short of time, metres from which on a body is sent at the coarsest quality: it is encoded for
-// those near it and for all others, and in between for nobody.
+// those near it, at the second best, and for all others, instead of at all three.
 constexpr float kCoarserDistance = 8;
 
 // Snapshots in a row that leave bodies out until the quality falls, and that leave none out until it rises. A quality
@@ -99,8 +99,8 @@ std::size_t SnapshotSender::TakeNext(std::size_t taken) {
 }
 
 std::size_t SnapshotSender::FindQuality(const ShownBody& body, const Subscription& subscription) const {
-  if (body.body == m_ownBody) return 0;
-  std::size_t quality = subscription.coarseness;
+  std::size_t quality = std::max<std::size_t>(subscription.coarseness, m_isCoarser ? 1 : 0);
+  if (body.body == m_ownBody) return quality;
   const float distance = protocol::Length(body.centre - m_viewpoint);
   if (m_isCoarser && distance > kCoarserDistance) return kQualities - 1;
   for (const float limit : kCoarseDistances) quality += distance > limit ? 1 : 0;

@@ -32,7 +32,7 @@ class Subscription {
   std::vector<Interest> interests;  // by ascending body, as those shown
   protocol::SentWindow sent;
   double credit = 0;           // bytes that may be sent; below zero after a record that just went over
-  std::size_t coarseness = 0;  // added to the quality of all bodies but the own
+  std::size_t coarseness = 0;  // added to the quality of all bodies
   int crowdedSnapshots = 0;    // in a row that left bodies out
   int easySnapshots = 0;       // in a row that left none out, and finer ones would not have
 

@@ -12,6 +12,7 @@
 
 #include <enet/enet.h>
 #include <enet/time.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <cassert>
@@ -19,6 +20,7 @@
 #include <cstring>
 #include <limits>
 #include <random>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -86,6 +88,16 @@ void LimitRetries(ENetPeer& peer) {
   }
 }
 
+// The same numbers as enet_crc32, which goes byte by byte and took 4 % of a server with 64 clients; zlib takes a fifth
+// of that.
+enet_uint32 ENET_CALLBACK ComputeChecksum(const ENetBuffer* buffers, std::size_t count) {
+  uLong crc = crc32(0, nullptr, 0);
+  for (const ENetBuffer& buffer : std::span(buffers, count)) {
+    crc = crc32(crc, static_cast<const Bytef*>(buffer.data), static_cast<uInt>(buffer.dataLength));
+  }
+  return ENET_HOST_TO_NET_32(static_cast<enet_uint32>(crc));
+}
+
 bool IsFrom(const ENetPeer& peer, const ENetAddress& address) {
   return peer.address.host == address.host && peer.address.port == address.port;
 }
@@ -128,7 +140,7 @@ bool IsGenuine(const ENetHost& host, bool acceptsConnects) {
   std::memcpy(&stated, data + checksumAt, sizeof stated);
   const ENetBuffer parts[] = {
       {host.receivedData, checksumAt}, {&key, sizeof key}, {host.receivedData + commandsAt, length - commandsAt}};
-  return enet_crc32(parts, std::size(parts)) == stated;
+  return ComputeChecksum(parts, std::size(parts)) == stated;
 }
 
 // ENet's intercept callback, and the one place where a datagram is opened. 1: ENet forgets it; 0: ENet goes on.
@@ -148,7 +160,7 @@ bool InitialiseEnet() {
 ENetHost* MakeHost(const ENetAddress* address, std::size_t slots, std::size_t maxReceivedBytes, int socketBytes) {
   ENetHost* host = enet_host_create(address, slots, kChannelCount, 0, 0);
   if (host == nullptr) return nullptr;
-  host->checksum = enet_crc32;
+  host->checksum = ComputeChecksum;
   host->intercept = OpenDatagram;
   host->mtu = kMtu;
   for (std::size_t slot = 0; slot < slots; ++slot) host->peers[slot].mtu = kMtu;  // were copied from the host's before

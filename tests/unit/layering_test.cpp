@@ -66,7 +66,7 @@ const std::vector<Layer> kLayers{
       "protocol/transport/transport.h"},
      {"fmt/", "nlohmann/", "oneapi/tbb", "prometheus/", "spdlog/", "tbb/"},
      kClock},
-    {"protocol/transport/", {"protocol/"}, Join(kSystem, {"enet/"}), kClockFileLog},
+    {"protocol/transport/", {"protocol/"}, Join(kSystem, {"enet/", "zlib.h"}), kClockFileLog},
     {"protocol/", {"protocol/"}, {"flatbuffers/"}, kPortable},
     {"client/bots/", {"client/", "protocol/"}, Join(kSystem, {"CLI/", "lua.hpp", "nlohmann/"}), {}},
     {"client/tool/", {"client/", "protocol/"}, Join(kSystem, {"CLI/"}), {}},

@@ -320,14 +320,27 @@ TEST_F(SnapshotSenderTest, QualityFallsWithDistanceAndBeforeTheRate) {
   Send(kShare384, 1);
   EXPECT_EQ(qualities, (std::map<std::uint32_t, std::size_t>{{1, 0}, {2, 0}, {3, 1}, {4, 2}}));
   EXPECT_EQ(sender.Counts().bodiesCoarsened, 2U);
-  // A crowd comes: all but the own are coarser, and when it has gone, finer again.
+  // A crowd comes: all are coarser, and when it has gone, finer again.
   for (std::uint32_t id = 5; id <= 60; ++id) AddBody(id, {1, 0, 0}, 200);
   for (int i = 0; i < 20; ++i) Send(kShare384, 1);
-  EXPECT_EQ(qualities[1], 0U);
+  EXPECT_EQ(qualities[1], 2U);
   EXPECT_EQ(qualities[2], 2U);
   for (std::uint32_t id = 5; id <= 60; ++id) RemoveBody(id);
   for (int i = 0; i < 100; ++i) Send(kShare384, 1);
   EXPECT_EQ(qualities[2], 0U);
+}
+
+TEST_F(SnapshotSenderTest, AMachineShortOfTimeEncodesEachBodyTwiceAtMost) {
+  AddBody(1, {}, 20);
+  AddBody(2, {5, 0, 0}, 20);
+  AddBody(3, {9, 0, 0}, 20);
+  AddBody(4, {50, 0, 0}, 20);
+  sender.SetCoarser(true);
+  Send(kShare384, 1);
+  EXPECT_EQ(qualities, (std::map<std::uint32_t, std::size_t>{{1, 1}, {2, 1}, {3, 2}, {4, 2}}));
+  sender.SetCoarser(false);
+  Send(kShare384, 1);
+  EXPECT_EQ(qualities, (std::map<std::uint32_t, std::size_t>{{1, 0}, {2, 0}, {3, 0}, {4, 2}}));
 }
 
 TEST_F(SnapshotSenderTest, CountsWhatWasSent) {
