@@ -30,10 +30,11 @@ struct Config {
   int maxClients = 64;
   int maxPerAddress = 0;  // 0: as many as clients
   int threads = 1;
-  double clientKbit = 384;    // a client's share of snapshots, kbit/s, all headers counted
-  double viewDistance = 250;  // from a player's own body within which others are sent, m
-  double pauseAfter = 30;     // seconds that a world without a single connection goes on for; 0: always
-  int rounds = 0;             // of the scene's game that make a match; 0: it has no end
+  double clientKbit = 384;      // a client's share of snapshots, kbit/s, all headers counted
+  double viewDistance = 250;    // from a player's own body within which others are sent, m
+  double pauseAfter = 30;       // seconds that a world without a single connection goes on for; 0: always
+  bool admitsWhenBusy = false;  // lets players in although there is too little time for ticks
+  int rounds = 0;               // of the scene's game that make a match; 0: it has no end
   std::uint64_t seed = 1;
 };
 

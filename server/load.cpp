@@ -28,6 +28,10 @@ constexpr double kEasyPatience = 0.25;
 
 // Of the time that there is, used by a world that is slowed: the rest is for what differs from tick to tick.
 constexpr double kSlowedShare = 0.9;
+// The pace follows at once when there is less time and by leaps when there is more: clients stay with a steady pace
+// more easily than with one that trembles.
+constexpr double kSlower = 0.99;
+constexpr double kFaster = 1.1;
 
 }  // namespace
 
@@ -38,6 +42,7 @@ void Load::Record(double duration, double rate, double now) {
   m_shareOfFull += weight * (full - m_shareOfFull);
   m_share = m_shareOfFull * rate;
   Judge(now);
+  FollowRateLimit();
 }
 
 void Load::Judge(double now) {
@@ -52,8 +57,13 @@ void Load::Judge(double now) {
   m_tooMuchSince = m_easySince = -1;
 }
 
-double Load::RateLimit() const {
-  return m_level == LoadLevel::kSlowed ? std::clamp(kSlowedShare / m_shareOfFull, kLeastRate, 1.0) : 1;
+void Load::FollowRateLimit() {
+  const double wanted = std::clamp(kSlowedShare / std::max(m_shareOfFull, kSlowedShare), kLeastRate, 1.0);
+  if (m_level != LoadLevel::kSlowed) {
+    m_rateLimit = 1;
+  } else if (wanted < kSlower * m_rateLimit || wanted > kFaster * m_rateLimit || wanted == 1) {
+    m_rateLimit = wanted;
+  }
 }
 
 const char* Name(LoadLevel level) {

@@ -34,16 +34,18 @@ class Load {
   // little.
   [[nodiscard]] double Share() const { return m_share; }
   // Seconds of the world a second that there is time for: kLeastRate to 1; 1 unless the world is slowed.
-  [[nodiscard]] double RateLimit() const;
+  [[nodiscard]] double RateLimit() const { return m_rateLimit; }
 
  private:
   void Judge(double now);
+  void FollowRateLimit();
 
   double m_tickDuration;
   double m_share = 0;
   double m_shareOfFull = 0;  // the same at rate 1
   double m_last = -1;        // Record's now; -1: none yet
   LoadLevel m_level = LoadLevel::kNormal;
+  double m_rateLimit = 1;
   double m_tooMuchSince = -1;  // for this level; -1: it is not
   double m_easySince = -1;
 };

@@ -51,6 +51,9 @@ void DescribeOptions(CLI::App& app, Options& options) {
             "Metres from a player's body within which other bodies are sent");
   addNumber("--pause-after", kPauseAfterRange, config.pauseAfter,
             "Seconds that a world with nobody connected goes on for, then it waits; 0: it never waits");
+  app.add_flag("--admit-when-busy", config.admitsWhenBusy,
+               "Lets players in even when ticks take longer than they may: slow rather than alone")
+      ->envname("WOBBLE_ADMIT_WHEN_BUSY");
   addNumber("--rounds", kRoundsRange, config.rounds,
             "Rounds of the scene's game that make a match, after which the server ends; 0: it goes on");
   addNumber("--for", kDurationRange, options.runFor, "Seconds to run; 0: until Ctrl-C");

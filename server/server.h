@@ -116,6 +116,7 @@ class Server {
   void End(Session& session, protocol::wire::GoodbyeReason reason, const std::string& detail);
   void ForgetPlayer(Session& session, bool unasked);
   void DropTimedOut(double now);
+  [[nodiscard]] bool IsBusy() const;  // too busy to let anybody in
 
   // What players do beyond moving about: server_play.cpp.
   void Obey(Session& session, const Command& command);

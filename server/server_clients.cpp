@@ -65,7 +65,7 @@ void Server::Join(Session& session) {
         std::to_string(m_config.maxClients) + " of " + std::to_string(m_config.maxClients) + " players are in");
     return;
   }
-  if (m_load.Level() >= LoadLevel::kBusy) {
+  if (IsBusy()) {
     End(session, GoodbyeReason::Busy, "this machine has as much to do as it can; try again in a while");
     return;
   }
@@ -185,9 +185,10 @@ void Server::ListPlaying(std::vector<ClientId>& clients) const {
   }
 }
 
+bool Server::IsBusy() const { return m_load.Level() >= LoadLevel::kBusy && !m_config.admitsWhenBusy; }
+
 bool Server::AcceptsJoins() const {
-  return !m_closing && !IsMatchOver() && m_load.Level() < LoadLevel::kBusy &&
-         CountPlaying() < static_cast<std::size_t>(m_config.maxClients);
+  return !m_closing && !IsMatchOver() && !IsBusy() && CountPlaying() < static_cast<std::size_t>(m_config.maxClients);
 }
 
 ClientCounts Server::CountClients() const {

@@ -46,6 +46,7 @@ std::string MakeSummary(const Server& server, const TickTimes& times) {
   json["tick_ms_max"] = Round(times.MaxMs());
   json["overruns"] = times.Overruns();
   json["dropped_ticks"] = server.Clock().DroppedTicks();
+  json["slowed_ticks"] = Round(server.Clock().SlowedTicks());
   json["bodies"] = world.Bodies().size();
   json["awake_mean"] = Round(static_cast<double>(counts.awakeSum) / ticks);
   json["substeps_mean"] =

@@ -16,6 +16,7 @@ int TickClock::TakeDueTicks(double now) {
   const double elapsed = now - m_lastCall;
   m_lastCall = now;
   if (elapsed > 0) {
+    m_slowedTicks += elapsed * (m_rate - Pace()) / m_tickDuration;
     const double kept = std::clamp(1 - dropped * interval / elapsed, 0.0, 1.0);
     m_kept += (kept - m_kept) * (1 - std::exp(-elapsed));
     if (m_kept > 0.9995) m_kept = 1;

@@ -31,6 +31,8 @@ class TickClock {
   // World time per wall time, smoothed over a second; exactly the rate, or its limit, while nothing has been dropped.
   [[nodiscard]] double TimeRatio() const { return Pace() * m_kept; }
   [[nodiscard]] std::uint64_t DroppedTicks() const { return m_droppedTicks; }
+  // That were never due because the limit is below the rate.
+  [[nodiscard]] double SlowedTicks() const { return m_slowedTicks; }
 
  private:
   [[nodiscard]] double Pace() const { return m_rate < m_limit ? m_rate : m_limit; }
@@ -48,6 +50,7 @@ class TickClock {
   double m_kept = 1;  // of the ticks that were due, smoothed
   int m_jumpTicks = 0;
   std::uint64_t m_droppedTicks = 0;
+  double m_slowedTicks = 0;
 };
 
 }  // namespace wobble::server

@@ -36,6 +36,7 @@ void Gauge::Read(const server::Server& server, double now) {
     m_energy.Advance(server.World(), m_config.tickHz);
   }
   f.droppedTicks = server.Clock().DroppedTicks();
+  f.slowedTicks = server.Clock().SlowedTicks();
   f.ticks = server.World().Tick();
   f.timeRatio = server.Clock().TimeRatio();
   f.loadShare = server.ReadLoad().Share();

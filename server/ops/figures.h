@@ -25,6 +25,7 @@ struct Figures {
   std::array<server::Bins<kTickBounds>, server::kPhaseCount> phaseDurations;
   std::uint64_t overruns = 0;  // ticks longer than their share of a second
   std::uint64_t droppedTicks = 0;
+  double slowedTicks = 0;
   std::uint64_t ticks = 0;  // of the world
   double timeRatio = 1;
   double loadShare = 0;

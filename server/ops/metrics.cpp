@@ -73,6 +73,8 @@ void AddTicks(List& list, const Figures& f) {
                   ToNumber(f.overruns));
   list.AddCounter("wobble_ticks_dropped_total", "Ticks that world time fell behind by for good.",
                   ToNumber(f.droppedTicks));
+  list.AddCounter("wobble_ticks_slowed_total", "Ticks that world time fell behind by going slower on purpose.",
+                  f.slowedTicks);
   list.AddCounter("wobble_world_ticks_total", "Ticks of the world.", ToNumber(f.ticks));
   list.AddGauge("wobble_time_ratio", "World time per wall time, smoothed over a second.", f.timeRatio);
   list.AddGauge("wobble_load_ratio", "Time that ticks take of the time there is for them; above 1 it is too little.",

@@ -69,7 +69,8 @@ std::vector<std::string> WaitForCall(Sidecar& sidecar, const std::string& call) 
 }
 
 Process StartServer(const std::string& port) {
-  return Process({"wobbled", "--untrained", "--port", port, "--log-level", "warn", "--status", "0"});
+  return Process(
+      {"wobbled", "--untrained", "--admit-when-busy", "--port", port, "--log-level", "warn", "--status", "0"});
 }
 
 TEST(Fleet, AServersLifeAsAgonesHearsOfIt) {

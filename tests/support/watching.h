@@ -63,8 +63,8 @@ inline std::vector<std::string> Watching(int port, const std::vector<std::string
 class Wobbled {
  public:
   explicit Wobbled(int port, const std::string& scene = "arena") {
-    std::vector<std::string> words{WOBBLE_BIN_DIR "/wobbled", "--scene",     scene,  "--port",
-                                   std::to_string(port),      "--log-level", "error"};
+    std::vector<std::string> words{WOBBLE_BIN_DIR "/wobbled", "--scene",     scene,   "--port",
+                                   std::to_string(port),      "--log-level", "error", "--admit-when-busy"};
     if (kIsSanitized) words.emplace_back("--untrained");  // it would take half a minute
     const std::vector<char*> arguments = MakeArguments(words);
     int output[2];

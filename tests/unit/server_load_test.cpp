@@ -103,7 +103,6 @@ class SlowMachine {
     for (const double end = game.now + seconds; game.now < end;) Step();
   }
 
-
   double share = 0.1;  // of a tick's budget
   test::Game game;
 
@@ -140,6 +139,7 @@ TEST(Overload, TwiceTooMuchGoesSlowerAndNobodyIsLost) {
   machine.Run(60);
   EXPECT_EQ(server.Clock().DroppedTicks(), dropped) << "slower on purpose, so none falls out";
   EXPECT_NEAR(server.World().Tick() - tick, 60 * 60 * 0.45, 30);
+  EXPECT_NEAR(server.Clock().SlowedTicks(), 60 * 61 * 0.55, 60);
   for (const auto& client : machine.game.clients) {
     EXPECT_NEAR(client->ReadStatistics().timeRatio, 0.45, 0.01) << "published in every snapshot";
     EXPECT_EQ(client->ReadTuning().timeRate, 1) << "as asked for: the machine is the reason";
@@ -187,6 +187,18 @@ TEST(Overload, WhoComesMeanwhileIsToldThatTheServerIsBusy) {
   const auto busy = static_cast<std::size_t>(protocol::wire::GoodbyeReason::Busy);
   EXPECT_EQ(machine.game.server.ReadCounts().goodbyes[busy], 1U);
   EXPECT_EQ(machine.game.server.CountPlaying(), 2U);
+}
+
+TEST(Overload, WhoComesMeanwhileIsLetInWhereThatIsAskedFor) {
+  SlowMachine machine(2, test::MakeYard(), {.admitsWhenBusy = true});
+  machine.Run(2);
+  machine.share = 2;
+  machine.Run(5);
+  ASSERT_EQ(machine.game.server.ReadLoad().Level(), LoadLevel::kSlowed);
+  EXPECT_TRUE(machine.game.server.AcceptsJoins());
+  auto& late = machine.game.AddClient();
+  machine.Run(1);
+  EXPECT_EQ(late.ReadState(), client::State::kPlaying);
 }
 
 TEST(Overload, NoStepIsLeftOutOrMadeLonger) {

@@ -16,7 +16,7 @@
 namespace wobble::bench {
 namespace {
 
-constexpr unsigned kCounts[] = {1, 2, 4, 8, 16, 32, 64, 96, 128, 192, 256, 384, 512};
+constexpr unsigned kCounts[] = {1, 2, 4, 8, 16, 32, 48, 64, 96, 128, 192, 256, 384, 512};
 constexpr unsigned kQuickCounts[] = {1, 8, 32, 64};
 constexpr unsigned kAskedPlayers = 64;
 constexpr unsigned kQuickPlayers = 8;  // whatever else the machine does
