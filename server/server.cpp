@@ -105,7 +105,8 @@ void Server::Step() {
   m_watch.Enter(Phase::kStep);
   ApplyInputs();
   ActByHand();
-  const physics::StepReport report = m_report = m_world.Step();
+  m_report = m_world.Step();
+  const physics::StepReport& report = m_report;
   m_counts.substeps += report.substeps;
   m_counts.awakeSum += report.awake;
   m_counts.nonFinite += report.nonFinite;
@@ -223,9 +224,9 @@ void Server::FollowLoad(std::size_t due, double now) {
   m_load.Record(spent / static_cast<double>(due), m_clock.Rate(), now);
   m_clock.SetLimit(m_load.RateLimit());
   const LoadLevel level = m_load.Level();
-  if (level == before) return;
   m_sender.SetCoarser(level >= LoadLevel::kCoarser);
   m_snapshotHz = level >= LoadLevel::kBusy ? std::min(m_config.snapshotHz, kBusySnapshotHz) : m_config.snapshotHz;
+  if (level == before) return;
   spdlog::log(level > before ? spdlog::level::warn : spdlog::level::info,
               "tick {}: ticks take {:.0f} % of the time there is for them, load level {}", m_world.Tick(),
               100 * m_load.Share(), Name(level));

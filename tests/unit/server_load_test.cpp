@@ -223,6 +223,8 @@ TEST(Overload, AWorldThatHasWaitedBeginsAnew) {
   auto& next = machine.game.AddClient();
   machine.Run(1);
   EXPECT_EQ(next.ReadState(), client::State::kPlaying);
+  EXPECT_EQ(machine.game.server.SnapshotHz(), 30);
+  EXPECT_EQ(machine.game.server.Clock().TimeRatio(), 1);
 }
 
 }  // namespace
