@@ -16,7 +16,8 @@ constexpr int kPatience = 2;  // s, for the connection and for the answer
 
 int AskHealth(const std::string& words) {
   std::string error;
-  const auto address = tool::ParseAddress(words, error);
+  const bool isPort = words.find_first_not_of("0123456789") == std::string::npos && !words.empty();
+  const auto address = tool::ParseAddress(isPort ? "127.0.0.1:" + words : words, error);
   if (!address) {
     std::fprintf(stderr, "wobble health: %s\n", error.c_str());
     return tool::kExitBadUse;
@@ -38,11 +39,11 @@ int AskHealth(const std::string& words) {
 tool::Command DescribeHealth(CLI::App& app) {
   const auto address = std::make_shared<std::string>();
   CLI::App* command = app.add_subcommand("health", "Asks a server or gateway whether it is well");
-  command->add_option("address", *address, "A server's --ops, or a gateway's --http")->type_name("HOST:PORT REQUIRED");
+  command->add_option("address", *address, "A server's --ops, or a gateway's --http")->type_name("HOST:PORT or PORT REQUIRED");
   command->footer(
       "Exit code: 0 it is well, 1 it is not or does not answer within 2 s, 2 bad usage.\n"
       "Examples:\n"
-      "  wobble health 127.0.0.1:9100     a server started with --ops 9100\n"
+      "  wobble health 9100               a server started with --ops 9100\n"
       "  wobble health 127.0.0.1:8080     a gateway");
   return {command, [address](const tool::IsStopAsked&) { return AskHealth(*address); }};
 }

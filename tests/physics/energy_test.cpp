@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/physics/pair.h"
 #include "tests/physics/bodies.h"
 
 namespace wobble::physics {
