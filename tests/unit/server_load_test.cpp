@@ -224,7 +224,7 @@ TEST(Overload, AWorldThatHasWaitedBeginsAnew) {
   machine.Run(1);
   EXPECT_EQ(next.ReadState(), client::State::kPlaying);
   EXPECT_EQ(machine.game.server.SnapshotHz(), 30);
-  EXPECT_EQ(machine.game.server.Clock().TimeRatio(), 1);
+  EXPECT_GT(machine.game.server.Clock().TimeRatio(), 0.98) << "nothing is held back any more";
 }
 
 }  // namespace
