@@ -44,8 +44,7 @@ using Message = std::vector<std::uint8_t>;
 // frames: newest first, at most kMaxInputFrames.
 // hand: nullptr when it is empty. stalls: as messages.fbs says.
 [[nodiscard]] Message MakeInput(std::span<const wire::InputFrame> frames, std::uint32_t ackedSequence,
-                                std::uint64_t ackedHistory, const wire::Hand* hand = nullptr,
-                                std::uint32_t stalls = 0);
+                                std::uint64_t ackedHistory, const wire::Hand* hand = nullptr, std::uint32_t stalls = 0);
 [[nodiscard]] Message MakeClientGoodbye(wire::GoodbyeReason reason, std::string_view detail);
 
 [[nodiscard]] Message MakePush(std::uint32_t body, std::uint16_t vertex, const Vector3& direction);

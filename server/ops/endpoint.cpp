@@ -111,7 +111,8 @@ std::unique_ptr<Endpoint> Endpoint::Listen(const Address& address, const std::st
   made->http.set_payload_max_length(kMostRequestBytes);
   made->Serve();
   if (!made->http.bind_to_port(address.host, address.port)) {
-    error = fmt::format("{}:{} (TCP): cannot be listened on; is it in use, or the address another machine's?", address.host, address.port);
+    error = fmt::format("{}:{} (TCP): cannot be listened on; is it in use, or the address another machine's?",
+                        address.host, address.port);
     return nullptr;
   }
   made->thread = std::thread([http = &made->http] { http->listen_after_bind(); });

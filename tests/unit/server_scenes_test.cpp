@@ -20,11 +20,10 @@ using testing::StartsWith;
 
 const std::filesystem::path kFolder = std::filesystem::path(WOBBLE_SOURCE_DIR) / "server/scenes";
 
-const std::vector<std::string> kShipped{"arena",   "backtracking", "ball_drop", "breathing", "bubble",
-                                        "cloth",   "crowd",        "curtain",   "drop2d",    "jelly_stack",
-                                        "lattice", "magnetic",     "mesh_zoo",  "pair",      "perturbation",
-                                        "pitch",   "sandbox",      "scrum",     "sumo",      "tension",
-                                        "wind"};
+const std::vector<std::string> kShipped{
+    "arena",        "backtracking", "ball_drop",   "breathing", "bubble",   "cloth",    "crowd",
+    "curtain",      "drop2d",       "jelly_stack", "lattice",   "magnetic", "mesh_zoo", "pair",
+    "perturbation", "pitch",        "sandbox",     "scrum",     "sumo",     "tension",  "wind"};
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr int kTicks = 30;  // 34 times slower there

@@ -22,9 +22,26 @@ TEST(Summary, HasEveryKeyWithATrueValue) {
 
   const auto json = nlohmann::json::parse(MakeSummary(game.server, times));
   ASSERT_TRUE(json.is_object());
-  for (const char* key : {"ticks", "tick_ms_p50", "tick_ms_p99", "tick_ms_max", "overruns", "bodies", "awake_mean",
-                          "clients_peak", "joins", "disconnects", "bytes_out", "bits_per_vertex", "snapshot_error_rms",
-                          "non_finite", "inverted", "quarantined", "reset", "torn", "paused_s", "state_hash"}) {
+  for (const char* key : {"ticks",
+                          "tick_ms_p50",
+                          "tick_ms_p99",
+                          "tick_ms_max",
+                          "overruns",
+                          "bodies",
+                          "awake_mean",
+                          "clients_peak",
+                          "joins",
+                          "disconnects",
+                          "bytes_out",
+                          "bits_per_vertex",
+                          "snapshot_error_rms",
+                          "non_finite",
+                          "inverted",
+                          "quarantined",
+                          "reset",
+                          "torn",
+                          "paused_s",
+                          "state_hash"}) {
     ASSERT_TRUE(json.contains(key)) << key;
     EXPECT_FALSE(json[key].is_null()) << key;
   }
