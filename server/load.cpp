@@ -1,7 +1,7 @@
-// The share of the tick's budget is smoothed over the snapshots' own rhythm (every second tick sends, the others do
-// not), in wall time, so that a slowed world notices as fast as any other that the load has gone. From one measure to
-// the next it takes a while, so that one that is enough is not followed by another, and each is given up only with room
-// to spare, since giving it up costs again what it had saved.
+// The share of the tick's budget is smoothed over the snapshots' own rhythm (in a small world every second tick sends,
+// the others do not), in wall time, so that a slowed world notices as fast as any other that the load has gone. From
+// one measure to the next it takes a while, so that one that is enough is not followed by another, and each is given up
+// only with room to spare, since giving it up costs again what it had saved.
 //
 // All that is slow together is a second and a half from the last measure to none, of which smoothing takes 0.6 s when
 // the load was four times too much: within the 2 s that players are promised.

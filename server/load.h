@@ -9,7 +9,7 @@ namespace wobble::server {
 // Each comes on top of those before it.
 enum class LoadLevel : std::uint8_t {
   kNormal,
-  kCoarser,  // what is far away is sent less exactly
+  kCoarser,  // bodies are sent less exactly, those far away least
   kBusy,     // snapshots at kBusySnapshotHz, nobody new is let in
   kSlowed,   // the world goes slower, as fast as it can: at RateLimit
 };
@@ -30,7 +30,7 @@ class Load {
   void Record(double duration, double rate, double now);
 
   [[nodiscard]] LoadLevel Level() const { return m_level; }
-  // Time that ticks take of the time that there is for them, smoothed over kSmoothing; above 1 when there is too
+  // Time that ticks take of the time that there is for them, smoothed over 0.25 s; above 1 when there is too
   // little.
   [[nodiscard]] double Share() const { return m_share; }
   // Seconds of the world a second that there is time for: kLeastRate to 1; 1 unless the world is slowed.

@@ -67,7 +67,7 @@ int Server::Tick(double now) {
   m_lastTicks.clear();
   for (int i = 0; i < jumped + due; ++i) {
     Step();
-    if (const auto share = FindShare(); i >= jumped && share) {
+    if (const auto share = i < jumped ? std::nullopt : FindShare()) {
       Capture();
       Send(*share, now);
     }
