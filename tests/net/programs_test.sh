@@ -447,7 +447,8 @@ case_random_datagrams() {
   expect_figure "$folder/a.json" disconnects '== 0'
   expect_figure "$folder/a.json" refusals '== 0'
   expect_figure "$folder/b.json" disconnects '== 0'
-  [ ! -s "$folder/server.err" ] || fail "a server that notices nothing" "$folder/server.err"
+  # But for a machine that is too slow for anything.
+  ! grep -qv 'load level' "$folder/server.err" || fail "a server that notices nothing" "$folder/server.err"
 }
 
 case_help_and_version() {

@@ -9,8 +9,15 @@ import * as runner from 'node:test';
 const binFolder = process.env.WOBBLE_BIN_DIR ?? path.resolve('build/release/bin');
 const patienceMs = 30_000;
 
-// A test that fails rather than hangs, so that the programs it has started are ended.
-export const test = (name, run) => runner.test(name, { timeout: 2 * patienceMs }, run);
+const running = new Set();
+
+// A test that fails rather than hangs, and takes with it what it has started: Node waits for programs that still run.
+export const test = (name, run) =>
+  runner.test(name, { timeout: 2 * patienceMs }, async (context) => {
+    const earlier = new Set(running);
+    context.after(() => [...running].filter((it) => !earlier.has(it)).forEach((it) => it.process.kill('SIGKILL')));
+    await run(context);
+  });
 
 // One program: its lines so far, and its end.
 export class Program {
@@ -22,6 +29,8 @@ export class Program {
     collectLines(this.process.stderr, this.errors);
     // What the process came to: its exit code, or the name of the signal that ended it.
     this.end = new Promise((resolve) => this.process.on('close', (code, signal) => resolve(code ?? signal)));
+    running.add(this);
+    this.end.then(() => running.delete(this));
   }
 
   // The first line that matches, of standard output or standard error.
