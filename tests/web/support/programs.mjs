@@ -1,4 +1,5 @@
 // Starts the programs that are tested, on ports of their own, and sees to it that none outlives its test.
+import { AsyncLocalStorage } from 'node:async_hooks';
 import { spawn } from 'node:child_process';
 import dgram from 'node:dgram';
 import fs from 'node:fs';
@@ -9,14 +10,15 @@ import * as runner from 'node:test';
 const binFolder = process.env.WOBBLE_BIN_DIR ?? path.resolve('build/release/bin');
 const patienceMs = 30_000;
 
-const running = new Set();
+// The programs that the test at hand has started; tests may run at the same time.
+const started = new AsyncLocalStorage();
 
 // A test that fails rather than hangs, and takes with it what it has started: Node waits for programs that still run.
 export const test = (name, run) =>
   runner.test(name, { timeout: 2 * patienceMs }, async (context) => {
-    const earlier = new Set(running);
-    context.after(() => [...running].filter((it) => !earlier.has(it)).forEach((it) => it.process.kill('SIGKILL')));
-    await run(context);
+    const own = [];
+    context.after(() => own.forEach((program) => program.process.kill('SIGKILL')));
+    await started.run(own, () => run(context));
   });
 
 // One program: its lines so far, and its end.
@@ -29,8 +31,7 @@ export class Program {
     collectLines(this.process.stderr, this.errors);
     // What the process came to: its exit code, or the name of the signal that ended it.
     this.end = new Promise((resolve) => this.process.on('close', (code, signal) => resolve(code ?? signal)));
-    running.add(this);
-    this.end.then(() => running.delete(this));
+    started.getStore()?.push(this);
   }
 
   // The first line that matches, of standard output or standard error.
