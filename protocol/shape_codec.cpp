@@ -1,5 +1,5 @@
 // Everything up to the sum of modes is in integers, and these wrap: a record made to overflow shows nonsense, but the
-// same nonsense everywhere. The encoder looks at what the decoder makes of a record and never sends one that does.
+// same nonsense everywhere. The encoder looks at what the decoder makes of its numbers and never sends any that do.
 #include "protocol/shape_codec.h"
 
 #include <cassert>
@@ -62,13 +62,14 @@ DecodeResult DecodePose(std::span<const std::uint8_t> payload, float size, Quant
   return result;
 }
 
-void ShapeDecoder::MoveAlongModes(const PatchModel& model, bool followsContact, float step, std::span<Vector3> shape) {
+void ShapeDecoder::MoveAlongModes(const PatchModel& model, std::span<const std::int32_t> coefficients,
+                                  bool followsContact, float step, std::span<Vector3> shape) {
   const Basis& basis = *model.basis;
   const std::size_t count = model.rest.size();
   const float scale = FindContactScale(model.size, step);
   m_sums.assign(3 * count, 0);
   for (std::size_t k = 0; k < 3 * count; ++k) {
-    std::uint32_t value = static_cast<std::uint32_t>(m_coefficients[k]) * 16;
+    std::uint32_t value = static_cast<std::uint32_t>(coefficients[k]) * 16;
     if (followsContact) value += static_cast<std::uint32_t>(FindSuggestion(m_contact.along[k], basis.gains[k], scale));
     if (value == 0) continue;
     if (basis.isScalar) {
@@ -109,18 +110,24 @@ DecodeResult ShapeDecoder::Decode(const PatchModel& model, std::span<const std::
   if (decoder.LeftBytes()) return DecodeResult::kTrailingBytes;
 
   pose = Dequantise(head.pose);
+  Rebuild(model, head, m_coefficients, shape);
+  return DecodeResult::kOk;
+}
+
+void ShapeDecoder::Rebuild(const PatchModel& model, const ShapeHead& head, std::span<const std::int32_t> coefficients,
+                           std::span<Vector3> shape) {
   m_sides.clear();
   if (head.mode.followsContact || head.mode.pressesOut) {
-    FindSides(model.obstacles, pose, FindReach(model.rest), m_sides);
+    FindSides(model.obstacles, Dequantise(head.pose), FindReach(model.rest), m_sides);
   }
-  if (basis == nullptr) {
-    MoveVertices(model.rest, m_coefficients, FindStep(stepLevel), shape);
-  } else {
+  const float step = FindStep(FindStepLevel(head.pose.grid.grid, head.stepIndex));
+  if (head.mode.usesBasis) {
     const bool follows = head.mode.followsContact && FindContact(model, m_sides, m_contact);
-    MoveAlongModes(model, follows, FindStep(stepLevel), shape);
+    MoveAlongModes(model, coefficients, follows, step, shape);
+  } else {
+    MoveVertices(model.rest, coefficients, step, shape);
   }
   if (head.mode.pressesOut) static_cast<void>(PressOut(m_sides, shape));
-  return DecodeResult::kOk;
 }
 
 const char* Name(DecodeResult result) {

@@ -47,6 +47,8 @@ struct ContactScratch {
   std::vector<std::int32_t> along;
 };
 
+struct ShapeHead;
+
 // Reads a payload's pose alone, which takes no basis.
 [[nodiscard]] DecodeResult DecodePose(std::span<const std::uint8_t> payload, float size, QuantisedPose& pose);
 
@@ -57,10 +59,15 @@ class ShapeDecoder {
   // result but kOk the contents of `pose` and `shape` are unspecified and must not be shown.
   [[nodiscard]] DecodeResult Decode(const PatchModel& model, std::span<const std::uint8_t> payload, Pose& pose,
                                     std::span<Vector3> shape);
+  // The shape that Decode reads where this head and these coefficients, in steps, were written: the encoder's look at
+  // its own work.
+  void Rebuild(const PatchModel& model, const ShapeHead& head, std::span<const std::int32_t> coefficients,
+               std::span<Vector3> shape);
 
  private:
-  // By m_coefficients, in the model's basis, and by what contact suggests.
-  void MoveAlongModes(const PatchModel& model, bool followsContact, float step, std::span<Vector3> shape);
+  // In the model's basis, and by what contact suggests.
+  void MoveAlongModes(const PatchModel& model, std::span<const std::int32_t> coefficients, bool followsContact,
+                      float step, std::span<Vector3> shape);
 
   std::vector<std::int32_t> m_coefficients;
   ContactScratch m_contact;

@@ -154,14 +154,23 @@ void ShapeEncoder::Transform(const Basis& basis) {
   if (square <= 0) return;
   const auto scale = static_cast<float>(std::min(1.28e5 / std::sqrt(square), 32767.0 / double{largest}));
   m_rounded.resize(size);
-  const std::size_t apart = basis.isScalar ? count : 1, stride = basis.isScalar ? 1 : 3;
-  for (std::size_t i = 0; i < size; ++i) {
-    m_rounded[i / 3 * stride + i % 3 * apart] = static_cast<std::int16_t>(std::nearbyint(m_coefficients[i] * scale));
-  }
+  const auto round = [scale](float x) { return static_cast<std::int16_t>(std::nearbyint(x * scale)); };
   const float unit = 1.0F / (16384.0F * scale);
-  for (std::size_t k = 0; k < size; ++k) {
-    const std::int16_t* numbers = basis.isScalar ? m_rounded.data() + k % 3 * count : m_rounded.data();
-    m_coefficients[k] = static_cast<float>(Project(basis.Column(basis.isScalar ? k / 3 : k), numbers)) * unit;
+  if (!basis.isScalar) {
+    for (std::size_t i = 0; i < size; ++i) m_rounded[i] = round(m_coefficients[i]);
+    for (std::size_t k = 0; k < size; ++k) {
+      m_coefficients[k] = static_cast<float>(Project(basis.Column(k), m_rounded.data())) * unit;
+    }
+    return;
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (std::size_t i = 0; i < count; ++i) m_rounded[axis * count + i] = round(m_coefficients[3 * i + axis]);
+  }
+  for (std::size_t mode = 0; mode < count; ++mode) {
+    const auto along = ProjectAxes(basis.Column(mode), m_rounded.data(), count);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      m_coefficients[3 * mode + axis] = static_cast<float>(along[axis]) * unit;
+    }
   }
 }
 
@@ -325,7 +334,6 @@ ShapeEncoding ShapeEncoder::EncodeAt(const PatchModel& model, const Pose& pose, 
     Transform(*model.basis);
     head.mode.followsContact = FindContact(model, m_sides, m_contact) && FollowsContact(model, targetRms);
   }
-  const std::size_t start = out.size();
   double budget = kPlannedShare * static_cast<double>(vertices.size()) * double{targetRms} * double{targetRms};
   GuessStep(model, budget, choice);
   ShapeEncoding encoding;
@@ -333,19 +341,14 @@ ShapeEncoding ShapeEncoder::EncodeAt(const PatchModel& model, const Pose& pose, 
   constexpr int kTries = 4;
   for (int i = 0; i < kTries; ++i) {
     SearchStep(model, budget, choice);
-    out.resize(start);
-    Write(model, choice, out);
-    Pose decoded;
-    const DecodeResult result =
-        m_decoder.Decode(model, std::span<const std::uint8_t>(out).subspan(start), decoded, m_shape);
-    assert(result == DecodeResult::kOk);
-    static_cast<void>(result);
+    m_decoder.Rebuild(model, head, m_chosen, m_shape);
     encoding = Measure(m_shape);
     encoding.step = FindStep(choice.StepLevel());
-    if (encoding.rmsError <= targetRms) return encoding;
+    if (encoding.rmsError <= targetRms) break;
     const double over = double{encoding.rmsError} / double{targetRms};
     budget *= 0.998 / (over * over);
   }
+  Write(model, choice, out);
   return encoding;
 }
 

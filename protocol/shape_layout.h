@@ -89,5 +89,17 @@ void WriteHead(RangeEncoder& encoder, float size, const ShapeHead& head);
   }
   return static_cast<std::int32_t>(sum);
 }
+// The same of three rows, one `apart` numbers behind the other: a column is read once for all.
+[[nodiscard]] inline std::array<std::int32_t, 3> ProjectAxes(std::span<const std::int16_t> column,
+                                                             const std::int16_t* numbers, std::size_t apart) {
+  std::uint32_t x = 0, y = 0, z = 0;
+  for (std::size_t i = 0; i < column.size(); ++i) {
+    const int each = column[i];
+    x += static_cast<std::uint32_t>(each * int{numbers[i]});
+    y += static_cast<std::uint32_t>(each * int{numbers[i + apart]});
+    z += static_cast<std::uint32_t>(each * int{numbers[i + 2 * apart]});
+  }
+  return {static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), static_cast<std::int32_t>(z)};
+}
 
 }  // namespace wobble::protocol
