@@ -1,13 +1,38 @@
 #include "server/encoder.h"
 
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <utility>
+
 #include "protocol/shape_codec.h"
 #include "protocol/snapshot.h"
+#include "server/physics/parallel.h"
 
 namespace wobble::server {
+namespace {
 
-void Encoder::EncodeBody(float errorShare, const CapturedBody& body, const CapturedBlueprint& blueprint,
+// What one thread encodes with; keeps its memory between bodies.
+class BodyEncoder {
+ public:
+  explicit BodyEncoder(std::span<const protocol::wire::Obstacle> obstacles) : m_obstacles(obstacles) {}
+
+  void Encode(float errorShare, const CapturedBody& body, const CapturedBlueprint& blueprint, Encoding& encoding);
+
+  [[nodiscard]] std::uint64_t CoarsenedRecords() const { return m_coarsened; }
+
+ private:
+  std::span<const protocol::wire::Obstacle> m_obstacles;
+  protocol::ShapeEncoder m_shapes;
+  std::vector<std::size_t> m_ends;  // of each record in the bytes
+  std::vector<std::uint8_t> m_payload;
+  std::uint64_t m_coarsened = 0;
+};
+
+void BodyEncoder::Encode(float errorShare, const CapturedBody& body, const CapturedBlueprint& blueprint,
                          Encoding& encoding) {
   const std::span<const protocol::Vector3> vertices = body.vertices;
+  encoding.version = body.version;
   encoding.body = {};
   encoding.bytes.clear();
   encoding.bytes.reserve((vertices.size() / protocol::kMaxPatchVertices + 1) * protocol::kMaxPacketBytes);
@@ -43,16 +68,62 @@ void Encoder::EncodeBody(float errorShare, const CapturedBody& body, const Captu
   encoding.body.records = encoding.records;
 }
 
-void Encoder::Follow(std::span<const ShownBody> bodies) { FollowBodies(bodies, m_bodies); }
+}  // namespace
+
+struct Encoder::Workers {
+  Workers(std::span<const protocol::wire::Obstacle> obstacles, int count)
+      : threads(count), encoders([obstacles] { return BodyEncoder(obstacles); }) {}
+
+  physics::Threads threads;
+  tbb::enumerable_thread_specific<BodyEncoder> encoders;
+};
+
+Encoder::Encoder(std::vector<protocol::wire::Obstacle> obstacles, int threads)
+    : m_obstacles(std::move(obstacles)), m_workers(std::make_unique<Workers>(m_obstacles, threads)) {}
+Encoder::~Encoder() = default;
+
+void Encoder::Follow(std::span<const ShownBody> bodies, std::uint32_t tick) {
+  FollowBodies(bodies, m_bodies);
+  m_tick = tick;
+}
+
+const EncodedBody& Encoder::NoteRead(Encoding& encoding) const {
+  if (encoding.lastRead != m_tick) encoding.readBefore = std::exchange(encoding.lastRead, m_tick);
+  return encoding.body;
+}
 
 const EncodedBody& Encoder::Encode(std::size_t index, std::size_t quality, const CapturedBody& body,
                                    const CapturedBlueprint& blueprint) {
   Encoding& encoding = m_bodies[index].qualities[quality];
   if (encoding.version != body.version) {
-    encoding.version = body.version;
-    EncodeBody(kSnapshotErrorShares[quality], body, blueprint, encoding);
+    m_workers->encoders.local().Encode(kSnapshotErrorShares[quality], body, blueprint, encoding);
   }
-  return encoding.body;
+  return NoteRead(encoding);
+}
+
+const EncodedBody* Encoder::Find(std::size_t index, std::size_t quality, std::uint64_t version) {
+  Encoding& encoding = m_bodies[index].qualities[quality];
+  return version != 0 && encoding.version == version ? &NoteRead(encoding) : nullptr;
+}
+
+bool Encoder::IsExpected(std::size_t index) const {
+  return std::ranges::any_of(m_bodies[index].qualities, [this](const Encoding& each) { return IsExpected(each); });
+}
+
+void Encoder::EncodeAhead(std::span<const FreshCapture> captures) {
+  m_workers->threads.ForEach(captures.size() * kQualities, [&](std::size_t i) {
+    const FreshCapture& fresh = captures[i / kQualities];
+    const std::size_t quality = i % kQualities;
+    Encoding& encoding = m_bodies[fresh.index].qualities[quality];
+    if (!IsExpected(encoding) || encoding.version == fresh.body->version) return;
+    m_workers->encoders.local().Encode(kSnapshotErrorShares[quality], *fresh.body, *fresh.blueprint, encoding);
+  });
+}
+
+std::uint64_t Encoder::CoarsenedRecords() const {
+  std::uint64_t sum = 0;
+  for (const BodyEncoder& each : m_workers->encoders) sum += each.CoarsenedRecords();
+  return sum;
 }
 
 }  // namespace wobble::server

@@ -3,12 +3,11 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "protocol/geometry.h"
-#include "protocol/shape_codec.h"
 #include "server/capture.h"
 
 namespace wobble::server {
@@ -28,45 +27,66 @@ struct EncodedBody {
   double error = 0;            // RMS of that
 };
 
+// What the encoder keeps of one body at one quality.
+struct Encoding {
+  std::uint64_t version = 0;        // of the capture; 0: none yet
+  std::vector<std::uint8_t> bytes;  // of all records
+  std::vector<std::span<const std::uint8_t>> records;
+  EncodedBody body;
+  // Ticks after which it was read last, and before that; 0: not yet.
+  std::uint32_t lastRead = 0;
+  std::uint32_t readBefore = 0;
+};
+
+// A body that has been captured, and its place among those that Encoder::Follow was told of.
+struct FreshCapture {
+  std::size_t index = 0;
+  const CapturedBody* body = nullptr;
+  const CapturedBlueprint* blueprint = nullptr;
+};
+
 class Encoder {
  public:
   // obstacles: of the welcome.
-  explicit Encoder(std::vector<protocol::wire::Obstacle> obstacles = {}) : m_obstacles(std::move(obstacles)) {}
-  // Forgets bodies that are not among these, the world's by ascending id.
-  void Follow(std::span<const ShownBody> bodies);
+  explicit Encoder(std::vector<protocol::wire::Obstacle> obstacles = {}, int threads = 1);
+  ~Encoder();
+
+  // Forgets bodies that are not among these, the world's by ascending id, after this tick.
+  void Follow(std::span<const ShownBody> bodies, std::uint32_t tick);
   // Of the body at `index` of those, at one of kSnapshotErrorShares. Encodes it unless this capture has been; valid
   // until it is encoded again.
   const EncodedBody& Encode(std::size_t index, std::size_t quality, const CapturedBody& body,
                             const CapturedBlueprint& blueprint);
-
   // What Encode would return of this capture; null when it would have to encode it first.
-  [[nodiscard]] const EncodedBody* Find(std::size_t index, std::size_t quality, std::uint64_t version) const {
-    const Encoding& encoding = m_bodies[index].qualities[quality];
-    return version != 0 && encoding.version == version ? &encoding.body : nullptr;
-  }
+  [[nodiscard]] const EncodedBody* Find(std::size_t index, std::size_t quality, std::uint64_t version);
+
+  // Whether the body at `index` is likely to be asked for after this tick: it was read as long ago as it had been when
+  // it was read then. Of a world that a client's share suffices for that is every body, and of a crowd those whose turn
+  // it is.
+  [[nodiscard]] bool IsExpected(std::size_t index) const;
+  // Encodes these on all threads, at the qualities that are likely to be asked for. It changes nothing but who waits:
+  // what was not expected is encoded when it is asked for.
+  void EncodeAhead(std::span<const FreshCapture> captures);
 
   // Missed the target to fit a packet, or did not fit at all.
-  [[nodiscard]] std::uint64_t CoarsenedRecords() const { return m_coarsened; }
+  [[nodiscard]] std::uint64_t CoarsenedRecords() const;
 
  private:
-  struct Encoding {
-    std::uint64_t version = 0;        // of the capture; 0: none yet
-    std::vector<std::uint8_t> bytes;  // of all records
-    std::vector<std::span<const std::uint8_t>> records;
-    EncodedBody body;
-  };
   struct Encodings {
     std::uint32_t body = 0;
     std::array<Encoding, kQualities> qualities;
   };
-  void EncodeBody(float errorShare, const CapturedBody& body, const CapturedBlueprint& blueprint, Encoding& encoding);
+  struct Workers;
+
+  [[nodiscard]] bool IsExpected(const Encoding& encoding) const {
+    return encoding.readBefore != 0 && m_tick - encoding.lastRead == encoding.lastRead - encoding.readBefore;
+  }
+  const EncodedBody& NoteRead(Encoding& encoding) const;
 
   std::vector<protocol::wire::Obstacle> m_obstacles;
-  protocol::ShapeEncoder m_shapes;
   std::vector<Encodings> m_bodies;
-  std::vector<std::size_t> m_ends;      // scratch: of each record in the bytes
-  std::vector<std::uint8_t> m_payload;  // scratch
-  std::uint64_t m_coarsened = 0;
+  std::uint32_t m_tick = 0;
+  std::unique_ptr<Workers> m_workers;
 };
 
 }  // namespace wobble::server

@@ -2,7 +2,8 @@
 // of them takes it. Calls only go down; nothing but inputs and acknowledgements comes back up.
 //
 // Captured and encoded ahead of the choice, a thousand moving bodies were shown to nobody for the most part: the share
-// of sixteen clients is a few dozen of them.
+// of sixteen clients is a few dozen of them. So only what is likely to be taken is, and where there are threads to
+// share the work.
 #include "server/server.h"
 
 #include <spdlog/spdlog.h>
@@ -39,7 +40,7 @@ Server::Server(const Config& config, scenes::Scene scene, std::unique_ptr<transp
       m_sceneBodies(scenes::FillWorld(m_scene, config.seed, m_world)),
       m_grounds(CaptureGrounds(m_world.Obstacles())),
       m_bases(std::move(bases)),
-      m_encoder(CaptureObstacles(m_world.Obstacles())),
+      m_encoder(CaptureObstacles(m_world.Obstacles()), config.threads),
       m_sender(*m_transport, config.viewDistance),
       m_clock(1.0 / config.tickHz, now),
       m_watch(std::move(clock)),
@@ -126,7 +127,7 @@ void Server::Step() {
 void Server::Capture() {
   m_watch.Enter(Phase::kCapture);
   PublishBlueprints();
-  m_encoder.Follow(m_captures.Bodies());
+  m_encoder.Follow(m_captures.Bodies(), m_world.Tick());
 }
 
 void Server::PublishBlueprints() {
@@ -175,6 +176,20 @@ const Bases& Server::FindBases(std::size_t slot) const {
   return kNone;
 }
 
+void Server::EncodeAhead(Share share) {
+  if (m_config.threads == 1) return;
+  m_watch.Enter(Phase::kCapture);
+  m_fresh.clear();
+  const std::span<const ShownBody> bodies = m_captures.Bodies();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (!share.Has(bodies[i].body) || m_captures.Version(i) != 0 || !m_encoder.IsExpected(i)) continue;
+    const CapturedBody& captured = m_captures.Read(m_world, i);
+    m_fresh.push_back({i, &captured, &m_blueprints[captured.blueprint]});
+  }
+  m_watch.Enter(Phase::kEncode);
+  m_encoder.EncodeAhead(m_fresh);
+}
+
 const EncodedBody& Server::Encode(std::size_t index, std::size_t quality) {
   if (const EncodedBody* known = m_encoder.Find(index, quality, m_captures.Version(index))) return *known;
   m_watch.Enter(Phase::kCapture);
@@ -186,6 +201,7 @@ const EncodedBody& Server::Encode(std::size_t index, std::size_t quality) {
 }
 
 void Server::Send(Share share, double now) {
+  EncodeAhead(share);
   m_watch.Enter(Phase::kSend);
   const auto encode = [this](std::size_t index, std::size_t quality) -> const EncodedBody& {
     return Encode(index, quality);

@@ -137,6 +137,8 @@ class Server {
   void SendWelcome(Session& session);
   void Broadcast(const protocol::Message& message);
   void SendTo(const Session& session, const protocol::Message& message);
+  // Captures and encodes on all threads what is likely to be taken of this share; the rest when somebody takes it.
+  void EncodeAhead(Share share);
   [[nodiscard]] std::optional<Share> FindShare() const;  // of the bodies to be sent after this tick; none: no snapshot
 
   Config m_config;
@@ -151,6 +153,7 @@ class Server {
   std::map<transport::ConnectionId, Session> m_sessions;
   BodyCaptures m_captures;
   Encoder m_encoder;
+  std::vector<FreshCapture> m_fresh;  // EncodeAhead's
   SnapshotSender m_sender;
   TickClock m_clock;
   PhaseWatch m_watch;

@@ -32,6 +32,12 @@ Read ReadRecord(std::span<const std::uint8_t> record) {
   return {records.at(0).head, {records[0].payload.begin(), records[0].payload.end()}};
 }
 
+std::vector<ShownBody> Show(const std::vector<CapturedBody>& bodies) {
+  std::vector<ShownBody> shown;
+  for (const CapturedBody& body : bodies) shown.push_back({body.body, {}});
+  return shown;
+}
+
 class EncoderTest : public testing::Test {
  protected:
   // Balls of 162 and of 642 vertices, dropped and bounced for a second.
@@ -56,9 +62,7 @@ class EncoderTest : public testing::Test {
 
   // Of every body.
   std::vector<Records> EncodeAll(Encoder& with, std::size_t quality = 0) {
-    std::vector<ShownBody> shown;
-    for (const CapturedBody& body : bodies) shown.push_back({body.body, {}});
-    with.Follow(shown);
+    with.Follow(Show(bodies), world.Tick());
     std::vector<Records> all;
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       const EncodedBody& body = with.Encode(i, quality, bodies[i], blueprints[bodies[i].blueprint]);
@@ -178,6 +182,57 @@ TEST_F(EncoderTest, EachQualityKeepsToItsOwnTarget) {
     EXPECT_GT(error, 0.5 * double{kSnapshotErrorShares[quality]});
     EXPECT_LT(bytes, last);
     last = bytes;
+  }
+}
+
+// A crowd's bodies have their turns: what was read last time is not what is read next.
+TEST_F(EncoderTest, IsExpectedWhatHasBeenReadAtEvenIntervals) {
+  const auto isExpected = [&](std::uint32_t tick) {
+    encoder.Follow(Show(bodies), tick);
+    return encoder.IsExpected(0);
+  };
+  const auto read = [&](std::uint32_t tick) {
+    encoder.Follow(Show(bodies), tick);
+    static_cast<void>(encoder.Encode(0, 1, bodies[0], blueprints[0]));
+  };
+  read(10);
+  EXPECT_FALSE(isExpected(12)) << "read once";
+  read(15);
+  read(15);  // by another client
+  EXPECT_FALSE(isExpected(17));
+  EXPECT_TRUE(isExpected(20));
+  read(20);
+  EXPECT_TRUE(isExpected(25));
+  EXPECT_FALSE(isExpected(30)) << "missed its turn";
+}
+
+TEST_F(EncoderTest, WhatIsEncodedAheadIsTheSame) {
+  Encoder ahead({}, 2);
+  std::uint32_t tick = 10;
+  for (; tick < 14; tick += 2) {
+    ahead.Follow(Show(bodies), tick);
+    for (const std::size_t i : {0, 2}) {
+      static_cast<void>(ahead.Encode(i, i == 0 ? 0 : 2, bodies[i], blueprints[bodies[i].blueprint]));
+    }
+  }
+  Play(2);
+  ahead.Follow(Show(bodies), tick);
+  std::vector<FreshCapture> fresh;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    EXPECT_EQ(ahead.IsExpected(i), i != 1);
+    fresh.push_back({i, &bodies[i], &blueprints[bodies[i].blueprint]});
+  }
+  ahead.EncodeAhead(fresh);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    for (std::size_t quality = 0; quality < kQualities; ++quality) {
+      const EncodedBody* found = ahead.Find(i, quality, bodies[i].version);
+      const bool isAsked = (i == 0 && quality == 0) || (i == 2 && quality == 2);
+      ASSERT_EQ(found != nullptr, isAsked) << i << " at " << quality;
+      if (found == nullptr) continue;
+      const std::vector<std::uint8_t> bytes(found->records[0].begin(), found->records[0].end());
+      const Records alone = EncodeAll(encoder, quality)[i];
+      EXPECT_EQ(bytes, std::vector<std::uint8_t>(alone[0].begin(), alone[0].end()));
+    }
   }
 }
 

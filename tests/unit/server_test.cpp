@@ -747,7 +747,7 @@ TEST(Server, StepCaptureAndEncodeDoNotAllocateOnceWarm) {
       world.Step();
       captures.Follow(world);
       if (tick % 2 != 0) continue;
-      encoder.Follow(captures.Bodies());
+      encoder.Follow(captures.Bodies(), world.Tick());
       for (std::size_t i = 0; i < captures.Bodies().size(); ++i) {
         const CapturedBody& captured = captures.Read(world, i);
         for (std::size_t quality = 0; quality < kQualities; ++quality) {
@@ -769,6 +769,23 @@ TEST(Server, StepCaptureAndEncodeDoNotAllocateOnceWarm) {
   const auto one = std::make_unique<int>(1);
   countsAllocations = false;
   EXPECT_EQ(allocations.load(), 1U);
+}
+
+// What threads encode ahead is what would have been encoded when it was asked for.
+TEST(Server, SendsTheSameBytesOnAnyNumberOfThreads) {
+  const auto play = [](int threads) {
+    Config config;
+    config.threads = threads;
+    Game game(test::LoadShippedScene("arena"), config);
+    RawConnection& player = game.AddRaw();
+    game.Run(0.2);
+    player.Send(Channel::kControl, protocol::MakeHello("mira", protocol::wire::Role::Player));
+    game.Run(3);
+    return player.Snapshots();
+  };
+  const auto alone = play(1);
+  EXPECT_GT(alone.size(), 60U);
+  EXPECT_EQ(play(2), alone);
 }
 
 }  // namespace
