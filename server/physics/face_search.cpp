@@ -72,13 +72,33 @@ bool IsConvex(const Shell<Real>& shell, const FacePoint<Real>& face, std::uint16
   return (beyond - shell.x[shell.faces[face.face][0]]).dot(face.normal) <= Real(0);
 }
 
-// Above the face itself, with no neighbour that rises towards p: no face in the ring can be nearer.
+// Above the face itself, with no neighbour that rises towards p until its plane is nearer than the face: none can be
+// nearer then. What has but a corner in common with the face can, where the surface is hollow, above a spot round the
+// corner as wide as p is high times the angle between them; p finds it on the way down, as the spot shrinks.
 template <class Real>
-bool IsPlainlyNearest(const Shell<Real>& shell, const FacePoint<Real>& at) {
+bool IsPlainlyNearest(const Shell<Real>& shell, const FacePoint<Real>& at, const Vector3<Real>& p) {
   if (at.distance < Real(0) || at.weights.minCoeff() < Real(0)) return false;
   const auto& neighbours = shell.topology->neighbours[at.face];
-  return std::all_of(neighbours.begin(), neighbours.end(),
-                     [&](std::uint16_t n) { return n == kNoFace || IsConvex(shell, at, n); });
+  return std::all_of(neighbours.begin(), neighbours.end(), [&](std::uint16_t n) {
+    return n == kNoFace || IsConvex(shell, at, n) || FindFacePoint(shell, n, p).distance >= at.distance;
+  });
+}
+
+// Of p to the box round the face, m²: never more than to the face, and most faces of a ring are farther by that alone.
+template <class Real>
+Real FindSquaredBoxDistance(const Shell<Real>& shell, std::uint16_t face, const Vector3<Real>& p) {
+  const Face& f = shell.faces[face];
+  Real square = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Real a = shell.x[f[0]][axis];
+    const Real b = shell.x[f[1]][axis];
+    const Real c = shell.x[f[2]][axis];
+    const Real low = std::min(a, std::min(b, c)) - p[axis];
+    const Real high = p[axis] - std::max(a, std::max(b, c));
+    const Real beyond = std::max(Real(0), std::max(low, high));
+    square += beyond * beyond;
+  }
+  return square;
 }
 
 // Whether a point inside, now counted to `from`, belongs to `to` instead, across the side opposite to `corner`.
@@ -117,15 +137,15 @@ FacePoint<Real> FindFacePoint(const Shell<Real>& shell, std::uint16_t face, cons
 template <class Real>
 FacePoint<Real> FindNearestFace(const Shell<Real>& shell, std::uint16_t start, const Vector3<Real>& p) {
   FacePoint<Real> at = FindFacePoint(shell, start, p);
-  if (IsPlainlyNearest(shell, at)) return at;
+  if (IsPlainlyNearest(shell, at, p)) return at;
   Real square = FindSquaredDistance(shell, start, p);
   for (int step = 0; step < kMaxSteps; ++step) {
     FacePoint<Real> best = at;
     for (const std::uint16_t vertex : shell.faces[at.face]) {
       for (const std::uint16_t face : shell.topology->RingOf(vertex)) {
-        if (face == at.face) continue;
-        const Real other = FindSquaredDistance(shell, face, p);
         const Real tie = static_cast<Real>(kTieShare) * at.doubleArea;
+        if (face == at.face || FindSquaredBoxDistance(shell, face, p) > square + tie) continue;
+        const Real other = FindSquaredDistance(shell, face, p);
         if (other > square + tie) continue;
         const FacePoint<Real> there = FindFacePoint(shell, face, p);
         if (other < square - tie || there.distance > best.distance) {
@@ -156,6 +176,7 @@ FacePoint<Real> TurnToFacing(const Shell<Real>& shell, const FacePoint<Real>& at
   }
   for (const std::uint16_t vertex : shell.faces[at.face]) {
     for (const std::uint16_t face : shell.topology->RingOf(vertex)) {
+      if (FindSquaredBoxDistance(shell, face, p) >= least) continue;
       const Real square = FindSquaredDistance(shell, face, p);
       if (square >= least) continue;
       const FacePoint<Real> there = FindFacePoint(shell, face, p);

@@ -183,10 +183,11 @@ void ComputeBodyContactForces(const BodyContactBlock<Real>& block, const BodyCon
   }
 }
 
-// What a vertex on its face must know of the neighbour over one side (from, to): whether the surface is convex there,
-// and whether p has slid over it (SlidesOver of face_search.cpp for a weight that is not negative).
+// What a vertex on its face must know of the neighbour over one side (from, to): whether it rises so far that it may be
+// nearer (IsPlainlyNearest of face_search.cpp), and whether p has slid over the side (SlidesOver, for a weight that is
+// not negative).
 struct SideView {
-  std::uint32_t concave;
+  std::uint32_t nearer;
   std::uint32_t slides;
 };
 template <class V, class Real>
@@ -199,11 +200,11 @@ WOBBLE_INLINE SideView ViewSide(const FaceView<V>& at, const Axes<V>& from, cons
   const std::uint32_t concave = FindBelow(Spread<V>(Real(0)), Dot(Subtract(beyond, at.a), at.normal));
   const std::uint32_t rises = FindBelow(at.distance, distance);
   const std::uint32_t smooth = FindBelow(Spread<V>(static_cast<Real>(kSmoothCosine)), Dot(at.normal, normal));
-  return {concave, rises & smooth & ~concave};
+  return {concave & FindBelow(distance, at.distance), rises & smooth & ~concave};
 }
 
 // Whether the contact keeps its face for certain: neither beside nor sliding off it, nor looking along its own
-// surface's normal, and when outside with no face round it that rises towards the vertex.
+// surface's normal, and when outside with no face round it that may be nearer.
 template <class V, class Real>
 WOBBLE_INLINE std::uint32_t FindThoseThatMove(const FaceView<V>& at, const BodyContactBlock<Real>& block,
                                               const BodyContactPoints<Real>& points, std::size_t lane) {
@@ -214,12 +215,12 @@ WOBBLE_INLINE std::uint32_t FindThoseThatMove(const FaceView<V>& at, const BodyC
   for (int i = 0; i < 3; ++i) {
     const SideView one = ViewSide<V, Real>(at, *corners[(i + 1) % 3], *corners[(i + 2) % 3],
                                            ReadRows<V, Real>(points.across[i], lane), side);
-    all = {all.concave | one.concave, all.slides | one.slides};
+    all = {all.nearer | one.nearer, all.slides | one.slides};
   }
   const Axes<V> outward = ReadRows<V, Real>(block.outward, lane);
   const std::uint32_t hasOutward = FindBelow(zero, Dot(outward, outward));
   const std::uint32_t along = FindBelow(Spread<V>(static_cast<Real>(kFacingCosine)), Dot(at.normal, outward));
-  return FindBelow(FindLeast(at.weights), zero) | (all.concave & ~FindBelow(at.distance, zero)) | all.slides |
+  return FindBelow(FindLeast(at.weights), zero) | (all.nearer & ~FindBelow(at.distance, zero)) | all.slides |
          (hasOutward & along) | FindBelow(ReadRow<V>(block.maxDepth, lane), zero);
 }
 
