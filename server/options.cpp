@@ -45,7 +45,7 @@ void DescribeOptions(CLI::App& app, Options& options) {
   addNumber("--max-clients", kMaxClientsRange, config.maxClients, "Players and spectators at once");
   addNumber("--max-per-address", kMaxPerAddressRange, config.maxPerAddress,
             "Of one IP address; 0: as many as --max-clients");
-  addNumber("--threads", kThreadsRange, config.threads, "Threads that step bodies");
+  addNumber("--threads", kThreadsRange, config.threads, "Threads that step and encode bodies");
   addNumber("--client-kbit", kClientKbitRange, config.clientKbit, "Snapshot budget of a client, kbit/s with headers");
   addNumber("--view-distance", kViewDistanceRange, config.viewDistance,
             "Metres from a player's body within which other bodies are sent");
