@@ -81,6 +81,7 @@ struct AwakeGroup {
   std::uint32_t blueprint = 0;  // of a body that is alone
   int substeps = 0;             // of the first try
   std::uint32_t group = 0;      // in Workspace::groups
+  std::size_t vertices = 0;     // of all its bodies
 
   auto operator<=>(const AwakeGroup&) const = default;
 };

@@ -152,7 +152,7 @@ class World::Stepper {
     m_allVertices += vertices;
     AwakeGroup described;
     described.group = group;
-    described.isLarge = members.size() > 1 && vertices >= kLargeGroup;
+    described.vertices = vertices;
     if (inLanes) described.way = members.size() > 1 ? AwakeGroup::Way::kTogether : AwakeGroup::Way::kAlone;
     if (described.way == AwakeGroup::Way::kAlone) described.blueprint = m_bodies[members[0]].blueprint;
     return described;
@@ -192,6 +192,7 @@ class World::Stepper {
       groups[i].substeps = FindFirstSubsteps<Real>(members, scratch.encounters, m_rules, scratch.loads, scratch.begins);
       if (FindIntegrator(members) != Integrator::kRungeKutta4) groups[i].way = AwakeGroup::Way::kPlain;
     });
+    FindLarge();
     std::sort(groups.begin(), groups.end());
     FindBatches();
     const auto batch = [&](std::size_t i) {
@@ -201,7 +202,21 @@ class World::Stepper {
     const std::size_t count = m_work.batchBegins.size() - 1;
     std::size_t small = count;
     while (small > 0 && batch(small - 1)[0].isLarge) StepOne(batch(--small), &m_threads);
-    m_threads.ForEach(small, [&](std::size_t i) { StepOne(batch(i), nullptr); });
+    // Those that ask for most substeps first: whoever is done takes from the others what is left.
+    m_threads.ForEach(small, [&](std::size_t i) { StepOne(batch(small - 1 - i), nullptr); });
+  }
+
+  // A group is stepped by all threads where it is more than one's share of the work: threads that step different groups
+  // need not wait for one another before every stage.
+  void FindLarge() {
+    const auto work = [](const AwakeGroup& group) { return group.vertices * static_cast<std::size_t>(group.substeps); };
+    std::size_t all = 0;
+    for (const AwakeGroup& group : m_work.awakeGroups) all += work(group);
+    const auto threads = static_cast<std::size_t>(m_world.m_settings.threads);
+    for (AwakeGroup& group : m_work.awakeGroups) {
+      group.isLarge = m_work.groups.MembersOf(group.group).size() > 1 && group.vertices >= kLargeGroup &&
+                      work(group) * threads > all;
+    }
   }
 
   // What goes in one batch asks for equal substeps. Bodies alone fill one pack; groups of several, which are stepped
