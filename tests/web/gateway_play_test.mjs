@@ -152,14 +152,19 @@ test('there are so many places, and so many for one address', async () => {
 });
 
 test('a browser that does not read misses snapshots, and nothing else', async () => {
-  // 100 kB/s from a world that is light to step, so that a slow machine sends as much; half of six seconds' fill what
-  // the system and the gateway hold.
-  const busy = await startServer('--scene', 'arena', '--client-kbit', '20000');
+  const busy = await startServer('--scene', 'arena', '--client-kbit', '20000', '--status', '0.5');
   const through = await startGateway(busy.address, page);
   const slow = await join(through.host);
   await waitFor('snapshots', () => slow.count(channels.snapshot) > 10);
   slow.socket.pause();
-  await sleep(6000);
+  // Twice what the system and the gateway hold, however long a slow machine takes for it.
+  const first = busy.program.lines.length;
+  const readKilobits = (line) => 0.5 * Number(/(\d+) kbit\/s out/.exec(line)?.[1] ?? 0);
+  const countSent = () => busy.program.lines.slice(first).reduce((sum, line) => sum + readKilobits(line), 0) / 8;
+  while (countSent() < 600) {
+    slow.send(channels.input, Buffer.alloc(1)); // not understood, but a server takes whoever is silent for gone
+    await sleep(500);
+  }
   slow.socket.resume();
   slow.send(channels.ping, Buffer.from([9, 9, 9, 9]));
   await waitFor('an answer', () => slow.count(channels.ping) === 1);
