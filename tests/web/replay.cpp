@@ -1,5 +1,5 @@
-// What a native client makes of the messages that a page received: `replay < FILE` prints, after each of them that held
-// records, how many records there have been and the hash of all that was decoded from them.
+// What a native client makes of the messages that a page received: `replay < FILE` prints, for each of them that held
+// records, its place, from 0, how many records there have been and the hash of all that was decoded from them.
 //
 // FILE is messages as the page's WebSocket had them, each behind its length as 32 bits, little-endian. Nothing is
 // answered, since nobody is there to hear it, and time goes on by a millisecond a message: what is decoded does not
@@ -44,13 +44,13 @@ void Replay(std::istream& from) {
 
   std::vector<std::uint8_t> message;
   std::uint64_t records = 0;
-  while (ReadMessage(from, message)) {
+  for (std::uint64_t place = 0; ReadMessage(from, message); ++place) {
     transport.Receive(message);
     client.Update(now += kBetween);
     while (!transport.FindOutgoing().empty()) transport.TakeOutgoing();
     if (client.ReadStatistics().records == records) continue;
     records = client.ReadStatistics().records;
-    std::printf("%llu %016llx\n", static_cast<unsigned long long>(records),
+    std::printf("%llu %llu %016llx\n", static_cast<unsigned long long>(place), static_cast<unsigned long long>(records),
                 static_cast<unsigned long long>(hash.Value()));
   }
 }
