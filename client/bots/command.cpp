@@ -12,16 +12,6 @@ namespace {
 // 2^53, as the server's: exact as a number in JSON too.
 constexpr double kMaxSeed = 9007199254740992.0;
 
-// A script that lies nowhere at hand but has the bare name of a shipped one is that one.
-std::string FindScript(const std::string& name) {
-  const auto shipped = tool::FindProgramFolder() / "scripts" / name;
-  std::error_code error;
-  const bool bare = name.find('/') == std::string::npos;
-  if (bare && !name.ends_with(".lua") && !std::filesystem::exists(name, error)) return FindScript(name + ".lua");
-  return bare && !std::filesystem::exists(name, error) && std::filesystem::exists(shipped, error) ? shipped.string()
-                                                                                                  : name;
-}
-
 // What the command line says before it is understood.
 struct Words {
   std::string address;
@@ -122,7 +112,7 @@ std::vector<std::string> Understand(const CLI::App& command, const Words& words,
                                      [](const std::string& stage) { return stage.ends_with(":0"); });
   if (!words.stages.empty() && onlyEmpty)
     errors.emplace_back("--stage: none has any bots, 1 to " + std::to_string(kMaxBots) + " are needed in one of them");
-  options.scriptFile = FindScript(options.scriptFile);
+  options.scriptFile = FindScriptFile(options.scriptFile);
   return errors;
 }
 

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 
 #include "client/tool/clock.h"
+#include "client/tool/command.h"
 
 namespace wobble::bots {
 namespace {
@@ -25,6 +27,14 @@ struct Unit {
 constexpr Unit kUnits[] = {{"ms", 0.001}, {"s", 1}, {"m", 60}, {"h", 3600}};
 
 }  // namespace
+
+std::string FindScriptFile(const std::string& name) {
+  std::error_code error;
+  if (name.find('/') != std::string::npos || std::filesystem::exists(name, error)) return name;
+  if (!name.ends_with(".lua")) return FindScriptFile(name + ".lua");
+  const auto shipped = tool::FindProgramFolder() / "scripts" / name;
+  return std::filesystem::exists(shipped, error) ? shipped.string() : name;
+}
 
 std::optional<double> ParseDuration(const std::string& text, std::string& error) {
   std::string_view number = text;

@@ -13,6 +13,9 @@
 
 namespace wobble::bots {
 
+// The file that --script means: a name that no file here has may be a shipped script's, with or without .lua.
+[[nodiscard]] std::string FindScriptFile(const std::string& name);
+
 // So many bots of so many decode in full; the first is one of them unless the share is none.
 struct DecodeShare {
   unsigned part = 1;

@@ -99,11 +99,11 @@ void AddClients(List& list, const Figures& f) {
   list.AddCounter("wobble_client_disconnects_total", "Clients lost, silent or sent away after they had joined.",
                   ToNumber(f.counts.disconnects));
   list.Begin("wobble_client_goodbyes_total", "Goodbyes said to clients, by reason.", MetricType::Counter);
-  constexpr std::array<const char*, server::kGoodbyeReasonCount> kReasons{
-      "left",     "server_closing", "server_full",  "wrong_version", "wrong_schema",
-      "no_hello", "silent",         "bad_messages", "busy"};
+  // From the second on: the first is what a client says that leaves, and no server.
+  constexpr std::array<const char*, server::kGoodbyeReasonCount - 1> kReasons{
+      "server_closing", "server_full", "wrong_version", "wrong_schema", "no_hello", "silent", "bad_messages", "busy"};
   for (std::size_t i = 0; i < kReasons.size(); ++i) {
-    list.Add({{"reason", kReasons[i]}}).counter.value = ToNumber(f.counts.goodbyes[i]);
+    list.Add({{"reason", kReasons[i]}}).counter.value = ToNumber(f.counts.goodbyes[i + 1]);
   }
   list.AddCounter("wobble_client_stalls_total", "Times that clients had to show a body without news of it in time.",
                   ToNumber(f.counts.stalls));

@@ -66,6 +66,7 @@ case_bad_use() {
   expect_refusal 'not expected: 1 --trial' accuracy --trial 1
   expect_refusal "not expected: arena --scene" codec --scene arena
   expect_refusal "^wobble_lab: --scene: scene 'nowhere' is not known" capacity --scene nowhere
+  expect_refusal '^wobble_lab: --script: .*nowhere.lua' capacity --script nowhere
   expect_refusal "'0' is not 1 to 2000" capacity --players 0
   lab_path=/nowhere expect_refusal '^wobble_lab: --plot: gnuplot is not installed' contact --plot "$folder/plots"
 }

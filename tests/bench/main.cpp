@@ -11,6 +11,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "client/bots/options.h"
+#include "client/bots/script.h"
 #include "client/tool/command.h"
 #include "server/config.h"
 #include "server/scenes/loader.h"
@@ -65,6 +67,11 @@ CLI::App* AddReport(CLI::App& app, const Report& report, Options& options) {
   if (report.hasPlayers) {
     words->add_option("--scene", options.scene, "Where they play: a shipped scene, or a path to a .toml file")
         ->capture_default_str();
+    words
+        ->add_option(
+            "--script", options.script,
+            "What they do: a Lua file, or the name of a shipped one: idle.lua, wander.lua, chase.lua, mash.lua")
+        ->capture_default_str();
     words->add_option("--players", options.players, "So many alone, for five minutes unless --quick")
         ->check(tool::Within(1, kMaxPlayers));
   }
@@ -108,13 +115,16 @@ bool CanKeepResults(const Options& options, std::string& error) {
   return error.empty();
 }
 
-// Of a scene that cannot be hosted the first fault: wobbled names them all.
+// Of a scene that cannot be hosted the first fault: wobbled names them all. A script's own faults have its file's name
+// before them.
 bool CanPlay(const Options& options, std::string& error) {
   const scenes::LoadResult loaded = scenes::LoadScene(options.scene, tool::FindProgramFolder() / "scenes");
   std::vector<std::string> errors = loaded.errors;
   if (errors.empty()) errors = server::Validate({}, loaded.scene);
   if (!errors.empty()) error = "--scene: " + errors.front();
-  return errors.empty();
+  bots::Script script(options.seed, [](unsigned, std::string_view) {});
+  if (errors.empty() && !script.LoadFile(bots::FindScriptFile(options.script), error)) error = "--script: " + error;
+  return error.empty();
 }
 
 int Run(const Report& report, const Options& options) {

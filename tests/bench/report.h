@@ -13,6 +13,7 @@ namespace wobble::bench {
 
 // As many bodies as players, of 162 vertices, who meet by the dozen.
 inline constexpr const char* kCapacityScene = "pitch";
+inline constexpr const char* kCapacityScript = "chase.lua";
 
 // As the command line has them.
 struct Options {
@@ -20,9 +21,10 @@ struct Options {
   std::string jsonFile;
   std::string plotFolder;
   std::uint64_t seed = 1;
-  std::optional<std::uint32_t> trial;  // only this one of the random trials
-  std::string scene = kCapacityScene;  // that the players of `capacity` are in: a shipped one, or a file
-  std::optional<unsigned> players;     // only this count of them
+  std::optional<std::uint32_t> trial;    // only this one of the random trials
+  std::string scene = kCapacityScene;    // that the players of `capacity` are in: a shipped one, or a file
+  std::string script = kCapacityScript;  // by which they play: a shipped one, or a file
+  std::optional<unsigned> players;       // only this count of them
 };
 
 // What a report is given. It looks at progress.IsStopAsked() between trials and then returns early.
@@ -47,7 +49,7 @@ struct Report {
   const char* shows;  // in one line
   bool hasTrials;     // takes --trial
   void (*run)(Bench& bench);
-  bool hasPlayers = false;  // takes --scene and --players
+  bool hasPlayers = false;  // takes --scene, --script and --players
 };
 
 // One function a report, each in the file of its name.

@@ -5,6 +5,7 @@
 
 #include <thread>
 
+#include "client/bots/options.h"
 #include "client/tool/command.h"
 #include "server/basis_shelf.h"
 #include "server/scenes/loader.h"
@@ -30,7 +31,7 @@ Game MakeGame(const Options& options) {
   Game game;
   game.scene = scenes::LoadScene(options.scene, folder / "scenes").scene;  // as main has checked
   game.bases = server::LoadBases(game.scene, {}, static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
-  game.script = folder / "scripts" / "chase.lua";
+  game.script = bots::FindScriptFile(options.script);
   game.seed = options.seed;
   return game;
 }
@@ -73,7 +74,8 @@ std::optional<Measured> Ladder::Play(unsigned players, const Timetable& times, c
     return std::nullopt;
   }
   Measured measured = Measure(party);
-  nlohmann::ordered_json row{{"experiment", experiment}, {"scene", m_game.scene.name}};
+  nlohmann::ordered_json row{
+      {"experiment", experiment}, {"scene", m_game.scene.name}, {"script", m_bench.options.script}};
   row.update(measured.row);
   m_bench.results.rows.push_back(std::move(row));
   m_bench.results.remarks.push_back(measured.line);
@@ -148,7 +150,7 @@ std::optional<Measured> FindBest(const std::vector<Measured>& all) {
 }
 
 void AddFigures(const std::optional<Measured>& found, const Options& options, Results& results) {
-  const bool isHeld = options.scene == kCapacityScene;
+  const bool isHeld = options.scene == kCapacityScene && options.script == kCapacityScript;
   const bool isAsked = isHeld && !options.quick;
   const unsigned asked = options.players.value_or(options.quick ? kQuickPlayers : kAskedPlayers);
   results.AddFigureAtLeast("players_at_60hz", found && found->holds ? found->players : 0, asked, isHeld || !found);
