@@ -44,7 +44,7 @@ async function record(host) {
     tab.on('websocket', (socket) => socket.on('framereceived', ({ payload }) => messages.push(Buffer.from(payload))));
   const page = await joinPage(browser, host, { onTab });
   await page.tab.keyboard.down('KeyW');
-  let before; // the first of what it decodes
+  let before; // while it decodes nothing
   let begin; // records until then: it may take a slow page seconds to have all blueprints
   const found = await waitFor('enough records', async () => {
     const { records, hash } = await page.tab.evaluate(() => ({
