@@ -115,16 +115,19 @@ bool CanKeepResults(const Options& options, std::string& error) {
   return error.empty();
 }
 
-// Of a scene that cannot be hosted the first fault: wobbled names them all. A script's own faults have its file's name
-// before them.
+// Of a scene that cannot be hosted the first fault: wobbled names them all.
 bool CanPlay(const Options& options, std::string& error) {
   const scenes::LoadResult loaded = scenes::LoadScene(options.scene, tool::FindProgramFolder() / "scenes");
   std::vector<std::string> errors = loaded.errors;
   if (errors.empty()) errors = server::Validate({}, loaded.scene);
-  if (!errors.empty()) error = "--scene: " + errors.front();
+  if (!errors.empty()) {
+    error = "--scene: " + errors.front();
+    return false;
+  }
   bots::Script script(options.seed, [](unsigned, std::string_view) {});
-  if (errors.empty() && !script.LoadFile(bots::FindScriptFile(options.script), error)) error = "--script: " + error;
-  return error.empty();
+  if (script.LoadFile(bots::FindScriptFile(options.script), error)) return true;
+  error = "--script: " + error;
+  return false;
 }
 
 int Run(const Report& report, const Options& options) {

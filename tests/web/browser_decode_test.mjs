@@ -44,15 +44,15 @@ async function record(host) {
     tab.on('websocket', (socket) => socket.on('framereceived', ({ payload }) => messages.push(Buffer.from(payload))));
   const page = await joinPage(browser, host, { onTab });
   await page.tab.keyboard.down('KeyW');
-  let before; // while it decodes nothing
+  let ofNothing; // the hash while nothing is decoded
   let begin; // records until then: it may take a slow page seconds to have all blueprints
   const found = await waitFor('enough records', async () => {
     const { records, hash } = await page.tab.evaluate(() => ({
       records: window.wobble.statistics().records,
       hash: window.wobble.decodedHash(),
     }));
-    before ??= hash;
-    if (hash !== before) begin ??= records;
+    ofNothing ??= hash;
+    if (hash !== ofNothing) begin ??= records;
     return records - begin >= recordsEnough && { records, hash };
   });
   assert.equal((await probe(page, 'statistics')).badMessages, 0);
