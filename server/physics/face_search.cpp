@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-#include "server/physics/contact_limits.h"
+#include "server/physics/lanes/contact_limits.h"
 
 namespace wobble::physics {
 namespace {

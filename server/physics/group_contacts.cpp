@@ -8,8 +8,8 @@
 
 #include <bit>
 
-#include "server/physics/contact_limits.h"
 #include "server/physics/group_step.h"
+#include "server/physics/lanes/contact_limits.h"
 
 namespace wobble::physics {
 namespace {

@@ -4,9 +4,9 @@
 // are kept above zero by bounds that no living face or force comes near, so that a crushed face gives numbers.
 #pragma once
 
-#include "server/physics/contact_limits.h"
 #include "server/physics/lanes/body_contact_lanes.h"
 #include "server/physics/lanes/contact_kernel.h"
+#include "server/physics/lanes/contact_limits.h"
 #include "server/physics/lanes/lanes.h"
 
 namespace wobble::physics {
