@@ -7,7 +7,7 @@
 
 #include "protocol/shape_codec.h"
 #include "protocol/snapshot.h"
-#include "server/physics/parallel.h"
+#include "server/physics/model/parallel.h"
 
 namespace wobble::server {
 namespace {

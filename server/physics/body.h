@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <variant>
 
-#include "server/physics/state.h"
+#include "server/physics/model/state.h"
 #include "server/physics/step_choice.h"
 
 namespace wobble::physics {

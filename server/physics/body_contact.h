@@ -21,10 +21,10 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/blueprint.h"
-#include "server/physics/bounds.h"
 #include "server/physics/contact.h"
 #include "server/physics/face_search.h"
+#include "server/physics/model/blueprint.h"
+#include "server/physics/model/bounds.h"
 #include "server/physics/surface_points.h"
 
 namespace wobble::physics {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/vector.h"
+#include "server/physics/model/vector.h"
 
 namespace wobble::physics {
 

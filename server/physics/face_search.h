@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <span>
 
-#include "server/physics/topology.h"
-#include "server/physics/vector.h"
+#include "server/physics/model/topology.h"
+#include "server/physics/model/vector.h"
 
 namespace wobble::physics {
 

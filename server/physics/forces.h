@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/blueprint.h"
 #include "server/physics/contact.h"
-#include "server/physics/vector.h"
+#include "server/physics/model/blueprint.h"
+#include "server/physics/model/vector.h"
 
 namespace wobble::physics {
 

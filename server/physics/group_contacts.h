@@ -9,7 +9,7 @@
 
 #include "server/physics/body_contact.h"
 #include "server/physics/lanes/body_contact_lanes.h"
-#include "server/physics/parallel.h"
+#include "server/physics/model/parallel.h"
 
 namespace wobble::physics {
 

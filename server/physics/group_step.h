@@ -11,10 +11,10 @@
 #include "server/physics/group_contacts.h"
 #include "server/physics/health.h"
 #include "server/physics/integrator_step.h"
-#include "server/physics/parallel.h"
+#include "server/physics/model/parallel.h"
+#include "server/physics/model/state.h"
+#include "server/physics/model/survey.h"
 #include "server/physics/stability.h"
-#include "server/physics/state.h"
-#include "server/physics/survey.h"
 
 namespace wobble::physics {
 

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <span>
 
-#include "server/physics/blueprint.h"
 #include "server/physics/forces.h"
-#include "server/physics/survey.h"
+#include "server/physics/model/blueprint.h"
+#include "server/physics/model/survey.h"
 
 namespace wobble::physics {
 

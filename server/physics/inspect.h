@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "server/physics/vector.h"
+#include "server/physics/model/vector.h"
 
 namespace wobble::physics {
 

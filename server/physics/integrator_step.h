@@ -12,7 +12,7 @@
 
 #include "server/physics/explicit_steps.h"
 #include "server/physics/implicit_euler.h"
-#include "server/physics/integrator.h"
+#include "server/physics/model/integrator.h"
 #include "server/physics/position_verlet.h"
 #include "server/physics/runge_kutta.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "server/physics/blueprint.h"
+#include "server/physics/model/blueprint.h"
 
 namespace wobble::physics {
 

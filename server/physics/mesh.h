@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/physics/blueprint.h"
+#include "server/physics/model/blueprint.h"
 
 namespace wobble::physics {
 

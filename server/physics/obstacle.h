@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "server/physics/height_field.h"
-#include "server/physics/vector.h"
+#include "server/physics/model/vector.h"
 
 namespace wobble::physics {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/physics/topology.h"
+#include "server/physics/model/topology.h"
 
 namespace wobble::physics {
 

@@ -1,7 +1,7 @@
 // From a shape that is nearly in balance to the one that is.
 #pragma once
 
-#include "server/physics/blueprint.h"
+#include "server/physics/model/blueprint.h"
 
 namespace wobble::physics {
 

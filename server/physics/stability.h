@@ -7,10 +7,10 @@
 
 #include <span>
 
-#include "server/physics/blueprint.h"
 #include "server/physics/forces.h"
-#include "server/physics/integrator.h"
-#include "server/physics/state.h"
+#include "server/physics/model/blueprint.h"
+#include "server/physics/model/integrator.h"
+#include "server/physics/model/state.h"
 
 namespace wobble::physics {
 

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <span>
 
-#include "server/physics/blueprint.h"
 #include "server/physics/contact.h"
 #include "server/physics/forces.h"
+#include "server/physics/model/blueprint.h"
 #include "server/physics/obstacle.h"
 
 namespace wobble::physics {

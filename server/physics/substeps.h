@@ -5,7 +5,7 @@
 #include <span>
 
 #include "server/physics/group_step.h"
-#include "server/physics/integrator.h"
+#include "server/physics/model/integrator.h"
 
 namespace wobble::physics {
 

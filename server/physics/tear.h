@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "server/physics/blueprint.h"
+#include "server/physics/model/blueprint.h"
 
 namespace wobble::physics {
 

@@ -10,7 +10,7 @@
 
 #include "server/physics/batch_step.h"
 #include "server/physics/broad_phase.h"
-#include "server/physics/parallel.h"
+#include "server/physics/model/parallel.h"
 #include "server/physics/roster.h"
 #include "server/physics/sleep.h"
 #include "server/physics/world.h"

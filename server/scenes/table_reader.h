@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/physics/vector.h"
+#include "server/physics/model/vector.h"
 
 namespace wobble::scenes {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "server/physics/vector.h"
+#include "server/physics/model/vector.h"
 
 namespace wobble::bench {
 

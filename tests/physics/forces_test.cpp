@@ -4,7 +4,7 @@
 #include <functional>
 #include <numbers>
 
-#include "server/physics/state.h"
+#include "server/physics/model/state.h"
 #include "tests/physics/bodies.h"
 
 namespace wobble::physics {

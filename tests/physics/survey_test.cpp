@@ -1,5 +1,5 @@
 // One look at a body against sums made one by one, with and without vertices left over from whole vectors.
-#include "server/physics/survey.h"
+#include "server/physics/model/survey.h"
 
 #include <gtest/gtest.h>
 

@@ -151,7 +151,7 @@ Strings FindOffences(const std::string& path, const std::string& text) {
     const std::string name = target.substr(1, closing - 1);
     const std::string reason = FindReason(*layer, target[0], name);
     if (!reason.empty()) report(name + " " + reason);
-    const bool isPhysics = name.rfind("server/physics/", 0) == 0 && name != "server/physics/parallel.h";
+    const bool isPhysics = name.rfind("server/physics/", 0) == 0 && name != "server/physics/model/parallel.h";
     hasPhysics |= isPhysics;
     const bool typed = BeginsWithOneOf(name, kTypedProtocolHeaders);
     hasTyped |= typed;

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/blueprint.h"
 #include "server/physics/forces.h"
+#include "server/physics/model/blueprint.h"
 #include "server/physics/obstacle.h"
 
 namespace wobble::bench {

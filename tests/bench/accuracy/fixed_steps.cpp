@@ -10,8 +10,8 @@
 
 #include "server/physics/batch_step.h"
 #include "server/physics/integrator_step.h"
-#include "server/physics/state.h"
-#include "server/physics/survey.h"
+#include "server/physics/model/state.h"
+#include "server/physics/model/survey.h"
 #include "tests/bench/thread_time.h"
 
 namespace wobble::bench {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/physics/integrator.h"
+#include "server/physics/model/integrator.h"
 #include "tests/bench/accuracy/problem.h"
 
 namespace wobble::bench {

@@ -1,7 +1,7 @@
 // Bodies on planes with friction, written a second time: equations.h, and anchors beside them.
 #pragma once
 
-#include "server/physics/state.h"
+#include "server/physics/model/state.h"
 #include "tests/bench/accuracy/problem.h"
 
 namespace wobble::bench {

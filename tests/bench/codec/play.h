@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/physics/blueprint.h"
+#include "server/physics/model/blueprint.h"
 #include "server/physics/world.h"
 #include "tests/bench/random.h"
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "server/physics/topology.h"
-#include "server/physics/vector.h"
+#include "server/physics/model/topology.h"
+#include "server/physics/model/vector.h"
 
 namespace wobble::bench {
 

@@ -20,7 +20,7 @@
 #include <complex>
 #include <vector>
 
-#include "server/physics/integrator.h"
+#include "server/physics/model/integrator.h"
 #include "tests/bench/accuracy/equations.h"
 
 namespace wobble::bench {

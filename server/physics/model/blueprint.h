@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "server/physics/integrator.h"
-#include "server/physics/lanes/grid_plan.h"
-#include "server/physics/lanes/sweep_plan.h"
-#include "server/physics/sparse_pattern.h"
-#include "server/physics/topology.h"
-#include "server/physics/vector.h"
+#include "server/physics/model/grid_plan.h"
+#include "server/physics/model/integrator.h"
+#include "server/physics/model/sparse_pattern.h"
+#include "server/physics/model/sweep_plan.h"
+#include "server/physics/model/topology.h"
+#include "server/physics/model/vector.h"
 
 namespace wobble::physics {
 

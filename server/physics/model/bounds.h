@@ -1,7 +1,7 @@
 // Where a body is at most, and how fast.
 #pragma once
 
-#include "server/physics/vector.h"
+#include "server/physics/model/vector.h"
 
 namespace wobble::physics {
 

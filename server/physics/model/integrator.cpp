@@ -1,4 +1,4 @@
-#include "server/physics/integrator.h"
+#include "server/physics/model/integrator.h"
 
 #include <algorithm>
 #include <cmath>

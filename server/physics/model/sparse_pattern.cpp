@@ -1,4 +1,4 @@
-#include "server/physics/sparse_pattern.h"
+#include "server/physics/model/sparse_pattern.h"
 
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>

@@ -1,4 +1,4 @@
-#include "server/physics/blueprint.h"
+#include "server/physics/model/blueprint.h"
 
 #include <algorithm>
 #include <cmath>

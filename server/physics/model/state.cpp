@@ -1,4 +1,4 @@
-#include "server/physics/state.h"
+#include "server/physics/model/state.h"
 
 #include <cmath>
 #include <cstring>

@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/physics/lanes/grid_plan.h"
 #include "server/physics/lanes/sweep.h"
+#include "server/physics/model/grid_plan.h"
 
 namespace wobble::physics {
 

@@ -1,12 +1,12 @@
-#include "server/physics/lanes/sweep_plan.h"
+#include "server/physics/model/sweep_plan.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <numeric>
 
-#include "server/physics/blueprint.h"
 #include "server/physics/forces.h"
+#include "server/physics/model/blueprint.h"
 
 namespace wobble::physics {
 namespace {

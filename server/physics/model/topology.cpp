@@ -1,4 +1,4 @@
-#include "server/physics/topology.h"
+#include "server/physics/model/topology.h"
 
 #include <cassert>
 #include <map>

@@ -8,8 +8,8 @@
 
 #include <span>
 
-#include "server/physics/bounds.h"
-#include "server/physics/vector.h"
+#include "server/physics/model/bounds.h"
+#include "server/physics/model/vector.h"
 
 namespace wobble::physics {
 

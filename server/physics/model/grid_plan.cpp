@@ -4,14 +4,14 @@
 // with 16 lanes, ns a vertex and step by rows of the grid, layers and all in one: lattice of 4³ vertices 140, 46, 44;
 // of 9³ 72, 43, 34; of 21³ 56, 53, 41, but up to twice that where others work the outer caches; cloth of 30² without
 // drag 21, one layer 18; of 100² 19, 20.
-#include "server/physics/lanes/grid_plan.h"
+#include "server/physics/model/grid_plan.h"
 
 #include <algorithm>
 #include <map>
 #include <optional>
 #include <set>
 
-#include "server/physics/blueprint.h"
+#include "server/physics/model/blueprint.h"
 
 namespace wobble::physics {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/physics/survey.h"
+#include "server/physics/model/survey.h"
 
 #include <algorithm>
 #include <array>
