@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "server/physics/contact.h"
+#include "server/physics/contact/contact.h"
 #include "server/physics/material.h"
 #include "server/physics/quad.h"
 

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/contact.h"
+#include "server/physics/contact/contact.h"
 #include "server/physics/model/blueprint.h"
 #include "server/physics/model/vector.h"
 

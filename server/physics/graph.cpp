@@ -12,7 +12,7 @@
 #include <limits>
 #include <numeric>
 
-#include "server/physics/contact.h"
+#include "server/physics/contact/contact.h"
 
 namespace wobble::physics {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <span>
 
-#include "server/physics/backtracking.h"
+#include "server/physics/contact/backtracking.h"
 #include "server/physics/group_step.h"
 #include "server/physics/lanes/sweep.h"
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/body_contact.h"
+#include "server/physics/contact/body_contact.h"
 #include "server/physics/lanes/body_contact_lanes.h"
 #include "server/physics/model/parallel.h"
 

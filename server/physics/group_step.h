@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/body_contact.h"
+#include "server/physics/contact/body_contact.h"
 #include "server/physics/forces.h"
 #include "server/physics/group_contacts.h"
 #include "server/physics/health.h"

@@ -6,7 +6,7 @@
 // body that it steps this shows what its springs would do.
 #include "server/physics/inspect.h"
 
-#include "server/physics/backtracking.h"
+#include "server/physics/contact/backtracking.h"
 #include "server/physics/world_engine.h"
 
 namespace wobble::physics {

@@ -23,7 +23,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "server/physics/contact.h"
+#include "server/physics/contact/contact.h"
 #include "server/physics/material.h"
 #include "server/physics/quad.h"
 

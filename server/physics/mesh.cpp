@@ -15,7 +15,7 @@
 #include <map>
 #include <numeric>
 
-#include "server/physics/contact.h"
+#include "server/physics/contact/contact.h"
 #include "server/physics/forces.h"
 #include "server/physics/material.h"
 #include "server/physics/relax.h"

@@ -1,6 +1,6 @@
 #include "server/physics/pair.h"
 
-#include "server/physics/contact.h"
+#include "server/physics/contact/contact.h"
 #include "server/physics/material.h"
 
 namespace wobble::physics {

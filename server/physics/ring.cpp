@@ -11,7 +11,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/physics/contact.h"
+#include "server/physics/contact/contact.h"
 #include "server/physics/material.h"
 #include "server/physics/quad.h"
 

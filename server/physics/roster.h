@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/resting_boxes.h"
+#include "server/physics/contact/resting_boxes.h"
 
 namespace wobble::physics {
 

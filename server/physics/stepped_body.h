@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <span>
 
-#include "server/physics/contact.h"
+#include "server/physics/contact/contact.h"
+#include "server/physics/contact/obstacle.h"
 #include "server/physics/forces.h"
 #include "server/physics/model/blueprint.h"
-#include "server/physics/obstacle.h"
 
 namespace wobble::physics {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "server/physics/batch_step.h"
-#include "server/physics/broad_phase.h"
+#include "server/physics/contact/broad_phase.h"
 #include "server/physics/model/parallel.h"
 #include "server/physics/roster.h"
 #include "server/physics/sleep.h"

@@ -1,4 +1,4 @@
-#include "server/physics/body_contact.h"
+#include "server/physics/contact/body_contact.h"
 
 #include <gtest/gtest.h>
 

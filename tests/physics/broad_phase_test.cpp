@@ -1,4 +1,4 @@
-#include "server/physics/broad_phase.h"
+#include "server/physics/contact/broad_phase.h"
 
 #include <gtest/gtest.h>
 

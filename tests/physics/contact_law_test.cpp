@@ -1,7 +1,7 @@
 // The laws that stand beside the penalty: magnetic and backtracking.
 #include <gtest/gtest.h>
 
-#include "server/physics/backtracking.h"
+#include "server/physics/contact/backtracking.h"
 #include "server/physics/integrator_step.h"
 #include "server/physics/stability.h"
 #include "server/physics/world.h"

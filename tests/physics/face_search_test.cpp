@@ -1,4 +1,4 @@
-#include "server/physics/face_search.h"
+#include "server/physics/contact/face_search.h"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
 // Static surfaces: distances against a search over the surface itself, and bodies that lie on them, roll off them and
 // are shot at them.
-#include "server/physics/obstacle.h"
+#include "server/physics/contact/obstacle.h"
 
 #include <gtest/gtest.h>
 
 #include <functional>
 #include <random>
 
-#include "server/physics/contact.h"
+#include "server/physics/contact/contact.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 #include "tests/support/pace.h"

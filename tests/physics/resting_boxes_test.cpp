@@ -1,5 +1,5 @@
 // Boxes of sleepers, and the list of those awake, against looking at all of them.
-#include "server/physics/resting_boxes.h"
+#include "server/physics/contact/resting_boxes.h"
 
 #include <gtest/gtest.h>
 

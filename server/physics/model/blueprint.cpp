@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/physics/backtracking.h"
+#include "server/physics/contact/backtracking.h"
 #include "server/physics/forces.h"
 #include "server/physics/stability.h"
 

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "server/physics/contact/obstacle.h"
 #include "server/physics/forces.h"
 #include "server/physics/model/blueprint.h"
-#include "server/physics/obstacle.h"
 
 namespace wobble::bench {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "server/physics/broad_phase.h"
+#include "server/physics/contact/broad_phase.h"
 #include "tests/bench/contact/experiments.h"
 #include "tests/bench/thread_time.h"
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "server/physics/contact.h"
+#include "server/physics/contact/contact.h"
 
 namespace wobble::bench {
 

@@ -1,6 +1,6 @@
 // A thousand balls apart: how much of the tick it takes to find out that none is near another. What is timed is what
 // the tick does for that: a box about each body from its vertices, and the search among them.
-#include "server/physics/broad_phase.h"
+#include "server/physics/contact/broad_phase.h"
 #include "server/physics/model/survey.h"
 #include "tests/bench/skip/experiments.h"
 #include "tests/bench/throughput/worlds.h"

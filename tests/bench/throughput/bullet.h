@@ -4,7 +4,7 @@
 #include <memory>
 #include <span>
 
-#include "server/physics/obstacle.h"
+#include "server/physics/contact/obstacle.h"
 #include "server/physics/world.h"
 
 namespace wobble::bench {

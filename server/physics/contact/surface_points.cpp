@@ -1,4 +1,4 @@
-#include "server/physics/surface_points.h"
+#include "server/physics/contact/surface_points.h"
 
 #include <algorithm>
 #include <cmath>

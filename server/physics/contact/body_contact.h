@@ -21,11 +21,11 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/contact.h"
-#include "server/physics/face_search.h"
+#include "server/physics/contact/contact.h"
+#include "server/physics/contact/face_search.h"
+#include "server/physics/contact/surface_points.h"
 #include "server/physics/model/blueprint.h"
 #include "server/physics/model/bounds.h"
-#include "server/physics/surface_points.h"
 
 namespace wobble::physics {
 

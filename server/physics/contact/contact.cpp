@@ -1,4 +1,4 @@
-#include "server/physics/contact.h"
+#include "server/physics/contact/contact.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 // Faces are looked for once a tick and followed after each substep; within one a contact keeps to its face or the one
 // beside it, so that the force is a smooth function of the stages' positions nearly always.
-#include "server/physics/body_contact.h"
+#include "server/physics/contact/body_contact.h"
 
 #include <algorithm>
 #include <array>

@@ -4,7 +4,7 @@
 //
 // Sorted like the boxes of those awake (broad_phase.cpp), each change would move the half of all; and cells of no more
 // than a box's size, 27 of which have to be looked into, took longer.
-#include "server/physics/resting_boxes.h"
+#include "server/physics/contact/resting_boxes.h"
 
 #include <algorithm>
 #include <bit>

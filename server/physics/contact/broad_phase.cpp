@@ -4,7 +4,7 @@
 //
 // Few boxes that are much larger than most would make all cells too large: they are compared with every other instead.
 // Sweeping along one axis was found to grow with the square of bodies side by side (physics.md: 11 ms for 10,000).
-#include "server/physics/broad_phase.h"
+#include "server/physics/contact/broad_phase.h"
 
 #include <algorithm>
 #include <cmath>

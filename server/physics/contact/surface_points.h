@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/face_search.h"
+#include "server/physics/contact/face_search.h"
 #include "server/physics/lanes/point_lanes.h"
 
 namespace wobble::physics {

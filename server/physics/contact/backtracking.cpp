@@ -1,4 +1,4 @@
-#include "server/physics/backtracking.h"
+#include "server/physics/contact/backtracking.h"
 
 #include <algorithm>
 #include <cmath>

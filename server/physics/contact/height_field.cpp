@@ -3,7 +3,7 @@
 // heights given (Unser, Aldroubi & Eden 1993, "B-spline signal processing"). Catmull-Rom goes through them by itself,
 // but takes sixteen, overshoots more and has no bound of its slope that could be read off; bilinear patches have a
 // crease along every cell, on which resting bodies rattle.
-#include "server/physics/height_field.h"
+#include "server/physics/contact/height_field.h"
 
 #include <algorithm>
 #include <array>

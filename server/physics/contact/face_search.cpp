@@ -3,7 +3,7 @@
 //
 // The squared distance to a triangle goes by Voronoi regions of its corners, sides and inside (Ericson, Real-Time
 // Collision Detection, 2005, 5.1.5).
-#include "server/physics/face_search.h"
+#include "server/physics/contact/face_search.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/physics/broad_phase.h"
+#include "server/physics/contact/broad_phase.h"
 
 namespace wobble::physics {
 

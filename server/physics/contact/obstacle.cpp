@@ -1,4 +1,4 @@
-#include "server/physics/obstacle.h"
+#include "server/physics/contact/obstacle.h"
 
 #include <algorithm>
 #include <cmath>

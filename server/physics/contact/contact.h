@@ -18,10 +18,10 @@
 #include <span>
 #include <vector>
 
+#include "server/physics/contact/obstacle.h"
 #include "server/physics/model/blueprint.h"
 #include "server/physics/model/survey.h"
 #include "server/physics/model/vector.h"
-#include "server/physics/obstacle.h"
 
 namespace wobble::physics {
 

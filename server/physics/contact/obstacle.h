@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/height_field.h"
+#include "server/physics/contact/height_field.h"
 #include "server/physics/model/vector.h"
 
 namespace wobble::physics {

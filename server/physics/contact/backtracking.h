@@ -14,10 +14,10 @@
 
 #include <span>
 
-#include "server/physics/contact.h"
+#include "server/physics/contact/contact.h"
+#include "server/physics/contact/obstacle.h"
 #include "server/physics/model/blueprint.h"
 #include "server/physics/model/vector.h"
-#include "server/physics/obstacle.h"
 
 namespace wobble::physics {
 
