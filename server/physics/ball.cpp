@@ -10,8 +10,8 @@
 #include <cmath>
 #include <map>
 
-#include "server/physics/forces.h"
 #include "server/physics/material.h"
+#include "server/physics/methods/forces.h"
 #include "server/physics/relax.h"
 
 namespace wobble::physics {

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <variant>
 
+#include "server/physics/methods/step_choice.h"
 #include "server/physics/model/state.h"
-#include "server/physics/step_choice.h"
 
 namespace wobble::physics {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "server/physics/body.h"
-#include "server/physics/forces.h"
+#include "server/physics/methods/forces.h"
 
 namespace wobble::physics {
 

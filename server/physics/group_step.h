@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "server/physics/contact/body_contact.h"
-#include "server/physics/forces.h"
 #include "server/physics/group_contacts.h"
-#include "server/physics/health.h"
-#include "server/physics/integrator_step.h"
+#include "server/physics/methods/forces.h"
+#include "server/physics/methods/health.h"
+#include "server/physics/methods/integrator_step.h"
+#include "server/physics/methods/stability.h"
 #include "server/physics/model/parallel.h"
 #include "server/physics/model/state.h"
 #include "server/physics/model/survey.h"
-#include "server/physics/stability.h"
 
 namespace wobble::physics {
 

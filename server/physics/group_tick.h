@@ -9,8 +9,8 @@
 
 #include "server/physics/group.h"
 #include "server/physics/group_health.h"
+#include "server/physics/methods/step_choice.h"
 #include "server/physics/sleep.h"
-#include "server/physics/step_choice.h"
 #include "server/physics/substeps.h"
 
 namespace wobble::physics {

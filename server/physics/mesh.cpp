@@ -16,8 +16,8 @@
 #include <numeric>
 
 #include "server/physics/contact/contact.h"
-#include "server/physics/forces.h"
 #include "server/physics/material.h"
+#include "server/physics/methods/forces.h"
 #include "server/physics/relax.h"
 
 namespace wobble::physics {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "server/physics/lanes/vertex_rows.h"
-#include "server/physics/step_choice.h"
+#include "server/physics/methods/step_choice.h"
 
 namespace wobble::physics {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "server/physics/forces.h"
+#include "server/physics/methods/forces.h"
 
 namespace wobble::physics {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "server/physics/stability.h"
+#include "server/physics/methods/stability.h"
 
 namespace wobble::physics {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "server/physics/stability.h"
+#include "server/physics/methods/stability.h"
 #include "server/physics/world_engine.h"
 
 namespace wobble::physics {

@@ -11,8 +11,8 @@
 #include "server/physics/body.h"
 #include "server/physics/contact/obstacle.h"
 #include "server/physics/drive.h"
-#include "server/physics/forces.h"
 #include "server/physics/inspect.h"
+#include "server/physics/methods/forces.h"
 #include "server/physics/model/blueprint.h"
 #include "server/physics/tear.h"
 

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <set>
 
-#include "server/physics/stability.h"
+#include "server/physics/methods/stability.h"
 #include "server/physics/tear.h"
 #include "server/physics/world_engine.h"
 

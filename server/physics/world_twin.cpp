@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/physics/stability.h"
+#include "server/physics/methods/stability.h"
 #include "server/physics/world_engine.h"
 
 namespace wobble::physics {

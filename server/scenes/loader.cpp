@@ -7,7 +7,7 @@
 #include <map>
 #include <sstream>
 
-#include "server/physics/stability.h"
+#include "server/physics/methods/stability.h"
 #include "server/scenes/blueprint_reader.h"
 #include "server/scenes/drive_reader.h"
 #include "server/scenes/obstacle_reader.h"

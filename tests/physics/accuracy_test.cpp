@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "server/physics/runge_kutta.h"
+#include "server/physics/methods/runge_kutta.h"
 
 namespace wobble::physics {
 namespace {

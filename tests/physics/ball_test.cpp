@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-#include "server/physics/stability.h"
+#include "server/physics/methods/stability.h"
 #include "tests/physics/bodies.h"
 
 namespace wobble::physics {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "server/physics/ball.h"
-#include "server/physics/forces.h"
 #include "server/physics/lattice.h"
+#include "server/physics/methods/forces.h"
 
 namespace wobble::physics {
 

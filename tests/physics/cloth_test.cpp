@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <set>
 
-#include "server/physics/runge_kutta.h"
+#include "server/physics/methods/runge_kutta.h"
 #include "server/physics/tear.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"

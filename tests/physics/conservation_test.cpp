@@ -1,7 +1,7 @@
 // What a free body keeps: momentum, angular momentum, and the energy that its damping does not take.
 #include <gtest/gtest.h>
 
-#include "server/physics/runge_kutta.h"
+#include "server/physics/methods/runge_kutta.h"
 #include "tests/physics/bodies.h"
 
 namespace wobble::physics {

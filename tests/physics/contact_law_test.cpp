@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "server/physics/contact/backtracking.h"
-#include "server/physics/integrator_step.h"
-#include "server/physics/stability.h"
+#include "server/physics/methods/integrator_step.h"
+#include "server/physics/methods/stability.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "server/physics/runge_kutta.h"
+#include "server/physics/methods/runge_kutta.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/physics/stability.h"
+#include "server/physics/methods/stability.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 

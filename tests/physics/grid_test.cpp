@@ -3,8 +3,8 @@
 
 #include "server/physics/cloth.h"
 #include "server/physics/lanes/kernels.h"
+#include "server/physics/methods/runge_kutta.h"
 #include "server/physics/pair.h"
-#include "server/physics/runge_kutta.h"
 #include "server/physics/tear.h"
 #include "tests/physics/bodies.h"
 

@@ -1,5 +1,5 @@
 // Every method by itself: order, largest stable step against theory, what it does to energy and momentum.
-#include "server/physics/integrator_step.h"
+#include "server/physics/methods/integrator_step.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <map>
 #include <numbers>
 
-#include "server/physics/runge_kutta.h"
+#include "server/physics/methods/runge_kutta.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 

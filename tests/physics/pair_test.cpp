@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "server/physics/runge_kutta.h"
+#include "server/physics/methods/runge_kutta.h"
 #include "tests/physics/bodies.h"
 
 namespace wobble::physics {

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
+#include "server/physics/methods/runge_kutta.h"
+#include "server/physics/methods/stability.h"
 #include "server/physics/pair.h"
-#include "server/physics/runge_kutta.h"
-#include "server/physics/stability.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 

@@ -1,4 +1,4 @@
-#include "server/physics/step_choice.h"
+#include "server/physics/methods/step_choice.h"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "server/physics/graph.h"
+#include "server/physics/methods/stability.h"
 #include "server/physics/pair.h"
-#include "server/physics/stability.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 

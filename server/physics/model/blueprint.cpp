@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "server/physics/contact/backtracking.h"
-#include "server/physics/forces.h"
-#include "server/physics/stability.h"
+#include "server/physics/methods/forces.h"
+#include "server/physics/methods/stability.h"
 
 namespace wobble::physics {
 namespace {

@@ -5,7 +5,7 @@
 #include <complex>
 #include <limits>
 
-#include "server/physics/stability.h"
+#include "server/physics/methods/stability.h"
 
 namespace wobble::physics {
 namespace {

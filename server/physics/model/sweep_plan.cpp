@@ -5,7 +5,7 @@
 #include <bit>
 #include <numeric>
 
-#include "server/physics/forces.h"
+#include "server/physics/methods/forces.h"
 #include "server/physics/model/blueprint.h"
 
 namespace wobble::physics {

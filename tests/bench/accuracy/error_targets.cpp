@@ -14,7 +14,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/physics/stability.h"
+#include "server/physics/methods/stability.h"
 #include "tests/bench/accuracy/experiments.h"
 #include "tests/bench/accuracy/fixed_steps.h"
 #include "tests/bench/accuracy/played.h"

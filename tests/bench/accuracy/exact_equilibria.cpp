@@ -17,9 +17,9 @@
 #include <Eigen/LU>
 
 #include "server/physics/ball.h"
-#include "server/physics/forces.h"
 #include "server/physics/graph.h"
 #include "server/physics/lattice.h"
+#include "server/physics/methods/forces.h"
 #include "server/physics/ring.h"
 #include "tests/bench/accuracy/equations.h"
 #include "tests/bench/accuracy/exact.h"

@@ -9,7 +9,7 @@
 #include <iterator>
 
 #include "server/physics/batch_step.h"
-#include "server/physics/integrator_step.h"
+#include "server/physics/methods/integrator_step.h"
 #include "server/physics/model/state.h"
 #include "server/physics/model/survey.h"
 #include "tests/bench/thread_time.h"

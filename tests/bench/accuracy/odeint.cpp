@@ -12,7 +12,7 @@
 #include <cmath>
 #include <utility>
 
-#include "server/physics/forces.h"
+#include "server/physics/methods/forces.h"
 #include "tests/bench/thread_time.h"
 
 namespace wobble::bench {

@@ -13,8 +13,8 @@
 // solves to order 1.
 #include <cmath>
 
+#include "server/physics/methods/runge_kutta.h"
 #include "server/physics/pair.h"
-#include "server/physics/runge_kutta.h"
 #include "tests/bench/accuracy/experiments.h"
 #include "tests/bench/accuracy/fixed_steps.h"
 #include "tests/bench/trials.h"

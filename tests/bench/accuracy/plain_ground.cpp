@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "server/physics/runge_kutta.h"
+#include "server/physics/methods/runge_kutta.h"
 
 namespace wobble::bench {
 namespace {

@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/physics/forces.h"
-#include "server/physics/runge_kutta.h"
+#include "server/physics/methods/forces.h"
+#include "server/physics/methods/runge_kutta.h"
 #include "tests/bench/contact/bodies.h"
 #include "tests/bench/contact/experiments.h"
 #include "tests/bench/trials.h"

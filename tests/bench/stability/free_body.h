@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/forces.h"
-#include "server/physics/integrator_step.h"
+#include "server/physics/methods/forces.h"
+#include "server/physics/methods/integrator_step.h"
 
 namespace wobble::bench {
 

@@ -16,8 +16,8 @@
 
 #include "server/physics/ball.h"
 #include "server/physics/lattice.h"
+#include "server/physics/methods/stability.h"
 #include "server/physics/pair.h"
-#include "server/physics/stability.h"
 #include "tests/bench/accuracy/fixed_steps.h"
 #include "tests/bench/stability/experiments.h"
 #include "tests/bench/stability/growing.h"

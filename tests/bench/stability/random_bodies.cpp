@@ -11,7 +11,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "server/physics/stability.h"
+#include "server/physics/methods/stability.h"
 
 namespace wobble::bench {
 namespace {

@@ -9,7 +9,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "server/physics/stability.h"
+#include "server/physics/methods/stability.h"
 #include "tests/bench/contact/bodies.h"
 #include "tests/bench/contact/insides.h"
 #include "tests/bench/stability/experiments.h"

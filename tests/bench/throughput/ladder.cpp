@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-#include "server/physics/stability.h"
+#include "server/physics/methods/stability.h"
 #include "tests/bench/contact/bodies.h"
 #include "tests/bench/throughput/balls.h"
 #include "tests/bench/throughput/experiments.h"

@@ -1,4 +1,4 @@
-#include "server/physics/health.h"
+#include "server/physics/methods/health.h"
 
 #include <cmath>
 

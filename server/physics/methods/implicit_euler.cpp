@@ -1,4 +1,4 @@
-#include "server/physics/implicit_euler.h"
+#include "server/physics/methods/implicit_euler.h"
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>

@@ -1,10 +1,10 @@
-#include "server/physics/step_choice.h"
+#include "server/physics/methods/step_choice.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 
-#include "server/physics/stability.h"
+#include "server/physics/methods/stability.h"
 
 namespace wobble::physics {
 namespace {

@@ -9,8 +9,8 @@
 
 #include <span>
 
+#include "server/physics/methods/runge_kutta.h"
 #include "server/physics/model/vector.h"
-#include "server/physics/runge_kutta.h"
 
 namespace wobble::physics {
 

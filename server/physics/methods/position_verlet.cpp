@@ -1,4 +1,4 @@
-#include "server/physics/position_verlet.h"
+#include "server/physics/methods/position_verlet.h"
 
 #include <cmath>
 

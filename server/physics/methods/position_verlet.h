@@ -11,8 +11,8 @@
 
 #include <span>
 
+#include "server/physics/methods/stepped_body.h"
 #include "server/physics/model/vector.h"
-#include "server/physics/stepped_body.h"
 
 namespace wobble::physics {
 

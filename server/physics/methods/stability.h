@@ -7,7 +7,7 @@
 
 #include <span>
 
-#include "server/physics/forces.h"
+#include "server/physics/methods/forces.h"
 #include "server/physics/model/blueprint.h"
 #include "server/physics/model/integrator.h"
 #include "server/physics/model/state.h"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "server/physics/forces.h"
+#include "server/physics/methods/forces.h"
 #include "server/physics/model/blueprint.h"
 #include "server/physics/model/survey.h"
 

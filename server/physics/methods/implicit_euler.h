@@ -18,9 +18,9 @@
 #include <span>
 #include <vector>
 
+#include "server/physics/methods/stepped_body.h"
 #include "server/physics/model/sparse_pattern.h"
 #include "server/physics/model/vector.h"
-#include "server/physics/stepped_body.h"
 
 namespace wobble::physics {
 

@@ -1,4 +1,4 @@
-#include "server/physics/stability.h"
+#include "server/physics/methods/stability.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "server/physics/forces.h"
+#include "server/physics/methods/forces.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 
 #include "server/physics/contact/contact.h"
 #include "server/physics/contact/obstacle.h"
-#include "server/physics/forces.h"
+#include "server/physics/methods/forces.h"
 #include "server/physics/model/blueprint.h"
 
 namespace wobble::physics {

@@ -10,11 +10,11 @@
 
 #include <span>
 
-#include "server/physics/explicit_steps.h"
-#include "server/physics/implicit_euler.h"
+#include "server/physics/methods/explicit_steps.h"
+#include "server/physics/methods/implicit_euler.h"
+#include "server/physics/methods/position_verlet.h"
+#include "server/physics/methods/runge_kutta.h"
 #include "server/physics/model/integrator.h"
-#include "server/physics/position_verlet.h"
-#include "server/physics/runge_kutta.h"
 
 namespace wobble::physics {
 
