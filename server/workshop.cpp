@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "server/physics/tear.h"
+#include "server/physics/shapes/tear.h"
 
 namespace wobble::server {
 namespace {

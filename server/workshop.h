@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "server/command.h"
-#include "server/physics/graph.h"
-#include "server/physics/tear.h"
+#include "server/physics/shapes/graph.h"
+#include "server/physics/shapes/tear.h"
 #include "server/physics/world.h"
 #include "server/scenes/play_rules.h"
 

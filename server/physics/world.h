@@ -14,7 +14,7 @@
 #include "server/physics/inspect.h"
 #include "server/physics/methods/forces.h"
 #include "server/physics/model/blueprint.h"
-#include "server/physics/tear.h"
+#include "server/physics/shapes/tear.h"
 
 namespace wobble::physics {
 

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "server/physics/methods/stability.h"
-#include "server/physics/tear.h"
+#include "server/physics/shapes/tear.h"
 #include "server/physics/world_engine.h"
 
 namespace wobble::physics {

@@ -5,13 +5,13 @@
 #include <variant>
 #include <vector>
 
-#include "server/physics/ball.h"
-#include "server/physics/cloth.h"
-#include "server/physics/graph.h"
-#include "server/physics/lattice.h"
-#include "server/physics/mesh.h"
-#include "server/physics/pair.h"
-#include "server/physics/ring.h"
+#include "server/physics/shapes/ball.h"
+#include "server/physics/shapes/cloth.h"
+#include "server/physics/shapes/graph.h"
+#include "server/physics/shapes/lattice.h"
+#include "server/physics/shapes/mesh.h"
+#include "server/physics/shapes/pair.h"
+#include "server/physics/shapes/ring.h"
 
 namespace wobble::scenes {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/physics/mesh.h"
+#include "server/physics/shapes/mesh.h"
 
 namespace wobble::scenes {
 

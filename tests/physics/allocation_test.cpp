@@ -5,7 +5,7 @@
 #include <atomic>
 #include <cstdlib>
 
-#include "server/physics/cloth.h"
+#include "server/physics/shapes/cloth.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 

@@ -3,11 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include "server/physics/cloth.h"
-#include "server/physics/pair.h"
-#include "server/physics/ring.h"
+#include "server/physics/shapes/cloth.h"
+#include "server/physics/shapes/pair.h"
+#include "server/physics/shapes/ring.h"
+#include "server/physics/shapes/tear.h"
 #include "server/physics/substeps.h"
-#include "server/physics/tear.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 

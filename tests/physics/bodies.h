@@ -4,9 +4,9 @@
 #include <cmath>
 #include <vector>
 
-#include "server/physics/ball.h"
-#include "server/physics/lattice.h"
 #include "server/physics/methods/forces.h"
+#include "server/physics/shapes/ball.h"
+#include "server/physics/shapes/lattice.h"
 
 namespace wobble::physics {
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/physics/ball.h"
 #include "server/physics/lanes/kernels.h"
-#include "server/physics/lattice.h"
+#include "server/physics/shapes/ball.h"
+#include "server/physics/shapes/lattice.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 #include "tests/support/pace.h"

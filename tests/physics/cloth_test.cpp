@@ -1,5 +1,5 @@
 // Cloths: what holds them up, how they fall, and how they tear.
-#include "server/physics/cloth.h"
+#include "server/physics/shapes/cloth.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <set>
 
 #include "server/physics/methods/runge_kutta.h"
-#include "server/physics/tear.h"
+#include "server/physics/shapes/tear.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/physics/pair.h"
+#include "server/physics/shapes/pair.h"
 #include "tests/physics/bodies.h"
 
 namespace wobble::physics {

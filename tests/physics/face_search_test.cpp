@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "server/physics/ball.h"
+#include "server/physics/shapes/ball.h"
 
 namespace wobble::physics {
 namespace {

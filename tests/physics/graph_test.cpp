@@ -1,5 +1,5 @@
 // Graphs: a chain that hangs as statics says, the bound of their frequency, and changes in mid-air.
-#include "server/physics/graph.h"
+#include "server/physics/shapes/graph.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 // Grids swept row by row against the plain reference, and the same bits whatever the width.
 #include <gtest/gtest.h>
 
-#include "server/physics/cloth.h"
 #include "server/physics/lanes/kernels.h"
 #include "server/physics/methods/runge_kutta.h"
-#include "server/physics/pair.h"
-#include "server/physics/tear.h"
+#include "server/physics/shapes/cloth.h"
+#include "server/physics/shapes/pair.h"
+#include "server/physics/shapes/tear.h"
 #include "tests/physics/bodies.h"
 
 namespace wobble::physics {

@@ -7,9 +7,9 @@
 #include <limits>
 #include <vector>
 
-#include "server/physics/cloth.h"
 #include "server/physics/group_step.h"
 #include "server/physics/lanes/kernels.h"
+#include "server/physics/shapes/cloth.h"
 #include "tests/physics/bodies.h"
 
 namespace wobble::physics {

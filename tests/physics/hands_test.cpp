@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "server/physics/cloth.h"
-#include "server/physics/graph.h"
-#include "server/physics/pair.h"
+#include "server/physics/shapes/cloth.h"
+#include "server/physics/shapes/graph.h"
+#include "server/physics/shapes/pair.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 

@@ -5,8 +5,8 @@
 
 #include <numeric>
 
-#include "server/physics/cloth.h"
-#include "server/physics/graph.h"
+#include "server/physics/shapes/cloth.h"
+#include "server/physics/shapes/graph.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 

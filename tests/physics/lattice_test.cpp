@@ -1,6 +1,6 @@
 // Lattices as material: what a pull shows (Young's modulus, Poisson's ratio), what the springs of one cell say
 // (isotropy), and how a bar rings (density).
-#include "server/physics/lattice.h"
+#include "server/physics/shapes/lattice.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Bodies from meshes: they hold their shape, whatever it is, and bad meshes are named face by face.
-#include "server/physics/mesh.h"
+#include "server/physics/shapes/mesh.h"
 
 #include <gtest/gtest.h>
 

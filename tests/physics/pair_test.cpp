@@ -1,5 +1,5 @@
 // The one body whose motion is known in closed form.
-#include "server/physics/pair.h"
+#include "server/physics/shapes/pair.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 // plane.
 #include <gtest/gtest.h>
 
-#include "server/physics/material.h"
+#include "server/physics/shapes/material.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 

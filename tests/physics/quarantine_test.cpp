@@ -2,7 +2,7 @@
 
 #include <cmath>
 #include <limits>
-#include "server/physics/pair.h"
+#include "server/physics/shapes/pair.h"
 
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"

@@ -1,5 +1,5 @@
 // Rings: their balance (Laplace's law in a plane), what they keep, and that they bear a fall.
-#include "server/physics/ring.h"
+#include "server/physics/shapes/ring.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 
 #include "server/physics/methods/runge_kutta.h"
 #include "server/physics/methods/stability.h"
-#include "server/physics/pair.h"
+#include "server/physics/shapes/pair.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 

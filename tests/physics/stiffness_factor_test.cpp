@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "server/physics/graph.h"
 #include "server/physics/methods/stability.h"
-#include "server/physics/pair.h"
+#include "server/physics/shapes/graph.h"
+#include "server/physics/shapes/pair.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 

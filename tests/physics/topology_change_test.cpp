@@ -2,8 +2,8 @@
 // the clock.
 #include <gtest/gtest.h>
 
-#include "server/physics/cloth.h"
-#include "server/physics/graph.h"
+#include "server/physics/shapes/cloth.h"
+#include "server/physics/shapes/graph.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 #include "tests/support/pace.h"

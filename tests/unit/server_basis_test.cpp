@@ -10,7 +10,7 @@
 #include "protocol/snapshot.h"
 #include "server/basis_shelf.h"
 #include "server/capture.h"
-#include "server/physics/ball.h"
+#include "server/physics/shapes/ball.h"
 #include "server/scenes/loader.h"
 
 namespace wobble::server {

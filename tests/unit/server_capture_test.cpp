@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "server/physics/ball.h"
+#include "server/physics/shapes/ball.h"
 #include "tests/support/captures.h"
 
 namespace wobble::server {

@@ -8,7 +8,7 @@
 
 #include "protocol/shape_codec.h"
 #include "protocol/snapshot.h"
-#include "server/physics/ball.h"
+#include "server/physics/shapes/ball.h"
 #include "server/physics/world.h"
 #include "tests/support/captures.h"
 #include "tests/support/pace.h"

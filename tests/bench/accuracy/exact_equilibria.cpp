@@ -16,11 +16,11 @@
 
 #include <Eigen/LU>
 
-#include "server/physics/ball.h"
-#include "server/physics/graph.h"
-#include "server/physics/lattice.h"
 #include "server/physics/methods/forces.h"
-#include "server/physics/ring.h"
+#include "server/physics/shapes/ball.h"
+#include "server/physics/shapes/graph.h"
+#include "server/physics/shapes/lattice.h"
+#include "server/physics/shapes/ring.h"
 #include "tests/bench/accuracy/equations.h"
 #include "tests/bench/accuracy/exact.h"
 

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "server/physics/pair.h"
+#include "server/physics/shapes/pair.h"
 #include "tests/bench/accuracy/exact.h"
 #include "tests/bench/accuracy/fixed_steps.h"
 #include "tests/bench/accuracy/problem.h"

@@ -14,7 +14,7 @@
 #include <cmath>
 
 #include "server/physics/methods/runge_kutta.h"
-#include "server/physics/pair.h"
+#include "server/physics/shapes/pair.h"
 #include "tests/bench/accuracy/experiments.h"
 #include "tests/bench/accuracy/fixed_steps.h"
 #include "tests/bench/trials.h"

@@ -3,10 +3,10 @@
 // Each is restarted every second, so that an undamped ball stretched by a tenth is well-posed: within a second
 // neighbouring motions part by little. A sheet without damping that is let go on the level and crumples is not, and is
 // there to show it: its errors are those of a second's chaos, whatever the step, and it counts in no figure.
-#include "server/physics/ball.h"
-#include "server/physics/cloth.h"
-#include "server/physics/lattice.h"
-#include "server/physics/ring.h"
+#include "server/physics/shapes/ball.h"
+#include "server/physics/shapes/cloth.h"
+#include "server/physics/shapes/lattice.h"
+#include "server/physics/shapes/ring.h"
 #include "tests/bench/accuracy/played.h"
 
 namespace wobble::bench {

@@ -10,10 +10,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/physics/ball.h"
-#include "server/physics/cloth.h"
-#include "server/physics/lattice.h"
-#include "server/physics/ring.h"
+#include "server/physics/shapes/ball.h"
+#include "server/physics/shapes/cloth.h"
+#include "server/physics/shapes/lattice.h"
+#include "server/physics/shapes/ring.h"
 
 namespace wobble::bench {
 namespace {

@@ -1,6 +1,6 @@
 #include "tests/bench/codec/play.h"
 
-#include "server/physics/ball.h"
+#include "server/physics/shapes/ball.h"
 
 namespace wobble::bench {
 namespace {

@@ -7,9 +7,9 @@
 #include <array>
 #include <cmath>
 
-#include "server/physics/ball.h"
-#include "server/physics/cloth.h"
-#include "server/physics/lattice.h"
+#include "server/physics/shapes/ball.h"
+#include "server/physics/shapes/cloth.h"
+#include "server/physics/shapes/lattice.h"
 #include "tests/bench/codec/play.h"
 #include "tests/bench/contact/bodies.h"
 #include "tests/bench/random.h"

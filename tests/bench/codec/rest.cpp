@@ -8,7 +8,7 @@
 #include "client/client.h"
 #include "protocol/snapshot.h"
 #include "protocol/transport/virtual_network.h"
-#include "server/physics/ball.h"
+#include "server/physics/shapes/ball.h"
 #include "server/scenes/loader.h"
 #include "server/server.h"
 #include "tests/bench/codec/experiments.h"

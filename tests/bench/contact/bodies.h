@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "server/physics/ball.h"
-#include "server/physics/lattice.h"
+#include "server/physics/shapes/ball.h"
+#include "server/physics/shapes/lattice.h"
 #include "server/physics/world.h"
 
 namespace wobble::bench {

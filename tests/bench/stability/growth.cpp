@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/physics/ball.h"
+#include "server/physics/shapes/ball.h"
 #include "tests/bench/accuracy/fixed_steps.h"
 #include "tests/bench/stability/experiments.h"
 #include "tests/bench/stability/free_body.h"

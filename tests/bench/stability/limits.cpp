@@ -14,10 +14,10 @@
 #include <cmath>
 #include <limits>
 
-#include "server/physics/ball.h"
-#include "server/physics/lattice.h"
 #include "server/physics/methods/stability.h"
-#include "server/physics/pair.h"
+#include "server/physics/shapes/ball.h"
+#include "server/physics/shapes/lattice.h"
+#include "server/physics/shapes/pair.h"
 #include "tests/bench/accuracy/fixed_steps.h"
 #include "tests/bench/stability/experiments.h"
 #include "tests/bench/stability/growing.h"

@@ -12,8 +12,8 @@
 // as a whole long after it was let go, which counts as displacement here. Its row is what it is.
 #include <cmath>
 
-#include "server/physics/ball.h"
-#include "server/physics/lattice.h"
+#include "server/physics/shapes/ball.h"
+#include "server/physics/shapes/lattice.h"
 #include "tests/bench/accuracy/equations.h"
 #include "tests/bench/accuracy/fixed_steps.h"
 #include "tests/bench/stability/experiments.h"

@@ -7,7 +7,7 @@
 // of theory but for what is the same for every body, which bends the small ones, and for caches, which bend the large.
 #include <cmath>
 
-#include "server/physics/ring.h"
+#include "server/physics/shapes/ring.h"
 #include "tests/bench/contact/bodies.h"
 #include "tests/bench/throughput/experiments.h"
 #include "tests/bench/throughput/worlds.h"

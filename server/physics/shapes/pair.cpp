@@ -1,7 +1,7 @@
-#include "server/physics/pair.h"
+#include "server/physics/shapes/pair.h"
 
 #include "server/physics/contact/contact.h"
-#include "server/physics/material.h"
+#include "server/physics/shapes/material.h"
 
 namespace wobble::physics {
 

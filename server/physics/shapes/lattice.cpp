@@ -17,15 +17,15 @@
 // them has exactly E, ν and the density. Equal masses instead would give contacts heavier corners, but put the mass
 // outside (a cube of 3³ cells would have 1.7 times the moment of inertia, with these masses it has 1.2) and so lower
 // its vibrations; and shares cost no substeps, since no body is stiffer for its mass than one cell alone.
-#include "server/physics/lattice.h"
+#include "server/physics/shapes/lattice.h"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
 #include "server/physics/contact/contact.h"
-#include "server/physics/material.h"
-#include "server/physics/quad.h"
+#include "server/physics/shapes/material.h"
+#include "server/physics/shapes/quad.h"
 
 namespace wobble::physics {
 namespace {

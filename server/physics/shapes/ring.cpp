@@ -5,15 +5,15 @@
 //   T = G / (2 L sin(π/p)) = (P − P₀) R cos(π/p) / L,
 // Laplace's law for a polygon; radial springs, compressed, hand on what the rings inside have not borne, and diagonals
 // are at rest. So the rest lengths are known and the stated radii exact, without the relaxation that a ball needs.
-#include "server/physics/ring.h"
+#include "server/physics/shapes/ring.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "server/physics/contact/contact.h"
-#include "server/physics/material.h"
-#include "server/physics/quad.h"
+#include "server/physics/shapes/material.h"
+#include "server/physics/shapes/quad.h"
 
 namespace wobble::physics {
 namespace {

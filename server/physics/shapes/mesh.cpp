@@ -7,7 +7,7 @@
 //
 // Balance alone does not say that a shape holds. It is pushed a little out of shape and must come to rest near where
 // it was; where it comes to rest is the rest shape.
-#include "server/physics/mesh.h"
+#include "server/physics/shapes/mesh.h"
 
 #include <algorithm>
 #include <array>
@@ -16,9 +16,9 @@
 #include <numeric>
 
 #include "server/physics/contact/contact.h"
-#include "server/physics/material.h"
 #include "server/physics/methods/forces.h"
-#include "server/physics/relax.h"
+#include "server/physics/shapes/material.h"
+#include "server/physics/shapes/relax.h"
 
 namespace wobble::physics {
 namespace {

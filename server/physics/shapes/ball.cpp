@@ -3,16 +3,16 @@
 // when the virial of the forces vanishes: the gas gives Σ F·x = 3 (P − P₀) V, the springs −Σ k (ℓ − fℓ) ℓ, hence
 //   1 − f = 3 (P − P₀) V / Σ k ℓ².
 // On an icosphere not all vertices are alike, so a short damped relaxation then finds the exact equilibrium.
-#include "server/physics/ball.h"
+#include "server/physics/shapes/ball.h"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <map>
 
-#include "server/physics/material.h"
 #include "server/physics/methods/forces.h"
-#include "server/physics/relax.h"
+#include "server/physics/shapes/material.h"
+#include "server/physics/shapes/relax.h"
 
 namespace wobble::physics {
 namespace {

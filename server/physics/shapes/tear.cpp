@@ -1,4 +1,4 @@
-#include "server/physics/tear.h"
+#include "server/physics/shapes/tear.h"
 
 #include <algorithm>
 #include <cassert>

@@ -1,12 +1,12 @@
 // Builds cloths. On the border a square brings what is its own, as in a lattice: half of each of its sides, a quarter
 // of its mass to each corner. So a wider cloth of the same material and mass a square metre moves alike.
-#include "server/physics/cloth.h"
+#include "server/physics/shapes/cloth.h"
 
 #include <cmath>
 
 #include "server/physics/contact/contact.h"
-#include "server/physics/material.h"
-#include "server/physics/quad.h"
+#include "server/physics/shapes/material.h"
+#include "server/physics/shapes/quad.h"
 
 namespace wobble::physics {
 namespace {

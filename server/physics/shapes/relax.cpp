@@ -1,7 +1,7 @@
 // Steps of a sixth of the fastest period, friction near critical for the slow modes. Forces are those of a body that is
 // still: dashpots have no say in where balance is, and with strong ones (a damping ratio of 0.6) the step would be too
 // large for them.
-#include "server/physics/relax.h"
+#include "server/physics/shapes/relax.h"
 
 #include <algorithm>
 

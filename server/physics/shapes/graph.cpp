@@ -4,7 +4,7 @@
 // Gershgorin's circles
 //   ω² ≤ maxᵢ Σⱼ kᵢⱼ (1/mᵢ + 1/√(mᵢ mⱼ)),
 // at most twice too large, and exact for a chain. It takes one pass over the springs, as fits a change in mid-game.
-#include "server/physics/graph.h"
+#include "server/physics/shapes/graph.h"
 
 #include <algorithm>
 #include <cassert>

@@ -1,4 +1,4 @@
-#include "server/physics/material.h"
+#include "server/physics/shapes/material.h"
 
 #include <algorithm>
 

@@ -2,7 +2,7 @@
 #include <array>
 #include <map>
 
-#include "server/physics/mesh.h"
+#include "server/physics/shapes/mesh.h"
 
 namespace wobble::physics {
 namespace {
