@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <variant>
 
-#include "server/physics/body.h"
+#include "server/physics/step/body.h"
 
 namespace wobble::server {
 

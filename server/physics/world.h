@@ -8,13 +8,13 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/body.h"
 #include "server/physics/contact/obstacle.h"
-#include "server/physics/drive.h"
 #include "server/physics/inspect.h"
 #include "server/physics/methods/forces.h"
 #include "server/physics/model/blueprint.h"
 #include "server/physics/shapes/tear.h"
+#include "server/physics/step/body.h"
+#include "server/physics/step/drive.h"
 
 namespace wobble::physics {
 

@@ -8,11 +8,11 @@
 #include <tuple>
 #include <vector>
 
-#include "server/physics/batch_step.h"
 #include "server/physics/contact/broad_phase.h"
 #include "server/physics/model/parallel.h"
 #include "server/physics/roster.h"
-#include "server/physics/sleep.h"
+#include "server/physics/step/batch_step.h"
+#include "server/physics/step/sleep.h"
 #include "server/physics/world.h"
 
 namespace wobble::physics {

@@ -8,10 +8,10 @@
 #include <algorithm>
 #include <array>
 
-#include "server/physics/control.h"
 #include "server/physics/pair_search.h"
 #include "server/physics/shapes/tear.h"
-#include "server/physics/substeps.h"
+#include "server/physics/step/control.h"
+#include "server/physics/step/substeps.h"
 #include "server/physics/world_engine.h"
 
 namespace wobble::physics {

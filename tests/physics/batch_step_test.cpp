@@ -1,5 +1,5 @@
 // Bodies stepped in lanes against the plain reference, and the same bits however many lanes there are.
-#include "server/physics/batch_step.h"
+#include "server/physics/step/batch_step.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include "server/physics/shapes/pair.h"
 #include "server/physics/shapes/ring.h"
 #include "server/physics/shapes/tear.h"
-#include "server/physics/substeps.h"
+#include "server/physics/step/substeps.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 

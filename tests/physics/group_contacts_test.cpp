@@ -1,5 +1,5 @@
 // The bulk of group_contacts.h and of the search firstst plain code, and every width firstst every other.
-#include "server/physics/group_contacts.h"
+#include "server/physics/step/group_contacts.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <limits>
 #include <vector>
 
-#include "server/physics/group_step.h"
 #include "server/physics/lanes/kernels.h"
 #include "server/physics/shapes/cloth.h"
+#include "server/physics/step/group_step.h"
 #include "tests/physics/bodies.h"
 
 namespace wobble::physics {

@@ -8,10 +8,10 @@
 #include <cmath>
 #include <iterator>
 
-#include "server/physics/batch_step.h"
 #include "server/physics/methods/integrator_step.h"
 #include "server/physics/model/state.h"
 #include "server/physics/model/survey.h"
+#include "server/physics/step/batch_step.h"
 #include "tests/bench/thread_time.h"
 
 namespace wobble::bench {

@@ -7,8 +7,8 @@
 #include <span>
 
 #include "server/physics/contact/backtracking.h"
-#include "server/physics/group_step.h"
 #include "server/physics/lanes/sweep.h"
+#include "server/physics/step/group_step.h"
 
 namespace wobble::physics {
 

@@ -1,4 +1,4 @@
-#include "server/physics/substeps.h"
+#include "server/physics/step/substeps.h"
 
 #include <algorithm>
 

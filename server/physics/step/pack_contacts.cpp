@@ -1,4 +1,4 @@
-#include "server/physics/pack_contacts.h"
+#include "server/physics/step/pack_contacts.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "server/physics/pack.h"
+#include "server/physics/step/pack.h"
 
 #include <algorithm>
 #include <cmath>

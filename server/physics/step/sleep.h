@@ -4,8 +4,8 @@
 // wake together as well, by what touches any of them.
 #pragma once
 
-#include "server/physics/body.h"
-#include "server/physics/group_step.h"
+#include "server/physics/step/body.h"
+#include "server/physics/step/group_step.h"
 
 namespace wobble::physics {
 

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/group_step.h"
 #include "server/physics/lanes/contact_lanes.h"
-#include "server/physics/pack_planes.h"
+#include "server/physics/step/group_step.h"
+#include "server/physics/step/pack_planes.h"
 
 namespace wobble::physics {
 

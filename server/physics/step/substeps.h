@@ -4,8 +4,8 @@
 
 #include <span>
 
-#include "server/physics/group_step.h"
 #include "server/physics/model/integrator.h"
+#include "server/physics/step/group_step.h"
 
 namespace wobble::physics {
 

@@ -1,4 +1,4 @@
-#include "server/physics/pack_planes.h"
+#include "server/physics/step/pack_planes.h"
 
 #include <algorithm>
 

@@ -1,8 +1,8 @@
 // What a player asks of a body, as something that acts on it.
 #pragma once
 
-#include "server/physics/body.h"
 #include "server/physics/methods/forces.h"
+#include "server/physics/step/body.h"
 
 namespace wobble::physics {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/physics/body.h"
+#include "server/physics/step/body.h"
 
 namespace wobble::physics {
 

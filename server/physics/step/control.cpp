@@ -1,4 +1,4 @@
-#include "server/physics/control.h"
+#include "server/physics/step/control.h"
 
 #include <algorithm>
 

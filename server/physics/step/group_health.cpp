@@ -1,4 +1,4 @@
-#include "server/physics/group_health.h"
+#include "server/physics/step/group_health.h"
 
 #include <algorithm>
 

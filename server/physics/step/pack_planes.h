@@ -8,8 +8,8 @@
 #include <array>
 #include <vector>
 
-#include "server/physics/group_step.h"
 #include "server/physics/lanes/plane_lanes.h"
+#include "server/physics/step/group_step.h"
 
 namespace wobble::physics {
 

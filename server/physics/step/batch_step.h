@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/pack.h"
+#include "server/physics/step/pack.h"
 
 namespace wobble::physics {
 

@@ -4,12 +4,12 @@
 //
 // The encounters' lists are kept up to date after every substep, so that all who look at contacts between ticks, tries
 // and energies see them as the plain code would have left them.
-#include "server/physics/group_contacts.h"
+#include "server/physics/step/group_contacts.h"
 
 #include <bit>
 
-#include "server/physics/group_step.h"
 #include "server/physics/lanes/contact_limits.h"
+#include "server/physics/step/group_step.h"
 
 namespace wobble::physics {
 namespace {

@@ -1,10 +1,10 @@
-#include "server/physics/batch_step.h"
+#include "server/physics/step/batch_step.h"
 
 #include <algorithm>
 #include <functional>
 #include <numeric>
 
-#include "server/physics/group_tick.h"
+#include "server/physics/step/group_tick.h"
 
 namespace wobble::physics {
 namespace {

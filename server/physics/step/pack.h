@@ -14,10 +14,10 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/group.h"
 #include "server/physics/lanes/kernels.h"
-#include "server/physics/pack_contacts.h"
-#include "server/physics/pack_planes.h"
+#include "server/physics/step/group.h"
+#include "server/physics/step/pack_contacts.h"
+#include "server/physics/step/pack_planes.h"
 
 namespace wobble::physics {
 

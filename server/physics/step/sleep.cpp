@@ -1,4 +1,4 @@
-#include "server/physics/sleep.h"
+#include "server/physics/step/sleep.h"
 
 #include <cmath>
 

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "server/physics/contact/body_contact.h"
-#include "server/physics/group_contacts.h"
 #include "server/physics/methods/forces.h"
 #include "server/physics/methods/health.h"
 #include "server/physics/methods/integrator_step.h"
@@ -15,6 +14,7 @@
 #include "server/physics/model/parallel.h"
 #include "server/physics/model/state.h"
 #include "server/physics/model/survey.h"
+#include "server/physics/step/group_contacts.h"
 
 namespace wobble::physics {
 

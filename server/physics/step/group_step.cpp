@@ -1,9 +1,9 @@
-#include "server/physics/group_step.h"
+#include "server/physics/step/group_step.h"
 
 #include <algorithm>
 
-#include "server/physics/group_tick.h"
 #include "server/physics/lanes/kernels.h"
+#include "server/physics/step/group_tick.h"
 
 namespace wobble::physics {
 namespace {

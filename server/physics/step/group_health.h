@@ -1,7 +1,7 @@
 // Whether a step has left a group in a state that can be, and who is to blame when not.
 #pragma once
 
-#include "server/physics/group.h"
+#include "server/physics/step/group.h"
 
 namespace wobble::physics {
 

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <limits>
 
-#include "server/physics/group.h"
-#include "server/physics/group_health.h"
 #include "server/physics/methods/step_choice.h"
-#include "server/physics/sleep.h"
-#include "server/physics/substeps.h"
+#include "server/physics/step/group.h"
+#include "server/physics/step/group_health.h"
+#include "server/physics/step/sleep.h"
+#include "server/physics/step/substeps.h"
 
 namespace wobble::physics {
 
