@@ -14,9 +14,9 @@
 
 #include "protocol/snapshot.h"
 #include "protocol/transport/transport.h"
-#include "server/bins.h"
 #include "server/encoder.h"
 #include "server/subscription.h"
+#include "server/timing/bins.h"
 
 namespace wobble::server {
 

@@ -6,7 +6,7 @@
 #include "server/command.h"
 #include "server/physics/world.h"
 #include "server/scenes/play_rules.h"
-#include "server/tick_clock.h"
+#include "server/timing/tick_clock.h"
 
 namespace wobble::server {
 

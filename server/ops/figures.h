@@ -5,9 +5,9 @@
 #include <array>
 #include <cstdint>
 
-#include "server/bins.h"
 #include "server/physics/energy.h"
 #include "server/server.h"
+#include "server/timing/bins.h"
 
 namespace wobble::ops {
 

@@ -9,7 +9,7 @@
 #include <span>
 #include <string>
 
-#include "server/phases.h"
+#include "server/timing/phases.h"
 
 namespace wobble::ops {
 

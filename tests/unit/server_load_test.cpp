@@ -1,6 +1,6 @@
 // A server with more to do than there is time: the rule by itself, then a whole game on a machine that is as slow as a
 // test says.
-#include "server/load.h"
+#include "server/timing/load.h"
 
 #include <gtest/gtest.h>
 

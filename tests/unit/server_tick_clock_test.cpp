@@ -1,5 +1,5 @@
 // World time against wall time.
-#include "server/tick_clock.h"
+#include "server/timing/tick_clock.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/tick_clock.h"
+#include "server/timing/tick_clock.h"
 
 #include <algorithm>
 #include <cmath>

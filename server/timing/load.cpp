@@ -5,7 +5,7 @@
 //
 // All that is slow together is a second and a half from the last measure to none, of which smoothing takes 0.6 s when
 // the load was four times too much: within the 2 s that players are promised.
-#include "server/load.h"
+#include "server/timing/load.h"
 
 #include <algorithm>
 #include <array>
