@@ -11,8 +11,8 @@
 #include "protocol/geometry.h"
 #include "protocol/messages.h"
 #include "server/physics/world.h"
+#include "server/play/workshop.h"
 #include "server/scenes/scene.h"
-#include "server/workshop.h"
 
 namespace wobble::server {
 

@@ -14,17 +14,17 @@
 #include "server/capture.h"
 #include "server/config.h"
 #include "server/encoder.h"
-#include "server/hands.h"
 #include "server/physics/world.h"
+#include "server/play/hands.h"
+#include "server/play/sumo.h"
+#include "server/play/tuning.h"
+#include "server/play/workshop.h"
 #include "server/scenes/scene.h"
 #include "server/session.h"
 #include "server/snapshot_sender.h"
-#include "server/sumo.h"
 #include "server/timing/load.h"
 #include "server/timing/phases.h"
 #include "server/timing/tick_clock.h"
-#include "server/tuning.h"
-#include "server/workshop.h"
 
 namespace wobble::server {
 

@@ -11,9 +11,9 @@
 
 #include "protocol/messages.h"
 #include "protocol/transport/transport.h"
-#include "server/command.h"
 #include "server/input_buffer.h"
 #include "server/physics/world.h"
+#include "server/play/command.h"
 #include "server/snapshot_sender.h"
 
 namespace wobble::server {

@@ -1,4 +1,4 @@
-#include "server/sumo.h"
+#include "server/play/sumo.h"
 
 #include <gtest/gtest.h>
 

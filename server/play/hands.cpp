@@ -8,7 +8,7 @@
 //
 // Hands of a body (a reach above 0) obey action and reaction: the same force pulls at their owner, who thus hangs from
 // a curtain that he holds, and cannot fly by lifting what he stands on.
-#include "server/hands.h"
+#include "server/play/hands.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "server/workshop.h"
+#include "server/play/workshop.h"
 
 #include <algorithm>
 #include <numeric>

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "server/command.h"
 #include "server/physics/world.h"
+#include "server/play/command.h"
 #include "server/scenes/play_rules.h"
 #include "server/timing/tick_clock.h"
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "server/command.h"
 #include "server/physics/world.h"
+#include "server/play/command.h"
 #include "server/scenes/play_rules.h"
 
 namespace wobble::server {

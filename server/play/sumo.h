@@ -7,7 +7,7 @@
 #include <map>
 #include <vector>
 
-#include "server/command.h"
+#include "server/play/command.h"
 #include "server/scenes/play_rules.h"
 
 namespace wobble::server {

@@ -1,4 +1,4 @@
-#include "server/tuning.h"
+#include "server/play/tuning.h"
 
 #include <spdlog/fmt/fmt.h>
 

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "server/command.h"
 #include "server/physics/shapes/graph.h"
 #include "server/physics/shapes/tear.h"
 #include "server/physics/world.h"
+#include "server/play/command.h"
 #include "server/scenes/play_rules.h"
 
 namespace wobble::server {
