@@ -15,7 +15,7 @@
 #include "protocol/basis_completion.h"
 #include "protocol/random.h"
 #include "protocol/snapshot.h"
-#include "server/capture.h"
+#include "server/snapshots/capture.h"
 
 namespace wobble::server {
 namespace {

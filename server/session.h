@@ -14,7 +14,7 @@
 #include "server/input_buffer.h"
 #include "server/physics/world.h"
 #include "server/play/command.h"
-#include "server/snapshot_sender.h"
+#include "server/snapshots/snapshot_sender.h"
 
 namespace wobble::server {
 

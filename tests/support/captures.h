@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "server/capture.h"
+#include "server/snapshots/capture.h"
 
 namespace wobble::test {
 

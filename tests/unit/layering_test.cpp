@@ -228,7 +228,7 @@ TEST(Layering, TheCheckerSeesEachOffence) {
       {"server/server.h",
        "#include \"protocol/messages.h\"\n#include <vector>\n#include \"server/physics/world.h\"\n",
        {"server/server.h:3: server/physics/world.h makes physics meet"}},
-      {"server/capture.cpp", "#include \"server/physics/world.h\"\n#include \"protocol/pose.h\"\n", {}},
+      {"server/snapshots/capture.cpp", "#include \"server/physics/world.h\"\n#include \"protocol/pose.h\"\n", {}},
       {"protocol/pose.cpp", "#include \"server/physics/world.h\"\n", {"protocol/pose.cpp:1: server/"}},
       {"protocol/pose.cpp",
        "#include <Eigen/Core>\n#include <ranges>\n",

@@ -9,9 +9,9 @@
 #include "protocol/shape_codec.h"
 #include "protocol/snapshot.h"
 #include "server/basis_shelf.h"
-#include "server/capture.h"
 #include "server/physics/shapes/ball.h"
 #include "server/scenes/loader.h"
+#include "server/snapshots/capture.h"
 
 namespace wobble::server {
 namespace {

@@ -1,5 +1,5 @@
 // Captured bodies to records: within the error target, one a patch, and bytes that stay where they are.
-#include "server/encoder.h"
+#include "server/snapshots/encoder.h"
 
 #include <gtest/gtest.h>
 

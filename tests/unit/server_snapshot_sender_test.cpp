@@ -1,5 +1,5 @@
 // Which bodies a client gets: its budget, nobody starving, its own body first.
-#include "server/snapshot_sender.h"
+#include "server/snapshots/snapshot_sender.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Bodies at rest on their way to one client: arrived, lost, or not known yet.
-#include "server/subscription.h"
+#include "server/snapshots/subscription.h"
 
 #include <gtest/gtest.h>
 

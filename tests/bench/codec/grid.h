@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "protocol/geometry.h"
-#include "server/capture.h"
+#include "server/snapshots/capture.h"
 
 namespace wobble::bench {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "server/basis_training.h"
-#include "server/capture.h"
 #include "server/physics/world.h"
+#include "server/snapshots/capture.h"
 #include "tests/bench/codec/play.h"
 
 namespace wobble::bench {

@@ -1,9 +1,9 @@
 // A body at rest is sent until its client has it. What was sent is taken for lost as soon as later packets have come
 // without it, as TCP's fast retransmit does (RFC 5681, section 3.2), so it is sent twice, not at every snapshot of a
 // round trip.
-#include "server/subscription.h"
+#include "server/snapshots/subscription.h"
 
-#include "server/capture.h"
+#include "server/snapshots/capture.h"
 
 namespace wobble::server {
 namespace {

@@ -14,8 +14,8 @@
 
 #include "protocol/snapshot.h"
 #include "protocol/transport/transport.h"
-#include "server/encoder.h"
-#include "server/subscription.h"
+#include "server/snapshots/encoder.h"
+#include "server/snapshots/subscription.h"
 #include "server/timing/bins.h"
 
 namespace wobble::server {

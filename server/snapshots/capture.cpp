@@ -3,7 +3,7 @@
 // Bender, Chentanez & Macklin 2016), begun from the last capture: two or three rounds in motion, and unlike a singular
 // value decomposition it never jumps when a flattened body makes A degenerate, which interpolation would show as a
 // flip.
-#include "server/capture.h"
+#include "server/snapshots/capture.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

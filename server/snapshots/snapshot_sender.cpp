@@ -1,4 +1,4 @@
-#include "server/snapshot_sender.h"
+#include "server/snapshots/snapshot_sender.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,4 +1,4 @@
-#include "server/encoder.h"
+#include "server/snapshots/encoder.h"
 
 #include <tbb/enumerable_thread_specific.h>
 

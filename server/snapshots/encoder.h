@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "protocol/geometry.h"
-#include "server/capture.h"
+#include "server/snapshots/capture.h"
 
 namespace wobble::server {
 
