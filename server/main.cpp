@@ -13,7 +13,6 @@
 #include <thread>
 
 #include "protocol/transport/enet_transport.h"
-#include "server/basis_shelf.h"
 #include "server/ops/agones.h"
 #include "server/ops/endpoint.h"
 #include "server/ops/fleet_duty.h"
@@ -22,6 +21,7 @@
 #include "server/scenes/loader.h"
 #include "server/server.h"
 #include "server/summary.h"
+#include "server/training/basis_shelf.h"
 
 namespace {
 

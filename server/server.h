@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "protocol/transport/transport.h"
-#include "server/basis_training.h"
 #include "server/config.h"
 #include "server/physics/world.h"
 #include "server/play/hands.h"
@@ -25,6 +24,7 @@
 #include "server/timing/load.h"
 #include "server/timing/phases.h"
 #include "server/timing/tick_clock.h"
+#include "server/training/basis_training.h"
 
 namespace wobble::server {
 

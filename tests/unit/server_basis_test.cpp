@@ -8,10 +8,10 @@
 
 #include "protocol/shape_codec.h"
 #include "protocol/snapshot.h"
-#include "server/basis_shelf.h"
 #include "server/physics/shapes/ball.h"
 #include "server/scenes/loader.h"
 #include "server/snapshots/capture.h"
+#include "server/training/basis_shelf.h"
 
 namespace wobble::server {
 namespace {

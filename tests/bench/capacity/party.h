@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "server/basis_training.h"
 #include "server/scenes/scene.h"
+#include "server/training/basis_training.h"
 #include "tests/bench/capacity/guests.h"
 #include "tests/bench/capacity/host.h"
 #include "tests/bench/capacity/shown.h"

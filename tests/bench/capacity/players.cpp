@@ -7,8 +7,8 @@
 
 #include "client/bots/options.h"
 #include "client/tool/command.h"
-#include "server/basis_shelf.h"
 #include "server/scenes/loader.h"
+#include "server/training/basis_shelf.h"
 #include "tests/bench/capacity/cores.h"
 #include "tests/bench/capacity/experiments.h"
 #include "tests/bench/capacity/measured.h"

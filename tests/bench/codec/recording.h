@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/basis_training.h"
 #include "server/physics/world.h"
 #include "server/snapshots/capture.h"
+#include "server/training/basis_training.h"
 #include "tests/bench/codec/play.h"
 
 namespace wobble::bench {

@@ -1,4 +1,4 @@
-#include "server/basis_statistics.h"
+#include "server/training/basis_statistics.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

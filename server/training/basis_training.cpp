@@ -4,7 +4,7 @@
 //
 // Of what contact suggests along a mode, each mode follows a share, found by least squares. A full matrix in place of
 // that diagonal saved another 0.25 bits a vertex, but would be as large as the basis.
-#include "server/basis_training.h"
+#include "server/training/basis_training.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

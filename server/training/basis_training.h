@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "protocol/basis.h"
-#include "server/basis_statistics.h"
 #include "server/physics/world.h"
+#include "server/training/basis_statistics.h"
 
 namespace wobble::server {
 

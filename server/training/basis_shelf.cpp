@@ -1,7 +1,7 @@
 // A file is named by a hash of all that the training depends on: the blueprint's rest shape, springs, masses and
 // material, gravity, what players may do, and a number that is raised when the training changes. In it stands, for each
 // patch, its length in four bytes and the basis.
-#include "server/basis_shelf.h"
+#include "server/training/basis_shelf.h"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "server/basis_training.h"
 #include "server/scenes/scene.h"
+#include "server/training/basis_training.h"
 
 namespace wobble::server {
 
