@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "client/bots/command.h"
+#include "client/command/command.h"
 #include "client/health/command.h"
 #include "client/link/command.h"
 #include "client/play/command.h"
 #include "client/terminal/command.h"
-#include "client/tool/command.h"
 #include "client/web/command.h"
 
 namespace {

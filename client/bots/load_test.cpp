@@ -18,10 +18,10 @@
 #include "client/bots/runner.h"
 #include "client/bots/script.h"
 #include "client/bots/status.h"
+#include "client/command/clock.h"
+#include "client/command/exit_codes.h"
+#include "client/command/sockets.h"
 #include "client/link/relay_loop.h"
-#include "client/tool/clock.h"
-#include "client/tool/exit_codes.h"
-#include "client/tool/sockets.h"
 #include "protocol/transport/enet_transport.h"
 
 namespace wobble::bots {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "client/tool/clock.h"
-#include "client/tool/command.h"
+#include "client/command/clock.h"
+#include "client/command/command.h"
 
 namespace wobble::bots {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "client/bots/summary.h"
-#include "client/tool/address.h"
+#include "client/command/address.h"
 #include "protocol/limits.h"
 #include "protocol/transport/link_conditions.h"
 

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "client/tool/address.h"
+#include "client/command/address.h"
 
 namespace wobble::health {
 namespace {

@@ -8,10 +8,10 @@
 #include <cstdio>
 #include <memory>
 
+#include "client/command/address.h"
+#include "client/command/clock.h"
+#include "client/command/sockets.h"
 #include "client/link/relay_loop.h"
-#include "client/tool/address.h"
-#include "client/tool/clock.h"
-#include "client/tool/sockets.h"
 
 namespace wobble::link {
 namespace {

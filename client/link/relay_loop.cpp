@@ -8,7 +8,7 @@
 #include <chrono>
 #include <cstdio>
 
-#include "client/tool/clock.h"
+#include "client/command/clock.h"
 
 namespace wobble::link {
 namespace {

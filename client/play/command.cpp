@@ -4,9 +4,9 @@
 #include <memory>
 
 #include "client/bots/options.h"
+#include "client/command/clock.h"
+#include "client/command/exit_codes.h"
 #include "client/play/play.h"
-#include "client/tool/clock.h"
-#include "client/tool/exit_codes.h"
 #include "client/web/command.h"
 
 namespace wobble::play {

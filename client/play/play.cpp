@@ -20,10 +20,10 @@
 #include <string_view>
 #include <vector>
 
+#include "client/command/clock.h"
+#include "client/command/exit_codes.h"
 #include "client/play/child.h"
 #include "client/play/summary.h"
-#include "client/tool/clock.h"
-#include "client/tool/exit_codes.h"
 
 namespace wobble::play {
 namespace {

@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <memory>
 
+#include "client/command/clock.h"
 #include "client/terminal/watch.h"
-#include "client/tool/clock.h"
 #include "protocol/limits.h"
 
 namespace wobble::terminal {

@@ -1,7 +1,7 @@
 // The words of `wobble watch`.
 #pragma once
 
-#include "client/tool/command.h"
+#include "client/command/command.h"
 
 namespace wobble::terminal {
 

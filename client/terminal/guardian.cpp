@@ -24,8 +24,8 @@
 #include <optional>
 #include <string>
 
-#include "client/tool/clock.h"
-#include "client/tool/exit_codes.h"
+#include "client/command/clock.h"
+#include "client/command/exit_codes.h"
 
 namespace wobble::terminal {
 namespace {

@@ -18,6 +18,8 @@
 #include <string_view>
 
 #include "client/client.h"
+#include "client/command/clock.h"
+#include "client/command/exit_codes.h"
 #include "client/terminal/camera.h"
 #include "client/terminal/controls.h"
 #include "client/terminal/guardian.h"
@@ -27,8 +29,6 @@
 #include "client/terminal/renderer.h"
 #include "client/terminal/status.h"
 #include "client/terminal/terminal.h"
-#include "client/tool/clock.h"
-#include "client/tool/exit_codes.h"
 #include "protocol/transport/enet_transport.h"
 
 namespace wobble::terminal {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "client/command/address.h"
 #include "client/terminal/cells.h"
-#include "client/tool/address.h"
 
 namespace wobble::terminal {
 

@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <memory>
 
-#include "client/tool/address.h"
-#include "client/tool/clock.h"
+#include "client/command/address.h"
+#include "client/command/clock.h"
 #include "client/web/gateway.h"
 #include "client/web/origin.h"
 

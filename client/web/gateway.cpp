@@ -16,8 +16,8 @@
 
 #include <boost/asio.hpp>
 
-#include "client/tool/clock.h"
-#include "client/tool/sockets.h"
+#include "client/command/clock.h"
+#include "client/command/sockets.h"
 #include "client/web/outbox.h"
 #include "client/web/sessions.h"
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "client/tool/address.h"
-#include "client/tool/command.h"
+#include "client/command/address.h"
+#include "client/command/command.h"
 #include "client/web/page_files.h"
 
 namespace wobble::web {

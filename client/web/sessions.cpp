@@ -19,7 +19,7 @@
 #include <optional>
 #include <span>
 
-#include "client/tool/clock.h"
+#include "client/command/clock.h"
 #include "client/web/origin.h"
 #include "client/web/outbox.h"
 #include "client/web/rate_limit.h"

@@ -13,7 +13,7 @@
 
 #include "client/bots/options.h"
 #include "client/bots/script.h"
-#include "client/tool/command.h"
+#include "client/command/command.h"
 #include "server/config.h"
 #include "server/scenes/loader.h"
 #include "tests/bench/report.h"

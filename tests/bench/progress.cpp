@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "client/tool/clock.h"
+#include "client/command/clock.h"
 
 namespace wobble::bench {
 namespace {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "client/bots/status.h"
-#include "client/tool/clock.h"
+#include "client/command/clock.h"
 
 namespace wobble::bots {
 namespace {

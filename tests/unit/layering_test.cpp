@@ -70,7 +70,7 @@ const std::vector<Layer> kLayers{
     {"protocol/transport/", {"protocol/"}, Join(kSystem, {"enet/", "zlib.h"}), kClockFileLog},
     {"protocol/", {"protocol/"}, {"flatbuffers/"}, kPortable},
     {"client/bots/", {"client/", "protocol/"}, Join(kSystem, {"CLI/", "lua.hpp", "nlohmann/"}), {}},
-    {"client/tool/", {"client/", "protocol/"}, Join(kSystem, {"CLI/"}), {}},
+    {"client/command/", {"client/", "protocol/"}, Join(kSystem, {"CLI/"}), {}},
     {"client/terminal/", {"client/", "protocol/"}, Join(kSystem, {"CLI/"}), {}},
     {"client/web/", {"client/", "protocol/"}, Join(kSystem, {"CLI/", "boost/", "emscripten", "zlib.h"}), {}},
     {"client/health/", {"client/"}, {"CLI/", "httplib.h"}, {}},

@@ -2,7 +2,7 @@
 
 #include <thread>
 
-#include "client/tool/command.h"
+#include "client/command/command.h"
 #include "protocol/transport/enet_transport.h"
 #include "tests/bench/capacity/cores.h"
 #include "tests/bench/thread_time.h"

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "client/bots/options.h"
-#include "client/tool/command.h"
+#include "client/command/command.h"
 #include "server/scenes/loader.h"
 #include "server/training/basis_shelf.h"
 #include "tests/bench/capacity/cores.h"

@@ -1,4 +1,4 @@
-#include "client/tool/address.h"
+#include "client/command/address.h"
 
 #include <charconv>
 

@@ -1,4 +1,4 @@
-#include "client/tool/sockets.h"
+#include "client/command/sockets.h"
 
 #include <sys/resource.h>
 

@@ -1,4 +1,4 @@
-#include "client/tool/command.h"
+#include "client/command/command.h"
 
 #include <cstdio>
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "client/tool/exit_codes.h"
+#include "client/command/exit_codes.h"
 
 namespace wobble::tool {
 
