@@ -81,10 +81,10 @@ install_missing() {
 
 # What the page and the tests of it are made with, as the lock file has it; again when that has changed since.
 install_modules() {
-  page="$(dirname "$0")/../client/web/page"
+  page="$(dirname "$0")/../client/page"
   done_by_npm="$page/node_modules/.package-lock.json"
   if [ -f "$done_by_npm" ] && [ -z "$(find "$page/package-lock.json" -newer "$done_by_npm")" ]; then return 0; fi
-  echo "Installing: what client/web/page/package-lock.json lists"
+  echo "Installing: what client/page/package-lock.json lists"
   (cd "$page" && npm ci --ignore-scripts --no-audit --no-fund --loglevel=error)
 }
 

@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "client/web/page_files.h"
+#include "client/page_files.h"
 
 namespace wobble::web {
 namespace {

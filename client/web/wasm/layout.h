@@ -1,5 +1,5 @@
 // What the page's script reads out of linear memory, field by field: every field is four bytes, every offset below is
-// the script's too (client/web/page/source/wire/memory.ts). Pointers are addresses in linear memory.
+// the script's too (client/page/source/wire/memory.ts). Pointers are addresses in linear memory.
 #pragma once
 
 #include <cstdint>

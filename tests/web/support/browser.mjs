@@ -9,7 +9,7 @@ import { createRequire } from 'node:module';
 import { findFreePort, Program, startGateway, waitFor } from './programs.mjs';
 
 const root = new URL('../../../', import.meta.url);
-const { chromium } = createRequire(new URL('client/web/page/package.json', root))('playwright-core');
+const { chromium } = createRequire(new URL('client/page/package.json', root))('playwright-core');
 
 const binFolder = process.env.WOBBLE_BIN_DIR ?? path.resolve('build/release/bin');
 export const pageFolder = path.join(binFolder, 'page');

@@ -10,7 +10,7 @@ import { createRequire } from 'node:module';
 import { waitFor } from './programs.mjs';
 
 const root = new URL('../../../', import.meta.url);
-const { WebSocket } = createRequire(new URL('client/web/page/package.json', root))('ws');
+const { WebSocket } = createRequire(new URL('client/page/package.json', root))('ws');
 
 export const channels = { control: 0, input: 1, snapshot: 2, ping: 3 };
 const limits = fs.readFileSync(new URL('protocol/limits.h', root), 'utf8');
