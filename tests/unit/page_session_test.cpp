@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "client/web/wasm/session.h"
-#include "client/web/wasm/shown_bodies.h"
-#include "client/web/wasm/web_socket_transport.h"
+#include "client/wasm/session.h"
+#include "client/wasm/shown_bodies.h"
+#include "client/wasm/web_socket_transport.h"
 #include "protocol/limits.h"
 
 namespace wobble::wasm {

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "client/client.h"
-#include "client/web/wasm/decoded_hash.h"
-#include "client/web/wasm/web_socket_transport.h"
+#include "client/wasm/decoded_hash.h"
+#include "client/wasm/web_socket_transport.h"
 
 namespace {
 

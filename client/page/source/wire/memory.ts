@@ -1,4 +1,4 @@
-// Reads what client/web/wasm/layout.h describes: structures of four-byte fields, at addresses in linear memory.
+// Reads what client/wasm/layout.h describes: structures of four-byte fields, at addresses in linear memory.
 //
 // The views onto the memory are taken anew for every structure, since they are dead once it has grown.
 import type { WobbleModule } from 'wobble-wasm';

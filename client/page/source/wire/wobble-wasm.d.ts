@@ -1,4 +1,4 @@
-// What Emscripten makes of client/web/wasm. Addresses are bytes into linear memory; 0 is none.
+// What Emscripten makes of client/wasm. Addresses are bytes into linear memory; 0 is none.
 declare module 'wobble-wasm' {
   export interface WobbleModule {
     HEAPU8: Uint8Array;

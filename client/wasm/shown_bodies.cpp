@@ -1,6 +1,6 @@
 // Most bodies of a large scene lie still: their vertices are compared, which is ten times cheaper than their normals
 // and the way to the graphics card, and only what differs gets a new revision.
-#include "client/web/wasm/shown_bodies.h"
+#include "client/wasm/shown_bodies.h"
 
 #include <array>
 #include <cstring>

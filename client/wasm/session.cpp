@@ -1,6 +1,6 @@
 // Nothing is decided here: the client library knows, the script draws, and this lays between them what the one has so
 // that the other can read it without a copy.
-#include "client/web/wasm/session.h"
+#include "client/wasm/session.h"
 
 #include <algorithm>
 #include <utility>

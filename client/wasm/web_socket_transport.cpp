@@ -1,6 +1,6 @@
 // Both queues are bounded: a page whose script has stopped taking or whose socket is stuck loses inputs and snapshots,
 // which are repeated anyway, and a control message too many ends the connection rather than leaving a gap in it.
-#include "client/web/wasm/web_socket_transport.h"
+#include "client/wasm/web_socket_transport.h"
 
 #include <utility>
 

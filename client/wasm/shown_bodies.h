@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "client/client.h"
-#include "client/web/wasm/layout.h"
+#include "client/wasm/layout.h"
 
 namespace wobble::wasm {
 

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "client/client.h"
-#include "client/web/wasm/decoded_hash.h"
-#include "client/web/wasm/layout.h"
-#include "client/web/wasm/shown_bodies.h"
-#include "client/web/wasm/web_socket_transport.h"
+#include "client/wasm/decoded_hash.h"
+#include "client/wasm/layout.h"
+#include "client/wasm/shown_bodies.h"
+#include "client/wasm/web_socket_transport.h"
 
 namespace wobble::wasm {
 

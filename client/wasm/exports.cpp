@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "client/web/wasm/session.h"
+#include "client/wasm/session.h"
 
 using wobble::client::Hand;
 using wobble::protocol::Vector3;
