@@ -11,11 +11,11 @@
 
 #include "client/bots/command.h"
 #include "client/command/command.h"
+#include "client/gateway/command.h"
 #include "client/health/command.h"
 #include "client/link/command.h"
 #include "client/play/command.h"
 #include "client/terminal/command.h"
-#include "client/web/command.h"
 
 namespace {
 

@@ -6,8 +6,8 @@
 #include "client/bots/options.h"
 #include "client/command/clock.h"
 #include "client/command/exit_codes.h"
+#include "client/gateway/command.h"
 #include "client/play/play.h"
-#include "client/web/command.h"
 
 namespace wobble::play {
 

@@ -72,7 +72,7 @@ const std::vector<Layer> kLayers{
     {"client/bots/", {"client/", "protocol/"}, Join(kSystem, {"CLI/", "lua.hpp", "nlohmann/"}), {}},
     {"client/command/", {"client/", "protocol/"}, Join(kSystem, {"CLI/"}), {}},
     {"client/terminal/", {"client/", "protocol/"}, Join(kSystem, {"CLI/"}), {}},
-    {"client/web/", {"client/", "protocol/"}, Join(kSystem, {"CLI/", "boost/", "emscripten", "zlib.h"}), {}},
+    {"client/gateway/", {"client/", "protocol/"}, Join(kSystem, {"CLI/", "boost/", "emscripten", "zlib.h"}), {}},
     {"client/health/", {"client/"}, {"CLI/", "httplib.h"}, {}},
     {"client/link/", {"client/", "protocol/"}, Join(kSystem, {"CLI/"}), {}},
     // A developer copies it: what it includes is all there is to know.

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "client/web/origin.h"
+#include "client/gateway/origin.h"
 
 namespace wobble::web {
 namespace {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "client/web/outbox.h"
+#include "client/gateway/outbox.h"
 
 namespace wobble::web {
 namespace {

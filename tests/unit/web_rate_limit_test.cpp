@@ -1,8 +1,8 @@
 // What one browser may send, and how many there may be.
 #include <gtest/gtest.h>
 
-#include "client/web/places.h"
-#include "client/web/rate_limit.h"
+#include "client/gateway/places.h"
+#include "client/gateway/rate_limit.h"
 
 namespace wobble::web {
 namespace {

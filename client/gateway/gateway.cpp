@@ -2,7 +2,7 @@
 //
 // One thread: 64 players at 16 Mbit/s cost a tenth of a core. ENet knows nothing of Asio, so a timer polls all links;
 // signals are seen there too.
-#include "client/web/gateway.h"
+#include "client/gateway/gateway.h"
 
 #include <netinet/tcp.h>
 #include <sys/socket.h>
@@ -18,8 +18,8 @@
 
 #include "client/command/clock.h"
 #include "client/command/sockets.h"
-#include "client/web/outbox.h"
-#include "client/web/sessions.h"
+#include "client/gateway/outbox.h"
+#include "client/gateway/sessions.h"
 
 namespace wobble::web {
 namespace {

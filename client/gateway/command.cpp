@@ -1,4 +1,4 @@
-#include "client/web/command.h"
+#include "client/gateway/command.h"
 
 #include <arpa/inet.h>
 
@@ -9,8 +9,8 @@
 
 #include "client/command/address.h"
 #include "client/command/clock.h"
-#include "client/web/gateway.h"
-#include "client/web/origin.h"
+#include "client/gateway/gateway.h"
+#include "client/gateway/origin.h"
 
 namespace wobble::web {
 namespace {

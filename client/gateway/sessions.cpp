@@ -7,7 +7,7 @@
 //
 // A browser is not read before its link to the server stands: what it says meanwhile waits in the system's buffer, and
 // there is no queue here to be filled. No message of a browser is trusted; all limits end in a close with a reason.
-#include "client/web/sessions.h"
+#include "client/gateway/sessions.h"
 
 #include <algorithm>
 #include <boost/asio.hpp>
@@ -20,9 +20,9 @@
 #include <span>
 
 #include "client/command/clock.h"
-#include "client/web/origin.h"
-#include "client/web/outbox.h"
-#include "client/web/rate_limit.h"
+#include "client/gateway/origin.h"
+#include "client/gateway/outbox.h"
+#include "client/gateway/rate_limit.h"
 
 namespace wobble::web {
 namespace {

@@ -1,6 +1,6 @@
 // Without this check any page that somebody has open in the same browser could play through a gateway on localhost.
 // The host is compared with the port, the scheme is not: a proxy in front may speak https where this end speaks http.
-#include "client/web/origin.h"
+#include "client/gateway/origin.h"
 
 #include <algorithm>
 #include <cctype>

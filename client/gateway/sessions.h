@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "client/web/gateway.h"
-#include "client/web/places.h"
-#include "client/web/server_link.h"
+#include "client/gateway/gateway.h"
+#include "client/gateway/places.h"
+#include "client/gateway/server_link.h"
 
 namespace wobble::web {
 

@@ -1,6 +1,6 @@
 // The relay understands nothing of what it carries: a new message needs no new gateway, and a browser's bytes are
 // judged in one place, by the server.
-#include "client/web/server_link.h"
+#include "client/gateway/server_link.h"
 
 #include <algorithm>
 #include <cmath>

@@ -9,7 +9,7 @@
 #include <span>
 #include <string>
 
-#include "client/web/outbox.h"
+#include "client/gateway/outbox.h"
 #include "protocol/limits.h"
 #include "protocol/transport/enet_transport.h"
 

@@ -1,6 +1,6 @@
 // One queue rather than one a channel, so that nothing overtakes: a browser on a good link sees what a native client
 // does. To find the oldest snapshot it is walked through, past at most a thousand control messages of 4 KiB.
-#include "client/web/outbox.h"
+#include "client/gateway/outbox.h"
 
 #include <algorithm>
 #include <cassert>
