@@ -1,4 +1,5 @@
 #include "server/physics/methods/stability.h"
+#include "server/physics/methods/step_limits.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,6 +5,8 @@
 
 #include <Eigen/Dense>
 
+#include "server/physics/methods/step_limits.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 

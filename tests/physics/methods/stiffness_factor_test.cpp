@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/physics/methods/stability.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/graph.h"
 #include "server/physics/shapes/pair.h"
 #include "server/physics/world.h"

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "server/physics/shapes/cloth.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/pair.h"
 #include "server/physics/shapes/ring.h"
 #include "server/physics/shapes/tear.h"

@@ -2,6 +2,7 @@
 // under ThreadSanitizer as well.
 #include <gtest/gtest.h>
 
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 
