@@ -583,7 +583,7 @@ TEST(Integrators, ExplicitEulerExplodesInTheWorld) {
   EXPECT_FALSE(bounded.second);
 }
 
-TEST(Integrators, GroupsThatDisagreeAreSteppedByRungeKutta) {
+TEST(Integrators, IslandsThatDisagreeAreSteppedByRungeKutta) {
   const auto play = [](Integrator upper, Integrator lower) {
     WorldSettings settings;
     settings.gravity.setZero();
