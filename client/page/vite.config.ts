@@ -1,4 +1,4 @@
-// The folder with wobble.mjs and wobble.wasm, and the folder to build into, come from CMake (client/web-CMakeLists.txt).
+// The folder with wobble.mjs and wobble.wasm, and the folder to build into, come from CMake (client/page/CMakeLists.txt).
 import { defineConfig } from 'vite';
 
 const wasmFolder = process.env.WOBBLE_WASM_FOLDER ?? '../../../build/release/wasm';

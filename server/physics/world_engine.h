@@ -23,7 +23,7 @@ struct BodyPair {
   BodyId first = 0;
   BodyId second = 0;
   IndexPair places{};                                   // of the two in the world
-  std::array<std::vector<BodyContact<Real>>, 2> sides;  // as in Encounter
+  std::array<std::vector<BodyContact<Real>>, 2> sides;  // as in ContactPair
   bool met = false;                                     // its contacts are this tick's
 
   [[nodiscard]] bool Has(BodyId body) const { return first == body || second == body; }
@@ -41,7 +41,7 @@ bool ComesBefore(const BodyPair<Real>& a, const BodyPair<Real>& b) {
 }
 
 struct Outcome {
-  GroupOutcome steps;
+  IslandOutcome steps;
   Health health = Health::kGood;
   bool reset = false;
   std::size_t torn = 0;  // springs
@@ -53,9 +53,9 @@ struct Scratch {
   ContactSearchScratch<Real> search;
   // Of a batch:
   std::vector<Member<Real>*> members;
-  std::vector<Encounter<Real>> encounters;
+  std::vector<ContactPair<Real>> contactPairs;
   std::vector<Part> parts;
-  std::vector<GroupOutcome> outcomes;
+  std::vector<IslandOutcome> outcomes;
   BatchScratch<Real> batch;
   std::vector<VertexLoad> loads;
   std::vector<std::size_t> begins;
@@ -63,7 +63,7 @@ struct Scratch {
   // For so many bodies with so many vertices in all; the batch makes its own room.
   void Reserve(std::size_t allVertices, std::size_t bodies) {
     members.reserve(bodies);
-    encounters.reserve(bodies);
+    contactPairs.reserve(bodies);
     parts.reserve(bodies);
     outcomes.reserve(bodies);
     loads.reserve(allVertices);
@@ -73,17 +73,17 @@ struct Scratch {
 
 // Bodies that are awake and hang together by contacts. Ordered so that those which are stepped in one batch are side by
 // side.
-struct AwakeGroup {
+struct AwakeIsland {
   enum class Way : std::uint8_t { kPlain, kAlone, kTogether };
 
   bool isLarge = false;         // stepped by all threads, one after the other
   Way way = Way::kPlain;        // alone or together: in lanes
   std::uint32_t blueprint = 0;  // of a body that is alone
   int substeps = 0;             // of the first try
-  std::uint32_t group = 0;      // in Workspace::groups
+  std::uint32_t island = 0;     // in Workspace::islands
   std::size_t vertices = 0;     // of all its bodies
 
-  auto operator<=>(const AwakeGroup&) const = default;
+  auto operator<=>(const AwakeIsland&) const = default;
 };
 
 template <class Real>
@@ -105,11 +105,12 @@ struct Workspace {
   BroadPhase broadPhase;
   std::vector<std::uint32_t> woken;
   std::vector<std::uint32_t> falling;  // asleep
-  Groups groups;
-  std::vector<std::uint32_t> placeOf;       // of each body in its group
-  std::vector<Encounter<Real>> encounters;  // those of group g from encounterBegins[g] up to encounterBegins[g + 1]
-  std::vector<std::size_t> encounterBegins;
-  std::vector<AwakeGroup> awakeGroups;  // the b-th batch from batchBegins[b] up to batchBegins[b + 1]
+  Islands islands;
+  std::vector<std::uint32_t> placeOf;  // of each body in its island
+  std::vector<ContactPair<Real>>
+      contactPairs;  // those of island g from contactPairBegins[g] up to contactPairBegins[g + 1]
+  std::vector<std::size_t> contactPairBegins;
+  std::vector<AwakeIsland> awakeIslands;  // the b-th batch from batchBegins[b] up to batchBegins[b + 1]
   std::vector<std::size_t> batchBegins;
   std::vector<Outcome> outcomes;
   tbb::enumerable_thread_specific<Scratch<Real>> scratch;

@@ -1,10 +1,10 @@
 // A tick, phase by phase: Prepare (control, static contacts), Meet (who is near whom, and with which vertices), Wake
-// (whoever sleeps and is touched), Group (bodies that hang together by contacts), Step (each group by itself), Finish
+// (whoever sleeps and is touched), Island (bodies that hang together by contacts), Step (each island by itself), Finish
 // (health, origin, sleep).
 //
-// Every phase runs in parallel over things that do not see each other: bodies, pairs, groups. Each is worked on by one
+// Every phase runs in parallel over things that do not see each other: bodies, pairs, islands. Each is worked on by one
 // thread from beginning to end and nothing is summed across threads, so the result cannot depend on how many there are.
-// A group too large for one thread is stepped by all, body by body.
+// A island too large for one thread is stepped by all, body by body.
 #include <algorithm>
 #include <array>
 
@@ -17,11 +17,11 @@
 namespace wobble::physics {
 namespace {
 
-// Vertices from which on a group is stepped by all threads: below, they would wait for one another longer than they
+// Vertices from which on a island is stepped by all threads: below, they would wait for one another longer than they
 // work.
-constexpr std::size_t kLargeGroup = 2000;
+constexpr std::size_t kLargeIsland = 2000;
 
-// Bodies of several groups that are stepped together at most: their packs should stay in a core's own cache.
+// Bodies of several islands that are stepped together at most: their packs should stay in a core's own cache.
 constexpr std::size_t kMostTogether = 32;
 
 }  // namespace
@@ -49,7 +49,7 @@ class World::Stepper {
     WakeTouched();
     m_search.DropPairsApart();
     NoteStepped();
-    FindAllGroups();
+    FindAllIslands();
     StepAll();
     LetFallAsleep();
     return Report();
@@ -126,21 +126,21 @@ class World::Stepper {
   }
 
   // Of those awake: bodies that hang together all sleep, or none.
-  void FindAllGroups() {
-    m_work.groups.Find(m_stepped, m_work.pairIndices);
+  void FindAllIslands() {
+    m_work.islands.Find(m_stepped, m_work.pairIndices);
     m_work.placeOf.resize(m_bodies.size());
-    m_work.awakeGroups.clear();
-    m_work.awakeGroups.reserve(m_bodies.size());
-    for (std::uint32_t group = 0; group < m_work.groups.Count(); ++group) {
-      const auto members = m_work.groups.MembersOf(group);
+    m_work.awakeIslands.clear();
+    m_work.awakeIslands.reserve(m_bodies.size());
+    for (std::uint32_t island = 0; island < m_work.islands.Count(); ++island) {
+      const auto members = m_work.islands.MembersOf(island);
       for (std::uint32_t place = 0; place < members.size(); ++place) m_work.placeOf[members[place]] = place;
-      m_work.awakeGroups.push_back(Describe(group));
+      m_work.awakeIslands.push_back(Describe(island));
     }
-    FindEncounters();
+    FindContactPairs();
   }
 
-  AwakeGroup Describe(std::uint32_t group) {
-    const auto members = m_work.groups.MembersOf(group);
+  AwakeIsland Describe(std::uint32_t island) {
+    const auto members = m_work.islands.MembersOf(island);
     std::size_t vertices = 0;
     bool inLanes = true;
     for (const std::uint32_t body : members) {
@@ -150,54 +150,55 @@ class World::Stepper {
       inLanes = inLanes && CanGoInPack<Real>(*m_work.members[body].blueprint);
     }
     m_allVertices += vertices;
-    AwakeGroup described;
-    described.group = group;
+    AwakeIsland described;
+    described.island = island;
     described.vertices = vertices;
-    if (inLanes) described.way = members.size() > 1 ? AwakeGroup::Way::kTogether : AwakeGroup::Way::kAlone;
-    if (described.way == AwakeGroup::Way::kAlone) described.blueprint = m_bodies[members[0]].blueprint;
+    if (inLanes) described.way = members.size() > 1 ? AwakeIsland::Way::kTogether : AwakeIsland::Way::kAlone;
+    if (described.way == AwakeIsland::Way::kAlone) described.blueprint = m_bodies[members[0]].blueprint;
     return described;
   }
 
-  // Pairs by group, in their order.
-  void FindEncounters() {
-    std::vector<std::size_t>& begins = m_work.encounterBegins;
-    begins.assign(m_work.groups.Count() + 1, 0);
-    const auto groupOf = [this](std::size_t pair) { return m_work.groups.GroupOf(m_work.pairIndices[pair][0]); };
-    for (std::size_t i = 0; i < m_work.pairs.size(); ++i) ++begins[groupOf(i) + 1U];
-    for (std::size_t group = 0; group + 1 < begins.size(); ++group) begins[group + 1] += begins[group];
-    m_work.encounters.resize(m_work.pairs.size());
+  // Pairs by island, in their order.
+  void FindContactPairs() {
+    std::vector<std::size_t>& begins = m_work.contactPairBegins;
+    begins.assign(m_work.islands.Count() + 1, 0);
+    const auto islandOf = [this](std::size_t pair) { return m_work.islands.IslandOf(m_work.pairIndices[pair][0]); };
+    for (std::size_t i = 0; i < m_work.pairs.size(); ++i) ++begins[islandOf(i) + 1U];
+    for (std::size_t island = 0; island + 1 < begins.size(); ++island) begins[island + 1] += begins[island];
+    m_work.contactPairs.resize(m_work.pairs.size());
     for (std::size_t i = m_work.pairs.size(); i-- > 0;) {
       const auto [a, b] = m_work.pairIndices[i];
       const auto& ofA = m_work.members[a].blueprint->template Read<Real>().contact;
       const auto& ofB = m_work.members[b].blueprint->template Read<Real>().contact;
-      m_work.encounters[--begins[groupOf(i) + 1U]] = {{m_work.placeOf[a], m_work.placeOf[b]},
-                                                      Combine(ofA, ofB),
-                                                      {&m_work.pairs[i].sides[0], &m_work.pairs[i].sides[1]}};
+      m_work.contactPairs[--begins[islandOf(i) + 1U]] = {{m_work.placeOf[a], m_work.placeOf[b]},
+                                                         Combine(ofA, ofB),
+                                                         {&m_work.pairs[i].sides[0], &m_work.pairs[i].sides[1]}};
     }
-    // Each group's end has been counted down to its begin: one step to the left, and they are begins again.
+    // Each island's end has been counted down to its begin: one step to the left, and they are begins again.
     begins.erase(begins.begin());
     begins.push_back(m_work.pairs.size());
   }
 
-  std::span<const Encounter<Real>> EncountersOf(std::uint32_t group) const {
-    const std::size_t begin = m_work.encounterBegins[group];
-    return std::span(m_work.encounters).subspan(begin, m_work.encounterBegins[group + 1U] - begin);
+  std::span<const ContactPair<Real>> ContactPairsOf(std::uint32_t island) const {
+    const std::size_t begin = m_work.contactPairBegins[island];
+    return std::span(m_work.contactPairs).subspan(begin, m_work.contactPairBegins[island + 1U] - begin);
   }
 
   void StepAll() {
-    std::vector<AwakeGroup>& groups = m_work.awakeGroups;
-    m_threads.ForEach(groups.size(), [&](std::size_t i) {
-      const std::span<Member<Real>* const> members = Collect({&groups[i], 1});
+    std::vector<AwakeIsland>& islands = m_work.awakeIslands;
+    m_threads.ForEach(islands.size(), [&](std::size_t i) {
+      const std::span<Member<Real>* const> members = Collect({&islands[i], 1});
       Scratch<Real>& scratch = m_work.scratch.local();
-      groups[i].substeps = FindFirstSubsteps<Real>(members, scratch.encounters, m_rules, scratch.loads, scratch.begins);
-      if (FindIntegrator(members) != Integrator::kRungeKutta4) groups[i].way = AwakeGroup::Way::kPlain;
+      islands[i].substeps =
+          FindFirstSubsteps<Real>(members, scratch.contactPairs, m_rules, scratch.loads, scratch.begins);
+      if (FindIntegrator(members) != Integrator::kRungeKutta4) islands[i].way = AwakeIsland::Way::kPlain;
     });
     FindLarge();
-    std::sort(groups.begin(), groups.end());
+    std::sort(islands.begin(), islands.end());
     FindBatches();
     const auto batch = [&](std::size_t i) {
       const std::size_t begin = m_work.batchBegins[i];
-      return std::span<const AwakeGroup>(groups).subspan(begin, m_work.batchBegins[i + 1] - begin);
+      return std::span<const AwakeIsland>(islands).subspan(begin, m_work.batchBegins[i + 1] - begin);
     };
     const std::size_t count = m_work.batchBegins.size() - 1;
     std::size_t small = count;
@@ -206,88 +207,90 @@ class World::Stepper {
     m_threads.ForEach(small, [&](std::size_t i) { StepOne(batch(small - 1 - i), nullptr); });
   }
 
-  // A group is stepped by all threads where it is more than one's share of the work: threads that step different groups
-  // need not wait for one another before every stage.
+  // A island is stepped by all threads where it is more than one's share of the work: threads that step different
+  // islands need not wait for one another before every stage.
   void FindLarge() {
-    const auto work = [](const AwakeGroup& group) { return group.vertices * static_cast<std::size_t>(group.substeps); };
+    const auto work = [](const AwakeIsland& island) {
+      return island.vertices * static_cast<std::size_t>(island.substeps);
+    };
     std::size_t all = 0;
-    for (const AwakeGroup& group : m_work.awakeGroups) all += work(group);
+    for (const AwakeIsland& island : m_work.awakeIslands) all += work(island);
     const auto threads = static_cast<std::size_t>(m_world.m_settings.threads);
-    for (AwakeGroup& group : m_work.awakeGroups) {
-      group.isLarge = m_work.groups.MembersOf(group.group).size() > 1 && group.vertices >= kLargeGroup &&
-                      work(group) * threads > all;
+    for (AwakeIsland& island : m_work.awakeIslands) {
+      island.isLarge = m_work.islands.MembersOf(island.island).size() > 1 && island.vertices >= kLargeIsland &&
+                       work(island) * threads > all;
     }
   }
 
-  // What goes in one batch asks for equal substeps. Bodies alone fill one pack; groups of several, which are stepped
+  // What goes in one batch asks for equal substeps. Bodies alone fill one pack; islands of several, which are stepped
   // stage by stage, come together until their packs have few lanes to spare.
   void FindBatches() {
-    using Way = AwakeGroup::Way;
-    const std::vector<AwakeGroup>& groups = m_work.awakeGroups;
+    using Way = AwakeIsland::Way;
+    const std::vector<AwakeIsland>& islands = m_work.awakeIslands;
     const auto lanes = static_cast<std::size_t>(m_kernels.back().width);
     std::vector<std::size_t>& begins = m_work.batchBegins;
     begins.clear();
-    begins.reserve(groups.size() + 1);
+    begins.reserve(islands.size() + 1);
     std::size_t bodies = 0;
-    for (std::size_t i = 0; i < groups.size(); ++i) {
-      const AwakeGroup& group = groups[i];
-      const std::size_t own = m_work.groups.MembersOf(group.group).size();
-      const bool fits = i > 0 && group.way != Way::kPlain && !group.isLarge && group.way == groups[i - 1].way &&
-                        group.blueprint == groups[i - 1].blueprint && group.substeps == groups[i - 1].substeps &&
-                        bodies + own <= (group.way == Way::kAlone ? lanes : kMostTogether);
+    for (std::size_t i = 0; i < islands.size(); ++i) {
+      const AwakeIsland& island = islands[i];
+      const std::size_t own = m_work.islands.MembersOf(island.island).size();
+      const bool fits = i > 0 && island.way != Way::kPlain && !island.isLarge && island.way == islands[i - 1].way &&
+                        island.blueprint == islands[i - 1].blueprint && island.substeps == islands[i - 1].substeps &&
+                        bodies + own <= (island.way == Way::kAlone ? lanes : kMostTogether);
       if (!fits) {
         begins.push_back(i);
         bodies = 0;
       }
       bodies += own;
     }
-    begins.push_back(groups.size());
+    begins.push_back(islands.size());
   }
 
-  // Members, encounters and parts of these groups, in this thread's scratch.
-  std::span<Member<Real>* const> Collect(std::span<const AwakeGroup> groups) {
+  // Members, contact pairs and parts of these islands, in this thread's scratch.
+  std::span<Member<Real>* const> Collect(std::span<const AwakeIsland> islands) {
     Scratch<Real>& scratch = m_work.scratch.local();
     scratch.Reserve(m_allVertices, m_bodies.size());
     scratch.members.clear();
-    scratch.encounters.clear();
+    scratch.contactPairs.clear();
     scratch.parts.clear();
-    for (const AwakeGroup& each : groups) {
-      Part part{scratch.members.size(), 0, scratch.encounters.size(), 0};
-      for (Encounter<Real> encounter : EncountersOf(each.group)) {
-        for (std::uint32_t& member : encounter.members) member += static_cast<std::uint32_t>(part.memberBegin);
-        scratch.encounters.push_back(encounter);
+    for (const AwakeIsland& each : islands) {
+      Part part{scratch.members.size(), 0, scratch.contactPairs.size(), 0};
+      for (ContactPair<Real> contactPair : ContactPairsOf(each.island)) {
+        for (std::uint32_t& member : contactPair.members) member += static_cast<std::uint32_t>(part.memberBegin);
+        scratch.contactPairs.push_back(contactPair);
       }
-      for (const std::uint32_t body : m_work.groups.MembersOf(each.group)) {
+      for (const std::uint32_t body : m_work.islands.MembersOf(each.island)) {
         scratch.members.push_back(&m_work.members[body]);
       }
       part.memberEnd = scratch.members.size();
-      part.encounterEnd = scratch.encounters.size();
+      part.contactPairEnd = scratch.contactPairs.size();
       scratch.parts.push_back(part);
     }
-    scratch.outcomes.assign(groups.size(), {});
+    scratch.outcomes.assign(islands.size(), {});
     return scratch.members;
   }
 
-  void StepOne(std::span<const AwakeGroup> groups, Threads* threads) {
-    const std::span<Member<Real>* const> members = Collect(groups);
+  void StepOne(std::span<const AwakeIsland> islands, Threads* threads) {
+    const std::span<Member<Real>* const> members = Collect(islands);
     Scratch<Real>& scratch = m_work.scratch.local();
     scratch.batch.Reserve(m_mostVertices, m_allVertices, m_bodies.size());
-    const int substeps = groups[0].substeps;
-    if (groups[0].way == AwakeGroup::Way::kPlain) {
+    const int substeps = islands[0].substeps;
+    if (islands[0].way == AwakeIsland::Way::kPlain) {
       scratch.outcomes[0] =
-          StepGroup<Real>(members, scratch.encounters, substeps, m_rules, threads, scratch.batch.group);
+          StepIsland<Real>(members, scratch.contactPairs, substeps, m_rules, threads, scratch.batch.island);
     } else {
-      StepBatch<Real>(members, scratch.encounters, scratch.parts, substeps, m_rules, m_kernels, threads, scratch.batch,
-                      scratch.outcomes);
+      StepBatch<Real>(members, scratch.contactPairs, scratch.parts, substeps, m_rules, m_kernels, threads,
+                      scratch.batch, scratch.outcomes);
     }
-    for (std::size_t i = 0; i < groups.size(); ++i) {
-      const auto bodies = m_work.groups.MembersOf(groups[i].group);
+    for (std::size_t i = 0; i < islands.size(); ++i) {
+      const auto bodies = m_work.islands.MembersOf(islands[i].island);
       for (const std::uint32_t body : bodies) Finish(body, scratch.outcomes[i]);
-      for (const Encounter<Real>& encounter : EncountersOf(groups[i].group)) Finish(encounter, bodies);
+      for (const ContactPair<Real>& contactPair : ContactPairsOf(islands[i].island)) Finish(contactPair, bodies);
     }
   }
 
-  void Finish(std::uint32_t i, const GroupOutcome& steps) {
+  void Finish(std::uint32_t i, const IslandOutcome& steps) {
     Body& body = m_bodies[i];
     const Member<Real>& member = m_work.members[i];
     State<Real>& state = *member.state;
@@ -328,11 +331,11 @@ class World::Stepper {
   }
 
   // A body that was reset has left those that it touched.
-  void Finish(const Encounter<Real>& encounter, std::span<const std::uint32_t> bodies) {
+  void Finish(const ContactPair<Real>& contactPair, std::span<const std::uint32_t> bodies) {
     for (std::size_t side = 0; side < 2; ++side) {
-      std::vector<BodyContact<Real>>& contacts = *encounter.sides[side];
-      const std::uint32_t a = bodies[encounter.members[0]];
-      const std::uint32_t b = bodies[encounter.members[1]];
+      std::vector<BodyContact<Real>>& contacts = *contactPair.sides[side];
+      const std::uint32_t a = bodies[contactPair.members[0]];
+      const std::uint32_t b = bodies[contactPair.members[1]];
       if (m_work.outcomes[a].reset || m_work.outcomes[b].reset) contacts.clear();
       const bool touch = std::any_of(contacts.begin(), contacts.end(), [](const auto& each) { return each.touching; });
       m_bodies[a].touchesBody |= touch;
@@ -343,8 +346,8 @@ class World::Stepper {
   void LetFallAsleep() {
     const int patience = static_cast<int>(kQuietTime / m_duration);
     m_work.falling.clear();
-    for (std::uint32_t group = 0; group < m_work.groups.Count(); ++group) {
-      const auto members = m_work.groups.MembersOf(group);
+    for (std::uint32_t island = 0; island < m_work.islands.Count(); ++island) {
+      const auto members = m_work.islands.MembersOf(island);
       const auto isQuiet = [&](std::uint32_t body) { return m_bodies[body].quietTicks >= patience; };
       if (!std::all_of(members.begin(), members.end(), isQuiet)) continue;
       m_work.falling.insert(m_work.falling.end(), members.begin(), members.end());

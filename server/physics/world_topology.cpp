@@ -7,6 +7,7 @@
 #include <set>
 
 #include "server/physics/methods/stability.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/tear.h"
 #include "server/physics/world_engine.h"
 

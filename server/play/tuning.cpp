@@ -32,7 +32,7 @@ std::string Tuning::Tune(const TuneCommand& command, bool isHost, physics::World
       if (error.empty()) world.SetGravity(m_gravity = command.value);
       break;
     case Kind::kStiffness:
-      error = CheckRange("stiffness", value, kLeastStiffness, kMostStiffness, " times");
+      error = CheckRange("stiffness", value, kMinTunedStiffness, kMaxTunedStiffness, " times");
       if (error.empty()) world.SetStiffnessFactor(m_stiffness = value);
       break;
     case Kind::kTimeRate:

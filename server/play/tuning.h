@@ -11,8 +11,8 @@
 namespace wobble::server {
 
 // Softer by more, heaps are squashed so flat that looking for their contacts takes several ticks' time.
-inline constexpr double kLeastStiffness = 0.5;  // times
-inline constexpr double kMostStiffness = physics::kMostStiffnessFactor;
+inline constexpr double kMinTunedStiffness = 0.5;  // times
+inline constexpr double kMaxTunedStiffness = physics::kMostStiffnessFactor;
 inline constexpr double kMaxGravity = 30;      // m/s²
 inline constexpr double kLeastTimeRate = 0.1;  // seconds of the world a second
 inline constexpr double kLongestJump = 10;     // s

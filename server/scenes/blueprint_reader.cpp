@@ -5,6 +5,7 @@
 #include <map>
 #include <tuple>
 
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/scenes/obj_reader.h"
 
 namespace wobble::scenes {

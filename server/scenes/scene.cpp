@@ -1,4 +1,5 @@
 #include "server/scenes/scene.h"
+#include "server/physics/shapes/finish_blueprint.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/world.h"
 #include "server/scenes/body_definition.h"
 #include "server/scenes/play_rules.h"

@@ -92,8 +92,8 @@ std::span<const IndexPair> BroadPhase::FindOverlaps(std::span<const Box> boxes) 
   return m_pairs;
 }
 
-void Groups::Find(std::span<const std::uint32_t> bodies, std::span<const IndexPair> pairs) {
-  std::vector<std::uint32_t>& parent = m_groupOf;
+void Islands::Find(std::span<const std::uint32_t> bodies, std::span<const IndexPair> pairs) {
+  std::vector<std::uint32_t>& parent = m_islandOf;
   if (!bodies.empty()) parent.resize(std::max(parent.size(), bodies.back() + std::size_t{1}));
   for (const std::uint32_t i : bodies) parent[i] = i;
   const auto findRoot = [&parent](std::uint32_t i) {
@@ -106,16 +106,16 @@ void Groups::Find(std::span<const std::uint32_t> bodies, std::span<const IndexPa
     parent[std::max(one, other)] = std::min(one, other);  // so the least member is the root
   }
   for (const std::uint32_t i : bodies) parent[i] = findRoot(i);
-  // A root comes before its members, so its place in parent can take the group's number on the way.
-  std::uint32_t groups = 0;
-  for (const std::uint32_t i : bodies) m_groupOf[i] = parent[i] == i ? groups++ : m_groupOf[parent[i]];
+  // A root comes before its members, so its place in parent can take the island's number on the way.
+  std::uint32_t islands = 0;
+  for (const std::uint32_t i : bodies) m_islandOf[i] = parent[i] == i ? islands++ : m_islandOf[parent[i]];
 
-  m_begins.assign(groups + 1U, 0);
-  for (const std::uint32_t i : bodies) ++m_begins[m_groupOf[i] + 1U];
-  for (std::uint32_t group = 0; group < groups; ++group) m_begins[group + 1U] += m_begins[group];
+  m_begins.assign(islands + 1U, 0);
+  for (const std::uint32_t i : bodies) ++m_begins[m_islandOf[i] + 1U];
+  for (std::uint32_t island = 0; island < islands; ++island) m_begins[island + 1U] += m_begins[island];
   m_members.resize(bodies.size());
-  for (std::size_t i = bodies.size(); i-- > 0;) m_members[--m_begins[m_groupOf[bodies[i]] + 1U]] = bodies[i];
-  // Each group's end has been counted down to its begin: one step to the right, and they are begins again.
+  for (std::size_t i = bodies.size(); i-- > 0;) m_members[--m_begins[m_islandOf[bodies[i]] + 1U]] = bodies[i];
+  // Each island's end has been counted down to its begin: one step to the right, and they are begins again.
   m_begins.erase(m_begins.begin());
   m_begins.push_back(static_cast<std::uint32_t>(bodies.size()));
 }

@@ -45,23 +45,23 @@ class BroadPhase {
   std::vector<IndexPair> m_pairs;
 };
 
-// Sets of bodies that hang together by pairs. Groups are ordered by their least member, members ascending; a body
-// without a pair is a group of its own.
-class Groups {
+// Sets of bodies that hang together by pairs. Islands are ordered by their least member, members ascending; a body
+// without a pair is a island of its own.
+class Islands {
  public:
   // bodies: ascending. pairs: of these.
   void Find(std::span<const std::uint32_t> bodies, std::span<const IndexPair> pairs);
 
   [[nodiscard]] std::size_t Count() const { return m_begins.size() - 1; }
-  [[nodiscard]] std::span<const std::uint32_t> MembersOf(std::size_t group) const {
-    return std::span(m_members).subspan(m_begins[group], m_begins[group + 1] - m_begins[group]);
+  [[nodiscard]] std::span<const std::uint32_t> MembersOf(std::size_t island) const {
+    return std::span(m_members).subspan(m_begins[island], m_begins[island + 1] - m_begins[island]);
   }
-  [[nodiscard]] std::uint32_t GroupOf(std::uint32_t member) const { return m_groupOf[member]; }
+  [[nodiscard]] std::uint32_t IslandOf(std::uint32_t member) const { return m_islandOf[member]; }
 
  private:
   std::vector<std::uint32_t> m_begins{0};
   std::vector<std::uint32_t> m_members;
-  std::vector<std::uint32_t> m_groupOf;  // by body; of those that were not asked for it says nothing
+  std::vector<std::uint32_t> m_islandOf;  // by body; of those that were not asked for it says nothing
 };
 
 }  // namespace wobble::physics

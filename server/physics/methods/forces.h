@@ -44,7 +44,6 @@ void AddSprings(std::span<const Spring<Real>> springs, Real stiffnessFactor, std
 template <class Real>
 void AddRepulsion(std::span<const Spring<Real>> springs, Real repulsion, std::span<const Vector3<Real>> x,
                   std::span<Vector3<Real>> forces, std::span<const std::uint8_t> torn = {});
-inline constexpr double kRepulsionFloorShare = 0.5;
 
 // Volume inside a closed surface by the divergence theorem, ⅙ Σ a·(b × c) over its faces, m³. Taken about the first
 // vertex: the sum does not depend on the point, but its rounding does. Negative when the surface is inside out.

@@ -13,7 +13,7 @@ namespace wobble::physics {
 // From best to worst.
 enum class Health : std::uint8_t {
   kGood,
-  kRunaway,    // its group has gained energy that nobody put in
+  kRunaway,    // its island has gained energy that nobody put in
   kInverted,   // a closed body turned inside out
   kNonFinite,  // a coordinate is no number
 };
@@ -21,7 +21,7 @@ enum class Health : std::uint8_t {
 // insideOut: whether the gas of the body is.
 [[nodiscard]] Health FindHealth(const BulkMotion& bulk, bool insideOut);
 
-// Energy that a group may gain beyond what was put in, as a share of what it has: honest play stays under 0.6 %,
+// Energy that a island may gain beyond what was put in, as a share of what it has: honest play stays under 0.6 %,
 // whatever falls onto whatever.
 inline constexpr double kRunawayShare = 0.05;
 

@@ -1,4 +1,5 @@
 #include "server/physics/methods/stability.h"
+#include "server/physics/methods/step_limits.h"
 
 #include <algorithm>
 #include <cmath>
@@ -210,7 +211,7 @@ double FindSubstepsOnGround(const Blueprint& blueprint, double duration) {
 // Implicit Euler has springs in its matrix and position Verlet takes them for distances; neither minds.
 double FindStiffnessBound(const Blueprint& blueprint, double duration) {
   const Modes atOne = FindModesOnGround(blueprint);
-  double factor = kMostStiffness;
+  double factor = kMaxStiffnessBound;
   for (; factor > 1; factor *= 0.95) {
     Modes modes = atOne;
     modes.body.squareFrequency *= factor;

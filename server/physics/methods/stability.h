@@ -47,9 +47,9 @@ template <class Real>
 // it and as fast as may be.
 [[nodiscard]] double FindSubstepsOnGround(const Blueprint& blueprint, double duration);
 
-// How many times stiffer and more damped its springs may become, from 1 up to kMostStiffness, so that no more substeps
-// are needed on a rigid surface than there are.
-inline constexpr double kMostStiffness = 16;
+// How many times stiffer and more damped its springs may become, from 1 up to kMaxStiffnessBound, so that no more
+// substeps are needed on a rigid surface than there are.
+inline constexpr double kMaxStiffnessBound = 16;
 [[nodiscard]] double FindStiffnessBound(const Blueprint& blueprint, double duration);
 
 // The largest rate ρ, 1/s, over the modes of the body with all that it touches at once.

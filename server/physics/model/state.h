@@ -9,11 +9,23 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/contact/contact.h"
 #include "server/physics/model/blueprint.h"
 #include "server/physics/model/vector.h"
 
 namespace wobble::physics {
+
+// A vertex near a static surface (contact/contact.h has the laws). The list is sorted by surface, then vertex; anchors
+// live through it from tick to tick.
+template <class Real>
+struct Contact {
+  std::uint32_t surface = 0;
+  std::uint32_t vertex = 0;
+  bool touching = false;                         // at the end of the last substep; the anchor is set
+  bool buried = false;                           // in ground that it came into from beside: it feels nothing of it
+  Vector3<Real> anchor = Vector3<Real>::Zero();  // local coordinates, m
+  Vector3<Real> slip = Vector3<Real>::Zero();    // backtracking: along the surface, at the end of the last substep, m/s
+  Vector3<Real> side = Vector3<Real>::Zero();    // normal of the surface where the vertex was last; zero: not yet known
+};
 
 template <class Real>
 struct State {

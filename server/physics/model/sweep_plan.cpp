@@ -5,7 +5,6 @@
 #include <bit>
 #include <numeric>
 
-#include "server/physics/methods/forces.h"
 #include "server/physics/model/blueprint.h"
 
 namespace wobble::physics {

@@ -11,6 +11,7 @@
 #include <map>
 
 #include "server/physics/methods/forces.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/material.h"
 #include "server/physics/shapes/relax.h"
 

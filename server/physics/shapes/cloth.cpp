@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "server/physics/contact/contact.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/material.h"
 #include "server/physics/shapes/quad.h"
 

@@ -13,6 +13,7 @@
 #include <numeric>
 
 #include "server/physics/contact/contact.h"
+#include "server/physics/shapes/finish_blueprint.h"
 
 namespace wobble::physics {
 namespace {

@@ -1,4 +1,5 @@
 #include "server/physics/shapes/material.h"
+#include "server/physics/shapes/finish_blueprint.h"
 
 #include <algorithm>
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/physics/model/blueprint.h"
+#include "server/physics/shapes/finish_blueprint.h"
 
 namespace wobble::physics {
 

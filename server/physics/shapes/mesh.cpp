@@ -17,6 +17,7 @@
 
 #include "server/physics/contact/contact.h"
 #include "server/physics/methods/forces.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/material.h"
 #include "server/physics/shapes/relax.h"
 

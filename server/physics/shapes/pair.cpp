@@ -1,6 +1,7 @@
 #include "server/physics/shapes/pair.h"
 
 #include "server/physics/contact/contact.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/material.h"
 
 namespace wobble::physics {

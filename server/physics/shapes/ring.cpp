@@ -12,6 +12,7 @@
 #include <numbers>
 
 #include "server/physics/contact/contact.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/material.h"
 #include "server/physics/shapes/quad.h"
 

@@ -4,41 +4,41 @@
 #include <functional>
 #include <numeric>
 
-#include "server/physics/step/group_tick.h"
+#include "server/physics/step/island_tick.h"
 
 namespace wobble::physics {
 namespace {
 
-// One try of a tick of all members of a group.
+// One try of a tick of all members of a island.
 template <class Real>
 class Stepping {
  public:
-  Stepping(const Group<Real>& group, std::span<const SweepKernel<Real>> kernels, BatchScratch<Real>& scratch)
-      : m_group(group), m_packs(scratch.packs) {
+  Stepping(const Island<Real>& island, std::span<const SweepKernel<Real>> kernels, BatchScratch<Real>& scratch)
+      : m_island(island), m_packs(scratch.packs) {
     FillPacks(kernels, scratch);
   }
 
-  // Leaves positions and velocities in the group, errors in the members.
+  // Leaves positions and velocities in the island, errors in the members.
   void Integrate(double duration, int substeps) {
-    for (Member<Real>* member : m_group.Members()) member->error = 0;
-    if (m_group.Encounters().empty()) {
-      m_group.ForEach(m_packs.size(), [&](std::size_t i) { IntegrateAlone(m_packs[i], duration, substeps); });
+    for (Member<Real>* member : m_island.Members()) member->error = 0;
+    if (m_island.ContactPairs().empty()) {
+      m_island.ForEach(m_packs.size(), [&](std::size_t i) { IntegrateAlone(m_packs[i], duration, substeps); });
     } else {
       IntegrateTogether(duration, substeps);
     }
-    m_group.ForEach(m_packs.size(), [&](std::size_t i) { m_packs[i].EndTry(); });
-    for (Member<Real>* member : m_group.Members()) member->error *= kErrorShare / substeps;
+    m_island.ForEach(m_packs.size(), [&](std::size_t i) { m_packs[i].EndTry(); });
+    for (Member<Real>* member : m_island.Members()) member->error *= kErrorShare / substeps;
   }
 
  private:
   void FillPacks(std::span<const SweepKernel<Real>> kernels, BatchScratch<Real>& scratch) {
-    const auto blueprintOf = [this](std::uint32_t i) { return m_group.Members()[i]->blueprint; };
-    const auto isCut = [this](std::uint32_t i) { return IsCut(*m_group.Members()[i]); };
+    const auto blueprintOf = [this](std::uint32_t i) { return m_island.Members()[i]->blueprint; };
+    const auto isCut = [this](std::uint32_t i) { return IsCut(*m_island.Members()[i]); };
     const auto comesBefore = [&](std::uint32_t a, std::uint32_t b) {
       if (blueprintOf(a) != blueprintOf(b)) return std::less<>()(blueprintOf(a), blueprintOf(b));
       return isCut(a) != isCut(b) ? isCut(b) : a < b;
     };
-    scratch.order.resize(m_group.CountBodies());
+    scratch.order.resize(m_island.CountBodies());
     std::iota(scratch.order.begin(), scratch.order.end(), 0U);
     std::sort(scratch.order.begin(), scratch.order.end(), comesBefore);
     const std::span<const std::uint32_t> order(scratch.order);
@@ -52,7 +52,7 @@ class Stepping {
       const bool byRows = GoesByRows<Real>(*blueprint, cut ? 1 : end - begin);  // a rare term: one way always
       end = std::min(end, begin + (byRows ? 1 : widest));
       if (scratch.packScratches.size() == m_packs.size()) scratch.packScratches.emplace_back();
-      m_packs.emplace_back(m_group, order.subspan(begin, end - begin), byRows, kernels,
+      m_packs.emplace_back(m_island, order.subspan(begin, end - begin), byRows, kernels,
                            scratch.packScratches[m_packs.size()]);
       begin = end;
     }
@@ -70,29 +70,29 @@ class Stepping {
     }
   }
 
-  // The group's arrays hold what a stage is computed at, for the contacts between its members.
+  // The island's arrays hold what a stage is computed at, for the contacts between its members.
   void IntegrateTogether(double duration, int substeps) {
     const double step = duration / substeps;
-    m_group.Gather(m_group.Whole());
+    m_island.Gather(m_island.Whole());
     for (int substep = 0; substep < substeps; ++substep) {
       for (int stage = 0; stage < 4; ++stage) StepStage(stage, static_cast<Real>(step));
-      m_group.ForEach(m_packs.size(), [&](std::size_t i) {
+      m_island.ForEach(m_packs.size(), [&](std::size_t i) {
         m_packs[i].EndStep(step, duration - substep * step, substep == 0);
-        m_packs[i].CopyToGroup(0);
+        m_packs[i].CopyToIsland(0);
       });
-      m_group.UpdateAllBodyContacts(m_group.Positions(), m_group.Velocities(), static_cast<Real>(step));
+      m_island.UpdateAllBodyContacts(m_island.Positions(), m_island.Velocities(), static_cast<Real>(step));
     }
   }
 
-  // Where the first stage is computed, the substep before has left in the group's arrays.
+  // Where the first stage is computed, the substep before has left in the island's arrays.
   void StepStage(int stage, Real h) {
-    if (stage > 0) m_group.ForEach(m_packs.size(), [&](std::size_t i) { m_packs[i].CopyToGroup(stage); });
-    m_group.ComputeAllBodyContacts(m_group.Positions(), m_group.Velocities());
-    m_group.ForEach(m_packs.size(), [&](std::size_t i) {
+    if (stage > 0) m_island.ForEach(m_packs.size(), [&](std::size_t i) { m_packs[i].CopyToIsland(stage); });
+    m_island.ComputeAllBodyContacts(m_island.Positions(), m_island.Velocities());
+    m_island.ForEach(m_packs.size(), [&](std::size_t i) {
       Pack<Real>& pack = m_packs[i];
       pack.BeginStage(stage);
       for (std::size_t lane = 0; lane < pack.Whose().size(); ++lane) {
-        m_group.VisitContactForces(pack.Whose()[lane], [&pack, lane](std::size_t vertex, const Vector3<Real>& force) {
+        m_island.VisitContactForces(pack.Whose()[lane], [&pack, lane](std::size_t vertex, const Vector3<Real>& force) {
           pack.AddOuterForce(lane, vertex, force);
         });
       }
@@ -100,22 +100,22 @@ class Stepping {
     });
   }
 
-  const Group<Real>& m_group;
+  const Island<Real>& m_island;
   std::vector<Pack<Real>>& m_packs;
 };
 
 // The tries after the first of a part, which has the lanes to itself: few are needed, and each has its own number of
 // substeps.
 template <class Real>
-GroupOutcome StepAgain(const Group<Real>& group, const Part& part, int substeps, const StepRules& rules,
-                       GroupTick<Real>& tick, std::span<const SweepKernel<Real>> kernels, Threads* threads,
-                       BatchScratch<Real>& scratch) {
-  const auto encounters = group.EncountersOf(part);
-  scratch.encountersAgain.assign(encounters.begin(), encounters.end());
-  for (Encounter<Real>& encounter : scratch.encountersAgain) {
-    for (std::uint32_t& member : encounter.members) member -= static_cast<std::uint32_t>(part.memberBegin);
+IslandOutcome StepAgain(const Island<Real>& island, const Part& part, int substeps, const StepRules& rules,
+                        IslandTick<Real>& tick, std::span<const SweepKernel<Real>> kernels, Threads* threads,
+                        BatchScratch<Real>& scratch) {
+  const auto contactPairs = island.ContactPairsOf(part);
+  scratch.contactPairsAgain.assign(contactPairs.begin(), contactPairs.end());
+  for (ContactPair<Real>& contactPair : scratch.contactPairsAgain) {
+    for (std::uint32_t& member : contactPair.members) member -= static_cast<std::uint32_t>(part.memberBegin);
   }
-  const Group<Real> alone(group.MembersOf(part), scratch.encountersAgain, threads, kernels.back(), scratch.again);
+  const Island<Real> alone(island.MembersOf(part), scratch.contactPairsAgain, threads, kernels.back(), scratch.again);
   for (; substeps > 0; substeps = tick.Judge(alone, alone.Whole(), substeps)) {
     Stepping<Real>(alone, kernels, scratch).Integrate(rules.duration, substeps);
   }
@@ -131,7 +131,7 @@ bool CanGoInPack(const Blueprint& blueprint) {
 
 template <class Real>
 void BatchScratch<Real>::Reserve(std::size_t mostVertices, std::size_t allVertices, std::size_t bodies) {
-  group.Reserve(allVertices, bodies);
+  island.Reserve(allVertices, bodies);
   again.Reserve(allVertices, bodies);
   order.reserve(bodies);
   packs.reserve(bodies);
@@ -140,34 +140,34 @@ void BatchScratch<Real>::Reserve(std::size_t mostVertices, std::size_t allVertic
 }
 
 template <class Real>
-void StepBatch(std::span<Member<Real>* const> members, std::span<const Encounter<Real>> encounters,
+void StepBatch(std::span<Member<Real>* const> members, std::span<const ContactPair<Real>> contactPairs,
                std::span<const Part> parts, int substeps, const StepRules& rules,
                std::span<const SweepKernel<Real>> kernels, Threads* threads, BatchScratch<Real>& scratch,
-               std::span<GroupOutcome> outcomes) {
-  const Group<Real> group(members, encounters, threads, kernels.back(), scratch.group);
-  Stepping<Real>(group, kernels, scratch).Integrate(rules.duration, substeps);
+               std::span<IslandOutcome> outcomes) {
+  const Island<Real> island(members, contactPairs, threads, kernels.back(), scratch.island);
+  Stepping<Real>(island, kernels, scratch).Integrate(rules.duration, substeps);
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    GroupTick<Real> tick(group.MembersOf(parts[i]), rules);
-    const int next = tick.Judge(group, parts[i], substeps);
-    outcomes[i] = next == 0 ? tick.Finish(group, parts[i])
-                            : StepAgain(group, parts[i], next, rules, tick, kernels, threads, scratch);
+    IslandTick<Real> tick(island.MembersOf(parts[i]), rules);
+    const int next = tick.Judge(island, parts[i], substeps);
+    outcomes[i] = next == 0 ? tick.Finish(island, parts[i])
+                            : StepAgain(island, parts[i], next, rules, tick, kernels, threads, scratch);
   }
 }
 
 template <class Real>
 void IntegrateBatch(std::span<Member<Real>* const> members, double duration, int substeps,
                     std::span<const SweepKernel<Real>> kernels, BatchScratch<Real>& scratch) {
-  const Group<Real> group(members, {}, nullptr, kernels.back(), scratch.group);
-  Stepping<Real>(group, kernels, scratch).Integrate(duration, substeps);
-  group.Scatter(group.Whole());
+  const Island<Real> island(members, {}, nullptr, kernels.back(), scratch.island);
+  Stepping<Real>(island, kernels, scratch).Integrate(duration, substeps);
+  island.Scatter(island.Whole());
 }
 
 #define WOBBLE_INSTANTIATE(Real)                                                                                      \
   template struct BatchScratch<Real>;                                                                                 \
   template bool CanGoInPack<Real>(const Blueprint&);                                                                  \
-  template void StepBatch<Real>(std::span<Member<Real>* const>, std::span<const Encounter<Real>>,                     \
+  template void StepBatch<Real>(std::span<Member<Real>* const>, std::span<const ContactPair<Real>>,                   \
                                 std::span<const Part>, int, const StepRules&, std::span<const SweepKernel<Real>>,     \
-                                Threads*, BatchScratch<Real>&, std::span<GroupOutcome>);                              \
+                                Threads*, BatchScratch<Real>&, std::span<IslandOutcome>);                             \
   template void IntegrateBatch<Real>(std::span<Member<Real>* const>, double, int, std::span<const SweepKernel<Real>>, \
                                      BatchScratch<Real>&);
 WOBBLE_INSTANTIATE(float)

@@ -18,25 +18,25 @@ template <class Real>
 // Reused from batch to batch.
 template <class Real>
 struct BatchScratch {
-  GroupScratch<Real> group;
+  IslandScratch<Real> island;
   std::vector<std::uint32_t> order;  // of the members, those of one blueprint behind one another
   std::vector<Pack<Real>> packs;
   std::deque<PackScratch<Real>> packScratches;  // as many as the largest batch so far had packs
   // Of a part that has to be stepped again, alone.
-  GroupScratch<Real> again;
-  std::vector<Encounter<Real>> encountersAgain;
+  IslandScratch<Real> again;
+  std::vector<ContactPair<Real>> contactPairsAgain;
 
   // For so many bodies with so many vertices in all, the largest with mostVertices.
   void Reserve(std::size_t mostVertices, std::size_t allVertices, std::size_t bodies);
 };
 
-// As StepGroup, for several groups at once that all begin with `substeps`: members and encounters of one are a part,
-// and outcomes has one a part. The parts cover all members and encounters, in their order.
+// As StepIsland, for several islands at once that all begin with `substeps`: members and contact pairs of one are a
+// part, and outcomes has one a part. The parts cover all members and contact pairs, in their order.
 template <class Real>
-void StepBatch(std::span<Member<Real>* const> members, std::span<const Encounter<Real>> encounters,
+void StepBatch(std::span<Member<Real>* const> members, std::span<const ContactPair<Real>> contactPairs,
                std::span<const Part> parts, int substeps, const StepRules& rules,
                std::span<const SweepKernel<Real>> kernels, Threads* threads, BatchScratch<Real>& scratch,
-               std::span<GroupOutcome> outcomes);
+               std::span<IslandOutcome> outcomes);
 
 // Equal substeps through `duration` s of bodies that touch no other, with nobody to choose or judge them: for the
 // laboratory.

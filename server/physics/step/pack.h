@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "server/physics/lanes/kernels.h"
-#include "server/physics/step/group.h"
+#include "server/physics/step/island.h"
 #include "server/physics/step/pack_contacts.h"
 #include "server/physics/step/pack_planes.h"
 
@@ -58,9 +58,9 @@ template <class Real>
 template <class Real>
 class Pack {
  public:
-  // whose: members of the group, by their places there, all of one blueprint and all cut or none; at most as many as
+  // whose: members of the island, by their places there, all of one blueprint and all cut or none; at most as many as
   // the widest kernel has lanes, and by rows one. Filled from their states.
-  Pack(const Group<Real>& group, std::span<const std::uint32_t> whose, bool byRows,
+  Pack(const Island<Real>& island, std::span<const std::uint32_t> whose, bool byRows,
        std::span<const SweepKernel<Real>> kernels, PackScratch<Real>& scratch);
 
   // The four stages of a step of h s, each in two parts: first the forces of what stands still and of pushes, to which
@@ -74,11 +74,11 @@ class Pack {
   // After the fourth: static contacts follow. timeLeft: of the tick, s, when the step began. isFirst: of the tick.
   void EndStep(double step, double timeLeft, bool isFirst);
 
-  // After the last step: everything to the group's arrays and members.
+  // After the last step: everything to the island's arrays and members.
   void EndTry() const;
 
-  // Positions and velocities at which `stage` will be swept to the group's arrays; after the fourth: stage 0.
-  void CopyToGroup(int stage) const;
+  // Positions and velocities at which `stage` will be swept to the island's arrays; after the fourth: stage 0.
+  void CopyToIsland(int stage) const;
 
   [[nodiscard]] std::span<const std::uint32_t> Whose() const { return m_whose; }
 
@@ -91,7 +91,7 @@ class Pack {
   void LoadVertices();
   void LoadRows();
   void LeaveTornOut();
-  void CopyRowsToGroup(int stage) const;
+  void CopyRowsToIsland(int stage) const;
   void AddPlaneForces(const Real* from);
   void AddUnbulkedForces(std::size_t lane, const Real* from);
   void AddToSeat(const PackSeat& seat, const Vector3<Real>& force) {
@@ -107,7 +107,7 @@ class Pack {
   void AddErrors(const Real* sums, double weight);
   void UpdateAllAnchors();
 
-  [[nodiscard]] Member& MemberIn(std::size_t lane) const { return *m_group.Members()[m_whose[lane]]; }
+  [[nodiscard]] Member& MemberIn(std::size_t lane) const { return *m_island.Members()[m_whose[lane]]; }
   // Rows leave out what has torn.
   [[nodiscard]] bool HasWhole() const { return (m_plan.tears || m_isCut) && !m_byRows; }
   [[nodiscard]] PackSeat FindSeat(std::size_t lane, std::size_t vertex) const {
@@ -116,7 +116,7 @@ class Pack {
   }
   [[nodiscard]] const Real* NumbersOf(int stage) const { return stage == 0 ? m_lanes.state : m_lanes.stage; }
 
-  const Group<Real>& m_group;
+  const Island<Real>& m_island;
   std::span<const std::uint32_t> m_whose;
   const Coefficients<Real>& m_body;
   const SweepPlan<Real>& m_plan;

@@ -21,17 +21,17 @@ ContactRates FindLargestRates(const Member<Real>& member, std::span<const Vertex
 
 // Fills every member's loads and returns the substeps that the fastest contact asks for.
 template <class Real>
-int AddAllContactLoads(std::span<Member<Real>* const> members, std::span<const Encounter<Real>> encounters,
+int AddAllContactLoads(std::span<Member<Real>* const> members, std::span<const ContactPair<Real>> contactPairs,
                        double duration, std::span<const std::size_t> begins, std::span<VertexLoad> loads) {
   int most = 1;
   const auto loadsOf = [&](std::size_t i) { return loads.subspan(begins[i], begins[i + 1] - begins[i]); };
-  for (const Encounter<Real>& encounter : encounters) {
+  for (const ContactPair<Real>& contactPair : contactPairs) {
     for (std::size_t side = 0; side < 2; ++side) {
-      const std::uint32_t vertices = encounter.members[side];
-      const std::uint32_t faces = encounter.members[1 - side];
+      const std::uint32_t vertices = contactPair.members[side];
+      const std::uint32_t faces = contactPair.members[1 - side];
       most = std::max(
-          most, AddContactLoads<Real>(encounter.parameters, MakeMeeting<Real>(*members[vertices], *members[faces]),
-                                      *encounter.sides[side], duration, loadsOf(vertices), loadsOf(faces)));
+          most, AddContactLoads<Real>(contactPair.parameters, MakeMeeting<Real>(*members[vertices], *members[faces]),
+                                      *contactPair.sides[side], duration, loadsOf(vertices), loadsOf(faces)));
     }
   }
   return most;
@@ -47,12 +47,12 @@ Integrator FindIntegrator(std::span<Member<Real>* const> members) {
 }
 
 template <class Real>
-int FindFirstSubsteps(std::span<Member<Real>* const> members, std::span<const Encounter<Real>> encounters,
+int FindFirstSubsteps(std::span<Member<Real>* const> members, std::span<const ContactPair<Real>> contactPairs,
                       const StepRules& rules, std::vector<VertexLoad>& loads, std::vector<std::size_t>& begins) {
   begins.assign(1, 0);
   for (const Member<Real>* member : members) begins.push_back(begins.back() + member->state->positions.size());
-  loads.assign(encounters.empty() ? 0 : begins.back(), {});
-  int most = AddAllContactLoads(members, encounters, rules.duration, begins, loads);
+  loads.assign(contactPairs.empty() ? 0 : begins.back(), {});
+  int most = AddAllContactLoads(members, contactPairs, rules.duration, begins, loads);
   const Integrator integrator = FindIntegrator(members);
   for (std::size_t i = 0; i < members.size(); ++i) {
     const Member<Real>& member = *members[i];
@@ -67,9 +67,9 @@ int FindFirstSubsteps(std::span<Member<Real>* const> members, std::span<const En
   return most;
 }
 
-#define WOBBLE_INSTANTIATE(Real)                                                                         \
-  template Integrator FindIntegrator<Real>(std::span<Member<Real>* const>);                              \
-  template int FindFirstSubsteps<Real>(std::span<Member<Real>* const>, std::span<const Encounter<Real>>, \
+#define WOBBLE_INSTANTIATE(Real)                                                                           \
+  template Integrator FindIntegrator<Real>(std::span<Member<Real>* const>);                                \
+  template int FindFirstSubsteps<Real>(std::span<Member<Real>* const>, std::span<const ContactPair<Real>>, \
                                        const StepRules&, std::vector<VertexLoad>&, std::vector<std::size_t>&);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)

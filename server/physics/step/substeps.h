@@ -5,7 +5,7 @@
 #include <span>
 
 #include "server/physics/model/integrator.h"
-#include "server/physics/step/group_step.h"
+#include "server/physics/step/island_step.h"
 
 namespace wobble::physics {
 
@@ -14,10 +14,10 @@ namespace wobble::physics {
 template <class Real>
 [[nodiscard]] Integrator FindIntegrator(std::span<Member<Real>* const> members);
 
-// For members that hang together by these encounters, as they stand in their own states. loads: scratch.
+// For members that hang together by these contact pairs, as they stand in their own states. loads: scratch.
 template <class Real>
-[[nodiscard]] int FindFirstSubsteps(std::span<Member<Real>* const> members, std::span<const Encounter<Real>> encounters,
-                                    const StepRules& rules, std::vector<VertexLoad>& loads,
-                                    std::vector<std::size_t>& begins);
+[[nodiscard]] int FindFirstSubsteps(std::span<Member<Real>* const> members,
+                                    std::span<const ContactPair<Real>> contactPairs, const StepRules& rules,
+                                    std::vector<VertexLoad>& loads, std::vector<std::size_t>& begins);
 
 }  // namespace wobble::physics

@@ -18,6 +18,7 @@
 
 #include "server/physics/methods/forces.h"
 #include "server/physics/shapes/ball.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/graph.h"
 #include "server/physics/shapes/lattice.h"
 #include "server/physics/shapes/ring.h"

@@ -14,6 +14,7 @@
 #include <cmath>
 
 #include "server/physics/methods/runge_kutta.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/pair.h"
 #include "tests/bench/accuracy/experiments.h"
 #include "tests/bench/accuracy/fixed_steps.h"

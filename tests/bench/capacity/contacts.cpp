@@ -45,7 +45,7 @@ void Contacts::Look(const physics::World& world) {
 
 double Contacts::Touching() const { return Divide(m_touching, m_looks); }
 double Contacts::TouchedByEach() const { return Divide(m_touches, m_bodies); }
-double Contacts::LargestGroup() const { return Divide(m_largest, m_looks); }
+double Contacts::LargestIsland() const { return Divide(m_largest, m_looks); }
 double Contacts::ShareInLargeGroups() const { return Divide(m_inLargeGroups, m_bodies); }
 
 }  // namespace wobble::bench

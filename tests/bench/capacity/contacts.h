@@ -16,9 +16,9 @@ class Contacts {
   // Over all looks. A group: bodies each of which touches another of them.
   [[nodiscard]] double Touching() const;            // bodies that touch another, mean
   [[nodiscard]] double TouchedByEach() const;       // others that a body touches, mean
-  [[nodiscard]] double LargestGroup() const;        // bodies in it, mean
+  [[nodiscard]] double LargestIsland() const;       // bodies in it, mean
   [[nodiscard]] double ShareInLargeGroups() const;  // of all bodies, those in groups of a dozen and more
-  [[nodiscard]] std::size_t LargestGroupEver() const { return m_largestEver; }
+  [[nodiscard]] std::size_t LargestIslandEver() const { return m_largestEver; }
 
  private:
   static constexpr std::size_t kDozen = 12;

@@ -101,8 +101,8 @@ nlohmann::ordered_json MakeRow(const Measured& measured, const Party& party) {
               {"touching", hosted.contacts.Touching()},
               {"touched_by_each", hosted.contacts.TouchedByEach()},
               {"in_groups_of_12", hosted.contacts.ShareInLargeGroups()},
-              {"largest_group", hosted.contacts.LargestGroup()},
-              {"largest_group_ever", hosted.contacts.LargestGroupEver()},
+              {"largest_group", hosted.contacts.LargestIsland()},
+              {"largest_group_ever", hosted.contacts.LargestIslandEver()},
               {"substeps", static_cast<double>(hosted.substeps) / awake},
               {"all_substeps", static_cast<double>(hosted.allSubsteps) / awake},
               {"quarantined", hosted.after.quarantined - hosted.before.quarantined},
@@ -126,7 +126,7 @@ std::string MakeLine(const Measured& measured, const Party& party) {
       party.players, measured.tickMsP50, measured.tickMsP99, measured.tickMsP999, measured.wallMsP99,
       phase(server::Phase::kReceive), phase(server::Phase::kStep), phase(server::Phase::kCapture),
       phase(server::Phase::kEncode), phase(server::Phase::kSend), measured.kbit, measured.shownError,
-      ToNumber(figures.inputToSnapshotMsP50), hosted.contacts.Touching(), hosted.contacts.LargestGroup(),
+      ToNumber(figures.inputToSnapshotMsP50), hosted.contacts.Touching(), hosted.contacts.LargestIsland(),
       ToNumber(figures.lateMsP99), bots::IsValid(figures) ? "" : " (ages and inputs not valid)",
       server::Name(hosted.level), measured.holds ? "holds" : "does not hold");
 }

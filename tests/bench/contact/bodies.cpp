@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "server/physics/contact/contact.h"
+#include "server/physics/shapes/finish_blueprint.h"
 
 namespace wobble::bench {
 

@@ -11,6 +11,7 @@
 
 #include "server/physics/methods/forces.h"
 #include "server/physics/methods/runge_kutta.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "tests/bench/contact/bodies.h"
 #include "tests/bench/contact/experiments.h"
 #include "tests/bench/trials.h"

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/physics/shapes/finish_blueprint.h"
 #include "tests/bench/contact/bodies.h"
 #include "tests/bench/contact/experiments.h"
 #include "tests/bench/trials.h"

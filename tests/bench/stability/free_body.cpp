@@ -1,5 +1,6 @@
 // The system that StepOnce asks for, in the fewest words; a world's group of one body is the same with contacts.
 #include "tests/bench/stability/free_body.h"
+#include "server/physics/shapes/finish_blueprint.h"
 
 #include <cmath>
 

@@ -15,7 +15,9 @@
 #include <limits>
 
 #include "server/physics/methods/stability.h"
+#include "server/physics/methods/step_limits.h"
 #include "server/physics/shapes/ball.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/lattice.h"
 #include "server/physics/shapes/pair.h"
 #include "tests/bench/accuracy/fixed_steps.h"

@@ -7,6 +7,7 @@
 
 #include "server/physics/lanes/kernels.h"
 #include "server/physics/shapes/ball.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/lattice.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"

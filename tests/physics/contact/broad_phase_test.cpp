@@ -60,13 +60,13 @@ TEST_P(BroadPhaseOfBoxes, FindsThemWhateverTheirSizesAndPlaces) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, BroadPhaseOfBoxes, testing::Values(1U, 2U, 3U, 4U));
 
-TEST(Groups, AreWhatPairsConnect) {
+TEST(Islands, AreWhatPairsConnect) {
   const std::vector<IndexPair> pairs{{1, 4}, {2, 3}, {4, 6}};
-  Groups groups;
-  groups.Find(std::vector<std::uint32_t>{0, 1, 2, 3, 4, 5, 6}, pairs);
-  ASSERT_EQ(groups.Count(), 4U);
-  const auto membersOf = [&groups](std::size_t group) {
-    const auto members = groups.MembersOf(group);
+  Islands islands;
+  islands.Find(std::vector<std::uint32_t>{0, 1, 2, 3, 4, 5, 6}, pairs);
+  ASSERT_EQ(islands.Count(), 4U);
+  const auto membersOf = [&islands](std::size_t island) {
+    const auto members = islands.MembersOf(island);
     return std::vector<std::uint32_t>(members.begin(), members.end());
   };
   EXPECT_EQ(membersOf(0), (std::vector<std::uint32_t>{0}));
@@ -75,10 +75,10 @@ TEST(Groups, AreWhatPairsConnect) {
   EXPECT_EQ(membersOf(3), (std::vector<std::uint32_t>{5}));
 }
 
-TEST(Groups, OfNobodyAreNone) {
-  Groups groups;
-  groups.Find({}, {});
-  EXPECT_EQ(groups.Count(), 0U);
+TEST(Islands, OfNobodyAreNone) {
+  Islands islands;
+  islands.Find({}, {});
+  EXPECT_EQ(islands.Count(), 0U);
 }
 
 }  // namespace

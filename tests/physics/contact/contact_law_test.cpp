@@ -4,6 +4,7 @@
 #include "server/physics/contact/backtracking.h"
 #include "server/physics/methods/integrator_step.h"
 #include "server/physics/methods/stability.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "server/physics/methods/runge_kutta.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 

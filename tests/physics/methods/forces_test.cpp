@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "server/physics/model/state.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "tests/physics/bodies.h"
 
 namespace wobble::physics {

@@ -5,6 +5,8 @@
 
 #include <Eigen/Dense>
 
+#include "server/physics/methods/step_limits.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 
@@ -581,7 +583,7 @@ TEST(Integrators, ExplicitEulerExplodesInTheWorld) {
   EXPECT_FALSE(bounded.second);
 }
 
-TEST(Integrators, GroupsThatDisagreeAreSteppedByRungeKutta) {
+TEST(Integrators, IslandsThatDisagreeAreSteppedByRungeKutta) {
   const auto play = [](Integrator upper, Integrator lower) {
     WorldSettings settings;
     settings.gravity.setZero();

@@ -4,6 +4,7 @@
 #include "server/physics/lanes/kernels.h"
 #include "server/physics/methods/runge_kutta.h"
 #include "server/physics/shapes/cloth.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/pair.h"
 #include "server/physics/shapes/tear.h"
 #include "tests/physics/bodies.h"

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "server/physics/methods/runge_kutta.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/tear.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "server/physics/shapes/cloth.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 

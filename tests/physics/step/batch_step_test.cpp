@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "server/physics/shapes/cloth.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/pair.h"
 #include "server/physics/shapes/ring.h"
 #include "server/physics/shapes/tear.h"
@@ -67,14 +68,14 @@ struct Bodies {
       together.push_back(&members[i]);
       parts.push_back({parts.size(), parts.size() + 1, 0, 0});
     }
-    std::array<GroupOutcome, kWidestPack> outcomes;
+    std::array<IslandOutcome, kWidestPack> outcomes;
     StepBatch<Real>(together, {}, parts, substeps, kRules, FindSweepKernels<Real>(width), nullptr, scratch, outcomes);
     return stepped;
   }
 
   void StepPlainly(std::size_t i) {
     Member<Real>* member = &members[i];
-    StepGroup<Real>({&member, 1}, {}, FindSubsteps(i), kRules, nullptr, scratch.group);
+    StepIsland<Real>({&member, 1}, {}, FindSubsteps(i), kRules, nullptr, scratch.island);
   }
 
   int FindSubsteps(std::size_t i) {
@@ -176,7 +177,7 @@ TYPED_TEST(BatchStepTest, GivesTheSameBitsInAnyLaneOfAnyWidth) {
       Bodies<Real> together(kind, 16);
       for (const std::size_t i : together.StepInLanes(kernel.width)) {
         Member<Real>* member = &alone.members[i];
-        std::array<GroupOutcome, kWidestPack> outcomes;
+        std::array<IslandOutcome, kWidestPack> outcomes;
         if (!known[i]) {
           const Part part{0, 1, 0, 0};
           StepBatch<Real>({&member, 1}, {}, {&part, 1}, alone.FindSubsteps(i), kRules, FindSweepKernels<Real>(1),

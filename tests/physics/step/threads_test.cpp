@@ -1,7 +1,8 @@
-// A group that all threads step together has the same bits whatever their number. Continuous integration plays these
+// A island that all threads step together has the same bits whatever their number. Continuous integration plays these
 // under ThreadSanitizer as well.
 #include <gtest/gtest.h>
 
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 
@@ -36,7 +37,7 @@ std::unique_ptr<World> MakePress(const Press& press, int threads) {
 
 struct Played {
   std::uint64_t hash = 0;
-  bool allTouch = true;       // another, at the end: then they are one group
+  bool allTouch = true;       // another, at the end: then they are one island
   bool steppedAgain = false;  // some tick
 };
 
@@ -52,20 +53,20 @@ Played Play(const Press& press, int threads) {
   return played;
 }
 
-class LargeGroup : public testing::TestWithParam<Press> {};
+class LargeIsland : public testing::TestWithParam<Press> {};
 
-TEST_P(LargeGroup, IsTheSameForAnyNumberOfThreads) {
+TEST_P(LargeIsland, IsTheSameForAnyNumberOfThreads) {
   const Played alone = Play(GetParam(), 1);
   EXPECT_TRUE(alone.allTouch);
   EXPECT_EQ(Play(GetParam(), 2).hash, alone.hash);
   EXPECT_EQ(Play(GetParam(), 4).hash, alone.hash);
 }
-INSTANTIATE_TEST_SUITE_P(Presses, LargeGroup,
+INSTANTIATE_TEST_SUITE_P(Presses, LargeIsland,
                          testing::Values(Press{}, Press{.integrator = Integrator::kSemiImplicitEuler},
                                          Press{.law = ContactLaw::kBacktracking}));
 
 // Contacts and all go back to where the tick began.
-TEST(LargeGroup, IsSteppedAgainAlike) {
+TEST(LargeIsland, IsSteppedAgainAlike) {
   const Press press{.speed = 6};
   const Played alone = Play(press, 1);
   EXPECT_TRUE(alone.steppedAgain);

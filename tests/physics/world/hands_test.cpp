@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "server/physics/shapes/cloth.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/graph.h"
 #include "server/physics/shapes/pair.h"
 #include "server/physics/world.h"

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "server/physics/shapes/cloth.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/graph.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"

@@ -10,6 +10,7 @@
 #include <set>
 #include <string>
 
+#include "server/physics/shapes/finish_blueprint.h"
 #include "tests/support/game.h"
 #include "tests/support/pace.h"
 

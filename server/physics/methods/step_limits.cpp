@@ -1,4 +1,4 @@
-#include "server/physics/model/integrator.h"
+#include "server/physics/methods/step_limits.h"
 
 #include <algorithm>
 #include <cmath>

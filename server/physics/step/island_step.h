@@ -1,5 +1,5 @@
-// One tick of a group of bodies that touch, in plain code: the reference for batch_step.h, and what steps those that it
-// cannot. A body alone is a group of one.
+// One tick of a island of bodies that touch, in plain code: the reference for batch_step.h, and what steps those that
+// it cannot. A body alone is a island of one.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 #include "server/physics/model/parallel.h"
 #include "server/physics/model/state.h"
 #include "server/physics/model/survey.h"
-#include "server/physics/step/group_contacts.h"
+#include "server/physics/step/island_contacts.h"
 
 namespace wobble::physics {
 
@@ -25,7 +25,7 @@ struct StepRules {
   int maxSubsteps = 64;          // of a tick that nothing went wrong in
 };
 
-// A body of the group, and what stays constant for it through the tick.
+// A body of the island, and what stays constant for it through the tick.
 template <class Real>
 struct Member {
   const Blueprint* blueprint = nullptr;
@@ -48,21 +48,21 @@ struct Member {
 
 // Two members near one another. sides[0]: vertices of the first against faces of the second; sides[1] the reverse.
 template <class Real>
-struct Encounter {
+struct ContactPair {
   std::array<std::uint32_t, 2> members{};
   ContactParameters<Real> parameters;
   std::array<std::vector<BodyContact<Real>>*, 2> sides{};
 };
 
 template <class Real>
-struct GroupScratch {
+struct IslandScratch {
   IntegratorScratch<Real> integrator;
   std::vector<Vector3<Real>> positions;
   std::vector<Vector3<Real>> velocities;
   std::vector<Vector3<Real>> positionsBefore;  // the substep, where a member's contact law asks for them
   std::vector<Vector3<Real>> velocitiesBefore;
   std::vector<std::size_t> begins;
-  GroupContacts<Real> groupContacts;
+  IslandContacts<Real> islandContacts;
   std::vector<Motion<Real>> motions;  // of each member
   // Contacts as the tick found them, one list behind the other, for a tick that is stepped again.
   std::vector<Contact<Real>> contacts;
@@ -70,7 +70,7 @@ struct GroupScratch {
   std::vector<BodyContact<Real>> bodyContacts;
   std::vector<Vector3d> places;  // of one body
 
-  // For the largest group there can be, so that one that grows allocates nothing.
+  // For the largest island there can be, so that one that grows allocates nothing.
   void Reserve(std::size_t vertices, std::size_t bodies) {
     integrator.Reserve(vertices);
     positions.reserve(vertices);
@@ -82,12 +82,12 @@ struct GroupScratch {
     places.reserve(vertices);
     begins.reserve(bodies + 1);
     contactBegins.reserve(bodies);
-    groupContacts.Reserve(vertices, bodies);
+    islandContacts.Reserve(vertices, bodies);
     motions.reserve(bodies);
   }
 };
 
-// One side of an encounter between bodies at x and v, or where their own states have them.
+// One side of an contact pair between bodies at x and v, or where their own states have them.
 template <class Real>
 [[nodiscard]] Meeting<Real> MakeMeeting(const Member<Real>& ofVertices, std::span<const Vector3<Real>> x,
                                         std::span<const Vector3<Real>> v, const Member<Real>& ofFaces,
@@ -98,18 +98,18 @@ template <class Real>
                            ofFaces.state->positions, ofFaces.state->velocities);
 }
 
-struct GroupOutcome {
+struct IslandOutcome {
   int substeps = 0;     // that the tick was played in, equal for all members
   int allSubsteps = 0;  // with those of the tries that were thrown away
 };
 
 // Steps all members through a tick in equal substeps, the first try in as many as are given. A tick that missed its
 // error by far is stepped again in more; one that left a member in a state that cannot be is stepped again in 2, 4, 8
-// and 16 times as many, and what is bad still after that is `lost`. encounters: between these members only, by their
+// and 16 times as many, and what is bad still after that is `lost`. contact pairs: between these members only, by their
 // index in `members`. threads: works on several members at a time; null: one after the other. The result does not
 // depend on it.
 template <class Real>
-GroupOutcome StepGroup(std::span<Member<Real>* const> members, std::span<const Encounter<Real>> encounters,
-                       int substeps, const StepRules& rules, Threads* threads, GroupScratch<Real>& scratch);
+IslandOutcome StepIsland(std::span<Member<Real>* const> members, std::span<const ContactPair<Real>> contactPairs,
+                         int substeps, const StepRules& rules, Threads* threads, IslandScratch<Real>& scratch);
 
 }  // namespace wobble::physics

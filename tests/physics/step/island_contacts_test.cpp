@@ -1,5 +1,5 @@
-// The bulk of group_contacts.h and of the search firstst plain code, and every width firstst every other.
-#include "server/physics/step/group_contacts.h"
+// The bulk of island_contacts.h and of the search firstst plain code, and every width firstst every other.
+#include "server/physics/step/island_contacts.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 
 #include "server/physics/lanes/kernels.h"
 #include "server/physics/shapes/cloth.h"
-#include "server/physics/step/group_step.h"
+#include "server/physics/step/island_step.h"
 #include "tests/physics/bodies.h"
 
 namespace wobble::physics {
@@ -44,7 +44,7 @@ struct Pile {
   std::vector<Member<Real>> members;
   std::vector<Member<Real>*> pointers;
   std::vector<std::array<std::vector<BodyContact<Real>>, 2>> lists;
-  std::vector<Encounter<Real>> encounters;
+  std::vector<ContactPair<Real>> contactPairs;
 
   explicit Pile(const PointKernel<Real>& kernel) {
     blueprints.push_back(MakeBall(MakeMeasuredBall()));
@@ -94,7 +94,7 @@ struct Pile {
           {vertices.blueprint->template Read<Real>().faces, &vertices.blueprint->topology, vertices.state->positions},
           {&own, &shell, kernel, near, Real(0.02), static_cast<Real>(kTick)}, lists[pair][side], scratch);
     }
-    encounters.push_back({both, parameters, {&lists[pair][0], &lists[pair][1]}});
+    contactPairs.push_back({both, parameters, {&lists[pair][0], &lists[pair][1]}});
   }
 
   std::vector<Motion<Real>> Motions() const {
@@ -123,7 +123,7 @@ struct Pile {
     return sums;
   }
 
-  std::vector<std::vector<Vector3<Real>>> AddUp(const GroupContacts<Real>& contacts) const {
+  std::vector<std::vector<Vector3<Real>>> AddUp(const IslandContacts<Real>& contacts) const {
     auto sums = MakeSums();
     for (std::size_t i = 0; i < sums.size(); ++i) {
       contacts.VisitForcesOn(i, [&](std::size_t vertex, const Vector3<Real>& force) { sums[i][vertex] += force; });
@@ -133,13 +133,13 @@ struct Pile {
 
   std::vector<std::vector<Vector3<Real>>> AddUpPlainly() const {
     auto sums = MakeSums();
-    for (const Encounter<Real>& encounter : encounters) {
+    for (const ContactPair<Real>& contactPair : contactPairs) {
       for (std::size_t side = 0; side < 2; ++side) {
-        const std::uint32_t vertices = encounter.members[side];
-        const std::uint32_t faces = encounter.members[1 - side];
-        std::vector<ContactForce<Real>> forces(encounter.sides[side]->size());
-        ComputeBodyContacts<Real>(encounter.parameters, MakeMeeting<Real>(members[vertices], members[faces]),
-                                  *encounter.sides[side], forces);
+        const std::uint32_t vertices = contactPair.members[side];
+        const std::uint32_t faces = contactPair.members[1 - side];
+        std::vector<ContactForce<Real>> forces(contactPair.sides[side]->size());
+        ComputeBodyContacts<Real>(contactPair.parameters, MakeMeeting<Real>(members[vertices], members[faces]),
+                                  *contactPair.sides[side], forces);
         AddToVertices<Real>(forces, [&](std::uint16_t i, const Vector3<Real>& force) { sums[vertices][i] += force; });
         AddToCorners<Real>(forces, [&](std::uint16_t i, const Vector3<Real>& force) { sums[faces][i] += force; });
       }
@@ -148,12 +148,12 @@ struct Pile {
   }
 
   void UpdatePlainly(Real h) {
-    for (const Encounter<Real>& encounter : encounters) {
+    for (const ContactPair<Real>& contactPair : contactPairs) {
       for (std::size_t side = 0; side < 2; ++side) {
         UpdateBodyContacts<Real>(
-            encounter.parameters,
-            MakeMeeting<Real>(members[encounter.members[side]], members[encounter.members[1 - side]]), h,
-            *encounter.sides[side]);
+            contactPair.parameters,
+            MakeMeeting<Real>(members[contactPair.members[side]], members[contactPair.members[1 - side]]), h,
+            *contactPair.sides[side]);
       }
     }
   }
@@ -186,19 +186,19 @@ void ExpectTheSame(const Pile<Real>& a, const Pile<Real>& b, Real tolerance) {
 }
 
 template <class Real>
-class GroupContactsTest : public testing::Test {};
+class IslandContactsTest : public testing::Test {};
 using Precisions = testing::Types<float, double>;
-TYPED_TEST_SUITE(GroupContactsTest, Precisions);
+TYPED_TEST_SUITE(IslandContactsTest, Precisions);
 
-TYPED_TEST(GroupContactsTest, TheBulkDoesWhatThePlainCodeDoes) {
+TYPED_TEST(IslandContactsTest, TheBulkDoesWhatThePlainCodeDoes) {
   using Real = TypeParam;
   const Real epsilon = std::numeric_limits<Real>::epsilon();
   for (const SweepKernel<Real>& kernel : FindSweepKernels<Real>(kWidestPack)) {
     Pile<Real> bulk(kernel.points);
     Pile<Real> plain(kernel.points);
     ASSERT_GT(bulk.CountContacts(), 60U);
-    GroupContacts<Real> contacts;
-    contacts.Build(bulk.encounters, bulk.pointers, kernel.bodyContacts);
+    IslandContacts<Real> contacts;
+    contacts.Build(bulk.contactPairs, bulk.pointers, kernel.bodyContacts);
     for (int substep = 0; substep < 4; ++substep) {
       contacts.ComputeForces(bulk.Motions(), nullptr);
       const auto forces = bulk.AddUp(contacts);
@@ -222,18 +222,18 @@ TYPED_TEST(GroupContactsTest, TheBulkDoesWhatThePlainCodeDoes) {
   }
 }
 
-TYPED_TEST(GroupContactsTest, EveryWidthGivesTheSameBits) {
+TYPED_TEST(IslandContactsTest, EveryWidthGivesTheSameBits) {
   using Real = TypeParam;
   const auto kernels = FindSweepKernels<Real>(kWidestPack);
-  GroupContacts<Real> ofFirst;
+  IslandContacts<Real> ofFirst;
   Threads threads(2);
   for (const SweepKernel<Real>& kernel : kernels) {
     Pile<Real> other(kernel.points);
     Pile<Real> first(kernels[0].points);
     ExpectTheSame<Real>(first, other, 0);
-    GroupContacts<Real> contacts;
-    contacts.Build(other.encounters, other.pointers, kernel.bodyContacts);
-    ofFirst.Build(first.encounters, first.pointers, kernels[0].bodyContacts);
+    IslandContacts<Real> contacts;
+    contacts.Build(other.contactPairs, other.pointers, kernel.bodyContacts);
+    ofFirst.Build(first.contactPairs, first.pointers, kernels[0].bodyContacts);
     for (int substep = 0; substep < 4; ++substep) {
       contacts.ComputeForces(other.Motions(), &threads);
       ofFirst.ComputeForces(first.Motions(), nullptr);
@@ -248,13 +248,13 @@ TYPED_TEST(GroupContactsTest, EveryWidthGivesTheSameBits) {
 }
 
 // A tick that is stepped again finds its lists as they were.
-TYPED_TEST(GroupContactsTest, ReadsListsThatOthersHaveChanged) {
+TYPED_TEST(IslandContactsTest, ReadsListsThatOthersHaveChanged) {
   using Real = TypeParam;
   const SweepKernel<Real>& kernel = FindSweepKernels<Real>(kWidestPack).back();
   Pile<Real> pile(kernel.points);
   const auto lists = pile.lists;
-  GroupContacts<Real> contacts;
-  contacts.Build(pile.encounters, pile.pointers, kernel.bodyContacts);
+  IslandContacts<Real> contacts;
+  contacts.Build(pile.contactPairs, pile.pointers, kernel.bodyContacts);
   contacts.ComputeForces(pile.Motions(), nullptr);
   const auto before = pile.AddUp(contacts);
   contacts.Update(pile.Motions(), static_cast<Real>(kTick / 4), nullptr);
@@ -264,7 +264,7 @@ TYPED_TEST(GroupContactsTest, ReadsListsThatOthersHaveChanged) {
   EXPECT_EQ(pile.AddUp(contacts), before);
 }
 
-TYPED_TEST(GroupContactsTest, FindsPointsAsALoopOverAllDoes) {
+TYPED_TEST(IslandContactsTest, FindsPointsAsALoopOverAllDoes) {
   using Real = TypeParam;
   const Blueprint ball = MakeBall(MakeMeasuredBall());
   const State<Real> state = MakeState<Real>(ball, Vector3d::Zero(), Vector3d::Zero());

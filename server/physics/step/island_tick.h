@@ -1,6 +1,6 @@
 // The tries of one tick of bodies that hang together by contacts: whether what a try made of them will do.
 //
-// Whoever integrates does so between one Judge and the next: group_step.cpp in plain code, batch_step.cpp in lanes.
+// Whoever integrates does so between one Judge and the next: island_step.cpp in plain code, batch_step.cpp in lanes.
 #pragma once
 
 #include <algorithm>
@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "server/physics/methods/step_choice.h"
-#include "server/physics/step/group.h"
-#include "server/physics/step/group_health.h"
+#include "server/physics/step/island.h"
+#include "server/physics/step/island_health.h"
 #include "server/physics/step/sleep.h"
 #include "server/physics/step/substeps.h"
 
@@ -39,41 +39,42 @@ template <class Real>
 }
 
 template <class Real>
-class GroupTick {
+class IslandTick {
  public:
-  GroupTick(std::span<Member<Real>* const> members, const StepRules& rules)
+  IslandTick(std::span<Member<Real>* const> members, const StepRules& rules)
       : m_members(members), m_rules(rules), m_checkEnergy(HasEnergyAccount(members)) {}
 
   // Of a try in so many substeps, which noted each member's error: those of the next try, for which the members stand
-  // where the tick began, or 0 when there is to be none. part: the members in that group.
-  [[nodiscard]] int Judge(const Group<Real>& group, const Part& part, int substeps) {
+  // where the tick began, or 0 when there is to be none. part: the members in that island.
+  [[nodiscard]] int Judge(const Island<Real>& island, const Part& part, int substeps) {
     m_outcome.substeps = substeps;
     m_outcome.allSubsteps += substeps;
-    const int next = FindNext(group, part, substeps);
-    if (next > 0) group.StartAgain(part);
+    const int next = FindNext(island, part, substeps);
+    if (next > 0) island.StartAgain(part);
     return next;
   }
 
   // After the last try.
-  GroupOutcome Finish(const Group<Real>& group, const Part& part) const {
+  IslandOutcome Finish(const Island<Real>& island, const Part& part) const {
     for (std::size_t i = part.memberBegin; i < part.memberEnd; ++i) {
-      Member<Real>& member = *group.Members()[i];
+      Member<Real>& member = *island.Members()[i];
       member.speed = std::sqrt(2 * member.after.kineticEnergy / member.blueprint->totalMass);
-      member.acceleration = member.speed < kQuietSpeed ? FindRmsOfDifference<Real>(group.PartOf(group.Velocities(), i),
-                                                                                   member.state->velocities) /
-                                                             m_rules.duration
-                                                       : std::numeric_limits<double>::infinity();
+      member.acceleration =
+          member.speed < kQuietSpeed
+              ? FindRmsOfDifference<Real>(island.PartOf(island.Velocities(), i), member.state->velocities) /
+                    m_rules.duration
+              : std::numeric_limits<double>::infinity();
     }
-    group.Scatter(part);
+    island.Scatter(part);
     return m_outcome;
   }
 
  private:
   // What has become of the bodies in a try that is not to count says nothing of them.
-  int FindNext(const Group<Real>& group, const Part& part, int substeps) {
+  int FindNext(const Island<Real>& island, const Part& part, int substeps) {
     const int finer = m_redos++ < kMaxRedos ? FindFinerSubsteps(substeps) : 0;
-    if (finer > 0 || !FindBadMembers(group, part, m_checkEnergy)) return finer;
-    return m_rescues++ < kMaxRescues && !BlameThoseWhoBeganBad(group, part) ? 2 * substeps : 0;
+    if (finer > 0 || !FindBadMembers(island, part, m_checkEnergy)) return finer;
+    return m_rescues++ < kMaxRescues && !BlameThoseWhoBeganBad(island, part) ? 2 * substeps : 0;
   }
 
   // More substeps for a tick that missed its error by far; 0 when none did, or none are to be had.
@@ -90,7 +91,7 @@ class GroupTick {
   std::span<Member<Real>* const> m_members;
   const StepRules& m_rules;
   bool m_checkEnergy;
-  GroupOutcome m_outcome;
+  IslandOutcome m_outcome;
   int m_redos = 0;
   int m_rescues = 0;
 };

@@ -2,14 +2,14 @@
 // on from the members' arrays into rows on the stack, four points a contact, and hands them to the kernel; what the
 // kernel finds `left` to the plain code is computed by that, one by one.
 //
-// The encounters' lists are kept up to date after every substep, so that all who look at contacts between ticks, tries
-// and energies see them as the plain code would have left them.
-#include "server/physics/step/group_contacts.h"
+// The contact pairs' lists are kept up to date after every substep, so that all who look at contacts between ticks,
+// tries and energies see them as the plain code would have left them.
+#include "server/physics/step/island_contacts.h"
 
 #include <bit>
 
 #include "server/physics/lanes/contact_limits.h"
-#include "server/physics/step/group_step.h"
+#include "server/physics/step/island_step.h"
 
 namespace wobble::physics {
 namespace {
@@ -28,7 +28,7 @@ void Gather(std::span<const Vector3<Real>> values, std::uint16_t index, std::siz
 }  // namespace
 
 template <class Real>
-void GroupContacts<Real>::Reserve(std::size_t contacts, std::size_t bodies) {
+void IslandContacts<Real>::Reserve(std::size_t contacts, std::size_t bodies) {
   const std::size_t blocks = contacts / kContactsInBlock + 1;
   m_sides.reserve(16 * bodies);  // seldom has a body more than eight neighbours
   m_sidesOf.reserve(32 * bodies);
@@ -40,18 +40,18 @@ void GroupContacts<Real>::Reserve(std::size_t contacts, std::size_t bodies) {
 }
 
 template <class Real>
-void GroupContacts<Real>::Build(std::span<const Encounter<Real>> encounters, std::span<Member<Real>* const> members,
-                                const BodyContactKernel<Real>& kernel) {
+void IslandContacts<Real>::Build(std::span<const ContactPair<Real>> contactPairs,
+                                 std::span<Member<Real>* const> members, const BodyContactKernel<Real>& kernel) {
   m_kernel = kernel;
   m_sides.clear();
   m_entries.clear();
-  for (const Encounter<Real>& encounter : encounters) {
+  for (const ContactPair<Real>& contactPair : contactPairs) {
     for (std::size_t s = 0; s < 2; ++s) {
-      const std::uint32_t ofVertices = encounter.members[s];
-      const std::uint32_t ofFaces = encounter.members[1 - s];
-      m_sides.push_back({ofVertices, ofFaces, encounter.sides[s], m_entries.size(), encounter.parameters,
+      const std::uint32_t ofVertices = contactPair.members[s];
+      const std::uint32_t ofFaces = contactPair.members[1 - s];
+      m_sides.push_back({ofVertices, ofFaces, contactPair.sides[s], m_entries.size(), contactPair.parameters,
                          MakeMeeting<Real>(*members[ofVertices], {}, {}, *members[ofFaces], {}, {})});
-      m_entries.resize(m_entries.size() + encounter.sides[s]->size(),
+      m_entries.resize(m_entries.size() + contactPair.sides[s]->size(),
                        {.side = static_cast<std::uint32_t>(m_sides.size() - 1)});
     }
   }
@@ -64,7 +64,7 @@ void GroupContacts<Real>::Build(std::span<const Encounter<Real>> encounters, std
 }
 
 template <class Real>
-void GroupContacts<Real>::ListSidesOfMembers(std::size_t members) {
+void IslandContacts<Real>::ListSidesOfMembers(std::size_t members) {
   m_sidesBegin.assign(members + 1, 0);
   for (const Side& side : m_sides) {
     ++m_sidesBegin[side.ofVertices + 1U];
@@ -82,7 +82,7 @@ void GroupContacts<Real>::ListSidesOfMembers(std::size_t members) {
 }
 
 template <class Real>
-void GroupContacts<Real>::WriteConstants(std::size_t contact) {
+void IslandContacts<Real>::WriteConstants(std::size_t contact) {
   BodyContactBlock<Real>& block = m_blocks[contact / kContactsInBlock];
   const std::size_t lane = contact % kContactsInBlock;
   const Side& side = m_sides[m_entries[contact].side];
@@ -103,12 +103,12 @@ void GroupContacts<Real>::WriteConstants(std::size_t contact) {
 }
 
 template <class Real>
-void GroupContacts<Real>::ReadLists() {
+void IslandContacts<Real>::ReadLists() {
   for (std::size_t contact = 0; contact < m_entries.size(); ++contact) ReadList(contact);
 }
 
 template <class Real>
-void GroupContacts<Real>::ReadList(std::size_t contact) {
+void IslandContacts<Real>::ReadList(std::size_t contact) {
   BodyContactBlock<Real>& block = m_blocks[contact / kContactsInBlock];
   const std::size_t lane = contact % kContactsInBlock;
   const BodyContact<Real>& known = ContactOf(contact);
@@ -127,7 +127,7 @@ void GroupContacts<Real>::ReadList(std::size_t contact) {
 }
 
 template <class Real>
-void GroupContacts<Real>::WriteList(std::size_t contact, bool armed, bool touching) {
+void IslandContacts<Real>::WriteList(std::size_t contact, bool armed, bool touching) {
   BodyContactBlock<Real>& block = m_blocks[contact / kContactsInBlock];
   const std::size_t lane = contact % kContactsInBlock;
   BodyContact<Real>& known = ContactOf(contact);
@@ -146,7 +146,7 @@ void GroupContacts<Real>::WriteList(std::size_t contact, bool armed, bool touchi
 // By ranges of blocks: one alone is too little to hand to another thread.
 template <class Real>
 template <class Visit>
-void GroupContacts<Real>::ForEachBlock(Threads* threads, const Visit& visit) const {
+void IslandContacts<Real>::ForEachBlock(Threads* threads, const Visit& visit) const {
   const std::size_t count = m_blocks.size();
   const auto visitRange = [&](std::size_t range) {
     const std::size_t end = std::min(count, (range + 1) * kBlocksAtOnce);
@@ -161,7 +161,7 @@ void GroupContacts<Real>::ForEachBlock(Threads* threads, const Visit& visit) con
 }
 
 template <class Real>
-Meeting<Real> GroupContacts<Real>::Meet(const Side& side, std::span<const Motion<Real>> motions) const {
+Meeting<Real> IslandContacts<Real>::Meet(const Side& side, std::span<const Motion<Real>> motions) const {
   Meeting<Real> meeting = side.meeting;
   meeting.x = motions[side.ofVertices].x;
   meeting.v = motions[side.ofVertices].v;
@@ -171,8 +171,8 @@ Meeting<Real> GroupContacts<Real>::Meet(const Side& side, std::span<const Motion
 }
 
 template <class Real>
-void GroupContacts<Real>::GatherPoints(std::size_t block, std::span<const Motion<Real>> motions,
-                                       BodyContactPoints<Real>& points) const {
+void IslandContacts<Real>::GatherPoints(std::size_t block, std::span<const Motion<Real>> motions,
+                                        BodyContactPoints<Real>& points) const {
   const std::size_t count = CountInBlock(block);
   for (std::size_t lane = 0; lane < count; ++lane) {
     const Entry& entry = m_entries[block * kContactsInBlock + lane];
@@ -189,8 +189,8 @@ void GroupContacts<Real>::GatherPoints(std::size_t block, std::span<const Motion
 }
 
 template <class Real>
-void GroupContacts<Real>::GatherAcross(std::size_t block, std::span<const Motion<Real>> motions,
-                                       BodyContactPoints<Real>& points) const {
+void IslandContacts<Real>::GatherAcross(std::size_t block, std::span<const Motion<Real>> motions,
+                                        BodyContactPoints<Real>& points) const {
   const std::size_t count = CountInBlock(block);
   for (std::size_t lane = 0; lane < count; ++lane) {
     const Entry& entry = m_entries[block * kContactsInBlock + lane];
@@ -200,12 +200,12 @@ void GroupContacts<Real>::GatherAcross(std::size_t block, std::span<const Motion
 }
 
 template <class Real>
-void GroupContacts<Real>::ComputeForces(std::span<const Motion<Real>> motions, Threads* threads) {
+void IslandContacts<Real>::ComputeForces(std::span<const Motion<Real>> motions, Threads* threads) {
   ForEachBlock(threads, [&](std::size_t block) { ComputeForcesOf(block, motions); });
 }
 
 template <class Real>
-void GroupContacts<Real>::ComputeForcesOf(std::size_t block, std::span<const Motion<Real>> motions) {
+void IslandContacts<Real>::ComputeForcesOf(std::size_t block, std::span<const Motion<Real>> motions) {
   BodyContactPoints<Real> points;
   if (CountInBlock(block) < kContactsInBlock) points = {};
   GatherPoints(block, motions, points);
@@ -217,7 +217,7 @@ void GroupContacts<Real>::ComputeForcesOf(std::size_t block, std::span<const Mot
 }
 
 template <class Real>
-void GroupContacts<Real>::ComputeForceOfLeft(std::size_t contact, std::span<const Motion<Real>> motions) {
+void IslandContacts<Real>::ComputeForceOfLeft(std::size_t contact, std::span<const Motion<Real>> motions) {
   const Side& side = m_sides[m_entries[contact].side];
   ContactForce<Real> force;
   ComputeBodyContacts<Real>(side.parameters, Meet(side, motions), {&ContactOf(contact), 1}, {&force, 1});
@@ -231,12 +231,12 @@ void GroupContacts<Real>::ComputeForceOfLeft(std::size_t contact, std::span<cons
 }
 
 template <class Real>
-void GroupContacts<Real>::Update(std::span<const Motion<Real>> motions, Real h, Threads* threads) {
+void IslandContacts<Real>::Update(std::span<const Motion<Real>> motions, Real h, Threads* threads) {
   ForEachBlock(threads, [&](std::size_t block) { Update(block, motions, h); });
 }
 
 template <class Real>
-void GroupContacts<Real>::Update(std::size_t block, std::span<const Motion<Real>> motions, Real h) {
+void IslandContacts<Real>::Update(std::size_t block, std::span<const Motion<Real>> motions, Real h) {
   BodyContactPoints<Real> points;
   if (CountInBlock(block) < kContactsInBlock) points = {};
   GatherPoints(block, motions, points);
@@ -254,7 +254,7 @@ void GroupContacts<Real>::Update(std::size_t block, std::span<const Motion<Real>
   }
 }
 
-template class GroupContacts<float>;
-template class GroupContacts<double>;
+template class IslandContacts<float>;
+template class IslandContacts<double>;
 
 }  // namespace wobble::physics

@@ -1,4 +1,4 @@
-#include "server/physics/step/group_health.h"
+#include "server/physics/step/island_health.h"
 
 #include <algorithm>
 
@@ -15,49 +15,49 @@ struct ElasticChange {
 };
 
 template <class Real>
-ElasticChange FindElasticChange(const Group<Real>& group, const Part& part) {
-  GroupScratch<Real>& scratch = group.Scratch();
+ElasticChange FindElasticChange(const Island<Real>& island, const Part& part) {
+  IslandScratch<Real>& scratch = island.Scratch();
   ElasticChange change;
   for (std::size_t i = part.memberBegin; i < part.memberEnd; ++i) {
-    const Member<Real>& member = *group.Members()[i];
+    const Member<Real>& member = *island.Members()[i];
     const ElasticEnergy after =
         ComputeElasticEnergy<Real>(*member.blueprint, member.load, member.surfaces, member.state->contacts,
-                                   group.PartOf(scratch.positions, i), scratch.places);
+                                   island.PartOf(scratch.positions, i), scratch.places);
     const ElasticEnergy before =
-        ComputeElasticEnergy<Real>(*member.blueprint, member.load, member.surfaces, group.ContactsBefore(i),
+        ComputeElasticEnergy<Real>(*member.blueprint, member.load, member.surfaces, island.ContactsBefore(i),
                                    member.state->positions, scratch.places);
     change.before += before.stored;
     change.gain += after.stored - before.stored + after.gas - before.gas;
   }
-  for (std::size_t side = 2 * part.encounterBegin; side < 2 * part.encounterEnd; ++side) {
-    const Encounter<Real>& encounter = group.Encounters()[side / 2];
-    const Member<Real>& vertices = *group.Members()[encounter.members[side % 2]];
-    const Member<Real>& faces = *group.Members()[encounter.members[1 - side % 2]];
-    const Meeting<Real> meetingAfter = group.Meet(encounter, side % 2, scratch.positions, scratch.velocities);
-    const double before = ComputeBodyContactEnergy<Real>(encounter.parameters, MakeMeeting<Real>(vertices, faces),
-                                                         group.BodyContactsBefore(side));
+  for (std::size_t side = 2 * part.contactPairBegin; side < 2 * part.contactPairEnd; ++side) {
+    const ContactPair<Real>& contactPair = island.ContactPairs()[side / 2];
+    const Member<Real>& vertices = *island.Members()[contactPair.members[side % 2]];
+    const Member<Real>& faces = *island.Members()[contactPair.members[1 - side % 2]];
+    const Meeting<Real> meetingAfter = island.Meet(contactPair, side % 2, scratch.positions, scratch.velocities);
+    const double before = ComputeBodyContactEnergy<Real>(contactPair.parameters, MakeMeeting<Real>(vertices, faces),
+                                                         island.BodyContactsBefore(side));
     change.before += before;
     change.gain +=
-        ComputeBodyContactEnergy<Real>(encounter.parameters, meetingAfter, *encounter.sides[side % 2]) - before;
+        ComputeBodyContactEnergy<Real>(contactPair.parameters, meetingAfter, *contactPair.sides[side % 2]) - before;
   }
   return change;
 }
 
-// The member that gained most when the group as a whole has gained energy from nowhere; null when it has not. Forces
+// The member that gained most when the island as a whole has gained energy from nowhere; null when it has not. Forces
 // that are constant through the tick have a potential, everything else conserves or dissipates. Elastic energies are
 // looked at only where motion has gained so much, so that a quiet tick costs two sums over its vertices.
 template <class Real>
-Member<Real>* FindRunaway(const Group<Real>& group, const Part& part) {
-  const GroupScratch<Real>& scratch = group.Scratch();
+Member<Real>* FindRunaway(const Island<Real>& island, const Part& part) {
+  const IslandScratch<Real>& scratch = island.Scratch();
   Member<Real>* greatest = nullptr;
   double largest = 0;
   double gained = 0;
   double has = 0;
   for (std::size_t i = part.memberBegin; i < part.memberEnd; ++i) {
-    Member<Real>& member = *group.Members()[i];
+    Member<Real>& member = *island.Members()[i];
     const Blueprint& blueprint = *member.blueprint;
     const double gain =
-        ComputeMotionEnergy<Real>(blueprint, member.load, member.after, group.PartOf(scratch.positions, i)) -
+        ComputeMotionEnergy<Real>(blueprint, member.load, member.after, island.PartOf(scratch.positions, i)) -
         ComputeMotionEnergy<Real>(blueprint, member.load, member.survey.bulk, member.state->positions);
     gained += gain;
     if (gain > largest) {
@@ -68,26 +68,26 @@ Member<Real>* FindRunaway(const Group<Real>& group, const Part& part) {
     has += blueprint.totalMass * gravity * blueprint.reach + member.survey.bulk.kineticEnergy;
   }
   if (greatest == nullptr || gained <= kRunawayShare * has) return nullptr;
-  const ElasticChange elastic = FindElasticChange(group, part);
+  const ElasticChange elastic = FindElasticChange(island, part);
   return gained + elastic.gain > kRunawayShare * (has + elastic.before) ? greatest : nullptr;
 }
 
 }  // namespace
 
 template <class Real>
-bool FindBadMembers(const Group<Real>& group, const Part& part, bool checkEnergy) {
+bool FindBadMembers(const Island<Real>& island, const Part& part, bool checkEnergy) {
   bool anyBad = false;
   for (std::size_t i = part.memberBegin; i < part.memberEnd; ++i) {
-    Member<Real>& member = *group.Members()[i];
+    Member<Real>& member = *island.Members()[i];
     member.after = FindBulkMotion<Real>(member.blueprint->template Read<Real>().masses,
-                                        group.PartOf(group.Positions(), i), group.PartOf(group.Velocities(), i));
+                                        island.PartOf(island.Positions(), i), island.PartOf(island.Velocities(), i));
     const Health health = FindHealth(member.after, member.insideOut);
     member.health = std::max(member.health, health);
     member.lost = health != Health::kGood;
     anyBad |= member.lost;
   }
   if (anyBad || !checkEnergy) return anyBad;
-  Member<Real>* runaway = FindRunaway(group, part);
+  Member<Real>* runaway = FindRunaway(island, part);
   if (runaway == nullptr) return false;
   runaway->health = std::max(runaway->health, Health::kRunaway);
   runaway->lost = true;
@@ -95,15 +95,15 @@ bool FindBadMembers(const Group<Real>& group, const Part& part, bool checkEnergy
 }
 
 template <class Real>
-bool BlameThoseWhoBeganBad(const Group<Real>& group, const Part& part) {
+bool BlameThoseWhoBeganBad(const Island<Real>& island, const Part& part) {
   const auto beganBad = [](const Member<Real>* member) {
     const bool insideOut =
         IsInsideOut<Real>(member->blueprint->template Read<Real>(), std::span(member->state->positions));
     return FindHealth(member->survey.bulk, insideOut) != Health::kGood;
   };
-  const auto members = group.MembersOf(part);
+  const auto members = island.MembersOf(part);
   if (std::none_of(members.begin(), members.end(), beganBad)) return false;
-  group.StartAgain(part);
+  island.StartAgain(part);
   for (Member<Real>* member : members) {
     member->lost = beganBad(member);
     if (!member->lost) member->health = Health::kGood;
@@ -111,9 +111,9 @@ bool BlameThoseWhoBeganBad(const Group<Real>& group, const Part& part) {
   return true;
 }
 
-template bool FindBadMembers<float>(const Group<float>&, const Part&, bool);
-template bool FindBadMembers<double>(const Group<double>&, const Part&, bool);
-template bool BlameThoseWhoBeganBad<float>(const Group<float>&, const Part&);
-template bool BlameThoseWhoBeganBad<double>(const Group<double>&, const Part&);
+template bool FindBadMembers<float>(const Island<float>&, const Part&, bool);
+template bool FindBadMembers<double>(const Island<double>&, const Part&, bool);
+template bool BlameThoseWhoBeganBad<float>(const Island<float>&, const Part&);
+template bool BlameThoseWhoBeganBad<double>(const Island<double>&, const Part&);
 
 }  // namespace wobble::physics

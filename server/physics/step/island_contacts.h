@@ -1,5 +1,5 @@
-// Contacts between the members of a group, all in one list, so that their forces come as many at a time as a vector has
-// lanes. They are computed first and added up member by member afterwards: so bodies that share neighbours can be
+// Contacts between the members of a island, all in one list, so that their forces come as many at a time as a vector
+// has lanes. They are computed first and added up member by member afterwards: so bodies that share neighbours can be
 // worked on at the same time, and every sum still has its one order.
 #pragma once
 
@@ -16,7 +16,7 @@ namespace wobble::physics {
 template <class Real>
 struct Member;
 template <class Real>
-struct Encounter;
+struct ContactPair;
 
 // Of one member's vertices, local coordinates: m, m/s.
 template <class Real>
@@ -26,20 +26,20 @@ struct Motion {
 };
 
 template <class Real>
-class GroupContacts {
+class IslandContacts {
  public:
   // Room for so many contacts, between so many bodies.
   void Reserve(std::size_t contacts, std::size_t bodies);
-  // Those of encounters between these members. The encounters' lists stay theirs; they and the members' blueprints must
-  // live, and no list may get longer or shorter, until the next Build.
-  void Build(std::span<const Encounter<Real>> encounters, std::span<Member<Real>* const> members,
+  // Those of contact pairs between these members. The contact pairs' lists stay theirs; they and the members'
+  // blueprints must live, and no list may get longer or shorter, until the next Build.
+  void Build(std::span<const ContactPair<Real>> contactPairs, std::span<Member<Real>* const> members,
              const BodyContactKernel<Real>& kernel);
   // After the lists' contacts have been changed by somebody else.
   void ReadLists();
 
   [[nodiscard]] bool IsEmpty() const { return m_entries.empty(); }
 
-  // Where those of side s of encounter e, at 2 e + s, begin among all.
+  // Where those of side s of contact pair e, at 2 e + s, begin among all.
   [[nodiscard]] std::size_t BeginOf(std::size_t side) const { return m_sides[side].begin; }
 
   // motions: of each member, in the members' order; of one that meets nobody they may be empty. threads: null: this
@@ -47,7 +47,7 @@ class GroupContacts {
   void ComputeForces(std::span<const Motion<Real>> motions, Threads* threads);
 
   // Calls add(vertex, force in N) for every push on the member that ComputeForces found, in an order that depends on
-  // the encounters alone; a vertex may come several times. May be called for several members at the same time.
+  // the contact pairs alone; a vertex may come several times. May be called for several members at the same time.
   template <class Add>
   void VisitForcesOn(std::size_t member, const Add& add) const {
     for (std::size_t i = m_sidesBegin[member]; i < m_sidesBegin[member + 1]; ++i) {
@@ -69,7 +69,7 @@ class GroupContacts {
     }
   }
 
-  // After a substep of h seconds: as UpdateBodyContacts, in the encounters' lists.
+  // After a substep of h seconds: as UpdateBodyContacts, in the contact pairs' lists.
   void Update(std::span<const Motion<Real>> motions, Real h, Threads* threads);
 
  private:

@@ -1,4 +1,4 @@
-#include "server/physics/model/blueprint.h"
+#include "server/physics/shapes/finish_blueprint.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // Bodies that are stepped together, behind one another in one array, as one system of equations: each stage of a step
 // sees all of them at the same moment, and forces between them are equal and opposite at every stage. What hangs
-// together by contacts is one part of a group; parts do nothing to one another and are judged by themselves.
+// together by contacts is one part of a island; parts do nothing to one another and are judged by themselves.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 #include "server/physics/contact/backtracking.h"
 #include "server/physics/lanes/sweep.h"
-#include "server/physics/step/group_step.h"
+#include "server/physics/step/island_step.h"
 
 namespace wobble::physics {
 
@@ -17,35 +17,35 @@ template <class Real>
   return member.blueprint->full.contact.law == ContactLaw::kBacktracking && !member.state->contacts.empty();
 }
 
-// Members, and encounters between them, that belong to one part: from begin up to end, by their place in the group.
+// Members, and contact pairs between them, that belong to one part: from begin up to end, by their place in the island.
 struct Part {
   std::size_t memberBegin = 0;
   std::size_t memberEnd = 0;
-  std::size_t encounterBegin = 0;
-  std::size_t encounterEnd = 0;
+  std::size_t contactPairBegin = 0;
+  std::size_t contactPairEnd = 0;
 };
 
 template <class Real>
-class Group {
+class Island {
  public:
-  Group(std::span<Member<Real>* const> members, std::span<const Encounter<Real>> encounters, Threads* threads,
-        const SweepKernel<Real>& kernel, GroupScratch<Real>& scratch)
-      : m_members(members), m_encounters(encounters), m_threads(threads), m_scratch(scratch) {
+  Island(std::span<Member<Real>* const> members, std::span<const ContactPair<Real>> contactPairs, Threads* threads,
+         const SweepKernel<Real>& kernel, IslandScratch<Real>& scratch)
+      : m_members(members), m_contactPairs(contactPairs), m_threads(threads), m_scratch(scratch) {
     ListMembers();
     SaveContacts();
-    m_scratch.groupContacts.Build(encounters, members, kernel.bodyContacts);
+    m_scratch.islandContacts.Build(contactPairs, members, kernel.bodyContacts);
   }
 
-  [[nodiscard]] Part Whole() const { return {0, m_members.size(), 0, m_encounters.size()}; }
+  [[nodiscard]] Part Whole() const { return {0, m_members.size(), 0, m_contactPairs.size()}; }
   [[nodiscard]] std::span<Member<Real>* const> MembersOf(const Part& part) const {
     return m_members.subspan(part.memberBegin, part.memberEnd - part.memberBegin);
   }
-  [[nodiscard]] std::span<const Encounter<Real>> EncountersOf(const Part& part) const {
-    return m_encounters.subspan(part.encounterBegin, part.encounterEnd - part.encounterBegin);
+  [[nodiscard]] std::span<const ContactPair<Real>> ContactPairsOf(const Part& part) const {
+    return m_contactPairs.subspan(part.contactPairBegin, part.contactPairEnd - part.contactPairBegin);
   }
   [[nodiscard]] std::span<Member<Real>* const> Members() const { return m_members; }
-  [[nodiscard]] std::span<const Encounter<Real>> Encounters() const { return m_encounters; }
-  [[nodiscard]] GroupScratch<Real>& Scratch() const { return m_scratch; }
+  [[nodiscard]] std::span<const ContactPair<Real>> ContactPairs() const { return m_contactPairs; }
+  [[nodiscard]] IslandScratch<Real>& Scratch() const { return m_scratch; }
   [[nodiscard]] std::span<Vector3<Real>> Positions() const { return m_scratch.positions; }
   [[nodiscard]] std::span<Vector3<Real>> Velocities() const { return m_scratch.velocities; }
 
@@ -69,10 +69,10 @@ class Group {
     }
   }
 
-  [[nodiscard]] Meeting<Real> Meet(const Encounter<Real>& encounter, std::size_t side, std::span<const Vector3<Real>> x,
-                                   std::span<const Vector3<Real>> v) const {
-    const std::uint32_t vertices = encounter.members[side];
-    const std::uint32_t faces = encounter.members[1 - side];
+  [[nodiscard]] Meeting<Real> Meet(const ContactPair<Real>& contactPair, std::size_t side,
+                                   std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v) const {
+    const std::uint32_t vertices = contactPair.members[side];
+    const std::uint32_t faces = contactPair.members[1 - side];
     return MakeMeeting<Real>(*m_members[vertices], PartOf(x, vertices), PartOf(v, vertices), *m_members[faces],
                              PartOf(x, faces), PartOf(v, faces));
   }
@@ -115,16 +115,16 @@ class Group {
 
   // The forces of all contacts between members.
   void ComputeAllBodyContacts(std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v) const {
-    m_scratch.groupContacts.ComputeForces(FindMotions(x, v), m_threads);
+    m_scratch.islandContacts.ComputeForces(FindMotions(x, v), m_threads);
   }
   // Those that act on a member: add(vertex, force), in their one order.
   template <class Add>
   void VisitContactForces(std::size_t member, const Add& add) const {
-    m_scratch.groupContacts.VisitForcesOn(member, add);
+    m_scratch.islandContacts.VisitForcesOn(member, add);
   }
   // After a substep of h s to these positions and velocities.
   void UpdateAllBodyContacts(std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, Real h) const {
-    m_scratch.groupContacts.Update(FindMotions(x, v), h, m_threads);
+    m_scratch.islandContacts.Update(FindMotions(x, v), h, m_threads);
   }
 
   // Takes the part's positions and velocities from the bodies' own states, which stay as they are until Scatter.
@@ -143,11 +143,11 @@ class Group {
       const auto saved = ContactsBefore(i);
       std::copy(saved.begin(), saved.end(), m_members[i]->state->contacts.begin());
     }
-    for (std::size_t side = 2 * part.encounterBegin; side < 2 * part.encounterEnd; ++side) {
+    for (std::size_t side = 2 * part.contactPairBegin; side < 2 * part.contactPairEnd; ++side) {
       const auto saved = BodyContactsBefore(side);
-      std::copy(saved.begin(), saved.end(), m_encounters[side / 2].sides[side % 2]->begin());
+      std::copy(saved.begin(), saved.end(), m_contactPairs[side / 2].sides[side % 2]->begin());
     }
-    m_scratch.groupContacts.ReadLists();
+    m_scratch.islandContacts.ReadLists();
   }
 
   void Scatter(const Part& part) const {
@@ -160,13 +160,14 @@ class Group {
     }
   }
 
-  // Those of a member with what stands still, and those of side s of encounter e, at 2 e + s, as the tick found them.
+  // Those of a member with what stands still, and those of side s of contact pair e, at 2 e + s, as the tick found
+  // them.
   [[nodiscard]] std::span<const Contact<Real>> ContactsBefore(std::size_t member) const {
     return std::span(m_scratch.contacts).subspan(m_scratch.contactBegins[member], ContactsOf(member).size());
   }
   [[nodiscard]] std::span<const BodyContact<Real>> BodyContactsBefore(std::size_t side) const {
     return std::span(m_scratch.bodyContacts)
-        .subspan(m_scratch.groupContacts.BeginOf(side), m_encounters[side / 2].sides[side % 2]->size());
+        .subspan(m_scratch.islandContacts.BeginOf(side), m_contactPairs[side / 2].sides[side % 2]->size());
   }
 
  private:
@@ -189,8 +190,8 @@ class Group {
       m_scratch.contactBegins.push_back(m_scratch.contacts.size());
       m_scratch.contacts.insert(m_scratch.contacts.end(), ContactsOf(i).begin(), ContactsOf(i).end());
     }
-    for (const Encounter<Real>& encounter : m_encounters) {
-      for (const auto* side : encounter.sides) {
+    for (const ContactPair<Real>& contactPair : m_contactPairs) {
+      for (const auto* side : contactPair.sides) {
         m_scratch.bodyContacts.insert(m_scratch.bodyContacts.end(), side->begin(), side->end());
       }
     }
@@ -205,9 +206,9 @@ class Group {
   }
 
   std::span<Member<Real>* const> m_members;
-  std::span<const Encounter<Real>> m_encounters;
+  std::span<const ContactPair<Real>> m_contactPairs;
   Threads* m_threads;
-  GroupScratch<Real>& m_scratch;
+  IslandScratch<Real>& m_scratch;
 };
 
 }  // namespace wobble::physics
