@@ -22,7 +22,7 @@ from pathlib import Path
 
 MOST_README_LINES = 200
 CHECKED_LANGUAGES = {"cpp", "toml", "lua"}
-SKIPPED_FOLDERS = {"build", "node_modules", ".git"}
+SKIPPED_FOLDERS = {"build", "node_modules"}
 # Options of other programs that documents name by themselves, in a code span.
 FOREIGN_OPTIONS = {"--cpuset-cpus", "--cpus", "--network", "--no-cache", "--volume", "--write", "--component", "--file"}
 # A call of one of our programs; its options follow up to the end of the command.
@@ -36,10 +36,6 @@ faults = []
 
 def report(path, number, what):
     faults.append(f"{path.relative_to(root)}:{number}: {what}")
-
-
-def list_documents():
-    return sorted(p for p in root.rglob("*.md") if not SKIPPED_FOLDERS & set(p.relative_to(root).parts))
 
 
 def split(path):
@@ -64,10 +60,9 @@ def split(path):
 
 def read_shown(name, first, last):
     """The text that a mark names; None where there is no such text."""
-    shown = root / name
-    if not shown.is_file():
+    if not (root / name).is_file():
         return None
-    lines = shown.read_text().rstrip("\n").split("\n")
+    lines = (root / name).read_text().rstrip("\n").split("\n")
     if first is None:
         return "\n".join(lines)
     begin = next((i for i, line in enumerate(lines) if first in line), None)
@@ -90,18 +85,13 @@ def check_block(path, number, language, text, before):
 
 def list_anchors(path):
     """Anchors of the headings, as GitHub makes them."""
-    anchors = {}
-    for _, line in split(path)[0]:
-        heading = re.match(r"#{1,6} (.*)", line)
-        if heading is None:
-            continue
-        text = re.sub(r"\]\([^)]*\)", "", heading.group(1)).strip().lower()
-        anchor = re.sub(r"[^\w\- ]", "", text).replace(" ", "-")
-        count = anchors.get(anchor, 0)
-        anchors[anchor] = count + 1
-        if count:
-            anchors[f"{anchor}-{count}"] = 1
-    return set(anchors)
+    anchors = []
+    for heading in (re.match(r"#{1,6} (.*)", line) for _, line in split(path)[0]):
+        if heading is not None:
+            text = re.sub(r"\]\([^)]*\)", "", heading.group(1)).strip().lower()
+            anchor = re.sub(r"[^\w\- ]", "", text).replace(" ", "-")
+            anchors.append(f"{anchor}-{anchors.count(anchor)}" if anchor in anchors else anchor)
+    return anchors
 
 
 def check_links(path, number, line):
@@ -146,7 +136,7 @@ def host_examples(programs):
 root = Path(sys.argv[1]).resolve()
 files = [p for folder in ("server", "client", "tests/bench") for p in (root / folder).rglob("*.cpp")]
 all_sources = "\n".join(p.read_text() for p in files if "node_modules" not in p.parts) + '"--help" "--version"'
-documents = list_documents()
+documents = sorted(p for p in root.rglob("*.md") if not SKIPPED_FOLDERS & set(p.relative_to(root).parts))
 for document in documents:
     check_document(document, all_sources)
 readme_lines = (root / "README.md").read_text().count("\n")
