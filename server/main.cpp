@@ -44,13 +44,8 @@ double ReadClock() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-std::filesystem::path FindSceneFolder() {
-  std::error_code error;
-  return std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / "scenes";
-}
-
 [[nodiscard]] int ListScenes() {
-  for (const scenes::SceneSummary& scene : scenes::ListScenes(FindSceneFolder())) {
+  for (const scenes::SceneSummary& scene : scenes::ListScenes(scenes::FindShippedScenes())) {
     fmt::print("{:12} {}\n", scene.name, scene.description);
   }
   return 0;
@@ -183,7 +178,7 @@ bool StartWatching(const Options& options, Watchers& watchers, std::uint16_t& po
 }
 
 int RunServer(const Options& options) {
-  scenes::LoadResult loaded = scenes::LoadScene(options.scene, FindSceneFolder());
+  scenes::LoadResult loaded = scenes::LoadScene(options.scene, scenes::FindShippedScenes());
   if (!options.errors.empty() || !loaded.errors.empty()) {
     Complain(options.errors);
     Complain(loaded.errors);

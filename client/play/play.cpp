@@ -212,10 +212,9 @@ void Play::StartBots(std::size_t world, unsigned count, const char* script) {
   const std::string name = world == 0 ? "bots" : "bots in " + FindName(m_options.scenes[world]);
   Part& part = AddPart(name, "wobble bots: ", "\n");  // never: nobody waits for them
   m_bots.push_back(&part);
-  static_cast<void>(
-      Start(part, {(m_options.programFolder / "wobble").string(), "bots", AddressOf(world), "--script",
-                   (m_options.programFolder / "scripts" / script).string(), "--count", std::to_string(count), "--ramp",
-                   "1", "--status", "1", "--summary", SummaryOf(part).string()}));
+  static_cast<void>(Start(
+      part, {(m_options.programFolder / "wobble").string(), "bots", AddressOf(world), "--script", script, "--count",
+             std::to_string(count), "--ramp", "1", "--status", "1", "--summary", SummaryOf(part).string()}));
 }
 
 bool Play::Start(Part& part, const std::vector<std::string>& command) {

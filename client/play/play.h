@@ -10,7 +10,7 @@
 namespace wobble::play {
 
 struct PlayOptions {
-  std::filesystem::path programFolder;  // where wobbled, wobble and scripts/ lie
+  std::filesystem::path programFolder;  // where wobbled and wobble lie
   // A server each, on one port after the other. The first has the bots; the others wait until somebody comes.
   std::vector<std::string> scenes{"arena", "sumo", "curtain", "sandbox"};
   std::uint16_t port = 7777;

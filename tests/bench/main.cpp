@@ -117,7 +117,7 @@ bool CanKeepResults(const Options& options, std::string& error) {
 
 // Of a scene that cannot be hosted the first fault: wobbled names them all.
 bool CanPlay(const Options& options, std::string& error) {
-  const scenes::LoadResult loaded = scenes::LoadScene(options.scene, tool::FindProgramFolder() / "scenes");
+  const scenes::LoadResult loaded = scenes::LoadScene(options.scene, scenes::FindShippedScenes());
   std::vector<std::string> errors = loaded.errors;
   if (errors.empty()) errors = server::Validate({}, loaded.scene);
   if (!errors.empty()) {
