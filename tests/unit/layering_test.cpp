@@ -49,7 +49,7 @@ const std::vector<Layer> kLayers{
     {"server/physics/", {"server/physics/"}, {"Eigen/", "immintrin.h", "oneapi/tbb", "tbb/"}, kClockFileLog},
     {"server/scenes/", {"server/scenes/", "server/physics/"}, {"toml++/"}, kClock},
     {"server/main.cpp", {"server/", "protocol/"}, Join(kSystem, {"CLI/", "fmt/", "nlohmann/", "spdlog/"}), {}},
-    {"server/options.", {"server/"}, {"CLI/", "fmt/"}, kClock},
+    {"server/options.", {"server/", "protocol/version.h"}, {"CLI/", "fmt/"}, kClock},
     // Only it waits, on a thread of its own; when it is asked to call is the business of fleet_duty.
     {"server/ops/agones.", {"server/ops/"}, {"httplib.h", "signal.h", "spdlog/"}, {}},
     {"server/ops/fleet_duty.", {"server/ops/"}, {}, kClockFileLog},
@@ -64,7 +64,7 @@ const std::vector<Layer> kLayers{
     {"server/",
      {"server/", "protocol/acknowledgement.h", "protocol/bits.h", "protocol/geometry.h", "protocol/limits.h",
       "protocol/messages", "protocol/pose.h", "protocol/shape_codec.h", "protocol/snapshot.h",
-      "protocol/transport/transport.h"},
+      "protocol/transport/transport.h", "protocol/version.h"},
      {"fmt/", "nlohmann/", "oneapi/tbb", "prometheus/", "spdlog/", "tbb/"},
      kClock},
     {"protocol/transport/", {"protocol/"}, Join(kSystem, {"enet/", "zlib.h"}), kClockFileLog},
