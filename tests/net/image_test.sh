@@ -46,7 +46,7 @@ case_runtime_packages() {
 # start_scene LOG: once, with the cache that the environment names.
 start_scene() {
   WOBBLE_UNTRAINED='' WOBBLE_CACHE="$folder/bases" \
-    "$bin/wobbled" --scene sumo --for 0.001 --port 7964 2>"$folder/$1" || fail "a server that ends well" "$folder/$1"
+    "$bin/wobbled" --scene sumo --for 0.001 --port 0 2>"$folder/$1" || fail "a server that ends well" "$folder/$1"
 }
 
 # The image has the bases of shipped scenes where nothing can be written. (Root can; others are kept out.)
