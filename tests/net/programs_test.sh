@@ -59,6 +59,17 @@ wait_for_line() {
 # read_port NAME TEXT: the number behind this text in what the program started under NAME has written.
 read_port() { sed -n "s/^$2\([1-9][0-9]*\).*/\1/p" "$folder/$1.out"; }
 
+# wait_for_more NAME: until the program started under NAME has written another line.
+wait_for_more() {
+  local tries lines
+  lines="$(wc -l <"$folder/$1.out")"
+  for ((tries = 0; tries < patience * 20; ++tries)); do
+    [ "$(wc -l <"$folder/$1.out")" -gt "$lines" ] && return
+    sleep 0.05
+  done
+  fail "more lines from $1" "$folder/$1.out" "$folder/$1.err"
+}
+
 # start_server ARGUMENT...: returns when it listens, on $port.
 start_server() {
   start server wobbled --log-level warn --port 0 "$@"
@@ -445,7 +456,7 @@ send_noise() {
 
 case_random_datagrams() {
   start_server --summary "$folder/a.json"
-  start bots wobble bots "127.0.0.1:$port" --script wander.lua --count 4 --for 5 --status 1 --summary "$folder/b.json" \
+  start bots wobble bots "127.0.0.1:$port" --script wander.lua --count 4 --status 0.5 --summary "$folder/b.json" \
     --threshold 'disconnects==0'
   local bots=$pid round
   wait_for_line bots '^bots 4/4'
@@ -454,7 +465,9 @@ case_random_datagrams() {
     send_noise "$port" "$round" 150
     sleep 0.2
   done
+  wait_for_more bots
   kill -0 "$bots" 2>/dev/null || fail "bots that still play after the noise" "$folder/bots.out" "$folder/bots.err"
+  kill -INT "$bots"
   expect_end bots "$bots" 0
   kill -INT "$server"
   expect_end server "$server" 0
