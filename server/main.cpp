@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "protocol/transport/enet_transport.h"
+#include "protocol/version.h"
 #include "server/ops/agones.h"
 #include "server/ops/endpoint.h"
 #include "server/ops/fleet_duty.h"
@@ -171,10 +172,14 @@ bool StartWatching(const Options& options, Watchers& watchers, std::uint16_t& po
   if (options.ops.empty()) return true;
   ops::Address address;
   if (ops::ParseAddress(options.ops, address, error)) {
-    watchers.endpoint = ops::Endpoint::Listen(address, WOBBLE_VERSION, options.scene, &ReadClock, error);
+    watchers.endpoint = ops::Endpoint::Listen(address, kVersion, options.scene, &ReadClock, error);
   }
-  if (watchers.endpoint == nullptr) Complain({"--ops " + error});
-  return watchers.endpoint != nullptr;
+  if (watchers.endpoint == nullptr) {
+    Complain({"--ops " + error});
+    return false;
+  }
+  if (address.port == 0) fmt::print("metrics and health on TCP port {}\n", watchers.endpoint->ReadPort());
+  return true;
 }
 
 int RunServer(const Options& options) {
@@ -206,12 +211,13 @@ int RunServer(const Options& options) {
     Complain({error});
     return kBadUsage;
   }
+  const std::uint16_t port = transport->ReadPort();
 
   std::vector<server::Bases> bases;
   if (!options.isUntrained) bases = server::LoadBases(loaded.scene, options.cacheFolder, options.config.threads);
   server::Server server(options.config, std::move(loaded.scene), std::move(transport), ReadClock(), std::move(bases),
                         &ReadClock);
-  fmt::print("listening on UDP port {}, scene {}\n", options.config.port, options.scene);
+  fmt::print("listening on UDP port {}, scene {}\n", port, options.scene);
   std::fflush(stdout);
   if (sidecar != 0) watchers.agones.emplace(sidecar);
   Run(server, options, watchers);
