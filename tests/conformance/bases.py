@@ -16,12 +16,15 @@ class BadBasis(Exception):
 
 
 class Basis:
-    """columns[k]: column k in units of 2^-14. Scalar: a column is one number a vertex and counts for each axis."""
+    """columns[k]: column k in units of 2^-14. Scalar: a column is one number a vertex and counts for each axis.
+
+    The columns are integers kept in binary64: their products with coefficients add up to less than 2^53, so that
+    numpy's matrix product is exact in whatever order it sums.
+    """
 
     def __init__(self, is_scalar, columns, levels, gains):
         self.is_scalar = is_scalar
-        limited = numpy.clip(columns, -1.0, 1.0) * 16384.0
-        self.columns = numpy.rint(limited).astype(numpy.int64)
+        self.columns = numpy.rint(numpy.clip(columns, -1.0, 1.0) * 16384.0)
         self.levels = levels
         self.gains = gains
 

@@ -176,7 +176,7 @@ def press_out(points, sides):
 
 def wrap(sums):
     """Modulo 2^32, then read as signed."""
-    return sums.astype(numpy.uint32).view(numpy.int32)
+    return sums.astype(numpy.int64).astype(numpy.uint32).view(numpy.int32)
 
 
 def suggest(patch, sides, step):
@@ -185,7 +185,7 @@ def suggest(patch, sides, step):
     if numpy.array_equal(pressed, patch.rest):
         return None
     way = (pressed - patch.rest) * numpy.ldexp(F(1), 12 - patch.exponent)
-    moved = numpy.rint(numpy.clip(way, F(-8191), F(8191))).astype(numpy.int64)
+    moved = numpy.rint(numpy.clip(way, F(-8191), F(8191))).astype(float)
     along = wrap(project(patch.basis, moved))
     scale = numpy.ldexp(F(1), patch.exponent - 28) / step
     suggested = along.astype(F) * patch.basis.gains.astype(F) * scale
@@ -200,7 +200,7 @@ def project(basis, moved):
 
 
 def move_along_modes(patch, decoded, sides, step):
-    values = numpy.array(decoded.coefficients, numpy.int64) * 16
+    values = numpy.array(decoded.coefficients, float) * 16
     decoded.suggestions = suggest(patch, sides, step)
     if decoded.suggestions is not None:
         values += decoded.suggestions
