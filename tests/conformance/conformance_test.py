@@ -151,15 +151,15 @@ class Curtain(Recording, Case):
     scene = 'curtain'
 
 
-class MeshZoo(Recording, Case):
-    """Scalar modes."""
+class Patches(Recording, Case):
+    """Scalar modes, a body of two patches, a plane."""
 
-    scene = 'mesh_zoo'
+    scene = 'patches'
 
 
 class FlippedByte(Case):
     def test_it_gives_another_hash(self):
-        messages = split((DATA / 'mesh_zoo.session').read_bytes())
+        messages = split((DATA / 'patches.session').read_bytes())
         lines = [line.split() for line in replay_natively(messages)]
         session = Session()
         next_place = 0
