@@ -25,7 +25,12 @@ using physics::Vector3d;
 
 constexpr int kPlayers = 32;
 constexpr int kDecoding = 4;
-constexpr double kSeconds = 60;
+// Of virtual time; `make nightly` asks for more by WOBBLE_SOAK_SECONDS.
+double FindSeconds() {
+  const char* text = std::getenv("WOBBLE_SOAK_SECONDS");
+  return text != nullptr ? std::max(60.0, std::strtod(text, nullptr)) : 60;
+}
+const double kSeconds = FindSeconds();
 constexpr double kTick = 1.0 / 60;
 // Once all are in and the first falls are over.
 constexpr double kSettled = 3;
