@@ -39,12 +39,24 @@ template <class Real>
   return FindSurfacePoint(surface, x);
 }
 
-// Lists every vertex that may come within `range` (m) of a surface before `duration` (s) is over, keeping anchors of
-// `contacts`. `scratch` saves allocations.
+// One body and the surfaces around it at the beginning of a tick, all in the body's local coordinates.
 template <class Real>
-void FindContacts(std::span<const Surface<Real>> surfaces, Real range, const Survey<Real>& survey,
-                  std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, Real duration,
-                  std::vector<Contact<Real>>& contacts, std::vector<Contact<Real>>& scratch);
+struct SurfaceSearch {
+  std::span<const Surface<Real>> surfaces;
+  std::span<const Vector3<Real>> x;  // of all vertices, m
+  std::span<const Vector3<Real>> v;  // m/s
+  Survey<Real> survey;               // of x and v
+  Real range = 0;                    // ContactParameters::range, m
+  Real duration = 0;                 // of the tick, s
+};
+
+// Replaces `contacts` by one contact for each vertex and surface that may come within `range` of one another before
+// `duration` is over. A contact that was in the old list keeps its anchor, slip and burial. `scratch` is overwritten
+// and only saves allocations. Cost: one clearance per surface that is far off; else all vertices, by planes a few
+// operations each.
+template <class Real>
+void FindContacts(const SurfaceSearch<Real>& search, std::vector<Contact<Real>>& contacts,
+                  std::vector<Contact<Real>>& scratch);
 
 // shares: Coefficients::contactShares.
 template <class Real>

@@ -106,7 +106,12 @@ TEST(MagneticLaw, BodiesFarAwayCostNothing) {
   const auto count = [&](double height) {
     const std::vector<Vector3d> x{Vector3d(0, 0, height)};
     const std::vector<Vector3d> v{Vector3d::Zero()};
-    FindContacts<double>(surfaces, range, MakeSurvey<double>(std::vector<double>(x.size(), 1.0), x, v), x, v, 1.0 / 60,
+    FindContacts<double>({.surfaces = surfaces,
+                          .x = x,
+                          .v = v,
+                          .survey = MakeSurvey<double>(std::vector<double>(x.size(), 1.0), x, v),
+                          .range = range,
+                          .duration = 1.0 / 60},
                          contacts, scratch);
     return contacts.size();
   };

@@ -271,7 +271,11 @@ TEST(Contact, ABodyThatShakesIsLookedAtAsFarAsItMayReach) {
   std::vector<Contact<double>> contacts;
   std::vector<Contact<double>> scratch;
   const auto count = [&](const std::vector<Vector3d>& v) {
-    FindContacts<double>(ground, 0, MakeSurvey<double>(std::vector<double>(x.size(), 1.0), x, v), x, v, 1.0 / 60,
+    FindContacts<double>({.surfaces = ground,
+                          .x = x,
+                          .v = v,
+                          .survey = MakeSurvey<double>(std::vector<double>(x.size(), 1.0), x, v),
+                          .duration = 1.0 / 60},
                          contacts, scratch);
     return contacts.size();
   };
