@@ -96,9 +96,9 @@ struct Workspace {
   std::vector<IndexPair> pairIndices;                      // the places of `pairs`
   // By place in the world. What is looked at of one that sleeps, others have seen to (PairSearch).
   std::vector<Member<Real>> members;
-  std::vector<SurfacePoints<Real>> surfaces;  // of bodies that have one, as the tick found them
-  std::vector<std::uint8_t> hasSurface;       // not 0: this body does
-  std::vector<std::uint32_t> surfaceBodies;   // that have just come near somebody
+  std::vector<SkinPoints<Real>> surfaces;    // of bodies that have one, as the tick found them
+  std::vector<std::uint8_t> hasSurface;      // not 0: this body does
+  std::vector<std::uint32_t> surfaceBodies;  // that have just come near somebody
   std::vector<Box> boxes;
   std::vector<Box> awakeBoxes;
   std::vector<IndexPair> overlaps;

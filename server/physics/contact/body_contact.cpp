@@ -38,17 +38,17 @@ Vector3<Real> Blend(const Vector3<Real>& weights, const Face& face, std::span<co
 
 // The surface as the contact's vertex has it before itself.
 template <class Real>
-Shell<Real> FaceShell(const Meeting<Real>& meeting, bool behind) {
-  Shell<Real> shell = meeting.shell;
-  shell.side = behind ? Real(-1) : Real(1);
-  return shell;
+Skin<Real> FaceSkin(const Meeting<Real>& meeting, bool behind) {
+  Skin<Real> skin = meeting.skin;
+  skin.side = behind ? Real(-1) : Real(1);
+  return skin;
 }
 
 // Of the vertex against the surface under it, or where that ends the nearest part of the face.
 template <class Real>
 Vector3<Real> FindRelativeVelocity(const Meeting<Real>& meeting, std::uint16_t vertex, const FacePoint<Real>& at) {
   const Vector3<Real> weights = at.weights.cwiseMax(Real(0));
-  return meeting.v[vertex] - Blend<Real>(weights / weights.sum(), meeting.shell.faces[at.face], meeting.shellV);
+  return meeting.v[vertex] - Blend<Real>(weights / weights.sum(), meeting.skin.faces[at.face], meeting.skinV);
 }
 
 // Deep enough to push, no deeper than it can have come, and with a face above it.
@@ -61,11 +61,11 @@ bool Pushes(const BodyContact<Real>& contact, const FacePoint<Real>& at) {
 // Of the faces round the vertex the first that has p above or below itself, or the one that comes nearest to that: a
 // place to begin the search from, and nearly always where it ends.
 template <class Real>
-std::uint16_t FindStart(const Shell<Real>& shell, std::uint16_t vertex, const Vector3<Real>& p) {
+std::uint16_t FindStart(const Skin<Real>& skin, std::uint16_t vertex, const Vector3<Real>& p) {
   std::uint16_t start = kNoFace;
   Real greatest = std::numeric_limits<Real>::lowest();
-  for (const std::uint16_t face : shell.topology->RingOf(vertex)) {
-    const Real least = FindFacePoint(shell, face, p).weights.minCoeff();
+  for (const std::uint16_t face : skin.topology->RingOf(vertex)) {
+    const Real least = FindFacePoint(skin, face, p).weights.minCoeff();
     if (start == kNoFace || least > greatest) {
       greatest = least;
       start = face;
@@ -108,11 +108,11 @@ template <class Real>
 FacePoint<Real> ChooseSide(const Meeting<Real>& meeting, const FacePoint<Real>& front, const Vector3<Real>& p,
                            const Vector3<Real>& outward, bool& behind) {
   behind = false;
-  const Shell<Real> shell = FaceShell(meeting, behind);
-  if (!shell.topology->isOpen) return TurnToFacing(shell, front, p, outward, static_cast<Real>(kArmingDepth));
+  const Skin<Real> skin = FaceSkin(meeting, behind);
+  if (!skin.topology->isOpen) return TurnToFacing(skin, front, p, outward, static_cast<Real>(kArmingDepth));
   if (front.distance >= Real(0)) return front;
   behind = true;
-  return FindNearestFace(FaceShell(meeting, behind), front.face, p);
+  return FindNearestFace(FaceSkin(meeting, behind), front.face, p);
 }
 
 // Whether the vertex still hangs on to the face that it has slid over the side of, to one that it cannot have come in
@@ -126,33 +126,33 @@ bool HangsOn(const BodyContact<Real>& contact, const FacePoint<Real>& slid, cons
 
 // Within a step.
 template <class Real>
-FacePoint<Real> FollowContact(const Shell<Real>& shell, const BodyContact<Real>& contact, const Vector3<Real>& p) {
-  const FacePoint<Real> at = FollowFace(shell, contact.face, p);
+FacePoint<Real> FollowContact(const Skin<Real>& skin, const BodyContact<Real>& contact, const Vector3<Real>& p) {
+  const FacePoint<Real> at = FollowFace(skin, contact.face, p);
   if (at.face == contact.face) return at;
-  const FacePoint<Real> kept = FindFacePoint(shell, contact.face, p);
+  const FacePoint<Real> kept = FindFacePoint(skin, contact.face, p);
   return HangsOn(contact, at, kept) ? kept : at;
 }
 
 // The face that a known contact has come to, and on an open surface the side.
 template <class Real>
 FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const Vector3<Real>& p, BodyContact<Real>& contact) {
-  const Shell<Real> shell = FaceShell(meeting, contact.behind);
-  const bool isOpen = shell.topology->isOpen;
+  const Skin<Real> skin = FaceSkin(meeting, contact.behind);
+  const bool isOpen = skin.topology->isOpen;
   if (contact.armed) {
-    const FacePoint<Real> at = SlideToFace(shell, contact.face, p);
+    const FacePoint<Real> at = SlideToFace(skin, contact.face, p);
     if (LooksAlong(at, contact.outward)) {
-      const FacePoint<Real> kept = FindFacePoint(shell, contact.face, p);
+      const FacePoint<Real> kept = FindFacePoint(skin, contact.face, p);
       if (HangsOn(contact, at, kept)) return kept;
     }
     if (at.distance < Real(0)) {
-      if (!isOpen) return TurnToFacing(shell, at, p, contact.outward, static_cast<Real>(kArmingDepth));
-      if (!IsPastBorder(*shell.topology, at)) return at;
+      if (!isOpen) return TurnToFacing(skin, at, p, contact.outward, static_cast<Real>(kArmingDepth));
+      if (!IsPastBorder(*skin.topology, at)) return at;
     }
   }
-  const FacePoint<Real> at = FindNearestFace(shell, contact.face, p);
-  if (!isOpen) return TurnToFacing(shell, at, p, contact.outward, static_cast<Real>(kArmingDepth));
-  if (at.distance >= Real(0) || !IsPastBorder(*shell.topology, at)) return at;
-  const FacePoint<Real> front = FindNearestFace(FaceShell(meeting, false), at.face, p);
+  const FacePoint<Real> at = FindNearestFace(skin, contact.face, p);
+  if (!isOpen) return TurnToFacing(skin, at, p, contact.outward, static_cast<Real>(kArmingDepth));
+  if (at.distance >= Real(0) || !IsPastBorder(*skin.topology, at)) return at;
+  const FacePoint<Real> front = FindNearestFace(FaceSkin(meeting, false), at.face, p);
   return ChooseSide(meeting, front, p, contact.outward, contact.behind);
 }
 
@@ -171,7 +171,7 @@ void NoteLeap(const ContactParameters<Real>& parameters, const Meeting<Real>& me
   const Real depth = -at.distance;
   const Vector3<Real> velocity = FindRelativeVelocity(meeting, contact.vertex, at);
   Real most = contact.depth;
-  if (meeting.shell.topology->isOpen) {
+  if (meeting.skin.topology->isOpen) {
     if (at.face != before.face) contact.leap += before.distance - at.distance;
     most += static_cast<Real>(kArmingDepth) + static_cast<Real>(kArmingSteps) * h * std::sqrt(velocity.dot(velocity));
   } else {
@@ -187,7 +187,7 @@ template <class Real>
 FacePoint<Real> RenewContact(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
                              const Vector3<Real>& p, Real h, BodyContact<Real>& contact) {
   const bool wasBehind = contact.behind;
-  const FacePoint<Real> before = FindFacePoint(FaceShell(meeting, wasBehind), contact.face, p);
+  const FacePoint<Real> before = FindFacePoint(FaceSkin(meeting, wasBehind), contact.face, p);
   FacePoint<Real> at = FindPresentFace(meeting, p, contact);
   if (!contact.armed || contact.behind != wasBehind) {
     contact.leap = 0;
@@ -201,7 +201,7 @@ FacePoint<Real> RenewContact(const ContactParameters<Real>& parameters, const Me
 // Within a step: where the contact's vertex is to the face that it had or the one beside it.
 template <class Real>
 FacePoint<Real> FindReach(const Meeting<Real>& meeting, const Vector3<Real>& p, const BodyContact<Real>& contact) {
-  FacePoint<Real> at = FollowContact(FaceShell(meeting, contact.behind), contact, p);
+  FacePoint<Real> at = FollowContact(FaceSkin(meeting, contact.behind), contact, p);
   at.distance += contact.leap;
   return at;
 }
@@ -210,7 +210,7 @@ FacePoint<Real> FindReach(const Meeting<Real>& meeting, const Vector3<Real>& p, 
 template <class Real>
 Vector3<Real> FindSlip(const Meeting<Real>& meeting, const BodyContact<Real>& contact, const Vector3<Real>& p,
                        const Vector3<Real>& normal) {
-  const Vector3<Real> foot = Blend<Real>(contact.foot, meeting.shell.faces[contact.face], meeting.shell.x);
+  const Vector3<Real> foot = Blend<Real>(contact.foot, meeting.skin.faces[contact.face], meeting.skin.x);
   return RemoveNormalPart<Real>(contact.slip + p - foot, normal);
 }
 
@@ -219,7 +219,7 @@ Vector3<Real> FindSlip(const Meeting<Real>& meeting, const BodyContact<Real>& co
 template <class Real>
 FacePoint<Real> RecallContact(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
                               const Vector3<Real>& p, BodyContact<Real>& contact) {
-  FacePoint<Real> at = FindFacePoint(FaceShell(meeting, contact.behind), contact.face, p);
+  FacePoint<Real> at = FindFacePoint(FaceSkin(meeting, contact.behind), contact.face, p);
   const bool stands = (at.weights - contact.foot).cwiseAbs().maxCoeff() < static_cast<Real>(kStandingOverhang) &&
                       at.weights.minCoeff() >= Real(0);
   if (!stands || !contact.armed || LooksAlong(at, contact.outward)) {
@@ -234,20 +234,20 @@ FacePoint<Real> RecallContact(const ContactParameters<Real>& parameters, const M
 template <class Real>
 class SideSearch {
  public:
-  SideSearch(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting, const Shell<Real>& own,
+  SideSearch(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting, const Skin<Real>& own,
              const ContactSearch<Real>& search)
       : m_parameters(parameters),
         m_meeting(meeting),
         m_own(own),
         m_search(search),
-        m_isOpen(meeting.shell.topology->isOpen),
+        m_isOpen(meeting.skin.topology->isOpen),
         m_bothClosed(!m_isOpen && !own.topology->isOpen),
-        m_velocity(m_search.vertices->Velocity() - m_search.shell->Velocity()) {}
+        m_velocity(m_search.vertices->Velocity() - m_search.skin->Velocity()) {}
 
-  // Of the vertices those in the shell's fat box and near enough to the ball that holds it.
+  // Of the vertices those in the skin's fat box and near enough to the ball that holds it.
   std::span<const std::uint16_t> FindCandidates(std::vector<std::uint16_t>& found) const {
-    const Vector3<Real> toCentre = m_search.shell->Centre() - m_meeting.shift;
-    const Real apart = m_search.shell->Radius() + FindReach(m_velocity, m_search.vertices->Agitation());
+    const Vector3<Real> toCentre = m_search.skin->Centre() - m_meeting.shift;
+    const Real apart = m_search.skin->Radius() + FindReach(m_velocity, m_search.vertices->Agitation());
     const Real farthest = apart + m_search.vertices->Radius();
     if ((m_search.vertices->Centre() - toCentre).squaredNorm() > farthest * farthest) return {};
     NearRegion<Real> region;
@@ -282,9 +282,9 @@ class SideSearch {
   }
 
  private:
-  // That IsOutOfReach may grant to a vertex with this velocity, give or take `agitation`, against the shell's.
+  // That IsOutOfReach may grant to a vertex with this velocity, give or take `agitation`, against the skin's.
   Real FindReach(const Vector3<Real>& velocity, Real agitation) const {
-    const Real fastest = std::sqrt(velocity.dot(velocity)) + agitation + m_search.shell->Agitation();
+    const Real fastest = std::sqrt(velocity.dot(velocity)) + agitation + m_search.skin->Agitation();
     return m_search.margin + (m_isOpen ? m_search.near.speed : fastest) * m_search.duration;
   }
 
@@ -296,11 +296,11 @@ class SideSearch {
 
   // With D the distance to the nearest vertex and d that to the surface, D² ≤ d² + SquaredGap.
   bool FindFirstFace(const Vector3<Real>& p, FacePoint<Real>& at, BodyContact<Real>& contact) const {
-    const Real reach = FindReach(m_meeting.v[contact.vertex] - m_search.shell->Velocity(), Real(0));
-    const NearestPoint<Real> nearest = m_search.kernel.findNearest(m_search.shell->Lanes(), p.data());
-    if (nearest.square > reach * reach + m_search.shell->SquaredGap()) return false;
-    const Shell<Real>& shell = m_meeting.shell;
-    at = FindNearestFace(shell, FindStart(shell, shell.topology->vertices[nearest.index], p), p);
+    const Real reach = FindReach(m_meeting.v[contact.vertex] - m_search.skin->Velocity(), Real(0));
+    const NearestPoint<Real> nearest = m_search.kernel.findNearest(m_search.skin->Lanes(), p.data());
+    if (nearest.square > reach * reach + m_search.skin->SquaredGap()) return false;
+    const Skin<Real>& skin = m_meeting.skin;
+    at = FindNearestFace(skin, FindStart(skin, skin.topology->vertices[nearest.index], p), p);
     if (at.distance > reach) return false;
     // No other face can be as near to a vertex that is straight above this one.
     const bool isAbove = at.distance >= Real(0) && at.weights.minCoeff() >= Real(0);
@@ -312,7 +312,7 @@ class SideSearch {
 
   const ContactParameters<Real>& m_parameters;
   const Meeting<Real>& m_meeting;
-  const Shell<Real>& m_own;
+  const Skin<Real>& m_own;
   const ContactSearch<Real>& m_search;
   bool m_isOpen;
   bool m_bothClosed;
@@ -344,7 +344,7 @@ Real FindFreeDepth(const ContactParameters<Real>& parameters) {
 }
 
 template <class Real>
-void FindBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting, const Shell<Real>& own,
+void FindBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting, const Skin<Real>& own,
                       const ContactSearch<Real>& search, std::vector<BodyContact<Real>>& contacts,
                       ContactSearchScratch<Real>& scratch) {
   const SideSearch<Real> side(parameters, meeting, own, search);
@@ -372,7 +372,7 @@ void ComputeBodyContacts(const ContactParameters<Real>& parameters, const Meetin
     const FacePoint<Real> at = FindReach(meeting, p, contact);
     if (!Pushes(contact, at)) continue;
     const Real depth = -at.distance;
-    const Face& face = meeting.shell.faces[at.face];
+    const Face& face = meeting.skin.faces[at.face];
     const Vector3<Real> velocity = FindRelativeVelocity(meeting, contact.vertex, at);
     const Real rate = -at.normal.dot(velocity);
     const Real normalForce = ComputeNormalForce(parameters, depth, rate);
@@ -393,7 +393,7 @@ void ComputeBodyContacts(const ContactParameters<Real>& parameters, const Meetin
     // triangle; there part of the torque is given up.
     std::array<Vector3<Real>, 3> sides;
     for (std::size_t i = 0; i < 3; ++i)
-      sides[i] = meeting.shell.x[face[(i + 2) % 3]] - meeting.shell.x[face[(i + 1) % 3]];
+      sides[i] = meeting.skin.x[face[(i + 2) % 3]] - meeting.skin.x[face[(i + 1) % 3]];
     const Real longest = std::sqrt(std::max({sides[0].squaredNorm(), sides[1].squaredNorm(), sides[2].squaredNorm()}));
     const Real lever = std::min(depth / at.doubleArea, Real(1) / longest);
     const Real winding = contact.behind ? Real(-1) : Real(1);  // the sides go round the other way
@@ -410,7 +410,7 @@ void UpdateBodyContacts(const ContactParameters<Real>& parameters, const Meeting
   for (BodyContact<Real>& contact : contacts) {
     const Vector3<Real> p = meeting.x[contact.vertex] + meeting.shift;
     FacePoint<Real> at = RenewContact(parameters, meeting, p, h, contact);
-    Arm<Real>(parameters, FindRelativeVelocity(meeting, contact.vertex, at), h, meeting.shell.topology->isOpen, at,
+    Arm<Real>(parameters, FindRelativeVelocity(meeting, contact.vertex, at), h, meeting.skin.topology->isOpen, at,
               contact);
     const Real depth = -at.distance;
     Vector3<Real> slip = Vector3<Real>::Zero();
@@ -449,12 +449,12 @@ double ComputeBodyContactEnergy(const ContactParameters<Real>& parameters, const
 template <class Real>
 int AddContactLoads(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
                     std::span<const BodyContact<Real>> contacts, double duration, std::span<VertexLoad> loads,
-                    std::span<VertexLoad> shellLoads) {
+                    std::span<VertexLoad> skinLoads) {
   int substeps = 1;
   for (const BodyContact<Real>& contact : contacts) {
     if (!contact.armed) continue;
-    const FacePoint<Real> at = FindFacePoint<Real>(FaceShell(meeting, contact.behind), contact.face,
-                                                   meeting.x[contact.vertex] + meeting.shift);
+    const FacePoint<Real> at =
+        FindFacePoint<Real>(FaceSkin(meeting, contact.behind), contact.face, meeting.x[contact.vertex] + meeting.shift);
     const double approach = -double{at.normal.dot(FindRelativeVelocity(meeting, contact.vertex, at))};
     const double depth = PredictDepth(-double{at.distance}, approach, duration);
     if (depth <= 0) continue;
@@ -468,9 +468,9 @@ int AddContactLoads(const ContactParameters<Real>& parameters, const Meeting<Rea
       load.damping += 2 * double{ofAll * weight * damping};
     };
     add(loads[contact.vertex], Real(1));
-    const Face& face = meeting.shell.faces[contact.face];
+    const Face& face = meeting.skin.faces[contact.face];
     for (std::size_t i = 0; i < 3; ++i) {
-      add(shellLoads[face[i]], std::clamp(at.weights[static_cast<Eigen::Index>(i)], Real(0), Real(1)));
+      add(skinLoads[face[i]], std::clamp(at.weights[static_cast<Eigen::Index>(i)], Real(0), Real(1)));
     }
     if (approach * duration > kFastWay) substeps = kFastSubsteps;
   }
@@ -480,7 +480,7 @@ int AddContactLoads(const ContactParameters<Real>& parameters, const Meeting<Rea
 #define WOBBLE_INSTANTIATE(Real)                                                                                  \
   template ContactParameters<Real> Combine<Real>(const ContactParameters<Real>&, const ContactParameters<Real>&); \
   template Real FindFreeDepth<Real>(const ContactParameters<Real>&);                                              \
-  template void FindBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&, const Shell<Real>&,  \
+  template void FindBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&, const Skin<Real>&,   \
                                        const ContactSearch<Real>&, std::vector<BodyContact<Real>>&,               \
                                        ContactSearchScratch<Real>&);                                              \
   template void ComputeBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&,                   \

@@ -23,7 +23,7 @@
 
 #include "server/physics/contact/contact.h"
 #include "server/physics/contact/face_search.h"
-#include "server/physics/contact/surface_points.h"
+#include "server/physics/contact/skin_points.h"
 #include "server/physics/model/blueprint.h"
 #include "server/physics/model/bounds.h"
 
@@ -57,8 +57,8 @@ struct Meeting {
   std::span<const Vector3<Real>> x;  // of the vertices' body, in its own local coordinates
   std::span<const Vector3<Real>> v;
   std::span<const Real> shares;  // Coefficients::contactShares of the same
-  Shell<Real> shell;             // of the faces' body, in that one's coordinates
-  std::span<const Vector3<Real>> shellV;
+  Skin<Real> skin;               // of the faces' body, in that one's coordinates
+  std::span<const Vector3<Real>> skinV;
   Vector3<Real> shift = Vector3<Real>::Zero();  // from the former to the latter
 };
 
@@ -75,10 +75,10 @@ template <class Real>
 // What a side's search goes by, at the beginning of a tick.
 template <class Real>
 struct ContactSearch {
-  const SurfacePoints<Real>* vertices = nullptr;  // of the vertices' body
-  const SurfacePoints<Real>* shell = nullptr;     // of the faces' body
+  const SkinPoints<Real>* vertices = nullptr;  // of the vertices' body
+  const SkinPoints<Real>* skin = nullptr;      // of the faces' body
   PointKernel<Real> kernel;
-  Bounds<Real> near;  // in the shell's coordinates, fat enough for the time; its speed is that of both
+  Bounds<Real> near;  // in the skin's coordinates, fat enough for the time; its speed is that of both
   Real margin = 0;    // m, for what a vertex's present motion does not tell
   Real duration = 0;  // s
 };
@@ -93,7 +93,7 @@ struct ContactSearchScratch {
 // Lists every surface vertex that may touch the other body before the time is over, keeping what is known of
 // `contacts`. own: the surface that the vertices belong to.
 template <class Real>
-void FindBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting, const Shell<Real>& own,
+void FindBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting, const Skin<Real>& own,
                       const ContactSearch<Real>& search, std::vector<BodyContact<Real>>& contacts,
                       ContactSearchScratch<Real>& scratch);
 
@@ -150,6 +150,6 @@ struct VertexLoad {
 template <class Real>
 [[nodiscard]] int AddContactLoads(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
                                   std::span<const BodyContact<Real>> contacts, double duration,
-                                  std::span<VertexLoad> loads, std::span<VertexLoad> shellLoads);
+                                  std::span<VertexLoad> loads, std::span<VertexLoad> skinLoads);
 
 }  // namespace wobble::physics

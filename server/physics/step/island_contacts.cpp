@@ -87,7 +87,7 @@ void IslandContacts<Real>::WriteConstants(std::size_t contact) {
   const std::size_t lane = contact % kContactsInBlock;
   const Side& side = m_sides[m_entries[contact].side];
   const BodyContact<Real>& known = ContactOf(contact);
-  const bool isOpen = side.meeting.shell.topology->isOpen;
+  const bool isOpen = side.meeting.skin.topology->isOpen;
   WriteRows(side.meeting.shift, lane, block.shift);
   block.stiffness[lane] = side.parameters.stiffness;
   block.fadeDepth[lane] = side.parameters.fadeDepth;
@@ -113,10 +113,10 @@ void IslandContacts<Real>::ReadList(std::size_t contact) {
   const std::size_t lane = contact % kContactsInBlock;
   const BodyContact<Real>& known = ContactOf(contact);
   Entry& entry = m_entries[contact];
-  const Shell<Real>& shell = m_sides[entry.side].meeting.shell;
+  const Skin<Real>& skin = m_sides[entry.side].meeting.skin;
   entry.vertex = known.vertex;
-  entry.corners = shell.faces[known.face];
-  entry.across = shell.topology->across[known.face];
+  entry.corners = skin.faces[known.face];
+  entry.across = skin.topology->across[known.face];
   block.side[lane] = known.behind ? Real(-1) : Real(1);
   block.maxDepth[lane] = known.armed ? known.maxDepth : Real(-1);
   block.depth[lane] = known.depth;
@@ -165,8 +165,8 @@ Meeting<Real> IslandContacts<Real>::Meet(const Side& side, std::span<const Motio
   Meeting<Real> meeting = side.meeting;
   meeting.x = motions[side.ofVertices].x;
   meeting.v = motions[side.ofVertices].v;
-  meeting.shell.x = motions[side.ofFaces].x;
-  meeting.shellV = motions[side.ofFaces].v;
+  meeting.skin.x = motions[side.ofFaces].x;
+  meeting.skinV = motions[side.ofFaces].v;
   return meeting;
 }
 

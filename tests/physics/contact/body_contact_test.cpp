@@ -19,14 +19,14 @@ namespace {
 template <class Real>
 void AddBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
                      std::span<const BodyContact<Real>> contacts, std::span<Vector3<Real>> forces,
-                     std::span<Vector3<Real>> shellForces) {
+                     std::span<Vector3<Real>> skinForces) {
   std::vector<ContactForce<Real>> computed(contacts.size());
   ComputeBodyContacts<Real>(parameters, meeting, contacts, computed);
   const auto addTo = [](std::span<Vector3<Real>> sums) {
     return [sums](std::uint16_t vertex, const Vector3<Real>& force) { sums[vertex] += force; };
   };
   AddToVertices<Real>(computed, addTo(forces));
-  AddToCorners<Real>(computed, addTo(shellForces));
+  AddToCorners<Real>(computed, addTo(skinForces));
 }
 
 constexpr double kTick = 1.0 / 60;
@@ -102,14 +102,14 @@ std::unique_ptr<World> MakeShot(const Shot& shot, const BallDefinition& ball, Pr
 struct Touching {
   std::vector<Vector3d> x{{0.3, 0.25, -0.004}};
   std::vector<Vector3d> v{{0.7, -0.4, -0.5}};
-  std::vector<Vector3d> shellX{{0, 0, 0}, {1, 0, 0.1}, {0, 1, -0.1}, {1, 1, 0}};
-  std::vector<Vector3d> shellV{{0.1, 0, 0.2}, {0, 0.3, 0}, {-0.1, 0, 0}, {0, 0, 0}};
+  std::vector<Vector3d> skinX{{0, 0, 0}, {1, 0, 0.1}, {0, 1, -0.1}, {1, 1, 0}};
+  std::vector<Vector3d> skinV{{0.1, 0, 0.2}, {0, 0.3, 0}, {-0.1, 0, 0}, {0, 0, 0}};
   std::vector<Face> faces{{0, 1, 2}, {2, 1, 3}};
   std::vector<double> shares{0.5};
   Topology topology = MakeTopology(faces, 4);
   std::vector<BodyContact<double>> contacts{{.vertex = 0, .face = 0, .armed = true, .touching = true, .maxDepth = 1}};
 
-  Meeting<double> Meet() const { return {x, v, shares, {faces, &topology, shellX}, shellV, Vector3d(0, 0, -0.003)}; }
+  Meeting<double> Meet() const { return {x, v, shares, {faces, &topology, skinX}, skinV, Vector3d(0, 0, -0.003)}; }
 };
 
 ContactParameters<double> MakeParameters(double friction) {
@@ -124,14 +124,14 @@ TEST(BodyContact, ForcesAddUpToNothingAndTurnNothing) {
   touching.contacts[0].slip = Vector3d(0.001, 0.002, 0);
   for (const double friction : {0.0, 0.3, 5.0}) {
     std::vector<Vector3d> force(1, Vector3d::Zero());
-    std::vector<Vector3d> shellForces(4, Vector3d::Zero());
+    std::vector<Vector3d> skinForces(4, Vector3d::Zero());
     const Meeting<double> meeting = touching.Meet();
-    AddBodyContacts<double>(MakeParameters(friction), meeting, touching.contacts, force, shellForces);
+    AddBodyContacts<double>(MakeParameters(friction), meeting, touching.contacts, force, skinForces);
     Vector3d sum = force[0];
     Vector3d torque = (touching.x[0] + meeting.shift).cross(force[0]);
     for (std::size_t i = 0; i < 4; ++i) {
-      sum += shellForces[i];
-      torque += touching.shellX[i].cross(shellForces[i]);
+      sum += skinForces[i];
+      torque += touching.skinX[i].cross(skinForces[i]);
     }
     EXPECT_GT(force[0].norm(), 1);
     EXPECT_LT(sum.norm(), 1e-12 * force[0].norm());
@@ -149,18 +149,18 @@ TEST(BodyContact, BothSidesOfASheetPushAlike) {
   back.topology = MakeTopology(back.faces, 4);
   back.contacts[0].foot = Vector3d(0.5, 0.2, 0.3);
   back.contacts[0].behind = true;
-  std::vector<Vector3d> forces[2], shellForces[2];
+  std::vector<Vector3d> forces[2], skinForces[2];
   int i = 0;
   for (const Touching* touching : {&front, &back}) {
     forces[i].assign(1, Vector3d::Zero());
-    shellForces[i].assign(4, Vector3d::Zero());
-    AddBodyContacts<double>(MakeParameters(0.3), touching->Meet(), touching->contacts, forces[i], shellForces[i]);
+    skinForces[i].assign(4, Vector3d::Zero());
+    AddBodyContacts<double>(MakeParameters(0.3), touching->Meet(), touching->contacts, forces[i], skinForces[i]);
     ++i;
   }
   ASSERT_GT(forces[0][0].norm(), 1);
   EXPECT_LT((forces[1][0] - forces[0][0]).norm(), 1e-12 * forces[0][0].norm());
   for (std::size_t k = 0; k < 4; ++k) {
-    EXPECT_LT((shellForces[1][k] - shellForces[0][k]).norm(), 1e-12 * forces[0][0].norm());
+    EXPECT_LT((skinForces[1][k] - skinForces[0][k]).norm(), 1e-12 * forces[0][0].norm());
   }
   const double stored = ComputeBodyContactEnergy<double>(MakeParameters(0.3), front.Meet(), front.contacts);
   EXPECT_GT(stored, 0);
@@ -223,20 +223,20 @@ TEST(BodyContact, ASheetStopsABallFromEitherSide) {
 // F(d) integrated is the potential; its differences over every coordinate are the forces.
 TEST(BodyContact, NormalForceIsTheGradientOfAPotential) {
   Touching touching;
-  for (Vector3d& v : touching.shellV) v.setZero();
+  for (Vector3d& v : touching.skinV) v.setZero();
   touching.v[0].setZero();
   const ContactParameters<double> parameters = MakeParameters(0);
   const auto findPotential = [&] {
     const Meeting<double> meeting = touching.Meet();
-    const double depth = -FindFacePoint<double>(meeting.shell, 0, touching.x[0] + meeting.shift).distance;
+    const double depth = -FindFacePoint<double>(meeting.skin, 0, touching.x[0] + meeting.shift).distance;
     const double delta = parameters.fadeDepth;
     return touching.shares[0] *
            (depth < delta ? parameters.stiffness * depth * depth * depth / (6 * delta)
                           : parameters.stiffness * (depth * depth / 2 - depth * delta / 2 + delta * delta / 6));
   };
   std::vector<Vector3d> force(1, Vector3d::Zero());
-  std::vector<Vector3d> shellForces(4, Vector3d::Zero());
-  AddBodyContacts<double>(parameters, touching.Meet(), touching.contacts, force, shellForces);
+  std::vector<Vector3d> skinForces(4, Vector3d::Zero());
+  AddBodyContacts<double>(parameters, touching.Meet(), touching.contacts, force, skinForces);
   const auto expectGradient = [&](double& coordinate, double expected) {
     const double kept = coordinate;
     coordinate = kept + 1e-6;
@@ -248,7 +248,7 @@ TEST(BodyContact, NormalForceIsTheGradientOfAPotential) {
   };
   for (int axis = 0; axis < 3; ++axis) {
     expectGradient(touching.x[0][axis], force[0][axis]);
-    for (std::size_t i = 0; i < 4; ++i) expectGradient(touching.shellX[i][axis], shellForces[i][axis]);
+    for (std::size_t i = 0; i < 4; ++i) expectGradient(touching.skinX[i][axis], skinForces[i][axis]);
   }
 }
 
@@ -520,16 +520,16 @@ TEST(BodyContact, AFaceThatTurnsOverInItsPlanePushesNothing) {
   const std::vector<double> shares(3, 1);
   const ContactParameters<double> parameters = MakeContactParameters(Material{}, 0.1, 0.5);
   const Meeting<double> meeting{x, still, shares, {faces, &topology, sheet}, still};
-  const Shell<double> own{faces, &topology, x};
-  SurfacePoints<double> vertices;
+  const Skin<double> own{faces, &topology, x};
+  SkinPoints<double> vertices;
   vertices.Read(own, still);
-  SurfacePoints<double> shell;
-  shell.Read(meeting.shell, still);
+  SkinPoints<double> skin;
+  skin.Read(meeting.skin, still);
   const PointKernel<double>& kernel = FindSweepKernels<double>(1).back().points;
   const Bounds<double> near{Vector3d::Constant(-1), Vector3d::Constant(2), 1};
   std::vector<BodyContact<double>> contacts;
   ContactSearchScratch<double> scratch;
-  FindBodyContacts<double>(parameters, meeting, own, {&vertices, &shell, kernel, near, 0.5, kTick}, contacts, scratch);
+  FindBodyContacts<double>(parameters, meeting, own, {&vertices, &skin, kernel, near, 0.5, kTick}, contacts, scratch);
   ASSERT_FALSE(contacts.empty());
   for (int turn = 0; turn < 4; ++turn) {
     std::swap(sheet[1], sheet[2]);

@@ -11,12 +11,12 @@
 namespace wobble::physics {
 
 template <class Real>
-class SurfacePoints {
+class SkinPoints {
  public:
   // Room for so many vertices.
   void Reserve(std::size_t vertices);
   // At least one face. v: of all vertices, m/s.
-  void Read(const Shell<Real>& shell, std::span<const Vector3<Real>> v);
+  void Read(const Skin<Real>& skin, std::span<const Vector3<Real>> v);
 
   // Those of topology.vertices, in their order.
   [[nodiscard]] PointLanes<Real> Lanes() const;
