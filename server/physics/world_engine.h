@@ -8,6 +8,7 @@
 #include <tuple>
 #include <vector>
 
+#include "server/physics/contact/body_contact_search.h"
 #include "server/physics/contact/broad_phase.h"
 #include "server/physics/model/parallel.h"
 #include "server/physics/roster.h"
@@ -29,7 +30,7 @@ struct BodyPair {
   [[nodiscard]] bool Has(BodyId body) const { return first == body || second == body; }
   // At the end of the last step that it was in.
   [[nodiscard]] bool IsTouching() const {
-    const auto touches = [](const BodyContact<Real>& contact) { return contact.touching; };
+    const auto touches = [](const BodyContact<Real>& contact) { return contact.phase == ContactPhase::kTouching; };
     return std::any_of(sides[0].begin(), sides[0].end(), touches) ||
            std::any_of(sides[1].begin(), sides[1].end(), touches);
   }

@@ -8,6 +8,7 @@
 
 #include <bit>
 
+#include "server/physics/contact/body_contact_update.h"
 #include "server/physics/lanes/contact_limits.h"
 #include "server/physics/step/island_step.h"
 
@@ -117,11 +118,11 @@ void IslandContacts<Real>::ReadList(std::size_t contact) {
   entry.vertex = known.vertex;
   entry.corners = skin.faces[known.face];
   entry.across = skin.topology->across[known.face];
-  block.side[lane] = known.behind ? Real(-1) : Real(1);
-  block.maxDepth[lane] = known.armed ? known.maxDepth : Real(-1);
+  block.side[lane] = known.side == SkinSide::kBack ? Real(-1) : Real(1);
+  block.maxDepth[lane] = known.phase == ContactPhase::kWaiting ? Real(-1) : known.maxDepth;
   block.depth[lane] = known.depth;
   block.leap[lane] = known.leap;
-  block.touching[lane] = known.touching ? Real(1) : Real(0);
+  block.touching[lane] = known.phase == ContactPhase::kTouching ? Real(1) : Real(0);
   WriteRows(known.foot, lane, block.foot);
   WriteRows(known.slip, lane, block.slip);
 }
@@ -131,8 +132,11 @@ void IslandContacts<Real>::WriteList(std::size_t contact, bool armed, bool touch
   BodyContactBlock<Real>& block = m_blocks[contact / kContactsInBlock];
   const std::size_t lane = contact % kContactsInBlock;
   BodyContact<Real>& known = ContactOf(contact);
-  known.armed = armed;
-  known.touching = touching;
+  if (!armed) {
+    known.phase = ContactPhase::kWaiting;
+  } else {
+    known.phase = touching ? ContactPhase::kTouching : ContactPhase::kArmed;
+  }
   known.maxDepth = block.maxDepth[lane];
   known.depth = touching ? block.depth[lane] : std::min(block.depth[lane], Real(0));
   known.leap = block.leap[lane];

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/physics/contact/body_contact_search.h"
+#include "server/physics/contact/body_contact_update.h"
 #include "server/physics/lanes/kernels.h"
 #include "server/physics/shapes/ball.h"
 #include "server/physics/shapes/finish_blueprint.h"
@@ -107,9 +109,16 @@ struct Touching {
   std::vector<Face> faces{{0, 1, 2}, {2, 1, 3}};
   std::vector<double> shares{0.5};
   Topology topology = MakeTopology(faces, 4);
-  std::vector<BodyContact<double>> contacts{{.vertex = 0, .face = 0, .armed = true, .touching = true, .maxDepth = 1}};
+  std::vector<BodyContact<double>> contacts{{.vertex = 0, .face = 0, .phase = ContactPhase::kTouching, .maxDepth = 1}};
 
-  Meeting<double> Meet() const { return {x, v, shares, {faces, &topology, skinX}, skinV, Vector3d(0, 0, -0.003)}; }
+  Meeting<double> Meet() const {
+    return {.x = x,
+            .v = v,
+            .shares = shares,
+            .skin = {.faces = faces, .topology = &topology, .x = skinX},
+            .skinV = skinV,
+            .shift = Vector3d(0, 0, -0.003)};
+  }
 };
 
 ContactParameters<double> MakeParameters(double friction) {
@@ -148,7 +157,7 @@ TEST(BodyContact, BothSidesOfASheetPushAlike) {
   for (Face& face : back.faces) std::swap(face[1], face[2]);
   back.topology = MakeTopology(back.faces, 4);
   back.contacts[0].foot = Vector3d(0.5, 0.2, 0.3);
-  back.contacts[0].behind = true;
+  back.contacts[0].side = SkinSide::kBack;
   std::vector<Vector3d> forces[2], skinForces[2];
   int i = 0;
   for (const Touching* touching : {&front, &back}) {
@@ -519,7 +528,11 @@ TEST(BodyContact, AFaceThatTurnsOverInItsPlanePushesNothing) {
   const std::vector<Vector3d> still(3, Vector3d::Zero());
   const std::vector<double> shares(3, 1);
   const ContactParameters<double> parameters = MakeContactParameters(Material{}, 0.1, 0.5);
-  const Meeting<double> meeting{x, still, shares, {faces, &topology, sheet}, still};
+  const Meeting<double> meeting{.x = x,
+                                .v = still,
+                                .shares = shares,
+                                .skin = {.faces = faces, .topology = &topology, .x = sheet},
+                                .skinV = still};
   const Skin<double> own{faces, &topology, x};
   SkinPoints<double> vertices;
   vertices.Read(own, still);
@@ -529,7 +542,10 @@ TEST(BodyContact, AFaceThatTurnsOverInItsPlanePushesNothing) {
   const Bounds<double> near{Vector3d::Constant(-1), Vector3d::Constant(2), 1};
   std::vector<BodyContact<double>> contacts;
   ContactSearchScratch<double> scratch;
-  FindBodyContacts<double>(parameters, meeting, own, {&vertices, &skin, kernel, near, 0.5, kTick}, contacts, scratch);
+  FindBodyContacts<double>(
+      parameters, meeting, own,
+      {.vertices = &vertices, .skin = &skin, .kernel = kernel, .near = near, .margin = 0.5, .duration = kTick},
+      contacts, scratch);
   ASSERT_FALSE(contacts.empty());
   for (int turn = 0; turn < 4; ++turn) {
     std::swap(sheet[1], sheet[2]);

@@ -7,6 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "server/physics/contact/body_contact_search.h"
+#include "server/physics/contact/body_contact_update.h"
 #include "server/physics/lanes/kernels.h"
 #include "server/physics/shapes/cloth.h"
 #include "server/physics/step/island_step.h"
@@ -163,9 +165,8 @@ template <class Real>
 void ExpectTheSame(const BodyContact<Real>& a, const BodyContact<Real>& b, Real tolerance) {
   EXPECT_EQ(a.vertex, b.vertex);
   EXPECT_EQ(a.face, b.face);
-  EXPECT_EQ(a.armed, b.armed);
-  EXPECT_EQ(a.behind, b.behind);
-  EXPECT_EQ(a.touching, b.touching);
+  EXPECT_EQ(a.phase, b.phase);
+  EXPECT_EQ(a.side, b.side);
   EXPECT_NEAR(a.maxDepth, b.maxDepth, tolerance);
   EXPECT_NEAR(a.depth, b.depth, tolerance);
   EXPECT_NEAR(a.leap, b.leap, tolerance);
