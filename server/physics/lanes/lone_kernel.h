@@ -203,14 +203,17 @@ void SweepStageAlone(const SweepTables<Real>& tables, SweepLanes<Real>& lanes, R
 
 template <class Real>
 SweepKernel<Real> MakeLoneKernel() {
-  return {1,
-          {&SweepStageAlone<0, Real>, &SweepStageAlone<1, Real>, &SweepStageAlone<2, Real>, &SweepStageAlone<3, Real>},
-          &ComputeSixVolume<Real, Real>,
-          &ComputePenaltyForces<Real, Real>,
-          {&ComputeBodyContactForces<Real, Real>, &UpdateBodyContactBlock<Real, Real>},
-          {&SweepGrid<0, Real, Real>, &SweepGrid<1, Real, Real>, &SweepGrid<2, Real, Real>, &SweepGrid<3, Real, Real>},
-          {&FindPointsWithin<Real, Real>, &FindNearestPoint<Real, Real>},
-          {&AddPlaneForces<Real, Real>, &DragPlaneAnchors<Real, Real>}};
+  return {.width = 1,
+          .stages = {&SweepStageAlone<0, Real>, &SweepStageAlone<1, Real>, &SweepStageAlone<2, Real>,
+                     &SweepStageAlone<3, Real>},
+          .computeVolume = &ComputeSixVolume<Real, Real>,
+          .computeContacts = &ComputePenaltyForces<Real, Real>,
+          .bodyContacts = {.computeForces = &ComputeBodyContactForces<Real, Real>,
+                           .update = &UpdateBodyContactBlock<Real, Real>},
+          .gridStages = {&SweepGrid<0, Real, Real>, &SweepGrid<1, Real, Real>, &SweepGrid<2, Real, Real>,
+                         &SweepGrid<3, Real, Real>},
+          .points = {.findWithin = &FindPointsWithin<Real, Real>, .findNearest = &FindNearestPoint<Real, Real>},
+          .planes = {.addForces = &AddPlaneForces<Real, Real>, .dragAnchors = &DragPlaneAnchors<Real, Real>}};
 }
 
 #undef WOBBLE_INLINE

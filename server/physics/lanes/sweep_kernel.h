@@ -202,14 +202,15 @@ void ComputeSixVolume(const SweepTables<Real>& tables, SweepLanes<Real>& lanes) 
 template <class Real, int W>
 SweepKernel<Real> MakeKernel() {
   using V = typename LanesOf<Real, W>::Type;
-  return {W,
-          {&SweepStage<0, V, Real>, &SweepStage<1, V, Real>, &SweepStage<2, V, Real>, &SweepStage<3, V, Real>},
-          &ComputeSixVolume<V, Real>,
-          &ComputePenaltyForces<V, Real>,
-          {&ComputeBodyContactForces<V, Real>, &UpdateBodyContactBlock<V, Real>},
-          {&SweepGrid<0, V, Real>, &SweepGrid<1, V, Real>, &SweepGrid<2, V, Real>, &SweepGrid<3, V, Real>},
-          {&FindPointsWithin<V, Real>, &FindNearestPoint<V, Real>},
-          {&AddPlaneForces<V, Real>, &DragPlaneAnchors<V, Real>}};
+  return {
+      .width = W,
+      .stages = {&SweepStage<0, V, Real>, &SweepStage<1, V, Real>, &SweepStage<2, V, Real>, &SweepStage<3, V, Real>},
+      .computeVolume = &ComputeSixVolume<V, Real>,
+      .computeContacts = &ComputePenaltyForces<V, Real>,
+      .bodyContacts = {.computeForces = &ComputeBodyContactForces<V, Real>, .update = &UpdateBodyContactBlock<V, Real>},
+      .gridStages = {&SweepGrid<0, V, Real>, &SweepGrid<1, V, Real>, &SweepGrid<2, V, Real>, &SweepGrid<3, V, Real>},
+      .points = {.findWithin = &FindPointsWithin<V, Real>, .findNearest = &FindNearestPoint<V, Real>},
+      .planes = {.addForces = &AddPlaneForces<V, Real>, .dragAnchors = &DragPlaneAnchors<V, Real>}};
 }
 
 #undef WOBBLE_INLINE

@@ -61,19 +61,19 @@ struct GridPlan {
 
   // With the plan's own coefficients or those of a body that has torn.
   [[nodiscard]] GridTables<Real> Tables(const GridRows<Real>& ofBody) const {
-    return {rows,
-            columns,
-            width,
-            margin,
-            reinterpret_cast<const Real*>(inverseMasses.data()),
-            reinterpret_cast<const Real*>(ofBody.numbers.data()),
-            static_cast<std::uint32_t>(directions.size()),
-            directions.data(),
-            ofBody.springRows.data(),
-            ofBody.squareRows.data(),
-            squares,
-            planar,
-            hasDrag};
+    return {.rows = rows,
+            .columns = columns,
+            .width = width,
+            .margin = margin,
+            .inverseMasses = reinterpret_cast<const Real*>(inverseMasses.data()),
+            .numbers = reinterpret_cast<const Real*>(ofBody.numbers.data()),
+            .directionCount = static_cast<std::uint32_t>(directions.size()),
+            .directions = directions.data(),
+            .springRows = ofBody.springRows.data(),
+            .squareRows = ofBody.squareRows.data(),
+            .squares = squares,
+            .planar = planar,
+            .hasDrag = hasDrag};
   }
 };
 

@@ -204,7 +204,8 @@ void FillWedges(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
       const std::vector<std::uint32_t> path = TakePath(edges[place]);
       for (std::size_t i = 1; i < path.size(); i += 2) {
         const std::uint32_t after = path[std::min(i + 1, path.size() - 1)];
-        plan.wedges.push_back({6 * place, 6 * path[i - 1], 6 * path[i], 6 * after});
+        plan.wedges.push_back(
+            {.last = 6 * place, .before = 6 * path[i - 1], .middle = 6 * path[i], .after = 6 * after});
       }
     }
     plan.at[place].wedgeEnd = static_cast<std::uint32_t>(plan.wedges.size());
@@ -219,7 +220,7 @@ SweepPlan<Real> MakeSweepPlan(const Coefficients<Real>& body, const GridShape& g
   plan.vertices = grid.columns > 0 ? ListNumbers(body.masses.size()) : FindOrder(FindNeighbours(body));
   plan.places.resize(plan.vertices.size());
   for (std::uint32_t place = 0; place < plan.places.size(); ++place) plan.places[plan.vertices[place]] = place;
-  for (const std::uint16_t vertex : plan.vertices) plan.at.push_back({body.inverseMasses[vertex], 0, 0, 0});
+  for (const std::uint16_t vertex : plan.vertices) plan.at.push_back({.inverseMass = body.inverseMasses[vertex]});
   plan.pendingMask = std::bit_ceil(FindReach(body, plan.places) + 1) - 1;
   FillArcs(body, plan);
   FillColumns(plan);

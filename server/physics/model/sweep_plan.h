@@ -45,25 +45,28 @@ struct SweepPlan {
   Real floorVolume = 0;      // m³; of an outline m²
 
   [[nodiscard]] SweepTables<Real> Tables() const {
-    return {static_cast<std::uint32_t>(vertices.size()),
-            static_cast<std::uint32_t>(arcs.size()),
-            at.data(),
-            arcs.data(),
-            ring.data(),
-            wedges.data(),
-            {arcEnds.data(), stiffnesses.data(), stiffnessesAtRest.data(), dampings.data()},
-            repulsionFloors.data(),
-            draggedFaces.data(),
-            draggedEnds.data(),
-            pendingMask,
-            planar,
-            hasGas,
-            hasOutline,
-            isRare,
-            repulsion,
-            dragShare,
-            ambientPressure,
-            floorVolume};
+    return {.count = static_cast<std::uint32_t>(vertices.size()),
+            .arcCount = static_cast<std::uint32_t>(arcs.size()),
+            .places = at.data(),
+            .arcs = arcs.data(),
+            .ring = ring.data(),
+            .wedges = wedges.data(),
+            .columns = {.ends = arcEnds.data(),
+                        .stiffnesses = stiffnesses.data(),
+                        .stiffnessesAtRest = stiffnessesAtRest.data(),
+                        .dampings = dampings.data()},
+            .repulsionFloors = repulsionFloors.data(),
+            .draggedFaces = draggedFaces.data(),
+            .draggedEnds = draggedEnds.data(),
+            .pendingMask = pendingMask,
+            .planar = planar,
+            .hasGas = hasGas,
+            .hasOutline = hasOutline,
+            .isRare = isRare,
+            .repulsion = repulsion,
+            .dragShare = dragShare,
+            .ambientPressure = ambientPressure,
+            .floorVolume = floorVolume};
   }
 };
 
