@@ -1,6 +1,6 @@
-// Vertices of one skin against the faces of another: first a box and a ball that hold the skin, in vectors; then for
-// each vertex that is left the nearest vertex of the skin, in vectors, and from there a walk over its faces. A contact
-// that is known already begins its walk on its own face.
+// Vertices of one skin against the faces of another, in two passes. First, in vectors, all vertices against a box and a
+// ball that hold the other skin. Then each vertex that is left: its nearest vertex of the other skin, in vectors, and
+// from there a walk over faces. A contact of the last tick begins its walk on the face that it had.
 #include "server/physics/contact/body_contact_search.h"
 
 #include <algorithm>
@@ -33,7 +33,7 @@ std::uint16_t FindStart(const Skin<Real>& skin, std::uint16_t vertex, const Vect
   return start;
 }
 
-// The search of one side, vertex by vertex.
+// The search of one side of a pair.
 template <class Real>
 class SideSearch {
  public:
@@ -47,7 +47,8 @@ class SideSearch {
         m_bothClosed(!m_isOpen && !own.topology->isOpen),
         m_velocity(m_search.vertices->Velocity() - m_search.skin->Velocity()) {}
 
-  // Of the vertices those in the skin's fat box and near enough to the ball that holds it.
+  // The vertices that lie in `near` and near enough to the ball that holds the skin, as indices into
+  // topology.vertices, ascending. `found` holds the result.
   std::span<const std::uint16_t> FindCandidates(std::vector<std::uint16_t>& found) const {
     const Vector3<Real> toCentre = m_search.skin->Centre() - m_meeting.shift;
     const Real apart = m_search.skin->Radius() + FindReach(m_velocity, m_search.vertices->Agitation());
@@ -65,7 +66,7 @@ class SideSearch {
     return std::span(found).first(m_search.kernel.findWithin(points, region, found.data()));
   }
 
-  // Whether the vertex may touch; fills what follows of its contact. known: since the last tick.
+  // True if the vertex may touch; `contact` is then as the tick begins. known: `contact` is from the last tick.
   bool Look(std::uint16_t vertex, bool known, BodyContact<Real>& contact) const {
     const Vector3<Real> p = m_meeting.x[vertex] + m_meeting.shift;
     FacePoint<Real> at;
@@ -85,19 +86,22 @@ class SideSearch {
   }
 
  private:
-  // That IsOutOfReach may grant to a vertex with this velocity, give or take `agitation`, against the skin's.
+  // Upper bound of the distance at which IsOutOfReach is false for a vertex whose velocity against the skin's is
+  // `velocity`, give or take `agitation`.
   Real FindReach(const Vector3<Real>& velocity, Real agitation) const {
     const Real fastest = std::sqrt(velocity.dot(velocity)) + agitation + m_search.skin->Agitation();
     return m_search.margin + (m_isOpen ? m_search.near.speed : fastest) * m_search.duration;
   }
 
-  // What a sheet does next its present motion hardly tells: it is light, and passed over unseen it is passed for good.
+  // At an open skin the largest speed of the two bodies counts, not the present approach: a sheet is light, so its
+  // present motion hardly tells its next, and a vertex that crosses it unseen is never brought back.
   bool IsOutOfReach(const FacePoint<Real>& at, const Vector3<Real>& velocity) const {
     const Real approach = m_isOpen ? m_search.near.speed : std::max(Real(0), -at.normal.dot(velocity));
     return at.distance > m_search.margin + approach * m_search.duration;
   }
 
-  // With D the distance to the nearest vertex and d that to the surface, D² ≤ d² + SquaredGap.
+  // Finds the face, side and outward normal of a vertex without a contact; false if the skin is out of reach. With D
+  // the distance to the skin's nearest vertex and d that to the skin, D² ≤ d² + SquaredGap: most vertices need no walk.
   bool FindFirstFace(const Vector3<Real>& p, FacePoint<Real>& at, BodyContact<Real>& contact) const {
     const Real reach = FindReach(m_meeting.v[contact.vertex] - m_search.skin->Velocity(), Real(0));
     const NearestPoint<Real> nearest = m_search.kernel.findNearest(m_search.skin->Lanes(), p.data());
@@ -105,7 +109,7 @@ class SideSearch {
     const Skin<Real>& skin = m_meeting.skin;
     at = FindNearestFace(skin, FindStart(skin, skin.topology->vertices[nearest.index], p), p);
     if (at.distance > reach) return false;
-    // No other face can be as near to a vertex that is straight above this one.
+    // A vertex straight above this face has no nearer face, so neither the outward normal nor the side is needed.
     const bool isAbove = at.distance >= Real(0) && at.weights.minCoeff() >= Real(0);
     if (isAbove && IsOutOfReach(at, FindRelativeVelocity(m_meeting, contact.vertex, at))) return false;
     if (m_bothClosed) contact.outward = FindOutward(m_own, contact.vertex);
@@ -119,7 +123,7 @@ class SideSearch {
   const ContactSearch<Real>& m_search;
   bool m_isOpen;
   bool m_bothClosed;
-  Vector3<Real> m_velocity;  // of one body against the other, m/s
+  Vector3<Real> m_velocity;  // of the vertices' skin against the faces', m/s
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
-// Faces are looked for once a tick and followed after each substep: a point inside keeps the face that it came in
-// through and slides from face to face, a point outside belongs to the nearest one (face_search.h).
+// Faces are searched for once a tick and followed after each substep: a point inside keeps the face that it came in
+// through and slides from face to face, a point outside belongs to the nearest one (face_search.h). In an island the
+// lanes do the same for contacts that stay on their face (lanes/body_contact_kernel.h).
 #include "server/physics/contact/body_contact_update.h"
 
 #include <algorithm>
@@ -15,7 +16,7 @@ namespace {
 // coordinates has moved.
 constexpr double kStandingOverhang = 1e-3;
 
-// Whether the foot lies past a border of the surface.
+// True if the foot lies past a border of the skin.
 template <class Real>
 bool IsPastBorder(const Topology& topology, const FacePoint<Real>& at) {
   for (std::size_t corner = 0; corner < 3; ++corner) {
@@ -25,7 +26,7 @@ bool IsPastBorder(const Topology& topology, const FacePoint<Real>& at) {
   return false;
 }
 
-// The face that a known contact has come to, and on an open surface the side.
+// The face that a contact has come to. Changes contact.side if the vertex has passed the border of an open skin.
 template <class Real>
 FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const Vector3<Real>& p, BodyContact<Real>& contact) {
   const Skin<Real> skin = SkinFrom(meeting, contact.side);
@@ -48,15 +49,18 @@ FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const Vector3<Real
   return ChooseSide(meeting, front, p, contact.outward, contact.side);
 }
 
-// Where a fold brings another face before a vertex, or one that did not lie above it begins to, the depth leaps. A
-// force that leapt with it would bring in the energy of a spring that nobody pressed, again at every change: a ball
-// caught by a rubber sheet was thrown out faster than it had come. So depth that has leapt is none: only what the
-// vertex goes beyond it is pushed back, and it is forgotten as the vertex comes out.
+// Updates contact.leap, the depth that no motion has brought, for a contact that went from `before` to `at` in h s.
 //
-// In a closed body all that motion cannot have brought has leapt. An open one has nothing behind its faces that could
-// catch the vertex later, so there a change of face counts, and beside it only what no motion in any direction could
-// have brought: with the rule for closed ones balls sank through. A planar body that is squashed turns faces over in
-// its own plane; what stood half a metre before such a face is then half a metre behind it.
+// When a fold brings another face before a vertex, or a face that did not lie above the vertex begins to, the depth
+// leaps. A force that leapt with it would bring in the energy of a spring that nobody pressed, again at every change: a
+// ball caught by a rubber sheet was thrown out faster than it had come. So the leap is subtracted from the depth, and
+// it shrinks as the vertex comes out.
+//
+// In a closed body, all depth that the approach cannot have brought is leap. An open skin has nothing behind its faces
+// that could catch the vertex later; with the rule for closed bodies balls sank through. So there the change of depth
+// by a change of face is leap, and beside it only the depth that no motion in any direction could have brought. The
+// latter happens when a planar body is squashed and turns faces over in its own plane: a vertex that stood half a metre
+// before such a face is then half a metre behind it.
 template <class Real>
 void NoteLeap(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting, const FacePoint<Real>& before,
               const FacePoint<Real>& at, Real h, BodyContact<Real>& contact) {
@@ -74,7 +78,7 @@ void NoteLeap(const ContactParameters<Real>& parameters, const Meeting<Real>& me
   contact.leap = std::clamp(contact.leap, Real(0), std::max(Real(0), depth));
 }
 
-// FindPresentFace after a substep of h, with the distance that counts for the force.
+// FindPresentFace after a substep of h s, with the leap brought up to date and added to the distance that is returned.
 template <class Real>
 FacePoint<Real> RenewContact(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
                              const Vector3<Real>& p, Real h, BodyContact<Real>& contact) {

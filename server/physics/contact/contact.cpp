@@ -1,3 +1,6 @@
+// The laws are smooth functions of depth and rate so that RK4 keeps its order through a contact; damping that sets in
+// with depth, an anchor instead of friction by slip speed, and the tangent of the magnetic law serve that (contact.h).
+// The search reads bounds of the whole body first, then vertices in blocks, then each vertex that is left by itself.
 #include "server/physics/contact/contact.h"
 
 #include <algorithm>
@@ -9,13 +12,13 @@ namespace {
 
 // δ as a share of the body's size: 7.5 mm on a ball of 1 m, inside the 5-10 mm at which the law was found to hold.
 constexpr double kFadeShare = 0.0075;
-// The stick spring against k: stiff enough that a body at rest creeps by less than its contact depth.
+// Stiffness of the stick spring over k: stiff enough that a body at rest creeps by less than its contact depth.
 constexpr double kStickShare = 0.5;
-// Its dashpot, as a share of critical for the vertex alone: a slide ends without ringing.
+// Damping of its dashpot over the critical damping of the vertex alone: a slide ends without ringing.
 constexpr double kStickDampingRatio = 0.3;
-// A vertex that comes in over the edge of ground may be this deep, m.
+// A vertex that comes in over the edge of ground may be this deep without being buried, m.
 constexpr double kBuriedDepth = 0.01;
-// Candidates beyond the way a vertex goes in the tick, m: what gravity and springs may add.
+// Added to the way that a vertex goes in the tick, m, for what gravity and springs may add.
 constexpr double kMargin = 0.02;
 
 // The terms of the penalty law at one contact, before the vertex's share: N · normal − kept · pull is the force.
@@ -49,7 +52,7 @@ PenaltyForce<Real> FindPenaltyForce(const ContactParameters<Real>& parameters, c
   return penalty;
 }
 
-// The share of the magnetic force that is left at a distance, and how fast that falls, 1/m.
+// The share of the magnetic force that the fade leaves at a distance, 0..1, and how fast it falls with it, 1/m.
 template <class Real>
 struct Fade {
   Real share = 1;
@@ -91,7 +94,7 @@ bool HasComeFromBeside(const Surface<Real>& surface, const SurfacePoint<Real>& p
   return FindSurfacePoint(surface, before).distance >= static_cast<Real>(kBeyond);
 }
 
-// Of one contact, whose vertex is at x.
+// UpdateAnchors for one contact, whose vertex is at x.
 template <class Real>
 void UpdateAnchor(const ContactParameters<Real>& parameters, const Surface<Real>& surface, const Vector3<Real>& x,
                   Contact<Real>& contact) {
@@ -109,8 +112,9 @@ void UpdateAnchor(const ContactParameters<Real>& parameters, const Surface<Real>
       wasTouching ? DragAnchor<Real>(parameters, friction, -point.distance, point.normal, x, contact.anchor) : x;
 }
 
-// Vertices that may come within `reach` (m) of the surface by where they are and how fast they go to it in `duration`
-// (s), at least `shaken` (m/s): of a plane by its distance, of anything else all. Calls visit(vertex), ascending.
+// Calls visit(vertex), ascending, for every vertex that may come within `reach` m of the surface in `duration` s, by
+// its distance and its approach, which counts as at least `shaken` m/s. Only planes are tested so; for other surfaces
+// all vertices are visited.
 template <class Real, class Visit>
 void VisitNear(const Surface<Real>& surface, Real reach, Real shaken, Real duration, std::span<const Vector3<Real>> x,
                std::span<const Vector3<Real>> v, const Visit& visit) {
@@ -163,7 +167,7 @@ void FillMagneticLaw(ContactParameters<double>& parameters, double strength, dou
   constexpr double kGravity = 9.81;
   parameters.strength = strength;
   parameters.floorDistance = std::cbrt(2 * strength / parameters.stiffness);
-  // Where 1 % of a vertex's weight is carried, but never so near that the tangent would be cut.
+  // The distance at which 1 % of a vertex's weight is carried, but never so near that the fade would cut the tangent.
   parameters.range = std::max(10 * std::sqrt(strength / (vertexMass * kGravity)), 4 * parameters.floorDistance);
 }
 
@@ -187,7 +191,7 @@ template <class Real>
 ContactRates FindRates(const ContactParameters<Real>& parameters, double depth, double mass) {
   const auto at = static_cast<Real>(depth);
   if (parameters.law == ContactLaw::kMagnetic) {
-    // At the nearest that it may come it is stiffest.
+    // The law is stiffest at the least distance.
     return {double{ComputeMagneticSlope(parameters, -at)} / mass, 0};
   }
   if (parameters.law == ContactLaw::kBacktracking || !(depth > 0)) return {};
@@ -276,7 +280,8 @@ void FindContacts(const SurfaceSearch<Real>& search, std::vector<Contact<Real>>&
       scratch.push_back(contact);
     });
   }
-  // Not swapped: bodies would hand lists of one another's size round for ever, and each have to grow again.
+  // Copied, not swapped: swapped lists wander from body to body with the capacity of another, and each has to grow
+  // again.
   if (scratch.size() > contacts.capacity()) contacts.reserve(std::max(scratch.size(), search.x.size()));
   contacts.assign(scratch.begin(), scratch.end());
 }

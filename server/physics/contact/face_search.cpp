@@ -1,5 +1,5 @@
-// Both searches walk from where the point was last, since it cannot have gone far: a few faces looked at instead of
-// all. They stop after kMaxSteps whatever the shape, so that no surface, however crumpled, can hold them.
+// Both searches walk from the face where the point was last, since it cannot have gone far: they look at a few faces
+// instead of all. They stop after kMaxSteps, so that a crumpled skin cannot hold them.
 //
 // The squared distance to a triangle goes by Voronoi regions of its corners, sides and inside (Ericson, Real-Time
 // Collision Detection, 2005, 5.1.5).
@@ -15,8 +15,8 @@ namespace wobble::physics {
 namespace {
 
 constexpr int kMaxSteps = 16;
-// Squared distances that differ by less than this share of a face's squared size are taken for equal: the point is
-// nearest to an edge or a corner that both have.
+// Squared distances that differ by less than this share of twice a face's area count as equal: the point is nearest to
+// an edge or a corner that both faces have.
 constexpr double kTieShare = 1e-5;
 
 template <class Real>
@@ -56,14 +56,14 @@ Real FindSquaredDistance(const Skin<Real>& skin, std::uint16_t face, const Vecto
   return FindSquaredDistance<Real>(skin.x[f[0]], skin.x[f[1]], skin.x[f[2]], p);
 }
 
-// The corner of `face` that is not on its side towards `other`; 3 when they are no neighbours.
+// The corner of `face` that is not on its side towards `other`; 3 if they are no neighbours.
 int FindCornerOpposite(const Topology& topology, std::uint16_t face, std::uint16_t other) {
   int corner = 0;
   while (corner < 3 && topology.neighbours[face][static_cast<std::size_t>(corner)] != other) ++corner;
   return corner;
 }
 
-// Whether the surface bends away from the face's normal over its side towards the neighbour (flat counts).
+// True if the skin is convex or flat over the face's side towards the neighbour.
 template <class Real>
 bool IsConvex(const Skin<Real>& skin, const FacePoint<Real>& face, std::uint16_t neighbour) {
   const int corner = FindCornerOpposite(*skin.topology, neighbour, face.face);
@@ -72,9 +72,10 @@ bool IsConvex(const Skin<Real>& skin, const FacePoint<Real>& face, std::uint16_t
   return (beyond - skin.x[skin.faces[face.face][0]]).dot(face.normal) <= Real(0);
 }
 
-// Above the face itself, with no neighbour that rises towards p until its plane is nearer than the face: none can be
-// nearer then. What has but a corner in common with the face can, where the surface is hollow, above a spot round the
-// corner as wide as p is high times the angle between them; p finds it on the way down, as the spot shrinks.
+// True if p is above the face itself and no neighbour rises towards p so far that its plane is nearer than the face.
+// Then no neighbour is nearer. A face that only has a corner in common can still be nearer where the skin is hollow, if
+// p is above a spot round the corner that is as wide as p's height times the angle between the faces; p finds that face
+// on its way down, as the spot shrinks.
 template <class Real>
 bool IsPlainlyNearest(const Skin<Real>& skin, const FacePoint<Real>& at, const Vector3<Real>& p) {
   if (at.distance < Real(0) || at.weights.minCoeff() < Real(0)) return false;
@@ -84,7 +85,8 @@ bool IsPlainlyNearest(const Skin<Real>& skin, const FacePoint<Real>& at, const V
   });
 }
 
-// Of p to the box round the face, m²: never more than to the face, and most faces of a ring are farther by that alone.
+// Squared distance of p from the face's box, m²: a lower bound of that from the face, which rules out most faces of a
+// ring.
 template <class Real>
 Real FindSquaredBoxDistance(const Skin<Real>& skin, std::uint16_t face, const Vector3<Real>& p) {
   const Face& f = skin.faces[face];
@@ -101,7 +103,7 @@ Real FindSquaredBoxDistance(const Skin<Real>& skin, std::uint16_t face, const Ve
   return square;
 }
 
-// Whether a point inside, now counted to `from`, belongs to `to` instead, across the side opposite to `corner`.
+// True if a point inside that belonged to `from` now belongs to `to`, across the side opposite to `corner`.
 template <class Real>
 bool SlidesOver(const Skin<Real>& skin, const FacePoint<Real>& from, std::size_t corner, const FacePoint<Real>& to) {
   const bool rises = to.distance > from.distance && IsConvex(skin, from, to.face);
@@ -127,7 +129,7 @@ FacePoint<Real> FindFacePoint(const Skin<Real>& skin, std::uint16_t face, const 
   const Vector3<Real> normal = area / at.doubleArea;
   at.normal = skin.side * normal;
   at.distance = (p - a).dot(at.normal);
-  // A corner's weight is the area of the triangle that the foot makes with the side opposite, over the face's.
+  // A corner's weight is the area of the triangle between the foot and the opposite side, over the face's area.
   at.weights[1] = (p - a).cross(c - a).dot(normal) / at.doubleArea;
   at.weights[2] = (b - a).cross(p - a).dot(normal) / at.doubleArea;
   at.weights[0] = Real(1) - at.weights[1] - at.weights[2];

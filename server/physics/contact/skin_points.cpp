@@ -1,3 +1,5 @@
+// Read once a tick for each skin that comes near another. The search then asks bounds and whole blocks of points, and
+// only few vertices one by one.
 #include "server/physics/contact/skin_points.h"
 
 #include <algorithm>
@@ -8,8 +10,8 @@ namespace {
 
 constexpr std::size_t CountBlocks(std::size_t vertices) { return (vertices + kPointsInBlock - 1) / kPointsInBlock; }
 
-// No point of a triangle is farther from the nearest corner than its longest side over √3, as in the middle of an
-// equilateral one.
+// No point of a triangle is farther from its nearest corner than the longest side over √3, the distance in the middle
+// of an equilateral triangle.
 template <class Real>
 Real FindSquaredGap(const Skin<Real>& skin) {
   Real longest = 0;
@@ -24,7 +26,7 @@ struct Ball {
   Vector3<Real> centre;
   Real radius = 0;
 };
-// About the middle of the box that holds them.
+// A ball that holds the values of these vertices, about the middle of their box.
 template <class Real>
 Ball<Real> FindBall(std::span<const Vector3<Real>> values, std::span<const std::uint16_t> vertices) {
   Vector3<Real> low = values[vertices[0]];
