@@ -1,3 +1,5 @@
+// Orders vertices and springs for the sweep, and turns faces into rings and wedges (lanes/sweep_tables.h), so that the
+// sweep reads all tables once, front to back. Every index is multiplied out here: 6 times a place, 3 times a slot.
 #include "server/physics/model/sweep_plan.h"
 
 #include <algorithm>
@@ -23,7 +25,7 @@ Lists FindNeighbours(const Coefficients<Real>& body) {
   return neighbours;
 }
 
-// Breadth first, from the first vertex of each part that hangs together.
+// Breadth-first order, from the first vertex of each connected component.
 std::vector<std::uint16_t> FindOrder(const Lists& neighbours) {
   std::vector<std::uint16_t> order;
   std::vector<bool> found(neighbours.size(), false);
@@ -72,7 +74,7 @@ void FillArcs(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
   }
 }
 
-// Places that forces are passed on to, from springs and, where it drags, from faces.
+// The largest number of places that a force is passed on by, from springs and, if the body has drag, from faces.
 template <class Real>
 std::uint32_t FindReach(const Coefficients<Real>& body, const std::vector<std::uint32_t>& places) {
   std::uint32_t reach = 0;
@@ -104,8 +106,8 @@ void FillDraggedFaces(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
   }
 }
 
-// Rings and wedges of an outline: of each place the ends of the two edges that meet there, and those of them that come
-// before it.
+// Rings and wedges of an outline. A place's ring has the far ends of the two edges that meet there; its wedge has those
+// of them that come before the place.
 template <class Real>
 void FillOutline(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
   Lists before(plan.at.size());
@@ -139,9 +141,9 @@ void FillColumns(SweepPlan<Real>& plan) {
   for (auto* column : {&plan.stiffnesses, &plan.stiffnessesAtRest, &plan.dampings}) column->resize(whole);
 }
 
-// A closed surface has each edge a → b in one face, so the faces round a vertex follow from one another. Where several
-// such rounds meet in one vertex, each is closed and the way leads on to the next: what is crossed between two of them
-// is crossed back at the end, and adds nothing.
+// A closed skin has each edge a → b in one face, so the faces round a vertex follow from one another. If several such
+// rounds meet in one vertex, each is closed and the path goes on to the next; the steps between two rounds are taken
+// back at the end and add nothing to the sum.
 std::vector<std::uint32_t> FindRing(std::vector<Edge> edges) {
   std::vector<std::uint32_t> ring;
   for (std::size_t rounds = 0; !edges.empty(); ++rounds) {
@@ -169,13 +171,13 @@ void FillRings(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
   }
   for (std::size_t place = 0; place < edges.size(); ++place) {
     std::vector<std::uint32_t> ring = FindRing(edges[place]);
-    if (ring.size() % 2 == 1) ring.push_back(ring.back());  // twice in one place: nothing lies between
+    if (ring.size() % 2 == 1) ring.push_back(ring.back());  // the same place twice adds nothing
     for (const std::uint32_t other : ring) plan.ring.push_back(6 * other);
     plan.at[place].ringEnd = static_cast<std::uint32_t>(plan.ring.size());
   }
 }
 
-// Takes an edge that none leads to, if there is one, and those that go on from it.
+// Removes a path from `edges` and returns its vertices. It begins at an edge that no other leads to, if there is one.
 std::vector<std::uint32_t> TakePath(std::vector<Edge>& edges) {
   const auto isFirst = [&edges](const Edge& edge) {
     return std::none_of(edges.begin(), edges.end(), [&edge](const Edge& each) { return each[1] == edge[0]; });
