@@ -124,8 +124,11 @@ WOBBLE_INLINE Axes<V> FindStickSlip(const FaceView<V>& at, const BodyContactBloc
 
 template <class V, class Real>
 WOBBLE_INLINE PenaltyLaw<V> ReadLaw(const BodyContactBlock<Real>& block, std::size_t lane) {
-  return {ReadRow<V>(block.stiffness, lane), ReadRow<V>(block.fadeDepth, lane), ReadRow<V>(block.perFadeDepth, lane),
-          ReadRow<V>(block.damping, lane), ReadRow<V>(block.stickDamping, lane)};
+  return {.stiffness = ReadRow<V>(block.stiffness, lane),
+          .fadeDepth = ReadRow<V>(block.fadeDepth, lane),
+          .perFadeDepth = ReadRow<V>(block.perFadeDepth, lane),
+          .damping = ReadRow<V>(block.damping, lane),
+          .stickDamping = ReadRow<V>(block.stickDamping, lane)};
 }
 
 template <class V>

@@ -27,8 +27,11 @@ static inline __attribute__((always_inline)) V FindNormalForce(const PenaltyLaw<
 
 template <class V, class Real>
 static inline __attribute__((always_inline)) PenaltyLaw<V> SpreadLaw(const PenaltyLaw<Real>& law) {
-  return {Spread<V>(law.stiffness), Spread<V>(law.fadeDepth), Spread<V>(law.perFadeDepth), Spread<V>(law.damping),
-          Spread<V>(law.stickDamping)};
+  return {.stiffness = Spread<V>(law.stiffness),
+          .fadeDepth = Spread<V>(law.fadeDepth),
+          .perFadeDepth = Spread<V>(law.perFadeDepth),
+          .damping = Spread<V>(law.damping),
+          .stickDamping = Spread<V>(law.stickDamping)};
 }
 
 template <class V>

@@ -81,7 +81,8 @@ class RowPool {
 template <class Real>
 GridDirection PlaceForces(const Way& way, GridPlan<Real>& plan) {
   const std::uint32_t ringRows = way.rows + (way.rows > 0 ? 1 : 0);
-  const GridDirection direction{way.rows, way.columns, std::max(1U, ringRows), plan.pendingSize};
+  const GridDirection direction{
+      .rows = way.rows, .columns = way.columns, .ringRows = std::max(1U, ringRows), .begin = plan.pendingSize};
   plan.pendingSize += direction.ringRows * 3 * (plan.width + 2 * plan.margin);
   return direction;
 }
@@ -99,8 +100,10 @@ bool FillDirections(const Coefficients<Real>& body, const GridShape& shape, Grid
   plan.margin = RoundUp(margin, GridLine<Real>::kNumbers);
   for (const auto& [offset, way] : ways) plan.directions.push_back(PlaceForces(way, plan));
   if (!plan.hasDrag) return true;
-  plan.squares = {PlaceForces({}, plan), PlaceForces(FindWay(plan, 0, shape.columns), plan),
-                  PlaceForces(FindWay(plan, 0, farthest), plan), PlaceForces(FindWay(plan, 0, 1), plan)};
+  plan.squares = {.a = PlaceForces({}, plan),
+                  .b = PlaceForces(FindWay(plan, 0, shape.columns), plan),
+                  .c = PlaceForces(FindWay(plan, 0, farthest), plan),
+                  .d = PlaceForces(FindWay(plan, 0, 1), plan)};
   return true;
 }
 

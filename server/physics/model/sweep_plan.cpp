@@ -64,8 +64,11 @@ void FillArcs(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
     for (const std::uint32_t i : springs[place]) {
       const Spring<Real>& spring = body.springs[i];
       const std::uint32_t other = otherOf(i);
-      plan.arcs.push_back({6 * other, 3 * (other & plan.pendingMask), spring.stiffness,
-                           spring.stiffness * spring.restLength, spring.damping});
+      plan.arcs.push_back({.other = 6 * other,
+                           .pending = 3 * (other & plan.pendingMask),
+                           .stiffness = spring.stiffness,
+                           .stiffnessAtRest = spring.stiffness * spring.restLength,
+                           .damping = spring.damping});
       plan.springs.push_back(i);
       plan.repulsionFloors.push_back(static_cast<Real>(kRepulsionFloorShare) * spring.restLength);
       plan.arcEnds.insert(plan.arcEnds.end(), {6 * place, 6 * other});
@@ -122,7 +125,10 @@ void FillOutline(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
       const std::uint32_t to = i < after[place].size() ? after[place][i] : place;
       plan.ring.insert(plan.ring.end(), {6 * from, 6 * to});
       if (from >= place && to >= place) continue;
-      plan.wedges.push_back({6 * place, 6 * std::min(from, place), 6 * place, 6 * std::min(to, place)});
+      plan.wedges.push_back({.last = 6 * place,
+                             .before = 6 * std::min(from, place),
+                             .middle = 6 * place,
+                             .after = 6 * std::min(to, place)});
     }
     plan.at[place].ringEnd = static_cast<std::uint32_t>(plan.ring.size());
     plan.at[place].wedgeEnd = static_cast<std::uint32_t>(plan.wedges.size());

@@ -1,3 +1,4 @@
+// Contacts between bodies: conservation by the law, then whole worlds with balls, slabs, cubes and sheets.
 #include "server/physics/contact/body_contact.h"
 
 #include <gtest/gtest.h>
@@ -56,7 +57,7 @@ Sums AddUp(const World& world) {
   return sums;
 }
 
-// How often the surface wraps round p, by solid angles: 1 inside, 0 outside.
+// The winding number of the body's skin about p, by solid angles: 1 inside, 0 outside.
 double FindWinding(const World& world, const Body& body, const Vector3d& p) {
   std::vector<Vector3d> x;
   VisitVertices(body, [&](std::size_t, const Vector3d& q) { x.push_back(q - p); });
@@ -73,7 +74,7 @@ double FindWinding(const World& world, const Body& body, const Vector3d& p) {
   return sum / (4 * std::acos(-1.0));
 }
 
-// Vertices of one body inside the other when it is shrunk about its middle to `share`.
+// The number of vertices of `body` inside `other` when that is shrunk about its centre to `share`.
 int CountDeepInside(const World& world, const Body& body, const Body& other, double share) {
   const Vector3d middle = world.FindCentre(other);
   int count = 0;
@@ -148,7 +149,7 @@ TEST(BodyContact, ForcesAddUpToNothingAndTurnNothing) {
   }
 }
 
-// The same vertex above a sheet whose faces look down: it is touched from behind, and the forces are the same.
+// The same vertex at a sheet whose faces look down: the contact is on the back, and the forces are the same.
 TEST(BodyContact, BothSidesOfASheetPushAlike) {
   Touching front;
   front.contacts[0].foot = Vector3d(0.5, 0.3, 0.2);
@@ -177,7 +178,7 @@ TEST(BodyContact, BothSidesOfASheetPushAlike) {
               1e-12 * stored);
 }
 
-// A square of 3 m, its rim so heavy that it holds the rest.
+// A square sheet of 3 m whose rim is so heavy that it holds the rest.
 Blueprint MakeSheet() {
   constexpr int kSide = 13;
   constexpr double kCell = 0.25;
@@ -206,7 +207,7 @@ Blueprint MakeSheet() {
   return blueprint;
 }
 
-// Faster than the sheet is thick in a substep, and it has no thickness: from either side, the ball comes back.
+// The ball moves farther in a substep than the sheet is thick, since it has no thickness; it comes back on either side.
 TEST(BodyContact, ASheetStopsABallFromEitherSide) {
   for (const double side : {1.0, -1.0}) {
     WorldSettings settings;
@@ -229,7 +230,7 @@ TEST(BodyContact, ASheetStopsABallFromEitherSide) {
   }
 }
 
-// F(d) integrated is the potential; its differences over every coordinate are the forces.
+// The potential is the integral of F(d); its differences over every coordinate are the forces.
 TEST(BodyContact, NormalForceIsTheGradientOfAPotential) {
   Touching touching;
   for (Vector3d& v : touching.skinV) v.setZero();
@@ -261,7 +262,7 @@ TEST(BodyContact, NormalForceIsTheGradientOfAPotential) {
   }
 }
 
-// Without friction and damping nothing may be lost or won but what a fine RK4 loses.
+// Without friction and damping, momentum and energy change only by the error of a fine RK4.
 TEST(BodyContact, ACollisionKeepsMomentumAndEnergy) {
   BallDefinition ball;
   ball.material.dampingRatio = 0;
@@ -278,7 +279,7 @@ TEST(BodyContact, ACollisionKeepsMomentumAndEnergy) {
   EXPECT_NEAR(after.energy, before.energy, 2e-3 * 8 * 2 * 2);
 }
 
-// With them energy only falls, and momentum is kept all the same.
+// With friction and damping energy only falls, and momentum is still kept.
 TEST(BodyContact, FrictionAndDampingTakeEnergyOnly) {
   const auto world = MakeShot({.speed = 4, .offset = 0.25}, BallDefinition{}, Precision::kDouble, kTick / 16);
   const Sums before = AddUp(*world);
@@ -289,14 +290,14 @@ TEST(BodyContact, FrictionAndDampingTakeEnergyOnly) {
     const Sums now = AddUp(*world);
     ASSERT_LT((now.momentum - before.momentum).norm(), 1e-12 * scale);
     ASSERT_LT((now.angularMomentum - before.angularMomentum).norm(), 1e-4 * scale);
-    // What contacts hold comes back: never more than there was at the start.
+    // The energy that contacts hold comes back: the rest never exceeds the energy at the start.
     ASSERT_LT(now.energy, before.energy + 1e-6 * scale);
     least = std::min(least, now.energy);
   }
   EXPECT_LT(least, before.energy - 0.2 * 8 * 4 * 4);  // of the kinetic energy
 }
 
-// Of shots, m.
+// Offsets of shots, m.
 std::vector<double> Offsets() {
   if (test::kIsSanitized) return {0.2};
   return {0.0, 0.1, 0.2, 0.3, 0.4};
@@ -304,7 +305,7 @@ std::vector<double> Offsets() {
 
 class BallShot : public testing::TestWithParam<double> {};
 
-// In play's own ticks, up to the energy that the gas of a ball can take.
+// With the tick of play, up to the energy that the gas of a ball can take.
 TEST_P(BallShot, NeverGoesThrough) {
   BallDefinition ball;
   ball.material.gas = 330;
@@ -321,7 +322,7 @@ TEST_P(BallShot, NeverGoesThrough) {
 }
 INSTANTIATE_TEST_SUITE_P(Speeds, BallShot, testing::Values(1.0, 3.0, 6.0, 8.0));
 
-// Beyond it a ball folds, but nothing runs away and nobody has to be reset.
+// Beyond that energy a ball folds, but no vertex runs away and no body is reset.
 TEST(BodyContact, ViolentShotsStayFinite) {
   BallDefinition ball;
   ball.material.gas = 330;
@@ -399,7 +400,7 @@ TEST(BodyContact, APileComesToRest) {
   }
 }
 
-// Their vertices lie over one another, corner over corner: what stands there must neither slide nor sink nor dance.
+// The slabs' vertices lie over one another, corner over corner: the stack must neither slide nor sink nor shake.
 TEST(BodyContact, AStackOfSlabsStands) {
   World world(WorldSettings{});
   LatticeDefinition slab;
@@ -421,7 +422,7 @@ TEST(BodyContact, AStackOfSlabsStands) {
   }
 }
 
-// Face on face and edge on edge, without a gap: which side of an edge a vertex is on, rounding decides.
+// Face on face and edge on edge, without a gap: rounding decides on which side of an edge a vertex is.
 TEST(BodyContact, CubesStandEdgeOnEdge) {
   for (const int cells : {2, 3}) {
     World world(WorldSettings{});
@@ -441,8 +442,8 @@ TEST(BodyContact, CubesStandEdgeOnEdge) {
   }
 }
 
-// A cube on a slab held by far more friction slides on a slope of 26° when their friction is 0.4: what of the slab
-// rises before it must not catch its edge.
+// A cube slides down a slab on a slope of 26° when their friction is 0.4; the slab itself is held by far more friction.
+// The part of the slab that rises before the cube must not catch its edge.
 TEST(BodyContact, AnEdgeIsNotCaughtByWhatItSlidesOver) {
   WorldSettings settings;
   World world(settings);
@@ -469,7 +470,7 @@ TEST(BodyContact, AnEdgeIsNotCaughtByWhatItSlidesOver) {
   EXPECT_GT(world.FindCentre(world.Bodies()[0]).x() - from, 0.05);
 }
 
-// Who stands on another can jump off it, and pushes it down.
+// A body that stands on another can jump off it.
 TEST(BodyContact, ABodyIsGroundToJumpFrom) {
   World world(WorldSettings{});
   world.AddBlueprint(MakeBall(BallDefinition{}));
@@ -518,8 +519,8 @@ TEST(BodyContact, WhatBeginsInsideAHardBodyIsNotShotOut) {
   }
 }
 
-// Random trials found a planar ring, squashed, whose faces turned over in their plane: what stood 0.4 m before them was
-// pushed as if 0.4 m behind.
+// Random trials found a squashed planar ring whose faces turned over in their plane: a vertex 0.4 m before them was
+// pushed as if it were 0.4 m behind.
 TEST(BodyContact, AFaceThatTurnsOverInItsPlanePushesNothing) {
   const std::vector<Face> faces{{0, 1, 2}};
   const Topology topology = MakeTopology(faces, 3);

@@ -10,7 +10,7 @@
 namespace wobble::physics {
 namespace {
 
-// Points all round a ball at `radius`, none of them over an edge by symmetry.
+// Points all round a ball at `radius`, so that none lies over an edge by symmetry.
 std::vector<Vector3d> MakeProbes(double radius) {
   std::vector<Vector3d> probes;
   for (int i = 0; i < 200; ++i) {
@@ -22,7 +22,7 @@ std::vector<Vector3d> MakeProbes(double radius) {
   return probes;
 }
 
-// Of a fine grid of points on every face.
+// The distance to the nearest of a fine grid of points on every face.
 double FindDistanceByTrying(const Skin<double>& skin, const Vector3d& p) {
   double least = std::numeric_limits<double>::max();
   for (const Face& face : skin.faces) {
@@ -41,7 +41,7 @@ class FaceSearch : public testing::Test {
  protected:
   FaceSearch() : sphere(MakeIcosphere(2)), topology(MakeTopology(sphere.faces, sphere.vertices.size())) {}
 
-  Skin<double> MakeShell() const { return {sphere.faces, &topology, sphere.vertices}; }
+  Skin<double> MakeSkin() const { return {sphere.faces, &topology, sphere.vertices}; }
 
   Icosphere sphere;
   Topology topology;
@@ -83,9 +83,9 @@ TEST_F(FaceSearch, OnlyASheetIsOpen) {
   EXPECT_TRUE(MakeTopology(std::vector<Face>{{0, 1, 2}, {2, 1, 3}}, 4).isOpen);
 }
 
-// Seen from behind, in is out and everything else stays.
+// Seen from behind, distance and normal change their sign and nothing else changes.
 TEST_F(FaceSearch, TheOtherSideOfASurfaceIsItsMirrorImage) {
-  Skin<double> skin = MakeShell();
+  Skin<double> skin = MakeSkin();
   const Vector3d p(0.3, 0.5, 1.1);
   const FacePoint<double> front = FindFacePoint(skin, 17, p);
   skin.side = -1;
@@ -95,9 +95,9 @@ TEST_F(FaceSearch, TheOtherSideOfASurfaceIsItsMirrorImage) {
   EXPECT_EQ(back.weights, front.weights);
 }
 
-// From the next face as well as from the far side of the ball.
+// The walk begins at the next face or at the far side of the ball.
 TEST_F(FaceSearch, NearestFaceOfAPointOutsideIsTheNearestOfAll) {
-  const Skin<double> skin = MakeShell();
+  const Skin<double> skin = MakeSkin();
   for (const Vector3d& p : MakeProbes(1.2)) {
     const std::uint16_t start = static_cast<std::uint16_t>(std::fabs(p.x()) * 100);
     const FacePoint<double> at = FindNearestFace(skin, start, p);
@@ -110,7 +110,7 @@ TEST_F(FaceSearch, NearestFaceOfAPointOutsideIsTheNearestOfAll) {
 }
 
 TEST_F(FaceSearch, FootAndNormalLeadBackToThePoint) {
-  const Skin<double> skin = MakeShell();
+  const Skin<double> skin = MakeSkin();
   const Vector3d p(0.3, 0.5, 1.1);
   const FacePoint<double> at = FindFacePoint(skin, 17, p);
   const Face& face = skin.faces[17];
@@ -119,9 +119,9 @@ TEST_F(FaceSearch, FootAndNormalLeadBackToThePoint) {
   EXPECT_LT((foot + at.distance * at.normal - p).norm(), 1e-13);
 }
 
-// Round the ball just below its surface: the face is always the one above the point.
+// A point goes round the ball just below its skin: its face is always the one above it.
 TEST_F(FaceSearch, APointInsideSlidesFromFaceToFace) {
-  const Skin<double> skin = MakeShell();
+  const Skin<double> skin = MakeSkin();
   std::uint16_t face = FindNearestFace<double>(skin, 0, Vector3d(1.2, 0, 0)).face;
   for (int i = 0; i < 1000; ++i) {
     const double angle = 0.0063 * i;
@@ -133,7 +133,7 @@ TEST_F(FaceSearch, APointInsideSlidesFromFaceToFace) {
   }
 }
 
-// Between the top of a cube and its side the nearest face changes; the one that it came in through does not.
+// Between the top of a cube and its side the nearest face changes; the face that the point came in through does not.
 TEST_F(FaceSearch, APointInACornerKeepsTheFaceItCameThrough) {
   const std::vector<Vector3d> x{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, -1}, {1, 1, -1}};
   const std::vector<Face> faces{{0, 1, 2}, {0, 2, 3}, {1, 4, 5}, {1, 5, 2}};  // top, and the side at x = 1
@@ -144,7 +144,7 @@ TEST_F(FaceSearch, APointInACornerKeepsTheFaceItCameThrough) {
   EXPECT_GE(SlideToFace<double>(skin, 0, Vector3d(1.01, 0.3, -0.2)).face, 2);
 }
 
-// Under the edge between the top of a cube and its side, nearer to the side: whose face it is, its own normal tells.
+// A vertex under the edge between the top of a cube and its side, nearer to the side: its own normal decides its face.
 TEST_F(FaceSearch, AVertexTurnsToTheFaceThatLooksTowardsIt) {
   const std::vector<Vector3d> x{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, -1}, {1, 1, -1}};
   const std::vector<Face> faces{{0, 1, 2}, {0, 2, 3}, {1, 4, 5}, {1, 5, 2}};  // top, and the side at x = 1
@@ -167,7 +167,7 @@ TEST_F(FaceSearch, AVertexTurnsToTheFaceThatLooksTowardsIt) {
 }
 
 TEST_F(FaceSearch, OutwardIsTheMeanNormalOfTheFacesRound) {
-  const Skin<double> skin = MakeShell();
+  const Skin<double> skin = MakeSkin();
   for (const std::uint16_t vertex : topology.vertices) {
     EXPECT_GT(FindOutward(skin, vertex).dot(sphere.vertices[vertex]), 0.99);
     EXPECT_NEAR(FindOutward(skin, vertex).norm(), 1, 1e-12);
