@@ -273,7 +273,7 @@ void FindContacts(const SurfaceSearch<Real>& search, std::vector<Contact<Real>>&
       const Real own = FindApproach(surface, point, v);
       const Real shaken = FindApproach(surface, point, mean) + search.survey.agitation;
       if (point.distance > margin + std::max({Real(0), own, shaken}) * search.duration) return;
-      // A contact is buried when it is first seen, or never; it ends when the vertex comes out above ground.
+      // A contact becomes buried when it is first seen, or never; burial ends when the vertex comes out above ground.
       contact.buried =
           known ? contact.buried && point.distance < Real(0) : HasComeFromBeside(surface, point, x, v, search.duration);
       contact.side = point.normal;
