@@ -22,6 +22,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <span>
 
 #include "server/physics/contact/contact.h"
@@ -30,22 +31,21 @@
 
 namespace wobble::physics {
 
-// What a contact does. Its depth is counted without the leap; a closed skin is meant where none is named. A contact
-// "pushes" while 0 < depth <= maxDepth and its foot lies within kMaxOverhang of the face.
+// What a contact does. It "pushes" while 0 < depth <= maxDepth, the leap subtracted from the depth, and its foot lies
+// within kMaxOverhang (body_contact_view.h) of the face. "Begin": at the beginning of a tick; "end": after a substep.
+// A closed skin is meant where an open one is not named.
 //
-//   from       when                                                        to
-//   (none)     found at the beginning of a tick, at most kArmingDepth      kArmed
-//              deep, or at an open skin
-//   (none)     found deeper than that                                      kWaiting
-//   kWaiting   at most kArmingDepth deep, at the beginning of a tick or    kArmed; depth beyond FindFreeDepth becomes
-//              the end of a substep                                        leap
-//   kArmed     pushes at the end of a substep                              kTouching; the stick spring begins there
-//   kTouching  does not push at the end of a substep                       kArmed; the stick spring ends
-//   kArmed,    deeper than maxDepth, at the beginning of a tick or the     kWaiting; the leap ends
-//   kTouching  end of a substep; never at an open skin
-//   any        out of reach at the beginning of a tick                     (none)
+//   from               when                                                   to
+//   (none)             begin: found at most kArmingDepth deep (1)             kArmed
+//   (none)             begin: found at an open skin, at any depth             kArmed
+//   (none)             begin: found deeper than kArmingDepth                  kWaiting
+//   kWaiting           begin, end: at most kArmingDepth deep (1)              kArmed
+//   kArmed             end: pushes (2)                                        kTouching; the stick spring begins
+//   kTouching          end: does not push                                     kArmed; the stick spring ends
+//   kArmed, kTouching  begin, end: deeper than maxDepth; never at open skins  kWaiting; leap and stick spring end
+//   any                begin: out of reach                                    (none)
 //
-// A contact that is armed and pushes at the end of the same substep goes from kWaiting to kTouching at once.
+// (1) The depth beyond FindFreeDepth becomes leap. (2) A contact may be armed and touch at the end of one substep.
 enum class ContactPhase : std::uint8_t {
   kWaiting,   // no force: the vertex has not come from outside
   kArmed,     // a force as soon as it pushes, without a stick spring
