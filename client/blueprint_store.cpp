@@ -30,11 +30,13 @@ bool IsOpen(const std::vector<std::array<std::uint16_t, 3>>& faces) {
 
 bool ReadBases(const wire::Blueprint& source, Blueprint& blueprint) {
   if (source.bases() == nullptr) return true;
+  std::size_t patch = 0;  // ParseBlueprint has seen to it that there is one basis a patch
   for (const wire::Basis* basis : *source.bases()) {
     const std::span bytes(basis->bytes()->data(), basis->bytes()->size());
-    const std::size_t vertices = protocol::PatchSize(blueprint.rest.size(), blueprint.bases.size());
-    blueprint.bases.push_back(protocol::ReadBasis(bytes, vertices));
-    if (blueprint.bases.back() == nullptr) return false;
+    const std::shared_ptr<const protocol::Basis> read =
+        protocol::ReadBasis(bytes, protocol::PatchSize(blueprint.rest.size(), patch));
+    if (read == nullptr) return false;
+    blueprint.patches[patch++].basis = read;
   }
   return true;
 }
@@ -67,6 +69,7 @@ std::shared_ptr<const Blueprint> MakeBlueprint(const std::vector<std::uint8_t>& 
   if (source->springs() != nullptr) {
     for (const wire::SpringTag* tag : *source->springs()) blueprint->springs.push_back(*tag);
   }
+  blueprint->patches = protocol::FindPatchConstants(blueprint->rest);
   if (readsBases && !ReadBases(*source, *blueprint)) return nullptr;
   return blueprint;
 }

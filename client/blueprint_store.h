@@ -12,8 +12,9 @@ namespace wobble::client {
 
 class BlueprintStore {
  public:
-  // For a client that decodes no shapes: bases are not looked at.
-  void PassOverBases() { m_readsBases = false; }
+  // readsBases: false for a client that decodes no shapes; its blueprints then have none.
+  explicit BlueprintStore(bool readsBases) : m_readsBases(readsBases) {}
+
   // As many as the welcome promised; once. More may follow.
   void Expect(std::size_t count);
 
@@ -45,7 +46,7 @@ class BlueprintStore {
   std::size_t m_expected = 0;
   std::size_t m_missing = 0;  // of those
   bool m_expects = false;
-  bool m_readsBases = true;
+  bool m_readsBases;
 };
 
 }  // namespace wobble::client

@@ -16,12 +16,8 @@
 namespace wobble::client {
 namespace {
 
-std::size_t PatchCount(std::size_t vertices) {
-  return (vertices + protocol::kMaxPatchVertices - 1) / protocol::kMaxPatchVertices;
-}
-
 std::size_t CostOf(const Blueprint& blueprint) {
-  return blueprint.rest.size() + kTrackCost * PatchCount(blueprint.rest.size());
+  return blueprint.rest.size() + kTrackCost * protocol::PatchCount(blueprint.rest.size());
 }
 
 bool HaveSameRest(const Blueprint& a, const Blueprint& b) {
@@ -75,8 +71,8 @@ bool Bodies::AppendForm(Body& body, const std::shared_ptr<const Blueprint>& blue
   } else {
     if (m_tracked + CostOf(*blueprint) > kMaxTrackedVertices) return false;
     m_tracked += CostOf(*blueprint);
-    form.patches =
-        std::make_shared<std::vector<Track>>(PatchCount(blueprint->rest.size()), Track(blueprint->size, m_curve));
+    form.patches = std::make_shared<std::vector<Track>>(protocol::PatchCount(blueprint->rest.size()),
+                                                        Track(blueprint->size, m_curve));
   }
   if (body.forms.size() == kMaxForms) DropOldestForm(body);
   body.forms.push_back(std::move(form));

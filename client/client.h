@@ -15,9 +15,9 @@
 
 #include "client/curve.h"
 #include "client/statistics.h"
-#include "protocol/basis.h"
 #include "protocol/geometry.h"
 #include "protocol/messages.h"
+#include "protocol/patch_model.h"
 #include "protocol/transport/transport.h"
 
 namespace wobble::client {
@@ -61,10 +61,10 @@ struct Blueprint {
   std::vector<std::array<std::uint16_t, 3>> faces;  // outward
   float size = 0;                                   // RMS distance of the rest vertices from their centroid, metres
   std::vector<std::array<std::uint16_t, 2>> edges;  // springs of a body without faces; a vertex may be in none
-  std::vector<std::shared_ptr<const protocol::Basis>> bases;  // of its patches, to decode them; or none
-  bool open = false;                                          // its faces leave a rim, so that one sees their backs
-  std::vector<wire::ParticleTag> particles;                   // of the workshop: one a vertex
-  std::vector<wire::SpringTag> springs;                       // and one an edge
+  std::vector<protocol::PatchConstants> patches;    // to decode its shape; without bases for a client that does not
+  bool open = false;                                // its faces leave a rim, so that one sees their backs
+  std::vector<wire::ParticleTag> particles;         // of the workshop: one a vertex
+  std::vector<wire::SpringTag> springs;             // and one an edge
 };
 
 // Ground as heights over a grid, row by row, x first; near enough to the true surface with triangles in between. Solid

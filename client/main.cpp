@@ -4,6 +4,7 @@
 // the program with exit code 2 before anything has started.
 #include <signal.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
 #include <cstdio>

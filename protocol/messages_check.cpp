@@ -5,6 +5,7 @@
 #include <initializer_list>
 
 #include "protocol/messages.h"
+#include "protocol/snapshot.h"
 
 namespace wobble::protocol {
 namespace {
@@ -249,7 +250,7 @@ ParseResult ParseBlueprint(std::span<const std::uint8_t> bytes, const wire::Blue
     }
   }
   if (root->bases() != nullptr) {
-    if (root->bases()->size() != (count + kMaxPatchVertices - 1) / kMaxPatchVertices) return ParseResult::kOutOfRange;
+    if (root->bases()->size() != PatchCount(count)) return ParseResult::kOutOfRange;
     for (const wire::Basis* basis : *root->bases()) {
       if (basis->bytes() == nullptr) return ParseResult::kMissingField;
       if (basis->bytes()->size() > kMaxBasisBytes) return ParseResult::kOutOfRange;

@@ -84,9 +84,7 @@ float FindSquareLeft(const QuantisedPose& pose) {
 
 PoseGrid MakePoseGrid(unsigned grid, float size) {
   assert(grid <= kFinestGrid && size > 0);
-  int exponent = 0;
-  std::frexp(size, &exponent);
-  const int turn = std::clamp(static_cast<int>(grid) + exponent + 1, int{kCoarsestTurn}, int{kFinestTurn});
+  const int turn = std::clamp(static_cast<int>(grid) + FindExponent(size) + 1, int{kCoarsestTurn}, int{kFinestTurn});
   return {grid, static_cast<unsigned>(turn)};
 }
 

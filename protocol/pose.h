@@ -7,6 +7,9 @@
 // components of its quaternion; a quaternion and its negative are one rotation, so these say all.
 #pragma once
 
+#include <cmath>
+#include <cstdint>
+
 #include "protocol/geometry.h"
 #include "protocol/range_coder.h"
 
@@ -28,6 +31,13 @@ struct QuantisedPose {
   std::uint32_t largest = 0;         // index of the component left out: w x y z
   std::int32_t a = 0, b = 0, c = 0;  // the others in order
 };
+
+// The smallest n with size < 2^n. size: above 0.
+[[nodiscard]] inline int FindExponent(float size) {
+  int exponent = 0;
+  static_cast<void>(std::frexp(size, &exponent));
+  return exponent;
+}
 
 // The grid for a body of this size, m (RMS distance of its vertices from the centroid), above 0: turning by one step
 // moves no further than one step of the centroid does. grid <= kFinestGrid.

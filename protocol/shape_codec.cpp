@@ -87,7 +87,7 @@ void ShapeDecoder::MoveAlongModes(const PatchModel& model, std::span<const std::
   }
 }
 
-DecodeResult ShapeDecoder::Decode(const PatchModel& model, std::span<const std::uint8_t> payload, Pose& pose,
+DecodeResult ShapeDecoder::Decode(const PatchModel& model, std::span<const std::uint8_t> payload, QuantisedPose& pose,
                                   std::span<Vector3> shape) {
   const std::size_t count = model.rest.size();
   assert(shape.size() == count && (model.basis == nullptr || model.basis->vertices == count));
@@ -109,7 +109,7 @@ DecodeResult ShapeDecoder::Decode(const PatchModel& model, std::span<const std::
   }
   if (decoder.LeftBytes()) return DecodeResult::kTrailingBytes;
 
-  pose = Dequantise(head.pose);
+  pose = head.pose;
   Rebuild(model, head, m_coefficients, shape);
   return DecodeResult::kOk;
 }
@@ -118,7 +118,7 @@ void ShapeDecoder::Rebuild(const PatchModel& model, const ShapeHead& head, std::
                            std::span<Vector3> shape) {
   m_sides.clear();
   if (head.mode.followsContact || head.mode.pressesOut) {
-    FindSides(model.obstacles, Dequantise(head.pose), FindReach(model.rest), m_sides);
+    FindSides(model.obstacles, Dequantise(head.pose), model.reach, m_sides);
   }
   const float step = FindStep(FindStepLevel(head.pose.grid.grid, head.stepIndex));
   if (head.mode.usesBasis) {

@@ -5,7 +5,7 @@
 // record would be 3 % shorter, but different for each client and lost with that one. What each part brings, in bits a
 // vertex on balls of 162 vertices thrown about a room (targets 0.25 %, 0.5 %, 0.1 % of the size; 4.36, 2.25, 8.12 in
 // all): completion of the basis 0.7, 0.2 and most of the last (basis.h); contexts from what came before 0.36, 0.14, 0.6
-// (contexts.h); following what contact with known walls suggests 0.29, 0.27, 0.31 (surfaces.h); rate-distortion
+// (contexts.h); following what contact with known walls suggests 0.29, 0.27, 0.31 (flat_sides.h); rate-distortion
 // optimised rounding 0.28, 0.22, 0.21 (shape_encoder.cpp); a pose as coarse as the target 0.25, 0.28, 0.2 (pose.h).
 #pragma once
 
@@ -13,21 +13,12 @@
 #include <span>
 #include <vector>
 
-#include "protocol/basis.h"
+#include "protocol/flat_sides.h"
 #include "protocol/geometry.h"
-#include "protocol/messages.h"
+#include "protocol/patch_model.h"
 #include "protocol/pose.h"
-#include "protocol/surfaces.h"
 
 namespace wobble::protocol {
-
-// What both ends know of a patch.
-struct PatchModel {
-  std::span<const Vector3> rest;                   // in the body's frame, m; at most kMaxPatchVertices
-  float size = 1;                                  // of the blueprint, m; above 0
-  const Basis* basis = nullptr;                    // of as many vertices; nullptr: coordinates are coded one by one
-  std::span<const wire::Obstacle> obstacles = {};  // of the welcome
-};
 
 enum class DecodeResult : std::uint8_t {
   kOk,
@@ -55,9 +46,10 @@ struct ShapeHead;
 // Keeps its memory between records.
 class ShapeDecoder {
  public:
-  // Reads one payload of any bytes. `shape` has the size of `rest` and gets vertices in the body frame, metres. On any
-  // result but kOk the contents of `pose` and `shape` are unspecified and must not be shown.
-  [[nodiscard]] DecodeResult Decode(const PatchModel& model, std::span<const std::uint8_t> payload, Pose& pose,
+  // Reads one payload of any bytes. `shape` has the size of model.rest and gets vertices in the body's frame, m; `pose`
+  // gets the pose on its grid, which Dequantise turns into metres. On any result but kOk the contents of `pose` and
+  // `shape` are unspecified and must not be shown.
+  [[nodiscard]] DecodeResult Decode(const PatchModel& model, std::span<const std::uint8_t> payload, QuantisedPose& pose,
                                     std::span<Vector3> shape);
   // The shape that Decode reads where this head and these coefficients, in steps, were written: the encoder's look at
   // its own work.

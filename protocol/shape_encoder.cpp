@@ -328,7 +328,7 @@ ShapeEncoding ShapeEncoder::EncodeAt(const PatchModel& model, const Pose& pose, 
   head.pose = Quantise(pose, MakePoseGrid(grid, model.size));
   const Pose seen = Dequantise(head.pose);
   FindDepartures(model, seen, vertices);
-  FindSides(model.obstacles, seen, FindReach(model.rest), m_sides);
+  FindSides(model.obstacles, seen, model.reach, m_sides);
   head.mode.usesBasis = model.basis != nullptr;
   if (head.mode.usesBasis) {
     Transform(*model.basis);

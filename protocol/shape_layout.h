@@ -52,13 +52,6 @@ void WriteHead(RangeEncoder& encoder, float size, const ShapeHead& head);
   return level < kLowestLevel ? kLowestLevel : level > kHighestLevel ? kHighestLevel : level;
 }
 
-// Of a size, the smallest n with size < 2^n.
-[[nodiscard]] inline int FindExponent(float size) {
-  int exponent = 0;
-  static_cast<void>(std::frexp(size, &exponent));
-  return exponent;
-}
-
 // What contact suggests: the rest shape pressed out of the sides, along each mode. False when it touches none.
 [[nodiscard]] bool FindContact(const PatchModel& model, std::span<const Side> sides, ContactScratch& contact);
 // Of that, what a coefficient follows, in sixteenths of the step. scale: FindContactScale.
@@ -69,16 +62,6 @@ void WriteHead(RangeEncoder& encoder, float size, const ShapeHead& head);
 }
 [[nodiscard]] inline float FindContactScale(float size, float step) {
   return std::ldexp(1.0F, FindExponent(size) - 28) / step;
-}
-
-// Of a body's rest shape.
-[[nodiscard]] inline float FindReach(std::span<const Vector3> rest) {
-  float square = 0;
-  for (const Vector3& v : rest) {
-    const float each = Dot(v, v);
-    if (each > square) square = each;
-  }
-  return std::sqrt(square);
 }
 
 // Products of a column and of one row of numbers, exact as long as they fit, else modulo 2^32.

@@ -69,6 +69,10 @@ class PacketBuilder {
 [[nodiscard]] SnapshotResult ReadSnapshot(std::span<const std::uint8_t> packet, SnapshotHead& head,
                                           std::vector<Record>& records);
 
+// Patches of a body with `vertexCount` vertices.
+[[nodiscard]] constexpr std::size_t PatchCount(std::size_t vertexCount) {
+  return (vertexCount + kMaxPatchVertices - 1) / kMaxPatchVertices;
+}
 // Vertices in a patch of a body with `vertexCount` vertices; 0 when there is no such patch.
 [[nodiscard]] constexpr std::size_t PatchSize(std::size_t vertexCount, std::size_t patch) {
   const std::size_t first = patch * kMaxPatchVertices;

@@ -1,27 +1,33 @@
-// What the commands of `wobble` have in common: how main.cpp sees them, and the readers of their options.
+// What the commands of `wobble` share: how main.cpp sees them, and the readers of their options.
+//
+// CLI11 takes seconds to compile, so it is declared here and included only in the sources that use it.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <functional>
 
 #include "client/command/exit_codes.h"
+
+namespace CLI {
+class App;
+class Validator;
+}  // namespace CLI
 
 namespace wobble::tool {
 
 // True from the first Ctrl-C (or SIGTERM, SIGHUP) on.
 using IsStopAsked = std::function<bool()>;
 
-// One command: what it is called with, and what it does once that has been parsed. run returns the exit code.
+// One command of the program.
 struct Command {
-  CLI::App* words = nullptr;
-  std::function<int(const IsStopAsked&)> run;
+  CLI::App* words = nullptr;                   // its options; owned by the program's App
+  std::function<int(const IsStopAsked&)> run;  // once they have been parsed; returns the exit code
 };
 
-// A number from least to most; CLI::Range lets "nan" through.
+// Checks that an option is a number from `least` to `most`. CLI::Range lets "nan" through.
 [[nodiscard]] CLI::Validator Within(double least, double most);
 
-// Where this program lies, with what it ships beside it.
+// The folder of this program, where the files that are shipped with it lie.
 [[nodiscard]] std::filesystem::path FindProgramFolder();
 
 }  // namespace wobble::tool

@@ -4,6 +4,7 @@
 
 #include <httplib.h>
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 

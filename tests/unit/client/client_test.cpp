@@ -111,7 +111,7 @@ std::vector<std::uint8_t> MakeRecord(std::uint32_t body, const Pose& pose, std::
                                      std::uint8_t generation = 0,
                                      const std::vector<Vector3>& rest = {
                                          {1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}) {
-  const protocol::PatchModel model{rest, rest.size() == 4 ? 1.732F : 0.8F};  // as their blueprints say
+  const protocol::PatchModel model{.rest = rest, .size = rest.size() == 4 ? 1.732F : 0.8F};  // as their blueprints say
   const Pose seen = protocol::Dequantise(protocol::Quantise(pose, protocol::MakePoseGrid(12, model.size)));
   std::vector<Vector3> world;
   for (const Vector3& point : rest) world.push_back(protocol::Transform(seen, point));

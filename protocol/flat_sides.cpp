@@ -1,4 +1,4 @@
-#include "protocol/surfaces.h"
+#include "protocol/flat_sides.h"
 
 #include <algorithm>
 #include <array>
