@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <string>
 
 #include "client/command/exit_codes.h"
 
@@ -27,7 +28,10 @@ struct Command {
 // Checks that an option is a number from `least` to `most`. CLI::Range lets "nan" through.
 [[nodiscard]] CLI::Validator Within(double least, double most);
 
-// The folder of this program, where the files that are shipped with it lie.
+// The folder of the running program.
 [[nodiscard]] std::filesystem::path FindProgramFolder();
+// A folder that is shipped, such as "scripts" or "page": beside the program, as in a build folder, or in
+// ../share/wobble, as installed. Returns the latter, though missing, when neither is there.
+[[nodiscard]] std::filesystem::path FindShippedFolder(const std::string& name);
 
 }  // namespace wobble::tool
