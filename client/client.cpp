@@ -1,11 +1,11 @@
 // One connection from hello to goodbye. Update is Poll → take in → send what is due → move the shown moment on.
 //
-// Everything that comes in is untrusted: it is verified, counted when it is wrong and dropped whole, and what it can
-// make the client keep is bounded (blueprint_store.h, bodies.h). A message that is out of place is treated like a
-// broken one.
+// Everything that comes in is untrusted: it is verified, counted when it is wrong and dropped whole, and the memory
+// that it can make the client use is bounded (blueprint_store.h, bodies.h). A message that is out of place is treated
+// like a broken one.
 //
-// Inputs go out once a tick even when nobody presses anything, and from spectators too: each carries the
-// acknowledgement of snapshots and says that somebody is still there.
+// An input goes out every tick, also without any key pressed and from spectators: it carries the acknowledgement of
+// snapshots and shows the server that the client is there.
 #include "client/client.h"
 
 #include <algorithm>
@@ -22,21 +22,21 @@
 namespace wobble::client {
 namespace {
 
-// Seconds that a goodbye of our own may take until the link is taken for closed, and round trips beyond that: a few
-// tries, since a server that never hears it keeps the body until it finds the silence too long. A link that claims to
-// take longer than kMaxLeaveRoundTrip, seconds, gains no more by it.
+// A goodbye of ours may take so many seconds plus so many round trips until the link counts as closed. That allows a
+// few tries: a server that never receives it keeps the body until the silence is too long. A round trip counts for
+// kMaxLeaveRoundTrip, seconds, at most, whatever the link claims.
 constexpr double kLeaveTimeout = 1;
 constexpr double kLeaveRoundTrips = 4;
 constexpr double kMaxLeaveRoundTrip = 1;
 static_assert(kLeaveTimeout + kLeaveRoundTrips * kMaxLeaveRoundTrip == kLongestLeave);
-// Inputs sent in one Update at most; after a longer pause the schedule starts anew.
+// The most inputs sent in one Update; after a longer pause the schedule starts anew.
 constexpr int kMaxCatchUp = 3;
-// A tick that comes late now and then is no slower world.
+// Paces from here on count as 1: a late tick now and then is no slower world.
 constexpr double kOnPace = 0.97;
-// Bytes of a server's words shown to people.
+// Bytes of a server's text shown to people.
 constexpr std::size_t kMaxDetail = 200;
 
-// One line that a terminal cannot take for anything but text.
+// One line without control characters, which a terminal would obey.
 std::string MakeLine(const flatbuffers::String& words) {
   std::string text(words.string_view().substr(0, kMaxDetail));
   for (char& c : text) {
@@ -144,7 +144,7 @@ void Client::SetHand(const std::optional<Hand>& hand) {
     return;
   }
   const bool isSame = m->hand && m->hand->body() == hand->body && m->hand->vertex() == hand->vertex;
-  if (!isSame && ++m->grips == 0) m->grips = 1;  // 0 says that the hand is empty
+  if (!isSame && ++m->grips == 0) m->grips = 1;  // 0 means an empty hand
   m->hand.emplace(wire::Vec3(hand->target.x, hand->target.y, hand->target.z), hand->body, hand->vertex, m->grips);
 }
 
@@ -171,7 +171,7 @@ void Client::Leave(double now) {
     return;
   }
   const auto goodbye = protocol::MakeClientGoodbye(wire::GoodbyeReason::Left, "");
-  // Whether it could be queued makes no difference: the link is closed either way.
+  // The result makes no difference: the link is closed either way.
   static_cast<void>(m->transport->Send(m->connection, transport::Channel::kControl, goodbye));
   m->transport->Disconnect(m->connection);
   m->transport->Flush();
@@ -374,7 +374,7 @@ void Client::Implementation::SendInput() {
 }
 
 void Client::Implementation::Ask(const protocol::Message& message) {
-  // A link on which nothing can be sent any more ends by itself.
+  // The result is ignored: a link on which nothing can be sent ends by itself.
   if (state == State::kPlaying) static_cast<void>(transport->Send(connection, transport::Channel::kControl, message));
 }
 
