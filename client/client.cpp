@@ -241,7 +241,7 @@ void Client::Implementation::TakeIn(const transport::Event& event) {
       return;
     case transport::Channel::kInput:
       ++statistics.badMessages;
-      return;  // goes the other way only
+      return;  // clients send on this channel
   }
 }
 
