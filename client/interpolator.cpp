@@ -151,7 +151,7 @@ Moment Track::Extrapolate(double time) const {
     const TrackSample& before = m_slots[m_count - 2];
     const double span = last.time - FindDeparture(before, last);
     const auto s = static_cast<float>(std::min(beyond, kMaxExtrapolation) / span);
-    moment = {{&before, &last}, {-s, 1 + s}, {0, 1}, 2, false};
+    moment = {.samples = {&before, &last}, .poseWeights = {-s, 1 + s}, .shapeWeights = {0, 1}, .count = 2};
   }
   moment.held = beyond > kMaxExtrapolation;
   return moment;

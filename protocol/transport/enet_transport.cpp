@@ -212,7 +212,7 @@ void EnetTransport::Impl::Admit(ENetPeer& peer, const Sink& sink) {
   SwitchThrottleOff(peer);
   connection.isOpen = true;
   connection.deadline = kNever;
-  sink({Event::Kind::kConnected, id, Channel::kControl, {}});
+  sink({.kind = Event::Kind::kConnected, .connection = id});
 }
 
 // Our own ends send control messages reliably and the rest unsequenced and unfragmented; nothing else is taken.
@@ -235,7 +235,10 @@ void EnetTransport::Impl::Receive(const ENetEvent& event, const Sink& sink) {
   }
   // FlatBuffers' verifier needs the alignment; ENet's packets begin where malloc puts them.
   assert(reinterpret_cast<std::uintptr_t>(packet->data) % 8 == 0);
-  sink({Event::Kind::kMessage, found->first, channel, {packet->data, packet->dataLength}});
+  sink({.kind = Event::Kind::kMessage,
+        .connection = found->first,
+        .channel = channel,
+        .bytes = {packet->data, packet->dataLength}});
 }
 
 void EnetTransport::Impl::Forget(ConnectionId id, const Sink& sink) {
@@ -243,7 +246,7 @@ void EnetTransport::Impl::Forget(ConnectionId id, const Sink& sink) {
   if (found == connections.end()) return;
   const bool isKnown = found->second.isKnown;
   connections.erase(found);
-  if (isKnown) sink({Event::Kind::kDisconnected, id, Channel::kControl, {}});
+  if (isKnown) sink({.kind = Event::Kind::kDisconnected, .connection = id});
 }
 
 void EnetTransport::Impl::BeginClosing(Connection& connection) {

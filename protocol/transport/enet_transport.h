@@ -1,7 +1,7 @@
 // The Transport over ENet (UDP), for real servers and clients.
 //
-// ENet times its retransmissions by the wall clock; everything that this class promises about time (the connect timeout,
-// how long a closing connection may linger) goes by the `now` of Poll.
+// ENet times its retransmissions by the wall clock; everything that this class promises about time (the connect
+// timeout, how long a closing connection may linger) goes by the `now` of Poll.
 #pragma once
 
 #include <cstddef>

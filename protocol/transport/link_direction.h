@@ -26,8 +26,8 @@ class LinkDirection {
  public:
   explicit LinkDirection(std::uint64_t seed) : m_random(seed) {}
 
-  // The fate of the next datagram, with a payload of so many bytes. The conditions must be valid; now: seconds since the
-  // link began, never backwards.
+  // The fate of the next datagram, with a payload of so many bytes. The conditions must be valid; now: seconds since
+  // the link began, never backwards.
   [[nodiscard]] Fate Decide(const LinkConditions& conditions, double now, std::size_t bytes);
 
  private:

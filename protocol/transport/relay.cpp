@@ -41,8 +41,8 @@ constexpr int kTakenPerTurn = 64;
 constexpr int kTakenPerSocket = 16;
 constexpr int kSentPerTurn = 4 * kTakenPerTurn;
 
-// Bytes that may wait: 500 clients at 384 kbit/s through 2 s of delay are 48 MB. kWaitingCost is added for each datagram,
-// for its place in the queue.
+// Bytes that may wait: 500 clients at 384 kbit/s through 2 s of delay are 48 MB. kWaitingCost is added for each
+// datagram, for its place in the queue.
 constexpr std::size_t kMaxWaitingBytes = std::size_t{96} << 20;
 constexpr std::size_t kWaitingCost = 96;
 
@@ -278,9 +278,9 @@ void Relay::Impl::Enter(Client& client, std::size_t slot, bool isUp, std::size_t
   }
 }
 
-// Takes what has arrived; true when there may be more. The one socket of all players comes first and may take as much as
-// all sockets to the server together, since its buffer is the one that overflows. epoll serves the others in turn, so
-// none starves.
+// Takes what has arrived; true when there may be more. The one socket of all players comes first and may take as much
+// as all sockets to the server together, since its buffer is the one that overflows. epoll serves the others in turn,
+// so none starves.
 bool Relay::Impl::TakeArrivals(double now) {
   bool hasMore = TakeFromClients(kTakenPerTurn, now) == kTakenPerTurn;
   std::array<epoll_event, kTakenPerTurn> events{};

@@ -67,8 +67,8 @@ class Relay {
   [[nodiscard]] static std::unique_ptr<Relay> Open(const RelayOptions& options, std::string& error);
   ~Relay();
 
-  // Sends datagrams that are due and takes in those that have arrived, a limited number; false when there are more. now:
-  // seconds, never backwards; black-outs are counted from the first call.
+  // Sends datagrams that are due and takes in those that have arrived, a limited number; false when there are more.
+  // now: seconds, never backwards; black-outs are counted from the first call.
   bool Run(double now);
 
   // When the next datagram is due; infinity when none waits.

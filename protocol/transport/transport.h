@@ -1,8 +1,8 @@
 // How messages travel: the one interface between a server or client and the network below it.
 //
-// ENet implements it for real networks, a seeded link on virtual time for tests, a WebSocket for the page. Both ends use
-// the same interface; a client's transport has exactly one connection. Nothing here reads a clock: `now` is in seconds
-// since any fixed moment and never goes backwards.
+// ENet implements it for real networks, a seeded link on virtual time for tests, a WebSocket for the page. Both ends
+// use the same interface; a client's transport has exactly one connection. Nothing here reads a clock: `now` is in
+// seconds since any fixed moment and never goes backwards.
 #pragma once
 
 #include <cstddef>
@@ -23,8 +23,8 @@ struct Event {
   enum class Kind { kConnected, kDisconnected, kMessage };
   Kind kind;
   ConnectionId connection;
-  Channel channel = Channel::kControl;  // of a message
-  std::span<const std::uint8_t> bytes;  // of a message; valid only inside the sink
+  Channel channel = Channel::kControl;       // of a message
+  std::span<const std::uint8_t> bytes = {};  // of a message; valid only inside the sink
 };
 
 enum class SendResult { kQueued, kUnknownConnection, kTooLarge, kFailed };
@@ -54,23 +54,23 @@ class Transport {
   [[nodiscard]] virtual SendResult Send(ConnectionId connection, Channel channel,
                                         std::span<const std::uint8_t> message) = 0;
 
-  // Ends a connection once everything sent reliably before has been delivered, or the peer is gone. A kDisconnected event
-  // follows, also when the far end closes by itself. Unknown ids are ignored.
+  // Ends a connection once everything sent reliably before has been delivered, or the peer is gone. A kDisconnected
+  // event follows, also when the far end closes by itself. Unknown ids are ignored.
   virtual void Disconnect(ConnectionId connection) = 0;
 
   virtual void Flush() = 0;
 
   [[nodiscard]] virtual Statistics ReadStatistics() const = 0;
 
-  // Smoothed time from sending a reliable message to its acknowledgement, seconds; a guess until it has been measured; 0
-  // where it cannot be.
+  // Smoothed time from sending a reliable message to its acknowledgement, seconds; a guess until it has been measured;
+  // 0 where it cannot be.
   [[nodiscard]] virtual double ReadRoundTrip(ConnectionId) const { return 0; }
 };
 
-// The longest wait for an acknowledgement before a reliable message is sent again, seconds. ENet doubles the wait without
-// a limit, which leaves so few tries on a link with heavy loss that connections time out: at 1 s of delay and 25 % loss
-// each way the fifth try comes a minute after the first. One try in one and a half round trips never comes before the
-// answer could be there, and its traffic is negligible on a link of any rate.
+// The longest wait for an acknowledgement before a reliable message is sent again, seconds. ENet doubles the wait
+// without a limit, which leaves so few tries on a link with heavy loss that connections time out: at 1 s of delay and
+// 25 % loss each way the fifth try comes a minute after the first. One try in one and a half round trips never comes
+// before the answer could be there, and its traffic is negligible on a link of any rate.
 [[nodiscard]] constexpr double FindLongestRetry(double roundTrip) {
   return roundTrip > 0.25 / 1.5 ? 1.5 * roundTrip : 0.25;
 }

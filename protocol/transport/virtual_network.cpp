@@ -220,7 +220,7 @@ void VirtualEndpoint::Answer(std::size_t link, End& end, const Sink& sink) {
   }
   end.phase = Phase::kOpen;
   SendContent(link, Content::kAccept);
-  sink({Event::Kind::kConnected, IdOf(link), Channel::kControl, {}});
+  sink({.kind = Event::Kind::kConnected, .connection = IdOf(link)});
 }
 
 void VirtualEndpoint::Take(std::size_t link, const Parcel& parcel, const Sink& sink) {
@@ -232,7 +232,7 @@ void VirtualEndpoint::Take(std::size_t link, const Parcel& parcel, const Sink& s
     case Content::kAccept:
       if (end.phase != Phase::kConnecting) break;
       end = {Phase::kOpen, kNever};
-      sink({Event::Kind::kConnected, IdOf(link), Channel::kControl, {}});
+      sink({.kind = Event::Kind::kConnected, .connection = IdOf(link)});
       break;
     case Content::kRefuse:
     case Content::kClosed:
@@ -245,7 +245,7 @@ void VirtualEndpoint::Take(std::size_t link, const Parcel& parcel, const Sink& s
     case Content::kMessage:
       if (end.phase != Phase::kOpen) break;
       m_statistics.bytesIn += parcel.bytes.size();
-      sink({Event::Kind::kMessage, IdOf(link), parcel.channel, parcel.bytes});
+      sink({.kind = Event::Kind::kMessage, .connection = IdOf(link), .channel = parcel.channel, .bytes = parcel.bytes});
       break;
   }
 }
@@ -255,7 +255,7 @@ void VirtualEndpoint::Leave(std::size_t link, const Sink& sink) {
   End& end = EndOf(link);
   const bool isKnown = end.phase != Phase::kNone && end.phase != Phase::kGone;
   end = {Phase::kGone, kNever};
-  if (isKnown) sink({Event::Kind::kDisconnected, IdOf(link), Channel::kControl, {}});
+  if (isKnown) sink({.kind = Event::Kind::kDisconnected, .connection = IdOf(link)});
 }
 
 SendResult VirtualEndpoint::Send(ConnectionId connection, Channel channel, std::span<const std::uint8_t> message) {

@@ -30,7 +30,8 @@ struct VirtualNetworkOptions {
   double connectTimeout = protocol::kConnectTimeout;  // seconds from a client's first Poll
 };
 
-// Endpoints may outlive the network object and one another. An endpoint whose far end is destroyed is told a trip later.
+// Endpoints may outlive the network object and one another. An endpoint whose far end is destroyed is told a trip
+// later.
 class VirtualNetwork {
  public:
   explicit VirtualNetwork(const VirtualNetworkOptions& options = {});
@@ -41,8 +42,8 @@ class VirtualNetwork {
   // A client's endpoint. It asks for its connection (id 1) with its first Poll.
   [[nodiscard]] std::unique_ptr<Transport> MakeClient();
 
-  // Holds from now on for all links; messages on their way keep their fate. The conditions must be valid. The period of a
-  // black-out counts from time 0.
+  // Holds from now on for all links; messages on their way keep their fate. The conditions must be valid. The period of
+  // a black-out counts from time 0.
   void SetConditions(const LinkConditions& bothWays);
   void SetConditions(const LinkConditions& toServer, const LinkConditions& toClients);
   // While black, nothing that is sent in either direction passes; messages on their way do.

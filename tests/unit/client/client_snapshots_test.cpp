@@ -94,7 +94,7 @@ TEST_F(ClientTest, IgnoresDuplicateAndAncientPackets) {
 }
 
 TEST_F(ClientTest, WithoutDecodingKnowsWhereBodiesAreAndNoMore) {
-  Join({"bot", false, false});
+  Join({.name = "bot", .decode = false});
   now += 0.1;
   Snapshot(1, {MakeRecord(3, {{1.5F, 0, 0}, {}}), MakeRecord(8, {{2, 0, 0}, {}})});
   EXPECT_EQ(client->ReadStatistics().records, 2U);
@@ -109,7 +109,7 @@ TEST_F(ClientTest, WithoutDecodingKnowsWhereBodiesAreAndNoMore) {
 TEST_F(ClientTest, KnowsHowFastBodiesGoWithAndWithoutDecoding) {
   for (const bool decode : {true, false}) {
     SCOPED_TRACE(decode);
-    Join({"bot", false, decode});
+    Join({.name = "bot", .decode = decode});
     const auto hear = [&](std::uint32_t sequence, double after, float x) {
       now += after;
       Snapshot(sequence, {MakeRecord(8, {{x, 5, 0}, {}})});

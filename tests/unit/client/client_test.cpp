@@ -12,7 +12,7 @@ namespace wobble::client {
 namespace {
 
 TEST_F(ClientTest, SaysHelloOnceConnectedAndPlaysOnceItHasAllBlueprints) {
-  Start({"Ada", true, true});
+  Start({.name = "Ada", .spectator = true});
   client->Update(now);
   EXPECT_EQ(client->ReadState(), State::kConnecting);
   EXPECT_TRUE(link.sent.empty());
@@ -52,7 +52,7 @@ TEST_F(ClientTest, SendsAnInputEachTickWithTheLastFourFramesAndTheAcknowledgemen
   std::uint32_t sequence = 0;
   for (int i = 1; i <= 600; ++i) {
     now = begin + i / 120.0;  // polled twice a tick
-    client->SetInput({0.5F, -2.0F, i > 300, false, true});
+    client->SetInput({.moveX = 0.5F, .moveY = -2.0F, .jump = i > 300, .stiffen = true});
     if (i % 4 == 0 && ++sequence != 148) Snapshot(sequence);  // one is lost
     client->Update(now);
   }
