@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "client/web/wasm/decoded_hash.h"
+#include "client/wasm/decoded_hash.h"
 #include "protocol/contexts.h"
 #include "protocol/shape_codec.h"
 #include "protocol/snapshot.h"
