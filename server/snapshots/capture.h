@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "protocol/basis.h"
 #include "protocol/geometry.h"
 #include "protocol/messages.h"
+#include "protocol/patch_model.h"
 #include "server/physics/world.h"
 #include "server/play/workshop.h"
 #include "server/scenes/scene.h"
@@ -30,11 +30,11 @@ struct CapturedBody {
 struct CapturedBlueprint {
   std::vector<protocol::Vector3> rest;
   float size = 0;
-  protocol::Message message;                                  // serialised, to be sent in chunks
-  std::vector<std::shared_ptr<const protocol::Basis>> bases;  // one a patch, or none
-  std::uint64_t hash = 0;                                     // of the message
-  std::uint64_t revision = 0;                                 // of its slot in the world
-  std::uint8_t generation = 0;  // under its number on the wire, below protocol::kGenerations
+  protocol::Message message;                      // serialised, to be sent in chunks
+  std::vector<protocol::PatchConstants> patches;  // in order
+  std::uint64_t hash = 0;                         // of the message
+  std::uint64_t revision = 0;                     // of its slot in the world
+  std::uint8_t generation = 0;                    // under its number on the wire, below protocol::kGenerations
 };
 
 // Ground as clients draw it.

@@ -37,14 +37,13 @@ void BodyEncoder::Encode(float errorShare, const CapturedBody& body, const Captu
   encoding.bytes.clear();
   encoding.bytes.reserve((vertices.size() / protocol::kMaxPatchVertices + 1) * protocol::kMaxPacketBytes);
   m_ends.clear();
-  const std::span<const protocol::Vector3> rest = blueprint.rest;
   const float target = errorShare * blueprint.size;
   std::size_t first = 0;
   for (std::uint8_t patch = 0; first < vertices.size(); ++patch) {
     const std::size_t count = protocol::PatchSize(vertices.size(), patch);
     m_payload.clear();
-    const protocol::PatchModel model{rest.subspan(first, count), blueprint.size,
-                                     blueprint.bases.empty() ? nullptr : blueprint.bases[patch].get(), m_obstacles};
+    const protocol::PatchModel model =
+        protocol::MakePatchModel(blueprint.rest, blueprint.size, blueprint.patches, patch, m_obstacles);
     const protocol::ShapeEncoding shape = m_shapes.Encode(model, body.pose, vertices.subspan(first, count), target,
                                                           protocol::kMaxRecordPayload, m_payload);
     first += count;
