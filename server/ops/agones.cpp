@@ -55,12 +55,12 @@ Agones::Agones(std::uint16_t port) : m_client(std::make_unique<httplib::Client>(
 
 Agones::~Agones() {
   std::unique_lock lock(m_mutex);
-  m_isEnding = true;
+  m_stage = Stage::kEnding;
   m_changed.notify_all();
-  const auto isDone = [this] { return m_isDone; };
+  const auto isDone = [this] { return m_stage == Stage::kDone; };
   if (!m_changed.wait_for(lock, kPatience, isDone)) {
-    m_isBrokenOff = true;
-    // Until it has worked: a request that has just begun has no connection yet that could be broken off.
+    m_stage = Stage::kBrokenOff;
+    // Repeated, because a request that has just begun has no connection yet that could be stopped.
     do {
       m_client->stop();
     } while (!m_changed.wait_for(lock, kStopInterval, isDone));
@@ -92,21 +92,21 @@ void Agones::Queue(const FleetCall& call) {
       m_isHealthDue = true;
       break;
     case Kind::kReady:
-      Add({call.kind, "POST", "/ready"});
+      Add({.kind = call.kind, .path = "/ready"});
       break;
     case Kind::kAllocate:
-      Add({call.kind, "POST", "/allocate"});
+      Add({.kind = call.kind, .path = "/allocate"});
       break;
     case Kind::kAddPlayer:
-      Add({call.kind, "PATCH", counter, R"({"countDiff":"1"})"});
-      Add({call.kind, "POST", list + ":addValue", value});
+      Add({.kind = call.kind, .method = "PATCH", .path = counter, .body = R"({"countDiff":"1"})"});
+      Add({.kind = call.kind, .path = list + ":addValue", .body = value});
       break;
     case Kind::kRemovePlayer:
-      Add({call.kind, "PATCH", counter, R"({"countDiff":"-1"})"});
-      Add({call.kind, "POST", list + ":removeValue", value});
+      Add({.kind = call.kind, .method = "PATCH", .path = counter, .body = R"({"countDiff":"-1"})"});
+      Add({.kind = call.kind, .path = list + ":removeValue", .body = value});
       break;
     case Kind::kShutdown:
-      Add({call.kind, "POST", "/shutdown"});
+      Add({.kind = call.kind, .path = "/shutdown"});
       break;
   }
 }
@@ -123,22 +123,22 @@ void Agones::Work() {
   BlockSignals();
   std::unique_lock lock(m_mutex);
   for (;;) {
-    m_changed.wait(lock, [this] { return m_isEnding || HasNext(); });
-    if (m_isBrokenOff || !HasNext()) break;
+    m_changed.wait(lock, [this] { return m_stage != Stage::kRunning || HasNext(); });
+    if (m_stage == Stage::kBrokenOff || !HasNext()) break;
     Request request = TakeNext();
     lock.unlock();
     const Outcome outcome = Send(request);
     lock.lock();
     Note(std::move(request), outcome);
   }
-  m_isDone = true;
+  m_stage = Stage::kDone;
   m_changed.notify_all();
 }
 
 bool Agones::HasNext() const { return m_isHealthDue || (!m_isHeld && !m_waiting.empty()); }
 
 Agones::Request Agones::TakeNext() {
-  if (std::exchange(m_isHealthDue, false)) return {FleetCall::Kind::kHealth, "POST", "/health"};
+  if (std::exchange(m_isHealthDue, false)) return {.kind = FleetCall::Kind::kHealth, .path = "/health"};
   Request request = std::move(m_waiting.front());
   m_waiting.pop_front();
   return request;
@@ -152,10 +152,12 @@ Agones::Outcome Agones::Send(const Request& request) {
   if (!result) {
     const bool isConnected =
         result.error() != httplib::Error::Connection && result.error() != httplib::Error::ConnectionTimeout;
-    return {isConnected, 0, isConnected ? "no answer" : "no connection"};
+    return {.isConnected = isConnected, .trouble = isConnected ? "no answer" : "no connection"};
   }
   const bool isSuccess = result->status >= 200 && result->status < 300;
-  return {true, result->status, isSuccess ? "" : "answered with status " + std::to_string(result->status)};
+  return {.isConnected = true,
+          .status = result->status,
+          .trouble = isSuccess ? "" : "answered with status " + std::to_string(result->status)};
 }
 
 void Agones::Note(Request request, const Outcome& outcome) {

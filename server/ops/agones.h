@@ -67,6 +67,14 @@ class Agones {
     std::string trouble;  // empty: it succeeded
   };
 
+  // Of the thread:
+  //   kRunning    makes the calls that are queued, and waits for more
+  //   kEnding     the destructor has begun: makes the calls that are left
+  //   kBrokenOff  a second has passed since: the call under way is stopped, and none is begun
+  //   kDone       the thread has left its loop
+  // Only forwards; from kEnding straight to kDone when the queue is empty in time.
+  enum class Stage : std::uint8_t { kRunning, kEnding, kBrokenOff, kDone };
+
   void Queue(const FleetCall& call);
   void Add(Request request);
   void Work();
@@ -80,11 +88,9 @@ class Agones {
   std::condition_variable m_changed;
   std::deque<Request> m_waiting;
   bool m_isHealthDue = false;
-  bool m_isHeld = false;  // the first that waits has failed; all wait for the next Perform
-  bool m_isFailing = false;
-  bool m_isEnding = false;
-  bool m_isBrokenOff = false;
-  bool m_isDone = false;
+  bool m_isHeld = false;     // the first request has failed, and all wait for the next Perform
+  bool m_isFailing = false;  // the last call failed, and the log has said so
+  Stage m_stage = Stage::kRunning;
   Counts m_counts;
   std::thread m_thread;  // the last, for it uses all of them
 };

@@ -57,7 +57,7 @@ bool ParseAddress(const std::string& text, Address& address, std::string& error)
 struct Endpoint::Implementation {
   std::string version;
   std::string scene;
-  server::Clock clock;
+  server::TimeSource clock;
   httplib::Server http;
   std::thread thread;
   std::mutex mutex;
@@ -94,7 +94,7 @@ struct Endpoint::Implementation {
 Endpoint::Endpoint(std::unique_ptr<Implementation> implementation) : m(std::move(implementation)) {}
 
 std::unique_ptr<Endpoint> Endpoint::Listen(const Address& address, const std::string& version, const std::string& scene,
-                                           server::Clock clock, std::string& error) {
+                                           server::TimeSource clock, std::string& error) {
   auto made = std::make_unique<Implementation>();
   made->version = version;
   made->scene = scene;

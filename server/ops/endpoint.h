@@ -26,7 +26,7 @@ class Endpoint {
   // null with one line in `error` when the port cannot be had. clock: s, as Tell's figures have it, read by several
   // threads.
   [[nodiscard]] static std::unique_ptr<Endpoint> Listen(const Address& address, const std::string& version,
-                                                        const std::string& scene, server::Clock clock,
+                                                        const std::string& scene, server::TimeSource clock,
                                                         std::string& error);
   ~Endpoint();
 

@@ -20,16 +20,18 @@ std::vector<FleetCall> FleetDuty::Follow(const FleetView& view) {
     calls.push_back({FleetCall::Kind::kHealth});
     m_nextHealth = view.now + kHealthInterval;
   }
-  if (m_isOver) return calls;
-  if (view.acceptsJoins && !m_isReady) {
+  if (m_stage == Stage::kOver) return calls;
+  if (view.acceptsJoins && m_stage == Stage::kStarting) {
     calls.push_back({FleetCall::Kind::kReady});
-    m_isReady = true;
+    m_stage = Stage::kReady;
   }
   // A ready that came after an allocate would offer a world in use to others.
-  if (m_isReady && !view.isClosing) CountPlayers(view.players, calls);
+  if (m_stage != Stage::kStarting && !view.isClosing) CountPlayers(view.players, calls);
   if (!m_players.empty()) m_lastCompany = view.now;
-  m_isOver = view.isClosing || view.isMatchOver || IsDeserted(view.now);
-  if (m_isOver) calls.push_back({FleetCall::Kind::kShutdown});
+  if (view.isClosing || view.isMatchOver || IsDeserted(view.now)) {
+    calls.push_back({FleetCall::Kind::kShutdown});
+    m_stage = Stage::kOver;
+  }
   return calls;
 }
 
@@ -37,9 +39,9 @@ void FleetDuty::CountPlayers(std::span<const std::uint32_t> players, std::vector
   m_present.assign(players.begin(), players.end());
   std::ranges::sort(m_present);
   if (m_present == m_players) return;
-  if (!m_isAllocated) {
+  if (m_stage == Stage::kReady) {
     calls.push_back({FleetCall::Kind::kAllocate});
-    m_isAllocated = true;
+    m_stage = Stage::kAllocated;
   }
   const auto call = [&calls](FleetCall::Kind kind, const auto& these, const auto& butNotThose) {
     std::vector<std::uint32_t> clients;
@@ -53,7 +55,7 @@ void FleetDuty::CountPlayers(std::span<const std::uint32_t> players, std::vector
 }
 
 bool FleetDuty::IsDeserted(double now) const {
-  return m_isAllocated && m_players.empty() && now - m_lastCompany >= kDesertedTime;
+  return m_stage == Stage::kAllocated && m_players.empty() && now - m_lastCompany >= kDesertedTime;
 }
 
 }  // namespace wobble::ops

@@ -37,14 +37,17 @@ class FleetDuty {
   [[nodiscard]] std::vector<FleetCall> Follow(const FleetView& view);
 
  private:
+  // kStarting  -> kReady      joins are accepted for the first time: ready is called
+  // kReady     -> kAllocated  the first player has joined: allocate is called
+  // any        -> kOver       match over, closing, or deserted while allocated: shutdown is called
+  enum class Stage : std::uint8_t { kStarting, kReady, kAllocated, kOver };
+
   void CountPlayers(std::span<const std::uint32_t> players, std::vector<FleetCall>& calls);
   [[nodiscard]] bool IsDeserted(double now) const;
 
   double m_nextHealth = -std::numeric_limits<double>::infinity();
   double m_lastCompany = 0;
-  bool m_isReady = false;
-  bool m_isAllocated = false;
-  bool m_isOver = false;
+  Stage m_stage = Stage::kStarting;
   std::vector<std::uint32_t> m_players;  // as far as they have been called, sorted
   std::vector<std::uint32_t> m_present;  // of this turn, sorted; kept for its memory
 };
