@@ -7,7 +7,7 @@ namespace wobble::server {
 
 using protocol::wire::InputFrame;
 
-void InputBuffer::Push(const InputFrame& frame, [[maybe_unused]] std::uint32_t currentTick) {
+void InputBuffer::Add(const InputFrame& frame, [[maybe_unused]] std::uint32_t currentTick) {
   assert(IsNear(frame, currentTick));
   // However old: over a second of delay each way all frames come two seconds after their ticks. One of which the slot
   // is taken by a newer has been overtaken.

@@ -17,7 +17,7 @@ class InputBuffer {
 
   // Keeps a near frame that is newer than what the world has used. One meant for a tick that has passed, however long
   // ago, is used at the next.
-  void Push(const protocol::wire::InputFrame& frame, std::uint32_t currentTick);
+  void Add(const protocol::wire::InputFrame& frame, std::uint32_t currentTick);
 
   // The input for `tick`: the newest frame that is due, with every button pressed in frames that became due with it,
   // so that a short press between two ticks is not lost. Without a new one the last is held for holdTicks, then

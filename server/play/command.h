@@ -19,7 +19,7 @@ struct HandCommand {
   physics::Vector3d target = physics::Vector3d::Zero();
 };
 
-struct PushCommand {
+struct ShoveCommand {
   physics::BodyId body = 0;
   std::uint16_t vertex = 0;
   physics::Vector3d direction = physics::Vector3d::Zero();  // of any length
@@ -55,6 +55,6 @@ struct BuildCommand {
   double restLength = 0;   // m; 0: as far as its ends are apart
 };
 
-using Command = std::variant<PushCommand, CutCommand, InspectCommand, TuneCommand, BuildCommand>;
+using Command = std::variant<ShoveCommand, CutCommand, InspectCommand, TuneCommand, BuildCommand>;
 
 }  // namespace wobble::server

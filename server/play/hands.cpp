@@ -86,7 +86,7 @@ void Hands::Close(const Actor& actor, Grip& grip, const physics::World& world) c
   for (const std::uint16_t vertex : grip.vertices) grip.offsets.emplace_back(FindVertex(*body, vertex) - place);
 }
 
-std::string Hands::Push(const Actor& actor, const PushCommand& command, const physics::World& world) {
+std::string Hands::StartShove(const Actor& actor, const ShoveCommand& command, const physics::World& world) {
   if (!m_rules.push || actor.body == 0) return "nobody pushes by hand here";
   const physics::Body* body = world.FindBody(command.body);
   const double length = command.direction.norm();

@@ -28,7 +28,7 @@ class Hands {
   // that was refused or has slipped stays so until the hand closes anew.
   void Hold(const Actor& actor, const std::optional<HandCommand>& command, const physics::World& world);
   // Why nothing was done, for people; empty when it was, or when an honest client would not have asked.
-  [[nodiscard]] std::string Push(const Actor& actor, const PushCommand& command, const physics::World& world);
+  [[nodiscard]] std::string StartShove(const Actor& actor, const ShoveCommand& command, const physics::World& world);
   // What the player may cut of the body with. nullopt, with a reason as above, when nothing.
   [[nodiscard]] std::optional<physics::Blade> FindBlade(const Actor& actor, const CutCommand& command,
                                                         const physics::World& world, std::string& refusal) const;
@@ -48,7 +48,7 @@ class Hands {
     std::vector<physics::Vector3d> offsets;  // of each from the one that was gripped, when it was, m
   };
   struct Shove {
-    PushCommand command;
+    ShoveCommand command;
     physics::BodyId own = 0;
     std::vector<std::uint16_t> vertices;
     int ticksLeft = 0;

@@ -76,7 +76,10 @@ std::string Workshop::Build(ClientId client, const BuildCommand& command, const 
   const auto place = static_cast<std::size_t>(found);
   switch (command.kind) {
     case Kind::kSetSpring:
-      return Take(SetSpring(m_draft, place, {0, 0, command.stiffness, command.damping, command.restLength}), client);
+      return Take(
+          SetSpring(m_draft, place,
+                    {.stiffness = command.stiffness, .damping = command.damping, .restLength = command.restLength}),
+          client);
     case Kind::kRemoveSpring:
       return Take(RemoveSpring(m_draft, place), client);
     case Kind::kRemoveParticle:
@@ -103,8 +106,11 @@ std::string Workshop::AddSpring(ClientId client, const BuildCommand& command, co
   const std::ptrdiff_t a = Find(m_particles, command.a);
   const std::ptrdiff_t b = Find(m_particles, command.b);
   if (a < 0 || b < 0) return MissingPart("particle", a < 0 ? command.a : command.b);
-  physics::GraphSpring spring{static_cast<int>(a), static_cast<int>(b), command.stiffness, command.damping,
-                              command.restLength};
+  physics::GraphSpring spring{.a = static_cast<int>(a),
+                              .b = static_cast<int>(b),
+                              .stiffness = command.stiffness,
+                              .damping = command.damping,
+                              .restLength = command.restLength};
   if (spring.restLength == 0) {  // as they are, not as the rest shape has them
     const std::vector<Vector3d> places = FindPlaces(world);
     spring.restLength = (places[static_cast<std::size_t>(a)] - places[static_cast<std::size_t>(b)]).norm();

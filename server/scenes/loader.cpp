@@ -25,7 +25,7 @@ constexpr double kMaxErrorTarget = 1;
 constexpr double kMinStretch = 0.2;
 constexpr double kMaxStretch = 3;
 
-void ReadIsland(TableReader& reader, Scene& scene) {
+void ReadBodies(TableReader& reader, Scene& scene) {
   BodyGroup group;
   ReadBlueprintName(reader, scene, group.blueprint);
   reader.Read("position", -kPlacesWithin, kPlacesWithin, " m", group.position);
@@ -66,7 +66,7 @@ void ReadScene(TableReader& reader, const std::filesystem::path& folder, Scene& 
   reader.Require("player");
   reader.ReadTables("obstacle", [&](TableReader& table) { ReadObstacle(table, scene); });
   reader.ReadTables("blueprint", [&](TableReader& table) { ReadBlueprint(table, folder, integrator, scene); });
-  reader.ReadTables("bodies", [&](TableReader& table) { ReadIsland(table, scene); });
+  reader.ReadTables("bodies", [&](TableReader& table) { ReadBodies(table, scene); });
   reader.ReadTables("drive", [&](TableReader& table) { ReadDrive(table, scene); });
   reader.ReadTables("player", [&](TableReader& table) { ReadPlayer(table, scene); });
   ReadPlayRules(reader, scene);

@@ -18,8 +18,9 @@ inline constexpr std::size_t kPhaseCount = 5;
 }
 
 // Seconds, as a clock that never goes backwards has them. Read only to tell how long something took: what the world
-// does hangs on the time that Server::Tick is told alone, and on nothing that is measured but for the load (load.h).
-using Clock = std::function<double()>;
+// does hangs on the time that Server::Tick is told alone, and on nothing that is measured but for the load
+// (load_level.h).
+using TimeSource = std::function<double()>;
 
 // Of one tick, s.
 struct PhaseTimes {
@@ -34,7 +35,7 @@ struct PhaseTimes {
 // so phases alternate many times a tick.
 class PhaseWatch {
  public:
-  explicit PhaseWatch(Clock clock) : m_clock(std::move(clock)) {}
+  explicit PhaseWatch(TimeSource clock) : m_clock(std::move(clock)) {}
 
   void Begin(Phase phase) {
     m_phase = phase;
@@ -59,7 +60,7 @@ class PhaseWatch {
  private:
   [[nodiscard]] double Read() const { return m_clock ? m_clock() : 0; }
 
-  Clock m_clock;
+  TimeSource m_clock;
   Phase m_phase = Phase::kReceive;
   double m_last = 0;
   PhaseTimes m_times;

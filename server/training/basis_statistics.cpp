@@ -116,7 +116,7 @@ std::vector<Symmetry> FindSymmetries(std::span<const Vector3> rest) {
   return symmetries;
 }
 
-BasisStatistics MeasurePlay(const Play& play, std::span<const Vector3> rest, std::size_t first) {
+BasisStatistics MeasurePlay(const RecordedPlay& play, std::span<const Vector3> rest, std::size_t first) {
   const auto rows = static_cast<Eigen::Index>(3 * rest.size());
   const auto count = static_cast<Eigen::Index>(play.frames.size());
   MatrixXd departures(rows, count), contacts(rows, count);

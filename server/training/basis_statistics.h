@@ -15,7 +15,7 @@ struct PlayFrame {
   protocol::Pose pose;
   std::vector<protocol::Vector3> vertices;  // in the world, m
 };
-struct Play {
+struct RecordedPlay {
   std::vector<protocol::wire::Obstacle> obstacles;
   std::vector<PlayFrame> frames;
 };
@@ -38,6 +38,7 @@ struct Symmetry {
 [[nodiscard]] std::vector<Symmetry> FindSymmetries(std::span<const protocol::Vector3> rest);
 
 // rest: of the patch that begins at vertex `first` of the frames' bodies; there is a frame at least.
-[[nodiscard]] BasisStatistics MeasurePlay(const Play& play, std::span<const protocol::Vector3> rest, std::size_t first);
+[[nodiscard]] BasisStatistics MeasurePlay(const RecordedPlay& play, std::span<const protocol::Vector3> rest,
+                                          std::size_t first);
 
 }  // namespace wobble::server

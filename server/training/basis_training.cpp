@@ -264,8 +264,8 @@ class Chase {
 
 }  // namespace
 
-Play RecordPlay(const physics::Blueprint& blueprint, const physics::Vector3d& gravity,
-                const physics::ControlLimits& limits, std::uint64_t seed) {
+RecordedPlay RecordPlay(const physics::Blueprint& blueprint, const physics::Vector3d& gravity,
+                        const physics::ControlLimits& limits, std::uint64_t seed) {
   physics::WorldSettings settings;
   settings.gravity = gravity;
   settings.tickDuration = 1 / kTickHz;
@@ -278,7 +278,7 @@ Play RecordPlay(const physics::Blueprint& blueprint, const physics::Vector3d& gr
     const double x = i % 2 == 0 ? -1.4 : 1.4, y = i < 2 ? -1.4 : 1.4;
     ids.push_back(world.AddBody(0, reach * physics::Vector3d(x, y, 1.3 + 0.3 * static_cast<double>(i))));
   }
-  Play play;
+  RecordedPlay play;
   play.obstacles = CaptureObstacles(world.Obstacles());
   Chase chase(seed);
   std::vector<CapturedBody> captured(kPlayers);
@@ -300,11 +300,11 @@ Play RecordPlay(const physics::Blueprint& blueprint, const physics::Vector3d& gr
   return play;
 }
 
-std::vector<std::uint8_t> TrainBasis(std::span<const Vector3> rest, const Play& play) {
+std::vector<std::uint8_t> TrainBasis(std::span<const Vector3> rest, const RecordedPlay& play) {
   return TrainFrom(rest, MeasurePlay(play, rest, 0));
 }
 
-Bases TrainBases(const physics::Blueprint& blueprint, const Play& play) {
+Bases TrainBases(const physics::Blueprint& blueprint, const RecordedPlay& play) {
   const std::vector<Vector3> rest = CaptureBlueprint(blueprint).rest;
   const physics::GridShape& grid = blueprint.grid;
   Bases bases;

@@ -5,7 +5,7 @@
 //
 // All that is slow together is a second and a half from the last measure to none, of which smoothing takes 0.6 s when
 // the load was four times too much: within the 2 s that players are promised.
-#include "server/timing/load.h"
+#include "server/timing/load_level.h"
 
 #include <algorithm>
 #include <array>
@@ -35,7 +35,7 @@ constexpr double kFaster = 1.1;
 
 }  // namespace
 
-void Load::Record(double duration, double rate, double now) {
+void LoadController::Record(double duration, double rate, double now) {
   const double full = duration / m_tickDuration;
   const double weight = m_last < 0 ? 1 : 1 - std::exp(-(now - m_last) / kSmoothing);
   m_last = now;
@@ -45,7 +45,7 @@ void Load::Record(double duration, double rate, double now) {
   FollowRateLimit();
 }
 
-void Load::Judge(double now) {
+void LoadController::Judge(double now) {
   const Limits& limits = kLimits[static_cast<std::size_t>(m_level)];
   const auto note = [now](bool holds, double& since) { since = !holds ? -1 : since < 0 ? now : since; };
   note(m_share > limits.tooMuch, m_tooMuchSince);
@@ -57,7 +57,7 @@ void Load::Judge(double now) {
   m_tooMuchSince = m_easySince = -1;
 }
 
-void Load::FollowRateLimit() {
+void LoadController::FollowRateLimit() {
   const double wanted = std::clamp(kSlowedShare / std::max(m_shareOfFull, kSlowedShare), kLeastRate, 1.0);
   if (m_level != LoadLevel::kSlowed) {
     m_rateLimit = 1;

@@ -20,10 +20,10 @@ inline constexpr int kBusySnapshotHz = 20;
 // dropped from world time by the tick clock.
 inline constexpr double kLeastRate = 0.25;
 
-class Load {
+class LoadController {
  public:
   // tickDuration: s.
-  explicit Load(double tickDuration) : m_tickDuration(tickDuration) {}
+  explicit LoadController(double tickDuration) : m_tickDuration(tickDuration) {}
 
   // A tick took `duration`, s, all phases together. rate: seconds of the world a second that were asked for, above 0:
   // in slow motion a tick may take longer. now: s, as Server::Tick has it.
