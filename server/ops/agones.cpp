@@ -1,7 +1,7 @@
-// A queue, a thread that empties it, and what to do with a call that fails.
+// A queue, a thread that empties it, and the rules for calls that fail.
 //
-// Names and paths are those of Agones' sdk.proto and beta.proto as its gateway maps them to HTTP. There 64-bit numbers
-// are strings, as everywhere in the JSON of Protocol Buffers.
+// Names and paths are those of Agones' sdk.proto and beta.proto as its gateway maps them to HTTP. 64-bit numbers are
+// strings there, as everywhere in the JSON of Protocol Buffers.
 #include "server/ops/agones.h"
 
 #include <httplib.h>
@@ -18,15 +18,16 @@ namespace {
 constexpr time_t kTimeout = 1;  // s
 constexpr std::chrono::seconds kPatience{1};
 constexpr std::chrono::milliseconds kStopInterval{20};
-// Two for each who comes or goes.
+// Two requests for each player who joins or leaves.
 constexpr std::size_t kMostWaiting = 1024;
 
-// Does no harm twice, and without it the fleet has a wrong picture for good.
+// Whether the call sets the server's state in the fleet. Such a call may be repeated without harm, and if it is lost
+// the fleet's view of the server stays wrong.
 bool SetsState(FleetCall::Kind kind) {
   return kind == FleetCall::Kind::kReady || kind == FleetCall::Kind::kAllocate || kind == FleetCall::Kind::kShutdown;
 }
 
-// Signals are for the main thread; and a sidecar that hangs up while it is written to must not end the server.
+// Leaves signals to the main thread, and keeps SIGPIPE of a sidecar that hangs up from ending the server.
 void BlockSignals() {
   sigset_t all;
   sigfillset(&all);
@@ -44,7 +45,7 @@ std::optional<std::uint16_t> ParseSidecarPort(const std::string& text, std::stri
   return std::nullopt;
 }
 
-// By number: to look a name up can take longer than any timeout of ours.
+// The address is numeric: resolving a name can take longer than the timeouts here.
 Agones::Agones(std::uint16_t port) : m_client(std::make_unique<httplib::Client>("127.0.0.1", port)) {
   m_client->set_connection_timeout(kTimeout);
   m_client->set_read_timeout(kTimeout);
