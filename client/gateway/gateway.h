@@ -8,7 +8,7 @@
 
 #include "client/command/address.h"
 #include "client/command/command.h"
-#include "client/page_files.h"
+#include "client/gateway/page_files.h"
 
 namespace wobble::web {
 

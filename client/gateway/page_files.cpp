@@ -1,7 +1,7 @@
 // Read once at start, compressed once at start: a page is a megabyte, and the gateway then serves it without a file
 // being opened while people play. There is nothing to escape from by "..", since no request reaches the file system.
 // Compressed by zlib here rather than beside the files by the page's build, which so has one output only.
-#include "client/page_files.h"
+#include "client/gateway/page_files.h"
 
 #include <zlib.h>
 

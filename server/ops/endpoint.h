@@ -15,7 +15,7 @@ inline constexpr double kDeadAfter = 3;
 
 struct Address {
   std::string host = "127.0.0.1";
-  std::uint16_t port = 0;
+  std::uint16_t port = 0;  // 0: the system picks a free one
 };
 // Parses HOST:PORT, [IPv6]:PORT, or PORT alone for the loopback address. Returns false with one line in `error`.
 [[nodiscard]] bool ParseAddress(const std::string& text, Address& address, std::string& error);
@@ -29,6 +29,9 @@ class Endpoint {
                                                         std::string& error);
   // Stops listening and joins the threads.
   ~Endpoint();
+
+  // The TCP port on which it listens, whether given or picked by the system.
+  [[nodiscard]] std::uint16_t ReadPort() const;
 
   // Publishes figures. Call it from the tick loop; until the first call /readyz and /healthz answer "starting".
   void Tell(const Figures& figures);

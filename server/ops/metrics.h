@@ -1,4 +1,4 @@
-// Figures as Prometheus reads them. What each means and which to alert on: docker/README.md.
+// Figures as Prometheus reads them. What each means and which to alert on: server/HOSTING.md.
 #pragma once
 
 #include <string>

@@ -25,6 +25,10 @@ struct SceneSummary {
   std::string name;
   std::string description;
 };
+// The folder of the shipped scenes: `scenes` beside the running program, as in a build folder, or
+// ../share/wobble/scenes, as installed. The latter is returned, though it does not exist, when there is neither.
+[[nodiscard]] std::filesystem::path FindShippedScenes();
+
 // The scenes in the folder, sorted by name. A scene with mistakes is listed with the first of them.
 [[nodiscard]] std::vector<SceneSummary> ListScenes(const std::filesystem::path& folder);
 

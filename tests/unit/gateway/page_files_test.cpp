@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "client/page_files.h"
+#include "client/gateway/page_files.h"
 
 namespace wobble::web {
 namespace {
