@@ -1,15 +1,6 @@
 #include "server/snapshots/body_captures.h"
 
 namespace wobble::server {
-namespace {
-
-protocol::Vector3 ToWire(const physics::Vector3d& v) {
-  const physics::Vector3f single = v.cast<float>();
-  return {single.x(), single.y(), single.z()};
-}
-
-}  // namespace
-
 void BodyCaptures::Follow(const physics::World& world) {
   if (m_removals != world.CountRemovals()) DropRemoved(world);
   const std::span<const physics::Body> present = world.Bodies();

@@ -18,8 +18,6 @@ namespace {
 using physics::Vector3f;
 using protocol::Vector3;
 
-Vector3 ToWire(const Vector3f& v) { return {v.x(), v.y(), v.z()}; }
-Vector3 ToWire(const physics::Vector3d& v) { return ToWire(Vector3f(v.cast<float>())); }
 protocol::wire::Vec3 ToMessage(const physics::Vector3d& v) {
   const Vector3 w = ToWire(v);
   return {w.x, w.y, w.z};
@@ -91,6 +89,11 @@ std::vector<std::array<std::uint16_t, 2>> FindEdges(const physics::Blueprint& bl
 }
 
 }  // namespace
+
+Vector3 ToWire(const physics::Vector3d& v) {
+  const Vector3f single = v.cast<float>();
+  return {single.x(), single.y(), single.z()};
+}
 
 CapturedBlueprint CaptureBlueprint(const physics::Blueprint& blueprint,
                                    std::span<const std::vector<std::uint8_t>> bases, const BlueprintTags& tags) {

@@ -21,6 +21,9 @@ namespace wobble::server {
 // and its shapes take three times the bits.
 using Bases = std::vector<std::vector<std::uint8_t>>;
 
+// Rounds a vector to the wire's single precision.
+[[nodiscard]] protocol::Vector3 ToWire(const physics::Vector3d& v);
+
 // A body as clients are to see it: pose and vertices in the world's frame, m.
 struct CapturedBody {
   std::uint32_t body = 0;
