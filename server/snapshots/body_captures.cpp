@@ -1,6 +1,7 @@
 #include "server/snapshots/body_captures.h"
 
 namespace wobble::server {
+
 void BodyCaptures::Follow(const physics::World& world) {
   if (m_removals != world.CountRemovals()) DropRemoved(world);
   const std::span<const physics::Body> present = world.Bodies();
