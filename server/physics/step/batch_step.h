@@ -18,12 +18,12 @@ template <class Real>
 // Reused from batch to batch.
 template <class Real>
 struct BatchScratch {
-  IslandScratch<Real> island;
+  SystemScratch<Real> system;
   std::vector<std::uint32_t> order;  // of the members, those of one blueprint behind one another
   std::vector<Pack<Real>> packs;
   std::deque<PackScratch<Real>> packScratches;  // as many as the largest batch so far had packs
   // Of a part that has to be stepped again, alone.
-  IslandScratch<Real> again;
+  SystemScratch<Real> again;
   std::vector<ContactPair<Real>> contactPairsAgain;
 
   // For so many bodies with so many vertices in all, the largest with mostVertices.
@@ -31,10 +31,10 @@ struct BatchScratch {
 };
 
 // As StepIsland, for several islands at once that all begin with `substeps`: members and contact pairs of one are a
-// part, and outcomes has one a part. The parts cover all members and contact pairs, in their order.
+// part, and outcomes has one a island. The islands cover all members and contact pairs, in their order.
 template <class Real>
 void StepBatch(std::span<Member<Real>* const> members, std::span<const ContactPair<Real>> contactPairs,
-               std::span<const Part> parts, int substeps, const StepRules& rules,
+               std::span<const Island> islands, int substeps, const StepRules& rules,
                std::span<const SweepKernel<Real>> kernels, Threads* threads, BatchScratch<Real>& scratch,
                std::span<IslandOutcome> outcomes);
 

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "server/physics/methods/step_choice.h"
-#include "server/physics/step/island.h"
+#include "server/physics/step/body_system.h"
 #include "server/physics/step/island_health.h"
 #include "server/physics/step/sleep.h"
 #include "server/physics/step/substeps.h"
@@ -45,36 +45,36 @@ class IslandTick {
       : m_members(members), m_rules(rules), m_checkEnergy(HasEnergyAccount(members)) {}
 
   // Of a try in so many substeps, which noted each member's error: those of the next try, for which the members stand
-  // where the tick began, or 0 when there is to be none. part: the members in that island.
-  [[nodiscard]] int Judge(const Island<Real>& island, const Part& part, int substeps) {
+  // where the tick began, or 0 when there is to be none. part: the members in that system.
+  [[nodiscard]] int Judge(const BodySystem<Real>& system, const Island& island, int substeps) {
     m_outcome.substeps = substeps;
     m_outcome.allSubsteps += substeps;
-    const int next = FindNext(island, part, substeps);
-    if (next > 0) island.StartAgain(part);
+    const int next = FindNext(system, island, substeps);
+    if (next > 0) system.StartAgain(island);
     return next;
   }
 
   // After the last try.
-  IslandOutcome Finish(const Island<Real>& island, const Part& part) const {
-    for (std::size_t i = part.memberBegin; i < part.memberEnd; ++i) {
-      Member<Real>& member = *island.Members()[i];
+  IslandOutcome Finish(const BodySystem<Real>& system, const Island& island) const {
+    for (std::size_t i = island.memberBegin; i < island.memberEnd; ++i) {
+      Member<Real>& member = *system.Members()[i];
       member.speed = std::sqrt(2 * member.after.kineticEnergy / member.blueprint->totalMass);
       member.acceleration =
           member.speed < kQuietSpeed
-              ? FindRmsOfDifference<Real>(island.PartOf(island.Velocities(), i), member.state->velocities) /
+              ? FindRmsOfDifference<Real>(system.SliceOf(system.Velocities(), i), member.state->velocities) /
                     m_rules.duration
               : std::numeric_limits<double>::infinity();
     }
-    island.Scatter(part);
+    system.Scatter(island);
     return m_outcome;
   }
 
  private:
   // What has become of the bodies in a try that is not to count says nothing of them.
-  int FindNext(const Island<Real>& island, const Part& part, int substeps) {
+  int FindNext(const BodySystem<Real>& system, const Island& island, int substeps) {
     const int finer = m_redos++ < kMaxRedos ? FindFinerSubsteps(substeps) : 0;
-    if (finer > 0 || !FindBadMembers(island, part, m_checkEnergy)) return finer;
-    return m_rescues++ < kMaxRescues && !BlameThoseWhoBeganBad(island, part) ? 2 * substeps : 0;
+    if (finer > 0 || !FindBadMembers(system, island, m_checkEnergy)) return finer;
+    return m_rescues++ < kMaxRescues && !BlameThoseWhoBeganBad(system, island) ? 2 * substeps : 0;
   }
 
   // More substeps for a tick that missed its error by far; 0 when none did, or none are to be had.

@@ -78,15 +78,15 @@ void PackScratch<Real>::Reserve(std::size_t vertices) {
 }
 
 template <class Real>
-Pack<Real>::Pack(const Island<Real>& island, std::span<const std::uint32_t> whose, bool byRows,
+Pack<Real>::Pack(const BodySystem<Real>& system, std::span<const std::uint32_t> whose, bool byRows,
                  std::span<const SweepKernel<Real>> kernels, PackScratch<Real>& scratch)
-    : m_island(island),
+    : m_system(system),
       m_whose(whose),
-      m_body(island.Members()[whose[0]]->blueprint->template Read<Real>()),
-      m_plan(island.Members()[whose[0]]->blueprint->template ReadPlan<Real>()),
-      m_grid(island.Members()[whose[0]]->blueprint->template ReadGridPlan<Real>()),
+      m_body(system.Members()[whose[0]]->blueprint->template Read<Real>()),
+      m_plan(system.Members()[whose[0]]->blueprint->template ReadPlan<Real>()),
+      m_grid(system.Members()[whose[0]]->blueprint->template ReadGridPlan<Real>()),
       m_byRows(byRows),
-      m_isCut(IsCut(*island.Members()[whose[0]])),
+      m_isCut(IsCut(*system.Members()[whose[0]])),
       m_tables(m_plan.Tables()),
       m_gridTables(m_grid.Tables(m_grid.coefficients)),
       m_kernel(FindNarrowest(kernels, byRows ? m_grid.columns : whose.size())),
@@ -251,9 +251,9 @@ void Pack<Real>::LeaveTornOut() {
 }
 
 template <class Real>
-void Pack<Real>::CopyRowsToIsland(int stage) const {
-  Vector3<Real>* x = m_island.PartOf(m_island.Positions(), m_whose[0]).data();
-  Vector3<Real>* v = m_island.PartOf(m_island.Velocities(), m_whose[0]).data();
+void Pack<Real>::CopyRowsToSystem(int stage) const {
+  Vector3<Real>* x = m_system.SliceOf(m_system.Positions(), m_whose[0]).data();
+  Vector3<Real>* v = m_system.SliceOf(m_system.Velocities(), m_whose[0]).data();
   const Real* row = NumbersOf(stage);
   for (std::size_t vertex = 0; vertex < m_body.masses.size(); row += 6 * m_width) {
     for (std::size_t column = 0; column < m_grid.columns; ++column, ++vertex) {
@@ -268,14 +268,14 @@ void Pack<Real>::CopyRowsToIsland(int stage) const {
 // As it was filled, but in the order of vertices: what is put behind one is overwritten by the next, and the last has
 // nothing behind that is this body's.
 template <class Real>
-void Pack<Real>::CopyToIsland(int stage) const {
-  if (m_byRows) return CopyRowsToIsland(stage);
+void Pack<Real>::CopyToSystem(int stage) const {
+  if (m_byRows) return CopyRowsToSystem(stage);
   std::array<Real*, kWidestPack> x{};
   std::array<Real*, kWidestPack> v{};
   const std::size_t bodies = m_whose.size();
   for (std::size_t lane = 0; lane < bodies; ++lane) {
-    x[lane] = m_island.PartOf(m_island.Positions(), m_whose[lane]).data()->data();
-    v[lane] = m_island.PartOf(m_island.Velocities(), m_whose[lane]).data()->data();
+    x[lane] = m_system.SliceOf(m_system.Positions(), m_whose[lane]).data()->data();
+    v[lane] = m_system.SliceOf(m_system.Velocities(), m_whose[lane]).data()->data();
   }
   const Real* const numbers = NumbersOf(stage);
   const std::size_t last = m_tables.count - 1;
@@ -358,7 +358,7 @@ void Pack<Real>::EndStep(double step, double timeLeft, bool isFirst) {
 
 template <class Real>
 void Pack<Real>::EndTry() const {
-  CopyToIsland(0);
+  CopyToSystem(0);
   m_scratch.planes.WriteBack();
   m_scratch.contacts.WriteBack();
   for (std::size_t lane = 0; lane < m_whose.size(); ++lane) {

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "server/physics/lanes/kernels.h"
-#include "server/physics/step/island.h"
+#include "server/physics/step/body_system.h"
 #include "server/physics/step/pack_contacts.h"
 #include "server/physics/step/pack_planes.h"
 
@@ -58,13 +58,13 @@ template <class Real>
 template <class Real>
 class Pack {
  public:
-  // whose: members of the island, by their places there, all of one blueprint and all cut or none; at most as many as
+  // whose: members of the system, by their places there, all of one blueprint and all cut or none; at most as many as
   // the widest kernel has lanes, and by rows one. Filled from their states.
-  Pack(const Island<Real>& island, std::span<const std::uint32_t> whose, bool byRows,
+  Pack(const BodySystem<Real>& system, std::span<const std::uint32_t> whose, bool byRows,
        std::span<const SweepKernel<Real>> kernels, PackScratch<Real>& scratch);
 
-  // The four stages of a step of h s, each in two parts: first the forces of what stands still and of pushes, to which
-  // others may be added, then the sweep.
+  // The four stages of a step of h s, each in two islands: first the forces of what stands still and of pushes, to
+  // which others may be added, then the sweep.
   void BeginStage(int stage);
   // Of BeginStage's positions; vertex: of the body that is whose[lane].
   void AddOuterForce(std::size_t lane, std::size_t vertex, const Vector3<Real>& force) {
@@ -78,7 +78,7 @@ class Pack {
   void EndTry() const;
 
   // Positions and velocities at which `stage` will be swept to the island's arrays; after the fourth: stage 0.
-  void CopyToIsland(int stage) const;
+  void CopyToSystem(int stage) const;
 
   [[nodiscard]] std::span<const std::uint32_t> Whose() const { return m_whose; }
 
@@ -91,7 +91,7 @@ class Pack {
   void LoadVertices();
   void LoadRows();
   void LeaveTornOut();
-  void CopyRowsToIsland(int stage) const;
+  void CopyRowsToSystem(int stage) const;
   void AddPlaneForces(const Real* from);
   void AddUnbulkedForces(std::size_t lane, const Real* from);
   void AddToSeat(const PackSeat& seat, const Vector3<Real>& force) {
@@ -107,7 +107,7 @@ class Pack {
   void AddErrors(const Real* sums, double weight);
   void UpdateAllAnchors();
 
-  [[nodiscard]] Member& MemberIn(std::size_t lane) const { return *m_island.Members()[m_whose[lane]]; }
+  [[nodiscard]] Member& MemberIn(std::size_t lane) const { return *m_system.Members()[m_whose[lane]]; }
   // Rows leave out what has torn.
   [[nodiscard]] bool HasWhole() const { return (m_plan.tears || m_isCut) && !m_byRows; }
   [[nodiscard]] PackSeat FindSeat(std::size_t lane, std::size_t vertex) const {
@@ -116,7 +116,7 @@ class Pack {
   }
   [[nodiscard]] const Real* NumbersOf(int stage) const { return stage == 0 ? m_lanes.state : m_lanes.stage; }
 
-  const Island<Real>& m_island;
+  const BodySystem<Real>& m_system;
   std::span<const std::uint32_t> m_whose;
   const Coefficients<Real>& m_body;
   const SweepPlan<Real>& m_plan;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "server/physics/lanes/contact_lanes.h"
-#include "server/physics/step/island_step.h"
+#include "server/physics/step/member.h"
 #include "server/physics/step/pack_planes.h"
 
 namespace wobble::physics {

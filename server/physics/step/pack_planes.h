@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "server/physics/lanes/plane_lanes.h"
-#include "server/physics/step/island_step.h"
+#include "server/physics/step/member.h"
 
 namespace wobble::physics {
 

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "server/physics/step/body.h"
-#include "server/physics/step/island_step.h"
+#include "server/physics/step/member.h"
 
 namespace wobble::physics {
 

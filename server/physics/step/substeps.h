@@ -5,7 +5,7 @@
 #include <span>
 
 #include "server/physics/model/integrator.h"
-#include "server/physics/step/island_step.h"
+#include "server/physics/step/member.h"
 
 namespace wobble::physics {
 

@@ -8,6 +8,7 @@
 #include "server/physics/shapes/pair.h"
 #include "server/physics/shapes/ring.h"
 #include "server/physics/shapes/tear.h"
+#include "server/physics/step/island_step.h"
 #include "server/physics/step/substeps.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
@@ -60,22 +61,22 @@ struct Bodies {
   std::vector<std::size_t> StepInLanes(int width) {
     std::vector<std::size_t> stepped;
     std::vector<Member<Real>*> together;
-    std::vector<Part> parts;
+    std::vector<Island> islands;
     const int substeps = FindSubsteps(0);
     for (std::size_t i = 0; i < members.size() && together.size() < static_cast<std::size_t>(width); ++i) {
       if (FindSubsteps(i) != substeps) continue;
       stepped.push_back(i);
       together.push_back(&members[i]);
-      parts.push_back({parts.size(), parts.size() + 1, 0, 0});
+      islands.push_back({.memberBegin = islands.size(), .memberEnd = islands.size() + 1});
     }
     std::array<IslandOutcome, kWidestPack> outcomes;
-    StepBatch<Real>(together, {}, parts, substeps, kRules, FindSweepKernels<Real>(width), nullptr, scratch, outcomes);
+    StepBatch<Real>(together, {}, islands, substeps, kRules, FindSweepKernels<Real>(width), nullptr, scratch, outcomes);
     return stepped;
   }
 
   void StepPlainly(std::size_t i) {
     Member<Real>* member = &members[i];
-    StepIsland<Real>({&member, 1}, {}, FindSubsteps(i), kRules, nullptr, scratch.island);
+    StepIsland<Real>({&member, 1}, {}, FindSubsteps(i), kRules, nullptr, scratch.system);
   }
 
   int FindSubsteps(std::size_t i) {
@@ -172,6 +173,7 @@ TYPED_TEST(BatchStepTest, GivesTheSameBitsInAnyLaneOfAnyWidth) {
   using Real = TypeParam;
   for (const Blueprint& kind : MakeKinds()) {
     Bodies<Real> alone(kind, 16);
+    const Island island{.memberEnd = 1};
     std::vector<bool> known(16, false);
     for (const SweepKernel<Real>& kernel : FindSweepKernels<Real>(kWidestPack)) {
       Bodies<Real> together(kind, 16);
@@ -179,8 +181,7 @@ TYPED_TEST(BatchStepTest, GivesTheSameBitsInAnyLaneOfAnyWidth) {
         Member<Real>* member = &alone.members[i];
         std::array<IslandOutcome, kWidestPack> outcomes;
         if (!known[i]) {
-          const Part part{0, 1, 0, 0};
-          StepBatch<Real>({&member, 1}, {}, {&part, 1}, alone.FindSubsteps(i), kRules, FindSweepKernels<Real>(1),
+          StepBatch<Real>({&member, 1}, {}, {&island, 1}, alone.FindSubsteps(i), kRules, FindSweepKernels<Real>(1),
                           nullptr, alone.scratch, outcomes);
         }
         known[i] = true;

@@ -1,4 +1,4 @@
-// Contacts between the members of a island, all in one list, so that their forces come as many at a time as a vector
+// Contacts between the members of a system, all in one list, so that their forces come as many at a time as a vector
 // has lanes. They are computed first and added up member by member afterwards: so bodies that share neighbours can be
 // worked on at the same time, and every sum still has its one order.
 #pragma once
@@ -10,13 +10,9 @@
 #include "server/physics/contact/body_contact.h"
 #include "server/physics/lanes/body_contact_lanes.h"
 #include "server/physics/model/parallel.h"
+#include "server/physics/step/member.h"
 
 namespace wobble::physics {
-
-template <class Real>
-struct Member;
-template <class Real>
-struct ContactPair;
 
 // Of one member's vertices, local coordinates: m, m/s.
 template <class Real>
@@ -26,7 +22,7 @@ struct Motion {
 };
 
 template <class Real>
-class IslandContacts {
+class SystemContacts {
  public:
   // Room for so many contacts, between so many bodies.
   void Reserve(std::size_t contacts, std::size_t bodies);

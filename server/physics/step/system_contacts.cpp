@@ -4,12 +4,11 @@
 //
 // The contact pairs' lists are kept up to date after every substep, so that all who look at contacts between ticks,
 // tries and energies see them as the plain code would have left them.
-#include "server/physics/step/island_contacts.h"
+#include "server/physics/step/system_contacts.h"
 
 #include <bit>
 
 #include "server/physics/lanes/contact_limits.h"
-#include "server/physics/step/island_step.h"
 
 namespace wobble::physics {
 namespace {
@@ -28,7 +27,7 @@ void Gather(std::span<const Vector3<Real>> values, std::uint16_t index, std::siz
 }  // namespace
 
 template <class Real>
-void IslandContacts<Real>::Reserve(std::size_t contacts, std::size_t bodies) {
+void SystemContacts<Real>::Reserve(std::size_t contacts, std::size_t bodies) {
   const std::size_t blocks = contacts / kContactsInBlock + 1;
   m_sides.reserve(16 * bodies);  // seldom has a body more than eight neighbours
   m_sidesOf.reserve(32 * bodies);
@@ -40,7 +39,7 @@ void IslandContacts<Real>::Reserve(std::size_t contacts, std::size_t bodies) {
 }
 
 template <class Real>
-void IslandContacts<Real>::Build(std::span<const ContactPair<Real>> contactPairs,
+void SystemContacts<Real>::Build(std::span<const ContactPair<Real>> contactPairs,
                                  std::span<Member<Real>* const> members, const BodyContactKernel<Real>& kernel) {
   m_kernel = kernel;
   m_sides.clear();
@@ -64,7 +63,7 @@ void IslandContacts<Real>::Build(std::span<const ContactPair<Real>> contactPairs
 }
 
 template <class Real>
-void IslandContacts<Real>::ListSidesOfMembers(std::size_t members) {
+void SystemContacts<Real>::ListSidesOfMembers(std::size_t members) {
   m_sidesBegin.assign(members + 1, 0);
   for (const Side& side : m_sides) {
     ++m_sidesBegin[side.ofVertices + 1U];
@@ -82,7 +81,7 @@ void IslandContacts<Real>::ListSidesOfMembers(std::size_t members) {
 }
 
 template <class Real>
-void IslandContacts<Real>::WriteConstants(std::size_t contact) {
+void SystemContacts<Real>::WriteConstants(std::size_t contact) {
   BodyContactBlock<Real>& block = m_blocks[contact / kContactsInBlock];
   const std::size_t lane = contact % kContactsInBlock;
   const Side& side = m_sides[m_entries[contact].side];
@@ -103,12 +102,12 @@ void IslandContacts<Real>::WriteConstants(std::size_t contact) {
 }
 
 template <class Real>
-void IslandContacts<Real>::ReadLists() {
+void SystemContacts<Real>::ReadLists() {
   for (std::size_t contact = 0; contact < m_entries.size(); ++contact) ReadList(contact);
 }
 
 template <class Real>
-void IslandContacts<Real>::ReadList(std::size_t contact) {
+void SystemContacts<Real>::ReadList(std::size_t contact) {
   BodyContactBlock<Real>& block = m_blocks[contact / kContactsInBlock];
   const std::size_t lane = contact % kContactsInBlock;
   const BodyContact<Real>& known = ContactOf(contact);
@@ -127,7 +126,7 @@ void IslandContacts<Real>::ReadList(std::size_t contact) {
 }
 
 template <class Real>
-void IslandContacts<Real>::WriteList(std::size_t contact, bool armed, bool touching) {
+void SystemContacts<Real>::WriteList(std::size_t contact, bool armed, bool touching) {
   BodyContactBlock<Real>& block = m_blocks[contact / kContactsInBlock];
   const std::size_t lane = contact % kContactsInBlock;
   BodyContact<Real>& known = ContactOf(contact);
@@ -146,7 +145,7 @@ void IslandContacts<Real>::WriteList(std::size_t contact, bool armed, bool touch
 // By ranges of blocks: one alone is too little to hand to another thread.
 template <class Real>
 template <class Visit>
-void IslandContacts<Real>::ForEachBlock(Threads* threads, const Visit& visit) const {
+void SystemContacts<Real>::ForEachBlock(Threads* threads, const Visit& visit) const {
   const std::size_t count = m_blocks.size();
   const auto visitRange = [&](std::size_t range) {
     const std::size_t end = std::min(count, (range + 1) * kBlocksAtOnce);
@@ -161,7 +160,7 @@ void IslandContacts<Real>::ForEachBlock(Threads* threads, const Visit& visit) co
 }
 
 template <class Real>
-Meeting<Real> IslandContacts<Real>::Meet(const Side& side, std::span<const Motion<Real>> motions) const {
+Meeting<Real> SystemContacts<Real>::Meet(const Side& side, std::span<const Motion<Real>> motions) const {
   Meeting<Real> meeting = side.meeting;
   meeting.x = motions[side.ofVertices].x;
   meeting.v = motions[side.ofVertices].v;
@@ -171,7 +170,7 @@ Meeting<Real> IslandContacts<Real>::Meet(const Side& side, std::span<const Motio
 }
 
 template <class Real>
-void IslandContacts<Real>::GatherPoints(std::size_t block, std::span<const Motion<Real>> motions,
+void SystemContacts<Real>::GatherPoints(std::size_t block, std::span<const Motion<Real>> motions,
                                         BodyContactPoints<Real>& points) const {
   const std::size_t count = CountInBlock(block);
   for (std::size_t lane = 0; lane < count; ++lane) {
@@ -189,7 +188,7 @@ void IslandContacts<Real>::GatherPoints(std::size_t block, std::span<const Motio
 }
 
 template <class Real>
-void IslandContacts<Real>::GatherAcross(std::size_t block, std::span<const Motion<Real>> motions,
+void SystemContacts<Real>::GatherAcross(std::size_t block, std::span<const Motion<Real>> motions,
                                         BodyContactPoints<Real>& points) const {
   const std::size_t count = CountInBlock(block);
   for (std::size_t lane = 0; lane < count; ++lane) {
@@ -200,12 +199,12 @@ void IslandContacts<Real>::GatherAcross(std::size_t block, std::span<const Motio
 }
 
 template <class Real>
-void IslandContacts<Real>::ComputeForces(std::span<const Motion<Real>> motions, Threads* threads) {
+void SystemContacts<Real>::ComputeForces(std::span<const Motion<Real>> motions, Threads* threads) {
   ForEachBlock(threads, [&](std::size_t block) { ComputeForcesOf(block, motions); });
 }
 
 template <class Real>
-void IslandContacts<Real>::ComputeForcesOf(std::size_t block, std::span<const Motion<Real>> motions) {
+void SystemContacts<Real>::ComputeForcesOf(std::size_t block, std::span<const Motion<Real>> motions) {
   BodyContactPoints<Real> points;
   if (CountInBlock(block) < kContactsInBlock) points = {};
   GatherPoints(block, motions, points);
@@ -217,7 +216,7 @@ void IslandContacts<Real>::ComputeForcesOf(std::size_t block, std::span<const Mo
 }
 
 template <class Real>
-void IslandContacts<Real>::ComputeForceOfLeft(std::size_t contact, std::span<const Motion<Real>> motions) {
+void SystemContacts<Real>::ComputeForceOfLeft(std::size_t contact, std::span<const Motion<Real>> motions) {
   const Side& side = m_sides[m_entries[contact].side];
   ContactForce<Real> force;
   ComputeBodyContacts<Real>(side.parameters, Meet(side, motions), {&ContactOf(contact), 1}, {&force, 1});
@@ -231,12 +230,12 @@ void IslandContacts<Real>::ComputeForceOfLeft(std::size_t contact, std::span<con
 }
 
 template <class Real>
-void IslandContacts<Real>::Update(std::span<const Motion<Real>> motions, Real h, Threads* threads) {
+void SystemContacts<Real>::Update(std::span<const Motion<Real>> motions, Real h, Threads* threads) {
   ForEachBlock(threads, [&](std::size_t block) { Update(block, motions, h); });
 }
 
 template <class Real>
-void IslandContacts<Real>::Update(std::size_t block, std::span<const Motion<Real>> motions, Real h) {
+void SystemContacts<Real>::Update(std::size_t block, std::span<const Motion<Real>> motions, Real h) {
   BodyContactPoints<Real> points;
   if (CountInBlock(block) < kContactsInBlock) points = {};
   GatherPoints(block, motions, points);
@@ -254,7 +253,7 @@ void IslandContacts<Real>::Update(std::size_t block, std::span<const Motion<Real
   }
 }
 
-template class IslandContacts<float>;
-template class IslandContacts<double>;
+template class SystemContacts<float>;
+template class SystemContacts<double>;
 
 }  // namespace wobble::physics

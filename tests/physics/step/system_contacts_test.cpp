@@ -1,5 +1,6 @@
-// The bulk of island_contacts.h and of the search firstst plain code, and every width firstst every other.
-#include "server/physics/step/island_contacts.h"
+// Tests the kernels of system_contacts.h and of the contact search against plain code, and every width against every
+// other.
+#include "server/physics/step/system_contacts.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +10,7 @@
 
 #include "server/physics/lanes/kernels.h"
 #include "server/physics/shapes/cloth.h"
-#include "server/physics/step/island_step.h"
+#include "server/physics/step/member.h"
 #include "tests/physics/bodies.h"
 
 namespace wobble::physics {
@@ -123,7 +124,7 @@ struct Pile {
     return sums;
   }
 
-  std::vector<std::vector<Vector3<Real>>> AddUp(const IslandContacts<Real>& contacts) const {
+  std::vector<std::vector<Vector3<Real>>> AddUp(const SystemContacts<Real>& contacts) const {
     auto sums = MakeSums();
     for (std::size_t i = 0; i < sums.size(); ++i) {
       contacts.VisitForcesOn(i, [&](std::size_t vertex, const Vector3<Real>& force) { sums[i][vertex] += force; });
@@ -186,18 +187,18 @@ void ExpectTheSame(const Pile<Real>& a, const Pile<Real>& b, Real tolerance) {
 }
 
 template <class Real>
-class IslandContactsTest : public testing::Test {};
+class SystemContactsTest : public testing::Test {};
 using Precisions = testing::Types<float, double>;
-TYPED_TEST_SUITE(IslandContactsTest, Precisions);
+TYPED_TEST_SUITE(SystemContactsTest, Precisions);
 
-TYPED_TEST(IslandContactsTest, TheBulkDoesWhatThePlainCodeDoes) {
+TYPED_TEST(SystemContactsTest, TheBulkDoesWhatThePlainCodeDoes) {
   using Real = TypeParam;
   const Real epsilon = std::numeric_limits<Real>::epsilon();
   for (const SweepKernel<Real>& kernel : FindSweepKernels<Real>(kWidestPack)) {
     Pile<Real> bulk(kernel.points);
     Pile<Real> plain(kernel.points);
     ASSERT_GT(bulk.CountContacts(), 60U);
-    IslandContacts<Real> contacts;
+    SystemContacts<Real> contacts;
     contacts.Build(bulk.contactPairs, bulk.pointers, kernel.bodyContacts);
     for (int substep = 0; substep < 4; ++substep) {
       contacts.ComputeForces(bulk.Motions(), nullptr);
@@ -222,16 +223,16 @@ TYPED_TEST(IslandContactsTest, TheBulkDoesWhatThePlainCodeDoes) {
   }
 }
 
-TYPED_TEST(IslandContactsTest, EveryWidthGivesTheSameBits) {
+TYPED_TEST(SystemContactsTest, EveryWidthGivesTheSameBits) {
   using Real = TypeParam;
   const auto kernels = FindSweepKernels<Real>(kWidestPack);
-  IslandContacts<Real> ofFirst;
+  SystemContacts<Real> ofFirst;
   Threads threads(2);
   for (const SweepKernel<Real>& kernel : kernels) {
     Pile<Real> other(kernel.points);
     Pile<Real> first(kernels[0].points);
     ExpectTheSame<Real>(first, other, 0);
-    IslandContacts<Real> contacts;
+    SystemContacts<Real> contacts;
     contacts.Build(other.contactPairs, other.pointers, kernel.bodyContacts);
     ofFirst.Build(first.contactPairs, first.pointers, kernels[0].bodyContacts);
     for (int substep = 0; substep < 4; ++substep) {
@@ -248,12 +249,12 @@ TYPED_TEST(IslandContactsTest, EveryWidthGivesTheSameBits) {
 }
 
 // A tick that is stepped again finds its lists as they were.
-TYPED_TEST(IslandContactsTest, ReadsListsThatOthersHaveChanged) {
+TYPED_TEST(SystemContactsTest, ReadsListsThatOthersHaveChanged) {
   using Real = TypeParam;
   const SweepKernel<Real>& kernel = FindSweepKernels<Real>(kWidestPack).back();
   Pile<Real> pile(kernel.points);
   const auto lists = pile.lists;
-  IslandContacts<Real> contacts;
+  SystemContacts<Real> contacts;
   contacts.Build(pile.contactPairs, pile.pointers, kernel.bodyContacts);
   contacts.ComputeForces(pile.Motions(), nullptr);
   const auto before = pile.AddUp(contacts);
@@ -264,7 +265,7 @@ TYPED_TEST(IslandContactsTest, ReadsListsThatOthersHaveChanged) {
   EXPECT_EQ(pile.AddUp(contacts), before);
 }
 
-TYPED_TEST(IslandContactsTest, FindsPointsAsALoopOverAllDoes) {
+TYPED_TEST(SystemContactsTest, FindsPointsAsALoopOverAllDoes) {
   using Real = TypeParam;
   const Blueprint ball = MakeBall(MakeMeasuredBall());
   const State<Real> state = MakeState<Real>(ball, Vector3d::Zero(), Vector3d::Zero());
