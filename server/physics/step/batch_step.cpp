@@ -1,3 +1,6 @@
+// The tries of a batch differ from those of batch_step's plain counterpart (island_step.cpp) only in how they
+// integrate; both ask IslandTick what to do next. Only the first try is shared by the whole batch: an island that has
+// to be stepped again, which few do, each with its own number of substeps, gets packs of its own.
 #include "server/physics/step/batch_step.h"
 
 #include <algorithm>
@@ -9,7 +12,7 @@
 namespace wobble::physics {
 namespace {
 
-// One try of a tick of all members of a system.
+// Integrates one try of a tick for all members of a system, in packs.
 template <class Real>
 class LaneStepping {
  public:
@@ -18,15 +21,16 @@ class LaneStepping {
     FillPacks(kernels, scratch);
   }
 
-  // Leaves positions and velocities in the system, errors in the members.
+  // Integrates through `duration` s. Results: positions and velocities in the system's arrays, errors,
+  // Member::insideOut and contacts in the members.
   void Integrate(double duration, int substeps) {
     for (Member<Real>* member : m_system.Members()) member->error = 0;
     if (m_system.ContactPairs().empty()) {
-      m_system.ForEach(m_packs.size(), [&](std::size_t i) { IntegrateAlone(m_packs[i], duration, substeps); });
+      ForEachPack([&](auto& pack) { IntegrateAlone(pack, duration, substeps); });
     } else {
       IntegrateTogether(duration, substeps);
     }
-    m_system.ForEach(m_packs.size(), [&](std::size_t i) { m_packs[i].EndTry(); });
+    ForEachPack([](const auto& pack) { pack.EndTry(); });
     for (Member<Real>* member : m_system.Members()) member->error *= kErrorShare / substeps;
   }
 
@@ -49,17 +53,30 @@ class LaneStepping {
       const bool cut = isCut(order[begin]);
       std::size_t end = begin + 1;
       while (end < order.size() && blueprintOf(order[end]) == blueprint && isCut(order[end]) == cut) ++end;
-      const bool byRows = GoesByRows<Real>(*blueprint, cut ? 1 : end - begin);  // a rare term: one way always
+      // A cut body has a rare term, so that it must go the same way however many are cut: as if it were alone.
+      const bool byRows = GoesByRows<Real>(*blueprint, cut ? 1 : end - begin);
       end = std::min(end, begin + (byRows ? 1 : widest));
       if (scratch.packScratches.size() == m_packs.size()) scratch.packScratches.emplace_back();
-      m_packs.emplace_back(m_system, order.subspan(begin, end - begin), byRows, kernels,
-                           scratch.packScratches[m_packs.size()]);
+      PackScratch<Real>& packScratch = scratch.packScratches[m_packs.size()];
+      const PackBodies<Real> bodies{.system = m_system, .whose = order.subspan(begin, end - begin)};
+      if (byRows) {
+        m_packs.emplace_back(std::in_place_type<RowPack<Real>>, bodies, kernels, packScratch);
+      } else {
+        m_packs.emplace_back(std::in_place_type<LanePack<Real>>, bodies, kernels, packScratch);
+      }
       begin = end;
     }
   }
 
-  // From beginning to end, while it is in the cache.
-  static void IntegrateAlone(Pack<Real>& pack, double duration, int substeps) {
+  // Calls visit(pack) once for each pack, on any thread.
+  template <class Visit>
+  void ForEachPack(const Visit& visit) {
+    m_system.ForEach(m_packs.size(), [&](std::size_t i) { std::visit(visit, m_packs[i]); });
+  }
+
+  // A pack through all substeps in one go, while it is in the cache.
+  template <class OnePack>
+  static void IntegrateAlone(OnePack& pack, double duration, int substeps) {
     const double step = duration / substeps;
     for (int substep = 0; substep < substeps; ++substep) {
       for (int stage = 0; stage < 4; ++stage) {
@@ -70,29 +87,30 @@ class LaneStepping {
     }
   }
 
-  // The island's arrays hold what a stage is computed at, for the contacts between its members.
+  // The system's arrays hold the positions and velocities that a stage is computed at, for the contacts between
+  // members.
   void IntegrateTogether(double duration, int substeps) {
     const double step = duration / substeps;
     m_system.Gather(m_system.All());
     for (int substep = 0; substep < substeps; ++substep) {
       for (int stage = 0; stage < 4; ++stage) StepStage(stage, static_cast<Real>(step));
-      m_system.ForEach(m_packs.size(), [&](std::size_t i) {
-        m_packs[i].EndStep(step, duration - substep * step, substep == 0);
-        m_packs[i].CopyToSystem(0);
+      ForEachPack([&](auto& pack) {
+        pack.EndStep(step, duration - substep * step, substep == 0);
+        pack.CopyToSystem(0);
       });
       m_system.UpdateAllBodyContacts(m_system.Positions(), m_system.Velocities(), static_cast<Real>(step));
     }
   }
 
-  // Where the first stage is computed, the substep before has left in the island's arrays.
+  // The positions of stage 0 are in the system's arrays already: Gather or the substep before put them there.
   void StepStage(int stage, Real h) {
-    if (stage > 0) m_system.ForEach(m_packs.size(), [&](std::size_t i) { m_packs[i].CopyToSystem(stage); });
+    if (stage > 0) ForEachPack([&](const auto& pack) { pack.CopyToSystem(stage); });
     m_system.ComputeAllBodyContacts(m_system.Positions(), m_system.Velocities());
-    m_system.ForEach(m_packs.size(), [&](std::size_t i) {
-      Pack<Real>& pack = m_packs[i];
+    ForEachPack([&](auto& pack) {
       pack.BeginStage(stage);
-      for (std::size_t lane = 0; lane < pack.Whose().size(); ++lane) {
-        m_system.VisitContactForces(pack.Whose()[lane], [&pack, lane](std::size_t vertex, const Vector3<Real>& force) {
+      const std::span<const std::uint32_t> whose = pack.Bodies().whose;
+      for (std::size_t lane = 0; lane < whose.size(); ++lane) {
+        m_system.VisitContactForces(whose[lane], [&pack, lane](std::size_t vertex, const Vector3<Real>& force) {
           pack.AddOuterForce(lane, vertex, force);
         });
       }
@@ -101,11 +119,10 @@ class LaneStepping {
   }
 
   const BodySystem<Real>& m_system;
-  std::vector<Pack<Real>>& m_packs;
+  std::vector<AnyPack<Real>>& m_packs;
 };
 
-// The tries after the first of a part, which has the lanes to itself: few are needed, and each has its own number of
-// substeps.
+// The tries of an island after the first.
 template <class Real>
 IslandOutcome StepAgain(const BodySystem<Real>& system, const Island& island, int substeps, const StepRules& rules,
                         IslandTick<Real>& tick, std::span<const SweepKernel<Real>> kernels, Threads* threads,
