@@ -1,6 +1,6 @@
-// The tries of a batch differ from those of batch_step's plain counterpart (island_step.cpp) only in how they
-// integrate; both ask IslandTick what to do next. Only the first try is shared by the whole batch: an island that has
-// to be stepped again, which few do, each with its own number of substeps, gets packs of its own.
+// Differs from the plain step (island_step.cpp) only in how a try is integrated; both ask IslandTick what to do next.
+// Only the first try is shared by the whole batch: the few islands that have to be stepped again, each with its own
+// number of substeps, get packs of their own.
 #include "server/physics/step/batch_step.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Energy is judged for the island as a whole, since contacts pass it from body to body; the body that gained most is
+// blamed.
 #include "server/physics/step/island_health.h"
 
 #include <algorithm>
@@ -5,13 +7,13 @@
 namespace wobble::physics {
 namespace {
 
-// Acceleration that the energy check takes for the least in its M g R, m/s²: without gravity a body at rest would have
-// no energy to compare with.
+// Least acceleration g in the scale M g R that the energy check compares a gain with, m/s²: without gravity a body at
+// rest would have no energy to compare with.
 constexpr double kLeastGravity = 1;
 
 struct ElasticChange {
-  double before = 0;  // what springs and contacts held, J
-  double gain = 0;    // of that and of the gas, J
+  double before = 0;  // energy of springs and contacts at the tick's begin, J
+  double gain = 0;    // of springs, contacts and gas in the tick, J
 };
 
 template <class Real>
@@ -43,9 +45,10 @@ ElasticChange FindElasticChange(const BodySystem<Real>& system, const Island& is
   return change;
 }
 
-// The member that gained most when the island as a whole has gained energy from nowhere; null when it has not. Forces
-// that are constant through the tick have a potential, everything else conserves or dissipates. Elastic energies are
-// looked at only where motion has gained so much, so that a quiet tick costs two sums over its vertices.
+// The member that gained most when the island as a whole has gained energy without a source; null when it has not.
+// Forces that are constant through the tick have a potential, all others conserve or dissipate energy. Elastic energies
+// are computed only when the energy of motion alone has gained too much, so that a quiet tick costs two sums over its
+// vertices.
 template <class Real>
 Member<Real>* FindRunaway(const BodySystem<Real>& system, const Island& island) {
   const SystemScratch<Real>& scratch = system.Scratch();
@@ -95,7 +98,7 @@ bool FindBadMembers(const BodySystem<Real>& system, const Island& island, bool c
 }
 
 template <class Real>
-bool BlameThoseWhoBeganBad(const BodySystem<Real>& system, const Island& island) {
+bool BlameMembersBadFromStart(const BodySystem<Real>& system, const Island& island) {
   const auto beganBad = [](const Member<Real>* member) {
     const bool insideOut =
         IsInsideOut<Real>(member->blueprint->template Read<Real>(), std::span(member->state->positions));
@@ -113,7 +116,7 @@ bool BlameThoseWhoBeganBad(const BodySystem<Real>& system, const Island& island)
 
 template bool FindBadMembers<float>(const BodySystem<float>&, const Island&, bool);
 template bool FindBadMembers<double>(const BodySystem<double>&, const Island&, bool);
-template bool BlameThoseWhoBeganBad<float>(const BodySystem<float>&, const Island&);
-template bool BlameThoseWhoBeganBad<double>(const BodySystem<double>&, const Island&);
+template bool BlameMembersBadFromStart<float>(const BodySystem<float>&, const Island&);
+template bool BlameMembersBadFromStart<double>(const BodySystem<double>&, const Island&);
 
 }  // namespace wobble::physics

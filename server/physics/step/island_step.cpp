@@ -1,3 +1,7 @@
+// All members go through each stage together: first the forces of every body by itself, then the contacts between them,
+// then the sum and division by mass (BodySystem::Accelerate). RK4 is written out here member by member rather than
+// taken from methods/runge_kutta.h, so that threads share the members out and each member's error is estimated from its
+// own stages.
 #include "server/physics/step/island_step.h"
 
 #include <algorithm>
@@ -47,7 +51,8 @@ class PlainStepping {
     }
   }
 
-  // As runge_kutta.h does it, member by member, with each one's error estimated as step_choice.h says.
+  // The same step as runge_kutta.h's, with each member's error estimated by step_choice.h's formula. step: s; timeLeft:
+  // of the tick at the step's begin, s; hasBefore: this is not the tick's first step.
   void StepRungeKutta(double step, bool hasBefore, double timeLeft) {
     const auto h = static_cast<Real>(step);
     auto& stages = m_scratch.integrator.stages;
@@ -69,7 +74,7 @@ class PlainStepping {
     });
   }
 
-  // a₄ of the substep before still stands in its place when the first stage of the next one is known.
+  // The buffer of stage 3 still holds a₄ of the substep before when stage 0 of this one has been computed.
   void AddAccelerationErrors(double step, double timeLeft) {
     const auto& accelerations = m_scratch.integrator.stages.accelerations;
     m_system.ForEach(m_system.CountBodies(), [&](std::size_t i) {
@@ -79,6 +84,7 @@ class PlainStepping {
     });
   }
 
+  // Backtracking compares each substep's end with its begin.
   void KeepBefore() {
     const auto members = m_system.Members();
     if (std::none_of(members.begin(), members.end(), [](const auto* member) { return Backtracks(*member); })) return;

@@ -99,7 +99,7 @@ template <class Real, class Layout>
 void Pack<Real, Layout>::LoadContacts() {
   m_scratch.planes.Clear(m_body, m_scratch.hasOuter.size(), m_width);
   m_scratch.contacts.Clear(m_body, m_width);
-  for (std::size_t lane = 0; lane < m_bodies.whose.size() && IsBulkLaw(m_body.contact.law); ++lane) {
+  for (std::size_t lane = 0; lane < m_bodies.whose.size() && HasContactKernel(m_body.contact.law); ++lane) {
     Member& member = m_bodies.MemberIn(lane);
     for (Contact<Real>& contact : member.state->contacts) {
       const Surface<Real>& surface = member.surfaces[contact.surface];
@@ -124,7 +124,7 @@ void Pack<Real, Layout>::BeginStage(int stage) {
     for (const VertexForce<Real>& push : m_bodies.MemberIn(lane).load.pushes) {
       AddOuterForce(lane, push.vertex, push.force);
     }
-    if (!IsBulkLaw(m_body.contact.law)) AddUnbulkedForces(lane, from);
+    if (!HasContactKernel(m_body.contact.law)) AddPlainContactForces(lane, from);
   }
   AddPlaneForces(from);
   if (m_scratch.contacts.IsEmpty()) return;
@@ -145,7 +145,7 @@ void Pack<Real, Layout>::AddPlaneForces(const Real* from) {
 }
 
 template <class Real, class Layout>
-void Pack<Real, Layout>::AddUnbulkedForces(std::size_t lane, const Real* from) {
+void Pack<Real, Layout>::AddPlainContactForces(std::size_t lane, const Real* from) {
   const Member& member = m_bodies.MemberIn(lane);
   const std::vector<Contact<Real>>& contacts = member.state->contacts;
   for (const Contact<Real>& contact : contacts) {
@@ -206,7 +206,7 @@ template <class Real, class Layout>
 void Pack<Real, Layout>::UpdateAllAnchors() {
   if (!m_scratch.planes.IsEmpty()) m_scratch.planes.Update(m_lanes.state, m_layout.Kernel().planes);
   if (!m_scratch.contacts.IsEmpty()) m_scratch.contacts.Update(m_lanes.state);
-  if (IsBulkLaw(m_body.contact.law)) return;
+  if (HasContactKernel(m_body.contact.law)) return;
   for (std::size_t lane = 0; lane < m_bodies.whose.size(); ++lane) {
     const Member& member = m_bodies.MemberIn(lane);
     for (const Contact<Real>& contact : member.state->contacts) CopyVertex(contact.vertex, lane, m_lanes.state);

@@ -55,7 +55,7 @@ struct PackScratch {
   std::vector<std::uint8_t> hasOuter;      // SweepLanes::hasOuter
   std::vector<std::uint32_t> outerPlaces;  // the places where hasOuter is set
   GridRows<Real> tornRows;                 // RowLayout: coefficients of a body that has torn
-  // Of one body: read and written by the laws that have no kernel (IsBulkLaw).
+  // Of one body: read and written by the laws that have no kernel (HasContactKernel).
   std::vector<Vector3<Real>> positions;
   std::vector<Vector3<Real>> velocities;
   std::vector<Vector3<Real>> forces;
@@ -109,7 +109,7 @@ class Pack {
   void LoadBodies();
   void LoadContacts();
   void AddPlaneForces(const Real* from);
-  void AddUnbulkedForces(std::size_t lane, const Real* from);
+  void AddPlainContactForces(std::size_t lane, const Real* from);
   void AddToSeat(const PackSeat& seat, const Vector3<Real>& force) {
     Real* at = m_outer + 3 * seat.place * m_width;
     if (m_scratch.hasOuter[seat.place] == 0) {

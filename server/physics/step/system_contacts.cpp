@@ -1,9 +1,10 @@
-// Contacts lie in blocks of sixteen, whoever's they are. Each stage gathers the points that a block's contacts depend
-// on from the members' arrays into rows on the stack, four points a contact, and hands them to the kernel; what the
-// kernel finds `left` to the plain code is computed by that, one by one.
+// Contacts lie in blocks of sixteen regardless of their pair. Each stage gathers the points that a block's contacts
+// depend on from the members' arrays into rows on the stack, four points a contact, and hands them to the kernel. The
+// kernel marks contacts whose vertex has left its face as `left`, about one in a hundred; plain code computes those one
+// by one.
 //
-// The contact pairs' lists are kept up to date after every substep, so that all who look at contacts between ticks,
-// tries and energies see them as the plain code would have left them.
+// The contact pairs' lists are kept up to date after every substep, so that code that reads contacts between ticks,
+// between tries or for energies sees them as the plain code would have left them.
 #include "server/physics/step/system_contacts.h"
 
 #include <bit>
@@ -13,7 +14,7 @@
 namespace wobble::physics {
 namespace {
 
-// Handed to a thread at once; one alone takes less than a microsecond.
+// Blocks that a thread gets at once: one alone takes less than a microsecond, too little to hand over.
 constexpr std::size_t kBlocksAtOnce = 8;
 
 template <class Real>
@@ -29,7 +30,7 @@ void Gather(std::span<const Vector3<Real>> values, std::uint16_t index, std::siz
 template <class Real>
 void SystemContacts<Real>::Reserve(std::size_t contacts, std::size_t bodies) {
   const std::size_t blocks = contacts / kContactsInBlock + 1;
-  m_sides.reserve(16 * bodies);  // seldom has a body more than eight neighbours
+  m_sides.reserve(16 * bodies);  // a body seldom has more than eight neighbours
   m_sidesOf.reserve(32 * bodies);
   m_sidesBegin.reserve(bodies + 1);
   m_entries.reserve(contacts);
@@ -48,8 +49,12 @@ void SystemContacts<Real>::Build(std::span<const ContactPair<Real>> contactPairs
     for (std::size_t s = 0; s < 2; ++s) {
       const std::uint32_t ofVertices = contactPair.members[s];
       const std::uint32_t ofFaces = contactPair.members[1 - s];
-      m_sides.push_back({ofVertices, ofFaces, contactPair.sides[s], m_entries.size(), contactPair.parameters,
-                         MakeMeeting<Real>(*members[ofVertices], {}, {}, *members[ofFaces], {}, {})});
+      m_sides.push_back({.ofVertices = ofVertices,
+                         .ofFaces = ofFaces,
+                         .contacts = contactPair.sides[s],
+                         .begin = m_entries.size(),
+                         .parameters = contactPair.parameters,
+                         .meeting = MakeMeeting<Real>(*members[ofVertices], {}, {}, *members[ofFaces], {}, {})});
       m_entries.resize(m_entries.size() + contactPair.sides[s]->size(),
                        {.side = static_cast<std::uint32_t>(m_sides.size() - 1)});
     }
@@ -75,7 +80,7 @@ void SystemContacts<Real>::ListSidesOfMembers(std::size_t members) {
     m_sidesOf[--m_sidesBegin[m_sides[i].ofVertices + 1U]] = static_cast<std::uint32_t>(i);
     m_sidesOf[--m_sidesBegin[m_sides[i].ofFaces + 1U]] = static_cast<std::uint32_t>(i);
   }
-  // Each member's end has been counted down to its begin: one step to the left, and they are begins again.
+  // The loop has counted each member's end down to its begin, one place too far right: shift them left.
   m_sidesBegin.erase(m_sidesBegin.begin());
   m_sidesBegin.push_back(m_sidesOf.size());
 }
@@ -142,7 +147,6 @@ void SystemContacts<Real>::WriteList(std::size_t contact, bool armed, bool touch
   block.touching[lane] = touching ? Real(1) : Real(0);
 }
 
-// By ranges of blocks: one alone is too little to hand to another thread.
 template <class Real>
 template <class Visit>
 void SystemContacts<Real>::ForEachBlock(Threads* threads, const Visit& visit) const {

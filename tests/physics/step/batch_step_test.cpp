@@ -1,4 +1,5 @@
-// Bodies stepped in lanes against the plain reference, and the same bits however many lanes there are.
+// Compares bodies stepped in lanes with the plain reference, and checks that the bits do not depend on the number of
+// lanes.
 #include "server/physics/step/batch_step.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +19,7 @@ namespace {
 
 constexpr StepRules kRules;
 
-// Bodies of one blueprint on a floor, each pushed, deformed and turned over in its own way.
+// Bodies of one blueprint on a floor, each with its own position, deformation, load and pushes.
 template <class Real>
 struct Bodies {
   Bodies(const Blueprint& made, std::size_t count) : blueprint(made), states(count), members(count) {
@@ -57,7 +58,8 @@ struct Bodies {
     }
   }
 
-  // All that begin with as many substeps as the first, in a pack of this many lanes.
+  // Steps the bodies that ask for as many substeps as the first, at most `width`, in kernels of at most `width` lanes.
+  // Returns their indices.
   std::vector<std::size_t> StepInLanes(int width) {
     std::vector<std::size_t> stepped;
     std::vector<Member<Real>*> together;
@@ -92,7 +94,7 @@ struct Bodies {
   BatchScratch<Real> scratch;
 };
 
-// Each with a term that few bodies have, and one with all that go together.
+// Blueprints with rare terms (lanes/rare_terms.h): one with each term, and one with all that can be combined.
 std::vector<Blueprint> MakeRareKinds() {
   std::vector<Blueprint> kinds{
       MakeRing({.material = {.mass = 4, .stiffness = 1500, .gas = 100, .ambientPressure = 50}}),
@@ -213,7 +215,7 @@ TEST(BatchStepTest, WorldIsTheSameWhateverThePacks) {
   EXPECT_EQ(hashes[0], hashes[2]);
 }
 
-// Springs tear, are left out of their rows, and a quarter of a second later the blueprint is made without them.
+// Torn springs are left out of their rows at once; a quarter of a second later the blueprint is rebuilt without them.
 TEST(BatchStepTest, ClothTearsAlikeInRowsOfAnyWidth) {
   std::vector<std::uint64_t> hashes;
   for (const int widest : {1, 8, 16}) {

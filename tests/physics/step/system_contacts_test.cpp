@@ -93,7 +93,13 @@ struct Pile {
       FindBodyContacts<Real>(
           parameters, MakeMeeting<Real>(vertices, faces),
           {vertices.blueprint->template Read<Real>().faces, &vertices.blueprint->topology, vertices.state->positions},
-          {&own, &shell, kernel, near, Real(0.02), static_cast<Real>(kTick)}, lists[pair][side], scratch);
+          {.vertices = &own,
+           .shell = &shell,
+           .kernel = kernel,
+           .near = near,
+           .margin = Real(0.02),
+           .duration = static_cast<Real>(kTick)},
+          lists[pair][side], scratch);
     }
     contactPairs.push_back({both, parameters, {&lists[pair][0], &lists[pair][1]}});
   }
@@ -104,7 +110,7 @@ struct Pile {
     return motions;
   }
 
-  // As a substep might.
+  // Moves all vertices by as much as a substep might.
   void Move(double phase) {
     for (State<Real>& state : states) {
       const auto moved = Shake<Real>(state.positions.size(), 0.004, phase);
@@ -191,18 +197,18 @@ class SystemContactsTest : public testing::Test {};
 using Precisions = testing::Types<float, double>;
 TYPED_TEST_SUITE(SystemContactsTest, Precisions);
 
-TYPED_TEST(SystemContactsTest, TheBulkDoesWhatThePlainCodeDoes) {
+TYPED_TEST(SystemContactsTest, TheKernelDoesWhatThePlainCodeDoes) {
   using Real = TypeParam;
   const Real epsilon = std::numeric_limits<Real>::epsilon();
   for (const SweepKernel<Real>& kernel : FindSweepKernels<Real>(kWidestPack)) {
-    Pile<Real> bulk(kernel.points);
+    Pile<Real> inLanes(kernel.points);
     Pile<Real> plain(kernel.points);
-    ASSERT_GT(bulk.CountContacts(), 60U);
+    ASSERT_GT(inLanes.CountContacts(), 60U);
     SystemContacts<Real> contacts;
-    contacts.Build(bulk.contactPairs, bulk.pointers, kernel.bodyContacts);
+    contacts.Build(inLanes.contactPairs, inLanes.pointers, kernel.bodyContacts);
     for (int substep = 0; substep < 4; ++substep) {
-      contacts.ComputeForces(bulk.Motions(), nullptr);
-      const auto forces = bulk.AddUp(contacts);
+      contacts.ComputeForces(inLanes.Motions(), nullptr);
+      const auto forces = inLanes.AddUp(contacts);
       const auto expected = plain.AddUpPlainly();
       Real largest = 0;
       for (std::size_t i = 0; i < forces.size(); ++i) {
@@ -214,11 +220,11 @@ TYPED_TEST(SystemContactsTest, TheBulkDoesWhatThePlainCodeDoes) {
           ASSERT_LE((forces[i][k] - expected[i][k]).norm(), 2000 * epsilon * largest) << "substep " << substep;
         }
       }
-      bulk.Move(substep);
+      inLanes.Move(substep);
       plain.Move(substep);
-      contacts.Update(bulk.Motions(), static_cast<Real>(kTick / 4), nullptr);
+      contacts.Update(inLanes.Motions(), static_cast<Real>(kTick / 4), nullptr);
       plain.UpdatePlainly(static_cast<Real>(kTick / 4));
-      ExpectTheSame(bulk, plain, 200 * epsilon);
+      ExpectTheSame(inLanes, plain, 200 * epsilon);
     }
   }
 }
@@ -248,7 +254,7 @@ TYPED_TEST(SystemContactsTest, EveryWidthGivesTheSameBits) {
   }
 }
 
-// A tick that is stepped again finds its lists as they were.
+// A tick that is stepped again restores its lists; the forces must follow.
 TYPED_TEST(SystemContactsTest, ReadsListsThatOthersHaveChanged) {
   using Real = TypeParam;
   const SweepKernel<Real>& kernel = FindSweepKernels<Real>(kWidestPack).back();
@@ -273,7 +279,8 @@ TYPED_TEST(SystemContactsTest, FindsPointsAsALoopOverAllDoes) {
   SurfacePoints<Real> points;
   points.Read(shell, state.velocities);
   EXPECT_NEAR(points.Radius(), Real(1), Real(0.02));
-  NearRegion<Real> region{{-2, -2, Real(0.1)}, {Real(0.9), 2, 2}, {Real(0.5), 0, 0}, Real(1.2)};
+  NearRegion<Real> region{
+      .low = {-2, -2, Real(0.1)}, .high = {Real(0.9), 2, 2}, .centre = {Real(0.5), 0, 0}, .squaredRadius = Real(1.2)};
   for (const SweepKernel<Real>& kernel : FindSweepKernels<Real>(kWidestPack)) {
     std::vector<std::uint16_t> found(points.Lanes().count);
     found.resize(kernel.points.findWithin(points.Lanes(), region, found.data()));
