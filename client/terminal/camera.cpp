@@ -31,7 +31,7 @@ constexpr float kCircleSpeed = 0.15F;  // rad/s
 constexpr float kHeadingSpeed = 0.7F;  // rad/s at most
 constexpr double kHeadingPause = 2;    // s after the player's own turning
 constexpr float kWalkingSpeed = 4;     // m/s from which the heading counts in full
-constexpr float kJump = 5;             // metres that no body moves between two pictures
+constexpr float kRespawnDistance = 5;  // metres that no body moves between two pictures
 
 float Approach(float from, float to, double seconds, double lag) {
   return from + (to - from) * static_cast<float>(1 - std::exp(-seconds / lag));
@@ -94,7 +94,7 @@ void Camera::Update(double seconds, std::optional<Vector3> own, std::span<const 
       std::clamp((m_mode == CameraMode::kFollow ? kFollowPitch : kCirclePitch) + m_tilt, kLeastPitch, kMostPitch);
   m_sinceTurn += seconds;
 
-  if (!m_placed || (follows && Length(target - m_focus) > kJump && m_sinceTurn > kModeLag)) {
+  if (!m_placed || (follows && Length(target - m_focus) > kRespawnDistance && m_sinceTurn > kModeLag)) {
     m_focus = target;
   } else {
     const double lag = follows ? kFollowLag : kCircleLag;

@@ -20,7 +20,7 @@ constexpr float kLift = 0.3F;         // of a push, upwards to forwards
 constexpr float kStiffnessStep = 1.25F;
 constexpr float kTimeStep = 0.8F;
 constexpr float kTiltStep = 0.15F;  // rad
-constexpr float kJump = 1;          // s
+constexpr float kTimeSkip = 1;      // s
 
 const BodySample* FindOwn(std::span<const BodySample> samples, const client::Client& client) {
   for (const BodySample& sample : samples) {
@@ -127,7 +127,7 @@ void Hands::Tune(char32_t key, client::Client& client) {
     case U'4':
       return scale(TuneKind::TimeRate, now.timeRate / kTimeStep, 0.1F, 1);
     case U'5':
-      return client.Tune(TuneKind::Jump, {kJump, 0, 0});
+      return client.Tune(TuneKind::Jump, {kTimeSkip, 0, 0});
     case U'6':
     case U'7': {  // about y, the other way with 7
       const float angle = key == U'6' ? kTiltStep : -kTiltStep;

@@ -17,7 +17,7 @@ struct CameraCorner {
   Vector3 mark;
 };
 
-CameraCorner Blend(const CameraCorner& a, const CameraCorner& b, float share) {
+CameraCorner Interpolate(const CameraCorner& a, const CameraCorner& b, float share) {
   return {a.at + (b.at - a.at) * share, a.normal + (b.normal - a.normal) * share, a.mark + (b.mark - a.mark) * share};
 }
 
@@ -30,7 +30,7 @@ std::size_t ClipNear(const std::array<CameraCorner, 3>& corners, std::array<Came
     const bool fromIn = from.at.z >= kNearPlane;
     if (fromIn) kept[count++] = from;
     if (fromIn != (to.at.z >= kNearPlane)) {
-      kept[count++] = Blend(from, to, (kNearPlane - from.at.z) / (to.at.z - from.at.z));
+      kept[count++] = Interpolate(from, to, (kNearPlane - from.at.z) / (to.at.z - from.at.z));
       kept[count - 1].at.z = kNearPlane;
     }
   }
