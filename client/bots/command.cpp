@@ -9,10 +9,10 @@
 namespace wobble::bots {
 namespace {
 
-// 2^53, as the server's: exact as a number in JSON too.
+// 2^53, the server's limit as well: every integer up to it is exact as a number in JSON.
 constexpr double kMaxSeed = 9007199254740992.0;
 
-// What the command line says before it is understood.
+// Options as text, before they are parsed.
 struct Words {
   std::string address;
   std::string decodeShare = "1/32";
@@ -27,7 +27,7 @@ struct Words {
 CLI::App* AddWords(CLI::App& app, LoadTestOptions& options, Words& words) {
   CLI::App* command =
       app.add_subcommand("bots", "Runs scripted players against a server and measures how they are served");
-  // Not required() of CLI11: it would complain of that even when an unknown option is the fault.
+  // CLI11's required() is not used: it reports the missing address even when an unknown option is the fault.
   command->add_option("server", words.address, "The server")->type_name("HOST:PORT REQUIRED");
   command
       ->add_option("--script", options.scriptFile,
@@ -77,11 +77,11 @@ CLI::App* AddWords(CLI::App& app, LoadTestOptions& options, Words& words) {
   return command;
 }
 
-// What is wrong, a line each; none when options are complete.
+// Parses the text options into `options`. Returns one line per error.
 std::vector<std::string> Understand(const CLI::App& command, const Words& words, LoadTestOptions& options) {
   std::vector<std::string> errors;
   std::string error;
-  // Takes over what a reader made of an option's words.
+  // Stores a parsed value, or notes the parser's error.
   const auto take = [&](const char* option, auto read, auto& target) {
     if (read) {
       target = std::move(*read);
