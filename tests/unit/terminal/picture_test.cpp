@@ -46,21 +46,21 @@ TEST(TerminalRasteriser, DrawsWhereTheProjectionSays) {
   const Viewport viewport(grid.width, grid.height, view);
   for (int y = 0; y < grid.height; ++y) {
     for (int x = 0; x < grid.width; ++x) {
-      const Vector3 at = viewport.FindRay(view, x, y) * 4;  // on the triangle's plane
+      const Vector3 at = viewport.FindRay(view, x, y) * 4;  // on the plane of the triangle
       const float margin = std::min(at.z + 1, (1 - at.z) / 2 - std::abs(at.x));
       if (std::abs(margin) < 1e-3F) continue;
       ASSERT_EQ(grid.At(x, y).inverseDepth > 0, margin > 0) << x << ", " << y;
       if (margin < 0) continue;
       EXPECT_NEAR(grid.At(x, y).inverseDepth, 0.25F, 1e-5F);
       EXPECT_EQ(grid.At(x, y).material, 7U);
-      // Shares of the corners are linear on the triangle.
+      // The weights of the corners are linear on the triangle.
       EXPECT_NEAR(grid.At(x, y).mark.z, (at.z + 1) / 2, 1e-4F);
     }
   }
 }
 
 TEST(TerminalRasteriser, InterpolatesInPerspective) {
-  // A floor that runs away from the eye: halfway on the screen is not halfway on the ground.
+  // A floor that recedes from the eye: the middle of the screen is not the middle of the floor.
   SampleGrid grid = MakeGrid(41, 41);
   const auto corner = [](float x, float y) { return Corner{{x, y, -1}, {0, 0, 1}, {0, y, 0}}; };
   DrawTriangle(LookAlongY(), {corner(-50, 1), corner(50, 1), corner(0, 101)}, 0, grid);
@@ -103,7 +103,7 @@ TEST(TerminalRasteriser, BehindTheEyeNothingIsDrawn) {
   EXPECT_EQ(CountCovered(grid), 0);
 }
 
-// A floor that reaches behind the eye covers what a floor that ends before the eye covers, as far as both go.
+// A floor that extends behind the eye covers the same pixels as one that ends before the eye, where both are visible.
 TEST(TerminalRasteriser, IsCutOffAtTheNearPlane) {
   const auto corner = [](float x, float y) { return Corner{{x, y, -1}, {0, 0, 1}, {}}; };
   for (const float back : {-0.5F, -5.0F, -4000.0F}) {
@@ -157,7 +157,7 @@ TEST(TerminalRasteriser, OutlivesAnyTriangle) {
 }
 
 TEST(TerminalRasteriser, NormalsAreTheFacesMeanByArea) {
-  // A corner of a box whose faces are 1, 2 and 4 m² around it: the mean leans to the largest.
+  // A corner of a box whose adjacent faces have 1, 2 and 4 m²: the mean leans to the largest.
   const std::vector<Vector3> vertices{{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {0, 0, 4}, {9, 9, 9}};
   const std::vector<std::array<std::uint16_t, 3>> faces{{0, 1, 2}, {0, 2, 3}, {0, 3, 1}};
   std::vector<Vector3> normals;
@@ -171,7 +171,7 @@ TEST(TerminalRasteriser, NormalsAreTheFacesMeanByArea) {
   for (const Vector3& normal : normals) EXPECT_EQ(normal.z, 1) << "degenerate faces only";
 }
 
-// A ball of 2·lines·lines faces around `centre`.
+// A ball of 2 * lines * lines faces around `centre`.
 struct Ball {
   std::vector<Vector3> rest, vertices;
   std::vector<std::array<std::uint16_t, 3>> faces;
@@ -240,7 +240,7 @@ TEST(TerminalRenderer, ShowsABallItsShadowAndTheSky) {
   EXPECT_GT(middle.red, 2 * middle.green) << "the ball is red";
   const Vector3 shadow = centre - kToSun * (centre.z / kToSun.z);
   EXPECT_LT(Brightness(pixels[find(shadow)]), Brightness(without[find(shadow)]) - 20);
-  // A corner of the picture, far from both, is as without them.
+  // A corner of the picture, far from both, is unchanged.
   EXPECT_EQ(pixels[79], without[79]);
   EXPECT_EQ(pixels.back(), without.back());
 }
@@ -273,7 +273,7 @@ TEST(TerminalRenderer, RoundObstaclesAndGroundAreWhereTheServerSays) {
   const std::vector<Obstacle> away{{ObstacleKind::Box, Vec3(0, 0, -500), Vec3(1, 1, 1), 0}};
   const std::vector<Obstacle> sphere{{ObstacleKind::Sphere, Vec3(1, 0, 0.5F), Vec3(), 2}};
   const std::vector<Obstacle> bar{{ObstacleKind::Capsule, Vec3(-3, 0, -1), Vec3(3, 0, 2), 0.5F}};
-  // Level at −1 to the left of x = 0, rising to the right.
+  // Level at -1 to the left of x = 0, rising to the right.
   const client::Ground slope{{-4, -4, 0}, 4, 3, 3, {-1, -1, 1, -1, -1, 1, -1, -1, 1}};
   renderer.Draw({away, {}, {}}, view, 120, 90, sky);
   renderer.Draw({sphere, {}, {}}, view, 120, 90, round);
@@ -285,7 +285,7 @@ TEST(TerminalRenderer, RoundObstaclesAndGroundAreWhereTheServerSays) {
     for (int x = 0; x < 120; ++x) {
       const auto pixel = static_cast<std::size_t>(y * 120 + x);
       const Vector3 ray = Normalise(viewport.FindRay(view, x, y));
-      const auto passes = [&](Vector3 from, Vector3 to) {  // least way between the ray and the axis
+      const auto passes = [&](Vector3 from, Vector3 to) {  // least distance between the ray and the axis
         float nearest = 1e9F;
         for (float share = 0; share <= 1; share += 1.0F / 64) {
           const Vector3 point = from + (to - from) * share - view.eye;
@@ -315,7 +315,7 @@ TEST(TerminalRenderer, RoundObstaclesAndGroundAreWhereTheServerSays) {
   EXPECT_GT(Brightness(round[find({1, -2, 1.9F})]), Brightness(round[find({1, -2, -0.9F})])) << "lit from above";
 }
 
-// Two masses and a spring, seen from far and near, end on, and with a vertex that no spring holds.
+// Two masses and a spring, seen from far and near, end on, and with a vertex that has no spring.
 TEST(TerminalRenderer, SpringsAndMassesAreSeenWhereThereAreNoFaces) {
   const std::vector<Vector3> vertices{{-1, 0, 0}, {1, 0, 1}, {0, 0, -1}};
   const std::vector<std::array<std::uint16_t, 2>> edges{{0, 1}};
@@ -333,7 +333,7 @@ TEST(TerminalRenderer, SpringsAndMassesAreSeenWhereThereAreNoFaces) {
       const Vector3 seen = view.ToCamera(point);
       const auto x = static_cast<int>(60 + seen.x * viewport.scale / seen.z);
       const auto y = static_cast<int>(45 - seen.y * viewport.scale / seen.z);
-      for (int i = 0; i < 9; ++i) {  // there or beside it
+      for (int i = 0; i < 9; ++i) {  // at the expected pixel or beside it
         const auto pixel = static_cast<std::size_t>((y + i / 3 - 1) * 120 + x + i % 3 - 1);
         if (pixels[pixel].green > sky[pixel].green + 15 && pixels[pixel].green > pixels[pixel].red + 15) return true;
       }
@@ -352,7 +352,7 @@ TEST(TerminalRenderer, SpringsAndMassesAreSeenWhereThereAreNoFaces) {
   renderer.Draw({away, one, {}}, along, 120, 90, pixels);
   renderer.Draw({away, {}, {}}, along, 120, 90, sky);
   EXPECT_NE(pixels[45 * 120 + 60], sky[45 * 120 + 60]) << "the near mass";
-  // A rod casts a shadow: a bar across the sun's way above the floor.
+  // A rod casts a shadow: a bar across the sunlight, above the floor.
   ShadowMap shadows;
   shadows.Reset({0, 0, 0}, 10);
   const std::array<Vector3, 4> strip{Vector3{-1, -0.1F, 2}, {-1, 0.1F, 2}, {1, 0.1F, 2}, {1, -0.1F, 2}};
@@ -412,7 +412,7 @@ TEST(TerminalCamera, LooksAtTheOwnBodyFromBehindAndAbove) {
   EXPECT_GT(view.up.z, 0);
 }
 
-// Forward on the keyboard is away from the eye, right is right, whatever way the camera is turned.
+// Forward on the keyboard is away from the eye and right is right, for every direction of the camera.
 TEST(TerminalCamera, KeysGoWhereTheyPointOnTheScreen) {
   Camera camera(CameraMode::kFollow);
   const Vector3 own{1, 1, 0.5F};
@@ -459,7 +459,7 @@ TEST(TerminalCamera, TurnsTowardsWhereTheBodyGoes) {
   Vector3 own{0, 0, 1};
   camera.Update(1.0 / 30, own, std::span(&own, 1));
   const Direction right = camera.ToWorld(1, 0);
-  for (int i = 0; i < 300; ++i) {  // ten seconds of walking to what was the right at first
+  for (int i = 0; i < 300; ++i) {  // ten seconds of walking to the original right
     own = own + Vector3{right.x, right.y, 0} * (5.0F / 30);
     camera.Update(1.0 / 30, own, std::span(&own, 1));
   }
@@ -496,7 +496,7 @@ TEST(TerminalCamera, HasBodiesInSightThatAreFartherOutThanMost) {
   Camera camera(CameraMode::kCircle);
   std::vector<Vector3> bodies{{0, -9, 0.5F}, {0, 9, 0.5F}, {-9, 0, 0.5F}, {9, 0, 0.5F}};
   for (int i = 0; i < 8; ++i) bodies.push_back({0.5F * static_cast<float>(i % 4) - 0.75F, i < 4 ? -1.0F : 1.0F, 0.5F});
-  for (int i = 0; i < 2000; ++i) {  // once round
+  for (int i = 0; i < 2000; ++i) {  // one full circle
     camera.Update(0.03, std::nullopt, bodies);
     for (const Vector3& body : bodies) {
       const Vector3 seen = camera.MakeView().ToCamera(body);
