@@ -12,6 +12,7 @@ test:
 	@sh docker/packages.sh server web test lab
 	@cmake --workflow --preset asan
 	@cmake --workflow --preset release
+	@python3 tests/slowest.py build/asan build/release
 
 lab:
 	@sh docker/packages.sh server test lab

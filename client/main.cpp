@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
+#include <string>
 #include <vector>
 
 #include "client/bots/command.h"
@@ -16,6 +17,7 @@
 #include "client/link/command.h"
 #include "client/play/command.h"
 #include "client/terminal/command.h"
+#include "protocol/version.h"
 
 namespace {
 
@@ -40,8 +42,9 @@ int Run(int argc, char** argv) {
   const std::vector<tool::Command> commands{play::DescribePlay(app), terminal::DescribeWatch(app),
                                             bots::DescribeBots(app), web::DescribeGateway(app),
                                             link::DescribeLink(app), health::DescribeHealth(app)};
-  app.set_version_flag("--version", "wobble " WOBBLE_VERSION);
-  for (const tool::Command& command : commands) command.words->set_version_flag("--version", "wobble " WOBBLE_VERSION);
+  const std::string version = std::string("wobble ") + kVersion;
+  app.set_version_flag("--version", version);
+  for (const tool::Command& command : commands) command.words->set_version_flag("--version", version);
   app.footer("Examples:\n  wobble play --for 20\n  wobble bots --help");
   try {
     app.parse(argc, argv);

@@ -18,6 +18,8 @@ namespace wobble::protocol {
 struct ShapeMode {
   bool usesBasis = false;
   bool followsContact = false;  // only with a basis
+  // Reserved: the encoder never sets it, because it brought nothing measurable; the decoder obeys it. Taking the bit
+  // out would change the code of every record's mode and thereby the protocol's version.
   bool pressesOut = false;
 };
 

@@ -12,7 +12,7 @@ namespace wobble::server {
 struct Range {
   double low = 0, high = 0;
 };
-inline constexpr Range kPortRange{1, 65535};
+inline constexpr Range kPortRange{0, 65535};  // 0: a free one
 inline constexpr Range kTickHzRange{10, 480};
 inline constexpr Range kSnapshotHzRange{1, 480};  // and at most tickHz
 inline constexpr Range kMaxClientsRange{1, 4000};

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "protocol/transport/enet_transport.h"
+#include "protocol/version.h"
 #include "server/ops/agones.h"
 #include "server/ops/endpoint.h"
 #include "server/ops/fleet_duty.h"
@@ -44,13 +45,8 @@ double ReadClock() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-std::filesystem::path FindSceneFolder() {
-  std::error_code error;
-  return std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / "scenes";
-}
-
 [[nodiscard]] int ListScenes() {
-  for (const scenes::SceneSummary& scene : scenes::ListScenes(FindSceneFolder())) {
+  for (const scenes::SceneSummary& scene : scenes::ListScenes(scenes::FindShippedScenes())) {
     fmt::print("{:12} {}\n", scene.name, scene.description);
   }
   return 0;
@@ -176,14 +172,18 @@ bool StartWatching(const Options& options, Watchers& watchers, std::uint16_t& po
   if (options.ops.empty()) return true;
   ops::Address address;
   if (ops::ParseAddress(options.ops, address, error)) {
-    watchers.endpoint = ops::Endpoint::Listen(address, WOBBLE_VERSION, options.scene, &ReadClock, error);
+    watchers.endpoint = ops::Endpoint::Listen(address, kVersion, options.scene, &ReadClock, error);
   }
-  if (watchers.endpoint == nullptr) Complain({"--ops " + error});
-  return watchers.endpoint != nullptr;
+  if (watchers.endpoint == nullptr) {
+    Complain({"--ops " + error});
+    return false;
+  }
+  if (address.port == 0) fmt::print("metrics and health on TCP port {}\n", watchers.endpoint->ReadPort());
+  return true;
 }
 
 int RunServer(const Options& options) {
-  scenes::LoadResult loaded = scenes::LoadScene(options.scene, FindSceneFolder());
+  scenes::LoadResult loaded = scenes::LoadScene(options.scene, scenes::FindShippedScenes());
   if (!options.errors.empty() || !loaded.errors.empty()) {
     Complain(options.errors);
     Complain(loaded.errors);
@@ -211,12 +211,13 @@ int RunServer(const Options& options) {
     Complain({error});
     return kBadUsage;
   }
+  const std::uint16_t port = transport->ReadPort();
 
   std::vector<server::Bases> bases;
   if (!options.isUntrained) bases = server::LoadBases(loaded.scene, options.cacheFolder, options.config.threads);
   server::Server server(options.config, std::move(loaded.scene), std::move(transport), ReadClock(), std::move(bases),
                         &ReadClock);
-  fmt::print("listening on UDP port {}, scene {}\n", options.config.port, options.scene);
+  fmt::print("listening on UDP port {}, scene {}\n", port, options.scene);
   std::fflush(stdout);
   if (sidecar != 0) watchers.agones.emplace(sidecar);
   Run(server, options, watchers);

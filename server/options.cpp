@@ -4,6 +4,8 @@
 
 #include <charconv>
 
+#include "protocol/version.h"
+
 namespace wobble::server {
 namespace {
 
@@ -37,9 +39,9 @@ void DescribeOptions(CLI::App& app, Options& options) {
     AddNumber(app, name, range, value, description, options.errors);
   };
   app.description("wobbled hosts a world of soft bodies for many players.");
-  app.set_version_flag("--version", "wobbled " WOBBLE_VERSION);
+  app.set_version_flag("--version", std::string("wobbled ") + kVersion);
   app.add_option("--scene", options.scene, "Name of a shipped scene, or a path to a .toml file")->capture_default_str();
-  addNumber("--port", kPortRange, config.port, "UDP port");
+  addNumber("--port", kPortRange, config.port, "UDP port; 0: a free one, printed at the start");
   addNumber("--tick-hz", kTickHzRange, config.tickHz, "Steps of the world a second");
   addNumber("--snapshot-hz", kSnapshotHzRange, config.snapshotHz, "Snapshots a second, at most --tick-hz");
   addNumber("--max-clients", kMaxClientsRange, config.maxClients, "Players and spectators at once");
@@ -62,7 +64,8 @@ void DescribeOptions(CLI::App& app, Options& options) {
   addNumber("--status", kDurationRange, options.statusEvery, "Seconds between status lines on stdout; 0: none");
   app.add_option("--summary", options.summaryFile, "File to write a summary of the run to, as JSON");
   app.add_option("--ops", options.ops,
-                 "HOST:PORT, or PORT for this machine only, that answers /metrics (Prometheus), /healthz and /readyz");
+                 "HOST:PORT, or PORT for this machine only, that answers /metrics (Prometheus), /healthz and /readyz; "
+                 "PORT 0: a free one, printed at the start");
   app.add_option("--trace", options.traceFile, "File to write the phases of every tick to, for chrome://tracing");
   app.add_option("--cache", options.cacheFolder, "Folder that keeps trained bases of shapes from one start to the next")
       ->envname("WOBBLE_CACHE");

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "protocol/version.h"
+
 namespace wobble::server {
 
 void TickTimes::Record(double duration) {
@@ -40,6 +42,7 @@ std::string MakeSummary(const Server& server, const TickTimes& times) {
   const physics::World& world = server.World();
   const double ticks = std::max(1.0, static_cast<double>(world.Tick()));
   nlohmann::ordered_json json;
+  json["version"] = kVersion;
   json["ticks"] = world.Tick();
   json["tick_ms_p50"] = Round(times.PercentileMs(0.5));
   json["tick_ms_p99"] = Round(times.PercentileMs(0.99));

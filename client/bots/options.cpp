@@ -32,7 +32,7 @@ std::string FindScriptFile(const std::string& name) {
   std::error_code error;
   if (name.find('/') != std::string::npos || std::filesystem::exists(name, error)) return name;
   if (!name.ends_with(".lua")) return FindScriptFile(name + ".lua");
-  const auto shipped = tool::FindProgramFolder() / "scripts" / name;
+  const auto shipped = tool::FindShippedFolder("scripts") / name;
   return std::filesystem::exists(shipped, error) ? shipped.string() : name;
 }
 

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "protocol/version.h"
+
 namespace wobble::bots {
 namespace {
 
@@ -127,6 +129,7 @@ std::vector<Verdict> JudgeThresholds(const std::vector<Threshold>& thresholds, c
 
 std::string MakeSummary(const Figures& figures, const std::vector<Verdict>& verdicts) {
   nlohmann::ordered_json summary;
+  summary["version"] = kVersion;
   for (const NamedFigure& figure : ListFigures(figures)) summary[figure.key] = MakeNumber(figure.value);
   summary["valid"] = IsValid(figures);
   summary["thresholds"] = nlohmann::ordered_json::array();

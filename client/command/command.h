@@ -21,7 +21,10 @@ struct Command {
 // A number from least to most; CLI::Range lets "nan" through.
 [[nodiscard]] CLI::Validator Within(double least, double most);
 
-// Where this program lies, with what it ships beside it.
+// The folder of the running program.
 [[nodiscard]] std::filesystem::path FindProgramFolder();
+// A folder that is shipped, such as "scripts" or "page": beside the program, as in a build folder, or in
+// ../share/wobble, as installed. The latter is returned, though missing, when there is neither.
+[[nodiscard]] std::filesystem::path FindShippedFolder(const std::string& name);
 
 }  // namespace wobble::tool

@@ -121,7 +121,7 @@ int Complain(const std::string& error) {
 
 }  // namespace
 
-std::filesystem::path FindPageFolder() { return tool::FindProgramFolder() / "page"; }
+std::filesystem::path FindPageFolder() { return tool::FindShippedFolder("page"); }
 
 tool::Command DescribeGateway(CLI::App& app) {
   const auto options = std::make_shared<GatewayOptions>();

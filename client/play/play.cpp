@@ -82,6 +82,12 @@ std::string FindName(const std::string& scene) {
   return name;
 }
 
+// From a server's "listening on UDP port 7777, scene arena".
+unsigned ReadPort(const std::string& readyLine) {
+  const std::size_t digits = readyLine.find_first_of("0123456789");
+  return digits == std::string::npos ? 0 : static_cast<unsigned>(std::strtoul(readyLine.c_str() + digits, nullptr, 10));
+}
+
 class Play {
  public:
   Play(const PlayOptions& options, const std::function<bool()>& stopAsked)
@@ -118,7 +124,8 @@ class Play {
   bool m_statusOpen = false;
   std::vector<std::string> m_failures;
   TemporaryFolder m_folder;
-  std::deque<Part> m_parts;  // as they were started: servers, in the order of the scenes, gateway, bots
+  std::deque<Part> m_parts;       // as they were started: servers, in the order of the scenes, gateway, bots
+  std::vector<unsigned> m_ports;  // UDP, of the servers that listen
   Part* m_gateway = nullptr;
   std::vector<Part*> m_bots;
 };
@@ -143,7 +150,7 @@ Part& Play::AddPart(const std::string& name, const std::string& errorPrefix, con
   return m_parts.emplace_back(name, errorPrefix, readyPrefix);
 }
 
-std::string Play::AddressOf(std::size_t world) const { return "127.0.0.1:" + std::to_string(m_options.port + world); }
+std::string Play::AddressOf(std::size_t world) const { return "127.0.0.1:" + std::to_string(m_ports[world]); }
 
 // All at once: each plays its bodies for a while first. A world that nobody has come to stands still, so that what
 // happens at its beginning is there to be seen, and costs nothing.
@@ -156,7 +163,7 @@ bool Play::StartServers() {
                                      "--scene",
                                      m_options.scenes[world],
                                      "--port",
-                                     std::to_string(m_options.port + world),
+                                     std::to_string(m_options.port == 0 ? 0 : m_options.port + world),
                                      "--max-clients",
                                      std::to_string(places),
                                      "--status",
@@ -170,17 +177,18 @@ bool Play::StartServers() {
   }
   for (std::size_t world = 0; world < m_options.scenes.size(); ++world) {
     if (!Await(m_parts[world])) return false;
+    m_ports.push_back(ReadPort(m_parts[world].readyLine));
   }
   const std::string self = std::filesystem::proximate(m_options.programFolder / "wobble").string();
   std::printf("scene %s on UDP port %u; watch it from another terminal with: %s watch %s; Ctrl-C ends all\n",
-              m_options.scenes[0].c_str(), m_options.port, self.c_str(), AddressOf(0).c_str());
+              m_options.scenes[0].c_str(), m_ports[0], self.c_str(), AddressOf(0).c_str());
   std::fflush(stdout);
   return true;
 }
 
 // True also where none is wanted or there is no page for it.
 bool Play::StartGateway() {
-  if (m_options.http == 0) return true;
+  if (!m_options.http) return true;
   std::error_code error;
   if (!std::filesystem::is_directory(m_options.page, error)) {
     std::printf("no page for browsers: '%s' is not there; sh docker/packages.sh web and the next build make it\n",
@@ -192,7 +200,7 @@ bool Play::StartGateway() {
   std::vector<std::string> command{(m_options.programFolder / "wobble").string(),
                                    "gateway",
                                    "--http",
-                                   std::to_string(m_options.http),
+                                   std::to_string(*m_options.http),
                                    "--page",
                                    m_options.page.string(),
                                    "--max-connections",
@@ -212,10 +220,9 @@ void Play::StartBots(std::size_t world, unsigned count, const char* script) {
   const std::string name = world == 0 ? "bots" : "bots in " + FindName(m_options.scenes[world]);
   Part& part = AddPart(name, "wobble bots: ", "\n");  // never: nobody waits for them
   m_bots.push_back(&part);
-  static_cast<void>(
-      Start(part, {(m_options.programFolder / "wobble").string(), "bots", AddressOf(world), "--script",
-                   (m_options.programFolder / "scripts" / script).string(), "--count", std::to_string(count), "--ramp",
-                   "1", "--status", "1", "--summary", SummaryOf(part).string()}));
+  static_cast<void>(Start(
+      part, {(m_options.programFolder / "wobble").string(), "bots", AddressOf(world), "--script", script, "--count",
+             std::to_string(count), "--ramp", "1", "--status", "1", "--summary", SummaryOf(part).string()}));
 }
 
 bool Play::Start(Part& part, const std::vector<std::string>& command) {

@@ -37,6 +37,12 @@ void Answer(httplib::Response& response, bool isGood, const std::string& text) {
   response.set_content(text + "\n", "text/plain; charset=utf-8");
 }
 
+// The port that it is bound to; -1 when that cannot be had.
+int Bind(httplib::Server& http, const Address& address) {
+  if (address.port == 0) return http.bind_to_any_port(address.host);
+  return http.bind_to_port(address.host, address.port) ? address.port : -1;
+}
+
 }  // namespace
 
 bool ParseAddress(const std::string& text, Address& address, std::string& error) {
@@ -46,8 +52,8 @@ bool ParseAddress(const std::string& text, Address& address, std::string& error)
   if (host.size() > 2 && host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
   std::uint16_t port = 0;
   const auto [end, result] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
-  if (result != std::errc{} || end != digits.data() + digits.size() || port == 0 || host.empty()) {
-    error = "'" + text + "': must be HOST:PORT or PORT, with a PORT of 1 to 65535";
+  if (result != std::errc{} || end != digits.data() + digits.size() || host.empty()) {
+    error = "'" + text + "': must be HOST:PORT or PORT, with a PORT of 0 to 65535";
     return false;
   }
   address = {host, port};
@@ -57,6 +63,7 @@ bool ParseAddress(const std::string& text, Address& address, std::string& error)
 struct Endpoint::Implementation {
   std::string version;
   std::string scene;
+  int port = 0;
   server::Clock clock;
   httplib::Server http;
   std::thread thread;
@@ -110,7 +117,8 @@ std::unique_ptr<Endpoint> Endpoint::Listen(const Address& address, const std::st
   made->http.set_keep_alive_max_count(1);
   made->http.set_payload_max_length(kMostRequestBytes);
   made->Serve();
-  if (!made->http.bind_to_port(address.host, address.port)) {
+  made->port = Bind(made->http, address);
+  if (made->port < 0) {
     error = fmt::format("{}:{} (TCP): cannot be listened on; is it in use, or the address another machine's?",
                         address.host, address.port);
     return nullptr;
@@ -125,6 +133,8 @@ Endpoint::~Endpoint() {
   m->http.stop();
   m->thread.join();
 }
+
+std::uint16_t Endpoint::ReadPort() const { return static_cast<std::uint16_t>(m->port); }
 
 void Endpoint::Tell(const Figures& figures) {
   const std::lock_guard lock(m->mutex);

@@ -16,7 +16,7 @@ inline constexpr double kDeadAfter = 3;
 
 struct Address {
   std::string host = "127.0.0.1";
-  std::uint16_t port = 0;
+  std::uint16_t port = 0;  // 0: the system picks a free one
 };
 // HOST:PORT, [IPv6]:PORT, or PORT alone for this machine only. False with one line in `error`.
 [[nodiscard]] bool ParseAddress(const std::string& text, Address& address, std::string& error);
@@ -29,6 +29,9 @@ class Endpoint {
                                                         const std::string& scene, server::Clock clock,
                                                         std::string& error);
   ~Endpoint();
+
+  // The TCP port that it listens on, also when the system picked it.
+  [[nodiscard]] std::uint16_t ReadPort() const;
 
   // From the tick loop, after each tick. Until the first call /readyz and /healthz answer that it is starting.
   void Tell(const Figures& figures);

@@ -24,6 +24,10 @@ struct SceneSummary {
   std::string name;
   std::string description;
 };
+// The folder of the shipped scenes: `scenes` beside the running program, as in a build folder, or
+// ../share/wobble/scenes, as installed. The latter is returned, though missing, when there is neither.
+[[nodiscard]] std::filesystem::path FindShippedScenes();
+
 // Scenes in the folder, by name.
 [[nodiscard]] std::vector<SceneSummary> ListScenes(const std::filesystem::path& folder);
 

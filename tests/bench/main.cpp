@@ -14,6 +14,7 @@
 #include "client/bots/options.h"
 #include "client/bots/script.h"
 #include "client/command/command.h"
+#include "protocol/version.h"
 #include "server/config.h"
 #include "server/scenes/loader.h"
 #include "tests/bench/report.h"
@@ -75,7 +76,7 @@ CLI::App* AddReport(CLI::App& app, const Report& report, Options& options) {
     words->add_option("--players", options.players, "So many alone, for five minutes unless --quick")
         ->check(tool::Within(1, kMaxPlayers));
   }
-  words->set_version_flag("--version", "wobble_lab " WOBBLE_VERSION);
+  words->set_version_flag("--version", std::string("wobble_lab ") + kVersion);
   words->footer("Examples:\n  wobble_lab " + std::string(report.name) + " --quick\n  wobble_lab " + report.name +
                 " --json results.json --plot plots");
   return words;
@@ -117,7 +118,7 @@ bool CanKeepResults(const Options& options, std::string& error) {
 
 // Of a scene that cannot be hosted the first fault: wobbled names them all.
 bool CanPlay(const Options& options, std::string& error) {
-  const scenes::LoadResult loaded = scenes::LoadScene(options.scene, tool::FindProgramFolder() / "scenes");
+  const scenes::LoadResult loaded = scenes::LoadScene(options.scene, scenes::FindShippedScenes());
   std::vector<std::string> errors = loaded.errors;
   if (errors.empty()) errors = server::Validate({}, loaded.scene);
   if (!errors.empty()) {
@@ -193,7 +194,7 @@ int RunAll(Options options, const std::string& folder) {
 int Run(int argc, char** argv) {
   CLI::App app("wobble_lab: measures the engine and compares it with what it should be");
   app.require_subcommand(0, 1);  // none is refused below: CLI11 would say so even when an unknown option is the fault
-  app.set_version_flag("--version", "wobble_lab " WOBBLE_VERSION);
+  app.set_version_flag("--version", std::string("wobble_lab ") + kVersion);
   app.footer(
       "Exit code: 0 every figure keeps to its limit, 99 one does not, 2 bad usage, 1 stopped or failed.\n"
       "Examples:\n"

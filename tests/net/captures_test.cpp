@@ -13,7 +13,6 @@
 namespace wobble::test {
 namespace {
 
-constexpr int kFirstPort = 8100;
 constexpr double kShown = 3;  // seconds: what is dropped has landed, what is driven moves
 constexpr int kWidth = 110;
 constexpr int kHeight = 32;
@@ -55,18 +54,15 @@ bool HasBodies(const std::string& scene) {
 class Captures : public testing::TestWithParam<std::string> {};
 
 TEST_P(Captures, ShowsItsBodies) {
-  const std::vector<std::string> scenes = FindScenes();
-  const auto index = std::find(scenes.begin(), scenes.end(), GetParam()) - scenes.begin();
-  const int port = kFirstPort + static_cast<int>(index);
   const std::filesystem::path folder = WOBBLE_CAPTURES_DIR;
   std::filesystem::create_directories(folder);
   const std::filesystem::path file = folder / (GetParam() + ".svg");
   std::filesystem::remove(file);
 
-  const Wobbled server(port, GetParam());
+  const Wobbled server(GetParam());
   std::vector<std::string> options{"--fps", "10", "--capture", file};
   if (HasBodies(GetParam())) options.push_back("--spectate");
-  Session session(Watching(port, options), "truecolor", kWidth, kHeight);
+  Session session(Watching(server.Port(), options), "truecolor", kWidth, kHeight);
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
   for (const double end = ReadClock() + kShown; ReadClock() < end;) session.Take(20);
   EXPECT_TRUE(session.Await([&] { return CountBodyPixels(session.Shown()) >= 40; }))

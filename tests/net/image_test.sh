@@ -22,22 +22,29 @@ fail() {
   exit 1
 }
 
-# find_package LIBRARY_FILE: Debian's package of it. The loader finds in /lib what packages have in /usr/lib.
-find_package() { { dpkg-query -S "$1" || dpkg-query -S "/usr$1"; } 2>/dev/null | cut -d : -f 1; }
-
-# list_packages PROGRAM: of the libraries that it names itself; what those need comes with their packages.
+# list_packages PROGRAM...: Debian's packages of the libraries that these name themselves; what those need comes with
+# their packages. dpkg is asked once for all, since it reads its whole list for every question.
 list_packages() {
-  local name path
-  readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]$/\1/p' | while read -r name; do
-    path="$(ldd "$1" | awk -v name="$name" '$1 == name { print $3 }')"
-    find_package "$path" | grep . || echo "no package has $name, which is '$path'"
-  done
+  local program name path
+  for program in "$@"; do
+    ldd "$program" >"$folder/loaded"
+    readelf -d "$program" | sed -n 's/.*(NEEDED).*\[\(.*\)\]$/\1/p' | while read -r name; do
+      path="$(awk -v name="$name" '$1 == name { print $3 }' "$folder/loaded")"
+      echo "$name $path"
+    done
+  done | sort -u >"$folder/libraries"
+  # The loader finds in /lib what packages have in /usr/lib.
+  awk '{ print $2; print "/usr" $2 }' "$folder/libraries" | xargs dpkg-query -S 2>/dev/null >"$folder/owners"
+  while read -r name path; do
+    sed -n "s|^\([^:]*\):.* \(/usr\)\{0,1\}$path$|\1|p" "$folder/owners" | grep . ||
+      echo "no package has $name, which is '$path'"
+  done <"$folder/libraries"
 }
 
 # The list is what there must be and nothing more, so that no new library is forgotten and no old one kept.
 case_runtime_packages() {
   sh "$docker/packages.sh" --list runtime | sort >"$folder/listed"
-  { list_packages "$bin/wobbled" && list_packages "$bin/wobble"; } | sort -u >"$folder/linked"
+  list_packages "$bin/wobbled" "$bin/wobble" | sort -u >"$folder/linked"
   grep -q '^libc6$' "$folder/linked" || fail "programs that are linked to libc6" "$folder/linked"
   diff "$folder/listed" "$folder/linked" >"$folder/difference" ||
     fail "group runtime of packages.sh ('<') to be what the programs are linked to ('>')" "$folder/difference"
@@ -46,7 +53,7 @@ case_runtime_packages() {
 # start_scene LOG: once, with the cache that the environment names.
 start_scene() {
   WOBBLE_UNTRAINED='' WOBBLE_CACHE="$folder/bases" \
-    "$bin/wobbled" --scene sumo --for 0.001 --port 7964 2>"$folder/$1" || fail "a server that ends well" "$folder/$1"
+    "$bin/wobbled" --scene sumo --for 0.001 --port 0 2>"$folder/$1" || fail "a server that ends well" "$folder/$1"
 }
 
 # The image has the bases of shipped scenes where nothing can be written. (Root can; others are kept out.)

@@ -54,9 +54,9 @@ bool IsStopped(pid_t process) {
 }
 
 TEST(Watch, ShowsTheWorldAndQuitsByKey) {
-  const Wobbled server(7930);
+  const Wobbled server;
   for (const std::string key : {"q", "\x03", "\033", "\033[113u"}) {
-    Session session(Watching(7930));
+    Session session(Watching(server.Port()));
     ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
     EXPECT_TRUE(session.IsRaw());
     EXPECT_TRUE(session.Shown().IsSet("?1049"));
@@ -71,9 +71,9 @@ TEST(Watch, ShowsTheWorldAndQuitsByKey) {
 }
 
 TEST(Watch, KeysMoveTheOwnBody) {
-  const Wobbled server(7931);
-  Observer observer(7931);
-  Session session(Watching(7931));
+  const Wobbled server;
+  Observer observer(server.Port());
+  Session session(Watching(server.Port()));
   std::optional<protocol::Vector3> at;
   const auto awaitPlayer = [&](const std::function<bool()>& condition) {
     return session.Await([&] {
@@ -103,8 +103,8 @@ TEST(Watch, KeysMoveTheOwnBody) {
 }
 
 TEST(Watch, HelpComesAndGoes) {
-  const Wobbled server(7932);
-  Session session(Watching(7932, {"--spectate"}), "");
+  const Wobbled server;
+  Session session(Watching(server.Port(), {"--spectate"}), "");
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
   EXPECT_TRUE(session.AwaitStatus("12 bodies  0 players")) << session.Status();
   session.Type("?");
@@ -117,9 +117,9 @@ TEST(Watch, HelpComesAndGoes) {
 }
 
 TEST(Watch, EndsByItselfAndCapturesItsPicture) {
-  const Wobbled server(7933);
+  const Wobbled server;
   const std::string file = testing::TempDir() + "/watch_test.svg";
-  Session session(Watching(7933, {"--for", "4", "--capture", file}));
+  Session session(Watching(server.Port(), {"--for", "4", "--capture", file}));
   EXPECT_EQ(session.AwaitEnd(), 0);
   session.ExpectRestored();
   const std::string svg = ReadWhole(file);
@@ -129,9 +129,9 @@ TEST(Watch, EndsByItselfAndCapturesItsPicture) {
 }
 
 TEST(Watch, IsRestoredAfterEverySignal) {
-  const Wobbled server(7934);
+  const Wobbled server;
   for (const int signal : {SIGTERM, SIGINT, SIGHUP}) {
-    Session session(Watching(7934));
+    Session session(Watching(server.Port()));
     ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
     kill(session.Guardian(), signal);
     EXPECT_EQ(session.AwaitEnd(), 0) << "signal " << signal;
@@ -140,9 +140,9 @@ TEST(Watch, IsRestoredAfterEverySignal) {
 }
 
 TEST(Watch, IsRestoredWhateverBecomesOfTheDrawingProcess) {
-  const Wobbled server(7935);
+  const Wobbled server;
   for (const int signal : {SIGTERM, SIGKILL, SIGSEGV, SIGABRT}) {
-    Session session(Watching(7935));
+    Session session(Watching(server.Port()));
     ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
     const std::vector<pid_t> drawing = session.FindChildren();
     ASSERT_EQ(drawing.size(), 1U);
@@ -156,8 +156,8 @@ TEST(Watch, IsRestoredWhateverBecomesOfTheDrawingProcess) {
 }
 
 TEST(Watch, IsRestoredWhenItsGuardianIsKilled) {
-  const Wobbled server(7936);
-  Session session(Watching(7936));
+  const Wobbled server;
+  Session session(Watching(server.Port()));
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
   const std::vector<pid_t> drawing = session.FindChildren();
   ASSERT_EQ(drawing.size(), 1U);
@@ -169,11 +169,11 @@ TEST(Watch, IsRestoredWhenItsGuardianIsKilled) {
 
 // A shell that edits lines has taken the terminal before the drawing process hears of the guardian's end.
 TEST(Watch, AKilledGuardianLeavesTheShellItsOwnSettings) {
-  const Wobbled server(7943);
+  const Wobbled server;
   Session session({"/bin/bash", "-c", "exec 2>&1; exec bash --norc --noprofile -i"});
   ASSERT_TRUE(session.Await([&] { return session.IsRaw(); }));
   const tcflag_t prompting = session.LocalModes();
-  session.Type("'" + kProgram + "' watch 127.0.0.1:7943\n");
+  session.Type("'" + kProgram + "' watch 127.0.0.1:" + std::to_string(server.Port()) + "\n");
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text();
   const std::vector<pid_t> jobs = session.FindChildren();
   ASSERT_EQ(jobs.size(), 1U);
@@ -191,9 +191,10 @@ TEST(Watch, AKilledGuardianLeavesTheShellItsOwnSettings) {
 }
 
 TEST(Watch, SaysWhyItEndedOnceTheTerminalIsRestored) {
-  Wobbled server(7937);
+  Wobbled server;
+  const std::string address = "127.0.0.1:" + std::to_string(server.Port());
   {
-    Session session(Watching(7937));
+    Session session(Watching(server.Port()));
     ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
     server.Signal(SIGSTOP);
     EXPECT_TRUE(session.AwaitStatus("nothing from the server for 2 s")) << session.Status();
@@ -201,23 +202,23 @@ TEST(Watch, SaysWhyItEndedOnceTheTerminalIsRestored) {
     server.Signal(SIGTERM);
     EXPECT_EQ(session.AwaitEnd(), 1);
     session.ExpectRestored();
-    EXPECT_EQ(session.Errors().rfind("wobble watch: 127.0.0.1:7937 is no longer there: ", 0), 0U) << session.Errors();
+    EXPECT_EQ(session.Errors().rfind("wobble watch: " + address + " is no longer there: ", 0), 0U) << session.Errors();
   }
   server.Kill();
-  Session session(Watching(7937));
-  EXPECT_TRUE(session.Await([&] { return session.Text().find("connecting to 127.0.0.1:7937") != std::string::npos; }));
+  Session session(Watching(server.Port()));
+  EXPECT_TRUE(session.Await([&] { return session.Text().find("connecting to " + address) != std::string::npos; }));
   EXPECT_EQ(session.AwaitEnd(), 2);
   session.ExpectRestored();
-  EXPECT_EQ(session.Errors(), "wobble watch: no server answers at 127.0.0.1:7937\n");
+  EXPECT_EQ(session.Errors(), "wobble watch: no server answers at " + address + "\n");
 }
 
 // Under a shell that knows jobs, as people run it; it takes the terminal for its own that its standard error is.
 TEST(Watch, SuspendsAndComesBack) {
-  const Wobbled server(7938);
+  const Wobbled server;
   for (const bool byKey : {true, false}) {
-    Session session(
-        {"/bin/bash", "-c",
-         "exec 2>&1; set -m; '" + kProgram + "' watch 127.0.0.1:7938; echo left; read line; fg; echo over"});
+    Session session({"/bin/bash", "-c",
+                     "exec 2>&1; set -m; '" + kProgram + "' watch 127.0.0.1:" + std::to_string(server.Port()) +
+                         "; echo left; read line; fg; echo over"});
     ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
     const std::vector<pid_t> jobs = session.FindChildren();
     ASSERT_EQ(jobs.size(), 1U);
@@ -243,8 +244,8 @@ TEST(Watch, SuspendsAndComesBack) {
 }
 
 TEST(Watch, WithoutAShellItDoesNotStop) {
-  const Wobbled server(7939);
-  Session session(Watching(7939));
+  const Wobbled server;
+  Session session(Watching(server.Port()));
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
   session.Type("\x1a");
   for (int i = 0; i < 10; ++i) session.Take(50);
@@ -265,8 +266,8 @@ TEST(Watch, WithoutAShellItDoesNotStop) {
 }
 
 TEST(Watch, FollowsTheTerminalsSize) {
-  const Wobbled server(7940);
-  Session session(Watching(7940));
+  const Wobbled server;
+  Session session(Watching(server.Port()));
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
   session.Resize(120, 40);
   EXPECT_TRUE(session.AwaitPlaying()) << session.Text();
@@ -280,8 +281,8 @@ TEST(Watch, FollowsTheTerminalsSize) {
 
 // A terminal that nobody reads: the program goes on, keeps its connection, and ends when it is told to.
 TEST(Watch, IsNotHeldUpByASlowTerminal) {
-  const Wobbled server(7941);
-  Session session(Watching(7941));
+  const Wobbled server;
+  Session session(Watching(server.Port()));
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
   session.Type("lllllllll");  // a picture that changes all over
   usleep(1'500'000);          // reading nothing

@@ -15,6 +15,7 @@
 #include <utmp.h>
 
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -59,12 +60,12 @@ inline std::vector<std::string> Watching(int port, const std::vector<std::string
   return words;
 }
 
-// A server on a port of its own for as long as the test lasts.
+// A server for as long as the test lasts, on a port that the system picks.
 class Wobbled {
  public:
-  explicit Wobbled(int port, const std::string& scene = "arena") {
-    std::vector<std::string> words{WOBBLE_BIN_DIR "/wobbled", "--scene",     scene,   "--port",
-                                   std::to_string(port),      "--log-level", "error", "--admit-when-busy"};
+  explicit Wobbled(const std::string& scene = "arena") {
+    std::vector<std::string> words{WOBBLE_BIN_DIR "/wobbled", "--scene", scene, "--port", "0", "--cache"};
+    words.insert(words.end(), {WOBBLE_CACHE_DIR, "--log-level", "error", "--admit-when-busy"});
     if (kIsSanitized) words.emplace_back("--untrained");  // it would take half a minute
     const std::vector<char*> arguments = MakeArguments(words);
     int output[2];
@@ -80,7 +81,7 @@ class Wobbled {
     std::string line;
     while (read(output[0], &byte, 1) == 1 && byte != '\n') line += byte;
     close(output[0]);
-    EXPECT_THAT(line, testing::HasSubstr("listening"));
+    EXPECT_EQ(std::sscanf(line.c_str(), "listening on UDP port %d", &m_port), 1) << line;
   }
   ~Wobbled() { Kill(); }
   void Kill() {
@@ -90,9 +91,11 @@ class Wobbled {
     m_pid = -1;
   }
   void Signal(int signal) const { kill(m_pid, signal); }
+  [[nodiscard]] int Port() const { return m_port; }
 
  private:
   pid_t m_pid = -1;
+  int m_port = 0;
 };
 
 // The program on a pseudo-terminal, whose screen this is.

@@ -5,7 +5,7 @@ import { spawnSync } from 'node:child_process';
 import path from 'node:path';
 import { after, before } from 'node:test';
 
-import { joinPage, outputFolder, probe, startBots, startBrowser, startWorld } from './support/browser.mjs';
+import { joinPage, probe, startBots, startBrowser, startWorld } from './support/browser.mjs';
 import { test, waitFor } from './support/programs.mjs';
 
 const replayProgram = process.env.WOBBLE_REPLAY ?? path.resolve('build/release/tests/replay');
@@ -16,7 +16,7 @@ before(async () => (browser = await startBrowser()));
 after(() => browser?.close());
 
 // Bases of shapes are trained here, as they are in play: they are what is hardest to compute alike.
-for (const [scene, options] of [['arena', ['--cache', path.join(outputFolder, 'cache')]], ['curtain', undefined]]) {
+for (const [scene, options] of [['arena', []], ['curtain', undefined]]) {
   test(`what the page decodes of ${scene} is what a native client decodes`, async () => {
     const world = await startWorld(scene, options);
     const bots = startBots(world, 3);

@@ -63,13 +63,8 @@ struct PlayedScene {
   std::vector<Second> all;
 };
 
-std::filesystem::path FindSceneFolder() {
-  std::error_code error;
-  return std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / "scenes";
-}
-
 std::unique_ptr<World> MakeWorld(const std::string& name, std::uint64_t seed) {
-  const scenes::LoadResult loaded = scenes::LoadScene(name, FindSceneFolder());
+  const scenes::LoadResult loaded = scenes::LoadScene(name, scenes::FindShippedScenes());
   if (!loaded.errors.empty()) return nullptr;
   auto world = std::make_unique<World>(scenes::MakeWorldSettings(loaded.scene, kTick, 1));
   (void)scenes::FillWorld(loaded.scene, seed, *world);

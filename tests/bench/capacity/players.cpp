@@ -27,9 +27,8 @@ constexpr Timetable kTimes{};
 constexpr Timetable kLongTimes{.count = 300};
 
 Game MakeGame(const Options& options) {
-  const std::filesystem::path folder = tool::FindProgramFolder();
   Game game;
-  game.scene = scenes::LoadScene(options.scene, folder / "scenes").scene;  // as main has checked
+  game.scene = scenes::LoadScene(options.scene, scenes::FindShippedScenes()).scene;  // as main has checked
   game.bases = server::LoadBases(game.scene, {}, static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
   game.script = bots::FindScriptFile(options.script);
   game.seed = options.seed;

@@ -320,7 +320,7 @@ TEST(ShapeCodec, FarFlungVerticesAreCodedAsFarAsTheyGo) {
   ExpectFinite(pose, shape);
 }
 
-// The worked example of STANDARD.md: four vertices on a floor, in a basis of cosines.
+// Four vertices on a floor, in a basis of cosines.
 struct Golden {
   Cloud cloud{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, -1, -1}}, {}, {{1.5F, -2.25F, 3}, {0.8F, 0, 0.6F, 0}}, 1.25F};
   std::shared_ptr<const Basis> basis;

@@ -6,7 +6,7 @@ import assert from 'node:assert';
 import path from 'node:path';
 import { createRequire } from 'node:module';
 
-import { findFreePort, Program, startGateway, waitFor } from './programs.mjs';
+import { Program, startGateway, startServerOn, waitFor } from './programs.mjs';
 
 const root = new URL('../../../', import.meta.url);
 const { chromium } = createRequire(new URL('client/page/package.json', root))('playwright-core');
@@ -36,18 +36,17 @@ export const startBrowser = () =>
 // A server with this scene and a gateway to it: { address, server, host, stop }. Untrained, since shapes seldom
 // matter here and training takes a second.
 export async function startWorld(scene, options = ['--untrained']) {
-  const address = `127.0.0.1:${await findFreePort()}`;
-  const world = { address, server: await startServerAt(address, scene, options) };
+  const { program: server, address } = await startServerOn(0, '--scene', scene, ...options);
   const { program, host } = await startGateway(address, pageFolder);
-  world.host = host;
+  const world = { address, server, host };
   world.stop = () => Promise.all([program.stop(), world.server.stop()]);
   return world;
 }
 
-export async function startServerAt(address, scene, options = ['--untrained']) {
-  const server = new Program('wobbled', ['--port', address.split(':')[1], '--scene', scene, ...options]);
-  await server.waitForLine(/^listening on UDP port/);
-  return server;
+// Another server, untrained, where one was before.
+export async function startServerAt(address, scene) {
+  const [, port] = address.split(':');
+  return (await startServerOn(port, '--scene', scene, '--untrained')).program;
 }
 
 export function startBots(world, count, script = 'wander.lua') {

@@ -1,7 +1,6 @@
-// Starts the programs that are tested, on ports of their own, and sees to it that none outlives its test.
+// Starts the programs that are tested, on ports that the system picks, and sees to it that none outlives its test.
 import { AsyncLocalStorage } from 'node:async_hooks';
 import { spawn } from 'node:child_process';
-import dgram from 'node:dgram';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
@@ -72,23 +71,19 @@ export async function waitFor(what, find) {
 
 export const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
-// A UDP port that nobody has at the moment.
-export async function findFreePort() {
-  const socket = dgram.createSocket('udp4');
-  await new Promise((resolve) => socket.bind(0, '127.0.0.1', resolve));
-  const { port } = socket.address();
-  await new Promise((resolve) => socket.close(resolve));
-  return port;
+// A server that listens on this UDP port, where 0 is one that the system picks: { program, address }.
+export async function startServerOn(port, ...options) {
+  const program = new Program('wobbled', ['--port', `${port}`, ...options]);
+  const line = await program.waitForLine(/^listening on UDP port \d+/);
+  return { program, address: `127.0.0.1:${/port (\d+)/.exec(line)[1]}` };
 }
 
 // A server that listens: { program, address, countClients }, the last by its newest status line, so it needs --status;
 // -1 where there is none. Untrained, since shapes do not matter here and training takes seconds.
 export async function startServer(...options) {
-  const port = await findFreePort();
-  const program = new Program('wobbled', ['--port', `${port}`, '--untrained', '--log-level', 'info', ...options]);
-  await program.waitForLine(/^listening on UDP port/);
+  const { program, address } = await startServerOn(0, '--untrained', '--log-level', 'info', ...options);
   const countClients = () => Number(/clients (\d+)/.exec(program.lines.at(-1))?.[1] ?? -1);
-  return { program, address: `127.0.0.1:${port}`, countClients };
+  return { program, address, countClients };
 }
 
 // A gateway that listens: { program, host }, host being what a browser has in the address bar.
