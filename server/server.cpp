@@ -131,18 +131,18 @@ void Server::Capture() {
 }
 
 void Server::PublishBlueprints() {
-  if (m_publishedRevision == m_world.BlueprintRevision()) return;
-  m_publishedRevision = m_world.BlueprintRevision();
+  if (m_publishedRevision == m_world.Changes().blueprintRevision) return;
+  m_publishedRevision = m_world.Changes().blueprintRevision;
   const std::span<const physics::Blueprint> present = m_world.Blueprints();
   for (std::size_t slot = 0; slot < present.size(); ++slot) {
     const auto number = static_cast<std::uint8_t>(slot);
     const bool isNew = slot == m_blueprints.size();
-    if (!isNew && m_blueprints[slot].revision == m_world.SlotRevision(number)) continue;
+    if (!isNew && m_blueprints[slot].revision == m_world.Changes().slots[slot].revision) continue;
     const bool isWorkshop = m_workshop && m_world.ReadBody(m_workshop->Body()).blueprint == number;
     const BlueprintTags tags =
         isWorkshop ? CaptureTags(present[slot], m_workshop->Particles(), m_workshop->Springs()) : BlueprintTags{};
     CapturedBlueprint fresh = CaptureBlueprint(present[slot], FindBases(slot), tags);
-    fresh.revision = m_world.SlotRevision(number);
+    fresh.revision = m_world.Changes().slots[slot].revision;
     if (isNew) {
       m_blueprints.emplace_back();
     } else {
@@ -264,7 +264,7 @@ void Server::RespawnFallen() {
   };
   // By ascending id, both. Whoever rests does not fall.
   auto placed = m_sceneBodies.begin();
-  for (const std::uint32_t place : m_world.Stepped()) {
+  for (const std::uint32_t place : m_world.Changes().stepped) {
     const physics::BodyId body = m_world.Bodies()[place].id;
     placed = std::lower_bound(placed, m_sceneBodies.end(), body,
                               [](const scenes::PlacedBody& each, physics::BodyId id) { return each.body < id; });

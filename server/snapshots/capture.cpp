@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "protocol/snapshot.h"
+#include "server/physics/inspect.h"
 
 namespace wobble::server {
 namespace {
@@ -172,7 +173,7 @@ std::vector<CapturedGround> CaptureGrounds(std::span<const physics::Obstacle> ob
 
 protocol::Message CaptureForces(const physics::World& world, physics::BodyId body) {
   using Kind = protocol::wire::ForceKind;
-  const physics::InspectedForces forces = world.InspectForces(body);
+  const physics::InspectedForces forces = physics::InspectForces(world, body);
   const std::size_t stride = (forces.weight.size() + protocol::kMaxShownForces - 1) / protocol::kMaxShownForces;
   std::vector<protocol::ForceField> fields;
   const auto add = [&](Kind kind, const std::vector<physics::Vector3d>& values) {
@@ -233,7 +234,8 @@ void CaptureBody(const physics::World& world, const physics::Body& body, Capture
 }
 
 void BodyCaptures::Follow(const physics::World& world) {
-  if (m_removals != world.CountRemovals()) DropRemoved(world);
+  const physics::WorldChanges changes = world.Changes();
+  if (m_removals != changes.removals) DropRemoved(world);
   const std::span<const physics::Body> present = world.Bodies();
   while (m_shown.size() < present.size()) {
     const physics::Body& added = present[m_shown.size()];
@@ -242,10 +244,10 @@ void BodyCaptures::Follow(const physics::World& world) {
     m_moved.push_back(1);
   }
   const auto perTick = static_cast<float>(1 / world.Settings().tickDuration);
-  for (const std::uint32_t place : world.Stepped()) {
+  for (const std::uint32_t place : changes.stepped) {
     m_moved[place] = 1;
     ShownBody& shown = m_shown[place];
-    const Vector3 centre = ToWire(world.FindMiddle(place));
+    const Vector3 centre = ToWire(changes.FindMiddle(place));
     shown.speed = protocol::Length(centre - shown.centre) * perTick;
     shown.centre = centre;
     shown.restTick = present[place].asleep ? world.Tick() : 0;
@@ -254,7 +256,7 @@ void BodyCaptures::Follow(const physics::World& world) {
 
 // Both lists ascend by id and ids are never reused: without the removed ones, ours begins the world's.
 void BodyCaptures::DropRemoved(const physics::World& world) {
-  m_removals = world.CountRemovals();
+  m_removals = world.Changes().removals;
   const std::span<const physics::Body> present = world.Bodies();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < m_shown.size(); ++i) {
