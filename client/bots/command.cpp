@@ -1,5 +1,6 @@
 #include "client/bots/command.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <memory>

@@ -1,5 +1,6 @@
 #include "client/command/command.h"
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 
 namespace wobble::tool {

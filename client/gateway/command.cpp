@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
@@ -18,7 +19,7 @@ namespace {
 constexpr double kMostConnections = 1000;
 constexpr std::size_t kMaxNameBytes = 32;  // of a world's
 
-// What the command line says before it is understood.
+// Options as text, before they are checked.
 struct Words {
   std::vector<std::string> servers;
   std::string page;
@@ -27,7 +28,7 @@ struct Words {
 CLI::App* AddWords(CLI::App& app, GatewayOptions& options, Words& words) {
   CLI::App* command =
       app.add_subcommand("gateway", "Serves the page that browsers play in, and relays them to a server");
-  // Not required() of CLI11: it would complain of that even when an unknown option is the fault.
+  // CLI11's required() is not used: it would be reported even when an unknown option is the fault.
   command
       ->add_option("--server", words.servers,
                    "The server; or several, given often, each with the name that the page has for it")

@@ -1,9 +1,10 @@
-// `wobble health`: asks a server's --ops, or a gateway, whether it is well, and says so by its exit code. For a
-// container's health check, where there is no other program to ask with.
+// `wobble health`: asks a server's --ops or a gateway for /healthz and passes the answer on as an exit code. For health
+// checks of containers, which hold no other program that could ask.
 #include "client/health/command.h"
 
 #include <httplib.h>
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 

@@ -1,8 +1,9 @@
-// `wobble link`: the relay alone. One loop; the status line and the end come between its turns.
+// `wobble link`: the relay by itself. One loop; between its turns the status line and the end are handled.
 #include "client/link/command.h"
 
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -16,7 +17,7 @@
 namespace wobble::link {
 namespace {
 
-// What the command line says.
+// Options as text, before they are checked.
 struct Words {
   int port = -1;
   std::string server;
@@ -30,7 +31,7 @@ CLI::App* AddWords(CLI::App& app, Words& words) {
   CLI::App* command = app.add_subcommand("link", "Relays UDP to a server over a bad network of one's own making");
   command->add_option("conditions", words.conditions, "What the network does; without it, nothing")
       ->type_name("CONDITIONS");
-  // Not required() of CLI11: it would complain of that even when an unknown option is the fault.
+  // CLI11's required() is not used: it would be reported even when an unknown option is the fault.
   command->add_option("--listen", words.port, "UDP port that players connect to; 0: any that is free")
       ->check(tool::Within(0, 65535))
       ->type_name("PORT REQUIRED");
@@ -108,7 +109,7 @@ class Status {
     m_open = m_terminal;
   }
 
-  // Before anything else is written: a line begun on the terminal is ended.
+  // Ends a line begun on the terminal; to be called before anything else is written.
   void Close() const {
     if (m_open) std::printf("\n");
   }

@@ -1,5 +1,6 @@
 #include "client/play/command.h"
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 

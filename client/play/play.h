@@ -1,4 +1,4 @@
-// `wobble play`: some worlds, the gateway for browsers and some bots, started, watched and ended together.
+// `wobble play`: starts some worlds, the gateway for browsers and some bots, watches them and ends them together.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,6 @@
 #include "client/terminal/command.h"
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 

@@ -61,7 +61,11 @@ EMSCRIPTEN_KEEPALIVE const void* FindBlueprint(Session* session, std::uint32_t n
 
 // buttons: bit 0 jump, 1 puff, 2 stiffen.
 EMSCRIPTEN_KEEPALIVE void SetInput(Session* session, float moveX, float moveY, unsigned buttons) {
-  session->Client().SetInput({moveX, moveY, (buttons & 1) != 0, (buttons & 2) != 0, (buttons & 4) != 0});
+  session->Client().SetInput({.moveX = moveX,
+                              .moveY = moveY,
+                              .jump = (buttons & 1) != 0,
+                              .puff = (buttons & 2) != 0,
+                              .stiffen = (buttons & 4) != 0});
 }
 
 // What the server tells.

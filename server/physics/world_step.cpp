@@ -87,8 +87,13 @@ class World::Stepper {
     }
     const Coefficients<Real>& coefficients = member.blueprint->template Read<Real>();
     member.survey = MakeSurvey<Real>(coefficients.masses, state.positions, state.velocities);
-    FindContacts<Real>(member.surfaces, coefficients.contact.range, member.survey, state.positions, state.velocities,
-                       static_cast<Real>(m_duration), state.contacts, m_work.scratch.local().contacts);
+    FindContacts<Real>({.surfaces = member.surfaces,
+                        .x = state.positions,
+                        .v = state.velocities,
+                        .survey = member.survey,
+                        .range = coefficients.contact.range,
+                        .duration = static_cast<Real>(m_duration)},
+                       state.contacts, m_work.scratch.local().contacts);
     member.demands = FindSurfaceDemands<Real>(*member.blueprint, member.surfaces, state,
                                               double{member.survey.agitation}, m_duration);
     const Bounds<Real>& bounds = member.survey.bounds;

@@ -110,8 +110,9 @@ CapturedBlueprint CaptureBlueprint(const physics::Blueprint& blueprint,
                                               .bases = bases,
                                               .particles = tags.particles,
                                               .springs = tags.springs});
+  captured.patches = protocol::FindPatchConstants(captured.rest);
   for (std::size_t patch = 0; patch < bases.size(); ++patch) {
-    captured.bases.push_back(protocol::ReadBasis(bases[patch], protocol::PatchSize(captured.rest.size(), patch)));
+    captured.patches[patch].basis = protocol::ReadBasis(bases[patch], protocol::PatchSize(captured.rest.size(), patch));
   }
   captured.hash = protocol::HashBytes(captured.message);
   return captured;

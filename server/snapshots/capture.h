@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "protocol/basis.h"
 #include "protocol/geometry.h"
 #include "protocol/messages.h"
+#include "protocol/patch_model.h"
 #include "server/physics/world.h"
 #include "server/play/tuning.h"
 #include "server/play/workshop.h"
@@ -36,13 +36,13 @@ struct CapturedBody {
 
 // A blueprint as clients know it.
 struct CapturedBlueprint {
-  std::vector<protocol::Vector3> rest;                        // m
-  float size = 0;                                             // m
-  protocol::Message message;                                  // the wire's Blueprint, sent in chunks
-  std::vector<std::shared_ptr<const protocol::Basis>> bases;  // one per patch, or none
-  std::uint64_t hash = 0;                                     // of the message
-  std::uint64_t revision = 0;                                 // of its slot in the world
-  std::uint8_t generation = 0;  // of this number on the wire, below protocol::kGenerations
+  std::vector<protocol::Vector3> rest;            // m
+  float size = 0;                                 // m
+  protocol::Message message;                      // the wire's Blueprint, sent in chunks
+  std::vector<protocol::PatchConstants> patches;  // in order
+  std::uint64_t hash = 0;                         // of the message
+  std::uint64_t revision = 0;                     // of its slot in the world
+  std::uint8_t generation = 0;                    // of this number on the wire, below protocol::kGenerations
 };
 
 // A height field as clients draw it.

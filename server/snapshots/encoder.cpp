@@ -10,10 +10,9 @@
 #include "server/physics/model/parallel.h"
 
 namespace wobble::server {
-namespace {
 
 // The encoder of one thread; reuses its memory from body to body.
-class BodyEncoder {
+class Encoder::BodyEncoder {
  public:
   explicit BodyEncoder(std::span<const protocol::wire::Obstacle> obstacles) : m_obstacles(obstacles) {}
 
@@ -29,24 +28,21 @@ class BodyEncoder {
   std::uint64_t m_coarsened = 0;
 };
 
-void BodyEncoder::Encode(float errorShare, const CapturedBody& body, const CapturedBlueprint& blueprint,
-                         Encoding& encoding) {
+void Encoder::BodyEncoder::Encode(float errorShare, const CapturedBody& body, const CapturedBlueprint& blueprint,
+                                  Encoding& encoding) {
   const std::span<const protocol::Vector3> vertices = body.vertices;
   encoding.version = body.version;
   encoding.body = {};
   encoding.bytes.clear();
   encoding.bytes.reserve((vertices.size() / protocol::kMaxPatchVertices + 1) * protocol::kMaxPacketBytes);
   m_ends.clear();
-  const std::span<const protocol::Vector3> rest = blueprint.rest;
   const float target = errorShare * blueprint.size;
   std::size_t first = 0;
   for (std::uint8_t patch = 0; first < vertices.size(); ++patch) {
     const std::size_t count = protocol::PatchSize(vertices.size(), patch);
     m_payload.clear();
-    const protocol::PatchModel model{.rest = rest.subspan(first, count),
-                                     .size = blueprint.size,
-                                     .basis = blueprint.bases.empty() ? nullptr : blueprint.bases[patch].get(),
-                                     .obstacles = m_obstacles};
+    const protocol::PatchModel model =
+        protocol::MakePatchModel(blueprint.rest, blueprint.size, blueprint.patches, patch, m_obstacles);
     const protocol::ShapeEncoding shape = m_shapes.Encode(model, body.pose, vertices.subspan(first, count), target,
                                                           protocol::kMaxRecordPayload, m_payload);
     first += count;
@@ -73,8 +69,6 @@ void BodyEncoder::Encode(float errorShare, const CapturedBody& body, const Captu
   }
   encoding.body.records = encoding.records;
 }
-
-}  // namespace
 
 struct Encoder::Workers {
   Workers(std::span<const protocol::wire::Obstacle> obstacles, int count)

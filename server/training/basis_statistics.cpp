@@ -8,8 +8,8 @@
 #include <cmath>
 #include <optional>
 
-#include "protocol/shape_layout.h"
-#include "protocol/surfaces.h"
+#include "protocol/flat_sides.h"
+#include "protocol/patch_model.h"
 
 namespace wobble::server {
 namespace {

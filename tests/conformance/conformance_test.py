@@ -234,7 +234,7 @@ class MadeUp(Case):
     def test_control_messages(self):
         for i in range(2):
             messages = [self.welcome, self.blueprint, self.packet]
-            for at in range(1, len(messages[i])):
+            for at in range(1, len(messages[i]), 2):
                 changed = list(messages)
                 changed[i] = flip(changed[i], at, self.random.randrange(8))
                 with self.subTest(message=i, at=at):

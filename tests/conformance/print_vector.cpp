@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "client/web/wasm/decoded_hash.h"
+#include "client/wasm/decoded_hash.h"
 #include "protocol/contexts.h"
 #include "protocol/shape_codec.h"
 #include "protocol/snapshot.h"
@@ -79,7 +79,11 @@ void PrintVector() {
   const protocol::Message blueprint =
       protocol::MakeBlueprint({.name = "tetra", .rest = rest, .size = kSize, .bases = bases});
   const auto basis = protocol::ReadBasis(bases[0], rest.size());
-  const protocol::PatchModel model{rest, kSize, basis.get(), welcome.obstacles};
+  const protocol::PatchModel model{.rest = rest,
+                                   .size = kSize,
+                                   .basis = basis.get(),
+                                   .obstacles = welcome.obstacles,
+                                   .reach = protocol::FindReach(rest)};
 
   std::vector<Vector3> vertices;
   for (std::size_t i = 0; i < rest.size(); ++i) {
@@ -100,7 +104,7 @@ void PrintVector() {
   PrintBytes("vector-packet", packet.Finish({.sequence = 1, .tick = kTick, .timeRatio = 1, .inputTick = 0}));
 
   protocol::ShapeDecoder decoder;
-  protocol::Pose decodedPose;
+  protocol::QuantisedPose decodedPose;
   std::vector<Vector3> shape(rest.size());
   static_cast<void>(decoder.Decode(model, payload, decodedPose, shape));
   std::printf("```text vector-vertices\n");
@@ -109,7 +113,7 @@ void PrintVector() {
                 std::bit_cast<std::uint32_t>(v.z));
   }
   wasm::DecodedHash hash;
-  hash.Add({kBody, kTick, decodedPose, shape});
+  hash.Add({.body = kBody, .tick = kTick, .pose = protocol::Dequantise(decodedPose), .shape = shape});
   std::printf("```\n\n```text vector-hash\n%016llx\n```\n", static_cast<unsigned long long>(hash.Value()));
 }
 

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "client/client.h"
-#include "client/web/wasm/decoded_hash.h"
+#include "client/wasm/decoded_hash.h"
 #include "protocol/transport/virtual_network.h"
 #include "server/basis_shelf.h"
 #include "server/scenes/loader.h"

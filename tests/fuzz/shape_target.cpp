@@ -23,18 +23,21 @@ void FuzzOne(std::span<const std::uint8_t> bytes) {
                                                                                MakeBasis(1, 6), MakeBasis(2, 6)};
   const protocol::Basis* basis = kBases[bytes[0] % 4].get();
   const std::vector<Vector3> rest(basis != nullptr ? 6U : 1U + bytes[0] / 4U, Vector3{1, 0, -1});
-  const protocol::PatchModel model{rest, 1.4F, basis, kObstacles};
+  const protocol::PatchModel model{
+      .rest = rest, .size = 1.4F, .basis = basis, .obstacles = kObstacles, .reach = protocol::FindReach(rest)};
   static protocol::ShapeDecoder decoder;
   std::vector<Vector3> shape(rest.size());
-  protocol::Pose pose;
+  protocol::QuantisedPose read;
   const std::vector<std::uint8_t> payload(bytes.begin() + 1, bytes.end());  // a read past its end is then seen
-  if (decoder.Decode(model, payload, pose, shape) != protocol::DecodeResult::kOk) return;
+  if (decoder.Decode(model, payload, read, shape) != protocol::DecodeResult::kOk) return;
+  const protocol::Pose pose = protocol::Dequantise(read);
   const auto q = pose.rotation;
   Require(std::fabs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1) < 1e-5F);
   Require(protocol::Length(pose.centroid) < 8192 * 1.7321F + 1);
   for (const Vector3& v : shape) Require(std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z));
   protocol::QuantisedPose alone;
   Require(protocol::DecodePose(payload, model.size, alone) == protocol::DecodeResult::kOk);
+  Require(alone.x == read.x && alone.y == read.y && alone.z == read.z && alone.largest == read.largest);
   Require(protocol::Dequantise(alone).centroid.x == pose.centroid.x);
 }
 

@@ -197,6 +197,8 @@ test('random frames harm nobody', async () => {
     socket.end();
     socket.resume();
     await new Promise((resolve) => socket.on('close', resolve));
+    // Not understood, but a server takes whoever is silent for 8 s for gone, and a slow machine needs longer for all.
+    if (i % 20 === 0) witness.send(channels.input, Buffer.alloc(1));
   }
   witness.send(channels.ping, Buffer.alloc(4));
   await waitFor('an answer', () => witness.count(channels.ping) === 1);

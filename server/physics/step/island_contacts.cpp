@@ -8,6 +8,7 @@
 
 #include <bit>
 
+#include "server/physics/contact/body_contact_update.h"
 #include "server/physics/lanes/contact_limits.h"
 #include "server/physics/step/island_step.h"
 
@@ -87,7 +88,7 @@ void IslandContacts<Real>::WriteConstants(std::size_t contact) {
   const std::size_t lane = contact % kContactsInBlock;
   const Side& side = m_sides[m_entries[contact].side];
   const BodyContact<Real>& known = ContactOf(contact);
-  const bool isOpen = side.meeting.shell.topology->isOpen;
+  const bool isOpen = side.meeting.skin.topology->isOpen;
   WriteRows(side.meeting.shift, lane, block.shift);
   block.stiffness[lane] = side.parameters.stiffness;
   block.fadeDepth[lane] = side.parameters.fadeDepth;
@@ -113,15 +114,15 @@ void IslandContacts<Real>::ReadList(std::size_t contact) {
   const std::size_t lane = contact % kContactsInBlock;
   const BodyContact<Real>& known = ContactOf(contact);
   Entry& entry = m_entries[contact];
-  const Shell<Real>& shell = m_sides[entry.side].meeting.shell;
+  const Skin<Real>& skin = m_sides[entry.side].meeting.skin;
   entry.vertex = known.vertex;
-  entry.corners = shell.faces[known.face];
-  entry.across = shell.topology->across[known.face];
-  block.side[lane] = known.behind ? Real(-1) : Real(1);
-  block.maxDepth[lane] = known.armed ? known.maxDepth : Real(-1);
+  entry.corners = skin.faces[known.face];
+  entry.across = skin.topology->across[known.face];
+  block.side[lane] = known.side == SkinSide::kBack ? Real(-1) : Real(1);
+  block.maxDepth[lane] = known.phase == ContactPhase::kWaiting ? Real(-1) : known.maxDepth;
   block.depth[lane] = known.depth;
   block.leap[lane] = known.leap;
-  block.touching[lane] = known.touching ? Real(1) : Real(0);
+  block.touching[lane] = known.phase == ContactPhase::kTouching ? Real(1) : Real(0);
   WriteRows(known.foot, lane, block.foot);
   WriteRows(known.slip, lane, block.slip);
 }
@@ -131,8 +132,11 @@ void IslandContacts<Real>::WriteList(std::size_t contact, bool armed, bool touch
   BodyContactBlock<Real>& block = m_blocks[contact / kContactsInBlock];
   const std::size_t lane = contact % kContactsInBlock;
   BodyContact<Real>& known = ContactOf(contact);
-  known.armed = armed;
-  known.touching = touching;
+  if (!armed) {
+    known.phase = ContactPhase::kWaiting;
+  } else {
+    known.phase = touching ? ContactPhase::kTouching : ContactPhase::kArmed;
+  }
   known.maxDepth = block.maxDepth[lane];
   known.depth = touching ? block.depth[lane] : std::min(block.depth[lane], Real(0));
   known.leap = block.leap[lane];
@@ -165,8 +169,8 @@ Meeting<Real> IslandContacts<Real>::Meet(const Side& side, std::span<const Motio
   Meeting<Real> meeting = side.meeting;
   meeting.x = motions[side.ofVertices].x;
   meeting.v = motions[side.ofVertices].v;
-  meeting.shell.x = motions[side.ofFaces].x;
-  meeting.shellV = motions[side.ofFaces].v;
+  meeting.skin.x = motions[side.ofFaces].x;
+  meeting.skinV = motions[side.ofFaces].v;
   return meeting;
 }
 

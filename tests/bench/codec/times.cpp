@@ -28,7 +28,7 @@ void EncodeAll(const Recording& recording, protocol::ShapeEncoder& encoder, Payl
 
 void DecodeAll(const Recording& recording, protocol::ShapeDecoder& decoder, const Payloads& payloads) {
   const protocol::PatchModel model = FindModel(recording, 0);
-  protocol::Pose pose;
+  protocol::QuantisedPose pose;
   std::vector<protocol::Vector3> shape(recording.CountVertices());
   for (const auto& payload : payloads) {
     if (decoder.Decode(model, payload, pose, shape) != protocol::DecodeResult::kOk) {

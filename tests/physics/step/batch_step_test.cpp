@@ -51,8 +51,12 @@ struct Bodies {
     std::vector<Contact<Real>> spare;
     for (std::size_t i = 0; i < members.size(); ++i) {
       members[i].survey = MakeSurvey<Real>(blueprint.Read<Real>().masses, states[i].positions, states[i].velocities);
-      FindContacts<Real>(members[i].surfaces, 0, members[i].survey, states[i].positions, states[i].velocities,
-                         static_cast<Real>(kRules.duration), states[i].contacts, spare);
+      FindContacts<Real>({.surfaces = members[i].surfaces,
+                          .x = states[i].positions,
+                          .v = states[i].velocities,
+                          .survey = members[i].survey,
+                          .duration = static_cast<Real>(kRules.duration)},
+                         states[i].contacts, spare);
     }
   }
 

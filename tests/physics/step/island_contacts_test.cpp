@@ -7,6 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "server/physics/contact/body_contact_search.h"
+#include "server/physics/contact/body_contact_update.h"
 #include "server/physics/lanes/kernels.h"
 #include "server/physics/shapes/cloth.h"
 #include "server/physics/step/island_step.h"
@@ -29,8 +31,8 @@ std::vector<Vector3<Real>> Shake(std::size_t count, double amplitude, double pha
 }
 
 template <class Real>
-SurfacePoints<Real> ReadSurface(const Member<Real>& member) {
-  SurfacePoints<Real> points;
+SkinPoints<Real> ReadSurface(const Member<Real>& member) {
+  SkinPoints<Real> points;
   points.Read({member.blueprint->template Read<Real>().faces, &member.blueprint->topology, member.state->positions},
               member.state->velocities);
   return points;
@@ -83,8 +85,8 @@ struct Pile {
     for (std::size_t side = 0; side < 2; ++side) {
       const Member<Real>& vertices = members[both[side]];
       const Member<Real>& faces = members[both[1 - side]];
-      const SurfacePoints<Real> own = ReadSurface(vertices);
-      const SurfacePoints<Real> shell = ReadSurface(faces);
+      const SkinPoints<Real> own = ReadSurface(vertices);
+      const SkinPoints<Real> shell = ReadSurface(faces);
       Bounds<Real> near = faces.survey.bounds;
       near.low.array() -= Real(0.1);
       near.high.array() += Real(0.1);
@@ -163,9 +165,8 @@ template <class Real>
 void ExpectTheSame(const BodyContact<Real>& a, const BodyContact<Real>& b, Real tolerance) {
   EXPECT_EQ(a.vertex, b.vertex);
   EXPECT_EQ(a.face, b.face);
-  EXPECT_EQ(a.armed, b.armed);
-  EXPECT_EQ(a.behind, b.behind);
-  EXPECT_EQ(a.touching, b.touching);
+  EXPECT_EQ(a.phase, b.phase);
+  EXPECT_EQ(a.side, b.side);
   EXPECT_NEAR(a.maxDepth, b.maxDepth, tolerance);
   EXPECT_NEAR(a.depth, b.depth, tolerance);
   EXPECT_NEAR(a.leap, b.leap, tolerance);
@@ -268,9 +269,9 @@ TYPED_TEST(IslandContactsTest, FindsPointsAsALoopOverAllDoes) {
   using Real = TypeParam;
   const Blueprint ball = MakeBall(MakeMeasuredBall());
   const State<Real> state = MakeState<Real>(ball, Vector3d::Zero(), Vector3d::Zero());
-  const Shell<Real> shell{ball.Read<Real>().faces, &ball.topology, state.positions};
-  SurfacePoints<Real> points;
-  points.Read(shell, state.velocities);
+  const Skin<Real> skin{ball.Read<Real>().faces, &ball.topology, state.positions};
+  SkinPoints<Real> points;
+  points.Read(skin, state.velocities);
   EXPECT_NEAR(points.Radius(), Real(1), Real(0.02));
   NearRegion<Real> region{{-2, -2, Real(0.1)}, {Real(0.9), 2, 2}, {Real(0.5), 0, 0}, Real(1.2)};
   for (const SweepKernel<Real>& kernel : FindSweepKernels<Real>(kWidestPack)) {

@@ -80,7 +80,8 @@ struct Coded {
 };
 
 PatchModel MakeModel(const Cloud& cloud, const Basis* basis = nullptr, std::span<const wire::Obstacle> obstacles = {}) {
-  return {cloud.rest, cloud.size, basis, obstacles};
+  return {
+      .rest = cloud.rest, .size = cloud.size, .basis = basis, .obstacles = obstacles, .reach = FindReach(cloud.rest)};
 }
 
 Coded Encode(const Cloud& cloud, float target, const Basis* basis = nullptr, std::size_t maxBytes = kMaxRecordPayload,
@@ -99,12 +100,14 @@ DecodeResult Decode(std::span<const std::uint8_t> bytes, const PatchModel& model
   constexpr std::size_t kGuard = 4;
   std::vector<Vector3> block(model.rest.size() + 2 * kGuard, {kUntouched, kUntouched, kUntouched});
   ShapeDecoder decoder;
-  const DecodeResult result = decoder.Decode(model, bytes, pose, std::span(block).subspan(kGuard, model.rest.size()));
+  QuantisedPose read;
+  const DecodeResult result = decoder.Decode(model, bytes, read, std::span(block).subspan(kGuard, model.rest.size()));
   for (std::size_t i = 0; i < kGuard; ++i) {
     for (const Vector3& guard : {block[i], block[block.size() - 1 - i]}) {
       EXPECT_TRUE(guard.x == kUntouched && guard.y == kUntouched && guard.z == kUntouched);
     }
   }
+  pose = Dequantise(read);
   shape.assign(block.begin() + kGuard, block.end() - kGuard);
   EXPECT_STRNE(Name(result), "unknown");
   return result;

@@ -112,13 +112,14 @@ TEST_F(EncoderTest, DecodedVerticesAreWithinTheTarget) {
       for (const auto& record : encoded[i]) {
         const Read read = ReadRecord(record);
         const std::size_t count = protocol::PatchSize(blueprint.rest.size(), read.head.patch);
-        protocol::Pose pose;
+        protocol::QuantisedPose pose;
         std::vector<protocol::Vector3> shape(count);
-        const protocol::PatchModel model{std::span(blueprint.rest).subspan(first, count), blueprint.size};
+        const protocol::PatchModel model{.rest = std::span(blueprint.rest).subspan(first, count),
+                                         .size = blueprint.size};
         ASSERT_EQ(decoder.Decode(model, read.payload, pose, shape), protocol::DecodeResult::kOk);
         double sum = 0;
         for (std::size_t v = 0; v < count; ++v) {
-          const auto error = protocol::Transform(pose, shape[v]) - bodies[i].vertices[first + v];
+          const auto error = protocol::Transform(protocol::Dequantise(pose), shape[v]) - bodies[i].vertices[first + v];
           sum += double{protocol::Dot(error, error)};
         }
         // Single precision rounds a vertex to 1e-6 m here. 512 vertices in a violent impact may not fit a packet at the

@@ -33,8 +33,9 @@ Figures Measure(const CapturedBlueprint& blueprint, const RecordedPlay& play, bo
   protocol::ShapeEncoder encoder;
   std::vector<std::uint8_t> bytes;
   const std::size_t count = protocol::PatchSize(blueprint.rest.size(), 0);
-  const protocol::PatchModel model{std::span(blueprint.rest).first(count), blueprint.size,
-                                   usesBasis ? blueprint.bases.at(0).get() : nullptr, play.obstacles};
+  protocol::PatchModel model =
+      protocol::MakePatchModel(blueprint.rest, blueprint.size, blueprint.patches, 0, play.obstacles);
+  if (!usesBasis) model.basis = nullptr;
   double squares = 0;
   for (const PlayFrame& frame : play.frames) {
     const auto encoding = encoder.Encode(model, frame.pose, std::span(frame.vertices).first(count),
@@ -52,7 +53,7 @@ TEST(BasisTraining, SavesHalfOfTheBitsOnPlayThatItHasNotSeen) {
   ASSERT_EQ(bases.size(), 1U);
   EXPECT_LE(bases[0].size(), protocol::kMaxBasisBytes);
   const CapturedBlueprint captured = CaptureBlueprint(ball, bases);
-  ASSERT_NE(captured.bases.at(0), nullptr);
+  ASSERT_NE(captured.patches.at(0).basis, nullptr);
 
   RecordedPlay play = RecordPlay(ball, {0, 0, -9.81}, {}, 2);
   play.frames.resize(400);
@@ -70,7 +71,7 @@ TEST(BasisTraining, LargerBodiesHaveABasisAPatch) {
   const Bases bases = TrainBases(ball, play);
   ASSERT_EQ(bases.size(), 2U);
   const CapturedBlueprint captured = CaptureBlueprint(ball, bases);
-  for (const auto& basis : captured.bases) ASSERT_NE(basis, nullptr);
+  for (const auto& patch : captured.patches) ASSERT_NE(patch.basis, nullptr);
   EXPECT_LT(Measure(captured, play, true).bits, 0.8 * Measure(captured, play, false).bits);
 }
 

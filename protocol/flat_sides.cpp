@@ -1,4 +1,4 @@
-#include "protocol/surfaces.h"
+#include "protocol/flat_sides.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,8 @@ namespace {
 
 Vector3 FromWire(const wire::Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
-// The side of a box that the point stands before: the one axis along which it is outside.
+// The side of a box that faces the point. False unless the point is outside along exactly one axis: before an edge or a
+// corner no side faces it.
 bool FindBoxSide(const wire::Obstacle& box, Vector3 point, Side& side) {
   const Vector3 way = point - FromWire(box.a());
   const std::array<float, 3> along{way.x, way.y, way.z};
