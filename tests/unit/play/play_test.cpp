@@ -316,7 +316,7 @@ TEST(Play, BuildingIsBoundedAndRefusedInWords) {
   }
   game.Run(0.5);
   ASSERT_EQ(notices.lines.size(), 1U);
-  EXPECT_NE(notices.lines[0].find("all your 3 particles"), std::string::npos) << notices.lines[0];
+  EXPECT_NE(notices.lines[0].find("3 particles, the most per player"), std::string::npos) << notices.lines[0];
   const Shown shown = FindShown(game, client);
   const auto number = [&](std::size_t i) { return shown.blueprint->particles[i].number(); };
   client.Build({.kind = BuildKind::AddSpring, .a = 9999, .b = number(0)});
