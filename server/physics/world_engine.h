@@ -55,7 +55,7 @@ struct Scratch {
   // Of a batch:
   std::vector<Member<Real>*> members;
   std::vector<ContactPair<Real>> contactPairs;
-  std::vector<Part> parts;
+  std::vector<Island> islands;
   std::vector<IslandOutcome> outcomes;
   BatchScratch<Real> batch;
   std::vector<VertexLoad> loads;
@@ -65,7 +65,7 @@ struct Scratch {
   void Reserve(std::size_t allVertices, std::size_t bodies) {
     members.reserve(bodies);
     contactPairs.reserve(bodies);
-    parts.reserve(bodies);
+    islands.reserve(bodies);
     outcomes.reserve(bodies);
     loads.reserve(allVertices);
     begins.reserve(bodies + 1);
