@@ -45,7 +45,8 @@ void Server::Obey(Session& session, const Command& command) {
                        return error;
                      },
                      [&](const BuildCommand& build) {
-                       if (!m_workshop || session.body == 0) return std::string("only players in a scene with a workshop can build");
+                       if (!m_workshop || session.body == 0)
+                         return std::string("only players in a scene with a workshop can build");
                        return m_workshop->Build(session.clientId, build, m_world);
                      },
                  },

@@ -1,3 +1,5 @@
+// Each thread has an encoder with working memory of its own. Records are kept per body and quality with the version of
+// the capture that they were made from, so a body that several clients take, or that has not moved, is encoded once.
 #include "server/snapshots/encoder.h"
 
 #include <tbb/enumerable_thread_specific.h>
