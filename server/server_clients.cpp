@@ -67,7 +67,7 @@ void Server::Join(Session& session) {
     return;
   }
   if (IsBusy()) {
-    End(session, GoodbyeReason::Busy, "this machine has as much to do as it can; try again in a while");
+    End(session, GoodbyeReason::Busy, "the machine has no time for more players; try again later");
     return;
   }
   PublishBlueprints();  // to the others; the newcomer gets all blueprints with its welcome

@@ -39,13 +39,14 @@ void Server::Obey(Session& session, const Command& command) {
                        return std::string();
                      },
                      [&](const TuneCommand& tune) {
-                       if (session.body == 0) return std::string("who only watches tunes nothing");
+                       if (session.body == 0) return std::string("spectators cannot tune");
                        std::string error = m_tuning.Tune(tune, session.clientId == FindHost(), m_world, m_clock);
                        if (error.empty()) SendTuning();
                        return error;
                      },
                      [&](const BuildCommand& build) {
-                       if (!m_workshop || session.body == 0) return std::string("nothing is built here");
+                       if (!m_workshop || session.body == 0)
+                         return std::string("only players in a scene with a workshop can build");
                        return m_workshop->Build(session.clientId, build, m_world);
                      },
                  },

@@ -1,3 +1,5 @@
+// Every message goes through one parser (protocol::ParseClientMessage) that checks bytes, fields and ranges. The code
+// here checks what depends on the session: state, channel, order and rate.
 #include "server/session.h"
 
 #include <algorithm>

@@ -67,7 +67,7 @@ struct Session {
   std::uint32_t stalls = 0;  // total that the client has reported
 };
 
-// What a message asks the server to do beyond the session.
+// The effect of a message beyond the session, left to the server.
 struct MessageEffect {
   enum class Kind { kNone, kJoin, kRefuse, kLeave, kCommand };
   Kind kind = Kind::kNone;

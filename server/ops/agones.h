@@ -68,7 +68,7 @@ class Agones {
     std::string trouble;  // empty: success
   };
 
-  // Of the thread:
+  // Stages of the thread:
   //   kRunning    makes the calls that are queued, and waits for more
   //   kEnding     the destructor has begun: makes the calls that are left
   //   kBrokenOff  a second has passed since: the call under way is stopped, and none is begun

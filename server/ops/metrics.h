@@ -1,4 +1,4 @@
-// Figures as Prometheus reads them. What each means and which to alert on: server/HOSTING.md.
+// Writes figures for Prometheus. server/HOSTING.md describes what each means and on which to alert.
 #pragma once
 
 #include <string>

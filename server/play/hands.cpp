@@ -87,7 +87,7 @@ void Hands::Close(const Actor& actor, Grip& grip, const physics::World& world) c
 }
 
 std::string Hands::StartShove(const Actor& actor, const ShoveCommand& command, const physics::World& world) {
-  if (!m_rules.push || actor.body == 0) return "nobody pushes by hand here";
+  if (!m_rules.push || actor.body == 0) return "pushing is not allowed here";
   const physics::Body* body = world.FindBody(command.body);
   const double length = command.direction.norm();
   if (body == nullptr || command.vertex >= world.BlueprintOf(*body).rest.size() || !(length > 0)) return "";
@@ -108,7 +108,7 @@ std::optional<physics::Blade> Hands::FindBlade(const Actor& actor, const CutComm
                                                const physics::World& world, std::string& refusal) const {
   const Vector3d middle = (command.from + command.to) / 2;
   if (!m_rules.cut || actor.body == 0) {
-    refusal = "nobody cuts here";
+    refusal = "cutting is not allowed here";
   } else if (!IsWithin(m_rules.reach, actor.body, middle, world)) {
     refusal = "too far away to cut";
   } else if (world.FindBody(command.body) != nullptr && (command.from - command.to).norm() <= kLongestBlade &&

@@ -18,7 +18,7 @@ constexpr double kUpdateTime = 0.2;  // from one blueprint to the next, s
 // sliders dragged at once stay below it.
 constexpr int kMostChanges = 40;
 
-constexpr const char* kBusy = "too many are building at once; try again";
+constexpr const char* kBusy = "too many changes at once; try again";
 
 std::ptrdiff_t Find(const std::vector<PartTag>& tags, std::uint16_t number) {
   const auto found = std::ranges::find(tags, number, &PartTag::number);
@@ -42,11 +42,11 @@ std::string Describe(const std::vector<physics::FieldError>& errors) {
 }
 
 std::string MissingPart(const char* what, std::uint16_t number) {
-  return std::string(what) + " " + std::to_string(number) + " is no longer there";
+  return std::string(what) + " " + std::to_string(number) + " no longer exists";
 }
 
 std::string AllUsed(const char* what, int most) {
-  return "you have all your " + std::to_string(most) + " " + what + "; remove one first";
+  return "you have " + std::to_string(most) + " " + what + ", the most per player; remove one first";
 }
 
 }  // namespace

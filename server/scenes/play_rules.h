@@ -1,11 +1,11 @@
-// What players may do in a scene beyond moving, and the game that they play, as plain data.
+// The rules of a scene for players, as plain data: hands, tuning, workshop and game.
 #pragma once
 
 #include <cstddef>
 
 namespace wobble::scenes {
 
-// What hands may do to bodies; by default nothing.
+// The rules of hands; by default they may do nothing.
 struct HandRules {
   bool grab = false;
   bool cut = false;
@@ -20,7 +20,7 @@ struct HandRules {
 
 enum class Who { kNobody, kHost, kEveryone };  // kHost: the player who has played longest
 
-// Who may tune the quantities that all players feel.
+// The rules of tuning, which all players feel.
 struct TuningRules {
   Who gravity = Who::kNobody;
   Who stiffness = Who::kNobody;

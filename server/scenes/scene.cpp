@@ -1,9 +1,10 @@
 #include "server/scenes/scene.h"
-#include "server/physics/shapes/finish_blueprint.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "server/physics/shapes/finish_blueprint.h"
 
 namespace wobble::scenes {
 namespace {

@@ -1,3 +1,4 @@
+// Errors show values as they stand in the file, not as they were converted, so that a person finds them by searching.
 #include "server/scenes/table_reader.h"
 
 #include <algorithm>

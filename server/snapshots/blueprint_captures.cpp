@@ -1,3 +1,5 @@
+// A slot whose content changes gets the next generation, which every record carries, so that a client never decodes a
+// record with another blueprint than the one that it was encoded with.
 #include "server/snapshots/blueprint_captures.h"
 
 #include "protocol/limits.h"

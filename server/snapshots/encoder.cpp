@@ -1,3 +1,5 @@
+// Each thread has an encoder with working memory of its own. Records are kept per body and quality with the version of
+// the capture that they were made from, so a body that several clients take, or that has not moved, is encoded once.
 #include "server/snapshots/encoder.h"
 
 #include <tbb/enumerable_thread_specific.h>
@@ -10,10 +12,9 @@
 #include "server/physics/model/parallel.h"
 
 namespace wobble::server {
-namespace {
 
 // The encoder of one thread; reuses its memory from body to body.
-class BodyEncoder {
+class Encoder::BodyEncoder {
  public:
   explicit BodyEncoder(std::span<const protocol::wire::Obstacle> obstacles) : m_obstacles(obstacles) {}
 
@@ -29,8 +30,8 @@ class BodyEncoder {
   std::uint64_t m_coarsened = 0;
 };
 
-void BodyEncoder::Encode(float errorShare, const CapturedBody& body, const CapturedBlueprint& blueprint,
-                         Encoding& encoding) {
+void Encoder::BodyEncoder::Encode(float errorShare, const CapturedBody& body, const CapturedBlueprint& blueprint,
+                                  Encoding& encoding) {
   const std::span<const protocol::Vector3> vertices = body.vertices;
   encoding.version = body.version;
   encoding.body = {};
@@ -70,8 +71,6 @@ void BodyEncoder::Encode(float errorShare, const CapturedBody& body, const Captu
   }
   encoding.body.records = encoding.records;
 }
-
-}  // namespace
 
 struct Encoder::Workers {
   Workers(std::span<const protocol::wire::Obstacle> obstacles, int count)

@@ -78,6 +78,7 @@ class Encoder {
     std::uint32_t body = 0;
     std::array<Encoding, kQualities> qualities;
   };
+  class BodyEncoder;
   struct Workers;
 
   [[nodiscard]] bool IsExpected(const Encoding& encoding) const {

@@ -1,3 +1,5 @@
+// Ranks the bodies of one snapshot, takes them by falling rank while there is credit, and packs their records. The last
+// record may overdraw the credit; the debt is paid by the next snapshots, so the budget holds over time.
 #include "server/snapshots/snapshot_sender.h"
 
 #include <algorithm>

@@ -102,7 +102,7 @@ class SnapshotSender {
   float m_viewDistance;
   bool m_isCoarser = false;
   SendCounts m_counts;
-  // Of the snapshot that is being sent:
+  // State of the snapshot that is being sent:
   SnapshotTask m_task;
   protocol::PacketBuilder m_packet;
   protocol::Vector3 m_viewpoint;

@@ -1,5 +1,5 @@
-// What the server knows of one client's snapshots: how long each body has waited, which bodies at rest the client has,
-// and how many bytes may be sent.
+// The state of one client's snapshots: how long each body has waited, which bodies at rest the client has, and how many
+// bytes may be sent.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,4 @@
-// What a server tells those who watch it: figures, metrics as Prometheus takes them, the endpoint over a real socket,
-// the trace.
+// What a server publishes: figures, Prometheus metrics, the endpoint over a real socket, the trace.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -16,7 +15,7 @@
 #include "server/ops/trace.h"
 #include "tests/support/game.h"
 
-// After Eigen, whose names it has a macro for.
+// After Eigen, because it defines macros with names of Eigen.
 #include <httplib.h>
 
 namespace wobble::ops {
@@ -35,7 +34,7 @@ std::string ReadFile(const std::filesystem::path& path) {
   return text.str();
 }
 
-// The value behind this series; fails when there is none.
+// The value of a series; fails the test when there is none.
 double ReadSeries(const std::string& metrics, const std::string& series) {
   std::istringstream lines(metrics);
   for (std::string line; std::getline(lines, line);) {
@@ -45,7 +44,7 @@ double ReadSeries(const std::string& metrics, const std::string& series) {
   return -1;
 }
 
-// A game whose clock goes on by a millisecond each time that it is read.
+// A game whose clock advances by a millisecond each time that it is read.
 struct WatchedGame {
   explicit WatchedGame(scenes::Scene scene = test::MakeYard())
       : game(std::move(scene), config, 1, [this] { return m_time += 0.001; }), gauge(config) {}
@@ -184,7 +183,7 @@ TEST(OpsAddress, IsAHostAndAPort) {
   }
 }
 
-// An endpoint on a port that is free, and a clock that a test moves.
+// An endpoint on a free port, with a clock that the test sets.
 class EndpointTest : public testing::Test {
  protected:
   void SetUp() override {

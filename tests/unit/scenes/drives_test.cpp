@@ -1,4 +1,4 @@
-// What a scene does to its bodies by the clock, and how it first stretches them.
+// Drives of a scene, and the stretch with which its bodies start.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::StartsWith;
 
-// Without gravity; `tail` begins in line 13.
+// A scene without gravity; `tail` begins in line 13.
 std::string MakeTextWithDrives(const std::string& tail) {
   return R"(gravity = [0, 0, 0]
 [[blueprint]]
@@ -122,7 +122,7 @@ TEST(SceneDrives, GasAndWindComeAndGo) {
   EXPECT_GT(breathing.Extent(0).x(), 1.05 * width);
   breathing.Step(600);
   EXPECT_NEAR(breathing.Extent(0).x(), width, 0.01 * width);
-  // Balls of this scene are dragged by nothing; one that is goes with the wind, whoever it is.
+  // The balls of this scene have no drag; a body with drag goes with the wind, also a player's.
   const std::string leaf =
       "[[blueprint]]\nname = \"leaf\"\nsubdivisions = 1\ndrag = 0.6\n[[bodies]]\n"
       "blueprint = \"leaf\"\n[[drive]]\nwind = [5, 0, 0]\nend = 2\n";

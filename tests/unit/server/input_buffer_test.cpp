@@ -1,4 +1,4 @@
-// Which input counts at which tick.
+// Which input acts at which tick.
 #include "server/input_buffer.h"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ TEST(InputBuffer, OfSeveralLateInputsTheNewestMovesAndAllPressesCount) {
   const InputFrame used = buffer.Take(21, kHold);
   EXPECT_EQ(used.move_x(), 3);
   EXPECT_EQ(used.buttons(), 5);
-  // The press counted once; what is held on is the newest.
+  // The press acts once; then the newest frame is held.
   EXPECT_EQ(buffer.Take(22, kHold).buttons(), 4);
 }
 
@@ -83,7 +83,7 @@ TEST(InputBuffer, WhatHasBeenUsedIsNotUsedAgain) {
   EXPECT_EQ(buffer.Take(5, kHold).buttons(), 1);
   buffer.Add(InputFrame(6, 10, 0, 0), 5);
   (void)buffer.Take(6, kHold);
-  buffer.Add(InputFrame(5, 10, 0, 1), 6);  // a copy that was under way for long
+  buffer.Add(InputFrame(5, 10, 0, 1), 6);  // a late duplicate
   EXPECT_EQ(buffer.Take(7, kHold).buttons(), 0);
   EXPECT_EQ(buffer.NewestUsed(), 6U);
 }
@@ -92,11 +92,11 @@ TEST(InputBuffer, FarFutureIsNotNear) {
   EXPECT_TRUE(InputBuffer::IsNear(InputFrame(100 + protocol::kMaxInputLeadTicks, 0, 0, 0), 100));
   EXPECT_FALSE(InputBuffer::IsNear(InputFrame(101 + protocol::kMaxInputLeadTicks, 0, 0, 0), 100));
   EXPECT_FALSE(InputBuffer::IsNear(InputFrame(0xFFFFFFFF, 0, 0, 0), 100));
-  EXPECT_TRUE(InputBuffer::IsNear(InputFrame(0, 0, 0, 0), 100));  // the past always is
+  EXPECT_TRUE(InputBuffer::IsNear(InputFrame(0, 0, 0, 0), 100));  // past ticks always are
 }
 
 TEST(InputBuffer, InputsFarAheadSurviveTheRing) {
-  // A client as far ahead as allowed, another one as late as is kept: 127 stamps of a ring of 128, for many rounds.
+  // One client as far ahead as allowed, another as late as is kept: 127 ticks in a ring of 128, for many rounds.
   InputBuffer buffer;
   for (std::uint32_t tick = 0; tick < 1000; ++tick) {
     const std::uint32_t stamp = tick + protocol::kMaxInputLeadTicks;
@@ -133,7 +133,7 @@ TEST(InputBuffer, AStampFromARoundAgoIsNotTakenForNew) {
   InputBuffer buffer;
   buffer.Add(InputFrame(5, 10, 0, 1), 4);
   (void)buffer.Take(5, kHold);
-  // 128 later the same slot is looked at again.
+  // 128 ticks later the same slot is read again.
   for (std::uint32_t tick = 6; tick < 300; ++tick) {
     const InputFrame frame = buffer.Take(tick, kHold);
     EXPECT_EQ(frame.move_x(), tick <= 5 + kHold ? 10 : 0) << tick;

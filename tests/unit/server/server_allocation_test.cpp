@@ -32,7 +32,8 @@ void* AllocateAligned(std::size_t size, std::align_val_t alignment) {
 }
 }  // namespace
 
-// Every form that the library may call, for the whole test program; they count only while a test asks them to.
+// All forms of new and delete that the library may call, for the whole test program. They count only while a test asks
+// for it.
 void* operator new(std::size_t size) { return AllocateOrThrow(size); }
 void* operator new[](std::size_t size) { return AllocateOrThrow(size); }
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return Allocate(size); }
@@ -91,7 +92,7 @@ TEST(Server, StepCaptureAndEncodeDoNotAllocateOnceWarm) {
   EXPECT_EQ(allocations.load(), 0U);
   EXPECT_EQ(captures.Bodies().size(), 20U);
 
-  countsAllocations = true;  // it does count
+  countsAllocations = true;  // checks that the counter works
   const auto one = std::make_unique<int>(1);
   countsAllocations = false;
   EXPECT_EQ(allocations.load(), 1U);

@@ -62,7 +62,7 @@ TEST(Server, ALostClientIsTakenOutAndCounted) {
   auto& stayer = game.AddClient();
   game.Run(1);
   const std::uint32_t body = game.clients[0]->Welcome().ownBody;
-  game.clients.erase(game.clients.begin());  // its process died: the link closes
+  game.clients.erase(game.clients.begin());  // as if its process had died: the connection closes
   game.Run(0.5);
   EXPECT_FALSE(game.HasBody(body));
   EXPECT_EQ(game.server.ReadCounts().disconnects, 1U);
@@ -164,7 +164,7 @@ TEST(Server, CloseSaysGoodbyeToAll) {
     EXPECT_NE(client->EndReason().find("server is closing"), std::string::npos) << client->EndReason();
   }
   EXPECT_EQ(raw.GoodbyeReason(), static_cast<int>(GoodbyeReason::ServerClosing));
-  EXPECT_EQ(game.server.ReadCounts().disconnects, 0U);  // it was the server that left
+  EXPECT_EQ(game.server.ReadCounts().disconnects, 0U);  // the server ended these
 }
 
 TEST(Server, ASpectatorSeesAllAndHasNoBody) {
@@ -199,7 +199,7 @@ TEST(Server, HostileMessagesAreCountedAndNobodyNotices) {
   auto& floods = game.AddRaw();
   game.Run(0.1);
   quiet.Run(0.1);
-  // Below what ends a session: counted and no more.
+  // Fewer bad messages than end a session: they are only counted.
   for (int i = 0; i < 3; ++i) {
     spammer.Send(Channel::kControl, {0xFF, 0xFF, 0xFF, 0xFF});
     spammer.Send(Channel::kSnapshot, protocol::Message(1200, 0x5A));
@@ -223,7 +223,7 @@ TEST(Server, HostileMessagesAreCountedAndNobodyNotices) {
   EXPECT_EQ(floods.GoodbyeReason(), static_cast<int>(GoodbyeReason::BadMessages));
   EXPECT_EQ(counts.refusals, 1U);
 
-  // The players' world is, bit for bit, the one where none of this happened.
+  // The players' world equals, bit for bit, the one without attacks.
   ASSERT_EQ(game.server.World().Tick(), quiet.server.World().Tick());
   EXPECT_EQ(game.server.World().Hash(), quiet.server.World().Hash());
   for (auto& client : game.clients) {

@@ -38,7 +38,7 @@ TEST(Server, ManyBodiesComeInTurnsEachAsOftenAsOthers) {
     for (const std::uint32_t tick : seen) EXPECT_EQ(tick % 2, body % 2);
   }
   EXPECT_EQ(client.ReadStatistics().stalls, 0U);
-  EXPECT_NEAR(client.InterpolationDelay(), 2.0 / 30, 0.02) << "as long as without turns";
+  EXPECT_NEAR(client.InterpolationDelay(), 2.0 / 30, 0.02) << "as without turns";
 }
 
 TEST(Server, SnapshotsComeAtTheirRate) {
@@ -54,7 +54,7 @@ TEST(Server, SnapshotsComeAtTheirRate) {
   }
 }
 
-// A ball of the yard's kind without its first `torn` faces, or another one.
+// A ball like the yard's without its first `torn` faces; with 2 subdivisions it has 162 vertices instead of 42.
 physics::Blueprint MakeTornBall(std::size_t torn, int subdivisions = 1) {
   physics::BallDefinition ball;
   ball.name = "torn " + std::to_string(torn);
@@ -68,7 +68,7 @@ physics::Blueprint MakeTornBall(std::size_t torn, int subdivisions = 1) {
   return blueprint;
 }
 
-// What a client shows of a body.
+// A body as a client shows it; empty when it shows none.
 client::BodySample Look(client::Client& client, double now, std::uint32_t body) {
   std::vector<client::BodySample> samples;
   client.Sample(now, client::Detail::kVertices, samples);
@@ -101,14 +101,14 @@ TEST(Server, ABodyThatChangesItsBlueprintIsSeenSoByAllAndByLatecomers) {
   EXPECT_EQ(first.Welcome().blueprintCount, 1);
   EXPECT_EQ(second.Welcome().blueprintCount, 2);
 
-  // More vertices, in the next slot; then the first slot again, with other content.
+  // First more vertices, in the next slot; then an unused slot again, with other content.
   ASSERT_TRUE(ReplaceBlueprint(world, body, MakeTornBall(0, 2)));
   game.Run(1);
   for (client::Client* each : {&first, &second}) {
     EXPECT_EQ(Look(*each, game.now, body).vertices.size(), 162U);
   }
   ASSERT_TRUE(ReplaceBlueprint(world, body, MakeTornBall(79)));
-  EXPECT_EQ(world.Blueprints().size(), 3U) << "a slot that nobody used";
+  EXPECT_EQ(world.Blueprints().size(), 3U) << "an unused slot is taken";
   auto& third = game.AddClient();
   game.Run(1);
   for (client::Client* each : {&first, &second, &third}) {
@@ -122,7 +122,7 @@ TEST(Server, ABodyThatChangesItsBlueprintIsSeenSoByAllAndByLatecomers) {
   }
 }
 
-// A body that is changed ten times a second over a bad link: nothing is ever read under the wrong blueprint.
+// A body changes its blueprint ten times a second over a bad link: no record is decoded with the wrong blueprint.
 TEST(Server, ChangingBlueprintsSurviveABadLink) {
   Game game(MakeYard());
   transport::LinkConditions conditions;
@@ -138,7 +138,7 @@ TEST(Server, ChangingBlueprintsSurviveABadLink) {
   game.Run(3);
   ASSERT_EQ(client.ReadState(), State::kPlaying);
   std::map<std::string, int> shown;
-  double reach = 0;  // the furthest that a vertex has been from the middle, m
+  double reach = 0;  // the largest distance of a vertex from the centre so far, m
   for (std::size_t change = 0; change < 79; ++change) {
     ASSERT_TRUE(ReplaceBlueprint(world, body, MakeTornBall(change, change % 7 == 3 ? 2 : 1)));
     for (int tick = 0; tick < 6; ++tick) {
@@ -165,8 +165,8 @@ TEST(Server, ChangingBlueprintsSurviveABadLink) {
 }
 
 TEST(Server, EveryClientGetsTheSameBytesOfABody) {
-  // Two raw connections keep whole packets: records of one tick, body and patch are to be equal in all, but for the
-  // quality, which depends on who looks.
+  // Two raw connections keep whole packets. Records of one tick, body and patch must be equal in both, except for the
+  // quality, which depends on the viewpoint.
   Game game(test::LoadShippedScene("arena"));
   auto& a = game.AddRaw();
   auto& b = game.AddRaw();
@@ -190,10 +190,10 @@ TEST(Server, EveryClientGetsTheSameBytesOfABody) {
       }
     }
   }
-  EXPECT_GT(equal, 100U);  // which bodies fit, and how exactly, differs between the two
+  EXPECT_GT(equal, 100U);  // the two differ in which bodies fit and at which quality
 }
 
-// All bodies of the yard, the player's own too, as a client shows them: none of them held.
+// Checks that the client shows `count` bodies at rest, all exact to the best quality and none of them held.
 void ExpectShowsAllAtRest(Game& game, client::Client& client, std::size_t count) {
   std::vector<client::BodySample> samples;
   client.Sample(game.now, client::Detail::kVertices, samples);
@@ -231,7 +231,7 @@ TEST(Server, WhatRestsCostsNothingOnceAllHaveItAndIsThereForLatecomers) {
   game.Run(60);
   EXPECT_EQ(game.server.ReadSendCounts().vertices, vertices);
   ExpectShowsAllAtRest(game, client, 2);
-  EXPECT_LT(client.ReadStatistics().snapshotAge, 0.2) << "the clock goes on";
+  EXPECT_LT(client.ReadStatistics().snapshotAge, 0.2) << "heads alone keep the clock going";
 
   auto& late = game.AddClient({"Late", true});
   game.Run(5);
@@ -239,7 +239,7 @@ TEST(Server, WhatRestsCostsNothingOnceAllHaveItAndIsThereForLatecomers) {
   ExpectShowsAllAtRest(game, late, 2);
   EXPECT_GT(game.server.ReadSendCounts().vertices, vertices);
 
-  // It wakes, and the next snapshot has it.
+  // The body wakes and is in the next snapshot.
   client.SetInput({.moveX = 1});
   game.Run(1);
   std::vector<client::BodySample> samples;
@@ -253,7 +253,7 @@ TEST(Server, WhatRestsCostsNothingOnceAllHaveItAndIsThereForLatecomers) {
   EXPECT_GT(game.server.ReadSendCounts().vertices, vertices + 15 * 42);
 }
 
-// What threads encode ahead is what would have been encoded when it was asked for.
+// Bodies that threads encode ahead have the same bytes as bodies encoded when they are sent.
 TEST(Server, SendsTheSameBytesOnAnyNumberOfThreads) {
   const auto play = [](int threads) {
     Config config;

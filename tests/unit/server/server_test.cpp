@@ -38,7 +38,7 @@ TEST(Server, AClientJoinsGetsBlueprintsAndPlays) {
 
   std::vector<client::BodySample> samples;
   client.Sample(game.now, client::Detail::kVertices, samples);
-  ASSERT_EQ(samples.size(), 13U);  // twelve balls and its own
+  ASSERT_EQ(samples.size(), 13U);  // twelve balls and its own body
   for (const auto& sample : samples) {
     ASSERT_NE(sample.blueprint, nullptr);
     EXPECT_EQ(sample.blueprint->name, sample.body == client.Welcome().ownBody ? "player" : "ball");
@@ -91,7 +91,7 @@ TEST(Server, TheOwnBodyMovesWhenTheClientMoves) {
   EXPECT_LT(std::abs(end.y() - start.y()), 0.2);
   EXPECT_LT((game.Centre(other.Welcome().ownBody) - otherStart).norm(), 0.05);
 
-  // Both see it: the newest pose is at most a snapshot and a trip behind.
+  // Both clients show it: the newest pose is at most a snapshot and a trip behind.
   for (auto* client : {&mover, &other}) {
     const auto seen = client->NewestPose(mover.Welcome().ownBody);
     ASSERT_TRUE(seen);
@@ -203,20 +203,20 @@ TEST(Server, AWorldWithoutAnybodyWaitsAndGoesOnForTheFirst) {
   int calls = 0;
   for (; game.now < begin + 600; ++calls) game.Step();
   EXPECT_EQ(game.server.World().Tick(), tick);
-  EXPECT_LE(calls, 600 * 50 + 1) << "and it is seldom asked";
+  EXPECT_LE(calls, 600 * 50 + 1) << "a paused server is called 50 times a second";
 
   client::Client& client = game.AddClient();
   game.Run(1);
   EXPECT_FALSE(game.server.IsPaused());
   EXPECT_EQ(client.ReadState(), client::State::kPlaying);
-  EXPECT_NEAR(game.server.World().Tick() - tick, 60, 4) << "from its first packet on";
+  EXPECT_NEAR(game.server.World().Tick() - tick, 60, 4) << "the world resumes with the first packet";
   EXPECT_EQ(game.server.Clock().DroppedTicks(), 0U);
   EXPECT_EQ(game.server.Clock().TimeRatio(), 1);
   EXPECT_NEAR(game.server.ReadCounts().pausedTime, 600, 0.5);
 
   client.Leave(game.now);
   game.Run(1.5);
-  EXPECT_FALSE(game.server.IsPaused()) << "he may come back";
+  EXPECT_FALSE(game.server.IsPaused()) << "the client may come back";
   game.Run(1.5);
   EXPECT_TRUE(game.server.IsPaused());
 }

@@ -1,4 +1,4 @@
-// What --summary writes.
+// The JSON that --summary writes, and the histogram of tick times.
 #include "server/summary.h"
 
 #include <gtest/gtest.h>
@@ -71,7 +71,7 @@ TEST(Summary, HasEveryKeyWithATrueValue) {
   EXPECT_EQ(json["state_hash"].get<std::string>().size(), 16U);
 }
 
-// While nobody plays nothing is encoded, and a figure that does not exist is null.
+// While nobody plays nothing is encoded, and figures per vertex are null.
 TEST(Summary, AnEmptyServerInventsNoSnapshotFigures) {
   test::Game game(test::LoadShippedScene("arena"), Config{});
   game.Run(1);

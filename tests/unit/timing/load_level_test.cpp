@@ -1,5 +1,4 @@
-// A server with more to do than there is time: the rule by itself, then a whole game on a machine that is as slow as a
-// test says.
+// Load levels: the controller by itself, then a whole game on a simulated machine whose speed the test sets.
 #include "server/timing/load_level.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +10,7 @@ namespace {
 
 constexpr double kTick = 1.0 / 60;
 
-// Ticks of so many times their budget, one after the other, for so long.
+// Records ticks that take `share` of their budget for a number of seconds. Returns the time at the end.
 double Feed(LoadController& load, double share, double seconds, double now, double rate = 1) {
   for (const double end = now + seconds; now < end;) {
     now += std::max(kTick / rate, share * kTick);
@@ -25,7 +24,7 @@ TEST(LoadController, NothingIsDoneWhileThereIsTime) {
   double now = Feed(load, 0.75, 20, 0);
   EXPECT_EQ(load.Level(), LoadLevel::kNormal);
   EXPECT_NEAR(load.Share(), 0.75, 1e-9);
-  for (int i = 0; i < 20; ++i) {  // a hiccup a second, each of six ticks' time
+  for (int i = 0; i < 20; ++i) {  // once a second a tick of six times its budget
     load.Record(6 * kTick, 1, now += 6 * kTick);
     now = Feed(load, 0.3, 1, now);
     EXPECT_EQ(load.Level(), LoadLevel::kNormal);
@@ -35,14 +34,14 @@ TEST(LoadController, NothingIsDoneWhileThereIsTime) {
 TEST(LoadController, TakesOneMeasureAfterTheOther) {
   LoadController load(kTick);
   double now = Feed(load, 0.85, 0.9, 0);
-  EXPECT_EQ(load.Level(), LoadLevel::kNormal) << "not for a second yet";
+  EXPECT_EQ(load.Level(), LoadLevel::kNormal) << "above the limit for less than a second";
   now = Feed(load, 0.85, 10, now);
-  EXPECT_EQ(load.Level(), LoadLevel::kCoarser) << "and no more than is needed";
+  EXPECT_EQ(load.Level(), LoadLevel::kCoarser) << "one level, which suffices";
   now = Feed(load, 1.0, 1, now);
   EXPECT_EQ(load.Level(), LoadLevel::kBusy);
   EXPECT_EQ(load.RateLimit(), 1);
   now = Feed(load, 0.85, 10, now);
-  EXPECT_EQ(load.Level(), LoadLevel::kBusy) << "which was enough";
+  EXPECT_EQ(load.Level(), LoadLevel::kBusy) << "the level suffices";
   now = Feed(load, 2.0, 1, now);
   EXPECT_EQ(load.Level(), LoadLevel::kSlowed);
   EXPECT_NEAR(load.RateLimit(), 0.45, 0.01);
@@ -55,7 +54,7 @@ TEST(LoadController, IsBackToNormalWithinTwoSeconds) {
     LoadController load(kTick);
     double now = Feed(load, share, 10, 0);
     ASSERT_EQ(load.Level(), LoadLevel::kSlowed);
-    // The tick that is under way when the load goes, then as many as its own limit lets through.
+    // The tick that runs when the load ends, then as many as the rate limit lets through.
     const double gone = now;
     while (load.Level() != LoadLevel::kNormal && now < gone + 10) {
       now += kTick / load.RateLimit();
@@ -82,8 +81,8 @@ TEST(LoadController, SlowMotionLeavesTicksMoreTime) {
   EXPECT_EQ(load.Level(), LoadLevel::kNormal);
 }
 
-// A game on a machine whose ticks take as long as is said: the clock that the server measures with goes on by that much
-// in each step of the world, and the next call comes when the last one is over.
+// A game on a simulated machine: the clock with which the server measures advances by `share` of a tick in each step of
+// the world, and the next call comes when the last one is over.
 class SlowMachine {
  public:
   explicit SlowMachine(int players, scenes::Scene scene = test::MakeYard(), const Config& config = {})
@@ -137,12 +136,12 @@ TEST(Overload, TwiceTooMuchGoesSlowerAndNobodyIsLost) {
   const std::uint64_t dropped = server.Clock().DroppedTicks();
   const std::uint32_t tick = server.World().Tick();
   machine.Run(60);
-  EXPECT_EQ(server.Clock().DroppedTicks(), dropped) << "slower on purpose, so none falls out";
+  EXPECT_EQ(server.Clock().DroppedTicks(), dropped) << "the world is slowed, so no tick is dropped";
   EXPECT_NEAR(server.World().Tick() - tick, 60 * 60 * 0.45, 30);
   EXPECT_NEAR(server.Clock().SlowedTicks(), 60 * 61 * 0.55, 60);
   for (const auto& client : machine.game.clients) {
     EXPECT_NEAR(client->ReadStatistics().timeRatio, 0.45, 0.01) << "published in every snapshot";
-    EXPECT_EQ(client->ReadTuning().timeRate, 1) << "as asked for: the machine is the reason";
+    EXPECT_EQ(client->ReadTuning().timeRate, 1) << "the rate that players asked for is unchanged";
   }
   ExpectEveryonePlays(machine);
 }
@@ -224,7 +223,7 @@ TEST(Overload, AWorldThatHasWaitedBeginsAnew) {
   machine.Run(1);
   EXPECT_EQ(next.ReadState(), client::State::kPlaying);
   EXPECT_EQ(machine.game.server.SnapshotHz(), 30);
-  EXPECT_GT(machine.game.server.Clock().TimeRatio(), 0.98) << "nothing is held back any more";
+  EXPECT_GT(machine.game.server.Clock().TimeRatio(), 0.98) << "the world is no longer slowed";
 }
 
 }  // namespace

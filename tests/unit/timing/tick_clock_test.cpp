@@ -1,4 +1,4 @@
-// World time against wall time.
+// How world time follows wall time.
 #include "server/timing/tick_clock.h"
 
 #include <gtest/gtest.h>
@@ -71,7 +71,7 @@ TEST(TickClock, AJumpIsTakenAFewTicksACall) {
   EXPECT_GT(calls, 1);
   for (int i = 0; i < 1000; ++i) clock.Jump(10);
   for (ticks = 0; const int taken = clock.TakeJumpTicks();) ticks += taken;
-  EXPECT_LE(ticks, 3600) << "whoever asks again and again";
+  EXPECT_LE(ticks, 3600) << "repeated jumps are bounded";
 }
 
 TEST(TickClock, CatchesUpThreeAtMostAndDropsTheRest) {
@@ -83,7 +83,7 @@ TEST(TickClock, CatchesUpThreeAtMostAndDropsTheRest) {
   EXPECT_EQ(clock.TakeDueTicks(13.5 * kTickLength), 3);  // ten are owed
   EXPECT_EQ(clock.DroppedTicks(), 7U);
   EXPECT_LT(clock.TimeRatio(), 1.0);
-  EXPECT_EQ(clock.TakeDueTicks(13.6 * kTickLength), 0);  // for good
+  EXPECT_EQ(clock.TakeDueTicks(13.6 * kTickLength), 0);  // seven are dropped
   EXPECT_EQ(clock.TakeDueTicks(14.1 * kTickLength), 1);
   EXPECT_EQ(clock.DroppedTicks(), 7U);
 }

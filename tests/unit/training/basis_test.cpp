@@ -1,4 +1,4 @@
-// Bases from play: they save bits on play that they were not trained on, fit their limit, and are kept in a folder.
+// Trained bases: they save bits on play that they were not trained on, fit their limit, and are kept in a folder.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -24,11 +24,11 @@ physics::Blueprint MakeBall(int subdivisions) {
 }
 
 struct Figures {
-  double bits = 0;   // a vertex
-  double error = 0;  // RMS, of the size
+  double bits = 0;   // per vertex
+  double error = 0;  // RMS, as a share of the size
 };
 
-// Of the first patch, over all frames.
+// Measures the first patch over all frames.
 Figures Measure(const CapturedBlueprint& blueprint, const RecordedPlay& play, bool usesBasis) {
   protocol::ShapeEncoder encoder;
   std::vector<std::uint8_t> bytes;
