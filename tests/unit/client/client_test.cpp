@@ -1,4 +1,4 @@
-// The client library against a scripted server: how it joins, what it sends, what it passes on.
+// The client library against a scripted server: joining, inputs and events.
 #include "client/client.h"
 
 #include <gtest/gtest.h>
@@ -53,12 +53,12 @@ TEST_F(ClientTest, SendsAnInputEachTickWithTheLastFourFramesAndTheAcknowledgemen
   for (int i = 1; i <= 600; ++i) {
     now = begin + i / 120.0;  // polled twice a tick
     client->SetInput({.moveX = 0.5F, .moveY = -2.0F, .jump = i > 300, .stiffen = true});
-    if (i % 4 == 0 && ++sequence != 148) Snapshot(sequence);  // one is lost
+    if (i % 4 == 0 && ++sequence != 148) Snapshot(sequence);  // packet 148 is lost
     client->Update(now);
   }
   const auto inputs = Inputs();
   EXPECT_NEAR(static_cast<double>(inputs.size()), 5 * kTickHz, 2);
-  EXPECT_EQ(client->ReadStatistics().inputsSent, inputs.size() + 1);  // and one when the welcome came
+  EXPECT_EQ(client->ReadStatistics().inputsSent, inputs.size() + 1);  // plus the one after the welcome
 
   std::uint32_t last = 0;
   for (const wire::Input* input : inputs) {
@@ -99,7 +99,7 @@ TEST_F(ClientTest, DoesNotRunAheadOfAServerThatIsSlow) {
     Arrive(Channel::kSnapshot, MakeSnapshot({++sequence, tick, 0.5F, 0}));
   }
   EXPECT_LT(Inputs().back()->frames()->Get(0)->tick(), tick + 4);
-  EXPECT_NEAR(static_cast<double>(Inputs().size()), 60 * 20, 3);  // acknowledgements go on at the same rate
+  EXPECT_NEAR(static_cast<double>(Inputs().size()), 60 * 20, 3);  // inputs are still sent at the tick rate
   EXPECT_NEAR(client->ReadStatistics().timeRatio, 0.5, 1e-4);
 }
 

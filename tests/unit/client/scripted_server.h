@@ -1,4 +1,4 @@
-// A client whose server is written down by the test, message by message.
+// A client whose server is scripted by the test, message by message.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ using transport::Channel;
 inline constexpr transport::ConnectionId kConnection = 5;
 inline constexpr std::uint16_t kTickHz = 60;
 
-// What the test sees of a transport that the client owns.
+// The test's view of a transport that the client owns.
 struct Link {
   struct Arrival {
     double at;
@@ -103,12 +103,13 @@ inline std::vector<Message> CutIntoChunks(std::uint8_t index, const Message& blu
   return chunks;
 }
 
-// A body at rest in shape, at this pose; patch 0 of the tetrahedron.
+// A record of a body in its rest shape at this pose; patch 0.
 inline std::vector<std::uint8_t> MakeRecord(std::uint32_t body, const Pose& pose, std::uint8_t blueprint = 0,
                                             std::uint8_t generation = 0,
                                             const std::vector<Vector3>& rest = {
                                                 {1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}) {
-  const protocol::PatchModel model{.rest = rest, .size = rest.size() == 4 ? 1.732F : 0.8F};  // as their blueprints say
+  const protocol::PatchModel model{.rest = rest,
+                                   .size = rest.size() == 4 ? 1.732F : 0.8F};  // the size of its blueprint
   const Pose seen = protocol::Dequantise(protocol::Quantise(pose, protocol::MakePoseGrid(12, model.size)));
   std::vector<Vector3> world;
   for (const Vector3& point : rest) world.push_back(protocol::Transform(seen, point));
@@ -160,7 +161,7 @@ class ClientTest : public testing::Test {
   [[nodiscard]] std::uint32_t CurrentTick() const {
     return 100 + static_cast<std::uint32_t>(std::lround((now - joinedAt) * kTickHz));
   }
-  // The inputs among what was sent, parsed.
+  // The inputs that were sent, parsed.
   [[nodiscard]] std::vector<const wire::Input*> Inputs() const {
     std::vector<const wire::Input*> inputs;
     for (const Link::Sent& sent : link.sent) {

@@ -251,7 +251,7 @@ TEST(Messages, AbsentPartsAreMissing) {
   EXPECT_EQ(ParseAs('c', empty), ParseResult::kMissingField);
 }
 
-// A union of a type that only a later version has: FlatBuffers lets it through, we do not.
+// A union of a type that only a later version has: FlatBuffers accepts it, the parsers refuse it.
 TEST(Messages, AnUnknownKindIsOutOfRange) {
   flatbuffers::FlatBufferBuilder builder;
   const auto body = wire::CreateGoodbye(builder, wire::GoodbyeReason::Left, builder.CreateString("x"));

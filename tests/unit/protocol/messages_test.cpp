@@ -37,7 +37,7 @@ Message MakeChain() {
 
 struct Kind {
   const char* name;
-  char side;  // who sends it: c, s; b: a blueprint, put together from chunks
+  char side;  // the sender: c or s; b: a blueprint, put together from chunks
   Message bytes;
 };
 
@@ -95,7 +95,7 @@ TEST(Messages, EveryTruncationIsRefused) {
     test::ForEachTruncation(kind.bytes, [&](std::span<const std::uint8_t> cut) {
       if (ParseAs(kind.side, cut) == ParseResult::kOk) ++parsed, longest = cut.size();
     });
-    // What a builder puts last may be padding that nothing points to; more than that is needed.
+    // The last bytes may be padding that nothing points to; all others are needed.
     EXPECT_LE(parsed, 3) << "last at " << longest << " of " << kind.bytes.size();
   }
 }
@@ -104,7 +104,7 @@ TEST(Messages, EveryChangedByteIsSafe) {
   for (const Kind& kind : MakeEveryKind()) {
     SCOPED_TRACE(kind.name);
     std::array<int, kParseResultCount> counts{};
-    for (const char side : {'c', 's', 'b'}) {  // also as what it is not
+    for (const char side : {'c', 's', 'b'}) {  // also as the wrong kinds
       test::ForEachChangedByte(kind.bytes, [&](std::span<const std::uint8_t> changed) {
         ++counts[static_cast<std::size_t>(ParseAs(side, changed))];
       });
@@ -119,7 +119,7 @@ TEST(Messages, RandomBytesAreSafe) {
   std::mt19937 random(41);
   for (int i = 0; i < 100000; ++i) {
     Bytes bytes(random() % 128);
-    // Small numbers are more often offsets that lead somewhere.
+    // Small numbers are more often valid offsets.
     for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random() % (i % 2 == 0 ? 256 : 16));
     for (const char side : {'c', 's', 'b'}) ParseAs(side, bytes);
   }

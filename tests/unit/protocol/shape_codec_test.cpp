@@ -1,8 +1,7 @@
-// The shape codec: what a decoder shows is where the body was, within the stated error; every payload that is cut,
-// changed or made up is refused or decoded, never read or written past its ends.
+// The shape codec: decoded vertices are within the stated error, and every payload that is cut, changed or made up is
+// refused or decoded without reading or writing past its ends.
 //
-// Errors are measured anew, in the world and in doubles, from what the decoder gave; the encoder's figures are compared
-// with them and not trusted.
+// Errors are measured independently of the encoder, in the world and in doubles; its figures are compared with them.
 #include "protocol/shape_codec.h"
 
 #include <gtest/gtest.h>
@@ -59,7 +58,7 @@ struct Error {
   double rms = 0, max = 0;
 };
 
-// Between where the vertices are and where a client shows them, metres in the world.
+// Between the vertices and where a client shows them, metres in the world.
 Error FindError(std::span<const Vector3> vertices, const Pose& pose, std::span<const Vector3> shape) {
   Error error;
   double sum = 0;
@@ -181,7 +180,7 @@ TEST(ShapeCodec, ErrorIsWithinTheTargetInTheWorld) {
 }
 
 TEST(ShapeCodec, ABasisThatKnowsTheShapesSavesBits) {
-  // A cloth that bends slowly: cosines say it in a few coefficients.
+  // A cloth with smooth bends, which take a few cosines.
   Cloud cloud;
   for (int i = 0; i < 162; ++i) {
     const auto x = static_cast<float>(i % 3), y = static_cast<float>(i / 3 % 27), z = static_cast<float>(i / 81);
@@ -215,7 +214,7 @@ TEST(ShapeCodec, FarFromTheOriginOnlyTheFloatsOfTheWorldAreCoarser) {
   Pose pose;
   std::vector<Vector3> shape;
   ASSERT_EQ(Decode(coded.bytes, MakeModel(cloud), pose, shape), DecodeResult::kOk);
-  // A float at 8,000 m has steps of 1/2048 m, and showing a vertex rounds to them once more.
+  // A float at 8,000 m has steps of 1/2048 m, and Transform rounds to them once more.
   EXPECT_LE(FindError(cloud.vertices, pose, shape).rms, 0.0025F + std::sqrt(3.0) / 4096 + 1e-5);
 }
 
@@ -227,7 +226,7 @@ TEST(ShapeCodec, DecoderHasTheVerticesThatTheEncoderMeasured) {
     Pose pose;
     std::vector<Vector3> shape;
     ASSERT_EQ(Decode(coded.bytes, MakeModel(cloud, basis.get()), pose, shape), DecodeResult::kOk);
-    // The encoder's error figures, with its own operations: equal to the last bit only if every vertex is.
+    // The encoder's error figures, computed with the same operations: equal to the last bit only if every vertex is.
     double sum = 0;
     float max = 0;
     for (std::size_t i = 0; i < shape.size(); ++i) {
@@ -364,8 +363,8 @@ TEST(ShapeCodec, GoldenBytes) {
   EXPECT_EQ(HashBytes(bytes), 2992979116953155486U) << "of the vertices in the world";
 }
 
-// Longer records, by their hash and by that of the vertices that they are decoded to: every table has a say in them.
-// All inputs are exact in floats.
+// Longer records, as a hash of their bytes and of the decoded vertices: every table takes part. All inputs are exact in
+// floats.
 TEST(ShapeCodec, GoldenHashOfLongerRecords) {
   Cloud cloud;
   std::mt19937 random(99);
@@ -392,7 +391,7 @@ TEST(ShapeCodec, GoldenHashOfLongerRecords) {
   EXPECT_EQ(HashBytes(bytes), 10875711261876556303U);
 }
 
-// Decodes and, when that succeeds, checks that all can be shown.
+// Decodes and, when that succeeds, checks that pose and vertices are finite.
 DecodeResult DecodeAndCheck(std::span<const std::uint8_t> bytes, const PatchModel& model) {
   Pose pose;
   std::vector<Vector3> shape;
@@ -401,7 +400,7 @@ DecodeResult DecodeAndCheck(std::span<const std::uint8_t> bytes, const PatchMode
   return result;
 }
 
-// Zeros behind a record that was cut may be another record; but more than four bytes are missed.
+// Up to four missing bytes are read as zeros and may give another valid record; more are noticed.
 TEST(ShapeCodec, EveryTruncationIsSafeAndAllButTheLastAreRefused) {
   const Cloud cloud = MakeCloud(10, 42, 1, 0.2F);
   for (const auto kind : kKinds) {
@@ -442,7 +441,7 @@ TEST(ShapeCodec, RandomBytesAreSafe) {
   for (int i = 0; i < 100000; ++i) {
     Bytes bytes(random() % 48);
     for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
-    // Half of them ones in plenty: escapes.
+    // Half of the payloads have many ones, which are escapes.
     if (i % 2 == 0) {
       for (std::size_t at = 9; at < bytes.size(); ++at) bytes[at] |= static_cast<std::uint8_t>(random() | random());
     }

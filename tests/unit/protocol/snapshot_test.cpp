@@ -1,4 +1,4 @@
-// Snapshot packets: what is built is read, byte for byte; what is cut short or changed is never read past its end.
+// Snapshot packets: built and read back byte for byte; truncated or changed packets are never read past their end.
 #include "protocol/snapshot.h"
 
 #include <gtest/gtest.h>
