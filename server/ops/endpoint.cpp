@@ -1,3 +1,4 @@
+// Serves copies of the figures. cpp-httplib brings its own threads; the only lock is the one round the figures.
 #include "server/ops/endpoint.h"
 
 #include <fmt/format.h>
@@ -12,8 +13,8 @@
 namespace wobble::ops {
 namespace {
 
-constexpr int kThreads = 2;   // a client that dawdles over its request leaves one for others
-constexpr int kPatience = 2;  // s for a request to come in, and for an answer to go out
+constexpr int kThreads = 2;   // two, so that a slow client leaves one for others
+constexpr int kPatience = 2;  // timeout of reading a request and of writing an answer, s
 constexpr std::size_t kMostRequestBytes = 1024;
 
 const char* Describe(Condition condition) {
@@ -64,7 +65,7 @@ struct Endpoint::Implementation {
   std::string version;
   std::string scene;
   int port = 0;
-  server::Clock clock;
+  server::TimeSource clock;
   httplib::Server http;
   std::thread thread;
   std::mutex mutex;
@@ -101,13 +102,13 @@ struct Endpoint::Implementation {
 Endpoint::Endpoint(std::unique_ptr<Implementation> implementation) : m(std::move(implementation)) {}
 
 std::unique_ptr<Endpoint> Endpoint::Listen(const Address& address, const std::string& version, const std::string& scene,
-                                           server::Clock clock, std::string& error) {
+                                           server::TimeSource clock, std::string& error) {
   auto made = std::make_unique<Implementation>();
   made->version = version;
   made->scene = scene;
   made->clock = std::move(clock);
   made->http.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
-  // The library's own choice would share the port with whoever has it already.
+  // By default the library sets SO_REUSEPORT, which would share the port with another program.
   made->http.set_socket_options([](socket_t socket) {
     const int yes = 1;
     setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
@@ -124,7 +125,7 @@ std::unique_ptr<Endpoint> Endpoint::Listen(const Address& address, const std::st
     return nullptr;
   }
   made->thread = std::thread([http = &made->http] { http->listen_after_bind(); });
-  // To stop one that does not listen yet does nothing, and it would listen for ever.
+  // The destructor's stop() has no effect on a server that does not listen yet; the thread would then never end.
   while (!made->http.is_running()) std::this_thread::yield();
   return std::unique_ptr<Endpoint>(new Endpoint(std::move(made)));
 }

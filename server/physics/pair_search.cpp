@@ -17,7 +17,7 @@ bool HasContacts(const BodyPair<Real>& pair) {
 }
 
 template <class Real>
-Shell<Real> FindShell(const Member<Real>& member) {
+Skin<Real> FindSkin(const Member<Real>& member) {
   return {member.blueprint->template Read<Real>().faces, &member.blueprint->topology, member.state->positions};
 }
 
@@ -135,7 +135,7 @@ void PairSearch<Real>::ReadSurfaces() {
   }
   m_threads.ForEach(m_work.surfaceBodies.size(), [this](std::size_t i) {
     const std::uint32_t body = m_work.surfaceBodies[i];
-    m_work.surfaces[body].Read(FindShell(m_work.members[body]), m_work.members[body].state->velocities);
+    m_work.surfaces[body].Read(FindSkin(m_work.members[body]), m_work.members[body].state->velocities);
   });
 }
 
@@ -171,7 +171,7 @@ void PairSearch<Real>::Meet(BodyPair<Real>& pair) {
     search.near.high.array() += fat;
     const ContactParameters<Real> both =
         Combine(vertices.blueprint->template Read<Real>().contact, faces.blueprint->template Read<Real>().contact);
-    FindBodyContacts<Real>(both, MakeMeeting<Real>(vertices, faces), FindShell(vertices), search, pair.sides[side],
+    FindBodyContacts<Real>(both, MakeMeeting<Real>(vertices, faces), FindSkin(vertices), search, pair.sides[side],
                            m_work.scratch.local().search);
   }
 }

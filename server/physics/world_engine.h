@@ -8,6 +8,7 @@
 #include <tuple>
 #include <vector>
 
+#include "server/physics/contact/body_contact_search.h"
 #include "server/physics/contact/broad_phase.h"
 #include "server/physics/model/parallel.h"
 #include "server/physics/roster.h"
@@ -29,7 +30,7 @@ struct BodyPair {
   [[nodiscard]] bool Has(BodyId body) const { return first == body || second == body; }
   // At the end of the last step that it was in.
   [[nodiscard]] bool IsTouching() const {
-    const auto touches = [](const BodyContact<Real>& contact) { return contact.touching; };
+    const auto touches = [](const BodyContact<Real>& contact) { return contact.phase == ContactPhase::kTouching; };
     return std::any_of(sides[0].begin(), sides[0].end(), touches) ||
            std::any_of(sides[1].begin(), sides[1].end(), touches);
   }
@@ -54,7 +55,7 @@ struct Scratch {
   // Of a batch:
   std::vector<Member<Real>*> members;
   std::vector<ContactPair<Real>> contactPairs;
-  std::vector<Part> parts;
+  std::vector<Island> islands;
   std::vector<IslandOutcome> outcomes;
   BatchScratch<Real> batch;
   std::vector<VertexLoad> loads;
@@ -64,7 +65,7 @@ struct Scratch {
   void Reserve(std::size_t allVertices, std::size_t bodies) {
     members.reserve(bodies);
     contactPairs.reserve(bodies);
-    parts.reserve(bodies);
+    islands.reserve(bodies);
     outcomes.reserve(bodies);
     loads.reserve(allVertices);
     begins.reserve(bodies + 1);
@@ -96,9 +97,9 @@ struct Workspace {
   std::vector<IndexPair> pairIndices;                      // the places of `pairs`
   // By place in the world. What is looked at of one that sleeps, others have seen to (PairSearch).
   std::vector<Member<Real>> members;
-  std::vector<SurfacePoints<Real>> surfaces;  // of bodies that have one, as the tick found them
-  std::vector<std::uint8_t> hasSurface;       // not 0: this body does
-  std::vector<std::uint32_t> surfaceBodies;   // that have just come near somebody
+  std::vector<SkinPoints<Real>> surfaces;    // of bodies that have one, as the tick found them
+  std::vector<std::uint8_t> hasSurface;      // not 0: this body does
+  std::vector<std::uint32_t> surfaceBodies;  // that have just come near somebody
   std::vector<Box> boxes;
   std::vector<Box> awakeBoxes;
   std::vector<IndexPair> overlaps;

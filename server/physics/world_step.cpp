@@ -11,6 +11,7 @@
 #include "server/physics/pair_search.h"
 #include "server/physics/shapes/tear.h"
 #include "server/physics/step/control.h"
+#include "server/physics/step/island_step.h"
 #include "server/physics/step/substeps.h"
 #include "server/physics/world_engine.h"
 
@@ -87,8 +88,13 @@ class World::Stepper {
     }
     const Coefficients<Real>& coefficients = member.blueprint->template Read<Real>();
     member.survey = MakeSurvey<Real>(coefficients.masses, state.positions, state.velocities);
-    FindContacts<Real>(member.surfaces, coefficients.contact.range, member.survey, state.positions, state.velocities,
-                       static_cast<Real>(m_duration), state.contacts, m_work.scratch.local().contacts);
+    FindContacts<Real>({.surfaces = member.surfaces,
+                        .x = state.positions,
+                        .v = state.velocities,
+                        .survey = member.survey,
+                        .range = coefficients.contact.range,
+                        .duration = static_cast<Real>(m_duration)},
+                       state.contacts, m_work.scratch.local().contacts);
     member.demands = FindSurfaceDemands<Real>(*member.blueprint, member.surfaces, state,
                                               double{member.survey.agitation}, m_duration);
     const Bounds<Real>& bounds = member.survey.bounds;
@@ -247,25 +253,25 @@ class World::Stepper {
     begins.push_back(islands.size());
   }
 
-  // Members, contact pairs and parts of these islands, in this thread's scratch.
+  // Members, contact pairs and ranges of these islands, in this thread's scratch.
   std::span<Member<Real>* const> Collect(std::span<const AwakeIsland> islands) {
     Scratch<Real>& scratch = m_work.scratch.local();
     scratch.Reserve(m_allVertices, m_bodies.size());
     scratch.members.clear();
     scratch.contactPairs.clear();
-    scratch.parts.clear();
+    scratch.islands.clear();
     for (const AwakeIsland& each : islands) {
-      Part part{scratch.members.size(), 0, scratch.contactPairs.size(), 0};
+      Island island{.memberBegin = scratch.members.size(), .contactPairBegin = scratch.contactPairs.size()};
       for (ContactPair<Real> contactPair : ContactPairsOf(each.island)) {
-        for (std::uint32_t& member : contactPair.members) member += static_cast<std::uint32_t>(part.memberBegin);
+        for (std::uint32_t& member : contactPair.members) member += static_cast<std::uint32_t>(island.memberBegin);
         scratch.contactPairs.push_back(contactPair);
       }
       for (const std::uint32_t body : m_work.islands.MembersOf(each.island)) {
         scratch.members.push_back(&m_work.members[body]);
       }
-      part.memberEnd = scratch.members.size();
-      part.contactPairEnd = scratch.contactPairs.size();
-      scratch.parts.push_back(part);
+      island.memberEnd = scratch.members.size();
+      island.contactPairEnd = scratch.contactPairs.size();
+      scratch.islands.push_back(island);
     }
     scratch.outcomes.assign(islands.size(), {});
     return scratch.members;
@@ -278,9 +284,9 @@ class World::Stepper {
     const int substeps = islands[0].substeps;
     if (islands[0].way == AwakeIsland::Way::kPlain) {
       scratch.outcomes[0] =
-          StepIsland<Real>(members, scratch.contactPairs, substeps, m_rules, threads, scratch.batch.island);
+          StepIsland<Real>(members, scratch.contactPairs, substeps, m_rules, threads, scratch.batch.system);
     } else {
-      StepBatch<Real>(members, scratch.contactPairs, scratch.parts, substeps, m_rules, m_kernels, threads,
+      StepBatch<Real>(members, scratch.contactPairs, scratch.islands, substeps, m_rules, m_kernels, threads,
                       scratch.batch, scratch.outcomes);
     }
     for (std::size_t i = 0; i < islands.size(); ++i) {

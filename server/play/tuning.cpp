@@ -1,3 +1,4 @@
+// Ranges are checked here and not in session.cpp, because a player who passes one is to be told the range.
 #include "server/play/tuning.h"
 
 #include <spdlog/fmt/fmt.h>

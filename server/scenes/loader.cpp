@@ -1,4 +1,4 @@
-// Reads a scene table by table: what a scene is made of beside its blueprints (blueprint_reader.h).
+// Reads a scene table by table. Blueprints, obstacles, drives and play rules have readers of their own.
 #include "server/scenes/loader.h"
 
 #include <toml++/toml.h>
@@ -20,7 +20,7 @@ namespace {
 using physics::Vector3d;
 
 constexpr std::size_t kMaxSceneBodies = 20000;
-constexpr double kMinErrorTarget = 1e-6;  // m/s: below, single precision is all that is seen
+constexpr double kMinErrorTarget = 1e-6;  // m/s: a smaller error is below the resolution of single precision
 constexpr double kMaxErrorTarget = 1;
 constexpr double kMinStretch = 0.2;
 constexpr double kMaxStretch = 3;

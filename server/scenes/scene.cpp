@@ -10,7 +10,8 @@ namespace {
 
 using physics::Vector3d;
 
-// SplitMix64 (Steele, Lea & Flood 2014): the whole state is a counter, and it is the same on every standard library.
+// SplitMix64 (Steele, Lea & Flood 2014). Its whole state is a counter, and unlike the distributions of <random> it
+// gives the same numbers with every standard library.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : m_state(seed) {}

@@ -12,7 +12,7 @@
 namespace wobble::server {
 namespace {
 
-// What one thread encodes with; keeps its memory between bodies.
+// The encoder of one thread; reuses its memory from body to body.
 class BodyEncoder {
  public:
   explicit BodyEncoder(std::span<const protocol::wire::Obstacle> obstacles) : m_obstacles(obstacles) {}
@@ -24,7 +24,7 @@ class BodyEncoder {
  private:
   std::span<const protocol::wire::Obstacle> m_obstacles;
   protocol::ShapeEncoder m_shapes;
-  std::vector<std::size_t> m_ends;  // of each record in the bytes
+  std::vector<std::size_t> m_ends;  // where each record ends in the bytes
   std::vector<std::uint8_t> m_payload;
   std::uint64_t m_coarsened = 0;
 };
@@ -48,9 +48,13 @@ void BodyEncoder::Encode(float errorShare, const CapturedBody& body, const Captu
                                                           protocol::kMaxRecordPayload, m_payload);
     first += count;
     if (!shape.fits || shape.rmsError > target) ++m_coarsened;
-    if (!shape.fits) continue;  // spread over hundreds of metres: left out until it is reset
-    protocol::AppendRecord({body.body, body.blueprint, patch, blueprint.generation, body.restTick}, m_payload,
-                           encoding.bytes);
+    if (!shape.fits) continue;  // spread over hundreds of metres: left out until the body is reset
+    protocol::AppendRecord({.body = body.body,
+                            .blueprint = body.blueprint,
+                            .patch = patch,
+                            .generation = blueprint.generation,
+                            .restTick = body.restTick},
+                           m_payload, encoding.bytes);
     m_ends.push_back(encoding.bytes.size());
     const double share = double{shape.rmsError} / double{blueprint.size};
     encoding.body.vertices += static_cast<std::uint32_t>(count);
@@ -58,7 +62,7 @@ void BodyEncoder::Encode(float errorShare, const CapturedBody& body, const Captu
   }
   const double vertexCount = std::max(1U, encoding.body.vertices);
   encoding.body.error = std::sqrt(encoding.body.errorSquares / vertexCount);
-  // The bytes have stopped growing: only now do spans into them hold.
+  // Spans into the bytes are valid only now that the bytes no longer grow.
   encoding.records.clear();
   for (std::size_t begin = 0; const std::size_t end : m_ends) {
     encoding.records.push_back(std::span<const std::uint8_t>(encoding.bytes).subspan(begin, end - begin));

@@ -99,7 +99,7 @@ class RawConnection {
 class Game {
  public:
   explicit Game(scenes::Scene scene, const server::Config& config = {}, std::uint64_t networkSeed = 1,
-                server::Clock clock = {})
+                server::TimeSource clock = {})
       : network({networkSeed}), server(config, std::move(scene), network.MakeServer(), 0, {}, std::move(clock)) {}
 
   client::Client& AddClient(const client::Options& options = {}) {

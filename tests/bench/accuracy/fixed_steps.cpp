@@ -68,10 +68,14 @@ class LoneBody {
     if (m_equations.obstacles.empty()) return;
     m_surfaces.clear();
     for (const Obstacle& each : m_equations.obstacles) m_surfaces.push_back(MakeSurface<Real>(each, m_state.origin));
-    FindContacts<Real>(m_surfaces, m_blueprint.Read<Real>().contact.range,
-                       MakeSurvey<Real>(m_blueprint.Read<Real>().masses, m_state.positions, m_state.velocities),
-                       m_state.positions, m_state.velocities, static_cast<Real>(kTick), m_state.contacts,
-                       m_contactScratch);
+    const Coefficients<Real>& coefficients = m_blueprint.Read<Real>();
+    FindContacts<Real>({.surfaces = m_surfaces,
+                        .x = m_state.positions,
+                        .v = m_state.velocities,
+                        .survey = MakeSurvey<Real>(coefficients.masses, m_state.positions, m_state.velocities),
+                        .range = coefficients.contact.range,
+                        .duration = static_cast<Real>(kTick)},
+                       m_state.contacts, m_contactScratch);
   }
   void Step(Integrator integrator, double h, IntegratorScratch<Real>& scratch) {
     StepOnce<Real>(integrator, static_cast<Real>(h), *this, std::span(m_state.positions), std::span(m_state.velocities),

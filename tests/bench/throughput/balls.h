@@ -52,9 +52,13 @@ class Balls {
       if (!setting.isOnGround) state.contacts.clear();
       if (!setting.isOnGround) continue;
       member.surfaces.push_back(physics::MakeSurface<Real>(m_world->Obstacles()[0], state.origin));
-      physics::FindContacts<Real>(member.surfaces, m_blueprint->Read<Real>().contact.range, member.survey,
-                                  state.positions, state.velocities, static_cast<Real>(kBallsTick), state.contacts,
-                                  spare);
+      physics::FindContacts<Real>({.surfaces = member.surfaces,
+                                   .x = state.positions,
+                                   .v = state.velocities,
+                                   .survey = member.survey,
+                                   .range = m_blueprint->Read<Real>().contact.range,
+                                   .duration = static_cast<Real>(kBallsTick)},
+                                  state.contacts, spare);
     }
     m_stages.Reserve(m_blueprint->rest.size());
     Reset();

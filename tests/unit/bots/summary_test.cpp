@@ -1,5 +1,5 @@
-// The figures of a load test: percentiles within the error they promise, rules that hold or fail as written, and a
-// summary with exactly its keys.
+// The figures of a load test: percentiles within the documented error, thresholds that hold or fail as written, and a
+// summary with exactly the documented keys.
 #include "client/bots/summary.h"
 
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ TEST(Histogram, EndsAreExact) {
   EXPECT_EQ(histogram.FindPercentile(1), Histogram::kLargest);
   histogram.Add(std::numeric_limits<double>::quiet_NaN());
   EXPECT_EQ(histogram.Count(), 3U);
-  // Powers of two are the buckets' edges.
+  // Powers of two are edges of buckets.
   Histogram edges;
   edges.Add(2);
   edges.Add(4);

@@ -76,7 +76,7 @@ TEST(Session, EveryMessageInEveryState) {
       EXPECT_EQ(effect.kind, each.kinds[i]);
       EXPECT_EQ(effect.dropped, each.dropped[i]);
       EXPECT_EQ(effect.parsed != ParseResult::kOk, effect.dropped == DropReason::kParse);
-      EXPECT_EQ(session.badInWindow, effect.dropped && effect.dropped != DropReason::kFutureInput ? 1U : 0U);
+      EXPECT_EQ(session.badMessages.count, effect.dropped && effect.dropped != DropReason::kFutureInput ? 1U : 0U);
       EXPECT_EQ(session.lastHeard, 11);
       EXPECT_EQ(session.state, states[i]);  // states are the server's to change
     }

@@ -1,4 +1,5 @@
 // Poses that clients interpolate between: the true rotation, and never a jump.
+#include "server/snapshots/body_captures.h"
 #include "server/snapshots/capture.h"
 
 #include <gtest/gtest.h>

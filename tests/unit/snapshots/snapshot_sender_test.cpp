@@ -46,19 +46,29 @@ class SnapshotSenderTest : public testing::Test {
     std::erase_if(bodies, [&](const ShownBody& body) { return body.body == id; });
   }
 
-  // One snapshot; returns the bodies sent, in order, and checks every packet.
+  // Stands in for the SnapshotStore that the sender asks.
+  friend class SnapshotSender;
+  [[nodiscard]] std::span<const ShownBody> Bodies() const { return bodies; }
+  const EncodedBody& Read(std::size_t index, std::size_t quality) {
+    ++recordsRead;
+    qualities[bodies[index].body] = quality;
+    return encoded[bodies[index].body];
+  }
+
+  // Sends one snapshot; returns the bodies sent, in order, and checks every packet.
   std::vector<std::uint32_t> Send(double creditBytes, std::uint32_t own = 0) {
     transport.packets.clear();
     ++tick;
     protocol::SnapshotHead head;
     head.tick = tick;
     head.inputTick = 17;
-    const auto readBody = [this](std::size_t index, std::size_t quality) -> const EncodedBody& {
-      ++recordsRead;
-      qualities[bodies[index].body] = quality;
-      return encoded[bodies[index].body];
-    };
-    sender.Send(bodies, readBody, own, head, share, creditBytes, tick / 30.0, 1, subscription);
+    const SnapshotTask task{.connection = 1,
+                            .ownBody = own,
+                            .head = head,
+                            .subset = subset,
+                            .creditBytes = creditBytes,
+                            .now = tick / 30.0};
+    sender.Send(*this, task, subscription);
     std::vector<std::uint32_t> sent;
     for (const auto& packet : transport.packets) {
       EXPECT_LE(packet.size(), protocol::kMaxPacketBytes);
@@ -85,7 +95,7 @@ class SnapshotSenderTest : public testing::Test {
   RecordingTransport transport;
   SnapshotSender sender{transport, 250};
   Subscription subscription;
-  Share share;
+  BodySubset subset;
   std::uint32_t tick = 0;
   std::uint32_t sequence = 0;
   std::uint64_t recordsSent = 0;
@@ -128,7 +138,7 @@ TEST_F(SnapshotSenderTest, TheSmallestBudgetHoldsAtTheHighestRateAndStillFeeds) 
 TEST_F(SnapshotSenderTest, EachGetsItsTurnWhenABodysTurnIsEverySecondTick) {
   for (std::uint32_t id = 1; id <= 40; ++id) AddBody(id, {static_cast<float>(id), 0, 0}, 20);
   for (std::uint32_t i = 0; i < 60; ++i) {
-    share = {i % 2, 2};
+    subset = {.remainder = i % 2, .divisor = 2};
     const std::vector<std::uint32_t> sent = Send(kShare384 / 2, 7);
     EXPECT_EQ(sent.size(), 20U);
     for (const std::uint32_t id : sent) EXPECT_EQ(id % 2, i % 2);
@@ -137,7 +147,7 @@ TEST_F(SnapshotSenderTest, EachGetsItsTurnWhenABodysTurnIsEverySecondTick) {
   bodies.clear();
   std::size_t heads = 0;
   for (std::uint32_t i = 0; i < 60; ++i) {
-    share = {i % 2, 2};
+    subset = {.remainder = i % 2, .divisor = 2};
     Send(kShare384 / 2, 7);
     heads += transport.packets.size();
   }
@@ -149,7 +159,7 @@ TEST_F(SnapshotSenderTest, TheOwnBodyIsNotStarvedByThoseWhoseTurnIsAnotherTick) 
   for (std::uint32_t id = 1; id <= 40; ++id) AddBody(id, {static_cast<float>(id), 0, 0}, 100);
   std::map<std::uint32_t, int> times;
   for (std::uint32_t i = 0; i < 60 * 20; ++i) {
-    share = {i % 2, 2};
+    subset = {.remainder = i % 2, .divisor = 2};
     for (const std::uint32_t id : Send(credit, 7)) ++times[id];
   }
   EXPECT_GT(times[7], 20 * 5);

@@ -29,7 +29,7 @@ struct Figures {
 };
 
 // Of the first patch, over all frames.
-Figures Measure(const CapturedBlueprint& blueprint, const Play& play, bool usesBasis) {
+Figures Measure(const CapturedBlueprint& blueprint, const RecordedPlay& play, bool usesBasis) {
   protocol::ShapeEncoder encoder;
   std::vector<std::uint8_t> bytes;
   const std::size_t count = protocol::PatchSize(blueprint.rest.size(), 0);
@@ -55,7 +55,7 @@ TEST(BasisTraining, SavesHalfOfTheBitsOnPlayThatItHasNotSeen) {
   const CapturedBlueprint captured = CaptureBlueprint(ball, bases);
   ASSERT_NE(captured.patches.at(0).basis, nullptr);
 
-  Play play = RecordPlay(ball, {0, 0, -9.81}, {}, 2);
+  RecordedPlay play = RecordPlay(ball, {0, 0, -9.81}, {}, 2);
   play.frames.resize(400);
   const Figures with = Measure(captured, play, true), without = Measure(captured, play, false);
   EXPECT_LT(with.bits, 0.5 * without.bits);
@@ -67,7 +67,7 @@ TEST(BasisTraining, SavesHalfOfTheBitsOnPlayThatItHasNotSeen) {
 
 TEST(BasisTraining, LargerBodiesHaveABasisAPatch) {
   const physics::Blueprint ball = MakeBall(3);  // 642 vertices
-  const Play play = RecordPlay(ball, {0, 0, -9.81}, {}, 1);
+  const RecordedPlay play = RecordPlay(ball, {0, 0, -9.81}, {}, 1);
   const Bases bases = TrainBases(ball, play);
   ASSERT_EQ(bases.size(), 2U);
   const CapturedBlueprint captured = CaptureBlueprint(ball, bases);

@@ -1,20 +1,21 @@
-// Contacts lie in blocks of sixteen, whoever's they are. Each stage gathers the points that a block's contacts depend
-// on from the members' arrays into rows on the stack, four points a contact, and hands them to the kernel; what the
-// kernel finds `left` to the plain code is computed by that, one by one.
+// Contacts lie in blocks of sixteen regardless of their pair. Each stage gathers the points that a block's contacts
+// depend on from the members' arrays into rows on the stack, four points a contact, and hands them to the kernel. The
+// kernel marks contacts whose vertex has left its face as `left`, about one in a hundred; plain code computes those one
+// by one.
 //
-// The contact pairs' lists are kept up to date after every substep, so that all who look at contacts between ticks,
-// tries and energies see them as the plain code would have left them.
-#include "server/physics/step/island_contacts.h"
+// The contact pairs' lists are kept up to date after every substep, so that code that reads contacts between ticks,
+// between tries or for energies sees them as the plain code would have left them.
+#include "server/physics/step/system_contacts.h"
 
 #include <bit>
 
+#include "server/physics/contact/body_contact_update.h"
 #include "server/physics/lanes/contact_limits.h"
-#include "server/physics/step/island_step.h"
 
 namespace wobble::physics {
 namespace {
 
-// Handed to a thread at once; one alone takes less than a microsecond.
+// Blocks that a thread gets at once: one alone takes less than a microsecond, too little to hand over.
 constexpr std::size_t kBlocksAtOnce = 8;
 
 template <class Real>
@@ -28,9 +29,9 @@ void Gather(std::span<const Vector3<Real>> values, std::uint16_t index, std::siz
 }  // namespace
 
 template <class Real>
-void IslandContacts<Real>::Reserve(std::size_t contacts, std::size_t bodies) {
+void SystemContacts<Real>::Reserve(std::size_t contacts, std::size_t bodies) {
   const std::size_t blocks = contacts / kContactsInBlock + 1;
-  m_sides.reserve(16 * bodies);  // seldom has a body more than eight neighbours
+  m_sides.reserve(16 * bodies);  // a body seldom has more than eight neighbours
   m_sidesOf.reserve(32 * bodies);
   m_sidesBegin.reserve(bodies + 1);
   m_entries.reserve(contacts);
@@ -40,7 +41,7 @@ void IslandContacts<Real>::Reserve(std::size_t contacts, std::size_t bodies) {
 }
 
 template <class Real>
-void IslandContacts<Real>::Build(std::span<const ContactPair<Real>> contactPairs,
+void SystemContacts<Real>::Build(std::span<const ContactPair<Real>> contactPairs,
                                  std::span<Member<Real>* const> members, const BodyContactKernel<Real>& kernel) {
   m_kernel = kernel;
   m_sides.clear();
@@ -49,8 +50,12 @@ void IslandContacts<Real>::Build(std::span<const ContactPair<Real>> contactPairs
     for (std::size_t s = 0; s < 2; ++s) {
       const std::uint32_t ofVertices = contactPair.members[s];
       const std::uint32_t ofFaces = contactPair.members[1 - s];
-      m_sides.push_back({ofVertices, ofFaces, contactPair.sides[s], m_entries.size(), contactPair.parameters,
-                         MakeMeeting<Real>(*members[ofVertices], {}, {}, *members[ofFaces], {}, {})});
+      m_sides.push_back({.ofVertices = ofVertices,
+                         .ofFaces = ofFaces,
+                         .contacts = contactPair.sides[s],
+                         .begin = m_entries.size(),
+                         .parameters = contactPair.parameters,
+                         .meeting = MakeMeeting<Real>(*members[ofVertices], {}, {}, *members[ofFaces], {}, {})});
       m_entries.resize(m_entries.size() + contactPair.sides[s]->size(),
                        {.side = static_cast<std::uint32_t>(m_sides.size() - 1)});
     }
@@ -64,7 +69,7 @@ void IslandContacts<Real>::Build(std::span<const ContactPair<Real>> contactPairs
 }
 
 template <class Real>
-void IslandContacts<Real>::ListSidesOfMembers(std::size_t members) {
+void SystemContacts<Real>::ListSidesOfMembers(std::size_t members) {
   m_sidesBegin.assign(members + 1, 0);
   for (const Side& side : m_sides) {
     ++m_sidesBegin[side.ofVertices + 1U];
@@ -76,18 +81,18 @@ void IslandContacts<Real>::ListSidesOfMembers(std::size_t members) {
     m_sidesOf[--m_sidesBegin[m_sides[i].ofVertices + 1U]] = static_cast<std::uint32_t>(i);
     m_sidesOf[--m_sidesBegin[m_sides[i].ofFaces + 1U]] = static_cast<std::uint32_t>(i);
   }
-  // Each member's end has been counted down to its begin: one step to the left, and they are begins again.
+  // The loop has counted each member's end down to its begin, one place too far right: shift them left.
   m_sidesBegin.erase(m_sidesBegin.begin());
   m_sidesBegin.push_back(m_sidesOf.size());
 }
 
 template <class Real>
-void IslandContacts<Real>::WriteConstants(std::size_t contact) {
+void SystemContacts<Real>::WriteConstants(std::size_t contact) {
   BodyContactBlock<Real>& block = m_blocks[contact / kContactsInBlock];
   const std::size_t lane = contact % kContactsInBlock;
   const Side& side = m_sides[m_entries[contact].side];
   const BodyContact<Real>& known = ContactOf(contact);
-  const bool isOpen = side.meeting.shell.topology->isOpen;
+  const bool isOpen = side.meeting.skin.topology->isOpen;
   WriteRows(side.meeting.shift, lane, block.shift);
   block.stiffness[lane] = side.parameters.stiffness;
   block.fadeDepth[lane] = side.parameters.fadeDepth;
@@ -103,36 +108,39 @@ void IslandContacts<Real>::WriteConstants(std::size_t contact) {
 }
 
 template <class Real>
-void IslandContacts<Real>::ReadLists() {
+void SystemContacts<Real>::ReadLists() {
   for (std::size_t contact = 0; contact < m_entries.size(); ++contact) ReadList(contact);
 }
 
 template <class Real>
-void IslandContacts<Real>::ReadList(std::size_t contact) {
+void SystemContacts<Real>::ReadList(std::size_t contact) {
   BodyContactBlock<Real>& block = m_blocks[contact / kContactsInBlock];
   const std::size_t lane = contact % kContactsInBlock;
   const BodyContact<Real>& known = ContactOf(contact);
   Entry& entry = m_entries[contact];
-  const Shell<Real>& shell = m_sides[entry.side].meeting.shell;
+  const Skin<Real>& skin = m_sides[entry.side].meeting.skin;
   entry.vertex = known.vertex;
-  entry.corners = shell.faces[known.face];
-  entry.across = shell.topology->across[known.face];
-  block.side[lane] = known.behind ? Real(-1) : Real(1);
-  block.maxDepth[lane] = known.armed ? known.maxDepth : Real(-1);
+  entry.corners = skin.faces[known.face];
+  entry.across = skin.topology->across[known.face];
+  block.side[lane] = known.side == SkinSide::kBack ? Real(-1) : Real(1);
+  block.maxDepth[lane] = known.phase == ContactPhase::kWaiting ? Real(-1) : known.maxDepth;
   block.depth[lane] = known.depth;
   block.leap[lane] = known.leap;
-  block.touching[lane] = known.touching ? Real(1) : Real(0);
+  block.touching[lane] = known.phase == ContactPhase::kTouching ? Real(1) : Real(0);
   WriteRows(known.foot, lane, block.foot);
   WriteRows(known.slip, lane, block.slip);
 }
 
 template <class Real>
-void IslandContacts<Real>::WriteList(std::size_t contact, bool armed, bool touching) {
+void SystemContacts<Real>::WriteList(std::size_t contact, bool armed, bool touching) {
   BodyContactBlock<Real>& block = m_blocks[contact / kContactsInBlock];
   const std::size_t lane = contact % kContactsInBlock;
   BodyContact<Real>& known = ContactOf(contact);
-  known.armed = armed;
-  known.touching = touching;
+  if (!armed) {
+    known.phase = ContactPhase::kWaiting;
+  } else {
+    known.phase = touching ? ContactPhase::kTouching : ContactPhase::kArmed;
+  }
   known.maxDepth = block.maxDepth[lane];
   known.depth = touching ? block.depth[lane] : std::min(block.depth[lane], Real(0));
   known.leap = block.leap[lane];
@@ -143,10 +151,9 @@ void IslandContacts<Real>::WriteList(std::size_t contact, bool armed, bool touch
   block.touching[lane] = touching ? Real(1) : Real(0);
 }
 
-// By ranges of blocks: one alone is too little to hand to another thread.
 template <class Real>
 template <class Visit>
-void IslandContacts<Real>::ForEachBlock(Threads* threads, const Visit& visit) const {
+void SystemContacts<Real>::ForEachBlock(Threads* threads, const Visit& visit) const {
   const std::size_t count = m_blocks.size();
   const auto visitRange = [&](std::size_t range) {
     const std::size_t end = std::min(count, (range + 1) * kBlocksAtOnce);
@@ -161,17 +168,17 @@ void IslandContacts<Real>::ForEachBlock(Threads* threads, const Visit& visit) co
 }
 
 template <class Real>
-Meeting<Real> IslandContacts<Real>::Meet(const Side& side, std::span<const Motion<Real>> motions) const {
+Meeting<Real> SystemContacts<Real>::Meet(const Side& side, std::span<const Motion<Real>> motions) const {
   Meeting<Real> meeting = side.meeting;
   meeting.x = motions[side.ofVertices].x;
   meeting.v = motions[side.ofVertices].v;
-  meeting.shell.x = motions[side.ofFaces].x;
-  meeting.shellV = motions[side.ofFaces].v;
+  meeting.skin.x = motions[side.ofFaces].x;
+  meeting.skinV = motions[side.ofFaces].v;
   return meeting;
 }
 
 template <class Real>
-void IslandContacts<Real>::GatherPoints(std::size_t block, std::span<const Motion<Real>> motions,
+void SystemContacts<Real>::GatherPoints(std::size_t block, std::span<const Motion<Real>> motions,
                                         BodyContactPoints<Real>& points) const {
   const std::size_t count = CountInBlock(block);
   for (std::size_t lane = 0; lane < count; ++lane) {
@@ -189,7 +196,7 @@ void IslandContacts<Real>::GatherPoints(std::size_t block, std::span<const Motio
 }
 
 template <class Real>
-void IslandContacts<Real>::GatherAcross(std::size_t block, std::span<const Motion<Real>> motions,
+void SystemContacts<Real>::GatherAcross(std::size_t block, std::span<const Motion<Real>> motions,
                                         BodyContactPoints<Real>& points) const {
   const std::size_t count = CountInBlock(block);
   for (std::size_t lane = 0; lane < count; ++lane) {
@@ -200,12 +207,12 @@ void IslandContacts<Real>::GatherAcross(std::size_t block, std::span<const Motio
 }
 
 template <class Real>
-void IslandContacts<Real>::ComputeForces(std::span<const Motion<Real>> motions, Threads* threads) {
+void SystemContacts<Real>::ComputeForces(std::span<const Motion<Real>> motions, Threads* threads) {
   ForEachBlock(threads, [&](std::size_t block) { ComputeForcesOf(block, motions); });
 }
 
 template <class Real>
-void IslandContacts<Real>::ComputeForcesOf(std::size_t block, std::span<const Motion<Real>> motions) {
+void SystemContacts<Real>::ComputeForcesOf(std::size_t block, std::span<const Motion<Real>> motions) {
   BodyContactPoints<Real> points;
   if (CountInBlock(block) < kContactsInBlock) points = {};
   GatherPoints(block, motions, points);
@@ -217,7 +224,7 @@ void IslandContacts<Real>::ComputeForcesOf(std::size_t block, std::span<const Mo
 }
 
 template <class Real>
-void IslandContacts<Real>::ComputeForceOfLeft(std::size_t contact, std::span<const Motion<Real>> motions) {
+void SystemContacts<Real>::ComputeForceOfLeft(std::size_t contact, std::span<const Motion<Real>> motions) {
   const Side& side = m_sides[m_entries[contact].side];
   ContactForce<Real> force;
   ComputeBodyContacts<Real>(side.parameters, Meet(side, motions), {&ContactOf(contact), 1}, {&force, 1});
@@ -231,12 +238,12 @@ void IslandContacts<Real>::ComputeForceOfLeft(std::size_t contact, std::span<con
 }
 
 template <class Real>
-void IslandContacts<Real>::Update(std::span<const Motion<Real>> motions, Real h, Threads* threads) {
+void SystemContacts<Real>::Update(std::span<const Motion<Real>> motions, Real h, Threads* threads) {
   ForEachBlock(threads, [&](std::size_t block) { Update(block, motions, h); });
 }
 
 template <class Real>
-void IslandContacts<Real>::Update(std::size_t block, std::span<const Motion<Real>> motions, Real h) {
+void SystemContacts<Real>::Update(std::size_t block, std::span<const Motion<Real>> motions, Real h) {
   BodyContactPoints<Real> points;
   if (CountInBlock(block) < kContactsInBlock) points = {};
   GatherPoints(block, motions, points);
@@ -254,7 +261,7 @@ void IslandContacts<Real>::Update(std::size_t block, std::span<const Motion<Real
   }
 }
 
-template class IslandContacts<float>;
-template class IslandContacts<double>;
+template class SystemContacts<float>;
+template class SystemContacts<double>;
 
 }  // namespace wobble::physics

@@ -1,4 +1,5 @@
-// The vertices of a body's surface at one moment, as the search for contacts reads them.
+// The vertices of a body's skin at one moment, laid out for the search for contacts: coordinates in vectors, and bounds
+// of positions and velocities.
 #pragma once
 
 #include <array>
@@ -11,22 +12,22 @@
 namespace wobble::physics {
 
 template <class Real>
-class SurfacePoints {
+class SkinPoints {
  public:
-  // Room for so many vertices.
+  // Makes room for this number of vertices, so that Read allocates nothing.
   void Reserve(std::size_t vertices);
-  // At least one face. v: of all vertices, m/s.
-  void Read(const Shell<Real>& shell, std::span<const Vector3<Real>> v);
+  // skin: at least one face. v: of all the body's vertices, m/s.
+  void Read(const Skin<Real>& skin, std::span<const Vector3<Real>> v);
 
-  // Those of topology.vertices, in their order.
+  // The points of topology.vertices, in their order; valid until the next Read.
   [[nodiscard]] PointLanes<Real> Lanes() const;
-  // Of a ball that holds all of the surface, m.
+  // Centre and radius of a ball that holds the whole skin, local coordinates, m.
   [[nodiscard]] const Vector3<Real>& Centre() const { return m_centre; }
   [[nodiscard]] Real Radius() const { return m_radius; }
-  // About which all of the surface moves, m/s, and no faster than this against it.
+  // A velocity, m/s, and the largest speed of a skin vertex against it, m/s.
   [[nodiscard]] const Vector3<Real>& Velocity() const { return m_velocity; }
   [[nodiscard]] Real Agitation() const { return m_agitation; }
-  // Square of how far a point of the surface may be from the nearest vertex, m².
+  // Bound of the squared distance from a point of the skin to its nearest vertex, m².
   [[nodiscard]] Real SquaredGap() const { return m_squaredGap; }
 
  private:

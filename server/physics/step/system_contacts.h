@@ -1,6 +1,6 @@
-// Contacts between the members of a island, all in one list, so that their forces come as many at a time as a vector
-// has lanes. They are computed first and added up member by member afterwards: so bodies that share neighbours can be
-// worked on at the same time, and every sum still has its one order.
+// Contacts between the members of a system, all in one list, so that a kernel computes as many at a time as a vector
+// has lanes. Forces are computed for all contacts first and added up member by member afterwards: so threads can work
+// on bodies that share neighbours at the same time, and every sum still has one order.
 #pragma once
 
 #include <algorithm>
@@ -10,15 +10,11 @@
 #include "server/physics/contact/body_contact.h"
 #include "server/physics/lanes/body_contact_lanes.h"
 #include "server/physics/model/parallel.h"
+#include "server/physics/step/member.h"
 
 namespace wobble::physics {
 
-template <class Real>
-struct Member;
-template <class Real>
-struct ContactPair;
-
-// Of one member's vertices, local coordinates: m, m/s.
+// Positions, m, and velocities, m/s, of one member's vertices in its local coordinates.
 template <class Real>
 struct Motion {
   std::span<const Vector3<Real>> x;
@@ -26,28 +22,29 @@ struct Motion {
 };
 
 template <class Real>
-class IslandContacts {
+class SystemContacts {
  public:
-  // Room for so many contacts, between so many bodies.
+  // Makes room for so many contacts between so many bodies.
   void Reserve(std::size_t contacts, std::size_t bodies);
-  // Those of contact pairs between these members. The contact pairs' lists stay theirs; they and the members'
-  // blueprints must live, and no list may get longer or shorter, until the next Build.
+  // Takes over the contacts of these pairs. The pairs keep their lists, which this class reads and writes: until the
+  // next Build the lists and the members' blueprints must live, and no list may get longer or shorter.
   void Build(std::span<const ContactPair<Real>> contactPairs, std::span<Member<Real>* const> members,
              const BodyContactKernel<Real>& kernel);
-  // After the lists' contacts have been changed by somebody else.
+  // Reads the lists again. Call after other code has changed their contacts.
   void ReadLists();
 
   [[nodiscard]] bool IsEmpty() const { return m_entries.empty(); }
 
-  // Where those of side s of contact pair e, at 2 e + s, begin among all.
+  // Index of the first contact of side s of contact pair p among all contacts; side: 2 p + s.
   [[nodiscard]] std::size_t BeginOf(std::size_t side) const { return m_sides[side].begin; }
 
-  // motions: of each member, in the members' order; of one that meets nobody they may be empty. threads: null: this
-  // one alone. The result does not depend on it.
+  // Computes the forces of all contacts. motions: one a member, in the members' order; those of a member without
+  // contact pairs may be empty. threads: shares the contacts out; null: the calling thread does all. The result does
+  // not depend on it.
   void ComputeForces(std::span<const Motion<Real>> motions, Threads* threads);
 
-  // Calls add(vertex, force in N) for every push on the member that ComputeForces found, in an order that depends on
-  // the contact pairs alone; a vertex may come several times. May be called for several members at the same time.
+  // Calls add(vertex, force in N) for every force on the member that ComputeForces found, in an order that depends on
+  // the contact pairs alone; a vertex may come several times. Threads may call it for several members at the same time.
   template <class Add>
   void VisitForcesOn(std::size_t member, const Add& add) const {
     for (std::size_t i = m_sidesBegin[member]; i < m_sidesBegin[member + 1]; ++i) {
@@ -69,25 +66,25 @@ class IslandContacts {
     }
   }
 
-  // After a substep of h seconds: as UpdateBodyContacts, in the contact pairs' lists.
+  // Brings all contacts up to date after a substep of h s, in the pairs' lists too, as UpdateBodyContacts does.
   void Update(std::span<const Motion<Real>> motions, Real h, Threads* threads);
 
  private:
-  // One body's vertices against another's faces.
+  // One side of a contact pair: vertices of one body against faces of the other.
   struct Side {
-    std::uint32_t ofVertices = 0;  // members
+    std::uint32_t ofVertices = 0;  // places of the members
     std::uint32_t ofFaces = 0;
     std::vector<BodyContact<Real>>* contacts = nullptr;
-    std::size_t begin = 0;  // of its contacts among all
+    std::size_t begin = 0;  // of the side's contacts among all
     ContactParameters<Real> parameters;
-    Meeting<Real> meeting;  // but for the motion
+    Meeting<Real> meeting;  // without positions and velocities
   };
 
   struct Entry {
     std::uint32_t side = 0;
     std::uint16_t vertex = 0;
     Face corners{};
-    Face across{};  // Topology
+    Face across{};  // Topology::across of the face
   };
 
   static Vector3<Real> ReadRows(const ContactRow<Real> (&rows)[3], std::size_t lane) {
@@ -119,10 +116,10 @@ class IslandContacts {
 
   BodyContactKernel<Real> m_kernel;
   std::vector<Side> m_sides;
-  std::vector<std::uint32_t> m_sidesOf;  // those that member m has a part in, ascending, from m_sidesBegin[m] on
+  std::vector<std::uint32_t> m_sidesOf;  // indices of the sides of member m, ascending, from m_sidesBegin[m] on
   std::vector<std::size_t> m_sidesBegin;
-  std::vector<Entry> m_entries;  // of each contact
-  std::vector<Face> m_leftTo;    // corners that it pushes where it has left its face
+  std::vector<Entry> m_entries;  // one a contact
+  std::vector<Face> m_leftTo;    // one a contact: corners that it pushes when its vertex has left its face
   std::vector<BodyContactBlock<Real>> m_blocks;
   std::vector<BodyContactForces<Real>> m_forces;
 };

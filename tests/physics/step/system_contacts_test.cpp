@@ -1,5 +1,6 @@
-// The bulk of island_contacts.h and of the search firstst plain code, and every width firstst every other.
-#include "server/physics/step/island_contacts.h"
+// Tests the kernels of system_contacts.h and of the contact search against plain code, and every width against every
+// other.
+#include "server/physics/step/system_contacts.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +8,11 @@
 #include <limits>
 #include <vector>
 
+#include "server/physics/contact/body_contact_search.h"
+#include "server/physics/contact/body_contact_update.h"
 #include "server/physics/lanes/kernels.h"
 #include "server/physics/shapes/cloth.h"
-#include "server/physics/step/island_step.h"
+#include "server/physics/step/member.h"
 #include "tests/physics/bodies.h"
 
 namespace wobble::physics {
@@ -29,8 +32,8 @@ std::vector<Vector3<Real>> Shake(std::size_t count, double amplitude, double pha
 }
 
 template <class Real>
-SurfacePoints<Real> ReadSurface(const Member<Real>& member) {
-  SurfacePoints<Real> points;
+SkinPoints<Real> ReadSurface(const Member<Real>& member) {
+  SkinPoints<Real> points;
   points.Read({member.blueprint->template Read<Real>().faces, &member.blueprint->topology, member.state->positions},
               member.state->velocities);
   return points;
@@ -83,8 +86,8 @@ struct Pile {
     for (std::size_t side = 0; side < 2; ++side) {
       const Member<Real>& vertices = members[both[side]];
       const Member<Real>& faces = members[both[1 - side]];
-      const SurfacePoints<Real> own = ReadSurface(vertices);
-      const SurfacePoints<Real> shell = ReadSurface(faces);
+      const SkinPoints<Real> own = ReadSurface(vertices);
+      const SkinPoints<Real> shell = ReadSurface(faces);
       Bounds<Real> near = faces.survey.bounds;
       near.low.array() -= Real(0.1);
       near.high.array() += Real(0.1);
@@ -92,7 +95,13 @@ struct Pile {
       FindBodyContacts<Real>(
           parameters, MakeMeeting<Real>(vertices, faces),
           {vertices.blueprint->template Read<Real>().faces, &vertices.blueprint->topology, vertices.state->positions},
-          {&own, &shell, kernel, near, Real(0.02), static_cast<Real>(kTick)}, lists[pair][side], scratch);
+          {.vertices = &own,
+           .shell = &shell,
+           .kernel = kernel,
+           .near = near,
+           .margin = Real(0.02),
+           .duration = static_cast<Real>(kTick)},
+          lists[pair][side], scratch);
     }
     contactPairs.push_back({both, parameters, {&lists[pair][0], &lists[pair][1]}});
   }
@@ -103,7 +112,7 @@ struct Pile {
     return motions;
   }
 
-  // As a substep might.
+  // Moves all vertices by as much as a substep might.
   void Move(double phase) {
     for (State<Real>& state : states) {
       const auto moved = Shake<Real>(state.positions.size(), 0.004, phase);
@@ -123,7 +132,7 @@ struct Pile {
     return sums;
   }
 
-  std::vector<std::vector<Vector3<Real>>> AddUp(const IslandContacts<Real>& contacts) const {
+  std::vector<std::vector<Vector3<Real>>> AddUp(const SystemContacts<Real>& contacts) const {
     auto sums = MakeSums();
     for (std::size_t i = 0; i < sums.size(); ++i) {
       contacts.VisitForcesOn(i, [&](std::size_t vertex, const Vector3<Real>& force) { sums[i][vertex] += force; });
@@ -163,9 +172,8 @@ template <class Real>
 void ExpectTheSame(const BodyContact<Real>& a, const BodyContact<Real>& b, Real tolerance) {
   EXPECT_EQ(a.vertex, b.vertex);
   EXPECT_EQ(a.face, b.face);
-  EXPECT_EQ(a.armed, b.armed);
-  EXPECT_EQ(a.behind, b.behind);
-  EXPECT_EQ(a.touching, b.touching);
+  EXPECT_EQ(a.phase, b.phase);
+  EXPECT_EQ(a.side, b.side);
   EXPECT_NEAR(a.maxDepth, b.maxDepth, tolerance);
   EXPECT_NEAR(a.depth, b.depth, tolerance);
   EXPECT_NEAR(a.leap, b.leap, tolerance);
@@ -186,22 +194,22 @@ void ExpectTheSame(const Pile<Real>& a, const Pile<Real>& b, Real tolerance) {
 }
 
 template <class Real>
-class IslandContactsTest : public testing::Test {};
+class SystemContactsTest : public testing::Test {};
 using Precisions = testing::Types<float, double>;
-TYPED_TEST_SUITE(IslandContactsTest, Precisions);
+TYPED_TEST_SUITE(SystemContactsTest, Precisions);
 
-TYPED_TEST(IslandContactsTest, TheBulkDoesWhatThePlainCodeDoes) {
+TYPED_TEST(SystemContactsTest, TheKernelDoesWhatThePlainCodeDoes) {
   using Real = TypeParam;
   const Real epsilon = std::numeric_limits<Real>::epsilon();
   for (const SweepKernel<Real>& kernel : FindSweepKernels<Real>(kWidestPack)) {
-    Pile<Real> bulk(kernel.points);
+    Pile<Real> inLanes(kernel.points);
     Pile<Real> plain(kernel.points);
-    ASSERT_GT(bulk.CountContacts(), 60U);
-    IslandContacts<Real> contacts;
-    contacts.Build(bulk.contactPairs, bulk.pointers, kernel.bodyContacts);
+    ASSERT_GT(inLanes.CountContacts(), 60U);
+    SystemContacts<Real> contacts;
+    contacts.Build(inLanes.contactPairs, inLanes.pointers, kernel.bodyContacts);
     for (int substep = 0; substep < 4; ++substep) {
-      contacts.ComputeForces(bulk.Motions(), nullptr);
-      const auto forces = bulk.AddUp(contacts);
+      contacts.ComputeForces(inLanes.Motions(), nullptr);
+      const auto forces = inLanes.AddUp(contacts);
       const auto expected = plain.AddUpPlainly();
       Real largest = 0;
       for (std::size_t i = 0; i < forces.size(); ++i) {
@@ -213,25 +221,25 @@ TYPED_TEST(IslandContactsTest, TheBulkDoesWhatThePlainCodeDoes) {
           ASSERT_LE((forces[i][k] - expected[i][k]).norm(), 2000 * epsilon * largest) << "substep " << substep;
         }
       }
-      bulk.Move(substep);
+      inLanes.Move(substep);
       plain.Move(substep);
-      contacts.Update(bulk.Motions(), static_cast<Real>(kTick / 4), nullptr);
+      contacts.Update(inLanes.Motions(), static_cast<Real>(kTick / 4), nullptr);
       plain.UpdatePlainly(static_cast<Real>(kTick / 4));
-      ExpectTheSame(bulk, plain, 200 * epsilon);
+      ExpectTheSame(inLanes, plain, 200 * epsilon);
     }
   }
 }
 
-TYPED_TEST(IslandContactsTest, EveryWidthGivesTheSameBits) {
+TYPED_TEST(SystemContactsTest, EveryWidthGivesTheSameBits) {
   using Real = TypeParam;
   const auto kernels = FindSweepKernels<Real>(kWidestPack);
-  IslandContacts<Real> ofFirst;
+  SystemContacts<Real> ofFirst;
   Threads threads(2);
   for (const SweepKernel<Real>& kernel : kernels) {
     Pile<Real> other(kernel.points);
     Pile<Real> first(kernels[0].points);
     ExpectTheSame<Real>(first, other, 0);
-    IslandContacts<Real> contacts;
+    SystemContacts<Real> contacts;
     contacts.Build(other.contactPairs, other.pointers, kernel.bodyContacts);
     ofFirst.Build(first.contactPairs, first.pointers, kernels[0].bodyContacts);
     for (int substep = 0; substep < 4; ++substep) {
@@ -247,13 +255,13 @@ TYPED_TEST(IslandContactsTest, EveryWidthGivesTheSameBits) {
   }
 }
 
-// A tick that is stepped again finds its lists as they were.
-TYPED_TEST(IslandContactsTest, ReadsListsThatOthersHaveChanged) {
+// A tick that is stepped again restores its lists; the forces must follow.
+TYPED_TEST(SystemContactsTest, ReadsListsThatOthersHaveChanged) {
   using Real = TypeParam;
   const SweepKernel<Real>& kernel = FindSweepKernels<Real>(kWidestPack).back();
   Pile<Real> pile(kernel.points);
   const auto lists = pile.lists;
-  IslandContacts<Real> contacts;
+  SystemContacts<Real> contacts;
   contacts.Build(pile.contactPairs, pile.pointers, kernel.bodyContacts);
   contacts.ComputeForces(pile.Motions(), nullptr);
   const auto before = pile.AddUp(contacts);
@@ -264,15 +272,16 @@ TYPED_TEST(IslandContactsTest, ReadsListsThatOthersHaveChanged) {
   EXPECT_EQ(pile.AddUp(contacts), before);
 }
 
-TYPED_TEST(IslandContactsTest, FindsPointsAsALoopOverAllDoes) {
+TYPED_TEST(SystemContactsTest, FindsPointsAsALoopOverAllDoes) {
   using Real = TypeParam;
   const Blueprint ball = MakeBall(MakeMeasuredBall());
   const State<Real> state = MakeState<Real>(ball, Vector3d::Zero(), Vector3d::Zero());
-  const Shell<Real> shell{ball.Read<Real>().faces, &ball.topology, state.positions};
-  SurfacePoints<Real> points;
-  points.Read(shell, state.velocities);
+  const Skin<Real> skin{ball.Read<Real>().faces, &ball.topology, state.positions};
+  SkinPoints<Real> points;
+  points.Read(skin, state.velocities);
   EXPECT_NEAR(points.Radius(), Real(1), Real(0.02));
-  NearRegion<Real> region{{-2, -2, Real(0.1)}, {Real(0.9), 2, 2}, {Real(0.5), 0, 0}, Real(1.2)};
+  NearRegion<Real> region{
+      .low = {-2, -2, Real(0.1)}, .high = {Real(0.9), 2, 2}, .centre = {Real(0.5), 0, 0}, .squaredRadius = Real(1.2)};
   for (const SweepKernel<Real>& kernel : FindSweepKernels<Real>(kWidestPack)) {
     std::vector<std::uint16_t> found(points.Lanes().count);
     found.resize(kernel.points.findWithin(points.Lanes(), region, found.data()));

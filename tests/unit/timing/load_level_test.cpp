@@ -1,6 +1,6 @@
 // A server with more to do than there is time: the rule by itself, then a whole game on a machine that is as slow as a
 // test says.
-#include "server/timing/load.h"
+#include "server/timing/load_level.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ namespace {
 constexpr double kTick = 1.0 / 60;
 
 // Ticks of so many times their budget, one after the other, for so long.
-double Feed(Load& load, double share, double seconds, double now, double rate = 1) {
+double Feed(LoadController& load, double share, double seconds, double now, double rate = 1) {
   for (const double end = now + seconds; now < end;) {
     now += std::max(kTick / rate, share * kTick);
     load.Record(share * kTick, rate, now);
@@ -20,8 +20,8 @@ double Feed(Load& load, double share, double seconds, double now, double rate = 
   return now;
 }
 
-TEST(Load, NothingIsDoneWhileThereIsTime) {
-  Load load(kTick);
+TEST(LoadController, NothingIsDoneWhileThereIsTime) {
+  LoadController load(kTick);
   double now = Feed(load, 0.75, 20, 0);
   EXPECT_EQ(load.Level(), LoadLevel::kNormal);
   EXPECT_NEAR(load.Share(), 0.75, 1e-9);
@@ -32,8 +32,8 @@ TEST(Load, NothingIsDoneWhileThereIsTime) {
   }
 }
 
-TEST(Load, TakesOneMeasureAfterTheOther) {
-  Load load(kTick);
+TEST(LoadController, TakesOneMeasureAfterTheOther) {
+  LoadController load(kTick);
   double now = Feed(load, 0.85, 0.9, 0);
   EXPECT_EQ(load.Level(), LoadLevel::kNormal) << "not for a second yet";
   now = Feed(load, 0.85, 10, now);
@@ -50,9 +50,9 @@ TEST(Load, TakesOneMeasureAfterTheOther) {
   EXPECT_EQ(load.RateLimit(), kLeastRate);
 }
 
-TEST(Load, IsBackToNormalWithinTwoSeconds) {
+TEST(LoadController, IsBackToNormalWithinTwoSeconds) {
   for (const double share : {1.2, 2.0, 4.0}) {
-    Load load(kTick);
+    LoadController load(kTick);
     double now = Feed(load, share, 10, 0);
     ASSERT_EQ(load.Level(), LoadLevel::kSlowed);
     // The tick that is under way when the load goes, then as many as its own limit lets through.
@@ -65,8 +65,8 @@ TEST(Load, IsBackToNormalWithinTwoSeconds) {
   }
 }
 
-TEST(Load, AMeasureIsKeptWhereGivingItUpWouldBringTheLoadBack) {
-  Load load(kTick);
+TEST(LoadController, AMeasureIsKeptWhereGivingItUpWouldBringTheLoadBack) {
+  LoadController load(kTick);
   double now = Feed(load, 1.0, 1.8, 0);
   ASSERT_EQ(load.Level(), LoadLevel::kBusy);
   now = Feed(load, 0.78, 20, now);
@@ -75,8 +75,8 @@ TEST(Load, AMeasureIsKeptWhereGivingItUpWouldBringTheLoadBack) {
   EXPECT_EQ(load.Level(), LoadLevel::kCoarser);
 }
 
-TEST(Load, SlowMotionLeavesTicksMoreTime) {
-  Load load(kTick);
+TEST(LoadController, SlowMotionLeavesTicksMoreTime) {
+  LoadController load(kTick);
   Feed(load, 1.4, 20, 0, 0.5);
   EXPECT_NEAR(load.Share(), 0.7, 1e-9);
   EXPECT_EQ(load.Level(), LoadLevel::kNormal);

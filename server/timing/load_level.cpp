@@ -1,11 +1,11 @@
-// The share of the tick's budget is smoothed over the snapshots' own rhythm (in a small world every second tick sends,
-// the others do not), in wall time, so that a slowed world notices as fast as any other that the load has gone. From
-// one measure to the next it takes a while, so that one that is enough is not followed by another, and each is given up
-// only with room to spare, since giving it up costs again what it had saved.
+// The share of the tick's budget is smoothed over the rhythm of snapshots (in a small world every second tick sends,
+// the others do not). It is smoothed in wall time, so that a slowed world notices as fast as any other that the load is
+// gone. A level lasts a while before the next one begins, so that a measure that suffices is not followed by another. A
+// level is left only with room to spare, because leaving it brings back the load that it saved.
 //
-// All that is slow together is a second and a half from the last measure to none, of which smoothing takes 0.6 s when
-// the load was four times too much: within the 2 s that players are promised.
-#include "server/timing/load.h"
+// From the last level back to none it takes about 1.5 s, of which smoothing takes 0.6 s after a fourfold load: within
+// the 2 s that players are promised.
+#include "server/timing/load_level.h"
 
 #include <algorithm>
 #include <array>
@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kSmoothing = 0.25;  // s
 
-// By level. Above `tooMuch` for `patience`, s, the next one begins; below `easy` for kEasyPatience, the last one
-// returns.
+// By level: above the share `tooMuch` for `patience` seconds the next level begins; below `easy` for kEasyPatience
+// seconds the level before returns.
 struct Limits {
   double tooMuch;
   double patience;
@@ -26,16 +26,16 @@ struct Limits {
 constexpr std::array<Limits, 4> kLimits{{{0.80, 1.0, 0}, {0.95, 0.5, 0.65}, {0.95, 0.5, 0.75}, {HUGE_VAL, 0, 0.80}}};
 constexpr double kEasyPatience = 0.25;
 
-// Of the time that there is, used by a world that is slowed: the rest is for what differs from tick to tick.
+// The share of the available time that a slowed world uses; the rest absorbs differences between ticks.
 constexpr double kSlowedShare = 0.9;
-// The pace follows at once when there is less time and by leaps when there is more: clients stay with a steady pace
-// more easily than with one that trembles.
+// The pace falls at once when there is less time and rises in steps of 10 % when there is more: clients follow a steady
+// pace more easily than one that fluctuates.
 constexpr double kSlower = 0.99;
 constexpr double kFaster = 1.1;
 
 }  // namespace
 
-void Load::Record(double duration, double rate, double now) {
+void LoadController::Record(double duration, double rate, double now) {
   const double full = duration / m_tickDuration;
   const double weight = m_last < 0 ? 1 : 1 - std::exp(-(now - m_last) / kSmoothing);
   m_last = now;
@@ -45,7 +45,7 @@ void Load::Record(double duration, double rate, double now) {
   FollowRateLimit();
 }
 
-void Load::Judge(double now) {
+void LoadController::Judge(double now) {
   const Limits& limits = kLimits[static_cast<std::size_t>(m_level)];
   const auto note = [now](bool holds, double& since) { since = !holds ? -1 : since < 0 ? now : since; };
   note(m_share > limits.tooMuch, m_tooMuchSince);
@@ -57,7 +57,7 @@ void Load::Judge(double now) {
   m_tooMuchSince = m_easySince = -1;
 }
 
-void Load::FollowRateLimit() {
+void LoadController::FollowRateLimit() {
   const double wanted = std::clamp(kSlowedShare / std::max(m_shareOfFull, kSlowedShare), kLeastRate, 1.0);
   if (m_level != LoadLevel::kSlowed) {
     m_rateLimit = 1;
