@@ -127,7 +127,7 @@ struct ScoreboardFields {
 // text: at most kMaxNoticeBytes.
 [[nodiscard]] Message MakeNotice(std::string_view text);
 
-// What a client needs to draw a body. It becomes one FlatBuffer and is sent in chunks.
+// All that a client needs to draw a body. It becomes one FlatBuffer and is sent in chunks.
 struct BlueprintFields {
   std::string_view name;
   std::span<const Vector3> rest;

@@ -82,7 +82,7 @@ TEST_F(ClientTest, ABodyGoesOverToAnotherBlueprintWithoutAJump) {
       const auto makePacket = [&](int i) {
         const double time = i / 30.0;
         const Pose pose{{static_cast<float>(6 * time), 0, 0}, {}};
-        const protocol::SnapshotHead head{++sequence, 100 + static_cast<std::uint32_t>(2 * i), 1, 0};
+        const protocol::SnapshotHead head{.sequence = ++sequence, .tick = 100 + static_cast<std::uint32_t>(2 * i)};
         if (i < 15) return MakeSnapshot(head, {MakeRecord(3, pose)});
         return MakeSnapshot(head, {isTorn ? MakeRecord(3, pose, 1) : MakeRecord(3, pose, 1, 0, kChainRest)});
       };

@@ -67,9 +67,9 @@ TEST_F(ClientTest, MeasuresFromInputToSnapshotAndAge) {
   const std::uint32_t frame = Inputs().at(0)->frames()->Get(0)->tick();
   const std::uint32_t tick = CurrentTick();
   now += 0.080;
-  Arrive(Channel::kSnapshot, MakeSnapshot({1, tick, 1, frame}));
-  Arrive(Channel::kSnapshot, MakeSnapshot({2, tick, 1, frame}));
-  Arrive(Channel::kSnapshot, MakeSnapshot({3, tick, 1, 4000000000U}));  // was never sent
+  Arrive(Channel::kSnapshot, MakeSnapshot({.sequence = 1, .tick = tick, .inputTick = frame}));
+  Arrive(Channel::kSnapshot, MakeSnapshot({.sequence = 2, .tick = tick, .inputTick = frame}));
+  Arrive(Channel::kSnapshot, MakeSnapshot({.sequence = 3, .tick = tick, .inputTick = 4000000000U}));  // was never sent
   ASSERT_EQ(arrivals.size(), 3U);
   EXPECT_EQ(arrivals[0].tick, tick);
   EXPECT_NEAR(arrivals[0].inputToSnapshot, 0.080, 1e-9);
@@ -136,7 +136,7 @@ TEST_F(ClientTest, KnowsHowFastBodiesGoWithAndWithoutDecoding) {
     EXPECT_NEAR(client->FindSighting(8)->age, 0.2, 1e-6);
 
     Arrive(Channel::kControl, protocol::MakeEvent(wire::EventKind::BodyRemoved, CurrentTick(), 0, 8, ""));
-    Arrive(Channel::kSnapshot, MakeSnapshot({7, CurrentTick() - 6, 1, 0}, {MakeRecord(8, {})}));  // late
+    Arrive(Channel::kSnapshot, MakeSnapshot({.sequence = 7, .tick = CurrentTick() - 6}, {MakeRecord(8, {})}));  // late
     EXPECT_FALSE(client->FindSighting(8).has_value());
     client->ListSightings(sightings);
     ASSERT_EQ(sightings.size(), 1U);
@@ -150,8 +150,8 @@ TEST_F(ClientTest, CountsRecordsThatItCannotUse) {
   Snapshot(1, {MakeRecord(3, {{1, 0, 0}, {}}, 7)});  // an unknown generation
   EXPECT_EQ(client->ReadStatistics().unknownRecords, 1U);
   std::vector<std::uint8_t> noise(40, 0xFF), broken, beyond;
-  protocol::AppendRecord({4, 0, 0}, noise, broken);
-  protocol::AppendRecord({5, 0, 1}, noise, beyond);  // a patch the blueprint does not have
+  protocol::AppendRecord({.body = 4}, noise, broken);
+  protocol::AppendRecord({.body = 5, .patch = 1}, noise, beyond);  // a patch the blueprint does not have
   Snapshot(2, {broken, beyond, MakeRecord(6, {{1, 0, 0}, {}})});
   EXPECT_EQ(client->ReadStatistics().badRecords, 2U);
   EXPECT_TRUE(client->NewestPose(6).has_value());
@@ -161,7 +161,7 @@ TEST_F(ClientTest, CountsRecordsThatItCannotUse) {
 TEST_F(ClientTest, TakesASnapshotThatOvertookTheWelcome) {
   Start();
   Connect();
-  Arrive(Channel::kSnapshot, MakeSnapshot({1, 100, 1, 0}, {MakeRecord(3, {})}));
+  Arrive(Channel::kSnapshot, MakeSnapshot({.sequence = 1, .tick = 100}, {MakeRecord(3, {})}));
   EXPECT_EQ(client->ReadStatistics().unknownRecords, 1U);
   EXPECT_EQ(client->ReadStatistics().snapshots, 1U);
   EXPECT_EQ(client->ServerTime(now), 0);
@@ -173,7 +173,7 @@ TEST_F(ClientTest, SurvivesDamagedSnapshots) {
   Join();
   const auto first = MakeRecord(3, {{1, 2, 3}, {}}), second = MakeRecord(8, {});
   std::uint32_t sequence = 0;
-  const auto makeWhole = [&] { return MakeSnapshot({++sequence, 130, 1, 0}, {first, second}); };
+  const auto makeWhole = [&] { return MakeSnapshot({.sequence = ++sequence, .tick = 130}, {first, second}); };
   const std::size_t size = makeWhole().size();
   for (std::size_t length = 0; length < size; ++length) {
     const Message whole = makeWhole();
@@ -230,7 +230,7 @@ TEST_P(ClientOverLink, FollowsABody) {
         0.05 + conditions.jitter * chance(random) + (chance(random) < conditions.reordered ? 0.04 : 0.0);
     const std::uint32_t tick = 100 + 2 * i;
     arrivals.push_back({joinedAt + i / 30.0 + delay, transport::Event::Kind::kMessage, Channel::kSnapshot,
-                        MakeSnapshot({i, tick, 1, 0}, {MakeRecord(3, PoseAt(tick / 60.0))})});
+                        MakeSnapshot({.sequence = i, .tick = tick}, {MakeRecord(3, PoseAt(tick / 60.0))})});
   }
   std::stable_sort(arrivals.begin(), arrivals.end(),
                    [](const Link::Arrival& a, const Link::Arrival& b) { return a.at < b.at; });
@@ -261,10 +261,34 @@ TEST_P(ClientOverLink, FollowsABody) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Links, ClientOverLink,
-                         testing::Values(LinkCase{"Clean", 0, 0, 0, 0.006, 0.075, 0},
-                                         LinkCase{"Loss5Jitter20", 0.05, 0.020, 0, 0.010, 0.110, 0},
-                                         LinkCase{"Loss5Jitter20Reordered4", 0.05, 0.020, 0.04, 0.010, 0.150, 0},
-                                         LinkCase{"Loss20Jitter100Reordered4", 0.20, 0.100, 0.04, 0.012, 0.250, 0.02}),
+                         testing::Values(LinkCase{.name = "Clean",
+                                                  .loss = 0,
+                                                  .jitter = 0,
+                                                  .reordered = 0,
+                                                  .maxError = 0.006,
+                                                  .maxDelay = 0.075,
+                                                  .maxHeld = 0},
+                                         LinkCase{.name = "Loss5Jitter20",
+                                                  .loss = 0.05,
+                                                  .jitter = 0.020,
+                                                  .reordered = 0,
+                                                  .maxError = 0.010,
+                                                  .maxDelay = 0.110,
+                                                  .maxHeld = 0},
+                                         LinkCase{.name = "Loss5Jitter20Reordered4",
+                                                  .loss = 0.05,
+                                                  .jitter = 0.020,
+                                                  .reordered = 0.04,
+                                                  .maxError = 0.010,
+                                                  .maxDelay = 0.150,
+                                                  .maxHeld = 0},
+                                         LinkCase{.name = "Loss20Jitter100Reordered4",
+                                                  .loss = 0.20,
+                                                  .jitter = 0.100,
+                                                  .reordered = 0.04,
+                                                  .maxError = 0.012,
+                                                  .maxDelay = 0.250,
+                                                  .maxHeld = 0.02}),
                          [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace

@@ -96,7 +96,7 @@ TEST_F(ClientTest, DoesNotRunAheadOfAServerThatIsSlow) {
     now += 1.0 / kTickHz;
     world += 0.5;
     tick = static_cast<std::uint32_t>(world);
-    Arrive(Channel::kSnapshot, MakeSnapshot({++sequence, tick, 0.5F, 0}));
+    Arrive(Channel::kSnapshot, MakeSnapshot({.sequence = ++sequence, .tick = tick, .timeRatio = 0.5F}));
   }
   EXPECT_LT(Inputs().back()->frames()->Get(0)->tick(), tick + 4);
   EXPECT_NEAR(static_cast<double>(Inputs().size()), 60 * 20, 3);  // inputs are still sent at the tick rate
@@ -106,7 +106,8 @@ TEST_F(ClientTest, DoesNotRunAheadOfAServerThatIsSlow) {
 TEST_F(ClientTest, PlaysWhenAllHeightsAreThereAndTakesNoOthers) {
   Start();
   Connect();
-  protocol::WelcomeFields welcome{9, 3, 100, kTickHz, 30, "arena", 0, {}};
+  protocol::WelcomeFields welcome{
+      .clientId = 9, .ownBody = 3, .tick = 100, .tickHz = kTickHz, .snapshotHz = 30, .scene = "arena", .obstacles = {}};
   welcome.heightFields = {{{1, 2, 10}, 0.5F, -1, 0.25F, 3, 4}};
   Arrive(Channel::kControl, protocol::MakeWelcome(welcome));
   const auto send = [&](std::uint16_t field, std::uint16_t row, const std::vector<std::uint16_t>& heights) {

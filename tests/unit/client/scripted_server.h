@@ -116,7 +116,7 @@ inline std::vector<std::uint8_t> MakeRecord(std::uint32_t body, const Pose& pose
   std::vector<std::uint8_t> payload, record;
   protocol::ShapeEncoder encoder;
   EXPECT_TRUE(encoder.Encode(model, pose, world, 0.001F, 512, payload).fits);
-  protocol::AppendRecord({body, blueprint, 0, generation}, payload, record);
+  protocol::AppendRecord({.body = body, .blueprint = blueprint, .generation = generation}, payload, record);
   return record;
 }
 
@@ -143,7 +143,14 @@ class ClientTest : public testing::Test {
   }
   void Connect() { Arrive(transport::Event::Kind::kConnected); }
   void Welcome(std::uint16_t blueprints = 1) {
-    Arrive(Channel::kControl, protocol::MakeWelcome({9, 3, 100, kTickHz, 30, "arena", blueprints, {}}));
+    Arrive(Channel::kControl, protocol::MakeWelcome({.clientId = 9,
+                                                     .ownBody = 3,
+                                                     .tick = 100,
+                                                     .tickHz = kTickHz,
+                                                     .snapshotHz = 30,
+                                                     .scene = "arena",
+                                                     .blueprintCount = blueprints,
+                                                     .obstacles = {}}));
   }
   // Connected, welcomed at tick 100, one blueprint.
   void Join(const Options& options = {}) {
@@ -156,7 +163,8 @@ class ClientTest : public testing::Test {
   }
   void Snapshot(std::uint32_t sequence, const std::vector<std::vector<std::uint8_t>>& records = {},
                 std::uint32_t inputTick = 0) {
-    Arrive(Channel::kSnapshot, MakeSnapshot({sequence, CurrentTick(), 1, inputTick}, records));
+    Arrive(Channel::kSnapshot,
+           MakeSnapshot({.sequence = sequence, .tick = CurrentTick(), .inputTick = inputTick}, records));
   }
   [[nodiscard]] std::uint32_t CurrentTick() const {
     return 100 + static_cast<std::uint32_t>(std::lround((now - joinedAt) * kTickHz));

@@ -43,7 +43,14 @@ struct Kind {
 
 std::vector<Kind> MakeEveryKind() {
   const std::vector<wire::InputFrame> frames{{104, 127, -127, 7}, {103, 0, 0, 0}, {102, 1, -1, 2}, {101, 5, 6, 1}};
-  WelcomeFields welcome{7, 9, 1000, 60, 30, "arena", 2, {}};
+  WelcomeFields welcome{.clientId = 7,
+                        .ownBody = 9,
+                        .tick = 1000,
+                        .tickHz = 60,
+                        .snapshotHz = 30,
+                        .scene = "arena",
+                        .blueprintCount = 2,
+                        .obstacles = {}};
   welcome.obstacles = {{wire::ObstacleKind::Plane, {0, 0, 1}, {0, 0, 0}, 0},
                        {wire::ObstacleKind::Capsule, {1, 2, 3}, {4, 5, 6}, 0.5F}};
   welcome.heightFields = {{{1, 2, 3}, 0.5F, -1, 0.01F, 3, 2}};
@@ -181,13 +188,21 @@ TEST(Messages, FieldsComeBack) {
   EXPECT_EQ(client->body_as_Input()->acked_history(), 0x8000000000000001U);
 
   const wire::ServerMessage* server = nullptr;
-  const Message welcome =
-      MakeWelcome({7, 9, 1000, 60, 30, "arena", 2, {{wire::ObstacleKind::Box, {1, 2, 3}, {4, 5, 6}, 0}}});
+  const Message welcome = MakeWelcome({.clientId = 7,
+                                       .ownBody = 9,
+                                       .tick = 1000,
+                                       .tickHz = 60,
+                                       .snapshotHz = 30,
+                                       .scene = "arena",
+                                       .blueprintCount = 2,
+                                       .obstacles = {{wire::ObstacleKind::Box, {1, 2, 3}, {4, 5, 6}, 0}}});
   ASSERT_EQ(ParseServerMessage(welcome, server), ParseResult::kOk);
   EXPECT_EQ(server->body_as_Welcome()->scene()->str(), "arena");
   EXPECT_EQ(server->body_as_Welcome()->tick_hz(), 60);
   EXPECT_EQ(server->body_as_Welcome()->obstacles()->Get(0)->b().z(), 6.0F);
-  EXPECT_EQ(ParseAs('s', MakeWelcome({1, 0, 0, 60, 30, "", 0, {}})), ParseResult::kOk) << "no obstacles at all";
+  EXPECT_EQ(ParseAs('s', MakeWelcome({.clientId = 1, .tickHz = 60, .snapshotHz = 30, .scene = "", .obstacles = {}})),
+            ParseResult::kOk)
+      << "no obstacles at all";
 
   const wire::Blueprint* blueprint = nullptr;
   const Message triangle = MakeTriangle();
