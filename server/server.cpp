@@ -206,7 +206,7 @@ void Server::RespawnFallen() {
   };
   // Both lists ascend by id. Only bodies that were stepped can have fallen.
   auto placed = m_sceneBodies.begin();
-  for (const std::uint32_t place : m_world.Stepped()) {
+  for (const std::uint32_t place : m_world.Changes().stepped) {
     const physics::BodyId body = m_world.Bodies()[place].id;
     placed = std::lower_bound(placed, m_sceneBodies.end(), body,
                               [](const scenes::PlacedBody& each, physics::BodyId id) { return each.body < id; });

@@ -1,9 +1,9 @@
-// Takes the forces on a body apart again, with the plain force terms and in the precision of the world, so that the
-// kinds add up to what a step computes. The step itself keeps no account of them: it would cost as much as the forces,
-// for every body and substep, and somebody looks at one body a few times a second.
+// Recomputes the forces on a body, kind by kind, with the plain force terms and in the world's precision, so that the
+// kinds add up to what a step computes. An account kept by the step itself would cost as much as the forces, for every
+// body and substep, while a viewer looks at one body a few times a second.
 //
-// Forces are those of the equations of motion. Position Verlet moves springs' ends to their rest lengths instead; of a
-// body that it steps this shows what its springs would do.
+// These are the forces of the equations of motion. Position Verlet moves the ends of springs to their rest lengths
+// instead; for a body that it steps, this shows the forces that its springs would exert.
 #include "server/physics/inspect.h"
 
 #include "server/physics/contact/backtracking.h"
@@ -12,7 +12,7 @@
 namespace wobble::physics {
 namespace {
 
-// A body as the last step has left it.
+// A body as the last step left it.
 template <class Real>
 struct Subject {
   const Blueprint& blueprint;
@@ -22,7 +22,7 @@ struct Subject {
   std::vector<Surface<Real>> surfaces;
 };
 
-// add(forces): adds to them, one a vertex.
+// The forces, one a vertex, that add(forces) adds up.
 template <class Real, class Add>
 std::vector<Vector3d> Collect(const Subject<Real>& subject, const Add& add) {
   std::vector<Vector3<Real>> forces(subject.state.positions.size(), Vector3<Real>::Zero());
@@ -88,12 +88,15 @@ std::vector<Vector3d> FindOther(const Subject<Real>& subject, const Vector3d& gr
 
 template <class Real>
 Meeting<Real> Meet(const Subject<Real>& ofVertices, const Subject<Real>& ofFaces) {
-  return {ofVertices.state.positions,    ofVertices.state.velocities,
-          ofVertices.body.contactShares, {ofFaces.body.faces, &ofFaces.blueprint.topology, ofFaces.state.positions},
-          ofFaces.state.velocities,      (ofVertices.state.origin - ofFaces.state.origin).template cast<Real>()};
+  return {.x = ofVertices.state.positions,
+          .v = ofVertices.state.velocities,
+          .shares = ofVertices.body.contactShares,
+          .skin = {ofFaces.body.faces, &ofFaces.blueprint.topology, ofFaces.state.positions},
+          .skinV = ofFaces.state.velocities,
+          .shift = (ofVertices.state.origin - ofFaces.state.origin).template cast<Real>()};
 }
 
-// Of a pair's two sides, what they do to one of the two. ofSubject: its place in the pair.
+// Adds the forces of both sides of a pair on the subject. ofSubject: 0 or 1, its side of the pair.
 template <class Real>
 void AddBodyContacts(const BodyPair<Real>& pair, const Subject<Real>& subject, std::size_t ofSubject,
                      const Subject<Real>& other, std::span<Vector3<Real>> forces) {
@@ -113,7 +116,11 @@ void AddBodyContacts(const BodyPair<Real>& pair, const Subject<Real>& subject, s
 template <class Real>
 Subject<Real> MakeSubject(const World& world, const Body& body) {
   const Blueprint& blueprint = world.BlueprintOf(body);
-  return {blueprint, blueprint.Read<Real>(), std::get<State<Real>>(body.state), {}, {}};
+  return {.blueprint = blueprint,
+          .body = blueprint.Read<Real>(),
+          .state = std::get<State<Real>>(body.state),
+          .load = {},
+          .surfaces = {}};
 }
 
 template <class Real>
@@ -122,20 +129,16 @@ std::vector<Vector3d> FindContacts(const World& world, const Workspace<Real>& wo
   return Collect(subject, [&](std::span<Vector3<Real>> forces) {
     AddContacts<Real>(subject.body.contact, subject.body.contactShares, subject.surfaces, subject.state.contacts,
                       subject.state.positions, subject.state.velocities, forces);
-    for (const auto* pairs : {&workspace.pairs, &workspace.restingPairs}) {
-      for (const BodyPair<Real>& pair : *pairs) {
-        if (!pair.Has(body.id)) continue;
-        const std::size_t place = pair.first == body.id ? 0 : 1;
-        const Body& other = world.ReadBody(place == 0 ? pair.second : pair.first);
-        AddBodyContacts(pair, subject, place, MakeSubject<Real>(world, other), forces);
-      }
-    }
+    VisitPairsOf(body.id, workspace.pairs, [&](const BodyPair<Real>& pair) {
+      const Body& other = world.ReadBody(pair.OtherThan(body.id));
+      AddBodyContacts(pair, subject, pair.SideOf(body.id), MakeSubject<Real>(world, other), forces);
+    });
   });
 }
 
-// Where contact is an event, what lies is held by taking from its acceleration: this is the force that does so.
+// The backtracking law holds a resting vertex by taking from its acceleration: this adds the force that does so.
 template <class Real>
-void HoldWhatLies(const Subject<Real>& subject, InspectedForces& found) {
+void HoldRestingVertices(const Subject<Real>& subject, InspectedForces& found) {
   std::vector<Vector3<Real>> held;
   for (const Vector3d& acceleration : found.accelerations) held.push_back(acceleration.cast<Real>());
   HoldResting<Real>(subject.body, subject.surfaces, subject.state.contacts, subject.state.positions, held);
@@ -160,35 +163,36 @@ std::vector<Vector3d> FindAccelerations(const Coefficients<double>& body, const 
 
 }  // namespace
 
-InspectedForces World::InspectForces(BodyId id) const {
-  const Body& body = ReadBody(id);
+InspectedForces InspectForces(const World& world, BodyId id) {
+  const Body& body = world.ReadBody(id);
+  const World::Engine& engine = *world.m_engine;
   const auto inspect = [&]<class Real>(const State<Real>& state) {
-    const auto& workspace = std::get<Workspace<Real>>(m_engine->workspaces);
-    const auto place = static_cast<std::size_t>(&body - m_bodies.data());
+    const auto& workspace = std::get<Workspace<Real>>(engine.workspace);
+    const auto place = static_cast<std::size_t>(&body - world.Bodies().data());
     const bool wasStepped = place < workspace.members.size() && workspace.members[place].blueprint != nullptr;
-    Subject<Real> subject = MakeSubject<Real>(*this, body);
-    const Vector3d& gravity = wasStepped ? m_engine->gravity : m_settings.gravity;
+    Subject<Real> subject = MakeSubject<Real>(world, body);
+    const Vector3d& gravity = wasStepped ? engine.gravity : world.Settings().gravity;
     if (wasStepped) {
       subject.load = workspace.members[place].load;
       subject.load.pushes = workspace.members[place].pushes;
     } else {
       subject.load.acceleration = gravity.cast<Real>();
       subject.load.stiffnessFactor = static_cast<Real>(body.stiffnessFactor);
-      subject.load.wind = m_settings.wind.cast<Real>();
+      subject.load.wind = world.Settings().wind.cast<Real>();
     }
     subject.load.torn = state.torn;
-    for (const Obstacle& obstacle : m_obstacles) {
+    for (const Obstacle& obstacle : world.Obstacles()) {
       subject.surfaces.push_back(MakeSurface<Real>(obstacle, state.origin));
     }
-    InspectedForces found{FindElastic(subject),
-                          FindDamping(subject),
-                          FindGas(subject),
-                          FindWeight(subject.blueprint, gravity),
-                          FindContacts(*this, workspace, body, subject),
-                          FindOther(subject, gravity),
-                          {}};
+    InspectedForces found{.elastic = FindElastic(subject),
+                          .damping = FindDamping(subject),
+                          .gas = FindGas(subject),
+                          .weight = FindWeight(subject.blueprint, gravity),
+                          .contact = FindContacts(world, workspace, body, subject),
+                          .other = FindOther(subject, gravity),
+                          .accelerations = {}};
     found.accelerations = FindAccelerations(subject.blueprint.full, found);
-    if (subject.body.contact.law == ContactLaw::kBacktracking) HoldWhatLies(subject, found);
+    if (subject.body.contact.law == ContactLaw::kBacktracking) HoldRestingVertices(subject, found);
     return found;
   };
   return std::visit(inspect, body.state);

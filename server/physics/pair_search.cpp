@@ -1,5 +1,6 @@
-// Boxes first, by the broad phase; then vertices against faces, side by side for all pairs. What a pair's contacts
-// remember lives on from tick to tick: both lists ascend, so one walk along them finds each pair's past.
+// Boxes first, by the broad phase; then vertices against faces, side by side for all pairs. A pair's contacts remember
+// their history from tick to tick: the lists of pairs and of overlaps both ascend, so one walk along them finds the
+// history of every pair.
 #include "server/physics/pair_search.h"
 
 #include <algorithm>
@@ -8,7 +9,7 @@
 namespace wobble::physics {
 namespace {
 
-// Room for so many contacts is made when two bodies meet: more seldom come, and a list that is full grows.
+// A pair's contact list is given room for so many contacts when two bodies meet. More are rare; the list then grows.
 constexpr std::size_t kLikelyContacts = 128;
 
 template <class Real>
@@ -26,18 +27,18 @@ Skin<Real> FindSkin(const Member<Real>& member) {
 template <class Real>
 void PairSearch<Real>::FindPairs() {
   ReserveSurfaces();
-  m_work.pairs.swap(m_work.pairsBefore);
-  m_work.pairs.clear();
-  m_work.overlaps.clear();
+  m_lists.awake.swap(m_lists.before);
+  m_lists.awake.clear();
+  m_lists.overlaps.clear();
   const std::span<const std::uint32_t> awake = m_table.roster.FindAwake();
-  m_work.awakeBoxes.clear();
-  for (const std::uint32_t body : awake) m_work.awakeBoxes.push_back(m_work.boxes[body]);
-  for (const auto& [a, b] : m_work.broadPhase.FindOverlaps(m_work.awakeBoxes)) {
-    m_work.overlaps.push_back({awake[a], awake[b]});
+  m_lists.awakeBoxes.clear();
+  for (const std::uint32_t body : awake) m_lists.awakeBoxes.push_back(m_work.boxes[body]);
+  for (const auto& [a, b] : m_lists.broadPhase.FindOverlaps(m_lists.awakeBoxes)) {
+    m_lists.overlaps.push_back({awake[a], awake[b]});
   }
-  const std::size_t amongAwake = m_work.overlaps.size();
+  const std::size_t amongAwake = m_lists.overlaps.size();
   for (const std::uint32_t body : awake) AddOverlapsWithSleepers(body);
-  if (m_work.overlaps.size() > amongAwake) std::sort(m_work.overlaps.begin(), m_work.overlaps.end());
+  if (m_lists.overlaps.size() > amongAwake) std::sort(m_lists.overlaps.begin(), m_lists.overlaps.end());
   TakeRestingPairs();
   AddPairs();
 }
@@ -45,46 +46,50 @@ void PairSearch<Real>::FindPairs() {
 template <class Real>
 void PairSearch<Real>::AddOverlapsWithSleepers(std::uint32_t body) {
   m_table.roster.Sleepers().VisitOverlaps(m_work.boxes[body], [&](std::uint32_t sleeper) {
-    m_work.overlaps.push_back({std::min(body, sleeper), std::max(body, sleeper)});
+    m_lists.overlaps.push_back({std::min(body, sleeper), std::max(body, sleeper)});
   });
 }
 
-// What somebody has woken, not others near them: to the pairs of before.
+// Adds the pairs that woken bodies had when they fell asleep to the pairs of the last tick.
 template <class Real>
 void PairSearch<Real>::TakeRestingPairs() {
-  if (m_work.wakesSeen == m_table.roster.CountWakes()) return;
-  m_work.wakesSeen = m_table.roster.CountWakes();
+  if (m_lists.wakesSeen == m_table.roster.CountWakes()) return;
+  m_lists.wakesSeen = m_table.roster.CountWakes();
   const auto sleeps = [this](const BodyPair<Real>& pair) {
     return IsAsleep(pair.places[0]) && IsAsleep(pair.places[1]);
   };
-  const auto woken = std::partition(m_work.restingPairs.begin(), m_work.restingPairs.end(), sleeps);
-  if (woken == m_work.restingPairs.end()) return;
-  std::move(woken, m_work.restingPairs.end(), std::back_inserter(m_work.pairsBefore));
-  m_work.restingPairs.erase(woken, m_work.restingPairs.end());
-  std::sort(m_work.pairsBefore.begin(), m_work.pairsBefore.end(), ComesBefore<Real>);
+  const auto woken = std::partition(m_lists.resting.begin(), m_lists.resting.end(), sleeps);
+  if (woken == m_lists.resting.end()) return;
+  std::move(woken, m_lists.resting.end(), std::back_inserter(m_lists.before));
+  m_lists.resting.erase(woken, m_lists.resting.end());
+  std::sort(m_lists.before.begin(), m_lists.before.end(), ComesBefore<Real>);
 }
 
-// Of all overlaps, behind those there are. What is left of the pairs of before has parted.
+// Appends a pair for every overlap, with the history of the pair in `before` if it is there. What is left in `before`
+// has separated, and its lists are recycled.
 template <class Real>
 void PairSearch<Real>::AddPairs() {
-  auto before = m_work.pairsBefore.begin();
-  for (const auto& [a, b] : m_work.overlaps) {
+  auto before = m_lists.before.begin();
+  for (const auto& [a, b] : m_lists.overlaps) {
     if (HasNoFaces(a) || HasNoFaces(b)) continue;
-    BodyPair<Real> pair{m_table.bodies[a].id, m_table.bodies[b].id, {a, b}, {}};
-    for (; before != m_work.pairsBefore.end() && ComesBefore(*before, pair); ++before) Recycle(*before);
-    const bool known = before != m_work.pairsBefore.end() && !ComesBefore(pair, *before);
+    BodyPair<Real> pair;
+    pair.first = m_table.bodies[a].id;
+    pair.second = m_table.bodies[b].id;
+    pair.places = {a, b};
+    for (; before != m_lists.before.end() && ComesBefore(*before, pair); ++before) Recycle(*before);
+    const bool known = before != m_lists.before.end() && !ComesBefore(pair, *before);
     for (std::size_t side = 0; side < 2; ++side) {
       pair.sides[side] = known ? std::move(before->sides[side]) : TakeSpareList();
     }
     if (known) ++before;
     for (const std::uint32_t body : pair.places) AttachSleeper(body);
-    m_work.pairs.push_back(std::move(pair));
+    m_lists.awake.push_back(std::move(pair));
   }
-  for (; before != m_work.pairsBefore.end(); ++before) Recycle(*before);
-  m_work.pairsBefore.clear();
+  for (; before != m_lists.before.end(); ++before) Recycle(*before);
+  m_lists.before.clear();
 }
 
-// Bodies and blueprints may have moved since it was awake.
+// The lists of bodies and blueprints may have been moved in memory since the body was awake.
 template <class Real>
 void PairSearch<Real>::AttachSleeper(std::uint32_t body) {
   if (!IsAsleep(body)) return;
@@ -94,48 +99,48 @@ void PairSearch<Real>::AttachSleeper(std::uint32_t body) {
 
 template <class Real>
 void PairSearch<Real>::Recycle(BodyPair<Real>& pair) {
-  for (auto& side : pair.sides) m_work.spareLists.push_back(std::move(side));
+  for (auto& side : pair.sides) m_lists.spareLists.push_back(std::move(side));
 }
 
 template <class Real>
 std::vector<BodyContact<Real>> PairSearch<Real>::TakeSpareList() {
   std::vector<BodyContact<Real>> list;
-  if (!m_work.spareLists.empty()) {
-    list = std::move(m_work.spareLists.back());
-    m_work.spareLists.pop_back();
+  if (!m_lists.spareLists.empty()) {
+    list = std::move(m_lists.spareLists.back());
+    m_lists.spareLists.pop_back();
   }
   list.clear();
   list.reserve(kLikelyContacts);
   return list;
 }
 
-// Of bodies that are new; the others have theirs.
+// Makes room for the surfaces of bodies that are new in the world.
 template <class Real>
 void PairSearch<Real>::ReserveSurfaces() {
   const std::size_t count = m_table.bodies.size();
-  m_work.hasSurface.assign(count, 0);
-  m_work.surfaceBodies.reserve(count);
-  if (m_work.surfaces.size() >= count) return;
-  m_work.surfaces.resize(count);
+  m_lists.hasSurface.assign(count, 0);
+  m_lists.surfaceBodies.reserve(count);
+  if (m_lists.surfaces.size() >= count) return;
+  m_lists.surfaces.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
-    m_work.surfaces[i].Reserve(m_table.blueprints[m_table.bodies[i].blueprint].rest.size());
+    m_lists.surfaces[i].Reserve(m_table.blueprints[m_table.bodies[i].blueprint].rest.size());
   }
 }
 
-// Of all that are to meet others and have not met anybody in this tick.
+// Reads the surfaces of the bodies that are to meet others and have not met any in this tick.
 template <class Real>
 void PairSearch<Real>::ReadSurfaces() {
-  m_work.surfaceBodies.clear();
-  for (const BodyPair<Real>& pair : m_work.pairs) {
+  m_lists.surfaceBodies.clear();
+  for (const BodyPair<Real>& pair : m_lists.awake) {
     if (!AreToMeet(pair)) continue;
     for (const std::uint32_t body : pair.places) {
-      if (m_work.hasSurface[body] == 0) m_work.surfaceBodies.push_back(body);
-      m_work.hasSurface[body] = 1;
+      if (m_lists.hasSurface[body] == 0) m_lists.surfaceBodies.push_back(body);
+      m_lists.hasSurface[body] = 1;
     }
   }
-  m_threads.ForEach(m_work.surfaceBodies.size(), [this](std::size_t i) {
-    const std::uint32_t body = m_work.surfaceBodies[i];
-    m_work.surfaces[body].Read(FindSkin(m_work.members[body]), m_work.members[body].state->velocities);
+  m_threads.ForEach(m_lists.surfaceBodies.size(), [this](std::size_t i) {
+    const std::uint32_t body = m_lists.surfaceBodies[i];
+    m_lists.surfaces[body].Read(FindSkin(m_work.members[body]), m_work.members[body].state->velocities);
   });
 }
 
@@ -147,8 +152,8 @@ bool PairSearch<Real>::AreToMeet(const BodyPair<Real>& pair) const {
 template <class Real>
 void PairSearch<Real>::MeetAll() {
   ReadSurfaces();
-  m_threads.ForEach(m_work.pairs.size(), [this](std::size_t i) {
-    BodyPair<Real>& pair = m_work.pairs[i];
+  m_threads.ForEach(m_lists.awake.size(), [this](std::size_t i) {
+    BodyPair<Real>& pair = m_lists.awake[i];
     if (!AreToMeet(pair)) return;
     pair.met = true;
     Meet(pair);
@@ -162,13 +167,16 @@ void PairSearch<Real>::Meet(BodyPair<Real>& pair) {
     const std::uint32_t ofFaces = pair.places[1 - side];
     const Member<Real>& vertices = m_work.members[ofVertices];
     const Member<Real>& faces = m_work.members[ofFaces];
-    ContactSearch<Real> search{
-        &m_work.surfaces[ofVertices], &m_work.surfaces[ofFaces],      m_kernel,
-        faces.survey.bounds,          static_cast<Real>(kNearMargin), static_cast<Real>(m_duration)};
+    ContactSearch<Real> search{.vertices = &m_lists.surfaces[ofVertices],
+                               .skin = &m_lists.surfaces[ofFaces],
+                               .kernel = m_kernel,
+                               .near = faces.survey.bounds,
+                               .margin = static_cast<Real>(kNearMargin),
+                               .duration = static_cast<Real>(m_duration)};
     search.near.speed += vertices.survey.bounds.speed;
-    const Real fat = search.margin + search.near.speed * search.duration;
-    search.near.low.array() -= fat;
-    search.near.high.array() += fat;
+    const Real margin = search.margin + search.near.speed * search.duration;
+    search.near.low.array() -= margin;
+    search.near.high.array() += margin;
     const ContactParameters<Real> both =
         Combine(vertices.blueprint->template Read<Real>().contact, faces.blueprint->template Read<Real>().contact);
     FindBodyContacts<Real>(both, MakeMeeting<Real>(vertices, faces), FindSkin(vertices), search, pair.sides[side],
@@ -178,45 +186,45 @@ void PairSearch<Real>::Meet(BodyPair<Real>& pair) {
 
 template <class Real>
 bool PairSearch<Real>::WakeTouched() {
-  m_work.woken.clear();
-  m_work.overlaps.clear();
-  for (const BodyPair<Real>& pair : m_work.pairs) {
+  m_lists.woken.clear();
+  m_lists.overlaps.clear();
+  for (const BodyPair<Real>& pair : m_lists.awake) {
     const auto [a, b] = pair.places;
     if (IsAsleep(a) == IsAsleep(b) || !HasContacts(pair)) continue;
     const std::uint32_t sleeper = IsAsleep(a) ? a : b;
     WakeUp(m_table.bodies[sleeper]);
     m_table.roster.Wake(sleeper);
-    // Of two that wake together the first finds the other, which is still among the sleepers.
+    // Of two bodies that wake together the first one finds the other, which is still among the sleeping ones.
     AddOverlapsWithSleepers(sleeper);
-    m_work.woken.push_back(sleeper);
+    m_lists.woken.push_back(sleeper);
   }
-  if (m_work.woken.empty()) return false;
-  std::sort(m_work.overlaps.begin(), m_work.overlaps.end());
+  if (m_lists.woken.empty()) return false;
+  std::sort(m_lists.overlaps.begin(), m_lists.overlaps.end());
   TakeRestingPairs();
   AddPairs();
-  std::sort(m_work.pairs.begin(), m_work.pairs.end(), ComesBefore<Real>);
+  std::sort(m_lists.awake.begin(), m_lists.awake.end(), ComesBefore<Real>);
   return true;
 }
 
-// keep(pair): false once it has taken from the pair what is to live on.
+// Erases the pairs for which keep(pair) returns false. `keep` may move a pair's lists elsewhere before it does so.
 template <class Real>
 template <class Keep>
 void PairSearch<Real>::KeepPairs(const Keep& keep) {
   std::size_t kept = 0;
-  for (std::size_t i = 0; i < m_work.pairs.size(); ++i) {
-    if (!keep(m_work.pairs[i])) continue;
-    if (kept != i) m_work.pairs[kept] = std::move(m_work.pairs[i]);
+  for (std::size_t i = 0; i < m_lists.awake.size(); ++i) {
+    if (!keep(m_lists.awake[i])) continue;
+    if (kept != i) m_lists.awake[kept] = std::move(m_lists.awake[i]);
     ++kept;
   }
-  m_work.pairs.resize(kept);
+  m_lists.awake.resize(kept);
 }
 
 template <class Real>
 void PairSearch<Real>::DropPairsApart() {
-  m_work.pairIndices.clear();
+  m_lists.places.clear();
   KeepPairs([this](BodyPair<Real>& pair) {
     const bool keep = HasContacts(pair);
-    if (keep) m_work.pairIndices.push_back(pair.places);
+    if (keep) m_lists.places.push_back(pair.places);
     if (!keep) Recycle(pair);
     return keep;
   });
@@ -226,7 +234,7 @@ template <class Real>
 void PairSearch<Real>::LetPairsRest() {
   KeepPairs([this](BodyPair<Real>& pair) {
     const bool keep = !IsAsleep(pair.places[0]);
-    if (!keep) m_work.restingPairs.push_back(std::move(pair));
+    if (!keep) m_lists.resting.push_back(std::move(pair));
     return keep;
   });
 }

@@ -1,4 +1,5 @@
-// The tick's search for contacts between bodies: who is near whom, with which vertices, and who is woken by that.
+// The tick's search for contacts between bodies: which bodies are near one another, by which vertices and faces, and
+// which sleeping bodies wake because an awake one touches them.
 #pragma once
 
 #include <span>
@@ -7,7 +8,8 @@
 
 namespace wobble::physics {
 
-// How near bodies are looked at beyond the way they go in the tick, m: what gravity and springs may add.
+// Margin of the search, m, beyond the way that a body goes in the tick at its present speed: gravity and springs may
+// make it faster.
 inline constexpr double kNearMargin = 0.02;
 
 // The world's, as a tick finds it.
@@ -17,26 +19,34 @@ struct BodyTable {
   Roster& roster;
 };
 
-// Works on the workspace's `pairs`, from its boxes and members. Calls come in this order, once a tick; WakeTouched and
-// MeetAll again until nobody wakes. Nothing here looks at a sleeper that nobody awake is near.
+// Fills in the workspace's PairLists from its boxes and members. A tick calls FindPairs, MeetAll, then WakeTouched and
+// MeetAll again until nothing wakes, DropPairsApart, and LetPairsRest at its end. The cost does not depend on sleeping
+// bodies that no awake body is near.
 template <class Real>
 class PairSearch {
  public:
-  // duration: of the tick, s.
+  // duration: of the tick, s. kernel: finds points near faces, side by side.
   PairSearch(const BodyTable& table, double duration, const SweepKernel<Real>& kernel, Threads& threads,
              Workspace<Real>& workspace)
-      : m_table(table), m_duration(duration), m_kernel(kernel.points), m_threads(threads), m_work(workspace) {}
+      : m_table(table),
+        m_duration(duration),
+        m_kernel(kernel.points),
+        m_threads(threads),
+        m_work(workspace),
+        m_lists(workspace.pairs) {}
 
-  // Of those awake, whose boxes overlap one another's or a sleeper's. Those who were near one another in the last tick,
-  // or when they fell asleep, keep their contacts.
+  // Lists the pairs of an awake body and any other whose boxes overlap. Pairs that were near one another in the last
+  // tick, or when they fell asleep, keep their contacts.
   void FindPairs();
-  // Vertices near faces. Contacts of two that sleep stay as they are.
+  // Finds the contacts of all pairs that have not met in this tick: vertices of each body near faces of the other.
+  // Contacts of two sleeping bodies stay as they are.
   void MeetAll();
-  // Sleepers near somebody awake wake: they are then in `woken`, to be prepared before they meet others. False: nobody.
+  // Wakes sleeping bodies that have contacts with awake ones, and adds their pairs. They are then in PairLists::woken
+  // and must be prepared before the next MeetAll. Returns false when nothing wakes.
   bool WakeTouched();
-  // Boxes that overlap without a vertex near a face bind nothing together.
+  // Drops pairs without contacts, whose boxes overlap but which form no island.
   void DropPairsApart();
-  // After the tick: pairs of those who have just fallen asleep are put aside until somebody wakes them.
+  // Puts the pairs of bodies that have just fallen asleep aside until one of their bodies wakes.
   void LetPairsRest();
 
  private:
@@ -63,6 +73,7 @@ class PairSearch {
   PointKernel<Real> m_kernel;
   Threads& m_threads;
   Workspace<Real>& m_work;
+  PairLists<Real>& m_lists;  // of the workspace
 };
 
 }  // namespace wobble::physics

@@ -1,4 +1,7 @@
-// What the world holds; world_step.cpp has what a tick does with it.
+// What a world holds and what is asked of its bodies between two ticks.
+//
+// Every change of a body wakes it, and what rests on a body that goes away wakes too: a sleeping body is neither
+// stepped nor looked at, so it would not notice the change.
 #include "server/physics/world.h"
 
 #include <algorithm>
@@ -6,11 +9,11 @@
 
 #include "server/physics/methods/stability.h"
 #include "server/physics/world_engine.h"
+#include "server/physics/world_prepare.h"
 
 namespace wobble::physics {
 
-World::World(const WorldSettings& settings)
-    : m_settings(settings), m_engine(std::make_unique<Engine>(settings.threads)) {
+World::World(const WorldSettings& settings) : m_settings(settings), m_engine(std::make_unique<Engine>(settings)) {
   assert(settings.threads >= 1 && settings.tickDuration > 0);
   assert(settings.stiffnessFactor >= kLeastStiffnessFactor && settings.stiffnessFactor <= kMostStiffnessFactor);
 }
@@ -20,7 +23,9 @@ World::~World() = default;
 std::uint8_t World::AddBlueprint(Blueprint blueprint) {
   assert(m_bodies.empty() && m_blueprints.size() < 255);
   m_blueprints.push_back(std::move(blueprint));
-  m_slots.push_back({++m_blueprintRevision, true, FindStiffnessBound(m_blueprints.back(), m_settings.tickDuration)});
+  m_slots.push_back({.revision = ++m_blueprintRevision,
+                     .isKept = true,
+                     .stiffnessBound = FindStiffnessBound(m_blueprints.back(), m_settings.tickDuration)});
   return static_cast<std::uint8_t>(m_blueprints.size() - 1);
 }
 
@@ -34,7 +39,7 @@ BodyId World::AddBody(std::uint8_t blueprint, const Vector3d& position, const Ve
   Body body;
   body.id = m_nextId++;
   body.blueprint = blueprint;
-  body.stiffnessFactor = FindStiffnessRule(body).Find(1);
+  body.stiffnessFactor = FindStiffnessRule(m_settings, m_slots[blueprint]).Find(1);
   if (m_settings.precision == Precision::kSingle) {
     body.state = MakeState<float>(m_blueprints[blueprint], position, velocity);
   } else {
@@ -64,14 +69,17 @@ void World::WakeUp(Body& body) {
   physics::WakeUp(body);
 }
 
-Vector3d World::FindMiddle(std::size_t place) const {
-  const std::vector<Box>& boxes = m_settings.precision == Precision::kSingle
-                                      ? std::get<Workspace<float>>(m_engine->workspaces).boxes
-                                      : std::get<Workspace<double>>(m_engine->workspaces).boxes;
-  return (boxes[place].low + boxes[place].high) / 2;
+void World::WakeAll() {
+  for (Body& body : m_bodies) WakeUp(body);
 }
 
-std::span<const std::uint32_t> World::Stepped() const { return m_engine->stepped; }
+WorldChanges World::Changes() const {
+  return {.stepped = m_engine->stepped,
+          .boxes = std::visit([](const auto& work) { return std::span<const Box>(work.boxes); }, m_engine->workspace),
+          .removals = m_removals,
+          .blueprintRevision = m_blueprintRevision,
+          .slots = m_slots};
+}
 
 void World::RemoveBody(BodyId id) {
   DropPairsOf(id);
@@ -82,7 +90,7 @@ void World::RemoveBody(BodyId id) {
   std::erase(m_tearing, id);
   ++m_removals;
   std::erase_if(m_drives, [id](const Drive& drive) { return drive.body == id; });
-  std::erase_if(m_pushes, [id](const Push& push) { return push.body == id; });
+  std::erase_if(m_stepForces, [id](const StepForce& force) { return force.body == id; });
 }
 
 void World::PlaceBody(BodyId id, const Vector3d& position) {
@@ -114,18 +122,14 @@ void World::SetMotion(BodyId id, std::span<const Vector3d> positions, std::span<
 void World::SetGravity(const Vector3d& gravity) {
   if (gravity == m_settings.gravity) return;
   m_settings.gravity = gravity;
-  for (Body& body : m_bodies) WakeUp(body);
+  WakeAll();
 }
 
 void World::SetStiffnessFactor(double factor) {
   assert(factor >= kLeastStiffnessFactor && factor <= kMostStiffnessFactor);
   if (factor == m_settings.stiffnessFactor) return;
   m_settings.stiffnessFactor = factor;
-  for (Body& body : m_bodies) WakeUp(body);
-}
-
-StiffnessRule World::FindStiffnessRule(const Body& body) const {
-  return {m_settings.stiffnessFactor, m_slots[body.blueprint].stiffnessBound};
+  WakeAll();
 }
 
 void World::AddDrive(const Drive& drive) {
@@ -133,7 +137,7 @@ void World::AddDrive(const Drive& drive) {
   m_drives.push_back(drive);
 }
 
-// Asleep or not, a body feels a drive from its first tick on, and the lack of it from its last.
+// A sleeping body wakes as a drive goes on, to follow it, and as it goes off, to come back to rest without it.
 void World::WakeTheDriven() {
   const double duration = m_settings.tickDuration;
   for (const Drive& drive : m_drives) {
@@ -157,47 +161,36 @@ void World::PushVertices(BodyId id, std::span<const VertexForce<double>> forces)
   if (forces.empty()) return;
   Body& body = Write(id);
   WakeUp(body);
-  const auto comesBefore = [](BodyId wanted, const Push& push) { return wanted < push.body; };
+  const auto comesBefore = [](BodyId wanted, const StepForce& each) { return wanted < each.body; };
   for (const VertexForce<double>& force : forces) {
     assert(force.vertex < BlueprintOf(body).rest.size() && force.force.allFinite());
-    m_pushes.insert(std::upper_bound(m_pushes.begin(), m_pushes.end(), id, comesBefore), {id, force});
+    const auto behind = std::upper_bound(m_stepForces.begin(), m_stepForces.end(), id, comesBefore);
+    m_stepForces.insert(behind, {.body = id, .force = force});
   }
-  // Room, so that the step need not make it.
-  m_engine->ReservePushes(static_cast<std::size_t>(&body - m_bodies.data()), PushesOn(id).size() + m_drives.size());
-}
-
-std::span<const World::Push> World::PushesOn(BodyId id) const {
-  const auto begin = std::lower_bound(m_pushes.begin(), m_pushes.end(), id,
-                                      [](const Push& push, BodyId wanted) { return push.body < wanted; });
-  const auto end =
-      std::upper_bound(begin, m_pushes.end(), id, [](BodyId wanted, const Push& push) { return wanted < push.body; });
-  return {begin, end};
+  // Makes the room here, since a step must not allocate.
+  const auto place = static_cast<std::size_t>(&body - m_bodies.data());
+  const std::size_t room = FindForcesOn(id, m_stepForces).size() + m_drives.size();
+  std::visit(
+      [&](auto& work) {
+        if (place < work.members.size()) work.members[place].pushes.reserve(room);
+      },
+      m_engine->workspace);
 }
 
 void World::WakeNeighboursOf(BodyId id) {
-  const auto wake = [&](const auto& workspace) {
-    for (const auto* pairs : {&workspace.pairs, &workspace.restingPairs}) {
-      for (const auto& pair : *pairs) {
-        if (pair.Has(id)) WakeUp(Write(pair.first == id ? pair.second : pair.first));
-      }
-    }
-  };
-  wake(std::get<Workspace<float>>(m_engine->workspaces));
-  wake(std::get<Workspace<double>>(m_engine->workspaces));
+  const auto wake = [&](const auto& pair) { WakeUp(Write(pair.OtherThan(id))); };
+  std::visit([&](auto& work) { VisitPairsOf(id, work.pairs, wake); }, m_engine->workspace);
 }
 
 void World::DropPairsOf(BodyId id) {
-  const auto drop = [&](auto& workspace) {
-    for (auto* pairs : {&workspace.pairs, &workspace.restingPairs}) {
-      std::erase_if(*pairs, [&](const auto& pair) {
-        if (!pair.Has(id)) return false;
-        WakeUp(Write(pair.first == id ? pair.second : pair.first));  // it may have rested on the one that goes
-        return true;
-      });
-    }
-  };
-  drop(std::get<Workspace<float>>(m_engine->workspaces));
-  drop(std::get<Workspace<double>>(m_engine->workspaces));
+  WakeNeighboursOf(id);  // they may rest on the body
+  const auto hasBody = [id](const auto& pair) { return pair.Has(id); };
+  std::visit(
+      [&](auto& work) {
+        std::erase_if(work.pairs.awake, hasBody);
+        std::erase_if(work.pairs.resting, hasBody);
+      },
+      m_engine->workspace);
 }
 
 Vector3d World::FindCentre(const Body& body) const {
@@ -207,15 +200,10 @@ Vector3d World::FindCentre(const Body& body) const {
 
 void World::ListTouching(BodyId id, std::vector<BodyId>& touching) const {
   touching.clear();
-  const auto list = [&](const auto& workspace) {
-    for (const auto* pairs : {&workspace.pairs, &workspace.restingPairs}) {
-      for (const auto& pair : *pairs) {
-        if (pair.Has(id) && pair.IsTouching()) touching.push_back(pair.first == id ? pair.second : pair.first);
-      }
-    }
+  const auto list = [&](const auto& pair) {
+    if (pair.IsTouching()) touching.push_back(pair.OtherThan(id));
   };
-  list(std::get<Workspace<float>>(m_engine->workspaces));
-  list(std::get<Workspace<double>>(m_engine->workspaces));
+  std::visit([&](const auto& work) { VisitPairsOf(id, work.pairs, list); }, m_engine->workspace);
   std::sort(touching.begin(), touching.end());
 }
 

@@ -1,11 +1,13 @@
-// What a world works with besides its bodies, for world.cpp and world_step.cpp alone. Kept from tick to tick to save
-// allocations; only pairs and what stands here of sleeping bodies carry anything over.
+// What a world works with besides its bodies: lists that are kept from tick to tick. Most are kept only to save
+// allocations. The pairs of bodies and what is stored of sleeping bodies carry state from one tick to the next.
+//
+// For world*.cpp, pair_search and inspect.cpp alone.
 #pragma once
 
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
-#include <tuple>
+#include <variant>
 #include <vector>
 
 #include "server/physics/contact/body_contact_search.h"
@@ -18,16 +20,20 @@
 
 namespace wobble::physics {
 
-// Two bodies near one another, and what lives on of their contacts from tick to tick. first < second.
+// Two bodies near one another, with the contacts between them, which live on from tick to tick. first < second.
 template <class Real>
 struct BodyPair {
   BodyId first = 0;
   BodyId second = 0;
-  IndexPair places{};                                   // of the two in the world
+  IndexPair places{};                                   // of the two in the world's list of bodies
   std::array<std::vector<BodyContact<Real>>, 2> sides;  // as in ContactPair
-  bool met = false;                                     // its contacts are this tick's
+  bool met = false;                                     // the contacts have been searched for in this tick
 
   [[nodiscard]] bool Has(BodyId body) const { return first == body || second == body; }
+  // 0 or 1: whether a body that the pair has is its first or its second. sides[SideOf(body)] are contacts of the body's
+  // vertices, the other side contacts with its faces.
+  [[nodiscard]] std::size_t SideOf(BodyId body) const { return first == body ? 0 : 1; }
+  [[nodiscard]] BodyId OtherThan(BodyId body) const { return first == body ? second : first; }
   // At the end of the last step that it was in.
   [[nodiscard]] bool IsTouching() const {
     const auto touches = [](const BodyContact<Real>& contact) { return contact.phase == ContactPhase::kTouching; };
@@ -41,6 +47,76 @@ bool ComesBefore(const BodyPair<Real>& a, const BodyPair<Real>& b) {
   return a.first != b.first ? a.first < b.first : a.second < b.second;
 }
 
+// The pairs of a world and the lists that PairSearch finds them with.
+template <class Real>
+struct PairLists {
+  std::vector<BodyPair<Real>> awake;                       // ascending; between ticks, pairs of two awake bodies
+  std::vector<BodyPair<Real>> before;                      // of the last tick, as far as they are not `awake` again
+  std::vector<BodyPair<Real>> resting;                     // of two sleeping bodies, up to wake `wakesSeen`
+  std::uint64_t wakesSeen = 0;                             // of Roster::CountWakes
+  std::vector<std::vector<BodyContact<Real>>> spareLists;  // contact lists of pairs that have separated
+  std::vector<IndexPair> places;                           // of the pairs in `awake`
+  std::vector<SkinPoints<Real>> surfaces;    // by place; as the tick began, of the bodies that hasSurface names
+  std::vector<std::uint8_t> hasSurface;      // by place; not 0: `surfaces` is up to date
+  std::vector<std::uint32_t> surfaceBodies;  // places of bodies whose surface is read next
+  std::vector<Box> awakeBoxes;               // of Roster::FindAwake, in its order
+  std::vector<IndexPair> overlaps;
+  BroadPhase broadPhase;
+  std::vector<std::uint32_t> woken;  // places of the bodies that the last PairSearch::WakeTouched woke
+};
+
+// visit(pair) for every pair of the body, awake or resting.
+template <class Lists, class Visit>
+void VisitPairsOf(BodyId body, Lists& lists, const Visit& visit) {
+  for (auto* pairs : {&lists.awake, &lists.resting}) {
+    for (auto& pair : *pairs) {
+      if (pair.Has(body)) visit(pair);
+    }
+  }
+}
+
+// An island of awake bodies. The order puts islands that are stepped in one batch side by side, and the islands that
+// all threads step together last.
+struct AwakeIsland {
+  enum class Way : std::uint8_t {
+    kPlain,     // by StepIsland, in plain code
+    kAlone,     // one body, in the lanes of a pack
+    kTogether,  // several bodies, in lanes, stage by stage
+  };
+
+  bool isLarge = false;  // stepped by all threads, after one another; other islands are stepped by one thread each
+  Way way = Way::kPlain;
+  std::uint32_t blueprint = 0;  // kAlone: the body's; else 0
+  int substeps = 0;             // of the first try
+  std::uint32_t island = 0;     // its number in IslandLists::islands
+  std::size_t vertices = 0;     // of all its bodies
+
+  auto operator<=>(const AwakeIsland&) const = default;
+};
+
+// The islands of a tick and the batches that they are stepped in.
+template <class Real>
+struct IslandLists {
+  Islands islands;
+  std::vector<std::uint32_t> memberOf;          // by place of a body: its number in its island
+  std::vector<ContactPair<Real>> contactPairs;  // by island
+  std::vector<std::size_t> contactPairBegins;   // island i has those from [i] up to [i + 1]
+  std::vector<AwakeIsland> awake;               // in the order in which they are batched
+  std::vector<std::size_t> batchBegins;         // batch b has the islands of `awake` from [b] up to [b + 1]
+  std::size_t mostVertices = 0;                 // of one awake body
+  std::size_t allVertices = 0;                  // of all awake bodies
+
+  [[nodiscard]] std::span<const ContactPair<Real>> ContactPairsOf(std::uint32_t island) const {
+    const std::size_t begin = contactPairBegins[island];
+    return std::span(contactPairs).subspan(begin, contactPairBegins[island + 1U] - begin);
+  }
+  [[nodiscard]] std::size_t CountBatches() const { return batchBegins.size() - 1; }
+  [[nodiscard]] std::span<const AwakeIsland> Batch(std::size_t batch) const {
+    return std::span(awake).subspan(batchBegins[batch], batchBegins[batch + 1] - batchBegins[batch]);
+  }
+};
+
+// What a tick did to one body.
 struct Outcome {
   IslandOutcome steps;
   Health health = Health::kGood;
@@ -48,11 +124,12 @@ struct Outcome {
   std::size_t torn = 0;  // springs
 };
 
+// Scratch of one thread.
 template <class Real>
 struct Scratch {
   std::vector<Contact<Real>> contacts;
   ContactSearchScratch<Real> search;
-  // Of a batch:
+  // The batch that the thread steps:
   std::vector<Member<Real>*> members;
   std::vector<ContactPair<Real>> contactPairs;
   std::vector<Island> islands;
@@ -61,7 +138,7 @@ struct Scratch {
   std::vector<VertexLoad> loads;
   std::vector<std::size_t> begins;
 
-  // For so many bodies with so many vertices in all; the batch makes its own room.
+  // Room for `bodies` bodies with allVertices vertices in all, but for `batch`, which makes its own.
   void Reserve(std::size_t allVertices, std::size_t bodies) {
     members.reserve(bodies);
     contactPairs.reserve(bodies);
@@ -72,85 +149,59 @@ struct Scratch {
   }
 };
 
-// Bodies that are awake and hang together by contacts. Ordered so that those which are stepped in one batch are side by
-// side.
-struct AwakeIsland {
-  enum class Way : std::uint8_t { kPlain, kAlone, kTogether };
-
-  bool isLarge = false;         // stepped by all threads, one after the other
-  Way way = Way::kPlain;        // alone or together: in lanes
-  std::uint32_t blueprint = 0;  // of a body that is alone
-  int substeps = 0;             // of the first try
-  std::uint32_t island = 0;     // in Workspace::islands
-  std::size_t vertices = 0;     // of all its bodies
-
-  auto operator<=>(const AwakeIsland&) const = default;
-};
-
+// All lists of a world in one precision. "By place" is by place in the world's list of bodies.
 template <class Real>
 struct Workspace {
-  std::vector<BodyPair<Real>> pairs;  // ascending; at the end of a tick those of whom both are awake
-  std::vector<BodyPair<Real>> pairsBefore;
-  std::vector<BodyPair<Real>> restingPairs;                // of whom both sleep, or did at wake `wakesSeen`
-  std::uint64_t wakesSeen = 0;                             // of the roster's
-  std::vector<std::vector<BodyContact<Real>>> spareLists;  // of pairs that have parted
-  std::vector<IndexPair> pairIndices;                      // the places of `pairs`
-  // By place in the world. What is looked at of one that sleeps, others have seen to (PairSearch).
+  PairLists<Real> pairs;
+  // By place. A tick does not prepare sleeping bodies: their members and boxes are those of their last tick awake, with
+  // the pointers that PairSearch sets anew where it reads them.
   std::vector<Member<Real>> members;
-  std::vector<SkinPoints<Real>> surfaces;    // of bodies that have one, as the tick found them
-  std::vector<std::uint8_t> hasSurface;      // not 0: this body does
-  std::vector<std::uint32_t> surfaceBodies;  // that have just come near somebody
-  std::vector<Box> boxes;
-  std::vector<Box> awakeBoxes;
-  std::vector<IndexPair> overlaps;
-  BroadPhase broadPhase;
-  std::vector<std::uint32_t> woken;
-  std::vector<std::uint32_t> falling;  // asleep
-  Islands islands;
-  std::vector<std::uint32_t> placeOf;  // of each body in its island
-  std::vector<ContactPair<Real>>
-      contactPairs;  // those of island g from contactPairBegins[g] up to contactPairBegins[g + 1]
-  std::vector<std::size_t> contactPairBegins;
-  std::vector<AwakeIsland> awakeIslands;  // the b-th batch from batchBegins[b] up to batchBegins[b + 1]
-  std::vector<std::size_t> batchBegins;
-  std::vector<Outcome> outcomes;
+  std::vector<Box> boxes;  // round each body and the way it may go in the tick
+  IslandLists<Real> islands;
+  std::vector<Outcome> outcomes;       // by place, of the bodies that the tick stepped
+  std::vector<std::uint32_t> falling;  // places of the bodies that fall asleep with this tick, ascending
   tbb::enumerable_thread_specific<Scratch<Real>> scratch;
 
-  // Of the body that was at `index` and is gone, with its pairs.
-  void Forget(std::size_t index) {
-    for (BodyPair<Real>& pair : restingPairs) {
-      for (std::uint32_t& place : pair.places) place -= place > index ? 1 : 0;
+  // For a world of so many bodies.
+  void Resize(std::size_t bodies) {
+    members.resize(bodies);
+    boxes.resize(bodies);
+    outcomes.resize(bodies);
+    falling.reserve(bodies);
+  }
+
+  // Drops what is stored of a body that was removed from `place`. Its pairs must be gone.
+  void Forget(std::size_t place) {
+    for (BodyPair<Real>& pair : pairs.resting) {
+      for (std::uint32_t& other : pair.places) other -= other > place ? 1 : 0;
     }
-    if (index >= members.size()) return;
-    members.erase(members.begin() + static_cast<std::ptrdiff_t>(index));
-    boxes.erase(boxes.begin() + static_cast<std::ptrdiff_t>(index));
+    if (place >= members.size()) return;
+    members.erase(members.begin() + static_cast<std::ptrdiff_t>(place));
+    boxes.erase(boxes.begin() + static_cast<std::ptrdiff_t>(place));
   }
 };
 
 struct World::Engine {
-  explicit Engine(int threadCount) : threads(threadCount) {}
-
-  void Forget(std::size_t index, const Body& body) {
-    roster.Remove(static_cast<std::uint32_t>(index), body.asleep);
-    for (std::uint32_t& place : stepped) place -= place > index ? 1 : 0;
-    std::get<0>(workspaces).Forget(index);
-    std::get<1>(workspaces).Forget(index);
+  explicit Engine(const WorldSettings& settings) : threads(settings.threads) {
+    if (settings.precision == Precision::kDouble) workspace.emplace<Workspace<double>>();
   }
 
-  // For so many on the body at `index`.
-  void ReservePushes(std::size_t index, std::size_t count) {
-    const auto reserve = [&](auto& workspace) {
-      if (index < workspace.members.size()) workspace.members[index].pushes.reserve(count);
-    };
-    reserve(std::get<0>(workspaces));
-    reserve(std::get<1>(workspaces));
+  // Drops what is stored of the body at `place`, which is being removed.
+  void Forget(std::size_t place, const Body& body) {
+    roster.Remove(static_cast<std::uint32_t>(place), body.asleep);
+    for (std::uint32_t& other : stepped) other -= other > place ? 1 : 0;
+    std::visit([place](auto& work) { work.Forget(place); }, workspace);
   }
 
   Threads threads;
   Roster roster;
-  std::vector<std::uint32_t> stepped;                          // by the last tick: places, ascending
-  Vector3d gravity = Vector3d::Zero();                         // of the last tick, m/s²
-  std::tuple<Workspace<float>, Workspace<double>> workspaces;  // the world's precision uses one
+  std::vector<std::uint32_t> stepped;   // places of the bodies that the last tick stepped, ascending
+  Vector3d gravity = Vector3d::Zero();  // of the last tick, m/s²
+  std::variant<Workspace<float>, Workspace<double>> workspace;  // in the world's precision
 };
+
+[[nodiscard]] inline StiffnessRule FindStiffnessRule(const WorldSettings& settings, const BlueprintSlot& slot) {
+  return {.ofWorld = settings.stiffnessFactor, .bound = slot.stiffnessBound};
+}
 
 }  // namespace wobble::physics

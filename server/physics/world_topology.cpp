@@ -1,5 +1,5 @@
-// Bodies whose topology changes while the world runs. A blueprint is immutable, so each change is a new one in another
-// slot; slots that no body uses any more are taken again, the one that has lain idle for longest first.
+// Changes of a body's topology while the world runs. A blueprint is immutable, so each change makes a new blueprint in
+// another slot. Slots that no body uses any more are taken again, the one with the oldest blueprint first.
 #include <algorithm>
 #include <cassert>
 #include <functional>
@@ -14,7 +14,7 @@
 namespace wobble::physics {
 namespace {
 
-// Between two blueprints of a body that goes on tearing, s: each is sent to every client, faces and all.
+// Shortest time between two blueprints of a body that goes on tearing, s: each is sent whole to every client.
 constexpr double kRebuildTime = 0.25;
 constexpr std::size_t kMaxSlots = 255;
 
@@ -22,7 +22,7 @@ constexpr std::uint16_t kGone = 0xFFFF;
 
 using Edge = std::array<std::uint32_t, 2>;
 
-// kept as World::ReplaceBlueprint takes it. The place that each of `count` has now; kGone: none.
+// The new place of each of `count` vertices; kGone for those that are not kept. kept: as for World::ReplaceBlueprint.
 std::vector<std::uint16_t> FindPlaces(std::span<const std::uint16_t> kept, std::size_t count) {
   std::vector<std::uint16_t> places(count, kGone);
   for (std::size_t i = 0; i < kept.size(); ++i) places[kept[i]] = static_cast<std::uint16_t>(i);
@@ -45,7 +45,7 @@ std::vector<Face> Renumber(std::vector<Face> faces, std::span<const std::uint16_
 
 Edge MakeEdge(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-// Springs that have torn, by the new places of their ends; those that have lost one are gone themselves.
+// The torn springs, by the new places of their ends, but for springs that lose an end.
 std::set<Edge> FindTornEdges(const Blueprint& blueprint, std::span<const std::uint8_t> torn,
                              std::span<const std::uint16_t> places) {
   std::set<Edge> edges;
@@ -57,7 +57,7 @@ std::set<Edge> FindTornEdges(const Blueprint& blueprint, std::span<const std::ui
   return edges;
 }
 
-// Whether there are any of these.
+// Marks the blueprint's springs along these edges as torn. Returns whether there are any.
 bool MarkTorn(const Blueprint& blueprint, const std::set<Edge>& edges, std::vector<std::uint8_t>& torn) {
   const std::vector<Spring<double>>& springs = blueprint.full.springs;
   const auto isTorn = [&](const Spring<double>& spring) { return edges.contains(MakeEdge(spring.a, spring.b)); };
@@ -67,7 +67,8 @@ bool MarkTorn(const Blueprint& blueprint, const std::set<Edge>& edges, std::vect
   return true;
 }
 
-// Where each face of `before` is in `after`, which has lost some and kept the order of the others.
+// The place of each face of `before` in `after`, which has lost some faces and kept the order of the others; kNoFace
+// for lost faces.
 std::vector<std::uint16_t> MapFaces(std::span<const Face> before, std::span<const Face> after) {
   std::vector<std::uint16_t> map(before.size(), kNoFace);
   for (std::size_t i = 0, next = 0; i < before.size() && next < after.size(); ++i) {
@@ -76,40 +77,27 @@ std::vector<std::uint16_t> MapFaces(std::span<const Face> before, std::span<cons
   return map;
 }
 
-// Contacts of others with the body's faces follow these to their new places; what a lost face held is let go.
+// Renumbers the faces in contacts of other bodies with this one, and drops contacts with lost faces.
 template <class Real>
-void FollowFaces(Workspace<Real>& workspace, BodyId id, std::span<const std::uint16_t> map) {
-  for (auto* pairs : {&workspace.pairs, &workspace.restingPairs}) {
-    for (BodyPair<Real>& pair : *pairs) {
-      if (!pair.Has(id)) continue;
-      auto& contacts = pair.sides[pair.second == id ? 0 : 1];
-      std::erase_if(contacts, [&](const BodyContact<Real>& contact) { return map[contact.face] == kNoFace; });
-      for (BodyContact<Real>& contact : contacts) contact.face = map[contact.face];
-    }
-  }
+void RenumberFaces(PairLists<Real>& pairs, BodyId id, std::span<const std::uint16_t> map) {
+  VisitPairsOf(id, pairs, [&](BodyPair<Real>& pair) {
+    auto& contacts = pair.sides[1 - pair.SideOf(id)];
+    std::erase_if(contacts, [&](const BodyContact<Real>& contact) { return map[contact.face] == kNoFace; });
+    for (BodyContact<Real>& contact : contacts) contact.face = map[contact.face];
+  });
 }
 
-// places: of the vertices before. Contacts of those that are gone are let go.
+// Renumbers the vertices of the contacts, and drops contacts of lost vertices. places: by old vertex.
 template <class Contacts>
-void FollowVertices(Contacts& contacts, std::span<const std::uint16_t> places) {
+void RenumberVertices(Contacts& contacts, std::span<const std::uint16_t> places) {
   std::erase_if(contacts, [&](const auto& contact) { return places[contact.vertex] == kGone; });
   for (auto& contact : contacts) contact.vertex = places[contact.vertex];
 }
 
-// The body's contacts with others.
-template <class Real>
-void FollowVertices(Workspace<Real>& workspace, BodyId id, std::span<const std::uint16_t> places) {
-  for (auto* pairs : {&workspace.pairs, &workspace.restingPairs}) {
-    for (BodyPair<Real>& pair : *pairs) {
-      if (pair.Has(id)) FollowVertices(pair.sides[pair.first == id ? 0 : 1], places);
-    }
-  }
-}
-
-// Vertices beyond those that are kept come where the rest shape has them beside these.
+// Vertices beyond the kept ones come where the rest shape has them beside these.
 template <class Real>
 void FitState(const Blueprint& blueprint, std::span<const std::uint16_t> kept, State<Real>& state) {
-  FollowVertices(state.contacts, FindPlaces(kept, state.positions.size()));
+  RenumberVertices(state.contacts, FindPlaces(kept, state.positions.size()));
   Vector3d shift = Vector3d::Zero();
   for (std::size_t i = 0; i < kept.size(); ++i) {
     state.positions[i] = state.positions[kept[i]];
@@ -146,18 +134,12 @@ void World::PutOntoSlot(Body& body, std::size_t slot, Blueprint blueprint, std::
     m_slots.emplace_back();
   }
   m_blueprints[slot] = std::move(blueprint);
-  SetIntegrator(m_blueprints[slot], m_blueprints[slot].integrator);  // of these springs, not those before
+  SetIntegrator(m_blueprints[slot], m_blueprints[slot].integrator);  // its pattern must be that of the new springs
   m_slots[slot].revision = ++m_blueprintRevision;
   m_slots[slot].stiffnessBound = FindStiffnessBound(m_blueprints[slot], m_settings.tickDuration);
   body.blueprint = static_cast<std::uint8_t>(slot);
   WakeUp(body);
   std::visit([&](auto& state) { FitState(m_blueprints[slot], kept, state); }, body.state);
-}
-
-bool World::ReplaceBlueprint(BodyId id, Blueprint blueprint) {
-  const std::size_t before = BlueprintOf(ReadBody(id)).rest.size();
-  const auto kept = ListNumbers(std::min(before, blueprint.rest.size()));
-  return ReplaceBlueprint(id, std::move(blueprint), kept);
 }
 
 bool World::ReplaceBlueprint(BodyId id, Blueprint blueprint, std::span<const std::uint16_t> kept) {
@@ -169,13 +151,13 @@ bool World::ReplaceBlueprint(BodyId id, Blueprint blueprint, std::span<const std
   assert(kept.empty() || kept.back() < before.rest.size());
   const auto places = FindPlaces(kept, before.rest.size());
   const auto faces = MapFaces(Renumber(before.full.faces, places), blueprint.full.faces);
-  const auto follow = [&](auto& workspace) {
-    FollowVertices(workspace, id, places);
-    FollowFaces(workspace, id, faces);
+  const auto renumber = [&](auto& work) {
+    const auto ofVertices = [&](auto& pair) { RenumberVertices(pair.sides[pair.SideOf(id)], places); };
+    VisitPairsOf(id, work.pairs, ofVertices);
+    RenumberFaces(work.pairs, id, faces);
   };
-  follow(std::get<0>(m_engine->workspaces));
-  follow(std::get<1>(m_engine->workspaces));
-  FollowPushes(id, places);
+  std::visit(renumber, m_engine->workspace);
+  RenumberForces(id, places);
   const auto torn = std::visit([&](auto& state) { return FindTornEdges(before, state.torn, places); }, body.state);
   WakeNeighboursOf(id);
   PutOntoSlot(body, slot, std::move(blueprint), kept);
@@ -185,10 +167,11 @@ bool World::ReplaceBlueprint(BodyId id, Blueprint blueprint, std::span<const std
   return true;
 }
 
-void World::FollowPushes(BodyId id, std::span<const std::uint16_t> places) {
-  std::erase_if(m_pushes, [&](const Push& push) { return push.body == id && places[push.force.vertex] == kGone; });
-  for (Push& push : m_pushes) {
-    if (push.body == id) push.force.vertex = places[push.force.vertex];
+void World::RenumberForces(BodyId id, std::span<const std::uint16_t> places) {
+  std::erase_if(m_stepForces,
+                [&](const StepForce& each) { return each.body == id && places[each.force.vertex] == kGone; });
+  for (StepForce& each : m_stepForces) {
+    if (each.body == id) each.force.vertex = places[each.force.vertex];
   }
   for (Drive& drive : m_drives) {
     if (drive.body != id) continue;
@@ -223,7 +206,7 @@ std::size_t World::CutSprings(BodyId id, const Blade& blade) {
 }
 
 void World::RebuildTorn() {
-  for (const std::uint32_t place : Stepped()) {
+  for (const std::uint32_t place : m_engine->stepped) {
     if (m_bodies[place].tornTicks == 1) m_tearing.push_back(m_bodies[place].id);
   }
   if (m_tearing.empty()) return;
@@ -238,8 +221,7 @@ void World::RebuildTorn() {
     const auto kept = ListNumbers(m_blueprints[body.blueprint].rest.size());
     Blueprint left = MakeTornBlueprint(m_blueprints[body.blueprint], torn);
     const auto map = MapFaces(m_blueprints[body.blueprint].full.faces, left.full.faces);
-    FollowFaces(std::get<0>(m_engine->workspaces), body.id, map);
-    FollowFaces(std::get<1>(m_engine->workspaces), body.id, map);
+    std::visit([&](auto& work) { RenumberFaces(work.pairs, body.id, map); }, m_engine->workspace);
     PutOntoSlot(body, slot, std::move(left), kept);
     body.tornTicks = 0;
   }

@@ -1,9 +1,9 @@
-// A world that goes on from where another one is, in whatever precision: so that what was played can be compared with
-// what would have come of it in finer steps. Positions and velocities alone would not do: friction pulls towards where
-// a contact began, and a face is followed from tick to tick.
+// A copy of a world, in any precision, that goes on from the same state: the laboratory compares what was played with
+// the same ticks in finer steps. Positions and velocities alone would not do: friction pulls towards where a contact
+// began, and contacts with faces remember their face from tick to tick.
 //
-// What a twin is without: boxes and surfaces of sleepers, which live in the workspace only. Hence it is awake, and what
-// does not move falls asleep in it once more.
+// A twin does not copy boxes and surfaces of sleeping bodies, which live in the workspace only. Hence all its bodies
+// are awake, and those at rest fall asleep again.
 #include <algorithm>
 #include <cmath>
 
@@ -26,11 +26,17 @@ std::vector<Vector3<To>> Convert(const std::vector<Vector3<From>>& from) {
   return to;
 }
 
-// Each field by its name: one that is added later and forgotten here does not compile.
+// The structured binding names every field, so that a field that is added later and forgotten here does not compile.
 template <class To, class From>
 Contact<To> Convert(const Contact<From>& from) {
   const auto& [surface, vertex, touching, buried, anchor, slip, side] = from;
-  return {surface, vertex, touching, buried, Convert<To>(anchor), Convert<To>(slip), Convert<To>(side)};
+  return {.surface = surface,
+          .vertex = vertex,
+          .touching = touching,
+          .buried = buried,
+          .anchor = Convert<To>(anchor),
+          .slip = Convert<To>(slip),
+          .side = Convert<To>(side)};
 }
 
 template <class To, class From>
@@ -51,22 +57,28 @@ BodyContact<To> Convert(const BodyContact<From>& from) {
 template <class To, class From>
 State<To> Convert(const State<From>& from) {
   const auto& [origin, positions, velocities, contacts, torn] = from;
-  State<To> to{origin, Convert<To>(positions), Convert<To>(velocities), {}, torn};
+  State<To> to{.origin = origin,
+               .positions = Convert<To>(positions),
+               .velocities = Convert<To>(velocities),
+               .contacts = {},
+               .torn = torn};
   for (const Contact<From>& contact : contacts) to.contacts.push_back(Convert<To>(contact));
   return to;
 }
 
 template <class To, class From>
-void CopyPairs(const Workspace<From>& from, Workspace<To>& to) {
-  for (const auto* pairs : {&from.pairs, &from.restingPairs}) {
+void CopyPairs(const PairLists<From>& from, PairLists<To>& to) {
+  for (const auto* pairs : {&from.awake, &from.resting}) {
     for (const BodyPair<From>& pair : *pairs) {
-      to.pairs.push_back({pair.first, pair.second, {}, {}});
+      BodyPair<To>& copy = to.awake.emplace_back();
+      copy.first = pair.first;
+      copy.second = pair.second;
       for (std::size_t side = 0; side < 2; ++side) {
-        for (const auto& contact : pair.sides[side]) to.pairs.back().sides[side].push_back(Convert<To>(contact));
+        for (const auto& contact : pair.sides[side]) copy.sides[side].push_back(Convert<To>(contact));
       }
     }
   }
-  std::sort(to.pairs.begin(), to.pairs.end(), ComesBefore<To>);
+  std::sort(to.awake.begin(), to.awake.end(), ComesBefore<To>);
 }
 
 }  // namespace
@@ -80,10 +92,10 @@ World::World(const World& other, const WorldSettings& settings)
       m_bodies(other.m_bodies),
       m_tearing(other.m_tearing),
       m_drives(other.m_drives),
-      m_pushes(other.m_pushes),
-      m_engine(std::make_unique<Engine>(settings.threads)),
+      m_stepForces(other.m_stepForces),
+      m_engine(std::make_unique<Engine>(settings)),
       m_nextId(other.m_nextId),
-      // Drives go by the time, which is counted in ticks.
+      // Drives go by the time, so the twin counts as many of its own ticks as that time holds.
       m_tick(static_cast<std::uint32_t>(
           std::lround(other.m_tick * other.m_settings.tickDuration / settings.tickDuration))) {
   for (std::size_t i = 0; i < m_slots.size(); ++i) {
@@ -99,18 +111,8 @@ World::World(const World& other, const WorldSettings& settings)
       body.state = Convert<double>(std::get<State<float>>(body.state));
     }
   }
-  const auto copy = [&](const auto& from) {
-    if (settings.precision == Precision::kSingle) {
-      CopyPairs(from, std::get<Workspace<float>>(m_engine->workspaces));
-    } else {
-      CopyPairs(from, std::get<Workspace<double>>(m_engine->workspaces));
-    }
-  };
-  if (other.m_settings.precision == Precision::kSingle) {
-    copy(std::get<Workspace<float>>(other.m_engine->workspaces));
-  } else {
-    copy(std::get<Workspace<double>>(other.m_engine->workspaces));
-  }
+  std::visit([](const auto& from, auto& to) { CopyPairs(from.pairs, to.pairs); }, other.m_engine->workspace,
+             m_engine->workspace);
 }
 
 }  // namespace wobble::physics

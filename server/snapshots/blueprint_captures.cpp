@@ -6,18 +6,19 @@ namespace wobble::server {
 
 std::span<const std::uint8_t> BlueprintCaptures::Follow(const physics::World& world, const Workshop* workshop) {
   m_news.clear();
-  if (m_revision == world.BlueprintRevision()) return m_news;
-  m_revision = world.BlueprintRevision();
+  const physics::WorldChanges changes = world.Changes();
+  if (m_revision == changes.blueprintRevision) return m_news;
+  m_revision = changes.blueprintRevision;
   const std::span<const physics::Blueprint> present = world.Blueprints();
   for (std::size_t slot = 0; slot < present.size(); ++slot) {
     const auto number = static_cast<std::uint8_t>(slot);
     const bool isNew = slot == m_blueprints.size();
-    if (!isNew && m_blueprints[slot].revision == world.SlotRevision(number)) continue;
+    if (!isNew && m_blueprints[slot].revision == changes.slots[slot].revision) continue;
     const bool isWorkshop = workshop != nullptr && world.ReadBody(workshop->Body()).blueprint == number;
     const BlueprintTags tags =
         isWorkshop ? CaptureTags(present[slot], workshop->Particles(), workshop->Springs()) : BlueprintTags{};
     CapturedBlueprint fresh = CaptureBlueprint(present[slot], FindBases(world, slot), tags);
-    fresh.revision = world.SlotRevision(number);
+    fresh.revision = changes.slots[slot].revision;
     if (isNew) {
       m_blueprints.emplace_back();
     } else {

@@ -3,7 +3,8 @@
 namespace wobble::server {
 
 void BodyCaptures::Follow(const physics::World& world) {
-  if (m_removals != world.CountRemovals()) DropRemoved(world);
+  const physics::WorldChanges changes = world.Changes();
+  if (m_removals != changes.removals) DropRemoved(world);
   const std::span<const physics::Body> present = world.Bodies();
   while (m_shown.size() < present.size()) {
     const physics::Body& added = present[m_shown.size()];
@@ -12,10 +13,10 @@ void BodyCaptures::Follow(const physics::World& world) {
     m_moved.push_back(1);
   }
   const auto perTick = static_cast<float>(1 / world.Settings().tickDuration);
-  for (const std::uint32_t place : world.Stepped()) {
+  for (const std::uint32_t place : changes.stepped) {
     m_moved[place] = 1;
     ShownBody& shown = m_shown[place];
-    const protocol::Vector3 centre = ToWire(world.FindMiddle(place));
+    const protocol::Vector3 centre = ToWire(changes.FindMiddle(place));
     shown.speed = protocol::Length(centre - shown.centre) * perTick;
     shown.centre = centre;
     shown.restTick = present[place].asleep ? world.Tick() : 0;
@@ -24,7 +25,7 @@ void BodyCaptures::Follow(const physics::World& world) {
 
 // As FollowBodies, on three lists at once.
 void BodyCaptures::DropRemoved(const physics::World& world) {
-  m_removals = world.CountRemovals();
+  m_removals = world.Changes().removals;
   const std::span<const physics::Body> present = world.Bodies();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < m_shown.size(); ++i) {

@@ -11,6 +11,7 @@
 #include <cmath>
 
 #include "protocol/snapshot.h"
+#include "server/physics/inspect.h"
 
 namespace wobble::server {
 namespace {
@@ -194,7 +195,7 @@ std::vector<CapturedGround> CaptureGrounds(std::span<const physics::Obstacle> ob
 
 protocol::Message CaptureForces(const physics::World& world, physics::BodyId body) {
   using Kind = protocol::wire::ForceKind;
-  const physics::InspectedForces forces = world.InspectForces(body);
+  const physics::InspectedForces forces = physics::InspectForces(world, body);
   const std::size_t stride = (forces.weight.size() + protocol::kMaxShownForces - 1) / protocol::kMaxShownForces;
   std::vector<protocol::ForceField> fields;
   const auto add = [&](Kind kind, const std::vector<physics::Vector3d>& values) {

@@ -13,8 +13,6 @@
 namespace wobble::physics {
 namespace {
 
-// A box whose extent is more than this times the mean is large.
-constexpr double kLargeRatio = 4;
 constexpr std::int64_t kCellsEachWay = std::int64_t{1} << 20;  // 21 bits of the key an axis
 
 std::uint64_t PackCell(std::int64_t x, std::int64_t y, std::int64_t z) {

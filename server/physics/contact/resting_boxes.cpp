@@ -12,8 +12,6 @@
 namespace wobble::physics {
 namespace {
 
-// A box whose extent is more than this times the mean is large.
-constexpr double kLargeRatio = 4;
 // With more large boxes than this plus a quarter of all, the size of cells is chosen anew, which always leaves fewer.
 constexpr std::size_t kFewLarge = 8;
 constexpr std::size_t kLeastHeads = 64;

@@ -9,7 +9,7 @@
 //   springs    k [d dᵀ + max(0, 1 − r/l)(1 − d dᵀ)] and c d dᵀ: a spring under pressure pushes its ends aside, which
 //              is left out (Choi & Ko 2002);
 //   gas        nRT/V² ∇V ∇Vᵀ, of rank one, by Sherman & Morrison: dense it would fill the whole matrix. (P − P₀) ∂²V
-//              is left out: it is not definite, and at rest the tension of the shell outweighs it;
+//              is left out: it is not definite, and at rest the tension of the skin outweighs it;
 //   contacts   slope, damping, stick spring and its dashpot, those two by what Coulomb's limit leaves of them.
 // Everything else that accelerates, other bodies among it, enters by its force alone and bounds the step as it did.
 #pragma once

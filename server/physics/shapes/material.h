@@ -9,7 +9,7 @@
 
 namespace wobble::physics {
 
-// Springs keep at least this share of the length that they have at rest; shorter ones would leave a shell limp against
+// Springs keep at least this share of the length that they have at rest; shorter ones would leave a skin limp against
 // bending.
 inline constexpr double kMinRestShare = 0.3;
 

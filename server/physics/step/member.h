@@ -61,20 +61,20 @@ struct ContactPair {
   std::array<std::vector<BodyContact<Real>>*, 2> sides{};
 };
 
-// One side of a contact pair, for positions x, m, and velocities v, m/s, of the body with the vertices, and shellX and
-// shellV of the body with the faces, each in its body's local coordinates.
+// One side of a contact pair, for positions x, m, and velocities v, m/s, of the body with the vertices, and skinX and
+// skinV of the body with the faces, each in its body's local coordinates.
 template <class Real>
 [[nodiscard]] Meeting<Real> MakeMeeting(const Member<Real>& ofVertices, std::span<const Vector3<Real>> x,
                                         std::span<const Vector3<Real>> v, const Member<Real>& ofFaces,
-                                        std::span<const Vector3<Real>> shellX, std::span<const Vector3<Real>> shellV) {
+                                        std::span<const Vector3<Real>> skinX, std::span<const Vector3<Real>> skinV) {
   const Vector3d shift = ofVertices.state->origin - ofFaces.state->origin;
   return {.x = x,
           .v = v,
           .shares = ofVertices.blueprint->template Read<Real>().contactShares,
-          .shell = {.faces = ofFaces.blueprint->template Read<Real>().faces,
-                    .topology = &ofFaces.blueprint->topology,
-                    .x = shellX},
-          .shellV = shellV,
+          .skin = {.faces = ofFaces.blueprint->template Read<Real>().faces,
+                   .topology = &ofFaces.blueprint->topology,
+                   .x = skinX},
+          .skinV = skinV,
           .shift = shift.cast<Real>()};
 }
 

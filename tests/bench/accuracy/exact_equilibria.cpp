@@ -4,7 +4,7 @@
 //   Chain that hangs: each spring bears what hangs below it, and is longer by that over its stiffness.
 //   Icosahedron of springs round a gas: all its edges ℓ are alike. Forces in balance have no virial,
 //     3 P V = Σ T ℓ   →   3 nRT = 30 k (ℓ − r) ℓ,   whatever its volume (P₀ = 0).
-//     The same balance holds for any shell of springs round a gas; a ball of 162 vertices must keep it.
+//     The same balance holds for any skin of springs round a gas; a ball of 162 vertices must keep it.
 //   Ring of p springs in a plane: 2 P A = Σ T ℓ   →   2 nRT = p k (ℓ − r) ℓ, Laplace's law of a polygon.
 //   Lattice bar under tension: springs on the border have the share of a cell that is there, so all cells are alike and
 //     stretch alike, by λ along the bar and μ across it. With W the energy of a cell's springs and F the force on its
@@ -112,10 +112,10 @@ double FindEdge(const Coefficients<double>& body, double dimensions) {
   return spring.restLength / 2 + std::sqrt(spring.restLength * spring.restLength / 4 + squared);
 }
 
-ExactValue SolveShellOfEqualEdges(const char* name, const Blueprint& shell, double dimensions) {
-  const Shapes shapes = SettleBoth(shell, Vector3d::Zero());
-  const Spring<double>& spring = shell.full.springs[0];
-  const double exact = FindEdge(shell.full, dimensions);
+ExactValue SolveShellOfEqualEdges(const char* name, const Blueprint& skin, double dimensions) {
+  const Shapes shapes = SettleBoth(skin, Vector3d::Zero());
+  const Spring<double>& spring = skin.full.springs[0];
+  const double exact = FindEdge(skin.full, dimensions);
   return {name,
           "edge, m",
           exact,
@@ -127,17 +127,17 @@ ExactValue SolveShellOfEqualEdges(const char* name, const Blueprint& shell, doub
 ExactValue SolveBall() {
   BallDefinition ball;
   ball.material.gas = 100;
-  const Blueprint shell = Inflate(MakeBall(ball), 2.5);
-  const Shapes shapes = SettleBoth(shell, Vector3d::Zero());
+  const Blueprint skin = Inflate(MakeBall(ball), 2.5);
+  const Shapes shapes = SettleBoth(skin, Vector3d::Zero());
   const auto findVirial = [&](const Places& x) {
     double sum = 0;
-    for (const Spring<double>& spring : shell.full.springs) {
+    for (const Spring<double>& spring : skin.full.springs) {
       const double length = FindLength(x, spring.a, spring.b);
       sum += spring.stiffness * (length - spring.restLength) * length;
     }
     return sum;
   };
-  const double exact = 3 * shell.full.gas;
+  const double exact = 3 * skin.full.gas;
   return {"ball of 162 under pressure", "virial of its springs, J",   exact,
           findVirial(shapes.engine),    findVirial(shapes.reference), exact};
 }

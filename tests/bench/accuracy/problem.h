@@ -1,6 +1,6 @@
 // The problems whose solutions are known closely enough to measure errors by.
 //
-// Only well-posed ones: motions that begin side by side stay side by side. A shell does not keep to that where its
+// Only well-posed ones: motions that begin side by side stay side by side. A skin does not keep to that where its
 // springs go slack and it crumples. With little gas in it a ball that is stretched by 20 % does so at once, and without
 // damping two solutions in double precision, each right to twelve digits a step, have nothing in common after 10 s; the
 // laboratory draws how they part. Hence more gas, and a large stretch for a short while, a small one for a long while,

@@ -1,4 +1,4 @@
-// Each problem shows one thing that forces do: a shell and its gas, dashpots, a solid, a sheet in wind, neighbours that
+// Each problem shows one thing that forces do: a skin and its gas, dashpots, a solid, a sheet in wind, neighbours that
 // repel one another in a plane, a surface. Sizes and materials are those of play.
 //
 // The sheet swings downwind at less than the wind's speed: drag then never changes its sign, where its slope has a

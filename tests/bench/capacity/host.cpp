@@ -58,7 +58,7 @@ void Host::Enter(Stage stage) {
   }
   if (stage == Stage::kShow) {
     for (const physics::Body& body : m_server.World().Bodies()) m_hosted.places.push_back(body.id);
-    m_removals = m_server.World().CountRemovals();
+    m_removals = m_server.World().Changes().removals;
   }
   m_stage = stage;
   m_entered = now;
@@ -82,7 +82,7 @@ void Host::CountTicks(double wall) {
 
 void Host::KeepTruth() {
   m_hosted.truth.Add(m_server.World());
-  if (m_server.World().CountRemovals() != m_removals) m_hosted.hasAllPlaces = false;
+  if (m_server.World().Changes().removals != m_removals) m_hosted.hasAllPlaces = false;
 }
 
 }  // namespace wobble::bench

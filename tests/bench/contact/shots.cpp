@@ -232,11 +232,11 @@ class Trial {
 
   bool HasDeepVertex(const Body& ofVertices, const Body& ofFaces) const {
     const Vector3d middle = m_world->FindCentre(ofFaces);
-    const std::vector<Vector3d> shell = ReadPositions(ofFaces);
+    const std::vector<Vector3d> skin = ReadPositions(ofFaces);
     const std::vector<Vector3d> x = ReadPositions(ofVertices);
     const std::vector<Face>& faces = m_world->BlueprintOf(ofFaces).full.faces;
     return std::any_of(x.begin(), x.end(), [&](const Vector3d& p) {
-      return FindWinding(faces, shell, middle + (p - middle) / kDeep) > 0.5;
+      return FindWinding(faces, skin, middle + (p - middle) / kDeep) > 0.5;
     });
   }
 

@@ -17,7 +17,7 @@ struct RandomBody {
   int crushed = 0;  // and those whose gas would not have carried them
 };
 
-// Above this a shell is not crushed flat by `mass` kg that lie on it or are its own, under `gravity` m/s²: nRT, J. Per
+// Above this a skin is not crushed flat by `mass` kg that lie on it or are its own, under `gravity` m/s²: nRT, J. Per
 // metre of depth of a ring.
 [[nodiscard]] double FindCarryingGas(double mass, double gravity, double reach);
 

@@ -1,9 +1,9 @@
 // What bodies can bear, so that all that goes wrong within it is the engine's fault:
-//   - a shell takes an impact whose energy is up to its nRT; above it folds and unfolds, since there is no contact of a
+//   - a skin takes an impact whose energy is up to its nRT; above it folds and unfolds, since there is no contact of a
 //     body with itself, and may be left inside out. So nothing is faster than √(2 nRT/m) of the weakest gas and the
 //     heaviest body of the world, nor than 15 m/s, a fall from four storeys;
-//   - gas that cannot carry what lies on it lets its shell be crushed flat, and what is flat is soon inside out. Scenes
-//     refuse a shell that cannot carry itself; here each carries the whole heap, nRT >= 2 m g R;
+//   - gas that cannot carry what lies on it lets its skin be crushed flat, and what is flat is soon inside out. Scenes
+//     refuse a skin that cannot carry itself; here each carries the whole heap, nRT >= 2 m g R;
 //   - a lattice of springs has no inside: beyond a third of √(E/ρ) cells may stay turned over (lattice.h).
 // Worlds drawn without these bounds are played as well and counted by themselves.
 #include "tests/bench/stability/random_world.h"

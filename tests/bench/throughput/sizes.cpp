@@ -59,7 +59,7 @@ struct Kind {
 std::vector<Kind> MakeKinds(bool quick) {
   Kind cube{"cube of springs", "lattice_exponent_3d", {}};
   Kind ball{"ball of gas", "gas_exponent_3d", {}};
-  // A shell of so many vertices is as fine as the cube with as many on its surface.
+  // A skin of so many vertices is as fine as the cube with as many on its surface.
   const int cells[] = {0, 3, 5, 10, 20};
   for (int subdivisions = 1; subdivisions <= (quick ? 3 : 4); ++subdivisions) {
     cube.sizes.push_back({cells[subdivisions] + 1.0, MakeSolid(cells[subdivisions], false)});

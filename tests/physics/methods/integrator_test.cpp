@@ -514,7 +514,7 @@ TEST(PositionVerlet, TornSpringsHoldNothing) {
   EXPECT_GT((system.x[10] - system.x[11]).norm(), 0.1);
 }
 
-// Kept at the springs' own lengths, which are little more than half of these, the shell would crush its gas.
+// Kept at the springs' own lengths, which are little more than half of these, the skin would crush its gas.
 TEST(PositionVerlet, HoldsGasAtTheShapeOfRest) {
   LoneSystem<double> system(MakeBall(BallDefinition{}), Integrator::kPositionVerlet);
   const std::vector<Vector3d> rest = system.blueprint.rest;

@@ -87,7 +87,7 @@ struct Pile {
       const Member<Real>& vertices = members[both[side]];
       const Member<Real>& faces = members[both[1 - side]];
       const SkinPoints<Real> own = ReadSurface(vertices);
-      const SkinPoints<Real> shell = ReadSurface(faces);
+      const SkinPoints<Real> skin = ReadSurface(faces);
       Bounds<Real> near = faces.survey.bounds;
       near.low.array() -= Real(0.1);
       near.high.array() += Real(0.1);
@@ -96,7 +96,7 @@ struct Pile {
           parameters, MakeMeeting<Real>(vertices, faces),
           {vertices.blueprint->template Read<Real>().faces, &vertices.blueprint->topology, vertices.state->positions},
           {.vertices = &own,
-           .shell = &shell,
+           .skin = &skin,
            .kernel = kernel,
            .near = near,
            .margin = Real(0.02),

@@ -46,7 +46,7 @@ std::vector<Vector3d> ComputePlainForces(const World& world, BodyId id) {
 }
 
 void ExpectPlainForces(const World& world, BodyId id) {
-  const InspectedForces found = world.InspectForces(id);
+  const InspectedForces found = InspectForces(world, id);
   const std::vector<Vector3d> plain = ComputePlainForces(world, id);
   const Coefficients<double>& full = world.BlueprintOf(world.ReadBody(id)).full;
   ASSERT_EQ(found.accelerations.size(), plain.size());
@@ -70,7 +70,7 @@ void ExpectStepped(const World& world, double allowed = 1e-3) {
   std::vector<InspectedForces> found;
   std::vector<std::vector<Vector3d>> before;
   for (const Body& body : twin.Bodies()) {
-    found.push_back(twin.InspectForces(body.id));
+    found.push_back(InspectForces(twin, body.id));
     before.push_back(std::get<State<double>>(body.state).velocities);
   }
   twin.Step();
@@ -96,7 +96,7 @@ TEST(Inspect, ABallThatLandsIsWhatTheStepMakesOfIt) {
     if (tick % 4 != 0) continue;
     ExpectPlainForces(world, id);
     ExpectStepped(world);
-    const InspectedForces found = world.InspectForces(id);
+    const InspectedForces found = InspectForces(world, id);
     touched = touched || AddUp(found.contact).z() > 10;
     EXPECT_LT(AddUp(found.elastic).norm(), 1e-9) << "inner forces add up to none";
     EXPECT_LT(AddUp(found.damping).norm(), 1e-9);
@@ -115,7 +115,7 @@ TEST(Inspect, ABallAtRestIsCarried) {
     world.AddObstacle(Obstacle{});
     const BodyId id = world.AddBody(0, Vector3d(0, 0, 1));
     for (int tick = 0; tick < 3000 && !world.ReadBody(id).asleep; ++tick) world.Step();
-    const InspectedForces found = world.InspectForces(id);
+    const InspectedForces found = InspectForces(world, id);
     const double weight = world.BlueprintOf(world.ReadBody(id)).totalMass * 9.81;
     EXPECT_NEAR(AddUp(found.weight).z(), -weight, 1e-3 * weight);
     EXPECT_NEAR(AddUp(found.contact).z(), weight, 0.02 * weight) << static_cast<int>(law);
@@ -130,8 +130,8 @@ TEST(Inspect, TwoBallsPushOneAnotherAlike) {
   double strongest = 0;
   for (int tick = 0; tick < 60; ++tick) {
     world.Step();
-    const Vector3d push = AddUp(world.InspectForces(first).contact);
-    EXPECT_LT((push + AddUp(world.InspectForces(second).contact)).norm(), 1e-9) << "action and reaction";
+    const Vector3d push = AddUp(InspectForces(world, first).contact);
+    EXPECT_LT((push + AddUp(InspectForces(world, second).contact)).norm(), 1e-9) << "action and reaction";
     strongest = std::max(strongest, push.norm());
     if (tick % 5 == 0) ExpectStepped(world);
   }
@@ -164,7 +164,7 @@ TEST(Inspect, AClothInTheWindIsDragged) {
   for (int tick = 0; tick < 30; ++tick) world.Step();
   ExpectPlainForces(world, id);
   ExpectStepped(world);
-  const InspectedForces found = world.InspectForces(id);
+  const InspectedForces found = InspectForces(world, id);
   EXPECT_GT(AddUp(found.other).y(), 0.5);
   for (const std::uint16_t vertex : world.BlueprintOf(world.ReadBody(id)).full.fixed) {
     EXPECT_EQ(found.accelerations[vertex].norm(), 0);
@@ -182,7 +182,7 @@ TEST(Inspect, KindsOfAGraphAreWhatFormulasSay) {
   const std::vector<Vector3d> positions{{0, 0, 5}, {1.2, 0, 5}};
   const std::vector<Vector3d> velocities{{0, 0, 0}, {0.5, 2, 0}};
   world.SetMotion(id, positions, velocities);
-  const InspectedForces found = world.InspectForces(id);
+  const InspectedForces found = InspectForces(world, id);
   EXPECT_LT((found.elastic[0] - Vector3d(20, 0, 0)).norm(), 1e-9);
   EXPECT_LT((found.elastic[1] - Vector3d(-20, 0, 0)).norm(), 1e-9);
   EXPECT_LT((found.damping[1] - Vector3d(-2.5, 0, 0)).norm(), 1e-9);
@@ -192,8 +192,8 @@ TEST(Inspect, KindsOfAGraphAreWhatFormulasSay) {
   world.SetStiffnessFactor(2);
   for (int tick = 0; tick < 60; ++tick) world.Step();
   world.SetMotion(id, positions, velocities);
-  EXPECT_LT((world.InspectForces(id).elastic[0] - Vector3d(40, 0, 0)).norm(), 1e-6) << "as stiff as it is";
-  EXPECT_LT((world.InspectForces(id).damping[1] - Vector3d(-5, 0, 0)).norm(), 1e-6);
+  EXPECT_LT((InspectForces(world, id).elastic[0] - Vector3d(40, 0, 0)).norm(), 1e-6) << "as stiff as it is";
+  EXPECT_LT((InspectForces(world, id).damping[1] - Vector3d(-5, 0, 0)).norm(), 1e-6);
 }
 
 TEST(Inspect, OtherIsWhatPushesAndMoves) {
@@ -213,7 +213,7 @@ TEST(Inspect, OtherIsWhatPushesAndMoves) {
   world.SetGravity(Vector3d(0, 0, -5));
   world.Step();
   world.SetGravity(Vector3d(0, 0, -9));
-  const InspectedForces found = world.InspectForces(id);
+  const InspectedForces found = InspectForces(world, id);
   const Coefficients<double>& full = world.BlueprintOf(world.ReadBody(id)).full;
   for (std::size_t i = 0; i < full.masses.size(); ++i) {
     Vector3d expected = full.masses[i] * Vector3d(ControlLimits{}.acceleration, 0, 0);
@@ -223,7 +223,7 @@ TEST(Inspect, OtherIsWhatPushesAndMoves) {
     EXPECT_LT((found.weight[i] - full.masses[i] * Vector3d(0, 0, -5)).norm(), 1e-9) << "of the last step";
   }
   world.Step();
-  EXPECT_LT((world.InspectForces(id).other[2] - world.InspectForces(id).other[1]).norm(), 0.2) << "pushed no more";
+  EXPECT_LT((InspectForces(world, id).other[2] - InspectForces(world, id).other[1]).norm(), 0.2) << "pushed no more";
 }
 
 }  // namespace

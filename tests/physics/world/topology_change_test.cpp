@@ -2,11 +2,13 @@
 // the clock.
 #include <gtest/gtest.h>
 
+#include "server/physics/inspect.h"
 #include "server/physics/shapes/cloth.h"
 #include "server/physics/shapes/graph.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 #include "tests/support/pace.h"
+#include "tests/support/replace_blueprint.h"
 
 namespace wobble::physics {
 namespace {
@@ -115,7 +117,7 @@ TEST(Graph, GrowsWhileItRuns) {
   ASSERT_TRUE(grown.errors.empty());
   grown = AddSpring(grown.blueprint, {1, 2, 300, 3, 0});
   ASSERT_TRUE(grown.errors.empty());
-  ASSERT_TRUE(world.ReplaceBlueprint(id, std::move(grown.blueprint)));
+  ASSERT_TRUE(ReplaceBlueprint(world, id, std::move(grown.blueprint)));
 
   std::vector<Vector3d> after;
   VisitVertices(world.ReadBody(id), [&](std::size_t, const Vector3d& x) { after.push_back(x); });
@@ -141,7 +143,7 @@ TEST(Graph, IsTunedWhileItRuns) {
   EXPECT_NEAR(lengthOf(), 1 + 9.81 / 500, 1e-3);
   GraphEdit softer = SetSpring(world.BlueprintOf(world.ReadBody(id)), 0, {0, 1, 100, 5, 0.5});
   ASSERT_TRUE(softer.errors.empty());
-  ASSERT_TRUE(world.ReplaceBlueprint(id, std::move(softer.blueprint)));
+  ASSERT_TRUE(ReplaceBlueprint(world, id, std::move(softer.blueprint)));
   for (int tick = 0; tick < 900; ++tick) world.Step();
   EXPECT_NEAR(lengthOf(), 0.5 + 9.81 / 100, 1e-3);
 }
@@ -256,7 +258,7 @@ TEST(World, ContactsBetweenBodiesOutliveAChangeOfBlueprint) {
     const BodyId above = world.AddBody(0, Vector3d(0.1, 0.05, 1.13));
     for (int tick = 0; tick < 60; ++tick) world.Step();
     EXPECT_TRUE(world.ReadBody(above).touchesBody);
-    const bool replaced = replace && world.ReplaceBlueprint(below, world.Blueprints()[0]);
+    const bool replaced = replace && ReplaceBlueprint(world, below, world.Blueprints()[0]);
     EXPECT_EQ(replaced, replace);
     for (int tick = 0; tick < 20; ++tick) world.Step();
     EXPECT_TRUE(world.ReadBody(above).touchesBody);
@@ -282,7 +284,7 @@ TEST(World, ContactsOfWhatIsGoneAreLetGo) {
   const std::vector<std::uint16_t> kept{0, 1, 2, 3, 40, 41};
   ASSERT_TRUE(world.ReplaceBlueprint(above, MakeBall(coarse), kept));
   for (const BodyId id : {below, above}) {
-    for (const Vector3d& force : world.InspectForces(id).contact) EXPECT_TRUE(force.allFinite());
+    for (const Vector3d& force : InspectForces(world, id).contact) EXPECT_TRUE(force.allFinite());
   }
   for (const auto& contact : std::get<State<float>>(world.ReadBody(above).state).contacts) {
     EXPECT_LT(contact.vertex, kept.size());

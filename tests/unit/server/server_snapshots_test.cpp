@@ -12,6 +12,7 @@
 #include "server/physics/shapes/ball.h"
 #include "server/physics/shapes/finish_blueprint.h"
 #include "tests/support/game.h"
+#include "tests/support/replace_blueprint.h"
 
 namespace wobble::server {
 namespace {
@@ -86,7 +87,7 @@ TEST(Server, ABodyThatChangesItsBlueprintIsSeenSoByAllAndByLatecomers) {
   const std::size_t whole = Look(first, game.now, body).blueprint->faces.size();
   EXPECT_EQ(whole, 80U);
 
-  ASSERT_TRUE(world.ReplaceBlueprint(body, MakeTornBall(30)));
+  ASSERT_TRUE(ReplaceBlueprint(world, body, MakeTornBall(30)));
   game.Run(1);
   auto& second = game.AddClient();
   game.Run(1);
@@ -101,12 +102,12 @@ TEST(Server, ABodyThatChangesItsBlueprintIsSeenSoByAllAndByLatecomers) {
   EXPECT_EQ(second.Welcome().blueprintCount, 2);
 
   // More vertices, in the next slot; then the first slot again, with other content.
-  ASSERT_TRUE(world.ReplaceBlueprint(body, MakeTornBall(0, 2)));
+  ASSERT_TRUE(ReplaceBlueprint(world, body, MakeTornBall(0, 2)));
   game.Run(1);
   for (client::Client* each : {&first, &second}) {
     EXPECT_EQ(Look(*each, game.now, body).vertices.size(), 162U);
   }
-  ASSERT_TRUE(world.ReplaceBlueprint(body, MakeTornBall(79)));
+  ASSERT_TRUE(ReplaceBlueprint(world, body, MakeTornBall(79)));
   EXPECT_EQ(world.Blueprints().size(), 3U) << "a slot that nobody used";
   auto& third = game.AddClient();
   game.Run(1);
@@ -139,7 +140,7 @@ TEST(Server, ChangingBlueprintsSurviveABadLink) {
   std::map<std::string, int> shown;
   double reach = 0;  // the furthest that a vertex has been from the middle, m
   for (std::size_t change = 0; change < 79; ++change) {
-    ASSERT_TRUE(world.ReplaceBlueprint(body, MakeTornBall(change, change % 7 == 3 ? 2 : 1)));
+    ASSERT_TRUE(ReplaceBlueprint(world, body, MakeTornBall(change, change % 7 == 3 ? 2 : 1)));
     for (int tick = 0; tick < 6; ++tick) {
       game.Step();
       const client::BodySample sample = Look(client, game.now, body);

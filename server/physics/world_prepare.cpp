@@ -1,0 +1,85 @@
+// Bodies are prepared one by one: nothing here looks at two of them.
+#include "server/physics/world_prepare.h"
+
+#include <algorithm>
+
+#include "server/physics/pair_search.h"
+#include "server/physics/step/control.h"
+
+namespace wobble::physics {
+namespace {
+
+// Wind, gas and forces of the drives that are on, and the forces of this step.
+template <class Real>
+void AddDrives(const Surroundings& surroundings, BodyId body, Member<Real>& member) {
+  member.pushes.clear();
+  for (const Drive& drive : surroundings.drives) {
+    if ((drive.body != 0 && drive.body != body) || !IsOn(drive, surroundings.time)) continue;
+    member.load.wind += drive.wind.template cast<Real>();
+    member.load.gasFactor *= static_cast<Real>(drive.gasFactor);
+    const Vector3d share = drive.force / std::max(1.0, static_cast<double>(drive.vertices.size()));
+    for (const std::uint16_t vertex : drive.vertices) member.pushes.push_back({vertex, share.template cast<Real>()});
+  }
+  for (const StepForce& each : FindForcesOn(body, surroundings.stepForces)) {
+    member.pushes.push_back({each.force.vertex, each.force.force.template cast<Real>()});
+  }
+  member.load.pushes = member.pushes;
+}
+
+}  // namespace
+
+std::span<const StepForce> FindForcesOn(BodyId body, std::span<const StepForce> stepForces) {
+  const auto begin = std::lower_bound(stepForces.begin(), stepForces.end(), body,
+                                      [](const StepForce& force, BodyId wanted) { return force.body < wanted; });
+  const auto end = std::upper_bound(begin, stepForces.end(), body,
+                                    [](BodyId wanted, const StepForce& force) { return wanted < force.body; });
+  return {begin, end};
+}
+
+template <class Real>
+void PrepareMember(const Surroundings& surroundings, const Blueprint& blueprint, const StiffnessRule& stiffness,
+                   Body& body, std::vector<Contact<Real>>& scratch, Member<Real>& member) {
+  const WorldSettings& settings = surroundings.settings;
+  State<Real>& state = std::get<State<Real>>(body.state);
+  member.blueprint = &blueprint;
+  member.state = &state;
+  member.load = ApplyControl(blueprint, settings.gravity, stiffness, body, state);
+  member.load.wind = settings.wind.template cast<Real>();
+  AddDrives(surroundings, body.id, member);
+  member.substepsForError = body.steps.Substeps();
+  member.health = Health::kGood;
+  member.lost = false;
+  member.surfaces.clear();
+  for (const Obstacle& obstacle : surroundings.obstacles) {
+    member.surfaces.push_back(MakeSurface<Real>(obstacle, state.origin));
+  }
+  const Coefficients<Real>& coefficients = blueprint.Read<Real>();
+  member.survey = MakeSurvey<Real>(coefficients.masses, state.positions, state.velocities);
+  FindContacts<Real>({.surfaces = member.surfaces,
+                      .x = state.positions,
+                      .v = state.velocities,
+                      .survey = member.survey,
+                      .range = coefficients.contact.range,
+                      .duration = static_cast<Real>(settings.tickDuration)},
+                     state.contacts, scratch);
+  member.demands = FindSurfaceDemands<Real>(blueprint, member.surfaces, state, double{member.survey.agitation},
+                                            settings.tickDuration);
+}
+
+template <class Real>
+Box FindTickBox(const Member<Real>& member, double duration) {
+  const Bounds<Real>& bounds = member.survey.bounds;
+  const Vector3d& origin = member.state->origin;
+  const double margin = kNearMargin + duration * double{bounds.speed};
+  return {origin + bounds.low.template cast<double>() - Vector3d::Constant(margin),
+          origin + bounds.high.template cast<double>() + Vector3d::Constant(margin)};
+}
+
+template void PrepareMember<float>(const Surroundings&, const Blueprint&, const StiffnessRule&, Body&,
+                                   std::vector<Contact<float>>&, Member<float>&);
+template void PrepareMember<double>(const Surroundings&, const Blueprint&, const StiffnessRule&, Body&,
+                                    std::vector<Contact<double>>&, Member<double>&);
+template Box FindTickBox<float>(const Member<float>&, double);
+template Box FindTickBox<double>(const Member<double>&, double);
+
+}  // namespace wobble::physics
