@@ -1,4 +1,4 @@
-// What both ends must agree on: control messages and inputs, how they are made and how bytes from the wire are
+// Control messages and inputs, which both ends must agree on: how they are made and how bytes from the wire are
 // verified.
 //
 // A parsed message is a view of the bytes it was parsed from. It is verified in full before anything is read, so every
