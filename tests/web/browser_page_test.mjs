@@ -1,4 +1,5 @@
-// The page as a whole: what it loads and from where, whom the gateway lets in, and what the page says at the end.
+// The page as a whole: its size and the origin of its files, which origins the gateway admits, and the page's message
+// at the end.
 import assert from 'node:assert';
 import fs from 'node:fs';
 import http from 'node:http';
@@ -48,7 +49,7 @@ test('it plays by itself, without a complaint, and asks nobody but the gateway',
   assert.deepEqual(players, ['mira']);
 });
 
-// In the tab's own page: whether a socket to the gateway opened, and how it closed after these many bytes were sent.
+// Runs in the tab's own page: whether a socket to the gateway opened, and how it closed after so many bytes were sent.
 const trySocket = (tab, bytes) =>
   tab.evaluate(
     ([url, subprotocol, bytes]) =>
