@@ -131,7 +131,7 @@ std::vector<bool> SendThrough(std::uint64_t seed, bool withNoise, RelayCounts* c
   return arrived;
 }
 
-TEST(Relay, WhichSufferFollowsFromSeedAndNumberWhateverElseIsSent) {
+TEST(Relay, LossesFollowFromSeedAndNumberIndependentlyOfOtherTraffic) {
   RelayCounts counts;
   const auto first = SendThrough(7, false, &counts);
   EXPECT_EQ(first, SendThrough(7, false));
@@ -149,7 +149,7 @@ TEST(Relay, WhichSufferFollowsFromSeedAndNumberWhateverElseIsSent) {
   }
 }
 
-TEST(Relay, ForgetsWhoIsSilentAndTakesHimAnew) {
+TEST(Relay, ForgetsSilentClientsAndAcceptsThemAgain) {
   Echo echo;
   RelayOptions options;
   options.idleTimeout = 60;

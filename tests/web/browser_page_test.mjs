@@ -83,7 +83,7 @@ test('who sends too much at once is cut off', async () => {
 });
 
 test('when the server has gone the page says so, and joins again when it is back', async () => {
-  const card = page.tab.getByRole('status').filter({ hasText: 'The world has gone' });
+  const card = page.tab.getByRole('status').filter({ hasText: 'Connection ended' });
   assert.equal(await card.count(), 0);
   await world.server.stop();
   await card.waitFor();
