@@ -1,6 +1,7 @@
-// wobble_lab: shows what the engine is worth, report by report, and whether each figure keeps to its limit.
+// wobble_lab: measures the engine report by report and checks each figure against its limit.
 //
-// Exit code 99 when one does not, so that the tests run the very program whose results are stored.
+// It exits with code 99 when a figure breaks its limit, so that the tests run the very program whose results are
+// stored.
 #include <signal.h>
 
 #include <CLI/CLI.hpp>
@@ -38,12 +39,12 @@ constexpr Report kReports[] = {
     {"capacity", "How many players a core can host, what they get and what they see", false, &ReportCapacity, true},
 };
 
-// 2^53, as the server's: exact as a number in JSON too.
+// 2^53, as for the server: exact as a JSON number.
 constexpr double kMaxSeed = 9007199254740992.0;
 constexpr double kMaxTrial = 1e6;
 constexpr double kMaxPlayers = 2000;
 
-// The one global: a signal handler can reach nothing else.
+// The only global: a signal handler can reach nothing else.
 std::atomic<bool> g_stopAsked{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
 
@@ -100,7 +101,7 @@ int Fail(const std::string& reason) {
   return tool::kExitFailed;
 }
 
-// Before anything long begins: what would make its results impossible to keep.
+// Checks before any long run that results can be written.
 bool CanKeepResults(const Options& options, std::string& error) {
   std::error_code code;
   if (!options.plotFolder.empty()) {
@@ -116,7 +117,7 @@ bool CanKeepResults(const Options& options, std::string& error) {
   return error.empty();
 }
 
-// Of a scene that cannot be hosted the first fault: wobbled names them all.
+// Reports the first fault of a scene that cannot be hosted; wobbled reports all.
 bool CanPlay(const Options& options, std::string& error) {
   const scenes::LoadResult loaded = scenes::LoadScene(options.scene, scenes::FindShippedScenes());
   std::vector<std::string> errors = loaded.errors;

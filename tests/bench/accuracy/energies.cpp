@@ -24,7 +24,7 @@ constexpr double kMost = 1.5;     // that is drawn
 
 constexpr std::array kLossRates = {60, 120, 240, 480};
 
-struct Case {
+struct EnergyCase {
   const Problem* ball = nullptr;
   Integrator integrator = Integrator::kRungeKutta4;
   int rate = kRate;
@@ -33,8 +33,8 @@ struct Case {
   std::vector<std::array<double, 2>> energies{};  // s, over that at the beginning
 };
 
-std::vector<Case> MakeCases(const Problem& slight, const Problem& wide) {
-  std::vector<Case> cases;
+std::vector<EnergyCase> MakeEnergyCases(const Problem& slight, const Problem& wide) {
+  std::vector<EnergyCase> cases;
   for (const Integrator integrator : kIntegrators) {
     cases.push_back({.ball = &wide, .integrator = integrator, .isDrawn = true});
   }
@@ -46,7 +46,7 @@ std::vector<Case> MakeCases(const Problem& slight, const Problem& wide) {
   return cases;
 }
 
-void Play(Case& each) {
+void PlayEnergyCase(EnergyCase& each) {
   const Problem& ball = *each.ball;
   SolvedMotion solved = SolveInSteps(
       ball, {.integrator = each.integrator, .steps = std::lround(each.rate * ball.duration), .isSampled = true});
@@ -57,7 +57,7 @@ void Play(Case& each) {
   each.blewUp = solved.blewUp;
 }
 
-void AddRow(Bench& bench, const Case& each) {
+void AddEnergyRow(Bench& bench, const EnergyCase& each) {
   double least = each.energies.front()[1];
   double most = least;
   for (const auto& [time, energy] : each.energies) {
@@ -84,15 +84,15 @@ void MeasureEnergies(Bench& bench) {
   Problem wide = MakeStretchedBall();
   wide.name = "ball, 20 % stretch, 10 s";
   wide.duration = kDuration;
-  std::vector<Case> cases = MakeCases(slight, wide);
-  if (!RunTrials(bench, cases.size(), [&](std::size_t i) { Play(cases[i]); })) return;
+  std::vector<EnergyCase> cases = MakeEnergyCases(slight, wide);
+  if (!RunTrials(bench, cases.size(), [&](std::size_t i) { PlayEnergyCase(cases[i]); })) return;
   Plot plot{"accuracy_energy",
             "Energy of a ball that nothing damps, in 120 steps a second",
             "time, s",
             "energy over that of the beginning",
             {}};
-  for (const Case& each : cases) {
-    AddRow(bench, each);
+  for (const EnergyCase& each : cases) {
+    AddEnergyRow(bench, each);
     if (!each.isDrawn) continue;
     Series& series = plot.series.emplace_back();
     series.name = FindTitle(each.integrator);

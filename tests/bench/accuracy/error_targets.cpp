@@ -29,7 +29,7 @@ using namespace physics;
 // Of the reference: it ends within 10⁻⁸ m of where 10⁻¹² brings it, for a third of the time.
 constexpr double kTolerance = 1e-9;
 // By how much, m, a second motion begins beside the first, to see how far they part.
-constexpr double kAside = 1e-8;
+constexpr double kTwinOffset = 1e-8;
 
 struct Trial {
   const PlayedCase* played = nullptr;
@@ -44,7 +44,7 @@ struct Trial {
   int fixedSubsteps = 0;  // a tick; 0: none of up to kMaxSubsteps will do
 };
 
-Problem MakeProblem(const PlayedCase& played, const State<float>& begin) {
+Problem MakeProblemOfSecond(const PlayedCase& played, const State<float>& begin) {
   Problem problem;
   problem.name = played.name;
   problem.blueprint = played.blueprint;
@@ -90,8 +90,8 @@ double FindGrowth(Problem problem, const std::vector<Vector3d>& end) {
   for (std::size_t i = 0; i < begin.size(); ++i) {
     const auto phase = static_cast<double>(i);
     if (problem.blueprint->full.inverseMasses[i] == 0) continue;
-    problem.x[i].x() += kAside * std::sin(1.3 * phase);
-    problem.x[i].z() += kAside * std::cos(2.1 * phase);
+    problem.x[i].x() += kTwinOffset * std::sin(1.3 * phase);
+    problem.x[i].z() += kTwinOffset * std::cos(2.1 * phase);
   }
   return FindDistance(SolveByCvode(problem, kTolerance).motion.x, end) / FindDistance(begin, problem.x);
 }
@@ -100,7 +100,7 @@ void Run(Trial& trial, int seconds) {
   std::vector<Problem> problems;
   std::vector<std::vector<Vector3d>> ends;
   for (const PlayedSecond& second : PlayAsServer(*trial.played, trial.target, seconds)) {
-    problems.push_back(MakeProblem(*trial.played, second.begin));
+    problems.push_back(MakeProblemOfSecond(*trial.played, second.begin));
     ends.push_back(SolveByCvode(problems.back(), kTolerance).motion.x);
     trial.errors.push_back(FindDistance(ReadPositions(second.end), ends.back()));
     trial.rounding.push_back(FindDistance(ReadPositions(second.end), ReadPositions(second.endInDouble)));
@@ -111,7 +111,7 @@ void Run(Trial& trial, int seconds) {
   if (trial.isCompared) trial.fixedSubsteps = FindCheapestFixed(trial, problems, ends);
 }
 
-double FindQuantile(std::vector<double> values, double share) {
+double FindNearestQuantile(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
 }
@@ -121,7 +121,7 @@ double FindOverhead(const Trial& trial) {
   return trial.substeps / (trial.fixedSubsteps > 0 ? trial.fixedSubsteps : kMaxSubsteps);
 }
 
-void AddRows(const std::vector<Trial>& trials, Results& results) {
+void AddTargetRows(const std::vector<Trial>& trials, Results& results) {
   for (const Trial& trial : trials) {
     nlohmann::ordered_json row = {
         {"experiment", "error_target"},
@@ -129,9 +129,9 @@ void AddRows(const std::vector<Trial>& trials, Results& results) {
         {"target", trial.target},
         {"met", CountMet(trial.errors, trial.target)},
         {"seconds", trial.errors.size()},
-        {"error_median", FindQuantile(trial.errors, 0.5)},
-        {"error_most", FindQuantile(trial.errors, 1)},
-        {"rounding_median", FindQuantile(trial.rounding, 0.5)},
+        {"error_median", FindNearestQuantile(trial.errors, 0.5)},
+        {"error_most", FindNearestQuantile(trial.errors, 1)},
+        {"rounding_median", FindNearestQuantile(trial.rounding, 0.5)},
         {"seconds_asleep", trial.asleep},
         {"evaluations_a_second", trial.substeps * kTicksASecond * kEvaluationsAStep},
     };
@@ -178,8 +178,8 @@ void AddPlot(const std::vector<double>& targets, const std::vector<Trial>& trial
       errors.insert(errors.end(), trial.errors.begin(), trial.errors.end());
     }
     plot.series[0].points.push_back({1000 * target, 1000 * target});
-    plot.series[1].points.push_back({1000 * target, 1000 * FindQuantile(errors, 0.95)});
-    plot.series[2].points.push_back({1000 * target, 1000 * FindQuantile(errors, 0.5)});
+    plot.series[1].points.push_back({1000 * target, 1000 * FindNearestQuantile(errors, 0.95)});
+    plot.series[2].points.push_back({1000 * target, 1000 * FindNearestQuantile(errors, 0.5)});
   }
   results.plots.push_back(std::move(plot));
 }
@@ -217,7 +217,7 @@ void MeasureErrorTargets(Bench& bench) {
   }
   const int seconds = quick ? 3 : 5;
   if (!RunTrials(bench, trials.size(), [&](std::size_t i) { Run(trials[i], seconds); })) return;
-  AddRows(trials, bench.results);
+  AddTargetRows(trials, bench.results);
   AddFigures(trials, bench.results);
   AddPlot(targets, trials, bench.results);
   AddRemarks(trials, bench.results);

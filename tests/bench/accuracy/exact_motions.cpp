@@ -22,7 +22,7 @@ namespace {
 
 using namespace physics;
 
-constexpr double kGravity = 9.81;
+constexpr double kGravitySize = 9.81;
 // So short that RK4's own error, (hω)⁴ωt/120, stays under 1e-10 in all that is solved here but the bounce.
 constexpr double kStep = 1.0 / 8000;
 // A kink in the force's slope takes an order or two from it.
@@ -82,7 +82,7 @@ std::vector<ExactValue> SolveSpinningPair() {
   const double k = pair.material.stiffness;
   const double half = k * pair.length / (k - kReducedMass * kSpin * kSpin) / 2;
   Problem problem = MakeProblem(MakePair(pair), kTime);
-  problem.equations.gravity = Vector3d(0, 0, -kGravity);
+  problem.equations.gravity = Vector3d(0, 0, -kGravitySize);
   for (const int i : {0, 1}) {
     const double side = i == 0 ? -half : half;
     problem.x[i] = Vector3d(side, 0, 0);
@@ -90,7 +90,7 @@ std::vector<ExactValue> SolveSpinningPair() {
   }
   const Ends ends = SolveBoth(problem, kStep);
   const auto findHeight = [](const Motion& motion) { return (motion.x[0] + motion.x[1]).z() / 2; };
-  const double height = kUp * kTime - kGravity * kTime * kTime / 2;
+  const double height = kUp * kTime - kGravitySize * kTime * kTime / 2;
   return {{"free fall", "height of the centre, m", height, findHeight(ends.engine), findHeight(ends.reference), kUp},
           {"spinning pair", "place of a mass along x, m", half * std::cos(kSpin * kTime), ends.engine.x[1].x(),
            ends.reference.x[1].x(), half}};
@@ -100,7 +100,7 @@ std::vector<ExactValue> SolveSpinningPair() {
 class Impact {
  public:
   Impact(const ContactParameters<double>& law, double mass, double speed) : m_law(law), m_mass(mass), m_speed(speed) {
-    const double weightDepth = mass * kGravity / law.stiffness;
+    const double weightDepth = mass * kGravitySize / law.stiffness;
     const double delta = law.fadeDepth;
     const double middle = delta / 2 + weightDepth;
     m_depth = middle + std::sqrt(middle * middle - delta * delta / 3 + mass * speed * speed / law.stiffness);
@@ -115,7 +115,7 @@ class Impact {
     const double k = m_law.stiffness;
     const double delta = m_law.fadeDepth;
     const double stored = d < delta ? k * d * d * d / (6 * delta) : k * (d * (d - delta) / 2 + delta * delta / 6);
-    return m_speed * m_speed + 2 * kGravity * d - 2 * stored / m_mass;
+    return m_speed * m_speed + 2 * kGravitySize * d - 2 * stored / m_mass;
   }
   // ∫ 2 d_max s/v ds by Gauss's three points in each of many parts.
   [[nodiscard]] double FindTime(double from, double to) const {
@@ -142,12 +142,12 @@ class Impact {
 std::vector<ExactValue> SolveBounce() {
   constexpr double kFall = 0.2;    // m
   constexpr double kAfter = 0.15;  // s of flight after the bounce
-  const double speed = std::sqrt(2 * kGravity * kFall);
-  const double falling = speed / kGravity;
+  const double speed = std::sqrt(2 * kGravitySize * kFall);
+  const double falling = speed / kGravitySize;
   Problem problem = MakeProblem(MakeParticles(1), 0);
   const Coefficients<double>& body = problem.blueprint->full;
   const Impact impact(body.contact, body.masses[0], speed);
-  problem.equations.gravity = Vector3d(0, 0, -kGravity);
+  problem.equations.gravity = Vector3d(0, 0, -kGravitySize);
   problem.equations.obstacles = {Obstacle{}};
   for (Vector3d& x : problem.x) x.z() = kFall;
 
@@ -156,8 +156,8 @@ std::vector<ExactValue> SolveBounce() {
     return SolveBoth(problem, kBounceStep);
   };
   const auto findEnergy = [&](const Motion& motion) { return FindEnergy(problem.equations, motion.x, motion.v); };
-  const double energy = problem.blueprint->totalMass * kGravity * kFall;
-  const double height = speed * kAfter - kGravity * kAfter * kAfter / 2;
+  const double energy = problem.blueprint->totalMass * kGravitySize * kFall;
+  const double height = speed * kAfter - kGravitySize * kAfter * kAfter / 2;
   const Ends deep = solve(falling + impact.Duration() / 2);
   const Ends after = solve(falling + impact.Duration() + kAfter);
   const std::string name = "bounce of a particle";

@@ -16,7 +16,7 @@ namespace {
 
 double FindError(const ExactValue& value, double found) { return std::fabs(found - value.exact) / value.scale; }
 
-void AddRow(Bench& bench, const ExactValue& value) {
+void AddExactRow(Bench& bench, const ExactValue& value) {
   bench.results.rows.push_back({{"experiment", "exact solution"},
                                 {"problem", value.problem},
                                 {"quantity", value.quantity},
@@ -49,11 +49,11 @@ void MeasureExactSolutions(Bench& bench) {
   double worst = 0;
   for (const auto* values : {&motions, &equilibria}) {
     for (const ExactValue& value : *values) {
-      AddRow(bench, value);
+      AddExactRow(bench, value);
       worst = std::isfinite(worst) ? std::max(worst, FindWorst(value)) : worst;
     }
   }
-  AddRow(bench, modulus);
+  AddExactRow(bench, modulus);
   bench.results.AddFigureAtMost("exact_solution_error_max", worst, 1e-9);
   bench.results.AddFigureAtMost("young_modulus_error", FindWorst(modulus), 0.05);
 }

@@ -30,7 +30,7 @@ constexpr double kAllowed = 1e-3;  // of the radius
 constexpr std::int64_t kMostSteps = 1000;
 constexpr int kTolerances = 48;  // from 1, eight a power of ten
 
-struct Side {
+struct Racer {
   bool isEngine = false;
   bool isCompared = true;  // for the figure
   std::string method;
@@ -53,7 +53,7 @@ class Race {
   template <class Make>
   void AddFirstGood(const Make& make) {
     for (std::int64_t steps = 4; steps <= kMostSteps; ++steps) {
-      Side side = make(steps);
+      Racer side = make(steps);
       if (!Try(side)) continue;
       m_sides.push_back(std::move(side));
       return;
@@ -62,9 +62,9 @@ class Race {
   // `make(tolerance)` that ends near enough after the fewest evaluations.
   template <class Make>
   void AddCheapest(const Make& make) {
-    Side cheapest;
+    Racer cheapest;
     for (int i = 0; i < kTolerances; ++i) {
-      Side side = make(std::pow(10, -i / 8.0));
+      Racer side = make(std::pow(10, -i / 8.0));
       if (!Try(side)) continue;
       if (!cheapest.solve || side.solved.evaluations < cheapest.solved.evaluations) cheapest = std::move(side);
     }
@@ -73,15 +73,15 @@ class Race {
 
   // All sides once, by turns.
   void Run() {
-    for (Side& side : m_sides) side.times.push_back(side.solve(kBodies).time);
+    for (Racer& side : m_sides) side.times.push_back(side.solve(kBodies).time);
   }
 
   [[nodiscard]] const Problem& Ball() const { return m_ball; }
-  [[nodiscard]] const std::vector<Side>& Sides() const { return m_sides; }
+  [[nodiscard]] const std::vector<Racer>& Sides() const { return m_sides; }
   // The fastest of the engine's, or of the opponents.
-  [[nodiscard]] const Side& FindFastest(bool isEngine) const {
-    const Side* fastest = nullptr;
-    for (const Side& side : m_sides) {
+  [[nodiscard]] const Racer& FindFastest(bool isEngine) const {
+    const Racer* fastest = nullptr;
+    for (const Racer& side : m_sides) {
       if (side.isEngine != isEngine || !side.isCompared) continue;
       if (fastest == nullptr || side.FindTime() < fastest->FindTime()) fastest = &side;
     }
@@ -89,7 +89,7 @@ class Race {
   }
 
  private:
-  bool Try(Side& side) const {
+  bool Try(Racer& side) const {
     side.solved = side.solve(1);
     side.error = FindDistance(side.solved.end.x, m_exact.x) / m_ball.blueprint->size;
     return side.error <= kAllowed;
@@ -97,7 +97,7 @@ class Race {
 
   Problem m_ball;
   Motion m_exact;
-  std::vector<Side> m_sides;
+  std::vector<Racer> m_sides;
 };
 
 void AddEngine(Race& race) {
@@ -109,12 +109,12 @@ void AddEngine(Race& race) {
               race.Ball(),
               {.integrator = integrator, .steps = steps, .isSingle = isSingle, .bodies = bodies, .isTimed = true});
         };
-        return Side{.isEngine = true,
-                    .isCompared = integrator == Integrator::kRungeKutta4,
-                    .method = FindName(integrator),
-                    .forces = isSingle ? "engine, float" : "engine, double",
-                    .steps = steps,
-                    .solve = solve};
+        return Racer{.isEngine = true,
+                     .isCompared = integrator == Integrator::kRungeKutta4,
+                     .method = FindName(integrator),
+                     .forces = isSingle ? "engine, float" : "engine, double",
+                     .steps = steps,
+                     .solve = solve};
       });
     }
   }
@@ -127,11 +127,11 @@ void AddLanes(Race& race) {
       const auto solve = [=, &race](int bodies) {
         return SolveInLanes(race.Ball(), {.steps = steps, .isSingle = isSingle, .bodies = bodies});
       };
-      return Side{.isEngine = true,
-                  .method = "rk4 in lanes",
-                  .forces = isSingle ? "engine, float" : "engine, double",
-                  .steps = steps,
-                  .solve = solve};
+      return Racer{.isEngine = true,
+                   .method = "rk4 in lanes",
+                   .forces = isSingle ? "engine, float" : "engine, double",
+                   .steps = steps,
+                   .solve = solve};
     });
   }
 }
@@ -147,11 +147,11 @@ void AddOdeint(Race& race) {
         return SolveByOdeint(race.Ball(), ofBodies);
       };
       const bool isAdaptive = how.method == Method::kDormandPrince;
-      return Side{.method = FindName(how.method),
-                  .forces = forces,
-                  .tolerance = isAdaptive ? how.tolerance : 0,
-                  .steps = isAdaptive ? 0 : how.steps,
-                  .solve = solve};
+      return Racer{.method = FindName(how.method),
+                   .forces = forces,
+                   .tolerance = isAdaptive ? how.tolerance : 0,
+                   .steps = isAdaptive ? 0 : how.steps,
+                   .solve = solve};
     };
     race.AddFirstGood([&](std::int64_t steps) {
       return make({.method = Method::kRungeKutta4, .steps = steps, .asksEngine = asksEngine});
@@ -163,13 +163,13 @@ void AddOdeint(Race& race) {
 }
 
 // Of the rounds, what share `share` of them stays below.
-double FindQuantile(std::vector<double> values, double share) {
+double FindLowerQuantile(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
-void AddRows(Bench& bench, const Race& race, const Side& opponent) {
-  for (const Side& side : race.Sides()) {
+void AddRaceRows(Bench& bench, const Race& race, const Racer& opponent) {
+  for (const Racer& side : race.Sides()) {
     std::vector<double> ratios;
     for (std::size_t i = 0; i < side.times.size(); ++i) ratios.push_back(opponent.times[i] / side.times[i]);
     nlohmann::ordered_json row{{"experiment", "opponents"}, {"method", side.method}, {"forces", side.forces}};
@@ -179,7 +179,8 @@ void AddRows(Bench& bench, const Race& race, const Side& opponent) {
     row["evaluations"] = side.solved.evaluations;
     row["cpu_s"] = side.FindTime();
     row["speedup_vs_odeint"] = opponent.FindTime() / side.FindTime();
-    row["speedup_quartiles"] = {FindQuantile(ratios, 0.25), FindQuantile(ratios, 0.5), FindQuantile(ratios, 0.75)};
+    row["speedup_quartiles"] = {FindLowerQuantile(ratios, 0.25), FindLowerQuantile(ratios, 0.5),
+                                FindLowerQuantile(ratios, 0.75)};
     bench.results.rows.push_back(std::move(row));
   }
 }
@@ -197,9 +198,9 @@ void MeasureOpponents(Bench& bench) {
     race.Run();
     bench.progress.Show(round + 1, rounds);
   }
-  const Side& opponent = race.FindFastest(false);
-  const Side& engine = race.FindFastest(true);
-  AddRows(bench, race, opponent);
+  const Racer& opponent = race.FindFastest(false);
+  const Racer& engine = race.FindFastest(true);
+  AddRaceRows(bench, race, opponent);
   // What is asked for is asked of AVX-512; with half the lanes it only informs.
   const double speedup = opponent.FindTime() / engine.FindTime();
   if (FindSweepKernels<float>(kWidestPack).back().width == kWidestPack) {

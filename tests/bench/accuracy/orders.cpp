@@ -28,7 +28,7 @@ using namespace physics;
 constexpr double kDampingRatio = 0.2;  // of each spring between its two masses
 constexpr int kDoublings = 3;          // one less in a quick run
 
-struct Case {
+struct OrderCase {
   const Problem* problem = nullptr;
   const Motion* exact = nullptr;
   Integrator integrator = Integrator::kRungeKutta4;
@@ -53,21 +53,21 @@ Problem AddDamping(const Problem& undamped) {
   return damped;
 }
 
-constexpr double kRodLength = 1;  // m
-constexpr double kSwing = 0.5;    // s
-constexpr double kAngle = 0.5;    // at the beginning, from below
-constexpr double kGravity = 9.81;
+constexpr double kRodLength = 1;     // m
+constexpr double kSwing = 0.5;       // s
+constexpr double kFirstAngle = 0.5;  // at the beginning, from below
+constexpr double kPendulumGravity = 9.81;
 
 // A weight on a spring from a fixed point, let go aside.
-Problem MakePendulum() {
+Problem MakeRodPendulum() {
   Problem pendulum;
   pendulum.name = "weight on a rod, 0.5 s";
   auto blueprint = std::make_shared<Blueprint>(
       MakePair({.length = kRodLength, .direction = Vector3d(0, 0, -1), .firstIsFixed = true}));
   pendulum.equations.blueprint = blueprint.get();
-  pendulum.equations.gravity = Vector3d(0, 0, -kGravity);
+  pendulum.equations.gravity = Vector3d(0, 0, -kPendulumGravity);
   pendulum.blueprint = std::move(blueprint);
-  pendulum.x = {Vector3d::Zero(), kRodLength * Vector3d(std::sin(kAngle), 0, -std::cos(kAngle))};
+  pendulum.x = {Vector3d::Zero(), kRodLength * Vector3d(std::sin(kFirstAngle), 0, -std::cos(kFirstAngle))};
   pendulum.v = {Vector3d::Zero(), Vector3d::Zero()};
   pendulum.duration = kSwing;
   return pendulum;
@@ -76,11 +76,11 @@ Problem MakePendulum() {
 // θ'' = −g/l sin θ.
 Motion SolvePendulum() {
   constexpr int kSteps = 10000;
-  std::vector<Vector3d> angle{Vector3d(kAngle, 0, 0)};
+  std::vector<Vector3d> angle{Vector3d(kFirstAngle, 0, 0)};
   std::vector<Vector3d> rate{Vector3d::Zero()};
   StageBuffers<double, 4> buffers;
   const auto swing = [](auto at, auto, std::span<Vector3d> a) {
-    a[0] = Vector3d(-kGravity / kRodLength * std::sin(at[0].x()), 0, 0);
+    a[0] = Vector3d(-kPendulumGravity / kRodLength * std::sin(at[0].x()), 0, 0);
   };
   for (int i = 0; i < kSteps; ++i) {
     StepRungeKutta<double>(kClassicRungeKutta, kSwing / kSteps, swing, std::span(angle), std::span(rate), buffers);
@@ -121,7 +121,7 @@ double FindSlope(const std::vector<double>& errors) {
   return -product / square;
 }
 
-void AddRow(Bench& bench, const Case& each) {
+void AddOrderRow(Bench& bench, const OrderCase& each) {
   nlohmann::ordered_json steps = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < each.errors.size(); ++i) steps.push_back(each.steps << i);
   const double order = FindSlope(each.errors);
@@ -135,7 +135,7 @@ void AddRow(Bench& bench, const Case& each) {
 }
 
 // Of the methods that solve the equations; with damping only where that changes the order.
-void AddFigure(Bench& bench, const Case& each, bool isDamped) {
+void AddFigure(Bench& bench, const OrderCase& each, bool isDamped) {
   if (each.integrator == Integrator::kPositionVerlet) return;
   if (isDamped && each.theory == FindOrder(each.integrator, false)) return;
   bench.results.AddFigureWithin(std::string("order_") + FindName(each.integrator) + (isDamped ? "_damped" : ""),
@@ -147,12 +147,12 @@ void AddFigure(Bench& bench, const Case& each, bool isDamped) {
 void MeasureOrders(Bench& bench) {
   const Problem ball = MakeStretchedBall();
   const Problem damped = AddDamping(ball);
-  const Problem pendulum = MakePendulum();
+  const Problem pendulum = MakeRodPendulum();
   std::array<Motion, 2> exact;
   if (!RunTrials(bench, 2, [&](std::size_t i) { exact[i] = SolveReference(i == 0 ? ball : damped); })) return;
   const Motion exactPendulum = SolvePendulum();
 
-  std::vector<Case> cases;
+  std::vector<OrderCase> cases;
   for (const Integrator integrator : kIntegrators) {
     for (const bool isDamped : {false, true}) {
       if (bench.options.quick && isDamped && integrator == Integrator::kImplicitEuler) continue;
@@ -167,16 +167,16 @@ void MeasureOrders(Bench& bench) {
   }
   cases.push_back({&pendulum, &exactPendulum, Integrator::kPositionVerlet, 1, 250, {}});
   const std::size_t count = bench.options.quick ? kDoublings : kDoublings + 1;
-  for (Case& each : cases) each.errors.resize(count);
+  for (OrderCase& each : cases) each.errors.resize(count);
   const bool done = RunTrials(bench, cases.size() * count, [&](std::size_t i) {
-    Case& each = cases[i / count];
+    OrderCase& each = cases[i / count];
     const SolvedMotion solved =
         SolveInSteps(*each.problem, {.integrator = each.integrator, .steps = each.steps << (i % count)});
     each.errors[i % count] = FindDistance(solved.end.x, each.exact->x) / each.problem->blueprint->size;
   });
   if (!done) return;
-  for (const Case& each : cases) {
-    AddRow(bench, each);
+  for (const OrderCase& each : cases) {
+    AddOrderRow(bench, each);
     AddFigure(bench, each, damped.name == each.problem->name);
   }
   bench.results.remarks.push_back(

@@ -95,7 +95,7 @@ Blueprint MakeSheet(Orientation orientation, Pinned pinned, double dampingRatio,
 }
 
 // Hangs by its upper edge and swings.
-PlayedCase MakePendulum(const std::string& name, double dampingRatio, double drag) {
+PlayedCase MakeClothPendulum(const std::string& name, double dampingRatio, double drag) {
   PlayedCase made = MakeCase(name, MakeSheet(Orientation::kVertical, Pinned::kEdge, dampingRatio, drag), kDown);
   const double top = made.x[0].z();
   for (std::size_t i = 0; i < made.x.size(); ++i) made.v[i] = Vector3d(0, 1.5 * (top - made.x[i].z()), 0);
@@ -125,7 +125,7 @@ std::vector<PlayedCase> MakePlayedCases(bool quick) {
   add(Stretch(MakeCase("cube, undamped", MakeCube(0), none), 0.05));
   add(Throw(Stretch(MakeCase("cube, damped, tumbling in flight", MakeCube(0.1), kDown), 0.1), {1, 0, 9}, {5, 3, 1}));
   add(Stretch(MakeCase("plate of 8 x 4 cells, undamped", MakePlate(0), none), 0.05));
-  add(MakePendulum("cloth, undamped, swinging", 0, 0));
+  add(MakeClothPendulum("cloth, undamped, swinging", 0, 0));
   add(Stretch(MakeCase("ring of three layers, damped", MakeLayeredRing(3, 0.2), none), 0.1));
   if (quick) return cases;
   add(Drop(MakeCase("firm ball, undamped, bouncing", MakeFirmBall(0), kDown), 1));
@@ -133,7 +133,7 @@ std::vector<PlayedCase> MakePlayedCases(bool quick) {
   add(Throw(MakeCase("firm ball, undamped, spinning in flight", MakeFirmBall(0), kDown), {3, 0, 9}, {4, 3, 2}));
   add(Stretch(MakeCase("soft ball, undamped", MakeSoftBall(0), none), 0.1));
   add(Drop(Throw(MakeCase("cube, damped, bouncing", MakeCube(0.1), kDown), none, {1, 2, 0}), 0.5));
-  add(MakePendulum("cloth, damped, swinging in air", 0.2, 0.6));
+  add(MakeClothPendulum("cloth, damped, swinging in air", 0.2, 0.6));
   add(MakeFallingSheet("cloth, damped, let fall", 0.2, 0.6));
   add(Stretch(MakeCase("ring of 24, undamped", MakeLayeredRing(1, 0), none), 0.05));
   add(MakeFallingSheet("cloth, undamped, let fall", 0, 0));

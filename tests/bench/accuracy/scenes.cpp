@@ -33,9 +33,9 @@ namespace wobble::bench {
 namespace {
 
 using namespace physics;
-using Places = std::vector<std::vector<Vector3d>>;  // of all vertices of all bodies, m
+using ScenePlaces = std::vector<std::vector<Vector3d>>;  // of all vertices of all bodies, m
 
-constexpr double kTick = 1.0 / kTicksASecond;
+constexpr double kSceneTick = 1.0 / kTicksASecond;
 constexpr double kMillimetres = 1000;   // in a metre
 constexpr double kUnreachable = 1e-12;  // error target, m/s
 constexpr double kAside = 1e-8;         // m
@@ -49,7 +49,7 @@ struct Second {
   std::unique_ptr<World> aside;      // as that, but begun beside it; as well
   double apart = 0;                  // these two, at the begin, m
   std::vector<State<float>> begins;  // where no body can touch another
-  Places played, plain;              // at its end
+  ScenePlaces played, plain;         // at its end
   double cost = HUGE_VAL;            // of one thread, s
   std::uint64_t substeps = 0;
   std::uint64_t awake = 0, touching = 0;  // bodies, summed over ticks: these touch another
@@ -66,15 +66,15 @@ struct PlayedScene {
 std::unique_ptr<World> MakeWorld(const std::string& name, std::uint64_t seed) {
   const scenes::LoadResult loaded = scenes::LoadScene(name, scenes::FindShippedScenes());
   if (!loaded.errors.empty()) return nullptr;
-  auto world = std::make_unique<World>(scenes::MakeWorldSettings(loaded.scene, kTick, 1));
+  auto world = std::make_unique<World>(scenes::MakeWorldSettings(loaded.scene, kSceneTick, 1));
   (void)scenes::FillWorld(loaded.scene, seed, *world);
   return world;
 }
 
 int FindTicksOfReference(bool quick) { return quick ? 1 : 4; }
 
-Places ReadPlaces(const World& world) {
-  Places places;
+ScenePlaces ReadPlaces(const World& world) {
+  ScenePlaces places;
   for (const Body& body : world.Bodies()) places.push_back(ReadPositions(body));
   return places;
 }
@@ -158,7 +158,7 @@ void SolvePlainly(const PlayedScene& scene, int steps, Second& second) {
 }
 
 // Of each body that has equations, how far it is from where it is in `others`, m.
-std::vector<double> FindDistances(const PlayedScene& scene, const Places& places, const Places& others) {
+std::vector<double> FindDistances(const PlayedScene& scene, const ScenePlaces& places, const ScenePlaces& others) {
   std::vector<double> distances;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Blueprint& blueprint = scene.world->BlueprintOf(scene.world->Bodies()[i]);
@@ -177,7 +177,7 @@ double FindMost(const std::vector<double>& values) { return *std::max_element(va
 
 nlohmann::ordered_json MakeRow(const PlayedScene& scene, std::size_t index) {
   const Second& second = scene.all[index];
-  const Places reference = ReadPlaces(*second.fine);
+  const ScenePlaces reference = ReadPlaces(*second.fine);
   const std::vector<double> errors = FindDistances(scene, second.played, reference);
   const double target = scene.world->Settings().errorTarget;
   nlohmann::ordered_json row = {
@@ -195,7 +195,7 @@ nlohmann::ordered_json MakeRow(const PlayedScene& scene, std::size_t index) {
       {"body_ticks", second.awake},
       {"body_ticks_touching_bodies", second.touching}};
   if (second.half) {
-    const Places half = ReadPlaces(*second.half);
+    const ScenePlaces half = ReadPlaces(*second.half);
     row["change"] = FindMost(FindDistances(scene, reference, half));
     row["growth"] = FindMost(FindDistances(scene, half, ReadPlaces(*second.aside))) / second.apart;
   }

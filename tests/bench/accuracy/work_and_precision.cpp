@@ -89,7 +89,7 @@ double FindEnergyScale(const Problem& problem) {
   return above + problem.blueprint->totalMass * problem.equations.gravity.norm() * problem.blueprint->size;
 }
 
-void Solve(const Line& line, const Limits& limits, Point& point) {
+void SolvePoint(const Line& line, const Limits& limits, Point& point) {
   const Problem& problem = *line.problem;
   SolvedMotion solved = SolveOnce(line, point);
   point.time = solved.time;
@@ -112,7 +112,7 @@ void SolveAll(const Bench& bench, const Limits& limits, Line& line) {
   if (!line.integrator && line.opponent == OdeintSteps::Method::kDormandPrince) {
     for (int i = 0; i < kTightest && !bench.progress.IsStopAsked(); ++i) {
       Point& point = line.points.emplace_back(Point{.tolerance = kLoosest * std::pow(10, -i)});
-      Solve(line, limits, point);
+      SolvePoint(line, limits, point);
       if (static_cast<double>(point.evaluations) > limits.evaluations) return;
     }
     return;
@@ -121,7 +121,7 @@ void SolveAll(const Bench& bench, const Limits& limits, Line& line) {
     Point point{.steps = std::lround(rate * line.problem->duration)};
     const bool tooLong = static_cast<double>(point.steps) * FindStepCost(line) > limits.evaluations;
     if (tooLong || bench.progress.IsStopAsked()) return;
-    Solve(line, limits, point);
+    SolvePoint(line, limits, point);
     line.points.push_back(point);
   }
 }
@@ -142,7 +142,7 @@ std::vector<Line> MakeLines(const std::vector<Problem>& problems, const std::vec
   return lines;
 }
 
-void AddRow(Bench& bench, const Line& line) {
+void AddLineRow(Bench& bench, const Line& line) {
   if (line.points.empty()) return;
   nlohmann::ordered_json row{{"experiment", "work_and_precision"},
                              {"problem", line.problem->name},
@@ -228,7 +228,7 @@ void MeasureWorkAndPrecision(Bench& bench) {
   std::vector<Line> lines = MakeLines(problems, exact);
   const Limits limits = quick ? Limits{12000, 0.003} : Limits{200000, 0.02};
   if (!RunTrials(bench, lines.size(), [&](std::size_t i) { SolveAll(bench, limits, lines[i]); })) return;
-  for (const Line& line : lines) AddRow(bench, line);
+  for (const Line& line : lines) AddLineRow(bench, line);
   const Problem& damped = *std::find_if(problems.begin(), problems.end(), &IsDampedBall);
   bench.results.plots.push_back(DrawWork(lines, problems[0], "accuracy_work_precision"));
   bench.results.plots.push_back(DrawWork(lines, damped, "accuracy_work_precision_damped"));

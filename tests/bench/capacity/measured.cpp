@@ -100,7 +100,7 @@ nlohmann::ordered_json MakeRow(const Measured& measured, const Party& party) {
               {"speed_median", hosted.speeds.empty() ? 0 : FindMedian(hosted.speeds)},
               {"touching", hosted.contacts.Touching()},
               {"touched_by_each", hosted.contacts.TouchedByEach()},
-              {"in_groups_of_12", hosted.contacts.ShareInLargeGroups()},
+              {"in_groups_of_12", hosted.contacts.ShareInLargeIslands()},
               {"largest_group", hosted.contacts.LargestIsland()},
               {"largest_group_ever", hosted.contacts.LargestIslandEver()},
               {"substeps", static_cast<double>(hosted.substeps) / awake},

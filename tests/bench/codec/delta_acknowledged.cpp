@@ -32,7 +32,7 @@ class Numbers {
   std::array<unsigned, 3> m_means{};  // 4 x
 };
 
-std::vector<std::uint8_t> Encode(const std::vector<int>& deltas) {
+std::vector<std::uint8_t> EncodeDeltas(const std::vector<int>& deltas) {
   AdaptiveEncoder encoder;
   Numbers numbers;
   for (std::size_t i = 0; i < deltas.size(); ++i) {
@@ -42,7 +42,7 @@ std::vector<std::uint8_t> Encode(const std::vector<int>& deltas) {
   return encoder.Finish();
 }
 
-std::vector<int> Decode(const std::vector<std::uint8_t>& bytes, std::size_t count) {
+std::vector<int> DecodeDeltas(const std::vector<std::uint8_t>& bytes, std::size_t count) {
   AdaptiveDecoder decoder(bytes);
   Numbers numbers;
   std::vector<int> deltas(count);
@@ -55,7 +55,7 @@ std::vector<int> Decode(const std::vector<std::uint8_t>& bytes, std::size_t coun
 
 using Frame = std::vector<GridBody>;
 
-struct Stream {
+struct AcknowledgedStream {
   const Recording& recording;
   double step;
   std::vector<Frame> sent = {};  // by frame, as sender and receiver know it
@@ -69,8 +69,8 @@ struct Stream {
         deltas.push_back(now.back().places[i] - FindBaseline(frame, body, i));
       }
     }
-    const std::vector<std::uint8_t> bytes = Encode(deltas);
-    const std::vector<int> received = Decode(bytes, deltas.size());
+    const std::vector<std::uint8_t> bytes = EncodeDeltas(deltas);
+    const std::vector<int> received = DecodeDeltas(bytes, deltas.size());
     std::size_t next = 0;
     for (std::size_t body = 0; body < shown.size(); ++body) {
       for (std::size_t i = 0; i < now[body].places.size(); ++i) {
@@ -91,7 +91,7 @@ struct Stream {
 
 Method MakeDeltaAcknowledged() {
   const auto begin = [](const Recording& recording, double step) -> CodeFrame {
-    return [stream = Stream{recording, step}](std::size_t frame, Shown& shown) mutable {
+    return [stream = AcknowledgedStream{recording, step}](std::size_t frame, Shown& shown) mutable {
       return stream.Code(frame, shown);
     };
   };

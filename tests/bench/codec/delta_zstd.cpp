@@ -28,7 +28,7 @@ std::vector<std::int16_t> JoinBytes(const std::vector<std::uint8_t>& bytes) {
   return numbers;
 }
 
-struct Stream {
+struct ZstdStream {
   const Recording& recording;
   double step;
   bool isTuned;
@@ -71,7 +71,7 @@ struct Stream {
 
 Method MakeDeltaZstd(bool isTuned) {
   const auto begin = [isTuned](const Recording& recording, double step) -> CodeFrame {
-    return [stream = Stream{recording, step, isTuned}](std::size_t frame, Shown& shown) mutable {
+    return [stream = ZstdStream{recording, step, isTuned}](std::size_t frame, Shown& shown) mutable {
       return stream.Code(frame, shown);
     };
   };

@@ -10,7 +10,7 @@
 namespace wobble::bench {
 namespace {
 
-constexpr float kTarget = 0.0025F;
+constexpr float kTimedTarget = 0.0025F;
 
 using Payloads = std::vector<std::vector<std::uint8_t>>;
 
@@ -21,7 +21,8 @@ void EncodeAll(const Recording& recording, protocol::ShapeEncoder& encoder, Payl
     for (const server::CapturedBody& body : frame) {
       std::vector<std::uint8_t>& payload = payloads[next++];
       payload.clear();
-      (void)encoder.Encode(model, body.pose, body.vertices, kTarget * model.size, protocol::kMaxRecordPayload, payload);
+      (void)encoder.Encode(model, body.pose, body.vertices, kTimedTarget * model.size, protocol::kMaxRecordPayload,
+                           payload);
     }
   }
 }

@@ -21,6 +21,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "tests/bench/contact/bodies.h"
 #include "tests/bench/contact/experiments.h"
@@ -33,9 +34,7 @@ namespace {
 
 using namespace physics;
 
-constexpr double kTick = 1.0 / 60;
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kAfter = 0.4;  // s of play after the bodies would have met
+constexpr double kAfterMeeting = 0.4;  // s of play after the bodies would have met
 constexpr double kDeep = 0.8;
 constexpr double kDeepShare = 0.5;     // of the smaller radius
 constexpr double kBehindShare = 0.25;  // of the radius
@@ -82,7 +81,7 @@ Thrown DrawBody(Random& random, double speed, bool firm, double contactShare) {
 // A point in the disc across `direction`.
 Vector3d DrawAcross(Random& random, const Vector3d& direction, double radius) {
   const Vector3d first = direction.unitOrthogonal();
-  const double angle = random.Draw(0, 2 * kPi);
+  const double angle = random.Draw(0, 2 * std::numbers::pi);
   return radius * std::sqrt(random.Draw(0, 1)) * (std::cos(angle) * first + std::sin(angle) * direction.cross(first));
 }
 
@@ -114,7 +113,7 @@ class Trial {
         AimAtSheet(thrown);
         break;
     }
-    const int ticks = static_cast<int>(std::ceil((m_gap / m_shot.speed + kAfter) / kTick));
+    const int ticks = static_cast<int>(std::ceil((m_gap / m_shot.speed + kAfterMeeting) / kContactTick));
     for (int tick = 0; tick < ticks; ++tick) {
       const StepReport report = m_world->Step();
       m_shot.nonFinite += report.nonFinite;

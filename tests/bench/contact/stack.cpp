@@ -18,12 +18,11 @@ namespace {
 
 using namespace physics;
 
-constexpr double kTick = 1.0 / 60;
-constexpr double kStands = 20;    // s
-constexpr double kPatience = 90;  // for those that sleep later, s
-constexpr double kAfter = 10;     // s
+constexpr double kStands = 20;       // s
+constexpr double kPatience = 90;     // for those that sleep later, s
+constexpr double kAfterAsleep = 10;  // s
 
-struct Case {
+struct Stack {
   std::string body;
   LatticeDefinition definition;
   int count = 4;
@@ -35,7 +34,7 @@ struct Case {
   bool changed = false;
 };
 
-void Play(Case& each) {
+void PlayStack(Stack& each) {
   World world(WorldSettings{});
   world.AddBlueprint(MakeLattice(each.definition));
   world.AddObstacle(Obstacle{});
@@ -45,21 +44,21 @@ void Play(Case& each) {
   }
   const Body& top = world.Bodies().back();
   each.asleep = -1;
-  for (int tick = 1; tick * kTick <= (each.asleep < 0 ? kPatience : kStands); ++tick) {
+  for (int tick = 1; tick * kContactTick <= (each.asleep < 0 ? kPatience : kStands); ++tick) {
     const bool isAwake = world.Step().awake > 0;
-    if (isAwake || each.asleep < 0) each.asleep = isAwake ? -1 : tick * kTick;
+    if (isAwake || each.asleep < 0) each.asleep = isAwake ? -1 : tick * kContactTick;
     each.drift = std::max(each.drift, world.FindCentre(top).head<2>().norm());
   }
   each.sunk = (each.count - 0.5) * height - world.FindCentre(top).z();
   const std::uint64_t hash = world.Hash();
-  for (int tick = 1; tick <= std::lround(kAfter / kTick); ++tick) {
+  for (int tick = 1; tick <= std::lround(kAfterAsleep / kContactTick); ++tick) {
     world.Step();
     each.changed |= world.Hash() != hash;
   }
 }
 
-std::vector<Case> MakeCases() {
-  std::vector<Case> cases;
+std::vector<Stack> MakeStacks() {
+  std::vector<Stack> cases;
   const auto add = [&](const char* name, std::array<int, 3> cells, double cellSize, double youngModulus, double damping,
                        int count) {
     LatticeDefinition definition;
@@ -78,12 +77,12 @@ std::vector<Case> MakeCases() {
 }  // namespace
 
 void MeasureStacks(Bench& bench) {
-  std::vector<Case> cases = MakeCases();
-  if (!RunTrials(bench, cases.size(), [&](std::size_t i) { Play(cases[i]); })) return;
+  std::vector<Stack> cases = MakeStacks();
+  if (!RunTrials(bench, cases.size(), [&](std::size_t i) { PlayStack(cases[i]); })) return;
   double drift = 0;
   double asleep[2] = {0, 0};  // cubes, slabs
   bool changed = false;
-  for (const Case& each : cases) {
+  for (const Stack& each : cases) {
     constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
     drift = std::max(drift, each.drift);
     double& latest = asleep[each.isSlab ? 1 : 0];

@@ -22,7 +22,7 @@ constexpr int kActHz = 60;
 constexpr int kTwinTicks = 4;  // of the twin in one of the world
 constexpr int kTruthHz = 240;
 constexpr int kSnapshotHz = 30;
-constexpr double kPercent = 100;  // of a radius of 1 m
+constexpr double kRadiusPercent = 100;  // of a radius of 1 m
 
 std::unique_ptr<World> MakeWorld(int tickHz) {
   WorldSettings settings;
@@ -74,7 +74,7 @@ std::vector<double> MeasurePhysics(Bench& bench, int seconds) {
     if (second < 2) continue;  // they fall from where they were put
     for (std::size_t i = 0; i < kPlayers; ++i) {
       const double square = FindMeanSquare(ReadPositions(world->Bodies()[i]), ReadPositions(twin.Bodies()[i]));
-      errors.push_back(kPercent * std::sqrt(square));
+      errors.push_back(kRadiusPercent * std::sqrt(square));
     }
     bench.progress.Show(static_cast<std::size_t>(second), static_cast<std::size_t>(seconds));
   }
@@ -121,7 +121,7 @@ double MeasureCurve(Bench& bench, int seconds) {
       ++count;
     }
   }
-  return kPercent * std::sqrt(sum / static_cast<double>(count));
+  return kRadiusPercent * std::sqrt(sum / static_cast<double>(count));
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ namespace {
 constexpr const char* kPauseAfter = "0.1";  // s
 constexpr double kBegin = 2;                // s, by when the world has been made and waits
 
-void Wait(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
+void Sleep(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
 
 // That the world stood still, s; 0 when there is no summary.
 double ReadPausedTime(const std::filesystem::path& summary) {
@@ -29,20 +29,20 @@ double ReadPausedTime(const std::filesystem::path& summary) {
   return json.is_object() ? json.value("paused_s", 0.0) : 0;
 }
 
-struct Watched {
+struct Observation {
   double time = 0;  // of the wall, s
   double work = 0;  // of all threads in it, s
 };
 
-Watched WatchServer(const std::filesystem::path& summary, double seconds) {
+Observation WatchServer(const std::filesystem::path& summary, double seconds) {
   // One that the system has for short-lived clients, so seldom anybody's; a server that finds it taken ends at once.
   const int port = 40000 + getpid() % 10000;
   const Running server({FindProgram("wobbled"), "--scene", "crowd", "--port", std::to_string(port), "--pause-after",
                         kPauseAfter, "--log-level", "off", "--summary", summary});
-  Wait(kBegin);
+  Sleep(kBegin);
   const double began = ReadWallTime();
   const double before = server.ReadProcessTime();
-  Wait(seconds);
+  Sleep(seconds);
   const double work = server.ReadProcessTime() - before;
   return {ReadWallTime() - began, work};
 }
@@ -52,7 +52,7 @@ Watched WatchServer(const std::filesystem::path& summary, double seconds) {
 void MeasureEmpty(Bench& bench) {
   const std::filesystem::path summary =
       std::filesystem::temp_directory_path() / ("wobble_lab_empty_" + std::to_string(getpid()) + ".json");
-  const Watched watched = WatchServer(summary, bench.options.quick ? 2 : 20);
+  const Observation watched = WatchServer(summary, bench.options.quick ? 2 : 20);
   const double paused = ReadPausedTime(summary);
   std::error_code code;
   std::filesystem::remove(summary, code);

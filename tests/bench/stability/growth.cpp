@@ -32,7 +32,7 @@ constexpr double kDisplaced = 1e-7;  // m, and over a second m/s
 constexpr int kSamples = 15;         // moments at which the distance is looked at
 constexpr int kIterations = 60;      // of the power method: the largest two may be close, the norm is not far off then
 
-struct Subject {
+struct GrowthBall {
   int subdivisions = 2;
   double stiffness = 750;  // N/m
   double dampingRatio = 0;
@@ -40,8 +40,8 @@ struct Subject {
   std::vector<Vector3d> x = {};  // stretched
 };
 
-struct Trial {
-  const Subject* subject;
+struct GrowthTrial {
+  const GrowthBall* subject;
   Integrator integrator;
   int stepsASecond;
   double lipschitz = 0;                            // k, 1/s
@@ -49,7 +49,7 @@ struct Trial {
   std::vector<std::array<double, 2>> growth = {};  // s, ln of the distance over that at the beginning
 };
 
-Subject MakeSubject(int subdivisions, double stiffness, double dampingRatio) {
+GrowthBall MakeGrowthBall(int subdivisions, double stiffness, double dampingRatio) {
   BallDefinition ball;
   ball.subdivisions = subdivisions;
   ball.radius = 1;
@@ -57,7 +57,7 @@ Subject MakeSubject(int subdivisions, double stiffness, double dampingRatio) {
   ball.material.stiffness = stiffness;
   ball.material.gas = 1000;
   ball.material.dampingRatio = dampingRatio;
-  Subject subject{subdivisions, stiffness, dampingRatio, MakeBall(ball)};
+  GrowthBall subject{subdivisions, stiffness, dampingRatio, MakeBall(ball)};
   const double across = 1 / std::sqrt(kStretch);
   for (const Vector3d& x : subject.blueprint.rest) {
     subject.x.emplace_back(across * x.x(), across * x.y(), kStretch * x.z());
@@ -65,13 +65,13 @@ Subject MakeSubject(int subdivisions, double stiffness, double dampingRatio) {
   return subject;
 }
 
-FreeBody Begin(const Trial& trial) {
+FreeBody Begin(const GrowthTrial& trial) {
   FreeBody body(trial.subject->blueprint, trial.integrator);
   body.x = trial.subject->x;
   return body;
 }
 
-double FindStep(const Trial& trial) { return 1.0 / trial.stepsASecond; }
+double FindStep(const GrowthTrial& trial) { return 1.0 / trial.stepsASecond; }
 
 // The largest singular value of a matrix that is given by what it and its transpose do.
 template <class Apply, class ApplyTransposed>
@@ -105,7 +105,7 @@ double FindLipschitz(const LinearMotion& motion, double weight) {
 }
 
 // The largest along the motion, at kSamples of its steps, there and where its last stage reaches.
-double FindLipschitz(const Trial& trial) {
+double FindLipschitz(const GrowthTrial& trial) {
   Equations equations;
   equations.blueprint = &trial.subject->blueprint;
   FreeBody body = Begin(trial);
@@ -139,7 +139,7 @@ double FindBound(Integrator integrator, double k, double h) {
 }
 
 // The state as one vector, positions times the weight, kSamples times.
-std::vector<VectorXd> Follow(const Trial& trial, FreeBody body) {
+std::vector<VectorXd> Follow(const GrowthTrial& trial, FreeBody body) {
   const double weight = trial.subject->blueprint.angularFrequency;
   const auto count = static_cast<Eigen::Index>(3 * body.x.size());
   const double h = FindStep(trial);
@@ -155,7 +155,7 @@ std::vector<VectorXd> Follow(const Trial& trial, FreeBody body) {
   return samples;
 }
 
-void MeasureGrowthOf(Trial& trial) {
+void MeasureGrowthOf(GrowthTrial& trial) {
   const double weight = trial.subject->blueprint.angularFrequency;
   trial.lipschitz = FindLipschitz(trial);
   trial.bound = FindBound(trial.integrator, trial.lipschitz, FindStep(trial));
@@ -183,7 +183,7 @@ void MeasureGrowthOf(Trial& trial) {
   }
 }
 
-double FindLargestShare(const Trial& trial) {
+double FindLargestShare(const GrowthTrial& trial) {
   double share = 0;
   for (const auto& [time, growth] : trial.growth) {
     if (!std::isfinite(growth)) return NAN;
@@ -192,9 +192,9 @@ double FindLargestShare(const Trial& trial) {
   return share;
 }
 
-std::vector<Trial> MakeTrials(const std::vector<Subject>& subjects, bool quick) {
-  std::vector<Trial> trials;
-  for (const Subject& subject : subjects) {
+std::vector<GrowthTrial> MakeTrials(const std::vector<GrowthBall>& subjects, bool quick) {
+  std::vector<GrowthTrial> trials;
+  for (const GrowthBall& subject : subjects) {
     const int slowest = subject.stiffness > 750 ? 180 : 60;  // hω = 2.2: RK4 is near its limit
     for (const int factor : {1, 2, 4, 8}) {
       if (quick && factor == 4) continue;
@@ -206,7 +206,7 @@ std::vector<Trial> MakeTrials(const std::vector<Subject>& subjects, bool quick) 
   return trials;
 }
 
-void AddRow(Bench& bench, const Trial& trial) {
+void AddGrowthRow(Bench& bench, const GrowthTrial& trial) {
   bench.results.rows.push_back({{"experiment", "growth"},
                                 {"method", FindName(trial.integrator)},
                                 {"body", "ball of " + std::to_string(CountVertices(trial.subject->subdivisions))},
@@ -220,7 +220,7 @@ void AddRow(Bench& bench, const Trial& trial) {
 }
 
 // Of the first subject.
-void AddPlot(Bench& bench, const std::vector<Trial>& trials) {
+void AddGrowthPlot(Bench& bench, const std::vector<GrowthTrial>& trials) {
   Plot plot{"stability_growth",
             "Two motions of a stretched ball that begin beside one another",
             "time, s",
@@ -228,7 +228,7 @@ void AddPlot(Bench& bench, const std::vector<Trial>& trials) {
             {}};
   plot.logY = true;
   int colour = 0;
-  for (const Trial& trial : trials) {
+  for (const GrowthTrial& trial : trials) {
     if (trial.subject != trials[0].subject) continue;
     const std::string method = trial.integrator == Integrator::kExplicitEuler ? "explicit Euler" : "RK4";
     const std::string name = method + ", h = 1/" + std::to_string(trial.stepsASecond) + " s";
@@ -246,24 +246,24 @@ void AddPlot(Bench& bench, const std::vector<Trial>& trials) {
 
 void MeasureGrowth(Bench& bench) {
   const bool quick = bench.options.quick;
-  std::vector<Subject> subjects;
-  subjects.push_back(MakeSubject(quick ? 1 : 2, 750, 0));
+  std::vector<GrowthBall> subjects;
+  subjects.push_back(MakeGrowthBall(quick ? 1 : 2, 750, 0));
   for (const double stiffness : {750.0, 7500.0}) {
     for (const double dampingRatio : {0.0, 0.2}) {
       if (quick && stiffness > 750 && dampingRatio > 0) continue;
-      if (stiffness > 750 || dampingRatio > 0) subjects.push_back(MakeSubject(1, stiffness, dampingRatio));
+      if (stiffness > 750 || dampingRatio > 0) subjects.push_back(MakeGrowthBall(1, stiffness, dampingRatio));
     }
   }
-  std::vector<Trial> trials = MakeTrials(subjects, quick);
+  std::vector<GrowthTrial> trials = MakeTrials(subjects, quick);
   if (!RunTrials(bench, trials.size(), [&](std::size_t i) { MeasureGrowthOf(trials[i]); })) return;
   double largest = 0;
-  for (const Trial& trial : trials) {
-    AddRow(bench, trial);
+  for (const GrowthTrial& trial : trials) {
+    AddGrowthRow(bench, trial);
     const double share = FindLargestShare(trial);
     largest = std::isfinite(share) ? std::max(largest, share) : share;
   }
   bench.results.AddFigureAtMost("growth_over_bound_max", largest, 1);
-  AddPlot(bench, trials);
+  AddGrowthPlot(bench, trials);
 }
 
 }  // namespace wobble::bench

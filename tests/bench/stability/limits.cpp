@@ -43,7 +43,7 @@ constexpr double kSmallStep = 0.02;             // over the fastest frequency: e
 constexpr Integrator kLimited[] = {Integrator::kRungeKutta4, Integrator::kVelocityVerlet, Integrator::kLeapFrog,
                                    Integrator::kSemiImplicitEuler, Integrator::kExplicitEuler};
 
-struct Subject {
+struct LimitedBody {
   std::string kind;
   double stiffness = 0;  // of a spring, N/m; of a lattice: Young's modulus, Pa
   double dampingRatio = 0;
@@ -54,18 +54,19 @@ struct Subject {
   [[nodiscard]] bool IsPair() const { return blueprint.rest.size() == 2; }
 };
 
-struct Trial {
-  const Subject* subject;
+struct LimitTrial {
+  const LimitedBody* subject;
   Integrator integrator;
   StepLimit theory;
   double measured = 0;  // s; 0: the smallest step tried grows, infinity: the largest does not
 };
 
-Subject MakeSubject(const std::string& kind, double stiffness, double dampingRatio, double gas, Blueprint blueprint) {
+LimitedBody MakeLimitedBody(const std::string& kind, double stiffness, double dampingRatio, double gas,
+                            Blueprint blueprint) {
   return {kind, stiffness, dampingRatio, gas, std::move(blueprint), {}};
 }
 
-Subject MakeBallSubject(int subdivisions, double stiffness, double dampingRatio, double gas) {
+LimitedBody MakeBallSubject(int subdivisions, double stiffness, double dampingRatio, double gas) {
   BallDefinition ball;
   ball.subdivisions = subdivisions;
   ball.material.stiffness = stiffness;
@@ -74,28 +75,28 @@ Subject MakeBallSubject(int subdivisions, double stiffness, double dampingRatio,
   Blueprint blueprint = MakeBall(ball);
   blueprint.full.fixed = {0, 1, 2};
   FinishBlueprint(blueprint);
-  return MakeSubject("ball of " + std::to_string(CountVertices(subdivisions)), stiffness, dampingRatio, gas,
-                     std::move(blueprint));
+  return MakeLimitedBody("ball of " + std::to_string(CountVertices(subdivisions)), stiffness, dampingRatio, gas,
+                         std::move(blueprint));
 }
 
-Subject MakeLatticeSubject(double youngModulus, double dampingRatio) {
+LimitedBody MakeLatticeSubject(double youngModulus, double dampingRatio) {
   LatticeDefinition lattice;
   lattice.cells = {2, 2, 2};
   lattice.youngModulus = youngModulus;
   lattice.dampingRatio = dampingRatio;
   lattice.fixed = Side::kLowZ;
-  return MakeSubject("lattice of 27", youngModulus, dampingRatio, 0, MakeLattice(lattice));
+  return MakeLimitedBody("lattice of 27", youngModulus, dampingRatio, 0, MakeLattice(lattice));
 }
 
-Subject MakePairSubject(double dampingRatio) {
+LimitedBody MakePairSubject(double dampingRatio) {
   PairDefinition pair;
   pair.firstIsFixed = true;
   pair.material.dampingRatio = dampingRatio;
-  return MakeSubject("pair", pair.material.stiffness, dampingRatio, 0, MakePair(pair));
+  return MakeLimitedBody("pair", pair.material.stiffness, dampingRatio, 0, MakePair(pair));
 }
 
-std::vector<Subject> MakeSubjects(bool quick) {
-  std::vector<Subject> subjects;
+std::vector<LimitedBody> MakeSubjects(bool quick) {
+  std::vector<LimitedBody> subjects;
   const std::vector<double> dampings =
       quick ? std::vector<double>{0, 0.2, 1} : std::vector<double>{0, 0.05, 0.2, 0.5, 1};
   for (const double stiffness : {150.0, 1500.0, 15000.0}) {
@@ -116,11 +117,11 @@ std::vector<Subject> MakeSubjects(bool quick) {
   return subjects;
 }
 
-double FindSmallStep(const Trial& trial) { return kSmallStep / trial.theory.frequency; }
+double FindSmallStep(const LimitTrial& trial) { return kSmallStep / trial.theory.frequency; }
 
 // Explicit Euler lets a motion of damping ratio ζ grow by 2ζ² a step for each whole that the step is too large by, and
 // lets the others die away no faster: the weaker the damping, the longer it takes to tell.
-int CountSteps(const Trial& trial) {
+int CountSteps(const LimitTrial& trial) {
   if (trial.integrator != Integrator::kExplicitEuler) return kSteps;
   const double ratio = std::max(trial.theory.dampingRatio, kWeakestDamping);
   int steps = kEulerSteps;
@@ -128,7 +129,7 @@ int CountSteps(const Trial& trial) {
   return steps;
 }
 
-double MeasureStep(const Trial& trial) {
+double MeasureStep(const LimitTrial& trial) {
   Disturbed body(trial.subject->blueprint, trial.integrator, trial.subject->IsPair());
   const bool isEuler = trial.integrator == Integrator::kExplicitEuler;
   const int steps = CountSteps(trial);
@@ -151,21 +152,21 @@ double FindDeviation(double found, double theory) {
 }
 
 // What integrator.h says of the one oscillator that the limit is that of.
-double FindClosedForm(const Trial& trial) {
+double FindClosedForm(const LimitTrial& trial) {
   const double w = trial.theory.frequency;
   return FindLargestStep(trial.integrator, w * w, 2 * trial.theory.dampingRatio * w);
 }
 
 // What a server takes for this body alone.
-double FindServerStep(const Trial& trial) {
+double FindServerStep(const LimitTrial& trial) {
   const Blueprint& blueprint = trial.subject->blueprint;
   Modes modes;
   modes.body = {blueprint.angularFrequency * blueprint.angularFrequency, blueprint.dampingRate};
   return 1 / FindStableRate(trial.integrator, blueprint, modes);
 }
 
-void AddRow(Bench& bench, const Trial& trial) {
-  const Subject& subject = *trial.subject;
+void AddLimitRow(Bench& bench, const LimitTrial& trial) {
+  const LimitedBody& subject = *trial.subject;
   bench.results.rows.push_back({{"experiment", "limit"},
                                 {"method", FindName(trial.integrator)},
                                 {"body", subject.kind},
@@ -181,11 +182,11 @@ void AddRow(Bench& bench, const Trial& trial) {
                                 {"server_step", FindServerStep(trial)}});
 }
 
-void AddFigures(Bench& bench, const std::vector<Trial>& trials) {
+void AddFigures(Bench& bench, const std::vector<LimitTrial>& trials) {
   double worst = 0;
   double worstOfForms = 0;
   double worstOfServer = 0;
-  for (const Trial& trial : trials) {
+  for (const LimitTrial& trial : trials) {
     const bool isOneOscillator = trial.integrator != Integrator::kVelocityVerlet || trial.subject->gas == 0;
     const double ofForm = FindDeviation(FindClosedForm(trial), trial.theory.step);
     worst = std::max(worst, FindDeviation(trial.measured, trial.theory.step));
@@ -200,7 +201,7 @@ void AddFigures(Bench& bench, const std::vector<Trial>& trials) {
 }
 
 // Both in units of the oscillator that the limit is that of, so that all bodies share one line.
-void AddPlotOfLimits(Bench& bench, const std::vector<Trial>& trials) {
+void AddPlotOfLimits(Bench& bench, const std::vector<LimitTrial>& trials) {
   struct Line {
     const char* name;
     Integrator integrator;
@@ -221,7 +222,7 @@ void AddPlotOfLimits(Bench& bench, const std::vector<Trial>& trials) {
     for (int i = 0; i <= 260; ++i) {
       theory.points.push_back({0.01 * i, FindLargestStep(line.integrator, 1, 0.02 * i)});
     }
-    for (const Trial& trial : trials) {
+    for (const LimitTrial& trial : trials) {
       const bool isLeapFrog =
           trial.integrator == Integrator::kLeapFrog && line.integrator == Integrator::kSemiImplicitEuler;
       if (trial.integrator != line.integrator && !isLeapFrog) continue;
@@ -242,7 +243,7 @@ void AddMap(Bench& bench, Integrator integrator, const std::string& name, const 
   const bool done = RunTrials(bench, static_cast<std::size_t>(across), [&](std::size_t column) {
     const double ratio = kLargestRatio * (static_cast<double>(column) + 0.5) / across;
     // √2: the ratio is that of two masses that swing, of which one is fixed here.
-    const Subject pair = MakePairSubject(std::sqrt(2) * ratio);
+    const LimitedBody pair = MakePairSubject(std::sqrt(2) * ratio);
     Disturbed body(pair.blueprint, integrator, true);
     const double frequency = std::sqrt(pair.stiffness / pair.blueprint.full.masses[1]);
     for (int row = 0; row < across; ++row) {
@@ -267,15 +268,15 @@ void AddMap(Bench& bench, Integrator integrator, const std::string& name, const 
 }
 
 // Implicit Euler on all bodies but the largest, position Verlet on those without gas.
-void MeasureHugeSteps(Bench& bench, const std::vector<Subject>& subjects) {
+void MeasureHugeSteps(Bench& bench, const std::vector<LimitedBody>& subjects) {
   struct HugeStep {
-    const Subject* subject;
+    const LimitedBody* subject;
     Integrator integrator;
     double product;  // hω
     bool grows = false;
   };
   std::vector<HugeStep> steps;
-  for (const Subject& subject : subjects) {
+  for (const LimitedBody& subject : subjects) {
     if (subject.blueprint.rest.size() > 100) continue;
     for (const double product : kHugeSteps) {
       steps.push_back({&subject, Integrator::kImplicitEuler, product});
@@ -308,13 +309,13 @@ void MeasureHugeSteps(Bench& bench, const std::vector<Subject>& subjects) {
 }  // namespace
 
 void MeasureLimits(Bench& bench) {
-  std::vector<Subject> subjects = MakeSubjects(bench.options.quick);
+  std::vector<LimitedBody> subjects = MakeSubjects(bench.options.quick);
   if (!RunTrials(bench, subjects.size(),
                  [&](std::size_t i) { subjects[i].motion = LineariseAtRest(subjects[i].blueprint); })) {
     return;
   }
-  std::vector<Trial> trials;
-  for (const Subject& subject : subjects) {
+  std::vector<LimitTrial> trials;
+  for (const LimitedBody& subject : subjects) {
     for (const Integrator integrator : kLimited) trials.push_back({&subject, integrator, {}});
   }
   if (!RunTrials(bench, trials.size(), [&](std::size_t i) {
@@ -323,7 +324,7 @@ void MeasureLimits(Bench& bench) {
       })) {
     return;
   }
-  for (const Trial& trial : trials) AddRow(bench, trial);
+  for (const LimitTrial& trial : trials) AddLimitRow(bench, trial);
   AddFigures(bench, trials);
   AddPlotOfLimits(bench, trials);
   AddMap(bench, Integrator::kRungeKutta4, "stability_map", "RK4: one oscillator, what a step does to it");

@@ -20,7 +20,7 @@ constexpr double kShift = 1e-6;       // of a coordinate, m, and of its rate, m/
 constexpr double kRigidShare = 1e-3;  // of the fastest rate: what is slower than this is rounding of zero
 constexpr double kUndamped = 1e-9;    // the same for damping
 constexpr double kMarch = 1.1;        // from a step to the next, while looking for the first that is unstable
-constexpr int kBisections = 34;
+constexpr int kRadiusBisections = 34;
 
 struct Coordinate {
   std::size_t vertex;
@@ -109,7 +109,7 @@ double FindEulerStep(const Complex& rate) {
 double FindRungeKuttaStep(const Complex& rate) {
   double begin = 0;
   double end = 4 / std::abs(rate);
-  for (int i = 0; i < kBisections; ++i) {
+  for (int i = 0; i < kRadiusBisections; ++i) {
     const double middle = (begin + end) / 2;
     const Complex z = middle * rate;
     const Complex growth = 1.0 + z + z * z / 2.0 + z * z * z / 6.0 + z * z * z * z / 24.0;
@@ -145,7 +145,7 @@ StepLimit FindLimitByMatrix(const LinearMotion& motion, const MakeMatrix& makeMa
     begin = end;
     end *= kMarch;
   }
-  for (int i = 0; i < kBisections; ++i) {
+  for (int i = 0; i < kRadiusBisections; ++i) {
     const double middle = (begin + end) / 2;
     (isStable(middle) ? begin : end) = middle;
   }

@@ -32,14 +32,14 @@ constexpr double kExploded = 5;  // of the body's size
 constexpr int kStepsASample = 3;
 constexpr double kReturned = 0.01;  // of the largest displacement
 
-struct Subject {
+struct PushedBody {
   std::string name;
   Blueprint blueprint;
   double push;  // acceleration as far out as the body reaches, m/s²
 };
 
-struct Trial {
-  const Subject* subject;
+struct PushTrial {
+  const PushedBody* subject;
   Integrator integrator;
   double peak = 0;          // largest displacement, RMS over vertices, m
   double left = 0;          // at the end over the largest
@@ -48,13 +48,13 @@ struct Trial {
   std::vector<std::array<double, 2>> track = {};  // s, displacement, m
 };
 
-Subject MakeCube() {
+PushedBody MakeCube() {
   LatticeDefinition cube;
   cube.dampingRatio = 0.1;
   return {"lattice of 64", MakeLattice(cube), 600};
 }
 
-Subject MakeGasBall() {
+PushedBody MakeGasBall() {
   BallDefinition ball;
   ball.radius = 1;
   ball.material.mass = 0.25 * static_cast<double>(CountVertices(ball.subdivisions));
@@ -63,7 +63,7 @@ Subject MakeGasBall() {
   return {"gas ball of 162", MakeBall(ball), 30};
 }
 
-void SetPushes(const Subject& subject, const std::vector<Vector3d>& x, std::vector<VertexForce<double>>& pushes) {
+void SetPushes(const PushedBody& subject, const std::vector<Vector3d>& x, std::vector<VertexForce<double>>& pushes) {
   pushes.clear();
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double force = -subject.blueprint.full.masses[i] * subject.push * x[i].z() / subject.blueprint.reach;
@@ -71,8 +71,8 @@ void SetPushes(const Subject& subject, const std::vector<Vector3d>& x, std::vect
   }
 }
 
-void Play(Trial& trial) {
-  const Subject& subject = *trial.subject;
+void PlayPush(PushTrial& trial) {
+  const PushedBody& subject = *trial.subject;
   FreeBody body(subject.blueprint, trial.integrator);
   Equations equations;
   equations.blueprint = &subject.blueprint;
@@ -98,9 +98,9 @@ void Play(Trial& trial) {
   trial.energyLeft = (FindEnergy(equations, body.x, body.v) - atRest) / released;
 }
 
-bool HasExploded(const Trial& trial) { return !std::isnan(trial.explodedAt); }
+bool HasExploded(const PushTrial& trial) { return !std::isnan(trial.explodedAt); }
 
-void AddRow(Bench& bench, const Trial& trial) {
+void AddPushRow(Bench& bench, const PushTrial& trial) {
   nlohmann::ordered_json row = {{"experiment", "perturbation"},
                                 {"method", FindName(trial.integrator)},
                                 {"body", trial.subject->name},
@@ -116,14 +116,15 @@ void AddRow(Bench& bench, const Trial& trial) {
   bench.results.rows.push_back(std::move(row));
 }
 
-void AddPlot(Bench& bench, const std::vector<Trial>& trials, const Subject& subject, const std::string& name) {
+void AddPushPlot(Bench& bench, const std::vector<PushTrial>& trials, const PushedBody& subject,
+                 const std::string& name) {
   Plot plot{name,
             "A " + subject.name + " is pressed together for 0.5 s and let go, steps of 1/240 s",
             "time, s",
             "RMS way of the vertices from rest, m",
             {}};
   plot.logY = true;
-  for (const Trial& trial : trials) {
+  for (const PushTrial& trial : trials) {
     if (trial.subject != &subject) continue;
     plot.series.push_back({FindName(trial.integrator), Stroke::kLine, trial.track});
   }
@@ -133,24 +134,24 @@ void AddPlot(Bench& bench, const std::vector<Trial>& trials, const Subject& subj
 }  // namespace
 
 void MeasurePerturbations(Bench& bench) {
-  const Subject cube = MakeCube();
-  const Subject ball = MakeGasBall();
-  std::vector<Trial> trials;
-  for (const Subject* subject : {&cube, &ball}) {
+  const PushedBody cube = MakeCube();
+  const PushedBody ball = MakeGasBall();
+  std::vector<PushTrial> trials;
+  for (const PushedBody* subject : {&cube, &ball}) {
     for (const Integrator integrator : kIntegrators) trials.push_back({subject, integrator});
   }
-  if (!RunTrials(bench, trials.size(), [&](std::size_t i) { Play(trials[i]); })) return;
+  if (!RunTrials(bench, trials.size(), [&](std::size_t i) { PlayPush(trials[i]); })) return;
   double left = 0;
   double explodedAt = 0;
-  for (const Trial& trial : trials) {
-    AddRow(bench, trial);
+  for (const PushTrial& trial : trials) {
+    AddPushRow(bench, trial);
     if (trial.integrator == Integrator::kRungeKutta4) left = std::max(left, HasExploded(trial) ? NAN : trial.left);
     if (trial.integrator == Integrator::kExplicitEuler && trial.subject == &cube) explodedAt = trial.explodedAt;
   }
   bench.results.AddFigureAtMost("perturbation_rk4_left", left, kReturned);
   bench.results.AddFigureAtMost("perturbation_euler_exploded_s", explodedAt, kWatched);
-  AddPlot(bench, trials, cube, "stability_perturbation");
-  AddPlot(bench, trials, ball, "stability_perturbation_ball");
+  AddPushPlot(bench, trials, cube, "stability_perturbation");
+  AddPushPlot(bench, trials, ball, "stability_perturbation_ball");
 }
 
 }  // namespace wobble::bench

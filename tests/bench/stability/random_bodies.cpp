@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 #include "server/physics/methods/stability.h"
 
@@ -22,7 +23,6 @@ using namespace physics;
 constexpr double kMostSubsteps = 36;
 constexpr double kDecades = 3;  // of stiffness
 constexpr double kTickHz = 60;
-constexpr double kPi = 3.14159265358979323846;
 // Faster than anything is thrown, m/s.
 constexpr double kAnySpeed = 1e3;
 
@@ -49,7 +49,7 @@ Material DrawMaterial(Random& random, double fastest, std::size_t vertices) {
   return material;
 }
 
-std::string Describe(const char* kind, std::size_t vertices, const Material& m) {
+std::string DescribeShape(const char* kind, std::size_t vertices, const Material& m) {
   char text[160];
   std::snprintf(text, sizeof text, "%s of %zu, %.3g kg, k %.3g N/m, damping %.2g, gas %.3g J", kind, vertices, m.mass,
                 m.stiffness, m.dampingRatio, m.gas);
@@ -78,8 +78,9 @@ Draft DraftBall(Random& random, std::size_t vertices) {
   ball.material = DrawMaterial(random, 6, count);
   ball.material.drag = random.Happens(0.2) ? random.Draw(0, 1) : 0;
   const double square = ball.radius * ball.radius;
-  DrawGas(random, 10 * ball.material.stiffness * square, 4 * kPi / 3 * square * ball.radius, ball.material);
-  return {ball, Describe("ball", count, ball.material)};
+  DrawGas(random, 10 * ball.material.stiffness * square, 4 * std::numbers::pi / 3 * square * ball.radius,
+          ball.material);
+  return {ball, DescribeShape("ball", count, ball.material)};
 }
 
 Draft DraftLattice(Random& random, std::size_t vertices) {
@@ -116,9 +117,10 @@ Draft DraftRing(Random& random, std::size_t vertices) {
   const auto count = static_cast<std::size_t>(ring.points * ring.layers);
   ring.material = DrawMaterial(random, ring.layers > 1 ? 8 : 4, count);
   const double inner = ring.layers > 1 ? ring.radius - ring.thickness : ring.radius;
-  const double most = 0.7 * ring.material.stiffness * 2 * kPi * inner * inner * 2 / ring.points * kPi * ring.layers / 2;
-  DrawGas(random, most, kPi * inner * inner, ring.material);
-  return {ring, Describe(ring.layers > 1 ? "layered ring" : "ring", count, ring.material)};
+  const double most = 0.7 * ring.material.stiffness * 2 * std::numbers::pi * inner * inner * 2 / ring.points *
+                      std::numbers::pi * ring.layers / 2;
+  DrawGas(random, most, std::numbers::pi * inner * inner, ring.material);
+  return {ring, DescribeShape(ring.layers > 1 ? "layered ring" : "ring", count, ring.material)};
 }
 
 Draft DraftCloth(Random& random, std::size_t vertices) {
@@ -137,7 +139,7 @@ Draft DraftCloth(Random& random, std::size_t vertices) {
   const auto count = static_cast<std::size_t>(cloth.points[0] * cloth.points[1]);
   cloth.material = DrawMaterial(random, 8, count);
   cloth.material.drag = random.Happens(0.7) ? random.Draw(0, 1) : 0;
-  return {cloth, Describe("cloth", count, cloth.material)};
+  return {cloth, DescribeShape("cloth", count, cloth.material)};
 }
 
 Draft DraftPair(Random& random) {
@@ -146,7 +148,7 @@ Draft DraftPair(Random& random) {
   pair.direction = random.DrawDirection();
   pair.firstIsFixed = random.Happens(0.3);
   pair.material = DrawMaterial(random, 2, 2);
-  return {pair, Describe("pair", 2, pair.material)};
+  return {pair, DescribeShape("pair", 2, pair.material)};
 }
 
 // A chain, a strip of two rows that are joined crosswise, or a tower of four.
@@ -208,9 +210,9 @@ Draft DraftMesh(Random& random, std::size_t vertices) {
   const double extent = std::cbrt(axes.prod());
   if (!open) {
     const double most = 3 * mesh.material.stiffness * extent * extent;
-    DrawGas(random, most, 4 * kPi / 3 * axes.prod(), mesh.material);
+    DrawGas(random, most, 4 * std::numbers::pi / 3 * axes.prod(), mesh.material);
   }
-  return {mesh, Describe(open ? "open mesh" : "closed mesh", mesh.vertices.size(), mesh.material)};
+  return {mesh, DescribeShape(open ? "open mesh" : "closed mesh", mesh.vertices.size(), mesh.material)};
 }
 
 Draft DraftAny(Random& random, std::size_t vertices) {

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "tests/bench/stability/random_bodies.h"
 
@@ -19,10 +20,8 @@ namespace {
 
 using namespace physics;
 
-constexpr int kTicks = 600;
 constexpr double kGravity = 9.81;
 constexpr std::size_t kMostBodies = 12;
-constexpr double kPi = 3.14159265358979323846;
 
 }  // namespace
 
@@ -37,9 +36,9 @@ RandomWorld::RandomWorld(std::uint64_t seed, std::uint32_t number, Violence viol
   PlaceBodies();
   AddDrives();
   const int kicks = m_random.DrawWhole(0, 6);
-  for (int i = 0; i < kicks; ++i) m_kicks.push_back(m_random.DrawWhole(1, kTicks));
+  for (int i = 0; i < kicks; ++i) m_kicks.push_back(m_random.DrawWhole(1, kRandomTicks));
   if (m_random.Happens(0.15)) {
-    for (int i = 0; i < 3; ++i) m_tilts.push_back(m_random.DrawWhole(1, kTicks));
+    for (int i = 0; i < 3; ++i) m_tilts.push_back(m_random.DrawWhole(1, kRandomTicks));
   }
   for (const Body& body : m_world->Bodies()) {
     if (m_players.size() < 3 && m_random.Happens(0.25)) m_players.push_back({body.id, m_random.DrawWhole(1, 60)});
@@ -210,7 +209,7 @@ void RandomWorld::Act() {
     if (due != tick) continue;
     const double gravity = m_world->Settings().gravity.norm();
     const double angle = m_random.Draw(0, 0.6);
-    const double towards = m_random.Draw(0, 2 * kPi);
+    const double towards = m_random.Draw(0, 2 * std::numbers::pi);
     m_world->SetGravity(
         gravity * Vector3d(std::sin(angle) * std::cos(towards), std::sin(angle) * std::sin(towards), -std::cos(angle)));
   }
@@ -246,7 +245,7 @@ void RandomWorld::Kick() {
 
 void RandomWorld::Steer(Player& player) {
   Control control;
-  const double angle = m_random.Draw(0, 2 * kPi);
+  const double angle = m_random.Draw(0, 2 * std::numbers::pi);
   const double strength = m_random.Happens(0.3) ? 0 : 1;
   control.moveX = strength * std::cos(angle);
   control.moveY = strength * std::sin(angle);

@@ -8,7 +8,6 @@ namespace {
 
 using namespace physics;
 
-constexpr int kTicks = 12;
 constexpr double kTickMs = 1000.0 / 60;
 
 using MakeWorld = std::unique_ptr<World> (*)(std::size_t, const WorldSettings&, int);
@@ -23,10 +22,10 @@ constexpr Crowd kCrowds[] = {{"apart", &MakeBallsApart, kTicksToFall}, {"pressed
 // Mean ms a tick.
 double MeasureCrowd(Bench& bench, const Crowd& crowd, std::size_t bodies) {
   const auto world = crowd.make(bodies, WorldSettings{}, crowd.ticks);
-  const Replay replay = MakeReplay(*world, world->Settings(), kTicks);
+  const Replay replay = MakeReplay(*world, world->Settings(), kTimedTicks);
   Peak peak;
   const TickTimes times = TimeReplays(bench, {&replay, 1}, bench.options.quick ? 2 : 5, peak)[0];
-  const Played played = CountPlayed(*world, world->Settings(), kTicks);
+  const Played played = CountPlayed(*world, world->Settings(), kTimedTicks);
   bench.results.rows.push_back({{"experiment", "crowd"},
                                 {"where", crowd.name},
                                 {"bodies", bodies},

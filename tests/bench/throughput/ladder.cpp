@@ -17,8 +17,6 @@ namespace {
 
 using namespace physics;
 
-constexpr int kSubsteps = 4;
-constexpr int kTicks = 12;
 constexpr int kTicksToChoose = 30;
 constexpr double kLeastStretch = 0.001;
 constexpr double kMostStretch = 0.2;
@@ -33,7 +31,7 @@ void MeasurePacks(Bench& bench) {
   const auto world = MakeBallsAtRest<float>();
   const int rounds = bench.options.quick ? 4 : 100;
   for (int bodies = 1; bodies <= widest; ++bodies) {
-    Balls<float> balls(world, {.bodies = static_cast<std::size_t>(bodies), .steps = kSubsteps});
+    Balls<float> balls(world, {.bodies = static_cast<std::size_t>(bodies), .steps = kTimedSubsteps});
     Fastest fastest;
     Peak peak;
     for (int round = 0; round < rounds; ++round) {
@@ -97,15 +95,15 @@ struct Population {
 
 Population MeasurePopulation(Bench& bench, std::size_t count) {
   const auto world = MakeVibratingBalls(count);
-  const Played own = CountPlayed(*world, world->Settings(), kTicks);
+  const Played own = CountPlayed(*world, world->Settings(), kTimedTicks);
   // Of the numbers that there are the next to their mean: what a tick costs once is then shared by as many.
   WorldSettings alike = FixSubsteps(FindRung(own.substeps - 0.5));
   alike.gravity.setZero();
-  const Replay replays[] = {MakeReplay(*world, world->Settings(), kTicks), MakeReplay(*world, alike, kTicks)};
+  const Replay replays[] = {MakeReplay(*world, world->Settings(), kTimedTicks), MakeReplay(*world, alike, kTimedTicks)};
   Peak peak;
   const auto times = TimeReplays(bench, replays, bench.options.quick ? 3 : 20, peak);
   const double vertices = static_cast<double>(count * world->Blueprints()[0].rest.size());
-  const Played same = CountPlayed(*world, alike, kTicks);
+  const Played same = CountPlayed(*world, alike, kTimedTicks);
   const Population population{FindFilledShare(*world), times[0].FindMean() / vertices / own.allSubsteps * 1e9,
                               times[1].FindMean() / vertices / same.allSubsteps * 1e9};
   bench.results.rows.push_back({{"experiment", "ladder"},

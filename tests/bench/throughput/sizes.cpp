@@ -17,9 +17,8 @@ namespace {
 
 using namespace physics;
 
-constexpr std::size_t kBodies = 16;
-constexpr int kSubsteps = 4;
-constexpr int kTicks = 6;
+constexpr std::size_t kBodiesOfASize = 16;
+constexpr int kTicksOfASize = 6;
 
 Blueprint MakeSolid(int cells, bool isPlanar) {
   LatticeDefinition lattice;
@@ -76,9 +75,9 @@ std::vector<Kind> MakeKinds(bool quick) {
 }
 
 std::unique_ptr<World> MakeFalling(const Blueprint& blueprint) {
-  auto world = std::make_unique<World>(FixSubsteps(kSubsteps));
+  auto world = std::make_unique<World>(FixSubsteps(kTimedSubsteps));
   world->AddBlueprint(blueprint);
-  for (std::size_t i = 0; i < kBodies; ++i) world->AddBody(0, Vector3d(3 * static_cast<double>(i), 0, 0));
+  for (std::size_t i = 0; i < kBodiesOfASize; ++i) world->AddBody(0, Vector3d(3 * static_cast<double>(i), 0, 0));
   return world;
 }
 
@@ -103,10 +102,10 @@ std::vector<std::array<double, 2>> MeasureKind(Bench& bench, const Kind& kind) {
   std::vector<std::array<double, 2>> points;
   for (const Size& size : kind.sizes) {
     const auto world = MakeFalling(size.blueprint);
-    const Replay replay = MakeReplay(*world, world->Settings(), kTicks);
+    const Replay replay = MakeReplay(*world, world->Settings(), kTicksOfASize);
     Peak peak;
     const TickTimes times = TimeReplays(bench, {&replay, 1}, bench.options.quick ? 2 : 12, peak)[0];
-    const double time = times.FindMean() * 1e3 / kBodies;
+    const double time = times.FindMean() * 1e3 / kBodiesOfASize;
     points.push_back({size.edge, time});
     bench.results.rows.push_back({{"experiment", "sizes"},
                                   {"kind", kind.name},

@@ -15,7 +15,7 @@ namespace {
 
 using namespace physics;
 
-constexpr std::size_t kBodies = 16;
+constexpr std::size_t kPackedBodies = 16;
 constexpr int kManySteps = 32;
 constexpr int kFewSteps = 4;
 constexpr double kUsefulFlops = 684;  // of a ball's vertex and step
@@ -38,7 +38,7 @@ Way MakeWay(const std::shared_ptr<const World>& world, int lanes, const BallsSet
           .isSingle = std::is_same_v<Real, float>,
           .setting = setting};
   // Of shorter work more, so that each way has the same chance of being left in peace.
-  const auto again = static_cast<int>(kBodies / setting.bodies) * kManySteps / setting.steps;
+  const auto again = static_cast<int>(kPackedBodies / setting.bodies) * kManySteps / setting.steps;
   way.take = [balls, fastest, lanes, again] {
     for (int i = 0; i < again; ++i) {
       balls->Reset();
@@ -104,15 +104,16 @@ void MeasureVertexSteps(Bench& bench) {
     bench.progress.Show(round + 1, rounds);
   }
   AddRows(bench, ways, peak.FlopsPerSecond());
-  const double inLanes = FindShare(ways, true, kBodies, kManySteps);
-  const double plainly = FindShare(ways, false, kBodies, kManySteps);
+  const double inLanes = FindShare(ways, true, kPackedBodies, kManySteps);
+  const double plainly = FindShare(ways, false, kPackedBodies, kManySteps);
   const double share = kUsefulFlops / inLanes / peak.FlopsPerSecond();
   Results& results = bench.results;
-  results.remarks.push_back(FormatLine(
-      "ns_per_vertex_step: with %.0f of 162 vertices near the ground; %.1f in the air, "
-      "plain code %.1f; %.1f where a tick has 4 steps",
-      ways[0].contacts, FindShare(ways, true, kBodies, kManySteps, false) * 1e9,
-      FindShare(ways, false, kBodies, kManySteps, false) * 1e9, FindShare(ways, true, kBodies, kFewSteps) * 1e9));
+  results.remarks.push_back(
+      FormatLine("ns_per_vertex_step: with %.0f of 162 vertices near the ground; %.1f in the air, "
+                 "plain code %.1f; %.1f where a tick has 4 steps",
+                 ways[0].contacts, FindShare(ways, true, kPackedBodies, kManySteps, false) * 1e9,
+                 FindShare(ways, false, kPackedBodies, kManySteps, false) * 1e9,
+                 FindShare(ways, true, kPackedBodies, kFewSteps) * 1e9));
   results.AddFigure("peak_gflops", peak.FlopsPerSecond() / 1e9);
   results.AddFigureAtMost("ns_per_vertex_step", inLanes * 1e9, HasAvx512() ? 13 : 17, !bench.options.quick);
   results.AddFigureAtMost("plain_ns_per_vertex_step", plainly * 1e9, 160, !bench.options.quick);
