@@ -1,5 +1,5 @@
-// `wobble_lab contact`: contact as the server plays it, against theory where there is one and otherwise against the
-// same equations solved in steps so fine that they make no difference.
+// `wobble_lab contact`: contact as the server plays it, against theory where it exists, otherwise against the same
+// equations solved in converged steps.
 #include "tests/bench/contact/experiments.h"
 
 namespace wobble::bench {

@@ -171,7 +171,7 @@ std::string MakeFolderName(const std::string& cpu) {
   return name;
 }
 
-// A figure that is missed does not keep the next report from being made; what fails altogether does.
+// A report with a missed figure does not stop the following ones; a report that fails does.
 int RunAll(Options options, const std::string& folder) {
   options.plotFolder = folder + "/" + MakeFolderName(ReadCpuName());
   std::error_code code;
@@ -194,7 +194,8 @@ int RunAll(Options options, const std::string& folder) {
 
 int Run(int argc, char** argv) {
   CLI::App app("wobble_lab: measures the engine and compares it with what it should be");
-  app.require_subcommand(0, 1);  // none is refused below: CLI11 would say so even when an unknown option is the fault
+  // A missing report is refused below: CLI11 would complain about it even when an unknown option is the fault
+  app.require_subcommand(0, 1);
   app.set_version_flag("--version", std::string("wobble_lab ") + kVersion);
   app.footer(
       "Exit code: 0 every figure keeps to its limit, 99 one does not, 2 bad usage, 1 stopped or failed.\n"

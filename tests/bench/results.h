@@ -37,7 +37,7 @@ struct Results {
 // The figures and remarks as text, one per line.
 [[nodiscard]] std::string FormatText(const Results& results);
 
-// printf into a string, for remarks and names.
+// Formats like printf, for remarks and names; at most 399 characters.
 [[nodiscard]] __attribute__((format(printf, 1, 2))) std::string FormatLine(const char* format, ...);
 
 // The processor's name according to the system.

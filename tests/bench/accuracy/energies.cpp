@@ -1,11 +1,11 @@
-// What does a method do to energy that nothing takes away? A ball stretched by 20 % swings for ten seconds without
-// damping, every method in 120 steps a second. Where its vertices are then nobody can say (problem.h), but its energy
-// is what it was. What is drawn is its energy above that of rest over what it had.
+// The energy drift of each method on a system without dissipation. A ball stretched by 20 % vibrates for ten seconds
+// without damping, each method at 120 steps a second. The vertex positions are then unpredictable (problem.h), but the
+// energy must be conserved. The plot shows the energy above that of rest over its initial value.
 //
-// That RK4 is stable does not make it accurate: rows have what it keeps in 60 to 480 steps a second, on that ball and
-// on one stretched by 2 %. The prototype of this engine lost 92, 69, 11 and 0.4 % on a ball of the same stiffness that
-// swung in faster modes; a mode's loss goes with the sixth power of its frequency and the fifth of the step, so these
-// numbers differ, and fall alike.
+// RK4 is stable but not exact: rows give the energy that it keeps at 60 to 480 steps a second, on that ball and on one
+// stretched by 2 %. The prototype of this engine lost 92, 69, 11 and 0.4 % on a ball of the same stiffness that
+// vibrated in faster modes; a mode's loss is proportional to the sixth power of its frequency and the fifth of the
+// step, so these numbers differ, but fall alike.
 #include <algorithm>
 #include <cmath>
 
@@ -20,7 +20,7 @@ using namespace physics;
 
 constexpr double kDuration = 10;  // s
 constexpr int kRate = 120;        // steps a second
-constexpr double kMost = 1.5;     // that is drawn
+constexpr double kMost = 1.5;     // upper limit of the plot
 
 constexpr std::array kLossRates = {60, 120, 240, 480};
 
@@ -30,7 +30,7 @@ struct EnergyCase {
   int rate = kRate;
   bool isDrawn = false;
   bool blewUp = false;
-  std::vector<std::array<double, 2>> energies{};  // s, over that at the beginning
+  std::vector<std::array<double, 2>> energies{};  // s, over the initial energy
 };
 
 std::vector<EnergyCase> MakeEnergyCases(const Problem& slight, const Problem& wide) {

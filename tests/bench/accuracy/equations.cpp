@@ -1,5 +1,5 @@
-// Springs, gas, repulsion, drag and the ground as they stand on paper. The engine shares the area of a face among its
-// corners; here the gas pushes along the derivative of the volume by each vertex, which is the same only if both are
+// Springs, gas, repulsion, drag and ground straight from their formulas. The engine distributes the area of a face over
+// its corners; here the gas acts along the derivative of the volume by each vertex. The two agree only if both are
 // right.
 #include "tests/bench/accuracy/equations.h"
 
@@ -32,7 +32,7 @@ double FindPressure(const BodyNumbers& body, double volume) {
   return absolute - body.ambientPressure;
 }
 
-// V = ⅙ Σ a·(b × c), ∂V/∂a = ⅙ Σ b × c: over a closed surface both are the same about any point.
+// V = ⅙ Σ a·(b × c), ∂V/∂a = ⅙ Σ b × c; on a closed surface both are independent of the origin.
 double FindVolume(const BodyNumbers& body, std::span<const Vector3d> x) {
   double volume = 0;
   for (const Face& face : body.faces) volume += (x[face[0]] - x[0]).dot((x[face[1]] - x[0]).cross(x[face[2]] - x[0]));
@@ -76,8 +76,8 @@ void AddDragOfFaces(const BodyNumbers& body, const Vector3d& wind, std::span<con
   }
 }
 
-// Along the normal N = F(d) + c s(d) ḋ at depth d, never a pull: F'(d) = k min(d/δ, 1), s the cubic that rises from 0
-// to 1 between 0 and δ with level ends.
+// Normal force N = F(d) + c s(d) ḋ at depth d, never negative: F'(d) = k min(d/δ, 1); s is the cubic smoothstep from 0
+// to 1 between 0 and δ.
 void AddPushOfPlane(const BodyNumbers& body, const Obstacle& plane, std::span<const Vector3d> x,
                     std::span<const Vector3d> v, std::span<Vector3d> forces) {
   const ContactParameters<double>& law = body.contact;
@@ -101,14 +101,14 @@ double FindPushEnergy(const BodyNumbers& body, const Obstacle& plane, const Vect
   return law.stiffness * (grown * grown * grown / (6 * law.fadeDepth) + beyond * (grown + beyond) / 2);
 }
 
-// ∫ K/d⁴ dd from where the ends are to infinity.
+// ∫ K/d⁴ dd from the distance of the ends to infinity.
 double FindRepulsionEnergy(const BodyNumbers& body, const Spring<double>& spring, double length) {
   const double floor = kRepulsionFloorShare * spring.restLength;
   const double outside = std::max(length, floor);
   return body.repulsion * (1 / (3 * std::pow(outside, 3)) + (outside - length) / std::pow(outside, 4));
 }
 
-// ∫ (P₀ − P) dV, whose part below the floor is that of a straight line.
+// ∫ (P₀ − P) dV; below the volume floor the integrand is linear.
 double FindGasEnergy(const BodyNumbers& body, double volume) {
   const double outside = std::max(volume, body.floorVolume);
   const double below = outside - volume;

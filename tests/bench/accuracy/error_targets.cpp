@@ -1,16 +1,16 @@
-// Does a body keep to the error that its scene allows? Bodies are played as the server plays them: single precision,
-// the engine's own choice of substeps, sleep. At the end of every second each is compared with the reference, which
-// began that second where the body was: the RMS distance over its vertices is the error of that body-second, and the
-// target is met when it is no more than the target times one second.
+// Checks that bodies keep to the scene's error target. Bodies are played as the server plays them: single precision,
+// the engine's own choice of substeps, sleep. At the end of every second each is compared with a reference that began
+// that second in the same state. The RMS distance over the vertices is the error of that body-second; the target is met
+// when the error is at most the target times one second.
 //
-// error_target_met is the share of all body-seconds at 0.1, 1 and 10 mm/s that met it. error_target_overhead is the
-// mean over all cases at these targets of (evaluations of the forces as played, with those of ticks that were stepped
-// again) / (those in the cheapest fixed number of substeps a tick that meets the target in as many seconds), the latter
-// found in hindsight for each case by itself, of all integers and not only of the ladder's rungs; the largest ratio is
-// there as well. Fixed steps are restarted each second too, from the same states.
+// error_target_met is the share of all body-seconds at 0.1, 1 and 10 mm/s that met the target. error_target_overhead is
+// the mean over all cases at these targets of (force evaluations as played, repeated ticks included) / (those of the
+// cheapest fixed number of substeps per tick that meets the target in as many seconds). That number is found in
+// hindsight for each case, among all integers and not only the ladder's rungs; the largest ratio is in the results too.
+// Fixed steps also restart each second from the same states.
 //
-// The reference is CVODE on the equations that the laboratory has written for itself. The worlds in double precision
-// beside the played ones tell what single precision has of the error.
+// The reference is CVODE on the laboratory's own equations. Worlds in double precision, run beside the played ones,
+// tell which part of the error is due to single precision.
 #include <algorithm>
 #include <cmath>
 
@@ -26,22 +26,22 @@ namespace {
 
 using namespace physics;
 
-// Of the reference: it ends within 10⁻⁸ m of where 10⁻¹² brings it, for a third of the time.
+// Tolerance of the reference: it ends within 10⁻⁸ m of the solution at 10⁻¹², in a third of the time.
 constexpr double kTolerance = 1e-9;
-// By how much, m, a second motion begins beside the first, to see how far they part.
+// Initial offset of a second motion, m, for measuring divergence.
 constexpr double kTwinOffset = 1e-8;
 
 struct Trial {
   const PlayedCase* played = nullptr;
   double target = 0;             // m/s
   bool isCompared = false;       // with fixed steps
-  std::vector<double> errors;    // of each second, m
-  std::vector<double> rounding;  // how far single precision ends from double, m
-  int asleep = 0;                // seconds that ended so
-  double substeps = 0;           // a tick, the mean
+  std::vector<double> errors;    // per second, m
+  std::vector<double> rounding;  // distance of single from double precision, m
+  int asleep = 0;                // seconds that ended asleep
+  double substeps = 0;           // per tick, mean
   bool isGrowthMeasured = false;
-  double growth = 0;      // of a small difference over a second, the most
-  int fixedSubsteps = 0;  // a tick; 0: none of up to kMaxSubsteps will do
+  double growth = 0;      // largest growth of a small difference over a second
+  int fixedSubsteps = 0;  // per tick; 0: none up to kMaxSubsteps suffices
 };
 
 Problem MakeProblemOfSecond(const PlayedCase& played, const State<float>& begin) {
@@ -60,8 +60,8 @@ std::size_t CountMet(const std::vector<double>& errors, double target) {
   return static_cast<std::size_t>(std::count_if(errors.begin(), errors.end(), [&](double e) { return e <= target; }));
 }
 
-// The least number of fixed substeps that meets the target in as many seconds as were met in play. The error falls with
-// the number but for chance, so the search halves.
+// The least fixed number of substeps that meets the target in as many seconds as the play did. Bisects, because the
+// error decreases with the number apart from chance.
 int FindCheapestFixed(const Trial& trial, const std::vector<Problem>& problems,
                       const std::vector<std::vector<Vector3d>>& ends) {
   const std::size_t met = CountMet(trial.errors, trial.target);
@@ -76,7 +76,7 @@ int FindCheapestFixed(const Trial& trial, const std::vector<Problem>& problems,
   int most = 1;
   while (most < kMaxSubsteps && !suffices(most)) most *= 2;
   if (most == kMaxSubsteps && !suffices(most)) return 0;
-  int least = most / 2;  // does not suffice
+  int least = most / 2;  // insufficient
   while (most - least > 1) {
     const int middle = (least + most) / 2;
     (suffices(middle) ? most : least) = middle;
@@ -84,7 +84,7 @@ int FindCheapestFixed(const Trial& trial, const std::vector<Problem>& problems,
   return most;
 }
 
-// How many times as far apart as at the beginning two motions are at the end.
+// Ratio of the final to the initial distance of two motions.
 double FindGrowth(Problem problem, const std::vector<Vector3d>& end) {
   const std::vector<Vector3d> begin = problem.x;
   for (std::size_t i = 0; i < begin.size(); ++i) {
@@ -116,7 +116,7 @@ double FindNearestQuantile(std::vector<double> values, double share) {
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
-// Where no fixed number will do, of what is at least more than the largest.
+// Where no fixed number suffices, relative to the largest number: an upper bound.
 double FindOverhead(const Trial& trial) {
   return trial.substeps / (trial.fixedSubsteps > 0 ? trial.fixedSubsteps : kMaxSubsteps);
 }

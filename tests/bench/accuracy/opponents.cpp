@@ -1,17 +1,15 @@
-// How much faster than a solver from the shelf? Sixteen balls, 20 % stretched, for 0.25 s on one thread; each side
-// takes the cheapest step that ends within 0.1 % of the radius, RMS, of the reference.
+// The engine against an off-the-shelf ODE solver. Sixteen balls stretched by 20 % for 0.25 s on one thread; each side
+// takes its cheapest step that ends within 0.1 % of the radius, RMS, of the reference.
 //
 // The engine steps by RK4, its default, in float or double, body by body or in lanes as the server does, whichever is
-// faster. odeint steps all balls as one state
-// vector by its RK4 in equal steps or by its Dormand–Prince, which chooses its own; of its tolerances the one counts
-// that happens to need the fewest evaluations. It asks either the plain equations of the laboratory for the forces or
-// the engine's own code in double: of those four the fastest is the opponent. So where the engine's forces are the
-// faster ones, odeint has them too, and what is compared is the rest.
+// faster. odeint steps all balls as one state vector, by RK4 in equal steps or by Dormand–Prince with adaptive steps;
+// of its tolerances, the one that needs the fewest evaluations counts. It takes the forces either from the laboratory's
+// plain equations or from the engine's code in double precision. The fastest of these four is the opponent: where the
+// engine's forces are faster, odeint uses them too, and only the rest is compared.
 //
-// The engine's methods of order 2 have rows as well, but no part in the figure: on this short undamped problem
-// leap-frog is cheaper than RK4, and odeint has symplectic steppers of its own, which nobody raced here. Both sides are
-// timed by turns on the clock of the thread, and the fastest of all rounds counts: what other programs do to caches and
-// clocks meets both alike.
+// The engine's methods of order 2 have rows, but do not count: on this short undamped problem leap-frog is cheaper than
+// RK4, and odeint has symplectic steppers, which are not raced here. Both sides are timed in turns by thread time, and
+// the fastest of all rounds counts, so that the effects of other programs on caches and clock rates meet both alike.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -28,19 +26,19 @@ using namespace physics;
 constexpr int kBodies = 16;
 constexpr double kAllowed = 1e-3;  // of the radius
 constexpr std::int64_t kMostSteps = 1000;
-constexpr int kTolerances = 48;  // from 1, eight a power of ten
+constexpr int kTolerances = 48;  // from 1, eight per decade
 
 struct Racer {
   bool isEngine = false;
-  bool isCompared = true;  // for the figure
+  bool isCompared = true;  // counts for the figure
   std::string method;
-  std::string forces;    // whose, in which precision
-  double tolerance = 0;  // of a method that chooses its steps
+  std::string forces;    // their source and precision
+  double tolerance = 0;  // for adaptive methods
   std::int64_t steps = 0;
   std::function<SolvedMotion(int bodies)> solve;
-  SolvedMotion solved{};        // of one body
+  SolvedMotion solved{};        // with one body
   double error = 0;             // over the radius
-  std::vector<double> times{};  // of each round, s
+  std::vector<double> times{};  // per round, s
 
   [[nodiscard]] double FindTime() const { return *std::min_element(times.begin(), times.end()); }
 };
@@ -49,7 +47,7 @@ class Race {
  public:
   Race() : m_ball(MakeStretchedBall()), m_exact(SolveReference(m_ball)) {}
 
-  // `make(steps)` for more and more of them, until one ends near enough.
+  // Adds make(steps) with the fewest steps that are accurate enough, trying increasing numbers.
   template <class Make>
   void AddFirstGood(const Make& make) {
     for (std::int64_t steps = 4; steps <= kMostSteps; ++steps) {
@@ -59,7 +57,7 @@ class Race {
       return;
     }
   }
-  // `make(tolerance)` that ends near enough after the fewest evaluations.
+  // Adds the make(tolerance) that is accurate enough with the fewest evaluations.
   template <class Make>
   void AddCheapest(const Make& make) {
     Racer cheapest;
@@ -71,14 +69,14 @@ class Race {
     if (cheapest.solve) m_sides.push_back(std::move(cheapest));
   }
 
-  // All sides once, by turns.
+  // Times all racers once, in turn.
   void Run() {
     for (Racer& side : m_sides) side.times.push_back(side.solve(kBodies).time);
   }
 
   [[nodiscard]] const Problem& Ball() const { return m_ball; }
   [[nodiscard]] const std::vector<Racer>& Sides() const { return m_sides; }
-  // The fastest of the engine's, or of the opponents.
+  // The fastest racer of the engine, or of the opponents.
   [[nodiscard]] const Racer& FindFastest(bool isEngine) const {
     const Racer* fastest = nullptr;
     for (const Racer& side : m_sides) {
@@ -120,7 +118,7 @@ void AddEngine(Race& race) {
   }
 }
 
-// What the server does with bodies that touch no other.
+// Lanes, as the server steps bodies without contact pairs.
 void AddLanes(Race& race) {
   for (const bool isSingle : {true, false}) {
     race.AddFirstGood([&](std::int64_t steps) {
@@ -162,7 +160,7 @@ void AddOdeint(Race& race) {
   }
 }
 
-// Of the rounds, what share `share` of them stays below.
+// The quantile of the values, rounded down to a value.
 double FindLowerQuantile(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
@@ -201,7 +199,7 @@ void MeasureOpponents(Bench& bench) {
   const Racer& opponent = race.FindFastest(false);
   const Racer& engine = race.FindFastest(true);
   AddRaceRows(bench, race, opponent);
-  // What is asked for is asked of AVX-512; with half the lanes it only informs.
+  // The limit holds for AVX-512; with half the lanes the figure only informs.
   const double speedup = opponent.FindTime() / engine.FindTime();
   if (FindSweepKernels<float>(kWidestPack).back().width == kWidestPack) {
     bench.results.AddFigureAtLeast("speedup_vs_odeint", speedup, 8);

@@ -1,16 +1,16 @@
-// How does the error fall with the step? Each method solves the stretched ball, as it is and with dashpots in its
-// springs, in step counts that double; its order is the slope of the straight line through the logarithms of error over
-// step that is closest to them.
+// The order of convergence of each method. Each solves the stretched ball, undamped and with dashpots in its springs,
+// with step counts that double; the order is the slope of the least-squares line through the logarithms of error over
+// step.
 //
-// The counts are where the line is straight: the coarsest step is well inside of the limit of stability and no higher
-// power of it counts any more, the finest error stands well above that of the reference and of rounding. The number
-// format is double and nothing is touched, since a contact has a kink in its second derivative.
+// The step counts lie where that line is straight: the coarsest step is well within the stability limit and higher
+// powers of it no longer matter; the finest error is well above that of the reference and of rounding. Double precision
+// and no contact, because a contact has a kink in its second derivative.
 //
-// Verlet's two methods take the forces of dashpots from a velocity that is half a step old (explicit_steps.h), which
-// costs them an order: 2 without damping, 1 with it. Position Verlet solves other equations: its springs are rods. The
-// ball begins with springs of a length that rods cannot have; they take it back within a step, and that kick is the
-// harder the shorter the step, so its row has an error that grows. What the method is meant for, a weight on a rod, it
-// solves to order 1.
+// The two Verlet methods evaluate dashpots with a velocity that is half a step old (explicit_steps.h), which costs them
+// one order: 2 without damping, 1 with it. Position Verlet solves other equations: its springs are rods. The ball
+// begins with spring lengths that rods cannot have; the first step restores them, with a kick that is harder the
+// shorter the step, so the error in its row grows. On the problem that the method is meant for, a weight on a rod, it
+// has order 1.
 #include <cmath>
 
 #include "server/physics/methods/runge_kutta.h"
@@ -26,13 +26,13 @@ namespace {
 using namespace physics;
 
 constexpr double kDampingRatio = 0.2;  // of each spring between its two masses
-constexpr int kDoublings = 3;          // one less in a quick run
+constexpr int kDoublings = 3;          // one fewer in a quick run
 
 struct OrderCase {
   const Problem* problem = nullptr;
   const Motion* exact = nullptr;
   Integrator integrator = Integrator::kRungeKutta4;
-  double theory = 0;           // its order; 0: it has none here
+  double theory = 0;           // theoretical order; 0: none here
   std::int64_t steps = 0;      // of the coarsest solution
   std::vector<double> errors;  // of positions, over the body's size, at steps·2ⁱ
 };
@@ -55,10 +55,10 @@ Problem AddDamping(const Problem& undamped) {
 
 constexpr double kRodLength = 1;     // m
 constexpr double kSwing = 0.5;       // s
-constexpr double kFirstAngle = 0.5;  // at the beginning, from below
+constexpr double kFirstAngle = 0.5;  // initial angle from the vertical, rad
 constexpr double kPendulumGravity = 9.81;
 
-// A weight on a spring from a fixed point, let go aside.
+// A weight on a stiff spring from a fixed point, released from the side.
 Problem MakeRodPendulum() {
   Problem pendulum;
   pendulum.name = "weight on a rod, 0.5 s";
@@ -104,11 +104,11 @@ double FindOrder(Integrator integrator, bool isDamped) {
 }
 
 std::int64_t FindCoarsestSteps(Integrator integrator, double order) {
-  if (integrator == Integrator::kImplicitEuler) return 500;  // one step costs as much as ninety others
+  if (integrator == Integrator::kImplicitEuler) return 500;  // one of its steps costs as much as ninety of the others
   return order > 3 ? 200 : order > 1 ? 500 : 1000;
 }
 
-// Slope of the line of least squares through log error over log step; NaN where a solution blew up.
+// Slope of the least-squares line through log error over log step; NaN where a solution blew up.
 double FindSlope(const std::vector<double>& errors) {
   const double middle = (static_cast<double>(errors.size()) - 1) / 2;
   double product = 0;
@@ -134,7 +134,7 @@ void AddOrderRow(Bench& bench, const OrderCase& each) {
                                 {"errors", each.errors}});
 }
 
-// Of the methods that solve the equations; with damping only where that changes the order.
+// Adds the figures of the methods that solve the equations; with damping, only where it changes the order.
 void AddFigure(Bench& bench, const OrderCase& each, bool isDamped) {
   if (each.integrator == Integrator::kPositionVerlet) return;
   if (isDamped && each.theory == FindOrder(each.integrator, false)) return;

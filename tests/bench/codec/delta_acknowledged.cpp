@@ -1,7 +1,7 @@
-// What games with large states do since Quake III: each packet is told against the newest snapshot that the client is
-// known to have, so that it decodes whatever was lost meanwhile. At a round trip of 100 ms that is the third last
-// frame. A packet must not need the state of a coder that others have fed, so models begin anew in each; all bodies of
-// a frame share them. What is coded of a number is told by how large the ones before it were.
+// The method of games with large states since Quake III: each packet is coded against the newest snapshot that the
+// client has acknowledged, so that it decodes whatever was lost since. At a round trip of 100 ms that is the third last
+// frame. A packet must not depend on coder state from other packets, so the models restart in each; all bodies of a
+// frame share them. The model of a number is chosen by the size of the preceding ones.
 #include <algorithm>
 #include <bit>
 #include <cstdlib>
@@ -13,10 +13,10 @@
 namespace wobble::bench {
 namespace {
 
-constexpr std::size_t kAge = 3;            // of what is acknowledged, frames
-constexpr std::size_t kBaselineBytes = 2;  // its number, once a packet
+constexpr std::size_t kAge = 3;            // of the acknowledged frame, frames
+constexpr std::size_t kBaselineBytes = 2;  // the number of that frame, once per packet
 
-// One model for each size that the last numbers of the same axis had on average.
+// One model for each mean size of the last numbers of the same axis.
 class Numbers {
  public:
   NumberModel& Find(std::size_t axis) {
@@ -29,7 +29,7 @@ class Numbers {
 
  private:
   std::array<NumberModel, 20> m_models;
-  std::array<unsigned, 3> m_means{};  // 4 x
+  std::array<unsigned, 3> m_means{};  // times 4
 };
 
 std::vector<std::uint8_t> EncodeDeltas(const std::vector<int>& deltas) {
@@ -58,7 +58,7 @@ using Frame = std::vector<GridBody>;
 struct AcknowledgedStream {
   const Recording& recording;
   double step;
-  std::vector<Frame> sent = {};  // by frame, as sender and receiver know it
+  std::vector<Frame> sent = {};  // per frame, as sender and receiver know it
 
   std::size_t Code(std::size_t frame, Shown& shown) {
     Frame now;

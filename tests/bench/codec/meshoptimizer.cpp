@@ -1,6 +1,6 @@
-// meshoptimizer's codec takes each byte of a vertex from the one before, and packs these in groups of sixteen; it is
-// made to be followed by a general compressor. It is given the vertices in the order in which they lie near one
-// another, found once from the rest shape, and 16-bit places on the grid.
+// meshoptimizer's codec predicts each byte of a vertex from the one before and packs the differences in groups of
+// sixteen; it is designed to be followed by a general compressor. It gets the vertices in an order of spatial
+// proximity, computed once from the rest shape, with 16-bit positions on the grid.
 #include <meshoptimizer.h>
 
 #include <array>
@@ -13,7 +13,7 @@
 namespace wobble::bench {
 namespace {
 
-using PackedVertex = std::array<std::int16_t, 4>;  // the codec wants fours of bytes; the last number stays 0
+using PackedVertex = std::array<std::int16_t, 4>;  // the codec requires multiples of four bytes; the last number is 0
 
 std::vector<std::uint8_t> EncodeVertices(const std::vector<PackedVertex>& vertices) {
   std::vector<std::uint8_t> out(meshopt_encodeVertexBufferBound(vertices.size(), sizeof(PackedVertex)));
@@ -30,7 +30,7 @@ std::vector<PackedVertex> DecodeVertices(const std::vector<std::uint8_t>& bytes,
   return vertices;
 }
 
-// Where each vertex stands in the buffer.
+// Index of each vertex in the buffer.
 std::vector<unsigned> FindOrder(const Recording& recording) {
   std::vector<unsigned> order(recording.CountVertices());
   meshopt_spatialSortRemap(order.data(), &recording.blueprint.rest.front().x, order.size(), sizeof(protocol::Vector3));

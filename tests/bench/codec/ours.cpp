@@ -1,4 +1,4 @@
-// Through the entry points that server and client use.
+// Our codec, through the entry points that server and client use.
 #include <stdexcept>
 
 #include "protocol/shape_codec.h"

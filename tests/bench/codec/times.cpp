@@ -1,5 +1,5 @@
-// What it takes to encode and decode a body in play: all frames of a few seconds, one after the other, as a server and
-// a client have them, and of many such passes the fastest.
+// Time to encode and decode a body in play: all frames of a few seconds in sequence, as a server and a client process
+// them; the fastest of many passes counts.
 #include <stdexcept>
 
 #include "protocol/snapshot.h"
@@ -54,7 +54,7 @@ void MeasureCodecTimes(Bench& bench) {
     bench.progress.Show(pass + 1, passes);
   }
   const auto count = static_cast<double>(payloads.size());
-  // Times of a quick run are whatever a busy machine makes of them.
+  // Times of a quick run depend too much on other load of the machine.
   const bool isHeld = !bench.options.quick;
   bench.results.AddFigureAtMost("encode_us_per_body", 1e6 * encode.Read() / count, 50, isHeld);
   bench.results.AddFigureAtMost("decode_us_per_body", 1e6 * decode.Read() / count, 20, isHeld);

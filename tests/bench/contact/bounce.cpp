@@ -1,11 +1,11 @@
-// How high does it come back? A body falls on a plane and the height of its centre at the top of the first rebound,
-// above where the centre is when the body just touches, is compared with what it must be:
-//   particles that lose nothing: the height that they fell from, by the conservation of energy;
-//   particles with restitution: the law of contact.h written down once more as one equation, m z'' = −mg + N(−z, −z'),
-//     and solved in steps of a microsecond;
+// Bounce height. A body falls on a plane; the height of its centre at the top of the first rebound, above its height
+// when the body just touches, is compared with
+//   particles without loss: the height of the fall, by conservation of energy;
+//   particles with restitution: the law of contact.h, written again as one equation, m z'' = −mg + N(−z, −z'), and
+//     solved in steps of a microsecond;
 //   balls and lattices: their own equations, all vertices against the plane, by RK4 in steps so fine that half as many
 //     give the same height (the difference is in the row).
-// A rebound is a well-posed problem: it is over after one impact, whose length is a few of the slowest periods.
+// A rebound is well-posed: it ends after one impact, which lasts a few of the slowest periods.
 #include <algorithm>
 #include <cmath>
 
@@ -24,19 +24,19 @@ using namespace physics;
 struct Bounce {
   std::string body;
   Blueprint blueprint;
-  double fall;                                           // of the lowest vertex, m
-  double height = -1;                                    // what it must come back to, m; negative: by fine steps
-  double rebound = 0;                                    // as played
-  double coarser = 0;                                    // the reference with half as many steps
-  double substeps = 0;                                   // most that a tick of play took
+  double fall;          // of the lowest vertex, m
+  double height = -1;   // expected rebound height, m; negative: to be solved in fine steps
+  double rebound = 0;   // as played
+  double coarser = 0;   // reference with half as many steps
+  double substeps = 0;  // the most in any tick of play
   std::vector<std::array<double, 2>> played, reference;  // height of the centre over time
 };
 
-// The top of the first rebound from heights and velocities of the centre as they come, m. In flight the centre is a
-// particle: its top is at z + v²/2g wherever it is looked at.
+// Finds the top of the first rebound from successive heights and velocities of the centre, m. In flight the centre is a
+// particle: its top is at z + v²/2g from any point of the flight.
 class TopFinder {
  public:
-  // False once the top is behind.
+  // False once the top has been passed.
   bool Add(double z, double v) {
     m_falls |= v < 0 && !m_rose;
     if (m_falls && v > 0) m_rose = true;
@@ -88,7 +88,7 @@ double SumZ(const Blueprint& blueprint, const std::vector<Vector3d>& values) {
   return sum / blueprint.totalMass;
 }
 
-// The engine's forces, nothing else of it: no choice of steps, no lists of candidates, no single precision.
+// Uses only the engine's forces: no choice of steps, no candidate lists, no single precision.
 double SolveFinely(const Blueprint& blueprint, double fall, int stepsATick, std::vector<std::array<double, 2>>* track) {
   const double touching = -FindLowest(blueprint);
   std::vector<Vector3d> x = blueprint.rest;
@@ -128,7 +128,7 @@ double SolveParticle(const ContactParameters<double>& law, double mass, double f
   constexpr double h = 1e-6;
   double z = 0;
   double v = -std::sqrt(2 * kContactGravity * fall);
-  do {  // the midpoint rule
+  do {  // midpoint rule
     const double middleZ = z + h / 2 * v;
     const double middleV = v + h / 2 * accelerate(z, v);
     z += h * middleV;
@@ -166,7 +166,7 @@ std::vector<Bounce> MakeBounces(bool quick) {
     const Blueprint ball = MakeBall(DescribeBall(subdivisions));
     add("ball of " + std::to_string(ball.rest.size()), ball, {1, 0.3, 3});
   }
-  // A ground that takes no energy, and that the strongest feels all the way.
+  // A ground without loss; the body feels the strongest field during its whole fall.
   for (const double strength : {1e-2, 1e-4, 1.0, 1e-1}) {
     if (quick && strength > 1e-2) continue;
     Blueprint ball = MakeBall(DescribeBall(2));

@@ -1,9 +1,9 @@
-// Do colliding bodies keep momentum and angular momentum? Pairs in free space hit one another off their centres, with
-// friction, at a speed as in play.
+// Conservation of momentum and angular momentum in collisions. Pairs in free space collide off centre, with friction,
+// at a speed of normal play.
 //
-// Relative to what is exchanged: momentum to Σ m |v − v̄|, angular momentum to Σ m |x − x̄| |v − v̄| at the start, about
-// the common centre of mass. Played in double precision, so that what is measured is the method; the rows have single
-// precision beside it, where rounding of the positions adds its part.
+// Errors are relative to the exchanged amount: Σ m |v − v̄| for momentum, Σ m |x − x̄| |v − v̄| at the start for
+// angular momentum, about the common centre of mass. Double precision, so that the method itself is measured; rows also
+// have single precision, where rounding of positions adds its part.
 #include <algorithm>
 #include <cmath>
 
@@ -19,13 +19,13 @@ using namespace physics;
 struct Collision {
   std::string bodies;
   Blueprint first, second;
-  double speed = 0;   // of each, towards the other, m/s
-  double offset = 0;  // of their paths, m
+  double speed = 0;   // of each towards the other, m/s
+  double offset = 0;  // between their paths, m
   Precision precision = Precision::kDouble;
   double linear = 0;
   double angular = 0;
-  double angularFine = 0;  // in ticks an eighth as long
-  double turned = 0;       // spin that the first was given, by its share of the angular momentum
+  double angularFine = 0;  // the same with ticks an eighth as long
+  double turned = 0;       // spin given to the first body, as a share of the angular momentum scale
 };
 
 struct Sums {

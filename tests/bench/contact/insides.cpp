@@ -11,7 +11,7 @@ using namespace physics;
 
 namespace {
 
-// To a triangle: its plane where the foot lies inside, else the nearest of its sides.
+// Distance to a triangle: to its plane where the foot of the perpendicular lies inside, otherwise to its nearest side.
 double FindDistanceToFace(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& p) {
   const Vector3d corners[] = {a, b, c};
   const Vector3d normal = (b - a).cross(c - a).normalized();

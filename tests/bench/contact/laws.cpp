@@ -1,10 +1,10 @@
-// What do the other laws of contact do? A ball falls on a plane under the default law, under the magnetic one for four
-// strengths, and under backtracking; its mean height over time is drawn for all of them side by side.
+// Compares the contact laws. A ball falls on a plane under the default law, under the magnetic law with four strengths,
+// and under backtracking; its mean height over time is plotted side by side.
 //
-// There is nothing here to keep to: the laws differ by what they are. A magnetic ground takes no energy and yields over
-// a distance of √(K/N) a vertex, so the rows say where the ball hovers, how much it still swings at the end, how its
-// first bounce compares with that of the default, and what a tick costs. That the magnetic bounces are right is for
-// bounce.cpp, which solves them in fine steps.
+// There is no limit to keep, because the laws differ by design. A magnetic ground conserves energy and yields over a
+// distance of √(K/N) per vertex, so rows give the height at which the ball hovers, its final oscillation, its first
+// bounce relative to the default law, and the cost of a tick. bounce.cpp checks the magnetic bounces against fine
+// steps.
 #include <algorithm>
 #include <cmath>
 
@@ -18,18 +18,18 @@ namespace {
 
 using namespace physics;
 
-constexpr double kFall = 3;       // of the lowest vertex, m: the strongest magnet carries the ball at half of it
+constexpr double kFall = 3;       // of the lowest vertex, m; the strongest magnet carries the ball at half of it
 constexpr double kDuration = 20;  // s
-constexpr double kRest = 2;       // at the end of it, s
+constexpr double kRest = 2;       // at the end of kDuration, s
 
 struct RestingBody {
   std::string law;
   double strength = 0;  // magnetic: K, N·m²
   Blueprint blueprint;
-  std::vector<std::array<double, 2>> heights;  // mean over the body, of the tick, m
+  std::vector<std::array<double, 2>> heights;  // mean over the body at the tick's end, m
   double lowest = 0;                           // of any vertex at any tick, m
   std::uint64_t substeps = 0;                  // of all ticks
-  std::uint64_t mostSubsteps = 0;              // of one
+  std::uint64_t mostSubsteps = 0;              // of one tick
 };
 
 void PlayRestingBody(RestingBody& each) {
@@ -50,7 +50,7 @@ void PlayRestingBody(RestingBody& each) {
   }
 }
 
-// The highest that it comes to before it falls again, m; where it does not rise at all, where it has come to.
+// Height of the first top, m; of the last sample where it never rises.
 double FindFirstTop(const std::vector<std::array<double, 2>>& heights) {
   std::size_t i = 1;
   while (i < heights.size() && heights[i][1] <= heights[i - 1][1]) ++i;

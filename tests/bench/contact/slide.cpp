@@ -1,11 +1,11 @@
-// On which slope does a cube begin to slide? By Coulomb's law on tan θ = μ, whatever it weighs.
+// The slope at which a cube begins to slide. By Coulomb's law tan θ = μ, independent of its weight.
 //
-// Gravity is tilted instead of the plane. The cube comes to rest on the level, the slope grows
-// slowly, and a second later it slides if its centre goes farther in the next than creep could explain. The angle is
-// bisected between one that holds and one that does not.
+// Gravity is tilted instead of the plane. The cube comes to rest on the level, then the slope grows slowly; a second
+// later the cube slides if its centre moves farther in the next second than creep explains. The angle is bisected
+// between one that holds and one that does not.
 //
-// The same on a slab that is held by far more friction (contact between bodies, whose coefficient is the geometric
-// mean) has a figure of its own.
+// The same on a slab that is held by much more friction (contact between bodies, whose coefficient is the geometric
+// mean) has its own figure.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -22,16 +22,16 @@ using namespace physics;
 constexpr double kSettle = 1;     // s
 constexpr double kWatch = 1;      // s
 constexpr double kCreep = 0.004;  // m in kWatch
-constexpr int kBisections = 8;    // of kSpan either way: to 0.04
-constexpr double kSpan = 10;      // about the angle of Coulomb's law, degrees
+constexpr int kBisections = 8;    // of kSpan either way: to 0.04°
+constexpr double kSpan = 10;      // around the angle of Coulomb's law, degrees
 
 struct Slope {
   bool onSlab = false;
   double friction = 0;
-  double angle = 0;  // found, degrees
+  double angle = 0;  // measured, degrees
 };
 
-// How far it goes in kWatch after kSettle, m, and how fast it is then.
+// Distance travelled in kWatch after kSettle, m, and the speed at its end, m/s.
 struct Motion {
   double way = 0;
   double speed = 0;
@@ -66,7 +66,7 @@ Motion PlaySlope(bool onSlab, double friction, double degrees) {
     return world.FindCentre(world.ReadBody(id)).x() - base;
   };
   step(kSettle);
-  constexpr int kTiltTicks = 120;  // a sudden slope would shake it loose
+  constexpr int kTiltTicks = 120;  // a sudden tilt would shake the cube loose
   for (int i = 1; i <= kTiltTicks; ++i) {
     const double now = angle * i / kTiltTicks;
     world.SetGravity(kContactGravity * Vector3d(std::sin(now), 0, -std::cos(now)));
@@ -92,7 +92,7 @@ double FindAngle(const Slope& each) {
   return (holds + slides) / 2;
 }
 
-// Speed after the two seconds over the slope, played and by Coulomb's law.
+// Plots the speed after the two seconds over the slope, as played and by Coulomb's law.
 void AddPlot(Bench& bench, double friction) {
   Series played{"played", Stroke::kPoints, {}};
   Series theory{"g (sin θ − μ cos θ) t", Stroke::kLine, {}};

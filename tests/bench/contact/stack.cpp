@@ -1,10 +1,9 @@
-// Does a stack stand? Cubes lie on one another, face on face and vertex on vertex, with a gap of a finger's breadth or
-// with none at all, for 20 s or until they sleep; after that no bit may change for 10 s more.
+// Stability of stacks. Cubes lie on each other, face on face and vertex on vertex, with a gap of a finger's breadth or
+// none, for 20 s or until they sleep; after that no bit may change for 10 s.
 //
-// A stack of equal bodies has no reason to lean any way, so how far its top has gone sideways is all error. What
-// friction holds can move by no more than its springs yield, tenths of a millimetre; a stack that slides passes any
-// limit. The slabs of jelly_stack are damped by so little that their swaying takes longer to die away than the cubes',
-// and have a key of their own.
+// A stack of equal bodies has no preferred direction, so any sideways displacement of its top is error. Static friction
+// lets it move only as far as its springs yield, tenths of a millimetre; a sliding stack exceeds any limit. The slabs
+// of jelly_stack have so little damping that they sway longer than the cubes, and have their own key.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -19,7 +18,7 @@ namespace {
 using namespace physics;
 
 constexpr double kStands = 20;       // s
-constexpr double kPatience = 90;     // for those that sleep later, s
+constexpr double kPatience = 90;     // for stacks that sleep later, s
 constexpr double kAfterAsleep = 10;  // s
 
 struct Stack {
@@ -28,9 +27,9 @@ struct Stack {
   int count = 4;
   double gap = 0;  // m
   bool isSlab = false;
-  double drift = 0;   // of the top, sideways, m
-  double sunk = 0;    // of the top below where it would be if nothing yielded, m
-  double asleep = 0;  // after how long, s; negative: not at all
+  double drift = 0;   // sideways, of the top, m
+  double sunk = 0;    // of the top below its height in a rigid stack, m
+  double asleep = 0;  // time until it sleeps, s; negative: it does not
   bool changed = false;
 };
 

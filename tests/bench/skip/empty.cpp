@@ -1,6 +1,6 @@
-// A server that nobody has joined, once its world waits for players: it only listens. The scene is the one with the
-// most bodies. It is told to wait soon, and not until later does it count; that the world has stood still all the while
-// is what its own summary says, and a run of which it does not is no measurement.
+// The cost of a server without players whose world is paused: it only listens. The scene is the one with the most
+// bodies. The server is told to pause soon, and measurement starts after that; its summary must confirm that the world
+// was paused the whole time, otherwise the run is invalid.
 #include <unistd.h>
 
 #include <chrono>
@@ -18,11 +18,11 @@ namespace wobble::bench {
 namespace {
 
 constexpr const char* kPauseAfter = "0.1";  // s
-constexpr double kBegin = 2;                // s, by when the world has been made and waits
+constexpr double kBegin = 2;                // s, by when the world is built and paused
 
 void Sleep(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
 
-// That the world stood still, s; 0 when there is no summary.
+// Paused time from the summary, s; 0 without a summary.
 double ReadPausedTime(const std::filesystem::path& summary) {
   std::ifstream file(summary);
   const auto json = nlohmann::json::parse(file, nullptr, false);
@@ -30,12 +30,12 @@ double ReadPausedTime(const std::filesystem::path& summary) {
 }
 
 struct Observation {
-  double time = 0;  // of the wall, s
-  double work = 0;  // of all threads in it, s
+  double time = 0;  // wall time, s
+  double work = 0;  // processor time of all threads, s
 };
 
 Observation WatchServer(const std::filesystem::path& summary, double seconds) {
-  // One that the system has for short-lived clients, so seldom anybody's; a server that finds it taken ends at once.
+  // A port of the ephemeral range, seldom in use; a server that finds it taken ends at once.
   const int port = 40000 + getpid() % 10000;
   const Running server({FindProgram("wobbled"), "--scene", "crowd", "--port", std::to_string(port), "--pause-after",
                         kPauseAfter, "--log-level", "off", "--summary", summary});

@@ -1,14 +1,14 @@
-// How fast do two motions part that began beside one another, and how fast does theory allow it?
+// The rate at which two motions that begin side by side diverge, against the bound of theory.
 //
-// Theory: a step y' = y + h φ(y) whose φ is Lipschitz with constant Λ lets a distance grow by at most 1 + hΛ, in time T
-// by S = e^{ΛT}. If k is the constant of the equations themselves, that of RK4 is, from its tableau with α = max Σ|aᵢⱼ|
-// = 1, Λ = k Σ bᵢ Σ_{p<i} (kh)^p; of explicit Euler Λ = k. The constant depends on the norm. Here positions are
-// weighed by ω, the body's largest frequency: then the matrix of an undamped body has the norm ω and no norm makes it
-// smaller. Without weights k would be the largest ω², hundreds of times as large.
+// Theory: a step y' = y + h φ(y) with φ Lipschitz of constant Λ lets a distance grow by at most 1 + hΛ, in time T by S
+// = e^{ΛT}. If k is the constant of the equations themselves, then for RK4, from its tableau with α = max Σ|aᵢⱼ| = 1, Λ
+// = k Σ bᵢ Σ_{p<i} (kh)^p; for explicit Euler Λ = k. The constant depends on the norm. Positions are weighted by ω, the
+// body's highest frequency: the matrix of an undamped body then has the norm ω, and no norm makes it smaller. Without
+// weights k would be the largest ω², hundreds of times as large.
 //
-// k is looked for where the motion goes: at its states and at where its stages reach. The growth is that of the worst
-// of all disturbances, not of one by chance: every coordinate and velocity in turn is displaced a little, which gives
-// the derivative of the motion by its beginning, whose norm is the growth.
+// k is evaluated along the motion: at its states and at the states that its stages reach. The growth is that of the
+// worst disturbance, not of a random one: every coordinate and velocity is displaced in turn, which gives the
+// derivative of the motion by its initial state; its norm is the growth.
 #include <algorithm>
 #include <cmath>
 
@@ -28,9 +28,10 @@ using Eigen::VectorXd;
 
 constexpr double kDuration = 0.25;   // s
 constexpr double kStretch = 1.2;     // along z
-constexpr double kDisplaced = 1e-7;  // m, and over a second m/s
-constexpr int kSamples = 15;         // moments at which the distance is looked at
-constexpr int kIterations = 60;      // of the power method: the largest two may be close, the norm is not far off then
+constexpr double kDisplaced = 1e-7;  // m, and m/s
+constexpr int kSamples = 15;         // moments at which the distance is measured
+// Of the power method; when the two largest values are close, the norm is still nearly right
+constexpr int kIterations = 60;
 
 struct GrowthBall {
   int subdivisions = 2;
@@ -46,7 +47,7 @@ struct GrowthTrial {
   int stepsASecond;
   double lipschitz = 0;                            // k, 1/s
   double bound = 0;                                // Λ, 1/s
-  std::vector<std::array<double, 2>> growth = {};  // s, ln of the distance over that at the beginning
+  std::vector<std::array<double, 2>> growth = {};  // s, ln of the distance over the initial one
 };
 
 GrowthBall MakeGrowthBall(int subdivisions, double stiffness, double dampingRatio) {
@@ -73,7 +74,7 @@ FreeBody Begin(const GrowthTrial& trial) {
 
 double FindStep(const GrowthTrial& trial) { return 1.0 / trial.stepsASecond; }
 
-// The largest singular value of a matrix that is given by what it and its transpose do.
+// The largest singular value of a matrix, given by its product and that of its transpose.
 template <class Apply, class ApplyTransposed>
 double FindNorm(Eigen::Index size, const Apply& apply, const ApplyTransposed& applyTransposed) {
   VectorXd direction = VectorXd::LinSpaced(size, 1, 2).array().sin();
@@ -87,7 +88,7 @@ double FindNorm(Eigen::Index size, const Apply& apply, const ApplyTransposed& ap
   return norm;
 }
 
-// Of [0 ω; −K/ω −C].
+// The norm of [0 ω; −K/ω −C].
 double FindLipschitz(const LinearMotion& motion, double weight) {
   const Eigen::Index count = motion.stiffness.rows();
   const auto apply = [&](const VectorXd& y) {
@@ -104,7 +105,7 @@ double FindLipschitz(const LinearMotion& motion, double weight) {
   return FindNorm(2 * count, apply, applyTransposed);
 }
 
-// The largest along the motion, at kSamples of its steps, there and where its last stage reaches.
+// The largest value along the motion, at kSamples of its steps: at the state and where the last stage reaches.
 double FindLipschitz(const GrowthTrial& trial) {
   Equations equations;
   equations.blueprint = &trial.subject->blueprint;
@@ -138,7 +139,7 @@ double FindBound(Integrator integrator, double k, double h) {
   return bound;
 }
 
-// The state as one vector, positions times the weight, kSamples times.
+// The states of a motion at kSamples moments, each as one vector with weighted positions.
 std::vector<VectorXd> Follow(const GrowthTrial& trial, FreeBody body) {
   const double weight = trial.subject->blueprint.angularFrequency;
   const auto count = static_cast<Eigen::Index>(3 * body.x.size());
@@ -200,7 +201,7 @@ std::vector<GrowthTrial> MakeTrials(const std::vector<GrowthBall>& subjects, boo
       if (quick && factor == 4) continue;
       trials.push_back({&subject, Integrator::kRungeKutta4, factor * slowest});
     }
-    // Finer where it would otherwise leave the neighbourhood in which it is compared.
+    // Finer, because coarse steps would leave the neighbourhood in which the motions are compared.
     trials.push_back({&subject, Integrator::kExplicitEuler, (subject.stiffness > 750 ? 32 : 8) * slowest});
   }
   return trials;
@@ -219,7 +220,7 @@ void AddGrowthRow(Bench& bench, const GrowthTrial& trial) {
                                 {"largest_share_of_bound", FindLargestShare(trial)}});
 }
 
-// Of the first subject.
+// Plots the first ball.
 void AddGrowthPlot(Bench& bench, const std::vector<GrowthTrial>& trials) {
   Plot plot{"stability_growth",
             "Two motions of a stretched ball that begin beside one another",

@@ -1,15 +1,15 @@
-// A fictitious force, none that the body or anything around it has, presses the body together for half a second and
-// lets go. With friction inside, every body comes back to the shape that it rests in. Does it, by each method at one
-// and the same step?
+// A fictitious external force compresses a body for half a second and then vanishes. With internal friction, every body
+// returns to its rest shape; this experiment shows whether it does under each method at the same step.
 //
-// The force on a vertex goes with its mass and with its height above the middle, downwards above and upwards below: so
-// it neither moves the body nor turns it, and how far vertices are from where they rest is all that there is to see.
-// (Were it fixed to the vertices instead, it would tip over a body that is stiff enough.) A step of 1/240 s is well
-// within what RK4 and the Verlet family bear for both bodies; explicit Euler bears it only where damping outweighs what
-// it feeds, h ω² < γ, and gas has no damping.
+// The force on a vertex is proportional to its mass and to its height above the centre, downwards above and upwards
+// below: it neither moves nor turns the body, so the distance from the rest shape is the whole effect. (Forces tied to
+// the vertices would tip over a body that is stiff enough.) A step of 1/240 s is well within the limits of RK4 and the
+// Verlet family for both bodies; explicit Euler is stable only where damping exceeds the energy that it adds, h ω² < γ,
+// and gas has no damping.
 //
-// Position Verlet has no springs to come back by, only lengths to be kept, one after another: that leaves a body moving
-// as a whole long after it was let go, which counts as displacement here. Its row is what it is.
+// Position Verlet has no spring forces that restore the shape, only lengths that it restores one after another: the
+// body keeps moving as a whole long after its release, which counts as displacement here. Its row shows that and is not
+// judged.
 #include <cmath>
 
 #include "server/physics/shapes/ball.h"
@@ -27,24 +27,24 @@ using namespace physics;
 
 constexpr double kStep = 1.0 / 240;
 constexpr double kPushed = 0.5;  // s
-constexpr double kWatched = 12;  // s, from the beginning of the push
-constexpr double kExploded = 5;  // of the body's size
+constexpr double kWatched = 12;  // s, from the beginning of the force
+constexpr double kExploded = 5;  // in sizes of the body
 constexpr int kStepsASample = 3;
 constexpr double kReturned = 0.01;  // of the largest displacement
 
 struct PushedBody {
   std::string name;
   Blueprint blueprint;
-  double push;  // acceleration as far out as the body reaches, m/s²
+  double push;  // acceleration at the body's extent, m/s²
 };
 
 struct PushTrial {
   const PushedBody* subject;
   Integrator integrator;
-  double peak = 0;          // largest displacement, RMS over vertices, m
-  double left = 0;          // at the end over the largest
-  double energyLeft = 0;    // at the end over that at the moment of letting go
-  double explodedAt = NAN;  // when vertices were kExploded sizes of the body away from their places, s
+  double peak = 0;                                // largest displacement, RMS over vertices, m
+  double left = 0;                                // final displacement over the largest
+  double energyLeft = 0;                          // final energy over that at the release
+  double explodedAt = NAN;                        // when vertices were kExploded sizes from their rest positions, s
   std::vector<std::array<double, 2>> track = {};  // s, displacement, m
 };
 

@@ -1,9 +1,9 @@
-// Every kind of body, of any size up to the number of vertices asked for, and materials over three decades of stiffness
-// below what the substeps can hold. A stiffness is drawn by the substeps that the body will need by itself, each order
-// of magnitude as likely as the next, so that small and large, light and heavy bodies all come as soft and as stiff as
-// may be; the estimate is not exact, and of those near the upper end Validate refuses some: they are drawn again.
+// Random bodies of every kind and any size up to the requested vertex count, with materials over three decades of
+// stiffness below what the substeps can hold. A stiffness is drawn by way of the substeps that the body needs by
+// itself, uniform in the logarithm, so that small and large, light and heavy bodies all range from soft to stiff. The
+// estimate is not exact: of the bodies near the upper end Validate refuses some, and they are drawn again.
 //
-// Validate is the scenes' own: what it lets through anybody may write into a scene file, and it must hold.
+// Validate is the one that scenes use: what it accepts may stand in a scene file, so the engine must hold it.
 #include "tests/bench/stability/random_bodies.h"
 
 #include <algorithm>
@@ -19,19 +19,19 @@ namespace {
 
 using namespace physics;
 
-// What a body may need by itself, as Validate has it, and a little beyond.
+// The most substeps that a body may need by itself according to Validate, and slightly more.
 constexpr double kMostSubsteps = 36;
 constexpr double kDecades = 3;  // of stiffness
 constexpr double kTickHz = 60;
-// Faster than anything is thrown, m/s.
+// Above any speed in the trials, m/s.
 constexpr double kAnySpeed = 1e3;
 
 double DrawDamping(Random& random) { return random.Happens(0.15) ? 0 : random.DrawMagnitude(0.02, 2); }
 
-// A stiffness for springs with this damping between masses of `vertexMass`.
+// Draws the stiffness of springs with this damping between masses of `vertexMass`, kg.
 double DrawStiffness(Random& random, double fastest, double vertexMass, double dampingRatio) {
   const double substeps = random.DrawMagnitude(kMostSubsteps * std::pow(10, -kDecades / 2), kMostSubsteps);
-  // γ = (c/k) ω² with c = 2ζ √(k m/2) is ζ √(2 · fastest) times ω.
+  // γ = (c/k) ω² with c = 2ζ √(k m/2) equals ζ √(2 · fastest) times ω.
   const double rate = substeps * kTickHz * kStabilityLimit / std::max(1.0, dampingRatio * std::sqrt(2 * fastest));
   return rate * rate * vertexMass / fastest;
 }
@@ -62,7 +62,7 @@ struct Draft {
   double bearableSpeed = kAnySpeed;
 };
 
-// nRT from a hundredth of what the springs can hold to all of it; sometimes against a pressure from outside.
+// Draws nRT between a hundredth and all of what the springs can hold, sometimes with an external pressure.
 void DrawGas(Random& random, double most, double volume, Material& material) {
   material.gas = random.DrawMagnitude(0.01, 1) * most;
   if (!random.Happens(0.2)) return;
@@ -151,7 +151,7 @@ Draft DraftPair(Random& random) {
   return {pair, DescribeShape("pair", 2, pair.material)};
 }
 
-// A chain, a strip of two rows that are joined crosswise, or a tower of four.
+// A chain, a strip of two cross-linked rows, or a tower of four rows.
 Draft DraftGraph(Random& random, std::size_t vertices) {
   GraphDefinition graph;
   constexpr std::array kRows{1, 2, 4};
@@ -184,7 +184,7 @@ Draft DraftGraph(Random& random, std::size_t vertices) {
   return {graph, text};
 }
 
-// A squashed or drawn out icosphere with gas in it, or half of one, which is open.
+// A flattened or elongated icosphere with gas, or half of one, which is open.
 Draft DraftMesh(Random& random, std::size_t vertices) {
   MeshDefinition mesh;
   const Icosphere sphere = MakeIcosphere(vertices < 42 ? 0 : vertices < 162 ? 1 : 2);

@@ -1,10 +1,10 @@
-// Thousands of worlds drawn by chance, ten seconds each, in the server's own stepping: single precision, its error
-// target, sleep, contact, several bodies. None may do what no body can. What one of them finds is a fault of the engine
-// and is mended there; a trial is played again by its number.
+// Thousands of random worlds, ten seconds each, in the server's own stepping: single precision, its error target,
+// sleep, contact, several bodies. No body may become non-finite, inverted or quarantined. Any finding is a fault of the
+// engine and is fixed there; the number of a trial reproduces it.
 //
-// Penetration is looked for by means of its own (insides.h): the deepest vertex of a body under a static surface or
-// inside a closed body, as a share of its own size, of every body every third of a second. What a body does between
-// looks is not seen; looking takes as long as several ticks do.
+// Penetration is measured independently of the engine (insides.h): the greatest depth of a vertex of a body under a
+// static surface or inside a closed body, relative to the body's size, for every body every third of a second. Deeper
+// penetration between these moments is missed; one measurement takes as long as several ticks.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -43,7 +43,7 @@ struct RandomTrial {
   int failedTick = 0;  // the first, from 1; 0: none
   std::string failedBody;
   const char* failure = "";
-  std::vector<float> depths;  // of each body at each look, over its size
+  std::vector<float> depths;  // per body and measurement, relative to its size
 };
 
 double FindDepthUnderSurfaces(const World& world, const std::vector<Vector3d>& x) {
@@ -55,7 +55,7 @@ double FindDepthUnderSurfaces(const World& world, const std::vector<Vector3d>& x
   return deepest;
 }
 
-// Bodies without faces, such as graphs, pass through others: that is what they are.
+// Bodies without faces, such as graphs, have no surface and pass through others by design.
 bool HasSurface(const Blueprint& blueprint) { return !blueprint.full.faces.empty(); }
 bool IsClosed(const Blueprint& blueprint) { return blueprint.restVolume > 0 && !blueprint.full.planar; }
 
@@ -115,7 +115,7 @@ RandomTrial PlayTrial(std::uint64_t seed, std::uint32_t number, Violence violenc
     const StepReport report = random.Engine().Step();
     Note(report, random, trial);
     moved = moved || report.awake > 0;
-    // What sleeps counts once.
+    // A sleeping world is measured once.
     if (tick % kTicksBetweenLooks != 0 || !moved) continue;
     LookAtDepths(random.Engine(), trial.depths);
     moved = false;
@@ -127,7 +127,7 @@ float FindDeepest(const RandomTrial& trial) {
   return trial.depths.empty() ? 0 : *std::max_element(trial.depths.begin(), trial.depths.end());
 }
 
-// The value that a thousandth of them exceed; 0 of none.
+// The 99.9th percentile; 0 without values.
 double FindP999(std::vector<float> values) {
   if (values.empty()) return 0;
   const auto place = static_cast<std::ptrdiff_t>(0.999 * static_cast<double>(values.size() - 1));
@@ -169,9 +169,9 @@ std::string DescribeTrial(std::uint64_t seed, std::size_t number, const RandomTr
   return start + line;
 }
 
-// What all of them have found, by how stiff their stiffest body is: a row for each decade of its stiffness.
+// Adds the findings by the stiffness of the stiffest body: one row per decade.
 void AddRows(const std::vector<RandomTrial>& trials, Results& results) {
-  constexpr double kDecade = 3.1622776601683795;  // of the frequency, and so of the substeps
+  constexpr double kDecade = 3.1622776601683795;  // of the stiffness: √10 in the frequency, and so in the substeps
   for (double low = 1e-3; low < kMaxSubsteps; low *= kDecade) {
     std::size_t count = 0;
     std::size_t failed = 0;
@@ -199,7 +199,7 @@ void AddRows(const std::vector<RandomTrial>& trials, Results& results) {
 
 Plot MakePlot(const std::vector<RandomTrial>& trials) {
   constexpr std::size_t kMostPoints = 1500;
-  constexpr double kLeastDepth = 1e-5;  // none is no place on a logarithmic axis
+  constexpr double kLeastDepth = 1e-5;  // the logarithmic axis cannot show 0
   Plot plot{"stability_trials",
             "Random trials: the deepest vertex of each",
             "substeps that the stiffest body needs by itself",
@@ -249,7 +249,7 @@ Sums AddUp(const std::vector<RandomTrial>& trials) {
   return sums;
 }
 
-// As many as the time allows, in order; in quick runs the last may be left out, never one in between.
+// Plays as many trials as the time allows, in order; a quick run may omit the last ones, never one in between.
 bool PlayAll(Bench& bench, std::vector<RandomTrial>& trials, std::vector<RandomTrial>& beyond) {
   const auto began = std::chrono::steady_clock::now();
   const std::uint64_t seed = bench.options.seed;

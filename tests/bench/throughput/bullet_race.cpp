@@ -1,11 +1,11 @@
-// The same balls in Bullet, on the ground and pressed together, whole ticks on both sides.
+// The same balls in Bullet, on the ground and pressed together; whole ticks on both sides.
 //
-// Both engines begin with the same balls in the same places and are timed over the same ticks from there, by turns and
-// equally often: of each tick the fastest counts, and of these the mean. Bullet's balls fall by themselves: put where
-// ours lie, with its margin of 0.25 m about them, they would burst apart. Its settings are its own defaults; it takes
-// one step a tick and moves vertices along links that it makes fit in one round; how exact that is nobody asks here.
-// Ours take four substeps, which is more than most balls need apart: what they take by the default error target has a
-// row too. Pressed balls take as many more as stability asks for, which is said beside the figure.
+// Both engines begin with the same balls in the same places and are timed over the same ticks from there, in turns and
+// equally often: the fastest time of each tick counts, and the figure is their mean. Bullet's balls fall by themselves:
+// placed where ours lie, its margin of 0.25 m would make them burst apart. It runs with its default settings, one step
+// per tick, and moves vertices along links in one iteration; its accuracy is not measured here. Ours take four
+// substeps, more than most balls need when apart: the number chosen by the default error target has its own row.
+// Pressed balls take as many more as stability requires, which is stated beside the figure.
 #include "tests/bench/throughput/bullet.h"
 #include "tests/bench/throughput/experiments.h"
 #include "tests/bench/throughput/worlds.h"
@@ -20,7 +20,7 @@ constexpr std::size_t kApart = 64;
 constexpr std::size_t kPressed = 128;
 constexpr std::size_t kPressedQuick = 16;
 
-// After as many ticks as ours have had when theirs are timed.
+// Times Bullet after as many ticks as the engine had played.
 Replay MakeBulletReplay(const World& beginning, const BulletSettings& settings, int lead) {
   Replay replay;
   replay.lead = lead + Replay{}.lead;
@@ -43,7 +43,7 @@ void AddRaceRow(Bench& bench, const std::string& experiment, const std::string& 
 
 }  // namespace
 
-// Bullet's soft bodies know nothing of one another unless they are told to, and here they are not; ours always look.
+// Bullet's soft bodies ignore each other unless configured otherwise, as here; the engine always searches for contact.
 void MeasureBulletApart(Bench& bench) {
   const auto fixed = MakeBallsApart(kApart, FixSubsteps(kTimedSubsteps));
   const auto chosen = MakeBallsApart(kApart, WorldSettings{});
@@ -68,8 +68,9 @@ void MeasureBulletApart(Bench& bench) {
                  CountPlayed(*chosen, chosen->Settings(), kTimedTicks).substeps));
 }
 
-// What contact costs is the whole tick less that of the same balls in the same shapes and motions, but apart and in the
-// air: the search, contacts with the ground and with one another, and stepping stage by stage what touches.
+// The cost of contact is the whole tick minus that of the same balls with the same shapes and velocities, but apart and
+// in the air. It comprises the search, contacts with the ground and between bodies, and stepping islands stage by
+// stage.
 void MeasureBulletTouching(Bench& bench) {
   const std::size_t bodies = bench.options.quick ? kPressedQuick : kPressed;
   const auto pressed = MakeBallsInFunnel(bodies, FixSubsteps(kTimedSubsteps));

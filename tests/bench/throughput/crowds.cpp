@@ -1,5 +1,5 @@
-// What a server's tick comes to: the whole step of a world at the default error target, by one thread, over the number
-// of balls, apart on a floor and pressed together in a funnel as in the scene `scrum`.
+// The cost of a tick: the whole step of a world at the default error target, on one thread, over the number of balls,
+// apart on a floor and pressed together in a funnel as in the scene `scrum`.
 #include "tests/bench/throughput/experiments.h"
 #include "tests/bench/throughput/worlds.h"
 
@@ -19,7 +19,7 @@ struct Crowd {
 };
 constexpr Crowd kCrowds[] = {{"apart", &MakeBallsApart, kTicksToFall}, {"pressed", &MakeBallsInFunnel, kTicksToPress}};
 
-// Mean ms a tick.
+// Mean time of a tick, ms.
 double MeasureCrowd(Bench& bench, const Crowd& crowd, std::size_t bodies) {
   const auto world = crowd.make(bodies, WorldSettings{}, crowd.ticks);
   const Replay replay = MakeReplay(*world, world->Settings(), kTimedTicks);

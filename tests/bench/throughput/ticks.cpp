@@ -1,5 +1,5 @@
-// What the world's whole tick costs where no body touches another: everything that World::Step does, from the search
-// for contacts to sleep. By one thread on its own clock; by two against one on the wall.
+// The cost of a whole tick without contact between bodies: everything in World::Step, from the contact search to sleep.
+// One thread is timed by its own clock; two against one by wall time.
 #include "tests/bench/throughput/experiments.h"
 #include "tests/bench/throughput/worlds.h"
 
@@ -34,7 +34,7 @@ void MeasureOneThread(Bench& bench, std::size_t bodies) {
                                              bodies, played.awake, times.FindMean() * 1e3, played.allSubsteps));
 }
 
-// A world with one thread would hold one with two down to one, so the balls belong to a world of two.
+// Both replays belong to a world of two threads, because a world with one thread limits all others to one.
 void MeasureTwoThreads(Bench& bench, std::size_t bodies) {
   const auto world = MakeBallsApart(bodies, FixSubsteps(kTimedSubsteps, 2));
   const Replay replays[] = {MakeReplay(*world, FixSubsteps(kTimedSubsteps, 1), kTimedTicks),
