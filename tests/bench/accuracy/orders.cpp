@@ -180,7 +180,7 @@ void MeasureOrders(Bench& bench) {
     AddFigure(bench, each, damped.name == each.problem->name);
   }
   bench.results.remarks.push_back(
-      "position Verlet has no order on the ball: it keeps springs as rods, which are other equations; on a rod it has "
+      "position Verlet has no order on the ball: it treats springs as rods, which are other equations; on a rod it has "
       "order 1 (rows)");
 }
 

@@ -121,7 +121,7 @@ std::string MakeLine(const Measured& measured, const Party& party) {
   const bots::Figures& figures = party.guested.figures;
   return FormatLine(
       "%3u players: tick %.2f, %.2f, %.2f ms (p50, p99, p99.9), wall p99 %.2f; receive %.2f, step %.2f, capture %.2f, "
-      "encode %.2f, send %.2f; %.0f kbit/s, shown %.2f %%, input %.0f ms; %.0f touch, largest group %.0f; "
+      "encode %.2f, send %.2f; %.0f kbit/s, shown %.2f %%, input %.0f ms; %.0f touch, largest island %.0f; "
       "bots late by %.1f ms%s; %s: %s",
       party.players, measured.tickMsP50, measured.tickMsP99, measured.tickMsP999, measured.wallMsP99,
       phase(server::Phase::kReceive), phase(server::Phase::kStep), phase(server::Phase::kCapture),

@@ -170,10 +170,10 @@ void AddFigures(const std::optional<Measured>& found, const Options& options, Re
 void AddRemarks(Results& results) {
   const Cores cores = ChooseCores();
   results.remarks.push_back(
-      "players_at_60hz is judged by the time that the server's thread worked, since what others "
-      "do on its core is not the server's; what passed on the wall is beside it");
+      "players_at_60hz is judged by the thread time of the server, because other load of its "
+      "core is not its own; wall times are given beside it");
   if (cores.server == cores.bots) {
-    results.remarks.push_back("there is one core only: the bots have taken from the server what it had");
+    results.remarks.push_back("there is only one core: the bots took processor time from the server");
   }
 }
 

@@ -68,7 +68,7 @@ std::size_t CodeMesh(const std::vector<Vector3>& vertices, const std::vector<phy
   draco::DecoderBuffer buffer;
   const std::size_t size = CompressWithDraco(encoder, draco::MESH_EDGEBREAKER_ENCODING, bits, buffer, bytes);
   auto decoded = draco::Decoder().DecodeMeshFromBuffer(&buffer);
-  if (!decoded.ok()) throw std::runtime_error("Draco: a mesh of its own that it cannot decode");
+  if (!decoded.ok()) throw std::runtime_error("Draco cannot decode its own mesh");
   ShowNearest(ReadPoints(*decoded.value()), vertices, shown);
   return size;
 }
@@ -84,7 +84,7 @@ std::size_t CodePoints(const std::vector<Vector3>& vertices, int bits, std::vect
   draco::DecoderBuffer buffer;
   const std::size_t size = CompressWithDraco(encoder, draco::POINT_CLOUD_SEQUENTIAL_ENCODING, bits, buffer, bytes);
   auto decoded = draco::Decoder().DecodePointCloudFromBuffer(&buffer);
-  if (!decoded.ok()) throw std::runtime_error("Draco: a cloud of its own that it cannot decode");
+  if (!decoded.ok()) throw std::runtime_error("Draco cannot decode its own point cloud");
   shown = ReadPoints(*decoded.value());
   return size;
 }

@@ -25,7 +25,7 @@ std::vector<std::uint8_t> EncodeVertices(const std::vector<PackedVertex>& vertic
 std::vector<PackedVertex> DecodeVertices(const std::vector<std::uint8_t>& bytes, std::size_t count) {
   std::vector<PackedVertex> vertices(count);
   if (meshopt_decodeVertexBuffer(vertices.data(), count, sizeof(PackedVertex), bytes.data(), bytes.size()) != 0) {
-    throw std::runtime_error("meshoptimizer: a buffer of its own that it cannot decode");
+    throw std::runtime_error("meshoptimizer cannot decode its own buffer");
   }
   return vertices;
 }

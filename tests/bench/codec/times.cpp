@@ -33,7 +33,7 @@ void DecodeAll(const Recording& recording, protocol::ShapeDecoder& decoder, cons
   std::vector<protocol::Vector3> shape(recording.CountVertices());
   for (const auto& payload : payloads) {
     if (decoder.Decode(model, payload, pose, shape) != protocol::DecodeResult::kOk) {
-      throw std::runtime_error("a shape that cannot be decoded");
+      throw std::runtime_error("our codec cannot decode its own shape");
     }
   }
 }

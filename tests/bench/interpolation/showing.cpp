@@ -104,7 +104,7 @@ void Seat::Draw(double now, bool counts, double serverTime, const physics::World
     const auto sample = std::find_if(m_samples.begin(), m_samples.end(),
                                      [&](const client::BodySample& each) { return each.body == bodies[place].id; });
     if (sample == m_samples.end() || !truth.Find(moment, place, m_true)) {
-      throw std::runtime_error("a body that is not shown, or a moment that is not known");
+      throw std::runtime_error("a watcher misses a body, or the truth of its moment is not recorded");
     }
     m_squares.push_back(FindMeanSquare(*sample, m_true));
   }
