@@ -9,7 +9,7 @@ void ReportStability(Bench& bench) {
       {"limits", 0.05, &MeasureLimits},
       {"perturbations", 0.02, &MeasurePerturbations},
       {"growth", 0.03, &MeasureGrowth},
-      {"random trials", 0.9, &MeasureRandomTrials, true},
+      {.name = "random trials", .share = 0.9, .measure = &MeasureRandomTrials, .hasTrials = true},
   };
   MeasureParts(bench, kParts);
 }

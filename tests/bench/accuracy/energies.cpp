@@ -86,11 +86,10 @@ void MeasureEnergies(Bench& bench) {
   wide.duration = kDuration;
   std::vector<EnergyCase> cases = MakeEnergyCases(slight, wide);
   if (!RunTrials(bench, cases.size(), [&](std::size_t i) { PlayEnergyCase(cases[i]); })) return;
-  Plot plot{"accuracy_energy",
-            "Energy of a ball that nothing damps, in 120 steps a second",
-            "time, s",
-            "energy over that of the beginning",
-            {}};
+  Plot plot{.name = "accuracy_energy",
+            .title = "Energy of a ball that nothing damps, in 120 steps a second",
+            .xLabel = "time, s",
+            .yLabel = "energy over that of the beginning"};
   for (const EnergyCase& each : cases) {
     AddEnergyRow(bench, each);
     if (!each.isDrawn) continue;

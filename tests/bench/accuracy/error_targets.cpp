@@ -162,15 +162,15 @@ void AddFigures(const std::vector<Trial>& trials, Results& results) {
 }
 
 void AddPlot(const std::vector<double>& targets, const std::vector<Trial>& trials, Results& results) {
-  Plot plot{"accuracy_error_target",
-            "Bodies as the server plays them keep to the error that is allowed",
-            "error target, mm a second",
-            "error after a second, mm",
-            {{"error = target", Stroke::kDashed, {}},
-             {"95 % of body-seconds are below", Stroke::kLineAndPoints, {}},
-             {"half of body-seconds are below", Stroke::kLineAndPoints, {}}},
-            true,
-            true};
+  Plot plot{.name = "accuracy_error_target",
+            .title = "Bodies as the server plays them keep to the error that is allowed",
+            .xLabel = "error target, mm a second",
+            .yLabel = "error after a second, mm",
+            .series = {{"error = target", Stroke::kDashed, {}},
+                       {"95 % of body-seconds are below", Stroke::kLineAndPoints, {}},
+                       {"half of body-seconds are below", Stroke::kLineAndPoints, {}}},
+            .logX = true,
+            .logY = true};
   for (const double target : targets) {
     std::vector<double> errors;
     for (const Trial& trial : trials) {

@@ -116,12 +116,12 @@ ExactValue SolveShellOfEqualEdges(const char* name, const Blueprint& shell, doub
   const Shapes shapes = SettleBoth(shell, Vector3d::Zero());
   const Spring<double>& spring = shell.full.springs[0];
   const double exact = FindEdge(shell.full, dimensions);
-  return {name,
-          "edge, m",
-          exact,
-          FindLength(shapes.engine, spring.a, spring.b),
-          FindLength(shapes.reference, spring.a, spring.b),
-          exact};
+  return {.problem = name,
+          .quantity = "edge, m",
+          .exact = exact,
+          .engine = FindLength(shapes.engine, spring.a, spring.b),
+          .reference = FindLength(shapes.reference, spring.a, spring.b),
+          .scale = exact};
 }
 
 ExactValue SolveBall() {
@@ -138,8 +138,12 @@ ExactValue SolveBall() {
     return sum;
   };
   const double exact = 3 * shell.full.gas;
-  return {"ball of 162 under pressure", "virial of its springs, J",   exact,
-          findVirial(shapes.engine),    findVirial(shapes.reference), exact};
+  return {.problem = "ball of 162 under pressure",
+          .quantity = "virial of its springs, J",
+          .exact = exact,
+          .engine = findVirial(shapes.engine),
+          .reference = findVirial(shapes.reference),
+          .scale = exact};
 }
 
 // A bar along x, pulled at both ends by `force` on the end of each cell.
@@ -243,8 +247,12 @@ ExactValue MeasureYoungModulus() {
   const auto findModulus = [&](double length) {
     return bar.force / (d.cellSize * d.cellSize) / (length / lengths.rest - 1);
   };
-  return {"lattice bar under tension", "Young's modulus, Pa",          d.youngModulus,
-          findModulus(lengths.engine), findModulus(lengths.reference), d.youngModulus};
+  return {.problem = "lattice bar under tension",
+          .quantity = "Young's modulus, Pa",
+          .exact = d.youngModulus,
+          .engine = findModulus(lengths.engine),
+          .reference = findModulus(lengths.reference),
+          .scale = d.youngModulus};
 }
 
 }  // namespace wobble::bench

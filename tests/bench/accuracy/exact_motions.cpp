@@ -66,12 +66,12 @@ ExactValue SolveOscillator(const std::string& name, double ratio, double duratio
   const double omega = std::sqrt(pair.material.stiffness / kReducedMass);
   const Ends ends = SolveBoth(problem, kStep);
   const auto findStretch = [](const Motion& motion) { return (motion.x[1] - motion.x[0]).x() - 1; };
-  return {name,
-          "stretch, m",
-          kStretch * FindRinging(ratio, omega, duration),
-          findStretch(ends.engine),
-          findStretch(ends.reference),
-          kStretch};
+  return {.problem = name,
+          .quantity = "stretch, m",
+          .exact = kStretch * FindRinging(ratio, omega, duration),
+          .engine = findStretch(ends.engine),
+          .reference = findStretch(ends.reference),
+          .scale = kStretch};
 }
 
 std::vector<ExactValue> SolveSpinningPair() {

@@ -141,11 +141,10 @@ void ShowWhatIsWellPosed(Bench& bench) {
   const std::vector<Problem> balls{MakeIllPosedBall(), MakeUndampedBall(), problems[1], problems[2]};
   std::vector<Parting> partings(balls.size());
   if (!RunTrials(bench, balls.size(), [&](std::size_t i) { partings[i] = FollowApart(balls[i]); })) return;
-  Plot plot{"accuracy_well_posed",
-            "How far two references part, of tolerance 1e-11 and 1e-12",
-            "time, s",
-            "RMS distance over the body's size",
-            {}};
+  Plot plot{.name = "accuracy_well_posed",
+            .title = "How far two references part, of tolerance 1e-11 and 1e-12",
+            .xLabel = "time, s",
+            .yLabel = "RMS distance over the body's size"};
   plot.logY = true;
   for (std::size_t i = 0; i < balls.size(); ++i) {
     bench.results.rows.push_back({{"experiment", "two references"},

@@ -234,11 +234,10 @@ void AddFindings(const PlayedScene& scene, Plot& plot, Results& results) {
 }
 
 Plot MakePlot(int seconds) {
-  Plot plot{"accuracy_scenes",
-            "Scenes as the server plays them, second by second, against fine steps",
-            "time, s",
-            "error after a second, of the worst body, mm",
-            {}};
+  Plot plot{.name = "accuracy_scenes",
+            .title = "Scenes as the server plays them, second by second, against fine steps",
+            .xLabel = "time, s",
+            .yLabel = "error after a second, of the worst body, mm"};
   plot.logY = true;
   plot.series.push_back({"error target", Stroke::kDashed, {{0, 1}, {static_cast<double>(seconds), 1}}});
   return plot;

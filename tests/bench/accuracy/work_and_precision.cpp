@@ -162,13 +162,12 @@ void AddLineRow(Bench& bench, const Line& line) {
 
 // Time over error, without position Verlet, which solves other equations.
 Plot DrawWork(const std::vector<Line>& lines, const Problem& problem, const std::string& name) {
-  Plot plot{name,
-            problem.name + ": time against error, in double",
-            "time of one thread for a second of motion, ms",
-            "error at the end, over the body's size",
-            {},
-            true,
-            true};
+  Plot plot{.name = name,
+            .title = problem.name + ": time against error, in double",
+            .xLabel = "time of one thread for a second of motion, ms",
+            .yLabel = "error at the end, over the body's size",
+            .logX = true,
+            .logY = true};
   for (const Line& line : lines) {
     if (line.problem != &problem || line.isSingle || line.integrator == Integrator::kPositionVerlet) continue;
     Series& series = plot.series.emplace_back();
@@ -185,13 +184,12 @@ Plot DrawWork(const std::vector<Line>& lines, const Problem& problem, const std:
 
 // Shows where more steps no longer reduce the error.
 Plot DrawFloor(const std::vector<Line>& lines, const Problem& problem) {
-  Plot plot{"accuracy_float_floor",
-            problem.name + ": RK4 in float and in double",
-            "steps",
-            "error at the end, over the body's size",
-            {},
-            true,
-            true};
+  Plot plot{.name = "accuracy_float_floor",
+            .title = problem.name + ": RK4 in float and in double",
+            .xLabel = "steps",
+            .yLabel = "error at the end, over the body's size",
+            .logX = true,
+            .logY = true};
   for (const Line& line : lines) {
     if (line.problem != &problem || line.integrator != Integrator::kRungeKutta4) continue;
     Series& series = plot.series.emplace_back();

@@ -87,7 +87,10 @@ std::string FindName(const RestingBody& each) {
 void MeasureLaws(Bench& bench) {
   std::vector<RestingBody> cases = MakeRestingBodies();
   if (!RunTrials(bench, cases.size(), [&](std::size_t i) { PlayRestingBody(cases[i]); })) return;
-  Plot plot{"laws", "A ball of 162 vertices dropped from 3 m", "time, s", "mean height, m", {}};
+  Plot plot{.name = "laws",
+            .title = "A ball of 162 vertices dropped from 3 m",
+            .xLabel = "time, s",
+            .yLabel = "mean height, m"};
   const double defaultTop = FindFirstTop(cases[0].heights);
   for (const RestingBody& each : cases) {
     const std::size_t from = each.heights.size() - static_cast<std::size_t>(std::lround(kRest / kContactTick));

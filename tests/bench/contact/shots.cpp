@@ -351,7 +351,8 @@ void MeasureShots(Bench& bench) {
     seen += ghost.through ? 1 : 0;
   }
   bench.results.AddFigureAtMost("ghosts_unnoticed", static_cast<double>(meant - seen), 0);
-  Plot plot{"penetration", "Deepest vertex of each shot", "speed, m/s", "depth, m", {}};
+  Plot plot{
+      .name = "penetration", .title = "Deepest vertex of each shot", .xLabel = "speed, m/s", .yLabel = "depth, m"};
   for (const ShotTarget target : {ShotTarget::kBody, ShotTarget::kPlane, ShotTarget::kWall, ShotTarget::kSheet}) {
     Series series{NameTarget(target), Stroke::kPoints, {}};
     for (const Shot& shot : shots) {

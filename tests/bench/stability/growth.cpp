@@ -222,11 +222,10 @@ void AddGrowthRow(Bench& bench, const GrowthTrial& trial) {
 
 // Plots the first ball.
 void AddGrowthPlot(Bench& bench, const std::vector<GrowthTrial>& trials) {
-  Plot plot{"stability_growth",
-            "Two motions of a stretched ball that begin beside one another",
-            "time, s",
-            "distance over that at the beginning",
-            {}};
+  Plot plot{.name = "stability_growth",
+            .title = "Two motions of a stretched ball that begin beside one another",
+            .xLabel = "time, s",
+            .yLabel = "distance over that at the beginning"};
   plot.logY = true;
   int colour = 0;
   for (const GrowthTrial& trial : trials) {

@@ -210,11 +210,10 @@ void AddPlotOfLimits(Bench& bench, const std::vector<LimitTrial>& trials) {
                              {"velocity Verlet", Integrator::kVelocityVerlet},
                              {"semi-implicit Euler, leap-frog", Integrator::kSemiImplicitEuler},
                              {"explicit Euler", Integrator::kExplicitEuler}};
-  Plot plot{"stability_limits",
-            "Largest stable step: theory (lines), measured on balls, lattices and pairs (points)",
-            "damping of the motion that grows first, 1 = critical",
-            "step times its angular frequency, hω",
-            {}};
+  Plot plot{.name = "stability_limits",
+            .title = "Largest stable step: theory (lines), measured on balls, lattices and pairs (points)",
+            .xLabel = "damping of the motion that grows first, 1 = critical",
+            .yLabel = "step times its angular frequency, hω"};
   int colour = 0;
   for (const Line& line : kLines) {
     Series theory{line.name, Stroke::kLine, {}, ++colour};

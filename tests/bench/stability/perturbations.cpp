@@ -118,11 +118,10 @@ void AddPushRow(Bench& bench, const PushTrial& trial) {
 
 void AddPushPlot(Bench& bench, const std::vector<PushTrial>& trials, const PushedBody& subject,
                  const std::string& name) {
-  Plot plot{name,
-            "A " + subject.name + " is pressed together for 0.5 s and let go, steps of 1/240 s",
-            "time, s",
-            "RMS way of the vertices from rest, m",
-            {}};
+  Plot plot{.name = name,
+            .title = "A " + subject.name + " is pressed together for 0.5 s and let go, steps of 1/240 s",
+            .xLabel = "time, s",
+            .yLabel = "RMS way of the vertices from rest, m"};
   plot.logY = true;
   for (const PushTrial& trial : trials) {
     if (trial.subject != &subject) continue;

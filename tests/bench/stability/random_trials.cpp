@@ -200,11 +200,10 @@ void AddRows(const std::vector<RandomTrial>& trials, Results& results) {
 Plot MakePlot(const std::vector<RandomTrial>& trials) {
   constexpr std::size_t kMostPoints = 1500;
   constexpr double kLeastDepth = 1e-5;  // the logarithmic axis cannot show 0
-  Plot plot{"stability_trials",
-            "Random trials: the deepest vertex of each",
-            "substeps that the stiffest body needs by itself",
-            "deepest penetration, share of the body's size",
-            {}};
+  Plot plot{.name = "stability_trials",
+            .title = "Random trials: the deepest vertex of each",
+            .xLabel = "substeps that the stiffest body needs by itself",
+            .yLabel = "deepest penetration, share of the body's size"};
   plot.logX = true;
   plot.logY = true;
   Series good{"well", Stroke::kPoints, {}};
