@@ -11,9 +11,6 @@
 
 namespace wobble::physics {
 
-// A box is large from this multiple of the mean edge on; large boxes would fill too many cells and stand in a list.
-inline constexpr double kLargeRatio = 4;
-
 // A box parallel to the axes, in world coordinates, m.
 struct Box {
   Vector3d low = Vector3d::Zero();

@@ -10,7 +10,7 @@ namespace {
 
 using EdgeKey = std::array<std::uint32_t, 2>;
 
-EdgeKey MakeEdge(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
+EdgeKey MakeEdgeKey(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
 template <class Real>
 void RemoveSprings(std::span<const std::uint8_t> torn, std::vector<Spring<Real>>& springs) {
@@ -77,14 +77,14 @@ Blueprint MakeTornBlueprint(const Blueprint& blueprint, std::span<const std::uin
   std::set<EdgeKey> gone;
   for (std::size_t i = 0; i < torn.size(); ++i) {
     const Spring<double>& spring = blueprint.full.springs[i];
-    if (torn[i] != 0) gone.insert(MakeEdge(spring.a, spring.b));
+    if (torn[i] != 0) gone.insert(MakeEdgeKey(spring.a, spring.b));
   }
   Blueprint left = blueprint;
   RemoveSprings(torn, left.full.springs);
   RemoveSprings(torn, left.single.springs);
   std::erase_if(left.full.faces, [&](const Face& face) {
-    return gone.contains(MakeEdge(face[0], face[1])) || gone.contains(MakeEdge(face[1], face[2])) ||
-           gone.contains(MakeEdge(face[2], face[0]));
+    return gone.contains(MakeEdgeKey(face[0], face[1])) || gone.contains(MakeEdgeKey(face[1], face[2])) ||
+           gone.contains(MakeEdgeKey(face[2], face[0]));
   });
   left.single.faces = left.full.faces;
   left.topology = MakeTopology(left.full.faces, left.rest.size());

@@ -14,7 +14,7 @@ using protocol::wire::InputFrame;
 using protocol::wire::Role;
 using transport::Channel;
 using Kind = MessageEffect::Kind;
-using State = Session::State;
+using SessionState = Session::State;
 
 protocol::Message Hello() { return protocol::MakeHello("Ada", Role::Player); }
 protocol::Message Input(std::uint32_t tick, std::int8_t x = 0, std::int8_t y = 0, std::uint8_t buttons = 0) {
@@ -24,7 +24,7 @@ protocol::Message Input(std::uint32_t tick, std::int8_t x = 0, std::int8_t y = 0
 protocol::Message Goodbye() { return protocol::MakeClientGoodbye(GoodbyeReason::Left, "bye"); }
 protocol::Message Garbage() { return {1, 2, 3, 4, 5, 6, 7, 8, 9}; }
 
-Session MakeSession(State state) {
+Session MakeSession(SessionState state) {
   Session session;
   session.connection = 7;
   session.state = state;
@@ -67,7 +67,7 @@ TEST(Session, EveryMessageInEveryState) {
       {"garbage on input", Garbage(), Channel::kInput, kNone, all(DropReason::kParse)},
       {"nothing", {}, Channel::kControl, kNone, all(DropReason::kParse)},
   };
-  const std::array<State, 3> states{State::kAwaitingHello, State::kPlaying, State::kEnding};
+  const std::array<SessionState, 3> states{SessionState::kAwaitingHello, SessionState::kPlaying, SessionState::kEnding};
   for (const Case& each : cases) {
     for (std::size_t i = 0; i < states.size(); ++i) {
       SCOPED_TRACE(std::string(each.name) + " in state " + std::to_string(i));
@@ -84,20 +84,20 @@ TEST(Session, EveryMessageInEveryState) {
 }
 
 TEST(Session, HelloSaysWhoItIs) {
-  Session session = MakeSession(State::kAwaitingHello);
+  Session session = MakeSession(SessionState::kAwaitingHello);
   const auto hello = protocol::MakeHello("Eve\x1b[2J\n", Role::Spectator);
   EXPECT_EQ(TakeMessage(session, Channel::kControl, hello, 0, 10).kind, Kind::kJoin);
   EXPECT_TRUE(session.spectator);
   EXPECT_EQ(session.name, "Eve?[2J?");  // control characters are replaced
 
-  Session nameless = MakeSession(State::kAwaitingHello);
+  Session nameless = MakeSession(SessionState::kAwaitingHello);
   EXPECT_EQ(TakeMessage(nameless, Channel::kControl, protocol::MakeHello("", Role::Player), 0, 10).kind, Kind::kJoin);
   EXPECT_FALSE(nameless.name.empty());
   EXPECT_FALSE(nameless.spectator);
 }
 
 TEST(Session, AnotherVersionOrSchemaIsRefusedWithBothNumbers) {
-  Session session = MakeSession(State::kAwaitingHello);
+  Session session = MakeSession(SessionState::kAwaitingHello);
   const auto other = static_cast<std::uint16_t>(protocol::kProtocolVersion + 1);
   MessageEffect effect = TakeMessage(session, Channel::kControl, protocol::MakeHello("a", Role::Player, other), 0, 10);
   EXPECT_EQ(effect.kind, Kind::kRefuse);
@@ -112,7 +112,7 @@ TEST(Session, AnotherVersionOrSchemaIsRefusedWithBothNumbers) {
 }
 
 TEST(Session, AnAcknowledgementOfWhatWasNeverSentIsDroppedWithItsInput) {
-  Session session = MakeSession(State::kPlaying);
+  Session session = MakeSession(SessionState::kPlaying);
   session.subscription.sent.RecordSent(10);
   const InputFrame frame(101, 50, 0, 0);
   const auto effect = TakeMessage(session, Channel::kInput, protocol::MakeInput({&frame, 1}, 2, 0), 100, 10.1);
@@ -125,7 +125,7 @@ TEST(Session, AnAcknowledgementOfWhatWasNeverSentIsDroppedWithItsInput) {
 }
 
 TEST(Session, OneFutureFrameDropsTheWholeMessage) {
-  Session session = MakeSession(State::kPlaying);
+  Session session = MakeSession(SessionState::kPlaying);
   const std::array<InputFrame, 2> frames{InputFrame(1000, 1, 0, 0), InputFrame(101, 50, 0, 0)};
   EXPECT_EQ(TakeMessage(session, Channel::kInput, protocol::MakeInput(frames, 0, 0), 100, 10).dropped,
             DropReason::kFutureInput);
@@ -134,7 +134,7 @@ TEST(Session, OneFutureFrameDropsTheWholeMessage) {
 
 // After a server has stood still for seconds, the inputs of that time are ahead of its tick.
 TEST(Session, InputsAheadOfAServerThatPausedAreNotHeldAgainstHim) {
-  Session session = MakeSession(State::kPlaying);
+  Session session = MakeSession(SessionState::kPlaying);
   for (std::uint32_t i = 0; i < 150; ++i) {
     const InputFrame frame(300 + i, 1, 0, 0);
     EXPECT_EQ(TakeMessage(session, Channel::kInput, protocol::MakeInput({&frame, 1}, 0, 0), 100, 20).dropped,
@@ -144,7 +144,7 @@ TEST(Session, InputsAheadOfAServerThatPausedAreNotHeldAgainstHim) {
 }
 
 TEST(Session, AFloodOfGarbageEndsIt) {
-  Session session = MakeSession(State::kPlaying);
+  Session session = MakeSession(SessionState::kPlaying);
   for (unsigned i = 0; i < protocol::kMaxBadMessagesPerSecond; ++i) {
     (void)TakeMessage(session, Channel::kInput, Garbage(), 0, 20 + 0.01 * i);
     EXPECT_FALSE(FindTimeout(session, 20 + 0.01 * i)) << i;
@@ -154,7 +154,7 @@ TEST(Session, AFloodOfGarbageEndsIt) {
 }
 
 TEST(Session, NowAndThenAMistakeIsForgiven) {
-  Session session = MakeSession(State::kPlaying);
+  Session session = MakeSession(SessionState::kPlaying);
   for (int i = 0; i < 600; ++i) {  // ten a second for a minute
     const double now = 20 + 0.1 * i;
     (void)TakeMessage(session, Channel::kInput, Garbage(), 0, now);
@@ -163,29 +163,29 @@ TEST(Session, NowAndThenAMistakeIsForgiven) {
 }
 
 TEST(Session, NoHelloForThreeSecondsEndsItWhateverElseIsSaid) {
-  Session session = MakeSession(State::kAwaitingHello);
+  Session session = MakeSession(SessionState::kAwaitingHello);
   (void)TakeMessage(session, Channel::kControl, Garbage(), 0, 12.5);
   EXPECT_FALSE(FindTimeout(session, 13));
   EXPECT_EQ(FindTimeout(session, 13.01), GoodbyeReason::NoHello);
-  session.state = State::kPlaying;
+  session.state = SessionState::kPlaying;
   EXPECT_FALSE(FindTimeout(session, 13.01));
 }
 
 TEST(Session, EightSecondsOfSilenceEndIt) {
-  Session session = MakeSession(State::kPlaying);
+  Session session = MakeSession(SessionState::kPlaying);
   (void)TakeMessage(session, Channel::kInput, Input(5), 5, 30);
   EXPECT_FALSE(FindTimeout(session, 38));
   EXPECT_EQ(FindTimeout(session, 38.01), GoodbyeReason::Silent);
-  session.state = State::kEnding;
+  session.state = SessionState::kEnding;
   EXPECT_FALSE(FindTimeout(session, 100));
 }
 
 TEST(Session, ASlowLinkGetsMoreTimeUntilItsFirstInput) {
-  Session session = MakeSession(State::kAwaitingHello);
+  Session session = MakeSession(SessionState::kAwaitingHello);
   session.joinPatience = 4;
   EXPECT_FALSE(FindTimeout(session, 17));
   EXPECT_EQ(FindTimeout(session, 17.01), GoodbyeReason::NoHello);
-  session.state = State::kPlaying;
+  session.state = SessionState::kPlaying;
   session.lastHeard = 17;
   EXPECT_FALSE(FindTimeout(session, 29));
   EXPECT_EQ(FindTimeout(session, 29.01), GoodbyeReason::Silent);
@@ -197,7 +197,7 @@ TEST(Session, ASlowLinkGetsMoreTimeUntilItsFirstInput) {
 TEST(Session, ControlIsNeverLongerThanOne) {
   for (int x = -127; x <= 127; x += 2) {
     for (int y = -127; y <= 127; y += 2) {
-      Session session = MakeSession(State::kPlaying);
+      Session session = MakeSession(SessionState::kPlaying);
       const auto input = Input(101, static_cast<std::int8_t>(x), static_cast<std::int8_t>(y));
       ASSERT_FALSE(TakeMessage(session, Channel::kInput, input, 100, 10).dropped);
       const physics::Control control = TakeControl(session, 101, 6);
@@ -211,7 +211,7 @@ TEST(Session, ControlIsNeverLongerThanOne) {
 
 TEST(Session, ButtonsBecomeWhatTheyAreCalled) {
   for (std::uint8_t buttons = 0; buttons < 8; ++buttons) {
-    Session session = MakeSession(State::kPlaying);
+    Session session = MakeSession(SessionState::kPlaying);
     ASSERT_FALSE(TakeMessage(session, Channel::kInput, Input(101, 0, 0, buttons), 100, 10).dropped);
     const physics::Control control = TakeControl(session, 101, 6);
     EXPECT_EQ(control.jump, (buttons & 1) != 0);
