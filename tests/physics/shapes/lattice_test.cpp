@@ -214,7 +214,7 @@ TEST(Lattice, BarRingsAtTheSpeedOfSoundOverTwiceItsLength) {
   const auto accelerate = [&](std::span<const Vector3d> at, std::span<const Vector3d> speed, std::span<Vector3d> a) {
     ComputeAccelerations<double>(bar.full, Load<double>{}, {}, {}, at, speed, a);
   };
-  // Measures from one upward passage through the rest length to the fifth after it.
+  // Measures from one upward passage through the rest length to the fourth after it.
   constexpr double h = 1.0 / 1000;
   std::vector<double> passages;
   double last = 1;
