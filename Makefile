@@ -1,7 +1,9 @@
 # Thin wrappers: the packages, CMake's presets, and `wobble play`.
 FOR ?= 0
 
-.PHONY: play test lab image format
+PART ?=
+
+.PHONY: play test nightly lab image format
 play:
 	@sh docker/packages.sh server web
 	@cmake --preset release --log-level=WARNING
@@ -12,6 +14,10 @@ test:
 	@sh docker/packages.sh server web test lab
 	@cmake --workflow --preset asan
 	@cmake --workflow --preset release
+	@python3 tests/slowest.py build/asan build/release
+
+nightly:
+	@python3 tests/nightly.py $(PART)
 
 lab:
 	@sh docker/packages.sh server test lab

@@ -1,7 +1,7 @@
 // The control channel is reliable and ordered, so an honest server's chunks of one blueprint come one after the other,
-// each where the last ended; anything else is refused instead of being pieced together. What a hostile server can make
-// a client hold is twice kMaxBlueprints × kMaxBlueprintBytes, and it has to send every byte of it; blueprints that have
-// been replaced live on in bodies alone, whose vertices are counted.
+// each beginning where the last ended; anything else is refused rather than pieced together. A hostile server can make
+// a client hold at most twice kMaxBlueprints × kMaxBlueprintBytes, and must send every byte of it. Replaced blueprints
+// live on in bodies alone, whose vertices are counted.
 #include "client/blueprint_store.h"
 
 #include <algorithm>
@@ -13,12 +13,12 @@
 namespace wobble::client {
 namespace {
 
-// Not in the world, or not a number.
+// True also for NaN.
 bool IsOutside(float coordinate) { return !(std::fabs(coordinate) <= static_cast<float>(protocol::kWorldHalfExtent)); }
 
-// Whether an edge has a face on one side only.
+// Whether some edge has a face on one side only.
 bool IsOpen(const std::vector<std::array<std::uint16_t, 3>>& faces) {
-  std::vector<std::uint32_t> edges;  // from · 2¹⁶ + to, as they go round each face
+  std::vector<std::uint32_t> edges;  // from · 2¹⁶ + to, in the order of each face's corners
   for (const auto& face : faces) {
     for (std::size_t i = 0; i < 3; ++i) edges.push_back(std::uint32_t{face[i]} << 16U | face[(i + 1) % 3]);
   }
@@ -30,16 +30,18 @@ bool IsOpen(const std::vector<std::array<std::uint16_t, 3>>& faces) {
 
 bool ReadBases(const wire::Blueprint& source, Blueprint& blueprint) {
   if (source.bases() == nullptr) return true;
+  std::size_t patch = 0;  // ParseBlueprint has seen to it that there is one basis a patch
   for (const wire::Basis* basis : *source.bases()) {
     const std::span bytes(basis->bytes()->data(), basis->bytes()->size());
-    const std::size_t vertices = protocol::PatchSize(blueprint.rest.size(), blueprint.bases.size());
-    blueprint.bases.push_back(protocol::ReadBasis(bytes, vertices));
-    if (blueprint.bases.back() == nullptr) return false;
+    const std::shared_ptr<const protocol::Basis> read =
+        protocol::ReadBasis(bytes, protocol::PatchSize(blueprint.rest.size(), patch));
+    if (read == nullptr) return false;
+    blueprint.patches[patch++].basis = read;
   }
   return true;
 }
 
-// nullptr when it is not a blueprint that anything could be drawn from.
+// nullptr when the bytes are no valid blueprint, or one with coordinates outside the world.
 std::shared_ptr<const Blueprint> MakeBlueprint(const std::vector<std::uint8_t>& bytes, bool readsBases) {
   const wire::Blueprint* source = nullptr;
   if (protocol::ParseBlueprint(bytes, source) != protocol::ParseResult::kOk || IsOutside(source->size()))
@@ -67,6 +69,7 @@ std::shared_ptr<const Blueprint> MakeBlueprint(const std::vector<std::uint8_t>& 
   if (source->springs() != nullptr) {
     for (const wire::SpringTag* tag : *source->springs()) blueprint->springs.push_back(*tag);
   }
+  blueprint->patches = protocol::FindPatchConstants(blueprint->rest);
   if (readsBases && !ReadBases(*source, *blueprint)) return nullptr;
   return blueprint;
 }

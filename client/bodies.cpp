@@ -1,12 +1,11 @@
-// A body is one track for each of its patches, made with the body's first record and all at once, so that its whole
-// cost is known and refused before anything is kept. Patches come in packets of their own and may be of different
-// ticks; each is shown from its own track under its own pose, at the same moment, and the body's pose is that of the
-// first. A patch nothing has come of is shown in its rest shape.
+// A body has one track for each of its patches. All are made with the body's first record, so that the whole cost is
+// known, and refused if need be, before anything is kept. Patches come in packets of their own and may be of different
+// ticks; each is shown from its own track with its own pose, at the same moment, and the body's pose is that of the
+// first. A patch without a record is shown in its rest shape.
 //
-// A body that goes over to another blueprint keeps its old form until the moment shown reaches the first record of the
-// new one: what is shown lies a tenth of a second behind, and a new track alone would jump ahead and wait there.
-// Between forms nothing is interpolated, unless the rest shapes are the same (a torn cloth); then only the faces
-// change.
+// A body that changes its blueprint keeps its old form until the shown moment reaches the first record of the new one:
+// the shown moment lies a tenth of a second behind, and a new track alone would jump ahead and wait there. Nothing is
+// interpolated between forms, unless the rest shapes are the same (a torn cloth); then only the faces change.
 #include "client/bodies.h"
 
 #include <algorithm>
@@ -16,12 +15,8 @@
 namespace wobble::client {
 namespace {
 
-std::size_t PatchCount(std::size_t vertices) {
-  return (vertices + protocol::kMaxPatchVertices - 1) / protocol::kMaxPatchVertices;
-}
-
 std::size_t CostOf(const Blueprint& blueprint) {
-  return blueprint.rest.size() + kTrackCost * PatchCount(blueprint.rest.size());
+  return blueprint.rest.size() + kTrackCost * protocol::PatchCount(blueprint.rest.size());
 }
 
 bool HaveSameRest(const Blueprint& a, const Blueprint& b) {
@@ -61,7 +56,7 @@ bool Bodies::Add(const protocol::RecordHead& head, const std::shared_ptr<const B
 Bodies::Form* Bodies::FindForm(Body& body, const Blueprint& blueprint, std::uint32_t tick) {
   std::size_t next = body.forms.size();
   while (next > 0 && body.forms[next - 1].firstTick > tick) --next;
-  // Under that at this tick, or the next, whose first record then was not the first to come.
+  // The form at this tick, or the next one: its first record may come after a later one.
   if (next > 0 && body.forms[next - 1].blueprint.get() == &blueprint) return &body.forms[next - 1];
   if (next < body.forms.size() && body.forms[next].blueprint.get() == &blueprint) return &body.forms[next];
   return nullptr;
@@ -75,8 +70,8 @@ bool Bodies::AppendForm(Body& body, const std::shared_ptr<const Blueprint>& blue
   } else {
     if (m_tracked + CostOf(*blueprint) > kMaxTrackedVertices) return false;
     m_tracked += CostOf(*blueprint);
-    form.patches =
-        std::make_shared<std::vector<Track>>(PatchCount(blueprint->rest.size()), Track(blueprint->size, m_curve));
+    form.patches = std::make_shared<std::vector<Track>>(protocol::PatchCount(blueprint->rest.size()),
+                                                        Track(blueprint->size, m_curve));
   }
   if (body.forms.size() == kMaxForms) DropOldestForm(body);
   body.forms.push_back(std::move(form));
@@ -88,7 +83,7 @@ void Bodies::DropOldestForm(Body& body) {
   body.forms.erase(body.forms.begin());
 }
 
-// Forms that have been shown to their end.
+// Drops forms that the shown moment has passed.
 void Bodies::DropUnseen(Body& body, double playback) {
   while (body.forms.size() > 1 && body.forms[1].firstTime <= playback && !body.forms[1].patches->front().Empty()) {
     DropOldestForm(body);
@@ -137,7 +132,7 @@ void Bodies::Sample(double time, double newest, Detail detail, std::vector<BodyS
   samples.resize(count);
 }
 
-// The newest that has begun and of which there is a pose.
+// The newest form that has begun and has a pose.
 const Bodies::Form& Bodies::ChooseForm(const Body& body, double time) {
   std::size_t chosen = body.forms.size() - 1;
   while (chosen > 0 && (body.forms[chosen].firstTime > time || body.forms[chosen].patches->front().Empty())) --chosen;

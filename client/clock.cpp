@@ -1,13 +1,13 @@
-// Minimum filter over arrivals, followed at a bounded rate.
+// A minimum filter over arrivals, followed at a bounded rate.
 //
-// Queues only ever delay a packet, so of all arrivals the earliest says most: offset = local time of arrival minus
+// Queues only delay packets, so the earliest arrival carries the most information: offset = local time of arrival minus
 // world time, the smallest of the last two seconds (as NTP's clock filter takes the sample of least delay, RFC 5905
-// section 10). A mean or a line through all arrivals was not taken: both move with every burst of jitter. Two seconds
+// section 10). A mean or a line through all arrivals was rejected: both move with every burst of jitter. Two seconds
 // are short enough to follow crystals (100 ppm: 0.2 ms) and a changed route.
 //
-// A server that cannot keep up lets world time fall behind and says so in every packet. Local time is therefore run at
-// the published rate before it is compared, or offsets would grow by themselves. The published rate is a mean over the
-// last second and so comes late; while it is below one only the last half second is looked at.
+// An overloaded server lets world time fall behind and says so in every packet. Local time is therefore scaled by the
+// published ratio before it is compared; otherwise offsets would grow steadily. The published ratio is a mean over the
+// last second and so comes late; while it is below 1 only the last half second of arrivals counts.
 #include "client/clock.h"
 
 #include <algorithm>
@@ -19,12 +19,12 @@ namespace {
 
 constexpr double kBucketSeconds = 0.125;
 constexpr std::int64_t kBucketsWhenSlow = 4;
-// Half of the window that lateness is measured in: crystals drift apart by 3 ms at most meanwhile (100 ppm).
+// Half of the window in which lateness is measured: crystals drift apart by at most 3 ms in it (100 ppm).
 constexpr double kFastestSeconds = 16;
 constexpr double kSlowBelow = 0.99;
-// For this long after the first arrival a better offset is taken at once: nobody has seen anything move yet.
+// For so many seconds after the first arrival a smaller offset is taken at once: nothing has been shown moving yet.
 constexpr double kStartUp = 1.0;
-// Seconds of correction per second, and the error above which it is better to jump than to be wrong for so long.
+// Seconds of correction per second, and the error above which the estimate jumps instead of being wrong for long.
 constexpr double kMaxSlew = 0.1;
 constexpr double kJumpAbove = 0.25;
 

@@ -1,4 +1,4 @@
-// What time it is in the world on the server, judged only by when snapshots arrive.
+// Estimates the world time of the server from the arrival times of snapshots alone.
 #pragma once
 
 #include <array>
@@ -7,27 +7,28 @@
 
 namespace wobble::client {
 
-// World time is tick / tickHz, seconds. The estimate is the world time of a snapshot that would arrive right now over
-// the fastest trip seen lately; it lags the server's own by that trip, which a client cannot know (client.h says how it
-// is guessed). Continuous and, unless it jumps, never backwards while the server's time runs at 0.1 or faster.
+// World time is tick / tickHz, seconds. The estimate is the world time of a snapshot that would arrive now over the
+// fastest recent trip. It lags the server's own by that trip, which a client cannot measure (SnapshotArrival::age says
+// what is taken for it). It is continuous except for jumps, and does not run backwards between jumps as long as the
+// server's time ratio is 0.1 or more.
 class Clock {
  public:
-  // A snapshot of `worldTime` arrived at `now`, which never goes backwards. timeRatio: as the server published it,
+  // A snapshot of `worldTime` has arrived at `now`, which never goes backwards. timeRatio: as the server published it,
   // 0..1.
   void AddArrival(double worldTime, double timeRatio, double now);
 
   [[nodiscard]] bool Started() const { return m_started; }
   // 0 before the first arrival.
   [[nodiscard]] double ServerTime(double now) const;
-  // How much later the last arrival recorded came than the fastest of the last 16 to 32 s, seconds. The estimate above
-  // follows what is fast lately; this tells how long packets really took, also when all of them have been slow for
-  // seconds (a client that polls just before packets come, say).
+  // How much later the last arrival came than the fastest of the last 16 to 32 s, seconds. ServerTime follows the
+  // fastest of the last two seconds; this tells how long packets really took, also when all of them have been slow for
+  // seconds (of a client that polls just before packets come, for instance).
   [[nodiscard]] double Lateness() const { return m_lateness; }
-  // World seconds per second right now.
+  // World seconds per second, as the newest snapshot has it.
   [[nodiscard]] double TimeRatio() const { return m_timeRatio; }
 
  private:
-  // Smallest offset of the arrivals within one bucket of the window.
+  // The smallest offset among the arrivals of one bucket of time.
   struct Bucket {
     std::int64_t index = std::numeric_limits<std::int64_t>::min();  // never filled
     double offset = 0;
@@ -43,13 +44,13 @@ class Clock {
   bool m_started = false;
   double m_startedAt = 0;
   double m_updated = 0;  // when the fields below were brought up to date
-  double m_scaled = 0;   // local time run at the server's rate: the integral of the time ratio
+  double m_scaled = 0;   // the integral of the time ratio over local time
   double m_timeRatio = 1;
   double m_newestWorldTime = 0;
-  double m_offset = 0;  // scaled local time minus world time, as in use
-  double m_target = 0;  // and as the window would have it
+  double m_offset = 0;  // scaled local time minus world time, in use
+  double m_target = 0;  // the offset that the window says, which m_offset approaches
   std::array<Bucket, kBuckets> m_buckets{};
-  std::array<Bucket, 2> m_fastest{};  // the same over halves of the long window
+  std::array<Bucket, 2> m_fastest{};  // halves of the long window, for the lateness
   double m_lateness = 0;
 };
 

@@ -1,11 +1,11 @@
-// How bodies are shown between the moments that are known of them.
+// How bodies are interpolated between samples.
 #pragma once
 
 #include <cstdint>
 
 namespace wobble::client {
 
-// kLinear is there to be compared with.
+// kLinear is for comparisons.
 enum class Curve : std::uint8_t { kCatmullRom, kLinear };
 
 }  // namespace wobble::client

@@ -1,8 +1,8 @@
-// Plays for five seconds: connects, rolls the own ball in a circle and prints where it is.
+// Plays for five seconds: connects, rolls its own ball in a circle and prints where the ball is.
 //
 //   example [HOST [PORT]]
 //
-// All that a game needs of wobble is in these two headers; client.Sample() has every body as it is to be drawn.
+// A game needs no more of wobble than these two headers. client.Sample() fills in every body as it is to be drawn.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -14,7 +14,7 @@
 
 using namespace wobble;
 
-// The library never looks at a clock: seconds since any fixed moment will do, as long as they only go forward.
+// The library reads no clock. It takes seconds since any fixed moment, which never go back.
 static double Now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
 
   std::string error;
   auto transport = transport::EnetTransport::Connect(host, port, error);
-  if (transport == nullptr) {  // no such host; that nobody answers shows later, as the end of the client
+  if (transport == nullptr) {  // no such host; a server that does not answer ends the client later
     std::fprintf(stderr, "example: %s\n", error.c_str());
     return 1;
   }
@@ -37,12 +37,12 @@ int main(int argc, char** argv) {
       const float angle = 0.03F * static_cast<float>(++frame);
       client.SetInput({.moveX = std::cos(angle), .moveY = std::sin(angle)});  // right and forward, each -1 to 1
 
-      const auto pose = client.NewestPose(client.Welcome().ownBody);  // none before the first snapshot
+      const auto pose = client.NewestPose(client.Welcome().ownBody);  // nullopt before the first snapshot
       if (pose && frame % 30 == 0) {
         const auto [x, y, z] = pose->centroid;  // metres, z is up
         std::printf("x %6.2f  y %6.2f  z %6.2f\n", double{x}, double{y}, double{z});
       }
-      if (frame == 300) client.Leave(Now());  // the loop goes on until the goodbye has been heard
+      if (frame == 300) client.Leave(Now());  // the loop goes on until the server has answered the goodbye
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(16));
   }

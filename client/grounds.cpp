@@ -1,4 +1,4 @@
-// A server's claims cost it what they cost the client: memory grows with the heights that arrive.
+// Memory grows with the heights that arrive, not with the size that the welcome claims.
 #include "client/grounds.h"
 
 namespace wobble::client {

@@ -1,4 +1,4 @@
-// Height fields of the welcome on their way in, and those that are here.
+// The height fields of the welcome: collects their heights as they arrive.
 #pragma once
 
 #include <cstddef>
@@ -11,10 +11,10 @@ namespace wobble::client {
 
 class Grounds {
  public:
-  // As the welcome has them; once.
+  // The fields of the welcome; to be called once.
   void Expect(std::span<const wire::HeightField> fields);
-  // Takes rows that ParseServerMessage has passed. False when they do not belong: no such field, no whole rows, a gap,
-  // or more than there are.
+  // Takes rows that ParseServerMessage has passed. False when they are out of place: an unknown field, no whole rows, a
+  // gap, or more rows than the field has.
   [[nodiscard]] bool AddRows(const wire::HeightRows& rows);
 
   [[nodiscard]] bool Complete() const { return m_missing == 0; }
@@ -22,8 +22,8 @@ class Grounds {
 
  private:
   std::vector<Ground> m_grounds;
-  std::vector<wire::HeightField> m_fields;  // what each is made from
-  std::size_t m_missing = 0;                // heights
+  std::vector<wire::HeightField> m_fields;  // of each ground
+  std::size_t m_missing = 0;                // heights still to come
 };
 
 }  // namespace wobble::client

@@ -1,7 +1,7 @@
-// Stamps must grow with every frame, or the server could not tell a new one from a repetition; and they must not run
-// ahead, or it would keep each until its tick has come, and the player would feel that for good. So a frame is stamped
-// with the estimated tick or the one after its predecessor, whichever is later, and left out when that is too far
-// ahead: which happens when the world runs slower than the client sends, and after the clock was set back.
+// Stamps must grow with every frame, or the server could not tell a new frame from a repetition. They must not run
+// ahead, or the server would keep each frame until its tick has come, a delay that would never end. So a frame is
+// stamped with the estimated tick or the tick after its predecessor's, whichever is later, and is left out when that is
+// too far ahead. This happens when the world runs slower than the client sends, and after the clock was set back.
 #include "client/input_stream.h"
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 namespace wobble::client {
 namespace {
 
-// How far ahead of the estimated tick a stamp may be: as much as sending and ticks can be out of step.
+// Ticks that a stamp may be ahead of the estimate: as much as sending and ticks can be out of step.
 constexpr std::uint64_t kMaxStampLead = 1;
 constexpr double kLastTick = 4294967295.0;
 

@@ -1,4 +1,4 @@
-// The frames of input that go to the server, and when each first went.
+// The frames of input that go to the server, and when each was first sent.
 #pragma once
 
 #include <array>
@@ -12,19 +12,19 @@ namespace wobble::client {
 
 class InputStream {
  public:
-  // Makes the frame of this moment. estimatedTick: the server's, as far as it is known. None is made, and the last ones
-  // stay, when its stamp would be ahead of that.
+  // Makes the frame of this moment. estimatedTick: of the server. No frame is made, and the last ones stay, when its
+  // stamp would be too far ahead of that.
   void Add(const Input& input, double estimatedTick, double now);
 
-  // Newest first, at most kInputRedundancy, stamps strictly descending. Not empty once Add was called.
+  // The frames to send: newest first, at most kInputRedundancy, stamps strictly descending. Not empty after an Add.
   [[nodiscard]] std::span<const wire::InputFrame> Frames() const { return std::span(m_frames).first(m_count); }
 
-  // A snapshot says that the world has used the frame of inputTick. Seconds since that was first sent, if it is newer
-  // than any heard of before; otherwise, and for what was never sent or long ago, -1.
+  // A snapshot says that the world has used the frame with the stamp inputTick. Returns the seconds since that frame
+  // was first sent, or -1 when an equal or newer stamp came before, or the frame was never sent or is forgotten.
   double MeasureEcho(std::uint32_t inputTick, double now);
 
  private:
-  // Frames whose moment is remembered: at 60 Hz as many as an answer may take until the server counts as silent.
+  // Frames whose time of sending is remembered: at 60 Hz enough for the silence after which a server counts as gone.
   static constexpr std::size_t kRemembered = 512;
   struct SentFrame {
     std::uint32_t tick = 0;  // 0: none, stamps begin at 1
@@ -34,7 +34,7 @@ class InputStream {
   std::array<wire::InputFrame, protocol::kInputRedundancy> m_frames;
   std::size_t m_count = 0;
   std::array<SentFrame, kRemembered> m_sent{};
-  std::uint32_t m_echoed = 0;  // newest
+  std::uint32_t m_echoed = 0;  // the newest stamp that a snapshot has named
 };
 
 }  // namespace wobble::client

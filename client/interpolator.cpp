@@ -1,16 +1,17 @@
 // Catmull-Rom over uneven times, as weights of four samples.
 //
-// Samples do not come evenly: packets get lost, and the budget sends some bodies less often. Each segment is a cubic
+// Samples are unevenly spaced: packets get lost, and the budget sends some bodies less often. Each segment is a cubic
 // Hermite whose tangents are those of the parabola through a sample and its two neighbours (three-point differences for
 // uneven spacing; with even spacing this is the classic Catmull-Rom spline), so motion under constant acceleration is
-// reproduced exactly. At an end of the track the parabola through the nearest three samples serves, with two a line.
+// reproduced exactly. At an end of the track the parabola through the nearest three samples is used, with two samples a
+// line.
 //
 // The curve is linear in the samples, so its four weights are found once and applied to centroid, quaternion and every
-// vertex. Quaternions are turned into one hemisphere first and normalised after; over a thirtieth of a second that
+// vertex. Quaternions are brought into one hemisphere before and normalised after; over a thirtieth of a second that
 // differs from a spherical curve by less than the rounding on the wire.
 //
-// Beyond the last sample only the pose goes on. A shape's vibration forgets itself in about 50 ms, so carrying on its
-// last velocity is worse than keeping it; for the same reason it takes no tangents across a long gap.
+// Only the pose is extrapolated. A shape's vibration decorrelates in about 50 ms, so extrapolating its last velocity is
+// worse than keeping the shape; for the same reason shapes take no tangents across a long gap.
 #include "client/interpolator.h"
 
 #include <algorithm>
@@ -24,22 +25,22 @@ using protocol::Pose;
 using protocol::Quaternion;
 using protocol::Vector3;
 
-// A body moves at most this fast, m/s, plus twice its size between two samples; else it was put elsewhere (respawn).
+// Between two samples a body moves at most at this speed, m/s, plus kCutSizes times its size; else it has respawned.
 constexpr double kMaxSpeed = 20.0;
 constexpr double kCutSizes = 2.0;
-// The longest segment whose shape is a curve, seconds: three times what the shape remembers.
+// The longest segment over which a shape follows a curve, seconds: three times its decorrelation time.
 constexpr double kMaxShapeCurve = 0.15;
 
 using Weights = std::array<double, 4>;
 
-// h × the tangent at the start of the middle segment, where h1 is that segment and h0 the one before.
+// Weights of h1 × the tangent at the start of the middle segment; h1 is its length, h0 that of the segment before.
 Weights StartTangent(double h0, double h1) {
   const double a = h1 * h1 / (h0 * (h0 + h1));
   const double b = h0 / (h0 + h1);
   return {-a, a - b, b, 0};
 }
 
-// The same at its end, h2 being the segment after.
+// The same at its end; h2 is the length of the segment after.
 Weights EndTangent(double h1, double h2) {
   const double a = h2 / (h1 + h2);
   const double b = h1 * h1 / (h2 * (h1 + h2));
@@ -94,7 +95,7 @@ const TrackSample& Track::Newest() const {
 }
 
 bool Track::Insert(double time, bool atRest, const Pose& pose, std::span<const Vector3> shape, double playback) {
-  // The segment that is shown, and one sample before it for the tangent.
+  // Keeps the segment that is shown and one sample before it for the tangent.
   while (m_count > 2 && m_slots[2].time <= playback) DropOldest();
   std::size_t place = m_count;
   while (place > 0 && m_slots[place - 1].time >= time) --place;
@@ -123,7 +124,7 @@ void Track::DropOldest() {
   --m_count;
 }
 
-// When what was at `from` set out for `to`, the sample after it.
+// The time at which a patch leaves sample `from` for `to`, the sample after it.
 double Track::FindDeparture(const TrackSample& from, const TrackSample& to) {
   return from.atRest ? std::max(from.time, to.time - kWakeSpan) : from.time;
 }
@@ -150,7 +151,7 @@ Moment Track::Extrapolate(double time) const {
     const TrackSample& before = m_slots[m_count - 2];
     const double span = last.time - FindDeparture(before, last);
     const auto s = static_cast<float>(std::min(beyond, kMaxExtrapolation) / span);
-    moment = {{&before, &last}, {-s, 1 + s}, {0, 1}, 2, false};
+    moment = {.samples = {&before, &last}, .poseWeights = {-s, 1 + s}, .shapeWeights = {0, 1}, .count = 2};
   }
   moment.held = beyond > kMaxExtrapolation;
   return moment;
@@ -187,7 +188,7 @@ Moment Track::Interpolate(std::size_t next, double time) const {
 }
 
 Pose BlendPose(const Moment& moment) {
-  // Relative to one of them: far from the origin a weighted sum of centroids would round to millimetres.
+  // Centroids are summed relative to one of them: far from the origin the sum would round to millimetres.
   const Pose& base = moment.samples[0]->pose;
   Vector3 offset;
   Quaternion sum{0, 0, 0, 0};

@@ -1,4 +1,4 @@
-// One patch of one body over time: the samples that have arrived, and where it was in between.
+// One patch of one body over time: the samples that have arrived, and its shape at moments between them.
 #pragma once
 
 #include <array>
@@ -11,22 +11,22 @@
 
 namespace wobble::client {
 
-// Seconds. Beyond its last sample a patch goes on as it was going for the first, then it is held where that led.
+// Seconds after its last sample for which a patch's pose is extrapolated; then it is held where that led.
 inline constexpr double kMaxExtrapolation = 0.1;
-// What has lain still until it was seen to move began to do so about so long before, seconds: snapshots come that
-// often.
+// A body at rest is taken to begin to move so many seconds before the first sample that shows it moving: the time
+// between snapshots.
 inline constexpr double kWakeSpan = 1.0 / 30;
-// Samples a track keeps: kMaxDelay at 30 Hz and a few more.
+// Samples that a track keeps: kMaxDelay at 30 Hz and a few more.
 inline constexpr std::size_t kTrackSamples = 24;
 
 struct TrackSample {
   double time = 0;      // world time, seconds
-  bool atRest = false;  // from then on it lies still, until shortly before the next sample
+  bool atRest = false;  // from this time on it is at rest, until kWakeSpan before the next sample
   protocol::Pose pose;
   std::vector<protocol::Vector3> shape;  // body frame, metres
 };
 
-// A moment as a weighted sum of a track's samples; weights add up to one. Valid until the track changes.
+// A moment as a weighted sum of a track's samples. Weights add up to 1. Valid until the track changes.
 struct Moment {
   std::array<const TrackSample*, 4> samples{};  // ascending in time
   std::array<float, 4> poseWeights{};
@@ -37,17 +37,17 @@ struct Moment {
 
 class Track {
  public:
-  // size: RMS radius of the body, metres; it sets how far a sample may be from the one before and still be motion.
+  // size: of the body's blueprint, metres. It bounds how far apart two samples may be to count as one motion.
   explicit Track(float size, Curve curve = Curve::kCatmullRom) : m_size(size), m_curve(curve) {}
 
-  // Puts a sample in its place; false when one of that time is there, or it is older than all of a full track. What
-  // lies so far before `playback` that no moment from there on needs it makes room.
+  // Puts a sample in its place by time. False when there is one of that time already, or it is older than all samples
+  // of a full track. Drops samples that no moment from `playback` on needs.
   bool Insert(double time, bool atRest, const protocol::Pose& pose, std::span<const protocol::Vector3> shape,
               double playback);
 
   [[nodiscard]] bool Empty() const { return m_count == 0; }
   [[nodiscard]] const TrackSample& Newest() const;
-  // Not empty. Before its first sample a patch is shown as in that.
+  // The track must not be empty. Before its first sample a patch is shown as in that sample.
   [[nodiscard]] Moment FindMoment(double time) const;
 
  private:
@@ -63,6 +63,7 @@ class Track {
   std::size_t m_count = 0;
 };
 
+// The pose at a moment.
 [[nodiscard]] protocol::Pose BlendPose(const Moment& moment);
 // Appends the patch's vertices in the world under `pose`, metres.
 void AppendVertices(const Moment& moment, const protocol::Pose& pose, std::vector<protocol::Vector3>& vertices);

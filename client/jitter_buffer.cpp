@@ -1,12 +1,12 @@
 // Delay = 98th percentile of lateness + two snapshot intervals.
 //
-// Catmull-Rom between two samples needs the one after them as well, so even on a perfect link what is shown lies up to
-// two intervals behind the newest sample; what the link adds is how much later than the fastest packet the others come.
-// A percentile, not mean plus deviations: delays are one-sided and long-tailed. The histogram forgets with a half-life
+// Catmull-Rom between two samples needs the sample after them as well, so even on a perfect link the shown moment lies
+// up to two intervals behind the newest sample. The link adds how much later than the fastest packet the others come. A
+// percentile, not mean plus deviations: delays are one-sided and long-tailed. The histogram forgets with a half-life
 // instead of a window, so it costs the same at 30 packets a second and at 3,000.
 //
-// Too short a delay shows at once (a held body), too long a one hardly: it grows at once and shrinks slowly. The shown
-// moment then follows by running up to a tenth slower or faster, which nobody sees.
+// Too short a delay is visible at once (a held body), too long a delay hardly: so it grows at once and shrinks slowly.
+// The shown moment follows by running up to a tenth slower or faster, which players do not notice.
 #include "client/jitter_buffer.h"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ constexpr double kPercentile = 0.98;
 constexpr double kIntervals = 2.0;
 constexpr double kShrinkPerSecond = 0.02;
 constexpr double kMaxRateChange = 0.1;
-// Full rate change from this error on, seconds; proportionally less below, so that it settles without a kink.
+// The rate change is full from this error on, seconds, and proportional below, so that it settles smoothly.
 constexpr double kFullChangeAt = 0.025;
 // Half-lives after which the weights are scaled back, far from where a double overflows.
 constexpr double kRescaleAfter = 64.0;

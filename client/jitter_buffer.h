@@ -1,4 +1,4 @@
-// How far behind the server bodies are shown, and the moment that is shown now.
+// Decides how far behind the server bodies are shown, and so the moment that is shown.
 #pragma once
 
 #include <array>
@@ -6,25 +6,25 @@
 
 namespace wobble::client {
 
-// Bounds of the delay, seconds. Below the first a single frame of the display would matter more; above the second
-// players would rather see bodies held than play that late.
+// Bounds of the delay, seconds. Below the first a single frame of the display matters more; above the second a delay
+// disturbs players more than held bodies do.
 inline constexpr double kMinDelay = 0.040;
 inline constexpr double kMaxDelay = 0.500;
 
 class JitterBuffer {
  public:
-  // A packet came `lateness` seconds after the fastest would have (negative counts as 0). interval: between snapshots,
-  // seconds of world time.
+  // A packet came `lateness` seconds later than the fastest would have (negative counts as 0). interval: between
+  // snapshots, seconds of world time.
   void AddArrival(double lateness, double interval, double now);
 
-  // Moves the shown moment on to `now` (never backwards) and returns it, seconds of world time. serverTime and
-  // timeRatio as the clock has them. Its rate stays within 10 % of timeRatio; it stands still, or leaps ahead, only
-  // when it is off by more than kMaxDelay, that is when the clock itself has jumped. It never goes backwards.
+  // Moves the shown moment on to `now`, which never goes backwards, and returns it, seconds of world time. serverTime
+  // and timeRatio: of the clock. The moment's rate stays within 10 % of timeRatio. Only when it is off by more than
+  // kMaxDelay, that is when the clock itself has jumped, it stands still or leaps ahead. It never goes backwards.
   double Advance(double serverTime, double timeRatio, double now);
 
   [[nodiscard]] bool Started() const { return m_started; }
   [[nodiscard]] double Playback() const { return m_playback; }
-  // What is aimed for, and what is: the second follows the first at a tenth of real time.
+  // The delay that is aimed for, and the present one, which approaches it at a tenth of real time.
   [[nodiscard]] double TargetDelay() const { return m_target; }
   [[nodiscard]] double Delay() const { return m_delay; }
   // 98th percentile of recent lateness, seconds.
@@ -35,7 +35,8 @@ class JitterBuffer {
 
   void AddToHistogram(double lateness, double now);
 
-  // Lateness in bins of a millisecond; a weight doubles every half-life, which is the same as all older ones halving.
+  // A histogram of lateness in bins of a millisecond. The weight of new entries doubles every half-life, which equals
+  // halving all older ones.
   std::array<double, kBins> m_bins{};
   double m_total = 0;
   double m_weightEpoch = 0;

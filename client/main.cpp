@@ -1,12 +1,15 @@
-// wobble: the client's tool. The commands there are, and the signals; each command is a folder beside this file.
+// wobble, the tool of players and testers: its commands and the handling of signals. Each command is a folder beside
+// this file.
 //
-// All that is wrong with a command line is said in one line, with the option, the value and what is allowed, and ends
-// the program with exit code 2 before anything has started.
+// An error in the command line is reported in one line, with the option, the value and the range, and ends the program
+// with exit code 2 before anything has started.
 #include <signal.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
+#include <string>
 #include <vector>
 
 #include "client/bots/command.h"
@@ -16,16 +19,17 @@
 #include "client/link/command.h"
 #include "client/play/command.h"
 #include "client/terminal/command.h"
+#include "protocol/version.h"
 
 namespace {
 
 using namespace wobble;
 
-// The one global: a signal handler can reach nothing else.
+// The only global: a signal handler can reach nothing else.
 std::atomic<bool> g_stopAsked{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
 
-// Again and again the same flag, so a second Ctrl-C changes nothing. No restart of system calls: waits end early.
+// Every signal sets the same flag, so a second Ctrl-C changes nothing. System calls are not restarted: waits end early.
 void InstallSignals() {
   struct sigaction action {};
   action.sa_handler = [](int) { g_stopAsked = true; };
@@ -35,13 +39,15 @@ void InstallSignals() {
 bool IsStopAsked() { return g_stopAsked; }
 
 int Run(int argc, char** argv) {
-  CLI::App app("wobble: tools for players and testers of wobbled, the server of soft bodies");
-  app.require_subcommand(0, 1);  // none is refused below: CLI11 would say so even when an unknown option is the fault
+  CLI::App app("wobble: tools for players and testers of wobbled, the server for soft bodies");
+  // 0, since no command is refused below: CLI11 would report that even when an unknown option is the fault.
+  app.require_subcommand(0, 1);
   const std::vector<tool::Command> commands{play::DescribePlay(app), terminal::DescribeWatch(app),
                                             bots::DescribeBots(app), web::DescribeGateway(app),
                                             link::DescribeLink(app), health::DescribeHealth(app)};
-  app.set_version_flag("--version", "wobble " WOBBLE_VERSION);
-  for (const tool::Command& command : commands) command.words->set_version_flag("--version", "wobble " WOBBLE_VERSION);
+  const std::string version = std::string("wobble ") + kVersion;
+  app.set_version_flag("--version", version);
+  for (const tool::Command& command : commands) command.words->set_version_flag("--version", version);
   app.footer("Examples:\n  wobble play --for 20\n  wobble bots --help");
   try {
     app.parse(argc, argv);

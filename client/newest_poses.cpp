@@ -1,8 +1,8 @@
-// Kept as they came off the wire: of the hundreds of poses that arrive in a second few are ever asked for, and turning
+// Poses are kept as they came off the wire: few of the hundreds that arrive in a second are ever asked for, and turning
 // one into floats costs more than keeping it.
 //
-// Records are unordered, events are not records: a removed body keeps its entry, so that a late record does not bring
-// it back, until Forget.
+// Records arrive in any order, also relative to events. So a removed body keeps its entry until Forget: a late record
+// then does not bring it back.
 #include "client/newest_poses.h"
 
 #include <algorithm>
@@ -74,7 +74,7 @@ Sighting NewestPoses::MakeSighting(std::uint32_t body, const Entry& entry, doubl
   }
   sighting.age = newestTick > entry.tick ? (newestTick - entry.tick) * tickSeconds : 0;
   const double span = (entry.tick - entry.beforeTick) * tickSeconds;
-  // A respawn's tick may show the body at either place.
+  // At the tick of a respawn the body may be at either place.
   if (entry.beforeTick > entry.respawned && span <= kMaxVelocitySpan) {
     const protocol::Vector3 way = sighting.pose.centroid - protocol::Dequantise(entry.before).centroid;
     sighting.velocity = way * static_cast<float>(1 / span);

@@ -5,11 +5,18 @@ namespace {
 
 Tuning ReadTuning(const wire::Tuning& source) {
   const wire::Vec3& gravity = *source.gravity();
-  return {{gravity.x(), gravity.y(), gravity.z()}, source.stiffness(), source.time_rate(), source.may()};
+  return {.gravity = {gravity.x(), gravity.y(), gravity.z()},
+          .stiffness = source.stiffness(),
+          .timeRate = source.time_rate(),
+          .may = source.may()};
 }
 
 Scoreboard ReadScoreboard(const wire::Scoreboard& source) {
-  Scoreboard board{source.phase(), source.round(), source.seconds_left(), source.points_to_win(), source.winner(), {}};
+  Scoreboard board{.phase = source.phase(),
+                   .round = source.round(),
+                   .secondsLeft = source.seconds_left(),
+                   .pointsToWin = source.points_to_win(),
+                   .winner = source.winner()};
   for (const wire::Score* score : *source.scores()) board.scores.push_back(*score);
   return board;
 }
@@ -26,7 +33,7 @@ protocol::ForceField ReadField(const wire::ForceSet& source) {
 }
 
 Forces ReadForces(const wire::Forces& source) {
-  Forces forces{source.body(), source.tick(), source.stride(), {}};
+  Forces forces{.body = source.body(), .tick = source.tick(), .stride = source.stride(), .fields = {}};
   for (const wire::ForceSet* set : *source.sets()) forces.fields.push_back(ReadField(*set));
   return forces;
 }

@@ -1,4 +1,4 @@
-// What the server tells beside the world itself: how it is tuned, how a game stands, the forces on a body.
+// Reports of the server besides the bodies: tuning, scoreboard, the forces on an inspected body.
 #pragma once
 
 #include "client/client.h"
@@ -10,7 +10,7 @@ struct News {
   Scoreboard scoreboard;
   Forces forces;
 
-  // Takes a message that ParseServerMessage has passed. False when it is none of these.
+  // Takes a message that ParseServerMessage has passed. False when it is of another kind.
   [[nodiscard]] bool Take(const wire::ServerMessage& message);
 };
 

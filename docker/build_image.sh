@@ -1,7 +1,7 @@
 #!/bin/sh
-# Builds the image `wobble`, also by the name of its version, with docker, or without a daemon with buildah.
+# Builds the image `wobble`, also tagged with its version, with docker, or with buildah where no daemon runs.
 #
-#   sh docker/build_image.sh [OPTION...]   options are handed on, such as --no-cache
+#   sh docker/build_image.sh [OPTION...]   options are passed on, such as --no-cache
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -12,12 +12,12 @@ set -- --file docker/Dockerfile --tag wobble --tag "wobble:$version" \
 
 if docker info >/dev/null 2>&1; then
   echo "Building wobble:$version with docker"
-  # Before version 23 docker has to be asked for the builder that knows mounts.
+  # Docker before version 23 uses a builder without mounts unless BuildKit is asked for.
   DOCKER_BUILDKIT=1 exec docker build "$@"
 fi
 if command -v buildah >/dev/null 2>&1; then
   echo "Building wobble:$version with buildah"
-  # By chroot, which works within a container too. The OCI format has no place for a health check.
+  # Isolation by chroot works inside a container too. The OCI format has no health check, the docker format has.
   exec buildah bud --isolation chroot --format docker --layers --ignorefile docker/Dockerfile.dockerignore "$@"
 fi
 echo "build_image.sh: no docker daemon answers and buildah is not there; start docker or apt-get install buildah" >&2

@@ -1,28 +1,30 @@
 #!/bin/sh
-# The one list of Debian packages that wobble is built, run and tested with, in groups; and for the page what npm brings.
-# Group `runtime` is what a container has that only runs the programs; a test compares it with what they are linked to.
+# The one list of Debian packages for building, running and testing wobble, in groups, and the installation of the
+# page's npm packages. Group `runtime` is all that a container needs to run the programs; a test compares it with the
+# libraries that they are linked to.
 #
 #   sh docker/packages.sh [GROUP...]          install what is missing of these groups (default: server)
 #   sh docker/packages.sh --list [GROUP...]   print the names of Debian packages only
 #
-# What is there is left alone, so a second run asks for no network and no root.
+# Installed packages are left alone, so a second run needs neither network nor root.
 set -eu
 
 packages_of() {
   case "$1" in
-    server) # what builds and runs wobbled and wobble
+    server) # builds and runs wobbled and wobble
       echo "g++ make cmake ninja-build ccache git ca-certificates
             libeigen3-dev libtbb-dev libenet-dev libflatbuffers-dev flatbuffers-compiler
             libspdlog-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev liblua5.4-dev
             libboost-dev zlib1g-dev libcpp-httplib-dev prometheus-cpp-dev" ;;
-    runtime) # the libraries of wobbled and wobble, no more
+    runtime) # the libraries of wobbled and wobble only
       echo "libc6 libgcc-s1 libstdc++6 zlib1g libcpp-httplib0.11 libenet7 libfmt9 liblua5.4-0
             libprometheus-cpp-core1.0 libspdlog1.10 libtbb12 libtomlplusplus3" ;;
-    test) # the test runner, a second compiler whose results must be the same bits, a browser to play in, and promtool
-      echo "libgtest-dev libgmock-dev clang-19 libclang-rt-19-dev clang-format chromium prometheus" ;;
-    web) # what makes the page; a server, and a gateway without a page, need none of it
+    test) # the test runner, a second compiler whose results must have the same bits, a browser, and promtool
+      echo "libgtest-dev libgmock-dev clang-19 libclang-rt-19-dev clang-format chromium prometheus
+            pkg-config mmdebstrap dpkg-dev file python3 python3-numpy" ;;
+    web) # builds the page; a server, and a gateway without a page, do not need it
       echo "emscripten nodejs npm" ;;
-    lab) # what wobble_lab is measured against, and what draws its plots
+    lab) # what wobble_lab is measured against, and its plots
       echo "libsundials-dev libboost-dev libbullet-dev libdraco-dev libmeshoptimizer-dev
             libzstd-dev valgrind gnuplot-nox" ;;
     *)
@@ -31,7 +33,7 @@ packages_of() {
   esac
 }
 
-# Node and npm often come from elsewhere than Debian, and Debian's would then not install beside them.
+# Node and npm often come from elsewhere than Debian; Debian's packages then conflict with them.
 is_installed() {
   case "$1" in
     nodejs) command -v node >/dev/null 2>&1 && return ;;
@@ -79,7 +81,8 @@ install_missing() {
   $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing
 }
 
-# What the page and the tests of it are made with, as the lock file has it; again when that has changed since.
+# Installs the npm packages of the page and its tests as the lock file lists them; repeats it when the lock file has
+# changed.
 install_modules() {
   page="$(dirname "$0")/../client/page"
   done_by_npm="$page/node_modules/.package-lock.json"

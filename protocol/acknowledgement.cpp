@@ -8,7 +8,7 @@ ReceivedWindow::Arrival ReceivedWindow::Record(std::uint32_t sequence) {
   assert(sequence >= 1);
   if (sequence > m_newest) {
     const std::uint32_t ahead = sequence - m_newest;
-    // The old newest becomes bit ahead-1; packets between are not there yet.
+    // The packet that was the newest becomes bit ahead-1; those between have not arrived.
     m_history = ahead < kAckHistory ? m_history << ahead : 0;
     if (m_newest != 0 && ahead <= kAckHistory) m_history |= std::uint64_t{1} << (ahead - 1);
     m_newest = sequence;
@@ -25,7 +25,7 @@ ReceivedWindow::Arrival ReceivedWindow::Record(std::uint32_t sequence) {
 
 std::uint32_t SentWindow::RecordSent(double now) {
   Slot& slot = SlotOf(++m_newest);
-  if (slot.sequence != 0) {  // what leaves the memory without an acknowledgement counts as lost
+  if (slot.sequence != 0) {  // a packet that is overwritten without an acknowledgement counts as lost
     m_lostInRow = slot.acknowledged ? 0 : m_lostInRow + 1;
     m_lost += slot.acknowledged ? 0 : 1;
     if (m_lostInRow <= kCountedInRow) m_lossShare += ((slot.acknowledged ? 0.0 : 1.0) - m_lossShare) / 128.0;
@@ -35,7 +35,7 @@ std::uint32_t SentWindow::RecordSent(double now) {
 }
 
 bool SentWindow::RecordAcknowledgement(std::uint32_t newest, std::uint64_t history, double now, Report& report) {
-  // Bits below packet 1 name packets that never were.
+  // Bits below packet 1 name packets that do not exist.
   const bool beforeFirst = newest == 0 ? history != 0 : newest <= kAckHistory && history >> (newest - 1) != 0;
   if (newest > m_newest || beforeFirst) return false;
   report = {};

@@ -1,7 +1,7 @@
-// Which snapshot packets have arrived: the receiver's window, and the sender's memory of what it sent.
+// Which snapshot packets have arrived: the receiver's window, and the sender's record of what it sent.
 //
-// Packets are never sent again. An acknowledgement is the newest sequence and a bit for each of the kAckHistory before
-// it, so one lost acknowledgement costs nothing: the next one says the same again.
+// Packets are never sent again. An acknowledgement is the newest sequence and one bit for each of the kAckHistory
+// packets before it, so a lost acknowledgement costs nothing: the next one repeats it.
 #pragma once
 
 #include <array>
@@ -14,9 +14,14 @@ namespace wobble::protocol {
 // The client's side.
 class ReceivedWindow {
  public:
-  enum class Arrival { kNew, kDuplicate, kTooOld };
-  // sequence >= 1.
+  enum class Arrival {
+    kNew,
+    kDuplicate,
+    kTooOld,  // more than kAckHistory behind the newest: whether it came before is not known
+  };
+  // Notes the packet of this sequence, 1 or more.
   Arrival Record(std::uint32_t sequence);
+  // 0 before the first packet.
   [[nodiscard]] std::uint32_t Newest() const { return m_newest; }
   // Bit i: packet Newest() - 1 - i has arrived.
   [[nodiscard]] std::uint64_t History() const { return m_history; }
@@ -29,21 +34,21 @@ class ReceivedWindow {
 // The server's side, one for each client.
 class SentWindow {
  public:
-  // The sequence for a packet that leaves at `now`, seconds. 1, 2, 3 ...
+  // Returns the sequence for a packet that leaves at `now`, seconds: 1, 2, 3 ...
   std::uint32_t RecordSent(double now);
 
   struct Report {
-    unsigned acknowledged = 0;  // packets heard of for the first time
-    double roundTrip = -1;      // seconds, of packet `newest`; -1: it was heard of before
+    unsigned acknowledged = 0;  // packets acknowledged for the first time
+    double roundTrip = -1;      // seconds, of packet `newest`; -1: it was acknowledged before
   };
-  // False, and nothing changed, when it acknowledges what was never sent.
+  // Takes an acknowledgement. False, with nothing changed, when it names packets that were never sent.
   [[nodiscard]] bool RecordAcknowledgement(std::uint32_t newest, std::uint64_t history, double now, Report& report);
 
-  // Share of packets lost, over those old enough to be known: smoothed over about 128 packets, 0..1. Of many lost in a
-  // row only the first kCountedInRow count: a link that is full loses some here and there, one that loses all is black
+  // Share of packets lost, 0..1, among those old enough to be known; smoothed over about 128 packets. Of a run of
+  // losses only the first kCountedInRow count: a full link loses single packets, a link that loses all of them is black
   // for a while and as good as before afterwards.
   [[nodiscard]] double LossShare() const { return m_lossShare; }
-  // Packets that were never acknowledged, of those old enough to be known.
+  // Packets that were never acknowledged, among those old enough to be known.
   [[nodiscard]] std::uint64_t Lost() const { return m_lost; }
   [[nodiscard]] std::uint32_t Newest() const { return m_newest; }
 

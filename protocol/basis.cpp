@@ -24,7 +24,7 @@ class Writer {
   std::vector<std::uint8_t> bytes;
 };
 
-// Zeros past the end, and then Overran().
+// Reads zeros past the end and then says Overran().
 class Reader {
  public:
   explicit Reader(std::span<const std::uint8_t> bytes) : m_bytes(bytes) {}
@@ -128,11 +128,11 @@ bool ReadSource(std::span<const std::uint8_t> bytes, BasisSource& source) {
   return reader.IsWhole();
 }
 
-// Appends the completed modes, each block turned by its matrix, in the true order of rows.
+// Appends the completed modes, each block rotated by its matrix, with rows in the order of the vertices again.
 bool AppendRest(const BasisSource& source, const std::vector<double>& completed,
                 const std::vector<std::size_t>& rowOrder, std::vector<double>& columns) {
   const std::size_t rows = rowOrder.size(), rest = completed.size() / rows;
-  const std::size_t blocks = source.blocks > 0 ? source.blocks : rest;  // without matrices each mode for itself
+  const std::size_t blocks = source.blocks > 0 ? source.blocks : rest;  // without matrices a block a mode
   std::size_t nextTurn = 0;
   std::vector<double> turn;
   for (std::size_t block = 0; block < blocks; ++block) {

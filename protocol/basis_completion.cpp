@@ -1,7 +1,7 @@
-// Doubles, and nothing but sums, products, quotients and square roots in one order: IEEE 754 leaves no choice about
-// these, so all clients get the same bits although no integer is in sight. Sums run over rows in ascending order; the
-// loops inside run over columns, which the compiler may put side by side without changing any of them. Gram–Schmidt on
-// unit vectors would be simpler to tell, but ends in vectors of which nothing but rounding is left.
+// Sums, products, quotients and square roots of doubles in one fixed order: IEEE 754 defines each result exactly, so
+// all clients get the same bits. Sums run over rows in ascending order; the inner loops run over columns, which the
+// compiler may vectorise without changing any of them. Gram–Schmidt on unit vectors would be simpler, but its last
+// vectors would consist of rounding errors.
 #include "protocol/basis_completion.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace wobble::protocol {
 namespace {
 
-// x − 2 v (v·x)/(v·v) for every column x of a matrix whose rows are `columns` numbers; v begins at row `first`.
+// A Householder reflection: x − 2 v (v·x)/(v·v) for every column x of a matrix. v begins at row `first`.
 struct Reflection {
   std::size_t first = 0;
   std::vector<double> v;
@@ -37,7 +37,7 @@ void Reflect(const Reflection& reflection, std::size_t columns, std::vector<doub
   }
 }
 
-// The reflection that turns what is below row `first` of the column into a multiple of the first unit vector.
+// The reflection that turns column `first`, from row `first` on, into a multiple of the first unit vector.
 Reflection MakeReflection(const std::vector<double>& matrix, std::size_t rows, std::size_t columns, std::size_t first) {
   Reflection reflection;
   reflection.first = first;
@@ -77,7 +77,7 @@ std::vector<double> CompleteBasis(std::span<const double> given, std::size_t row
 }
 
 bool Orthonormalise(std::span<double> vectors, std::size_t rows) {
-  constexpr double kSmallest = 1e-3;  // of what is left of a vector, as a share of it
+  constexpr double kSmallest = 1e-3;  // share of a vector's length that must be left
   const auto measure = [](std::span<const double> vector) {
     double square = 0;
     for (const double x : vector) square += x * x;

@@ -1,7 +1,7 @@
 // Bits into bytes and back, least significant bit first.
 //
-// The reader is meant for bytes that anyone may have sent: past the end it answers zeros and remembers, so a decoder
-// needs one check at its end instead of one per field.
+// The reader takes untrusted bytes: past the end it returns zeros and remembers it, so a decoder needs one check at its
+// end instead of one per field.
 #pragma once
 
 #include <cassert>
@@ -28,7 +28,7 @@ class BitWriter {
     }
   }
 
-  // Seven bits a byte, the eighth says that more follow.
+  // Seven bits a byte, the lowest first; the eighth bit says that another byte follows.
   void WriteVarint(std::uint32_t value) {
     while (value >= 0x80) {
       Write((value & 0x7F) | 0x80, 8);
@@ -37,7 +37,7 @@ class BitWriter {
     Write(value, 8);
   }
 
-  // Fills the last byte with zeros. Call it once at the end of a record.
+  // Fills the last byte with zero bits. To be called once, at the end of a record.
   void Align() {
     if (m_pendingCount > 0) Write(0, 8 - m_pendingCount);
   }
@@ -52,7 +52,7 @@ class BitReader {
  public:
   explicit BitReader(std::span<const std::uint8_t> bytes) : m_bytes(bytes) {}
 
-  // 0 <= count <= 32. Zero, and Overran() from then on, when fewer bits are left.
+  // 0 <= count <= 32. Returns 0, and Overran() is true from then on, when fewer bits are left.
   std::uint32_t Read(unsigned count) {
     assert(count <= 32);
     while (m_pendingCount < count) {
@@ -71,7 +71,7 @@ class BitReader {
     return value;
   }
 
-  // Zero and Overran() when it is not a 32-bit number in its shortest form.
+  // Returns 0, and Overran() is true, when the bytes are no 32-bit number in its shortest form.
   std::uint32_t ReadVarint() {
     std::uint64_t value = 0;
     for (unsigned shift = 0; shift < 35; shift += 7) {
@@ -87,9 +87,9 @@ class BitReader {
   }
 
   [[nodiscard]] bool Overran() const { return m_overran; }
-  // Nothing left but the zero bits that fill the last byte.
+  // Whether nothing is left but the zero bits that fill the last byte.
   [[nodiscard]] bool AtEnd() const { return m_next == m_bytes.size() && m_pendingCount < 8 && m_pending == 0; }
-  // First byte not yet begun; meaningful when whole bytes have been read.
+  // The first byte that has not been begun; only meaningful when whole bytes have been read.
   [[nodiscard]] std::size_t ByteOffset() const { return m_next; }
 
  private:

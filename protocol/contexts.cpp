@@ -1,6 +1,6 @@
-// The numbers of contexts.h. The frequencies were counted on the coefficients of recorded play (two kinds of ball
-// of 162 vertices, four of each, chasing each other in a room; targets of 0.1, 0.25 and 0.5 % of the size), with thirty
-// coefficients of a Laplace distribution added to each table; the expectations are the mean magnitudes of a Laplace
+// The tables of contexts.h. The frequencies were counted on the coefficients of recorded play (two kinds of ball of 162
+// vertices, four of each, chasing each other in a room; targets of 0.1, 0.25 and 0.5 % of the size), with thirty
+// coefficients of a Laplace distribution added to each table. The expectations are the mean magnitudes of a Laplace
 // distribution behind a dead zone of 0.6 steps. STANDARD.md repeats both.
 #include "protocol/contexts.h"
 
@@ -16,7 +16,7 @@ const std::array<std::uint32_t, 61> kExpectations = {
 namespace {
 
 using Counts = std::array<std::uint16_t, kMagnitudes>;
-// A row a context, each adds up to kFrequencyTotal.
+// One row for each context; each adds up to kFrequencyTotal.
 constexpr std::array<Counts, kContexts> kFrequencies = {{
     {4081, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1},
     {4078, 4, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1},

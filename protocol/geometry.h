@@ -1,6 +1,6 @@
-// The little geometry that both ends share: vectors, quaternions, poses. Floats, metres.
+// The geometry that both ends share: vectors, quaternions, poses. Floats, metres.
 //
-// The protocol and the client know no linear-algebra library, so that they compile to WebAssembly as they are. Every
+// The protocol and the client use no linear-algebra library, so that they compile to WebAssembly as they are. Every
 // operation has one order of evaluation and no fused multiply-add, so every client computes the same bits.
 #pragma once
 
@@ -28,13 +28,13 @@ struct Quaternion {
 
 inline Quaternion Conjugate(Quaternion q) { return {q.w, -q.x, -q.y, -q.z}; }
 
-// v turned by the unit quaternion q: v + 2 u × (u × v + w v), u = (x, y, z).
+// v rotated by the unit quaternion q: v + 2 u × (u × v + w v), u = (x, y, z).
 inline Vector3 Rotate(Quaternion q, Vector3 v) {
   const Vector3 u{q.x, q.y, q.z};
   return v + Cross(u, Cross(u, v) + v * q.w) * 2.0F;
 }
 
-// Where a body is: a point of its frame p is at centroid + Rotate(rotation, p).
+// Place and rotation of a body: point p of its frame is at centroid + Rotate(rotation, p) in the world.
 struct Pose {
   Vector3 centroid;
   Quaternion rotation;

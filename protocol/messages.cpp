@@ -179,7 +179,7 @@ Message MakeNotice(std::string_view text) {
 
 namespace {
 
-// No vector at all instead of an empty one.
+// Leaves an empty vector out: the field is then absent.
 template <class Struct>
 Offset<flatbuffers::Vector<const Struct*>> CreateUnlessEmpty(FlatBufferBuilder& builder, std::span<const Struct> list) {
   return list.empty() ? Offset<flatbuffers::Vector<const Struct*>>()

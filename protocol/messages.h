@@ -1,7 +1,8 @@
-// Control messages and inputs: how they are made, and how bytes from the wire become something to be trusted.
+// Control messages and inputs, which both ends must agree on: how they are made and how bytes from the wire are
+// verified.
 //
-// A parsed message is a view into the bytes it was parsed from. It is verified in full before anything is read, so
-// every accessor is safe; what FlatBuffers cannot know (a missing body, too many frames) is checked here as well.
+// A parsed message is a view of the bytes it was parsed from. It is verified in full before anything is read, so every
+// accessor is safe; what FlatBuffers cannot know (a missing body, too many frames) is checked as well.
 #pragma once
 
 #include <array>
@@ -22,19 +23,20 @@ namespace wire = wobble::wire;  // what flatc made of messages.fbs
 
 enum class ParseResult : std::uint8_t {
   kOk,
-  kTooLarge,      // over the size allowed from this side
-  kMalformed,     // fails FlatBuffers' verification
-  kMissingField,  // a part that every honest sender sets is absent
-  kOutOfRange,    // a field has a value it cannot have
+  kTooLarge,      // over the limit for this sender
+  kMalformed,     // fails FlatBuffers' verification, or does not begin at a multiple of 8 bytes
+  kMissingField,  // a field that every honest sender sets is absent
+  kOutOfRange,    // a field has a value that it cannot have
 };
 inline constexpr std::size_t kParseResultCount = 5;
 [[nodiscard]] const char* Name(ParseResult result);
 [[nodiscard]] const char* Name(wire::GoodbyeReason reason);
 
-// Sets `message` only when the result is kOk; its body is then set and of a known type.
+// Verify bytes of any content. `message` is set only when the result is kOk: its body is then there and of a known
+// type, numbers are finite and counts within limits.h.
 [[nodiscard]] ParseResult ParseClientMessage(std::span<const std::uint8_t> bytes, const wire::ClientMessage*& message);
 [[nodiscard]] ParseResult ParseServerMessage(std::span<const std::uint8_t> bytes, const wire::ServerMessage*& message);
-// Faces and edges name vertices that exist, vertices are finite, and the counts are within limits.h.
+// The same of a blueprint, put together from its chunks: faces and edges name vertices that exist.
 [[nodiscard]] ParseResult ParseBlueprint(std::span<const std::uint8_t> bytes, const wire::Blueprint*& blueprint);
 
 using Message = std::vector<std::uint8_t>;
@@ -88,7 +90,7 @@ struct WelcomeFields {
 [[nodiscard]] Message MakeBlueprintChunk(std::uint8_t blueprint, std::uint64_t hash, std::uint32_t total,
                                          std::uint32_t offset, std::span<const std::uint8_t> bytes,
                                          std::uint8_t generation = 0);
-// At most kMaxRowsHeights.
+// heights: 1..kMaxRowsHeights.
 [[nodiscard]] Message MakeHeightRows(std::uint16_t field, std::uint16_t firstRow,
                                      std::span<const std::uint16_t> heights);
 [[nodiscard]] Message MakeEvent(wire::EventKind kind, std::uint32_t tick, std::uint32_t clientId, std::uint32_t body,
@@ -97,19 +99,19 @@ struct WelcomeFields {
 
 struct TuningFields {
   Vector3 gravity{0, 0, -9.81F};  // m/s²
-  float stiffness = 1;            // times every spring's stiffness and damping
+  float stiffness = 1;            // factor of every spring's stiffness and damping
   float timeRate = 1;             // seconds of the world a second
-  std::uint8_t may = 0;           // what the receiver may tune
+  std::uint8_t may = 0;           // what the receiver may tune: bits kMayTune...
 };
 [[nodiscard]] Message MakeTuning(const TuningFields& fields);
 
-// One kind of force on each vertex shown, N (acceleration: m/s²).
+// One kind of force on each of the vertices shown, N (acceleration: m/s²).
 struct ForceField {
   wire::ForceKind kind = wire::ForceKind::Elastic;
   std::vector<Vector3> values = {};
 };
-// fields: equally many vertices, at most kMaxShownForces. Each is sent in steps of 1/kForceSteps of its largest
-// coordinate, and not at all when it is zero all over.
+// fields: of equally many vertices, at most kMaxShownForces. Each is sent in steps of 1/kForceSteps of its largest
+// coordinate; a field of zeros is left out.
 [[nodiscard]] Message MakeForces(std::uint32_t body, std::uint32_t tick, std::uint16_t stride,
                                  std::span<const ForceField> fields);
 
@@ -122,10 +124,10 @@ struct ScoreboardFields {
   std::vector<wire::Score> scores = {};  // at most kMaxScores
 };
 [[nodiscard]] Message MakeScoreboard(const ScoreboardFields& fields);
-// At most kMaxNoticeBytes.
+// text: at most kMaxNoticeBytes.
 [[nodiscard]] Message MakeNotice(std::string_view text);
 
-// What a client needs to draw a body, as one FlatBuffer; sent in chunks.
+// All that a client needs to draw a body. It becomes one FlatBuffer and is sent in chunks.
 struct BlueprintFields {
   std::string_view name;
   std::span<const Vector3> rest;
@@ -137,7 +139,7 @@ struct BlueprintFields {
   std::span<const wire::SpringTag> springs = {};             // one an edge or none
 };
 [[nodiscard]] Message MakeBlueprint(const BlueprintFields& fields);
-// FNV-1a, 64 bits: names a blueprint in a client's cache. Not a defence against forgery.
+// FNV-1a, 64 bits. Names a blueprint in a client's cache; no defence against forgery.
 [[nodiscard]] std::uint64_t HashBytes(std::span<const std::uint8_t> bytes);
 
 }  // namespace wobble::protocol

@@ -1,10 +1,11 @@
-// From bytes to messages that can be trusted. FlatBuffers' verifier goes first, over the whole of a message; then what
-// only we know: that what every honest sender sets is there, that numbers are finite, enumerators known, counts within
-// limits.h and places within what they are places of.
+// Verification of bytes from the wire. FlatBuffers' verifier goes first, over the whole message. Then come the rules
+// that only this protocol knows: mandatory fields are there, numbers are finite, enumerators known, counts within
+// limits.h and indices within what they point into.
 #include <cmath>
 #include <initializer_list>
 
 #include "protocol/messages.h"
+#include "protocol/snapshot.h"
 
 namespace wobble::protocol {
 namespace {
@@ -15,9 +16,9 @@ const Root* VerifyRoot(std::span<const std::uint8_t> bytes, std::uint32_t maxTab
   return verifier.VerifyBuffer<Root>(nullptr) ? flatbuffers::GetRoot<Root>(bytes.data()) : nullptr;
 }
 
-// FlatBuffers reads numbers where they lie: its verifier wants the alignment that a network buffer need not have.
-// Every transport hands out buffers from the allocator or ENet's packets, both aligned to 8; a caller with another
-// buffer gets kMalformed, not undefined behaviour.
+// FlatBuffers reads numbers in place, so its verifier needs an alignment that a network buffer need not have. Every
+// transport hands out buffers of the allocator or ENet's packets, both aligned to 8; a caller with another buffer gets
+// kMalformed, not undefined behaviour.
 bool IsAligned(std::span<const std::uint8_t> bytes) {
   return reinterpret_cast<std::uintptr_t>(bytes.data()) % alignof(std::uint64_t) == 0;
 }
@@ -50,7 +51,7 @@ ParseResult CheckInput(const wire::Input& input) {
   return isGood ? ParseResult::kOk : ParseResult::kOutOfRange;
 }
 
-// Those that every honest sender sets, and all finite.
+// All must be there and finite.
 ParseResult CheckPlaces(std::initializer_list<const wire::Vec3*> places) {
   for (const wire::Vec3* place : places) {
     if (place == nullptr) return ParseResult::kMissingField;
@@ -187,7 +188,7 @@ ParseResult CheckClientBody(const wire::ClientMessage& message) {
   if (message.body_as_Inspect() != nullptr) return ParseResult::kOk;
   if (const auto* tune = message.body_as_Tune()) return CheckTune(*tune);
   if (const auto* build = message.body_as_Build()) return CheckBuild(*build);
-  return ParseResult::kOutOfRange;  // of a kind this version does not know
+  return ParseResult::kOutOfRange;  // a kind that this version does not know
 }
 
 ParseResult CheckServerBody(const wire::ServerMessage& message) {
@@ -249,7 +250,7 @@ ParseResult ParseBlueprint(std::span<const std::uint8_t> bytes, const wire::Blue
     }
   }
   if (root->bases() != nullptr) {
-    if (root->bases()->size() != (count + kMaxPatchVertices - 1) / kMaxPatchVertices) return ParseResult::kOutOfRange;
+    if (root->bases()->size() != PatchCount(count)) return ParseResult::kOutOfRange;
     for (const wire::Basis* basis : *root->bases()) {
       if (basis->bytes() == nullptr) return ParseResult::kMissingField;
       if (basis->bytes()->size() > kMaxBasisBytes) return ParseResult::kOutOfRange;

@@ -10,10 +10,10 @@
 namespace wobble::protocol {
 namespace {
 
-// 8,192 m in steps of 2^-17 m.
+// Bits of a coordinate: 8,192 m in steps of 2^-17 m.
 constexpr unsigned kMaxLength = 31;
-// Of the bit length of a centroid's coordinate, from 0; out of kFrequencyTotal. Broad about 2^13 steps, which is a few
-// metres at the usual target.
+// Frequencies of the bit length of a centroid's coordinate, from 0, out of kFrequencyTotal. Broad about 2^13 steps,
+// which is a few metres at the usual target.
 constexpr std::array<std::uint16_t, kMaxLength + 1> kLengthFrequencies = {
     40,  20,  20, 20, 24, 32, 44, 60, 90, 140, 220, 350, 520, 680, 640, 480,
     300, 170, 90, 50, 30, 20, 14, 10, 8,  6,   4,   4,   4,   2,   2,   2};
@@ -28,7 +28,7 @@ constexpr std::array<std::uint16_t, kMaxLength + 2> MakeStarts() {
 constexpr auto kLengthStarts = MakeStarts();
 static_assert(kLengthStarts.back() == kFrequencyTotal);
 
-// A number below 2^bits in pieces that the range coder takes.
+// Writes a number below 2^bits in pieces of at most 16 bits, which the range coder takes.
 void WriteBits(RangeEncoder& encoder, std::uint32_t value, unsigned bits) {
   for (; bits > 16; bits -= 16, value >>= 16) encoder.EncodeBits(value & 0xFFFF, 16);
   encoder.EncodeBits(value, bits);
@@ -70,7 +70,7 @@ float Shrink(std::int32_t value, unsigned bits) {
   return std::ldexp(static_cast<float>(value), -static_cast<int>(bits));
 }
 
-// The most steps that a component but the largest can have: 2^turn / √2.
+// The most steps that a component other than the largest can have: 2^turn / √2.
 std::int32_t FindMostSteps(unsigned turn) { return (46341 >> (kFinestTurn - turn)) + 1; }
 
 // 1 − a² − b² − c², the square of the component left out.
@@ -84,9 +84,7 @@ float FindSquareLeft(const QuantisedPose& pose) {
 
 PoseGrid MakePoseGrid(unsigned grid, float size) {
   assert(grid <= kFinestGrid && size > 0);
-  int exponent = 0;
-  std::frexp(size, &exponent);
-  const int turn = std::clamp(static_cast<int>(grid) + exponent + 1, int{kCoarsestTurn}, int{kFinestTurn});
+  const int turn = std::clamp(static_cast<int>(grid) + FindExponent(size) + 1, int{kCoarsestTurn}, int{kFinestTurn});
   return {grid, static_cast<unsigned>(turn)};
 }
 
@@ -140,7 +138,7 @@ void WritePose(RangeEncoder& encoder, const QuantisedPose& pose) {
 bool ReadPose(RangeDecoder& decoder, QuantisedPose& pose) {
   for (std::int32_t* value : {&pose.x, &pose.y, &pose.z}) {
     *value = ReadCoordinate(decoder);
-    // A length of 31 bits reaches further than the finest grid needs.
+    // 31 bits reach further than the world does on any but the finest grid.
     if (std::fabs(Shrink(*value, pose.grid.grid)) > static_cast<float>(kWorldHalfExtent)) return false;
   }
   pose.largest = decoder.DecodeBits(2);
@@ -148,7 +146,8 @@ bool ReadPose(RangeDecoder& decoder, QuantisedPose& pose) {
   for (std::int32_t* value : {&pose.a, &pose.b, &pose.c}) {
     *value = static_cast<std::int32_t>(decoder.DecodeUniform(static_cast<std::uint32_t>(2 * most + 1))) - most;
   }
-  // The component left out is the largest, so its square is a quarter at least; anything else is no rotation.
+  // The component left out is the largest, so its square is at least a quarter. Anything less is no rotation; rounding
+  // has some room.
   return FindSquareLeft(pose) > 0.2F;
 }
 

@@ -1,4 +1,4 @@
-// Numbers by chance that are the same on every machine and with every standard library.
+// Pseudo-random numbers that are the same on every machine and with every standard library.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ class Random {
     return z ^ (z >> 31);
   }
 
-  // Uniform in [0, 1). std::uniform_real_distribution is not used because standard libraries disagree about it.
+  // Uniform in [0, 1). Not std::uniform_real_distribution, whose results differ between standard libraries.
   double NextShare() { return static_cast<double>(Next() >> 11) * 0x1p-53; }
 
  private:

@@ -14,7 +14,7 @@ void RangeEncoder::Narrow(std::uint32_t start, std::uint32_t width) {
   }
 }
 
-// low + range never passes 2^32 of what has been written, so there is always a byte that takes the carry.
+// The range never leaves that of the bytes written so far, so one of them always takes the carry.
 void RangeEncoder::AddCarry() {
   std::size_t at = m_bytes.size();
   while (at > m_begin && ++m_bytes[--at] == 0) {

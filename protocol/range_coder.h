@@ -1,9 +1,9 @@
-// A static range coder: symbols of known frequency into bytes and back, in integers.
+// A static range coder: turns symbols of known frequency into bytes and back, in integers.
 //
-// Carries go back into the bytes already written (as in Martin 1979) instead of being kept out by a narrower range:
-// that loses 0.1 bit a record less than the carry-less variant. The end is the shortest string of bytes that, with
-// zeros behind it, lies in the last range: half a byte more than the symbols are worth. rANS was as dense, but writes
-// from the back, which the encoder's contexts do not allow.
+// Carries propagate into the bytes already written (as in Martin 1979) instead of being avoided by a narrower range,
+// which saves 0.1 bit a record over the carry-less variant. The encoder ends with the shortest bytes that, with zeros
+// behind them, lie in the last range: half a byte more than the symbols are worth. rANS was as dense, but writes from
+// the back, which the encoder's adaptive contexts do not allow.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ class RangeEncoder {
   // Appends to `bytes`, which must outlive the encoder.
   explicit RangeEncoder(std::vector<std::uint8_t>& bytes) : m_bytes(bytes), m_begin(bytes.size()) {}
 
-  // A symbol that takes up [start, start + frequency) of kFrequencyTotal; frequency > 0.
+  // A symbol with the share [start, start + frequency) of kFrequencyTotal; frequency > 0.
   void Encode(std::uint32_t start, std::uint32_t frequency) {
     m_range >>= kFrequencyBits;
     Narrow(start, frequency);
@@ -36,7 +36,7 @@ class RangeEncoder {
     m_range >>= bits;
     Narrow(value, 1);
   }
-  // Once, at the end; at least one byte is then there.
+  // To be called once, at the end. At least one byte has then been written.
   void Finish();
 
  private:
@@ -49,14 +49,14 @@ class RangeEncoder {
   std::uint32_t m_range = 0xFFFFFFFF;
 };
 
-// For bytes that anyone may have sent: every question has an answer within its bounds, past the end as well.
+// Takes untrusted bytes: every call returns a value within its bounds, also past the end.
 class RangeDecoder {
  public:
   explicit RangeDecoder(std::span<const std::uint8_t> bytes) : m_bytes(bytes) {
     for (int i = 0; i < 4; ++i) m_code = m_code << 8 | NextByte();
   }
 
-  // Where in [0, kFrequencyTotal) the next symbol lies; Take is to follow with the symbol that has this place.
+  // A place in [0, kFrequencyTotal) inside the next symbol's share. Take must follow, with that symbol's share.
   std::uint32_t Find() {
     m_range >>= kFrequencyBits;
     const std::uint32_t place = m_code / m_range;
@@ -83,7 +83,8 @@ class RangeDecoder {
     Refill();
     return value;
   }
-  // No stream of an encoder makes the reader look further than four bytes past its end, nor leaves whole bytes unread.
+  // For refusing bytes that no encoder wrote: an honest stream is never read further than four bytes past its end, and
+  // no whole byte of it is left unread.
   [[nodiscard]] bool Overran() const { return m_next > m_bytes.size() + 4; }
   [[nodiscard]] bool LeftBytes() const { return m_next < m_bytes.size(); }
 

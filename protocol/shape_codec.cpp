@@ -1,5 +1,5 @@
-// Everything up to the sum of modes is in integers, and these wrap: a record made to overflow shows nonsense, but the
-// same nonsense everywhere. The encoder looks at what the decoder makes of its numbers and never sends any that do.
+// All arithmetic up to the sum of modes is in integers that wrap: a record made to overflow decodes to nonsense, but to
+// the same nonsense everywhere. The encoder decodes its own numbers and never sends any that overflow.
 #include "protocol/shape_codec.h"
 
 #include <cassert>
@@ -10,7 +10,7 @@
 namespace wobble::protocol {
 namespace {
 
-// Twenty ones at most; the number behind them has as many bits. At most 2^21 − 2.
+// An exponential Golomb code: up to twenty ones, then a number of as many bits. At most 2^21 − 2.
 std::uint32_t ReadEscape(RangeDecoder& decoder) {
   unsigned length = 0;
   while (length < 20 && decoder.DecodeBits(1) == 1) ++length;
@@ -43,7 +43,7 @@ void AddMode(std::span<const std::int16_t> column, std::uint32_t value, std::uin
   }
 }
 
-// Without a basis: each coordinate by itself, coefficients in steps.
+// The shape without a basis: each coefficient moves one coordinate; coefficients are in steps.
 void MoveVertices(std::span<const Vector3> rest, std::span<const std::int32_t> coefficients, float step,
                   std::span<Vector3> shape) {
   for (std::size_t i = 0; i < rest.size(); ++i) {
@@ -87,7 +87,7 @@ void ShapeDecoder::MoveAlongModes(const PatchModel& model, std::span<const std::
   }
 }
 
-DecodeResult ShapeDecoder::Decode(const PatchModel& model, std::span<const std::uint8_t> payload, Pose& pose,
+DecodeResult ShapeDecoder::Decode(const PatchModel& model, std::span<const std::uint8_t> payload, QuantisedPose& pose,
                                   std::span<Vector3> shape) {
   const std::size_t count = model.rest.size();
   assert(shape.size() == count && (model.basis == nullptr || model.basis->vertices == count));
@@ -109,7 +109,7 @@ DecodeResult ShapeDecoder::Decode(const PatchModel& model, std::span<const std::
   }
   if (decoder.LeftBytes()) return DecodeResult::kTrailingBytes;
 
-  pose = Dequantise(head.pose);
+  pose = head.pose;
   Rebuild(model, head, m_coefficients, shape);
   return DecodeResult::kOk;
 }
@@ -118,7 +118,7 @@ void ShapeDecoder::Rebuild(const PatchModel& model, const ShapeHead& head, std::
                            std::span<Vector3> shape) {
   m_sides.clear();
   if (head.mode.followsContact || head.mode.pressesOut) {
-    FindSides(model.obstacles, Dequantise(head.pose), FindReach(model.rest), m_sides);
+    FindSides(model.obstacles, Dequantise(head.pose), model.reach, m_sides);
   }
   const float step = FindStep(FindStepLevel(head.pose.grid.grid, head.stepIndex));
   if (head.mode.usesBasis) {

@@ -1,11 +1,11 @@
-// One patch of one body in bytes, to be decoded alone: pose, then its departure from the rest shape along the modes of
-// its basis.
+// One patch of one body as bytes that are decoded alone: the pose, then the vertices' displacements from the rest shape
+// along the modes of the patch's basis.
 //
-// There is no baseline: a soft body forgets its shape in 50 ms, so that against the last acknowledged snapshot a
-// record would be 3 % shorter, but different for each client and lost with that one. What each part brings, in bits a
-// vertex on balls of 162 vertices thrown about a room (targets 0.25 %, 0.5 %, 0.1 % of the size; 4.36, 2.25, 8.12 in
-// all): completion of the basis 0.7, 0.2 and most of the last (basis.h); contexts from what came before 0.36, 0.14, 0.6
-// (contexts.h); following what contact with known walls suggests 0.29, 0.27, 0.31 (surfaces.h); rate-distortion
+// There is no baseline. A soft body forgets its shape in 50 ms: coded against the last acknowledged snapshot a record
+// would be 3 % shorter, but different for each client and lost together with that snapshot. Savings of each part in
+// bits a vertex, on balls of 162 vertices thrown about a room, at targets of 0.25 %, 0.5 % and 0.1 % of the size (4.36,
+// 2.25 and 8.12 bits in all): completion of the basis 0.7, 0.2 and most of the last (basis.h); adaptive contexts 0.36,
+// 0.14, 0.6 (contexts.h); prediction of contact with known walls 0.29, 0.27, 0.31 (flat_sides.h); rate-distortion
 // optimised rounding 0.28, 0.22, 0.21 (shape_encoder.cpp); a pose as coarse as the target 0.25, 0.28, 0.2 (pose.h).
 #pragma once
 
@@ -13,21 +13,12 @@
 #include <span>
 #include <vector>
 
-#include "protocol/basis.h"
+#include "protocol/flat_sides.h"
 #include "protocol/geometry.h"
-#include "protocol/messages.h"
+#include "protocol/patch_model.h"
 #include "protocol/pose.h"
-#include "protocol/surfaces.h"
 
 namespace wobble::protocol {
-
-// What both ends know of a patch.
-struct PatchModel {
-  std::span<const Vector3> rest;                   // in the body's frame, m; at most kMaxPatchVertices
-  float size = 1;                                  // of the blueprint, m; above 0
-  const Basis* basis = nullptr;                    // of as many vertices; nullptr: coordinates are coded one by one
-  std::span<const wire::Obstacle> obstacles = {};  // of the welcome
-};
 
 enum class DecodeResult : std::uint8_t {
   kOk,
@@ -40,32 +31,33 @@ enum class DecodeResult : std::uint8_t {
 };
 [[nodiscard]] const char* Name(DecodeResult result);
 
-// The rest shape where contact would press it, and how far along each mode that is.
+// The effect of contact alone on the rest shape; FindContact fills it in.
 struct ContactScratch {
-  std::vector<Vector3> pressed;
-  std::vector<std::int16_t> moved;
-  std::vector<std::int32_t> along;
+  std::vector<Vector3> pressed;     // the rest shape pressed out of the sides, body frame, m
+  std::vector<std::int16_t> moved;  // by how much, in units of a power of two
+  std::vector<std::int32_t> along;  // the same along each mode
 };
 
 struct ShapeHead;
 
-// Reads a payload's pose alone, which takes no basis.
+// Reads the pose of a payload and nothing behind it. It needs no basis. size: of the blueprint, m.
 [[nodiscard]] DecodeResult DecodePose(std::span<const std::uint8_t> payload, float size, QuantisedPose& pose);
 
-// Keeps its memory between records.
+// Decodes payloads; keeps its memory between them. The laboratory holds it to 20 us for a ball of 162 vertices.
 class ShapeDecoder {
  public:
-  // Reads one payload of any bytes. `shape` has the size of `rest` and gets vertices in the body frame, metres. On any
-  // result but kOk the contents of `pose` and `shape` are unspecified and must not be shown.
-  [[nodiscard]] DecodeResult Decode(const PatchModel& model, std::span<const std::uint8_t> payload, Pose& pose,
+  // Reads one payload of any bytes. `shape` has the size of model.rest and gets vertices in the body's frame, m; `pose`
+  // gets the pose on its grid, which Dequantise turns into metres. On any result but kOk the contents of `pose` and
+  // `shape` are unspecified and must not be shown.
+  [[nodiscard]] DecodeResult Decode(const PatchModel& model, std::span<const std::uint8_t> payload, QuantisedPose& pose,
                                     std::span<Vector3> shape);
-  // The shape that Decode reads where this head and these coefficients, in steps, were written: the encoder's look at
-  // its own work.
+  // Makes the shape that Decode would read from this head and these coefficients, in steps. With it the encoder sees
+  // exactly what decoders will.
   void Rebuild(const PatchModel& model, const ShapeHead& head, std::span<const std::int32_t> coefficients,
                std::span<Vector3> shape);
 
  private:
-  // In the model's basis, and by what contact suggests.
+  // The shape from coefficients in the model's basis, plus the contact prediction when followsContact.
   void MoveAlongModes(const PatchModel& model, std::span<const std::int32_t> coefficients, bool followsContact,
                       float step, std::span<Vector3> shape);
 
@@ -82,11 +74,11 @@ struct ShapeEncoding {
   float maxError = 0;  // metres
 };
 
-// Keeps its memory between records.
+// Encodes payloads; keeps its memory between them. The laboratory holds it to 50 us for a ball of 162 vertices.
 class ShapeEncoder {
  public:
   // Appends a shape payload to `out`. vertices: the model's in the world, m, finite. The RMS error is at most, and
-  // nearly, targetRms (> 0, metres); if that takes more than maxBytes, the least of its multiples by 5/4 that fits.
+  // nearly, targetRms (> 0, m). When that takes more than maxBytes, targetRms is multiplied by 5/4 until it fits.
   [[nodiscard]] ShapeEncoding Encode(const PatchModel& model, const Pose& pose, std::span<const Vector3> vertices,
                                      float targetRms, std::size_t maxBytes, std::vector<std::uint8_t>& out);
 
@@ -107,10 +99,10 @@ class ShapeEncoder {
   ShapeDecoder m_decoder;
   ContactScratch m_contact;
   std::vector<Side> m_sides;
-  std::vector<Vector3> m_local;         // where the vertices are in the frame of the pose as decoded
-  std::vector<std::int16_t> m_rounded;  // departures, for the transform
+  std::vector<Vector3> m_local;         // the vertices in the frame of the pose as decoded, m
+  std::vector<std::int16_t> m_rounded;  // displacements, rounded for the transform
   std::vector<float> m_coefficients;    // m
-  std::vector<float> m_left;            // of these, without what contact suggests
+  std::vector<float> m_left;            // the coefficients less the contact prediction, m
   std::vector<float> m_wanted;          // magnitudes, in steps
   std::vector<std::int32_t> m_chosen;   // in steps
   std::vector<float> m_bestWanted;      // of the best try so far

@@ -1,7 +1,8 @@
-// Per coefficient the encoder takes, of the nearest value, the next smaller and 0, the one of least error plus 0.1
-// squared steps a bit (0.06 and 0.15 made records 1 % longer); per record the coarsest step at which the error stays
-// within the target, and then the dearest bits: three or four tries of each. A trellis over contexts was not worth its
-// time, nor were values rebuilt nearer to zero.
+// Rate-distortion optimised rounding. For each coefficient the encoder chooses among the nearest value, the next
+// smaller one and 0: the one with the least error plus 0.1 squared steps a bit (0.06 and 0.15 made records 1 % longer).
+// For each record it searches the coarsest step at which the error stays within the target, and then the highest worth
+// of a bit, in three or four tries. A trellis over contexts was not worth its time, nor were values reconstructed
+// nearer to zero.
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -17,22 +18,24 @@ namespace {
 constexpr float kBitWorth = 0.1F;
 constexpr float kLeastBitWorth = 0.07F;
 constexpr float kMostBitWorth = 0.17F;
-// How much more error, as a share of it, a bit's worth of one squared step more would make.
+// Relative growth of the error when the worth of a bit grows by one squared step.
 constexpr double kErrorGrowth = 2;
-// Less of the error allowed is not enough: another try is worth its time. What is left then goes into ones made zeros.
+// Share of the error allowed that must be used; with less, another try is worth its time. The remainder is spent on
+// making zeros of ones.
 constexpr double kEnough = 0.93;
-// A step over the target, about.
+// The usual ratio of step and target.
 constexpr float kUsualStep = 2.3F;
-// Grid of poses over the target, at most.
+// The largest ratio of the grid of poses and the target.
 constexpr float kPoseShare = 0.3F;
-// Of the error allowed, what is planned with: the transform's own rounding is not.
+// Share of the error allowed that is planned with; the rest is for the rounding of the transform.
 constexpr double kPlannedShare = 0.9985;
 
 using Costs = std::array<std::array<float, kMagnitudes>, kContexts>;
 
-// The error that a step makes, m²: of what is rounded a twelfth of its square, of what is not everything.
+// Estimates the squared error at a step, m²: about a twelfth of the step's square for a coefficient that is rounded,
+// its own square for one that becomes 0.
 double GuessError(std::span<const float> coefficients, float step) {
-  constexpr std::size_t kLanes = 8;  // side by side, for the compiler
+  constexpr std::size_t kLanes = 8;  // independent sums, so that the compiler vectorises
   std::array<float, kLanes> sums{};
   const float dead = 0.4F * step * step, rounded = 0.08F * step * step;
   const std::size_t whole = coefficients.size() / kLanes * kLanes;
@@ -64,7 +67,7 @@ Costs MakeCosts() {
 
 const Costs kCosts = MakeCosts();
 
-// Bits, with the sign.
+// The cost of a coefficient of this magnitude, in bits, its sign included.
 float FindCost(std::size_t context, std::uint32_t magnitude) {
   const std::uint32_t high = magnitude >> FindLowBits(context);
   const float sign = magnitude > 0 ? 1.0F : 0.0F;
@@ -141,8 +144,8 @@ void ShapeEncoder::FindDepartures(const PatchModel& model, const Pose& seen, std
   }
 }
 
-// Departures into coefficients. As the columns are orthonormal, so rounded numbers whose squares add up to 2^34 have no
-// product with a column of 2^31 or more.
+// Turns displacements into coefficients in the basis. Columns are of unit length (2^14), so numbers whose squares add
+// up to less than 2^34 have a product with a column of less than 2^31.
 void ShapeEncoder::Transform(const Basis& basis) {
   const std::size_t size = m_coefficients.size(), count = basis.vertices;
   double square = 0;
@@ -195,7 +198,7 @@ void ShapeEncoder::GuessStep(const PatchModel& model, double budget, Choice& cho
   choice.head.stepIndex = low;
 }
 
-// Whether the coefficients have fewer bits before the point of a step when what contact suggests is taken off.
+// Whether the coefficients, in usual steps, take fewer bits in all when the contact prediction is subtracted.
 bool ShapeEncoder::FollowsContact(const PatchModel& model, float targetRms) const {
   const float scale = FindContactScale(model.size, 16.0F);  // in metres
   const float sixteenths = 16.0F / (kUsualStep * targetRms);
@@ -212,7 +215,7 @@ bool ShapeEncoder::FollowsContact(const PatchModel& model, float targetRms) cons
   return with < without;
 }
 
-// Chooses all coefficients. Returns the sum of squared errors, m².
+// Chooses all coefficients for a step and a worth of a bit. Returns the sum of squared errors, m².
 double ShapeEncoder::Round(const PatchModel& model, const Choice& choice) {
   const Basis* basis = choice.head.mode.usesBasis ? model.basis : nullptr;
   const int stepLevel = choice.StepLevel();
@@ -238,7 +241,8 @@ double ShapeEncoder::Round(const PatchModel& model, const Choice& choice) {
   return sum * double{step} * double{step};
 }
 
-// Steps and worths of a bit until the error is just within the budget, m². Leaves the coefficients chosen.
+// Tries steps and worths of a bit until the error is just within the budget, m². The coefficients of the best try stay
+// chosen.
 void ShapeEncoder::SearchStep(const PatchModel& model, double budget, Choice& choice) {
   unsigned& index = choice.head.stepIndex;
   choice.bitWorth = kBitWorth;
@@ -278,7 +282,7 @@ void ShapeEncoder::SearchStep(const PatchModel& model, double budget, Choice& ch
   for (error = Round(model, choice); error > budget && index > 0; error = Round(model, choice)) --index;
 }
 
-// Makes zeros of ones as long as there is error left for it, m²: of those first that it costs the least.
+// Makes zeros of ones while the error that is left, m², allows it; those that cost the least error go first.
 void ShapeEncoder::SpendRest(double left, const Choice& choice) {
   const float step = FindStep(choice.StepLevel());
   double steps = left / (double{step} * double{step});
@@ -304,7 +308,7 @@ void ShapeEncoder::Write(const PatchModel& model, const Choice& choice, std::vec
   encoder.Finish();
 }
 
-// Rotation keeps lengths, so the error is that in the body's frame.
+// The error of a decoded shape. Measured in the body's frame: rotations preserve lengths.
 ShapeEncoding ShapeEncoder::Measure(std::span<const Vector3> shape) const {
   ShapeEncoding encoding{true};
   double sum = 0;
@@ -328,7 +332,7 @@ ShapeEncoding ShapeEncoder::EncodeAt(const PatchModel& model, const Pose& pose, 
   head.pose = Quantise(pose, MakePoseGrid(grid, model.size));
   const Pose seen = Dequantise(head.pose);
   FindDepartures(model, seen, vertices);
-  FindSides(model.obstacles, seen, FindReach(model.rest), m_sides);
+  FindSides(model.obstacles, seen, model.reach, m_sides);
   head.mode.usesBasis = model.basis != nullptr;
   if (head.mode.usesBasis) {
     Transform(*model.basis);

@@ -10,8 +10,8 @@ constexpr std::size_t kModes = 8;
 constexpr std::array<Frequency, kModes> kModeFrequencies = {
     {{0, 64}, {64, 1900}, {1964, 32}, {1996, 1600}, {3596, 32}, {3628, 200}, {3828, 32}, {3860, 236}}};
 
-// The grid is written as its distance from the usual one for a body of this size, from 4 coarser to 4 finer; the last
-// is for the others, and the grid follows as it is.
+// The grid is written as its distance from the usual one for a body of this size, from 4 coarser to 4 finer. The last
+// symbol is for all other grids, which then follow as a number.
 constexpr std::size_t kGrids = 10;
 constexpr int kUsualGrid = 12;
 constexpr std::array<Frequency, kGrids> kGridFrequencies = {{{0, 30},
@@ -70,7 +70,7 @@ bool FindContact(const PatchModel& model, std::span<const Side> sides, ContactSc
   if (!PressOut(sides, pressed)) return false;
   const std::size_t count = model.rest.size();
   moved.resize(3 * count);
-  // In 2^-12 of a size between 1/2 and 1; scalar: all x, all y, all z.
+  // In units of 2^-12 of the power of two above the size. Scalar: all x, then all y, then all z.
   const float unit = std::ldexp(1.0F, 12 - FindExponent(model.size));
   const std::size_t apart = model.basis->isScalar ? count : 1, stride = model.basis->isScalar ? 1 : 3;
   for (std::size_t i = 0; i < count; ++i) {

@@ -1,5 +1,5 @@
-// What the shape encoder and decoder must do alike, besides poses and contexts: the fields before the coefficients, the
-// steps, and what contact suggests.
+// The parts of the shape format that encoder and decoder share, besides poses and contexts: the fields before the
+// coefficients, the steps, and the contact prediction.
 #pragma once
 
 #include <array>
@@ -14,10 +14,12 @@
 
 namespace wobble::protocol {
 
-// How a record is coded.
+// Which tools a record is coded with.
 struct ShapeMode {
   bool usesBasis = false;
   bool followsContact = false;  // only with a basis
+  // Reserved: the encoder never sets it, because it brought nothing measurable; the decoder obeys it. Taking the bit
+  // out would change the code of every record's mode and thereby the protocol's version.
   bool pressesOut = false;
 };
 
@@ -27,61 +29,50 @@ struct ShapeHead {
   QuantisedPose pose;
 };
 inline constexpr unsigned kSteps = 64;
-// Of a coefficient coded without a basis.
+// The level of every coefficient that is coded without a basis.
 inline constexpr int kPlainLevel = 16;
-// A coefficient is at most this many steps.
+// The largest coefficient, in steps.
 inline constexpr std::uint32_t kMaxMagnitude = 1U << 20;
 
+// size: of the blueprint, m.
 void WriteHead(RangeEncoder& encoder, float size, const ShapeHead& head);
+// Any bytes are safe.
 [[nodiscard]] DecodeResult ReadHead(RangeDecoder& decoder, float size, ShapeHead& head);
 
-// Eighths of an octave of a metre.
+// log2 of the quantiser step in metres, in eighths.
 [[nodiscard]] inline int FindStepLevel(unsigned grid, unsigned stepIndex) {
   return static_cast<int>(stepIndex) - 8 * static_cast<int>(grid);
 }
-// 2^(stepLevel / 8) m, near enough, and the same for everyone.
+// The quantiser step, m: 2^(stepLevel / 8) rounded, the same on both ends to the bit.
 [[nodiscard]] inline float FindStep(int stepLevel) {
   // 2^15 · 2^(i/8), rounded.
   constexpr std::array<std::int32_t, 8> kEighths = {32768, 35734, 38968, 42495, 46341, 50535, 55109, 60097};
   return std::ldexp(static_cast<float>(kEighths[static_cast<unsigned>(stepLevel) & 7]), (stepLevel >> 3) - 15);
 }
 
+// The level (contexts.h) of a coefficient. basis: nullptr when the record is coded without.
 [[nodiscard]] inline int FindLevel(const Basis* basis, std::size_t coefficient, int stepLevel) {
   if (basis == nullptr) return kPlainLevel;
   const int level = basis->levels[coefficient] - stepLevel;
   return level < kLowestLevel ? kLowestLevel : level > kHighestLevel ? kHighestLevel : level;
 }
 
-// Of a size, the smallest n with size < 2^n.
-[[nodiscard]] inline int FindExponent(float size) {
-  int exponent = 0;
-  static_cast<void>(std::frexp(size, &exponent));
-  return exponent;
-}
-
-// What contact suggests: the rest shape pressed out of the sides, along each mode. False when it touches none.
+// Predicts what contact does to the shape: presses the rest shape out of the sides and projects the motion onto each
+// mode. False when the rest shape touches no side; `contact` is then unspecified. The model has a basis.
 [[nodiscard]] bool FindContact(const PatchModel& model, std::span<const Side> sides, ContactScratch& contact);
-// Of that, what a coefficient follows, in sixteenths of the step. scale: FindContactScale.
+// The prediction of one coefficient, in sixteenths of the step. along: of ContactScratch; gain: of the basis; scale:
+// FindContactScale.
 [[nodiscard]] inline std::int32_t FindSuggestion(std::int32_t along, std::int8_t gain, float scale) {
   const float suggested = static_cast<float>(along) * static_cast<float>(gain) * scale;
   constexpr float kMost = 1048576.0F;
   return static_cast<std::int32_t>(std::nearbyint(suggested < -kMost ? -kMost : suggested > kMost ? kMost : suggested));
 }
+// Turns along · gain into sixteenths of the step. size: of the blueprint, m.
 [[nodiscard]] inline float FindContactScale(float size, float step) {
   return std::ldexp(1.0F, FindExponent(size) - 28) / step;
 }
 
-// Of a body's rest shape.
-[[nodiscard]] inline float FindReach(std::span<const Vector3> rest) {
-  float square = 0;
-  for (const Vector3& v : rest) {
-    const float each = Dot(v, v);
-    if (each > square) square = each;
-  }
-  return std::sqrt(square);
-}
-
-// Products of a column and of one row of numbers, exact as long as they fit, else modulo 2^32.
+// The dot product of a column and as many numbers: exact as long as it fits, else modulo 2^32.
 [[nodiscard]] inline std::int32_t Project(std::span<const std::int16_t> column, const std::int16_t* numbers) {
   std::uint32_t sum = 0;
   for (std::size_t i = 0; i < column.size(); ++i) {
@@ -89,7 +80,7 @@ void WriteHead(RangeEncoder& encoder, float size, const ShapeHead& head);
   }
   return static_cast<std::int32_t>(sum);
 }
-// The same of three rows, one `apart` numbers behind the other: a column is read once for all.
+// Three such products, with rows of numbers that begin `apart` numbers behind each other: the column is read once.
 [[nodiscard]] inline std::array<std::int32_t, 3> ProjectAxes(std::span<const std::int16_t> column,
                                                              const std::int16_t* numbers, std::size_t apart) {
   std::uint32_t x = 0, y = 0, z = 0;

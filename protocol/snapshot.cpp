@@ -12,8 +12,8 @@ namespace {
 constexpr std::uint8_t kKind = 0x57;  // 'W'
 constexpr float kTimeRatioScale = 65535.0F;
 constexpr unsigned kPatchBits = 3;
-// Blueprints from this number on take a byte more. A patch, a generation or a rest that is not 0 takes a byte for the
-// first two and a varint for the third.
+// Blueprints from this number on take one more byte. When patch, generation or restTick is not 0, the first two take a
+// byte and the third a varint.
 constexpr std::uint8_t kLongBlueprint = 127;
 static_assert(kMaxBodyVertices <= kMaxPatchVertices << kPatchBits && kGenerations <= 1U << (8 - kPatchBits));
 

@@ -1,3 +1,4 @@
+// All options and all limits of the protocol are checked before anything starts, so that one run reports every mistake.
 #include "server/config.h"
 
 #include <algorithm>

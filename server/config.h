@@ -1,4 +1,4 @@
-// What a server can be told, with the ranges that hold.
+// The configuration of a server, with the range of each field.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,11 @@
 
 namespace wobble::server {
 
+// Inclusive.
 struct Range {
   double low = 0, high = 0;
 };
-inline constexpr Range kPortRange{1, 65535};
+inline constexpr Range kPortRange{0, 65535};  // 0: a free one
 inline constexpr Range kTickHzRange{10, 480};
 inline constexpr Range kSnapshotHzRange{1, 480};  // and at most tickHz
 inline constexpr Range kMaxClientsRange{1, 4000};
@@ -23,22 +24,24 @@ inline constexpr Range kClientKbitRange{32, 100000};
 inline constexpr Range kPauseAfterRange{0, 1e6};    // s
 inline constexpr Range kViewDistanceRange{1, 1e5};  // m
 
+// Each field is an option of the command line (options.cpp).
 struct Config {
   std::uint16_t port = 7777;  // UDP
   int tickHz = 60;
   int snapshotHz = 30;
   int maxClients = 64;
-  int maxPerAddress = 0;  // 0: as many as clients
+  int maxPerAddress = 0;  // connections from one IP address; 0: as many as maxClients
   int threads = 1;
-  double clientKbit = 384;      // a client's share of snapshots, kbit/s, all headers counted
-  double viewDistance = 250;    // from a player's own body within which others are sent, m
-  double pauseAfter = 30;       // seconds that a world without a single connection goes on for; 0: always
-  bool admitsWhenBusy = false;  // lets players in although there is too little time for ticks
-  int rounds = 0;               // of the scene's game that make a match; 0: it has no end
-  std::uint64_t seed = 1;
+  double clientKbit = 384;      // snapshot budget of a client, kbit/s, all headers counted
+  double viewDistance = 250;    // bodies farther from a player's own are not sent, m
+  double pauseAfter = 30;       // the world pauses when nobody has been connected for this long, s; 0: never
+  bool admitsWhenBusy = false;  // lets clients in even at LoadLevel::kBusy
+  int rounds = 0;               // rounds of the scene's game that make a match; 0: it never ends
+  std::uint64_t seed = 1;       // of the scene's random placement
 };
 
-// Every option out of range and everything in the scene that the protocol cannot carry, a line each.
+// Lists every option out of range and everything in the scene that the protocol cannot carry, one line each with value
+// and range. Empty: valid.
 [[nodiscard]] std::vector<std::string> Validate(const Config& config, const scenes::Scene& scene);
 
 }  // namespace wobble::server

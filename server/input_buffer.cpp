@@ -7,10 +7,10 @@ namespace wobble::server {
 
 using protocol::wire::InputFrame;
 
-void InputBuffer::Push(const InputFrame& frame, [[maybe_unused]] std::uint32_t currentTick) {
+void InputBuffer::Add(const InputFrame& frame, [[maybe_unused]] std::uint32_t currentTick) {
   assert(IsNear(frame, currentTick));
-  // However old: over a second of delay each way all frames come two seconds after their ticks. One of which the slot
-  // is taken by a newer has been overtaken.
+  // Old frames are kept however old they are: with a delay of a second each way, all frames arrive two seconds after
+  // their ticks. A frame whose slot holds a newer one has been overtaken.
   InputFrame& slot = m_waiting[frame.tick() % m_waiting.size()];
   if (frame.tick() <= NewestUsed() || frame.tick() < slot.tick()) return;
   slot = frame;

@@ -1,4 +1,4 @@
-// wobbled: options, signals, logger and the only clock. Everything below is told what time it is.
+// wobbled: options, signals, logger, and the only clock. All code below main is given the time as a parameter.
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "protocol/transport/enet_transport.h"
+#include "protocol/version.h"
 #include "server/ops/agones.h"
 #include "server/ops/endpoint.h"
 #include "server/ops/fleet_duty.h"
@@ -30,10 +31,10 @@ using server::Options;
 
 constexpr int kBadUsage = 2;
 
-// Places for a few connections more than players, so that one too many hears why it is refused.
+// Connections beyond --max-clients, so that a client too many is told why it is refused.
 constexpr std::size_t kSpareConnections = 8;
 
-// After the last tick, how long goodbyes may take to be acknowledged, s.
+// How long clients may take to acknowledge goodbyes after the last tick, s.
 constexpr double kCloseTime = 1;
 
 volatile std::sig_atomic_t g_stop = 0;
@@ -44,13 +45,8 @@ double ReadClock() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-std::filesystem::path FindSceneFolder() {
-  std::error_code error;
-  return std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / "scenes";
-}
-
 [[nodiscard]] int ListScenes() {
-  for (const scenes::SceneSummary& scene : scenes::ListScenes(FindSceneFolder())) {
+  for (const scenes::SceneSummary& scene : scenes::ListScenes(scenes::FindShippedScenes())) {
     fmt::print("{:12} {}\n", scene.name, scene.description);
   }
   return 0;
@@ -60,7 +56,7 @@ void Complain(const std::vector<std::string>& errors) {
   for (const std::string& error : errors) fmt::print(stderr, "wobbled: {}\n", error);
 }
 
-// False when the level is none that spdlog knows.
+// Returns false when spdlog does not know the level.
 bool StartLogger(const std::string& level) {
   const auto parsed = spdlog::level::from_str(level == "warn" ? "warning" : level);
   if (parsed == spdlog::level::off && level != "off") return false;
@@ -70,8 +66,10 @@ bool StartLogger(const std::string& level) {
   return true;
 }
 
+// Prints a line of figures every few seconds; on a terminal each overwrites the one before.
 class StatusLine {
  public:
+  // every: s; 0: never.
   explicit StatusLine(double every) : m_every(every), m_isTerminal(isatty(STDOUT_FILENO) == 1) {}
 
   void Update(const server::Server& server, const server::TickTimes& times, double now) {
@@ -95,12 +93,12 @@ class StatusLine {
   std::uint64_t m_lastBytes = 0;
 };
 
-// Whatever watches the ticks; but for the times, none of it must be there.
+// Everything that observes the ticks. All but `times` are optional.
 struct Watchers {
   explicit Watchers(const Options& options)
       : times(1.0 / options.config.tickHz), status(options.statusEvery), gauge(options.config) {}
 
-  // After each call of Server::Tick, at `now`.
+  // Call it after each call of Server::Tick. now: s.
   void Watch(const server::Server& server, double now) {
     for (const server::PhaseTimes& tick : server.LastTicks()) times.Record(tick.Sum());
     if (trace) trace->Write(server.LastTicks(), server.World().Tick());
@@ -110,7 +108,11 @@ struct Watchers {
     }
     if (agones) {
       server.ListPlaying(playing);
-      agones->Perform(duty.Follow({now, server.AcceptsJoins(), server.IsMatchOver(), server.IsClosing(), playing}));
+      agones->Perform(duty.Follow({.now = now,
+                                   .acceptsJoins = server.AcceptsJoins(),
+                                   .isMatchOver = server.IsMatchOver(),
+                                   .isClosing = server.IsClosing(),
+                                   .players = playing}));
     }
     status.Update(server, times, now);
   }
@@ -118,14 +120,14 @@ struct Watchers {
   server::TickTimes times;
   StatusLine status;
   std::unique_ptr<ops::Endpoint> endpoint;
-  ops::Gauge gauge;  // of the endpoint
+  ops::Gauge gauge;  // read only while there is an endpoint
   std::optional<ops::Trace> trace;
   std::optional<ops::Agones> agones;
-  ops::FleetDuty duty;                    // to Agones
+  ops::FleetDuty duty;
   std::vector<server::ClientId> playing;  // scratch
 };
 
-// A match that is over ends the server, unless a fleet does that.
+// The end of a match ends the server, unless a fleet manager does.
 bool HasEnded(const server::Server& server, const Options& options, const Watchers& watchers) {
   return g_stop != 0 || (options.runFor > 0 && ReadClock() >= options.runFor) ||
          (server.IsMatchOver() && !watchers.agones);
@@ -151,15 +153,15 @@ void CloseDown(server::Server& server, Watchers& watchers) {
   }
 }
 
-// False when it cannot be written.
+// Returns false when the file cannot be written.
 bool WriteSummary(const std::string& path, const std::string& summary) {
   std::ofstream file(path);
   file << summary;
   return file.good();
 }
 
-// The port of Agones' sidecar in `port`, 0 without a fleet. False with a line said when what was asked for cannot be
-// had.
+// Opens the trace and the endpoint if they are asked for. port: of Agones' sidecar, 0 without one. Returns false after
+// it has reported what failed.
 bool StartWatching(const Options& options, Watchers& watchers, std::uint16_t& port) {
   if (!options.traceFile.empty() && !watchers.trace.emplace().Open(options.traceFile)) {
     Complain({"--trace " + options.traceFile + ": cannot be written"});
@@ -176,14 +178,18 @@ bool StartWatching(const Options& options, Watchers& watchers, std::uint16_t& po
   if (options.ops.empty()) return true;
   ops::Address address;
   if (ops::ParseAddress(options.ops, address, error)) {
-    watchers.endpoint = ops::Endpoint::Listen(address, WOBBLE_VERSION, options.scene, &ReadClock, error);
+    watchers.endpoint = ops::Endpoint::Listen(address, kVersion, options.scene, &ReadClock, error);
   }
-  if (watchers.endpoint == nullptr) Complain({"--ops " + error});
-  return watchers.endpoint != nullptr;
+  if (watchers.endpoint == nullptr) {
+    Complain({"--ops " + error});
+    return false;
+  }
+  if (address.port == 0) fmt::print("metrics and health on TCP port {}\n", watchers.endpoint->ReadPort());
+  return true;
 }
 
 int RunServer(const Options& options) {
-  scenes::LoadResult loaded = scenes::LoadScene(options.scene, FindSceneFolder());
+  scenes::LoadResult loaded = scenes::LoadScene(options.scene, scenes::FindShippedScenes());
   if (!options.errors.empty() || !loaded.errors.empty()) {
     Complain(options.errors);
     Complain(loaded.errors);
@@ -211,12 +217,13 @@ int RunServer(const Options& options) {
     Complain({error});
     return kBadUsage;
   }
+  const std::uint16_t port = transport->ReadPort();
 
   std::vector<server::Bases> bases;
   if (!options.isUntrained) bases = server::LoadBases(loaded.scene, options.cacheFolder, options.config.threads);
   server::Server server(options.config, std::move(loaded.scene), std::move(transport), ReadClock(), std::move(bases),
                         &ReadClock);
-  fmt::print("listening on UDP port {}, scene {}\n", options.config.port, options.scene);
+  fmt::print("listening on UDP port {}, scene {}\n", port, options.scene);
   std::fflush(stdout);
   if (sidecar != 0) watchers.agones.emplace(sidecar);
   Run(server, options, watchers);

@@ -4,13 +4,15 @@
 
 #include <charconv>
 
+#include "protocol/version.h"
+
 namespace wobble::server {
 namespace {
 
 constexpr Range kDurationRange{0, 1e6};             // s, eleven days
 constexpr Range kSeedRange{0, 9007199254740992.0};  // 2^53: exact as a number in JSON too
 
-// A bad number is noted rather than thrown, so that all of them are named at once, each with its range.
+// A bad number is noted and not thrown, so that all of them are reported together, each with its range.
 template <class Number>
 void AddNumber(CLI::App& app, const char* name, Range range, Number& value, const char* description,
                std::vector<std::string>& errors) {
@@ -37,39 +39,40 @@ void DescribeOptions(CLI::App& app, Options& options) {
     AddNumber(app, name, range, value, description, options.errors);
   };
   app.description("wobbled hosts a world of soft bodies for many players.");
-  app.set_version_flag("--version", "wobbled " WOBBLE_VERSION);
+  app.set_version_flag("--version", std::string("wobbled ") + kVersion);
   app.add_option("--scene", options.scene, "Name of a shipped scene, or a path to a .toml file")->capture_default_str();
-  addNumber("--port", kPortRange, config.port, "UDP port");
+  addNumber("--port", kPortRange, config.port, "UDP port; 0: a free one, printed at the start");
   addNumber("--tick-hz", kTickHzRange, config.tickHz, "Steps of the world a second");
   addNumber("--snapshot-hz", kSnapshotHzRange, config.snapshotHz, "Snapshots a second, at most --tick-hz");
   addNumber("--max-clients", kMaxClientsRange, config.maxClients, "Players and spectators at once");
   addNumber("--max-per-address", kMaxPerAddressRange, config.maxPerAddress,
-            "Of one IP address; 0: as many as --max-clients");
+            "Connections from one IP address; 0: as many as --max-clients");
   addNumber("--threads", kThreadsRange, config.threads, "Threads that step and encode bodies");
   addNumber("--client-kbit", kClientKbitRange, config.clientKbit, "Snapshot budget of a client, kbit/s with headers");
   addNumber("--view-distance", kViewDistanceRange, config.viewDistance,
             "Metres from a player's body within which other bodies are sent");
   addNumber("--pause-after", kPauseAfterRange, config.pauseAfter,
-            "Seconds that a world with nobody connected goes on for, then it waits; 0: it never waits");
+            "Seconds after which a world with nobody connected pauses; 0: it never pauses");
   app.add_flag("--admit-when-busy", config.admitsWhenBusy,
-               "Lets players in even when ticks take longer than they may: slow rather than alone")
+               "Let clients in even when ticks take longer than there is time for")
       ->envname("WOBBLE_ADMIT_WHEN_BUSY");
   addNumber("--rounds", kRoundsRange, config.rounds,
-            "Rounds of the scene's game that make a match, after which the server ends; 0: it goes on");
+            "Rounds of the scene's game that make a match, after which the server ends; 0: no end");
   addNumber("--for", kDurationRange, options.runFor, "Seconds to run; 0: until Ctrl-C");
-  addNumber("--seed", kSeedRange, config.seed, "Of the scene's random placement");
+  addNumber("--seed", kSeedRange, config.seed, "Seed of the scene's random placement");
   app.add_option("--log-level", options.logLevel, "debug, info, warn, error or off")->capture_default_str();
   addNumber("--status", kDurationRange, options.statusEvery, "Seconds between status lines on stdout; 0: none");
   app.add_option("--summary", options.summaryFile, "File to write a summary of the run to, as JSON");
   app.add_option("--ops", options.ops,
-                 "HOST:PORT, or PORT for this machine only, that answers /metrics (Prometheus), /healthz and /readyz");
+                 "HOST:PORT, or PORT for this machine only, that answers /metrics (Prometheus), /healthz and /readyz; "
+                 "PORT 0: a free one, printed at the start");
   app.add_option("--trace", options.traceFile, "File to write the phases of every tick to, for chrome://tracing");
   app.add_option("--cache", options.cacheFolder, "Folder that keeps trained bases of shapes from one start to the next")
       ->envname("WOBBLE_CACHE");
   app.add_flag("--untrained", options.isUntrained,
-               "Starts at once, without trained bases: shapes take three times the bits")
+               "Start at once, without trained bases: shapes take three times the bits")
       ->envname("WOBBLE_UNTRAINED");
-  app.add_flag("--list-scenes", options.listScenes, "Names of shipped scenes");
+  app.add_flag("--list-scenes", options.listScenes, "List the shipped scenes");
   app.footer(
       "Examples:\n"
       "  wobbled                                  the arena on port 7777\n"
@@ -77,7 +80,7 @@ void DescribeOptions(CLI::App& app, Options& options) {
       "  wobbled --scene my.toml --port 7801      a scene of your own\n"
       "  wobbled --for 30 --summary run.json      half a minute, figures at the end\n"
       "  wobbled --ops 9100                       then: curl 127.0.0.1:9100/metrics\n"
-      "  wobbled --for 90 --pause-after 0         the same without players: the world never waits for one");
+      "  wobbled --for 90 --pause-after 0         the same without players: the world never pauses");
 }
 
 }  // namespace wobble::server

@@ -1,4 +1,4 @@
-// What the command line of wobbled says.
+// The command line of wobbled.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -12,19 +12,19 @@ namespace wobble::server {
 struct Options {
   Config config;
   std::string scene = "arena";
-  double runFor = 0;  // s; 0: until a signal
-  double statusEvery = 0;
+  double runFor = 0;       // s; 0: until a signal
+  double statusEvery = 0;  // s; 0: no status lines
   std::string logLevel = "info";
   std::string summaryFile;
   std::string cacheFolder;
-  std::string ops;  // address; empty: none
+  std::string ops;  // address of the endpoint; empty: none
   std::string traceFile;
   bool isUntrained = false;
   bool listScenes = false;
-  std::vector<std::string> errors;  // a line for every number that cannot be used
+  std::vector<std::string> errors;  // one line for each number that is malformed or out of range
 };
 
-// Adds the options to a command line, which writes what it reads into them.
+// Declares the options; parsing then writes into `options`, which outlives `app`.
 void DescribeOptions(CLI::App& app, Options& options);
 
 }  // namespace wobble::server

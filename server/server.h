@@ -1,4 +1,4 @@
-// The server: a world, its clients, and the tick that joins them.
+// The room server/ hosts: a world, its clients, and the tick that joins them.
 #pragma once
 
 #include <array>
@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "protocol/transport/transport.h"
@@ -19,21 +20,20 @@
 #include "server/scenes/scene.h"
 #include "server/session.h"
 #include "server/snapshots/capture.h"
-#include "server/snapshots/encoder.h"
 #include "server/snapshots/snapshot_sender.h"
-#include "server/timing/load.h"
+#include "server/snapshots/snapshot_store.h"
+#include "server/timing/load_level.h"
 #include "server/timing/phases.h"
 #include "server/timing/tick_clock.h"
-#include "server/training/basis_training.h"
 
 namespace wobble::server {
 
 inline constexpr std::size_t kGoodbyeReasonCount = static_cast<std::size_t>(protocol::wire::GoodbyeReason::MAX) + 1;
 
-// Since the start. What a person hosting wants to know; summary.h writes it out.
+// Totals since the start, for the summary (summary.h) and the metrics (ops/metrics.h).
 struct Counts {
-  std::uint64_t substeps = 0;
-  std::uint64_t awakeSum = 0;  // over ticks
+  std::uint64_t substeps = 0;  // over bodies and ticks
+  std::uint64_t awakeSum = 0;  // awake bodies, summed over ticks
   std::uint64_t nonFinite = 0;
   std::uint64_t inverted = 0;
   std::uint64_t quarantined = 0;
@@ -42,136 +42,143 @@ struct Counts {
   std::uint64_t respawns = 0;
   double pausedTime = 0;  // s
   std::uint64_t joins = 0;
-  std::uint64_t leaves = 0;                                   // said goodbye
-  std::uint64_t disconnects = 0;                              // were lost, silent or sent away after having joined
-  std::uint64_t refusals = 0;                                 // never joined: full, busy, wrong version, no hello
+  std::uint64_t leaves = 0;                                   // clients that said goodbye
+  std::uint64_t disconnects = 0;                              // clients lost, silent or sent away after they had joined
+  std::uint64_t refusals = 0;                                 // connections ended before they had joined
   std::array<std::uint64_t, kGoodbyeReasonCount> goodbyes{};  // said to clients, by wire::GoodbyeReason
-  std::uint64_t stalls = 0;  // of bodies that clients had to show without news of them in time, as they tell
+  std::uint64_t stalls = 0;  // bodies that a client had to show without news in time, as clients report
   std::size_t clientsPeak = 0;
-  std::array<std::uint64_t, kDropReasonCount> dropped{};           // messages by DropReason
-  std::array<std::uint64_t, protocol::kParseResultCount> parse{};  // of kParse, by ParseResult
+  std::array<std::uint64_t, kDropReasonCount> dropped{};           // messages, by DropReason
+  std::array<std::uint64_t, protocol::kParseResultCount> parse{};  // messages of kParse, by ParseResult
 };
 
+// Connections, by state.
 struct ClientCounts {
   std::size_t joining = 0;   // connected, no hello yet
-  std::size_t playing = 0;   // with a body
-  std::size_t watching = 0;  // without
-  std::size_t leaving = 0;   // said goodbye to, or gone
+  std::size_t playing = 0;   // joined, with a body
+  std::size_t watching = 0;  // joined as a spectator
+  std::size_t leaving = 0;   // goodbye said, connection not yet closed
 };
 
+// Single-threaded: all calls come from one thread.
 class Server {
  public:
-  // config and scene are valid. `now`, here and below: seconds, never backwards; the first tick is due at once.
-  // bases: of the scene's blueprints, in their order; without them shapes take three times the bits. clock: to measure
-  // what ticks take; without it they take no time, and the server never finds that it has too much to do.
+  // config and scene are valid (Validate). now, here and below: s, never backwards; the first tick is due at once.
+  // bases: of the scene's blueprints, in their order; without them shapes take three times the bits. clock: measures
+  // how long ticks take; without it they take no time, and the load level never rises.
   Server(const Config& config, scenes::Scene scene, std::unique_ptr<transport::Transport> transport, double now,
-         std::vector<Bases> bases = {}, server::Clock clock = {});
+         std::vector<Bases> bases = {}, TimeSource clock = {});
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
 
-  // Takes in messages and every tick that is due; returns how many that were. None while the world waits for somebody
-  // to connect (Config::pauseAfter): then it goes on in the same call.
+  // Takes in messages and plays every tick that is due; returns how many. Returns 0 while the world is paused because
+  // nobody is connected (Config::pauseAfter); the call that receives the first connection resumes it.
   int Tick(double now);
-  // When Tick is to be called again.
+  // When to call Tick again, s.
   [[nodiscard]] double NextCall() const;
   [[nodiscard]] bool IsPaused() const { return m_isPaused; }
 
-  // Whether the game has been played for Config::rounds.
+  // Whether Config::rounds rounds of the game have been played.
   [[nodiscard]] bool IsMatchOver() const;
-  // Says goodbye to everybody, and why, if there is more to say than that the server closes. Keep calling Poll until
-  // IsEmpty, or give up; the world stands still.
+  // Says goodbye to all clients. why: added to the reason that the server closes; may be empty. The world stops; call
+  // Poll until IsEmpty or until a deadline.
   void Close(const std::string& why, double now);
   void Poll(double now) { Receive(now); }
-  [[nodiscard]] bool IsClosing() const { return m_closing; }
+  [[nodiscard]] bool IsClosing() const { return m_isClosing; }
+  // Whether no connection is left.
   [[nodiscard]] bool IsEmpty() const { return m_sessions.empty(); }
 
   [[nodiscard]] const physics::World& World() const { return m_world; }
   [[nodiscard]] const Counts& ReadCounts() const { return m_counts; }
-  [[nodiscard]] const Encoder& ReadEncoder() const { return m_encoder; }
+  [[nodiscard]] const Encoder& ReadEncoder() const { return m_store.ReadEncoder(); }
   [[nodiscard]] const SendCounts& ReadSendCounts() const { return m_sender.Counts(); }
   [[nodiscard]] transport::Statistics ReadTransport() const { return m_transport->ReadStatistics(); }
   [[nodiscard]] const TickClock& Clock() const { return m_clock; }
+  // Clients that have joined, players and spectators.
   [[nodiscard]] std::size_t CountPlaying() const;
   [[nodiscard]] ClientCounts CountClients() const;
-  // Fills in who plays or watches, in no order.
+  // Replaces `clients` by the numbers of the clients that have joined, in no particular order.
   void ListPlaying(std::vector<ClientId>& clients) const;
-  // Whether somebody who says hello now is let in.
+  // Whether a client that says hello now would be let in.
   [[nodiscard]] bool AcceptsJoins() const;
-  // What each tick of the last call of Tick took.
+  // The phases of each tick that the last call of Tick played.
   [[nodiscard]] std::span<const PhaseTimes> LastTicks() const { return m_lastTicks; }
-  [[nodiscard]] const server::Load& ReadLoad() const { return m_load; }
+  [[nodiscard]] const LoadController& ReadLoad() const { return m_load; }
   [[nodiscard]] const physics::StepReport& ReadReport() const { return m_report; }  // of the last step
+  // The snapshot rate in force: Config::snapshotHz, or less under load.
   [[nodiscard]] int SnapshotHz() const { return m_snapshotHz; }
 
  private:
+  // The five stages of a tick, in their order.
   void Receive(double now);
-  void PauseOrGoOn(double now);
-  void ApplyInputs();
   void Step();
   void Capture();
-  const EncodedBody& Encode(std::size_t index, std::size_t quality);
-  void Send(Share share, double now);
-  void FollowLoad(std::size_t due, double now);
+  void Encode(BodySubset due);
+  void Send(BodySubset due, double now);
 
+  void PauseOrResume(double now);
+  // The bodies of the snapshot that is due after this tick; nullopt: none is due.
+  [[nodiscard]] std::optional<BodySubset> FindDueBodies() const;
+  // Adapts snapshots and world time to the load; ticks: how many the last call played because they were due.
+  void FollowLoad(std::size_t ticks, double now);
+  void ApplyInputs();
+  void RespawnFallen();
+  void Respawn(physics::BodyId body, const physics::Vector3d& place);
+  // Sends blueprints that are new or have changed to all who have joined.
+  void PublishBlueprints();
+
+  // server_clients.cpp: connections, from their first byte to their goodbye.
   void TakeEvent(const transport::Event& event, double now);
   void Join(Session& session);
+  void SendWelcome(Session& session);
+  // Refuses or removes a client: says goodbye with a reason and closes the connection.
   void End(Session& session, protocol::wire::GoodbyeReason reason, const std::string& detail);
-  void ForgetPlayer(Session& session, bool unasked);
-  void DropTimedOut(double now);
-  [[nodiscard]] bool IsBusy() const;  // too busy to let anybody in
+  // Takes a client that had joined out of the world and the game; does nothing for other sessions. isLost: it did not
+  // leave by itself.
+  void ForgetPlayer(Session& session, bool isLost);
+  void EndTimedOut(double now);
+  [[nodiscard]] bool IsBusy() const;
+  void Broadcast(const protocol::Message& message);
+  void SendTo(const Session& session, const protocol::Message& message);
 
-  // What players do beyond moving about: server_play.cpp.
+  // server_play.cpp: what players do beyond moving.
   void Obey(Session& session, const Command& command);
   void ActByHand();
   void PlayGame();
   void NoteFall(const Session& session);
-  void TellStandings();
-  void TellTuning();
+  void SendStandings();
+  void SendTuning();
   void SendForces();
   void Notify(const Session& session, const std::string& text);
-  [[nodiscard]] ClientId FindHost() const;  // who has played longest; 0: nobody plays
-
-  void RespawnFallen();
-  void Respawn(physics::BodyId body, const physics::Vector3d& place);
-  // Blueprints that the world has changed or added since the last call, to everybody who plays.
-  void PublishBlueprints();
-  [[nodiscard]] const Bases& FindBases(std::size_t slot) const;
-  void SendWelcome(Session& session);
-  void Broadcast(const protocol::Message& message);
-  void SendTo(const Session& session, const protocol::Message& message);
-  // Captures and encodes on all threads what is likely to be taken of this share; the rest when somebody takes it.
-  void EncodeAhead(Share share);
-  [[nodiscard]] std::optional<Share> FindShare() const;  // of the bodies to be sent after this tick; none: no snapshot
+  // The player who has played longest; 0: nobody plays.
+  [[nodiscard]] ClientId FindHost() const;
 
   Config m_config;
   scenes::Scene m_scene;
   std::unique_ptr<transport::Transport> m_transport;
   physics::World m_world;
-  std::vector<scenes::PlacedBody> m_sceneBodies;
+  std::vector<scenes::PlacedBody> m_sceneBodies;  // by ascending id
   std::vector<CapturedGround> m_grounds;
-  std::vector<Bases> m_bases;                   // of the scene's blueprints
-  std::vector<CapturedBlueprint> m_blueprints;  // by slot
-  std::uint64_t m_publishedRevision = 0;
   std::map<transport::ConnectionId, Session> m_sessions;
-  BodyCaptures m_captures;
-  Encoder m_encoder;
-  std::vector<FreshCapture> m_fresh;  // EncodeAhead's
-  SnapshotSender m_sender;
   TickClock m_clock;
   PhaseWatch m_watch;
   std::vector<PhaseTimes> m_lastTicks;
-  server::Load m_load;
-  int m_snapshotHz;  // as often as there is time for
+  SnapshotStore m_store;
+  SnapshotSender m_sender;
+  LoadController m_load;
+  int m_snapshotHz;
   physics::StepReport m_report;
   Hands m_hands;
   Tuning m_tuning;
   std::optional<Workshop> m_workshop;
   std::optional<Sumo> m_game;
-  std::uint64_t m_toldGame = 0;  // its revision
+  std::uint64_t m_sentStandings = 0;  // Sumo::Revision of the standings sent last
   Counts m_counts;
-  double m_lastCompany;  // when somebody was connected last, or the server started
-  double m_lastCall;
+  double m_lastCompany;  // when a connection was there last, or the server started, s
+  double m_lastCall;     // s
   bool m_isPaused = false;
   ClientId m_nextClientId = 1;
-  bool m_closing = false;
+  bool m_isClosing = false;
 };
 
 }  // namespace wobble::server

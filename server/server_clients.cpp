@@ -1,4 +1,5 @@
-// Who comes, who goes, and what they are told on the way: from the first byte of a connection to its goodbye.
+// The part of the server that admits, welcomes and dismisses clients, from the first byte of a connection to its
+// goodbye.
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -18,7 +19,7 @@ void Server::TakeEvent(const transport::Event& event, double now) {
     session.connection = event.connection;
     session.connectedAt = session.lastHeard = now;
     session.joinPatience = protocol::FindJoinPatience(m_transport->ReadRoundTrip(event.connection));
-    if (m_closing) End(session, GoodbyeReason::ServerClosing, "");
+    if (m_isClosing) End(session, GoodbyeReason::ServerClosing, "");
     return;
   }
   const auto found = m_sessions.find(event.connection);
@@ -66,10 +67,10 @@ void Server::Join(Session& session) {
     return;
   }
   if (IsBusy()) {
-    End(session, GoodbyeReason::Busy, "this machine has as much to do as it can; try again in a while");
+    End(session, GoodbyeReason::Busy, "the machine has no time for more players; try again later");
     return;
   }
-  PublishBlueprints();  // to the others: the newcomer gets all of them with its welcome
+  PublishBlueprints();  // to the others; the newcomer gets all blueprints with its welcome
   session.state = Session::State::kPlaying;
   session.clientId = m_nextClientId++;
   if (!session.spectator) {
@@ -82,7 +83,7 @@ void Server::Join(Session& session) {
   SendWelcome(session);
   Broadcast(protocol::MakeEvent(EventKind::Join, m_world.Tick(), session.clientId, session.body, session.name));
   if (m_game && session.body != 0) m_game->Enter(session.clientId);
-  TellTuning();
+  SendTuning();
 }
 
 void Server::SendWelcome(Session& session) {
@@ -93,7 +94,7 @@ void Server::SendWelcome(Session& session) {
   fields.tickHz = static_cast<std::uint16_t>(m_config.tickHz);
   fields.snapshotHz = static_cast<std::uint16_t>(m_config.snapshotHz);
   fields.scene = m_scene.name;
-  fields.blueprintCount = static_cast<std::uint16_t>(m_blueprints.size());
+  fields.blueprintCount = static_cast<std::uint16_t>(m_store.Blueprints().All().size());
   fields.obstacles = CaptureObstacles(m_world.Obstacles());
   for (const CapturedGround& ground : m_grounds) fields.heightFields.push_back(ground.field);
   fields.hands = CaptureHands(m_scene);
@@ -109,10 +110,11 @@ void Server::SendWelcome(Session& session) {
   for (std::size_t i = 0; i < m_grounds.size(); ++i) {
     for (const protocol::Message& rows : MakeRows(static_cast<std::uint16_t>(i), m_grounds[i])) send(rows);
   }
-  for (std::size_t i = 0; i < m_blueprints.size(); ++i) {
-    for (const protocol::Message& chunk : MakeChunks(static_cast<std::uint8_t>(i), m_blueprints[i])) send(chunk);
+  for (std::size_t i = 0; i < m_store.Blueprints().All().size(); ++i) {
+    for (const protocol::Message& chunk : MakeChunks(static_cast<std::uint8_t>(i), m_store.Blueprints()[i]))
+      send(chunk);
   }
-  // Those who are in already, so that every body has its name.
+  // The players who have joined before, so that every body has its name.
   for (const auto& [connection, other] : m_sessions) {
     if (other.state != Session::State::kPlaying || &other == &session) continue;
     send(protocol::MakeEvent(EventKind::Join, m_world.Tick(), other.clientId, other.body, other.name));
@@ -125,7 +127,7 @@ void Server::End(Session& session, GoodbyeReason reason, const std::string& deta
   spdlog::info("{} is sent away: {}{}{}", who, protocol::Name(reason), detail.empty() ? "" : ", ", detail);
   if (session.state == Session::State::kAwaitingHello) ++m_counts.refusals;
   ++m_counts.goodbyes[static_cast<std::size_t>(reason)];
-  ForgetPlayer(session, session.state == Session::State::kPlaying && !m_closing);
+  ForgetPlayer(session, session.state == Session::State::kPlaying && !m_isClosing);
   session.state = Session::State::kEnding;
   const protocol::Message goodbye = protocol::MakeServerGoodbye(reason, detail);
   if (m_transport->Send(session.connection, Channel::kControl, goodbye) != transport::SendResult::kQueued) {
@@ -134,12 +136,11 @@ void Server::End(Session& session, GoodbyeReason reason, const std::string& deta
   m_transport->Disconnect(session.connection);
 }
 
-// Takes a player who had joined out of the world; nothing to do for others.
-void Server::ForgetPlayer(Session& session, bool unasked) {
+void Server::ForgetPlayer(Session& session, bool isLost) {
   if (session.state != Session::State::kPlaying) return;
   session.state = Session::State::kEnding;
-  ++(unasked ? m_counts.disconnects : m_counts.leaves);
-  if (unasked) spdlog::info("client {} ({}) was lost", session.clientId, session.name);
+  ++(isLost ? m_counts.disconnects : m_counts.leaves);
+  if (isLost) spdlog::info("client {} ({}) was lost", session.clientId, session.name);
   if (session.body != 0) m_world.RemoveBody(session.body);
   Broadcast(protocol::MakeEvent(EventKind::Leave, m_world.Tick(), session.clientId, session.body, session.name));
   if (session.body != 0) Broadcast(protocol::MakeEvent(EventKind::BodyRemoved, m_world.Tick(), 0, session.body, ""));
@@ -147,10 +148,10 @@ void Server::ForgetPlayer(Session& session, bool unasked) {
   m_hands.Forget(session.clientId);
   if (m_game) m_game->Leave(session.clientId);
   if (CountPlaying() == 0) m_tuning.Reset(m_world, m_clock);
-  TellTuning();
+  SendTuning();
 }
 
-void Server::DropTimedOut(double now) {
+void Server::EndTimedOut(double now) {
   for (auto& [connection, session] : m_sessions) {
     if (const auto reason = FindTimeout(session, now)) End(session, *reason, "");
   }
@@ -169,7 +170,7 @@ void Server::SendTo(const Session& session, const protocol::Message& message) {
 }
 
 void Server::Close(const std::string& why, double now) {
-  m_closing = true;
+  m_isClosing = true;
   m_lastTicks.clear();
   Receive(now);
   for (auto& [connection, session] : m_sessions) {
@@ -188,7 +189,7 @@ void Server::ListPlaying(std::vector<ClientId>& clients) const {
 bool Server::IsBusy() const { return m_load.Level() >= LoadLevel::kBusy && !m_config.admitsWhenBusy; }
 
 bool Server::AcceptsJoins() const {
-  return !m_closing && !IsMatchOver() && !IsBusy() && CountPlaying() < static_cast<std::size_t>(m_config.maxClients);
+  return !m_isClosing && !IsMatchOver() && !IsBusy() && CountPlaying() < static_cast<std::size_t>(m_config.maxClients);
 }
 
 ClientCounts Server::CountClients() const {

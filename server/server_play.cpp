@@ -1,5 +1,5 @@
-// What players do to the world beyond moving about in it: by hand, by tuning, in the workshop, and for points. Each has
-// its rules in a file of its own; here they are given the world and the players.
+// The part of the server that lets players act beyond moving: hands, tuning, the workshop and the game. The rules of
+// each stand in a file of server/play; this one hands them the world and the players.
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace wobble::server {
 
 namespace {
 
-// Forces a second that are sent to whoever asks for them: they are read by eye.
+// Rate at which inspected forces are sent, 1/s: people read them by eye.
 constexpr int kForcesHz = 10;
 
 template <class... Each>
@@ -25,7 +25,7 @@ void Server::Obey(Session& session, const Command& command) {
   const Actor actor{session.clientId, session.body};
   const std::string refusal =
       std::visit(Visitor{
-                     [&](const PushCommand& push) { return m_hands.Push(actor, push, m_world); },
+                     [&](const ShoveCommand& push) { return m_hands.StartShove(actor, push, m_world); },
                      [&](const CutCommand& cut) {
                        std::string error;
                        const auto blade = m_hands.FindBlade(actor, cut, m_world, error);
@@ -39,13 +39,14 @@ void Server::Obey(Session& session, const Command& command) {
                        return std::string();
                      },
                      [&](const TuneCommand& tune) {
-                       if (session.body == 0) return std::string("who only watches tunes nothing");
+                       if (session.body == 0) return std::string("spectators cannot tune");
                        std::string error = m_tuning.Tune(tune, session.clientId == FindHost(), m_world, m_clock);
-                       if (error.empty()) TellTuning();
+                       if (error.empty()) SendTuning();
                        return error;
                      },
                      [&](const BuildCommand& build) {
-                       if (!m_workshop || session.body == 0) return std::string("nothing is built here");
+                       if (!m_workshop || session.body == 0)
+                         return std::string("only players in a scene with a workshop can build");
                        return m_workshop->Build(session.clientId, build, m_world);
                      },
                  },
@@ -85,7 +86,7 @@ void Server::PlayGame() {
     }
   }
   const bool isSecond = m_world.Tick() % static_cast<std::uint32_t>(m_config.tickHz) == 0;
-  if (isSecond || m_game->Revision() != m_toldGame) TellStandings();
+  if (isSecond || m_game->Revision() != m_sentStandings) SendStandings();
 }
 
 bool Server::IsMatchOver() const { return m_game && m_config.rounds > 0 && m_game->Round() > m_config.rounds; }
@@ -96,8 +97,8 @@ void Server::NoteFall(const Session& session) {
   Broadcast(protocol::MakeEvent(protocol::wire::EventKind::Fall, m_world.Tick(), by, session.body, ""));
 }
 
-void Server::TellStandings() {
-  m_toldGame = m_game->Revision();
+void Server::SendStandings() {
+  m_sentStandings = m_game->Revision();
   protocol::ScoreboardFields board;
   const bool isWon = m_game->ReadPhase() == Sumo::Phase::kWon;
   board.phase = isWon ? protocol::wire::GamePhase::Won : protocol::wire::GamePhase::Playing;
@@ -112,24 +113,13 @@ void Server::TellStandings() {
   Broadcast(protocol::MakeScoreboard(board));
 }
 
-void Server::TellTuning() {
-  using Kind = TuneCommand::Kind;
+void Server::SendTuning() {
   const ClientId host = FindHost();
   for (const auto& [connection, session] : m_sessions) {
     if (session.state != Session::State::kPlaying) continue;
-    const bool isHost = session.clientId == host;
-    const auto bit = [&](Kind kind, std::uint8_t value) {
-      return static_cast<unsigned>(session.body != 0 && m_tuning.MayTune(kind, isHost) ? value : 0);
-    };
-    protocol::TuningFields fields;
-    const physics::Vector3f gravity = m_tuning.Gravity().cast<float>();
-    fields.gravity = {gravity.x(), gravity.y(), gravity.z()};
-    fields.stiffness = static_cast<float>(m_tuning.Stiffness());
-    fields.timeRate = static_cast<float>(m_clock.Rate());
-    fields.may = static_cast<std::uint8_t>(bit(Kind::kGravity, protocol::kMayTuneGravity) |
-                                           bit(Kind::kStiffness, protocol::kMayTuneStiffness) |
-                                           bit(Kind::kTimeRate, protocol::kMayTuneTime));
-    SendTo(session, protocol::MakeTuning(fields));
+    const bool isSpectator = session.body == 0;
+    SendTo(session,
+           protocol::MakeTuning(CaptureTuning(m_tuning, m_clock.Rate(), isSpectator, session.clientId == host)));
   }
 }
 

@@ -1,3 +1,5 @@
+// Every message goes through one parser (protocol::ParseClientMessage) that checks bytes, fields and ranges. The code
+// here checks what depends on the session: state, channel, order and rate.
 #include "server/session.h"
 
 #include <algorithm>
@@ -8,18 +10,16 @@ namespace {
 
 using protocol::wire::GoodbyeReason;
 
-// All bodies at once, on a link that was black for a while. Whoever tells of more makes it up.
+// The most new stalls that one input may report: all bodies at once, after a link was dead for a while. A larger number
+// is not credible.
 constexpr std::uint32_t kMostStallsAtOnce = protocol::kMaxBodies;
 
 MessageEffect Drop(Session& session, DropReason reason, double now,
                    protocol::ParseResult parsed = protocol::ParseResult::kOk) {
-  if (now - session.badWindowBegin > 1) {
-    session.badWindowBegin = now;
-    session.badInWindow = 0;
-  }
-  // A server that stood still finds the inputs of that time ahead of its own: nobody's fault, so not held against him;
-  // nor is a hand that is quicker than it can be heard.
-  if (reason != DropReason::kFutureInput && reason != DropReason::kTooMany) ++session.badInWindow;
+  session.badMessages.Roll(now);
+  // Two kinds are not held against the client: a server that stood still finds honest inputs ahead of its own tick, and
+  // a quick player may send more commands than are taken.
+  if (reason != DropReason::kFutureInput && reason != DropReason::kTooMany) ++session.badMessages.count;
   MessageEffect effect;
   effect.dropped = reason;
   effect.parsed = parsed;
@@ -34,7 +34,7 @@ MessageEffect Refuse(GoodbyeReason reason, std::string detail) {
   return effect;
 }
 
-// Names go to other clients and into logs: nothing that a terminal would obey.
+// Replaces control characters: names are shown to other clients and in logs, and a terminal would obey them.
 std::string CleanName(const flatbuffers::String& name) {
   std::string clean;
   for (const char c : name.str()) {
@@ -60,7 +60,7 @@ MessageEffect TakeHello(Session& session, const protocol::wire::Hello& hello, do
   return effect;
 }
 
-// Inputs overtake one another: what an older one says of the hand is no news.
+// Takes the hand of an input unless a newer input was taken before: inputs may overtake one another.
 void TakeHand(Session& session, const protocol::wire::Input& input) {
   const std::uint32_t tick = input.frames()->Get(0)->tick();
   if (tick < session.handTick) return;
@@ -69,7 +69,10 @@ void TakeHand(Session& session, const protocol::wire::Input& input) {
   const protocol::wire::Hand* hand = input.hand();
   if (hand == nullptr || hand->grip() == 0) return;
   const protocol::wire::Vec3& target = hand->target();
-  session.hand = HandCommand{hand->body(), hand->vertex(), hand->grip(), {target.x(), target.y(), target.z()}};
+  session.hand = HandCommand{.body = hand->body(),
+                             .vertex = hand->vertex(),
+                             .grip = hand->grip(),
+                             .target = {target.x(), target.y(), target.z()}};
 }
 
 MessageEffect TakeInput(Session& session, const protocol::wire::Input& input, std::uint32_t currentTick, double now) {
@@ -82,7 +85,7 @@ MessageEffect TakeInput(Session& session, const protocol::wire::Input& input, st
     return Drop(session, DropReason::kBadAcknowledgement, now);
   }
   if (report.roundTrip >= 0) session.roundTrip = report.roundTrip;
-  for (const protocol::wire::InputFrame* frame : *input.frames()) session.inputs.Push(*frame, currentTick);
+  for (const protocol::wire::InputFrame* frame : *input.frames()) session.inputs.Add(*frame, currentTick);
   TakeHand(session, input);
   session.hasSentInput = true;
   MessageEffect effect;
@@ -95,12 +98,12 @@ MessageEffect TakeInput(Session& session, const protocol::wire::Input& input, st
 
 physics::Vector3d ToVector(const protocol::wire::Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
-PushCommand MakeCommand(const protocol::wire::Push& push) {
-  return {push.body(), push.vertex(), ToVector(*push.direction())};
+ShoveCommand MakeCommand(const protocol::wire::Push& push) {
+  return {.body = push.body(), .vertex = push.vertex(), .direction = ToVector(*push.direction())};
 }
 
 CutCommand MakeCommand(const protocol::wire::Cut& cut) {
-  return {cut.body(), ToVector(*cut.eye()), ToVector(*cut.from()), ToVector(*cut.to())};
+  return {.body = cut.body(), .eye = ToVector(*cut.eye()), .from = ToVector(*cut.from()), .to = ToVector(*cut.to())};
 }
 
 TuneCommand MakeCommand(const protocol::wire::Tune& tune) {
@@ -113,18 +116,18 @@ BuildCommand MakeCommand(const protocol::wire::Build& build) {
   using Kind = BuildCommand::Kind;
   static constexpr Kind kKinds[] = {Kind::kAddParticle, Kind::kAddSpring,      Kind::kSetParticle,
                                     Kind::kSetSpring,   Kind::kRemoveParticle, Kind::kRemoveSpring};
-  return {kKinds[static_cast<std::size_t>(build.kind())],
-          build.a(),
-          build.b(),
-          ToVector(*build.at()),
-          double{build.mass()},
-          build.fixed(),
-          double{build.stiffness()},
-          double{build.damping()},
-          double{build.rest_length()}};
+  return {.kind = kKinds[static_cast<std::size_t>(build.kind())],
+          .a = build.a(),
+          .b = build.b(),
+          .at = ToVector(*build.at()),
+          .mass = double{build.mass()},
+          .fixed = build.fixed(),
+          .stiffness = double{build.stiffness()},
+          .damping = double{build.damping()},
+          .restLength = double{build.rest_length()}};
 }
 
-// nullopt for a message that is none.
+// The command in a message; nullopt for messages of other kinds.
 std::optional<Command> FindCommand(const protocol::wire::ClientMessage& message) {
   if (const auto* push = message.body_as_Push()) return MakeCommand(*push);
   if (const auto* cut = message.body_as_Cut()) return MakeCommand(*cut);
@@ -136,11 +139,8 @@ std::optional<Command> FindCommand(const protocol::wire::ClientMessage& message)
 
 MessageEffect TakeCommand(Session& session, Command&& command, double now) {
   if (session.state != Session::State::kPlaying) return Drop(session, DropReason::kOutOfOrder, now);
-  if (now - session.commandWindowBegin > 1) {
-    session.commandWindowBegin = now;
-    session.commandsInWindow = 0;
-  }
-  if (++session.commandsInWindow > protocol::kMaxCommandsPerSecond) return Drop(session, DropReason::kTooMany, now);
+  session.commands.Roll(now);
+  if (++session.commands.count > protocol::kMaxCommandsPerSecond) return Drop(session, DropReason::kTooMany, now);
   MessageEffect effect;
   effect.kind = MessageEffect::Kind::kCommand;
   effect.command = std::move(command);
@@ -171,7 +171,7 @@ MessageEffect TakeMessage(Session& session, transport::Channel channel, std::spa
 
 std::optional<GoodbyeReason> FindTimeout(const Session& session, double now) {
   if (session.state == Session::State::kEnding) return {};
-  if (session.badInWindow > protocol::kMaxBadMessagesPerSecond) return GoodbyeReason::BadMessages;
+  if (session.badMessages.count > protocol::kMaxBadMessagesPerSecond) return GoodbyeReason::BadMessages;
   const double patience = session.hasSentInput ? 0 : session.joinPatience;
   if (session.state == Session::State::kAwaitingHello &&
       now - session.connectedAt > protocol::kHelloTimeout + patience) {
@@ -187,7 +187,7 @@ physics::Control TakeControl(Session& session, std::uint32_t tick, std::uint32_t
   control.moveX = frame.move_x() / 127.0;
   control.moveY = frame.move_y() / 127.0;
   const double length = std::hypot(control.moveX, control.moveY);
-  if (length > 1) {  // two keys at once are no faster than one
+  if (length > 1) {  // two keys at once move no faster than one
     control.moveX /= length;
     control.moveY /= length;
   }

@@ -1,7 +1,7 @@
-// One client's connection, from its first byte to its goodbye.
+// The state of one client's connection, and what its messages do to it.
 //
-// Here what a client says becomes what the world does: the one place where the protocol's types become the engine's on
-// the way in.
+// This is the one place where the protocol's types become the engine's on the way in: input frames become controls, and
+// command messages become commands (play/command.h).
 #pragma once
 
 #include <array>
@@ -14,67 +14,81 @@
 #include "server/input_buffer.h"
 #include "server/physics/world.h"
 #include "server/play/command.h"
-#include "server/snapshots/snapshot_sender.h"
+#include "server/snapshots/subscription.h"
 
 namespace wobble::server {
 
-// Why a message was dropped, beside what the parser says.
+// Why a message was dropped.
 enum class DropReason : std::uint8_t {
-  kParse,         // ParseResult other than kOk
-  kOutOfOrder,    // an input before the hello, a second hello
-  kWrongChannel,  // a message on a channel that is not its own
-  kFutureInput,   // too far ahead
-  kBadAcknowledgement,
-  kTooMany,  // commands within a second
+  kParse,               // malformed: any ParseResult but kOk
+  kOutOfOrder,          // an input or command before the hello, or a second hello
+  kWrongChannel,        // on another channel than its kind of message
+  kFutureInput,         // an input for a tick too far ahead
+  kBadAcknowledgement,  // acknowledges a packet that was never sent
+  kTooMany,             // more than protocol::kMaxCommandsPerSecond commands
 };
 inline constexpr std::size_t kDropReasonCount = 6;
 [[nodiscard]] const char* Name(DropReason reason);
 
+// Counts events within a second. A window begins with the first call of Roll after the last one has passed.
+struct SecondWindow {
+  double begin = 0;  // s
+  unsigned count = 0;
+
+  // Starts a new window if the present one is over. Call it before `count` is raised.
+  void Roll(double now) {
+    if (now - begin > 1) *this = {.begin = now, .count = 0};
+  }
+};
+
 struct Session {
+  // kAwaitingHello: connected. -> kPlaying with a valid hello that is let in; -> kEnding when it is refused or late.
+  // kPlaying:       joined, as player or spectator. -> kEnding when it leaves, falls silent, misbehaves or is sent
+  // away. kEnding:        the goodbye is said; messages are ignored until the transport reports the connection closed.
   enum class State { kAwaitingHello, kPlaying, kEnding };
   transport::ConnectionId connection = 0;
   State state = State::kAwaitingHello;
-  double connectedAt = 0;
-  double lastHeard = 0;
-  double joinPatience = 0;  // granted beyond both timeouts until the first input has come, s
+  double connectedAt = 0;   // s
+  double lastHeard = 0;     // s
+  double joinPatience = 0;  // added to both timeouts until the first input has arrived, s
   bool hasSentInput = false;
-  ClientId clientId = 0;  // from 1
+  ClientId clientId = 0;  // from 1; 0: not joined
   std::string name;
   bool spectator = false;
   physics::BodyId body = 0;  // 0: none
   InputBuffer inputs;
   std::optional<HandCommand> hand;  // as of the newest input
-  std::uint32_t handTick = 0;       // that input's stamp
-  physics::BodyId inspected = 0;    // 0: none
-  double commandWindowBegin = 0;
-  unsigned commandsInWindow = 0;
+  std::uint32_t handTick = 0;       // the tick of that input
+  physics::BodyId inspected = 0;    // whose forces the client is sent; 0: none
+  SecondWindow commands;
+  SecondWindow badMessages;
   Subscription subscription;
   double roundTrip = 0;      // newest measured, s
-  std::uint32_t stalls = 0;  // that it has told of
-  double badWindowBegin = 0;
-  unsigned badInWindow = 0;
+  std::uint32_t stalls = 0;  // total that the client has reported
 };
 
-// What a message asks the server to do beyond the session.
+// The effect of a message beyond the session, left to the server.
 struct MessageEffect {
   enum class Kind { kNone, kJoin, kRefuse, kLeave, kCommand };
   Kind kind = Kind::kNone;
-  protocol::wire::GoodbyeReason reason{};  // of a refusal or a leave
-  std::string detail;
+  protocol::wire::GoodbyeReason reason{};  // of kRefuse and kLeave
+  std::string detail;                      // of kRefuse
   std::optional<DropReason> dropped;
   protocol::ParseResult parsed = protocol::ParseResult::kOk;
   std::optional<Command> command;  // of kCommand
-  std::uint32_t stalls = 0;        // that the client tells of for the first time
+  std::uint32_t stalls = 0;        // newly reported by the client
 };
 
-// Takes one message of any bytes. currentTick: the world's. Never throws, never asserts on what is in the message.
+// Takes one message of arbitrary bytes. currentTick: of the world. now: s. Never throws, and asserts nothing about the
+// message: a bad one is dropped whole and reported in MessageEffect::dropped.
 [[nodiscard]] MessageEffect TakeMessage(Session& session, transport::Channel channel,
                                         std::span<const std::uint8_t> bytes, std::uint32_t currentTick, double now);
 
-// A reason to end the session now: silent, or no hello in time, or too many bad messages.
+// The reason to end the session now: no hello in time, silence, or too many bad messages in a second. nullopt: none.
 [[nodiscard]] std::optional<protocol::wire::GoodbyeReason> FindTimeout(const Session& session, double now);
 
-// What the player's body is asked to do at `tick`.
+// The control of the player's body at `tick`: moves in -1..1 with a length of at most 1. Without a new input the last
+// one is held for holdTicks. Call it once a tick.
 [[nodiscard]] physics::Control TakeControl(Session& session, std::uint32_t tick, std::uint32_t holdTicks);
 
 }  // namespace wobble::server

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "protocol/version.h"
+
 namespace wobble::server {
 
 void TickTimes::Record(double duration) {
@@ -30,7 +32,7 @@ double TickTimes::PercentileMs(double share) const {
 
 namespace {
 
-// Three digits after the point: what was measured, not what binary fractions make of it.
+// Rounds to three decimals, so that JSON shows no digits of binary fractions.
 double Round(double value) { return std::round(value * 1000) / 1000; }
 
 }  // namespace
@@ -40,6 +42,7 @@ std::string MakeSummary(const Server& server, const TickTimes& times) {
   const physics::World& world = server.World();
   const double ticks = std::max(1.0, static_cast<double>(world.Tick()));
   nlohmann::ordered_json json;
+  json["version"] = kVersion;
   json["ticks"] = world.Tick();
   json["tick_ms_p50"] = Round(times.PercentileMs(0.5));
   json["tick_ms_p99"] = Round(times.PercentileMs(0.99));
@@ -58,7 +61,7 @@ std::string MakeSummary(const Server& server, const TickTimes& times) {
   json["respawns"] = counts.respawns;
   json["bytes_out"] = server.ReadTransport().bytesOut;
   const SendCounts& sent = server.ReadSendCounts();
-  const bool any = sent.vertices > 0;  // none are sent while nobody plays
+  const bool any = sent.vertices > 0;  // false when nobody has played
   json["bits_per_vertex"] = any ? nlohmann::ordered_json(Round(sent.BitsPerVertex())) : nullptr;
   json["snapshot_error_rms"] = any ? nlohmann::ordered_json(Round(sent.ErrorPercentRms())) : nullptr;
   json["bodies_left_out"] = sent.bodiesLeftOut;

@@ -1,4 +1,4 @@
-// What a run was like: tick times as main measured them, and the JSON that --summary writes.
+// The figures of a run: tick times, the JSON that --summary writes, and the status line.
 #pragma once
 
 #include <array>
@@ -10,13 +10,16 @@
 
 namespace wobble::server {
 
-// Durations of ticks in bins of 10 µs up to 100 ms; bounded memory however long a server runs.
+// A histogram of tick durations in bins of 10 µs up to 100 ms. Its memory does not grow with the length of the run.
 class TickTimes {
  public:
-  // budget: longest duration that is no overrun, s.
+  // budget: the longest duration that is not an overrun, s.
   explicit TickTimes(double budget) : m_budget(budget) {}
+  // duration: s.
   void Record(double duration);
-  [[nodiscard]] double PercentileMs(double share) const;  // upper edge of the bin; 0 before the first tick
+  // The duration that `share` (0..1) of the ticks do not exceed: the upper edge of its bin, ms; 0 before the first
+  // tick.
+  [[nodiscard]] double PercentileMs(double share) const;
   [[nodiscard]] double MaxMs() const { return m_max * 1000; }
   [[nodiscard]] std::uint64_t Overruns() const { return m_overruns; }
 
@@ -29,10 +32,10 @@ class TickTimes {
   double m_max = 0;
 };
 
-// One flat JSON object with the keys of the product's specification; null for what does not exist yet.
+// One flat JSON object of totals and rates over the whole run. Figures per vertex are null when no vertex was sent.
 [[nodiscard]] std::string MakeSummary(const Server& server, const TickTimes& times);
 
-// One line for people.
+// One line for people, without a line end. elapsed: s.
 [[nodiscard]] std::string MakeStatusLine(const Server& server, const TickTimes& times, double elapsed,
                                          std::uint64_t bytesOutLastSecond);
 

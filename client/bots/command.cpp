@@ -1,5 +1,6 @@
 #include "client/bots/command.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <memory>
@@ -9,10 +10,10 @@
 namespace wobble::bots {
 namespace {
 
-// 2^53, as the server's: exact as a number in JSON too.
+// 2^53, the server's limit as well: every integer up to it is exact as a number in JSON.
 constexpr double kMaxSeed = 9007199254740992.0;
 
-// What the command line says before it is understood.
+// Options as text, before they are parsed.
 struct Words {
   std::string address;
   std::string decodeShare = "1/32";
@@ -27,42 +28,42 @@ struct Words {
 CLI::App* AddWords(CLI::App& app, LoadTestOptions& options, Words& words) {
   CLI::App* command =
       app.add_subcommand("bots", "Runs scripted players against a server and measures how they are served");
-  // Not required() of CLI11: it would complain of that even when an unknown option is the fault.
+  // CLI11's required() is not used: it reports the missing address even when an unknown option is the fault.
   command->add_option("server", words.address, "The server")->type_name("HOST:PORT REQUIRED");
   command
       ->add_option("--script", options.scriptFile,
                    "Lua file, or the name of a shipped one: idle.lua, wander.lua, chase.lua, mash.lua, storm.lua")
       ->type_name("FILE REQUIRED");
-  command->add_option("--count", options.count, "Bots")->check(tool::Within(1, kMaxBots))->capture_default_str();
-  command->add_option("--ramp", words.ramp, "How long they take to join, one after the other; 5, 5s, 500ms, 2m, 1h")
+  command->add_option("--count", options.count, "Number of bots")->check(tool::Within(1, kMaxBots))->capture_default_str();
+  command->add_option("--ramp", words.ramp, "Time over which the bots join, evenly spread; 5, 5s, 500ms, 2m, 1h")
       ->type_name("DURATION [0]");
-  command->add_option("--for", words.duration, "How long to run, the ramp included; 0: until Ctrl-C")
+  command->add_option("--for", words.duration, "Duration of the run, including the ramp; 0: until Ctrl-C")
       ->type_name("DURATION [0]");
   command
       ->add_option("--stage", words.stages,
-                   "For so long, go evenly from the number of bots there is to this, the last to join leave first; "
-                   "repeatable, in place of --count, --ramp and --for")
+                   "Change the number of bots linearly to BOTS over DURATION, the last to join leave first; "
+                   "repeatable, replaces --count, --ramp and --for")
       ->type_name("DURATION:BOTS")
       ->allow_extra_args(false);
-  command->add_option("--seed", options.seed, "Of all that the scripts and the link draw by chance")
+  command->add_option("--seed", options.seed, "Seed of the random numbers of the scripts and the link")
       ->check(tool::Within(0, kMaxSeed))
       ->capture_default_str();
   command
       ->add_option("--link", words.link,
-                   "A bad network in between, such as 'loss=5%,delay=50ms,jitter=20ms' (see wobble link --help)")
+                   "Simulated network conditions, such as 'loss=5%,delay=50ms,jitter=20ms' (see wobble link --help)")
       ->type_name("CONDITIONS");
   command
       ->add_option("--threshold", words.thresholds,
-                   "What must hold at the end: a key of the summary, < <= > >= == or !=, and a number; repeatable")
+                   "Condition on the result: a key of the summary, < <= > >= == or !=, and a number; repeatable")
       ->type_name("RULE")
       ->allow_extra_args(false);
   command->add_option("--decode-share", words.decodeShare, "Share of the bots that decode and interpolate in full")
       ->type_name("A/B")
       ->capture_default_str();
-  command->add_option("--summary", options.summaryFile, "Where to write the figures as JSON")->type_name("FILE");
+  command->add_option("--summary", options.summaryFile, "File for the summary as JSON")->type_name("FILE");
   command->add_option("--status", words.statusEvery, "Time between status lines, 0: none (1s on a terminal, else 0)")
       ->type_name("DURATION");
-  command->add_option("--protocol-version", options.protocolVersion, "For testing servers: the version to claim")
+  command->add_option("--protocol-version", options.protocolVersion, "Protocol version to claim, for tests of servers")
       ->check(tool::Within(0, 65535))
       ->capture_default_str();
   command->footer(
@@ -73,15 +74,15 @@ CLI::App* AddWords(CLI::App& app, LoadTestOptions& options, Words& words) {
       "    --threshold 'disconnects==0' --threshold 'snapshot_age_ms_p99<150' --summary figures.json\n"
       "  wobble bots 127.0.0.1:7777 --script chase.lua --stage 30s:200 --stage 2m:200 --stage 10s:0\n"
       "  wobble bots 127.0.0.1:7777 --script storm.lua --count 50 --for 1m --threshold 'join_ms_p99<500'\n"
-      "How to write a script: client/bots/LUA.md of the sources.");
+      "client/bots/LUA.md in the sources documents the scripts.");
   return command;
 }
 
-// What is wrong, a line each; none when options are complete.
+// Parses the text options into `options`. Returns one line per error.
 std::vector<std::string> Understand(const CLI::App& command, const Words& words, LoadTestOptions& options) {
   std::vector<std::string> errors;
   std::string error;
-  // Takes over what a reader made of an option's words.
+  // Stores a parsed value, or notes the parser's error.
   const auto take = [&](const char* option, auto read, auto& target) {
     if (read) {
       target = std::move(*read);
@@ -106,12 +107,12 @@ std::vector<std::string> Understand(const CLI::App& command, const Words& words,
     take("--stage", ParseStage(stage, error), options.stages.emplace_back());
   for (const char* other : {"--count", "--ramp", "--for"}) {
     if (words.stages.empty() || command.get_option(other)->count() == 0) continue;
-    errors.push_back(std::string(other) + ": not together with --stage, which says how many bots and for how long");
+    errors.push_back(std::string(other) + ": not together with --stage, which sets the number of bots and the duration");
   }
   const bool onlyEmpty = std::all_of(words.stages.begin(), words.stages.end(),
                                      [](const std::string& stage) { return stage.ends_with(":0"); });
   if (!words.stages.empty() && onlyEmpty)
-    errors.emplace_back("--stage: none has any bots, 1 to " + std::to_string(kMaxBots) + " are needed in one of them");
+    errors.emplace_back("--stage: no stage has bots; at least one needs 1 to " + std::to_string(kMaxBots));
   options.scriptFile = FindScriptFile(options.scriptFile);
   return errors;
 }

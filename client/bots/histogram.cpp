@@ -1,8 +1,8 @@
-// Logarithmic buckets, as HdrHistogram has them: a run of hours with hundreds of bots gives millions of values, and a
-// load test must not slow down by what it measures. Adding is a frexp and an increment.
+// Logarithmic buckets, as in HdrHistogram: a run of hours with hundreds of bots gives millions of values, and measuring
+// must not slow the load test down. Adding a value costs a frexp and an increment.
 //
-// A reservoir sample was the other choice: as small, but its error in the far percentiles, which are the ones asked
-// for, is one of chance.
+// A reservoir sample was rejected: it is as small, but its error in the far percentiles, which are the ones asked for,
+// is random.
 #include "client/bots/histogram.h"
 
 #include <algorithm>
@@ -20,7 +20,8 @@ void Histogram::Add(double value) {
   std::size_t bucket = 0;
   if (value >= kSmallest) {
     int exponent = 0;
-    const double mantissa = std::frexp(value / kSmallest, &exponent);  // in [0.5, 1), so value = kSmallest on 0.5, 1
+    // mantissa in [0.5, 1), so value = kSmallest falls on 0.5, 1
+    const double mantissa = std::frexp(value / kSmallest, &exponent);
     const auto within = static_cast<std::size_t>((2 * mantissa - 1) * kBucketsPerDoubling);
     bucket = 1 + static_cast<std::size_t>(exponent - 1) * kBucketsPerDoubling + within;
   }
@@ -31,7 +32,7 @@ std::optional<double> Histogram::FindPercentile(double share) const {
   if (m_count == 0) return std::nullopt;
   const double ranks = std::ceil(std::clamp(share, 0.0, 1.0) * static_cast<double>(m_count));
   const auto wanted = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(ranks));
-  if (wanted == 1) return m_least;  // the ends are known exactly
+  if (wanted == 1) return m_least;  // the greatest and least value are exact
   if (wanted == m_count) return m_greatest;
   std::uint64_t passed = 0;
   std::size_t bucket = 0;

@@ -1,8 +1,8 @@
 // Percentiles of any number of values in a fixed 17 KiB.
 //
-// Buckets grow with the value, 64 to a doubling, so a percentile is within kRelativeError of a value that really
-// occurred at that rank, from kSmallest to kLargest; below kSmallest it is within kSmallest, and what lies above
-// kLargest is counted as kLargest. No unit of its own: what goes in comes out.
+// There are 64 buckets per doubling of the value. A percentile from kSmallest to kLargest is therefore within
+// kRelativeError of a value that really occurred at that rank; below kSmallest it is within kSmallest, and values above
+// kLargest count as kLargest. The histogram has no unit: percentiles have the unit of the values added.
 #pragma once
 
 #include <array>
@@ -18,13 +18,14 @@ class Histogram {
   static constexpr int kDoublings = 32;
   static constexpr int kBucketsPerDoubling = 64;
   static constexpr double kLargest = kSmallest * 4294967296.0;  // 2^kDoublings
-  // Half a bucket's width over its lower edge.
+  // Half of a bucket's width, divided by the bucket's lower edge.
   static constexpr double kRelativeError = 0.5 / kBucketsPerDoubling;
 
-  // Negative values count as 0; a value that is no number is not counted.
+  // Adds one value in constant time. Negative values count as 0, NaN is not counted.
   void Add(double value);
 
-  // The value that the share 0..1 of all values does not exceed (nearest rank); nullopt when nothing was added.
+  // The value that a share (0..1) of all values does not exceed (nearest rank); nullopt when no value was added. Costs
+  // a pass over the 2,049 buckets.
   [[nodiscard]] std::optional<double> FindPercentile(double share) const;
 
   [[nodiscard]] std::uint64_t Count() const { return m_count; }

@@ -1,9 +1,9 @@
-// The one loop with a clock: sixty rounds a second for each bot on an absolute schedule, so that the bots' pace does
-// not drift with what a round costs. A round that comes late is counted as late in full and the rounds missed meanwhile
-// are left out: catching up would send inputs in bursts that no player sends.
+// The only loop with a clock. It runs sixty rounds a second for each bot on an absolute schedule, so that the bots'
+// pace does not drift with the cost of a round. A late round counts as late in full, and the rounds missed meanwhile
+// are skipped: catching up would send bursts of inputs that no player sends.
 //
-// The bots are spread over the sixtieth of a second in parts, as players are. Were all looked after at once, the age of
-// snapshots would hang on where in the server's tick that moment happens to fall, and differ by 16 ms between runs.
+// The bots are spread in parts over each sixtieth of a second, as players are. If all were served at once, the age of
+// snapshots would depend on where in the server's tick that moment happens to fall, and differ by 16 ms between runs.
 #include "client/bots/load_test.h"
 
 #include <algorithm>
@@ -28,10 +28,10 @@ namespace wobble::bots {
 namespace {
 
 constexpr double kBotHz = 60;
-// A prime, so that the bots that decode, often every 32nd, do not all come in one of them.
+// A prime, so that the decoding bots, often every 32nd, do not all fall into one part.
 constexpr unsigned kParts = 5;
 constexpr double kRoundHz = kBotHz * kParts;
-// Longer than any client takes to give up on the answer to its goodbye, seconds.
+// Longer than a client waits for the answer to its goodbye, seconds.
 constexpr double kGoodbyePatience = client::kLongestLeave + 0.5;
 
 void SleepUntil(double time) {
@@ -43,8 +43,8 @@ void Complain(std::string_view line) {
   std::fprintf(stderr, "wobble bots: %.*s\n", static_cast<int>(line.size()), line.data());
 }
 
-// A relay in front of the server, in its own thread. False with one line said when it cannot be had; without a link in
-// the options it is true and nothing.
+// Starts a relay in front of the server, in its own thread, when the options ask for one. Returns false, with one line
+// printed, when it cannot be started.
 bool StartLink(const LoadTestOptions& options, std::unique_ptr<link::RelayThread>& relay) {
   if (!options.link) return true;
   transport::RelayOptions relayOptions;
@@ -116,7 +116,7 @@ void Report(const Figures& figures, const std::vector<Verdict>& verdicts) {
   Complain(line);
 }
 
-// Opened before anything is started, so that an hour's run is not lost to a misspelt folder.
+// Called before anything starts, so that an hour's run is not lost to a misspelt folder.
 bool OpenSummary(const std::string& path, std::ofstream& file) {
   if (path.empty()) return true;
   errno = 0;

@@ -1,4 +1,4 @@
-// `wobble bots`: a load test from its options to its exit code.
+// A load test from its options to its exit code.
 #pragma once
 
 #include <functional>
@@ -7,8 +7,9 @@
 
 namespace wobble::bots {
 
-// Runs until its time is up, stopAsked is true or nothing is left to do. Reports on standard output, complains on
-// standard error, writes the summary file in every case but an unusable script or file. Returns the exit code.
+// Runs until the configured time is over, stopAsked returns true or all bots have ended. Reports on standard output and
+// writes errors to standard error. Writes the summary file in every case except an unusable script or file. Returns the
+// exit code: 0 all thresholds hold, 99 one fails, 2 broken script, unusable file or no server.
 [[nodiscard]] int RunLoadTest(const LoadTestOptions& options, const std::function<bool()>& stopAsked);
 
 }  // namespace wobble::bots

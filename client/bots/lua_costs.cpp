@@ -1,8 +1,9 @@
-// Lua's matcher backtracks: with k repeats in a pattern there are C(n + k, k) ways to share n bytes out among them, and
-// it tries them all before it says no. The start of the match is one repeat more. That count is taken as the cost, so a
-// call that is cheap by luck is charged like one that is not; names and lines of text are short enough for it.
+// Lua's matcher backtracks: a pattern with k repeats has C(n + k, k) ways to divide n bytes among them, and the matcher
+// tries them all before it fails. The start of the match counts as one more repeat. That worst case is taken as the
+// cost, so a call that happens to be cheap is charged like an expensive one; names and lines of text are short enough
+// for it.
 //
-// Replacing the matcher by one without backtracking was the other choice: a second dialect of patterns.
+// Replacing the matcher by one without backtracking was rejected: it would be a second dialect of patterns.
 #include "client/bots/lua_costs.h"
 
 #include <algorithm>
@@ -12,10 +13,10 @@
 namespace wobble::bots {
 namespace {
 
-// What C does in the time of an instruction: bytes moved, steps of the matcher.
+// Work that C does in the time of one Lua instruction: bytes moved, steps of the matcher.
 constexpr double kBytes = 64;
 constexpr double kPatternSteps = 10;
-// A single character class is looked through for every byte it is held against.
+// Bytes of a pattern per matcher step: a character class is scanned for every byte it is compared with.
 constexpr double kPatternBytes = 16;
 constexpr double kMost = 1e15;
 
@@ -31,7 +32,7 @@ double CountElements(lua_State* lua, int index) {
   return lua_istable(lua, index) ? static_cast<double>(luaL_len(lua, index)) : 0;
 }
 
-// From the argument `first` to the argument `last`, by default 1 and the table's length.
+// Number of elements from the argument `first` to the argument `last`, by default 1 and the table's length.
 double CountRange(lua_State* lua, int table, int first, int last) {
   const double from = static_cast<double>(luaL_optinteger(lua, first, 1));
   const double to = lua_isnoneornil(lua, last) ? CountElements(lua, table) : luaL_checknumber(lua, last);
@@ -44,13 +45,13 @@ double FindPatternCost(lua_State* lua, std::string_view name) {
   std::size_t length = 0;
   const char* text = lua_tolstring(lua, 2, &length);
   const std::string_view pattern(text, length);
-  const bool anchored = name != "gmatch" && pattern.starts_with('^');  // gmatch takes '^' for a character
+  const bool anchored = name != "gmatch" && pattern.starts_with('^');  // gmatch reads '^' as a character
   return CountPatternSteps(static_cast<std::size_t>(LengthOf(lua, 1)), pattern, anchored) / kPatternSteps;
 }
 
 double FindTableCost(lua_State* lua, std::string_view name) {
   const double elements = CountElements(lua, 1);
-  if (name == "insert") return lua_gettop(lua) > 2 ? elements : 0;  // at the end it is cheap
+  if (name == "insert") return lua_gettop(lua) > 2 ? elements : 0;  // inserting at the end moves nothing
   if (name == "remove") return lua_gettop(lua) > 1 ? elements : 0;
   if (name == "sort") return elements * std::log2(elements + 2) * 2;
   if (name == "concat") return CountRange(lua, 1, 3, 4);
@@ -67,7 +68,7 @@ double CountPatternSteps(std::size_t bytes, std::string_view pattern, bool ancho
     const char c = pattern[i];
     if (c == '%' && i + 1 < pattern.size()) {
       const char next = pattern[++i];
-      repeats += next == 'b' || (next >= '0' && next <= '9') ? 1 : 0;  // %bxy and %1 go through what they match
+      repeats += next == 'b' || (next >= '0' && next <= '9') ? 1 : 0;  // %bxy and %1 scan what they match
     } else {
       repeats += c == '*' || c == '+' || c == '-' || c == '?' ? 1 : 0;
     }

@@ -1,5 +1,5 @@
-// What one call of a function of Lua's string and table libraries may cost, in instructions. They run in C, where no
-// hook counts: a pattern with a few wildcards and a text of some hundred bytes can take hours.
+// Upper bounds, in Lua instructions, of what one call of Lua's string or table library costs. These functions run in C,
+// where no instruction hook counts, and a pattern with a few wildcards on a text of some hundred bytes can take hours.
 #pragma once
 
 #include <cstddef>
@@ -10,11 +10,12 @@ struct lua_State;
 
 namespace wobble::bots {
 
-// The worst case of the call whose arguments are on the stack. name: as in its library; "rep" is string.rep. May raise
-// a Lua error when the arguments are not what the function takes.
+// Worst-case cost of the call whose arguments are on the stack, in Lua instructions. name: the function's name in its
+// library ("rep" is string.rep). May raise a Lua error when the arguments have wrong types.
 [[nodiscard]] std::int64_t FindCallCost(lua_State* lua, std::string_view name);
 
-// Steps that Lua's matcher takes at most to try a pattern on so many bytes, from every start unless it is anchored.
+// Upper bound of the steps that Lua's matcher takes to try `pattern` on `bytes` bytes: from every start, or from the
+// first alone when `anchored`.
 [[nodiscard]] double CountPatternSteps(std::size_t bytes, std::string_view pattern, bool anchored);
 
 }  // namespace wobble::bots

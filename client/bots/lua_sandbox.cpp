@@ -1,17 +1,17 @@
-// One state for all bots, because a state costs 20 KiB and a coroutine one; what keeps them apart is that each call is
-// one bot's, with his own budget, his own generator and his number on what he prints.
+// One state serves all bots, because a state costs 20 KiB and a coroutine 1 KiB. Each call belongs to one bot, with its
+// own budget, its own random generator and its own number on printed lines.
 //
-// The budget is a count hook, which every coroutine inherits. Once it is spent the hook fires at every instruction, or
-// a script could catch its own end with pcall and go on; as it is, the first instruction after the pcall ends it again.
-// Lua calls no hook inside a finaliser, so setmetatable refuses __gc; nor inside xpcall's handler when the hook itself
-// raised the error, so there is no xpcall.
+// The budget is enforced by a count hook, which every coroutine inherits. Once the budget is spent the hook fires at
+// every instruction, because a script could otherwise catch the error with pcall and go on; now the first instruction
+// after the pcall raises it again. Lua calls no hook inside a finaliser, so setmetatable refuses __gc; nor inside
+// xpcall's handler when the hook itself raised the error, so there is no xpcall.
 //
-// What a hook cannot see is how much one instruction does. Calls of the string and table libraries are charged by what
-// they may cost before they are let go (lua_costs.h), memory is charged by the byte as it is handed out, and no block
-// of it is large. What is left is comparing strings of megabytes, again and again: the scripts are the tester's own,
-// this guards against mistakes.
+// A hook does not see how much work one instruction does. Calls of the string and table libraries are therefore charged
+// with their worst case before they run (lua_costs.h), memory is charged by the byte when it is allocated, and the size
+// of a block is bounded. Repeated comparison of strings of megabytes remains uncharged: the scripts are the tester's
+// own, and the sandbox guards against mistakes.
 //
-// Lua is built as C: its errors are longjmps. No function here holds an object with a destructor when it raises one.
+// Lua is built as C, so its errors are longjmps: no function here holds an object with a destructor when it raises one.
 #include "client/bots/lua_sandbox.h"
 
 #include <algorithm>
@@ -25,9 +25,9 @@
 namespace wobble::bots {
 namespace {
 
-// Instructions between two looks at the budget; at 1,000 the hook costs nothing that can be measured.
+// Instructions between two checks of the budget; at 1,000 the cost of the hook is not measurable.
 constexpr int kHookInterval = 1000;
-// Bytes handed out that count as an instruction.
+// Allocated bytes that count as one instruction.
 constexpr std::int64_t kBytesPerInstruction = 64;
 
 void Forget(lua_State* lua, const char* name) {
@@ -82,7 +82,7 @@ LuaSandbox& LuaSandbox::Of(lua_State* lua) {
 
 void* LuaSandbox::Allocate(void* sandbox, void* block, std::size_t oldBytes, std::size_t newBytes) {
   auto& self = *static_cast<LuaSandbox*>(sandbox);
-  if (block == nullptr) oldBytes = 0;  // Lua passes the kind of the new object there
+  if (block == nullptr) oldBytes = 0;  // Lua passes the kind of the new object in oldBytes
   if (newBytes == 0) {
     std::free(block);
     self.m_bytes -= oldBytes;
@@ -122,8 +122,8 @@ void LuaSandbox::Charge(lua_State* lua, std::int64_t instructions) {
   luaL_error(lua, "stopped: with what this call may cost, more than %d instructions without a bot:wait", kCallBudget);
 }
 
-// Calls the library's function, the first upvalue, in this very frame, so that its messages name line and function as
-// they would without us. The library's functions have no upvalues of their own.
+// Calls the library's function (the first upvalue) in this very frame, so that its messages name line and function as
+// they would without the wrapper. The library's functions have no upvalues of their own.
 int LuaSandbox::CallCharged(lua_State* lua) {
   std::size_t length = 0;
   const char* name = lua_tolstring(lua, lua_upvalueindex(2), &length);
@@ -131,7 +131,7 @@ int LuaSandbox::CallCharged(lua_State* lua) {
   return lua_tocfunction(lua, lua_upvalueindex(1))(lua);
 }
 
-// All functions of the library on top of the stack.
+// Wraps every function of the library on top of the stack with CallCharged.
 void LuaSandbox::ChargeFunctions(lua_State* lua) {
   for (lua_pushnil(lua); lua_next(lua, -2) != 0;) {
     if (lua_iscfunction(lua, -1)) {
@@ -163,7 +163,7 @@ int LuaSandbox::AnswerPrint(lua_State* lua) {
   return 0;
 }
 
-// As Lua's own, but for __gc.
+// Lua's own setmetatable, but refuses __gc.
 int LuaSandbox::AnswerSetMetatable(lua_State* lua) {
   luaL_checktype(lua, 1, LUA_TTABLE);
   const int kind = lua_type(lua, 2);
@@ -180,7 +180,7 @@ int LuaSandbox::AnswerSetMetatable(lua_State* lua) {
 }
 
 int LuaSandbox::AnswerRandom(lua_State* lua) {
-  const int first = lua_isuserdata(lua, 1) ? 2 : 1;  // bot:random(...) has the bot before its arguments
+  const int first = lua_isuserdata(lua, 1) ? 2 : 1;  // bot:random(...) passes the bot before its arguments
   const int count = lua_gettop(lua) - first + 1;
   lua_Integer low = 1;
   lua_Integer high = 0;
@@ -197,7 +197,7 @@ int LuaSandbox::AnswerRandom(lua_State* lua) {
     lua_pushnumber(lua, static_cast<double>(bits >> 11) * 0x1p-53);  // [0, 1)
     return 1;
   }
-  // Modulo favours low values by less than range / 2^64. A range of 0 is all 2^64 integers.
+  // Modulo favours low values by less than range / 2^64. A range of 0 stands for all 2^64 integers.
   const std::uint64_t range = static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low) + 1;
   const std::uint64_t offset = range == 0 ? bits : bits % range;
   lua_pushinteger(lua, static_cast<lua_Integer>(static_cast<std::uint64_t>(low) + offset));

@@ -1,5 +1,5 @@
-// A Lua state in which a script can compute and nothing else: no files, no processes, no loading of code, no chance but
-// the seed's, no call without an end and no memory without a bound.
+// A Lua state in which a script can only compute: no files, no processes, no loading of code, random numbers from the
+// seed alone, a bound on the instructions of a call and on memory.
 #pragma once
 
 #include <cstddef>
@@ -16,20 +16,21 @@ namespace wobble::bots {
 
 class LuaSandbox {
  public:
-  // Instructions a call may run before it is stopped; what C does for it in one call is counted as if Lua did it. Bytes
-  // that one string or table may take, and all scripts together.
+  // kCallBudget: Lua instructions a call may run before it is stopped; the work of C functions is charged as well.
+  // kMaxBlockBytes: bytes of one string or table. kMaxMemoryBytes: bytes of all scripts together.
   static constexpr int kCallBudget = 100'000;
   static constexpr std::size_t kMaxBlockBytes = std::size_t{4} << 20;
   static constexpr std::size_t kMaxMemoryBytes = std::size_t{256} << 20;
 
-  // Whose call it is: print and math.random answer for him. number 0: nobody's, the script is being loaded.
+  // The bot that a call belongs to: print and math.random answer for this bot. number 0: no bot, the script is being
+  // loaded.
   struct Caller {
     unsigned number = 0;
-    protocol::Random random{0};  // MakeCaller seeds it
+    protocol::Random random{0};  // seeded by MakeCaller
   };
   using Log = std::function<void(unsigned caller, std::string_view text)>;
 
-  // State() is nullptr when there is no memory for one.
+  // After a failed allocation State() is nullptr. log receives the text that scripts print, with the caller's number.
   LuaSandbox(std::uint64_t seed, Log log);
   ~LuaSandbox();
   LuaSandbox(const LuaSandbox&) = delete;
@@ -38,19 +39,19 @@ class LuaSandbox {
   [[nodiscard]] lua_State* State() const { return m_state; }
   [[nodiscard]] Caller MakeCaller(unsigned number) const;
 
-  // To be said before every call into the state: who is it, and his budget is full again. `caller` must outlive the
-  // call.
+  // Refills the instruction budget and sets the caller. Must precede every call into the state. `caller` must outlive
+  // the call.
   void BeginCall(Caller& caller);
 
-  // To be said after a call has failed: what it held is given back if there is much of it. Lua's string buffers do not
-  // try a collection before they say that memory is out, so the next caller would fail for this one.
+  // Collects garbage when there is much of it. Must follow a call that failed: Lua's string buffers do not try a
+  // collection before they report that memory is out, so without this the next caller would fail in place of this one.
   void FreeUnused();
 
-  // Takes from the running call's budget what a C function is about to do for it, instructions; raises the error of an
-  // endless loop when that is more than is left.
+  // Charges the running call's budget with `instructions`, before a C function does that work. Raises the Lua error of
+  // an endless loop when more than the rest of the budget is charged.
   static void Charge(lua_State* lua, std::int64_t instructions);
 
-  // math.random's three forms, from the caller's own generator; bot:random is the same.
+  // Implements the three forms of math.random from the caller's own generator, and bot:random as well.
   static int AnswerRandom(lua_State* lua);
 
  private:

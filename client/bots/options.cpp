@@ -1,5 +1,5 @@
-// Small readers for the command line's words. Each returns its value or one line that names the word, what is wrong
-// with it and what is allowed, which main.cpp puts the option's name before.
+// Parsers for the values of the command line. Each returns its value, or one line that names the value, the fault and
+// the allowed range; the caller puts the option's name before it.
 #include "client/bots/options.h"
 
 #include <algorithm>
@@ -23,7 +23,7 @@ struct Unit {
   std::string_view suffix;
   double seconds;
 };
-// "ms" before those that it ends or begins with.
+// "ms" stands before "s" and "m", which it ends and begins with.
 constexpr Unit kUnits[] = {{"ms", 0.001}, {"s", 1}, {"m", 60}, {"h", 3600}};
 
 }  // namespace
@@ -32,7 +32,7 @@ std::string FindScriptFile(const std::string& name) {
   std::error_code error;
   if (name.find('/') != std::string::npos || std::filesystem::exists(name, error)) return name;
   if (!name.ends_with(".lua")) return FindScriptFile(name + ".lua");
-  const auto shipped = tool::FindProgramFolder() / "scripts" / name;
+  const auto shipped = tool::FindShippedFolder("scripts") / name;
   return std::filesystem::exists(shipped, error) ? shipped.string() : name;
 }
 
@@ -80,8 +80,8 @@ double FindDuration(const LoadTestOptions& options) {
   return seconds;
 }
 
-// The first bot of a rise comes at its beginning and the last before its end, so that the number has been reached when
-// the next stage begins; a fall likewise.
+// The first bot of a rise joins at the stage's beginning and the last before its end, so that the number is reached
+// when the next stage begins; a fall is symmetric.
 unsigned CountBotsAt(const std::vector<Stage>& stages, double seconds) {
   unsigned from = 0;
   for (const Stage& stage : stages) {

@@ -1,5 +1,5 @@
-// A stay has a client of its own, because a client is one connection; when the stay ends, however, the client goes with
-// its socket and its buffers, and only sums remain. A storm of joins would otherwise run out of sockets.
+// Each stay has a client of its own, because a client is one connection. When the stay ends the client is destroyed
+// with its socket and buffers, and only sums remain; otherwise a storm of joins would run out of sockets.
 #include "client/bots/player.h"
 
 #include <cassert>

@@ -1,12 +1,13 @@
-// One thread and one loop over plain bots, and nothing has to be locked. A bot that is sent 380 kbit/s costs some 20 us
-// a round, most of them for receiving (system calls, ENet's checksum) and little for its script, so 500 take more than
-// half of a core. More than one core can carry is a matter of more processes.
+// One thread and one loop over plain bots, so no locks are needed. A bot that receives 380 kbit/s costs some 20 us a
+// round, most of it for receiving (system calls, ENet's checksum) and little for its script, so 500 bots take more than
+// half of a core. For more than one core can carry, run more processes.
 //
-// Most bots read only heads, or the generator would spend its core on decoding and measure itself; the share that
-// decodes does all that a player's client does, sampling at 60 Hz included.
+// Most bots read only the heads of snapshots; otherwise the generator would spend its core on decoding and measure
+// itself. The share of bots that decodes does all that a player's client does, including sampling at 60 Hz.
 //
-// decode_us is the time of Update of a decoding bot in the rounds that brought records, divided by those records, over
-// kDecodeGroup of them at a time: reception is in it, so it is an upper bound of what decoding a record costs.
+// decode_us is the time of Update of a decoding bot in rounds that brought records, divided by the number of those
+// records, over at least kDecodeGroup records at a time. Reception is included, so it is an upper bound of the cost of
+// decoding a record.
 #include "client/bots/runner.h"
 
 #include <algorithm>
@@ -15,12 +16,12 @@
 namespace wobble::bots {
 namespace {
 
-// Ends, and different script errors, that are reported one by one; the rest are only counted.
+// Lost bots, and distinct script errors, that are reported one by one; further ones are only counted.
 constexpr unsigned kFailuresLogged = 5;
-// Records over which their cost is averaged, so that a round which brought only one does not count its whole overhead
-// as that one's.
+// Records over which their cost is averaged, so that a round with a single record does not charge its whole overhead to
+// that record.
 constexpr std::uint64_t kDecodeGroup = 32;
-// How long after the first bot ended the others may still prove it wrong, seconds.
+// Seconds after the first failure in which another bot may still reach play.
 constexpr double kHopePatience = 1.0;
 
 }  // namespace
@@ -43,7 +44,7 @@ void Runner::RunRound(double now, double late, unsigned parts) {
   for (std::size_t i = m_round++ % parts; i < m_bots.size(); i += parts) RunBot(*m_bots[i], now);
 }
 
-// Those who were lost stay counted as there: replacing them would hide a server that cannot hold its players.
+// Lost bots stay in the count: replacing them would hide a server that cannot hold its players.
 void Runner::FollowStages(double now) {
   const unsigned wanted = CountBotsAt(m_stages, now);
   while (m_bots.size() - m_dismissed < wanted) StartBot(now);
@@ -132,7 +133,7 @@ void Runner::RunScript(Bot& bot, double now) {
   std::string error;
   if (m_script.Resume(bot.scriptNumber, view, wish, error) == Script::Result::kFailed && !bot.scriptFailed) {
     bot.scriptFailed = true;
-    // One script, so mostly one error in all bots; what differs is said, as far as it can be of interest.
+    // All bots run one script and mostly raise the same error; each distinct error is reported once, up to the limit.
     if (m_scriptErrors.size() < kFailuresLogged && m_scriptErrors.insert(error).second) {
       const char* last = m_scriptErrors.size() == kFailuresLogged ? " (other errors are only counted)" : "";
       m_log("bot " + std::to_string(bot.number) + " stands still: " + error + last);
@@ -144,10 +145,10 @@ void Runner::RunScript(Bot& bot, double now) {
 }
 
 void Runner::NoteFailure(const Bot& bot, double now) {
-  const std::string& reason = bot.player.LossReason();  // empty when nobody answered
+  const std::string& reason = bot.player.LossReason();  // empty when the server never answered
   if (!m_firstFailure) m_firstFailure = now;
   if (m_refusal.empty()) m_refusal = reason;
-  // While none has played the reason is one for all, and whoever runs us says it once.
+  // Until a bot has played, the reason is the same for all, and the caller reports it once.
   if (m_joinMs.Count() == 0 || ++m_failuresLogged > kFailuresLogged) return;
   const char* last = m_failuresLogged == kFailuresLogged ? " (more are only counted)" : "";
   m_log("bot " + std::to_string(bot.number) + " ended: " + (reason.empty() ? "no answer" : reason) + last);
@@ -170,13 +171,13 @@ void Runner::Leave(double now) {
   for (const auto& bot : m_bots) bot->player.Leave(now);
 }
 
-// Whoever has left by himself may come again.
+// A bot that its script made leave may return, so it has not ended.
 bool Runner::HasEnded(const Bot& bot) const {
   const auto state = bot.player.ReadState();
   return state == Player::State::kLost || (state == Player::State::kAway && (m_leaving || bot.dismissed));
 }
 
-// Stages that have gone down to nobody are to be sat out, a server that has gone is not.
+// Bots that are all dismissed by the stages wait for the next stage; bots that are all lost do not.
 bool Runner::HaveAllEnded() const {
   const bool isOver = m_leaving || (m_bots.size() == m_starts && m_firstFailure);
   return isOver && std::all_of(m_bots.begin(), m_bots.end(), [this](const auto& bot) { return HasEnded(*bot); });

@@ -1,6 +1,6 @@
-// The bots of one load test: when they join, what their script makes them do, and what is measured on the way.
+// The bots of one load test: when they join, the input that their script gives, and all measurements.
 //
-// Reads no clock but the one it is given to time decoding with, so that tests run it on virtual time.
+// Reads no clock except the one given for timing the decoding, so tests run it on virtual time.
 #pragma once
 
 #include <functional>
@@ -24,44 +24,45 @@ namespace wobble::bots {
 
 class Runner {
  public:
-  // Begins a connection to the server; null with one line in `error` when it cannot.
+  // Begins a connection to the server. On failure null, with one line in `error`.
   using Connect = std::function<std::unique_ptr<transport::Transport>(std::string& error)>;
   using Clock = std::function<double()>;  // seconds
   using Log = std::function<void(std::string_view line)>;
 
-  // script is loaded and must outlive the runner.
+  // script must be loaded and must outlive the runner.
   Runner(const LoadTestOptions& options, Script& script, Connect connect, Clock clock, Log log);
 
-  // One round of one part of the bots, the next at each call; to be called 60 times `parts` times a second. now counts
-  // from the first call's, seconds. late: seconds since this round was due.
+  // Runs one round for one of `parts` parts of the bots, the next part at each call. Call it 60 * `parts` times a
+  // second. now: seconds, with the first call's as origin. late: seconds since this round was due.
   void RunRound(double now, double late, unsigned parts = 1);
 
-  // Snapshots' ages, the way of inputs, decoding and lateness count from now on, not while bots came and settled in.
+  // Restarts the measurement of snapshot age, input to snapshot, decoding and lateness, so that the time in which the
+  // bots joined does not count.
   void ForgetTimes();
-  // Called in each round of a decoding bot that plays, with what its player sees at `now`.
+  // Called in each round of a decoding bot that plays, with the bodies that its player sees at `now`.
   using OnShown = std::function<void(client::Client& client, std::span<const client::BodySample> shown, double now)>;
   void SetOnShown(OnShown onShown) { m_onShown = std::move(onShown); }
 
-  // Says goodbye for all; measuring ends. RunRound goes on until HaveAllEnded.
+  // Says goodbye for all bots and ends measuring. RunRound must go on until HaveAllEnded.
   void Leave(double now);
-  // True, without Leave, once all there were to be are gone and not all of them because the stages said so.
+  // True once all bots have ended. Before Leave, bots that a stage dismissed do not make it true by themselves.
   [[nodiscard]] bool HaveAllEnded() const;
 
-  // Some bots ended a second ago and none has ever played: the rest need not try.
+  // True when the first bot failed more than a second ago and no bot has ever played: the others will not succeed.
   [[nodiscard]] bool IsHopeless(double now) const;
   [[nodiscard]] bool HasAnyFailed() const { return m_firstFailure.has_value(); }
-  // Why none plays, one line; empty when nobody answered at all.
+  // The reason why no bot plays, one line; empty when the server never answered.
   [[nodiscard]] const std::string& Refusal() const { return m_refusal; }
   [[nodiscard]] bool HaveAllScriptsFailed() const;
 
   [[nodiscard]] Figures ReadFigures() const;
 
-  // For the status line: of now, and since the last call.
+  // Figures for the status line: present ones, and means since the last call.
   struct Progress {
     unsigned playing = 0;
     std::optional<double> kbitPerSecondPerBot;
     std::optional<double> snapshotAgeMs;  // mean
-    double lateMs = 0;                    // greatest
+    double lateMs = 0;                    // greatest since the last call
   };
   [[nodiscard]] Progress TakeProgress();
 
@@ -71,9 +72,9 @@ class Runner {
         : number(itsNumber), decodes(options.decode), player(options, std::move(onSnapshot)) {}
 
     unsigned number;
-    unsigned scriptNumber = 0;  // its number there: another one once memory has been out
+    unsigned scriptNumber = 0;  // its number in m_script; differs from `number` once memory has been out
     bool decodes;
-    bool dismissed = false;  // the stages go down: it leaves for good
+    bool dismissed = false;  // a falling stage ended it; it does not rejoin
     bool scriptFailed = false;
     std::optional<double> firstPlayed;
     Player player;
@@ -92,7 +93,7 @@ class Runner {
 
   LoadTestOptions m_options;
   std::vector<Stage> m_stages;
-  unsigned m_starts;  // in all stages
+  unsigned m_starts;  // bots started over all stages
   Script& m_script;
   Connect m_connect;
   Clock m_clock;
@@ -105,9 +106,9 @@ class Runner {
   std::vector<client::BodySample> m_samples;  // scratch
   bool m_leaving = false;
   std::string m_refusal;
-  std::optional<double> m_firstFailure;  // of a bot that did not leave by itself
+  std::optional<double> m_firstFailure;  // time at which the first bot was lost
   unsigned m_failuresLogged = 0;
-  std::set<std::string> m_scriptErrors;  // those reported
+  std::set<std::string> m_scriptErrors;  // errors reported so far
 
   Histogram m_joinMs;
   Histogram m_ageMs;
@@ -115,10 +116,10 @@ class Runner {
   Histogram m_decodeUs;
   Histogram m_lateMs;
 
-  double m_decodeSeconds = 0;  // of the group of records that is being filled
+  double m_decodeSeconds = 0;  // of the unfinished group of records
   std::uint64_t m_decodeRecords = 0;
 
-  double m_progressSeconds = 0;  // played by then, over all bots
+  double m_progressSeconds = 0;  // seconds played at the last TakeProgress, over all bots
   std::uint64_t m_progressBytes = 0;
   double m_progressAgeSum = 0;
   std::uint64_t m_progressArrivals = 0;

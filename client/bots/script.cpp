@@ -1,8 +1,8 @@
-// The coroutines of a script's bots: made, resumed when what they wait for has come, and taken down with one line when
-// they go wrong.
+// The coroutines of a script's bots: creation, resumption when the awaited condition holds, and termination with one
+// line on an error.
 //
-// They yield only in bot:wait, bot:leave and bot:join (or coroutine.yield, which waits for the next round), so a script
-// reads like a story: move, wait, jump. A callback per tick was the other choice; every script would then be a state
+// A coroutine yields only in bot:wait, bot:leave and bot:join (or coroutine.yield, which waits for the next round), so
+// a script reads as a sequence: move, wait, jump. A callback per tick was rejected; every script would then be a state
 // machine.
 #include "client/bots/script.h"
 
@@ -18,13 +18,13 @@ namespace {
 
 constexpr const char* kRunKey = "wobble.run";
 
-// Rounds come at multiples of a time that is not exact in binary; a wait may end this much early, seconds.
+// Seconds that a wait may end early: rounds come at multiples of a time that is not exact in binary.
 constexpr double kTimeTolerance = 1e-6;
 
-// Bytes of an error message that are shown: nested coroutines each put their place before it.
+// Bytes of an error message that are shown: nested coroutines each prepend their position.
 constexpr std::size_t kMaxMessageBytes = 400;
 
-// Without line breaks, so that one error is one line wherever it is shown.
+// Returns the error message without line breaks, so that one error is one line everywhere.
 std::string ReadMessage(lua_State* lua) {
   std::size_t length = 0;
   const char* text = lua_type(lua, -1) == LUA_TSTRING ? lua_tolstring(lua, -1, &length) : nullptr;
@@ -37,7 +37,8 @@ std::string ReadMessage(lua_State* lua) {
   return message;
 }
 
-// An error raised by error(text, 0) or with a table has no place in it: the innermost line that still stands is added.
+// As ReadMessage, with the innermost active line added when the message has none, as after error(text, 0) or an error
+// with a table.
 std::string ReadMessageWithPlace(lua_State* lua) {
   std::string message = ReadMessage(lua);
   lua_Debug where;
@@ -92,7 +93,8 @@ bool Script::Load(const std::string& source, const std::string& name, std::strin
   if (luaL_loadbufferx(lua, source.data(), source.size(), chunk.c_str(), "t") != LUA_OK ||
       lua_pcall(lua, 0, 0, 0) != LUA_OK) {
     error = ReadMessage(lua);
-    // Lua begins with the file, or "..." and its end when it is long; error(text, 0) and the like begin with neither.
+    // Lua begins a message with the file name, or with "..." and the end of a long one; error(text, 0) and the like
+    // begin with neither.
     if (error.compare(0, name.size(), name) != 0 && error.compare(0, 3, "...") != 0) error = name + ": " + error;
     lua_settop(lua, 0);
     return false;
@@ -159,7 +161,7 @@ Script::Result Script::Resume(unsigned number, const View& view, Wish& wish, std
 
 void Script::Continue(Bot& bot, std::string& error) {
   bot.awaited = Awaited::kTime;
-  bot.wake = bot.view.time;  // a bare coroutine.yield leaves it so
+  bot.wake = bot.view.time;  // coroutine.yield leaves it at that value
   m_sandbox.BeginCall(bot.caller);
   int results = 0;
   const int status = lua_resume(bot.thread, m_sandbox.State(), bot.started ? 0 : 1, &results);

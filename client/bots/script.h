@@ -1,4 +1,5 @@
-// A bot's mind: a Lua script whose run(bot) is a coroutine, resumed once a round. LUA.md is its author's view.
+// The Lua script of the bots: its run(bot) is one coroutine per bot, resumed once a round. LUA.md documents it for
+// authors of scripts.
 #pragma once
 
 #include <cstdint>
@@ -18,60 +19,61 @@ namespace wobble::bots {
 
 class Script {
  public:
-  // Rounds that one bot:jump() stays pressed: long enough for an input message to carry it, short of a second jump.
+  // Rounds that one bot:jump() stays pressed: enough that an input message carries it, too few for a second jump.
   static constexpr int kJumpRounds = 3;
 
-  // Every bot's chances follow from the seed and his number. log gets what scripts print.
+  // Each bot's random numbers follow from the seed and the bot's number. log receives the text that scripts print.
   Script(std::uint64_t seed, LuaSandbox::Log log);
   ~Script();
 
-  // Runs the script's top level, which must define run. On failure false, with one line in `error` that begins with
-  // the file and, where Lua knows it, the line.
+  // Runs the script's top level, which must define run. On failure returns false, with one line in `error` that begins
+  // with the file name and, where Lua knows it, the line number.
   [[nodiscard]] bool LoadFile(const std::string& path, std::string& error);
-  // name: what stands for the file in messages.
+  // As LoadFile, from text. name: stands for the file name in messages.
   [[nodiscard]] bool Load(const std::string& source, const std::string& name, std::string& error);
 
-  // Bots are numbered 1, 2, ... in the order they are added. 0 with a line in `error` when memory is out.
+  // Adds a bot and returns its number: 1, 2, ... in order of calls. Returns 0, with a line in `error`, when memory is
+  // out.
   [[nodiscard]] unsigned AddBot(std::string& error);
 
   enum class Result {
     kRunning,
-    kFinished,  // run returned; the last wish stays
-    kFailed,    // stopped by an error, now or before; the input is neutral
+    kFinished,  // run returned; the last wish stays in force
+    kFailed,    // stopped by an error, in this round or before; the input is neutral
   };
-  // What a bot can know. Pointers may be null, and need to live for the call only.
+  // The state of the world that a bot can read. Pointers may be null and must be valid during the call only.
   struct View {
-    double time = 0;  // seconds since he first played; goes on while he is away
+    double time = 0;  // seconds since the bot first played; continues while it is away
     bool isPlaying = false;
-    bool isAway = false;  // neither playing nor on his way in or out
-    // The rest while he plays.
+    bool isAway = false;  // neither playing nor joining nor leaving
+    // The fields below are valid while the bot plays.
     std::uint32_t body = 0;
     std::optional<client::Sighting> self;
-    std::function<void(std::vector<client::Sighting>&)> listBodies;         // called only when the script looks round
-    const std::unordered_map<std::uint32_t, std::string>* names = nullptr;  // of players, by body
-    std::deque<client::Client::Event>* events = nullptr;                    // emptied when the script asks for them
+    std::function<void(std::vector<client::Sighting>&)> listBodies;  // called only when the script asks for neighbours
+    const std::unordered_map<std::uint32_t, std::string>* names = nullptr;  // of the players, by body
+    std::deque<client::Client::Event>* events = nullptr;                    // emptied when the script asks for events
   };
-  // What he asks for until the next round.
+  // The input and the presence that a bot asks for until the next round.
   struct Wish {
     client::Input input;
-    bool play = true;  // false: to leave, or to stay away
+    bool play = true;  // false: leave, or stay away
   };
-  // One round of one bot; does no more than repeat the wish while he waits. The round in which an error happens sets
-  // `error` to one line, later ones do not.
+  // Runs one round of one bot; while the bot waits, only repeats the wish. The round in which an error occurs sets
+  // `error` to one line; later rounds do not.
   [[nodiscard]] Result Resume(unsigned number, const View& view, Wish& wish, std::string& error);
 
  private:
-  // What a coroutine that has yielded waits for.
+  // The condition that a yielded coroutine waits for.
   enum class Awaited { kTime, kPlaying, kAway };
   struct Bot {
     Script* script = nullptr;
     LuaSandbox::Caller caller;
     lua_State* thread = nullptr;
-    int reference = 0;  // keeps the thread from being collected
+    int reference = 0;  // registry reference that keeps the thread from being collected
     Result result = Result::kRunning;
-    bool started = false;  // the first resume passes run its bot, the others nothing
+    bool started = false;  // the first resume passes the bot to run, later ones pass nothing
     Awaited awaited = Awaited::kTime;
-    double wake = 0;  // the view's time from which it is resumed again
+    double wake = 0;  // View::time from which it is resumed
     int jumpRounds = 0;
     Wish wish;
     View view;
@@ -82,14 +84,14 @@ class Script {
   struct Neighbour {
     double distance = 0;
     std::uint32_t body = 0;
-    std::uint32_t index = 0;  // in m_sightings
+    std::uint32_t index = 0;  // index in m_sightings
   };
 
   void Continue(Bot& bot, std::string& error);
   static int CreateCoroutine(lua_State* lua);
   static int PrepareBots(lua_State* lua);
 
-  // What `bot:...` does: script_methods.cpp.
+  // The methods of `bot`, implemented in script_methods.cpp.
   static void MakeBotType(lua_State* lua);
   static void PushBot(lua_State* lua, Bot* bot);
   static Bot& SelfOf(lua_State* lua);

@@ -1,9 +1,8 @@
-// Between a script and its bot: `bot` is a userdata that points to a Script::Bot; what it asks for is kept there and
-// handed out as the wish of each round, what it may know is put there before each resume.
+// The methods of `bot`, a userdata that points to a Script::Bot. A method stores the wish in the Script::Bot, from
+// where each round takes it, and reads the view that was put there before each resume.
 //
-// Bodies are looked for only when a script asks: 500 bots hear of 44 bodies each 30 times a second, and most scripts
-// look round a few times a second at most. What asking costs is charged to the budget by the body, as a Lua loop over
-// them would be.
+// Bodies are listed only when a script asks: 500 bots receive 44 bodies each 30 times a second, and most scripts ask a
+// few times a second at most. The cost is charged to the budget per body, as a Lua loop over them would be.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -16,10 +15,10 @@ namespace {
 
 constexpr const char* kBotType = "wobble.bot";
 
-// Instructions that looking at a body counts for, and making a table of what is known of it.
+// Instructions charged for looking at one body, and for making one table of a body's fields.
 constexpr std::int64_t kLookCost = 2;
 constexpr std::int64_t kTableCost = 50;
-// Bodies that bot:near lists when it is not told how many: in a crowd of thousands the rest is not near.
+// Bodies that bot:near lists by default: in a crowd of thousands, later ones are not near.
 constexpr lua_Integer kNearByDefault = 32;
 
 bool CheckBoolean(lua_State* lua, int index) {
@@ -44,7 +43,7 @@ int PushVector(lua_State* lua, const protocol::Vector3& vector) {
   return 3;
 }
 
-// Into the table on top of the stack.
+// Sets a field of the table on top of the stack.
 void SetNumber(lua_State* lua, const char* key, double value) {
   lua_pushnumber(lua, value);
   lua_setfield(lua, -2, key);
@@ -117,7 +116,7 @@ Script::Bot& Script::SelfOf(lua_State* lua) {
   return *bot;
 }
 
-// Does not return. wish: in force from now on.
+// Yields and does not return. wish: in force from now on.
 int Script::Await(lua_State* lua, Bot& bot, Awaited awaited, const Wish& wish) {
   if (lua != bot.thread)
     return luaL_error(lua, "wait, leave and join work only in the bot's own run, not in another coroutine");
@@ -200,7 +199,7 @@ int Script::AnswerBody(lua_State* lua) {
   return 1;
 }
 
-// A table of what is known of a body, onto the stack.
+// Pushes a table of the known fields of a body.
 void Script::PushSighting(lua_State* lua, const View& view, const client::Sighting& sighting, double distance) {
   lua_createtable(lua, 0, 10);
   SetBody(lua, sighting.body);
@@ -231,7 +230,7 @@ int Script::AnswerNear(lua_State* lua) {
     const auto distance = static_cast<double>(protocol::Length(all[i].pose.centroid - bot.view.self->pose.centroid));
     if (all[i].body != bot.view.body && distance <= radius) near.push_back({distance, all[i].body, i});
   }
-  // Of equal distances the lower number first, so that a script does not depend on how bodies are kept.
+  // Equal distances are ordered by body number, so that a script does not depend on the order of storage.
   const auto count = std::min<std::ptrdiff_t>(std::ssize(near), most);
   std::partial_sort(near.begin(), near.begin() + count, near.end(), [](const Neighbour& a, const Neighbour& b) {
     return a.distance != b.distance ? a.distance < b.distance : a.body < b.body;

@@ -1,5 +1,5 @@
-// Cut to the terminal's width rather than wrapped, because a wrapped line cannot be rewritten; what can best be missed
-// therefore stands last.
+// On a terminal the line is cut to the width, because a wrapped line cannot be rewritten in place; the least important
+// figures therefore stand last.
 #include "client/bots/status.h"
 
 #include <sys/ioctl.h>

@@ -1,4 +1,4 @@
-// The line that tells how a load test stands while it runs.
+// The status line of a running load test.
 #pragma once
 
 #include <optional>
@@ -10,22 +10,22 @@
 
 namespace wobble::bots {
 
-// With one decimal below ten, "? unit" when there is none.
+// "12 unit", with one decimal below ten; "? unit" for nullopt.
 [[nodiscard]] std::string FormatFigure(std::optional<double> value, const char* unit);
-// Seconds up to two minutes, then minutes, then hours.
+// Formats a time: in seconds up to two minutes, in minutes up to two hours, then in hours.
 [[nodiscard]] std::string FormatTime(double seconds);
-// duration: of the whole run, seconds; 0: until stopped. Fits 80 columns up to 999 bots.
+// duration: of the whole run, seconds; 0: until stopped. The line fits 80 columns up to 999 bots.
 [[nodiscard]] std::string FormatStatus(const Runner::Progress& progress, const std::vector<Stage>& stages,
                                        double duration, double now);
 
-// Rewritten in place on a terminal, a line each time elsewhere.
+// Prints the status line: rewritten in place on a terminal, one line per print elsewhere.
 class Status {
  public:
   explicit Status(const LoadTestOptions& options);
 
-  // Does nothing while the last one is not old enough. now: seconds since the run began.
+  // Prints when the previous line is old enough. now: seconds since the run began.
   void Show(Runner& runner, double now);
-  // Before anything else is written: a line begun on the terminal is ended.
+  // Ends a line begun on the terminal. Must precede any other output.
   void Close();
 
  private:

@@ -1,13 +1,15 @@
-// One list, ListFigures, gives the summary its keys and the thresholds their names, so that whatever the summary shows
-// can be held to a rule, and no rule can name what the summary does not show.
+// One list, ListFigures, gives the summary its keys and the thresholds their names: every figure of the summary can be
+// used in a threshold, and no threshold can name anything else.
 //
-// A rule about a figure that does not exist fails: a load test in which no snapshot arrived must not pass
+// A threshold on a figure that does not exist fails: a load test in which no snapshot arrived must not pass
 // 'snapshot_age_ms_p99<150'.
 #include "client/bots/summary.h"
 
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
+
+#include "protocol/version.h"
 
 namespace wobble::bots {
 namespace {
@@ -16,7 +18,7 @@ struct Operator {
   std::string_view text;
   Comparison comparison;
 };
-// Two characters before one, so that "<=" is not read as "<".
+// Operators of two characters first, so that "<=" is not read as "<".
 constexpr Operator kOperators[] = {
     {"<=", Comparison::kLessEqual}, {">=", Comparison::kGreaterEqual}, {"==", Comparison::kEqual},
     {"!=", Comparison::kNotEqual},  {"<", Comparison::kLess},          {">", Comparison::kGreater},
@@ -46,7 +48,7 @@ bool Holds(Comparison comparison, double value, double limit) {
   return false;
 }
 
-// Counts are shown as the integers they are; other figures with three decimals, which is finer than they are measured.
+// Counts are written as integers; other figures with three decimals, finer than their precision.
 nlohmann::ordered_json MakeNumber(std::optional<double> value) {
   if (!value) return nullptr;
   if (*value == std::floor(*value) && std::abs(*value) < 9e15) return static_cast<std::int64_t>(*value);
@@ -127,6 +129,7 @@ std::vector<Verdict> JudgeThresholds(const std::vector<Threshold>& thresholds, c
 
 std::string MakeSummary(const Figures& figures, const std::vector<Verdict>& verdicts) {
   nlohmann::ordered_json summary;
+  summary["version"] = kVersion;
   for (const NamedFigure& figure : ListFigures(figures)) summary[figure.key] = MakeNumber(figure.value);
   summary["valid"] = IsValid(figures);
   summary["thresholds"] = nlohmann::ordered_json::array();

@@ -1,4 +1,4 @@
-// Where a server is, as people write it.
+// The address of a server, in text form.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,9 @@ struct Address {
   std::string host;
   std::uint16_t port = 0;
 };
-// 'HOST:PORT', port 1..65535. nullopt with one line in `error`.
+// Reads 'HOST:PORT', port 1..65535. nullopt with one line in `error`.
 [[nodiscard]] std::optional<Address> ParseAddress(const std::string& text, std::string& error);
+// As ParseAddress reads it.
 [[nodiscard]] std::string Describe(const Address& address);
 
 }  // namespace wobble::tool

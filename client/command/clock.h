@@ -1,4 +1,4 @@
-// Time as the commands of `wobble` read it; everything below them is given it.
+// The clock of the commands of `wobble`; the code below them takes the time as a parameter.
 #pragma once
 
 #include <chrono>
@@ -10,7 +10,7 @@ namespace wobble::tool {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// The longest run that can be asked for, seconds: eleven days.
+// The longest duration that an option takes, seconds: eleven days.
 inline constexpr double kMaxDuration = 1e6;
 
 }  // namespace wobble::tool

@@ -1,5 +1,6 @@
 #include "client/command/command.h"
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 
 namespace wobble::tool {
@@ -20,6 +21,13 @@ CLI::Validator Within(double least, double most) {
 std::filesystem::path FindProgramFolder() {
   std::error_code error;
   return std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
+}
+
+std::filesystem::path FindShippedFolder(const std::string& name) {
+  const std::filesystem::path programs = FindProgramFolder();
+  std::error_code error;
+  if (std::filesystem::is_directory(programs / name, error)) return programs / name;
+  return programs.parent_path() / "share" / "wobble" / name;
 }
 
 }  // namespace wobble::tool

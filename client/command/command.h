@@ -1,27 +1,37 @@
-// What the commands of `wobble` have in common: how main.cpp sees them, and the readers of their options.
+// Shared by the commands of `wobble`: how main.cpp sees them, and the checks of their options.
+//
+// CLI11 takes seconds to compile, so it is declared here and included only in the sources that use it.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <functional>
+#include <string>
 
 #include "client/command/exit_codes.h"
+
+namespace CLI {
+class App;
+class Validator;
+}  // namespace CLI
 
 namespace wobble::tool {
 
 // True from the first Ctrl-C (or SIGTERM, SIGHUP) on.
 using IsStopAsked = std::function<bool()>;
 
-// One command: what it is called with, and what it does once that has been parsed. run returns the exit code.
+// One command of the program.
 struct Command {
-  CLI::App* words = nullptr;
-  std::function<int(const IsStopAsked&)> run;
+  CLI::App* words = nullptr;                   // its options; owned by the program's App
+  std::function<int(const IsStopAsked&)> run;  // once they have been parsed; returns the exit code
 };
 
-// A number from least to most; CLI::Range lets "nan" through.
+// Checks that an option is a number from `least` to `most`. CLI::Range lets "nan" through.
 [[nodiscard]] CLI::Validator Within(double least, double most);
 
-// Where this program lies, with what it ships beside it.
+// The folder of the running program.
 [[nodiscard]] std::filesystem::path FindProgramFolder();
+// A folder that is shipped, such as "scripts" or "page": beside the program, as in a build folder, or in
+// ../share/wobble, as installed. Returns the latter, though missing, when neither is there.
+[[nodiscard]] std::filesystem::path FindShippedFolder(const std::string& name);
 
 }  // namespace wobble::tool

@@ -1,4 +1,4 @@
-// The words of `wobble gateway`.
+// `wobble gateway`: its options.
 #pragma once
 
 #include "client/command/command.h"

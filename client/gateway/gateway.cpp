@@ -1,7 +1,7 @@
-// The port, the timer and the end. What happens on a connection is in sessions.cpp.
+// The listening port, the timer and the end; sessions.cpp has the connections.
 //
-// One thread: 64 players at 16 Mbit/s cost a tenth of a core. ENet knows nothing of Asio, so a timer polls all links;
-// signals are seen there too.
+// One thread: 64 players at 16 Mbit/s cost a tenth of a core. ENet does not work with Asio, so a timer polls all links
+// and checks for signals.
 #include "client/gateway/gateway.h"
 
 #include <netinet/tcp.h>
@@ -32,15 +32,17 @@ using std::chrono::milliseconds;
 
 // Seconds for all goodbyes when the gateway ends.
 constexpr double kStopTimeout = 0.7;
-// What a snapshot waits at most, and how often the signals are looked at when nobody plays.
+// The longest that a snapshot waits, and the interval of checking for signals when nobody plays.
 constexpr milliseconds kTurn{4};
 constexpr milliseconds kIdleTurn{20};
-// A browser has up to six connections for files beside the one that plays.
+// A browser has up to six connections for files besides the one that plays.
 constexpr std::size_t kSocketsPerPlayer = 8;
-// Bytes that the system may hold unsent for a browser: the rest waits where old snapshots can still be dropped.
+// Bytes that the system may hold unsent for a browser; the rest waits in the outbox, where old snapshots can be
+// dropped.
 constexpr int kUnsentBytes = 16 * 1024;
 
-// Of one household: its IPv4 address, or the 64 bits of an IPv6 one that are given to a household.
+// The address by which places are counted: an IPv4 address, or the first 64 bits of an IPv6 address, which is what a
+// household gets.
 std::string DescribeAddress(const asio::ip::address& address) {
   if (!address.is_v6()) return address.to_string();
   if (address.to_v6().is_v4_mapped())
@@ -57,7 +59,7 @@ std::string DescribeWorlds(const std::vector<World>& worlds) {
   return names;
 }
 
-// Names need no escaping.
+// The answer to /worlds. Names need no escaping.
 std::string ListWorlds(const std::vector<World>& worlds) {
   std::string names;
   for (const World& world : worlds) {
@@ -88,7 +90,7 @@ class Gateway {
   void Stop(double now);
   void ShowStatus(double now);
 
-  Shared m_shared;  // first: what the context still holds at the end has its places there
+  Shared m_shared;  // first: handlers that the context holds at the end have their places in it
   const tool::IsStopAsked& m_isStopAsked;
   asio::io_context m_context{1};
   tcp::acceptor m_acceptor;
@@ -141,7 +143,7 @@ void Gateway::Run() {
       show(counts.browsersCutOff), show(counts.snapshotsDropped), show(counts.socketsRefused));
 }
 
-// After a failure, such as that no more files may be open, it is tried again with the next turn.
+// After a failure, such as too many open files, the next turn tries again.
 void Gateway::Accept() {
   m_isAccepting = true;
   m_acceptor.async_accept([this](error_code error, tcp::socket socket) {

@@ -1,5 +1,5 @@
-// Without this check any page that somebody has open in the same browser could play through a gateway on localhost.
-// The host is compared with the port, the scheme is not: a proxy in front may speak https where this end speaks http.
+// Without this check any page that is open in the same browser could play through a gateway on localhost. Host and port
+// are compared, the scheme is not: a proxy in front may speak https where this end speaks http.
 #include "client/gateway/origin.h"
 
 #include <algorithm>
@@ -13,7 +13,7 @@ bool IsSame(std::string_view first, std::string_view second) {
                     [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); });
 }
 
-// What follows "http://" or "https://"; empty for anything else.
+// The text behind "http://" or "https://"; empty for anything else.
 std::string_view FindHost(std::string_view origin) {
   for (const std::string_view scheme : {"http://", "https://"}) {
     if (IsSame(origin.substr(0, scheme.size()), scheme)) return origin.substr(scheme.size());

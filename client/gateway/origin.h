@@ -1,4 +1,4 @@
-// Whose pages may play here: a browser sends with every WebSocket the origin of the page that opened it.
+// Which pages may play here: with every WebSocket a browser sends the origin of the page that opened it.
 #pragma once
 
 #include <string>
@@ -7,12 +7,12 @@
 
 namespace wobble::web {
 
-// origin, host: the headers of those names, empty when there is none. True for a page of this very host, for those
-// `allowed`, and for whoever is no browser and so sends no origin.
+// origin, host: the headers of these names, empty when absent. True for pages of this host, for origins in `allowed`,
+// and for clients other than browsers, which send no origin.
 [[nodiscard]] bool IsOriginAllowed(std::string_view origin, std::string_view host,
                                    const std::vector<std::string>& allowed);
 
-// "http://HOST[:PORT]" or the same with https, and nothing behind it.
+// Whether the text is http://HOST[:PORT] or https://HOST[:PORT], with nothing behind it.
 [[nodiscard]] bool IsOrigin(std::string_view text);
 
 }  // namespace wobble::web

@@ -1,5 +1,5 @@
-// One queue rather than one a channel, so that nothing overtakes: a browser on a good link sees what a native client
-// does. To find the oldest snapshot it is walked through, past at most a thousand control messages of 4 KiB.
+// One queue for all channels keeps their order: a browser on a good link receives what a native client does. The oldest
+// snapshot is found by a linear search, past at most a thousand control messages of 4 KiB.
 #include "client/gateway/outbox.h"
 
 #include <algorithm>

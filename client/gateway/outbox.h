@@ -1,8 +1,8 @@
-// What waits to be written to one browser, each message with its channel in front.
+// The messages that wait to be written to one browser, each with its channel in front.
 //
-// A WebSocket delivers everything in order, however late. Snapshots are worth nothing late, so the oldest of them give
-// way to newer ones; all else waits for as long as it takes, up to a limit that only a browser which reads no more
-// comes to.
+// A WebSocket delivers everything in order, however late. Late snapshots are worthless, so the oldest of them give way
+// to newer ones. Everything else waits as long as it takes, up to a limit that only a browser which has stopped reading
+// reaches.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,7 @@
 
 namespace wobble::web {
 
-// Bytes. Snapshots: at the 384 kbit/s that a client is sent by default, 1.3 s of them. The other: eight times the
-// largest blueprint.
+// Bytes. Snapshots: 1.3 s of them at the default 384 kbit/s a client. In all: eight times the largest blueprint.
 inline constexpr std::size_t kMaxWaitingSnapshotBytes = 64 * 1024;
 inline constexpr std::size_t kMaxWaitingBytes = 4 * 1024 * 1024;
 
@@ -22,17 +21,17 @@ class Outbox {
  public:
   using Message = std::vector<std::uint8_t>;
 
-  // channel: as STANDARD.md numbers them over WebSockets.
+  // Adds a message. channel: as STANDARD.md numbers them over WebSockets.
   void Add(std::uint8_t channel, std::span<const std::uint8_t> bytes);
 
-  // The oldest, which is no longer in it then. There must be one.
+  // Removes and returns the oldest message. There must be one.
   [[nodiscard]] Message Take();
 
   void Clear() { *this = Outbox(m_dropped); }
 
   [[nodiscard]] bool IsEmpty() const { return m_messages.empty(); }
   [[nodiscard]] bool IsOverfull() const { return m_bytes > kMaxWaitingBytes; }
-  // Snapshots that gave way, ever.
+  // Snapshots dropped so far.
   [[nodiscard]] std::uint64_t CountDropped() const { return m_dropped; }
 
   Outbox() = default;

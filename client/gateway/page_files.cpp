@@ -1,7 +1,7 @@
-// Read once at start, compressed once at start: a page is a megabyte, and the gateway then serves it without a file
-// being opened while people play. There is nothing to escape from by "..", since no request reaches the file system.
-// Compressed by zlib here rather than beside the files by the page's build, which so has one output only.
-#include "client/page_files.h"
+// Files are read and compressed once, at the start: a page is a megabyte, and no file is opened while people play. No
+// request reaches the file system, so ".." leads nowhere. zlib compresses here rather than in the page's build, so that
+// the build has a single output.
+#include "client/gateway/page_files.h"
 
 #include <zlib.h>
 
@@ -40,7 +40,8 @@ std::string_view FindType(const std::filesystem::path& path) {
   return found == std::end(kTypes) ? "application/octet-stream" : found->second;
 }
 
-// As vite names what it builds: "assets/main-1a2b3c4d.js", eight characters of the content's hash after a hyphen.
+// Whether the name is one that vite gives: "assets/main-1a2b3c4d.js", eight characters of the content's hash after a
+// hyphen.
 bool IsNamedByContent(const std::string& name) {
   constexpr std::size_t kHashCharacters = 8;
   if (name.rfind("/assets/", 0) != 0) return false;
@@ -50,7 +51,7 @@ bool IsNamedByContent(const std::string& name) {
                      [](unsigned char c) { return std::isalnum(c) != 0 || c == '-' || c == '_'; });
 }
 
-// In gzip's format; empty when it is no smaller, as of a picture.
+// In gzip's format; empty when that is no smaller, as for a picture.
 std::string Compress(const std::string& bytes) {
   constexpr int kGzip = MAX_WBITS + 16;  // zlib's way of asking for gzip's head and tail
   constexpr int kMemory = 9;
@@ -89,7 +90,7 @@ std::optional<Page> LoadPage(const std::filesystem::path& folder, std::string& e
       return std::nullopt;
     }
     std::ifstream stream(entry->path(), std::ios::binary);
-    PageFile file{FindType(entry->path()), IsNamedByContent(name), {}, {}};
+    PageFile file{.type = FindType(entry->path()), .isForever = IsNamedByContent(name), .bytes = {}, .gzip = {}};
     file.bytes.assign(std::istreambuf_iterator<char>(stream), {});
     if (!stream.is_open() || stream.bad()) {
       error = "page: '" + entry->path().string() + "' cannot be read";

@@ -1,4 +1,4 @@
-// The page's files, all of them in memory: what a request asks for is looked up by name and never becomes a path.
+// The page's files, held in memory: a request is looked up by name and never becomes a path.
 #pragma once
 
 #include <filesystem>
@@ -10,21 +10,21 @@
 namespace wobble::web {
 
 struct PageFile {
-  std::string_view type;   // as Content-Type has it
-  bool isForever = false;  // its name changes with its content, so a browser may keep it
+  std::string_view type;   // for Content-Type
+  bool isForever = false;  // the name changes with the content, so a browser may keep it
   std::string bytes;
-  std::string gzip;  // the same compressed; empty where that saves nothing
+  std::string gzip;  // the bytes compressed; empty where that saves nothing
 };
 
-// By the path of a request, "/index.html" or "/assets/main-1a2b3c4d.js".
+// By the path of a request, such as "/index.html" or "/assets/main-1a2b3c4d.js".
 using Page = std::map<std::string, PageFile, std::less<>>;
 
-// All regular files below the folder but hidden ones, at most kMaxPageBytes of them. nullopt with one line in `error`
-// when there is no index.html in it, a file cannot be read, or they are too many bytes.
+// Loads all regular files below the folder except hidden ones. nullopt with one line in `error` when there is no
+// index.html, a file cannot be read, or they have more than kMaxPageBytes in all.
 [[nodiscard]] std::optional<Page> LoadPage(const std::filesystem::path& folder, std::string& error);
 inline constexpr std::size_t kMaxPageBytes = 64 * 1024 * 1024;
 
-// What a request's target, such as "/" or "/index.html?x", names; null when there is no such file.
+// The file that a request's target, such as "/" or "/index.html?x", names; null when there is none.
 [[nodiscard]] const PageFile* FindFile(const Page& page, std::string_view target);
 
 // Whether an Accept-Encoding header allows gzip.

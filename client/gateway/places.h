@@ -1,4 +1,4 @@
-// How many are here at once, in all and of one address.
+// Limits how many hold a place at once, in all and for each address.
 #pragma once
 
 #include <cstddef>
@@ -8,14 +8,14 @@
 
 namespace wobble::web {
 
-// Held by whoever takes one up, free again when the last copy is gone. It must not outlive its Places.
+// A place that is taken, free again when the last copy is gone. It must not outlive its Places.
 using Place = std::shared_ptr<const void>;
 
 class Places {
  public:
   Places(std::size_t inAll, std::size_t perAddress) : m_most(inAll), m_mostPerAddress(perAddress) {}
 
-  // Null when all are taken, or all that one address may have.
+  // Null when all places are taken, or all that one address may have.
   [[nodiscard]] Place Take(const std::string& address) {
     if (m_taken >= m_most || CountOf(address) >= m_mostPerAddress) return nullptr;
     ++m_taken;

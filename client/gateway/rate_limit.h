@@ -1,7 +1,7 @@
-// What one browser may send: so much a second for as long as it likes, and a burst after a silence.
+// A token bucket for what one browser may send.
 //
-// A page sends 60 inputs a second and a few commands. When its link stood still for a while, all that it wrote
-// meanwhile comes at once, and is no fault of its own: a burst may be as long as the server waits for a silent client.
+// A page sends 60 inputs a second and a few commands. After its link has stalled, everything written meanwhile comes at
+// once, which is not its fault: so a burst may hold as many seconds as the server waits for a silent client.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ inline constexpr double kBurstSeconds = protocol::kSilenceTimeout;
 
 class RateLimit {
  public:
-  // One message of so many bytes, `now` in seconds and never backwards. False when it is one too many.
+  // Takes one message of so many bytes; `now` in seconds, never backwards. False when it is over the limit.
   [[nodiscard]] bool Allow(std::size_t bytes, double now) {
     const double passed = m_hasBegun ? now - m_now : 0;
     m_hasBegun = true;

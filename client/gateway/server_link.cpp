@@ -1,5 +1,5 @@
-// The relay understands nothing of what it carries: a new message needs no new gateway, and a browser's bytes are
-// judged in one place, by the server.
+// The relay does not parse what it carries: a new message needs no new gateway, and a browser's bytes are judged in one
+// place, by the server.
 #include "client/gateway/server_link.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // One browser's connection to the server, and the framing between the two.
 //
-// A message over the WebSocket is one byte, the channel, and then what ENet carries. Channel 3 is the link's own: a
-// browser's ping of four bytes is answered with the same four and the ENet round trip.
+// A message over the WebSocket is a byte that names the channel, and then the message as ENet carries it. Channel 3 is
+// the link's own: a browser's ping of four bytes is answered with the same bytes and the round trip over ENet.
 #pragma once
 
 #include <cstdint>
@@ -22,26 +22,28 @@ inline constexpr std::size_t kPingBytes = 4;
 // The largest message that a browser may send, bytes.
 inline constexpr std::size_t kMaxBrowserMessageBytes = 1 + protocol::kMaxClientMessageBytes;
 
-// "wobble.5": the WebSocket subprotocol, by the protocol's version.
+// The WebSocket subprotocol, with the protocol's version: "wobble.5".
 [[nodiscard]] std::string MakeSubprotocol();
 
 class ServerLink {
  public:
-  // host: numeric, so that nothing is looked up here. Null with one line in `error`.
+  // Begins to connect. host: numeric, so that nothing is looked up here. Null with one line in `error` when there is no
+  // socket.
   [[nodiscard]] static std::unique_ptr<ServerLink> Open(const std::string& host, std::uint16_t port,
                                                         std::string& error);
 
-  // Takes in what the server has sent. What is for the browser goes into `outbox`.
+  // Takes in what the server has sent and adds it to the browser's outbox.
   void Poll(double now, Outbox& outbox);
 
   enum class Verdict { kGood, kTooLarge, kNotUnderstood };
-  // A message of the browser, passed on or answered at once. Only while IsConnected.
+  // Passes on a message of the browser, or answers it at once. Only while IsConnected.
   [[nodiscard]] Verdict Take(std::span<const std::uint8_t> message, Outbox& outbox);
 
-  // Says to the server that the browser has gone. Poll until HasEnded, three seconds at most.
+  // Disconnects from the server. Poll is then to be called until HasEnded, three seconds at most.
   void Leave();
 
-  [[nodiscard]] bool IsConnected() const { return m_isConnected; }  // was, at least
+  // Whether the server has ever answered.
+  [[nodiscard]] bool IsConnected() const { return m_isConnected; }
   [[nodiscard]] bool HasEnded() const { return m_hasEnded; }
 
  private:

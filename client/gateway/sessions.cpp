@@ -1,12 +1,13 @@
-// All of Boost.Beast, in one file because each that includes it takes half a minute to compile; what needs no Beast is
-// in the files beside it.
+// The only file that includes Boost.Beast: each that does takes half a minute to compile. What needs no Beast is in the
+// files beside it.
 //
-// A connection is a Visitor as long as it asks for files, and becomes a Browser when it asks for /play. Both live by
-// the handlers that wait for them, a Browser by the shared list as well. Callbacks rather than coroutines, which this
-// Boost has for one of the two compilers only.
+// A connection is a Visitor while it asks for files and becomes a Browser when it asks for /play. Pending handlers keep
+// both alive, and the shared list keeps a Browser alive as well. Callbacks rather than coroutines: this Boost has
+// coroutines for one of the two compilers only.
 //
-// A browser is not read before its link to the server stands: what it says meanwhile waits in the system's buffer, and
-// there is no queue here to be filled. No message of a browser is trusted; all limits end in a close with a reason.
+// A browser is read only once its link to the server stands. Until then its messages wait in the system's buffer, so
+// there is no queue here that it could fill. No message of a browser is trusted; every limit ends in a close with a
+// reason.
 #include "client/gateway/sessions.h"
 
 #include <algorithm>
@@ -38,19 +39,21 @@ using std::chrono::seconds;
 using Request = http::request<http::empty_body>;
 
 constexpr std::uint32_t kMaxHeaderBytes = 8 * 1024;
-// For a whole request, and for the next one on the same connection; and for the page over a slow link.
+// For a whole request, also the next one on the same connection.
 constexpr seconds kRequestTimeout{10};
+// For an answer: the page over a slow link.
 constexpr seconds kResponseTimeout{60};
-// For the rest of what a client sends that is not read: to close at once could destroy the answer on its way.
+// After the last answer the rest of the input is read and dropped for so long: closing at once could destroy the answer
+// on its way.
 constexpr seconds kLingerTimeout{1};
 constexpr seconds kHandshakeTimeout{5};
-// Without a sign of life; a ping is sent after half of it.
+// Without a sign of life; Beast sends a ping after half of it.
 constexpr seconds kIdleTimeout{20};
-// Seconds for a browser to take what waits for it and the close.
+// Seconds in which a browser must take the messages that wait for it and answer the close.
 constexpr double kCloseTimeout = 3;
 
-// Scripts, styles and pictures from here alone. WebAssembly counts as a kind of eval, and not all browsers take 'self'
-// to mean a WebSocket too.
+// Scripts, styles and pictures come from this gateway alone. WebAssembly counts as a kind of eval, and not all browsers
+// let 'self' cover a WebSocket.
 constexpr const char* kContentSecurityPolicy =
     "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' data: blob:; "
     "font-src 'self'; connect-src 'self' ws: wss:; manifest-src 'self'; worker-src 'self'; base-uri 'none'; "
@@ -60,7 +63,14 @@ std::string_view AsView(beast::string_view text) { return {text.data(), text.siz
 
 }  // namespace
 
-// A browser that plays: its WebSocket, and its link to the server.
+// A browser that plays: its WebSocket and its link to the server.
+//
+//   kAccepting --> kJoining --> kPlaying      OnAccepted, then Turn once the server has answered
+//       |             |            |
+//       +-------------+------------+--> kLeaving --> kClosing      Close, then Write once nothing waits
+//
+// and from each of them to kOver by End. Close while kAccepting only sets the farewell: nothing can be written before
+// the handshake is done, and OnAccepted then goes to kLeaving.
 class Browser : public std::enable_shared_from_this<Browser> {
  public:
   Browser(Shared& shared, const World& world, tcp::socket socket, Request request, std::string address, Place place)
@@ -76,16 +86,25 @@ class Browser : public std::enable_shared_from_this<Browser> {
         m_begin(tool::ReadClock()) {}
 
   void Start();
-  // Several hundred times a second.
+  // Relays in both directions; to be called several hundred times a second.
   void Turn(double now);
 
-  enum class Waiting { kDeliver, kDiscard };
-  // Once; later reasons are not heard of.
+  enum class Waiting { kDeliver, kDiscard };  // of the messages that wait for the browser
+  // Begins to close with this reason. Later calls do nothing.
   void Close(websocket::close_code code, const std::string& reason, Waiting waiting);
 
-  [[nodiscard]] bool IsOver() const { return m_isOver; }
+  [[nodiscard]] bool IsOver() const { return m_state == State::kOver; }
 
  private:
+  enum class State {
+    kAccepting,  // the WebSocket handshake runs
+    kJoining,    // the server's name is looked up, its link opened; the browser is not read yet
+    kPlaying,    // messages go both ways
+    kLeaving,    // the last messages go to the browser, then the close
+    kClosing,    // the close has been sent and is to be answered
+    kOver,
+  };
+
   void OnAccepted(error_code error);
   void OnResolved(error_code error, const udp::resolver::results_type& results);
   void Read();
@@ -111,16 +130,12 @@ class Browser : public std::enable_shared_from_this<Browser> {
   std::unique_ptr<ServerLink> m_link;
   RateLimit m_rate;
   Outbox m_outbox;
-  Outbox::Message m_sending;
+  Outbox::Message m_sending;  // on its way; empty when none is
   beast::flat_buffer m_incoming;
-  std::optional<websocket::close_reason> m_farewell;
-  double m_closeBy = 0;  // with a farewell
-  bool m_isAccepted = false;
-  bool m_isReading = false;
-  bool m_isWriting = false;
-  bool m_isClosing = false;
-  bool m_isOver = false;
-  bool m_hasFlooded = false;
+  State m_state = State::kAccepting;
+  std::optional<websocket::close_reason> m_farewell;  // set by Close
+  double m_closeBy = 0;                               // when a browser with a farewell is given up
+  bool m_hasFlooded = false;                          // with pings; the next Turn cuts it off
 };
 
 void Browser::Start() {
@@ -128,11 +143,11 @@ void Browser::Start() {
   m_stream.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
     response.set(http::field::sec_websocket_protocol, MakeSubprotocol());
   }));
-  // Well above what is judged too large: what Beast refuses itself it closes so abruptly that browsers miss the reason.
+  // Well above the limit that Judge applies: Beast closes so abruptly over its own that browsers miss the reason.
   m_stream.read_message_max(16 * kMaxBrowserMessageBytes);
   m_stream.binary(true);
   m_stream.auto_fragment(false);
-  // Pings are answered by Beast, and count like messages.
+  // Beast answers pings; they count like messages. Nothing may be closed inside this callback.
   m_stream.control_callback([this](websocket::frame_type, beast::string_view text) {
     if (!m_rate.Allow(text.size(), tool::ReadClock())) m_hasFlooded = true;
   });
@@ -140,8 +155,9 @@ void Browser::Start() {
 }
 
 void Browser::OnAccepted(error_code error) {
+  if (IsOver()) return;
   if (error) return End(error.message());
-  m_isAccepted = true;
+  m_state = m_farewell ? State::kLeaving : State::kJoining;
   if (m_farewell) return Write();
   if (m_seat == nullptr) {
     ++m_shared.counts.browsersRefused;
@@ -150,7 +166,7 @@ void Browser::OnAccepted(error_code error) {
   std::fprintf(stderr, "browser %llu: %s plays%s%s, %zu of %zu\n", static_cast<unsigned long long>(m_number),
                m_address.c_str(), m_world.name.empty() ? "" : " ", m_world.name.c_str(), m_shared.players.CountTaken(),
                m_shared.options.maxConnections);
-  // Each time anew: a server may have moved since the gateway began.
+  // Resolved anew for each browser: a server may have moved since the gateway began.
   m_resolver.async_resolve(udp::v4(), m_world.server.host, std::to_string(m_world.server.port),
                            [self = shared_from_this()](error_code failure, const udp::resolver::results_type& results) {
                              self->OnResolved(failure, results);
@@ -158,7 +174,7 @@ void Browser::OnAccepted(error_code error) {
 }
 
 void Browser::OnResolved(error_code error, const udp::resolver::results_type& results) {
-  if (m_farewell) return;
+  if (m_state != State::kJoining) return;
   std::string reason = "the server's name is not known";
   if (!error && !results.empty()) {
     m_link = ServerLink::Open(results.begin()->endpoint().address().to_string(), m_world.server.port, reason);
@@ -173,8 +189,8 @@ void Browser::Turn(double now) {
       const bool wasThere = m_link->IsConnected();
       Close(wasThere ? websocket::close_code::normal : websocket::close_code::try_again_later,
             wasThere ? "the server has ended the connection" : "the server does not answer", Waiting::kDeliver);
-    } else if (m_link->IsConnected() && !m_isReading) {
-      m_isReading = true;
+    } else if (m_state == State::kJoining && m_link->IsConnected()) {
+      m_state = State::kPlaying;
       Read();
     }
   }
@@ -194,9 +210,10 @@ void Browser::OnRead(error_code error) {
     return End("too large a message");  // Beast has closed with 1009
   }
   if (error) return End(DescribeEnd(error));
-  if (!m_farewell) Judge({static_cast<const std::uint8_t*>(m_incoming.cdata().data()), m_incoming.size()});
+  if (m_state == State::kPlaying)
+    Judge({static_cast<const std::uint8_t*>(m_incoming.cdata().data()), m_incoming.size()});
   m_incoming.consume(m_incoming.size());
-  if (!m_farewell) Read();
+  if (m_state == State::kPlaying) Read();
 }
 
 void Browser::Judge(std::span<const std::uint8_t> message) {
@@ -222,7 +239,8 @@ void Browser::CutOff(websocket::close_code code, const std::string& reason) {
 }
 
 void Browser::Close(websocket::close_code code, const std::string& reason, Waiting waiting) {
-  if (m_farewell || m_isOver) return;
+  if (m_farewell || IsOver()) return;
+  if (m_state != State::kAccepting) m_state = State::kLeaving;
   m_farewell.emplace(code, reason);
   m_closeBy = tool::ReadClock() + kCloseTimeout;
   if (waiting == Waiting::kDiscard) m_outbox.Clear();
@@ -230,27 +248,28 @@ void Browser::Close(websocket::close_code code, const std::string& reason, Waiti
   Write();
 }
 
-// One message at a time, as Beast has it; the close after the last.
+// Beast writes one message at a time. The close goes after the last.
 void Browser::Write() {
-  if (!m_isAccepted || m_isWriting || m_isClosing || m_isOver) return;
+  const bool mayWrite = m_state == State::kJoining || m_state == State::kPlaying || m_state == State::kLeaving;
+  if (!mayWrite || !m_sending.empty()) return;
   if (!m_outbox.IsEmpty()) {
-    m_isWriting = true;
     m_sending = m_outbox.Take();
     m_shared.counts.bytesDown += m_sending.size();
     m_stream.async_write(asio::buffer(m_sending), [self = shared_from_this()](error_code error, std::size_t) {
-      self->m_isWriting = false;
+      self->m_sending.clear();
       if (error) return self->End(self->DescribeEnd(error));
       self->Write();
     });
-  } else if (m_farewell) {
-    m_isClosing = true;
+  } else if (m_state == State::kLeaving) {
+    m_state = State::kClosing;
     m_stream.async_close(*m_farewell, [self = shared_from_this()](error_code) { self->End(""); });
   }
 }
 
-// The system's words for a connection that is gone would tell people nothing; Beast's say what a browser did wrong.
+// Beast's messages say what a browser did wrong and are passed on; the system's messages about a lost connection tell
+// people nothing.
 std::string Browser::DescribeEnd(error_code error) const {
-  // Many a browser says goodbye and is gone before the answer, which then fails.
+  // Some browsers close and are gone before the answer, which then fails.
   const bool hasLeft = error == websocket::error::closed || m_stream.reason().code != websocket::close_code::none;
   if (hasLeft) return "left";
   if (error == beast::error::timeout) return "silent";
@@ -258,10 +277,10 @@ std::string Browser::DescribeEnd(error_code error) const {
   return isGone ? "gone" : error.message();
 }
 
-// reason: in words, unless there is a farewell, which tells more.
+// Drops the connection. reason: for the log; a farewell tells more and is taken instead.
 void Browser::End(const std::string& reason) {
-  if (m_isOver) return;
-  m_isOver = true;
+  if (IsOver()) return;
+  m_state = State::kOver;
   LeaveServer();
   m_shared.counts.snapshotsDropped += m_outbox.CountDropped();
   beast::get_lowest_layer(m_stream).close();
@@ -281,7 +300,7 @@ void Browser::LeaveServer() {
 
 namespace {
 
-// A connection that asks for files, until it asks to play.
+// A connection that asks for files, until it asks to play. Requests are answered one after the other.
 class Visitor : public std::enable_shared_from_this<Visitor> {
  public:
   Visitor(Shared& shared, tcp::socket socket, std::string address, Place place)
@@ -306,7 +325,7 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
   beast::flat_buffer m_buffer;
   std::optional<http::request_parser<http::empty_body>> m_parser;
   http::response<http::span_body<const char>> m_response;
-  bool m_isLast = false;  // the connection ends with this answer
+  bool m_isLast = false;  // the connection ends after this answer
 };
 
 void Visitor::Read() {
@@ -386,7 +405,7 @@ void Visitor::SendWorlds() {
   Send(m_shared.worlds);
 }
 
-// text: one that stays, since it is not copied.
+// text: must live until it is sent, since it is not copied.
 void Visitor::SendText(http::status status, std::string_view text) {
   if (status != http::status::ok) ++m_shared.counts.requestsRefused;
   m_response.result(status);

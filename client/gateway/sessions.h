@@ -1,6 +1,6 @@
-// What a gateway does for one connection: its files, and once it asks to play, its way to the server.
+// The connections of a gateway: files for those that ask for them, a relay to the server for those that play.
 //
-// Of Asio alone, so that what is no HTTP and no WebSocket compiles without Beast.
+// Includes Asio alone, so that code without HTTP and WebSockets compiles without Beast.
 #pragma once
 
 #include <utility>  // before Boost 1.74, which uses std::exchange without it
@@ -20,19 +20,19 @@ namespace wobble::web {
 struct GatewayCounts {
   std::uint64_t requests = 0;
   std::uint64_t requestsRefused = 0;  // answered with 4xx
-  std::uint64_t socketsRefused = 0;   // too many
+  std::uint64_t socketsRefused = 0;   // over the limit, in all or of one address
   std::uint64_t browsers = 0;
   std::uint64_t browsersRefused = 0;  // no place left
   std::uint64_t browsersCutOff = 0;   // for what they sent, or for not reading
   std::uint64_t snapshotsDropped = 0;
-  std::uint64_t bytesUp = 0;  // messages of browsers
+  std::uint64_t bytesUp = 0;  // messages of browsers, channel bytes included
   std::uint64_t bytesDown = 0;
 };
 
 class Browser;
 
-// What all connections have in common. It must outlive the context that their sockets belong to, but for the browsers,
-// which must be gone before that.
+// Shared by all connections. It must outlive the context that their sockets belong to; `browsers` must be cleared
+// before that context ends.
 struct Shared {
   const GatewayOptions& options;
   const Page& page;
@@ -40,17 +40,17 @@ struct Shared {
   Places sockets;
   Places players;
   GatewayCounts counts = {};
-  std::vector<std::unique_ptr<ServerLink>> leaving = {};  // whose browsers have gone; to be polled until they end
+  std::vector<std::unique_ptr<ServerLink>> leaving = {};  // links of browsers that have gone; polled until they end
   std::vector<std::shared_ptr<Browser>> browsers = {};
 };
 
-// A connection that has been accepted: from now on it lives by itself, and holds its place until it ends.
+// Serves a connection that has been accepted. It lives by its own handlers and holds `place` until it ends.
 void Greet(Shared& shared, boost::asio::ip::tcp::socket socket, std::string address, Place place);
 
-// To be called several hundred times a second: relays, and forgets those that have ended.
+// Relays for all browsers and drops those that have ended. To be called several hundred times a second.
 void TurnBrowsers(Shared& shared, double now);
 
-// Tells all that the gateway is closing.
+// Tells all browsers that the gateway is closing.
 void CloseBrowsers(Shared& shared);
 
 }  // namespace wobble::web

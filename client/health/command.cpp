@@ -1,9 +1,10 @@
-// `wobble health`: asks a server's --ops, or a gateway, whether it is well, and says so by its exit code. For a
-// container's health check, where there is no other program to ask with.
+// `wobble health`: asks a server's --ops or a gateway for /healthz and passes the answer on as an exit code. For health
+// checks of containers, which hold no other program that could ask.
 #include "client/health/command.h"
 
 #include <httplib.h>
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 
@@ -38,11 +39,11 @@ int AskHealth(const std::string& words) {
 
 tool::Command DescribeHealth(CLI::App& app) {
   const auto address = std::make_shared<std::string>();
-  CLI::App* command = app.add_subcommand("health", "Asks a server or gateway whether it is well");
+  CLI::App* command = app.add_subcommand("health", "Checks that a server or gateway works");
   command->add_option("address", *address, "A server's --ops, or a gateway's --http")
       ->type_name("HOST:PORT or PORT REQUIRED");
   command->footer(
-      "Exit code: 0 it is well, 1 it is not or does not answer within 2 s, 2 bad usage.\n"
+      "Exit code: 0 it works, 1 it does not or does not answer within 2 s, 2 bad usage.\n"
       "Examples:\n"
       "  wobble health 9100               a server started with --ops 9100\n"
       "  wobble health 127.0.0.1:8080     a gateway");

@@ -1,4 +1,4 @@
-// The words of `wobble health`.
+// `wobble health`: its options.
 #pragma once
 
 #include "client/command/command.h"

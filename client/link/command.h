@@ -1,4 +1,4 @@
-// The words of `wobble link`.
+// `wobble link`: its options.
 #pragma once
 
 #include "client/command/command.h"

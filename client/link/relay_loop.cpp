@@ -1,7 +1,7 @@
-// Turn, wait for what comes first (a datagram or the next that is due), turn. While there is more to do it does not
-// wait at all, and the clock is read anew for each turn, so that a datagram is late by a turn at most. No turn begins
-// sooner than kShortestTurn after the one before: with 500 players a datagram is due every 20 us, and to be woken for
-// each costs half as much again as to send ten at a time.
+// Each turn runs the relay, then waits for a datagram or for the next one that is due. While there is more to do it
+// does not wait, and the clock is read for each turn, so a datagram is late by a turn at most. No turn begins sooner
+// than kShortestTurn after the one before: with 500 players a datagram is due every 20 us, and waking for each costs
+// half as much again as sending ten at a time.
 #include "client/link/relay_loop.h"
 
 #include <algorithm>
@@ -13,8 +13,8 @@
 namespace wobble::link {
 namespace {
 
-constexpr double kLongestWait = 0.05;     // seconds, until isDone is asked again
-constexpr double kShortestTurn = 0.0002;  // seconds; what it adds to a datagram's lateness at most
+constexpr double kLongestWait = 0.05;     // seconds between calls of isDone
+constexpr double kShortestTurn = 0.0002;  // seconds; adds at most this to a datagram's lateness
 
 std::string DescribeDirection(const transport::RelayDirectionCounts& counts) {
   const auto show = [](std::uint64_t value) { return static_cast<unsigned long long>(value); };

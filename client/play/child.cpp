@@ -1,7 +1,7 @@
 // fork, exec and two pipes. The child gets a process group of its own: a terminal sends Ctrl-C to the whole foreground
-// group, and server and bots would then end at the same time, with the bots taken for disconnected.
+// group, so server and bots would end at the same time and the bots would count as disconnected.
 //
-// Between fork and exec only calls that are safe in a copy of a process are made; all strings are ready before.
+// Between fork and exec only async-signal-safe calls are made; all strings are prepared before.
 #include "client/play/child.h"
 
 #include <fcntl.h>
@@ -24,7 +24,7 @@ constexpr std::size_t kMaxLine = 4096;
 [[noreturn]] void BecomeProgram(char* const* arguments, int output, int errors, pid_t parent) {
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(kCannotExecute);  // it died before the line above
+  if (getppid() != parent) _exit(kCannotExecute);  // the parent died before the line above
   const int nothing = open("/dev/null", O_RDONLY);
   dup2(nothing, STDIN_FILENO);
   dup2(output, STDOUT_FILENO);
@@ -67,7 +67,7 @@ bool Child::Start(const std::vector<std::string>& command, std::string& error) {
     return false;
   }
   if (m_pid == 0) {
-    // Only our ends may answer "try again": a program does not expect that of its standard output.
+    // Only our ends are non-blocking: programs do not expect EAGAIN from their standard output.
     fcntl(output[1], F_SETFL, 0);
     fcntl(errors[1], F_SETFL, 0);
     BecomeProgram(arguments.data(), output[1], errors[1], parent);
@@ -86,7 +86,7 @@ void Child::Update() {
       m_exitCode = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     }
   }
-  // After waitpid, so that the last words of an ended child are read whole.
+  // After waitpid, so that the last output of an ended child is read in full.
   Read(m_output);
   Read(m_errors);
 }

@@ -1,4 +1,4 @@
-// A program that this one has started, its output read line by line.
+// A child process whose output is read line by line.
 #pragma once
 
 #include <sys/types.h>
@@ -12,18 +12,19 @@ namespace wobble::play {
 class Child {
  public:
   Child() = default;
-  ~Child();  // kills it if it still runs
+  ~Child();  // kills the process if it still runs
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
 
-  // command[0] is the program's path. The child dies with its parent, and hears no Ctrl-C but what the parent passes
-  // on. False with one line in `error`; a program that cannot be executed shows as exit code 127.
+  // Starts a program; command[0] is its path. The child is killed when its parent dies, and gets no Ctrl-C of the
+  // terminal, only signals that the parent passes on. False with one line in `error`; a program that cannot be executed
+  // shows as exit code 127.
   [[nodiscard]] bool Start(const std::vector<std::string>& command, std::string& error);
 
-  // Reads what is there without waiting, and notices the end.
+  // Reads the output that is there, without waiting, and notices the end.
   void Update();
   [[nodiscard]] bool IsRunning() const { return m_pid > 0 && !m_exitCode; }
-  // After the end: as a shell has it, 128 + the signal when one killed it. nullopt while it runs.
+  // As a shell has it: 128 + the signal when one killed the process. nullopt while it runs.
   [[nodiscard]] std::optional<int> ExitCode() const { return m_exitCode; }
 
   // Whole lines written since the last call.
@@ -32,7 +33,7 @@ class Child {
 
   void Signal(int signal) const;
 
-  // To be polled for reading; -1 when closed.
+  // For poll, to wait for output; -1 when closed.
   [[nodiscard]] int OutputDescriptor() const { return m_output.descriptor; }
   [[nodiscard]] int ErrorsDescriptor() const { return m_errors.descriptor; }
 

@@ -1,5 +1,6 @@
 #include "client/play/command.h"
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 
@@ -13,25 +14,28 @@ namespace wobble::play {
 
 tool::Command DescribePlay(CLI::App& app) {
   const auto options = std::make_shared<PlayOptions>();
+  const auto http = std::make_shared<std::uint16_t>(*options->http);
   CLI::App* command =
-      app.add_subcommand("play", "Starts some worlds, a page to play in them and some bots, and ends them together");
+      app.add_subcommand("play", "Starts worlds, a page to play them in and bots, and ends them together");
   command->add_option("--for", options->duration, "Seconds to run; 0: until Ctrl-C")
       ->check(tool::Within(0, tool::kMaxDuration))
       ->capture_default_str();
-  command->add_option("--port", options->port, "UDP port of the first world's server; the others have those behind it")
-      ->check(tool::Within(1, 65535))
+  command
+      ->add_option("--port", options->port,
+                   "UDP port of the first world's server, the others have the next ones; 0: free ones, printed at "
+                   "the start, also for the page unless --http is given")
+      ->check(tool::Within(0, 65535))
       ->capture_default_str();
-  command->add_option("--http", options->http, "TCP port of the page for browsers; 0: none")
+  command->add_option("--http", *http, "TCP port of the page for browsers; 0: none")
       ->check(tool::Within(0, 65535))
       ->capture_default_str();
   command->add_option("--page", options->page, "Folder of the page; default: 'page' beside this program")
       ->type_name("DIR");
-  command->add_option("--bots", options->bots, "Bots that wander about in the first world")
+  command->add_option("--bots", options->bots, "Bots that wander in the first world")
       ->check(tool::Within(0, bots::kMaxBots))
       ->capture_default_str();
   command
-      ->add_option("--scene", options->scenes,
-                   "A shipped scene's name or a scene file, for a world of its own; may be given often")
+      ->add_option("--scene", options->scenes, "A shipped scene's name or a scene file; repeat it for several worlds")
       ->capture_default_str();
   command->footer(
       "Exit code: 0 nothing failed, 1 something did, 2 server or gateway cannot start with these options.\n"
@@ -39,12 +43,19 @@ tool::Command DescribePlay(CLI::App& app) {
       "  wobble play\n"
       "  wobble play --scene sumo\n"
       "  wobble play --for 20 --bots 12 --port 7801 --http 8081");
-  return {command, [options](const tool::IsStopAsked& isStopAsked) {
+  return {command, [command, options, http](const tool::IsStopAsked& isStopAsked) {
             options->programFolder = tool::FindProgramFolder();
             if (options->port + options->scenes.size() > 65536) {
               std::fprintf(stderr, "wobble play: --port %u: %zu worlds need as many ports up to 65535\n", options->port,
                            options->scenes.size());
               return tool::kExitBadUse;
+            }
+            if (options->port == 0 && command->get_option("--http")->count() == 0) {
+              options->http = 0;
+            } else if (*http != 0) {
+              options->http = *http;
+            } else {
+              options->http.reset();
             }
             if (options->page.empty()) options->page = web::FindPageFolder();
             return RunPlay(*options, isStopAsked);

@@ -1,4 +1,4 @@
-// The words of `wobble play`.
+// `wobble play`: its options.
 #pragma once
 
 #include "client/command/command.h"

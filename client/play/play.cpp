@@ -1,9 +1,9 @@
-// Real programs as children rather than a server in this process: what is shown here is what people will run, and a
-// crash of one part is seen as what it is.
+// The parts are real programs, started as children, rather than a server in this process: people see what they will run
+// themselves, and the crash of one part is visible as such.
 //
-// The order matters. Each starts when the one before is ready, so that what it needs is there and a line that tells
-// people to open something is true. At the end bots and browsers say goodbye to a server that still lives. All are
-// asked by SIGINT and killed when they do not listen; what they measured is read from their summary files.
+// The order matters. Each part starts when the one before is ready, so that what it needs is there and a line that
+// tells people to open something is true. At the end bots and browsers say goodbye to a server that still runs. All
+// parts get SIGINT, and are killed when they do not react; what they measured is read from their summary files.
 #include "client/play/play.h"
 
 #include <poll.h>
@@ -28,17 +28,17 @@
 namespace wobble::play {
 namespace {
 
-// Places beside those of the bots, for people.
+// Places for people, in addition to those of the bots.
 constexpr unsigned kGuests = 64;
 
-// Seconds: a server that loads a large scene, and a program that says its goodbyes and writes its summary.
+// Seconds to wait for a server that loads a large scene, and for a program that says goodbye and writes its summary.
 constexpr double kStartPatience = 30;
 constexpr double kEndPatience = 5;
 constexpr double kStatusEvery = 1;
-// The children's own status lines of a second are given this long to arrive.
+// The children print a status line each second; so many seconds are allowed for it to arrive.
 constexpr double kStatusLag = 0.1;
 
-// A folder for the children's summaries, gone with this object.
+// A folder for the children's summaries, removed with this object.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -62,24 +62,30 @@ class TemporaryFolder {
 // One of the programs.
 struct Part {
   std::string name;
-  std::string errorPrefix;  // of its own lines on standard error, which are passed on without it
-  std::string readyPrefix;  // of the line that says it is ready
+  std::string errorPrefix;  // of its lines on standard error, which are passed on without it
+  std::string readyPrefix;  // of the line that it prints when it is ready
   Child child = {};
-  std::string readyLine = {};  // empty until then
-  std::string line = {};       // the latest of any other
+  std::string readyLine = {};  // empty until it is ready
+  std::string line = {};       // its latest other line
   bool hasStarted = false;
 };
 
-// What plays against whoever comes alone to a game.
+// Bots that play against people in a scene with a game.
 constexpr unsigned kOpponents = 2;
 
-// A scene file's name without folder and ending, with nothing that an address could not hold.
+// A scene file's name without folder and extension, with only characters that an address may hold.
 std::string FindName(const std::string& scene) {
   std::string name = std::filesystem::path(scene).stem().string().substr(0, 32);
   for (char& c : name) {
     if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-') c = '_';
   }
   return name;
+}
+
+// From a server's "listening on UDP port 7777, scene arena".
+unsigned ReadPort(const std::string& readyLine) {
+  const std::size_t digits = readyLine.find_first_of("0123456789");
+  return digits == std::string::npos ? 0 : static_cast<unsigned>(std::strtoul(readyLine.c_str() + digits, nullptr, 10));
 }
 
 class Play {
@@ -118,7 +124,8 @@ class Play {
   bool m_statusOpen = false;
   std::vector<std::string> m_failures;
   TemporaryFolder m_folder;
-  std::deque<Part> m_parts;  // as they were started: servers, in the order of the scenes, gateway, bots
+  std::deque<Part> m_parts;       // as they were started: servers, in the order of the scenes, gateway, bots
+  std::vector<unsigned> m_ports;  // UDP, of the servers that listen
   Part* m_gateway = nullptr;
   std::vector<Part*> m_bots;
 };
@@ -143,10 +150,10 @@ Part& Play::AddPart(const std::string& name, const std::string& errorPrefix, con
   return m_parts.emplace_back(name, errorPrefix, readyPrefix);
 }
 
-std::string Play::AddressOf(std::size_t world) const { return "127.0.0.1:" + std::to_string(m_options.port + world); }
+std::string Play::AddressOf(std::size_t world) const { return "127.0.0.1:" + std::to_string(m_ports[world]); }
 
-// All at once: each plays its bodies for a while first. A world that nobody has come to stands still, so that what
-// happens at its beginning is there to be seen, and costs nothing.
+// Starts all servers at once: each trains for a while first. A world stands still until a player comes, so that its
+// beginning can be seen and it costs nothing.
 bool Play::StartServers() {
   const unsigned places = kGuests + m_options.bots;
   for (std::size_t world = 0; world < m_options.scenes.size(); ++world) {
@@ -156,7 +163,7 @@ bool Play::StartServers() {
                                      "--scene",
                                      m_options.scenes[world],
                                      "--port",
-                                     std::to_string(m_options.port + world),
+                                     std::to_string(m_options.port == 0 ? 0 : m_options.port + world),
                                      "--max-clients",
                                      std::to_string(places),
                                      "--status",
@@ -170,17 +177,18 @@ bool Play::StartServers() {
   }
   for (std::size_t world = 0; world < m_options.scenes.size(); ++world) {
     if (!Await(m_parts[world])) return false;
+    m_ports.push_back(ReadPort(m_parts[world].readyLine));
   }
   const std::string self = std::filesystem::proximate(m_options.programFolder / "wobble").string();
   std::printf("scene %s on UDP port %u; watch it from another terminal with: %s watch %s; Ctrl-C ends all\n",
-              m_options.scenes[0].c_str(), m_options.port, self.c_str(), AddressOf(0).c_str());
+              m_options.scenes[0].c_str(), m_ports[0], self.c_str(), AddressOf(0).c_str());
   std::fflush(stdout);
   return true;
 }
 
-// True also where none is wanted or there is no page for it.
+// True also when no gateway is wanted or there is no page for it.
 bool Play::StartGateway() {
-  if (m_options.http == 0) return true;
+  if (!m_options.http) return true;
   std::error_code error;
   if (!std::filesystem::is_directory(m_options.page, error)) {
     std::printf("no page for browsers: '%s' is not there; sh docker/packages.sh web and the next build make it\n",
@@ -192,7 +200,7 @@ bool Play::StartGateway() {
   std::vector<std::string> command{(m_options.programFolder / "wobble").string(),
                                    "gateway",
                                    "--http",
-                                   std::to_string(m_options.http),
+                                   std::to_string(*m_options.http),
                                    "--page",
                                    m_options.page.string(),
                                    "--max-connections",
@@ -210,12 +218,11 @@ bool Play::StartGateway() {
 
 void Play::StartBots(std::size_t world, unsigned count, const char* script) {
   const std::string name = world == 0 ? "bots" : "bots in " + FindName(m_options.scenes[world]);
-  Part& part = AddPart(name, "wobble bots: ", "\n");  // never: nobody waits for them
+  Part& part = AddPart(name, "wobble bots: ", "\n");  // a prefix that never comes: nothing waits for bots
   m_bots.push_back(&part);
-  static_cast<void>(
-      Start(part, {(m_options.programFolder / "wobble").string(), "bots", AddressOf(world), "--script",
-                   (m_options.programFolder / "scripts" / script).string(), "--count", std::to_string(count), "--ramp",
-                   "1", "--status", "1", "--summary", SummaryOf(part).string()}));
+  static_cast<void>(Start(
+      part, {(m_options.programFolder / "wobble").string(), "bots", AddressOf(world), "--script", script, "--count",
+             std::to_string(count), "--ramp", "1", "--status", "1", "--summary", SummaryOf(part).string()}));
 }
 
 bool Play::Start(Part& part, const std::vector<std::string>& command) {
@@ -225,7 +232,7 @@ bool Play::Start(Part& part, const std::vector<std::string>& command) {
   return part.hasStarted;
 }
 
-// False when it did not get ready; without a failure noted when a stop was asked for meanwhile.
+// Waits until a part is ready. False when it is not; then a failure is noted, unless a stop was asked for meanwhile.
 bool Play::Await(Part& part) {
   const double end = tool::ReadClock() + kStartPatience;
   while (part.readyLine.empty() && part.child.IsRunning() && !m_stopAsked() && tool::ReadClock() < end) Update(end);
@@ -238,7 +245,7 @@ bool Play::Await(Part& part) {
   return false;
 }
 
-// What was told to start in a way that it cannot has said so itself.
+// Ends after a failed start. A part that refused its options has said so itself.
 int Play::GiveUp() {
   EndStatusLine();
   const bool isBadUse = std::any_of(m_parts.begin(), m_parts.end(),
@@ -266,12 +273,12 @@ void Play::Watch() {
   }
 }
 
-// The last that was started first.
+// In the reverse order of starting.
 void Play::EndAll() {
   for (auto part = m_parts.rbegin(); part != m_parts.rend(); ++part) End(*part);
 }
 
-// Asks a child that still runs to end, and sees to it that it does.
+// Asks a child that still runs to end, and kills it when it does not.
 void Play::End(Part& part) {
   Child& child = part.child;
   if (!child.IsRunning()) return;
@@ -285,15 +292,15 @@ void Play::End(Part& part) {
     while (child.IsRunning()) Update(tool::ReadClock() + 1);
     return;
   }
-  // Stopped in its first moments, before it listened for the signal: an end as asked for.
+  // A child that gets the signal in its first moments, before it handles it, has ended as asked.
   const bool deafYet = child.ExitCode() == 128 + SIGINT && m_stopAsked();
   if (child.ExitCode() != 0 && !deafYet) {
     Fail("the " + part.name + " ended with exit code " + std::to_string(child.ExitCode().value_or(0)));
   }
 }
 
-// Waits for output of the children until then at the latest, and passes it on. A child's end closes its output, but
-// may be noticed a little later: a closed stream is polled no more, so that wait is cut short.
+// Waits for output of the children, until then at the latest, and passes it on. A child closes its output before
+// waitpid reports its end, and a closed stream cannot be polled; so the wait is then shortened.
 void Play::Update(double until) {
   std::vector<pollfd> descriptors;
   double wait = until - tool::ReadClock();
@@ -305,7 +312,7 @@ void Play::Update(double until) {
   }
   const int milliseconds = static_cast<int>(std::ceil(std::clamp(wait, 0.0, 1.0) * 1000));
   static_cast<void>(
-      poll(descriptors.data(), descriptors.size(), milliseconds));  // a signal cuts it short, which is as well
+      poll(descriptors.data(), descriptors.size(), milliseconds));  // a signal ends it early, as it should
   for (Part& part : m_parts) Forward(part);
 }
 

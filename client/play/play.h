@@ -1,21 +1,22 @@
-// `wobble play`: some worlds, the gateway for browsers and some bots, started, watched and ended together.
+// `wobble play`: starts some worlds, the gateway for browsers and some bots, watches them and ends them together.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace wobble::play {
 
 struct PlayOptions {
-  std::filesystem::path programFolder;  // where wobbled, wobble and scripts/ lie
-  // A server each, on one port after the other. The first has the bots; the others wait until somebody comes.
+  std::filesystem::path programFolder;  // where wobbled and wobble lie
+  // A server each. The first has the bots; the others wait until somebody comes.
   std::vector<std::string> scenes{"arena", "sumo", "curtain", "sandbox"};
-  std::uint16_t port = 7777;
-  std::uint16_t http = 8080;   // TCP port of the gateway; 0: no gateway
-  std::filesystem::path page;  // folder of its page; no gateway where there is none
+  std::uint16_t port = 7777;                 // UDP, of the first server; the others have those behind it. 0: free ones
+  std::optional<std::uint16_t> http = 8080;  // TCP port of the gateway, 0: a free one; nullopt: no gateway
+  std::filesystem::path page;                // folder of its page; no gateway where there is none
   unsigned bots = 6;
   double duration = 0;  // seconds from when all is ready; 0: until stopped
 };

@@ -42,7 +42,7 @@ void ReportServer(const std::string& name, const std::filesystem::path& file, bo
               Show(summary, "joins").c_str(), Show(summary, "disconnects").c_str(),
               Show(summary, "non_finite").c_str());
   if (Number(summary, "non_finite") > 0) failures.push_back("bodies became non-finite");
-  // No failure: a busy machine can be late for a tick, and the world then only runs behind for a moment.
+  // A warning only: on a busy machine a tick can be late, and the world then runs behind for a moment.
   if (Number(summary, "overruns") > 0)
     std::printf("warning: %s ticks took too long\n", Show(summary, "overruns").c_str());
 }

@@ -1,4 +1,4 @@
-// What the children measured, from the files that they wrote at their end.
+// Reports what the children measured, from the summary files that they wrote at their end.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,8 @@
 
 namespace wobble::play {
 
-// A line each on standard output, and what is wrong by these figures added to `failures`. A file that is missing or
-// broken is a failure when isExpected: its writer ended well.
+// Print one line on standard output and append to `failures` what these figures show to be wrong. isExpected: the
+// writer ended well, so a missing or broken file is a failure.
 void ReportServer(const std::string& name, const std::filesystem::path& file, bool isExpected,
                   std::vector<std::string>& failures);
 void ReportBots(const std::string& name, const std::filesystem::path& file, bool isExpected,

@@ -1,8 +1,9 @@
-// All that the camera is asked for it approaches exponentially, so that it neither jumps nor depends on the frame rate;
-// the focus of a body that starts again elsewhere is the exception, it is taken over at once.
+// The camera approaches its target values exponentially, so that it neither jumps nor depends on the frame rate. The
+// focus on a body that starts again elsewhere is the exception: it is taken over at once.
 //
-// Following, it turns by itself towards where the body goes, more slowly than a player would, and not for a while after
-// the player has turned it: enough to look ahead, too little to be dizzy when running to and fro.
+// When following, the camera turns by itself towards the direction of motion, more slowly than a player would, and not
+// for a while after the player has turned it: enough to look ahead, too little to cause dizziness when running to and
+// fro.
 #include "client/terminal/camera.h"
 
 #include <algorithm>
@@ -11,17 +12,17 @@
 namespace wobble::terminal {
 namespace {
 
-// Pitch downwards, radians, and distance, metres, before tilt and zoom.
+// Downward pitch (radians) and distance (metres) before tilt and zoom.
 constexpr float kFollowPitch = 0.45F;
 constexpr float kCirclePitch = 0.46F;
 constexpr float kFollowDistance = 5.6F;
-constexpr float kFollowHeight = 0.35F;  // of the focus above the body
+constexpr float kFollowHeight = 0.35F;  // metres of the focus above the body
 constexpr float kLeastPitch = 0.05F;
 constexpr float kMostPitch = 1.45F;
 constexpr float kLeastZoom = 0.3F;
 constexpr float kMostZoom = 4;
 
-// Seconds in which all but 1/e of the way is gone.
+// Time constants (seconds): after each, 1/e of the way remains.
 constexpr double kFollowLag = 0.12;
 constexpr double kCircleLag = 1.0;
 constexpr double kTurnLag = 0.12;
@@ -29,9 +30,9 @@ constexpr double kModeLag = 0.4;
 
 constexpr float kCircleSpeed = 0.15F;  // rad/s
 constexpr float kHeadingSpeed = 0.7F;  // rad/s at most
-constexpr double kHeadingPause = 2;    // s after the player's own turning
-constexpr float kWalkingSpeed = 4;     // m/s from which the heading counts in full
-constexpr float kJump = 5;             // metres that no body moves between two pictures
+constexpr double kHeadingPause = 2;    // s after the player has turned the camera
+constexpr float kWalkingSpeed = 4;     // m/s from which the camera follows the heading at full speed
+constexpr float kRespawnDistance = 5;  // metres; no body moves so far between two pictures
 
 float Approach(float from, float to, double seconds, double lag) {
   return from + (to - from) * static_cast<float>(1 - std::exp(-seconds / lag));
@@ -43,7 +44,7 @@ Vector3 FindMiddle(std::span<const Vector3> points) {
   return sum * (1 / static_cast<float>(std::max<std::size_t>(points.size(), 1)));
 }
 
-// From which all of them are in sight, but for one that is far from all others; metres.
+// Distance (metres) from which all points are in sight, except one that is far from all others.
 float FindDistance(std::span<const Vector3> points, Vector3 middle) {
   float squares = 0, farthest = 0;
   for (const Vector3& point : points) {
@@ -94,7 +95,7 @@ void Camera::Update(double seconds, std::optional<Vector3> own, std::span<const 
       std::clamp((m_mode == CameraMode::kFollow ? kFollowPitch : kCirclePitch) + m_tilt, kLeastPitch, kMostPitch);
   m_sinceTurn += seconds;
 
-  if (!m_placed || (follows && Length(target - m_focus) > kJump && m_sinceTurn > kModeLag)) {
+  if (!m_placed || (follows && Length(target - m_focus) > kRespawnDistance && m_sinceTurn > kModeLag)) {
     m_focus = target;
   } else {
     const double lag = follows ? kFollowLag : kCircleLag;

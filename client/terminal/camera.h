@@ -1,4 +1,5 @@
-// Where the picture is taken from: behind and above the own body, or from a circle round all of them.
+// The position and direction from which the picture is taken: behind and above the player's body, or on a circle round
+// all bodies.
 #pragma once
 
 #include <optional>
@@ -9,9 +10,9 @@
 namespace wobble::terminal {
 
 enum class CameraMode {
-  kFollow,  // the own body
-  kCircle,  // slowly round the middle of the scene
-  kStand,   // looks there from one side
+  kFollow,  // follows the player's body
+  kCircle,  // circles slowly round the middle of the scene
+  kStand,   // looks at the middle from one side, at rest
 };
 
 struct Direction {
@@ -23,23 +24,24 @@ class Camera {
  public:
   explicit Camera(CameraMode mode) : m_mode(mode) {}
 
-  // Follow only with a body of one's own.
+  // Skips kFollow when the player has no body.
   void ChooseNextMode(bool hasBody);
   [[nodiscard]] CameraMode Mode() const { return m_mode; }
 
-  // Radians; to the left and upwards are positive. What is asked for is reached within some tenths of a second.
+  // Radians; positive to the left and upwards. The camera reaches the new direction within some tenths of a second.
   void Turn(float angle);
   void Tilt(float angle);
-  // Times the distance, kept within limits.
+  // Multiplies the distance, within limits.
   void Zoom(float factor);
 
-  // seconds: since the last Update. own: centroid of the own body; bodies: of all, in metres.
+  // Moves the camera. seconds: since the last Update. own: centroid of the player's body; bodies: centroids of all
+  // bodies, metres.
   void Update(double seconds, std::optional<Vector3> own, std::span<const Vector3> bodies);
 
   [[nodiscard]] View MakeView() const;
-  // What the camera looks at.
+  // The point that the camera looks at, metres.
   [[nodiscard]] Vector3 Focus() const { return m_focus; }
-  // Keys, right and forward as seen, as a direction in the world's x and y.
+  // Converts a direction on the keys (right and forward as seen) to the world's x and y.
   [[nodiscard]] Direction ToWorld(float right, float forward) const;
 
  private:
@@ -48,13 +50,13 @@ class Camera {
   CameraMode m_mode;
   bool m_placed = false;
   Vector3 m_focus;
-  float m_yaw = 1.2F;  // of the direction of sight, from x towards y
+  float m_yaw = 1.2F;  // of the direction of sight, radians from x towards y
   float m_pitch = 0.42F;
   float m_distance = 12;
   float m_yawAsked = 1.2F;
-  float m_tilt = 0;  // added to the mode's own pitch
+  float m_tilt = 0;  // radians added to the mode's own pitch
   float m_zoom = 1;
-  double m_sinceTurn = 1e9;  // seconds since the player turned it
+  double m_sinceTurn = 1e9;  // seconds since the player's last Turn
 };
 
 }  // namespace wobble::terminal

@@ -1,11 +1,11 @@
-// A frame is the difference to the one before: over ssh a picture of 80 × 24 cells would otherwise be 60 kB, thirty
-// times a second. Three things keep it small: cells that look the same are skipped, a colour that is set already is not
-// set again, and a difference of a few steps in 255, which nobody sees, counts as none. What the terminal really shows
-// is remembered, so such differences do not add up.
+// A frame is the difference to the previous one: over ssh a picture of 80 x 24 cells would otherwise be 60 kB, thirty
+// times a second. Three measures keep it small: cells that look the same are skipped, a colour already set is not set
+// again, and an invisible difference of a few steps in 255 counts as none. The encoder stores what the terminal really
+// shows, so such differences do not add up.
 //
-// Every run of cells begins with an absolute position: the cursor is never left to wrap at the last column, where
-// terminals differ. A frame is enclosed in the marks of synchronised output (DEC private mode 2026); terminals that do
-// not know it ignore them.
+// Every run of cells begins with an absolute position: the cursor never wraps at the last column, where terminals
+// differ. A frame is enclosed in the marks of synchronised output (DEC private mode 2026); terminals that do not know
+// it ignore them.
 #include "client/terminal/cells.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 namespace wobble::terminal {
 namespace {
 
-// Steps of 255 that two colours may differ by and still be taken for one.
+// Steps of 255 by which two channels may differ and still count as equal.
 constexpr int kTolerance = 3;
 
 bool AreClose(Colour a, Colour b, int tolerance) {
@@ -58,7 +58,7 @@ bool FrameEncoder::Encode(const CellGrid& wanted, std::size_t maxBytes, std::str
   const std::size_t empty = bytes.size();
   if (!m_known) Clear(wanted.columns, wanted.rows, bytes);
   assert(wanted.columns == m_shown.columns && wanted.rows == m_shown.rows);
-  m_column = -1;  // others may have moved it
+  m_column = -1;  // another process may have moved it
   int done = 0;
   for (; done < wanted.rows && bytes.size() - begin <= maxBytes; ++done) {
     EncodeRow(wanted, (m_nextRow + done) % wanted.rows, bytes);
@@ -72,7 +72,7 @@ bool FrameEncoder::Encode(const CellGrid& wanted, std::size_t maxBytes, std::str
   return done == wanted.rows;
 }
 
-// Blanks on black, and nothing else is known to be there.
+// Clears the screen to blanks on black and resets all that is known of it.
 void FrameEncoder::Clear(int columns, int rows, std::string& bytes) {
   const bool few = m_palette == Palette::k256;
   m_foreground = few ? Colour{FindNearest256({255, 255, 255}), 0, 0} : Colour{255, 255, 255};
@@ -88,7 +88,7 @@ void FrameEncoder::Clear(int columns, int rows, std::string& bytes) {
   bytes += "m\033[2J";
 }
 
-// The cell as it is sent: two halves alike are a space, and in 256 colours `red` holds the colour's number.
+// The cell as it is sent: two equal halves become a space; in 256 colours `red` holds the colour's index.
 Cell FrameEncoder::Convert(const Cell& cell) const {
   Cell converted = cell;
   if (m_palette == Palette::k256) {
@@ -148,7 +148,7 @@ void FrameEncoder::AppendColour(int code, Colour colour, std::string& bytes) con
   }
 }
 
-// Sets what has to be set; the cell's colours become those that it is really shown in.
+// Sets the colours that must change; the cell gets the colours it is really shown in.
 void FrameEncoder::SetColours(Cell& cell, std::string& bytes) {
   const int tolerance = m_palette == Palette::k256 ? 0 : kTolerance / 2;
   const bool needsForeground = cell.glyph != U' ' && !AreClose(cell.foreground, m_foreground, tolerance);

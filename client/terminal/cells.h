@@ -1,4 +1,4 @@
-// What a terminal shows, as a grid of character cells, and the bytes that bring it there.
+// The terminal's screen as a grid of character cells, and the encoder that turns a change of it into bytes.
 #pragma once
 
 #include <cstddef>
@@ -11,27 +11,27 @@
 
 namespace wobble::terminal {
 
-// The upper half of a cell in the foreground's colour, the lower in the background's: two pixels a cell.
+// Fills the upper half of a cell with the foreground's colour and the lower with the background's: two pixels per cell.
 inline constexpr char32_t kUpperHalf = U'\u2580';
 
 struct Cell {
   char32_t glyph = U' ';  // printable ASCII or kUpperHalf
-  Colour foreground;      // means nothing under a space
+  Colour foreground;      // no meaning under a space
   Colour background;
 };
 
 struct CellGrid {
   int columns = 0;
   int rows = 0;
-  std::vector<Cell> cells;  // row by row from the top
+  std::vector<Cell> cells;  // row by row, from the top
 
-  // All cells are blank after it.
+  // Makes all cells blank.
   void Resize(int newColumns, int newRows);
   [[nodiscard]] Cell& At(int column, int row) { return cells[static_cast<std::size_t>(row * columns + column)]; }
   [[nodiscard]] const Cell& At(int column, int row) const {
     return cells[static_cast<std::size_t>(row * columns + column)];
   }
-  // What does not fit is cut off; what is no printable ASCII shows as '?'.
+  // Writes text in one row. Cuts off what does not fit; shows characters other than printable ASCII as '?'.
   void Write(int column, int row, std::string_view text, Colour foreground, Colour background);
 };
 
@@ -40,16 +40,17 @@ enum class Palette {
   k256,  // xterm's 6 × 6 × 6 colours and 24 greys
 };
 
-// Remembers what the terminal shows and sends only cells that differ.
+// Stores what the terminal shows and sends only cells that differ.
 class FrameEncoder {
  public:
   explicit FrameEncoder(Palette palette) : m_palette(palette) {}
 
-  // Nothing is known of what the terminal shows; the next frame clears it and draws all.
+  // Forgets what the terminal shows: the next frame clears the screen and draws all cells.
   void Invalidate() { m_known = false; }
 
-  // Appends what turns what the terminal shows into `wanted`, as plain ANSI. After maxBytes and at most a row more it
-  // stops; then false, and the next call goes on with the row after. Of one size as before, or invalidated.
+  // Appends the ANSI sequences that change the screen to `wanted`. Stops after maxBytes plus at most one row and then
+  // returns false; the next call continues with the next row. `wanted` must have the size of the last frame unless
+  // Invalidate was called.
   bool Encode(const CellGrid& wanted, std::size_t maxBytes, std::string& bytes);
 
  private:
@@ -63,11 +64,11 @@ class FrameEncoder {
 
   Palette m_palette;
   bool m_known = false;
-  CellGrid m_shown;  // in the palette's terms
+  CellGrid m_shown;  // converted to the palette
   int m_nextRow = 0;
-  int m_column = 0;  // of the cursor; -1: not known
+  int m_column = 0;  // of the cursor; -1: unknown
   int m_row = 0;
-  Colour m_foreground;  // as set last, in the palette's terms
+  Colour m_foreground;  // as last sent, converted to the palette
   Colour m_background;
 };
 

@@ -1,4 +1,4 @@
-// Linear light to the colours that terminals know. The 16 first of the 256 are left alone: people redefine them.
+// Converts linear light to the colours of terminals. The first 16 of the 256 colours are not used: users redefine them.
 #include "client/terminal/colour.h"
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 namespace wobble::terminal {
 namespace {
 
-// xterm's colour cube has these levels, its greys are 8, 18 ... 238.
+// Levels of xterm's colour cube; its greys are 8, 18 ... 238.
 constexpr int kLevels[] = {0, 95, 135, 175, 215, 255};
 
 int FindLevel(int value) {
@@ -54,10 +54,10 @@ Colour Show256(std::uint8_t index) {
   return {level(cube / 36), level(cube / 6 % 6), level(cube % 6)};
 }
 
-// Hues that follow each other by the golden ratio lie apart whatever numbers come.
+// Hues in steps of the golden ratio lie apart for any set of numbers.
 Light FindPlayerColour(std::uint32_t body) {
   const double turn = std::fmod(body * 0.61803398875, 1.0);
-  const auto hue = static_cast<float>(0.22 + 0.70 * turn) * 6;  // of six sixths; red to orange is left out
+  const auto hue = static_cast<float>(0.22 + 0.70 * turn) * 6;  // in sixths of the circle; red to orange is left out
   const auto channel = [hue](float at) {
     const float away = std::abs(hue - at);
     const float level = std::clamp(2 - std::min(away, 6 - away), 0.0F, 1.0F);

@@ -1,4 +1,4 @@
-// The two kinds of colour: as the picture is reckoned, and as a terminal is told.
+// The two representations of colour: linear light, in which the picture is computed, and the values sent to a terminal.
 #pragma once
 
 #include <cstdint>
@@ -7,10 +7,10 @@
 
 namespace wobble::terminal {
 
-// Linear light, red, green, blue; 1 is white, brighter is allowed.
+// Linear light: red, green, blue; 1 is white, brighter values are allowed.
 using Light = protocol::Vector3;
 
-// As shown, 0..255 with the display's gamma.
+// A displayed colour, 0..255 per channel, with the display's gamma.
 struct Colour {
   std::uint8_t red = 0;
   std::uint8_t green = 0;
@@ -22,16 +22,17 @@ struct Colour {
 inline Light Blend(Light from, Light to, float share) { return from + (to - from) * share; }
 inline Light Filter(Light light, Light by) { return {light.x * by.x, light.y * by.y, light.z * by.z}; }
 
-// A gamma of 2 stands for the display's 2.2. Anything too bright is white, anything that is no number black.
+// Converts to a displayed colour, with a gamma of 2 in place of the display's 2.2. Values above 1 become white, NaN
+// black.
 [[nodiscard]] Colour Show(Light light);
 
-// Of xterm's 256, the nearest but for the 16 that people redefine: 16..255.
+// Index of the nearest of xterm's 256 colours, 16..255; the first 16 are left out because users redefine them.
 [[nodiscard]] std::uint8_t FindNearest256(Colour colour);
-// What xterm shows for it, 16..255.
+// The colour that xterm shows for an index of 16..255.
 [[nodiscard]] Colour Show256(std::uint8_t index);
 
-// Of bodies: one's own, those of the scene, and of other players, each always the same, neighbours in number far apart
-// and none like the own.
+// Colours of the player's own body, of the scene's bodies and of other players. A body number always gives the same
+// colour; neighbouring numbers give colours far apart, and none resembles the player's own.
 inline constexpr Light kOwnColour{1.0F, 0.36F, 0.04F};
 inline constexpr Light kSceneColour{0.62F, 0.60F, 0.55F};
 [[nodiscard]] Light FindPlayerColour(std::uint32_t body);

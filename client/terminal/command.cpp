@@ -1,5 +1,6 @@
 #include "client/terminal/command.h"
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 
@@ -12,7 +13,7 @@ namespace {
 
 constexpr double kMaxFps = 60;
 
-// What the command line says before it is understood.
+// Options as text, before they are parsed.
 struct Words {
   std::string address;
   std::string colours = "auto";
@@ -20,27 +21,27 @@ struct Words {
 
 CLI::App* AddWords(CLI::App& app, WatchOptions& options, Words& words) {
   CLI::App* command = app.add_subcommand("watch", "Shows a server's world in this terminal, with keys to play in it");
-  // Not required() of CLI11: it would complain of that even when an unknown option is the fault.
+  // CLI11's required() is not used: it reports the missing address even when an unknown option is the fault.
   command->add_option("server", words.address, "The server")->type_name("HOST:PORT REQUIRED");
-  command->add_option("--name", options.name, "What others are told")->capture_default_str();
-  command->add_flag("--spectate", options.spectate, "Look on without a body");
-  command->add_option("--fps", options.fps, "Pictures a second at most; fewer for a slow line")
+  command->add_option("--name", options.name, "Name shown to other players")->capture_default_str();
+  command->add_flag("--spectate", options.spectate, "Watch without a body");
+  command->add_option("--fps", options.fps, "Pictures per second at most; fewer on a slow line")
       ->check(tool::Within(1, kMaxFps))
       ->capture_default_str();
   command->add_option("--colours", words.colours, "auto (by COLORTERM and TERM), true (16 million) or 256")
       ->check(CLI::IsMember({"auto", "true", "256"}))
       ->capture_default_str();
-  command->add_option("--for", options.duration, "Seconds to run; 0: until q")
+  command->add_option("--for", options.duration, "Seconds to run; 0: until Q")
       ->check(tool::Within(0, tool::kMaxDuration))
       ->capture_default_str();
-  command->add_option("--capture", options.captureFile, "Where to write the last picture as SVG")->type_name("FILE");
+  command->add_option("--capture", options.captureFile, "File for the last picture, as SVG")->type_name("FILE");
   command->footer(
-      "Keys: W A S D or arrows go, space jumps, E or P puffs up, F stiffens, X lets go of all keys;\n"
-      "Where the scene lets hands: G grabs and lets go, V pushes, T cuts; 1 2 softer, stiffer, 3 4 slower, faster,\n"
-      "5 a second ahead, 6 7 tilt gravity.\n"
-      "C camera (follow, circle, stand), J L or [ ] turn, I K tilt, + - zoom; ? keys; Q, Esc, Ctrl-C quit.\n"
-      "Most terminals do not tell when a key is let go: a tap counts for half a second, a held key while it repeats.\n"
-      "Exit code: 0 told to end, 1 the server went away, 2 bad usage, no terminal or no server.\n"
+      "Keys: W A S D or arrows move, space jumps, E or P puffs up, F stiffens, X releases all keys.\n"
+      "If the scene allows it: G grabs and releases, V pushes, T cuts; 1 2 softer, stiffer, 3 4 slower, faster,\n"
+      "5 skips one second, 6 7 tilt gravity.\n"
+      "C camera (follow, circle, stand), J L or [ ] turn, I K tilt, + - zoom; ? lists the keys; Q, Esc, Ctrl-C quit.\n"
+      "Most terminals do not report key releases: a tap counts for half a second, a held key while it repeats.\n"
+      "Exit code: 0 ended by the user, 1 connection lost, 2 bad usage, no terminal or no server.\n"
       "Examples:\n"
       "  wobble watch 127.0.0.1:7777\n"
       "  wobble watch example.org:7777 --name mira --colours true --fps 20\n"
@@ -48,7 +49,7 @@ CLI::App* AddWords(CLI::App& app, WatchOptions& options, Words& words) {
   return command;
 }
 
-// False with one line in `error`.
+// On failure false, with one line in `error`.
 bool Understand(const Words& words, WatchOptions& options, std::string& error) {
   if (words.address.empty()) {
     error = "HOST:PORT of the server is required (see wobble watch --help)";

@@ -1,4 +1,5 @@
-// The words of `wobble watch`.
+// The options and the help of `wobble watch`. The room client/terminal holds the client that draws the world as
+// character cells and plays with the keys.
 #pragma once
 
 #include "client/command/command.h"

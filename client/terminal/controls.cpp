@@ -1,6 +1,6 @@
-// Keys that are held go through HeldKeys and become the player's input; all others act at once, and again with each
-// repetition. Letters count alike with and without Shift or Caps Lock. Which key does what is also written in
-// command.cpp (--help) and status.cpp (the keys on the screen).
+// Held keys go through HeldKeys and become the player's input; all others act at once, and again with each repetition.
+// Letters have the same meaning with and without Shift or Caps Lock. The keys are also documented in command.cpp
+// (--help) and status.cpp (the list on the screen).
 #include "client/terminal/controls.h"
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace wobble::terminal {
 namespace {
 
-constexpr float kTurnStep = 0.09F;  // rad a key
+constexpr float kTurnStep = 0.09F;  // rad per key event
 constexpr float kZoomStep = 1.12F;
 
 struct Binding {

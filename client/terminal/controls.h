@@ -1,4 +1,4 @@
-// What each key does.
+// The action of each key.
 #pragma once
 
 #include <vector>
@@ -12,14 +12,14 @@ namespace wobble::terminal {
 
 class Controls {
  public:
-  // hasBody: there is one of one's own for the camera to follow.
+  // Applies a key event at the time `now` (seconds). hasBody: the player has a body for the camera to follow.
   void Take(const KeyEvent& event, double now, bool hasBody, Camera& camera);
   void ReleaseAll() { m_held.ReleaseAll(); }
 
-  // What the player asks for. Right and forward are as the camera sees them; the server is told in world x and y.
+  // The player's input. The keys' right and forward are as the camera sees them; the input is in world x and y.
   [[nodiscard]] client::Input MakeInput(double now, const Camera& camera) const;
 
-  // Keys pressed since the last call that mean nothing here: Hands may know them.
+  // Keys pressed since the last call that have no action here; Hands may have one.
   [[nodiscard]] std::vector<char32_t> TakeOthers();
 
   [[nodiscard]] bool IsQuitAsked() const { return m_quit; }

@@ -1,4 +1,4 @@
-// The loop over a triangle's pixels, a template so that what is done with a pixel is inlined into it.
+// The loop over a triangle's pixels, a template so that the action on each pixel is inlined.
 #pragma once
 
 #include <algorithm>
@@ -7,9 +7,9 @@
 
 namespace wobble::terminal {
 
-// Calls `fill(x, y, share)` for every pixel of 0..width × 0..height whose middle lies in the triangle; share: of each
-// corner there, adding up to one. Of either winding; edges belong to both sides. Corners are in pixels, as double: one
-// close to the near plane lies far outside of the picture.
+// Calls `fill(x, y, share)` for every pixel of 0..width x 0..height whose middle lies in the triangle; share holds the
+// barycentric weights of the corners there, with a sum of one. Both windings are filled; pixels on an edge belong to
+// both triangles. Corners are in pixels, as double: a corner close to the near plane lies far outside of the picture.
 
 template <typename Fill>
 void ForEachPixel(const std::array<std::array<double, 2>, 3>& at, int width, int height, const Fill& fill) {
@@ -21,7 +21,7 @@ void ForEachPixel(const std::array<std::array<double, 2>, 3>& at, int width, int
     const double limit = axis == 0 ? width : height;
     range[axis] = {std::clamp(std::ceil(least - 0.5), 0.0, limit), std::clamp(std::floor(most - 0.5) + 1, 0.0, limit)};
   }
-  // share[i] = start + x * stepX + y * stepY
+  // weight of corner i = start + x * stepX + y * stepY
   std::array<std::array<double, 3>, 3> edge{};
   for (std::size_t i = 0; i < 3; ++i) {
     const auto& a = at[(i + 1) % 3];

@@ -1,11 +1,12 @@
-// A process cannot clean up after its own SIGKILL, nor safely after a crash. So the one that was started only guards:
-// it enters the terminal, forks, waits, leaves. The fork draws. If the guardian is killed, the kernel tells the fork
-// (PR_SET_PDEATHSIG), which leaves the terminal itself and ends. Only both killed at once leave it as it is.
+// A process cannot clean up after its own SIGKILL, nor safely after a crash. The started process therefore only guards:
+// it enters the terminal, forks, waits, and leaves the terminal. The fork draws. If the guardian is killed, the kernel
+// signals the fork (PR_SET_PDEATHSIG), which then leaves the terminal itself and ends. Only when both are killed at
+// once does the terminal stay as it is.
 //
-// Suspending (Ctrl-Z, or SIGTSTP from outside): the shell knows the guardian alone and waits for it to stop. The fork
-// leaves the terminal, says so (SIGUSR1), and the guardian stops itself; the fork goes on unseen, so that the server
-// does not take its player for lost. When the shell lets the guardian go on it says so (SIGUSR1), and the fork enters
-// the terminal again. The same happens when it was stopped by other means: the screen is not what it was.
+// Suspending (Ctrl-Z, or SIGTSTP from outside): the shell knows only the guardian and waits for it to stop. The fork
+// leaves the terminal and sends SIGUSR1, and the guardian stops itself; the fork keeps the connection alive, so that
+// the server does not drop its player. When the shell continues the guardian, it sends SIGUSR1, and the fork enters the
+// terminal again. The same happens after a stop by other means, because the screen has changed.
 #include "client/terminal/guardian.h"
 
 #include <fcntl.h>
@@ -30,16 +31,16 @@
 namespace wobble::terminal {
 namespace {
 
-// Of the fork: a signal handler can reach nothing else.
+// State of the fork; global because a signal handler can reach nothing else.
 std::atomic<bool> g_pauseAsked{false};
 std::atomic<bool> g_resumed{false};
 
-constexpr int kResumed = SIGUSR1;  // guardian to fork: the terminal is ours again
+constexpr int kResumed = SIGUSR1;  // guardian to fork: enter the terminal again
 constexpr int kPaused = SIGUSR1;   // fork to guardian: the terminal is left
 
-// Seconds that the fork has to end once it was asked to; a client's goodbye takes a second at most.
+// Seconds in which the fork must end after it was asked to; a client's goodbye takes a second at most.
 constexpr double kEndPatience = 3;
-constexpr std::size_t kMaxHeldBack = 64 * 1024;  // bytes of the fork's standard error
+constexpr std::size_t kMaxHeldBack = 64 * 1024;  // bytes kept of the fork's standard error
 
 sigset_t MakeSet(std::initializer_list<int> signals) {
   sigset_t set;
@@ -60,7 +61,7 @@ const sigset_t kGuarded = MakeSet({SIGTERM, SIGINT, SIGHUP, SIGCHLD, SIGTSTP, SI
   sigaction(SIGTSTP, &action, nullptr);
   action.sa_handler = [](int) { g_resumed = true; };
   sigaction(kResumed, &action, nullptr);
-  action.sa_handler = [](int) {};  // a wait ends early and the size is read again
+  action.sa_handler = [](int) {};  // interrupts the wait, and the size is read again
   sigaction(SIGWINCH, &action, nullptr);
   sigprocmask(SIG_SETMASK, &mask, nullptr);
   Guard guard(terminal, guardian);
@@ -74,7 +75,7 @@ class Guardian {
  public:
   Guardian(pid_t child, int signals, int errors) : m_child(child), m_signals(signals), m_errors(errors) {}
 
-  // Returns the fork's status, as waitpid gives it.
+  // Returns the fork's status as waitpid gives it.
   int Wait();
   [[nodiscard]] const std::string& HeldBack() const { return m_heldBack; }
 
@@ -87,7 +88,7 @@ class Guardian {
   int m_signals;
   int m_errors;
   std::string m_heldBack;
-  std::optional<double> m_deadline;  // at which the fork is killed
+  std::optional<double> m_deadline;  // time at which the fork is killed
 };
 
 int Guardian::Wait() {
@@ -131,11 +132,11 @@ void Guardian::HandleSignals() {
   }
 }
 
-// Returns when the shell lets it go on, or at once where no shell could.
+// Returns when the shell continues the process, or at once where no shell can.
 void Guardian::Stop() const {
   const sigset_t stop = MakeSet({SIGTSTP});
   raise(SIGTSTP);
-  sigprocmask(SIG_UNBLOCK, &stop, nullptr);  // here it stops
+  sigprocmask(SIG_UNBLOCK, &stop, nullptr);  // the process stops here
   sigprocmask(SIG_BLOCK, &stop, nullptr);
 }
 
@@ -179,17 +180,17 @@ bool Guard::Update() {
 
 bool Guard::IsAlone() const { return getppid() != m_guardian; }
 
-// The shell has seen the guardian die and goes on at the same time.
+// The shell notices the guardian's death and continues at the same time.
 void Guard::LeaveIfAlone() {
   if (m_paused || !IsAlone()) return;
   m_terminal.LeaveToOthers();
-  m_paused = true;  // nothing is drawn any more
+  m_paused = true;  // drawing has ended
 }
 
 int RunGuarded(Terminal& terminal, const std::function<int(Guard&)>& draw) {
   int errors[2];
   if (pipe2(errors, O_CLOEXEC | O_NONBLOCK) != 0) {
-    std::fprintf(stderr, "wobble watch: no pipe can be made: %s\n", std::strerror(errno));
+    std::fprintf(stderr, "wobble watch: cannot create a pipe: %s\n", std::strerror(errno));
     return tool::kExitFailed;
   }
   sigset_t before;
@@ -209,7 +210,7 @@ int RunGuarded(Terminal& terminal, const std::function<int(Guard&)>& draw) {
   int code = tool::kExitFailed;
   if (child < 0) {
     terminal.Leave();
-    std::fprintf(stderr, "wobble watch: no process can be made to draw: %s\n", std::strerror(reason));
+    std::fprintf(stderr, "wobble watch: cannot create the drawing process: %s\n", std::strerror(reason));
   } else {
     Guardian waiting(child, signals, errors[0]);
     const int status = waiting.Wait();

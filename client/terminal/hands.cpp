@@ -11,16 +11,16 @@ using client::BodySample;
 using protocol::Vector3;
 using wire::TuneKind;
 
-constexpr float kUsualReach = 3;      // m, where the scene has none
-constexpr float kCarryAhead = 1.1F;   // m in front of the own body, and
-constexpr float kCarryAbove = 0.7F;   // above it, what is held is carried
-constexpr float kBladeLength = 2.5F;  // m ahead
-constexpr float kBladeHeight = 1.5F;  // m up and down from there
-constexpr float kLift = 0.3F;         // of a push, upwards to forwards
+constexpr float kUsualReach = 3;      // m, when the scene gives none
+constexpr float kCarryAhead = 1.1F;   // m in front of the player's body at which a held body is carried,
+constexpr float kCarryAbove = 0.7F;   // m above it
+constexpr float kBladeLength = 2.5F;  // m, ahead of the player's body
+constexpr float kBladeHeight = 1.5F;  // m, up and down from the player's body
+constexpr float kLift = 0.3F;         // of a push: upward part per forward part
 constexpr float kStiffnessStep = 1.25F;
 constexpr float kTimeStep = 0.8F;
 constexpr float kTiltStep = 0.15F;  // rad
-constexpr float kJump = 1;          // s
+constexpr float kTimeSkip = 1;      // s that key 5 skips
 
 const BodySample* FindOwn(std::span<const BodySample> samples, const client::Client& client) {
   for (const BodySample& sample : samples) {
@@ -39,8 +39,8 @@ struct Target {
   std::uint16_t vertex = 0;
 };
 
-// The vertex of another body that is nearest to a place ahead of the own one, within reach of this; only of bodies that
-// `isWanted`.
+// Finds the vertex nearest to a point ahead of the player's body, within the scene's reach; among other bodies for
+// which `isWanted` holds.
 template <class IsWanted>
 Target FindTarget(const Vector3& own, const Vector3& ahead, float reach, std::span<const BodySample> samples,
                   std::uint32_t ownBody, IsWanted&& isWanted) {
@@ -64,7 +64,7 @@ float FindReach(const client::Client& client) {
 }
 
 bool IsAny(const BodySample&) { return true; }
-// What is certainly without gas.
+// Only bodies without gas for certain.
 bool IsCuttable(const BodySample& sample) { return sample.blueprint->open || sample.blueprint->faces.empty(); }
 
 }  // namespace
@@ -127,9 +127,9 @@ void Hands::Tune(char32_t key, client::Client& client) {
     case U'4':
       return scale(TuneKind::TimeRate, now.timeRate / kTimeStep, 0.1F, 1);
     case U'5':
-      return client.Tune(TuneKind::Jump, {kJump, 0, 0});
+      return client.Tune(TuneKind::Jump, {kTimeSkip, 0, 0});
     case U'6':
-    case U'7': {  // about y, the other way with 7
+    case U'7': {  // tilts about y; key 7 tilts back
       const float angle = key == U'6' ? kTiltStep : -kTiltStep;
       const Vector3 g = now.gravity;
       const float cosine = std::cos(angle), sine = std::sin(angle);
@@ -144,11 +144,11 @@ std::vector<std::string> DescribeHandKeys(const client::Client& client) {
   const unsigned hands = client.Welcome().hands;
   const unsigned may = client.ReadTuning().may;
   std::vector<std::string> lines;
-  if ((hands & protocol::kMayGrab) != 0) lines.emplace_back("G                grab what is nearest, let go");
-  if ((hands & protocol::kMayPush) != 0) lines.emplace_back("V                push it");
+  if ((hands & protocol::kMayGrab) != 0) lines.emplace_back("G                grab the nearest body, release it");
+  if ((hands & protocol::kMayPush) != 0) lines.emplace_back("V                push the nearest body");
   if ((hands & protocol::kMayCut) != 0) lines.emplace_back("T                cut cloth and springs ahead");
   if ((may & protocol::kMayTuneStiffness) != 0) lines.emplace_back("1 2              softer, stiffer");
-  if ((may & protocol::kMayTuneTime) != 0) lines.emplace_back("3 4  5           slower, faster  a second ahead");
+  if ((may & protocol::kMayTuneTime) != 0) lines.emplace_back("3 4  5           slower, faster  skip a second");
   if ((may & protocol::kMayTuneGravity) != 0) lines.emplace_back("6 7              tilt gravity");
   return lines;
 }

@@ -1,6 +1,7 @@
-// What the keys do to other bodies and to the world: grab, push, cut, and tune what everybody feels.
+// Keys that act on other bodies and on the world: grab, push, cut, and tune the world's parameters.
 //
-// A terminal has no pointer, so hands reach for what is nearest to the own body on the side that the camera looks to.
+// A terminal has no pointer, so hands reach for the vertex nearest to the player's body on the side that the camera
+// looks to.
 #pragma once
 
 #include <span>
@@ -14,9 +15,9 @@ namespace wobble::terminal {
 
 class Hands {
  public:
-  // Does what a key says, if it is one of these. samples: all bodies as they are shown.
+  // Performs the action of `key`, if it has one here. samples: all bodies as they are shown.
   void Take(char32_t key, const Camera& camera, std::span<const client::BodySample> samples, client::Client& client);
-  // What is held follows the own body. Once a picture.
+  // Moves the held body with the player's body. Call once per picture.
   void Update(const Camera& camera, std::span<const client::BodySample> samples, client::Client& client);
 
   [[nodiscard]] bool HoldsSomething() const { return m_held.body != 0; }
@@ -25,10 +26,10 @@ class Hands {
   void LetGo(client::Client& client);
   void Tune(char32_t key, client::Client& client);
 
-  client::Hand m_held;  // body 0: nothing
+  client::Hand m_held;  // body 0: holds nothing
 };
 
-// The keys of Take that this server lets the player use, a line each.
+// One line for each key that this server lets the player use.
 [[nodiscard]] std::vector<std::string> DescribeHandKeys(const client::Client& client);
 
 }  // namespace wobble::terminal

@@ -31,7 +31,7 @@ void HeldKeys::Press(Action action, double now) {
   }
   if (const auto opposite = FindOpposite(action)) Release(*opposite);
   const bool repeats = IsHeld(action, now);
-  // A repetition never takes away from what the first press has given.
+  // A repetition never shortens the time that the first press gave.
   Until(action) = std::max(Until(action), now + (repeats ? kRepeatHold : kFirstHold));
   if (repeats) return;
   for (double& until : m_until) {

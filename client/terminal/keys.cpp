@@ -1,9 +1,8 @@
 // A state machine over single bytes after ECMA-48: a control sequence is ESC [, parameters (0x30..0x3F), intermediates
-// (0x20..0x2F) and a final byte (0x40..0x7E). ESC begins anew wherever it comes, so a broken sequence costs only
-// itself.
+// (0x20..0x2F) and a final byte (0x40..0x7E). ESC restarts it in every state, so a broken sequence loses only itself.
 //
-// Kitty's protocol says a key as CSI code:shifted:base ; 1+modifiers:event u, an arrow as CSI 1 ; 1+modifiers:event A.
-// Asked for are its flags 1, 2, 4 and 8: every key as a sequence, with its releases, and with what Shift makes of it.
+// Kitty's protocol encodes a key as CSI code:shifted:base ; 1+modifiers:event u, an arrow as CSI 1 ; 1+modifiers:event
+// A. The flags asked for are 1, 2, 4 and 8: every key as a sequence, its releases, and its character with Shift.
 #include "client/terminal/keys.h"
 
 #include <array>
@@ -12,15 +11,15 @@
 namespace wobble::terminal {
 namespace {
 
-constexpr std::size_t kMaxParameters = 64;  // bytes; a longer sequence is none of ours
-constexpr int kControl = 4;                 // in the modifiers
+constexpr std::size_t kMaxParameters = 64;  // bytes; longer sequences are not ours
+constexpr int kControl = 4;                 // bit in the modifiers
 constexpr int kAlt = 2;
 constexpr int kReleaseEvent = 3;
 
-// numbers[i][j]: of parameter i its part j; -1 where none is given.
+// numbers[i][j] is part j of parameter i; -1 where absent.
 using Numbers = std::array<std::array<int, 3>, 2>;
 
-// False when it is no list of numbers.
+// False when the text is not a list of numbers.
 bool ReadNumbers(std::string_view text, Numbers& numbers) {
   for (auto& parameter : numbers) parameter.fill(-1);
   std::size_t parameter = 0, part = 0;
@@ -58,7 +57,7 @@ char32_t FindArrow(char final) {
   }
 }
 
-// 0: none of ours. A keyboard of another script says which Latin key is in that place.
+// 0: not a key of ours. A keyboard of another script reports which Latin key is in that place.
 char32_t FindKey(const std::array<int, 3>& codes, int modifiers) {
   constexpr int kShift = 1;
   int code = (modifiers & kShift) != 0 && codes[1] > 0 ? codes[1] : codes[0];
@@ -86,7 +85,7 @@ void KeyDecoder::Expire(double now, std::vector<KeyEvent>& events) {
 
 void KeyDecoder::Take(char byte, std::vector<KeyEvent>& events) {
   if (byte == '\033') {
-    if (m_state == State::kEscape) events.push_back({kKeyEscape});  // pressed twice
+    if (m_state == State::kEscape) events.push_back({kKeyEscape});  // Escape pressed twice
     m_state = State::kEscape;
     return;
   }
@@ -110,7 +109,7 @@ void KeyDecoder::Take(char byte, std::vector<KeyEvent>& events) {
       }
       m_state = State::kGround;
       if (code >= 0x40 && code <= 0x7E) return FinishSequence(byte, events);
-      if (code < 0x20) events.push_back({code});  // broken off by a key such as Ctrl-C
+      if (code < 0x20) events.push_back({code});  // interrupted by a key such as Ctrl-C
       return;
   }
 }
@@ -119,7 +118,7 @@ void KeyDecoder::FinishSequence(char final, std::vector<KeyEvent>& events) const
   if (m_parameters.size() > kMaxParameters) return;
   Numbers numbers;
   if (final == 'u' && !m_parameters.empty() && m_parameters[0] == '?') {
-    // The flags that are set; without that of releases it is no use to us.
+    // Bits of the flags that are set; without the one for releases the protocol is of no use here.
     constexpr int kReportEvents = 2;
     if (ReadNumbers(std::string_view(m_parameters).substr(1), numbers) && numbers[0][0] > 0 &&
         (numbers[0][0] & kReportEvents) != 0) {

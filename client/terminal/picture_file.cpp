@@ -1,5 +1,6 @@
-// One path for each colour, of all rectangles in it: a run of equal half cells is one, and one that the row above has
-// just so is made higher instead. Colours are rounded to steps of 4, which nobody sees and which halves the file.
+// One path for each colour, made of all rectangles in it: a run of equal half cells is one rectangle, and a run that
+// the row above has in the same place extends that rectangle downwards. Colours are rounded to steps of 4, which is
+// invisible and halves the file.
 #include "client/terminal/picture_file.h"
 
 #include <algorithm>
@@ -10,7 +11,7 @@
 namespace wobble::terminal {
 namespace {
 
-constexpr int kPixel = 8;  // units, width and height of half a cell
+constexpr int kPixel = 8;  // units; width and height of half a cell
 constexpr int kColourStep = 4;
 
 struct Rectangle {
@@ -21,7 +22,7 @@ int Round(std::uint8_t value) { return std::min(255, (value + kColourStep / 2) /
 
 int ToNumber(Colour colour) { return Round(colour.red) << 16 | Round(colour.green) << 8 | Round(colour.blue); }
 
-// Of the half cell; text is drawn over its background.
+// Colour of the half cell; text is drawn over its background.
 int FindColour(const CellGrid& grid, int x, int y) {
   const Cell& cell = grid.At(x, y / 2);
   return ToNumber(cell.glyph == kUpperHalf && y % 2 == 0 ? cell.foreground : cell.background);
@@ -41,7 +42,7 @@ std::map<int, std::vector<Rectangle>> FindRectangles(const CellGrid& grid) {
       if (above != same.rend()) {
         ++above->height;
       } else {
-        same.push_back({x, y, end - x, 1});
+        same.push_back({.x = x, .y = y, .width = end - x, .height = 1});
       }
       x = end;
     }

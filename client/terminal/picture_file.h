@@ -1,4 +1,4 @@
-// A screen as a file that browsers show.
+// Writes a screen as an SVG file.
 #pragma once
 
 #include <string>
@@ -7,8 +7,7 @@
 
 namespace wobble::terminal {
 
-// The cells as SVG: what a terminal shows of them, pixel by pixel, its text in the viewer's monospaced font. A cell is
-// 8 × 16 units.
+// The cells as SVG: the same picture pixel by pixel, with text in the viewer's monospaced font. A cell is 8 x 16 units.
 [[nodiscard]] std::string MakeSvg(const CellGrid& grid);
 
 }  // namespace wobble::terminal

@@ -1,6 +1,6 @@
-// The usual rasteriser of three edge functions and 1/depth, which is linear on the screen (Pineda 1988; Blinn 1992).
-// Attributes are kept per sample and lit afterwards, so that light is reckoned once for what is seen in the end, at
-// each sample from the interpolated normal: a ball of 162 vertices looks round.
+// A rasteriser with three edge functions and 1/depth, which is linear on the screen (Pineda 1988; Blinn 1992).
+// Attributes are stored per sample and lit afterwards, so that only visible samples are lit, each with the interpolated
+// normal: a ball of 162 vertices looks round.
 #include "client/terminal/rasteriser.h"
 
 #include <cmath>
@@ -17,11 +17,11 @@ struct CameraCorner {
   Vector3 mark;
 };
 
-CameraCorner Blend(const CameraCorner& a, const CameraCorner& b, float share) {
+CameraCorner Interpolate(const CameraCorner& a, const CameraCorner& b, float share) {
   return {a.at + (b.at - a.at) * share, a.normal + (b.normal - a.normal) * share, a.mark + (b.mark - a.mark) * share};
 }
 
-// Sutherland and Hodgman's, for one plane: a triangle becomes none, a triangle or a quadrangle.
+// Sutherland and Hodgman's clipping by one plane: a triangle becomes none, a triangle or a quadrangle.
 std::size_t ClipNear(const std::array<CameraCorner, 3>& corners, std::array<CameraCorner, 4>& kept) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -30,7 +30,7 @@ std::size_t ClipNear(const std::array<CameraCorner, 3>& corners, std::array<Came
     const bool fromIn = from.at.z >= kNearPlane;
     if (fromIn) kept[count++] = from;
     if (fromIn != (to.at.z >= kNearPlane)) {
-      kept[count++] = Blend(from, to, (kNearPlane - from.at.z) / (to.at.z - from.at.z));
+      kept[count++] = Interpolate(from, to, (kNearPlane - from.at.z) / (to.at.z - from.at.z));
       kept[count - 1].at.z = kNearPlane;
     }
   }
@@ -58,7 +58,10 @@ void FillTriangle(const std::array<const CameraCorner*, 3>& corners, float scale
     const auto mix = [&](Vector3 CameraCorner::*part) {
       return (corners[0]->*part * share[0] + corners[1]->*part * share[1] + corners[2]->*part * share[2]) * depth;
     };
-    sample = {inverseDepth, material, mix(&CameraCorner::normal), mix(&CameraCorner::mark)};
+    sample = {.inverseDepth = inverseDepth,
+              .material = material,
+              .normal = mix(&CameraCorner::normal),
+              .mark = mix(&CameraCorner::mark)};
   });
 }
 

@@ -1,10 +1,11 @@
-// All but planes goes through the rasteriser; planes have no end and are met by each sample's ray. Then every sample is
-// lit once, and each pixel is the mean of its samples in linear light: that is the anti-aliasing, and what makes 80 ×
-// 48 pixels enough to see a ball wobble.
+// Everything except planes goes through the rasteriser; planes are infinite and intersected with each sample's ray.
+// Then every sample is lit once, and each pixel is the mean of its samples in linear light. That is the anti-aliasing;
+// it makes 80 x 48 pixels enough to see a ball wobble.
 //
-// Light is a sun, half Lambert so that it goes softly round a body, a sky above and the ground's reflection below, a
-// glint and a brighter rim. Bodies are of two shades by the octants of their rest shape: one sees them roll and bulge.
-// The grid on surfaces is averaged exactly over a sample's extent on the surface, or it would flicker far away.
+// The light is a sun with half Lambert shading (a soft transition round a body), a sky above, the ground's reflection
+// below, a glint and a brighter rim. Bodies have two shades by the octants of their rest shape, which makes rolling and
+// bulging visible. The grid on surfaces is averaged exactly over a sample's extent on the surface, because it would
+// otherwise flicker far away.
 #include "client/terminal/renderer.h"
 
 #include <algorithm>
@@ -13,7 +14,7 @@
 namespace wobble::terminal {
 namespace {
 
-constexpr std::uint32_t kSurface = 0xFFFFFFFF;  // a material; bodies are 0, 1, ...
+constexpr std::uint32_t kSurface = 0xFFFFFFFF;  // material of obstacles and grounds; bodies are 0, 1, ...
 
 constexpr Light kSunLight{0.95F, 0.88F, 0.76F};
 constexpr Light kSkyLight{0.34F, 0.42F, 0.58F};
@@ -25,26 +26,26 @@ constexpr Light kFloor{0.055F, 0.078F, 0.118F};
 constexpr Light kWall{0.120F, 0.105F, 0.150F};
 constexpr Light kLine{0.20F, 0.29F, 0.40F};
 
-constexpr float kLineWidth = 0.05F;      // metres, of the lines a metre apart
-constexpr float kWideLineWidth = 0.12F;  // and of every fifth
-constexpr float kFogDistance = 45;       // metres at which all but 1/e is fog, at least
-constexpr float kFogReach = 2.5F;        // and times the distance of what is looked at
-constexpr float kShadowDepth = 0.85F;    // share of the sun that a shadow takes
+constexpr float kLineWidth = 0.05F;      // metres; width of the lines one metre apart
+constexpr float kWideLineWidth = 0.12F;  // metres; width of every fifth line
+constexpr float kFogDistance = 45;       // least distance (metres) at which 1/e of the light passes the fog
+constexpr float kFogReach = 2.5F;        // fog distance in units of the distance to the focus
+constexpr float kShadowDepth = 0.85F;    // share of the sunlight that a shadow takes
 
-// Samples a picture of which costs a few milliseconds.
+// Upper bound of samples; a picture of so many costs a few milliseconds.
 constexpr int kMaxSamples = 120'000;
 
-// Shown of what a server may claim to have.
+// Bounds on what is drawn of a server's obstacles.
 constexpr std::size_t kMaxPlanes = 16;
 constexpr std::size_t kMaxBoxes = 512;
 constexpr std::size_t kMaxCapsules = 64;  // and spheres
 
-// Of a sphere or capsule: sides around its axis, and rings from pole to pole, an even number. At 32 a silhouette is off
-// by half a percent of the radius.
+// Sides of a sphere or capsule around its axis, and rings from pole to pole (an even number). At 32 sides a silhouette
+// is off by half a percent of the radius.
 constexpr std::size_t kSides = 32;
 constexpr std::size_t kRings = 16;
 
-// Radius of a rod: a share of the mean spring, within limits, metres, and never less than this many samples.
+// Radius of a rod: a share of the mean spring length, within limits (metres), and at least so many samples.
 constexpr float kRodShare = 0.05F;
 constexpr float kThinRod = 0.01F;
 constexpr float kThickRod = 0.06F;
@@ -54,7 +55,8 @@ constexpr std::array<std::array<std::uint16_t, 3>, 2> kStripFaces{{{0, 1, 2}, {0
 Vector3 ToVector(const protocol::wire::Vec3& v) { return {v.x(), v.y(), v.z()}; }
 Vector3 MultiplyEach(Vector3 a, Vector3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 
-// Share of x - width/2 .. x + width/2 that lies on lines of `line` metres at each multiple of `spacing`.
+// Share of the interval x - width/2 .. x + width/2 that is covered by lines of width `line` at multiples of `spacing`,
+// all in metres.
 float FindCoverage(float x, float width, float line, float spacing) {
   const auto coveredUpTo = [&](float to) {
     const float cell = std::floor(to / spacing);
@@ -124,13 +126,13 @@ void Renderer::AddObstacles(const World& world, const View& view) {
   if (world.obstacles.empty() && world.grounds.empty()) m_planes.push_back({{0, 0, 1}, 0});
 }
 
-// The front of a quadrangle, counterclockwise.
+// Draws the front (counterclockwise) of a quadrangle.
 void Renderer::DrawSurface(const View& view, const Corner& a, const Corner& b, const Corner& c, const Corner& d) {
   DrawTriangle(view, {a, b, c}, kSurface, m_samples);
   DrawTriangle(view, {a, c, d}, kSurface, m_samples);
 }
 
-// Rings of latitude about the axis; the equator is there twice, once at each end.
+// Builds rings of latitude about the axis; the equator stands twice, once at each end of the cylinder.
 void Renderer::AddCapsule(Vector3 from, Vector3 to, float radius, const View& view) {
   const Vector3 axis = Normalise(to - from);
   const Vector3 across = Normalise(Cross(axis, std::abs(axis.x) < 0.7F ? Vector3{1, 0, 0} : Vector3{0, 1, 0}));
@@ -224,8 +226,8 @@ void Renderer::AddFaces(const DrawnBody& body, std::uint32_t material, const Vie
   m_shadows.Add(body.vertices, body.faces);
 }
 
-// Springs as rods and masses as dots twice as thick, of a size that goes with the springs' own and can be seen from
-// afar.
+// Draws springs as rods and masses as dots twice as thick; their size follows the springs' length and stays visible
+// from afar.
 void Renderer::AddEdges(const DrawnBody& body, std::uint32_t material, const View& view) {
   float length = 0;
   for (const auto& edge : body.edges) length += Length(body.rest[edge[1]] - body.rest[edge[0]]);
@@ -246,7 +248,8 @@ void Renderer::AddEdges(const DrawnBody& body, std::uint32_t material, const Vie
   }
 }
 
-// The half that the eye sees, as a roof of two sides whose normals make it look round; in the shadow map a strip.
+// Draws the visible half of a rod as a roof of two faces whose normals make it look round; in the shadow map as a
+// strip.
 void Renderer::AddRod(const Corner& from, const Corner& to, float radius, std::uint32_t material, const View& view) {
   const Vector3 axis = to.position - from.position;
   const auto findSide = [&](Vector3 towards) { return Normalise(Cross(axis, towards), {0, 0, 0}) * radius; };
@@ -259,7 +262,7 @@ void Renderer::AddRod(const Corner& from, const Corner& to, float radius, std::u
   };
   for (const Vector3 edge : {side, side * -1}) {
     const std::array<Corner, 4> roof{move(from, edge), move(to, edge), move(to, ridge), move(from, ridge)};
-    // In either order, of which one shows its front.
+    // Drawn in both orders; only one of them shows its front.
     DrawTriangle(view, {roof[0], roof[1], roof[2]}, material, m_samples);
     DrawTriangle(view, {roof[0], roof[2], roof[3]}, material, m_samples);
     DrawTriangle(view, {roof[0], roof[2], roof[1]}, material, m_samples);
@@ -317,7 +320,7 @@ Light Renderer::LightSample(const World& world, const View& view, const Viewport
 
 Light Renderer::LightSurface(Vector3 point, Vector3 normal, Vector3 ray, const View& view,
                              const Viewport& viewport) const {
-  // How far on the surface it is to the samples beside and above.
+  // Distance on the surface to the neighbouring samples beside and above.
   const float depth = Dot(point - view.eye, view.forward);
   const auto step = [&](Vector3 axis) {
     const Vector3 sideways = axis * (depth / viewport.scale);

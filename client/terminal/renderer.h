@@ -1,4 +1,4 @@
-// A picture of the world: bodies, obstacles, shadows and sky, lit.
+// Draws a lit picture of the world: bodies, obstacles, shadows and sky.
 #pragma once
 
 #include <array>
@@ -16,25 +16,24 @@
 namespace wobble::terminal {
 
 struct DrawnBody {
-  std::span<const Vector3> vertices;                    // in the world, metres
-  std::span<const Vector3> rest;                        // as many, body frame; the pattern clings to it
-  std::span<const std::array<std::uint16_t, 3>> faces;  // outward, of vertices that exist
+  std::span<const Vector3> vertices;  // in the world, metres
+  std::span<const Vector3> rest;      // one per vertex, body frame; carries the pattern of the surface
+  std::span<const std::array<std::uint16_t, 3>> faces;  // outward; indices of existing vertices
   Light colour;
-  bool open = false;  // the backs of its faces are seen as well
-  std::span<const std::array<std::uint16_t, 2>> edges =
-      {};  // what is drawn, with all vertices, where there are no faces
+  bool open = false;                                         // the backs of its faces are drawn as well
+  std::span<const std::array<std::uint16_t, 2>> edges = {};  // drawn with all vertices, when there are no faces
 };
 
 struct World {
-  std::span<const protocol::wire::Obstacle> obstacles;  // neither these nor grounds: the plane z = 0 stands for them
+  std::span<const protocol::wire::Obstacle> obstacles;  // without obstacles and grounds the plane z = 0 is drawn
   std::span<const DrawnBody> bodies;
-  Vector3 focus;  // shadows are found around it
+  Vector3 focus;  // centre of the shadow map
   std::span<const client::Ground> grounds = {};
 };
 
 class Renderer {
  public:
-  // pixels: of width × height, row by row from the top.
+  // Draws width x height pixels, row by row from the top. Costs a few milliseconds (kMaxSamples in the source).
   void Draw(const World& world, const View& view, int width, int height, std::vector<Colour>& pixels);
 
  private:
@@ -57,7 +56,7 @@ class Renderer {
                                    const Viewport& viewport) const;
   void Reduce(int factor, int width, int height, std::vector<Colour>& pixels) const;
 
-  // Scratch, kept to save allocations.
+  // Buffers kept to save allocations.
   SampleGrid m_samples;
   ShadowMap m_shadows;
   std::vector<Plane> m_planes;

@@ -1,5 +1,6 @@
-// A shadow map (Williams 1978) with the comparison blurred over the four cells around a point (Reeves, Salesin and Cook
-// 1987). Only bodies cast, and surfaces ask: a body's own shadow on itself would need finer cells than it is worth.
+// A shadow map (Williams 1978) whose comparison is blurred over the four cells around a point (Reeves, Salesin and Cook
+// 1987). Only bodies cast shadows and only surfaces receive them: a body's shadow on itself would need finer cells than
+// it is worth.
 #include "client/terminal/shadow.h"
 
 #include <algorithm>
@@ -12,9 +13,9 @@ namespace {
 
 constexpr int kCells = 384;
 constexpr float kNothing = -1e30F;
-constexpr float kBias = 0.02F;  // metres above a point from which something shades it
+constexpr float kBias = 0.02F;  // metres; an occluder must be so much higher than the shaded point
 
-// The plane across the light: two unit vectors, normal to kToSun and to each other.
+// Basis of the plane perpendicular to the light: two unit vectors, normal to kToSun and to each other.
 const Vector3 kAcross = Normalise(Cross({0, 1, 0}, kToSun));
 const Vector3 kAlong = Cross(kToSun, kAcross);
 

@@ -1,4 +1,4 @@
-// Shadows of bodies: how high above a plane across the light something stands, on a grid.
+// Shadows of bodies: a grid of heights above a plane perpendicular to the light.
 #pragma once
 
 #include <array>
@@ -10,15 +10,15 @@
 
 namespace wobble::terminal {
 
-// Towards the sun, unit length. Steep: a shadow lies nearly below its body and tells its height.
+// Unit vector towards the sun. Steep: a shadow lies nearly below its body and shows its height.
 inline constexpr Vector3 kToSun{-0.3144F, -0.2096F, 0.9258F};
 
 class ShadowMap {
  public:
-  // A square of `halfWidth` metres to each side of `middle`; empties it.
+  // Empties the map and sets it to a square that extends `halfWidth` metres to each side of `middle`.
   void Reset(Vector3 middle, float halfWidth);
   void Add(std::span<const Vector3> vertices, std::span<const std::array<std::uint16_t, 3>> faces);
-  // 0 in the light to 1 in the shadow of something; 0 outside of the square. Blurred over a few centimetres.
+  // 0 in the light to 1 in shadow; 0 outside of the square. Blurred over a few centimetres.
   [[nodiscard]] float FindShade(Vector3 point) const;
 
  private:
@@ -30,7 +30,7 @@ class ShadowMap {
 
   Vector3 m_middle;
   float m_cellsPerMetre = 0;
-  std::vector<float> m_heights;  // towards the sun, of the highest there
+  std::vector<float> m_heights;  // greatest towardsSun in each cell, metres
 };
 
 }  // namespace wobble::terminal

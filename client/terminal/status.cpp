@@ -65,7 +65,7 @@ void WriteBox(CellGrid& grid, const std::vector<std::string>& lines) {
   for (const std::string& line : lines) widest = std::max(widest, line.size());
   const int width = std::min(static_cast<int>(widest) + 4, grid.columns);
   const int left = (grid.columns - width) / 2;
-  const int margin = static_cast<int>(lines.size()) + 2 < grid.rows ? 1 : 0;  // as long as there is room for it
+  const int margin = static_cast<int>(lines.size()) + 2 < grid.rows ? 1 : 0;  // a margin only when there is room
   int row = std::max(0, (grid.rows - 1 - static_cast<int>(lines.size())) / 2 - margin);
   const auto write = [&](const std::string& line) {
     if (row >= grid.rows) return;
@@ -83,7 +83,7 @@ std::vector<std::string> DescribeKeys(const StatusFigures& figures, const std::v
   std::snprintf(drawing, sizeof drawing, "a picture: %.1f ms to draw, %.1f kB to send", figures.frameMs,
                 figures.frameKilobytes);
   std::vector<std::string> lines{
-      "W A S D, arrows  go, as seen from here",
+      "W A S D, arrows  move, as seen by the camera",
       "space            jump",
       "E or P           puff up",
       "F                stiffen",
@@ -97,10 +97,10 @@ std::vector<std::string> DescribeKeys(const StatusFigures& figures, const std::v
                                 "?                these keys",
                                 "Q, Esc, Ctrl-C   quit     Ctrl-Z  suspend",
                                 "",
-                                "input   from a key sent to a snapshot that shows it",
-                                "SERVER SLOW  it has too much to do: the world goes so fast",
-                                "delay   bodies are shown so far behind the server",
-                                "stalls  times that news of a body did not come in time",
+                                "input   time from sending a key to a snapshot with its effect",
+                                "SERVER SLOW  overloaded: speed of the world",
+                                "delay   time by which shown bodies lag the server",
+                                "stalls  bodies whose next snapshot came late",
                                 drawing,
                             });
   return lines;

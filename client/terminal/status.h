@@ -1,4 +1,4 @@
-// Words on the screen: the status line, the keys, and messages instead of a picture.
+// Text on the screen: the status line, the list of keys, and messages in place of a picture.
 #pragma once
 
 #include <cstdint>
@@ -13,35 +13,35 @@
 namespace wobble::terminal {
 
 struct StatusFigures {
-  std::optional<double> inputMs;    // from sending an input to the first snapshot of a world that has used it
-  double kbitPerSecond = 0;         // received, all headers above UDP's included
-  double interpolationDelayMs = 0;  // how far behind the server's time bodies are shown
-  double pace = 1;                  // of the world, Client::Pace
-  std::uint64_t stalls = 0;         // times that a body was shown without anything new in time
+  std::optional<double> inputMs;    // from sending an input to the first snapshot that includes its effect
+  double kbitPerSecond = 0;         // received, all headers above UDP included
+  double interpolationDelayMs = 0;  // by which shown bodies lag the server's time
+  double pace = 1;                  // world time per real time, Client::Pace
+  std::uint64_t stalls = 0;         // how often a body was shown without new data in time
   std::size_t bodies = 0;           // shown
-  std::size_t players = 0;          // with a body
-  double frameMs = 0;               // to draw a picture, mean of the last few
-  double frameKilobytes = 0;        // sent to the terminal for it
+  std::size_t players = 0;          // that have a body
+  double frameMs = 0;               // to draw a picture, smoothed mean
+  double frameKilobytes = 0;        // sent to the terminal per picture, smoothed mean
 };
 
-// Fits 79 columns as long as no figure is out of all proportion.
+// Fits 79 columns for realistic figures.
 [[nodiscard]] std::string FormatStatus(const StatusFigures& figures);
 
-// Instead of it, when nothing came for so long.
+// Replaces the status line after so many seconds without a snapshot.
 [[nodiscard]] std::string FormatSilence(double seconds);
 
-// In the last row; the hint at its right end, or the key alone that it begins with, if there is room.
+// Writes the last row. The hint stands at its right end, shortened to the key it begins with when there is little room.
 void WriteStatus(CellGrid& grid, const std::string& text, const std::string& hint);
-// In the first row.
+// Writes the first row.
 void WriteTop(CellGrid& grid, const std::string& text);
-// In a box in the middle.
+// Writes a box in the middle.
 void WriteBox(CellGrid& grid, const std::vector<std::string>& lines);
 
-// hands: lines of keys that not every server has a use for.
+// hands: lines for keys that only some servers allow.
 [[nodiscard]] std::vector<std::string> DescribeKeys(const StatusFigures& figures,
                                                     const std::vector<std::string>& hands = {});
 
-// How a game stands, the best first.
+// The scores of a game, the best first.
 [[nodiscard]] std::string FormatScores(const client::Scoreboard& board,
                                        const std::function<std::string(std::uint32_t)>& nameOf);
 

@@ -1,5 +1,6 @@
-// The terminal is opened a second time, for a file description of our own: it must not block, and that flag belongs to
-// the description, which the shell shares with our standard streams and would keep if we were killed.
+// The terminal is opened a second time, for a file description of our own: it must be non-blocking, and that flag
+// belongs to the description, which the shell shares with our standard streams and would keep if the process were
+// killed.
 #include "client/terminal/terminal.h"
 
 #include <fcntl.h>
@@ -17,17 +18,17 @@
 namespace wobble::terminal {
 namespace {
 
-// The alternate screen first: kitty's modes belong to a screen, and ours are then gone with it.
+// The alternate screen comes first: kitty's modes belong to a screen and disappear with it.
 constexpr std::string_view kEnterScreen = "\033[?1049h";
 constexpr std::string_view kPrepareScreen = "\033[?25l\033[?7l\033[0m\033[2J";
-// Begins with an escape, which also ends a sequence that was broken off.
+// Begins with an escape character, which also ends an interrupted sequence.
 constexpr std::string_view kResetScreen = "\033[?2026l\033[0m";
 constexpr std::string_view kLeaveScreen = "\033[?7h\033[?25h\033[?1049l";
 
-// For a terminal that takes nothing, milliseconds.
+// Milliseconds to wait for a terminal that takes no bytes.
 constexpr int kWritePatience = 500;
 
-// While this process is in the background the shell's terminal may be set and written to; else it would be stopped.
+// While alive, a process in the background may set and write to the shell's terminal instead of being stopped.
 class BackgroundAllowed {
  public:
   BackgroundAllowed() {
@@ -62,13 +63,13 @@ std::unique_ptr<Terminal> Terminal::Open(std::string& error) {
   if (descriptor < 0) descriptor = open("/dev/tty", kFlags);
   termios found{};
   if (descriptor < 0 || tcgetattr(descriptor, &found) != 0) {
-    error = std::string("the terminal cannot be opened: ") + std::strerror(errno);
+    error = std::string("cannot open the terminal: ") + std::strerror(errno);
     if (descriptor >= 0) close(descriptor);
     return nullptr;
   }
   const pid_t foreground = tcgetpgrp(descriptor);
   if (foreground > 0 && foreground != getpgrp()) {
-    error = "in the background there are no keys to read; start it in the foreground";
+    error = "a background process cannot read keys; start it in the foreground";
     close(descriptor);
     return nullptr;
   }
@@ -87,8 +88,8 @@ Terminal::~Terminal() { close(m_descriptor); }
 void Terminal::Enter() {
   const BackgroundAllowed allowed;
   tcsetattr(m_descriptor, TCSANOW, &m_raw);
-  // Entered again, the alternate screen would take its own cursor for that of the shell. The keyboard's modes are a
-  // stack: what an earlier Enter has put there is taken off first.
+  // Entering the alternate screen twice would store its cursor as the shell's. The keyboard's modes are a stack, so the
+  // entry of an earlier Enter is removed first.
   WriteAll(std::string(m_entered ? "" : kEnterScreen) + std::string(kStopReleases) + std::string(kAskForReleases) +
            std::string(kPrepareScreen));
   m_entered = true;
@@ -97,7 +98,7 @@ void Terminal::Enter() {
 void Terminal::Leave() {
   const BackgroundAllowed allowed;
   WriteAll(std::string(kResetScreen) + std::string(kStopReleases) + std::string(kLeaveScreen));
-  tcflush(m_descriptor, TCIFLUSH);  // keys meant for us, not for the shell
+  tcflush(m_descriptor, TCIFLUSH);  // typed keys were meant for this program, not for the shell
   tcsetattr(m_descriptor, TCSANOW, &m_found);
   m_entered = false;
 }
@@ -107,7 +108,7 @@ void Terminal::LeaveToOthers() {
   termios now{};
   const bool isOurs =
       tcgetattr(m_descriptor, &now) == 0 && now.c_iflag == m_raw.c_iflag && now.c_lflag == m_raw.c_lflag;
-  if (isOurs) {  // before anything is written, which takes long enough for a shell to put in its own
+  if (isOurs) {  // before any write, because writing takes long enough for a shell to set its own
     tcsetattr(m_descriptor, TCSANOW, &m_found);
     tcflush(m_descriptor, TCIFLUSH);
   }
@@ -142,7 +143,7 @@ void Terminal::WriteAll(std::string bytes) {
   while (Write(bytes) && !bytes.empty()) {
     pollfd writable{m_descriptor, POLLOUT, 0};
     if (poll(&writable, 1, kWritePatience) > 0) continue;
-    tcflush(m_descriptor, TCOFLUSH);  // a picture that nobody fetches makes room
+    tcflush(m_descriptor, TCOFLUSH);  // discards a picture that the terminal does not read
     static_cast<void>(Write(bytes));
     return;
   }

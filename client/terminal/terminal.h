@@ -1,4 +1,4 @@
-// The terminal itself: its modes, its size, and bytes to and from it without ever waiting.
+// The terminal: its modes, its size, and non-blocking reads and writes.
 #pragma once
 
 #include <termios.h>
@@ -18,29 +18,29 @@ struct Size {
 
 class Terminal {
  public:
-  // The one that standard output is connected to, its settings noted. Null with one line in `error` when there is none,
-  // or none that can show a picture. Changes nothing yet.
+  // Opens the terminal that standard output is connected to and stores its settings. Changes nothing yet. On failure
+  // (no terminal, or one that cannot show a picture) null, with one line in `error`.
   [[nodiscard]] static std::unique_ptr<Terminal> Open(std::string& error);
   ~Terminal();
   Terminal(const Terminal&) = delete;
   Terminal& operator=(const Terminal&) = delete;
 
-  // Another screen, no cursor, no wrapping, keys as they are pressed; and all back as it was found. Each may be
-  // repeated.
+  // Enter: alternate screen, no cursor, no wrapping, keys unbuffered. Leave: restores all. Each may be repeated.
   void Enter();
   void Leave();
-  // As Leave, but settings that somebody else has made since, and keys meant for him, are left alone.
+  // As Leave, but keeps settings that another process has made since, and typed keys meant for it.
   void LeaveToOthers();
 
-  // 80 × 24 where it is not known.
+  // 80 x 24 when the terminal does not tell.
   [[nodiscard]] Size ReadSize() const;
 
-  // What has been typed, at most a few kilobytes. False once the terminal is gone.
+  // Appends typed bytes, at most a few kilobytes. False once the terminal is gone.
   [[nodiscard]] bool Read(std::string& bytes);
-  // Writes what the terminal takes at once and removes it from the front of `bytes`. False once the terminal is gone.
+  // Writes as much as the terminal takes without waiting and removes that from the front of `bytes`. False once the
+  // terminal is gone.
   [[nodiscard]] bool Write(std::string& bytes);
 
-  // To be polled.
+  // For poll().
   [[nodiscard]] int Descriptor() const { return m_descriptor; }
 
  private:

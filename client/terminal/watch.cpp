@@ -1,8 +1,8 @@
-// The one loop with a clock: take in what came, read keys, draw when a picture is due, wait for the next of these.
+// The loop with the clock: update the client, read keys, draw when a picture is due, wait for the next event.
 //
-// A picture is encoded only when the one before has gone to the terminal in full: over a slow line pictures are left
-// out, and what is shown is never older than one picture. The loop itself waits for nothing but the time, so the
-// connection and the keys go on whatever the terminal does.
+// A picture is encoded only when the previous one has gone to the terminal in full: on a slow line pictures are
+// skipped, and the picture shown is at most one picture old. The loop waits for time alone, so the connection and the
+// keys go on whatever the terminal does.
 #include "client/terminal/watch.h"
 
 #include <poll.h>
@@ -36,15 +36,15 @@ namespace {
 
 constexpr double kUpdateHz = 60;
 constexpr Size kLeastSize{24, 6};
-// Bytes of one picture after which the rest waits for the next.
+// Bytes of one picture after which the rest waits for the next round.
 constexpr std::size_t kMaxFrameBytes = 64 * 1024;
-constexpr double kGoodbyePatience = 1.5;  // s; whoever leaves waits no longer, be the link ever so bad
-constexpr double kRateEvery = 1;          // s over which the rate is measured
-constexpr double kSilence = 1.5;          // s without a snapshot that are worth a word
+constexpr double kGoodbyePatience = 1.5;  // s to wait for the server's answer to the goodbye, however bad the link
+constexpr double kRateEvery = 1;          // s between measurements of the rate
+constexpr double kSilence = 1.5;          // s without a snapshot after which the status line says so
 constexpr double kFigureSmoothing = 0.1;
-constexpr double kNoticeTime = 4;  // s that a line from the server stays
+constexpr double kNoticeTime = 4;  // s for which a line from the server is shown
 
-// One cell a character: the picture's letters are those of ASCII.
+// Replaces all but printable ASCII: one cell per character.
 std::string MakePlain(std::string text) {
   for (char& c : text) {
     if (c < 0x20 || c >= 0x7F) c = '?';
@@ -90,7 +90,7 @@ class Watch {
   Guard& m_guard;
   const std::function<bool()>& m_isStopAsked;
 
-  transport::Transport* m_transport = nullptr;  // the client's
+  transport::Transport* m_transport = nullptr;  // owned by m_client
   std::unique_ptr<client::Client> m_client;
   std::vector<client::BodySample> m_samples;
   std::map<std::uint32_t, std::string> m_players;  // names by body
@@ -102,7 +102,7 @@ class Watch {
   KeyDecoder m_decoder;
   Controls m_controls;
   std::vector<KeyEvent> m_events;
-  bool m_gone = false;  // the terminal
+  bool m_gone = false;  // the terminal has closed
 
   FrameEncoder m_encoder;
   Camera m_camera;
@@ -111,13 +111,13 @@ class Watch {
   std::vector<DrawnBody> m_bodies;
   std::vector<Vector3> m_centroids;
   std::vector<Colour> m_pixels;
-  std::string m_output;  // of a picture, not yet taken by the terminal
+  std::string m_output;  // bytes of a picture not yet taken by the terminal
 
   StatusFigures m_figures;
   bool m_played = false;
   double m_lastDrawn = 0;
-  std::uint64_t m_newsCount = 0;  // snapshots at the last picture
-  double m_newsAt = 0;            // when there was a new one
+  std::uint64_t m_newsCount = 0;  // number of snapshots at the last picture
+  double m_newsAt = 0;            // time of the last new snapshot
   double m_rateFrom = 0;
   std::uint64_t m_rateBytes = 0;
 };
@@ -130,7 +130,7 @@ int Watch::Run() {
   return Conclude();
 }
 
-// False with a line said.
+// On failure prints one line and returns false.
 bool Watch::Connect() {
   std::string error;
   auto transport = transport::EnetTransport::Connect(m_options.server.host, m_options.server.port, error);
@@ -305,9 +305,17 @@ void Watch::DrawBodies(int width, int height) {
                          : m_players.contains(sample.body)          ? FindPlayerColour(sample.body)
                                                                     : kSceneColour;
     const client::Blueprint& blueprint = *sample.blueprint;
-    m_bodies.push_back({sample.vertices, blueprint.rest, blueprint.faces, colour, blueprint.open, blueprint.edges});
+    m_bodies.push_back({.vertices = sample.vertices,
+                        .rest = blueprint.rest,
+                        .faces = blueprint.faces,
+                        .colour = colour,
+                        .open = blueprint.open,
+                        .edges = blueprint.edges});
   }
-  const World world{m_client->Welcome().obstacles, m_bodies, m_camera.Focus(), m_client->Grounds()};
+  const World world{.obstacles = m_client->Welcome().obstacles,
+                    .bodies = m_bodies,
+                    .focus = m_camera.Focus(),
+                    .grounds = m_client->Grounds()};
   m_renderer.Draw(world, m_camera.MakeView(), width, height, m_pixels);
 }
 
@@ -336,7 +344,7 @@ void Watch::MeasureRate(double now) {
   m_rateFrom = now;
 }
 
-// Until then, or a key, or the terminal takes more, or a signal.
+// Waits until `until`, a key, a signal, or room in the terminal for more output.
 void Watch::Wait(double until) {
   const double seconds = std::clamp(until - tool::ReadClock(), 0.0, 1.0);
   pollfd descriptor{m_terminal.Descriptor(), POLLIN, 0};

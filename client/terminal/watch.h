@@ -1,4 +1,4 @@
-// `wobble watch`: a server's world in the terminal, and keys to play in it.
+// `wobble watch`: draws a server's world in the terminal and plays in it by keys.
 #pragma once
 
 #include <functional>
@@ -13,17 +13,17 @@ namespace wobble::terminal {
 struct WatchOptions {
   tool::Address server;
   std::string name = "player";     // at most protocol::kMaxNameBytes bytes
-  bool spectate = false;           // no body of one's own
-  double fps = 30;                 // pictures a second, at most
-  double duration = 0;             // seconds; 0: until told to end
-  std::optional<Palette> palette;  // nullopt: as the environment says
-  std::string captureFile;         // where the last picture goes as SVG; empty: nowhere
+  bool spectate = false;           // without a body
+  double fps = 30;                 // pictures per second, at most
+  double duration = 0;             // seconds; 0: until the user ends it
+  std::optional<Palette> palette;  // nullopt: chosen by FindPalette
+  std::string captureFile;         // file for the last picture as SVG; empty: none
 };
 
-// By COLORTERM, or a TERM that is known for more than 256 colours.
+// True colour by COLORTERM, or by a TERM known for more than 256 colours. Both may be null.
 [[nodiscard]] Palette FindPalette(const char* colorTerm, const char* term);
 
-// Returns the exit code: 0 when it was told to end, 2 when there is no terminal or nobody to join, else 1.
+// Returns the exit code: 0 when the user ended it, 2 when there is no terminal or no server to join, else 1.
 [[nodiscard]] int RunWatch(const WatchOptions& options, const std::function<bool()>& isStopAsked);
 
 }  // namespace wobble::terminal

@@ -1,5 +1,5 @@
-// Nothing is decided here: the client library knows, the script draws, and this lays between them what the one has so
-// that the other can read it without a copy.
+// Makes no decisions: it lays out the data of the client library so that the script, which draws, can read it without a
+// copy.
 #include "client/wasm/session.h"
 
 #include <algorithm>
@@ -8,12 +8,12 @@
 namespace wobble::wasm {
 namespace {
 
-constexpr std::size_t kMaxEvents = 1024;  // a page that takes none keeps the newest
+constexpr std::size_t kMaxEvents = 1024;  // events and notices kept; the oldest are dropped first
 
 client::Options MakeOptions(std::string name, bool isSpectator) {
   if (name.size() > protocol::kMaxNameBytes) {
     std::size_t end = protocol::kMaxNameBytes;
-    while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0) == 0x80) --end;  // not inside of a character
+    while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0) == 0x80) --end;  // at the start of a character
     name.resize(end);
   }
   client::Options options;
@@ -119,20 +119,22 @@ const Text* Session::TakeNotice() {
 
 const TuningView& Session::MakeTuning() {
   const client::Tuning& tuning = m_client.ReadTuning();
-  m_tuningView = {
-      {tuning.gravity.x, tuning.gravity.y, tuning.gravity.z}, tuning.stiffness, tuning.timeRate, tuning.may};
+  m_tuningView = {.gravity = {tuning.gravity.x, tuning.gravity.y, tuning.gravity.z},
+                  .stiffness = tuning.stiffness,
+                  .timeRate = tuning.timeRate,
+                  .may = tuning.may};
   return m_tuningView;
 }
 
 const ScoreboardView& Session::MakeScoreboard() {
   const client::Scoreboard& board = m_client.ReadScoreboard();
-  m_scoreboardView = {static_cast<std::uint32_t>(board.phase),
-                      board.round,
-                      board.secondsLeft,
-                      board.pointsToWin,
-                      board.winner,
-                      static_cast<std::uint32_t>(board.scores.size()),
-                      AddressOf(board.scores.data())};
+  m_scoreboardView = {.phase = static_cast<std::uint32_t>(board.phase),
+                      .round = board.round,
+                      .secondsLeft = board.secondsLeft,
+                      .pointsToWin = board.pointsToWin,
+                      .winner = board.winner,
+                      .scoreCount = static_cast<std::uint32_t>(board.scores.size()),
+                      .scores = AddressOf(board.scores.data())};
   return m_scoreboardView;
 }
 
@@ -140,11 +142,15 @@ const ForcesView& Session::MakeForces() {
   const client::Forces& forces = m_client.ReadForces();
   m_fieldViews.clear();
   for (const protocol::ForceField& field : forces.fields) {
-    m_fieldViews.push_back({static_cast<std::uint32_t>(field.kind), static_cast<std::uint32_t>(field.values.size()),
-                            AddressOf(field.values.data())});
+    m_fieldViews.push_back({.kind = static_cast<std::uint32_t>(field.kind),
+                            .count = static_cast<std::uint32_t>(field.values.size()),
+                            .values = AddressOf(field.values.data())});
   }
-  m_forcesView = {forces.body, forces.tick, forces.stride, static_cast<std::uint32_t>(m_fieldViews.size()),
-                  AddressOf(m_fieldViews.data())};
+  m_forcesView = {.body = forces.body,
+                  .tick = forces.tick,
+                  .stride = forces.stride,
+                  .fieldCount = static_cast<std::uint32_t>(m_fieldViews.size()),
+                  .fields = AddressOf(m_fieldViews.data())};
   return m_forcesView;
 }
 

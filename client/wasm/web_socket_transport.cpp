@@ -1,5 +1,5 @@
-// Both queues are bounded: a page whose script has stopped taking or whose socket is stuck loses inputs and snapshots,
-// which are repeated anyway, and a control message too many ends the connection rather than leaving a gap in it.
+// Both queues are bounded. When the script stops or the socket is stuck, inputs and snapshots are lost, which later
+// ones replace anyway; a control message too many ends the connection, since it must not lose one.
 #include "client/wasm/web_socket_transport.h"
 
 #include <utility>
@@ -42,16 +42,16 @@ void WebSocketTransport::Poll(double, const Sink& sink) {
   using Kind = transport::Event::Kind;
   if (m_state == State::kConnecting && m_hasOpened) {
     m_state = State::kOpen;
-    sink({Kind::kConnected, kConnection, transport::Channel::kControl, {}});
+    sink({.kind = Kind::kConnected, .connection = kConnection});
   }
   while (!m_incoming.empty()) {
     const Incoming message = std::move(m_incoming.front());
     m_incoming.pop_front();
-    sink({Kind::kMessage, kConnection, message.channel, message.bytes});
+    sink({.kind = Kind::kMessage, .connection = kConnection, .channel = message.channel, .bytes = message.bytes});
   }
   if (m_state != State::kClosed && m_hasClosed) {
     m_state = State::kClosed;
-    sink({Kind::kDisconnected, kConnection, transport::Channel::kControl, {}});
+    sink({.kind = Kind::kDisconnected, .connection = kConnection});
   }
 }
 

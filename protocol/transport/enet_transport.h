@@ -1,6 +1,6 @@
-// Transport over ENet (UDP), for servers and clients in play.
+// The Transport over ENet (UDP), for real servers and clients.
 //
-// ENet counts its retransmissions on the wall clock; everything that this class promises about time (the connect
+// ENet times its retransmissions by the wall clock; everything that this class promises about time (the connect
 // timeout, how long a closing connection may linger) goes by the `now` of Poll.
 #pragma once
 
@@ -17,31 +17,31 @@ namespace wobble::transport {
 struct ListenOptions {
   std::uint16_t port = 0;           // UDP, on every IPv4 address of the machine; 0: the system picks a free one
   std::size_t maxConnections = 64;  // 1..kMaxListenConnections
-  std::size_t maxPerAddress = 0;    // of one IP address; 0: as many as maxConnections. A gateway's players share one
+  std::size_t maxPerAddress = 0;    // of one IP address; 0: maxConnections. A gateway's players share an address
   std::size_t maxMessageBytes = protocol::kMaxClientMessageBytes;  // larger messages from clients are dropped
 };
 
 struct ConnectOptions {
   double timeout =
-      protocol::kConnectTimeout;  // seconds from the first Poll until a server that does not answer is given up
+      protocol::kConnectTimeout;  // seconds from the first Poll; then a server that has not answered is given up
 };
 
-// ENet numbers peers in 12 bits, and a few are kept back for refusing.
+// ENet numbers peers in 12 bits, and a few slots are kept for refusing.
 inline constexpr std::size_t kMaxListenConnections = 4000;
 
 class EnetTransport final : public Transport {
  public:
-  // A server. Null with one line for people in `error` when the port cannot be had. A client too many (of the server or
-  // of its address) is disconnected right after its kConnected; the server's own sink never hears of it.
+  // Opens a server. Null with one line in `error` when the port cannot be bound. A client too many, in all or of its
+  // address, is disconnected right after its kConnected; the server's own sink never hears of it.
   [[nodiscard]] static std::unique_ptr<EnetTransport> Listen(const ListenOptions& options, std::string& error);
 
-  // A client. Resolves the name (this may block for as long as the system's resolver does); null with one line in
-  // `error` when it has no IPv4 address. A server that does not answer shows as kDisconnected after the timeout.
-  // Until kConnected, Send returns kFailed.
+  // Opens a client and begins to connect. Resolves the name, which may block for as long as the system's resolver does;
+  // null with one line in `error` when it has no IPv4 address. When the server does not answer, kDisconnected follows
+  // after the timeout. Until kConnected, Send returns kFailed.
   [[nodiscard]] static std::unique_ptr<EnetTransport> Connect(const std::string& host, std::uint16_t port,
                                                               std::string& error, const ConnectOptions& options = {});
 
-  // Tells connected peers that this end has gone, without waiting for them.
+  // Tells connected peers that this end closes, without waiting for them.
   ~EnetTransport() override;
 
   void Poll(double now, const Sink& sink) override;

@@ -1,8 +1,8 @@
-// The words of a link, and their limits.
+// Reads and validates link conditions.
 //
-// A number is nothing without its unit here: "loss=5" and "delay=50" are refused rather than guessed. strtod instead of
-// from_chars, which Emscripten's library has for whole numbers only; what it would take beyond plain digits (signs,
-// "nan", "0x10") is cut off before.
+// Every number needs its unit: "loss=5" and "delay=50" are refused rather than guessed. strtod is used instead of
+// from_chars, which Emscripten's library has for whole numbers only; only plain digits and points are passed to it, so
+// signs, "nan" and "0x10" are refused.
 #include "protocol/transport/link_conditions.h"
 
 #include <array>
@@ -24,7 +24,7 @@ enum class Unit { kShare, kTime, kRate, kBlackout };
 struct Field {
   std::string_view key;
   Unit unit;
-  double LinkConditions::*value;  // null for a black-out, which is two
+  double LinkConditions::*value;  // null for a black-out, which has two numbers
 };
 constexpr std::array kFields{
     Field{"loss", Unit::kShare, &LinkConditions::loss},
@@ -41,7 +41,7 @@ struct UnitName {
   double factor;
 };
 
-// '12.5ms' in terms of these units. NaN when it is anything else.
+// Reads a number with one of these units, such as '12.5ms'. NaN for any other text.
 double ReadQuantity(std::string_view text, std::initializer_list<UnitName> units) {
   const std::size_t digits = std::min(text.find_first_not_of("0123456789."), text.size());
   const std::string number(text.substr(0, digits));
@@ -87,7 +87,7 @@ bool ReadBlackout(std::string_view text, Blackout& blackout) {
   return blackout.period > 0 && IsGood(blackout);
 }
 
-// False when the text is none of what is allowed.
+// Sets the field's value. False when the text is not a valid value of it.
 bool ReadValue(const Field& field, std::string_view text, LinkConditions& conditions) {
   if (field.unit == Unit::kBlackout) return ReadBlackout(text, conditions.blackout);
   double& value = conditions.*field.value;
@@ -104,7 +104,7 @@ bool ReadValue(const Field& field, std::string_view text, LinkConditions& condit
   }
 }
 
-// What is written between two commas.
+// The text between two commas.
 struct Item {
   std::string key;  // with its prefix
   const Field* field = nullptr;
@@ -168,7 +168,7 @@ std::optional<LinkSpec> ParseLinkSpec(std::string_view text, std::string& error)
   std::vector<Item> items;
   if (!ReadItems(dense, items, error)) return std::nullopt;
   LinkSpec spec;
-  for (const bool forOneDirection : {false, true}) {  // these last: they count before those for both
+  for (const bool forOneDirection : {false, true}) {  // those for one direction last, since they take precedence
     for (const Item& item : items) {
       if ((item.up != item.down) != forOneDirection) continue;
       if (item.up) static_cast<void>(ReadValue(*item.field, item.value, spec.up));

@@ -1,6 +1,6 @@
-// What a bad network does to datagrams, and how people write it down.
+// The conditions of a bad network, and the text form of them.
 //
-// Shared by the virtual network of the tests and the relay between real sockets.
+// Used by the virtual network of the tests and by the relay between real sockets.
 #pragma once
 
 #include <optional>
@@ -10,13 +10,14 @@
 
 namespace wobble::transport {
 
-// Every `period` seconds the link is black for the last `length` of them, so that it begins clear. length 0: never.
+// A black-out: nothing passes during the last `length` of every `period` seconds, so a link begins clear. length 0:
+// never.
 struct Blackout {
   double length = 0;
   double period = 0;
 };
 
-// One direction. Shares are 0..1, times seconds, 0..10 unless said otherwise.
+// The conditions in one direction. Shares are 0..1; times are seconds, 0..10 unless said otherwise.
 struct LinkConditions {
   double loss = 0;             // share of datagrams that never arrive
   double delay = 0;            // one way
@@ -30,22 +31,22 @@ struct LinkConditions {
 inline constexpr double kMinRate = 1e3;
 inline constexpr double kMaxRate = 1e10;
 
-// One line for each field out of its range, with value and range; empty when all are good.
+// One line for each field out of its range, with the value and the range; empty when all are valid.
 [[nodiscard]] std::vector<std::string> ValidateLinkConditions(const LinkConditions& conditions);
 
 // Whether the link is black at this moment; time: seconds since the link began, 0 or more.
 [[nodiscard]] bool IsBlack(const Blackout& blackout, double time);
 
-// Both directions of a link, seen from the client: up is what it sends.
+// Both directions of a link; `up` is what the client sends.
 struct LinkSpec {
   LinkConditions up;
   LinkConditions down;
 };
 
-// 'loss=5%,delay=50ms,jitter=20ms,duplicate=1%,reorder=2%,rate=512kbit,blackout=250ms/15s', each at most once and all
-// of them optional. It holds for both directions; 'up.loss=...' or 'down.rate=...' for one, and before the one without.
-// Shares in %, times in ms or s, rates in bit, kbit or mbit (per second). nullopt with one line in `error`: the field,
-// what was written, what is allowed.
+// Reads 'loss=5%,delay=50ms,jitter=20ms,duplicate=1%,reorder=2%,rate=512kbit,blackout=250ms/15s': each field at most
+// once, all optional. A field holds for both directions; with 'up.' or 'down.' before it for that one, where it takes
+// precedence. Shares in %, times in ms or s, rates in bit, kbit or mbit (per second). nullopt with one line in `error`:
+// the field, the text, the range.
 [[nodiscard]] std::optional<LinkSpec> ParseLinkSpec(std::string_view text, std::string& error);
 
 }  // namespace wobble::transport

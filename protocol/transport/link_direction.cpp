@@ -1,10 +1,10 @@
-// A datagram's whole fate is decided when it enters, so nothing has to be looked at again on the way and tests need
-// neither sockets nor a clock.
+// The fate of a datagram is decided when it enters, so it needs no further look on its way and tests need neither
+// sockets nor a clock.
 //
-// On its way it meets, in this order: the queue before the bottleneck, whose tail is dropped when it is full; the wire,
-// which loses, delays, holds back and doubles; and a black-out, which takes all that enters or would come out while it
-// lasts. Nothing is kept over a black-out: a link that stores it up and lets it burst out afterwards is what no radio
-// does, and what a client could not tell from a flood. What is lost later has used the rate, a second copy has not.
+// A datagram passes, in this order: the queue before the bottleneck, whose tail is dropped when it is full; the wire,
+// which loses, delays, holds back and duplicates; and a black-out, which drops all that enters or would come out while
+// it lasts. A black-out stores nothing: no radio keeps datagrams and releases them in a burst afterwards, and a client
+// could not tell such a burst from a flood. A datagram that is lost has used up rate; a second copy has not.
 #include "protocol/transport/link_direction.h"
 
 #include <algorithm>

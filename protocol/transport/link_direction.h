@@ -1,4 +1,4 @@
-// What becomes of each datagram that enters one direction of one link.
+// Decides what becomes of each datagram that enters one direction of a link.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace wobble::transport {
 
-// Nothing (lost, say), one copy or two, each with the moment at which it comes out. In no order.
+// No copy, one or two, each with the time at which it comes out, in no order.
 struct Fate {
   enum class Ending : std::uint8_t { kPasses, kLost, kOverRate, kBlackedOut };
   Ending ending = Ending::kPasses;
@@ -19,28 +19,29 @@ struct Fate {
   std::array<double, 2> due{};  // seconds; of `copies`
 };
 
-// All chances follow from the seed and the datagram's number in this direction alone: each takes the same number of
-// draws whatever its conditions and its fate, so more loss loses a superset, and no other traffic changes anything.
+// The draws of a datagram follow from the seed and its number in this direction alone: each datagram takes the same
+// number of draws whatever its conditions and its fate. So more loss loses a superset, and other traffic changes
+// nothing.
 class LinkDirection {
  public:
   explicit LinkDirection(std::uint64_t seed) : m_random(seed) {}
 
-  // A datagram with a payload of so many bytes enters. The conditions are valid; now: seconds since the link began,
-  // never backwards.
+  // The fate of the next datagram, with a payload of so many bytes. The conditions must be valid; now: seconds since
+  // the link began, never backwards.
   [[nodiscard]] Fate Decide(const LinkConditions& conditions, double now, std::size_t bytes);
 
  private:
   protocol::Random m_random;
-  double m_busyUntil = 0;  // when the last datagram let in will have left at the link's rate
+  double m_busyUntil = 0;  // when the last datagram in the queue has left at the link's rate
 };
 
-// What the queue before a limited rate holds: so many seconds of it, but at least so many bytes.
+// The queue before a limited rate holds kRateQueueSeconds of it, but at least kRateQueueBytes.
 inline constexpr double kRateQueueSeconds = 0.25;
 inline constexpr double kRateQueueBytes = 3000;
-// Of IPv4 and UDP, bytes a datagram.
+// Bytes of the IPv4 and UDP headers of a datagram.
 inline constexpr double kHeaderBytes = 28;
 
-// Two seeds for a link's directions. Links with different numbers never share one.
+// Seeds for the two directions of a link. Links with different numbers never share a seed.
 struct LinkSeeds {
   std::uint64_t toServer;
   std::uint64_t toClient;

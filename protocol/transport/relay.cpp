@@ -1,11 +1,12 @@
-// Sockets around LinkDirection: what arrives gets its fate at once, waits in one queue ordered by time, and leaves.
+// Sockets around LinkDirection: a datagram that arrives gets its fate at once, waits in one queue ordered by time, and
+// leaves.
 //
-// One thread, and no clock of its own. All sockets hang on one epoll; it is waited for with ppoll, which counts in
-// nanoseconds where epoll_wait counts in milliseconds and would be late by up to one. Each turn takes a limited number
+// One thread, without a clock of its own. All sockets are in one epoll, which is waited for with ppoll: it counts in
+// nanoseconds, where epoll_wait counts in milliseconds and would be late by up to one. Each turn takes a limited number
 // of datagrams, so that those which are due do not wait for a flood to end.
 //
-// What it may hold is bounded: clients, bytes in the queue, and an address that falls silent is forgotten with its
-// socket. Clients live in slots; what still waits for one that has gone is known by the number that the slot had.
+// Memory is bounded: the number of clients, the bytes in the queue, and a silent address is forgotten with its socket.
+// Clients live in slots. A datagram that waits for a client which has gone is recognised by the client's number.
 #include "protocol/transport/relay.h"
 
 #include <arpa/inet.h>
@@ -34,24 +35,24 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-// Datagrams taken from the players, from the server and of these from one socket, and datagrams sent, before the clock
-// is asked again: at some 3 us each none of them waits for a millisecond.
+// Datagrams taken from the players, taken from the server (and from one socket of it), and sent, before the clock is
+// read again: at about 3 us each none of them waits for a millisecond.
 constexpr int kTakenPerTurn = 64;
 constexpr int kTakenPerSocket = 16;
 constexpr int kSentPerTurn = 4 * kTakenPerTurn;
 
-// What may wait, bytes: 500 clients at 384 kbit/s through 2 s of delay are 48 MB. Each datagram is charged what its
-// place in the queue costs, too.
+// Bytes that may wait: 500 clients at 384 kbit/s through 2 s of delay are 48 MB. kWaitingCost is added for each
+// datagram, for its place in the queue.
 constexpr std::size_t kMaxWaitingBytes = std::size_t{96} << 20;
 constexpr std::size_t kWaitingCost = 96;
 
 constexpr std::size_t kLargestDatagram = 65536;
-// A server that comes back from a late tick sends to all of its clients at once, and so do they.
+// After a late tick a server sends to all of its clients at once, and the clients send at once as well.
 constexpr int kSocketBytes = 4 * 1024 * 1024;
 
 constexpr double kForgetEvery = 1;
 
-// Closed when it goes.
+// A file descriptor that is closed in the destructor.
 class Handle {
  public:
   explicit Handle(int descriptor) : m_descriptor(descriptor) {}
@@ -73,7 +74,7 @@ class Handle {
 Handle OpenSocket() {
   Handle handle(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (!handle.IsOpen()) return handle;
-  for (const int option : {SO_RCVBUF, SO_SNDBUF}) {  // cut down by the system without a word; what it gives is enough
+  for (const int option : {SO_RCVBUF, SO_SNDBUF}) {  // the system may silently give less, which is enough
     setsockopt(handle.Get(), SOL_SOCKET, option, &kSocketBytes, sizeof kSocketBytes);
   }
   return handle;
@@ -101,7 +102,7 @@ bool Resolve(const RelayOptions& options, sockaddr_in& address, std::string& err
 struct Client {
   Client(std::uint64_t clientNumber, const sockaddr_in& source, Handle socket, LinkSeeds seeds)
       : number(clientNumber), address(source), upstream(std::move(socket)), up(seeds.toServer), down(seeds.toClient) {}
-  std::uint64_t number;  // from 1, in the order in which they were seen
+  std::uint64_t number;  // from 1, in the order in which addresses were first seen
   sockaddr_in address;
   Handle upstream;  // connected to the server
   LinkDirection up;
@@ -111,7 +112,7 @@ struct Client {
 
 struct Waiting {
   double due;
-  std::uint64_t order;  // among those due at one moment, as they arrived
+  std::uint64_t order;  // of arrival, for those due at the same moment
   std::size_t slot;
   std::uint64_t number;  // of the client that had the slot
   bool isUp;
@@ -123,7 +124,7 @@ struct IsLater {
   }
 };
 
-// std::priority_queue does not let go of what is on top; this one hands it out.
+// A std::priority_queue whose top can be moved out.
 class WaitingQueue : public std::priority_queue<Waiting, std::vector<Waiting>, IsLater> {
  public:
   Waiting Take() {
@@ -186,7 +187,7 @@ struct Relay::Impl {
 
 namespace {
 
-// The listener's; clients have their slot's number plus 1.
+// In epoll's data for the listener; clients have their slot's number plus 1.
 constexpr std::uint64_t kListenerTag = 0;
 
 }  // namespace
@@ -224,7 +225,7 @@ Client* Relay::Impl::FindOrMakeClient(const sockaddr_in& source, double now, std
   return slots[slot].get();
 }
 
-// Returns how many it took; fewer than `most` when there were no more.
+// Takes datagrams of players. Returns how many; fewer than `most` when there were no more.
 int Relay::Impl::TakeFromClients(int most, double now) {
   for (int taken = 0; taken < most; ++taken) {
     sockaddr_in source{};
@@ -244,7 +245,7 @@ int Relay::Impl::TakeFromClients(int most, double now) {
   return most;
 }
 
-// Likewise. A server that is not there shows as an error of the socket, which is gone once it has been read.
+// The same for datagrams of the server. A missing server shows as an error of the socket, which is cleared by reading.
 int Relay::Impl::TakeFromServer(std::size_t slot, int most, double now) {
   Client& client = *slots[slot];
   for (int taken = 0; taken < most; ++taken) {
@@ -277,8 +278,9 @@ void Relay::Impl::Enter(Client& client, std::size_t slot, bool isUp, std::size_t
   }
 }
 
-// True when there may be more. The players' one socket comes first and has as much of a turn as all of the server's
-// together: its buffer is the one that runs over. Among the others epoll itself goes round, so none is left out.
+// Takes what has arrived; true when there may be more. The one socket of all players comes first and may take as much
+// as all sockets to the server together, since its buffer is the one that overflows. epoll serves the others in turn,
+// so none starves.
 bool Relay::Impl::TakeArrivals(double now) {
   bool hasMore = TakeFromClients(kTakenPerTurn, now) == kTakenPerTurn;
   std::array<epoll_event, kTakenPerTurn> events{};
@@ -306,7 +308,7 @@ bool Relay::Impl::SendOut(const Client& client, const Waiting& out) const {
   return false;
 }
 
-// True when more is due.
+// Sends datagrams that are due; true when more are due.
 bool Relay::Impl::SendDue(double now) {
   for (int sent = 0; !waiting.empty() && waiting.top().due <= now; ++sent) {
     if (sent == kSentPerTurn) return true;

@@ -1,11 +1,10 @@
 // Links on virtual time.
 //
 // Each link and direction has its own generators, and each unreliable message takes the same number of draws whatever
-// the conditions are: one client's traffic does not change another's fate, and more loss loses a superset.
-// std::uniform_real_distribution is not used because standard libraries disagree about it.
-// An unreliable message gets its time of arrival (or none) when it is sent. A reliable one is tried, and on a loss
-// tried again after a time-out that doubles, as ENet does; it is handed over in order, so one loss holds up all behind
-// it. Opening and closing travel like reliable messages, so they are never overtaken.
+// the conditions are: one client's traffic does not change another's, and more loss loses a superset. An unreliable
+// message gets its time of arrival, or none, when it is sent. A reliable one is repeated after a loss, with a time-out
+// that doubles as ENet's does; messages are handed over in order, so a loss delays all behind it. Opening and closing
+// travel like reliable messages, so nothing overtakes them.
 #include "protocol/transport/virtual_network.h"
 
 #include <algorithm>
@@ -24,7 +23,7 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kCloseTimeout = 3;        // seconds, as over ENet
-constexpr double kGuessedRoundTrip = 0.5;  // likewise, until one has been measured
+constexpr double kGuessedRoundTrip = 0.5;  // seconds, as ENet's until one has been measured
 constexpr ConnectionId kClientConnection = 1;
 
 enum class Side : std::uint8_t { kServer = 0, kClient = 1 };
@@ -39,11 +38,11 @@ struct Parcel {
   std::vector<std::uint8_t> bytes;
 };
 
-// A reliable parcel that its receiver has not seen yet.
+// A reliable parcel that has not been handed to its receiver.
 struct Pending {
   Parcel parcel;
   double nextTry;
-  double timeout = 0;       // until the try after that; 0 before the first
+  double timeout = 0;       // seconds from nextTry to the try after it; 0 before the first try
   double arrival = kNever;  // of the try that got through
 };
 
@@ -51,22 +50,22 @@ struct Pending {
 struct Way {
   explicit Way(std::uint64_t seed) : unreliable(seed), reliableRandom(~seed) {}
   LinkDirection unreliable;
-  protocol::Random reliableRandom;  // its own, since retransmissions draw as often as it takes
+  protocol::Random reliableRandom;  // separate, since the number of retransmissions varies
   std::deque<Pending> pending;
   double lastRelease = 0;
 };
 
-// What one side thinks of its connection.
+// One side's view of its connection.
 enum class Phase : std::uint8_t { kNone, kConnecting, kOpen, kClosing, kGone };
 struct End {
   Phase phase = Phase::kNone;
-  double deadline = kNever;  // when connecting or closing is given up
+  double deadline = kNever;  // of connecting or closing
 };
 
 struct Link {
   Link(std::uint64_t toServerSeed, std::uint64_t toClientSeed) : ways{Way(toServerSeed), Way(toClientSeed)} {}
   std::array<Way, 2> ways;  // by the side that receives
-  std::array<End, 2> ends;  // by the side that thinks
+  std::array<End, 2> ends;  // by side
 };
 
 }  // namespace
@@ -82,7 +81,7 @@ struct VirtualNetwork::State {
   void Retry(Side to, Way& way, double now);
   void Release(std::size_t link, Side to, double now);
 
-  // In the order in which they are handed over: by time, then as they were sent.
+  // The order of handing over: by time, then by the order of sending.
   struct Key {
     double arrival;
     std::uint64_t number;
@@ -110,7 +109,7 @@ struct VirtualNetwork::State {
 
 namespace {
 
-// Both sides alike; a client has one link, the server has all.
+// An endpoint of either side; a client has one link, the server all.
 class VirtualEndpoint final : public Transport {
  public:
   VirtualEndpoint(std::shared_ptr<VirtualNetwork::State> state, Side side, std::size_t link)
@@ -128,7 +127,7 @@ class VirtualEndpoint final : public Transport {
   [[nodiscard]] SendResult Send(ConnectionId connection, Channel channel,
                                 std::span<const std::uint8_t> message) override;
   void Disconnect(ConnectionId connection) override;
-  void Flush() override {}  // what is sent is on its way at once
+  void Flush() override {}  // messages leave at once
   [[nodiscard]] Statistics ReadStatistics() const override { return m_statistics; }
   [[nodiscard]] double ReadRoundTrip(ConnectionId) const override { return m_state->RoundTrip(); }
 
@@ -193,7 +192,7 @@ void VirtualEndpoint::Poll(double now, const Sink& sink) {
   GiveUpOverdue(sink);
   for (std::size_t link = FirstLink(); link < EndLink(); ++link) m_state->Release(link, m_side, now);
   for (;;) {
-    // Looked up anew: the sink may make a client, and the inboxes move.
+    // Looked up anew each time: the sink may make a client, which moves the inboxes.
     VirtualNetwork::State::Inbox& inbox = m_state->InboxOf(m_link, m_side);
     if (inbox.empty() || inbox.begin()->first.arrival > now) break;
     const auto arrived = inbox.extract(inbox.begin());
@@ -221,7 +220,7 @@ void VirtualEndpoint::Answer(std::size_t link, End& end, const Sink& sink) {
   }
   end.phase = Phase::kOpen;
   SendContent(link, Content::kAccept);
-  sink({Event::Kind::kConnected, IdOf(link), Channel::kControl, {}});
+  sink({.kind = Event::Kind::kConnected, .connection = IdOf(link)});
 }
 
 void VirtualEndpoint::Take(std::size_t link, const Parcel& parcel, const Sink& sink) {
@@ -233,7 +232,7 @@ void VirtualEndpoint::Take(std::size_t link, const Parcel& parcel, const Sink& s
     case Content::kAccept:
       if (end.phase != Phase::kConnecting) break;
       end = {Phase::kOpen, kNever};
-      sink({Event::Kind::kConnected, IdOf(link), Channel::kControl, {}});
+      sink({.kind = Event::Kind::kConnected, .connection = IdOf(link)});
       break;
     case Content::kRefuse:
     case Content::kClosed:
@@ -246,17 +245,17 @@ void VirtualEndpoint::Take(std::size_t link, const Parcel& parcel, const Sink& s
     case Content::kMessage:
       if (end.phase != Phase::kOpen) break;
       m_statistics.bytesIn += parcel.bytes.size();
-      sink({Event::Kind::kMessage, IdOf(link), parcel.channel, parcel.bytes});
+      sink({.kind = Event::Kind::kMessage, .connection = IdOf(link), .channel = parcel.channel, .bytes = parcel.bytes});
       break;
   }
 }
 
-// The connection is over, and whoever knew of it hears so.
+// Ends the connection; a sink that was told of it is told of its end.
 void VirtualEndpoint::Leave(std::size_t link, const Sink& sink) {
   End& end = EndOf(link);
   const bool isKnown = end.phase != Phase::kNone && end.phase != Phase::kGone;
   end = {Phase::kGone, kNever};
-  if (isKnown) sink({Event::Kind::kDisconnected, IdOf(link), Channel::kControl, {}});
+  if (isKnown) sink({.kind = Event::Kind::kDisconnected, .connection = IdOf(link)});
 }
 
 SendResult VirtualEndpoint::Send(ConnectionId connection, Channel channel, std::span<const std::uint8_t> message) {
@@ -284,7 +283,7 @@ void VirtualEndpoint::Disconnect(ConnectionId connection) {
   std::size_t link = 0;
   End* end = FindEnd(connection, link);
   if (end == nullptr || end->phase == Phase::kClosing) return;
-  if (end->phase == Phase::kConnecting) {  // nothing to wait for; the event comes with the next Poll
+  if (end->phase == Phase::kConnecting) {  // there is nothing to wait for: the event comes with the next Poll
     end->deadline = -kNever;
     return;
   }
@@ -303,7 +302,7 @@ std::size_t VirtualNetwork::State::AddLink() {
   return link;
 }
 
-// One try of something reliable: whether it gets through, and how long it then takes.
+// One try of a reliable parcel: whether it gets through, and how long it then takes.
 bool VirtualNetwork::State::TryTrip(Side to, protocol::Random& random, double at, double& trip) const {
   const LinkConditions& link = conditions[IndexOf(to)];
   const double lossDraw = random.NextShare();
@@ -312,7 +311,7 @@ bool VirtualNetwork::State::TryTrip(Side to, protocol::Random& random, double at
   return !black && lossDraw >= link.loss;
 }
 
-// What a transport would measure, on average.
+// The round trip that a transport would measure on average.
 double VirtualNetwork::State::RoundTrip() const {
   double seconds = 0;
   for (const LinkConditions& way : conditions) seconds += way.delay + way.jitter / 2;
@@ -340,7 +339,7 @@ void VirtualNetwork::State::SendReliably(std::size_t link, Side to, Parcel parce
   Retry(to, way, now);
 }
 
-// Makes every try that is due. A sender learns of a loss only by the missing acknowledgement, hence the round trip.
+// Makes every try that is due. A sender notices a loss only by the missing acknowledgement, hence the round trip.
 void VirtualNetwork::State::Retry(Side to, Way& way, double now) {
   const LinkConditions& conditionsTo = conditions[IndexOf(to)];
   for (Pending& waiting : way.pending) {
@@ -359,7 +358,7 @@ void VirtualNetwork::State::Retry(Side to, Way& way, double now) {
   }
 }
 
-// Moves reliable parcels that are there, and behind none that is not, to their receiver's inbox.
+// Moves reliable parcels that have arrived, up to the first that has not, to their receiver's inbox.
 void VirtualNetwork::State::Release(std::size_t link, Side to, double now) {
   Way& way = links[link].ways[IndexOf(to)];
   Retry(to, way, now);

@@ -1,9 +1,9 @@
 // A network inside the process, on virtual time: one server endpoint and any number of client endpoints, for tests.
 //
-// What it does to messages follows from the seed and the calls alone, on every machine and with every standard library.
-// It models datagrams that are lost, late, out of order and twice there, and a reliable channel that pays for each loss
-// with a retransmission. A limited rate holds for unreliable messages alone, and no connection dies of silence: the
-// session layer sees to that.
+// Its behaviour follows from the seed and the calls alone, on every machine and with every standard library. It models
+// datagrams that are lost, late, reordered and duplicated, and a reliable channel that pays for each loss with a
+// retransmission. A limited rate holds for unreliable messages alone. Silence ends no connection; that is the session
+// layer's task.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@
 
 namespace wobble::transport {
 
-// What happened to unreliable messages in one direction, all links together.
+// Counts of unreliable messages in one direction, all links together.
 struct LinkCounts {
   std::uint64_t sent = 0;
   std::uint64_t lost = 0;  // black-outs included
@@ -30,22 +30,23 @@ struct VirtualNetworkOptions {
   double connectTimeout = protocol::kConnectTimeout;  // seconds from a client's first Poll
 };
 
-// Endpoints may outlive the network object and one another; whose far end has gone hears of it a trip later.
+// Endpoints may outlive the network object and one another. An endpoint whose far end is destroyed is told a trip
+// later.
 class VirtualNetwork {
  public:
   explicit VirtualNetwork(const VirtualNetworkOptions& options = {});
   ~VirtualNetwork();
 
-  // Once.
+  // The server's endpoint; to be called once. An endpoint sends at the `now` of its last Poll.
   [[nodiscard]] std::unique_ptr<Transport> MakeServer();
-  // A client that asks for its connection (id 1) with its first Poll. An endpoint sends at the `now` of its last Poll.
+  // A client's endpoint. It asks for its connection (id 1) with its first Poll.
   [[nodiscard]] std::unique_ptr<Transport> MakeClient();
 
-  // From now on, for all links; what is on its way keeps its fate. The conditions must be valid. The period of a
-  // black-out counts from time 0.
+  // Holds from now on for all links; messages on their way keep their fate. The conditions must be valid. The period of
+  // a black-out counts from time 0.
   void SetConditions(const LinkConditions& bothWays);
   void SetConditions(const LinkConditions& toServer, const LinkConditions& toClients);
-  // While black, nothing that is sent passes, either way; what is on its way does.
+  // While black, nothing that is sent in either direction passes; messages on their way do.
   void SetBlackout(bool isBlack);
 
   [[nodiscard]] LinkCounts CountsToServer() const;

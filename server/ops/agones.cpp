@@ -1,7 +1,7 @@
-// A queue, a thread that empties it, and what to do with a call that fails.
+// A queue, a thread that empties it, and the rules for calls that fail.
 //
-// Names and paths are those of Agones' sdk.proto and beta.proto as its gateway maps them to HTTP. There 64-bit numbers
-// are strings, as everywhere in the JSON of Protocol Buffers.
+// Names and paths are those of Agones' sdk.proto and beta.proto as its gateway maps them to HTTP. 64-bit numbers are
+// strings there, as everywhere in the JSON of Protocol Buffers.
 #include "server/ops/agones.h"
 
 #include <httplib.h>
@@ -18,15 +18,16 @@ namespace {
 constexpr time_t kTimeout = 1;  // s
 constexpr std::chrono::seconds kPatience{1};
 constexpr std::chrono::milliseconds kStopInterval{20};
-// Two for each who comes or goes.
+// Two requests for each player who joins or leaves.
 constexpr std::size_t kMostWaiting = 1024;
 
-// Does no harm twice, and without it the fleet has a wrong picture for good.
+// Whether the call sets the server's state in the fleet. Such a call may be repeated without harm, and if it is lost
+// the fleet's view of the server stays wrong.
 bool SetsState(FleetCall::Kind kind) {
   return kind == FleetCall::Kind::kReady || kind == FleetCall::Kind::kAllocate || kind == FleetCall::Kind::kShutdown;
 }
 
-// Signals are for the main thread; and a sidecar that hangs up while it is written to must not end the server.
+// Leaves signals to the main thread, and keeps SIGPIPE of a sidecar that hangs up from ending the server.
 void BlockSignals() {
   sigset_t all;
   sigfillset(&all);
@@ -44,7 +45,7 @@ std::optional<std::uint16_t> ParseSidecarPort(const std::string& text, std::stri
   return std::nullopt;
 }
 
-// By number: to look a name up can take longer than any timeout of ours.
+// The address is numeric: resolving a name can take longer than the timeouts here.
 Agones::Agones(std::uint16_t port) : m_client(std::make_unique<httplib::Client>("127.0.0.1", port)) {
   m_client->set_connection_timeout(kTimeout);
   m_client->set_read_timeout(kTimeout);
@@ -55,12 +56,12 @@ Agones::Agones(std::uint16_t port) : m_client(std::make_unique<httplib::Client>(
 
 Agones::~Agones() {
   std::unique_lock lock(m_mutex);
-  m_isEnding = true;
+  m_stage = Stage::kEnding;
   m_changed.notify_all();
-  const auto isDone = [this] { return m_isDone; };
+  const auto isDone = [this] { return m_stage == Stage::kDone; };
   if (!m_changed.wait_for(lock, kPatience, isDone)) {
-    m_isBrokenOff = true;
-    // Until it has worked: a request that has just begun has no connection yet that could be broken off.
+    m_stage = Stage::kBrokenOff;
+    // Repeated, because a request that has just begun has no connection yet that could be stopped.
     do {
       m_client->stop();
     } while (!m_changed.wait_for(lock, kStopInterval, isDone));
@@ -92,21 +93,21 @@ void Agones::Queue(const FleetCall& call) {
       m_isHealthDue = true;
       break;
     case Kind::kReady:
-      Add({call.kind, "POST", "/ready"});
+      Add({.kind = call.kind, .path = "/ready"});
       break;
     case Kind::kAllocate:
-      Add({call.kind, "POST", "/allocate"});
+      Add({.kind = call.kind, .path = "/allocate"});
       break;
     case Kind::kAddPlayer:
-      Add({call.kind, "PATCH", counter, R"({"countDiff":"1"})"});
-      Add({call.kind, "POST", list + ":addValue", value});
+      Add({.kind = call.kind, .method = "PATCH", .path = counter, .body = R"({"countDiff":"1"})"});
+      Add({.kind = call.kind, .path = list + ":addValue", .body = value});
       break;
     case Kind::kRemovePlayer:
-      Add({call.kind, "PATCH", counter, R"({"countDiff":"-1"})"});
-      Add({call.kind, "POST", list + ":removeValue", value});
+      Add({.kind = call.kind, .method = "PATCH", .path = counter, .body = R"({"countDiff":"-1"})"});
+      Add({.kind = call.kind, .path = list + ":removeValue", .body = value});
       break;
     case Kind::kShutdown:
-      Add({call.kind, "POST", "/shutdown"});
+      Add({.kind = call.kind, .path = "/shutdown"});
       break;
   }
 }
@@ -123,22 +124,22 @@ void Agones::Work() {
   BlockSignals();
   std::unique_lock lock(m_mutex);
   for (;;) {
-    m_changed.wait(lock, [this] { return m_isEnding || HasNext(); });
-    if (m_isBrokenOff || !HasNext()) break;
+    m_changed.wait(lock, [this] { return m_stage != Stage::kRunning || HasNext(); });
+    if (m_stage == Stage::kBrokenOff || !HasNext()) break;
     Request request = TakeNext();
     lock.unlock();
     const Outcome outcome = Send(request);
     lock.lock();
     Note(std::move(request), outcome);
   }
-  m_isDone = true;
+  m_stage = Stage::kDone;
   m_changed.notify_all();
 }
 
 bool Agones::HasNext() const { return m_isHealthDue || (!m_isHeld && !m_waiting.empty()); }
 
 Agones::Request Agones::TakeNext() {
-  if (std::exchange(m_isHealthDue, false)) return {FleetCall::Kind::kHealth, "POST", "/health"};
+  if (std::exchange(m_isHealthDue, false)) return {.kind = FleetCall::Kind::kHealth, .path = "/health"};
   Request request = std::move(m_waiting.front());
   m_waiting.pop_front();
   return request;
@@ -152,10 +153,12 @@ Agones::Outcome Agones::Send(const Request& request) {
   if (!result) {
     const bool isConnected =
         result.error() != httplib::Error::Connection && result.error() != httplib::Error::ConnectionTimeout;
-    return {isConnected, 0, isConnected ? "no answer" : "no connection"};
+    return {.isConnected = isConnected, .trouble = isConnected ? "no answer" : "no connection"};
   }
   const bool isSuccess = result->status >= 200 && result->status < 300;
-  return {true, result->status, isSuccess ? "" : "answered with status " + std::to_string(result->status)};
+  return {.isConnected = true,
+          .status = result->status,
+          .trouble = isSuccess ? "" : "answered with status " + std::to_string(result->status)};
 }
 
 void Agones::Note(Request request, const Outcome& outcome) {

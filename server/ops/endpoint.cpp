@@ -1,3 +1,4 @@
+// Serves copies of the figures. cpp-httplib brings its own threads; the only lock is the one round the figures.
 #include "server/ops/endpoint.h"
 
 #include <fmt/format.h>
@@ -12,8 +13,8 @@
 namespace wobble::ops {
 namespace {
 
-constexpr int kThreads = 2;   // a client that dawdles over its request leaves one for others
-constexpr int kPatience = 2;  // s for a request to come in, and for an answer to go out
+constexpr int kThreads = 2;   // two, so that a slow client leaves one for others
+constexpr int kPatience = 2;  // timeout of reading a request and of writing an answer, s
 constexpr std::size_t kMostRequestBytes = 1024;
 
 const char* Describe(Condition condition) {
@@ -37,6 +38,12 @@ void Answer(httplib::Response& response, bool isGood, const std::string& text) {
   response.set_content(text + "\n", "text/plain; charset=utf-8");
 }
 
+// The port that it is bound to; -1 when that cannot be had.
+int Bind(httplib::Server& http, const Address& address) {
+  if (address.port == 0) return http.bind_to_any_port(address.host);
+  return http.bind_to_port(address.host, address.port) ? address.port : -1;
+}
+
 }  // namespace
 
 bool ParseAddress(const std::string& text, Address& address, std::string& error) {
@@ -46,8 +53,8 @@ bool ParseAddress(const std::string& text, Address& address, std::string& error)
   if (host.size() > 2 && host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
   std::uint16_t port = 0;
   const auto [end, result] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
-  if (result != std::errc{} || end != digits.data() + digits.size() || port == 0 || host.empty()) {
-    error = "'" + text + "': must be HOST:PORT or PORT, with a PORT of 1 to 65535";
+  if (result != std::errc{} || end != digits.data() + digits.size() || host.empty()) {
+    error = "'" + text + "': must be HOST:PORT or PORT, with a PORT of 0 to 65535";
     return false;
   }
   address = {host, port};
@@ -57,7 +64,8 @@ bool ParseAddress(const std::string& text, Address& address, std::string& error)
 struct Endpoint::Implementation {
   std::string version;
   std::string scene;
-  server::Clock clock;
+  int port = 0;
+  server::TimeSource clock;
   httplib::Server http;
   std::thread thread;
   std::mutex mutex;
@@ -94,13 +102,13 @@ struct Endpoint::Implementation {
 Endpoint::Endpoint(std::unique_ptr<Implementation> implementation) : m(std::move(implementation)) {}
 
 std::unique_ptr<Endpoint> Endpoint::Listen(const Address& address, const std::string& version, const std::string& scene,
-                                           server::Clock clock, std::string& error) {
+                                           server::TimeSource clock, std::string& error) {
   auto made = std::make_unique<Implementation>();
   made->version = version;
   made->scene = scene;
   made->clock = std::move(clock);
   made->http.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
-  // The library's own choice would share the port with whoever has it already.
+  // By default the library sets SO_REUSEPORT, which would share the port with another program.
   made->http.set_socket_options([](socket_t socket) {
     const int yes = 1;
     setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
@@ -110,13 +118,14 @@ std::unique_ptr<Endpoint> Endpoint::Listen(const Address& address, const std::st
   made->http.set_keep_alive_max_count(1);
   made->http.set_payload_max_length(kMostRequestBytes);
   made->Serve();
-  if (!made->http.bind_to_port(address.host, address.port)) {
+  made->port = Bind(made->http, address);
+  if (made->port < 0) {
     error = fmt::format("{}:{} (TCP): cannot be listened on; is it in use, or the address another machine's?",
                         address.host, address.port);
     return nullptr;
   }
   made->thread = std::thread([http = &made->http] { http->listen_after_bind(); });
-  // To stop one that does not listen yet does nothing, and it would listen for ever.
+  // The destructor's stop() has no effect on a server that does not listen yet; the thread would then never end.
   while (!made->http.is_running()) std::this_thread::yield();
   return std::unique_ptr<Endpoint>(new Endpoint(std::move(made)));
 }
@@ -125,6 +134,8 @@ Endpoint::~Endpoint() {
   m->http.stop();
   m->thread.join();
 }
+
+std::uint16_t Endpoint::ReadPort() const { return static_cast<std::uint16_t>(m->port); }
 
 void Endpoint::Tell(const Figures& figures) {
   const std::lock_guard lock(m->mutex);

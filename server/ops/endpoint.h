@@ -1,6 +1,5 @@
-// Where a server is watched over HTTP: /metrics for Prometheus, /healthz and /readyz for whoever starts, replaces and
-// fills servers. Answers on threads of its own: a scrape never holds up a tick for longer than it takes to copy the
-// figures.
+// The HTTP endpoint of a server: /metrics for Prometheus, /healthz and /readyz for orchestrators and load balancers. It
+// answers on threads of its own: a scrape delays a tick by at most the time that it takes to copy the figures.
 #pragma once
 
 #include <cstdint>
@@ -11,26 +10,30 @@
 
 namespace wobble::ops {
 
-// Seconds without a word from the tick loop after which it is taken for dead.
+// Time without a call of Tell after which /healthz reports the tick loop as dead, s.
 inline constexpr double kDeadAfter = 3;
 
 struct Address {
   std::string host = "127.0.0.1";
-  std::uint16_t port = 0;
+  std::uint16_t port = 0;  // 0: the system picks a free one
 };
-// HOST:PORT, [IPv6]:PORT, or PORT alone for this machine only. False with one line in `error`.
+// Parses HOST:PORT, [IPv6]:PORT, or PORT alone for the loopback address. Returns false with one line in `error`.
 [[nodiscard]] bool ParseAddress(const std::string& text, Address& address, std::string& error);
 
 class Endpoint {
  public:
-  // null with one line in `error` when the port cannot be had. clock: s, as Tell's figures have it, read by several
-  // threads.
+  // Listens on the address. Returns null with one line in `error` when that fails. version, scene: shown as labels.
+  // clock: the one of Figures::told, s; called from several threads.
   [[nodiscard]] static std::unique_ptr<Endpoint> Listen(const Address& address, const std::string& version,
-                                                        const std::string& scene, server::Clock clock,
+                                                        const std::string& scene, server::TimeSource clock,
                                                         std::string& error);
+  // Stops listening and joins the threads.
   ~Endpoint();
 
-  // From the tick loop, after each tick. Until the first call /readyz and /healthz answer that it is starting.
+  // The TCP port on which it listens, whether given or picked by the system.
+  [[nodiscard]] std::uint16_t ReadPort() const;
+
+  // Publishes figures. Call it from the tick loop; until the first call /readyz and /healthz answer "starting".
   void Tell(const Figures& figures);
 
  private:

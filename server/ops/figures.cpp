@@ -1,3 +1,4 @@
+// Everything is copied by value, so that the endpoint's threads never read the server.
 #include "server/ops/figures.h"
 
 namespace wobble::ops {

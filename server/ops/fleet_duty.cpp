@@ -1,3 +1,4 @@
+// The order of the calls is chosen so that the fleet's counts stay valid in between: see the comments at each.
 #include "server/ops/fleet_duty.h"
 
 #include <algorithm>
@@ -6,30 +7,33 @@
 namespace wobble::ops {
 namespace {
 
-// Seconds. Agones gives up on a server after 15 s of silence, as docker/agones/fleet.yaml has it.
+// s. Agones gives a server up after 15 s of silence (docker/agones/fleet.yaml).
 constexpr double kHealthInterval = 2;
-// After the last player has left. Who lost the connection has time to come back, and no machine idles for long.
+// From the last player's leaving to the shutdown, s: time to return after a lost connection, but no long idling.
 constexpr double kDesertedTime = 10;
 
 }  // namespace
 
 std::vector<FleetCall> FleetDuty::Follow(const FleetView& view) {
   std::vector<FleetCall> calls;
-  // At the end neither health nor those who leave: shutdown is to wait for nothing, and their record goes away with it.
+  // A server that closes calls neither health nor the players who leave: shutdown is not to wait for these, and the
+  // record of players goes away with the server.
   if (!view.isClosing && view.now >= m_nextHealth) {
     calls.push_back({FleetCall::Kind::kHealth});
     m_nextHealth = view.now + kHealthInterval;
   }
-  if (m_isOver) return calls;
-  if (view.acceptsJoins && !m_isReady) {
+  if (m_stage == Stage::kOver) return calls;
+  if (view.acceptsJoins && m_stage == Stage::kStarting) {
     calls.push_back({FleetCall::Kind::kReady});
-    m_isReady = true;
+    m_stage = Stage::kReady;
   }
-  // A ready that came after an allocate would offer a world in use to others.
-  if (m_isReady && !view.isClosing) CountPlayers(view.players, calls);
+  // Players are counted only after ready: a ready that followed an allocate would offer a used world to others.
+  if (m_stage != Stage::kStarting && !view.isClosing) CountPlayers(view.players, calls);
   if (!m_players.empty()) m_lastCompany = view.now;
-  m_isOver = view.isClosing || view.isMatchOver || IsDeserted(view.now);
-  if (m_isOver) calls.push_back({FleetCall::Kind::kShutdown});
+  if (view.isClosing || view.isMatchOver || IsDeserted(view.now)) {
+    calls.push_back({FleetCall::Kind::kShutdown});
+    m_stage = Stage::kOver;
+  }
   return calls;
 }
 
@@ -37,23 +41,23 @@ void FleetDuty::CountPlayers(std::span<const std::uint32_t> players, std::vector
   m_present.assign(players.begin(), players.end());
   std::ranges::sort(m_present);
   if (m_present == m_players) return;
-  if (!m_isAllocated) {
+  if (m_stage == Stage::kReady) {
     calls.push_back({FleetCall::Kind::kAllocate});
-    m_isAllocated = true;
+    m_stage = Stage::kAllocated;
   }
   const auto call = [&calls](FleetCall::Kind kind, const auto& these, const auto& butNotThose) {
     std::vector<std::uint32_t> clients;
     std::ranges::set_difference(these, butNotThose, std::back_inserter(clients));
     for (const std::uint32_t client : clients) calls.push_back({kind, client});
   };
-  // Those who have left first, or the count of a full server would pass its capacity and be refused.
+  // Players who have left go first: otherwise the count of a full server would exceed its capacity and be refused.
   call(FleetCall::Kind::kRemovePlayer, m_players, m_present);
   call(FleetCall::Kind::kAddPlayer, m_present, m_players);
   std::swap(m_players, m_present);
 }
 
 bool FleetDuty::IsDeserted(double now) const {
-  return m_isAllocated && m_players.empty() && now - m_lastCompany >= kDesertedTime;
+  return m_stage == Stage::kAllocated && m_players.empty() && now - m_lastCompany >= kDesertedTime;
 }
 
 }  // namespace wobble::ops

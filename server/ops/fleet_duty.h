@@ -1,7 +1,8 @@
-// What a server owes to the one who runs a fleet of them, and when: the state of a turn of the loop in, calls out.
+// Decides which calls a server owes to its fleet manager, and when: the state of a turn of the loop goes in, calls come
+// out.
 //
-// Apart from agones.h, so that the rules need no socket to be tested. Who does not make these turns makes no health
-// calls either: that is how a loop that is stuck comes to be noticed.
+// It stands apart from agones.h so that the rules can be tested without a socket. A loop that is stuck makes no health
+// calls, and that is how the fleet notices it.
 #pragma once
 
 #include <cstdint>
@@ -19,34 +20,37 @@ struct FleetCall {
   bool operator==(const FleetCall&) const = default;
 };
 
-// A server in this turn of its loop.
+// The state of the server in one turn of its loop.
 struct FleetView {
   double now = 0;  // s, never backwards
   bool acceptsJoins = false;
-  bool isMatchOver = false;                     // by the game's own rules
-  bool isClosing = false;                       // everybody has been told goodbye
-  std::span<const std::uint32_t> players = {};  // numbers of the clients that have joined, each once, in any order
+  bool isMatchOver = false;                     // by the rules of the game
+  bool isClosing = false;                       // goodbye has been said to all clients
+  std::span<const std::uint32_t> players = {};  // ids of the clients that have joined, each once, in any order
 };
 
 class FleetDuty {
  public:
-  // Once a turn. What is to be called now, in this order: health every 2 s; ready when joins are accepted for the first
-  // time; allocate with the first player; each who has left or come; and, once, shutdown: when the match is over, when
-  // all have been gone for 10 s, or when the server closes. After that health alone goes on, for it is the cluster that
-  // ends the server: one that left of its own accord would be started again.
+  // The calls to make now; call it once a turn. In this order: health every 2 s; ready when joins are accepted for the
+  // first time; allocate with the first player; a call for each player who has left or joined; and shutdown, once, when
+  // the match is over, when all players have been gone for 10 s, or when the server closes. After that only health
+  // continues: the cluster ends the server, and one that ended by itself would be started again.
   [[nodiscard]] std::vector<FleetCall> Follow(const FleetView& view);
 
  private:
+  // kStarting  -> kReady      joins are accepted for the first time: ready is called
+  // kReady     -> kAllocated  the first player has joined: allocate is called
+  // any        -> kOver       match over, closing, or deserted while allocated: shutdown is called
+  enum class Stage : std::uint8_t { kStarting, kReady, kAllocated, kOver };
+
   void CountPlayers(std::span<const std::uint32_t> players, std::vector<FleetCall>& calls);
   [[nodiscard]] bool IsDeserted(double now) const;
 
   double m_nextHealth = -std::numeric_limits<double>::infinity();
-  double m_lastCompany = 0;
-  bool m_isReady = false;
-  bool m_isAllocated = false;
-  bool m_isOver = false;
-  std::vector<std::uint32_t> m_players;  // as far as they have been called, sorted
-  std::vector<std::uint32_t> m_present;  // of this turn, sorted; kept for its memory
+  double m_lastCompany = 0;  // when a player was there last, s
+  Stage m_stage = Stage::kStarting;
+  std::vector<std::uint32_t> m_players;  // whose joining has been called, sorted
+  std::vector<std::uint32_t> m_present;  // scratch: the players of this turn, sorted
 };
 
 }  // namespace wobble::ops

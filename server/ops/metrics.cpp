@@ -1,8 +1,8 @@
-// One list of all metrics, in the order in which they are served. Names follow Prometheus' conventions (base units,
-// _total for what only grows); nothing is labelled with who a client is, so the number of series is fixed.
+// Lists all metrics in the order in which they are served. Names follow Prometheus' conventions (base units, _total for
+// counters). No label names a client, so the number of series is fixed.
 //
-// The library's registry of counters, each shared between threads, is left alone: the tick keeps its own plain counts
-// and hands over a copy, and only the text is the library's.
+// The library's registry of counters, which threads share, is not used: the tick keeps plain counts of its own and
+// hands over a copy, and the library only writes the text.
 #include "server/ops/metrics.h"
 
 #include <prometheus/text_serializer.h>
@@ -37,7 +37,7 @@ class List {
     Begin(std::move(name), std::move(help), MetricType::Counter);
     Add().counter.value = value;
   }
-  // Under what has begun.
+  // Adds a histogram to the family begun last.
   template <const auto& kBounds>
   void AddBins(const server::Bins<kBounds>& bins, Labels labels = {}) {
     ClientMetric::Histogram& histogram = Add(std::move(labels)).histogram;
@@ -63,9 +63,9 @@ class List {
 double ToNumber(std::uint64_t count) { return static_cast<double>(count); }
 
 void AddTicks(List& list, const Figures& f) {
-  list.Begin("wobble_tick_duration_seconds", "What a tick took, all phases together.", MetricType::Histogram);
+  list.Begin("wobble_tick_duration_seconds", "Duration of a tick, all phases together.", MetricType::Histogram);
   list.AddBins(f.tickDurations);
-  list.Begin("wobble_tick_phase_seconds", "What a tick took, by phase.", MetricType::Histogram);
+  list.Begin("wobble_tick_phase_seconds", "Duration of a tick, by phase.", MetricType::Histogram);
   for (std::size_t i = 0; i < server::kPhaseCount; ++i) {
     list.AddBins(f.phaseDurations[i], {{"phase", Name(static_cast<server::Phase>(i))}});
   }
@@ -77,13 +77,13 @@ void AddTicks(List& list, const Figures& f) {
                   f.slowedTicks);
   list.AddCounter("wobble_world_ticks_total", "Ticks of the world.", ToNumber(f.ticks));
   list.AddGauge("wobble_time_ratio", "World time per wall time, smoothed over a second.", f.timeRatio);
-  list.AddGauge("wobble_load_ratio", "Time that ticks take of the time there is for them; above 1 it is too little.",
+  list.AddGauge("wobble_load_ratio", "Time that ticks take over the time there is for them; above 1: too long.",
                 f.loadShare);
   list.AddGauge("wobble_load_level", "Measures in force: 0 none, 1 coarser, 2 20 Hz and no joins, 3 slowed.",
                 static_cast<double>(f.loadLevel));
   list.AddGauge("wobble_snapshot_rate_hertz", "Snapshots a second of the world's time.", f.snapshotHz);
-  list.AddGauge("wobble_world_paused", "1 while the world waits for somebody to connect.", f.isPaused ? 1 : 0);
-  list.AddCounter("wobble_world_paused_seconds_total", "Time that the world has waited for somebody to connect.",
+  list.AddGauge("wobble_world_paused", "1 while the world is paused because nobody is connected.", f.isPaused ? 1 : 0);
+  list.AddCounter("wobble_world_paused_seconds_total", "Time that the world was paused because nobody was connected.",
                   f.counts.pausedTime);
 }
 
@@ -99,7 +99,7 @@ void AddClients(List& list, const Figures& f) {
   list.AddCounter("wobble_client_disconnects_total", "Clients lost, silent or sent away after they had joined.",
                   ToNumber(f.counts.disconnects));
   list.Begin("wobble_client_goodbyes_total", "Goodbyes said to clients, by reason.", MetricType::Counter);
-  // From the second on: the first is what a client says that leaves, and no server.
+  // Without the first reason, which only a client that leaves says.
   constexpr std::array<const char*, server::kGoodbyeReasonCount - 1> kReasons{
       "server_closing", "server_full", "wrong_version", "wrong_schema", "no_hello", "silent", "bad_messages", "busy"};
   for (std::size_t i = 0; i < kReasons.size(); ++i) {
@@ -111,17 +111,16 @@ void AddClients(List& list, const Figures& f) {
 
 void AddBodies(List& list, const Figures& f) {
   const physics::StepReport& report = f.report;
-  list.Begin("wobble_bodies", "Bodies, by state; quarantined: stepped again in the last tick, finer, for going wrong.",
+  list.Begin("wobble_bodies", "Bodies, by state; quarantined: stepped again, finer, in the last tick after a fault.",
              MetricType::Gauge);
   list.AddGauges("state", {{"awake", ToNumber(report.awake - report.quarantined)},
                            {"asleep", ToNumber(f.bodies - std::min<std::size_t>(f.bodies, report.awake))},
                            {"quarantined", ToNumber(report.quarantined)}});
-  list.Begin("wobble_substeps_per_body_tick", "Substeps that a tick of a body that is awake was played in.",
-             MetricType::Summary);
+  list.Begin("wobble_substeps_per_body_tick", "Substeps per tick of an awake body.", MetricType::Summary);
   ClientMetric::Summary& substeps = list.Add().summary;
   substeps.sample_count = f.counts.awakeSum;
   substeps.sample_sum = ToNumber(f.counts.substeps);
-  list.Begin("wobble_body_faults_total", "Bodies that went wrong in a tick and were stepped again; reset: in vain.",
+  list.Begin("wobble_body_faults_total", "Bodies stepped again after a fault; reset: the second attempt failed too.",
              MetricType::Counter);
   list.AddCounters("fault", {{"quarantined", ToNumber(f.counts.quarantined)},
                              {"non_finite", ToNumber(f.counts.nonFinite)},
@@ -147,8 +146,7 @@ void AddSnapshots(List& list, const Figures& f) {
                   ToNumber(f.sent.packetsLost));
   list.Begin("wobble_snapshot_error_ratio", "RMS error of a body as sent, over its size.", MetricType::Histogram);
   list.AddBins(f.sent.errors);
-  list.Begin("wobble_snapshot_bodies_total", "Bodies not sent at their best, by what was done instead.",
-             MetricType::Counter);
+  list.Begin("wobble_snapshot_bodies_total", "Bodies not sent at the best quality, by outcome.", MetricType::Counter);
   list.AddCounters("outcome", {{"coarsened", ToNumber(f.sent.bodiesCoarsened)},
                                {"left_out", ToNumber(f.sent.bodiesLeftOut)},
                                {"out_of_view", ToNumber(f.sent.bodiesOutOfView)},
@@ -182,7 +180,7 @@ void AddMessages(List& list, const Figures& f) {
 
 std::string WriteMetrics(const Figures& figures, const std::string& version, const std::string& scene) {
   List list;
-  list.Begin("wobble_build_info", "1; what runs here.", MetricType::Gauge);
+  list.Begin("wobble_build_info", "1; version and scene of this server.", MetricType::Gauge);
   list.Add({{"version", version}, {"scene", scene}}).gauge.value = 1;
   AddTicks(list, figures);
   AddClients(list, figures);

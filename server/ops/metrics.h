@@ -1,4 +1,4 @@
-// Figures as Prometheus reads them. What each means and which to alert on: docker/README.md.
+// Writes figures for Prometheus. server/HOSTING.md describes what each means and on which to alert.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace wobble::ops {
 
-// In Prometheus' text format, version 0.0.4. scene: its name, a label.
+// Returns all metrics in Prometheus' text format, version 0.0.4. version, scene: labels of wobble_build_info.
 [[nodiscard]] std::string WriteMetrics(const Figures& figures, const std::string& version, const std::string& scene);
 
 }  // namespace wobble::ops

@@ -1,3 +1,4 @@
+// One event per line, each a complete JSON object.
 #include "server/ops/trace.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
-// Per-tick phases in Chrome's trace format, for chrome://tracing or ui.perfetto.dev.
+// Writes the phases of every tick in Chrome's trace format, for chrome://tracing or ui.perfetto.dev.
 //
 // Format: "Trace Event Format" (Google, 2016), an array of complete events ("ph":"X", microseconds). The closing
-// bracket may be missing, so a file that was cut off is as good as any.
+// bracket is optional, so a file that was cut off can still be read.
 #pragma once
 
 #include <cstdint>
@@ -15,12 +15,12 @@ namespace wobble::ops {
 
 class Trace {
  public:
-  // False when the file cannot be written.
+  // Creates or truncates the file. Returns false when it cannot be written.
   [[nodiscard]] bool Open(const std::string& path);
-  // lastTick: of the world, after the last of these. A line for each tick and for each of its phases. Capturing,
-  // encoding and sending alternate within a tick; they are shown added up, one behind the other.
+  // Writes a line for each tick and for each of its phases. lastTick: the world's tick after the last of these.
+  // Capture, encode and send alternate within a tick; each is shown as one sum, in this order.
   void Write(std::span<const server::PhaseTimes> ticks, std::uint32_t lastTick);
-  // False when something could not be written, as on a disk that is full.
+  // Completes the file. Returns false when anything could not be written, for example to a full disk.
   [[nodiscard]] bool Close();
 
  private:

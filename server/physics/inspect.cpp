@@ -91,8 +91,8 @@ Meeting<Real> Meet(const Subject<Real>& ofVertices, const Subject<Real>& ofFaces
   return {.x = ofVertices.state.positions,
           .v = ofVertices.state.velocities,
           .shares = ofVertices.body.contactShares,
-          .shell = {ofFaces.body.faces, &ofFaces.blueprint.topology, ofFaces.state.positions},
-          .shellV = ofFaces.state.velocities,
+          .skin = {ofFaces.body.faces, &ofFaces.blueprint.topology, ofFaces.state.positions},
+          .skinV = ofFaces.state.velocities,
           .shift = (ofVertices.state.origin - ofFaces.state.origin).template cast<Real>()};
 }
 

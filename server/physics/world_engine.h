@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "server/physics/contact/body_contact_search.h"
 #include "server/physics/contact/broad_phase.h"
 #include "server/physics/model/parallel.h"
 #include "server/physics/roster.h"
@@ -35,7 +36,7 @@ struct BodyPair {
   [[nodiscard]] BodyId OtherThan(BodyId body) const { return first == body ? second : first; }
   // At the end of the last step that it was in.
   [[nodiscard]] bool IsTouching() const {
-    const auto touches = [](const BodyContact<Real>& contact) { return contact.touching; };
+    const auto touches = [](const BodyContact<Real>& contact) { return contact.phase == ContactPhase::kTouching; };
     return std::any_of(sides[0].begin(), sides[0].end(), touches) ||
            std::any_of(sides[1].begin(), sides[1].end(), touches);
   }
@@ -55,10 +56,10 @@ struct PairLists {
   std::uint64_t wakesSeen = 0;                             // of Roster::CountWakes
   std::vector<std::vector<BodyContact<Real>>> spareLists;  // contact lists of pairs that have separated
   std::vector<IndexPair> places;                           // of the pairs in `awake`
-  std::vector<SurfacePoints<Real>> surfaces;  // by place; as the tick began, of the bodies that hasSurface names
-  std::vector<std::uint8_t> hasSurface;       // by place; not 0: `surfaces` is up to date
-  std::vector<std::uint32_t> surfaceBodies;   // places of bodies whose surface is read next
-  std::vector<Box> awakeBoxes;                // of Roster::FindAwake, in its order
+  std::vector<SkinPoints<Real>> skins;    // by place; as the tick began, of the bodies that hasSkin names
+  std::vector<std::uint8_t> hasSkin;      // by place; not 0: `skins` is up to date
+  std::vector<std::uint32_t> skinBodies;  // places of bodies whose skin is read next
+  std::vector<Box> awakeBoxes;            // of Roster::FindAwake, in its order
   std::vector<IndexPair> overlaps;
   BroadPhase broadPhase;
   std::vector<std::uint32_t> woken;  // places of the bodies that the last PairSearch::WakeTouched woke
@@ -131,7 +132,7 @@ struct Scratch {
   // The batch that the thread steps:
   std::vector<Member<Real>*> members;
   std::vector<ContactPair<Real>> contactPairs;
-  std::vector<Part> parts;
+  std::vector<Island> islands;
   std::vector<IslandOutcome> outcomes;
   BatchScratch<Real> batch;
   std::vector<VertexLoad> loads;
@@ -141,7 +142,7 @@ struct Scratch {
   void Reserve(std::size_t allVertices, std::size_t bodies) {
     members.reserve(bodies);
     contactPairs.reserve(bodies);
-    parts.reserve(bodies);
+    islands.reserve(bodies);
     outcomes.reserve(bodies);
     loads.reserve(allVertices);
     begins.reserve(bodies + 1);

@@ -61,7 +61,8 @@ void FinishContactPair(const ContactPair<Real>& contactPair, std::span<const std
   const std::uint32_t b = places[contactPair.members[1]];
   for (std::vector<BodyContact<Real>>* contacts : contactPair.sides) {
     if (outcomes[a].reset || outcomes[b].reset) contacts->clear();
-    const bool touch = std::any_of(contacts->begin(), contacts->end(), [](const auto& each) { return each.touching; });
+    const bool touch = std::any_of(contacts->begin(), contacts->end(),
+                                   [](const auto& each) { return each.phase == ContactPhase::kTouching; });
     bodies[a].touchesBody |= touch;
     bodies[b].touchesBody |= touch;
   }

@@ -95,7 +95,7 @@ void CutIntoBatches(const Islands& islands, std::span<const AwakeIsland> awake, 
   begins.push_back(awake.size());
 }
 
-// Fills in the batch's members, contact pairs and parts, in the scratch of this thread.
+// Fills in the batch's members, contact pairs and islands, in the scratch of this thread.
 template <class Real>
 Scratch<Real>& CollectBatch(std::span<const AwakeIsland> batch, Workspace<Real>& work) {
   const IslandLists<Real>& lists = work.islands;
@@ -103,21 +103,21 @@ Scratch<Real>& CollectBatch(std::span<const AwakeIsland> batch, Workspace<Real>&
   scratch.Reserve(lists.allVertices, work.members.size());
   scratch.members.clear();
   scratch.contactPairs.clear();
-  scratch.parts.clear();
+  scratch.islands.clear();
   for (const AwakeIsland& each : batch) {
-    Part part;
-    part.memberBegin = scratch.members.size();
-    part.contactPairBegin = scratch.contactPairs.size();
+    Island island;
+    island.memberBegin = scratch.members.size();
+    island.contactPairBegin = scratch.contactPairs.size();
     for (ContactPair<Real> contactPair : lists.ContactPairsOf(each.island)) {
-      for (std::uint32_t& member : contactPair.members) member += static_cast<std::uint32_t>(part.memberBegin);
+      for (std::uint32_t& member : contactPair.members) member += static_cast<std::uint32_t>(island.memberBegin);
       scratch.contactPairs.push_back(contactPair);
     }
     for (const std::uint32_t place : lists.islands.MembersOf(each.island)) {
       scratch.members.push_back(&work.members[place]);
     }
-    part.memberEnd = scratch.members.size();
-    part.contactPairEnd = scratch.contactPairs.size();
-    scratch.parts.push_back(part);
+    island.memberEnd = scratch.members.size();
+    island.contactPairEnd = scratch.contactPairs.size();
+    scratch.islands.push_back(island);
   }
   scratch.outcomes.assign(batch.size(), {});
   return scratch;
@@ -165,9 +165,9 @@ void StepOneBatch(std::span<const AwakeIsland> batch, const StepRules& rules,
   const int substeps = batch[0].substeps;
   if (batch[0].way == AwakeIsland::Way::kPlain) {
     scratch.outcomes[0] =
-        StepIsland<Real>(scratch.members, scratch.contactPairs, substeps, rules, threads, scratch.batch.island);
+        StepIsland<Real>(scratch.members, scratch.contactPairs, substeps, rules, threads, scratch.batch.system);
   } else {
-    StepBatch<Real>(scratch.members, scratch.contactPairs, scratch.parts, substeps, rules, kernels, threads,
+    StepBatch<Real>(scratch.members, scratch.contactPairs, scratch.islands, substeps, rules, kernels, threads,
                     scratch.batch, scratch.outcomes);
   }
 }

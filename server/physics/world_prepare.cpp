@@ -55,8 +55,13 @@ void PrepareMember(const Surroundings& surroundings, const Blueprint& blueprint,
   }
   const Coefficients<Real>& coefficients = blueprint.Read<Real>();
   member.survey = MakeSurvey<Real>(coefficients.masses, state.positions, state.velocities);
-  FindContacts<Real>(member.surfaces, coefficients.contact.range, member.survey, state.positions, state.velocities,
-                     static_cast<Real>(settings.tickDuration), state.contacts, scratch);
+  FindContacts<Real>({.surfaces = member.surfaces,
+                      .x = state.positions,
+                      .v = state.velocities,
+                      .survey = member.survey,
+                      .range = coefficients.contact.range,
+                      .duration = static_cast<Real>(settings.tickDuration)},
+                     state.contacts, scratch);
   member.demands = FindSurfaceDemands<Real>(blueprint, member.surfaces, state, double{member.survey.agitation},
                                             settings.tickDuration);
 }

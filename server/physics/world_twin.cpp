@@ -41,12 +41,11 @@ Contact<To> Convert(const Contact<From>& from) {
 
 template <class To, class From>
 BodyContact<To> Convert(const BodyContact<From>& from) {
-  const auto& [vertex, face, armed, behind, touching, maxDepth, depth, leap, foot, slip, outward] = from;
+  const auto& [vertex, face, phase, side, maxDepth, depth, leap, foot, slip, outward] = from;
   return {vertex,
           face,
-          armed,
-          behind,
-          touching,
+          phase,
+          side,
           static_cast<To>(maxDepth),
           static_cast<To>(depth),
           static_cast<To>(leap),

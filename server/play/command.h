@@ -1,4 +1,5 @@
-// What a player asks for beyond moving about, once the wire's words have become the engine's (session.h).
+// The room server/play holds the rules of what players do beyond moving: hands, tuning, the workshop, games. This file
+// holds their commands in the engine's types; session.cpp makes them from messages.
 #pragma once
 
 #include <cstdint>
@@ -10,51 +11,54 @@ namespace wobble::server {
 
 using ClientId = std::uint32_t;
 
-// The vertices round one of a body's, drawn to where that one is to be, m. grip: another number for each time that the
-// hand closes, never 0.
+// Holds the vertices round one vertex of a body and draws them towards a target.
 struct HandCommand {
   physics::BodyId body = 0;
   std::uint16_t vertex = 0;
-  std::uint16_t grip = 0;
-  physics::Vector3d target = physics::Vector3d::Zero();
+  std::uint16_t grip = 0;                                // never 0; another number each time that the hand closes
+  physics::Vector3d target = physics::Vector3d::Zero();  // where the vertex is to be, m
 };
 
-struct PushCommand {
+// Shoves a body at a vertex; the wire's Push.
+struct ShoveCommand {
   physics::BodyId body = 0;
   std::uint16_t vertex = 0;
   physics::Vector3d direction = physics::Vector3d::Zero();  // of any length
 };
 
-// Of the springs of a body that pass through a triangle, m.
+// Cuts the springs of a body that pass through a triangle.
 struct CutCommand {
   physics::BodyId body = 0;
-  physics::Vector3d eye, from, to;
+  physics::Vector3d eye, from, to;  // corners of the triangle, m
 };
 
+// Asks for the forces on a body.
 struct InspectCommand {
   physics::BodyId body = 0;  // 0: none
 };
 
+// Changes a quantity that all players feel, or jumps in time.
 struct TuneCommand {
   enum class Kind { kGravity, kStiffness, kTimeRate, kJump };
   Kind kind = Kind::kGravity;
-  physics::Vector3d value = physics::Vector3d::Zero();  // m/s²; of the others the first: a factor, a rate, s
+  // kGravity: m/s². The others use x alone. kStiffness: a factor. kTimeRate: world seconds per second. kJump: s.
+  physics::Vector3d value = physics::Vector3d::Zero();
 };
 
-// Of the workshop's body. a, b: numbers of particles or springs. Which fields count is said in messages.fbs.
+// Changes the workshop's body. Which fields a kind uses is described in messages.fbs.
 struct BuildCommand {
   enum class Kind { kAddParticle, kAddSpring, kSetParticle, kSetSpring, kRemoveParticle, kRemoveSpring };
   Kind kind = Kind::kAddParticle;
-  std::uint16_t a = 0;
+  std::uint16_t a = 0;  // numbers of particles or springs
   std::uint16_t b = 0;
   physics::Vector3d at = physics::Vector3d::Zero();  // m
   double mass = 1;                                   // kg
   bool fixed = false;
   double stiffness = 100;  // N/m
   double damping = 1;      // N·s/m
-  double restLength = 0;   // m; 0: as far as its ends are apart
+  double restLength = 0;   // m; 0: the present distance of its ends
 };
 
-using Command = std::variant<PushCommand, CutCommand, InspectCommand, TuneCommand, BuildCommand>;
+using Command = std::variant<ShoveCommand, CutCommand, InspectCommand, TuneCommand, BuildCommand>;
 
 }  // namespace wobble::server

@@ -1,13 +1,13 @@
-// A grip is a critically damped spring between each vertex held and its place beside the target, worked out once a tick
-// from where the tick began:
+// A grip is a critically damped spring between each held vertex and its place beside the target, evaluated once a tick
+// at the tick's beginning:
 //   f = m (ω² (target + offset − x) − 2 ω v)
-// with the vertex's own mass m, so that a heavy body hangs low and a light cloth follows at once. Constant through the
-// tick it is an impulse that lags by half of one, and stable as long as ω h < 1 (the discrete oscillator with
-// zero-order hold; h the tick): ω = 0.5/h at most. A spring inside the engine's stages was considered and rejected: it
-// would be one more stiffness to bound in every kernel, and feel the same.
+// with the vertex's own mass m, so that a heavy body hangs low and a light cloth follows at once. The force is constant
+// through the tick: it lags by half a tick, and it is stable as long as ω h < 1 (a discrete oscillator with zero-order
+// hold, h the tick), so ω is at most 0.5/h. A spring inside the integrator's stages was rejected: it would be one more
+// stiffness to bound in every kernel, and feels the same.
 //
-// Hands of a body (a reach above 0) obey action and reaction: the same force pulls at their owner, who thus hangs from
-// a curtain that he holds, and cannot fly by lifting what he stands on.
+// Hands of a body (a reach above 0) obey action and reaction: the opposite force pulls at their owner, who thus hangs
+// from a curtain that is held, and cannot fly by lifting the body underneath.
 #include "server/play/hands.h"
 
 #include <algorithm>
@@ -19,11 +19,11 @@ namespace {
 using physics::Vector3d;
 
 constexpr double kGripFrequency = 30;  // ω, 1/s
-constexpr double kMostPerTick = 0.5;   // ω h
-constexpr double kSlip = 1.5;          // times the reach: farther away a grip slips
-constexpr double kPushTime = 0.1;      // s that an impulse takes: a shorter one would only dent
-constexpr double kPushPause = 0.3;     // s from one push to the next
-constexpr double kPushShare = 0.5;     // of the body's reach that a push takes hold of
+constexpr double kMostPerTick = 0.5;   // largest ω h
+constexpr double kSlip = 1.5;          // a grip slips beyond this many times the reach
+constexpr double kShoveTime = 0.1;     // duration of a shove, s: a shorter one would only dent the body
+constexpr double kShovePause = 0.3;    // from one shove to the next, s
+constexpr double kShoveShare = 0.5;    // radius of a shove as a share of the body's reach
 constexpr double kLongestBlade = 4;    // m
 constexpr double kFarthestEye = 200;   // m
 
@@ -86,8 +86,8 @@ void Hands::Close(const Actor& actor, Grip& grip, const physics::World& world) c
   for (const std::uint16_t vertex : grip.vertices) grip.offsets.emplace_back(FindVertex(*body, vertex) - place);
 }
 
-std::string Hands::Push(const Actor& actor, const PushCommand& command, const physics::World& world) {
-  if (!m_rules.push || actor.body == 0) return "nobody pushes by hand here";
+std::string Hands::StartShove(const Actor& actor, const ShoveCommand& command, const physics::World& world) {
+  if (!m_rules.push || actor.body == 0) return "pushing is not allowed here";
   const physics::Body* body = world.FindBody(command.body);
   const double length = command.direction.norm();
   if (body == nullptr || command.vertex >= world.BlueprintOf(*body).rest.size() || !(length > 0)) return "";
@@ -98,9 +98,9 @@ std::string Hands::Push(const Actor& actor, const PushCommand& command, const ph
   shove.command = command;
   shove.command.direction /= length;
   shove.own = actor.body;
-  shove.vertices = FindRound(*body, place, std::max(m_rules.radius, kPushShare * world.BlueprintOf(*body).reach));
-  shove.ticksLeft = std::max(1, static_cast<int>(std::lround(kPushTime / m_tickDuration)));
-  shove.ticksToRest = std::max(1, static_cast<int>(std::lround(kPushPause / m_tickDuration)));
+  shove.vertices = FindRound(*body, place, std::max(m_rules.radius, kShoveShare * world.BlueprintOf(*body).reach));
+  shove.ticksLeft = std::max(1, static_cast<int>(std::lround(kShoveTime / m_tickDuration)));
+  shove.ticksToRest = std::max(1, static_cast<int>(std::lround(kShovePause / m_tickDuration)));
   return "";
 }
 
@@ -108,7 +108,7 @@ std::optional<physics::Blade> Hands::FindBlade(const Actor& actor, const CutComm
                                                const physics::World& world, std::string& refusal) const {
   const Vector3d middle = (command.from + command.to) / 2;
   if (!m_rules.cut || actor.body == 0) {
-    refusal = "nobody cuts here";
+    refusal = "cutting is not allowed here";
   } else if (!IsWithin(m_rules.reach, actor.body, middle, world)) {
     refusal = "too far away to cut";
   } else if (world.FindBody(command.body) != nullptr && (command.from - command.to).norm() <= kLongestBlade &&
@@ -177,7 +177,7 @@ void Hands::Deal(Shove& shove, physics::World& world) {
   --shove.ticksLeft;
   const physics::Body* body = world.FindBody(shove.command.body);
   if (body == nullptr) return;
-  const Vector3d force = m_rules.impulse / kPushTime * shove.command.direction;
+  const Vector3d force = m_rules.impulse / kShoveTime * shove.command.direction;
   m_forces.clear();
   for (const std::uint16_t vertex : shove.vertices) {
     m_forces.push_back({vertex, force / static_cast<double>(shove.vertices.size())});
@@ -186,7 +186,7 @@ void Hands::Deal(Shove& shove, physics::World& world) {
   if (body->id != shove.own) PushBack(shove.own, -force, world);
 }
 
-// Spread by mass, so that it moves its owner and does not dent him.
+// The force is spread by mass, so that it moves the body without denting it.
 void Hands::PushBack(physics::BodyId own, const Vector3d& force, physics::World& world) {
   const physics::Body* body = world.FindBody(own);
   if (m_rules.reach == 0 || body == nullptr) return;

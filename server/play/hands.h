@@ -1,4 +1,4 @@
-// Players' hands on bodies: what they hold and what they shove, as forces on vertices.
+// The hands of players: what they hold and shove, turned into forces on vertices.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +13,10 @@
 
 namespace wobble::server {
 
-// A player as others need him here.
+// A player, with the body that the hands belong to.
 struct Actor {
   ClientId client = 0;
-  physics::BodyId body = 0;  // 0: a spectator, who has no hands
+  physics::BodyId body = 0;  // 0: a spectator, without hands
 };
 
 class Hands {
@@ -24,43 +24,49 @@ class Hands {
   // tickDuration: s.
   Hands(const scenes::HandRules& rules, double tickDuration) : m_rules(rules), m_tickDuration(tickDuration) {}
 
-  // What the player holds from now on; nullopt: nothing. What he may not hold, or cannot reach, he does not. A grip
-  // that was refused or has slipped stays so until the hand closes anew.
+  // Sets what the player holds from now on; nullopt: nothing. Call it every tick. A grip that the scene forbids or that
+  // is out of reach holds nothing, and one that was refused or has slipped stays open until the hand closes anew
+  // (HandCommand::grip).
   void Hold(const Actor& actor, const std::optional<HandCommand>& command, const physics::World& world);
-  // Why nothing was done, for people; empty when it was, or when an honest client would not have asked.
-  [[nodiscard]] std::string Push(const Actor& actor, const PushCommand& command, const physics::World& world);
-  // What the player may cut of the body with. nullopt, with a reason as above, when nothing.
+  // Starts a shove that acts for 0.1 s; ignored within 0.3 s of the player's last one. Returns the reason of a refusal,
+  // to be shown to the player; empty when there is nothing to say, as for commands that no honest client sends.
+  [[nodiscard]] std::string StartShove(const Actor& actor, const ShoveCommand& command, const physics::World& world);
+  // The blade of a cut that the player may make; nullopt otherwise, with a reason in `refusal` as above.
   [[nodiscard]] std::optional<physics::Blade> FindBlade(const Actor& actor, const CutCommand& command,
                                                         const physics::World& world, std::string& refusal) const;
 
+  // Drops the hands of a client that has left.
   void Forget(ClientId client);
-  // Its vertices are others now: whoever holds it lets go.
+  // Ends all grips and shoves on a body whose vertices have been renumbered.
   void LetGo(physics::BodyId body);
 
-  // The forces of the next tick. Before World::Step, once a tick.
+  // Gives the world the forces of the next step. Call it once a tick, before World::Step.
   void Act(physics::World& world);
 
  private:
+  // Holds `vertices` until it slips; without vertices it is open.
   struct Grip {
     HandCommand command;
     physics::BodyId own = 0;
-    std::vector<std::uint16_t> vertices;     // empty: refused, or it has slipped
-    std::vector<physics::Vector3d> offsets;  // of each from the one that was gripped, when it was, m
+    std::vector<std::uint16_t> vertices;     // ascending
+    std::vector<physics::Vector3d> offsets;  // of each vertex from the gripped one when the hand closed, m
   };
   struct Shove {
-    PushCommand command;
+    ShoveCommand command;
     physics::BodyId own = 0;
     std::vector<std::uint16_t> vertices;
-    int ticksLeft = 0;
-    int ticksToRest = 0;  // until the next may come
+    int ticksLeft = 0;    // in which it acts
+    int ticksToRest = 0;  // until the next one may begin
   };
 
-  // Of the body `own` to this place; a reach of 0 is any.
+  // Whether the place is within `reach`, m, of the centre of the body `own`. A reach of 0 is unlimited.
   [[nodiscard]] static bool IsWithin(double reach, physics::BodyId own, const physics::Vector3d& place,
                                      const physics::World& world);
+  // Chooses the vertices of a grip.
   void Close(const Actor& actor, Grip& grip, const physics::World& world) const;
   void Drag(Grip& grip, physics::World& world);
   void Deal(Shove& shove, physics::World& world);
+  // Applies the reaction to the owner of the hand.
   void PushBack(physics::BodyId own, const physics::Vector3d& force, physics::World& world);
 
   scenes::HandRules m_rules;

@@ -6,8 +6,8 @@
 namespace wobble::server {
 namespace {
 
-constexpr double kBlame = 6;         // s after a touch for which a fall is still that player's work
-constexpr double kIntermission = 8;  // s from one round to the next
+constexpr double kBlame = 6;         // how long after a touch a fall scores for the toucher, s
+constexpr double kIntermission = 8;  // from one round to the next, s
 
 }  // namespace
 
@@ -45,7 +45,7 @@ ClientId Sumo::NoteFall(ClientId fallen) {
 
 void Sumo::Advance(double seconds) {
   m_now += seconds;
-  // Alone one may practise for as long as one likes.
+  // A single player may practise without limit.
   if (m_phase == Phase::kPlaying && m_wrestlers.size() < 2) {
     m_secondsLeft = m_rules.roundSeconds;
     return;

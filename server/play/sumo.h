@@ -1,6 +1,6 @@
-// The rules of sumo: push the others off. Who falls gives a point to the player who touched him last; the first with
-// enough of them, or the one with most when the time is up, has won the round. Knows players by number and nothing of
-// how they move.
+// The rules of sumo: push the others off. A player who falls gives a point to the player who touched them last. The
+// first with enough points, or the one with the most when the time is up, wins the round. The class knows players by
+// number only.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +14,8 @@ namespace wobble::server {
 
 class Sumo {
  public:
+  // kPlaying -> kWon when a player has enough points or the time is up; kWon -> kPlaying, the next round, after 8 s.
+  // While fewer than two play, the time of the round starts anew.
   enum class Phase { kPlaying, kWon };
   struct Standing {
     ClientId client = 0;
@@ -25,26 +27,26 @@ class Sumo {
 
   void Enter(ClientId client);
   void Leave(ClientId client);
-  // They touch one another now.
+  // Notes that two players touch now.
   void NoteTouch(ClientId a, ClientId b);
-  // Who gets the point; 0: nobody has touched him lately, or no round is being played.
+  // Scores a fall. Returns the player who gets the point; 0: no touch within the last 6 s, or no round is played.
   ClientId NoteFall(ClientId fallen);
-  // Time goes on, s. A round begins when there are two to play it.
+  // Lets time pass, s.
   void Advance(double seconds);
 
   [[nodiscard]] Phase ReadPhase() const { return m_phase; }
   [[nodiscard]] int Round() const { return m_round; }  // from 1
   [[nodiscard]] double SecondsLeft() const { return m_secondsLeft; }
-  [[nodiscard]] ClientId Winner() const { return m_winner; }  // of the last round; 0: a draw, or none has ended
+  [[nodiscard]] ClientId Winner() const { return m_winner; }  // of the last round; 0: a draw, or no round has ended
   [[nodiscard]] std::vector<Standing> Standings() const;      // the best first
-  // Grows whenever any of these changes, but for the time.
+  // Grows whenever one of the above except the time changes.
   [[nodiscard]] std::uint64_t Revision() const { return m_revision; }
 
  private:
   struct Wrestler {
     Standing standing;
-    ClientId touchedBy = 0;
-    double touchedAt = 0;  // s of m_now
+    ClientId touchedBy = 0;  // last; 0: nobody
+    double touchedAt = 0;    // as m_now, s
   };
   void EndRound();
   void BeginRound();

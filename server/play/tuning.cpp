@@ -1,3 +1,4 @@
+// Ranges are checked here and not in session.cpp, because a player who passes one is to be told the range.
 #include "server/play/tuning.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -23,7 +24,7 @@ bool Tuning::MayTune(Kind kind, bool isHost) const {
 }
 
 std::string Tuning::Tune(const TuneCommand& command, bool isHost, physics::World& world, TickClock& clock) {
-  if (!MayTune(command.kind, isHost)) return "that is not yours to tune in this scene";
+  if (!MayTune(command.kind, isHost)) return "you may not tune that in this scene";
   const double value = command.value.x();
   std::string error;
   switch (command.kind) {

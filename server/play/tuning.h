@@ -1,4 +1,4 @@
-// What players tune for everybody: gravity, stiffness, the pace of time.
+// The quantities that players tune for everybody: gravity, stiffness and the pace of time.
 #pragma once
 
 #include <string>
@@ -10,22 +10,26 @@
 
 namespace wobble::server {
 
-// Softer by more, heaps are squashed so flat that looking for their contacts takes several ticks' time.
-inline constexpr double kMinTunedStiffness = 0.5;  // times
+// Factors on all stiffnesses. At less than 0.5, heaps are squashed so flat that the search for their contacts takes the
+// time of several ticks.
+inline constexpr double kMinTunedStiffness = 0.5;
 inline constexpr double kMaxTunedStiffness = physics::kMostStiffnessFactor;
 inline constexpr double kMaxGravity = 30;      // m/s²
-inline constexpr double kLeastTimeRate = 0.1;  // seconds of the world a second
-inline constexpr double kLongestJump = 10;     // s
+inline constexpr double kLeastTimeRate = 0.1;  // world seconds per second; the most is 1
+inline constexpr double kLongestJump = 10;     // world seconds
 
 class Tuning {
  public:
+  // gravity: of the scene, m/s².
   Tuning(const scenes::TuningRules& rules, const physics::Vector3d& gravity)
       : m_rules(rules), m_usualGravity(gravity), m_gravity(gravity) {}
 
+  // Whether the scene lets the player tune this. A jump follows the rule of the time rate.
   [[nodiscard]] bool MayTune(TuneCommand::Kind kind, bool isHost) const;
-  // Does it; or says why not, for people. isHost: whoever asks is.
+  // Tunes world or clock. Returns an empty text, or the reason of a refusal with the range, to be shown to the player.
+  // isHost: whether the player who asks is the host.
   [[nodiscard]] std::string Tune(const TuneCommand& command, bool isHost, physics::World& world, TickClock& clock);
-  // As the scene has it. False when it was so already.
+  // Restores the scene's values. Returns false when they were in force already.
   bool Reset(physics::World& world, TickClock& clock);
 
   [[nodiscard]] const physics::Vector3d& Gravity() const { return m_gravity; }

@@ -1,3 +1,5 @@
+// A draft of the blueprint is edited at once; the world gets it in Update. Between two updates the particles of the
+// draft are the vertices m_kept of the body in the world, followed by the new ones at m_new.
 #include "server/play/workshop.h"
 
 #include <algorithm>
@@ -11,12 +13,12 @@ namespace {
 using physics::GraphEdit;
 using physics::Vector3d;
 
-constexpr double kUpdateTime = 0.2;  // s from one blueprint to the next
-// Changes within that time, of all players together: each takes half a millisecond of a large graph. Twenty sliders
-// that are dragged at once do not reach it.
+constexpr double kUpdateTime = 0.2;  // from one blueprint to the next, s
+// The most changes within that time, of all players together: on a large graph each takes half a millisecond. Twenty
+// sliders dragged at once stay below it.
 constexpr int kMostChanges = 40;
 
-constexpr const char* kBusy = "too many are building at once; try again";
+constexpr const char* kBusy = "too many changes at once; try again";
 
 std::ptrdiff_t Find(const std::vector<PartTag>& tags, std::uint16_t number) {
   const auto found = std::ranges::find(tags, number, &PartTag::number);
@@ -27,7 +29,7 @@ int CountOf(const std::vector<PartTag>& tags, ClientId client) {
   return static_cast<int>(std::ranges::count(tags, client, &PartTag::owner));
 }
 
-// What is left of them, at its new places.
+// Keeps the values at these indices, ascending, and drops the others.
 template <class Value>
 void Keep(std::vector<Value>& values, std::span<const std::uint16_t> kept) {
   for (std::size_t i = 0; i < kept.size(); ++i) values[i] = values[kept[i]];
@@ -40,11 +42,11 @@ std::string Describe(const std::vector<physics::FieldError>& errors) {
 }
 
 std::string MissingPart(const char* what, std::uint16_t number) {
-  return std::string(what) + " " + std::to_string(number) + " is no longer there";
+  return std::string(what) + " " + std::to_string(number) + " no longer exists";
 }
 
 std::string AllUsed(const char* what, int most) {
-  return "you have all your " + std::to_string(most) + " " + what + "; remove one first";
+  return "you have " + std::to_string(most) + " " + what + ", the most per player; remove one first";
 }
 
 }  // namespace
@@ -76,7 +78,10 @@ std::string Workshop::Build(ClientId client, const BuildCommand& command, const 
   const auto place = static_cast<std::size_t>(found);
   switch (command.kind) {
     case Kind::kSetSpring:
-      return Take(SetSpring(m_draft, place, {0, 0, command.stiffness, command.damping, command.restLength}), client);
+      return Take(
+          SetSpring(m_draft, place,
+                    {.stiffness = command.stiffness, .damping = command.damping, .restLength = command.restLength}),
+          client);
     case Kind::kRemoveSpring:
       return Take(RemoveSpring(m_draft, place), client);
     case Kind::kRemoveParticle:
@@ -103,9 +108,12 @@ std::string Workshop::AddSpring(ClientId client, const BuildCommand& command, co
   const std::ptrdiff_t a = Find(m_particles, command.a);
   const std::ptrdiff_t b = Find(m_particles, command.b);
   if (a < 0 || b < 0) return MissingPart("particle", a < 0 ? command.a : command.b);
-  physics::GraphSpring spring{static_cast<int>(a), static_cast<int>(b), command.stiffness, command.damping,
-                              command.restLength};
-  if (spring.restLength == 0) {  // as they are, not as the rest shape has them
+  physics::GraphSpring spring{.a = static_cast<int>(a),
+                              .b = static_cast<int>(b),
+                              .stiffness = command.stiffness,
+                              .damping = command.damping,
+                              .restLength = command.restLength};
+  if (spring.restLength == 0) {  // the present distance, not that in the rest shape
     const std::vector<Vector3d> places = FindPlaces(world);
     spring.restLength = (places[static_cast<std::size_t>(a)] - places[static_cast<std::size_t>(b)]).norm();
   }
@@ -147,7 +155,7 @@ void Workshop::KeepPlaces(std::span<const std::uint16_t> kept) {
   Keep(m_new, waiting);
 }
 
-// There are many more than parts.
+// Ends, because there are many more numbers than parts.
 std::uint16_t Workshop::FindNumber() {
   do {
     ++m_lastNumber;
@@ -171,7 +179,8 @@ bool Workshop::Update(physics::World& world) {
   m_changes = 0;
   if (!m_changed) return false;
   const std::vector<Vector3d> places = FindPlaces(world);
-  if (!world.ReplaceBlueprint(m_body, m_draft, m_kept)) return false;  // all slots are taken: at the next tick perhaps
+  if (!world.ReplaceBlueprint(m_body, m_draft, m_kept))
+    return false;  // all blueprint slots are in use: try again later
   std::vector<Vector3d> velocities;
   std::visit(
       [&](const auto& state) {

@@ -1,7 +1,7 @@
-// The body that players build together from particles and springs, while it moves.
+// The body that players build together from particles and springs while it moves.
 //
-// Every change is checked at once, against what has been built so far, and shows in the world a few times a second:
-// each is another blueprint, and that goes whole to everybody.
+// Each change is checked at once against the draft, which holds all changes so far. The world takes over the draft at
+// most every 0.2 s, because every new blueprint is sent whole to all clients.
 #pragma once
 
 #include <cstdint>
@@ -17,54 +17,55 @@
 
 namespace wobble::server {
 
-// What a particle or a spring is called, and by whom it was made.
+// The name of a particle or spring, and who made it.
 struct PartTag {
-  std::uint16_t number = 0;  // its own as long as it is there
-  ClientId owner = 0;        // 0: the scene has it
+  std::uint16_t number = 0;  // unique among all parts as long as the part exists
+  ClientId owner = 0;        // 0: the scene
 };
 
 class Workshop {
  public:
-  // body: of a graph.
+  // body: made from a graph blueprint; it stays in the world as long as the workshop.
   Workshop(const scenes::WorkshopRules& rules, physics::BodyId body, const physics::World& world);
 
   [[nodiscard]] physics::BodyId Body() const { return m_body; }
-  // Why it cannot be done, for people; empty when it has been.
+  // Changes the draft. Returns an empty text, or the reason of a refusal, to be shown to the player.
   [[nodiscard]] std::string Build(ClientId client, const BuildCommand& command, const physics::World& world);
-  // Removes the springs that cross the blade.
+  // Removes the draft's springs that cross the blade; returns as Build.
   std::string Cut(const physics::Blade& blade, const physics::World& world);
-  // Once a tick, before World::Step. True when the body has another blueprint now, and its vertices are others.
+  // Gives the body in the world the draft when that is due. Call it once a tick, before World::Step. Returns true when
+  // the body has changed: its vertices are then numbered anew.
   bool Update(physics::World& world);
 
-  // Of the body's vertices and springs as they are in the world.
+  // Tags of the body's vertices and springs as they are in the world, in their order.
   [[nodiscard]] std::span<const PartTag> Particles() const { return m_shownParticles; }
   [[nodiscard]] std::span<const PartTag> Springs() const { return m_shownSprings; }
 
  private:
-  // The draft is what the world has.
+  // Notes that the world has the draft.
   void NoteShown();
-  // Those particles of the draft that are left, by their places in it.
+  // Reduces m_kept and m_new to the particles that an edit keeps; kept: their old indices in the draft, ascending.
   void KeepPlaces(std::span<const std::uint16_t> kept);
-  // One that no part has.
+  // A number that no part has.
   std::uint16_t FindNumber();
-  // Adopts what an edit has made; or says why there is none.
+  // Adopts the result of an edit as the draft; returns as Build. client: the owner of a part that it has added.
   std::string Take(physics::GraphEdit&& edit, ClientId client);
   std::string AddParticle(ClientId client, const BuildCommand& command, const physics::World& world);
   std::string AddSpring(ClientId client, const BuildCommand& command, const physics::World& world);
-  // Where the particles of the draft are, m: those in the world, then those on their way there.
+  // The places of the draft's particles, m: first those in the world, then those that wait for the next update.
   [[nodiscard]] std::vector<physics::Vector3d> FindPlaces(const physics::World& world) const;
 
   scenes::WorkshopRules m_rules;
   physics::BodyId m_body;
   physics::Blueprint m_draft;
-  std::vector<PartTag> m_particles;      // of the draft
-  std::vector<PartTag> m_springs;        // of the draft
-  std::vector<std::uint16_t> m_kept;     // which vertex of the world's the draft's first ones are
-  std::vector<physics::Vector3d> m_new;  // where those behind them are to appear, m
-  std::vector<PartTag> m_shownParticles;
+  std::vector<PartTag> m_particles;       // of the draft
+  std::vector<PartTag> m_springs;         // of the draft
+  std::vector<std::uint16_t> m_kept;      // the vertices in the world that are the draft's first particles
+  std::vector<physics::Vector3d> m_new;   // places at which its other particles are to appear, m
+  std::vector<PartTag> m_shownParticles;  // of the body in the world
   std::vector<PartTag> m_shownSprings;
-  bool m_changed = false;
-  int m_changes = 0;         // since the last update
+  bool m_changed = false;    // the draft differs from the world
+  int m_changes = 0;         // since the last update was due
   double m_sinceUpdate = 0;  // s
   std::uint16_t m_lastNumber = 0;
 };

@@ -1,3 +1,5 @@
+// One function per kind of body reads its fields. Quantities with a range that the physics knows are read unchecked and
+// then validated by the physics; what only the file knows (counts, words, list elements) is checked here.
 #include "server/scenes/blueprint_reader.h"
 
 #include <algorithm>
@@ -25,7 +27,7 @@ void ReadMethods(TableReader& reader, Methods& methods) {
   }
 }
 
-// The ranges of quantities are the physics' own and checked by Validate.
+// The physics knows the ranges of these quantities; Validate checks them.
 void ReadMaterial(TableReader& reader, physics::Material& material) {
   reader.ReadUnchecked("mass", material.mass);
   reader.ReadUnchecked("stiffness", material.stiffness);
@@ -112,7 +114,7 @@ void ReadFields(TableReader& reader, physics::ClothDefinition& cloth) {
   reader.ReadUnchecked("drag", cloth.material.drag);
 }
 
-// Ranges of what stands in lists are checked here as well, where each has its line.
+// The ranges of list elements are checked here as well, because here each has its line.
 void ReadFields(TableReader& reader, physics::GraphDefinition& graph) {
   reader.ReadTables("particle", [&](TableReader& table) {
     physics::Particle particle;
@@ -138,7 +140,7 @@ void ReadFields(TableReader& reader, physics::GraphDefinition& graph) {
   reader.ReadUnchecked("contact_stiffness", graph.contactStiffness);
 }
 
-// False when there is no mesh to check the other fields against.
+// Returns false when there is no mesh against which the other fields could be checked.
 bool ReadMesh(TableReader& reader, const std::filesystem::path& folder, physics::MeshDefinition& mesh) {
   reader.ReadUnchecked("scale", mesh.scale);
   reader.ReadUnchecked("bend", mesh.bend);
@@ -172,8 +174,9 @@ void ReadIntegrator(TableReader& reader, physics::Integrator& integrator) {
   reader.Read("integrator", kWords, integrator);
 }
 
-// A shell is held open by its gas alone. Its weight presses it flat over P A = (nRT/V) A, at most about nRT/R: with
-// nRT < m g R it lies flat however stiff its springs are, and what is flat is soon inside out.
+// Refuses a shell whose gas cannot carry its weight. Only the gas holds a shell open: its force over the area is P A =
+// (nRT/V) A, at most about nRT/R. With nRT < m g R the shell lies flat however stiff its springs are, and a flat shell
+// soon turns inside out.
 void CheckCarriesItself(TableReader& reader, const BodyDefinition& definition, const physics::Vector3d& gravity) {
   const auto check = [&](const physics::Material& material, double radius) {
     const double least = material.mass * gravity.norm() * radius;

@@ -1,4 +1,4 @@
-// Blueprints of a scene file: the kind that a [[blueprint]] names says which fields it has.
+// Reads the blueprints of a scene file. The kind of a [[blueprint]] determines its fields.
 #pragma once
 
 #include <filesystem>
@@ -8,15 +8,15 @@
 
 namespace wobble::scenes {
 
-// The field `integrator` of a scene or of a blueprint.
+// Reads the field `integrator` of a scene or of a blueprint.
 void ReadIntegrator(TableReader& reader, physics::Integrator& integrator);
 
-// Adds one blueprint to the scene, also when it is wrong: what names it is then no further mistake. folder: the scene
-// file's; files that a blueprint names are looked for from there.
+// Reads one blueprint and adds it to the scene. A blueprint with mistakes is added as well, so that tables that name it
+// cause no further errors. folder: of the scene file; mesh files are relative to it.
 void ReadBlueprint(TableReader& reader, const std::filesystem::path& folder, physics::Integrator defaultIntegrator,
                    Scene& scene);
 
-// The field `blueprint`, which must be there: one of the scene's by its name.
+// Reads the required field `blueprint`, the name of a blueprint of the scene, into its index.
 void ReadBlueprintName(TableReader& reader, const Scene& scene, std::size_t& blueprint);
 
 }  // namespace wobble::scenes

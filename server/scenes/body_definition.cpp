@@ -1,4 +1,4 @@
-// Each function asks the kind that the definition holds, by overloads that the compiler finds missing.
+// Each function dispatches to an overload per kind, so that the compiler reports an overload that is missing.
 #include "server/scenes/body_definition.h"
 
 namespace wobble::scenes {

@@ -1,4 +1,5 @@
-// The definition of a body of any kind. A further kind is one more alternative and one more line in each function.
+// The definition of a body of any kind. A new kind is one more alternative, and one more overload per function in
+// body_definition.cpp.
 #pragma once
 
 #include <string>
@@ -20,12 +21,13 @@ using BodyDefinition =
                  physics::ClothDefinition, physics::GraphDefinition, physics::MeshDefinition>;
 
 [[nodiscard]] const std::string& NameOf(const BodyDefinition& definition);
+// The vertices of a body made from the definition.
 [[nodiscard]] std::size_t CountVertices(const BodyDefinition& definition);
 
-// Everything that is wrong with a definition; empty when it can be built.
+// Lists all fields of the definition that are out of range; empty when the body can be built.
 [[nodiscard]] std::vector<physics::FieldError> Validate(const BodyDefinition& definition);
 
-// The definition must be valid.
+// Builds the blueprint of a valid definition.
 [[nodiscard]] physics::Blueprint MakeBlueprint(const BodyDefinition& definition);
 
 }  // namespace wobble::scenes

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kMaxForce = 1e5;        // N
 constexpr double kMaxPeriod = 3600;      // s
-constexpr double kMinPeriod = 1.0 / 60;  // s: a tick, unless the server is asked for others
+constexpr double kMinPeriod = 1.0 / 60;  // s: a tick at the default rate
 
 void ReadForce(TableReader& reader, DriveRule& rule) {
   using physics::Side;

@@ -1,4 +1,4 @@
-// Drives of a scene: what acts on its bodies by the clock.
+// Reads the drives of a scene: periodic forces, gas and wind.
 #pragma once
 
 #include "server/scenes/scene.h"
@@ -6,7 +6,7 @@
 
 namespace wobble::scenes {
 
-// After the blueprints, one of which it may name.
+// Reads one [[drive]] and adds it to the scene. The blueprints have been read.
 void ReadDrive(TableReader& reader, Scene& scene);
 
 }  // namespace wobble::scenes

@@ -1,4 +1,4 @@
-// Reads a scene table by table: what a scene is made of beside its blueprints (blueprint_reader.h).
+// Reads a scene table by table. Blueprints, obstacles, drives and play rules have readers of their own.
 #include "server/scenes/loader.h"
 
 #include <toml++/toml.h>
@@ -20,12 +20,12 @@ namespace {
 using physics::Vector3d;
 
 constexpr std::size_t kMaxSceneBodies = 20000;
-constexpr double kMinErrorTarget = 1e-6;  // m/s: below, single precision is all that is seen
+constexpr double kMinErrorTarget = 1e-6;  // m/s: a smaller error is below the resolution of single precision
 constexpr double kMaxErrorTarget = 1;
 constexpr double kMinStretch = 0.2;
 constexpr double kMaxStretch = 3;
 
-void ReadIsland(TableReader& reader, Scene& scene) {
+void ReadBodyGroup(TableReader& reader, Scene& scene) {
   BodyGroup group;
   ReadBlueprintName(reader, scene, group.blueprint);
   reader.Read("position", -kPlacesWithin, kPlacesWithin, " m", group.position);
@@ -66,7 +66,7 @@ void ReadScene(TableReader& reader, const std::filesystem::path& folder, Scene& 
   reader.Require("player");
   reader.ReadTables("obstacle", [&](TableReader& table) { ReadObstacle(table, scene); });
   reader.ReadTables("blueprint", [&](TableReader& table) { ReadBlueprint(table, folder, integrator, scene); });
-  reader.ReadTables("bodies", [&](TableReader& table) { ReadIsland(table, scene); });
+  reader.ReadTables("bodies", [&](TableReader& table) { ReadBodyGroup(table, scene); });
   reader.ReadTables("drive", [&](TableReader& table) { ReadDrive(table, scene); });
   reader.ReadTables("player", [&](TableReader& table) { ReadPlayer(table, scene); });
   ReadPlayRules(reader, scene);
@@ -108,6 +108,13 @@ LoadResult LoadScene(const std::string& nameOrPath, const std::filesystem::path&
     return result;
   }
   return ParseScene(text.str(), path.string());
+}
+
+std::filesystem::path FindShippedScenes() {
+  std::error_code error;
+  const std::filesystem::path programs = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
+  if (std::filesystem::is_directory(programs / "scenes", error)) return programs / "scenes";
+  return programs.parent_path() / "share" / "wobble" / "scenes";
 }
 
 std::vector<SceneSummary> ListScenes(const std::filesystem::path& folder) {

@@ -1,4 +1,4 @@
-// Scenes from TOML files. Every mistake in a file is reported at once, each with its line, value and range.
+// Loads scenes from TOML files. All mistakes of a file are reported together, each with its line, value and range.
 #pragma once
 
 #include <filesystem>
@@ -14,17 +14,22 @@ struct LoadResult {
   std::vector<std::string> errors;  // one line each: "arena.toml:12: mass = -1: must be 0.001 to 1000000 kg"
 };
 
-// `label` names the source in errors.
+// Reads a scene from TOML text. label: a path, which names the source in errors; files that the scene names are looked
+// for in its folder.
 [[nodiscard]] LoadResult ParseScene(const std::string& text, const std::string& label);
 
-// A path when it has a slash or ends in .toml, else the name of a scene in `folder`.
+// Loads a scene from a path, if the text has a slash or ends in .toml, otherwise by its name from `folder`.
 [[nodiscard]] LoadResult LoadScene(const std::string& nameOrPath, const std::filesystem::path& folder);
 
 struct SceneSummary {
   std::string name;
   std::string description;
 };
-// Scenes in the folder, by name.
+// The folder of the shipped scenes: `scenes` beside the running program, as in a build folder, or
+// ../share/wobble/scenes, as installed. The latter is returned, though it does not exist, when there is neither.
+[[nodiscard]] std::filesystem::path FindShippedScenes();
+
+// The scenes in the folder, sorted by name. A scene with mistakes is listed with the first of them.
 [[nodiscard]] std::vector<SceneSummary> ListScenes(const std::filesystem::path& folder);
 
 }  // namespace wobble::scenes

@@ -1,4 +1,5 @@
-// A face's corners are v, v/vt, v//vn or v/vt/vn, counted from 1 or, negative, back from the last vertex so far.
+// A corner of a face is v, v/vt, v//vn or v/vt/vn, where v counts from 1, or backwards from the last vertex so far if
+// it is negative.
 #include "server/scenes/obj_reader.h"
 
 #include <charconv>
@@ -10,7 +11,7 @@
 namespace wobble::scenes {
 namespace {
 
-constexpr std::size_t kMaxMistakes = 20;  // that are worth listing
+constexpr std::size_t kMaxMistakes = 20;  // listed of one file
 
 class ObjParser {
  public:
@@ -77,13 +78,14 @@ class ObjParser {
     }
     if (corners.size() < 3) return Refuse(m_line, name + " has " + std::to_string(corners.size()) + " corners");
     for (std::size_t i = 2; i < corners.size(); ++i) {
-      if (m_mesh.faces.size() >= 2 * physics::kMaxMeshVertices + 2) return;  // too many vertices as well: said already
+      if (m_mesh.faces.size() >= 2 * physics::kMaxMeshVertices + 2)
+        return;  // the file has too many vertices as well: reported already
       m_mesh.faces.push_back({corners[0], corners[i - 1], corners[i]});
       m_origins.push_back({m_line, m_faceCount});
     }
   }
 
-  // Once the file is whole in itself.
+  // Checks the mesh for geometric faults, once the file has no other mistakes.
   void FindFaults() {
     if (!m_mesh.errors.empty()) return;
     int last = 0;

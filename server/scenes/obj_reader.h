@@ -1,4 +1,4 @@
-// Triangle meshes from Wavefront OBJ files: vertices and faces; all else that such files may hold is passed over.
+// Reads triangle meshes from Wavefront OBJ files: vertices and faces. Everything else in a file is ignored.
 #pragma once
 
 #include <filesystem>
@@ -11,14 +11,16 @@ namespace wobble::scenes {
 
 struct ObjMesh {
   std::vector<physics::Vector3d> vertices;  // as in the file
-  std::vector<physics::Face> faces;         // polygons cut into fans; their vertices counted from 0
-  // One a mistake, by line: "line 12: face 3 has vertex 9 of 8". Faces and vertices are counted from 1, as in the file.
+  std::vector<physics::Face> faces;         // polygons are split into fans; vertices counted from 0
+  // One per mistake, at most 20: "line 12: face 3 has vertex 9 of 8". Faces and vertices are counted from 1, as in the
+  // file. Empty: the mesh can be used.
   std::vector<std::string> errors;
 };
 
+// Parses the text of a file. Never throws.
 [[nodiscard]] ObjMesh ParseObj(const std::string& text);
 
-// A file that cannot be read is one error.
+// Reads and parses a file. A file that cannot be read gives one error.
 [[nodiscard]] ObjMesh LoadObj(const std::filesystem::path& path);
 
 }  // namespace wobble::scenes

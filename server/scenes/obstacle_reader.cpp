@@ -13,7 +13,7 @@ void ReadPlane(TableReader& reader, physics::Obstacle& plane) {
   reader.Read("offset", -kPlacesWithin, kPlacesWithin, " m", plane.offset);
 }
 
-// False when there is no field to be made.
+// Returns false when there are no valid heights.
 bool ReadHeightField(TableReader& reader, physics::Obstacle& ground) {
   reader.Read("position", -kPlacesWithin, kPlacesWithin, " m", ground.centre);
   double cellSize = 1;

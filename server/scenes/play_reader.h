@@ -1,4 +1,4 @@
-// The tables [hands], [tuning], [workshop] and [game] of a scene.
+// Reads the tables [hands], [tuning], [workshop] and [game] of a scene.
 #pragma once
 
 #include "server/scenes/scene.h"
@@ -6,7 +6,7 @@
 
 namespace wobble::scenes {
 
-// After the scene's blueprints and bodies.
+// Reads all four tables. The blueprints and bodies have been read.
 void ReadPlayRules(TableReader& reader, Scene& scene);
 
 }  // namespace wobble::scenes

@@ -1,16 +1,18 @@
 #include "server/scenes/scene.h"
-#include "server/physics/shapes/finish_blueprint.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "server/physics/shapes/finish_blueprint.h"
 
 namespace wobble::scenes {
 namespace {
 
 using physics::Vector3d;
 
-// SplitMix64 (Steele, Lea & Flood 2014): the whole state is a counter, and it is the same on every standard library.
+// SplitMix64 (Steele, Lea & Flood 2014). Its whole state is a counter, and unlike the distributions of <random> it
+// gives the same numbers with every standard library.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : m_state(seed) {}

@@ -1,4 +1,4 @@
-// A scene: what a world is made of, as plain data, and the world made from it.
+// The room server/scenes reads scenes from TOML files. This file holds a scene as plain data and makes a world from it.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@
 
 namespace wobble::scenes {
 
-// Bodies of one blueprint on a grid: `count` along each axis, `spacing` apart, the first at `position`, each moved by
-// up to `jitter` along each axis, so that no two runs of different seeds are alike.
+// Bodies of one blueprint on a grid: `count` along each axis, `spacing` apart, the first at `position`. Each is
+// displaced at random by up to `jitter` along each axis, so that runs of different seeds differ.
 struct BodyGroup {
   std::size_t blueprint = 0;
   physics::Vector3d position = physics::Vector3d::Zero();  // m
@@ -22,24 +22,24 @@ struct BodyGroup {
   physics::Vector3d spacing = physics::Vector3d::Zero();   // m
   double jitter = 0;                                       // m
   physics::Vector3d velocity = physics::Vector3d::Zero();  // m/s
-  physics::Vector3d stretch = physics::Vector3d::Ones();   // of each about its centre when it is first put there
+  physics::Vector3d stretch = physics::Vector3d::Ones();   // about the centre, at the start only
 };
 
-// What a blueprint of any kind is stepped with.
+// The numerical methods of a blueprint.
 struct Methods {
   physics::Integrator integrator = physics::Integrator::kRungeKutta4;
   physics::ContactLaw contactLaw = physics::ContactLaw::kPenalty;
   double magneticStrength = physics::kDefaultMagneticStrength;  // N·m²
 };
 
-// A drive of every body that the scene has of a blueprint, or of all, players' too.
+// A drive of every scene body of one blueprint, or of all bodies including players'.
 struct DriveRule {
-  std::optional<std::size_t> blueprint;
-  physics::Side side = physics::Side::kNone;  // the vertices there in the rest shape share the force; kNone: all do
-  physics::Drive drive;                       // but for its body and vertices
+  std::optional<std::size_t> blueprint;       // nullopt: all bodies
+  physics::Side side = physics::Side::kNone;  // the vertices on this side of the rest shape share the force; kNone: all
+  physics::Drive drive;                       // body and vertices are filled in by FillWorld
 };
 
-// What a player gets. Players appear one after the other on a circle about `spawn`.
+// The body of a player and where it appears: one after the other on a circle about `spawn`.
 struct PlayerRules {
   std::size_t blueprint = 0;
   physics::Vector3d spawn{0, 0, 2};  // m
@@ -55,10 +55,10 @@ struct Scene {
   physics::Precision precision = physics::Precision::kSingle;
   double errorTarget = physics::WorldSettings{}.errorTarget;  // m/s
   int maxSubsteps = physics::WorldSettings{}.maxSubsteps;
-  double killHeight = -20;  // below this a body starts again, m
+  double killHeight = -20;  // a body below this height respawns, m
   std::vector<physics::Obstacle> obstacles;
   std::vector<BodyDefinition> blueprints;
-  std::vector<Methods> methods;  // one a blueprint; those beyond its end have the default
+  std::vector<Methods> methods;  // by blueprint; blueprints beyond the end have the default
   std::vector<BodyGroup> groups;
   std::vector<DriveRule> drives;
   PlayerRules player;
@@ -68,31 +68,33 @@ struct Scene {
   GameRules game;
 };
 
-// A body and where it starts, also after it has fallen off.
+// A body of the scene and where it starts and respawns, m.
 struct PlacedBody {
   physics::BodyId body = 0;
   physics::Vector3d home = physics::Vector3d::Zero();
 };
 
-// Of a world for the scene.
+// The settings of a world for the scene. tickDuration: s. threads: 1 or more.
 [[nodiscard]] physics::WorldSettings MakeWorldSettings(const Scene& scene, double tickDuration, int threads);
 
-// Fills an empty world with the scene's obstacles, blueprints, bodies and drives. Same seed, same world.
+// Fills an empty world with the scene's obstacles, blueprints, bodies and drives. The same seed gives the same world.
+// Returns the bodies by ascending id.
 [[nodiscard]] std::vector<PlacedBody> FillWorld(const Scene& scene, std::uint64_t seed, physics::World& world);
 
-// The start of the index-th player, m: golden-angle steps round the circle keep any number of players apart.
+// The place of the index-th player on the circle, m. Steps of the golden angle keep any number of players apart.
 [[nodiscard]] physics::Vector3d FindSpawn(const PlayerRules& player, std::uint32_t index);
 
-// The first of the index-th, the next and so on that no body of the world lies in; above them when all are taken.
-// Bodies that were put into one another would take seconds to part.
+// The first free place of the index-th player, the next and so on, m; if 16 are occupied it tries 16 more a body's
+// height above, up to 16 layers. Bodies placed inside one another would take seconds to separate. O(bodies) per place.
 [[nodiscard]] physics::Vector3d FindFreeSpawn(const PlayerRules& player, std::uint32_t index,
                                               const physics::World& world);
 
-// The vertices of a rest shape within 2 % of its extent of a side: all of a flat end, none beside it. Of what is round,
-// balls, rings and meshes, it is a cap of 10 %. All for kNone.
+// The vertices of a rest shape on one side, ascending: those within 2 % of its extent, which is all of a flat end and
+// nothing beside it. For round bodies (balls, rings, meshes) it is a cap of 10 %. kNone: all vertices.
 [[nodiscard]] std::vector<std::uint16_t> FindSide(const BodyDefinition& definition,
                                                   const std::vector<physics::Vector3d>& rest, physics::Side side);
 
+// Bodies of the scene, without players'.
 [[nodiscard]] std::size_t CountBodies(const Scene& scene);
 
 }  // namespace wobble::scenes

@@ -1,3 +1,4 @@
+// Errors show values as they stand in the file, not as they were converted, so that a person finds them by searching.
 #include "server/scenes/table_reader.h"
 
 #include <algorithm>
@@ -60,7 +61,7 @@ void TableReader::Refuse(std::string_view key, const std::string& value, const s
 void TableReader::RefuseAsWritten(std::string_view key, const std::string& value, const std::string& range) {
   const toml::node* node = m_table.get(key);
   if (node == nullptr) return Refuse(key, value, range);
-  const bool meantNumber = value.empty() || value == "nan";  // what ReadUnchecked makes of anything else
+  const bool meantNumber = value.empty() || value == "nan";  // ReadUnchecked reads anything but a number as NaN
   Refuse(key, FormatNode(*node), meantNumber && !node->is_number() ? "a number, " + range : range);
 }
 
@@ -130,7 +131,7 @@ void TableReader::Read(std::string_view key, int low, int high, std::array<int, 
   ReadWhole(key, "three", low, high, value);
 }
 
-// count: how many in words.
+// count: the number of elements, in words for the message.
 void TableReader::ReadWhole(std::string_view key, const char* count, int low, int high, std::span<int> value) {
   const toml::node* node = Find(key);
   if (node == nullptr) return;

@@ -1,5 +1,5 @@
 // Reads TOML tables field by field. A reader checks type and range of each field, notes which keys were asked for, and
-// at the end reports the others: a misspelt key is a mistake, not a default.
+// at the end reports all other keys: a misspelt key is a mistake and does not silently leave a default.
 #pragma once
 
 #include <toml++/toml.h>
@@ -16,13 +16,13 @@
 
 namespace wobble::scenes {
 
-// Mistakes of one file, each with its line.
+// The mistakes of one file, each with its line.
 class ErrorList {
  public:
   // label: the file's name.
   explicit ErrorList(std::string label) : m_label(std::move(label)) {}
   void Add(const toml::source_region& where, const std::string& what);
-  // In the order of the file.
+  // Returns all mistakes in the order of the file, and empties the list.
   [[nodiscard]] std::vector<std::string> Take();
 
  private:
@@ -30,22 +30,26 @@ class ErrorList {
   std::vector<std::pair<toml::source_index, std::string>> m_errors;
 };
 
-// A node as it would stand in a file.
+// Writes a node as it would stand in a file.
 [[nodiscard]] std::string FormatNode(const toml::node& node);
 
-inline constexpr double kPlacesWithin = 4000;  // m from the origin: well inside what the protocol can show
+inline constexpr double kPlacesWithin = 4000;  // bound of all coordinates, m: well inside what the protocol can show
 
-// Every Read leaves `value` as it is when the field is not there, and when it is refused.
+// Each Read leaves `value` unchanged when the field is missing, and when it is refused and reported. low, high:
+// inclusive. unit: appended to the range in the message, such as " m".
 class TableReader {
  public:
   TableReader(const toml::table& table, ErrorList& errors) : m_table(table), m_errors(errors) {}
 
+  // Where the field stands, or the table when there is no such field.
   [[nodiscard]] const toml::source_region& Where(std::string_view key) const;
+  // Reports a field with its value and the range that it must have.
   void Refuse(std::string_view key, const std::string& value, const std::string& range);
-  // As it stands in the file, when it does; a range that others know is checked against what was meant there.
+  // As Refuse, but shows the value as it stands in the file if it is there; `value` is then what was read, and empty or
+  // "nan" when it was to be a number.
   void RefuseAsWritten(std::string_view key, const std::string& value, const std::string& range);
 
-  // A number whose range others check; what is no number becomes a NaN, which no range holds.
+  // Reads a number whose range the caller checks; anything but a number becomes NaN, which no range contains.
   void ReadUnchecked(std::string_view key, double& value);
   void Read(std::string_view key, double low, double high, const char* unit, double& value);
   void Read(std::string_view key, int low, int high, int& value);
@@ -55,11 +59,12 @@ class TableReader {
   void Read(std::string_view key, int low, int high, std::array<int, 2>& value);
   void Read(std::string_view key, int low, int high, std::array<int, 3>& value);
 
-  // A grid of numbers, one array a row, all rows equally long. False when there is none or it is not so.
+  // Reads a grid of numbers: an array of 2 to `most` rows with equally many numbers, 2 to `most`. Returns false when
+  // the field is missing or refused.
   bool Read(std::string_view key, double low, double high, const char* unit, int most, std::vector<double>& values,
             int& columns);
 
-  // One of a few words. False when there is none or another one.
+  // Reads one of a few words. Returns false when the field is missing or refused.
   template <class Value>
   bool Read(std::string_view key, const std::map<std::string, Value>& words, Value& value) {
     const toml::node* node = Find(key);
@@ -96,10 +101,13 @@ class TableReader {
     }
   }
 
+  // Whether the field is there; marks its key as known.
   [[nodiscard]] bool Has(std::string_view key);
+  // Reports the field when it is missing.
   void Require(std::string_view key);
-  // What the table may hold cannot be told, so nothing more is said of it.
+  // Marks all keys as known: for a table whose possible fields are unknown because its kind is.
   void PassOver();
+  // Reports all keys that were never asked for.
   void ReportUnknown();
 
  private:

@@ -1,8 +1,9 @@
-// The pose of a soft body is its centroid and the rotation that takes the rest shape nearest to the shape: the
-// rotational part of A = Σ (x − c) restᵀ. It is found by turning a quaternion until Σ r_col × a_col vanishes (Müller,
-// Bender, Chentanez & Macklin 2016), begun from the last capture: two or three rounds in motion, and unlike a singular
-// value decomposition it never jumps when a flattened body makes A degenerate, which interpolation would show as a
-// flip.
+// The pose of a soft body is its centroid and the rotation that brings the rest shape nearest to the present shape: the
+// rotational part of A = Σ (x − c) restᵀ. The search turns a quaternion until Σ r_col × a_col vanishes (Müller, Bender,
+// Chentanez & Macklin 2016) and starts from the last capture, so a moving body takes two or three rounds.
+//
+// A singular value decomposition was rejected: it jumps when a flattened body makes A degenerate, and interpolation
+// would show the jump as a flip.
 #include "server/snapshots/capture.h"
 
 #include <Eigen/Geometry>
@@ -18,15 +19,13 @@ namespace {
 using physics::Vector3f;
 using protocol::Vector3;
 
-Vector3 ToWire(const Vector3f& v) { return {v.x(), v.y(), v.z()}; }
-Vector3 ToWire(const physics::Vector3d& v) { return ToWire(Vector3f(v.cast<float>())); }
 protocol::wire::Vec3 ToMessage(const physics::Vector3d& v) {
   const Vector3 w = ToWire(v);
   return {w.x, w.y, w.z};
 }
 
-// Ground is sent so finely: up to kMostCells cells for each of its own, while it has no more than kDrawnCells along an
-// axis.
+// Resolution of the ground that clients draw: up to kMostCells cells for each cell of the field, as long as that makes
+// no more than kDrawnCells along an axis.
 constexpr int kDrawnCells = 64;
 constexpr int kMostCells = 8;
 
@@ -52,7 +51,8 @@ Eigen::Quaterniond FindRotation(const Eigen::Matrix3d& a, Eigen::Quaterniond q) 
   return q;
 }
 
-// The surface itself, not the heights that it was made from: a client need not know how it runs between these.
+// Samples the surface rather than the heights that it was made from, so that a client need not know the interpolation
+// between them.
 CapturedGround CaptureGround(const physics::Obstacle& obstacle) {
   static_assert(protocol::kMaxFieldNodes >= std::size_t{physics::kMaxFieldNodes});
   const physics::HeightField& field = *obstacle.field;
@@ -69,6 +69,7 @@ CapturedGround CaptureGround(const physics::Obstacle& obstacle) {
   const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
   const double step = (*high - *low) / 65535;
   CapturedGround captured;
+  // Origin, cell size, base height, height step, columns, rows.
   captured.field = {ToMessage(obstacle.centre), static_cast<float>(cellSize),        static_cast<float>(*low),
                     static_cast<float>(step),   static_cast<std::uint16_t>(columns), static_cast<std::uint16_t>(rows)};
   for (const double height : heights) {
@@ -78,7 +79,7 @@ CapturedGround CaptureGround(const physics::Obstacle& obstacle) {
   return captured;
 }
 
-// The springs, of which no more than the wire takes are drawn.
+// The springs to draw of a blueprint without faces: the first protocol::kMaxBlueprintEdges.
 std::vector<std::array<std::uint16_t, 2>> FindEdges(const physics::Blueprint& blueprint) {
   std::vector<std::array<std::uint16_t, 2>> edges;
   for (const physics::Spring<double>& spring : blueprint.full.springs) {
@@ -89,6 +90,11 @@ std::vector<std::array<std::uint16_t, 2>> FindEdges(const physics::Blueprint& bl
 }
 
 }  // namespace
+
+Vector3 ToWire(const physics::Vector3d& v) {
+  const Vector3f single = v.cast<float>();
+  return {single.x(), single.y(), single.z()};
+}
 
 CapturedBlueprint CaptureBlueprint(const physics::Blueprint& blueprint,
                                    std::span<const std::vector<std::uint8_t>> bases, const BlueprintTags& tags) {
@@ -105,8 +111,9 @@ CapturedBlueprint CaptureBlueprint(const physics::Blueprint& blueprint,
                                               .bases = bases,
                                               .particles = tags.particles,
                                               .springs = tags.springs});
+  captured.patches = protocol::FindPatchConstants(captured.rest);
   for (std::size_t patch = 0; patch < bases.size(); ++patch) {
-    captured.bases.push_back(protocol::ReadBasis(bases[patch], protocol::PatchSize(captured.rest.size(), patch)));
+    captured.patches[patch].basis = protocol::ReadBasis(bases[patch], protocol::PatchSize(captured.rest.size(), patch));
   }
   captured.hash = protocol::HashBytes(captured.message);
   return captured;
@@ -133,6 +140,21 @@ std::uint8_t CaptureHands(const scenes::Scene& scene) {
   return static_cast<std::uint8_t>((hands.grab ? protocol::kMayGrab : 0) | (hands.cut ? protocol::kMayCut : 0) |
                                    (hands.push ? protocol::kMayPush : 0) |
                                    (scene.workshop.isOpen ? protocol::kMayBuild : 0));
+}
+
+protocol::TuningFields CaptureTuning(const Tuning& tuning, double timeRate, bool isSpectator, bool isHost) {
+  using Kind = TuneCommand::Kind;
+  const auto bit = [&](Kind kind, std::uint8_t value) {
+    return static_cast<unsigned>(!isSpectator && tuning.MayTune(kind, isHost) ? value : 0);
+  };
+  protocol::TuningFields fields;
+  fields.gravity = ToWire(tuning.Gravity());
+  fields.stiffness = static_cast<float>(tuning.Stiffness());
+  fields.timeRate = static_cast<float>(timeRate);
+  fields.may = static_cast<std::uint8_t>(bit(Kind::kGravity, protocol::kMayTuneGravity) |
+                                         bit(Kind::kStiffness, protocol::kMayTuneStiffness) |
+                                         bit(Kind::kTimeRate, protocol::kMayTuneTime));
+  return fields;
 }
 
 std::vector<protocol::wire::Obstacle> CaptureObstacles(std::span<const physics::Obstacle> obstacles) {
@@ -231,54 +253,6 @@ void CaptureBody(const physics::World& world, const physics::Body& body, Capture
   const Eigen::Quaterniond q = FindRotation(a, Eigen::Quaterniond(last.w, last.x, last.y, last.z));
   captured.pose.rotation = {static_cast<float>(q.w()), static_cast<float>(q.x()), static_cast<float>(q.y()),
                             static_cast<float>(q.z())};
-}
-
-void BodyCaptures::Follow(const physics::World& world) {
-  const physics::WorldChanges changes = world.Changes();
-  if (m_removals != changes.removals) DropRemoved(world);
-  const std::span<const physics::Body> present = world.Bodies();
-  while (m_shown.size() < present.size()) {
-    const physics::Body& added = present[m_shown.size()];
-    m_shown.push_back({added.id, ToWire(world.FindCentre(added))});
-    m_captured.emplace_back().body = added.id;
-    m_moved.push_back(1);
-  }
-  const auto perTick = static_cast<float>(1 / world.Settings().tickDuration);
-  for (const std::uint32_t place : changes.stepped) {
-    m_moved[place] = 1;
-    ShownBody& shown = m_shown[place];
-    const Vector3 centre = ToWire(changes.FindMiddle(place));
-    shown.speed = protocol::Length(centre - shown.centre) * perTick;
-    shown.centre = centre;
-    shown.restTick = present[place].asleep ? world.Tick() : 0;
-  }
-}
-
-// Both lists ascend by id and ids are never reused: without the removed ones, ours begins the world's.
-void BodyCaptures::DropRemoved(const physics::World& world) {
-  m_removals = world.Changes().removals;
-  const std::span<const physics::Body> present = world.Bodies();
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < m_shown.size(); ++i) {
-    if (kept == present.size() || m_shown[i].body != present[kept].id) continue;
-    m_shown[kept] = m_shown[i];
-    m_moved[kept] = m_moved[i];
-    if (kept != i) m_captured[kept] = std::move(m_captured[i]);
-    ++kept;
-  }
-  m_shown.resize(kept);
-  m_moved.resize(kept);
-  m_captured.resize(kept);
-}
-
-const CapturedBody& BodyCaptures::Read(const physics::World& world, std::size_t index) {
-  CapturedBody& captured = m_captured[index];
-  if (m_moved[index] != 0) {
-    CaptureBody(world, world.Bodies()[index], captured);
-    captured.restTick = m_shown[index].restTick;
-    m_moved[index] = 0;
-  }
-  return captured;
 }
 
 }  // namespace wobble::server

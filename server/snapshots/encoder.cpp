@@ -1,3 +1,5 @@
+// Each thread has an encoder with working memory of its own. Records are kept per body and quality with the version of
+// the capture that they were made from, so a body that several clients take, or that has not moved, is encoded once.
 #include "server/snapshots/encoder.h"
 
 #include <tbb/enumerable_thread_specific.h>
@@ -10,10 +12,9 @@
 #include "server/physics/model/parallel.h"
 
 namespace wobble::server {
-namespace {
 
-// What one thread encodes with; keeps its memory between bodies.
-class BodyEncoder {
+// The encoder of one thread; reuses its memory from body to body.
+class Encoder::BodyEncoder {
  public:
   explicit BodyEncoder(std::span<const protocol::wire::Obstacle> obstacles) : m_obstacles(obstacles) {}
 
@@ -24,34 +25,37 @@ class BodyEncoder {
  private:
   std::span<const protocol::wire::Obstacle> m_obstacles;
   protocol::ShapeEncoder m_shapes;
-  std::vector<std::size_t> m_ends;  // of each record in the bytes
+  std::vector<std::size_t> m_ends;  // where each record ends in the bytes
   std::vector<std::uint8_t> m_payload;
   std::uint64_t m_coarsened = 0;
 };
 
-void BodyEncoder::Encode(float errorShare, const CapturedBody& body, const CapturedBlueprint& blueprint,
-                         Encoding& encoding) {
+void Encoder::BodyEncoder::Encode(float errorShare, const CapturedBody& body, const CapturedBlueprint& blueprint,
+                                  Encoding& encoding) {
   const std::span<const protocol::Vector3> vertices = body.vertices;
   encoding.version = body.version;
   encoding.body = {};
   encoding.bytes.clear();
   encoding.bytes.reserve((vertices.size() / protocol::kMaxPatchVertices + 1) * protocol::kMaxPacketBytes);
   m_ends.clear();
-  const std::span<const protocol::Vector3> rest = blueprint.rest;
   const float target = errorShare * blueprint.size;
   std::size_t first = 0;
   for (std::uint8_t patch = 0; first < vertices.size(); ++patch) {
     const std::size_t count = protocol::PatchSize(vertices.size(), patch);
     m_payload.clear();
-    const protocol::PatchModel model{rest.subspan(first, count), blueprint.size,
-                                     blueprint.bases.empty() ? nullptr : blueprint.bases[patch].get(), m_obstacles};
+    const protocol::PatchModel model =
+        protocol::MakePatchModel(blueprint.rest, blueprint.size, blueprint.patches, patch, m_obstacles);
     const protocol::ShapeEncoding shape = m_shapes.Encode(model, body.pose, vertices.subspan(first, count), target,
                                                           protocol::kMaxRecordPayload, m_payload);
     first += count;
     if (!shape.fits || shape.rmsError > target) ++m_coarsened;
-    if (!shape.fits) continue;  // spread over hundreds of metres: left out until it is reset
-    protocol::AppendRecord({body.body, body.blueprint, patch, blueprint.generation, body.restTick}, m_payload,
-                           encoding.bytes);
+    if (!shape.fits) continue;  // spread over hundreds of metres: left out until the body is reset
+    protocol::AppendRecord({.body = body.body,
+                            .blueprint = body.blueprint,
+                            .patch = patch,
+                            .generation = blueprint.generation,
+                            .restTick = body.restTick},
+                           m_payload, encoding.bytes);
     m_ends.push_back(encoding.bytes.size());
     const double share = double{shape.rmsError} / double{blueprint.size};
     encoding.body.vertices += static_cast<std::uint32_t>(count);
@@ -59,7 +63,7 @@ void BodyEncoder::Encode(float errorShare, const CapturedBody& body, const Captu
   }
   const double vertexCount = std::max(1U, encoding.body.vertices);
   encoding.body.error = std::sqrt(encoding.body.errorSquares / vertexCount);
-  // The bytes have stopped growing: only now do spans into them hold.
+  // Spans into the bytes are valid only now that the bytes no longer grow.
   encoding.records.clear();
   for (std::size_t begin = 0; const std::size_t end : m_ends) {
     encoding.records.push_back(std::span<const std::uint8_t>(encoding.bytes).subspan(begin, end - begin));
@@ -67,8 +71,6 @@ void BodyEncoder::Encode(float errorShare, const CapturedBody& body, const Captu
   }
   encoding.body.records = encoding.records;
 }
-
-}  // namespace
 
 struct Encoder::Workers {
   Workers(std::span<const protocol::wire::Obstacle> obstacles, int count)

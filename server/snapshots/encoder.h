@@ -1,4 +1,4 @@
-// Captured bodies to records, once for all clients, and only when one of them takes the body.
+// Encodes captured bodies into records, once for all clients.
 #pragma once
 
 #include <array>
@@ -8,37 +8,38 @@
 #include <vector>
 
 #include "protocol/geometry.h"
+#include "server/snapshots/body_captures.h"
 #include "server/snapshots/capture.h"
 
 namespace wobble::server {
 
-// A body's records, one for each patch, as bytes to be copied into packets.
+// A body's records, one per patch, as bytes that are copied into packets.
 using Records = std::span<const std::span<const std::uint8_t>>;
 
-// Error targets of a snapshot, finest first: RMS over a body's vertices, as shares of its size. The others are for what
-// is far away, and for clients whose share of the wire would leave bodies out.
+// The qualities of a snapshot, finest first: the RMS error over a body's vertices, as a share of its size. The coarser
+// ones are for distant bodies and for clients whose byte budget would leave bodies out.
 inline constexpr std::array<float, 3> kSnapshotErrorShares{0.0025F, 0.005F, 0.01F};
 inline constexpr std::size_t kQualities = kSnapshotErrorShares.size();
 
 struct EncodedBody {
   Records records;
-  std::uint32_t vertices = 0;  // in them
-  double errorSquares = 0;     // of error over size, summed over these
-  double error = 0;            // RMS of that
+  std::uint32_t vertices = 0;  // in the records
+  double errorSquares = 0;     // (error / size)², summed over these vertices
+  double error = 0;            // root of their mean
 };
 
-// What the encoder keeps of one body at one quality.
+// One body encoded at one quality.
 struct Encoding {
-  std::uint64_t version = 0;        // of the capture; 0: none yet
+  std::uint64_t version = 0;        // of the capture that it was made from; 0: not encoded yet
   std::vector<std::uint8_t> bytes;  // of all records
   std::vector<std::span<const std::uint8_t>> records;
   EncodedBody body;
-  // Ticks after which it was read last, and before that; 0: not yet.
+  // The tick of its last read, and of the read in an earlier tick; 0: none.
   std::uint32_t lastRead = 0;
   std::uint32_t readBefore = 0;
 };
 
-// A body that has been captured, and its place among those that Encoder::Follow was told of.
+// A captured body that is to be encoded ahead. index: in the list that Encoder::Follow was given.
 struct FreshCapture {
   std::size_t index = 0;
   const CapturedBody* body = nullptr;
@@ -47,28 +48,29 @@ struct FreshCapture {
 
 class Encoder {
  public:
-  // obstacles: of the welcome.
+  // obstacles: as clients have them from the welcome; records are predicted from contact with these. threads: 1 or
+  // more.
   explicit Encoder(std::vector<protocol::wire::Obstacle> obstacles = {}, int threads = 1);
   ~Encoder();
 
-  // Forgets bodies that are not among these, the world's by ascending id, after this tick.
+  // Drops removed bodies and adds new ones. bodies: all of the world, by ascending id. tick: that was stepped last.
   void Follow(std::span<const ShownBody> bodies, std::uint32_t tick);
-  // Of the body at `index` of those, at one of kSnapshotErrorShares. Encodes it unless this capture has been; valid
-  // until it is encoded again.
+  // The records of bodies[index] (of Follow) at kSnapshotErrorShares[quality]. Encodes them unless this capture has
+  // been encoded already. Valid until the body is encoded again.
   const EncodedBody& Encode(std::size_t index, std::size_t quality, const CapturedBody& body,
                             const CapturedBlueprint& blueprint);
-  // What Encode would return of this capture; null when it would have to encode it first.
+  // What Encode would return for the capture of this version; null when it would have to encode. version 0: null.
   [[nodiscard]] const EncodedBody* Find(std::size_t index, std::size_t quality, std::uint64_t version);
 
-  // Whether the body at `index` is likely to be asked for after this tick: it was read as long ago as it had been when
-  // it was read then. Of a world that a client's share suffices for that is every body, and of a crowd those whose turn
-  // it is.
+  // Predicts whether the body will be read after this tick: it will when as many ticks have passed since its last read
+  // as lay between its last two. In a world that fits the clients' budgets that holds for every body that is due, and
+  // in a crowd for those whose turn it is.
   [[nodiscard]] bool IsExpected(std::size_t index) const;
-  // Encodes these on all threads, at the qualities that are likely to be asked for. It changes nothing but who waits:
-  // what was not expected is encoded when it is asked for.
+  // Encodes captures on all threads, at the qualities that are likely to be read. It changes no record: what was not
+  // predicted is encoded by Encode.
   void EncodeAhead(std::span<const FreshCapture> captures);
 
-  // Missed the target to fit a packet, or did not fit at all.
+  // Records so far that missed their error target to fit into a packet, or did not fit at all.
   [[nodiscard]] std::uint64_t CoarsenedRecords() const;
 
  private:
@@ -76,6 +78,7 @@ class Encoder {
     std::uint32_t body = 0;
     std::array<Encoding, kQualities> qualities;
   };
+  class BodyEncoder;
   struct Workers;
 
   [[nodiscard]] bool IsExpected(const Encoding& encoding) const {

@@ -1,97 +1,115 @@
-// Which bodies a client gets this time, and how exactly, within its share of the wire.
+// Chooses which bodies a client gets in a snapshot, and how exactly, and spends the client's byte budget on them.
 //
-// Each body's priority grows with every snapshot, faster when it is near or fast, until it is sent: near bodies come
-// every time, far ones take turns, none starves (Fiedler, "State Synchronization"). The own body goes first. What lies
-// still is sent until the client has it, what is out of view never. Where bodies are left out all the same, all are
-// sent less exactly, before they are sent less often: the own one too, or each player's body would be encoded twice,
-// once for him and once for all others, and 1 % of a ball of 1 m is less than a pixel from where its player looks on.
+// A body's priority grows with every snapshot, faster when the body is near or fast, until it is sent: near bodies are
+// sent every time, distant ones take turns, and none starves (Fiedler, "State Synchronization"). The player's own body
+// goes first. A body at rest is sent until the client has it; a body out of view is not sent.
+//
+// When the budget leaves bodies out, all bodies are coarsened before they are sent less often. That includes the own
+// body: otherwise each player's body would be encoded twice, once for the player and once for everybody else, and an
+// error of 1 % of a ball of 1 m is less than a pixel from where its player looks on.
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "protocol/snapshot.h"
 #include "protocol/transport/transport.h"
-#include "server/snapshots/encoder.h"
+#include "server/snapshots/snapshot_store.h"
 #include "server/snapshots/subscription.h"
 #include "server/timing/bins.h"
 
 namespace wobble::server {
 
-// Shares of a body's size: of the error of a body as it was sent.
+// Bounds of the histogram of record errors, as shares of the body's size.
 inline constexpr std::array<double, 9> kErrorBounds{0.0005, 0.001, 0.0015, 0.002, 0.0025, 0.005, 0.01, 0.02, 0.05};
 
+// Totals since the start, over all clients.
 struct SendCounts {
   std::uint64_t packets = 0;
-  std::uint64_t packetsLost = 0;      // that clients do not have, as far as their acknowledgements tell
-  std::uint64_t bytes = 0;            // payloads
-  std::uint64_t bodiesLeftOut = 0;    // for want of budget, to come later
-  std::uint64_t bodiesCoarsened = 0;  // sent at less than the best quality
-  std::uint64_t bodiesOutOfView = 0;  // too far away
-  // Of all records that went out:
+  std::uint64_t packetsLost = 0;      // never acknowledged, as far as acknowledgements tell
+  std::uint64_t bytes = 0;            // payload of the packets
+  std::uint64_t bodiesLeftOut = 0;    // bodies that did not fit a snapshot's budget and wait for a later one
+  std::uint64_t bodiesCoarsened = 0;  // bodies sent at less than the best quality
+  std::uint64_t bodiesOutOfView = 0;  // bodies beyond the view distance
+  // Over all records sent:
   std::uint64_t vertices = 0;
   std::uint64_t recordBytes = 0;
-  double errorSquares = 0;  // EncodedBody
-  Bins<kErrorBounds> errors;
+  double errorSquares = 0;    // as EncodedBody::errorSquares
+  Bins<kErrorBounds> errors;  // one per body, as EncodedBody::error
 
-  [[nodiscard]] double BitsPerVertex() const;    // 0 when there was none
-  [[nodiscard]] double ErrorPercentRms() const;  // of the body's size
+  [[nodiscard]] double BitsPerVertex() const;    // 0 when nothing was sent
+  [[nodiscard]] double ErrorPercentRms() const;  // in % of the body's size; 0 when nothing was sent
 };
 
-// Whose turn it is: bodies whose number leaves `group` when it is divided by `groups`.
-struct Share {
-  std::uint32_t group = 0;
-  std::uint32_t groups = 1;
-
-  [[nodiscard]] bool Has(std::uint32_t body) const { return body % groups == group; }
+// One snapshot to one client.
+struct SnapshotTask {
+  transport::ConnectionId connection = 0;
+  std::uint32_t ownBody = 0;    // 0: a spectator, who looks from the origin
+  protocol::SnapshotHead head;  // the sequence number is filled in by the sender
+  BodySubset subset;            // the bodies that are due
+  double creditBytes = 0;       // by which the client's budget has grown since its last snapshot; above 0
+  double now = 0;               // s
 };
 
 class SnapshotSender {
  public:
-  // viewDistance: m; bodies further from a player's own, or from a spectator's origin, are not sent.
+  // transport: outlives the sender. viewDistance: m; bodies farther from the client's viewpoint are not sent.
   SnapshotSender(transport::Transport& transport, double viewDistance)
       : m_transport(transport), m_viewDistance(static_cast<float>(viewDistance)) {}
 
-  // Of the body at an index of those shown; asked for those alone that are sent. quality: of kSnapshotErrorShares.
-  using ReadBody = std::function<const EncodedBody&(std::size_t index, std::size_t quality)>;
+  // Sends one client its snapshot: asks the store for the records of the bodies that it takes and of no others.
+  // Store: SnapshotStore, or a stand-in of a test with the same Bodies() and Read(index, quality).
+  template <class Store>
+  void Send(Store& store, const SnapshotTask& task, Subscription& subscription) {
+    Begin(store.Bodies(), task, subscription);
+    while (const auto pick = PickNext(store.Bodies(), subscription)) {
+      const EncodedBody& body = store.Read(pick->index, pick->quality);
+      AddBody(store.Bodies()[pick->index], body, subscription, subscription.interests[pick->index]);
+    }
+    Finish(subscription);
+  }
 
-  // ownBody: 0 for a spectator, who looks from the origin. head: sequence is filled in here. share: of the bodies.
-  // creditBytes: what the client's budget grew by since the last call.
-  void Send(std::span<const ShownBody> bodies, const ReadBody& readBody, std::uint32_t ownBody,
-            protocol::SnapshotHead head, Share share, double creditBytes, double now,
-            transport::ConnectionId connection, Subscription& subscription);
-
-  // While the machine is short of time: nothing is sent at the best quality, and what is not close by at the coarsest.
+  // While the machine is short of time: no body is sent at the best quality, and those that are not close by at the
+  // coarsest.
   void SetCoarser(bool isCoarser) { m_isCoarser = isCoarser; }
 
   [[nodiscard]] const SendCounts& Counts() const { return m_counts; }
 
  private:
-  // Each body's turn by its priority: index and priority in one number, which orders faster than a look into two lists.
-  using Turn = std::uint64_t;
+  // A body's priority in the high half, its complemented index in the low half: one number sorts faster than a
+  // comparison that looks into two lists.
+  using Rank = std::uint64_t;
+  struct Pick {
+    std::size_t index = 0;
+    std::size_t quality = 0;
+  };
 
-  void RaisePriorities(std::span<const ShownBody> bodies, Share share, Subscription& subscription);
-  [[nodiscard]] std::size_t TakeNext(std::size_t taken);
+  void Begin(std::span<const ShownBody> bodies, const SnapshotTask& task, Subscription& subscription);
+  [[nodiscard]] std::optional<Pick> PickNext(std::span<const ShownBody> bodies, const Subscription& subscription);
+  void AddBody(const ShownBody& shown, const EncodedBody& body, Subscription& subscription,
+               Subscription::Interest& interest);
+  void Finish(Subscription& subscription);
+
+  void RankBodies(std::span<const ShownBody> bodies, Subscription& subscription);
+  [[nodiscard]] std::size_t TakeHighest();
   [[nodiscard]] std::size_t FindQuality(const ShownBody& body, const Subscription& subscription) const;
-  void SendBody(const ShownBody& shown, const EncodedBody& body, Subscription& subscription,
-                Subscription::Interest& interest);
   void SendPacket(Subscription& subscription);
 
   transport::Transport& m_transport;
   float m_viewDistance;
   bool m_isCoarser = false;
-  protocol::PacketBuilder m_packet;
-  // Of the client who is being sent to:
-  protocol::SnapshotHead m_head;
-  transport::ConnectionId m_connection = 0;
-  double m_now = 0;
-  std::uint32_t m_ownBody = 0;
-  protocol::Vector3 m_viewpoint;
-  std::vector<Turn> m_turns;  // by falling priority up to m_sorted
-  std::size_t m_sorted = 0;
   SendCounts m_counts;
+  // State of the snapshot that is being sent:
+  SnapshotTask m_task;
+  protocol::PacketBuilder m_packet;
+  protocol::Vector3 m_viewpoint;
+  std::vector<Rank> m_ranks;  // of the bodies that may be sent; sorted by falling rank up to m_sorted
+  std::size_t m_sorted = 0;
+  std::size_t m_taken = 0;    // ranks that have been taken
+  double m_creditBefore = 0;  // bytes
 };
 
 }  // namespace wobble::server

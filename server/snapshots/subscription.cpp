@@ -1,25 +1,25 @@
-// A body at rest is sent until its client has it. What was sent is taken for lost as soon as later packets have come
-// without it, as TCP's fast retransmit does (RFC 5681, section 3.2), so it is sent twice, not at every snapshot of a
-// round trip.
+// A body at rest is sent until the client has it. A packet counts as lost as soon as a few later ones have arrived
+// without it, like TCP's fast retransmit (RFC 5681, section 3.2): so a rest that is lost once is sent twice, and not in
+// every snapshot of a round trip.
 #include "server/snapshots/subscription.h"
 
-#include "server/snapshots/capture.h"
+#include "server/snapshots/body_captures.h"
 
 namespace wobble::server {
 namespace {
 
-// Packets that may overtake one that is not lost.
+// A packet may be overtaken by this many before it counts as lost.
 constexpr std::uint32_t kMostOvertaking = 3;
-// s after which it is sent again though nothing was heard at all.
+// A rest is sent again after this time, s, if nothing was heard of it.
 constexpr double kPatience = 0.5;
-// Deliveries that are remembered. A client that never acknowledges any would have the list grow for ever.
+// Bound of the list of deliveries, for clients that never acknowledge; the oldest is forgotten.
 constexpr std::size_t kMostDeliveries = 4096;
 
 }  // namespace
 
 Subscription::Fate Subscription::FindFate(const Delivery& delivery, std::uint32_t newest, std::uint64_t history) {
   if (newest < delivery.last) return Fate::kUnknown;
-  if (newest - delivery.first > protocol::kAckHistory) return Fate::kLost;  // nobody will tell any more
+  if (newest - delivery.first > protocol::kAckHistory) return Fate::kLost;  // no acknowledgement reaches that far back
   for (std::uint32_t sequence = delivery.first; sequence <= delivery.last; ++sequence) {
     const bool arrived = sequence == newest || (history >> (newest - sequence - 1) & 1) != 0;
     if (!arrived) return newest > delivery.last + kMostOvertaking ? Fate::kLost : Fate::kUnknown;
@@ -47,7 +47,7 @@ void Subscription::NoteRestSent(Interest& interest, std::uint32_t restTick, std:
   interest.restSent = restTick;
   interest.restSentAt = now;
   if (m_deliveries.size() == kMostDeliveries) m_deliveries.erase(m_deliveries.begin());
-  m_deliveries.push_back({interest.body, restTick, first, last});
+  m_deliveries.push_back({.body = interest.body, .restTick = restTick, .first = first, .last = last});
 }
 
 bool Subscription::IsSettled(const Interest& interest, std::uint32_t restTick, double now) {

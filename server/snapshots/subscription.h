@@ -1,5 +1,5 @@
-// A client's view of the sending: how long each body has waited, what is known of those that lie still, and how much
-// may be sent.
+// The state of one client's snapshots: how long each body has waited, which bodies at rest the client has, and how many
+// bytes may be sent.
 #pragma once
 
 #include <cstdint>
@@ -11,42 +11,48 @@ namespace wobble::server {
 
 class Subscription {
  public:
+  // One client's interest in one body. A rest is named by the tick at which the body fell asleep (ShownBody::restTick);
+  // towards a client it is in one of three states:
+  //   unsent   restKnown and restSent are other ticks
+  //   sent     restSent is its tick: NoteRestSent; back to unsent when a packet is lost or nothing is heard for 0.5 s
+  //   known    restKnown is its tick: all packets that brought it were acknowledged, or it has no records
+  // Two ticks and not one enum: a body may wake and rest anew while the acknowledgement of its last rest is on its way.
   struct Interest {
     std::uint32_t body = 0;
-    float priority = 0;
-    // Of a rest (ShownBody::restTick) that has arrived there, and of one that is on its way; 0: none.
-    std::uint32_t restKnown = 0;
-    std::uint32_t restSent = 0;
-    double restSentAt = 0;
+    float priority = 0;           // grows with every snapshot that leaves the body out
+    std::uint32_t restKnown = 0;  // 0: none
+    std::uint32_t restSent = 0;   // 0: none
+    double restSentAt = 0;        // s
   };
 
-  // The client has what packets up to `newest` brought, and bit i of history: packet newest - 1 - i. False, and nothing
-  // changed, when it acknowledges what was never sent.
+  // Takes an acknowledgement: packet `newest` has arrived, and packet newest - 1 - i where bit i of history is set.
+  // Returns false and changes nothing when it names a packet that was never sent. report: see SentWindow.
   [[nodiscard]] bool TakeAcknowledgement(std::uint32_t newest, std::uint64_t history, double now,
                                          protocol::SentWindow::Report& report);
-  // Packets first to last brought all records of the body of this interest, which lies still since restTick.
+  // Notes that packets first to last carry all records of the interest's body, which rests since restTick.
   void NoteRestSent(Interest& interest, std::uint32_t restTick, std::uint32_t first, std::uint32_t last, double now);
-  // Whether to send it again would be for nothing: it is there, or on its way.
+  // Whether this rest need not be sent: the client has it, or it was sent less than 0.5 s ago and is not known lost.
   [[nodiscard]] static bool IsSettled(const Interest& interest, std::uint32_t restTick, double now);
 
-  std::vector<Interest> interests;  // by ascending body, as those shown
+  std::vector<Interest> interests;  // one per shown body, by ascending id
   protocol::SentWindow sent;
   double credit = 0;           // bytes that may be sent; below zero after a record that just went over
   std::size_t coarseness = 0;  // added to the quality of all bodies
   int crowdedSnapshots = 0;    // in a row that left bodies out
-  int easySnapshots = 0;       // in a row that left none out, and finer ones would not have
+  int easySnapshots = 0;       // in a row that left none out, and would not have at the next finer quality
 
  private:
+  // A rest under way.
   struct Delivery {
     std::uint32_t body = 0;
     std::uint32_t restTick = 0;
-    std::uint32_t first = 0;
+    std::uint32_t first = 0;  // packets
     std::uint32_t last = 0;
   };
   enum class Fate : std::uint8_t { kUnknown, kArrived, kLost };
   [[nodiscard]] static Fate FindFate(const Delivery& delivery, std::uint32_t newest, std::uint64_t history);
 
-  std::vector<Delivery> m_deliveries;  // that nothing is known of yet
+  std::vector<Delivery> m_deliveries;  // whose fate is unknown
 };
 
 }  // namespace wobble::server

@@ -1,4 +1,4 @@
-// How many values fell into which range, for histograms that only ever grow.
+// A histogram with fixed bounds whose counts only grow.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,8 @@
 
 namespace wobble::server {
 
-// kBounds: a constant array of upper bounds, inclusive, ascending; what is above the last has a range of its own.
+// kBounds: a constexpr array of upper bounds, inclusive, ascending. counts[i] holds the values up to kBounds[i] and
+// above the bound before; the last count holds the values above all bounds.
 template <const auto& kBounds>
 struct Bins {
   std::array<std::uint64_t, kBounds.size() + 1> counts{};

@@ -1,4 +1,5 @@
-// Where a tick's time goes: the five stages that Server::Tick is made of.
+// The room server/timing tells when ticks are due, how long they take, and what to give up when they take too long.
+// This file measures the five phases of a tick.
 #pragma once
 
 #include <array>
@@ -17,40 +18,43 @@ inline constexpr std::size_t kPhaseCount = 5;
   return kNames[static_cast<std::size_t>(phase)];
 }
 
-// Seconds, as a clock that never goes backwards has them. Read only to tell how long something took: what the world
-// does hangs on the time that Server::Tick is told alone, and on nothing that is measured but for the load (load.h).
-using Clock = std::function<double()>;
+// A clock that never goes backwards, s. It only measures durations: the world depends on the time that Server::Tick is
+// given, and on measured time only through the load level (load_level.h).
+using TimeSource = std::function<double()>;
 
-// Of one tick, s.
+// How long each phase of one tick took.
 struct PhaseTimes {
-  double begin = 0;  // as the clock had it
-  std::array<double, kPhaseCount> phases{};
+  double begin = 0;                          // of the tick, s of the clock
+  std::array<double, kPhaseCount> phases{};  // s
 
   [[nodiscard]] double Of(Phase phase) const { return phases[static_cast<std::size_t>(phase)]; }
   [[nodiscard]] double Sum() const { return std::accumulate(phases.begin(), phases.end(), 0.0); }
 };
 
-// All time between Begin and End goes to one phase or another. Capturing and encoding are called from within sending,
-// so phases alternate many times a tick.
+// Adds all time between Begin and End to one phase or another. The sender captures and encodes bodies as it takes them,
+// so phases alternate many times within a tick.
 class PhaseWatch {
  public:
-  explicit PhaseWatch(Clock clock) : m_clock(std::move(clock)) {}
+  // clock: may be empty; then no time passes.
+  explicit PhaseWatch(TimeSource clock) : m_clock(std::move(clock)) {}
 
+  // Starts to measure. Time since the last End belongs to no phase.
   void Begin(Phase phase) {
     m_phase = phase;
     m_last = Read();
     m_times.begin = m_last;
   }
-  // From now on time goes to this phase; returns the one before.
+  // Adds the time since the last call to the present phase and changes to another; returns the one before.
   Phase Enter(Phase phase) {
     End();
     return std::exchange(m_phase, phase);
   }
+  // Adds the time since the last call to the present phase.
   void End() {
     const double now = Read();
     m_times.phases[static_cast<std::size_t>(m_phase)] += now - std::exchange(m_last, now);
   }
-  // What has been measured since the last call.
+  // Returns the times measured since the last call, or since Begin, and starts the next tick's.
   PhaseTimes Take() {
     End();
     return std::exchange(m_times, {m_last, {}});
@@ -59,7 +63,7 @@ class PhaseWatch {
  private:
   [[nodiscard]] double Read() const { return m_clock ? m_clock() : 0; }
 
-  Clock m_clock;
+  TimeSource m_clock;
   Phase m_phase = Phase::kReceive;
   double m_last = 0;
   PhaseTimes m_times;

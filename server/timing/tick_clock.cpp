@@ -1,3 +1,6 @@
+// TakeDueTicks counts the whole intervals that have passed since the next tick was due, and moves the due time by as
+// many: a late call does not shift the ticks after it. Ticks beyond kMaxCatchUp are dropped rather than played in one
+// long call, which would make the next call late as well.
 #include "server/timing/tick_clock.h"
 
 #include <algorithm>

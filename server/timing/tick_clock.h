@@ -1,6 +1,6 @@
-// When ticks are due. World time follows wall time at a fixed tick; when the machine cannot keep up, world time falls
-// behind instead of a tick growing longer. Slow motion is the same tick less often, and a jump in time the same tick
-// more often.
+// Decides when ticks are due. World time follows wall time in ticks of fixed length. When the machine cannot keep up,
+// world time falls behind; a tick never grows longer. Slow motion plays the same ticks less often, and a jump in time
+// plays them more often.
 #pragma once
 
 #include <cstdint>
@@ -9,36 +9,37 @@ namespace wobble::server {
 
 class TickClock {
  public:
-  // tickDuration in seconds; the first tick is due at `now`.
+  // tickDuration: s. now, here and below: s of wall time. The first tick is due at `now`.
   TickClock(double tickDuration, double now) : m_tickDuration(tickDuration), m_nextTick(now), m_lastCall(now) {}
 
-  // Ticks to take now: at most kMaxCatchUp; what is owed beyond that is dropped from world time for good.
+  // The number of ticks to play now, at most kMaxCatchUp. Ticks owed beyond that are dropped: world time never makes up
+  // for them.
   int TakeDueTicks(double now);
-  // Of a jump, ticks to take beside those that are due: a few a call, until all have been taken.
+  // The number of ticks of a jump to play now, beside those that are due: at most kJumpTicks a call.
   int TakeJumpTicks();
 
-  // The time since the last call is none of the world's: the next tick is due now, and nothing has been dropped.
+  // Lets no world time pass since the last call: the next tick is due now, and none is dropped. For a paused world.
   void StandStill(double now);
 
-  // Seconds of the world a second, above 0 and at most 1: as players want it, and at most what there is time for.
+  // World seconds per second, above 0 and at most 1: the rate that players ask for, and the limit that the load allows.
   void SetRate(double rate) { m_rate = rate; }
   [[nodiscard]] double Rate() const { return m_rate; }
   void SetLimit(double limit) { m_limit = limit; }
-  // So many seconds of the world more, as fast as may be. Another jump begins where the last one ends.
+  // Adds world seconds that are played as fast as possible; at most kMostJumpTicks ticks wait. Jumps add up.
   void Jump(double seconds);
 
   [[nodiscard]] double NextTick() const { return m_nextTick; }
-  // World time per wall time, smoothed over a second; exactly the rate, or its limit, while nothing has been dropped.
+  // World time per wall time, smoothed over a second; exactly the rate or its limit while no tick is dropped.
   [[nodiscard]] double TimeRatio() const { return Pace() * m_kept; }
   [[nodiscard]] std::uint64_t DroppedTicks() const { return m_droppedTicks; }
-  // That were never due because the limit is below the rate.
+  // Ticks, with fraction, that were never due because the limit is below the rate.
   [[nodiscard]] double SlowedTicks() const { return m_slowedTicks; }
 
  private:
   [[nodiscard]] double Pace() const { return m_rate < m_limit ? m_rate : m_limit; }
 
   static constexpr int kMaxCatchUp = 3;
-  // A machine that has its hands full with one tick a call would stand still for longer with more.
+  // Few, because a call lasts as long as all its ticks, and a slow machine would not answer meanwhile.
   static constexpr int kJumpTicks = 4;
   static constexpr int kMostJumpTicks = 3600;
 
@@ -47,7 +48,7 @@ class TickClock {
   double m_lastCall;
   double m_rate = 1;
   double m_limit = 1;
-  double m_kept = 1;  // of the ticks that were due, smoothed
+  double m_kept = 1;  // share of due ticks that were played, smoothed
   int m_jumpTicks = 0;
   std::uint64_t m_droppedTicks = 0;
   double m_slowedTicks = 0;

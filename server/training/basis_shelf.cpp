@@ -1,6 +1,6 @@
-// A file is named by a hash of all that the training depends on: the blueprint's rest shape, springs, masses and
-// material, gravity, what players may do, and a number that is raised when the training changes. In it stands, for each
-// patch, its length in four bytes and the basis.
+// The name of a file is a hash of everything that the training depends on: the blueprint's rest shape, springs, masses
+// and material, gravity, the limits of players' controls, and a number that is raised when the training changes. The
+// file holds, for each patch, the length of its basis in four bytes and the basis.
 #include "server/training/basis_shelf.h"
 
 #include <fmt/format.h>
@@ -63,7 +63,7 @@ std::uint64_t FindHash(const physics::Blueprint& blueprint, const scenes::Scene&
   return print.Hash();
 }
 
-// False when it is not there, or not a basis for each patch.
+// Returns false when the file is missing or does not hold one valid basis per patch.
 bool ReadFile(const std::filesystem::path& path, std::size_t vertices, Bases& bases) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return false;
@@ -84,7 +84,7 @@ bool ReadFile(const std::filesystem::path& path, std::size_t vertices, Bases& ba
 }
 
 void WriteFile(const std::filesystem::path& path, const Bases& bases) {
-  // Under another name first: two servers may share the folder.
+  // Written under another name first, because two servers may share the folder.
   const std::filesystem::path draft = path.string() + fmt::format(".{:x}", std::random_device{}());
   std::ofstream file(draft, std::ios::binary);
   for (const auto& basis : bases) {

@@ -1,4 +1,4 @@
-// The bases of a scene's blueprints: from a folder where they were kept, or trained and put there.
+// A folder that keeps trained bases from one start of the server to the next.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,9 @@
 
 namespace wobble::server {
 
-// One for each blueprint. Trains those that `folder` has not, on up to `threads` threads; an empty path keeps nothing.
-// Progress goes to the log. The same scene gives the same bases; a file that is broken is trained anew.
+// Loads the bases of each blueprint of the scene, in their order. Trains those that `folder` does not hold, on up to
+// `threads` threads, and stores them there; with an empty path it trains all and stores none. Progress and files that
+// cannot be written go to the log. The same scene gives the same bases; a broken file is trained and written anew.
 [[nodiscard]] std::vector<Bases> LoadBases(const scenes::Scene& scene, const std::filesystem::path& folder,
                                            int threads);
 

@@ -1,3 +1,6 @@
+// Departures and their predictions are averaged over the symmetries of the rest shape. The candidates for a symmetry
+// are the maps that carry one pair of vertices to a pair at the same distances; each is kept if it maps every vertex
+// onto one.
 #include "server/training/basis_statistics.h"
 
 #include <Eigen/Geometry>
@@ -5,8 +8,8 @@
 #include <cmath>
 #include <optional>
 
-#include "protocol/shape_layout.h"
-#include "protocol/surfaces.h"
+#include "protocol/flat_sides.h"
+#include "protocol/patch_model.h"
 
 namespace wobble::server {
 namespace {
@@ -16,7 +19,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using protocol::Vector3;
 
-// Of a rest shape's size, how far a vertex may be from its image.
+// How far the image of a vertex may be from a vertex, as a share of the rest shape's size.
 constexpr double kTolerance = 2e-3;
 
 std::vector<Vector3d> ToDouble(std::span<const Vector3> points) {
@@ -37,7 +40,7 @@ std::optional<Symmetry> FindImage(const std::vector<Vector3d>& rest, const Matri
   return symmetry;
 }
 
-// Two vertices that span a plane with the centre, near to each other, so that few pairs are like them.
+// Finds two vertices that span a plane with the centre. They are near each other, so that few pairs are as far apart.
 std::pair<std::size_t, std::size_t> FindPair(const std::vector<Vector3d>& rest, double size) {
   std::size_t a = 0;
   for (std::size_t i = 1; i < rest.size(); ++i) {
@@ -57,7 +60,7 @@ Matrix3d MakeFrame(const Vector3d& a, const Vector3d& b, double side) {
   return frame;
 }
 
-// Adds the moments as the symmetry's image of the body would have them.
+// Adds to `sum` the moments of the body's image under the symmetry.
 void AddImage(const MatrixXd& moments, const Symmetry& symmetry, MatrixXd& sum) {
   MatrixXd turned(3, moments.cols());
   for (std::size_t i = 0; i < symmetry.image.size(); ++i) {
@@ -70,8 +73,8 @@ void AddImage(const MatrixXd& moments, const Symmetry& symmetry, MatrixXd& sum) 
   }
 }
 
-// Over all symmetries; of more than kFew, each of as many takes the mean with its image, one after the other, which
-// halves again and again what is not alike under all of them.
+// Averages the moments over all symmetries. With more than kFew symmetries, it replaces the moments kFew times by their
+// mean with their image under one of them, which halves the asymmetric part each time.
 MatrixXd Average(MatrixXd moments, const std::vector<Symmetry>& symmetries) {
   constexpr std::size_t kFew = 20;
   if (symmetries.size() == 1) return moments;
@@ -116,7 +119,7 @@ std::vector<Symmetry> FindSymmetries(std::span<const Vector3> rest) {
   return symmetries;
 }
 
-BasisStatistics MeasurePlay(const Play& play, std::span<const Vector3> rest, std::size_t first) {
+BasisStatistics MeasurePlay(const RecordedPlay& play, std::span<const Vector3> rest, std::size_t first) {
   const auto rows = static_cast<Eigen::Index>(3 * rest.size());
   const auto count = static_cast<Eigen::Index>(play.frames.size());
   MatrixXd departures(rows, count), contacts(rows, count);

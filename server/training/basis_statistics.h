@@ -1,4 +1,4 @@
-// What recorded play says about a patch: how its coordinates vary together, and with what contact suggests.
+// Statistics of recorded play: how a patch's coordinates vary together, and how they vary with what contact predicts.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,34 +10,36 @@
 
 namespace wobble::server {
 
-// A moment of play.
+// One body at one tick.
 struct PlayFrame {
   protocol::Pose pose;
-  std::vector<protocol::Vector3> vertices;  // in the world, m
+  std::vector<protocol::Vector3> vertices;  // in the world's frame, m
 };
-struct Play {
+struct RecordedPlay {
   std::vector<protocol::wire::Obstacle> obstacles;
   std::vector<PlayFrame> frames;
 };
 
-// Second moments of the departures from the rest shape, and of what contact suggests for them, in the body's frame:
-// 3n × 3n, m².
+// Second moments in the body's frame, 3n × 3n for a patch of n vertices, m².
 struct BasisStatistics {
-  Eigen::MatrixXd departure;
-  Eigen::MatrixXd departureByContact;
-  Eigen::MatrixXd contact;
+  Eigen::MatrixXd departure;           // of the departures from the rest shape
+  Eigen::MatrixXd departureByContact;  // of these with the departures that contact predicts
+  Eigen::MatrixXd contact;             // of the predicted departures
 };
 
-// A turn or mirroring that maps a rest shape onto itself, and where each vertex goes.
+// A rotation or reflection that maps a rest shape onto itself.
 struct Symmetry {
   Eigen::Matrix3d matrix;
-  std::vector<std::size_t> image;
+  std::vector<std::size_t> image;  // the vertex onto which each vertex is mapped
 };
-// At least the identity. Play favours none of them, so statistics are as good from a hundredth of the frames when they
-// are averaged over all: on a ball that saves 0.15 bits a vertex.
+// Finds the symmetries of a rest shape; the identity is always among them. Play favours none of them, so statistics
+// that are averaged over all symmetries are as good from a hundredth of the frames: on a ball that saves 0.15 bits per
+// vertex.
 [[nodiscard]] std::vector<Symmetry> FindSymmetries(std::span<const protocol::Vector3> rest);
 
-// rest: of the patch that begins at vertex `first` of the frames' bodies; there is a frame at least.
-[[nodiscard]] BasisStatistics MeasurePlay(const Play& play, std::span<const protocol::Vector3> rest, std::size_t first);
+// Measures the patch that begins at vertex `first` of the recorded bodies. rest: its vertices, m. The play has at least
+// one frame.
+[[nodiscard]] BasisStatistics MeasurePlay(const RecordedPlay& play, std::span<const protocol::Vector3> rest,
+                                          std::size_t first);
 
 }  // namespace wobble::server

@@ -1,9 +1,9 @@
-// Principal directions (Karhunen–Loève): eigenvectors of the departures' second moments, as many of the strongest as
-// fit. They are rounded to bytes, what both ends will complete from these is measured, and so every later number is
-// about the basis as clients have it.
+// Principal directions (Karhunen–Loève): the strongest eigenvectors of the departures' second moments, as many as fit.
+// They are rounded to bytes first, and levels and gains are measured on the basis that both ends complete from these
+// bytes, so that all numbers describe the basis as clients have it.
 //
-// Of what contact suggests along a mode, each mode follows a share, found by least squares. A full matrix in place of
-// that diagonal saved another 0.25 bits a vertex, but would be as large as the basis.
+// Each mode follows a share of the departure that contact predicts along it, found by least squares. A full matrix in
+// place of that diagonal saved another 0.25 bits per vertex, but would be as large as the basis.
 #include "server/training/basis_training.h"
 
 #include <Eigen/Eigenvalues>
@@ -28,15 +28,16 @@ using protocol::Vector3;
 
 constexpr std::size_t kPlayers = 4;
 constexpr double kPlayTime = 12, kLeadTime = 1, kTickHz = 60;  // s
-constexpr double kUsualVertices = 162;
-// A block of completed modes that is turned by a matrix of its own is about so large.
+constexpr double kUsualVertices = 162;                         // larger bodies play for a shorter time
+// Approximate size of a block of completed modes; each block is turned by a matrix of its own.
 constexpr std::size_t kBlockSize = 48;
-// A mode does not follow contact for less of its variance than this: each that does costs the decoder 20 ns.
+// The least share of a mode's variance for which it follows contact: each mode that does costs the decoder 20 ns.
 constexpr double kLeastWorth = 0.03;
-// Vibrations that are sent of a patch: the rest adds little, and blueprints of eight patches stay within their limit.
+// The most vibrations sent of a patch: more add little, and so blueprints of eight patches stay within their limit.
 constexpr std::size_t kMostVibrations = 48;
 
-// Vertices far from each other first, as many as modes need; the others by halving their box again and again.
+// Finds the order in which vertices are completed: first `spread` vertices far from each other, as many as the modes
+// need, then the others by halving their bounding box recursively.
 std::vector<std::uint16_t> FindOrder(std::span<const Vector3> rest, std::size_t spread) {
   std::vector<std::uint16_t> order{0};
   std::vector<float> distances(rest.size(), std::numeric_limits<float>::max());
@@ -90,7 +91,7 @@ std::size_t FindBytes(std::size_t vertices, std::size_t modes) {
   return 16 + 2 * vertices + modes * 3 * vertices + blocks * block * block / 2 + 6 * vertices;
 }
 
-// The principal directions of each block of the completed modes.
+// Adds the turns: the principal directions of each block of the completed modes.
 void AddTurns(const MatrixXd& departure, BasisSource& source) {
   const auto rows = static_cast<std::size_t>(departure.rows());
   std::vector<double> given(source.modes.begin(), source.modes.end());
@@ -123,7 +124,8 @@ void AddTurns(const MatrixXd& departure, BasisSource& source) {
   }
 }
 
-// What each coefficient of the basis as clients have it does in play, and how it follows contact.
+// Adds level and gain of each coefficient of the basis as clients have it: its variance in play, and the share of the
+// predicted departure that it follows.
 void AddLevels(const BasisStatistics& statistics, BasisSource& source) {
   const std::size_t size = std::size_t{3} * source.vertices;
   source.levels.assign(size, 0);
@@ -182,7 +184,7 @@ std::vector<std::uint8_t> MakeCosineBasis(const BasisStatistics& statistics, std
   return protocol::WriteBasis(source);
 }
 
-// Eigenvectors of the Laplacian of the springs within the patch, slowest first.
+// A basis of the eigenvectors of the Laplacian of the springs within the patch, lowest frequency first.
 std::vector<std::uint8_t> MakeVibrationBasis(const physics::Blueprint& blueprint, std::span<const Vector3> rest,
                                              std::size_t first, const BasisStatistics& statistics) {
   const auto size = static_cast<Index>(rest.size());
@@ -217,7 +219,7 @@ physics::Obstacle MakeBox(const physics::Vector3d& centre, const physics::Vector
   return box;
 }
 
-// A floor and four walls, `half` metres from the middle.
+// Adds a floor and four walls, each `half` metres from the middle.
 void AddRoom(double half, physics::World& world) {
   world.AddObstacle(MakeBox({0, 0, -1}, {half + 1, half + 1, 1}));
   for (const double side : {-1.0, 1.0}) {
@@ -232,7 +234,8 @@ void AddRoom(double half, physics::World& world) {
   }
 }
 
-// Every so often after another of the four, or away from it, now and then with a jump.
+// Chooses the controls of four players: each moves towards another one or away from it, with occasional jumps and
+// puffs, and chooses anew after 8 to 38 ticks.
 class Chase {
  public:
   explicit Chase(std::uint64_t seed) : m_random(seed) {}
@@ -264,8 +267,8 @@ class Chase {
 
 }  // namespace
 
-Play RecordPlay(const physics::Blueprint& blueprint, const physics::Vector3d& gravity,
-                const physics::ControlLimits& limits, std::uint64_t seed) {
+RecordedPlay RecordPlay(const physics::Blueprint& blueprint, const physics::Vector3d& gravity,
+                        const physics::ControlLimits& limits, std::uint64_t seed) {
   physics::WorldSettings settings;
   settings.gravity = gravity;
   settings.tickDuration = 1 / kTickHz;
@@ -278,12 +281,12 @@ Play RecordPlay(const physics::Blueprint& blueprint, const physics::Vector3d& gr
     const double x = i % 2 == 0 ? -1.4 : 1.4, y = i < 2 ? -1.4 : 1.4;
     ids.push_back(world.AddBody(0, reach * physics::Vector3d(x, y, 1.3 + 0.3 * static_cast<double>(i))));
   }
-  Play play;
+  RecordedPlay play;
   play.obstacles = CaptureObstacles(world.Obstacles());
   Chase chase(seed);
   std::vector<CapturedBody> captured(kPlayers);
   std::vector<physics::Vector3d> centres(kPlayers);
-  // The work of a tick grows with the vertices.
+  // Larger bodies play for a shorter time, because the cost of a tick grows with their vertices.
   const double shorter = std::min(1.0, kUsualVertices / static_cast<double>(blueprint.rest.size()));
   const int lead = static_cast<int>(kLeadTime * kTickHz);
   const int ticks = lead + static_cast<int>(kPlayTime * shorter * kTickHz) + 2;
@@ -300,11 +303,11 @@ Play RecordPlay(const physics::Blueprint& blueprint, const physics::Vector3d& gr
   return play;
 }
 
-std::vector<std::uint8_t> TrainBasis(std::span<const Vector3> rest, const Play& play) {
+std::vector<std::uint8_t> TrainBasis(std::span<const Vector3> rest, const RecordedPlay& play) {
   return TrainFrom(rest, MeasurePlay(play, rest, 0));
 }
 
-Bases TrainBases(const physics::Blueprint& blueprint, const Play& play) {
+Bases TrainBases(const physics::Blueprint& blueprint, const RecordedPlay& play) {
   const std::vector<Vector3> rest = CaptureBlueprint(blueprint).rest;
   const physics::GridShape& grid = blueprint.grid;
   Bases bases;

@@ -34,7 +34,7 @@ physics::Control MakeScriptedControl(int tick) {
   return control;
 }
 
-// A line a second: scene, second, hash.
+// One line per second: scene, second, hash.
 std::string PlayScene(const scenes::Scene& scene, int threads, int seconds, int lanes) {
   physics::WorldSettings settings = scenes::MakeWorldSettings(scene, 1.0 / kTickHz, threads);
   settings.widestPack = lanes;
@@ -55,7 +55,7 @@ std::string PlayScene(const scenes::Scene& scene, int threads, int seconds, int 
   return lines;
 }
 
-// The table's lines of the first seconds.
+// The lines of the table for the first `seconds` seconds.
 std::string ReadGolden(const char* path, int seconds) {
   std::ifstream file(path);
   std::string lines;

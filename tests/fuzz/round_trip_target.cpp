@@ -1,5 +1,4 @@
-// Bytes as a body: where it is, how it lies and how it is deformed. What the encoder makes of it must be decoded to a
-// body within the target, or the encoder must have said that it is not.
+// Bytes as a body: its pose and deformation. The decoded body must have the error that the encoder reports.
 #include <cmath>
 
 #include "protocol/shape_codec.h"
@@ -11,7 +10,7 @@ namespace {
 
 using protocol::Vector3;
 
-// The bytes one after the other as numbers, zeros past the end.
+// The bytes in order as numbers; zeros past the end.
 class Numbers {
  public:
   explicit Numbers(std::span<const std::uint8_t> bytes) : m_bytes(bytes) {}
@@ -51,13 +50,15 @@ void FuzzOne(std::span<const std::uint8_t> bytes) {
   static protocol::ShapeEncoder encoder;
   static protocol::ShapeDecoder decoder;
   std::vector<std::uint8_t> payload;
-  const protocol::PatchModel model{rest, size, basis, kObstacles};
+  const protocol::PatchModel model{
+      .rest = rest, .size = size, .basis = basis, .obstacles = kObstacles, .reach = protocol::FindReach(rest)};
   const auto encoding = encoder.Encode(model, pose, vertices, target, 300, payload);
   Require(encoding.fits == !payload.empty() && payload.size() <= 300);
   if (!encoding.fits) return;
   std::vector<Vector3> shape(rest.size());
-  protocol::Pose seen;
-  Require(decoder.Decode(model, payload, seen, shape) == protocol::DecodeResult::kOk);
+  protocol::QuantisedPose read;
+  Require(decoder.Decode(model, payload, read, shape) == protocol::DecodeResult::kOk);
+  const protocol::Pose seen = protocol::Dequantise(read);
   double sum = 0;
   for (std::size_t i = 0; i < shape.size(); ++i) {
     const Vector3 error = protocol::Transform(seen, shape[i]) - vertices[i];

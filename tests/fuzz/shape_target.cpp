@@ -1,6 +1,6 @@
-// One shape payload: the first byte chooses the basis, or none, and the vertex count; the rest is decoded.
+// One shape payload: the first byte chooses the basis, or none, and the vertex count; the others are decoded.
 //
-// Beyond memory safety: what decodes is finite and turns by a unit rotation, and the pose read alone is the same.
+// Beyond memory safety: a decoded shape is finite with a unit rotation, and DecodePose reads the same pose.
 #include "protocol/shape_codec.h"
 
 #include <cmath>
@@ -23,18 +23,22 @@ void FuzzOne(std::span<const std::uint8_t> bytes) {
                                                                                MakeBasis(1, 6), MakeBasis(2, 6)};
   const protocol::Basis* basis = kBases[bytes[0] % 4].get();
   const std::vector<Vector3> rest(basis != nullptr ? 6U : 1U + bytes[0] / 4U, Vector3{1, 0, -1});
-  const protocol::PatchModel model{rest, 1.4F, basis, kObstacles};
+  const protocol::PatchModel model{
+      .rest = rest, .size = 1.4F, .basis = basis, .obstacles = kObstacles, .reach = protocol::FindReach(rest)};
   static protocol::ShapeDecoder decoder;
   std::vector<Vector3> shape(rest.size());
-  protocol::Pose pose;
-  const std::vector<std::uint8_t> payload(bytes.begin() + 1, bytes.end());  // a read past its end is then seen
-  if (decoder.Decode(model, payload, pose, shape) != protocol::DecodeResult::kOk) return;
+  protocol::QuantisedPose read;
+  const std::vector<std::uint8_t> payload(bytes.begin() + 1,
+                                          bytes.end());  // a copy, so that a read past its end is seen
+  if (decoder.Decode(model, payload, read, shape) != protocol::DecodeResult::kOk) return;
+  const protocol::Pose pose = protocol::Dequantise(read);
   const auto q = pose.rotation;
   Require(std::fabs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1) < 1e-5F);
   Require(protocol::Length(pose.centroid) < 8192 * 1.7321F + 1);
   for (const Vector3& v : shape) Require(std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z));
   protocol::QuantisedPose alone;
   Require(protocol::DecodePose(payload, model.size, alone) == protocol::DecodeResult::kOk);
+  Require(alone.x == read.x && alone.y == read.y && alone.z == read.z && alone.largest == read.largest);
   Require(protocol::Dequantise(alone).centroid.x == pose.centroid.x);
 }
 

@@ -1,6 +1,6 @@
-// A snapshot packet as a client takes it: the head, every record in place, every record's shape decoded.
+// A snapshot packet, read as by a client: the head, every record in place, every record's shape decoded.
 //
-// The vertex count comes from the record's blueprint and patch bytes, so that one input reaches small and full patches.
+// The vertex count follows from the record's blueprint and patch, so that one input reaches small and full patches.
 // Beyond memory safety it requires what ReadSnapshot promises: payloads inside the packet, in order, to its end.
 #include "protocol/snapshot.h"
 
@@ -28,14 +28,14 @@ void FuzzOne(std::span<const std::uint8_t> bytes) {
     Require(end <= bytes.data() + bytes.size());
     const std::size_t bodyVertices = std::array<std::size_t, 4>{12, 42, 162, 2562}[record.head.blueprint % 4];
     const std::size_t count = protocol::PatchSize(bodyVertices, record.head.patch);
-    protocol::Pose pose;
+    protocol::QuantisedPose pose;
     static protocol::ShapeDecoder decoder;
-    const protocol::PatchModel model{std::span(kRest).first(count)};
+    const protocol::PatchModel model{.rest = std::span(kRest).first(count)};
     if (decoder.Decode(model, record.payload, pose, std::span(shape).first(count)) != protocol::DecodeResult::kOk) {
       continue;
     }
     for (const Vector3& v : std::span(shape).first(count)) {
-      const Vector3 shown = protocol::Transform(pose, v);
+      const Vector3 shown = protocol::Transform(protocol::Dequantise(pose), v);
       Require(std::isfinite(shown.x) && std::isfinite(shown.y) && std::isfinite(shown.z));
     }
   }

@@ -1,6 +1,5 @@
-// What `wobble watch` shows of every shipped scene, kept as a picture of each in the build folder's captures/. Whether
-// it shows what the scene's line promises is for people to look at; that there are bodies to be seen at all is checked
-// here.
+// Captures a picture of every shipped scene with `wobble watch` into the build folder's captures/. Whether a picture
+// shows what the scene describes is judged by people; this test checks that bodies are visible at all.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,8 +12,7 @@
 namespace wobble::test {
 namespace {
 
-constexpr int kFirstPort = 8100;
-constexpr double kShown = 3;  // seconds: what is dropped has landed, what is driven moves
+constexpr double kShown = 3;  // seconds until dropped bodies have landed and driven ones move
 constexpr int kWidth = 110;
 constexpr int kHeight = 32;
 
@@ -27,10 +25,10 @@ std::vector<std::string> FindScenes() {
   return names;
 }
 
-// Ground and walls are blue or dark, bodies that nobody plays are grey and lit.
+// Ground and walls are blue or dark; bodies without a player are grey and lit.
 bool IsOfABody(terminal::Colour colour) { return colour.red >= 70 && colour.blue <= colour.red + 8; }
 
-// Half cells, but for the row of figures.
+// Counts half cells, without the row of figures.
 int CountBodyPixels(const Screen& screen) {
   int count = 0;
   for (int row = 0; row + 1 < screen.Grid().rows; ++row) {
@@ -46,7 +44,7 @@ int CountBodyPixels(const Screen& screen) {
   return count;
 }
 
-// A world in which only players are bodies is looked at by one.
+// False for a world whose only bodies are players; such a world is captured with one.
 bool HasBodies(const std::string& scene) {
   const std::filesystem::path file = std::filesystem::path(WOBBLE_SOURCE_DIR) / "server/scenes" / (scene + ".toml");
   return ReadWhole(file).find("[[bodies]]") != std::string::npos;
@@ -55,18 +53,15 @@ bool HasBodies(const std::string& scene) {
 class Captures : public testing::TestWithParam<std::string> {};
 
 TEST_P(Captures, ShowsItsBodies) {
-  const std::vector<std::string> scenes = FindScenes();
-  const auto index = std::find(scenes.begin(), scenes.end(), GetParam()) - scenes.begin();
-  const int port = kFirstPort + static_cast<int>(index);
   const std::filesystem::path folder = WOBBLE_CAPTURES_DIR;
   std::filesystem::create_directories(folder);
   const std::filesystem::path file = folder / (GetParam() + ".svg");
   std::filesystem::remove(file);
 
-  const Wobbled server(port, GetParam());
+  const Wobbled server(GetParam());
   std::vector<std::string> options{"--fps", "10", "--capture", file};
   if (HasBodies(GetParam())) options.push_back("--spectate");
-  Session session(Watching(port, options), "truecolor", kWidth, kHeight);
+  Session session(Watching(server.Port(), options), "truecolor", kWidth, kHeight);
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
   for (const double end = ReadClock() + kShown; ReadClock() < end;) session.Take(20);
   EXPECT_TRUE(session.Await([&] { return CountBodyPixels(session.Shown()) >= 40; }))

@@ -1,8 +1,8 @@
-// `wobble watch` on a terminal of its own: a real server, a real pseudo-terminal, and every way to end.
+// `wobble watch` on a terminal: a real server, a real pseudo-terminal, and all ways to end.
 //
-// The test is the terminal: it reads what comes, knows what a screen would show (support/screen.h), and types. What
-// must hold after any end: the alternate screen left, the cursor shown, colours plain, the keyboard's modes popped, and
-// the terminal's settings what they were.
+// The test plays the terminal: it reads the output, computes the screen (support/screen.h), and types. After any end
+// the alternate screen must be left, the cursor shown, colours reset, the keyboard's modes popped, and the terminal's
+// settings restored.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-// Somebody else who looks on and knows where the player is.
+// A spectator that reads the player's position.
 class Observer {
  public:
   explicit Observer(int port) {
@@ -35,7 +35,7 @@ class Observer {
       if (event.kind == wire::EventKind::Join && event.body != 0) m_body = event.body;
     });
   }
-  // Of the player who joined last; nullopt before it is seen.
+  // Position of the player who joined last; nullopt before its body is known.
   std::optional<protocol::Vector3> FindPlayer() {
     m_client->Update(ReadClock());
     const auto pose = m_client->NewestPose(m_body);
@@ -54,9 +54,9 @@ bool IsStopped(pid_t process) {
 }
 
 TEST(Watch, ShowsTheWorldAndQuitsByKey) {
-  const Wobbled server(7930);
+  const Wobbled server;
   for (const std::string key : {"q", "\x03", "\033", "\033[113u"}) {
-    Session session(Watching(7930));
+    Session session(Watching(server.Port()));
     ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
     EXPECT_TRUE(session.IsRaw());
     EXPECT_TRUE(session.Shown().IsSet("?1049"));
@@ -71,9 +71,9 @@ TEST(Watch, ShowsTheWorldAndQuitsByKey) {
 }
 
 TEST(Watch, KeysMoveTheOwnBody) {
-  const Wobbled server(7931);
-  Observer observer(7931);
-  Session session(Watching(7931));
+  const Wobbled server;
+  Observer observer(server.Port());
+  Session session(Watching(server.Port()));
   std::optional<protocol::Vector3> at;
   const auto awaitPlayer = [&](const std::function<bool()>& condition) {
     return session.Await([&] {
@@ -86,7 +86,7 @@ TEST(Watch, KeysMoveTheOwnBody) {
   const double landed = ReadClock() + 3;
   ASSERT_TRUE(awaitPlayer([&] { return ReadClock() > landed; }));
   const protocol::Vector3 start = *at;
-  // The camera looks along (0.36, 0.93) until it is turned; a held key comes again and again.
+  // The camera looks along (0.36, 0.93) until it is turned; a held key is sent repeatedly.
   EXPECT_TRUE(awaitPlayer([&] {
     session.Type("w");
     return at->y - start.y > 1.5F && at->x > start.x;
@@ -103,8 +103,8 @@ TEST(Watch, KeysMoveTheOwnBody) {
 }
 
 TEST(Watch, HelpComesAndGoes) {
-  const Wobbled server(7932);
-  Session session(Watching(7932, {"--spectate"}), "");
+  const Wobbled server;
+  Session session(Watching(server.Port(), {"--spectate"}), "");
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
   EXPECT_TRUE(session.AwaitStatus("12 bodies  0 players")) << session.Status();
   session.Type("?");
@@ -117,9 +117,9 @@ TEST(Watch, HelpComesAndGoes) {
 }
 
 TEST(Watch, EndsByItselfAndCapturesItsPicture) {
-  const Wobbled server(7933);
+  const Wobbled server;
   const std::string file = testing::TempDir() + "/watch_test.svg";
-  Session session(Watching(7933, {"--for", "4", "--capture", file}));
+  Session session(Watching(server.Port(), {"--for", "4", "--capture", file}));
   EXPECT_EQ(session.AwaitEnd(), 0);
   session.ExpectRestored();
   const std::string svg = ReadWhole(file);
@@ -129,9 +129,9 @@ TEST(Watch, EndsByItselfAndCapturesItsPicture) {
 }
 
 TEST(Watch, IsRestoredAfterEverySignal) {
-  const Wobbled server(7934);
+  const Wobbled server;
   for (const int signal : {SIGTERM, SIGINT, SIGHUP}) {
-    Session session(Watching(7934));
+    Session session(Watching(server.Port()));
     ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
     kill(session.Guardian(), signal);
     EXPECT_EQ(session.AwaitEnd(), 0) << "signal " << signal;
@@ -140,9 +140,9 @@ TEST(Watch, IsRestoredAfterEverySignal) {
 }
 
 TEST(Watch, IsRestoredWhateverBecomesOfTheDrawingProcess) {
-  const Wobbled server(7935);
+  const Wobbled server;
   for (const int signal : {SIGTERM, SIGKILL, SIGSEGV, SIGABRT}) {
-    Session session(Watching(7935));
+    Session session(Watching(server.Port()));
     ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
     const std::vector<pid_t> drawing = session.FindChildren();
     ASSERT_EQ(drawing.size(), 1U);
@@ -156,8 +156,8 @@ TEST(Watch, IsRestoredWhateverBecomesOfTheDrawingProcess) {
 }
 
 TEST(Watch, IsRestoredWhenItsGuardianIsKilled) {
-  const Wobbled server(7936);
-  Session session(Watching(7936));
+  const Wobbled server;
+  Session session(Watching(server.Port()));
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
   const std::vector<pid_t> drawing = session.FindChildren();
   ASSERT_EQ(drawing.size(), 1U);
@@ -167,33 +167,34 @@ TEST(Watch, IsRestoredWhenItsGuardianIsKilled) {
   session.ExpectRestored();
 }
 
-// A shell that edits lines has taken the terminal before the drawing process hears of the guardian's end.
+// A shell with line editing takes the terminal before the drawing process learns of the guardian's end.
 TEST(Watch, AKilledGuardianLeavesTheShellItsOwnSettings) {
-  const Wobbled server(7943);
+  const Wobbled server;
   Session session({"/bin/bash", "-c", "exec 2>&1; exec bash --norc --noprofile -i"});
   ASSERT_TRUE(session.Await([&] { return session.IsRaw(); }));
   const tcflag_t prompting = session.LocalModes();
-  session.Type("'" + kProgram + "' watch 127.0.0.1:7943\n");
+  session.Type("'" + kProgram + "' watch 127.0.0.1:" + std::to_string(server.Port()) + "\n");
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text();
   const std::vector<pid_t> jobs = session.FindChildren();
   ASSERT_EQ(jobs.size(), 1U);
   kill(jobs[0], SIGKILL);
   ASSERT_TRUE(session.Await([&] { return !session.Shown().IsSet("?1049"); }));
-  // The shell prompts again, and nobody changes that afterwards.
+  // The shell prompts again, and its settings stay unchanged.
   ASSERT_TRUE(session.Await([&] { return session.LocalModes() == prompting; }));
   for (int i = 0; i < 10; ++i) session.Take(50);
   EXPECT_EQ(session.LocalModes(), prompting);
   session.Type("exit\n");
   EXPECT_NE(session.AwaitEnd(), -1);
-  // Where the shell's first prompt lands is not told: it may come before the picture has gone.
+  // The position of the shell's first prompt is undefined: it may come before the picture has gone.
   EXPECT_FALSE(session.Shown().IsSet("?1049"));
   EXPECT_TRUE(session.Shown().IsSet("?25"));
 }
 
 TEST(Watch, SaysWhyItEndedOnceTheTerminalIsRestored) {
-  Wobbled server(7937);
+  Wobbled server;
+  const std::string address = "127.0.0.1:" + std::to_string(server.Port());
   {
-    Session session(Watching(7937));
+    Session session(Watching(server.Port()));
     ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
     server.Signal(SIGSTOP);
     EXPECT_TRUE(session.AwaitStatus("nothing from the server for 2 s")) << session.Status();
@@ -201,23 +202,23 @@ TEST(Watch, SaysWhyItEndedOnceTheTerminalIsRestored) {
     server.Signal(SIGTERM);
     EXPECT_EQ(session.AwaitEnd(), 1);
     session.ExpectRestored();
-    EXPECT_EQ(session.Errors().rfind("wobble watch: 127.0.0.1:7937 is no longer there: ", 0), 0U) << session.Errors();
+    EXPECT_EQ(session.Errors().rfind("wobble watch: " + address + " is no longer there: ", 0), 0U) << session.Errors();
   }
   server.Kill();
-  Session session(Watching(7937));
-  EXPECT_TRUE(session.Await([&] { return session.Text().find("connecting to 127.0.0.1:7937") != std::string::npos; }));
+  Session session(Watching(server.Port()));
+  EXPECT_TRUE(session.Await([&] { return session.Text().find("connecting to " + address) != std::string::npos; }));
   EXPECT_EQ(session.AwaitEnd(), 2);
   session.ExpectRestored();
-  EXPECT_EQ(session.Errors(), "wobble watch: no server answers at 127.0.0.1:7937\n");
+  EXPECT_EQ(session.Errors(), "wobble watch: no server answers at " + address + "\n");
 }
 
-// Under a shell that knows jobs, as people run it; it takes the terminal for its own that its standard error is.
+// Under a shell with job control, as in use; the shell takes its standard error for its terminal.
 TEST(Watch, SuspendsAndComesBack) {
-  const Wobbled server(7938);
+  const Wobbled server;
   for (const bool byKey : {true, false}) {
-    Session session(
-        {"/bin/bash", "-c",
-         "exec 2>&1; set -m; '" + kProgram + "' watch 127.0.0.1:7938; echo left; read line; fg; echo over"});
+    Session session({"/bin/bash", "-c",
+                     "exec 2>&1; set -m; '" + kProgram + "' watch 127.0.0.1:" + std::to_string(server.Port()) +
+                         "; echo left; read line; fg; echo over"});
     ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
     const std::vector<pid_t> jobs = session.FindChildren();
     ASSERT_EQ(jobs.size(), 1U);
@@ -243,15 +244,15 @@ TEST(Watch, SuspendsAndComesBack) {
 }
 
 TEST(Watch, WithoutAShellItDoesNotStop) {
-  const Wobbled server(7939);
-  Session session(Watching(7939));
+  const Wobbled server;
+  Session session(Watching(server.Port()));
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
   session.Type("\x1a");
   for (int i = 0; i < 10; ++i) session.Take(50);
   EXPECT_FALSE(IsStopped(session.Guardian()));
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text();
   EXPECT_TRUE(session.Shown().IsSet("?1049"));
-  // Stopped and continued by others: the screen is drawn anew.
+  // Stopped and continued by another process: the screen is redrawn.
   kill(session.Guardian(), SIGSTOP);
   ASSERT_TRUE(session.Await([&] { return IsStopped(session.Guardian()); }));
   session.Scribble();
@@ -265,8 +266,8 @@ TEST(Watch, WithoutAShellItDoesNotStop) {
 }
 
 TEST(Watch, FollowsTheTerminalsSize) {
-  const Wobbled server(7940);
-  Session session(Watching(7940));
+  const Wobbled server;
+  Session session(Watching(server.Port()));
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
   session.Resize(120, 40);
   EXPECT_TRUE(session.AwaitPlaying()) << session.Text();
@@ -278,13 +279,13 @@ TEST(Watch, FollowsTheTerminalsSize) {
   EXPECT_EQ(session.AwaitEnd(), 0);
 }
 
-// A terminal that nobody reads: the program goes on, keeps its connection, and ends when it is told to.
+// A terminal that is not read: the program goes on, keeps its connection, and ends when asked to.
 TEST(Watch, IsNotHeldUpByASlowTerminal) {
-  const Wobbled server(7941);
-  Session session(Watching(7941));
+  const Wobbled server;
+  Session session(Watching(server.Port()));
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
-  session.Type("lllllllll");  // a picture that changes all over
-  usleep(1'500'000);          // reading nothing
+  session.Type("lllllllll");  // changes the whole picture
+  usleep(1'500'000);          // the test reads nothing
   const std::size_t before = session.Bytes();
   session.Type("q");
   EXPECT_EQ(session.AwaitEnd(), 0);

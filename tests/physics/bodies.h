@@ -7,6 +7,7 @@
 #include "server/physics/methods/forces.h"
 #include "server/physics/shapes/ball.h"
 #include "server/physics/shapes/lattice.h"
+#include "server/physics/world.h"
 
 namespace wobble::physics {
 
@@ -26,6 +27,13 @@ inline LatticeDefinition MakeJellyCube(double dampingRatio = 0) {
   LatticeDefinition cube;
   cube.dampingRatio = dampingRatio;
   return cube;
+}
+
+// The vertices of a body in the world, m.
+inline std::vector<Vector3d> ListPositions(const World& world, BodyId id) {
+  std::vector<Vector3d> positions;
+  VisitVertices(world.ReadBody(id), [&](std::size_t, const Vector3d& x) { positions.push_back(x); });
+  return positions;
 }
 
 // Positions moved by a smooth, repeatable pattern of `amplitude` metres.

@@ -1,5 +1,5 @@
-// Whole games over links of the worst kind, on virtual time: who gets in, who stays, who is told why not, and that
-// nothing bursts out once it is over.
+// Whole games over the worst links, on virtual time: which clients join and stay, the reasons given to the others, and
+// that no burst of packets follows a black-out.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace wobble::test {
 namespace {
 
-// Players that run in circles, each at a pace of its own, and the bytes that both sides send.
+// Players that run in circles, each at its own pace, and counts of the bytes that both sides send.
 class Crowd {
  public:
   Crowd(int players, const server::Config& config, std::uint64_t seed) : game(MakeYard(), config, seed) {
@@ -51,7 +51,7 @@ class Crowd {
   std::vector<const transport::Transport*> m_transports;
 };
 
-TEST(Link, AllGetInAndStayAtASecondOfDelayAndAQuarterLostEachWay) {
+TEST(Link, AllJoinAndStayWithASecondOfDelayAndAQuarterLostEachWay) {
   for (const std::uint64_t seed : {1, 2}) {
     Crowd crowd(16, {}, seed);
     crowd.game.network.SetConditions({.loss = 0.25, .delay = 1, .jitter = 0.1, .duplicate = 0.25});
@@ -62,28 +62,28 @@ TEST(Link, AllGetInAndStayAtASecondOfDelayAndAQuarterLostEachWay) {
     EXPECT_EQ(crowd.game.server.ReadCounts().refusals, 0U);
     for (const auto& each : crowd.game.clients) {
       EXPECT_EQ(each->EndReason(), "");
-      EXPECT_NEAR(each->ReadStatistics().inputToSnapshot, 2.1, 0.5);  // and their inputs move them
+      EXPECT_NEAR(each->ReadStatistics().inputToSnapshot, 2.1, 0.5);  // and the players' inputs reach the world
     }
   }
 }
 
-TEST(Link, WhoIsPlayingWhenNineOfTenAreLostIsToldSoAndTheServerForgetsHim) {
+TEST(Link, APlayerWhoLosesNineOfTenPacketsIsToldAndTheServerDropsThem) {
   Crowd crowd(8, {}, 1);
   crowd.Run(5);
   ASSERT_EQ(crowd.CountIn(client::State::kPlaying), 8U);
   crowd.game.network.SetConditions({.loss = 0.9});
-  crowd.Run(32);  // two windows of 16 s: one that began before
+  crowd.Run(32);  // two windows of 16 s; the first began earlier
   EXPECT_EQ(crowd.CountIn(client::State::kEnded), 8U);
   for (const auto& each : crowd.game.clients) {
     EXPECT_TRUE(each->EndedUnasked());
     EXPECT_NE(each->EndReason().find("connection too poor: "), std::string::npos) << each->EndReason();
   }
-  crowd.Run(12);  // his goodbye may be lost; his silence is not
+  crowd.Run(12);  // the goodbye may be lost; silence ends the connection
   EXPECT_TRUE(crowd.game.server.IsEmpty());
   EXPECT_EQ(crowd.game.server.ReadCounts().disconnects, 8U);
 }
 
-TEST(Link, WhoTriesToJoinWhenNineOfTenAreLostIsInOrKnowsWhyNotInGoodTime) {
+TEST(Link, JoiningWithNineOfTenPacketsLostEndsInPlayOrInAReasonInTime) {
   Crowd crowd(32, {}, 1);
   crowd.game.network.SetConditions({.loss = 0.9, .delay = 0.05});
   crowd.Run(90);
@@ -93,7 +93,7 @@ TEST(Link, WhoTriesToJoinWhenNineOfTenAreLostIsInOrKnowsWhyNotInGoodTime) {
   EXPECT_TRUE(crowd.game.server.IsEmpty());
 }
 
-// Black for 2 s of every 10, and a budget that is always used up, so that there is something to be pent up.
+// The link is down for 2 s of every 10 s, and the budget is always used up, so that packets accumulate.
 TEST(Link, BlackoutsOfTwoSecondsDropNobodyAndNoStormFollows) {
   server::Config config;
   config.clientKbit = 100;
@@ -103,11 +103,11 @@ TEST(Link, BlackoutsOfTwoSecondsDropNobodyAndNoStormFollows) {
   ASSERT_EQ(crowd.CountIn(client::State::kPlaying), 8U);
   for (int round = 0; round < 4; ++round) {
     const double up = crowd.BytesUp(), down = crowd.BytesDown();
-    crowd.Run(4);  // clear, right up to the black-out
+    crowd.Run(4);  // up, until just before the black-out
     const double steadyUp = (crowd.BytesUp() - up) / 16, steadyDown = (crowd.BytesDown() - down) / 16;
     ASSERT_GT(steadyUp, 0);
     ASSERT_GT(steadyDown, 0);
-    for (int quarter = 0; quarter < 24; ++quarter) {  // the black-out and what follows
+    for (int quarter = 0; quarter < 24; ++quarter) {  // the black-out and the time after it
       const double upBefore = crowd.BytesUp(), downBefore = crowd.BytesDown();
       crowd.Run(0.25);
       EXPECT_LE(crowd.BytesUp() - upBefore, 1.5 * steadyUp) << quarter;

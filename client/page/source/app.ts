@@ -1,4 +1,5 @@
-// The page's parts and what they have to do with each other. A frame is: take in, move the camera, show, draw.
+// Builds the parts of the page and connects them. A frame: receive, move the camera, show, draw. The folder client/page
+// holds the browser's client: three.js draws what the client library, compiled to WebAssembly, decodes.
 import type { WobbleModule } from 'wobble-wasm';
 import { Board } from './hud/board';
 import { BuildPanel } from './hud/build_panel';
@@ -41,7 +42,7 @@ import { EventKind, State, type Vector, type Welcome, type WorldEvent } from './
 import { KeepWorld, ReadWorld } from './worlds';
 
 const kFramesToJoin = 3;
-const kQuietFor = 2; // s after joining
+const kQuietFor = 2; // s after joining in which joins of others are not announced
 
 export class App {
   readonly connection: Connection;
@@ -51,7 +52,7 @@ export class App {
   readonly arena = new Arena();
   readonly camera: OrbitCamera;
   readonly quality: Quality;
-  welcome: Welcome | null = null; // of the world that is shown
+  welcome: Welcome | null = null; // welcome of the world that is shown
 
   private readonly m_eyes: Eyes;
   private readonly m_labels: Labels;
@@ -79,7 +80,7 @@ export class App {
   private readonly m_middle: Vector = { x: 0, y: 0, z: 1 };
   private m_spread = 8;
 
-  // worlds: behind this gateway.
+  // worlds: names of the worlds behind this gateway.
   constructor(module: WobbleModule, worlds: readonly string[]) {
     const query = new URLSearchParams(location.search);
     const canvas = document.querySelector<HTMLCanvasElement>('#world')!;
@@ -120,7 +121,7 @@ export class App {
     const frame = () => {
       requestAnimationFrame(frame);
       this.DrawFrame();
-      // First the sky: what it takes to get ready must not count as silence.
+      // The sky is drawn first: its preparation must not count as silence.
       if (++frames === kFramesToJoin) this.connection.Join();
     };
     requestAnimationFrame(frame);
@@ -171,7 +172,7 @@ export class App {
     hud.append(this.m_people.element, corner, middle, ...touch, below, this.m_card.element, this.m_help.element);
   }
 
-  // null while there is none that plays.
+  // null unless a client is playing.
   private FindClient(): Client | null {
     const client = this.connection.client;
     return client !== null && this.connection.end === null && client.ReadState() === State.Playing ? client : null;
@@ -192,7 +193,7 @@ export class App {
         break;
       case 'world':
         this.m_world.element.hidden = !this.m_world.element.hidden || this.m_world.may === 0;
-        if (this.m_world.may === 0) this.m_toasts.Add('This scene lets nobody change the world', true);
+        if (this.m_world.may === 0) this.m_toasts.Add('This scene does not allow changes to the world', true);
         break;
       case 'surface':
         this.m_view.ToggleSurface();
@@ -226,7 +227,7 @@ export class App {
     this.connection.JoinAgain();
   }
 
-  // Another connection: nothing of the world before is true any more.
+  // Clears all state of the previous connection's world.
   private Forget(): void {
     this.welcome = null;
     this.players.Clear();
@@ -250,7 +251,7 @@ export class App {
     this.stage.Render();
   }
 
-  // There is at least the sky to be seen.
+  // Draws the sky while there is no world.
   private Wait(seconds: number): void {
     this.camera.Update(seconds, null, this.m_middle, this.m_spread);
     this.camera.Apply(this.stage.camera);
@@ -301,9 +302,9 @@ export class App {
     if (event.kind === EventKind.Leave) this.m_toasts.Add(`${this.players.FindName(event.clientId)} left`);
     if (event.kind === EventKind.Fall) this.m_toasts.Add(this.DescribeFall(event));
     this.players.NoteEvent(event);
-    // Those who have been here all along are told of as well.
+    // Join events also arrive for players who were there before.
     const isNews = isNew && event.clientId !== this.players.ownClient && ReadNow() > this.m_newsFrom;
-    if (isNews) this.m_toasts.Add(`${event.name} is here`);
+    if (isNews) this.m_toasts.Add(`${event.name} joined`);
   }
 
   private DescribeFall(event: WorldEvent): string {

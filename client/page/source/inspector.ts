@@ -1,5 +1,5 @@
-// Forces on one body: asks the server for those of the body that was clicked last, or of the own one, for as long as
-// they are to be seen, and shows them.
+// Forces on one body: asks the server for those of the body last clicked, or of the player's own body, while they are
+// displayed, and shows them.
 import type { ViewPanel } from './hud/view_panel';
 import type { Players } from './players';
 import type { Arrows } from './scene/arrows';
@@ -27,7 +27,7 @@ export class Inspector {
     this.m_clicked = body;
   }
 
-  // Another world.
+  // Clears the selection for another world.
   Clear(): void {
     this.m_clicked = this.m_asked = 0;
     this.m_forces = null;
@@ -61,8 +61,8 @@ export class Inspector {
   }
 
   private Describe(client: Client, body: number): string {
-    if (body === 0) return 'Click a body to see into it';
-    if (body === this.m_players.ownBody) return 'On your body. Click another one to see into it';
+    if (body === 0) return 'Click a body to see its forces';
+    if (body === this.m_players.ownBody) return 'On your body. Click another one to see its forces';
     const found = client.FindBody(body);
     const player = this.m_players.FindByBody(body);
     const name = player?.name ?? (found === null ? '' : client.FindBlueprint(found.blueprint).name);

@@ -1,4 +1,4 @@
-// From nothing to a running page: the WebAssembly, the connection, and one frame after another.
+// Starts the page: loads the WebAssembly, builds the app, and runs one frame after another.
 import createModule from 'wobble-wasm';
 import { App } from './app';
 import { MakeElement } from './hud/element';
@@ -15,7 +15,7 @@ Start().catch((error: unknown) => {
   const veil = MakeElement('div', 'veil');
   const card = MakeElement('div', 'card');
   const reason = error instanceof Error ? error.message : String(error);
-  card.append(MakeElement('h1', '', 'This browser cannot show it'), MakeElement('p', '', reason));
+  card.append(MakeElement('h1', '', 'This browser cannot run wobble'), MakeElement('p', '', reason));
   card.append(MakeElement('p', '', 'wobble needs WebAssembly and WebGL 2.'));
   veil.append(card);
   document.body.append(veil);

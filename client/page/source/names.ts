@@ -1,4 +1,4 @@
-// A name for whoever has not chosen one; kept in this browser.
+// Makes a name for a player without one, and keeps it in the browser's storage.
 const kFirst = [
   'Merry',
   'Jolly',
@@ -40,7 +40,7 @@ export function ReadName(): string {
     const kept = localStorage.getItem(kKey);
     if (kept !== null && kept !== '') return kept;
   } catch {
-    // A browser that keeps nothing: a new name each time.
+    // Without storage the player gets a new name each time.
   }
   const name = `${Choose(kFirst)} ${Choose(kSecond)}`;
   KeepName(name);
@@ -51,6 +51,6 @@ export function KeepName(name: string): void {
   try {
     localStorage.setItem(kKey, name);
   } catch {
-    // As above.
+    // Without storage the name is not kept.
   }
 }

@@ -1,4 +1,4 @@
-// Who plays: names and bodies by what the server's events say.
+// The players: names and bodies, from the server's events.
 import { EventKind, type WorldEvent } from './wire/views';
 
 export interface Player {
@@ -10,7 +10,7 @@ export interface Player {
 export class Players {
   ownBody = 0;
   ownClient = 0;
-  revision = 0; // another one when who plays has changed
+  revision = 0; // changes whenever the list of players changes
   readonly all = new Map<number, Player>();
   private readonly m_bodies = new Map<number, Player>();
 

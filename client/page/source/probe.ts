@@ -1,4 +1,4 @@
-// What tests read: window.wobble. Nothing of the page itself uses it.
+// The interface for tests: window.wobble. The page itself does not use it.
 import type { App } from './app';
 import { MakePoint } from './input/picking';
 import { Project } from './tools/tool';
@@ -21,10 +21,10 @@ export interface Probe {
   faceCount(body: number): number;
   edgeCount(body: number): number;
   vertex(body: number, vertex: number): Vector | null;
-  // Where a point of the world is on the screen, pixels.
+  // Screen position of a point of the world, pixels.
   place(point: Vector): { x: number; y: number };
   tuning(): Tuning | null;
-  // Kinds of the forces that have come, and on which body.
+  // Kinds of the forces received, and their body.
   forces(): { body: number; kinds: string[] };
   workshop(): { particles: ParticleTag[]; springs: SpringTag[] };
   selected(): { particle: number; spring: number };

@@ -1,6 +1,6 @@
-// The worlds behind this gateway, and which of them the address asks for.
+// The worlds behind this gateway, and the one that the page's address names.
 
-// What a newcomer may want to do there; of worlds that are not ours nothing is known.
+// Suggestions for newcomers; only for the worlds that we ship.
 const kPurposes: Record<string, string> = {
   arena: 'Roll, jump, throw balls and friends about',
   sumo: 'Push the others off the platform',
@@ -12,7 +12,7 @@ export function FindPurpose(world: string): string {
   return kPurposes[world] ?? '';
 }
 
-// Empty where there is only one, without a name.
+// Empty when there is only one world, without a name.
 export async function FetchWorlds(): Promise<string[]> {
   try {
     const answer = await fetch('/worlds');
@@ -20,17 +20,17 @@ export async function FetchWorlds(): Promise<string[]> {
     const { worlds } = (await answer.json()) as { worlds?: unknown };
     return Array.isArray(worlds) ? worlds.filter((name) => typeof name === 'string') : [];
   } catch {
-    return []; // a proxy that passes on /play alone: there is still that world
+    return []; // A proxy that passes on /play only still serves that one world.
   }
 }
 
-// The one that the address names, or the first; empty: whatever the gateway has.
+// The world that the address names, or the first; empty: the gateway's choice.
 export function ReadWorld(worlds: readonly string[]): string {
   const asked = new URLSearchParams(location.search).get('world');
   return asked !== null && worlds.includes(asked) ? asked : (worlds[0] ?? '');
 }
 
-// So that the address, sent to a friend, leads to the same world.
+// Writes the world into the page's address, so that the address leads to the same world.
 export function KeepWorld(world: string): void {
   const address = new URL(location.href);
   address.searchParams.set('world', world);

@@ -1,3 +1,5 @@
+// Each vertex is put back by itself, from the state at both ends of the substep; forces are not computed again. Then
+// all listed surfaces are swept a few times, since a vertex that is lifted out of one may be put into another.
 #include "server/physics/contact/backtracking.h"
 
 #include <algorithm>
@@ -8,14 +10,14 @@ namespace {
 
 constexpr int kBisections = 50;
 constexpr double kRestingSteps = 2;
-// Slower than this no vertex bounces, m/s: half a tenth of a millimetre high.
+// A vertex that is slower than this does not bounce, m/s: it would rise by half a tenth of a millimetre.
 constexpr double kRestingSpeed = 0.03;
-// A vertex that lies on a surface is this near to it, m.
+// A vertex lies on a surface if it is at most this far from it, m.
 constexpr double kLyingDistance = 1e-5;
-// One that slips more slowly does not slip, m/s: on a plane that no axis is parallel to, rounding leaves a slip of some
-// 10⁻⁸ m/s, and friction in full against that is noise which lets a cube creep.
+// A slip that is slower than this counts as zero, m/s: on a plane that no axis is parallel to, rounding leaves a slip
+// of some 10⁻⁸ m/s, and friction in full against that is noise which lets a cube creep.
 constexpr double kStuckSpeed = 1e-5;
-// Out of one surface a vertex may be put into another; so many looks at all of them.
+// Sweeps over all surfaces, since a vertex that leaves one surface may be put into another.
 constexpr int kSweeps = 4;
 
 template <class Real>
@@ -24,7 +26,8 @@ struct Flight {
   Vector3<Real> v;
 };
 
-// Both ends of a substep, the way between them as the share s of it that has passed.
+// One vertex through a substep. At(s): position and velocity after the share s, 0..1, of the substep, by the Hermite
+// cubic.
 template <class Real>
 struct Substep {
   Real h;
@@ -40,7 +43,7 @@ struct Substep {
   }
 };
 
-// The share of the substep after which the surface is met; 0 when it began there.
+// The share of the substep after which the vertex meets the surface; 0 if it began at or below it.
 template <class Real>
 Real FindCrossing(const Surface<Real>& surface, const Substep<Real>& substep) {
   if (!(FindSurfacePoint(surface, substep.begin.x).distance > Real(0))) return 0;
@@ -53,7 +56,7 @@ Real FindCrossing(const Surface<Real>& surface, const Substep<Real>& substep) {
   return above;
 }
 
-// Of a vertex that slips at `velocity`, what friction may take while the normal velocity changes by `kick`.
+// The part of the slip that friction takes, m/s, while the normal velocity changes by `kick` m/s.
 template <class Real>
 Vector3<Real> FindSlowing(const Vector3<Real>& velocity, const Vector3<Real>& normal, Real friction, Real kick) {
   const Vector3<Real> slip = RemoveNormalPart<Real>(velocity, normal);
@@ -62,7 +65,7 @@ Vector3<Real> FindSlowing(const Vector3<Real>& velocity, const Vector3<Real>& no
   return speed > limit ? Vector3<Real>(slip * (limit / speed)) : slip;
 }
 
-// Onto the surface, if it is below it; what is left of its approach is taken.
+// Moves a vertex below the surface onto it and removes its approach.
 template <class Real>
 void Lift(const Surface<Real>& surface, Vector3<Real>& x, Vector3<Real>& v) {
   const SurfacePoint<Real> point = FindSurfacePoint(surface, x);
@@ -71,7 +74,7 @@ void Lift(const Surface<Real>& surface, Vector3<Real>& x, Vector3<Real>& v) {
   v -= std::min(Real(0), point.normal.dot(v)) * point.normal;
 }
 
-// Bounces at the crossing and flies on.
+// The vertex bounces at the crossing and flies on for the rest of the substep.
 template <class Real>
 void Bounce(const Substep<Real>& substep, const Surface<Real>& surface, Real friction, Real restitution, Real crossing,
             Vector3<Real>& x, Vector3<Real>& v) {
@@ -87,7 +90,7 @@ void Bounce(const Substep<Real>& substep, const Surface<Real>& surface, Real fri
   Lift(surface, x, v);
 }
 
-// Stays on the surface from the crossing on.
+// The vertex stays on the surface from the crossing on.
 template <class Real>
 void Rest(const Substep<Real>& substep, const Surface<Real>& surface, Real friction, Real crossing, Vector3<Real>& x,
           Vector3<Real>& v) {
@@ -99,7 +102,8 @@ void Rest(const Substep<Real>& substep, const Surface<Real>& surface, Real frict
   Lift(surface, x, v);
 }
 
-// Where friction has stopped a slide within the substep, which it cannot turn round.
+// Ends a slide that friction has stopped within the substep: friction cannot reverse it. before: the slip at the
+// beginning of the substep, m/s.
 template <class Real>
 void StopSlide(Real h, const Vector3<Real>& before, const Vector3<Real>& normal, Vector3<Real>& x, Vector3<Real>& v) {
   const Vector3<Real> slip = RemoveNormalPart<Real>(v, normal);
@@ -110,7 +114,7 @@ void StopSlide(Real h, const Vector3<Real>& before, const Vector3<Real>& normal,
   x -= (h / Real(2) * is / (was + is)) * slip;  // the way back since then
 }
 
-// True when the vertex lies on the surface now.
+// Puts one vertex back that is below the surface. True if it lies on the surface afterwards.
 template <class Real>
 bool PutBack(const ContactParameters<Real>& parameters, const Substep<Real>& substep, const Surface<Real>& surface,
              Vector3<Real>& x, Vector3<Real>& v) {

@@ -1,9 +1,10 @@
 // A uniform grid without a table: boxes are sorted by the cell that their middle lies in. The cell is as large as the
-// largest box, so boxes that overlap have their middles in the same or in adjoining cells, and one look at half of the
-// 26 neighbours finds each pair once. Cells of a row follow one another in the order, so a row of three is one search.
+// largest box, so boxes that overlap have their middles in the same or in adjoining cells, and a look at half of the 26
+// neighbours finds each pair once. Cells of a row are adjacent in the order, so a row of three cells is one search.
 //
-// Few boxes that are much larger than most would make all cells too large: they are compared with every other instead.
-// Sweeping along one axis was found to grow with the square of bodies side by side (physics.md: 11 ms for 10,000).
+// A few boxes that are much larger than most would make all cells too large; they are compared with every other box
+// instead. Rejected: sweeping along one axis, whose time grows with the square of bodies side by side (11 ms for
+// 10,000).
 #include "server/physics/contact/broad_phase.h"
 
 #include <algorithm>
@@ -12,8 +13,6 @@
 namespace wobble::physics {
 namespace {
 
-// Times the mean box, from which on a box is one of the large.
-constexpr double kLargeRatio = 4;
 constexpr std::int64_t kCellsEachWay = std::int64_t{1} << 20;  // 21 bits of the key an axis
 
 std::uint64_t PackCell(std::int64_t x, std::int64_t y, std::int64_t z) {
@@ -31,7 +30,7 @@ Cell FindCell(const Box& box, double size) {
   const Vector3d middle = (box.low + box.high) / (2 * size);
   const auto whole = [](double value) {
     constexpr auto kLimit = static_cast<double>(kCellsEachWay);
-    // Written so that what is no number, of a body that is about to be reset, has a cell as well.
+    // Written so that a NaN, of a body that is about to be reset, has a cell as well.
     return static_cast<std::int64_t>(std::floor(value > -kLimit ? std::min(value, kLimit - 1) : -kLimit));
   };
   return {whole(middle.x()), whole(middle.y()), whole(middle.z())};
@@ -43,7 +42,7 @@ void BroadPhase::AddPair(std::uint32_t a, std::uint32_t b) {
   if (Overlap(m_boxes[a], m_boxes[b])) m_pairs.push_back({std::min(a, b), std::max(a, b)});
 }
 
-// With every placed box after `first` whose cell is one of the three from (x - 1, y, z) on.
+// Pairs the box of `first` with every placed box after it whose cell is one of the three from (x - 1, y, z) on.
 void BroadPhase::AddRow(std::size_t first, std::int64_t x, std::int64_t y, std::int64_t z) {
   const std::uint64_t from = PackCell(x - 1, y, z);
   const std::uint64_t to = PackCell(x + 1, y, z);
@@ -115,7 +114,7 @@ void Islands::Find(std::span<const std::uint32_t> bodies, std::span<const IndexP
   for (std::uint32_t island = 0; island < islands; ++island) m_begins[island + 1U] += m_begins[island];
   m_members.resize(bodies.size());
   for (std::size_t i = bodies.size(); i-- > 0;) m_members[--m_begins[m_islandOf[bodies[i]] + 1U]] = bodies[i];
-  // Each island's end has been counted down to its begin: one step to the right, and they are begins again.
+  // Filling has counted each island's end, m_begins[i + 1], down to its begin: drop the first entry and append the end.
   m_begins.erase(m_begins.begin());
   m_begins.push_back(static_cast<std::uint32_t>(bodies.size()));
 }

@@ -1,4 +1,5 @@
-// Which bodies are near one another, in time linear in bodies that are apart.
+// The broad phase: finds which bodies are near one another, in time linear in bodies that are apart, and the islands
+// that such pairs form.
 #pragma once
 
 #include <array>
@@ -10,25 +11,32 @@
 
 namespace wobble::physics {
 
-// Parallel to the axes, in the world, m.
+// A box is large from this multiple of the mean edge on; large boxes would fill too many cells and stand in a list.
+inline constexpr double kLargeRatio = 4;
+
+// A box parallel to the axes, in world coordinates, m.
 struct Box {
   Vector3d low = Vector3d::Zero();
   Vector3d high = Vector3d::Zero();
 };
 
+// The longest side, m.
 [[nodiscard]] inline double FindExtent(const Box& box) { return (box.high - box.low).maxCoeff(); }
 
-// Or touch.
+// A box whose extent is more than this times the mean of all boxes is large: searches keep such boxes apart.
+inline constexpr double kLargeRatio = 4;
+
+// True also if the boxes only touch.
 [[nodiscard]] inline bool Overlap(const Box& a, const Box& b) {
   return (a.low.array() <= b.high.array()).all() && (b.low.array() <= a.high.array()).all();
 }
 
 using IndexPair = std::array<std::uint32_t, 2>;  // the lower index first
 
-// Keeps what it works with, so that it allocates nothing once warm.
+// Keeps its working memory, so that it allocates nothing once warm.
 class BroadPhase {
  public:
-  // All pairs of boxes that overlap or touch, ascending, each once; valid until the next call.
+  // All pairs of boxes that overlap or touch, as indices into `boxes`, ascending, each once. Valid until the next call.
   std::span<const IndexPair> FindOverlaps(std::span<const Box> boxes);
 
  private:
@@ -45,11 +53,11 @@ class BroadPhase {
   std::vector<IndexPair> m_pairs;
 };
 
-// Sets of bodies that hang together by pairs. Islands are ordered by their least member, members ascending; a body
-// without a pair is a island of its own.
+// Islands: the connected components of bodies under pairs. Islands are ordered by their least member, members are
+// ascending; a body without a pair is an island of its own.
 class Islands {
  public:
-  // bodies: ascending. pairs: of these.
+  // bodies: ascending. pairs: each of two of these bodies.
   void Find(std::span<const std::uint32_t> bodies, std::span<const IndexPair> pairs);
 
   [[nodiscard]] std::size_t Count() const { return m_begins.size() - 1; }
@@ -61,7 +69,7 @@ class Islands {
  private:
   std::vector<std::uint32_t> m_begins{0};
   std::vector<std::uint32_t> m_members;
-  std::vector<std::uint32_t> m_islandOf;  // by body; of those that were not asked for it says nothing
+  std::vector<std::uint32_t> m_islandOf;  // by body; undefined for bodies that Find was not given
 };
 
 }  // namespace wobble::physics

@@ -1,3 +1,6 @@
+// The laws are smooth functions of depth and rate so that RK4 keeps its order through a contact; damping that sets in
+// with depth, an anchor instead of friction by slip speed, and the tangent of the magnetic law serve that (contact.h).
+// The search reads bounds of the whole body first, then vertices in blocks, then each vertex that is left by itself.
 #include "server/physics/contact/contact.h"
 
 #include <algorithm>
@@ -9,46 +12,47 @@ namespace {
 
 // δ as a share of the body's size: 7.5 mm on a ball of 1 m, inside the 5-10 mm at which the law was found to hold.
 constexpr double kFadeShare = 0.0075;
-// The stick spring against k: stiff enough that a body at rest creeps by less than its contact depth.
+// Stiffness of the stick spring over k: stiff enough that a body at rest creeps by less than its contact depth.
 constexpr double kStickShare = 0.5;
-// Its dashpot, as a share of critical for the vertex alone: a slide ends without ringing.
+// Damping of its dashpot over the critical damping of the vertex alone: a slide ends without ringing.
 constexpr double kStickDampingRatio = 0.3;
-// A vertex that comes in over the edge of ground may be this deep, m.
+// A vertex that comes in over the edge of ground may be this deep without being buried, m.
 constexpr double kBuriedDepth = 0.01;
-// Candidates beyond the way a vertex goes in the tick, m: what gravity and springs may add.
+// Added to the way that a vertex goes in the tick, m, for what gravity and springs may add.
 constexpr double kMargin = 0.02;
 
-// A contact that pushes.
+// The terms of the penalty law at one contact, before the vertex's share: N · normal − kept · pull is the force.
 template <class Real>
-struct Push {
+struct PenaltyForce {
   Vector3<Real> normal = Vector3<Real>::UnitZ();
-  Real depth = 0;                              // m; 0: it does not push
+  Real depth = 0;                              // m; 0: the vertex is outside and there is no force
   Real normalForce = 0;                        // N
-  Vector3<Real> pull = Vector3<Real>::Zero();  // of friction before Coulomb's limit, N
-  Real kept = 1;                               // share of it that the limit leaves
+  Vector3<Real> pull = Vector3<Real>::Zero();  // friction before Coulomb's limit, N
+  Real kept = 1;                               // share of the pull that the limit leaves, 0..1
 };
 
 template <class Real>
-Push<Real> FindPush(const ContactParameters<Real>& parameters, const Surface<Real>& surface,
-                    const Contact<Real>& contact, const Vector3<Real>& x, const Vector3<Real>& velocity) {
+PenaltyForce<Real> FindPenaltyForce(const ContactParameters<Real>& parameters, const Surface<Real>& surface,
+                                    const Contact<Real>& contact, const Vector3<Real>& x,
+                                    const Vector3<Real>& velocity) {
   const SurfacePoint<Real> point = FindContactPoint(surface, contact, x);
-  Push<Real> push;
-  if (!(point.distance < Real(0))) return push;
-  push.normal = point.normal;
-  push.depth = -point.distance;
-  push.normalForce = ComputeNormalForce(parameters, push.depth, -point.normal.dot(velocity));
-  push.pull = parameters.stickDamping * RemoveNormalPart<Real>(velocity, point.normal);
+  PenaltyForce<Real> penalty;
+  if (!(point.distance < Real(0))) return penalty;
+  penalty.normal = point.normal;
+  penalty.depth = -point.distance;
+  penalty.normalForce = ComputeNormalForce(parameters, penalty.depth, -point.normal.dot(velocity));
+  penalty.pull = parameters.stickDamping * RemoveNormalPart<Real>(velocity, point.normal);
   if (contact.touching) {
     const Vector3<Real> slip = x - contact.anchor;
-    push.pull += parameters.stickStiffness * RemoveNormalPart<Real>(slip, point.normal);
+    penalty.pull += parameters.stickStiffness * RemoveNormalPart<Real>(slip, point.normal);
   }
-  const Real limit = parameters.friction * surface.friction * push.normalForce;
-  const Real strength = std::sqrt(push.pull.dot(push.pull));
-  if (strength > limit) push.kept = limit / strength;
-  return push;
+  const Real limit = parameters.friction * surface.friction * penalty.normalForce;
+  const Real strength = std::sqrt(penalty.pull.dot(penalty.pull));
+  if (strength > limit) penalty.kept = limit / strength;
+  return penalty;
 }
 
-// The share of the magnetic force that is left at a distance, and how fast that falls, 1/m.
+// The share of the magnetic force that the fade leaves at a distance, 0..1, and how fast it falls with it, 1/m.
 template <class Real>
 struct Fade {
   Real share = 1;
@@ -62,8 +66,26 @@ Fade<Real> FindFade(const ContactParameters<Real>& parameters, Real distance) {
   return {s * s * (Real(3) - Real(2) * s), Real(6) * s * (Real(1) - s) / half};
 }
 
-// Ground has no walls where its heights end. What has come in there would be lifted by a spring that nobody pressed, as
-// hard as it is deep: a ball that had rolled off the edge, and under it, was shot out at fifteen kilometres a second.
+// FindContactPoint as if the contact were not buried. side: Contact::side.
+template <class Real>
+SurfacePoint<Real> FindPointFromSide(const Surface<Real>& surface, const Vector3<Real>& side, const Vector3<Real>& x) {
+  const SurfacePoint<Real> point = FindSurfacePoint(surface, x);
+  if (surface.kind != Obstacle::Kind::kBox || !(point.normal.dot(side) < Real(0))) return point;
+  const Vector3<Real> fromCentre = x - surface.centre;
+  int axis = 0;
+  const Real component = side.cwiseAbs().maxCoeff(&axis);
+  const Vector3<Real> beyond = fromCentre.cwiseAbs() - surface.halfExtents;
+  for (int other = 0; other < 3; ++other) {
+    if (other != axis && beyond[other] > static_cast<Real>(kEdgeRadius)) return point;  // it has gone round
+  }
+  Vector3<Real> normal = Vector3<Real>::Zero();
+  normal[axis] = side[axis] / component;
+  return {normal.dot(fromCentre) - surface.halfExtents[axis] - static_cast<Real>(kEdgeRadius), normal};
+}
+
+// True if a vertex has entered ground through the open side at the field's border. Ground has no walls where its
+// heights end. A spring that nobody pressed would lift such a vertex, as hard as it is deep: a ball that had rolled off
+// the edge, and under it, was shot out at fifteen kilometres a second.
 template <class Real>
 bool HasComeFromBeside(const Surface<Real>& surface, const SurfacePoint<Real>& point, const Vector3<Real>& x,
                        const Vector3<Real>& v, Real duration) {
@@ -72,7 +94,7 @@ bool HasComeFromBeside(const Surface<Real>& surface, const SurfacePoint<Real>& p
   return FindSurfacePoint(surface, before).distance >= static_cast<Real>(kBeyond);
 }
 
-// Of one contact, whose vertex is at x.
+// UpdateAnchors for one contact, whose vertex is at x.
 template <class Real>
 void UpdateAnchor(const ContactParameters<Real>& parameters, const Surface<Real>& surface, const Vector3<Real>& x,
                   Contact<Real>& contact) {
@@ -90,8 +112,9 @@ void UpdateAnchor(const ContactParameters<Real>& parameters, const Surface<Real>
       wasTouching ? DragAnchor<Real>(parameters, friction, -point.distance, point.normal, x, contact.anchor) : x;
 }
 
-// Vertices that may come within `reach` (m) of the surface by where they are and how fast they go to it in `duration`
-// (s), at least `shaken` (m/s): of a plane by its distance, of anything else all. Calls visit(vertex), ascending.
+// Calls visit(vertex), ascending, for every vertex that may come within `reach` m of the surface in `duration` s, by
+// its distance and its approach, which counts as at least `shaken` m/s. Only planes are tested so; for other surfaces
+// all vertices are visited.
 template <class Real, class Visit>
 void VisitNear(const Surface<Real>& surface, Real reach, Real shaken, Real duration, std::span<const Vector3<Real>> x,
                std::span<const Vector3<Real>> v, const Visit& visit) {
@@ -144,7 +167,7 @@ void FillMagneticLaw(ContactParameters<double>& parameters, double strength, dou
   constexpr double kGravity = 9.81;
   parameters.strength = strength;
   parameters.floorDistance = std::cbrt(2 * strength / parameters.stiffness);
-  // Where 1 % of a vertex's weight is carried, but never so near that the tangent would be cut.
+  // The distance at which 1 % of a vertex's weight is carried, but never so near that the fade would cut the tangent.
   parameters.range = std::max(10 * std::sqrt(strength / (vertexMass * kGravity)), 4 * parameters.floorDistance);
 }
 
@@ -168,7 +191,7 @@ template <class Real>
 ContactRates FindRates(const ContactParameters<Real>& parameters, double depth, double mass) {
   const auto at = static_cast<Real>(depth);
   if (parameters.law == ContactLaw::kMagnetic) {
-    // At the nearest that it may come it is stiffest.
+    // The law is stiffest at the least distance.
     return {double{ComputeMagneticSlope(parameters, -at)} / mass, 0};
   }
   if (parameters.law == ContactLaw::kBacktracking || !(depth > 0)) return {};
@@ -214,61 +237,52 @@ Real ComputeNormalForce(const ContactParameters<Real>& parameters, Real depth, R
 template <class Real>
 SurfacePoint<Real> FindOtherContactPoint(const Surface<Real>& surface, const Contact<Real>& contact,
                                          const Vector3<Real>& x) {
-  const SurfacePoint<Real> point = FindSurfacePoint(surface, x);
-  if (contact.buried) return {static_cast<Real>(kBeyond), point.normal};
-  if (surface.kind != Obstacle::Kind::kBox || !(point.normal.dot(contact.side) < Real(0))) return point;
-  const Vector3<Real> fromCentre = x - surface.centre;
-  int axis = 0;
-  const Real component = contact.side.cwiseAbs().maxCoeff(&axis);
-  const Vector3<Real> beyond = fromCentre.cwiseAbs() - surface.halfExtents;
-  for (int other = 0; other < 3; ++other) {
-    if (other != axis && beyond[other] > static_cast<Real>(kEdgeRadius)) return point;  // it has gone round
-  }
-  Vector3<Real> normal = Vector3<Real>::Zero();
-  normal[axis] = contact.side[axis] / component;
-  return {normal.dot(fromCentre) - surface.halfExtents[axis] - static_cast<Real>(kEdgeRadius), normal};
+  if (contact.buried) return {static_cast<Real>(kBeyond), FindSurfacePoint(surface, x).normal};
+  return FindPointFromSide(surface, contact.side, x);
 }
 
 template <class Real>
-void FindContacts(std::span<const Surface<Real>> surfaces, Real range, const Survey<Real>& survey,
-                  std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, Real duration,
-                  std::vector<Contact<Real>>& contacts, std::vector<Contact<Real>>& scratch) {
+void FindContacts(const SurfaceSearch<Real>& search, std::vector<Contact<Real>>& contacts,
+                  std::vector<Contact<Real>>& scratch) {
   scratch.clear();
-  const Bounds<Real>& bounds = survey.bounds;
+  const Bounds<Real>& bounds = search.survey.bounds;
   const Vector3<Real> half = (bounds.high - bounds.low) / Real(2);
   const Vector3<Real> middle = bounds.low + half;
-  const Real margin = range + static_cast<Real>(kMargin);
-  const Real reach = std::sqrt(half.dot(half)) + bounds.speed * duration + margin;
-  const Vector3<Real> mean = survey.bulk.velocity.template cast<Real>();
+  const Real margin = search.range + static_cast<Real>(kMargin);
+  const Real reach = std::sqrt(half.dot(half)) + bounds.speed * search.duration + margin;
+  const Vector3<Real> mean = search.survey.bulk.velocity.template cast<Real>();
   auto kept = contacts.begin();
-  for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
-    // Nothing is nearer than this, so one look at the middle clears a whole body that is far off.
-    if (FindClearance(surfaces[s], middle) > reach) continue;
-    // Rounding may take no vertex from the list.
+  for (std::uint32_t s = 0; s < search.surfaces.size(); ++s) {
+    const Surface<Real>& surface = search.surfaces[s];
+    // The clearance is a lower bound of the distance: one look at the middle clears a whole body that is far off.
+    if (FindClearance(surface, middle) > reach) continue;
+    // VisitNear may be wrong by rounding, so its reach is a little longer than that of the exact test below.
     const Real shakenMost =
-        std::max(Real(0), FindApproach<Real>(surfaces[s], {0, surfaces[s].normal}, mean)) + survey.agitation;
-    const Real longer = Real(1.001) * duration;
-    VisitNear<Real>(surfaces[s], Real(1.001) * margin, shakenMost, longer, x, v, [&](std::uint32_t i) {
+        std::max(Real(0), FindApproach<Real>(surface, {0, surface.normal}, mean)) + search.survey.agitation;
+    const Real longer = Real(1.001) * search.duration;
+    VisitNear<Real>(surface, Real(1.001) * margin, shakenMost, longer, search.x, search.v, [&](std::uint32_t i) {
       while (kept != contacts.end() && ComesBefore(kept->surface, kept->vertex, s, i)) ++kept;
       const bool known = kept != contacts.end() && kept->surface == s && kept->vertex == i;
-      Contact<Real> contact = known ? *kept : Contact<Real>{s, i};
-      contact.buried = false;
-      const SurfacePoint<Real> point = FindContactPoint(surfaces[s], contact, x[i]);
-      contact.buried = known && kept->buried ? point.distance < Real(0)
-                                             : !known && HasComeFromBeside(surfaces[s], point, x[i], v[i], duration);
-      const Real own = FindApproach(surfaces[s], point, v[i]);
-      // A body that vibrates faster than a tick throws a vertex onto a surface at the speed of any other. By its own
-      // speed alone it was in the ground before anybody looked, a hand deep, and what lifted it out was energy from
-      // nowhere that no check sees, since it comes between two ticks.
-      const Real shaken = FindApproach(surfaces[s], point, mean) + survey.agitation;
-      const Real approach = std::max({Real(0), own, shaken}) * duration;
-      if (point.distance > margin + approach) return;
+      Contact<Real> contact = known ? *kept : Contact<Real>{.surface = s, .vertex = i};
+      const Vector3<Real>& x = search.x[i];
+      const Vector3<Real>& v = search.v[i];
+      const SurfacePoint<Real> point = FindPointFromSide(surface, contact.side, x);
+      // A body that vibrates faster than a tick throws a vertex onto a surface at the speed of any other vertex. When
+      // the vertex's own speed alone counted, it was a hand deep in the ground at the next search, and what lifted it
+      // out was energy from nowhere that no check sees, since it comes between two ticks.
+      const Real own = FindApproach(surface, point, v);
+      const Real shaken = FindApproach(surface, point, mean) + search.survey.agitation;
+      if (point.distance > margin + std::max({Real(0), own, shaken}) * search.duration) return;
+      // A contact becomes buried when it is first seen, or never; burial ends when the vertex comes out above ground.
+      contact.buried =
+          known ? contact.buried && point.distance < Real(0) : HasComeFromBeside(surface, point, x, v, search.duration);
       contact.side = point.normal;
       scratch.push_back(contact);
     });
   }
-  // Not swapped: bodies would hand lists of one another's size round for ever, and each have to grow again.
-  if (scratch.size() > contacts.capacity()) contacts.reserve(std::max(scratch.size(), x.size()));
+  // Copied, not swapped: swapped lists wander from body to body with the capacity of another, and each has to grow
+  // again.
+  if (scratch.size() > contacts.capacity()) contacts.reserve(std::max(scratch.size(), search.x.size()));
   contacts.assign(scratch.begin(), scratch.end());
 }
 
@@ -285,9 +299,9 @@ void AddContacts(const ContactParameters<Real>& parameters, std::span<const Real
       forces[i] += (shares[i] * ComputeMagneticForce(parameters, point.distance)) * point.normal;
       continue;
     }
-    const Push<Real> push = FindPush(parameters, surface, contact, x[i], v[i]);
-    if (!(push.depth > Real(0))) continue;
-    forces[i] += shares[i] * (push.normalForce * push.normal - push.kept * push.pull);
+    const PenaltyForce<Real> penalty = FindPenaltyForce(parameters, surface, contact, x[i], v[i]);
+    if (!(penalty.depth > Real(0))) continue;
+    forces[i] += shares[i] * (penalty.normalForce * penalty.normal - penalty.kept * penalty.pull);
   }
 }
 
@@ -305,13 +319,13 @@ ContactStiffness<Real> FindContactStiffness(const ContactParameters<Real>& param
     found.stiffness = shares[i] * ComputeMagneticSlope(parameters, point.distance);
     return found;
   }
-  const Push<Real> push = FindPush(parameters, surface, contact, x[i], v[i]);
-  if (!(push.normalForce > Real(0))) return found;
-  found.normal = push.normal;
-  found.stiffness = shares[i] * ComputePenaltySlope(parameters, push.depth);
-  found.damping = shares[i] * parameters.damping * ComputeDampingShare(parameters, push.depth);
-  found.stickStiffness = contact.touching ? shares[i] * push.kept * parameters.stickStiffness : Real(0);
-  found.stickDamping = shares[i] * push.kept * parameters.stickDamping;
+  const PenaltyForce<Real> penalty = FindPenaltyForce(parameters, surface, contact, x[i], v[i]);
+  if (!(penalty.normalForce > Real(0))) return found;
+  found.normal = penalty.normal;
+  found.stiffness = shares[i] * ComputePenaltySlope(parameters, penalty.depth);
+  found.damping = shares[i] * parameters.damping * ComputeDampingShare(parameters, penalty.depth);
+  found.stickStiffness = contact.touching ? shares[i] * penalty.kept * parameters.stickStiffness : Real(0);
+  found.stickDamping = shares[i] * penalty.kept * parameters.stickDamping;
   return found;
 }
 
@@ -354,9 +368,8 @@ double ComputeContactEnergy(const Coefficients<Real>& body, std::span<const Surf
   template ContactRates FindRates<Real>(const ContactParameters<Real>&, double, double);                           \
   template SurfacePoint<Real> FindOtherContactPoint<Real>(const Surface<Real>&, const Contact<Real>&,              \
                                                           const Vector3<Real>&);                                   \
-  template void FindContacts<Real>(std::span<const Surface<Real>>, Real, const Survey<Real>&,                      \
-                                   std::span<const Vector3<Real>>, std::span<const Vector3<Real>>, Real,           \
-                                   std::vector<Contact<Real>>&, std::vector<Contact<Real>>&);                      \
+  template void FindContacts<Real>(const SurfaceSearch<Real>&, std::vector<Contact<Real>>&,                        \
+                                   std::vector<Contact<Real>>&);                                                   \
   template void AddContacts<Real>(const ContactParameters<Real>&, std::span<const Real>,                           \
                                   std::span<const Surface<Real>>, std::span<const Contact<Real>>,                  \
                                   std::span<const Vector3<Real>>, std::span<const Vector3<Real>>,                  \

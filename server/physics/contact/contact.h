@@ -1,4 +1,6 @@
-// Vertices against static surfaces: the laws that are forces, and who may touch what this tick.
+// The room physics/contact decides what touches what and with which force. This file: vertices of a body against the
+// surfaces of static obstacles, by the two laws that are forces (backtracking.h has the third), and the search for
+// vertices that may touch in a tick. A body's own surface is called its skin.
 //
 // Penalty, the default.
 // Normal force at depth d with rate ḋ:  N = max(0, F(d) + c·s(d)·ḋ),
@@ -9,10 +11,10 @@
 // vₜ, cut to Coulomb's μN. The anchor is set where a vertex first touches and dragged along when the spring alone would
 // pull harder than μN. Friction regularised by slip speed alone lets a body that should stick creep downhill.
 //
-// Magnetic: N = K/d² at distance d above the surface, without friction and damping: nothing touches. Within d_m, which
-// has the slope 2K/d_m³ = k, it goes on along its tangent, N = K/d_m² (3 − 2d/d_m), through the surface and below:
-// finite and C¹, and never stiffer than the penalty. Faded out by a smoothstep between half the range and all of it,
-// where it would carry 4 % and 1 % of a vertex.
+// Magnetic: N = K/d² at distance d above the surface, without friction and damping: nothing touches. Below the distance
+// d_m at which the slope 2K/d_m³ is k, the force goes on along its tangent, N = K/d_m² (3 − 2d/d_m), through the
+// surface and below: finite and C¹, and never stiffer than the penalty. A smoothstep fades it out between half the
+// range and all of it, where it would carry 4 % and 1 % of a vertex.
 #pragma once
 
 #include <span>
@@ -26,9 +28,10 @@
 
 namespace wobble::physics {
 
-// Where the vertex of a contact stands to its surface. In a box the face that is nearest is not always the one that it
-// came in through: a fast vertex is past the middle of a wall before it is stopped, and would be pushed out on the far
-// side. So where the normal has turned round since the contact was last looked at, the side that it had then counts.
+// The distance, m, and the normal of the contact's surface at x, where its vertex is. A buried contact is at kBeyond:
+// the vertex feels nothing. In a box the nearest face is not always the one that the vertex came in through: a fast
+// vertex is past the middle of a wall before it is stopped, and would be pushed out on the far side. So if the normal
+// has turned round since the contact was last looked at, the face of Contact::side counts.
 template <class Real>
 [[nodiscard]] SurfacePoint<Real> FindOtherContactPoint(const Surface<Real>& surface, const Contact<Real>& contact,
                                                        const Vector3<Real>& x);
@@ -39,20 +42,33 @@ template <class Real>
   return FindSurfacePoint(surface, x);
 }
 
-// Lists every vertex that may come within `range` (m) of a surface before `duration` (s) is over, keeping anchors of
-// `contacts`. `scratch` saves allocations.
+// One body and the surfaces around it at the beginning of a tick, all in the body's local coordinates.
 template <class Real>
-void FindContacts(std::span<const Surface<Real>> surfaces, Real range, const Survey<Real>& survey,
-                  std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, Real duration,
-                  std::vector<Contact<Real>>& contacts, std::vector<Contact<Real>>& scratch);
+struct SurfaceSearch {
+  std::span<const Surface<Real>> surfaces;
+  std::span<const Vector3<Real>> x;  // of all vertices, m
+  std::span<const Vector3<Real>> v;  // m/s
+  Survey<Real> survey;               // of x and v
+  Real range = 0;                    // ContactParameters::range, m
+  Real duration = 0;                 // of the tick, s
+};
 
-// shares: Coefficients::contactShares.
+// Replaces `contacts` by one contact for each vertex and surface that may come within `range` of one another before
+// `duration` is over, sorted by surface, then vertex. A contact that was in the old list keeps its anchor, slip and
+// burial. `scratch` is overwritten; it only saves allocations. Cost: one clearance for each surface that is far off;
+// otherwise a look at every vertex, a few operations for a plane.
+template <class Real>
+void FindContacts(const SurfaceSearch<Real>& search, std::vector<Contact<Real>>& contacts,
+                  std::vector<Contact<Real>>& scratch);
+
+// Adds the contact forces, N, to `forces`, one a vertex. shares: Coefficients::contactShares. Nothing under
+// backtracking, which is no force.
 template <class Real>
 void AddContacts(const ContactParameters<Real>& parameters, std::span<const Real> shares,
                  std::span<const Surface<Real>> surfaces, std::span<const Contact<Real>> contacts,
                  std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, std::span<Vector3<Real>> forces);
 
-// What a contact does to small motions of its vertex, along the normal and across it, N/m and N·s/m.
+// The linearised law: how a contact resists small motions of its vertex along the normal and across it, N/m and N·s/m.
 template <class Real>
 struct ContactStiffness {
   Vector3<Real> normal = Vector3<Real>::UnitZ();
@@ -61,19 +77,20 @@ struct ContactStiffness {
   Real stickStiffness = 0;
   Real stickDamping = 0;
 };
-// Friction that Coulomb's limit cuts counts by the share that is left of it. All 0 while nothing pushes.
+// Friction that Coulomb's limit cuts counts by the share that is left of it. All zero while the contact does not push.
 template <class Real>
 [[nodiscard]] ContactStiffness<Real> FindContactStiffness(
     const ContactParameters<Real>& parameters, std::span<const Real> shares, std::span<const Surface<Real>> surfaces,
     const Contact<Real>& contact, std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v);
 
-// After a substep: sets, drags and drops anchors. Of a magnetic contact only whether the surface is felt: what hovers
-// may jump.
+// After a substep, with the vertices at x: sets, drags and drops anchors. A magnetic contact has no anchor; it is
+// `touching` while the surface is felt, within half the range, so that a body that hovers may jump.
 template <class Real>
 void UpdateAnchors(const ContactParameters<Real>& parameters, std::span<const Surface<Real>> surfaces,
                    std::span<Contact<Real>> contacts, std::span<const Vector3<Real>> x);
 
-// Where the anchor of a touching contact goes, whose vertex is at x and `depth` deep. friction: of body and surface.
+// The new anchor of a touching contact whose vertex is at x and `depth` m deep. friction: the product of the body's and
+// the surface's coefficient.
 template <class Real>
 [[nodiscard]] Vector3<Real> DragAnchor(const ContactParameters<Real>& parameters, Real friction, Real depth,
                                        const Vector3<Real>& normal, const Vector3<Real>& x,
@@ -84,21 +101,21 @@ template <class Real>
   return strength > limit ? Vector3<Real>(x - slip * (limit / strength)) : anchor;
 }
 
-// What the springs of penalty contacts hold, normal and stick, J; 0 for the other laws.
+// The energy that the springs of penalty contacts hold, normal and stick, J; 0 for the other laws.
 template <class Real>
 [[nodiscard]] double ComputeContactEnergy(const Coefficients<Real>& body, std::span<const Surface<Real>> surfaces,
                                           std::span<const Contact<Real>> contacts, std::span<const Vector3<Real>> x);
 
-// Of the normal force at depth d, ∫ F dd: k d³/6δ up to δ, then k (d²/2 − dδ/2 + δ²/6). J.
+// ∫ F dd up to depth d, J: k d³/6δ up to δ, then k (d²/2 − dδ/2 + δ²/6). Zero for d <= 0.
 template <class Real>
 [[nodiscard]] Real ComputePenaltyEnergy(const ContactParameters<Real>& parameters, Real depth);
 
-// F(d), N, and its slope dF/dd, N/m. d <= 0: none.
+// F(d), N, and its slope dF/dd, N/m. Both are zero for d <= 0.
 template <class Real>
 [[nodiscard]] Real ComputePenalty(const ContactParameters<Real>& parameters, Real depth);
 template <class Real>
 [[nodiscard]] Real ComputePenaltySlope(const ContactParameters<Real>& parameters, Real depth);
-// The law's N at depth d > 0 that grows at `rate`, m/s.
+// The normal force N of the law at depth d > 0 m that grows at `rate` m/s, N; at least 0.
 template <class Real>
 [[nodiscard]] Real ComputeNormalForce(const ContactParameters<Real>& parameters, Real depth, Real rate);
 // s(d), 0..1.
@@ -111,26 +128,28 @@ template <class Real>
 template <class Real>
 [[nodiscard]] Real ComputeMagneticSlope(const ContactParameters<Real>& parameters, Real distance);
 
-// The depth, m, that a vertex at `depth` (negative while outside), coming nearer at `approach` m/s, reaches in
-// `duration` s unless it is stopped. Its own spring cannot be relied on to do that: behind it may press the weight of
-// the body.
+// The depth, m, that a vertex at `depth` (negative while outside) reaches in `duration` s if it comes nearer at
+// `approach` m/s and is not stopped. Its own spring cannot be relied on to stop it: the weight of the body may press
+// behind it.
 [[nodiscard]] inline double PredictDepth(double depth, double approach, double duration) {
   return approach > 0 ? depth + approach * duration : depth;
 }
 
-// What contacts ask of a body's step: the largest square of an angular frequency and the largest damping rate that they
-// give a vertex, 1/s² and 1/s.
+// What contacts ask of a body's step: the largest square of an angular frequency, 1/s², and the largest damping rate,
+// 1/s, that they give a vertex.
 struct ContactRates {
   double squareFrequency = 0;
   double dampingRate = 0;
 };
-// Of one vertex of `mass` (kg, over its share) that will be at `depth` (m, negative outside).
+// The rates of one vertex that will be at `depth`, m, negative outside. mass: the vertex's mass over its contact share,
+// kg.
 template <class Real>
 [[nodiscard]] ContactRates FindRates(const ContactParameters<Real>& parameters, double depth, double mass);
 
-// The parameters that follow from a material for a vertex of `vertexMass` in a body of `size`.
+// The parameters of the penalty law that follow from a material. vertexMass: of one vertex, kg; size: Blueprint::size,
+// m. The ranges of the material are checked where scenes are read.
 [[nodiscard]] ContactParameters<double> MakeContactParameters(const Material& material, double vertexMass, double size);
-// Distances of the magnetic law of that strength, N·m².
+// Sets the strength K, N·m², and the distances of the magnetic law that follow from it.
 void FillMagneticLaw(ContactParameters<double>& parameters, double strength, double vertexMass);
 
 }  // namespace wobble::physics

@@ -1,5 +1,5 @@
-// Both searches walk from where the point was last, since it cannot have gone far: a few faces looked at instead of
-// all. They stop after kMaxSteps whatever the shape, so that no surface, however crumpled, can hold them.
+// Both searches walk from the face where the point was last, since it cannot have gone far: they look at a few faces
+// instead of all. They stop after kMaxSteps, so that a crumpled skin cannot hold them.
 //
 // The squared distance to a triangle goes by Voronoi regions of its corners, sides and inside (Ericson, Real-Time
 // Collision Detection, 2005, 5.1.5).
@@ -15,8 +15,8 @@ namespace wobble::physics {
 namespace {
 
 constexpr int kMaxSteps = 16;
-// Squared distances that differ by less than this share of a face's squared size are taken for equal: the point is
-// nearest to an edge or a corner that both have.
+// Squared distances that differ by less than this share of twice a face's area count as equal: the point is nearest to
+// an edge or a corner that both faces have.
 constexpr double kTieShare = 1e-5;
 
 template <class Real>
@@ -51,48 +51,50 @@ Real FindSquaredDistance(const Vector3<Real>& a, const Vector3<Real>& b, const V
 }
 
 template <class Real>
-Real FindSquaredDistance(const Shell<Real>& shell, std::uint16_t face, const Vector3<Real>& p) {
-  const Face& f = shell.faces[face];
-  return FindSquaredDistance<Real>(shell.x[f[0]], shell.x[f[1]], shell.x[f[2]], p);
+Real FindSquaredDistance(const Skin<Real>& skin, std::uint16_t face, const Vector3<Real>& p) {
+  const Face& f = skin.faces[face];
+  return FindSquaredDistance<Real>(skin.x[f[0]], skin.x[f[1]], skin.x[f[2]], p);
 }
 
-// The corner of `face` that is not on its side towards `other`; 3 when they are no neighbours.
+// The corner of `face` that is not on its side towards `other`; 3 if they are no neighbours.
 int FindCornerOpposite(const Topology& topology, std::uint16_t face, std::uint16_t other) {
   int corner = 0;
   while (corner < 3 && topology.neighbours[face][static_cast<std::size_t>(corner)] != other) ++corner;
   return corner;
 }
 
-// Whether the surface bends away from the face's normal over its side towards the neighbour (flat counts).
+// True if the skin is convex or flat over the face's side towards the neighbour.
 template <class Real>
-bool IsConvex(const Shell<Real>& shell, const FacePoint<Real>& face, std::uint16_t neighbour) {
-  const int corner = FindCornerOpposite(*shell.topology, neighbour, face.face);
+bool IsConvex(const Skin<Real>& skin, const FacePoint<Real>& face, std::uint16_t neighbour) {
+  const int corner = FindCornerOpposite(*skin.topology, neighbour, face.face);
   if (corner == 3) return true;
-  const Vector3<Real>& beyond = shell.x[shell.faces[neighbour][static_cast<std::size_t>(corner)]];
-  return (beyond - shell.x[shell.faces[face.face][0]]).dot(face.normal) <= Real(0);
+  const Vector3<Real>& beyond = skin.x[skin.faces[neighbour][static_cast<std::size_t>(corner)]];
+  return (beyond - skin.x[skin.faces[face.face][0]]).dot(face.normal) <= Real(0);
 }
 
-// Above the face itself, with no neighbour that rises towards p until its plane is nearer than the face: none can be
-// nearer then. What has but a corner in common with the face can, where the surface is hollow, above a spot round the
-// corner as wide as p is high times the angle between them; p finds it on the way down, as the spot shrinks.
+// True if p is above the face itself and no neighbour rises towards p so far that its plane is nearer than the face.
+// Then no neighbour is nearer. A face that only has a corner in common can still be nearer where the skin is hollow, if
+// p is above a spot round the corner that is as wide as p's height times the angle between the faces; p finds that face
+// on its way down, as the spot shrinks.
 template <class Real>
-bool IsPlainlyNearest(const Shell<Real>& shell, const FacePoint<Real>& at, const Vector3<Real>& p) {
+bool IsPlainlyNearest(const Skin<Real>& skin, const FacePoint<Real>& at, const Vector3<Real>& p) {
   if (at.distance < Real(0) || at.weights.minCoeff() < Real(0)) return false;
-  const auto& neighbours = shell.topology->neighbours[at.face];
+  const auto& neighbours = skin.topology->neighbours[at.face];
   return std::all_of(neighbours.begin(), neighbours.end(), [&](std::uint16_t n) {
-    return n == kNoFace || IsConvex(shell, at, n) || FindFacePoint(shell, n, p).distance >= at.distance;
+    return n == kNoFace || IsConvex(skin, at, n) || FindFacePoint(skin, n, p).distance >= at.distance;
   });
 }
 
-// Of p to the box round the face, m²: never more than to the face, and most faces of a ring are farther by that alone.
+// Squared distance of p from the face's box, m²: a lower bound of that from the face, which rules out most faces of a
+// ring.
 template <class Real>
-Real FindSquaredBoxDistance(const Shell<Real>& shell, std::uint16_t face, const Vector3<Real>& p) {
-  const Face& f = shell.faces[face];
+Real FindSquaredBoxDistance(const Skin<Real>& skin, std::uint16_t face, const Vector3<Real>& p) {
+  const Face& f = skin.faces[face];
   Real square = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const Real a = shell.x[f[0]][axis];
-    const Real b = shell.x[f[1]][axis];
-    const Real c = shell.x[f[2]][axis];
+    const Real a = skin.x[f[0]][axis];
+    const Real b = skin.x[f[1]][axis];
+    const Real c = skin.x[f[2]][axis];
     const Real low = std::min(a, std::min(b, c)) - p[axis];
     const Real high = p[axis] - std::max(a, std::max(b, c));
     const Real beyond = std::max(Real(0), std::max(low, high));
@@ -101,33 +103,33 @@ Real FindSquaredBoxDistance(const Shell<Real>& shell, std::uint16_t face, const 
   return square;
 }
 
-// Whether a point inside, now counted to `from`, belongs to `to` instead, across the side opposite to `corner`.
+// True if a point inside that belonged to `from` now belongs to `to`, across the side opposite to `corner`.
 template <class Real>
-bool SlidesOver(const Shell<Real>& shell, const FacePoint<Real>& from, std::size_t corner, const FacePoint<Real>& to) {
-  const bool rises = to.distance > from.distance && IsConvex(shell, from, to.face);
+bool SlidesOver(const Skin<Real>& skin, const FacePoint<Real>& from, std::size_t corner, const FacePoint<Real>& to) {
+  const bool rises = to.distance > from.distance && IsConvex(skin, from, to.face);
   if (from.weights[static_cast<Eigen::Index>(corner)] >= Real(0)) {
     return rises && from.normal.dot(to.normal) > static_cast<Real>(kSmoothCosine);
   }
-  const int back = FindCornerOpposite(*shell.topology, to.face, from.face);
+  const int back = FindCornerOpposite(*skin.topology, to.face, from.face);
   return rises || (back < 3 && to.weights[back] >= Real(0));
 }
 
 }  // namespace
 
 template <class Real>
-FacePoint<Real> FindFacePoint(const Shell<Real>& shell, std::uint16_t face, const Vector3<Real>& p) {
-  const Face& f = shell.faces[face];
-  const Vector3<Real>& a = shell.x[f[0]];
-  const Vector3<Real>& b = shell.x[f[1]];
-  const Vector3<Real>& c = shell.x[f[2]];
+FacePoint<Real> FindFacePoint(const Skin<Real>& skin, std::uint16_t face, const Vector3<Real>& p) {
+  const Face& f = skin.faces[face];
+  const Vector3<Real>& a = skin.x[f[0]];
+  const Vector3<Real>& b = skin.x[f[1]];
+  const Vector3<Real>& c = skin.x[f[2]];
   FacePoint<Real> at;
   at.face = face;
   const Vector3<Real> area = (b - a).cross(c - a);
   at.doubleArea = std::max(std::sqrt(area.dot(area)), std::numeric_limits<Real>::min());
   const Vector3<Real> normal = area / at.doubleArea;
-  at.normal = shell.side * normal;
+  at.normal = skin.side * normal;
   at.distance = (p - a).dot(at.normal);
-  // A corner's weight is the area of the triangle that the foot makes with the side opposite, over the face's.
+  // A corner's weight is the area of the triangle between the foot and the opposite side, over the face's area.
   at.weights[1] = (p - a).cross(c - a).dot(normal) / at.doubleArea;
   at.weights[2] = (b - a).cross(p - a).dot(normal) / at.doubleArea;
   at.weights[0] = Real(1) - at.weights[1] - at.weights[2];
@@ -135,19 +137,19 @@ FacePoint<Real> FindFacePoint(const Shell<Real>& shell, std::uint16_t face, cons
 }
 
 template <class Real>
-FacePoint<Real> FindNearestFace(const Shell<Real>& shell, std::uint16_t start, const Vector3<Real>& p) {
-  FacePoint<Real> at = FindFacePoint(shell, start, p);
-  if (IsPlainlyNearest(shell, at, p)) return at;
-  Real square = FindSquaredDistance(shell, start, p);
+FacePoint<Real> FindNearestFace(const Skin<Real>& skin, std::uint16_t start, const Vector3<Real>& p) {
+  FacePoint<Real> at = FindFacePoint(skin, start, p);
+  if (IsPlainlyNearest(skin, at, p)) return at;
+  Real square = FindSquaredDistance(skin, start, p);
   for (int step = 0; step < kMaxSteps; ++step) {
     FacePoint<Real> best = at;
-    for (const std::uint16_t vertex : shell.faces[at.face]) {
-      for (const std::uint16_t face : shell.topology->RingOf(vertex)) {
+    for (const std::uint16_t vertex : skin.faces[at.face]) {
+      for (const std::uint16_t face : skin.topology->RingOf(vertex)) {
         const Real tie = static_cast<Real>(kTieShare) * at.doubleArea;
-        if (face == at.face || FindSquaredBoxDistance(shell, face, p) > square + tie) continue;
-        const Real other = FindSquaredDistance(shell, face, p);
+        if (face == at.face || FindSquaredBoxDistance(skin, face, p) > square + tie) continue;
+        const Real other = FindSquaredDistance(skin, face, p);
         if (other > square + tie) continue;
-        const FacePoint<Real> there = FindFacePoint(shell, face, p);
+        const FacePoint<Real> there = FindFacePoint(skin, face, p);
         if (other < square - tie || there.distance > best.distance) {
           best = there;
           square = std::min(square, other);
@@ -166,20 +168,20 @@ bool LooksAlong(const FacePoint<Real>& at, const Vector3<Real>& outward) {
 }
 
 template <class Real>
-FacePoint<Real> TurnToFacing(const Shell<Real>& shell, const FacePoint<Real>& at, const Vector3<Real>& p,
+FacePoint<Real> TurnToFacing(const Skin<Real>& skin, const FacePoint<Real>& at, const Vector3<Real>& p,
                              const Vector3<Real>& outward, Real within) {
   if (!LooksAlong(at, outward)) return at;
   FacePoint<Real> best = at;
   Real least = within * within;
   if (at.distance >= Real(0)) {
-    least = FindSquaredDistance(shell, at.face, p) + static_cast<Real>(kTieShare) * at.doubleArea;
+    least = FindSquaredDistance(skin, at.face, p) + static_cast<Real>(kTieShare) * at.doubleArea;
   }
-  for (const std::uint16_t vertex : shell.faces[at.face]) {
-    for (const std::uint16_t face : shell.topology->RingOf(vertex)) {
-      if (FindSquaredBoxDistance(shell, face, p) >= least) continue;
-      const Real square = FindSquaredDistance(shell, face, p);
+  for (const std::uint16_t vertex : skin.faces[at.face]) {
+    for (const std::uint16_t face : skin.topology->RingOf(vertex)) {
+      if (FindSquaredBoxDistance(skin, face, p) >= least) continue;
+      const Real square = FindSquaredDistance(skin, face, p);
       if (square >= least) continue;
-      const FacePoint<Real> there = FindFacePoint(shell, face, p);
+      const FacePoint<Real> there = FindFacePoint(skin, face, p);
       if (LooksAlong(there, outward)) continue;
       least = square;
       best = there;
@@ -189,11 +191,11 @@ FacePoint<Real> TurnToFacing(const Shell<Real>& shell, const FacePoint<Real>& at
 }
 
 template <class Real>
-Vector3<Real> FindOutward(const Shell<Real>& shell, std::uint16_t vertex) {
+Vector3<Real> FindOutward(const Skin<Real>& skin, std::uint16_t vertex) {
   Vector3<Real> sum = Vector3<Real>::Zero();
-  for (const std::uint16_t face : shell.topology->RingOf(vertex)) {
-    const Face& f = shell.faces[face];
-    sum += (shell.x[f[1]] - shell.x[f[0]]).cross(shell.x[f[2]] - shell.x[f[0]]);
+  for (const std::uint16_t face : skin.topology->RingOf(vertex)) {
+    const Face& f = skin.faces[face];
+    sum += (skin.x[f[1]] - skin.x[f[0]]).cross(skin.x[f[2]] - skin.x[f[0]]);
   }
   const Real length = std::sqrt(sum.dot(sum));
   if (length > Real(0)) sum /= length;
@@ -201,15 +203,15 @@ Vector3<Real> FindOutward(const Shell<Real>& shell, std::uint16_t vertex) {
 }
 
 template <class Real>
-FacePoint<Real> SlideToFace(const Shell<Real>& shell, std::uint16_t start, const Vector3<Real>& p) {
-  FacePoint<Real> at = FindFacePoint(shell, start, p);
+FacePoint<Real> SlideToFace(const Skin<Real>& skin, std::uint16_t start, const Vector3<Real>& p) {
+  FacePoint<Real> at = FindFacePoint(skin, start, p);
   for (int step = 0; step < kMaxSteps; ++step) {
     FacePoint<Real> best = at;
     for (std::size_t corner = 0; corner < 3; ++corner) {
-      const std::uint16_t neighbour = shell.topology->neighbours[at.face][corner];
+      const std::uint16_t neighbour = skin.topology->neighbours[at.face][corner];
       if (neighbour == kNoFace) continue;
-      const FacePoint<Real> there = FindFacePoint(shell, neighbour, p);
-      if (!SlidesOver(shell, at, corner, there)) continue;
+      const FacePoint<Real> there = FindFacePoint(skin, neighbour, p);
+      if (!SlidesOver(skin, at, corner, there)) continue;
       if (best.face == at.face || there.distance > best.distance) best = there;
     }
     if (best.face == at.face) break;
@@ -219,25 +221,25 @@ FacePoint<Real> SlideToFace(const Shell<Real>& shell, std::uint16_t start, const
 }
 
 template <class Real>
-FacePoint<Real> FollowFace(const Shell<Real>& shell, std::uint16_t face, const Vector3<Real>& p) {
-  const FacePoint<Real> at = FindFacePoint(shell, face, p);
+FacePoint<Real> FollowFace(const Skin<Real>& skin, std::uint16_t face, const Vector3<Real>& p) {
+  const FacePoint<Real> at = FindFacePoint(skin, face, p);
   Eigen::Index corner = 0;
   if (at.weights.minCoeff(&corner) >= Real(0)) return at;
-  const std::uint16_t neighbour = shell.topology->neighbours[face][static_cast<std::size_t>(corner)];
+  const std::uint16_t neighbour = skin.topology->neighbours[face][static_cast<std::size_t>(corner)];
   if (neighbour == kNoFace) return at;
-  const FacePoint<Real> there = FindFacePoint(shell, neighbour, p);
-  return SlidesOver(shell, at, static_cast<std::size_t>(corner), there) ? there : at;
+  const FacePoint<Real> there = FindFacePoint(skin, neighbour, p);
+  return SlidesOver(skin, at, static_cast<std::size_t>(corner), there) ? there : at;
 }
 
-#define WOBBLE_INSTANTIATE(Real)                                                                                \
-  template FacePoint<Real> FindFacePoint<Real>(const Shell<Real>&, std::uint16_t, const Vector3<Real>&);        \
-  template FacePoint<Real> FindNearestFace<Real>(const Shell<Real>&, std::uint16_t, const Vector3<Real>&);      \
-  template bool LooksAlong<Real>(const FacePoint<Real>&, const Vector3<Real>&);                                 \
-  template FacePoint<Real> TurnToFacing<Real>(const Shell<Real>&, const FacePoint<Real>&, const Vector3<Real>&, \
-                                              const Vector3<Real>&, Real);                                      \
-  template Vector3<Real> FindOutward<Real>(const Shell<Real>&, std::uint16_t);                                  \
-  template FacePoint<Real> SlideToFace<Real>(const Shell<Real>&, std::uint16_t, const Vector3<Real>&);          \
-  template FacePoint<Real> FollowFace<Real>(const Shell<Real>&, std::uint16_t, const Vector3<Real>&);
+#define WOBBLE_INSTANTIATE(Real)                                                                               \
+  template FacePoint<Real> FindFacePoint<Real>(const Skin<Real>&, std::uint16_t, const Vector3<Real>&);        \
+  template FacePoint<Real> FindNearestFace<Real>(const Skin<Real>&, std::uint16_t, const Vector3<Real>&);      \
+  template bool LooksAlong<Real>(const FacePoint<Real>&, const Vector3<Real>&);                                \
+  template FacePoint<Real> TurnToFacing<Real>(const Skin<Real>&, const FacePoint<Real>&, const Vector3<Real>&, \
+                                              const Vector3<Real>&, Real);                                     \
+  template Vector3<Real> FindOutward<Real>(const Skin<Real>&, std::uint16_t);                                  \
+  template FacePoint<Real> SlideToFace<Real>(const Skin<Real>&, std::uint16_t, const Vector3<Real>&);          \
+  template FacePoint<Real> FollowFace<Real>(const Skin<Real>&, std::uint16_t, const Vector3<Real>&);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)
 #undef WOBBLE_INSTANTIATE

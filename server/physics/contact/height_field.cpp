@@ -1,8 +1,9 @@
-// A quadratic B-spline in each direction: the lowest degree whose normals turn without a jump, with nine heights to a
-// point. Its control values are found once, by a recursion along each row and column, such that it goes through the
-// heights given (Unser, Aldroubi & Eden 1993, "B-spline signal processing"). Catmull-Rom goes through them by itself,
-// but takes sixteen, overshoots more and has no bound of its slope that could be read off; bilinear patches have a
-// crease along every cell, on which resting bodies rattle.
+// A quadratic B-spline in each direction: the lowest degree whose normals turn without a jump; a point reads nine
+// controls. The controls are computed once, by a recursion along each row and column, such that the surface goes
+// through the given heights (Unser, Aldroubi & Eden 1993, "B-spline signal processing").
+//
+// Rejected: Catmull-Rom goes through the heights by itself, but reads sixteen, overshoots more and has no bound of its
+// slope that could be read off; bilinear patches have a crease along every cell, on which resting bodies rattle.
 #include "server/physics/contact/height_field.h"
 
 #include <algorithm>
@@ -13,7 +14,7 @@
 namespace wobble::physics {
 namespace {
 
-// Turns `count` heights, `stride` apart, into control values: c₀ and the last are the heights there, in between
+// Turns `count` heights, `stride` apart, into controls: the first and the last are the heights there, in between
 // c₋/8 + 3c/4 + c₊/8 = h. Elimination from the left, substitution from the right.
 void FindControls(double* values, std::size_t count, std::size_t stride) {
   std::vector<double> share(count, 0.0);
@@ -25,13 +26,14 @@ void FindControls(double* values, std::size_t count, std::size_t stride) {
   for (std::size_t i = count - 1; i-- > 1;) values[i * stride] -= share[i] * values[(i + 1) * stride];
 }
 
-// One value more at each end, on the line through the last two: the spline then ends in the height there.
+// Adds a control at each end, on the line through the last two: the spline then ends at the height there.
 void Extend(double* values, std::size_t count, std::size_t stride) {
   values[0] = 2 * values[stride] - values[2 * stride];
   values[(count + 1) * stride] = 2 * values[count * stride] - values[(count - 1) * stride];
 }
 
-// A slope is a mean of differences between neighbouring controls, so it is at most the largest of those that it reads.
+// Bound of the slope: a slope is a mean of differences between neighbouring controls, so it is at most the largest
+// difference that it reads.
 double FindSteepest(const HeightField& field) {
   const auto width = static_cast<std::size_t>(field.columns) + 2;
   double steepest = 0;
@@ -52,6 +54,7 @@ double FindSteepest(const HeightField& field) {
   return steepest;
 }
 
+// The three basis functions at a point and their slopes, for t from −½ to ½ cells.
 template <class Real>
 struct Basis {
   std::array<Real, 3> weights;

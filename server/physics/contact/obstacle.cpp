@@ -1,3 +1,5 @@
+// Signed distances and normals of the five kinds of obstacle. Spheres and capsules share one formula; boxes are rounded
+// so that the normal turns smoothly over edges; a height field's distance is first order (obstacle.h).
 #include "server/physics/contact/obstacle.h"
 
 #include <algorithm>
@@ -41,8 +43,8 @@ SurfacePoint<Real> FindCapsulePoint(const Surface<Real>& surface, const Vector3<
   return {-surface.radius, Vector3<Real>::UnitZ()};
 }
 
-// `at` between the ends of a field's `nodes` along an axis, in nodes from the surface's own; the first where it is no
-// number.
+// `at` clamped to the ends of a field's `nodes` along an axis, counted in nodes from the surface's own node. A NaN
+// gives the first end.
 template <class Real>
 Real ClampToField(Real at, int node, int nodes) {
   const auto first = static_cast<Real>(-node);
@@ -50,7 +52,7 @@ Real ClampToField(Real at, int node, int nodes) {
   return at > first ? std::min(at, last) : first;
 }
 
-// Heights around the place nearest to x, as seen from the body's origin.
+// Height over the body's origin and slopes at (u, v), in nodes from the surface's own node.
 template <class Real>
 FieldPoint<Real> FindGround(const Surface<Real>& surface, Real u, Real v) {
   const Real column = std::nearbyint(u);
@@ -74,8 +76,8 @@ SurfacePoint<Real> FindFieldSurfacePoint(const Surface<Real>& surface, const Vec
   return {(x.z() - ground.height) * up, across * up};
 }
 
-// Both bounds hold: the way to the rectangle, and a height above ground that rises by at most `steepest`, of which
-// beyond the rectangle its rim goes on level.
+// The larger of two lower bounds: the way to the rectangle, and the height above ground over √(1 + steepest²). Beyond
+// the rectangle the ground is taken to go on level from its rim.
 template <class Real>
 Real FindFieldClearance(const Surface<Real>& surface, const Vector3<Real>& x) {
   const auto cell = static_cast<Real>(surface.field->cellSize);
@@ -153,7 +155,7 @@ Real FindClearance(const Surface<Real>& surface, const Vector3<Real>& x) {
 
 template <class Real>
 Real FindApproachToGround(const Surface<Real>& surface, const Vector3<Real>& v) {
-  // The height above ground, which the distance is at most.
+  // The rate at which the height above ground shrinks; the distance is at most the height.
   return static_cast<Real>(surface.field->steepest) * std::sqrt(v.x() * v.x() + v.y() * v.y()) - v.z();
 }
 

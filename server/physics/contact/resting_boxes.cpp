@@ -1,9 +1,9 @@
-// A hash table of cells. A box lies in the cell of its middle; the cell is twice as large as the largest box, so that
-// one of that size looks into two cells along each axis. Few boxes that are much larger than most are in no cell and
-// looked at by everybody.
+// A hash table of cells. A box lies in the cell of its middle; the cell is twice as large as the largest box, so that a
+// box of that size looks into two cells along each axis. A few boxes that are much larger than most are in no cell, and
+// every search compares with them.
 //
-// Sorted like the boxes of those awake (broad_phase.cpp), each change would move the half of all; and cells of no more
-// than a box's size, 27 of which have to be looked into, took longer.
+// Rejected: sorted boxes as for awake bodies (broad_phase.cpp), since each change would move half of them; cells as
+// large as the largest box, 27 of which have to be looked into, which took longer.
 #include "server/physics/contact/resting_boxes.h"
 
 #include <algorithm>
@@ -12,19 +12,17 @@
 namespace wobble::physics {
 namespace {
 
-// Times the mean box, from which on a box is one of the large.
-constexpr double kLargeRatio = 4;
-// More than so many large ones, and a quarter of all, which choosing the size of cells anew can always go below.
+// With more large boxes than this plus a quarter of all, the size of cells is chosen anew, which always leaves fewer.
 constexpr std::size_t kFewLarge = 8;
 constexpr std::size_t kLeastHeads = 64;
-// Cells that are looked into before it is cheaper to look at every box.
+// With more cells than this to look into, it is cheaper to look at every box.
 constexpr double kMostCells = 512;
 
 }  // namespace
 
 std::size_t RestingBoxes::FindHead(const Cell& cell) const {
   const auto part = [&](int axis) { return static_cast<std::uint64_t>(cell[static_cast<std::size_t>(axis)]); };
-  // Odd numbers with their bits well mixed; the upper half of the product depends on all of each coordinate.
+  // Odd factors with well mixed bits: the upper half of the products depends on all bits of each coordinate.
   const std::uint64_t mixed =
       part(0) * 0x9E3779B97F4A7C15U + part(1) * 0xC2B2AE3D27D4EB4FU + part(2) * 0x165667B19E3779F9U;
   return (mixed ^ mixed >> 32) & (m_heads.size() - 1);
@@ -35,7 +33,7 @@ bool RestingBoxes::FindRange(const Box& box, CellRange& range) const {
   const Vector3d low = ((box.low - reach) / m_cellSize).array().floor();
   const Vector3d high = ((box.high + reach) / m_cellSize).array().floor();
   const double cells = (high - low + Vector3d::Ones()).prod();
-  // Written so that what is no number, of a body that is about to be reset, looks at every box.
+  // Written so that a NaN, of a body that is about to be reset, looks at every box.
   if (!(cells <= kMostCells) || !(low.cwiseAbs().maxCoeff() < 1e15)) return false;
   for (int axis = 0; axis < 3; ++axis) {
     range.low[static_cast<std::size_t>(axis)] = static_cast<std::int64_t>(low[axis]);
@@ -73,7 +71,7 @@ void RestingBoxes::Unlink(std::uint32_t entry) {
   if (m_entries[entry].isLarge) --m_largeCount;
 }
 
-// For twice as many as there are now, in cells that suit them.
+// Chooses the size of cells anew and makes room for twice as many boxes.
 void RestingBoxes::Rebuild() {
   double sum = 0;
   for (const Entry& entry : m_entries) sum += FindExtent(entry.box);
@@ -109,7 +107,7 @@ void RestingBoxes::Add(std::uint32_t body, const Box& box) {
 void RestingBoxes::Reserve(std::size_t bodies) {
   m_entries.reserve(bodies);
   m_entryOf.reserve(bodies);
-  m_heads.reserve(std::max<std::size_t>(kLeastHeads, std::bit_ceil(4 * bodies)));  // as Rebuild takes at most
+  m_heads.reserve(std::max<std::size_t>(kLeastHeads, std::bit_ceil(4 * bodies)));  // the most that Rebuild takes
 }
 
 void RestingBoxes::Remove(std::uint32_t body) {

@@ -1,5 +1,5 @@
-// Boxes of bodies that sleep: put in and taken out one at a time, and otherwise not looked at but where somebody comes
-// near.
+// Boxes of sleeping bodies: added and removed one at a time, and read only where an awake body comes near, so that a
+// sleeping body costs nothing in a tick.
 #pragma once
 
 #include <cmath>
@@ -12,18 +12,18 @@ namespace wobble::physics {
 
 class RestingBoxes {
  public:
-  // Room for so many bodies, whose places are below that.
+  // Makes room for bodies whose numbers are below `bodies`, so that later calls allocate nothing.
   void Reserve(std::size_t bodies);
-  // body: any number, its place in the world, that is not in yet.
+  // body: its place in the world; it must not be in yet. Amortised constant time.
   void Add(std::uint32_t body, const Box& box);
-  // Of a body that is in.
+  // body: must be in.
   void Remove(std::uint32_t body);
-  // The body of this number, which is not in, is gone: those above it have one less now.
+  // Body number `gone`, which must not be in, has left the world: every higher number becomes one less. Linear time.
   void Renumber(std::uint32_t gone);
 
   [[nodiscard]] std::size_t Count() const { return m_entries.size(); }
 
-  // visit(body) for each whose box overlaps or touches this one, in no order.
+  // Calls visit(body) for each body whose box overlaps or touches this one, in no order.
   template <class Visit>
   void VisitOverlaps(const Box& box, const Visit& visit) const {
     if (m_entries.empty()) return;
@@ -57,13 +57,13 @@ class RestingBoxes {
     Box box;
     Cell cell{};
     std::uint32_t body = 0;
-    std::uint32_t next = kNone;  // of the same chain
+    std::uint32_t next = kNone;  // in the same chain
     bool isLarge = false;
   };
   static constexpr std::uint32_t kNone = 0xFFFFFFFF;
 
   [[nodiscard]] std::size_t FindHead(const Cell& cell) const;
-  // Of cells in which the middle of a box may lie that overlaps this one. False: too many to go through.
+  // The cells in which the middle of an overlapping box may lie. False: too many to go through.
   [[nodiscard]] bool FindRange(const Box& box, CellRange& range) const;
   [[nodiscard]] std::uint32_t& ChainOf(const Entry& entry);
   void Link(std::uint32_t entry);
@@ -72,11 +72,11 @@ class RestingBoxes {
 
   std::vector<Entry> m_entries;
   std::vector<std::uint32_t> m_entryOf;  // by body
-  std::vector<std::uint32_t> m_heads;    // of the chains of cells, by their hash; as many as a power of two
-  std::uint32_t m_large = kNone;         // the chain of those that no cell can hold
+  std::vector<std::uint32_t> m_heads;    // heads of the chains of cells, by the cell's hash; a power of two of them
+  std::uint32_t m_large = kNone;         // head of the chain of boxes that are too large for a cell
   std::size_t m_largeCount = 0;
   double m_cellSize = 1;    // m
-  double m_mostExtent = 0;  // of a box in a cell, at most the half of it, m
+  double m_mostExtent = 0;  // largest extent of a box in a cell, at most half the cell's size, m
   std::size_t m_rebuildAt = 0;
 };
 

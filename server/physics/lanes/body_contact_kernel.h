@@ -1,7 +1,7 @@
-// The law of body_contact.h for the translation units that compile it for one instruction set each.
+// The law and the update of body contacts on vectors (body_contact_lanes.h). Compiled once for each instruction set.
 //
-// No case is told apart: what a contact that does not act comes to is computed beside the others and not used. Divisors
-// are kept above zero by bounds that no living face or force comes near, so that a crushed face gives numbers.
+// Without branches: the force of a contact that does not act is computed with the others and not used. Divisors are
+// kept above zero by bounds that no intact face or force comes near, so that a crushed face gives finite numbers.
 #pragma once
 
 #include "server/physics/lanes/body_contact_lanes.h"
@@ -14,7 +14,7 @@ namespace {
 
 #define WOBBLE_INLINE static inline __attribute__((always_inline))
 
-// Below these there is no direction, m² and N.
+// Lower bounds of divisors, m² and N: below them there is no direction.
 inline constexpr float kLeastDoubleArea = 1e-30F;
 inline constexpr float kLeastPull = 1e-30F;
 
@@ -75,7 +75,7 @@ WOBBLE_INLINE Axes<V> BlendOf(const Axes<V>& weights, const Axes<V>& a, const Ax
   return AddScaled(weights.z, c, AddScaled(weights.y, b, Scale(weights.x, a)));
 }
 
-// FacePoint: the vertex p seen from its face (a, b, c).
+// FacePoint of face_search.h: the vertex p seen from its face (a, b, c).
 template <class V>
 struct FaceView {
   Axes<V> p, a, b, c, ab, ac;
@@ -106,7 +106,7 @@ WOBBLE_INLINE FaceView<V> ViewFace(const BodyContactBlock<Real>& block, const Bo
   return at;
 }
 
-// Of the vertex against the point of the face below it.
+// The velocity of the vertex against its foot on the face.
 template <class V, class Real>
 WOBBLE_INLINE Axes<V> FindVelocity(const FaceView<V>& at, const BodyContactPoints<Real>& points, std::size_t lane) {
   return Subtract(ReadRows<V, Real>(points.v[0], lane),
@@ -114,7 +114,7 @@ WOBBLE_INLINE Axes<V> FindVelocity(const FaceView<V>& at, const BodyContactPoint
                           ReadRows<V, Real>(points.v[3], lane)));
 }
 
-// The stick spring, m.
+// The stick spring, m, whether the contact has one or not.
 template <class V, class Real>
 WOBBLE_INLINE Axes<V> FindStickSlip(const FaceView<V>& at, const BodyContactBlock<Real>& block, std::size_t lane) {
   const Axes<V> moved = Subtract(at.p, BlendOf(ReadRows<V, Real>(block.foot, lane), at.a, at.b, at.c));
@@ -124,8 +124,11 @@ WOBBLE_INLINE Axes<V> FindStickSlip(const FaceView<V>& at, const BodyContactBloc
 
 template <class V, class Real>
 WOBBLE_INLINE PenaltyLaw<V> ReadLaw(const BodyContactBlock<Real>& block, std::size_t lane) {
-  return {ReadRow<V>(block.stiffness, lane), ReadRow<V>(block.fadeDepth, lane), ReadRow<V>(block.perFadeDepth, lane),
-          ReadRow<V>(block.damping, lane), ReadRow<V>(block.stickDamping, lane)};
+  return {.stiffness = ReadRow<V>(block.stiffness, lane),
+          .fadeDepth = ReadRow<V>(block.fadeDepth, lane),
+          .perFadeDepth = ReadRow<V>(block.perFadeDepth, lane),
+          .damping = ReadRow<V>(block.damping, lane),
+          .stickDamping = ReadRow<V>(block.stickDamping, lane)};
 }
 
 template <class V>
@@ -133,7 +136,7 @@ WOBBLE_INLINE V FindLeast(const Axes<V>& a) {
   return Min(a.x, Min(a.y, a.z));
 }
 
-// Forces on the corners, as ComputeBodyContacts has them. force: on the vertex.
+// The forces on the corners, derived in ComputeBodyContacts. force: on the vertex.
 template <class V, class Real>
 WOBBLE_INLINE void PushCorners(const FaceView<V>& at, const BodyContactBlock<Real>& block, const Axes<V>& pull, V depth,
                                const Axes<V>& force, std::size_t lane, BodyContactForces<Real>& forces) {
@@ -183,9 +186,9 @@ void ComputeBodyContactForces(const BodyContactBlock<Real>& block, const BodyCon
   }
 }
 
-// What a vertex on its face must know of the neighbour over one side (from, to): whether it rises so far that it may be
-// nearer (IsPlainlyNearest of face_search.cpp), and whether p has slid over the side (SlidesOver, for a weight that is
-// not negative).
+// The neighbour across one side (from, to) as seen from p, whose foot is on its own face. nearer: the neighbour rises
+// so far that it may be nearer (IsPlainlyNearest of face_search.cpp); slides: p has slid over the side (SlidesOver, for
+// a weight that is not negative). One bit a lane.
 struct SideView {
   std::uint32_t nearer;
   std::uint32_t slides;
@@ -203,8 +206,9 @@ WOBBLE_INLINE SideView ViewSide(const FaceView<V>& at, const Axes<V>& from, cons
   return {concave & FindBelow(distance, at.distance), rises & smooth & ~concave};
 }
 
-// Whether the contact keeps its face for certain: neither beside nor sliding off it, nor looking along its own
-// surface's normal, and when outside with no face round it that may be nearer.
+// The contacts that may leave their face, or that are not armed: the vertex is beside the face or slides off it, the
+// face looks along the normal of the vertex's own skin, or the vertex is outside and a neighbour may be nearer. All
+// others keep their face for certain.
 template <class V, class Real>
 WOBBLE_INLINE std::uint32_t FindThoseThatMove(const FaceView<V>& at, const BodyContactBlock<Real>& block,
                                               const BodyContactPoints<Real>& points, std::size_t lane) {
@@ -224,7 +228,7 @@ WOBBLE_INLINE std::uint32_t FindThoseThatMove(const FaceView<V>& at, const BodyC
          (hasOutward & along) | FindBelow(ReadRow<V>(block.maxDepth, lane), zero);
 }
 
-// NoteLeap, for a contact that keeps its face.
+// NoteLeap of body_contact_update.cpp, for a contact that keeps its face.
 template <class V, class Real>
 WOBBLE_INLINE V FindLeap(const FaceView<V>& at, const BodyContactBlock<Real>& block, V speed, V away, V reach,
                          std::size_t lane) {
@@ -256,7 +260,7 @@ BodyContactChange UpdateBodyContactBlock(const BodyContactPoints<Real>& points, 
     const V inside = Max(zero, depth);
     const std::uint32_t open = FindBelow(zero, ReadRow<V>(block.open, lane));
     const std::uint32_t armed = open | (kAll & ~FindBelow(ReadRow<V>(block.maxDepth, lane), inside));
-    // Not less than the depth itself, so an armed contact pushes wherever it is inside.
+    // At least the depth itself, so an armed contact pushes wherever it is inside.
     const V maxDepth = inside + Fma(reach, speed, Spread<V>(static_cast<Real>(kArmingDepth)));
     const std::uint32_t touching = armed & FindBelow(zero, depth);
     const Axes<V> slip = FindStickSlip(at, block, lane);

@@ -1,6 +1,6 @@
-// The penalty law for the translation units that compile it for one instruction set each.
+// The penalty law on vectors (contact_lanes.h). Compiled once for each instruction set.
 //
-// No case is told apart: a vertex outside has depth 0, so no normal force, so no friction.
+// Without branches: a vertex outside has depth 0, so no normal force, so no friction.
 #pragma once
 
 #include "server/physics/lanes/contact_lanes.h"
@@ -9,7 +9,7 @@
 namespace wobble::physics {
 namespace {
 
-// With m = min(d, δ), F = k m²/2δ + k (d − m) is both of its branches. depth: at least 0.
+// F(d): with m = min(d, δ), F = k m²/2δ + k (d − m) covers both branches. depth: at least 0, m.
 template <class Real, class V>
 static inline __attribute__((always_inline)) V FindSpringForce(const PenaltyLaw<V>& law, V depth) {
   const V bounded = Min(depth, law.fadeDepth);
@@ -27,8 +27,11 @@ static inline __attribute__((always_inline)) V FindNormalForce(const PenaltyLaw<
 
 template <class V, class Real>
 static inline __attribute__((always_inline)) PenaltyLaw<V> SpreadLaw(const PenaltyLaw<Real>& law) {
-  return {Spread<V>(law.stiffness), Spread<V>(law.fadeDepth), Spread<V>(law.perFadeDepth), Spread<V>(law.damping),
-          Spread<V>(law.stickDamping)};
+  return {.stiffness = Spread<V>(law.stiffness),
+          .fadeDepth = Spread<V>(law.fadeDepth),
+          .perFadeDepth = Spread<V>(law.perFadeDepth),
+          .damping = Spread<V>(law.damping),
+          .stickDamping = Spread<V>(law.stickDamping)};
 }
 
 template <class V>
@@ -36,14 +39,15 @@ static inline __attribute__((always_inline)) V Dot(const V* a, const V* b) {
   return Fma(a[2], b[2], Fma(a[1], b[1], a[0] * b[0]));
 }
 
-// What is along the surface of a way from the anchor.
+// The part of `way`, from the anchor to the vertex, that is tangential to the surface.
 template <class V>
 static inline __attribute__((always_inline)) void FindSlip(const V* normal, const V* way, V* slip) {
   const V away = Dot(normal, way);
   for (int axis = 0; axis < 3; ++axis) slip[axis] = Fnma(normal[axis], away, way[axis]);
 }
 
-// Force on a vertex that has all of the contact, N. friction: Coulomb's coefficient; stick: of the anchor spring, N/m.
+// The force on a vertex, before its contact share, N. friction: Coulomb's coefficient; stick: stiffness of the stick
+// spring, N/m.
 template <class Real, class V>
 static inline __attribute__((always_inline)) void FindContactForce(const PenaltyLaw<V>& law, const V* normal,
                                                                    V distance, const V* v, const V* slip, V stick,
@@ -54,7 +58,7 @@ static inline __attribute__((always_inline)) void FindContactForce(const Penalty
   for (int axis = 0; axis < 3; ++axis) {
     pull[axis] = Fma(law.stickDamping, Fnma(normal[axis], away, v[axis]), stick * slip[axis]);
   }
-  // Any pull this weak is within the limit of any force.
+  // The bound avoids 0/0; a pull this weak is within any limit.
   const V strength = Max(Sqrt(Dot(pull, pull)), Spread<V>(Real(1e-30F)));
   const V kept = Min(friction * push / strength, Spread<V>(Real(1)));
   for (int axis = 0; axis < 3; ++axis) force[axis] = Fnma(kept, pull[axis], push * normal[axis]);

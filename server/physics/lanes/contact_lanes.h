@@ -1,12 +1,12 @@
-// Contacts of a pack with what stands still, side by side: the penalty law of contact.h, as many at a time as a vector
-// has lanes, whoever's they are.
+// Input and output of the kernel for contacts of a pack's bodies with obstacles: the penalty law of contact.h, one
+// contact a lane, whichever body it belongs to.
 #pragma once
 
 #include <cstddef>
 
 namespace wobble::physics {
 
-// Of the bodies' blueprint, or of each lane; ContactParameters without what a lane does not need.
+// The fields of ContactParameters that a lane needs; numbers for a whole blueprint, or vectors with a law in each lane.
 template <class Real>
 struct PenaltyLaw {
   Real stiffness = 0;     // N/m
@@ -16,19 +16,19 @@ struct PenaltyLaw {
   Real stickDamping = 0;  // N·s/m
 };
 
-// One number a contact in each array, up to the whole vector above `count`; x, y, z where there are three.
+// Arrays with one number a contact, padded to a whole vector above `count` and aligned to it. Three arrays: x, y, z.
 template <class Real>
 struct ContactLanes {
   std::size_t count = 0;
   const Real* x[3] = {};           // of the vertex, m
   const Real* v[3] = {};           // m/s
-  const Real* normal[3] = {};      // of the surface
-  const Real* distance = nullptr;  // over it, m
-  const Real* anchor[3] = {};      // of friction, m
-  const Real* stick = nullptr;     // stiffness of the spring to it, N/m; 0: it is not set
+  const Real* normal[3] = {};      // of the surface, unit length
+  const Real* distance = nullptr;  // from the surface, m; negative inside
+  const Real* anchor[3] = {};      // of the stick spring, m
+  const Real* stick = nullptr;     // stiffness of the stick spring, N/m; 0: there is no anchor
   const Real* friction = nullptr;  // Coulomb's coefficient
   const Real* share = nullptr;     // Coefficients::contactShares
-  Real* force[3] = {};             // on the vertex, N; filled
+  Real* force[3] = {};             // output: on the vertex, N
 };
 
 template <class Real>

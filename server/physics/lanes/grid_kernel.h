@@ -1,12 +1,13 @@
-// The sweep of grids, for the translation units that compile it for one instruction set each.
+// The sweep of grids (grid.h). Compiled once for each instruction set.
 //
-// Every spring's force is computed once, where it begins, and put down in a row of its own direction; the vertex that
-// it ends at takes it from there when the sweep comes to its row. Adding it to that vertex at once, as the sweep of
-// packs does, would write to lanes that the next direction reads one lane aside: each such read waits until the write
-// is in the cache. Springs within a row are computed for the whole row first, for the same reason.
+// Every spring's force is computed once, at the vertex where the spring begins, and stored in a row of its direction;
+// the vertex at the other end reads it from there when the sweep comes to its row. Rejected: adding it to that vertex
+// at once, as the sweep of packs does. That writes to lanes that the next direction reads one lane aside, and each such
+// read waits until the write is in the cache. For the same reason, springs within a row are computed for the whole row
+// first.
 //
-// A vertex adds up what comes from vertices before it, ascending, and then what it pulls with itself: an order that no
-// width changes, and that of a body in a lane.
+// A vertex adds the forces from earlier vertices, ascending, and then those of its own springs. The order does not
+// depend on the width, and it is the order of a body in a lane of a pack.
 #pragma once
 
 #include "server/physics/lanes/grid.h"
@@ -34,7 +35,7 @@ WOBBLE_INLINE void Store(V lanes, Real* to) {
   *reinterpret_cast<V*>(to) = lanes;
 }
 
-// Springs of one direction that begin in a row, at its column 0.
+// The springs of one direction that begin in a row; pointers to the row's column 0.
 template <class Real>
 struct GridSprings {
   const Real* coefficients;
@@ -42,15 +43,15 @@ struct GridSprings {
   Real* forces;
 };
 
-// What is the same for all vertices of a row; forces are at its column 0.
+// The pointers that all vertices of a row share; to the row's column 0.
 template <class Real>
 struct GridRow {
   const Real* own = nullptr;  // of the stage: [6][width]
   std::uint32_t pulledCount = 0;
-  const Real* pulled[kMaxGridDirections + 4];  // forces on the row from rows before it and from within
+  const Real* pulled[kMaxGridDirections + 4];  // forces on the row, from earlier rows and from within it
   std::uint32_t withinCount = 0;
   std::uint32_t springCount = 0;
-  GridSprings<Real> springs[kMaxGridDirections];  // those that end in the row come first
+  GridSprings<Real> springs[kMaxGridDirections];  // the first withinCount end in the same row
 };
 
 template <class Real>
@@ -65,7 +66,8 @@ WOBBLE_INLINE const Real* FindOther(const GridTables<Real>& tables, const Real* 
   return own + 6 * direction.rows * tables.width + direction.columns;
 }
 
-// rowsOf: coefficients of what goes in this direction, of row i at i * stride.
+// Adds the stored forces of one direction on a row to found.pulled, if there are any. rowsOf: GridTables::springRows or
+// squareRows of that direction, row i at i * stride.
 template <class Real>
 WOBBLE_INLINE void AddPulled(const GridTables<Real>& tables, Real* pending, const GridDirection& direction,
                              const std::uint32_t* rowsOf, std::uint32_t stride, std::uint32_t row,
@@ -112,7 +114,7 @@ WOBBLE_INLINE void StoreForce(const GridTables<Real>& tables, const Vector3Of<V>
   Store(force.z, to + 2 * forceWidth);
 }
 
-// Puts the pull of these springs down for their other ends.
+// Computes the pulls of these springs and stores them for their other ends.
 template <class V, class Real>
 WOBBLE_INLINE Vector3Of<V> ComputePull(const GridTables<Real>& tables, const GridSprings<Real>& springs,
                                        std::uint32_t column, const V* own, V factor) {
@@ -142,13 +144,13 @@ WOBBLE_INLINE V Choose(V cut, V ifCut, V otherwise) {
   return cut > V{} ? ifCut : otherwise;
 }
 
-// a, and where the square is cut b as well or, without, c.
+// a + b where the square is cut from b to d, else a + c.
 template <class V>
 WOBBLE_INLINE Vector3Of<V> AddChosen(V cut, const Vector3Of<V>& a, const Vector3Of<V>& b, const Vector3Of<V>& c) {
   return {a.x + Choose(cut, b.x, c.x), a.y + Choose(cut, b.y, c.y), a.z + Choose(cut, b.z, c.z)};
 }
 
-// Forces of the squares that begin in a row, on each of their corners.
+// Computes the drag of the squares that begin in a row and stores it for each of their corners.
 template <class V, class Real>
 WOBBLE_INLINE void ComputeSquares(const GridTables<Real>& tables, const Real* from, Real* pending, const Real* blowing,
                                   std::uint32_t row) {
@@ -188,7 +190,7 @@ WOBBLE_INLINE void ComputeSquares(const GridTables<Real>& tables, const Real* fr
   }
 }
 
-// The force on the vertices of a row from this column on.
+// The force on a vector of vertices, from this column of a row on.
 template <class V, class Real>
 WOBBLE_INLINE Vector3Of<V> SumForces(const GridTables<Real>& tables, const GridRow<Real>& row, std::uint32_t column,
                                      const V* own, V factor) {
@@ -237,8 +239,8 @@ WOBBLE_INLINE void DivideByMasses(const GridTables<Real>& tables, const Real* ac
   if (tables.planar) force.y = zero;
 }
 
-// Sums by numbers of vertices to sums by columns of a row whose first vertex has the number `by`, and, by kErrorSums
-// less that, back.
+// Turns sums by vertex number into sums by column of a row whose first vertex has the number `by`; with kErrorSums −
+// by, the other way.
 template <class Real>
 WOBBLE_INLINE void RotateSums(const Real* sums, std::uint32_t by, Real* rotated) {
   for (std::uint32_t i = 0; i < kErrorSums; ++i) rotated[i] = sums[(i + by) % kErrorSums];

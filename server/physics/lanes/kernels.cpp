@@ -1,3 +1,5 @@
+// Asks the processor once. Each kernel is compiled in a translation unit of its own for its instruction set; this one
+// is compiled for the baseline.
 #include "server/physics/lanes/kernels.h"
 
 #include <algorithm>
@@ -7,7 +9,8 @@ namespace wobble::physics {
 
 template <class Real>
 std::span<const SweepKernel<Real>> FindSweepKernels(int widest) {
-  // AVX2 is what everything is compiled for. Even the function that names the kernels of AVX-512 is compiled for it.
+  // AVX2 is the baseline of the whole program. MakeAvx512Kernel itself is compiled for AVX-512, so it is called only
+  // where that runs.
   static const std::size_t known =
       __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512dq") != 0 ? 3 : 2;
   static const std::array<SweepKernel<Real>, 3> kernels{MakeOneLaneKernel(Real()), MakeAvx2Kernel(Real()),

@@ -1,4 +1,4 @@
-// The sweeps that this processor can run.
+// Chooses the kernels that this processor can run.
 #pragma once
 
 #include <span>
@@ -7,12 +7,12 @@
 
 namespace wobble::physics {
 
-// Ascending by width, the first of one lane. widest: none wider than this. All give the same bits.
+// The kernels of at most `widest` lanes, ascending by width; the first has one lane. All give the same bits.
 template <class Real>
 [[nodiscard]] std::span<const SweepKernel<Real>> FindSweepKernels(int widest);
 inline constexpr int kWidestPack = 16;
 
-// Each compiled by itself, for its own instruction set; the argument only says for which precision.
+// Each is compiled by itself for its own instruction set. The argument only chooses the precision.
 [[nodiscard]] SweepKernel<float> MakeOneLaneKernel(float precision);
 [[nodiscard]] SweepKernel<double> MakeOneLaneKernel(double precision);
 [[nodiscard]] SweepKernel<float> MakeAvx2Kernel(float precision);

@@ -1,11 +1,15 @@
-// Vectors whose lanes are bodies: arithmetic on W numbers at once, the same bits in every lane whatever W is.
+// The room physics/lanes holds the kernels: the hot loops of the engine, compiled once for each instruction set. This
+// file: arithmetic on vectors of W numbers, the same bits in every lane whatever W is. A lane is a body, a spring, a
+// contact or a column of a grid, as each kernel says.
 //
-// Compiler vector types and, where they have no operator, one intrinsic. Highway was measured beside them on the sweep
-// of sweep.h (162-vertex ball, g++ 12, AMD EPYC with AVX-512): 12.1 against 12.5 ns a vertex and step at W = 16, 17.6
-// against 18.4 at W = 8; vector types need no wrapper round + − × ÷, so what stands in the sweep is the formula.
+// Compiler vector types and, where they have no operator, one intrinsic. Rejected: Highway, measured on the sweep of
+// sweep.h (162-vertex ball, g++ 12, AMD EPYC with AVX-512): vector types took 12.1 and Highway 12.5 ns a vertex and
+// step at W = 16, 17.6 and 18.4 at W = 8; and vector types need no wrapper round + − × ÷, so the sweep reads like the
+// formula.
 //
-// Only exact operations: sums, products, quotients, square roots and fused multiply-adds are correctly rounded by every
-// instruction set, so results do not depend on it. Estimates such as rsqrtps would: vendors differ in their bits.
+// Only operations that every instruction set rounds correctly: sums, products, quotients, square roots and fused
+// multiply-adds. So results do not depend on the instruction set. Estimates such as rsqrtps are left out: their bits
+// differ between vendors.
 #pragma once
 
 #include <immintrin.h>
@@ -26,8 +30,8 @@ struct LanesOf<double, 1> {
   using Type = double;
 };
 
-// These are named by what they compute: Fma(a, b, c) = ab + c, Fms(a, b, c) = ab − c, Fnma(a, b, c) = c − ab, rounded
-// once. FindBelow(a, b): bit i is whether a < b in lane i.
+// Fma(a, b, c) = ab + c, Fms(a, b, c) = ab − c, Fnma(a, b, c) = c − ab, each rounded once. FindBelow(a, b): bit i is
+// set if a < b in lane i. Max(a, b) and Min(a, b) return b if either is a NaN.
 WOBBLE_LANES float Fma(float a, float b, float c) { return __builtin_fmaf(a, b, c); }
 WOBBLE_LANES float Fms(float a, float b, float c) { return __builtin_fmaf(a, b, -c); }
 WOBBLE_LANES float Fnma(float a, float b, float c) { return __builtin_fmaf(-a, b, c); }

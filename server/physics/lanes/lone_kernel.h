@@ -1,13 +1,14 @@
-// The sweep of a body alone, whose lanes are its springs: with one body a lane there would be one lane.
+// The sweep of a lone body, whose lanes are its springs: with a body a lane, one lane would be used.
 //
-// Every number comes out as in any lane of a pack: the same formula (terms.h), every sum in the same order. Springs are
+// Every number has the bits of a lane of a pack: the same formulas (terms.h), every sum in the same order. Springs are
 // computed four or eight at a time and their forces added one by one, in the order of the sweep, to a row of each
-// vertex; rows are x y z in one register, which the rest is done in. Fetching ends by gather instructions would cost
-// more than the sums: differences of whole rows, turned over in registers, take a third of the instructions.
+// vertex; a row is x y z in one register (vertex_rows.h), in which all further terms are computed. Rejected: fetching
+// the ends by gather instructions, which costs more than the sums; differences of whole rows, transposed in registers,
+// take a third of the instructions.
 //
 // Bodies with rare terms go through the sweep of packs with one lane.
 //
-// Forces wait where the stage will write its results, in `nextStage`, which nothing reads before.
+// Forces are added up where the stage will write its results, in `nextStage`, which nothing reads before.
 #pragma once
 
 #include "server/physics/lanes/lanes.h"
@@ -20,7 +21,8 @@ namespace {
 
 #define WOBBLE_INLINE static inline __attribute__((always_inline))
 
-// Differences own − other of one row of each of the springs that `ends` begins with.
+// The differences own − other of four numbers from `from` on, for the springs that `ends` begins with: one vector a
+// number, one lane a spring.
 template <class Real, class V>
 WOBBLE_INLINE void LoadDifferences(const Real* from, const std::uint32_t* ends, V (&rows)[4]) {
   for (int i = 0; i < 4; ++i) {
@@ -31,7 +33,7 @@ WOBBLE_INLINE void LoadDifferences(const Real* from, const std::uint32_t* ends, 
   Transpose(rows);
 }
 
-// Leaves the pulls of as many springs as V has lanes, as rows.
+// Computes the pulls of as many springs as V has lanes, from `begin` on, as rows.
 template <class Real, class V>
 WOBBLE_INLINE void FindPulls(const ArcColumns<Real>& columns, std::uint32_t begin, const Real* from, V factor,
                              V (&pulls)[4]) {
@@ -42,7 +44,7 @@ WOBBLE_INLINE void FindPulls(const ArcColumns<Real>& columns, std::uint32_t begi
   };
   const std::uint32_t* ends = columns.ends + 2 * begin;
   V l[4];
-  V u[4];  // z of positions, then the velocity: so nothing is read behind the last vertex
+  V u[4];  // z, then the velocity: so nothing is read beyond the last vertex
   LoadDifferences(from, ends, l);
   LoadDifferences(from + 2, ends, u);
   const V rate = Fma(l[2], u[3], Fma(l[1], u[2], l[0] * u[1]));
@@ -63,7 +65,7 @@ WOBBLE_INLINE void AddPull(const std::uint32_t* ends, Row pull, Real* forces) {
   StoreRow(LoadRow(onOther) + pull, onOther);
 }
 
-// forces: six numbers a place, of which the first four are used.
+// Sets the spring forces on all vertices. forces: six numbers a place, of which the first four are written.
 template <class Real>
 void ComputePulls(const SweepTables<Real>& tables, const Real* from, Real stiffnessFactor, Real* forces) {
   using V = typename RowsOf<Real>::Lanes;
@@ -85,7 +87,7 @@ void ComputePulls(const SweepTables<Real>& tables, const Real* from, Real stiffn
   if (rest > 0) addPulls(whole, rest);
 }
 
-// Sum of cross products round the vertex at `own`, as in AddGasOfRing.
+// The sum of cross products round the vertex at `own`, as in AddGasOfRing.
 template <class Real, class Row>
 WOBBLE_INLINE Row FindRingArea(const std::uint32_t* ring, const std::uint32_t* end, const Real* from, Row own) {
   Row area = Spread<Row>(Real(0));
@@ -121,7 +123,7 @@ WOBBLE_INLINE auto AddRowSquares(Row row, decltype(row[0] + row[0]) sum) {
   return AddSquares<decltype(sum)>({row[0], row[1], row[2]}, sum);
 }
 
-// Advance of terms.h on the vertex's six numbers as a row and a half.
+// Advance of terms.h for a vertex's six numbers as a row and a half row.
 template <int Stage, class Real, class Row>
 WOBBLE_INLINE void AdvanceRow(const Real* begin, Real* sum, Real* next, Row v, Row a, Row weight, Row reach,
                               Real& errors) {
@@ -203,14 +205,17 @@ void SweepStageAlone(const SweepTables<Real>& tables, SweepLanes<Real>& lanes, R
 
 template <class Real>
 SweepKernel<Real> MakeLoneKernel() {
-  return {1,
-          {&SweepStageAlone<0, Real>, &SweepStageAlone<1, Real>, &SweepStageAlone<2, Real>, &SweepStageAlone<3, Real>},
-          &ComputeSixVolume<Real, Real>,
-          &ComputePenaltyForces<Real, Real>,
-          {&ComputeBodyContactForces<Real, Real>, &UpdateBodyContactBlock<Real, Real>},
-          {&SweepGrid<0, Real, Real>, &SweepGrid<1, Real, Real>, &SweepGrid<2, Real, Real>, &SweepGrid<3, Real, Real>},
-          {&FindPointsWithin<Real, Real>, &FindNearestPoint<Real, Real>},
-          {&AddPlaneForces<Real, Real>, &DragPlaneAnchors<Real, Real>}};
+  return {.width = 1,
+          .stages = {&SweepStageAlone<0, Real>, &SweepStageAlone<1, Real>, &SweepStageAlone<2, Real>,
+                     &SweepStageAlone<3, Real>},
+          .computeVolume = &ComputeSixVolume<Real, Real>,
+          .computeContacts = &ComputePenaltyForces<Real, Real>,
+          .bodyContacts = {.computeForces = &ComputeBodyContactForces<Real, Real>,
+                           .update = &UpdateBodyContactBlock<Real, Real>},
+          .gridStages = {&SweepGrid<0, Real, Real>, &SweepGrid<1, Real, Real>, &SweepGrid<2, Real, Real>,
+                         &SweepGrid<3, Real, Real>},
+          .points = {.findWithin = &FindPointsWithin<Real, Real>, .findNearest = &FindNearestPoint<Real, Real>},
+          .planes = {.addForces = &AddPlaneForces<Real, Real>, .dragAnchors = &DragPlaneAnchors<Real, Real>}};
 }
 
 #undef WOBBLE_INLINE

@@ -1,4 +1,4 @@
-// Contacts with planes for the translation units that compile them for one instruction set each.
+// Contacts of a pack with planes on vectors (plane_lanes.h). Compiled once for each instruction set.
 #pragma once
 
 #include "server/physics/lanes/contact_kernel.h"
@@ -34,7 +34,7 @@ WOBBLE_INLINE PlanePoint<V> FindPlanePoint(const PlaneLanes<Real>& planes, std::
   return point;
 }
 
-// Of the anchor, m.
+// The stick spring: the tangential part of the way from the anchor, m.
 template <class V, class Real>
 WOBBLE_INLINE void FindPlaneSlip(const PlaneLanes<Real>& planes, const PlanePoint<V>& point, const Real* anchors,
                                  V* slip) {
@@ -45,6 +45,7 @@ WOBBLE_INLINE void FindPlaneSlip(const PlaneLanes<Real>& planes, const PlanePoin
   FindSlip(point.normal, way, slip);
 }
 
+// The outer forces of a place; zeroed and listed at its first use.
 template <class Real>
 WOBBLE_INLINE Real* FindOuter(OuterLanes<Real>& outer, std::uint32_t place, std::uint32_t width) {
   Real* forces = outer.forces + 3 * place * width;

@@ -1,4 +1,4 @@
-// Points of a surface, side by side, and what is asked of all of them at once.
+// Input and output of the kernel that searches among the points of a skin.
 #pragma once
 
 #include <cstddef>
@@ -7,16 +7,16 @@
 namespace wobble::physics {
 
 inline constexpr std::size_t kPointsInBlock = 16;
-// Where the points are that fill the last block, on every axis, m: nowhere near, and their squares still numbers.
+// Coordinate of the points that pad the last block, m: near nothing, and its square is still finite.
 inline constexpr float kNoPlace = 1e18F;
 
 template <class Real>
 struct PointLanes {
-  std::size_t count = 0;  // in whole blocks
-  const Real* x[3] = {};  // m
+  std::size_t count = 0;  // a multiple of kPointsInBlock
+  const Real* x[3] = {};  // an array for each axis, m
 };
 
-// A box and a ball: what is in both.
+// The intersection of a box and a ball, m.
 template <class Real>
 struct NearRegion {
   Real low[3] = {};
@@ -33,10 +33,10 @@ struct NearestPoint {
 
 template <class Real>
 struct PointKernel {
-  // Fills `found` with the indices of the points in the region, ascending; it has room for all. Returns how many.
+  // Fills `found`, which has room for all points, with the indices of those in the region, ascending. Returns how many.
   std::size_t (*findWithin)(const PointLanes<Real>& points, const NearRegion<Real>& region,
                             std::uint16_t* found) = nullptr;
-  // Of those equally near the first. At least one point.
+  // The point nearest to p; of equally near ones the first. There must be at least one point.
   NearestPoint<Real> (*findNearest)(const PointLanes<Real>& points, const Real* p) = nullptr;
 };
 

@@ -1,5 +1,5 @@
-// Terms that few bodies have: repulsion, springs that tear, drag, gas in an outline. One sweep knows all of them and
-// asks the tables at run time which a body has; the others have never heard of them.
+// Terms that few bodies have: repulsion, springs that tear, drag, gas in an outline. One instance of the sweep has all
+// of them and reads from the tables at run time which a body needs; the other instances have none.
 #pragma once
 
 #include "server/physics/lanes/sweep.h"
@@ -10,7 +10,7 @@ namespace {
 
 #define WOBBLE_INLINE static inline __attribute__((always_inline))
 
-// AddRepulsion of forces.h as a part of a spring's tension. floor: the distance below which it grows no more, m.
+// AddRepulsion of methods/forces.h as a part of a spring's tension. floor: distance below which it stays constant, m.
 template <class V>
 WOBBLE_INLINE V FindRepulsion(V repulsion, V length, V inverse, V floor) {
   const V bounded = Max(length, floor);
@@ -18,7 +18,7 @@ WOBBLE_INLINE V FindRepulsion(V repulsion, V length, V inverse, V floor) {
   return repulsion / (square * square) * inverse;
 }
 
-// On each corner of a triangle, AddDrag of forces.h. share: ½ρC/6.
+// AddDrag of methods/forces.h: the force on each corner of a triangle. share: ½ρC/6, kg/m³.
 template <class Real, class V>
 WOBBLE_INLINE Vector3Of<V> FindDrag(const V* a, const V* b, const V* c, const V* wind, V share) {
   const V ux = b[0] - a[0];
@@ -47,7 +47,7 @@ WOBBLE_INLINE void AddTo(V* sum, const Vector3Of<V>& force) {
   sum[2] = sum[2] + force.z;
 }
 
-// Of the springs from `begin` up to `end`, as AddArcs, with what else acts between their ends.
+// AddArcs for the springs from `begin` up to `end`, with repulsion and torn springs.
 template <class V, class Real>
 void AddRareArcs(const SweepTables<Real>& tables, const SweepLanes<Real>& lanes, std::uint32_t begin, std::uint32_t end,
                  const V* from, const V* own, V* pending, Vector3Of<V>& force) {
@@ -70,7 +70,7 @@ void AddRareArcs(const SweepTables<Real>& tables, const SweepLanes<Real>& lanes,
   }
 }
 
-// Of the faces whose first place the sweep is at.
+// Adds the drag of the faces whose first place is the sweep's.
 template <class V, class Real>
 void AddDragOfFaces(const SweepTables<Real>& tables, const SweepLanes<Real>& lanes, const DraggedFace* face,
                     const DraggedFace* end, const V* from, const V* own, V* pending, Vector3Of<V>& force) {
@@ -83,8 +83,8 @@ void AddDragOfFaces(const SweepTables<Real>& tables, const SweepLanes<Real>& lan
   }
 }
 
-// The two edges of an outline that meet in a vertex push it across the line between their other ends. ring: those, the
-// one before and the one behind.
+// The gas pushes a vertex of an outline at right angles to the line between the far ends of its two edges. ring: pairs
+// of far ends, the one before and the one after.
 template <class V>
 WOBBLE_INLINE void AddGasOfOutline(const std::uint32_t* ring, const std::uint32_t* end, const V* from, V pressureShare,
                                    Vector3Of<V>& force) {
@@ -96,7 +96,7 @@ WOBBLE_INLINE void AddGasOfOutline(const std::uint32_t* ring, const std::uint32_
   }
 }
 
-// Twice the area between two edges that meet in `last` and the origin.
+// Adds twice the area between the origin and two edges that meet in `last`.
 template <class V>
 WOBBLE_INLINE V AddTwiceArea(const Wedge& wedge, const V* last, const V* from, V sum) {
   const V* before = from + wedge.before;

@@ -1,3 +1,4 @@
+// The kernels of one lane and of AVX2, the program's baseline.
 #include "server/physics/lanes/kernels.h"
 #include "server/physics/lanes/lone_kernel.h"
 #include "server/physics/lanes/sweep_kernel.h"

@@ -1,4 +1,4 @@
-// Compiled for AVX-512, run only where the processor has it.
+// The kernels of AVX-512. Compiled for it and run only on processors that have it.
 #include "server/physics/lanes/kernels.h"
 #include "server/physics/lanes/sweep_kernel.h"
 

@@ -1,4 +1,4 @@
-// The sweep itself, for the translation units that compile it for one instruction set each.
+// The sweep of packs (sweep.h). Compiled once for each instruction set.
 #pragma once
 
 #include "server/physics/lanes/body_contact_kernel.h"
@@ -16,13 +16,13 @@ namespace {
 
 #define WOBBLE_INLINE static inline __attribute__((always_inline))
 
-// times: what the pack has summed over the true volume, and what cross products have over a vertex's share of the area;
-// 6 and 6, of an outline 2 and 2.
+// The pressure over `times`. times: the ratio of the summed volume to the true one, and of a ring's cross products to a
+// vertex's share of the area: 6 for both, in an outline 2 for both.
 template <class V, class Real>
 WOBBLE_INLINE V FindPressureShare(const SweepTables<Real>& tables, const SweepLanes<Real>& lanes, Real times) {
   const V volume = *reinterpret_cast<const V*>(lanes.sixVolume) / Spread<V>(times);
   const V bounded = Max(volume, Spread<V>(tables.floorVolume));
-  // (nRT/V)(2 − V/V) is nRT/V, and below the floor its tangent.
+  // nRT/B (2 − V/B) with B = max(V, floor): nRT/V above the floor, and its tangent below.
   const V gas = *reinterpret_cast<const V*>(lanes.gas);
   const V pressure = gas / bounded * (Spread<V>(Real(2)) - volume / bounded);
   return (pressure - Spread<V>(tables.ambientPressure)) / Spread<V>(times);
@@ -69,7 +69,7 @@ WOBBLE_INLINE void AddGasOfRing(const std::uint32_t* ring, const std::uint32_t* 
   for (; ring != end; ring += 2) {
     const V* middle = from + ring[0];
     const V* after = from + ring[1];
-    const V ux = own[0] - middle[0];  // turned round: so each takes one instruction
+    const V ux = own[0] - middle[0];  // with the sign reversed, so that each term takes one instruction
     const V uy = own[1] - middle[1];
     const V uz = own[2] - middle[2];
     const V wx = after[0] - before[0];
@@ -85,7 +85,7 @@ WOBBLE_INLINE void AddGasOfRing(const std::uint32_t* ring, const std::uint32_t* 
   force.z = Fma(pressureShare, az, force.z);
 }
 
-// Takes what has come together for the place, leaving nothing.
+// Reads the pending force of a place and sets it to zero.
 template <class V, class Real>
 WOBBLE_INLINE Vector3Of<V> TakePending(V* pending) {
   const Vector3Of<V> force{pending[0], pending[1], pending[2]};
@@ -103,10 +103,11 @@ WOBBLE_INLINE void DivideByMass(Real perMass, bool planar, const V* given, Vecto
   if (perMass == Real(0)) force.x = force.y = force.z = Spread<V>(Real(0));
 }
 
-// Rare: with Gas and Outer, and all of them are asked for at run time.
+// Gas, Outer: whether the instance has these terms. Rare: it has all terms, and reads at run time which are needed.
 template <int Stage, bool Gas, bool Outer, bool Rare, class V, class Real>
 void SweepOnce(const SweepTables<Real>& ofBlueprint, SweepLanes<Real>& ofPack, Real step) {
-  // Copies that nothing else can point to: stores into the arrays would make the compiler read the pointers again.
+  // Copies that no other pointer can reach: otherwise each store to an array would make the compiler reload the
+  // pointers.
   const SweepTables<Real> tables = ofBlueprint;
   const SweepLanes<Real> lanes = ofPack;
   const V* from = reinterpret_cast<const V*>(Stage == 0 ? lanes.state : lanes.stage);
@@ -202,14 +203,15 @@ void ComputeSixVolume(const SweepTables<Real>& tables, SweepLanes<Real>& lanes) 
 template <class Real, int W>
 SweepKernel<Real> MakeKernel() {
   using V = typename LanesOf<Real, W>::Type;
-  return {W,
-          {&SweepStage<0, V, Real>, &SweepStage<1, V, Real>, &SweepStage<2, V, Real>, &SweepStage<3, V, Real>},
-          &ComputeSixVolume<V, Real>,
-          &ComputePenaltyForces<V, Real>,
-          {&ComputeBodyContactForces<V, Real>, &UpdateBodyContactBlock<V, Real>},
-          {&SweepGrid<0, V, Real>, &SweepGrid<1, V, Real>, &SweepGrid<2, V, Real>, &SweepGrid<3, V, Real>},
-          {&FindPointsWithin<V, Real>, &FindNearestPoint<V, Real>},
-          {&AddPlaneForces<V, Real>, &DragPlaneAnchors<V, Real>}};
+  return {
+      .width = W,
+      .stages = {&SweepStage<0, V, Real>, &SweepStage<1, V, Real>, &SweepStage<2, V, Real>, &SweepStage<3, V, Real>},
+      .computeVolume = &ComputeSixVolume<V, Real>,
+      .computeContacts = &ComputePenaltyForces<V, Real>,
+      .bodyContacts = {.computeForces = &ComputeBodyContactForces<V, Real>, .update = &UpdateBodyContactBlock<V, Real>},
+      .gridStages = {&SweepGrid<0, V, Real>, &SweepGrid<1, V, Real>, &SweepGrid<2, V, Real>, &SweepGrid<3, V, Real>},
+      .points = {.findWithin = &FindPointsWithin<V, Real>, .findNearest = &FindNearestPoint<V, Real>},
+      .planes = {.addForces = &AddPlaneForces<V, Real>, .dragAnchors = &DragPlaneAnchors<V, Real>}};
 }
 
 #undef WOBBLE_INLINE

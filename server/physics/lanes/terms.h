@@ -1,4 +1,4 @@
-// The terms of every sweep, whatever its lanes are.
+// The terms that every sweep has, whatever its lanes are: springs, and the stages of RK4.
 #pragma once
 
 #include <cstddef>
@@ -16,10 +16,11 @@ struct Vector3Of {
   V x, y, z;
 };
 
-// Below this two vertices are in one place: there is no direction to push in. m².
+// Added to squared lengths or taken as their least, m²: two vertices in one place have no direction, and nothing is
+// divided by zero.
 inline constexpr float kLeastSquare = 1e-30F;
 
-// From the other end of a spring to the own, m, and l̇·l.
+// l, from the other end of a spring to the own end, m, and rate = l̇·l, m²/s.
 template <class V>
 struct SpringEnds {
   Vector3Of<V> l;
@@ -37,14 +38,14 @@ WOBBLE_INLINE V FindLength(const Vector3Of<V>& l) {
   return Sqrt(Fma(l.z, l.z, Fma(l.y, l.y, Fma(l.x, l.x, Spread<V>(Real(kLeastSquare))))));
 }
 
-// k − k r/|l| + c (l̇·l)/|l|², which times −l is the spring's force on its own end. inverse: 1/|l|. A spring without
-// coefficients gives 0.
+// k − k r/|l| + c (l̇·l)/|l|²; the spring's force on its own end is −l times that. inverse: 1/|l|. Coefficients of zero
+// give 0.
 template <class V>
 WOBBLE_INLINE V FindTension(V rate, V inverse, V stiffness, V stiffnessAtRest, V damping) {
   return Fma(Fms(damping * rate, inverse, stiffnessAtRest), inverse, stiffness);
 }
 
-// What a spring pulls with at its other end.
+// The force of a spring on its other end, N.
 template <class Real, class V>
 WOBBLE_INLINE Vector3Of<V> FindPull(const SpringEnds<V>& ends, V stiffness, V stiffnessAtRest, V damping, V factor) {
   const V inverse = Spread<V>(Real(1)) / FindLength<Real>(ends.l);
@@ -57,7 +58,8 @@ WOBBLE_INLINE V AddSquares(const Vector3Of<V>& a, V sum) {
   return sum + Fma(a.x, a.x, Fma(a.y, a.y, a.z * a.z));
 }
 
-// Squares are summed over a body's vertices by their numbers modulo so many, so that lanes may be vertices as well.
+// Errors are summed over a body's vertices in this many sums, by the vertex's number modulo it: the order of each sum
+// is then the same when lanes are vertices.
 inline constexpr std::uint32_t kErrorSums = 16;
 
 template <class V>
@@ -65,7 +67,7 @@ WOBBLE_INLINE void Clear(V (&sums)[kErrorSums]) {
   for (V& sum : sums) sum = V{};
 }
 
-// Always in the same pairs. Leaves nothing of the sums.
+// Adds the sums up, always in the same pairs. Overwrites them.
 template <class V>
 WOBBLE_INLINE V AddUp(V* sums) {
   for (std::uint32_t half = kErrorSums / 2; half > 0; half /= 2) {
@@ -74,8 +76,8 @@ WOBBLE_INLINE V AddUp(V* sums) {
   return sums[0];
 }
 
-// Stage 0 … 3 of the classic tableau: what it adds to the step, and where the next stage stands. The last one completes
-// the step. begin, sum, next: of the vertex, six numbers `stride` apart.
+// Stage 0 to 3 of the classic tableau for one vertex: adds the stage's rates to the step's sum and writes the state of
+// the next stage; stage 3 writes the end of the step. begin, sum, next: six numbers `stride` apart.
 template <int Stage, class V>
 WOBBLE_INLINE void Advance(const V* begin, V* sum, V* next, std::size_t stride, const V* own, const Vector3Of<V>& a,
                            V weight, V reach, V& errors) {

@@ -1,5 +1,5 @@
-// A vertex in a register: x y z and one number more, for sweeps of a single body. Four vertices or more at a time can
-// be turned into vectors that have a lane for each, and back.
+// A vertex in a register, a row: x y z and one more number, for the sweep of a lone body. Four or eight rows can be
+// transposed into vectors with a lane for each vertex, and back.
 #pragma once
 
 #include <immintrin.h>
@@ -14,7 +14,7 @@ struct RowsOf;
 template <>
 struct RowsOf<float> {
   using Row = __m128;
-  using Lanes = __m256;  // two rows, or a lane for each of kVertices
+  using Lanes = __m256;  // two rows, or one number of eight vertices
 };
 template <>
 struct RowsOf<double> {
@@ -32,25 +32,25 @@ WOBBLE_INLINE __m256d LoadLanes(const double* from) { return _mm256_loadu_pd(fro
 WOBBLE_INLINE void StoreLanes(__m256 lanes, float* to) { _mm256_storeu_ps(to, lanes); }
 WOBBLE_INLINE void StoreLanes(__m256d lanes, double* to) { _mm256_storeu_pd(to, lanes); }
 
-// Two numbers, and two zeros.
+// A row of two numbers and two zeros.
 WOBBLE_INLINE __m128 LoadHalf(const float* from) { return _mm_castsi128_ps(_mm_loadu_si64(from)); }
 WOBBLE_INLINE __m256d LoadHalf(const double* from) { return _mm256_zextpd128_pd256(_mm_loadu_pd(from)); }
 WOBBLE_INLINE void StoreHalf(__m128 row, float* to) { _mm_storeu_si64(to, _mm_castps_si128(row)); }
 WOBBLE_INLINE void StoreHalf(__m256d row, double* to) { _mm_storeu_pd(to, _mm256_castpd256_pd128(row)); }
 
-// y z x: each lane gets the one behind it, the last stays.
+// x y z w becomes y z x w.
 WOBBLE_INLINE __m128 Turn(__m128 row) { return _mm_shuffle_ps(row, row, _MM_SHUFFLE(3, 0, 2, 1)); }
 WOBBLE_INLINE __m256d Turn(__m256d row) { return _mm256_permute4x64_pd(row, _MM_SHUFFLE(3, 0, 2, 1)); }
-// All four, the first comes last.
+// x y z w becomes y z w x.
 WOBBLE_INLINE __m128 Rotate(__m128 row) { return _mm_shuffle_ps(row, row, _MM_SHUFFLE(0, 3, 2, 1)); }
 WOBBLE_INLINE __m256d Rotate(__m256d row) { return _mm256_permute4x64_pd(row, _MM_SHUFFLE(0, 3, 2, 1)); }
-// x y z of the first, then x of the second.
+// x y z of a, then x of b.
 WOBBLE_INLINE __m128 AppendFirst(__m128 a, __m128 b) { return _mm_insert_ps(a, b, 0x30); }
 WOBBLE_INLINE __m256d AppendFirst(__m256d a, __m256d b) {
   return _mm256_blend_pd(a, _mm256_permute4x64_pd(b, _MM_SHUFFLE(0, 0, 0, 0)), 8);
 }
 
-// Vertex i of every four, and the one four further on where two rows fit.
+// Row a, and beside it row b where two rows fit.
 WOBBLE_INLINE __m256 LoadRows(const float* a, const float* b) {
   return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(a)), _mm_loadu_ps(b), 1);
 }
@@ -60,7 +60,7 @@ WOBBLE_INLINE __m128 FindRow(__m256 rows, bool second) {
 }
 WOBBLE_INLINE __m256d FindRow(__m256d rows, bool) { return rows; }
 
-// Rows of vertices 0 … 3 become x, y, z, w of all, and the other way round.
+// Transposes: rows of vertices 0 to 3 (and 4 to 7 beside them) become x, y, z, w of all, and the other way round.
 WOBBLE_INLINE void Transpose(__m256 (&rows)[4]) {
   const __m256 xy01 = _mm256_unpacklo_ps(rows[0], rows[1]);
   const __m256 zw01 = _mm256_unpackhi_ps(rows[0], rows[1]);

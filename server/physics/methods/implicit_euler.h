@@ -9,9 +9,8 @@
 //   springs    k [d dᵀ + max(0, 1 − r/l)(1 − d dᵀ)] and c d dᵀ. The term by which a compressed spring pushes its ends
 //              aside is left out (Choi & Ko 2002);
 //   gas        nRT/V² ∇V ∇Vᵀ, of rank one, by Sherman & Morrison: written out it would fill the whole matrix.
-//              (P − P₀) ∂²V is left out: it is not definite, and at rest the tension of the shell outweighs it;
-//   contacts   slope, damping, stick spring and its dashpot, the last two scaled by what Coulomb's limit leaves of
-//   them.
+//              (P − P₀) ∂²V is left out: it is not definite, and at rest the tension of the skin outweighs it;
+//   contacts   slope, damping, and, scaled by what Coulomb's limit leaves of them, stick spring and its dashpot.
 // All other forces, those of other bodies among them, enter by their value alone and bound the step as in an explicit
 // method.
 #pragma once

@@ -1,5 +1,7 @@
-// What all bodies of one kind share and nothing ever changes: topology, rest shape, material, and what follows from
-// them once (force coefficients in the precision of the kernel, the stability of the body at rest).
+// The room physics/model holds the plain data of the engine and the plans that are computed from it once.
+//
+// A blueprint is the data that all bodies of one kind share and that never changes: topology, rest shape, material, and
+// what follows from them once (force coefficients in the kernel's precision, the stability of the body at rest).
 #pragma once
 
 #include <array>
@@ -17,25 +19,25 @@
 
 namespace wobble::physics {
 
-// One bad parameter: what it is called in scenes, what it was, what it may be.
+// One bad parameter: its name in scenes, its value, the range that is allowed.
 struct FieldError {
   std::string field;
   std::string value;
   std::string range;
 };
 
-// Physical quantities of a body and of the material that its springs are made of. SI units.
+// Physical quantities of a body and of the material of its springs. SI units.
 struct Material {
   double mass = 8;              // of the whole body, kg
   double stiffness = 150;       // of each spring, N/m
-  double dampingRatio = 0.2;    // of each spring between its two masses alone, 1: critical
+  double dampingRatio = 0.2;    // of each spring between its two masses alone; 1: critical
   double gas = 250;             // nRT of the gas inside, J
   double ambientPressure = 0;   // outside, Pa; the gas pushes with nRT/V minus this
   double friction = 0.8;        // Coulomb's coefficient, static and kinetic
   double restitution = 0.5;     // of a single vertex on a rigid surface
-  double contactStiffness = 0;  // of a vertex against a surface, N/m; 0: kContactStiffnessRatio x stiffness
-  double drag = 0;              // ½ρC of the air round its faces, kg/m³: 0.6 on a plate across the wind
-  double repulsion = 0;         // between neighbours at distance d: this/d⁴, N·m⁴
+  double contactStiffness = 0;  // of a vertex against a surface, N/m; 0: kContactStiffnessRatio × stiffness
+  double drag = 0;              // ½ρC of the air at its faces, kg/m³; 0.6 is a plate across the wind
+  double repulsion = 0;         // force between neighbours at distance d is this/d⁴, N·m⁴
 };
 inline constexpr double kContactStiffnessRatio = 10;
 
@@ -49,51 +51,51 @@ struct Spring {
   Real damping = 0;     // c, N·s/m
 };
 
-// How a body meets static surfaces; bodies meet one another by the penalty law whatever theirs is.
+// The law of contacts between a body and static surfaces. Between bodies the penalty law always holds.
 enum class ContactLaw : std::uint8_t {
   kPenalty,       // contact.h
   kMagnetic,      // contact.h
   kBacktracking,  // backtracking.h
 };
 
-// How a vertex of the body meets a surface.
+// The parameters of a body's contact law, for one vertex on a surface.
 template <class Real>
 struct ContactParameters {
   ContactLaw law = ContactLaw::kPenalty;
-  Real stiffness = 0;       // k_c: slope of the normal force from `fadeDepth` on, N/m
+  Real stiffness = 0;       // k: slope of the normal force from `fadeDepth` on, N/m
   Real fadeDepth = 0;       // δ: depth up to which force and damping grow smoothly, m
   Real damping = 0;         // of the normal motion beyond δ, N·s/m
-  Real stickStiffness = 0;  // of the anchor spring, N/m
-  Real stickDamping = 0;    // beside it, N·s/m
+  Real stickStiffness = 0;  // of the stick spring, N/m
+  Real stickDamping = 0;    // of the dashpot beside it, N·s/m
   Real friction = 0;        // Coulomb's coefficient of this body
-  Real restitution = 0;     // backtracking: speed after a bounce over that before it
+  Real restitution = 0;     // backtracking: speed after a bounce over the speed before
   Real strength = 0;        // magnetic: K, N·m²
-  Real floorDistance = 0;   // magnetic: nearer than this the force goes on along its tangent, m
-  Real range = 0;           // vertices farther than this from a surface are none of its business, m
+  Real floorDistance = 0;   // magnetic: d_m; below it the force goes on along its tangent, m
+  Real range = 0;           // contacts are listed up to this distance (magnetic: no force beyond), m; penalty: 0
 };
 
-// All that the force terms read, in the kernel's precision.
+// The numbers that the force terms read, in the kernel's precision.
 template <class Real>
 struct Coefficients {
   std::vector<Real> masses;          // kg, one a vertex
   std::vector<Real> inverseMasses;   // 1/kg; 0: the vertex is fixed, whatever pulls at it
-  std::vector<std::uint16_t> fixed;  // those vertices
+  std::vector<std::uint16_t> fixed;  // the fixed vertices
   std::vector<Spring<Real>> springs;
   std::vector<Face> faces;
-  // A planar body lives in the plane y = 0 of its own: nothing accelerates it along y. Its gas is held by `outline`,
-  // edges that go round it counter-clockwise as seen from −y, and all that follows is per metre of depth.
+  // A planar body lives in the plane y = 0 of its own: nothing accelerates it along y. Its gas is enclosed by
+  // `outline`, edges that go round it counter-clockwise as seen from −y, and gas quantities are per metre of depth.
   bool planar = false;
   std::vector<std::array<std::uint16_t, 2>> outline;
   Real gas = 0;              // nRT, J; 0: the body has no gas and the term is skipped
   Real ambientPressure = 0;  // Pa
-  Real floorVolume = 0;      // below this the pressure is continued linearly, m³ (planar: m²)
+  Real floorVolume = 0;      // below this volume the pressure is continued linearly, m³ (planar: m²)
   Real repulsion = 0;        // K_r between the ends of each spring, N·m⁴; 0: none
-  Real drag = 0;             // ½ρC of the medium on every face, kg/m³; 0: none
+  Real drag = 0;             // ½ρC of the medium at every face, kg/m³; 0: none
   Real tearStretch = 0;      // springs tear when longer than this times their rest length; 0: never
   ContactParameters<Real> contact;
-  // Of each vertex, times all contact forces on it, 0..1: its mass over the heaviest on the surface. Corners and edges
-  // of a solid stand for less surface than the middle of a face, in the measure in which they carry less mass; with
-  // equal stiffness they would ask for up to twice the substeps and press harder than the rest.
+  // Factor on all contact forces on a vertex, 0..1, one a vertex: its mass over the largest mass on the skin. Corners
+  // and edges of a solid stand for less skin than the middle of a face, in proportion to their mass; with equal
+  // stiffness they would ask for up to twice the substeps and press harder than the rest.
   std::vector<Real> contactShares;
 };
 
@@ -104,21 +106,21 @@ struct Blueprint {
   double size = 0;             // RMS distance of the rest vertices from the centre, m
   double reach = 0;            // largest such distance, m
   double totalMass = 0;        // kg
-  // Largest angular frequency at rest (springs and gas) and the damping rate that goes with it, 1/s; see stability.h.
+  // Largest angular frequency at rest, of springs and gas, and its damping rate, 1/s; see methods/stability.h.
   double angularFrequency = 0;
   double dampingRate = 0;
-  // What drag adds to it at a metre per second of relative speed, 1/m.
+  // The damping rate that drag adds per metre per second of relative speed, 1/m.
   double dragRate = 0;
-  GridShape grid;  // in which the vertices stand, if they do; its maker's to say
+  GridShape grid;  // set by the shape's maker if the vertices stand in a grid; empty otherwise
   Integrator integrator = Integrator::kRungeKutta4;
   std::shared_ptr<const SparsePattern> sparsePattern;  // of full.springs; for implicit Euler only
   Topology topology;                                   // of full.faces
   Coefficients<float> single;
   Coefficients<double> full;
-  // How it is stepped in lanes; empty when it cannot be.
+  // Plans of the sweep by springs, for packs of bodies and lone bodies; empty if the body cannot be swept.
   SweepPlan<float> singlePlan;
   SweepPlan<double> fullPlan;
-  // How one of them is, row by row; likewise.
+  // Plans of the sweep row by row; empty if the body is no grid or cannot be swept so.
   GridPlan<float> singleGridPlan;
   GridPlan<double> fullGridPlan;
 
@@ -148,10 +150,10 @@ struct Blueprint {
   }
 };
 
-// Repulsion stays what it is at this share of the rest length when the ends of a spring come nearer than that.
+// Repulsion does not grow further once the ends of a spring are nearer than this share of the rest length.
 inline constexpr double kRepulsionFloorShare = 0.5;
 
-// A body is at least this large in formulas that divide by its size, m: it may be a single particle.
+// The least size in formulas that divide by a body's size, m: a body may be a single particle.
 inline constexpr double kMinSize = 0.01;
 
 }  // namespace wobble::physics

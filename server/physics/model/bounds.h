@@ -1,4 +1,4 @@
-// Where a body is at most, and how fast.
+// A box and a speed that bound all vertices of a body.
 #pragma once
 
 #include "server/physics/model/vector.h"
@@ -7,7 +7,7 @@ namespace wobble::physics {
 
 template <class Real>
 struct Bounds {
-  Vector3<Real> low;  // corners of a box that holds every vertex, local coordinates, m
+  Vector3<Real> low;  // low and high corner of a box that holds every vertex, local coordinates, m
   Vector3<Real> high;
   Real speed;  // of the fastest vertex, m/s
 };

@@ -1,9 +1,11 @@
-// A row of the sweep is a row of the grid, or a whole layer, or all of it: vertices are numbered so that each of these
-// lies in one piece, and a spring that would lead from the end of a row of the grid to the beginning of the next is one
-// without coefficients. Short rows leave lanes empty, long ones have more forces waiting for their vertices. Measured
-// with 16 lanes, ns a vertex and step by rows of the grid, layers and all in one: lattice of 4³ vertices 140, 46, 44;
-// of 9³ 72, 43, 34; of 21³ 56, 53, 41, but up to twice that where others work the outer caches; cloth of 30² without
-// drag 21, one layer 18; of 100² 19, 20.
+// A row of the sweep is a row of the grid, or a whole layer, or the whole grid: vertices are numbered so that each of
+// these lies in one piece. A direction that would lead from the end of a row of the grid to the beginning of the next
+// has coefficients of zero there. Short rows leave lanes empty, long rows have more forces waiting for their vertices.
+//
+// Measured with 16 lanes, ns a vertex and step, for rows of the grid, layers, and all in one row: lattice of 4³
+// vertices 140, 46, 44; of 9³ 72, 43, 34; of 21³ 56, 53, 41, but up to twice that while other cores use the outer
+// caches; cloth of 30² without drag 21, as one layer 18; of 100² 19, 20. So the longest row is taken whose pending
+// forces fit the core's own cache.
 #include "server/physics/model/grid_plan.h"
 
 #include <algorithm>
@@ -16,12 +18,12 @@
 namespace wobble::physics {
 namespace {
 
-// What waits may take a quarter of the cache that a core has to itself, bytes.
+// Most bytes of pending forces: a quarter of the cache that a core has to itself.
 constexpr std::size_t kMaxPending = 256 << 10;
 
 std::uint32_t RoundUp(std::uint32_t number, std::uint32_t step) { return (number + step - 1) / step * step; }
 
-// From vertex a to b > a, in rows and columns of the sweep.
+// The way from vertex a to b > a, in rows and columns of the sweep.
 struct Way {
   std::uint32_t rows = 0;
   std::int32_t columns = 0;
@@ -52,13 +54,13 @@ Real* NumbersOf(std::vector<GridLine<Real>>& lines) {
   return reinterpret_cast<Real*>(lines.data());
 }
 
-// Rows of coefficients as they are gathered: those that are alike are kept once.
+// Collects rows of coefficients and keeps equal rows once.
 template <class Real>
 class RowPool {
  public:
   explicit RowPool(std::vector<GridLine<Real>>& lines) : m_lines(lines) {}
 
-  // Returns where the row stands; kNoGridRow: it is 0 all over.
+  // Returns where the row stands in the lines; kNoGridRow if all of it is zero.
   std::uint32_t Keep(const std::vector<Real>& row) {
     if (std::all_of(row.begin(), row.end(), [](Real number) { return number == Real(0); })) return kNoGridRow;
     const auto next = static_cast<std::uint32_t>(m_lines.size() * GridLine<Real>::kNumbers);
@@ -75,18 +77,19 @@ class RowPool {
   std::map<std::vector<Real>, std::uint32_t> m_kept;
 };
 
-// Room for the forces that go this way.
+// Reserves pending forces for this way.
 template <class Real>
 GridDirection PlaceForces(const Way& way, GridPlan<Real>& plan) {
   const std::uint32_t ringRows = way.rows + (way.rows > 0 ? 1 : 0);
-  const GridDirection direction{way.rows, way.columns, std::max(1U, ringRows), plan.pendingSize};
+  const GridDirection direction{
+      .rows = way.rows, .columns = way.columns, .ringRows = std::max(1U, ringRows), .begin = plan.pendingSize};
   plan.pendingSize += direction.ringRows * 3 * (plan.width + 2 * plan.margin);
   return direction;
 }
 
 template <class Real>
 bool FillDirections(const Coefficients<Real>& body, const GridShape& shape, GridPlan<Real>& plan) {
-  std::set<std::pair<std::uint32_t, Way>> ways;  // by what they add to a vertex's number
+  std::set<std::pair<std::uint32_t, Way>> ways;  // with what each adds to a vertex's number, ascending in that
   for (const Spring<Real>& spring : body.springs) {
     ways.insert({std::max(spring.a, spring.b) - std::min(spring.a, spring.b), FindWay(plan, spring)});
     if (ways.size() > kMaxGridDirections) return false;
@@ -97,12 +100,14 @@ bool FillDirections(const Coefficients<Real>& body, const GridShape& shape, Grid
   plan.margin = RoundUp(margin, GridLine<Real>::kNumbers);
   for (const auto& [offset, way] : ways) plan.directions.push_back(PlaceForces(way, plan));
   if (!plan.hasDrag) return true;
-  plan.squares = {PlaceForces({}, plan), PlaceForces(FindWay(plan, 0, shape.columns), plan),
-                  PlaceForces(FindWay(plan, 0, farthest), plan), PlaceForces(FindWay(plan, 0, 1), plan)};
+  plan.squares = {.a = PlaceForces({}, plan),
+                  .b = PlaceForces(FindWay(plan, 0, shape.columns), plan),
+                  .c = PlaceForces(FindWay(plan, 0, farthest), plan),
+                  .d = PlaceForces(FindWay(plan, 0, 1), plan)};
   return true;
 }
 
-// [row][direction], before they are kept.
+// Collects the springs' coefficients by row and direction. False if two springs of a vertex go in one direction.
 template <class Real>
 bool FillSprings(const Coefficients<Real>& body, GridPlan<Real>& plan, RowPool<Real>& pool) {
   const std::size_t count = plan.directions.size();
@@ -120,18 +125,19 @@ bool FillSprings(const Coefficients<Real>& body, GridPlan<Real>& plan, RowPool<R
   return true;
 }
 
-// What half of which square a face is.
+// The half of a square that a face is.
 struct Half {
-  std::uint32_t corner = 0;  // the square's first, a
-  bool second = false;
-  bool cut = false;  // from b to d
+  std::uint32_t corner = 0;  // vertex of the square's corner a
+  bool second = false;       // its second triangle
+  bool cut = false;          // the square is cut from b to d, not from a to c
 };
 
 std::optional<Half> FindHalf(const GridShape& shape, Face face) {
   std::sort(face.begin(), face.end());
   const std::uint32_t n = shape.columns;
   const std::array<std::uint32_t, 2> steps{face[1] - 0U - face[0], face[2] - 0U - face[0]};
-  // In the order of their numbers a square's corners are a, d, b, c: the vertex it has at its smallest number tells.
+  // A square's corners in ascending order of their numbers are a, d, b, c; the steps between the face's numbers tell
+  // which three it has.
   if (steps == std::array<std::uint32_t, 2>{n, n + 1}) return Half{face[0], false, false};     // a b c
   if (steps == std::array<std::uint32_t, 2>{1, n + 1}) return Half{face[0], true, false};      // a d c
   if (steps == std::array<std::uint32_t, 2>{1, n}) return Half{face[0], false, true};          // a d b
@@ -139,7 +145,7 @@ std::optional<Half> FindHalf(const GridShape& shape, Face face) {
   return std::nullopt;
 }
 
-// [row], before they are kept.
+// Collects the drag of the squares by row. False if a face is no half of a square, or two halves are cut differently.
 template <class Real>
 bool FillSquares(const Coefficients<Real>& body, const GridShape& shape, GridPlan<Real>& plan, RowPool<Real>& pool) {
   std::vector<std::vector<Real>> rows(plan.rows, std::vector<Real>(3 * plan.width, Real(0)));
@@ -212,7 +218,7 @@ void RemoveTorn(const GridPlan<Real>& plan, const Coefficients<Real>& body, std:
     const std::uint32_t first = std::min(body.springs[i].a, body.springs[i].b);
     const std::uint32_t direction = FindDirection(plan, FindWay(plan, body.springs[i]));
     std::uint32_t& row = rows.springRows[plan.RowOf(first) * plan.directions.size() + direction];
-    if (row < plan.coefficients.numbers.size() * GridLine<Real>::kNumbers) {  // still one that others share
+    if (row < plan.coefficients.numbers.size() * GridLine<Real>::kNumbers) {  // still the shared row: copy it
       const std::size_t line = row / GridLine<Real>::kNumbers;
       row = static_cast<std::uint32_t>(rows.numbers.size() * GridLine<Real>::kNumbers);
       rows.numbers.resize(rows.numbers.size() + lines);

@@ -1,4 +1,4 @@
-// What the sweep of a grid needs, worked out once per blueprint.
+// The tables that the row-by-row sweep of a grid reads (lanes/grid.h), computed once per blueprint.
 #pragma once
 
 #include <array>
@@ -13,23 +13,23 @@ namespace wobble::physics {
 template <class Real>
 struct Coefficients;
 
-// How the vertices of a body are numbered that stand in a grid: along columns first, then rows, then layers.
+// The shape of a grid of vertices. Their numbers run along columns first, then rows, then layers.
 struct GridShape {
-  std::uint32_t columns = 0;  // of vertices, likewise for the others; 0: no grid
+  std::uint32_t columns = 0;  // in vertices, as the others; 0: no grid
   std::uint32_t rows = 0;
   std::uint32_t layers = 1;
 
   [[nodiscard]] std::size_t CountVertices() const { return std::size_t{columns} * rows * layers; }
 };
 
-// Numbers by the line of the cache, which is as long as the longest vector.
+// One cache line of numbers, which is as long as the longest vector.
 template <class Real>
 struct alignas(64) GridLine {
   static constexpr std::size_t kNumbers = 64 / sizeof(Real);
   std::array<Real, kNumbers> numbers{};
 };
 
-// Where rows of coefficients stand, and the rows; see GridTables.
+// Rows of coefficients and where each stands; see GridTables.
 template <class Real>
 struct GridRows {
   std::vector<GridLine<Real>> numbers;
@@ -39,11 +39,11 @@ struct GridRows {
 
 template <class Real>
 struct GridPlan {
-  std::uint32_t rows = 0;  // of the sweep; 0: the body cannot be swept so
+  std::uint32_t rows = 0;  // rows of the sweep, which may hold several rows of the grid; 0: the body cannot be swept so
   std::uint32_t columns = 0;
   std::uint32_t width = 0;
   std::uint32_t margin = 0;
-  std::uint32_t pendingSize = 0;  // of SweepLanes::pending, numbers; all 0 before the first sweep
+  std::uint32_t pendingSize = 0;  // length of SweepLanes::pending, which is all zero before the first sweep
   std::vector<GridLine<Real>> inverseMasses;
   std::vector<GridDirection> directions;
   GridSquares squares;
@@ -55,35 +55,36 @@ struct GridPlan {
   [[nodiscard]] std::uint32_t ColumnOf(std::size_t vertex) const {
     return static_cast<std::uint32_t>(vertex) % columns;
   }
-  // Rows that arrays of a body are to have: springs that are not there are looked for beyond the last vertex. Whatever
-  // is no vertex must hold finite numbers.
+  // The number of rows in the arrays of a body. One more than the sweep has, because it also reads the far ends of
+  // springs that do not exist, beyond the last vertex. Places without a vertex must hold finite numbers.
   [[nodiscard]] std::uint32_t CountPlaces() const { return rows + 1; }
 
-  // With the plan's own coefficients or those of a body that has torn.
+  // The tables with the plan's own coefficients or with those of a torn body (RemoveTorn). Valid while both live.
   [[nodiscard]] GridTables<Real> Tables(const GridRows<Real>& ofBody) const {
-    return {rows,
-            columns,
-            width,
-            margin,
-            reinterpret_cast<const Real*>(inverseMasses.data()),
-            reinterpret_cast<const Real*>(ofBody.numbers.data()),
-            static_cast<std::uint32_t>(directions.size()),
-            directions.data(),
-            ofBody.springRows.data(),
-            ofBody.squareRows.data(),
-            squares,
-            planar,
-            hasDrag};
+    return {.rows = rows,
+            .columns = columns,
+            .width = width,
+            .margin = margin,
+            .inverseMasses = reinterpret_cast<const Real*>(inverseMasses.data()),
+            .numbers = reinterpret_cast<const Real*>(ofBody.numbers.data()),
+            .directionCount = static_cast<std::uint32_t>(directions.size()),
+            .directions = directions.data(),
+            .springRows = ofBody.springRows.data(),
+            .squareRows = ofBody.squareRows.data(),
+            .squares = squares,
+            .planar = planar,
+            .hasDrag = hasDrag};
   }
 };
 
-// Of a body of springs, with drag on its squares if it is a sheet, and with nothing else. Empty where it has gas or
-// repulsion, where springs leave its vertices in too many directions, or two of a vertex in one, or where faces are not
-// halves of squares.
+// Makes the plan of a body that has springs and, if it is a sheet, drag on its squares. The plan is empty if the body
+// is no grid, has gas or repulsion, has springs in more than kMaxGridDirections directions or two springs of a vertex
+// in one direction, or has drag on faces that are not halves of squares.
 template <class Real>
 [[nodiscard]] GridPlan<Real> MakeGridPlan(const Coefficients<Real>& body, const GridShape& shape);
 
-// The plan's coefficients without those of torn springs. torn: one a spring of the body, not 0 where it has torn.
+// Fills `rows` with the plan's coefficients, those of torn springs set to zero. torn: one a spring of the body, not 0
+// if it has torn; may be empty.
 template <class Real>
 void RemoveTorn(const GridPlan<Real>& plan, const Coefficients<Real>& body, std::span<const std::uint8_t> torn,
                 GridRows<Real>& rows);

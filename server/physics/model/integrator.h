@@ -1,4 +1,4 @@
-// The methods that step a body. How large a step each of them bears: methods/step_limits.h.
+// The names of the methods that step a body. The largest stable step of each: methods/step_limits.h.
 #pragma once
 
 #include <cstdint>

@@ -9,7 +9,7 @@
 #include <cstddef>
 
 #ifdef __SANITIZE_THREAD__
-extern "C" {  // of the sanitizer's runtime
+extern "C" {  // from the sanitizer's runtime
 void __tsan_acquire(void* address);
 void __tsan_release(void* address);
 }
@@ -17,8 +17,8 @@ void __tsan_release(void* address);
 
 namespace wobble::physics {
 
-// What a parallel loop guarantees, told to ThreadSanitizer: the loop's body runs after the fork and before the join. It
-// cannot see that itself, since Debian's oneTBB is not built with it. Races between bodies are still found.
+// Tells ThreadSanitizer what a parallel loop guarantees: the loop's body runs after the fork and before the join. The
+// sanitizer cannot see that itself, since Debian's oneTBB is not built with it. Races between bodies are still found.
 struct ForkJoin {
 #ifdef __SANITIZE_THREAD__
   void Fork() { __tsan_release(&m_fork); }
@@ -35,6 +35,7 @@ struct ForkJoin {
 #endif
 };
 
+// The engine's threads. count: at least 1; with 1 everything runs on the caller's thread.
 class Threads {
  public:
   explicit Threads(int count)
@@ -42,8 +43,8 @@ class Threads {
         m_limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count)),
         m_arena(count) {}
 
-  // visit(i) for all i below count, in any order and on any thread. Loops are not nested: a thread that waits in an
-  // inner one could begin another round of the outer one over the same scratch.
+  // Calls visit(i) for all i below count, in any order and on any thread, and waits for all. Loops must not be nested:
+  // a thread that waits in an inner loop could begin another round of the outer loop over the same scratch.
   template <class Visit>
   void ForEach(std::size_t count, const Visit& visit) {
     ForkJoin forkJoin;
@@ -64,7 +65,7 @@ class Threads {
 
  private:
   int m_count;
-  tbb::global_control m_limit;  // also lets there be more threads than cores, for tests
+  tbb::global_control m_limit;  // also allows more threads than cores, for tests
   tbb::task_arena m_arena;
 };
 

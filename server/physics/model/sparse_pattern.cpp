@@ -1,3 +1,5 @@
+// Eigen's approximate minimum degree gives the order; the pattern is written out so that numbers can be filled in
+// without a search for their place.
 #include "server/physics/model/sparse_pattern.h"
 
 #include <Eigen/OrderingMethods>
@@ -8,7 +10,7 @@
 namespace wobble::physics {
 namespace {
 
-// Which block each vertex's own becomes.
+// vertex -> place of its diagonal block.
 std::vector<int> FindPlaces(std::span<const std::array<std::uint32_t, 2>> pairs, std::size_t vertexCount) {
   const auto count = static_cast<int>(vertexCount);
   std::vector<Eigen::Triplet<float>> entries;
@@ -34,7 +36,7 @@ SparsePattern MakeSparsePattern(std::span<const std::array<std::uint32_t, 2>> pa
   const auto sort = [&](const std::array<std::uint32_t, 2>& pair) {
     return std::minmax(pattern.places[pair[0]], pattern.places[pair[1]]);
   };
-  std::vector<std::vector<int>> above(vertexCount);  // of each column of blocks, its rows above the diagonal
+  std::vector<std::vector<int>> above(vertexCount);  // column of blocks -> its rows above the diagonal
   for (const auto& pair : pairs) {
     assert(pair[0] != pair[1] && pair[0] < vertexCount && pair[1] < vertexCount);
     const auto [row, column] = sort(pair);

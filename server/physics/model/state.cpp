@@ -1,3 +1,4 @@
+// Making, resetting, recentring and hashing a body's state.
 #include "server/physics/model/state.h"
 
 #include <cmath>
@@ -6,8 +7,8 @@
 namespace wobble::physics {
 namespace {
 
-// The origin moves in steps of the power of two above this share of the body's reach: it seldom moves, and local
-// coordinates stay within a few reaches.
+// The origin moves in steps of the power of two next above the body's reach: it seldom moves, and local coordinates
+// stay within a few reaches.
 double FindOriginStep(const Blueprint& blueprint) { return std::exp2(std::ceil(std::log2(blueprint.reach))); }
 
 template <class Real>
@@ -46,7 +47,8 @@ void Recentre(const Blueprint& blueprint, const Vector3d& centre, State<Real>& s
   const double step = FindOriginStep(blueprint);
   Vector3d shift = Vector3d::Zero();
   for (int axis = 0; axis < 3; ++axis) {
-    // Half a step of play either way, or a body resting on a border would move its origin every tick.
+    // The body must stray by a whole step, although half a step would do to round to another origin: with this play, a
+    // body that rests on a border does not move its origin every tick.
     if (std::fabs(centre[axis]) > step) shift[axis] = step * std::nearbyint(centre[axis] / step);
   }
   if (shift.isZero(0)) return;

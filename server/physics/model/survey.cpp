@@ -1,3 +1,5 @@
+// Coordinates x y z x y z ... are shuffled into one vector an axis; every lane sums its own vertices, and the lanes are
+// added up in double precision at the end. The order of every sum is fixed, so the bits do not depend on the machine.
 #include "server/physics/model/survey.h"
 
 #include <algorithm>
@@ -14,7 +16,7 @@ inline constexpr int kLanes = 32 / sizeof(Real);
 template <class Real>
 using Lanes = typename LanesOf<Real, kLanes<Real>>::Type;
 
-// Values of as many vertices as there are lanes, axis by axis.
+// Values of kLanes vertices, one vector an axis.
 template <class Real>
 struct Block {
   Lanes<Real> axes[3];
@@ -50,7 +52,7 @@ Block<double> Split(const double* from) {
            __builtin_shufflevector(abZ, c, 0, 1, 4, 7)}};
 }
 
-// Calls visit(masses, vectors) block by block. Lanes beyond the last vertex repeat it without mass.
+// Calls visit(masses, vectors) block by block. Lanes beyond the last vertex repeat it with mass 0.
 template <class Real, class Visit>
 void VisitBlocks(std::span<const Real> masses, std::span<const Vector3<Real>> vectors, const Visit& visit) {
   constexpr std::size_t kWidth = kLanes<Real>;
@@ -91,7 +93,7 @@ Lanes<Real> FindSquares(const Block<Real>& block) {
   return Fma(block.axes[2], block.axes[2], Fma(block.axes[1], block.axes[1], block.axes[0] * block.axes[0]));
 }
 
-// Sums over vertices, a lane for every so many of them.
+// Sums over vertices, lane by lane.
 template <class Real>
 struct BulkSums {
   using V = Lanes<Real>;
@@ -104,7 +106,7 @@ struct BulkSums {
     for (std::size_t axis = 0; axis < 3; ++axis) weighted.axes[axis] = Fma(m, x.axes[axis], weighted.axes[axis]);
     mass = mass + m;
   }
-  // squares: of the speeds.
+  // squares: of the speeds, m²/s².
   void AddSpeeds(const V& m, const Block<Real>& v, const V& squares) {
     for (std::size_t axis = 0; axis < 3; ++axis) momentum.axes[axis] = Fma(m, v.axes[axis], momentum.axes[axis]);
     energy = Fma(m, squares, energy);

@@ -1,9 +1,9 @@
-// What one look at all vertices of a body tells: where it is at most, how fast, its centre, its energy of motion.
+// One pass over all vertices of a body: its bounds, centre, velocity and kinetic energy.
 //
-// Whoever needs one of these in a tick needs most of them, and to read a body from memory costs more than to add it up.
-// Eight vertices at a time, in the body's own precision, with AVX2 wherever it runs, so that the bits are the same
-// everywhere. Sums are right to a few units in the last place, which is all that a check or a margin asks; what
-// players see is summed in double precision (state.h).
+// A tick needs most of these at once, and reading a body from memory costs more than adding it up. The pass takes 8
+// vertices at a time in single and 4 in double precision, with AVX2 on every processor, so that the bits are the same
+// everywhere. Sums are right to a few units in the last place, which is enough for a check or a margin; values that
+// players see are summed in double precision (state.h).
 #pragma once
 
 #include <span>
@@ -13,10 +13,10 @@
 
 namespace wobble::physics {
 
-// Of a body as a whole.
+// The motion of a body as a whole.
 struct BulkMotion {
   Vector3d centre = Vector3d::Zero();    // of mass, local coordinates, m
-  Vector3d velocity = Vector3d::Zero();  // of that, m/s
+  Vector3d velocity = Vector3d::Zero();  // of the centre, m/s
   double kineticEnergy = 0;              // J
 };
 
@@ -24,14 +24,15 @@ template <class Real>
 struct Survey {
   BulkMotion bulk;
   Bounds<Real> bounds;
-  Real agitation = 0;  // fastest that a vertex moves against the velocity, m/s
+  Real agitation = 0;  // largest speed of a vertex against bulk.velocity, m/s
 };
 
-// At least one vertex; masses: kg, all positive. Any vertex that is no number makes the energy or the centre none.
+// x, v: of all vertices, at least one. masses: kg, all positive. A NaN in any vertex makes the energy or the centre
+// NaN.
 template <class Real>
 [[nodiscard]] Survey<Real> MakeSurvey(std::span<const Real> masses, std::span<const Vector3<Real>> x,
                                       std::span<const Vector3<Real>> v);
-// The same bits for half the work.
+// Survey::bulk alone: the same bits for half the work.
 template <class Real>
 [[nodiscard]] BulkMotion FindBulkMotion(std::span<const Real> masses, std::span<const Vector3<Real>> x,
                                         std::span<const Vector3<Real>> v);

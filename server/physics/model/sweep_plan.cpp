@@ -1,3 +1,5 @@
+// Orders vertices and springs for the sweep, and turns faces into rings and wedges (lanes/sweep_tables.h), so that the
+// sweep reads all tables once, front to back. Every index is multiplied out here: 6 times a place, 3 times a slot.
 #include "server/physics/model/sweep_plan.h"
 
 #include <algorithm>
@@ -23,7 +25,7 @@ Lists FindNeighbours(const Coefficients<Real>& body) {
   return neighbours;
 }
 
-// Breadth first, from the first vertex of each part that hangs together.
+// Breadth-first order, from the first vertex of each connected component.
 std::vector<std::uint16_t> FindOrder(const Lists& neighbours) {
   std::vector<std::uint16_t> order;
   std::vector<bool> found(neighbours.size(), false);
@@ -62,8 +64,11 @@ void FillArcs(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
     for (const std::uint32_t i : springs[place]) {
       const Spring<Real>& spring = body.springs[i];
       const std::uint32_t other = otherOf(i);
-      plan.arcs.push_back({6 * other, 3 * (other & plan.pendingMask), spring.stiffness,
-                           spring.stiffness * spring.restLength, spring.damping});
+      plan.arcs.push_back({.other = 6 * other,
+                           .pending = 3 * (other & plan.pendingMask),
+                           .stiffness = spring.stiffness,
+                           .stiffnessAtRest = spring.stiffness * spring.restLength,
+                           .damping = spring.damping});
       plan.springs.push_back(i);
       plan.repulsionFloors.push_back(static_cast<Real>(kRepulsionFloorShare) * spring.restLength);
       plan.arcEnds.insert(plan.arcEnds.end(), {6 * place, 6 * other});
@@ -72,7 +77,7 @@ void FillArcs(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
   }
 }
 
-// Places that forces are passed on to, from springs and, where it drags, from faces.
+// The largest number of places that a force is passed on by, from springs and, if the body has drag, from faces.
 template <class Real>
 std::uint32_t FindReach(const Coefficients<Real>& body, const std::vector<std::uint32_t>& places) {
   std::uint32_t reach = 0;
@@ -104,8 +109,8 @@ void FillDraggedFaces(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
   }
 }
 
-// Rings and wedges of an outline: of each place the ends of the two edges that meet there, and those of them that come
-// before it.
+// Rings and wedges of an outline. A place's ring has the far ends of the two edges that meet there; its wedge has those
+// of them that come before the place.
 template <class Real>
 void FillOutline(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
   Lists before(plan.at.size());
@@ -120,7 +125,10 @@ void FillOutline(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
       const std::uint32_t to = i < after[place].size() ? after[place][i] : place;
       plan.ring.insert(plan.ring.end(), {6 * from, 6 * to});
       if (from >= place && to >= place) continue;
-      plan.wedges.push_back({6 * place, 6 * std::min(from, place), 6 * place, 6 * std::min(to, place)});
+      plan.wedges.push_back({.last = 6 * place,
+                             .before = 6 * std::min(from, place),
+                             .middle = 6 * place,
+                             .after = 6 * std::min(to, place)});
     }
     plan.at[place].ringEnd = static_cast<std::uint32_t>(plan.ring.size());
     plan.at[place].wedgeEnd = static_cast<std::uint32_t>(plan.wedges.size());
@@ -139,9 +147,9 @@ void FillColumns(SweepPlan<Real>& plan) {
   for (auto* column : {&plan.stiffnesses, &plan.stiffnessesAtRest, &plan.dampings}) column->resize(whole);
 }
 
-// A closed surface has each edge a → b in one face, so the faces round a vertex follow from one another. Where several
-// such rounds meet in one vertex, each is closed and the way leads on to the next: what is crossed between two of them
-// is crossed back at the end, and adds nothing.
+// A closed skin has each edge a → b in one face, so the faces round a vertex follow from one another. If several such
+// rounds meet in one vertex, each is closed and the path goes on to the next; the steps between two rounds are taken
+// back at the end and add nothing to the sum.
 std::vector<std::uint32_t> FindRing(std::vector<Edge> edges) {
   std::vector<std::uint32_t> ring;
   for (std::size_t rounds = 0; !edges.empty(); ++rounds) {
@@ -169,13 +177,13 @@ void FillRings(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
   }
   for (std::size_t place = 0; place < edges.size(); ++place) {
     std::vector<std::uint32_t> ring = FindRing(edges[place]);
-    if (ring.size() % 2 == 1) ring.push_back(ring.back());  // twice in one place: nothing lies between
+    if (ring.size() % 2 == 1) ring.push_back(ring.back());  // the same place twice adds nothing
     for (const std::uint32_t other : ring) plan.ring.push_back(6 * other);
     plan.at[place].ringEnd = static_cast<std::uint32_t>(plan.ring.size());
   }
 }
 
-// Takes an edge that none leads to, if there is one, and those that go on from it.
+// Removes a path from `edges` and returns its vertices. It begins at an edge that no other leads to, if there is one.
 std::vector<std::uint32_t> TakePath(std::vector<Edge>& edges) {
   const auto isFirst = [&edges](const Edge& edge) {
     return std::none_of(edges.begin(), edges.end(), [&edge](const Edge& each) { return each[1] == edge[0]; });
@@ -204,7 +212,8 @@ void FillWedges(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
       const std::vector<std::uint32_t> path = TakePath(edges[place]);
       for (std::size_t i = 1; i < path.size(); i += 2) {
         const std::uint32_t after = path[std::min(i + 1, path.size() - 1)];
-        plan.wedges.push_back({6 * place, 6 * path[i - 1], 6 * path[i], 6 * after});
+        plan.wedges.push_back(
+            {.last = 6 * place, .before = 6 * path[i - 1], .middle = 6 * path[i], .after = 6 * after});
       }
     }
     plan.at[place].wedgeEnd = static_cast<std::uint32_t>(plan.wedges.size());
@@ -219,7 +228,7 @@ SweepPlan<Real> MakeSweepPlan(const Coefficients<Real>& body, const GridShape& g
   plan.vertices = grid.columns > 0 ? ListNumbers(body.masses.size()) : FindOrder(FindNeighbours(body));
   plan.places.resize(plan.vertices.size());
   for (std::uint32_t place = 0; place < plan.places.size(); ++place) plan.places[plan.vertices[place]] = place;
-  for (const std::uint16_t vertex : plan.vertices) plan.at.push_back({body.inverseMasses[vertex], 0, 0, 0});
+  for (const std::uint16_t vertex : plan.vertices) plan.at.push_back({.inverseMass = body.inverseMasses[vertex]});
   plan.pendingMask = std::bit_ceil(FindReach(body, plan.places) + 1) - 1;
   FillArcs(body, plan);
   FillColumns(plan);

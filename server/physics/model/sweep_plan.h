@@ -1,8 +1,9 @@
-// What one sweep over a body's vertices needs, worked out once per blueprint.
+// The tables that one sweep over a body's vertices reads (lanes/sweep.h), computed once per blueprint.
 //
-// Vertices stand in breadth-first order over the springs: whatever a vertex is joined to is then near it in memory, and
-// the forces that it passes on to vertices further on fit a small ring. In a grid the order of its numbers does as
-// much, and is the one that the sweep of grid.h goes in: both add up alike, so each body can go by whichever is faster.
+// Vertices stand in breadth-first order over the springs: the neighbours of a vertex are then near it in memory, and
+// the forces that it passes on to later vertices fit a small ring. In a grid the order of the vertices' numbers does as
+// well, and it is the order of the sweep of lanes/grid.h: both add up in the same order and give the same bits, so each
+// body can take whichever sweep is faster.
 #pragma once
 
 #include <cstdint>
@@ -22,9 +23,10 @@ struct SweepPlan {
   std::vector<std::uint32_t> places;    // vertex -> place
   std::vector<SweepPlace<Real>> at;     // one a place
   std::vector<Arc<Real>> arcs;
-  std::vector<std::uint32_t> ring;  // neighbours round each vertex, counter-clockwise from outside, even; gas only
-  std::vector<Wedge> wedges;        // gas only
-  // ArcColumns:
+  // Gas only: the neighbours round each vertex, counter-clockwise from outside, an even number of them.
+  std::vector<std::uint32_t> ring;
+  std::vector<Wedge> wedges;  // gas only
+  // The arrays of ArcColumns.
   std::vector<std::uint32_t> arcEnds;
   std::vector<Real> stiffnesses;
   std::vector<Real> stiffnessesAtRest;
@@ -33,7 +35,7 @@ struct SweepPlan {
   std::vector<Real> repulsionFloors;
   std::vector<DraggedFace> draggedFaces;
   std::vector<std::uint32_t> draggedEnds;
-  std::uint32_t pendingMask = 0;  // forces on places further on fit a ring of this + 1
+  std::uint32_t pendingMask = 0;  // the ring of pending forces has this + 1 slots, a power of two
   bool planar = false;
   bool hasGas = false;
   bool hasOutline = false;
@@ -44,29 +46,34 @@ struct SweepPlan {
   Real ambientPressure = 0;  // Pa
   Real floorVolume = 0;      // m³; of an outline m²
 
+  // Valid while the plan lives.
   [[nodiscard]] SweepTables<Real> Tables() const {
-    return {static_cast<std::uint32_t>(vertices.size()),
-            static_cast<std::uint32_t>(arcs.size()),
-            at.data(),
-            arcs.data(),
-            ring.data(),
-            wedges.data(),
-            {arcEnds.data(), stiffnesses.data(), stiffnessesAtRest.data(), dampings.data()},
-            repulsionFloors.data(),
-            draggedFaces.data(),
-            draggedEnds.data(),
-            pendingMask,
-            planar,
-            hasGas,
-            hasOutline,
-            isRare,
-            repulsion,
-            dragShare,
-            ambientPressure,
-            floorVolume};
+    return {.count = static_cast<std::uint32_t>(vertices.size()),
+            .arcCount = static_cast<std::uint32_t>(arcs.size()),
+            .places = at.data(),
+            .arcs = arcs.data(),
+            .ring = ring.data(),
+            .wedges = wedges.data(),
+            .columns = {.ends = arcEnds.data(),
+                        .stiffnesses = stiffnesses.data(),
+                        .stiffnessesAtRest = stiffnessesAtRest.data(),
+                        .dampings = dampings.data()},
+            .repulsionFloors = repulsionFloors.data(),
+            .draggedFaces = draggedFaces.data(),
+            .draggedEnds = draggedEnds.data(),
+            .pendingMask = pendingMask,
+            .planar = planar,
+            .hasGas = hasGas,
+            .hasOutline = hasOutline,
+            .isRare = isRare,
+            .repulsion = repulsion,
+            .dragShare = dragShare,
+            .ambientPressure = ambientPressure,
+            .floorVolume = floorVolume};
   }
 };
 
+// grid: with columns, the vertices keep the order of their numbers.
 template <class Real>
 [[nodiscard]] SweepPlan<Real> MakeSweepPlan(const Coefficients<Real>& body, const GridShape& grid);
 

@@ -1,3 +1,4 @@
+// Faces meet where one goes along a side from begin to end and another from end to begin.
 #include "server/physics/model/topology.h"
 
 #include <cassert>
@@ -31,9 +32,9 @@ Topology MakeTopology(std::span<const Face> faces, std::size_t vertexCount) {
   topology.across.assign(faces.begin(), faces.end());
   struct Side {
     std::uint16_t face;
-    std::uint16_t corner;  // opposite
+    std::uint16_t corner;  // opposite to the side
   };
-  // From begin to end as the face goes round; its neighbour goes from end to begin.
+  // Sides without a neighbour yet, by {begin, end} in the winding of their face.
   std::map<std::array<std::uint16_t, 2>, Side> open;
   for (std::size_t f = 0; f < faces.size(); ++f) {
     for (std::uint16_t corner = 0; corner < 3; ++corner) {

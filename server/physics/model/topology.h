@@ -1,4 +1,4 @@
-// Which faces of a body's surface lie beside one another: fixed, shared by all bodies of a blueprint.
+// The adjacency of the faces of a body's skin: fixed, shared by all bodies of a blueprint.
 #pragma once
 
 #include <array>
@@ -13,14 +13,14 @@ using Face = std::array<std::uint16_t, 3>;  // vertices, counter-clockwise seen 
 inline constexpr std::uint16_t kNoFace = 0xFFFF;
 
 struct Topology {
-  // Of each face: the face across the side opposite to its first, second, third corner; kNoFace at a border.
+  // By face: the face across the side opposite to its first, second, third corner; kNoFace at a border.
   std::vector<std::array<std::uint16_t, 3>> neighbours;
-  // Of each of these neighbours: its corner that is not on the side; at a border the face's own.
+  // By face, for each of these neighbours: its corner that is not on the side; at a border the face's own corner.
   std::vector<std::array<std::uint16_t, 3>> across;
-  std::vector<std::array<std::uint16_t, 2>> sides;  // of all faces, each once
-  std::vector<std::uint16_t> vertices;              // those that belong to a face, ascending
-  bool isOpen = false;  // a side without a face across it: a sheet, which has two sides to touch
-  // The faces round vertex i are ring[ringBegin[i]] up to, not including, ring[ringBegin[i + 1]].
+  std::vector<std::array<std::uint16_t, 2>> sides;  // the sides of all faces, each once
+  std::vector<std::uint16_t> vertices;              // the vertices of all faces, ascending
+  bool isOpen = false;  // some side has no face across it: a sheet, which can be touched from both sides
+  // The faces round vertex i are ring[ringBegin[i]] up to, but not including, ring[ringBegin[i + 1]].
   std::vector<std::uint32_t> ringBegin;
   std::vector<std::uint16_t> ring;
 
@@ -29,7 +29,8 @@ struct Topology {
   }
 };
 
-// At most 65,535 faces. A side that more than two faces share joins the first two that are consistently wound.
+// faces: fewer than 65,535, of vertices below vertexCount. If more than two faces share a side, the first two that are
+// consistently wound become neighbours.
 [[nodiscard]] Topology MakeTopology(std::span<const Face> faces, std::size_t vertexCount);
 
 }  // namespace wobble::physics

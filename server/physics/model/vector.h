@@ -1,4 +1,4 @@
-// Vectors of the engine: metres, seconds, newtons; z is up.
+// The vectors of the engine. SI units; z is up.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +11,7 @@ using Vector3 = Eigen::Matrix<Real, 3, 1>;
 using Vector3d = Vector3<double>;
 using Vector3f = Vector3<float>;
 
-// What is left of v along a surface with this unit normal.
+// The part of v that is tangential to a surface with this unit normal.
 template <class Real>
 [[nodiscard]] Vector3<Real> RemoveNormalPart(const Vector3<Real>& v, const Vector3<Real>& normal) {
   return v - normal.dot(v) * normal;

@@ -109,7 +109,7 @@ std::vector<FieldError> ValidateBall(const BallDefinition& d) {
   if (shortening > 1 - kMinRestShare || shortening < 0) {
     const double balanced = m.gas * (1 - kMinRestShare) / shortening;
     CheckField(errors, "gas", m.gas, false,
-               shortening < 0 ? "more, or ambient_pressure lower: the shell would be crushed"
+               shortening < 0 ? "more, or ambient_pressure lower: the skin would be crushed"
                               : ("at most " + std::to_string(static_cast<int>(balanced)) +
                                  " J for this radius, stiffness and ambient_pressure, or its springs would vanish")
                                     .c_str());

@@ -9,7 +9,7 @@
 
 namespace wobble::physics {
 
-// Least rest length of a spring, as a share of its length in the rest shape. With shorter ones a shell would be limp
+// Least rest length of a spring, as a share of its length in the rest shape. With shorter ones a skin would be limp
 // against bending.
 inline constexpr double kMinRestShare = 0.3;
 

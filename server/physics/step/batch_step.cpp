@@ -1,3 +1,6 @@
+// Differs from the plain step (island_step.cpp) only in how a try is integrated; both ask IslandTick what to do next.
+// Only the first try is shared by the whole batch: the few islands that have to be stepped again, each with its own
+// number of substeps, get packs of their own.
 #include "server/physics/step/batch_step.h"
 
 #include <algorithm>
@@ -9,36 +12,37 @@
 namespace wobble::physics {
 namespace {
 
-// One try of a tick of all members of a island.
+// Integrates one try of a tick for all members of a system, in packs.
 template <class Real>
-class Stepping {
+class LaneStepping {
  public:
-  Stepping(const Island<Real>& island, std::span<const SweepKernel<Real>> kernels, BatchScratch<Real>& scratch)
-      : m_island(island), m_packs(scratch.packs) {
+  LaneStepping(const BodySystem<Real>& system, std::span<const SweepKernel<Real>> kernels, BatchScratch<Real>& scratch)
+      : m_system(system), m_packs(scratch.packs) {
     FillPacks(kernels, scratch);
   }
 
-  // Leaves positions and velocities in the island, errors in the members.
+  // Integrates through `duration` s. Results: positions and velocities in the system's arrays, errors,
+  // Member::insideOut and contacts in the members.
   void Integrate(double duration, int substeps) {
-    for (Member<Real>* member : m_island.Members()) member->error = 0;
-    if (m_island.ContactPairs().empty()) {
-      m_island.ForEach(m_packs.size(), [&](std::size_t i) { IntegrateAlone(m_packs[i], duration, substeps); });
+    for (Member<Real>* member : m_system.Members()) member->error = 0;
+    if (m_system.ContactPairs().empty()) {
+      ForEachPack([&](auto& pack) { IntegrateAlone(pack, duration, substeps); });
     } else {
       IntegrateTogether(duration, substeps);
     }
-    m_island.ForEach(m_packs.size(), [&](std::size_t i) { m_packs[i].EndTry(); });
-    for (Member<Real>* member : m_island.Members()) member->error *= kErrorShare / substeps;
+    ForEachPack([](const auto& pack) { pack.EndTry(); });
+    for (Member<Real>* member : m_system.Members()) member->error *= kErrorShare / substeps;
   }
 
  private:
   void FillPacks(std::span<const SweepKernel<Real>> kernels, BatchScratch<Real>& scratch) {
-    const auto blueprintOf = [this](std::uint32_t i) { return m_island.Members()[i]->blueprint; };
-    const auto isCut = [this](std::uint32_t i) { return IsCut(*m_island.Members()[i]); };
+    const auto blueprintOf = [this](std::uint32_t i) { return m_system.Members()[i]->blueprint; };
+    const auto isCut = [this](std::uint32_t i) { return IsCut(*m_system.Members()[i]); };
     const auto comesBefore = [&](std::uint32_t a, std::uint32_t b) {
       if (blueprintOf(a) != blueprintOf(b)) return std::less<>()(blueprintOf(a), blueprintOf(b));
       return isCut(a) != isCut(b) ? isCut(b) : a < b;
     };
-    scratch.order.resize(m_island.CountBodies());
+    scratch.order.resize(m_system.CountBodies());
     std::iota(scratch.order.begin(), scratch.order.end(), 0U);
     std::sort(scratch.order.begin(), scratch.order.end(), comesBefore);
     const std::span<const std::uint32_t> order(scratch.order);
@@ -49,17 +53,30 @@ class Stepping {
       const bool cut = isCut(order[begin]);
       std::size_t end = begin + 1;
       while (end < order.size() && blueprintOf(order[end]) == blueprint && isCut(order[end]) == cut) ++end;
-      const bool byRows = GoesByRows<Real>(*blueprint, cut ? 1 : end - begin);  // a rare term: one way always
+      // A cut body has a rare term, so that it must go the same way however many are cut: as if it were alone.
+      const bool byRows = GoesByRows<Real>(*blueprint, cut ? 1 : end - begin);
       end = std::min(end, begin + (byRows ? 1 : widest));
       if (scratch.packScratches.size() == m_packs.size()) scratch.packScratches.emplace_back();
-      m_packs.emplace_back(m_island, order.subspan(begin, end - begin), byRows, kernels,
-                           scratch.packScratches[m_packs.size()]);
+      PackScratch<Real>& packScratch = scratch.packScratches[m_packs.size()];
+      const PackBodies<Real> bodies{.system = m_system, .whose = order.subspan(begin, end - begin)};
+      if (byRows) {
+        m_packs.emplace_back(std::in_place_type<RowPack<Real>>, bodies, kernels, packScratch);
+      } else {
+        m_packs.emplace_back(std::in_place_type<LanePack<Real>>, bodies, kernels, packScratch);
+      }
       begin = end;
     }
   }
 
-  // From beginning to end, while it is in the cache.
-  static void IntegrateAlone(Pack<Real>& pack, double duration, int substeps) {
+  // Calls visit(pack) once for each pack, on any thread.
+  template <class Visit>
+  void ForEachPack(const Visit& visit) {
+    m_system.ForEach(m_packs.size(), [&](std::size_t i) { std::visit(visit, m_packs[i]); });
+  }
+
+  // A pack through all substeps in one go, while it is in the cache.
+  template <class OnePack>
+  static void IntegrateAlone(OnePack& pack, double duration, int substeps) {
     const double step = duration / substeps;
     for (int substep = 0; substep < substeps; ++substep) {
       for (int stage = 0; stage < 4; ++stage) {
@@ -70,29 +87,30 @@ class Stepping {
     }
   }
 
-  // The island's arrays hold what a stage is computed at, for the contacts between its members.
+  // The system's arrays hold the positions and velocities that a stage is computed at, for the contacts between
+  // members.
   void IntegrateTogether(double duration, int substeps) {
     const double step = duration / substeps;
-    m_island.Gather(m_island.Whole());
+    m_system.Gather(m_system.All());
     for (int substep = 0; substep < substeps; ++substep) {
       for (int stage = 0; stage < 4; ++stage) StepStage(stage, static_cast<Real>(step));
-      m_island.ForEach(m_packs.size(), [&](std::size_t i) {
-        m_packs[i].EndStep(step, duration - substep * step, substep == 0);
-        m_packs[i].CopyToIsland(0);
+      ForEachPack([&](auto& pack) {
+        pack.EndStep(step, duration - substep * step, substep == 0);
+        pack.CopyToSystem(0);
       });
-      m_island.UpdateAllBodyContacts(m_island.Positions(), m_island.Velocities(), static_cast<Real>(step));
+      m_system.UpdateAllBodyContacts(m_system.Positions(), m_system.Velocities(), static_cast<Real>(step));
     }
   }
 
-  // Where the first stage is computed, the substep before has left in the island's arrays.
+  // The positions of stage 0 are in the system's arrays already: Gather or the substep before put them there.
   void StepStage(int stage, Real h) {
-    if (stage > 0) m_island.ForEach(m_packs.size(), [&](std::size_t i) { m_packs[i].CopyToIsland(stage); });
-    m_island.ComputeAllBodyContacts(m_island.Positions(), m_island.Velocities());
-    m_island.ForEach(m_packs.size(), [&](std::size_t i) {
-      Pack<Real>& pack = m_packs[i];
+    if (stage > 0) ForEachPack([&](const auto& pack) { pack.CopyToSystem(stage); });
+    m_system.ComputeAllBodyContacts(m_system.Positions(), m_system.Velocities());
+    ForEachPack([&](auto& pack) {
       pack.BeginStage(stage);
-      for (std::size_t lane = 0; lane < pack.Whose().size(); ++lane) {
-        m_island.VisitContactForces(pack.Whose()[lane], [&pack, lane](std::size_t vertex, const Vector3<Real>& force) {
+      const std::span<const std::uint32_t> whose = pack.Bodies().whose;
+      for (std::size_t lane = 0; lane < whose.size(); ++lane) {
+        m_system.VisitContactForces(whose[lane], [&pack, lane](std::size_t vertex, const Vector3<Real>& force) {
           pack.AddOuterForce(lane, vertex, force);
         });
       }
@@ -100,26 +118,26 @@ class Stepping {
     });
   }
 
-  const Island<Real>& m_island;
-  std::vector<Pack<Real>>& m_packs;
+  const BodySystem<Real>& m_system;
+  std::vector<AnyPack<Real>>& m_packs;
 };
 
-// The tries after the first of a part, which has the lanes to itself: few are needed, and each has its own number of
-// substeps.
+// The tries of an island after the first.
 template <class Real>
-IslandOutcome StepAgain(const Island<Real>& island, const Part& part, int substeps, const StepRules& rules,
+IslandOutcome StepAgain(const BodySystem<Real>& system, const Island& island, int substeps, const StepRules& rules,
                         IslandTick<Real>& tick, std::span<const SweepKernel<Real>> kernels, Threads* threads,
                         BatchScratch<Real>& scratch) {
-  const auto contactPairs = island.ContactPairsOf(part);
+  const auto contactPairs = system.ContactPairsOf(island);
   scratch.contactPairsAgain.assign(contactPairs.begin(), contactPairs.end());
   for (ContactPair<Real>& contactPair : scratch.contactPairsAgain) {
-    for (std::uint32_t& member : contactPair.members) member -= static_cast<std::uint32_t>(part.memberBegin);
+    for (std::uint32_t& member : contactPair.members) member -= static_cast<std::uint32_t>(island.memberBegin);
   }
-  const Island<Real> alone(island.MembersOf(part), scratch.contactPairsAgain, threads, kernels.back(), scratch.again);
-  for (; substeps > 0; substeps = tick.Judge(alone, alone.Whole(), substeps)) {
-    Stepping<Real>(alone, kernels, scratch).Integrate(rules.duration, substeps);
+  const BodySystem<Real> alone(system.MembersOf(island), scratch.contactPairsAgain, threads, kernels.back(),
+                               scratch.again);
+  for (; substeps > 0; substeps = tick.Judge(alone, alone.All(), substeps)) {
+    LaneStepping<Real>(alone, kernels, scratch).Integrate(rules.duration, substeps);
   }
-  return tick.Finish(alone, alone.Whole());
+  return tick.Finish(alone, alone.All());
 }
 
 }  // namespace
@@ -131,7 +149,7 @@ bool CanGoInPack(const Blueprint& blueprint) {
 
 template <class Real>
 void BatchScratch<Real>::Reserve(std::size_t mostVertices, std::size_t allVertices, std::size_t bodies) {
-  island.Reserve(allVertices, bodies);
+  system.Reserve(allVertices, bodies);
   again.Reserve(allVertices, bodies);
   order.reserve(bodies);
   packs.reserve(bodies);
@@ -141,32 +159,32 @@ void BatchScratch<Real>::Reserve(std::size_t mostVertices, std::size_t allVertic
 
 template <class Real>
 void StepBatch(std::span<Member<Real>* const> members, std::span<const ContactPair<Real>> contactPairs,
-               std::span<const Part> parts, int substeps, const StepRules& rules,
+               std::span<const Island> islands, int substeps, const StepRules& rules,
                std::span<const SweepKernel<Real>> kernels, Threads* threads, BatchScratch<Real>& scratch,
                std::span<IslandOutcome> outcomes) {
-  const Island<Real> island(members, contactPairs, threads, kernels.back(), scratch.island);
-  Stepping<Real>(island, kernels, scratch).Integrate(rules.duration, substeps);
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    IslandTick<Real> tick(island.MembersOf(parts[i]), rules);
-    const int next = tick.Judge(island, parts[i], substeps);
-    outcomes[i] = next == 0 ? tick.Finish(island, parts[i])
-                            : StepAgain(island, parts[i], next, rules, tick, kernels, threads, scratch);
+  const BodySystem<Real> system(members, contactPairs, threads, kernels.back(), scratch.system);
+  LaneStepping<Real>(system, kernels, scratch).Integrate(rules.duration, substeps);
+  for (std::size_t i = 0; i < islands.size(); ++i) {
+    IslandTick<Real> tick(system.MembersOf(islands[i]), rules);
+    const int next = tick.Judge(system, islands[i], substeps);
+    outcomes[i] = next == 0 ? tick.Finish(system, islands[i])
+                            : StepAgain(system, islands[i], next, rules, tick, kernels, threads, scratch);
   }
 }
 
 template <class Real>
 void IntegrateBatch(std::span<Member<Real>* const> members, double duration, int substeps,
                     std::span<const SweepKernel<Real>> kernels, BatchScratch<Real>& scratch) {
-  const Island<Real> island(members, {}, nullptr, kernels.back(), scratch.island);
-  Stepping<Real>(island, kernels, scratch).Integrate(duration, substeps);
-  island.Scatter(island.Whole());
+  const BodySystem<Real> system(members, {}, nullptr, kernels.back(), scratch.system);
+  LaneStepping<Real>(system, kernels, scratch).Integrate(duration, substeps);
+  system.Scatter(system.All());
 }
 
 #define WOBBLE_INSTANTIATE(Real)                                                                                      \
   template struct BatchScratch<Real>;                                                                                 \
   template bool CanGoInPack<Real>(const Blueprint&);                                                                  \
   template void StepBatch<Real>(std::span<Member<Real>* const>, std::span<const ContactPair<Real>>,                   \
-                                std::span<const Part>, int, const StepRules&, std::span<const SweepKernel<Real>>,     \
+                                std::span<const Island>, int, const StepRules&, std::span<const SweepKernel<Real>>,   \
                                 Threads*, BatchScratch<Real>&, std::span<IslandOutcome>);                             \
   template void IntegrateBatch<Real>(std::span<Member<Real>* const>, double, int, std::span<const SweepKernel<Real>>, \
                                      BatchScratch<Real>&);

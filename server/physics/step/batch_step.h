@@ -1,45 +1,53 @@
-// One tick of bodies in lanes: those that ask for the same number of substeps are stepped together, in packs of one
-// blueprint, whether they touch one another or not. Bodies that touch go stage by stage, since each stage's forces
-// between them come from its own positions.
+// One tick of bodies in lanes of vectors. Islands that ask for the same number of substeps are stepped together, their
+// bodies in packs of one blueprint whatever island they belong to. Bodies that touch others go stage by stage, all
+// packs at once, because the forces between bodies are computed at each stage's positions; a batch without contact
+// pairs goes pack by pack.
 #pragma once
 
 #include <deque>
 #include <span>
+#include <variant>
 #include <vector>
 
-#include "server/physics/step/pack.h"
+#include "server/physics/step/lane_layout.h"
+#include "server/physics/step/row_layout.h"
 
 namespace wobble::physics {
 
-// Whether the body's own blueprint lets it be stepped in lanes, where it is RK4 that steps it.
+// Whether bodies of this blueprint can be stepped in lanes, provided that their method is RK4: it has a sweep plan and
+// its contact law is not backtracking.
 template <class Real>
 [[nodiscard]] bool CanGoInPack(const Blueprint& blueprint);
 
-// Reused from batch to batch.
+template <class Real>
+using AnyPack = std::variant<LanePack<Real>, RowPack<Real>>;
+
+// Reused from batch to batch to save allocations; one batch uses it at a time.
 template <class Real>
 struct BatchScratch {
-  IslandScratch<Real> island;
-  std::vector<std::uint32_t> order;  // of the members, those of one blueprint behind one another
-  std::vector<Pack<Real>> packs;
-  std::deque<PackScratch<Real>> packScratches;  // as many as the largest batch so far had packs
-  // Of a part that has to be stepped again, alone.
-  IslandScratch<Real> again;
+  SystemScratch<Real> system;
+  std::vector<std::uint32_t> order;  // the members' places, sorted so that bodies that share a pack stand together
+  std::vector<AnyPack<Real>> packs;
+  std::deque<PackScratch<Real>> packScratches;  // one a pack of the largest batch so far
+  // Of an island that is stepped again, alone.
+  SystemScratch<Real> again;
   std::vector<ContactPair<Real>> contactPairsAgain;
 
-  // For so many bodies with so many vertices in all, the largest with mostVertices.
+  // Makes room for so many bodies with allVertices in total, the largest with mostVertices.
   void Reserve(std::size_t mostVertices, std::size_t allVertices, std::size_t bodies);
 };
 
-// As StepIsland, for several islands at once that all begin with `substeps`: members and contact pairs of one are a
-// part, and outcomes has one a part. The parts cover all members and contact pairs, in their order.
+// Steps several islands through a tick as StepIsland does one; the first try of all is in `substeps`. islands: ranges
+// of `members` and `contactPairs`, which they cover in order. outcomes: one an island. kernels: ascending by width. The
+// result depends neither on the kernels nor on which islands share a batch.
 template <class Real>
 void StepBatch(std::span<Member<Real>* const> members, std::span<const ContactPair<Real>> contactPairs,
-               std::span<const Part> parts, int substeps, const StepRules& rules,
+               std::span<const Island> islands, int substeps, const StepRules& rules,
                std::span<const SweepKernel<Real>> kernels, Threads* threads, BatchScratch<Real>& scratch,
                std::span<IslandOutcome> outcomes);
 
-// Equal substeps through `duration` s of bodies that touch no other, with nobody to choose or judge them: for the
-// laboratory.
+// Integrates bodies that touch no other through `duration` s in equal substeps, without choosing substeps, judging the
+// result or repeating anything: for the laboratory, which measures the sweeps alone.
 template <class Real>
 void IntegrateBatch(std::span<Member<Real>* const> members, double duration, int substeps,
                     std::span<const SweepKernel<Real>> kernels, BatchScratch<Real>& scratch);

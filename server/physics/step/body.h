@@ -1,4 +1,8 @@
 // A body of the world: its state, and what a player asks of it.
+//
+// The room step/ plays one tick of bodies: what acts on them, how many substeps the tick takes, the integration in
+// plain code and in lanes, whether the result is sound, and which bodies may sleep. Which bodies are stepped together
+// is for World to decide.
 #pragma once
 
 #include <algorithm>
@@ -10,37 +14,39 @@
 
 namespace wobble::physics {
 
-// From 1, in order of creation, never reused.
+// Counts from 1 in order of creation; never reused. 0: no body.
 using BodyId = std::uint32_t;
 
-// What a player asks of a body, held until the next SetControl. move: in the horizontal plane, x and y, length <= 1.
+// What a player asks of a body. Holds until the next World::SetControl. (moveX, moveY): direction in the horizontal
+// plane; its length, at most 1, is the share of ControlLimits::speed that is asked for.
 struct Control {
   double moveX = 0;
   double moveY = 0;
-  bool jump = false;  // acts once, when it turns true while the body touches something
-  bool puff = false;
-  bool stiffen = false;
+  bool jump = false;     // acts once, in the tick in which it turns true, if the body touches something
+  bool puff = false;     // more gas, by ControlLimits::puffFactor
+  bool stiffen = false;  // stiffer springs, by ControlLimits::stiffenFactor
 
   bool operator==(const Control&) const = default;
 };
 
-// What the scene allows a control to do.
+// How far a control may go; the scene says.
 struct ControlLimits {
-  double acceleration = 25;  // m/s²
+  double acceleration = 25;  // of moving, at most, m/s²
   double speed = 6;          // of the body's centre that moving alone reaches, m/s
-  double jumpSpeed = 6;      // m/s
-  double puffFactor = 1.6;   // times the gas while puffed up
-  double stiffenFactor = 2;  // times springs and dashpots while stiffened
+  double jumpSpeed = 6;      // upward, added to every vertex, m/s
+  double puffFactor = 1.6;   // times the gas while the body puffs
+  double stiffenFactor = 2;  // times springs and dashpots while the body stiffens
 
   bool operator==(const ControlLimits&) const = default;
 };
 
-// What the springs of a body come to.
+// The factor on the springs of a body: the player's times the world's. The world's factor may not raise the product
+// above `bound`; the player's factor alone may, since the scene sets it.
 struct StiffnessRule {
-  double ofWorld = 1;  // the world's factor
-  double bound = 1;    // that this factor may take them to, and no further; what a player does is his scene's to say
+  double ofWorld = 1;
+  double bound = 1;  // at least 1
 
-  // stiffened: the player's factor.
+  // stiffened: the player's factor, 1 or ControlLimits::stiffenFactor.
   [[nodiscard]] double Find(double stiffened) const {
     return std::min(stiffened * ofWorld, std::max(stiffened, bound));
   }
@@ -48,21 +54,21 @@ struct StiffnessRule {
 
 struct Body {
   BodyId id = 0;
-  std::uint8_t blueprint = 0;
+  std::uint8_t blueprint = 0;  // index in World::Blueprints()
   std::variant<State<float>, State<double>> state;
   Control control;
   ControlLimits limits;
-  bool jumpHeld = false;
-  bool touchesBody = false;  // at the end of the last tick
-  double gasFactor = 1;      // follows the control within a few ticks
-  double stiffnessFactor = 1;
+  bool jumpHeld = false;       // control.jump of the last tick
+  bool touchesBody = false;    // another one, at the end of the last tick
+  double gasFactor = 1;        // follows the control within a few ticks
+  double stiffnessFactor = 1;  // likewise
   StepHistory steps;
-  bool asleep = false;  // neither stepped nor looked at until something wakes it
-  int quietTicks = 0;   // in a row
-  int tornTicks = 0;    // since a spring tore that its blueprint still has; 0: none
+  bool asleep = false;  // neither stepped nor searched for contacts until something wakes it
+  int quietTicks = 0;   // in a row so far (sleep.h)
+  int tornTicks = 0;    // since a spring tore that its blueprint still has; 0: none has
 };
 
-// visit(index, position) for every vertex in the world, in double precision, m.
+// Calls visit(index, position) for every vertex of the body, in order; position: in the world, m.
 template <class Visit>
 void VisitVertices(const Body& body, Visit&& visit) {
   std::visit(

@@ -1,3 +1,6 @@
+// Moving accelerates the body towards the velocity that is asked for, in proportion to what is missing of it, so that
+// it neither overshoots nor jerks. Gas and stiffness follow their keys over a few ticks for the reason at
+// kFactorApproach.
 #include "server/physics/step/control.h"
 
 #include <algorithm>
@@ -5,14 +8,15 @@
 namespace wobble::physics {
 namespace {
 
-// Share of the way that puffing and stiffening go each tick: 0.1 s to 95 %, slow enough that the change of energy is
-// the player's work and no shock.
+// Share of the remaining way that the gas and stiffness factors go each tick: 95 % in 0.1 s at 60 Hz. Slow enough that
+// the change of energy acts as the player's work and not as a shock.
 constexpr double kFactorApproach = 0.4;
 
-// Speed error that moving answers with full acceleration, as a share of the top speed.
+// Missing speed from which on a body that moves gets the full acceleration, as a share of the top speed. Below, the
+// acceleration is proportional to it.
 constexpr double kSpeedBand = 0.25;
 
-// Horizontal acceleration towards the speed asked for.
+// Horizontal acceleration towards the velocity that is asked for, m/s².
 Vector3d FindMoveAcceleration(const Control& control, const ControlLimits& limits, const Vector3d& velocity) {
   const Vector3d wanted(control.moveX, control.moveY, 0);
   if (!(limits.speed > 0)) return Vector3d::Zero();
@@ -44,7 +48,7 @@ Load<Real> ApplyControl(const Blueprint& blueprint, const Vector3d& gravity, con
   body.stiffnessFactor += kFactorApproach * (wanted - body.stiffnessFactor);
 
   Load<Real> load;
-  // Without a request the body is left to friction.
+  // A body that is not asked to move is left to friction instead of being braked to a speed of 0.
   const bool moves = control.moveX != 0 || control.moveY != 0;
   const Vector3d push =
       moves ? FindMoveAcceleration(control, limits, FindMeanVelocity(blueprint, state)) : Vector3d(Vector3d::Zero());

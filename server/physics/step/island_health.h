@@ -1,18 +1,20 @@
-// Whether a step has left a island in a state that can be, and who is to blame when not.
+// Whether a step has left an island in a possible state, and which members are to blame when it has not.
 #pragma once
 
-#include "server/physics/step/island.h"
+#include "server/physics/step/body_system.h"
 
 namespace wobble::physics {
 
-// Notes the health of each member of the part and which are lost; false when all is well. checkEnergy: also looks for
-// energy from nowhere, which only methods that have none to give can be blamed for.
+// Writes `after`, `health` and `lost` of each member of the island; returns whether any is bad. checkEnergy: also looks
+// for energy that the island gained without a source. Use it only with methods that add none of themselves. Costs two
+// sums over the vertices; with a suspicion of gained energy also the elastic energies.
 template <class Real>
-[[nodiscard]] bool FindBadMembers(const Island<Real>& island, const Part& part, bool checkEnergy);
+[[nodiscard]] bool FindBadMembers(const BodySystem<Real>& system, const Island& island, bool checkEnergy);
 
-// No step can help a member that began the tick in a state that cannot be. It alone is lost then, and what it has
-// touched goes back to where it began. False, and nothing done, when none began so.
+// Blames members that were in an impossible state when the tick began, which no number of substeps can mend: marks them
+// alone as lost and puts the whole island back to the tick's begin. Returns false and changes nothing when there are
+// none.
 template <class Real>
-[[nodiscard]] bool BlameThoseWhoBeganBad(const Island<Real>& island, const Part& part);
+[[nodiscard]] bool BlameMembersBadFromStart(const BodySystem<Real>& system, const Island& island);
 
 }  // namespace wobble::physics

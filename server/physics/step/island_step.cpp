@@ -1,3 +1,7 @@
+// All members go through each stage together: first the forces of every body by itself, then the contacts between them,
+// then the sum and division by mass (BodySystem::Accelerate). RK4 is written out here member by member rather than
+// taken from methods/runge_kutta.h, so that threads share the members out and each member's error is estimated from its
+// own stages.
 #include "server/physics/step/island_step.h"
 
 #include <algorithm>
@@ -9,101 +13,103 @@ namespace wobble::physics {
 namespace {
 
 template <class Real>
-class Stepping {
+class PlainStepping {
  public:
-  Stepping(Island<Real>& island, const StepRules& rules)
-      : m_island(island),
+  PlainStepping(BodySystem<Real>& system, const StepRules& rules)
+      : m_system(system),
         m_rules(rules),
-        m_scratch(island.Scratch()),
-        m_integrator(FindIntegrator(island.Members())),
-        m_tick(island.Members(), rules) {}
+        m_scratch(system.Scratch()),
+        m_integrator(FindIntegrator(system.Members())),
+        m_tick(system.Members(), rules) {}
 
   IslandOutcome Step(int substeps) {
-    const Part whole = m_island.Whole();
-    m_island.Gather(whole);
-    for (; substeps > 0; substeps = m_tick.Judge(m_island, whole, substeps)) Integrate(substeps);
-    return m_tick.Finish(m_island, whole);
+    const Island whole = m_system.All();
+    m_system.Gather(whole);
+    for (; substeps > 0; substeps = m_tick.Judge(m_system, whole, substeps)) Integrate(substeps);
+    return m_tick.Finish(m_system, whole);
   }
 
  private:
   void Integrate(int substeps) {
     const double step = m_rules.duration / substeps;
-    for (Member<Real>* member : m_island.Members()) member->error = 0;
+    for (Member<Real>* member : m_system.Members()) member->error = 0;
     for (int substep = 0; substep < substeps; ++substep) {
       KeepBefore();
       if (m_integrator == Integrator::kRungeKutta4) {
         StepRungeKutta(step, substep > 0, m_rules.duration - substep * step);
       } else {
-        StepOnce<Real>(m_integrator, static_cast<Real>(step), m_island, m_island.Positions(), m_island.Velocities(),
+        StepOnce<Real>(m_integrator, static_cast<Real>(step), m_system, m_system.Positions(), m_system.Velocities(),
                        m_scratch.integrator);
       }
       UpdateContacts(static_cast<Real>(step));
     }
-    for (std::size_t i = 0; i < m_island.CountBodies(); ++i) {
-      Member<Real>& member = *m_island.Members()[i];
+    for (std::size_t i = 0; i < m_system.CountBodies(); ++i) {
+      Member<Real>& member = *m_system.Members()[i];
       member.error *= kErrorShare / substeps;
       member.insideOut =
-          IsInsideOut<Real>(member.blueprint->template Read<Real>(), m_island.PartOf(m_scratch.positions, i));
+          IsInsideOut<Real>(member.blueprint->template Read<Real>(), m_system.SliceOf(m_scratch.positions, i));
     }
   }
 
-  // As runge_kutta.h does it, member by member, with each one's error estimated as step_choice.h says.
+  // The same step as runge_kutta.h's, with each member's error estimated by step_choice.h's formula. step: s; timeLeft:
+  // of the tick at the step's begin, s; hasBefore: this is not the tick's first step.
   void StepRungeKutta(double step, bool hasBefore, double timeLeft) {
     const auto h = static_cast<Real>(step);
     auto& stages = m_scratch.integrator.stages;
     stages.Resize(m_scratch.positions.size());
     for (std::size_t stage = 0; stage < 4; ++stage) {
-      m_island.Accelerate(stages.positions, stages.velocities[stage], stages.accelerations[stage], true,
+      m_system.Accelerate(stages.positions, stages.velocities[stage], stages.accelerations[stage], true,
                           [&](std::size_t i) {
                             CombineStage<Real>(kClassicRungeKutta, stage, h, m_scratch.positions, m_scratch.velocities,
                                                m_scratch.begins[i], m_scratch.begins[i + 1], stages);
                           });
       if (stage == 0 && hasBefore) AddAccelerationErrors(step, timeLeft);
     }
-    m_island.ForEach(m_island.CountBodies(), [&](std::size_t i) {
+    m_system.ForEach(m_system.CountBodies(), [&](std::size_t i) {
       AddIncrements<Real>(kClassicRungeKutta, h, m_scratch.begins[i], m_scratch.begins[i + 1], stages,
                           m_scratch.positions, m_scratch.velocities);
-      m_island.Members()[i]->error +=
-          step / 6 *
-          FindRmsOfDifference<Real>(m_island.PartOf(stages.velocities[3], i), m_island.PartOf(m_scratch.velocities, i));
+      m_system.Members()[i]->error += step / 6 *
+                                      FindRmsOfDifference<Real>(m_system.SliceOf(stages.velocities[3], i),
+                                                                m_system.SliceOf(m_scratch.velocities, i));
     });
   }
 
-  // a₄ of the substep before still stands in its place when the first stage of the next one is known.
+  // The buffer of stage 3 still holds a₄ of the substep before when stage 0 of this one has been computed.
   void AddAccelerationErrors(double step, double timeLeft) {
     const auto& accelerations = m_scratch.integrator.stages.accelerations;
-    m_island.ForEach(m_island.CountBodies(), [&](std::size_t i) {
+    m_system.ForEach(m_system.CountBodies(), [&](std::size_t i) {
       const double jump =
-          FindRmsOfDifference<Real>(m_island.PartOf(accelerations[3], i), m_island.PartOf(accelerations[0], i));
-      m_island.Members()[i]->error += step / 6 * jump * timeLeft;
+          FindRmsOfDifference<Real>(m_system.SliceOf(accelerations[3], i), m_system.SliceOf(accelerations[0], i));
+      m_system.Members()[i]->error += step / 6 * jump * timeLeft;
     });
   }
 
+  // Backtracking compares each substep's end with its begin.
   void KeepBefore() {
-    const auto members = m_island.Members();
+    const auto members = m_system.Members();
     if (std::none_of(members.begin(), members.end(), [](const auto* member) { return Backtracks(*member); })) return;
     m_scratch.positionsBefore = m_scratch.positions;
     m_scratch.velocitiesBefore = m_scratch.velocities;
   }
 
   void UpdateContacts(Real h) {
-    m_island.ForEach(m_island.CountBodies(), [&](std::size_t i) {
-      const Member<Real>& member = *m_island.Members()[i];
+    m_system.ForEach(m_system.CountBodies(), [&](std::size_t i) {
+      const Member<Real>& member = *m_system.Members()[i];
       const Coefficients<Real>& body = member.blueprint->template Read<Real>();
-      const auto x = m_island.PartOf(m_island.Positions(), i);
+      const auto x = m_system.SliceOf(m_system.Positions(), i);
       if (Backtracks(member)) {
-        PutBack<Real>(body, h, member.surfaces, m_island.PartOf(m_scratch.positionsBefore, i),
-                      m_island.PartOf(m_scratch.velocitiesBefore, i), member.state->contacts, x,
-                      m_island.PartOf(m_island.Velocities(), i));
+        PutBack<Real>(body, h, member.surfaces, m_system.SliceOf(m_scratch.positionsBefore, i),
+                      m_system.SliceOf(m_scratch.velocitiesBefore, i), member.state->contacts, x,
+                      m_system.SliceOf(m_system.Velocities(), i));
       }
       UpdateAnchors<Real>(body.contact, member.surfaces, member.state->contacts, x);
     });
-    m_island.UpdateAllBodyContacts(m_scratch.positions, m_scratch.velocities, h);
+    m_system.UpdateAllBodyContacts(m_scratch.positions, m_scratch.velocities, h);
   }
 
-  Island<Real>& m_island;
+  BodySystem<Real>& m_system;
   const StepRules& m_rules;
-  IslandScratch<Real>& m_scratch;
+  SystemScratch<Real>& m_scratch;
   Integrator m_integrator;
   IslandTick<Real> m_tick;
 };
@@ -111,31 +117,15 @@ class Stepping {
 }  // namespace
 
 template <class Real>
-Meeting<Real> MakeMeeting(const Member<Real>& ofVertices, std::span<const Vector3<Real>> x,
-                          std::span<const Vector3<Real>> v, const Member<Real>& ofFaces,
-                          std::span<const Vector3<Real>> shellX, std::span<const Vector3<Real>> shellV) {
-  const Vector3d shift = ofVertices.state->origin - ofFaces.state->origin;
-  return {x,
-          v,
-          ofVertices.blueprint->template Read<Real>().contactShares,
-          {ofFaces.blueprint->template Read<Real>().faces, &ofFaces.blueprint->topology, shellX},
-          shellV,
-          shift.cast<Real>()};
-}
-
-template <class Real>
 IslandOutcome StepIsland(std::span<Member<Real>* const> members, std::span<const ContactPair<Real>> contactPairs,
-                         int substeps, const StepRules& rules, Threads* threads, IslandScratch<Real>& scratch) {
-  Island<Real> island(members, contactPairs, threads, FindSweepKernels<Real>(kWidestPack).back(), scratch);
-  return Stepping<Real>(island, rules).Step(substeps);
+                         int substeps, const StepRules& rules, Threads* threads, SystemScratch<Real>& scratch) {
+  BodySystem<Real> system(members, contactPairs, threads, FindSweepKernels<Real>(kWidestPack).back(), scratch);
+  return PlainStepping<Real>(system, rules).Step(substeps);
 }
 
 #define WOBBLE_INSTANTIATE(Real)                                                                                   \
-  template Meeting<Real> MakeMeeting<Real>(const Member<Real>&, std::span<const Vector3<Real>>,                    \
-                                           std::span<const Vector3<Real>>, const Member<Real>&,                    \
-                                           std::span<const Vector3<Real>>, std::span<const Vector3<Real>>);        \
   template IslandOutcome StepIsland<Real>(std::span<Member<Real>* const>, std::span<const ContactPair<Real>>, int, \
-                                          const StepRules&, Threads*, IslandScratch<Real>&);
+                                          const StepRules&, Threads*, SystemScratch<Real>&);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)
 #undef WOBBLE_INSTANTIATE

@@ -1,6 +1,12 @@
-// The tries of one tick of bodies that hang together by contacts: whether what a try made of them will do.
+// The tries of one tick of an island: judges each try and says with how many substeps the next one is made.
 //
-// Whoever integrates does so between one Judge and the next: island_step.cpp in plain code, batch_step.cpp in lanes.
+// Integration happens outside, between one Judge and the next: island_step.cpp does it in plain code, batch_step.cpp in
+// lanes. After each try the first line that holds decides:
+//   - error far above what is allowed, at most kMaxRedos times: again, in the substeps that the error asks for
+//   - every member in a possible state: finished
+//   - a member that began the tick in an impossible state: finished, it is lost and the others are put back
+//   - at most kMaxRescues times: again, in twice the substeps
+//   - finished, the bad members are lost
 #pragma once
 
 #include <algorithm>
@@ -8,18 +14,19 @@
 #include <limits>
 
 #include "server/physics/methods/step_choice.h"
-#include "server/physics/step/island.h"
+#include "server/physics/step/body_system.h"
 #include "server/physics/step/island_health.h"
 #include "server/physics/step/sleep.h"
 #include "server/physics/step/substeps.h"
 
 namespace wobble::physics {
 
-// Times that a tick which missed its error is stepped again: the first guess from a bad tick may fall short.
+// Most tries again for the error. More than one, since the guess from a bad tick may fall short.
 inline constexpr int kMaxRedos = 2;
-// Times that a tick which left a body in a state that cannot be is stepped again, each in twice the substeps.
+// Most tries again for a member in an impossible state, each in twice the substeps of the one before.
 inline constexpr int kMaxRescues = 4;
 
+// Root of the mean square distance between a and b, which are equally long.
 template <class Real>
 [[nodiscard]] double FindRmsOfDifference(std::span<const Vector3<Real>> a, std::span<const Vector3<Real>> b) {
   double sum = 0;
@@ -27,8 +34,9 @@ template <class Real>
   return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
-// Energy from nowhere is looked for where there is an account of it: the other methods are there to show what they do,
-// magnets have a potential that nobody adds up, and wind is a source.
+// Whether every energy of these members is accounted for, so that a gain means a fault. Not so with other methods than
+// RK4, which are there to show what they do, with magnetic contacts, whose potential is not computed, and with drag in
+// wind, which is a source of energy.
 template <class Real>
 [[nodiscard]] bool HasEnergyAccount(std::span<Member<Real>* const> members) {
   const auto adds = [](const Member<Real>* member) {
@@ -44,44 +52,44 @@ class IslandTick {
   IslandTick(std::span<Member<Real>* const> members, const StepRules& rules)
       : m_members(members), m_rules(rules), m_checkEnergy(HasEnergyAccount(members)) {}
 
-  // Of a try in so many substeps, which noted each member's error: those of the next try, for which the members stand
-  // where the tick began, or 0 when there is to be none. part: the members in that island.
-  [[nodiscard]] int Judge(const Island<Real>& island, const Part& part, int substeps) {
+  // Judges a try in so many substeps that has left its result in the system and each member's error. Returns the
+  // substeps of the next try, for which the island has been put back to the tick's begin; 0: the tick is finished.
+  [[nodiscard]] int Judge(const BodySystem<Real>& system, const Island& island, int substeps) {
     m_outcome.substeps = substeps;
     m_outcome.allSubsteps += substeps;
-    const int next = FindNext(island, part, substeps);
-    if (next > 0) island.StartAgain(part);
+    const int next = FindNext(system, island, substeps);
+    if (next > 0) system.StartAgain(island);
     return next;
   }
 
-  // After the last try.
-  IslandOutcome Finish(const Island<Real>& island, const Part& part) const {
-    for (std::size_t i = part.memberBegin; i < part.memberEnd; ++i) {
-      Member<Real>& member = *island.Members()[i];
+  // Call once after the last try: writes speed and acceleration of the members and copies the result to their states.
+  IslandOutcome Finish(const BodySystem<Real>& system, const Island& island) const {
+    for (std::size_t i = island.memberBegin; i < island.memberEnd; ++i) {
+      Member<Real>& member = *system.Members()[i];
       member.speed = std::sqrt(2 * member.after.kineticEnergy / member.blueprint->totalMass);
       member.acceleration =
           member.speed < kQuietSpeed
-              ? FindRmsOfDifference<Real>(island.PartOf(island.Velocities(), i), member.state->velocities) /
+              ? FindRmsOfDifference<Real>(system.SliceOf(system.Velocities(), i), member.state->velocities) /
                     m_rules.duration
               : std::numeric_limits<double>::infinity();
     }
-    island.Scatter(part);
+    system.Scatter(island);
     return m_outcome;
   }
 
  private:
-  // What has become of the bodies in a try that is not to count says nothing of them.
-  int FindNext(const Island<Real>& island, const Part& part, int substeps) {
+  // The error comes first: a try that misses it is thrown away, so the health it ended with says nothing.
+  int FindNext(const BodySystem<Real>& system, const Island& island, int substeps) {
     const int finer = m_redos++ < kMaxRedos ? FindFinerSubsteps(substeps) : 0;
-    if (finer > 0 || !FindBadMembers(island, part, m_checkEnergy)) return finer;
-    return m_rescues++ < kMaxRescues && !BlameThoseWhoBeganBad(island, part) ? 2 * substeps : 0;
+    if (finer > 0 || !FindBadMembers(system, island, m_checkEnergy)) return finer;
+    return m_rescues++ < kMaxRescues && !BlameMembersBadFromStart(system, island) ? 2 * substeps : 0;
   }
 
-  // More substeps for a tick that missed its error by far; 0 when none did, or none are to be had.
+  // The substeps for a tick that missed its error by far; 0 when none did or there are no more to be had.
   int FindFinerSubsteps(int substeps) const {
     int wanted = 0;
     for (const Member<Real>* member : m_members) {
-      if (!(member->error > kRedoFactor * m_rules.allowedError)) continue;  // nor what is no number: a case for health
+      if (!(member->error > kRedoFactor * m_rules.allowedError)) continue;  // false for NaN: left to health
       wanted = std::max(wanted, FindSubstepsForError(member->error, substeps, m_rules.allowedError));
     }
     wanted = std::min(wanted, m_rules.maxSubsteps);

@@ -1,69 +1,14 @@
+// The half of a pack that does not depend on its layout: its arrays, the forces from outside the sweep, contacts with
+// static surfaces and the error estimate.
 #include "server/physics/step/pack.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "server/physics/lanes/vertex_rows.h"
-#include "server/physics/methods/step_choice.h"
+#include "server/physics/step/lane_layout.h"
+#include "server/physics/step/row_layout.h"
 
 namespace wobble::physics {
-namespace {
-
-template <class Real>
-const SweepKernel<Real>& FindNarrowest(std::span<const SweepKernel<Real>> kernels, std::size_t lanes) {
-  return *std::find_if(kernels.begin(), kernels.end() - 1, [lanes](const SweepKernel<Real>& kernel) {
-    return static_cast<std::size_t>(kernel.width) >= lanes;
-  });
-}
-
-// From so many bodies on, lanes are faster than rows where a blueprint has both. Measured in float with AVX-512, ns a
-// vertex and step of a lattice of 64 vertices: 42 by rows; in lanes 104 alone, 83 with two, 42 with four, 21 with
-// eight, 15 with sixteen.
-constexpr std::size_t kFewestInLanes = 5;
-
-// Lanes that are turned into bodies' vectors, or these into them, at once.
-template <class Real>
-inline constexpr std::size_t kLanesAtOnce = sizeof(typename RowsOf<Real>::Lanes) / sizeof(Real);
-
-// from: so many bodies' numbers, of which x y z stand from `at` on, with a number behind that is left out. To
-// [x y z][lane], lanes `width` apart.
-template <class Real>
-inline __attribute__((always_inline)) void SpreadVertex(const Real* const* from, std::size_t at, Real* to,
-                                                        std::size_t width) {
-  typename RowsOf<Real>::Lanes rows[4];
-  for (std::size_t i = 0; i < 4; ++i) rows[i] = LoadRows(from[i] + at, from[(i + 4) % kLanesAtOnce<Real>] + at);
-  Transpose(rows);
-  for (std::size_t k = 0; k < 3; ++k) StoreLanes(rows[k], to + k * width);
-}
-
-// The other way round, for the first `count` of them. Something is left behind each.
-template <class Real>
-inline __attribute__((always_inline)) void CollectVertex(const Real* from, std::size_t width, std::size_t count,
-                                                         Real* const* to, std::size_t at) {
-  const auto z = LoadLanes(from + 2 * width);
-  typename RowsOf<Real>::Lanes rows[4] = {LoadLanes(from), LoadLanes(from + width), z, z};
-  Transpose(rows);
-  // One by one, since registers have no index.
-  [&]<std::size_t... I>(std::index_sequence<I...>) {
-    ((I < count ? StoreRow(FindRow(rows[I % 4], I >= 4), to[I] + at) : void()), ...);
-  }
-  (std::make_index_sequence<kLanesAtOnce<Real>>());
-}
-
-template <class Value>
-void Fetch(const std::vector<Value>& values) {
-  constexpr std::size_t kCacheLine = 64;
-  const auto* bytes = reinterpret_cast<const char*>(values.data());
-  for (std::size_t i = 0; i < values.size() * sizeof(Value); i += kCacheLine) __builtin_prefetch(bytes + i);
-}
-
-}  // namespace
-
-template <class Real>
-bool GoesByRows(const Blueprint& blueprint, std::size_t bodies) {
-  return blueprint.ReadGridPlan<Real>().rows > 0 && (blueprint.ReadPlan<Real>().isRare || bodies < kFewestInLanes);
-}
 
 template <class Real>
 void PackScratch<Real>::Reserve(std::size_t vertices) {
@@ -77,60 +22,27 @@ void PackScratch<Real>::Reserve(std::size_t vertices) {
   contacts.Reserve(kWidestPack * vertices);
 }
 
-template <class Real>
-Pack<Real>::Pack(const Island<Real>& island, std::span<const std::uint32_t> whose, bool byRows,
-                 std::span<const SweepKernel<Real>> kernels, PackScratch<Real>& scratch)
-    : m_island(island),
-      m_whose(whose),
-      m_body(island.Members()[whose[0]]->blueprint->template Read<Real>()),
-      m_plan(island.Members()[whose[0]]->blueprint->template ReadPlan<Real>()),
-      m_grid(island.Members()[whose[0]]->blueprint->template ReadGridPlan<Real>()),
-      m_byRows(byRows),
-      m_isCut(IsCut(*island.Members()[whose[0]])),
-      m_tables(m_plan.Tables()),
-      m_gridTables(m_grid.Tables(m_grid.coefficients)),
-      m_kernel(FindNarrowest(kernels, byRows ? m_grid.columns : whose.size())),
+template <class Real, class Layout>
+Pack<Real, Layout>::Pack(const PackBodies<Real>& bodies, std::span<const SweepKernel<Real>> kernels,
+                         PackScratch<Real>& scratch)
+    : m_bodies(bodies),
+      m_body(bodies.MemberIn(0).blueprint->template Read<Real>()),
+      m_layout(bodies, kernels),
       m_contactKernel(kernels.back().computeContacts),
       m_scratch(scratch),
-      m_width(byRows ? m_grid.width : static_cast<std::size_t>(m_kernel.width)) {
-  m_tables.isRare = m_tables.isRare || m_isCut;
+      m_width(m_layout.Width()) {
   LayOut();
   LoadBodies();
-  if (m_byRows) {
-    LoadRows();
-    LeaveTornOut();
-  } else {
-    LoadVertices();
-    m_kernel.computeVolume(m_tables, m_lanes);
-  }
+  m_layout.Load(m_scratch, m_whole, m_lanes);
   LoadContacts();
 }
 
-template <class Real>
-void Pack<Real>::LoadContacts() {
-  m_scratch.planes.Clear(m_body, m_scratch.hasOuter.size(), m_width);
-  m_scratch.contacts.Clear(m_body, m_width);
-  for (std::size_t lane = 0; lane < m_whose.size() && IsBulkLaw(m_body.contact.law); ++lane) {
-    Member& member = MemberIn(lane);
-    for (Contact<Real>& contact : member.state->contacts) {
-      const Surface<Real>& surface = member.surfaces[contact.surface];
-      const PackSeat seat = FindSeat(lane, contact.vertex);
-      if (surface.kind == Obstacle::Kind::kPlane) {
-        m_scratch.planes.Add(seat, surface, contact);
-      } else {
-        m_scratch.contacts.Add(seat, surface, contact);
-      }
-    }
-  }
-  m_scratch.planes.Close();
-  m_scratch.contacts.Close();
-}
-
-// One block for all arrays, each of them aligned.
-template <class Real>
-void Pack<Real>::LayOut() {
-  const std::size_t count = m_byRows ? m_grid.CountPlaces() : m_tables.count;
-  const std::size_t pending = m_byRows ? (m_grid.pendingSize + m_width - 1) / m_width : 3 * (m_tables.pendingMask + 1);
+// All arrays stand in one block, each aligned to a line of the cache.
+template <class Real, class Layout>
+void Pack<Real, Layout>::LayOut() {
+  const std::size_t count = m_layout.CountPlaces();
+  const std::size_t pending = m_layout.CountPending();
+  const std::size_t whole = m_layout.CountWhole();
   const std::pair<Real**, std::size_t> arrays[] = {// and how many vectors each holds
                                                    {&m_lanes.state, 6 * count},
                                                    {&m_lanes.stage, 6 * count},
@@ -140,7 +52,7 @@ void Pack<Real>::LayOut() {
                                                    {&m_lanes.pending, pending},
                                                    {&m_acceleration, 3},
                                                    {&m_wind, 3},
-                                                   {&m_whole, HasWhole() ? m_plan.arcs.size() : 0},
+                                                   {&m_whole, whole},
                                                    {&m_gas, 1},
                                                    {&m_stiffnessFactors, 1},
                                                    {&m_lanes.sixVolume, 1},
@@ -161,7 +73,7 @@ void Pack<Real>::LayOut() {
   std::fill_n(m_lanes.pending, pending * m_width, Real(0));
   m_lanes.acceleration = m_acceleration;
   m_lanes.wind = m_wind;
-  m_lanes.whole = HasWhole() ? m_whole : nullptr;
+  m_lanes.whole = whole > 0 ? m_whole : nullptr;
   m_lanes.gas = m_gas;
   m_lanes.stiffnessFactors = m_stiffnessFactors;
   m_scratch.hasOuter.assign(count, 0);
@@ -172,138 +84,47 @@ void Pack<Real>::LayOut() {
   }
 }
 
-// Lanes to spare repeat the first body: they cost nothing more, and numbers that are none would.
-template <class Real>
-void Pack<Real>::LoadBodies() {
+template <class Real, class Layout>
+void Pack<Real, Layout>::LoadBodies() {
   for (std::size_t lane = 0; lane < m_width; ++lane) {
-    const Load<Real>& load = MemberIn(lane < m_whose.size() ? lane : 0).load;
+    const Load<Real>& load = m_bodies.MemberOrFirst(lane).load;
     for (std::size_t k = 0; k < 3; ++k) m_acceleration[k * m_width + lane] = load.acceleration[static_cast<int>(k)];
     for (std::size_t k = 0; k < 3; ++k) m_wind[k * m_width + lane] = load.wind[static_cast<int>(k)];
-    for (std::size_t i = 0; HasWhole() && i < m_plan.springs.size(); ++i) {
-      m_whole[i * m_width + lane] = Real(load.torn.empty() || load.torn[m_plan.springs[i]] == 0 ? 1 : 0);
-    }
     m_gas[lane] = load.gasFactor * m_body.gas;
     m_stiffnessFactors[lane] = load.stiffnessFactor;
   }
 }
 
-// Vertex by vertex through all bodies, a block of lanes at a time: body by body would go through the whole pack once
-// for each. Of the last vertex there is no number behind.
-template <class Real>
-void Pack<Real>::LoadVertices() {
-  std::array<const Real*, kWidestPack> x{};
-  std::array<const Real*, kWidestPack> v{};
-  for (std::size_t lane = 0; lane < m_width; ++lane) {
-    const State<Real>& state = *MemberIn(lane < m_whose.size() ? lane : 0).state;
-    // So many side by side are more than a processor sees coming, one behind the other it does.
-    Fetch(state.positions);
-    Fetch(state.velocities);
-    x[lane] = state.positions.data()->data();
-    v[lane] = state.velocities.data()->data();
-  }
-  const std::size_t last = m_tables.count - 1;
-  const std::size_t inBlocks = m_width - m_width % kLanesAtOnce<Real>;
-  Real* to = m_lanes.state;
-  for (std::size_t place = 0; place <= last; ++place, to += 6 * m_width) {
-    const std::size_t vertex = m_plan.vertices[place];
-    const std::size_t blocks = vertex == last ? 0 : inBlocks;
-    for (std::size_t lane = 0; lane < blocks; lane += kLanesAtOnce<Real>) {
-      SpreadVertex(&x[lane], 3 * vertex, to + lane, m_width);
-      SpreadVertex(&v[lane], 3 * vertex, to + 3 * m_width + lane, m_width);
-    }
-    for (std::size_t lane = blocks; lane < m_width; ++lane) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        to[k * m_width + lane] = x[lane][3 * vertex + k];
-        to[(k + 3) * m_width + lane] = v[lane][3 * vertex + k];
+template <class Real, class Layout>
+void Pack<Real, Layout>::LoadContacts() {
+  m_scratch.planes.Clear(m_body, m_scratch.hasOuter.size(), m_width);
+  m_scratch.contacts.Clear(m_body, m_width);
+  for (std::size_t lane = 0; lane < m_bodies.whose.size() && HasContactKernel(m_body.contact.law); ++lane) {
+    Member& member = m_bodies.MemberIn(lane);
+    for (Contact<Real>& contact : member.state->contacts) {
+      const Surface<Real>& surface = member.surfaces[contact.surface];
+      const PackSeat seat = m_layout.FindSeat(lane, contact.vertex);
+      if (surface.kind == Obstacle::Kind::kPlane) {
+        m_scratch.planes.Add(seat, surface, contact);
+      } else {
+        m_scratch.contacts.Add(seat, surface, contact);
       }
     }
   }
+  m_scratch.planes.Close();
+  m_scratch.contacts.Close();
 }
 
-// All that a sweep may look at beyond the vertices is 0.
-template <class Real>
-void Pack<Real>::LoadRows() {
-  const State<Real>& state = *MemberIn(0).state;
-  const std::size_t columns = m_grid.columns;
-  Real* row = m_lanes.state;
-  for (std::size_t vertex = 0; vertex < m_body.masses.size(); row += 6 * m_width) {
-    for (std::size_t column = 0; column < columns; ++column, ++vertex) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        row[k * m_width + column] = state.positions[vertex][static_cast<int>(k)];
-        row[(k + 3) * m_width + column] = state.velocities[vertex][static_cast<int>(k)];
-      }
-    }
-  }
-  for (Real* array : {m_lanes.state, m_lanes.stage, m_lanes.nextStage}) {
-    for (std::size_t i = 0; i < 6 * m_grid.rows; ++i) {
-      std::fill_n(array + i * m_width + columns, m_width - columns, Real(0));
-    }
-    std::fill_n(array + 6 * m_grid.rows * m_width, 6 * m_width, Real(0));
-  }
-}
-
-template <class Real>
-void Pack<Real>::LeaveTornOut() {
-  const std::span<const std::uint8_t> torn = MemberIn(0).load.torn;
-  if (std::all_of(torn.begin(), torn.end(), [](std::uint8_t each) { return each == 0; })) return;
-  RemoveTorn(m_grid, m_body, torn, m_scratch.tornRows);
-  m_gridTables = m_grid.Tables(m_scratch.tornRows);
-}
-
-template <class Real>
-void Pack<Real>::CopyRowsToIsland(int stage) const {
-  Vector3<Real>* x = m_island.PartOf(m_island.Positions(), m_whose[0]).data();
-  Vector3<Real>* v = m_island.PartOf(m_island.Velocities(), m_whose[0]).data();
-  const Real* row = NumbersOf(stage);
-  for (std::size_t vertex = 0; vertex < m_body.masses.size(); row += 6 * m_width) {
-    for (std::size_t column = 0; column < m_grid.columns; ++column, ++vertex) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        x[vertex][static_cast<int>(k)] = row[k * m_width + column];
-        v[vertex][static_cast<int>(k)] = row[(k + 3) * m_width + column];
-      }
-    }
-  }
-}
-
-// As it was filled, but in the order of vertices: what is put behind one is overwritten by the next, and the last has
-// nothing behind that is this body's.
-template <class Real>
-void Pack<Real>::CopyToIsland(int stage) const {
-  if (m_byRows) return CopyRowsToIsland(stage);
-  std::array<Real*, kWidestPack> x{};
-  std::array<Real*, kWidestPack> v{};
-  const std::size_t bodies = m_whose.size();
-  for (std::size_t lane = 0; lane < bodies; ++lane) {
-    x[lane] = m_island.PartOf(m_island.Positions(), m_whose[lane]).data()->data();
-    v[lane] = m_island.PartOf(m_island.Velocities(), m_whose[lane]).data()->data();
-  }
-  const Real* const numbers = NumbersOf(stage);
-  const std::size_t last = m_tables.count - 1;
-  const std::size_t inBlocks = m_width - m_width % kLanesAtOnce<Real>;
-  for (std::size_t vertex = 0; vertex <= last; ++vertex) {
-    const Real* const from = numbers + 6 * m_plan.places[vertex] * m_width;
-    const std::size_t blocks = vertex == last ? 0 : std::min(inBlocks, bodies);
-    for (std::size_t lane = 0; lane < blocks; lane += kLanesAtOnce<Real>) {
-      CollectVertex(from + lane, m_width, bodies - lane, &x[lane], 3 * vertex);
-      CollectVertex(from + 3 * m_width + lane, m_width, bodies - lane, &v[lane], 3 * vertex);
-    }
-    for (std::size_t lane = blocks; lane < bodies; ++lane) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        x[lane][3 * vertex + k] = from[k * m_width + lane];
-        v[lane][3 * vertex + k] = from[(k + 3) * m_width + lane];
-      }
-    }
-  }
-}
-
-template <class Real>
-void Pack<Real>::BeginStage(int stage) {
+template <class Real, class Layout>
+void Pack<Real, Layout>::BeginStage(int stage) {
   const Real* from = NumbersOf(stage);
   for (const std::uint32_t place : m_scratch.outerPlaces) m_scratch.hasOuter[place] = 0;
   m_scratch.outerPlaces.clear();
-  for (std::size_t lane = 0; lane < m_whose.size(); ++lane) {
-    for (const VertexForce<Real>& push : MemberIn(lane).load.pushes) AddOuterForce(lane, push.vertex, push.force);
-    if (!IsBulkLaw(m_body.contact.law)) AddUnbulkedForces(lane, from);
+  for (std::size_t lane = 0; lane < m_bodies.whose.size(); ++lane) {
+    for (const VertexForce<Real>& push : m_bodies.MemberIn(lane).load.pushes) {
+      AddOuterForce(lane, push.vertex, push.force);
+    }
+    if (!HasContactKernel(m_body.contact.law)) AddPlainContactForces(lane, from);
   }
   AddPlaneForces(from);
   if (m_scratch.contacts.IsEmpty()) return;
@@ -311,20 +132,21 @@ void Pack<Real>::BeginStage(int stage) {
                                 [this](const PackSeat& seat, const Vector3<Real>& force) { AddToSeat(seat, force); });
 }
 
-template <class Real>
-void Pack<Real>::AddPlaneForces(const Real* from) {
+template <class Real, class Layout>
+void Pack<Real, Layout>::AddPlaneForces(const Real* from) {
   if (m_scratch.planes.IsEmpty()) return;
   std::vector<std::uint32_t>& places = m_scratch.outerPlaces;
-  OuterLanes<Real> outer{m_outer, m_scratch.hasOuter.data(), nullptr, static_cast<std::uint32_t>(places.size())};
+  OuterLanes<Real> outer{
+      .forces = m_outer, .hasForce = m_scratch.hasOuter.data(), .count = static_cast<std::uint32_t>(places.size())};
   places.resize(m_scratch.hasOuter.size());
   outer.places = places.data();
-  m_scratch.planes.AddForces(from, m_kernel.planes, outer);
+  m_scratch.planes.AddForces(from, m_layout.Kernel().planes, outer);
   places.resize(outer.count);
 }
 
-template <class Real>
-void Pack<Real>::AddUnbulkedForces(std::size_t lane, const Real* from) {
-  const Member& member = MemberIn(lane);
+template <class Real, class Layout>
+void Pack<Real, Layout>::AddPlainContactForces(std::size_t lane, const Real* from) {
+  const Member& member = m_bodies.MemberIn(lane);
   const std::vector<Contact<Real>>& contacts = member.state->contacts;
   for (const Contact<Real>& contact : contacts) {
     CopyVertex(contact.vertex, lane, from);
@@ -339,36 +161,32 @@ void Pack<Real>::AddUnbulkedForces(std::size_t lane, const Real* from) {
   }
 }
 
-template <class Real>
-void Pack<Real>::Sweep(int stage, Real h) {
+template <class Real, class Layout>
+void Pack<Real, Layout>::Sweep(int stage, Real h) {
   m_lanes.outer = m_scratch.outerPlaces.empty() ? nullptr : m_outer;
-  if (m_byRows) {
-    m_kernel.gridStages[stage](m_gridTables, m_lanes, h);
-  } else {
-    m_kernel.stages[stage](m_tables, m_lanes, h);
-  }
+  m_layout.Sweep(stage, h, m_lanes);
 }
 
-template <class Real>
-void Pack<Real>::EndStep(double step, double timeLeft, bool isFirst) {
+template <class Real, class Layout>
+void Pack<Real, Layout>::EndStep(double step, double timeLeft, bool isFirst) {
   if (!isFirst) AddErrors(m_lanes.accelerationErrors, step / 6 * timeLeft);
   AddErrors(m_lanes.velocityErrors, step / 6);
   UpdateAllAnchors();
 }
 
-template <class Real>
-void Pack<Real>::EndTry() const {
-  CopyToIsland(0);
+template <class Real, class Layout>
+void Pack<Real, Layout>::EndTry() const {
+  CopyToSystem(0);
   m_scratch.planes.WriteBack();
   m_scratch.contacts.WriteBack();
-  for (std::size_t lane = 0; lane < m_whose.size(); ++lane) {
-    MemberIn(lane).insideOut = m_tables.hasGas && !(m_lanes.sixVolume[lane] > Real(0));
+  for (std::size_t lane = 0; lane < m_bodies.whose.size(); ++lane) {
+    m_bodies.MemberIn(lane).insideOut = m_layout.IsInsideOut(m_lanes, lane);
   }
 }
 
-template <class Real>
-void Pack<Real>::CopyVertex(std::size_t vertex, std::size_t lane, const Real* from) {
-  const PackSeat seat = FindSeat(lane, vertex);
+template <class Real, class Layout>
+void Pack<Real, Layout>::CopyVertex(std::size_t vertex, std::size_t lane, const Real* from) {
+  const PackSeat seat = m_layout.FindSeat(lane, vertex);
   const Real* numbers = from + 6 * seat.place * m_width + seat.lane;
   for (std::size_t k = 0; k < 3; ++k) {
     m_scratch.positions[vertex][static_cast<int>(k)] = numbers[k * m_width];
@@ -376,31 +194,31 @@ void Pack<Real>::CopyVertex(std::size_t vertex, std::size_t lane, const Real* fr
   }
 }
 
-// sums: of squares over a body's vertices.
-template <class Real>
-void Pack<Real>::AddErrors(const Real* sums, double weight) {
-  for (std::size_t lane = 0; lane < m_whose.size(); ++lane) {
-    MemberIn(lane).error += weight * std::sqrt(double{sums[lane]} / static_cast<double>(m_body.masses.size()));
+// sums: of squares over a body's vertices. The formula is step_choice.h's.
+template <class Real, class Layout>
+void Pack<Real, Layout>::AddErrors(const Real* sums, double weight) {
+  for (std::size_t lane = 0; lane < m_bodies.whose.size(); ++lane) {
+    m_bodies.MemberIn(lane).error += weight * std::sqrt(double{sums[lane]} / static_cast<double>(m_body.masses.size()));
   }
 }
 
-template <class Real>
-void Pack<Real>::UpdateAllAnchors() {
-  if (!m_scratch.planes.IsEmpty()) m_scratch.planes.Update(m_lanes.state, m_kernel.planes);
+template <class Real, class Layout>
+void Pack<Real, Layout>::UpdateAllAnchors() {
+  if (!m_scratch.planes.IsEmpty()) m_scratch.planes.Update(m_lanes.state, m_layout.Kernel().planes);
   if (!m_scratch.contacts.IsEmpty()) m_scratch.contacts.Update(m_lanes.state);
-  if (IsBulkLaw(m_body.contact.law)) return;
-  for (std::size_t lane = 0; lane < m_whose.size(); ++lane) {
-    const Member& member = MemberIn(lane);
+  if (HasContactKernel(m_body.contact.law)) return;
+  for (std::size_t lane = 0; lane < m_bodies.whose.size(); ++lane) {
+    const Member& member = m_bodies.MemberIn(lane);
     for (const Contact<Real>& contact : member.state->contacts) CopyVertex(contact.vertex, lane, m_lanes.state);
     UpdateAnchors<Real>(m_body.contact, member.surfaces, member.state->contacts, m_scratch.positions);
   }
 }
 
-template bool GoesByRows<float>(const Blueprint&, std::size_t);
-template bool GoesByRows<double>(const Blueprint&, std::size_t);
 template struct PackScratch<float>;
 template struct PackScratch<double>;
-template class Pack<float>;
-template class Pack<double>;
+template class Pack<float, LaneLayout<float>>;
+template class Pack<double, LaneLayout<double>>;
+template class Pack<float, RowLayout<float>>;
+template class Pack<double, RowLayout<double>>;
 
 }  // namespace wobble::physics

@@ -1,12 +1,25 @@
-// Bodies of one blueprint side by side, a lane each, for the sweeps of lanes/sweep.h.
+// A pack: bodies of one blueprint that are stepped by one sweep of vector instructions (lanes/sweep.h).
 //
-// The bodies' own states stay as they are, one vertex behind the other: a pack is filled from them for a try of a tick
-// and read back after it, which costs a few nanoseconds a vertex and leaves nothing to be kept in step when bodies
-// wake, touch or change. Forces from outside the sweep (contacts, pushes) are found before each stage, at its
-// positions, and wait for it in an array of their own. What a body does depends on nothing that the others of its pack
-// do.
+// The bodies' own states stay as they are, one vertex after the other: a pack is filled from them for a try of a tick
+// and read back after it. That costs a few nanoseconds a vertex and leaves nothing to keep consistent when bodies wake,
+// touch or change. Forces from outside the sweep (contacts, pushes) are found before each stage, at its positions, and
+// wait for it in an array of their own. What a body does depends on nothing that the others of its pack do.
 //
-// A body that stands in a grid and is one of few fills a pack by itself, row by row (lanes/grid.h).
+// How the numbers of the bodies lie in the lanes is the business of a layout, of which there are two: LaneLayout
+// (lane_layout.h) has one body a lane, RowLayout (row_layout.h) a single body by the rows of its grid. The rest is the
+// same for both and stands here, compiled for each: the layout is chosen when the pack is made, so that nothing in a
+// stage asks for it. A Layout offers
+//   Layout(const PackBodies<Real>&, kernels)
+//   const SweepKernel<Real>& Kernel()
+//   std::size_t Width()                    lanes of every vector
+//   std::size_t CountPlaces()              places that each array of vertices has
+//   std::size_t CountPending()             vectors of SweepLanes::pending
+//   std::size_t CountWhole()               vectors of SweepLanes::whole; 0: it has none
+//   PackSeat FindSeat(lane, vertex)        where a vertex of the pack's body `lane` lies
+//   void Load(scratch, whole, lanes)       fills lanes.state from the bodies' states and `whole` from what has torn
+//   void Sweep(stage, h, lanes)            one stage of a step of h s
+//   void CopyToSystem(numbers)             [place][x y z vx vy vz][lane] to the arrays of the bodies' system
+//   bool IsInsideOut(lanes, lane)          whether the body's gas has no volume left
 #pragma once
 
 #include <algorithm>
@@ -15,72 +28,79 @@
 #include <vector>
 
 #include "server/physics/lanes/kernels.h"
-#include "server/physics/step/island.h"
+#include "server/physics/step/body_system.h"
 #include "server/physics/step/pack_contacts.h"
 #include "server/physics/step/pack_planes.h"
 
 namespace wobble::physics {
 
-// Reused from pack to pack.
+// The bodies of a pack, all of one blueprint: members of a system, by their places there.
+template <class Real>
+struct PackBodies {
+  const BodySystem<Real>& system;
+  std::span<const std::uint32_t> whose;
+
+  [[nodiscard]] Member<Real>& MemberIn(std::size_t lane) const { return *system.Members()[whose[lane]]; }
+  // Unused lanes repeat the first body: that costs nothing, while numbers that are not finite would be slow.
+  [[nodiscard]] Member<Real>& MemberOrFirst(std::size_t lane) const { return MemberIn(lane < whose.size() ? lane : 0); }
+};
+
+// The arrays of a pack. Reused from pack to pack to save allocations; one pack uses it at a time.
 template <class Real>
 struct PackScratch {
   struct alignas(64) Line {
     std::array<std::byte, 64> bytes;
   };
-  std::vector<Line> lines;                 // all that the sweep works on
-  std::vector<std::uint8_t> hasOuter;      // SweepLanes
-  std::vector<std::uint32_t> outerPlaces;  // those
-  GridRows<Real> tornRows;                 // of a body by rows that has torn
-  // Of one body, with what contacts read and write.
+  std::vector<Line> lines;                 // all arrays that the sweep works on
+  std::vector<std::uint8_t> hasOuter;      // SweepLanes::hasOuter
+  std::vector<std::uint32_t> outerPlaces;  // the places where hasOuter is set
+  GridRows<Real> tornRows;                 // RowLayout: coefficients of a body that has torn
+  // Of one body: read and written by the laws that have no kernel (HasContactKernel).
   std::vector<Vector3<Real>> positions;
   std::vector<Vector3<Real>> velocities;
   std::vector<Vector3<Real>> forces;
   PackPlanes<Real> planes;
   PackContacts<Real> contacts;
 
-  // For a pack of bodies of so many vertices.
+  // Makes room for a pack of bodies with so many vertices each.
   void Reserve(std::size_t vertices);
 };
 
-// Whether a body of this kind, of so many together, is stepped by itself, row by row, rather than in a lane of a pack.
-// It comes to the same bits, but for rare terms (lanes/rare_terms.h), which add up in another order: a kind that has
-// some goes one way always.
+// The kernel with the fewest lanes that has at least so many; the widest where none has. kernels: ascending by width.
 template <class Real>
-[[nodiscard]] bool GoesByRows(const Blueprint& blueprint, std::size_t bodies);
-
-// Whether springs of the body have torn that by its blueprint cannot. The sweep of rare terms leaves them out, which is
-// not the one that others of its kind go through.
-template <class Real>
-[[nodiscard]] bool IsCut(const Member<Real>& member) {
-  return !member.load.torn.empty() && !member.blueprint->template ReadPlan<Real>().tears;
+[[nodiscard]] const SweepKernel<Real>& FindNarrowest(std::span<const SweepKernel<Real>> kernels, std::size_t lanes) {
+  return *std::find_if(kernels.begin(), kernels.end() - 1, [lanes](const SweepKernel<Real>& kernel) {
+    return static_cast<std::size_t>(kernel.width) >= lanes;
+  });
 }
 
-template <class Real>
+template <class Real, class Layout>
 class Pack {
  public:
-  // whose: members of the island, by their places there, all of one blueprint and all cut or none; at most as many as
-  // the widest kernel has lanes, and by rows one. Filled from their states.
-  Pack(const Island<Real>& island, std::span<const std::uint32_t> whose, bool byRows,
-       std::span<const SweepKernel<Real>> kernels, PackScratch<Real>& scratch);
+  // Fills the pack from the bodies' states. kernels: ascending by width.
+  Pack(const PackBodies<Real>& bodies, std::span<const SweepKernel<Real>> kernels, PackScratch<Real>& scratch);
 
-  // The four stages of a step of h s, each in two parts: first the forces of what stands still and of pushes, to which
-  // others may be added, then the sweep.
+  // A stage, 0 to 3, of a step of h s has two halves. BeginStage computes the forces of static surfaces and of pushes
+  // at the stage's positions; AddOuterForce may add others, N, on a vertex of the body in `lane`; Sweep computes the
+  // rest and writes the next stage's positions.
   void BeginStage(int stage);
-  // Of BeginStage's positions; vertex: of the body that is whose[lane].
   void AddOuterForce(std::size_t lane, std::size_t vertex, const Vector3<Real>& force) {
-    AddToSeat(FindSeat(lane, vertex), force);
+    AddToSeat(m_layout.FindSeat(lane, vertex), force);
   }
   void Sweep(int stage, Real h);
-  // After the fourth: static contacts follow. timeLeft: of the tick, s, when the step began. isFirst: of the tick.
+  // After stage 3: adds the step's share to the members' errors and updates the contacts with static surfaces.
+  // step: s; timeLeft: of the tick when the step began, s; isFirst: this is the tick's first step.
   void EndStep(double step, double timeLeft, bool isFirst);
 
-  // After the last step: everything to the island's arrays and members.
+  // After the last step: writes positions and velocities to the system's arrays, contacts to the members' lists, and
+  // Member::insideOut.
   void EndTry() const;
 
-  // Positions and velocities at which `stage` will be swept to the island's arrays; after the fourth: stage 0.
-  void CopyToIsland(int stage) const;
+  // Copies the positions and velocities at which `stage` will be computed to the system's arrays. After stage 3 those
+  // of stage 0 are the next step's.
+  void CopyToSystem(int stage) const { m_layout.CopyToSystem(NumbersOf(stage)); }
 
-  [[nodiscard]] std::span<const std::uint32_t> Whose() const { return m_whose; }
+  [[nodiscard]] const PackBodies<Real>& Bodies() const { return m_bodies; }
 
  private:
   using Member = physics::Member<Real>;
@@ -88,12 +108,8 @@ class Pack {
   void LayOut();
   void LoadBodies();
   void LoadContacts();
-  void LoadVertices();
-  void LoadRows();
-  void LeaveTornOut();
-  void CopyRowsToIsland(int stage) const;
   void AddPlaneForces(const Real* from);
-  void AddUnbulkedForces(std::size_t lane, const Real* from);
+  void AddPlainContactForces(std::size_t lane, const Real* from);
   void AddToSeat(const PackSeat& seat, const Vector3<Real>& force) {
     Real* at = m_outer + 3 * seat.place * m_width;
     if (m_scratch.hasOuter[seat.place] == 0) {
@@ -107,29 +123,16 @@ class Pack {
   void AddErrors(const Real* sums, double weight);
   void UpdateAllAnchors();
 
-  [[nodiscard]] Member& MemberIn(std::size_t lane) const { return *m_island.Members()[m_whose[lane]]; }
-  // Rows leave out what has torn.
-  [[nodiscard]] bool HasWhole() const { return (m_plan.tears || m_isCut) && !m_byRows; }
-  [[nodiscard]] PackSeat FindSeat(std::size_t lane, std::size_t vertex) const {
-    if (m_byRows) return {m_grid.RowOf(vertex), m_grid.ColumnOf(vertex)};
-    return {m_plan.places[vertex], static_cast<std::uint32_t>(lane)};
-  }
   [[nodiscard]] const Real* NumbersOf(int stage) const { return stage == 0 ? m_lanes.state : m_lanes.stage; }
 
-  const Island<Real>& m_island;
-  std::span<const std::uint32_t> m_whose;
+  PackBodies<Real> m_bodies;
   const Coefficients<Real>& m_body;
-  const SweepPlan<Real>& m_plan;
-  const GridPlan<Real>& m_grid;
-  bool m_byRows;  // places are rows then, and lanes columns
-  bool m_isCut;
-  SweepTables<Real> m_tables;
-  GridTables<Real> m_gridTables;
-  const SweepKernel<Real>& m_kernel;
+  Layout m_layout;
   ContactKernel<Real> m_contactKernel;
   PackScratch<Real>& m_scratch;
   std::size_t m_width;
   SweepLanes<Real> m_lanes;
+  // The arrays that m_lanes shows the sweep as constant.
   Real* m_outer = nullptr;
   Real* m_acceleration = nullptr;
   Real* m_wind = nullptr;

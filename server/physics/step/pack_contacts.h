@@ -1,6 +1,6 @@
-// Contacts of a pack's bodies with what stands still, in one list for all of them, so that their forces come as many at
-// a time as a vector has lanes. While a pack is stepped its contacts live here alone; the members' own lists hear of it
-// at the end. Contacts with planes are not among them (pack_planes.h).
+// Contacts of a pack's bodies with static surfaces other than planes (those are in pack_planes.h), in one list for all
+// bodies, so that a kernel computes as many at a time as a vector has lanes. While a pack is stepped, the current state
+// of its contacts is here; WriteBack copies it to the members' own lists at the end.
 #pragma once
 
 #include <array>
@@ -8,30 +8,32 @@
 #include <vector>
 
 #include "server/physics/lanes/contact_lanes.h"
-#include "server/physics/step/island_step.h"
+#include "server/physics/step/member.h"
 #include "server/physics/step/pack_planes.h"
 
 namespace wobble::physics {
 
-// Whether the bulk computes this law; the others go through AddContacts.
-[[nodiscard]] inline bool IsBulkLaw(ContactLaw law) { return law == ContactLaw::kPenalty; }
+// Whether kernels compute this contact law. The others go through AddContacts of contact/contact.h.
+[[nodiscard]] inline bool HasContactKernel(ContactLaw law) { return law == ContactLaw::kPenalty; }
 
 template <class Real>
 class PackContacts {
  public:
-  // Room for so many contacts.
+  // Makes room for so many contacts.
   void Reserve(std::size_t contacts);
-  // No contacts, of bodies of this kind in a pack of so many lanes.
+  // Begins a new list, empty, for bodies with these coefficients in a pack of so many lanes.
   void Clear(const Coefficients<Real>& body, std::size_t width);
+  // surface and contact must live until WriteBack.
   void Add(const PackSeat& seat, const Surface<Real>& surface, Contact<Real>& contact) {
     m_entries.push_back({seat, &contact, &surface});
   }
-  // After the last Add.
+  // Call after the last Add.
   void Close();
 
   [[nodiscard]] bool IsEmpty() const { return m_entries.empty(); }
 
-  // state: [place][x y z vx vy vz][lane]. Calls add(seat, force) for those that push.
+  // Computes the forces at state, [place][x y z vx vy vz][lane], and calls add(seat, force in N) for the contacts whose
+  // vertex is below its surface.
   template <class Add>
   void FindForces(const Real* state, ContactKernel<Real> kernel, const Add& add) {
     if (!m_isRead) ReadPoints(state);
@@ -43,13 +45,14 @@ class PackContacts {
     }
   }
 
-  // After a substep: as UpdateAnchors. The next FindForces is taken to be at the same state.
+  // Updates the anchors after a substep to `state`, as UpdateAnchors of contact/contact.h does. The next FindForces
+  // must be at the same state, since it reuses the points.
   void Update(const Real* state);
-  // To the members' own lists.
+  // Copies the contacts to the members' own lists.
   void WriteBack() const;
 
  private:
-  // Rows of m_numbers; the next two of those with three axes belong to them.
+  // Rows of m_numbers. kX, kV, kNormal, kAnchor and kForce are the first of three rows, one an axis.
   enum Number : std::size_t {
     kX = 0,
     kV = 3,
@@ -85,8 +88,8 @@ class PackContacts {
   std::size_t m_width = 0;
   std::vector<Entry> m_entries;
   std::vector<Line> m_numbers;  // [number][contact]
-  std::size_t m_capacity = 0;   // contacts a row has room for, whole lines
-  bool m_isRead = false;        // points are those of the state that comes next
+  std::size_t m_capacity = 0;   // contacts that a row has room for: whole lines
+  bool m_isRead = false;        // the points are those of the state that FindForces will be given
 };
 
 }  // namespace wobble::physics

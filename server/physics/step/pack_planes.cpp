@@ -1,3 +1,5 @@
+// A slot is a place and a plane that any body of the pack may touch there; it has a number for every lane. Lanes
+// without that contact get an offset far below, so that the kernel needs no mask.
 #include "server/physics/step/pack_planes.h"
 
 #include <algorithm>
@@ -5,11 +7,11 @@
 namespace wobble::physics {
 namespace {
 
-// Numbers that a slot has for each lane.
+// Numbers of a slot for each lane: offset, share, stick and three of the anchor.
 constexpr std::size_t kNumbers = 6;
-// Planes that a body touches at once, as a rule; more make lists grow.
+// Planes that a body usually touches at once. With more the lists grow, which allocates.
 constexpr std::size_t kLikelyPlanes = 2;
-// m below every place; its square is still a number.
+// Offset of a plane that no vertex reaches, m; its square is still finite in float.
 constexpr float kFarBelow = -1e15F;
 
 }  // namespace
@@ -54,7 +56,8 @@ std::uint32_t PackPlanes<Real>::FindSlot(std::uint32_t place, std::uint32_t surf
 
 template <class Real>
 void PackPlanes<Real>::Add(const PackSeat& seat, const Surface<Real>& plane, Contact<Real>& contact) {
-  m_entries.push_back({FindSlot(seat.place, contact.surface, plane), seat.lane, &plane, &contact});
+  m_entries.push_back(
+      {.slot = FindSlot(seat.place, contact.surface, plane), .lane = seat.lane, .plane = &plane, .contact = &contact});
 }
 
 template <class Real>
@@ -94,13 +97,13 @@ template <class Real>
 PlaneLanes<Real> PackPlanes<Real>::Lanes() const {
   const std::size_t count = m_slots.size() * m_width;
   Real* const numbers = reinterpret_cast<Real*>(m_numbers.data());
-  return {static_cast<std::uint32_t>(m_slots.size()),
-          static_cast<std::uint32_t>(m_width),
-          m_slots.data(),
-          numbers,
-          numbers + count,
-          numbers + 2 * count,
-          numbers + 3 * count};
+  return {.count = static_cast<std::uint32_t>(m_slots.size()),
+          .width = static_cast<std::uint32_t>(m_width),
+          .slots = m_slots.data(),
+          .offsets = numbers,
+          .shares = numbers + count,
+          .sticks = numbers + 2 * count,
+          .anchors = numbers + 3 * count};
 }
 
 template class PackPlanes<float>;

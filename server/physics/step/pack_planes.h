@@ -1,53 +1,57 @@
-// Contacts of a pack's bodies with planes, in the pack's own lanes (lanes/plane_lanes.h). While the pack is stepped
-// they live here alone; the members' own lists hear of it at the end.
+// Contacts of a pack's bodies with planes, in the pack's own lanes (lanes/plane_lanes.h). While the pack is stepped,
+// the current state of its contacts is here; WriteBack copies it to the members' own lists at the end.
 //
-// A list of contacts that are gathered, as for other surfaces (pack_contacts.h), was three times as dear for bodies
-// that lie alike, and no cheaper for bodies that lie each in its own way.
+// Gathering them into a list, as for other surfaces (pack_contacts.h), took three times as long for bodies that touch
+// the plane with the same vertices, and no less time for bodies that touch it each with others.
 #pragma once
 
 #include <array>
 #include <vector>
 
 #include "server/physics/lanes/plane_lanes.h"
-#include "server/physics/step/island_step.h"
+#include "server/physics/step/member.h"
 
 namespace wobble::physics {
 
-// Where a pack has a vertex.
+// Where a pack keeps a vertex of one of its bodies.
 struct PackSeat {
   std::uint32_t place = 0;
   std::uint32_t lane = 0;
 };
 
+// The parameters of the penalty law as kernels take them.
 template <class Real>
 [[nodiscard]] PenaltyLaw<Real> ReadLaw(const ContactParameters<Real>& parameters) {
-  return {parameters.stiffness, parameters.fadeDepth, Real(1) / parameters.fadeDepth, parameters.damping,
-          parameters.stickDamping};
+  return {.stiffness = parameters.stiffness,
+          .fadeDepth = parameters.fadeDepth,
+          .perFadeDepth = Real(1) / parameters.fadeDepth,
+          .damping = parameters.damping,
+          .stickDamping = parameters.stickDamping};
 }
 
 template <class Real>
 class PackPlanes {
  public:
-  // For packs of bodies of so many vertices.
+  // Makes room for packs of bodies with so many vertices each.
   void Reserve(std::size_t vertices);
-  // No contacts, of bodies of this kind in a pack of so many places and lanes.
+  // Begins anew without contacts, for bodies with these coefficients in a pack of so many places and lanes.
   void Clear(const Coefficients<Real>& body, std::size_t places, std::size_t width);
-  // One with a plane.
+  // Adds a contact with a plane. Both must live until WriteBack.
   void Add(const PackSeat& seat, const Surface<Real>& plane, Contact<Real>& contact);
-  // After the last Add.
+  // Call after the last Add.
   void Close();
 
   [[nodiscard]] bool IsEmpty() const { return m_entries.empty(); }
 
-  // state: [place][x y z vx vy vz][lane]
+  // Adds the forces at state, [place][x y z vx vy vz][lane], to `outer`.
   void AddForces(const Real* state, const PlaneKernel<Real>& kernel, OuterLanes<Real>& outer) {
     kernel.addForces(ReadLaw(m_body->contact), Lanes(), state, outer);
   }
-  // After a substep: as UpdateAnchors.
+  // Updates the anchors after a substep to `state`, as UpdateAnchors of contact/contact.h does.
   void Update(const Real* state, const PlaneKernel<Real>& kernel) {
     kernel.dragAnchors(ReadLaw(m_body->contact), m_body->contact.stickStiffness, Lanes(), state);
   }
-  // To the members' own lists.
+  // Copies the contacts to the members' own lists.
   void WriteBack() const;
 
  private:
@@ -69,9 +73,9 @@ class PackPlanes {
   std::size_t m_width = 0;
   std::vector<Entry> m_entries;
   std::vector<PlaneSlot<Real>> m_slots;
-  std::vector<std::uint32_t> m_surfaces;  // of the planes that are touched
-  std::vector<std::uint32_t> m_slotOf;    // [of those][place]: slot + 1; 0: none
-  mutable std::vector<Line> m_numbers;    // as PlaneLanes has them: offsets, shares, sticks, anchors
+  std::vector<std::uint32_t> m_surfaces;  // Contact::surface of each plane that has contacts
+  std::vector<std::uint32_t> m_slotOf;    // [index in m_surfaces][place]: slot + 1; 0: none
+  mutable std::vector<Line> m_numbers;    // PlaneLanes' offsets, shares, sticks, anchors
 };
 
 }  // namespace wobble::physics

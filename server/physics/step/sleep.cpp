@@ -1,3 +1,5 @@
+// A tick is quiet when the body hardly moved in it and its player asks for nothing: held input keeps a body awake even
+// where it cannot move, so that no request is lost in sleep.
 #include "server/physics/step/sleep.h"
 
 #include <cmath>
@@ -5,7 +7,7 @@
 namespace wobble::physics {
 namespace {
 
-// Gas and stiffness follow the control for ever more slowly; within this share of it they have arrived.
+// Gas and stiffness factors approach their aim exponentially; this near to it they count as arrived.
 constexpr double kFactorPlay = 1e-3;
 
 }  // namespace

@@ -1,33 +1,36 @@
-// When a body falls asleep, and what that means for it.
+// When a body falls asleep, and what changes about it then.
 //
-// Bodies that hang together by contacts fall asleep together: one alone would be a wall to those that rest on it. They
-// wake together as well, by what touches any of them.
+// The bodies of an island fall asleep together: one that slept alone would be a rigid wall to those that rest on it.
+// They wake together as well, when something touches any of them.
 #pragma once
 
 #include "server/physics/step/body.h"
-#include "server/physics/step/island_step.h"
+#include "server/physics/step/member.h"
 
 namespace wobble::physics {
 
-// Slower than this and changing its speed by less for so long, a body is at rest. RMS over vertices, so that a corner
-// that trembles does not keep it awake. Creep at the limit would be a centimetre a second.
+// A body is at rest after moving slower and accelerating less than this for so long. Both are RMS over its vertices, so
+// that one corner that trembles does not keep it awake. The fastest creep that counts as rest is 1 cm/s.
 inline constexpr double kQuietSpeed = 0.01;         // m/s
 inline constexpr double kQuietAcceleration = 0.05;  // m/s²
 inline constexpr double kQuietTime = 0.5;           // s
 
+// Restarts the count of quiet ticks too.
 inline void WakeUp(Body& body) {
   body.asleep = false;
   body.quietTicks = 0;
 }
 
-// Nothing is asked of it that would move it. restingStiffness: what its stiffness factor is on its way to then.
+// Whether the player asks nothing of the body and its gas and stiffness factors have arrived at 1 and at
+// restingStiffness, the factor of a body that its player does not stiffen.
 [[nodiscard]] bool IsLeftAlone(const Body& body, double restingStiffness);
 
-// Counts the ticks that the body has been quiet for.
+// Counts this tick as quiet or begins to count anew, from the member's speed and acceleration. Call once a tick.
 template <class Real>
 void NoteMotion(const Member<Real>& member, double restingStiffness, Body& body);
 
-// Stops every vertex: what was left of its motion is not to come back when it wakes.
+// Marks the body as asleep and stops every vertex, so that the rest of its motion does not return when it wakes. state:
+// the body's own.
 template <class Real>
 void FallAsleep(Body& body, State<Real>& state);
 

@@ -1,3 +1,5 @@
+// Contacts between members raise the frequencies of both bodies: their stiffness and damping are summed for each vertex
+// of the island first, then the largest rates of each member are added to its own modes (methods/stability.h).
 #include "server/physics/step/substeps.h"
 
 #include <algorithm>
@@ -7,7 +9,7 @@
 namespace wobble::physics {
 namespace {
 
-// What contacts with other members add to the rates of a body.
+// The largest rates that contacts with other members add to the body. loads: one a vertex.
 template <class Real>
 ContactRates FindLargestRates(const Member<Real>& member, std::span<const VertexLoad> loads) {
   ContactRates rates;
@@ -19,7 +21,8 @@ ContactRates FindLargestRates(const Member<Real>& member, std::span<const Vertex
   return rates;
 }
 
-// Fills every member's loads and returns the substeps that the fastest contact asks for.
+// Adds what the contacts ask of each vertex to `loads` and returns the substeps that the fastest contact asks for.
+// begins: of each member's vertices in `loads`.
 template <class Real>
 int AddAllContactLoads(std::span<Member<Real>* const> members, std::span<const ContactPair<Real>> contactPairs,
                        double duration, std::span<const std::size_t> begins, std::span<VertexLoad> loads) {

@@ -1,20 +1,21 @@
-// How many substeps the first try of a tick takes: what stability and what the error of the last ticks ask of the body
-// among those which touch one another that asks for most.
+// How many substeps the first try of an island's tick takes: the most that any of its members needs for stability or
+// for the error of its last ticks.
 #pragma once
 
 #include <span>
 
 #include "server/physics/model/integrator.h"
-#include "server/physics/step/island_step.h"
+#include "server/physics/step/member.h"
 
 namespace wobble::physics {
 
-// Bodies that touch are stepped as one. Where they ask for different methods none of those is right for all, and what
-// they have in common is the default.
+// The method that steps these members: their own where all have the same, else RK4. Bodies that touch are stepped as
+// one system by one method, and where they differ none of theirs suits all.
 template <class Real>
 [[nodiscard]] Integrator FindIntegrator(std::span<Member<Real>* const> members);
 
-// For members that hang together by these contact pairs, as they stand in their own states. loads: scratch.
+// For the members of one island, linked by these contact pairs, as their own states are. contactPairs refer to indices
+// in `members`. loads, begins: scratch. Cost: a loop over the contacts of the pairs and the modes of each member.
 template <class Real>
 [[nodiscard]] int FindFirstSubsteps(std::span<Member<Real>* const> members,
                                     std::span<const ContactPair<Real>> contactPairs, const StepRules& rules,

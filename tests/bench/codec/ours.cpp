@@ -1,4 +1,4 @@
-// Through the entry points that server and client use.
+// Our codec, through the entry points that server and client use.
 #include <stdexcept>
 
 #include "protocol/shape_codec.h"
@@ -34,14 +34,15 @@ std::size_t Coder::CodeBody(const server::CapturedBody& body, const Recording& r
     if (without == Without::kSurfaces) model.obstacles = {};
     payload.clear();
     shape.resize(count);
-    protocol::Pose pose;
+    protocol::QuantisedPose pose;
     const bool fits =
         encoder.Encode(model, body.pose, vertices.subspan(first, count), target, protocol::kMaxRecordPayload, payload)
             .fits;
     if (!fits || decoder.Decode(model, payload, pose, shape) != protocol::DecodeResult::kOk) {
-      throw std::runtime_error("a shape that cannot be coded");
+      throw std::runtime_error("our codec cannot code or decode a shape");
     }
-    for (std::size_t i = 0; i < count; ++i) shown[first + i] = protocol::Transform(pose, shape[i]);
+    const protocol::Pose seen = protocol::Dequantise(pose);
+    for (std::size_t i = 0; i < count; ++i) shown[first + i] = protocol::Transform(seen, shape[i]);
     bytes += AddHead(payload.size());
     first += count;
   }
@@ -52,9 +53,7 @@ std::size_t Coder::CodeBody(const server::CapturedBody& body, const Recording& r
 
 protocol::PatchModel FindModel(const Recording& recording, std::size_t patch) {
   const server::CapturedBlueprint& blueprint = recording.blueprint;
-  const std::span<const Vector3> rest = blueprint.rest;
-  return {rest.subspan(patch * protocol::kMaxPatchVertices, protocol::PatchSize(rest.size(), patch)), blueprint.size,
-          blueprint.bases.empty() ? nullptr : blueprint.bases[patch].get(), recording.obstacles};
+  return protocol::MakePatchModel(blueprint.rest, blueprint.size, blueprint.patches, patch, recording.obstacles);
 }
 
 Method MakeOurs(Without without) {

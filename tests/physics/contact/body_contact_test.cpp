@@ -1,3 +1,4 @@
+// Contacts between bodies: conservation by the law, then whole worlds with balls, slabs, cubes and sheets.
 #include "server/physics/contact/body_contact.h"
 
 #include <gtest/gtest.h>
@@ -5,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/physics/contact/body_contact_search.h"
+#include "server/physics/contact/body_contact_update.h"
 #include "server/physics/lanes/kernels.h"
 #include "server/physics/shapes/ball.h"
 #include "server/physics/shapes/finish_blueprint.h"
@@ -19,14 +22,14 @@ namespace {
 template <class Real>
 void AddBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
                      std::span<const BodyContact<Real>> contacts, std::span<Vector3<Real>> forces,
-                     std::span<Vector3<Real>> shellForces) {
+                     std::span<Vector3<Real>> skinForces) {
   std::vector<ContactForce<Real>> computed(contacts.size());
   ComputeBodyContacts<Real>(parameters, meeting, contacts, computed);
   const auto addTo = [](std::span<Vector3<Real>> sums) {
     return [sums](std::uint16_t vertex, const Vector3<Real>& force) { sums[vertex] += force; };
   };
   AddToVertices<Real>(computed, addTo(forces));
-  AddToCorners<Real>(computed, addTo(shellForces));
+  AddToCorners<Real>(computed, addTo(skinForces));
 }
 
 constexpr double kTick = 1.0 / 60;
@@ -54,7 +57,7 @@ Sums AddUp(const World& world) {
   return sums;
 }
 
-// How often the surface wraps round p, by solid angles: 1 inside, 0 outside.
+// The winding number of the body's skin about p, by solid angles: 1 inside, 0 outside.
 double FindWinding(const World& world, const Body& body, const Vector3d& p) {
   std::vector<Vector3d> x;
   VisitVertices(body, [&](std::size_t, const Vector3d& q) { x.push_back(q - p); });
@@ -71,7 +74,7 @@ double FindWinding(const World& world, const Body& body, const Vector3d& p) {
   return sum / (4 * std::acos(-1.0));
 }
 
-// Vertices of one body inside the other when it is shrunk about its middle to `share`.
+// The number of vertices of `body` inside `other` when that is shrunk about its centre to `share`.
 int CountDeepInside(const World& world, const Body& body, const Body& other, double share) {
   const Vector3d middle = world.FindCentre(other);
   int count = 0;
@@ -102,14 +105,21 @@ std::unique_ptr<World> MakeShot(const Shot& shot, const BallDefinition& ball, Pr
 struct Touching {
   std::vector<Vector3d> x{{0.3, 0.25, -0.004}};
   std::vector<Vector3d> v{{0.7, -0.4, -0.5}};
-  std::vector<Vector3d> shellX{{0, 0, 0}, {1, 0, 0.1}, {0, 1, -0.1}, {1, 1, 0}};
-  std::vector<Vector3d> shellV{{0.1, 0, 0.2}, {0, 0.3, 0}, {-0.1, 0, 0}, {0, 0, 0}};
+  std::vector<Vector3d> skinX{{0, 0, 0}, {1, 0, 0.1}, {0, 1, -0.1}, {1, 1, 0}};
+  std::vector<Vector3d> skinV{{0.1, 0, 0.2}, {0, 0.3, 0}, {-0.1, 0, 0}, {0, 0, 0}};
   std::vector<Face> faces{{0, 1, 2}, {2, 1, 3}};
   std::vector<double> shares{0.5};
   Topology topology = MakeTopology(faces, 4);
-  std::vector<BodyContact<double>> contacts{{.vertex = 0, .face = 0, .armed = true, .touching = true, .maxDepth = 1}};
+  std::vector<BodyContact<double>> contacts{{.vertex = 0, .face = 0, .phase = ContactPhase::kTouching, .maxDepth = 1}};
 
-  Meeting<double> Meet() const { return {x, v, shares, {faces, &topology, shellX}, shellV, Vector3d(0, 0, -0.003)}; }
+  Meeting<double> Meet() const {
+    return {.x = x,
+            .v = v,
+            .shares = shares,
+            .skin = {.faces = faces, .topology = &topology, .x = skinX},
+            .skinV = skinV,
+            .shift = Vector3d(0, 0, -0.003)};
+  }
 };
 
 ContactParameters<double> MakeParameters(double friction) {
@@ -124,14 +134,14 @@ TEST(BodyContact, ForcesAddUpToNothingAndTurnNothing) {
   touching.contacts[0].slip = Vector3d(0.001, 0.002, 0);
   for (const double friction : {0.0, 0.3, 5.0}) {
     std::vector<Vector3d> force(1, Vector3d::Zero());
-    std::vector<Vector3d> shellForces(4, Vector3d::Zero());
+    std::vector<Vector3d> skinForces(4, Vector3d::Zero());
     const Meeting<double> meeting = touching.Meet();
-    AddBodyContacts<double>(MakeParameters(friction), meeting, touching.contacts, force, shellForces);
+    AddBodyContacts<double>(MakeParameters(friction), meeting, touching.contacts, force, skinForces);
     Vector3d sum = force[0];
     Vector3d torque = (touching.x[0] + meeting.shift).cross(force[0]);
     for (std::size_t i = 0; i < 4; ++i) {
-      sum += shellForces[i];
-      torque += touching.shellX[i].cross(shellForces[i]);
+      sum += skinForces[i];
+      torque += touching.skinX[i].cross(skinForces[i]);
     }
     EXPECT_GT(force[0].norm(), 1);
     EXPECT_LT(sum.norm(), 1e-12 * force[0].norm());
@@ -139,7 +149,7 @@ TEST(BodyContact, ForcesAddUpToNothingAndTurnNothing) {
   }
 }
 
-// The same vertex above a sheet whose faces look down: it is touched from behind, and the forces are the same.
+// The same vertex at a sheet whose faces look down: the contact is on the back, and the forces are the same.
 TEST(BodyContact, BothSidesOfASheetPushAlike) {
   Touching front;
   front.contacts[0].foot = Vector3d(0.5, 0.3, 0.2);
@@ -148,19 +158,19 @@ TEST(BodyContact, BothSidesOfASheetPushAlike) {
   for (Face& face : back.faces) std::swap(face[1], face[2]);
   back.topology = MakeTopology(back.faces, 4);
   back.contacts[0].foot = Vector3d(0.5, 0.2, 0.3);
-  back.contacts[0].behind = true;
-  std::vector<Vector3d> forces[2], shellForces[2];
+  back.contacts[0].side = SkinSide::kBack;
+  std::vector<Vector3d> forces[2], skinForces[2];
   int i = 0;
   for (const Touching* touching : {&front, &back}) {
     forces[i].assign(1, Vector3d::Zero());
-    shellForces[i].assign(4, Vector3d::Zero());
-    AddBodyContacts<double>(MakeParameters(0.3), touching->Meet(), touching->contacts, forces[i], shellForces[i]);
+    skinForces[i].assign(4, Vector3d::Zero());
+    AddBodyContacts<double>(MakeParameters(0.3), touching->Meet(), touching->contacts, forces[i], skinForces[i]);
     ++i;
   }
   ASSERT_GT(forces[0][0].norm(), 1);
   EXPECT_LT((forces[1][0] - forces[0][0]).norm(), 1e-12 * forces[0][0].norm());
   for (std::size_t k = 0; k < 4; ++k) {
-    EXPECT_LT((shellForces[1][k] - shellForces[0][k]).norm(), 1e-12 * forces[0][0].norm());
+    EXPECT_LT((skinForces[1][k] - skinForces[0][k]).norm(), 1e-12 * forces[0][0].norm());
   }
   const double stored = ComputeBodyContactEnergy<double>(MakeParameters(0.3), front.Meet(), front.contacts);
   EXPECT_GT(stored, 0);
@@ -168,7 +178,7 @@ TEST(BodyContact, BothSidesOfASheetPushAlike) {
               1e-12 * stored);
 }
 
-// A square of 3 m, its rim so heavy that it holds the rest.
+// A square sheet of 3 m whose rim is so heavy that it holds the rest.
 Blueprint MakeSheet() {
   constexpr int kSide = 13;
   constexpr double kCell = 0.25;
@@ -197,7 +207,7 @@ Blueprint MakeSheet() {
   return blueprint;
 }
 
-// Faster than the sheet is thick in a substep, and it has no thickness: from either side, the ball comes back.
+// The ball moves farther in a substep than the sheet is thick, since it has no thickness; it comes back on either side.
 TEST(BodyContact, ASheetStopsABallFromEitherSide) {
   for (const double side : {1.0, -1.0}) {
     WorldSettings settings;
@@ -220,23 +230,23 @@ TEST(BodyContact, ASheetStopsABallFromEitherSide) {
   }
 }
 
-// F(d) integrated is the potential; its differences over every coordinate are the forces.
+// The potential is the integral of F(d); its differences over every coordinate are the forces.
 TEST(BodyContact, NormalForceIsTheGradientOfAPotential) {
   Touching touching;
-  for (Vector3d& v : touching.shellV) v.setZero();
+  for (Vector3d& v : touching.skinV) v.setZero();
   touching.v[0].setZero();
   const ContactParameters<double> parameters = MakeParameters(0);
   const auto findPotential = [&] {
     const Meeting<double> meeting = touching.Meet();
-    const double depth = -FindFacePoint<double>(meeting.shell, 0, touching.x[0] + meeting.shift).distance;
+    const double depth = -FindFacePoint<double>(meeting.skin, 0, touching.x[0] + meeting.shift).distance;
     const double delta = parameters.fadeDepth;
     return touching.shares[0] *
            (depth < delta ? parameters.stiffness * depth * depth * depth / (6 * delta)
                           : parameters.stiffness * (depth * depth / 2 - depth * delta / 2 + delta * delta / 6));
   };
   std::vector<Vector3d> force(1, Vector3d::Zero());
-  std::vector<Vector3d> shellForces(4, Vector3d::Zero());
-  AddBodyContacts<double>(parameters, touching.Meet(), touching.contacts, force, shellForces);
+  std::vector<Vector3d> skinForces(4, Vector3d::Zero());
+  AddBodyContacts<double>(parameters, touching.Meet(), touching.contacts, force, skinForces);
   const auto expectGradient = [&](double& coordinate, double expected) {
     const double kept = coordinate;
     coordinate = kept + 1e-6;
@@ -248,11 +258,11 @@ TEST(BodyContact, NormalForceIsTheGradientOfAPotential) {
   };
   for (int axis = 0; axis < 3; ++axis) {
     expectGradient(touching.x[0][axis], force[0][axis]);
-    for (std::size_t i = 0; i < 4; ++i) expectGradient(touching.shellX[i][axis], shellForces[i][axis]);
+    for (std::size_t i = 0; i < 4; ++i) expectGradient(touching.skinX[i][axis], skinForces[i][axis]);
   }
 }
 
-// Without friction and damping nothing may be lost or won but what a fine RK4 loses.
+// Without friction and damping, momentum and energy change only by the error of a fine RK4.
 TEST(BodyContact, ACollisionKeepsMomentumAndEnergy) {
   BallDefinition ball;
   ball.material.dampingRatio = 0;
@@ -269,7 +279,7 @@ TEST(BodyContact, ACollisionKeepsMomentumAndEnergy) {
   EXPECT_NEAR(after.energy, before.energy, 2e-3 * 8 * 2 * 2);
 }
 
-// With them energy only falls, and momentum is kept all the same.
+// With friction and damping energy only falls, and momentum is still kept.
 TEST(BodyContact, FrictionAndDampingTakeEnergyOnly) {
   const auto world = MakeShot({.speed = 4, .offset = 0.25}, BallDefinition{}, Precision::kDouble, kTick / 16);
   const Sums before = AddUp(*world);
@@ -280,14 +290,14 @@ TEST(BodyContact, FrictionAndDampingTakeEnergyOnly) {
     const Sums now = AddUp(*world);
     ASSERT_LT((now.momentum - before.momentum).norm(), 1e-12 * scale);
     ASSERT_LT((now.angularMomentum - before.angularMomentum).norm(), 1e-4 * scale);
-    // What contacts hold comes back: never more than there was at the start.
+    // The energy that contacts hold comes back: the rest never exceeds the energy at the start.
     ASSERT_LT(now.energy, before.energy + 1e-6 * scale);
     least = std::min(least, now.energy);
   }
   EXPECT_LT(least, before.energy - 0.2 * 8 * 4 * 4);  // of the kinetic energy
 }
 
-// Of shots, m.
+// Offsets of shots, m.
 std::vector<double> Offsets() {
   if (test::kIsSanitized) return {0.2};
   return {0.0, 0.1, 0.2, 0.3, 0.4};
@@ -295,7 +305,7 @@ std::vector<double> Offsets() {
 
 class BallShot : public testing::TestWithParam<double> {};
 
-// In play's own ticks, up to the energy that the gas of a ball can take.
+// With the tick of play, up to the energy that the gas of a ball can take.
 TEST_P(BallShot, NeverGoesThrough) {
   BallDefinition ball;
   ball.material.gas = 330;
@@ -312,7 +322,7 @@ TEST_P(BallShot, NeverGoesThrough) {
 }
 INSTANTIATE_TEST_SUITE_P(Speeds, BallShot, testing::Values(1.0, 3.0, 6.0, 8.0));
 
-// Beyond it a ball folds, but nothing runs away and nobody has to be reset.
+// Beyond that energy a ball folds, but no vertex runs away and no body is reset.
 TEST(BodyContact, ViolentShotsStayFinite) {
   BallDefinition ball;
   ball.material.gas = 330;
@@ -390,7 +400,7 @@ TEST(BodyContact, APileComesToRest) {
   }
 }
 
-// Their vertices lie over one another, corner over corner: what stands there must neither slide nor sink nor dance.
+// The slabs' vertices lie over one another, corner over corner: the stack must neither slide nor sink nor shake.
 TEST(BodyContact, AStackOfSlabsStands) {
   World world(WorldSettings{});
   LatticeDefinition slab;
@@ -412,7 +422,7 @@ TEST(BodyContact, AStackOfSlabsStands) {
   }
 }
 
-// Face on face and edge on edge, without a gap: which side of an edge a vertex is on, rounding decides.
+// Face on face and edge on edge, without a gap: rounding decides on which side of an edge a vertex is.
 TEST(BodyContact, CubesStandEdgeOnEdge) {
   for (const int cells : {2, 3}) {
     World world(WorldSettings{});
@@ -432,8 +442,8 @@ TEST(BodyContact, CubesStandEdgeOnEdge) {
   }
 }
 
-// A cube on a slab held by far more friction slides on a slope of 26° when their friction is 0.4: what of the slab
-// rises before it must not catch its edge.
+// A cube slides down a slab on a slope of 26° when their friction is 0.4; the slab itself is held by far more friction.
+// The part of the slab that rises before the cube must not catch its edge.
 TEST(BodyContact, AnEdgeIsNotCaughtByWhatItSlidesOver) {
   WorldSettings settings;
   World world(settings);
@@ -460,7 +470,7 @@ TEST(BodyContact, AnEdgeIsNotCaughtByWhatItSlidesOver) {
   EXPECT_GT(world.FindCentre(world.Bodies()[0]).x() - from, 0.05);
 }
 
-// Who stands on another can jump off it, and pushes it down.
+// A body that stands on another can jump off it.
 TEST(BodyContact, ABodyIsGroundToJumpFrom) {
   World world(WorldSettings{});
   world.AddBlueprint(MakeBall(BallDefinition{}));
@@ -509,8 +519,8 @@ TEST(BodyContact, WhatBeginsInsideAHardBodyIsNotShotOut) {
   }
 }
 
-// Random trials found a planar ring, squashed, whose faces turned over in their plane: what stood 0.4 m before them was
-// pushed as if 0.4 m behind.
+// Random trials found a squashed planar ring whose faces turned over in their plane: a vertex 0.4 m before them was
+// pushed as if it were 0.4 m behind.
 TEST(BodyContact, AFaceThatTurnsOverInItsPlanePushesNothing) {
   const std::vector<Face> faces{{0, 1, 2}};
   const Topology topology = MakeTopology(faces, 3);
@@ -519,17 +529,24 @@ TEST(BodyContact, AFaceThatTurnsOverInItsPlanePushesNothing) {
   const std::vector<Vector3d> still(3, Vector3d::Zero());
   const std::vector<double> shares(3, 1);
   const ContactParameters<double> parameters = MakeContactParameters(Material{}, 0.1, 0.5);
-  const Meeting<double> meeting{x, still, shares, {faces, &topology, sheet}, still};
-  const Shell<double> own{faces, &topology, x};
-  SurfacePoints<double> vertices;
+  const Meeting<double> meeting{.x = x,
+                                .v = still,
+                                .shares = shares,
+                                .skin = {.faces = faces, .topology = &topology, .x = sheet},
+                                .skinV = still};
+  const Skin<double> own{faces, &topology, x};
+  SkinPoints<double> vertices;
   vertices.Read(own, still);
-  SurfacePoints<double> shell;
-  shell.Read(meeting.shell, still);
+  SkinPoints<double> skin;
+  skin.Read(meeting.skin, still);
   const PointKernel<double>& kernel = FindSweepKernels<double>(1).back().points;
   const Bounds<double> near{Vector3d::Constant(-1), Vector3d::Constant(2), 1};
   std::vector<BodyContact<double>> contacts;
   ContactSearchScratch<double> scratch;
-  FindBodyContacts<double>(parameters, meeting, own, {&vertices, &shell, kernel, near, 0.5, kTick}, contacts, scratch);
+  FindBodyContacts<double>(
+      parameters, meeting, own,
+      {.vertices = &vertices, .skin = &skin, .kernel = kernel, .near = near, .margin = 0.5, .duration = kTick},
+      contacts, scratch);
   ASSERT_FALSE(contacts.empty());
   for (int turn = 0; turn < 4; ++turn) {
     std::swap(sheet[1], sheet[2]);

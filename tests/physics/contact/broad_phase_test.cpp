@@ -43,7 +43,7 @@ TEST_P(BroadPhaseOfBoxes, FindsWhatComparingAllFinds) {
   EXPECT_GT(pairs.size(), 50U);
 }
 
-// Few large ones among many small, some far from the origin, and some that no cell can hold.
+// A few large boxes among many small ones, some far from the origin, and some that no cell can hold.
 TEST_P(BroadPhaseOfBoxes, FindsThemWhateverTheirSizesAndPlaces) {
   std::vector<Box> boxes = MakeBoxes(GetParam(), 200, 10, 0.5);
   const std::vector<Box> large = MakeBoxes(GetParam() + 100, 3, 10, 30);

@@ -1,4 +1,4 @@
-// The laws that stand beside the penalty: magnetic and backtracking.
+// The two other laws of contacts with obstacles: magnetic and backtracking.
 #include <gtest/gtest.h>
 
 #include "server/physics/contact/backtracking.h"
@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979;
 
-// A single particle, which has neither springs nor faces.
+// A single particle, without springs and faces.
 Blueprint MakeParticle(ContactLaw law, double friction = 0.5, double restitution = 0.5, double strength = 0.01) {
   Material material;
   material.friction = friction;
@@ -74,7 +74,7 @@ TEST(MagneticLaw, CarriesAParticleWhereItsWeightIsBalanced) {
   }
 }
 
-// Nothing is taken by the law itself: what is left of the energy is RK4's to keep.
+// The law itself takes no energy: it changes only by RK4's error.
 TEST(MagneticLaw, BouncesWithoutLoss) {
   for (const double height : {0.5, 3.0}) {
     WorldSettings settings;
@@ -106,7 +106,12 @@ TEST(MagneticLaw, BodiesFarAwayCostNothing) {
   const auto count = [&](double height) {
     const std::vector<Vector3d> x{Vector3d(0, 0, height)};
     const std::vector<Vector3d> v{Vector3d::Zero()};
-    FindContacts<double>(surfaces, range, MakeSurvey<double>(std::vector<double>(x.size(), 1.0), x, v), x, v, 1.0 / 60,
+    FindContacts<double>({.surfaces = surfaces,
+                          .x = x,
+                          .v = v,
+                          .survey = MakeSurvey<double>(std::vector<double>(x.size(), 1.0), x, v),
+                          .range = range,
+                          .duration = 1.0 / 60},
                          contacts, scratch);
     return contacts.size();
   };
@@ -145,7 +150,7 @@ struct Hopper {
   StageBuffers<Real, 4> buffers;
 };
 
-// However coarse the step and wherever in it the surface is met, a bounce gives back e² of the energy.
+// A bounce gives back e² of the energy, however coarse the step and wherever in it the surface is met.
 TEST(Backtracking, RestitutionIsExact) {
   for (const double restitution : {0.2, 0.5, 1.0}) {
     for (const double height : {0.7, 1.0, 2.345}) {
@@ -237,8 +242,8 @@ TEST(Backtracking, CornersHoldToo) {
   EXPECT_LT(particle.v[0].norm(), 1e-3);
 }
 
-// As a whole: a cube lies still on a slope below the angle of friction, to the last vertex, and slides above it. The
-// slope is a tilted plane, or gravity is tilted and the plane is not.
+// A cube lies still on a slope below the angle of friction, to the last vertex, and slides above it. The slope is a
+// tilted plane, or a level plane under tilted gravity.
 TEST(Backtracking, BodiesStickAndSlideAsParticlesDo) {
   const double angle = 10 * kPi / 180;
   const Vector3d down(std::sin(angle), 0, -std::cos(angle));

@@ -1,3 +1,4 @@
+// Contacts with obstacles: the surfaces of boxes, the penalty law, friction, and the search.
 #include <gtest/gtest.h>
 
 #include "server/physics/methods/runge_kutta.h"
@@ -29,7 +30,7 @@ TEST(Obstacle, BoxDistanceAndNormalAreRightEverywhereAround) {
   EXPECT_NEAR(at(3, 2, 0).normal.dot(Vector3d(1, 1, 0).normalized()), 1, 1e-12);
 }
 
-// The normal is the gradient of the distance, and the distance has no jump: near edges too, down to the edge radius.
+// The normal is the gradient of the distance, and the distance has no jump, near edges too, down to the edge radius.
 TEST(Obstacle, NormalIsTheGradientOfTheDistance) {
   Obstacle box;
   box.kind = Obstacle::Kind::kBox;
@@ -113,7 +114,7 @@ struct Slide {
   double acceleration = 0;  // mean, m/s²
 };
 
-// A point of 0.1 kg that lies on a slope by its own weight, a second after the slope was tilted, `seconds` long.
+// A particle of 0.1 kg that lies on a slope by its own weight, from a second after the slope was tilted, for `seconds`.
 Slide MeasureSlide(double slopeDegrees, double friction, double seconds) {
   Material material;
   material.friction = friction;
@@ -165,12 +166,12 @@ TEST(Contact, NoFrictionNoGrip) {
   Sandbox sandbox{slick, 10};
   const BodyId ball = sandbox.world->AddBody(0, Vector3d(0, 0, 0.5));
   sandbox.Run(3);
-  // Free sliding: ½ g sin 10° t² = 7.7 m, and no turning.
+  // Free sliding: ½ g sin 10° t² = 7.7 m, without turning.
   EXPECT_NEAR(sandbox.Centre(ball).x(), 0.5 * 9.81 * std::sin(10 * 3.14159265 / 180) * 9, 0.05);
 }
 
-// A thin wall's far side is nearer to a vertex past its middle; the side that it came from still counts, until it has
-// gone round.
+// The far side of a thin wall is nearer to a vertex past the wall's middle; the side that the vertex came from still
+// counts, until the vertex has gone round the wall.
 TEST(Contact, AWallKeepsTheSideThatAVertexCameFrom) {
   Obstacle wall;
   wall.kind = Obstacle::Kind::kBox;
@@ -190,7 +191,7 @@ TEST(Contact, AWallKeepsTheSideThatAVertexCameFrom) {
   EXPECT_GT(round.distance, 0);
 }
 
-// Several wall thicknesses a tick.
+// The ball moves several wall thicknesses a tick.
 TEST(Contact, NothingFastPassesAWall) {
   for (const double speed : {20.0, 35.0, 50.0}) {
     WorldSettings settings;
@@ -211,8 +212,8 @@ TEST(Contact, NothingFastPassesAWall) {
   }
 }
 
-// A lone particle, which feels all of an error in the depth over which the force sets in: it comes back as high as it
-// fell from, by the conservation of energy.
+// A lone particle feels all of an error in the depth over which the force sets in: by the conservation of energy it
+// comes back to the height that it fell from.
 TEST(Contact, AParticleThatLosesNothingComesBackAsHigh) {
   Material material;
   material.restitution = 1;
@@ -263,15 +264,19 @@ TEST(Contact, BodiesStopAtBoxesToo) {
   EXPECT_LT(world.FindCentre(world.ReadBody(ball)).x(), 2.1);
 }
 
-// Random trials found a ring that shook so fast that vertices were in the ground before anybody looked: it was thrown
-// up with seven times the energy that it had come with.
+// Random trials found a ring that shook so fast that vertices were in the ground at the next search: it was thrown up
+// with seven times the energy that it had come with.
 TEST(Contact, ABodyThatShakesIsLookedAtAsFarAsItMayReach) {
   const std::vector<Surface<double>> ground{MakeSurface<double>(Obstacle{}, Vector3d::Zero())};
   const std::vector<Vector3d> x{{0, 0, 0.3}, {1, 0, 0.3}, {2, 0, 5}};
   std::vector<Contact<double>> contacts;
   std::vector<Contact<double>> scratch;
   const auto count = [&](const std::vector<Vector3d>& v) {
-    FindContacts<double>(ground, 0, MakeSurvey<double>(std::vector<double>(x.size(), 1.0), x, v), x, v, 1.0 / 60,
+    FindContacts<double>({.surfaces = ground,
+                          .x = x,
+                          .v = v,
+                          .survey = MakeSurvey<double>(std::vector<double>(x.size(), 1.0), x, v),
+                          .duration = 1.0 / 60},
                          contacts, scratch);
     return contacts.size();
   };

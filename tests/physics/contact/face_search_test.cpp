@@ -10,7 +10,7 @@
 namespace wobble::physics {
 namespace {
 
-// Points all round a ball at `radius`, none of them over an edge by symmetry.
+// Points all round a ball at `radius`, so that none lies over an edge by symmetry.
 std::vector<Vector3d> MakeProbes(double radius) {
   std::vector<Vector3d> probes;
   for (int i = 0; i < 200; ++i) {
@@ -22,14 +22,14 @@ std::vector<Vector3d> MakeProbes(double radius) {
   return probes;
 }
 
-// Of a fine grid of points on every face.
-double FindDistanceByTrying(const Shell<double>& shell, const Vector3d& p) {
+// The distance to the nearest of a fine grid of points on every face.
+double FindDistanceByTrying(const Skin<double>& skin, const Vector3d& p) {
   double least = std::numeric_limits<double>::max();
-  for (const Face& face : shell.faces) {
-    const Vector3d& a = shell.x[face[0]];
+  for (const Face& face : skin.faces) {
+    const Vector3d& a = skin.x[face[0]];
     for (int i = 0; i <= 20; ++i) {
       for (int j = 0; i + j <= 20; ++j) {
-        const Vector3d q = a + i / 20.0 * (shell.x[face[1]] - a) + j / 20.0 * (shell.x[face[2]] - a);
+        const Vector3d q = a + i / 20.0 * (skin.x[face[1]] - a) + j / 20.0 * (skin.x[face[2]] - a);
         least = std::min(least, (q - p).norm());
       }
     }
@@ -41,7 +41,7 @@ class FaceSearch : public testing::Test {
  protected:
   FaceSearch() : sphere(MakeIcosphere(2)), topology(MakeTopology(sphere.faces, sphere.vertices.size())) {}
 
-  Shell<double> MakeShell() const { return {sphere.faces, &topology, sphere.vertices}; }
+  Skin<double> MakeSkin() const { return {sphere.faces, &topology, sphere.vertices}; }
 
   Icosphere sphere;
   Topology topology;
@@ -83,78 +83,78 @@ TEST_F(FaceSearch, OnlyASheetIsOpen) {
   EXPECT_TRUE(MakeTopology(std::vector<Face>{{0, 1, 2}, {2, 1, 3}}, 4).isOpen);
 }
 
-// Seen from behind, in is out and everything else stays.
+// Seen from behind, distance and normal change their sign and nothing else changes.
 TEST_F(FaceSearch, TheOtherSideOfASurfaceIsItsMirrorImage) {
-  Shell<double> shell = MakeShell();
+  Skin<double> skin = MakeSkin();
   const Vector3d p(0.3, 0.5, 1.1);
-  const FacePoint<double> front = FindFacePoint(shell, 17, p);
-  shell.side = -1;
-  const FacePoint<double> back = FindFacePoint(shell, 17, p);
+  const FacePoint<double> front = FindFacePoint(skin, 17, p);
+  skin.side = -1;
+  const FacePoint<double> back = FindFacePoint(skin, 17, p);
   EXPECT_EQ(back.distance, -front.distance);
   EXPECT_EQ(back.normal, Vector3d(-front.normal));
   EXPECT_EQ(back.weights, front.weights);
 }
 
-// From the next face as well as from the far side of the ball.
+// The walk begins at the next face or at the far side of the ball.
 TEST_F(FaceSearch, NearestFaceOfAPointOutsideIsTheNearestOfAll) {
-  const Shell<double> shell = MakeShell();
+  const Skin<double> skin = MakeSkin();
   for (const Vector3d& p : MakeProbes(1.2)) {
     const std::uint16_t start = static_cast<std::uint16_t>(std::fabs(p.x()) * 100);
-    const FacePoint<double> at = FindNearestFace(shell, start, p);
+    const FacePoint<double> at = FindNearestFace(skin, start, p);
     EXPECT_GT(at.distance, 0);
     const Vector3d clamped = at.weights.cwiseMax(0) / at.weights.cwiseMax(0).sum();
-    const Face& face = shell.faces[at.face];
-    const Vector3d q = clamped[0] * shell.x[face[0]] + clamped[1] * shell.x[face[1]] + clamped[2] * shell.x[face[2]];
-    EXPECT_NEAR((p - q).norm(), FindDistanceByTrying(shell, p), 2e-3);
+    const Face& face = skin.faces[at.face];
+    const Vector3d q = clamped[0] * skin.x[face[0]] + clamped[1] * skin.x[face[1]] + clamped[2] * skin.x[face[2]];
+    EXPECT_NEAR((p - q).norm(), FindDistanceByTrying(skin, p), 2e-3);
   }
 }
 
 TEST_F(FaceSearch, FootAndNormalLeadBackToThePoint) {
-  const Shell<double> shell = MakeShell();
+  const Skin<double> skin = MakeSkin();
   const Vector3d p(0.3, 0.5, 1.1);
-  const FacePoint<double> at = FindFacePoint(shell, 17, p);
-  const Face& face = shell.faces[17];
+  const FacePoint<double> at = FindFacePoint(skin, 17, p);
+  const Face& face = skin.faces[17];
   Vector3d foot = Vector3d::Zero();
-  for (std::size_t i = 0; i < 3; ++i) foot += at.weights[static_cast<Eigen::Index>(i)] * shell.x[face[i]];
+  for (std::size_t i = 0; i < 3; ++i) foot += at.weights[static_cast<Eigen::Index>(i)] * skin.x[face[i]];
   EXPECT_LT((foot + at.distance * at.normal - p).norm(), 1e-13);
 }
 
-// Round the ball just below its surface: the face is always the one above the point.
+// A point goes round the ball just below its skin: its face is always the one above it.
 TEST_F(FaceSearch, APointInsideSlidesFromFaceToFace) {
-  const Shell<double> shell = MakeShell();
-  std::uint16_t face = FindNearestFace<double>(shell, 0, Vector3d(1.2, 0, 0)).face;
+  const Skin<double> skin = MakeSkin();
+  std::uint16_t face = FindNearestFace<double>(skin, 0, Vector3d(1.2, 0, 0)).face;
   for (int i = 0; i < 1000; ++i) {
     const double angle = 0.0063 * i;
     const Vector3d p = 0.93 * Vector3d(std::cos(angle), std::sin(angle) * 0.8, std::sin(angle) * 0.6);
-    const FacePoint<double> at = SlideToFace(shell, face, p);
+    const FacePoint<double> at = SlideToFace(skin, face, p);
     face = at.face;
     EXPECT_LT(at.distance, 0);
-    EXPECT_NEAR(-at.distance, FindDistanceByTrying(shell, p), 2e-3);
+    EXPECT_NEAR(-at.distance, FindDistanceByTrying(skin, p), 2e-3);
   }
 }
 
-// Between the top of a cube and its side the nearest face changes; the one that it came in through does not.
+// Between the top of a cube and its side the nearest face changes; the face that the point came in through does not.
 TEST_F(FaceSearch, APointInACornerKeepsTheFaceItCameThrough) {
   const std::vector<Vector3d> x{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, -1}, {1, 1, -1}};
   const std::vector<Face> faces{{0, 1, 2}, {0, 2, 3}, {1, 4, 5}, {1, 5, 2}};  // top, and the side at x = 1
   const Topology sharp = MakeTopology(faces, x.size());
-  const Shell<double> shell{faces, &sharp, x};
-  EXPECT_EQ(SlideToFace<double>(shell, 0, Vector3d(0.99, 0.3, -0.2)).face, 0);
-  EXPECT_EQ(SlideToFace<double>(shell, 2, Vector3d(0.8, 0.3, -0.01)).face, 3);
-  EXPECT_GE(SlideToFace<double>(shell, 0, Vector3d(1.01, 0.3, -0.2)).face, 2);
+  const Skin<double> skin{faces, &sharp, x};
+  EXPECT_EQ(SlideToFace<double>(skin, 0, Vector3d(0.99, 0.3, -0.2)).face, 0);
+  EXPECT_EQ(SlideToFace<double>(skin, 2, Vector3d(0.8, 0.3, -0.01)).face, 3);
+  EXPECT_GE(SlideToFace<double>(skin, 0, Vector3d(1.01, 0.3, -0.2)).face, 2);
 }
 
-// Under the edge between the top of a cube and its side, nearer to the side: whose face it is, its own normal tells.
+// A vertex under the edge between the top of a cube and its side, nearer to the side: its own normal decides its face.
 TEST_F(FaceSearch, AVertexTurnsToTheFaceThatLooksTowardsIt) {
   const std::vector<Vector3d> x{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, -1}, {1, 1, -1}};
   const std::vector<Face> faces{{0, 1, 2}, {0, 2, 3}, {1, 4, 5}, {1, 5, 2}};  // top, and the side at x = 1
   const Topology sharp = MakeTopology(faces, x.size());
-  const Shell<double> shell{faces, &sharp, x};
+  const Skin<double> skin{faces, &sharp, x};
   const Vector3d p(0.999, 0.3, -0.004);
-  const FacePoint<double> side = FindFacePoint<double>(shell, 3, p);
+  const FacePoint<double> side = FindFacePoint<double>(skin, 3, p);
   const double edge = std::sqrt(0.5);
   const auto turn = [&](const Vector3d& at, const Vector3d& outward, double within) {
-    return TurnToFacing<double>(shell, FindFacePoint<double>(shell, 3, at), at, outward, within).face;
+    return TurnToFacing<double>(skin, FindFacePoint<double>(skin, 3, at), at, outward, within).face;
   };
   EXPECT_TRUE(LooksAlong<double>(side, Vector3d(edge, 0, -edge)));
   EXPECT_FALSE(LooksAlong<double>(side, Vector3d(-edge, 0, -edge)));
@@ -167,10 +167,10 @@ TEST_F(FaceSearch, AVertexTurnsToTheFaceThatLooksTowardsIt) {
 }
 
 TEST_F(FaceSearch, OutwardIsTheMeanNormalOfTheFacesRound) {
-  const Shell<double> shell = MakeShell();
+  const Skin<double> skin = MakeSkin();
   for (const std::uint16_t vertex : topology.vertices) {
-    EXPECT_GT(FindOutward(shell, vertex).dot(sphere.vertices[vertex]), 0.99);
-    EXPECT_NEAR(FindOutward(shell, vertex).norm(), 1, 1e-12);
+    EXPECT_GT(FindOutward(skin, vertex).dot(sphere.vertices[vertex]), 0.99);
+    EXPECT_NEAR(FindOutward(skin, vertex).norm(), 1, 1e-12);
   }
 }
 

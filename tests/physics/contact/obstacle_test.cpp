@@ -1,5 +1,5 @@
-// Static surfaces: distances against a search over the surface itself, and bodies that lie on them, roll off them and
-// are shot at them.
+// Static obstacles: distances against a search over the surface itself, and bodies that lie on obstacles, roll off them
+// and are shot at them.
 #include "server/physics/contact/obstacle.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ Obstacle MakeCapsule(const Vector3d& from, const Vector3d& to, double radius) {
   return capsule;
 }
 
-// Nodes at corner + cellSize · (i, j), their heights by `height` of the place in the world.
+// Ground with nodes at corner + cellSize · (i, j) and heights given by `height` at their place in the world.
 Obstacle MakeGround(const Vector3d& corner, int nodes, double cellSize,
                     const std::function<double(double, double)>& height) {
   std::vector<double> heights;
@@ -54,7 +54,7 @@ double HeightOf(const Obstacle& ground, const Vector3d& x) {
   return ground.centre.z() + FindHeight(*ground.field, x.x() - ground.centre.x(), x.y() - ground.centre.y());
 }
 
-// The way from x to the nearest of many points of the ground within `reach`, m.
+// The distance from x to the nearest of many points of the ground within `reach`, m.
 double SearchGround(const Obstacle& ground, const Vector3d& x, double reach) {
   double nearest = 1e9;
   Vector3d best = x;
@@ -86,7 +86,7 @@ TEST(Obstacle, SphereAndCapsuleAreAsFarAsTheirNearestPoint) {
     const auto surface = MakeSurface<double>(capsule, origin);
     const auto point = FindSurfacePoint(surface, Vector3d(x - origin));
     ASSERT_NEAR(point.distance, std::sqrt(toAxis) - 0.6, 1e-8) << x.transpose();
-    // On the surface from there, and straight out.
+    // The foot of x along the normal lies on the surface.
     const Vector3d foot = x - origin - point.distance * point.normal;
     ASSERT_NEAR(FindSurfacePoint(surface, foot).distance, 0, 1e-12);
     const auto ball = MakeSurface<double>(MakeSphere(capsule.centre, 0.6), origin);
@@ -117,7 +117,7 @@ TEST(HeightField, GoesThroughItsHeightsAndIsExactOnAPlane) {
   EXPECT_NEAR(slope.field->steepest, std::hypot(0.5, 0.25), 1e-12);
 }
 
-// Across all borders of cells too.
+// The ways cross borders of cells too.
 TEST(HeightField, NormalTurnsWithoutAJumpAndIsTheGradientOnTheGround) {
   const Obstacle hills = MakeHills();
   const auto surface = MakeSurface<double>(hills, Vector3d::Zero());
@@ -160,7 +160,7 @@ TEST(HeightField, DistanceIsRightToTheFirstOrder) {
   EXPECT_LT(worst, 0.5) << "times the square of the distance, at radii of curvature from 1.5 m";
 }
 
-// What FindContacts clears a body by, and what it judges a vertex by.
+// The two bounds of FindContacts: the clearance that skips a body, and the approach that judges a vertex.
 TEST(HeightField, ClearanceAndApproachPromiseNoMoreThanIsTrue) {
   const Obstacle cliff =
       MakeGround(Vector3d(-2, -2, 0), 17, 0.25, [](double x, double) { return x > 0.5 ? 2.0 : 0.0; });
@@ -179,7 +179,7 @@ TEST(HeightField, ClearanceAndApproachPromiseNoMoreThanIsTrue) {
     const double clearance = FindClearance(surface, Vector3d(x - Vector3d(0.3, 0.1, 1)));
     EXPECT_LE(clearance, truth + 1e-9) << x.transpose();
     if (clearance > truth / 4) ++near;
-    // A straight way of 50 m/s in any direction is not in the ground before the approach says that it may be.
+    // A vertex that goes straight at 50 m/s in any direction is not in the ground before its approach allows it.
     const auto point = FindSurfacePoint(surface, Vector3d(x - Vector3d(0.3, 0.1, 1)));
     const Vector3d v = 50 * Vector3d(within(random), within(random), within(random)).normalized();
     const double approach = FindApproach(surface, point, v);
@@ -195,7 +195,7 @@ TEST(HeightField, ClearanceAndApproachPromiseNoMoreThanIsTrue) {
   EXPECT_EQ(FindSurfacePoint(surface, Vector3d(5, 0, -3)).distance, kBeyond) << "nothing beyond the rectangle";
 }
 
-// Random trials found a ball that had rolled off the edge of the ground, and in under it, shot out at 15 km/s.
+// Random trials found a ball that had rolled off the edge of the ground and in under it, and was shot out at 15 km/s.
 TEST(HeightField, WhatComesInUnderItFromBesideIsLeftAlone) {
   World world{WorldSettings{}};
   world.AddBlueprint(MakeBall(BallDefinition{}));
@@ -215,7 +215,7 @@ TEST(HeightField, WhatComesInUnderItFromBesideIsLeftAlone) {
   EXPECT_GT(world.FindCentre(world.ReadBody(inside)).z(), 0.3);
 }
 
-// A float far from the field's corner, by way of the body's origin, sees what a double does.
+// Far from the field's corner single precision gives what double gives, since both count from the body's origin.
 TEST(HeightField, IsAsExactFarFromItsCorner) {
   const Obstacle ground = MakeGround(Vector3d(-2000, -2000, 100), 128, 20, [](double x, double y) {
     return 150 + 20 * std::sin(x / 100) * std::sin(y / 80);
@@ -301,9 +301,8 @@ TEST(HeightField, BallFindsTheValleyAndJellyLiesStillInIt) {
   EXPECT_GT(before.z(), 0.3);
 }
 
-// 10 to 30 m/s at a ridge, a sphere, a capsule and a box: no vertex gets so deep that it could come out behind, and
-// into none of them much deeper than into the box. What is narrow is met by few vertices with the whole ball behind
-// them.
+// Shots at 10 to 30 m/s at a ridge, a sphere, a capsule and a box: no vertex gets so deep that it could come out
+// behind, nor much deeper than into the box. A narrow obstacle is met by few vertices with the whole ball behind them.
 TEST(Obstacle, NothingShotAtThemGoesThrough) {
   const Obstacle ridge = MakeGround(Vector3d(-6, -6, 0), 49, 0.25, [](double x, double y) {
     return 3 * std::exp(-(x - 2) * (x - 2)) + 0.3 * std::sin(y);

@@ -1,4 +1,4 @@
-// Boxes of sleepers, and the list of those awake, against looking at all of them.
+// RestingBoxes and the roster of awake bodies against a look at every box.
 #include "server/physics/contact/resting_boxes.h"
 
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ std::vector<std::uint32_t> FindAmong(const std::map<std::uint32_t, Box>& all, co
 
 class RestingBoxesOfSeed : public testing::TestWithParam<unsigned> {};
 
-// Put in and taken out at random, small ones, large ones and some very far away; asked with boxes of any size.
+// Boxes are added and removed at random: small ones, large ones and some very far away. Queries have any size.
 TEST_P(RestingBoxesOfSeed, FindWhatLookingAtAllFinds) {
   Draw draw(GetParam());
   RestingBoxes boxes;

@@ -108,9 +108,9 @@ TEST(Forces, OnlyWhatHoldsGasCanBeInsideOut) {
   EXPECT_FALSE(IsInsideOut<double>(ball.full, x));
   for (Vector3d& at : x) at.z() = -at.z();
   EXPECT_TRUE(IsInsideOut<double>(ball.full, x));
-  Coefficients<double> shell = ball.full;
-  shell.gas = 0;
-  EXPECT_FALSE(IsInsideOut<double>(shell, x));
+  Coefficients<double> skin = ball.full;
+  skin.gas = 0;
+  EXPECT_FALSE(IsInsideOut<double>(skin, x));
 }
 
 TEST(Forces, RepulsionIsTheGradientOfItsEnergyAlsoBelowItsFloor) {

@@ -514,7 +514,7 @@ TEST(PositionVerlet, TornSpringsHoldNothing) {
   EXPECT_GT((system.x[10] - system.x[11]).norm(), 0.1);
 }
 
-// Rest lengths are little more than half of the lengths at rest: kept at them the shell would crush its gas.
+// Rest lengths are little more than half of the lengths at rest: kept at them the skin would crush its gas.
 TEST(PositionVerlet, HoldsGasAtTheShapeOfRest) {
   LoneSystem<double> system(MakeBall(BallDefinition{}), Integrator::kPositionVerlet);
   const std::vector<Vector3d> rest = system.blueprint.rest;

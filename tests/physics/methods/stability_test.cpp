@@ -80,7 +80,7 @@ TEST(Stability, PuffingAndStiffeningAskForSmallerSteps) {
 }
 
 // Violent play in the server's own stepping: no body may blow up or turn inside out. Impacts carry up to the energy
-// that the gas can take (nRT): above it a shell folds through itself, which is physics and not an instability. Seeded.
+// that the gas can take (nRT): above it a skin folds through itself, which is physics and not an instability. Seeded.
 TEST(Stability, ViolentTrialsStayFinite) {
   std::uint64_t state = 20260101;
   const auto draw = [&](double low, double high) {

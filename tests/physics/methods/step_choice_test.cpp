@@ -65,14 +65,14 @@ Played Play(double errorTarget, double dropHeight) {
   return played;
 }
 
-struct Motion {
+struct MotionCase {
   const char* name;
   double dropHeight;
   // Anchors of friction are set between substeps, which the estimate does not see: in a bounce this leaves an error of
   // half a millimetre at any target.
   double leastTarget;
 };
-class ErrorTarget : public testing::TestWithParam<Motion> {};
+class ErrorTarget : public testing::TestWithParam<MotionCase> {};
 
 TEST_P(ErrorTarget, IsMetByASecondOfMotionAtLessCostForALargerOne) {
   const Played reference = Play(1e-9, GetParam().dropHeight);
@@ -91,7 +91,7 @@ TEST_P(ErrorTarget, IsMetByASecondOfMotionAtLessCostForALargerOne) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Motions, ErrorTarget,
-                         testing::Values(Motion{"Bounce", 0.8, 1e-3}, Motion{"Vibration", 20, 1e-4}),
+                         testing::Values(MotionCase{"Bounce", 0.8, 1e-3}, MotionCase{"Vibration", 20, 1e-4}),
                          [](const auto& motion) { return motion.param.name; });
 
 TEST(StepChoice, AQuietBodyTakesOneSubstep) {

@@ -1,4 +1,4 @@
-// Grids swept row by row against the plain reference, and the same bits whatever the width.
+// The sweep of grids against the plain reference, and the same bits at every width.
 #include <gtest/gtest.h>
 
 #include "server/physics/lanes/kernels.h"
@@ -12,7 +12,7 @@
 namespace wobble::physics {
 namespace {
 
-// A body on its way, with all that a sweep reads.
+// A moving body with all arrays that a sweep reads.
 template <class Real>
 struct Problem {
   explicit Problem(const Blueprint& made) : blueprint(made) {
@@ -145,7 +145,8 @@ Blueprint MakeSolid(std::array<int, 3> cells, Side fixed = Side::kNone) {
   return MakeLattice(definition);
 }
 
-// Rows shorter than a vector, as long as one, and longer; sheets, solids and what is flat; held and free.
+// Rows shorter than a vector, as long as one, and longer; sheets, solids and planar bodies; with and without fixed
+// vertices.
 std::vector<Blueprint> MakeGrids() {
   std::vector<Blueprint> grids;
   grids.push_back(MakeSheet({2, 2}, Pinned::kNone, 0.6));
@@ -216,7 +217,7 @@ TYPED_TEST(GridTest, GivesTheSameBitsInAnyWidth) {
   }
 }
 
-// A spring that is torn, and one that the blueprint no longer has, are the same to the last bit.
+// A torn spring gives the same bits as a blueprint without that spring.
 TYPED_TEST(GridTest, WhatIsTornIsAsIfItHadNeverBeen) {
   using Real = TypeParam;
   const Blueprint sheet = MakeSheet({21, 9}, Pinned::kEdge, 0);

@@ -1,4 +1,4 @@
-// One look at a body against sums made one by one, with and without vertices left over from whole vectors.
+// The survey of a body against sums made vertex by vertex, for numbers of vertices that fill whole vectors or do not.
 #include "server/physics/model/survey.h"
 
 #include <gtest/gtest.h>

@@ -12,7 +12,7 @@
 namespace wobble::physics {
 namespace {
 
-RingDefinition MakeDefinition(int points, int layers) {
+RingDefinition MakeRing2d(int points, int layers) {
   RingDefinition definition;
   definition.points = points;
   definition.layers = layers;
@@ -22,7 +22,7 @@ RingDefinition MakeDefinition(int points, int layers) {
 
 class RingKind : public testing::TestWithParam<std::array<int, 2>> {
  protected:
-  RingDefinition definition = MakeDefinition(GetParam()[0], GetParam()[1]);
+  RingDefinition definition = MakeRing2d(GetParam()[0], GetParam()[1]);
 };
 
 TEST_P(RingKind, RestsInEquilibriumAtItsRadius) {
@@ -129,7 +129,7 @@ INSTANTIATE_TEST_SUITE_P(PointsAndLayers, RingKind,
 // A ring of many points holds P − P₀ by a tension of (P − P₀) R, whatever its material.
 TEST(Ring, PressureIsTensionOverRadiusAsLaplaceSays) {
   for (const double stiffness : {1000.0, 10000.0}) {
-    RingDefinition definition = MakeDefinition(96, 1);
+    RingDefinition definition = MakeRing2d(96, 1);
     definition.material.stiffness = stiffness;
     definition.material.gas = 20;
     definition.material.ambientPressure = 5;

@@ -1,5 +1,5 @@
-// No step of any method or contact law allocates once the world has warmed up. Counted at malloc, since Eigen does not
-// go through operator new.
+// Checks that no step of any method or contact law allocates once the world has warmed up. Counts calls of malloc,
+// since Eigen does not use operator new.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -21,7 +21,7 @@ std::atomic<std::uint64_t> allocations{0};
 }  // namespace
 
 #ifndef WOBBLE_MALLOC_IS_TAKEN
-extern "C" {  // of glibc
+extern "C" {  // glibc's own functions
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
 void* __libc_realloc(void* memory, std::size_t size);
@@ -63,7 +63,7 @@ std::uint64_t CountAllocations(Integrator integrator, ContactLaw law, Precision 
   return allocations - before;
 }
 
-// Of those who are pushed in the last ticks, having been left alone before.
+// Counts the allocations of the ticks that push bodies for the first time.
 TEST(Allocations, NoPushAllocatesInAStep) {
 #ifdef WOBBLE_MALLOC_IS_TAKEN
   GTEST_SKIP() << "the sanitizer has its own malloc";
@@ -92,7 +92,7 @@ TEST(Allocations, NoMethodAllocatesInAStep) {
   const std::uint64_t before = allocations;
   void* volatile memory = std::malloc(16);  // volatile, or the compiler leaves both out
   std::free(memory);
-  ASSERT_GE(allocations - before, 1U) << "it counts";
+  ASSERT_GE(allocations - before, 1U) << "the counter counts";
   for (const Precision precision : {Precision::kSingle, Precision::kDouble}) {
     for (const Integrator integrator :
          {Integrator::kRungeKutta4, Integrator::kSemiImplicitEuler, Integrator::kVelocityVerlet, Integrator::kLeapFrog,

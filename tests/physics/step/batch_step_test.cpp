@@ -1,4 +1,5 @@
-// Bodies stepped in lanes against the plain reference, and the same bits however many lanes there are.
+// Compares bodies stepped in lanes with the plain reference, and checks that the bits do not depend on the number of
+// lanes.
 #include "server/physics/step/batch_step.h"
 
 #include <gtest/gtest.h>
@@ -8,6 +9,7 @@
 #include "server/physics/shapes/pair.h"
 #include "server/physics/shapes/ring.h"
 #include "server/physics/shapes/tear.h"
+#include "server/physics/step/island_step.h"
 #include "server/physics/step/substeps.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
@@ -17,7 +19,7 @@ namespace {
 
 constexpr StepRules kRules;
 
-// Bodies of one blueprint on a floor, each pushed, deformed and turned over in its own way.
+// Bodies of one blueprint on a floor, each with its own position, deformation, load and pushes.
 template <class Real>
 struct Bodies {
   Bodies(const Blueprint& made, std::size_t count) : blueprint(made), states(count), members(count) {
@@ -51,31 +53,36 @@ struct Bodies {
     std::vector<Contact<Real>> spare;
     for (std::size_t i = 0; i < members.size(); ++i) {
       members[i].survey = MakeSurvey<Real>(blueprint.Read<Real>().masses, states[i].positions, states[i].velocities);
-      FindContacts<Real>(members[i].surfaces, 0, members[i].survey, states[i].positions, states[i].velocities,
-                         static_cast<Real>(kRules.duration), states[i].contacts, spare);
+      FindContacts<Real>({.surfaces = members[i].surfaces,
+                          .x = states[i].positions,
+                          .v = states[i].velocities,
+                          .survey = members[i].survey,
+                          .duration = static_cast<Real>(kRules.duration)},
+                         states[i].contacts, spare);
     }
   }
 
-  // All that begin with as many substeps as the first, in a pack of this many lanes.
+  // Steps the bodies that ask for as many substeps as the first, at most `width`, in kernels of at most `width` lanes.
+  // Returns their indices.
   std::vector<std::size_t> StepInLanes(int width) {
     std::vector<std::size_t> stepped;
     std::vector<Member<Real>*> together;
-    std::vector<Part> parts;
+    std::vector<Island> islands;
     const int substeps = FindSubsteps(0);
     for (std::size_t i = 0; i < members.size() && together.size() < static_cast<std::size_t>(width); ++i) {
       if (FindSubsteps(i) != substeps) continue;
       stepped.push_back(i);
       together.push_back(&members[i]);
-      parts.push_back({parts.size(), parts.size() + 1, 0, 0});
+      islands.push_back({.memberBegin = islands.size(), .memberEnd = islands.size() + 1});
     }
     std::array<IslandOutcome, kWidestPack> outcomes;
-    StepBatch<Real>(together, {}, parts, substeps, kRules, FindSweepKernels<Real>(width), nullptr, scratch, outcomes);
+    StepBatch<Real>(together, {}, islands, substeps, kRules, FindSweepKernels<Real>(width), nullptr, scratch, outcomes);
     return stepped;
   }
 
   void StepPlainly(std::size_t i) {
     Member<Real>* member = &members[i];
-    StepIsland<Real>({&member, 1}, {}, FindSubsteps(i), kRules, nullptr, scratch.island);
+    StepIsland<Real>({&member, 1}, {}, FindSubsteps(i), kRules, nullptr, scratch.system);
   }
 
   int FindSubsteps(std::size_t i) {
@@ -91,7 +98,7 @@ struct Bodies {
   BatchScratch<Real> scratch;
 };
 
-// Each with a term that few bodies have, and one with all that go together.
+// Blueprints with rare terms (lanes/rare_terms.h): one with each term, and one with all that can be combined.
 std::vector<Blueprint> MakeRareKinds() {
   std::vector<Blueprint> kinds{
       MakeRing({.material = {.mass = 4, .stiffness = 1500, .gas = 100, .ambientPressure = 50}}),
@@ -172,6 +179,7 @@ TYPED_TEST(BatchStepTest, GivesTheSameBitsInAnyLaneOfAnyWidth) {
   using Real = TypeParam;
   for (const Blueprint& kind : MakeKinds()) {
     Bodies<Real> alone(kind, 16);
+    const Island island{.memberEnd = 1};
     std::vector<bool> known(16, false);
     for (const SweepKernel<Real>& kernel : FindSweepKernels<Real>(kWidestPack)) {
       Bodies<Real> together(kind, 16);
@@ -179,8 +187,7 @@ TYPED_TEST(BatchStepTest, GivesTheSameBitsInAnyLaneOfAnyWidth) {
         Member<Real>* member = &alone.members[i];
         std::array<IslandOutcome, kWidestPack> outcomes;
         if (!known[i]) {
-          const Part part{0, 1, 0, 0};
-          StepBatch<Real>({&member, 1}, {}, {&part, 1}, alone.FindSubsteps(i), kRules, FindSweepKernels<Real>(1),
+          StepBatch<Real>({&member, 1}, {}, {&island, 1}, alone.FindSubsteps(i), kRules, FindSweepKernels<Real>(1),
                           nullptr, alone.scratch, outcomes);
         }
         known[i] = true;
@@ -212,7 +219,7 @@ TEST(BatchStepTest, WorldIsTheSameWhateverThePacks) {
   EXPECT_EQ(hashes[0], hashes[2]);
 }
 
-// Springs tear, are left out of their rows, and a quarter of a second later the blueprint is made without them.
+// Torn springs are left out of their rows at once; a quarter of a second later the blueprint is rebuilt without them.
 TEST(BatchStepTest, ClothTearsAlikeInRowsOfAnyWidth) {
   std::vector<std::uint64_t> hashes;
   for (const int widest : {1, 8, 16}) {

@@ -1,3 +1,4 @@
+// Bodies at rest fall asleep, cost nothing then, and wake when something reaches them.
 #include <gtest/gtest.h>
 
 #include "server/physics/world.h"
@@ -6,9 +7,9 @@
 namespace wobble::physics {
 namespace {
 
-constexpr double kCube = 0.5;  // edge of a lattice, m
+constexpr double kCube = 0.5;  // edge of a cube, m
 
-// A stack of cubes of which the lowest is body 1.
+// A stack of cubes on the floor; the lowest is body 1.
 std::unique_ptr<World> MakeStack(int height, int threads = 1) {
   WorldSettings settings;
   settings.threads = threads;
@@ -24,7 +25,7 @@ std::unique_ptr<World> MakeStack(int height, int threads = 1) {
   return world;
 }
 
-// Ticks until all sleep; 0 when they do not.
+// Steps until all bodies sleep and returns the ticks; 0: they do not within a minute.
 int PlayUntilAsleep(World& world) {
   for (int tick = 1; tick <= 3600; ++tick) {
     if (world.Step().awake == 0) return tick;
@@ -63,7 +64,7 @@ TEST(Sleep, LostSupportWakesInTheSameTick) {
   ASSERT_GT(PlayUntilAsleep(*world), 0);
   const double before = HeightOf(*world, 3);
   world->RemoveBody(1);
-  EXPECT_EQ(world->Step().awake, 2U) << "the one that rested on it, and the one on that";
+  EXPECT_EQ(world->Step().awake, 2U) << "the body that rested on it, and the one above that";
   for (int tick = 0; tick < 30; ++tick) world->Step();
   EXPECT_LT(HeightOf(*world, 3), before - kCube / 2);
 }
@@ -83,7 +84,7 @@ TEST(Sleep, WhatFallsOntoASleeperWakesAllUnderIt) {
   while (IsAsleep(*world, 3) && tick < 120) {
     const StepReport report = world->Step();
     ++tick;
-    ASSERT_TRUE(report.awake == 1 || report.awake == 4) << "all of them in one tick";
+    ASSERT_TRUE(report.awake == 1 || report.awake == 4) << "all bodies wake in one tick";
   }
   EXPECT_FALSE(IsAsleep(*world, 1));
   EXPECT_LT(HeightOf(*world, ball), 3);

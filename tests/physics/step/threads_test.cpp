@@ -1,5 +1,5 @@
-// A island that all threads step together has the same bits whatever their number. Continuous integration plays these
-// under ThreadSanitizer as well.
+// Checks that an island which all threads step together has the same bits whatever their number. Continuous integration
+// runs these tests under ThreadSanitizer as well.
 #include <gtest/gtest.h>
 
 #include "server/physics/shapes/finish_blueprint.h"
@@ -18,7 +18,7 @@ struct Press {
   double speed = 2;  // at which neighbours run into one another, m/s
 };
 
-// A square of balls, 2592 vertices.
+// A square of balls that run into one another: 2592 vertices, so one island that all threads step.
 std::unique_ptr<World> MakePress(const Press& press, int threads) {
   WorldSettings settings;
   settings.threads = threads;
@@ -37,8 +37,8 @@ std::unique_ptr<World> MakePress(const Press& press, int threads) {
 
 struct Played {
   std::uint64_t hash = 0;
-  bool allTouch = true;       // another, at the end: then they are one island
-  bool steppedAgain = false;  // some tick
+  bool allTouch = true;       // at the end every body touches another: they are one island
+  bool steppedAgain = false;  // in at least one tick
 };
 
 Played Play(const Press& press, int threads) {
@@ -65,7 +65,7 @@ INSTANTIATE_TEST_SUITE_P(Presses, LargeIsland,
                          testing::Values(Press{}, Press{.integrator = Integrator::kSemiImplicitEuler},
                                          Press{.law = ContactLaw::kBacktracking}));
 
-// Contacts and all go back to where the tick began.
+// Stepping again puts positions, velocities and contacts back to the tick's begin.
 TEST(LargeIsland, IsSteppedAgainAlike) {
   const Press press{.speed = 6};
   const Played alone = Play(press, 1);

@@ -15,12 +15,6 @@ namespace {
 
 constexpr double kTick = 1.0 / 60;
 
-std::vector<Vector3d> ListPositions(const World& world, BodyId id) {
-  std::vector<Vector3d> positions;
-  VisitVertices(world.ReadBody(id), [&](std::size_t, const Vector3d& x) { positions.push_back(x); });
-  return positions;
-}
-
 WorldSettings MakeWeightless() {
   WorldSettings settings;
   settings.gravity.setZero();

@@ -148,12 +148,6 @@ TEST(Graph, IsTunedWhileItRuns) {
   EXPECT_NEAR(lengthOf(), 0.5 + 9.81 / 100, 1e-3);
 }
 
-std::vector<Vector3d> ListPositions(const World& world, BodyId id) {
-  std::vector<Vector3d> positions;
-  VisitVertices(world.ReadBody(id), [&](std::size_t, const Vector3d& x) { positions.push_back(x); });
-  return positions;
-}
-
 std::vector<Vector3d> ListVelocities(const World& world, BodyId id) {
   std::vector<Vector3d> velocities;
   for (const Vector3f& v : std::get<State<float>>(world.ReadBody(id).state).velocities) {

@@ -1,5 +1,4 @@
-// The words of `wobble bots` on the command line: what they mean and what is refused, and the line that tells how the
-// run stands.
+// The command line of `wobble bots`: meaning and rejection of its values, and the status line.
 #include "client/bots/options.h"
 
 #include <gtest/gtest.h>
@@ -100,7 +99,7 @@ TEST(LoadTestStages, CountGoesEvenlyFromWhatItWas) {
 
   LoadTestOptions options;
   options.count = 7;
-  EXPECT_EQ(CountBotsAt(ListStages(options), 0), 7U);  // without a ramp all at once
+  EXPECT_EQ(CountBotsAt(ListStages(options), 0), 7U);  // without a ramp all bots start at once
   options.ramp = 7;
   EXPECT_EQ(CountBotsAt(ListStages(options), 0), 1U);
   EXPECT_EQ(CountBotsAt(ListStages(options), 3.5), 4U);

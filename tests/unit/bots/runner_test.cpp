@@ -1,5 +1,5 @@
-// The bots of a load test on virtual time, against a server that speaks just enough of the protocol: when they join,
-// what reaches the server of their script, and what the figures say when things go well and when they do not.
+// The bots of a load test on virtual time, against a server that speaks a minimal part of the protocol: when bots join,
+// which of the script's inputs reach the server, and the figures of good and bad runs.
 #include "client/bots/runner.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ protocol::Message MakeTetrahedron() {
   return protocol::MakeBlueprint({.name = "tetrahedron", .rest = rest, .faces = faces, .size = 1.732F});
 }
 
-// Welcomes every version that it knows, sends an empty snapshot to all every second round, and keeps what it hears.
+// Welcomes every known version, sends an empty snapshot to all clients every second round, and stores what it receives.
 class TinyServer {
  public:
   explicit TinyServer(std::unique_ptr<transport::Transport> transport) : m_transport(std::move(transport)) {}
@@ -44,7 +44,7 @@ class TinyServer {
   }
 
   std::vector<double> joins;
-  std::map<transport::ConnectionId, float> moves;  // the newest along x, -127..127
+  std::map<transport::ConnectionId, float> moves;  // latest input along x, -127..127
   unsigned goodbyes = 0;
 
  private:
@@ -97,7 +97,7 @@ class TinyServer {
   std::uint32_t m_round = 0;
 };
 
-// Server, network and runner; a round of each at a time.
+// Server, network and runner; a step is one round of each.
 class Theatre {
  public:
   Theatre(const LoadTestOptions& options, const std::string& source)
@@ -177,12 +177,12 @@ TEST(BotRunner, RampSpreadsTheJoinsAndScriptsReachTheServer) {
   EXPECT_EQ(figures.scriptErrors, 0U);
   EXPECT_NEAR(static_cast<double>(snapshots), 30 * (4 + 3.5 + 3 + 2.5), 20);
   EXPECT_NEAR(figures.lateMsP99.value(), 0.5, 0.5 * Histogram::kRelativeError);
-  // Connecting and joining take a round trip of 40 ms each, and up to two rounds at either end.
+  // Connecting and joining take a round trip of 40 ms each, plus up to two rounds at either end.
   EXPECT_GT(figures.joinMsP99.value(), 79);
   EXPECT_LT(figures.joinMsP99.value(), 200);
   EXPECT_TRUE(figures.snapshotAgeMsP50.has_value());
   EXPECT_GT(figures.kbitPerSecondPerBot.value(), 1);
-  EXPECT_FALSE(figures.decodeUsP99.has_value());  // there was no record to decode
+  EXPECT_FALSE(figures.decodeUsP99.has_value());  // no record was decoded
   EXPECT_TRUE(theatre.log.empty()) << theatre.log[0];
 }
 
@@ -197,7 +197,7 @@ TEST(BotRunner, RoundsInPartsLookAfterEveryBot) {
   EXPECT_NEAR(static_cast<double>(theatre.Bots().ReadFigures().snapshots), 6 * 30 * 1.9, 40);
 }
 
-// What whoever measures a stretch of play needs: joins and settling in out of its times, and what players see in it.
+// Used by measurements of a stretch of play: excludes joining and settling, and shows what players see.
 TEST(BotRunner, ForgetsTimesAndHandsOnWhatDecodingBotsShow) {
   LoadTestOptions options = MakeOptions(4);
   options.decodeShare = {1, 2};
@@ -231,7 +231,7 @@ TEST(BotRunner, BotsSentAwayAndNeverAnsweredAreDisconnects) {
   theatre.RunUntil(1.5);
   theatre.server.TurnAway(1);
   theatre.RunUntil(2.8);
-  theatre.serverLives = false;  // bot 4 asks in vain
+  theatre.serverLives = false;  // bot 4 gets no answer
   theatre.RunUntil(4);
   theatre.Leave();
   theatre.RunUntil(6);
@@ -296,7 +296,7 @@ TEST(BotRunner, AFailedScriptLeavesItsBotConnected) {
   Theatre both(MakeOptions(2), "function run(bot) error('tired') end");
   both.RunUntil(2);
   EXPECT_TRUE(both.Bots().HaveAllScriptsFailed());
-  EXPECT_EQ(both.log.size(), 1U);  // the same error is said once
+  EXPECT_EQ(both.log.size(), 1U);  // the same error is reported once
 
   Theatre many(MakeOptions(7), "function run(bot) error('tired ' .. bot:id()) end");
   many.RunUntil(2);
@@ -336,7 +336,7 @@ TEST(BotRunner, LeavingAndJoiningAgainIsNoDisconnect) {
   EXPECT_EQ(figures.joins, 9U);
   EXPECT_EQ(figures.disconnects, 0U);
   EXPECT_EQ(figures.scriptErrors, 0U);
-  // Played 3 and more s of 8, 3 s and 1 s, all of it at 30 snapshots a second.
+  // Played for a bit more than 3 s of 8, 3 s and 1 s, always at 30 snapshots a second.
   EXPECT_GT(figures.snapshots, 30U * 8);
   EXPECT_LT(figures.snapshots, 30U * 14);
   EXPECT_TRUE(theatre.log.empty()) << theatre.log[0];
@@ -376,9 +376,10 @@ TEST(BotRunner, StagesGoUpAndDownTheLastToJoinLeavesFirst) {
   theatre.RunUntil(3.5);
   const Runner::Progress falling = theatre.Bots().TakeProgress();
   EXPECT_EQ(falling.playing, 3U);
-  EXPECT_NEAR(falling.kbitPerSecondPerBot.value(), steady, 0.1 * steady);  // of those who left as long as they played
+  // figures of bots that left count while they played
+  EXPECT_NEAR(falling.kbitPerSecondPerBot.value(), steady, 0.1 * steady);
   EXPECT_EQ(playingAt(4.9), 1U);
-  EXPECT_EQ(playingAt(5.2), 2U);  // 1 stays, 5 has come
+  EXPECT_EQ(playingAt(5.2), 2U);  // bot 1 stays, bot 5 has joined
   EXPECT_EQ(theatre.server.goodbyes, 3U);
   EXPECT_EQ(playingAt(6.0), 3U);
   theatre.Leave();
@@ -392,14 +393,14 @@ TEST(BotRunner, StagesGoUpAndDownTheLastToJoinLeavesFirst) {
   EXPECT_EQ(theatre.server.goodbyes, 6U);
 }
 
-// Rejoining is the script's wish, leaving for good the stages'.
+// A script's bots rejoin as the script asks; bots dismissed by a stage do not return.
 TEST(BotRunner, StagesEndBotsThatAreAwayOrOnTheirWayToo) {
   LoadTestOptions options = MakeOptions(1);
   options.stages = {{0.5, 4}, {0.5, 0}, {0.1, 0}};
   Theatre theatre(options, "function run(bot) while true do bot:leave() bot:join() end end");
   theatre.RunUntil(2.5);
   EXPECT_EQ(theatre.Bots().TakeProgress().playing, 0U);
-  EXPECT_FALSE(theatre.Bots().HaveAllEnded());  // the last stage is sat out
+  EXPECT_FALSE(theatre.Bots().HaveAllEnded());  // the last stage runs to its end
   theatre.Leave();
   EXPECT_TRUE(theatre.Bots().HaveAllEnded());
   const Figures figures = theatre.Bots().ReadFigures();

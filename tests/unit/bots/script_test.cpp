@@ -1,4 +1,4 @@
-// What a bot's script can do, what it cannot, and what happens to it alone when it goes wrong.
+// What a bot's script can do, what it cannot do, and that an error affects its own bot only.
 #include "client/bots/script.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ struct Line {
   std::string text;
 };
 
-// A script with its bots and all that it printed.
+// A script with its bots and everything it printed.
 class Stage {
  public:
   explicit Stage(const std::string& source, unsigned bots = 1, std::uint64_t seed = 1)
@@ -48,7 +48,7 @@ class Stage {
   Script m_script;
 };
 
-// The error of a script that must not load.
+// Loads a script that must be rejected, and returns the error.
 std::string Refuse(const std::string& source) {
   const Stage stage(source);
   EXPECT_FALSE(stage.loaded) << source;
@@ -77,7 +77,7 @@ TEST(BotScript, AsksForInputAndKnowsItsBody) {
   EXPECT_EQ(stage.lines[0].bot, 1U);
   EXPECT_EQ(stage.lines[0].text, "1\t0.25\t1.0\t2.0\t3.0");
   EXPECT_TRUE(!stage.input.puff && stage.input.jump && stage.input.stiffen);
-  // Jump is let go by itself, all else stays after the end.
+  // Jump ends by itself, all other input stays after the script's end.
   for (int i = 2; i < 2 + Script::kJumpRounds; ++i) EXPECT_EQ(stage.Resume(1, 0.25 * i), Script::Result::kFinished);
   EXPECT_FALSE(stage.input.jump);
   EXPECT_FLOAT_EQ(stage.input.moveX, 0.5F);
@@ -146,14 +146,14 @@ end)",
   EXPECT_TRUE(stage.error.starts_with("test.lua:5: stopped after") ||
               stage.error.starts_with("test.lua:6: stopped after"))
       << stage.error;
-  EXPECT_EQ(stage.input.moveX, 0);  // its keys are let go
+  EXPECT_EQ(stage.input.moveX, 0);  // its input is neutral
   EXPECT_FALSE(stage.input.jump);
   stage.error.clear();
   for (int round = 0; round < 100; ++round) {
     EXPECT_EQ(stage.Resume(1, round / 60.0), Script::Result::kFailed);
     EXPECT_EQ(stage.Resume(2, round / 60.0), Script::Result::kRunning);
   }
-  EXPECT_EQ(stage.error, "");  // said once
+  EXPECT_EQ(stage.error, "");  // reported once
   EXPECT_EQ(stage.lines.size(), 100U);
   EXPECT_EQ(stage.lines.back().bot, 2U);
 }
@@ -194,7 +194,7 @@ TEST(BotScript, MemoryIsBounded) {
   for (int round = 0; round < 256 && result == Script::Result::kRunning; ++round) result = stage.Resume(1, round);
   EXPECT_EQ(result, Script::Result::kFailed);
   EXPECT_NE(stage.error.find("not enough memory"), std::string::npos) << stage.error;
-  EXPECT_EQ(stage.Resume(2, 0), Script::Result::kRunning) << stage.error;  // what bot 1 held is free again
+  EXPECT_EQ(stage.Resume(2, 0), Script::Result::kRunning) << stage.error;  // the memory of bot 1 has been freed
 }
 
 TEST(BotScript, NoSingleStringOrTableIsLarge) {
@@ -209,7 +209,7 @@ TEST(BotScript, NoSingleStringOrTableIsLarge) {
   }
 }
 
-// Each of these took from seconds to years in one call, where no hook counts instructions.
+// Each of these calls took from seconds to years in C code, where no hook counts instructions.
 TEST(BotScript, NoSlowCallOutwitsTheBudget) {
   const auto begin = std::chrono::steady_clock::now();
   for (const char* body : {
@@ -330,7 +330,7 @@ TEST(BotScript, ChanceRepeatsWithTheSeedAndDiffersBetweenBots) {
   EXPECT_EQ(play(5), play(5));
   EXPECT_NE(play(5), play(6));
 
-  // What one bot draws does not depend on how many there are, nor on what the others draw.
+  // The random numbers of one bot do not depend on the number of bots, nor on the numbers that others draw.
   Stage alone(source, 1, 5);
   Stage among(source, 3, 5);
   for (int round = 0; round < 10; ++round) {

@@ -1,4 +1,4 @@
-// What a bot's script sees of the world: its own body and those near, their names, what happened, and that it was away.
+// What a bot's script reads of the world: its own body and those near it, their names, events, and its own absence.
 #include <gtest/gtest.h>
 
 #include "client/bots/lua_costs.h"
@@ -7,7 +7,7 @@
 namespace wobble::bots {
 namespace {
 
-// One bot with a world around it.
+// One bot and the world around it.
 class World {
  public:
   explicit World(const std::string& source)
@@ -55,7 +55,7 @@ TEST(BotScriptWorld, NearListsBodiesByDistance) {
   end)");
   world.AddBody(9, {1, 5, 0}, protocol::Vector3{1, 2, 3});
   world.AddBody(8, {1, 1, 2});
-  world.AddBody(6, {1, 1, -2});  // as far as 8
+  world.AddBody(6, {1, 1, -2});  // distance 8: just near enough
   world.AddBody(5, {1, 7, 0});   // too far
   world.names = {{8, "Ada"}, {5, "Bob"}};
   EXPECT_EQ(world.Resume(0), Script::Result::kFinished) << world.error;
@@ -116,8 +116,8 @@ TEST(BotScriptWorld, LeavesWaitsAndJoinsAgain) {
   end)");
   EXPECT_EQ(world.Resume(0), Script::Result::kRunning) << world.error;
   EXPECT_FALSE(world.wish.play);
-  EXPECT_FALSE(world.wish.input.puff);  // keys are let go
-  world.view.isPlaying = false;         // on its way out
+  EXPECT_FALSE(world.wish.input.puff);  // its input is neutral
+  world.view.isPlaying = false;         // leaving
   EXPECT_EQ(world.Resume(0.5), Script::Result::kRunning) << world.error;
   EXPECT_EQ(world.printed, "");
   world.view.isAway = true;
@@ -175,7 +175,7 @@ TEST(BotScriptWorld, ShippedScriptsRun) {
 TEST(LuaCosts, PatternStepsGrowWithTheRepeats) {
   EXPECT_NEAR(CountPatternSteps(10, "abc", true), 1, 0.5);
   EXPECT_NEAR(CountPatternSteps(10, "a%-%+%%", true), 1, 0.5);  // escaped: no repeats
-  EXPECT_GT(CountPatternSteps(10, "abc", false), 10);           // from every start
+  EXPECT_GT(CountPatternSteps(10, "abc", false), 10);           // tried from every start
   EXPECT_GT(CountPatternSteps(100, "^a*b*", true), 100.0 * 100 / 2);
   EXPECT_GT(CountPatternSteps(100, "%b()%1", false), 100.0 * 100 * 100 / 6);
   EXPECT_LT(CountPatternSteps(32, "^%s*(.-)%s*$", true), 20'000);

@@ -1,5 +1,5 @@
-// The figures of a load test: percentiles within the error they promise, rules that hold or fail as written, and a
-// summary with exactly its keys.
+// The figures of a load test: percentiles within the documented error, thresholds that hold or fail as written, and a
+// summary with exactly the documented keys.
 #include "client/bots/summary.h"
 
 #include <gtest/gtest.h>
@@ -11,6 +11,7 @@
 #include <random>
 
 #include "client/bots/histogram.h"
+#include "protocol/version.h"
 
 namespace wobble::bots {
 namespace {
@@ -47,7 +48,7 @@ TEST(Histogram, EndsAreExact) {
   EXPECT_EQ(histogram.FindPercentile(1), Histogram::kLargest);
   histogram.Add(std::numeric_limits<double>::quiet_NaN());
   EXPECT_EQ(histogram.Count(), 3U);
-  // Powers of two are the buckets' edges.
+  // Powers of two are edges of buckets.
   Histogram edges;
   edges.Add(2);
   edges.Add(4);
@@ -114,10 +115,11 @@ TEST(Summary, HasItsKeysInOrderAndNullWhereNothingWasMeasured) {
   const auto summary = nlohmann::ordered_json::parse(MakeSummary(figures, JudgeThresholds({*rule}, figures)));
   std::vector<std::string> keys;
   for (const auto& item : summary.items()) keys.push_back(item.key());
-  EXPECT_EQ(keys, (std::vector<std::string>{"bots", "connected", "joins", "join_ms_p99", "disconnects", "snapshots",
-                                            "snapshot_age_ms_p50", "snapshot_age_ms_p99", "input_to_snapshot_ms_p50",
-                                            "stalls", "kbit_per_s_per_bot", "decode_us_p99", "late_ms_p99",
-                                            "script_errors", "valid", "thresholds"}));
+  EXPECT_EQ(keys, (std::vector<std::string>{"version", "bots", "connected", "joins", "join_ms_p99", "disconnects",
+                                            "snapshots", "snapshot_age_ms_p50", "snapshot_age_ms_p99",
+                                            "input_to_snapshot_ms_p50", "stalls", "kbit_per_s_per_bot", "decode_us_p99",
+                                            "late_ms_p99", "script_errors", "valid", "thresholds"}));
+  EXPECT_EQ(summary["version"], kVersion);
   EXPECT_TRUE(summary["join_ms_p99"].is_null());
   EXPECT_EQ(summary["bots"].dump(), "4");
   EXPECT_EQ(summary["snapshot_age_ms_p99"], 42.5);

@@ -21,7 +21,7 @@ using protocol::Pose;
 using protocol::Quaternion;
 using protocol::Vector3;
 
-constexpr double kInterval = 1.0 / 30;
+constexpr double kBetweenSnapshots = 1.0 / 30;
 
 Quaternion TurnAboutZ(double angle) {
   return {static_cast<float>(std::cos(angle / 2)), 0, 0, static_cast<float>(std::sin(angle / 2))};
@@ -45,7 +45,7 @@ TEST(ClientInterpolator, ReproducesUniformAccelerationOverUnevenTimes) {
   Track track(1);
   for (const double t : kUnevenTimes)
     InsertAt(track, t, {{static_cast<float>(5 * t), 0, static_cast<float>(height(t))}, {}});
-  for (double t = 0; t < 0.3; t += 0.001) {  // the end segments too: there a parabola of three samples serves
+  for (double t = 0; t < 0.3; t += 0.001) {  // also the end segments, which use a parabola of three samples
     const Pose pose = BlendPose(track.FindMoment(t));
     EXPECT_NEAR(pose.centroid.x, 5 * t, 2e-6) << "at " << t;
     EXPECT_NEAR(pose.centroid.z, height(t), 2e-6) << "at " << t;
@@ -56,23 +56,23 @@ TEST(ClientInterpolator, WhatRestsStaysWhereItIsUntilShortlyBeforeItIsSeenToMove
   const auto at = [](double x) { return Pose{{static_cast<float>(x), 0, 0}, {}}; };
   Track track(1);
   InsertAt(track, 0, at(0));
-  InsertAt(track, kInterval, at(1));
-  EXPECT_TRUE(track.Insert(2 * kInterval, true, at(2), std::vector<Vector3>{{1, 0, 0}}, 0));
+  InsertAt(track, kBetweenSnapshots, at(1));
+  EXPECT_TRUE(track.Insert(2 * kBetweenSnapshots, true, at(2), std::vector<Vector3>{{1, 0, 0}}, 0));
   const auto show = [&](double time) { return BlendPose(track.FindMoment(time)).centroid.x; };
-  // It never runs on, and what is not news is not missed.
+  // A body at rest is never extrapolated, nor held without a record.
   for (const double later : {0.001, 0.05, 0.2, 60.0}) {
-    EXPECT_EQ(show(2 * kInterval + later), 2) << later;
-    EXPECT_FALSE(track.FindMoment(2 * kInterval + later).held) << later;
+    EXPECT_EQ(show(2 * kBetweenSnapshots + later), 2) << later;
+    EXPECT_FALSE(track.FindMoment(2 * kBetweenSnapshots + later).held) << later;
   }
   InsertAt(track, 10, at(3));
   EXPECT_EQ(show(5), 2);
   EXPECT_EQ(show(10 - kWakeSpan), 2);
   EXPECT_NEAR(show(10 - kWakeSpan / 2), 2.5, 1e-6);
   EXPECT_EQ(show(10), 3);
-  // Two metres apart within one interval, and its speed is that, not two metres in ten seconds.
+  // The samples are two metres apart: it moves within the last interval, not over the ten seconds before.
   EXPECT_NEAR(show(10 + kWakeSpan / 2), 3.5, 1e-6);
-  InsertAt(track, 10 + kInterval, at(4));
-  EXPECT_NEAR(show(10 + kInterval / 2), 3.5, 1e-6);
+  InsertAt(track, 10 + kBetweenSnapshots, at(4));
+  EXPECT_NEAR(show(10 + kBetweenSnapshots / 2), 3.5, 1e-6);
 }
 
 TEST(ClientInterpolator, ABodyThatRestsIsNotForgotten) {
@@ -93,9 +93,9 @@ TEST(ClientInterpolator, ABodyThatRestsIsNotForgotten) {
   EXPECT_EQ(samples[1].age, 0);
   bodies.Forget(40);
   EXPECT_EQ(bodies.Count(), 1U);
-  // It moves on, and then nothing comes.
+  // It moves again, and then no record comes.
   EXPECT_TRUE(bodies.Add({.body = 2}, blueprint, 6000, 60.0, {}, shape, 50));
-  // A record of its rest that comes late changes nothing.
+  // A late record of its rest changes nothing.
   EXPECT_TRUE(bodies.Add({.body = 2, .restTick = 90}, blueprint, 110, 0.9, {}, shape, 50));
   bodies.Forget(61);
   EXPECT_EQ(bodies.Count(), 0U);
@@ -122,26 +122,27 @@ TEST(ClientInterpolator, ShapesFollowTheSameCurve) {
 TEST(ClientInterpolator, PassesThroughItsSamplesWithoutAKink) {
   Track track(1);
   for (int i = 0; i < 10; ++i) {
-    InsertAt(track, i * kInterval, {{static_cast<float>(std::sin(i * 1.3)), 0, 0}, {}});
+    InsertAt(track, i * kBetweenSnapshots, {{static_cast<float>(std::sin(i * 1.3)), 0, 0}, {}});
   }
   const auto at = [&](double t) { return static_cast<double>(BlendPose(track.FindMoment(t)).centroid.x); };
   for (int i = 2; i < 8; ++i) {
-    const double t = i * kInterval, h = 1e-3;
+    const double t = i * kBetweenSnapshots, h = 1e-3;
     EXPECT_NEAR(at(t), std::sin(i * 1.3), 1e-5);
     EXPECT_NEAR((at(t) - at(t - h)) / h, (at(t + h) - at(t)) / h, 6.0) << "sample " << i;  // slopes reach 40
   }
 }
 
-// RMS of the error along a 3 Hz swing sampled at 30 Hz, by the track and by straight lines.
+// RMS error along a 3 Hz oscillation sampled at 30 Hz, of the track and of linear interpolation.
 TEST(ClientInterpolator, IsAtLeastThreeTimesCloserThanLinearOnASwing) {
   const auto swing = [](double t) { return std::sin(2 * std::numbers::pi * 3 * t); };
   Track track(1);
-  for (int i = 0; i < 20; ++i) InsertAt(track, i * kInterval, {{static_cast<float>(swing(i * kInterval)), 0, 0}, {}});
+  for (int i = 0; i < 20; ++i)
+    InsertAt(track, i * kBetweenSnapshots, {{static_cast<float>(swing(i * kBetweenSnapshots)), 0, 0}, {}});
   double curve = 0, line = 0;
-  for (double t = 2 * kInterval; t < 17 * kInterval; t += 0.0005) {
-    const double begin = std::floor(t / kInterval) * kInterval;
-    const double u = (t - begin) / kInterval;
-    const double straight = (1 - u) * swing(begin) + u * swing(begin + kInterval);
+  for (double t = 2 * kBetweenSnapshots; t < 17 * kBetweenSnapshots; t += 0.0005) {
+    const double begin = std::floor(t / kBetweenSnapshots) * kBetweenSnapshots;
+    const double u = (t - begin) / kBetweenSnapshots;
+    const double straight = (1 - u) * swing(begin) + u * swing(begin + kBetweenSnapshots);
     curve += std::pow(static_cast<double>(BlendPose(track.FindMoment(t)).centroid.x) - swing(t), 2);
     line += std::pow(straight - swing(t), 2);
   }
@@ -156,11 +157,11 @@ TEST(ClientInterpolator, TurnsTheShortWayWhateverTheSignsOfQuaternions) {
   for (int i = 0; i < 10; ++i) {
     Quaternion q = TurnAboutZ(i * 0.2);
     if (i % 3 == 1) q = {-q.w, -q.x, -q.y, -q.z};  // the same rotation
-    InsertAt(track, i * kInterval, {{}, q});
+    InsertAt(track, i * kBetweenSnapshots, {{}, q});
   }
-  for (double t = 0; t < 9 * kInterval; t += 0.0007) {
+  for (double t = 0; t < 9 * kBetweenSnapshots; t += 0.0007) {
     const Vector3 vertex = VertexAt(track, t);
-    EXPECT_NEAR(std::atan2(vertex.y, vertex.x), 0.2 * t / kInterval, 2e-4) << "at " << t;
+    EXPECT_NEAR(std::atan2(vertex.y, vertex.x), 0.2 * t / kBetweenSnapshots, 2e-4) << "at " << t;
     EXPECT_NEAR(protocol::Length(vertex), 1, 1e-5);
   }
 }
@@ -168,14 +169,14 @@ TEST(ClientInterpolator, TurnsTheShortWayWhateverTheSignsOfQuaternions) {
 TEST(ClientInterpolator, GoesOnForATenthOfASecondThenHolds) {
   Track track(1);
   InsertAt(track, 0, {{0, 0, 0}, {}});
-  InsertAt(track, kInterval, {{0.1F, 0, 0}, {}}, {{2, 0, 0}});
-  const Moment going = track.FindMoment(kInterval + 0.05);
+  InsertAt(track, kBetweenSnapshots, {{0.1F, 0, 0}, {}}, {{2, 0, 0}});
+  const Moment going = track.FindMoment(kBetweenSnapshots + 0.05);
   EXPECT_FALSE(going.held);
   EXPECT_NEAR(BlendPose(going).centroid.x, 0.1 + 3 * 0.05, 1e-5);
-  EXPECT_NEAR(VertexAt(track, kInterval + 0.05).x, 0.1 + 3 * 0.05 + 2, 1e-5);  // the shape as it was last
+  EXPECT_NEAR(VertexAt(track, kBetweenSnapshots + 0.05).x, 0.1 + 3 * 0.05 + 2, 1e-5);  // the last shape
 
   for (const double beyond : {0.101, 0.2, 5.0}) {
-    const Moment held = track.FindMoment(kInterval + beyond);
+    const Moment held = track.FindMoment(kBetweenSnapshots + beyond);
     EXPECT_TRUE(held.held);
     EXPECT_NEAR(BlendPose(held).centroid.x, 0.1 + 3 * 0.1, 1e-5);
   }
@@ -184,44 +185,44 @@ TEST(ClientInterpolator, GoesOnForATenthOfASecondThenHolds) {
 TEST(ClientInterpolator, DoesNotFlyAcrossARespawn) {
   Track track(0.5F);
   for (int i = 0; i < 8; ++i) {
-    InsertAt(track, i * kInterval, {{i < 4 ? 0.0F : 40.0F, 0, static_cast<float>(i) * 0.1F}, {}});
+    InsertAt(track, i * kBetweenSnapshots, {{i < 4 ? 0.0F : 40.0F, 0, static_cast<float>(i) * 0.1F}, {}});
   }
-  for (double t = 0; t < 7.5 * kInterval; t += 0.0007) {
+  for (double t = 0; t < 7.5 * kBetweenSnapshots; t += 0.0007) {
     const float x = BlendPose(track.FindMoment(t)).centroid.x;
     EXPECT_TRUE(x == 0.0F || x == 40.0F) << x << " at " << t;
-    EXPECT_EQ(x, t < 4 * kInterval ? 0.0F : 40.0F);
+    EXPECT_EQ(x, t < 4 * kBetweenSnapshots ? 0.0F : 40.0F);
   }
 }
 
 TEST(ClientInterpolator, TakesSamplesInAnyOrderOnceEach) {
   Track ordered(1), mixed(1);
   const std::vector<int> order{3, 0, 2, 5, 1, 4};
-  for (int i = 0; i < 6; ++i) InsertAt(ordered, i * kInterval, {{static_cast<float>(i * i), 0, 0}, {}});
-  for (const int i : order) InsertAt(mixed, i * kInterval, {{static_cast<float>(i * i), 0, 0}, {}});
-  EXPECT_FALSE(mixed.Insert(2 * kInterval, false, {{99, 0, 0}, {}}, std::vector<Vector3>{{1, 0, 0}}, 0));
-  for (double t = 0; t < 5.5 * kInterval; t += 0.001) {
+  for (int i = 0; i < 6; ++i) InsertAt(ordered, i * kBetweenSnapshots, {{static_cast<float>(i * i), 0, 0}, {}});
+  for (const int i : order) InsertAt(mixed, i * kBetweenSnapshots, {{static_cast<float>(i * i), 0, 0}, {}});
+  EXPECT_FALSE(mixed.Insert(2 * kBetweenSnapshots, false, {{99, 0, 0}, {}}, std::vector<Vector3>{{1, 0, 0}}, 0));
+  for (double t = 0; t < 5.5 * kBetweenSnapshots; t += 0.001) {
     EXPECT_EQ(BlendPose(mixed.FindMoment(t)).centroid.x, BlendPose(ordered.FindMoment(t)).centroid.x);
   }
 }
 
 TEST(ClientInterpolator, KeepsNoMoreSamplesThanItMayAndTheNewestOfThem) {
   Track track(1);
-  for (int i = 1; i <= 1000; ++i) InsertAt(track, i * kInterval, {{static_cast<float>(i) * 0.1F, 0, 0}, {}});
-  EXPECT_FALSE(track.Insert(kInterval, false, {}, std::vector<Vector3>{{1, 0, 0}}, 0));
+  for (int i = 1; i <= 1000; ++i) InsertAt(track, i * kBetweenSnapshots, {{static_cast<float>(i) * 0.1F, 0, 0}, {}});
+  EXPECT_FALSE(track.Insert(kBetweenSnapshots, false, {}, std::vector<Vector3>{{1, 0, 0}}, 0));
   const double oldest = (1001 - static_cast<double>(kTrackSamples));
   EXPECT_NEAR(BlendPose(track.FindMoment(0)).centroid.x, oldest * 0.1, 1e-4);
-  EXPECT_NEAR(BlendPose(track.FindMoment(1000 * kInterval)).centroid.x, 100, 1e-4);
+  EXPECT_NEAR(BlendPose(track.FindMoment(1000 * kBetweenSnapshots)).centroid.x, 100, 1e-4);
 }
 
 TEST(ClientInterpolator, KeepsWhatTheShownMomentStillNeeds) {
   Track full(1), trimmed(1);
   for (int i = 0; i < 20; ++i) {
-    const double playback = (i - 3) * kInterval;
+    const double playback = (i - 3) * kBetweenSnapshots;
     const Pose pose{{static_cast<float>(std::sin(i)), 0, 0}, {}};
     const std::vector<Vector3> shape{{1, 0, 0}};
-    EXPECT_TRUE(full.Insert(i * kInterval, false, pose, shape, 0));
-    EXPECT_TRUE(trimmed.Insert(i * kInterval, false, pose, shape, playback));
-    for (double t = std::max(playback, 0.0); t < i * kInterval; t += 0.003) {
+    EXPECT_TRUE(full.Insert(i * kBetweenSnapshots, false, pose, shape, 0));
+    EXPECT_TRUE(trimmed.Insert(i * kBetweenSnapshots, false, pose, shape, playback));
+    for (double t = std::max(playback, 0.0); t < i * kBetweenSnapshots; t += 0.003) {
       ASSERT_EQ(BlendPose(trimmed.FindMoment(t)).centroid.x, BlendPose(full.FindMoment(t)).centroid.x);
     }
   }
@@ -229,11 +230,11 @@ TEST(ClientInterpolator, KeepsWhatTheShownMomentStillNeeds) {
 
 TEST(ClientInterpolator, StaysExactFarFromTheOrigin) {
   Track track(1);
-  for (int i = 0; i < 6; ++i) InsertAt(track, i * kInterval, {{8000, 0, 0}, {}});
+  for (int i = 0; i < 6; ++i) InsertAt(track, i * kBetweenSnapshots, {{8000, 0, 0}, {}});
   for (double t = 0; t < 0.3; t += 0.001) EXPECT_EQ(BlendPose(track.FindMoment(t)).centroid.x, 8000.0F);
 }
 
-// From here on whole bodies.
+// Tests of whole bodies.
 using SharedBlueprint = std::shared_ptr<const Blueprint>;
 
 SharedBlueprint MakeRow(std::size_t vertices) {
@@ -282,7 +283,7 @@ TEST(ClientBodies, JoinsPatchesEachUnderItsOwnPose) {
   EXPECT_EQ(samples[0].pose.centroid.x, 1000);
   EXPECT_EQ(samples[0].vertices[3].x, 1003);
   EXPECT_EQ(samples[0].vertices[protocol::kMaxPatchVertices].x, 5000 + protocol::kMaxPatchVertices);
-  EXPECT_NEAR(samples[0].age, 2 / 60.0, 1e-9);  // as old as its oldest patch
+  EXPECT_NEAR(samples[0].age, 2 / 60.0, 1e-9);  // the age of its oldest patch
 }
 
 TEST(ClientBodies, SamplesByAscendingNumberAndForgets) {
@@ -292,13 +293,13 @@ TEST(ClientBodies, SamplesByAscendingNumberAndForgets) {
   std::vector<BodySample> samples;
   for (const std::uint32_t body : {9U, 2U, 70000U, 4U}) ASSERT_TRUE(AddRecord(bodies, blueprint, body, 0, 60, 0));
   bodies.Remove(4, 61);
-  ASSERT_TRUE(AddRecord(bodies, blueprint, 4, 0, 59, 0));  // late, from before it was removed
+  ASSERT_TRUE(AddRecord(bodies, blueprint, 4, 0, 59, 0));  // late, of a tick before the removal
   bodies.Sample(1, 1, Detail::kPosesOnly, samples, statistics);
   ASSERT_EQ(samples.size(), 3U);
   EXPECT_EQ(samples[0].body, 2U);
   EXPECT_EQ(samples[1].body, 9U);
   EXPECT_EQ(samples[2].body, 70000U);
-  ASSERT_TRUE(AddRecord(bodies, blueprint, 4, 0, 62, 0));  // made anew
+  ASSERT_TRUE(AddRecord(bodies, blueprint, 4, 0, 62, 0));  // made again
   ASSERT_TRUE(AddRecord(bodies, blueprint, 9, 0, 6000, 0));
   bodies.Forget(100 - kForgetAfter);
   EXPECT_EQ(bodies.Count(), 1U);
@@ -320,7 +321,7 @@ TEST(ClientBodies, RefusesMoreThanItMayHold) {
   EXPECT_LE(many.Count(), protocol::kMaxBodies);
 }
 
-// Two forms in turn for each tick, shown far behind: what is kept is bounded, and given back.
+// Two forms alternate with each tick and are shown far behind: the memory is bounded, and freed.
 TEST(ClientBodies, KeepsNoMoreFormsThanItMayAndGivesThemBack) {
   const SharedBlueprint one = MakeRow(2000), two = MakeRow(3000);
   Bodies bodies;

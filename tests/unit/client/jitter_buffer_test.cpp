@@ -10,34 +10,34 @@
 namespace wobble::client {
 namespace {
 
-constexpr double kInterval = 1.0 / 30;
+constexpr double kSnapshotInterval = 1.0 / 30;
 
 TEST(ClientJitterBuffer, SpreadIsThe98thPercentileOfLateness) {
   for (const double jitter : {0.0, 0.020, 0.100, 0.300}) {
     JitterBuffer buffer;
     std::mt19937 random(5);
     std::uniform_real_distribution<double> lateness(0, jitter + 1e-9);
-    for (double now = 0; now < 10; now += 0.002) buffer.AddArrival(lateness(random), kInterval, now);
+    for (double now = 0; now < 10; now += 0.002) buffer.AddArrival(lateness(random), kSnapshotInterval, now);
     EXPECT_NEAR(buffer.FindSpread(), 0.98 * jitter, 0.001 + 0.01 * jitter) << "jitter " << jitter;
   }
 }
 
 TEST(ClientJitterBuffer, FewArriveLaterThanTheDelayAllows) {
-  // Long-tailed lateness at 30 packets a second: how many would have been too late for their segment?
+  // Long-tailed lateness at 30 packets a second: counts packets that are too late for their segment.
   std::mt19937 random(11);
   std::exponential_distribution<double> lateness(1 / 0.015);
   JitterBuffer buffer;
   int late = 0, all = 0;
-  for (double now = 0; now < 300; now += kInterval) {
+  for (double now = 0; now < 300; now += kSnapshotInterval) {
     const double seconds = lateness(random);
     if (now > 3) {
       ++all;
-      if (seconds > buffer.TargetDelay() - 2 * kInterval) ++late;
+      if (seconds > buffer.TargetDelay() - 2 * kSnapshotInterval) ++late;
     }
-    buffer.AddArrival(seconds, kInterval, now);
+    buffer.AddArrival(seconds, kSnapshotInterval, now);
   }
   EXPECT_LT(static_cast<double>(late) / all, 0.025);
-  EXPECT_LT(buffer.TargetDelay(), 2 * kInterval + 0.015 * 7);  // 7 means: what one in 1,100 exceeds
+  EXPECT_LT(buffer.TargetDelay(), 2 * kSnapshotInterval + 0.015 * 7);  // 7 means are exceeded by one in 1,100
 }
 
 TEST(ClientJitterBuffer, DelayStaysWithinItsBounds) {
@@ -45,26 +45,26 @@ TEST(ClientJitterBuffer, DelayStaysWithinItsBounds) {
   quick.AddArrival(0, 1.0 / 240, 0);
   EXPECT_EQ(quick.TargetDelay(), kMinDelay);
   JitterBuffer slow;
-  slow.AddArrival(30, kInterval, 0);
+  slow.AddArrival(30, kSnapshotInterval, 0);
   EXPECT_EQ(slow.TargetDelay(), kMaxDelay);
   JitterBuffer early;
-  early.AddArrival(-5, kInterval, 0);
-  EXPECT_NEAR(early.TargetDelay(), 2 * kInterval + 0.001, 1e-9);
+  early.AddArrival(-5, kSnapshotInterval, 0);
+  EXPECT_NEAR(early.TargetDelay(), 2 * kSnapshotInterval + 0.001, 1e-9);
 }
 
 TEST(ClientJitterBuffer, GrowsAtOnceAndShrinksSlowly) {
   JitterBuffer buffer;
   double now = 0;
-  for (; now < 5; now += kInterval) buffer.AddArrival(0.001, kInterval, now);
+  for (; now < 5; now += kSnapshotInterval) buffer.AddArrival(0.001, kSnapshotInterval, now);
   const double calm = buffer.TargetDelay();
-  for (int i = 0; i < 3; ++i, now += kInterval) buffer.AddArrival(0.150, kInterval, now);
+  for (int i = 0; i < 3; ++i, now += kSnapshotInterval) buffer.AddArrival(0.150, kSnapshotInterval, now);
   const double rough = buffer.TargetDelay();
   EXPECT_NEAR(rough - calm, 0.149, 0.002);
 
   const double calmAgainAt = now;
-  for (; now < calmAgainAt + 2; now += kInterval) buffer.AddArrival(0.001, kInterval, now);
+  for (; now < calmAgainAt + 2; now += kSnapshotInterval) buffer.AddArrival(0.001, kSnapshotInterval, now);
   EXPECT_GT(buffer.TargetDelay(), rough - 0.05);
-  for (; now < calmAgainAt + 30; now += kInterval) buffer.AddArrival(0.001, kInterval, now);
+  for (; now < calmAgainAt + 30; now += kSnapshotInterval) buffer.AddArrival(0.001, kSnapshotInterval, now);
   EXPECT_NEAR(buffer.TargetDelay(), calm, 0.002);
 }
 
@@ -77,7 +77,7 @@ TEST(ClientJitterBuffer, PlaybackNeverRunsBackwardsAndKeepsItsRate) {
   for (int i = 0; i < 20000; ++i) {
     now += step(random);
     const bool rough = std::fmod(now, 40) > 20;
-    buffer.AddArrival(rough ? jitter(random) : 0.001, kInterval, now);
+    buffer.AddArrival(rough ? jitter(random) : 0.001, kSnapshotInterval, now);
     const double playback = buffer.Advance(1000 + now, 1.0, now);
     if (i > 0) {
       const double rate = (playback - last) / (now - lastNow);
@@ -88,7 +88,7 @@ TEST(ClientJitterBuffer, PlaybackNeverRunsBackwardsAndKeepsItsRate) {
     lastNow = now;
   }
   EXPECT_GE(smallest, 0.9 - 1e-9);
-  EXPECT_LT(smallest, 0.91);  // it did have to adapt
+  EXPECT_LT(smallest, 0.91);  // it had to adapt
   EXPECT_LE(largest, 1.1 + 1e-9);
   EXPECT_GT(largest, 1.005);
 }
@@ -97,16 +97,16 @@ TEST(ClientJitterBuffer, DelaySettlesOnItsTarget) {
   JitterBuffer buffer;
   double now = 0;
   for (; now < 5; now += 0.010) {
-    buffer.AddArrival(now < 2 ? 0.001 : 0.080, kInterval, now);
+    buffer.AddArrival(now < 2 ? 0.001 : 0.080, kSnapshotInterval, now);
     buffer.Advance(now, 1.0, now);
   }
   EXPECT_NEAR(buffer.Delay(), buffer.TargetDelay(), 0.001);
-  EXPECT_NEAR(buffer.Delay(), 0.081 + 2 * kInterval, 0.002);
+  EXPECT_NEAR(buffer.Delay(), 0.081 + 2 * kSnapshotInterval, 0.002);
 }
 
 TEST(ClientJitterBuffer, StandsStillOrLeapsWhenTheClockHasJumped) {
   JitterBuffer buffer;
-  buffer.AddArrival(0, kInterval, 0);
+  buffer.AddArrival(0, kSnapshotInterval, 0);
   buffer.Advance(100, 1.0, 0);
   const double before = buffer.Playback();
   EXPECT_EQ(buffer.Advance(90, 1.0, 0.1), before);

@@ -1,5 +1,4 @@
-// The client of Agones against sidecars in this process: one that answers and writes down what it was asked, and ones
-// that do what a sidecar should not.
+// The client of Agones against sidecars in this process: one that answers and records the requests, and faulty ones.
 #include "server/ops/agones.h"
 
 #include <arpa/inet.h>
@@ -34,12 +33,12 @@ double ReadClock() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// Never gives a whole answer.
+// A sidecar that never gives a complete answer.
 class BadSidecar {
  public:
   enum class Habit {
-    kSilent,   // takes connections and says nothing
-    kDrips,    // a byte every 50 ms, for ever
+    kSilent,   // accepts connections and never answers
+    kDrips,    // sends a byte every 50 ms, for ever
     kHangsUp,  // closes every connection at once
   };
   explicit BadSidecar(Habit habit) : m_habit(habit), m_socket(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
@@ -90,7 +89,7 @@ class BadSidecar {
   std::thread m_thread;
 };
 
-// Until the client has noted so many tries, of whatever outcome.
+// Waits until the client has counted so many attempts of any outcome.
 void WaitForTries(const Agones& agones, std::uint64_t count) {
   const double deadline = ReadClock() + 20;
   const auto countTries = [&] { return agones.ReadCounts().succeeded + agones.ReadCounts().failed; };
@@ -98,7 +97,7 @@ void WaitForTries(const Agones& agones, std::uint64_t count) {
   EXPECT_GE(countTries(), count);
 }
 
-// Of a server that has just ended: nobody listens there.
+// A port of a server that has just ended, on which nothing listens.
 std::uint16_t FindDeadPort() { return Sidecar().Port(); }
 
 TEST(Agones, MakesTheCallsOfAWholeLifeInOrder) {
@@ -107,7 +106,7 @@ TEST(Agones, MakesTheCallsOfAWholeLifeInOrder) {
   Strings expected;
   {
     Agones agones(sidecar.Port());
-    // One turn of the loop, and what it should lead to.
+    // One turn of the loop, and the requests that it should cause.
     const auto turn = [&](double now, const std::vector<std::uint32_t>& players, bool acceptsJoins,
                           const Strings& requests) {
       agones.Perform(duty.Follow({.now = now, .acceptsJoins = acceptsJoins, .players = players}));
@@ -215,12 +214,12 @@ TEST(Agones, ASidecarThatHangsUpDoesNotEndTheServer) {
 volatile std::sig_atomic_t g_signals = 0;
 void CountSignal(int) { g_signals = g_signals + 1; }
 
-// On most systems the test above needs it as well: to write to who has hung up is a SIGPIPE.
+// On most systems the test above needs this too: writing to a closed connection raises SIGPIPE.
 TEST(Agones, ItsThreadTakesNoSignals) {
   Agones agones(FindDeadPort());
   agones.Perform(Calls{{Kind::kHealth}});
   WaitForTries(agones, 1);
-  // There is no other thread, and this one does not take it.
+  // There is no other thread, and this one blocks the signal.
   ASSERT_NE(signal(SIGTERM, CountSignal), SIG_ERR);
   sigset_t set;
   sigemptyset(&set);

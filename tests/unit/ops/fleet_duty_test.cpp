@@ -11,7 +11,7 @@ using Kind = FleetCall::Kind;
 using Calls = std::vector<FleetCall>;
 using Clients = std::vector<std::uint32_t>;
 
-// One turn of the loop of a server that accepts joins.
+// A turn of the loop of a server that accepts joins.
 Calls Turn(FleetDuty& duty, double now, const Clients& players = {}) {
   return duty.Follow({.now = now, .acceptsJoins = true, .players = players});
 }

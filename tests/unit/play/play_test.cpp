@@ -1,4 +1,4 @@
-// What players do beyond moving about, from the client that asks for it to the world that it changes.
+// Hands, cuts, tuning and the workshop, from the client that asks to the world that changes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ using protocol::wire::BuildKind;
 using protocol::wire::TuneKind;
 using test::Game;
 
-constexpr std::uint32_t kBall = 1;  // the yard's
+constexpr std::uint32_t kBall = 1;  // of the yard
 
 Vector3d CentreOf(const Game& game, std::uint32_t body) {
   return game.server.World().FindCentre(game.server.World().ReadBody(body));
@@ -33,7 +33,7 @@ std::uint16_t FindNearest(const Game& game, std::uint32_t body, const Vector3d& 
   return nearest;
 }
 
-// Lines that a client was told.
+// Records the notices that a client gets.
 struct Notices {
   explicit Notices(client::Client& client) {
     client.OnNotice([this](const std::string& text) { lines.push_back(text); });
@@ -67,7 +67,7 @@ TEST(Play, AHandHoldsWhatIsInReachAndOfOthers) {
   const std::uint32_t own = client.Welcome().ownBody;
   client.SetHand(client::Hand{own, 0, {0, 0, 5}});
   game.Run(1);
-  EXPECT_LT(CentreOf(game, own).z(), 1) << "nobody lifts himself by his own hair";
+  EXPECT_LT(CentreOf(game, own).z(), 1) << "a hand does not hold its own body";
   client.SetHand(client::Hand{77, 0, {0, 0, 5}});
   game.Run(0.2);
   client.SetHand(client::Hand{kBall, 9999, {0, 0, 5}});
@@ -87,7 +87,7 @@ TEST(Play, WithoutLeaveNoHandHolds) {
   client.Build({});
   game.Run(1);
   EXPECT_LT(CentreOf(game, kBall).z(), 0.7);
-  EXPECT_EQ(notices.lines.size(), 4U) << "each says why not, but the hand, which comes 60 times a second";
+  EXPECT_EQ(notices.lines.size(), 4U) << "one refusal each; the hand, sent 60 times a second, gets none";
 }
 
 TEST(Play, APushSendsABallAwayAndPushesBack) {
@@ -246,7 +246,7 @@ springs_each = 4
 cut = true
 )";
 
-// The workshop as a client knows it.
+// The workshop's body as a client has it.
 struct Shown {
   std::shared_ptr<const client::Blueprint> blueprint;
   std::vector<Vector3> vertices;
@@ -316,7 +316,7 @@ TEST(Play, BuildingIsBoundedAndRefusedInWords) {
   }
   game.Run(0.5);
   ASSERT_EQ(notices.lines.size(), 1U);
-  EXPECT_NE(notices.lines[0].find("all your 3 particles"), std::string::npos) << notices.lines[0];
+  EXPECT_NE(notices.lines[0].find("3 particles, the most per player"), std::string::npos) << notices.lines[0];
   const Shown shown = FindShown(game, client);
   const auto number = [&](std::size_t i) { return shown.blueprint->particles[i].number(); };
   client.Build({.kind = BuildKind::AddSpring, .a = 9999, .b = number(0)});

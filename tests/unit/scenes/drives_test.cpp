@@ -1,4 +1,4 @@
-// What a scene does to its bodies by the clock, and how it first stretches them.
+// Drives of a scene, and the stretch with which its bodies start.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,8 +16,8 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::StartsWith;
 
-// Without gravity; `tail` begins in line 13.
-std::string MakeText(const std::string& tail) {
+// A scene without gravity; `tail` begins in line 13.
+std::string MakeTextWithDrives(const std::string& tail) {
   return R"(gravity = [0, 0, 0]
 [[blueprint]]
 name = "ball"
@@ -33,15 +33,15 @@ blueprint = "ball"
 )" + tail;
 }
 
-LoadResult Parse(const std::string& tail) { return ParseScene(MakeText(tail), "test.toml"); }
-std::vector<std::string> ErrorsOf(const std::string& tail) { return Parse(tail).errors; }
+LoadResult ParseDrives(const std::string& tail) { return ParseScene(MakeTextWithDrives(tail), "test.toml"); }
+std::vector<std::string> ErrorsOfDrives(const std::string& tail) { return ParseDrives(tail).errors; }
 
 struct Played {
   physics::World world;
   std::vector<PlacedBody> placed;
 
-  explicit Played(const std::string& tail) : world(MakeWorldSettings(Parse(tail).scene, 1.0 / 60, 1)) {
-    const LoadResult loaded = Parse(tail);
+  explicit Played(const std::string& tail) : world(MakeWorldSettings(ParseDrives(tail).scene, 1.0 / 60, 1)) {
+    const LoadResult loaded = ParseDrives(tail);
     EXPECT_THAT(loaded.errors, IsEmpty());
     placed = FillWorld(loaded.scene, 1, world);
   }
@@ -95,7 +95,7 @@ period = 100
 
 TEST(SceneDrives, ASideIsAFlatEndOrACap) {
   using physics::Side;
-  const Scene scene = Parse("").scene;
+  const Scene scene = ParseDrives("").scene;
   physics::World world(physics::WorldSettings{});
   static_cast<void>(FillWorld(scene, 1, world));
   const auto& ball = world.Blueprints()[0].rest;
@@ -122,7 +122,7 @@ TEST(SceneDrives, GasAndWindComeAndGo) {
   EXPECT_GT(breathing.Extent(0).x(), 1.05 * width);
   breathing.Step(600);
   EXPECT_NEAR(breathing.Extent(0).x(), width, 0.01 * width);
-  // Balls of this scene are dragged by nothing; one that is goes with the wind, whoever it is.
+  // The balls of this scene have no drag; a body with drag goes with the wind, also a player's.
   const std::string leaf =
       "[[blueprint]]\nname = \"leaf\"\nsubdivisions = 1\ndrag = 0.6\n[[bodies]]\n"
       "blueprint = \"leaf\"\n[[drive]]\nwind = [5, 0, 0]\nend = 2\n";
@@ -143,38 +143,40 @@ TEST(SceneDrives, BodiesAreStretchedAboutTheirCentres) {
 }
 
 TEST(SceneDriveMistakes, EachIsNamedWithItsRange) {
-  EXPECT_THAT(ErrorsOf("[[drive]]\nblueprint = \"bat\"\nforce = [1, 0, 0]\n"),
+  EXPECT_THAT(ErrorsOfDrives("[[drive]]\nblueprint = \"bat\"\nforce = [1, 0, 0]\n"),
               ElementsAre(AllOf(StartsWith("test.toml:14: blueprint = "), HasSubstr("one of: ball, bar"))));
-  EXPECT_THAT(ErrorsOf("[[drive]]\nblueprint = \"bar\"\nforce = [2e5, 0, 0]\nside = \"x\"\n"),
+  EXPECT_THAT(ErrorsOfDrives("[[drive]]\nblueprint = \"bar\"\nforce = [2e5, 0, 0]\nside = \"x\"\n"),
               ElementsAre(AllOf(HasSubstr(":15: force"), HasSubstr("-100000 to 100000 N")),
                           AllOf(HasSubstr(":16: side"), HasSubstr("one of: all, x+, x-"))));
-  EXPECT_THAT(ErrorsOf("[[drive]]\nblueprint = \"ball\"\ngas = 0\nwind = [0, 0, 60]\n"),
+  EXPECT_THAT(ErrorsOfDrives("[[drive]]\nblueprint = \"ball\"\ngas = 0\nwind = [0, 0, 60]\n"),
               ElementsAre(AllOf(HasSubstr(":15: gas = 0"), HasSubstr("0.1 to 10")),
                           AllOf(HasSubstr(":16: wind"), HasSubstr("-50 to 50 m/s"))));
-  EXPECT_THAT(ErrorsOf("[[drive]]\nwind = [1, 0, 0]\nduration = 3\n"),
+  EXPECT_THAT(ErrorsOfDrives("[[drive]]\nwind = [1, 0, 0]\nduration = 3\n"),
               ElementsAre(AllOf(StartsWith("test.toml:15: duration is no field here"), HasSubstr("period"))));
 }
 
 TEST(SceneDriveMistakes, TimesFollowEachOther) {
   const std::string wind = "[[drive]]\nwind = [1, 0, 0]\n";
-  EXPECT_THAT(ErrorsOf(wind + "begin = 1\nend = 3\nperiod = 3\n"), IsEmpty());
-  EXPECT_THAT(ErrorsOf(wind + "begin = 1\nend = 1\n"), ElementsAre(HasSubstr(":16: end = 1: must be after begin")));
-  EXPECT_THAT(ErrorsOf(wind + "begin = 1.5\n"), ElementsAre(HasSubstr("end = 1: must be after begin")));
-  EXPECT_THAT(ErrorsOf(wind + "end = 3\nperiod = 2.5\n"),
+  EXPECT_THAT(ErrorsOfDrives(wind + "begin = 1\nend = 3\nperiod = 3\n"), IsEmpty());
+  EXPECT_THAT(ErrorsOfDrives(wind + "begin = 1\nend = 1\n"),
+              ElementsAre(HasSubstr(":16: end = 1: must be after begin")));
+  EXPECT_THAT(ErrorsOfDrives(wind + "begin = 1.5\n"), ElementsAre(HasSubstr("end = 1: must be after begin")));
+  EXPECT_THAT(ErrorsOfDrives(wind + "end = 3\nperiod = 2.5\n"),
               ElementsAre(HasSubstr(":16: period = 2.5: must be no less than end")));
-  EXPECT_THAT(ErrorsOf(wind + "end = 3\n"), ElementsAre(HasSubstr("period = 2: must be no less than end")));
-  EXPECT_THAT(ErrorsOf(wind + "period = 0\n"), testing::Contains(HasSubstr("period = 0: must be 0.0166667 to 3600 s")));
+  EXPECT_THAT(ErrorsOfDrives(wind + "end = 3\n"), ElementsAre(HasSubstr("period = 2: must be no less than end")));
+  EXPECT_THAT(ErrorsOfDrives(wind + "period = 0\n"),
+              testing::Contains(HasSubstr("period = 0: must be 0.0166667 to 3600 s")));
 }
 
 TEST(SceneDriveMistakes, WhatWouldDoNothingIsRefused) {
-  EXPECT_THAT(ErrorsOf("[[drive]]\nblueprint = \"bar\"\nend = 1.5\n"),
+  EXPECT_THAT(ErrorsOfDrives("[[drive]]\nblueprint = \"bar\"\nend = 1.5\n"),
               ElementsAre("test.toml:13: drive = nothing: must be a force, gas or wind"));
-  EXPECT_THAT(ErrorsOf("[[drive]]\nforce = [1, 0, 0]\ngas = 2\n"),
+  EXPECT_THAT(ErrorsOfDrives("[[drive]]\nforce = [1, 0, 0]\ngas = 2\n"),
               ElementsAre(AllOf(HasSubstr(":14: force = [ 1, 0, 0 ]"), HasSubstr("only wind acts on all")),
                           AllOf(HasSubstr(":15: gas = 2"), HasSubstr("only wind acts on all"))));
-  EXPECT_THAT(ErrorsOf("[[drive]]\nblueprint = \"bar\"\nwind = [1, 0, 0]\nside = \"x+\"\n"),
+  EXPECT_THAT(ErrorsOfDrives("[[drive]]\nblueprint = \"bar\"\nwind = [1, 0, 0]\nside = \"x+\"\n"),
               ElementsAre(AllOf(HasSubstr(":16: side = "), HasSubstr("left out unless there is a force"))));
-  EXPECT_THAT(ErrorsOf("[[bodies]]\nblueprint = \"bar\"\nstretch = [1, 4, 1]\n"),
+  EXPECT_THAT(ErrorsOfDrives("[[bodies]]\nblueprint = \"bar\"\nstretch = [1, 4, 1]\n"),
               ElementsAre(AllOf(HasSubstr("stretch = [ 1, 4, 1 ]"), HasSubstr("three numbers from 0.2 to 3"))));
 }
 

@@ -1,4 +1,4 @@
-// OBJ files: what they may look like, and how bad ones are answered.
+// OBJ files: the accepted forms, and the errors of bad files.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -68,7 +68,7 @@ TEST(Obj, TooManyVerticesAreRefusedOnceTheyAre) {
   EXPECT_THAT(ParseObj(text).errors, ElementsAre("line 4097: vertex 4097: at most 4096 vertices"));
 }
 
-// The creatures that are shipped: good meshes of a size that play can bear, which hold their shape and a fall.
+// The shipped creatures: valid meshes of a size fit for play, which keep their shape and survive a fall.
 class ShippedMesh : public testing::TestWithParam<std::string> {};
 
 TEST_P(ShippedMesh, LoadsHoldsItsShapeAndBearsAFall) {

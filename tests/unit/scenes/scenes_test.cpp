@@ -1,4 +1,4 @@
-// Scenes: those that are shipped, and how a file with mistakes is answered.
+// Scenes: the shipped ones, and the errors of files with mistakes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ constexpr int kTicks = 30;  // 34 times slower there
 constexpr int kTicks = 300;
 #endif
 
-// A scene without mistakes: `extra` goes in front, where the fields of the scene itself are.
+// A scene without mistakes. `extra` goes in front, among the fields of the scene itself.
 std::string MakeText(const std::string& extra, const std::string& blueprintExtra = "", const std::string& tail = "") {
   return extra + "\n[[blueprint]]\nname = \"ball\"\nsubdivisions = 1\n" + blueprintExtra +
          "\n[player]\nblueprint = \"ball\"\n" + tail;
@@ -61,12 +61,12 @@ TEST_P(ShippedScene, LoadsAndMakesAWorld) {
   EXPECT_THAT(server::Validate({}, loaded.scene), IsEmpty());
   const std::uint64_t hash = PlayAndHash(loaded.scene, 1);
   EXPECT_EQ(PlayAndHash(loaded.scene, 1), hash);
-  // Only what has jitter can differ between seeds.
+  // Only groups with jitter can differ between seeds.
   bool hasJitter = false;
   for (const BodyGroup& group : loaded.scene.groups) hasJitter = hasJitter || group.jitter > 0;
   EXPECT_EQ(PlayAndHash(loaded.scene, 2) != hash, hasJitter);
 }
-// With a player who runs, jumps and puffs up.
+// Steps the scene with a player who runs, jumps and puffs up.
 TEST_P(ShippedScene, LosesNobody) {
   const Scene scene = LoadScene(GetParam(), kFolder).scene;
   physics::World world(MakeWorldSettings(scene, 1.0 / 60, 1));
@@ -206,13 +206,13 @@ TEST(Scenes, WhatTheyAreMeantToBe) {
   const Scene crowd = LoadScene("crowd", kFolder).scene;
   EXPECT_EQ(CountBodies(crowd), 1000U);
   EXPECT_EQ(CountVertices(crowd.blueprints[crowd.groups[0].blueprint]), 162U);
-  // Same seed and another seed where there is jitter: see LoadsAndMakesAWorld.
+  // LoadsAndMakesAWorld compares equal and different seeds.
   EXPECT_GT(crowd.groups[0].jitter, 0);
   const Scene stack = LoadScene("jelly_stack", kFolder).scene;
   ASSERT_EQ(CountBodies(stack), 8U);
   const auto& slab = std::get<physics::LatticeDefinition>(stack.blueprints[stack.groups[0].blueprint]);
-  // As one column it must not buckle under its own weight (Greenhill 1881): ρ g A H³ < 7.84 E I, here with half to
-  // spare.
+  // As one column it must not buckle under its own weight (Greenhill 1881): ρ g A H³ < 7.84 E I, here with a margin of
+  // half.
   const double width = slab.cells[0] * slab.cellSize;
   const double height = 8 * slab.cells[2] * slab.cellSize;
   const double load = 12 * slab.density * 9.81 * std::pow(height, 3) / (slab.youngModulus * width * width);
@@ -270,7 +270,7 @@ TEST(SceneMistakes, WrongTypesAreNamed) {
   EXPECT_THAT(ErrorsOf(MakeText("kill_height = true")), ElementsAre(HasSubstr("kill_height = true")));
   EXPECT_THAT(ErrorsOf(MakeText("kill_height = nan")), ElementsAre(HasSubstr("-4000 to 4000")));
   EXPECT_THAT(ErrorsOf(MakeText("obstacle = 4")), ElementsAre(AllOf(HasSubstr("obstacle = 4"), HasSubstr("table"))));
-  // A blueprint's quantities: the range is the quantity's own.
+  // Quantities of a blueprint, with the ranges of the physics.
   EXPECT_THAT(ErrorsOf(MakeText("", "mass = \"heavy\"\n")),
               ElementsAre(AllOf(StartsWith("test.toml:5: mass = "), HasSubstr("heavy"),
                                 HasSubstr("a number, 0.001 to 1000000 kg"))));
@@ -414,7 +414,7 @@ TEST(SceneMistakes, AnUnknownSceneListsTheKnownOnes) {
 }
 
 TEST(SceneLimits, WhatTheProtocolCannotCarryIsRefusedWithBothNumbers) {
-  // Not parsed: to check its material, the loader would build the ball, and that takes long in a sanitizer build.
+  // Not parsed, because the loader would build the ball to check its material, which takes long in a sanitizer build.
   Scene scene;
   scene.name = "test";
   physics::BallDefinition ball;
@@ -431,7 +431,7 @@ TEST(SceneLimits, WhatTheProtocolCannotCarryIsRefusedWithBothNumbers) {
                           "--client-kbit 1: must be 32 to 100000"));
 }
 
-// A crowd that joins at once, on a circle that has room for few of them.
+// A crowd joins at once, on a circle with room for few of them.
 TEST(Spawn, NobodyIsPutIntoAnother) {
   physics::World world(physics::WorldSettings{});
   world.AddBlueprint(physics::MakeBall(physics::BallDefinition{}));

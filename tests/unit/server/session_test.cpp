@@ -1,4 +1,4 @@
-// One connection's rules: every message in every state, time-outs, and what an input becomes.
+// A session: every message in every state, timeouts, and the control that an input becomes.
 #include "server/session.h"
 
 #include <gtest/gtest.h>
@@ -76,9 +76,9 @@ TEST(Session, EveryMessageInEveryState) {
       EXPECT_EQ(effect.kind, each.kinds[i]);
       EXPECT_EQ(effect.dropped, each.dropped[i]);
       EXPECT_EQ(effect.parsed != ParseResult::kOk, effect.dropped == DropReason::kParse);
-      EXPECT_EQ(session.badInWindow, effect.dropped && effect.dropped != DropReason::kFutureInput ? 1U : 0U);
+      EXPECT_EQ(session.badMessages.count, effect.dropped && effect.dropped != DropReason::kFutureInput ? 1U : 0U);
       EXPECT_EQ(session.lastHeard, 11);
-      EXPECT_EQ(session.state, states[i]);  // states are the server's to change
+      EXPECT_EQ(session.state, states[i]);  // only the server changes states
     }
   }
 }
@@ -88,7 +88,7 @@ TEST(Session, HelloSaysWhoItIs) {
   const auto hello = protocol::MakeHello("Eve\x1b[2J\n", Role::Spectator);
   EXPECT_EQ(TakeMessage(session, Channel::kControl, hello, 0, 10).kind, Kind::kJoin);
   EXPECT_TRUE(session.spectator);
-  EXPECT_EQ(session.name, "Eve?[2J?");  // nothing that a terminal would obey
+  EXPECT_EQ(session.name, "Eve?[2J?");  // control characters are replaced
 
   Session nameless = MakeSession(State::kAwaitingHello);
   EXPECT_EQ(TakeMessage(nameless, Channel::kControl, protocol::MakeHello("", Role::Player), 0, 10).kind, Kind::kJoin);
@@ -132,7 +132,7 @@ TEST(Session, OneFutureFrameDropsTheWholeMessage) {
   EXPECT_EQ(TakeControl(session, 101, 6).moveX, 0);
 }
 
-// When the server has stood still for seconds, what it then reads is ahead of its own time.
+// After a server has stood still for seconds, the inputs of that time are ahead of its tick.
 TEST(Session, InputsAheadOfAServerThatPausedAreNotHeldAgainstHim) {
   Session session = MakeSession(State::kPlaying);
   for (std::uint32_t i = 0; i < 150; ++i) {
@@ -204,7 +204,7 @@ TEST(Session, ControlIsNeverLongerThanOne) {
       const double length = std::hypot(control.moveX, control.moveY);
       ASSERT_LE(length, 1 + 1e-9);
       ASSERT_NEAR(length, std::min(1.0, std::hypot(x, y) / 127), 1e-9);
-      ASSERT_NEAR(control.moveX * y, control.moveY * x, 1e-9);  // the direction stays
+      ASSERT_NEAR(control.moveX * y, control.moveY * x, 1e-9);  // the direction is kept
     }
   }
 }

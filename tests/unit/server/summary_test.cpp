@@ -1,10 +1,11 @@
-// What --summary writes.
+// The JSON that --summary writes, and the histogram of tick times.
 #include "server/summary.h"
 
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
+#include "protocol/version.h"
 #include "tests/support/game.h"
 
 namespace wobble::server {
@@ -22,7 +23,8 @@ TEST(Summary, HasEveryKeyWithATrueValue) {
 
   const auto json = nlohmann::json::parse(MakeSummary(game.server, times));
   ASSERT_TRUE(json.is_object());
-  for (const char* key : {"ticks",
+  for (const char* key : {"version",
+                          "ticks",
                           "tick_ms_p50",
                           "tick_ms_p99",
                           "tick_ms_max",
@@ -47,6 +49,7 @@ TEST(Summary, HasEveryKeyWithATrueValue) {
   }
   for (const auto& [key, value] : json.items()) EXPECT_FALSE(value.is_structured()) << key;  // flat
 
+  EXPECT_EQ(json["version"], kVersion);
   EXPECT_EQ(json["ticks"], game.server.World().Tick());
   EXPECT_NEAR(json["ticks"].get<double>(), 240, 4);
   EXPECT_NEAR(json["tick_ms_p50"].get<double>(), 2.0, 0.011);
@@ -68,7 +71,7 @@ TEST(Summary, HasEveryKeyWithATrueValue) {
   EXPECT_EQ(json["state_hash"].get<std::string>().size(), 16U);
 }
 
-// While nobody plays nothing is encoded, and a figure that does not exist is null.
+// While nobody plays nothing is encoded, and figures per vertex are null.
 TEST(Summary, AnEmptyServerInventsNoSnapshotFigures) {
   test::Game game(test::LoadShippedScene("arena"), Config{});
   game.Run(1);

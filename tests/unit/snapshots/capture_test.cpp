@@ -1,4 +1,4 @@
-// Poses that clients interpolate between: the true rotation, and never a jump.
+// Captured poses: they have the true rotation and never jump, so that clients can interpolate between them.
 #include "server/snapshots/capture.h"
 
 #include <gtest/gtest.h>
@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "server/physics/shapes/ball.h"
+#include "server/snapshots/body_captures.h"
 #include "tests/support/captures.h"
 
 namespace wobble::server {
@@ -28,8 +29,8 @@ class CaptureTest : public testing::Test {
  protected:
   CaptureTest() : world(physics::WorldSettings{}) { world.AddBlueprint(MakeSmallBall()); }
 
-  // Gives the body's vertices any place: rest shape, then this map, about `centre`. The engine has no call for it,
-  // since nothing but its own steps moves a vertex in play.
+  // Places the body's vertices at the rest shape under this map, about `centre`. The engine has no such call, because
+  // in play only its own steps move vertices.
   void Deform(physics::BodyId id, const Eigen::Matrix3d& map, const Vector3d& centre) {
     auto& body = const_cast<physics::Body&>(world.ReadBody(id));
     auto& state = std::get<physics::State<float>>(body.state);
@@ -85,7 +86,7 @@ TEST_F(CaptureTest, FindsTheRotationOfADeformedBody) {
 }
 
 TEST_F(CaptureTest, DoesNotFlipWhenABodyIsFlattenedOrTurnedInsideOut) {
-  // Height falls from 1 to −0.3 of the rest shape's and comes back, in 2 s of captures, while the body turns at 60°/s.
+  // The height falls from 1 to −0.3 times that of the rest shape and back within 2 s, while the body turns at 60°/s.
   const auto id = world.AddBody(0, {0, 0, 0});
   Eigen::Quaterniond last = Eigen::Quaterniond::Identity();
   double worst = 0;
@@ -101,7 +102,7 @@ TEST_F(CaptureTest, DoesNotFlipWhenABodyIsFlattenedOrTurnedInsideOut) {
     last = q;
   }
   EXPECT_LT(worst, 15);
-  EXPECT_GT(worst, 1);  // it does follow
+  EXPECT_GT(worst, 1);  // the pose does follow
 }
 
 TEST_F(CaptureTest, ARollingBodyTurnsSmoothlyInPlay) {

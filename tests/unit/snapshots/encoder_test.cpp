@@ -1,4 +1,4 @@
-// Captured bodies to records: within the error target, one a patch, and bytes that stay where they are.
+// Encoding of captured bodies: within the error target, one record per patch, and records that stay valid.
 #include "server/snapshots/encoder.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 namespace wobble::server {
 namespace {
 
-// A record as a client reads it: from a packet.
+// Reads a record the way a client does, from a packet.
 struct Read {
   protocol::RecordHead head;
   std::vector<std::uint8_t> payload;
@@ -60,7 +60,7 @@ class EncoderTest : public testing::Test {
     test::CaptureAll(world, bodies);
   }
 
-  // Of every body.
+  // The records of every body.
   std::vector<Records> EncodeAll(Encoder& with, std::size_t quality = 0) {
     with.Follow(Show(bodies), world.Tick());
     std::vector<Records> all;
@@ -78,7 +78,7 @@ class EncoderTest : public testing::Test {
   std::vector<CapturedBlueprint> blueprints;
   std::vector<CapturedBody> bodies;
   Encoder encoder;
-  // Of all that was asked for:
+  // Totals over all encoded bodies:
   std::uint64_t vertices = 0;
   double errorSquares = 0;
 };
@@ -112,17 +112,18 @@ TEST_F(EncoderTest, DecodedVerticesAreWithinTheTarget) {
       for (const auto& record : encoded[i]) {
         const Read read = ReadRecord(record);
         const std::size_t count = protocol::PatchSize(blueprint.rest.size(), read.head.patch);
-        protocol::Pose pose;
+        protocol::QuantisedPose pose;
         std::vector<protocol::Vector3> shape(count);
-        const protocol::PatchModel model{std::span(blueprint.rest).subspan(first, count), blueprint.size};
+        const protocol::PatchModel model{.rest = std::span(blueprint.rest).subspan(first, count),
+                                         .size = blueprint.size};
         ASSERT_EQ(decoder.Decode(model, read.payload, pose, shape), protocol::DecodeResult::kOk);
         double sum = 0;
         for (std::size_t v = 0; v < count; ++v) {
-          const auto error = protocol::Transform(pose, shape[v]) - bodies[i].vertices[first + v];
+          const auto error = protocol::Transform(protocol::Dequantise(pose), shape[v]) - bodies[i].vertices[first + v];
           sum += double{protocol::Dot(error, error)};
         }
-        // The float that a vertex ends in rounds to 1e-6 m here. 512 vertices of a violent impact may not fit a packet
-        // at the target; then they are coarser, and that is counted.
+        // Single precision rounds a vertex to 1e-6 m here. 512 vertices in a violent impact may not fit a packet at the
+        // target; they are then coarser, and that is counted.
         const double target = double{kSnapshotErrorShares[0] * blueprint.size};
         const double error = std::sqrt(sum / static_cast<double>(count));
         missed += error > target + 2e-6 ? 1 : 0;
@@ -135,8 +136,8 @@ TEST_F(EncoderTest, DecodedVerticesAreWithinTheTarget) {
     }
   }
   EXPECT_EQ(encoder.CoarsenedRecords(), missed);
-  EXPECT_LT(missed, 30U);  // of 60 of the large patch
-  // What it reports is what a client measures.
+  EXPECT_LT(missed, 30U);  // of 60 records of the large patch
+  // The reported error equals the one that a client measures.
   EXPECT_EQ(vertices, decoded);
   EXPECT_NEAR(std::sqrt(errorSquares), std::sqrt(squares), 0.005 * std::sqrt(squares));
 }
@@ -156,7 +157,7 @@ TEST_F(EncoderTest, EachCaptureIsEncodedOnce) {
   const auto isStill = [&](const std::vector<Records>& now, std::size_t i) {
     return now[i][0].data() == before[i][0].data() && std::equal(bytes[i].begin(), bytes[i].end(), now[i][0].begin());
   };
-  // Even of bodies that have moved meanwhile, until they are captured again.
+  // Also for bodies that have moved since, until they are captured again.
   for (CapturedBody& body : bodies) body.vertices[0].x += 0.1F;
   const auto again = EncodeAll();  // for another client
   for (std::size_t i = 0; i < 3; ++i) EXPECT_TRUE(isStill(again, i));
@@ -185,7 +186,7 @@ TEST_F(EncoderTest, EachQualityKeepsToItsOwnTarget) {
   }
 }
 
-// A crowd's bodies have their turns: what was read last time is not what is read next.
+// In a crowd bodies take turns: those read last time are not those read next.
 TEST_F(EncoderTest, IsExpectedWhatHasBeenReadAtEvenIntervals) {
   const auto isExpected = [&](std::uint32_t tick) {
     encoder.Follow(Show(bodies), tick);
@@ -250,7 +251,7 @@ TEST_F(EncoderTest, SameWorldSameBytes) {
   const auto one = EncodeAll();
   EncodeAll(other);
   for (CapturedBody& body : bodies) ++body.version;
-  const auto two = EncodeAll(other);  // keeps nothing from one snapshot to the next
+  const auto two = EncodeAll(other);  // no state is kept from one snapshot to the next
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     ASSERT_EQ(two[i].size(), one[i].size());
     for (std::size_t j = 0; j < one[i].size(); ++j) {
@@ -273,7 +274,7 @@ TEST_F(EncoderTest, ABodyTornApartIsCoarsenedToFitAPacket) {
       EXPECT_LE(record.size() + protocol::kSnapshotHeadBytes, protocol::kMaxPacketBytes);
     }
   }
-  EXPECT_EQ(encoded[0].size(), 1U);  // others do not suffer
+  EXPECT_EQ(encoded[0].size(), 1U);  // other bodies are unaffected
 }
 
 TEST_F(EncoderTest, ABodySpreadOverKilometresHarmsNobodyElse) {

@@ -1,4 +1,4 @@
-// Which bodies a client gets: its budget, nobody starving, its own body first.
+// The choice of bodies for a client: the budget holds, no body starves, the own body goes first.
 #include "server/snapshots/snapshot_sender.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 namespace wobble::server {
 namespace {
 
-constexpr double kOverhead = 44;  // IPv4, UDP and ENet, a packet
+constexpr double kOverhead = 44;  // bytes of IPv4, UDP and ENet per packet
 
 class RecordingTransport final : public transport::Transport {
  public:
@@ -29,7 +29,7 @@ class RecordingTransport final : public transport::Transport {
 
 class SnapshotSenderTest : public testing::Test {
  protected:
-  // Payloads are only carried here, so any bytes will do.
+  // The sender does not read payloads, so any bytes will do.
   void AddBody(std::uint32_t id, protocol::Vector3 centre, std::size_t payloadBytes, std::size_t patches = 1) {
     storage[id].clear();
     for (std::size_t patch = 0; patch < patches; ++patch) {
@@ -46,19 +46,29 @@ class SnapshotSenderTest : public testing::Test {
     std::erase_if(bodies, [&](const ShownBody& body) { return body.body == id; });
   }
 
-  // One snapshot; returns the bodies sent, in order, and checks every packet.
+  // Stands in for the SnapshotStore that the sender asks.
+  friend class SnapshotSender;
+  [[nodiscard]] std::span<const ShownBody> Bodies() const { return bodies; }
+  const EncodedBody& Read(std::size_t index, std::size_t quality) {
+    ++recordsRead;
+    qualities[bodies[index].body] = quality;
+    return encoded[bodies[index].body];
+  }
+
+  // Sends one snapshot; returns the bodies sent, in order, and checks every packet.
   std::vector<std::uint32_t> Send(double creditBytes, std::uint32_t own = 0) {
     transport.packets.clear();
     ++tick;
     protocol::SnapshotHead head;
     head.tick = tick;
     head.inputTick = 17;
-    const auto readBody = [this](std::size_t index, std::size_t quality) -> const EncodedBody& {
-      ++recordsRead;
-      qualities[bodies[index].body] = quality;
-      return encoded[bodies[index].body];
-    };
-    sender.Send(bodies, readBody, own, head, share, creditBytes, tick / 30.0, 1, subscription);
+    const SnapshotTask task{.connection = 1,
+                            .ownBody = own,
+                            .head = head,
+                            .subset = subset,
+                            .creditBytes = creditBytes,
+                            .now = tick / 30.0};
+    sender.Send(*this, task, subscription);
     std::vector<std::uint32_t> sent;
     for (const auto& packet : transport.packets) {
       EXPECT_LE(packet.size(), protocol::kMaxPacketBytes);
@@ -80,20 +90,20 @@ class SnapshotSenderTest : public testing::Test {
   std::map<std::uint32_t, std::vector<std::vector<std::uint8_t>>> storage;
   std::map<std::uint32_t, std::vector<std::span<const std::uint8_t>>> records;
   std::map<std::uint32_t, EncodedBody> encoded;
-  std::map<std::uint32_t, std::size_t> qualities;  // that were asked for last
+  std::map<std::uint32_t, std::size_t> qualities;  // asked for last, by body
   std::vector<ShownBody> bodies;
   RecordingTransport transport;
   SnapshotSender sender{transport, 250};
   Subscription subscription;
-  Share share;
+  BodySubset subset;
   std::uint32_t tick = 0;
   std::uint32_t sequence = 0;
   std::uint64_t recordsSent = 0;
-  std::uint64_t recordsRead = 0;  // times that a body's were asked for
+  std::uint64_t recordsRead = 0;  // calls of Read
   double bytes = 0;               // all headers counted
 };
 
-constexpr double kShare384 = 384e3 / 8 / 30;  // a snapshot's at --client-kbit 384 and 30 Hz
+constexpr double kShare384 = 384e3 / 8 / 30;  // bytes per snapshot at --client-kbit 384 and 30 Hz
 
 TEST_F(SnapshotSenderTest, ASmallWorldGoesOutWhole) {
   for (std::uint32_t id = 1; id <= 5; ++id) AddBody(id, {static_cast<float>(id), 0, 0}, 200);
@@ -106,10 +116,10 @@ TEST_F(SnapshotSenderTest, TheBudgetHoldsOverTime) {
   for (std::uint32_t id = 1; id <= 60; ++id) AddBody(id, {static_cast<float>(id), 0, 0}, 100 + 13 * (id % 17));
   for (int i = 0; i < 1800; ++i) {
     Send(kShare384, 1);
-    // The credit saved by then, and at most one body and one packet's headers over.
+    // The credit so far, and over that at most one body and one packet's headers.
     EXPECT_LE(bytes, kShare384 * (i + 2) + 400 + 60);
   }
-  EXPECT_GT(bytes, 0.98 * kShare384 * 1800);  // and it is used
+  EXPECT_GT(bytes, 0.98 * kShare384 * 1800);  // and the budget is used
   EXPECT_GT(sender.Counts().bodiesLeftOut, 0U);
 }
 
@@ -128,7 +138,7 @@ TEST_F(SnapshotSenderTest, TheSmallestBudgetHoldsAtTheHighestRateAndStillFeeds) 
 TEST_F(SnapshotSenderTest, EachGetsItsTurnWhenABodysTurnIsEverySecondTick) {
   for (std::uint32_t id = 1; id <= 40; ++id) AddBody(id, {static_cast<float>(id), 0, 0}, 20);
   for (std::uint32_t i = 0; i < 60; ++i) {
-    share = {i % 2, 2};
+    subset = {.remainder = i % 2, .divisor = 2};
     const std::vector<std::uint32_t> sent = Send(kShare384 / 2, 7);
     EXPECT_EQ(sent.size(), 20U);
     for (const std::uint32_t id : sent) EXPECT_EQ(id % 2, i % 2);
@@ -137,7 +147,7 @@ TEST_F(SnapshotSenderTest, EachGetsItsTurnWhenABodysTurnIsEverySecondTick) {
   bodies.clear();
   std::size_t heads = 0;
   for (std::uint32_t i = 0; i < 60; ++i) {
-    share = {i % 2, 2};
+    subset = {.remainder = i % 2, .divisor = 2};
     Send(kShare384 / 2, 7);
     heads += transport.packets.size();
   }
@@ -149,7 +159,7 @@ TEST_F(SnapshotSenderTest, TheOwnBodyIsNotStarvedByThoseWhoseTurnIsAnotherTick) 
   for (std::uint32_t id = 1; id <= 40; ++id) AddBody(id, {static_cast<float>(id), 0, 0}, 100);
   std::map<std::uint32_t, int> times;
   for (std::uint32_t i = 0; i < 60 * 20; ++i) {
-    share = {i % 2, 2};
+    subset = {.remainder = i % 2, .divisor = 2};
     for (const std::uint32_t id : Send(credit, 7)) ++times[id];
   }
   EXPECT_GT(times[7], 20 * 5);
@@ -227,7 +237,7 @@ TEST_F(SnapshotSenderTest, PrioritiesSurviveRemovals) {
   for (const auto& interest : subscription.interests) before[interest.body] = interest.priority;
   for (const std::uint32_t id : {1U, 2U, 15U, 30U}) RemoveBody(id);
   AddBody(31, {1, 0, 0}, 300);
-  // So little that nothing but the credit of before can be sent.
+  // So deep in debt that nothing can be sent.
   subscription.credit = -1000;
   EXPECT_TRUE(Send(1).empty());
   ASSERT_EQ(subscription.interests.size(), 27U);
@@ -320,7 +330,7 @@ TEST_F(SnapshotSenderTest, QualityFallsWithDistanceAndBeforeTheRate) {
   Send(kShare384, 1);
   EXPECT_EQ(qualities, (std::map<std::uint32_t, std::size_t>{{1, 0}, {2, 0}, {3, 1}, {4, 2}}));
   EXPECT_EQ(sender.Counts().bodiesCoarsened, 2U);
-  // A crowd comes: all are coarser, and when it has gone, finer again.
+  // With a crowd all bodies are coarser, and after it finer again.
   for (std::uint32_t id = 5; id <= 60; ++id) AddBody(id, {1, 0, 0}, 200);
   for (int i = 0; i < 20; ++i) Send(kShare384, 1);
   EXPECT_EQ(qualities[1], 2U);

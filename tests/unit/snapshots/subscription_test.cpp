@@ -1,4 +1,4 @@
-// Bodies at rest on their way to one client: arrived, lost, or not known yet.
+// Deliveries of bodies at rest to one client: arrived, lost, or unknown.
 #include "server/snapshots/subscription.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ class SubscriptionTest : public testing::Test {
     for (std::uint32_t body = 1; body <= 3; ++body) subscription.interests.push_back({.body = body});
   }
 
-  // Packets that leave now; the sequence of the last.
+  // Sends packets now; returns the sequence number of the last.
   std::uint32_t SendPackets(int count) {
     for (int i = 0; i < count; ++i) (void)subscription.sent.RecordSent(now);
     return subscription.sent.Newest();

@@ -1,4 +1,4 @@
-// Frames as the terminal gets them, interpreted by a terminal of the test's own.
+// Frames as the terminal receives them, interpreted by the test's own terminal.
 #include "client/terminal/cells.h"
 
 #include <gmock/gmock.h>
@@ -19,13 +19,13 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 constexpr std::string_view kNoWrap = "\033[?7l";
-constexpr int kTolerance = 6;  // what the encoder may leave as it is, twice over
+constexpr int kTolerance = 6;  // twice the difference that the encoder may leave
 
 int Difference(Colour a, Colour b) {
   return std::max({std::abs(a.red - b.red), std::abs(a.green - b.green), std::abs(a.blue - b.blue)});
 }
 
-// What a viewer sees of a cell: the colours of its two halves, and text.
+// Compares what a viewer sees of a cell: the colours of its halves, and text.
 void ExpectLooksLike(const CellGrid& wanted, const CellGrid& shown, int tolerance) {
   ASSERT_EQ(wanted.cells.size(), shown.cells.size());
   for (int row = 0; row < wanted.rows; ++row) {
@@ -73,7 +73,7 @@ TEST(TerminalCells, WhatIsSentShowsWhatWasWanted) {
       ASSERT_TRUE(encoder.Encode(grid, 1 << 20, bytes));
       screen.Take(bytes);
       ASSERT_THAT(screen.Faults(), IsEmpty());
-      // The cube's steps are up to 95 apart.
+      // Steps of the colour cube are up to 95 apart.
       ExpectLooksLike(grid, screen.Grid(), palette == Palette::k256 ? 60 : kTolerance);
     }
     EXPECT_FALSE(screen.IsSet("?2026"));
@@ -142,7 +142,7 @@ TEST(TerminalCells, AfterInvalidationNothingIsTakenForKnown) {
   FrameEncoder encoder(Palette::kTruecolour);
   std::string bytes;
   ASSERT_TRUE(encoder.Encode(grid, 1 << 20, bytes));
-  // Another size, and a screen that something else has scribbled on.
+  // Another size, and a screen overwritten by another program.
   CellGrid larger;
   larger.Resize(14, 4);
   larger.Write(2, 1, "hello", {250, 250, 250}, {10, 20, 30});
@@ -242,7 +242,7 @@ TEST(TerminalStatus, ABoxFitsAnySize) {
   EXPECT_EQ(screen.Row(11).substr(37, 5), "hello");
 }
 
-// Rectangles of the SVG, painted one after the other, give the cells back.
+// Painting the SVG's rectangles in order gives the cells back.
 TEST(TerminalPictureFile, SvgShowsTheCells) {
   Noise noise(2);
   CellGrid grid;

@@ -1,4 +1,4 @@
-// What the hand keys ask of the server, heard at its end of a virtual network.
+// The commands that the hand keys send, observed at the server's end of a virtual network.
 #include "client/terminal/hands.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ using protocol::Vector3;
 
 constexpr std::uint32_t kOwn = 1, kBall = 2, kSheet = 3;
 
-// A server's end that welcomes and writes down what it is told.
+// A server's end that welcomes a client and stores what it receives.
 class Desk {
  public:
   Desk() : m_network({1}), m_server(m_network.MakeServer()), client(m_network.MakeClient(), {}, 0) {
@@ -28,7 +28,7 @@ class Desk {
     client.Update(m_now);
   }
 
-  // What has come since the last call, as its type and, where it has them, body and number.
+  // A message received since the last call: its type and, where it has them, body and number.
   struct Heard {
     std::vector<wire::ClientBody> kinds;
     std::uint32_t body = 0;

@@ -1,4 +1,4 @@
-// The keyboard: bytes to keys, and keys to what is held.
+// The keyboard: bytes to key events, and key events to held keys.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace wobble::terminal {
 namespace {
 
-// "+w" pressed, "-w" released; arrows U D L R after '^'.
+// Notation: "+w" pressed, "-w" released; arrows are U D L R after '^'.
 std::string Describe(const std::vector<KeyEvent>& events) {
   std::string text;
   for (const KeyEvent& event : events) {
@@ -45,7 +45,7 @@ std::string Describe(const std::vector<KeyEvent>& events) {
   return text;
 }
 
-// All bytes at once, then a second of nothing.
+// Feeds all bytes at once, then waits a second.
 std::string Decode(const std::string& bytes) {
   KeyDecoder decoder;
   std::vector<KeyEvent> events;
@@ -72,16 +72,16 @@ const std::vector<Case> kCases{
     {"\033w", ""},       // Alt-w
     {"\033[5~w", "+w"},  // page up
     {"\033[200~w", "+w"},
-    {"\033[<0;3;4Mw", "+w"},  // a mouse
+    {"\033[<0;3;4Mw", "+w"},  // mouse
     {"\033OPw", "+w"},        // F1
     {"\033[?15u", "+releases"},
-    {"\033[?1u", ""},  // knows the protocol, but will not report releases
+    {"\033[?1u", ""},  // knows the protocol, but does not report releases
     {"\033[?0u", ""},
     {"\033[119u\033[119;1:2u\033[119;1:3u", "+w +w -w"},
     {"\033[119;;119u", "+w"},
     {"\033[97:65;2u", "+A"},
     {"\033[47:63;2:1u", "+?"},
-    {"\033[1094::119u", "+w"},  // a Cyrillic key in w's place
+    {"\033[1094::119u", "+w"},  // a Cyrillic key in the place of w
     {"\033[1094u", ""},
     {"\033[99;5u", "+C-C"},
     {"\033[122;5:1u", "+C-Z"},
@@ -144,7 +144,7 @@ TEST(TerminalKeys, OutlivesGarbage) {
     for (const KeyEvent& event : events) ASSERT_TRUE(event.key < 0x7F || event.key > 0x10FFFF) << "in round " << i;
     events.clear();
   }
-  decoder.Feed("\030w", 1e6, events);  // CAN ends whatever was begun
+  decoder.Feed("\030w", 1e6, events);  // CAN ends any sequence
   ASSERT_FALSE(events.empty());
   EXPECT_TRUE(events.back().key == U'w');
 }
@@ -158,7 +158,8 @@ TEST(TerminalHeldKeys, ATapIsAStep) {
   EXPECT_FALSE(held.IsHeld(Action::kBack, 10));
 }
 
-// A keyboard that repeats after 450 ms, 30 times a second: held without a gap, and over soon after the last.
+// A keyboard that repeats after 450 ms, 30 times a second: the key is held without a gap, and ends soon after the last
+// repetition.
 TEST(TerminalHeldKeys, ARepeatingKeyIsHeldWithoutAGap) {
   HeldKeys held;
   double last = 0;
@@ -182,7 +183,7 @@ TEST(TerminalHeldKeys, TheOppositeKeyAndStopEndIt) {
   EXPECT_FALSE(held.IsHeld(Action::kJump, 0.1));
 }
 
-// A jump while walking: the keyboard stops repeating the walking key, which nobody has let go of.
+// A jump while walking: the keyboard stops repeating the walking key, which is still down.
 TEST(TerminalHeldKeys, AnotherKeyLetsTheFirstGoOn) {
   HeldKeys held;
   held.Press(Action::kForward, 0);
@@ -232,7 +233,7 @@ TEST(TerminalControls, KeysBecomeInputAsTheCameraSeesIt) {
   EXPECT_EQ(std::hypot(input.moveX, input.moveY), 0);
   EXPECT_FALSE(input.jump || input.puff || input.stiffen);
 
-  // Turned to the left, forward is what was left before.
+  // After a turn to the left, forward is the former left.
   for (int i = 0; i < 100; ++i) controls.Take({U'j'}, 11, true, camera);
   settle();
   controls.Take({U'w'}, 20, true, camera);

@@ -1,4 +1,4 @@
-// Bases from play: they save bits on play that they were not trained on, fit their limit, and are kept in a folder.
+// Trained bases: they save bits on play that they were not trained on, fit their limit, and are kept in a folder.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -24,17 +24,18 @@ physics::Blueprint MakeBall(int subdivisions) {
 }
 
 struct Figures {
-  double bits = 0;   // a vertex
-  double error = 0;  // RMS, of the size
+  double bits = 0;   // per vertex
+  double error = 0;  // RMS, as a share of the size
 };
 
-// Of the first patch, over all frames.
-Figures Measure(const CapturedBlueprint& blueprint, const Play& play, bool usesBasis) {
+// Measures the first patch over all frames.
+Figures Measure(const CapturedBlueprint& blueprint, const RecordedPlay& play, bool usesBasis) {
   protocol::ShapeEncoder encoder;
   std::vector<std::uint8_t> bytes;
   const std::size_t count = protocol::PatchSize(blueprint.rest.size(), 0);
-  const protocol::PatchModel model{std::span(blueprint.rest).first(count), blueprint.size,
-                                   usesBasis ? blueprint.bases.at(0).get() : nullptr, play.obstacles};
+  protocol::PatchModel model =
+      protocol::MakePatchModel(blueprint.rest, blueprint.size, blueprint.patches, 0, play.obstacles);
+  if (!usesBasis) model.basis = nullptr;
   double squares = 0;
   for (const PlayFrame& frame : play.frames) {
     const auto encoding = encoder.Encode(model, frame.pose, std::span(frame.vertices).first(count),
@@ -52,9 +53,9 @@ TEST(BasisTraining, SavesHalfOfTheBitsOnPlayThatItHasNotSeen) {
   ASSERT_EQ(bases.size(), 1U);
   EXPECT_LE(bases[0].size(), protocol::kMaxBasisBytes);
   const CapturedBlueprint captured = CaptureBlueprint(ball, bases);
-  ASSERT_NE(captured.bases.at(0), nullptr);
+  ASSERT_NE(captured.patches.at(0).basis, nullptr);
 
-  Play play = RecordPlay(ball, {0, 0, -9.81}, {}, 2);
+  RecordedPlay play = RecordPlay(ball, {0, 0, -9.81}, {}, 2);
   play.frames.resize(400);
   const Figures with = Measure(captured, play, true), without = Measure(captured, play, false);
   EXPECT_LT(with.bits, 0.5 * without.bits);
@@ -66,11 +67,11 @@ TEST(BasisTraining, SavesHalfOfTheBitsOnPlayThatItHasNotSeen) {
 
 TEST(BasisTraining, LargerBodiesHaveABasisAPatch) {
   const physics::Blueprint ball = MakeBall(3);  // 642 vertices
-  const Play play = RecordPlay(ball, {0, 0, -9.81}, {}, 1);
+  const RecordedPlay play = RecordPlay(ball, {0, 0, -9.81}, {}, 1);
   const Bases bases = TrainBases(ball, play);
   ASSERT_EQ(bases.size(), 2U);
   const CapturedBlueprint captured = CaptureBlueprint(ball, bases);
-  for (const auto& basis : captured.bases) ASSERT_NE(basis, nullptr);
+  for (const auto& patch : captured.patches) ASSERT_NE(patch.basis, nullptr);
   EXPECT_LT(Measure(captured, play, true).bits, 0.8 * Measure(captured, play, false).bits);
 }
 

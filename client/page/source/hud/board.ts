@@ -1,4 +1,4 @@
-// How the game stands: round, time, points, and who has won.
+// The state of a game: round, time, points, and the winner.
 import type { Players } from '../players';
 import { MakeOwnColour, MakePlayerColour } from '../scene/colours';
 import type { Client } from '../wire/client';

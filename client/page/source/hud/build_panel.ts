@@ -1,5 +1,5 @@
-// Above the tool bar while one builds: what a click does, and sliders for what is selected, or else for what is made
-// next.
+// The panel above the tool bar in the build tool: the effect of a click, and sliders for the selected part or else for
+// the next new one.
 import { BuildAction, type Build } from '../tools/build';
 import type { ParticleTag, SpringTag } from '../wire/views';
 import { MakeButton, MakeElement, MakeLogarithmicScale, MakeSlider, SetPressed, SetText, type Slider } from './element';
@@ -25,7 +25,7 @@ export class BuildPanel {
   private readonly m_length: Slider;
   private readonly m_pinned: HTMLButtonElement;
   private readonly m_joins: HTMLButtonElement;
-  private m_send: (() => void) | null = null; // the latest change that is not sent yet
+  private m_send: (() => void) | null = null; // the latest change not sent yet
 
   constructor(tool: Build) {
     this.m_tool = tool;
@@ -60,7 +60,7 @@ export class BuildPanel {
     setInterval(() => this.Flush(), kSendEvery);
   }
 
-  // Once a frame.
+  // Call once a frame.
   Update(isActive: boolean): void {
     this.element.hidden = !isActive;
     if (!isActive) return;
@@ -75,7 +75,7 @@ export class BuildPanel {
     this.m_joins.hidden = action !== BuildAction.Add;
     SetPressed(this.m_joins, this.m_tool.joinsNew);
     SetPressed(this.m_pinned, particle?.fixed ?? this.m_tool.isFixed);
-    if (this.m_send !== null) return; // the sliders are ahead of the world
+    if (this.m_send !== null) return; // the sliders hold values that the world does not have yet
     this.m_mass.Set(particle?.mass ?? this.m_tool.mass);
     this.m_stiffness.Set(spring?.stiffness ?? this.m_tool.stiffness);
     this.m_damping.Set(spring?.damping ?? this.m_tool.damping);
@@ -87,13 +87,13 @@ export class BuildPanel {
     if (spring !== null) return `spring ${spring.number}`;
     switch (this.m_tool.action) {
       case BuildAction.Add:
-        return 'Click where the next particle is to be';
+        return 'Click to place the next particle';
       case BuildAction.Join:
         return 'Click one particle, then another: a spring joins them';
       case BuildAction.Pin:
-        return 'Click a particle to pin it or to let it go';
+        return 'Click a particle to pin or release it';
       case BuildAction.Remove:
-        return 'Click a particle or a spring to take it away';
+        return 'Click a particle or a spring to remove it';
       case BuildAction.Select:
         return 'Click a particle or a spring to tune it';
     }

@@ -1,4 +1,5 @@
-// What stands in the middle while there is no world: joining, or why it ended and how to go on.
+// The card in the middle while there is no world: joining, or the reason why the connection ended and a button to join
+// again.
 import { ReadNow } from '../wire/client';
 import type { Connection } from '../wire/connection';
 import { State } from '../wire/views';
@@ -29,11 +30,11 @@ export class ConnectionCard {
       SetText(this.m_title, 'Joining…');
       SetText(
         this.m_text,
-        client?.ReadState() === State.Joining ? 'The world is on its way' : 'Looking for the server',
+        client?.ReadState() === State.Joining ? 'Loading the world' : 'Connecting to the server',
       );
       return;
     }
-    SetText(this.m_title, 'The world has gone');
+    SetText(this.m_title, 'Connection ended');
     const reason = end.reason === '' ? 'The connection was lost' : MakeSentence(end.reason);
     const left = end.retryAt === null ? null : Math.max(0, Math.ceil(end.retryAt - ReadNow()));
     SetText(this.m_text, left === null ? reason : `${reason} Trying again in ${left} s.`);

@@ -1,4 +1,4 @@
-// Elements of the page in a line each.
+// Short functions that make the page's elements.
 
 export function MakeElement<K extends keyof HTMLElementTagNameMap>(
   tag: K,
@@ -11,7 +11,7 @@ export function MakeElement<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
-// label: for those who do not see it. key: shown beside the text; empty: none.
+// label: for screen readers. key: shown beside the text; empty: none.
 export function MakeButton(text: string, label: string, key: string, onClick: () => void): HTMLButtonElement {
   const button = MakeElement('button', '', text);
   button.type = 'button';
@@ -20,7 +20,7 @@ export function MakeButton(text: string, label: string, key: string, onClick: ()
   if (key !== '') button.append(' ', MakeElement('kbd', '', key));
   button.addEventListener('click', () => {
     onClick();
-    // The space bar is to jump, not to press the button again.
+    // Without this the space bar, which jumps, would press the button again.
     if (document.activeElement === button && !button.matches(':focus-visible')) button.blur();
   });
   return button;
@@ -31,18 +31,18 @@ export function SetPressed(button: HTMLButtonElement, isPressed: boolean): void 
   if (button.getAttribute('aria-pressed') !== pressed) button.setAttribute('aria-pressed', pressed);
 }
 
-// Text that is set only when it is another one, or the browser would lay out anew each frame.
+// Sets the text only when it differs; otherwise the browser would compute the layout in each frame.
 export function SetText(element: HTMLElement, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }
 
 export interface Slider {
   element: HTMLElement;
-  // Does not call onInput; nothing while the player holds the slider.
+  // Moves the slider without calling onInput; does nothing while the player holds it.
   Set(value: number): void;
 }
 
-// toValue: of the slider's own 0..1000; toShare is its inverse.
+// toValue: converts from the slider's share 0..1; toShare is its inverse.
 export function MakeSlider(
   text: string,
   toValue: (share: number) => number,
@@ -81,7 +81,7 @@ export function MakeSlider(
   };
 }
 
-// Between two values, equal ratios at equal ways.
+// A scale on which equal distances are equal ratios.
 export function MakeLogarithmicScale(least: number, most: number) {
   return {
     toValue: (share: number) => least * Math.pow(most / least, share),

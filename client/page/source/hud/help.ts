@@ -1,20 +1,20 @@
-// All keys, over the world, until it is closed.
+// The list of all keys, above the world until it is closed.
 import { MakeButton, MakeElement } from './element';
 
 const kKeys: [string, string][] = [
-  ['W A S D, arrows', 'move, as one looks'],
+  ['W A S D, arrows', 'move in the direction of view'],
   ['Space', 'jump'],
   ['E or P', 'puff up'],
   ['F', 'stiffen'],
   ['1 2 3 4', 'choose a tool'],
-  ['left button', 'use the tool on a body; beside them, look around'],
+  ['left button', 'use the tool on a body; elsewhere: look around'],
   ['right button', 'look around'],
   ['wheel', 'zoom; while grabbing: nearer or farther'],
   ['C', 'camera: follow, circle, free'],
   ['V', 'view: forces, accelerations, springs'],
   ['X', 'surfaces on and off'],
-  ['G', 'world: gravity, stiffness, time (where the scene lets you)'],
-  ['H or ?', 'this'],
+  ['G', 'world: gravity, stiffness, time (if the scene allows it)'],
+  ['H or ?', 'show this list'],
 ];
 
 export class Help {
@@ -30,7 +30,7 @@ export class Help {
       term.append(MakeElement('kbd', '', keys));
       list.append(term, MakeElement('dd', '', text));
     }
-    const close = MakeButton('Play on', 'Close', '', () => this.Toggle());
+    const close = MakeButton('Continue', 'Close', '', () => this.Toggle());
     close.classList.add('main');
     card.append(MakeElement('h1', '', 'Keys'), list, close);
     this.element.append(card);

@@ -1,4 +1,4 @@
-// One line that says what one could do next; what has been done once is not said again.
+// One line that suggests the next action; a suggestion that was followed once is not shown again.
 import { MakeElement, SetText } from './element';
 
 interface Hint {
@@ -13,7 +13,7 @@ const kPuff: Hint = { use: 'puff', text: 'Hold E to puff up' };
 const kStiffen: Hint = { use: 'stiffen', text: 'Hold F to stiffen' };
 const kTouchMove: Hint = { use: 'look', text: 'Stick to move, drag the world to look, pinch to zoom' };
 const kRest = 1.2; // s between two hints
-const kLongest = 14; // s until a hint goes that nobody follows
+const kLongest = 14; // s after which a hint that is not followed disappears
 
 export class Hints {
   readonly element = MakeElement('div', 'hint');
@@ -23,7 +23,7 @@ export class Hints {
   private m_since = 0;
   private m_next = 0;
 
-  // A world begins. tools: in the order of the bar.
+  // Starts the hints of a new world. tools: in the order of the tool bar.
   Begin(hasBody: boolean, tools: readonly { name: string; hint: string }[]): void {
     const isTouch = window.matchMedia('(pointer: coarse)').matches;
     const own = !hasBody ? [kLook] : isTouch ? [kTouchMove] : [kMove, kJump, kLook];
@@ -34,7 +34,7 @@ export class Hints {
     this.m_next = 0;
   }
 
-  // A tool has been chosen: its hint comes next.
+  // Shows the hint of a tool just chosen.
   Say(use: string, text: string, now: number): void {
     if (this.m_used.has(use)) return;
     this.m_queue = this.m_queue.filter((hint) => hint.use !== use);

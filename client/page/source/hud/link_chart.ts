@@ -1,16 +1,16 @@
-// How well one is served: ping, delay of what is shown, rate and stalls over the last minute, as lines and figures; and
+// The quality of the connection: ping, display delay, rate and stalls over the last minute, as lines and figures, and
 // whether the server keeps up.
 import type { Client } from '../wire/client';
 import { MakeElement, SetText } from './element';
 
 const kEvery = 0.5; // s
-const kSamples = 120; // a minute
+const kSamples = 120; // one minute
 const kRateOver = 2; // samples
 
 interface Series {
   name: string;
   colour: string;
-  floor: number; // the chart reaches to this at least
+  floor: number; // the chart's top is at least this value
   show: (value: number) => string;
   values: Float32Array;
 }
@@ -52,7 +52,7 @@ export class LinkChart {
     this.element.append(figures, this.m_slow, this.m_canvas);
   }
 
-  // Another connection begins.
+  // Starts anew for another connection.
   Clear(): void {
     this.m_samples = 0;
     this.m_stalls = 0;
@@ -65,7 +65,7 @@ export class LinkChart {
     client.UpdateStatistics();
     const { bytesReceived, delay, stalls, pace } = client.statistics;
     this.m_slow.hidden = pace === 1;
-    SetText(this.m_slow, `The server has too much to do: time goes at ${(100 * pace).toFixed(0)} %`);
+    SetText(this.m_slow, `The server is overloaded: time runs at ${(100 * pace).toFixed(0)} %`);
     const slot = this.m_samples % kRateOver;
     const bytes = this.m_samples < kRateOver ? NaN : bytesReceived - this.m_bytes[slot];
     this.m_bytes[slot] = bytesReceived;

@@ -1,4 +1,4 @@
-// Which scene it is and who is in it, the own name first: it can be written over.
+// The name of the scene and of its players. The player's own name comes first and can be edited.
 import { MakeOwnColour, MakePlayerColour } from '../scene/colours';
 import type { Players } from '../players';
 import { MakeElement, SetText } from './element';
@@ -15,7 +15,7 @@ export class People {
   private readonly m_name = MakeElement('input', 'name-field');
   private m_revision = -1;
 
-  // menu: of worlds, above all.
+  // menu: the menu of worlds, shown at the top.
   constructor(name: string, menu: HTMLElement) {
     this.element.setAttribute('aria-label', 'Scene and players');
     const title = MakeElement('div', 'scene');
@@ -71,7 +71,7 @@ function MakeDot(colour: string): HTMLElement {
   return dot;
 }
 
-// To what the wire takes, by whole characters.
+// Cuts a name to the length that the protocol allows, at a whole character.
 export function CutName(text: string): string {
   let name = '';
   const encoder = new TextEncoder();

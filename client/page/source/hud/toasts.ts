@@ -1,4 +1,4 @@
-// Lines that come and go: who did what, and why something was not done.
+// Lines that appear for a few seconds: actions of players, and reasons why a command was refused.
 import { MakeElement } from './element';
 
 const kShownFor = 4500; // ms
@@ -12,7 +12,7 @@ export class Toasts {
     this.element.setAttribute('aria-live', 'polite');
   }
 
-  // isNotice: it is for this player alone.
+  // isNotice: for this player only.
   Add(text: string, isNotice = false): void {
     const last = this.element.lastElementChild;
     if (last?.textContent === text) last.remove();

@@ -1,4 +1,4 @@
-// What is to be seen of bodies: the forces on one of them by kind, and springs in place of surfaces.
+// The display of bodies: the forces on one body by kind, and springs in place of surfaces.
 import { kForceColours } from '../scene/arrows';
 import { ForceKind } from '../wire/views';
 import { MakeButton, MakeElement, SetPressed, SetText } from './element';
@@ -45,7 +45,7 @@ export class ViewPanel {
     this.Show();
   }
 
-  // Whose forces they are.
+  // Names the body whose forces are shown.
   Describe(text: string): void {
     SetText(this.m_of, this.shown.size === 0 ? '' : text);
   }

@@ -1,4 +1,4 @@
-// The worlds that one may choose among, and what the chosen one is for.
+// The worlds to choose from, and the purpose of the chosen one.
 import { FindPurpose } from '../worlds';
 import { MakeButton, MakeElement, SetPressed, SetText } from './element';
 
@@ -13,7 +13,7 @@ export class WorldMenu {
     this.element.hidden = true;
   }
 
-  // Nothing to choose among one.
+  // Hidden when there is only one world.
   List(worlds: readonly string[]): void {
     for (const world of worlds) {
       const button = MakeButton(world, `Play ${world}`, '', () => this.onChoose(world));

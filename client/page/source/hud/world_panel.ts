@@ -1,12 +1,12 @@
-// What touches everybody: which way is down, how stiff springs are, how fast time goes. Shown as far as the scene lets
-// this player.
+// The parameters of the world that all players share: direction of gravity, stiffness of springs, rate of time. Shows
+// those that the scene lets this player change.
 import type { Client } from '../wire/client';
 import { ReadNow } from '../wire/client';
 import { MayTune, TuneKind, type Tuning, type Vector } from '../wire/views';
 import { MakeButton, MakeElement, MakeLogarithmicScale, MakeSlider, SetText, type Slider } from './element';
 
 const kMostTilt = (50 * Math.PI) / 180; // rad
-const kStandard = 9.81; // m/s²
+const kStandardGravity = 9.81; // m/s²
 const kSendEvery = 0.12; // s
 const kReadEvery = 0.1;
 const kStiffnessStep = 1.25;
@@ -24,12 +24,12 @@ export class WorldPanel {
   private readonly m_rate: Slider;
   private readonly m_strength: Slider;
   private m_findClient: () => Client | null;
-  private m_tuning: Tuning = { gravity: { x: 0, y: 0, z: -kStandard }, stiffness: 1, timeRate: 1, may: 0 };
-  private m_wanted: { kind: TuneKind; value: Vector } | null = null; // the latest of a drag that is not sent yet
+  private m_tuning: Tuning = { gravity: { x: 0, y: 0, z: -kStandardGravity }, stiffness: 1, timeRate: 1, may: 0 };
+  private m_wanted: { kind: TuneKind; value: Vector } | null = null; // the latest change of a drag, not sent yet
   private m_nextSend = 0;
   private m_nextRead = 0;
   private m_isHeld = false;
-  private m_yaw = 0; // of the camera, so that up on the pad is forward
+  private m_yaw = 0; // rad; of the camera, so that up on the pad is forward
 
   constructor(findClient: () => Client | null) {
     this.m_findClient = findClient;
@@ -37,8 +37,8 @@ export class WorldPanel {
     this.element.hidden = true;
     this.m_strength = MakeSlider(
       'gravity',
-      (share) => 2 * kStandard * share,
-      (value) => value / (2 * kStandard),
+      (share) => 2 * kStandardGravity * share,
+      (value) => value / (2 * kStandardGravity),
       (value) => `${value.toFixed(1)} m/s²`,
       (value) => this.TuneGravity(this.FindTilt(), value),
     );
@@ -53,14 +53,14 @@ export class WorldPanel {
     this.BuildGravity();
     this.BuildStiffness();
     this.BuildTime();
-    this.element.append(MakeElement('h2', '', 'World, for everybody'), this.m_gravity, this.m_stiffness, this.m_time);
+    this.element.append(MakeElement('h2', '', 'World, for all players'), this.m_gravity, this.m_stiffness, this.m_time);
   }
 
   get may(): number {
     return this.m_tuning.may;
   }
 
-  // Once a frame.
+  // Call once a frame.
   Update(yaw: number): void {
     const client = this.m_findClient();
     if (client === null) return;
@@ -96,7 +96,9 @@ export class WorldPanel {
       this.m_pad.addEventListener(end, () => (this.m_isHeld = false));
     }
     this.m_pad.addEventListener('keydown', (event) => this.TiltByKey(event));
-    const level = MakeButton('Level', 'Gravity straight down', '', () => this.TuneGravity({ x: 0, y: 0 }, kStandard));
+    const level = MakeButton('Level', 'Gravity straight down', '', () =>
+      this.TuneGravity({ x: 0, y: 0 }, kStandardGravity),
+    );
     const row = MakeElement('div', 'row');
     row.append(level);
     this.m_gravity.append(MakeElement('div', 'note', 'tilt of gravity'), this.m_pad, this.m_strength.element, row);
@@ -156,10 +158,10 @@ export class WorldPanel {
 
   private FindStrength(): number {
     const { x, y, z } = this.m_tuning.gravity;
-    return Math.hypot(x, y, z) || kStandard;
+    return Math.hypot(x, y, z) || kStandardGravity;
   }
 
-  // As seen on the pad, -1 to 1: right, and away from the player.
+  // The tilt on the pad, -1 to 1: right, and away from the player.
   private FindTilt(): { x: number; y: number } {
     const { x, y, z } = this.m_tuning.gravity;
     const flat = Math.hypot(x, y);

@@ -1,4 +1,4 @@
-// The keyboard: keys that are held become what the body does, all others act once.
+// The keyboard: held keys become the body's input, all others act once.
 export type Command = 'camera' | 'view' | 'world' | 'help' | 'surface' | 'escape' | 'remove' | { tool: number };
 
 const kHeld: Record<string, string> = {
@@ -32,9 +32,9 @@ const kCommands: Record<string, Command> = {
 
 export class Keys {
   onCommand: (command: Command) => void = () => {};
-  // Which hint has been followed.
+  // Called with the name of the action that was used, for the hints.
   onUse: (what: string) => void = () => {};
-  private readonly m_held = new Set<string>(); // codes
+  private readonly m_held = new Set<string>(); // codes of held keys
 
   constructor() {
     window.addEventListener('keydown', (event) => this.Press(event));
@@ -42,7 +42,7 @@ export class Keys {
     window.addEventListener('blur', () => this.m_held.clear());
   }
 
-  // 1 or 0.
+  // 1 while a key of the action is held, else 0.
   Read(action: string): number {
     for (const code of this.m_held) if (kHeld[code] === action) return 1;
     return 0;

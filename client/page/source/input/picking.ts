@@ -1,21 +1,22 @@
-// What lies under a place on the screen: bodies as they are shown, by their faces or springs; else what does not move.
+// Finds what lies under a point of the screen: bodies as they are shown, by their faces or springs; otherwise the
+// static scene.
 import { Raycaster, Vector2, Vector3, type Mesh, type PerspectiveCamera } from 'three';
 import type { Client } from '../wire/client';
 import type { Blueprint, Body, Vector } from '../wire/views';
 
-const kRodReach = 14; // pixels from a spring or a particle at which it is hit
+const kRodReach = 14; // pixels; a spring or a particle is hit within this distance
 
 export interface Pick {
   body: number;
-  vertex: number; // the nearest to the point
-  edge: number; // of a body without faces, or -1
+  vertex: number; // the vertex nearest to the point
+  edge: number; // for bodies without faces, else -1
   distance: number; // m from the eye
   point: Vector;
 }
 
 export interface Ray {
   origin: Vector3;
-  direction: Vector3; // of unit length
+  direction: Vector3; // unit vector
 }
 
 export class Picking {
@@ -23,7 +24,7 @@ export class Picking {
   private readonly m_camera: PerspectiveCamera;
   private readonly m_caster = new Raycaster();
   private readonly m_place = new Vector2();
-  private m_pixel = 0; // m at 1 m away
+  private m_pixel = 0; // m per pixel at 1 m from the eye
 
   constructor(camera: PerspectiveCamera) {
     this.m_camera = camera;
@@ -39,7 +40,7 @@ export class Picking {
     return this.ray;
   }
 
-  // The nearest body on the ray, or null. except: a body that is looked through; 0: none.
+  // The nearest body on the ray, or null. except: a body to ignore; 0: none.
   FindBody(client: Client, except = 0): Pick | null {
     let best: Pick | null = null;
     const floats = client.ReadFloats();
@@ -55,14 +56,14 @@ export class Picking {
     return best;
   }
 
-  // Where the ray meets what does not move; null: nowhere within 200 m.
+  // The point where the ray meets the static scene; null: nowhere within 200 m.
   FindSolid(solids: Mesh[]): Vector3 | null {
     this.m_caster.far = 200;
     const hits = this.m_caster.intersectObjects(solids, false);
     return hits.length > 0 ? hits[0].point : null;
   }
 
-  // Where the ray meets the plane through the point that faces the camera; null: behind it.
+  // The point where the ray meets the plane through `point` that faces the camera; null: behind the camera.
   FindFacing(point: Vector, out: Vector3): Vector3 | null {
     const forward = this.m_camera.getWorldDirection(new Vector3());
     const { origin, direction } = this.ray;
@@ -72,7 +73,7 @@ export class Picking {
     return out.copy(origin).addScaledVector(direction, away / along);
   }
 
-  // Whether the ray comes near the box round the vertices; a fifth of them tells well enough where that is.
+  // Whether the ray comes near the vertices' bounding box; every fifth vertex is enough for this test.
   private IsNear(body: Body, floats: Float32Array): boolean {
     let square = 0.01;
     const step = 3 * Math.max(1, Math.floor(body.vertexCount / 200));
@@ -117,7 +118,7 @@ export class Picking {
     return { body: body.body, vertex, edge: -1, distance, point };
   }
 
-  // The nearest particle counts before a spring, or its ends could not be taken.
+  // A near particle has priority over a spring; otherwise the ends of a spring could not be picked.
   private HitSprings(body: Body, blueprint: Blueprint, floats: Float32Array): Pick | null {
     let best: Pick | null = null;
     let bestAway = kRodReach * this.m_pixel;
@@ -166,7 +167,7 @@ function FindAway(floats: Float32Array, at: number, point: Vector): number {
   return Math.hypot(floats[at] - point.x, floats[at + 1] - point.y, floats[at + 2] - point.z);
 }
 
-// Möller and Trumbore 1997: how far along the ray the triangle is met, from either side; Infinity: not at all.
+// Möller and Trumbore 1997: distance along the ray to the triangle, from either side; Infinity: no hit.
 function HitTriangle(ray: Ray, floats: Float32Array, first: number, a: number, b: number, c: number): number {
   const { origin: o, direction: d } = ray;
   const at = first + 3 * a;
@@ -197,7 +198,7 @@ function HitTriangle(ray: Ray, floats: Float32Array, first: number, a: number, b
   return distance > 0.01 ? distance : Infinity;
 }
 
-// Where the ray comes nearest to the rod, and how near.
+// Nearest approach of the ray to the rod.
 function HitRod(ray: Ray, floats: Float32Array, from: number, to: number) {
   const { origin: o, direction: d } = ray;
   const rx = floats[to] - floats[from];

@@ -1,18 +1,18 @@
-// Mouse, pen and fingers on the world: what belongs to the active tool, and what turns the camera.
+// Mouse, pen and touch on the world: input for the active tool, and turning the camera.
 //
-// A press with the left button goes to the tool first; when it takes hold of nothing, the press turns the camera, as
-// the right button always does. Two fingers pinch.
+// A press with the left button goes to the tool first. If the tool takes hold of nothing, the press turns the camera,
+// as the right button always does. Two fingers pinch to zoom.
 import type { OrbitCamera } from '../scene/camera';
 
-const kTurnSpeed = 0.0055; // rad a pixel
-const kWheelZoom = 0.0012; // a pixel of the wheel
+const kTurnSpeed = 0.0055; // rad per pixel
+const kWheelZoom = 0.0012; // per pixel of the wheel
 
 export interface Place {
   x: number; // pixels
   y: number;
 }
 
-// Each returns whether it took it.
+// Each function returns whether it used the event.
 export interface PointerTaker {
   Begin(place: Place): boolean;
   Move(place: Place): void;
@@ -25,7 +25,7 @@ export class Pointer {
   private readonly m_camera: OrbitCamera;
   private readonly m_taker: PointerTaker;
   private readonly m_turning = new Map<number, Place>(); // pointers that turn the camera
-  private m_taken: number | null = null; // the pointer that the tool has
+  private m_taken: number | null = null; // the pointer used by the tool
   private m_pinch = 0; // pixels between two fingers
 
   constructor(canvas: HTMLCanvasElement, camera: OrbitCamera, taker: PointerTaker) {

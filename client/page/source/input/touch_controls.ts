@@ -1,4 +1,4 @@
-// A stick on the left and round buttons on the right, for fingers; they appear with the first touch.
+// A stick on the left and round buttons on the right, for touch; they appear with the first touch.
 import { MakeElement } from '../hud/element';
 
 const kActions = [
@@ -14,7 +14,7 @@ export class TouchControls {
   moveX = 0;
   moveY = 0;
   private readonly m_knob = MakeElement('i');
-  private readonly m_held = new Map<string, number>(); // action, pointer
+  private readonly m_held = new Map<string, number>(); // by action: the pointer
   private m_finger: number | null = null;
 
   constructor() {

@@ -1,7 +1,7 @@
-// What does not move: floors, walls, boxes, spheres, capsules and hills of a scene.
+// The static scene: floors, walls, boxes, spheres, capsules and hills.
 //
 // A wall that is a plane has nothing behind it, and the camera often stands there: it is drawn as a pane of light that
-// is seen from within only.
+// is visible from the inside only.
 import {
   BufferAttribute,
   BufferGeometry,
@@ -48,14 +48,14 @@ void main() {
 
 export class Arena {
   readonly group = new Group();
-  // For rays: everything that is solid.
+  // Targets of rays: everything solid.
   readonly solids: Mesh[] = [];
   private readonly m_floor = MakeGroundMaterial('#e9e2d2');
   private readonly m_block = MakeGroundMaterial('#8ccdc4');
   private readonly m_round = MakeGroundMaterial('#e8b68a');
   private readonly m_hill = MakeGroundMaterial('#ffffff', true);
 
-  // Takes the place of what was there.
+  // Replaces the previous scene.
   Build(obstacles: Obstacle[], grounds: Ground[]): void {
     this.Clear();
     const planes = obstacles.filter((each) => each.kind === ObstacleKind.Plane).map(MakeHalfSpace);
@@ -130,7 +130,7 @@ function MakeHalfSpace(obstacle: Obstacle): HalfSpace {
   return { normal: MakeVector(obstacle.a), offset: obstacle.b.x };
 }
 
-// The lowest place that all planes leave free above the origin, as walls have to begin somewhere.
+// The greatest height of a floor on the vertical through the origin: walls begin there.
 function FindFloor(planes: HalfSpace[]): number {
   const floors = planes.filter((plane) => plane.normal.z > 0.3).map((plane) => plane.offset / plane.normal.z);
   return floors.length === 0 ? 0 : Math.max(...floors);
@@ -160,7 +160,7 @@ function MakePaneMaterial(floorHeight: number): ShaderMaterial {
   });
 }
 
-// Low is green, high is like sand.
+// Low ground is green, high ground is like sand.
 function MakeGroundGeometry(ground: Ground): BufferGeometry {
   const { columns, rows, cellSize, heights } = ground;
   const places = new Float32Array(3 * columns * rows);

@@ -1,5 +1,5 @@
-// Forces as arrows, one instance each: as long as the square root of the force, so that the weight of a vertex is seen
-// beside a blow. One scale for all kinds but accelerations.
+// Forces as arrows, one instance each. The length is proportional to the square root of the force, so that the weight
+// of a vertex is visible beside an impact. All kinds except accelerations share one scale.
 import {
   BufferGeometry,
   Color,
@@ -16,9 +16,9 @@ import { ForceKind, type Body, type Forces } from '../wire/views';
 import { WriteRod } from './springs';
 
 const kMost = 4096;
-const kLength = 0.5; // m, of the largest
+const kLength = 0.5; // m; length of the largest
 const kRadius = 0.012; // m
-const kScaleLag = 0.85; // share of the scale that is kept each time
+const kScaleLag = 0.85; // share of the old scale that is kept in each update
 
 export const kForceColours: Record<ForceKind, string> = {
   [ForceKind.Elastic]: '#3f8cff',
@@ -57,7 +57,7 @@ export class Arrows {
     this.m_mesh.visible = false;
   }
 
-  // shown: which kinds. floats: of linear memory, with the body's vertices.
+  // shown: the kinds to show. floats: linear memory, with the body's vertices.
   Update(forces: Forces, body: Body, floats: Float32Array, shown: Set<ForceKind>): void {
     this.FindScale(forces, shown);
     let count = 0;
@@ -92,7 +92,7 @@ export class Arrows {
     this.m_largestAcceleration = Math.max(acceleration, kScaleLag * this.m_largestAcceleration);
   }
 
-  // False when it would be too short to be seen.
+  // False when the arrow would be too short to be visible.
   private AddArrow(
     index: number,
     floats: Float32Array,
@@ -117,7 +117,7 @@ export class Arrows {
   }
 }
 
-// Of length 1 along z from the origin, radius 1.
+// Length 1 along z from the origin, radius 1.
 function MakeArrowGeometry(): BufferGeometry {
   const rod = new CylinderGeometry(1, 1, 0.72, 5, 1, true).rotateX(Math.PI / 2).translate(0, 0, 0.36);
   const tip = new ConeGeometry(2.6, 0.28, 8).rotateX(Math.PI / 2).translate(0, 0, 0.86);

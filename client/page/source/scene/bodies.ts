@@ -1,4 +1,4 @@
-// All bodies of the sample: those with faces as surfaces, those without as springs and particles.
+// Draws all bodies of the sample: bodies with faces as surfaces, others as springs and particles.
 import { Group } from 'three';
 import type { Client } from '../wire/client';
 import type { Blueprint, Body } from '../wire/views';
@@ -7,20 +7,20 @@ import { BodyShape } from './body_shape';
 import { MakeOwnColour, MakePlayerColour, MakeSceneColour } from './colours';
 import { Springs } from './springs';
 
-const kMostFine = 250; // bodies up to which they are drawn rounder than they are
-const kRodShare = 0.09; // of a spring's length in the rest shape, but no thicker or thinner than these, m
+const kMostFine = 250; // number of bodies up to which surfaces are refined
+const kRodShare = 0.09; // rod radius as a share of the spring's rest length, within limits in m
 const kThickestRod = 0.018;
 const kThinnestRod = 0.006;
 
 export class Bodies {
   readonly group = new Group();
   showsSurface = true;
-  // Of the workshop, what is picked: its number among particles or springs, marked by colour.
+  // The selected particle or spring of the workshop, by number; marked by colour.
   selectedParticle = -1;
   selectedSpring = -1;
 
   private readonly m_shapes = new Map<number, BodyShape>();
-  private readonly m_lengths = new Map<number, Float32Array>(); // of blueprints' edges at rest
+  private readonly m_lengths = new Map<number, Float32Array>(); // rest lengths of the edges, by blueprint
   private readonly m_springs = new Springs(this.group);
   private readonly m_players: Players;
   private m_dressing = -1;

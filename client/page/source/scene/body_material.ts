@@ -1,5 +1,5 @@
-// What soft bodies are made of: smooth candy that glows at its rim, with a pattern that clings to the rest shape, so
-// that one sees a ball roll and a sheet stretch.
+// The material of soft bodies: smooth, with a glow at the rim and a pattern fixed to the rest shape, which makes
+// rolling and stretching visible.
 import { Color, DoubleSide, FrontSide, MeshStandardMaterial, Vector3 } from 'three';
 import type { Blueprint } from '../wire/views';
 

@@ -1,5 +1,5 @@
-// One body on the graphics card: buffers that are kept for as long as it has that many vertices, filled from linear
-// memory when they have changed.
+// One body on the graphics card: buffers that are kept while the number of vertices stays the same, and filled from
+// linear memory when the vertices have changed.
 import {
   BufferAttribute,
   BufferGeometry,
@@ -14,15 +14,15 @@ import type { Blueprint, Body } from '../wire/views';
 import { BodyMaterial } from './body_material';
 import { ExtendRest, FillMiddles, MakeFiner } from './finer';
 
-const kMostFiner = 1500; // vertices of a body up to which it is worth it
+const kMostFiner = 1500; // vertices of a body up to which its surface is refined
 const kNoEdges = new Uint16Array();
-const kWireShade = 0.45; // of the body's colour
+const kWireShade = 0.45; // brightness relative to the body's colour
 
 export class BodyShape {
   readonly mesh: Mesh;
   readonly wires: LineSegments<BufferGeometry, LineBasicMaterial>;
   blueprint: Blueprint;
-  round = 0; // of the last frame that had it
+  round = 0; // number of the last frame that had the body
 
   private readonly m_material = new BodyMaterial();
   private readonly m_geometry = new BufferGeometry();
@@ -30,10 +30,10 @@ export class BodyShape {
   private m_positions = new Float32Array();
   private m_normals = new Float32Array();
   private m_revision = 0;
-  private m_middles: Uint16Array = kNoEdges; // edges that have a vertex in their middle
+  private m_middles: Uint16Array = kNoEdges; // edges with a vertex in their middle
   private readonly m_isFine: boolean;
 
-  // isFine: drawn rounder than it is.
+  // isFine: refine the surface.
   constructor(blueprint: Blueprint, isFine: boolean) {
     this.blueprint = blueprint;
     this.m_isFine = isFine;
@@ -81,7 +81,7 @@ export class BodyShape {
     this.wires.material.color.copy(colour).multiplyScalar(kWireShade);
   }
 
-  // floats: of linear memory.
+  // floats: linear memory.
   Update(body: Body, floats: Float32Array): void {
     if (body.revision === this.m_revision || 3 * body.vertexCount !== this.blueprint.rest.length) return;
     this.m_revision = body.revision;
@@ -96,7 +96,7 @@ export class BodyShape {
     this.BoundSphere(body);
   }
 
-  // Computed by three.js it would be another pass with allocations.
+  // three.js would compute the sphere in another pass, with allocations.
   private BoundSphere(body: Body): void {
     const sphere = this.m_geometry.boundingSphere!;
     let square = 0;
@@ -118,7 +118,7 @@ export class BodyShape {
   }
 }
 
-// Each once.
+// Each edge once.
 export function FindFaceEdges(faces: Uint16Array): Uint16Array {
   const seen = new Set<number>();
   const edges: number[] = [];

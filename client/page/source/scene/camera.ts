@@ -1,8 +1,8 @@
-// Where one looks from: behind one's own body, round the middle of the scene, or wherever one goes.
+// The camera: behind the player's body, circling the middle of the scene, or moved freely.
 //
-// All that is asked for is approached exponentially, so that nothing jumps or depends on the frame rate; a body that
-// starts again elsewhere is the exception. Following, the camera turns by itself towards where the body goes, slower
-// than a player would, and not for a while after the player has turned it.
+// It approaches its target values exponentially, so that nothing jumps or depends on the frame rate; a body that starts
+// again elsewhere is the exception. When following, the camera turns by itself towards the direction of motion, more
+// slowly than a player would, and not for a while after the player has turned it.
 import type { PerspectiveCamera } from 'three';
 import type { Vector } from '../wire/views';
 
@@ -20,22 +20,22 @@ const kLeastPitch = -0.12;
 const kMostPitch = 1.5;
 const kLeastZoom = 0.3;
 const kMostZoom = 5;
-const kFollowLag = 0.11; // s in which all but 1/e of the way is gone
+const kFollowLag = 0.11; // s; time constants, after which 1/e of the way remains
 const kOrbitLag = 0.9;
 const kTurnLag = 0.07;
 const kModeLag = 0.35;
 const kOrbitSpeed = 0.09; // rad/s
 const kHeadingSpeed = 0.6; // rad/s at most
-const kHeadingPause = 2.5; // s after the player's own turning
-const kWalkingSpeed = 5; // m/s from which the heading counts in full
-const kJump = 4; // m that no body goes between two frames
+const kHeadingPause = 2.5; // s after the player has turned the camera
+const kWalkingSpeed = 5; // m/s from which the camera follows the heading at full speed
+const kRespawnDistance = 4; // m; no body moves so far between two frames
 const kFlySpeed = 7; // m/s
 
 export class OrbitCamera {
   mode = CameraMode.Follow;
   readonly focus: Vector = { x: 0, y: 0, z: 1 };
   distance = kFollowDistance;
-  yaw = Math.PI / 2; // of the direction of view, from x to y
+  yaw = Math.PI / 2; // rad; direction of view, from x to y
 
   private readonly m_isCalm: boolean;
   private m_yawAsked = Math.PI / 2;
@@ -45,7 +45,7 @@ export class OrbitCamera {
   private m_sinceTurn = 100;
   private m_isPlaced = false;
 
-  // isCalm: it never turns by itself.
+  // isCalm: never turns by itself.
   constructor(isCalm: boolean) {
     this.m_isCalm = isCalm;
   }
@@ -57,7 +57,7 @@ export class OrbitCamera {
     this.mode = order[(order.indexOf(this.mode) + 1) % order.length];
   }
 
-  // The next Update takes over what it is given at once.
+  // The next Update takes its values over at once.
   Reset(mode: CameraMode): void {
     this.mode = mode;
     this.m_isPlaced = false;
@@ -74,7 +74,7 @@ export class OrbitCamera {
     this.m_zoom = Math.max(kLeastZoom, Math.min(kMostZoom, this.m_zoom * factor));
   }
 
-  // Free only: right and forward as one looks, -1 to 1 each.
+  // Free mode only: right, forward and up as seen, -1 to 1 each.
   Fly(right: number, forward: number, up: number, seconds: number): void {
     const way = kFlySpeed * seconds * Math.max(1, this.m_zoom);
     const ahead = this.ToWorld(right, forward);
@@ -83,7 +83,7 @@ export class OrbitCamera {
     this.focus.z = Math.max(-20, this.focus.z + up * way);
   }
 
-  // own: the own body's centre or null; scene: middle and spread of all that is there, m.
+  // own: centre of the player's body or null; middle, spread: of all bodies, m.
   Update(seconds: number, own: Vector | null, middle: Vector, spread: number): void {
     const follows = this.mode === CameraMode.Follow && own !== null;
     const target = follows ? { x: own.x, y: own.y, z: own.z + kAboveBody } : middle;
@@ -91,7 +91,7 @@ export class OrbitCamera {
     this.m_sinceTurn += seconds;
     const { x, y, z } = this.focus;
     const gap = Math.hypot(target.x - x, target.y - y, target.z - z);
-    if (!this.m_isPlaced || (follows && gap > kJump && this.m_sinceTurn > kModeLag)) {
+    if (!this.m_isPlaced || (follows && gap > kRespawnDistance && this.m_sinceTurn > kModeLag)) {
       Object.assign(this.focus, target);
     } else if (this.mode !== CameraMode.Free) {
       this.MoveFocus(target, seconds, follows ? kFollowLag : kOrbitLag, follows ? 2 : 1);
@@ -118,7 +118,7 @@ export class OrbitCamera {
     camera.updateMatrixWorld();
   }
 
-  // Right and forward as one looks, in the world's horizontal plane.
+  // Converts right and forward as seen to the world's horizontal plane.
   ToWorld(right: number, forward: number): { x: number; y: number } {
     const x = Math.cos(this.yaw);
     const y = Math.sin(this.yaw);

@@ -1,8 +1,8 @@
-// Colours of bodies, each always the same: bright ones of players, softer ones of what lies about.
+// Colours of bodies, constant for each number: bright ones for players, softer ones for the scene's bodies.
 import { Color } from 'three';
 
 const kOwnColour = '#ff7a1a';
-// Side by side in number, far apart in hue; none like the own.
+// Neighbours in the list have distant hues; none resembles the player's own colour.
 const kSceneColours = ['#6ec6ca', '#f2b6c6', '#b7a6e6', '#f5d77a', '#8fd19e', '#8fb8ea', '#f0a58f', '#cfe08a'];
 const kLightness = [0.56, 0.7, 0.44];
 const kGoldenRatio = 0.61803398875;
@@ -11,8 +11,8 @@ export function MakeOwnColour(): Color {
   return new Color(kOwnColour);
 }
 
-// Hues that follow each other by the golden ratio lie apart whatever numbers come; red to orange is left out. Five
-// numbers on they come near again, so lightness goes round by three.
+// Hues in steps of the golden ratio lie apart for any set of numbers; red to orange is left out. Every fifth hue is
+// close again, so lightness cycles through three values.
 export function MakePlayerColour(body: number): Color {
   const turn = (body * kGoldenRatio) % 1;
   return new Color().setHSL((0.2 + 0.72 * turn) % 1, 0.72, kLightness[body % kLightness.length]);

@@ -1,26 +1,26 @@
-// Players have eyes. They sit on the surface as it is just now, at the side to which the body goes, so a ball that
-// rolls does not roll them away; they look ahead, blink, and open wide in the air.
+// The eyes of players. They sit on the current surface, on the side of the direction of motion, so that a rolling ball
+// does not roll them away. They look ahead, blink, and open wide in the air.
 import { DynamicDrawUsage, InstancedMesh, MeshStandardMaterial, SphereGeometry, Vector3, type Object3D } from 'three';
 import type { Client } from '../wire/client';
 import type { Body } from '../wire/views';
 import type { Players } from '../players';
 
 const kMaxPlayers = 128;
-const kSpacing = 0.36; // rad to each side
+const kSpacing = 0.36; // rad to either side
 const kLift = 0.38; // rad above the horizon
 const kTurnLag = 0.18; // s
-const kSharpness = 14; // of finding the surface in a direction
-const kEyeShare = 0.25; // of the body's size
+const kSharpness = 14; // exponent of the weights that find the surface in a direction
+const kEyeShare = 0.25; // size relative to the body
 const kBlinkEvery = 3.4; // s
 const kBlinkFor = 0.13;
 
 interface Gaze {
   x: number;
   y: number;
-  z: number; // where it was
+  z: number; // previous position
   yaw: number;
   wished: number;
-  fall: number; // m/s, smoothed
+  fall: number; // m/s, vertical, smoothed
 }
 
 export class Eyes {
@@ -86,7 +86,7 @@ export class Eyes {
       );
       const radius = FindRadius(body, floats, direction) - 0.38 * eye;
       WriteBall(this.m_whites, this.m_count, body, direction, radius, eye, lid);
-      // A pupil peeps out of its eye ahead.
+      // The pupil protrudes from the eye.
       const ahead = this.m_direction.set(
         direction.x * radius + 0.36 * eye * (0.55 * direction.x + Math.cos(gaze.yaw)),
         direction.y * radius + 0.36 * eye * (0.55 * direction.y + Math.sin(gaze.yaw)),
@@ -107,7 +107,7 @@ function MakeBalls(colour: string, roughness: number): InstancedMesh {
   return balls;
 }
 
-// How far the surface is from the centre in this direction: the mean over the vertices near it.
+// Distance of the surface from the centre in this direction: the mean over the vertices near it.
 function FindRadius(body: Body, floats: Float32Array, direction: Vector3): number {
   let sum = 0;
   let weights = 1e-9;

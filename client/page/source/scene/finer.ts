@@ -1,15 +1,15 @@
-// A surface twice as fine: every edge gets a vertex in its middle, moved out as the normals of its ends ask for, so that
-// silhouettes are round where the body has few vertices. Phong tessellation, Boubekeur and Alexa 2008, at the middles of
-// edges only.
+// Refines a surface: every edge gets a vertex in its middle, displaced along the normals of its ends, so that
+// silhouettes of bodies with few vertices are round. Phong tessellation (Boubekeur and Alexa 2008), applied to the
+// middles of edges only.
 
-const kRoundness = 0.75; // 0: flat faces; 1: as the normals say
+const kRoundness = 0.75; // 0: flat faces; 1: full displacement
 
 export interface Finer {
   edges: Uint16Array; // two vertices each; the middle of edge i is vertex vertexCount + i
-  faces: Uint16Array; // four for each
+  faces: Uint16Array; // four per original face
 }
 
-// null when there would be more vertices than 16 bits can number.
+// null when 16 bits cannot number the vertices.
 export function MakeFiner(vertexCount: number, faces: Uint16Array): Finer | null {
   const middles = new Map<number, number>();
   const edges: number[] = [];
@@ -32,7 +32,7 @@ export function MakeFiner(vertexCount: number, faces: Uint16Array): Finer | null
   return vertexCount + edges.length / 2 > 65535 ? null : { edges: new Uint16Array(edges), faces: finer };
 }
 
-// Fills what follows the vertices in both arrays.
+// Writes the middles behind the vertices in both arrays.
 export function FillMiddles(
   edges: Uint16Array,
   vertexCount: number,
@@ -46,7 +46,7 @@ export function FillMiddles(
     const x = positions[b] - positions[a];
     const y = positions[b + 1] - positions[a + 1];
     const z = positions[b + 2] - positions[a + 2];
-    // Half the edge, over and under the tangent planes of its ends.
+    // Half of the edge, projected on the tangent planes of its ends.
     const overA = 0.25 * kRoundness * (x * normals[a] + y * normals[a + 1] + z * normals[a + 2]);
     const overB = -0.25 * kRoundness * (x * normals[b] + y * normals[b + 1] + z * normals[b + 2]);
     const nx = normals[a] + normals[b];
@@ -62,7 +62,7 @@ export function FillMiddles(
   }
 }
 
-// Of the rest shape: middles as they are, since patterns only need to lie between.
+// Middles of the rest shape without displacement: patterns only need values in between.
 export function ExtendRest(rest: Float32Array, edges: Uint16Array): Float32Array {
   const extended = new Float32Array(rest.length + (3 * edges.length) / 2);
   extended.set(rest);

@@ -1,5 +1,5 @@
-// What platforms, walls and hills are made of: plain, with a faint chequer and thin lines every metre and every five,
-// drawn by where a point is in the world. So one sees how fast one goes, and no texture is loaded.
+// The material of platforms, walls and hills: plain, with a faint chequer and thin lines every metre and every five
+// metres, computed from the position in the world. The lines show speed, and no texture is loaded.
 import { Color, MeshStandardMaterial } from 'three';
 
 const kVertexHead = `
@@ -14,14 +14,14 @@ const kFragmentHead = `
 varying vec3 vWorldPlace;
 varying vec3 vWorldNormal;
 
-// How much of a pixel of width w at p is within half of each line, which lie at whole numbers and are t wide.
+// Share of a pixel of width w at p that lies on lines of width t at whole numbers.
 float Line(vec2 p, float t) {
   vec2 w = fwidth(p);
   vec2 away = abs(fract(p - 0.5) - 0.5);
   vec2 cover = clamp((0.5 * t + 0.5 * w - away) / w, 0.0, 1.0) * min(vec2(1.0), t / w + 0.3);
   return max(cover.x, cover.y) * (1.0 - smoothstep(0.25, 0.7, max(w.x, w.y)));
 }
-// Chequer of squares of 1, -1 to 1; filtered over the pixel.
+// A chequer of unit squares, -1 to 1, filtered over the pixel.
 float Chequer(vec2 p) {
   vec2 w = fwidth(p) + 0.001;
   vec2 filtered = 2.0 * (abs(fract((p - 0.5 * w) * 0.5) - 0.5) - abs(fract((p + 0.5 * w) * 0.5) - 0.5)) / w;

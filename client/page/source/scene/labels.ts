@@ -1,11 +1,11 @@
-// Names over players: plain elements above the canvas, moved to where their body is on the screen.
+// Names above players: plain elements above the canvas, moved to the body's position on the screen.
 import { Vector3, type PerspectiveCamera } from 'three';
 import type { Client } from '../wire/client';
 import type { Players } from '../players';
 import { MakePlayerColour } from './colours';
 
-const kFarAway = 45; // m; beyond it names are not shown
-const kAbove = 1.75; // sizes of the body
+const kFarAway = 45; // m; names farther away are hidden
+const kAbove = 1.75; // height of the name above the body, in body sizes
 
 interface Label {
   element: HTMLElement;

@@ -1,12 +1,13 @@
-// Convex pieces of planes.
+// Convex polygons on planes.
 import { Vector3 } from 'three';
 
 export interface HalfSpace {
-  normal: Vector3; // points in it have normal . point >= offset
+  normal: Vector3; // points inside have normal . point >= offset
   offset: number;
 }
 
-// The square of this half width in the plane, around the point nearest to `centre`, anticlockwise seen from its front.
+// The square with this half width in the plane, around the point nearest to `centre`, counterclockwise seen from the
+// front.
 export function MakeSquare(plane: HalfSpace, centre: Vector3, halfWidth: number): Vector3[] {
   const middle = centre.clone().addScaledVector(plane.normal, plane.offset - plane.normal.dot(centre));
   const helper = Math.abs(plane.normal.z) < 0.9 ? new Vector3(0, 0, 1) : new Vector3(1, 0, 0);
@@ -20,7 +21,7 @@ export function MakeSquare(plane: HalfSpace, centre: Vector3, halfWidth: number)
   return [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)];
 }
 
-// What of the polygon lies in the half space.
+// The part of the polygon inside the half space.
 export function Clip(polygon: Vector3[], by: HalfSpace): Vector3[] {
   const clipped: Vector3[] = [];
   for (let i = 0; i < polygon.length; ++i) {

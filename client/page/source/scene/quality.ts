@@ -1,12 +1,12 @@
-// Less is drawn where frames take too long, and more again where there is time to spare: as many steps down as it
-// takes, each step up tried once, or it would go to and fro.
+// Lowers the drawing quality when frames take too long and raises it when there is time to spare. It takes as many
+// steps down as needed and tries each step up only once; otherwise it would oscillate.
 
 export interface QualityLevel {
   maxPixelRatio: number;
-  pixelShare: number; // of that ratio
+  pixelShare: number; // of the device's pixel ratio
   shadowSize: number; // texels; 0: no shadows
-  shadowEvery: number; // frames
-  isRich: boolean; // smooth surfaces show the sky, and the sky has clouds
+  shadowEvery: number; // frames between updates of the shadows
+  isRich: boolean; // smooth surfaces reflect the sky, and the sky has clouds
 }
 
 const kLevels: QualityLevel[] = [
@@ -17,12 +17,12 @@ const kLevels: QualityLevel[] = [
   { maxPixelRatio: 1, pixelShare: 0.5, shadowSize: 512, shadowEvery: 3, isRich: false },
   { maxPixelRatio: 1, pixelShare: 0.4, shadowSize: 0, shadowEvery: 1, isRich: false },
 ];
-const kSoftwareLevel = 3; // to begin with where no graphics card draws
+const kSoftwareLevel = 3; // start level without a graphics card
 const kSlowFrame = 0.033; // s
 const kFastFrame = 0.012;
-const kSlowFor = 1.5; // s until a step down
-const kFastFor = 8; // s until a step up
-const kLongestFrame = 0.25; // s; a longer one is a page that was hidden
+const kSlowFor = 1.5; // s before a step down
+const kFastFor = 8; // s before a step up
+const kLongestFrame = 0.25; // s; a longer frame means that the page was hidden
 
 export class Quality {
   private m_level: number;
@@ -31,9 +31,9 @@ export class Quality {
   private m_slowSince = 0;
   private m_fastSince = 0;
   private m_mean = 0.016;
-  private m_tooMuch: number; // the highest level that was too much; -1: none
+  private m_tooMuch: number; // the highest level that proved too slow; -1: none
 
-  // fixed: a level that is kept; null: as frames allow.
+  // fixed: a constant level; null: adapt to the frame time.
   constructor(fixed: number | null, isSoftware: boolean, apply: (level: QualityLevel) => void) {
     this.m_isFixed = fixed !== null;
     this.m_level = Math.min(fixed ?? (isSoftware ? kSoftwareLevel : 0), kLevels.length - 1);
@@ -46,7 +46,7 @@ export class Quality {
     return this.m_level;
   }
 
-  // Mean time between frames lately, s.
+  // Mean frame time, s.
   get frameTime(): number {
     return this.m_mean;
   }
@@ -54,7 +54,7 @@ export class Quality {
   NoteFrame(now: number, seconds: number): void {
     if (seconds > kLongestFrame) {
       this.m_slowSince = this.m_fastSince = now;
-      // A machine so slow that every frame is this long must not be taken for a hidden page for ever.
+      // Without this a machine on which every frame takes so long would always count as a hidden page.
       this.m_mean = 0.9 * this.m_mean + 0.1 * kLongestFrame;
       if (this.m_mean > 0.1) this.StepDown(now);
       return;

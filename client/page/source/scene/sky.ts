@@ -1,4 +1,4 @@
-// The sky: a gradient round everything, without a texture, and the light that comes from it.
+// The sky: a gradient without a texture, and the light that comes from it.
 import {
   BackSide,
   Color,
@@ -18,7 +18,7 @@ const kNadirColour = new Color('#8fa6c4');
 const kSunColour = new Color('#fff1d6');
 
 const kCloudiness = 0.75;
-const kReflectionSize = 64; // texels of a cube's edge; there is nothing fine in it
+const kReflectionSize = 64; // texels per edge of the cube map; the sky has no fine detail
 
 const kVertexShader = `
 varying vec3 vDirection;
@@ -63,7 +63,7 @@ void main() {
   #include <colorspace_fragment>
 }`;
 
-// toSun: of unit length.
+// toSun: unit vector.
 export function MakeSky(toSun: Vector3): Mesh<SphereGeometry, ShaderMaterial> {
   const material = new ShaderMaterial({
     uniforms: {
@@ -81,16 +81,16 @@ export function MakeSky(toSun: Vector3): Mesh<SphereGeometry, ShaderMaterial> {
   });
   const sky = new Mesh(new SphereGeometry(1, 32, 16), material);
   sky.frustumCulled = false;
-  sky.renderOrder = 1; // after what is solid: most of it is hidden then
+  sky.renderOrder = 1; // after solid objects, which hide most of it
   return sky;
 }
 
-// Clouds are dear where the processor draws.
+// Clouds are too slow for software rendering.
 export function ShowClouds(sky: Mesh<SphereGeometry, ShaderMaterial>, isShown: boolean): void {
   sky.material.uniforms.clouds.value = isShown ? kCloudiness : 0;
 }
 
-// What smooth surfaces reflect; made once.
+// The environment that smooth surfaces reflect; made once.
 export function MakeReflections(renderer: WebGLRenderer, toSun: Vector3): Texture {
   const scene = new Scene();
   const sky = MakeSky(toSun);

@@ -1,5 +1,5 @@
-// Many rods and dots in two draws: springs and particles of bodies that have no faces, or whose surface is hidden.
-// A spring is coloured by how far it is from its length in the rest shape: blue when shorter, red when longer.
+// Many rods and dots in two draw calls: springs and particles of bodies that have no faces, or whose surface is hidden.
+// The colour of a spring shows its strain: blue when compressed, red when stretched.
 import {
   CylinderGeometry,
   DynamicDrawUsage,
@@ -11,7 +11,7 @@ import {
 } from 'three';
 
 const kFirstCapacity = 256;
-const kFullStrain = 0.25; // at which a rod's colour is full
+const kFullStrain = 0.25; // strain at which the colour saturates
 
 export class Springs {
   private m_rods: InstancedMesh;
@@ -32,7 +32,7 @@ export class Springs {
     this.m_rodCount = this.m_dotCount = 0;
   }
 
-  // from, to: indices into floats. strain: of its length.
+  // from, to: indices into floats. strain: relative to the rest length.
   AddRod(floats: Float32Array, from: number, to: number, radius: number, strain: number): void {
     if (this.m_rodCount === this.m_rods.instanceMatrix.count) this.m_rods = Grow(this.m_rods, this.m_parent);
     const at = this.m_rodCount++;
@@ -68,7 +68,7 @@ export class Springs {
   }
 }
 
-// Of length 1 along z from the origin.
+// Length 1 along z from the origin.
 function MakeRodGeometry(): CylinderGeometry {
   const geometry = new CylinderGeometry(1, 1, 1, 6, 1, true);
   geometry.rotateX(Math.PI / 2);
@@ -108,7 +108,7 @@ function ShowInstances(mesh: InstancedMesh, count: number): void {
   mesh.instanceColor!.needsUpdate = true;
 }
 
-// The matrix that takes the unit rod to the way between two points: z along it, x and y across.
+// Writes the matrix that maps the unit rod to the segment between two points: z along it, x and y across.
 export function WriteRod(
   matrix: Float32Array,
   at: number,
@@ -121,7 +121,7 @@ export function WriteRod(
   const y = floats[to + 1] - floats[from + 1];
   const z = floats[to + 2] - floats[from + 2];
   const length = Math.hypot(x, y, z) || 1e-6;
-  // Across: whichever axis lies flattest to the rod, made square to it.
+  // Across: the axis least parallel to the rod, orthogonalised.
   const isUpright = Math.abs(z) > 0.9 * length;
   let ax = isUpright ? 0 : -y;
   let ay = isUpright ? z : x;

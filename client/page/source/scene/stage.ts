@@ -1,4 +1,4 @@
-// What everything stands on: the renderer, the sky, the light with its shadows, and the camera's lens.
+// The stage of the scene: renderer, sky, light with shadows, and the camera's lens.
 import {
   Color,
   DirectionalLight,
@@ -17,11 +17,11 @@ import type { QualityLevel } from './quality';
 
 const kToSun = new Vector3(-0.42, -0.36, 0.83).normalize();
 const kAmbient = 0.85;
-const kReflected = 0.35; // light from the sky's picture, where there is one
+const kReflected = 0.35; // strength of the light from the sky's reflection, where there is one
 const kSunAway = 60; // m
-const kShadowEdge = 3; // texels of the map that a shadow's edge is soft over
-const kBiasTexels = 2.2; // that a surface is lifted by, so as not to lie in its own shadow
-const kNearSpread = 9; // m around the focus that have shadows at least
+const kShadowEdge = 3; // texels of the shadow map over which a shadow's edge is soft
+const kBiasTexels = 2.2; // texels by which surfaces are lifted against shadowing themselves
+const kNearSpread = 9; // m around the focus with shadows, at least
 const kFarSpread = 45; // and at most
 
 export class Stage {
@@ -39,7 +39,7 @@ export class Stage {
   private m_shadowFrame = 0;
   private m_quality: QualityLevel | null = null;
 
-  // smooths: edges; it costs software four times the time.
+  // smooths: anti-aliasing; it makes software rendering four times slower.
   constructor(canvas: HTMLCanvasElement, smooths: boolean) {
     this.renderer = new WebGLRenderer({ canvas, antialias: smooths, powerPreference: 'high-performance' });
     this.renderer.toneMapping = NeutralToneMapping;
@@ -85,16 +85,16 @@ export class Stage {
     const height = window.innerHeight;
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
-    // Upright screens see as much to the sides as they can without a fish's eye.
+    // Portrait screens get a wider angle, as far as it does not distort.
     this.camera.fov = width >= height ? 55 : Math.min(75, 55 / Math.sqrt(width / height));
     this.camera.updateProjectionMatrix();
   }
 
-  // Shadows fall where one looks: within so many metres of the focus, more when the camera is far.
+  // Shadows cover an area around the focus that grows with the camera's distance.
   FocusLight(x: number, y: number, z: number, distance: number): void {
     const wished = Math.min(kFarSpread, Math.max(kNearSpread, 1.5 * distance));
     if (this.m_spread === 0 || Math.abs(wished - this.m_spread) > 0.2 * this.m_spread) this.SpreadShadows(wished);
-    // In whole texels, or the edges of shadows would crawl as the camera moves.
+    // Moves in whole texels; otherwise the edges of shadows would crawl as the camera moves.
     const texel = (2 * this.m_spread) / this.m_sun.shadow.mapSize.x;
     const target = this.m_sun.target.position.set(x, y, z);
     const right = target.dot(this.m_right);
@@ -123,7 +123,7 @@ export class Stage {
   }
 }
 
-// Whether the processor draws: two orders of magnitude slower than a graphics card.
+// Whether rendering is done in software, two orders of magnitude slower than a graphics card.
 export function FindIsSoftware(): boolean {
   const context = document.createElement('canvas').getContext('webgl2');
   const names = context?.getExtension('WEBGL_debug_renderer_info') ?? null;

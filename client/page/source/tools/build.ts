@@ -1,4 +1,4 @@
-// Particles and springs: adds them, joins them, pins them, takes them away, and picks the one that the panel tunes.
+// The build tool: adds, joins, pins and removes particles and springs, and selects the part that the panel tunes.
 import { Vector3 } from 'three';
 import { MakePoint } from '../input/picking';
 import type { Place } from '../input/pointer';
@@ -24,8 +24,8 @@ export enum BuildAction {
 
 const kParticleReach = 26; // pixels
 const kSpringReach = 12;
-const kAboveGround = 0.08; // m that a particle is put above what was clicked
-const kChainPatience = 2; // s that the server may take to show a new particle
+const kAboveGround = 0.08; // m of a new particle above the clicked point
+const kChainPatience = 2; // s to wait until the server shows a new particle
 
 export interface Selection {
   particle: ParticleTag | null;
@@ -40,19 +40,19 @@ interface Found {
 export class Build implements Tool {
   readonly name = 'Build';
   readonly hand = Hands.Build;
-  readonly hint = 'Click where a particle is to be; click two particles to join them';
+  readonly hint = 'Click to place a particle; click two particles to join them';
   readonly icon =
     'M5 19.5a2 2 0 1 0 0-4 2 2 0 0 0 0 4zM19 19.5a2 2 0 1 0 0-4 2 2 0 0 0 0 4zM12 8a2 2 0 1 0 0-4 2 2 0 0 0 0 4zM6 15.8l5-8M18 15.8l-5-8M7 17.5h10';
   action = BuildAction.Add;
   mass = 0.4; // kg, of new particles
   isFixed = false;
-  joinsNew = true; // a new particle is joined to the selected one
+  joinsNew = true; // joins a new particle to the selected one
   stiffness = 400; // N/m, of new springs
   damping = 2; // N s/m
   onChange: () => void = () => {};
 
   private readonly m_bench: Bench;
-  private m_particle = -1; // numbers; -1: none
+  private m_particle = -1; // numbers of the selected particle and spring; -1: none
   private m_spring = -1;
   private m_chain: { from: number; known: Set<number>; until: number } | null = null;
   private readonly m_point = new Vector3();
@@ -69,7 +69,7 @@ export class Build implements Tool {
     return this.m_spring;
   }
 
-  // As the world has it now.
+  // The selection with its present values.
   FindSelection(): Selection {
     const workshop = this.FindWorkshop();
     return {
@@ -96,7 +96,7 @@ export class Build implements Tool {
     return false;
   }
 
-  // The particle that was added is joined once the server has shown it.
+  // Joins the particle that was added, once the server has shown it.
   Update(): void {
     const client = this.m_bench.FindClient();
     const workshop = this.FindWorkshop();
@@ -146,7 +146,7 @@ export class Build implements Tool {
   private Act(client: Client, place: Place, particle: ParticleTag | null, spring: SpringTag | null): boolean {
     switch (this.action) {
       case BuildAction.Add:
-        // On a particle a click means that one: to go on from there.
+        // A click on a particle selects it.
         if (particle === null) return this.AddParticle(client, place);
         this.Select(particle.number, -1);
         return true;
@@ -185,7 +185,8 @@ export class Build implements Tool {
     client.Build({ kind: BuildKind.AddSpring, a, b, stiffness, damping, restLength: 0 });
   }
 
-  // In the plane through the selected particle that faces the camera, else on what lies beneath the pointer.
+  // A point in the plane through the selected particle that faces the camera, or else on the surface beneath the
+  // pointer.
   private FindPlace(place: Place): Vector | null {
     this.m_bench.picking.AimAt(place.x, place.y);
     const solid = this.m_bench.picking.FindSolid(this.m_bench.solids);
@@ -211,7 +212,7 @@ export class Build implements Tool {
     return { body, blueprint: client.FindBlueprint(body.blueprint) };
   }
 
-  // On the screen; a particle before the springs that end in it.
+  // Picks on the screen; a particle has priority over the springs that end in it.
   private FindAt(place: Place, client: Client, workshop: { body: Body; blueprint: Blueprint }): Found {
     const { body, blueprint } = workshop;
     const floats = client.ReadFloats();
@@ -241,7 +242,7 @@ export class Build implements Tool {
   }
 }
 
-// Of a place from the way between two others, pixels.
+// Distance of a point from the segment between two others, pixels.
 function FindAway(place: Place, from: Place, to: Place): number {
   const x = to.x - from.x;
   const y = to.y - from.y;

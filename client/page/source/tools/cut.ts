@@ -1,8 +1,8 @@
-// Cuts what a stroke crosses: every piece of the stroke is a blade, the triangle of the eye and the piece's ends far
-// behind what they meet.
+// The cut tool: each piece of a stroke is a blade, the triangle of the eye and the piece's ends, extended beyond the
+// bodies it meets.
 //
-// The server takes so many commands a second and no more, so pieces are made as long as the pointer gets in a
-// twentieth of a second, and each asks only for bodies that it meets.
+// The server limits the number of commands per second, so a piece is the pointer's path in a twentieth of a second, and
+// a command is sent only for bodies that the piece meets.
 import type { Vector3 } from 'three';
 import type { Place } from '../input/pointer';
 import { Hands, type Vector } from '../wire/views';
@@ -11,8 +11,8 @@ import type { Bench, Tool } from './tool';
 
 const kEvery = 0.05; // s
 const kLeastPiece = 6; // pixels
-const kProbes = 6; // rays a piece, to find what it meets
-const kBehind = 1.5; // m that the blade reaches beyond what it meets
+const kProbes = 6; // rays per piece that find the bodies it meets
+const kBehind = 1.5; // m by which the blade extends beyond what it meets
 
 export class Cut implements Tool {
   readonly name = 'Cut';
@@ -29,7 +29,7 @@ export class Cut implements Tool {
     this.m_bench = bench;
   }
 
-  // A stroke may begin beside what it is to cut, so the press is always taken.
+  // Always takes the press, because a stroke may begin beside the body it cuts.
   Begin(place: Place): boolean {
     this.m_from = this.m_to = place;
     this.m_bench.marks.AddStroke(place.x, place.y, ReadNow());
@@ -75,7 +75,7 @@ export class Cut implements Tool {
     }
   }
 
-  // Bodies, and how far away the farthest place is at which the piece meets them, m.
+  // The bodies that the piece meets, with the distance to the farthest point of contact, m.
   private FindMet(client: Client, from: Place, to: Place): Map<number, number> {
     const met = new Map<number, number>();
     const own = this.m_bench.FindWelcome()?.ownBody ?? 0;

@@ -1,12 +1,12 @@
-// Takes hold of the vertex under the pointer and drags it: the target moves in the plane through it that faces the
-// camera; the wheel brings it nearer or farther.
+// The grab tool: holds the vertex under the pointer and drags it. The target moves in the plane through the vertex that
+// faces the camera; the wheel moves it nearer or farther.
 import { Vector3 } from 'three';
 import { MakePoint } from '../input/picking';
 import type { Place } from '../input/pointer';
 import { Hands, type Vector } from '../wire/views';
 import { PickOther, Project, type Bench, type Tool } from './tool';
 
-const kWheelStep = 0.08; // of the distance, a notch
+const kWheelStep = 0.08; // share of the distance per notch
 const kLeastDistance = 1; // m
 
 export class Grab implements Tool {
@@ -17,7 +17,7 @@ export class Grab implements Tool {
     'M8 13V5.5a1.5 1.5 0 0 1 3 0V11V4a1.5 1.5 0 0 1 3 0v7V5.5a1.5 1.5 0 0 1 3 0V14c0 4-2.5 7-6 7-3 0-4.6-1.6-6-4.5L3.4 13a1.5 1.5 0 0 1 2.6-1.4L8 14';
   private readonly m_bench: Bench;
   private m_held: { body: number; vertex: number } | null = null;
-  private m_depth: Vector = { x: 0, y: 0, z: 0 }; // a point of the plane that the target moves in
+  private m_depth: Vector = { x: 0, y: 0, z: 0 }; // a point of the plane in which the target moves
   private m_place: Place = { x: 0, y: 0 };
   private readonly m_target = new Vector3();
 
@@ -52,7 +52,7 @@ export class Grab implements Tool {
     return true;
   }
 
-  // Each frame, since the camera moves as well.
+  // Called in each frame, because the camera moves as well.
   Update(): void {
     const client = this.m_bench.FindClient();
     if (this.m_held === null || client === null) return;

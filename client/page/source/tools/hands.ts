@@ -1,5 +1,5 @@
-// The tool bar, and which tool the pointer's presses go to. What is clicked with any tool is also the body that the view
-// panel looks into.
+// The tool bar and the active tool, which gets the pointer's presses. A click with any tool also selects the body of
+// the view panel.
 import { MakeElement, SetPressed } from '../hud/element';
 import type { Place, PointerTaker } from '../input/pointer';
 import type { Bench, Tool } from './tool';
@@ -46,7 +46,7 @@ export class HandTools implements PointerTaker {
     return this.m_allowed;
   }
 
-  // As the number keys say, from 0; nothing where there is no such tool.
+  // index: from 0, as on the number keys; ignored where there is no such tool.
   Choose(index: number): void {
     const tool = this.m_allowed[index];
     if (tool !== undefined) this.Activate(tool);

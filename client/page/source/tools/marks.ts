@@ -1,4 +1,4 @@
-// Lines and rings above the picture that show what the hand does. Drawn anew each frame that has any.
+// Lines and rings above the picture that show the tool's effect. Redrawn in each frame that has any.
 
 interface Ring {
   x: number;
@@ -7,8 +7,8 @@ interface Ring {
 }
 
 const kRingFor = 0.35; // s
-const kRingSize = 46; // pixels at its end
-const kStrokeFor = 0.3; // s that a stroke's points are seen
+const kRingSize = 46; // pixels, at the end
+const kStrokeFor = 0.3; // s for which a stroke's points are shown
 
 export class Marks {
   private readonly m_canvas: HTMLCanvasElement;
@@ -16,7 +16,7 @@ export class Marks {
   private readonly m_rings: Ring[] = [];
   private readonly m_stroke: Ring[] = [];
   private m_isEmpty = true;
-  // Of this frame: x and y of the ends, pixels.
+  // Lines of this frame: x and y of both ends, pixels.
   private readonly m_lines: { points: [number, number, number, number]; colour: string }[] = [];
 
   constructor(canvas: HTMLCanvasElement) {
@@ -29,12 +29,12 @@ export class Marks {
     this.m_rings.push({ x, y, born: now });
   }
 
-  // The next point of a stroke.
+  // Adds the next point of a stroke.
   AddStroke(x: number, y: number, now: number): void {
     this.m_stroke.push({ x, y, born: now });
   }
 
-  // For the next Draw alone.
+  // Adds a line for the next Draw only.
   AddLine(x0: number, y0: number, x1: number, y1: number, colour: string): void {
     this.m_lines.push({ points: [x0, y0, x1, y1], colour });
   }
@@ -45,7 +45,7 @@ export class Marks {
     const isEmpty = this.m_rings.length + this.m_stroke.length + this.m_lines.length === 0;
     if (isEmpty && this.m_isEmpty) return;
     this.m_isEmpty = isEmpty;
-    this.m_canvas.hidden = isEmpty; // laid over the world it costs time even so
+    this.m_canvas.hidden = isEmpty; // even an empty canvas above the world costs time
     this.Clear();
     this.DrawStroke(now);
     this.DrawRings(now);

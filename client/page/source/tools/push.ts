@@ -1,4 +1,4 @@
-// Shoves the vertices under the pointer away from the eye.
+// The push tool: pushes the vertices under the pointer away from the eye.
 import type { Place } from '../input/pointer';
 import { Hands } from '../wire/views';
 import { ReadNow } from '../wire/client';

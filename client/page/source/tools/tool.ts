@@ -1,4 +1,4 @@
-// What a hand can be: one object for each of the tools, and what all of them work with.
+// The interface of a tool, and the objects that all tools use.
 import { Vector3, type Mesh, type PerspectiveCamera } from 'three';
 import type { Place } from '../input/pointer';
 import type { Pick, Picking } from '../input/picking';
@@ -18,22 +18,23 @@ export interface Bench {
 
 export interface Tool {
   readonly name: string;
-  readonly hand: number; // the bit of Welcome.hands that allows it
+  readonly hand: number; // bit of Welcome.hands that allows the tool
   readonly hint: string;
-  readonly icon: string; // paths of a drawing of 24 by 24
-  // False: there is nothing here for this tool.
+  readonly icon: string; // SVG paths in a square of 24 by 24
+  // Returns false when there is nothing here for this tool.
   Begin(place: Place): boolean;
   Move(place: Place): void;
   End(place: Place): void;
-  // notches: away from the player when negative. False: of no use.
+  // notches: away from the player when negative. Returns false when the tool does not use the wheel.
   Wheel(notches: number): boolean;
-  // Once a frame, after the sample.
+  // Called once a frame, after the sample.
   Update(): void;
-  // Another tool is taken, or another world.
+  // Called when another tool or another world is chosen.
   Drop(): void;
 }
 
-// What lies under a place, but for the own body; the bench's picking is aimed there. null: nothing, or no world.
+// Finds the body under a point, except the player's own; aims the bench's picking at the point. null: no body, or no
+// world.
 export function PickOther(bench: Bench, place: Place): { client: Client; pick: Pick } | null {
   const client = bench.FindClient();
   if (client === null) return null;
@@ -44,7 +45,7 @@ export function PickOther(bench: Bench, place: Place): { client: Client; pick: P
 
 const kScratch = new Vector3();
 
-// Pixels of the window.
+// Screen position, pixels of the window.
 export function Project(point: Vector, camera: PerspectiveCamera): Place {
   const place = kScratch.set(point.x, point.y, point.z).project(camera);
   return { x: (0.5 + 0.5 * place.x) * window.innerWidth, y: (0.5 - 0.5 * place.y) * window.innerHeight };

@@ -1,4 +1,5 @@
-// The client library, compiled to WebAssembly, as an object. All that it knows of the network is what is put into it.
+// The client library, compiled to WebAssembly, as an object. It receives and sends messages only through these
+// functions.
 import type { WobbleModule } from 'wobble-wasm';
 import {
   MakeStatistics,
@@ -31,17 +32,17 @@ import {
 
 const kEncoder = new TextEncoder();
 
-// Of the page's clock, seconds.
+// The page's clock, seconds.
 export function ReadNow(): number {
   return performance.now() / 1000;
 }
 
-// A page that stood still, since its machine slept or its frame took long, knows nothing of the time between: to the
-// client it was no longer than this, s, or it would take what waits in the socket for silence.
+// Longest step of the client's clock, s. A page whose machine slept or whose frame took long cannot know what happened
+// in between; with a longer step the client would take messages waiting in the socket for silence.
 const kLongestGap = 1;
 
 export class Client {
-  // As of the last Sample: the first bodyCount of them.
+  // The first bodyCount entries are the bodies of the last Sample.
   readonly bodies: Body[] = [];
   bodyCount = 0;
   readonly statistics: Statistics = MakeStatistics();
@@ -51,7 +52,7 @@ export class Client {
   private readonly m_blueprints = new Map<number, Blueprint>();
   private m_welcome: Welcome | null = null;
   private m_read = ReadNow();
-  private m_now = 0; // s since it was made
+  private m_now = 0; // s since this object was made
 
   constructor(module: WobbleModule, name: string, isSpectator: boolean) {
     this.m_module = module;
@@ -62,7 +63,7 @@ export class Client {
     module._free(address);
   }
 
-  // Nothing may be called after it.
+  // No other function may be called afterwards.
   Destroy(): void {
     this.m_module._DestroySession(this.m_session);
   }
@@ -81,7 +82,7 @@ export class Client {
     this.m_module._ReceiveMessage(this.m_session, message.length);
   }
 
-  // Hands every message that is to go to `send`, which must not keep it.
+  // Passes every outgoing message to `send`, which must not keep it.
   SendOutgoing(send: (message: Uint8Array) => void): void {
     const module = this.m_module;
     for (;;) {
@@ -117,7 +118,7 @@ export class Client {
     return ReadZeroText(this.m_module, this.m_module._ReadEndReason(this.m_session));
   }
 
-  // null until it plays.
+  // null before play.
   ReadWelcome(): Welcome | null {
     if (this.m_welcome === null && this.ReadState() === State.Playing) {
       this.m_welcome = ReadWelcome(this.m_module, this.m_module._ReadWelcome(this.m_session));
@@ -147,7 +148,7 @@ export class Client {
     return ReadForces(this.m_module, this.m_module._ReadForces(this.m_session));
   }
 
-  // 64 bits in hexadecimal digits; of all that has been decoded so far.
+  // Hash of everything decoded so far: 64 bits in hexadecimal digits.
   ReadDecodedHash(): string {
     const half = (upper: boolean) => this.m_module._ReadDecodedHash(this.m_session, upper) >>> 0;
     return half(true).toString(16).padStart(8, '0') + half(false).toString(16).padStart(8, '0');
@@ -175,7 +176,7 @@ export class Client {
     return low < this.bodyCount && this.bodies[low].body === body ? this.bodies[low] : null;
   }
 
-  // Of a body of the last Sample.
+  // number: of a body of the last Sample.
   FindBlueprint(number: number): Blueprint {
     let blueprint = this.m_blueprints.get(number);
     if (blueprint === undefined) {
@@ -186,7 +187,7 @@ export class Client {
     return blueprint;
   }
 
-  // All of the memory, to be read at the indices that bodies have; good until the next Sample.
+  // All of linear memory, for the indices in bodies; valid until the next Sample.
   ReadFloats(): Float32Array {
     return this.m_module.HEAPF32;
   }
@@ -196,7 +197,7 @@ export class Client {
     this.m_module._SetInput(this.m_session, input.moveX, input.moveY, buttons);
   }
 
-  // What the hand holds until the next call; null opens it.
+  // Sets what the hand holds until the next call; null opens it.
   SetHand(hand: { body: number; vertex: number; target: Vector } | null): void {
     if (hand === null) {
       this.m_module._OpenHand(this.m_session);
@@ -222,7 +223,7 @@ export class Client {
     this.m_module._Inspect(this.m_session, body);
   }
 
-  // A single value goes into x.
+  // A parameter with a single value uses x.
   Tune(kind: TuneKind, value: Vector): void {
     this.m_module._Tune(this.m_session, kind, value.x, value.y, value.z);
   }
@@ -250,7 +251,7 @@ export class Client {
     write(this.m_module.HEAPF32, address >> 2);
   }
 
-  // A cloth that tears goes through many.
+  // A tearing cloth goes through many blueprints.
   private DropUnusedBlueprints(): void {
     if (this.m_blueprints.size <= 64) return;
     const used = new Set<number>();

@@ -1,7 +1,7 @@
-// The way to the world: a WebSocket to the gateway that served the page, and a client at its end; tried anew when lost.
+// The connection to the world: a WebSocket to the gateway that served the page, with a client; it reconnects when lost.
 //
-// A page in the background gets no frames and hardly any timers, but its socket still wakes it: so the client is
-// updated with every message, and the connection lives on for as long as the server has something to say.
+// A page in the background gets no frames and hardly any timers, but messages on its socket still wake it. The client
+// is therefore updated with every message, and the connection stays alive while the server sends.
 import type { WobbleModule } from 'wobble-wasm';
 import { Client, ReadNow } from './client';
 import { State } from './views';
@@ -10,21 +10,21 @@ const kPingChannel = 3;
 const kPingEvery = 1; // s
 const kPingBytes = 7;
 const kRetryDelays = [1, 2, 4, 8, 15]; // s
-const kGoodFor = 10; // s of playing after which the tries count anew
+const kGoodFor = 10; // s of play after which the retries start from the first delay
 const kTimer = 250; // ms
 
 export interface ConnectionEnd {
   reason: string;
-  retryAt: number | null; // page's clock; null: not by itself
+  retryAt: number | null; // page's clock, s; null: no automatic retry
 }
 
 export class Connection {
   client: Client | null = null;
   end: ConnectionEnd | null = null;
-  ping = 0; // s to the server and back
+  ping = 0; // s, round trip to the server
   name: string;
-  world = ''; // its name at the gateway; empty: the first
-  // Another client from here on: nothing of the one before may be used.
+  world = ''; // its name at the gateway; empty: the gateway's first
+  // Called with a new client; the previous one must no longer be used.
   onClient: (client: Client) => void = () => {};
 
   private readonly m_module: WobbleModule;
@@ -45,7 +45,7 @@ export class Connection {
     setInterval(() => this.Update(), kTimer);
   }
 
-  // Leaves what there is.
+  // Leaves the present connection first.
   Join(): void {
     this.Drop();
     this.end = null;
@@ -62,7 +62,7 @@ export class Connection {
     this.Join();
   }
 
-  // Says goodbye at once; for when the page closes.
+  // Says goodbye at once; for the closing of the page.
   Leave(): void {
     if (this.client === null) return;
     this.client.Leave();

@@ -1,6 +1,6 @@
-// Reads what client/wasm/layout.h describes: structures of four-byte fields, at addresses in linear memory.
+// Reads the structures that client/wasm/layout.h describes: four-byte fields at addresses in linear memory.
 //
-// The views onto the memory are taken anew for every structure, since they are dead once it has grown.
+// Views of the memory are made for every read, because they become invalid when the memory grows.
 import type { WobbleModule } from 'wobble-wasm';
 import type {
   Blueprint,
@@ -31,7 +31,7 @@ export function ReadText(module: WobbleModule, address: number, length: number):
   return kDecoder.decode(module.HEAPU8.subarray(address, address + length));
 }
 
-// Up to its zero.
+// Reads a zero-terminated text.
 export function ReadZeroText(module: WobbleModule, address: number): string {
   const end = module.HEAPU8.indexOf(0, address);
   return ReadText(module, address, end - address);
@@ -56,7 +56,7 @@ export function MakeBody(): Body {
   };
 }
 
-// Fills the first `count` of `bodies`, which grows as needed and is kept.
+// Fills the first `count` of `bodies`, which grows as needed and is reused.
 export function ReadBodies(module: WobbleModule, address: number, count: number, bodies: Body[]): void {
   while (bodies.length < count) bodies.push(MakeBody());
   const words = module.HEAPU32;
@@ -98,7 +98,7 @@ export function ReadBlueprint(module: WobbleModule, address: number, number: num
   };
 }
 
-// A structure of FlatBuffers, as are those below: fields aligned by their size.
+// Reads a FlatBuffers structure, as do the functions below: fields are aligned to their size.
 function ReadParticleTags(module: WobbleModule, address: number, count: number): ParticleTag[] {
   const tags: ParticleTag[] = [];
   for (let i = 0, at = address; i < count; ++i, at += kParticleTagBytes) {

@@ -1,4 +1,4 @@
-// What the page knows of the world, as plain objects. Metres, seconds, radians; z is up.
+// The state of the world as plain objects. Metres, seconds, radians; z is up.
 
 export interface Vector {
   x: number;
@@ -6,8 +6,8 @@ export interface Vector {
   z: number;
 }
 
-// A body at the moment of the last sample. vertices and normals are indices into the memory's floats, three a vertex,
-// good until the next sample. revision changes with the vertices.
+// A body at the last sample. vertices and normals are indices into the memory's floats, three per vertex, valid until
+// the next sample. revision changes with the vertices.
 export interface Body {
   body: number;
   blueprint: number;
@@ -25,7 +25,7 @@ export interface Body {
   held: boolean;
 }
 
-// Copies, so they stay good.
+// Copies of the wire's data, valid without limit.
 export interface Blueprint {
   number: number;
   name: string;
@@ -34,11 +34,11 @@ export interface Blueprint {
   rest: Float32Array;
   faces: Uint16Array;
   edges: Uint16Array;
-  particles: ParticleTag[]; // of the workshop: one a vertex; empty otherwise
-  springs: SpringTag[]; // and one an edge
+  particles: ParticleTag[]; // workshop only, one per vertex; otherwise empty
+  springs: SpringTag[]; // workshop only, one per edge
 }
 
-// Units: kg, N/m, N s/m, m. owner: the client that made it, 0: the scene has it.
+// Units: kg, N/m, N s/m, m. owner: the client that made it; 0: part of the scene.
 export interface ParticleTag {
   number: number;
   owner: number;
@@ -85,13 +85,13 @@ export interface Welcome {
   scene: string;
   obstacles: Obstacle[];
   grounds: Ground[];
-  hands: number; // bits of Hands
-  reach: number; // m from the own body's centre; 0: any distance
+  hands: number; // bits of the enum Hands
+  reach: number; // m from the centre of the player's body; 0: any distance
   game: string; // empty: none
-  workshop: number; // body that Build changes; 0: none
+  workshop: number; // the body that Build changes; 0: none
 }
 
-// Bits.
+// Bits of Welcome.hands.
 export enum Hands {
   Grab = 1,
   Cut = 2,
@@ -115,8 +115,8 @@ export enum MayTune {
 
 export interface Tuning {
   gravity: Vector; // m/s²
-  stiffness: number; // times every spring's
-  timeRate: number; // seconds of the world a second
+  stiffness: number; // factor on every spring's stiffness
+  timeRate: number; // seconds of the world per second
   may: number;
 }
 
@@ -136,7 +136,7 @@ export interface Scoreboard {
   round: number;
   secondsLeft: number;
   pointsToWin: number;
-  winner: number; // client; 0: nobody
+  winner: number; // client; 0: none
   scores: Score[];
 }
 
@@ -150,9 +150,9 @@ export enum ForceKind {
   Acceleration = 6,
 }
 
-// On every stride-th vertex of the body, N (Acceleration: m/s²), three numbers each.
+// For every stride-th vertex of the body, N (Acceleration: m/s²), three numbers each.
 export interface Forces {
-  body: number; // 0: none yet
+  body: number; // 0: none received yet
   tick: number;
   stride: number;
   fields: { kind: ForceKind; values: Float32Array }[];
@@ -167,7 +167,7 @@ export enum BuildKind {
   RemoveSpring = 5,
 }
 
-// messages.fbs says which of them count for which kind.
+// messages.fbs documents which fields each kind uses.
 export interface BuildRequest {
   kind: BuildKind;
   a?: number;
@@ -185,7 +185,7 @@ export enum EventKind {
   Leave = 1,
   Respawn = 2,
   BodyRemoved = 3,
-  Fall = 4, // body fell; clientId, if not 0, is said to have pushed it
+  Fall = 4, // body fell; clientId, if not 0, pushed it
 }
 
 export interface WorldEvent {
@@ -208,7 +208,7 @@ export interface Statistics {
   lossShare: number;
   serverTime: number;
   joinSeconds: number;
-  pace: number; // of the world; 1: the server keeps up
+  pace: number; // world time per real time; 1: the server keeps up
 }
 
 export enum State {

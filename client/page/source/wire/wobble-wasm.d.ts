@@ -1,4 +1,4 @@
-// What Emscripten makes of client/wasm. Addresses are bytes into linear memory; 0 is none.
+// The module that Emscripten makes of client/wasm. Addresses are bytes into linear memory; 0 is null.
 declare module 'wobble-wasm' {
   export interface WobbleModule {
     HEAPU8: Uint8Array;

@@ -1,0 +1,66 @@
+# cpack -G DEB, in the build folder: three packages for Debian 12.
+#
+#   wobble-server   wobbled and wobble with scenes, scripts and the page; two systemd units, a user, /etc/wobble
+#   libwobble-dev   headers and static libraries, find_package(wobble), wobble.pc
+#   wobble-lab      wobble_lab
+#
+# Dependencies on shared libraries are read from the programs by dpkg-shlibdeps.
+if(NOT (WOBBLE_BUILD_SERVER AND WOBBLE_BUILD_TOOLS))
+  return()
+endif()
+set(packaging ${PROJECT_SOURCE_DIR}/docker/packaging)
+install(FILES ${packaging}/wobbled.service ${packaging}/wobble-gateway.service DESTINATION lib/systemd/system
+  COMPONENT deb EXCLUDE_FROM_ALL)
+install(FILES ${packaging}/wobbled.conf ${packaging}/gateway.conf DESTINATION /etc/wobble
+  COMPONENT deb EXCLUDE_FROM_ALL)
+foreach(package wobble-server libwobble-dev wobble-lab)
+  string(REPLACE - _ component deb_${package})
+  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION share/doc/${package} RENAME copyright
+    COMPONENT ${component} EXCLUDE_FROM_ALL)
+endforeach()
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME wobble)
+set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+set(CPACK_PACKAGE_CONTACT "The wobble authors <wobble@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Soft bodies for many players")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
+set(CPACK_COMPONENTS_ALL server client deb deb_wobble_server dev deb_libwobble_dev)
+
+set(CPACK_DEBIAN_SERVER_PACKAGE_NAME wobble-server)
+set(CPACK_DEBIAN_SERVER_PACKAGE_SECTION games)
+set(CPACK_DEBIAN_SERVER_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_SERVER_PACKAGE_DEPENDS passwd)
+set(CPACK_DEBIAN_SERVER_PACKAGE_CONTROL_EXTRA "${packaging}/conffiles;${packaging}/postinst")
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME libwobble-dev)
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libflatbuffers-dev, libenet-dev, zlib1g-dev")
+set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "libeigen3-dev, libtbb-dev")
+if(TARGET wobble_lab)
+  list(APPEND CPACK_COMPONENTS_ALL lab deb_wobble_lab)
+  set(CPACK_DEBIAN_LAB_PACKAGE_NAME wobble-lab)
+  set(CPACK_DEBIAN_LAB_PACKAGE_SECTION science)
+  set(CPACK_DEBIAN_LAB_PACKAGE_SHLIBDEPS ON)
+  set(CPACK_DEBIAN_LAB_PACKAGE_DEPENDS "wobble-server (= ${PROJECT_VERSION})")
+  set(CPACK_DEBIAN_LAB_PACKAGE_RECOMMENDS "gnuplot-nox, valgrind")
+endif()
+
+include(CPack)
+cpack_add_component_group(server DESCRIPTION "Host a world of soft bodies for many players, connect to it, load-test it")
+cpack_add_component_group(dev DESCRIPTION "Libraries and headers for programs that connect to a world of soft bodies")
+cpack_add_component_group(lab DESCRIPTION "Accuracy, stability and speed of soft-body integrators, measured and plotted")
+foreach(component server client deb deb_wobble_server)
+  cpack_add_component(${component} GROUP server)
+endforeach()
+foreach(component dev deb_libwobble_dev)
+  cpack_add_component(${component} GROUP dev)
+endforeach()
+foreach(component lab deb_wobble_lab)
+  cpack_add_component(${component} GROUP lab)
+endforeach()

@@ -1,0 +1,59 @@
+# cmake --install: component `server` (wobbled, its scenes), `client` (wobble, its scripts, the page) and `dev` (headers,
+# libraries, find_package(wobble), wobble.pc). Programs look for what they ship beside themselves, as in a build folder,
+# and then in ../share/wobble.
+#
+# The libraries carry no flag of ours: an embedding project compiles its own files as it likes. They themselves are
+# compiled for x86-64-v3.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+set(data ${CMAKE_INSTALL_DATADIR}/wobble)
+set(headers ${CMAKE_INSTALL_INCLUDEDIR}/wobble)
+set(config ${CMAKE_INSTALL_LIBDIR}/cmake/wobble)
+
+# The protocol and the client library; `enet` is the transport that a player needs beside them.
+set(libraries wobble_protocol wobble_enet wobble_client)
+if(WOBBLE_BUILD_SERVER)
+  list(APPEND libraries wobble_physics)
+  install(TARGETS wobbled RUNTIME COMPONENT server)
+  install(DIRECTORY server/scenes/ DESTINATION ${data}/scenes COMPONENT server
+    FILES_MATCHING PATTERN "*.toml" PATTERN "*.obj" PATTERN examples EXCLUDE)
+  install(DIRECTORY server/physics DESTINATION ${headers}/server COMPONENT dev FILES_MATCHING PATTERN "*.h")
+endif()
+if(WOBBLE_BUILD_TOOLS)
+  install(TARGETS wobble RUNTIME COMPONENT client)
+  install(DIRECTORY client/bots/scripts DESTINATION ${data} COMPONENT client FILES_MATCHING PATTERN "*.lua")
+endif()
+if(TARGET page)
+  install(DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/page DESTINATION ${data} COMPONENT client)
+endif()
+if(TARGET wobble_lab)
+  install(TARGETS wobble_lab wobble_terms RUNTIME COMPONENT lab)
+endif()
+
+set_target_properties(wobble_protocol PROPERTIES EXPORT_NAME protocol)
+set_target_properties(wobble_enet PROPERTIES EXPORT_NAME enet)
+set_target_properties(wobble_client PROPERTIES EXPORT_NAME client)
+if(TARGET wobble_physics)
+  set_target_properties(wobble_physics PROPERTIES EXPORT_NAME physics)
+endif()
+foreach(library IN LISTS libraries)
+  string(REPLACE wobble_ "wobble::" alias ${library})
+  add_library(${alias} ALIAS ${library})
+endforeach()
+install(TARGETS ${libraries} EXPORT wobble ARCHIVE COMPONENT dev INCLUDES DESTINATION ${headers})
+install(EXPORT wobble NAMESPACE wobble:: DESTINATION ${config} COMPONENT dev)
+install(DIRECTORY protocol DESTINATION ${headers} COMPONENT dev FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY ${PROJECT_BINARY_DIR}/generated/protocol DESTINATION ${headers} COMPONENT dev
+  FILES_MATCHING PATTERN "*.h")
+file(GLOB clientHeaders CONFIGURE_DEPENDS client/*.h)
+install(FILES ${clientHeaders} DESTINATION ${headers}/client COMPONENT dev)
+
+configure_package_config_file(docker/packaging/wobbleConfig.cmake.in ${PROJECT_BINARY_DIR}/wobbleConfig.cmake
+  INSTALL_DESTINATION ${config})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/wobbleConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/wobbleConfig.cmake ${PROJECT_BINARY_DIR}/wobbleConfigVersion.cmake
+  DESTINATION ${config} COMPONENT dev)
+# From the folder of the file back to the prefix: an installed copy can be moved.
+file(RELATIVE_PATH pcToPrefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
+configure_file(docker/packaging/wobble.pc.in ${PROJECT_BINARY_DIR}/wobble.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/wobble.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)

@@ -1,0 +1,184 @@
+// Faces are searched for once a tick and followed after each substep: a point inside keeps the face that it came in
+// through and slides from face to face, a point outside belongs to the nearest one (face_search.h). In an island the
+// lanes do the same for contacts that stay on their face (lanes/body_contact_kernel.h).
+#include "server/physics/contact/body_contact_update.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/physics/contact/body_contact_view.h"
+#include "server/physics/lanes/contact_limits.h"
+
+namespace wobble::physics {
+namespace {
+
+// The barycentric weight by which a vertex may seem to have slid since the last substep when nothing but the origins of
+// coordinates has moved.
+constexpr double kStandingOverhang = 1e-3;
+
+// True if the foot lies past a border of the skin.
+template <class Real>
+bool IsPastBorder(const Topology& topology, const FacePoint<Real>& at) {
+  for (std::size_t corner = 0; corner < 3; ++corner) {
+    const bool beyond = at.weights[static_cast<Eigen::Index>(corner)] < Real(0);
+    if (beyond && topology.neighbours[at.face][corner] == kNoFace) return true;
+  }
+  return false;
+}
+
+// The face that a contact has come to. Changes contact.side if the vertex has passed the border of an open skin.
+template <class Real>
+FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const Vector3<Real>& p, BodyContact<Real>& contact) {
+  const Skin<Real> skin = SkinFrom(meeting, contact.side);
+  const bool isOpen = skin.topology->isOpen;
+  if (contact.phase != ContactPhase::kWaiting) {
+    const FacePoint<Real> at = SlideToFace(skin, contact.face, p);
+    if (LooksAlong(at, contact.outward)) {
+      const FacePoint<Real> kept = FindFacePoint(skin, contact.face, p);
+      if (HangsOn(contact, at, kept)) return kept;
+    }
+    if (at.distance < Real(0)) {
+      if (!isOpen) return TurnToFacing(skin, at, p, contact.outward, static_cast<Real>(kArmingDepth));
+      if (!IsPastBorder(*skin.topology, at)) return at;
+    }
+  }
+  const FacePoint<Real> at = FindNearestFace(skin, contact.face, p);
+  if (!isOpen) return TurnToFacing(skin, at, p, contact.outward, static_cast<Real>(kArmingDepth));
+  if (at.distance >= Real(0) || !IsPastBorder(*skin.topology, at)) return at;
+  const FacePoint<Real> front = FindNearestFace(SkinFrom(meeting, SkinSide::kFront), at.face, p);
+  return ChooseSide(meeting, front, p, contact.outward, contact.side);
+}
+
+// Updates contact.leap, the depth that no motion has brought, for a contact that went from `before` to `at` in h s.
+//
+// When a fold brings another face before a vertex, or a face that did not lie above the vertex begins to, the depth
+// leaps. A force that leapt with it would bring in the energy of a spring that nobody pressed, again at every change: a
+// ball caught by a rubber sheet was thrown out faster than it had come. So the leap is subtracted from the depth, and
+// it shrinks as the vertex comes out.
+//
+// In a closed body, all depth that the approach cannot have brought is leap. An open skin has nothing behind its faces
+// that could catch the vertex later; with the rule for closed bodies balls sank through. So there the change of depth
+// by a change of face is leap, and beside it only the depth that no motion in any direction could have brought. The
+// latter happens when a planar body is squashed and turns faces over in its own plane: a vertex that stood half a metre
+// before such a face is then half a metre behind it.
+template <class Real>
+void NoteLeap(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting, const FacePoint<Real>& before,
+              const FacePoint<Real>& at, Real h, BodyContact<Real>& contact) {
+  const Real depth = -at.distance;
+  const Vector3<Real> velocity = FindRelativeVelocity(meeting, contact.vertex, at);
+  Real most = contact.depth;
+  if (meeting.skin.topology->isOpen) {
+    if (at.face != before.face) contact.leap += before.distance - at.distance;
+    most += static_cast<Real>(kArmingDepth) + static_cast<Real>(kArmingSteps) * h * std::sqrt(velocity.dot(velocity));
+  } else {
+    most +=
+        FindFreeDepth(parameters) + static_cast<Real>(kArmingSteps) * h * std::max(Real(0), -at.normal.dot(velocity));
+  }
+  contact.leap += std::max(Real(0), depth - contact.leap - most);
+  contact.leap = std::clamp(contact.leap, Real(0), std::max(Real(0), depth));
+}
+
+// FindPresentFace after a substep of h s, with the leap brought up to date and added to the distance that is returned.
+template <class Real>
+FacePoint<Real> RenewContact(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
+                             const Vector3<Real>& p, Real h, BodyContact<Real>& contact) {
+  const SkinSide sideBefore = contact.side;
+  const FacePoint<Real> before = FindFacePoint(SkinFrom(meeting, sideBefore), contact.face, p);
+  FacePoint<Real> at = FindPresentFace(meeting, p, contact);
+  if (contact.phase == ContactPhase::kWaiting || contact.side != sideBefore) {
+    contact.leap = 0;
+    return at;
+  }
+  NoteLeap(parameters, meeting, before, at, h, contact);
+  at.distance += contact.leap;
+  return at;
+}
+
+}  // namespace
+
+template <class Real>
+FacePoint<Real> ChooseSide(const Meeting<Real>& meeting, const FacePoint<Real>& front, const Vector3<Real>& p,
+                           const Vector3<Real>& outward, SkinSide& side) {
+  side = SkinSide::kFront;
+  const Skin<Real> skin = SkinFrom(meeting, side);
+  if (!skin.topology->isOpen) return TurnToFacing(skin, front, p, outward, static_cast<Real>(kArmingDepth));
+  if (front.distance >= Real(0)) return front;
+  side = SkinSide::kBack;
+  return FindNearestFace(SkinFrom(meeting, side), front.face, p);
+}
+
+template <class Real>
+void Arm(const ContactParameters<Real>& parameters, const Vector3<Real>& velocity, Real h, bool isOpen,
+         FacePoint<Real>& at, BodyContact<Real>& contact) {
+  Real depth = std::max(Real(0), -at.distance);
+  const Real play =
+      static_cast<Real>(kArmingDepth) + static_cast<Real>(kArmingSteps) * h * std::sqrt(velocity.dot(velocity));
+  const bool wasWaiting = contact.phase == ContactPhase::kWaiting;
+  if (!isOpen && !(depth <= (wasWaiting ? static_cast<Real>(kArmingDepth) : contact.maxDepth))) {
+    contact.phase = ContactPhase::kWaiting;
+  } else if (wasWaiting) {
+    contact.phase = ContactPhase::kArmed;
+    if (!isOpen) {
+      contact.leap = std::max(Real(0), depth - FindFreeDepth(parameters));
+      at.distance += contact.leap;
+      depth -= contact.leap;
+    }
+  }
+  contact.maxDepth = depth + play;
+}
+
+template <class Real>
+FacePoint<Real> RecallContact(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
+                              const Vector3<Real>& p, BodyContact<Real>& contact) {
+  FacePoint<Real> at = FindFacePoint(SkinFrom(meeting, contact.side), contact.face, p);
+  const bool stands = (at.weights - contact.foot).cwiseAbs().maxCoeff() < static_cast<Real>(kStandingOverhang) &&
+                      at.weights.minCoeff() >= Real(0);
+  if (!stands || contact.phase == ContactPhase::kWaiting || LooksAlong(at, contact.outward)) {
+    return RenewContact(parameters, meeting, p, Real(0), contact);
+  }
+  NoteLeap(parameters, meeting, at, at, Real(0), contact);
+  at.distance += contact.leap;
+  return at;
+}
+
+template <class Real>
+void UpdateBodyContacts(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting, Real h,
+                        std::span<BodyContact<Real>> contacts) {
+  for (BodyContact<Real>& contact : contacts) {
+    const Vector3<Real> p = meeting.x[contact.vertex] + meeting.shift;
+    const bool wasTouching = contact.phase == ContactPhase::kTouching;
+    FacePoint<Real> at = RenewContact(parameters, meeting, p, h, contact);
+    Arm<Real>(parameters, FindRelativeVelocity(meeting, contact.vertex, at), h, meeting.skin.topology->isOpen, at,
+              contact);
+    const Real depth = -at.distance;
+    Vector3<Real> slip = Vector3<Real>::Zero();
+    if (wasTouching) {
+      slip = FindSlip(meeting, contact, p, at.normal);
+      const Real limit = parameters.friction * ComputePenalty(parameters, depth);
+      const Real strength = parameters.stickStiffness * std::sqrt(slip.dot(slip));
+      if (strength > limit) slip *= limit / strength;
+    }
+    const bool pushes = Pushes(contact, at);
+    if (contact.phase != ContactPhase::kWaiting)
+      contact.phase = pushes ? ContactPhase::kTouching : ContactPhase::kArmed;
+    contact.depth = pushes ? depth : std::min(depth, Real(0));
+    contact.face = at.face;
+    contact.foot = at.weights;
+    contact.slip = slip;
+  }
+}
+
+#define WOBBLE_INSTANTIATE(Real)                                                                                \
+  template void UpdateBodyContacts<Real>(const ContactParameters<Real>&, const Meeting<Real>&, Real,            \
+                                         std::span<BodyContact<Real>>);                                         \
+  template FacePoint<Real> RecallContact<Real>(const ContactParameters<Real>&, const Meeting<Real>&,            \
+                                               const Vector3<Real>&, BodyContact<Real>&);                       \
+  template FacePoint<Real> ChooseSide<Real>(const Meeting<Real>&, const FacePoint<Real>&, const Vector3<Real>&, \
+                                            const Vector3<Real>&, SkinSide&);                                   \
+  template void Arm<Real>(const ContactParameters<Real>&, const Vector3<Real>&, Real, bool, FacePoint<Real>&,   \
+                          BodyContact<Real>&);
+WOBBLE_INSTANTIATE(float)
+WOBBLE_INSTANTIATE(double)
+#undef WOBBLE_INSTANTIATE
+
+}  // namespace wobble::physics

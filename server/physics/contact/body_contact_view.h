@@ -1,0 +1,67 @@
+// How a body contact sees its face: relative velocity, stick spring, whether it pushes. For the three units of body
+// contacts (law, search, update) alone.
+#pragma once
+
+#include <span>
+
+#include "server/physics/contact/body_contact.h"
+
+namespace wobble::physics {
+
+// The barycentric weight by which a vertex may have slid beyond its face within a substep and still be pushed by it. A
+// face that is squashed thin turns so fast that its plane can sweep over a vertex far beside it, whose weights are then
+// a lever that makes any force as large as one likes.
+inline constexpr double kMaxOverhang = 0.25;
+// The weight by which a vertex may lie beyond a sharp edge and still belong to its face.
+inline constexpr double kHangingOverhang = 0.05;
+
+// Σ wᵢ valueᵢ over the corners of a face.
+template <class Real>
+[[nodiscard]] Vector3<Real> Blend(const Vector3<Real>& weights, const Face& face,
+                                  std::span<const Vector3<Real>> values) {
+  return weights[0] * values[face[0]] + weights[1] * values[face[1]] + weights[2] * values[face[2]];
+}
+
+// The skin of the faces' body, with normals towards `side`.
+template <class Real>
+[[nodiscard]] Skin<Real> SkinFrom(const Meeting<Real>& meeting, SkinSide side) {
+  Skin<Real> skin = meeting.skin;
+  skin.side = side == SkinSide::kBack ? Real(-1) : Real(1);
+  return skin;
+}
+
+// The vertex's velocity against the point of the skin under it, or where the face ends against the nearest part of the
+// face, m/s.
+template <class Real>
+[[nodiscard]] Vector3<Real> FindRelativeVelocity(const Meeting<Real>& meeting, std::uint16_t vertex,
+                                                 const FacePoint<Real>& at) {
+  const Vector3<Real> weights = at.weights.cwiseMax(Real(0));
+  return meeting.v[vertex] - Blend<Real>(weights / weights.sum(), meeting.skin.faces[at.face], meeting.skinV);
+}
+
+// Whether the contact exerts force (ContactPhase). at: with the leap added to its distance.
+template <class Real>
+[[nodiscard]] bool Pushes(const BodyContact<Real>& contact, const FacePoint<Real>& at) {
+  return contact.phase != ContactPhase::kWaiting && at.distance < Real(0) && -at.distance <= contact.maxDepth &&
+         at.weights.minCoeff() >= -static_cast<Real>(kMaxOverhang);
+}
+
+// The stick spring of a touching contact, m.
+template <class Real>
+[[nodiscard]] Vector3<Real> FindSlip(const Meeting<Real>& meeting, const BodyContact<Real>& contact,
+                                     const Vector3<Real>& p, const Vector3<Real>& normal) {
+  const Vector3<Real> foot = Blend<Real>(contact.foot, meeting.skin.faces[contact.face], meeting.skin.x);
+  return RemoveNormalPart<Real>(contact.slip + p - foot, normal);
+}
+
+// Whether the vertex stays on the face `kept` although it has slid over its side to the face `slid`: that is so when
+// the vertex cannot have come in through `slid`. Where edges lie on edges, rounding decides on which side of them a
+// vertex is; changing the face with it would push sideways now and then, or drop the contact and with it what friction
+// holds.
+template <class Real>
+[[nodiscard]] bool HangsOn(const BodyContact<Real>& contact, const FacePoint<Real>& slid, const FacePoint<Real>& kept) {
+  return LooksAlong(slid, contact.outward) && !LooksAlong(kept, contact.outward) && kept.distance < Real(0) &&
+         kept.weights.minCoeff() >= -static_cast<Real>(kHangingOverhang);
+}
+
+}  // namespace wobble::physics

@@ -1,0 +1,88 @@
+// The bodies of a step as all steps see them, in plain code and in lanes: what is constant for a body through a tick,
+// what the tick finds out about it, and pairs of bodies that may touch.
+//
+// Stands apart from the steps so that contacts, packs and sleep need not include them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "server/physics/contact/body_contact.h"
+#include "server/physics/methods/forces.h"
+#include "server/physics/methods/health.h"
+#include "server/physics/methods/stability.h"
+#include "server/physics/model/state.h"
+#include "server/physics/model/survey.h"
+
+namespace wobble::physics {
+
+// Limits that hold for every tick of a world.
+struct StepRules {
+  double duration = 1.0 / 60;    // of a tick, s
+  double allowedError = 1.7e-5;  // of one tick, RMS over a body's vertices, m
+  // Most substeps that the error may ask for. Stability may ask for more, and so may a tick that is stepped again
+  // because a body came out of it in an impossible state.
+  int maxSubsteps = 64;
+};
+
+// A body in a step. The pointers and spans refer to the world's data, which must outlive the tick.
+template <class Real>
+struct Member {
+  // Read by the step:
+  const Blueprint* blueprint = nullptr;
+  State<Real>* state = nullptr;  // read when the tick begins, written when it ends; contacts also in between
+  Load<Real> load;
+  std::vector<VertexForce<Real>> pushes;  // storage of load.pushes
+  std::vector<Surface<Real>> surfaces;    // the world's obstacles, in coordinates relative to state->origin
+  Survey<Real> survey;                    // at the begin of the tick; of a sleeping body when it fell asleep
+  SurfaceDemands demands;                 // of the listed contacts with surfaces
+  int substepsForError = 1;               // that the errors of the last ticks ask for
+  // Written by the step:
+  double error = 0;        // estimated, of the last try, RMS over vertices, m
+  bool insideOut = false;  // at the end of the last try: a closed body with gas encloses no volume
+  BulkMotion after;        // at the end of the last try
+  double speed = 0;        // at the end of the tick, RMS by mass, m/s
+  // Mean over the tick, RMS over vertices, m/s². Computed only where speed < kQuietSpeed, since only sleep reads it;
+  // else infinite.
+  double acceleration = 0;
+  Health health = Health::kGood;  // the worst of all tries
+  bool lost = false;              // every try failed: the state must not be used
+};
+
+// Two members near one another, by their places in the step's list of members. sides[0] are contacts of vertices of the
+// first with faces of the second, sides[1] those of vertices of the second with faces of the first. The lists belong
+// to the world and live on from tick to tick.
+template <class Real>
+struct ContactPair {
+  std::array<std::uint32_t, 2> members{};
+  ContactParameters<Real> parameters;
+  std::array<std::vector<BodyContact<Real>>*, 2> sides{};
+};
+
+// One side of a contact pair, for positions x, m, and velocities v, m/s, of the body with the vertices, and skinX and
+// skinV of the body with the faces, each in its body's local coordinates.
+template <class Real>
+[[nodiscard]] Meeting<Real> MakeMeeting(const Member<Real>& ofVertices, std::span<const Vector3<Real>> x,
+                                        std::span<const Vector3<Real>> v, const Member<Real>& ofFaces,
+                                        std::span<const Vector3<Real>> skinX, std::span<const Vector3<Real>> skinV) {
+  const Vector3d shift = ofVertices.state->origin - ofFaces.state->origin;
+  return {.x = x,
+          .v = v,
+          .shares = ofVertices.blueprint->template Read<Real>().contactShares,
+          .skin = {.faces = ofFaces.blueprint->template Read<Real>().faces,
+                   .topology = &ofFaces.blueprint->topology,
+                   .x = skinX},
+          .skinV = skinV,
+          .shift = shift.cast<Real>()};
+}
+
+// The same with positions and velocities as the bodies' states have them.
+template <class Real>
+[[nodiscard]] Meeting<Real> MakeMeeting(const Member<Real>& ofVertices, const Member<Real>& ofFaces) {
+  return MakeMeeting<Real>(ofVertices, ofVertices.state->positions, ofVertices.state->velocities, ofFaces,
+                           ofFaces.state->positions, ofFaces.state->velocities);
+}
+
+}  // namespace wobble::physics

@@ -1,0 +1,54 @@
+// Following the world costs a few operations per stepped body; the vertices are copied only when a body is read.
+#include "server/snapshots/body_captures.h"
+
+namespace wobble::server {
+
+void BodyCaptures::Follow(const physics::World& world) {
+  const physics::WorldChanges changes = world.Changes();
+  if (m_removals != changes.removals) DropRemoved(world);
+  const std::span<const physics::Body> present = world.Bodies();
+  while (m_shown.size() < present.size()) {
+    const physics::Body& added = present[m_shown.size()];
+    m_shown.push_back({added.id, ToWire(world.FindCentre(added))});
+    m_captured.emplace_back().body = added.id;
+    m_moved.push_back(1);
+  }
+  const auto perTick = static_cast<float>(1 / world.Settings().tickDuration);
+  for (const std::uint32_t place : changes.stepped) {
+    m_moved[place] = 1;
+    ShownBody& shown = m_shown[place];
+    const protocol::Vector3 centre = ToWire(changes.FindMiddle(place));
+    shown.speed = protocol::Length(centre - shown.centre) * perTick;
+    shown.centre = centre;
+    shown.restTick = present[place].asleep ? world.Tick() : 0;
+  }
+}
+
+// As FollowBodies, on three lists at once.
+void BodyCaptures::DropRemoved(const physics::World& world) {
+  m_removals = world.Changes().removals;
+  const std::span<const physics::Body> present = world.Bodies();
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < m_shown.size(); ++i) {
+    if (kept == present.size() || m_shown[i].body != present[kept].id) continue;
+    m_shown[kept] = m_shown[i];
+    m_moved[kept] = m_moved[i];
+    if (kept != i) m_captured[kept] = std::move(m_captured[i]);
+    ++kept;
+  }
+  m_shown.resize(kept);
+  m_moved.resize(kept);
+  m_captured.resize(kept);
+}
+
+const CapturedBody& BodyCaptures::Read(const physics::World& world, std::size_t index) {
+  CapturedBody& captured = m_captured[index];
+  if (m_moved[index] != 0) {
+    CaptureBody(world, world.Bodies()[index], captured);
+    captured.restTick = m_shown[index].restTick;
+    m_moved[index] = 0;
+  }
+  return captured;
+}
+
+}  // namespace wobble::server

@@ -1,0 +1,39 @@
+// Capturing and encoding every body before the choice was tried and rejected: of a thousand moving bodies most were
+// shown to nobody, because a snapshot of sixteen clients holds a few dozen of them. So a body is encoded when the
+// sender takes it, and ahead of that only where threads can share the work and the body is likely to be taken.
+#include "server/snapshots/snapshot_store.h"
+
+namespace wobble::server {
+
+SnapshotStore::SnapshotStore(const physics::World& world, int threads, std::vector<Bases> bases, PhaseWatch& watch)
+    : m_world(world),
+      m_hasThreads(threads > 1),
+      m_watch(watch),
+      m_blueprints(std::move(bases)),
+      m_encoder(CaptureObstacles(world.Obstacles()), threads) {}
+
+void SnapshotStore::EncodeAhead(BodySubset subset) {
+  if (!m_hasThreads) return;
+  m_watch.Enter(Phase::kCapture);
+  m_fresh.clear();
+  const std::span<const ShownBody> bodies = m_captures.Bodies();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (!subset.Has(bodies[i].body) || m_captures.Version(i) != 0 || !m_encoder.IsExpected(i)) continue;
+    const CapturedBody& captured = m_captures.Read(m_world, i);
+    m_fresh.push_back({.index = i, .body = &captured, .blueprint = &m_blueprints[captured.blueprint]});
+  }
+  m_watch.Enter(Phase::kEncode);
+  m_encoder.EncodeAhead(m_fresh);
+}
+
+const EncodedBody& SnapshotStore::Read(std::size_t index, std::size_t quality) {
+  if (const EncodedBody* known = m_encoder.Find(index, quality, m_captures.Version(index))) return *known;
+  const Phase outer = m_watch.Enter(Phase::kCapture);
+  const CapturedBody& captured = m_captures.Read(m_world, index);
+  m_watch.Enter(Phase::kEncode);
+  const EncodedBody& encoded = m_encoder.Encode(index, quality, captured, m_blueprints[captured.blueprint]);
+  m_watch.Enter(outer);
+  return encoded;
+}
+
+}  // namespace wobble::server

@@ -1,0 +1,134 @@
+#!/usr/bin/env bash
+# An installed copy as outside projects meet it.
+#
+#   bash install_test.sh CASE BUILD_DIR
+#
+#   client    a project with find_package(wobble) and one with pkg-config build client/example.cpp and play
+#   physics   a project builds a headless example of the engine and drops a ball
+#   embed     a project adds this tree as a subdirectory with the client alone
+#   packages  three .deb files, installed and run in a fresh Debian (root, mmdebstrap and the network are needed; else the
+#             case is skipped with exit code 77)
+set -euo pipefail
+readonly case_name="${1:?usage: install_test.sh CASE BUILD_DIR}"
+build="$(cd "${2:?usage: install_test.sh CASE BUILD_DIR}" && pwd)"
+readonly build
+source="$(cd "$(dirname "$0")/../.." && pwd)"
+readonly source
+folder="$(mktemp -d)"
+readonly folder
+clean_up() {
+  for running in $(jobs -pr); do kill "$running" 2>/dev/null || true; done
+  wait
+  rm -rf "$folder"
+}
+trap clean_up EXIT
+trap 'exit 1' HUP INT TERM
+
+fail() {
+  echo "FAILED $case_name: $1"
+  exit 1
+}
+
+# The compiler's launcher, as everywhere: the second run of a test need not compile again.
+configure() { cmake -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)" \
+  -DCMAKE_EXPORT_COMPILE_COMMANDS=ON "$@" >"$folder/log" 2>&1 || { cat "$folder/log"; fail "cmake"; }; }
+compile() { cmake --build "$1" >"$folder/log" 2>&1 || { cat "$folder/log"; fail "the build of $1"; }; }
+install_dev() {
+  cmake --install "$build" --prefix "$folder/prefix" --component dev >/dev/null
+  # The copy must do without the tree: nothing in it names a place of this machine.
+  if grep -rlF "$source" "$folder/prefix" --include='*.cmake' --include='*.pc' --include='*.h'; then
+    fail "the installed files above name the source tree"
+  fi
+}
+
+# No flag of ours in what an outside project compiles with.
+expect_no_flags() {
+  grep -q main "$1/compile_commands.json" || grep -q cpp "$1/compile_commands.json" || fail "commands in $1"
+  if grep -E -e '-(march|Werror|Wshadow|ffp-contract|fno-math-errno)' "$1/compile_commands.json"; then
+    fail "no flag of wobble's own in the commands above"
+  fi
+}
+
+# Plays five seconds against a server of this build; the example prints where its body is.
+play() {
+  "$build/bin/wobbled" --scene ball_drop --port 0 --for 30 >"$folder/server" 2>&1 &
+  local port=""
+  for _ in $(seq 300); do
+    port="$(sed -n 's/^listening on UDP port \([0-9]*\).*/\1/p' "$folder/server")"
+    [ -n "$port" ] && break
+    sleep 0.1
+  done
+  [ -n "$port" ] || { cat "$folder/server"; fail "a server that listens"; }
+  timeout 30 "$1" 127.0.0.1 "$port" >"$folder/played" || fail "$1 to play"
+  [ "$(grep -c '^x ' "$folder/played")" -ge 5 ] || { cat "$folder/played"; fail "places of the body"; }
+}
+
+case "$case_name" in
+  client)
+    install_dev
+    configure -S "$source/tests/install/client" -B "$folder/game" -DCMAKE_PREFIX_PATH="$folder/prefix" \
+      -DEXAMPLE="$source/client/example.cpp"
+    compile "$folder/game"
+    expect_no_flags "$folder/game"
+    play "$folder/game/game"
+    # shellcheck disable=SC2046  # the flags are words
+    c++ -std=c++20 "$source/client/example.cpp" -o "$folder/by_pkg_config" \
+      $(PKG_CONFIG_PATH="$folder/prefix/lib/pkgconfig" pkg-config --cflags --libs wobble) || fail "a build by pkg-config"
+    [ "$(PKG_CONFIG_PATH="$folder/prefix/lib/pkgconfig" pkg-config --modversion wobble)" = \
+      "$("$build/bin/wobble" --version | cut -d ' ' -f 2)" ] || fail "one version"
+    ;;
+  physics)
+    install_dev
+    configure -S "$source/tests/install/physics" -B "$folder/study" -DCMAKE_PREFIX_PATH="$folder/prefix"
+    compile "$folder/study"
+    expect_no_flags "$folder/study"
+    "$folder/study/study" >"$folder/fallen"
+    grep -qE '^t 0.00 s  z +3.000 m$' "$folder/fallen" || { cat "$folder/fallen"; fail "a ball that begins at 3 m"; }
+    [ "$(wc -l <"$folder/fallen")" -eq 7 ] || { cat "$folder/fallen"; fail "seven lines"; }
+    awk '$5 < 0.2 || $5 > 3.001 { exit 1 }' "$folder/fallen" || { cat "$folder/fallen"; fail "a ball above the ground"; }
+    ;;
+  embed)
+    mkdir "$folder/embedding"
+    cat >"$folder/embedding/CMakeLists.txt" <<EOF
+cmake_minimum_required(VERSION 3.25)
+project(embedding LANGUAGES CXX)
+set(CMAKE_CXX_STANDARD 20)
+add_subdirectory($source wobble)
+add_executable(game $source/client/example.cpp)
+target_link_libraries(game PRIVATE wobble::client wobble::enet)
+if(Eigen3_FOUND OR TBB_FOUND OR spdlog_FOUND OR CLI11_FOUND OR Boost_FOUND OR LUA_FOUND)
+  message(FATAL_ERROR "The client asked for packages that it does not need")
+endif()
+EOF
+    configure -S "$folder/embedding" -B "$folder/embedded"
+    cmake --build "$folder/embedded" --target game >"$folder/log" 2>&1 || { cat "$folder/log"; fail "the build"; }
+    play "$folder/embedded/game"
+    ;;
+  packages)
+    [ "$(id -u)" -eq 0 ] && command -v mmdebstrap >/dev/null || { echo "skipped: root and mmdebstrap"; exit 77; }
+    (cd "$build" && cpack -G DEB -B "$folder/packages" >"$folder/log" 2>&1) || { cat "$folder/log"; fail "cpack"; }
+    for package in wobble-server libwobble-dev wobble-lab; do
+      ls "$folder/packages/$package"_*.deb >/dev/null || fail "$package"
+      dpkg-deb --info "$folder/packages/$package"_*.deb >"$folder/info"
+      grep -q "^ Version: $("$build/bin/wobble" --version | cut -d ' ' -f 2)$" "$folder/info" || fail "the version of $package"
+    done
+    mmdebstrap --quiet --variant=apt --skip=check/empty --hook-dir=/usr/share/mmdebstrap/hooks/file-mirror-automount \
+      --include="$(ls "$folder"/packages/*.deb | tr '\n' ',' | sed 's/,$//')" --dpkgopt=path-exclude=/usr/share/man/* \
+      bookworm "$folder/root" >"$folder/log" 2>&1 || { tail -20 "$folder/log"; fail "a fresh Debian with the packages"; }
+    inside() { chroot "$folder/root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/tmp "$@"; }
+    inside getent passwd wobble | grep -q nologin || fail "the user wobble"
+    inside wobbled --list-scenes | grep -q '^arena ' || fail "shipped scenes"
+    [ -f "$folder/root/usr/share/wobble/page/index.html" ] || fail "the page"
+    [ "$(inside sh -c '. /etc/wobble/wobbled.conf 2>/dev/null; echo "$WOBBLED_OPTIONS"')" != "" ] || true
+    for unit in wobbled wobble-gateway; do
+      [ -f "$folder/root/lib/systemd/system/$unit.service" ] || [ -f "$folder/root/usr/lib/systemd/system/$unit.service" ] ||
+        fail "the unit $unit"
+    done
+    inside setpriv --reuid wobble --regid wobble --clear-groups \
+      wobble play --for 6 --http 0 >"$folder/played" 2>&1 || { cat "$folder/played"; fail "wobble play as the user wobble"; }
+    grep -q 'all went well' "$folder/played" || { cat "$folder/played"; fail "a play that went well"; }
+    inside wobble_lab --version | grep -q wobble_lab || fail "the laboratory"
+    ;;
+  *) fail "no such case" ;;
+esac
+echo "ok $case_name"

@@ -1,0 +1,157 @@
+// Blueprints that arrive in chunks, their generations, and bodies that change from one blueprint to another.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "tests/unit/client/scripted_server.h"
+
+namespace wobble::client {
+namespace {
+
+// The tetrahedron without two of its faces, and a body of springs alone.
+Message MakeTornTetrahedron() {
+  const std::vector<Vector3> rest{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
+  const std::vector<std::array<std::uint16_t, 3>> faces{{0, 1, 2}, {0, 3, 1}};
+  return protocol::MakeBlueprint({.name = "torn", .rest = rest, .faces = faces, .size = 1.732F});
+}
+const std::vector<Vector3> kChainRest{{-1, 0, 0}, {0, 0, 0}, {1, 0, 0}};
+Message MakeChain() {
+  const std::vector<std::array<std::uint16_t, 2>> edges{{0, 1}, {1, 2}};
+  return protocol::MakeBlueprint({.name = "chain", .rest = kChainRest, .size = 0.8F, .edges = edges});
+}
+
+TEST_F(ClientTest, KnowsWhichBlueprintsAreOpenAndWhichAreOfEdges) {
+  Join();
+  for (const Message& chunk : CutIntoChunks(1, MakeTornTetrahedron(), 64)) Arrive(Channel::kControl, chunk);
+  for (const Message& chunk : CutIntoChunks(2, MakeChain(), 64)) Arrive(Channel::kControl, chunk);
+  Snapshot(1, {MakeRecord(3, {}), MakeRecord(4, {}, 1), MakeRecord(5, {}, 2, 0, kChainRest)});
+  std::vector<BodySample> samples;
+  client->Sample(now, Detail::kVertices, samples);
+  ASSERT_EQ(samples.size(), 3U) << "blueprints beyond the welcome's count may come at any time";
+  EXPECT_FALSE(samples[0].blueprint->open);
+  EXPECT_TRUE(samples[1].blueprint->open);
+  EXPECT_TRUE(samples[0].blueprint->edges.empty());
+  ASSERT_EQ(samples[2].blueprint->edges.size(), 2U);
+  EXPECT_EQ(samples[2].blueprint->edges[1][1], 2);
+  EXPECT_EQ(client->ReadStatistics().badMessages, 0U);
+}
+
+TEST_F(ClientTest, ARecordIsReadUnderItsOwnGenerationAlone) {
+  Join();
+  const auto chunks = CutIntoChunks(0, MakeChain(), 64, 1);
+  Snapshot(1, {MakeRecord(3, {})});
+  now += 1.0 / 30;
+  // A record that overtakes its blueprint is dropped, not kept for later.
+  Snapshot(2, {MakeRecord(3, {}, 0, 1, kChainRest)});
+  EXPECT_EQ(client->ReadStatistics().unknownRecords, 1U);
+  for (std::size_t i = 0; i + 1 < chunks.size(); ++i) Arrive(Channel::kControl, chunks[i]);
+  Snapshot(3, {MakeRecord(8, {})});
+  EXPECT_EQ(client->ReadStatistics().unknownRecords, 1U) << "the old one holds until the new one is whole";
+  Arrive(Channel::kControl, chunks.back());
+  Snapshot(4, {MakeRecord(9, {})});
+  EXPECT_EQ(client->ReadStatistics().unknownRecords, 2U) << "late, of the generation before";
+  Snapshot(5, {MakeRecord(10, {}, 0, 1, kChainRest)});
+  EXPECT_EQ(client->ReadStatistics().unknownRecords, 2U);
+  EXPECT_EQ(client->ReadStatistics().badRecords, 0U);
+  EXPECT_EQ(client->ReadStatistics().badMessages, 0U);
+  Arrive(Channel::kControl, chunks[0]);
+  EXPECT_EQ(client->ReadStatistics().badMessages, 1U) << "the generation that is here already";
+
+  std::vector<BodySample> samples;
+  client->Sample(now, Detail::kVertices, samples);
+  ASSERT_EQ(samples.size(), 3U);
+  EXPECT_EQ(samples[0].blueprint->name, "tetrahedron") << "bodies keep what they were made from";
+  EXPECT_EQ(samples[2].blueprint->name, "chain");
+  EXPECT_EQ(samples[2].vertices.size(), 3U);
+}
+
+// A body moves at 6 m/s and becomes a chain, or a torn tetrahedron, at 0.5 s; packets come in swapped pairs.
+TEST_F(ClientTest, ABodyGoesOverToAnotherBlueprintWithoutAJump) {
+  for (const bool isTorn : {false, true}) {
+    SCOPED_TRACE(isTorn ? "the same rest shape" : "another number of vertices");
+    link = {};
+    now = 50;
+    Join();
+    const Message other = isTorn ? MakeTornTetrahedron() : MakeChain();
+    for (const Message& chunk : CutIntoChunks(1, other, 64)) Arrive(Channel::kControl, chunk);
+    std::uint32_t sequence = 0;
+    std::vector<BodySample> samples;
+    double changedAt = 0, before = 0;
+    for (int frame = 0; frame < 60; ++frame) {
+      const auto makePacket = [&](int i) {
+        const double time = i / 30.0;
+        const Pose pose{{static_cast<float>(6 * time), 0, 0}, {}};
+        const protocol::SnapshotHead head{.sequence = ++sequence, .tick = 100 + static_cast<std::uint32_t>(2 * i)};
+        if (i < 15) return MakeSnapshot(head, {MakeRecord(3, pose)});
+        return MakeSnapshot(head, {isTorn ? MakeRecord(3, pose, 1) : MakeRecord(3, pose, 1, 0, kChainRest)});
+      };
+      if (frame % 2 == 1) {
+        Arrive(Channel::kSnapshot, makePacket(frame));
+        Arrive(Channel::kSnapshot, makePacket(frame - 1));
+      }
+      now += 1.0 / 30;
+      client->Sample(now, Detail::kVertices, samples);
+      if (samples.empty()) continue;
+      ASSERT_EQ(samples.size(), 1U);
+      ASSERT_EQ(samples[0].vertices.size(), samples[0].blueprint->rest.size());
+      const double x = static_cast<double>(samples[0].pose.centroid.x);
+      EXPECT_TRUE(frame <= 8 || std::fabs(x - before - 0.2) < 0.05) << "frame " << frame << ": " << x - before;
+      before = x;
+      if (changedAt == 0 && samples[0].blueprint->name != "tetrahedron") changedAt = x;
+    }
+    EXPECT_NEAR(changedAt, 6 * 0.5, 0.21) << "where it was when it changed, within a frame";
+    EXPECT_EQ(client->ReadStatistics().badRecords, 0U);
+  }
+}
+
+TEST_F(ClientTest, RefusesBlueprintChunksThatDoNotAddUp) {
+  const Message blueprint = MakeTetrahedron();
+  const auto total = static_cast<std::uint32_t>(blueprint.size());
+  const auto hash = protocol::HashBytes(blueprint);
+  const auto part = [&](std::uint32_t begin, std::uint32_t end) {
+    return std::span(blueprint).subspan(begin, end - begin);
+  };
+  Start();
+  Connect();
+  Arrive(Channel::kControl, protocol::MakeBlueprintChunk(0, hash, total, 0, part(0, 40)));  // before the welcome
+  EXPECT_EQ(client->ReadStatistics().badMessages, 1U);
+  Welcome();
+  Welcome();  // again
+  EXPECT_EQ(client->ReadStatistics().badMessages, 2U);
+  Arrive(Channel::kControl, protocol::MakeBlueprintChunk(255, hash, total, 0, part(0, 40)));  // no such number
+  EXPECT_EQ(client->ReadStatistics().badMessages, 3U);
+
+  const auto begin = [&] { Arrive(Channel::kControl, protocol::MakeBlueprintChunk(0, hash, total, 0, part(0, 40))); };
+  const std::vector<Message> wrongSeconds{
+      protocol::MakeBlueprintChunk(0, hash, total, 48, part(48, 80)),        // a gap
+      protocol::MakeBlueprintChunk(0, hash, total, 0, part(0, 40)),          // the first again
+      protocol::MakeBlueprintChunk(0, hash, total - 8, 40, part(40, 80)),    // another total
+      protocol::MakeBlueprintChunk(0, hash ^ 1, total, 40, part(40, 80)),    // another hash
+      protocol::MakeBlueprintChunk(0, hash, total, 40, part(0, total - 40))  // whole, but with another hash
+  };
+  for (const Message& wrong : wrongSeconds) {
+    const auto before = client->ReadStatistics().badMessages;
+    begin();
+    EXPECT_EQ(client->ReadStatistics().badMessages, before);
+    Arrive(Channel::kControl, wrong);
+    EXPECT_EQ(client->ReadStatistics().badMessages, before + 1);
+    EXPECT_EQ(client->ReadState(), State::kJoining);
+  }
+  // A valid blueprint, but not the one that its hash names.
+  Arrive(Channel::kControl, protocol::MakeBlueprintChunk(0, hash ^ 1, total, 0, blueprint));
+  EXPECT_EQ(client->ReadState(), State::kJoining);
+  const Message nonsense(128, 0x41);  // the hash is right, the content is not
+  Arrive(Channel::kControl, protocol::MakeBlueprintChunk(0, protocol::HashBytes(nonsense), 128, 0, nonsense));
+  EXPECT_EQ(client->ReadState(), State::kJoining);
+  const auto before = client->ReadStatistics().badMessages;
+
+  for (const Message& chunk : CutIntoChunks(0, blueprint, 40)) Arrive(Channel::kControl, chunk);
+  EXPECT_EQ(client->ReadState(), State::kPlaying);
+  EXPECT_EQ(client->ReadStatistics().badMessages, before);
+  begin();  // after it was complete
+  EXPECT_EQ(client->ReadStatistics().badMessages, before + 1);
+}
+
+}  // namespace
+}  // namespace wobble::client
