@@ -1,4 +1,4 @@
-// A list instead of a mark in each body, which would be a cache line to read for each that sleeps.
+// A list, not a mark in each body: to read a mark would cost a cache line for every sleeping body.
 #include "server/physics/roster.h"
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 
 namespace wobble::physics {
 
-// Room is made here, so that nobody who falls asleep or wakes in a tick has to.
+// Makes room for all bodies here, so that falling asleep and waking in a tick do not allocate.
 void Roster::Add() {
   m_woken.push_back(m_count++);
   const std::size_t room = std::bit_ceil(std::size_t{m_count});
@@ -46,7 +46,7 @@ void Roster::LetSleep(std::span<const std::uint32_t> bodies, std::span<const Box
   for (const std::uint32_t body : bodies) m_sleepers.Add(body, boxes[body]);
 }
 
-// Merged from behind, where there is room: both lists ascend.
+// Merges the two lists, which both ascend, from behind, where there is room.
 std::span<const std::uint32_t> Roster::FindAwake() {
   if (m_woken.empty()) return m_awake;
   std::sort(m_woken.begin(), m_woken.end());

@@ -1,5 +1,5 @@
-// Who of a world's bodies is awake, so that a tick need not ask those who sleep. Bodies go by their places in the
-// world.
+// The places of a world's awake bodies, and the boxes of its sleeping ones, so that a tick costs nothing for bodies
+// that sleep. Bodies are named by their places in the world's list.
 #pragma once
 
 #include <cstdint>
@@ -12,23 +12,23 @@ namespace wobble::physics {
 
 class Roster {
  public:
-  // One more behind the others, awake.
+  // Appends a body, awake.
   void Add();
-  // Those behind it move up by one.
+  // The bodies behind it move up by one place.
   void Remove(std::uint32_t body, bool asleep);
-  // Of a body that sleeps.
+  // body: asleep.
   void Wake(std::uint32_t body);
-  // Of bodies that are awake, ascending, each with its box among `boxes`, where it is to be found by others.
+  // bodies: awake, ascending. boxes: of all bodies, by place; where awake bodies will look for the sleeping ones.
   void LetSleep(std::span<const std::uint32_t> bodies, std::span<const Box> boxes);
 
-  // Ascending. Calls of the others spoil it.
+  // Ascending; valid until the next call of another function that changes the roster.
   std::span<const std::uint32_t> FindAwake();
-  [[nodiscard]] std::uint64_t CountWakes() const { return m_wakes; }  // since ever
+  [[nodiscard]] std::uint64_t CountWakes() const { return m_wakes; }  // since the world began
   [[nodiscard]] const RestingBoxes& Sleepers() const { return m_sleepers; }
 
  private:
   std::vector<std::uint32_t> m_awake;  // ascending
-  std::vector<std::uint32_t> m_woken;  // to be added to these
+  std::vector<std::uint32_t> m_woken;  // to be merged into m_awake
   RestingBoxes m_sleepers;
   std::uint32_t m_count = 0;
   std::uint64_t m_wakes = 0;

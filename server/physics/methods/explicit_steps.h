@@ -1,10 +1,11 @@
-// The explicit methods of order one and two. Each takes accelerate(x, v, a), m/s² from positions and velocities, as
-// StepRungeKutta does, and leaves x and v at the same moment, so that any method can follow any other.
+// The explicit methods of order one and two. Each takes accelerate(x, v, a), which fills in a, m/s², from positions and
+// velocities, as StepRungeKutta does. Each leaves x and v at the same moment, so that any method can follow any other.
 //
-// Forces that depend on velocity (dashpots, friction, drag) are taken the usual way for each: from the last velocity
-// known, which makes the two methods of order 2 ones of order 1 where there is damping. A predicted velocity would keep
-// the order; nobody calls that Verlet. None keeps accelerations from one step to the next: between two steps anchors
-// are dragged, loads change and bodies meet, and what was kept would be of another force.
+// Forces that depend on velocity (dashpots, friction, drag) use the last velocity known, as is usual for each method.
+// This makes the two methods of order 2 methods of order 1 where there is damping. A predicted velocity would keep the
+// order, but the method would no longer be what the literature calls Verlet. No method keeps accelerations from one
+// step to the next: between two steps anchors are dragged, loads change and bodies meet, so the kept accelerations
+// would belong to other forces.
 #pragma once
 
 #include <span>
@@ -15,9 +16,9 @@
 namespace wobble::physics {
 
 template <class Real>
-using AccelerationBuffers = StageBuffers<Real, 4>;  // those of RK4 serve all
+using AccelerationBuffers = StageBuffers<Real, 4>;  // the same as RK4's, so that one scratch serves all methods
 
-// x' = x + h v, v' = v + h a(x, v). Order 1; what nobody should use, beside which the others are shown.
+// x' = x + h v, v' = v + h a(x, v). Order 1. Not for use; the laboratory shows the other methods beside it.
 template <class Real, class Accelerate>
 void StepExplicitEuler(Real h, Accelerate&& accelerate, std::span<Vector3<Real>> x, std::span<Vector3<Real>> v,
                        AccelerationBuffers<Real>& buffers) {

@@ -1,3 +1,5 @@
+// Plain loops over springs and faces. Sums run in the order of the lists, which the kernels of lanes/ are tested
+// against.
 #include "server/physics/methods/forces.h"
 
 #include <algorithm>
@@ -21,7 +23,7 @@ void AddSpring(const Spring<Real>& spring, Real stiffnessFactor, std::span<const
   forces[spring.b] += force;
 }
 
-// add(spring) for those that have not torn; a body where none has is not asked for each.
+// Calls add(spring) for the springs that have not torn. A body without torn springs pays for no test a spring.
 template <class Real, class Add>
 void ForWhole(std::span<const Spring<Real>> springs, std::span<const std::uint8_t> torn, Add&& add) {
   if (torn.empty()) {
@@ -135,7 +137,7 @@ void AddDrag(std::span<const Face> faces, Real drag, const Vector3<Real>& wind, 
     const Real squared = doubleArea.dot(doubleArea);
     if (!(squared > Real(0))) continue;
     const Real through = (wind - (v[i] + v[j] + v[k]) / Real(3)).dot(doubleArea);
-    // With S = 2A n:  A |uₙ| uₙ n = |u·S| (u·S) S / 2 S², and a third of it.
+    // With S = 2A n, A |uₙ| uₙ n = |u·S| (u·S) S / 2 S²; each vertex gets a third.
     const Vector3<Real> force = drag * std::fabs(through) * through / (Real(6) * squared) * doubleArea;
     forces[i] += force;
     forces[j] += force;
@@ -203,7 +205,7 @@ double ComputeGasEnergy(const Coefficients<double>& body, std::span<const Vector
       body.outline.empty() ? ComputeVolume<double>(body.faces, x) : ComputeArea<double>(body.outline, x);
   const double gas = gasFactor * body.gas;
   if (volume > body.floorVolume) return body.ambientPressure * volume - gas * std::log(volume);
-  // From the floor V_c on: ∫ (nRT/V_c)(2 − V/V_c) dV from V to V_c = nRT (3/2 − 2u + u²/2) with u = V/V_c.
+  // Below the floor V_c: ∫ (nRT/V_c)(2 − V/V_c) dV from V to V_c = nRT (3/2 − 2u + u²/2) with u = V/V_c.
   const double u = volume / body.floorVolume;
   return body.ambientPressure * volume - gas * (std::log(body.floorVolume) - (1.5 - 2 * u + u * u / 2));
 }

@@ -1,7 +1,8 @@
-// The force terms, each by itself, in either precision: the plain reference that every faster kernel is tested against.
+// The force terms, one by one, in either precision: the plain reference that every faster kernel is tested against.
 //
-// Positions are in the body's local coordinates (see state.h), so single precision resolves a body wherever it is.
-// Every sum has one fixed order and nothing is contracted: equal input gives equal bits on every compiler.
+// x: positions, m, in the body's local coordinates (state.h), so that single precision resolves a body wherever it is.
+// v: velocities, m/s. forces: N; Add... functions add to them. All three hold one vector a vertex. Every sum has one
+// fixed order and no multiply-add is contracted: equal input gives equal bits on every compiler.
 #pragma once
 
 #include <array>
@@ -15,37 +16,39 @@
 
 namespace wobble::physics {
 
-// A force on one vertex from outside, N: a hand that drags it.
+// A force on one vertex from outside, N, for example from a hand that drags it.
 template <class Real>
 struct VertexForce {
   std::uint16_t vertex = 0;
   Vector3<Real> force = Vector3<Real>::Zero();
 };
 
-// What differs from body to body and stays constant through a tick.
+// The external load on one body, constant through a tick: what acts on it besides contacts, and how its springs and gas
+// are scaled.
 template <class Real>
 struct Load {
-  Vector3<Real> acceleration = Vector3<Real>::Zero();  // gravity and what the player pushes, m/s²
-  Real gasFactor = 1;                                  // times the blueprint's gas
-  Real stiffnessFactor = 1;                            // times every spring's stiffness and damping
-  Vector3<Real> wind = Vector3<Real>::Zero();          // of the medium that drags at faces, m/s
+  Vector3<Real> acceleration = Vector3<Real>::Zero();  // gravity and the player's moving, m/s²
+  Real gasFactor = 1;                                  // multiplies the blueprint's gas
+  Real stiffnessFactor = 1;                            // multiplies every spring's stiffness and damping
+  Vector3<Real> wind = Vector3<Real>::Zero();          // velocity of the medium that drags at faces, m/s
   std::span<const VertexForce<Real>> pushes;
   std::span<const std::uint8_t> torn;  // State::torn: not 0 where a spring has torn; empty: none has
 };
 
-// Springs that `torn` names are skipped.
+// Springs and their dashpots. Springs that are marked in `torn` (State::torn) are skipped.
 template <class Real>
 void AddSprings(std::span<const Spring<Real>> springs, Real stiffnessFactor, std::span<const Vector3<Real>> x,
                 std::span<const Vector3<Real>> v, std::span<Vector3<Real>> forces,
                 std::span<const std::uint8_t> torn = {});
 
-// K_r/d⁴ that pushes the ends of each spring apart. Below kRepulsionFloorShare of the rest length it stays what it is
-// there: the hyperbola would let the force of two vertices that meet grow without bound.
+// Pushes the ends of each whole spring apart with K_r/d⁴, K_r = repulsion, N·m⁴, at distance d. Below
+// kRepulsionFloorShare of the rest length the force stays constant: the hyperbola would let the force of two vertices
+// that meet grow without bound.
 template <class Real>
 void AddRepulsion(std::span<const Spring<Real>> springs, Real repulsion, std::span<const Vector3<Real>> x,
                   std::span<Vector3<Real>> forces, std::span<const std::uint8_t> torn = {});
 
-// Volume inside a closed surface by the divergence theorem, ⅙ Σ a·(b × c) over its faces, m³. Taken about the first
+// Volume inside a closed surface, m³, by the divergence theorem: ⅙ Σ a·(b × c) over its faces. Taken about the first
 // vertex: the sum does not depend on the point, but its rounding does. Negative when the surface is inside out.
 template <class Real>
 [[nodiscard]] Real ComputeVolume(std::span<const Face> faces, std::span<const Vector3<Real>> x);
@@ -54,8 +57,8 @@ template <class Real>
   return ComputeVolume<Real>(std::span<const Face>(faces), std::span<const Vector3<Real>>(x));
 }
 
-// Area inside a closed outline by Green's theorem, ½ Σ (xₐ z_b − x_b zₐ) over its edges, m². As for the volume: taken
-// about a vertex, negative when inside out.
+// Area inside a closed outline, m², by Green's theorem: ½ Σ (xₐ z_b − x_b zₐ) over its edges. Like the volume, it is
+// taken about a vertex and negative when inside out.
 template <class Real>
 [[nodiscard]] Real ComputeArea(std::span<const std::array<std::uint16_t, 2>> outline, std::span<const Vector3<Real>> x);
 template <class Real>
@@ -64,43 +67,44 @@ template <class Real>
   return ComputeArea<Real>(std::span<const std::array<std::uint16_t, 2>>(outline), std::span<const Vector3<Real>>(x));
 }
 
-// Whether the gas of a body is inside out: no volume (planar: area) is left to it. Never without gas.
+// Whether the gas of a body has no volume (planar: area) left. Always false for a body without gas.
 template <class Real>
 [[nodiscard]] bool IsInsideOut(const Coefficients<Real>& body, std::span<const Vector3<Real>> x);
 
-// Pressure of an ideal gas, nRT/V, Pa. Below `floorVolume` V_c it goes on along its tangent, (nRT/V_c)(2 − V/V_c): the
-// hyperbola would let the force grow without bound within one step of a body that is being crushed.
+// Pressure of an ideal gas, nRT/V, Pa. Below V_c = floorVolume it continues along its tangent, (nRT/V_c)(2 − V/V_c):
+// the hyperbola would let the force grow without bound within one step of a body that is being crushed. gas: nRT, J.
 template <class Real>
 [[nodiscard]] Real ComputePressure(Real gas, Real volume, Real floorVolume) {
   return volume > floorVolume ? gas / volume : gas / floorVolume * (Real(2) - volume / floorVolume);
 }
 inline constexpr double kFloorVolumeShare = 0.1;  // V_c as a share of the rest volume
 
-// (P − P₀)·A n of every face, a third to each of its vertices. On a closed surface this is exactly the gradient of
-// nRT ln V − P₀ V, since ∂V/∂xᵢ is a third of the area vectors around vertex i. Planar: (P − P₀) n dl of every edge of
-// the outline, half to each end, the gradient of nRT ln A − P₀ A.
+// Adds (P − P₀) A n of every face, a third to each of its vertices. On a closed surface this is exactly the gradient
+// of nRT ln V − P₀ V, since ∂V/∂xᵢ is a third of the area vectors around vertex i. Planar: (P − P₀) n dl of every edge
+// of the outline, half to each end, the gradient of nRT ln A − P₀ A. Only for a body with gas.
 template <class Real>
 void AddGas(const Coefficients<Real>& body, Real gasFactor, std::span<const Vector3<Real>> x,
             std::span<Vector3<Real>> forces);
 
-// Drag of a medium that moves at `wind`: drag · A |uₙ| uₙ n on a face of area A and unit normal n, a third to each of
-// its vertices, with uₙ the part along n of the wind's speed against the face's. A face has two sides and what runs
-// along it does not drag: so a sheet sails, flutters and falls like a leaf.
+// Drag of a medium that moves at `wind`, m/s: drag · A |uₙ| uₙ n on a face of area A and unit normal n, a third to each
+// of its vertices, where uₙ is the part along n of the wind's velocity against the face's. drag: ½ρC, kg/m³. Both sides
+// of a face drag alike, and flow along it does not drag: so a sheet sails, flutters and falls like a leaf.
 template <class Real>
 void AddDrag(std::span<const Face> faces, Real drag, const Vector3<Real>& wind, std::span<const Vector3<Real>> x,
              std::span<const Vector3<Real>> v, std::span<Vector3<Real>> forces);
 
-// All forces that act on the body but those of other bodies and the load's acceleration, N.
+// Fills in all forces on the body, N, except those of other bodies and of the load's acceleration.
 template <class Real>
 void ComputeForces(const Coefficients<Real>& body, const Load<Real>& load, std::span<const Surface<Real>> surfaces,
                    std::span<const Contact<Real>> contacts, std::span<const Vector3<Real>> x,
                    std::span<const Vector3<Real>> v, std::span<Vector3<Real>> forces);
 
-// Turns forces, N, into accelerations, m/s², the load's added; fixed vertices and what is across a plane have none.
+// Turns forces, N, into accelerations, m/s², and adds the load's. Fixed vertices, and planar bodies across their plane,
+// get none.
 template <class Real>
 void DivideByMasses(const Coefficients<Real>& body, const Load<Real>& load, std::span<Vector3<Real>> forces);
 
-// Both: everything that acts on a body which meets no other, as accelerations, m/s².
+// ComputeForces, then DivideByMasses: the accelerations, m/s², of a body that touches no other.
 template <class Real>
 void ComputeAccelerations(const Coefficients<Real>& body, const Load<Real>& load,
                           std::span<const Surface<Real>> surfaces, std::span<const Contact<Real>> contacts,
@@ -112,8 +116,8 @@ void ComputeAccelerations(const Coefficients<Real>& body, const Load<Real>& load
                                          std::span<const std::uint8_t> torn = {});
 [[nodiscard]] double ComputeRepulsionEnergy(const Coefficients<double>& body, std::span<const Vector3d> x,
                                             std::span<const std::uint8_t> torn = {});
-// P₀V − nRT ln(V/V₀), with V₀ = 1 m³ (planar: m²): the work that the gas has left to do, up to a constant; below the
-// floor volume what the tangent's pressure leaves of it.
+// P₀V − nRT ln(V/V₀), with V₀ = 1 m³ (planar: 1 m²): the work that the gas can still do, up to a constant; below the
+// floor volume the integral of the tangent's pressure.
 [[nodiscard]] double ComputeGasEnergy(const Coefficients<double>& body, std::span<const Vector3d> x,
                                       double gasFactor = 1);
 [[nodiscard]] double ComputeKineticEnergy(const Coefficients<double>& body, std::span<const Vector3d> v);

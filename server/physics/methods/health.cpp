@@ -5,7 +5,7 @@
 namespace wobble::physics {
 
 Health FindHealth(const BulkMotion& bulk, bool insideOut) {
-  // A sum of what is finite may overflow, but not these: places and speeds that large are no better than none.
+  // Sums of finite coordinates may overflow too; coordinates that large are as bad as non-finite ones.
   if (!std::isfinite(bulk.kineticEnergy) || !bulk.centre.allFinite()) return Health::kNonFinite;
   return insideOut ? Health::kInverted : Health::kGood;
 }

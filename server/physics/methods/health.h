@@ -1,4 +1,4 @@
-// Whether what a step has made of a body can be.
+// Checks whether the state that a step has computed for a body is possible.
 #pragma once
 
 #include <cstdint>
@@ -13,20 +13,20 @@ namespace wobble::physics {
 // From best to worst.
 enum class Health : std::uint8_t {
   kGood,
-  kRunaway,    // its island has gained energy that nobody put in
+  kRunaway,    // its island has gained energy from nowhere
   kInverted,   // a closed body turned inside out
-  kNonFinite,  // a coordinate is no number
+  kNonFinite,  // a coordinate is not finite
 };
 
-// insideOut: whether the gas of the body is.
+// Finds kGood, kInverted or kNonFinite; kRunaway is judged for an island as a whole. insideOut: from IsInsideOut.
 [[nodiscard]] Health FindHealth(const BulkMotion& bulk, bool insideOut);
 
-// Energy that a island may gain beyond what was put in, as a share of what it has: honest play stays under 0.6 %,
+// Energy that an island may gain beyond what was put in, as a share of its energy: honest play stays under 0.6 %,
 // whatever falls onto whatever.
 inline constexpr double kRunawayShare = 0.05;
 
-// What can be turned into motion within a tick by forces that are constant through it: kinetic energy less the work of
-// the load, ½ Σ m v² − Σ (m a + f)·x. J.
+// Kinetic energy less the work of the loads that are constant through a tick, J: ½ Σ m v² − Σ (m a + f)·x. The loads
+// alone leave it unchanged.
 template <class Real>
 [[nodiscard]] double ComputeMotionEnergy(const Blueprint& blueprint, const Load<Real>& load, const BulkMotion& bulk,
                                          std::span<const Vector3<Real>> x);
@@ -35,7 +35,7 @@ struct ElasticEnergy {
   double stored = 0;  // of springs, repulsion and contacts with static surfaces, J
   double gas = 0;     // up to a constant, J
 };
-// scratch saves allocations.
+// Computed in double precision. scratch saves allocations.
 template <class Real>
 [[nodiscard]] ElasticEnergy ComputeElasticEnergy(const Blueprint& blueprint, const Load<Real>& load,
                                                  std::span<const Surface<Real>> surfaces,

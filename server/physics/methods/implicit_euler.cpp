@@ -1,3 +1,5 @@
+// One sparse matrix a topology, in the natural order of the vertices: filled, factorised (LDLᵀ) and solved anew for
+// each body and step. The gas is a correction of rank one to the solution.
 #include "server/physics/methods/implicit_euler.h"
 
 #include <Eigen/SparseCholesky>
@@ -18,13 +20,14 @@ using SparseMatrix = Eigen::SparseMatrix<Real, Eigen::ColMajor, int>;
 
 constexpr std::size_t kSolversKept = 8;
 
-// Eigen's factorize() makes a matrix each time that it does not use when the order is natural; this is the rest of it.
+// Eigen's factorize() allocates a matrix on every call, which it does not use in the natural order; this calls only the
+// part that computes.
 template <class Real>
 struct InPlaceFactor : Eigen::SimplicialLDLT<SparseMatrix<Real>, Eigen::Upper, Eigen::NaturalOrdering<int>> {
   void Factorise(const SparseMatrix<Real>& matrix) { this->template factorize_preordered<true>(matrix); }
 };
 
-// d dᵀ.
+// d dᵀ
 template <class Real>
 Matrix3<Real> Square(const Vector3<Real>& d) {
   return d * d.transpose();
@@ -86,7 +89,7 @@ class ImplicitSolver {
     }
   }
 
-  // Stiffness and damping, both symmetric, that act on one vertex; its velocity against what it is tied to.
+  // Adds symmetric stiffness and damping that act on one vertex. velocity: against what the vertex is tied to, m/s.
   void AddToVertex(Real h, std::size_t vertex, const Matrix3<Real>& stiffness, const Matrix3<Real>& damping,
                    const Vector3<Real>& velocity) {
     if (IsFixed(vertex)) return;
@@ -131,7 +134,8 @@ class ImplicitSolver {
     }
   }
 
-  // The gradient of the volume, and what it does on the right. Returns σ of the term σ ∇V ∇Vᵀ that the matrix lacks.
+  // Fills in the gradient of the volume and adds its part of the right side. Returns σ of the term σ ∇V ∇Vᵀ, which is
+  // not in the matrix.
   Real AddGas(Real h, const SteppedBody<Real>& body, std::span<const Vector3<Real>> x,
               std::span<const Vector3<Real>> v) {
     for (Vector3<Real>& g : m_volumeGradient) g.setZero();

@@ -1,11 +1,11 @@
-// One step of any method, for a system of bodies that stand behind one another in x and v.
+// One step of any integration method, for a system of bodies that stand behind one another in x and v.
 //
 // A System offers
-//   void Accelerate(x, v, a, bool springs)   fills a, m/s²; without `springs`, of all forces but the bodies' springs
+//   void Accelerate(x, v, a, bool springs)   fills in a, m/s²; without `springs`, from all forces but the springs'
 //   std::size_t CountBodies()
 //   SteppedBody<Real> ReadBody(std::size_t)  ascending in `begin`
-// x and v are spans of const, a one of what is filled. Another method is one more case below and its limit in
-// integrator.cpp.
+// where x and v are spans of const and a is a span to fill. A new method is one more case in StepOnce, its limits in
+// step_limits.cpp, and a name in model/integrator.h.
 #pragma once
 
 #include <span>
@@ -18,7 +18,7 @@
 
 namespace wobble::physics {
 
-// Reused from system to system.
+// Scratch of StepOnce, reused from system to system.
 template <class Real>
 struct IntegratorScratch {
   StageBuffers<Real, 4> stages;
@@ -60,7 +60,7 @@ void StepImplicitEuler(Real h, const System& system, std::span<Vector3<Real>> x,
   });
 }
 
-// A step of h s.
+// Steps all bodies of the system by h s with one method.
 template <class Real, class System>
 void StepOnce(Integrator integrator, Real h, const System& system, std::span<Vector3<Real>> x,
               std::span<Vector3<Real>> v, IntegratorScratch<Real>& scratch) {

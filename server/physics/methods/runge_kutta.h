@@ -1,8 +1,9 @@
 // Explicit Runge–Kutta steps of x'' = a(x, v), from a Butcher tableau, in increment form.
 //
-// With k_x,i = v + h Σ aᵢⱼ k_v,j and k_v,i = a(x + h Σ aᵢⱼ k_x,j, k_x,i), the increments Δx = h Σ bᵢ k_x,i and Δv = h Σ
-// bᵢ k_v,i are summed first and added once. Writing the new state as a combination of stages instead saves the k arrays
-// for the classic tableau but loses bits in single precision: it moves a quarter of all resting coordinates each step.
+// With k_x,i = v + h Σ aᵢⱼ k_v,j and k_v,i = a(x + h Σ aᵢⱼ k_x,j, k_x,i), the increments Δx = h Σ bᵢ k_x,i and
+// Δv = h Σ bᵢ k_v,i are summed first and added once. Rejected: writing the new state as a combination of stages. It
+// saves the k arrays for the classic tableau but loses bits in single precision: it moves a quarter of all resting
+// coordinates each step.
 #pragma once
 
 #include <array>
@@ -13,19 +14,19 @@
 
 namespace wobble::physics {
 
-// Row i of `a` has the weights of the stages before i; the sum of a row is the stage's time, which autonomous forces
-// do not need.
+// Row i of `a` holds the weights of the stages before i. The sum of a row is the time of the stage, which autonomous
+// forces do not need.
 template <std::size_t Stages>
 struct ButcherTableau {
   std::array<std::array<double, Stages>, Stages> a{};
   std::array<double, Stages> b{};
 };
 
-// Kutta 1901, "the" Runge–Kutta method: order 4.
+// The classic Runge–Kutta method (Kutta 1901), order 4.
 inline constexpr ButcherTableau<4> kClassicRungeKutta{
     .a = {{{0, 0, 0, 0}, {0.5, 0, 0, 0}, {0, 0.5, 0, 0}, {0, 0, 1, 0}}}, .b = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6}};
 
-// Scratch of a step, reused from body to body.
+// Scratch of a step, one entry a vertex, reused from body to body.
 template <class Real, std::size_t Stages>
 struct StageBuffers {
   std::array<std::vector<Vector3<Real>>, Stages> velocities;     // k_x
@@ -44,7 +45,7 @@ struct StageBuffers {
   }
 };
 
-// Positions and velocities of a stage, for vertices from `begin` up to `end`, from the accelerations of those before.
+// Fills in positions and velocities of a stage, for vertices from `begin` up to `end`, from the stages before it.
 template <class Real, std::size_t Stages>
 void CombineStage(const ButcherTableau<Stages>& tableau, std::size_t stage, Real h, std::span<const Vector3<Real>> x,
                   std::span<const Vector3<Real>> v, std::size_t begin, std::size_t end,
@@ -63,7 +64,7 @@ void CombineStage(const ButcherTableau<Stages>& tableau, std::size_t stage, Real
   }
 }
 
-// The new state of those vertices, once the accelerations of all stages are known.
+// Adds the increments to x and v of these vertices, once the accelerations of all stages are known.
 template <class Real, std::size_t Stages>
 void AddIncrements(const ButcherTableau<Stages>& tableau, Real h, std::size_t begin, std::size_t end,
                    const StageBuffers<Real, Stages>& buffers, std::span<Vector3<Real>> x, std::span<Vector3<Real>> v) {
@@ -80,7 +81,7 @@ void AddIncrements(const ButcherTableau<Stages>& tableau, Real h, std::size_t be
   }
 }
 
-// One step of h seconds. accelerate(x, v, a) fills a, m/s², from spans of positions and velocities.
+// One step of h s. accelerate(x, v, a) fills in a, m/s², from spans of positions and velocities.
 template <class Real, std::size_t Stages, class Accelerate>
 void StepRungeKutta(const ButcherTableau<Stages>& tableau, Real h, Accelerate&& accelerate, std::span<Vector3<Real>> x,
                     std::span<Vector3<Real>> v, StageBuffers<Real, Stages>& buffers) {

@@ -1,25 +1,28 @@
+// The frequency at rest is found once, by a power iteration on the forces themselves. What contacts add is bounded from
+// above each tick; bounds of squares of frequencies, and damping rates, add up.
 #include "server/physics/methods/stability.h"
-#include "server/physics/methods/step_limits.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "server/physics/methods/step_limits.h"
+
 namespace wobble::physics {
 namespace {
 
 constexpr int kPowerIterations = 200;
-// Squeezing a body raises its frequencies by 3-9 %; the power iteration itself comes from below.
+// Squeezing a body raises its frequencies by 3-9 %, and the power iteration approaches the largest one from below.
 constexpr double kFrequencyMargin = 1.05;
 
-// Conservative accelerations of a free body at x: springs without dashpots, and gas.
+// Accelerations of a free body at x by its conservative forces: springs without dashpots, and gas.
 void ComputeElasticAccelerations(const Coefficients<double>& body, const std::vector<Vector3d>& x,
                                  const std::vector<Vector3d>& zero, std::vector<Vector3d>& accelerations) {
   const Load<double> load;
   ComputeAccelerations<double>(body, load, {}, {}, x, zero, accelerations);
 }
 
-// A start that no mode is orthogonal to by symmetry.
+// A first vector for the power iteration that no mode is orthogonal to by symmetry.
 std::vector<Vector3d> MakeProbe(std::size_t count) {
   std::vector<Vector3d> probe(count);
   std::uint64_t state = 1;
@@ -38,7 +41,7 @@ double FindNorm(const std::vector<Vector3d>& values) {
   return std::sqrt(sum);
 }
 
-// Quadratic drag on a face damps it at dragRate times its speed against the medium, 1/s.
+// The damping rate of quadratic drag, 1/s: on a face it is dragRate times the face's speed against the medium.
 template <class Real>
 double FindDragDamping(const Blueprint& blueprint, const Load<Real>& load, const State<Real>& state) {
   if (!(blueprint.dragRate > 0)) return 0;
@@ -51,13 +54,13 @@ ContactRates AddRates(const ContactRates& a, const ContactRates& b) {
   return {a.squareFrequency + b.squareFrequency, a.dampingRate + b.dampingRate};
 }
 
-// Of a body on a rigid surface, as deep in it and as fast as may be.
+// Bounds for a body on a rigid surface at any depth and speed.
 Modes FindModesOnGround(const Blueprint& blueprint) {
   Modes modes;
   modes.body = {blueprint.angularFrequency * blueprint.angularFrequency, blueprint.dampingRate};
   const Coefficients<double>& body = blueprint.full;
   for (std::size_t i = 0; i < body.masses.size(); ++i) {
-    // From the fade depth on, force and damping grow no steeper.
+    // Force and damping grow no steeper beyond the fade depth.
     const ContactRates rates =
         FindRates(body.contact, 2 * body.contact.fadeDepth, body.masses[i] / body.contactShares[i]);
     modes.surfaces.squareFrequency = std::max(modes.surfaces.squareFrequency, rates.squareFrequency);
@@ -66,7 +69,7 @@ Modes FindModesOnGround(const Blueprint& blueprint) {
   return modes;
 }
 
-// For RK4.
+// Of RK4; not rounded to the ladder.
 double FindSubsteps(const Modes& modes, double duration) {
   bool lightlyDamped = false;
   const double rate = FindLargestRate(modes, lightlyDamped);
@@ -94,8 +97,8 @@ void FindBodyStability(Blueprint& blueprint) {
   std::vector<Vector3d> moved(rest.size());
   std::vector<Vector3d> forward(rest.size());
   std::vector<Vector3d> backward(rest.size());
-  // The operator −∂a/∂x applied to a mode, by central differences of the forces themselves: whatever terms the body
-  // has are all in it.
+  // Applies the operator −∂a/∂x to a mode by central differences of the forces, so that it holds all terms that the
+  // body has.
   const double epsilon = 1e-6 * blueprint.size;
   double eigenvalue = 0;
   for (int iteration = 0; iteration < kPowerIterations; ++iteration) {
@@ -121,10 +124,11 @@ void FindBodyStability(Blueprint& blueprint) {
 
 double FindStableRate(Integrator integrator, const Blueprint& blueprint, const Modes& modes) {
   if (integrator == Integrator::kImplicitEuler) {
-    // What is not in its matrix it takes as semi-implicit Euler does.
+    // It treats forces that are not in its matrix as semi-implicit Euler does.
     return FindStableRate(Integrator::kSemiImplicitEuler, modes.bodies.squareFrequency, modes.bodies.dampingRate);
   }
-  // The body's own frequency has springs and gas in one, so the springs that are distances are left out without gas.
+  // The body's frequency covers springs and gas together. So springs that are taken as distances can be left out only
+  // for a body without gas.
   const bool springsAreDistances = integrator == Integrator::kPositionVerlet && !(blueprint.full.gas > 0);
   const ContactRates body = springsAreDistances ? ContactRates{} : modes.body;
   const ContactRates contact = AddRates(modes.surfaces, modes.bodies);
@@ -135,16 +139,17 @@ double FindStableRate(Integrator integrator, const Blueprint& blueprint, const M
                    FindStableRate(integrator, together, body.dampingRate)});
 }
 
-// Rates are the largest over all of them. A vertex in a corner touches several surfaces at once; they push along
-// different axes where obstacles are boxes, so one contact's stiffness is taken for each axis.
+// Rates are the largest over all contacts. A vertex in a corner touches several surfaces at once; where obstacles are
+// boxes these push along different axes, so one contact's stiffness is taken for each axis.
 //
-// agitation: a body that vibrates faster than a tick may throw any of its vertices onto a surface at this speed,
-// whatever the vertex does now. Of 600 lattices dropped into a wedge, bounded by the speed of each vertex alone, 17 ran
-// away, and none so.
+// Agitation: a body that vibrates faster than a tick may throw any of its vertices onto a surface at this speed,
+// whatever the vertex does now. Of 600 lattices dropped into a wedge 17 ran away when bounded by the speed of each
+// vertex alone, none with this bound.
 //
-// Landing: substeps in which vertices that land on a surface cross the depth over which its force sets in, as many as
-// the body feels of it: that an error stays behind there which no stage of RK4 sees shows in how high the body comes
-// back, by the square root of the mass that lands. Without this a lone particle came back up to 10 % too high or low.
+// Landing: RK4's stages do not see the error that is made while landing vertices cross the depth over which the
+// surface's force sets in. It shows in how high the body comes back, in proportion to the square root of the mass that
+// lands, and so does the number of substeps for the crossing. Without them a lone particle came back up to 10 % too
+// high or too low.
 template <class Real>
 SurfaceDemands FindSurfaceDemands(const Blueprint& blueprint, std::span<const Surface<Real>> surfaces,
                                   const State<Real>& state, double agitation, double duration) {
@@ -164,7 +169,7 @@ SurfaceDemands FindSurfaceDemands(const Blueprint& blueprint, std::span<const Su
     const double depth = -double{point.distance};
     const double mass = double{body.masses[i]} / double{body.contactShares[i]};
     const double shaken = PredictDepth(depth, std::max(agitation, approach), duration);
-    // Rates grow with the depth and fall with the mass.
+    // Rates grow with the depth and fall with the mass: a contact that is neither deeper nor lighter adds nothing.
     if (shaken > deepest || mass < itsMass) {
       const ContactRates rates = FindRates(contact, shaken, mass);
       demands.rates.squareFrequency = std::max(demands.rates.squareFrequency, rates.squareFrequency);
@@ -208,7 +213,8 @@ double FindSubstepsOnGround(const Blueprint& blueprint, double duration) {
   return FindSubsteps(FindModesOnGround(blueprint), duration);
 }
 
-// Implicit Euler has springs in its matrix and position Verlet takes them for distances; neither minds.
+// For RK4. Stiffer springs cost the other methods no stability: implicit Euler has them in its matrix, position Verlet
+// takes them as distances.
 double FindStiffnessBound(const Blueprint& blueprint, double duration) {
   const Modes atOne = FindModesOnGround(blueprint);
   double factor = kMaxStiffnessBound;

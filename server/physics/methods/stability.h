@@ -1,8 +1,8 @@
-// How many substeps a body needs this tick so that RK4 stays stable.
+// The number of substeps that keeps a body stable through a tick.
 //
-// For one mode x'' = −ω²x − 2γ'x' RK4 is stable while hω < 2.83 without damping, and down to 2.6 at the worst damping
-// (about half of critical). A body's largest ω at rest comes from a power iteration; what it touches, how hard and
-// with how much friction adds to it and is bounded each tick from the depth that its vertices will reach.
+// For one mode x'' = −ω²x − 2γ'x' RK4 is stable for hω < 2.83 without damping, and down to 2.6 at the worst damping
+// (about half of critical). A body's largest ω at rest comes from a power iteration. Contacts add to it, by their
+// stiffness and friction; each tick bounds this from the depth that the vertices will reach.
 #pragma once
 
 #include <span>
@@ -14,65 +14,67 @@
 
 namespace wobble::physics {
 
-// RK4's limit on hρ: over every damping, and where damping is under a third of critical.
+// RK4's limit on hρ, ρ the largest rate: at any damping, and where damping is under a third of critical.
 inline constexpr double kStabilityLimit = 2.6;
 inline constexpr double kStabilityLimitLightlyDamped = 2.78;
 
-// Substeps a tick may take: few distinct numbers, so that bodies with equal numbers can be stepped together.
+// The numbers of substeps that a tick may take: few, so that bodies with equal numbers can be stepped together.
 inline constexpr int kSubstepLadder[] = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64};
 inline constexpr int kMaxSubsteps = 64;
 
 // The first rung that is at least `needed`; the last one when none is.
 [[nodiscard]] int FindRung(double needed);
 
-// Fills angularFrequency (power iteration on springs and gas at rest, times 1.05 for squeezing) and dampingRate.
+// Fills in angularFrequency, rad/s (power iteration on springs and gas at rest, times 1.05 for squeezing), and
+// dampingRate, 1/s. Takes longer than all other steps of finishing a blueprint.
 void FindBodyStability(Blueprint& blueprint);
 
-// The modes of a body with everything it may touch within a tick: squares of the largest angular frequencies, 1/s², and
-// the damping rates that go with them, 1/s.
+// Bounds of the modes of a body and of all that it may touch within a tick: squares of the largest angular frequencies,
+// 1/s², and the damping rates that go with them, 1/s.
 struct Modes {
   ContactRates body;
   ContactRates surfaces;
   ContactRates bodies;  // its contacts with others
 };
-// fromSurfaces, fromBodies: what its contacts add.
+// fromSurfaces, fromBodies: what contacts with obstacles and with other bodies add.
 template <class Real>
 [[nodiscard]] Modes FindModes(const Blueprint& blueprint, const Load<Real>& load, const State<Real>& state,
                               const ContactRates& fromSurfaces, const ContactRates& fromBodies);
 
-// Substeps a second with which the method is stable for all of them.
+// Substeps a second with which the method is stable for all of these modes.
 [[nodiscard]] double FindStableRate(Integrator integrator, const Blueprint& blueprint, const Modes& modes);
 
-// Substeps for a tick of `duration` seconds with which RK4 is stable while the body lies on a rigid surface, as deep in
-// it and as fast as may be.
+// Substeps for a tick of `duration` s with which RK4 is stable while the body lies on a rigid surface, at any depth and
+// speed.
 [[nodiscard]] double FindSubstepsOnGround(const Blueprint& blueprint, double duration);
 
-// How many times stiffer and more damped its springs may become, from 1 up to kMaxStiffnessBound, so that no more
-// substeps are needed on a rigid surface than there are.
+// The largest factor on stiffness and damping of the body's springs, from 1 up to kMaxStiffnessBound, with which
+// kMaxSubsteps suffice on a rigid surface.
 inline constexpr double kMaxStiffnessBound = 16;
 [[nodiscard]] double FindStiffnessBound(const Blueprint& blueprint, double duration);
 
-// The largest rate ρ, 1/s, over the modes of the body with all that it touches at once.
+// The largest rate ρ, 1/s, over the modes of the body together with all that it touches. Sets lightlyDamped to whether
+// kStabilityLimitLightlyDamped applies.
 [[nodiscard]] double FindLargestRate(const Modes& modes, bool& lightlyDamped);
 
-// What the listed contacts with static surfaces ask of a tick.
+// What the listed contacts with static surfaces demand of a tick.
 struct SurfaceDemands {
   ContactRates rates;
-  double landing = 0;  // substeps
+  double landing = 0;  // substeps that resolve a landing
 };
-// agitation: Survey's.
+// agitation: Survey::agitation, m/s. duration: of the tick, s.
 template <class Real>
 [[nodiscard]] SurfaceDemands FindSurfaceDemands(const Blueprint& blueprint, std::span<const Surface<Real>> surfaces,
                                                 const State<Real>& state, double agitation, double duration);
 
-// Substeps for a tick of `duration` seconds with which the method is stable.
+// Substeps, on the ladder, for a tick of `duration` s with which the method is stable.
 template <class Real>
 [[nodiscard]] int ChooseSubsteps(Integrator integrator, const Blueprint& blueprint, const Load<Real>& load,
                                  const State<Real>& state, const SurfaceDemands& fromSurfaces,
                                  const ContactRates& fromBodies, double duration);
 
-// What an oscillator with square of frequency w² and damping rate g asks of an explicit method: ω while it rings,
-// its fast decay rate g/2 + √(g²/4 − w²) once overdamped.
+// The rate, 1/s, that an explicit method must resolve of an oscillator with square of frequency w², 1/s², and damping
+// rate g, 1/s: w while it rings, its faster decay rate g/2 + √(g²/4 − w²) once overdamped.
 [[nodiscard]] double FindModeRate(double squareFrequency, double dampingRate);
 
 }  // namespace wobble::physics

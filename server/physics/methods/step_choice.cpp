@@ -1,3 +1,5 @@
+// Rises at once to what the largest error of the last ticks asks for; falls one rung at a time, and only after some
+// ticks.
 #include "server/physics/methods/step_choice.h"
 
 #include <algorithm>
@@ -9,9 +11,10 @@
 namespace wobble::physics {
 namespace {
 
-// Of the allowed error, what is aimed at: the next tick is a little different.
+// Share of the allowed error that is aimed at, since the next tick is a little different.
 constexpr double kAim = 0.8;
-// Ticks that a lower rung must have sufficed before one is gone down: a vibration's error comes and goes with it.
+// Ticks in a row for which a lower rung must suffice before the substeps go down by one: the error of a vibration comes
+// and goes with it.
 constexpr int kPatience = 2;
 
 int FindSubstepsForCoefficient(double coefficient, double allowed) {

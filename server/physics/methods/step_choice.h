@@ -1,13 +1,13 @@
-// How many substeps a body needs so that its error stays below what the scene allows, learnt from the ticks before.
+// The number of substeps that keeps a body's error within what the scene allows, learnt from the ticks before.
 //
-// The estimate costs two sums a substep, from stages that RK4 computes anyway. The step from the fourth stage's
-// velocity v₄ and acceleration a₄ to the new ones would be none for a method that is one order lower, so
+// The estimate costs two sums a substep, over stages that RK4 computes anyway. Replacing the fourth stage's velocity v₄
+// and acceleration a₄ by the new ones gives a method of one order less, so
 //   E = Σ over substeps of (h/6) RMS(v₄ − v_new) + (h/6) RMS(a₄ − a₁,next) · (time left in the tick)
-// is such a method's error, the first term in position, the second in a velocity that goes on to the tick's end; the
-// error of RK4 itself is kErrorShare E/n. Measured against step doubling: the median of truth over estimate is 0.87 to
-// 1.12 on balls, lattices and cloth. Doubling on sampled ticks instead misses impacts.
+// is the error of such a method: the first term in position, the second in a velocity that goes on to the tick's end.
+// The error of RK4 itself is kErrorShare E/n. Measured against step doubling, the median of true over estimated error
+// is 0.87 to 1.12 on balls, lattices and cloth. Rejected: step doubling on sampled ticks, which misses impacts.
 //
-// RK4's error goes with n⁻⁴, so c = error · n⁴ says what any other number of substeps would have done.
+// RK4's error is proportional to n⁻⁴, so c = error · n⁴ predicts the error at any other number n of substeps.
 #pragma once
 
 #include <array>
@@ -16,13 +16,13 @@ namespace wobble::physics {
 
 inline constexpr double kErrorShare = 0.58;
 
-// What one body asks of the next tick. Errors are RMS over its vertices.
+// The substeps that one body asks for, from the errors of its last ticks. Errors are RMS over its vertices, m.
 class StepHistory {
  public:
-  // For the next tick.
+  // Substeps for the next tick, on the ladder.
   [[nodiscard]] int Substeps() const { return m_substeps; }
 
-  // After a tick of `substeps` that had this error. allowed: that of one tick, m.
+  // Records the error of a tick in so many substeps. allowed: error allowed in one tick, m.
   void Record(double error, int substeps, double allowed);
 
  private:
@@ -33,10 +33,10 @@ class StepHistory {
   int m_ticksBelow = 0;
 };
 
-// A tick with this many times the error that is allowed is to be stepped again.
+// A tick with this many times the allowed error is stepped again.
 inline constexpr double kRedoFactor = 4;
 
-// The least rung at which a tick with `error` at `substeps` would have been within `allowed`.
+// The least rung of the ladder at which a tick with `error` at `substeps` would have been within `allowed`, m.
 [[nodiscard]] int FindSubstepsForError(double error, int substeps, double allowed);
 
 }  // namespace wobble::physics

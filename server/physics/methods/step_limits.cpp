@@ -1,3 +1,4 @@
+// Each limit by its closed form, or by bisection of the condition where that is simpler. w2 = w², 1/s²; g in 1/s.
 #include "server/physics/methods/step_limits.h"
 
 #include <algorithm>
@@ -11,9 +12,9 @@ namespace wobble::physics {
 namespace {
 
 constexpr double kForever = std::numeric_limits<double>::infinity();
-constexpr int kBisections = 60;  // from an interval of the limit's own size to its last bit
+constexpr int kBisections = 60;  // from an interval as large as the limit down to the limit's last bit
 
-// The step in [0, end] up to which `isStable` holds.
+// The step in [0, end] up to which isStable(step) holds.
 template <class IsStable>
 double Bisect(double end, const IsStable& isStable) {
   double begin = 0;
@@ -24,7 +25,7 @@ double Bisect(double end, const IsStable& isStable) {
   return begin;
 }
 
-// |1 + hλ|² = 1 − hg + h²w² while it rings; 1 − hμ > −1 for the faster root once overdamped.
+// While the mode rings |1 + hλ|² = 1 − hg + h²w² < 1; once it is overdamped 1 − hμ > −1 for the faster root μ.
 double FindExplicitEulerStep(double w2, double g) {
   const double discriminant = g * g / 4 - w2;
   return discriminant <= 0 ? g / w2 : 2 / (g / 2 + std::sqrt(discriminant));
@@ -33,22 +34,22 @@ double FindExplicitEulerStep(double w2, double g) {
 // h²w² + 2hg = 4, solved without the cancellation of the textbook form.
 double FindSymplecticStep(double w2, double g) { return 4 / (g + std::sqrt(g * g + 4 * w2)); }
 
-// The first root of the cubic f(h) = h²w²(2 − hg/2) − 4(2 − hg + h²g²/4). It rises from −8 to its one maximum and falls
-// from there; where that stays below 0, or comes late, hg < 4 is the limit.
+// The first root of the cubic f(h) = h²w²(2 − hg/2) − 4(2 − hg + h²g²/4), which rises from −8 to its one maximum and
+// then falls. Where the maximum is below 0, or beyond 4/g, the limit is hg < 4.
 double FindVerletStep(double w2, double g) {
   if (!(g > 0)) return 2 / std::sqrt(w2);
   const auto f = [&](double h) { return h * h * w2 * (2 - h * g / 2) - 4 * (2 - h * g + h * h * g * g / 4); };
   const double slope = 2 * w2 - g * g;
-  // f' = 4g + 2·slope·h − (3/2) w² g h², of which the positive root.
+  // The positive root of f' = 4g + 2·slope·h − (3/2) w² g h².
   const double top = w2 > 0 ? (slope + std::sqrt(slope * slope + 6 * w2 * g * g)) / (1.5 * w2 * g) : kForever;
   const double end = std::min(top, 4 / g);
   return f(end) > 0 ? Bisect(end, [&](double h) { return f(h) < 0; }) : 4 / g;
 }
 
-// Of a body whose fastest mode that is. Dashpots damp its slower modes by γ = βω² with one and the same β = g/w², so
-// with d = hγ the limit is h < β (16/(d (4 − d)) − 2): narrowest at d = 2, where h < 2β, and wider again beyond. A fast
-// mode that is damped past d = 2 bears steps, up to d = 4, that a slower one does not. β takes the 5 % that the
-// frequency has to spare.
+// The limit of a body whose fastest mode this is. Dashpots damp its slower modes by γ = βω² with the same β = g/w², so
+// with d = hγ the limit is h < β (16/(d (4 − d)) − 2): narrowest at d = 2, where h < 2β, and wider beyond. So a fast
+// mode that is damped past d = 2 is stable in steps, up to d = 4, in which a slower mode is not. β is reduced by the 5
+// % that the frequency has as a margin.
 double FindVerletStepOfBody(double w2, double g) {
   const double step = FindVerletStep(w2, g);
   return g * step > 2 ? std::min(step, std::max(2 / g, 1.9 * g / w2)) : step;

@@ -1,4 +1,5 @@
-// A body of a system that is being stepped, as those methods see it that need more than its accelerations.
+// A body of a system that is being stepped, for the methods that need more than its accelerations: implicit Euler and
+// position Verlet.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +18,8 @@ struct SteppedBody {
   const Load<Real>* load = nullptr;
   std::span<const Surface<Real>> surfaces;
   std::span<const Contact<Real>> contacts;
-  std::span<const std::uint8_t> torn;  // one a spring, not 0 where it is; empty: none is
-  std::size_t begin = 0;               // of its vertices in the system's
+  std::span<const std::uint8_t> torn;  // State::torn
+  std::size_t begin = 0;               // of its vertices in the system's arrays
 };
 
 template <class Real>

@@ -1,8 +1,9 @@
 // Builds balls. The radius that a scene states is the radius at rest, so the springs must be shorter than the edges
-// they lie on by just what the gas stretches them. Scaling all rest lengths by f keeps a sphere of radius R in balance
-// when the virial of the forces vanishes: the gas gives Σ F·x = 3 (P − P₀) V, the springs −Σ k (ℓ − fℓ) ℓ, hence
+// they lie on by as much as the gas stretches them. A sphere of radius R whose rest lengths are all scaled by f is in
+// balance when the virial of the forces vanishes: the gas gives Σ F·x = 3 (P − P₀) V, the springs −Σ k (ℓ − fℓ) ℓ,
+// hence
 //   1 − f = 3 (P − P₀) V / Σ k ℓ².
-// On an icosphere not all vertices are alike, so a short damped relaxation then finds the exact equilibrium.
+// The vertices of an icosphere are not all alike, so a short damped relaxation then finds the exact equilibrium.
 #include "server/physics/shapes/ball.h"
 
 #include <algorithm>
@@ -55,7 +56,7 @@ double SumSquaredLengths(const Icosphere& sphere) {
   return sum;
 }
 
-// 1 − f of the comment above.
+// 1 − f of the head comment.
 double FindShortening(const BallDefinition& definition, const Icosphere& sphere) {
   const double r = definition.radius;
   const double volume = ComputeVolume<double>(sphere.faces, sphere.vertices) * r * r * r;
@@ -87,7 +88,7 @@ Icosphere MakeIcosphere(int subdivisions) {
     for (int side = 0; side < 3; ++side) {
       const std::uint16_t a = face[side];
       const std::uint16_t b = face[(side + 1) % 3];
-      if (a < b) sphere.edges.push_back({a, b});  // the face beyond has it the other way round
+      if (a < b) sphere.edges.push_back({a, b});  // the neighbouring face walks it from b to a
     }
   }
   std::sort(sphere.edges.begin(), sphere.edges.end());
@@ -132,7 +133,8 @@ Blueprint MakeBall(const BallDefinition& definition) {
   for (const auto& [a, b] : sphere.edges) {
     const double length = (blueprint.rest[a] - blueprint.rest[b]).norm();
     meanLength += length / static_cast<double>(sphere.edges.size());
-    blueprint.full.springs.push_back({a, b, restShare * length, material.stiffness, damping});
+    blueprint.full.springs.push_back(
+        {.a = a, .b = b, .restLength = restShare * length, .stiffness = material.stiffness, .damping = damping});
   }
   blueprint.full.faces = sphere.faces;
   blueprint.full.masses.assign(sphere.vertices.size(), vertexMass);
@@ -143,7 +145,7 @@ Blueprint MakeBall(const BallDefinition& definition) {
   blueprint.full.contact = MakeContactParameters(material, vertexMass, definition.radius);
   FinishBlueprint(blueprint);
   if (material.gas > 0) {
-    // Until forces have fallen to rounding beside what a spring carries.
+    // Relaxes until the forces are rounding errors of what a spring carries.
     const double tolerance = 1e-10 * material.stiffness * meanLength * blueprint.full.inverseMasses[0];
     (void)RelaxRest(blueprint, tolerance, 4000);
     FinishBlueprint(blueprint);

@@ -1,5 +1,5 @@
-// Builds cloths. On the border a square brings what is its own, as in a lattice: half of each of its sides, a quarter
-// of its mass to each corner. So a wider cloth of the same material and mass a square metre moves alike.
+// Builds cloths. Each square adds its own share, as in a lattice: half of each of its sides and a quarter of its mass
+// at each corner. So a wider cloth of the same material and mass a square metre moves alike.
 #include "server/physics/shapes/cloth.h"
 
 #include <cmath>
@@ -58,8 +58,11 @@ void AddSprings(const ClothDefinition& definition, const Weave& weave, double ve
     const auto add = [&](int columns, int rows, double share) {
       if (!weave.Holds(column + columns, row + rows)) return;
       const double length = definition.spacing * std::hypot(columns, rows);
-      blueprint.full.springs.push_back({weave.IndexOf(column, row), weave.IndexOf(column + columns, row + rows), length,
-                                        share * material.stiffness, share * damping});
+      blueprint.full.springs.push_back({.a = weave.IndexOf(column, row),
+                                        .b = weave.IndexOf(column + columns, row + rows),
+                                        .restLength = length,
+                                        .stiffness = share * material.stiffness,
+                                        .damping = share * damping});
     };
     add(1, 0, weave.FindRowShare(row));
     add(0, 1, weave.FindColumnShare(column));
@@ -74,7 +77,7 @@ void AddSprings(const ClothDefinition& definition, const Weave& weave, double ve
   });
 }
 
-// Two triangles a square, cut along alternating diagonals so that no direction is favoured.
+// Adds two triangles for each square, cut along alternating diagonals so that no direction is favoured.
 void AddFaces(const Weave& weave, std::vector<Face>& faces) {
   for (int row = 0; row + 1 < weave.rows; ++row) {
     for (int column = 0; column + 1 < weave.columns; ++column) {

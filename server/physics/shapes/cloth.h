@@ -12,7 +12,7 @@ namespace wobble::physics {
 // Horizontal: in the plane of x and y, its top edge the one at the largest y. Vertical: in the plane of x and z, its
 // top edge the uppermost.
 enum class Orientation : std::uint8_t { kHorizontal, kVertical };
-// Which vertices stay where they are.
+// Which vertices are fixed.
 enum class Pinned : std::uint8_t { kNone, kCorners, kTopCorners, kEdge, kFrame };
 
 struct ClothDefinition {
@@ -21,18 +21,19 @@ struct ClothDefinition {
   double spacing = 0.1;               // of the points, m
   Orientation orientation = Orientation::kVertical;
   Pinned pinned = Pinned::kNone;
-  double shear = 0.5;      // stiffness of a square's diagonals, as a share of its sides'
-  double bend = 0.1;       // of springs over two squares, which resist folding, likewise
+  double shear = 0.5;      // stiffness of a square's diagonals, as a share of that of its sides
+  double bend = 0.1;       // the same of springs across two squares, which resist folding
   double tearStretch = 0;  // springs tear when longer than this times their rest length; 0: never
   Material material{.mass = 1, .stiffness = 300, .drag = 0.6};  // no gas
 };
 
 inline constexpr int kMaxClothPoints = 100;  // along either side
 
+// Lists every bad field of a definition; empty when it can be built.
 [[nodiscard]] std::vector<FieldError> ValidateCloth(const ClothDefinition& definition);
 
-// The definition must be valid. Vertices along x first, row by row from the top; faces look up or, vertical, towards
-// −y. Every side of a face has a spring.
+// The definition must be valid. Vertices run along x, row by row from the top. Faces look up; of a vertical cloth
+// towards −y. Every side of a face has a spring.
 [[nodiscard]] Blueprint MakeCloth(const ClothDefinition& definition);
 
 }  // namespace wobble::physics

@@ -1,3 +1,4 @@
+// Everything that a maker of shapes need not know: it fills in `rest` and `full`, and the rest follows from these here.
 #include "server/physics/shapes/finish_blueprint.h"
 
 #include <algorithm>
@@ -11,17 +12,17 @@ namespace wobble::physics {
 namespace {
 
 ContactParameters<float> ToSingle(const ContactParameters<double>& c) {
-  return {c.law,
-          static_cast<float>(c.stiffness),
-          static_cast<float>(c.fadeDepth),
-          static_cast<float>(c.damping),
-          static_cast<float>(c.stickStiffness),
-          static_cast<float>(c.stickDamping),
-          static_cast<float>(c.friction),
-          static_cast<float>(c.restitution),
-          static_cast<float>(c.strength),
-          static_cast<float>(c.floorDistance),
-          static_cast<float>(c.range)};
+  return {.law = c.law,
+          .stiffness = static_cast<float>(c.stiffness),
+          .fadeDepth = static_cast<float>(c.fadeDepth),
+          .damping = static_cast<float>(c.damping),
+          .stickStiffness = static_cast<float>(c.stickStiffness),
+          .stickDamping = static_cast<float>(c.stickDamping),
+          .friction = static_cast<float>(c.friction),
+          .restitution = static_cast<float>(c.restitution),
+          .strength = static_cast<float>(c.strength),
+          .floorDistance = static_cast<float>(c.floorDistance),
+          .range = static_cast<float>(c.range)};
 }
 
 Coefficients<float> ToSingle(const Coefficients<double>& full) {
@@ -31,8 +32,11 @@ Coefficients<float> ToSingle(const Coefficients<double>& full) {
   single.fixed = full.fixed;
   single.springs.reserve(full.springs.size());
   for (const Spring<double>& s : full.springs) {
-    single.springs.push_back(
-        {s.a, s.b, static_cast<float>(s.restLength), static_cast<float>(s.stiffness), static_cast<float>(s.damping)});
+    single.springs.push_back({.a = s.a,
+                              .b = s.b,
+                              .restLength = static_cast<float>(s.restLength),
+                              .stiffness = static_cast<float>(s.stiffness),
+                              .damping = static_cast<float>(s.damping)});
   }
   single.faces = full.faces;
   single.planar = full.planar;
@@ -48,7 +52,8 @@ Coefficients<float> ToSingle(const Coefficients<double>& full) {
   return single;
 }
 
-// The vertices that may meet something: of a planar body those on its border, though faces lie all over it.
+// The vertices that may touch something. Of a planar body these are the ones on its border, though faces cover all of
+// it.
 std::vector<std::uint16_t> FindOuterVertices(const Blueprint& blueprint) {
   const Topology& topology = blueprint.topology;
   if (!blueprint.full.planar) return topology.vertices;
@@ -61,7 +66,8 @@ std::vector<std::uint16_t> FindOuterVertices(const Blueprint& blueprint) {
   return outer;
 }
 
-// A body without faces has no surface to share: each vertex stands for itself.
+// The share of each vertex in a contact: its mass over that of the heaviest outer vertex. A body without faces has no
+// surface to share, so each of its vertices has 1.
 void FindContactShares(Blueprint& blueprint) {
   Coefficients<double>& full = blueprint.full;
   full.contactShares.assign(full.masses.size(), 1);
@@ -83,7 +89,8 @@ double FindRestVolume(const Blueprint& blueprint) {
   return IsClosed(blueprint.topology) ? ComputeVolume<double>(full.faces, blueprint.rest) : 0;
 }
 
-// A face of area A that meets the medium at u adds 2 (½ρC) A |u| to the damping of its motion, a third to each vertex.
+// The largest drag rate of a vertex, 1/m. A face of area A that meets the medium at speed u adds 2 (½ρC) A |u| to the
+// damping of its motion, a third at each vertex.
 double FindDragRate(const Blueprint& blueprint) {
   const Coefficients<double>& full = blueprint.full;
   if (!(full.drag > 0)) return 0;

@@ -1,5 +1,5 @@
-// The last step of every maker of blueprints: all that follows from a rest shape and its coefficients, computed once,
-// and the choices that a scene makes for a whole kind of body (method, law of contact).
+// The last step of every maker of blueprints: computes, once, all that follows from a rest shape and its coefficients,
+// and sets what a scene chooses for a kind of body (integration method, contact law).
 #pragma once
 
 #include <vector>
@@ -8,30 +8,32 @@
 
 namespace wobble::physics {
 
-// Adds `value` to the errors unless it is valid.
+// Adds an error that names the field, its value and its range, unless `valid`.
 void CheckField(std::vector<FieldError>& errors, const char* field, double value, bool valid, const char* range);
 
-// Fills everything that follows from `rest` and `full`: single precision, sizes, masses, volume, stability, topology.
-// Vertices in `full.fixed` lose their inverse masses.
+// Fills in everything that follows from `rest` and `full`: single precision, sizes, masses, volume, stability,
+// topology, plans. Moves the rest shape to its centre of mass, and sets the inverse masses of vertices in `full.fixed`
+// to 0.
 void FinishBlueprint(Blueprint& blueprint);
-// The same without stability, for those who know it: the power iteration takes longer than all the rest.
+// The same without stability, for callers that know it: its power iteration takes longer than all the rest.
 void FinishBlueprintButStability(Blueprint& blueprint);
 
-// How the body is stepped in lanes, from its coefficients and its grid.
+// Makes the plans by which the body is stepped in lanes, from its coefficients and its grid.
 void MakePlans(Blueprint& blueprint);
 
-// Sets the method and makes what it needs; after FinishBlueprint.
+// Sets the integration method and makes what it needs. To be called after FinishBlueprint.
 void SetIntegrator(Blueprint& blueprint, Integrator integrator);
 
-// What may be asked of `magnetic_strength`, N·m², and what it is unless it is asked for.
+// Range and default of `magnetic_strength`, N·m².
 inline constexpr double kMinMagneticStrength = 1e-7;
 inline constexpr double kMaxMagneticStrength = 100;
 inline constexpr double kDefaultMagneticStrength = 1e-3;
-// Sets the law and what follows from it; after FinishBlueprint. magneticStrength: K, for that law only.
+// Sets the contact law and what follows from it. To be called after FinishBlueprint. magneticStrength: K, N·m², of the
+// magnetic law; the others ignore it.
 void SetContactLaw(Blueprint& blueprint, ContactLaw law, double magneticStrength = kDefaultMagneticStrength);
 
-// Whether the body by itself leaves half of the largest number of substeps, at 60 ticks a second, to what it touches,
-// and needs no more than all of them on a rigid surface.
+// Whether, at 60 ticks a second, the body alone needs at most half of kMaxSubsteps, which leaves the other half to what
+// it touches, and at most kMaxSubsteps on a rigid surface.
 [[nodiscard]] bool IsSlowEnough(const Blueprint& blueprint);
 
 }  // namespace wobble::physics

@@ -1,9 +1,10 @@
-// Builds and changes graphs. Particles of a graph may come to stand anywhere, so what the power iteration finds in the
-// rest shape would not hold for long: of two springs in one line the frequencies add up, of two across they do not. Its
-// frequency is bounded for every shape instead: the matrix M^−½ K M^−½ has blocks k n nᵀ/√(mᵢ mⱼ) at most, so by
-// Gershgorin's circles
+// Builds and changes graphs. Particles of a graph may move to any place, so a frequency that the power iteration finds
+// in the rest shape does not hold for long: the squares of the frequencies of two springs add up when they are in line,
+// not when they are at right angles. The frequency is bounded for every shape instead: the blocks of the matrix
+// M^−½ K M^−½ are at most k n nᵀ/√(mᵢ mⱼ), so by Gershgorin's circles
 //   ω² ≤ maxᵢ Σⱼ kᵢⱼ (1/mᵢ + 1/√(mᵢ mⱼ)),
-// at most twice too large, and exact for a chain. It takes one pass over the springs, as fits a change in mid-game.
+// which is at most twice too large, and exact for a chain. It takes one pass over the springs, as suits a change while
+// the world runs.
 #include "server/physics/shapes/graph.h"
 
 #include <algorithm>
@@ -18,9 +19,9 @@
 namespace wobble::physics {
 namespace {
 
-constexpr double kParticleSize = 0.5;  // that a contact's fade depth is a share of, m
+constexpr double kParticleSize = 0.5;  // m; a contact's fade depth is a share of it
 
-// maxᵢ Σⱼ of the formula above, of what `pick` reads from a spring.
+// maxᵢ Σⱼ of the formula above, with pick(spring) in place of kᵢⱼ.
 template <class Pick>
 double BoundRate(const Coefficients<double>& full, Pick&& pick) {
   std::vector<double> sums(full.masses.size(), 0);
@@ -39,7 +40,7 @@ void FinishGraph(Blueprint& graph) {
   graph.dampingRate = BoundRate(graph.full, [](const auto& spring) { return spring.damping; });
 }
 
-// `where` goes before the name of each field.
+// where: precedes the name of each field in errors.
 void CheckParticle(std::vector<FieldError>& errors, const std::string& where, const Particle& particle) {
   const double farthest =
       particle.position.allFinite() ? particle.position.cwiseAbs().maxCoeff() : std::numeric_limits<double>::infinity();
@@ -48,7 +49,7 @@ void CheckParticle(std::vector<FieldError>& errors, const std::string& where, co
              "0.001 to 1000000 kg");
 }
 
-// Of a spring between particles that are there.
+// Checks a spring between particles that exist.
 void CheckQuantities(std::vector<FieldError>& errors, const std::string& where, const Spring<double>& spring) {
   CheckField(errors, (where + "stiffness").c_str(), spring.stiffness, spring.stiffness > 0 && spring.stiffness <= 1e9,
              "above 0, up to 1e9 N/m");
@@ -63,7 +64,7 @@ bool IsJoined(const std::vector<Spring<double>>& springs, std::uint32_t a, std::
                              [&](const Spring<double>& s) { return (s.a == a && s.b == b) || (s.a == b && s.b == a); });
 }
 
-// Adds the spring if its ends are good; its quantities are checked as well.
+// Checks the spring, and adds it if its ends are valid.
 void AppendSpring(std::vector<FieldError>& errors, const std::string& where, const GraphSpring& added,
                   Blueprint& graph) {
   const int count = static_cast<int>(graph.rest.size());
@@ -76,7 +77,8 @@ void AppendSpring(std::vector<FieldError>& errors, const std::string& where, con
   const auto b = static_cast<std::uint32_t>(added.b);
   if (IsJoined(graph.full.springs, a, b)) errors.push_back({where + "ends", ends, "two that no spring joins yet"});
   const double length = added.restLength == 0 ? (graph.rest[a] - graph.rest[b]).norm() : added.restLength;
-  graph.full.springs.push_back({a, b, length, added.stiffness, added.damping});
+  graph.full.springs.push_back(
+      {.a = a, .b = b, .restLength = length, .stiffness = added.stiffness, .damping = added.damping});
   CheckQuantities(errors, where, graph.full.springs.back());
 }
 
@@ -96,7 +98,7 @@ GraphEdit BeginEdit(const Blueprint& graph) {
   return edit;
 }
 
-// Whether there is one at this place in the list.
+// Returns whether the index is below `count`, else adds an error.
 bool CheckPlace(GraphEdit& edit, const char* what, std::size_t index, std::size_t count) {
   if (index < count) return true;
   edit.errors.push_back({what, std::to_string(index), "one of " + std::to_string(count) + ", counted from 0"});
@@ -115,7 +117,8 @@ void EraseAt(std::vector<Value>& values, std::size_t index) {
   values.erase(values.begin() + static_cast<std::ptrdiff_t>(index));
 }
 
-// Checks the sizes and, if all is well, finishes the blueprint. field: what made it too fast, if it is.
+// Checks the sizes and finishes the blueprint if there are no errors. field: the one that an error names when the body
+// is too fast for its ticks.
 void FinishEdit(GraphEdit& edit, const char* field, double value) {
   const auto checkCount = [&](const char* what, std::size_t count, std::size_t most) {
     CheckField(edit.errors, what, static_cast<double>(count), count <= most,

@@ -5,18 +5,18 @@
 // for any s: C₁₁ = C₁₂ + 2 C₄₄ is isotropic, E = (C₁₁ − C₁₂)(C₁₁ + 2 C₁₂)/(C₁₁ + C₁₂) = 2.5 K/a and
 // ν = C₁₂/(C₁₁ + C₁₂) = 1/4. C₁₂ = C₄₄ (Cauchy's relation) holds for any central springs, hence no other ν.
 //
-// s = 0 has the fewest springs, but a corner is then easily pushed through its cell and stays there: a hit at 0.1
-// √(E/ρ) dents a cube of 4³ cells for good. With s = ¼ its corners bear 0.6 and any side 0.35; a larger s was no
-// better.
+// s = 0 needs the fewest springs, but a corner is then easily pushed through its cell and stays there: a hit at
+// 0.1 √(E/ρ) dents a cube of 4³ cells for good. With s = ¼ its corners bear 0.6 √(E/ρ) and any side 0.35; a larger s
+// was no better.
 //
 // In a plane, per metre of depth, a cell owns two edges and two diagonals. With stiffnesses 2 K and K
 //   C₁₁ = 2 K + K = 3 K,   C₁₂ = C₄₄ = K:   isotropic, E = C₁₁ − C₁₂²/C₁₁ = 8/3 K and ν = C₁₂/C₁₁ = 1/3.
 //
-// On the boundary a cell brings what is its own: ¼ of each of its edges, which four cells share inside, ½ of each
-// face diagonal, which two share, ⅛ of its mass to each corner. All cells are then alike and a body of any number of
-// them has exactly E, ν and the density. Equal masses instead would give contacts heavier corners, but put the mass
-// outside (a cube of 3³ cells would have 1.7 times the moment of inertia, with these masses it has 1.2) and so lower
-// its vibrations; and shares cost no substeps, since no body is stiffer for its mass than one cell alone.
+// Each cell adds its own share: ¼ of each of its edges, which four cells share inside, ½ of each face diagonal, which
+// two share, and ⅛ of its mass at each corner. All cells are then alike, and a body of any number of them has exactly
+// E, ν and the density. Rejected: equal masses. They would give contacts heavier corners, but move mass outward (a cube
+// of 3³ cells would have 1.7 times the moment of inertia of a solid one, with shares it has 1.2) and so lower the
+// frequencies. Shares cost no substeps, since no body is stiffer for its mass than one cell alone.
 #include "server/physics/shapes/lattice.h"
 
 #include <algorithm>
@@ -31,7 +31,7 @@
 namespace wobble::physics {
 namespace {
 
-using Place = std::array<int, 3>;  // of a vertex, in cells from the corner
+using Place = std::array<int, 3>;  // of a vertex, in cells from the corner of the lattice
 
 struct Grid {
   Place cells;
@@ -46,7 +46,8 @@ struct Grid {
     return cells[axis] > 0 && (p[axis] == 0 || p[axis] == cells[axis]);
   }
 
-  // Of the cells that meet in a vertex, or in a spring that leaves it along `direction`, the share that is there.
+  // The share of cells that the lattice has of those that would meet in a vertex, or in a spring that leaves it along
+  // `direction`.
   [[nodiscard]] double FindShare(const Place& p, const Place& direction) const {
     double share = 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -66,11 +67,11 @@ struct Grid {
 };
 
 constexpr double kBodyDiagonals = 0.25;  // s
-// Of edges, face diagonals, body diagonals, as multiples of K.
+// Stiffnesses of edges, face diagonals and body diagonals, as multiples of K.
 constexpr double kStiffnesses[] = {1 + kBodyDiagonals, 1 - kBodyDiagonals, 0.75 * kBodyDiagonals};
 constexpr double kPlanarStiffnesses[] = {2, 1};
 
-// Half of the directions that springs leave a vertex in; the other half is the neighbours' own.
+// Half of the directions in which springs leave a vertex; the springs of the other half belong to the neighbours.
 constexpr Place kDirections[] = {{1, 0, 0}, {0, 1, 0},  {0, 0, 1}, {1, 1, 0},  {-1, 1, 0}, {1, 0, 1},  {-1, 0, 1},
                                  {0, 1, 1}, {0, -1, 1}, {1, 1, 1}, {-1, 1, 1}, {1, -1, 1}, {-1, -1, 1}};
 
@@ -81,7 +82,8 @@ double FindCellMass(const LatticeDefinition& d) {
   return d.density * d.cellSize * d.cellSize * (IsPlanar(d.cells) ? 1 : d.cellSize);
 }
 
-// Damping goes with stiffness, whatever the spring's: then it slows every mode by its frequency alone, wherever it is.
+// The damping of each spring is proportional to its stiffness, so that the damping of a mode depends only on its
+// frequency.
 void AddVertexSprings(const Grid& grid, const Place& p, const LatticeDefinition& definition,
                       std::vector<Spring<double>>& springs) {
   const double stiffness = FindStiffness(definition);
@@ -92,12 +94,16 @@ void AddVertexSprings(const Grid& grid, const Place& p, const LatticeDefinition&
     if (!grid.Holds(q)) continue;
     const int squares = direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2];
     const double share = grid.FindShare(p, direction) * stiffnesses[squares - 1];
-    springs.push_back({grid.IndexOf(p), grid.IndexOf(q), std::sqrt(squares) * definition.cellSize, share * stiffness,
-                       share * damping});
+    springs.push_back({.a = grid.IndexOf(p),
+                       .b = grid.IndexOf(q),
+                       .restLength = std::sqrt(squares) * definition.cellSize,
+                       .stiffness = share * stiffness,
+                       .damping = share * damping});
   }
 }
 
-// Two triangles for each square of an outer side, cut along alternating diagonals so that no direction is favoured.
+// Adds two triangles for each square of an outer side, cut along alternating diagonals so that no direction is
+// favoured.
 void AddSide(const Grid& grid, std::size_t axis, bool far, std::vector<Face>& faces) {
   const std::size_t u = (axis + 1) % 3;  // u × v looks along the axis
   const std::size_t v = (axis + 2) % 3;
@@ -119,7 +125,8 @@ void AddSide(const Grid& grid, std::size_t axis, bool far, std::vector<Face>& fa
   }
 }
 
-// The contact law damps for one mass: the mean of those that can touch, between ⅛ (corner) and ½ (face) of a cell's.
+// The contact law damps for one mass: the mean of those that can touch, which are from ⅛ (corner) to ½ (face) of a
+// cell.
 double FindMeanOuterMass(const Grid& grid, const std::vector<double>& masses) {
   double sum = 0;
   int count = 0;
@@ -141,7 +148,7 @@ void FixSide(const Grid& grid, Side side, std::vector<std::uint16_t>& fixed) {
   });
 }
 
-// Half of the shortest way through, m.
+// Half of the shortest way through the body, m.
 double FindHalfWidth(const LatticeDefinition& d) {
   int fewest = kMaxLatticeCells;
   for (const int n : d.cells) {

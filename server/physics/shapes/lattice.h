@@ -1,5 +1,5 @@
-// Solids: a cubic lattice of masses, joined by springs along the edges and diagonals of its cells; and sheets in a
-// plane, a square lattice of the same kind.
+// Lattices: solids of masses in a cubic lattice, joined by springs along the edges and diagonals of its cells; and, in
+// a plane, sheets of a square lattice of the same kind.
 #pragma once
 
 #include <array>
@@ -11,24 +11,25 @@
 
 namespace wobble::physics {
 
-// Central springs know no inside: hit at more than about a third of √(E/ρ), a lattice may be left with cells that are
-// turned inside out (cubes of 2 to 4 cells a side; of six, a fifth).
 enum class Side : std::uint8_t { kNone, kLowX, kHighX, kLowY, kHighY, kLowZ, kHighZ };
 
-// No cells along y: a planar lattice, whose quantities are per metre of depth.
+// With no cells along y the lattice is planar and its quantities are per metre of depth.
+//
+// Limit: central springs do not tell inside from outside. A cube of 2 to 4 cells a side that hits something at more
+// than about a third of √(E/ρ) (of six cells: a fifth) may keep cells that are turned inside out.
 struct LatticeDefinition {
   std::string name = "lattice";
   std::array<int, 3> cells{3, 3, 3};  // along x, y, z
   double cellSize = 0.25;             // edge of a cell, a, m
   double youngModulus = 10000;        // E, Pa
-  double poissonRatio = 0.25;         // what springs of this kind have (planar: 1/3); no other can be built
+  double poissonRatio = 0.25;         // must be that of such springs, 1/4 (planar: 1/3); no other can be built
   double density = 20;                // kg/m³
-  double dampingRatio = 0.1;          // of each spring between two inner masses alone, 1: critical
+  double dampingRatio = 0.1;          // of a spring between two inner masses by itself; 1: critical
   double friction = 0.8;              // Coulomb's coefficient, static and kinetic
   double restitution = 0.5;           // of a single vertex on a rigid surface
   double contactStiffness = 0;        // of a vertex against a surface, N/m; 0: kContactStiffnessRatio x stiffness
-  double repulsion = 0;      // between neighbours at distance d: this/d⁴, N·m⁴; stiffens beyond youngModulus
-  Side fixed = Side::kNone;  // vertices on this side stay where they are
+  double repulsion = 0;      // K_r, N·m⁴: neighbours at distance d repel with K_r/d⁴; stiffens beyond youngModulus
+  Side fixed = Side::kNone;  // vertices on this side are fixed
 };
 
 inline constexpr int kMaxLatticeCells = 100;  // along an axis
@@ -40,16 +41,16 @@ inline constexpr std::size_t kMaxLatticeVertices = 10000;
 }
 
 [[nodiscard]] constexpr bool IsPlanar(const std::array<int, 3>& cells) { return cells[1] == 0; }
-// ν of springs in space and in a plane.
+// ν of central springs in space or in a plane.
 [[nodiscard]] constexpr double FindPoissonRatio(const std::array<int, 3>& cells) {
   return IsPlanar(cells) ? 1.0 / 3 : 0.25;
 }
 
-// Everything that is wrong with a definition; empty when it can be built.
+// Lists every bad field of a definition; empty when it can be built.
 [[nodiscard]] std::vector<FieldError> ValidateLattice(const LatticeDefinition& definition);
 
-// The definition must be valid. Vertices with x fastest, then y, then z; faces on the outside only, of a planar one all
-// over it, towards −y.
+// The definition must be valid. Vertices run along x fastest, then y, then z. Faces lie on the outside; of a planar
+// lattice they cover all of it and look towards −y.
 [[nodiscard]] Blueprint MakeLattice(const LatticeDefinition& definition);
 
 }  // namespace wobble::physics

@@ -1,4 +1,4 @@
-// What bodies of springs have in common when they are made from physical quantities.
+// What the makers of bodies from physical quantities share: checks of a material, damping, repulsion.
 #pragma once
 
 #include <cmath>
@@ -9,25 +9,26 @@
 
 namespace wobble::physics {
 
-// Springs keep at least this share of the length that they have at rest; shorter ones would leave a skin limp against
-// bending.
+// Least rest length of a spring, as a share of its length in the rest shape. With shorter ones a skin would be limp
+// against bending.
 inline constexpr double kMinRestShare = 0.3;
 
-// Everything that is wrong with a material but its gas, and with its gas.
+// Add an error for every bad field of a material except its gas, and for a bad gas.
 void CheckMaterial(std::vector<FieldError>& errors, const Material& material);
 void CheckGas(std::vector<FieldError>& errors, const Material& material);
-// Refuses a body that is too fast for its ticks.
+// Adds an error when the body is too fast for its ticks (IsSlowEnough).
 void CheckStiffness(std::vector<FieldError>& errors, const Material& material, const Blueprint& blueprint);
 
-// Of a spring between two vertices of `vertexMass`, N·s/m. Critical is c = 2 √(k μ) with the reduced mass μ = m/2.
+// Damping, N·s/m, of a spring between two vertices of `vertexMass`, kg. dampingRatio: 1 is critical, c = 2 √(k μ) with
+// the reduced mass μ = m/2.
 [[nodiscard]] inline double FindDamping(double dampingRatio, double stiffness, double vertexMass) {
   return dampingRatio * 2 * std::sqrt(stiffness * vertexMass / 2);
 }
 
-// Gives neighbours a repulsion K_r/d⁴, N·m⁴, and shortens each spring by what balances it, so that the rest shape stays
-// what it is. Before FinishBlueprint.
+// Lets neighbours at distance d repel with K_r/d⁴, K_r = repulsion, N·m⁴, and shortens each spring by what balances
+// this, so that the rest shape stays the same. To be called before FinishBlueprint.
 void SetRepulsion(Blueprint& blueprint, double repulsion);
-// Whether every spring has kept kMinRestShare.
+// Whether every spring has at least kMinRestShare.
 [[nodiscard]] bool HasLongEnoughSprings(const Blueprint& blueprint);
 
 }  // namespace wobble::physics

@@ -1,12 +1,12 @@
-// Builds bodies from meshes. Gas pushes every vertex by f = (P − P₀) times its share of the area; springs of tension t
-// pull by A t, where A has the directions of the springs. Unlike on a sphere no single shortening of all springs
-// balances the two: bumps would be pulled in and hollows blown out. So each spring is given a tension of its own, the
-// solution of A t = −f that is nearest to the even one (conjugate gradients on the normal equations; Hestenes & Stiefel
-// 1952). A closed mesh has 3V − 6 sides, just as many as equations, and such tensions would be wild; with springs
-// across each side there are twice as many, and they are mild.
+// Builds bodies from meshes. Gas pushes every vertex with f = (P − P₀) times its share of the area; springs of tension
+// t pull with A t, where A holds the directions of the springs. Unlike on a sphere no common shortening of all springs
+// balances the two: bumps would be pulled in and hollows blown out. So each spring gets a tension of its own: the
+// solution of A t = −f that is nearest to even tensions (conjugate gradients on the normal equations; Hestenes &
+// Stiefel 1952). A closed mesh has 3V − 6 sides, as many as there are equations, and its tensions would vary wildly;
+// springs across each side double the unknowns, and the tensions become mild.
 //
-// Balance alone does not say that a shape holds. It is pushed a little out of shape and must come to rest near where
-// it was; where it comes to rest is the rest shape.
+// Balance alone does not make a shape stable. It is pushed a little out of shape and must come to rest near where it
+// was; where it comes to rest is the rest shape.
 #include "server/physics/shapes/mesh.h"
 
 #include <algorithm>
@@ -25,11 +25,11 @@ namespace wobble::physics {
 namespace {
 
 constexpr int kSolverSteps = 400;
-constexpr double kSolverTolerance = 1e-10;  // of the gas's forces
-constexpr double kKick = 1e-3;              // that a shape is pushed by, as a share of its size
+constexpr double kSolverTolerance = 1e-10;  // as a share of the gas's forces
+constexpr double kKick = 1e-3;              // the push out of shape, as a share of the size
 constexpr int kRelaxSteps = 20000;
 constexpr double kRestTolerance = 1e-3;  // m/s²
-// That a shape may change by when it comes to rest, as a share of its size.
+// The largest change of a shape that comes to rest, as a share of its size.
 constexpr double kMaxChange = 0.05;
 
 using Edge = std::array<std::uint16_t, 2>;
@@ -38,7 +38,7 @@ Edge MakeEdge(std::uint16_t a, std::uint16_t b) { return {std::min(a, b), std::m
 
 struct Frame {
   std::vector<Edge> sides;   // ascending
-  std::vector<Edge> across;  // the corners on either side of a side, where no side joins them
+  std::vector<Edge> across;  // the two corners opposite a side, where no side joins them
   bool closed = true;
 };
 
@@ -91,7 +91,7 @@ class Balance {
     return projected;
   }
 
-  // The solution nearest to `tensions`, N, of A t = −`gas`.
+  // Replaces `tensions`, N, by the solution of A t = −`gas` that is nearest to them.
   void Solve(const std::vector<Vector3d>& gas, std::vector<double>& tensions) const {
     for (std::size_t i = 0; i < tensions.size(); ++i) tensions[i] /= m_weights[i];
     std::vector<Vector3d> r;
@@ -124,10 +124,10 @@ class Balance {
 
   const std::vector<Spring<double>>& m_springs;
   std::vector<double> m_weights;       // √(kℓ)
-  std::vector<Vector3d> m_directions;  // from b to a, times those
+  std::vector<Vector3d> m_directions;  // unit vectors from b to a, times the weights
 };
 
-// Springs between vertices at their rest lengths, nothing in tension yet.
+// Adds springs at their rest lengths, without tension.
 Blueprint MakeSlack(const MeshDefinition& definition, const Frame& frame) {
   const Material& material = definition.material;
   const double vertexMass = material.mass / static_cast<double>(definition.vertices.size());
@@ -139,7 +139,11 @@ Blueprint MakeSlack(const MeshDefinition& definition, const Frame& frame) {
   mesh.full.faces = definition.faces;
   const auto add = [&](const Edge& edge, double share) {
     const double length = (mesh.rest[edge[0]] - mesh.rest[edge[1]]).norm();
-    mesh.full.springs.push_back({edge[0], edge[1], length, share * material.stiffness, share * damping});
+    mesh.full.springs.push_back({.a = edge[0],
+                                 .b = edge[1],
+                                 .restLength = length,
+                                 .stiffness = share * material.stiffness,
+                                 .damping = share * damping});
   };
   for (const Edge& side : frame.sides) add(side, 1);
   for (const Edge& pair : frame.across) {
@@ -157,7 +161,7 @@ void Tighten(const MeshDefinition& definition, Blueprint& mesh) {
   full.ambientPressure = material.ambientPressure;
   std::vector<Vector3d> gas(mesh.rest.size(), Vector3d::Zero());
   AddGas<double>(full, 1, mesh.rest, gas);
-  // Evenly: the virial of the springs, Σ k s ℓ², against that of the gas.
+  // Even tensions balance the virial of the springs, Σ k s ℓ², with that of the gas.
   double virial = 0;
   for (std::size_t i = 0; i < gas.size(); ++i) virial += gas[i].dot(mesh.rest[i]);
   double whole = 0;
@@ -183,7 +187,7 @@ void Kick(Blueprint& mesh) {
 
 struct Built {
   Blueprint mesh;
-  double longestShare = 0;  // of a spring's length that its shortening takes
+  double longestShare = 0;  // the largest shortening of a spring, as a share of its length
   bool rests = true;
   double change = 0;  // RMS, as a share of the size
 };
@@ -233,7 +237,7 @@ bool IsOnePiece(const MeshDefinition& d) {
   return true;
 }
 
-// The faces, and what follows from them; errors name the field that a scene has for all of it.
+// Checks the faces and what follows from them; errors name `file`, the scene's one field for the whole mesh.
 void CheckGeometry(std::vector<FieldError>& errors, const MeshDefinition& d) {
   const auto refuse = [&](const std::string& value, const std::string& range) {
     errors.push_back({"file", value, range});

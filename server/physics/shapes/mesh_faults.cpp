@@ -1,4 +1,4 @@
-// What can be wrong with a triangle mesh, found before anything is built from it.
+// Finds the faults of a triangle mesh before a body is built from it.
 #include <array>
 #include <map>
 
@@ -7,11 +7,11 @@
 namespace wobble::physics {
 namespace {
 
-constexpr double kMinArea = 1e-12;  // as a share of the longest side's square
+constexpr double kMinArea = 1e-12;  // as a share of the square of the longest side
 
 std::string NameVertex(std::size_t vertex) { return std::to_string(vertex + 1); }
 
-// Empty when the face by itself is good.
+// The fault of a face by itself; empty when it has none.
 std::string FindFault(std::span<const Vector3d> vertices, const Face& face) {
   for (const std::uint16_t vertex : face) {
     if (vertex >= vertices.size()) return "has vertex " + NameVertex(vertex) + " of " + std::to_string(vertices.size());
@@ -29,7 +29,8 @@ std::string FindFault(std::span<const Vector3d> vertices, const Face& face) {
 
 std::vector<MeshFault> FindMeshFaults(std::span<const Vector3d> vertices, std::span<const Face> faces) {
   std::vector<MeshFault> faults;
-  std::map<std::array<std::uint16_t, 2>, std::size_t> sides;  // as faces walk them, by the first face that does
+  // From a side, in the direction in which a face walks it, to the first face that does.
+  std::map<std::array<std::uint16_t, 2>, std::size_t> sides;
   for (std::size_t f = 0; f < faces.size(); ++f) {
     std::string what = FindFault(vertices, faces[f]);
     for (std::size_t side = 0; side < 3 && what.empty(); ++side) {

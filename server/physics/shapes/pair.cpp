@@ -24,8 +24,11 @@ Blueprint MakePair(const PairDefinition& definition) {
   blueprint.rest = {Vector3d::Zero(), definition.length * definition.direction.normalized()};
   blueprint.full.masses = {vertexMass, vertexMass};
   if (definition.firstIsFixed) blueprint.full.fixed = {0};
-  blueprint.full.springs = {{0, 1, definition.length, material.stiffness,
-                             FindDamping(material.dampingRatio, material.stiffness, vertexMass)}};
+  blueprint.full.springs = {{.a = 0,
+                             .b = 1,
+                             .restLength = definition.length,
+                             .stiffness = material.stiffness,
+                             .damping = FindDamping(material.dampingRatio, material.stiffness, vertexMass)}};
   SetRepulsion(blueprint, material.repulsion);
   blueprint.full.contact = MakeContactParameters(material, vertexMass, definition.length / 2);
   FinishBlueprint(blueprint);

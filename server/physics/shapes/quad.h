@@ -1,4 +1,4 @@
-// Squares of a grid as faces.
+// The squares of a grid as faces, for cloths and lattices.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace wobble::physics {
 
-// The square a b c d, counter-clockwise seen from outside, as two faces, cut from a to c or, when `other`, from b to d:
-// alternating cuts let a grid bend alike both ways.
+// Adds the square a b c d, counter-clockwise seen from outside, as two faces, cut from a to c or, when `other`, from b
+// to d. With alternating cuts a grid bends alike both ways.
 inline void AddQuad(std::uint16_t a, std::uint16_t b, std::uint16_t c, std::uint16_t d, bool other,
                     std::vector<Face>& faces) {
   if (!other) {

@@ -1,6 +1,6 @@
-// Steps of a sixth of the fastest period, friction near critical for the slow modes. Forces are those of a body that is
-// still: dashpots have no say in where balance is, and with strong ones (a damping ratio of 0.6) the step would be too
-// large for them.
+// Steps take a sixth of the fastest period, and friction is near critical for the slow modes. Forces are those of a
+// body without dashpots: they do not change the equilibrium, and strong ones (a damping ratio of 0.6) would make steps
+// of this length unstable.
 #include "server/physics/shapes/relax.h"
 
 #include <algorithm>

@@ -1,10 +1,11 @@
 // Builds rings. The gas pushes each of the p vertices of the innermost ring, of radius R, outward with
 //   G = (P − P₀) R sin(2π/p),
 // half the chord between its two neighbours times the pressure. A ring under tension T pulls its vertices inward with
-// 2T sin(π/p). Every one of L layers is given the same tension,
+// 2T sin(π/p). All L layers are given the same tension,
 //   T = G / (2 L sin(π/p)) = (P − P₀) R cos(π/p) / L,
-// Laplace's law for a polygon; radial springs, compressed, hand on what the rings inside have not borne, and diagonals
-// are at rest. So the rest lengths are known and the stated radii exact, without the relaxation that a ball needs.
+// Laplace's law for a polygon. Radial springs are compressed and pass on the load that the rings inside do not bear;
+// diagonals are at rest. So the rest lengths are known and the stated radii exact, without the relaxation that a ball
+// needs.
 #include "server/physics/shapes/ring.h"
 
 #include <algorithm>
@@ -23,7 +24,7 @@ struct Layout {
   int points;
   int layers;
   double innerRadius;
-  double spacing;  // of the rings
+  double spacing;  // of neighbouring rings, m
 
   explicit Layout(const RingDefinition& d)
       : points(d.points),
@@ -38,7 +39,7 @@ struct Layout {
   [[nodiscard]] double InnerArea() const { return points * innerRadius * innerRadius * std::sin(2 * HalfAngle()) / 2; }
 };
 
-// P − P₀.
+// P − P₀, Pa.
 double FindGaugePressure(const Layout& layout, const Material& material) {
   return material.gas > 0 ? material.gas / layout.InnerArea() - material.ambientPressure : 0;
 }
@@ -47,7 +48,7 @@ double FindTension(const Layout& layout, const Material& material) {
   return FindGaugePressure(layout, material) * layout.innerRadius * std::cos(layout.HalfAngle()) / layout.layers;
 }
 
-// The most gas whose tension leaves the innermost springs kMinRestShare of their length, J.
+// The most gas, J, whose tension leaves the innermost springs kMinRestShare of their length.
 double FindMostGas(const Layout& layout, const Material& material) {
   const double length = 2 * layout.innerRadius * std::sin(layout.HalfAngle());
   const double tension = (1 - kMinRestShare) * material.stiffness * length;
@@ -59,7 +60,11 @@ void AddSprings(const Layout& layout, const Material& material, double vertexMas
   const double damping = FindDamping(material.dampingRatio, material.stiffness, vertexMass);
   const auto add = [&](std::uint16_t a, std::uint16_t b, double tension) {
     const double length = (blueprint.rest[a] - blueprint.rest[b]).norm();
-    blueprint.full.springs.push_back({a, b, length - tension / material.stiffness, material.stiffness, damping});
+    blueprint.full.springs.push_back({.a = a,
+                                      .b = b,
+                                      .restLength = length - tension / material.stiffness,
+                                      .stiffness = material.stiffness,
+                                      .damping = damping});
   };
   const double tension = FindTension(layout, material);
   const double borne = 2 * tension * std::sin(layout.HalfAngle());
@@ -75,7 +80,7 @@ void AddSprings(const Layout& layout, const Material& material, double vertexMas
   }
 }
 
-// A strip that goes to and fro across the inside: 0 1 p−1, 1 2 p−1, 2 p−2 p−1 and so on.
+// Covers the inside by a strip of faces that goes to and fro: 0 1 p−1, 1 2 p−1, 2 p−2 p−1 and so on.
 void AddStrip(int points, std::vector<Face>& faces) {
   auto low = std::uint16_t{0};
   auto high = static_cast<std::uint16_t>(points - 1);

@@ -39,8 +39,8 @@ std::size_t FindTorn(const Coefficients<Real>& body, std::span<const Vector3<Rea
   return found;
 }
 
-// By the signs of volumes, after Segura and Feito 2001, "Algorithms to test ray-triangle intersection": a side that two
-// blades share has the same volume in both but for its sign, bit for bit, so nothing slips through between them.
+// Compares the signs of volumes (Segura & Feito 2001, "Algorithms to test ray-triangle intersection"). A side that two
+// blades share has the same volume in both, bit for bit, with opposite signs, so no spring slips through between them.
 bool IsCrossed(const Vector3d& p, const Vector3d& q, const Blade& blade) {
   const Vector3d area = (blade[1] - blade[0]).cross(blade[2] - blade[0]);
   const double play = kBladePlay * area.norm();

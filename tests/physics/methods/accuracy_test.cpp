@@ -52,7 +52,7 @@ TEST(RungeKutta, FollowsFreeFallExactly) {
   EXPECT_NEAR(x[0].z(), 100 + 2 * 2 - 0.5 * 9.81 * 4, 1e-11);
 }
 
-// Any explicit tableau works, not only the one in use: Heun's method must show order 2.
+// StepRungeKutta takes any explicit tableau: Heun's method must show order 2.
 TEST(RungeKutta, TakesAnotherTableau) {
   constexpr ButcherTableau<2> kHeun{.a = {{{0, 0}, {1, 0}}}, .b = {0.5, 0.5}};
   const auto measure = [&](int steps) {
@@ -70,8 +70,8 @@ TEST(RungeKutta, TakesAnotherTableau) {
   EXPECT_NEAR(std::log(measure(1000) / measure(8000)) / std::log(8.0), 2, 0.1);
 }
 
-// Far from the origin of its coordinates a float oscillator must not gain energy; in increment form rounding is
-// unbiased.
+// A float oscillator far from the origin of its coordinates must not gain energy: the increment form rounds without
+// bias.
 TEST(RungeKutta, KeepsFloatOscillatorsCalm) {
   std::vector<Vector3f> x{Vector3f(1.01F, 0, 0)};
   std::vector<Vector3f> v{Vector3f::Zero()};

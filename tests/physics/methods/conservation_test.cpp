@@ -1,4 +1,4 @@
-// What a free body keeps: momentum, angular momentum, and the energy that its damping does not take.
+// Conservation by a free body: momentum, angular momentum, and energy but for what damping takes.
 #include <gtest/gtest.h>
 
 #include "server/physics/methods/runge_kutta.h"
@@ -51,7 +51,7 @@ void ExpectMomentaKept(const Blueprint& blueprint, double h) {
   body.Run(10, h);
   const Totals after = body.Measure();
   EXPECT_LT((after.momentum - before.momentum).norm(), 1e-10 * before.momentum.norm());
-  // Not linear in the state, so RK4 keeps it to its own order only.
+  // Angular momentum is not linear in the state, so RK4 conserves it only to its own order.
   EXPECT_LT((after.angularMomentum - before.angularMomentum).norm(), 1e-4 * before.angularMomentum.norm());
   EXPECT_LT(after.energy, before.energy) << "damping takes energy";
 }
@@ -79,11 +79,11 @@ TEST(Conservation, UndampedEnergyErrorFallsWithTheFifthPowerOfTheStep) {
   };
   const double coarse = measure(1.0 / 480);
   const double fine = measure(1.0 / 960);
-  // RK4 loses energy at (hω)⁵ a radian: a factor of 32 for half the step, at least 16 were it only of order 4.
+  // RK4 loses energy at (hω)⁵ a radian: half the step loses 32 times less; order 4 alone would give 16 times.
   EXPECT_GT(coarse / fine, 20);
 }
 
-// The documents' own figures: a 162-vertex ball with ω up to 132 rad/s keeps its energy at 480 steps a second.
+// The figure of the documents: a 162-vertex ball with ω up to 132 rad/s keeps its energy at 480 steps a second.
 TEST(Conservation, StableIsNotAccurate) {
   const Blueprint ball = MakeBall(MakeMeasuredBall(0));
   const auto lost = [&](double h) {

@@ -1,4 +1,4 @@
-// The energy of a body by kind against what can be said of it by hand, and that a swing keeps their sum.
+// The energy of a body by kind against values computed by hand; a swing conserves their sum.
 #include "server/physics/energy.h"
 
 #include <gtest/gtest.h>

@@ -122,7 +122,7 @@ TEST(Forces, RepulsionIsTheGradientOfItsEnergyAlsoBelowItsFloor) {
   AddRepulsion<double>(cube.full.springs, cube.full.repulsion, x, forces);
   ExpectGradient(
       x, forces, [&](auto at) { return ComputeRepulsionEnergy(cube.full, at); }, 1e-4);
-  // Two vertices alone: K_r/d⁴.
+  // Between two lone vertices the force is K_r/d⁴.
   const Spring<double> spring{0, 1, 1, 0, 0};
   const std::vector<Vector3d> two{Vector3d::Zero(), Vector3d(2, 0, 0)};
   std::vector<Vector3d> apart(2, Vector3d::Zero());
@@ -235,13 +235,13 @@ TEST(Forces, DashpotsTakeEnergyFromStretchingOnly) {
   std::vector<Vector3d> forces(ball.rest.size(), Vector3d::Zero());
   std::vector<Vector3d> still(ball.rest.size(), Vector3d::Zero());
   AddSprings<double>(ball.full.springs, 1, ball.rest, still, forces);
-  // Turning rigidly stretches nothing: the same forces.
+  // A rigid rotation stretches nothing, so it adds no forces.
   std::vector<Vector3d> turning;
   for (const Vector3d& x : ball.rest) turning.push_back(Vector3d(0.3, -1, 2).cross(x));
   std::vector<Vector3d> turned(ball.rest.size(), Vector3d::Zero());
   AddSprings<double>(ball.full.springs, 1, ball.rest, turning, turned);
   for (std::size_t i = 0; i < forces.size(); ++i) ASSERT_LT((forces[i] - turned[i]).norm(), 1e-10);
-  // Growing is resisted.
+  // Dashpots resist growth.
   const std::vector<Vector3d>& growing = ball.rest;
   std::vector<Vector3d> grown(ball.rest.size(), Vector3d::Zero());
   AddSprings<double>(ball.full.springs, 1, ball.rest, growing, grown);

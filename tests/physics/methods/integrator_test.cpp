@@ -1,4 +1,4 @@
-// Every method by itself: order, largest stable step against theory, what it does to energy and momentum.
+// Each integration method by itself: order, largest stable step against theory, energy and momentum.
 #include "server/physics/methods/integrator_step.h"
 
 #include <gtest/gtest.h>
@@ -62,7 +62,7 @@ struct LoneSystem {
   IntegratorScratch<Real> scratch;
 };
 
-// Two masses of 2 kg on a spring of 1 m along x: they swing against one another as x'' = −w² x − g x'.
+// Two masses of 2 kg on a spring of 1 m along x. Their distance swings as x'' = −w² x − g x'.
 Blueprint MakePair(double omega, double damping) {
   Blueprint pair;
   pair.rest = {Vector3d(0, 0, 0), Vector3d(1, 0, 0)};
@@ -151,7 +151,7 @@ TEST_P(IntegratorTest, FallsFreely) {
   system.load.acceleration = Vector3d(0, 0, -10);
   system.Start({Vector3d(0, 0, 0), Vector3d(1, 0, 0)}, {Vector3d(1, 0, 2), Vector3d(1, 0, 2)});
   system.Run(1000, 1e-3);
-  // Methods of order 1 are g h/2 t off.
+  // Methods of order 1 have an error of g h/2 t.
   EXPECT_NEAR(system.x[0].z(), 2 - 5, FindOrder(GetParam(), false) > 1 ? 1e-11 : 0.0051);
   EXPECT_NEAR(system.v[0].z(), 2 - 10, 1e-11);
   EXPECT_NEAR(system.x[1].x(), 2, 1e-11);
@@ -167,7 +167,7 @@ TEST_P(IntegratorTest, KeepsMomentum) {
   }
 }
 
-// A body alone takes the same steps to within rounding in float.
+// In float a body takes the same steps to within rounding.
 TEST_P(IntegratorTest, IsTheSameInFloat) {
   const Blueprint ball = MakeBall(MakeMeasuredBall(0.1));
   LoneSystem<float> single(ball, GetParam());
@@ -187,7 +187,7 @@ std::string NameMethod(const testing::TestParamInfo<Integrator>& info) {
 }
 INSTANTIATE_TEST_SUITE_P(All, IntegratorTest, testing::ValuesIn(kOfSprings), NameMethod);
 
-// The larger eigenvalue, by size, of what one step does to the pair's swing, which is linear in stretch and rate.
+// The magnitude of the larger eigenvalue of one step of the pair's swing, which is linear in stretch and rate.
 double FindGrowth(Integrator integrator, double omega, double damping, double h) {
   LoneSystem<double> pair(MakePair(omega, damping), integrator);
   const auto step = [&](double stretch, double rate) {
@@ -216,11 +216,11 @@ TEST_P(StepLimitTest, IsWhatTheorySays) {
       EXPECT_FALSE(IsStable(GetParam(), kOmega, 0, 0.1 / kOmega));
       continue;
     }
-    // From below: beyond the first step that is unstable there may be others that are not.
+    // Searches from below: beyond the first unstable step there may be stable ones.
     double stable = 0.02 / kOmega;
     while (IsStable(GetParam(), kOmega, damping, 1.001 * stable)) stable *= 1.001;
     EXPECT_NEAR(stable / theory, 1, 0.002) << "damping ratio " << ratio;
-    // What the step choice takes is stable, and no more careful than it must be.
+    // The chosen step is stable, and not much smaller than it must be.
     const double chosen = 1 / FindStableRate(GetParam(), kOmega * kOmega, damping);
     if (GetParam() != Integrator::kExplicitEuler) {
       EXPECT_LE(chosen, 1.001 * theory) << "damping ratio " << ratio;
@@ -229,7 +229,7 @@ TEST_P(StepLimitTest, IsWhatTheorySays) {
   }
 }
 
-// The slower modes of a body are damped by the square of their frequency.
+// The damping of a body's slower modes is proportional to the square of their frequency.
 TEST_P(StepLimitTest, IsChosenForTheSlowerModesAsWell) {
   if (GetParam() == Integrator::kExplicitEuler) return;
   for (double ratio = 0; ratio < 3; ratio += 0.01) {
@@ -242,9 +242,9 @@ TEST_P(StepLimitTest, IsChosenForTheSlowerModesAsWell) {
 }
 INSTANTIATE_TEST_SUITE_P(All, StepLimitTest, testing::ValuesIn(kExplicit), NameMethod);
 
-// All modes of a body, kicked: they stay small below the limit of the stiffest and do not above it. Explicit Euler is
-// bound by the mode that is damped least instead. Of a lattice all are damped in proportion to their stiffness, which
-// gives one limit; what the gas of a ball drives is not damped.
+// All modes of a body are kicked: below the limit of the stiffest mode they stay small, above it they do not. For
+// explicit Euler the least damped mode is the limit. In a lattice all modes are damped in proportion to their
+// stiffness, which gives one limit; modes that the gas of a ball drives are not damped.
 TEST_P(StepLimitTest, HoldsForABody) {
   const bool isEuler = GetParam() == Integrator::kExplicitEuler;
   const Blueprint ball = isEuler ? MakeLattice(MakeJellyCube(0.1)) : MakeBall(MakeMeasuredBall(0.1));
@@ -277,7 +277,7 @@ TEST(Integrators, LimitsWithoutDampingAreTheKnownOnes) {
   EXPECT_EQ(FindStableRate(Integrator::kImplicitEuler, 100, 0), 0);
 }
 
-// Of an undamped pair after 1,000 swings, as a share of what it had.
+// The energy of an undamped pair after 1,000 swings, as a share of its energy at the beginning.
 double MeasureEnergy(Integrator integrator, double product) {
   constexpr double kOmega = 10;
   const int steps = static_cast<int>(1000 * 2 * 3.14159265 / product);
@@ -316,7 +316,7 @@ TEST(ImplicitEuler, IsStableAtAHundredTimesTheExplicitLimit) {
   }
 }
 
-// The same step by a dense matrix, put together from the formulas alone: springs, gas, a contact and a fixed vertex.
+// The same step by a dense matrix, made from the formulas alone: springs, gas, a contact and a fixed vertex.
 TEST(ImplicitEuler, SolvesWhatADenseSolverSolves) {
   BallDefinition definition = MakeMeasuredBall(0.3);
   definition.subdivisions = 1;
@@ -447,7 +447,7 @@ TEST(PositionVerlet, KeepsLengthsTheBetterTheMoreSweeps) {
   std::printf("stretch of the chain with 1, 4, 8 sweeps: %g %g %g\n", one, four, eight);
 }
 
-// What is left of a step's motion when the springs have been relaxed is the state's velocity, whatever they did.
+// After relaxation the state's velocity is the motion of the step divided by its duration.
 TEST(PositionVerlet, VelocityIsTheWayGone) {
   const Blueprint cube = MakeLattice(MakeJellyCube());
   LoneSystem<double> system(cube, Integrator::kPositionVerlet);
@@ -490,7 +490,7 @@ TEST(PositionVerlet, SwingsAsAPendulum) {
     system.blueprint.full.inverseMasses[0] = 0;
     system.Start({Vector3d::Zero(), Vector3d(std::sin(0.1), 0, -std::cos(0.1))}, {Vector3d::Zero(), Vector3d::Zero()});
     for (int i = 0; i < steps; ++i) {
-      system.v[1].z() -= 9.81 * h;  // on the weight alone
+      system.v[1].z() -= 9.81 * h;  // gravity on the free mass alone
       system.Run(1, h);
     }
     return std::fabs(system.x[1].x() - std::sin(angle[0].x()));
@@ -514,7 +514,7 @@ TEST(PositionVerlet, TornSpringsHoldNothing) {
   EXPECT_GT((system.x[10] - system.x[11]).norm(), 0.1);
 }
 
-// Kept at the springs' own lengths, which are little more than half of these, the skin would crush its gas.
+// Rest lengths are little more than half of the lengths at rest: kept at them the skin would crush its gas.
 TEST(PositionVerlet, HoldsGasAtTheShapeOfRest) {
   LoneSystem<double> system(MakeBall(BallDefinition{}), Integrator::kPositionVerlet);
   const std::vector<Vector3d> rest = system.blueprint.rest;
@@ -525,7 +525,7 @@ TEST(PositionVerlet, HoldsGasAtTheShapeOfRest) {
   EXPECT_NEAR(ComputeVolume<double>(system.blueprint.full.faces, system.x) / system.blueprint.restVolume, 1, 0.05);
 }
 
-// In the world, through the substeps that each asks for: a ball and a cube fall, bounce and come to rest.
+// In a world, in the substeps that each method asks for, a ball and a cube fall, bounce and come to rest.
 class WorldIntegratorTest : public testing::TestWithParam<Integrator> {};
 
 TEST_P(WorldIntegratorTest, CarriesBodiesToRest) {
@@ -563,7 +563,7 @@ INSTANTIATE_TEST_SUITE_P(All, WorldIntegratorTest,
                                          Integrator::kPositionVerlet, Integrator::kImplicitEuler),
                          NameMethod);
 
-// Where no number of substeps is enough, explicit Euler takes those of semi-implicit Euler, and shows what it is.
+// Where no number of substeps is stable, explicit Euler takes those of semi-implicit Euler and gains energy.
 TEST(Integrators, ExplicitEulerExplodesInTheWorld) {
   const auto play = [](Integrator integrator) {
     World world(WorldSettings{});

@@ -18,7 +18,7 @@ TEST(Stability, LadderGivesTheNextRung) {
   EXPECT_EQ(FindRung(1000), 64);
 }
 
-// Random trials found a pair whose springs were slow enough, on the ground in more substeps than there are.
+// Random trials found a pair whose spring was slow enough, but which needed more than kMaxSubsteps on the ground.
 TEST(Stability, ABodyTooStiffForTheGroundIsRefused) {
   PairDefinition pair;
   pair.length = 0.5;
@@ -31,7 +31,7 @@ TEST(Stability, ABodyTooStiffForTheGroundIsRefused) {
   EXPECT_GT(FindSubstepsOnGround(MakePair(pair), 1.0 / 60), kMaxSubsteps);
   EXPECT_FALSE(ValidatePair(pair).empty());
 
-  // No less than a tick asks for when the body lies deep in the ground.
+  // At least what a tick asks for when the body lies deep in the ground.
   pair.material.contactStiffness = 0;
   World world{WorldSettings{}};
   world.AddBlueprint(MakePair(pair));
@@ -79,8 +79,8 @@ TEST(Stability, PuffingAndStiffeningAskForSmallerSteps) {
   EXPECT_GE(FindLargestRate(FindModes<double>(ball, load, state, {}, {}), light), 1.9 * calm);
 }
 
-// Violent play in the server's own stepping: nothing may blow up or turn inside out. Impacts carry up to the energy
-// that the gas can take (nRT): above it a skin folds through itself, which is physics and no instability. Seeded.
+// Violent play in the server's own stepping: no body may blow up or turn inside out. Impacts carry up to the energy
+// that the gas can take (nRT): above it a skin folds through itself, which is physics and not an instability. Seeded.
 TEST(Stability, ViolentTrialsStayFinite) {
   std::uint64_t state = 20260101;
   const auto draw = [&](double low, double high) {

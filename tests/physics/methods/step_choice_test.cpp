@@ -36,7 +36,7 @@ TEST(StepHistory, ErrorGoesWithTheFourthPower) {
 
 TEST(StepHistory, EndsAtTheLadder) { EXPECT_EQ(FindSubstepsForError(1e9, 1, kAllowed), 64); }
 
-// A second of play: a ball that has been squeezed, and one that falls and bounces.
+// A second of play: a ball that was squeezed, and one that falls and bounces.
 struct Played {
   std::vector<Vector3d> vertices;
   double substeps = 0;
@@ -68,8 +68,8 @@ Played Play(double errorTarget, double dropHeight) {
 struct MotionCase {
   const char* name;
   double dropHeight;
-  // Anchors of friction are set between substeps, which the estimate does not see: through a bounce they leave half a
-  // millimetre at any target.
+  // Anchors of friction are set between substeps, which the estimate does not see: in a bounce this leaves an error of
+  // half a millimetre at any target.
   double leastTarget;
 };
 class ErrorTarget : public testing::TestWithParam<MotionCase> {};

@@ -1,4 +1,4 @@
-// A world in which every spring is made stiffer or softer at once.
+// World::SetStiffnessFactor: every spring of a world is made stiffer or softer at once.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -106,7 +106,7 @@ TEST(StiffnessFactor, MultipliesWhatAPlayerStiffens) {
   EXPECT_NEAR(world.ReadBody(id).stiffnessFactor, 6, 1e-6);
 }
 
-// Of those that need near half of all substeps as they are, by their frequency and by their damping.
+// Two bodies that need nearly half of kMaxSubsteps at factor 1: one by its frequency, one by its damping.
 TEST(StiffnessFactor, GoesAsFarAsSubstepsSuffice) {
   EXPECT_EQ(FindStiffnessBound(MakePendulum(100, 1), kTick), kMaxStiffnessBound);
   for (const auto& [stiffness, damping] : {std::pair{2e7, 500.0}, std::pair{1e5, 4000.0}}) {

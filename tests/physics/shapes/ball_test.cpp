@@ -14,7 +14,7 @@ TEST_P(BallSize, IsAClosedSphereOfTheSizeAsked) {
   const Icosphere sphere = MakeIcosphere(GetParam());
   EXPECT_EQ(sphere.vertices.size(), CountVertices(GetParam()));
   EXPECT_EQ(sphere.faces.size(), 20U << (2 * GetParam()));
-  // Euler: V − E + F = 2, so every edge is there once.
+  // By Euler's formula V − E + F = 2 every edge is listed once.
   EXPECT_EQ(sphere.vertices.size() + sphere.faces.size(), sphere.edges.size() + 2);
   const double volume = ComputeVolume<double>(sphere.faces, sphere.vertices);
   EXPECT_GT(volume, 0) << "faces look outward";
@@ -57,7 +57,7 @@ TEST(Ball, RestsInEquilibriumAtItsRadius) {
   }
 }
 
-// Laplace: in equilibrium the virial of the springs balances 3 (P − P₀) V.
+// In equilibrium the virial of the springs balances 3 (P − P₀) V.
 TEST(Ball, PressureBalancesTheSpringsAsLaplaceSays) {
   const Blueprint ball = MakeBall(MakeMeasuredBall());
   double springs = 0;
@@ -74,7 +74,7 @@ TEST(Ball, FrequencyIsThatMeasuredBefore) {
   EXPECT_NEAR(MakeBall(definition).angularFrequency / 1.05, 132, 2);
 }
 
-// Dashpots do nothing to a body at rest.
+// Dashpots do not change a body at rest.
 TEST(Ball, DampingDoesNotMoveTheRestShape) {
   BallDefinition definition;
   definition.subdivisions = 1;

@@ -1,4 +1,4 @@
-// Cloths: what holds them up, how they fall, and how they tear.
+// Cloths: the forces that hold them up, how they fall, and how they tear.
 #include "server/physics/shapes/cloth.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ ClothDefinition MakeDefinition(Pinned pinned) {
   return definition;
 }
 
-// Forces that the rest of the world must put on the fixed vertices, N.
+// The forces that hold the fixed vertices, N.
 Vector3d FindHold(const Blueprint& cloth, const Body& body) {
   const auto& state = std::get<State<double>>(body.state);
   const std::vector<Vector3d> v(state.positions.size(), Vector3d::Zero());
@@ -61,7 +61,7 @@ TEST(Cloth, WhatIsPinnedCarriesItsWeight) {
   }
 }
 
-// Flat and free in still air it soon falls at √(m g / (½ρC A)); without air at g.
+// A flat, free cloth soon falls at √(m g / (½ρC A)) in still air, and with g without air.
 TEST(Cloth, FallsAtTheSpeedThatDragLeavesIt) {
   ClothDefinition definition = MakeDefinition(Pinned::kNone);
   definition.orientation = Orientation::kHorizontal;
@@ -179,7 +179,7 @@ TEST(Tear, TheTornBlueprintHasTheSameForcesAndNoFacesAlongTears) {
   EXPECT_EQ(left.angularFrequency, cloth.angularFrequency);
   EXPECT_EQ(left.topology.neighbours.size(), left.full.faces.size());
   EXPECT_EQ(left.single.faces, left.full.faces);
-  // The forces are those of the whole one whose springs are marked.
+  // The forces are those of the whole cloth with these springs marked as torn.
   const std::vector<Vector3d> x = Deform(cloth.rest, 0.02);
   const std::vector<Vector3d> v = Deform(std::vector<Vector3d>(x.size(), Vector3d::Zero()), 1);
   std::vector<Vector3d> expected(x.size());
@@ -189,7 +189,7 @@ TEST(Tear, TheTornBlueprintHasTheSameForcesAndNoFacesAlongTears) {
   ComputeForces<double>(cloth.full, load, {}, {}, x, v, expected);
   ComputeForces<double>(left.full, Load<double>{}, {}, {}, x, v, forces);
   EXPECT_EQ(forces, expected);
-  // A face is gone exactly if a spring along one of its sides is.
+  // A face is removed exactly if a spring along one of its sides is.
   std::set<std::array<std::uint32_t, 2>> whole;
   for (const Spring<double>& spring : left.full.springs) {
     whole.insert({std::min(spring.a, spring.b), std::max(spring.a, spring.b)});

@@ -1,4 +1,4 @@
-// Graphs: a chain that hangs as statics says, the bound of their frequency, and changes in mid-air.
+// Graphs: the statics of a hanging chain, the bound of the frequency, and changes while the body moves.
 #include "server/physics/shapes/graph.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kGravity = 9.81;
 
-// `count` particles of 0.2 kg on springs of 0.1 m and `stiffness`, along x; the ends that are asked for are fixed.
+// A chain along x of `count` particles of 0.2 kg on springs of 0.1 m, with one or both ends fixed.
 GraphDefinition MakeChain(int count, double stiffness, bool fixLast) {
   GraphDefinition chain;
   for (int i = 0; i < count; ++i) {
@@ -42,7 +42,7 @@ std::vector<Vector3d> Hang(const Blueprint& chain) {
   return x;
 }
 
-// Each spring carries what hangs below it.
+// Each spring carries the mass that hangs below it.
 TEST(Graph, HangingChainIsAsLongAsItsWeightMakesIt) {
   GraphDefinition definition = MakeChain(11, 400, false);
   for (Particle& particle : definition.particles) particle.position = Vector3d(0, 0, -particle.position.x());
@@ -55,8 +55,8 @@ TEST(Graph, HangingChainIsAsLongAsItsWeightMakesIt) {
   }
 }
 
-// Between two walls: at every particle the tensions to the left and right balance its weight, the horizontal part is
-// the same all along, and the vertical one changes by m g.
+// A chain between two walls: at every particle the tensions to the left and right balance its weight, so the horizontal
+// part is the same along the chain, and the vertical part changes by m g.
 TEST(Graph, ChainBetweenTwoWallsIsInBalance) {
   GraphDefinition definition = MakeChain(21, 1e5, true);
   definition.particles.back().position.x() = 1.6;  // 2 m of chain
@@ -87,7 +87,7 @@ TEST(Graph, ChainBetweenTwoWallsIsInBalance) {
   EXPECT_NEAR(-x[10].z(), sag, 0.02 * sag) << "but for what the springs stretch";
 }
 
-// In whatever shape it is: the power iteration's figure lies below, and for a long chain in a line just below.
+// The bound holds in every shape: the power iteration finds less, and for a long straight chain only just less.
 TEST(Graph, FrequencyIsBoundedForEveryShape) {
   GraphDefinition definition = MakeChain(40, 300, false);
   definition.particles[7].mass = 0.05;

@@ -1,5 +1,5 @@
-// Lattices as material: what a pull shows (Young's modulus, Poisson's ratio), what the springs of one cell say
-// (isotropy), and how a bar rings (density).
+// Lattices as material: Young's modulus and Poisson's ratio from a pull, isotropy from the springs of one cell, density
+// from the frequency of a bar.
 #include "server/physics/shapes/lattice.h"
 
 #include <gtest/gtest.h>
@@ -34,15 +34,15 @@ double FindMean(const std::vector<std::size_t>& vertices, const std::vector<Vect
   return sum / static_cast<double>(vertices.size());
 }
 
-// Pulls the two ends along z with `tension` (Pa), shared among their vertices evenly or by the area that each stands
-// for, and returns the shape at rest: damped motion until nothing moves.
+// Pulls the two ends along z with `tension`, Pa, shared among their vertices evenly or by the area that belongs to
+// each, and returns the shape at rest, which damped motion finds.
 std::vector<Vector3d> Pull(const Blueprint& blueprint, double tension, double area, bool evenly) {
   std::vector<Vector3d> pull(blueprint.rest.size(), Vector3d::Zero());
   for (const double side : {-1.0, 1.0}) {
     double top = 0;
     for (const Vector3d& x : blueprint.rest) top = std::max(top, x.z());
     const auto end = FindVertices(blueprint, 2, side * top);
-    double whole = 0;  // masses on an end go with its areas
+    double whole = 0;  // the masses on an end are proportional to the areas
     for (const std::size_t i : end) whole += evenly ? 1 : blueprint.full.masses[i];
     for (const std::size_t i : end) {
       pull[i].z() = side * tension * area * (evenly ? 1 : blueprint.full.masses[i]) / whole;
@@ -89,7 +89,7 @@ Moduli Measure(const Blueprint& blueprint, const std::vector<Vector3d>& x, doubl
 
 class LatticePull : public testing::TestWithParam<std::array<int, 3>> {};
 
-// Under an even tension every cell, at the corner or deep inside, must stretch alike: this is what the shares are for.
+// Under an even tension every cell, at the corner or deep inside, must stretch alike. This is why shares are used.
 TEST_P(LatticePull, HasYoungsModulusAndPoissonsRatioWhateverItsCells) {
   const LatticeDefinition definition = MakeDefinition(GetParam());
   const Blueprint lattice = MakeLattice(definition);
@@ -105,7 +105,7 @@ INSTANTIATE_TEST_SUITE_P(Cells, LatticePull,
                          testing::Values(std::array{1, 1, 1}, std::array{2, 2, 2}, std::array{3, 3, 3},
                                          std::array{5, 5, 5}, std::array{2, 3, 7}, std::array{1, 1, 6}));
 
-// Pulled by the vertices of its ends as a hand would, not by areas, a bar is even far from them (Saint-Venant).
+// A bar that is pulled evenly by the vertices of its ends, not by areas, stretches evenly far from them (Saint-Venant).
 TEST(Lattice, PulledBarHasYoungsModulusInItsMiddle) {
   const LatticeDefinition definition = MakeDefinition({3, 3, 12});
   const Blueprint bar = MakeLattice(definition);
@@ -145,7 +145,7 @@ TEST(Lattice, SpringsAreIsotropicInAnyBox) {
   }
 }
 
-// Not from the tensor: a strain along any direction, shear with it or not, costs ½ ε·C ε of an isotropic material.
+// Without the tensor: a strain in any direction, with or without shear, costs the ½ ε·C ε of an isotropic material.
 TEST(Lattice, StretchingItCostsTheSameInAnyDirection) {
   const LatticeDefinition definition = MakeDefinition({3, 3, 3});
   const Blueprint lattice = MakeLattice(definition);
@@ -180,7 +180,7 @@ TEST(Lattice, WeighsWhatItsVolumeDoesAndRestsInItsMiddle) {
 TEST(Lattice, SurfaceIsClosedAndLooksOutward) {
   const Blueprint lattice = MakeLattice(MakeDefinition({4, 2, 3}));
   EXPECT_EQ(lattice.full.faces.size(), 2U * 2 * (4 * 2 + 2 * 3 + 4 * 3));
-  std::map<std::array<std::uint16_t, 2>, int> sides;  // as the face walks them
+  std::map<std::array<std::uint16_t, 2>, int> sides;  // in the direction in which the face walks them
   for (const Face& face : lattice.full.faces) {
     const Vector3d& p = lattice.rest[face[0]];
     const Vector3d normal = (lattice.rest[face[1]] - p).cross(lattice.rest[face[2]] - p);
@@ -194,7 +194,7 @@ TEST(Lattice, SurfaceIsClosedAndLooksOutward) {
   }
 }
 
-// A bar that is let go after a pull along its first mode rings at c/2L, c = √(E/ρ); RK4 follows it, and damping is off.
+// A bar that is let go after a pull along its first mode rings at c/2L, c = √(E/ρ). By RK4, without damping.
 TEST(Lattice, BarRingsAtTheSpeedOfSoundOverTwiceItsLength) {
   LatticeDefinition definition = MakeDefinition({1, 1, 16});
   definition.dampingRatio = 0;
@@ -214,7 +214,7 @@ TEST(Lattice, BarRingsAtTheSpeedOfSoundOverTwiceItsLength) {
   const auto accelerate = [&](std::span<const Vector3d> at, std::span<const Vector3d> speed, std::span<Vector3d> a) {
     ComputeAccelerations<double>(bar.full, Load<double>{}, {}, {}, at, speed, a);
   };
-  // From one passage upward through the rest length to the next but four.
+  // Measures from one upward passage through the rest length to the fourth after it.
   constexpr double h = 1.0 / 1000;
   std::vector<double> passages;
   double last = 1;
@@ -228,7 +228,7 @@ TEST(Lattice, BarRingsAtTheSpeedOfSoundOverTwiceItsLength) {
   EXPECT_NEAR((passages[4] - passages[0]) / 4, period, 0.01 * period);
 }
 
-// Onto a side, an edge, a corner and askew, as after a fall of 3 m: whole again, not folded.
+// Lattices hit the ground with a side, an edge, a corner and askew, as after a fall of 3 m, and are not left folded.
 TEST(Lattice, SpringsBackFromAHit) {
   const LatticeDefinition definition = MakeJellyCube(0.1);
   const Blueprint cube = MakeLattice(definition);
@@ -277,7 +277,7 @@ TEST(Lattice, ValidateRefusesMoreVerticesThanThereMayBeAndStiffnessThatTicksCann
   EXPECT_EQ(ValidateLattice(rigid)[0].field, "young_modulus");
 }
 
-// No body of many cells is stiffer for its mass than its cells by themselves (which share nothing): 20 k/m of a cell.
+// No body of many cells is stiffer for its mass than its cells by themselves, which share nothing: 20 k/m of a cell.
 TEST(Lattice, IsNoFasterThanOneCell) {
   for (const auto& cells : {std::array{1, 1, 1}, std::array{2, 2, 2}, std::array{5, 3, 4}}) {
     const LatticeDefinition definition = MakeDefinition(cells);

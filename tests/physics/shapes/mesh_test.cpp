@@ -1,4 +1,4 @@
-// Bodies from meshes: they hold their shape, whatever it is, and bad meshes are named face by face.
+// Bodies from meshes: they hold any shape, and the faults of bad meshes are listed face by face.
 #include "server/physics/shapes/mesh.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ MeshDefinition MakeSphereMesh() {
   return mesh;
 }
 
-// Two bellies with a waist of half their width: concave all round the middle.
+// Two bulges with a waist of half their width: concave all round the middle.
 MeshDefinition MakePeanut() {
   MeshDefinition mesh = MakeSphereMesh();
   for (Vector3d& x : mesh.vertices) {
@@ -73,7 +73,7 @@ TEST(Mesh, AnOpenOneIsClothOfThisCut) {
   std::erase_if(half.faces, [&](const Face& face) {
     return std::ranges::any_of(face, [&](std::uint16_t i) { return half.vertices[i].z() < -0.05; });
   });
-  // Only what a face uses.
+  // Only vertices that a face uses.
   std::vector<int> places(half.vertices.size(), -1);
   std::vector<Vector3d> used;
   for (Face& face : half.faces) {

@@ -1,4 +1,4 @@
-// The one body whose motion is known in closed form.
+// Pairs: the one body whose motion is known in closed form.
 #include "server/physics/shapes/pair.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace wobble::physics {
 namespace {
 
-// Stretched by 5 cm and let go: x = x₀ e^{−ζωt} (cos ω't + ζω/ω' sin ω't), ω² = k/μ.
+// A pair that is stretched by 5 cm and let go: x = x₀ e^{−ζωt} (cos ω't + ζω/ω' sin ω't), ω² = k/μ.
 void ExpectRings(PairDefinition definition, double reducedMass) {
   const Blueprint pair = MakePair(definition);
   const double omega = std::sqrt(definition.material.stiffness / reducedMass);

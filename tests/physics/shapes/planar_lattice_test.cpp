@@ -1,5 +1,4 @@
-// Lattices in a plane as material: what a pull shows (Young's modulus, Poisson's ratio) and that they stay in the
-// plane.
+// Planar lattices as material: Young's modulus and Poisson's ratio from a pull, and that they stay in the plane.
 #include <gtest/gtest.h>
 
 #include "server/physics/shapes/material.h"
@@ -30,7 +29,8 @@ double FindEnd(const Blueprint& lattice, const std::vector<Vector3d>& x, int ord
   return sum / count;
 }
 
-// Pulled by both ends along z with `tension`, Pa, shared by the width that each vertex stands for; at rest again.
+// Pulls both ends along z with `tension`, Pa, shared by the width that belongs to each vertex, and returns the shape at
+// rest.
 std::vector<Vector3d> Pull(const Blueprint& lattice, double tension, double width) {
   double half = 0;
   for (const Vector3d& at : lattice.rest) half = std::max(half, at.z());
@@ -101,7 +101,7 @@ TEST(PlanarLattice, WeighsWhatItsAreaDoesAndHasFacesAllOverIt) {
     faces += normal.norm() / 2;
   }
   EXPECT_NEAR(faces, area, 1e-12);
-  // What may touch something is the border: its vertices carry half a cell each, corners a quarter.
+  // Only the border touches anything: its vertices carry half a cell each, corners a quarter.
   const auto corner =
       static_cast<std::size_t>(std::ranges::min_element(lattice.full.masses) - lattice.full.masses.begin());
   EXPECT_DOUBLE_EQ(lattice.full.contactShares[corner], 0.5);

@@ -1,4 +1,4 @@
-// Rings: their balance (Laplace's law in a plane), what they keep, and that they bear a fall.
+// Rings: balance (Laplace's law in a plane), conservation, and a fall.
 #include "server/physics/shapes/ring.h"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ TEST_P(RingKind, RestsInEquilibriumAtItsRadius) {
   for (const Vector3d& value : a) EXPECT_LT(value.norm(), 1e-9);
 }
 
-// Not only the forces vanish: pushed out of shape, it comes back to it.
+// The balance is stable: a ring that is pushed out of shape comes back to it.
 TEST_P(RingKind, ComesBackToItsShape) {
   definition.material.dampingRatio = 0.5;
   const Blueprint ring = MakeRing(definition);

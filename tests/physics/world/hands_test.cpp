@@ -1,4 +1,4 @@
-// What hands do to bodies: pushes on single vertices, and blades.
+// The effects of hands on bodies: forces on single vertices, and cuts by blades.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -148,7 +148,7 @@ TEST(Blade, LeavesNoGapBesideAnother) {
   }
 }
 
-// Across everything at this height, from the far left.
+// A level blade that crosses everything at this height.
 Blade MakeLevelBlade(double z) { return {Vector3d(-50, -50, z), Vector3d(50, -50, z), Vector3d(0, 50, z)}; }
 
 struct CutCloth {
@@ -162,7 +162,7 @@ struct CutCloth {
   std::uint32_t quarantined = 0;
 };
 
-// A curtain that hangs by its upper edge, cut right through between two rows of points.
+// A curtain that hangs by its upper edge and is cut through between two rows of points.
 CutCloth CutACurtain(double tearStretch, Integrator integrator, Precision precision) {
   WorldSettings settings;
   settings.precision = precision;
@@ -226,7 +226,7 @@ TEST(Blade, ACurtainThatIsCutThroughFallsApart) {
   }
 }
 
-// The middle of a body of each kind that has no gas.
+// A body of each kind without gas, which is cut through its middle.
 struct Kind {
   Blueprint blueprint;
   Blade blade;
@@ -257,7 +257,7 @@ Blade Move(Blade blade, const Vector3d& by) {
   return blade;
 }
 
-// Until its blueprint is made anew, a body that was cut moves as one that never had those springs.
+// Before its blueprint is made anew, a body that was cut moves like one that never had the cut springs.
 TEST(Blade, WhatIsCutMovesAsIfTheSpringsHadNeverBeen) {
   for (const Kind& kind : MakeKinds()) {
     for (const int count : {1, 7}) {
@@ -300,7 +300,7 @@ TEST(Blade, WhatIsCutMovesAsIfTheSpringsHadNeverBeen) {
   }
 }
 
-// Some of seven bodies of each kind are cut, so that they are spread over packs of every width.
+// Of seven bodies of each kind some are cut, so that cut and whole ones share packs of every width.
 TEST(Blade, DoesTheSameForAnyNumberOfLanesAndThreads) {
   const auto play = [](int widest, int threads) {
     WorldSettings settings;

@@ -1,4 +1,4 @@
-// Forces taken apart: each kind by what theory says of it, all of them together by what a step does.
+// Inspected forces: each kind against theory, and their sum against the motion that a step computes.
 #include "server/physics/inspect.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ WorldSettings MakeExact() {
   return settings;
 }
 
-// What the plain force terms make of a body that touches no other, by itself: N, weight and moving left out.
+// The sum of the plain force terms on a body that touches no other, without weight and the player's moving, N.
 std::vector<Vector3d> ComputePlainForces(const World& world, BodyId id) {
   const Body& body = world.ReadBody(id);
   const auto& state = std::get<State<double>>(body.state);
@@ -59,8 +59,8 @@ void ExpectPlainForces(const World& world, BodyId id) {
   }
 }
 
-// By what a world that goes on from here does in a microsecond; in one before it, contacts come to terms with steps as
-// short as that. allowed: of the largest acceleration.
+// Compares the inspected accelerations with the change of velocity in one microsecond of a twin. A microsecond before
+// it lets the contacts adapt to such short steps. allowed: error as a share of the largest acceleration.
 void ExpectStepped(const World& world, double allowed = 1e-3) {
   WorldSettings settings = world.Settings();
   settings.precision = Precision::kDouble;

@@ -41,20 +41,20 @@ Counts Play(World& world, int ticks) {
   return counts;
 }
 
-// A blueprint that claims to be slower than it is, as a wrong bound would, is stepped at a rate at which RK4 explodes.
+// A blueprint that claims too low a frequency, as with a wrong bound, is stepped at a rate at which RK4 is unstable.
 TEST(Quarantine, ARunawayIsSteppedFinerAndLives) {
   Blueprint blueprint = MakeBall(MakeStiffBall());
   ASSERT_GT(blueprint.angularFrequency / 60, 1.5 * 2.83);
   blueprint.angularFrequency /= 10;
   blueprint.dampingRate /= 100;
   WorldSettings settings;
-  settings.maxSubsteps = 1;  // or the error would be noticed first
+  settings.maxSubsteps = 1;  // else the error would be noticed first
   World world(settings);
   world.AddBlueprint(std::move(blueprint));
   world.AddBlueprint(MakeBall(MakeStiffBall()));
   world.AddBody(0, Vector3d(0, 0, 50), Vector3d(0, 1, 0));
   world.AddBody(1, Vector3d(9, 0, 50), Vector3d(0, 1, 0));
-  // A stir to grow from.
+  // A small deformation that the instability can grow from.
   auto positions = ReadPositions(world, 1);
   for (Vector3d& x : positions) x.x() *= 1.01;
   world.SetMotion(1, positions, std::vector<Vector3d>(positions.size(), Vector3d(0, 1, 0)));
@@ -66,7 +66,7 @@ TEST(Quarantine, ARunawayIsSteppedFinerAndLives) {
   EXPECT_NEAR((apart - Vector3d(9, 0, 0)).norm(), 0, 0.1) << "it falls as its neighbour does";
 }
 
-// Its gas turns it the right side out again, more violently than any step could follow.
+// The gas turns the body the right side out again, more violently than any step can follow.
 TEST(Quarantine, InsideOutIsPutRight) {
   World world(WorldSettings{});
   const Blueprint blueprint = MakeBall(BallDefinition{});
@@ -84,7 +84,7 @@ TEST(Quarantine, InsideOutIsPutRight) {
   EXPECT_NEAR(volume, blueprint.restVolume, 0.2 * blueprint.restVolume);
 }
 
-// A drive's work is put in by somebody.
+// The work of a drive counts as put in.
 TEST(Quarantine, APushIsNoRunaway) {
   World world(WorldSettings{.gravity = Vector3d::Zero()});
   world.AddBlueprint(MakeBall(BallDefinition{}));
@@ -115,7 +115,7 @@ TEST(Quarantine, TheNeighbourOfALostBodyLives) {
       << "both lie on the ground, rocking a little";
 }
 
-// Vertices thrown about at random, from a push to the speed of a bullet: whatever comes of it is finite and the right
+// Vertices are thrown about at random, from a push to the speed of a bullet: the result is always finite and the right
 // side out.
 TEST(Quarantine, AnyThrowIsSurvived) {
   std::uint32_t random = 12345;
@@ -140,7 +140,7 @@ TEST(Quarantine, AnyThrowIsSurvived) {
   }
 }
 
-// The most violent honest play is no runaway.
+// The most violent honest play is not taken for a runaway.
 TEST(Quarantine, HonestViolenceIsNoRunaway) {
   World world(WorldSettings{});
   world.AddBlueprint(MakeBall(BallDefinition{}));
@@ -163,8 +163,8 @@ TEST(Quarantine, HonestViolenceIsNoRunaway) {
   EXPECT_EQ(counts.quarantined, 0U);
 }
 
-// A tick that missed its error by far is stepped again whatever has become of the bodies in it. Here the first tries
-// are unstable, since the blueprint denies how fast it can vibrate: so do bodies that a kick has folded.
+// A tick that missed its error by far is stepped again, whatever state its bodies are in. Here the first tries are
+// unstable, since the blueprint claims too low a frequency; the same happens to bodies that a kick has folded.
 TEST(Quarantine, ATryThatDoesNotCountIsNotJudged) {
   PairDefinition definition;
   definition.material.stiffness = 2e4;

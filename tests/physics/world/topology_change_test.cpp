@@ -1,4 +1,4 @@
-// Bodies whose topology changes while the world runs: cloth that tears, graphs that somebody edits; and what acts by
+// Changes of a body's topology while the world runs: cloth that tears, graphs that are edited; and drives, which follow
 // the clock.
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ struct Fall {
   std::uint64_t hash = 0;
 };
 
-// A heavy ball dropped onto a sheet in a frame.
+// Drops a heavy ball onto a sheet in a frame.
 Fall DropOnto(const ClothDefinition& sheet, int threads = 1, int ticks = 120) {
   WorldSettings settings;
   settings.threads = threads;
@@ -86,7 +86,7 @@ TEST(Tearing, APlacedSheetStaysTorn) {
   const BodyId cloth = world.AddBody(0, Vector3d(0, 0, 3));
   std::vector<Vector3d> positions;
   VisitVertices(world.ReadBody(cloth), [&](std::size_t, const Vector3d& x) { positions.push_back(x); });
-  positions[144] += Vector3d(0, 0, 1);  // the middle, pulled out
+  positions[144] += Vector3d(0, 0, 1);  // pulls the middle out
   world.SetMotion(cloth, positions, std::vector<Vector3d>(positions.size(), Vector3d::Zero()));
   const std::uint32_t torn = world.Step().torn;
   ASSERT_GT(torn, 0U);
@@ -96,7 +96,7 @@ TEST(Tearing, APlacedSheetStaysTorn) {
   EXPECT_LE(world.BlueprintOf(world.ReadBody(cloth)).full.springs.size(), whole.full.springs.size() - torn);
 }
 
-// Two particles on a spring, one of them held.
+// Two particles on a spring, one of them fixed.
 Blueprint MakePendulum() {
   GraphDefinition graph;
   graph.particles = {{Vector3d(0, 0, 0), 1, true}, {Vector3d(0, 0, -1), 1, false}};
@@ -126,7 +126,7 @@ TEST(Graph, GrowsWhileItRuns) {
   EXPECT_NEAR((after[2] - after[1]).norm(), 1, 0.05);
   for (int tick = 0; tick < 600; ++tick) ASSERT_EQ(world.Step().quarantined, 0U);
   const auto state = std::get<State<float>>(world.ReadBody(id).state);
-  // At rest each spring carries what hangs below it: 1.5 kg, 0.5 kg.
+  // At rest each spring carries the mass that hangs below it: 1.5 kg, 0.5 kg.
   EXPECT_NEAR((state.positions[0] - state.positions[1]).norm(), 1 + 1.5 * 9.81 / 500, 1e-3);
   EXPECT_NEAR((state.positions[1] - state.positions[2]).norm(), 1 + 0.5 * 9.81 / 300, 1e-3);
 }
@@ -248,7 +248,7 @@ TEST(Sandbox, WhatIsFixedStopsAndWhatIsLetGoFalls) {
   EXPECT_GT((ListPositions(sandbox.world, sandbox.id)[2] - held).norm(), 0.3);
 }
 
-// What contacts remember of friction and depth goes on, so the motion is the same to the last bit.
+// Contacts keep what they remember of friction and depth, so the motion is the same to the last bit.
 TEST(World, ContactsBetweenBodiesOutliveAChangeOfBlueprint) {
   const auto play = [](bool replace) {
     World world(WorldSettings{});
@@ -267,7 +267,7 @@ TEST(World, ContactsBetweenBodiesOutliveAChangeOfBlueprint) {
   EXPECT_EQ(play(true), play(false));
 }
 
-// Contacts of vertices and faces that are gone are gone with them: nobody reads past the end of what is left.
+// Contacts of removed vertices and faces are removed with them, so nothing is read past the end of the remaining ones.
 TEST(World, ContactsOfWhatIsGoneAreLetGo) {
   World world(WorldSettings{});
   BallDefinition fine;
@@ -314,7 +314,7 @@ TEST(Drive, PushesByTheClockAndWakes) {
   for (int tick = 0; tick < 4; ++tick) world.Step();
   EXPECT_FALSE(world.ReadBody(id).asleep);
   for (int tick = 0; tick < 60; ++tick) world.Step();
-  // 2 g less friction of 0.8 g for half a second, then friction alone: ½ a t² and beyond.
+  // The force of 2 g less friction of 0.8 g acts for half a second, then friction alone: more than ½ a t².
   EXPECT_GT(world.FindCentre(world.ReadBody(id)).x(), 1.2);
 }
 

@@ -1,4 +1,4 @@
-// Who touches whom.
+// World::ListTouching: which bodies touch a body.
 #include <gtest/gtest.h>
 
 #include "server/physics/world.h"

@@ -42,7 +42,7 @@ TEST(World, HashSeesTheLastBit) {
   EXPECT_NE(one->Hash(), other->Hash());
 }
 
-// Where in the world a body is changes nothing but its origin: far out it bounces as it does at home.
+// The place of a body changes only its origin: far from the world's origin it bounces as it does near it.
 TEST(World, BodiesFarOutMoveAsAtHome) {
   const auto heightAfter = [](double x) {
     const auto world = MakeFilledWorld(1, Precision::kSingle, 0);
@@ -66,7 +66,7 @@ TEST(World, OriginFollowsTheBody) {
 TEST(World, NonFiniteBodyIsResetAloneAndCounted) {
   const auto world = MakeFilledWorld(1);
   const auto control = MakeFilledWorld(1);
-  // A hostile state can only come from inside; here it is forced in.
+  // No call can make such a state, so the test writes it into the body.
   auto& state = const_cast<State<float>&>(std::get<State<float>>(world->ReadBody(3).state));
   state.velocities[7].x() = std::numeric_limits<float>::quiet_NaN();
   const StepReport report = world->Step();
@@ -81,7 +81,7 @@ TEST(World, NonFiniteBodyIsResetAloneAndCounted) {
 }
 
 TEST(World, InsideOutBodyIsResetAndCounted) {
-  World limp{WorldSettings{}};  // so little gas that it cannot turn itself out again
+  World limp{WorldSettings{}};  // with so little gas that the body cannot turn itself out again
   BallDefinition definition;
   definition.material.gas = 0.01;
   limp.AddBlueprint(MakeBall(definition));
@@ -146,7 +146,7 @@ TEST(World, PuffedUpBodyIsLargerAndShrinksAgain) {
   for (int i = 0; i < 60; ++i) world->Step();
   EXPECT_GT(volume(), 1.1 * before);
   world->SetControl(ball, Control{}, ControlLimits{});
-  double sum = 0;  // it breathes: the mean counts
+  double sum = 0;  // the body pulsates, so the mean is compared
   for (int i = 0; i < 120; ++i) {
     world->Step();
     sum += volume();
@@ -154,7 +154,7 @@ TEST(World, PuffedUpBodyIsLargerAndShrinksAgain) {
   EXPECT_NEAR(sum / 120, before, 0.1 * before);
 }
 
-// Random trials found bodies that gained energy for ever: nothing ever stopped what SetMotion had set moving.
+// Random trials found bodies that gained energy for ever, since nothing ever stopped this motion.
 TEST(World, SetMotionMovesNeitherFixedVerticesNorPlanarBodiesAcrossTheirPlane) {
   PairDefinition pair;
   pair.firstIsFixed = true;
@@ -188,7 +188,7 @@ TEST(World, RemovedBodiesAreGoneAndIdsAreNotReused) {
   EXPECT_EQ(world->ReadBody(13).id, 13U);
 }
 
-// Balls that touch the ground and one another: contacts remember anchors, faces and slips, and steps their errors.
+// Balls touch the ground and one another: contacts remember anchors, faces and slips, and step choices remember errors.
 TEST(World, TwinGoesOnWithTheSameBits) {
   for (const Precision precision : {Precision::kSingle, Precision::kDouble}) {
     const auto world = MakeFilledWorld(1, precision, 0);
@@ -204,7 +204,7 @@ TEST(World, TwinGoesOnWithTheSameBits) {
   }
 }
 
-// In double precision and finer ticks it moves as the one that it was made from, and hears its drives at the same time.
+// A twin in double precision and finer ticks moves like its original, and its drives act at the same times.
 TEST(World, TwinGoesOnInFinerSteps) {
   const auto world = MakeFilledWorld(1, Precision::kSingle, 0);
   for (int i = 0; i < 3; ++i) world->AddBody(0, Vector3d(0.3 * i, 0, 0.6 + 0.9 * i));
