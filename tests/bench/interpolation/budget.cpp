@@ -17,7 +17,6 @@ namespace {
 
 using namespace physics;
 
-constexpr std::size_t kPlayers = 4;
 constexpr int kActHz = 60;
 constexpr int kTwinTicks = 4;  // twin ticks per world tick
 constexpr int kTruthHz = 240;
@@ -30,7 +29,7 @@ std::unique_ptr<World> MakeWorld(int tickHz) {
   auto world = std::make_unique<World>(settings);
   for (const Obstacle& each : MakeArena()) world->AddObstacle(each);
   world->AddBlueprint(MakePlayedBall());
-  for (std::size_t i = 0; i < kPlayers; ++i) {
+  for (std::size_t i = 0; i < kFixedPlayers; ++i) {
     world->AddBody(0, Vector3d(i % 2 == 0 ? -1.5 : 1.5, i < 2 ? -1.5 : 1.5, 1.5));
   }
   return world;
@@ -38,12 +37,12 @@ std::unique_ptr<World> MakeWorld(int tickHz) {
 
 std::vector<Actor> MakeActors(std::uint64_t seed) {
   std::vector<Actor> actors;
-  for (std::size_t i = 0; i < kPlayers; ++i) actors.emplace_back(seed, i);
+  for (std::size_t i = 0; i < kFixedPlayers; ++i) actors.emplace_back(seed, i);
   return actors;
 }
 
 void Act(std::vector<Actor>& actors, World& world) {
-  for (std::size_t i = 0; i < kPlayers; ++i) {
+  for (std::size_t i = 0; i < kFixedPlayers; ++i) {
     world.SetControl(world.Bodies()[i].id, actors[i].Act(Pattern::kChase, world), kPlayLimits);
   }
 }
@@ -72,7 +71,7 @@ std::vector<double> MeasurePhysics(Bench& bench, int seconds) {
       for (int i = 0; i < kTwinTicks; ++i) (void)twin.Step();
     }
     if (second < 2) continue;  // bodies first fall from their initial positions
-    for (std::size_t i = 0; i < kPlayers; ++i) {
+    for (std::size_t i = 0; i < kFixedPlayers; ++i) {
       const double square = FindMeanSquare(ReadPositions(world->Bodies()[i]), ReadPositions(twin.Bodies()[i]));
       errors.push_back(kRadiusPercent * std::sqrt(square));
     }
@@ -89,8 +88,8 @@ double MeasureCurve(Bench& bench, int seconds) {
   std::vector<Actor> actors = MakeActors(bench.options.seed);
   Truth truth(kTick);
   const auto size = static_cast<float>(world->Blueprints().front().size);
-  std::vector<client::Track> tracks(kPlayers, client::Track(size));
-  std::vector<server::CapturedBody> captured(kPlayers);
+  std::vector<client::Track> tracks(kFixedPlayers, client::Track(size));
+  std::vector<server::CapturedBody> captured(kFixedPlayers);
   std::vector<protocol::Vector3> shown;
   std::vector<Vector3d> positions;
   double sum = 0;
@@ -103,7 +102,7 @@ double MeasureCurve(Bench& bench, int seconds) {
     if (world->Tick() % (kTruthHz / kSnapshotHz) != 0) continue;
     const double now = world->Tick() * kTick;
     const double moment = now - kBehind + phase.Draw(0, 1.0 / kSnapshotHz);
-    for (std::size_t i = 0; i < kPlayers; ++i) {
+    for (std::size_t i = 0; i < kFixedPlayers; ++i) {
       server::CaptureBody(*world, world->Bodies()[i], captured[i]);
       const protocol::Pose& pose = captured[i].pose;
       std::vector<protocol::Vector3> shape;

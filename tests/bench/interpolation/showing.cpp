@@ -29,8 +29,7 @@ namespace {
 constexpr int kTickHz = 240;
 constexpr int kTicksPerAct = kTickHz / 60;
 constexpr double kFrameSeconds = 1 / 61.8;
-constexpr double kWarmUp = 5;  // s
-constexpr std::size_t kPlayers = 4;
+constexpr double kWarmUp = 5;        // s
 constexpr double kRadius = 1;        // m
 constexpr double kHeaderBytes = 44;  // of a datagram besides its payload: IPv4, UDP, ENet with checksum
 constexpr double kPercent = 100 / kRadius;
@@ -126,7 +125,7 @@ Seen Seat::Finish(const TransportGroup::Sent& sent, double seconds) {
                    static_cast<double>(statistics.framesSampled - m_begin.framesSampled);
   const auto packets = static_cast<double>(sent.packets - m_sentBefore.packets);
   const auto bytes = static_cast<double>(sent.bytes - m_sentBefore.bytes);
-  const double kbit = 8e-3 / (seconds * kPlayers);
+  const double kbit = 8e-3 / (seconds * kFixedPlayers);
   seen.recordKbit = kbit * (bytes - packets * static_cast<double>(protocol::kSnapshotHeadBytes));
   seen.sentKbit = kbit * (bytes + packets * kHeaderBytes);
   return seen;
@@ -170,7 +169,7 @@ Game::Game(int snapshotHz, const std::vector<Watcher>& watchers, std::uint64_t s
   const std::vector<server::Bases> bases{TrainBasesAsServer(MakePlayedBall())};
   config.clientKbit = server::kClientKbitRange.high;
   m_server.emplace(config, MakeScene(), std::make_unique<TransportGroup>(std::move(members), m_sent), 0, bases);
-  for (std::size_t i = 0; i < kPlayers; ++i) {
+  for (std::size_t i = 0; i < kFixedPlayers; ++i) {
     m_players.emplace_back(m_playersNetwork.MakeClient(), client::Options{.decode = false}, 0);
     m_actors.emplace_back(seed, i);
   }
@@ -204,8 +203,8 @@ void Game::Tick(double now) {
 
 void Game::ActForPlayers() {
   const physics::World& world = m_server->World();
-  if (world.Bodies().size() != kPlayers) return;
-  for (std::size_t i = 0; i < kPlayers; ++i) {
+  if (world.Bodies().size() != kFixedPlayers) return;
+  for (std::size_t i = 0; i < kFixedPlayers; ++i) {
     const physics::Control control = m_actors[i].Act(Pattern::kChase, world);
     m_players[i].SetInput({static_cast<float>(control.moveX), static_cast<float>(control.moveY), control.jump});
   }

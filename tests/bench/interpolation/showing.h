@@ -12,6 +12,9 @@
 
 namespace wobble::bench {
 
+// Players of the fixed play.
+inline constexpr std::size_t kFixedPlayers = 4;
+
 struct NamedLink {
   std::string name;
   transport::LinkConditions conditions;
