@@ -76,7 +76,7 @@ struct Client::Implementation {
   double now = 0;  // of the latest Update or Sample
   LinkJudge link;
 
-  // What the server has told.
+  // The state that the server has sent.
   bool welcomed = false;
   protocol::WelcomeFields welcome;
   client::Grounds grounds;
@@ -86,7 +86,7 @@ struct Client::Implementation {
   Statistics statistics;
   SnapshotReceiver snapshots;
 
-  // What the player asks for.
+  // The player's input.
   Input input;
   std::optional<wire::Hand> hand;
   std::uint16_t grips = 0;  // made so far

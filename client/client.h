@@ -40,7 +40,7 @@ struct Input {
   bool stiffen = false;
 };
 
-// What the hand holds until the next SetHand: the vertices of a body around `vertex`, pulled so that it follows the
+// The grip of the hand until the next SetHand: the vertices of a body around `vertex`, pulled so that it follows the
 // target. The server decides which bodies may be held, and from how far away.
 struct Hand {
   std::uint32_t body = 0;
@@ -118,7 +118,7 @@ struct DecodedPatch {
   std::span<const protocol::Vector3> shape;  // body frame, m
 };
 
-// What the arrival of one snapshot packet says about the link. Seconds.
+// Measurements of the link from the arrival of one snapshot packet. Seconds.
 struct SnapshotArrival {
   std::uint32_t tick = 0;
   // Time from the packet's tick to its arrival: how much later it came than the fastest packet of the last half minute,

@@ -39,7 +39,7 @@ void InstallSignals() {
 bool IsStopAsked() { return g_stopAsked; }
 
 int Run(int argc, char** argv) {
-  CLI::App app("wobble: tools for players and testers of wobbled, the server of soft bodies");
+  CLI::App app("wobble: tools for players and testers of wobbled, the server for soft bodies");
   // 0, since no command is refused below: CLI11 would report that even when an unknown option is the fault.
   app.require_subcommand(0, 1);
   const std::vector<tool::Command> commands{play::DescribePlay(app), terminal::DescribeWatch(app),

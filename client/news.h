@@ -1,4 +1,4 @@
-// What the server reports besides the bodies: tuning, scoreboard, the forces on an inspected body.
+// Reports of the server besides the bodies: tuning, scoreboard, the forces on an inspected body.
 #pragma once
 
 #include "client/client.h"

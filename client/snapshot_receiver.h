@@ -1,4 +1,4 @@
-// What snapshot packets make known of bodies: which packets have come, and where each body is.
+// Receives snapshot packets: knows which have come, and keeps the bodies that their records show.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// What a client knows of the quality of its link.
+// Counts and measurements of the quality of a client's link.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What time it is in the world of the server, and which moment of it is shown.
+// The time in the world of the server, and the moment of it that is shown.
 #pragma once
 
 #include <cstdint>

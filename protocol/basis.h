@@ -20,8 +20,8 @@ namespace wobble::protocol {
 
 struct Basis {
   std::size_t vertices = 0;
-  // False: a mode has a number for each coordinate of the patch (x, y, z of the first vertex, of the second …). True: it
-  // has one number a vertex and serves three times, for x, y and z.
+  // False: a mode has a number for each coordinate of the patch (x, y, z of the first vertex, of the second …). True:
+  // it has one number a vertex and serves three times, for x, y and z.
   bool isScalar = false;
   std::vector<std::int16_t> columns;  // rows × rows, mode after mode, in units of 2^-14
   // One for each of the 3 · vertices coefficients; scalar: at mode · 3 + axis.

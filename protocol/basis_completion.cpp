@@ -1,7 +1,7 @@
-// Sums, products, quotients and square roots of doubles in one fixed order: IEEE 754 defines each result exactly, so all
-// clients get the same bits. Sums run over rows in ascending order; the inner loops run over columns, which the compiler
-// may vectorise without changing any of them. Gram–Schmidt on unit vectors would be simpler, but its last vectors would
-// consist of rounding errors.
+// Sums, products, quotients and square roots of doubles in one fixed order: IEEE 754 defines each result exactly, so
+// all clients get the same bits. Sums run over rows in ascending order; the inner loops run over columns, which the
+// compiler may vectorise without changing any of them. Gram–Schmidt on unit vectors would be simpler, but its last
+// vectors would consist of rounding errors.
 #include "protocol/basis_completion.h"
 
 #include <algorithm>

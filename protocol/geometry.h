@@ -34,7 +34,7 @@ inline Vector3 Rotate(Quaternion q, Vector3 v) {
   return v + Cross(u, Cross(u, v) + v * q.w) * 2.0F;
 }
 
-// Where a body is: point p of its frame is at centroid + Rotate(rotation, p) in the world.
+// Place and rotation of a body: point p of its frame is at centroid + Rotate(rotation, p) in the world.
 struct Pose {
   Vector3 centroid;
   Quaternion rotation;

@@ -36,8 +36,8 @@ inline constexpr std::uint32_t kMaxMessageTables = 64;
 inline constexpr std::size_t kMaxBodyVertices = 4096;
 inline constexpr std::size_t kMaxPatchVertices = 512;
 // The largest serialised basis of a patch, bytes: of a ball of 162 vertices 110 of its 486 modes as bytes, and the rest
-// as half bytes. A client keeps two bytes for each pair of coordinates, 1.2 MB at kMaxTrainedVertices, which is the most
-// vertices with a full basis; a larger patch has one number a vertex and mode, 0.5 MB.
+// as half bytes. A client keeps two bytes for each pair of coordinates, 1.2 MB at kMaxTrainedVertices, which is the
+// most vertices with a full basis; a larger patch has one number a vertex and mode, 0.5 MB.
 inline constexpr std::size_t kMaxBasisBytes = 64 * 1024;
 inline constexpr std::size_t kMaxTrainedVertices = 256;
 // Blueprints of a scene: a record names one in a byte.

@@ -1,4 +1,5 @@
-// What both ends must agree on: control messages and inputs, how they are made and how bytes from the wire are verified.
+// Control messages and inputs, which both ends must agree on: how they are made and how bytes from the wire are
+// verified.
 //
 // A parsed message is a view of the bytes it was parsed from. It is verified in full before anything is read, so every
 // accessor is safe; what FlatBuffers cannot know (a missing body, too many frames) is checked as well.
@@ -31,8 +32,8 @@ inline constexpr std::size_t kParseResultCount = 5;
 [[nodiscard]] const char* Name(ParseResult result);
 [[nodiscard]] const char* Name(wire::GoodbyeReason reason);
 
-// Verify bytes of any content. `message` is set only when the result is kOk: its body is then there and of a known type,
-// numbers are finite and counts within limits.h.
+// Verify bytes of any content. `message` is set only when the result is kOk: its body is then there and of a known
+// type, numbers are finite and counts within limits.h.
 [[nodiscard]] ParseResult ParseClientMessage(std::span<const std::uint8_t> bytes, const wire::ClientMessage*& message);
 [[nodiscard]] ParseResult ParseServerMessage(std::span<const std::uint8_t> bytes, const wire::ServerMessage*& message);
 // The same of a blueprint, put together from its chunks: faces and edges name vertices that exist.
@@ -126,7 +127,7 @@ struct ScoreboardFields {
 // text: at most kMaxNoticeBytes.
 [[nodiscard]] Message MakeNotice(std::string_view text);
 
-// What a client needs to draw a body. It becomes one FlatBuffer and is sent in chunks.
+// All that a client needs to draw a body. It becomes one FlatBuffer and is sent in chunks.
 struct BlueprintFields {
   std::string_view name;
   std::span<const Vector3> rest;

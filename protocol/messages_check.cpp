@@ -1,6 +1,6 @@
-// Verification of bytes from the wire. FlatBuffers' verifier goes first, over the whole message. Then come the rules that
-// only this protocol knows: mandatory fields are there, numbers are finite, enumerators known, counts within limits.h
-// and indices within what they point into.
+// Verification of bytes from the wire. FlatBuffers' verifier goes first, over the whole message. Then come the rules
+// that only this protocol knows: mandatory fields are there, numbers are finite, enumerators known, counts within
+// limits.h and indices within what they point into.
 #include <cmath>
 #include <initializer_list>
 

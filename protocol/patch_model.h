@@ -1,4 +1,4 @@
-// What both ends know of a patch of a body and code its shape against.
+// The model of a patch of a body, known to both ends, against which its shape is coded.
 //
 // A blueprint keeps the constants of its patches, so that neither end finds them again for each record.
 #pragma once
@@ -23,7 +23,7 @@ struct PatchModel {
   float reach = 0;                                 // FindReach(rest), m; read only where there are obstacles
 };
 
-// What a blueprint keeps of one of its patches.
+// The constants of one patch, kept with its blueprint.
 struct PatchConstants {
   std::shared_ptr<const Basis> basis;  // nullptr: the blueprint came without bases
   float reach = 0;                     // FindReach of the patch, m

@@ -31,7 +31,7 @@ enum class DecodeResult : std::uint8_t {
 };
 [[nodiscard]] const char* Name(DecodeResult result);
 
-// What contact alone would do to the rest shape; FindContact fills it in.
+// The effect of contact alone on the rest shape; FindContact fills it in.
 struct ContactScratch {
   std::vector<Vector3> pressed;     // the rest shape pressed out of the sides, body frame, m
   std::vector<std::int16_t> moved;  // by how much, in units of a power of two

@@ -1,8 +1,8 @@
-// Rate-distortion optimised rounding. For each coefficient the encoder chooses among the nearest value, the next smaller
-// one and 0: the one with the least error plus 0.1 squared steps a bit (0.06 and 0.15 made records 1 % longer). For
-// each record it searches the coarsest step at which the error stays within the target, and then the highest worth of a
-// bit, in three or four tries. A trellis over contexts was not worth its time, nor were values reconstructed nearer to
-// zero.
+// Rate-distortion optimised rounding. For each coefficient the encoder chooses among the nearest value, the next
+// smaller one and 0: the one with the least error plus 0.1 squared steps a bit (0.06 and 0.15 made records 1 % longer).
+// For each record it searches the coarsest step at which the error stays within the target, and then the highest worth
+// of a bit, in three or four tries. A trellis over contexts was not worth its time, nor were values reconstructed
+// nearer to zero.
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -32,8 +32,8 @@ constexpr double kPlannedShare = 0.9985;
 
 using Costs = std::array<std::array<float, kMagnitudes>, kContexts>;
 
-// Estimates the squared error at a step, m²: about a twelfth of the step's square for a coefficient that is rounded, its
-// own square for one that becomes 0.
+// Estimates the squared error at a step, m²: about a twelfth of the step's square for a coefficient that is rounded,
+// its own square for one that becomes 0.
 double GuessError(std::span<const float> coefficients, float step) {
   constexpr std::size_t kLanes = 8;  // independent sums, so that the compiler vectorises
   std::array<float, kLanes> sums{};
@@ -144,8 +144,8 @@ void ShapeEncoder::FindDepartures(const PatchModel& model, const Pose& seen, std
   }
 }
 
-// Turns displacements into coefficients in the basis. Columns are of unit length (2^14), so numbers whose squares add up
-// to less than 2^34 have a product with a column of less than 2^31.
+// Turns displacements into coefficients in the basis. Columns are of unit length (2^14), so numbers whose squares add
+// up to less than 2^34 have a product with a column of less than 2^31.
 void ShapeEncoder::Transform(const Basis& basis) {
   const std::size_t size = m_coefficients.size(), count = basis.vertices;
   double square = 0;

@@ -1,4 +1,4 @@
-// What the commands of `wobble` share: how main.cpp sees them, and the readers of their options.
+// Shared by the commands of `wobble`: how main.cpp sees them, and the checks of their options.
 //
 // CLI11 takes seconds to compile, so it is declared here and included only in the sources that use it.
 #pragma once

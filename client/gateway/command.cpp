@@ -26,37 +26,37 @@ struct Words {
 };
 
 CLI::App* AddWords(CLI::App& app, GatewayOptions& options, Words& words) {
-  CLI::App* command =
-      app.add_subcommand("gateway", "Serves the page that browsers play in, and relays them to a server");
+  CLI::App* command = app.add_subcommand("gateway", "Serves the page for browsers and relays each browser to a server");
   // CLI11's required() is not used: it would be reported even when an unknown option is the fault.
   command
       ->add_option("--server", words.servers,
-                   "The server; or several, given often, each with the name that the page has for it")
+                   "The server; repeat it for several, each with the name that the page shows")
       ->type_name("[NAME=]HOST:PORT REQUIRED");
-  command->add_option("--http", options.port, "TCP port that browsers open; 0: any that is free")
+  command->add_option("--http", options.port, "TCP port that browsers open; 0: a free one")
       ->check(tool::Within(0, 65535))
       ->capture_default_str();
-  command->add_option("--bind", options.bindAddress, "Address of this machine to be reached at; 0.0.0.0: any of them")
+  command->add_option("--bind", options.bindAddress, "Address of this machine to listen at; 0.0.0.0: all of them")
       ->capture_default_str();
   command->add_option("--page", words.page, "Folder of the page; default: 'page' beside this program")
       ->type_name("DIR");
-  command->add_option("--max-connections", options.maxConnections, "Browsers that play at once")
+  command->add_option("--max-connections", options.maxConnections, "The most browsers that play at once")
       ->check(tool::Within(1, kMostConnections))
       ->capture_default_str();
   command
       ->add_option("--max-per-address", options.maxPerAddress,
-                   "Of one IP address, or of 64 bits of IPv6; 0: as many as --max-connections")
+                   "The most of one IP address, or of one /64 of IPv6; 0: as many as --max-connections")
       ->check(tool::Within(0, kMostConnections))
       ->capture_default_str();
-  command->add_option("--origin", options.origins, "Whose pages may play here beside this one's; may be given often")
+  command
+      ->add_option("--origin", options.origins, "Origin whose pages may play here besides this gateway's; repeatable")
       ->type_name("URL");
   command->add_option("--status", options.statusEvery, "Seconds between status lines on stdout; 0: none")
       ->check(tool::Within(0, tool::kMaxDuration))
       ->capture_default_str();
   command->footer(
-      "Behind a proxy all browsers have the proxy's address: leave --max-per-address alone, let it pass on the Host\n"
-      "header and WebSockets at /play, and have --bind 127.0.0.1. The gateway speaks plain HTTP.\n"
-      "Exit code: 0 told to end, 2 bad usage, no page, port in use or unknown host.\n"
+      "Behind a proxy all browsers have the proxy's address: do not set --max-per-address, let the proxy pass on the\n"
+      "Host header and WebSockets at /play, and use --bind 127.0.0.1. The gateway speaks plain HTTP.\n"
+      "Exit code: 0 ended on request, 2 bad usage, no page, port in use or unknown host.\n"
       "Examples:\n"
       "  wobble gateway --server 127.0.0.1:7777\n"
       "  wobble gateway --server arena=127.0.0.1:7777 --server sumo=127.0.0.1:7778\n"

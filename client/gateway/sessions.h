@@ -31,7 +31,7 @@ struct GatewayCounts {
 
 class Browser;
 
-// What all connections share. It must outlive the context that their sockets belong to; `browsers` must be cleared
+// Shared by all connections. It must outlive the context that their sockets belong to; `browsers` must be cleared
 // before that context ends.
 struct Shared {
   const GatewayOptions& options;

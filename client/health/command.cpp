@@ -39,11 +39,11 @@ int AskHealth(const std::string& words) {
 
 tool::Command DescribeHealth(CLI::App& app) {
   const auto address = std::make_shared<std::string>();
-  CLI::App* command = app.add_subcommand("health", "Asks a server or gateway whether it is well");
+  CLI::App* command = app.add_subcommand("health", "Checks that a server or gateway works");
   command->add_option("address", *address, "A server's --ops, or a gateway's --http")
       ->type_name("HOST:PORT or PORT REQUIRED");
   command->footer(
-      "Exit code: 0 it is well, 1 it is not or does not answer within 2 s, 2 bad usage.\n"
+      "Exit code: 0 it works, 1 it does not or does not answer within 2 s, 2 bad usage.\n"
       "Examples:\n"
       "  wobble health 9100               a server started with --ops 9100\n"
       "  wobble health 127.0.0.1:8080     a gateway");

@@ -28,31 +28,31 @@ struct Words {
 };
 
 CLI::App* AddWords(CLI::App& app, Words& words) {
-  CLI::App* command = app.add_subcommand("link", "Relays UDP to a server over a bad network of one's own making");
-  command->add_option("conditions", words.conditions, "What the network does; without it, nothing")
+  CLI::App* command = app.add_subcommand("link", "Relays UDP to a server through a simulated bad network");
+  command->add_option("conditions", words.conditions, "Conditions of the network; without them a perfect one")
       ->type_name("CONDITIONS");
   // CLI11's required() is not used: it would be reported even when an unknown option is the fault.
-  command->add_option("--listen", words.port, "UDP port that players connect to; 0: any that is free")
+  command->add_option("--listen", words.port, "UDP port that players connect to; 0: a free one")
       ->check(tool::Within(0, 65535))
       ->type_name("PORT REQUIRED");
   command->add_option("--to", words.server, "The server")->type_name("HOST:PORT REQUIRED");
-  command->add_option("--seed", words.seed, "Of all that happens by chance")->capture_default_str();
+  command->add_option("--seed", words.seed, "Seed of all random choices")->capture_default_str();
   command->add_option("--for", words.duration, "Seconds to run; 0: until Ctrl-C")
       ->check(tool::Within(0, tool::kMaxDuration))
       ->capture_default_str();
   command->add_option("--status", words.statusEvery, "Seconds between status lines, 0: none (1 on a terminal, else 0)")
       ->check(tool::Within(0, tool::kMaxDuration));
   command->footer(
-      "CONDITIONS hold in each direction by itself, separated by commas, all optional:\n"
+      "CONDITIONS apply to each direction, are separated by commas and are all optional:\n"
       "  loss=5%             share of datagrams that never arrive\n"
       "  delay=50ms          one way, at most 10s\n"
-      "  jitter=20ms         added to the delay, from 0 to this, by chance\n"
+      "  jitter=20ms         random addition to the delay, from 0 to this\n"
       "  duplicate=1%        share that arrives twice\n"
-      "  reorder=2%          share held back by 50 ms, beside what jitter reorders\n"
-      "  rate=512kbit        each player's, with headers; what does not fit a queue of 250 ms is dropped\n"
-      "  blackout=250ms/15s  nothing passes for 250 ms of every 15 s, and nothing is kept for later\n"
-      "up.loss=5% is for what players send alone, down.rate=1mbit for what the server sends.\n"
-      "Which datagrams suffer follows from the seed, the player's number and the datagram's own.\n"
+      "  reorder=2%          share held back by 50 ms, in addition to what jitter reorders\n"
+      "  rate=512kbit        of each player, with headers; the queue holds 250 ms, the rest is dropped\n"
+      "  blackout=250ms/15s  nothing passes for 250 ms of every 15 s, and nothing is stored\n"
+      "up.loss=5% applies only to what players send, down.rate=1mbit only to what the server sends.\n"
+      "Which datagrams are affected follows from the seed, the player's number and the datagram's.\n"
       "Exit code: 0 it ran, 2 bad usage, port in use or unknown host.\n"
       "Examples:\n"
       "  wobble link --listen 7800 --to 127.0.0.1:7777 \"loss=5%,delay=50ms,jitter=20ms\"\n"

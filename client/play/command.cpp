@@ -16,13 +16,13 @@ tool::Command DescribePlay(CLI::App& app) {
   const auto options = std::make_shared<PlayOptions>();
   const auto http = std::make_shared<std::uint16_t>(*options->http);
   CLI::App* command =
-      app.add_subcommand("play", "Starts some worlds, a page to play in them and some bots, and ends them together");
+      app.add_subcommand("play", "Starts worlds, a page to play them in and bots, and ends them together");
   command->add_option("--for", options->duration, "Seconds to run; 0: until Ctrl-C")
       ->check(tool::Within(0, tool::kMaxDuration))
       ->capture_default_str();
   command
       ->add_option("--port", options->port,
-                   "UDP port of the first world's server, the others have those behind it; 0: free ones, printed at "
+                   "UDP port of the first world's server, the others have the next ones; 0: free ones, printed at "
                    "the start, also for the page unless --http is given")
       ->check(tool::Within(0, 65535))
       ->capture_default_str();
@@ -31,12 +31,11 @@ tool::Command DescribePlay(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--page", options->page, "Folder of the page; default: 'page' beside this program")
       ->type_name("DIR");
-  command->add_option("--bots", options->bots, "Bots that wander about in the first world")
+  command->add_option("--bots", options->bots, "Bots that wander in the first world")
       ->check(tool::Within(0, bots::kMaxBots))
       ->capture_default_str();
   command
-      ->add_option("--scene", options->scenes,
-                   "A shipped scene's name or a scene file, for a world of its own; may be given often")
+      ->add_option("--scene", options->scenes, "A shipped scene's name or a scene file; repeat it for several worlds")
       ->capture_default_str();
   command->footer(
       "Exit code: 0 nothing failed, 1 something did, 2 server or gateway cannot start with these options.\n"

@@ -42,7 +42,7 @@ std::map<int, std::vector<Rectangle>> FindRectangles(const CellGrid& grid) {
       if (above != same.rend()) {
         ++above->height;
       } else {
-        same.push_back({x, y, end - x, 1});
+        same.push_back({.x = x, .y = y, .width = end - x, .height = 1});
       }
       x = end;
     }

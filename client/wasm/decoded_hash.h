@@ -1,4 +1,4 @@
-// What a client has decoded, in one number: two clients that were fed the same messages have the same one.
+// A hash over everything a client has decoded: two clients that got the same messages have the same hash.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,8 @@
 
 namespace wobble::wasm {
 
-// FNV-1a, 64 bits, over each record's body, tick, pose and vertices as they lie in memory; little-endian machines all.
+// FNV-1a, 64 bits, over each record's body, tick, pose and vertices as they are in memory. All machines are
+// little-endian.
 class DecodedHash {
  public:
   void Add(const client::DecodedPatch& patch) {

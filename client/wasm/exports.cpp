@@ -1,7 +1,8 @@
-// The functions that the page's script calls. Flat C, addresses and numbers only: what embind makes of the same is
-// larger than the decoder. layout.h says what lies behind the addresses.
+// The functions that the page's script calls: C functions of addresses and numbers only. The code that embind generates
+// for the same functions is larger than the decoder. layout.h describes the structs behind the addresses.
 //
-// Texts and messages from the script are written where PrepareInput says, then the call that uses them follows.
+// The script writes texts, messages and structs at the address that PrepareInput returns, then calls the function that
+// uses them.
 #include <emscripten/emscripten.h>
 
 #include <array>
@@ -27,7 +28,7 @@ EMSCRIPTEN_KEEPALIVE std::uint8_t* PrepareInput(Session* session, std::size_t si
 
 EMSCRIPTEN_KEEPALIVE int ReadProtocolVersion() { return wobble::protocol::kProtocolVersion; }
 
-// The socket.
+// The socket; see web_socket_transport.h.
 EMSCRIPTEN_KEEPALIVE void OpenSocket(Session* session) { session->Transport().Open(); }
 EMSCRIPTEN_KEEPALIVE void CloseSocket(Session* session) { session->Transport().Close(); }
 EMSCRIPTEN_KEEPALIVE void ReceiveMessage(Session* session, std::size_t size) {
@@ -43,7 +44,7 @@ EMSCRIPTEN_KEEPALIVE void TakeOutgoing(Session* session) { session->Transport().
 EMSCRIPTEN_KEEPALIVE bool IsCloseAsked(Session* session) { return session->Transport().IsCloseAsked(); }
 EMSCRIPTEN_KEEPALIVE void SetRoundTrip(Session* session, double seconds) { session->Transport().SetRoundTrip(seconds); }
 
-// The client.
+// The client; see client.h.
 EMSCRIPTEN_KEEPALIVE void Update(Session* session, double now) { session->Client().Update(now); }
 EMSCRIPTEN_KEEPALIVE void Leave(Session* session, double now) { session->Client().Leave(now); }
 EMSCRIPTEN_KEEPALIVE int ReadState(Session* session) { return static_cast<int>(session->Client().ReadState()); }
@@ -68,13 +69,13 @@ EMSCRIPTEN_KEEPALIVE void SetInput(Session* session, float moveX, float moveY, u
                               .stiffen = (buttons & 4) != 0});
 }
 
-// What the server tells.
+// Reports of the server.
 EMSCRIPTEN_KEEPALIVE const void* TakeNotice(Session* session) { return session->TakeNotice(); }
 EMSCRIPTEN_KEEPALIVE const void* ReadTuning(Session* session) { return &session->MakeTuning(); }
 EMSCRIPTEN_KEEPALIVE const void* ReadScoreboard(Session* session) { return &session->MakeScoreboard(); }
 EMSCRIPTEN_KEEPALIVE const void* ReadForces(Session* session) { return &session->MakeForces(); }
 
-// The hands.
+// Hands and commands.
 EMSCRIPTEN_KEEPALIVE void SetHand(Session* session, std::uint32_t body, unsigned vertex, float x, float y, float z) {
   session->Client().SetHand(Hand{body, static_cast<std::uint16_t>(vertex), {x, y, z}});
 }
@@ -82,7 +83,7 @@ EMSCRIPTEN_KEEPALIVE void OpenHand(Session* session) { session->Client().SetHand
 EMSCRIPTEN_KEEPALIVE void Push(Session* session, std::uint32_t body, unsigned vertex, float x, float y, float z) {
   session->Client().Push(body, static_cast<std::uint16_t>(vertex), {x, y, z});
 }
-// Nine floats lie in the input: the eye, where the stroke comes from and where it goes.
+// The input holds nine floats: the eye, the beginning and the end of the stroke.
 EMSCRIPTEN_KEEPALIVE void Cut(Session* session, std::uint32_t body) {
   std::array<Vector3, 3> corners;
   const auto input = session->Input(sizeof corners);
@@ -93,7 +94,7 @@ EMSCRIPTEN_KEEPALIVE void Inspect(Session* session, std::uint32_t body) { sessio
 EMSCRIPTEN_KEEPALIVE void Tune(Session* session, unsigned kind, float x, float y, float z) {
   session->Client().Tune(static_cast<wobble::protocol::wire::TuneKind>(kind), {x, y, z});
 }
-// A BuildRequest lies in the input.
+// The input holds a BuildRequest.
 EMSCRIPTEN_KEEPALIVE void Build(Session* session) {
   wobble::wasm::BuildRequest request;
   const auto input = session->Input(sizeof request);
@@ -101,7 +102,7 @@ EMSCRIPTEN_KEEPALIVE void Build(Session* session) {
   session->Build(request);
 }
 
-// For tests: over all that has been decoded so far; 64 bits in two halves.
+// For tests: the hash over everything decoded so far, 64 bits in two halves.
 EMSCRIPTEN_KEEPALIVE std::uint32_t ReadDecodedHash(Session* session, bool upper) {
   return static_cast<std::uint32_t>(session->DecodedHash() >> (upper ? 32 : 0));
 }

@@ -1,5 +1,5 @@
-// What the page's script reads out of linear memory, field by field: every field is four bytes, every offset below is
-// the script's too (client/page/source/wire/memory.ts). Pointers are addresses in linear memory.
+// The structs that the page's script reads from linear memory. Every field has four bytes; the script has the same
+// offsets (client/page/source/wire/memory.ts). Pointers are addresses in linear memory.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace wobble::wasm {
 
-using Address = std::uint32_t;  // of linear memory; natively only its low half, so tests do not follow it
+using Address = std::uint32_t;  // in linear memory; in native builds the low half, so tests do not follow it
 
 [[nodiscard]] inline Address AddressOf(const void* pointer) {
   return static_cast<Address>(reinterpret_cast<std::uintptr_t>(pointer));
@@ -23,7 +23,7 @@ struct Text {
   return {AddressOf(text.data()), static_cast<std::uint32_t>(text.size())};
 }
 
-// A body as it is to be shown. revision: another one when vertices or normals are not what they were.
+// A body as it is to be shown. revision: changes whenever vertices or normals do.
 struct BodyView {
   std::uint32_t body = 0;
   std::uint32_t blueprint = 0;  // number of a BlueprintView, never reused
@@ -33,7 +33,7 @@ struct BodyView {
   Address normals = 0;   // three floats each, unit length or zero; of bodies with faces
   float centroid[3] = {};
   float rotation[4] = {};  // w x y z
-  std::uint32_t held = 0;  // nothing newer came in time
+  std::uint32_t held = 0;  // BodySample::held
 };
 static_assert(sizeof(BodyView) == 14 * 4);
 
@@ -45,7 +45,7 @@ struct BlueprintView {
   std::uint32_t edgeCount = 0;
   Address edges = 0;         // two 16-bit vertices each
   float size = 0;            // metres
-  std::uint32_t isOpen = 0;  // backs of faces are seen
+  std::uint32_t isOpen = 0;  // the backs of faces are visible
   Text name;
   Address particles = 0;  // wire::ParticleTag, 12 bytes each, one a vertex; or 0
   Address springs = 0;    // wire::SpringTag, 20 bytes each, one an edge; or 0
@@ -91,10 +91,10 @@ static_assert(sizeof(EventView) == 5 * 4);
 struct StatisticsView {
   float snapshots = 0;
   float records = 0;
-  float badMessages = 0;  // of every kind: messages, snapshots, records
+  float badMessages = 0;  // control messages, snapshots and records together
   float bytesReceived = 0;
   float stalls = 0;
-  float delay = 0;            // s that bodies are shown behind
+  float delay = 0;            // s; Client::InterpolationDelay
   float inputToSnapshot = 0;  // s
   float snapshotAge = 0;      // s
   float timeRatio = 0;
@@ -141,7 +141,7 @@ struct ForcesView {
 };
 static_assert(sizeof(ForcesView) == 5 * 4);
 
-// What the script writes before it calls Build.
+// The script writes this before it calls Build.
 struct BuildRequest {
   std::uint32_t kind = 0;
   std::uint32_t a = 0;

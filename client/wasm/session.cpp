@@ -1,5 +1,5 @@
-// Nothing is decided here: the client library knows, the script draws, and this lays between them what the one has so
-// that the other can read it without a copy.
+// Makes no decisions: it lays out the data of the client library so that the script, which draws, can read it without a
+// copy.
 #include "client/wasm/session.h"
 
 #include <algorithm>
@@ -8,12 +8,12 @@
 namespace wobble::wasm {
 namespace {
 
-constexpr std::size_t kMaxEvents = 1024;  // a page that takes none keeps the newest
+constexpr std::size_t kMaxEvents = 1024;  // events and notices kept; the oldest are dropped first
 
 client::Options MakeOptions(std::string name, bool isSpectator) {
   if (name.size() > protocol::kMaxNameBytes) {
     std::size_t end = protocol::kMaxNameBytes;
-    while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0) == 0x80) --end;  // not inside of a character
+    while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0) == 0x80) --end;  // at the start of a character
     name.resize(end);
   }
   client::Options options;

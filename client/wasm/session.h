@@ -1,4 +1,4 @@
-// One connection of a page: the client library over a WebSocket, and what the script reads of it.
+// One connection of the page: the client library over a WebSocket, and the structs that the script reads.
 #pragma once
 
 #include <cstdint>
@@ -18,11 +18,11 @@ namespace wobble::wasm {
 
 class Session {
  public:
-  // name: cut to what the wire takes. now: seconds, as in all of these.
+  // name: cut to protocol::kMaxNameBytes. now: seconds, never backwards, as in all functions.
   Session(std::string name, bool isSpectator, double now);
 
-  // Where the script writes a message before it is received, or another text or array before it is used; of at least
-  // this many bytes.
+  // The buffer of at least so many bytes in which the script writes messages, texts and structs before it calls the
+  // function that uses them.
   [[nodiscard]] std::uint8_t* PrepareInput(std::size_t size);
   [[nodiscard]] std::span<const std::uint8_t> Input(std::size_t size) const;
 
@@ -32,37 +32,37 @@ class Session {
 
   void Sample(double now);
 
-  // Each valid until the next call.
+  // Each result is valid until the next call of the same function.
   const WelcomeView& MakeWelcome();
   const StatisticsView& MakeStatistics(double now);
-  // The oldest event that has not been taken; nullptr when there is none.
+  // The oldest event not yet taken; nullptr when there is none.
   const EventView* TakeEvent();
-  // The same of notices.
+  // The same for notices.
   const Text* TakeNotice();
   const TuningView& MakeTuning();
   const ScoreboardView& MakeScoreboard();
   const ForcesView& MakeForces();
 
-  // An unknown kind is for the server to refuse.
+  // Sends a command to build; the server refuses unknown kinds.
   void Build(const BuildRequest& request);
-  // Over all that has been decoded so far.
+  // Over everything decoded so far.
   [[nodiscard]] std::uint64_t DecodedHash() const { return m_decoded.Value(); }
 
  private:
-  WebSocketTransport* m_transport;  // the client's
+  WebSocketTransport* m_transport;  // owned by the client
   client::Client m_client;
   std::vector<std::uint8_t> m_input;
   std::vector<client::BodySample> m_samples;
   ShownBodies m_bodies;
   std::deque<client::Client::Event> m_events;
-  client::Client::Event m_event;  // that was taken last
+  client::Client::Event m_event;  // the one taken last
 
   WelcomeView m_welcomeView;
   std::vector<GroundView> m_groundViews;
   StatisticsView m_statisticsView;
   EventView m_eventView;
   std::deque<std::string> m_notices;
-  std::string m_notice;  // that was taken last
+  std::string m_notice;  // the one taken last
   Text m_noticeView;
   TuningView m_tuningView;
   ScoreboardView m_scoreboardView;

@@ -1,5 +1,5 @@
-// Most bodies of a large scene lie still: their vertices are compared, which is ten times cheaper than their normals
-// and the way to the graphics card, and only what differs gets a new revision.
+// Most bodies of a large scene are at rest. So vertices are compared, which is ten times cheaper than computing normals
+// and uploading both to the graphics card, and only changed bodies get a new revision.
 #include "client/wasm/shown_bodies.h"
 
 #include <array>

@@ -1,4 +1,4 @@
-// What the page draws of each body: its vertices, their normals, and whether anything has changed since.
+// The geometry that the page draws: each body's vertices and normals, with a revision that tells when they changed.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +14,10 @@ namespace wobble::wasm {
 
 class ShownBodies {
  public:
-  // samples: by ascending body, kept alive until the next Update.
+  // samples: by ascending body. They must live until the next Update.
   void Update(std::span<const client::BodySample> samples);
   [[nodiscard]] std::span<const BodyView> Views() const { return m_views; }
-  // A blueprint of a body in Views; nullptr for any other number. Valid until the next Update.
+  // The blueprint of a body in Views; nullptr for any other number. Valid until the next Update.
   const BlueprintView* FindBlueprint(std::uint32_t number);
 
  private:
@@ -26,7 +26,7 @@ class ShownBodies {
     std::vector<protocol::Vector3> normals;
     std::uint32_t blueprint = 0;
     std::uint32_t revision = 0;
-    std::uint32_t round = 0;  // of the last Update that had it
+    std::uint32_t round = 0;  // the last Update with this body
   };
   struct Named {
     std::shared_ptr<const client::Blueprint> blueprint;
@@ -45,7 +45,7 @@ class ShownBodies {
   std::uint32_t m_round = 0;
 };
 
-// Sum of the normals of the faces round each vertex, each as long as its face is large, then of unit length; zero where
+// Vertex normals: the sum of the normals of the faces around each vertex, weighted by area and normalised; zero where
 // there is no area.
 void FindNormals(std::span<const protocol::Vector3> vertices, std::span<const std::array<std::uint16_t, 3>> faces,
                  std::vector<protocol::Vector3>& normals);

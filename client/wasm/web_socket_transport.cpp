@@ -1,5 +1,5 @@
-// Both queues are bounded: a page whose script has stopped taking or whose socket is stuck loses inputs and snapshots,
-// which are repeated anyway, and a control message too many ends the connection rather than leaving a gap in it.
+// Both queues are bounded. When the script stops or the socket is stuck, inputs and snapshots are lost, which later
+// ones replace anyway; a control message too many ends the connection, since it must not lose one.
 #include "client/wasm/web_socket_transport.h"
 
 #include <utility>

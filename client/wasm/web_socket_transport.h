@@ -1,7 +1,8 @@
-// The Transport of a page: messages go through a WebSocket that the page's script owns.
+// The Transport of the page: messages go through a WebSocket that the page's script owns.
 //
-// The script says when the socket has opened and closed, puts in what came and takes out what is to go; nothing here
-// calls it. So the same code runs under a browser, under Node with recorded bytes and natively in a test.
+// The script reports that the socket has opened or closed, puts in the messages that came and takes out those to send;
+// nothing here calls the script. So the same code runs in a browser, under Node with recorded bytes and natively in a
+// test.
 #pragma once
 
 #include <cstdint>
@@ -17,16 +18,16 @@ class WebSocketTransport final : public transport::Transport {
  public:
   static constexpr transport::ConnectionId kConnection = 1;
 
-  // What the script does. A message is a byte that names its channel, and then the message as ENet would carry it.
+  // Called by the script. A message is a byte that names the channel, and then the message as ENet carries it.
   void Open() { m_hasOpened = true; }
   void Close() { m_hasClosed = true; }
   void Receive(std::span<const std::uint8_t> message);
-  // Seconds there and back, to the game's server.
+  // The round trip to the game's server, seconds.
   void SetRoundTrip(double seconds) { m_roundTrip = seconds; }
-  // The oldest message that is to go; empty when there is none. Valid until TakeOutgoing, which drops it.
+  // The oldest message to send; empty when there is none. Valid until TakeOutgoing, which drops it.
   [[nodiscard]] std::span<const std::uint8_t> FindOutgoing() const;
   void TakeOutgoing();
-  // The client has done with it: the script closes the socket once nothing is outgoing.
+  // Whether the client has disconnected: the script closes the socket once there is nothing to send.
   [[nodiscard]] bool IsCloseAsked() const { return m_isCloseAsked; }
 
   void Poll(double now, const Sink& sink) override;
@@ -40,7 +41,7 @@ class WebSocketTransport final : public transport::Transport {
  private:
   enum class State { kConnecting, kOpen, kClosed };
   using Bytes = std::vector<std::uint8_t>;
-  // Apart from its channel: FlatBuffers takes no message that is not aligned.
+  // The bytes are stored without the channel, because FlatBuffers needs them aligned.
   struct Incoming {
     transport::Channel channel;
     Bytes bytes;

@@ -1,4 +1,4 @@
-// What a bad network does to datagrams, and the text form of it.
+// The conditions of a bad network, and the text form of them.
 //
 // Used by the virtual network of the tests and by the relay between real sockets.
 #pragma once

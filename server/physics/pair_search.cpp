@@ -26,7 +26,7 @@ Skin<Real> FindSkin(const Member<Real>& member) {
 
 template <class Real>
 void PairSearch<Real>::FindPairs() {
-  ReserveSurfaces();
+  ReserveSkins();
   m_lists.awake.swap(m_lists.before);
   m_lists.awake.clear();
   m_lists.overlaps.clear();
@@ -114,33 +114,33 @@ std::vector<BodyContact<Real>> PairSearch<Real>::TakeSpareList() {
   return list;
 }
 
-// Makes room for the surfaces of bodies that are new in the world.
+// Makes room for the skins of bodies that are new in the world.
 template <class Real>
-void PairSearch<Real>::ReserveSurfaces() {
+void PairSearch<Real>::ReserveSkins() {
   const std::size_t count = m_table.bodies.size();
-  m_lists.hasSurface.assign(count, 0);
-  m_lists.surfaceBodies.reserve(count);
-  if (m_lists.surfaces.size() >= count) return;
-  m_lists.surfaces.resize(count);
+  m_lists.hasSkin.assign(count, 0);
+  m_lists.skinBodies.reserve(count);
+  if (m_lists.skins.size() >= count) return;
+  m_lists.skins.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
-    m_lists.surfaces[i].Reserve(m_table.blueprints[m_table.bodies[i].blueprint].rest.size());
+    m_lists.skins[i].Reserve(m_table.blueprints[m_table.bodies[i].blueprint].rest.size());
   }
 }
 
-// Reads the surfaces of the bodies that are to meet others and have not met any in this tick.
+// Reads the skins of the bodies that are to meet others and have not met any in this tick.
 template <class Real>
-void PairSearch<Real>::ReadSurfaces() {
-  m_lists.surfaceBodies.clear();
+void PairSearch<Real>::ReadSkins() {
+  m_lists.skinBodies.clear();
   for (const BodyPair<Real>& pair : m_lists.awake) {
     if (!AreToMeet(pair)) continue;
     for (const std::uint32_t body : pair.places) {
-      if (m_lists.hasSurface[body] == 0) m_lists.surfaceBodies.push_back(body);
-      m_lists.hasSurface[body] = 1;
+      if (m_lists.hasSkin[body] == 0) m_lists.skinBodies.push_back(body);
+      m_lists.hasSkin[body] = 1;
     }
   }
-  m_threads.ForEach(m_lists.surfaceBodies.size(), [this](std::size_t i) {
-    const std::uint32_t body = m_lists.surfaceBodies[i];
-    m_lists.surfaces[body].Read(FindSkin(m_work.members[body]), m_work.members[body].state->velocities);
+  m_threads.ForEach(m_lists.skinBodies.size(), [this](std::size_t i) {
+    const std::uint32_t body = m_lists.skinBodies[i];
+    m_lists.skins[body].Read(FindSkin(m_work.members[body]), m_work.members[body].state->velocities);
   });
 }
 
@@ -151,7 +151,7 @@ bool PairSearch<Real>::AreToMeet(const BodyPair<Real>& pair) const {
 
 template <class Real>
 void PairSearch<Real>::MeetAll() {
-  ReadSurfaces();
+  ReadSkins();
   m_threads.ForEach(m_lists.awake.size(), [this](std::size_t i) {
     BodyPair<Real>& pair = m_lists.awake[i];
     if (!AreToMeet(pair)) return;
@@ -167,8 +167,8 @@ void PairSearch<Real>::Meet(BodyPair<Real>& pair) {
     const std::uint32_t ofFaces = pair.places[1 - side];
     const Member<Real>& vertices = m_work.members[ofVertices];
     const Member<Real>& faces = m_work.members[ofFaces];
-    ContactSearch<Real> search{.vertices = &m_lists.surfaces[ofVertices],
-                               .skin = &m_lists.surfaces[ofFaces],
+    ContactSearch<Real> search{.vertices = &m_lists.skins[ofVertices],
+                               .skin = &m_lists.skins[ofFaces],
                                .kernel = m_kernel,
                                .near = faces.survey.bounds,
                                .margin = static_cast<Real>(kNearMargin),

@@ -54,8 +54,8 @@ class PairSearch {
   void AddPairs();
   void AttachSleeper(std::uint32_t body);
   void TakeRestingPairs();
-  void ReserveSurfaces();
-  void ReadSurfaces();
+  void ReserveSkins();
+  void ReadSkins();
   [[nodiscard]] bool AreToMeet(const BodyPair<Real>& pair) const;
   void Meet(BodyPair<Real>& pair);
   template <class Keep>

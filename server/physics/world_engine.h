@@ -56,10 +56,10 @@ struct PairLists {
   std::uint64_t wakesSeen = 0;                             // of Roster::CountWakes
   std::vector<std::vector<BodyContact<Real>>> spareLists;  // contact lists of pairs that have separated
   std::vector<IndexPair> places;                           // of the pairs in `awake`
-  std::vector<SkinPoints<Real>> surfaces;    // by place; as the tick began, of the bodies that hasSurface names
-  std::vector<std::uint8_t> hasSurface;      // by place; not 0: `surfaces` is up to date
-  std::vector<std::uint32_t> surfaceBodies;  // places of bodies whose surface is read next
-  std::vector<Box> awakeBoxes;               // of Roster::FindAwake, in its order
+  std::vector<SkinPoints<Real>> skins;    // by place; as the tick began, of the bodies that hasSkin names
+  std::vector<std::uint8_t> hasSkin;      // by place; not 0: `skins` is up to date
+  std::vector<std::uint32_t> skinBodies;  // places of bodies whose skin is read next
+  std::vector<Box> awakeBoxes;            // of Roster::FindAwake, in its order
   std::vector<IndexPair> overlaps;
   BroadPhase broadPhase;
   std::vector<std::uint32_t> woken;  // places of the bodies that the last PairSearch::WakeTouched woke

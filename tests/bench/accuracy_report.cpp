@@ -1,5 +1,5 @@
-// `wobble_lab accuracy`: run time against error, of every method, step and precision, against the same equations
-// written a second time and solved by SUNDIALS, and against what theory says exactly where it does.
+// `wobble_lab accuracy`: run time against error of every method, step and precision, compared with the same equations
+// implemented a second time and solved by SUNDIALS, and with closed forms where they exist.
 #include "tests/bench/accuracy/experiments.h"
 #include "tests/bench/contact/experiments.h"
 

@@ -1,5 +1,5 @@
-// `wobble_lab capacity`: how many players this machine can host, a core for the server and another for the bots, and
-// what each of them gets.
+// `wobble_lab capacity`: how many players this machine can host with one core for the server and one for the bots, and
+// what each player gets.
 #include "tests/bench/capacity/experiments.h"
 
 namespace wobble::bench {

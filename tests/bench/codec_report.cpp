@@ -1,5 +1,5 @@
-// `wobble_lab codec`: what the shapes of bodies cost on the wire at which error, beside what others would need for the
-// same frames, all in the same run.
+// `wobble_lab codec`: bits on the wire for the shapes of bodies against their error, with other codecs on the same
+// frames in the same run.
 #include "tests/bench/codec/experiments.h"
 
 namespace wobble::bench {

@@ -1,4 +1,4 @@
-# Writes tests/bench/commit.h into FOLDER: which commit this is built from, "+" behind it when files have been changed.
+# Writes tests/bench/commit.h into FOLDER: the commit of the build, followed by "+" when files have been changed.
 cmake_policy(VERSION 3.25)
 # Run at each build; the file is touched only when it says something new.
 execute_process(COMMAND git -C ${SOURCE} rev-parse --short=12 HEAD OUTPUT_VARIABLE commit

@@ -1,5 +1,5 @@
-// `wobble_lab interpolation`: how far what a player sees is from what was on the server at that moment, through the
-// whole path: encoder, a link that loses and delays, clock, jitter buffer and curve of the client library.
+// `wobble_lab interpolation`: the distance between what a player sees and the state of the server at that moment,
+// through the whole path: encoder, a link with loss and delay, clock, jitter buffer and curve of the client library.
 #include "tests/bench/interpolation/experiments.h"
 
 namespace wobble::bench {

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# wobble_lab as a person runs it: what it refuses, what it writes, and that the quick run of a report keeps its figures.
+# Tests wobble_lab from its command line: refusals, written files, and that the quick run of a report keeps its limits.
 #
 #   bash lab_test.sh CASE BIN_DIR
 #
-# Exit code 0: the case holds; 1: it does not, and what was expected and what came instead is printed.
+# Exit code 0: the case holds; 1: it does not, and the expectation and the actual output are printed.
 set -uo pipefail
 
 readonly case_name="${1:?usage: lab_test.sh CASE BIN_DIR}"
@@ -33,7 +33,7 @@ expect_line() { # FILE PATTERN
   grep -q -e "$2" "$1" || fail "a line '$2'"
 }
 
-# What is wrong is said in one line, and nothing is left behind.
+# Expects one line on standard error and no files left behind.
 expect_refusal() { # PATTERN ARGUMENT...
   expect_exit 2 "${@:2}"
   expect_line "$err" "$1"
@@ -95,7 +95,7 @@ case_trial_again() {
   expect_line "$folder/a.json" '"trial": 12'
 }
 
-# Exit code 0 says that all figures keep to their limits.
+# Exit code 0 says that all figures keep their limits.
 expect_report() { # NAME "KEY..." "PLOT..."
   expect_exit 0 "$1" --quick --json "$folder/$1.json" --plot "$folder/plots"
   local each

@@ -1,6 +1,7 @@
-// wobble_lab: shows what the engine is worth, report by report, and whether each figure keeps to its limit.
+// wobble_lab: measures the engine report by report and checks each figure against its limit.
 //
-// Exit code 99 when one does not, so that the tests run the very program whose results are stored.
+// It exits with code 99 when a figure breaks its limit, so that the tests run the very program whose results are
+// stored.
 #include <signal.h>
 
 #include <CLI/CLI.hpp>
@@ -25,25 +26,47 @@ using namespace wobble;
 using namespace wobble::bench;
 
 constexpr Report kReports[] = {
-    {"accuracy", "Run time against error, of every method, step and precision", false, &ReportAccuracy},
-    {"stability", "The largest step of every method against theory; random trials", true, &ReportStability},
-    {"contact", "Bounce height, friction angle, momentum, tunnelling, stacks", true, &ReportContact},
-    {"throughput", "What steps and ticks cost, beside plain code, Bullet and the peak of the core", false,
-     &ReportThroughput},
-    {"skip", "What it costs that a world could do more: sleepers, absent terms, bodies apart, no client", false,
-     &ReportSkip},
-    {"codec", "Bits a vertex against error, beside Rigs of Rods, Draco, meshoptimizer and deltas", false, &ReportCodec},
-    {"interpolation", "What a player is shown against what was, over links that lose and delay", false,
-     &ReportInterpolation},
-    {"capacity", "How many players a core can host, what they get and what they see", false, &ReportCapacity, true},
+    {.name = "accuracy",
+     .shows = "Run time against error of every method, step and precision",
+     .hasTrials = false,
+     .run = &ReportAccuracy},
+    {.name = "stability",
+     .shows = "The largest stable step of every method against theory; random trials",
+     .hasTrials = true,
+     .run = &ReportStability},
+    {.name = "contact",
+     .shows = "Bounce height, friction angle, momentum, tunnelling, stacks",
+     .hasTrials = true,
+     .run = &ReportContact},
+    {.name = "throughput",
+     .shows = "Cost of steps and ticks against plain code, Bullet and the peak of the core",
+     .hasTrials = false,
+     .run = &ReportThroughput},
+    {.name = "skip",
+     .shows = "Cost of features not in use: sleeping bodies, absent terms, bodies apart, no client",
+     .hasTrials = false,
+     .run = &ReportSkip},
+    {.name = "codec",
+     .shows = "Bits per vertex against error: ours, Rigs of Rods, Draco, meshoptimizer and deltas",
+     .hasTrials = false,
+     .run = &ReportCodec},
+    {.name = "interpolation",
+     .shows = "Error of what players see, over links with loss and delay",
+     .hasTrials = false,
+     .run = &ReportInterpolation},
+    {.name = "capacity",
+     .shows = "How many players a core can host, and what each gets and sees",
+     .hasTrials = false,
+     .run = &ReportCapacity,
+     .hasPlayers = true},
 };
 
-// 2^53, as the server's: exact as a number in JSON too.
+// 2^53, as for the server: exact as a JSON number.
 constexpr double kMaxSeed = 9007199254740992.0;
 constexpr double kMaxTrial = 1e6;
 constexpr double kMaxPlayers = 2000;
 
-// The one global: a signal handler can reach nothing else.
+// The only global: a signal handler can reach nothing else.
 std::atomic<bool> g_stopAsked{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
 
@@ -56,24 +79,24 @@ void InstallSignals() {
 CLI::App* AddReport(CLI::App& app, const Report& report, Options& options) {
   CLI::App* words = app.add_subcommand(report.name, report.shows);
   words->add_flag("--quick", options.quick, "Fewer and shorter trials: under 40 s on two cores");
-  words->add_option("--json", options.jsonFile, "Where to write rows and summary")->type_name("FILE");
-  words->add_option("--plot", options.plotFolder, "Where to draw plots, as SVG; needs gnuplot")->type_name("DIR");
-  words->add_option("--seed", options.seed, "Of all that is drawn by chance")
+  words->add_option("--json", options.jsonFile, "Write rows and summary to this file")->type_name("FILE");
+  words->add_option("--plot", options.plotFolder, "Draw plots as SVG into this folder; needs gnuplot")
+      ->type_name("DIR");
+  words->add_option("--seed", options.seed, "Seed of all random draws")
       ->check(tool::Within(0, kMaxSeed))
       ->capture_default_str();
   if (report.hasTrials) {
-    words->add_option("--trial", options.trial, "Plays this random trial alone, the one that a report named")
+    words->add_option("--trial", options.trial, "Play only this random trial, numbered as in a report")
         ->check(tool::Within(0, kMaxTrial));
   }
   if (report.hasPlayers) {
-    words->add_option("--scene", options.scene, "Where they play: a shipped scene, or a path to a .toml file")
+    words->add_option("--scene", options.scene, "Scene of the players: a shipped scene, or a path to a .toml file")
         ->capture_default_str();
     words
-        ->add_option(
-            "--script", options.script,
-            "What they do: a Lua file, or the name of a shipped one: idle.lua, wander.lua, chase.lua, mash.lua")
+        ->add_option("--script", options.script,
+                     "Script of the players: a Lua file, or a shipped one: idle.lua, wander.lua, chase.lua, mash.lua")
         ->capture_default_str();
-    words->add_option("--players", options.players, "So many alone, for five minutes unless --quick")
+    words->add_option("--players", options.players, "Only this player count, for five minutes unless --quick")
         ->check(tool::Within(1, kMaxPlayers));
   }
   words->set_version_flag("--version", std::string("wobble_lab ") + kVersion);
@@ -83,12 +106,12 @@ CLI::App* AddReport(CLI::App& app, const Report& report, Options& options) {
 }
 
 CLI::App* AddAll(CLI::App& app, Options& options, std::string& folder) {
-  CLI::App* words = app.add_subcommand("all", "Every report, one after the other, with its JSON and plots");
+  CLI::App* words = app.add_subcommand("all", "Run every report, with its JSON and plots");
   words->add_flag("--quick", options.quick, "Fewer and shorter trials");
-  words->add_option("--into", folder, "Where to keep results, in a folder named after this processor; needs gnuplot")
+  words->add_option("--into", folder, "Write results to a folder in DIR, named after this processor; needs gnuplot")
       ->type_name("DIR")
       ->capture_default_str();
-  words->add_option("--seed", options.seed, "Of all that is drawn by chance")
+  words->add_option("--seed", options.seed, "Seed of all random draws")
       ->check(tool::Within(0, kMaxSeed))
       ->capture_default_str();
   words->footer("Examples:\n  wobble_lab all --quick\n  wobble_lab all --into tests/bench/results");
@@ -100,7 +123,7 @@ int Fail(const std::string& reason) {
   return tool::kExitFailed;
 }
 
-// Before anything long begins: what would make its results impossible to keep.
+// Checks before any long run that results can be written.
 bool CanKeepResults(const Options& options, std::string& error) {
   std::error_code code;
   if (!options.plotFolder.empty()) {
@@ -116,7 +139,7 @@ bool CanKeepResults(const Options& options, std::string& error) {
   return error.empty();
 }
 
-// Of a scene that cannot be hosted the first fault: wobbled names them all.
+// Reports the first fault of a scene that cannot be hosted; wobbled reports all.
 bool CanPlay(const Options& options, std::string& error) {
   const scenes::LoadResult loaded = scenes::LoadScene(options.scene, scenes::FindShippedScenes());
   std::vector<std::string> errors = loaded.errors;
@@ -170,7 +193,7 @@ std::string MakeFolderName(const std::string& cpu) {
   return name;
 }
 
-// A figure that is missed does not keep the next report from being made; what fails altogether does.
+// A report with a missed figure does not stop the following ones; a report that fails does.
 int RunAll(Options options, const std::string& folder) {
   options.plotFolder = folder + "/" + MakeFolderName(ReadCpuName());
   std::error_code code;
@@ -187,16 +210,17 @@ int RunAll(Options options, const std::string& folder) {
     worst = std::max(worst, exit);
     std::fflush(stdout);
   }
-  std::printf("kept in %s\n", options.plotFolder.c_str());
+  std::printf("results are in %s\n", options.plotFolder.c_str());
   return worst;
 }
 
 int Run(int argc, char** argv) {
-  CLI::App app("wobble_lab: measures the engine and compares it with what it should be");
-  app.require_subcommand(0, 1);  // none is refused below: CLI11 would say so even when an unknown option is the fault
+  CLI::App app("wobble_lab: measures the engine and checks the figures against their limits");
+  // A missing report is refused below: CLI11 would complain about it even when an unknown option is the fault
+  app.require_subcommand(0, 1);
   app.set_version_flag("--version", std::string("wobble_lab ") + kVersion);
   app.footer(
-      "Exit code: 0 every figure keeps to its limit, 99 one does not, 2 bad usage, 1 stopped or failed.\n"
+      "Exit code: 0 every figure keeps its limit, 99 one does not, 2 bad usage, 1 stopped or failed.\n"
       "Examples:\n"
       "  wobble_lab accuracy --quick\n"
       "  wobble_lab contact --json contact.json --plot plots\n"

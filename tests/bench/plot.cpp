@@ -9,7 +9,7 @@
 namespace wobble::bench {
 namespace {
 
-// In gnuplot's single quotes only a quote itself has to be written otherwise: twice.
+// In gnuplot's single quotes only the quote itself is escaped, by doubling it.
 std::string Quote(const std::string& text) {
   std::string quoted = "'";
   for (const char c : text) quoted += c == '\'' ? "''" : std::string(1, c);
@@ -34,7 +34,7 @@ const char* FindStyle(Stroke stroke) {
 
 std::string FindColour(int colour) { return colour > 0 ? " lc " + std::to_string(colour) : ""; }
 
-// As rectangles: an image would be a file of its own beside the SVG.
+// Draws rectangles, because gnuplot writes an image as a separate file beside the SVG.
 void AddMap(const Map& map, std::ostringstream& script) {
   script << "$map << EOD\n";
   for (const auto& [x, y, value] : map.cells) script << x << ' ' << y << ' ' << value << '\n';
@@ -91,7 +91,7 @@ bool DrawPlot(const Plot& plot, const std::string& folder, std::string& error) {
   }
   const std::string script = MakeScript(plot, file);
   const bool written = fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
-  const bool good = pclose(gnuplot) == 0;  // it has told its reasons on standard error
+  const bool good = pclose(gnuplot) == 0;  // gnuplot has printed the reason on standard error
   if (!written || !good) error = file + ": gnuplot failed";
   return written && good;
 }

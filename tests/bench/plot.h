@@ -1,4 +1,4 @@
-// Plots: SVG by gnuplot, which runs as a child of its own.
+// Draws plots as SVG by gnuplot, in a child process.
 #pragma once
 
 #include <array>

@@ -11,7 +11,7 @@ namespace wobble::bench {
 namespace {
 
 constexpr double kShowEvery = 0.2;  // s
-// An estimate from less than this share of the work says nothing.
+// Below this share of the work, an estimate of the time left is meaningless.
 constexpr double kLeastShare = 0.02;
 
 }  // namespace

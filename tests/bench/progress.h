@@ -1,4 +1,4 @@
-// How far a report has come, on a terminal with an estimate of the time left; elsewhere silent.
+// Shows the progress of a report with an estimate of the time left; silent when standard error is no terminal.
 #pragma once
 
 #include <functional>
@@ -9,15 +9,15 @@ namespace wobble::bench {
 
 class Progress {
  public:
-  // shares: what all parts together add up to, in any unit that their times go by.
+  // shares: the sum of the shares of all parts, in any unit proportional to time.
   Progress(std::string report, double shares, std::function<bool()> isStopAsked);
   ~Progress();  // takes the line away
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  // The next part of the report begins, this one's share of the whole.
+  // Begins the next part of the report; share: its part of the whole.
   void Begin(const std::string& part, double share);
-  // From any thread.
+  // Shows done of count; may be called from any thread.
   void Show(std::size_t done, std::size_t count);
 
   [[nodiscard]] bool IsStopAsked() const { return m_isStopAsked(); }
@@ -30,9 +30,9 @@ class Progress {
   double m_began;
   std::mutex m_mutex;
   std::string m_part;
-  double m_before = 0;  // shares of the parts that are done
-  double m_share = 0;   // of this one
-  double m_shown = 0;   // when
+  double m_before = 0;  // shares of finished parts
+  double m_share = 0;   // of the current part
+  double m_shown = 0;   // time of the last output
 };
 
 }  // namespace wobble::bench

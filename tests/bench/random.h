@@ -1,4 +1,5 @@
-// Draws that are the same with every compiler and library, which those of the standard library are not.
+// A random generator with the same draws on every compiler and library; the distributions of the standard library
+// differ.
 #pragma once
 
 #include <cmath>
@@ -18,7 +19,7 @@ class Random {
     z = (z ^ (z >> 27)) * 0x94D049BB133111EBU;
     return least + (most - least) * static_cast<double>((z ^ (z >> 31)) >> 11) / 9007199254740992.0;
   }
-  // Each order of magnitude as likely as the next.
+  // Uniform in the logarithm.
   double DrawMagnitude(double least, double most) { return least * std::pow(most / least, Draw(0, 1)); }
   // 0 to count - 1.
   std::size_t Choose(std::size_t count) { return static_cast<std::size_t>(Draw(0, static_cast<double>(count))); }

@@ -1,4 +1,4 @@
-// A report of the laboratory: an experiment whose figures are compared with what they should be.
+// A report of the laboratory: experiments whose figures are compared with limits.
 #pragma once
 
 #include <cstdint>
@@ -11,48 +11,48 @@
 
 namespace wobble::bench {
 
-// As many bodies as players, of 162 vertices, who meet by the dozen.
+// A scene with as many bodies as players, of 162 vertices, that touch by the dozen.
 inline constexpr const char* kCapacityScene = "pitch";
 inline constexpr const char* kCapacityScript = "chase.lua";
 
-// As the command line has them.
+// The command line's options.
 struct Options {
-  bool quick = false;  // answers within 40 s on two cores
+  bool quick = false;  // under 40 s on two cores
   std::string jsonFile;
   std::string plotFolder;
   std::uint64_t seed = 1;
-  std::optional<std::uint32_t> trial;    // only this one of the random trials
-  std::string scene = kCapacityScene;    // that the players of `capacity` are in: a shipped one, or a file
-  std::string script = kCapacityScript;  // by which they play: a shipped one, or a file
-  std::optional<unsigned> players;       // only this count of them
+  std::optional<std::uint32_t> trial;    // only this random trial
+  std::string scene = kCapacityScene;    // of `capacity`: a shipped scene or a file
+  std::string script = kCapacityScript;  // of the bots of `capacity`: a shipped script or a file
+  std::optional<unsigned> players;       // of `capacity`: only this player count
 };
 
-// What a report is given. It looks at progress.IsStopAsked() between trials and then returns early.
+// The context of a report. Experiments check progress.IsStopAsked() between trials and return early.
 struct Bench {
   const Options& options;
   Progress& progress;
   Results& results;
 };
 
-// Of a report, in the order in which they are measured.
+// A part of a report, in order of measurement.
 struct Part {
   const char* name;
-  double share;  // of the time that all take together
+  double share;  // of the time of all parts
   void (*measure)(Bench& bench);
-  bool hasTrials = false;  // those that --trial plays one of
+  bool hasTrials = false;  // --trial plays one of its trials
 };
-// Until it is asked to stop; with --trial only the part that has trials.
+// Runs the parts until a stop is asked for; with --trial only the part that has trials.
 void MeasureParts(Bench& bench, std::span<const Part> parts);
 
 struct Report {
   const char* name;
-  const char* shows;  // in one line
+  const char* shows;  // one line
   bool hasTrials;     // takes --trial
   void (*run)(Bench& bench);
   bool hasPlayers = false;  // takes --scene, --script and --players
 };
 
-// One function a report, each in the file of its name.
+// One function per report, each in the file of its name.
 void ReportAccuracy(Bench& bench);
 void ReportCapacity(Bench& bench);
 void ReportCodec(Bench& bench);

@@ -18,14 +18,14 @@ std::string FormatNumber(double value) {
   return text;
 }
 
-// JSON has no word for what is no number.
+// JSON cannot represent NaN and infinity: they become null.
 nlohmann::ordered_json MakeNumber(double value) {
   if (!std::isfinite(value)) return nullptr;
   if (value == std::floor(value) && std::fabs(value) < 9e15) return static_cast<std::int64_t>(value);
   return value;
 }
 
-// That bodies are stepped with, of those that the physics is compiled for.
+// The instruction set of the sweep kernels that the engine chose on this processor.
 std::string FindInstructionSet() {
   return physics::FindSweepKernels<float>(physics::kWidestPack).back().width == 16 ? "avx512" : "avx2";
 }

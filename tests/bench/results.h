@@ -1,4 +1,4 @@
-// What a report has found: rows of measurements, figures that must keep to a limit, plots.
+// The results of a report: rows of measurements, figures with limits, plots.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -9,11 +9,11 @@
 
 namespace wobble::bench {
 
-// A key of the summary. Not a number: it could not be measured, and keeps to no limit.
+// A key of the summary. NaN: it could not be measured, and keeps no limit.
 struct Figure {
   std::string key;
   double value = 0;
-  std::string limit;  // as it is shown, such as "<= 0.01"; empty: none, the figure only informs
+  std::string limit;  // as shown, such as "<= 0.01"; empty: informative only
   bool kept = true;
 };
 
@@ -21,9 +21,10 @@ struct Results {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   std::vector<Figure> figures;
   std::vector<Plot> plots;
-  std::vector<std::string> remarks;  // what a reader must know to read the figures, a line each
+  std::vector<std::string> remarks;  // notes needed to read the figures, a line each
 
-  // isHeld: else it only informs, such as a time in a quick run, which a busy machine makes what it likes.
+  // isHeld: whether the limit is enforced; otherwise the figure only informs, such as a time in a quick run, which
+  // depends on other load of the machine.
   void AddFigure(const std::string& key, double value);
   void AddFigureAtMost(const std::string& key, double value, double limit, bool isHeld = true);
   void AddFigureAtLeast(const std::string& key, double value, double limit, bool isHeld = true);
@@ -33,13 +34,13 @@ struct Results {
 
 // The stored form: one object with cpu, isa, compiler, commit, rows and summary.
 [[nodiscard]] std::string FormatJson(const Results& results);
-// For people, on lines of their own.
+// The figures and remarks as text, one per line.
 [[nodiscard]] std::string FormatText(const Results& results);
 
-// As printf does, for remarks and names.
+// Formats like printf, for remarks and names; at most 399 characters.
 [[nodiscard]] __attribute__((format(printf, 1, 2))) std::string FormatLine(const char* format, ...);
 
-// Of this machine, as the system names it.
+// The processor's name according to the system.
 [[nodiscard]] std::string ReadCpuName();
 
 }  // namespace wobble::bench

@@ -1,5 +1,5 @@
-// `wobble_lab skip`: what it costs that a world could do more than it does just now: bodies that sleep, terms that a
-// blueprint lacks, neighbours that are too far away, players who are not there.
+// `wobble_lab skip`: the cost of features that are not in use: sleeping bodies, terms that a blueprint lacks,
+// neighbours out of reach, a server without players.
 #include "tests/bench/skip/experiments.h"
 
 namespace wobble::bench {

@@ -1,5 +1,5 @@
-// `wobble_lab stability`: how large a step each method bears against what theory says, what becomes of a perturbation,
-// and thousands of worlds drawn by chance in the server's own stepping, none of which may fail.
+// `wobble_lab stability`: the largest stable step of each method against theory, the decay of a perturbation, and
+// thousands of random worlds in the server's own stepping, none of which may fail.
 #include "tests/bench/stability/experiments.h"
 
 namespace wobble::bench {
@@ -9,7 +9,7 @@ void ReportStability(Bench& bench) {
       {"limits", 0.05, &MeasureLimits},
       {"perturbations", 0.02, &MeasurePerturbations},
       {"growth", 0.03, &MeasureGrowth},
-      {"random trials", 0.9, &MeasureRandomTrials, true},
+      {.name = "random trials", .share = 0.9, .measure = &MeasureRandomTrials, .hasTrials = true},
   };
   MeasureParts(bench, kParts);
 }

@@ -1,4 +1,4 @@
-// The clocks for what is compared on machines that have other things to do.
+// Clocks for comparisons on machines that have other load.
 #pragma once
 
 #include <time.h>
@@ -14,13 +14,13 @@ inline double ReadClock(clockid_t clock) {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-// That this thread has worked, s: what others take from it is not its own.
+// Processor time of this thread, s: other load does not count.
 inline double ReadThreadTime() { return ReadClock(CLOCK_THREAD_CPUTIME_ID); }
 
-// For what several threads do together, s.
+// Wall time, s, for the work of several threads.
 inline double ReadWallTime() { return ReadClock(CLOCK_MONOTONIC); }
 
-// Of many repetitions of the same work the one that counts: what else a machine does can only make them longer.
+// The fastest of many repetitions of the same work: other load can only make them slower.
 class Fastest {
  public:
   void Note(double time) { m_least = std::min(m_least, time); }
@@ -30,7 +30,7 @@ class Fastest {
     work();
     Note(ReadThreadTime() - began);
   }
-  // Infinite before the first, s.
+  // The shortest time, s; infinite before the first.
   [[nodiscard]] double Read() const { return m_least; }
 
  private:

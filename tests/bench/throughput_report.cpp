@@ -1,5 +1,5 @@
-// `wobble_lab throughput`: what steps and ticks cost, beside plain code, beside Bullet and beside what the core could
-// do at most, all in the same run: these machines are shared, and what holds on all of them are ratios.
+// `wobble_lab throughput`: the cost of steps and ticks against plain code, Bullet and the peak of the core, all in the
+// same run: the machines are shared, and only ratios hold on all of them.
 #include "tests/bench/throughput/experiments.h"
 
 namespace wobble::bench {

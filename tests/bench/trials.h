@@ -1,4 +1,4 @@
-// Trials that know nothing of one another, on all cores.
+// Runs independent trials on all cores.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +10,8 @@
 
 namespace wobble::bench {
 
-// run(i) for all i below count, in any order; each keeps what it finds in a place of its own. Worlds hold oneTBB's
-// threads down to their own number, so these are plain threads. False when it was asked to stop.
+// Calls run(i) for all i below count, in any order; each call stores its result in its own place. Uses plain threads,
+// because a world limits oneTBB's threads to its own number. False when a stop was asked for.
 template <class Run>
 bool RunTrials(Bench& bench, std::size_t count, const Run& run) {
   std::atomic<std::size_t> next{0};

@@ -8,7 +8,7 @@
 
 namespace wobble::fuzz {
 
-// kind: 0 … 2; vertices even. Coefficients of all sizes are likely somewhere.
+// kind: 0 … 2; vertices: even. Levels vary, so that coefficients of all sizes occur.
 inline std::shared_ptr<const protocol::Basis> MakeBasis(unsigned kind, std::size_t vertices) {
   using Kind = protocol::BasisSource::Kind;
   protocol::BasisSource source;

@@ -1,6 +1,6 @@
-// A basis as it comes with a blueprint: the first byte says for how many vertices (1 to 16), the rest is read.
+// A serialised basis: the first byte chooses the number of vertices (1 to 16), the others are read.
 //
-// Beyond memory safety: what is read is nearly orthonormal, whatever modes and matrices were sent.
+// Beyond memory safety: a basis that is accepted is nearly orthonormal, whatever modes and matrices were sent.
 #include "protocol/basis.h"
 
 #include <cmath>

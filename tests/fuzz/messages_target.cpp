@@ -1,7 +1,7 @@
-// The same bytes as a client's message, a server's message and a blueprint; what is called good is read in full.
+// The same bytes as a client's message, a server's message and a blueprint; those that are accepted are read in full.
 //
-// The bytes are copied first: libFuzzer's need not be aligned as a transport's are, and a block of exactly their size
-// shows any read past the end.
+// The bytes are copied first: libFuzzer's need not be aligned as those of a transport are, and a block of exactly their
+// size shows any read past the end.
 #include "protocol/messages.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // Runs a fuzz target over every file of a corpus folder, in any build and with any compiler: `..._replay FOLDER`.
 //
-// An input that once broke something stays in the corpus and is tried from then on. Besides each file as it is, every
-// beginning of it is tried, and each of its bytes with each bit turned over. An empty or absent folder is an error.
+// An input that once failed stays in the corpus. Each file is tried as it is, cut at every length, and with each single
+// bit flipped. An empty or absent folder is an error.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>

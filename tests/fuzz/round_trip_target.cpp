@@ -1,5 +1,4 @@
-// Bytes as a body: where it is, how it lies and how it is deformed. What the encoder makes of it must be decoded to a
-// body within the target, or the encoder must have said that it is not.
+// Bytes as a body: its pose and deformation. The decoded body must have the error that the encoder reports.
 #include <cmath>
 
 #include "protocol/shape_codec.h"
@@ -11,7 +10,7 @@ namespace {
 
 using protocol::Vector3;
 
-// The bytes one after the other as numbers, zeros past the end.
+// The bytes in order as numbers; zeros past the end.
 class Numbers {
  public:
   explicit Numbers(std::span<const std::uint8_t> bytes) : m_bytes(bytes) {}

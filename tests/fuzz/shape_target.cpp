@@ -1,6 +1,6 @@
-// One shape payload: the first byte chooses the basis, or none, and the vertex count; the rest is decoded.
+// One shape payload: the first byte chooses the basis, or none, and the vertex count; the others are decoded.
 //
-// Beyond memory safety: what decodes is finite and turns by a unit rotation, and the pose read alone is the same.
+// Beyond memory safety: a decoded shape is finite with a unit rotation, and DecodePose reads the same pose.
 #include "protocol/shape_codec.h"
 
 #include <cmath>
@@ -28,7 +28,8 @@ void FuzzOne(std::span<const std::uint8_t> bytes) {
   static protocol::ShapeDecoder decoder;
   std::vector<Vector3> shape(rest.size());
   protocol::QuantisedPose read;
-  const std::vector<std::uint8_t> payload(bytes.begin() + 1, bytes.end());  // a read past its end is then seen
+  const std::vector<std::uint8_t> payload(bytes.begin() + 1,
+                                          bytes.end());  // a copy, so that a read past its end is seen
   if (decoder.Decode(model, payload, read, shape) != protocol::DecodeResult::kOk) return;
   const protocol::Pose pose = protocol::Dequantise(read);
   const auto q = pose.rotation;

@@ -1,6 +1,6 @@
-// A snapshot packet as a client takes it: the head, every record in place, every record's shape decoded.
+// A snapshot packet, read as by a client: the head, every record in place, every record's shape decoded.
 //
-// The vertex count comes from the record's blueprint and patch bytes, so that one input reaches small and full patches.
+// The vertex count follows from the record's blueprint and patch, so that one input reaches small and full patches.
 // Beyond memory safety it requires what ReadSnapshot promises: payloads inside the packet, in order, to its end.
 #include "protocol/snapshot.h"
 

@@ -1,6 +1,5 @@
-// What `wobble watch` shows of every shipped scene, kept as a picture of each in the build folder's captures/. Whether
-// it shows what the scene's line promises is for people to look at; that there are bodies to be seen at all is checked
-// here.
+// Captures a picture of every shipped scene with `wobble watch` into the build folder's captures/. Whether a picture
+// shows what the scene describes is judged by people; this test checks that bodies are visible at all.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,7 +12,7 @@
 namespace wobble::test {
 namespace {
 
-constexpr double kShown = 3;  // seconds: what is dropped has landed, what is driven moves
+constexpr double kShown = 3;  // seconds until dropped bodies have landed and driven ones move
 constexpr int kWidth = 110;
 constexpr int kHeight = 32;
 
@@ -26,10 +25,10 @@ std::vector<std::string> FindScenes() {
   return names;
 }
 
-// Ground and walls are blue or dark, bodies that nobody plays are grey and lit.
+// Ground and walls are blue or dark; bodies without a player are grey and lit.
 bool IsOfABody(terminal::Colour colour) { return colour.red >= 70 && colour.blue <= colour.red + 8; }
 
-// Half cells, but for the row of figures.
+// Counts half cells, without the row of figures.
 int CountBodyPixels(const Screen& screen) {
   int count = 0;
   for (int row = 0; row + 1 < screen.Grid().rows; ++row) {
@@ -45,7 +44,7 @@ int CountBodyPixels(const Screen& screen) {
   return count;
 }
 
-// A world in which only players are bodies is looked at by one.
+// False for a world whose only bodies are players; such a world is captured with one.
 bool HasBodies(const std::string& scene) {
   const std::filesystem::path file = std::filesystem::path(WOBBLE_SOURCE_DIR) / "server/scenes" / (scene + ".toml");
   return ReadWhole(file).find("[[bodies]]") != std::string::npos;

@@ -92,7 +92,7 @@ TEST(EnetTransportAttackTest, TwoServersInOneProcessKeepTheirOwnCounts) {
   EXPECT_EQ(first.transport->ReadStatistics().datagramsRejected, 0u);
 }
 
-// From a stranger's port, every length from 0 to 1,500 and some beyond ENet's buffer. One random CRC in 2^32 is right.
+// From a stranger's port: every length from 0 to 1,500 and some beyond ENet's buffer. One random CRC in 2^32 is right.
 TEST(EnetTransportAttackTest, RandomDatagramsAreCountedAndNobodyNotices) {
   ConnectedPair pair;
   UdpSocket stranger;
@@ -115,7 +115,7 @@ TEST(EnetTransportAttackTest, RandomDatagramsAreCountedAndNobodyNotices) {
 
   EXPECT_EQ(pair.client.SendTo(1, Channel::kControl, {9}), SendResult::kQueued);
   EXPECT_TRUE(pair.Run([&] { return pair.server.Count(Event::Kind::kMessage) == 1; }));
-  EXPECT_EQ(pair.server.log.size(), 2u);  // connected, and that message
+  EXPECT_EQ(pair.server.log.size(), 2u);  // the connection and that message
   EXPECT_EQ(pair.client.log.size(), 1u);
 }
 
@@ -149,8 +149,8 @@ TEST(EnetTransportAttackTest, GenuineDatagramsDamagedOnTheWayAreRejected) {
   pair.ExpectEcho(77);
 }
 
-// From the client's own address, well-formed but for the connection's random id. That it is well-formed shows at the
-// end: with the id, which only who reads the CONNECT knows, the same datagram does end the connection.
+// From the client's own address, well-formed except for the connection's random id. The end of the test shows that it
+// is well-formed: with the id, which is known only from the CONNECT, the same datagram does end the connection.
 TEST(EnetTransportAttackTest, ForgedDisconnectDropsNobody) {
   ForwardedPair pair;
   std::mt19937 random(7);

@@ -78,12 +78,12 @@ TEST(EnetTransportTest, SnapshotsLeaveWithFlushOneDatagramEach) {
   pair.server.transport->Flush();
   const std::uint64_t sent = pair.server.transport->ReadStatistics().bytesOut - before;
   EXPECT_GE(sent, protocol::kMaxPacketBytes + 14);
-  EXPECT_LE(sent, protocol::kMaxPacketBytes + 64);  // and perhaps an acknowledgement
+  EXPECT_LE(sent, protocol::kMaxPacketBytes + 64);  // and possibly an acknowledgement
   Bytes datagram;
   std::uint16_t from = 0;
   ASSERT_TRUE(pair.forwarder.toServer.Receive(datagram, from));
   EXPECT_GE(datagram.size(), protocol::kMaxPacketBytes);
-  EXPECT_LE(datagram.size(), 1232u);  // IPv6's smallest MTU less its headers
+  EXPECT_LE(datagram.size(), 1232u);  // IPv6's smallest MTU minus its headers
   EXPECT_FALSE(pair.forwarder.toServer.Receive(datagram, from));
 }
 
@@ -101,7 +101,7 @@ TEST(EnetTransportTest, UnknownHostIsNamed) {
 }
 
 TEST(EnetTransportTest, NoServerEndsAfterTheTimeoutOfOurOwnClock) {
-  const UdpSocket silent;  // holds a port where nobody answers
+  const UdpSocket silent;  // holds a port without a server
   Endpoint client = MakeClient(silent.Port());
   EXPECT_EQ(client.SendTo(1, Channel::kControl, {1}), SendResult::kFailed);
   for (double now = 1000; now < 1004.95; now += 0.1) client.PollAt(now);
@@ -133,7 +133,7 @@ TEST(EnetTransportTest, DisconnectFromASilentPeerEndsAfterAWhile) {
   pair.server.transport->Disconnect(pair.Id());
   pair.server.PollAt(now + 1);
   EXPECT_FALSE(pair.server.HasEnded());
-  pair.server.PollAt(now + 5);  // the client has not been polled since
+  pair.server.PollAt(now + 5);  // the client is not polled meanwhile
   EXPECT_TRUE(pair.server.HasEnded());
 }
 
@@ -172,9 +172,9 @@ TEST(EnetTransportTest, SinkMaySendAndDisconnect) {
   EXPECT_EQ(pair.client.log.at(1).bytes, Bytes{42});
 }
 
-// ENet's throttle would take the longer round trip for congestion and discard snapshots before they are sent.
+// ENet's throttle would mistake the longer round trip for congestion and discard snapshots before they are sent.
 TEST(EnetTransportTest, LongerRoundTripCostsNoSnapshots) {
-  ForwardedPair pair(0.03);  // so that ENet does not take the change for the spread of what it has seen
+  ForwardedPair pair(0.03);  // a delay above 0, so that ENet does not take the change for normal variation
   pair.forwarder.holdBack = 0.2;
   constexpr std::size_t kCount = 300;
   for (std::size_t i = 0; i < kCount; ++i) {
@@ -191,7 +191,8 @@ TEST(EnetTransportTest, LongerRoundTripCostsNoSnapshots) {
   EXPECT_TRUE(pair.Run([&] { return countSnapshots() == kCount; })) << countSnapshots() << " of " << kCount;
 }
 
-// By a server from the handshake on: it grants time by it. A client guesses half a second until its hello is answered.
+// The server measures it from the handshake on, because it uses it to grant time. A client assumes half a second until
+// its hello is answered.
 TEST(EnetTransportTest, RoundTripIsMeasured) {
   ForwardedPair near;
   EXPECT_GT(near.server.transport->ReadRoundTrip(1), 0);

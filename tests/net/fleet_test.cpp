@@ -1,4 +1,4 @@
-// A server of a fleet as it runs: wobbled and bots as processes, with a sidecar that writes down what it is told.
+// A server of a fleet in operation: wobbled and bots as processes, with a sidecar that stores its calls.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 
 #include "tests/support/sidecar.h"
 
-extern char** environ;  // NOLINT: POSIX has it so
+extern char** environ;  // NOLINT: POSIX names it so
 
 namespace wobble::test {
 namespace {
@@ -51,14 +51,14 @@ class Process {
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
-  // The next line of standard output; waits for it. Empty when the output has ended.
+  // Waits for the next line of standard output. Empty when the output has ended.
   [[nodiscard]] std::string ReadLine() const {
     std::string line;
     for (char byte = 0; read(m_output, &byte, 1) == 1 && byte != '\n';) line += byte;
     return line;
   }
   void Signal(int signal) const { kill(m_pid, signal); }
-  // Its exit code; -1 when it did not end in time, or not by itself.
+  // Waits for the exit code; -1 when the process did not end in time, or not by itself.
   int Wait(std::chrono::milliseconds patience = kPatience) {
     int status = 0;
     for (const auto end = Clock::now() + patience; Clock::now() < end;) {
@@ -73,10 +73,10 @@ class Process {
 
  private:
   pid_t m_pid = 0;
-  int m_output = -1;  // what it writes on standard output is read here
+  int m_output = -1;  // read end of its standard output
 };
 
-// Without health, which comes whenever it is time.
+// Leaves out health calls, which come at any time.
 std::vector<std::string> WaitForCall(Sidecar& sidecar, const std::string& call) {
   std::vector<std::string> calls;
   for (const auto end = Clock::now() + kPatience; Clock::now() < end;) {
@@ -94,7 +94,7 @@ Process StartServer() {
       {"wobbled", "--untrained", "--admit-when-busy", "--port", "0", "--log-level", "warn", "--status", "0"});
 }
 
-// Of a server, once it listens.
+// Waits until the server listens, and returns its address.
 std::string AwaitAddress(const Process& server) {
   const std::string line = server.ReadLine();
   int port = 0;
@@ -128,9 +128,9 @@ TEST(Fleet, AServersLifeAsAgonesHearsOfIt) {
   EXPECT_GE(std::ranges::count(sidecar.WaitFor(0), "POST /health {}"), 1);
 }
 
-// With somebody playing: he is told, and nothing takes longer.
+// With a player present: the player gets a goodbye, and nothing takes longer than without a sidecar.
 TEST(Fleet, ADeadSidecarStopsNothing) {
-  setenv("AGONES_SDK_HTTP_PORT", "1", 1);  // where nobody listens
+  setenv("AGONES_SDK_HTTP_PORT", "1", 1);  // no process listens there
   Process server = StartServer();
   const std::string address = AwaitAddress(server);
   Process bots({"wobble", "bots", address, "--script", WOBBLE_BIN_DIR "/scripts/wander.lua", "--count", "4", "--for",

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# What the container image relies on, as far as it can be seen without building one.
+# The assumptions of the container image that can be tested without building one.
 #
 #   bash image_test.sh CASE BIN_DIR
 #
-# Exit code 0: the case holds; 1: it does not, and what was expected and what came instead is printed.
+# Exit code 0: the case holds; 1: it fails, and the expected and the actual result are printed.
 set -uo pipefail
 
 readonly case_name="${1:?usage: image_test.sh CASE BIN_DIR}"
@@ -14,7 +14,7 @@ folder="$(mktemp -d)" || exit 1
 readonly folder
 trap 'rm -rf "$folder"' EXIT
 
-# fail EXPECTED FILE...: ends the case, showing what came instead.
+# fail EXPECTED FILE...: ends the case and prints the actual result.
 fail() {
   echo "FAILED $case_name: expected $1; came:"
   shift
@@ -22,8 +22,8 @@ fail() {
   exit 1
 }
 
-# list_packages PROGRAM...: Debian's packages of the libraries that these name themselves; what those need comes with
-# their packages. dpkg is asked once for all, since it reads its whole list for every question.
+# list_packages PROGRAM...: Debian's packages of the libraries that the programs name themselves; indirect libraries
+# come with the packages. dpkg is asked once for all, since it reads its whole list for every question.
 list_packages() {
   local program name path
   for program in "$@"; do
@@ -33,7 +33,7 @@ list_packages() {
       echo "$name $path"
     done
   done | sort -u >"$folder/libraries"
-  # The loader finds in /lib what packages have in /usr/lib.
+  # The loader finds in /lib the files that packages have in /usr/lib.
   awk '{ print $2; print "/usr" $2 }' "$folder/libraries" | xargs dpkg-query -S 2>/dev/null >"$folder/owners"
   while read -r name path; do
     sed -n "s|^\([^:]*\):.* \(/usr\)\{0,1\}$path$|\1|p" "$folder/owners" | grep . ||
@@ -41,7 +41,7 @@ list_packages() {
   done <"$folder/libraries"
 }
 
-# The list is what there must be and nothing more, so that no new library is forgotten and no old one kept.
+# The list must be exact, so that a new library is not forgotten and an old one not kept.
 case_runtime_packages() {
   sh "$docker/packages.sh" --list runtime | sort >"$folder/listed"
   list_packages "$bin/wobbled" "$bin/wobble" | sort -u >"$folder/linked"
@@ -50,13 +50,13 @@ case_runtime_packages() {
     fail "group runtime of packages.sh ('<') to be what the programs are linked to ('>')" "$folder/difference"
 }
 
-# start_scene LOG: once, with the cache that the environment names.
+# start_scene LOG: starts the scene once, with the cache that the environment names.
 start_scene() {
   WOBBLE_UNTRAINED='' WOBBLE_CACHE="$folder/bases" \
     "$bin/wobbled" --scene sumo --for 0.001 --port 0 2>"$folder/$1" || fail "a server that ends well" "$folder/$1"
 }
 
-# The image has the bases of shipped scenes where nothing can be written. (Root can; others are kept out.)
+# The image has the bases of shipped scenes where nothing can be written. (Root can write there; other users cannot.)
 case_bases_need_no_writing() {
   start_scene trained
   grep -q 'trained, ' "$folder/trained" || fail "a basis to be trained" "$folder/trained"
@@ -67,13 +67,13 @@ case_bases_need_no_writing() {
   if grep -q -e training -e warn "$folder/read"; then fail "nothing to be trained again" "$folder/read"; fi
 }
 
-# fake PROGRAM BODY: on the path that build_image.sh is given, which has little else.
+# fake PROGRAM BODY: puts a script on the PATH of build_image.sh, which contains little else.
 fake() {
   printf '#!/bin/sh\n%s\n' "$2" >"$folder/path/$1"
   chmod +x "$folder/path/$1"
 }
 
-# build CODE: its exit code is this one.
+# build CODE: expects this exit code of build_image.sh.
 build() {
   local code sh
   sh="$(command -v sh)"
@@ -84,7 +84,7 @@ build() {
 
 expect_line() { grep -q -e "$1" "$folder/build" || fail "a line '$1'" "$folder/build"; }
 
-# shellcheck disable=SC2016  # it is the fakes that expand
+# shellcheck disable=SC2016  # the fakes expand the variables
 case_builds_with_what_is_there() {
   local program
   mkdir "$folder/path"
@@ -92,7 +92,7 @@ case_builds_with_what_is_there() {
   build 1
   expect_line '^build_image.sh: .*apt-get install buildah$'
   fake buildah 'echo buildah "$@"'
-  fake docker '[ "$1" = info ] && exit 1; exit 7' # no daemon answers
+  fake docker '[ "$1" = info ] && exit 1; exit 7' # no daemon runs
   build 0
   expect_line '^buildah bud --isolation chroot --format docker .* --file docker/Dockerfile .*--no-cache \.$'
   fake docker '[ "$1" = info ] && exit 0; echo docker "$@"'

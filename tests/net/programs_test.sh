@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# The programs as a person runs them: real processes, real sockets, exit codes and the lines that people read.
+# The programs as users run them: real processes, real sockets, exit codes and printed lines.
 #
 #   bash programs_test.sh CASE BIN_DIR
 #
-# Exit code 0: the case holds; 1: it does not, and what was expected and what came instead is printed. The system picks
-# the ports, so that cases run side by side. Nothing waits for a number of seconds to be enough: sanitizer builds take
-# several times as long.
+# Exit code 0: the case holds; 1: it fails, and the expected and the actual result are printed. The system picks the
+# ports, so that cases run side by side. Cases wait for events and not for a number of seconds, because sanitizer builds
+# take several times as long.
 set -uo pipefail
 
 readonly case_name="${1:?usage: programs_test.sh CASE BIN_DIR}"
@@ -13,14 +13,14 @@ bin="$(cd "${2:?usage: programs_test.sh CASE BIN_DIR}" && pwd)" || exit 1
 readonly bin
 folder="$(mktemp -d)" || exit 1
 readonly folder
-readonly out="$folder/out" err="$folder/err" # of the latest expect_exit
-readonly patience=60                         # seconds after which anything is hung
-readonly nobody=127.0.0.1:9                  # where no program listens: the port of "discard"
-export TMPDIR="$folder"                      # `wobble play` names it in what it starts, which list_processes looks for
+readonly out="$folder/out" err="$folder/err" # output of the latest expect_exit
+readonly patience=60 # seconds after which a program counts as hung
+readonly nobody=127.0.0.1:9 # no program listens on the port of "discard"
+export TMPDIR="$folder" # `wobble play` puts it into the command lines it starts, where list_processes looks for it
 
 clean_up() {
   local running
-  exec 2>/dev/null # the shell would tell of each that it was killed
+  exec 2>/dev/null # the shell would report each killed process
   for running in $(jobs -pr); do kill -KILL "$running" 2>/dev/null; done
   wait 2>/dev/null
   rm -rf "$folder"
@@ -28,7 +28,7 @@ clean_up() {
 trap clean_up EXIT
 trap 'exit 1' HUP INT TERM
 
-# fail EXPECTED FILE...: ends the case, showing what came instead.
+# fail EXPECTED FILE...: ends the case and prints the actual result.
 fail() {
   echo "FAILED $case_name: expected $1; came:"
   shift
@@ -36,16 +36,16 @@ fail() {
   exit 1
 }
 
-# start NAME PROGRAM ARGUMENT...: in the background, writing to NAME.out and NAME.err. Its process is $pid.
+# start NAME PROGRAM ARGUMENT...: runs it in the background, with output in NAME.out and NAME.err. Its process is $pid.
 start() {
   local name="$1"
   shift
-  : >"$folder/$name.out" # there at once for whoever waits for a line in it
+  : >"$folder/$name.out" # must exist at once for functions that wait for a line in it
   "$bin/$1" "${@:2}" >"$folder/$name.out" 2>"$folder/$name.err" &
   pid=$!
 }
 
-# wait_for_line NAME PATTERN: until the program started under NAME has written it.
+# wait_for_line NAME PATTERN: waits until the program started under NAME has written the line.
 wait_for_line() {
   local tries
   for ((tries = 0; tries < patience * 20; ++tries)); do
@@ -56,10 +56,10 @@ wait_for_line() {
   fail "a line '$2' from $1" "$folder/$1.out" "$folder/$1.err"
 }
 
-# read_port NAME TEXT: the number behind this text in what the program started under NAME has written.
+# read_port NAME TEXT: the number after this text in the output of the program started under NAME.
 read_port() { sed -n "s/^$2\([1-9][0-9]*\).*/\1/p" "$folder/$1.out"; }
 
-# wait_for_more NAME: until the program started under NAME has written another line.
+# wait_for_more NAME: waits until the program started under NAME has written another line.
 wait_for_more() {
   local tries lines
   lines="$(wc -l <"$folder/$1.out")"
@@ -70,7 +70,7 @@ wait_for_more() {
   fail "more lines from $1" "$folder/$1.out" "$folder/$1.err"
 }
 
-# start_server ARGUMENT...: returns when it listens, on $port.
+# start_server ARGUMENT...: returns when the server listens, on $port.
 start_server() {
   start server wobbled --log-level warn --port 0 "$@"
   server=$pid
@@ -78,7 +78,7 @@ start_server() {
   port="$(read_port server 'listening on UDP port ')"
 }
 
-# expect_end NAME PID EXIT_CODE [SECONDS]: of a program in the background.
+# expect_end NAME PID EXIT_CODE [SECONDS]: waits for the end of a program in the background.
 expect_end() {
   local tries limit="${4:-$patience}" code
   for ((tries = 0; tries < limit * 20; ++tries)); do
@@ -113,10 +113,10 @@ expect_refusal() {
   [ ! -s "$out" ] || fail "nothing on standard output of '${*:2}'" "$out"
 }
 
-# read_figure SUMMARY KEY: nothing when it is missing or no number.
+# read_figure SUMMARY KEY: prints nothing when the key is missing or not a number.
 read_figure() { sed -n "s/^  \"$2\": \(-\{0,1\}[0-9][0-9.e+-]*\),\{0,1\}$/\1/p" "$1"; }
 
-# expect_figure SUMMARY KEY CONDITION: such as '== 32', '> 0'.
+# expect_figure SUMMARY KEY CONDITION: a condition such as '== 32', '> 0'.
 expect_figure() {
   local value
   value="$(read_figure "$1" "$2")"
@@ -129,7 +129,7 @@ expect_keys() {
   for key in "${@:2}"; do grep -q "^  \"$key\": " "$1" || fail "the key $key in ${1##*/}" "$1"; done
 }
 
-# list_processes: our own programs that this case has started.
+# list_processes: our own programs that this case started.
 list_processes() {
   local file line
   for file in /proc/[0-9]*/cmdline; do
@@ -155,7 +155,7 @@ case_hosts_32_bots() {
   for summary in a b; do expect_line "$folder/$summary.json" "^  \"version\": \"${version#wobbled }\",\$"; done
   expect_keys "$folder/a.json" ticks tick_ms_p50 tick_ms_p99 tick_ms_max overruns bodies awake_mean clients_peak joins \
     disconnects bytes_out bits_per_vertex snapshot_error_rms non_finite inverted quarantined state_hash
-  # 14 s at 60 Hz; a sanitizer build cannot keep that up, but must say by how much.
+  # 14 s at 60 Hz; a sanitizer build cannot reach that, but must report by how much it is behind.
   local behind
   behind="$(read_figure "$folder/a.json" dropped_ticks) + $(read_figure "$folder/a.json" slowed_ticks)"
   expect_figure "$folder/a.json" ticks "+ $behind > 800"
@@ -195,12 +195,12 @@ case_threshold_fails() {
   expect_line "$folder/b.json" '"ok": false'
 }
 
-# make_page: a folder that the gateway takes for the page.
+# make_page: makes a folder that the gateway accepts as the page.
 make_page() { mkdir -p "$folder/page" && echo '<!doctype html><title>wobble</title>' >"$folder/page/index.html"; }
 
 case_play_ends_by_itself() {
   make_page
-  # On ports of its choice, one behind the other; other cases leave the choice to the system.
+  # The only case with fixed ports; other cases leave the choice to the system.
   expect_exit 0 wobble play --for 4 --port 7812 --http 8812 --page "$folder/page"
   expect_line "$out" '^scene arena on UDP port 7812'
   expect_line "$out" '^open http://localhost:8812 in a browser to play arena, sumo, curtain, sandbox$'
@@ -209,7 +209,7 @@ case_play_ends_by_itself() {
   expect_line "$out" ' s left | .* clients 6 .* | bots 6/6'
   expect_line "$out" '^server: .* 6 joins, 0 disconnects, 0 non-finite'
   expect_line "$out" '^bots: 6 of 6 connected, 0 disconnects, 0 script errors'
-  expect_line "$out" '^server of curtain: 0 ticks'  # nobody has come
+  expect_line "$out" '^server of curtain: 0 ticks' # no player has joined
   expect_line "$out" '^bots in sumo: 2 of 2 connected, 0 disconnects'
   expect_line "$out" '^all went well$'
   if grep -q $'\e' "$out" "$err"; then fail "no colours away from a terminal" "$out" "$err"; fi
@@ -230,7 +230,7 @@ case_play_ends_on_interrupt() {
   expect_no_processes
 }
 
-# The page is one more thing that play can do; without it, it says so and goes on.
+# The page is optional for `wobble play`; without it, the program says so and goes on.
 case_play_without_page() {
   expect_exit 0 wobble play --scene arena --for 2 --port 0 --bots 0 --page "$folder/none"
   expect_line "$out" "^no page for browsers: '.*none' is not there; "
@@ -239,7 +239,7 @@ case_play_without_page() {
   if grep -q -e page -e gateway "$out"; then fail "no word of a page" "$out"; fi
 }
 
-# Whatever part ends before it is told to is a failure of the whole, and all others are ended.
+# If any part ends by itself, the whole fails and all other parts are ended.
 case_play_notices_a_gateway_that_ends() {
   local line gateway=""
   make_page
@@ -317,7 +317,7 @@ case_unknown_option() {
   expect_refusal "^wobble: --seed: '-1' is not 0 to " wobble bots "$nobody" --script idle.lua --seed -1
   expect_refusal "unknown key 'joy'" wobble bots "$nobody" --script idle.lua --threshold 'joy>1'
 
-  expect_exit 2 wobbled --tick-hz fast --threads 0 --scene nowhere # all that is wrong, a line each
+  expect_exit 2 wobbled --tick-hz fast --threads 0 --scene nowhere # all errors, one per line
   expect_lines "$err" 3
   expect_line "$err" '^wobbled: --tick-hz fast: must be 10 to 480$'
   expect_line "$err" '^wobbled: --threads 0: must be 1 to 256$'
@@ -368,7 +368,8 @@ case_broken_script() {
   expect_refusal 'absent.lua: cannot be read' wobble bots "$nobody" --script "$folder/absent.lua"
 }
 
-# An endless loop, or one call that would take years, stops its own bot with the line named; the others play on.
+# An endless loop, or one call that would take years, stops its own bot with a message that names the line; the others
+# go on.
 case_endless_loop_stops_one() {
   cat >"$folder/loop.lua" <<'LUA'
 function run(bot)
@@ -405,7 +406,7 @@ case_storm_joins_and_leaves() {
   kill -INT "$server"
   expect_end server "$server" 0
   expect_figure "$folder/b.json" connected '== 8'
-  # A bot that stops or leaves before its welcome has come does not count the join; the server does.
+  # A bot that stops or leaves before its welcome arrives does not count the join; the server does.
   local joins
   joins="$(read_figure "$folder/b.json" joins)"
   expect_figure "$folder/a.json" joins ">= $joins"
@@ -432,7 +433,7 @@ case_stages_go_up_and_down() {
   expect_figure "$folder/a.json" disconnects '== 0'
 
   expect_exit 2 wobble bots 7962 --script idle.lua --stage 5s:10001 --stage 0s:5 --count 3 --for 1d --threshold 'joy>1'
-  expect_lines "$err" 7 # all that is wrong, a line each
+  expect_lines "$err" 7 # all errors, one per line
   expect_line "$err" "^wobble bots: server: '7962' is no HOST:PORT"
   expect_line "$err" "^wobble bots: --for: '1d' is no duration; "
   expect_line "$err" "^wobble bots: --threshold: 'joy>1': unknown key 'joy'"
@@ -441,7 +442,8 @@ case_stages_go_up_and_down() {
   expect_line "$err" '^wobble bots: --count: not together with --stage'
 }
 
-# send_noise PORT SEED COUNT: datagrams of 1 to 120 random bytes from as many ports; the same bytes for the same seed.
+# send_noise PORT SEED COUNT: sends datagrams of 1 to 120 random bytes from COUNT ports; the same bytes for the same
+# seed.
 send_noise() {
   local datagram i size text
   RANDOM=$2
@@ -476,7 +478,7 @@ case_random_datagrams() {
   expect_figure "$folder/a.json" disconnects '== 0'
   expect_figure "$folder/a.json" refusals '== 0'
   expect_figure "$folder/b.json" disconnects '== 0'
-  # But for a machine that is too slow for anything.
+  # Warnings about the load level are allowed: the machine may be slow.
   ! grep -qv 'load level' "$folder/server.err" || fail "a server that notices nothing" "$folder/server.err"
 }
 
@@ -519,7 +521,7 @@ case_link_alone() {
 
 case_bots_with_link() {
   start_server
-  # A link that passes nothing is one on which nobody answers. It waits long for one: meanwhile others play.
+  # A link that passes nothing looks like a missing server. The bots wait long for one, so other bots play meanwhile.
   start lost wobble bots "127.0.0.1:$port" --script idle.lua --count 2 --link 'loss=100%'
   local lost=$pid
   expect_exit 0 wobble bots "127.0.0.1:$port" --script wander.lua --count 4 --for 5 \
@@ -543,7 +545,7 @@ case_bad_link() {
   expect_refusal "^wobble: --listen: '65536' is not 0 to 65535" wobble link --listen 65536 --to "$nobody"
 }
 
-# get PORT PATH: body of what the endpoint on this machine answers.
+# get PORT PATH: prints the body of the answer of the endpoint on this machine.
 get() {
   exec 3<>"/dev/tcp/127.0.0.1/$1" || fail "somebody on port $1"
   printf 'GET %s HTTP/1.0\r\n\r\n' "$2" >&3
@@ -578,7 +580,7 @@ case_ops_and_trace() {
   expect_refusal "^wobble health: 'nowhere' is no HOST:PORT" wobble health nowhere
 }
 
-# One round of ten seconds, which nobody wins.
+# One round of ten seconds without a winner.
 case_match_ends() {
   sed 's/^round = .*/round = 10/' "$bin/scenes/sumo.toml" >"$folder/short.toml"
   start_server --scene "$folder/short.toml" --rounds 1
@@ -587,9 +589,9 @@ case_match_ends() {
   expect_refusal '^wobbled: --rounds 3: scene arena has no game$' wobbled --port 0 --rounds 3
 }
 
-# The own ball rolls in a circle: several places, no two the same.
+# The example's own ball rolls in a circle: several positions, no two equal.
 case_example() {
-  start lost example 127.0.0.1 9 # it waits long for an answer: meanwhile the other plays
+  start lost example 127.0.0.1 9 # waits long for an answer, while the other example plays
   local lost=$pid
   start_server
   expect_exit 0 example 127.0.0.1 "$port"

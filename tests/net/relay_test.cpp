@@ -1,4 +1,5 @@
-// The relay with real sockets on the loopback interface: what it passes, whom it forgets, and what it survives.
+// The relay with real sockets on the loopback interface: what it passes, which clients it forgets, and what it
+// survives.
 #include "protocol/transport/relay.h"
 
 #include <gtest/gtest.h>
@@ -34,13 +35,13 @@ std::unique_ptr<Relay> OpenRelay(std::uint16_t server, RelayOptions options = {}
   return relay;
 }
 
-// Runs the relay at this moment until it has nothing to do.
+// Runs the relay at the time `now` until it has nothing to do.
 void Settle(Relay& relay, double now) {
   for (int turn = 0; turn < 1000 && !relay.Run(now); ++turn) {
   }
 }
 
-// A server that sends everything back, and where each came from.
+// A server that returns every datagram and stores the sender's port.
 struct Echo {
   void Poll() {
     Bytes bytes;
@@ -104,10 +105,11 @@ TEST(Relay, EachDirectionHasItsOwnConditionsOnTheTimeItIsGiven) {
   EXPECT_FALSE(client.Receive(bytes, from));
   Settle(*relay, 101.31);
   EXPECT_TRUE(client.Receive(bytes, from));
-  EXPECT_NEAR(relay->ReadCounts().lateness.FindPercentileMs(0.99), 10, 0.2);  // 10 ms each time, as it was called
+  // 10 ms late each time, as the test calls it
+  EXPECT_NEAR(relay->ReadCounts().lateness.FindPercentileMs(0.99), 10, 0.2);
 }
 
-// Which of 1,000 datagrams get through, by seed.
+// Which of 1,000 datagrams pass, for this seed.
 std::vector<bool> SendThrough(std::uint64_t seed, bool withNoise, RelayCounts* counts = nullptr) {
   Echo echo;
   RelayOptions options;
@@ -129,25 +131,25 @@ std::vector<bool> SendThrough(std::uint64_t seed, bool withNoise, RelayCounts* c
   return arrived;
 }
 
-TEST(Relay, WhichSufferFollowsFromSeedAndNumberWhateverElseIsSent) {
+TEST(Relay, LossesFollowFromSeedAndNumberIndependentlyOfOtherTraffic) {
   RelayCounts counts;
   const auto first = SendThrough(7, false, &counts);
   EXPECT_EQ(first, SendThrough(7, false));
   EXPECT_NE(first, SendThrough(8, false));
   EXPECT_EQ(counts.up.received, 1000u);
   EXPECT_NEAR(static_cast<double>(counts.up.lost), 200, 64);       // five standard deviations
-  EXPECT_NEAR(static_cast<double>(counts.up.duplicated), 80, 43);  // likewise, of the 800 that pass
+  EXPECT_NEAR(static_cast<double>(counts.up.duplicated), 80, 43);  // five standard deviations, of the 800 that pass
   EXPECT_NEAR(static_cast<double>(counts.up.reordered), 40, 31);
   EXPECT_EQ(counts.up.passed, counts.up.received - counts.up.lost + counts.up.duplicated);
 
-  // The noise has an odd size only where it is not two bytes long itself.
+  // Noise datagrams have odd sizes, unless they are two bytes long.
   const auto disturbed = SendThrough(7, true);
   for (std::size_t i = 0; i < first.size(); ++i) {
     ASSERT_TRUE(disturbed[i] == first[i] || 1 + i % 100 == 2) << i;
   }
 }
 
-TEST(Relay, ForgetsWhoIsSilentAndTakesHimAnew) {
+TEST(Relay, ForgetsSilentClientsAndAcceptsThemAgain) {
   Echo echo;
   RelayOptions options;
   options.idleTimeout = 60;
@@ -162,7 +164,7 @@ TEST(Relay, ForgetsWhoIsSilentAndTakesHimAnew) {
     Settle(*relay, now);
   }
   EXPECT_EQ(relay->ReadCounts().clients, 2u);
-  echo.Poll();  // with something on its way to both
+  echo.Poll();  // with a datagram on its way in both directions
   Settle(*relay, 59);
   for (double now = 60; now <= 70; ++now) Settle(*relay, now);
   EXPECT_EQ(relay->ReadCounts().clients, 1u);
@@ -239,7 +241,7 @@ TEST(Relay, AThousandAddressesAndGarbageBothWays) {
   }
   EXPECT_EQ(echo.sources.size(), 1000u);
   EXPECT_EQ(relay->ReadCounts().clients, 1000u);
-  // A stranger's datagrams to an upstream socket go nowhere: it is connected to the server.
+  // A stranger's datagrams to an upstream socket are dropped: the socket is connected to the server.
   const Socket stranger;
   stranger.SendTo(*echo.sources.begin(), {1, 2, 3});
   Settle(*relay, 9);
@@ -298,7 +300,7 @@ TEST(Relay, WaitsToAFractionOfAMillisecondAndWakesForADatagram) {
   EXPECT_LT(Now() - begin, 5);
 }
 
-// ENet's ends with the relay between them, on the real clock.
+// Two ENet endpoints with the relay between them, on the real clock.
 struct EnetPair {
   EnetPair(const LinkSpec& link, std::uint64_t seed) {
     std::string error;
@@ -350,8 +352,8 @@ struct EnetPair {
   std::vector<Bytes> atClient;
 };
 
-// At half of everything lost each way a try gets through and is answered one time in four. With a wait that doubles
-// from some milliseconds on, the tenth try comes after seconds; with one that is bounded, four come every second.
+// With half of all packets lost each way, a try is delivered and acknowledged one time in four. If the wait doubled
+// from some milliseconds on, the tenth try would come after seconds; with a bounded wait there are four tries a second.
 TEST(EnetOverRelay, ControlGetsThroughHeavyLossWithoutWaitsThatDouble) {
   EnetPair pair({{.loss = 0.5, .delay = 0.01}, {.loss = 0.5, .delay = 0.01}}, 3);
   ASSERT_TRUE(pair.RunUntil(8, [&] { return pair.isClientUp && pair.isServerUp; }));
@@ -362,20 +364,20 @@ TEST(EnetOverRelay, ControlGetsThroughHeavyLossWithoutWaitsThatDouble) {
     ASSERT_TRUE(pair.RunUntil(8, [&] { return pair.atServer.size() == i; })) << i;
     longest = std::max(longest, Now() - begin);
   }
-  EXPECT_LT(longest, 3.5);  // of twelve, one that takes more than 13 tries comes once in 700 seeds; this is one seed
+  EXPECT_LT(longest, 3.5);  // that one of twelve takes more than 13 tries happens once in 700 seeds; this seed is fixed
   EXPECT_TRUE(pair.isClientUp && pair.isServerUp);
   EXPECT_GT(pair.client->ReadRoundTrip(1), 0.019);
   EXPECT_LT(pair.client->ReadRoundTrip(1), 0.5);
 }
 
-// Snapshots, inputs and now and then something reliable, through a second of darkness: afterwards no more bytes than
-// before.
+// Snapshots, inputs and some reliable messages, through a black-out of one second: afterwards no more bytes per second
+// than before.
 TEST(EnetOverRelay, ABlackoutIsFollowedByNoStorm) {
   const LinkConditions way{.delay = 0.02, .blackout = {1, 3}};
   EnetPair pair({way, way}, 1);
   const double begin = Now();
   ASSERT_TRUE(pair.RunUntil(1.5, [&] { return pair.isClientUp && pair.isServerUp; }));
-  std::array<std::vector<double>, 2> quarters;  // bytes that enter, each 250 ms: up, down
+  std::array<std::vector<double>, 2> quarters;  // bytes sent per 250 ms: up, down
   double nextSnapshot = Now(), nextEvent = Now(), nextQuarter = Now() + 0.25;
   std::array<std::uint64_t, 2> last{};
   double quartersFrom = Now() - begin;
@@ -401,7 +403,7 @@ TEST(EnetOverRelay, ABlackoutIsFollowedByNoStorm) {
   for (const std::vector<double>& way_ : quarters) {
     double steady = 0, most = 0;
     int count = 0;
-    for (std::size_t i = 1; i < way_.size(); ++i) {  // the first has the handshake in it
+    for (std::size_t i = 1; i < way_.size(); ++i) {  // the first quarter contains the handshake
       const double at = quartersFrom + 0.25 * static_cast<double>(i + 1);
       if (at < 2) {
         steady += way_[i];

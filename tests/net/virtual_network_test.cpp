@@ -1,4 +1,4 @@
-// The in-process network does what its conditions say, within statistics, and the same again for the same seed.
+// The in-process network follows its conditions within statistical error, and repeats itself for the same seed.
 #include "protocol/transport/virtual_network.h"
 
 #include <gtest/gtest.h>
@@ -62,7 +62,7 @@ struct Pair {
     }
   }
 
-  // Over a perfect link, so that what follows is on the conditions under test.
+  // Connects over a perfect link, so that the conditions apply to the test alone.
   void Join() {
     network.SetConditions({});
     Run(0.01);
@@ -72,7 +72,7 @@ struct Pair {
     clientLog.clear();
   }
 
-  // `count` numbered messages from the server, one a millisecond.
+  // Sends `count` numbered messages from the server, one per millisecond.
   void SendNumbers(Channel channel, std::uint32_t count, std::uint32_t first = 0) {
     for (std::uint32_t i = 0; i < count; ++i) {
       EXPECT_EQ(server->Send(1, channel, MakeMessage(first + i)), SendResult::kQueued);
@@ -128,8 +128,8 @@ TEST(VirtualNetworkTest, SameSeedSameEventsOtherSeedOthers) {
   EXPECT_NE(first, play(4));
 }
 
-// Reckoned apart from this code: SplitMix64 of seed 3, second number as the seed to the client, every fifth draw from
-// the first on, passing where it is at least a half.
+// Expected values computed independently: SplitMix64 of seed 3; its second number seeds the direction to the client;
+// every fifth draw from the first on decides loss, and a message passes when it is at least one half.
 TEST(VirtualNetworkTest, DrawsAreThoseOfTheSeedOnEveryMachine) {
   Pair pair(3);
   pair.Join();
@@ -182,7 +182,7 @@ TEST(VirtualNetworkTest, DelaysAreWithinDelayAndJitter) {
   double shortest = 1;
   double longest = 0;
   for (const Seen& seen : pair.clientLog) {
-    const double trip = seen.time - (start + 0.001 * (ReadNumber(seen) - 1.0));  // sent at the last Poll's time
+    const double trip = seen.time - (start + 0.001 * (ReadNumber(seen) - 1.0));  // sent at the time of the last Poll
     shortest = std::min(shortest, trip);
     longest = std::max(longest, trip);
   }
@@ -208,7 +208,7 @@ TEST(VirtualNetworkTest, ReordersOnlyWhereAskedTo) {
   };
   pair.network.SetConditions({.delay = 0.03});
   EXPECT_EQ(countSwaps(), 0);
-  pair.network.SetConditions({.delay = 0.03, .reorder = 0.04});  // 80 of 2,000 are overtaken by 50 others
+  pair.network.SetConditions({.delay = 0.03, .reorder = 0.04});  // 80 of 2,000 messages are overtaken by 50 others each
   const int swaps = countSwaps();
   EXPECT_GT(swaps, 40);
   EXPECT_LT(swaps, 120);
@@ -225,7 +225,7 @@ TEST(VirtualNetworkTest, ControlArrivesWholeAndInOrderWhateverIsLost) {
   const auto numbers = Numbers(pair.clientLog, Channel::kControl);
   ASSERT_EQ(numbers.size(), 1000u);
   for (std::uint32_t i = 0; i < 1000; ++i) ASSERT_EQ(numbers[i], i);
-  // The losses cost time: at 30 % some message is lost several times over, with doubling time-outs from 0.25 s.
+  // Losses cost time: at 30 % some message is lost several times, with time-outs that double from 0.25 s.
   EXPECT_GT(pair.clientLog.back().time, lastSent + 0.25);
 }
 
@@ -247,7 +247,7 @@ TEST(VirtualNetworkTest, NothingPassesABlackoutAndControlComesAfterIt) {
 TEST(VirtualNetworkTest, BlackoutsComeAndGoByTheClockAndALimitedRateDropsWhatIsTooMuch) {
   Pair pair;
   pair.Join();
-  pair.now = 200;  // black from 203 to 204
+  pair.now = 200;  // the link is down from 203 s to 204 s
   pair.network.SetConditions({.blackout = {1, 4}});
   pair.SendNumbers(Channel::kControl, 1, 7);
   pair.SendNumbers(Channel::kSnapshot, 4000);
@@ -256,7 +256,7 @@ TEST(VirtualNetworkTest, BlackoutsComeAndGoByTheClockAndALimitedRateDropsWhatIsT
   EXPECT_EQ(Numbers(pair.clientLog, Channel::kControl), std::vector<std::uint32_t>{7});
 
   pair.clientLog.clear();
-  pair.network.SetConditions({.rate = 128e3});  // 4 bytes and headers are 256 bits: 500 a second
+  pair.network.SetConditions({.rate = 128e3});  // 4 bytes with headers are 256 bits: 500 messages a second
   pair.SendNumbers(Channel::kSnapshot, 2000);
   pair.Run(1);
   EXPECT_NEAR(static_cast<double>(Numbers(pair.clientLog, Channel::kSnapshot).size()), 1000 + 125, 3);

@@ -1,8 +1,8 @@
-// `wobble watch` on a terminal of its own: a real server, a real pseudo-terminal, and every way to end.
+// `wobble watch` on a terminal: a real server, a real pseudo-terminal, and all ways to end.
 //
-// The test is the terminal: it reads what comes, knows what a screen would show (support/screen.h), and types. What
-// must hold after any end: the alternate screen left, the cursor shown, colours plain, the keyboard's modes popped, and
-// the terminal's settings what they were.
+// The test plays the terminal: it reads the output, computes the screen (support/screen.h), and types. After any end
+// the alternate screen must be left, the cursor shown, colours reset, the keyboard's modes popped, and the terminal's
+// settings restored.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-// Somebody else who looks on and knows where the player is.
+// A spectator that reads the player's position.
 class Observer {
  public:
   explicit Observer(int port) {
@@ -35,7 +35,7 @@ class Observer {
       if (event.kind == wire::EventKind::Join && event.body != 0) m_body = event.body;
     });
   }
-  // Of the player who joined last; nullopt before it is seen.
+  // Position of the player who joined last; nullopt before its body is known.
   std::optional<protocol::Vector3> FindPlayer() {
     m_client->Update(ReadClock());
     const auto pose = m_client->NewestPose(m_body);
@@ -86,7 +86,7 @@ TEST(Watch, KeysMoveTheOwnBody) {
   const double landed = ReadClock() + 3;
   ASSERT_TRUE(awaitPlayer([&] { return ReadClock() > landed; }));
   const protocol::Vector3 start = *at;
-  // The camera looks along (0.36, 0.93) until it is turned; a held key comes again and again.
+  // The camera looks along (0.36, 0.93) until it is turned; a held key is sent repeatedly.
   EXPECT_TRUE(awaitPlayer([&] {
     session.Type("w");
     return at->y - start.y > 1.5F && at->x > start.x;
@@ -167,7 +167,7 @@ TEST(Watch, IsRestoredWhenItsGuardianIsKilled) {
   session.ExpectRestored();
 }
 
-// A shell that edits lines has taken the terminal before the drawing process hears of the guardian's end.
+// A shell with line editing takes the terminal before the drawing process learns of the guardian's end.
 TEST(Watch, AKilledGuardianLeavesTheShellItsOwnSettings) {
   const Wobbled server;
   Session session({"/bin/bash", "-c", "exec 2>&1; exec bash --norc --noprofile -i"});
@@ -179,13 +179,13 @@ TEST(Watch, AKilledGuardianLeavesTheShellItsOwnSettings) {
   ASSERT_EQ(jobs.size(), 1U);
   kill(jobs[0], SIGKILL);
   ASSERT_TRUE(session.Await([&] { return !session.Shown().IsSet("?1049"); }));
-  // The shell prompts again, and nobody changes that afterwards.
+  // The shell prompts again, and its settings stay unchanged.
   ASSERT_TRUE(session.Await([&] { return session.LocalModes() == prompting; }));
   for (int i = 0; i < 10; ++i) session.Take(50);
   EXPECT_EQ(session.LocalModes(), prompting);
   session.Type("exit\n");
   EXPECT_NE(session.AwaitEnd(), -1);
-  // Where the shell's first prompt lands is not told: it may come before the picture has gone.
+  // The position of the shell's first prompt is undefined: it may come before the picture has gone.
   EXPECT_FALSE(session.Shown().IsSet("?1049"));
   EXPECT_TRUE(session.Shown().IsSet("?25"));
 }
@@ -212,7 +212,7 @@ TEST(Watch, SaysWhyItEndedOnceTheTerminalIsRestored) {
   EXPECT_EQ(session.Errors(), "wobble watch: no server answers at " + address + "\n");
 }
 
-// Under a shell that knows jobs, as people run it; it takes the terminal for its own that its standard error is.
+// Under a shell with job control, as in use; the shell takes its standard error for its terminal.
 TEST(Watch, SuspendsAndComesBack) {
   const Wobbled server;
   for (const bool byKey : {true, false}) {
@@ -252,7 +252,7 @@ TEST(Watch, WithoutAShellItDoesNotStop) {
   EXPECT_FALSE(IsStopped(session.Guardian()));
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text();
   EXPECT_TRUE(session.Shown().IsSet("?1049"));
-  // Stopped and continued by others: the screen is drawn anew.
+  // Stopped and continued by another process: the screen is redrawn.
   kill(session.Guardian(), SIGSTOP);
   ASSERT_TRUE(session.Await([&] { return IsStopped(session.Guardian()); }));
   session.Scribble();
@@ -279,13 +279,13 @@ TEST(Watch, FollowsTheTerminalsSize) {
   EXPECT_EQ(session.AwaitEnd(), 0);
 }
 
-// A terminal that nobody reads: the program goes on, keeps its connection, and ends when it is told to.
+// A terminal that is not read: the program goes on, keeps its connection, and ends when asked to.
 TEST(Watch, IsNotHeldUpByASlowTerminal) {
   const Wobbled server;
   Session session(Watching(server.Port()));
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
-  session.Type("lllllllll");  // a picture that changes all over
-  usleep(1'500'000);          // reading nothing
+  session.Type("lllllllll");  // changes the whole picture
+  usleep(1'500'000);          // the test reads nothing
   const std::size_t before = session.Bytes();
   session.Type("q");
   EXPECT_EQ(session.AwaitEnd(), 0);

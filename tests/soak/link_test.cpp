@@ -51,7 +51,7 @@ class Crowd {
   std::vector<const transport::Transport*> m_transports;
 };
 
-TEST(Link, AllGetInAndStayAtASecondOfDelayAndAQuarterLostEachWay) {
+TEST(Link, AllJoinAndStayWithASecondOfDelayAndAQuarterLostEachWay) {
   for (const std::uint64_t seed : {1, 2}) {
     Crowd crowd(16, {}, seed);
     crowd.game.network.SetConditions({.loss = 0.25, .delay = 1, .jitter = 0.1, .duplicate = 0.25});
@@ -67,7 +67,7 @@ TEST(Link, AllGetInAndStayAtASecondOfDelayAndAQuarterLostEachWay) {
   }
 }
 
-TEST(Link, WhoIsPlayingWhenNineOfTenAreLostIsToldSoAndTheServerForgetsHim) {
+TEST(Link, APlayerWhoLosesNineOfTenPacketsIsToldAndTheServerDropsThem) {
   Crowd crowd(8, {}, 1);
   crowd.Run(5);
   ASSERT_EQ(crowd.CountIn(client::State::kPlaying), 8U);
@@ -83,7 +83,7 @@ TEST(Link, WhoIsPlayingWhenNineOfTenAreLostIsToldSoAndTheServerForgetsHim) {
   EXPECT_EQ(crowd.game.server.ReadCounts().disconnects, 8U);
 }
 
-TEST(Link, WhoTriesToJoinWhenNineOfTenAreLostIsInOrKnowsWhyNotInGoodTime) {
+TEST(Link, JoiningWithNineOfTenPacketsLostEndsInPlayOrInAReasonInTime) {
   Crowd crowd(32, {}, 1);
   crowd.game.network.SetConditions({.loss = 0.9, .delay = 0.05});
   crowd.Run(90);

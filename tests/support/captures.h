@@ -1,4 +1,4 @@
-// Captures of a whole world, for tests that look at all of it.
+// Captures of all bodies of a world, for tests.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace wobble::test {
 
-// All bodies anew, whether they have moved or not, each from what it was before.
+// Captures all bodies, moved or not, each relative to its previous capture.
 inline void CaptureAll(const physics::World& world, std::vector<server::CapturedBody>& bodies) {
   bodies.resize(world.Bodies().size());
   for (std::size_t i = 0; i < bodies.size(); ++i) server::CaptureBody(world, world.Bodies()[i], bodies[i]);

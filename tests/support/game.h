@@ -1,7 +1,7 @@
 // A whole game in one process on virtual time: a server, clients and raw connections on one seeded network.
 //
-// Every step is one tick of the server, then one update of each client, so a test says how many seconds pass and gets
-// the same bits each time.
+// A step is one tick of the server, then one update of each client. A test gives the seconds to run, and gets the same
+// bits each time.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -25,8 +25,8 @@ inline scenes::Scene LoadShippedScene(const std::string& name) {
   return std::move(loaded.scene);
 }
 
-// A floor of 12 m a side, a kill height below it, one ball of 42 vertices and players of the same kind; and more
-// tables.
+// A floor of 12 m by 12 m, a kill height below it, one ball of 42 vertices and players of the same kind. more: further
+// TOML tables.
 inline scenes::Scene MakeYard(const std::string& more = "") {
   scenes::LoadResult loaded = scenes::ParseScene(std::string(R"(
 kill_height = -5
@@ -52,7 +52,7 @@ spawn_radius = 2
   return std::move(loaded.scene);
 }
 
-// A connection that says what it is told to, and keeps what it hears.
+// A connection that sends what the test asks for and stores what it receives.
 class RawConnection {
  public:
   explicit RawConnection(std::unique_ptr<transport::Transport> transport) : m_transport(std::move(transport)) {}
@@ -78,7 +78,7 @@ class RawConnection {
   [[nodiscard]] bool Closed() const { return m_closed; }
   [[nodiscard]] const std::vector<protocol::Message>& Control() const { return m_control; }
   [[nodiscard]] const std::vector<protocol::Message>& Snapshots() const { return m_snapshots; }
-  // Of the goodbye that came; -1: none.
+  // Reason of the goodbye that arrived; -1: none.
   [[nodiscard]] int GoodbyeReason() const {
     for (const protocol::Message& bytes : m_control) {
       const protocol::wire::ServerMessage* message = nullptr;
@@ -120,7 +120,7 @@ class Game {
   void Run(double seconds) {
     for (const double end = now + seconds; now < end;) Step();
   }
-  // Where the server has this body.
+  // The centre of the body in the server's world.
   [[nodiscard]] physics::Vector3d Centre(std::uint32_t body) const {
     return server.World().FindCentre(server.World().ReadBody(body));
   }

@@ -1,4 +1,4 @@
-// How long tests play under sanitizers, which make the engine some twenty times slower.
+// The length of tests under sanitizers, which make the engine some twenty times slower.
 #pragma once
 
 namespace wobble::test {
@@ -9,8 +9,8 @@ inline constexpr bool kIsSanitized = true;
 inline constexpr bool kIsSanitized = false;
 #endif
 
-// Of what is played for its figures and not for the code that it passes through. Sanitizers look at memory, and the
-// first part of it will do for them; what is said about the end is then for other builds to say.
+// Shortens a run that is played for its figures rather than for the code it covers. Sanitizers check memory, and the
+// first part is enough for that; checks of the final state are left to other builds.
 [[nodiscard]] constexpr int Shorten(int whole) { return kIsSanitized ? (whole + 7) / 8 : whole; }
 
 }  // namespace wobble::test

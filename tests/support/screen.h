@@ -1,7 +1,7 @@
-// A terminal as far as `wobble watch` needs one: takes bytes, and knows what a screen of that size would show.
+// A terminal with the features that `wobble watch` uses: takes bytes and computes the screen of that size.
 //
-// It knows exactly the sequences that are meant to be sent and reports every other, and notices what must not happen: a
-// character beyond the last column, where terminals differ in what they do; the shell around it may wrap.
+// It knows exactly the sequences that the program should send and reports all others. It also reports characters beyond
+// the last column, where terminals differ; the shell around the program may wrap.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@ class Screen {
  public:
   Screen(int columns, int rows) {
     m_grid.Resize(columns, rows);
-    m_modes = {"?7", "?25"};  // a terminal wraps and shows its cursor
+    m_modes = {"?7", "?25"};  // initially a terminal wraps and shows its cursor
   }
 
   void Take(std::string_view bytes) {
@@ -29,7 +29,7 @@ class Screen {
   [[nodiscard]] bool IsSet(const std::string& mode) const { return m_modes.count(mode) > 0; }
   [[nodiscard]] int KeyboardModes() const { return m_keyboardModes; }  // pushed and not popped
   [[nodiscard]] bool HasPlainColours() const { return m_plain; }
-  // Sequences that are not known, and characters beyond the edge while wrapping is off.
+  // Unknown sequences, and characters beyond the edge while wrapping is off.
   [[nodiscard]] const std::vector<std::string>& Faults() const { return m_faults; }
   // The text of a row, half blocks as '#'.
   [[nodiscard]] std::string Row(int row) const {
@@ -96,7 +96,7 @@ class Screen {
     } else if (final == 'u' && (mark == '>' || mark == '<')) {
       m_keyboardModes = std::max(0, m_keyboardModes + (mark == '>' ? 1 : -1));
     } else if (final == 'u' && mark == '?') {
-      // a question
+      // a query
     } else if (final == 'H' && numbers.size() == 2) {
       m_row = numbers[0] - 1;
       m_column = numbers[1] - 1;
@@ -147,8 +147,8 @@ class Screen {
   int m_keyboardModes = 0;
   bool m_plain = true;
   std::vector<std::string> m_faults;
-  std::string m_sequence;  // begun and not finished
-  std::string m_glyph;     // of UTF-8
+  std::string m_sequence;  // begun and incomplete
+  std::string m_glyph;     // incomplete UTF-8
   int m_column = 0;
   int m_row = 0;
   terminal::Colour m_foreground{255, 255, 255};

@@ -1,4 +1,4 @@
-// A sidecar of Agones in this process: answers, and writes down what it was asked.
+// A sidecar of Agones in this process: answers requests and stores them.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,14 +11,14 @@
 #include <thread>
 #include <vector>
 
-// After Eigen, if anybody includes that, whose names it has a macro for.
+// Must follow Eigen where a test includes it: httplib's system headers define macros that break Eigen.
 #include <httplib.h>
 
 namespace wobble::test {
 
 inline constexpr std::chrono::seconds kSidecarPatience{20};
 
-// Answers, and writes down method, target and body of each request: "POST /ready {}".
+// Answers requests and stores method, target and body of each: "POST /ready {}".
 class Sidecar {
  public:
   explicit Sidecar(int port = 0) {
@@ -49,7 +49,7 @@ class Sidecar {
 
   [[nodiscard]] std::uint16_t Port() const { return static_cast<std::uint16_t>(m_port); }
 
-  // Answers so from now on; 0: as usual again.
+  // From now on answers requests to this target with this status; 0: normal answers.
   void Refuse(const std::string& target, int status) {
     const std::lock_guard lock(m_mutex);
     if (status == 0) {
@@ -59,7 +59,7 @@ class Sidecar {
     }
   }
 
-  // All so far, as soon as there are so many.
+  // Waits for `count` requests and returns all stored ones.
   std::vector<std::string> WaitFor(std::size_t count) {
     std::unique_lock lock(m_mutex);
     m_changed.wait_for(lock, kSidecarPatience, [&] { return m_requests.size() >= count; });

@@ -1,4 +1,4 @@
-// A bare UDP socket on the loopback interface, and the time, for tests with real sockets.
+// A plain UDP socket on the loopback interface, and the time, for tests with real sockets.
 #pragma once
 
 #include <arpa/inet.h>
@@ -19,7 +19,7 @@ inline double Now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// On a port that the system picks.
+// A socket on a port that the system picks.
 class UdpSocket {
  public:
   UdpSocket() : m_handle(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK, 0)) {
@@ -38,7 +38,7 @@ class UdpSocket {
     const sockaddr_in address = Loopback(port);
     sendto(m_handle, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&address), sizeof address);
   }
-  // The next datagram; false when none is there.
+  // Takes the next datagram; false when there is none.
   bool Receive(Bytes& bytes, std::uint16_t& from) const {
     sockaddr_in address{};
     socklen_t size = sizeof address;

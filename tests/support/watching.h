@@ -1,5 +1,5 @@
-// A real server, a real pseudo-terminal, and `wobble watch` between them: the test is the terminal. It reads what
-// comes, knows what a screen would show (screen.h), and types.
+// A real server, a real pseudo-terminal, and `wobble watch` between them: the test plays the terminal. It reads the
+// output, computes the screen (screen.h), and types.
 #pragma once
 
 #include <fcntl.h>
@@ -30,7 +30,7 @@
 
 namespace wobble::test {
 
-inline constexpr double kPatience = 60;  // seconds after which anything is hung
+inline constexpr double kPatience = 60;  // seconds after which a program counts as hung
 inline constexpr int kColumns = 80;
 inline constexpr int kRows = 24;
 
@@ -60,13 +60,13 @@ inline std::vector<std::string> Watching(int port, const std::vector<std::string
   return words;
 }
 
-// A server for as long as the test lasts, on a port that the system picks.
+// A server that runs as long as the object lives, on a port that the system picks.
 class Wobbled {
  public:
   explicit Wobbled(const std::string& scene = "arena") {
     std::vector<std::string> words{WOBBLE_BIN_DIR "/wobbled", "--scene", scene, "--port", "0", "--cache"};
     words.insert(words.end(), {WOBBLE_CACHE_DIR, "--log-level", "error", "--admit-when-busy"});
-    if (kIsSanitized) words.emplace_back("--untrained");  // it would take half a minute
+    if (kIsSanitized) words.emplace_back("--untrained");  // training would take half a minute
     const std::vector<char*> arguments = MakeArguments(words);
     int output[2];
     if (pipe(output) != 0) return;
@@ -98,7 +98,7 @@ class Wobbled {
   int m_port = 0;
 };
 
-// The program on a pseudo-terminal, whose screen this is.
+// The program on a pseudo-terminal, and the screen of that terminal.
 class Session {
  public:
   explicit Session(std::vector<std::string> words, const char* colorTerm = "truecolor", int columns = kColumns,
@@ -111,7 +111,7 @@ class Session {
     winsize size{};
     size.ws_col = static_cast<unsigned short>(columns);
     size.ws_row = static_cast<unsigned short>(rows);
-    // Opened here, not by forkpty alone: the settings can be read as long as the test holds the other end.
+    // Opened here and not by forkpty alone: the settings stay readable while the test holds the other end.
     EXPECT_EQ(openpty(&m_master, &m_slave, nullptr, nullptr, &size), 0);
     tcgetattr(m_slave, &m_before);
     fcntl(m_master, F_SETFL, O_NONBLOCK);
@@ -149,10 +149,10 @@ class Session {
     ioctl(m_master, TIOCSWINSZ, &size);
   }
 
-  // As something else that writes to the same terminal; where it is still unless the whole screen is drawn anew.
+  // Writes as another program on the same terminal would; the text stays unless the whole screen is redrawn.
   void Scribble() { m_screen.Take("\033[1;1Hscribbled"); }
 
-  // Reads until then. False when it never was.
+  // Reads until the condition holds. False when it does not within kPatience.
   bool Await(const std::function<bool()>& condition) {
     for (const double end = ReadClock() + kPatience; ReadClock() < end;) {
       Take(20);
@@ -176,7 +176,7 @@ class Session {
     m_screen.Take({buffer, static_cast<std::size_t>(count)});
   }
 
-  // Exit code, as a shell has it; -1 when it did not end.
+  // Exit code as a shell reports it; -1 when the program did not end.
   int AwaitEnd() {
     int status = 0;
     if (!Await([&] { return waitpid(m_pid, &status, WNOHANG) == m_pid; })) return -1;
@@ -195,7 +195,7 @@ class Session {
     EXPECT_EQ(m_screen.KeyboardModes(), 0);
     EXPECT_THAT(m_screen.Faults(), testing::IsEmpty());
     termios after{};
-    for (int i = 0; i < 50; ++i) {  // one that lost its guardian is not waited for
+    for (int i = 0; i < 50; ++i) {  // a process without its guardian cannot be waited for
       ASSERT_EQ(tcgetattr(m_slave, &after), 0);
       if (after.c_lflag == m_before.c_lflag) break;
       Take(20);
@@ -223,7 +223,7 @@ class Session {
     for (int row = 0; row < m_screen.Grid().rows; ++row) text += m_screen.Row(row) + "\n";
     return text;
   }
-  // Cells that show two different pixels.
+  // Number of cells that show two different pixels.
   [[nodiscard]] int CountHalves() const {
     int count = 0;
     for (const terminal::Cell& cell : m_screen.Grid().cells) count += cell.glyph == terminal::kUpperHalf ? 1 : 0;
@@ -234,7 +234,7 @@ class Session {
   [[nodiscard]] pid_t Guardian() const { return m_pid; }
   [[nodiscard]] std::size_t Bytes() const { return m_bytes; }
 
-  // Of the guardian: the process that draws.
+  // Children of the guardian: the process that draws.
   [[nodiscard]] std::vector<pid_t> FindChildren() const {
     std::vector<pid_t> children;
     for (const auto& entry : std::filesystem::directory_iterator("/proc")) {

@@ -1,4 +1,4 @@
-// Every way to cut a message short and to change one of its bytes, for tests of what reads bytes from the wire.
+// Every truncation and every change of one byte of a message, for tests of code that reads bytes from the wire.
 //
 // The damaged bytes lie in a block of exactly their size, so that under AddressSanitizer a read past the end is seen.
 #pragma once
@@ -20,7 +20,7 @@ void ForEachTruncation(std::span<const std::uint8_t> whole, Use use) {
   }
 }
 
-// use(bytes) for every byte replaced by every other value: each flip of one or more bits within a byte is among them.
+// use(bytes) with every byte replaced by every other value, which includes every flip of bits within a byte.
 template <class Use>
 void ForEachChangedByte(std::span<const std::uint8_t> whole, Use use) {
   Bytes changed(whole.begin(), whole.end());

@@ -1,5 +1,5 @@
-// WebAssembly against the machine's own instructions: the page's client and a native one are fed the same messages, and
-// must have decoded the same bits.
+// WebAssembly against native code: the page's client and a native one decode the same messages and must produce the
+// same bits.
 import assert from 'node:assert';
 import { spawnSync } from 'node:child_process';
 import path from 'node:path';
@@ -15,7 +15,7 @@ let browser;
 before(async () => (browser = await startBrowser()));
 after(() => browser?.close());
 
-// Bases of shapes are trained here, as they are in play: they are what is hardest to compute alike.
+// The bases of shapes are trained here, as in play: they are the part most sensitive to differences of arithmetic.
 for (const [scene, options] of [['arena', []], ['curtain', undefined]]) {
   test(`what the page decodes of ${scene} is what a native client decodes`, async () => {
     const world = await startWorld(scene, options);
@@ -28,7 +28,7 @@ for (const [scene, options] of [['arena', []], ['curtain', undefined]]) {
     assert.equal(findHash(native, records), hash, `after ${records} records`);
     const decoded = native.filter(({ hash, records: sofar }, i) => sofar <= records && hash !== native[i - 1]?.hash);
     assert.ok(decoded.length > 20);
-    // Not of the first: there records may be of blueprints that are still on their way, and are passed over.
+    // Not the first messages: their records may belong to blueprints still on their way, and are skipped.
     for (const share of [0.6, 0.75, 0.9]) {
       const { place } = decoded[Math.floor(share * decoded.length)];
       assert.notEqual(findHash(replay(spoil(messages, place)), records), hash, `a byte of message ${place} is another`);
@@ -36,16 +36,16 @@ for (const [scene, options] of [['arena', []], ['curtain', undefined]]) {
   });
 }
 
-// A page that plays until it has seen enough: all that it received, how many records were in what it has taken in, and
-// the hash of what it decoded from them.
+// Plays until enough records have arrived. Returns all messages received, the number of records decoded, and the hash
+// of the decoded values.
 async function record(host) {
   const messages = [];
   const onTab = (tab) =>
     tab.on('websocket', (socket) => socket.on('framereceived', ({ payload }) => messages.push(Buffer.from(payload))));
   const page = await joinPage(browser, host, { onTab });
   await page.tab.keyboard.down('KeyW');
-  let ofNothing; // the hash while nothing is decoded
-  let begin; // records until then: it may take a slow page seconds to have all blueprints
+  let ofNothing; // the hash before anything is decoded
+  let begin; // records before the first decoded one; a slow page may take seconds to receive all blueprints
   const found = await waitFor('enough records', async () => {
     const { records, hash } = await page.tab.evaluate(() => ({
       records: window.wobble.statistics().records,
@@ -60,7 +60,7 @@ async function record(host) {
   return { messages, ...found };
 }
 
-// Of each message that held records: its place, the number of records so far, and the hash of what they came to.
+// For each message that contained records: its position, the number of records so far, and the hash so far.
 function replay(messages) {
   const input = Buffer.concat(
     messages.flatMap((message) => {
@@ -81,7 +81,7 @@ function findHash(replayed, records) {
   return replayed.find((message) => message.records === records)?.hash;
 }
 
-// The same with one byte changed, in the middle of that message.
+// A copy with one byte changed in the middle of that message.
 function spoil(messages, place) {
   const changed = Buffer.from(messages[place]);
   changed[changed.length >> 1] ^= 1;

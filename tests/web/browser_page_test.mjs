@@ -1,4 +1,5 @@
-// The page as a whole: what it loads and from where, whom the gateway lets in, and what the page says at the end.
+// The page as a whole: its size and the origin of its files, which origins the gateway admits, and the page's message
+// at the end.
 import assert from 'node:assert';
 import fs from 'node:fs';
 import http from 'node:http';
@@ -48,7 +49,7 @@ test('it plays by itself, without a complaint, and asks nobody but the gateway',
   assert.deepEqual(players, ['mira']);
 });
 
-// In the tab's own page: whether a socket to the gateway opened, and how it closed after these many bytes were sent.
+// Runs in the tab's own page: whether a socket to the gateway opened, and how it closed after so many bytes were sent.
 const trySocket = (tab, bytes) =>
   tab.evaluate(
     ([url, subprotocol, bytes]) =>
@@ -82,7 +83,7 @@ test('who sends too much at once is cut off', async () => {
 });
 
 test('when the server has gone the page says so, and joins again when it is back', async () => {
-  const card = page.tab.getByRole('status').filter({ hasText: 'The world has gone' });
+  const card = page.tab.getByRole('status').filter({ hasText: 'Connection ended' });
   assert.equal(await card.count(), 0);
   await world.server.stop();
   await card.waitFor();

@@ -1,5 +1,5 @@
-// What the page looks like while people play, as pictures in build/*/tests/web. A person looks at them; asked here is
-// only that there is something to be seen, and that nothing complained.
+// Pictures of the page during play, stored in build/*/tests/web for people to look at. This test only checks that the
+// pictures are not empty and that there are no complaints.
 import assert from 'node:assert';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -9,7 +9,7 @@ import { joinPage, outputFolder, probe, startBots, startBrowser, startWorld } fr
 import { test, waitFor } from './support/programs.mjs';
 
 const screen = { width: 1280, height: 720 };
-const smallScreen = { width: 320, height: 180 }; // while they play, since the processor draws
+const smallScreen = { width: 320, height: 180 }; // small, because the browser renders in software
 const botCount = 4;
 const playFor = 2500; // ms
 const settleFor = 700;
@@ -24,7 +24,7 @@ after(() => browser?.close());
 for (const scene of ['arena', 'sumo', 'curtain', 'sandbox']) {
   test(`a picture of ${scene}`, async () => {
     const world = await startWorld(scene);
-    // The first to come is put where one sees most.
+    // The first player to join gets the place with the best view.
     const page = await joinPage(browser, world.host, { viewport: smallScreen, query: 'name=mira&quality=3' });
     const bots = startBots(world, botCount);
     await waitFor('all players', async () => (await probe(page, 'state')).players.length === botCount + 1);
@@ -32,7 +32,7 @@ for (const scene of ['arena', 'sumo', 'curtain', 'sandbox']) {
     await page.tab.setViewportSize(screen);
     await page.tab.waitForTimeout(settleFor);
     const picture = await page.tab.screenshot({ path: path.join(outputFolder, `${scene}.png`) });
-    // Of one colour it would be a few kilobytes.
+    // A picture of one colour would have a few kilobytes.
     assert.ok(picture.length > 100_000, `${picture.length} bytes`);
     assert.deepEqual(page.complaints, []);
     await page.leave();

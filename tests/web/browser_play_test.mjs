@@ -1,6 +1,6 @@
-// What a player does, by the real keyboard, mouse and fingers, and what the others see of it.
+// Actions of a player by real keyboard, mouse and touch events, and what the other players see of them.
 //
-// A world each. A second page is a spectator, whose camera stands still and has all of the scene in view.
+// Each test has a world of its own. A second page is a spectator, whose camera stands still and shows the whole scene.
 import assert from 'node:assert';
 import { after, before } from 'node:test';
 
@@ -8,7 +8,7 @@ import { compareScreenshots, findBody, findOwn, joinPage, probe, startBots, star
   from './support/browser.mjs';
 import { sleep, test, waitFor } from './support/programs.mjs';
 
-// Of the small screen, pixels: floor and own body, and no panel.
+// Area of the small screen in pixels with floor and own body, without panels.
 const floorView = { x: 150, y: 180, width: 340, height: 105 };
 // Shares of a picture's pixels.
 const littleChange = 0.015;
@@ -19,7 +19,7 @@ let browser;
 before(async () => (browser = await startBrowser()));
 after(() => browser?.close());
 
-// A world, and a page in it for each of the options.
+// Runs a test in a new world, with one page for each of the options.
 async function play(scene, run, ...tabs) {
   const world = await startWorld(scene);
   try {
@@ -30,7 +30,7 @@ async function play(scene, run, ...tabs) {
   }
 }
 
-// Ten seconds of the world at once, where the scene lets one, until all that fell has come to rest.
+// Skips ten seconds of the world's time, where the scene allows it, so that all falling bodies come to rest.
 async function jumpAhead(page) {
   await page.tab.keyboard.press('KeyG');
   const jump = page.tab.getByRole('button', { name: 'Jump 5 s ahead in time' });
@@ -39,7 +39,7 @@ async function jumpAhead(page) {
   await page.tab.keyboard.press('KeyG');
 }
 
-// What is seen once it hardly changes by itself any more, so that much more of a change has a cause.
+// Waits until the picture hardly changes by itself, so that a larger change has a cause. Returns the picture.
 async function waitForStill(look) {
   let before = await look();
   let calm = 0;
@@ -52,7 +52,7 @@ async function waitForStill(look) {
   return before;
 }
 
-// Soft bodies wobble for seconds after they have fallen; span: how much is left of it, m.
+// Waits until a body has stopped wobbling after its fall; span: the motion that is still allowed, m.
 async function waitForRest(page, body, span) {
   const heights = [];
   await waitFor('rest', async () => {
@@ -122,7 +122,7 @@ test('what one grabs and lifts rises for the others too', () =>
     await waitFor('the ball to fall', async () => !(await isLifted(page)) && !(await isLifted(other)));
   }, {}, spectator));
 
-// The nearest ball that the pointer can get at.
+// The nearest ball that the pointer can reach.
 async function findBallInReach(page, own) {
   return await page.tab.evaluate((own) => {
     const { x, y, z } = window.wobble.position(own);
@@ -170,7 +170,7 @@ test('a cloth that one cuts is torn for everybody', () =>
     }
   }, {}, spectator));
 
-// What both count, once it is the same for a second.
+// The value that both pages count, once it has been equal for a second.
 async function waitForSame(count) {
   let since = Date.now();
   let last = [];
@@ -183,7 +183,7 @@ async function waitForSame(count) {
   return last[0];
 }
 
-// Where a body is seen, as far as it is seen.
+// The visible bounding box of a body on the screen.
 async function findBox(page, body) {
   return await page.tab.evaluate((vertices) => {
     const places = vertices.map(window.wobble.place);
@@ -221,7 +221,7 @@ test('what one builds is there for everybody, and so is slow motion', () =>
     }
   }, { viewport: { width: 1000, height: 640 } }, spectator));
 
-// A place on the screen behind which is nothing but floor, away from all particles.
+// A point on the screen that shows only floor, away from all particles.
 async function findFreeFloor(page, workshop) {
   return await page.tab.evaluate((vertices) => {
     const { x, y } = window.wobble.position(window.wobble.state().ownBody);

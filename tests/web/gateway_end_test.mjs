@@ -1,4 +1,5 @@
-// How it ends: the server, the gateway, each as it should and as it should not. All at once, since most of it is waiting.
+// All ways to end: of the server and of the gateway, in order and by failure. The tests run at the same time, because
+// they mostly wait.
 import assert from 'node:assert';
 import { after, before, describe } from 'node:test';
 

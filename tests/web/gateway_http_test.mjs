@@ -1,4 +1,4 @@
-// The gateway as a web server: the page's files, and requests that nobody should make. No server is behind it.
+// The gateway as a web server: the page's files, and malformed or hostile requests. No game server is behind it.
 import assert from 'node:assert';
 import crypto from 'node:crypto';
 import http from 'node:http';
@@ -46,7 +46,7 @@ function request(target, options = {}) {
   });
 }
 
-// Everything that comes back for these bytes until the other end closes; null when it does not within the time.
+// All bytes that come back until the other end closes; null when it does not close within the time.
 function exchange(bytes, patienceMs = 5000) {
   const [, port] = gateway.host.split(':');
   return new Promise((resolve) => {
@@ -184,7 +184,7 @@ test('one address cannot have all connections', async () => {
     socket.resume();
   }
   await sleep(1000);
-  assert.equal(closed, 4); // of one address eight: a browser's files, and its game
+  assert.equal(closed, 4); // the limit per address is eight: a browser's files and its game
   for (const socket of sockets) socket.destroy();
   assert.equal(await small.program.stop(), 0);
   assert.match(small.program.lines.at(-1), /4 connections too many$/);

@@ -1,4 +1,4 @@
-// The gateway as a relay: players through it to a real server, and players who misbehave.
+// The gateway as a relay: players who reach a real server through it, and players who misbehave.
 import assert from 'node:assert';
 import crypto from 'node:crypto';
 import net from 'node:net';
@@ -32,7 +32,7 @@ test('relays both ways, and the server hears when a browser leaves', async () =>
   await player.leave();
   await waitFor('no clients', () => server.countClients() === 0);
   const seconds = (Date.now() - begin) / 1000;
-  assert.ok(seconds < 4, `${seconds} s`); // a server holds the body of one that is merely silent for 8 s
+  assert.ok(seconds < 4, `${seconds} s`); // for a player who is merely silent, a server holds the body for 8 s
   await gateway.program.waitForLine(/^browser 1: ended after \d+ s: left; 0 snapshots dropped$/);
 });
 
@@ -127,7 +127,8 @@ test('what is too large, too much or not understood ends a connection with a rea
 
 test('what an honest page sends is not too much', async () => {
   const player = await join(gateway.host);
-  for (let i = 0; i < 480; ++i) player.send(channels.ping, Buffer.alloc(4)); // after a link that stood still for 8 s
+  // follows a link that was interrupted for 8 s
+  for (let i = 0; i < 480; ++i) player.send(channels.ping, Buffer.alloc(4));
   await waitFor('all answers', () => player.count(channels.ping) === 480);
   for (let i = 0; i < 120; ++i) {
     player.send(channels.ping, Buffer.alloc(4));
@@ -145,7 +146,7 @@ test('there are so many places, and so many for one address', async () => {
   players.push(await join(small.host, { localAddress: '127.0.0.2' }));
   assert.deepEqual(await new Player(small.host, { localAddress: '127.0.0.3' }).closed, refused);
   await players[0].leave();
-  players.push(await join(small.host, { localAddress: '127.0.0.3' })); // a place that is left is free again
+  players.push(await join(small.host, { localAddress: '127.0.0.3' })); // the place of a player who left is free again
   for (const player of players) await player.leave();
   assert.equal(await small.program.stop(), 0);
   assert.match(small.program.lines.at(-1), / 6 browsers, 2 without a place, 0 cut off/);
@@ -157,12 +158,12 @@ test('a browser that does not read misses snapshots, and nothing else', async ()
   const slow = await join(through.host);
   await waitFor('snapshots', () => slow.count(channels.snapshot) > 10);
   slow.socket.pause();
-  // Twice what the system and the gateway hold, however long a slow machine takes for it.
+  // Twice the amount that the system and the gateway buffer, however long a slow machine takes for it.
   const first = busy.program.lines.length;
   const readKilobits = (line) => 0.5 * Number(/(\d+) kbit\/s out/.exec(line)?.[1] ?? 0);
   const countSent = () => busy.program.lines.slice(first).reduce((sum, line) => sum + readKilobits(line), 0) / 8;
   while (countSent() < 600) {
-    slow.send(channels.input, Buffer.alloc(1)); // not understood, but a server takes whoever is silent for gone
+    slow.send(channels.input, Buffer.alloc(1)); // the server ignores it, but drops silent players
     await sleep(500);
   }
   slow.socket.resume();
@@ -197,7 +198,8 @@ test('random frames harm nobody', async () => {
     socket.end();
     socket.resume();
     await new Promise((resolve) => socket.on('close', resolve));
-    // Not understood, but a server takes whoever is silent for 8 s for gone, and a slow machine needs longer for all.
+    // The server ignores it, but drops players that are silent for 8 s, and a slow machine needs longer for the whole
+    // test.
     if (i % 20 === 0) witness.send(channels.input, Buffer.alloc(1));
   }
   witness.send(channels.ping, Buffer.alloc(4));
@@ -205,7 +207,7 @@ test('random frames harm nobody', async () => {
   await witness.leave();
 });
 
-// A WebSocket frame of a client, masked with zeros.
+// A WebSocket frame of a client, with a mask of zeros.
 function makeFrame(operation, payload) {
   const head = Buffer.alloc(8);
   head[0] = operation;

@@ -1,12 +1,12 @@
--- Runs after the nearest player, or the nearest body where no player is near, and jumps into it: crowds, collisions,
+-- Follows the nearest player, or the nearest body where no player is near, and jumps into it. Load: crowds, collisions,
 -- and bodies that press on each other.
 local SIGHT = 12         -- metres
-local LEAP = 2.5         -- metres at which it jumps
-local LEAD = 0.2         -- seconds that it aims ahead of what runs away
-local TURN_BACK = 8      -- metres from the middle; the arena's platform ends 10 m from it
+local LEAP = 2.5         -- metres; jumps from this distance
+local LEAD = 0.2         -- seconds by which it aims ahead of a moving target
+local TURN_BACK = 8      -- metres from the middle; the arena's platform ends at 10 m
 
 local function choose(bodies)
-  for _, body in ipairs(bodies) do  -- the nearest comes first
+  for _, body in ipairs(bodies) do  -- sorted by distance
     if body.name then return body end
   end
   return bodies[1]
@@ -30,6 +30,6 @@ function run(bot)
     else
       bot:move(0, 0)
     end
-    bot:wait(0.1 + 0.1 * bot:random())  -- as fast as a person sees and thinks
+    bot:wait(0.1 + 0.1 * bot:random())  -- a person's reaction time
   end
 end

@@ -1,3 +1,3 @@
--- Joins and stands still: what a crowd of onlookers costs the server.
+-- Joins and stands still. Load: a crowd of onlookers.
 function run(bot)
 end

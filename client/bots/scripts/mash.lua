@@ -1,4 +1,4 @@
--- Presses everything at random in every round, as nobody can: the worst that inputs can do to a server.
+-- Presses everything at random in every round, faster than a person can. Load: the worst case of inputs.
 function run(bot)
   while true do
     bot:move(bot:random() * 2 - 1, bot:random() * 2 - 1)

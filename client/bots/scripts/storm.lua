@@ -1,6 +1,6 @@
--- Joins, stays a moment, leaves and comes again: what a server does for a player it does once a second and bot.
-local STAY = { 0.2, 1.5 }  -- seconds in, least and most
-local AWAY = { 0, 1 }      -- and out
+-- Joins, stays a moment, leaves and joins again. Load: about one join per second and bot.
+local STAY = { 0.2, 1.5 }  -- seconds of a stay, least and most
+local AWAY = { 0, 1 }      -- seconds between stays
 
 local function between(bot, range)
   return range[1] + (range[2] - range[1]) * bot:random()

@@ -1,5 +1,5 @@
--- Walks about as a player would who has just found the keys: a direction for a while, now and then a jump or a puff,
--- and back to the middle before the edge of the arena, whose platform ends 8 m from the origin.
+-- Walks like a new player: in one direction for a while, now and then a jump or a puff, and back to the middle before
+-- the edge of the arena.
 local TURN_BACK = 6      -- metres from the middle
 local WALK = { 0.4, 2 }  -- seconds in one direction, least and most
 

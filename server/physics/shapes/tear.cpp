@@ -8,9 +8,9 @@
 namespace wobble::physics {
 namespace {
 
-using Edge = std::array<std::uint32_t, 2>;
+using EdgeKey = std::array<std::uint32_t, 2>;
 
-Edge MakeEdge(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
+EdgeKey MakeEdge(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
 template <class Real>
 void RemoveSprings(std::span<const std::uint8_t> torn, std::vector<Spring<Real>>& springs) {
@@ -74,7 +74,7 @@ std::size_t FindCut(const Coefficients<Real>& body, const Blade& blade, std::spa
 Blueprint MakeTornBlueprint(const Blueprint& blueprint, std::span<const std::uint8_t> torn) {
   assert(torn.size() == blueprint.full.springs.size());
   assert(blueprint.full.gas == 0);
-  std::set<Edge> gone;
+  std::set<EdgeKey> gone;
   for (std::size_t i = 0; i < torn.size(); ++i) {
     const Spring<double>& spring = blueprint.full.springs[i];
     if (torn[i] != 0) gone.insert(MakeEdge(spring.a, spring.b));

@@ -1,8 +1,8 @@
-// The reference: SUNDIALS' CVODE, the variable-order Adams–Moulton methods with functional iteration. None of the
-// problems is stiff at this accuracy, which holds the steps far below the limit of stability; order 12 at some two
-// evaluations a step is then the cheapest that there is, and no Jacobian has to be right.
+// The reference: SUNDIALS' CVODE with the variable-order Adams–Moulton methods and functional iteration. No problem is
+// stiff at this accuracy, which keeps the steps far below the stability limit; order 12 with about two evaluations per
+// step is then the cheapest choice, and needs no Jacobian.
 //
-// The state is all positions, then all velocities, so that the equations read them where CVODE keeps them.
+// The state is all positions, then all velocities, so that the equations read CVODE's memory directly.
 #include <cvode/cvode.h>
 #include <nvector/nvector_serial.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
@@ -17,12 +17,13 @@ namespace wobble::bench {
 namespace {
 
 constexpr long kMaxSteps = 100'000'000;
-// Below this share of the relative tolerance, in m and m/s, coordinates that pass through zero ask for no more digits.
+// Absolute tolerance as a share of the relative one, in m and m/s: coordinates that pass through zero then need no more
+// digits.
 constexpr double kAbsoluteShare = 0.01;
 
 static_assert(sizeof(Vector3d) == 3 * sizeof(realtype));
 
-// A reference that has failed is no reference, and nothing that would be measured by it means anything.
+// Ends the process: nothing can be measured against a reference that failed.
 void Require(bool good, const char* what) {
   if (good) return;
   std::fprintf(stderr, "wobble_lab: the reference cannot be solved: %s failed\n", what);
@@ -43,7 +44,7 @@ int FindRate(realtype, N_Vector state, N_Vector rate, void* data) {
   return 0;
 }
 
-// What CVODE needs, made and freed in the order that it asks for.
+// CVODE's objects, created and destroyed in the order that CVODE requires.
 struct Solver {
   Solver(const Problem& problem, double tolerance);
   ~Solver();
@@ -73,7 +74,7 @@ Solver::Solver(const Problem& problem, double tolerance) : equations(problem.equ
   iteration = SUNNonlinSol_FixedPoint(state, 0, context);
   Require(iteration != nullptr, "SUNNonlinSol_FixedPoint");
   Require(CVodeSetNonlinearSolver(memory, iteration) == CV_SUCCESS, "CVodeSetNonlinearSolver");
-  // Not a step beyond: the motion is not interpolated.
+  // Stop exactly at the end: the motion is not interpolated.
   Require(CVodeSetStopTime(memory, problem.duration) == CV_SUCCESS, "CVodeSetStopTime");
 }
 

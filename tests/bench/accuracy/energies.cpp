@@ -1,11 +1,11 @@
-// What does a method do to energy that nothing takes away? A ball stretched by 20 % swings for ten seconds without
-// damping, every method in 120 steps a second. Where its vertices are then nobody can say (problem.h), but its energy
-// is what it was. What is drawn is its energy above that of rest over what it had.
+// The energy drift of each method on a system without dissipation. A ball stretched by 20 % vibrates for ten seconds
+// without damping, each method at 120 steps a second. The vertex positions are then unpredictable (problem.h), but the
+// energy must be conserved. The plot shows the energy above that of rest over its initial value.
 //
-// That RK4 is stable does not make it accurate: rows have what it keeps in 60 to 480 steps a second, on that ball and
-// on one stretched by 2 %. The prototype of this engine lost 92, 69, 11 and 0.4 % on a ball of the same stiffness that
-// swung in faster modes; a mode's loss goes with the sixth power of its frequency and the fifth of the step, so these
-// numbers differ, and fall alike.
+// RK4 is stable but not exact: rows give the energy that it keeps at 60 to 480 steps a second, on that ball and on one
+// stretched by 2 %. The prototype of this engine lost 92, 69, 11 and 0.4 % on a ball of the same stiffness that
+// vibrated in faster modes; a mode's loss is proportional to the sixth power of its frequency and the fifth of the
+// step, so these numbers differ, but fall alike.
 #include <algorithm>
 #include <cmath>
 
@@ -20,21 +20,21 @@ using namespace physics;
 
 constexpr double kDuration = 10;  // s
 constexpr int kRate = 120;        // steps a second
-constexpr double kMost = 1.5;     // that is drawn
+constexpr double kMost = 1.5;     // upper limit of the plot
 
 constexpr std::array kLossRates = {60, 120, 240, 480};
 
-struct Case {
+struct EnergyCase {
   const Problem* ball = nullptr;
   Integrator integrator = Integrator::kRungeKutta4;
   int rate = kRate;
   bool isDrawn = false;
   bool blewUp = false;
-  std::vector<std::array<double, 2>> energies{};  // s, over that at the beginning
+  std::vector<std::array<double, 2>> energies{};  // s, over the initial energy
 };
 
-std::vector<Case> MakeCases(const Problem& slight, const Problem& wide) {
-  std::vector<Case> cases;
+std::vector<EnergyCase> MakeEnergyCases(const Problem& slight, const Problem& wide) {
+  std::vector<EnergyCase> cases;
   for (const Integrator integrator : kIntegrators) {
     cases.push_back({.ball = &wide, .integrator = integrator, .isDrawn = true});
   }
@@ -46,7 +46,7 @@ std::vector<Case> MakeCases(const Problem& slight, const Problem& wide) {
   return cases;
 }
 
-void Play(Case& each) {
+void PlayEnergyCase(EnergyCase& each) {
   const Problem& ball = *each.ball;
   SolvedMotion solved = SolveInSteps(
       ball, {.integrator = each.integrator, .steps = std::lround(each.rate * ball.duration), .isSampled = true});
@@ -57,7 +57,7 @@ void Play(Case& each) {
   each.blewUp = solved.blewUp;
 }
 
-void AddRow(Bench& bench, const Case& each) {
+void AddEnergyRow(Bench& bench, const EnergyCase& each) {
   double least = each.energies.front()[1];
   double most = least;
   for (const auto& [time, energy] : each.energies) {
@@ -84,15 +84,14 @@ void MeasureEnergies(Bench& bench) {
   Problem wide = MakeStretchedBall();
   wide.name = "ball, 20 % stretch, 10 s";
   wide.duration = kDuration;
-  std::vector<Case> cases = MakeCases(slight, wide);
-  if (!RunTrials(bench, cases.size(), [&](std::size_t i) { Play(cases[i]); })) return;
-  Plot plot{"accuracy_energy",
-            "Energy of a ball that nothing damps, in 120 steps a second",
-            "time, s",
-            "energy over that of the beginning",
-            {}};
-  for (const Case& each : cases) {
-    AddRow(bench, each);
+  std::vector<EnergyCase> cases = MakeEnergyCases(slight, wide);
+  if (!RunTrials(bench, cases.size(), [&](std::size_t i) { PlayEnergyCase(cases[i]); })) return;
+  Plot plot{.name = "accuracy_energy",
+            .title = "Energy of a ball that nothing damps, in 120 steps a second",
+            .xLabel = "time, s",
+            .yLabel = "energy over that of the beginning"};
+  for (const EnergyCase& each : cases) {
+    AddEnergyRow(bench, each);
     if (!each.isDrawn) continue;
     Series& series = plot.series.emplace_back();
     series.name = FindTitle(each.integrator);

@@ -1,5 +1,5 @@
-// Springs, gas, repulsion, drag and the ground as they stand on paper. The engine shares the area of a face among its
-// corners; here the gas pushes along the derivative of the volume by each vertex, which is the same only if both are
+// Springs, gas, repulsion, drag and ground straight from their formulas. The engine distributes the area of a face over
+// its corners; here the gas acts along the derivative of the volume by each vertex. The two agree only if both are
 // right.
 #include "tests/bench/accuracy/equations.h"
 
@@ -10,9 +10,9 @@ namespace wobble::bench {
 namespace {
 
 using namespace physics;
-using Coefficients = physics::Coefficients<double>;
+using BodyNumbers = physics::Coefficients<double>;
 
-void AddSpringForce(const Coefficients& body, const Spring<double>& spring, std::span<const Vector3d> x,
+void AddSpringForce(const BodyNumbers& body, const Spring<double>& spring, std::span<const Vector3d> x,
                     std::span<const Vector3d> v, std::span<Vector3d> forces) {
   const Vector3d way = x[spring.a] - x[spring.b];
   const double length = std::sqrt(way.x() * way.x() + way.y() * way.y() + way.z() * way.z());
@@ -26,20 +26,20 @@ void AddSpringForce(const Coefficients& body, const Spring<double>& spring, std:
   forces[spring.b] += tension * along;
 }
 
-double FindPressure(const Coefficients& body, double volume) {
+double FindPressure(const BodyNumbers& body, double volume) {
   const double floor = body.floorVolume;
   const double absolute = volume > floor ? body.gas / volume : body.gas * (2 * floor - volume) / (floor * floor);
   return absolute - body.ambientPressure;
 }
 
-// V = ⅙ Σ a·(b × c), ∂V/∂a = ⅙ Σ b × c: over a closed surface both are the same about any point.
-double FindVolume(const Coefficients& body, std::span<const Vector3d> x) {
+// V = ⅙ Σ a·(b × c), ∂V/∂a = ⅙ Σ b × c; on a closed surface both are independent of the origin.
+double FindVolume(const BodyNumbers& body, std::span<const Vector3d> x) {
   double volume = 0;
   for (const Face& face : body.faces) volume += (x[face[0]] - x[0]).dot((x[face[1]] - x[0]).cross(x[face[2]] - x[0]));
   return volume / 6;
 }
 
-void AddGasOfVolume(const Coefficients& body, std::span<const Vector3d> x, std::span<Vector3d> forces) {
+void AddGasOfVolume(const BodyNumbers& body, std::span<const Vector3d> x, std::span<Vector3d> forces) {
   const double pressure = FindPressure(body, FindVolume(body, x));
   for (const Face& face : body.faces) {
     for (int corner = 0; corner < 3; ++corner) {
@@ -51,13 +51,13 @@ void AddGasOfVolume(const Coefficients& body, std::span<const Vector3d> x, std::
 }
 
 // A = ½ Σ (xₐ z_b − x_b zₐ) over the edges a → b.
-double FindArea(const Coefficients& body, std::span<const Vector3d> x) {
+double FindArea(const BodyNumbers& body, std::span<const Vector3d> x) {
   double area = 0;
   for (const auto& [a, b] : body.outline) area += (x[a].x() * x[b].z() - x[b].x() * x[a].z()) / 2;
   return area;
 }
 
-void AddGasOfArea(const Coefficients& body, std::span<const Vector3d> x, std::span<Vector3d> forces) {
+void AddGasOfArea(const BodyNumbers& body, std::span<const Vector3d> x, std::span<Vector3d> forces) {
   const double pressure = FindPressure(body, FindArea(body, x));
   for (const auto& [a, b] : body.outline) {
     forces[a] += pressure / 2 * Vector3d(x[b].z(), 0, -x[b].x());
@@ -65,7 +65,7 @@ void AddGasOfArea(const Coefficients& body, std::span<const Vector3d> x, std::sp
   }
 }
 
-void AddDragOfFaces(const Coefficients& body, const Vector3d& wind, std::span<const Vector3d> x,
+void AddDragOfFaces(const BodyNumbers& body, const Vector3d& wind, std::span<const Vector3d> x,
                     std::span<const Vector3d> v, std::span<Vector3d> forces) {
   for (const Face& face : body.faces) {
     const Vector3d area = (x[face[1]] - x[face[0]]).cross(x[face[2]] - x[face[0]]) / 2;
@@ -76,9 +76,9 @@ void AddDragOfFaces(const Coefficients& body, const Vector3d& wind, std::span<co
   }
 }
 
-// Along the normal N = F(d) + c s(d) ḋ at depth d, never a pull: F'(d) = k min(d/δ, 1), s the cubic that rises from 0
-// to 1 between 0 and δ with level ends.
-void AddPushOfPlane(const Coefficients& body, const Obstacle& plane, std::span<const Vector3d> x,
+// Normal force N = F(d) + c s(d) ḋ at depth d, never negative: F'(d) = k min(d/δ, 1); s is the cubic smoothstep from 0
+// to 1 between 0 and δ.
+void AddPushOfPlane(const BodyNumbers& body, const Obstacle& plane, std::span<const Vector3d> x,
                     std::span<const Vector3d> v, std::span<Vector3d> forces) {
   const ContactParameters<double>& law = body.contact;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -93,7 +93,7 @@ void AddPushOfPlane(const Coefficients& body, const Obstacle& plane, std::span<c
 }
 
 // ∫ F dd.
-double FindPushEnergy(const Coefficients& body, const Obstacle& plane, const Vector3d& x) {
+double FindPushEnergy(const BodyNumbers& body, const Obstacle& plane, const Vector3d& x) {
   const ContactParameters<double>& law = body.contact;
   const double depth = std::max(plane.offset - x.dot(plane.normal), 0.0);
   const double grown = std::min(depth, law.fadeDepth);
@@ -101,15 +101,15 @@ double FindPushEnergy(const Coefficients& body, const Obstacle& plane, const Vec
   return law.stiffness * (grown * grown * grown / (6 * law.fadeDepth) + beyond * (grown + beyond) / 2);
 }
 
-// ∫ K/d⁴ dd from where the ends are to infinity.
-double FindRepulsionEnergy(const Coefficients& body, const Spring<double>& spring, double length) {
+// ∫ K/d⁴ dd from the distance of the ends to infinity.
+double FindRepulsionEnergy(const BodyNumbers& body, const Spring<double>& spring, double length) {
   const double floor = kRepulsionFloorShare * spring.restLength;
   const double outside = std::max(length, floor);
   return body.repulsion * (1 / (3 * std::pow(outside, 3)) + (outside - length) / std::pow(outside, 4));
 }
 
-// ∫ (P₀ − P) dV, whose part below the floor is that of a straight line.
-double FindGasEnergy(const Coefficients& body, double volume) {
+// ∫ (P₀ − P) dV; below the volume floor the integrand is linear.
+double FindGasEnergy(const BodyNumbers& body, double volume) {
   const double outside = std::max(volume, body.floorVolume);
   const double below = outside - volume;
   return body.ambientPressure * volume - body.gas * std::log(outside) +
@@ -120,7 +120,7 @@ double FindGasEnergy(const Coefficients& body, double volume) {
 
 void AddOwnForces(const Equations& equations, std::span<const Vector3d> x, std::span<const Vector3d> v,
                   std::span<Vector3d> forces) {
-  const Coefficients& body = equations.blueprint->full;
+  const BodyNumbers& body = equations.blueprint->full;
   for (const Spring<double>& spring : body.springs) AddSpringForce(body, spring, x, v, forces);
   if (body.gas > 0 && body.planar) AddGasOfArea(body, x, forces);
   if (body.gas > 0 && !body.planar) AddGasOfVolume(body, x, forces);
@@ -129,7 +129,7 @@ void AddOwnForces(const Equations& equations, std::span<const Vector3d> x, std::
 
 void FindAccelerations(const Equations& equations, std::span<const Vector3d> x, std::span<const Vector3d> v,
                        std::span<Vector3d> accelerations) {
-  const Coefficients& body = equations.blueprint->full;
+  const BodyNumbers& body = equations.blueprint->full;
   std::fill(accelerations.begin(), accelerations.end(), Vector3d::Zero());
   AddOwnForces(equations, x, v, accelerations);
   for (const auto& [vertex, force] : equations.pulls) accelerations[vertex] += force;
@@ -142,7 +142,7 @@ void FindAccelerations(const Equations& equations, std::span<const Vector3d> x, 
 }
 
 double FindEnergy(const Equations& equations, std::span<const Vector3d> x, std::span<const Vector3d> v) {
-  const Coefficients& body = equations.blueprint->full;
+  const BodyNumbers& body = equations.blueprint->full;
   double energy = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
     energy += body.masses[i] * (v[i].squaredNorm() / 2 - equations.gravity.dot(x[i]));

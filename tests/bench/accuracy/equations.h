@@ -1,5 +1,5 @@
-// The equations of motion written a second time, plainly and in other words than the engine's, straight from its
-// description: what the engine is compared with must not share its mistakes. Only a blueprint's numbers are shared.
+// A second, independent implementation of the equations of motion, written plainly from the engine's description. The
+// engine is compared with it, so the two must not share a mistake: only the numbers of a blueprint are shared.
 #pragma once
 
 #include <span>
@@ -13,25 +13,26 @@ namespace wobble::bench {
 
 using physics::Vector3d;
 
-// One body on its own. Vertices are in the world, in double precision.
+// A single body and what acts on it. Vertices are in world coordinates, in double precision.
 struct Equations {
   const physics::Blueprint* blueprint = nullptr;
   Vector3d gravity = Vector3d::Zero();  // m/s²
   Vector3d wind = Vector3d::Zero();     // m/s
   std::vector<physics::VertexForce<double>> pulls;
-  std::vector<physics::Obstacle> obstacles;  // planes, met by the penalty law without friction
+  std::vector<physics::Obstacle> obstacles;  // planes only; penalty law without friction
 
   [[nodiscard]] std::size_t CountVertices() const { return blueprint->rest.size(); }
 };
 
-// What the body's own springs, gas, neighbours and medium do, N, added to `forces`.
+// Adds to `forces` the forces of springs, gas, self-repulsion and the medium, N. All spans have one entry per vertex.
 void AddOwnForces(const Equations& equations, std::span<const Vector3d> x, std::span<const Vector3d> v,
                   std::span<Vector3d> forces);
-// Gravity and all other forces, over the masses, m/s². Fixed vertices and what is across a plane have none.
+// Writes the acceleration of every vertex under all forces, gravity and obstacles included, m/s². It is zero for fixed
+// vertices and in directions that a plane blocks.
 void FindAccelerations(const Equations& equations, std::span<const Vector3d> x, std::span<const Vector3d> v,
                        std::span<Vector3d> accelerations);
 
-// Kinetic, of springs, repulsion, gas, height and the ground, J; up to a constant.
+// Total energy: kinetic, springs, repulsion, gas, height and ground contact, J; defined up to a constant.
 [[nodiscard]] double FindEnergy(const Equations& equations, std::span<const Vector3d> x, std::span<const Vector3d> v);
 
 }  // namespace wobble::bench

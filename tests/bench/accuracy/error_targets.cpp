@@ -1,16 +1,16 @@
-// Does a body keep to the error that its scene allows? Bodies are played as the server plays them: single precision,
-// the engine's own choice of substeps, sleep. At the end of every second each is compared with the reference, which
-// began that second where the body was: the RMS distance over its vertices is the error of that body-second, and the
-// target is met when it is no more than the target times one second.
+// Checks that bodies keep to the scene's error target. Bodies are played as the server plays them: single precision,
+// the engine's own choice of substeps, sleep. At the end of every second each is compared with a reference that began
+// that second in the same state. The RMS distance over the vertices is the error of that body-second; the target is met
+// when the error is at most the target times one second.
 //
-// error_target_met is the share of all body-seconds at 0.1, 1 and 10 mm/s that met it. error_target_overhead is the
-// mean over all cases at these targets of (evaluations of the forces as played, with those of ticks that were stepped
-// again) / (those in the cheapest fixed number of substeps a tick that meets the target in as many seconds), the latter
-// found in hindsight for each case by itself, of all integers and not only of the ladder's rungs; the largest ratio is
-// there as well. Fixed steps are restarted each second too, from the same states.
+// error_target_met is the share of all body-seconds at 0.1, 1 and 10 mm/s that met the target. error_target_overhead is
+// the mean over all cases at these targets of (force evaluations as played, repeated ticks included) / (those of the
+// cheapest fixed number of substeps per tick that meets the target in as many seconds). That number is found in
+// hindsight for each case, among all integers and not only the ladder's rungs; the largest ratio is in the results too.
+// Fixed steps also restart each second from the same states.
 //
-// The reference is CVODE on the equations that the laboratory has written for itself. The worlds in double precision
-// beside the played ones tell what single precision has of the error.
+// The reference is CVODE on the laboratory's own equations. Worlds in double precision, run beside the played ones,
+// tell which part of the error is due to single precision.
 #include <algorithm>
 #include <cmath>
 
@@ -26,25 +26,25 @@ namespace {
 
 using namespace physics;
 
-// Of the reference: it ends within 10⁻⁸ m of where 10⁻¹² brings it, for a third of the time.
+// Tolerance of the reference: it ends within 10⁻⁸ m of the solution at 10⁻¹², in a third of the time.
 constexpr double kTolerance = 1e-9;
-// By how much, m, a second motion begins beside the first, to see how far they part.
-constexpr double kAside = 1e-8;
+// Initial offset of a second motion, m, for measuring divergence.
+constexpr double kTwinOffset = 1e-8;
 
 struct Trial {
   const PlayedCase* played = nullptr;
   double target = 0;             // m/s
   bool isCompared = false;       // with fixed steps
-  std::vector<double> errors;    // of each second, m
-  std::vector<double> rounding;  // how far single precision ends from double, m
-  int asleep = 0;                // seconds that ended so
-  double substeps = 0;           // a tick, the mean
+  std::vector<double> errors;    // per second, m
+  std::vector<double> rounding;  // distance of single from double precision, m
+  int asleep = 0;                // seconds that ended asleep
+  double substeps = 0;           // per tick, mean
   bool isGrowthMeasured = false;
-  double growth = 0;      // of a small difference over a second, the most
-  int fixedSubsteps = 0;  // a tick; 0: none of up to kMaxSubsteps will do
+  double growth = 0;      // largest growth of a small difference over a second
+  int fixedSubsteps = 0;  // per tick; 0: none up to kMaxSubsteps suffices
 };
 
-Problem MakeProblem(const PlayedCase& played, const State<float>& begin) {
+Problem MakeProblemOfSecond(const PlayedCase& played, const State<float>& begin) {
   Problem problem;
   problem.name = played.name;
   problem.blueprint = played.blueprint;
@@ -60,8 +60,8 @@ std::size_t CountMet(const std::vector<double>& errors, double target) {
   return static_cast<std::size_t>(std::count_if(errors.begin(), errors.end(), [&](double e) { return e <= target; }));
 }
 
-// The least number of fixed substeps that meets the target in as many seconds as were met in play. The error falls with
-// the number but for chance, so the search halves.
+// The least fixed number of substeps that meets the target in as many seconds as the play did. Bisects, because the
+// error decreases with the number apart from chance.
 int FindCheapestFixed(const Trial& trial, const std::vector<Problem>& problems,
                       const std::vector<std::vector<Vector3d>>& ends) {
   const std::size_t met = CountMet(trial.errors, trial.target);
@@ -76,7 +76,7 @@ int FindCheapestFixed(const Trial& trial, const std::vector<Problem>& problems,
   int most = 1;
   while (most < kMaxSubsteps && !suffices(most)) most *= 2;
   if (most == kMaxSubsteps && !suffices(most)) return 0;
-  int least = most / 2;  // does not suffice
+  int least = most / 2;  // insufficient
   while (most - least > 1) {
     const int middle = (least + most) / 2;
     (suffices(middle) ? most : least) = middle;
@@ -84,14 +84,14 @@ int FindCheapestFixed(const Trial& trial, const std::vector<Problem>& problems,
   return most;
 }
 
-// How many times as far apart as at the beginning two motions are at the end.
+// Ratio of the final to the initial distance of two motions.
 double FindGrowth(Problem problem, const std::vector<Vector3d>& end) {
   const std::vector<Vector3d> begin = problem.x;
   for (std::size_t i = 0; i < begin.size(); ++i) {
     const auto phase = static_cast<double>(i);
     if (problem.blueprint->full.inverseMasses[i] == 0) continue;
-    problem.x[i].x() += kAside * std::sin(1.3 * phase);
-    problem.x[i].z() += kAside * std::cos(2.1 * phase);
+    problem.x[i].x() += kTwinOffset * std::sin(1.3 * phase);
+    problem.x[i].z() += kTwinOffset * std::cos(2.1 * phase);
   }
   return FindDistance(SolveByCvode(problem, kTolerance).motion.x, end) / FindDistance(begin, problem.x);
 }
@@ -100,7 +100,7 @@ void Run(Trial& trial, int seconds) {
   std::vector<Problem> problems;
   std::vector<std::vector<Vector3d>> ends;
   for (const PlayedSecond& second : PlayAsServer(*trial.played, trial.target, seconds)) {
-    problems.push_back(MakeProblem(*trial.played, second.begin));
+    problems.push_back(MakeProblemOfSecond(*trial.played, second.begin));
     ends.push_back(SolveByCvode(problems.back(), kTolerance).motion.x);
     trial.errors.push_back(FindDistance(ReadPositions(second.end), ends.back()));
     trial.rounding.push_back(FindDistance(ReadPositions(second.end), ReadPositions(second.endInDouble)));
@@ -111,17 +111,17 @@ void Run(Trial& trial, int seconds) {
   if (trial.isCompared) trial.fixedSubsteps = FindCheapestFixed(trial, problems, ends);
 }
 
-double FindQuantile(std::vector<double> values, double share) {
+double FindNearestQuantile(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
-// Where no fixed number will do, of what is at least more than the largest.
+// Where no fixed number suffices, relative to the largest number: an upper bound.
 double FindOverhead(const Trial& trial) {
   return trial.substeps / (trial.fixedSubsteps > 0 ? trial.fixedSubsteps : kMaxSubsteps);
 }
 
-void AddRows(const std::vector<Trial>& trials, Results& results) {
+void AddTargetRows(const std::vector<Trial>& trials, Results& results) {
   for (const Trial& trial : trials) {
     nlohmann::ordered_json row = {
         {"experiment", "error_target"},
@@ -129,9 +129,9 @@ void AddRows(const std::vector<Trial>& trials, Results& results) {
         {"target", trial.target},
         {"met", CountMet(trial.errors, trial.target)},
         {"seconds", trial.errors.size()},
-        {"error_median", FindQuantile(trial.errors, 0.5)},
-        {"error_most", FindQuantile(trial.errors, 1)},
-        {"rounding_median", FindQuantile(trial.rounding, 0.5)},
+        {"error_median", FindNearestQuantile(trial.errors, 0.5)},
+        {"error_most", FindNearestQuantile(trial.errors, 1)},
+        {"rounding_median", FindNearestQuantile(trial.rounding, 0.5)},
         {"seconds_asleep", trial.asleep},
         {"evaluations_a_second", trial.substeps * kTicksASecond * kEvaluationsAStep},
     };
@@ -162,15 +162,15 @@ void AddFigures(const std::vector<Trial>& trials, Results& results) {
 }
 
 void AddPlot(const std::vector<double>& targets, const std::vector<Trial>& trials, Results& results) {
-  Plot plot{"accuracy_error_target",
-            "Bodies as the server plays them keep to the error that is allowed",
-            "error target, mm a second",
-            "error after a second, mm",
-            {{"error = target", Stroke::kDashed, {}},
-             {"95 % of body-seconds are below", Stroke::kLineAndPoints, {}},
-             {"half of body-seconds are below", Stroke::kLineAndPoints, {}}},
-            true,
-            true};
+  Plot plot{.name = "accuracy_error_target",
+            .title = "Bodies as the server plays them keep to the error that is allowed",
+            .xLabel = "error target, mm a second",
+            .yLabel = "error after a second, mm",
+            .series = {{"error = target", Stroke::kDashed, {}},
+                       {"95 % of body-seconds are below", Stroke::kLineAndPoints, {}},
+                       {"half of body-seconds are below", Stroke::kLineAndPoints, {}}},
+            .logX = true,
+            .logY = true};
   for (const double target : targets) {
     std::vector<double> errors;
     for (const Trial& trial : trials) {
@@ -178,8 +178,8 @@ void AddPlot(const std::vector<double>& targets, const std::vector<Trial>& trial
       errors.insert(errors.end(), trial.errors.begin(), trial.errors.end());
     }
     plot.series[0].points.push_back({1000 * target, 1000 * target});
-    plot.series[1].points.push_back({1000 * target, 1000 * FindQuantile(errors, 0.95)});
-    plot.series[2].points.push_back({1000 * target, 1000 * FindQuantile(errors, 0.5)});
+    plot.series[1].points.push_back({1000 * target, 1000 * FindNearestQuantile(errors, 0.95)});
+    plot.series[2].points.push_back({1000 * target, 1000 * FindNearestQuantile(errors, 0.5)});
   }
   results.plots.push_back(std::move(plot));
 }
@@ -217,7 +217,7 @@ void MeasureErrorTargets(Bench& bench) {
   }
   const int seconds = quick ? 3 : 5;
   if (!RunTrials(bench, trials.size(), [&](std::size_t i) { Run(trials[i], seconds); })) return;
-  AddRows(trials, bench.results);
+  AddTargetRows(trials, bench.results);
   AddFigures(trials, bench.results);
   AddPlot(targets, trials, bench.results);
   AddRemarks(trials, bench.results);

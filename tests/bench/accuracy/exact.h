@@ -1,4 +1,4 @@
-// What theory says in closed form, beside what the engine and the reference make of it.
+// Quantities that theory gives in closed form, with the values that the engine and the reference compute.
 #pragma once
 
 #include <string>
@@ -12,15 +12,15 @@ struct ExactValue {
   double exact = 0;
   double engine = 0;
   double reference = 0;
-  double scale = 1;  // what an error is a share of, in the same unit
+  double scale = 1;  // errors are reported as a share of it; in the unit of the quantity
 };
 
-// Oscillators, a spinning pair in free fall, a particle that bounces.
+// Motions: oscillators, a spinning pair in free fall, a bouncing particle.
 [[nodiscard]] std::vector<ExactValue> SolveExactMotions();
-// A hanging chain, shells under gas pressure, a bar under tension.
+// Equilibria: a hanging chain, shells under gas pressure, a bar under tension.
 [[nodiscard]] std::vector<ExactValue> SolveExactEquilibria();
 
-// Young's modulus of a lattice bar that is pulled a little, Pa: that of its definition as the exact one.
+// Young's modulus of a lattice bar under small tension, Pa; `exact` is the modulus in the bar's definition.
 [[nodiscard]] ExactValue MeasureYoungModulus();
 
 }  // namespace wobble::bench

@@ -1,14 +1,14 @@
-// Shapes at rest that are known in closed form. Only forces are tried here, no method of stepping: both force functions
-// are followed downhill, with friction, until nothing accelerates any more.
+// Equilibria in closed form. They test forces only, no integrator: both force implementations are followed downhill
+// with friction until nothing accelerates.
 //
-//   Chain that hangs: each spring bears what hangs below it, and is longer by that over its stiffness.
-//   Icosahedron of springs round a gas: all its edges ℓ are alike. Forces in balance have no virial,
-//     3 P V = Σ T ℓ   →   3 nRT = 30 k (ℓ − r) ℓ,   whatever its volume (P₀ = 0).
-//     The same balance holds for any skin of springs round a gas; a ball of 162 vertices must keep it.
+//   Hanging chain: each spring bears the weight below it, and is longer by that weight over its stiffness.
+//   Icosahedron of springs around a gas: all edges ℓ are equal. Balanced forces have no virial,
+//     3 P V = Σ T ℓ   →   3 nRT = 30 k (ℓ − r) ℓ,   for any volume (P₀ = 0).
+//     The same balance holds for any shell of springs around a gas; a ball of 162 vertices must keep it.
 //   Ring of p springs in a plane: 2 P A = Σ T ℓ   →   2 nRT = p k (ℓ − r) ℓ, Laplace's law of a polygon.
-//   Lattice bar under tension: springs on the border have the share of a cell that is there, so all cells are alike and
-//     stretch alike, by λ along the bar and μ across it. With W the energy of a cell's springs and F the force on its
-//     end, ∂W/∂λ = F a and ∂W/∂μ = 0; two equations that Newton's method solves, for strains of any size.
+//   Lattice bar under tension: a spring on the border has the stiffness of its share of the cells, so that all cells
+//     are alike and stretch alike, by λ along the bar and μ across it. With W the energy of a cell's springs and F the
+//     force on its end, ∂W/∂λ = F a and ∂W/∂μ = 0: two equations, solved by Newton's method for strains of any size.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -32,10 +32,10 @@ using namespace physics;
 using Places = std::vector<Vector3d>;
 using Accelerate = std::function<void(std::span<const Vector3d> x, std::span<const Vector3d> v, std::span<Vector3d> a)>;
 
-// Friction that is about right for the slowest modes of these bodies, steps that are right for the fastest.
+// The friction suits the slowest modes of these bodies, the step the fastest.
 Places Settle(const Blueprint& blueprint, const Accelerate& accelerate) {
   constexpr int kSteps = 6000;
-  constexpr double kKept = 0.95;  // of the velocity, a step
+  constexpr double kKept = 0.95;  // of the velocity, per step
   Places x = blueprint.rest;
   Places v(x.size(), Vector3d::Zero());
   Places a(x.size());
@@ -98,7 +98,7 @@ std::vector<ExactValue> SolveChain() {
   return {add("topmost spring, m", topmost, 1), add("whole length, m", length, kLinks)};
 }
 
-// The gas of a finished body multiplied.
+// Multiplies the gas of a finished blueprint.
 Blueprint Inflate(Blueprint blueprint, double factor) {
   blueprint.full.gas *= factor;
   FinishBlueprint(blueprint);
@@ -112,34 +112,38 @@ double FindEdge(const Coefficients<double>& body, double dimensions) {
   return spring.restLength / 2 + std::sqrt(spring.restLength * spring.restLength / 4 + squared);
 }
 
-ExactValue SolveShellOfEqualEdges(const char* name, const Blueprint& skin, double dimensions) {
-  const Shapes shapes = SettleBoth(skin, Vector3d::Zero());
-  const Spring<double>& spring = skin.full.springs[0];
-  const double exact = FindEdge(skin.full, dimensions);
-  return {name,
-          "edge, m",
-          exact,
-          FindLength(shapes.engine, spring.a, spring.b),
-          FindLength(shapes.reference, spring.a, spring.b),
-          exact};
+ExactValue SolveShellOfEqualEdges(const char* name, const Blueprint& shell, double dimensions) {
+  const Shapes shapes = SettleBoth(shell, Vector3d::Zero());
+  const Spring<double>& spring = shell.full.springs[0];
+  const double exact = FindEdge(shell.full, dimensions);
+  return {.problem = name,
+          .quantity = "edge, m",
+          .exact = exact,
+          .engine = FindLength(shapes.engine, spring.a, spring.b),
+          .reference = FindLength(shapes.reference, spring.a, spring.b),
+          .scale = exact};
 }
 
 ExactValue SolveBall() {
   BallDefinition ball;
   ball.material.gas = 100;
-  const Blueprint skin = Inflate(MakeBall(ball), 2.5);
-  const Shapes shapes = SettleBoth(skin, Vector3d::Zero());
+  const Blueprint shell = Inflate(MakeBall(ball), 2.5);
+  const Shapes shapes = SettleBoth(shell, Vector3d::Zero());
   const auto findVirial = [&](const Places& x) {
     double sum = 0;
-    for (const Spring<double>& spring : skin.full.springs) {
+    for (const Spring<double>& spring : shell.full.springs) {
       const double length = FindLength(x, spring.a, spring.b);
       sum += spring.stiffness * (length - spring.restLength) * length;
     }
     return sum;
   };
-  const double exact = 3 * skin.full.gas;
-  return {"ball of 162 under pressure", "virial of its springs, J",   exact,
-          findVirial(shapes.engine),    findVirial(shapes.reference), exact};
+  const double exact = 3 * shell.full.gas;
+  return {.problem = "ball of 162 under pressure",
+          .quantity = "virial of its springs, J",
+          .exact = exact,
+          .engine = findVirial(shapes.engine),
+          .reference = findVirial(shapes.reference),
+          .scale = exact};
 }
 
 // A bar along x, pulled at both ends by `force` on the end of each cell.
@@ -243,8 +247,12 @@ ExactValue MeasureYoungModulus() {
   const auto findModulus = [&](double length) {
     return bar.force / (d.cellSize * d.cellSize) / (length / lengths.rest - 1);
   };
-  return {"lattice bar under tension", "Young's modulus, Pa",          d.youngModulus,
-          findModulus(lengths.engine), findModulus(lengths.reference), d.youngModulus};
+  return {.problem = "lattice bar under tension",
+          .quantity = "Young's modulus, Pa",
+          .exact = d.youngModulus,
+          .engine = findModulus(lengths.engine),
+          .reference = findModulus(lengths.reference),
+          .scale = d.youngModulus};
 }
 
 }  // namespace wobble::bench

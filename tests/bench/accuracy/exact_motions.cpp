@@ -1,12 +1,12 @@
-// Motions that are known in closed form. Two masses on a spring that move along it are one linear oscillator of the
-// reduced mass μ = m/2; two that spin about one another keep the length at which the spring bears the centrifugal
-// force, k (L − r) = μ Ω² L, which tries the equations where they are not linear.
+// Motions in closed form. Two masses on a spring that move along it are a linear oscillator of reduced mass μ = m/2.
+// Two masses that spin about each other keep the length at which the spring balances the centrifugal force,
+// k (L − r) = μ Ω² L, which tests the equations where they are not linear.
 //
-// A particle that loses nothing comes back as fast as it came; how deep and how long it is in the ground follows from
-// the energy that is left at depth d,
-//   v²(d) = v₀² + 2 g d − 2 U(d)/m   with   U = k d³/6δ up to δ, then k (d²/2 − dδ/2 + δ²/6),
-// whose root is a quadratic equation's, and the time an integral of 1/v. Between its ends the integrand is smooth in
-// s = √(1 − d/d_max), but for the law's joint at δ, where it is cut in two.
+// A particle that loses no energy leaves the ground as fast as it arrived. How deep and how long it is in the ground
+// follows from the energy left at depth d,
+//   v²(d) = v₀² + 2 g d − 2 U(d)/m   with   U = k d³/6δ up to δ, then k (d²/2 − dδ/2 + δ²/6).
+// Its root solves a quadratic equation; the time is an integral of 1/v, whose integrand is smooth in s = √(1 − d/d_max)
+// except at the law's joint δ, where the interval is split.
 #include <array>
 #include <cmath>
 #include <numeric>
@@ -22,10 +22,10 @@ namespace {
 
 using namespace physics;
 
-constexpr double kGravity = 9.81;
-// So short that RK4's own error, (hω)⁴ωt/120, stays under 1e-10 in all that is solved here but the bounce.
+constexpr double kGravitySize = 9.81;
+// Short enough that RK4's error, (hω)⁴ωt/120, stays below 1e-10 in all problems except the bounce.
 constexpr double kStep = 1.0 / 8000;
-// A kink in the force's slope takes an order or two from it.
+// The kink in the contact force's slope reduces the order of convergence by one or two.
 constexpr double kBounceStep = 2e-6;
 
 struct Ends {
@@ -39,14 +39,14 @@ Ends SolveBoth(const Problem& problem, double step) {
 }
 
 PairDefinition DescribePair(double dampingRatio) {
-  PairDefinition pair;  // of 1 kg each, 1 m
+  PairDefinition pair;  // two masses of 1 kg, 1 m apart
   pair.material.stiffness = 100;
   pair.material.dampingRatio = dampingRatio;
   return pair;
 }
 constexpr double kReducedMass = 0.5;  // kg
 
-// Let go at rest, as a share of where it began: damping ratio ζ, angular frequency ω.
+// Displacement over its initial value after a release at rest; damping ratio ζ, angular frequency ω.
 double FindRinging(double ratio, double omega, double time) {
   const double decay = std::exp(-ratio * omega * time);
   if (ratio < 1) {
@@ -66,23 +66,23 @@ ExactValue SolveOscillator(const std::string& name, double ratio, double duratio
   const double omega = std::sqrt(pair.material.stiffness / kReducedMass);
   const Ends ends = SolveBoth(problem, kStep);
   const auto findStretch = [](const Motion& motion) { return (motion.x[1] - motion.x[0]).x() - 1; };
-  return {name,
-          "stretch, m",
-          kStretch * FindRinging(ratio, omega, duration),
-          findStretch(ends.engine),
-          findStretch(ends.reference),
-          kStretch};
+  return {.problem = name,
+          .quantity = "stretch, m",
+          .exact = kStretch * FindRinging(ratio, omega, duration),
+          .engine = findStretch(ends.engine),
+          .reference = findStretch(ends.reference),
+          .scale = kStretch};
 }
 
 std::vector<ExactValue> SolveSpinningPair() {
   constexpr double kSpin = 3;  // rad/s, about y
   constexpr double kTime = 2;
-  constexpr double kUp = 7;  // m/s at the beginning
+  constexpr double kUp = 7;  // initial speed, m/s
   const PairDefinition pair = DescribePair(0);
   const double k = pair.material.stiffness;
   const double half = k * pair.length / (k - kReducedMass * kSpin * kSpin) / 2;
   Problem problem = MakeProblem(MakePair(pair), kTime);
-  problem.equations.gravity = Vector3d(0, 0, -kGravity);
+  problem.equations.gravity = Vector3d(0, 0, -kGravitySize);
   for (const int i : {0, 1}) {
     const double side = i == 0 ? -half : half;
     problem.x[i] = Vector3d(side, 0, 0);
@@ -90,17 +90,17 @@ std::vector<ExactValue> SolveSpinningPair() {
   }
   const Ends ends = SolveBoth(problem, kStep);
   const auto findHeight = [](const Motion& motion) { return (motion.x[0] + motion.x[1]).z() / 2; };
-  const double height = kUp * kTime - kGravity * kTime * kTime / 2;
+  const double height = kUp * kTime - kGravitySize * kTime * kTime / 2;
   return {{"free fall", "height of the centre, m", height, findHeight(ends.engine), findHeight(ends.reference), kUp},
           {"spinning pair", "place of a mass along x, m", half * std::cos(kSpin * kTime), ends.engine.x[1].x(),
            ends.reference.x[1].x(), half}};
 }
 
-// Of a particle of `mass` that meets the ground at `speed`.
+// The impact of a particle of `mass` that meets the ground at `speed`.
 class Impact {
  public:
   Impact(const ContactParameters<double>& law, double mass, double speed) : m_law(law), m_mass(mass), m_speed(speed) {
-    const double weightDepth = mass * kGravity / law.stiffness;
+    const double weightDepth = mass * kGravitySize / law.stiffness;
     const double delta = law.fadeDepth;
     const double middle = delta / 2 + weightDepth;
     m_depth = middle + std::sqrt(middle * middle - delta * delta / 3 + mass * speed * speed / law.stiffness);
@@ -115,9 +115,9 @@ class Impact {
     const double k = m_law.stiffness;
     const double delta = m_law.fadeDepth;
     const double stored = d < delta ? k * d * d * d / (6 * delta) : k * (d * (d - delta) / 2 + delta * delta / 6);
-    return m_speed * m_speed + 2 * kGravity * d - 2 * stored / m_mass;
+    return m_speed * m_speed + 2 * kGravitySize * d - 2 * stored / m_mass;
   }
-  // ∫ 2 d_max s/v ds by Gauss's three points in each of many parts.
+  // ∫ 2 d_max s/v ds by three-point Gauss quadrature on many subintervals.
   [[nodiscard]] double FindTime(double from, double to) const {
     constexpr int kParts = 1000;
     const double part = (to - from) / kParts;
@@ -142,12 +142,12 @@ class Impact {
 std::vector<ExactValue> SolveBounce() {
   constexpr double kFall = 0.2;    // m
   constexpr double kAfter = 0.15;  // s of flight after the bounce
-  const double speed = std::sqrt(2 * kGravity * kFall);
-  const double falling = speed / kGravity;
+  const double speed = std::sqrt(2 * kGravitySize * kFall);
+  const double falling = speed / kGravitySize;
   Problem problem = MakeProblem(MakeParticles(1), 0);
   const Coefficients<double>& body = problem.blueprint->full;
   const Impact impact(body.contact, body.masses[0], speed);
-  problem.equations.gravity = Vector3d(0, 0, -kGravity);
+  problem.equations.gravity = Vector3d(0, 0, -kGravitySize);
   problem.equations.obstacles = {Obstacle{}};
   for (Vector3d& x : problem.x) x.z() = kFall;
 
@@ -156,8 +156,8 @@ std::vector<ExactValue> SolveBounce() {
     return SolveBoth(problem, kBounceStep);
   };
   const auto findEnergy = [&](const Motion& motion) { return FindEnergy(problem.equations, motion.x, motion.v); };
-  const double energy = problem.blueprint->totalMass * kGravity * kFall;
-  const double height = speed * kAfter - kGravity * kAfter * kAfter / 2;
+  const double energy = problem.blueprint->totalMass * kGravitySize * kFall;
+  const double height = speed * kAfter - kGravitySize * kAfter * kAfter / 2;
   const Ends deep = solve(falling + impact.Duration() / 2);
   const Ends after = solve(falling + impact.Duration() + kAfter);
   const std::string name = "bounce of a particle";

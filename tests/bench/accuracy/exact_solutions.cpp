@@ -1,9 +1,9 @@
-// Engine and reference agree with one another where both are solved finely (reference.cpp); here both are held against
-// what neither of them knows. The limit is that of the comparison between the two: steps are so fine that RK4 is within
-// 1e-10, and shapes at rest have settled to rounding.
+// Compares engine and reference with closed forms; that they agree with each other is shown in reference.cpp. The limit
+// is the same as for that comparison: the steps are so fine that RK4 is within 1e-10, and equilibria have settled to
+// rounding.
 //
-// Young's modulus stands by itself. The bar's length is exact for springs that turn as they stretch; the modulus is
-// what is left of that for small strains, and a bar that is pulled by 1 % is not quite there.
+// Young's modulus has its own limit. The closed form for the bar's length is exact for springs that turn as they
+// stretch; the modulus is its limit for small strains, which a bar under 1 % strain only approaches.
 #include <algorithm>
 #include <cmath>
 
@@ -16,7 +16,7 @@ namespace {
 
 double FindError(const ExactValue& value, double found) { return std::fabs(found - value.exact) / value.scale; }
 
-void AddRow(Bench& bench, const ExactValue& value) {
+void AddExactRow(Bench& bench, const ExactValue& value) {
   bench.results.rows.push_back({{"experiment", "exact solution"},
                                 {"problem", value.problem},
                                 {"quantity", value.quantity},
@@ -27,7 +27,7 @@ void AddRow(Bench& bench, const ExactValue& value) {
                                 {"reference_error", FindError(value, value.reference)}});
 }
 
-// No number is worse than any.
+// NaN counts as worse than any number.
 double FindWorst(const ExactValue& value) {
   const double engine = FindError(value, value.engine);
   const double reference = FindError(value, value.reference);
@@ -49,11 +49,11 @@ void MeasureExactSolutions(Bench& bench) {
   double worst = 0;
   for (const auto* values : {&motions, &equilibria}) {
     for (const ExactValue& value : *values) {
-      AddRow(bench, value);
+      AddExactRow(bench, value);
       worst = std::isfinite(worst) ? std::max(worst, FindWorst(value)) : worst;
     }
   }
-  AddRow(bench, modulus);
+  AddExactRow(bench, modulus);
   bench.results.AddFigureAtMost("exact_solution_error_max", worst, 1e-9);
   bench.results.AddFigureAtMost("young_modulus_error", FindWorst(modulus), 0.05);
 }

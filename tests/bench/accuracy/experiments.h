@@ -7,19 +7,19 @@ namespace wobble::bench {
 
 // Key reference_agreement: the engine in fine steps against the reference, over all problems.
 void MeasureReference(Bench& bench);
-// Keys exact_*: engine and reference against solutions in closed form.
+// Keys exact_*, young_modulus_error: engine and reference against solutions in closed form.
 void MeasureExactSolutions(Bench& bench);
-// Keys order_*: how the error of each method falls with its step.
+// Keys order_*: the order of convergence of each method, from its error over step size.
 void MeasureOrders(Bench& bench);
-// No key: rows and plots of run time, evaluations of the forces and error of each method, Boost.odeint's beside them.
+// No key: rows and plots of run time, force evaluations and error of each method, with Boost.odeint for comparison.
 void MeasureWorkAndPrecision(Bench& bench);
-// No key: what each method does to the energy of a body that loses none.
+// No key: the energy drift of each method on a body that conserves energy.
 void MeasureEnergies(Bench& bench);
 // Key speedup_vs_odeint.
 void MeasureOpponents(Bench& bench);
-// Keys error_target_met, error_target_overhead: bodies stepped as the server steps them.
+// Keys error_target_met, error_target_overhead: single bodies stepped as the server steps them.
 void MeasureErrorTargets(Bench& bench);
-// Scenes as the server plays them, with what a second of them costs.
+// Keys scene_error_*: whole scenes played as the server plays them, with the cost of a second of play.
 void MeasureScenes(Bench& bench);
 
 }  // namespace wobble::bench

@@ -1,7 +1,7 @@
-// What a server does in a tick, with one thing chosen by hand: contacts are listed and the origin is moved each 1/60 s,
-// in between come steps of equal length by integrator_step.h over the forces of forces.h, and anchors follow after
-// each. Steps need not fit into ticks; one belongs to the tick that it begins in. Several bodies take turns tick by
-// tick, as in a world, so that the caches hold what they would hold there.
+// A server's tick with the step chosen by hand: contacts are listed and the origin is moved every 1/60 s; in between,
+// equal steps by integrator_step.h use the forces of forces.h, and anchors are updated after each step. Steps need not
+// divide a tick; a step belongs to the tick in which it begins. Several bodies take turns tick by tick, as in a world,
+// so that the caches hold the same data as there.
 #include "tests/bench/accuracy/fixed_steps.h"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ using namespace physics;
 
 constexpr double kTick = 1.0 / 60;
 
-// Of each integrator, in the order of the enumeration.
+// Names of each integrator, in the order of the enumeration.
 struct Words {
   const char* name;
   const char* title;
@@ -38,7 +38,7 @@ constexpr Words kWords[] = {
 };
 static_assert(std::size(kWords) == kIntegrators.size());
 
-// A system for StepOnce.
+// The system that StepOnce integrates.
 template <class Real>
 class LoneBody {
  public:
@@ -157,7 +157,7 @@ SolvedMotion SolveSideBySide(const Problem& problem, const FixedSteps& how) {
     members[i].load.acceleration = problem.equations.gravity.cast<Real>();
     pointers.push_back(&members[i]);
   }
-  static thread_local BatchScratch<Real> scratch;  // warm from the second time on
+  static thread_local BatchScratch<Real> scratch;  // warm from the second call on
   SolvedMotion solved;
   const double began = ReadThreadTime();
   for (std::size_t begin = 0; begin < pointers.size(); begin += kernels.back().width) {

@@ -1,5 +1,5 @@
-// A problem solved by the engine's own code in equal steps: any of its methods, either precision, nothing of the choice
-// of steps, of sleep or of rescue that a server has besides.
+// Solves a problem with the engine's own integrators in equal steps: any method, either precision. The step choice,
+// sleep and rescue of the server are left out.
 #pragma once
 
 #include <array>
@@ -13,34 +13,34 @@ namespace wobble::bench {
 
 struct FixedSteps {
   physics::Integrator integrator = physics::Integrator::kRungeKutta4;
-  std::int64_t steps = 1;  // from the problem's beginning to its end
-  bool isSingle = false;   // float, in coordinates local to the body, as a server has it; else double
-  int bodies = 1;          // that many alike, of which the first is looked at
-  bool isSampled = false;  // whether its energy is looked at, each tick of 1/60 s
-  bool isTimed = false;    // takes a step beforehand, so that memory and the analysis of a matrix do not count
+  std::int64_t steps = 1;  // over the whole duration of the problem
+  bool isSingle = false;   // float in body-local coordinates, as on a server; otherwise double
+  int bodies = 1;          // that many identical bodies; results are those of the first
+  bool isSampled = false;  // record the energy at each tick of 1/60 s
+  bool isTimed = false;  // take one step first, so that allocation and the symbolic analysis of a matrix are not timed
 };
 
-// What has come this far has blown up, m.
+// A solution with a vertex this far from the origin counts as blown up, m.
 inline constexpr double kFarAway = 1000;
 
 struct SolvedMotion {
-  Motion end;                                   // of the first body; what it had come to where it blew up
-  bool blewUp = false;                          // no number, or far away: it was not followed to the end
-  std::int64_t evaluations = 0;                 // of the forces, a body
-  double time = 0;                              // of this thread, for all bodies, s; without looking at energies
-  std::vector<std::array<double, 2>> energies;  // s, and by FindEnergy J
+  Motion end;                                   // of the first body; its last state if it blew up
+  bool blewUp = false;                          // non-finite or beyond kFarAway; the solution stops there
+  std::int64_t evaluations = 0;                 // of the forces, per body
+  double time = 0;                              // thread time for all bodies, s; energy sampling excluded
+  std::vector<std::array<double, 2>> energies;  // time, s, and FindEnergy, J
 };
 
 [[nodiscard]] SolvedMotion SolveInSteps(const Problem& problem, const FixedSteps& how);
 
-// By RK4 with the bodies side by side in lanes, as the server steps those that touch no other; of a problem without
-// obstacles. Not sampled.
+// RK4 with the bodies side by side in SIMD lanes, as the server steps bodies without contact pairs. The problem has no
+// obstacles; energies are not sampled.
 [[nodiscard]] SolvedMotion SolveInLanes(const Problem& problem, const FixedSteps& how);
 
-// As rows have it, "explicit_euler", and as plots do, "explicit Euler".
+// FindName gives the name used in rows ("explicit_euler"), FindTitle the one used in plots ("explicit Euler").
 [[nodiscard]] const char* FindName(physics::Integrator integrator);
 [[nodiscard]] const char* FindTitle(physics::Integrator integrator);
-// All of them, RK4 first.
+// All integrators, RK4 first.
 inline constexpr std::array kIntegrators = {
     physics::Integrator::kRungeKutta4,    physics::Integrator::kVelocityVerlet,    physics::Integrator::kLeapFrog,
     physics::Integrator::kPositionVerlet, physics::Integrator::kSemiImplicitEuler, physics::Integrator::kExplicitEuler,

@@ -1,6 +1,6 @@
-// Used as its manual shows it: one flat std::vector<double>, positions of all bodies, then velocities, and a system
-// that writes their derivative. The default algebra was not replaced: of a step nine tenths and more are spent in the
-// forces. The one file that includes odeint, which is heavy.
+// Uses odeint as its manual shows: one flat std::vector<double>, positions of all bodies, then velocities, and a system
+// that writes their derivative. The default algebra is kept: more than nine tenths of a step are spent in the forces.
+// This is the only file that includes odeint, because its headers are slow to compile.
 #include "tests/bench/accuracy/odeint.h"
 
 #include <algorithm>
@@ -25,7 +25,7 @@ using FlatState = std::vector<double>;
 
 static_assert(sizeof(Vector3d) == 3 * sizeof(double) && alignof(Vector3d) == alignof(double));
 
-// Copies would be charged to odeint: three doubles in a row are looked at as the vector that they are.
+// Views three consecutive doubles as a vector, because copies would be charged to odeint.
 std::span<const Vector3d> ViewVectors(const FlatState& state, std::size_t begin, std::size_t count) {
   return {reinterpret_cast<const Vector3d*>(state.data()) + begin, count};
 }
@@ -68,14 +68,14 @@ class Derivative {
 };
 
 void Integrate(Derivative& derivative, const OdeintSteps& how, double duration, FlatState& state) {
-  // By reference: steppers copy what they are given, and the count would be the copy's.
+  // By reference: steppers copy the system, and the copy's evaluation counter would be lost.
   const auto system = [&](const FlatState& at, FlatState& change, double time) { derivative(at, change, time); };
   if (how.method == OdeintSteps::Method::kRungeKutta4) {
     odeint::integrate_n_steps(odeint::runge_kutta4<FlatState>(), system, state, 0.0,
                               duration / static_cast<double>(how.steps), static_cast<std::size_t>(how.steps));
     return;
   }
-  constexpr double kFirstStep = 1.0 / 60;  // s, from where it finds its own
+  constexpr double kFirstStep = 1.0 / 60;  // s; then adaptive
   odeint::integrate_adaptive(
       odeint::make_controlled(how.tolerance, how.tolerance, odeint::runge_kutta_dopri5<FlatState>()), system, state,
       0.0, duration, std::min(kFirstStep, duration));

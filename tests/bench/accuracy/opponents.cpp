@@ -1,17 +1,15 @@
-// How much faster than a solver from the shelf? Sixteen balls, 20 % stretched, for 0.25 s on one thread; each side
-// takes the cheapest step that ends within 0.1 % of the radius, RMS, of the reference.
+// The engine against an off-the-shelf ODE solver. Sixteen balls stretched by 20 % for 0.25 s on one thread; each side
+// takes its cheapest step that ends within 0.1 % of the radius, RMS, of the reference.
 //
 // The engine steps by RK4, its default, in float or double, body by body or in lanes as the server does, whichever is
-// faster. odeint steps all balls as one state
-// vector by its RK4 in equal steps or by its Dormand–Prince, which chooses its own; of its tolerances the one counts
-// that happens to need the fewest evaluations. It asks either the plain equations of the laboratory for the forces or
-// the engine's own code in double: of those four the fastest is the opponent. So where the engine's forces are the
-// faster ones, odeint has them too, and what is compared is the rest.
+// faster. odeint steps all balls as one state vector, by RK4 in equal steps or by Dormand–Prince with adaptive steps;
+// of its tolerances, the one that needs the fewest evaluations counts. It takes the forces either from the laboratory's
+// plain equations or from the engine's code in double precision. The fastest of these four is the opponent: where the
+// engine's forces are faster, odeint uses them too, and only the rest is compared.
 //
-// The engine's methods of order 2 have rows as well, but no part in the figure: on this short undamped problem
-// leap-frog is cheaper than RK4, and odeint has symplectic steppers of its own, which nobody raced here. Both sides are
-// timed by turns on the clock of the thread, and the fastest of all rounds counts: what other programs do to caches and
-// clocks meets both alike.
+// The engine's methods of order 2 have rows, but do not count: on this short undamped problem leap-frog is cheaper than
+// RK4, and odeint has symplectic steppers, which are not raced here. Both sides are timed in turns by thread time, and
+// the fastest of all rounds counts, so that the effects of other programs on caches and clock rates meet both alike.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -28,19 +26,19 @@ using namespace physics;
 constexpr int kBodies = 16;
 constexpr double kAllowed = 1e-3;  // of the radius
 constexpr std::int64_t kMostSteps = 1000;
-constexpr int kTolerances = 48;  // from 1, eight a power of ten
+constexpr int kTolerances = 48;  // from 1, eight per decade
 
-struct Side {
+struct Racer {
   bool isEngine = false;
-  bool isCompared = true;  // for the figure
+  bool isCompared = true;  // counts for the figure
   std::string method;
-  std::string forces;    // whose, in which precision
-  double tolerance = 0;  // of a method that chooses its steps
+  std::string forces;    // their source and precision
+  double tolerance = 0;  // for adaptive methods
   std::int64_t steps = 0;
   std::function<SolvedMotion(int bodies)> solve;
-  SolvedMotion solved{};        // of one body
+  SolvedMotion solved{};        // with one body
   double error = 0;             // over the radius
-  std::vector<double> times{};  // of each round, s
+  std::vector<double> times{};  // per round, s
 
   [[nodiscard]] double FindTime() const { return *std::min_element(times.begin(), times.end()); }
 };
@@ -49,39 +47,39 @@ class Race {
  public:
   Race() : m_ball(MakeStretchedBall()), m_exact(SolveReference(m_ball)) {}
 
-  // `make(steps)` for more and more of them, until one ends near enough.
+  // Adds make(steps) with the fewest steps that are accurate enough, trying increasing numbers.
   template <class Make>
   void AddFirstGood(const Make& make) {
     for (std::int64_t steps = 4; steps <= kMostSteps; ++steps) {
-      Side side = make(steps);
+      Racer side = make(steps);
       if (!Try(side)) continue;
       m_sides.push_back(std::move(side));
       return;
     }
   }
-  // `make(tolerance)` that ends near enough after the fewest evaluations.
+  // Adds the make(tolerance) that is accurate enough with the fewest evaluations.
   template <class Make>
   void AddCheapest(const Make& make) {
-    Side cheapest;
+    Racer cheapest;
     for (int i = 0; i < kTolerances; ++i) {
-      Side side = make(std::pow(10, -i / 8.0));
+      Racer side = make(std::pow(10, -i / 8.0));
       if (!Try(side)) continue;
       if (!cheapest.solve || side.solved.evaluations < cheapest.solved.evaluations) cheapest = std::move(side);
     }
     if (cheapest.solve) m_sides.push_back(std::move(cheapest));
   }
 
-  // All sides once, by turns.
+  // Times all racers once, in turn.
   void Run() {
-    for (Side& side : m_sides) side.times.push_back(side.solve(kBodies).time);
+    for (Racer& side : m_sides) side.times.push_back(side.solve(kBodies).time);
   }
 
   [[nodiscard]] const Problem& Ball() const { return m_ball; }
-  [[nodiscard]] const std::vector<Side>& Sides() const { return m_sides; }
-  // The fastest of the engine's, or of the opponents.
-  [[nodiscard]] const Side& FindFastest(bool isEngine) const {
-    const Side* fastest = nullptr;
-    for (const Side& side : m_sides) {
+  [[nodiscard]] const std::vector<Racer>& Sides() const { return m_sides; }
+  // The fastest racer of the engine, or of the opponents.
+  [[nodiscard]] const Racer& FindFastest(bool isEngine) const {
+    const Racer* fastest = nullptr;
+    for (const Racer& side : m_sides) {
       if (side.isEngine != isEngine || !side.isCompared) continue;
       if (fastest == nullptr || side.FindTime() < fastest->FindTime()) fastest = &side;
     }
@@ -89,7 +87,7 @@ class Race {
   }
 
  private:
-  bool Try(Side& side) const {
+  bool Try(Racer& side) const {
     side.solved = side.solve(1);
     side.error = FindDistance(side.solved.end.x, m_exact.x) / m_ball.blueprint->size;
     return side.error <= kAllowed;
@@ -97,7 +95,7 @@ class Race {
 
   Problem m_ball;
   Motion m_exact;
-  std::vector<Side> m_sides;
+  std::vector<Racer> m_sides;
 };
 
 void AddEngine(Race& race) {
@@ -109,29 +107,29 @@ void AddEngine(Race& race) {
               race.Ball(),
               {.integrator = integrator, .steps = steps, .isSingle = isSingle, .bodies = bodies, .isTimed = true});
         };
-        return Side{.isEngine = true,
-                    .isCompared = integrator == Integrator::kRungeKutta4,
-                    .method = FindName(integrator),
-                    .forces = isSingle ? "engine, float" : "engine, double",
-                    .steps = steps,
-                    .solve = solve};
+        return Racer{.isEngine = true,
+                     .isCompared = integrator == Integrator::kRungeKutta4,
+                     .method = FindName(integrator),
+                     .forces = isSingle ? "engine, float" : "engine, double",
+                     .steps = steps,
+                     .solve = solve};
       });
     }
   }
 }
 
-// What the server does with bodies that touch no other.
+// Lanes, as the server steps bodies without contact pairs.
 void AddLanes(Race& race) {
   for (const bool isSingle : {true, false}) {
     race.AddFirstGood([&](std::int64_t steps) {
       const auto solve = [=, &race](int bodies) {
         return SolveInLanes(race.Ball(), {.steps = steps, .isSingle = isSingle, .bodies = bodies});
       };
-      return Side{.isEngine = true,
-                  .method = "rk4 in lanes",
-                  .forces = isSingle ? "engine, float" : "engine, double",
-                  .steps = steps,
-                  .solve = solve};
+      return Racer{.isEngine = true,
+                   .method = "rk4 in lanes",
+                   .forces = isSingle ? "engine, float" : "engine, double",
+                   .steps = steps,
+                   .solve = solve};
     });
   }
 }
@@ -147,11 +145,11 @@ void AddOdeint(Race& race) {
         return SolveByOdeint(race.Ball(), ofBodies);
       };
       const bool isAdaptive = how.method == Method::kDormandPrince;
-      return Side{.method = FindName(how.method),
-                  .forces = forces,
-                  .tolerance = isAdaptive ? how.tolerance : 0,
-                  .steps = isAdaptive ? 0 : how.steps,
-                  .solve = solve};
+      return Racer{.method = FindName(how.method),
+                   .forces = forces,
+                   .tolerance = isAdaptive ? how.tolerance : 0,
+                   .steps = isAdaptive ? 0 : how.steps,
+                   .solve = solve};
     };
     race.AddFirstGood([&](std::int64_t steps) {
       return make({.method = Method::kRungeKutta4, .steps = steps, .asksEngine = asksEngine});
@@ -162,14 +160,14 @@ void AddOdeint(Race& race) {
   }
 }
 
-// Of the rounds, what share `share` of them stays below.
-double FindQuantile(std::vector<double> values, double share) {
+// The quantile of the values, rounded down to a value.
+double FindLowerQuantile(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
-void AddRows(Bench& bench, const Race& race, const Side& opponent) {
-  for (const Side& side : race.Sides()) {
+void AddRaceRows(Bench& bench, const Race& race, const Racer& opponent) {
+  for (const Racer& side : race.Sides()) {
     std::vector<double> ratios;
     for (std::size_t i = 0; i < side.times.size(); ++i) ratios.push_back(opponent.times[i] / side.times[i]);
     nlohmann::ordered_json row{{"experiment", "opponents"}, {"method", side.method}, {"forces", side.forces}};
@@ -179,7 +177,8 @@ void AddRows(Bench& bench, const Race& race, const Side& opponent) {
     row["evaluations"] = side.solved.evaluations;
     row["cpu_s"] = side.FindTime();
     row["speedup_vs_odeint"] = opponent.FindTime() / side.FindTime();
-    row["speedup_quartiles"] = {FindQuantile(ratios, 0.25), FindQuantile(ratios, 0.5), FindQuantile(ratios, 0.75)};
+    row["speedup_quartiles"] = {FindLowerQuantile(ratios, 0.25), FindLowerQuantile(ratios, 0.5),
+                                FindLowerQuantile(ratios, 0.75)};
     bench.results.rows.push_back(std::move(row));
   }
 }
@@ -197,10 +196,10 @@ void MeasureOpponents(Bench& bench) {
     race.Run();
     bench.progress.Show(round + 1, rounds);
   }
-  const Side& opponent = race.FindFastest(false);
-  const Side& engine = race.FindFastest(true);
-  AddRows(bench, race, opponent);
-  // What is asked for is asked of AVX-512; with half the lanes it only informs.
+  const Racer& opponent = race.FindFastest(false);
+  const Racer& engine = race.FindFastest(true);
+  AddRaceRows(bench, race, opponent);
+  // The limit holds for AVX-512; with half the lanes the figure only informs.
   const double speedup = opponent.FindTime() / engine.FindTime();
   if (FindSweepKernels<float>(kWidestPack).back().width == kWidestPack) {
     bench.results.AddFigureAtLeast("speedup_vs_odeint", speedup, 8);

@@ -1,5 +1,5 @@
-// The law as contact.h states it: a spring from the anchor and a dashpot, along the plane, cut to μN. Every vertex is
-// looked at against every plane at every stage; there are no lists, no candidates, no single precision.
+// The friction law as contact.h states it: a spring from the anchor and a dashpot, tangential to the plane, limited to
+// μN. Every vertex is checked against every plane at every stage: no lists, no candidates, no single precision.
 #include "tests/bench/accuracy/plain_ground.h"
 
 #include <algorithm>
@@ -80,7 +80,8 @@ class Ground {
   }
 
   const Equations& m_equations;
-  std::vector<std::optional<Vector3d>> m_anchors;  // in the world, m; of each vertex on the first plane, the second …
+  // In the world, m; of all vertices on the first plane, then on the second, …
+  std::vector<std::optional<Vector3d>> m_anchors;
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Bodies on planes with friction, written a second time: equations.h, and anchors beside them.
+// A second, independent implementation of bodies on planes with friction: equations.h plus friction anchors.
 #pragma once
 
 #include "server/physics/model/state.h"
@@ -6,9 +6,9 @@
 
 namespace wobble::bench {
 
-// Where the body of `equations` is after `duration` s, from a state with its anchors, by RK4 in so many equal steps.
-// Anchors are renewed after each step: in the limit of short steps they are set where a vertex enters the ground and
-// dragged as soon as it slips.
+// Solves from `begin`, with its anchors, for `duration` s in `steps` equal RK4 steps. Anchors are updated after each
+// step: in the limit of short steps, an anchor is set where a vertex enters the ground and is dragged as soon as it
+// slips.
 [[nodiscard]] Motion SolveOnGround(const Equations& equations, const physics::State<float>& begin, double duration,
                                    int steps);
 

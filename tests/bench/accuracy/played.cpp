@@ -1,4 +1,4 @@
-// Plays one body in a world of its own, with a twin in double precision beside it that begins each second where it is.
+// Plays one body in its own world, with a double-precision twin that begins each second in the same state.
 #include "tests/bench/accuracy/played.h"
 
 namespace wobble::bench {

@@ -1,4 +1,4 @@
-// Bodies on their own, stepped as the server steps them, second by second.
+// Single bodies stepped as the server steps them, one second at a time.
 #pragma once
 
 #include <memory>
@@ -11,32 +11,33 @@
 namespace wobble::bench {
 
 inline constexpr int kTicksASecond = 60;
-inline constexpr int kEvaluationsAStep = 4;  // of all forces, by RK4
+inline constexpr int kEvaluationsAStep = 4;  // force evaluations of an RK4 step
 
 struct PlayedCase {
   std::string name;
   std::shared_ptr<const physics::Blueprint> blueprint;
-  Equations equations;      // of *blueprint, with the case's gravity and obstacles
-  std::vector<Vector3d> x;  // at the beginning, m
-  std::vector<Vector3d> v;  // m/s
-  bool isWellPosed = true;  // motions that begin nearly alike are so after a second
+  Equations equations;      // of *blueprint, with the gravity and obstacles of the case
+  std::vector<Vector3d> x;  // initial positions, m
+  std::vector<Vector3d> v;  // initial velocities, m/s
+  bool isWellPosed = true;  // nearby motions are still nearby after a second
 };
 
-// What the step choice was made for: balls, lattices, cloths, rings; with damping and without; vibrating, in flight,
-// and bouncing without friction, which would leave anchors that equations know nothing of. quick: some of them.
+// The cases for which the step choice was designed: balls, lattices, cloths and rings, damped and undamped, vibrating,
+// in flight, and bouncing without friction (friction would leave anchors, which Equations does not model). quick: a
+// subset.
 [[nodiscard]] std::vector<PlayedCase> MakePlayedCases(bool quick);
 
-// One body for a second.
+// One second of a body's play.
 struct PlayedSecond {
   physics::State<float> begin;
   physics::State<float> end;
-  physics::State<double> endInDouble;  // from the same beginning, by a world in double precision
-  std::uint64_t substeps = 0;          // with those that were stepped again
-  bool asleep = false;                 // at the end
+  physics::State<double> endInDouble;  // from the same beginning in a world of double precision
+  std::uint64_t substeps = 0;          // repeated substeps included
+  bool asleep = false;                 // at the end of the second
 };
 [[nodiscard]] std::vector<PlayedSecond> PlayAsServer(const PlayedCase& played, double errorTarget, int seconds);
 
-// In the world, m, and m/s.
+// Positions in world coordinates, m, and velocities, m/s, of a state.
 template <class Real>
 [[nodiscard]] std::vector<Vector3d> ReadPositions(const physics::State<Real>& state) {
   std::vector<Vector3d> positions;

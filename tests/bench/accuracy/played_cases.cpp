@@ -1,8 +1,8 @@
-// The cases that the server's stepping is judged by when nothing but its own error can be wrong.
+// The cases for judging the server's stepping where only its own error matters.
 //
-// Each is restarted every second, so that an undamped ball stretched by a tenth is well-posed: within a second
-// neighbouring motions part by little. A sheet without damping that is let go on the level and crumples is not, and is
-// there to show it: its errors are those of a second's chaos, whatever the step, and it counts in no figure.
+// Each case restarts every second, so that an undamped ball stretched by a tenth is well-posed: within a second,
+// neighbouring motions diverge little. An undamped sheet that is released horizontally and crumples is ill-posed, and
+// is included to show it: its errors are those of a second of chaos at any step, and it counts in no figure.
 #include "server/physics/shapes/ball.h"
 #include "server/physics/shapes/cloth.h"
 #include "server/physics/shapes/lattice.h"
@@ -27,7 +27,7 @@ PlayedCase MakeCase(const std::string& name, Blueprint blueprint, const Vector3d
   return made;
 }
 
-// Longer along z, thinner across by half of that: its volume hardly changes.
+// Stretches along z and shrinks across by half of that: the volume hardly changes.
 PlayedCase Stretch(PlayedCase made, double strain) {
   const bool planar = made.blueprint->full.planar;
   const double across = planar ? 1 - strain : 1 - strain / 2;
@@ -40,7 +40,7 @@ PlayedCase Throw(PlayedCase made, const Vector3d& velocity, const Vector3d& spin
   return made;
 }
 
-// Onto the plane z = 0, the lowest vertex `height` above it.
+// Adds the plane z = 0 and puts the lowest vertex `height` above it.
 PlayedCase Drop(PlayedCase made, double height) {
   double lowest = 0;
   for (const Vector3d& x : made.x) lowest = std::min(lowest, x.z());
@@ -49,7 +49,7 @@ PlayedCase Drop(PlayedCase made, double height) {
   return made;
 }
 
-// Of the scenes, soft.
+// A soft ball as in the scenes.
 Blueprint MakeSoftBall(double dampingRatio) {
   BallDefinition ball;
   ball.material.dampingRatio = dampingRatio;
@@ -57,7 +57,7 @@ Blueprint MakeSoftBall(double dampingRatio) {
   return MakeBall(ball);
 }
 
-// The one that the project's documents measure: 162 vertices of 0.25 kg, 132 rad/s at most.
+// The ball of the project's documents: 162 vertices of 0.25 kg, highest frequency 132 rad/s.
 Blueprint MakeFirmBall(double dampingRatio) {
   BallDefinition ball;
   ball.radius = 1;
@@ -94,15 +94,15 @@ Blueprint MakeSheet(Orientation orientation, Pinned pinned, double dampingRatio,
   return MakeCloth(cloth);
 }
 
-// Hangs by its upper edge and swings.
-PlayedCase MakePendulum(const std::string& name, double dampingRatio, double drag) {
+// A cloth that hangs by its upper edge and swings.
+PlayedCase MakeClothPendulum(const std::string& name, double dampingRatio, double drag) {
   PlayedCase made = MakeCase(name, MakeSheet(Orientation::kVertical, Pinned::kEdge, dampingRatio, drag), kDown);
   const double top = made.x[0].z();
   for (std::size_t i = 0; i < made.x.size(); ++i) made.v[i] = Vector3d(0, 1.5 * (top - made.x[i].z()), 0);
   return made;
 }
 
-// Hangs by two corners and begins level with them.
+// A cloth that hangs by two corners, released level with them.
 PlayedCase MakeFallingSheet(const std::string& name, double dampingRatio, double drag) {
   return MakeCase(name, MakeSheet(Orientation::kHorizontal, Pinned::kTopCorners, dampingRatio, drag), kDown);
 }
@@ -125,7 +125,7 @@ std::vector<PlayedCase> MakePlayedCases(bool quick) {
   add(Stretch(MakeCase("cube, undamped", MakeCube(0), none), 0.05));
   add(Throw(Stretch(MakeCase("cube, damped, tumbling in flight", MakeCube(0.1), kDown), 0.1), {1, 0, 9}, {5, 3, 1}));
   add(Stretch(MakeCase("plate of 8 x 4 cells, undamped", MakePlate(0), none), 0.05));
-  add(MakePendulum("cloth, undamped, swinging", 0, 0));
+  add(MakeClothPendulum("cloth, undamped, swinging", 0, 0));
   add(Stretch(MakeCase("ring of three layers, damped", MakeLayeredRing(3, 0.2), none), 0.1));
   if (quick) return cases;
   add(Drop(MakeCase("firm ball, undamped, bouncing", MakeFirmBall(0), kDown), 1));
@@ -133,7 +133,7 @@ std::vector<PlayedCase> MakePlayedCases(bool quick) {
   add(Throw(MakeCase("firm ball, undamped, spinning in flight", MakeFirmBall(0), kDown), {3, 0, 9}, {4, 3, 2}));
   add(Stretch(MakeCase("soft ball, undamped", MakeSoftBall(0), none), 0.1));
   add(Drop(Throw(MakeCase("cube, damped, bouncing", MakeCube(0.1), kDown), none, {1, 2, 0}), 0.5));
-  add(MakePendulum("cloth, damped, swinging in air", 0.2, 0.6));
+  add(MakeClothPendulum("cloth, damped, swinging in air", 0.2, 0.6));
   add(MakeFallingSheet("cloth, damped, let fall", 0.2, 0.6));
   add(Stretch(MakeCase("ring of 24, undamped", MakeLayeredRing(1, 0), none), 0.05));
   add(MakeFallingSheet("cloth, undamped, let fall", 0, 0));

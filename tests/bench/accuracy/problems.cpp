@@ -1,9 +1,9 @@
-// Each problem shows one thing that forces do: a skin and its gas, dashpots, a solid, a sheet in wind, neighbours that
-// repel one another in a plane, a surface. Sizes and materials are those of play.
+// Each problem exercises one kind of force: a shell and its gas, dashpots, a solid, a sheet in wind, repelling
+// neighbours in a plane, a surface. Sizes and materials are those of play.
 //
-// The sheet swings downwind at less than the wind's speed: drag then never changes its sign, where its slope has a
-// kink. The ball bounces without friction, whose anchors are no function of position and velocity, and so slowly that
-// its damping never asks the ground to pull, where the law cuts it off. The kinks at the surface and at δ remain.
+// The sheet swings downwind at less than the wind's speed: drag, whose slope has a kink at zero, then never changes its
+// sign. The ball bounces without friction, because anchors are no function of position and velocity, and so slowly that
+// damping never makes the ground pull, where the law is cut off. The kinks at the surface and at δ remain.
 #include "tests/bench/accuracy/problem.h"
 
 #include <algorithm>
@@ -28,15 +28,15 @@ Problem MakeNamedProblem(const std::string& name, Blueprint blueprint, double du
   return problem;
 }
 
-// Longer along z, thinner across by what keeps the volume.
+// Stretches along z and shrinks across so that the volume is kept.
 void StretchAlongZ(std::vector<Vector3d>& x, double factor) {
   for (Vector3d& p : x) p = Vector3d(p.x() / std::sqrt(factor), p.y() / std::sqrt(factor), p.z() * factor);
 }
 
-// nRT, J: at rest it stretches the springs by a tenth, about what they lose across a stretch by 20 %.
+// nRT, J: stretches the resting springs by a tenth, about as much as a stretch by 20 % shortens those across it.
 constexpr double kGas = 1000;
 
-// Of 162 vertices, 0.25 kg each.
+// A ball of 162 vertices of 0.25 kg.
 Problem MakeBallProblem(const std::string& name, double stretch, double dampingRatio, double duration,
                         double gas = kGas) {
   BallDefinition ball;
@@ -51,7 +51,7 @@ Problem MakeBallProblem(const std::string& name, double stretch, double dampingR
   return problem;
 }
 
-// Its tip falls by nearly a third of its length and comes back three times.
+// A beam whose tip falls by nearly a third of its length and returns three times.
 Problem MakeBeam() {
   LatticeDefinition beam;
   beam.cells = {8, 2, 2};

@@ -1,9 +1,9 @@
-// Do the engine and the reference solve the same equations? They share a blueprint's numbers and nothing else: forces
-// are written twice, steps are RK4 on one side and CVODE on the other. Where both are so fine that they have converged
-// they must end in the same place, and that place is known as closely as two tolerances of CVODE agree on it.
+// Checks that the engine and the reference solve the same equations. They share only the numbers of a blueprint: the
+// forces are implemented twice, and the solver is RK4 on one side and CVODE on the other. Once both have converged they
+// must agree; the uncertainty is the difference between two tolerances of CVODE.
 //
-// And why the problems are what they are: solutions with two tolerances are followed side by side. In a well-posed
-// problem they stay together; a ball many of whose springs go slack takes them apart.
+// It also shows why the problems are chosen as they are: solutions at two tolerances are followed side by side. In a
+// well-posed problem they stay together; on a ball many of whose springs go slack they diverge.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -21,13 +21,13 @@ namespace {
 
 constexpr double kLooserTolerance = 10 * kReferenceTolerance;
 
-// Lengths as shares of the body's size.
+// Lengths are shares of the body's size.
 struct Comparison {
   std::int64_t steps = 0;  // of the engine
-  double distance = 0;     // of the engine's end from the reference's
-  double uncertainty = 0;  // between the reference's tolerances; no number: not looked at
+  double distance = 0;     // between the ends of engine and reference
+  double uncertainty = 0;  // between two tolerances of the reference; NaN: not measured
   double energyGain = 0;   // of the reference, J
-  double time = 0;         // that it took, s
+  double time = 0;         // of the reference, s
   long referenceSteps = 0;
   long evaluations = 0;
 };
@@ -36,8 +36,9 @@ double FindShare(const Problem& problem, const Motion& a, const Motion& b) {
   return FindDistance(a.x, b.x) / problem.blueprint->size;
 }
 
-// As many steps as end within 1e-10 by the law of RK4's order, seen from a solution of 40 a turn of the fastest mode.
-// A surface that is touched in the middle of a step breaks that law: the force of contact has a kink in its slope.
+// The number of steps that ends within 1e-10 by RK4's order, extrapolated from a solution with 40 steps per period of
+// the fastest mode. A contact that begins in the middle of a step breaks that order, because the contact force has a
+// kink in its slope; hence the factor.
 std::int64_t FindFineSteps(const Problem& problem, const Motion& reference) {
   constexpr double kWithin = 1e-10;
   const double more = problem.touches ? 8 : 1;
@@ -64,10 +65,10 @@ Comparison Compare(const Problem& problem, bool quick) {
   return compared;
 }
 
-// What becomes of two solutions, one of either tolerance.
+// The divergence of two solutions, one at each tolerance.
 struct Parting {
   std::vector<std::array<double, 2>> distances;  // s, share of the body's size
-  std::size_t mostSlack = 0;                     // springs that were shorter than at rest at once
+  std::size_t mostSlack = 0;  // greatest number of springs shorter than their rest length at one time
 };
 
 void GoOn(Problem& problem, double tolerance) {
@@ -97,7 +98,7 @@ Parting FollowApart(Problem one) {
   return parting;
 }
 
-// The longest first, so that no thread begins it when the others are done.
+// The longest first, so that no thread starts it when the others have finished.
 std::vector<std::size_t> SortByWork(const std::vector<Problem>& problems) {
   const auto findWork = [](const Problem& problem) {
     return problem.duration * problem.blueprint->angularFrequency * static_cast<double>(problem.x.size());
@@ -140,11 +141,10 @@ void ShowWhatIsWellPosed(Bench& bench) {
   const std::vector<Problem> balls{MakeIllPosedBall(), MakeUndampedBall(), problems[1], problems[2]};
   std::vector<Parting> partings(balls.size());
   if (!RunTrials(bench, balls.size(), [&](std::size_t i) { partings[i] = FollowApart(balls[i]); })) return;
-  Plot plot{"accuracy_well_posed",
-            "How far two references part, of tolerance 1e-11 and 1e-12",
-            "time, s",
-            "RMS distance over the body's size",
-            {}};
+  Plot plot{.name = "accuracy_well_posed",
+            .title = "How far two references part, of tolerance 1e-11 and 1e-12",
+            .xLabel = "time, s",
+            .yLabel = "RMS distance over the body's size"};
   plot.logY = true;
   for (std::size_t i = 0; i < balls.size(); ++i) {
     bench.results.rows.push_back({{"experiment", "two references"},

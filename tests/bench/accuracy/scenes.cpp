@@ -1,20 +1,20 @@
-// Scenes as the server plays them: friction, bodies against bodies, sleep, single precision, the scene's own error
-// target. At the end of every second each body is compared with a reference that began that second where it was, and
-// beside the error stands what the second cost, in time of one thread and in substeps.
+// Scenes as the server plays them: friction, contact between bodies, sleep, single precision, the scene's own error
+// target. At the end of every second each body is compared with a reference that began that second in the same state;
+// the row also has the cost of the second, in thread time and substeps.
 //
-// Friction remembers where a contact began, and bodies that touch remember which face they follow. Such a second has no
-// equations of positions and velocities alone that CVODE could solve, and it must begin with that memory. So the
-// reference is a twin of the world (World's second constructor), in double precision, with an error target that nothing
-// meets: it takes 64 substeps in every tick, and a tick is a quarter of the server's (--quick: as long). It is kept
-// from falling asleep. How far it is to be trusted is measured: `change` is what the same with half as many substeps
-// differs by, and `growth` is how many times further than at the beginning two motions are apart after the second when
-// one begins 10⁻⁸ m aside. Where it is thousands, an error of a micrometre in the first ticks comes to millimetres.
+// Friction depends on where a contact began, and bodies in contact remember which face they follow. Such a second has
+// no equations in positions and velocities alone that CVODE could solve, and it must begin with that memory. So the
+// reference is a twin of the world (World's second constructor) in double precision with an error target that nothing
+// meets: it takes 64 substeps per tick, and its tick is a quarter of the server's (--quick: the same). It is kept
+// awake. Two columns tell how far it can be trusted: `change` is the difference to the same with half as many substeps,
+// and `growth` is the factor by which two motions diverge over the second when one begins 10⁻⁸ m aside. Where growth is
+// in the thousands, an error of a micrometre in the first ticks becomes millimetres.
 //
-// The twin has the engine's forces. Where no body touches another, in ball_drop, a second reference that shares only
-// the blueprints' numbers (plain_ground.cpp) tells what that is worth: `plain` is how far the two end apart.
+// The twin shares the engine's forces. Where no bodies touch, in ball_drop, a second reference that shares only the
+// blueprints' numbers (plain_ground.cpp) checks it: `plain` is the distance between the two.
 //
-// A sheet by position Verlet with relaxed constraints has no equations: each sweep takes a share of what is wrong,
-// however short the step, and in finer steps it is another sheet. It is left out.
+// A sheet by position Verlet with relaxed constraints has no equations: each sweep corrects a share of the constraint
+// error, however short the step, and finer steps give another sheet. It is left out.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -33,32 +33,32 @@ namespace wobble::bench {
 namespace {
 
 using namespace physics;
-using Places = std::vector<std::vector<Vector3d>>;  // of all vertices of all bodies, m
+using ScenePlaces = std::vector<std::vector<Vector3d>>;  // of all vertices of all bodies, m
 
-constexpr double kTick = 1.0 / kTicksASecond;
+constexpr double kSceneTick = 1.0 / kTicksASecond;
 constexpr double kMillimetres = 1000;   // in a metre
 constexpr double kUnreachable = 1e-12;  // error target, m/s
 constexpr double kAside = 1e-8;         // m
-constexpr double kIllPosed = 1000;      // growth: a micrometre comes to a millimetre
-constexpr int kSubsteps = 64;           // of a tick of the reference
-constexpr int kCostRuns = 3;            // of which the cheapest counts
+constexpr double kIllPosed = 1000;      // growth: a micrometre becomes a millimetre
+constexpr int kSubsteps = 64;           // per tick of the reference
+constexpr int kCostRuns = 3;            // the cheapest counts
 
 struct Second {
-  std::unique_ptr<World> fine;       // twins at its begin, then at its end
-  std::unique_ptr<World> half;       // in half as many substeps; null in a quick run
-  std::unique_ptr<World> aside;      // as that, but begun beside it; as well
-  double apart = 0;                  // these two, at the begin, m
-  std::vector<State<float>> begins;  // where no body can touch another
-  Places played, plain;              // at its end
-  double cost = HUGE_VAL;            // of one thread, s
+  std::unique_ptr<World> fine;       // twin at the beginning, later at the end of the second
+  std::unique_ptr<World> half;       // the same with half as many substeps; null in a quick run
+  std::unique_ptr<World> aside;      // like half, with offset positions; null in a quick run
+  double apart = 0;                  // initial distance of these two, m
+  std::vector<State<float>> begins;  // states at the beginning, in scenes where no bodies touch
+  ScenePlaces played, plain;         // at the end
+  double cost = HUGE_VAL;            // thread time, s
   std::uint64_t substeps = 0;
-  std::uint64_t awake = 0, touching = 0;  // bodies, summed over ticks: these touch another
+  std::uint64_t awake = 0, touching = 0;  // body-ticks; touching: those in contact with another body
 };
 
 struct PlayedScene {
   std::string name;
   int seconds;
-  bool hasPlain = false;  // a second reference
+  bool hasPlain = false;  // compared with the second reference
   std::unique_ptr<World> world;
   std::vector<Second> all;
 };
@@ -66,15 +66,15 @@ struct PlayedScene {
 std::unique_ptr<World> MakeWorld(const std::string& name, std::uint64_t seed) {
   const scenes::LoadResult loaded = scenes::LoadScene(name, scenes::FindShippedScenes());
   if (!loaded.errors.empty()) return nullptr;
-  auto world = std::make_unique<World>(scenes::MakeWorldSettings(loaded.scene, kTick, 1));
+  auto world = std::make_unique<World>(scenes::MakeWorldSettings(loaded.scene, kSceneTick, 1));
   (void)scenes::FillWorld(loaded.scene, seed, *world);
   return world;
 }
 
 int FindTicksOfReference(bool quick) { return quick ? 1 : 4; }
 
-Places ReadPlaces(const World& world) {
-  Places places;
+ScenePlaces ReadPlaces(const World& world) {
+  ScenePlaces places;
   for (const Body& body : world.Bodies()) places.push_back(ReadPositions(body));
   return places;
 }
@@ -91,7 +91,7 @@ std::unique_ptr<World> MakeTwin(const World& world, int ticks, int substeps) {
 void PlayTwin(World& twin, int ticks) {
   for (int tick = 0; tick < kTicksASecond; ++tick) {
     for (int part = 0; part < ticks; ++part) (void)twin.Step();
-    // Whoever is moved is awake.
+    // SetMotion also wakes a body.
     for (const Body& body : twin.Bodies()) twin.SetMotion(body.id, ReadPositions(body), ReadVelocities(body));
   }
 }
@@ -108,7 +108,7 @@ void PlaySecond(World& world, Second& second) {
   second.cost = std::min(second.cost, ReadThreadTime() - began);
 }
 
-// Moves every free vertex a little; returns by how much, RMS, m.
+// Displaces every free vertex slightly; returns the RMS displacement, m.
 double MoveAside(World& world) {
   double sum = 0;
   std::size_t count = 0;
@@ -157,8 +157,8 @@ void SolvePlainly(const PlayedScene& scene, int steps, Second& second) {
   }
 }
 
-// Of each body that has equations, how far it is from where it is in `others`, m.
-std::vector<double> FindDistances(const PlayedScene& scene, const Places& places, const Places& others) {
+// For each body that has equations, its distance from the same body in `others`, m.
+std::vector<double> FindDistances(const PlayedScene& scene, const ScenePlaces& places, const ScenePlaces& others) {
   std::vector<double> distances;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Blueprint& blueprint = scene.world->BlueprintOf(scene.world->Bodies()[i]);
@@ -177,7 +177,7 @@ double FindMost(const std::vector<double>& values) { return *std::max_element(va
 
 nlohmann::ordered_json MakeRow(const PlayedScene& scene, std::size_t index) {
   const Second& second = scene.all[index];
-  const Places reference = ReadPlaces(*second.fine);
+  const ScenePlaces reference = ReadPlaces(*second.fine);
   const std::vector<double> errors = FindDistances(scene, second.played, reference);
   const double target = scene.world->Settings().errorTarget;
   nlohmann::ordered_json row = {
@@ -195,7 +195,7 @@ nlohmann::ordered_json MakeRow(const PlayedScene& scene, std::size_t index) {
       {"body_ticks", second.awake},
       {"body_ticks_touching_bodies", second.touching}};
   if (second.half) {
-    const Places half = ReadPlaces(*second.half);
+    const ScenePlaces half = ReadPlaces(*second.half);
     row["change"] = FindMost(FindDistances(scene, reference, half));
     row["growth"] = FindMost(FindDistances(scene, half, ReadPlaces(*second.aside))) / second.apart;
   }
@@ -215,7 +215,7 @@ void AddFindings(const PlayedScene& scene, Plot& plot, Results& results) {
     bodies += row["bodies"].get<std::size_t>();
     growth = std::max(growth, row.value("growth", 0.0));
     illPosed += row.value("growth", 0.0) > kIllPosed ? 1 : 0;
-    // As long as the second was.
+    // A horizontal line as long as the second.
     const double shown = kMillimetres * row["error_most"].get<double>();
     plot.series.back().points.push_back({static_cast<double>(i), shown});
     plot.series.back().points.push_back({static_cast<double>(i + 1), shown});
@@ -234,11 +234,10 @@ void AddFindings(const PlayedScene& scene, Plot& plot, Results& results) {
 }
 
 Plot MakePlot(int seconds) {
-  Plot plot{"accuracy_scenes",
-            "Scenes as the server plays them, second by second, against fine steps",
-            "time, s",
-            "error after a second, of the worst body, mm",
-            {}};
+  Plot plot{.name = "accuracy_scenes",
+            .title = "Scenes as the server plays them, second by second, against fine steps",
+            .xLabel = "time, s",
+            .yLabel = "error after a second, of the worst body, mm"};
   plot.logY = true;
   plot.series.push_back({"error target", Stroke::kDashed, {{0, 1}, {static_cast<double>(seconds), 1}}});
   return plot;

@@ -1,11 +1,11 @@
-// What does a digit cost? Every method solves every problem in more and more steps, in float and in double; beside them
-// Boost.odeint's RK4 and Dormand–Prince. A row is one method on one problem: for each number of steps the error of the
-// positions at the end against the reference, over the body's size, the time of one thread, how often the forces were
-// computed, and what became of the energy.
+// The cost of accuracy. Every method solves every problem with increasing numbers of steps, in float and double, with
+// Boost.odeint's RK4 and Dormand–Prince for comparison. A row is one method on one problem: for each number of steps,
+// the final position error against the reference over the body's size, the thread time, the number of force evaluations
+// and the change of energy.
 //
-// Step counts double from 60 a second until a solution would take too long, by what a step of the method costs. Short
-// runs are repeated and the fastest counts. odeint asks the engine for its forces, which is the faster of the two that
-// there are (opponents.cpp), and has none with surfaces. Where a solution blew up its error is none, null in the rows.
+// Step counts double from 60 a second until a solution would take too long, by the cost of the method's step. Short
+// runs are repeated and the fastest counts. odeint takes the engine's forces, the faster of the two implementations
+// (opponents.cpp); they are not available with surfaces. Where a solution blew up, its error is NaN, null in the rows.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -23,13 +23,13 @@ using namespace physics;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array<int, 12> kRates = {60,   120,  240,   480,   960,   1920,
                                         3840, 7680, 15360, 30720, 61440, 122880};  // steps a second
-constexpr double kLoosest = 0.1;     // of the tolerances of Dormand and Prince; the next is a tenth of it
-constexpr int kTightest = 12;        // as a power of a tenth
-constexpr double kDrawnError = 0.3;  // beyond it a solution has nothing to do with the problem
+constexpr double kLoosest = 0.1;     // largest tolerance of Dormand–Prince; each next one is a tenth
+constexpr int kTightest = 12;        // number of these tolerances
+constexpr double kDrawnError = 0.3;  // beyond it a solution is meaningless
 
 struct Point {
-  double tolerance = 0;    // of a method that chooses its steps
-  std::int64_t steps = 0;  // of one that does not
+  double tolerance = 0;    // for adaptive methods
+  std::int64_t steps = 0;  // for fixed steps
   double error = kNone;
   double energyChange = kNone;
   double time = 0;  // s
@@ -48,13 +48,13 @@ struct Line {
   [[nodiscard]] const char* Title() const { return integrator ? FindTitle(*integrator) : FindTitle(opponent); }
 };
 
-// Of a run's length, and of the time after which it is not repeated.
+// Limits on a run, and on repeating it.
 struct Limits {
-  double evaluations = 0;  // that a run may take, or as long
-  double repeated = 0;     // s
+  double evaluations = 0;  // that a run may cost, its steps weighed by FindStepCost
+  double repeated = 0;     // total time after which it is not repeated, s
 };
 
-// In evaluations of the forces, measured on the ball of 162 vertices.
+// Cost of a step in force evaluations, measured on the ball of 162 vertices.
 double FindStepCost(const Line& line) {
   if (!line.integrator) return 4;
   switch (*line.integrator) {
@@ -81,7 +81,7 @@ SolvedMotion SolveOnce(const Line& line, const Point& point) {
       *line.problem, {.method = line.opponent, .steps = point.steps, .tolerance = point.tolerance, .asksEngine = true});
 }
 
-// What is compared with: the energy over that of rest, and what the weight does in falling by the body's size.
+// Reference scale of the energy: the energy above that of rest plus the work of the weight over the body's size.
 double FindEnergyScale(const Problem& problem) {
   const std::vector<Vector3d> still(problem.x.size(), Vector3d::Zero());
   const double above = FindEnergy(problem.equations, problem.x, problem.v) -
@@ -89,7 +89,7 @@ double FindEnergyScale(const Problem& problem) {
   return above + problem.blueprint->totalMass * problem.equations.gravity.norm() * problem.blueprint->size;
 }
 
-void Solve(const Line& line, const Limits& limits, Point& point) {
+void SolvePoint(const Line& line, const Limits& limits, Point& point) {
   const Problem& problem = *line.problem;
   SolvedMotion solved = SolveOnce(line, point);
   point.time = solved.time;
@@ -107,12 +107,12 @@ void Solve(const Line& line, const Limits& limits, Point& point) {
   }
 }
 
-// Until it is asked to stop.
+// Returns early when a stop is asked for.
 void SolveAll(const Bench& bench, const Limits& limits, Line& line) {
   if (!line.integrator && line.opponent == OdeintSteps::Method::kDormandPrince) {
     for (int i = 0; i < kTightest && !bench.progress.IsStopAsked(); ++i) {
       Point& point = line.points.emplace_back(Point{.tolerance = kLoosest * std::pow(10, -i)});
-      Solve(line, limits, point);
+      SolvePoint(line, limits, point);
       if (static_cast<double>(point.evaluations) > limits.evaluations) return;
     }
     return;
@@ -121,7 +121,7 @@ void SolveAll(const Bench& bench, const Limits& limits, Line& line) {
     Point point{.steps = std::lround(rate * line.problem->duration)};
     const bool tooLong = static_cast<double>(point.steps) * FindStepCost(line) > limits.evaluations;
     if (tooLong || bench.progress.IsStopAsked()) return;
-    Solve(line, limits, point);
+    SolvePoint(line, limits, point);
     line.points.push_back(point);
   }
 }
@@ -142,7 +142,7 @@ std::vector<Line> MakeLines(const std::vector<Problem>& problems, const std::vec
   return lines;
 }
 
-void AddRow(Bench& bench, const Line& line) {
+void AddLineRow(Bench& bench, const Line& line) {
   if (line.points.empty()) return;
   nlohmann::ordered_json row{{"experiment", "work_and_precision"},
                              {"problem", line.problem->name},
@@ -160,15 +160,14 @@ void AddRow(Bench& bench, const Line& line) {
   bench.results.rows.push_back(std::move(row));
 }
 
-// Time over error; position Verlet, which solves other equations, has no place in it.
+// Time over error, without position Verlet, which solves other equations.
 Plot DrawWork(const std::vector<Line>& lines, const Problem& problem, const std::string& name) {
-  Plot plot{name,
-            problem.name + ": time against error, in double",
-            "time of one thread for a second of motion, ms",
-            "error at the end, over the body's size",
-            {},
-            true,
-            true};
+  Plot plot{.name = name,
+            .title = problem.name + ": time against error, in double",
+            .xLabel = "time of one thread for a second of motion, ms",
+            .yLabel = "error at the end, over the body's size",
+            .logX = true,
+            .logY = true};
   for (const Line& line : lines) {
     if (line.problem != &problem || line.isSingle || line.integrator == Integrator::kPositionVerlet) continue;
     Series& series = plot.series.emplace_back();
@@ -183,15 +182,14 @@ Plot DrawWork(const std::vector<Line>& lines, const Problem& problem, const std:
   return plot;
 }
 
-// Where more steps no longer help.
+// Shows where more steps no longer reduce the error.
 Plot DrawFloor(const std::vector<Line>& lines, const Problem& problem) {
-  Plot plot{"accuracy_float_floor",
-            problem.name + ": RK4 in float and in double",
-            "steps",
-            "error at the end, over the body's size",
-            {},
-            true,
-            true};
+  Plot plot{.name = "accuracy_float_floor",
+            .title = problem.name + ": RK4 in float and in double",
+            .xLabel = "steps",
+            .yLabel = "error at the end, over the body's size",
+            .logX = true,
+            .logY = true};
   for (const Line& line : lines) {
     if (line.problem != &problem || line.integrator != Integrator::kRungeKutta4) continue;
     Series& series = plot.series.emplace_back();
@@ -210,7 +208,7 @@ Plot DrawFloor(const std::vector<Line>& lines, const Problem& problem) {
   return plot;
 }
 
-// What dashpots do to methods of order 2 shows here.
+// The problem that shows the effect of dashpots on methods of order 2.
 bool IsDampedBall(const Problem& problem) {
   return !problem.isConservative && !problem.touches && problem.blueprint->full.gas > 0;
 }
@@ -221,14 +219,14 @@ void MeasureWorkAndPrecision(Bench& bench) {
   const bool quick = bench.options.quick;
   std::vector<Problem> problems = MakeProblems();
   const std::string first = problems[0].name;
-  // The references of the others alone take as long as all that is left.
+  // The references of the other problems would take as long as the rest of a quick run.
   if (quick) std::erase_if(problems, [&](const Problem& each) { return each.name != first && !IsDampedBall(each); });
   std::vector<Motion> exact(problems.size());
   if (!RunTrials(bench, problems.size(), [&](std::size_t i) { exact[i] = SolveReference(problems[i]); })) return;
   std::vector<Line> lines = MakeLines(problems, exact);
   const Limits limits = quick ? Limits{12000, 0.003} : Limits{200000, 0.02};
   if (!RunTrials(bench, lines.size(), [&](std::size_t i) { SolveAll(bench, limits, lines[i]); })) return;
-  for (const Line& line : lines) AddRow(bench, line);
+  for (const Line& line : lines) AddLineRow(bench, line);
   const Problem& damped = *std::find_if(problems.begin(), problems.end(), &IsDampedBall);
   bench.results.plots.push_back(DrawWork(lines, problems[0], "accuracy_work_precision"));
   bench.results.plots.push_back(DrawWork(lines, damped, "accuracy_work_precision_damped"));

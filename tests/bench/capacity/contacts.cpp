@@ -35,7 +35,7 @@ void Contacts::Look(const physics::World& world) {
   std::size_t largest = 0;
   for (const std::size_t size : m_sizes) {
     largest = std::max(largest, size);
-    if (size >= kDozen) m_inLargeGroups += size;
+    if (size >= kDozen) m_inLargeIslands += size;
   }
   ++m_looks;
   m_bodies += bodies.size();
@@ -46,6 +46,6 @@ void Contacts::Look(const physics::World& world) {
 double Contacts::Touching() const { return Divide(m_touching, m_looks); }
 double Contacts::TouchedByEach() const { return Divide(m_touches, m_bodies); }
 double Contacts::LargestIsland() const { return Divide(m_largest, m_looks); }
-double Contacts::ShareInLargeGroups() const { return Divide(m_inLargeGroups, m_bodies); }
+double Contacts::ShareInLargeIslands() const { return Divide(m_inLargeIslands, m_bodies); }
 
 }  // namespace wobble::bench

@@ -1,4 +1,4 @@
-// How much players are in one another's way: by how many others each is touched, and how many hang together.
+// Counts contact between players: touching neighbours per body, and the sizes of islands of touching bodies.
 #pragma once
 
 #include <cstddef>
@@ -10,14 +10,14 @@ namespace wobble::bench {
 
 class Contacts {
  public:
-  // At some moment, between two ticks.
+  // Counts the contacts of the world as it is; call it between two ticks.
   void Look(const physics::World& world);
 
-  // Over all looks. A group: bodies each of which touches another of them.
-  [[nodiscard]] double Touching() const;            // bodies that touch another, mean
-  [[nodiscard]] double TouchedByEach() const;       // others that a body touches, mean
-  [[nodiscard]] double LargestIsland() const;       // bodies in it, mean
-  [[nodiscard]] double ShareInLargeGroups() const;  // of all bodies, those in groups of a dozen and more
+  // Means over all looks. An island is a set of bodies connected by contact.
+  [[nodiscard]] double Touching() const;             // bodies that touch another one
+  [[nodiscard]] double TouchedByEach() const;        // neighbours that a body touches
+  [[nodiscard]] double LargestIsland() const;        // bodies in the largest island
+  [[nodiscard]] double ShareInLargeIslands() const;  // share of bodies in islands of at least kDozen
   [[nodiscard]] std::size_t LargestIslandEver() const { return m_largestEver; }
 
  private:
@@ -26,13 +26,14 @@ class Contacts {
   std::size_t FindRoot(std::size_t place);
 
   std::size_t m_looks = 0;
-  std::size_t m_bodies = 0;  // of all looks, as are the next four
+  std::size_t m_bodies = 0;  // summed over all looks, like the next four
   std::size_t m_touches = 0;
   std::size_t m_touching = 0;
-  std::size_t m_inLargeGroups = 0;
+  std::size_t m_inLargeIslands = 0;
   std::size_t m_largest = 0;
   std::size_t m_largestEver = 0;
-  // Scratch: of each body another of its group, or itself; how many are in the group of which it is the root.
+  // Scratch. A disjoint-set forest: another body of its island for each body, itself for a root; island size at each
+  // root.
   std::vector<std::size_t> m_others;
   std::vector<std::size_t> m_sizes;
   std::vector<physics::BodyId> m_touched;

@@ -22,7 +22,8 @@ void StayOn(int core) {
   cpu_set_t only;
   CPU_ZERO(&only);
   CPU_SET(core, &only);
-  static_cast<void>(pthread_setaffinity_np(pthread_self(), sizeof only, &only));  // one of those that it may run on
+  // Cannot fail: the process may run on that core
+  static_cast<void>(pthread_setaffinity_np(pthread_self(), sizeof only, &only));
 }
 
 }  // namespace wobble::bench

@@ -1,4 +1,4 @@
-// A core for each thread that is measured.
+// Chooses a core for each measured thread.
 #pragma once
 
 namespace wobble::bench {
@@ -7,10 +7,10 @@ struct Cores {
   int server = 0;
   int bots = 0;
 };
-// The first and the last core that this process may run on, which are threads of one and the same core on no machine
-// that has two; the same twice where there is only one.
+// The first and the last core that this process may run on: on a machine with at least two cores, these are not two
+// hardware threads of one core. With a single core both are the same.
 [[nodiscard]] Cores ChooseCores();
-// Keeps the calling thread, and all that it starts, to this core.
+// Pins the calling thread, and all threads that it starts later, to this core.
 void StayOn(int core);
 
 }  // namespace wobble::bench

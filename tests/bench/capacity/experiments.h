@@ -5,7 +5,7 @@
 
 namespace wobble::bench {
 
-// Keys players_at_60hz, tick_ms_*, overrun_share, kbit_per_client, and what else there is to say of that count.
+// Keys players_at_60hz, tick_ms_*, overrun_share, kbit_per_client and the other figures at that player count.
 void MeasurePlayers(Bench& bench);
 
 }  // namespace wobble::bench

@@ -1,5 +1,5 @@
-// Bots as in production: one in 32 decodes, all send and acknowledge. Their rounds come as `wobble bots` has them, a
-// fifth of the bots at a time, because who is looked after at once all wait for the same tick.
+// Bots as in production: one in 32 decodes, all send and acknowledge. Their rounds are as in `wobble bots`, a fifth of
+// the bots at a time, because bots served at once would all wait for the same tick.
 #include "tests/bench/capacity/guests.h"
 
 #include <chrono>
@@ -17,7 +17,7 @@ constexpr unsigned kParts = 5;
 constexpr double kRoundHz = 60 * kParts;
 constexpr double kJoinsPerSecond = 64;
 constexpr double kGoodbyePatience = client::kLongestLeave + 0.5;  // s
-// Of a decoding bot's rounds, one in so many is kept: neighbours say the same.
+// One of so many rounds of a decoding bot is recorded; neighbouring rounds are alike.
 constexpr std::uint64_t kKeepEvery = 3;
 
 bots::LoadTestOptions MakeOptions(unsigned players, double ramp, std::uint64_t seed) {

@@ -1,4 +1,4 @@
-// The players' half of a party: bots in a thread of their own, as `wobble bots` runs them.
+// The clients of a party: bots in one thread, as `wobble bots` runs them.
 #pragma once
 
 #include <atomic>
@@ -14,30 +14,30 @@
 
 namespace wobble::bench {
 
-// How long each stage of a party is, s.
+// Duration of each stage of a party, s.
 struct Timetable {
-  double settle = 3;  // once all have had the time to come
+  double settle = 3;  // after all players have had time to join
   double count = 20;
   double show = 2;
 };
 
 struct Guested {
-  bots::Figures figures;  // times: of the stage that counts and what follows; joins and disconnects: of all
-  unsigned playing = 0;   // at its end
-  double work = 0;        // of the core that the bots have, the share that they took meanwhile
+  bots::Figures figures;  // times: from stage kCount on; joins and disconnects: of the whole party
+  unsigned playing = 0;   // at the end
+  double work = 0;        // share of their core that the bots used in stage kCount
   std::vector<View> views;
 };
 
 class Guests {
  public:
-  // script: loaded; must outlive this, as `stage` must. Whoever runs the server follows it.
+  // script: a loaded script; `script` and `stage` must outlive this object. The server's thread reads `stage`.
   Guests(unsigned players, std::uint16_t port, std::uint64_t seed, bots::Script& script, const Timetable& timetable,
          std::atomic<Stage>& stage);
 
-  // By the calling thread, until all have left; isStopAsked: they leave at once. Moves the party on, at the end to
-  // kOver.
+  // Runs the bots in the calling thread until all have left, and advances `stage`, finally to kOver. isStopAsked: they
+  // leave at once.
   void Run(const std::function<bool()>& isStopAsked);
-  // After that.
+  // The result; call it after Run.
   [[nodiscard]] Guested Take() { return std::move(m_guested); }
 
  private:
@@ -49,7 +49,7 @@ class Guests {
   double m_ramp;
   std::atomic<Stage>& m_stage;
   bots::Runner m_runner;
-  std::uint64_t m_rounds = 0;  // of decoding bots, while shown
+  std::uint64_t m_rounds = 0;  // of decoding bots, in stage kShow
   double m_entered = 0;
   double m_enteredWork = 0;
   Guested m_guested;

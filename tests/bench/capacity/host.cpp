@@ -1,7 +1,6 @@
-// A tick's time is that of the thread that works on it: on a machine that others share, the time on the wall says how
-// busy they are. The server is given the same clock, so that it too takes nobody else's work for its own. Reading this
-// clock is a call of the system, for each body that is encoded too: some 0.1 ms a tick at 64 players, which are charged
-// to it.
+// The time of a tick is thread time, because wall time on a shared machine measures other load. The server gets the
+// same clock, so that its load control ignores that load too. Reading this clock is a system call, also once per
+// encoded body: about 0.1 ms a tick at 64 players, which counts as the server's time.
 #include "tests/bench/capacity/host.h"
 
 #include <algorithm>
@@ -15,7 +14,7 @@ namespace wobble::bench {
 namespace {
 
 constexpr std::uint32_t kLookEvery = 15;      // ticks
-constexpr std::size_t kMostTicks = 60 * 600;  // for which there is memory from the start
+constexpr std::size_t kMostTicks = 60 * 600;  // capacity reserved from the start
 
 Sums ReadSums(const server::Server& server) {
   const server::SendCounts& sent = server.ReadSendCounts();

@@ -1,4 +1,4 @@
-// The server's half of a party: its loop as the program has it, and what its ticks cost.
+// The server of a party: the same loop as in wobbled, with measurements of its ticks.
 #pragma once
 
 #include <atomic>
@@ -12,19 +12,19 @@
 
 namespace wobble::bench {
 
-// That a tick stands for, and may take, s: Config's usual 60 Hz.
+// Duration of a tick, and the time that it may take, s: 60 Hz, the default of Config.
 inline constexpr double kTickSeconds = 1.0 / 60;
 
-// Of a party. The guests move it on.
+// Stages of a party, in order. Guests advances them; Host only reads them.
 enum class Stage : std::uint8_t {
-  kGather,  // they come and settle in
-  kCount,   // what ticks cost counts
-  kShow,    // what is shown is compared with what was; ticks do not count, since keeping that takes time
+  kGather,  // players join and settle
+  kCount,   // the cost of ticks is measured
+  kShow,    // shown bodies are compared with the truth; ticks are not measured, because recording the truth takes time
   kLeave,
   kOver,
 };
 
-// What the server counts from its start.
+// Counters of the server since its start.
 struct Sums {
   std::uint64_t ticks = 0;
   std::uint64_t packets = 0;   // snapshots
@@ -37,33 +37,33 @@ struct Sums {
 };
 
 struct Hosted {
-  // Of each tick that counts: what the server's thread worked on, and how much time passed meanwhile, s.
+  // Per measured tick: thread time of each phase, and wall time, s.
   std::vector<server::PhaseTimes> ticks;
   std::vector<double> walls;
-  double seconds = 0;  // that counted
+  double seconds = 0;  // measured
   Sums before;
   Sums after;
-  server::LoadLevel level = server::LoadLevel::kNormal;  // the highest
+  server::LoadLevel level = server::LoadLevel::kNormal;  // the highest reached
   std::size_t bodies = 0;
   Contacts contacts;
-  std::vector<double> speeds;  // of bodies when contacts were looked at, m/s
-  std::uint64_t awake = 0;     // over those ticks that a call of the server's ended with, as are the next two
+  std::vector<double> speeds;  // of bodies, whenever contacts were counted, m/s
+  std::uint64_t awake = 0;     // summed over the last tick of each call of the server, like the next two
   std::uint64_t substeps = 0;
-  std::uint64_t allSubsteps = 0;  // with those that were stepped again
-  // As it was while shown, of these bodies by their place.
+  std::uint64_t allSubsteps = 0;  // repeated substeps included
+  // The truth in stage kShow, of the bodies in `places`.
   Truth truth{kTickSeconds};
   std::vector<physics::BodyId> places;
-  bool hasAllPlaces = true;  // none has gone since
+  bool hasAllPlaces = true;  // no body has been removed since
 };
 
 class Host {
  public:
-  // server: at 60 Hz, with ReadThreadTime as its clock.
+  // server: runs at 60 Hz with ReadThreadTime as its clock.
   explicit Host(server::Server& server);
 
-  // By the calling thread, until the party is over.
+  // Runs the server in the calling thread until the stage is kOver.
   void Run(const std::atomic<Stage>& stage);
-  // After that.
+  // The result; call it after Run.
   [[nodiscard]] Hosted Take() { return std::move(m_hosted); }
 
  private:
@@ -74,7 +74,7 @@ class Host {
   server::Server& m_server;
   Stage m_stage = Stage::kGather;
   double m_entered = 0;
-  std::uint64_t m_removals = 0;  // of the world, when its places were noted
+  std::uint64_t m_removals = 0;  // of the world, when `places` was filled
   Hosted m_hosted;
 };
 

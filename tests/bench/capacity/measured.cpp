@@ -9,15 +9,15 @@
 namespace wobble::bench {
 namespace {
 
-constexpr double kHeaderBytes = 28;  // of a datagram beside ENet's, which its own count has: IPv4, UDP
-// More, and the generator is what is measured.
+constexpr double kHeaderBytes = 28;  // IPv4 and UDP per datagram; ENet's own count includes its headers
+// Above this load of the bots' core, the load generator would be measured instead.
 constexpr double kFullCore = 0.95;
 
 double ToNumber(const std::optional<double>& figure) {
   return figure.value_or(std::numeric_limits<double>::quiet_NaN());
 }
 
-// Nearest rank, ms; sorts. Not a number where there are none.
+// Nearest-rank percentile, ms; sorts `seconds`. NaN without values.
 double FindPercentileMs(std::vector<double>& seconds, double share) {
   if (seconds.empty()) return std::numeric_limits<double>::quiet_NaN();
   std::ranges::sort(seconds);
@@ -36,8 +36,8 @@ double FindKbit(const Hosted& hosted, unsigned players) {
   return 8e-3 * (bytes + kHeaderBytes * packets) / (hosted.seconds * players);
 }
 
-// A server that has begun to do with less has not held, whatever its ticks took: it is busy because they took more. The
-// bots' core must be able to do its part, and they must all be there to the end.
+// A player count holds if the server stayed at normal load, the bots' core was not saturated and all players stayed to
+// the end. A server that reduced its load has not held, whatever its ticks took: it did so because they took more.
 bool Judge(const Measured& measured, const Party& party) {
   return measured.tickMsP99 <= kTickBudgetMs && party.hosted.level < server::LoadLevel::kBusy &&
          party.guested.playing == party.players && party.guested.figures.disconnects == 0 &&
@@ -100,7 +100,7 @@ nlohmann::ordered_json MakeRow(const Measured& measured, const Party& party) {
               {"speed_median", hosted.speeds.empty() ? 0 : FindMedian(hosted.speeds)},
               {"touching", hosted.contacts.Touching()},
               {"touched_by_each", hosted.contacts.TouchedByEach()},
-              {"in_groups_of_12", hosted.contacts.ShareInLargeGroups()},
+              {"in_groups_of_12", hosted.contacts.ShareInLargeIslands()},
               {"largest_group", hosted.contacts.LargestIsland()},
               {"largest_group_ever", hosted.contacts.LargestIslandEver()},
               {"substeps", static_cast<double>(hosted.substeps) / awake},
@@ -121,7 +121,7 @@ std::string MakeLine(const Measured& measured, const Party& party) {
   const bots::Figures& figures = party.guested.figures;
   return FormatLine(
       "%3u players: tick %.2f, %.2f, %.2f ms (p50, p99, p99.9), wall p99 %.2f; receive %.2f, step %.2f, capture %.2f, "
-      "encode %.2f, send %.2f; %.0f kbit/s, shown %.2f %%, input %.0f ms; %.0f touch, largest group %.0f; "
+      "encode %.2f, send %.2f; %.0f kbit/s, shown %.2f %%, input %.0f ms; %.0f touch, largest island %.0f; "
       "bots late by %.1f ms%s; %s: %s",
       party.players, measured.tickMsP50, measured.tickMsP99, measured.tickMsP999, measured.wallMsP99,
       phase(server::Phase::kReceive), phase(server::Phase::kStep), phase(server::Phase::kCapture),

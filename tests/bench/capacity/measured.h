@@ -1,4 +1,4 @@
-// What is said of a count of players.
+// The figures for one player count.
 #pragma once
 
 #include <optional>
@@ -13,20 +13,20 @@ inline constexpr double kTickBudgetMs = 1000 * kTickSeconds;
 
 struct Measured {
   unsigned players = 0;
-  // Of the server's thread, ms.
+  // Thread time of the server, ms.
   double tickMsP50 = 0;
   double tickMsP99 = 0;
   double tickMsP999 = 0;
   double tickMsMax = 0;
-  double overrunShare = 0;  // of ticks that took more than the budget
-  // The same on the wall: with what others did on its core meanwhile.
+  double overrunShare = 0;  // share of ticks above the budget
+  // The same in wall time, which includes other load on the core.
   double wallMsP99 = 0;
   double wallOverrunShare = 0;
-  double kbit = 0;  // to each player, a second, all headers counted
+  double kbit = 0;  // to each player, kbit/s, all headers included
   double shownError = 0;
-  bool holds = false;          // see Judge
-  nlohmann::ordered_json row;  // all of that and more
-  std::string line;            // the same for people
+  bool holds = false;          // result of Judge
+  nlohmann::ordered_json row;  // all figures
+  std::string line;            // a summary for people
 };
 
 [[nodiscard]] Measured Measure(const Party& party);

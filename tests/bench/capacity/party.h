@@ -1,4 +1,4 @@
-// So many players on one server, each side on a core of its own, over real sockets.
+// Plays one server with a given number of players over real sockets, each side on its own core.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@
 
 namespace wobble::bench {
 
-// What all parties of a report have in common.
+// What all parties of a report share.
 struct Game {
   scenes::Scene scene;
   std::vector<server::Bases> bases;
@@ -21,19 +21,19 @@ struct Game {
   std::uint64_t seed = 1;
 };
 
-// A client's share of the wire, kbit/s with all headers: what 64 moving balls take, 22 each, and some more. The players
-// of this report are to be within 1,500 with what comes beside snapshots.
+// Budget of a client, kbit/s with all headers: 64 moving balls at 22 kbit/s each, plus a margin. Together with the
+// traffic besides snapshots, players stay below 1,500 kbit/s.
 inline constexpr double kClientKbit = 1450;
 
 struct Party {
   unsigned players = 0;
-  std::string fault;  // empty, or why there was none, in one line; then nothing else is filled in
+  std::string fault;  // empty, or in one line why the party failed; then the other members are unset
   Hosted hosted;
   Guested guested;
   Shown shown;
 };
 
-// isStopAsked: the party ends early, and what has been measured of it is worth nothing.
+// isStopAsked: ends the party early; its measurements are then invalid.
 [[nodiscard]] Party PlayParty(const Game& game, unsigned players, const Timetable& timetable,
                               const std::function<bool()>& isStopAsked);
 

@@ -1,6 +1,6 @@
-// One count of players after the other, each with a server of its own, until one is too many. A quick run stops at what
-// is asked for at least. In the full one the largest that held plays on for five minutes; where a single tick runs over
-// in them the next smaller does, down to the count that is asked for, whose figures say how often.
+// Increasing player counts, each with a new server, until one does not hold. A quick run stops at the required count.
+// In a full run the largest count that held plays on for five minutes; if a single tick exceeds the budget then, the
+// next smaller count plays, down to the required count, whose figures report how often it was exceeded.
 #include <spdlog/spdlog.h>
 
 #include <thread>
@@ -20,7 +20,7 @@ namespace {
 constexpr unsigned kCounts[] = {1, 2, 4, 8, 16, 32, 48, 64, 96, 128, 192, 256, 384, 512};
 constexpr unsigned kQuickCounts[] = {1, 8, 32, 64};
 constexpr unsigned kAskedPlayers = 64;
-constexpr unsigned kQuickPlayers = 8;  // whatever else the machine does
+constexpr unsigned kQuickPlayers = 8;  // holds despite other load of the machine
 constexpr double kAskedKbit = 1500;
 constexpr Timetable kQuickTimes{.settle = 2, .count = 3, .show = 1};
 constexpr Timetable kTimes{};
@@ -28,7 +28,7 @@ constexpr Timetable kLongTimes{.count = 300};
 
 Game MakeGame(const Options& options) {
   Game game;
-  game.scene = scenes::LoadScene(options.scene, scenes::FindShippedScenes()).scene;  // as main has checked
+  game.scene = scenes::LoadScene(options.scene, scenes::FindShippedScenes()).scene;  // valid: main has checked it
   game.bases = server::LoadBases(game.scene, {}, static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
   game.script = bots::FindScriptFile(options.script);
   game.seed = options.seed;
@@ -41,12 +41,12 @@ double FindSeconds(std::span<const unsigned> counts, const Timetable& times) {
 
 class Ladder {
  public:
-  // planned: seconds that all will take if every count holds.
+  // planned: total duration if every count holds, s.
   Ladder(Bench& bench, double planned) : m_bench(bench), m_game(MakeGame(bench.options)), m_planned(planned) {}
 
-  // Until a count does not hold; all those that were played.
+  // Plays the counts until one does not hold; returns all that were played.
   std::vector<Measured> Climb(std::span<const unsigned> counts, const Timetable& times);
-  // Five minutes of the last of these that held, or of one below it.
+  // Plays five minutes of the largest count that held, or of a smaller one.
   std::optional<Measured> PlayLong(const std::vector<Measured>& all);
 
  private:
@@ -139,7 +139,7 @@ void AddClientsPlot(const std::vector<Measured>& all, Results& results) {
   results.plots.push_back(std::move(plot));
 }
 
-// The largest that held; where none did, the smallest.
+// The largest count that held; otherwise the smallest.
 std::optional<Measured> FindBest(const std::vector<Measured>& all) {
   std::optional<Measured> best;
   for (const Measured& each : all) {
@@ -170,10 +170,10 @@ void AddFigures(const std::optional<Measured>& found, const Options& options, Re
 void AddRemarks(Results& results) {
   const Cores cores = ChooseCores();
   results.remarks.push_back(
-      "players_at_60hz is judged by the time that the server's thread worked, since what others "
-      "do on its core is not the server's; what passed on the wall is beside it");
+      "players_at_60hz is judged by the thread time of the server, because other load of its "
+      "core is not its own; wall times are given beside it");
   if (cores.server == cores.bots) {
-    results.remarks.push_back("there is one core only: the bots have taken from the server what it had");
+    results.remarks.push_back("there is only one core: the bots took processor time from the server");
   }
 }
 

@@ -26,7 +26,7 @@ class Comparison {
  private:
   const Truth& m_truth;
   std::span<const physics::BodyId> m_places;
-  std::vector<double> m_squares;  // mean over vertices of each body and view, of its size squared
+  std::vector<double> m_squares;  // mean over vertices per body and view, relative to the squared size
   std::size_t m_missing = 0;
   double m_size = 1;  // of a body, m
   std::vector<Vector3d> m_true;
@@ -34,7 +34,7 @@ class Comparison {
 
 void Comparison::Add(const View& view) {
   const auto own = std::ranges::find(m_places, view.ownBody) - m_places.begin();
-  if (!m_truth.Find(view.moment, static_cast<std::size_t>(own), m_true)) return;  // before or after what was kept
+  if (!m_truth.Find(view.moment, static_cast<std::size_t>(own), m_true)) return;  // outside of the recorded time
   const Vector3d eye = FindMean(m_true);
   for (std::size_t place = 0; place < m_places.size(); ++place) {
     if (!m_truth.Find(view.moment, place, m_true) || (FindMean(m_true) - eye).norm() > Shown::kNear) continue;

@@ -1,5 +1,5 @@
-// What players saw, kept while they play, and how far it was from the truth, found when both threads have ended: so
-// neither waits for the other, or works for it.
+// Views of players, recorded while they play and compared with the truth after both threads have ended, so that neither
+// thread waits for the other or does its work.
 #pragma once
 
 #include <limits>
@@ -11,25 +11,25 @@
 
 namespace wobble::bench {
 
-// One player at one moment, of the world's time, s.
+// What one player saw at one moment; moment: world time, s.
 struct View {
   double moment = 0;
   std::uint32_t ownBody = 0;
   std::vector<client::BodySample> bodies;
 };
 
-// Of all bodies near a player, kNear: further off the server means to be less exact. A body that was crowded out of its
-// turn counts as it was shown: late, or where it last was.
+// Errors of all bodies within kNear of a player; the server deliberately sends farther bodies less precisely. A body
+// that was left out for lack of budget counts as it was shown: late, or at its last position.
 struct Shown {
-  static constexpr float kNear = 16;  // m, from centre to centre
+  static constexpr float kNear = 16;  // m, between centres
 
   double error = std::numeric_limits<double>::quiet_NaN();  // % of the body's size, RMS over vertices
   double errorP99 = error;                                  // 99th percentile of a body's RMS
-  double missingShare = 0;                                  // of them, those that were not shown at all
-  double truthErrorOfHalf = 0;                              // see Truth, %
+  double missingShare = 0;                                  // share of these bodies that were not shown at all
+  double truthErrorOfHalf = 0;                              // Truth::ErrorOfHalf, %
 };
 
-// places: of the bodies that the truth is of, their ids.
+// places: ids of the bodies that `truth` records, in its order.
 [[nodiscard]] Shown CompareViews(std::span<const View> views, const Truth& truth,
                                  std::span<const physics::BodyId> places);
 

@@ -1,4 +1,5 @@
-// Carries are added to the bytes that are out already (Martin 1979): at most once a byte, and the bytes are all there.
+// A carry is added to the bytes already written (Martin 1979): at most once per byte, and all bytes are still in
+// memory.
 #include "tests/bench/codec/adaptive_coder.h"
 
 #include <bit>
@@ -43,7 +44,7 @@ void AdaptiveEncoder::WriteEven(std::uint32_t value, unsigned count) {
 }
 
 std::vector<std::uint8_t> AdaptiveEncoder::Finish() {
-  // Any number within the range will do: the one with most zeros at its end.
+  // Any number within the range decodes correctly; choose the one with the most trailing zeros.
   m_low = (m_low + 0xFFFFFFU) & ~std::uint64_t{0xFFFFFFU};
   for (int i = 0; i < 4; ++i) Shift();
   while (!m_bytes.empty() && m_bytes.back() == 0) m_bytes.pop_back();

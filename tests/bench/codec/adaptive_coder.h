@@ -1,5 +1,5 @@
-// A small adaptive arithmetic coder: bits with probabilities that follow what has been seen, and numbers made of such
-// bits, as LZMA and CABAC have them.
+// A small adaptive arithmetic coder: bits with probabilities learnt from the bits before, and numbers made of such
+// bits, as in LZMA and CABAC.
 #pragma once
 
 #include <array>
@@ -9,7 +9,8 @@
 
 namespace wobble::bench {
 
-// How likely a bit is 0, of 65,536: the mean of one estimate that adapts in a few bits and one that does in many.
+// Probability that a bit is 0, in 1/65,536: the mean of a fast and a slow exponential average (windows of 16 and 128
+// bits).
 class BitModel {
  public:
   [[nodiscard]] std::uint32_t ReadZero() const { return (std::uint32_t{m_fast} + m_slow) >> 1; }
@@ -20,7 +21,7 @@ class BitModel {
 
  private:
   static std::uint16_t Move(std::uint16_t zero, bool bit, int shift) {
-    const int target = bit ? 256 : 65536 - 256;  // never quite certain
+    const int target = bit ? 256 : 65536 - 256;  // keeps both probabilities above zero
     return static_cast<std::uint16_t>(zero + (target - zero) / (1 << shift));
   }
   std::uint16_t m_fast = 32768;
@@ -30,8 +31,8 @@ class BitModel {
 class AdaptiveEncoder {
  public:
   void Write(bool bit, BitModel& model);
-  void WriteEven(std::uint32_t value, unsigned count);  // bits of even chances, highest first
-  [[nodiscard]] std::vector<std::uint8_t> Finish();     // without zeros at the end, which the decoder supplies
+  void WriteEven(std::uint32_t value, unsigned count);  // `count` equiprobable bits, highest first
+  [[nodiscard]] std::vector<std::uint8_t> Finish();     // without trailing zeros, which the decoder supplies
 
  private:
   void Shift();
@@ -56,7 +57,8 @@ class AdaptiveDecoder {
   std::uint32_t m_code = 0;
 };
 
-// Signed numbers: 0 or not, sign, how many bits, then these, of which the highest two after the first adapt.
+// Codes signed numbers: a zero flag, the sign, the bit count, then the bits; the two highest bits after the leading one
+// are adaptive, the rest equiprobable.
 class NumberModel {
  public:
   void Write(int number, AdaptiveEncoder& encoder);

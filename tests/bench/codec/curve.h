@@ -1,4 +1,4 @@
-// Bits against error of one method, and what it would take at an error that none of its points has.
+// The rate–distortion curve of a method, and its interpolation.
 #pragma once
 
 #include <string>
@@ -17,14 +17,14 @@ struct RatePoint {
 
 using Curve = std::vector<RatePoint>;
 
-// Over all frames but the first few, which methods that remember have nothing to remember for.
+// Codes the whole recording. The first few frames do not count, because methods with memory start without history.
 [[nodiscard]] RatePoint MeasurePoint(const Recording& recording, const Method& method, double parameter);
 
-// On the straight line over the logarithm of the error between the two points next to it: bits fall by one a
-// coordinate when the error doubles. Not a number outside of the curve. errorPercent ascending or descending.
+// Bits per vertex at that error, linear in the logarithm of the error between the two neighbouring points: doubling the
+// error saves one bit per coordinate. NaN outside the curve. errorPercent of the points ascends or descends.
 [[nodiscard]] double FindBitsAt(const Curve& curve, double errorPercent);
 
-// At each error the method that takes fewest bits, for one that has variants.
+// The fewest bits of all variants of a method at that error.
 [[nodiscard]] double FindFewestBitsAt(const std::vector<Curve>& curves, double errorPercent);
 
 }  // namespace wobble::bench

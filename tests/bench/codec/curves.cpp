@@ -1,5 +1,5 @@
-// Bits against error: ours and the others on the same frames of the fixed play. What is compared is bits at equal
-// error, read off the curve of each; of an opponent with variants the one that takes fewest there.
+// Bits against error: our codec and the others on the same frames of the fixed play. Bits are compared at equal error,
+// interpolated on each curve; of an opponent with variants, the one with the fewest bits there counts.
 #include <algorithm>
 
 #include "tests/bench/codec/curve.h"
@@ -9,13 +9,13 @@
 namespace wobble::bench {
 namespace {
 
-// Steps of a grid, share of the body's size. Rounding to it is off by half a step, RMS over vertices.
+// Grid steps as a share of the body's size. The RMS rounding error over vertices is half a step.
 std::vector<double> ListSteps(bool isQuick) {
   if (isQuick) return {0.024, 0.011, 0.005, 0.002, 0.0006};
   return {0.03, 0.02, 0.014, 0.01, 0.007, 0.005, 0.0035, 0.0024, 0.0016, 0.001, 0.0006};
 }
 
-// Ours, finer than any grid here: what Rigs of Rods' half floats are off by must lie on the curve.
+// Finer than any grid here: the curve must reach the error of Rigs of Rods' half floats.
 constexpr double kFinestTarget = 0.0002;
 
 std::vector<double> ListDracoBits(bool isQuick) {
@@ -25,7 +25,7 @@ std::vector<double> ListDracoBits(bool isQuick) {
 
 struct Opponent {
   const char* ratioKey;
-  double ratio;  // to reach; 0: it only informs
+  double ratio;  // required ratio; 0: informative only
   std::vector<Method> variants;
 };
 
@@ -34,14 +34,14 @@ std::vector<Opponent> ListOpponents() {
       {"ratio_vs_draco", 5, {MakeDracoMesh(), MakeDracoPoints()}},
       {"ratio_vs_meshopt_zstd", 6, {MakeMeshoptimizer(false)}},
       {"ratio_vs_delta_zstd", 5, {MakeDeltaZstd(false)}},
-      // Not as they are, but as we would set them up ourselves.
+      // Not the original method, but our own best configuration of it.
       {"ratio_vs_meshopt_delta_zstd", 0, {MakeMeshoptimizer(true)}},
       {"ratio_vs_tuned_delta_zstd", 0, {MakeDeltaZstd(true)}},
       {"ratio_vs_delta_acknowledged", 0, {MakeDeltaAcknowledged()}},
   };
 }
 
-// A method's points; all points of all methods are trials of their own.
+// The points of one method; every point of every method is a separate trial.
 struct Sweep {
   Method method;
   Curve curve;
@@ -82,7 +82,7 @@ void AddPlot(const std::vector<Sweep>& sweeps, Bench& bench) {
             .yLabel = "bits a vertex, heads of records included",
             .logX = true};
   for (const Sweep& sweep : sweeps) {
-    // Ours are of one colour; of the others there are more than seven that can be told apart.
+    // Our variants share one colour, because the others are more than the seven colours that can be told apart.
     const std::size_t number = plot.series.size();
     const bool isOurs = sweep.method.name.rfind("ours", 0) == 0;
     const bool isDashed = number >= 8;
@@ -139,8 +139,8 @@ void MeasureCurves(Bench& bench) {
 
   Results& results = bench.results;
   const Curve& ours = sweeps[0].curve;
-  // A quick run is a third as long, and its play a few percent more or less violent by chance: there the ratios are
-  // held.
+  // A quick run is a third as long, and its play varies in violence by a few percent; only the ratios are enforced
+  // there.
   results.AddFigureAtMost("bits_per_vertex_01", FindBitsAt(ours, 0.1), 8, !isQuick);
   results.AddFigureAtMost("bits_per_vertex_025", FindBitsAt(ours, 0.25), 4.5, !isQuick);
   results.AddFigureAtMost("bits_per_vertex_05", FindBitsAt(ours, 0.5), 2.4, !isQuick);

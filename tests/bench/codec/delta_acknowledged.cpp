@@ -1,7 +1,7 @@
-// What games with large states do since Quake III: each packet is told against the newest snapshot that the client is
-// known to have, so that it decodes whatever was lost meanwhile. At a round trip of 100 ms that is the third last
-// frame. A packet must not need the state of a coder that others have fed, so models begin anew in each; all bodies of
-// a frame share them. What is coded of a number is told by how large the ones before it were.
+// The method of games with large states since Quake III: each packet is coded against the newest snapshot that the
+// client has acknowledged, so that it decodes whatever was lost since. At a round trip of 100 ms that is the third last
+// frame. A packet must not depend on coder state from other packets, so the models restart in each; all bodies of a
+// frame share them. The model of a number is chosen by the size of the preceding ones.
 #include <algorithm>
 #include <bit>
 #include <cstdlib>
@@ -13,10 +13,10 @@
 namespace wobble::bench {
 namespace {
 
-constexpr std::size_t kAge = 3;            // of what is acknowledged, frames
-constexpr std::size_t kBaselineBytes = 2;  // its number, once a packet
+constexpr std::size_t kAge = 3;            // of the acknowledged frame, frames
+constexpr std::size_t kBaselineBytes = 2;  // the number of that frame, once per packet
 
-// One model for each size that the last numbers of the same axis had on average.
+// One model for each mean size of the last numbers of the same axis.
 class Numbers {
  public:
   NumberModel& Find(std::size_t axis) {
@@ -29,10 +29,10 @@ class Numbers {
 
  private:
   std::array<NumberModel, 20> m_models;
-  std::array<unsigned, 3> m_means{};  // 4 x
+  std::array<unsigned, 3> m_means{};  // times 4
 };
 
-std::vector<std::uint8_t> Encode(const std::vector<int>& deltas) {
+std::vector<std::uint8_t> EncodeDeltas(const std::vector<int>& deltas) {
   AdaptiveEncoder encoder;
   Numbers numbers;
   for (std::size_t i = 0; i < deltas.size(); ++i) {
@@ -42,7 +42,7 @@ std::vector<std::uint8_t> Encode(const std::vector<int>& deltas) {
   return encoder.Finish();
 }
 
-std::vector<int> Decode(const std::vector<std::uint8_t>& bytes, std::size_t count) {
+std::vector<int> DecodeDeltas(const std::vector<std::uint8_t>& bytes, std::size_t count) {
   AdaptiveDecoder decoder(bytes);
   Numbers numbers;
   std::vector<int> deltas(count);
@@ -55,10 +55,10 @@ std::vector<int> Decode(const std::vector<std::uint8_t>& bytes, std::size_t coun
 
 using Frame = std::vector<GridBody>;
 
-struct Stream {
+struct AcknowledgedStream {
   const Recording& recording;
   double step;
-  std::vector<Frame> sent = {};  // by frame, as sender and receiver know it
+  std::vector<Frame> sent = {};  // per frame, as sender and receiver know it
 
   std::size_t Code(std::size_t frame, Shown& shown) {
     Frame now;
@@ -69,8 +69,8 @@ struct Stream {
         deltas.push_back(now.back().places[i] - FindBaseline(frame, body, i));
       }
     }
-    const std::vector<std::uint8_t> bytes = Encode(deltas);
-    const std::vector<int> received = Decode(bytes, deltas.size());
+    const std::vector<std::uint8_t> bytes = EncodeDeltas(deltas);
+    const std::vector<int> received = DecodeDeltas(bytes, deltas.size());
     std::size_t next = 0;
     for (std::size_t body = 0; body < shown.size(); ++body) {
       for (std::size_t i = 0; i < now[body].places.size(); ++i) {
@@ -91,7 +91,7 @@ struct Stream {
 
 Method MakeDeltaAcknowledged() {
   const auto begin = [](const Recording& recording, double step) -> CodeFrame {
-    return [stream = Stream{recording, step}](std::size_t frame, Shown& shown) mutable {
+    return [stream = AcknowledgedStream{recording, step}](std::size_t frame, Shown& shown) mutable {
       return stream.Code(frame, shown);
     };
   };

@@ -1,8 +1,8 @@
-// What many games do first: places on a grid in 16 bits, less those of the frame before, through a general compressor.
-// All bodies of a frame go through it together, which is better for it than one by one, whatever fits a packet. Places
-// are those in the world and bytes as they lie in memory; with some thought (tuned) it takes fewer bits. Deltas are of
-// numbers on the grid, so nothing builds up; but one lost packet and the rest of the play is lost, which is not counted
-// here.
+// The first approach of many games: positions on a 16-bit grid, minus those of the previous frame, through a general
+// compressor. All bodies of a frame are compressed together, whatever their total size, which favours the method over
+// packet-sized pieces. Positions are in world coordinates and bytes in memory order; `tuned` improves both and takes
+// fewer bits. Deltas are between grid numbers, so errors do not accumulate; but one lost packet loses the rest of the
+// play, which is not counted here.
 #include "tests/bench/codec/grid.h"
 #include "tests/bench/codec/method.h"
 #include "tests/bench/codec/zstd.h"
@@ -10,7 +10,7 @@
 namespace wobble::bench {
 namespace {
 
-// Modulo 2^16, as it is undone.
+// Wraps modulo 2^16; the decoder wraps the same way.
 std::int16_t Wrap(int number) { return static_cast<std::int16_t>(static_cast<std::uint16_t>(number)); }
 
 std::vector<std::uint8_t> ListBytes(const std::vector<std::int16_t>& numbers) {
@@ -28,12 +28,12 @@ std::vector<std::int16_t> JoinBytes(const std::vector<std::uint8_t>& bytes) {
   return numbers;
 }
 
-struct Stream {
+struct ZstdStream {
   const Recording& recording;
   double step;
   bool isTuned;
-  std::vector<std::int16_t> last = {};     // of all bodies, that the sender has sent
-  std::vector<std::int16_t> decoded = {};  // and the receiver has had
+  std::vector<std::int16_t> last = {};     // of all bodies, as sent
+  std::vector<std::int16_t> decoded = {};  // as received
 
   std::size_t Code(std::size_t frame, Shown& shown) {
     std::vector<std::int16_t> deltas;
@@ -71,7 +71,7 @@ struct Stream {
 
 Method MakeDeltaZstd(bool isTuned) {
   const auto begin = [isTuned](const Recording& recording, double step) -> CodeFrame {
-    return [stream = Stream{recording, step, isTuned}](std::size_t frame, Shown& shown) mutable {
+    return [stream = ZstdStream{recording, step, isTuned}](std::size_t frame, Shown& shown) mutable {
       return stream.Code(frame, shown);
     };
   };

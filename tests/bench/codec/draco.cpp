@@ -1,7 +1,6 @@
-// Draco codes one mesh, or one cloud of points, at a time and knows no motion. As a mesh it predicts vertices from the
-// triangles beside them but sends these along in every frame, and gives vertices back in an order of its own; as a
-// cloud it must keep the order (its tree does not), so that a vertex can be told from another. Slowest and best
-// settings.
+// Draco codes one mesh or point cloud at a time and uses no motion. As a mesh it predicts vertices from adjacent
+// triangles, but sends the triangles in every frame and returns vertices in its own order. As a cloud it must keep the
+// order (its kd-tree does not), so that vertices can be identified. Slowest and best settings.
 #include <draco/compression/decode.h>
 #include <draco/compression/expert_encode.h>
 #include <draco/mesh/triangle_soup_mesh_builder.h>
@@ -39,7 +38,8 @@ std::vector<Vector3> ReadPoints(const draco::PointCloud& cloud) {
   return points;
 }
 
-// For want of the order that Draco has put them in: they lie far closer to their own vertex than to any other.
+// Matches points to vertices by distance, because Draco's order is unknown: each lies far closer to its own vertex than
+// to any other.
 void ShowNearest(const std::vector<Vector3>& points, const std::vector<Vector3>& vertices,
                  std::vector<Vector3>& shown) {
   for (std::size_t i = 0; i < vertices.size(); ++i) {
@@ -68,7 +68,7 @@ std::size_t CodeMesh(const std::vector<Vector3>& vertices, const std::vector<phy
   draco::DecoderBuffer buffer;
   const std::size_t size = CompressWithDraco(encoder, draco::MESH_EDGEBREAKER_ENCODING, bits, buffer, bytes);
   auto decoded = draco::Decoder().DecodeMeshFromBuffer(&buffer);
-  if (!decoded.ok()) throw std::runtime_error("Draco: a mesh of its own that it cannot decode");
+  if (!decoded.ok()) throw std::runtime_error("Draco cannot decode its own mesh");
   ShowNearest(ReadPoints(*decoded.value()), vertices, shown);
   return size;
 }
@@ -84,7 +84,7 @@ std::size_t CodePoints(const std::vector<Vector3>& vertices, int bits, std::vect
   draco::DecoderBuffer buffer;
   const std::size_t size = CompressWithDraco(encoder, draco::POINT_CLOUD_SEQUENTIAL_ENCODING, bits, buffer, bytes);
   auto decoded = draco::Decoder().DecodePointCloudFromBuffer(&buffer);
-  if (!decoded.ok()) throw std::runtime_error("Draco: a cloud of its own that it cannot decode");
+  if (!decoded.ok()) throw std::runtime_error("Draco cannot decode its own point cloud");
   shown = ReadPoints(*decoded.value());
   return size;
 }

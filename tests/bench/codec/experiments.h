@@ -5,13 +5,14 @@
 
 namespace wobble::bench {
 
-// Keys speed_median, deformation_median, bits_per_vertex_*, ratio_vs_*, vertex_error_p999_025.
+// Keys speed_median, deformation_median, bits_per_vertex_*, ratio_vs_*, vertex_error_p999_025: rate–distortion curves
+// of all methods.
 void MeasureCurves(Bench& bench);
-// Keys cloth_bits_per_vertex_025, lattice_bits_per_vertex_025.
+// Keys cloth_bits_per_vertex_025, lattice_bits_per_vertex_025: our codec on other bodies.
 void MeasureOtherBodies(Bench& bench);
-// Key bits_at_rest, through a server with a client that watches.
+// Key bits_at_rest: bodies at rest, measured on a server with a watching client.
 void MeasureRest(Bench& bench);
-// Keys encode_us_per_body, decode_us_per_body.
+// Keys encode_us_per_body, decode_us_per_body: computing time.
 void MeasureCodecTimes(Bench& bench);
 
 }  // namespace wobble::bench

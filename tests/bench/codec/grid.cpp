@@ -39,7 +39,7 @@ void TakeOffGrid(const GridBody& body, double step, std::vector<Vector3>& vertic
 std::vector<std::uint8_t> SplitPlanes(const std::vector<std::int16_t>& numbers) {
   std::vector<std::uint8_t> planes(2 * numbers.size());
   for (std::size_t i = 0; i < numbers.size(); ++i) {
-    // The sign in the lowest bit: else high bytes are 0 or 255 by turns.
+    // Puts the sign into the lowest bit; otherwise high bytes would alternate between 0 and 255.
     const auto folded = static_cast<std::uint16_t>((numbers[i] * 2) ^ (numbers[i] >> 15));
     planes[i] = static_cast<std::uint8_t>(folded);
     planes[numbers.size() + i] = static_cast<std::uint8_t>(folded >> 8);

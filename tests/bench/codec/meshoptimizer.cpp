@@ -1,6 +1,6 @@
-// meshoptimizer's codec takes each byte of a vertex from the one before, and packs these in groups of sixteen; it is
-// made to be followed by a general compressor. It is given the vertices in the order in which they lie near one
-// another, found once from the rest shape, and 16-bit places on the grid.
+// meshoptimizer's codec predicts each byte of a vertex from the one before and packs the differences in groups of
+// sixteen; it is designed to be followed by a general compressor. It gets the vertices in an order of spatial
+// proximity, computed once from the rest shape, with 16-bit positions on the grid.
 #include <meshoptimizer.h>
 
 #include <array>
@@ -13,31 +13,31 @@
 namespace wobble::bench {
 namespace {
 
-using PackedVertex = std::array<std::int16_t, 4>;  // the codec wants fours of bytes; the last number stays 0
+using PackedVertex = std::array<std::int16_t, 4>;  // the codec requires multiples of four bytes; the last number is 0
 
-std::vector<std::uint8_t> Encode(const std::vector<PackedVertex>& vertices) {
+std::vector<std::uint8_t> EncodeVertices(const std::vector<PackedVertex>& vertices) {
   std::vector<std::uint8_t> out(meshopt_encodeVertexBufferBound(vertices.size(), sizeof(PackedVertex)));
   out.resize(
       meshopt_encodeVertexBuffer(out.data(), out.size(), vertices.data(), vertices.size(), sizeof(PackedVertex)));
   return out;
 }
 
-std::vector<PackedVertex> Decode(const std::vector<std::uint8_t>& bytes, std::size_t count) {
+std::vector<PackedVertex> DecodeVertices(const std::vector<std::uint8_t>& bytes, std::size_t count) {
   std::vector<PackedVertex> vertices(count);
   if (meshopt_decodeVertexBuffer(vertices.data(), count, sizeof(PackedVertex), bytes.data(), bytes.size()) != 0) {
-    throw std::runtime_error("meshoptimizer: a buffer of its own that it cannot decode");
+    throw std::runtime_error("meshoptimizer cannot decode its own buffer");
   }
   return vertices;
 }
 
-// Where each vertex stands in the buffer.
+// Index of each vertex in the buffer.
 std::vector<unsigned> FindOrder(const Recording& recording) {
   std::vector<unsigned> order(recording.CountVertices());
   meshopt_spatialSortRemap(order.data(), &recording.blueprint.rest.front().x, order.size(), sizeof(protocol::Vector3));
   return order;
 }
 
-struct Stream {
+struct MeshStream {
   const Recording& recording;
   double step;
   bool isDelta;
@@ -58,9 +58,10 @@ struct Stream {
       }
       last[body] = grid;
     }
-    const std::vector<std::uint8_t> encoded = Encode(vertices);
+    const std::vector<std::uint8_t> encoded = EncodeVertices(vertices);
     const std::vector<std::uint8_t> packed = CompressWithZstd(encoded);
-    const std::vector<PackedVertex> received = Decode(DecompressWithZstd(packed, encoded.size()), vertices.size());
+    const std::vector<PackedVertex> received =
+        DecodeVertices(DecompressWithZstd(packed, encoded.size()), vertices.size());
     for (std::size_t body = 0; body < shown.size(); ++body) {
       decoded[body].centre = last[body].centre;
       for (std::size_t i = 0; i < 3 * count; ++i) {
@@ -77,9 +78,8 @@ struct Stream {
 
 Method MakeMeshoptimizer(bool isDelta) {
   const auto begin = [isDelta](const Recording& recording, double step) -> CodeFrame {
-    return [stream = Stream{recording, step, isDelta, FindOrder(recording)}](std::size_t frame, Shown& shown) mutable {
-      return stream.Code(frame, shown);
-    };
+    return [stream = MeshStream{recording, step, isDelta, FindOrder(recording)}](
+               std::size_t frame, Shown& shown) mutable { return stream.Code(frame, shown); };
   };
   return {isDelta ? "meshoptimizer delta + zstd" : "meshoptimizer + zstd", {}, begin};
 }

@@ -1,5 +1,5 @@
-// The same codec on other bodies: a hung cloth of two patches, solids, and balls that are softer and firmer than those
-// of the fixed play.
+// Our codec on other bodies: a hanging cloth of two patches, solids, and balls softer and firmer than those of the
+// fixed play.
 #include "tests/bench/codec/curve.h"
 #include "tests/bench/codec/experiments.h"
 

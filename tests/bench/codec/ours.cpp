@@ -1,4 +1,4 @@
-// Through the entry points that server and client use.
+// Our codec, through the entry points that server and client use.
 #include <stdexcept>
 
 #include "protocol/shape_codec.h"
@@ -39,7 +39,7 @@ std::size_t Coder::CodeBody(const server::CapturedBody& body, const Recording& r
         encoder.Encode(model, body.pose, vertices.subspan(first, count), target, protocol::kMaxRecordPayload, payload)
             .fits;
     if (!fits || decoder.Decode(model, payload, pose, shape) != protocol::DecodeResult::kOk) {
-      throw std::runtime_error("a shape that cannot be coded");
+      throw std::runtime_error("our codec cannot code or decode a shape");
     }
     const protocol::Pose seen = protocol::Dequantise(pose);
     for (std::size_t i = 0; i < count; ++i) shown[first + i] = protocol::Transform(seen, shape[i]);

@@ -1,4 +1,4 @@
-// The fixed play of the reports on the wire: who plays, in what arena, and what makes them run.
+// The fixed play of the codec and interpolation reports: players, arena and the rules by which players move.
 #pragma once
 
 #include <cstdint>
@@ -10,9 +10,9 @@
 
 namespace wobble::bench {
 
-// Everybody does something else after a quarter to a whole second. kChase: runs at another one a third of the time,
-// else somewhere, and jumps. kRoam: runs somewhere, puffs up, jumps seldom: what bases are trained on that are measured
-// on kChase.
+// Every player changes its action after 0.25 to 1 s. kChase: runs at another player a third of the time, otherwise to a
+// random place, and jumps. kRoam: runs to random places, inflates, seldom jumps; bases that are measured on kChase are
+// trained on kRoam.
 enum class Pattern { kChase, kRoam };
 
 inline constexpr physics::ControlLimits kPlayLimits{.acceleration = 12, .speed = 4, .jumpSpeed = 3};
@@ -20,19 +20,19 @@ inline constexpr physics::ControlLimits kPlayLimits{.acceleration = 12, .speed =
 // A floor and four walls, 12 m apart.
 [[nodiscard]] std::vector<physics::Obstacle> MakeArena();
 
-// nRT, J. With this the play is as violent as the one that the codec was chosen on: a median of 3.5 m/s, and shapes 3
-// to 5 % of the radius off; the report has rows for softer and firmer balls.
+// nRT, J. With this value the play is as violent as the one for which the codec was chosen: median speed 3.5 m/s,
+// deformation 3 to 5 % of the radius. The report has rows for softer and firmer balls.
 inline constexpr double kPlayedGas = 4500;
-// 162 vertices, radius 1 m, 0.25 kg and springs of 750 N/m a vertex; damped like the balls of the scene crowd.
+// 162 vertices, radius 1 m, 0.25 kg per vertex, springs of 750 N/m, damped like the balls of the scene crowd.
 [[nodiscard]] physics::Blueprint MakePlayedBall(double gas = kPlayedGas);
 
-// One of those who play, with draws of its own, so that what one does never shifts what another draws.
+// One player. Each has its own random generator, so that the draws of one never shift those of another.
 class Actor {
  public:
-  // self: its place among the bodies.
+  // self: index of its body in the world.
   Actor(std::uint64_t seed, std::size_t self) : m_random(seed * 64 + self), m_self(self) {}
 
-  // Once a tick of 1/60 s.
+  // The player's control; call it once per tick of 1/60 s.
   [[nodiscard]] physics::Control Act(Pattern pattern, const physics::World& world);
 
  private:

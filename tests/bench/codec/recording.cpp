@@ -1,6 +1,5 @@
-// The plays are made here and not taken from a scene: their figures are compared from one version to the next, and
-// scenes change for the sake of those who play them. Who chases whom, and when somebody jumps, follows from the seed
-// and from where the bodies are.
+// The plays are generated here and not taken from a scene, because their figures are compared between versions, while
+// scenes change for the sake of players. Targets and jumps follow from the seed and from the positions of the bodies.
 #include "tests/bench/codec/recording.h"
 
 #include <algorithm>
@@ -32,13 +31,13 @@ Recording BeginRecording(const World& world) {
   return recording;
 }
 
-// Of the recording's blueprint, which is the world's first.
+// Adds a frame with the bodies of the recording's blueprint, the first of the world.
 void AddFrame(const World& world, Recording& recording) {
   std::vector<server::CapturedBody> frame;
   for (const Body& body : world.Bodies()) {
     if (body.blueprint != 0) continue;
     const std::size_t place = frame.size();
-    // As the server does it: from the last capture.
+    // Like the server, starts from the last capture.
     frame.push_back(recording.frames.empty() ? server::CapturedBody{} : recording.frames.back()[place]);
     server::CaptureBody(world, body, frame.back());
     recording.speeds.push_back(FindVelocity(world, body).norm());

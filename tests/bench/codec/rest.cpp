@@ -1,5 +1,5 @@
-// What bodies cost that lie still, once their watcher has them: a server with a scene of balls that have come to rest,
-// and what it then sends beyond the heads of its packets.
+// The cost of resting bodies once a watcher has received them: a server with a scene of balls at rest, and what it
+// sends beyond packet headers.
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -29,11 +29,11 @@ spacing = [4, 4, 0]
 [player]
 blueprint = "ball"
 )";
-constexpr double kLongestWait = 300;  // balls roll for most of a minute before they fall asleep, s
+constexpr double kLongestWait = 300;  // s; balls roll for most of a minute before they sleep
 constexpr double kAfterwards = 1;
 constexpr double kWatched = 3;
 
-// The bytes that the server has sent beyond the heads of its packets, so far.
+// Bytes sent by the server so far, without packet headers.
 double CountRecordBytes(const server::Server& server) {
   const server::SendCounts& sent = server.ReadSendCounts();
   return static_cast<double>(sent.bytes) - static_cast<double>(sent.packets * protocol::kSnapshotHeadBytes);

@@ -1,7 +1,6 @@
-// Rigs of Rods, a game of soft vehicles, sends every node of a vehicle ten times a second: a reference node as it is
-// and the others relative to it in 16 bits a coordinate. What it says of engine and lamps beside that is left out.
-// Nothing can be traded: there is one point. GCC and clang convert to half floats as the processor does, to the nearest
-// even.
+// Rigs of Rods, a game with soft vehicles, sends every node of a vehicle ten times a second: a reference node in full
+// and the others relative to it with 16 bits per coordinate. Its data on engine and lights are left out. It has no
+// parameter, hence one point. GCC and clang convert to half floats as the processor does, to nearest even.
 #include "tests/bench/codec/method.h"
 
 namespace wobble::bench {

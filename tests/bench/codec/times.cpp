@@ -1,5 +1,5 @@
-// What it takes to encode and decode a body in play: all frames of a few seconds, one after the other, as a server and
-// a client have them, and of many such passes the fastest.
+// Time to encode and decode a body in play: all frames of a few seconds in sequence, as a server and a client process
+// them; the fastest of many passes counts.
 #include <stdexcept>
 
 #include "protocol/snapshot.h"
@@ -10,7 +10,7 @@
 namespace wobble::bench {
 namespace {
 
-constexpr float kTarget = 0.0025F;
+constexpr float kTimedTarget = 0.0025F;
 
 using Payloads = std::vector<std::vector<std::uint8_t>>;
 
@@ -21,7 +21,8 @@ void EncodeAll(const Recording& recording, protocol::ShapeEncoder& encoder, Payl
     for (const server::CapturedBody& body : frame) {
       std::vector<std::uint8_t>& payload = payloads[next++];
       payload.clear();
-      (void)encoder.Encode(model, body.pose, body.vertices, kTarget * model.size, protocol::kMaxRecordPayload, payload);
+      (void)encoder.Encode(model, body.pose, body.vertices, kTimedTarget * model.size, protocol::kMaxRecordPayload,
+                           payload);
     }
   }
 }
@@ -32,7 +33,7 @@ void DecodeAll(const Recording& recording, protocol::ShapeDecoder& decoder, cons
   std::vector<protocol::Vector3> shape(recording.CountVertices());
   for (const auto& payload : payloads) {
     if (decoder.Decode(model, payload, pose, shape) != protocol::DecodeResult::kOk) {
-      throw std::runtime_error("a shape that cannot be decoded");
+      throw std::runtime_error("our codec cannot decode its own shape");
     }
   }
 }
@@ -53,7 +54,7 @@ void MeasureCodecTimes(Bench& bench) {
     bench.progress.Show(pass + 1, passes);
   }
   const auto count = static_cast<double>(payloads.size());
-  // Times of a quick run are whatever a busy machine makes of them.
+  // Times of a quick run depend too much on other load of the machine.
   const bool isHeld = !bench.options.quick;
   bench.results.AddFigureAtMost("encode_us_per_body", 1e6 * encode.Read() / count, 50, isHeld);
   bench.results.AddFigureAtMost("decode_us_per_body", 1e6 * decode.Read() / count, 20, isHeld);

@@ -31,7 +31,7 @@ std::vector<std::uint8_t> DecompressWithZstd(std::span<const std::uint8_t> bytes
   Check(ZSTD_DCtx_setParameter(context.get(), ZSTD_d_format, ZSTD_f_zstd1_magicless));
   std::vector<std::uint8_t> out(size);
   if (Check(ZSTD_decompressDCtx(context.get(), out.data(), out.size(), bytes.data(), bytes.size())) != size) {
-    throw std::runtime_error("zstd: another size");
+    throw std::runtime_error("zstd: the decompressed size differs");
   }
   return out;
 }

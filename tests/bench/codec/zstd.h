@@ -1,4 +1,5 @@
-// zstd at its most thorough, without the parts of a frame that a packet says already: magic number, size, checksum.
+// zstd at its highest compression level, without the frame fields that a packet already has: magic number, size,
+// checksum.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +9,7 @@
 namespace wobble::bench {
 
 [[nodiscard]] std::vector<std::uint8_t> CompressWithZstd(std::span<const std::uint8_t> bytes);
-// size: of what was compressed.
+// size: of the uncompressed data.
 [[nodiscard]] std::vector<std::uint8_t> DecompressWithZstd(std::span<const std::uint8_t> bytes, std::size_t size);
 
 }  // namespace wobble::bench

@@ -1,6 +1,6 @@
-// What does the search for contacts cost where nothing touches? Boxes of a body's size stand apart on a grid, as dense
-// as a crowd; the time for each must not grow with their number. Sorting makes it grow by the logarithm, and caches by
-// a little more.
+// The cost of the search for contact pairs where nothing touches. Boxes of a body's size stand apart on a grid, as
+// dense as a crowd; the time per box must not grow with their number. Sorting makes it grow by the logarithm, and
+// caches slightly more.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -16,12 +16,12 @@ using namespace physics;
 
 constexpr int kAgain = 15;  // the fastest counts: other programs can only slow it down
 
-// For each of `count` boxes, s.
+// Time per box among `count` boxes, s.
 double TimeSearch(std::size_t count) {
   std::vector<Box> boxes;
   const auto side = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(count))));
   for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t mixed = i * 7919 % count;  // bodies are not created in the order that they stand in
+    const std::size_t mixed = i * 7919 % count;  // bodies are not created in the order in which they stand
     const Vector3d middle(1.3 * static_cast<double>(mixed % side), 1.3 * static_cast<double>(mixed / side), 0.5);
     boxes.push_back({middle - Vector3d::Constant(0.55), middle + Vector3d::Constant(0.55)});
   }

@@ -10,7 +10,7 @@ namespace wobble::bench {
 using namespace physics;
 
 Blueprint MakeParticles(double restitution) {
-  constexpr double kMass = 0.05;  // of each, kg
+  constexpr double kMass = 0.05;  // per particle, kg
   Blueprint blueprint;
   blueprint.name = "particles";
   blueprint.rest = {Vector3d(1, 0, 0), Vector3d(0, 1, 0), Vector3d(-1, 0, 0), Vector3d(0, -1, 0)};
@@ -73,7 +73,7 @@ Blueprint MakeSheet(int cells, double cellSize, double mass, double stiffness) {
   material.stiffness = stiffness;
   full.contact = MakeContactParameters(material, vertexMass, DescribeBall(2).radius);
   FinishBlueprint(blueprint);
-  // All stand for the same surface, whatever they weigh.
+  // Each vertex stands for the same area, whatever its mass.
   full.contactShares.assign(full.contactShares.size(), 1);
   blueprint.single.contactShares.assign(full.contactShares.size(), 1);
   return blueprint;

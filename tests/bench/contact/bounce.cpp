@@ -1,11 +1,11 @@
-// How high does it come back? A body falls on a plane and the height of its centre at the top of the first rebound,
-// above where the centre is when the body just touches, is compared with what it must be:
-//   particles that lose nothing: the height that they fell from, by the conservation of energy;
-//   particles with restitution: the law of contact.h written down once more as one equation, m z'' = −mg + N(−z, −z'),
-//     and solved in steps of a microsecond;
+// Bounce height. A body falls on a plane; the height of its centre at the top of the first rebound, above its height
+// when the body just touches, is compared with
+//   particles without loss: the height of the fall, by conservation of energy;
+//   particles with restitution: the law of contact.h, written again as one equation, m z'' = −mg + N(−z, −z'), and
+//     solved in steps of a microsecond;
 //   balls and lattices: their own equations, all vertices against the plane, by RK4 in steps so fine that half as many
 //     give the same height (the difference is in the row).
-// A rebound is a well-posed problem: it is over after one impact, whose length is a few of the slowest periods.
+// A rebound is well-posed: it ends after one impact, which lasts a few of the slowest periods.
 #include <algorithm>
 #include <cmath>
 
@@ -21,33 +21,30 @@ namespace {
 
 using namespace physics;
 
-constexpr double kGravity = 9.81;
-constexpr double kTick = 1.0 / 60;
-
-struct Case {
+struct Bounce {
   std::string body;
   Blueprint blueprint;
-  double fall;                                           // of the lowest vertex, m
-  double height = -1;                                    // what it must come back to, m; negative: by fine steps
-  double rebound = 0;                                    // as played
-  double coarser = 0;                                    // the reference with half as many steps
-  double substeps = 0;                                   // most that a tick of play took
+  double fall;          // of the lowest vertex, m
+  double height = -1;   // expected rebound height, m; negative: to be solved in fine steps
+  double rebound = 0;   // as played
+  double coarser = 0;   // reference with half as many steps
+  double substeps = 0;  // the most in any tick of play
   std::vector<std::array<double, 2>> played, reference;  // height of the centre over time
 };
 
-// The top of the first rebound from heights and velocities of the centre as they come, m. In flight the centre is a
-// particle: its top is at z + v²/2g wherever it is looked at.
+// Finds the top of the first rebound from successive heights and velocities of the centre, m. In flight the centre is a
+// particle: its top is at z + v²/2g from any point of the flight.
 class TopFinder {
  public:
-  // False once the top is behind.
+  // False once the top has been passed.
   bool Add(double z, double v) {
     m_falls |= v < 0 && !m_rose;
     if (m_falls && v > 0) m_rose = true;
     if (!m_rose) return true;
     if (z > m_highest) {
       m_highest = z;
-      m_top = z + v * std::fabs(v) / (2 * kGravity);
-      if (v < 0) m_top = z + v * v / (2 * kGravity);
+      m_top = z + v * std::fabs(v) / (2 * kContactGravity);
+      if (v < 0) m_top = z + v * v / (2 * kContactGravity);
     }
     return v > 0;
   }
@@ -66,9 +63,9 @@ double FindLowest(const Blueprint& blueprint) {
   return lowest;
 }
 
-void Play(Case& each) {
+void PlayBounce(Bounce& each) {
   WorldSettings settings;
-  settings.gravity = Vector3d(0, 0, -kGravity);
+  settings.gravity = Vector3d(0, 0, -kContactGravity);
   World world(settings);
   world.AddBlueprint(each.blueprint);
   world.AddObstacle(Obstacle{});
@@ -79,7 +76,7 @@ void Play(Case& each) {
   for (int tick = 1; tick < 600; ++tick) {
     each.substeps = std::max(each.substeps, static_cast<double>(world.Step().substeps));
     const double z = world.FindCentre(body).z() - touching;
-    each.played.push_back({tick * kTick, z});
+    each.played.push_back({tick * kContactTick, z});
     if (!top.Add(z, FindVelocity(world, body).z())) break;
   }
   each.rebound = top.Top();
@@ -91,7 +88,7 @@ double SumZ(const Blueprint& blueprint, const std::vector<Vector3d>& values) {
   return sum / blueprint.totalMass;
 }
 
-// The engine's forces, nothing else of it: no choice of steps, no lists of candidates, no single precision.
+// Uses only the engine's forces: no choice of steps, no candidate lists, no single precision.
 double SolveFinely(const Blueprint& blueprint, double fall, int stepsATick, std::vector<std::array<double, 2>>* track) {
   const double touching = -FindLowest(blueprint);
   std::vector<Vector3d> x = blueprint.rest;
@@ -101,17 +98,18 @@ double SolveFinely(const Blueprint& blueprint, double fall, int stepsATick, std:
   std::vector<Contact<double>> contacts;
   for (std::uint32_t i = 0; i < x.size(); ++i) contacts.push_back({0, i});
   Load<double> load;
-  load.acceleration = Vector3d(0, 0, -kGravity);
+  load.acceleration = Vector3d(0, 0, -kContactGravity);
   const auto accelerate = [&](std::span<const Vector3d> atX, std::span<const Vector3d> atV, std::span<Vector3d> a) {
     ComputeAccelerations<double>(blueprint.full, load, surfaces, contacts, atX, atV, a);
   };
   StageBuffers<double, 4> buffers;
   TopFinder top;
   for (int step = 1; step < 600 * stepsATick; ++step) {
-    StepRungeKutta<double>(kClassicRungeKutta, kTick / stepsATick, accelerate, std::span(x), std::span(v), buffers);
+    StepRungeKutta<double>(kClassicRungeKutta, kContactTick / stepsATick, accelerate, std::span(x), std::span(v),
+                           buffers);
     UpdateAnchors<double>(blueprint.full.contact, surfaces, contacts, x);
     const double z = SumZ(blueprint, x) - touching;
-    if (track != nullptr && step % (stepsATick / 4) == 0) track->push_back({step * kTick / stepsATick, z});
+    if (track != nullptr && step % (stepsATick / 4) == 0) track->push_back({step * kContactTick / stepsATick, z});
     if (!top.Add(z, SumZ(blueprint, v))) break;
   }
   return top.Top();
@@ -121,26 +119,26 @@ double SolveFinely(const Blueprint& blueprint, double fall, int stepsATick, std:
 double SolveParticle(const ContactParameters<double>& law, double mass, double fall) {
   const auto accelerate = [&](double z, double v) {
     const double d = -z;
-    if (d <= 0) return -kGravity;
+    if (d <= 0) return -kContactGravity;
     const double spring =
         d < law.fadeDepth ? law.stiffness * d * d / (2 * law.fadeDepth) : law.stiffness * (d - law.fadeDepth / 2);
     const double s = std::min(1.0, d / law.fadeDepth);
-    return -kGravity + std::max(0.0, spring - law.damping * s * s * (3 - 2 * s) * v) / mass;
+    return -kContactGravity + std::max(0.0, spring - law.damping * s * s * (3 - 2 * s) * v) / mass;
   };
   constexpr double h = 1e-6;
   double z = 0;
-  double v = -std::sqrt(2 * kGravity * fall);
-  do {  // the midpoint rule
+  double v = -std::sqrt(2 * kContactGravity * fall);
+  do {  // midpoint rule
     const double middleZ = z + h / 2 * v;
     const double middleV = v + h / 2 * accelerate(z, v);
     z += h * middleV;
     v += h * accelerate(middleZ, middleV);
   } while (z < 0);
-  return z + v * v / (2 * kGravity);
+  return z + v * v / (2 * kContactGravity);
 }
 
-std::vector<Case> MakeCases(bool quick) {
-  std::vector<Case> cases;
+std::vector<Bounce> MakeBounces(bool quick) {
+  std::vector<Bounce> cases;
   const auto add = [&](const std::string& body, const Blueprint& blueprint, std::initializer_list<double> falls) {
     for (const double fall : falls) {
       cases.push_back({});
@@ -156,7 +154,7 @@ std::vector<Case> MakeCases(bool quick) {
     std::snprintf(name, sizeof name, "particle, restitution %g", restitution);
     add(name, MakeParticles(restitution), {1, 0.3, 3});
     for (std::size_t i = first; i < cases.size(); ++i) {
-      Case& each = cases[i];
+      Bounce& each = cases[i];
       each.height = restitution == 1
                         ? each.fall
                         : SolveParticle(each.blueprint.full.contact, each.blueprint.full.masses[0], each.fall);
@@ -168,7 +166,7 @@ std::vector<Case> MakeCases(bool quick) {
     const Blueprint ball = MakeBall(DescribeBall(subdivisions));
     add("ball of " + std::to_string(ball.rest.size()), ball, {1, 0.3, 3});
   }
-  // A ground that takes no energy, and that the strongest feels all the way.
+  // A ground without loss; the body feels the strongest field during its whole fall.
   for (const double strength : {1e-2, 1e-4, 1.0, 1e-1}) {
     if (quick && strength > 1e-2) continue;
     Blueprint ball = MakeBall(DescribeBall(2));
@@ -185,11 +183,11 @@ std::vector<Case> MakeCases(bool quick) {
 }  // namespace
 
 void MeasureBounces(Bench& bench) {
-  std::vector<Case> cases = MakeCases(bench.options.quick);
+  std::vector<Bounce> cases = MakeBounces(bench.options.quick);
   const int stepsATick = bench.options.quick ? 256 : 1024;
   const bool done = RunTrials(bench, cases.size(), [&](std::size_t i) {
-    Case& each = cases[i];
-    Play(each);
+    Bounce& each = cases[i];
+    PlayBounce(each);
     if (each.height >= 0) return;
     each.coarser = SolveFinely(each.blueprint, each.fall, stepsATick / 2, nullptr);
     each.height = SolveFinely(each.blueprint, each.fall, stepsATick, &each.reference);
@@ -197,7 +195,7 @@ void MeasureBounces(Bench& bench) {
   if (!done) return;
 
   double worst = 0;
-  for (const Case& each : cases) {
+  for (const Bounce& each : cases) {
     const double error = std::fabs(each.rebound - each.height) / each.height;
     worst = std::isfinite(error) ? std::max(worst, error) : error;
     bench.results.rows.push_back({{"experiment", "bounce"},
@@ -211,7 +209,7 @@ void MeasureBounces(Bench& bench) {
   }
   bench.results.AddFigureAtMost("bounce_error", worst, 0.01);
   const auto shown =
-      std::find_if(cases.begin(), cases.end(), [](const Case& each) { return each.body == "ball of 162"; });
+      std::find_if(cases.begin(), cases.end(), [](const Bounce& each) { return each.body == "ball of 162"; });
   bench.results.plots.push_back(
       {"bounce",
        "A ball of 162 vertices dropped from 1 m",

@@ -1,9 +1,9 @@
-// Do colliding bodies keep momentum and angular momentum? Pairs in free space hit one another off their centres, with
-// friction, at a speed as in play.
+// Conservation of momentum and angular momentum in collisions. Pairs in free space collide off centre, with friction,
+// at a speed of normal play.
 //
-// Relative to what is exchanged: momentum to Σ m |v − v̄|, angular momentum to Σ m |x − x̄| |v − v̄| at the start, about
-// the common centre of mass. Played in double precision, so that what is measured is the method; the rows have single
-// precision beside it, where rounding of the positions adds its part.
+// Errors are relative to the exchanged amount: Σ m |v − v̄| for momentum, Σ m |x − x̄| |v − v̄| at the start for
+// angular momentum, about the common centre of mass. Double precision, so that the method itself is measured; rows also
+// have single precision, where rounding of positions adds its part.
 #include <algorithm>
 #include <cmath>
 
@@ -16,18 +16,16 @@ namespace {
 
 using namespace physics;
 
-constexpr double kTick = 1.0 / 60;
-
-struct Case {
+struct Collision {
   std::string bodies;
   Blueprint first, second;
-  double speed = 0;   // of each, towards the other, m/s
-  double offset = 0;  // of their paths, m
+  double speed = 0;   // of each towards the other, m/s
+  double offset = 0;  // between their paths, m
   Precision precision = Precision::kDouble;
   double linear = 0;
   double angular = 0;
-  double angularFine = 0;  // in ticks an eighth as long
-  double turned = 0;       // spin that the first was given, by its share of the angular momentum
+  double angularFine = 0;  // the same with ticks an eighth as long
+  double turned = 0;       // spin given to the first body, as a share of the angular momentum scale
 };
 
 struct Sums {
@@ -71,7 +69,7 @@ struct Drift {
   double angular = 0;
 };
 
-Drift Play(const Case& each, double tick) {
+Drift PlayCollision(const Collision& each, double tick) {
   WorldSettings settings;
   settings.gravity = Vector3d::Zero();
   settings.precision = each.precision;
@@ -92,11 +90,11 @@ Drift Play(const Case& each, double tick) {
   return drift;
 }
 
-std::vector<Case> MakeCases(bool quick) {
+std::vector<Collision> MakeCollisions(bool quick) {
   const Blueprint ball = MakeBall(DescribeBall(2));
   const Blueprint small = MakeBall(DescribeBall(1));
   const Blueprint cube = MakeLattice(DescribeCube(20000, 0.8));
-  std::vector<Case> cases;
+  std::vector<Collision> cases;
   const auto add = [&](const std::string& bodies, const Blueprint& first, const Blueprint& second) {
     for (const double speed : {2.0, 5.0}) {
       for (const double offset : {0.2, 0.5}) {
@@ -117,16 +115,16 @@ std::vector<Case> MakeCases(bool quick) {
 }  // namespace
 
 void MeasureCollisions(Bench& bench) {
-  std::vector<Case> cases = MakeCases(bench.options.quick);
+  std::vector<Collision> cases = MakeCollisions(bench.options.quick);
   const bool done = RunTrials(bench, cases.size(), [&](std::size_t i) {
-    const Drift drift = Play(cases[i], kTick);
+    const Drift drift = PlayCollision(cases[i], kContactTick);
     cases[i].linear = drift.linear;
     cases[i].angular = drift.angular;
-    if (!bench.options.quick) cases[i].angularFine = Play(cases[i], kTick / 8).angular;
+    if (!bench.options.quick) cases[i].angularFine = PlayCollision(cases[i], kContactTick / 8).angular;
   });
   if (!done) return;
   double worst = 0;
-  for (const Case& each : cases) {
+  for (const Collision& each : cases) {
     const bool isDouble = each.precision == Precision::kDouble;
     if (isDouble) worst = std::max({worst, each.linear, each.angular});
     bench.results.rows.push_back({{"experiment", "collision"},

@@ -1,23 +1,23 @@
-// The experiments of `wobble_lab contact`, each with the share of the report's time that it takes.
+// The experiments of `wobble_lab contact`.
 #pragma once
 
 #include "tests/bench/report.h"
 
 namespace wobble::bench {
 
-// Key bounce_error: heights that bodies come back to.
+// Key bounce_error: the height to which bodies bounce back.
 void MeasureBounces(Bench& bench);
-// No key: rows and a plot of the magnetic law and of backtracking beside the default.
+// No key: rows and a plot of the magnetic contact law and of backtracking, with the default law for comparison.
 void MeasureLaws(Bench& bench);
-// Key slide_angle_error_deg: the slope on which a cube begins to slide.
+// Key slide_angle_error_deg: the slope at which a cube begins to slide.
 void MeasureSlides(Bench& bench);
-// Key momentum_drift: bodies that collide in free space.
+// Key momentum_drift: momentum of bodies that collide in free space.
 void MeasureCollisions(Bench& bench);
-// Keys stack_drift, stack_asleep_s, slab_stack_asleep_s and stack_changed_asleep: bodies on one another.
+// Keys stack_drift, stack_asleep_s, slab_stack_asleep_s, stack_changed_asleep: stacks of bodies.
 void MeasureStacks(Bench& bench);
-// Key apart_growth: what a body costs the search for contacts, among many against among few.
+// Key apart_growth: cost per body of the search for contact pairs, among many bodies over among few.
 void MeasureApart(Bench& bench);
-// Key tunnelled: bodies shot at one another and at what stands still.
+// Key tunnelled: bodies shot at each other and at fixed targets.
 void MeasureShots(Bench& bench);
 
 }  // namespace wobble::bench

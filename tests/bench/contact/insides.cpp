@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace wobble::bench {
 
@@ -10,8 +11,8 @@ using namespace physics;
 
 namespace {
 
-// To a triangle: its plane where the foot lies inside, else the nearest of its sides.
-double FindDistance(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& p) {
+// Distance to a triangle: to its plane where the foot of the perpendicular lies inside, otherwise to its nearest side.
+double FindDistanceToFace(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& p) {
   const Vector3d corners[] = {a, b, c};
   const Vector3d normal = (b - a).cross(c - a).normalized();
   bool inside = true;
@@ -39,13 +40,12 @@ double FindWinding(const std::vector<Face>& faces, const std::vector<Vector3d>& 
     const double lc = c.norm();
     sum += 2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
   }
-  constexpr double kPi = 3.14159265358979323846;
-  return sum / (4 * kPi);
+  return sum / (4 * std::numbers::pi);
 }
 
 double FindDistance(const Vector3d& p, const std::vector<Face>& faces, const std::vector<Vector3d>& x) {
   double least = std::numeric_limits<double>::max();
-  for (const Face& face : faces) least = std::min(least, FindDistance(x[face[0]], x[face[1]], x[face[2]], p));
+  for (const Face& face : faces) least = std::min(least, FindDistanceToFace(x[face[0]], x[face[1]], x[face[2]], p));
   return least;
 }
 

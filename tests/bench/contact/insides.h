@@ -1,4 +1,4 @@
-// Inside or outside of a surface, by means that have nothing to do with how the engine finds its contacts.
+// Tells inside from outside of a surface by a method independent of the engine's contact search.
 #pragma once
 
 #include <vector>
@@ -8,16 +8,16 @@
 
 namespace wobble::bench {
 
-// How often the surface wraps round p, by solid angles (van Oosterom & Strackee 1983): 1 inside and 0 outside a closed
-// one; an open one is seen under a part of a turn that changes its sign, by a whole turn, where it is crossed.
+// Winding number of the surface about p, by solid angles (van Oosterom & Strackee 1983). A closed surface gives 1
+// inside and 0 outside. An open surface gives a fraction that jumps by 1 where p crosses it.
 [[nodiscard]] double FindWinding(const std::vector<physics::Face>& faces, const std::vector<physics::Vector3d>& x,
                                  const physics::Vector3d& p);
 
-// From p to the nearest point of a surface, m.
+// Distance from p to the nearest point of a surface, m.
 [[nodiscard]] double FindDistance(const physics::Vector3d& p, const std::vector<physics::Face>& faces,
                                   const std::vector<physics::Vector3d>& x);
 
-// Of the points inside a closed surface, the greatest distance from it, m; 0 when there are none.
+// The greatest depth of the points that lie inside a closed surface, m; 0 when none does.
 [[nodiscard]] double FindDeepestInside(const std::vector<physics::Vector3d>& points,
                                        const std::vector<physics::Face>& faces,
                                        const std::vector<physics::Vector3d>& x);

@@ -1,10 +1,10 @@
-// What do the other laws of contact do? A ball falls on a plane under the default law, under the magnetic one for four
-// strengths, and under backtracking; its mean height over time is drawn for all of them side by side.
+// Compares the contact laws. A ball falls on a plane under the default law, under the magnetic law with four strengths,
+// and under backtracking; its mean height over time is plotted side by side.
 //
-// There is nothing here to keep to: the laws differ by what they are. A magnetic ground takes no energy and yields over
-// a distance of √(K/N) a vertex, so the rows say where the ball hovers, how much it still swings at the end, how its
-// first bounce compares with that of the default, and what a tick costs. That the magnetic bounces are right is for
-// bounce.cpp, which solves them in fine steps.
+// There is no limit to keep, because the laws differ by design. A magnetic ground conserves energy and yields over a
+// distance of √(K/N) per vertex, so rows give the height at which the ball hovers, its final oscillation, its first
+// bounce relative to the default law, and the cost of a tick. bounce.cpp checks the magnetic bounces against fine
+// steps.
 #include <algorithm>
 #include <cmath>
 
@@ -18,22 +18,21 @@ namespace {
 
 using namespace physics;
 
-constexpr double kTick = 1.0 / 60;
-constexpr double kFall = 3;       // of the lowest vertex, m: the strongest magnet carries the ball at half of it
+constexpr double kFall = 3;       // of the lowest vertex, m; the strongest magnet carries the ball at half of it
 constexpr double kDuration = 20;  // s
-constexpr double kRest = 2;       // at the end of it, s
+constexpr double kRest = 2;       // at the end of kDuration, s
 
-struct Case {
+struct RestingBody {
   std::string law;
   double strength = 0;  // magnetic: K, N·m²
   Blueprint blueprint;
-  std::vector<std::array<double, 2>> heights;  // mean over the body, of the tick, m
+  std::vector<std::array<double, 2>> heights;  // mean over the body at the tick's end, m
   double lowest = 0;                           // of any vertex at any tick, m
   std::uint64_t substeps = 0;                  // of all ticks
-  std::uint64_t mostSubsteps = 0;              // of one
+  std::uint64_t mostSubsteps = 0;              // of one tick
 };
 
-void Play(Case& each) {
+void PlayRestingBody(RestingBody& each) {
   World world(WorldSettings{});
   world.AddBlueprint(each.blueprint);
   world.AddObstacle(Obstacle{});
@@ -42,16 +41,16 @@ void Play(Case& each) {
   world.AddBody(0, Vector3d(0, 0, touching + kFall));
   const Body& body = world.Bodies()[0];
   each.lowest = kFall;
-  for (int tick = 1; tick <= std::lround(kDuration / kTick); ++tick) {
+  for (int tick = 1; tick <= std::lround(kDuration / kContactTick); ++tick) {
     const std::uint64_t substeps = world.Step().allSubsteps;
     each.substeps += substeps;
     each.mostSubsteps = std::max(each.mostSubsteps, substeps);
-    each.heights.push_back({tick * kTick, world.FindCentre(body).z()});
+    each.heights.push_back({tick * kContactTick, world.FindCentre(body).z()});
     VisitVertices(body, [&](std::size_t, const Vector3d& p) { each.lowest = std::min(each.lowest, p.z()); });
   }
 }
 
-// The highest that it comes to before it falls again, m; where it does not rise at all, where it has come to.
+// Height of the first top, m; of the last sample where it never rises.
 double FindFirstTop(const std::vector<std::array<double, 2>>& heights) {
   std::size_t i = 1;
   while (i < heights.size() && heights[i][1] <= heights[i - 1][1]) ++i;
@@ -59,11 +58,11 @@ double FindFirstTop(const std::vector<std::array<double, 2>>& heights) {
   return heights[i - 1][1];
 }
 
-std::vector<Case> MakeCases() {
-  std::vector<Case> cases;
+std::vector<RestingBody> MakeRestingBodies() {
+  std::vector<RestingBody> cases;
   const Blueprint ball = MakeBall(DescribeBall(2));
   const auto add = [&](const char* name, ContactLaw law, double strength) {
-    Case& each = cases.emplace_back();
+    RestingBody& each = cases.emplace_back();
     each.law = name;
     each.strength = strength;
     each.blueprint = ball;
@@ -76,7 +75,7 @@ std::vector<Case> MakeCases() {
   return cases;
 }
 
-std::string FindName(const Case& each) {
+std::string FindName(const RestingBody& each) {
   if (each.strength == 0) return each.law;
   char name[48];
   std::snprintf(name, sizeof name, "%s, K = %g", each.law.c_str(), each.strength);
@@ -86,12 +85,15 @@ std::string FindName(const Case& each) {
 }  // namespace
 
 void MeasureLaws(Bench& bench) {
-  std::vector<Case> cases = MakeCases();
-  if (!RunTrials(bench, cases.size(), [&](std::size_t i) { Play(cases[i]); })) return;
-  Plot plot{"laws", "A ball of 162 vertices dropped from 3 m", "time, s", "mean height, m", {}};
+  std::vector<RestingBody> cases = MakeRestingBodies();
+  if (!RunTrials(bench, cases.size(), [&](std::size_t i) { PlayRestingBody(cases[i]); })) return;
+  Plot plot{.name = "laws",
+            .title = "A ball of 162 vertices dropped from 3 m",
+            .xLabel = "time, s",
+            .yLabel = "mean height, m"};
   const double defaultTop = FindFirstTop(cases[0].heights);
-  for (const Case& each : cases) {
-    const std::size_t from = each.heights.size() - static_cast<std::size_t>(std::lround(kRest / kTick));
+  for (const RestingBody& each : cases) {
+    const std::size_t from = each.heights.size() - static_cast<std::size_t>(std::lround(kRest / kContactTick));
     double sum = 0;
     double least = each.heights.back()[1];
     double most = least;

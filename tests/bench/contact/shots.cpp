@@ -1,26 +1,28 @@
-// Does anything get through? Bodies are shot at one another, at a plane, at a wall and at a sheet of cloth, at 5 to 50
-// m/s against the target, from any direction and at any distance from its middle that still hits. In single precision
-// and the server's own ticks and substeps, since that is what is played.
+// Tunnelling. Bodies are shot at each other, at a plane, at a wall and at a sheet of cloth, at 5 to 50 m/s relative to
+// the target, from any direction and at any offset that still hits, in single precision with the server's own ticks and
+// substeps, because that is what players get.
 //
-// A shot has gone through when at its end
+// A shot has passed through if at its end
 //   - a vertex of one body lies deep in the other (inside it even when it is shrunk to kDeep about its middle), or the
-//     bodies have changed places along the line of the shot, having come nearer than half the sum of their radii, and a
-//     vertex was deeper inside than half the smaller radius: the last two keep bodies that graze, or that roll over
-//     one another, from being counted;
-//   - of a plane or wall: the centre, or a vertex by more than kBehind, is behind it;
-//   - of a sheet: the centre, or more than a twentieth of the vertices by more than a quarter of the body's radius, is
-//     behind it: the solid angle under which they see the sheet has jumped by a whole turn (to go round its edge would
-//     change it steadily). With fewer vertices behind it is snagged: it has not passed, but hangs in the cloth.
+//     bodies have exchanged sides along the line of the shot, their centres came nearer than half the sum of the radii,
+//     and a vertex was deeper inside than half the smaller radius; the last two conditions exclude bodies that graze or
+//     roll over one another;
+//   - for a plane or wall: the centre, or a vertex by more than kBehind, is behind it;
+//   - for a sheet: the centre, or more than a twentieth of the vertices by more than a quarter of the body's radius, is
+//     behind it: the solid angle of the sheet as seen from there has jumped by a whole turn (a path around the edge
+//     changes it steadily). With fewer vertices behind it the body is snagged: it has not passed, but hangs in the
+//     cloth.
 //
-// Firm bodies can bear the shot: the impact's energy is no more than the gas of a ball holds (nRT), the speed no more
-// than a third of √(E/ρ) of a lattice. Softer ones fold up or are turned inside out by it, whatever the contact does;
-// they are shot as well, and counted by themselves.
+// Firm bodies can bear the shot: the impact energy is at most nRT of a ball's gas, the speed at most a third of √(E/ρ)
+// of a lattice. Softer bodies fold or turn inside out whatever the contact does; they are shot as well and counted
+// separately.
 //
-// That this notices what goes through is shown by ghosts: the same shots with contacts a million times softer.
+// Ghosts prove that the criteria detect tunnelling: the same shots with contacts a million times softer.
 #include "tests/bench/contact/shots.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "tests/bench/contact/bodies.h"
 #include "tests/bench/contact/experiments.h"
@@ -33,23 +35,22 @@ namespace {
 
 using namespace physics;
 
-constexpr double kTick = 1.0 / 60;
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kAfter = 0.4;  // s of play after the bodies would have met
+constexpr double kAfterMeeting = 0.4;  // s of play after the bodies should have met
 constexpr double kDeep = 0.8;
 constexpr double kDeepShare = 0.5;     // of the smaller radius
 constexpr double kBehindShare = 0.25;  // of the radius
 constexpr double kBehind = 0.25;       // m
 constexpr double kLeastSpeed = 5;
 constexpr double kMostSpeed = 50;
-constexpr double kGhost = 1e-6;  // times the contact stiffness
+constexpr double kGhost = 1e-6;  // factor on the contact stiffness
 
 struct Thrown {
   std::string name;
   Blueprint blueprint;
 };
 
-// Materials from the default's, or what bears the shot, to what 64 substeps can still hold at these speeds.
+// Draws a material between the default, or the softest that bears the shot, and the stiffest that 64 substeps can hold
+// at these speeds.
 Thrown DrawBody(Random& random, double speed, bool firm, double contactShare) {
   constexpr double kHardest = 100;  // times the default ball
   constexpr double kSoftest = 1e4;  // Pa
@@ -79,10 +80,10 @@ Thrown DrawBody(Random& random, double speed, bool firm, double contactShare) {
   return thrown;
 }
 
-// A point in the disc across `direction`.
+// Draws a point in the disc perpendicular to `direction`.
 Vector3d DrawAcross(Random& random, const Vector3d& direction, double radius) {
   const Vector3d first = direction.unitOrthogonal();
-  const double angle = random.Draw(0, 2 * kPi);
+  const double angle = random.Draw(0, 2 * std::numbers::pi);
   return radius * std::sqrt(random.Draw(0, 1)) * (std::cos(angle) * first + std::sin(angle) * direction.cross(first));
 }
 
@@ -114,7 +115,7 @@ class Trial {
         AimAtSheet(thrown);
         break;
     }
-    const int ticks = static_cast<int>(std::ceil((m_gap / m_shot.speed + kAfter) / kTick));
+    const int ticks = static_cast<int>(std::ceil((m_gap / m_shot.speed + kAfterMeeting) / kContactTick));
     for (int tick = 0; tick < ticks; ++tick) {
       const StepReport report = m_world->Step();
       m_shot.nonFinite += report.nonFinite;
@@ -139,14 +140,14 @@ class Trial {
     const double apart = thrown.blueprint.reach + other.blueprint.reach + m_gap;
     m_world->AddBlueprint(thrown.blueprint);
     m_world->AddBlueprint(other.blueprint);
-    const double share = m_random.Draw(0, 1);  // of the speed that the target has itself
+    const double share = m_random.Draw(0, 1);  // of the speed that the target itself has
     m_world->AddBody(0, -apart * m_direction + across, (1 - share) * m_shot.speed * m_direction);
     m_world->AddBody(1, Vector3d::Zero(), -share * m_shot.speed * m_direction);
     m_shot.offset = across.norm() / m_sumOfRadii;
     m_nearest = apart;
   }
 
-  // Plane: any slope. Wall: a box of 0.25 m across the shot, wide enough that nothing gets round it.
+  // A plane has any slope. A wall is a box of 0.25 m across the shot, too wide to go around.
   void AimAtWall(const Thrown& thrown) {
     m_world->AddBlueprint(thrown.blueprint);
     Obstacle obstacle;
@@ -242,7 +243,7 @@ class Trial {
 
   Random m_random;
   bool m_firm;
-  double m_share;  // of the contact stiffness that the material would have
+  double m_share;  // of the material's normal contact stiffness
   Shot m_shot;
   std::unique_ptr<World> m_world;
   Vector3d m_direction = Vector3d::Zero();
@@ -250,9 +251,9 @@ class Trial {
   double m_radius = 0;
   double m_gap = 0;
   double m_sumOfRadii = 0;
-  double m_nearest = 0;         // that the centres came, m
-  std::vector<double> m_turns;  // of each vertex, then the centre, as seen at the last tick
-  std::vector<int> m_side;      // of each, 0 while it is on the side that it came from
+  double m_nearest = 0;         // closest approach of the centres, m
+  std::vector<double> m_turns;  // of each vertex, then the centre, at the last tick
+  std::vector<int> m_side;      // of each; 0 on the side from which it came
   std::size_t m_countBehind = 0;
 };
 
@@ -342,7 +343,7 @@ void MeasureShots(Bench& bench) {
   bench.results.AddFigure("soft_tunnelled_share", share([](const Shot& shot) { return shot.through; }));
   bench.results.AddFigure("soft_inverted_share", share([](const Shot& shot) { return shot.inverted > 0; }));
 
-  // Central enough that without contact they must come out on the far side.
+  // Central shots, which must come out on the far side without contact.
   std::size_t meant = 0, seen = 0;
   for (const Shot& ghost : ghosts) {
     if (ghost.target == ShotTarget::kBody && ghost.offset > 0.4) continue;
@@ -350,7 +351,8 @@ void MeasureShots(Bench& bench) {
     seen += ghost.through ? 1 : 0;
   }
   bench.results.AddFigureAtMost("ghosts_unnoticed", static_cast<double>(meant - seen), 0);
-  Plot plot{"penetration", "Deepest vertex of each shot", "speed, m/s", "depth, m", {}};
+  Plot plot{
+      .name = "penetration", .title = "Deepest vertex of each shot", .xLabel = "speed, m/s", .yLabel = "depth, m"};
   for (const ShotTarget target : {ShotTarget::kBody, ShotTarget::kPlane, ShotTarget::kWall, ShotTarget::kSheet}) {
     Series series{NameTarget(target), Stroke::kPoints, {}};
     for (const Shot& shot : shots) {

@@ -1,13 +1,14 @@
-// On which slope does a cube begin to slide? By Coulomb's law on tan θ = μ, whatever it weighs.
+// The slope at which a cube begins to slide. By Coulomb's law tan θ = μ, independent of its weight.
 //
-// Gravity is tilted instead of the plane. The cube comes to rest on the level, the slope grows
-// slowly, and a second later it slides if its centre goes farther in the next than creep could explain. The angle is
-// bisected between one that holds and one that does not.
+// Gravity is tilted instead of the plane. The cube comes to rest on the level, then the slope grows slowly; a second
+// later the cube slides if its centre moves farther in the next second than creep explains. The angle is bisected
+// between one that holds and one that does not.
 //
-// The same on a slab that is held by far more friction (contact between bodies, whose coefficient is the geometric
-// mean) has a figure of its own.
+// The same on a slab that is held by much more friction (contact between bodies, whose coefficient is the geometric
+// mean) has its own figure.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "tests/bench/contact/bodies.h"
 #include "tests/bench/contact/experiments.h"
@@ -18,30 +19,28 @@ namespace {
 
 using namespace physics;
 
-constexpr double kGravity = 9.81;
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kSettle = 1;     // s
 constexpr double kWatch = 1;      // s
 constexpr double kCreep = 0.004;  // m in kWatch
-constexpr int kBisections = 8;    // of kSpan either way: to 0.04
-constexpr double kSpan = 10;      // about the angle of Coulomb's law, degrees
+constexpr int kBisections = 8;    // of kSpan either way: to 0.04°
+constexpr double kSpan = 10;      // around the angle of Coulomb's law, degrees
 
-struct Case {
+struct Slope {
   bool onSlab = false;
   double friction = 0;
-  double angle = 0;  // found, degrees
+  double angle = 0;  // measured, degrees
 };
 
-// How far it goes in kWatch after kSettle, m, and how fast it is then.
+// Distance travelled in kWatch after kSettle, m, and the speed at its end, m/s.
 struct Motion {
   double way = 0;
   double speed = 0;
 };
 
-Motion Play(bool onSlab, double friction, double degrees) {
-  const double angle = degrees * kPi / 180;
+Motion PlaySlope(bool onSlab, double friction, double degrees) {
+  const double angle = degrees * std::numbers::pi / 180;
   WorldSettings settings;
-  settings.gravity = Vector3d(0, 0, -kGravity);
+  settings.gravity = Vector3d(0, 0, -kContactGravity);
   World world(settings);
   LatticeDefinition cube = DescribeCube(20000, friction);
   cube.cells = {2, 2, 2};
@@ -67,10 +66,10 @@ Motion Play(bool onSlab, double friction, double degrees) {
     return world.FindCentre(world.ReadBody(id)).x() - base;
   };
   step(kSettle);
-  constexpr int kTiltTicks = 120;  // a sudden slope would shake it loose
+  constexpr int kTiltTicks = 120;  // a sudden tilt would shake the cube loose
   for (int i = 1; i <= kTiltTicks; ++i) {
     const double now = angle * i / kTiltTicks;
-    world.SetGravity(kGravity * Vector3d(std::sin(now), 0, -std::cos(now)));
+    world.SetGravity(kContactGravity * Vector3d(std::sin(now), 0, -std::cos(now)));
     world.Step();
   }
   step(kSettle);
@@ -79,11 +78,11 @@ Motion Play(bool onSlab, double friction, double degrees) {
   return {findX() - from, FindVelocity(world, world.ReadBody(id)).x()};
 }
 
-double FindAngle(const Case& each) {
-  const double theory = std::atan(each.friction) * 180 / kPi;
+double FindAngle(const Slope& each) {
+  const double theory = std::atan(each.friction) * 180 / std::numbers::pi;
   double holds = theory - kSpan;
   double slides = theory + kSpan;
-  const auto slidesAt = [&](double angle) { return Play(each.onSlab, each.friction, angle).way > kCreep; };
+  const auto slidesAt = [&](double angle) { return PlaySlope(each.onSlab, each.friction, angle).way > kCreep; };
   if (slidesAt(holds)) return holds;
   if (!slidesAt(slides)) return slides;
   for (int i = 0; i < kBisections; ++i) {
@@ -93,7 +92,7 @@ double FindAngle(const Case& each) {
   return (holds + slides) / 2;
 }
 
-// Speed after the two seconds over the slope, played and by Coulomb's law.
+// Plots the speed after the two seconds over the slope, as played and by Coulomb's law.
 void AddPlot(Bench& bench, double friction) {
   Series played{"played", Stroke::kPoints, {}};
   Series theory{"g (sin θ − μ cos θ) t", Stroke::kLine, {}};
@@ -102,9 +101,9 @@ void AddPlot(Bench& bench, double friction) {
   played.points.resize(angles.size());
   theory.points.resize(angles.size());
   const bool done = RunTrials(bench, angles.size(), [&](std::size_t i) {
-    const double angle = angles[i] * kPi / 180;
-    const double acceleration = std::max(0.0, kGravity * (std::sin(angle) - friction * std::cos(angle)));
-    played.points[i] = {angles[i], Play(false, friction, angles[i]).speed};
+    const double angle = angles[i] * std::numbers::pi / 180;
+    const double acceleration = std::max(0.0, kContactGravity * (std::sin(angle) - friction * std::cos(angle)));
+    played.points[i] = {angles[i], PlaySlope(false, friction, angles[i]).speed};
     theory.points[i] = {angles[i], acceleration * (kSettle + kWatch)};
   });
   if (!done) return;
@@ -115,7 +114,7 @@ void AddPlot(Bench& bench, double friction) {
 }  // namespace
 
 void MeasureSlides(Bench& bench) {
-  std::vector<Case> cases;
+  std::vector<Slope> cases;
   for (const double friction : {0.2, 0.4, 0.6, 0.8}) {
     if (bench.options.quick && friction != 0.4) continue;
     for (const bool onSlab : {false, true}) cases.push_back({onSlab, friction});
@@ -123,8 +122,8 @@ void MeasureSlides(Bench& bench) {
   if (!RunTrials(bench, cases.size(), [&](std::size_t i) { cases[i].angle = FindAngle(cases[i]); })) return;
   double worst = 0;
   double worstOnSlab = 0;
-  for (const Case& each : cases) {
-    const double theory = std::atan(each.friction) * 180 / kPi;
+  for (const Slope& each : cases) {
+    const double theory = std::atan(each.friction) * 180 / std::numbers::pi;
     double& worstThere = each.onSlab ? worstOnSlab : worst;
     worstThere = std::max(worstThere, std::fabs(each.angle - theory));
     bench.results.rows.push_back({{"experiment", "slide"},

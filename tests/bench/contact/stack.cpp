@@ -1,10 +1,9 @@
-// Does a stack stand? Cubes lie on one another, face on face and vertex on vertex, with a gap of a finger's breadth or
-// with none at all, for 20 s or until they sleep; after that no bit may change for 10 s more.
+// Stability of stacks. Cubes lie on each other, face on face and vertex on vertex, with a gap of a finger's breadth or
+// none, for 20 s or until they sleep; after that no bit may change for 10 s.
 //
-// A stack of equal bodies has no reason to lean any way, so how far its top has gone sideways is all error. What
-// friction holds can move by no more than its springs yield, tenths of a millimetre; a stack that slides passes any
-// limit. The slabs of jelly_stack are damped by so little that their swaying takes longer to die away than the cubes',
-// and have a key of their own.
+// A stack of equal bodies has no preferred direction, so any sideways displacement of its top is error. Static friction
+// lets it move only as far as its springs yield, tenths of a millimetre; a sliding stack exceeds any limit. The slabs
+// of jelly_stack have so little damping that they sway longer than the cubes, and have their own key.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -18,24 +17,23 @@ namespace {
 
 using namespace physics;
 
-constexpr double kTick = 1.0 / 60;
-constexpr double kStands = 20;    // s
-constexpr double kPatience = 90;  // for those that sleep later, s
-constexpr double kAfter = 10;     // s
+constexpr double kStands = 20;       // s
+constexpr double kPatience = 90;     // for stacks that sleep later, s
+constexpr double kAfterAsleep = 10;  // s
 
-struct Case {
+struct Stack {
   std::string body;
   LatticeDefinition definition;
   int count = 4;
   double gap = 0;  // m
   bool isSlab = false;
-  double drift = 0;   // of the top, sideways, m
-  double sunk = 0;    // of the top below where it would be if nothing yielded, m
-  double asleep = 0;  // after how long, s; negative: not at all
+  double drift = 0;   // sideways, of the top, m
+  double sunk = 0;    // of the top below its height in a rigid stack, m
+  double asleep = 0;  // time until it sleeps, s; negative: it does not
   bool changed = false;
 };
 
-void Play(Case& each) {
+void PlayStack(Stack& each) {
   World world(WorldSettings{});
   world.AddBlueprint(MakeLattice(each.definition));
   world.AddObstacle(Obstacle{});
@@ -45,21 +43,21 @@ void Play(Case& each) {
   }
   const Body& top = world.Bodies().back();
   each.asleep = -1;
-  for (int tick = 1; tick * kTick <= (each.asleep < 0 ? kPatience : kStands); ++tick) {
+  for (int tick = 1; tick * kContactTick <= (each.asleep < 0 ? kPatience : kStands); ++tick) {
     const bool isAwake = world.Step().awake > 0;
-    if (isAwake || each.asleep < 0) each.asleep = isAwake ? -1 : tick * kTick;
+    if (isAwake || each.asleep < 0) each.asleep = isAwake ? -1 : tick * kContactTick;
     each.drift = std::max(each.drift, world.FindCentre(top).head<2>().norm());
   }
   each.sunk = (each.count - 0.5) * height - world.FindCentre(top).z();
   const std::uint64_t hash = world.Hash();
-  for (int tick = 1; tick <= std::lround(kAfter / kTick); ++tick) {
+  for (int tick = 1; tick <= std::lround(kAfterAsleep / kContactTick); ++tick) {
     world.Step();
     each.changed |= world.Hash() != hash;
   }
 }
 
-std::vector<Case> MakeCases() {
-  std::vector<Case> cases;
+std::vector<Stack> MakeStacks() {
+  std::vector<Stack> cases;
   const auto add = [&](const char* name, std::array<int, 3> cells, double cellSize, double youngModulus, double damping,
                        int count) {
     LatticeDefinition definition;
@@ -78,12 +76,12 @@ std::vector<Case> MakeCases() {
 }  // namespace
 
 void MeasureStacks(Bench& bench) {
-  std::vector<Case> cases = MakeCases();
-  if (!RunTrials(bench, cases.size(), [&](std::size_t i) { Play(cases[i]); })) return;
+  std::vector<Stack> cases = MakeStacks();
+  if (!RunTrials(bench, cases.size(), [&](std::size_t i) { PlayStack(cases[i]); })) return;
   double drift = 0;
   double asleep[2] = {0, 0};  // cubes, slabs
   bool changed = false;
-  for (const Case& each : cases) {
+  for (const Stack& each : cases) {
     constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
     drift = std::max(drift, each.drift);
     double& latest = asleep[each.isSlab ? 1 : 0];

@@ -1,7 +1,7 @@
-// Of what a player is shown, whose fault is what: the engine's against a converged twin, the codec's at the moments
-// that are sent, the curve's between them. Each is measured by itself: the twin is the world in double precision in
-// quarter ticks of as many substeps as there are, a second long from the same state with the same controls; the curve
-// is given what was true at 30 moments a second, and is asked on a clean link's terms, two and a half intervals later.
+// Splits the displayed error by cause: the engine's error against a converged twin, the codec's at the moments that are
+// sent, the curve's between them. Each is measured separately. The twin is the world in double precision, in quarter
+// ticks with the most substeps, for one second from the same state with the same controls. The curve gets true states
+// at 30 moments a second and is read as on a clean link, two and a half intervals later.
 #include <cmath>
 
 #include "client/interpolator.h"
@@ -19,10 +19,10 @@ using namespace physics;
 
 constexpr std::size_t kPlayers = 4;
 constexpr int kActHz = 60;
-constexpr int kTwinTicks = 4;  // of the twin in one of the world
+constexpr int kTwinTicks = 4;  // twin ticks per world tick
 constexpr int kTruthHz = 240;
 constexpr int kSnapshotHz = 30;
-constexpr double kPercent = 100;  // of a radius of 1 m
+constexpr double kRadiusPercent = 100;  // of a radius of 1 m
 
 std::unique_ptr<World> MakeWorld(int tickHz) {
   WorldSettings settings;
@@ -54,12 +54,12 @@ double FindMeanSquare(const std::vector<Vector3d>& a, const std::vector<Vector3d
   return sum / static_cast<double>(a.size());
 }
 
-// How far each body is from its twin after a second, % of the radius, RMS over vertices.
+// Distance of each body from its twin after a second, % of the radius, RMS over vertices.
 std::vector<double> MeasurePhysics(Bench& bench, int seconds) {
   WorldSettings converged;
   converged.precision = Precision::kDouble;
   converged.tickDuration = 1.0 / (kActHz * kTwinTicks);
-  converged.errorTarget = 1e-12;  // which nothing meets
+  converged.errorTarget = 1e-12;  // unreachable
   const auto world = MakeWorld(kActHz);
   std::vector<Actor> actors = MakeActors(bench.options.seed);
   std::vector<double> errors;
@@ -71,17 +71,17 @@ std::vector<double> MeasurePhysics(Bench& bench, int seconds) {
       (void)world->Step();
       for (int i = 0; i < kTwinTicks; ++i) (void)twin.Step();
     }
-    if (second < 2) continue;  // they fall from where they were put
+    if (second < 2) continue;  // bodies first fall from their initial positions
     for (std::size_t i = 0; i < kPlayers; ++i) {
       const double square = FindMeanSquare(ReadPositions(world->Bodies()[i]), ReadPositions(twin.Bodies()[i]));
-      errors.push_back(kPercent * std::sqrt(square));
+      errors.push_back(kRadiusPercent * std::sqrt(square));
     }
     bench.progress.Show(static_cast<std::size_t>(second), static_cast<std::size_t>(seconds));
   }
   return errors;
 }
 
-// RMS of the curve alone, % of the radius.
+// RMS error of the curve alone, % of the radius.
 double MeasureCurve(Bench& bench, int seconds) {
   constexpr double kTick = 1.0 / kTruthHz;
   constexpr double kBehind = 2.5 / kSnapshotHz;
@@ -121,7 +121,7 @@ double MeasureCurve(Bench& bench, int seconds) {
       ++count;
     }
   }
-  return kPercent * std::sqrt(sum / static_cast<double>(count));
+  return kRadiusPercent * std::sqrt(sum / static_cast<double>(count));
 }
 
 }  // namespace

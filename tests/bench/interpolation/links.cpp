@@ -1,5 +1,5 @@
-// What watchers are shown against what was: four rates of snapshots, three links, straight lines and Catmull-Rom. All
-// watchers of one rate sit in the same game.
+// The displayed error for four snapshot rates, three links, linear and Catmull-Rom curves. All watchers of one rate are
+// in the same game.
 #include <algorithm>
 
 #include "tests/bench/interpolation/experiments.h"
@@ -10,7 +10,7 @@ namespace wobble::bench {
 namespace {
 
 constexpr int kRates[] = {10, 20, 30, 60};  // Hz
-constexpr std::size_t kKnee = 2;            // of kRates: the default
+constexpr std::size_t kKnee = 2;            // index into kRates: the default rate
 constexpr double kMilliseconds = 1000;
 
 const char* Name(client::Curve curve) { return curve == client::Curve::kLinear ? "linear" : "Catmull-Rom"; }
@@ -69,7 +69,7 @@ void AddFigures(const std::vector<Showing>& showings, bool isQuick, Results& res
   results.AddFigure("truth_error_of_half", showings[kKnee].truthErrorOfHalf);
   results.AddFigureAtMost("displayed_error_30hz_clean", knee[0].error, 0.4);
   results.AddFigureAtMost("displayed_error_30hz_loss5_jitter20", knee[1].error, 0.45);
-  // A quick run's play is a few percent more or less violent by chance.
+  // The violence of a quick run's play varies by a few percent.
   results.AddFigureAtMost("kbit_per_body_30hz", knee[0].recordKbit, 22, !isQuick);
   results.AddFigure("kbit_per_body_30hz_sent", knee[0].sentKbit);
   results.AddFigureAtMost("display_delay_ms_clean", kMilliseconds * knee[0].delay, 120);

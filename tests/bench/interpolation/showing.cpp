@@ -1,7 +1,7 @@
-// The server runs at 240 Hz: truth is needed at any moment, and between ticks of 1/60 s a ball's vibration is no cubic.
-// It sends as often as it is told. Players sit on a link without delay, so that what they do, and with it the play, is
-// the same to the bit whatever the watchers' links do. Watchers draw frames at a rate that has nothing to do with the
-// server's, and take in packets when they draw, as the programs do.
+// The server runs at 240 Hz, because the truth is needed at any moment and a ball's vibration between ticks of 1/60 s
+// is no cubic. Its snapshot rate is a parameter. Players have links without delay, so that their actions, and hence the
+// play, are the same to the bit whatever links the watchers have. Watchers draw frames at a rate unrelated to the
+// server's and receive packets when they draw, as the programs do.
 #include "tests/bench/interpolation/showing.h"
 
 #include <spdlog/spdlog.h>
@@ -32,7 +32,7 @@ constexpr double kFrameSeconds = 1 / 61.8;
 constexpr double kWarmUp = 5;  // s
 constexpr std::size_t kPlayers = 4;
 constexpr double kRadius = 1;        // m
-constexpr double kHeaderBytes = 44;  // of a datagram beside its payload: IPv4, UDP, ENet with checksum
+constexpr double kHeaderBytes = 44;  // of a datagram besides its payload: IPv4, UDP, ENet with checksum
 constexpr double kPercent = 100 / kRadius;
 
 constexpr const char* kScene = R"(
@@ -69,7 +69,7 @@ class Seat {
     m_network.SetConditions(watcher.link.conditions);
   }
 
-  // Once, for the group.
+  // Call once, for the TransportGroup.
   [[nodiscard]] std::unique_ptr<transport::Transport> TakeServer() { return std::move(m_server); }
 
   void Draw(double now, bool counts, double serverTime, const physics::World& world, const Truth& truth);
@@ -83,7 +83,7 @@ class Seat {
   transport::VirtualNetwork m_network;
   std::unique_ptr<transport::Transport> m_server;
   client::Client m_client;
-  std::vector<double> m_squares;  // mean over vertices of each body and frame, m²
+  std::vector<double> m_squares;  // mean over vertices per body and frame, m²
   std::vector<client::BodySample> m_samples;
   std::vector<Vector3d> m_true;  // scratch
   client::Statistics m_begin;
@@ -104,7 +104,7 @@ void Seat::Draw(double now, bool counts, double serverTime, const physics::World
     const auto sample = std::find_if(m_samples.begin(), m_samples.end(),
                                      [&](const client::BodySample& each) { return each.body == bodies[place].id; });
     if (sample == m_samples.end() || !truth.Find(moment, place, m_true)) {
-      throw std::runtime_error("a body that is not shown, or a moment that is not known");
+      throw std::runtime_error("a watcher misses a body, or the truth of its moment is not recorded");
     }
     m_squares.push_back(FindMeanSquare(*sample, m_true));
   }

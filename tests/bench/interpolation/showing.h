@@ -1,5 +1,5 @@
-// A whole game on virtual time whose watchers are compared with the truth: server, four players who run as the fixed
-// play has it, and watchers, each behind a link of its own.
+// Plays a whole game on virtual time and compares what watchers see with the truth: a server, four players that run as
+// in the fixed play (codec/play.h), and watchers, each behind its own link.
 #pragma once
 
 #include <string>
@@ -16,7 +16,7 @@ struct NamedLink {
   std::string name;
   transport::LinkConditions conditions;
 };
-// In order: clean, 5 % loss with jitter, 20 % loss with much.
+// In order: clean, 5 % loss with jitter, 20 % loss with heavy jitter.
 [[nodiscard]] const std::vector<NamedLink>& ListLinks();
 
 struct Watcher {
@@ -24,28 +24,28 @@ struct Watcher {
   client::Curve curve = client::Curve::kCatmullRom;
 };
 
-// What one watcher was shown, over all frames, bodies and vertices. Errors in % of the radius, RMS.
+// The quality of what one watcher saw, over all frames, bodies and vertices. Errors are RMS in % of the radius.
 struct Seen {
   double error = 0;
   double errorP99 = 0;    // 99th percentile of a body's RMS in a frame
-  double delay = 0;       // of the moment shown behind the server's own time, the link's trip included, s, mean
-  double heldShare = 0;   // of frames and bodies, those with nothing newer in time
+  double delay = 0;       // mean age of the moment shown, measured on the server's clock, s; includes the link's delay
+  double heldShare = 0;   // share of (frame, body) pairs for which no newer sample had arrived
   double recordKbit = 0;  // a body's records, kbit/s
-  double sentKbit = 0;    // a body's share of the datagrams, all headers counted, kbit/s
+  double sentKbit = 0;    // a body's share of the datagrams with all headers, kbit/s
   bool disconnected = false;
 };
 
 struct Showing {
   std::vector<Seen> watchers;
-  double codecError = 0;        // of the records at their ticks, % of the radius, RMS
-  double truthErrorOfHalf = 0;  // see Truth, % of the radius
+  double codecError = 0;        // of the records at their own ticks, % of the radius, RMS
+  double truthErrorOfHalf = 0;  // Truth::ErrorOfHalf, % of the radius
   double speedMedian = 0;       // m/s
 };
 
-// Of the vertices that are shown from where they truly were, mean, m².
+// Mean square distance of the shown vertices from their true positions, m².
 [[nodiscard]] double FindMeanSquare(const client::BodySample& shown, const std::vector<Vector3d>& vertices);
 
-// seconds: of play that counts, after a few to begin. The play is the same whoever watches.
+// Plays a game. seconds: measured play, after a warm-up of a few seconds. The play does not depend on the watchers.
 [[nodiscard]] Showing PlayShowing(int snapshotHz, const std::vector<Watcher>& watchers, std::uint64_t seed,
                                   double seconds);
 

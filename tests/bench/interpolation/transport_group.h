@@ -1,4 +1,4 @@
-// Several networks as one: a server whose clients have links of different kinds.
+// Presents several transports as one, so that the clients of one server can have links of different kinds.
 #pragma once
 
 #include <memory>
@@ -10,12 +10,12 @@ namespace wobble::bench {
 
 class TransportGroup final : public transport::Transport {
  public:
-  // What has been sent on the snapshot channel of a member, payloads.
+  // Snapshot messages sent through a member; bytes of payload.
   struct Sent {
     std::uint64_t packets = 0;
     std::uint64_t bytes = 0;
   };
-  // In step with the members; may outlive the group.
+  // One entry per member, in the same order; may outlive the group.
   using SentOfEach = std::vector<Sent>;
 
   TransportGroup(std::vector<std::unique_ptr<transport::Transport>> members, std::shared_ptr<SentOfEach> sent);
@@ -29,7 +29,7 @@ class TransportGroup final : public transport::Transport {
   [[nodiscard]] double ReadRoundTrip(transport::ConnectionId connection) const override;
 
  private:
-  // A connection's number tells its member.
+  // The group numbers connection c of member m as c * members + m.
   [[nodiscard]] std::size_t MemberOf(transport::ConnectionId connection) const { return connection % m_members.size(); }
   [[nodiscard]] transport::ConnectionId NumberIn(transport::ConnectionId connection) const;
 

@@ -7,7 +7,7 @@
 namespace wobble::bench {
 namespace {
 
-// u: 0 at `from`, 1 at `to`, which are `h` seconds apart.
+// Hermite cubic at u in 0 to 1, from `from` to `to`, which are `h` seconds apart.
 Vector3d FindBetween(const Vector3d& from, const Vector3d& fromVelocity, const Vector3d& to, const Vector3d& toVelocity,
                      double h, double u) {
   const double v = 1 - u;

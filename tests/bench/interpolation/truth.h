@@ -1,4 +1,4 @@
-// Where every vertex truly was on the server, at any moment of the last seconds.
+// The true position of every vertex on the server at any moment of the last kKept ticks.
 #pragma once
 
 #include <cstdint>
@@ -8,19 +8,19 @@
 
 namespace wobble::bench {
 
-// Between two ticks a vertex is on the cubic that has its place and velocity at both. How far that is off is measured
-// at every tick by leaving it out: over twice the time, so about sixteen times as far.
+// Interpolates between two ticks by the cubic that matches position and velocity at both. The interpolation error is
+// measured at every tick by leaving that tick out: over twice the time, hence about sixteen times as large.
 class Truth {
  public:
   explicit Truth(double tickSeconds) : m_tickSeconds(tickSeconds) {}
 
-  // After every tick of the world.
+  // Records the world; call it after every tick.
   void Add(const physics::World& world);
 
-  // Of body `place`, all vertices, m. False when the moment is not kept (any more, or yet).
+  // Writes the vertices of body `place` at `time`, m. False when the moment is no longer or not yet recorded.
   [[nodiscard]] bool Find(double time, std::size_t place, std::vector<physics::Vector3d>& vertices) const;
 
-  // RMS over vertices of ticks found from the ticks before and after them, m.
+  // RMS over vertices of the error at ticks that are interpolated from the ticks before and after them, m.
   [[nodiscard]] double ErrorOfHalf() const;
 
  private:

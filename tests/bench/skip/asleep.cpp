@@ -1,7 +1,7 @@
-// A thousand balls that sleep beside ten whose gas swells and shrinks, against the ten alone: whole ticks of the server
-// with a client that watches, from what comes in to what is sent. The servers take turns tick by tick, and of the
-// periods of the ten, in each of which all have the same work, the fastest counts. Nobody has weight: whoever is left
-// in peace is asleep within a second.
+// A thousand sleeping balls beside ten that are kept awake by pulsating gas, against the ten alone: whole ticks of the
+// server with a watching client, from receiving to sending. The servers take turns tick by tick; one period of the gas
+// is the same work for both, and the fastest period counts. There is no gravity, so that undisturbed balls sleep within
+// a second.
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -19,10 +19,10 @@ namespace wobble::bench {
 namespace {
 
 constexpr int kTickHz = 60;
-constexpr int kPeriod = kTickHz;  // of what keeps the ten awake, ticks
+constexpr int kPeriod = kTickHz;  // of the gas of the awake balls, ticks
 constexpr int kAwake = 10;
 constexpr int kAsleep = 1000;
-constexpr int kTicksToSleep = 120;  // and to tell the client about it
+constexpr int kTicksToSleep = 120;  // and to send that state to the client
 
 std::string DescribeScene(int asleep) {
   std::string text = R"(
@@ -57,7 +57,7 @@ blueprint = "breathes"
                     side, asleep / side);
 }
 
-// A server and one who watches, on virtual time.
+// A server and a watching client on virtual time.
 class Watched {
  public:
   explicit Watched(int asleep)
@@ -66,7 +66,7 @@ class Watched {
                  0),
         m_client(m_network.MakeClient(), {.spectator = true}, 0) {}
 
-  // One tick, and what the server took for it, s.
+  // Plays one tick; returns the server's time for it, s.
   double Step() {
     const double now = m_server.NextCall();
     const double began = ReadThreadTime();
@@ -75,7 +75,7 @@ class Watched {
     m_client.Update(now);
     return time;
   }
-  // Whether only the ten are awake, and somebody sees them.
+  // Whether exactly the ten are awake and the client receives them.
   [[nodiscard]] bool IsWatchedBreathing() const {
     const auto bodies = m_server.World().Bodies();
     const auto isAwake = [](const physics::Body& body) { return !body.asleep; };

@@ -1,6 +1,6 @@
-// A server that nobody has joined, once its world waits for players: it only listens. The scene is the one with the
-// most bodies. It is told to wait soon, and not until later does it count; that the world has stood still all the while
-// is what its own summary says, and a run of which it does not is no measurement.
+// The cost of a server without players whose world is paused: it only listens. The scene is the one with the most
+// bodies. The server is told to pause soon, and measurement starts after that; its summary must confirm that the world
+// was paused the whole time, otherwise the run is invalid.
 #include <unistd.h>
 
 #include <chrono>
@@ -18,31 +18,31 @@ namespace wobble::bench {
 namespace {
 
 constexpr const char* kPauseAfter = "0.1";  // s
-constexpr double kBegin = 2;                // s, by when the world has been made and waits
+constexpr double kBegin = 2;                // s, by when the world is built and paused
 
-void Wait(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
+void Sleep(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
 
-// That the world stood still, s; 0 when there is no summary.
+// Paused time from the summary, s; 0 without a summary.
 double ReadPausedTime(const std::filesystem::path& summary) {
   std::ifstream file(summary);
   const auto json = nlohmann::json::parse(file, nullptr, false);
   return json.is_object() ? json.value("paused_s", 0.0) : 0;
 }
 
-struct Watched {
-  double time = 0;  // of the wall, s
-  double work = 0;  // of all threads in it, s
+struct Observation {
+  double time = 0;  // wall time, s
+  double work = 0;  // processor time of all threads, s
 };
 
-Watched WatchServer(const std::filesystem::path& summary, double seconds) {
-  // One that the system has for short-lived clients, so seldom anybody's; a server that finds it taken ends at once.
+Observation WatchServer(const std::filesystem::path& summary, double seconds) {
+  // A port of the ephemeral range, seldom in use; a server that finds it taken ends at once.
   const int port = 40000 + getpid() % 10000;
   const Running server({FindProgram("wobbled"), "--scene", "crowd", "--port", std::to_string(port), "--pause-after",
                         kPauseAfter, "--log-level", "off", "--summary", summary});
-  Wait(kBegin);
+  Sleep(kBegin);
   const double began = ReadWallTime();
   const double before = server.ReadProcessTime();
-  Wait(seconds);
+  Sleep(seconds);
   const double work = server.ReadProcessTime() - before;
   return {ReadWallTime() - began, work};
 }
@@ -52,7 +52,7 @@ Watched WatchServer(const std::filesystem::path& summary, double seconds) {
 void MeasureEmpty(Bench& bench) {
   const std::filesystem::path summary =
       std::filesystem::temp_directory_path() / ("wobble_lab_empty_" + std::to_string(getpid()) + ".json");
-  const Watched watched = WatchServer(summary, bench.options.quick ? 2 : 20);
+  const Observation watched = WatchServer(summary, bench.options.quick ? 2 : 20);
   const double paused = ReadPausedTime(summary);
   std::error_code code;
   std::filesystem::remove(summary, code);

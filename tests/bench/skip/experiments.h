@@ -5,13 +5,13 @@
 
 namespace wobble::bench {
 
-// Key asleep_ratio: a server's tick with a thousand sleepers against one without them.
+// Key asleep_ratio: a tick of a server with a thousand sleeping bodies over one without them.
 void MeasureAsleep(Bench& bench);
-// Key apart_ratio: what it takes of a tick to find out that nobody touches anybody.
+// Key apart_ratio: share of a tick that the search takes to find that no bodies touch.
 void MeasureSearch(Bench& bench);
-// Key term_ratio_max: instructions of a sweep that could do more against one that cannot.
+// Key term_ratio_max: instructions of a sweep that supports more terms over those of a sweep that does not.
 void MeasureTerms(Bench& bench);
-// Key empty_cpu: a server that nobody has joined.
+// Key empty_cpu: processor share of a server without players.
 void MeasureEmpty(Bench& bench);
 
 }  // namespace wobble::bench

@@ -16,7 +16,7 @@
 namespace wobble::bench {
 namespace {
 
-// output: where both of its outputs go. -1: it could not be started.
+// output: file descriptor for both outputs. Returns -1 when the program cannot be started.
 pid_t Start(const std::vector<std::string>& command, int output) {
   std::vector<std::string> words = command;
   std::vector<char*> arguments;

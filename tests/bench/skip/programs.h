@@ -1,4 +1,4 @@
-// The programs that lie beside the laboratory's, run as children.
+// Runs the programs in the laboratory's own folder as child processes.
 #pragma once
 
 #include <sys/types.h>
@@ -8,13 +8,13 @@
 
 namespace wobble::bench {
 
-// Of the program of that name in the laboratory's own folder.
+// Path of the program of that name in the laboratory's folder.
 [[nodiscard]] std::string FindProgram(const std::string& name);
 
-// What the command, looked for on the path, has written to both outputs by its end; empty when it failed.
+// Runs a command, found on the PATH, to its end and returns both of its outputs; empty when it failed.
 [[nodiscard]] std::string RunAndRead(const std::vector<std::string>& command);
 
-// A program that runs until this ends, its outputs thrown away.
+// A child process that is ended by the destructor; its outputs are discarded.
 class Running {
  public:
   explicit Running(const std::vector<std::string>& command);
@@ -22,7 +22,7 @@ class Running {
   Running(const Running&) = delete;
   Running& operator=(const Running&) = delete;
 
-  // That all of its threads have worked, s; not a number once it has ended.
+  // Processor time of all its threads, s; NaN once it has ended.
   [[nodiscard]] double ReadProcessTime() const;
 
  private:

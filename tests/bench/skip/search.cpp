@@ -1,5 +1,5 @@
-// A thousand balls apart: how much of the tick it takes to find out that none is near another. What is timed is what
-// the tick does for that: a box about each body from its vertices, and the search among them.
+// The share of a tick that the search takes for a thousand balls apart. Timed is what the tick does for it: a bounding
+// box per body from its vertices, and the search among the boxes.
 #include "server/physics/contact/broad_phase.h"
 #include "server/physics/model/survey.h"
 #include "tests/bench/skip/experiments.h"
@@ -12,7 +12,7 @@ using namespace physics;
 
 constexpr std::size_t kBodies = 1000;
 constexpr int kTicks = 6;
-constexpr double kFat = 0.1;  // m, about what a tick adds to a box
+constexpr double kFat = 0.1;  // m, about the margin that a tick adds to a box
 
 void FindBoxes(const World& world, std::vector<Box>& boxes) {
   boxes.clear();

@@ -1,9 +1,9 @@
-// Instructions of a step, counted by callgrind, which knows no AVX-512: eight lanes. Bodies of springs alone, and of
-// springs and gas, in the air, on the engine's way: whatever asks whether there is gas, a plane to stay in, a push or a
-// ground is in it. Against them the same sweep compiled as if none of that existed, called and nothing else.
+// Instructions per step, counted by callgrind, which does not know AVX-512: eight lanes. Bodies of springs alone, and
+// of springs and gas, in the air, on the engine's normal path, which includes all checks for gas, a plane constraint, a
+// push and a ground. They are compared with the same sweep compiled without any of these, called directly.
 //
-// A program of its own is run twice for the engine, with more steps and with fewer: the difference is free of what
-// happens once. Of the bare sweep callgrind counts its functions alone.
+// A separate program is run twice for the engine, with more and with fewer steps: the difference excludes one-time
+// costs. For the bare sweep callgrind counts its functions alone.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -18,7 +18,7 @@ constexpr int kFewSteps = 8;
 constexpr int kManySteps = 40;
 constexpr const char* kKinds[] = {"gas", "solid"};
 
-// Of the functions that match, with what they call; not a number when it could not be counted.
+// Instructions of the matching functions including their callees; NaN when they could not be counted.
 double CountInstructions(const std::string& functions, const std::string& kind, const std::string& sweep, int steps) {
   const std::string text =
       RunAndRead({"valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", "--toggle-collect=" + functions,

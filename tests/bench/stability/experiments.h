@@ -5,13 +5,14 @@
 
 namespace wobble::bench {
 
-// Key theory_deviation_max: the largest step that each method bears, over stiffness, damping and gas.
+// Keys theory_deviation_max, server_step_over_limit_max: the largest stable step of each method over stiffness, damping
+// and gas.
 void MeasureLimits(Bench& bench);
-// Rows and a plot: a body is pulled out of shape by a force that is none of its own, and let go.
+// Key perturbation_rk4_left and a plot: a body is deformed by an external force and released.
 void MeasurePerturbations(Bench& bench);
-// Rows and a plot: how fast two motions part that began beside one another.
+// Key growth_over_bound_max and a plot: how fast two motions that begin side by side diverge.
 void MeasureGrowth(Bench& bench);
-// Keys random_trials, non_finite, inverted, quarantined, penetration_p999.
+// Keys random_trials, non_finite, inverted, quarantined, penetration_p999: random worlds in the server's own stepping.
 void MeasureRandomTrials(Bench& bench);
 
 }  // namespace wobble::bench

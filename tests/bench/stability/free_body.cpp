@@ -1,4 +1,4 @@
-// The system that StepOnce asks for, in the fewest words; a world's group of one body is the same with contacts.
+// The minimal system for StepOnce: a world's island of one body, without contacts.
 #include "tests/bench/stability/free_body.h"
 #include "server/physics/shapes/finish_blueprint.h"
 

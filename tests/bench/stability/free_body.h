@@ -1,5 +1,5 @@
-// One body alone, stepped by one method of the engine in equal steps, in double precision: nothing of the choice of
-// steps, of sleep or of rescue that a server has besides, so that a step which is too large shows what it does.
+// One body stepped by one method of the engine in equal steps, in double precision. The step choice, sleep and rescue
+// of a server are left out, so that the effect of too large a step is visible.
 #pragma once
 
 #include <span>
@@ -12,14 +12,14 @@ namespace wobble::bench {
 
 class FreeBody {
  public:
-  // At rest.
+  // Starts at rest.
   FreeBody(const physics::Blueprint& blueprint, physics::Integrator integrator);
 
   void Step(double h) {
     physics::StepOnce<double>(blueprint.integrator, h, *this, std::span(x), std::span(v), m_scratch);
   }
 
-  // What StepOnce asks of a system.
+  // The interface that StepOnce requires of a system.
   void Accelerate(std::span<const physics::Vector3d> atX, std::span<const physics::Vector3d> atV,
                   std::span<physics::Vector3d> a, bool springs) const;
   [[nodiscard]] std::size_t CountBodies() const { return 1; }
@@ -34,7 +34,7 @@ class FreeBody {
   physics::IntegratorScratch<double> m_scratch;
 };
 
-// RMS over the vertices of how far they are from where they rest, m.
+// RMS over the vertices of the distance from their rest positions, m.
 [[nodiscard]] double FindDisplacement(const FreeBody& body);
 
 }  // namespace wobble::bench

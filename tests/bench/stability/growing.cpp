@@ -1,7 +1,7 @@
-// Growth is judged by means over as many steps as went before, block after block of twice the length: a motion that a
-// step nearly carries to its limit swells and shrinks by a factor of twenty without growing, in beats of up to a
-// hundred steps, and the size at one moment says nothing. To look at the eigenvalues of one step's matrix instead
-// would be faster, but nobody plays a matrix.
+// Growth is judged by means over blocks, each twice as long as the one before: close to the stability limit a motion
+// swells and shrinks by a factor of twenty without growing, in beats of up to a hundred steps, so its size at one
+// moment means nothing. The eigenvalues of one step's matrix would be faster to compute, but the server plays the step
+// itself, not its matrix.
 #include "tests/bench/stability/growing.h"
 
 #include <algorithm>
@@ -13,11 +13,11 @@ namespace {
 
 using namespace physics;
 
-constexpr double kSmallness = 1e-7;    // of the disturbance against the body
+constexpr double kSmallness = 1e-7;    // of the disturbance, relative to the body
 constexpr int kFirstBlock = 256;       // steps
 constexpr double kSureGrowth = 3;      // e³ = 20
-constexpr double kSureDecay = -7;      // farther than any one motion can lie below all of them together
-constexpr double kRescaleBeyond = 10;  // either way
+constexpr double kSureDecay = -7;      // lower than any single motion can lie below the sum of all
+constexpr double kRescaleBeyond = 10;  // in either direction
 
 }  // namespace
 
@@ -25,7 +25,7 @@ Disturbed::Disturbed(const Blueprint& blueprint, Integrator integrator, bool alo
     : m_body(blueprint, integrator),
       m_frequency(blueprint.angularFrequency),
       m_size(kSmallness * blueprint.size * blueprint.angularFrequency) {
-  std::mt19937_64 random(1);  // the same for all: chance is only to leave out no motion
+  std::mt19937_64 random(1);  // the same for all bodies; random directions only ensure that every motion is excited
   const auto draw = [&] { return static_cast<double>(random() >> 11) / 4503599627370496.0 - 1; };
   for (const double inverseMass : blueprint.full.inverseMasses) {
     const Vector3d direction(draw(), alongX ? 0 : draw(), alongX || blueprint.full.planar ? 0 : draw());
@@ -85,7 +85,7 @@ bool Disturbed::Grows(double h, int maxSteps, double margin) {
     const double after = Step(h, done);
     growth = after - before;
     before = after;
-    if (!(growth < kSureGrowth)) return true;  // what is no number any more has grown
+    if (!(growth < kSureGrowth)) return true;  // NaN counts as growth
     if (after - first < kSureDecay) return false;
   }
   return growth > margin;

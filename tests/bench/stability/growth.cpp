@@ -1,14 +1,14 @@
-// How fast do two motions part that began beside one another, and how fast does theory allow it?
+// The rate at which two motions that begin side by side diverge, against the bound of theory.
 //
-// Theory: a step y' = y + h φ(y) whose φ is Lipschitz with constant Λ lets a distance grow by at most 1 + hΛ, in time T
-// by S = e^{ΛT}. If k is the constant of the equations themselves, that of RK4 is, from its tableau with α = max Σ|aᵢⱼ|
-// = 1, Λ = k Σ bᵢ Σ_{p<i} (kh)^p; of explicit Euler Λ = k. The constant depends on the norm. Here positions are
-// weighed by ω, the body's largest frequency: then the matrix of an undamped body has the norm ω and no norm makes it
-// smaller. Without weights k would be the largest ω², hundreds of times as large.
+// Theory: a step y' = y + h φ(y) with φ Lipschitz of constant Λ lets a distance grow by at most 1 + hΛ, in time T by S
+// = e^{ΛT}. If k is the constant of the equations themselves, then for RK4, from its tableau with α = max Σ|aᵢⱼ| = 1, Λ
+// = k Σ bᵢ Σ_{p<i} (kh)^p; for explicit Euler Λ = k. The constant depends on the norm. Positions are weighted by ω, the
+// body's highest frequency: the matrix of an undamped body then has the norm ω, and no norm makes it smaller. Without
+// weights k would be the largest ω², hundreds of times as large.
 //
-// k is looked for where the motion goes: at its states and at where its stages reach. The growth is that of the worst
-// of all disturbances, not of one by chance: every coordinate and velocity in turn is displaced a little, which gives
-// the derivative of the motion by its beginning, whose norm is the growth.
+// k is evaluated along the motion: at its states and at the states that its stages reach. The growth is that of the
+// worst disturbance, not of a random one: every coordinate and velocity is displaced in turn, which gives the
+// derivative of the motion by its initial state; its norm is the growth.
 #include <algorithm>
 #include <cmath>
 
@@ -28,11 +28,12 @@ using Eigen::VectorXd;
 
 constexpr double kDuration = 0.25;   // s
 constexpr double kStretch = 1.2;     // along z
-constexpr double kDisplaced = 1e-7;  // m, and over a second m/s
-constexpr int kSamples = 15;         // moments at which the distance is looked at
-constexpr int kIterations = 60;      // of the power method: the largest two may be close, the norm is not far off then
+constexpr double kDisplaced = 1e-7;  // m, and m/s
+constexpr int kSamples = 15;         // moments at which the distance is measured
+// Of the power method; when the two largest values are close, the norm is still nearly right
+constexpr int kIterations = 60;
 
-struct Subject {
+struct GrowthBall {
   int subdivisions = 2;
   double stiffness = 750;  // N/m
   double dampingRatio = 0;
@@ -40,16 +41,16 @@ struct Subject {
   std::vector<Vector3d> x = {};  // stretched
 };
 
-struct Trial {
-  const Subject* subject;
+struct GrowthTrial {
+  const GrowthBall* subject;
   Integrator integrator;
   int stepsASecond;
   double lipschitz = 0;                            // k, 1/s
   double bound = 0;                                // Λ, 1/s
-  std::vector<std::array<double, 2>> growth = {};  // s, ln of the distance over that at the beginning
+  std::vector<std::array<double, 2>> growth = {};  // s, ln of the distance over the initial one
 };
 
-Subject MakeSubject(int subdivisions, double stiffness, double dampingRatio) {
+GrowthBall MakeGrowthBall(int subdivisions, double stiffness, double dampingRatio) {
   BallDefinition ball;
   ball.subdivisions = subdivisions;
   ball.radius = 1;
@@ -57,7 +58,7 @@ Subject MakeSubject(int subdivisions, double stiffness, double dampingRatio) {
   ball.material.stiffness = stiffness;
   ball.material.gas = 1000;
   ball.material.dampingRatio = dampingRatio;
-  Subject subject{subdivisions, stiffness, dampingRatio, MakeBall(ball)};
+  GrowthBall subject{subdivisions, stiffness, dampingRatio, MakeBall(ball)};
   const double across = 1 / std::sqrt(kStretch);
   for (const Vector3d& x : subject.blueprint.rest) {
     subject.x.emplace_back(across * x.x(), across * x.y(), kStretch * x.z());
@@ -65,15 +66,15 @@ Subject MakeSubject(int subdivisions, double stiffness, double dampingRatio) {
   return subject;
 }
 
-FreeBody Begin(const Trial& trial) {
+FreeBody Begin(const GrowthTrial& trial) {
   FreeBody body(trial.subject->blueprint, trial.integrator);
   body.x = trial.subject->x;
   return body;
 }
 
-double FindStep(const Trial& trial) { return 1.0 / trial.stepsASecond; }
+double FindStep(const GrowthTrial& trial) { return 1.0 / trial.stepsASecond; }
 
-// The largest singular value of a matrix that is given by what it and its transpose do.
+// The largest singular value of a matrix, given by its product and that of its transpose.
 template <class Apply, class ApplyTransposed>
 double FindNorm(Eigen::Index size, const Apply& apply, const ApplyTransposed& applyTransposed) {
   VectorXd direction = VectorXd::LinSpaced(size, 1, 2).array().sin();
@@ -87,7 +88,7 @@ double FindNorm(Eigen::Index size, const Apply& apply, const ApplyTransposed& ap
   return norm;
 }
 
-// Of [0 ω; −K/ω −C].
+// The norm of [0 ω; −K/ω −C].
 double FindLipschitz(const LinearMotion& motion, double weight) {
   const Eigen::Index count = motion.stiffness.rows();
   const auto apply = [&](const VectorXd& y) {
@@ -104,8 +105,8 @@ double FindLipschitz(const LinearMotion& motion, double weight) {
   return FindNorm(2 * count, apply, applyTransposed);
 }
 
-// The largest along the motion, at kSamples of its steps, there and where its last stage reaches.
-double FindLipschitz(const Trial& trial) {
+// The largest value along the motion, at kSamples of its steps: at the state and where the last stage reaches.
+double FindLipschitz(const GrowthTrial& trial) {
   Equations equations;
   equations.blueprint = &trial.subject->blueprint;
   FreeBody body = Begin(trial);
@@ -138,8 +139,8 @@ double FindBound(Integrator integrator, double k, double h) {
   return bound;
 }
 
-// The state as one vector, positions times the weight, kSamples times.
-std::vector<VectorXd> Follow(const Trial& trial, FreeBody body) {
+// The states of a motion at kSamples moments, each as one vector with weighted positions.
+std::vector<VectorXd> Follow(const GrowthTrial& trial, FreeBody body) {
   const double weight = trial.subject->blueprint.angularFrequency;
   const auto count = static_cast<Eigen::Index>(3 * body.x.size());
   const double h = FindStep(trial);
@@ -155,7 +156,7 @@ std::vector<VectorXd> Follow(const Trial& trial, FreeBody body) {
   return samples;
 }
 
-void MeasureGrowthOf(Trial& trial) {
+void MeasureGrowthOf(GrowthTrial& trial) {
   const double weight = trial.subject->blueprint.angularFrequency;
   trial.lipschitz = FindLipschitz(trial);
   trial.bound = FindBound(trial.integrator, trial.lipschitz, FindStep(trial));
@@ -183,7 +184,7 @@ void MeasureGrowthOf(Trial& trial) {
   }
 }
 
-double FindLargestShare(const Trial& trial) {
+double FindLargestShare(const GrowthTrial& trial) {
   double share = 0;
   for (const auto& [time, growth] : trial.growth) {
     if (!std::isfinite(growth)) return NAN;
@@ -192,21 +193,21 @@ double FindLargestShare(const Trial& trial) {
   return share;
 }
 
-std::vector<Trial> MakeTrials(const std::vector<Subject>& subjects, bool quick) {
-  std::vector<Trial> trials;
-  for (const Subject& subject : subjects) {
+std::vector<GrowthTrial> MakeTrials(const std::vector<GrowthBall>& subjects, bool quick) {
+  std::vector<GrowthTrial> trials;
+  for (const GrowthBall& subject : subjects) {
     const int slowest = subject.stiffness > 750 ? 180 : 60;  // hω = 2.2: RK4 is near its limit
     for (const int factor : {1, 2, 4, 8}) {
       if (quick && factor == 4) continue;
       trials.push_back({&subject, Integrator::kRungeKutta4, factor * slowest});
     }
-    // Finer where it would otherwise leave the neighbourhood in which it is compared.
+    // Finer, because coarse steps would leave the neighbourhood in which the motions are compared.
     trials.push_back({&subject, Integrator::kExplicitEuler, (subject.stiffness > 750 ? 32 : 8) * slowest});
   }
   return trials;
 }
 
-void AddRow(Bench& bench, const Trial& trial) {
+void AddGrowthRow(Bench& bench, const GrowthTrial& trial) {
   bench.results.rows.push_back({{"experiment", "growth"},
                                 {"method", FindName(trial.integrator)},
                                 {"body", "ball of " + std::to_string(CountVertices(trial.subject->subdivisions))},
@@ -219,16 +220,15 @@ void AddRow(Bench& bench, const Trial& trial) {
                                 {"largest_share_of_bound", FindLargestShare(trial)}});
 }
 
-// Of the first subject.
-void AddPlot(Bench& bench, const std::vector<Trial>& trials) {
-  Plot plot{"stability_growth",
-            "Two motions of a stretched ball that begin beside one another",
-            "time, s",
-            "distance over that at the beginning",
-            {}};
+// Plots the first ball.
+void AddGrowthPlot(Bench& bench, const std::vector<GrowthTrial>& trials) {
+  Plot plot{.name = "stability_growth",
+            .title = "Two motions of a stretched ball that begin beside one another",
+            .xLabel = "time, s",
+            .yLabel = "distance over that at the beginning"};
   plot.logY = true;
   int colour = 0;
-  for (const Trial& trial : trials) {
+  for (const GrowthTrial& trial : trials) {
     if (trial.subject != trials[0].subject) continue;
     const std::string method = trial.integrator == Integrator::kExplicitEuler ? "explicit Euler" : "RK4";
     const std::string name = method + ", h = 1/" + std::to_string(trial.stepsASecond) + " s";
@@ -246,24 +246,24 @@ void AddPlot(Bench& bench, const std::vector<Trial>& trials) {
 
 void MeasureGrowth(Bench& bench) {
   const bool quick = bench.options.quick;
-  std::vector<Subject> subjects;
-  subjects.push_back(MakeSubject(quick ? 1 : 2, 750, 0));
+  std::vector<GrowthBall> subjects;
+  subjects.push_back(MakeGrowthBall(quick ? 1 : 2, 750, 0));
   for (const double stiffness : {750.0, 7500.0}) {
     for (const double dampingRatio : {0.0, 0.2}) {
       if (quick && stiffness > 750 && dampingRatio > 0) continue;
-      if (stiffness > 750 || dampingRatio > 0) subjects.push_back(MakeSubject(1, stiffness, dampingRatio));
+      if (stiffness > 750 || dampingRatio > 0) subjects.push_back(MakeGrowthBall(1, stiffness, dampingRatio));
     }
   }
-  std::vector<Trial> trials = MakeTrials(subjects, quick);
+  std::vector<GrowthTrial> trials = MakeTrials(subjects, quick);
   if (!RunTrials(bench, trials.size(), [&](std::size_t i) { MeasureGrowthOf(trials[i]); })) return;
   double largest = 0;
-  for (const Trial& trial : trials) {
-    AddRow(bench, trial);
+  for (const GrowthTrial& trial : trials) {
+    AddGrowthRow(bench, trial);
     const double share = FindLargestShare(trial);
     largest = std::isfinite(share) ? std::max(largest, share) : share;
   }
   bench.results.AddFigureAtMost("growth_over_bound_max", largest, 1);
-  AddPlot(bench, trials);
+  AddGrowthPlot(bench, trials);
 }
 
 }  // namespace wobble::bench

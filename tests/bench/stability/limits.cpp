@@ -1,15 +1,15 @@
-// The largest step that each method bears, tried out in the engine, against theory (modes.h).
+// The largest stable step of each method, measured in the engine and compared with theory (modes.h).
 //
-// A body at rest is disturbed by a ten-millionth of its size and stepped; the step is bisected between one with which
-// the disturbance dies away, or at least does not grow, and one with which it grows. Balls are held at three vertices
-// and lattices at one side, so that they cannot drift. Theory only says where to look: half of its limit must hold and
-// twice must not, or the figure is missed.
+// A body at rest is disturbed by a ten-millionth of its size and stepped; the step is bisected between one at which the
+// disturbance decays, or at least does not grow, and one at which it grows. Balls are fixed at three vertices and
+// lattices at one side, so that they cannot drift. Theory only brackets the search: half of its limit must be stable
+// and twice the limit must not, or the figure is missed.
 //
-// Two methods have no limit to compare, and are given huge steps, none of which may let anything grow. Implicit Euler
-// by its theory bears any. Position Verlet puts springs back to their lengths instead of stepping them, and with
-// nothing but springs in the body its step has no h in it: x'' = P (2 x' − x), P a chain of projections and no longer
-// than 1. With gas inside it rests in a shape of its own, farther out the larger the step, of which linear theory knows
-// nothing; what becomes of that is in perturbations.cpp.
+// Two methods have no limit to compare; they are given huge steps, none of which may let anything grow. Implicit Euler
+// is stable at any step by theory. Position Verlet restores the lengths of springs instead of stepping them, and with
+// nothing but springs in the body its step does not contain h: x'' = P (2 x' − x), with P a chain of projections of
+// norm at most 1. With gas inside it has its own rest shape, larger for larger steps, to which linear theory does not
+// apply; perturbations.cpp shows the effect.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -33,17 +33,17 @@ using namespace physics;
 
 constexpr double kForever = std::numeric_limits<double>::infinity();
 constexpr int kSteps = 2048;
-constexpr int kEulerSteps = 1 << 16;       // it lets slow modes grow by a millionth a step
-constexpr double kBracket = 2;             // theory's limit times and over this, to begin with
+constexpr int kEulerSteps = 1 << 16;       // explicit Euler lets slow modes grow by a millionth per step
+constexpr double kBracket = 2;             // initial bracket: theory's limit times and over this
 constexpr int kBisections = 9;             // of the logarithm: to 0.3 %
-constexpr double kWeakestDamping = 0.004;  // ratio, that steps are counted for
+constexpr double kWeakestDamping = 0.004;  // damping ratio for which steps are counted
 constexpr double kEulerMargin = 0.02;
-constexpr double kHugeSteps[] = {1, 30, 1000};  // times one over the fastest frequency
-constexpr double kSmallStep = 0.02;             // over the fastest frequency: explicit Euler lets e grow in 5000 steps
+constexpr double kHugeSteps[] = {1, 30, 1000};  // in units of one over the fastest frequency
+constexpr double kSmallStep = 0.02;             // in the same unit: explicit Euler grows by e in 5000 such steps
 constexpr Integrator kLimited[] = {Integrator::kRungeKutta4, Integrator::kVelocityVerlet, Integrator::kLeapFrog,
                                    Integrator::kSemiImplicitEuler, Integrator::kExplicitEuler};
 
-struct Subject {
+struct LimitedBody {
   std::string kind;
   double stiffness = 0;  // of a spring, N/m; of a lattice: Young's modulus, Pa
   double dampingRatio = 0;
@@ -54,18 +54,19 @@ struct Subject {
   [[nodiscard]] bool IsPair() const { return blueprint.rest.size() == 2; }
 };
 
-struct Trial {
-  const Subject* subject;
+struct LimitTrial {
+  const LimitedBody* subject;
   Integrator integrator;
   StepLimit theory;
-  double measured = 0;  // s; 0: the smallest step tried grows, infinity: the largest does not
+  double measured = 0;  // s; 0: unstable at the smallest step tried, infinity: stable at the largest
 };
 
-Subject MakeSubject(const std::string& kind, double stiffness, double dampingRatio, double gas, Blueprint blueprint) {
+LimitedBody MakeLimitedBody(const std::string& kind, double stiffness, double dampingRatio, double gas,
+                            Blueprint blueprint) {
   return {kind, stiffness, dampingRatio, gas, std::move(blueprint), {}};
 }
 
-Subject MakeBallSubject(int subdivisions, double stiffness, double dampingRatio, double gas) {
+LimitedBody MakeBallSubject(int subdivisions, double stiffness, double dampingRatio, double gas) {
   BallDefinition ball;
   ball.subdivisions = subdivisions;
   ball.material.stiffness = stiffness;
@@ -74,28 +75,28 @@ Subject MakeBallSubject(int subdivisions, double stiffness, double dampingRatio,
   Blueprint blueprint = MakeBall(ball);
   blueprint.full.fixed = {0, 1, 2};
   FinishBlueprint(blueprint);
-  return MakeSubject("ball of " + std::to_string(CountVertices(subdivisions)), stiffness, dampingRatio, gas,
-                     std::move(blueprint));
+  return MakeLimitedBody("ball of " + std::to_string(CountVertices(subdivisions)), stiffness, dampingRatio, gas,
+                         std::move(blueprint));
 }
 
-Subject MakeLatticeSubject(double youngModulus, double dampingRatio) {
+LimitedBody MakeLatticeSubject(double youngModulus, double dampingRatio) {
   LatticeDefinition lattice;
   lattice.cells = {2, 2, 2};
   lattice.youngModulus = youngModulus;
   lattice.dampingRatio = dampingRatio;
   lattice.fixed = Side::kLowZ;
-  return MakeSubject("lattice of 27", youngModulus, dampingRatio, 0, MakeLattice(lattice));
+  return MakeLimitedBody("lattice of 27", youngModulus, dampingRatio, 0, MakeLattice(lattice));
 }
 
-Subject MakePairSubject(double dampingRatio) {
+LimitedBody MakePairSubject(double dampingRatio) {
   PairDefinition pair;
   pair.firstIsFixed = true;
   pair.material.dampingRatio = dampingRatio;
-  return MakeSubject("pair", pair.material.stiffness, dampingRatio, 0, MakePair(pair));
+  return MakeLimitedBody("pair", pair.material.stiffness, dampingRatio, 0, MakePair(pair));
 }
 
-std::vector<Subject> MakeSubjects(bool quick) {
-  std::vector<Subject> subjects;
+std::vector<LimitedBody> MakeSubjects(bool quick) {
+  std::vector<LimitedBody> subjects;
   const std::vector<double> dampings =
       quick ? std::vector<double>{0, 0.2, 1} : std::vector<double>{0, 0.05, 0.2, 0.5, 1};
   for (const double stiffness : {150.0, 1500.0, 15000.0}) {
@@ -116,11 +117,11 @@ std::vector<Subject> MakeSubjects(bool quick) {
   return subjects;
 }
 
-double FindSmallStep(const Trial& trial) { return kSmallStep / trial.theory.frequency; }
+double FindSmallStep(const LimitTrial& trial) { return kSmallStep / trial.theory.frequency; }
 
-// Explicit Euler lets a motion of damping ratio ζ grow by 2ζ² a step for each whole that the step is too large by, and
-// lets the others die away no faster: the weaker the damping, the longer it takes to tell.
-int CountSteps(const Trial& trial) {
+// At a step too large by a share s, explicit Euler lets a motion of damping ratio ζ grow by 2ζ² s per step, and at
+// smaller steps others decay no faster: the weaker the damping, the more steps are needed to decide.
+int CountSteps(const LimitTrial& trial) {
   if (trial.integrator != Integrator::kExplicitEuler) return kSteps;
   const double ratio = std::max(trial.theory.dampingRatio, kWeakestDamping);
   int steps = kEulerSteps;
@@ -128,7 +129,7 @@ int CountSteps(const Trial& trial) {
   return steps;
 }
 
-double MeasureStep(const Trial& trial) {
+double MeasureStep(const LimitTrial& trial) {
   Disturbed body(trial.subject->blueprint, trial.integrator, trial.subject->IsPair());
   const bool isEuler = trial.integrator == Integrator::kExplicitEuler;
   const int steps = CountSteps(trial);
@@ -150,22 +151,22 @@ double FindDeviation(double found, double theory) {
   return std::fabs(found / theory - 1);
 }
 
-// What integrator.h says of the one oscillator that the limit is that of.
-double FindClosedForm(const Trial& trial) {
+// The limit by integrator.h for the single oscillator of the first growing motion.
+double FindClosedForm(const LimitTrial& trial) {
   const double w = trial.theory.frequency;
   return FindLargestStep(trial.integrator, w * w, 2 * trial.theory.dampingRatio * w);
 }
 
-// What a server takes for this body alone.
-double FindServerStep(const Trial& trial) {
+// The step that a server takes for this body alone.
+double FindServerStep(const LimitTrial& trial) {
   const Blueprint& blueprint = trial.subject->blueprint;
   Modes modes;
   modes.body = {blueprint.angularFrequency * blueprint.angularFrequency, blueprint.dampingRate};
   return 1 / FindStableRate(trial.integrator, blueprint, modes);
 }
 
-void AddRow(Bench& bench, const Trial& trial) {
-  const Subject& subject = *trial.subject;
+void AddLimitRow(Bench& bench, const LimitTrial& trial) {
+  const LimitedBody& subject = *trial.subject;
   bench.results.rows.push_back({{"experiment", "limit"},
                                 {"method", FindName(trial.integrator)},
                                 {"body", subject.kind},
@@ -181,16 +182,16 @@ void AddRow(Bench& bench, const Trial& trial) {
                                 {"server_step", FindServerStep(trial)}});
 }
 
-void AddFigures(Bench& bench, const std::vector<Trial>& trials) {
+void AddFigures(Bench& bench, const std::vector<LimitTrial>& trials) {
   double worst = 0;
   double worstOfForms = 0;
   double worstOfServer = 0;
-  for (const Trial& trial : trials) {
+  for (const LimitTrial& trial : trials) {
     const bool isOneOscillator = trial.integrator != Integrator::kVelocityVerlet || trial.subject->gas == 0;
     const double ofForm = FindDeviation(FindClosedForm(trial), trial.theory.step);
     worst = std::max(worst, FindDeviation(trial.measured, trial.theory.step));
     if (isOneOscillator) worstOfForms = std::max(worstOfForms, ofForm);
-    // A server does not try to make explicit Euler stable.
+    // A server does not choose steps for which explicit Euler is stable.
     if (trial.integrator == Integrator::kExplicitEuler) continue;
     worstOfServer = std::max(worstOfServer, FindServerStep(trial) / trial.measured);
   }
@@ -199,8 +200,8 @@ void AddFigures(Bench& bench, const std::vector<Trial>& trials) {
   bench.results.AddFigureAtMost("server_step_over_limit_max", worstOfServer, 1);
 }
 
-// Both in units of the oscillator that the limit is that of, so that all bodies share one line.
-void AddPlotOfLimits(Bench& bench, const std::vector<Trial>& trials) {
+// Step and limit in units of the limiting oscillator, so that all bodies share one line.
+void AddPlotOfLimits(Bench& bench, const std::vector<LimitTrial>& trials) {
   struct Line {
     const char* name;
     Integrator integrator;
@@ -209,11 +210,10 @@ void AddPlotOfLimits(Bench& bench, const std::vector<Trial>& trials) {
                              {"velocity Verlet", Integrator::kVelocityVerlet},
                              {"semi-implicit Euler, leap-frog", Integrator::kSemiImplicitEuler},
                              {"explicit Euler", Integrator::kExplicitEuler}};
-  Plot plot{"stability_limits",
-            "Largest stable step: theory (lines), measured on balls, lattices and pairs (points)",
-            "damping of the motion that grows first, 1 = critical",
-            "step times its angular frequency, hω",
-            {}};
+  Plot plot{.name = "stability_limits",
+            .title = "Largest stable step: theory (lines), measured on balls, lattices and pairs (points)",
+            .xLabel = "damping of the motion that grows first, 1 = critical",
+            .yLabel = "step times its angular frequency, hω"};
   int colour = 0;
   for (const Line& line : kLines) {
     Series theory{line.name, Stroke::kLine, {}, ++colour};
@@ -221,7 +221,7 @@ void AddPlotOfLimits(Bench& bench, const std::vector<Trial>& trials) {
     for (int i = 0; i <= 260; ++i) {
       theory.points.push_back({0.01 * i, FindLargestStep(line.integrator, 1, 0.02 * i)});
     }
-    for (const Trial& trial : trials) {
+    for (const LimitTrial& trial : trials) {
       const bool isLeapFrog =
           trial.integrator == Integrator::kLeapFrog && line.integrator == Integrator::kSemiImplicitEuler;
       if (trial.integrator != line.integrator && !isLeapFrog) continue;
@@ -233,7 +233,7 @@ void AddPlotOfLimits(Bench& bench, const std::vector<Trial>& trials) {
   bench.results.plots.push_back(std::move(plot));
 }
 
-// What a step does to a pair, the one body that is a single oscillator, over damping and step.
+// Growth per step over damping and step, for a pair: the one body that is a single oscillator.
 void AddMap(Bench& bench, Integrator integrator, const std::string& name, const std::string& title) {
   const int across = bench.options.quick ? 30 : 60;
   constexpr double kLargestRatio = 2;
@@ -241,8 +241,8 @@ void AddMap(Bench& bench, Integrator integrator, const std::string& name, const 
   std::vector<std::array<double, 3>> cells(static_cast<std::size_t>(across) * static_cast<std::size_t>(across));
   const bool done = RunTrials(bench, static_cast<std::size_t>(across), [&](std::size_t column) {
     const double ratio = kLargestRatio * (static_cast<double>(column) + 0.5) / across;
-    // √2: the ratio is that of two masses that swing, of which one is fixed here.
-    const Subject pair = MakePairSubject(std::sqrt(2) * ratio);
+    // √2: the definition's ratio is that of two swinging masses, of which one is fixed here.
+    const LimitedBody pair = MakePairSubject(std::sqrt(2) * ratio);
     Disturbed body(pair.blueprint, integrator, true);
     const double frequency = std::sqrt(pair.stiffness / pair.blueprint.full.masses[1]);
     for (int row = 0; row < across; ++row) {
@@ -266,16 +266,16 @@ void AddMap(Bench& bench, Integrator integrator, const std::string& name, const 
                                  {"growth in a step, natural logarithm, measured", 0.5, cells}});
 }
 
-// Implicit Euler on all bodies but the largest, position Verlet on those without gas.
-void MeasureHugeSteps(Bench& bench, const std::vector<Subject>& subjects) {
+// Tests implicit Euler on all bodies except the largest, position Verlet on those without gas.
+void MeasureHugeSteps(Bench& bench, const std::vector<LimitedBody>& subjects) {
   struct HugeStep {
-    const Subject* subject;
+    const LimitedBody* subject;
     Integrator integrator;
     double product;  // hω
     bool grows = false;
   };
   std::vector<HugeStep> steps;
-  for (const Subject& subject : subjects) {
+  for (const LimitedBody& subject : subjects) {
     if (subject.blueprint.rest.size() > 100) continue;
     for (const double product : kHugeSteps) {
       steps.push_back({&subject, Integrator::kImplicitEuler, product});
@@ -308,13 +308,13 @@ void MeasureHugeSteps(Bench& bench, const std::vector<Subject>& subjects) {
 }  // namespace
 
 void MeasureLimits(Bench& bench) {
-  std::vector<Subject> subjects = MakeSubjects(bench.options.quick);
+  std::vector<LimitedBody> subjects = MakeSubjects(bench.options.quick);
   if (!RunTrials(bench, subjects.size(),
                  [&](std::size_t i) { subjects[i].motion = LineariseAtRest(subjects[i].blueprint); })) {
     return;
   }
-  std::vector<Trial> trials;
-  for (const Subject& subject : subjects) {
+  std::vector<LimitTrial> trials;
+  for (const LimitedBody& subject : subjects) {
     for (const Integrator integrator : kLimited) trials.push_back({&subject, integrator, {}});
   }
   if (!RunTrials(bench, trials.size(), [&](std::size_t i) {
@@ -323,7 +323,7 @@ void MeasureLimits(Bench& bench) {
       })) {
     return;
   }
-  for (const Trial& trial : trials) AddRow(bench, trial);
+  for (const LimitTrial& trial : trials) AddLimitRow(bench, trial);
   AddFigures(bench, trials);
   AddPlotOfLimits(bench, trials);
   AddMap(bench, Integrator::kRungeKutta4, "stability_map", "RK4: one oscillator, what a step does to it");

@@ -1,5 +1,5 @@
-// Written apart from integrator.cpp, which has closed forms for one oscillator: here the matrices of the whole body are
-// taken as they are, and what the closed forms give for the motion that grows first is a check on both.
+// Independent of integrator.cpp, which has closed forms for one oscillator: the matrices of the whole body are used
+// here, and the closed forms for the first growing motion check both.
 #include "tests/bench/stability/modes.h"
 
 #include <Eigen/Cholesky>
@@ -16,11 +16,11 @@ using Complex = std::complex<double>;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kShift = 1e-6;       // of a coordinate, m, and of its rate, m/s
-constexpr double kRigidShare = 1e-3;  // of the fastest rate: what is slower than this is rounding of zero
+constexpr double kShift = 1e-6;       // of a coordinate, m, and of a velocity, m/s
+constexpr double kRigidShare = 1e-3;  // of the fastest rate: slower rates are rounding of zero
 constexpr double kUndamped = 1e-9;    // the same for damping
-constexpr double kMarch = 1.1;        // from a step to the next, while looking for the first that is unstable
-constexpr int kBisections = 34;
+constexpr double kMarch = 1.1;        // ratio of successive steps in the search for the first unstable one
+constexpr int kRadiusBisections = 34;
 
 struct Coordinate {
   std::size_t vertex;
@@ -38,7 +38,7 @@ std::vector<Coordinate> FindFreeCoordinates(const Coefficients<double>& body) {
   return free;
 }
 
-// −∂a/∂(values), where `values` is the x or the v that find(a) takes.
+// −∂a/∂(values); `values` is the x or v that find(a) reads.
 template <class Find>
 MatrixXd Differentiate(const Equations& equations, const std::vector<Coordinate>& free, std::vector<Vector3d>& values,
                        const Find& find) {
@@ -85,7 +85,7 @@ std::vector<Complex> FindRates(const MatrixXd& stiffness, const MatrixXd& dampin
   return rates;
 }
 
-// The motion that makes a symmetric matrix singular, as an oscillator.
+// Describes the motion in the null space of a symmetric matrix as an oscillator.
 StepLimit DescribeMotion(double step, const MatrixXd& singular, const LinearMotion& motion) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(singular);
   Eigen::Index nearest = 0;
@@ -109,7 +109,7 @@ double FindEulerStep(const Complex& rate) {
 double FindRungeKuttaStep(const Complex& rate) {
   double begin = 0;
   double end = 4 / std::abs(rate);
-  for (int i = 0; i < kBisections; ++i) {
+  for (int i = 0; i < kRadiusBisections; ++i) {
     const double middle = (begin + end) / 2;
     const Complex z = middle * rate;
     const Complex growth = 1.0 + z + z * z / 2.0 + z * z * z / 6.0 + z * z * z * z / 24.0;
@@ -134,8 +134,8 @@ StepLimit FindLimitByRates(const LinearMotion& motion, const FindStep& findStep)
   return DescribeMotion(smallest, decay * decay * identity + decay * motion.damping + motion.stiffness, motion);
 }
 
-// makeMatrix(h): positive definite as long as h is stable. The first that is not is wanted, so steps are tried from
-// below.
+// makeMatrix(h) is positive definite while h is stable. Tries increasing steps, because the first unstable one is the
+// limit.
 template <class MakeMatrix>
 StepLimit FindLimitByMatrix(const LinearMotion& motion, const MakeMatrix& makeMatrix) {
   const auto isStable = [&](double h) { return Eigen::LLT<MatrixXd>(makeMatrix(h)).info() == Eigen::Success; };
@@ -145,7 +145,7 @@ StepLimit FindLimitByMatrix(const LinearMotion& motion, const MakeMatrix& makeMa
     begin = end;
     end *= kMarch;
   }
-  for (int i = 0; i < kBisections; ++i) {
+  for (int i = 0; i < kRadiusBisections; ++i) {
     const double middle = (begin + end) / 2;
     (isStable(middle) ? begin : end) = middle;
   }
@@ -157,7 +157,7 @@ MatrixXd MakeSymplecticMatrix(const LinearMotion& motion, double h) {
          2 * h * motion.damping;
 }
 
-// Where 1 + D is no longer definite, that one.
+// Returns 1 + D itself where that is no longer positive definite.
 MatrixXd MakeVerletMatrix(const LinearMotion& motion, double h) {
   const MatrixXd identity = MatrixXd::Identity(motion.stiffness.rows(), motion.stiffness.cols());
   const MatrixXd d = identity - h / 2 * motion.damping;

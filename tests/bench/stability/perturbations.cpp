@@ -1,15 +1,15 @@
-// A fictitious force, none that the body or anything around it has, presses the body together for half a second and
-// lets go. With friction inside, every body comes back to the shape that it rests in. Does it, by each method at one
-// and the same step?
+// A fictitious external force compresses a body for half a second and then vanishes. With internal friction, every body
+// returns to its rest shape; this experiment shows whether it does under each method at the same step.
 //
-// The force on a vertex goes with its mass and with its height above the middle, downwards above and upwards below: so
-// it neither moves the body nor turns it, and how far vertices are from where they rest is all that there is to see.
-// (Were it fixed to the vertices instead, it would tip over a body that is stiff enough.) A step of 1/240 s is well
-// within what RK4 and the Verlet family bear for both bodies; explicit Euler bears it only where damping outweighs what
-// it feeds, h ω² < γ, and gas has no damping.
+// The force on a vertex is proportional to its mass and to its height above the centre, downwards above and upwards
+// below: it neither moves nor turns the body, so the distance from the rest shape is the whole effect. (Forces tied to
+// the vertices would tip over a body that is stiff enough.) A step of 1/240 s is well within the limits of RK4 and the
+// Verlet family for both bodies; explicit Euler is stable only where damping exceeds the energy that it adds, h ω² < γ,
+// and gas has no damping.
 //
-// Position Verlet has no springs to come back by, only lengths to be kept, one after another: that leaves a body moving
-// as a whole long after it was let go, which counts as displacement here. Its row is what it is.
+// Position Verlet has no spring forces that restore the shape, only lengths that it restores one after another: the
+// body keeps moving as a whole long after its release, which counts as displacement here. Its row shows that and is not
+// judged.
 #include <cmath>
 
 #include "server/physics/shapes/ball.h"
@@ -27,34 +27,34 @@ using namespace physics;
 
 constexpr double kStep = 1.0 / 240;
 constexpr double kPushed = 0.5;  // s
-constexpr double kWatched = 12;  // s, from the beginning of the push
-constexpr double kExploded = 5;  // of the body's size
+constexpr double kWatched = 12;  // s, from the beginning of the force
+constexpr double kExploded = 5;  // in sizes of the body
 constexpr int kStepsASample = 3;
 constexpr double kReturned = 0.01;  // of the largest displacement
 
-struct Subject {
+struct PushedBody {
   std::string name;
   Blueprint blueprint;
-  double push;  // acceleration as far out as the body reaches, m/s²
+  double push;  // acceleration at the body's extent, m/s²
 };
 
-struct Trial {
-  const Subject* subject;
+struct PushTrial {
+  const PushedBody* subject;
   Integrator integrator;
-  double peak = 0;          // largest displacement, RMS over vertices, m
-  double left = 0;          // at the end over the largest
-  double energyLeft = 0;    // at the end over that at the moment of letting go
-  double explodedAt = NAN;  // when vertices were kExploded sizes of the body away from their places, s
+  double peak = 0;                                // largest displacement, RMS over vertices, m
+  double left = 0;                                // final displacement over the largest
+  double energyLeft = 0;                          // final energy over that at the release
+  double explodedAt = NAN;                        // when vertices were kExploded sizes from their rest positions, s
   std::vector<std::array<double, 2>> track = {};  // s, displacement, m
 };
 
-Subject MakeCube() {
+PushedBody MakeCube() {
   LatticeDefinition cube;
   cube.dampingRatio = 0.1;
   return {"lattice of 64", MakeLattice(cube), 600};
 }
 
-Subject MakeGasBall() {
+PushedBody MakeGasBall() {
   BallDefinition ball;
   ball.radius = 1;
   ball.material.mass = 0.25 * static_cast<double>(CountVertices(ball.subdivisions));
@@ -63,7 +63,7 @@ Subject MakeGasBall() {
   return {"gas ball of 162", MakeBall(ball), 30};
 }
 
-void SetPushes(const Subject& subject, const std::vector<Vector3d>& x, std::vector<VertexForce<double>>& pushes) {
+void SetPushes(const PushedBody& subject, const std::vector<Vector3d>& x, std::vector<VertexForce<double>>& pushes) {
   pushes.clear();
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double force = -subject.blueprint.full.masses[i] * subject.push * x[i].z() / subject.blueprint.reach;
@@ -71,8 +71,8 @@ void SetPushes(const Subject& subject, const std::vector<Vector3d>& x, std::vect
   }
 }
 
-void Play(Trial& trial) {
-  const Subject& subject = *trial.subject;
+void PlayPush(PushTrial& trial) {
+  const PushedBody& subject = *trial.subject;
   FreeBody body(subject.blueprint, trial.integrator);
   Equations equations;
   equations.blueprint = &subject.blueprint;
@@ -98,9 +98,9 @@ void Play(Trial& trial) {
   trial.energyLeft = (FindEnergy(equations, body.x, body.v) - atRest) / released;
 }
 
-bool HasExploded(const Trial& trial) { return !std::isnan(trial.explodedAt); }
+bool HasExploded(const PushTrial& trial) { return !std::isnan(trial.explodedAt); }
 
-void AddRow(Bench& bench, const Trial& trial) {
+void AddPushRow(Bench& bench, const PushTrial& trial) {
   nlohmann::ordered_json row = {{"experiment", "perturbation"},
                                 {"method", FindName(trial.integrator)},
                                 {"body", trial.subject->name},
@@ -116,14 +116,14 @@ void AddRow(Bench& bench, const Trial& trial) {
   bench.results.rows.push_back(std::move(row));
 }
 
-void AddPlot(Bench& bench, const std::vector<Trial>& trials, const Subject& subject, const std::string& name) {
-  Plot plot{name,
-            "A " + subject.name + " is pressed together for 0.5 s and let go, steps of 1/240 s",
-            "time, s",
-            "RMS way of the vertices from rest, m",
-            {}};
+void AddPushPlot(Bench& bench, const std::vector<PushTrial>& trials, const PushedBody& subject,
+                 const std::string& name) {
+  Plot plot{.name = name,
+            .title = "A " + subject.name + " is pressed together for 0.5 s and let go, steps of 1/240 s",
+            .xLabel = "time, s",
+            .yLabel = "RMS way of the vertices from rest, m"};
   plot.logY = true;
-  for (const Trial& trial : trials) {
+  for (const PushTrial& trial : trials) {
     if (trial.subject != &subject) continue;
     plot.series.push_back({FindName(trial.integrator), Stroke::kLine, trial.track});
   }
@@ -133,24 +133,24 @@ void AddPlot(Bench& bench, const std::vector<Trial>& trials, const Subject& subj
 }  // namespace
 
 void MeasurePerturbations(Bench& bench) {
-  const Subject cube = MakeCube();
-  const Subject ball = MakeGasBall();
-  std::vector<Trial> trials;
-  for (const Subject* subject : {&cube, &ball}) {
+  const PushedBody cube = MakeCube();
+  const PushedBody ball = MakeGasBall();
+  std::vector<PushTrial> trials;
+  for (const PushedBody* subject : {&cube, &ball}) {
     for (const Integrator integrator : kIntegrators) trials.push_back({subject, integrator});
   }
-  if (!RunTrials(bench, trials.size(), [&](std::size_t i) { Play(trials[i]); })) return;
+  if (!RunTrials(bench, trials.size(), [&](std::size_t i) { PlayPush(trials[i]); })) return;
   double left = 0;
   double explodedAt = 0;
-  for (const Trial& trial : trials) {
-    AddRow(bench, trial);
+  for (const PushTrial& trial : trials) {
+    AddPushRow(bench, trial);
     if (trial.integrator == Integrator::kRungeKutta4) left = std::max(left, HasExploded(trial) ? NAN : trial.left);
     if (trial.integrator == Integrator::kExplicitEuler && trial.subject == &cube) explodedAt = trial.explodedAt;
   }
   bench.results.AddFigureAtMost("perturbation_rk4_left", left, kReturned);
   bench.results.AddFigureAtMost("perturbation_euler_exploded_s", explodedAt, kWatched);
-  AddPlot(bench, trials, cube, "stability_perturbation");
-  AddPlot(bench, trials, ball, "stability_perturbation_ball");
+  AddPushPlot(bench, trials, cube, "stability_perturbation");
+  AddPushPlot(bench, trials, ball, "stability_perturbation_ball");
 }
 
 }  // namespace wobble::bench

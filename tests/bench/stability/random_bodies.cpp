@@ -1,15 +1,16 @@
-// Every kind of body, of any size up to the number of vertices asked for, and materials over three decades of stiffness
-// below what the substeps can hold. A stiffness is drawn by the substeps that the body will need by itself, each order
-// of magnitude as likely as the next, so that small and large, light and heavy bodies all come as soft and as stiff as
-// may be; the estimate is not exact, and of those near the upper end Validate refuses some: they are drawn again.
+// Random bodies of every kind and any size up to the requested vertex count, with materials over three decades of
+// stiffness below what the substeps can hold. A stiffness is drawn by way of the substeps that the body needs by
+// itself, uniform in the logarithm, so that small and large, light and heavy bodies all range from soft to stiff. The
+// estimate is not exact: of the bodies near the upper end Validate refuses some, and they are drawn again.
 //
-// Validate is the scenes' own: what it lets through anybody may write into a scene file, and it must hold.
+// Validate is the one that scenes use: what it accepts may stand in a scene file, so the engine must hold it.
 #include "tests/bench/stability/random_bodies.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 #include "server/physics/methods/stability.h"
 
@@ -18,20 +19,19 @@ namespace {
 
 using namespace physics;
 
-// What a body may need by itself, as Validate has it, and a little beyond.
+// The most substeps that a body may need by itself according to Validate, and slightly more.
 constexpr double kMostSubsteps = 36;
 constexpr double kDecades = 3;  // of stiffness
 constexpr double kTickHz = 60;
-constexpr double kPi = 3.14159265358979323846;
-// Faster than anything is thrown, m/s.
+// Above any speed in the trials, m/s.
 constexpr double kAnySpeed = 1e3;
 
 double DrawDamping(Random& random) { return random.Happens(0.15) ? 0 : random.DrawMagnitude(0.02, 2); }
 
-// A stiffness for springs with this damping between masses of `vertexMass`.
+// Draws the stiffness of springs with this damping between masses of `vertexMass`, kg.
 double DrawStiffness(Random& random, double fastest, double vertexMass, double dampingRatio) {
   const double substeps = random.DrawMagnitude(kMostSubsteps * std::pow(10, -kDecades / 2), kMostSubsteps);
-  // γ = (c/k) ω² with c = 2ζ √(k m/2) is ζ √(2 · fastest) times ω.
+  // γ = (c/k) ω² with c = 2ζ √(k m/2) equals ζ √(2 · fastest) times ω.
   const double rate = substeps * kTickHz * kStabilityLimit / std::max(1.0, dampingRatio * std::sqrt(2 * fastest));
   return rate * rate * vertexMass / fastest;
 }
@@ -49,7 +49,7 @@ Material DrawMaterial(Random& random, double fastest, std::size_t vertices) {
   return material;
 }
 
-std::string Describe(const char* kind, std::size_t vertices, const Material& m) {
+std::string DescribeShape(const char* kind, std::size_t vertices, const Material& m) {
   char text[160];
   std::snprintf(text, sizeof text, "%s of %zu, %.3g kg, k %.3g N/m, damping %.2g, gas %.3g J", kind, vertices, m.mass,
                 m.stiffness, m.dampingRatio, m.gas);
@@ -62,7 +62,7 @@ struct Draft {
   double bearableSpeed = kAnySpeed;
 };
 
-// nRT from a hundredth of what the springs can hold to all of it; sometimes against a pressure from outside.
+// Draws nRT between a hundredth and all of what the springs can hold, sometimes with an external pressure.
 void DrawGas(Random& random, double most, double volume, Material& material) {
   material.gas = random.DrawMagnitude(0.01, 1) * most;
   if (!random.Happens(0.2)) return;
@@ -78,8 +78,9 @@ Draft DraftBall(Random& random, std::size_t vertices) {
   ball.material = DrawMaterial(random, 6, count);
   ball.material.drag = random.Happens(0.2) ? random.Draw(0, 1) : 0;
   const double square = ball.radius * ball.radius;
-  DrawGas(random, 10 * ball.material.stiffness * square, 4 * kPi / 3 * square * ball.radius, ball.material);
-  return {ball, Describe("ball", count, ball.material)};
+  DrawGas(random, 10 * ball.material.stiffness * square, 4 * std::numbers::pi / 3 * square * ball.radius,
+          ball.material);
+  return {ball, DescribeShape("ball", count, ball.material)};
 }
 
 Draft DraftLattice(Random& random, std::size_t vertices) {
@@ -116,9 +117,10 @@ Draft DraftRing(Random& random, std::size_t vertices) {
   const auto count = static_cast<std::size_t>(ring.points * ring.layers);
   ring.material = DrawMaterial(random, ring.layers > 1 ? 8 : 4, count);
   const double inner = ring.layers > 1 ? ring.radius - ring.thickness : ring.radius;
-  const double most = 0.7 * ring.material.stiffness * 2 * kPi * inner * inner * 2 / ring.points * kPi * ring.layers / 2;
-  DrawGas(random, most, kPi * inner * inner, ring.material);
-  return {ring, Describe(ring.layers > 1 ? "layered ring" : "ring", count, ring.material)};
+  const double most = 0.7 * ring.material.stiffness * 2 * std::numbers::pi * inner * inner * 2 / ring.points *
+                      std::numbers::pi * ring.layers / 2;
+  DrawGas(random, most, std::numbers::pi * inner * inner, ring.material);
+  return {ring, DescribeShape(ring.layers > 1 ? "layered ring" : "ring", count, ring.material)};
 }
 
 Draft DraftCloth(Random& random, std::size_t vertices) {
@@ -137,7 +139,7 @@ Draft DraftCloth(Random& random, std::size_t vertices) {
   const auto count = static_cast<std::size_t>(cloth.points[0] * cloth.points[1]);
   cloth.material = DrawMaterial(random, 8, count);
   cloth.material.drag = random.Happens(0.7) ? random.Draw(0, 1) : 0;
-  return {cloth, Describe("cloth", count, cloth.material)};
+  return {cloth, DescribeShape("cloth", count, cloth.material)};
 }
 
 Draft DraftPair(Random& random) {
@@ -146,10 +148,10 @@ Draft DraftPair(Random& random) {
   pair.direction = random.DrawDirection();
   pair.firstIsFixed = random.Happens(0.3);
   pair.material = DrawMaterial(random, 2, 2);
-  return {pair, Describe("pair", 2, pair.material)};
+  return {pair, DescribeShape("pair", 2, pair.material)};
 }
 
-// A chain, a strip of two rows that are joined crosswise, or a tower of four.
+// A chain, a strip of two cross-linked rows, or a tower of four rows.
 Draft DraftGraph(Random& random, std::size_t vertices) {
   GraphDefinition graph;
   constexpr std::array kRows{1, 2, 4};
@@ -182,7 +184,7 @@ Draft DraftGraph(Random& random, std::size_t vertices) {
   return {graph, text};
 }
 
-// A squashed or drawn out icosphere with gas in it, or half of one, which is open.
+// A flattened or elongated icosphere with gas, or half of one, which is open.
 Draft DraftMesh(Random& random, std::size_t vertices) {
   MeshDefinition mesh;
   const Icosphere sphere = MakeIcosphere(vertices < 42 ? 0 : vertices < 162 ? 1 : 2);
@@ -208,9 +210,9 @@ Draft DraftMesh(Random& random, std::size_t vertices) {
   const double extent = std::cbrt(axes.prod());
   if (!open) {
     const double most = 3 * mesh.material.stiffness * extent * extent;
-    DrawGas(random, most, 4 * kPi / 3 * axes.prod(), mesh.material);
+    DrawGas(random, most, 4 * std::numbers::pi / 3 * axes.prod(), mesh.material);
   }
-  return {mesh, Describe(open ? "open mesh" : "closed mesh", mesh.vertices.size(), mesh.material)};
+  return {mesh, DescribeShape(open ? "open mesh" : "closed mesh", mesh.vertices.size(), mesh.material)};
 }
 
 Draft DraftAny(Random& random, std::size_t vertices) {

@@ -1,4 +1,4 @@
-// Bodies drawn by chance, of every kind that a scene can have and within what its author is bound by.
+// Draws random bodies of every kind that a scene can have, within the ranges that scenes allow.
 #pragma once
 
 #include <string>
@@ -11,17 +11,19 @@ namespace wobble::bench {
 struct RandomBody {
   physics::Blueprint blueprint;
   std::string description;  // shape and material, for people
-  // Of an impact that leaves every cell of a lattice as it was, m/s; of all else, beyond any that comes.
+  // Highest impact speed that leaves every lattice cell uninverted, m/s; for other bodies above any speed in the
+  // trials.
   double bearableSpeed = 0;
-  int refused = 0;  // materials that Validate refused before this one
-  int crushed = 0;  // and those whose gas would not have carried them
+  int refused = 0;  // earlier draws whose material Validate refused
+  int crushed = 0;  // earlier draws whose gas could not carry the load
 };
 
-// Above this a skin is not crushed flat by `mass` kg that lie on it or are its own, under `gravity` m/s²: nRT, J. Per
-// metre of depth of a ring.
+// The gas, nRT in J (for a ring per metre of depth), above which a shell is not crushed flat by `mass` kg, its own or
+// resting on it, under `gravity` m/s².
 [[nodiscard]] double FindCarryingGas(double mass, double gravity, double reach);
 
-// vertices: about how many, 1 to 642. gravity: what its gas must carry it against, m/s²; 0: whatever it may be.
+// vertices: approximate count, 1 to 642. gravity: under which the gas must carry the body, m/s²; 0: no such
+// requirement.
 [[nodiscard]] RandomBody DrawBody(Random& random, std::size_t vertices, double gravity);
 
 }  // namespace wobble::bench

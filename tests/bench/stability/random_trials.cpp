@@ -1,10 +1,10 @@
-// Thousands of worlds drawn by chance, ten seconds each, in the server's own stepping: single precision, its error
-// target, sleep, contact, several bodies. None may do what no body can. What one of them finds is a fault of the engine
-// and is mended there; a trial is played again by its number.
+// Thousands of random worlds, ten seconds each, in the server's own stepping: single precision, its error target,
+// sleep, contact, several bodies. No body may become non-finite, inverted or quarantined. Any finding is a fault of the
+// engine and is fixed there; the number of a trial reproduces it.
 //
-// Penetration is looked for by means of its own (insides.h): the deepest vertex of a body under a static surface or
-// inside a closed body, as a share of its own size, of every body every third of a second. What a body does between
-// looks is not seen; looking takes as long as several ticks do.
+// Penetration is measured independently of the engine (insides.h): the greatest depth of a vertex of a body under a
+// static surface or inside a closed body, relative to the body's size, for every body every third of a second. Deeper
+// penetration between these moments is missed; one measurement takes as long as several ticks.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -21,13 +21,12 @@ namespace {
 
 using namespace physics;
 
-constexpr int kTicks = 600;
 constexpr int kTicksBetweenLooks = 20;
 constexpr std::size_t kTrials = 10000;
 constexpr std::size_t kTrialsBeyond = 500;
 constexpr double kQuickTime = 20;  // s, on all cores
 
-struct Trial {
+struct RandomTrial {
   bool played = false;
   std::string place;
   std::string stiffestBody;
@@ -44,7 +43,7 @@ struct Trial {
   int failedTick = 0;  // the first, from 1; 0: none
   std::string failedBody;
   const char* failure = "";
-  std::vector<float> depths;  // of each body at each look, over its size
+  std::vector<float> depths;  // per body and measurement, relative to its size
 };
 
 double FindDepthUnderSurfaces(const World& world, const std::vector<Vector3d>& x) {
@@ -56,7 +55,7 @@ double FindDepthUnderSurfaces(const World& world, const std::vector<Vector3d>& x
   return deepest;
 }
 
-// Bodies without faces, such as graphs, pass through others: that is what they are.
+// Bodies without faces, such as graphs, have no surface and pass through others by design.
 bool HasSurface(const Blueprint& blueprint) { return !blueprint.full.faces.empty(); }
 bool IsClosed(const Blueprint& blueprint) { return blueprint.restVolume > 0 && !blueprint.full.planar; }
 
@@ -75,7 +74,7 @@ void LookAtDepths(const World& world, std::vector<float>& depths) {
   }
 }
 
-void DescribeWorld(const RandomWorld& random, Trial& trial) {
+void DescribeWorld(const RandomWorld& random, RandomTrial& trial) {
   trial.place = random.Place();
   trial.bodies = random.Engine().Bodies().size();
   trial.mostSpeed = random.MostSpeed();
@@ -93,7 +92,7 @@ void DescribeWorld(const RandomWorld& random, Trial& trial) {
   }
 }
 
-void Note(const StepReport& report, const RandomWorld& random, Trial& trial) {
+void Note(const StepReport& report, const RandomWorld& random, RandomTrial& trial) {
   trial.substeps += report.substeps;
   trial.awake += report.awake;
   trial.nonFinite += report.nonFinite;
@@ -105,18 +104,18 @@ void Note(const StepReport& report, const RandomWorld& random, Trial& trial) {
   trial.failure = report.nonFinite > 0 ? "not finite" : report.inverted > 0 ? "inverted" : "energy from nowhere";
 }
 
-Trial Play(std::uint64_t seed, std::uint32_t number, Violence violence) {
+RandomTrial PlayTrial(std::uint64_t seed, std::uint32_t number, Violence violence) {
   RandomWorld random(seed, number, violence);
-  Trial trial;
+  RandomTrial trial;
   trial.played = true;
   DescribeWorld(random, trial);
   bool moved = true;
-  for (int tick = 1; tick <= kTicks; ++tick) {
+  for (int tick = 1; tick <= kRandomTicks; ++tick) {
     random.Act();
     const StepReport report = random.Engine().Step();
     Note(report, random, trial);
     moved = moved || report.awake > 0;
-    // What sleeps counts once.
+    // A sleeping world is measured once.
     if (tick % kTicksBetweenLooks != 0 || !moved) continue;
     LookAtDepths(random.Engine(), trial.depths);
     moved = false;
@@ -124,11 +123,11 @@ Trial Play(std::uint64_t seed, std::uint32_t number, Violence violence) {
   return trial;
 }
 
-float FindDeepest(const Trial& trial) {
+float FindDeepest(const RandomTrial& trial) {
   return trial.depths.empty() ? 0 : *std::max_element(trial.depths.begin(), trial.depths.end());
 }
 
-// The value that a thousandth of them exceed; 0 of none.
+// The 99.9th percentile; 0 without values.
 double FindP999(std::vector<float> values) {
   if (values.empty()) return 0;
   const auto place = static_cast<std::ptrdiff_t>(0.999 * static_cast<double>(values.size() - 1));
@@ -136,7 +135,7 @@ double FindP999(std::vector<float> values) {
   return values[static_cast<std::size_t>(place)];
 }
 
-nlohmann::ordered_json MakeRow(std::size_t number, const Trial& trial) {
+nlohmann::ordered_json MakeRow(std::size_t number, const RandomTrial& trial) {
   return {{"experiment", "random_trial"},
           {"trial", number},
           {"place", trial.place},
@@ -154,7 +153,7 @@ nlohmann::ordered_json MakeRow(std::size_t number, const Trial& trial) {
           {"failed_body", trial.failedBody}};
 }
 
-std::string Describe(std::uint64_t seed, std::size_t number, const Trial& trial) {
+std::string DescribeTrial(std::uint64_t seed, std::size_t number, const RandomTrial& trial) {
   char line[512];
   std::snprintf(line, sizeof line, "stability --trial %zu --seed %llu: ", number,
                 static_cast<unsigned long long>(seed));
@@ -170,16 +169,16 @@ std::string Describe(std::uint64_t seed, std::size_t number, const Trial& trial)
   return start + line;
 }
 
-// What all of them have found, by how stiff their stiffest body is: a row for each decade of its stiffness.
-void AddRows(const std::vector<Trial>& trials, Results& results) {
-  constexpr double kDecade = 3.1622776601683795;  // of the frequency, and so of the substeps
+// Adds the findings by the stiffness of the stiffest body: one row per decade.
+void AddRows(const std::vector<RandomTrial>& trials, Results& results) {
+  constexpr double kDecade = 3.1622776601683795;  // of the stiffness: √10 in the frequency, and so in the substeps
   for (double low = 1e-3; low < kMaxSubsteps; low *= kDecade) {
     std::size_t count = 0;
     std::size_t failed = 0;
     double substeps = 0;
     double awake = 0;
     std::vector<float> depths;
-    for (const Trial& trial : trials) {
+    for (const RandomTrial& trial : trials) {
       if (trial.stiffness < low || trial.stiffness >= low * kDecade) continue;
       ++count;
       failed += trial.failedTick > 0 ? 1 : 0;
@@ -198,14 +197,13 @@ void AddRows(const std::vector<Trial>& trials, Results& results) {
   }
 }
 
-Plot MakePlot(const std::vector<Trial>& trials) {
+Plot MakePlot(const std::vector<RandomTrial>& trials) {
   constexpr std::size_t kMostPoints = 1500;
-  constexpr double kLeastDepth = 1e-5;  // none is no place on a logarithmic axis
-  Plot plot{"stability_trials",
-            "Random trials: the deepest vertex of each",
-            "substeps that the stiffest body needs by itself",
-            "deepest penetration, share of the body's size",
-            {}};
+  constexpr double kLeastDepth = 1e-5;  // the logarithmic axis cannot show 0
+  Plot plot{.name = "stability_trials",
+            .title = "Random trials: the deepest vertex of each",
+            .xLabel = "substeps that the stiffest body needs by itself",
+            .yLabel = "deepest penetration, share of the body's size"};
   plot.logX = true;
   plot.logY = true;
   Series good{"well", Stroke::kPoints, {}};
@@ -234,9 +232,9 @@ struct Sums {
   std::vector<float> depths;
 };
 
-Sums AddUp(const std::vector<Trial>& trials) {
+Sums AddUp(const std::vector<RandomTrial>& trials) {
   Sums sums;
-  for (const Trial& trial : trials) {
+  for (const RandomTrial& trial : trials) {
     ++sums.trials;
     sums.failed += trial.failedTick > 0 ? 1 : 0;
     sums.nonFinite += trial.nonFinite;
@@ -250,17 +248,17 @@ Sums AddUp(const std::vector<Trial>& trials) {
   return sums;
 }
 
-// As many as the time allows, in order; in quick runs the last may be left out, never one in between.
-bool PlayAll(Bench& bench, std::vector<Trial>& trials, std::vector<Trial>& beyond) {
+// Plays as many trials as the time allows, in order; a quick run may omit the last ones, never one in between.
+bool PlayAll(Bench& bench, std::vector<RandomTrial>& trials, std::vector<RandomTrial>& beyond) {
   const auto began = std::chrono::steady_clock::now();
   const std::uint64_t seed = bench.options.seed;
   const bool done = RunTrials(bench, trials.size() + beyond.size(), [&](std::size_t i) {
     const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
     if (bench.options.quick && gone.count() > kQuickTime) return;
     if (i < trials.size()) {
-      trials[i] = Play(seed, static_cast<std::uint32_t>(i), Violence::kPlay);
+      trials[i] = PlayTrial(seed, static_cast<std::uint32_t>(i), Violence::kPlay);
     } else {
-      beyond[i - trials.size()] = Play(seed, static_cast<std::uint32_t>(i - trials.size()), Violence::kBeyond);
+      beyond[i - trials.size()] = PlayTrial(seed, static_cast<std::uint32_t>(i - trials.size()), Violence::kBeyond);
     }
   });
   while (!trials.empty() && !trials.back().played) trials.pop_back();
@@ -269,9 +267,9 @@ bool PlayAll(Bench& bench, std::vector<Trial>& trials, std::vector<Trial>& beyon
 
 void ReplayOne(Bench& bench) {
   const std::uint32_t number = *bench.options.trial;
-  const Trial trial = Play(bench.options.seed, number, Violence::kPlay);
+  const RandomTrial trial = PlayTrial(bench.options.seed, number, Violence::kPlay);
   bench.results.rows.push_back(MakeRow(number, trial));
-  bench.results.remarks.push_back(Describe(bench.options.seed, number, trial));
+  bench.results.remarks.push_back(DescribeTrial(bench.options.seed, number, trial));
   bench.results.AddFigureAtMost("quarantined", trial.quarantined, 0);
 }
 
@@ -279,14 +277,14 @@ void ReplayOne(Bench& bench) {
 
 void MeasureRandomTrials(Bench& bench) {
   if (bench.options.trial) return ReplayOne(bench);
-  std::vector<Trial> trials(kTrials);
-  std::vector<Trial> beyond(bench.options.quick ? 0 : kTrialsBeyond);
+  std::vector<RandomTrial> trials(kTrials);
+  std::vector<RandomTrial> beyond(bench.options.quick ? 0 : kTrialsBeyond);
   if (!PlayAll(bench, trials, beyond)) return;
   Results& results = bench.results;
   for (std::size_t i = 0; i < trials.size(); ++i) {
     if (trials[i].failedTick == 0) continue;
     results.rows.push_back(MakeRow(i, trials[i]));
-    results.remarks.push_back(Describe(bench.options.seed, i, trials[i]));
+    results.remarks.push_back(DescribeTrial(bench.options.seed, i, trials[i]));
   }
   AddRows(trials, results);
   Sums sums = AddUp(trials);

@@ -1,16 +1,17 @@
-// What bodies can bear, so that all that goes wrong within it is the engine's fault:
-//   - a skin takes an impact whose energy is up to its nRT; above it folds and unfolds, since there is no contact of a
-//     body with itself, and may be left inside out. So nothing is faster than √(2 nRT/m) of the weakest gas and the
-//     heaviest body of the world, nor than 15 m/s, a fall from four storeys;
-//   - gas that cannot carry what lies on it lets its skin be crushed flat, and what is flat is soon inside out. Scenes
-//     refuse a skin that cannot carry itself; here each carries the whole heap, nRT >= 2 m g R;
-//   - a lattice of springs has no inside: beyond a third of √(E/ρ) cells may stay turned over (lattice.h).
-// Worlds drawn without these bounds are played as well and counted by themselves.
+// The bounds within which every failure is the engine's fault:
+//   - A shell bears an impact with energy up to its nRT; above that it folds, and because a body has no contact with
+//     itself, it may stay inside out. So no speed exceeds √(2 nRT/m) of the world's weakest gas and heaviest body, nor
+//     15 m/s, a fall from four storeys.
+//   - A shell whose gas cannot carry its load is crushed flat, and a flat shell soon turns inside out. Scenes refuse a
+//     shell that cannot carry itself; here each carries the whole heap, nRT >= 2 m g R.
+//   - A lattice of springs has no inside: above a third of √(E/ρ) cells may stay inverted (lattice.h).
+// Worlds without these bounds are played as well and counted separately.
 #include "tests/bench/stability/random_world.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "tests/bench/stability/random_bodies.h"
 
@@ -19,10 +20,8 @@ namespace {
 
 using namespace physics;
 
-constexpr int kTicks = 600;
 constexpr double kGravity = 9.81;
 constexpr std::size_t kMostBodies = 12;
-constexpr double kPi = 3.14159265358979323846;
 
 }  // namespace
 
@@ -37,9 +36,9 @@ RandomWorld::RandomWorld(std::uint64_t seed, std::uint32_t number, Violence viol
   PlaceBodies();
   AddDrives();
   const int kicks = m_random.DrawWhole(0, 6);
-  for (int i = 0; i < kicks; ++i) m_kicks.push_back(m_random.DrawWhole(1, kTicks));
+  for (int i = 0; i < kicks; ++i) m_kicks.push_back(m_random.DrawWhole(1, kRandomTicks));
   if (m_random.Happens(0.15)) {
-    for (int i = 0; i < 3; ++i) m_tilts.push_back(m_random.DrawWhole(1, kTicks));
+    for (int i = 0; i < 3; ++i) m_tilts.push_back(m_random.DrawWhole(1, kRandomTicks));
   }
   for (const Body& body : m_world->Bodies()) {
     if (m_players.size() < 3 && m_random.Happens(0.25)) m_players.push_back({body.id, m_random.DrawWhole(1, 60)});
@@ -57,7 +56,7 @@ bool RandomWorld::Carries(double mass) const {
   return std::ranges::all_of(m_world->Blueprints(), carries);
 }
 
-// Few worlds are large: large ones take most of the time.
+// Few worlds are large, because large ones take most of the time.
 void RandomWorld::DrawBlueprints() {
   constexpr double kFewest = 8;
   constexpr double kMost = 645;
@@ -66,7 +65,7 @@ void RandomWorld::DrawBlueprints() {
   double least = std::numeric_limits<double>::max();
   double heaviest = 0;
   for (int i = 0; i < count; ++i) {
-    // Of the vertices of the world: the rest is for others.
+    // Share of the world's vertices; the other blueprints get the rest.
     const double share = m_random.Happens(0.25) ? 1 : m_random.DrawMagnitude(0.08, 0.7);
     RandomBody body =
         DrawBody(m_random, static_cast<std::size_t>(share * static_cast<double>(m_mostVertices)), FindLoad());
@@ -114,7 +113,7 @@ void RandomWorld::DrawGround() {
   m_world->AddObstacle(thing);
 }
 
-// Two or four planes that run down to a floor too small for what falls into it.
+// Two or four planes that slope down to a floor too small for the bodies that fall into it.
 void RandomWorld::AddSlopes() {
   const double angle = m_random.Draw(0.3, 1.2);
   const double narrow = m_random.Draw(0, 2) * m_reach;
@@ -132,7 +131,7 @@ void RandomWorld::AddSlopes() {
   m_place = sides == 2 ? "wedge" : "funnel";
 }
 
-// Hills in a bowl that nothing leaves.
+// Hills in a bowl that no body leaves.
 void RandomWorld::AddTerrain() {
   constexpr int kNodes = 32;
   const double cell = m_random.Draw(1, 2);
@@ -155,14 +154,14 @@ void RandomWorld::AddTerrain() {
   m_place = "hills";
 }
 
-// A heap: several side by side; or a column. Apart from one another, at a height from which they fall at up to the most
-// speed.
+// Places a heap, several columns side by side, or one column: apart from each other, at heights from which they fall at
+// up to the highest speed.
 void RandomWorld::PlaceBodies() {
   const bool column = m_random.Happens(0.4);
   const double gravity = std::max(1.0, -m_world->Settings().gravity.z());
   const double drop = m_mostSpeed * m_mostSpeed * m_random.Draw(0, 1) / (2 * gravity);
   const double spacing = 2.1 * m_reach + 0.05;
-  // On slopes, above where they meet what falls beside the middle.
+  // On slopes, above the height at which bodies beside the middle meet them.
   const double base =
       m_floor + 1.2 * m_reach + 0.05 + std::min(drop, 12.0) + (m_world->Obstacles().size() > 2 ? 4 * m_reach : 0);
   std::size_t vertices = 0;
@@ -210,7 +209,7 @@ void RandomWorld::Act() {
     if (due != tick) continue;
     const double gravity = m_world->Settings().gravity.norm();
     const double angle = m_random.Draw(0, 0.6);
-    const double towards = m_random.Draw(0, 2 * kPi);
+    const double towards = m_random.Draw(0, 2 * std::numbers::pi);
     m_world->SetGravity(
         gravity * Vector3d(std::sin(angle) * std::cos(towards), std::sin(angle) * std::sin(towards), -std::cos(angle)));
   }
@@ -219,7 +218,7 @@ void RandomWorld::Act() {
   }
 }
 
-// The whole body, a spin, or only the half of it that looks towards where it is hit.
+// Kicks the whole body, spins it, or kicks the half that faces the impact.
 void RandomWorld::Kick() {
   const Body& body = m_world->Bodies()[m_random.Choose(m_world->Bodies().size())];
   const Vector3d centre = m_world->FindCentre(body);
@@ -246,7 +245,7 @@ void RandomWorld::Kick() {
 
 void RandomWorld::Steer(Player& player) {
   Control control;
-  const double angle = m_random.Draw(0, 2 * kPi);
+  const double angle = m_random.Draw(0, 2 * std::numbers::pi);
   const double strength = m_random.Happens(0.3) ? 0 : 1;
   control.moveX = strength * std::cos(angle);
   control.moveY = strength * std::sin(angle);

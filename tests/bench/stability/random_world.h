@@ -1,5 +1,5 @@
-// A world drawn by chance and what happens in it: bodies dropped in heaps and columns onto ground of every kind,
-// kicked, spun, steered, blown at and tilted.
+// A random world and its events: bodies dropped in heaps and columns onto ground of every kind, kicked, spun, steered,
+// blown by wind and tilted.
 #pragma once
 
 #include <memory>
@@ -11,30 +11,33 @@
 
 namespace wobble::bench {
 
-// How hard bodies are dropped and kicked, and how much is heaped on them.
+// Length of a random trial, ticks: 10 s of play.
+inline constexpr int kRandomTicks = 600;
+
+// How hard bodies are dropped and kicked, and how heavily they are piled.
 enum class Violence : std::uint8_t {
-  kPlay,    // what they can bear: see random_world.cpp
-  kBeyond,  // whatever that does to them
+  kPlay,    // within what they can bear: see random_world.cpp
+  kBeyond,  // regardless of what they can bear
 };
 
 class RandomWorld {
  public:
   RandomWorld(std::uint64_t seed, std::uint32_t number, Violence violence);
 
-  // Does what is due before the next step.
+  // Applies the events that are due before the next step.
   void Act();
 
   [[nodiscard]] physics::World& Engine() { return *m_world; }
   [[nodiscard]] const physics::World& Engine() const { return *m_world; }
-  // Of a blueprint by its place in the world: shape and material.
+  // Shape and material of a blueprint, by its index in the world.
   [[nodiscard]] const std::string& Describe(std::uint8_t blueprint) const { return m_descriptions[blueprint]; }
   [[nodiscard]] const std::string& Place() const { return m_place; }
-  [[nodiscard]] int Refused() const { return m_refused; }         // materials, by Validate
-  [[nodiscard]] int Crushed() const { return m_crushed; }         // and those whose gas would not have carried them
+  [[nodiscard]] int Refused() const { return m_refused; }         // materials that Validate refused
+  [[nodiscard]] int Crushed() const { return m_crushed; }         // materials whose gas could not carry the load
   [[nodiscard]] double MostSpeed() const { return m_mostSpeed; }  // of drops and kicks, m/s
 
  private:
-  // A body that is steered as a player would.
+  // A body that is steered like a player's.
   struct Player {
     physics::BodyId body = 0;
     int nextTick = 0;
@@ -49,9 +52,9 @@ class RandomWorld {
   void Kick();
   void Steer(Player& player);
 
-  // Whether every gas carries `mass`.
+  // Whether the gas of every blueprint carries `mass`, kg.
   [[nodiscard]] bool Carries(double mass) const;
-  // Downwards, at least the Earth's, m/s²; 0 where it does not matter.
+  // Downward acceleration that gas must carry, at least the Earth's, m/s²; 0 where it does not matter.
   [[nodiscard]] double FindLoad() const;
 
   Random m_random;
@@ -63,7 +66,7 @@ class RandomWorld {
   int m_crushed = 0;
   std::size_t m_mostVertices = 0;
   double m_mostSpeed = 15;
-  double m_floor = 0;        // height that nothing on the ground reaches, m
+  double m_floor = 0;        // height above everything on the ground, m
   double m_reach = 0;        // of the largest body, m
   std::vector<int> m_kicks;  // ticks
   std::vector<int> m_tilts;

@@ -1,5 +1,5 @@
-// The engine's own sweep, compiled with what its tables say of a blueprint as constants: the compiler then leaves out
-// whatever asks for them. Callgrind counts what is spent in the functions called SweepBare.
+// The engine's own sweep, compiled with the properties of a blueprint as constants, so that the compiler removes the
+// checks for them. Callgrind counts the functions named SweepBare.
 #include "tests/bench/terms/bare.h"
 
 #include <initializer_list>

@@ -1,5 +1,5 @@
-// The sweep of eight lanes as it would be if it knew springs, masses and, if it is said, gas, and nothing else: what
-// can be switched off is not in it.
+// The sweep of eight lanes with springs, masses and optionally gas only: everything that can be switched off is
+// removed.
 #pragma once
 
 #include "server/physics/lanes/sweep.h"

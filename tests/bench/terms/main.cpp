@@ -1,7 +1,7 @@
-// wobble_terms KIND engine|bare STEPS: steps eight bodies in the air, for callgrind to count instructions. `engine` is
-// the way that all bodies go; `bare` replaces its sweep by one that never had what these bodies have not.
+// wobble_terms KIND engine|bare STEPS: steps eight bodies in the air while callgrind counts instructions. `engine`
+// takes the normal path; `bare` replaces its sweep by one without the terms that these bodies lack.
 //
-// A program of its own: what the laboratory does besides would take longer under callgrind than the steps.
+// It is a separate program, because the other work of the laboratory would take longer under callgrind than the steps.
 #include <array>
 #include <charconv>
 #include <cstdio>

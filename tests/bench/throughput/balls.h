@@ -1,4 +1,4 @@
-// Balls on the ground that are stepped through one tick again and again, with nobody to choose or judge their steps.
+// Balls on the ground, stepped through one tick again and again by fixed steps: no step choice and no checks.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace wobble::bench {
 
 inline constexpr double kBallsTick = 1.0 / 60;  // s
 
-// Sixteen, fallen five seconds ago.
+// Sixteen balls, five seconds after they were dropped.
 template <class Real>
 [[nodiscard]] std::shared_ptr<const physics::World> MakeBallsAtRest() {
   constexpr int kTicksToRest = 300;
@@ -25,14 +25,14 @@ template <class Real>
 
 struct BallsSetting {
   std::size_t bodies = 16;
-  int steps = 32;  // of a tick
+  int steps = 32;  // per tick
   bool isOnGround = true;
 };
 
 template <class Real>
 class Balls {
  public:
-  // Of the first of `world`, which has this precision, a floor and bodies of one blueprint.
+  // Takes the first bodies of `world`, which has precision Real, a floor, and bodies of one blueprint.
   Balls(std::shared_ptr<const physics::World> world, const BallsSetting& setting)
       : m_steps(setting.steps), m_world(std::move(world)) {
     const std::size_t count = setting.bodies;
@@ -64,7 +64,7 @@ class Balls {
     Reset();
   }
 
-  // To where the tick begins.
+  // Back to the beginning of the tick.
   void Reset() { m_states = m_beginning; }
 
   void StepInLanes(int widest) {
@@ -94,7 +94,7 @@ class Balls {
     }
   }
 
-  // Of a vertex and step, when all of it took `time`, s.
+  // Time per vertex and step when all of it took `time`, s.
   [[nodiscard]] double FindShare(double time) const {
     return time / static_cast<double>(m_members.size() * m_blueprint->rest.size()) / m_steps;
   }

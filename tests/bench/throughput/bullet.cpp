@@ -1,5 +1,5 @@
-// As its demos use it: btSoftRigidDynamicsWorld, a link for each spring, a face for each face, pressure for the gas
-// (its kPR is our nRT: both push a face with kPR/V times its area). The one file that includes Bullet.
+// Uses Bullet as its demos do: btSoftRigidDynamicsWorld, a link per spring, a face per face, pressure for the gas (its
+// kPR is our nRT: both push a face with kPR/V times its area). This is the only file that includes Bullet.
 #include "tests/bench/throughput/bullet.h"
 
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
@@ -21,7 +21,7 @@ namespace {
 
 using namespace physics;
 
-constexpr float kReach = 100;  // of a box that stands for a plane, half of each side, m
+constexpr float kReach = 100;  // half the side of a box that stands for a plane, m
 
 btVector3 Convert(const Vector3d& from) {
   return {static_cast<btScalar>(from.x()), static_cast<btScalar>(from.y()), static_cast<btScalar>(from.z())};
@@ -78,7 +78,7 @@ struct BulletWorld::Bodies {
     for (const double mass : full.masses) masses.push_back(static_cast<btScalar>(mass));
     auto body =
         std::make_unique<btSoftBody>(&world.getWorldInfo(), static_cast<int>(rest.size()), rest.data(), masses.data());
-    // In the rest shape: lengths are taken from it.
+    // Add links in the rest shape, because their lengths are taken from it.
     for (const auto& spring : full.springs) body->appendLink(static_cast<int>(spring.a), static_cast<int>(spring.b));
     for (const Face& face : full.faces) body->appendFace(face[0], face[1], face[2]);
     if (settings.contacts == BulletSettings::Contacts::kClusters) body->generateClusters(settings.clusters);

@@ -1,4 +1,4 @@
-// Bullet's soft bodies, the ones that a game would take from the shelf: the same balls in the same world.
+// Bullet's soft bodies, the usual off-the-shelf choice for a game: the same balls in the same world.
 #pragma once
 
 #include <memory>
@@ -9,19 +9,20 @@
 
 namespace wobble::bench {
 
-// As Bullet has them, but for clusters, of which it has none.
+// Defaults are Bullet's own, except for `clusters`, which has no default in Bullet.
 struct BulletSettings {
   enum class Contacts { kNone, kVertexFace, kClusters };  // between soft bodies
   Contacts contacts = Contacts::kNone;
-  int clusters = 8;      // of a body
-  double margin = 0.25;  // about a body, within which it touches, m
+  int clusters = 8;      // per body
+  double margin = 0.25;  // contact margin around a body, m
 };
 
-// All but what is said in the settings as Bullet has it: one step a tick, one round of its position solver.
+// Everything that BulletSettings does not set is Bullet's default: one step per tick, one iteration of its position
+// solver.
 class BulletWorld {
  public:
-  // Every body of `world` in its shape and motion, its gas as pressure, its obstacles as boxes: Bullet's soft bodies do
-  // not meet its planes.
+  // Copies every body of `world` with its shape and motion, its gas as pressure and its obstacles as boxes, because
+  // Bullet's soft bodies do not collide with its planes.
   BulletWorld(const physics::World& world, const BulletSettings& settings);
   ~BulletWorld();
 

@@ -1,5 +1,5 @@
-// What a server's tick comes to: the whole step of a world at the default error target, by one thread, over the number
-// of balls, apart on a floor and pressed together in a funnel as in the scene `scrum`.
+// The cost of a tick: the whole step of a world at the default error target, on one thread, over the number of balls,
+// apart on a floor and pressed together in a funnel as in the scene `scrum`.
 #include "tests/bench/throughput/experiments.h"
 #include "tests/bench/throughput/worlds.h"
 
@@ -8,7 +8,6 @@ namespace {
 
 using namespace physics;
 
-constexpr int kTicks = 12;
 constexpr double kTickMs = 1000.0 / 60;
 
 using MakeWorld = std::unique_ptr<World> (*)(std::size_t, const WorldSettings&, int);
@@ -20,13 +19,13 @@ struct Crowd {
 };
 constexpr Crowd kCrowds[] = {{"apart", &MakeBallsApart, kTicksToFall}, {"pressed", &MakeBallsInFunnel, kTicksToPress}};
 
-// Mean ms a tick.
+// Mean time of a tick, ms.
 double MeasureCrowd(Bench& bench, const Crowd& crowd, std::size_t bodies) {
   const auto world = crowd.make(bodies, WorldSettings{}, crowd.ticks);
-  const Replay replay = MakeReplay(*world, world->Settings(), kTicks);
+  const Replay replay = MakeReplay(*world, world->Settings(), kTimedTicks);
   Peak peak;
   const TickTimes times = TimeReplays(bench, {&replay, 1}, bench.options.quick ? 2 : 5, peak)[0];
-  const Played played = CountPlayed(*world, world->Settings(), kTicks);
+  const Played played = CountPlayed(*world, world->Settings(), kTimedTicks);
   bench.results.rows.push_back({{"experiment", "crowd"},
                                 {"where", crowd.name},
                                 {"bodies", bodies},

@@ -1,9 +1,10 @@
-// What packs cost that are not full. Bodies share a pack only when they take equal substeps, which each chooses for
-// itself from a ladder: so the more the motions differ and the fewer bodies there are, the more lanes stay empty, and a
-// pack takes as long with empty lanes as with full ones.
+// The cost of packs that are not full. Bodies share a pack only when they take equal substeps, which each chooses from
+// a ladder: the more the motions differ and the fewer bodies there are, the more lanes stay empty, and a pack takes as
+// long with empty lanes as with full ones.
 //
-// First one pack with ever more bodies; then balls in the air that vibrate by 0.1 to 20 % of their radius, each with as
-// many substeps as the default error target asks of it, beside the same balls when all take the same number.
+// Measured first for one pack with increasing numbers of bodies, then for balls in the air that vibrate by 0.1 to 20 %
+// of their radius: each with the substeps that the default error target chooses, against the same balls all with the
+// same number.
 #include <cmath>
 #include <map>
 
@@ -17,8 +18,6 @@ namespace {
 
 using namespace physics;
 
-constexpr int kSubsteps = 4;
-constexpr int kTicks = 12;
 constexpr int kTicksToChoose = 30;
 constexpr double kLeastStretch = 0.001;
 constexpr double kMostStretch = 0.2;
@@ -33,7 +32,7 @@ void MeasurePacks(Bench& bench) {
   const auto world = MakeBallsAtRest<float>();
   const int rounds = bench.options.quick ? 4 : 100;
   for (int bodies = 1; bodies <= widest; ++bodies) {
-    Balls<float> balls(world, {.bodies = static_cast<std::size_t>(bodies), .steps = kSubsteps});
+    Balls<float> balls(world, {.bodies = static_cast<std::size_t>(bodies), .steps = kTimedSubsteps});
     Fastest fastest;
     Peak peak;
     for (int round = 0; round < rounds; ++round) {
@@ -56,7 +55,7 @@ void MeasurePacks(Bench& bench) {
   bench.results.plots.push_back(std::move(plot));
 }
 
-// In the air and without weight, so that vibration alone decides.
+// Balls in the air without gravity, so that vibration alone decides.
 std::unique_ptr<World> MakeVibratingBalls(std::size_t count) {
   WorldSettings settings;
   settings.gravity.setZero();
@@ -74,7 +73,7 @@ std::unique_ptr<World> MakeVibratingBalls(std::size_t count) {
   return world;
 }
 
-// How many of the lanes are filled by bodies that each take what they ask for next, 0 to 1.
+// Share of the lanes that are filled when each body takes its next choice of substeps, 0 to 1.
 double FindFilledShare(const World& world) {
   const Blueprint& blueprint = world.Blueprints()[0];
   std::map<int, std::size_t> rungs;
@@ -91,21 +90,22 @@ double FindFilledShare(const World& world) {
 
 struct Population {
   double filled = 0;  // share of lanes
-  double spread = 0;  // ns of a vertex and substep, each with its own number
-  double alike = 0;   // all with the same
+  double spread = 0;  // ns per vertex and substep, each body with its own number
+  double alike = 0;   // the same, all with one number
 };
 
 Population MeasurePopulation(Bench& bench, std::size_t count) {
   const auto world = MakeVibratingBalls(count);
-  const Played own = CountPlayed(*world, world->Settings(), kTicks);
-  // Of the numbers that there are the next to their mean: what a tick costs once is then shared by as many.
+  const Played own = CountPlayed(*world, world->Settings(), kTimedTicks);
+  // The rung nearest to the mean of the chosen numbers, so that the fixed cost of a tick is spread over as many
+  // substeps.
   WorldSettings alike = FixSubsteps(FindRung(own.substeps - 0.5));
   alike.gravity.setZero();
-  const Replay replays[] = {MakeReplay(*world, world->Settings(), kTicks), MakeReplay(*world, alike, kTicks)};
+  const Replay replays[] = {MakeReplay(*world, world->Settings(), kTimedTicks), MakeReplay(*world, alike, kTimedTicks)};
   Peak peak;
   const auto times = TimeReplays(bench, replays, bench.options.quick ? 3 : 20, peak);
   const double vertices = static_cast<double>(count * world->Blueprints()[0].rest.size());
-  const Played same = CountPlayed(*world, alike, kTicks);
+  const Played same = CountPlayed(*world, alike, kTimedTicks);
   const Population population{FindFilledShare(*world), times[0].FindMean() / vertices / own.allSubsteps * 1e9,
                               times[1].FindMean() / vertices / same.allSubsteps * 1e9};
   bench.results.rows.push_back({{"experiment", "ladder"},

@@ -6,7 +6,7 @@
 namespace wobble::bench {
 
 void Peak::Measure() {
-  static volatile float sum = 0;  // what nobody reads need not be computed
+  static volatile float sum = 0;  // keeps the compiler from removing the computation
   m_time.Time([] { sum = sum + (HasAvx512() ? RunChainsAvx512() : RunChainsAvx2()); });
 }
 

@@ -1,15 +1,15 @@
-// What the core could do at most: fused multiply-adds in registers and nothing else. Beside it a time says how much of
-// the machine was used, whatever clock it ran at just then.
+// Measures the peak of the core: fused multiply-adds in registers and nothing else. A time measured beside it tells how
+// much of the machine was used, whatever its clock rate was then.
 #pragma once
 
 #include "tests/bench/thread_time.h"
 
 namespace wobble::bench {
 
-// In float, with the widest vectors that bodies are stepped in.
+// In float, with the widest vectors that the engine uses on this processor.
 class Peak {
  public:
-  // A tenth of a millisecond, to be called between the repetitions of what is measured.
+  // Takes 0.1 ms; call it between the repetitions of a measurement.
   void Measure();
   [[nodiscard]] double FlopsPerSecond() const;
 
@@ -17,10 +17,11 @@ class Peak {
   Fastest m_time;
 };
 
-// Whether bodies are stepped 16 at a time: limits on times depend on it.
+// Whether the engine steps 16 bodies at a time; limits on times depend on it.
 [[nodiscard]] bool HasAvx512();
 
-// Each compiled for its own instruction set; the last state of the chains, so that they cannot be left out.
+// Each is compiled for its own instruction set. Returns the last state of the chains, so that the compiler cannot
+// remove them.
 [[nodiscard]] float RunChainsAvx2();
 [[nodiscard]] float RunChainsAvx512();
 

@@ -1,4 +1,4 @@
-// Compiled for AVX-512, run only where the processor has it.
+// Compiled for AVX-512; runs only on processors that have it.
 #include "tests/bench/throughput/peak.h"
 #include "tests/bench/throughput/peak_kernel.h"
 

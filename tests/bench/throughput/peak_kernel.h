@@ -1,7 +1,7 @@
-// The chains, for the translation units that compile them for one instruction set each.
+// The chains of fused multiply-adds, for the translation units that compile them for one instruction set each.
 //
-// A fused multiply-add takes four cycles and a core begins one or two in each: eight chains that do not wait for one
-// another keep it busy, twelve leave room for what else the loop does and fit the sixteen registers of AVX2.
+// A fused multiply-add takes four cycles and a core starts one or two per cycle: eight independent chains keep it busy;
+// twelve leave room for the rest of the loop and fit the sixteen registers of AVX2.
 #pragma once
 
 #include "server/physics/lanes/lanes.h"

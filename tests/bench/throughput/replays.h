@@ -1,4 +1,4 @@
-// The same ticks played again and again from the same beginning, so that of each of them the fastest can count.
+// Replays the same ticks from the same beginning again and again, so that the fastest time of each tick counts.
 #pragma once
 
 #include <functional>
@@ -12,21 +12,22 @@
 namespace wobble::bench {
 
 struct Replay {
-  // Makes what is played, as it is at the beginning, and returns its tick, which keeps it alive.
+  // Builds the world at its beginning and returns its tick function, which owns the world.
   std::function<std::function<void()>()> begin;
-  int lead = 3;  // ticks that do not count: memory grows in them
+  int lead = 3;  // uncounted ticks, during which memory grows
   int ticks = 12;
 };
 
 struct TickTimes {
-  std::vector<double> times;  // of each tick, s
+  std::vector<double> times;  // per tick, s
   [[nodiscard]] double FindLeast() const;
   [[nodiscard]] double FindMean() const;
   [[nodiscard]] double FindMost() const;
 };
 
-// Of each replay, by turns, in so many rounds, the peak of the core between them. Only one is alive at a time: a world
-// with one thread holds those beside it down to one. readClock: that of the thread, or of the wall for several threads.
+// Times the replays in turns, over that many rounds, and the peak of the core between them. Only one replay is alive at
+// a time, because a world with one thread limits all others in the process to one. readClock: thread time, or wall time
+// for several threads.
 [[nodiscard]] std::vector<TickTimes> TimeReplays(Bench& bench, std::span<const Replay> replays, int rounds, Peak& peak,
                                                  double (*readClock)() = &ReadThreadTime);
 

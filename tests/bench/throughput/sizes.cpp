@@ -1,10 +1,10 @@
-// A solid of springs against a skin of springs round a gas, over size: what the gas was thought of for. A cube of m
-// points along each edge has m³ of them and its surface 6m², a square m² and its outline 4m; so a body of the same
-// height and as fine at its surface costs O(m²) instead of O(m³), in a plane O(m) instead of O(m²).
+// A solid of springs against a shell of springs around a gas, over size: the reason for having gas. A cube with m
+// points along each edge has m³ points and a surface of 6m²; a square has m², its outline 4m. So a body of the same
+// height and surface resolution costs O(m²) instead of O(m³), in a plane O(m) instead of O(m²).
 //
-// Sixteen bodies of each kind, side by side and in free fall, four substeps a tick whatever the size: masses and
-// springs of a vertex stay the same, so that no size needs more. The exponents are fitted to all sizes; they are those
-// of theory but for what is the same for every body, which bends the small ones, and for caches, which bend the large.
+// Sixteen bodies of each kind, side by side in free fall, with four substeps a tick at any size: the masses and springs
+// of a vertex stay the same, so no size needs more. The exponents are fitted to all sizes; they deviate from theory by
+// the fixed cost per body, which bends the small sizes, and by caches, which bend the large ones.
 #include <cmath>
 
 #include "server/physics/shapes/ring.h"
@@ -17,9 +17,8 @@ namespace {
 
 using namespace physics;
 
-constexpr std::size_t kBodies = 16;
-constexpr int kSubsteps = 4;
-constexpr int kTicks = 6;
+constexpr std::size_t kBodiesOfASize = 16;
+constexpr int kTicksOfASize = 6;
 
 Blueprint MakeSolid(int cells, bool isPlanar) {
   LatticeDefinition lattice;
@@ -59,7 +58,7 @@ struct Kind {
 std::vector<Kind> MakeKinds(bool quick) {
   Kind cube{"cube of springs", "lattice_exponent_3d", {}};
   Kind ball{"ball of gas", "gas_exponent_3d", {}};
-  // A skin of so many vertices is as fine as the cube with as many on its surface.
+  // By subdivisions: the cells along an edge of the cube with as many surface points as that icosphere.
   const int cells[] = {0, 3, 5, 10, 20};
   for (int subdivisions = 1; subdivisions <= (quick ? 3 : 4); ++subdivisions) {
     cube.sizes.push_back({cells[subdivisions] + 1.0, MakeSolid(cells[subdivisions], false)});
@@ -76,13 +75,13 @@ std::vector<Kind> MakeKinds(bool quick) {
 }
 
 std::unique_ptr<World> MakeFalling(const Blueprint& blueprint) {
-  auto world = std::make_unique<World>(FixSubsteps(kSubsteps));
+  auto world = std::make_unique<World>(FixSubsteps(kTimedSubsteps));
   world->AddBlueprint(blueprint);
-  for (std::size_t i = 0; i < kBodies; ++i) world->AddBody(0, Vector3d(3 * static_cast<double>(i), 0, 0));
+  for (std::size_t i = 0; i < kBodiesOfASize; ++i) world->AddBody(0, Vector3d(3 * static_cast<double>(i), 0, 0));
   return world;
 }
 
-// Of y = c x^n through these points: n, and c.
+// Fits y = c x^n; returns n and c.
 std::array<double, 2> FitPower(const std::vector<std::array<double, 2>>& points) {
   double sumX = 0;
   double sumY = 0;
@@ -103,10 +102,10 @@ std::vector<std::array<double, 2>> MeasureKind(Bench& bench, const Kind& kind) {
   std::vector<std::array<double, 2>> points;
   for (const Size& size : kind.sizes) {
     const auto world = MakeFalling(size.blueprint);
-    const Replay replay = MakeReplay(*world, world->Settings(), kTicks);
+    const Replay replay = MakeReplay(*world, world->Settings(), kTicksOfASize);
     Peak peak;
     const TickTimes times = TimeReplays(bench, {&replay, 1}, bench.options.quick ? 2 : 12, peak)[0];
-    const double time = times.FindMean() * 1e3 / kBodies;
+    const double time = times.FindMean() * 1e3 / kBodiesOfASize;
     points.push_back({size.edge, time});
     bench.results.rows.push_back({{"experiment", "sizes"},
                                   {"kind", kind.name},

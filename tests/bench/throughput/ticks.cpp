@@ -1,5 +1,5 @@
-// What the world's whole tick costs where no body touches another: everything that World::Step does, from the search
-// for contacts to sleep. By one thread on its own clock; by two against one on the wall.
+// The cost of a whole tick without contact between bodies: everything in World::Step, from the contact search to sleep.
+// One thread is timed by its own clock; two against one by wall time.
 #include "tests/bench/throughput/experiments.h"
 #include "tests/bench/throughput/worlds.h"
 
@@ -10,11 +10,9 @@ using namespace physics;
 
 constexpr std::size_t kBodies = 512;
 constexpr std::size_t kBodiesQuick = 128;
-constexpr int kSubsteps = 4;
-constexpr int kTicks = 12;
 
-void AddRow(Bench& bench, const std::string& experiment, std::size_t bodies, int threads, const TickTimes& times,
-            const Peak& peak) {
+void AddTickRow(Bench& bench, const std::string& experiment, std::size_t bodies, int threads, const TickTimes& times,
+                const Peak& peak) {
   bench.results.rows.push_back({{"experiment", experiment},
                                 {"bodies", bodies},
                                 {"threads", threads},
@@ -23,12 +21,12 @@ void AddRow(Bench& bench, const std::string& experiment, std::size_t bodies, int
 }
 
 void MeasureOneThread(Bench& bench, std::size_t bodies) {
-  const auto world = MakeBallsApart(bodies, FixSubsteps(kSubsteps));
-  const Played played = CountPlayed(*world, world->Settings(), kTicks);
-  const Replay replay = MakeReplay(*world, world->Settings(), kTicks);
+  const auto world = MakeBallsApart(bodies, FixSubsteps(kTimedSubsteps));
+  const Played played = CountPlayed(*world, world->Settings(), kTimedTicks);
+  const Replay replay = MakeReplay(*world, world->Settings(), kTimedTicks);
   Peak peak;
   const TickTimes times = TimeReplays(bench, {&replay, 1}, bench.options.quick ? 4 : 40, peak)[0];
-  AddRow(bench, "tick", bodies, 1, times, peak);
+  AddTickRow(bench, "tick", bodies, 1, times, peak);
   const double vertices = static_cast<double>(bodies * world->Blueprints()[0].rest.size());
   bench.results.AddFigureAtLeast("vertex_ticks_per_s", vertices / times.FindMean(), HasAvx512() ? 15e6 : 11e6,
                                  !bench.options.quick);
@@ -36,14 +34,14 @@ void MeasureOneThread(Bench& bench, std::size_t bodies) {
                                              bodies, played.awake, times.FindMean() * 1e3, played.allSubsteps));
 }
 
-// A world with one thread would hold one with two down to one, so the balls belong to a world of two.
+// Both replays belong to a world of two threads, because a world with one thread limits all others to one.
 void MeasureTwoThreads(Bench& bench, std::size_t bodies) {
-  const auto world = MakeBallsApart(bodies, FixSubsteps(kSubsteps, 2));
-  const Replay replays[] = {MakeReplay(*world, FixSubsteps(kSubsteps, 1), kTicks),
-                            MakeReplay(*world, FixSubsteps(kSubsteps, 2), kTicks)};
+  const auto world = MakeBallsApart(bodies, FixSubsteps(kTimedSubsteps, 2));
+  const Replay replays[] = {MakeReplay(*world, FixSubsteps(kTimedSubsteps, 1), kTimedTicks),
+                            MakeReplay(*world, FixSubsteps(kTimedSubsteps, 2), kTimedTicks)};
   Peak peak;
   const auto times = TimeReplays(bench, replays, bench.options.quick ? 4 : 60, peak, &ReadWallTime);
-  for (int i = 0; i < 2; ++i) AddRow(bench, "threads", bodies, i + 1, times[static_cast<std::size_t>(i)], peak);
+  for (int i = 0; i < 2; ++i) AddTickRow(bench, "threads", bodies, i + 1, times[static_cast<std::size_t>(i)], peak);
   bench.results.AddFigureAtLeast("thread_scaling_2", times[0].FindMean() / times[1].FindMean(), 1.8,
                                  !bench.options.quick);
 }

@@ -1,10 +1,10 @@
-// What one RK4 step costs a vertex: sixteen balls of 162 vertices that lie on the ground, in lanes as the server steps
-// them, and by the plain reference, body by body with the same compiler flags. A tick is played in 32 steps, so that
-// what a pack costs once a tick, to be filled and read back, hardly counts; in rows it is played in 4 as well, as the
-// server may, and in the air. One ball alone is compared in a tick of 4 steps with all that it costs.
+// The cost of an RK4 step per vertex: sixteen balls of 162 vertices that lie on the ground, in lanes as the server
+// steps them, and by the plain reference, body by body with the same compiler flags. A tick is played in 32 steps, so
+// that the per-tick cost of filling and reading back a pack hardly counts; other rows play it in 4, as the server may,
+// and in the air. One ball alone is compared in a tick of 4 steps with all its costs.
 //
-// The work of a step is fixed at 684 flop a vertex, whoever does it and however many more they need: then the share of
-// the peak tells how long it took and nothing else.
+// The work of a step is fixed at 684 flop per vertex, whatever an implementation really executes: the share of the peak
+// then measures time only.
 #include <limits>
 
 #include "tests/bench/throughput/balls.h"
@@ -15,19 +15,19 @@ namespace {
 
 using namespace physics;
 
-constexpr std::size_t kBodies = 16;
+constexpr std::size_t kPackedBodies = 16;
 constexpr int kManySteps = 32;
 constexpr int kFewSteps = 4;
-constexpr double kUsefulFlops = 684;  // of a ball's vertex and step
+constexpr double kUsefulFlops = 684;  // per vertex and step of a ball
 
-// A way to take the steps.
+// An implementation of the steps.
 struct Way {
   int lanes = 0;  // at most; 0: the plain reference
   bool isSingle = true;
   BallsSetting setting;
-  std::function<void()> take{};         // and notes how long it took
-  std::function<double()> findShare{};  // of a vertex and step, s
-  double contacts = 0;                  // listed, of a body
+  std::function<void()> take{};         // takes the steps and records their time
+  std::function<double()> findShare{};  // per vertex and step, s
+  double contacts = 0;                  // listed per body
 };
 
 template <class Real>
@@ -37,8 +37,8 @@ Way MakeWay(const std::shared_ptr<const World>& world, int lanes, const BallsSet
   Way way{.lanes = lanes > 0 ? FindSweepKernels<Real>(lanes).back().width : 0,
           .isSingle = std::is_same_v<Real, float>,
           .setting = setting};
-  // Of shorter work more, so that each way has the same chance of being left in peace.
-  const auto again = static_cast<int>(kBodies / setting.bodies) * kManySteps / setting.steps;
+  // Shorter work is repeated more often, so that each way has the same chance of an undisturbed run.
+  const auto again = static_cast<int>(kPackedBodies / setting.bodies) * kManySteps / setting.steps;
   way.take = [balls, fastest, lanes, again] {
     for (int i = 0; i < again; ++i) {
       balls->Reset();
@@ -64,7 +64,7 @@ void AddWays(std::vector<Way>& ways) {
   }
 }
 
-// In float, the widest.
+// In float, with the widest lanes.
 double FindShare(const std::vector<Way>& ways, bool isInLanes, std::size_t bodies, int steps, bool isOnGround = true) {
   double least = std::numeric_limits<double>::infinity();
   for (const Way& way : ways) {
@@ -104,15 +104,16 @@ void MeasureVertexSteps(Bench& bench) {
     bench.progress.Show(round + 1, rounds);
   }
   AddRows(bench, ways, peak.FlopsPerSecond());
-  const double inLanes = FindShare(ways, true, kBodies, kManySteps);
-  const double plainly = FindShare(ways, false, kBodies, kManySteps);
+  const double inLanes = FindShare(ways, true, kPackedBodies, kManySteps);
+  const double plainly = FindShare(ways, false, kPackedBodies, kManySteps);
   const double share = kUsefulFlops / inLanes / peak.FlopsPerSecond();
   Results& results = bench.results;
-  results.remarks.push_back(FormatLine(
-      "ns_per_vertex_step: with %.0f of 162 vertices near the ground; %.1f in the air, "
-      "plain code %.1f; %.1f where a tick has 4 steps",
-      ways[0].contacts, FindShare(ways, true, kBodies, kManySteps, false) * 1e9,
-      FindShare(ways, false, kBodies, kManySteps, false) * 1e9, FindShare(ways, true, kBodies, kFewSteps) * 1e9));
+  results.remarks.push_back(
+      FormatLine("ns_per_vertex_step: with %.0f of 162 vertices near the ground; %.1f in the air, "
+                 "plain code %.1f; %.1f where a tick has 4 steps",
+                 ways[0].contacts, FindShare(ways, true, kPackedBodies, kManySteps, false) * 1e9,
+                 FindShare(ways, false, kPackedBodies, kManySteps, false) * 1e9,
+                 FindShare(ways, true, kPackedBodies, kFewSteps) * 1e9));
   results.AddFigure("peak_gflops", peak.FlopsPerSecond() / 1e9);
   results.AddFigureAtMost("ns_per_vertex_step", inLanes * 1e9, HasAvx512() ? 13 : 17, !bench.options.quick);
   results.AddFigureAtMost("plain_ns_per_vertex_step", plainly * 1e9, 160, !bench.options.quick);

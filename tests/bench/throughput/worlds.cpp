@@ -11,14 +11,14 @@ using namespace physics;
 namespace {
 
 constexpr double kNoError = 1e-9;  // m/s
-constexpr double kSpacing = 2.1;   // of the grid that balls fall from, m
-// Scrum has balls of half the radius.
-constexpr double kScrumHalf = 1.6;       // of the square at the bottom, m,
-constexpr std::size_t kScrumBalls = 16;  // which is too small for so many
-constexpr double kSlopeNormal = 0.6;     // horizontal part of the slopes' normal, 37°
+constexpr double kSpacing = 2.1;   // of the grid of dropped balls, m
+// As in scrum, whose balls have half the radius: a square bottom that is too small for so many balls.
+constexpr double kScrumHalf = 1.6;  // half the side of the bottom, m
+constexpr std::size_t kScrumBalls = 16;
+constexpr double kSlopeNormal = 0.6;  // horizontal part of the slopes' normal, 37°
 
-// nRT/R carries twice the weight of ten balls above one another, J: with less the lowest of the heap are crushed flat,
-// through which nothing can be asked of contact.
+// nRT/R carries twice the weight of ten stacked balls, J. With less, the lowest of the heap are crushed flat, and their
+// contacts mean nothing.
 constexpr double kHeapGas = 8000;
 
 void AddFunnel(World& world, double half) {
@@ -74,9 +74,9 @@ std::unique_ptr<World> MakeBallsInFunnel(std::size_t count, const WorldSettings&
   for (std::size_t i = 0; i < count; ++i) {
     const Vector3d place(static_cast<double>(i % side), static_cast<double>(i / side % side),
                          static_cast<double>(i / (side * side)));
-    // Not quite above one another: columns that stand are no crowd.
+    // Slightly offset, because columns that stand are no crowd.
     const double aside = 0.05 * std::sin(2.4 * static_cast<double>(i));
-    const double rim = 0.75 * middle;  // the height of the slopes out there
+    const double rim = 0.75 * middle;  // height of the slopes at the outer edge
     world->AddBody(0, kSpacing * place + Vector3d(aside - middle, -aside - middle, rim + 1.2));
   }
   for (int tick = 0; tick < ticks; ++tick) world->Step();

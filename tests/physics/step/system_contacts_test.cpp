@@ -32,7 +32,7 @@ std::vector<Vector3<Real>> Shake(std::size_t count, double amplitude, double pha
 }
 
 template <class Real>
-SkinPoints<Real> ReadSurface(const Member<Real>& member) {
+SkinPoints<Real> ReadSkin(const Member<Real>& member) {
   SkinPoints<Real> points;
   points.Read({member.blueprint->template Read<Real>().faces, &member.blueprint->topology, member.state->positions},
               member.state->velocities);
@@ -86,8 +86,8 @@ struct Pile {
     for (std::size_t side = 0; side < 2; ++side) {
       const Member<Real>& vertices = members[both[side]];
       const Member<Real>& faces = members[both[1 - side]];
-      const SkinPoints<Real> own = ReadSurface(vertices);
-      const SkinPoints<Real> skin = ReadSurface(faces);
+      const SkinPoints<Real> own = ReadSkin(vertices);
+      const SkinPoints<Real> skin = ReadSkin(faces);
       Bounds<Real> near = faces.survey.bounds;
       near.low.array() -= Real(0.1);
       near.high.array() += Real(0.1);

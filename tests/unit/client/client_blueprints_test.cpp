@@ -1,4 +1,4 @@
-// Blueprints on their way in, their generations, and bodies that change from one to another.
+// Blueprints that arrive in chunks, their generations, and bodies that change from one blueprint to another.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -42,7 +42,7 @@ TEST_F(ClientTest, ARecordIsReadUnderItsOwnGenerationAlone) {
   const auto chunks = CutIntoChunks(0, MakeChain(), 64, 1);
   Snapshot(1, {MakeRecord(3, {})});
   now += 1.0 / 30;
-  // Overtakes the blueprint that it needs: held back by nothing, left out.
+  // A record that overtakes its blueprint is dropped, not kept for later.
   Snapshot(2, {MakeRecord(3, {}, 0, 1, kChainRest)});
   EXPECT_EQ(client->ReadStatistics().unknownRecords, 1U);
   for (std::size_t i = 0; i + 1 < chunks.size(); ++i) Arrive(Channel::kControl, chunks[i]);
@@ -66,7 +66,7 @@ TEST_F(ClientTest, ARecordIsReadUnderItsOwnGenerationAlone) {
   EXPECT_EQ(samples[2].vertices.size(), 3U);
 }
 
-// Moves at 6 m/s and is a chain from 0.5 s on, then torn; half of the records come in the wrong order.
+// A body moves at 6 m/s and becomes a chain, or a torn tetrahedron, at 0.5 s; packets come in swapped pairs.
 TEST_F(ClientTest, ABodyGoesOverToAnotherBlueprintWithoutAJump) {
   for (const bool isTorn : {false, true}) {
     SCOPED_TRACE(isTorn ? "the same rest shape" : "another number of vertices");
@@ -82,7 +82,7 @@ TEST_F(ClientTest, ABodyGoesOverToAnotherBlueprintWithoutAJump) {
       const auto makePacket = [&](int i) {
         const double time = i / 30.0;
         const Pose pose{{static_cast<float>(6 * time), 0, 0}, {}};
-        const protocol::SnapshotHead head{++sequence, 100 + static_cast<std::uint32_t>(2 * i), 1, 0};
+        const protocol::SnapshotHead head{.sequence = ++sequence, .tick = 100 + static_cast<std::uint32_t>(2 * i)};
         if (i < 15) return MakeSnapshot(head, {MakeRecord(3, pose)});
         return MakeSnapshot(head, {isTorn ? MakeRecord(3, pose, 1) : MakeRecord(3, pose, 1, 0, kChainRest)});
       };
@@ -128,7 +128,7 @@ TEST_F(ClientTest, RefusesBlueprintChunksThatDoNotAddUp) {
       protocol::MakeBlueprintChunk(0, hash, total, 0, part(0, 40)),          // the first again
       protocol::MakeBlueprintChunk(0, hash, total - 8, 40, part(40, 80)),    // another total
       protocol::MakeBlueprintChunk(0, hash ^ 1, total, 40, part(40, 80)),    // another hash
-      protocol::MakeBlueprintChunk(0, hash, total, 40, part(0, total - 40))  // whole, but not what the hash says
+      protocol::MakeBlueprintChunk(0, hash, total, 40, part(0, total - 40))  // whole, but with another hash
   };
   for (const Message& wrong : wrongSeconds) {
     const auto before = client->ReadStatistics().badMessages;
@@ -138,7 +138,7 @@ TEST_F(ClientTest, RefusesBlueprintChunksThatDoNotAddUp) {
     EXPECT_EQ(client->ReadStatistics().badMessages, before + 1);
     EXPECT_EQ(client->ReadState(), State::kJoining);
   }
-  // A whole that could be drawn from, but not the one that its hash names.
+  // A valid blueprint, but not the one that its hash names.
   Arrive(Channel::kControl, protocol::MakeBlueprintChunk(0, hash ^ 1, total, 0, blueprint));
   EXPECT_EQ(client->ReadState(), State::kJoining);
   const Message nonsense(128, 0x41);  // the hash is right, the content is not

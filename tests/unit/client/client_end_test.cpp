@@ -1,4 +1,4 @@
-// How a client ends: told to, refused, silence, a link too poor to play on.
+// How a client ends: by Leave, by a goodbye, by silence, over a link too poor to play on.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -61,7 +61,7 @@ TEST_F(ClientTest, WaitsEightRoundTripsLongerForItsWelcomeThanInPlay) {
   client->Update(now += 8 + 0.1);
   EXPECT_EQ(client->EndReason(), "server silent for 8 s");
 
-  link.roundTrip = 100;  // nobody waits that long
+  link.roundTrip = 100;  // bounded by kMaxJoinRoundTrip
   Start();
   Connect();
   client->Update(now += 8 + 24 + 0.1);
@@ -105,7 +105,7 @@ TEST_F(ClientTest, LeavesWithAGoodbyeAndDoesNotWaitForEver) {
   EXPECT_EQ(link.disconnects, 1);
   client->Update(now += 0.5);
   EXPECT_EQ(client->ReadState(), State::kPlaying);
-  EXPECT_EQ(link.sent.size(), 1U);  // no inputs any more
+  EXPECT_EQ(link.sent.size(), 1U);  // no more inputs
   client->Update(now += 0.6);
   EXPECT_EQ(client->ReadState(), State::kEnded);
   EXPECT_EQ(client->EndReason(), "left");
@@ -120,7 +120,7 @@ TEST_F(ClientTest, LeavesWithAGoodbyeAndDoesNotWaitForEver) {
   EXPECT_EQ(client->ReadState(), State::kEnded);
 
   Join();
-  link.roundTrip = 1000;  // whatever it claims
+  link.roundTrip = 1000;  // bounded by kMaxLeaveRoundTrip
   client->Leave(now);
   client->Update(now += kLongestLeave);
   EXPECT_EQ(client->ReadState(), State::kEnded);

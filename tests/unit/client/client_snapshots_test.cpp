@@ -1,4 +1,4 @@
-// What the client makes of snapshots: which it takes, where it shows bodies, how close to where they were.
+// Snapshots: which ones the client takes, where it shows bodies, and how close to their true places.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ TEST_F(ClientTest, ShowsBodiesWhereTheyWereADelayAgo) {
   EXPECT_TRUE(samples.empty());
   EXPECT_EQ(client->ServerTime(now), 0);
 
-  // Body 3 goes along x at 3 m/s, body 8 stands still.
+  // Body 3 moves along x at 3 m/s, body 8 does not move.
   const auto placeAt = [](double time) { return static_cast<float>(3 * (time - 100.0 / kTickHz)); };
   for (std::uint32_t i = 1; i <= 60; ++i) {
     now = joinedAt + i / 30.0;
@@ -67,16 +67,16 @@ TEST_F(ClientTest, MeasuresFromInputToSnapshotAndAge) {
   const std::uint32_t frame = Inputs().at(0)->frames()->Get(0)->tick();
   const std::uint32_t tick = CurrentTick();
   now += 0.080;
-  Arrive(Channel::kSnapshot, MakeSnapshot({1, tick, 1, frame}));
-  Arrive(Channel::kSnapshot, MakeSnapshot({2, tick, 1, frame}));
-  Arrive(Channel::kSnapshot, MakeSnapshot({3, tick, 1, 4000000000U}));  // was never sent
+  Arrive(Channel::kSnapshot, MakeSnapshot({.sequence = 1, .tick = tick, .inputTick = frame}));
+  Arrive(Channel::kSnapshot, MakeSnapshot({.sequence = 2, .tick = tick, .inputTick = frame}));
+  Arrive(Channel::kSnapshot, MakeSnapshot({.sequence = 3, .tick = tick, .inputTick = 4000000000U}));  // was never sent
   ASSERT_EQ(arrivals.size(), 3U);
   EXPECT_EQ(arrivals[0].tick, tick);
   EXPECT_NEAR(arrivals[0].inputToSnapshot, 0.080, 1e-9);
   EXPECT_EQ(arrivals[1].inputToSnapshot, -1);
   EXPECT_EQ(arrivals[2].inputToSnapshot, -1);
   EXPECT_NEAR(client->ReadStatistics().inputToSnapshot, 0.080, 1e-9);
-  // The welcome came without delay, this 80 ms later than that; and half of 80 ms less a tick for the trip itself.
+  // This packet came 80 ms later than the welcome, which had no delay; the trip counts half of 80 ms less a tick.
   EXPECT_NEAR(arrivals[0].age, 0.080 + (0.080 - 1.0 / kTickHz) / 2, 1e-6);
 }
 
@@ -116,7 +116,7 @@ TEST_F(ClientTest, KnowsHowFastBodiesGoWithAndWithoutDecoding) {
       return client->FindSighting(8);
     };
     EXPECT_FALSE(client->FindSighting(8).has_value());
-    EXPECT_FALSE(hear(1, 0.1, 1)->velocity.has_value());  // one pose is no motion
+    EXPECT_FALSE(hear(1, 0.1, 1)->velocity.has_value());  // a single pose gives no velocity
     const auto second = hear(2, 0.05, 1.25F);
     EXPECT_NEAR(second->pose.centroid.x, 1.25F, 1e-3);
     EXPECT_NEAR(second->velocity.value().x, 5, 0.02);
@@ -124,9 +124,9 @@ TEST_F(ClientTest, KnowsHowFastBodiesGoWithAndWithoutDecoding) {
     EXPECT_EQ(second->age, 0);
 
     Arrive(Channel::kControl, protocol::MakeEvent(wire::EventKind::Respawn, CurrentTick() + 1, 0, 8, ""));
-    EXPECT_FALSE(hear(3, 0.05, -4)->velocity.has_value());  // it was carried there
+    EXPECT_FALSE(hear(3, 0.05, -4)->velocity.has_value());  // it respawned in between
     EXPECT_NEAR(hear(4, 0.05, -3)->velocity.value().x, 20, 0.1);
-    EXPECT_FALSE(hear(5, kMaxVelocitySpan + 0.1, -2)->velocity.has_value());  // too long ago to tell
+    EXPECT_FALSE(hear(5, kMaxVelocitySpan + 0.1, -2)->velocity.has_value());  // too long ago
 
     now += 0.2;
     Snapshot(6, {MakeRecord(9, {})});
@@ -136,7 +136,7 @@ TEST_F(ClientTest, KnowsHowFastBodiesGoWithAndWithoutDecoding) {
     EXPECT_NEAR(client->FindSighting(8)->age, 0.2, 1e-6);
 
     Arrive(Channel::kControl, protocol::MakeEvent(wire::EventKind::BodyRemoved, CurrentTick(), 0, 8, ""));
-    Arrive(Channel::kSnapshot, MakeSnapshot({7, CurrentTick() - 6, 1, 0}, {MakeRecord(8, {})}));  // is late
+    Arrive(Channel::kSnapshot, MakeSnapshot({.sequence = 7, .tick = CurrentTick() - 6}, {MakeRecord(8, {})}));  // late
     EXPECT_FALSE(client->FindSighting(8).has_value());
     client->ListSightings(sightings);
     ASSERT_EQ(sightings.size(), 1U);
@@ -147,11 +147,11 @@ TEST_F(ClientTest, KnowsHowFastBodiesGoWithAndWithoutDecoding) {
 TEST_F(ClientTest, CountsRecordsThatItCannotUse) {
   Join();
   now += 0.1;
-  Snapshot(1, {MakeRecord(3, {{1, 0, 0}, {}}, 7)});  // a blueprint that is not here
+  Snapshot(1, {MakeRecord(3, {{1, 0, 0}, {}}, 7)});  // an unknown generation
   EXPECT_EQ(client->ReadStatistics().unknownRecords, 1U);
   std::vector<std::uint8_t> noise(40, 0xFF), broken, beyond;
-  protocol::AppendRecord({4, 0, 0}, noise, broken);
-  protocol::AppendRecord({5, 0, 1}, noise, beyond);  // a patch the blueprint does not have
+  protocol::AppendRecord({.body = 4}, noise, broken);
+  protocol::AppendRecord({.body = 5, .patch = 1}, noise, beyond);  // a patch the blueprint does not have
   Snapshot(2, {broken, beyond, MakeRecord(6, {{1, 0, 0}, {}})});
   EXPECT_EQ(client->ReadStatistics().badRecords, 2U);
   EXPECT_TRUE(client->NewestPose(6).has_value());
@@ -161,19 +161,19 @@ TEST_F(ClientTest, CountsRecordsThatItCannotUse) {
 TEST_F(ClientTest, TakesASnapshotThatOvertookTheWelcome) {
   Start();
   Connect();
-  Arrive(Channel::kSnapshot, MakeSnapshot({1, 100, 1, 0}, {MakeRecord(3, {})}));
+  Arrive(Channel::kSnapshot, MakeSnapshot({.sequence = 1, .tick = 100}, {MakeRecord(3, {})}));
   EXPECT_EQ(client->ReadStatistics().unknownRecords, 1U);
   EXPECT_EQ(client->ReadStatistics().snapshots, 1U);
   EXPECT_EQ(client->ServerTime(now), 0);
 }
 
-// Every bit of an honest snapshot flipped and every length. The head's first six bytes (kind, version, sequence) come
-// last: a packet with a sequence far ahead makes all that follow too old to look at.
+// Flips every bit of an honest snapshot and cuts it at every length. The head's first six bytes (kind, version,
+// sequence) come last: a packet with a sequence far ahead makes all later ones too old.
 TEST_F(ClientTest, SurvivesDamagedSnapshots) {
   Join();
   const auto first = MakeRecord(3, {{1, 2, 3}, {}}), second = MakeRecord(8, {});
   std::uint32_t sequence = 0;
-  const auto makeWhole = [&] { return MakeSnapshot({++sequence, 130, 1, 0}, {first, second}); };
+  const auto makeWhole = [&] { return MakeSnapshot({.sequence = ++sequence, .tick = 130}, {first, second}); };
   const std::size_t size = makeWhole().size();
   for (std::size_t length = 0; length < size; ++length) {
     const Message whole = makeWhole();
@@ -203,7 +203,7 @@ struct LinkCase {
   double loss;       // share
   double jitter;     // seconds, uniform
   double reordered;  // share held back by another 40 ms
-  double maxError;   // metres RMS, of a body that goes round at 6 m/s and bounces
+  double maxError;   // metres RMS, of a body that circles at 6 m/s and bounces
   double maxDelay;   // seconds
   double maxHeld;    // share of frames
 };
@@ -217,7 +217,7 @@ Pose PoseAt(double t) {
           {static_cast<float>(std::cos(angle / 2)), 0, 0, static_cast<float>(std::sin(angle / 2))}};
 }
 
-// What is shown stays close to where the body was at the moment that is shown.
+// The shown pose stays close to the true pose at the shown moment.
 TEST_P(ClientOverLink, FollowsABody) {
   const LinkCase& conditions = GetParam();
   Join();
@@ -230,7 +230,7 @@ TEST_P(ClientOverLink, FollowsABody) {
         0.05 + conditions.jitter * chance(random) + (chance(random) < conditions.reordered ? 0.04 : 0.0);
     const std::uint32_t tick = 100 + 2 * i;
     arrivals.push_back({joinedAt + i / 30.0 + delay, transport::Event::Kind::kMessage, Channel::kSnapshot,
-                        MakeSnapshot({i, tick, 1, 0}, {MakeRecord(3, PoseAt(tick / 60.0))})});
+                        MakeSnapshot({.sequence = i, .tick = tick}, {MakeRecord(3, PoseAt(tick / 60.0))})});
   }
   std::stable_sort(arrivals.begin(), arrivals.end(),
                    [](const Link::Arrival& a, const Link::Arrival& b) { return a.at < b.at; });
@@ -261,10 +261,34 @@ TEST_P(ClientOverLink, FollowsABody) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Links, ClientOverLink,
-                         testing::Values(LinkCase{"Clean", 0, 0, 0, 0.006, 0.075, 0},
-                                         LinkCase{"Loss5Jitter20", 0.05, 0.020, 0, 0.010, 0.110, 0},
-                                         LinkCase{"Loss5Jitter20Reordered4", 0.05, 0.020, 0.04, 0.010, 0.150, 0},
-                                         LinkCase{"Loss20Jitter100Reordered4", 0.20, 0.100, 0.04, 0.012, 0.250, 0.02}),
+                         testing::Values(LinkCase{.name = "Clean",
+                                                  .loss = 0,
+                                                  .jitter = 0,
+                                                  .reordered = 0,
+                                                  .maxError = 0.006,
+                                                  .maxDelay = 0.075,
+                                                  .maxHeld = 0},
+                                         LinkCase{.name = "Loss5Jitter20",
+                                                  .loss = 0.05,
+                                                  .jitter = 0.020,
+                                                  .reordered = 0,
+                                                  .maxError = 0.010,
+                                                  .maxDelay = 0.110,
+                                                  .maxHeld = 0},
+                                         LinkCase{.name = "Loss5Jitter20Reordered4",
+                                                  .loss = 0.05,
+                                                  .jitter = 0.020,
+                                                  .reordered = 0.04,
+                                                  .maxError = 0.010,
+                                                  .maxDelay = 0.150,
+                                                  .maxHeld = 0},
+                                         LinkCase{.name = "Loss20Jitter100Reordered4",
+                                                  .loss = 0.20,
+                                                  .jitter = 0.100,
+                                                  .reordered = 0.04,
+                                                  .maxError = 0.012,
+                                                  .maxDelay = 0.250,
+                                                  .maxHeld = 0.02}),
                          [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The client library against a scripted server: how it joins, what it sends, what it passes on.
+// The client library against a scripted server: joining, inputs and events.
 #include "client/client.h"
 
 #include <gtest/gtest.h>
@@ -53,12 +53,12 @@ TEST_F(ClientTest, SendsAnInputEachTickWithTheLastFourFramesAndTheAcknowledgemen
   for (int i = 1; i <= 600; ++i) {
     now = begin + i / 120.0;  // polled twice a tick
     client->SetInput({.moveX = 0.5F, .moveY = -2.0F, .jump = i > 300, .stiffen = true});
-    if (i % 4 == 0 && ++sequence != 148) Snapshot(sequence);  // one is lost
+    if (i % 4 == 0 && ++sequence != 148) Snapshot(sequence);  // packet 148 is lost
     client->Update(now);
   }
   const auto inputs = Inputs();
   EXPECT_NEAR(static_cast<double>(inputs.size()), 5 * kTickHz, 2);
-  EXPECT_EQ(client->ReadStatistics().inputsSent, inputs.size() + 1);  // and one when the welcome came
+  EXPECT_EQ(client->ReadStatistics().inputsSent, inputs.size() + 1);  // plus the one after the welcome
 
   std::uint32_t last = 0;
   for (const wire::Input* input : inputs) {
@@ -96,17 +96,18 @@ TEST_F(ClientTest, DoesNotRunAheadOfAServerThatIsSlow) {
     now += 1.0 / kTickHz;
     world += 0.5;
     tick = static_cast<std::uint32_t>(world);
-    Arrive(Channel::kSnapshot, MakeSnapshot({++sequence, tick, 0.5F, 0}));
+    Arrive(Channel::kSnapshot, MakeSnapshot({.sequence = ++sequence, .tick = tick, .timeRatio = 0.5F}));
   }
   EXPECT_LT(Inputs().back()->frames()->Get(0)->tick(), tick + 4);
-  EXPECT_NEAR(static_cast<double>(Inputs().size()), 60 * 20, 3);  // acknowledgements go on at the same rate
+  EXPECT_NEAR(static_cast<double>(Inputs().size()), 60 * 20, 3);  // inputs are still sent at the tick rate
   EXPECT_NEAR(client->ReadStatistics().timeRatio, 0.5, 1e-4);
 }
 
 TEST_F(ClientTest, PlaysWhenAllHeightsAreThereAndTakesNoOthers) {
   Start();
   Connect();
-  protocol::WelcomeFields welcome{9, 3, 100, kTickHz, 30, "arena", 0, {}};
+  protocol::WelcomeFields welcome{
+      .clientId = 9, .ownBody = 3, .tick = 100, .tickHz = kTickHz, .snapshotHz = 30, .scene = "arena", .obstacles = {}};
   welcome.heightFields = {{{1, 2, 10}, 0.5F, -1, 0.25F, 3, 4}};
   Arrive(Channel::kControl, protocol::MakeWelcome(welcome));
   const auto send = [&](std::uint16_t field, std::uint16_t row, const std::vector<std::uint16_t>& heights) {

@@ -32,7 +32,7 @@ std::vector<Arrival> MakeArrivals(double seconds, const std::function<double()>&
   return arrivals;
 }
 
-// What the clock is meant to say: a snapshot of this time would arrive now over the fastest trip.
+// The expected estimate: a snapshot of this time would arrive now over the fastest trip.
 double Expected(double now) { return now + kServerAhead - kTrip; }
 
 TEST(ClientClock, SaysZeroBeforeTheFirstArrival) {
@@ -41,8 +41,8 @@ TEST(ClientClock, SaysZeroBeforeTheFirstArrival) {
   EXPECT_EQ(clock.ServerTime(17.0), 0.0);
 }
 
-// Two seconds hold 60 snapshots, of which the fastest is by chance over 5 ms late once in 2,000 windows (0.875^57): so
-// nearly always, and never by far.
+// Two seconds hold 60 snapshots. The fastest of them is over 5 ms late in one of 2,000 windows (0.875^57), so the bound
+// holds nearly always, and is never missed by much.
 TEST(ClientClock, ConvergesUnderJitterWithinFiveMilliseconds) {
   int all = 0, off = 0;
   double worst = 0;
@@ -91,12 +91,12 @@ TEST(ClientClock, FollowsASlowerRouteWithoutAJumpAndAtABoundedRate) {
     }
   }
   EXPECT_GE(smallest, 0.9 - 1e-6);
-  EXPECT_LT(smallest, 0.95);  // it did have to slow down
+  EXPECT_LT(smallest, 0.95);  // it had to slow down
   EXPECT_LE(largest, 1.1 + 1e-6);
   EXPECT_NEAR(clock.ServerTime(12.2), Expected(12.2) - 0.1, 0.001);
 }
 
-// A minute in which, for five seconds on end, every packet takes 12 ms longer: the estimate follows, lateness tells.
+// In a minute every packet takes 12 ms longer for five seconds: the estimate follows, the lateness shows it.
 TEST(ClientClock, LatenessRemembersTheFastestTripThroughASlowSpell) {
   Clock clock;
   for (const Arrival& arrival : MakeArrivals(60, [] { return 0.0; })) {

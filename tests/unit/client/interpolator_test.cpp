@@ -45,7 +45,7 @@ TEST(ClientInterpolator, ReproducesUniformAccelerationOverUnevenTimes) {
   Track track(1);
   for (const double t : kUnevenTimes)
     InsertAt(track, t, {{static_cast<float>(5 * t), 0, static_cast<float>(height(t))}, {}});
-  for (double t = 0; t < 0.3; t += 0.001) {  // the end segments too: there a parabola of three samples serves
+  for (double t = 0; t < 0.3; t += 0.001) {  // also the end segments, which use a parabola of three samples
     const Pose pose = BlendPose(track.FindMoment(t));
     EXPECT_NEAR(pose.centroid.x, 5 * t, 2e-6) << "at " << t;
     EXPECT_NEAR(pose.centroid.z, height(t), 2e-6) << "at " << t;
@@ -59,7 +59,7 @@ TEST(ClientInterpolator, WhatRestsStaysWhereItIsUntilShortlyBeforeItIsSeenToMove
   InsertAt(track, kBetweenSnapshots, at(1));
   EXPECT_TRUE(track.Insert(2 * kBetweenSnapshots, true, at(2), std::vector<Vector3>{{1, 0, 0}}, 0));
   const auto show = [&](double time) { return BlendPose(track.FindMoment(time)).centroid.x; };
-  // It never runs on, and what is not news is not missed.
+  // A body at rest is never extrapolated, nor held without a record.
   for (const double later : {0.001, 0.05, 0.2, 60.0}) {
     EXPECT_EQ(show(2 * kBetweenSnapshots + later), 2) << later;
     EXPECT_FALSE(track.FindMoment(2 * kBetweenSnapshots + later).held) << later;
@@ -69,7 +69,7 @@ TEST(ClientInterpolator, WhatRestsStaysWhereItIsUntilShortlyBeforeItIsSeenToMove
   EXPECT_EQ(show(10 - kWakeSpan), 2);
   EXPECT_NEAR(show(10 - kWakeSpan / 2), 2.5, 1e-6);
   EXPECT_EQ(show(10), 3);
-  // Two metres apart within one interval, and its speed is that, not two metres in ten seconds.
+  // The samples are two metres apart: it moves within the last interval, not over the ten seconds before.
   EXPECT_NEAR(show(10 + kWakeSpan / 2), 3.5, 1e-6);
   InsertAt(track, 10 + kBetweenSnapshots, at(4));
   EXPECT_NEAR(show(10 + kBetweenSnapshots / 2), 3.5, 1e-6);
@@ -93,9 +93,9 @@ TEST(ClientInterpolator, ABodyThatRestsIsNotForgotten) {
   EXPECT_EQ(samples[1].age, 0);
   bodies.Forget(40);
   EXPECT_EQ(bodies.Count(), 1U);
-  // It moves on, and then nothing comes.
+  // It moves again, and then no record comes.
   EXPECT_TRUE(bodies.Add({.body = 2}, blueprint, 6000, 60.0, {}, shape, 50));
-  // A record of its rest that comes late changes nothing.
+  // A late record of its rest changes nothing.
   EXPECT_TRUE(bodies.Add({.body = 2, .restTick = 90}, blueprint, 110, 0.9, {}, shape, 50));
   bodies.Forget(61);
   EXPECT_EQ(bodies.Count(), 0U);
@@ -132,7 +132,7 @@ TEST(ClientInterpolator, PassesThroughItsSamplesWithoutAKink) {
   }
 }
 
-// RMS of the error along a 3 Hz swing sampled at 30 Hz, by the track and by straight lines.
+// RMS error along a 3 Hz oscillation sampled at 30 Hz, of the track and of linear interpolation.
 TEST(ClientInterpolator, IsAtLeastThreeTimesCloserThanLinearOnASwing) {
   const auto swing = [](double t) { return std::sin(2 * std::numbers::pi * 3 * t); };
   Track track(1);
@@ -173,7 +173,7 @@ TEST(ClientInterpolator, GoesOnForATenthOfASecondThenHolds) {
   const Moment going = track.FindMoment(kBetweenSnapshots + 0.05);
   EXPECT_FALSE(going.held);
   EXPECT_NEAR(BlendPose(going).centroid.x, 0.1 + 3 * 0.05, 1e-5);
-  EXPECT_NEAR(VertexAt(track, kBetweenSnapshots + 0.05).x, 0.1 + 3 * 0.05 + 2, 1e-5);  // the shape as it was last
+  EXPECT_NEAR(VertexAt(track, kBetweenSnapshots + 0.05).x, 0.1 + 3 * 0.05 + 2, 1e-5);  // the last shape
 
   for (const double beyond : {0.101, 0.2, 5.0}) {
     const Moment held = track.FindMoment(kBetweenSnapshots + beyond);
@@ -234,7 +234,7 @@ TEST(ClientInterpolator, StaysExactFarFromTheOrigin) {
   for (double t = 0; t < 0.3; t += 0.001) EXPECT_EQ(BlendPose(track.FindMoment(t)).centroid.x, 8000.0F);
 }
 
-// From here on whole bodies.
+// Tests of whole bodies.
 using SharedBlueprint = std::shared_ptr<const Blueprint>;
 
 SharedBlueprint MakeRow(std::size_t vertices) {
@@ -283,7 +283,7 @@ TEST(ClientBodies, JoinsPatchesEachUnderItsOwnPose) {
   EXPECT_EQ(samples[0].pose.centroid.x, 1000);
   EXPECT_EQ(samples[0].vertices[3].x, 1003);
   EXPECT_EQ(samples[0].vertices[protocol::kMaxPatchVertices].x, 5000 + protocol::kMaxPatchVertices);
-  EXPECT_NEAR(samples[0].age, 2 / 60.0, 1e-9);  // as old as its oldest patch
+  EXPECT_NEAR(samples[0].age, 2 / 60.0, 1e-9);  // the age of its oldest patch
 }
 
 TEST(ClientBodies, SamplesByAscendingNumberAndForgets) {
@@ -293,13 +293,13 @@ TEST(ClientBodies, SamplesByAscendingNumberAndForgets) {
   std::vector<BodySample> samples;
   for (const std::uint32_t body : {9U, 2U, 70000U, 4U}) ASSERT_TRUE(AddRecord(bodies, blueprint, body, 0, 60, 0));
   bodies.Remove(4, 61);
-  ASSERT_TRUE(AddRecord(bodies, blueprint, 4, 0, 59, 0));  // late, from before it was removed
+  ASSERT_TRUE(AddRecord(bodies, blueprint, 4, 0, 59, 0));  // late, of a tick before the removal
   bodies.Sample(1, 1, Detail::kPosesOnly, samples, statistics);
   ASSERT_EQ(samples.size(), 3U);
   EXPECT_EQ(samples[0].body, 2U);
   EXPECT_EQ(samples[1].body, 9U);
   EXPECT_EQ(samples[2].body, 70000U);
-  ASSERT_TRUE(AddRecord(bodies, blueprint, 4, 0, 62, 0));  // made anew
+  ASSERT_TRUE(AddRecord(bodies, blueprint, 4, 0, 62, 0));  // made again
   ASSERT_TRUE(AddRecord(bodies, blueprint, 9, 0, 6000, 0));
   bodies.Forget(100 - kForgetAfter);
   EXPECT_EQ(bodies.Count(), 1U);
@@ -321,7 +321,7 @@ TEST(ClientBodies, RefusesMoreThanItMayHold) {
   EXPECT_LE(many.Count(), protocol::kMaxBodies);
 }
 
-// Two forms in turn for each tick, shown far behind: what is kept is bounded, and given back.
+// Two forms alternate with each tick and are shown far behind: the memory is bounded, and freed.
 TEST(ClientBodies, KeepsNoMoreFormsThanItMayAndGivesThemBack) {
   const SharedBlueprint one = MakeRow(2000), two = MakeRow(3000);
   Bodies bodies;

@@ -23,7 +23,7 @@ TEST(ClientJitterBuffer, SpreadIsThe98thPercentileOfLateness) {
 }
 
 TEST(ClientJitterBuffer, FewArriveLaterThanTheDelayAllows) {
-  // Long-tailed lateness at 30 packets a second: how many would have been too late for their segment?
+  // Long-tailed lateness at 30 packets a second: counts packets that are too late for their segment.
   std::mt19937 random(11);
   std::exponential_distribution<double> lateness(1 / 0.015);
   JitterBuffer buffer;
@@ -37,7 +37,7 @@ TEST(ClientJitterBuffer, FewArriveLaterThanTheDelayAllows) {
     buffer.AddArrival(seconds, kSnapshotInterval, now);
   }
   EXPECT_LT(static_cast<double>(late) / all, 0.025);
-  EXPECT_LT(buffer.TargetDelay(), 2 * kSnapshotInterval + 0.015 * 7);  // 7 means: what one in 1,100 exceeds
+  EXPECT_LT(buffer.TargetDelay(), 2 * kSnapshotInterval + 0.015 * 7);  // 7 means are exceeded by one in 1,100
 }
 
 TEST(ClientJitterBuffer, DelayStaysWithinItsBounds) {
@@ -88,7 +88,7 @@ TEST(ClientJitterBuffer, PlaybackNeverRunsBackwardsAndKeepsItsRate) {
     lastNow = now;
   }
   EXPECT_GE(smallest, 0.9 - 1e-9);
-  EXPECT_LT(smallest, 0.91);  // it did have to adapt
+  EXPECT_LT(smallest, 0.91);  // it had to adapt
   EXPECT_LE(largest, 1.1 + 1e-9);
   EXPECT_GT(largest, 1.005);
 }

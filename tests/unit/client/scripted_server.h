@@ -1,4 +1,4 @@
-// A client whose server is written down by the test, message by message.
+// A client whose server is scripted by the test, message by message.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ using transport::Channel;
 inline constexpr transport::ConnectionId kConnection = 5;
 inline constexpr std::uint16_t kTickHz = 60;
 
-// What the test sees of a transport that the client owns.
+// The test's view of a transport that the client owns.
 struct Link {
   struct Arrival {
     double at;
@@ -103,19 +103,20 @@ inline std::vector<Message> CutIntoChunks(std::uint8_t index, const Message& blu
   return chunks;
 }
 
-// A body at rest in shape, at this pose; patch 0 of the tetrahedron.
+// A record of a body in its rest shape at this pose; patch 0.
 inline std::vector<std::uint8_t> MakeRecord(std::uint32_t body, const Pose& pose, std::uint8_t blueprint = 0,
                                             std::uint8_t generation = 0,
                                             const std::vector<Vector3>& rest = {
                                                 {1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}) {
-  const protocol::PatchModel model{.rest = rest, .size = rest.size() == 4 ? 1.732F : 0.8F};  // as their blueprints say
+  const protocol::PatchModel model{.rest = rest,
+                                   .size = rest.size() == 4 ? 1.732F : 0.8F};  // the size of its blueprint
   const Pose seen = protocol::Dequantise(protocol::Quantise(pose, protocol::MakePoseGrid(12, model.size)));
   std::vector<Vector3> world;
   for (const Vector3& point : rest) world.push_back(protocol::Transform(seen, point));
   std::vector<std::uint8_t> payload, record;
   protocol::ShapeEncoder encoder;
   EXPECT_TRUE(encoder.Encode(model, pose, world, 0.001F, 512, payload).fits);
-  protocol::AppendRecord({body, blueprint, 0, generation}, payload, record);
+  protocol::AppendRecord({.body = body, .blueprint = blueprint, .generation = generation}, payload, record);
   return record;
 }
 
@@ -142,7 +143,14 @@ class ClientTest : public testing::Test {
   }
   void Connect() { Arrive(transport::Event::Kind::kConnected); }
   void Welcome(std::uint16_t blueprints = 1) {
-    Arrive(Channel::kControl, protocol::MakeWelcome({9, 3, 100, kTickHz, 30, "arena", blueprints, {}}));
+    Arrive(Channel::kControl, protocol::MakeWelcome({.clientId = 9,
+                                                     .ownBody = 3,
+                                                     .tick = 100,
+                                                     .tickHz = kTickHz,
+                                                     .snapshotHz = 30,
+                                                     .scene = "arena",
+                                                     .blueprintCount = blueprints,
+                                                     .obstacles = {}}));
   }
   // Connected, welcomed at tick 100, one blueprint.
   void Join(const Options& options = {}) {
@@ -155,12 +163,13 @@ class ClientTest : public testing::Test {
   }
   void Snapshot(std::uint32_t sequence, const std::vector<std::vector<std::uint8_t>>& records = {},
                 std::uint32_t inputTick = 0) {
-    Arrive(Channel::kSnapshot, MakeSnapshot({sequence, CurrentTick(), 1, inputTick}, records));
+    Arrive(Channel::kSnapshot,
+           MakeSnapshot({.sequence = sequence, .tick = CurrentTick(), .inputTick = inputTick}, records));
   }
   [[nodiscard]] std::uint32_t CurrentTick() const {
     return 100 + static_cast<std::uint32_t>(std::lround((now - joinedAt) * kTickHz));
   }
-  // The inputs among what was sent, parsed.
+  // The inputs that were sent, parsed.
   [[nodiscard]] std::vector<const wire::Input*> Inputs() const {
     std::vector<const wire::Input*> inputs;
     for (const Link::Sent& sent : link.sent) {

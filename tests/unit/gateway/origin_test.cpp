@@ -7,9 +7,10 @@ namespace {
 
 TEST(Origin, OfTheSameHostIsAllowed) {
   EXPECT_TRUE(IsOriginAllowed("http://localhost:8080", "localhost:8080", {}));
-  EXPECT_TRUE(IsOriginAllowed("https://Wobble.example.org", "wobble.example.org", {}));  // a proxy speaks https for us
+  EXPECT_TRUE(
+      IsOriginAllowed("https://Wobble.example.org", "wobble.example.org", {}));  // behind a proxy that speaks https
   EXPECT_TRUE(IsOriginAllowed("http://[::1]:8080", "[::1]:8080", {}));
-  EXPECT_TRUE(IsOriginAllowed("", "localhost:8080", {}));  // no browser
+  EXPECT_TRUE(IsOriginAllowed("", "localhost:8080", {}));  // not a browser
 }
 
 TEST(Origin, OfAnotherHostIsRefused) {

@@ -1,4 +1,4 @@
-// The page in memory: what is in it, what is not, and how it is compressed. That it is served is tested in tests/web.
+// The page in memory: which files are in it, and how they are compressed. tests/web tests that it is served.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-// What one browser may send, and how many there may be.
+// The limits on what one browser may send, and on the number of browsers.
 #include <gtest/gtest.h>
 
 #include "client/gateway/places.h"
@@ -22,7 +22,7 @@ TEST(RateLimit, AllowsInputsForEver) {
 TEST(RateLimit, AllowsASilenceToBeMadeUpForOnce) {
   RateLimit limit;
   EXPECT_EQ(CountAllowed(limit, 10, 5), kBurstSeconds * kMessagesPerSecond);
-  EXPECT_NEAR(CountAllowed(limit, 10, 6), kMessagesPerSecond, 2);  // the refused one counted too
+  EXPECT_NEAR(CountAllowed(limit, 10, 6), kMessagesPerSecond, 2);  // refused messages count too
   EXPECT_EQ(CountAllowed(limit, 10, 1000), kBurstSeconds * kMessagesPerSecond);
 }
 

@@ -1,5 +1,4 @@
-// Both windows against what was really sent and received: out of order, twice, too late, over a link that loses
-// packets.
+// Both windows against the packets really sent and received: out of order, twice, too late, over a lossy link.
 #include "protocol/acknowledgement.h"
 
 #include <gtest/gtest.h>
@@ -106,7 +105,7 @@ TEST(SentWindow, AnOldAcknowledgementDoesNotTouchANewSlot) {
   EXPECT_EQ(report.acknowledged, 65U);
 }
 
-// What both windows make of `packets` packets over a link that drops this share each way and swaps neighbours.
+// Sends `packets` packets over a link that drops this share each way and swaps neighbours.
 double FindLossShare(double dropShare, int packets, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> chance(0, 1);
@@ -148,7 +147,7 @@ TEST(SentWindow, ABlackoutIsNoFullLink) {
     ASSERT_TRUE(sent.RecordAcknowledgement(received.Newest(), received.History(), 0.033 * i, report));
   }
   EXPECT_GT(most, 0.03);
-  EXPECT_LT(most, 0.08);  // below the tenth from which on a server takes a link for full
+  EXPECT_LT(most, 0.08);  // below the tenth from which a server takes a link to be full
 }
 
 TEST(SentWindow, LossShareFollowsTheLink) {

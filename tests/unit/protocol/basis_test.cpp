@@ -1,4 +1,4 @@
-// Bases: orthonormal however few modes are sent, the same bits on every machine, and no bytes that break the reader.
+// Bases: orthonormal with any number of modes sent, the same bits on every machine, and safe against any bytes.
 #include "protocol/basis.h"
 
 #include <gtest/gtest.h>

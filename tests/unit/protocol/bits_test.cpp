@@ -1,5 +1,5 @@
-// The bit writer and reader against each other and against bytes worked out by hand, and the reader alone against bytes
-// that end too soon.
+// The bit writer and reader against each other and against bytes derived by hand, and the reader against truncated
+// bytes.
 #include "protocol/bits.h"
 
 #include <gtest/gtest.h>
@@ -61,7 +61,7 @@ TEST(Bits, VarintsComeBackInTheirShortestForm) {
 TEST(Bits, VarintsInAnyOtherFormAreRefused) {
   const std::vector<Bytes> refused{
       {},
-      {0x80},                                // goes on past the end
+      {0x80},                                // continues past the end
       {0x80, 0x00},                          // 0 in two bytes
       {0xFF, 0x80, 0x00},                    // 127 in three
       {0xFF, 0xFF, 0xFF, 0xFF, 0x1F},        // over 32 bits

@@ -1,4 +1,4 @@
-// The words of a link, and what becomes of datagrams under each of them, within statistics and the same for a seed.
+// The text form of link conditions, and the fate of datagrams under each: within statistics and the same for a seed.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -166,16 +166,16 @@ TEST(LinkDirection, LimitedRateSpacesDatagramsAndDropsTheTail) {
   const LinkConditions conditions{.delay = 0.1, .rate = 182400};
   LinkDirection direction(1);
   int passed = 0;
-  for (int i = 0; i < 100; ++i) {  // a burst in one moment: 250 ms of it are kept
+  for (int i = 0; i < 100; ++i) {  // a burst at one moment: 250 ms of it are queued
     const Fate fate = direction.Decide(conditions, 5, 200);
     if (fate.ending == Fate::Ending::kOverRate) continue;
     ++passed;
     EXPECT_NEAR(fate.due[0], 5 + 0.1 + 0.01 * passed, 1e-9);
   }
   EXPECT_NEAR(passed, 25, 1);
-  EXPECT_NEAR(direction.Decide(conditions, 6, 200).due[0], 6.11, 1e-9);  // empty again
+  EXPECT_NEAR(direction.Decide(conditions, 6, 200).due[0], 6.11, 1e-9);  // the queue is empty again
 
-  const auto fates = DecideAll(conditions, 3, 0.005);  // twice as many as there is room for
+  const auto fates = DecideAll(conditions, 3, 0.005);  // twice what the rate allows
   EXPECT_NEAR(ShareOf(fates, Fate::Ending::kOverRate), 0.5, 0.002);
   const auto slower = DecideAll(conditions, 3, 0.011);
   EXPECT_EQ(ShareOf(slower, Fate::Ending::kOverRate), 0);
@@ -194,7 +194,7 @@ TEST(LinkDirection, BlackoutTakesWhatEntersOrWouldComeOutAndKeepsNothing) {
   for (double now = 0; now < 40; now += 0.01) {
     const Fate fate = direction.Decide(conditions, now, 200);
     const double into = std::fmod(now, 4);
-    if (std::abs(into - 2.7) < 1e-6 || into > 4 - 1e-6) continue;  // on the edge
+    if (std::abs(into - 2.7) < 1e-6 || into > 4 - 1e-6) continue;  // rounding decides
     ASSERT_EQ(fate.ending, into < 2.7 ? Fate::Ending::kPasses : Fate::Ending::kBlackedOut) << now;
     ASSERT_NEAR(fate.copies > 0 ? fate.due[0] : now + 0.3, now + 0.3, 1e-9);
   }

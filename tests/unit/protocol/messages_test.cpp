@@ -37,13 +37,20 @@ Message MakeChain() {
 
 struct Kind {
   const char* name;
-  char side;  // who sends it: c, s; b: a blueprint, put together from chunks
+  char side;  // the sender: c or s; b: a blueprint, put together from chunks
   Message bytes;
 };
 
 std::vector<Kind> MakeEveryKind() {
   const std::vector<wire::InputFrame> frames{{104, 127, -127, 7}, {103, 0, 0, 0}, {102, 1, -1, 2}, {101, 5, 6, 1}};
-  WelcomeFields welcome{7, 9, 1000, 60, 30, "arena", 2, {}};
+  WelcomeFields welcome{.clientId = 7,
+                        .ownBody = 9,
+                        .tick = 1000,
+                        .tickHz = 60,
+                        .snapshotHz = 30,
+                        .scene = "arena",
+                        .blueprintCount = 2,
+                        .obstacles = {}};
   welcome.obstacles = {{wire::ObstacleKind::Plane, {0, 0, 1}, {0, 0, 0}, 0},
                        {wire::ObstacleKind::Capsule, {1, 2, 3}, {4, 5, 6}, 0.5F}};
   welcome.heightFields = {{{1, 2, 3}, 0.5F, -1, 0.01F, 3, 2}};
@@ -95,7 +102,7 @@ TEST(Messages, EveryTruncationIsRefused) {
     test::ForEachTruncation(kind.bytes, [&](std::span<const std::uint8_t> cut) {
       if (ParseAs(kind.side, cut) == ParseResult::kOk) ++parsed, longest = cut.size();
     });
-    // What a builder puts last may be padding that nothing points to; more than that is needed.
+    // The last bytes may be padding that nothing points to; all others are needed.
     EXPECT_LE(parsed, 3) << "last at " << longest << " of " << kind.bytes.size();
   }
 }
@@ -104,7 +111,7 @@ TEST(Messages, EveryChangedByteIsSafe) {
   for (const Kind& kind : MakeEveryKind()) {
     SCOPED_TRACE(kind.name);
     std::array<int, kParseResultCount> counts{};
-    for (const char side : {'c', 's', 'b'}) {  // also as what it is not
+    for (const char side : {'c', 's', 'b'}) {  // also as the wrong kinds
       test::ForEachChangedByte(kind.bytes, [&](std::span<const std::uint8_t> changed) {
         ++counts[static_cast<std::size_t>(ParseAs(side, changed))];
       });
@@ -119,7 +126,7 @@ TEST(Messages, RandomBytesAreSafe) {
   std::mt19937 random(41);
   for (int i = 0; i < 100000; ++i) {
     Bytes bytes(random() % 128);
-    // Small numbers are more often offsets that lead somewhere.
+    // Small numbers are more often valid offsets.
     for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random() % (i % 2 == 0 ? 256 : 16));
     for (const char side : {'c', 's', 'b'}) ParseAs(side, bytes);
   }
@@ -181,13 +188,21 @@ TEST(Messages, FieldsComeBack) {
   EXPECT_EQ(client->body_as_Input()->acked_history(), 0x8000000000000001U);
 
   const wire::ServerMessage* server = nullptr;
-  const Message welcome =
-      MakeWelcome({7, 9, 1000, 60, 30, "arena", 2, {{wire::ObstacleKind::Box, {1, 2, 3}, {4, 5, 6}, 0}}});
+  const Message welcome = MakeWelcome({.clientId = 7,
+                                       .ownBody = 9,
+                                       .tick = 1000,
+                                       .tickHz = 60,
+                                       .snapshotHz = 30,
+                                       .scene = "arena",
+                                       .blueprintCount = 2,
+                                       .obstacles = {{wire::ObstacleKind::Box, {1, 2, 3}, {4, 5, 6}, 0}}});
   ASSERT_EQ(ParseServerMessage(welcome, server), ParseResult::kOk);
   EXPECT_EQ(server->body_as_Welcome()->scene()->str(), "arena");
   EXPECT_EQ(server->body_as_Welcome()->tick_hz(), 60);
   EXPECT_EQ(server->body_as_Welcome()->obstacles()->Get(0)->b().z(), 6.0F);
-  EXPECT_EQ(ParseAs('s', MakeWelcome({1, 0, 0, 60, 30, "", 0, {}})), ParseResult::kOk) << "no obstacles at all";
+  EXPECT_EQ(ParseAs('s', MakeWelcome({.clientId = 1, .tickHz = 60, .snapshotHz = 30, .scene = "", .obstacles = {}})),
+            ParseResult::kOk)
+      << "no obstacles at all";
 
   const wire::Blueprint* blueprint = nullptr;
   const Message triangle = MakeTriangle();

@@ -14,7 +14,7 @@
 
 namespace wobble::protocol::parsing {
 
-// Where Read() puts what it reads, so that no read is optimised away.
+// Read adds everything to this, so that no read is optimised away.
 inline volatile std::uint64_t g_read = 0;
 
 inline void Touch(std::uint64_t value) { g_read = g_read + value; }

@@ -1,4 +1,4 @@
-// The quantised pose: how far off it may be, what lies on its borders, and which bits are no pose.
+// The quantised pose: its error, its borders, and bits that are no pose.
 #include "protocol/pose.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ Quaternion MakeUnitQuaternion(std::mt19937& random) {
   return {q.w / length, q.x / length, q.y / length, q.z / length};
 }
 
-// As fine as a ball of 1 m at a target of 0.25 % has it.
+// The grid of a ball of 1 m at a target of 0.25 %.
 constexpr PoseGrid kGrid{11, 13};
 constexpr double kStep = 1.0 / 2048, kTurn = 1.0 / 8192;
 
@@ -35,8 +35,8 @@ Pose SendAndReceive(const Pose& pose, PoseGrid grid = kGrid) {
   return Dequantise(quantised);
 }
 
-// The angle of the turn from one rotation to the other, radians; q and -q are one rotation. 2 asin |q1 - q2| / 2 and
-// not acos of the product, which knows nothing below 1e-3 in floats.
+// The angle between two rotations, radians; q and -q are the same rotation. 2 asin |q1 - q2| / 2 rather than acos of
+// the product, which is inaccurate below 1e-3 in floats.
 double FindAngle(Quaternion p, Quaternion q) {
   const double minus = std::hypot(std::hypot(p.w - q.w, p.x - q.x), std::hypot(p.y - q.y, p.z - q.z));
   const double plus = std::hypot(std::hypot(p.w + q.w, p.x + q.x), std::hypot(p.y + q.y, p.z + q.z));

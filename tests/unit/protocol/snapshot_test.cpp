@@ -1,4 +1,4 @@
-// Snapshot packets: what is built is read, byte for byte; what is cut short or changed is never read past its end.
+// Snapshot packets: built and read back byte for byte; truncated or changed packets are never read past their end.
 #include "protocol/snapshot.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ Bytes MakePacket() {
   EXPECT_TRUE(builder.Add(MakeRecord({1, 0, 0}, 20)));
   EXPECT_TRUE(builder.Add(MakeRecord({300, 254, 7}, 200)));
   EXPECT_TRUE(builder.Add(MakeRecord({0xFFFFFFFF, 3, 5, kGenerations - 1, 123456}, 1)));
-  const auto packet = builder.Finish({77, 123456, 0.5F, 123450});
+  const auto packet = builder.Finish({.sequence = 77, .tick = 123456, .timeRatio = 0.5F, .inputTick = 123450});
   return {packet.begin(), packet.end()};
 }
 
@@ -85,9 +85,9 @@ TEST(Snapshot, WhatIsBuiltIsRead) {
 TEST(Snapshot, GoldenBytes) {
   PacketBuilder builder;
   Bytes record;
-  AppendRecord({300, 2, 1, 0, 200}, Bytes{0xAA, 0xBB}, record);
+  AppendRecord({.body = 300, .blueprint = 2, .patch = 1, .restTick = 200}, Bytes{0xAA, 0xBB}, record);
   ASSERT_TRUE(builder.Add(record));
-  const auto packet = builder.Finish({0x01020304, 0x05060708, 1.0F, 0x090A0B0C});
+  const auto packet = builder.Finish({.sequence = 0x01020304, .tick = 0x05060708, .inputTick = 0x090A0B0C});
   const Bytes expected{0x57, 0x05, 0x04, 0x03, 0x02, 0x01, 0x08, 0x07, 0x06, 0x05, 0xFF, 0xFF, 0x0C,
                        0x0B, 0x0A, 0x09, 0xAC, 0x02, 0x82, 0x01, 0xC8, 0x01, 0x02, 0xAA, 0xBB};
   EXPECT_EQ(Bytes(packet.begin(), packet.end()), expected);
@@ -98,7 +98,7 @@ TEST(Snapshot, ARestThatIsYetToComeIsRefused) {
   for (const std::uint32_t rest : {1U, 999U, 1000U, 1001U}) {
     PacketBuilder builder;
     ASSERT_TRUE(builder.Add(MakeRecord({1, 0, 0, 0, rest}, 5)));
-    EXPECT_EQ(ReadAndCheck(builder.Finish({1, 1000, 1, 0})),
+    EXPECT_EQ(ReadAndCheck(builder.Finish({.sequence = 1, .tick = 1000})),
               rest <= 1000 ? SnapshotResult::kOk : SnapshotResult::kBadRecord);
   }
 }
@@ -115,7 +115,7 @@ TEST(Snapshot, TheBuilderNeverExceedsAPacket) {
       if (!fits) break;
       expected += record.size();
     }
-    const auto packet = builder.Finish({1, 2, 1, 0});
+    const auto packet = builder.Finish({.sequence = 1, .tick = 2});
     EXPECT_EQ(packet.size(), expected) << "a refused record leaves no trace";
     EXPECT_EQ(ReadAndCheck(packet), SnapshotResult::kOk);
   }
@@ -128,7 +128,7 @@ TEST(Snapshot, TheLargestRecordFitsAnEmptyPacket) {
   EXPECT_TRUE(builder.Add(record));
   EXPECT_FALSE(builder.Add(MakeRecord({1, 0, 0}, 1)));
   EXPECT_FALSE(builder.Empty());
-  EXPECT_EQ(builder.Finish({1, 0, 1, 0}).size(), kMaxPacketBytes);
+  EXPECT_EQ(builder.Finish({.sequence = 1}).size(), kMaxPacketBytes);
   builder.Clear();
   EXPECT_TRUE(builder.Empty());
   EXPECT_TRUE(builder.Add(record));
@@ -139,7 +139,7 @@ TEST(Snapshot, TimeRatioIsKeptWithinItsRange) {
     PacketBuilder builder;
     SnapshotHead head;
     std::vector<Record> records;
-    ASSERT_EQ(ReadSnapshot(builder.Finish({1, 0, ratio, 0}), head, records), SnapshotResult::kOk);
+    ASSERT_EQ(ReadSnapshot(builder.Finish({.sequence = 1, .timeRatio = ratio}), head, records), SnapshotResult::kOk);
     EXPECT_NEAR(head.timeRatio, std::min(std::max(ratio, 0.0F), 1.0F), 1.0F / 65535);
   }
 }

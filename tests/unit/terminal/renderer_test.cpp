@@ -38,7 +38,9 @@ struct Ball {
       }
     }
   }
-  [[nodiscard]] DrawnBody Draw(Light colour) const { return {vertices, rest, faces, colour}; }
+  [[nodiscard]] DrawnBody Draw(Light colour) const {
+    return {.vertices = vertices, .rest = rest, .faces = faces, .colour = colour};
+  }
 };
 
 TEST(TerminalShadow, LiesWhereTheSunIsHidden) {
@@ -163,7 +165,8 @@ TEST(TerminalRenderer, RoundObstaclesAndGroundAreWhereTheServerSays) {
 TEST(TerminalRenderer, SpringsAndMassesAreSeenWhereThereAreNoFaces) {
   const std::vector<Vector3> vertices{{-1, 0, 0}, {1, 0, 1}, {0, 0, -1}};
   const std::vector<std::array<std::uint16_t, 2>> edges{{0, 1}};
-  const std::array<DrawnBody, 1> bodies{DrawnBody{vertices, vertices, {}, {0, 1, 0}, false, edges}};
+  const std::array<DrawnBody, 1> bodies{
+      DrawnBody{.vertices = vertices, .rest = vertices, .faces = {}, .colour = {0, 1, 0}, .edges = edges}};
   const std::vector<protocol::wire::Obstacle> away{{protocol::wire::ObstacleKind::Box, {0, 0, -500}, {1, 1, 1}, 0}};
   Renderer renderer;
   std::vector<Colour> pixels, sky;
@@ -192,7 +195,8 @@ TEST(TerminalRenderer, SpringsAndMassesAreSeenWhereThereAreNoFaces) {
   View along;
   along.eye = {0, -3, 0};
   const std::vector<Vector3> endOn{{0, 0, 0}, {0, 2, 0}};
-  const std::array<DrawnBody, 1> one{DrawnBody{endOn, endOn, {}, {0, 1, 0}, false, edges}};
+  const std::array<DrawnBody, 1> one{
+      DrawnBody{.vertices = endOn, .rest = endOn, .faces = {}, .colour = {0, 1, 0}, .edges = edges}};
   renderer.Draw({away, one, {}}, along, 120, 90, pixels);
   renderer.Draw({away, {}, {}}, along, 120, 90, sky);
   EXPECT_NE(pixels[45 * 120 + 60], sky[45 * 120 + 60]) << "the near mass";
@@ -218,7 +222,8 @@ TEST(TerminalRenderer, OpenSurfacesAreLitFromBothSides) {
     view.right = {-side, 0, 0};
     renderer.Draw({away, {}, {}}, view, 60, 40, sky);
     for (const bool open : {false, true}) {
-      const std::array<DrawnBody, 1> bodies{DrawnBody{vertices, vertices, faces, {1, 0, 0}, open}};
+      const std::array<DrawnBody, 1> bodies{
+          DrawnBody{.vertices = vertices, .rest = vertices, .faces = faces, .colour = {1, 0, 0}, .open = open}};
       renderer.Draw({away, bodies, {}}, view, 60, 40, pixels);
       const bool isSeen = pixels[22 * 60 + 30].red > sky[22 * 60 + 30].red + 40;
       EXPECT_EQ(isSeen, open || side < 0) << (open ? "open" : "closed") << " from y = " << side * 4;

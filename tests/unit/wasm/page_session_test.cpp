@@ -1,4 +1,4 @@
-// What becomes WebAssembly for the page, natively: its transport, what it shows of bodies, and that a session plays.
+// The code that becomes WebAssembly for the page, run natively: its transport, the geometry it shows, a whole session.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -133,7 +133,7 @@ TEST(ShownBodies, NameBlueprintsAndForgetThoseThatAreGone) {
 }
 
 TEST(Normals, AreWeightedByArea) {
-  // A large face that looks along z and a small one that looks along x, at a common edge.
+  // A large face with its normal along z and a small one with its normal along x share an edge.
   const std::vector<Vector3> vertices{{0, 0, 0}, {0, 1, 0}, {-10, 0, 0}, {0, 0, -1}, {9, 9, 9}};
   const std::vector<std::array<std::uint16_t, 3>> faces{{0, 1, 2}, {0, 3, 1}};
   std::vector<Vector3> normals;
@@ -147,7 +147,7 @@ TEST(Normals, AreWeightedByArea) {
 }
 
 TEST(Session, PlaysWhenTheWorldIsThere) {
-  Session session(std::string(40, 'x'), false, 0);  // more than the wire takes
+  Session session(std::string(40, 'x'), false, 0);  // longer than kMaxNameBytes
   session.Transport().Open();
   session.Client().Update(0);
   const auto hello = session.Transport().FindOutgoing();

@@ -1,7 +1,7 @@
-// A real Chromium on the built page, before a real server and gateway of its own.
+// A real Chromium on the built page, with a real server and gateway of its own.
 //
-// Software draws, so that a machine without a graphics card gets the same pictures; where a test asks what is to be
-// seen it compares screenshots, as a person would compare two looks, and never with a stored picture.
+// Rendering is in software, so that a machine without a graphics card gives the same pictures. Tests compare
+// screenshots with each other, never with a stored picture.
 import assert from 'node:assert';
 import path from 'node:path';
 import { createRequire } from 'node:module';
@@ -13,7 +13,7 @@ const { chromium } = createRequire(new URL('client/page/package.json', root))('p
 
 const binFolder = process.env.WOBBLE_BIN_DIR ?? path.resolve('build/release/bin');
 export const pageFolder = path.join(binFolder, 'page');
-// Where tests leave what people may want to look at.
+// Folder for files that people may want to look at.
 export const outputFolder = process.env.WOBBLE_OUTPUT ?? path.resolve('build/release/tests/web');
 const smallScreen = { width: 640, height: 400 };
 
@@ -21,7 +21,7 @@ export const startBrowser = () =>
   chromium.launch({
     executablePath: process.env.WOBBLE_CHROMIUM ?? '/usr/bin/chromium',
     args: [
-      '--no-sandbox', // nothing but our own page is opened, and containers have no sandbox
+      '--no-sandbox', // only our own page is opened, and containers have no sandbox
       '--use-gl=angle',
       '--use-angle=swiftshader',
       '--enable-unsafe-swiftshader',
@@ -33,8 +33,8 @@ export const startBrowser = () =>
     ],
   });
 
-// A server with this scene and a gateway to it: { address, server, host, stop }. Untrained, since shapes seldom
-// matter here and training takes a second.
+// Starts a server with this scene and a gateway to it: { address, server, host, stop }. Untrained by default, since
+// shapes seldom matter here and training takes a second.
 export async function startWorld(scene, options = ['--untrained']) {
   const { program: server, address } = await startServerOn(0, '--scene', scene, ...options);
   const { program, host } = await startGateway(address, pageFolder);
@@ -43,7 +43,7 @@ export async function startWorld(scene, options = ['--untrained']) {
   return world;
 }
 
-// Another server, untrained, where one was before.
+// Starts another untrained server at the address of an ended one.
 export async function startServerAt(address, scene) {
   const [, port] = address.split(':');
   return (await startServerOn(port, '--scene', scene, '--untrained')).program;
@@ -53,9 +53,9 @@ export function startBots(world, count, script = 'wander.lua') {
   return new Program('wobble', ['bots', world.address, '--script', script, '--count', `${count}`]);
 }
 
-// The page in a tab of its own, with nothing kept from any before: { tab, complaints, requests, failures, leave }, the
-// lists being what its console, its requests and its network errors came to. onTab: with the tab before anything is
-// asked for. query: a quality that is kept, or the picture changes by itself. options: of the tab.
+// Opens the page in a tab without stored state: { tab, complaints, requests, failures, leave }. The lists hold its
+// console messages, requests and network errors. onTab: called with the tab before the first request. query: sets a
+// fixed quality, because the picture would otherwise change by itself. options: of the tab.
 export async function openPage(browser, host, { query = 'name=mira&quality=4', onTab = () => {}, ...options } = {}) {
   const context = await browser.newContext({ viewport: smallScreen, reducedMotion: 'reduce', ...options });
   const tab = await context.newPage();
@@ -75,7 +75,7 @@ export async function openPage(browser, host, { query = 'name=mira&quality=4', o
   return page;
 }
 
-// The page once it plays, and its own body, if it has one, is there.
+// Opens the page and waits until it plays and its own body, if it has one, is there.
 export async function joinPage(browser, host, options) {
   const page = await openPage(browser, host, options);
   await waitForPlaying(page.tab);
@@ -91,7 +91,7 @@ export async function waitForPlaying(tab) {
   );
 }
 
-// What window.wobble has under this name.
+// Calls window.wobble's function of this name.
 export const probe = (page, name, ...values) =>
   page.tab.evaluate(([name, values]) => window.wobble[name](...values), [name, values]);
 
@@ -106,7 +106,7 @@ export async function findOwn(page) {
   return { body: ownBody, at: await probe(page, 'position', ownBody) };
 }
 
-// The share of the pixels that differ plainly between two screenshots of the same size.
+// Share of the pixels that differ clearly between two screenshots of the same size.
 export async function compareScreenshots(browser, before, after) {
   const tab = await browser.newPage();
   try {

@@ -1,7 +1,7 @@
-// A player without a browser: a WebSocket to the gateway, and the few bytes of the protocol that a test must write.
+// A player without a browser: a WebSocket to the gateway, and the few messages of the protocol that a test must write.
 //
-// They are put together by hand from STANDARD.md and messages.fbs rather than by the client library, so that a test
-// of the gateway needs neither Emscripten nor a built page.
+// The messages are built by hand from STANDARD.md and messages.fbs rather than by the client library, so that a test of
+// the gateway needs neither Emscripten nor a built page.
 import assert from 'node:assert';
 import crypto from 'node:crypto';
 import fs from 'node:fs';
@@ -31,7 +31,7 @@ export class Player {
     });
     this.socket.binaryType = 'nodebuffer';
     this.socket.on('message', (bytes) => this.messages.push(bytes));
-    // True once it is open, else the HTTP status that refused it.
+    // true once the socket is open, else the HTTP status of the refusal.
     this.opened = new Promise((resolve) => {
       this.socket.on('open', () => resolve(true));
       this.socket.on('unexpected-response', (request, response) => {
@@ -40,7 +40,7 @@ export class Player {
       });
       this.socket.on('error', (error) => resolve(error.message));
     });
-    // { code, reason }; 1006 when no close came.
+    // { code, reason }; code 1006 when no close frame came.
     this.closed = new Promise((resolve) =>
       this.socket.on('close', (code, reason) => resolve({ code, reason: reason.toString() })),
     );
@@ -68,7 +68,7 @@ export class Player {
   }
 }
 
-// A player who has been welcomed.
+// Joins and waits for the welcome.
 export async function join(host, options) {
   const player = new Player(host, options);
   assert.equal(await player.opened, true);
@@ -103,7 +103,7 @@ function readSchemaHash() {
   return crypto.createHash('sha256').update(text).digest().readBigUInt64BE(0);
 }
 
-// The type of a ServerMessage's body.
+// The type of the body of a ServerMessage.
 function readType(bytes) {
   const table = bytes.readUInt32LE(0);
   const vtable = table - bytes.readInt32LE(table);

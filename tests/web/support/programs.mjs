@@ -1,4 +1,4 @@
-// Starts the programs that are tested, on ports that the system picks, and sees to it that none outlives its test.
+// Starts the programs under test, on ports that the system picks, and ends each with its test.
 import { AsyncLocalStorage } from 'node:async_hooks';
 import { spawn } from 'node:child_process';
 import fs from 'node:fs';
@@ -9,10 +9,10 @@ import * as runner from 'node:test';
 const binFolder = process.env.WOBBLE_BIN_DIR ?? path.resolve('build/release/bin');
 const patienceMs = 30_000;
 
-// The programs that the test at hand has started; tests may run at the same time.
+// The programs that the present test has started; tests may run at the same time.
 const started = new AsyncLocalStorage();
 
-// A test that fails rather than hangs, and takes with it what it has started: Node waits for programs that still run.
+// A test that fails instead of hanging, and ends the programs it started: Node would wait for running programs.
 export const test = (name, run) =>
   runner.test(name, { timeout: 2 * patienceMs }, async (context) => {
     const own = [];
@@ -20,7 +20,7 @@ export const test = (name, run) =>
     await started.run(own, () => run(context));
   });
 
-// One program: its lines so far, and its end.
+// A program, with its lines so far and its end.
 export class Program {
   constructor(name, options) {
     this.lines = [];
@@ -28,12 +28,12 @@ export class Program {
     this.process = spawn(path.join(binFolder, name), options, { stdio: ['ignore', 'pipe', 'pipe'] });
     collectLines(this.process.stdout, this.lines);
     collectLines(this.process.stderr, this.errors);
-    // What the process came to: its exit code, or the name of the signal that ended it.
+    // Resolves to the exit code, or to the name of the signal that ended the process.
     this.end = new Promise((resolve) => this.process.on('close', (code, signal) => resolve(code ?? signal)));
     started.getStore()?.push(this);
   }
 
-  // The first line that matches, of standard output or standard error.
+  // The first matching line, of standard output or standard error.
   async waitForLine(pattern) {
     return await waitFor(`a line ${pattern} of ${this.process.spawnfile}`, () =>
       [...this.lines, ...this.errors].find((line) => pattern.test(line)),
@@ -58,7 +58,7 @@ function collectLines(stream, lines) {
   });
 }
 
-// What `find` returns, once it is neither false nor undefined; it is asked again and again.
+// Calls `find` repeatedly until it returns neither false nor undefined, and returns that value.
 export async function waitFor(what, find) {
   const end = Date.now() + patienceMs;
   for (;;) {
@@ -71,29 +71,29 @@ export async function waitFor(what, find) {
 
 export const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
-// A server that listens on this UDP port, where 0 is one that the system picks: { program, address }.
+// Starts a server on this UDP port, where 0 lets the system pick one: { program, address }.
 export async function startServerOn(port, ...options) {
   const program = new Program('wobbled', ['--port', `${port}`, ...options]);
   const line = await program.waitForLine(/^listening on UDP port \d+/);
   return { program, address: `127.0.0.1:${/port (\d+)/.exec(line)[1]}` };
 }
 
-// A server that listens: { program, address, countClients }, the last by its newest status line, so it needs --status;
-// -1 where there is none. Untrained, since shapes do not matter here and training takes seconds.
+// Starts a server: { program, address, countClients }. countClients reads the newest status line, so it needs --status,
+// and is -1 without one. Untrained, since shapes do not matter here and training takes seconds.
 export async function startServer(...options) {
   const { program, address } = await startServerOn(0, '--untrained', '--log-level', 'info', ...options);
   const countClients = () => Number(/clients (\d+)/.exec(program.lines.at(-1))?.[1] ?? -1);
   return { program, address, countClients };
 }
 
-// A gateway that listens: { program, host }, host being what a browser has in the address bar.
+// Starts a gateway: { program, host }; host is the address for a browser.
 export async function startGateway(server, page, ...options) {
   const program = new Program('wobble', ['gateway', '--http', '0', '--server', server, '--page', page, ...options]);
   const line = await program.waitForLine(/^open http:\/\/localhost:\d+ /);
   return { program, host: `localhost:${/localhost:(\d+)/.exec(line)[1]}` };
 }
 
-// A folder with these files, { name: content }, instead of the built page. removePage ends it.
+// Makes a folder with these files, { name: content }, in place of the built page. removePage deletes it.
 export function makePage(files) {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'wobble-page-'));
   for (const [name, content] of Object.entries(files)) {

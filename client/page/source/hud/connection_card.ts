@@ -34,7 +34,7 @@ export class ConnectionCard {
       );
       return;
     }
-    SetText(this.m_title, 'The world has gone');
+    SetText(this.m_title, 'Connection ended');
     const reason = end.reason === '' ? 'The connection was lost' : MakeSentence(end.reason);
     const left = end.retryAt === null ? null : Math.max(0, Math.ceil(end.retryAt - ReadNow()));
     SetText(this.m_text, left === null ? reason : `${reason} Trying again in ${left} s.`);
