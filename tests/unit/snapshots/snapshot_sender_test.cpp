@@ -28,7 +28,7 @@ class RecordingTransport final : public transport::Transport {
 };
 
 class SnapshotSenderTest : public testing::Test {
- protected:
+ public:
   // The sender does not read payloads, so any bytes will do.
   void AddBody(std::uint32_t id, protocol::Vector3 centre, std::size_t payloadBytes, std::size_t patches = 1) {
     storage[id].clear();
