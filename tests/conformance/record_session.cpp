@@ -18,9 +18,9 @@
 #include "client/client.h"
 #include "client/wasm/decoded_hash.h"
 #include "protocol/transport/virtual_network.h"
-#include "server/basis_shelf.h"
 #include "server/scenes/loader.h"
 #include "server/server.h"
+#include "server/training/basis_shelf.h"
 
 namespace {
 

@@ -20,6 +20,9 @@ struct Box {
 // The longest side, m.
 [[nodiscard]] inline double FindExtent(const Box& box) { return (box.high - box.low).maxCoeff(); }
 
+// A box whose extent is more than this times the mean of all boxes is large: searches keep such boxes apart.
+inline constexpr double kLargeRatio = 4;
+
 // True also if the boxes only touch.
 [[nodiscard]] inline bool Overlap(const Box& a, const Box& b) {
   return (a.low.array() <= b.high.array()).all() && (b.low.array() <= a.high.array()).all();
