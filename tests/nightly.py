@@ -53,10 +53,11 @@ def list_jobs():
         (["build/release/tests/soak_test", "--gtest_filter=Soak.*"], {"WOBBLE_SOAK_SECONDS": "600"})]))
     jobs.append(("captures_of_all_scenes", 4, release_build("captures_test", "programs") + [
         ["build/release/tests/captures_test"]]))
-    # `make test` runs under these sanitizers what reads bytes from strangers, and the engine's golden scenes.
+    # `make test` has the libraries' unit tests, the corpora and the golden scenes under these sanitizers; here is all else:
+    # the programs, the gateway, the soak, every test of the engine.
     jobs.append(("sanitized_everything", 20, [
         ["sh", "docker/packages.sh", "server", "test"], ["cmake", "--preset", "asan", "-DWOBBLE_SANITIZE_ALL=ON"],
-        ["cmake", "--build", "--preset", "asan"], ["ctest", "--preset", "asan", "--timeout", "900"]]))
+        ["cmake", "--build", "--preset", "asan", "--target", "all"], ["ctest", "--preset", "asan", "--timeout", "900"]]))
     return jobs
 
 
