@@ -37,8 +37,9 @@ struct Observation {
 Observation WatchServer(const std::filesystem::path& summary, double seconds) {
   // A port of the ephemeral range, seldom in use; a server that finds it taken ends at once.
   const int port = 40000 + getpid() % 10000;
-  const Running server({FindProgram("wobbled"), "--scene", "crowd", "--port", std::to_string(port), "--pause-after",
-                        kPauseAfter, "--log-level", "off", "--summary", summary});
+  // Untrained: training takes longer than kBegin on a slow machine, and a server without players sends no basis.
+  const Running server({FindProgram("wobbled"), "--scene", "crowd", "--untrained", "--port", std::to_string(port),
+                        "--pause-after", kPauseAfter, "--log-level", "off", "--summary", summary});
   Sleep(kBegin);
   const double began = ReadWallTime();
   const double before = server.ReadProcessTime();
