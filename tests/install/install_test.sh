@@ -9,6 +9,7 @@
 #   packages  three .deb files, installed and run in a fresh Debian (root, mmdebstrap and the network are needed; else the
 #             case is skipped with exit code 77)
 set -euo pipefail
+export CMAKE_BUILD_PARALLEL_LEVEL=2  # other tests run beside this one and wait for answers
 readonly case_name="${1:?usage: install_test.sh CASE BUILD_DIR}"
 build="$(cd "${2:?usage: install_test.sh CASE BUILD_DIR}" && pwd)"
 readonly build
