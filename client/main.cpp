@@ -42,28 +42,28 @@ int Run(int argc, char** argv) {
   CLI::App app("wobble: tools for players and testers of wobbled, the server for soft bodies");
   // 0, since no command is refused below: CLI11 would report that even when an unknown option is the fault.
   app.require_subcommand(0, 1);
-  const std::vector<tool::Command> commands{play::DescribePlay(app), terminal::DescribeWatch(app),
-                                            bots::DescribeBots(app), web::DescribeGateway(app),
-                                            link::DescribeLink(app), health::DescribeHealth(app)};
+  const std::vector<command::Command> commands{play::DescribePlay(app), terminal::DescribeWatch(app),
+                                               bots::DescribeBots(app), gateway::DescribeGateway(app),
+                                               link::DescribeLink(app), health::DescribeHealth(app)};
   const std::string version = std::string("wobble ") + kVersion;
   app.set_version_flag("--version", version);
-  for (const tool::Command& command : commands) command.words->set_version_flag("--version", version);
+  for (const command::Command& each : commands) each.words->set_version_flag("--version", version);
   app.footer("Examples:\n  wobble play --for 20\n  wobble bots --help");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // help, version
     std::fprintf(stderr, "wobble: %s (see wobble --help)\n", error.what());
-    return tool::kExitBadUse;
+    return command::kExitBadUse;
   }
 
   const auto chosen =
-      std::find_if(commands.begin(), commands.end(), [](const tool::Command& each) { return each.words->parsed(); });
+      std::find_if(commands.begin(), commands.end(), [](const command::Command& each) { return each.words->parsed(); });
   if (chosen == commands.end()) {
     std::string names;
-    for (const tool::Command& each : commands) names += (names.empty() ? "" : ", ") + each.words->get_name();
+    for (const command::Command& each : commands) names += (names.empty() ? "" : ", ") + each.words->get_name();
     std::fprintf(stderr, "wobble: a command is required, one of: %s (see wobble --help)\n", names.c_str());
-    return tool::kExitBadUse;
+    return command::kExitBadUse;
   }
   InstallSignals();
   return chosen->run(&IsStopAsked);

@@ -26,47 +26,50 @@ struct Words {
 };
 
 CLI::App* AddWords(CLI::App& app, LoadTestOptions& options, Words& words) {
-  CLI::App* command =
+  CLI::App* subcommand =
       app.add_subcommand("bots", "Runs scripted players against a server and measures how they are served");
   // CLI11's required() is not used: it reports the missing address even when an unknown option is the fault.
-  command->add_option("server", words.address, "The server")->type_name("HOST:PORT REQUIRED");
-  command
+  subcommand->add_option("server", words.address, "The server")->type_name("HOST:PORT REQUIRED");
+  subcommand
       ->add_option("--script", options.scriptFile,
                    "Lua file, or the name of a shipped one: idle.lua, wander.lua, chase.lua, mash.lua, storm.lua")
       ->type_name("FILE REQUIRED");
-  command->add_option("--count", options.count, "Number of bots")->check(tool::Within(1, kMaxBots))->capture_default_str();
-  command->add_option("--ramp", words.ramp, "Time over which the bots join, evenly spread; 5, 5s, 500ms, 2m, 1h")
+  subcommand->add_option("--count", options.count, "Number of bots")
+      ->check(command::Within(1, kMaxBots))
+      ->capture_default_str();
+  subcommand->add_option("--ramp", words.ramp, "Time over which the bots join, evenly spread; 5, 5s, 500ms, 2m, 1h")
       ->type_name("DURATION [0]");
-  command->add_option("--for", words.duration, "Duration of the run, including the ramp; 0: until Ctrl-C")
+  subcommand->add_option("--for", words.duration, "Duration of the run, including the ramp; 0: until Ctrl-C")
       ->type_name("DURATION [0]");
-  command
+  subcommand
       ->add_option("--stage", words.stages,
                    "Change the number of bots linearly to BOTS over DURATION, the last to join leave first; "
                    "repeatable, replaces --count, --ramp and --for")
       ->type_name("DURATION:BOTS")
       ->allow_extra_args(false);
-  command->add_option("--seed", options.seed, "Seed of the random numbers of the scripts and the link")
-      ->check(tool::Within(0, kMaxSeed))
+  subcommand->add_option("--seed", options.seed, "Seed of the random numbers of the scripts and the link")
+      ->check(command::Within(0, kMaxSeed))
       ->capture_default_str();
-  command
+  subcommand
       ->add_option("--link", words.link,
                    "Simulated network conditions, such as 'loss=5%,delay=50ms,jitter=20ms' (see wobble link --help)")
       ->type_name("CONDITIONS");
-  command
+  subcommand
       ->add_option("--threshold", words.thresholds,
                    "Condition on the result: a key of the summary, < <= > >= == or !=, and a number; repeatable")
       ->type_name("RULE")
       ->allow_extra_args(false);
-  command->add_option("--decode-share", words.decodeShare, "Share of the bots that decode and interpolate in full")
+  subcommand->add_option("--decode-share", words.decodeShare, "Share of the bots that decode and interpolate in full")
       ->type_name("A/B")
       ->capture_default_str();
-  command->add_option("--summary", options.summaryFile, "File for the summary as JSON")->type_name("FILE");
-  command->add_option("--status", words.statusEvery, "Time between status lines, 0: none (1s on a terminal, else 0)")
+  subcommand->add_option("--summary", options.summaryFile, "File for the summary as JSON")->type_name("FILE");
+  subcommand->add_option("--status", words.statusEvery, "Time between status lines, 0: none (1s on a terminal, else 0)")
       ->type_name("DURATION");
-  command->add_option("--protocol-version", options.protocolVersion, "Protocol version to claim, for tests of servers")
-      ->check(tool::Within(0, 65535))
+  subcommand
+      ->add_option("--protocol-version", options.protocolVersion, "Protocol version to claim, for tests of servers")
+      ->check(command::Within(0, 65535))
       ->capture_default_str();
-  command->footer(
+  subcommand->footer(
       "Exit code: 0 all thresholds hold, 99 one fails, 2 bad usage, broken script or no server.\n"
       "Examples:\n"
       "  wobble bots 127.0.0.1:7777 --script wander.lua --count 32 --ramp 2 --for 20\n"
@@ -75,11 +78,11 @@ CLI::App* AddWords(CLI::App& app, LoadTestOptions& options, Words& words) {
       "  wobble bots 127.0.0.1:7777 --script chase.lua --stage 30s:200 --stage 2m:200 --stage 10s:0\n"
       "  wobble bots 127.0.0.1:7777 --script storm.lua --count 50 --for 1m --threshold 'join_ms_p99<500'\n"
       "client/bots/LUA.md in the sources documents the scripts.");
-  return command;
+  return subcommand;
 }
 
 // Parses the text options into `options`. Returns one line per error.
-std::vector<std::string> Understand(const CLI::App& command, const Words& words, LoadTestOptions& options) {
+std::vector<std::string> Understand(const CLI::App& subcommand, const Words& words, LoadTestOptions& options) {
   std::vector<std::string> errors;
   std::string error;
   // Stores a parsed value, or notes the parser's error.
@@ -93,7 +96,7 @@ std::vector<std::string> Understand(const CLI::App& command, const Words& words,
   if (words.address.empty()) {
     errors.emplace_back("HOST:PORT of the server is required (see wobble bots --help)");
   } else {
-    take("server", tool::ParseAddress(words.address, error), options.server);
+    take("server", command::ParseAddress(words.address, error), options.server);
   }
   if (options.scriptFile.empty()) errors.emplace_back("--script is required (see wobble bots --help)");
   if (!words.ramp.empty()) take("--ramp", ParseDuration(words.ramp, error), options.ramp);
@@ -106,8 +109,9 @@ std::vector<std::string> Understand(const CLI::App& command, const Words& words,
   for (const std::string& stage : words.stages)
     take("--stage", ParseStage(stage, error), options.stages.emplace_back());
   for (const char* other : {"--count", "--ramp", "--for"}) {
-    if (words.stages.empty() || command.get_option(other)->count() == 0) continue;
-    errors.push_back(std::string(other) + ": not together with --stage, which sets the number of bots and the duration");
+    if (words.stages.empty() || subcommand.get_option(other)->count() == 0) continue;
+    errors.push_back(std::string(other) +
+                     ": not together with --stage, which sets the number of bots and the duration");
   }
   const bool onlyEmpty = std::all_of(words.stages.begin(), words.stages.end(),
                                      [](const std::string& stage) { return stage.ends_with(":0"); });
@@ -119,15 +123,15 @@ std::vector<std::string> Understand(const CLI::App& command, const Words& words,
 
 }  // namespace
 
-tool::Command DescribeBots(CLI::App& app) {
+command::Command DescribeBots(CLI::App& app) {
   const auto options = std::make_shared<LoadTestOptions>();
   const auto words = std::make_shared<Words>();
-  CLI::App* command = AddWords(app, *options, *words);
-  return {command, [command, options, words](const tool::IsStopAsked& isStopAsked) {
-            const std::vector<std::string> errors = Understand(*command, *words, *options);
+  CLI::App* subcommand = AddWords(app, *options, *words);
+  return {subcommand, [subcommand, options, words](const command::IsStopAsked& isStopAsked) {
+            const std::vector<std::string> errors = Understand(*subcommand, *words, *options);
             if (errors.empty()) return RunLoadTest(*options, isStopAsked);
             for (const std::string& error : errors) std::fprintf(stderr, "wobble bots: %s\n", error.c_str());
-            return tool::kExitBadUse;
+            return command::kExitBadUse;
           }};
 }
 

@@ -6,6 +6,6 @@
 
 namespace wobble::bots {
 
-[[nodiscard]] tool::Command DescribeBots(CLI::App& app);
+[[nodiscard]] command::Command DescribeBots(CLI::App& app);
 
 }  // namespace wobble::bots

@@ -35,7 +35,7 @@ constexpr double kRoundHz = kBotHz * kParts;
 constexpr double kGoodbyePatience = client::kLongestLeave + 0.5;
 
 void SleepUntil(double time) {
-  const double seconds = time - tool::ReadClock();
+  const double seconds = time - command::ReadClock();
   if (seconds > 0) std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
@@ -66,7 +66,7 @@ bool StartLink(const LoadTestOptions& options, std::unique_ptr<link::RelayThread
 
 // Returns true when it was stopped from outside.
 bool RunRounds(Runner& runner, const LoadTestOptions& options, Status& status, const std::function<bool()>& stopAsked) {
-  const double begin = tool::ReadClock();
+  const double begin = command::ReadClock();
   double due = 0;
   double now = 0;
   bool stopped = false;
@@ -79,13 +79,13 @@ bool RunRounds(Runner& runner, const LoadTestOptions& options, Status& status, c
     if (stopped || runner.HaveAllEnded() || runner.IsHopeless(now) || runner.HaveAllScriptsFailed()) break;
     due += (1 + std::floor(late * kRoundHz)) / kRoundHz;
     SleepUntil(begin + due);
-    now = tool::ReadClock() - begin;
+    now = command::ReadClock() - begin;
   }
   runner.Leave(now);
   for (const double end = now + kGoodbyePatience; now < end && !runner.HaveAllEnded();) {
     runner.RunRound(now, 0);
     SleepUntil(begin + now + 1 / kBotHz);
-    now = tool::ReadClock() - begin;
+    now = command::ReadClock() - begin;
   }
   return stopped;
 }
@@ -129,17 +129,17 @@ bool OpenSummary(const std::string& path, std::ofstream& file) {
 int Conclude(const Runner& runner, const LoadTestOptions& options, const Figures& figures,
              const std::vector<Verdict>& verdicts, bool stopped) {
   if (figures.connected == 0 && (!stopped || runner.HasAnyFailed())) {
-    const std::string address = tool::Describe(options.server);
+    const std::string address = command::Describe(options.server);
     Complain(runner.Refusal().empty() ? "no server answers at " + address
                                       : "no bot could join " + address + ": " + runner.Refusal());
-    return tool::kExitBadUse;
+    return command::kExitBadUse;
   }
   if (runner.HaveAllScriptsFailed()) {
     Complain("the script failed in every bot: " + options.scriptFile);
-    return tool::kExitBadUse;
+    return command::kExitBadUse;
   }
   const bool allHold = std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& verdict) { return verdict.ok; });
-  return allHold ? tool::kExitGood : tool::kExitThresholdFailed;
+  return allHold ? command::kExitGood : command::kExitThresholdFailed;
 }
 
 }  // namespace
@@ -153,19 +153,19 @@ int RunLoadTest(const LoadTestOptions& options, const std::function<bool()>& sto
   std::string error;
   if (!script.LoadFile(options.scriptFile, error)) {
     Complain(error);
-    return tool::kExitBadUse;
+    return command::kExitBadUse;
   }
   std::ofstream summary;
-  if (!OpenSummary(options.summaryFile, summary)) return tool::kExitBadUse;
+  if (!OpenSummary(options.summaryFile, summary)) return command::kExitBadUse;
 
-  tool::AllowManySockets();
+  command::AllowManySockets();
   std::unique_ptr<link::RelayThread> relay;
-  if (!StartLink(options, relay)) return tool::kExitBadUse;
+  if (!StartLink(options, relay)) return command::kExitBadUse;
   const auto connect = [&options, &relay](std::string& reason) -> std::unique_ptr<transport::Transport> {
     if (relay != nullptr) return transport::EnetTransport::Connect("127.0.0.1", relay->ReadPort(), reason);
     return transport::EnetTransport::Connect(options.server.host, options.server.port, reason);
   };
-  Runner runner(options, script, connect, &tool::ReadClock, [&status](std::string_view line) {
+  Runner runner(options, script, connect, &command::ReadClock, [&status](std::string_view line) {
     status.Close();
     Complain(line);
   });
@@ -182,7 +182,7 @@ int RunLoadTest(const LoadTestOptions& options, const std::function<bool()>& sto
   summary.close();
   if (summary) return code;
   Complain("--summary: '" + options.summaryFile + "' could not be written in full");
-  return tool::kExitBadUse;
+  return command::kExitBadUse;
 }
 
 }  // namespace wobble::bots

@@ -32,7 +32,7 @@ std::string FindScriptFile(const std::string& name) {
   std::error_code error;
   if (name.find('/') != std::string::npos || std::filesystem::exists(name, error)) return name;
   if (!name.ends_with(".lua")) return FindScriptFile(name + ".lua");
-  const auto shipped = tool::FindShippedFolder("scripts") / name;
+  const auto shipped = command::FindShippedFolder("scripts") / name;
   return std::filesystem::exists(shipped, error) ? shipped.string() : name;
 }
 
@@ -48,7 +48,7 @@ std::optional<double> ParseDuration(const std::string& text, std::string& error)
   double value = 0;
   const auto [end, result] = std::from_chars(number.data(), number.data() + number.size(), value);
   const bool isNumber = result == std::errc{} && end == number.data() + number.size();
-  if (isNumber && value >= 0 && value * unit <= tool::kMaxDuration) return value * unit;
+  if (isNumber && value >= 0 && value * unit <= command::kMaxDuration) return value * unit;
   error = "'" + text + "' is no duration; write 90 or 90s, 500ms, 1.5m or 2h, of 0 to 1000000 s";
   return std::nullopt;
 }

@@ -30,8 +30,8 @@ struct DecodeShare {
 
 inline constexpr unsigned kMaxBots = 10'000;
 
-// Parses a number with the suffix ms, s, m or h, or without one for seconds, in 0..tool::kMaxDuration. Returns seconds;
-// on failure nullopt, with one line in `error`.
+// Parses a number with the suffix ms, s, m or h, or without one for seconds, in 0..command::kMaxDuration. Returns
+// seconds; on failure nullopt, with one line in `error`.
 [[nodiscard]] std::optional<double> ParseDuration(const std::string& text, std::string& error);
 
 // Over `seconds`, the number of bots changes linearly from its previous value to `bots`.
@@ -43,7 +43,7 @@ struct Stage {
 [[nodiscard]] std::optional<Stage> ParseStage(const std::string& text, std::string& error);
 
 struct LoadTestOptions {
-  tool::Address server;
+  command::Address server;
   std::string scriptFile;
   unsigned count = 1;
   double ramp = 0;            // seconds over which the joins are spread evenly

@@ -2,7 +2,7 @@
 
 #include <charconv>
 
-namespace wobble::tool {
+namespace wobble::command {
 
 std::optional<Address> ParseAddress(const std::string& text, std::string& error) {
   const std::size_t colon = text.rfind(':');
@@ -20,4 +20,4 @@ std::optional<Address> ParseAddress(const std::string& text, std::string& error)
 
 std::string Describe(const Address& address) { return address.host + ":" + std::to_string(address.port); }
 
-}  // namespace wobble::tool
+}  // namespace wobble::command

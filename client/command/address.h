@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-namespace wobble::tool {
+namespace wobble::command {
 
 struct Address {
   std::string host;
@@ -16,4 +16,4 @@ struct Address {
 // As ParseAddress reads it.
 [[nodiscard]] std::string Describe(const Address& address);
 
-}  // namespace wobble::tool
+}  // namespace wobble::command

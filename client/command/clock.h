@@ -3,7 +3,7 @@
 
 #include <chrono>
 
-namespace wobble::tool {
+namespace wobble::command {
 
 // Seconds since some fixed moment, never backwards.
 [[nodiscard]] inline double ReadClock() {
@@ -13,4 +13,4 @@ namespace wobble::tool {
 // The longest duration that an option takes, seconds: eleven days.
 inline constexpr double kMaxDuration = 1e6;
 
-}  // namespace wobble::tool
+}  // namespace wobble::command

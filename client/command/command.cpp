@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
-namespace wobble::tool {
+namespace wobble::command {
 
 CLI::Validator Within(double least, double most) {
   char range[64];
@@ -30,4 +30,4 @@ std::filesystem::path FindShippedFolder(const std::string& name) {
   return programs.parent_path() / "share" / "wobble" / name;
 }
 
-}  // namespace wobble::tool
+}  // namespace wobble::command

@@ -14,7 +14,7 @@ class App;
 class Validator;
 }  // namespace CLI
 
-namespace wobble::tool {
+namespace wobble::command {
 
 // True from the first Ctrl-C (or SIGTERM, SIGHUP) on.
 using IsStopAsked = std::function<bool()>;
@@ -34,4 +34,4 @@ struct Command {
 // ../share/wobble, as installed. Returns the latter, though missing, when neither is there.
 [[nodiscard]] std::filesystem::path FindShippedFolder(const std::string& name);
 
-}  // namespace wobble::tool
+}  // namespace wobble::command

@@ -2,7 +2,7 @@
 
 #include <sys/resource.h>
 
-namespace wobble::tool {
+namespace wobble::command {
 
 void AllowManySockets() {
   rlimit limit{};
@@ -11,4 +11,4 @@ void AllowManySockets() {
   static_cast<void>(setrlimit(RLIMIT_NOFILE, &limit));  // a failure shows when sockets cannot be opened
 }
 
-}  // namespace wobble::tool
+}  // namespace wobble::command

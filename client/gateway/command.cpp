@@ -13,7 +13,7 @@
 #include "client/gateway/gateway.h"
 #include "client/gateway/origin.h"
 
-namespace wobble::web {
+namespace wobble::gateway {
 namespace {
 
 constexpr double kMostConnections = 1000;
@@ -26,34 +26,35 @@ struct Words {
 };
 
 CLI::App* AddWords(CLI::App& app, GatewayOptions& options, Words& words) {
-  CLI::App* command = app.add_subcommand("gateway", "Serves the page for browsers and relays each browser to a server");
+  CLI::App* subcommand =
+      app.add_subcommand("gateway", "Serves the page for browsers and relays each browser to a server");
   // CLI11's required() is not used: it would be reported even when an unknown option is the fault.
-  command
+  subcommand
       ->add_option("--server", words.servers,
                    "The server; repeat it for several, each with the name that the page shows")
       ->type_name("[NAME=]HOST:PORT REQUIRED");
-  command->add_option("--http", options.port, "TCP port that browsers open; 0: a free one")
-      ->check(tool::Within(0, 65535))
+  subcommand->add_option("--http", options.port, "TCP port that browsers open; 0: a free one")
+      ->check(command::Within(0, 65535))
       ->capture_default_str();
-  command->add_option("--bind", options.bindAddress, "Address of this machine to listen at; 0.0.0.0: all of them")
+  subcommand->add_option("--bind", options.bindAddress, "Address of this machine to listen at; 0.0.0.0: all of them")
       ->capture_default_str();
-  command->add_option("--page", words.page, "Folder of the page; default: 'page' beside this program")
+  subcommand->add_option("--page", words.page, "Folder of the page; default: 'page' beside this program")
       ->type_name("DIR");
-  command->add_option("--max-connections", options.maxConnections, "The most browsers that play at once")
-      ->check(tool::Within(1, kMostConnections))
+  subcommand->add_option("--max-connections", options.maxConnections, "The most browsers that play at once")
+      ->check(command::Within(1, kMostConnections))
       ->capture_default_str();
-  command
+  subcommand
       ->add_option("--max-per-address", options.maxPerAddress,
                    "The most of one IP address, or of one /64 of IPv6; 0: as many as --max-connections")
-      ->check(tool::Within(0, kMostConnections))
+      ->check(command::Within(0, kMostConnections))
       ->capture_default_str();
-  command
+  subcommand
       ->add_option("--origin", options.origins, "Origin whose pages may play here besides this gateway's; repeatable")
       ->type_name("URL");
-  command->add_option("--status", options.statusEvery, "Seconds between status lines on stdout; 0: none")
-      ->check(tool::Within(0, tool::kMaxDuration))
+  subcommand->add_option("--status", options.statusEvery, "Seconds between status lines on stdout; 0: none")
+      ->check(command::Within(0, command::kMaxDuration))
       ->capture_default_str();
-  command->footer(
+  subcommand->footer(
       "Behind a proxy all browsers have the proxy's address: do not set --max-per-address, let the proxy pass on the\n"
       "Host header and WebSockets at /play, and use --bind 127.0.0.1. The gateway speaks plain HTTP.\n"
       "Exit code: 0 ended on request, 2 bad usage, no page, port in use or unknown host.\n"
@@ -62,7 +63,7 @@ CLI::App* AddWords(CLI::App& app, GatewayOptions& options, Words& words) {
       "  wobble gateway --server arena=127.0.0.1:7777 --server sumo=127.0.0.1:7778\n"
       "  wobble gateway --server 127.0.0.1:7777 --http 80 --max-per-address 4\n"
       "  wobble gateway --server 127.0.0.1:7777 --bind 127.0.0.1 --origin https://friends.example.org");
-  return command;
+  return subcommand;
 }
 
 bool IsAddress(const std::string& text) {
@@ -86,7 +87,7 @@ bool ReadWorlds(const std::vector<std::string>& words, std::vector<World>& world
       error = "--server: '" + word + "' needs a name of letters, digits, - and _, at most 32, before its address";
     } else if (std::any_of(worlds.begin(), worlds.end(), isSame)) {
       error = "--server: '" + world.name + "' names two servers";
-    } else if (const auto address = tool::ParseAddress(word.substr(sign + 1), error)) {
+    } else if (const auto address = command::ParseAddress(word.substr(sign + 1), error)) {
       world.server = *address;
       worlds.push_back(std::move(world));
       continue;
@@ -117,18 +118,18 @@ bool Understand(const Words& words, GatewayOptions& options, std::string& error)
 
 int Complain(const std::string& error) {
   std::fprintf(stderr, "wobble gateway: %s\n", error.c_str());
-  return tool::kExitBadUse;
+  return command::kExitBadUse;
 }
 
 }  // namespace
 
-std::filesystem::path FindPageFolder() { return tool::FindShippedFolder("page"); }
+std::filesystem::path FindPageFolder() { return command::FindShippedFolder("page"); }
 
-tool::Command DescribeGateway(CLI::App& app) {
+command::Command DescribeGateway(CLI::App& app) {
   const auto options = std::make_shared<GatewayOptions>();
   const auto words = std::make_shared<Words>();
-  CLI::App* command = AddWords(app, *options, *words);
-  return {command, [options, words](const tool::IsStopAsked& isStopAsked) {
+  CLI::App* subcommand = AddWords(app, *options, *words);
+  return {subcommand, [options, words](const command::IsStopAsked& isStopAsked) {
             std::string error;
             if (!Understand(*words, *options, error)) return Complain(error);
             const auto page = LoadPage(words->page.empty() ? FindPageFolder().string() : words->page, error);
@@ -136,4 +137,4 @@ tool::Command DescribeGateway(CLI::App& app) {
           }};
 }
 
-}  // namespace wobble::web
+}  // namespace wobble::gateway

@@ -3,11 +3,11 @@
 
 #include "client/command/command.h"
 
-namespace wobble::web {
+namespace wobble::gateway {
 
-[[nodiscard]] tool::Command DescribeGateway(CLI::App& app);
+[[nodiscard]] command::Command DescribeGateway(CLI::App& app);
 
 // The folder of the page that lies beside the program.
 [[nodiscard]] std::filesystem::path FindPageFolder();
 
-}  // namespace wobble::web
+}  // namespace wobble::gateway

@@ -21,7 +21,7 @@
 #include "client/gateway/outbox.h"
 #include "client/gateway/sessions.h"
 
-namespace wobble::web {
+namespace wobble::gateway {
 namespace {
 
 namespace asio = boost::asio;
@@ -70,7 +70,7 @@ std::string ListWorlds(const std::vector<World>& worlds) {
 
 class Gateway {
  public:
-  Gateway(const GatewayOptions& options, const Page& page, const tool::IsStopAsked& isStopAsked)
+  Gateway(const GatewayOptions& options, const Page& page, const command::IsStopAsked& isStopAsked)
       : m_shared{options, page, ListWorlds(options.worlds),
                  Places(kSocketsPerPlayer * options.maxConnections, kSocketsPerPlayer * options.maxPerAddress),
                  Places(options.maxConnections, options.maxPerAddress)},
@@ -91,7 +91,7 @@ class Gateway {
   void ShowStatus(double now);
 
   Shared m_shared;  // first: handlers that the context holds at the end have their places in it
-  const tool::IsStopAsked& m_isStopAsked;
+  const command::IsStopAsked& m_isStopAsked;
   asio::io_context m_context{1};
   tcp::acceptor m_acceptor;
   asio::steady_timer m_timer;
@@ -131,7 +131,7 @@ void Gateway::Run() {
   std::printf("open http://%s:%u in a browser to play %s\n", host.c_str(), m_acceptor.local_endpoint().port(),
               DescribeWorlds(options.worlds).c_str());
   std::fflush(stdout);
-  m_nextStatus = tool::ReadClock() + options.statusEvery;
+  m_nextStatus = command::ReadClock() + options.statusEvery;
   Turn();
   m_context.run();
   const auto show = [](std::uint64_t value) { return static_cast<unsigned long long>(value); };
@@ -171,7 +171,7 @@ void Gateway::Admit(tcp::socket socket) {
 }
 
 void Gateway::Turn() {
-  const double now = tool::ReadClock();
+  const double now = command::ReadClock();
   if (m_isStopAsked() && !m_stopBy) Stop(now);
   if (!m_isAccepting && !m_stopBy) Accept();
   TurnBrowsers(m_shared, now);
@@ -209,16 +209,16 @@ void Gateway::ShowStatus(double now) {
 
 }  // namespace
 
-int RunGateway(const GatewayOptions& options, const Page& page, const tool::IsStopAsked& isStopAsked) {
-  tool::AllowManySockets();
+int RunGateway(const GatewayOptions& options, const Page& page, const command::IsStopAsked& isStopAsked) {
+  command::AllowManySockets();
   Gateway gateway(options, page, isStopAsked);
   std::string error;
   if (!gateway.Open(error)) {
     std::fprintf(stderr, "wobble gateway: %s\n", error.c_str());
-    return tool::kExitBadUse;
+    return command::kExitBadUse;
   }
   gateway.Run();
-  return tool::kExitGood;
+  return command::kExitGood;
 }
 
-}  // namespace wobble::web
+}  // namespace wobble::gateway

@@ -11,12 +11,12 @@
 #include "client/command/command.h"
 #include "client/gateway/page_files.h"
 
-namespace wobble::web {
+namespace wobble::gateway {
 
 // A server and its name on the page; a server without a name is the only one.
 struct World {
   std::string name;  // letters, digits, - and _; or empty
-  tool::Address server;
+  command::Address server;
 };
 
 struct GatewayOptions {
@@ -32,6 +32,6 @@ struct GatewayOptions {
 // Runs until isStopAsked returns true. Returns the exit code: 0, or 2 with one line on standard error when the port
 // cannot be bound or a server's name cannot be resolved. The first line on standard output names the address to open,
 // once it can be opened.
-[[nodiscard]] int RunGateway(const GatewayOptions& options, const Page& page, const tool::IsStopAsked& isStopAsked);
+[[nodiscard]] int RunGateway(const GatewayOptions& options, const Page& page, const command::IsStopAsked& isStopAsked);
 
-}  // namespace wobble::web
+}  // namespace wobble::gateway

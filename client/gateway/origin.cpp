@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cctype>
 
-namespace wobble::web {
+namespace wobble::gateway {
 namespace {
 
 bool IsSame(std::string_view first, std::string_view second) {
@@ -34,4 +34,4 @@ bool IsOrigin(std::string_view text) {
   return !host.empty() && host.find_first_of("/?#@ ") == std::string_view::npos;
 }
 
-}  // namespace wobble::web
+}  // namespace wobble::gateway

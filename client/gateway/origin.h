@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace wobble::web {
+namespace wobble::gateway {
 
 // origin, host: the headers of these names, empty when absent. True for pages of this host, for origins in `allowed`,
 // and for clients other than browsers, which send no origin.
@@ -15,4 +15,4 @@ namespace wobble::web {
 // Whether the text is http://HOST[:PORT] or https://HOST[:PORT], with nothing behind it.
 [[nodiscard]] bool IsOrigin(std::string_view text);
 
-}  // namespace wobble::web
+}  // namespace wobble::gateway

@@ -8,7 +8,7 @@
 
 #include "protocol/transport/transport.h"
 
-namespace wobble::web {
+namespace wobble::gateway {
 namespace {
 
 bool IsSnapshot(const Outbox::Message& message) {
@@ -45,4 +45,4 @@ void Outbox::DropOldestSnapshot() {
   ++m_dropped;
 }
 
-}  // namespace wobble::web
+}  // namespace wobble::gateway

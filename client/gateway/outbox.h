@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-namespace wobble::web {
+namespace wobble::gateway {
 
 // Bytes. Snapshots: 1.3 s of them at the default 384 kbit/s a client. In all: eight times the largest blueprint.
 inline constexpr std::size_t kMaxWaitingSnapshotBytes = 64 * 1024;
@@ -47,4 +47,4 @@ class Outbox {
   std::uint64_t m_dropped = 0;
 };
 
-}  // namespace wobble::web
+}  // namespace wobble::gateway

@@ -12,7 +12,7 @@
 #include <iterator>
 #include <utility>
 
-namespace wobble::web {
+namespace wobble::gateway {
 namespace {
 
 constexpr std::pair<std::string_view, std::string_view> kTypes[] = {
@@ -118,4 +118,4 @@ bool AcceptsGzip(std::string_view acceptEncoding) {
   return quality == std::string_view::npos || rest.find_first_of("123456789", quality + 3) != std::string_view::npos;
 }
 
-}  // namespace wobble::web
+}  // namespace wobble::gateway

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace wobble::web {
+namespace wobble::gateway {
 
 struct PageFile {
   std::string_view type;   // for Content-Type
@@ -30,4 +30,4 @@ inline constexpr std::size_t kMaxPageBytes = 64 * 1024 * 1024;
 // Whether an Accept-Encoding header allows gzip.
 [[nodiscard]] bool AcceptsGzip(std::string_view acceptEncoding);
 
-}  // namespace wobble::web
+}  // namespace wobble::gateway

@@ -6,7 +6,7 @@
 #include <string>
 #include <unordered_map>
 
-namespace wobble::web {
+namespace wobble::gateway {
 
 // A place that is taken, free again when the last copy is gone. It must not outlive its Places.
 using Place = std::shared_ptr<const void>;
@@ -43,4 +43,4 @@ class Places {
   std::unordered_map<std::string, std::size_t> m_byAddress;
 };
 
-}  // namespace wobble::web
+}  // namespace wobble::gateway

@@ -9,7 +9,7 @@
 
 #include "protocol/limits.h"
 
-namespace wobble::web {
+namespace wobble::gateway {
 
 inline constexpr double kMessagesPerSecond = 120;
 inline constexpr double kBytesPerSecond = 32 * 1024;  // an input is under 200 bytes
@@ -36,4 +36,4 @@ class RateLimit {
   double m_bytes = kBurstSeconds * kBytesPerSecond;
 };
 
-}  // namespace wobble::web
+}  // namespace wobble::gateway

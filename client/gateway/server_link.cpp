@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-namespace wobble::web {
+namespace wobble::gateway {
 namespace {
 
 using transport::Channel;
@@ -72,4 +72,4 @@ void ServerLink::Leave() {
   m_transport->Flush();
 }
 
-}  // namespace wobble::web
+}  // namespace wobble::gateway

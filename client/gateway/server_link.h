@@ -13,7 +13,7 @@
 #include "protocol/limits.h"
 #include "protocol/transport/enet_transport.h"
 
-namespace wobble::web {
+namespace wobble::gateway {
 
 // The channel of pings, beside those of transport::Channel.
 inline constexpr std::uint8_t kPingChannel = 3;
@@ -56,4 +56,4 @@ class ServerLink {
   bool m_hasEnded = false;
 };
 
-}  // namespace wobble::web
+}  // namespace wobble::gateway

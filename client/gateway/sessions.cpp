@@ -25,7 +25,7 @@
 #include "client/gateway/outbox.h"
 #include "client/gateway/rate_limit.h"
 
-namespace wobble::web {
+namespace wobble::gateway {
 namespace {
 
 namespace asio = boost::asio;
@@ -83,7 +83,7 @@ class Browser : public std::enable_shared_from_this<Browser> {
         m_place(std::move(place)),
         m_seat(shared.players.Take(m_address)),
         m_number(++shared.counts.browsers),
-        m_begin(tool::ReadClock()) {}
+        m_begin(command::ReadClock()) {}
 
   void Start();
   // Relays in both directions; to be called several hundred times a second.
@@ -149,7 +149,7 @@ void Browser::Start() {
   m_stream.auto_fragment(false);
   // Beast answers pings; they count like messages. Nothing may be closed inside this callback.
   m_stream.control_callback([this](websocket::frame_type, beast::string_view text) {
-    if (!m_rate.Allow(text.size(), tool::ReadClock())) m_hasFlooded = true;
+    if (!m_rate.Allow(text.size(), command::ReadClock())) m_hasFlooded = true;
   });
   m_stream.async_accept(m_request, [self = shared_from_this()](error_code error) { self->OnAccepted(error); });
 }
@@ -219,7 +219,7 @@ void Browser::OnRead(error_code error) {
 void Browser::Judge(std::span<const std::uint8_t> message) {
   m_shared.counts.bytesUp += message.size();
   if (!m_stream.got_binary()) return CutOff(websocket::close_code::unknown_data, "text is not understood");
-  if (!m_rate.Allow(message.size(), tool::ReadClock())) {
+  if (!m_rate.Allow(message.size(), command::ReadClock())) {
     return CutOff(websocket::close_code::policy_error, "too many messages");
   }
   switch (m_link->Take(message, m_outbox)) {
@@ -242,7 +242,7 @@ void Browser::Close(websocket::close_code code, const std::string& reason, Waiti
   if (m_farewell || IsOver()) return;
   if (m_state != State::kAccepting) m_state = State::kLeaving;
   m_farewell.emplace(code, reason);
-  m_closeBy = tool::ReadClock() + kCloseTimeout;
+  m_closeBy = command::ReadClock() + kCloseTimeout;
   if (waiting == Waiting::kDiscard) m_outbox.Clear();
   LeaveServer();
   Write();
@@ -287,7 +287,7 @@ void Browser::End(const std::string& reason) {
   if (m_seat == nullptr) return;
   m_seat = nullptr;
   std::fprintf(stderr, "browser %llu: ended after %.0f s: %s; %llu snapshots dropped\n",
-               static_cast<unsigned long long>(m_number), tool::ReadClock() - m_begin,
+               static_cast<unsigned long long>(m_number), command::ReadClock() - m_begin,
                m_farewell ? m_farewell->reason.c_str() : reason.c_str(),
                static_cast<unsigned long long>(m_outbox.CountDropped()));
 }
@@ -461,4 +461,4 @@ void CloseBrowsers(Shared& shared) {
   }
 }
 
-}  // namespace wobble::web
+}  // namespace wobble::gateway

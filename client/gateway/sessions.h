@@ -15,7 +15,7 @@
 #include "client/gateway/places.h"
 #include "client/gateway/server_link.h"
 
-namespace wobble::web {
+namespace wobble::gateway {
 
 struct GatewayCounts {
   std::uint64_t requests = 0;
@@ -53,4 +53,4 @@ void TurnBrowsers(Shared& shared, double now);
 // Tells all browsers that the gateway is closing.
 void CloseBrowsers(Shared& shared);
 
-}  // namespace wobble::web
+}  // namespace wobble::gateway

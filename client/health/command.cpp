@@ -18,36 +18,36 @@ constexpr int kPatience = 2;  // s, for the connection and for the answer
 int AskHealth(const std::string& words) {
   std::string error;
   const bool isPort = words.find_first_not_of("0123456789") == std::string::npos && !words.empty();
-  const auto address = tool::ParseAddress(isPort ? "127.0.0.1:" + words : words, error);
+  const auto address = command::ParseAddress(isPort ? "127.0.0.1:" + words : words, error);
   if (!address) {
     std::fprintf(stderr, "wobble health: %s\n", error.c_str());
-    return tool::kExitBadUse;
+    return command::kExitBadUse;
   }
   httplib::Client client(address->host, address->port);
   client.set_connection_timeout(kPatience);
   client.set_read_timeout(kPatience);
   const httplib::Result result = client.Get("/healthz");
   if (!result) {
-    std::fprintf(stderr, "wobble health: no answer from %s\n", tool::Describe(*address).c_str());
-    return tool::kExitFailed;
+    std::fprintf(stderr, "wobble health: no answer from %s\n", command::Describe(*address).c_str());
+    return command::kExitFailed;
   }
   std::printf("%s", result->body.c_str());
-  return result->status == 200 ? tool::kExitGood : tool::kExitFailed;
+  return result->status == 200 ? command::kExitGood : command::kExitFailed;
 }
 
 }  // namespace
 
-tool::Command DescribeHealth(CLI::App& app) {
+command::Command DescribeHealth(CLI::App& app) {
   const auto address = std::make_shared<std::string>();
-  CLI::App* command = app.add_subcommand("health", "Checks that a server or gateway works");
-  command->add_option("address", *address, "A server's --ops, or a gateway's --http")
+  CLI::App* subcommand = app.add_subcommand("health", "Checks that a server or gateway works");
+  subcommand->add_option("address", *address, "A server's --ops, or a gateway's --http")
       ->type_name("HOST:PORT or PORT REQUIRED");
-  command->footer(
+  subcommand->footer(
       "Exit code: 0 it works, 1 it does not or does not answer within 2 s, 2 bad usage.\n"
       "Examples:\n"
       "  wobble health 9100               a server started with --ops 9100\n"
       "  wobble health 127.0.0.1:8080     a gateway");
-  return {command, [address](const tool::IsStopAsked&) { return AskHealth(*address); }};
+  return {subcommand, [address](const command::IsStopAsked&) { return AskHealth(*address); }};
 }
 
 }  // namespace wobble::health

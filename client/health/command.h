@@ -5,6 +5,6 @@
 
 namespace wobble::health {
 
-[[nodiscard]] tool::Command DescribeHealth(CLI::App& app);
+[[nodiscard]] command::Command DescribeHealth(CLI::App& app);
 
 }  // namespace wobble::health

@@ -28,21 +28,22 @@ struct Words {
 };
 
 CLI::App* AddWords(CLI::App& app, Words& words) {
-  CLI::App* command = app.add_subcommand("link", "Relays UDP to a server through a simulated bad network");
-  command->add_option("conditions", words.conditions, "Conditions of the network; without them a perfect one")
+  CLI::App* subcommand = app.add_subcommand("link", "Relays UDP to a server through a simulated bad network");
+  subcommand->add_option("conditions", words.conditions, "Conditions of the network; without them a perfect one")
       ->type_name("CONDITIONS");
   // CLI11's required() is not used: it would be reported even when an unknown option is the fault.
-  command->add_option("--listen", words.port, "UDP port that players connect to; 0: a free one")
-      ->check(tool::Within(0, 65535))
+  subcommand->add_option("--listen", words.port, "UDP port that players connect to; 0: a free one")
+      ->check(command::Within(0, 65535))
       ->type_name("PORT REQUIRED");
-  command->add_option("--to", words.server, "The server")->type_name("HOST:PORT REQUIRED");
-  command->add_option("--seed", words.seed, "Seed of all random choices")->capture_default_str();
-  command->add_option("--for", words.duration, "Seconds to run; 0: until Ctrl-C")
-      ->check(tool::Within(0, tool::kMaxDuration))
+  subcommand->add_option("--to", words.server, "The server")->type_name("HOST:PORT REQUIRED");
+  subcommand->add_option("--seed", words.seed, "Seed of all random choices")->capture_default_str();
+  subcommand->add_option("--for", words.duration, "Seconds to run; 0: until Ctrl-C")
+      ->check(command::Within(0, command::kMaxDuration))
       ->capture_default_str();
-  command->add_option("--status", words.statusEvery, "Seconds between status lines, 0: none (1 on a terminal, else 0)")
-      ->check(tool::Within(0, tool::kMaxDuration));
-  command->footer(
+  subcommand
+      ->add_option("--status", words.statusEvery, "Seconds between status lines, 0: none (1 on a terminal, else 0)")
+      ->check(command::Within(0, command::kMaxDuration));
+  subcommand->footer(
       "CONDITIONS apply to each direction, are separated by commas and are all optional:\n"
       "  loss=5%             share of datagrams that never arrive\n"
       "  delay=50ms          one way, at most 10s\n"
@@ -58,7 +59,7 @@ CLI::App* AddWords(CLI::App& app, Words& words) {
       "  wobble link --listen 7800 --to 127.0.0.1:7777 \"loss=5%,delay=50ms,jitter=20ms\"\n"
       "  wobble link --listen 7800 --to example.org:7777 \"delay=80ms,up.loss=2%,down.rate=512kbit\" --for 60\n"
       "  wobble bots 127.0.0.1:7800 --script wander.lua --count 8 --for 20      players for it");
-  return command;
+  return subcommand;
 }
 
 // False with one line in `error`.
@@ -67,7 +68,7 @@ bool Understand(const Words& words, transport::RelayOptions& options, std::strin
     error = std::string(words.port < 0 ? "--listen PORT" : "--to HOST:PORT") + " is required (see wobble link --help)";
     return false;
   }
-  const auto address = tool::ParseAddress(words.server, error);
+  const auto address = command::ParseAddress(words.server, error);
   if (!address) {
     error = "--to: " + error;
     return false;
@@ -130,14 +131,14 @@ class Status {
 
 int Complain(const std::string& error) {
   std::fprintf(stderr, "wobble link: %s\n", error.c_str());
-  return tool::kExitBadUse;
+  return command::kExitBadUse;
 }
 
-int RunLink(const Words& words, const tool::IsStopAsked& isStopAsked) {
+int RunLink(const Words& words, const command::IsStopAsked& isStopAsked) {
   transport::RelayOptions options;
   std::string error;
   if (!Understand(words, options, error)) return Complain(error);
-  tool::AllowManySockets();
+  command::AllowManySockets();
   const auto relay = transport::Relay::Open(options, error);
   if (relay == nullptr) return Complain(error);
   std::printf("relaying UDP port %d to %s%s%s\n", relay->ReadPort(), words.server.c_str(),
@@ -151,15 +152,15 @@ int RunLink(const Words& words, const tool::IsStopAsked& isStopAsked) {
   });
   status.Close();
   std::printf("%s", DescribeCounts(relay->ReadCounts(), "").c_str());
-  return tool::kExitGood;
+  return command::kExitGood;
 }
 
 }  // namespace
 
-tool::Command DescribeLink(CLI::App& app) {
+command::Command DescribeLink(CLI::App& app) {
   const auto words = std::make_shared<Words>();
-  CLI::App* command = AddWords(app, *words);
-  return {command, [words](const tool::IsStopAsked& isStopAsked) { return RunLink(*words, isStopAsked); }};
+  CLI::App* subcommand = AddWords(app, *words);
+  return {subcommand, [words](const command::IsStopAsked& isStopAsked) { return RunLink(*words, isStopAsked); }};
 }
 
 }  // namespace wobble::link

@@ -5,6 +5,6 @@
 
 namespace wobble::link {
 
-[[nodiscard]] tool::Command DescribeLink(CLI::App& app);
+[[nodiscard]] command::Command DescribeLink(CLI::App& app);
 
 }  // namespace wobble::link

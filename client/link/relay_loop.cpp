@@ -30,14 +30,14 @@ std::string DescribeDirection(const transport::RelayDirectionCounts& counts) {
 }  // namespace
 
 void RunRelay(transport::Relay& relay, const std::function<bool(double now)>& isDone) {
-  const double begin = tool::ReadClock();
+  const double begin = command::ReadClock();
   for (;;) {
-    const double now = tool::ReadClock();
+    const double now = command::ReadClock();
     const bool isIdle = relay.Run(now);
     if (isDone(now - begin)) return;
     if (!isIdle) continue;
-    relay.Wait(std::min(kLongestWait, relay.NextDue() - tool::ReadClock()));
-    const double early = now + kShortestTurn - tool::ReadClock();
+    relay.Wait(std::min(kLongestWait, relay.NextDue() - command::ReadClock()));
+    const double early = now + kShortestTurn - command::ReadClock();
     if (early > 0) std::this_thread::sleep_for(std::chrono::duration<double>(early));
   }
 }

@@ -5,6 +5,6 @@
 
 namespace wobble::play {
 
-[[nodiscard]] tool::Command DescribePlay(CLI::App& app);
+[[nodiscard]] command::Command DescribePlay(CLI::App& app);
 
 }  // namespace wobble::play

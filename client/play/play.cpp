@@ -133,7 +133,7 @@ class Play {
 int Play::Run() {
   if (m_folder.Path().empty()) {
     std::fprintf(stderr, "wobble play: no temporary folder can be made\n");
-    return tool::kExitFailed;
+    return command::kExitFailed;
   }
   if (!StartServers() || !StartGateway()) return GiveUp();
   if (m_options.bots > 0) StartBots(0, m_options.bots, "wander.lua");
@@ -234,8 +234,8 @@ bool Play::Start(Part& part, const std::vector<std::string>& command) {
 
 // Waits until a part is ready. False when it is not; then a failure is noted, unless a stop was asked for meanwhile.
 bool Play::Await(Part& part) {
-  const double end = tool::ReadClock() + kStartPatience;
-  while (part.readyLine.empty() && part.child.IsRunning() && !m_stopAsked() && tool::ReadClock() < end) Update(end);
+  const double end = command::ReadClock() + kStartPatience;
+  while (part.readyLine.empty() && part.child.IsRunning() && !m_stopAsked() && command::ReadClock() < end) Update(end);
   if (!part.readyLine.empty() && part.child.IsRunning()) return true;
   if (!part.child.IsRunning()) {
     Fail("the " + part.name + " ended at once with exit code " + std::to_string(part.child.ExitCode().value_or(0)));
@@ -249,27 +249,27 @@ bool Play::Await(Part& part) {
 int Play::GiveUp() {
   EndStatusLine();
   const bool isBadUse = std::any_of(m_parts.begin(), m_parts.end(),
-                                    [](const Part& part) { return part.child.ExitCode() == tool::kExitBadUse; });
+                                    [](const Part& part) { return part.child.ExitCode() == command::kExitBadUse; });
   EndAll();
-  if (isBadUse) return tool::kExitBadUse;
+  if (isBadUse) return command::kExitBadUse;
   for (const std::string& failure : m_failures) std::fprintf(stderr, "wobble play: %s\n", failure.c_str());
-  return m_failures.empty() ? tool::kExitGood : tool::kExitFailed;
+  return m_failures.empty() ? command::kExitGood : command::kExitFailed;
 }
 
 void Play::Watch() {
-  const double begin = tool::ReadClock();
+  const double begin = command::ReadClock();
   const double end = m_options.duration > 0 ? begin + m_options.duration : INFINITY;
   double nextStatus = begin + kStatusEvery + kStatusLag;
-  while (!m_stopAsked() && tool::ReadClock() < end) {
+  while (!m_stopAsked() && command::ReadClock() < end) {
     Update(std::min(nextStatus, end));
     for (const Part& part : m_parts) {
       if (!part.hasStarted || part.child.IsRunning()) continue;
       const int code = part.child.ExitCode().value_or(0);
       return Fail("the " + part.name + " ended early with exit code " + std::to_string(code));
     }
-    if (tool::ReadClock() < nextStatus) continue;
+    if (command::ReadClock() < nextStatus) continue;
     nextStatus += kStatusEvery;
-    ShowStatus(end - tool::ReadClock());
+    ShowStatus(end - command::ReadClock());
   }
 }
 
@@ -283,13 +283,13 @@ void Play::End(Part& part) {
   Child& child = part.child;
   if (!child.IsRunning()) return;
   child.Signal(SIGINT);
-  const double deadline = tool::ReadClock() + kEndPatience;
-  while (child.IsRunning() && tool::ReadClock() < deadline) Update(deadline);
+  const double deadline = command::ReadClock() + kEndPatience;
+  while (child.IsRunning() && command::ReadClock() < deadline) Update(deadline);
   if (child.IsRunning()) {
     Fail("the " + part.name + " did not end within " + std::to_string(std::lround(kEndPatience)) +
          " s of being asked, and had to be killed");
     child.Signal(SIGKILL);
-    while (child.IsRunning()) Update(tool::ReadClock() + 1);
+    while (child.IsRunning()) Update(command::ReadClock() + 1);
     return;
   }
   // A child that gets the signal in its first moments, before it handles it, has ended as asked.
@@ -303,7 +303,7 @@ void Play::End(Part& part) {
 // waitpid reports its end, and a closed stream cannot be polled; so the wait is then shortened.
 void Play::Update(double until) {
   std::vector<pollfd> descriptors;
-  double wait = until - tool::ReadClock();
+  double wait = until - command::ReadClock();
   for (const Part& part : m_parts) {
     for (const int descriptor : {part.child.OutputDescriptor(), part.child.ErrorsDescriptor()}) {
       if (descriptor >= 0) descriptors.push_back({descriptor, POLLIN, 0});
@@ -370,7 +370,7 @@ int Play::Report() {
   for (const std::string& failure : m_failures) std::printf("FAILED: %s\n", failure.c_str());
   if (m_failures.empty()) std::printf("all went well\n");
   std::fflush(stdout);
-  return m_failures.empty() ? tool::kExitGood : tool::kExitFailed;
+  return m_failures.empty() ? command::kExitGood : command::kExitFailed;
 }
 
 }  // namespace

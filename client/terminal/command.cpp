@@ -20,22 +20,23 @@ struct Words {
 };
 
 CLI::App* AddWords(CLI::App& app, WatchOptions& options, Words& words) {
-  CLI::App* command = app.add_subcommand("watch", "Shows a server's world in this terminal, with keys to play in it");
+  CLI::App* subcommand =
+      app.add_subcommand("watch", "Shows a server's world in this terminal, with keys to play in it");
   // CLI11's required() is not used: it reports the missing address even when an unknown option is the fault.
-  command->add_option("server", words.address, "The server")->type_name("HOST:PORT REQUIRED");
-  command->add_option("--name", options.name, "Name shown to other players")->capture_default_str();
-  command->add_flag("--spectate", options.spectate, "Watch without a body");
-  command->add_option("--fps", options.fps, "Pictures per second at most; fewer on a slow line")
-      ->check(tool::Within(1, kMaxFps))
+  subcommand->add_option("server", words.address, "The server")->type_name("HOST:PORT REQUIRED");
+  subcommand->add_option("--name", options.name, "Name shown to other players")->capture_default_str();
+  subcommand->add_flag("--spectate", options.spectate, "Watch without a body");
+  subcommand->add_option("--fps", options.fps, "Pictures per second at most; fewer on a slow line")
+      ->check(command::Within(1, kMaxFps))
       ->capture_default_str();
-  command->add_option("--colours", words.colours, "auto (by COLORTERM and TERM), true (16 million) or 256")
+  subcommand->add_option("--colours", words.colours, "auto (by COLORTERM and TERM), true (16 million) or 256")
       ->check(CLI::IsMember({"auto", "true", "256"}))
       ->capture_default_str();
-  command->add_option("--for", options.duration, "Seconds to run; 0: until Q")
-      ->check(tool::Within(0, tool::kMaxDuration))
+  subcommand->add_option("--for", options.duration, "Seconds to run; 0: until Q")
+      ->check(command::Within(0, command::kMaxDuration))
       ->capture_default_str();
-  command->add_option("--capture", options.captureFile, "File for the last picture, as SVG")->type_name("FILE");
-  command->footer(
+  subcommand->add_option("--capture", options.captureFile, "File for the last picture, as SVG")->type_name("FILE");
+  subcommand->footer(
       "Keys: W A S D or arrows move, space jumps, E or P puffs up, F stiffens, X releases all keys.\n"
       "If the scene allows it: G grabs and releases, V pushes, T cuts; 1 2 softer, stiffer, 3 4 slower, faster,\n"
       "5 skips one second, 6 7 tilt gravity.\n"
@@ -46,7 +47,7 @@ CLI::App* AddWords(CLI::App& app, WatchOptions& options, Words& words) {
       "  wobble watch 127.0.0.1:7777\n"
       "  wobble watch example.org:7777 --name mira --colours true --fps 20\n"
       "  wobble watch 127.0.0.1:7777 --spectate --for 10 --capture picture.svg");
-  return command;
+  return subcommand;
 }
 
 // On failure false, with one line in `error`.
@@ -55,7 +56,7 @@ bool Understand(const Words& words, WatchOptions& options, std::string& error) {
     error = "HOST:PORT of the server is required (see wobble watch --help)";
     return false;
   }
-  const auto address = tool::ParseAddress(words.address, error);
+  const auto address = command::ParseAddress(words.address, error);
   if (!address) {
     error = "server: " + error;
     return false;
@@ -73,15 +74,15 @@ bool Understand(const Words& words, WatchOptions& options, std::string& error) {
 
 }  // namespace
 
-tool::Command DescribeWatch(CLI::App& app) {
+command::Command DescribeWatch(CLI::App& app) {
   const auto options = std::make_shared<WatchOptions>();
   const auto words = std::make_shared<Words>();
-  CLI::App* command = AddWords(app, *options, *words);
-  return {command, [options, words](const tool::IsStopAsked& isStopAsked) {
+  CLI::App* subcommand = AddWords(app, *options, *words);
+  return {subcommand, [options, words](const command::IsStopAsked& isStopAsked) {
             std::string error;
             if (Understand(*words, *options, error)) return RunWatch(*options, isStopAsked);
             std::fprintf(stderr, "wobble watch: %s\n", error.c_str());
-            return tool::kExitBadUse;
+            return command::kExitBadUse;
           }};
 }
 

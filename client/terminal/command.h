@@ -6,6 +6,6 @@
 
 namespace wobble::terminal {
 
-[[nodiscard]] tool::Command DescribeWatch(CLI::App& app);
+[[nodiscard]] command::Command DescribeWatch(CLI::App& app);
 
 }  // namespace wobble::terminal

@@ -65,7 +65,7 @@ const sigset_t kGuarded = MakeSet({SIGTERM, SIGINT, SIGHUP, SIGCHLD, SIGTSTP, SI
   sigaction(SIGWINCH, &action, nullptr);
   sigprocmask(SIG_SETMASK, &mask, nullptr);
   Guard guard(terminal, guardian);
-  const int code = guard.IsAlone() ? tool::kExitFailed : draw(guard);
+  const int code = guard.IsAlone() ? command::kExitFailed : draw(guard);
   guard.LeaveIfAlone();
   std::fflush(nullptr);
   _exit(code);
@@ -98,7 +98,7 @@ int Guardian::Wait() {
       ReadErrors();
       return status;
     }
-    if (m_deadline && tool::ReadClock() >= *m_deadline) kill(m_child, SIGKILL);
+    if (m_deadline && command::ReadClock() >= *m_deadline) kill(m_child, SIGKILL);
     pollfd descriptors[]{{m_signals, POLLIN, 0}, {m_errors, POLLIN, 0}};
     static_cast<void>(poll(descriptors, m_errors >= 0 ? 2 : 1, m_deadline ? 100 : 1000));
     ReadErrors();
@@ -114,7 +114,7 @@ void Guardian::HandleSignals() {
       case SIGINT:
       case SIGHUP:
         kill(m_child, SIGTERM);
-        if (!m_deadline) m_deadline = tool::ReadClock() + kEndPatience;
+        if (!m_deadline) m_deadline = command::ReadClock() + kEndPatience;
         break;
       case SIGTSTP:
         kill(m_child, SIGTSTP);
@@ -158,7 +158,7 @@ int Conclude(int status, const std::string& heldBack) {
   if (WIFEXITED(status)) return WEXITSTATUS(status);
   std::fprintf(stderr, "wobble watch: the drawing process was ended by signal %d (%s)\n", WTERMSIG(status),
                strsignal(WTERMSIG(status)));
-  return tool::kExitFailed;
+  return command::kExitFailed;
 }
 
 }  // namespace
@@ -191,7 +191,7 @@ int RunGuarded(Terminal& terminal, const std::function<int(Guard&)>& draw) {
   int errors[2];
   if (pipe2(errors, O_CLOEXEC | O_NONBLOCK) != 0) {
     std::fprintf(stderr, "wobble watch: cannot create a pipe: %s\n", std::strerror(errno));
-    return tool::kExitFailed;
+    return command::kExitFailed;
   }
   sigset_t before;
   sigprocmask(SIG_BLOCK, &kGuarded, &before);
@@ -207,7 +207,7 @@ int RunGuarded(Terminal& terminal, const std::function<int(Guard&)>& draw) {
   }
   const int reason = errno;
   close(errors[1]);
-  int code = tool::kExitFailed;
+  int code = command::kExitFailed;
   if (child < 0) {
     terminal.Leave();
     std::fprintf(stderr, "wobble watch: cannot create the drawing process: %s\n", std::strerror(reason));

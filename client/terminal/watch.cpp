@@ -123,7 +123,7 @@ class Watch {
 };
 
 int Watch::Run() {
-  if (!Connect()) return tool::kExitBadUse;
+  if (!Connect()) return command::kExitBadUse;
   Play();
   m_guard.LeaveIfAlone();
   SayGoodbye();
@@ -142,18 +142,18 @@ bool Watch::Connect() {
   client::Options options;
   options.name = m_options.name;
   options.spectator = m_options.spectate;
-  m_client = std::make_unique<client::Client>(std::move(transport), options, tool::ReadClock());
+  m_client = std::make_unique<client::Client>(std::move(transport), options, command::ReadClock());
   m_client->OnEvent([this](const client::Client::Event& event) { NoteEvent(event); });
   m_client->OnNotice([this](const std::string& text) { Show(text); });
   return true;
 }
 
 void Watch::Play() {
-  const double begin = tool::ReadClock();
+  const double begin = command::ReadClock();
   double nextUpdate = begin, nextFrame = begin;
   m_lastDrawn = m_rateFrom = begin;
   while (!m_gone && !m_controls.IsQuitAsked() && !m_isStopAsked() && !m_guard.IsAlone()) {
-    const double now = tool::ReadClock();
+    const double now = command::ReadClock();
     if (m_options.duration > 0 && now >= begin + m_options.duration) return;
     if (now >= nextUpdate) {
       m_client->Update(now);
@@ -181,28 +181,28 @@ void Watch::Play() {
 }
 
 void Watch::SayGoodbye() {
-  m_client->Leave(tool::ReadClock());
-  const double end = tool::ReadClock() + kGoodbyePatience;
-  while (m_client->ReadState() != client::State::kEnded && tool::ReadClock() < end) {
-    m_client->Update(tool::ReadClock());
+  m_client->Leave(command::ReadClock());
+  const double end = command::ReadClock() + kGoodbyePatience;
+  while (m_client->ReadState() != client::State::kEnded && command::ReadClock() < end) {
+    m_client->Update(command::ReadClock());
     static_cast<void>(poll(nullptr, 0, 10));
   }
 }
 
 int Watch::Conclude() {
-  if (!m_client->EndedUnasked()) return tool::kExitGood;
-  const std::string address = tool::Describe(m_options.server);
+  if (!m_client->EndedUnasked()) return command::kExitGood;
+  const std::string address = command::Describe(m_options.server);
   const std::string& reason = m_client->EndReason();
   if (m_played) {
     std::fprintf(stderr, "wobble watch: %s is no longer there: %s\n", address.c_str(), reason.c_str());
-    return tool::kExitFailed;
+    return command::kExitFailed;
   }
   if (m_transport->ReadStatistics().bytesIn == 0) {
     std::fprintf(stderr, "wobble watch: no server answers at %s\n", address.c_str());
   } else {
     std::fprintf(stderr, "wobble watch: could not join %s: %s\n", address.c_str(), reason.c_str());
   }
-  return tool::kExitBadUse;
+  return command::kExitBadUse;
 }
 
 void Watch::ReadKeys(double now) {
@@ -235,7 +235,7 @@ void Watch::NoteEvent(const client::Client::Event& event) {
 
 void Watch::Show(const std::string& notice) {
   m_notice = notice;
-  m_noticeUntil = tool::ReadClock() + kNoticeTime;
+  m_noticeUntil = command::ReadClock() + kNoticeTime;
 }
 
 std::string Watch::NameOf(std::uint32_t clientId) const {
@@ -244,7 +244,7 @@ std::string Watch::NameOf(std::uint32_t clientId) const {
 }
 
 void Watch::DrawFrame(double now) {
-  const double begin = tool::ReadClock();
+  const double begin = command::ReadClock();
   const Size size = m_terminal.ReadSize();
   if (size != Size{m_grid.columns, m_grid.rows}) m_encoder.Invalidate();
   m_grid.Resize(size.columns, size.rows);
@@ -258,7 +258,7 @@ void Watch::DrawFrame(double now) {
     DrawWorld(now);
   } else {
     const bool connecting = m_client->ReadState() == client::State::kConnecting;
-    WriteBox(m_grid, {(connecting ? "connecting to " : "joining ") + tool::Describe(m_options.server) + " ..."});
+    WriteBox(m_grid, {(connecting ? "connecting to " : "joining ") + command::Describe(m_options.server) + " ..."});
     WriteStatus(m_grid, "", "Q: quit");
   }
   Send(begin);
@@ -332,7 +332,7 @@ void Watch::Send(double begin) {
   m_encoder.Encode(m_grid, kMaxFrameBytes, m_output);
   m_figures.frameKilobytes +=
       (static_cast<double>(m_output.size()) / 1000 - m_figures.frameKilobytes) * kFigureSmoothing;
-  m_figures.frameMs += ((tool::ReadClock() - begin) * 1000 - m_figures.frameMs) * kFigureSmoothing;
+  m_figures.frameMs += ((command::ReadClock() - begin) * 1000 - m_figures.frameMs) * kFigureSmoothing;
   if (!m_terminal.Write(m_output)) m_gone = true;
 }
 
@@ -346,7 +346,7 @@ void Watch::MeasureRate(double now) {
 
 // Waits until `until`, a key, a signal, or room in the terminal for more output.
 void Watch::Wait(double until) {
-  const double seconds = std::clamp(until - tool::ReadClock(), 0.0, 1.0);
+  const double seconds = std::clamp(until - command::ReadClock(), 0.0, 1.0);
   pollfd descriptor{m_terminal.Descriptor(), POLLIN, 0};
   if (!m_output.empty()) descriptor.events |= POLLOUT;
   const nfds_t count = m_guard.IsPaused() ? 0 : 1;
@@ -373,7 +373,7 @@ int RunWatch(const WatchOptions& options, const std::function<bool()>& isStopAsk
   const auto terminal = Terminal::Open(error);
   if (terminal == nullptr) {
     std::fprintf(stderr, "wobble watch: %s\n", error.c_str());
-    return tool::kExitBadUse;
+    return command::kExitBadUse;
   }
   std::ofstream capture;
   if (!options.captureFile.empty()) {
@@ -382,7 +382,7 @@ int RunWatch(const WatchOptions& options, const std::function<bool()>& isStopAsk
     if (!capture) {
       std::fprintf(stderr, "wobble watch: --capture: '%s' cannot be written: %s\n", options.captureFile.c_str(),
                    std::strerror(errno));
-      return tool::kExitBadUse;
+      return command::kExitBadUse;
     }
   }
   return RunGuarded(*terminal, [&](Guard& guard) {
@@ -391,7 +391,7 @@ int RunWatch(const WatchOptions& options, const std::function<bool()>& isStopAsk
     if (capture.is_open()) capture << MakeSvg(watch.Picture()) << std::flush;
     if (capture) return code;
     std::fprintf(stderr, "wobble watch: --capture: '%s' could not be written in full\n", options.captureFile.c_str());
-    return tool::kExitBadUse;
+    return command::kExitBadUse;
   });
 }
 

@@ -11,7 +11,7 @@
 namespace wobble::terminal {
 
 struct WatchOptions {
-  tool::Address server;
+  command::Address server;
   std::string name = "player";     // at most protocol::kMaxNameBytes bytes
   bool spectate = false;           // without a body
   double fps = 30;                 // pictures per second, at most

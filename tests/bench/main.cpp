@@ -83,11 +83,11 @@ CLI::App* AddReport(CLI::App& app, const Report& report, Options& options) {
   words->add_option("--plot", options.plotFolder, "Draw plots as SVG into this folder; needs gnuplot")
       ->type_name("DIR");
   words->add_option("--seed", options.seed, "Seed of all random draws")
-      ->check(tool::Within(0, kMaxSeed))
+      ->check(command::Within(0, kMaxSeed))
       ->capture_default_str();
   if (report.hasTrials) {
     words->add_option("--trial", options.trial, "Play only this random trial, numbered as in a report")
-        ->check(tool::Within(0, kMaxTrial));
+        ->check(command::Within(0, kMaxTrial));
   }
   if (report.hasPlayers) {
     words->add_option("--scene", options.scene, "Scene of the players: a shipped scene, or a path to a .toml file")
@@ -97,7 +97,7 @@ CLI::App* AddReport(CLI::App& app, const Report& report, Options& options) {
                      "Script of the players: a Lua file, or a shipped one: idle.lua, wander.lua, chase.lua, mash.lua")
         ->capture_default_str();
     words->add_option("--players", options.players, "Only this player count, for five minutes unless --quick")
-        ->check(tool::Within(1, kMaxPlayers));
+        ->check(command::Within(1, kMaxPlayers));
   }
   words->set_version_flag("--version", std::string("wobble_lab ") + kVersion);
   words->footer("Examples:\n  wobble_lab " + std::string(report.name) + " --quick\n  wobble_lab " + report.name +
@@ -112,7 +112,7 @@ CLI::App* AddAll(CLI::App& app, Options& options, std::string& folder) {
       ->type_name("DIR")
       ->capture_default_str();
   words->add_option("--seed", options.seed, "Seed of all random draws")
-      ->check(tool::Within(0, kMaxSeed))
+      ->check(command::Within(0, kMaxSeed))
       ->capture_default_str();
   words->footer("Examples:\n  wobble_lab all --quick\n  wobble_lab all --into tests/bench/results");
   return words;
@@ -120,7 +120,7 @@ CLI::App* AddAll(CLI::App& app, Options& options, std::string& folder) {
 
 int Fail(const std::string& reason) {
   std::fprintf(stderr, "wobble_lab: %s\n", reason.c_str());
-  return tool::kExitFailed;
+  return command::kExitFailed;
 }
 
 // Checks before any long run that results can be written.
@@ -158,7 +158,7 @@ int Run(const Report& report, const Options& options) {
   std::string error;
   if (!CanKeepResults(options, error) || (report.hasPlayers && !CanPlay(options, error))) {
     std::fprintf(stderr, "wobble_lab: %s\n", error.c_str());
-    return tool::kExitBadUse;
+    return command::kExitBadUse;
   }
   Results results;
   {
@@ -176,7 +176,7 @@ int Run(const Report& report, const Options& options) {
   for (const Plot& plot : results.plots) {
     if (!options.plotFolder.empty() && !DrawPlot(plot, options.plotFolder, error)) return Fail(error);
   }
-  return results.AreAllKept() ? tool::kExitGood : tool::kExitThresholdFailed;
+  return results.AreAllKept() ? command::kExitGood : command::kExitThresholdFailed;
 }
 
 // "AMD EPYC 9B14" -> "amd_epyc_9b14".
@@ -200,13 +200,13 @@ int RunAll(Options options, const std::string& folder) {
   std::filesystem::create_directories(options.plotFolder, code);
   if (code) {
     std::fprintf(stderr, "wobble_lab: --into: %s: %s\n", options.plotFolder.c_str(), code.message().c_str());
-    return tool::kExitBadUse;
+    return command::kExitBadUse;
   }
-  int worst = tool::kExitGood;
+  int worst = command::kExitGood;
   for (const Report& report : kReports) {
     options.jsonFile = options.plotFolder + "/" + report.name + ".json";
     const int exit = Run(report, options);
-    if (exit == tool::kExitFailed || exit == tool::kExitBadUse) return exit;
+    if (exit == command::kExitFailed || exit == command::kExitBadUse) return exit;
     worst = std::max(worst, exit);
     std::fflush(stdout);
   }
@@ -240,7 +240,7 @@ int Run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // help, version
     std::fprintf(stderr, "wobble_lab: %s (see wobble_lab --help)\n", error.what());
-    return tool::kExitBadUse;
+    return command::kExitBadUse;
   }
   InstallSignals();
   if (all->parsed()) return RunAll(options, allFolder);
@@ -248,7 +248,7 @@ int Run(int argc, char** argv) {
   if (chosen == words.end()) {
     std::fprintf(stderr, "wobble_lab: a report is required, one of: %s, or all (see wobble_lab --help)\n",
                  names.c_str());
-    return tool::kExitBadUse;
+    return command::kExitBadUse;
   }
   return Run(kReports[chosen - words.begin()], options);
 }

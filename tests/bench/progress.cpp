@@ -21,7 +21,7 @@ Progress::Progress(std::string report, double shares, std::function<bool()> isSt
       m_shares(shares),
       m_isStopAsked(std::move(isStopAsked)),
       m_terminal(isatty(STDERR_FILENO) != 0),
-      m_began(tool::ReadClock()) {}
+      m_began(command::ReadClock()) {}
 
 Progress::~Progress() {
   if (m_terminal) std::fprintf(stderr, "\r\033[K");
@@ -36,7 +36,7 @@ void Progress::Begin(const std::string& part, double share) {
 
 void Progress::Show(std::size_t done, std::size_t count) {
   const std::lock_guard lock(m_mutex);
-  const double now = tool::ReadClock();
+  const double now = command::ReadClock();
   if (!m_terminal || now < m_shown + kShowEvery) return;
   m_shown = now;
   const double share = (m_before + m_share * static_cast<double>(done) / static_cast<double>(count)) / m_shares;

@@ -11,12 +11,12 @@ namespace {
 
 TEST(LoadTestWords, AddressesAndShares) {
   std::string error;
-  const auto address = tool::ParseAddress("example.org:7777", error);
+  const auto address = command::ParseAddress("example.org:7777", error);
   ASSERT_TRUE(address.has_value());
   EXPECT_EQ(address->host, "example.org");
   EXPECT_EQ(address->port, 7777);
   for (const char* text : {"", ":", ":1", "host", "host:", "host:0", "host:65536", "host:-1", "host:1x", "host: 1"}) {
-    EXPECT_FALSE(tool::ParseAddress(text, error).has_value()) << text;
+    EXPECT_FALSE(command::ParseAddress(text, error).has_value()) << text;
     EXPECT_NE(error.find(std::string("'") + text + "'"), std::string::npos) << error;
   }
   for (const char* text : {"", "/", "1/", "/1", "1/0", "2/1", "-1/2", "0.5", "1/2/3", "two"}) {
@@ -48,7 +48,7 @@ TEST(LoadTestWords, Durations) {
   EXPECT_EQ(read("1.5m"), 90);
   EXPECT_EQ(read("2h"), 7200);
   EXPECT_NEAR(read("250ms"), 0.25, 1e-12);
-  EXPECT_EQ(read("1000000"), tool::kMaxDuration);
+  EXPECT_EQ(read("1000000"), command::kMaxDuration);
   for (const char* text :
        {"", "s", "ms", "-1", "-1s", "1000001", "300h", "nan", "inf", "1 s", " 1", "1d", "1s5", "+1"}) {
     EXPECT_FALSE(ParseDuration(text, error).has_value()) << text;

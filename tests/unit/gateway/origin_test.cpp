@@ -2,7 +2,7 @@
 
 #include "client/gateway/origin.h"
 
-namespace wobble::web {
+namespace wobble::gateway {
 namespace {
 
 TEST(Origin, OfTheSameHostIsAllowed) {
@@ -39,4 +39,4 @@ TEST(Origin, IsASchemeAndAHost) {
 }
 
 }  // namespace
-}  // namespace wobble::web
+}  // namespace wobble::gateway

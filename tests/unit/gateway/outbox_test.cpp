@@ -2,7 +2,7 @@
 
 #include "client/gateway/outbox.h"
 
-namespace wobble::web {
+namespace wobble::gateway {
 namespace {
 
 constexpr std::uint8_t kControl = 0;
@@ -58,4 +58,4 @@ TEST(Outbox, IsOverfullWithWhatMayNotBeDropped) {
 }
 
 }  // namespace
-}  // namespace wobble::web
+}  // namespace wobble::gateway

@@ -7,7 +7,7 @@
 
 #include "client/gateway/page_files.h"
 
-namespace wobble::web {
+namespace wobble::gateway {
 namespace {
 
 class PageFiles : public testing::Test {
@@ -91,4 +91,4 @@ TEST(AcceptEncoding, OfGzipIsUnderstood) {
 }
 
 }  // namespace
-}  // namespace wobble::web
+}  // namespace wobble::gateway

@@ -4,7 +4,7 @@
 #include "client/gateway/places.h"
 #include "client/gateway/rate_limit.h"
 
-namespace wobble::web {
+namespace wobble::gateway {
 namespace {
 
 // How many messages of so many bytes are allowed at one moment.
@@ -59,4 +59,4 @@ TEST(Places, AreLimitedInAllAndByAddress) {
 }
 
 }  // namespace
-}  // namespace wobble::web
+}  // namespace wobble::gateway
