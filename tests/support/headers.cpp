@@ -1,0 +1,2 @@
+// A precompiled header needs a source to belong to.
+#include "tests/support/headers.h"
