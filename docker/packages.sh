@@ -20,7 +20,7 @@ packages_of() {
       echo "libc6 libgcc-s1 libstdc++6 zlib1g libcpp-httplib0.11 libenet7 libfmt9 liblua5.4-0
             libprometheus-cpp-core1.0 libspdlog1.10 libtbb12 libtomlplusplus3" ;;
     test) # the test runner, a second compiler whose results must have the same bits, a browser, and promtool
-      echo "libgtest-dev libgmock-dev clang-19 libclang-rt-19-dev clang-format chromium prometheus
+      echo "libgtest-dev libgmock-dev clang-19 libclang-rt-19-dev llvm clang-format chromium prometheus
             pkg-config mmdebstrap dpkg-dev file python3 python3-numpy" ;;
     web) # builds the page; a server, and a gateway without a page, do not need it
       echo "emscripten nodejs npm" ;;

@@ -52,14 +52,19 @@ def list_jobs():
     jobs.append(("soak_ten_minutes", 6, release_build("soak_test") + [
         (["build/release/tests/soak_test", "--gtest_filter=Soak.*"], {"WOBBLE_SOAK_SECONDS": "600"})]))
     jobs.append(("captures_of_all_scenes", 4, release_build("captures_test", "programs") + [
-        ["build/release/tests/captures_test"]]))
+        ["build/release/tests/captures_test"], ["node", "tests/web/browser_pictures_test.mjs"]]))
     # `make test` has the libraries' unit tests, the corpora and the golden scenes under these sanitizers; here is all else:
     # the programs, the gateway, the soak, every test of the engine. In a folder of its own: the option would stay in the
     # cache of build/asan, and `make test` would miss the programs that it does not build.
     everything = "build/sanitized"
     jobs.append(("sanitized_everything", 20, [
         ["sh", "docker/packages.sh", "server", "test"], ["cmake", "--preset", "asan", "-B", everything, "-DWOBBLE_SANITIZE_ALL=ON"],
-        ["cmake", "--build", everything], ["ctest", "--test-dir", everything, "--output-on-failure", "-j2"]]))
+        ["cmake", "--build", everything],
+        (["ctest", "--test-dir", everything, "--output-on-failure", "-j2"], {"ASAN_SYMBOLIZER_PATH": "/usr/bin/llvm-symbolizer"})]))
+    jobs.append(("races", 5, [
+        ["sh", "docker/packages.sh", "server", "test"], ["cmake", "--preset", "tsan"],
+        ["cmake", "--build", "--preset", "tsan", "--target", "threads_test", "golden_test"],
+        ["ctest", "--preset", "tsan", "-R", "determinism|threads_test"]]))
     return jobs
 
 

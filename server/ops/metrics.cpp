@@ -127,7 +127,7 @@ void AddBodies(List& list, const Figures& f) {
                              {"inverted", ToNumber(f.counts.inverted)},
                              {"reset", ToNumber(f.counts.reset)}});
   list.AddCounter("wobble_body_respawns_total", "Bodies put back after a fall.", ToNumber(f.counts.respawns));
-  list.AddCounter("wobble_springs_torn_total", "Springs torn or cut.", ToNumber(f.counts.torn));
+  list.AddCounter("wobble_springs_torn_total", "Springs torn by being stretched too far; cut ones are not counted.", ToNumber(f.counts.torn));
   list.Begin("wobble_world_energy_joules",
              "Energy of all bodies, each as of some tick of the last second; gas and gravity up to a constant.",
              MetricType::Gauge);

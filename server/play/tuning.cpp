@@ -6,7 +6,7 @@
 namespace wobble::server {
 namespace {
 
-using Kind = TuneCommand::Kind;
+using TuneKind = TuneCommand::Kind;
 using physics::Vector3d;
 
 std::string CheckRange(const char* what, double value, double low, double high, const char* unit) {
@@ -16,10 +16,10 @@ std::string CheckRange(const char* what, double value, double low, double high, 
 
 }  // namespace
 
-bool Tuning::MayTune(Kind kind, bool isHost) const {
-  const scenes::Who who = kind == Kind::kGravity     ? m_rules.gravity
-                          : kind == Kind::kStiffness ? m_rules.stiffness
-                                                     : m_rules.time;
+bool Tuning::MayTune(TuneKind kind, bool isHost) const {
+  const scenes::Who who = kind == TuneKind::kGravity     ? m_rules.gravity
+                          : kind == TuneKind::kStiffness ? m_rules.stiffness
+                                                         : m_rules.time;
   return who == scenes::Who::kEveryone || (who == scenes::Who::kHost && isHost);
 }
 
@@ -28,19 +28,19 @@ std::string Tuning::Tune(const TuneCommand& command, bool isHost, physics::World
   const double value = command.value.x();
   std::string error;
   switch (command.kind) {
-    case Kind::kGravity:
+    case TuneKind::kGravity:
       error = CheckRange("gravity", command.value.norm(), 0, kMaxGravity, " m/s²");
       if (error.empty()) world.SetGravity(m_gravity = command.value);
       break;
-    case Kind::kStiffness:
+    case TuneKind::kStiffness:
       error = CheckRange("stiffness", value, kMinTunedStiffness, kMaxTunedStiffness, " times");
       if (error.empty()) world.SetStiffnessFactor(m_stiffness = value);
       break;
-    case Kind::kTimeRate:
+    case TuneKind::kTimeRate:
       error = CheckRange("pace of time", value, kLeastTimeRate, 1, " s a second");
       if (error.empty()) clock.SetRate(value);
       break;
-    case Kind::kJump:
+    case TuneKind::kJump:
       error = CheckRange("jump in time", value, 0, kLongestJump, " s");
       if (error.empty()) clock.Jump(value);
       break;

@@ -23,7 +23,9 @@ after(() => browser?.close());
 async function play(scene, run, ...tabs) {
   const world = await startWorld(scene);
   try {
-    await run(...(await Promise.all(tabs.map((options) => joinPage(browser, world.host, options)))), world);
+    const pages = await Promise.all(tabs.map((options) => joinPage(browser, world.host, options)));
+    await run(...pages, world);
+    for (const page of pages) assert.deepEqual(page.complaints, []);
   } finally {
     await Promise.all(browser.contexts().map((context) => context.close()));
     await world.stop();

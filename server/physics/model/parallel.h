@@ -8,7 +8,14 @@
 
 #include <cstddef>
 
-#ifdef __SANITIZE_THREAD__
+#if defined(__SANITIZE_THREAD__)  // g++
+#define WOBBLE_THREAD_SANITIZER
+#elif defined(__has_feature)
+#if __has_feature(thread_sanitizer)  // clang
+#define WOBBLE_THREAD_SANITIZER
+#endif
+#endif
+#ifdef WOBBLE_THREAD_SANITIZER
 extern "C" {  // from the sanitizer's runtime
 void __tsan_acquire(void* address);
 void __tsan_release(void* address);
@@ -20,7 +27,7 @@ namespace wobble::physics {
 // Tells ThreadSanitizer what a parallel loop guarantees: the loop's body runs after the fork and before the join. The
 // sanitizer cannot see that itself, since Debian's oneTBB is not built with it. Races between bodies are still found.
 struct ForkJoin {
-#ifdef __SANITIZE_THREAD__
+#ifdef WOBBLE_THREAD_SANITIZER
   void Fork() { __tsan_release(&m_fork); }
   void Begin() { __tsan_acquire(&m_fork); }
   void End() { __tsan_release(&m_join); }

@@ -10,17 +10,13 @@
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define WOBBLE_MALLOC_IS_TAKEN
-#endif
-
 namespace {
 
 std::atomic<std::uint64_t> allocations{0};
 
 }  // namespace
 
-#ifndef WOBBLE_MALLOC_IS_TAKEN
+#ifndef WOBBLE_SANITIZED
 extern "C" {  // glibc's own functions
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
@@ -65,7 +61,7 @@ std::uint64_t CountAllocations(Integrator integrator, ContactLaw law, Precision 
 
 // Counts the allocations of the ticks that push bodies for the first time.
 TEST(Allocations, NoPushAllocatesInAStep) {
-#ifdef WOBBLE_MALLOC_IS_TAKEN
+#ifdef WOBBLE_SANITIZED
   GTEST_SKIP() << "the sanitizer has its own malloc";
 #endif
   World world(WorldSettings{});
@@ -86,7 +82,7 @@ TEST(Allocations, NoPushAllocatesInAStep) {
 }
 
 TEST(Allocations, NoMethodAllocatesInAStep) {
-#ifdef WOBBLE_MALLOC_IS_TAKEN
+#ifdef WOBBLE_SANITIZED
   GTEST_SKIP() << "the sanitizer has its own malloc";
 #endif
   const std::uint64_t before = allocations;

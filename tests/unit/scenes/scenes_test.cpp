@@ -25,7 +25,7 @@ const std::vector<std::string> kShipped{
     "curtain",      "drop2d",       "jelly_stack", "lattice",   "magnetic", "mesh_zoo", "pair",
     "perturbation", "pitch",        "sandbox",     "scrum",     "sumo",     "tension",  "wind"};
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef WOBBLE_SANITIZED
 constexpr int kTicks = 30;  // 34 times slower there
 #else
 constexpr int kTicks = 300;
