@@ -9,6 +9,7 @@
 #include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
+#include "tests/physics/lone_system.h"
 
 namespace wobble::physics {
 namespace {
@@ -19,66 +20,13 @@ constexpr Integrator kOfSprings[] = {Integrator::kRungeKutta4,       Integrator:
                                      Integrator::kSemiImplicitEuler, Integrator::kVelocityVerlet,
                                      Integrator::kLeapFrog,          Integrator::kImplicitEuler};
 
-// One body alone, as a system.
-template <class Real>
-struct LoneSystem {
-  LoneSystem(const Blueprint& made, Integrator chosen) : blueprint(made) { SetIntegrator(blueprint, chosen); }
-
-  void Accelerate(std::span<const Vector3<Real>> atX, std::span<const Vector3<Real>> atV, std::span<Vector3<Real>> a,
-                  bool springs) const {
-    Load<Real> own = load;
-    if (!springs) own.stiffnessFactor = 0;
-    ComputeAccelerations<Real>(blueprint.Read<Real>(), own, surfaces, contacts, atX, atV, a);
-  }
-  [[nodiscard]] std::size_t CountBodies() const { return 1; }
-  [[nodiscard]] SteppedBody<Real> ReadBody(std::size_t) const {
-    return {&blueprint, &load, surfaces, contacts, torn, 0};
-  }
-
-  void Start(const std::vector<Vector3d>& positions, const std::vector<Vector3d>& velocities) {
-    x.clear();
-    v.clear();
-    for (const Vector3d& p : positions) x.push_back(p.cast<Real>());
-    for (const Vector3d& p : velocities) v.push_back(p.cast<Real>());
-  }
-  void Run(int steps, double h) {
-    for (int i = 0; i < steps; ++i) {
-      StepOnce<Real>(blueprint.integrator, static_cast<Real>(h), *this, std::span(x), std::span(v), scratch);
-    }
-  }
-  [[nodiscard]] Vector3d FindMomentum() const {
-    Vector3d sum = Vector3d::Zero();
-    for (std::size_t i = 0; i < v.size(); ++i) sum += blueprint.full.masses[i] * v[i].template cast<double>();
-    return sum;
-  }
-
-  Blueprint blueprint;
-  Load<Real> load;
-  std::vector<Surface<Real>> surfaces;
-  std::vector<Contact<Real>> contacts;
-  std::vector<std::uint8_t> torn;
-  std::vector<Vector3<Real>> x;
-  std::vector<Vector3<Real>> v;
-  IntegratorScratch<Real> scratch;
-};
-
-// Two masses of 2 kg on a spring of 1 m along x. Their distance swings as x'' = −w² x − g x'.
-Blueprint MakePair(double omega, double damping) {
-  Blueprint pair;
-  pair.rest = {Vector3d(0, 0, 0), Vector3d(1, 0, 0)};
-  pair.full.masses = {2, 2};
-  pair.full.springs = {{0, 1, 1.0, omega * omega, damping}};
-  FinishBlueprint(pair);
-  return pair;
-}
-
 struct Motion {
   double stretch = 0;  // m
   double rate = 0;     // m/s
 };
 
 Motion MeasurePair(Integrator integrator, double omega, double damping, int steps, double h) {
-  LoneSystem<double> pair(MakePair(omega, damping), integrator);
+  LoneSystem<double> pair(MakeOscillator(omega, damping), integrator);
   pair.Start({Vector3d(-0.55, 0, 0), Vector3d(0.55, 0, 0)}, {Vector3d::Zero(), Vector3d::Zero()});
   pair.Run(steps, h);
   return {(pair.x[1] - pair.x[0]).x() - 1, (pair.v[1] - pair.v[0]).x()};
@@ -147,7 +95,7 @@ TEST_P(IntegratorTest, HasItsOrderOnABall) {
 }
 
 TEST_P(IntegratorTest, FallsFreely) {
-  LoneSystem<double> system(MakePair(10, 0), GetParam());
+  LoneSystem<double> system(MakeOscillator(10, 0), GetParam());
   system.load.acceleration = Vector3d(0, 0, -10);
   system.Start({Vector3d(0, 0, 0), Vector3d(1, 0, 0)}, {Vector3d(1, 0, 2), Vector3d(1, 0, 2)});
   system.Run(1000, 1e-3);
@@ -189,7 +137,7 @@ INSTANTIATE_TEST_SUITE_P(All, IntegratorTest, testing::ValuesIn(kOfSprings), Nam
 
 // The magnitude of the larger eigenvalue of one step of the pair's swing, which is linear in stretch and rate.
 double FindGrowth(Integrator integrator, double omega, double damping, double h) {
-  LoneSystem<double> pair(MakePair(omega, damping), integrator);
+  LoneSystem<double> pair(MakeOscillator(omega, damping), integrator);
   const auto step = [&](double stretch, double rate) {
     pair.Start({Vector3d(0, 0, 0), Vector3d(1 + stretch, 0, 0)}, {Vector3d(0, 0, 0), Vector3d(rate, 0, 0)});
     pair.Run(1, h);
@@ -293,236 +241,6 @@ TEST(Integrators, DoToEnergyWhatTheyAreKnownFor) {
     EXPECT_NEAR(MeasureEnergy(symplectic, 0.1), 1, 0.11) << "sways about what it was";
   }
   EXPECT_NEAR(MeasureEnergy(Integrator::kRungeKutta4, 0.1), 1, 0.01);
-}
-
-TEST(ImplicitEuler, IsStableAtAHundredTimesTheExplicitLimit) {
-  BallDefinition small = MakeMeasuredBall(0);
-  small.subdivisions = 1;
-  for (const Blueprint& blueprint : {MakeBall(small), MakeBall(MakeMeasuredBall(0.1)), MakeLattice(MakeJellyCube(0))}) {
-    const double omega = blueprint.angularFrequency / 1.05;
-    const double h = 100 * FindLargestStep(Integrator::kSemiImplicitEuler, omega * omega, 0);
-    LoneSystem<double> implicit(blueprint, Integrator::kImplicitEuler);
-    const std::vector<Vector3d> zero(blueprint.rest.size(), Vector3d::Zero());
-    implicit.Start(Deform(blueprint.rest, 0.02), zero);
-    implicit.Run(1000, h);
-    for (std::size_t i = 0; i < zero.size(); ++i) {
-      ASSERT_LT((implicit.x[i] - implicit.x[0]).norm(), 4 * blueprint.reach);
-      ASSERT_LT(implicit.v[i].norm(), 1e-3) << "comes to rest";
-    }
-    LoneSystem<double> direct(blueprint, Integrator::kSemiImplicitEuler);
-    direct.Start(Deform(blueprint.rest, 0.02), zero);
-    direct.Run(1000, h / 50);
-    EXPECT_FALSE(direct.v[0].norm() < 1) << "which twice the explicit limit does not";
-  }
-}
-
-// The same step by a dense matrix, made from the formulas alone: springs, gas, a contact and a fixed vertex.
-TEST(ImplicitEuler, SolvesWhatADenseSolverSolves) {
-  BallDefinition definition = MakeMeasuredBall(0.3);
-  definition.subdivisions = 1;
-  const Blueprint ball = MakeBall(definition);
-  LoneSystem<double> system(ball, Integrator::kImplicitEuler);
-  system.load.acceleration = Vector3d(0.3, 0, -9.81);
-  system.load.gasFactor = 1.3;
-  system.load.stiffnessFactor = 1.7;
-  system.blueprint.full.inverseMasses[5] = 0;
-  std::vector<Vector3d> start = Deform(ball.rest, 0.03);
-  std::vector<Vector3d> velocity(start.size(), Vector3d(0.2, -0.1, 0.4));
-  velocity = Deform(velocity, 0.5);
-  velocity[5].setZero();
-  std::size_t lowest = 0;
-  for (std::size_t i = 0; i < start.size(); ++i) lowest = start[i].z() < start[lowest].z() ? i : lowest;
-  velocity[lowest].z() = -0.3;
-  Obstacle plane;
-  plane.offset = start[lowest].z() + 0.004;
-  system.surfaces = {MakeSurface<double>(plane, Vector3d::Zero())};
-  system.contacts = {{0, static_cast<std::uint32_t>(lowest)}};
-  system.Start(start, velocity);
-
-  constexpr double kStep = 1.0 / 60;
-  const Coefficients<double>& body = system.blueprint.full;
-  const auto size = static_cast<Eigen::Index>(3 * start.size());
-  Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(size, size);
-  Eigen::MatrixXd damping = Eigen::MatrixXd::Zero(size, size);
-  const auto add = [](Eigen::MatrixXd& to, std::size_t a, std::size_t b, const Eigen::Matrix3d& block) {
-    to.block<3, 3>(static_cast<Eigen::Index>(3 * a), static_cast<Eigen::Index>(3 * b)) += block;
-  };
-  for (const Spring<double>& spring : body.springs) {
-    const Vector3d l = start[spring.a] - start[spring.b];
-    const Eigen::Matrix3d along = l * l.transpose() / l.squaredNorm();
-    const double across = std::max(0.0, 1 - spring.restLength / l.norm());
-    const Eigen::Matrix3d k = 1.7 * spring.stiffness * (along + across * (Eigen::Matrix3d::Identity() - along));
-    const Eigen::Matrix3d c = 1.7 * spring.damping * along;
-    for (const auto& [a, b, sign] : {std::tuple{spring.a, spring.a, 1},
-                                     {spring.b, spring.b, 1},
-                                     {spring.a, spring.b, -1},
-                                     {spring.b, spring.a, -1}}) {
-      add(stiffness, a, b, sign * k);
-      add(damping, a, b, sign * c);
-    }
-  }
-  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(size);
-  const double volume = ComputeVolume<double>(body.faces, start);
-  for (std::size_t i = 0; i < start.size(); ++i) {  // by differences of the volume, which is linear in each coordinate
-    for (int axis = 0; axis < 3; ++axis) {
-      std::vector<Vector3d> moved = start;
-      moved[i][axis] += 0.01;
-      gradient[static_cast<Eigen::Index>(3 * i) + axis] = (ComputeVolume<double>(body.faces, moved) - volume) / 0.01;
-    }
-  }
-  stiffness += 1.3 * body.gas / (volume * volume) * gradient * gradient.transpose();
-  const ContactStiffness<double> contact = FindContactStiffness<double>(
-      body.contact, body.contactShares, system.surfaces, system.contacts[0], start, velocity);
-  EXPECT_GT(contact.stiffness, 0);
-  const Eigen::Matrix3d up = contact.normal * contact.normal.transpose();
-  add(stiffness, lowest, lowest, contact.stiffness * up + contact.stickStiffness * (Eigen::Matrix3d::Identity() - up));
-  add(damping, lowest, lowest, contact.damping * up + contact.stickDamping * (Eigen::Matrix3d::Identity() - up));
-
-  std::vector<Vector3d> a(start.size());
-  system.Accelerate(start, velocity, a, true);
-  Eigen::MatrixXd matrix = kStep * kStep * stiffness + kStep * damping;
-  Eigen::VectorXd v(size);
-  Eigen::VectorXd force(size);
-  for (std::size_t i = 0; i < start.size(); ++i) {
-    add(matrix, i, i, body.masses[i] * Eigen::Matrix3d::Identity());
-    v.segment<3>(static_cast<Eigen::Index>(3 * i)) = velocity[i];
-    force.segment<3>(static_cast<Eigen::Index>(3 * i)) = body.masses[i] * a[i];
-  }
-  Eigen::VectorXd right = kStep * (force - kStep * stiffness * v);
-  for (Eigen::Index row = 15; row < 18; ++row) {  // of vertex 5
-    matrix.row(row).setZero();
-    matrix.col(row).setZero();
-    matrix(row, row) = 1;
-    right[row] = 0;
-  }
-  const Eigen::VectorXd change = matrix.fullPivLu().solve(right);
-
-  system.Run(1, kStep);
-  for (std::size_t i = 0; i < start.size(); ++i) {
-    const Vector3d expected = velocity[i] + change.segment<3>(static_cast<Eigen::Index>(3 * i));
-    EXPECT_LT((system.v[i] - expected).norm(), 1e-10) << "vertex " << i;
-    EXPECT_LT((system.x[i] - start[i] - kStep * expected).norm(), 1e-10) << "vertex " << i;
-  }
-  EXPECT_EQ(system.x[5], start[5]) << "fixed";
-}
-
-// A chain of 20 links of 5 cm that hangs from a fixed end.
-Blueprint MakeChain() {
-  Blueprint chain;
-  for (std::uint32_t i = 0; i <= 20; ++i) {
-    chain.rest.emplace_back(0.05 * i, 0, 0);
-    chain.full.masses.push_back(0.01);
-    if (i > 0) chain.full.springs.push_back({i - 1, i, 0.05, 100, 0});
-  }
-  FinishBlueprint(chain);
-  chain.full.inverseMasses[0] = 0;
-  return chain;
-}
-
-TEST(PositionVerlet, KeepsLengthsTheBetterTheMoreSweeps) {
-  const Blueprint chain = MakeChain();
-  const auto measure = [&](int sweeps) {
-    LoneSystem<double> system(chain, Integrator::kPositionVerlet);
-    std::vector<Vector3d> hanging;
-    for (int i = 0; i <= 20; ++i) hanging.emplace_back(0, 0, -0.05 * i);
-    system.Start(hanging, std::vector<Vector3d>(21, Vector3d::Zero()));
-    system.load.acceleration = Vector3d(0, 0, -9.81);
-    constexpr double kStep = 1.0 / 60;
-    const auto accelerate = [&](auto, auto, std::span<Vector3d> a) {
-      for (std::size_t i = 0; i < a.size(); ++i) a[i] = i == 0 ? Vector3d(0, 0, 0) : system.load.acceleration;
-    };
-    for (int i = 0; i < 600; ++i) {
-      StepSemiImplicitEuler<double>(kStep, accelerate, std::span(system.x), std::span(system.v), system.scratch.stages);
-      RelaxSprings<double>(kStep, system.ReadBody(0), sweeps, system.x, system.v);
-    }
-    EXPECT_LT(system.v[20].norm(), 1e-3) << "hangs still";
-    return -system.x[20].z() - 1;
-  };
-  const double one = measure(1);
-  const double four = measure(4);
-  const double eight = measure(8);
-  EXPECT_LT(four, one);
-  EXPECT_LT(eight, four);
-  RecordProperty("stretch", std::to_string(one) + " " + std::to_string(four) + " " + std::to_string(eight));
-  std::printf("stretch of the chain with 1, 4, 8 sweeps: %g %g %g\n", one, four, eight);
-}
-
-// After relaxation the state's velocity is the motion of the step divided by its duration.
-TEST(PositionVerlet, VelocityIsTheWayGone) {
-  const Blueprint cube = MakeLattice(MakeJellyCube());
-  LoneSystem<double> system(cube, Integrator::kPositionVerlet);
-  system.load.acceleration = Vector3d(0, 0, -9.81);
-  const std::vector<Vector3d> start = Deform(cube.rest, 0.03);
-  system.Start(start, std::vector<Vector3d>(start.size(), Vector3d(1, 2, 3)));
-  const Vector3d before = system.FindMomentum();
-  system.Run(1, 0.01);
-  for (std::size_t i = 0; i < start.size(); ++i) {
-    EXPECT_LT((system.v[i] - (system.x[i] - start[i]) / 0.01).norm(), 1e-12);
-  }
-  const Vector3d fallen = before + Vector3d(0, 0, -9.81 * 0.01) * cube.totalMass;
-  EXPECT_LT((system.FindMomentum() - fallen).norm(), 1e-12 * before.norm()) << "springs keep it";
-}
-
-TEST(PositionVerlet, IsOfOrderOneInFreeFall) {
-  const auto measure = [](int steps) {
-    LoneSystem<double> system(MakePair(10, 0), Integrator::kPositionVerlet);
-    system.load.acceleration = Vector3d(0, 0, -10);
-    system.Start({Vector3d(0, 0, 0), Vector3d(1, 0, 0)}, {Vector3d::Zero(), Vector3d::Zero()});
-    system.Run(steps, 1.0 / steps);
-    return system.x[0].z() + 5;
-  };
-  EXPECT_NEAR(measure(100), -0.05, 1e-12);  // g h t/2
-  EXPECT_NEAR(measure(1000), -0.005, 1e-12);
-}
-
-// A rigid pendulum of 1 m let go at 0.1 rad against θ'' = −g sin θ, after half a second.
-TEST(PositionVerlet, SwingsAsAPendulum) {
-  std::vector<Vector3d> angle{Vector3d(0.1, 0, 0)};
-  std::vector<Vector3d> rate{Vector3d::Zero()};
-  StageBuffers<double, 4> buffers;
-  const auto swing = [](auto x, auto, std::span<Vector3d> a) { a[0] = Vector3d(-9.81 * std::sin(x[0].x()), 0, 0); };
-  for (int i = 0; i < 1000; ++i) {
-    StepRungeKutta<double>(kClassicRungeKutta, 0.0005, swing, std::span(angle), std::span(rate), buffers);
-  }
-  const auto measure = [&](int steps) {
-    const double h = 0.5 / steps;
-    LoneSystem<double> system(MakePair(10, 0), Integrator::kPositionVerlet);
-    system.blueprint.full.inverseMasses[0] = 0;
-    system.Start({Vector3d::Zero(), Vector3d(std::sin(0.1), 0, -std::cos(0.1))}, {Vector3d::Zero(), Vector3d::Zero()});
-    for (int i = 0; i < steps; ++i) {
-      system.v[1].z() -= 9.81 * h;  // gravity on the free mass alone
-      system.Run(1, h);
-    }
-    return std::fabs(system.x[1].x() - std::sin(angle[0].x()));
-  };
-  const double coarse = measure(100);
-  const double fine = measure(800);
-  EXPECT_LT(coarse, 2e-5);
-  EXPECT_LT(fine, coarse / 8);
-}
-
-TEST(PositionVerlet, TornSpringsHoldNothing) {
-  const Blueprint chain = MakeChain();
-  LoneSystem<double> system(chain, Integrator::kPositionVerlet);
-  system.torn.assign(20, 0);
-  system.torn[10] = 1;
-  std::vector<Vector3d> apart;
-  for (int i = 0; i <= 20; ++i) apart.emplace_back(0.06 * i, 0, 0);
-  system.Start(apart, std::vector<Vector3d>(21, Vector3d::Zero()));
-  for (int i = 0; i < 200; ++i) RelaxSprings<double>(0.01, system.ReadBody(0), 1, system.x, system.v);
-  EXPECT_NEAR((system.x[9] - system.x[10]).norm(), 0.05, 1e-6);
-  EXPECT_GT((system.x[10] - system.x[11]).norm(), 0.1);
-}
-
-// Rest lengths are little more than half of the lengths at rest: kept at them the skin would crush its gas.
-TEST(PositionVerlet, HoldsGasAtTheShapeOfRest) {
-  LoneSystem<double> system(MakeBall(BallDefinition{}), Integrator::kPositionVerlet);
-  const std::vector<Vector3d> rest = system.blueprint.rest;
-  const Spring<double>& spring = system.blueprint.full.springs[0];
-  EXPECT_LT(spring.restLength, 0.6 * (rest[spring.a] - rest[spring.b]).norm());
-  system.Start(rest, std::vector<Vector3d>(rest.size(), Vector3d::Zero()));
-  system.Run(600, 1.0 / 600);
-  EXPECT_NEAR(ComputeVolume<double>(system.blueprint.full.faces, system.x) / system.blueprint.restVolume, 1, 0.05);
 }
 
 // In a world, in the substeps that each method asks for, a ball and a cube fall, bounce and come to rest.
