@@ -33,8 +33,8 @@ struct Options {
 
 // The player's input, which holds until the next SetInput.
 struct Input {
-  float moveX = 0;  // right, -1..1, in the horizontal plane
-  float moveY = 0;  // forward, -1..1
+  float moveX = 0;  // along the world's x, -1..1
+  float moveY = 0;  // along the world's y, -1..1
   bool jump = false;
   bool puff = false;
   bool stiffen = false;

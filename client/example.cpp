@@ -35,7 +35,7 @@ int main(int argc, char** argv) {
     client.Update(Now());  // receives, answers and sends
     if (client.ReadState() == client::State::kPlaying) {
       const float angle = 0.03F * static_cast<float>(++frame);
-      client.SetInput({.moveX = std::cos(angle), .moveY = std::sin(angle)});  // right and forward, each -1 to 1
+      client.SetInput({.moveX = std::cos(angle), .moveY = std::sin(angle)});  // along the world's x and y, each -1 to 1
 
       const auto pose = client.NewestPose(client.Welcome().ownBody);  // nullopt before the first snapshot
       if (pose && frame % 30 == 0) {

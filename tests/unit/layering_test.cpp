@@ -56,7 +56,7 @@ const std::string kLanes = "server/physics/lanes/", kModel = "server/physics/mod
 // The headers of the client library itself, without the rooms of the commands.
 const Strings kCommandReach{kClient, kProtocol};
 
-// architecture.md's table. Rooms that are named first are more particular.
+// CONTRIBUTING.md's table. Rooms that are named first are more particular.
 const std::vector<Room> kRooms{
     {kLanes, {}, kEngine, kClockFileLog},
     {kModel, {kLanes}, Join(kEngine, {"oneapi/tbb", "tbb/"}), kClockFileLog},
@@ -118,7 +118,7 @@ const std::map<std::string, Strings> kRefused{
     {"server/options", {"server/ops/"}},
 };
 
-const Strings kMeetingPlaces{"server/session.", kSnapshots, "server/training/", "server/main.", "server/ops/", kScenes};
+const Strings kMeetingPlaces{"server/session.", kSnapshots, "server/training/", "server/main.", "server/ops/"};
 const Strings kTypedProtocolHeaders{"protocol/geometry.h", "protocol/messages", "protocol/pose.h",
                                     "protocol/shape_codec.h"};
 
