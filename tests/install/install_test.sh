@@ -31,9 +31,9 @@ fail() {
   exit 1
 }
 
-# Unoptimised, since what is tested is that it builds and plays. The compiler's launcher, as everywhere: the second run
+# Barely optimised, since what is tested is that it builds and plays. The compiler's launcher, as everywhere: the second run
 # of a test need not compile again.
-configure() { cmake -G Ninja -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)" \
+configure() { cmake -G Ninja -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O1 -DCMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)" \
   -DCMAKE_EXPORT_COMPILE_COMMANDS=ON "$@" >"$folder/log" 2>&1 || { cat "$folder/log"; fail "cmake"; }; }
 compile() { cmake --build "$1" >"$folder/log" 2>&1 || { cat "$folder/log"; fail "the build of $1"; }; }
 install_dev() {
@@ -54,7 +54,7 @@ expect_no_flags() {
 
 # Plays five seconds against a server of this build; the example prints where its body is.
 play() {
-  "$build/bin/wobbled" --scene ball_drop --port 0 --for 30 >"$folder/server" 2>&1 &
+  "$build/bin/wobbled" --scene ball_drop --port 0 --for 90 >"$folder/server" 2>&1 &
   local port=""
   for _ in $(seq 300); do
     port="$(sed -n 's/^listening on UDP port \([0-9]*\).*/\1/p' "$folder/server")"
@@ -62,7 +62,7 @@ play() {
     sleep 0.1
   done
   [ -n "$port" ] || { cat "$folder/server"; fail "a server that listens"; }
-  timeout 30 "$1" 127.0.0.1 "$port" >"$folder/played" || fail "$1 to play"
+  timeout 60 "$1" 127.0.0.1 "$port" >"$folder/played" || fail "$1 to play"
   [ "$(grep -c '^x ' "$folder/played")" -ge 5 ] || { cat "$folder/played"; fail "places of the body"; }
 }
 
