@@ -296,10 +296,10 @@ void MeasureShots(Bench& bench) {
   if (options.trial) {
     numbers = {*options.trial};
   } else {
-    for (std::uint32_t i = 0; i < (options.quick ? 60U : 1000U); ++i) numbers.push_back(i);
+    for (std::uint32_t i = 0; i < (options.quick ? 20U : 1000U); ++i) numbers.push_back(i);
   }
   std::vector<Shot> shots(numbers.size());
-  const std::uint32_t others = options.trial ? 0 : options.quick ? 12 : 120;
+  const std::uint32_t others = options.trial ? 0 : options.quick ? 4 : 120;
   std::vector<Shot> soft(others);
   std::vector<Shot> ghosts(others);
   const bool done = RunTrials(bench, shots.size() + others, [&](std::size_t i) {

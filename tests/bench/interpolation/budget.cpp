@@ -126,7 +126,7 @@ double MeasureCurve(Bench& bench, int seconds) {
 }  // namespace
 
 void MeasureBudget(Bench& bench) {
-  const int seconds = bench.options.quick ? 12 : 62;
+  const int seconds = bench.options.quick ? 7 : 62;
   const std::vector<double> physics = MeasurePhysics(bench, seconds);
   const double curve = MeasureCurve(bench, seconds);
   const Showing showing = PlayShowing(kSnapshotHz, {{ListLinks().front()}}, bench.options.seed, seconds);

@@ -88,7 +88,7 @@ void AddFigures(const std::vector<Showing>& showings, bool isQuick, Results& res
 void MeasureLinks(Bench& bench) {
   const std::vector<Watcher> watchers = ListWatchers();
   std::vector<Showing> showings(std::size(kRates));
-  const double seconds = bench.options.quick ? 20 : 120;
+  const double seconds = bench.options.quick ? 10 : 120;
   const bool isDone = RunTrials(bench, showings.size(), [&](std::size_t i) {
     showings[i] = PlayShowing(kRates[i], watchers, bench.options.seed, seconds);
   });
