@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "server/physics/step/island_step.h"
 #include "server/physics/step/substeps.h"
 
 namespace wobble::physics {
