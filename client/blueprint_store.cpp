@@ -1,7 +1,8 @@
 // The control channel is reliable and ordered, so an honest server's chunks of one blueprint come one after the other,
-// each beginning where the last ended; anything else is refused rather than pieced together. A hostile server can make
-// a client hold at most twice kMaxBlueprints × kMaxBlueprintBytes, and must send every byte of it. Replaced blueprints
-// live on in bodies alone, whose vertices are counted.
+// each beginning where the last ended, or at 0 when the blueprint has changed meanwhile; anything else is refused
+// rather than pieced together. A hostile server can make a client hold at most twice kMaxBlueprints ×
+// kMaxBlueprintBytes, and must send every byte of it. Replaced blueprints live on in bodies alone, whose vertices are
+// counted.
 #include "client/blueprint_store.h"
 
 #include <algorithm>
@@ -42,7 +43,7 @@ bool ReadBases(const wire::Blueprint& source, Blueprint& blueprint) {
 }
 
 // nullptr when the bytes are no valid blueprint, or one with coordinates outside the world.
-std::shared_ptr<const Blueprint> MakeBlueprint(const std::vector<std::uint8_t>& bytes, bool readsBases) {
+std::shared_ptr<const Blueprint> MakeBlueprint(std::span<const std::uint8_t> bytes, bool readsBases) {
   const wire::Blueprint* source = nullptr;
   if (protocol::ParseBlueprint(bytes, source) != protocol::ParseResult::kOk || IsOutside(source->size()))
     return nullptr;
@@ -76,39 +77,66 @@ std::shared_ptr<const Blueprint> MakeBlueprint(const std::vector<std::uint8_t>& 
 
 }  // namespace
 
+BlueprintStore::BlueprintStore(bool readsBases, std::shared_ptr<const KeptBlueprints> kept)
+    : m_readsBases(readsBases), m_kept(std::move(kept)) {
+  if (m_kept == nullptr) return;
+  std::size_t bytes = 0;
+  for (const KeptBlueprint& blueprint : *m_kept) {
+    bytes += blueprint.bytes.size();
+    if (bytes > protocol::kMaxKeptBytes || m_keptHashes.size() == protocol::kMaxKeptBlueprints) break;
+    m_keptHashes.push_back(blueprint.hash);
+  }
+}
+
+const KeptBlueprint* BlueprintStore::FindKept(std::uint64_t hash) const {
+  if (m_kept == nullptr) return nullptr;
+  const auto found =
+      std::find_if(m_kept->begin(), m_kept->end(), [&](const KeptBlueprint& each) { return each.hash == hash; });
+  return found == m_kept->end() ? nullptr : &*found;
+}
+
 void BlueprintStore::Expect(std::size_t count) {
   assert(!m_expects && count <= protocol::kMaxBlueprints);
   m_entries.resize(count);
-  m_expected = m_missing = count;
   m_expects = true;
 }
 
-bool BlueprintStore::AddChunk(const wire::BlueprintChunk& chunk) {
-  if (!m_expects || chunk.blueprint() >= protocol::kMaxBlueprints) return false;
+bool BlueprintStore::PutInForce(Entry& entry, const wire::BlueprintChunk& chunk, std::span<const std::uint8_t> bytes) {
+  if (protocol::HashBytes(bytes) != chunk.hash()) return false;
+  std::shared_ptr<const Blueprint> whole = MakeBlueprint(bytes, m_readsBases);
+  if (whole == nullptr) return false;
+  entry.blueprint = std::move(whole);
+  entry.generation = chunk.generation();
+  return true;
+}
+
+BlueprintStore::Progress BlueprintStore::AddChunk(const wire::BlueprintChunk& chunk) {
+  if (!m_expects || chunk.blueprint() >= protocol::kMaxBlueprints) return Progress::kRefused;
+  const bool isKept = chunk.bytes()->size() == 0;
+  const bool isFirst = chunk.offset() == 0 || isKept;
   if (chunk.blueprint() >= m_entries.size()) {
-    if (chunk.offset() != 0) return false;
+    if (!isFirst) return Progress::kRefused;
     m_entries.resize(std::size_t{chunk.blueprint()} + 1);
   }
   Entry& entry = m_entries[chunk.blueprint()];
-  if (entry.bytes.empty()) {
-    if (entry.blueprint != nullptr && entry.generation == chunk.generation()) return false;
+  if (isFirst) {  // the server has begun anew: the blueprint changed while it was on its way
+    entry.bytes = {};
+    if (entry.blueprint != nullptr && entry.generation == chunk.generation()) return Progress::kRefused;
     entry.total = chunk.total();
     entry.hash = chunk.hash();
     entry.nextGeneration = chunk.generation();
   }
+  if (isKept) {
+    const KeptBlueprint* kept = FindKept(chunk.hash());
+    return kept != nullptr && PutInForce(entry, chunk, kept->bytes) ? Progress::kTaken : Progress::kRefused;
+  }
   const bool follows = chunk.offset() == entry.bytes.size() && chunk.total() == entry.total &&
                        chunk.hash() == entry.hash && chunk.generation() == entry.nextGeneration;
   if (follows) entry.bytes.insert(entry.bytes.end(), chunk.bytes()->begin(), chunk.bytes()->end());
-  if (follows && entry.bytes.size() < entry.total) return true;
-
-  std::shared_ptr<const Blueprint> whole;
-  if (follows && protocol::HashBytes(entry.bytes) == entry.hash) whole = MakeBlueprint(entry.bytes, m_readsBases);
+  if (follows && entry.bytes.size() < entry.total) return Progress::kTaken;
+  m_newestBytes = std::move(entry.bytes);
   entry.bytes = {};
-  if (whole == nullptr) return false;
-  if (entry.blueprint == nullptr && chunk.blueprint() < m_expected) --m_missing;
-  entry.blueprint = std::move(whole);
-  entry.generation = entry.nextGeneration;
-  return true;
+  return follows && PutInForce(entry, chunk, m_newestBytes) ? Progress::kWhole : Progress::kRefused;
 }
 
 }  // namespace wobble::client

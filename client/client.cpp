@@ -61,7 +61,7 @@ struct Client::Implementation {
         startedAt(start),
         now(start),
         link(start),
-        blueprints(options.decode),
+        blueprints(options.decode, options.kept),
         snapshots(options, blueprints, time, statistics) {}
 
   // The connection.
@@ -80,6 +80,7 @@ struct Client::Implementation {
   bool welcomed = false;
   protocol::WelcomeFields welcome;
   client::Grounds grounds;
+  std::uint32_t downloaded = 0;  // bytes of heights and chunks since the welcome
   BlueprintStore blueprints;
   News news;
   WorldTime time;
@@ -106,6 +107,7 @@ struct Client::Implementation {
   void StartPlayingWhenComplete();
 
   void HandleControl(std::span<const std::uint8_t> bytes);
+  [[nodiscard]] bool TakeChunk(const wire::BlueprintChunk& chunk);
   [[nodiscard]] bool HandleWelcome(const wire::Welcome& message);
   void HandleEvent(const wire::Event& message);
   void HandleSnapshot(std::span<const std::uint8_t> bytes);
@@ -270,13 +272,14 @@ void Client::Implementation::EndIfLinkFails() {
 
 void Client::Implementation::SayHello() {
   const auto role = options.spectator ? wire::Role::Spectator : wire::Role::Player;
-  const auto hello = protocol::MakeHello(options.name, role, options.protocolVersion);
+  const auto hello = protocol::MakeHello(options.name, role, blueprints.KeptHashes(), options.protocolVersion);
   const auto sent = transport->Send(connection, transport::Channel::kControl, hello);
   if (sent != transport::SendResult::kQueued) End("connection lost");
 }
 
 void Client::Implementation::StartPlayingWhenComplete() {
-  if (state != State::kJoining || !welcomed || !blueprints.Complete() || !grounds.Complete()) return;
+  if (state != State::kJoining || !welcomed || !grounds.Complete()) return;
+  if (welcome.blueprintCount > 0 && !blueprints.Has(welcome.ownBlueprint)) return;
   state = State::kPlaying;
   statistics.joinSeconds = now - startedAt;
 }
@@ -293,8 +296,9 @@ void Client::Implementation::HandleControl(std::span<const std::uint8_t> bytes) 
   } else if (const auto* fields = message->body_as_Welcome()) {
     inPlace = HandleWelcome(*fields);
   } else if (const auto* chunk = message->body_as_BlueprintChunk()) {
-    inPlace = blueprints.AddChunk(*chunk);
+    inPlace = TakeChunk(*chunk);
   } else if (const auto* rows = message->body_as_HeightRows()) {
+    if (welcomed) downloaded += static_cast<std::uint32_t>(2 * rows->heights()->size());
     inPlace = grounds.AddRows(*rows);
   } else if (const auto* event = message->body_as_Event()) {
     HandleEvent(*event);
@@ -305,6 +309,17 @@ void Client::Implementation::HandleControl(std::span<const std::uint8_t> bytes) 
   }
   if (!inPlace) ++statistics.badMessages;
   StartPlayingWhenComplete();
+}
+
+// Counted whatever becomes of it: the count tells the server what is no longer on its way.
+bool Client::Implementation::TakeChunk(const wire::BlueprintChunk& chunk) {
+  if (welcomed) downloaded += chunk.bytes()->size();
+  const BlueprintStore::Progress progress = blueprints.AddChunk(chunk);
+  const bool isLarge = chunk.total() > protocol::kBlueprintChunkBytes;
+  if (progress == BlueprintStore::Progress::kWhole && isLarge && options.keep) {
+    options.keep(chunk.hash(), blueprints.NewestBytes());
+  }
+  return progress != BlueprintStore::Progress::kRefused;
 }
 
 bool Client::Implementation::HandleWelcome(const wire::Welcome& message) {
@@ -324,6 +339,8 @@ bool Client::Implementation::HandleWelcome(const wire::Welcome& message) {
   welcome.reach = message.reach();
   welcome.game = message.game()->str();
   welcome.workshop = message.workshop();
+  welcome.ownBlueprint = message.own_blueprint();
+  welcome.rank = message.rank();
   grounds.Expect(welcome.heightFields);
   blueprints.Expect(welcome.blueprintCount);
 
@@ -366,9 +383,12 @@ void Client::Implementation::SendDueInputs() {
 }
 
 void Client::Implementation::SendInput() {
-  const auto message =
-      protocol::MakeInput(inputs.Frames(), snapshots.Received().Newest(), snapshots.Received().History(),
-                          hand ? &*hand : nullptr, static_cast<std::uint32_t>(statistics.stalls));
+  const auto message = protocol::MakeInput({.frames = inputs.Frames(),
+                                            .ackedSequence = snapshots.Received().Newest(),
+                                            .ackedHistory = snapshots.Received().History(),
+                                            .hand = hand ? &*hand : nullptr,
+                                            .stalls = static_cast<std::uint32_t>(statistics.stalls),
+                                            .downloaded = downloaded});
   const auto sent = transport->Send(connection, transport::Channel::kInput, message);
   if (sent == transport::SendResult::kQueued) ++statistics.inputsSent;
 }

@@ -23,11 +23,24 @@
 
 namespace wobble::client {
 
+// A blueprint from an earlier connection, as Options::keep got it.
+struct KeptBlueprint {
+  std::uint64_t hash = 0;
+  std::vector<std::uint8_t> bytes;
+};
+using KeptBlueprints = std::vector<KeptBlueprint>;
+
 struct Options {
   std::string name = "player";  // at most protocol::kMaxNameBytes bytes of UTF-8
   bool spectator = false;       // sees the world but has no body
   bool decode = true;           // false: reads poses only, no shapes (for load tests); Sample then shows nothing
   Curve curve = Curve::kCatmullRom;
+  // Blueprints that the server need not send again; may be null. Of more than protocol::kMaxKeptBlueprints or
+  // kMaxKeptBytes the first count.
+  std::shared_ptr<const KeptBlueprints> kept = {};
+  // Called inside Update with each blueprint that was downloaded and is large enough to be kept for later connections.
+  // May be empty. files/kept_folder.h sets both, and keeps blueprints in files.
+  std::function<void(std::uint64_t hash, std::span<const std::uint8_t> bytes)> keep = {};
   std::uint16_t protocolVersion = protocol::kProtocolVersion;  // sent in the hello; other values are for tests
 };
 
@@ -50,7 +63,7 @@ struct Hand {
 
 enum class State {
   kConnecting,  // the server has not answered yet
-  kJoining,     // hello sent; the welcome, blueprints or heights are still to come
+  kJoining,     // hello sent; the welcome, the own body's blueprint or heights are still to come
   kPlaying,
   kEnded,  // see EndReason
 };

@@ -10,7 +10,7 @@
 namespace wobble::protocol {
 
 // Raised whenever a byte on the wire means something else than before.
-inline constexpr std::uint16_t kProtocolVersion = 5;
+inline constexpr std::uint16_t kProtocolVersion = 6;
 
 // A datagram's payload, bytes. 1,200 fits every path's MTU (IPv6's floor is 1,280); ENet would fragment a larger one,
 // and a snapshot of ten fragments survives 5 % loss only 60 % of the time.
@@ -26,6 +26,14 @@ inline constexpr std::size_t kBlueprintChunkBytes = 4 * 1024;
 // The largest serialised blueprint, bytes: 4,096 vertices with 8,192 faces need about 100 KiB, and their bases may take
 // 256 KiB. A client reserves no more.
 inline constexpr std::size_t kMaxBlueprintBytes = 512 * 1024;
+// Bytes of heights and blueprints that a server has on their way to a client at most: sent, and not yet counted in
+// Input::downloaded. All reliable messages that wait behind a lost one must fit the receiver's buffer (enet_host.cpp),
+// or the lost one is refused for ever. At 100 ms a round trip the window carries
+// 900 kB/s, more than ENet's own window of 64 KiB.
+inline constexpr std::size_t kDownloadWindowBytes = 96 * 1024;
+// Hashes of kept blueprints in a hello, and the bytes of kept blueprints that a client holds while it joins.
+inline constexpr std::size_t kMaxKeptBlueprints = 64;
+inline constexpr std::size_t kMaxKeptBytes = 4 * 1024 * 1024;
 
 // For FlatBuffers' verifier: nesting and number of tables, far above those of any honest message.
 inline constexpr std::uint32_t kMaxMessageDepth = 8;

@@ -32,19 +32,21 @@ wire::Vec3 ToWire(Vector3 v) { return {v.x, v.y, v.z}; }
 
 }  // namespace
 
-Message MakeHello(std::string_view name, wire::Role role, std::uint16_t version, std::uint64_t schemaHash) {
-  assert(name.size() <= kMaxNameBytes);
+Message MakeHello(std::string_view name, wire::Role role, std::span<const std::uint64_t> kept, std::uint16_t version,
+                  std::uint64_t schemaHash) {
+  assert(name.size() <= kMaxNameBytes && kept.size() <= kMaxKeptBlueprints);
   FlatBufferBuilder builder;
   const auto text = builder.CreateString(name.data(), name.size());
-  return FinishClientMessage(builder, wire::CreateHello(builder, version, schemaHash, text, role));
+  const auto hashes = builder.CreateVector(kept.data(), kept.size());
+  return FinishClientMessage(builder, wire::CreateHello(builder, version, schemaHash, text, role, hashes));
 }
 
-Message MakeInput(std::span<const wire::InputFrame> frames, std::uint32_t ackedSequence, std::uint64_t ackedHistory,
-                  const wire::Hand* hand, std::uint32_t stalls) {
-  assert(!frames.empty() && frames.size() <= kMaxInputFrames);
+Message MakeInput(const InputFields& fields) {
+  assert(!fields.frames.empty() && fields.frames.size() <= kMaxInputFrames);
   FlatBufferBuilder builder;
-  const auto vector = builder.CreateVectorOfStructs(frames.data(), frames.size());
-  return FinishClientMessage(builder, wire::CreateInput(builder, vector, ackedSequence, ackedHistory, hand, stalls));
+  const auto frames = builder.CreateVectorOfStructs(fields.frames.data(), fields.frames.size());
+  return FinishClientMessage(builder, wire::CreateInput(builder, frames, fields.ackedSequence, fields.ackedHistory,
+                                                        fields.hand, fields.stalls, fields.downloaded));
 }
 
 Message MakeClientGoodbye(wire::GoodbyeReason reason, std::string_view detail) {
@@ -91,9 +93,10 @@ Message MakeWelcome(const WelcomeFields& fields) {
   const auto heightFields = builder.CreateVectorOfStructs(fields.heightFields);
   const auto game = builder.CreateString(fields.game);
   return FinishServerMessage(
-      builder, wire::CreateWelcome(builder, fields.clientId, fields.ownBody, fields.tick, fields.tickHz,
-                                   fields.snapshotHz, scene, fields.blueprintCount, obstacles, heightFields,
-                                   fields.hands, fields.reach, game, fields.workshop));
+      builder,
+      wire::CreateWelcome(builder, fields.clientId, fields.ownBody, fields.tick, fields.tickHz, fields.snapshotHz,
+                          scene, fields.blueprintCount, obstacles, heightFields, fields.hands, fields.reach, game,
+                          fields.workshop, fields.ownBlueprint, fields.rank));
 }
 
 Message MakeBlueprintChunk(std::uint8_t blueprint, std::uint64_t hash, std::uint32_t total, std::uint32_t offset,
@@ -267,6 +270,16 @@ const char* Name(wire::GoodbyeReason reason) {
       return "too many bad messages";
     case wire::GoodbyeReason::Busy:
       return "server is busy";
+    case wire::GoodbyeReason::TooMuch:
+      return "sent too much, or took too little";
+    case wire::GoodbyeReason::Kicked:
+      return "removed by a moderator";
+    case wire::GoodbyeReason::Banned:
+      return "banned from this server";
+    case wire::GoodbyeReason::BadToken:
+      return "the password, invite or token is not valid";
+    case wire::GoodbyeReason::TooManyFromAddress:
+      return "too many connections from this address";
   }
   return "unknown reason";
 }

@@ -41,12 +41,18 @@ inline constexpr std::size_t kParseResultCount = 5;
 
 using Message = std::vector<std::uint8_t>;
 
-[[nodiscard]] Message MakeHello(std::string_view name, wire::Role role, std::uint16_t version = kProtocolVersion,
-                                std::uint64_t schemaHash = kSchemaHash);
-// frames: newest first, at most kMaxInputFrames.
-// hand: nullptr when it is empty. stalls: as messages.fbs says.
-[[nodiscard]] Message MakeInput(std::span<const wire::InputFrame> frames, std::uint32_t ackedSequence,
-                                std::uint64_t ackedHistory, const wire::Hand* hand = nullptr, std::uint32_t stalls = 0);
+// kept: at most kMaxKeptBlueprints.
+[[nodiscard]] Message MakeHello(std::string_view name, wire::Role role, std::span<const std::uint64_t> kept = {},
+                                std::uint16_t version = kProtocolVersion, std::uint64_t schemaHash = kSchemaHash);
+struct InputFields {
+  std::span<const wire::InputFrame> frames = {};  // newest first, 1 to kMaxInputFrames
+  std::uint32_t ackedSequence = 0;
+  std::uint64_t ackedHistory = 0;
+  const wire::Hand* hand = nullptr;  // nullptr: empty
+  std::uint32_t stalls = 0;          // as messages.fbs says
+  std::uint32_t downloaded = 0;      // likewise
+};
+[[nodiscard]] Message MakeInput(const InputFields& fields);
 [[nodiscard]] Message MakeClientGoodbye(wire::GoodbyeReason reason, std::string_view detail);
 
 [[nodiscard]] Message MakePush(std::uint32_t body, std::uint16_t vertex, const Vector3& direction);
@@ -85,8 +91,11 @@ struct WelcomeFields {
   float reach = 0;             // m; 0: any distance
   std::string game = {};       // empty: none
   std::uint32_t workshop = 0;  // body; 0: none
+  std::uint8_t ownBlueprint = 0;
+  wire::Rank rank = wire::Rank::Player;
 };
 [[nodiscard]] Message MakeWelcome(const WelcomeFields& fields);
+// bytes: at most kBlueprintChunkBytes; none, with an offset of `total`, for a blueprint that the client has kept.
 [[nodiscard]] Message MakeBlueprintChunk(std::uint8_t blueprint, std::uint64_t hash, std::uint32_t total,
                                          std::uint32_t offset, std::span<const std::uint8_t> bytes,
                                          std::uint8_t generation = 0);

@@ -35,8 +35,10 @@ ParseResult CheckGoodbye(const wire::Goodbye& goodbye) {
 
 ParseResult CheckHello(const wire::Hello& hello) {
   if (hello.name() == nullptr) return ParseResult::kMissingField;
-  if (hello.name()->size() > kMaxNameBytes || !IsKnown(hello.role(), wire::Role::MAX)) return ParseResult::kOutOfRange;
-  return ParseResult::kOk;
+  const std::size_t kept = hello.kept() == nullptr ? 0 : hello.kept()->size();
+  const bool isGood =
+      hello.name()->size() <= kMaxNameBytes && IsKnown(hello.role(), wire::Role::MAX) && kept <= kMaxKeptBlueprints;
+  return isGood ? ParseResult::kOk : ParseResult::kOutOfRange;
 }
 
 bool IsFinite(const wire::Vec3& v) { return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z()); }
@@ -92,7 +94,9 @@ ParseResult CheckWelcome(const wire::Welcome& welcome) {
   }
   if (welcome.tick_hz() == 0 || welcome.snapshot_hz() == 0 || welcome.blueprint_count() > kMaxBlueprints ||
       welcome.obstacles()->size() > kMaxObstacles || welcome.height_fields()->size() > kMaxHeightFields ||
-      welcome.hands() > 15 || !(welcome.reach() >= 0.0F) || welcome.game()->size() > kMaxNameBytes) {
+      welcome.hands() > 15 || !(welcome.reach() >= 0.0F) || welcome.game()->size() > kMaxNameBytes ||
+      !IsKnown(welcome.rank(), wire::Rank::MAX) ||
+      (welcome.own_blueprint() >= welcome.blueprint_count() && welcome.blueprint_count() > 0)) {
     return ParseResult::kOutOfRange;
   }
   for (const wire::Obstacle* obstacle : *welcome.obstacles()) {
@@ -112,7 +116,8 @@ ParseResult CheckRows(const wire::HeightRows& rows) {
 }
 
 ParseResult CheckChunk(const wire::BlueprintChunk& chunk) {
-  if (chunk.bytes() == nullptr || chunk.bytes()->size() == 0) return ParseResult::kMissingField;
+  const bool isKept = chunk.offset() == chunk.total();
+  if (chunk.bytes() == nullptr || (chunk.bytes()->size() == 0 && !isKept)) return ParseResult::kMissingField;
   if (chunk.generation() >= kGenerations || chunk.total() > kMaxBlueprintBytes ||
       chunk.bytes()->size() > kBlueprintChunkBytes || chunk.offset() > chunk.total() ||
       chunk.bytes()->size() > chunk.total() - chunk.offset()) {

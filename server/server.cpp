@@ -62,6 +62,7 @@ Server::Server(const Config& config, scenes::Scene scene, std::unique_ptr<transp
 int Server::Tick(double now) {
   m_watch.Begin(Phase::kReceive);
   Receive(now);
+  SendDownloads();
   PauseOrResume(now);
   const int jumped = m_isPaused ? 0 : m_clock.TakeJumpTicks();
   const int due = m_isPaused ? 0 : m_clock.TakeDueTicks(now);
@@ -156,8 +157,11 @@ double Server::NextCall() const { return m_isPaused ? m_lastCall + kPausedPoll :
 
 void Server::PublishBlueprints() {
   for (const std::uint8_t slot : m_store.FollowBlueprints(m_workshop ? &*m_workshop : nullptr)) {
-    for (const protocol::Message& chunk : MakeChunks(slot, m_store.Blueprints()[slot])) Broadcast(chunk);
+    for (auto& [connection, session] : m_sessions) {
+      if (session.state == Session::State::kPlaying) session.download.Renew(slot);
+    }
   }
+  SendDownloads();
 }
 
 // A world of many bodies sends a part of them after every tick, so that each body still comes snapshotHz times a

@@ -124,13 +124,15 @@ class Server {
   void ApplyInputs();
   void RespawnFallen();
   void Respawn(physics::BodyId body, const physics::Vector3d& place);
-  // Sends blueprints that are new or have changed to all who have joined.
+  // Lets all who have joined download blueprints that are new or have changed.
   void PublishBlueprints();
 
   // server_clients.cpp: connections, from their first byte to their goodbye.
   void TakeEvent(const transport::Event& event, double now);
   void Join(Session& session);
   void SendWelcome(Session& session);
+  // Sends heights and blueprints that are due to all who have joined.
+  void SendDownloads();
   // Refuses or removes a client: says goodbye with a reason and closes the connection.
   void End(Session& session, protocol::wire::GoodbyeReason reason, const std::string& detail);
   // Takes a client that had joined out of the world and the game; does nothing for other sessions. isLost: it did not

@@ -70,7 +70,7 @@ void Server::Join(Session& session) {
     End(session, GoodbyeReason::Busy, "the machine has no time for more players; try again later");
     return;
   }
-  PublishBlueprints();  // to the others; the newcomer gets all blueprints with its welcome
+  PublishBlueprints();  // to the others; the newcomer gets all blueprints after its welcome
   session.state = Session::State::kPlaying;
   session.clientId = m_nextClientId++;
   if (!session.spectator) {
@@ -101,23 +101,27 @@ void Server::SendWelcome(Session& session) {
   fields.reach = static_cast<float>(m_scene.hands.reach);
   fields.game = m_game ? "sumo" : "";
   fields.workshop = m_workshop ? m_workshop->Body() : 0;
+  fields.ownBlueprint = static_cast<std::uint8_t>(m_scene.player.blueprint);
   const auto send = [&](const protocol::Message& message) {
     if (m_transport->Send(session.connection, Channel::kControl, message) != transport::SendResult::kQueued) {
       spdlog::warn("client {}: could not be welcomed", session.clientId);
     }
   };
   send(protocol::MakeWelcome(fields));
-  for (std::size_t i = 0; i < m_grounds.size(); ++i) {
-    for (const protocol::Message& rows : MakeRows(static_cast<std::uint16_t>(i), m_grounds[i])) send(rows);
-  }
-  for (std::size_t i = 0; i < m_store.Blueprints().All().size(); ++i) {
-    for (const protocol::Message& chunk : MakeChunks(static_cast<std::uint8_t>(i), m_store.Blueprints()[i]))
-      send(chunk);
-  }
   // The players who have joined before, so that every body has its name.
   for (const auto& [connection, other] : m_sessions) {
     if (other.state != Session::State::kPlaying || &other == &session) continue;
     send(protocol::MakeEvent(EventKind::Join, m_world.Tick(), other.clientId, other.body, other.name));
+  }
+  session.download.Begin(m_grounds.size(), m_store.Blueprints().All().size(), fields.ownBlueprint, session.kept);
+  session.kept = {};
+}
+
+void Server::SendDownloads() {
+  for (auto& [connection, session] : m_sessions) {
+    if (session.state != Session::State::kPlaying || session.download.IsDone()) continue;
+    session.download.SendDue(m_grounds, m_store.Blueprints(),
+                             [&](const protocol::Message& message) { SendTo(session, message); });
   }
 }
 

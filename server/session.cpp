@@ -54,6 +54,7 @@ MessageEffect TakeHello(Session& session, const protocol::wire::Hello& hello, do
     return Refuse(GoodbyeReason::WrongSchema, "client was built from another messages.fbs");
   }
   session.name = CleanName(*hello.name());
+  if (hello.kept() != nullptr) session.kept.assign(hello.kept()->begin(), hello.kept()->end());
   session.spectator = hello.role() == protocol::wire::Role::Spectator;
   MessageEffect effect;
   effect.kind = MessageEffect::Kind::kJoin;
@@ -80,6 +81,7 @@ MessageEffect TakeInput(Session& session, const protocol::wire::Input& input, st
   for (const protocol::wire::InputFrame* frame : *input.frames()) {
     if (!InputBuffer::IsNear(*frame, currentTick)) return Drop(session, DropReason::kFutureInput, now);
   }
+  if (!session.download.TakeReport(input.downloaded())) return Drop(session, DropReason::kBadAcknowledgement, now);
   protocol::SentWindow::Report report;
   if (!session.subscription.TakeAcknowledgement(input.acked_sequence(), input.acked_history(), now, report)) {
     return Drop(session, DropReason::kBadAcknowledgement, now);

@@ -8,12 +8,14 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "protocol/messages.h"
 #include "protocol/transport/transport.h"
 #include "server/input_buffer.h"
 #include "server/physics/world.h"
 #include "server/play/command.h"
+#include "server/snapshots/download.h"
 #include "server/snapshots/subscription.h"
 
 namespace wobble::server {
@@ -24,7 +26,7 @@ enum class DropReason : std::uint8_t {
   kOutOfOrder,          // an input or command before the hello, or a second hello
   kWrongChannel,        // on another channel than its kind of message
   kFutureInput,         // an input for a tick too far ahead
-  kBadAcknowledgement,  // acknowledges a packet that was never sent
+  kBadAcknowledgement,  // acknowledges a packet or a download that was never sent
   kTooMany,             // more than protocol::kMaxCommandsPerSecond commands
 };
 inline constexpr std::size_t kDropReasonCount = 6;
@@ -63,6 +65,8 @@ struct Session {
   SecondWindow commands;
   SecondWindow badMessages;
   Subscription subscription;
+  std::vector<std::uint64_t> kept;  // of the hello, until the welcome
+  Download download;
   double roundTrip = 0;      // newest measured, s
   std::uint32_t stalls = 0;  // total that the client has reported
 };

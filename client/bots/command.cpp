@@ -62,6 +62,9 @@ CLI::App* AddWords(CLI::App& app, LoadTestOptions& options, Words& words) {
   subcommand->add_option("--decode-share", words.decodeShare, "Share of the bots that decode and interpolate in full")
       ->type_name("A/B")
       ->capture_default_str();
+  subcommand->add_flag("--keep-bases", options.keepsBases,
+                       "Join like players who return: keep the bases of shapes in the user's cache folder from one run "
+                       "to the next, and download only what is not there");
   subcommand->add_option("--summary", options.summaryFile, "File for the summary as JSON")->type_name("FILE");
   subcommand->add_option("--status", words.statusEvery, "Time between status lines, 0: none (1s on a terminal, else 0)")
       ->type_name("DURATION");

@@ -21,6 +21,7 @@
 #include "client/command/clock.h"
 #include "client/command/exit_codes.h"
 #include "client/command/sockets.h"
+#include "client/files/kept_folder.h"
 #include "client/link/relay_loop.h"
 #include "protocol/transport/enet_transport.h"
 
@@ -169,6 +170,11 @@ int RunLoadTest(const LoadTestOptions& options, const std::function<bool()>& sto
     status.Close();
     Complain(line);
   });
+  if (options.keepsBases) {
+    client::Options kept;
+    files::UseKeptFolder(files::FindBasesFolder(), command::Describe(options.server), kept);
+    runner.SetKept(kept);
+  }
   const bool stopped = RunRounds(runner, options, status, stopAsked);
   status.Close();
 

@@ -53,6 +53,7 @@ struct LoadTestOptions {
   std::vector<Threshold> thresholds;
   DecodeShare decodeShare;
   std::optional<transport::LinkSpec> link;  // a relay between bots and server; nullopt: direct connection
+  bool keepsBases = false;                  // begins with kept bases, as players who return do
   std::string summaryFile;                  // empty: no file
   std::optional<double> statusEvery;        // seconds, 0: never; nullopt: 1 on a terminal, else never
   std::uint16_t protocolVersion = protocol::kProtocolVersion;  // sent in hello

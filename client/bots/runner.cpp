@@ -57,6 +57,12 @@ void Runner::StartBot(double now) {
   options.name = "bot " + std::to_string(index + 1);
   options.decode = m_options.decodeShare.Includes(index);
   options.protocolVersion = m_options.protocolVersion;
+  options.kept = m_kept;
+  if (m_keep) {
+    options.keep = [this](std::uint64_t hash, std::span<const std::uint8_t> bytes) {
+      if (m_keptHashes.insert(hash).second) m_keep(hash, bytes);
+    };
+  }
   m_bots.push_back(std::make_unique<Bot>(index + 1, options,
                                          [this](const client::SnapshotArrival& arrival) { AddArrival(arrival); }));
   Bot& bot = *m_bots.back();

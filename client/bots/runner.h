@@ -43,6 +43,12 @@ class Runner {
   using OnShown = std::function<void(client::Client& client, std::span<const client::BodySample> shown, double now)>;
   void SetOnShown(OnShown onShown) { m_onShown = std::move(onShown); }
 
+  // What all bots begin with, and where downloaded blueprints go; see client::Options. Call it before the first round.
+  void SetKept(const client::Options& options) {
+    m_kept = options.kept;
+    m_keep = options.keep;
+  }
+
   // Says goodbye for all bots and ends measuring. RunRound must go on until HaveAllEnded.
   void Leave(double now);
   // True once all bots have ended. Before Leave, bots that a stage dismissed do not make it true by themselves.
@@ -99,6 +105,9 @@ class Runner {
   Clock m_clock;
   Log m_log;
   OnShown m_onShown;
+  std::shared_ptr<const client::KeptBlueprints> m_kept;
+  std::function<void(std::uint64_t, std::span<const std::uint8_t>)> m_keep;
+  std::set<std::uint64_t> m_keptHashes;  // by bots of this run
 
   std::vector<std::unique_ptr<Bot>> m_bots;
   unsigned m_round = 0;

@@ -20,6 +20,7 @@
 #include "client/client.h"
 #include "client/command/clock.h"
 #include "client/command/exit_codes.h"
+#include "client/files/kept_folder.h"
 #include "client/terminal/camera.h"
 #include "client/terminal/controls.h"
 #include "client/terminal/guardian.h"
@@ -142,6 +143,7 @@ bool Watch::Connect() {
   client::Options options;
   options.name = m_options.name;
   options.spectator = m_options.spectate;
+  files::UseKeptFolder(files::FindBasesFolder(), command::Describe(m_options.server), options);
   m_client = std::make_unique<client::Client>(std::move(transport), options, command::ReadClock());
   m_client->OnEvent([this](const client::Client::Event& event) { NoteEvent(event); });
   m_client->OnNotice([this](const std::string& text) { Show(text); });

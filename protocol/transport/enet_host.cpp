@@ -31,8 +31,12 @@ static_assert(protocol::kMaxPacketBytes + sizeof(ENetProtocolHeader) + sizeof(EN
                   sizeof(enet_uint32) <=
               kMtu);
 
-// Bytes of one peer that may wait for us in ENet's queues: a second of snapshots at 1 Mbit/s.
-constexpr std::size_t kMaxWaitingBytes = 128 * 1024;
+// Bytes of one peer's messages that may wait in ENet's queues behind one that is missing. When they are used up, ENet
+// refuses the missing one too, and the connection is stuck for ever. So a client has room for all that a server can
+// have on its way: a window of downloads, and welcome, events and scoreboards beside it. A server's clients send
+// little.
+constexpr std::size_t kClientWaitingBytes = protocol::kDownloadWindowBytes + 512 * 1024;
+constexpr std::size_t kServerWaitingBytes = 128 * 1024;
 
 // ENet gives a peer up when a reliable command stays unanswered for kTimeoutMaximumMs, or for kTimeoutMinimumMs once
 // the wait before the next try has grown by the factor kTimeoutLimit, which LimitRetries prevents. The session layer
@@ -120,7 +124,7 @@ ENetHost* MakeHost(const ENetAddress* address, std::size_t slots, std::size_t ma
   for (std::size_t slot = 0; slot < slots; ++slot)
     host->peers[slot].mtu = kMtu;  // ENet has copied them from the host already
   host->maximumPacketSize = maxReceivedBytes;
-  host->maximumWaitingData = kMaxWaitingBytes;
+  host->maximumWaitingData = address == nullptr ? kClientWaitingBytes : kServerWaitingBytes;
   host->randomSeed = std::random_device{}();  // connection ids key the CRC; ENet would take them from the time of day
   enet_socket_set_option(host->socket, ENET_SOCKOPT_RCVBUF, socketBytes);
   enet_socket_set_option(host->socket, ENET_SOCKOPT_SNDBUF, socketBytes);

@@ -101,7 +101,9 @@ void AddClients(List& list, const Figures& f) {
   list.Begin("wobble_client_goodbyes_total", "Goodbyes said to clients, by reason.", MetricType::Counter);
   // Without the first reason, which only a client that leaves says.
   constexpr std::array<const char*, server::kGoodbyeReasonCount - 1> kReasons{
-      "server_closing", "server_full", "wrong_version", "wrong_schema", "no_hello", "silent", "bad_messages", "busy"};
+      "server_closing",       "server_full", "wrong_version", "wrong_schema", "no_hello", "silent",
+      "bad_messages",         "busy",        "too_much",      "kicked",       "banned",   "bad_token",
+      "too_many_from_address"};
   for (std::size_t i = 0; i < kReasons.size(); ++i) {
     list.Add({{"reason", kReasons[i]}}).counter.value = ToNumber(f.counts.goodbyes[i + 1]);
   }
@@ -127,7 +129,8 @@ void AddBodies(List& list, const Figures& f) {
                              {"inverted", ToNumber(f.counts.inverted)},
                              {"reset", ToNumber(f.counts.reset)}});
   list.AddCounter("wobble_body_respawns_total", "Bodies put back after a fall.", ToNumber(f.counts.respawns));
-  list.AddCounter("wobble_springs_torn_total", "Springs torn by being stretched too far; cut ones are not counted.", ToNumber(f.counts.torn));
+  list.AddCounter("wobble_springs_torn_total", "Springs torn by being stretched too far; cut ones are not counted.",
+                  ToNumber(f.counts.torn));
   list.Begin("wobble_world_energy_joules",
              "Energy of all bodies, each as of some tick of the last second; gas and gravity up to a constant.",
              MetricType::Gauge);

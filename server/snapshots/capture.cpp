@@ -213,28 +213,22 @@ protocol::Message CaptureForces(const physics::World& world, physics::BodyId bod
   return protocol::MakeForces(body, world.Tick(), static_cast<std::uint16_t>(stride), fields);
 }
 
-std::vector<protocol::Message> MakeRows(std::uint16_t number, const CapturedGround& ground) {
+std::size_t CountRowsAtOnce(const CapturedGround& ground) { return protocol::kMaxRowsHeights / ground.field.columns(); }
+
+protocol::Message MakeRows(std::uint16_t number, const CapturedGround& ground, std::size_t firstRow) {
   const std::size_t columns = ground.field.columns();
-  const std::size_t most = protocol::kMaxRowsHeights / columns * columns;
+  const std::size_t rows = std::min(CountRowsAtOnce(ground), ground.field.rows() - firstRow);
   const std::span<const std::uint16_t> heights = ground.heights;
-  std::vector<protocol::Message> messages;
-  for (std::size_t begin = 0; begin < heights.size(); begin += most) {
-    const auto part = heights.subspan(begin, std::min(most, heights.size() - begin));
-    messages.push_back(protocol::MakeHeightRows(number, static_cast<std::uint16_t>(begin / columns), part));
-  }
-  return messages;
+  return protocol::MakeHeightRows(number, static_cast<std::uint16_t>(firstRow),
+                                  heights.subspan(firstRow * columns, rows * columns));
 }
 
-std::vector<protocol::Message> MakeChunks(std::uint8_t number, const CapturedBlueprint& blueprint) {
+protocol::Message MakeChunk(std::uint8_t number, const CapturedBlueprint& blueprint, std::size_t offset) {
   const std::span<const std::uint8_t> whole = blueprint.message;
-  std::vector<protocol::Message> chunks;
-  for (std::size_t offset = 0; offset < whole.size(); offset += protocol::kBlueprintChunkBytes) {
-    const std::size_t size = std::min(protocol::kBlueprintChunkBytes, whole.size() - offset);
-    chunks.push_back(protocol::MakeBlueprintChunk(number, blueprint.hash, static_cast<std::uint32_t>(whole.size()),
-                                                  static_cast<std::uint32_t>(offset), whole.subspan(offset, size),
-                                                  blueprint.generation));
-  }
-  return chunks;
+  const std::size_t size = std::min(protocol::kBlueprintChunkBytes, whole.size() - offset);
+  return protocol::MakeBlueprintChunk(number, blueprint.hash, static_cast<std::uint32_t>(whole.size()),
+                                      static_cast<std::uint32_t>(offset), whole.subspan(offset, size),
+                                      blueprint.generation);
 }
 
 void CaptureBody(const physics::World& world, const physics::Body& body, CapturedBody& captured) {

@@ -80,10 +80,13 @@ struct BlueprintTags {
 // quantised to 16 bits between its lowest and highest point.
 [[nodiscard]] std::vector<CapturedGround> CaptureGrounds(std::span<const physics::Obstacle> obstacles);
 
-// The messages that carry a height field's heights; number: of the field in the welcome.
-[[nodiscard]] std::vector<protocol::Message> MakeRows(std::uint16_t number, const CapturedGround& ground);
-// The messages that carry a blueprint, each at most protocol::kBlueprintChunkBytes; number: of its slot.
-[[nodiscard]] std::vector<protocol::Message> MakeChunks(std::uint8_t number, const CapturedBlueprint& blueprint);
+// Rows of a height field in one message, as many as protocol::kMaxRowsHeights allows.
+[[nodiscard]] std::size_t CountRowsAtOnce(const CapturedGround& ground);
+// The message with the next rows of a height field; number: of the field in the welcome.
+[[nodiscard]] protocol::Message MakeRows(std::uint16_t number, const CapturedGround& ground, std::size_t firstRow);
+// The message with the next bytes of a blueprint, at most protocol::kBlueprintChunkBytes; with an offset of the whole
+// size, the one that tells a client to take what it has kept. number: of its slot.
+[[nodiscard]] protocol::Message MakeChunk(std::uint8_t number, const CapturedBlueprint& blueprint, std::size_t offset);
 
 // Captures a body and raises captured.version. `captured` may hold an older capture of the same body: its memory is
 // reused, and its rotation starts the search for the new one.

@@ -52,7 +52,8 @@ const std::string kLanes = "server/physics/lanes/", kModel = "server/physics/mod
                   kContact = "server/physics/contact/", kMethods = "server/physics/methods/",
                   kShapes = "server/physics/shapes/", kStep = "server/physics/step/", kPhysics = "server/physics/",
                   kScenes = "server/scenes/", kTiming = "server/timing/", kPlay = "server/play/",
-                  kSnapshots = "server/snapshots/", kProtocol = "protocol/", kClient = "client/";
+                  kSnapshots = "server/snapshots/", kProtocol = "protocol/",
+                  kVestibule = "protocol/transport/vestibule/", kClient = "client/";
 // The headers of the client library itself, without the rooms of the commands.
 const Strings kCommandReach{kClient, kProtocol};
 
@@ -91,6 +92,8 @@ const std::vector<Room> kRooms{
      {kTiming, kPlay, kSnapshots, "server/training/", kScenes, kPhysics, kProtocol},
      {"fmt/", "nlohmann/", "oneapi/tbb", "prometheus/", "spdlog/", "tbb/"},
      kClock},
+    // It alone knows the cryptographic library.
+    {kVestibule, {kProtocol}, Join(kSystem, {"sodium.h"}), kClockFileLog},
     {"protocol/transport/", {kProtocol}, Join(kSystem, {"enet/", "zlib.h"}), kClockFileLog},
     {kProtocol, {}, {"flatbuffers/"}, kPortable},
     {"client/bots/", kCommandReach, Join(kSystem, {"CLI/", "lua.hpp", "nlohmann/"}), {}},
@@ -104,16 +107,17 @@ const std::vector<Room> kRooms{
     {"client/main", kCommandReach, Join(kSystem, {"CLI/", "nlohmann/"}), {}},
     // A developer copies it: the packages of the library and the standard library are all that it needs.
     {"client/example", kCommandReach, {}, {}},
+    {"client/files/", {kClient, kProtocol}, {"unistd.h"}, kClock},
     {kClient, {kProtocol}, {}, kPortable},
 };
 // Paths that a room may not reach although its line of the table covers them: rooms below its own folder, and sockets
 // where the Transport interface is all that is needed.
-const Strings kSockets{"protocol/transport/enet", "protocol/transport/link", "protocol/transport/relay",
+const Strings kSockets{kVestibule, "protocol/transport/enet", "protocol/transport/link", "protocol/transport/relay",
                        "protocol/transport/virtual"};
 const std::map<std::string, Strings> kRefused{
     {kProtocol, {"protocol/transport/"}},
-    {kClient, Join(kSockets, {"client/bots/", "client/command/", "client/gateway/", "client/health/", "client/link/",
-                              "client/play/", "client/terminal/", "client/wasm/"})},
+    {kClient, Join(kSockets, {"client/bots/", "client/command/", "client/files/", "client/gateway/", "client/health/",
+                              "client/link/", "client/play/", "client/terminal/", "client/wasm/"})},
     {"server/", Join(kSockets, {"server/ops/"})},
     {"server/options", {"server/ops/"}},
 };

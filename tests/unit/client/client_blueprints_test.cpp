@@ -125,7 +125,6 @@ TEST_F(ClientTest, RefusesBlueprintChunksThatDoNotAddUp) {
   const auto begin = [&] { Arrive(Channel::kControl, protocol::MakeBlueprintChunk(0, hash, total, 0, part(0, 40))); };
   const std::vector<Message> wrongSeconds{
       protocol::MakeBlueprintChunk(0, hash, total, 48, part(48, 80)),        // a gap
-      protocol::MakeBlueprintChunk(0, hash, total, 0, part(0, 40)),          // the first again
       protocol::MakeBlueprintChunk(0, hash, total - 8, 40, part(40, 80)),    // another total
       protocol::MakeBlueprintChunk(0, hash ^ 1, total, 40, part(40, 80)),    // another hash
       protocol::MakeBlueprintChunk(0, hash, total, 40, part(0, total - 40))  // whole, but with another hash
@@ -151,6 +150,106 @@ TEST_F(ClientTest, RefusesBlueprintChunksThatDoNotAddUp) {
   EXPECT_EQ(client->ReadStatistics().badMessages, before);
   begin();  // after it was complete
   EXPECT_EQ(client->ReadStatistics().badMessages, before + 1);
+}
+
+TEST_F(ClientTest, PlaysOnceItHasItsOwnBlueprintAndTakesTheOthersLater) {
+  Start();
+  Connect();
+  protocol::WelcomeFields welcome;
+  welcome.ownBody = 3;
+  welcome.tick = 100;
+  welcome.tickHz = kTickHz;
+  welcome.snapshotHz = 30;
+  welcome.blueprintCount = 2;
+  welcome.ownBlueprint = 1;
+  Arrive(Channel::kControl, protocol::MakeWelcome(welcome));
+  for (const Message& chunk : CutIntoChunks(1, MakeTetrahedron(), 64)) {
+    EXPECT_EQ(client->ReadState(), State::kJoining);
+    Arrive(Channel::kControl, chunk);
+  }
+  EXPECT_EQ(client->ReadState(), State::kPlaying);
+  Snapshot(1, {MakeRecord(3, {}, 1), MakeRecord(4, {}, 0, 0, kChainRest)});
+  EXPECT_EQ(client->ReadStatistics().unknownRecords, 1U);
+  for (const Message& chunk : CutIntoChunks(0, MakeChain(), 64)) Arrive(Channel::kControl, chunk);
+  Snapshot(2, {MakeRecord(3, {}, 1), MakeRecord(4, {}, 0, 0, kChainRest)});
+  EXPECT_EQ(client->ReadStatistics().unknownRecords, 1U);
+  EXPECT_EQ(client->ReadStatistics().badMessages, 0U);
+}
+
+TEST_F(ClientTest, AChunkWithOffset0BeginsTheBlueprintAnew) {
+  Start();
+  Connect();
+  Welcome();
+  const auto first = CutIntoChunks(0, MakeTetrahedron(), 64);
+  Arrive(Channel::kControl, first[0]);
+  Arrive(Channel::kControl, first[1]);
+  for (const Message& chunk : CutIntoChunks(0, MakeChain(), 64, 1)) Arrive(Channel::kControl, chunk);
+  EXPECT_EQ(client->ReadState(), State::kPlaying);
+  EXPECT_EQ(client->ReadStatistics().badMessages, 0U);
+  Snapshot(1, {MakeRecord(3, {}, 0, 1, kChainRest)});
+  EXPECT_EQ(client->ReadStatistics().unknownRecords, 0U);
+}
+
+// What one connection downloads, the next need not.
+TEST_F(ClientTest, KeepsLargeBlueprintsForLaterConnections) {
+  const auto kept = std::make_shared<KeptBlueprints>();
+  Options options;
+  options.keep = [&](std::uint64_t hash, std::span<const std::uint8_t> bytes) {
+    kept->push_back({hash, {bytes.begin(), bytes.end()}});
+  };
+  Start(options);
+  Connect();
+  Welcome(2);
+  const Message strip = MakeStrip(), small = MakeTetrahedron();
+  std::size_t bytes = 0;
+  for (const Message& chunk : CutIntoChunks(0, strip, 1000)) Arrive(Channel::kControl, chunk);
+  for (const Message& chunk : CutIntoChunks(1, small, 64)) Arrive(Channel::kControl, chunk);
+  ASSERT_EQ(kept->size(), 1U) << "the small one is not worth a file";
+  EXPECT_EQ((*kept)[0].bytes, strip);
+  now += 0.1;
+  client->Update(now);
+  bytes = strip.size() + small.size();
+  EXPECT_EQ(Inputs().back()->downloaded(), bytes);
+
+  link.sent.clear();
+  kept->push_back({7, Message(100, 1)});  // spoilt
+  const std::size_t before = kept->size();
+  options.kept = kept;
+  now += 1;
+  Start(options);
+  Connect();
+  const wire::ClientMessage* message = nullptr;
+  ASSERT_EQ(protocol::ParseClientMessage(link.sent.at(0).bytes, message), protocol::ParseResult::kOk);
+  ASSERT_EQ(message->body_as_Hello()->kept()->size(), 2U);
+  EXPECT_EQ(message->body_as_Hello()->kept()->Get(0), protocol::HashBytes(strip));
+  Welcome(2);
+  const auto tellKept = [&](std::uint64_t hash, std::size_t total) {
+    const auto size = static_cast<std::uint32_t>(total);
+    Arrive(Channel::kControl, protocol::MakeBlueprintChunk(0, hash, size, size, {}));
+  };
+  tellKept(7, 100);
+  tellKept(8, strip.size());  // not listed
+  EXPECT_EQ(client->ReadState(), State::kJoining);
+  EXPECT_EQ(client->ReadStatistics().badMessages, 2U);
+  tellKept(protocol::HashBytes(strip), strip.size());
+  EXPECT_EQ(client->ReadState(), State::kPlaying);
+  now += 0.1;
+  client->Update(now);
+  EXPECT_EQ(Inputs().back()->downloaded(), 0U);
+  EXPECT_EQ(kept->size(), before) << "not kept again";
+}
+
+// A hello names no more than the server takes.
+TEST_F(ClientTest, ListsAsManyKeptBlueprintsAsAHelloHolds) {
+  const auto kept = std::make_shared<KeptBlueprints>();
+  for (std::uint64_t i = 0; i < 100; ++i) kept->push_back({i, Message(8, 1)});
+  Options options;
+  options.kept = kept;
+  Start(options);
+  Connect();
+  const wire::ClientMessage* message = nullptr;
+  ASSERT_EQ(protocol::ParseClientMessage(link.sent.at(0).bytes, message), protocol::ParseResult::kOk);
+  EXPECT_EQ(message->body_as_Hello()->kept()->size(), protocol::kMaxKeptBlueprints);
 }
 
 }  // namespace

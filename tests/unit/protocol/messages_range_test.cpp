@@ -58,7 +58,8 @@ TEST(Messages, WhatHandsDoOutOfRange) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const std::vector<wire::InputFrame> frames{{1, 0, 0, 0}};
   const wire::Hand hand({1, kNan, 3}, 4, 5, 6);
-  EXPECT_EQ(ParseAs('c', MakeInput(frames, 1, 1, &hand)), ParseResult::kOutOfRange);
+  EXPECT_EQ(ParseAs('c', MakeInput({.frames = frames, .ackedSequence = 1, .ackedHistory = 1, .hand = &hand})),
+            ParseResult::kOutOfRange);
   EXPECT_EQ(ParseAs('c', MakePush(1, 2, {kNan, 0, 0})), ParseResult::kOutOfRange);
   EXPECT_EQ(ParseAs('c', MakeCut(1, {}, {}, {0, 0, kNan})), ParseResult::kOutOfRange);
   EXPECT_EQ(ParseAs('c', MakeTune(static_cast<wire::TuneKind>(4), {})), ParseResult::kOutOfRange);
@@ -107,7 +108,7 @@ TEST(Messages, TagsAreOneForEachOrNone) {
 }
 
 TEST(Messages, GoodbyeAndEventOutOfRange) {
-  const auto unknownReason = static_cast<wire::GoodbyeReason>(9);
+  const auto unknownReason = static_cast<wire::GoodbyeReason>(14);
   EXPECT_EQ(ParseAs('c', MakeClientGoodbye(unknownReason, "")), ParseResult::kOutOfRange);
   EXPECT_EQ(ParseAs('s', MakeServerGoodbye(unknownReason, "")), ParseResult::kOutOfRange);
   const auto unknownEvent = static_cast<wire::EventKind>(5);

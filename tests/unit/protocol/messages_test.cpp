@@ -58,13 +58,16 @@ std::vector<Kind> MakeEveryKind() {
   welcome.reach = 2.5F;
   welcome.game = "sumo";
   const Bytes part(64, 0xA5);
+  const std::vector<std::uint64_t> kept{0x1122334455667788U, 1};
   const wire::Hand hand({1, 2, 3}, 4, 5, 6);
   const std::vector<ForceField> forces{{wire::ForceKind::Gas, {{1, 2, 3}, {-4, 5, 6}}},
                                        {wire::ForceKind::Weight, {{}, {}}}};
   return {
       {"hello", 'c', MakeHello("Ada", wire::Role::Player)},
-      {"input", 'c', MakeInput(frames, 77, 0xF0F0F0F0F0F0F0F0U)},
-      {"input with a hand", 'c', MakeInput(frames, 77, 1, &hand)},
+      {"hello with kept blueprints", 'c', MakeHello("Ada", wire::Role::Player, kept)},
+      {"input", 'c', MakeInput({.frames = frames, .ackedSequence = 77, .ackedHistory = 0xF0F0F0F0F0F0F0F0U})},
+      {"input with a hand", 'c',
+       MakeInput({.frames = frames, .ackedSequence = 77, .ackedHistory = 1, .hand = &hand, .downloaded = 98765})},
       {"push", 'c', MakePush(3, 17, {0, 1, 0.5F})},
       {"cut", 'c', MakeCut(3, {1, 2, 3}, {4, 5, 6}, {7, 8, 9})},
       {"inspect", 'c', MakeInspect(3)},
@@ -73,6 +76,7 @@ std::vector<Kind> MakeEveryKind() {
       {"client goodbye", 'c', MakeClientGoodbye(wire::GoodbyeReason::Left, "bye")},
       {"welcome", 's', MakeWelcome(welcome)},
       {"blueprint chunk", 's', MakeBlueprintChunk(1, 0x1122334455667788U, 1000, 128, part)},
+      {"kept blueprint", 's', MakeBlueprintChunk(1, 0x1122334455667788U, 1000, 1000, {})},
       {"height rows", 's', MakeHeightRows(1, 2, std::vector<std::uint16_t>{0, 1, 65535, 7})},
       {"event", 's', MakeEvent(wire::EventKind::Join, 1001, 7, 9, "Ada")},
       {"tuning", 's', MakeTuning({.stiffness = 2, .timeRate = 0.25F, .may = 7})},
@@ -177,7 +181,8 @@ TEST(Messages, FieldsComeBack) {
   EXPECT_EQ(client->body_as_Hello()->role(), wire::Role::Spectator);
 
   const std::vector<wire::InputFrame> frames{{104, 127, -127, 7}, {103, 1, 2, 4}};
-  const Message input = MakeInput(frames, 77, 0x8000000000000001U, nullptr, 12);
+  const Message input =
+      MakeInput({.frames = frames, .ackedSequence = 77, .ackedHistory = 0x8000000000000001U, .stalls = 12});
   EXPECT_LT(input.size(), 200U);
   ASSERT_EQ(ParseClientMessage(input, client), ParseResult::kOk);
   EXPECT_EQ(client->body_as_Input()->frames()->Get(0)->tick(), 104U);

@@ -51,7 +51,7 @@ struct Golden {
 
 // A change here is a change of the format: raise kProtocolVersion and mend STANDARD.md.
 TEST(ShapeCodec, GoldenBytes) {
-  EXPECT_EQ(kProtocolVersion, 5);
+  EXPECT_EQ(kProtocolVersion, 6);
   const Golden golden;
   const Coded coded = Encode(golden.cloud, 0.0625F, golden.basis.get(), kMaxRecordPayload, golden.floor);
   EXPECT_EQ(coded.bytes, golden.bytes) << testing::PrintToString(coded.bytes);

@@ -206,7 +206,7 @@ TEST(Server, HostileMessagesAreCountedAndNobodyNotices) {
     spammer.Send(Channel::kInput, protocol::MakeHello("x", protocol::wire::Role::Player));
   }
   const protocol::wire::InputFrame future(4000000000U, 1, 1, 1);
-  faker.Send(Channel::kInput, protocol::MakeInput({&future, 1}, 0, 0));  // before its hello
+  faker.Send(Channel::kInput, protocol::MakeInput({.frames = {&future, 1}}));  // before its hello
   game.Run(0.1);
   quiet.Run(0.1);
   const Counts& counts = game.server.ReadCounts();

@@ -19,7 +19,7 @@ using SessionState = Session::State;
 protocol::Message Hello() { return protocol::MakeHello("Ada", Role::Player); }
 protocol::Message Input(std::uint32_t tick, std::int8_t x = 0, std::int8_t y = 0, std::uint8_t buttons = 0) {
   const InputFrame frame(tick, x, y, buttons);
-  return protocol::MakeInput({&frame, 1}, 0, 0);
+  return protocol::MakeInput({.frames = {&frame, 1}});
 }
 protocol::Message Goodbye() { return protocol::MakeClientGoodbye(GoodbyeReason::Left, "bye"); }
 protocol::Message Garbage() { return {1, 2, 3, 4, 5, 6, 7, 8, 9}; }
@@ -99,13 +99,14 @@ TEST(Session, HelloSaysWhoItIs) {
 TEST(Session, AnotherVersionOrSchemaIsRefusedWithBothNumbers) {
   Session session = MakeSession(SessionState::kAwaitingHello);
   const auto other = static_cast<std::uint16_t>(protocol::kProtocolVersion + 1);
-  MessageEffect effect = TakeMessage(session, Channel::kControl, protocol::MakeHello("a", Role::Player, other), 0, 10);
+  MessageEffect effect =
+      TakeMessage(session, Channel::kControl, protocol::MakeHello("a", Role::Player, {}, other), 0, 10);
   EXPECT_EQ(effect.kind, Kind::kRefuse);
   EXPECT_EQ(effect.reason, GoodbyeReason::WrongVersion);
   EXPECT_NE(effect.detail.find(std::to_string(other)), std::string::npos);
   EXPECT_NE(effect.detail.find(std::to_string(protocol::kProtocolVersion)), std::string::npos);
 
-  const auto schema = protocol::MakeHello("a", Role::Player, protocol::kProtocolVersion, protocol::kSchemaHash ^ 1);
+  const auto schema = protocol::MakeHello("a", Role::Player, {}, protocol::kProtocolVersion, protocol::kSchemaHash ^ 1);
   effect = TakeMessage(session, Channel::kControl, schema, 0, 10);
   EXPECT_EQ(effect.kind, Kind::kRefuse);
   EXPECT_EQ(effect.reason, GoodbyeReason::WrongSchema);
@@ -115,11 +116,14 @@ TEST(Session, AnAcknowledgementOfWhatWasNeverSentIsDroppedWithItsInput) {
   Session session = MakeSession(SessionState::kPlaying);
   session.subscription.sent.RecordSent(10);
   const InputFrame frame(101, 50, 0, 0);
-  const auto effect = TakeMessage(session, Channel::kInput, protocol::MakeInput({&frame, 1}, 2, 0), 100, 10.1);
+  const auto effect = TakeMessage(session, Channel::kInput,
+                                  protocol::MakeInput({.frames = {&frame, 1}, .ackedSequence = 2}), 100, 10.1);
   EXPECT_EQ(effect.dropped, DropReason::kBadAcknowledgement);
   EXPECT_EQ(TakeControl(session, 101, 6).moveX, 0);
 
-  EXPECT_FALSE(TakeMessage(session, Channel::kInput, protocol::MakeInput({&frame, 1}, 1, 0), 100, 10.25).dropped);
+  EXPECT_FALSE(TakeMessage(session, Channel::kInput, protocol::MakeInput({.frames = {&frame, 1}, .ackedSequence = 1}),
+                           100, 10.25)
+                   .dropped);
   EXPECT_NEAR(session.roundTrip, 0.25, 1e-12);
   EXPECT_GT(TakeControl(session, 101, 6).moveX, 0);
 }
@@ -127,7 +131,7 @@ TEST(Session, AnAcknowledgementOfWhatWasNeverSentIsDroppedWithItsInput) {
 TEST(Session, OneFutureFrameDropsTheWholeMessage) {
   Session session = MakeSession(SessionState::kPlaying);
   const std::array<InputFrame, 2> frames{InputFrame(1000, 1, 0, 0), InputFrame(101, 50, 0, 0)};
-  EXPECT_EQ(TakeMessage(session, Channel::kInput, protocol::MakeInput(frames, 0, 0), 100, 10).dropped,
+  EXPECT_EQ(TakeMessage(session, Channel::kInput, protocol::MakeInput({.frames = frames}), 100, 10).dropped,
             DropReason::kFutureInput);
   EXPECT_EQ(TakeControl(session, 101, 6).moveX, 0);
 }
@@ -137,7 +141,7 @@ TEST(Session, InputsAheadOfAServerThatPausedAreNotHeldAgainstHim) {
   Session session = MakeSession(SessionState::kPlaying);
   for (std::uint32_t i = 0; i < 150; ++i) {
     const InputFrame frame(300 + i, 1, 0, 0);
-    EXPECT_EQ(TakeMessage(session, Channel::kInput, protocol::MakeInput({&frame, 1}, 0, 0), 100, 20).dropped,
+    EXPECT_EQ(TakeMessage(session, Channel::kInput, protocol::MakeInput({.frames = {&frame, 1}}), 100, 20).dropped,
               DropReason::kFutureInput);
   }
   EXPECT_FALSE(FindTimeout(session, 20));
