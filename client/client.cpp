@@ -226,7 +226,10 @@ void Client::Implementation::TakeIn(const transport::Event& event) {
       SayHello();
       return;
     case transport::Event::Kind::kDisconnected:
-      End(leaving ? "left" : state == State::kConnecting ? "no answer from the server" : "connection lost");
+      if (leaving) return End("left");
+      if (!event.reason.empty()) return End(std::string(event.reason));
+      return End(state == State::kConnecting ? "no answer from the server" : "connection lost");
+    case transport::Event::Kind::kOffence:
       return;
     case transport::Event::Kind::kMessage:
       break;

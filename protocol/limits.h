@@ -12,14 +12,15 @@ namespace wobble::protocol {
 // Raised whenever a byte on the wire means something else than before.
 inline constexpr std::uint16_t kProtocolVersion = 6;
 
-// A datagram's payload, bytes. 1,200 fits every path's MTU (IPv6's floor is 1,280); ENet would fragment a larger one,
-// and a snapshot of ten fragments survives 5 % loss only 60 % of the time.
-inline constexpr std::size_t kMaxPacketBytes = 1200;
+// An input or a snapshot packet, bytes. With the heads of ENet (32), sealing (24), UDP and IPv6 it fits IPv6's smallest
+// MTU, 1,280; a larger one would be fragmented, and a snapshot of ten fragments survives 5 % loss only 60 % of the
+// time.
+inline constexpr std::size_t kMaxPacketBytes = 1176;
 
-// The largest control message from server to client and from client to server, bytes. Clients can make the server hold
-// the second times their number; an input is under 200 bytes.
+// The largest control message from server to client and from client to server, bytes. The second fits one datagram: a
+// hello with as many kept blueprints as it may name has 650 bytes, and the vestibule lets no fragment of a client pass.
 inline constexpr std::size_t kMaxServerMessageBytes = 64 * 1024;
-inline constexpr std::size_t kMaxClientMessageBytes = 4 * 1024;
+inline constexpr std::size_t kMaxClientMessageBytes = 1024;
 
 // Blueprints travel in chunks of this many bytes, so that a large one does not hold up the control channel.
 inline constexpr std::size_t kBlueprintChunkBytes = 4 * 1024;

@@ -14,6 +14,7 @@
 
 #include "protocol/transport/enet_transport.h"
 #include "protocol/version.h"
+#include "server/key_file.h"
 #include "server/ops/agones.h"
 #include "server/ops/endpoint.h"
 #include "server/ops/fleet_duty.h"
@@ -188,6 +189,22 @@ bool StartWatching(const Options& options, Watchers& watchers, std::uint16_t& po
   return true;
 }
 
+// The key of --key, or of the default file; one for this run only where that one cannot be kept. False after it has
+// reported what failed.
+bool ChooseKey(const Options& options, std::optional<transport::vestibule::Key>& key) {
+  const std::filesystem::path file =
+      options.keyFile.empty() ? server::FindKeyFile() : std::filesystem::path(options.keyFile);
+  std::string error = "no folder is known for it";
+  if (!file.empty()) key = server::LoadOrMakeKey(file, error);
+  if (key) return true;
+  if (!options.keyFile.empty()) {
+    Complain({"--key: " + error});
+    return false;
+  }
+  spdlog::warn("the server's key holds for this run only: {}", error);
+  return true;
+}
+
 int RunServer(const Options& options) {
   scenes::LoadResult loaded = scenes::LoadScene(options.scene, scenes::FindShippedScenes());
   if (!options.errors.empty() || !loaded.errors.empty()) {
@@ -206,23 +223,27 @@ int RunServer(const Options& options) {
 
   transport::ListenOptions listen;
   listen.port = options.config.port;
+  listen.host = options.bind;
   listen.maxConnections = static_cast<std::size_t>(options.config.maxClients) + kSpareConnections;
   listen.maxPerAddress = static_cast<std::size_t>(options.config.maxPerAddress);
   std::string error;
   Watchers watchers(options);
   std::uint16_t sidecar = 0;
   if (!StartWatching(options, watchers, sidecar)) return kBadUsage;
+  if (!ChooseKey(options, listen.secretKey)) return kBadUsage;
   auto transport = transport::EnetTransport::Listen(listen, error);
   if (transport == nullptr) {
     Complain({error});
     return kBadUsage;
   }
   const std::uint16_t port = transport->ReadPort();
+  const std::string publicKey = transport::vestibule::FormatKey(transport->ReadServerKey());
 
   std::vector<server::Bases> bases;
   if (!options.isUntrained) bases = server::LoadBases(loaded.scene, options.cacheFolder, options.config.threads);
   server::Server server(options.config, std::move(loaded.scene), std::move(transport), ReadClock(), std::move(bases),
                         &ReadClock);
+  spdlog::info("this server's key is {}", publicKey);
   fmt::print("listening on UDP port {}, scene {}\n", port, options.scene);
   std::fflush(stdout);
   if (sidecar != 0) watchers.agones.emplace(sidecar);

@@ -42,6 +42,14 @@ void DescribeOptions(CLI::App& app, Options& options) {
   app.set_version_flag("--version", std::string("wobbled ") + kVersion);
   app.add_option("--scene", options.scene, "Name of a shipped scene, or a path to a .toml file")->capture_default_str();
   addNumber("--port", kPortRange, config.port, "UDP port; 0: a free one, printed at the start");
+  app.add_option("--bind", options.bind,
+                 "Address to listen at, such as 127.0.0.1 or ::1; every address of the machine, IPv6 and IPv4, if not "
+                 "given")
+      ->type_name("ADDRESS");
+  app.add_option("--key", options.keyFile,
+                 "File of the server's secret key, by which clients know it again; made if it is not there "
+                 "(server.key in the user's state folder)")
+      ->type_name("FILE");
   addNumber("--tick-hz", kTickHzRange, config.tickHz, "Steps of the world a second");
   addNumber("--snapshot-hz", kSnapshotHzRange, config.snapshotHz, "Snapshots a second, at most --tick-hz");
   addNumber("--max-clients", kMaxClientsRange, config.maxClients, "Players and spectators at once");

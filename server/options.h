@@ -14,6 +14,8 @@ struct Options {
   std::string scene = "arena";
   double runFor = 0;       // s; 0: until a signal
   double statusEvery = 0;  // s; 0: no status lines
+  std::string bind;        // address to listen at; empty: every one of the machine
+  std::string keyFile;     // of the server's key; empty: see FindKeyFile
   std::string logLevel = "info";
   std::string summaryFile;
   std::string cacheFolder;

@@ -31,6 +31,7 @@ void Server::TakeEvent(const transport::Event& event, double now) {
     return;
   }
   if (session.state == Session::State::kEnding) return;
+  if (event.kind == Kind::kOffence) return End(session, GoodbyeReason::TooMuch, "");
 
   const MessageEffect effect = TakeMessage(session, event.channel, event.bytes, m_world.Tick(), now);
   m_counts.stalls += effect.stalls;

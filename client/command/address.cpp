@@ -15,9 +15,14 @@ std::optional<Address> ParseAddress(const std::string& text, std::string& error)
     return std::nullopt;
   }
   address.host = text.substr(0, colon);
+  const bool isBracketed = address.host.size() > 2 && address.host.front() == '[' && address.host.back() == ']';
+  if (isBracketed) address.host = address.host.substr(1, address.host.size() - 2);
   return address;
 }
 
-std::string Describe(const Address& address) { return address.host + ":" + std::to_string(address.port); }
+std::string Describe(const Address& address) {
+  const bool isIpv6 = address.host.find(':') != std::string::npos;
+  return (isIpv6 ? "[" + address.host + "]" : address.host) + ":" + std::to_string(address.port);
+}
 
 }  // namespace wobble::command

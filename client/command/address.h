@@ -11,7 +11,7 @@ struct Address {
   std::string host;
   std::uint16_t port = 0;
 };
-// Reads 'HOST:PORT', port 1..65535. nullopt with one line in `error`.
+// Reads 'HOST:PORT', port 1..65535; an IPv6 address stands in brackets: [::1]:7777. nullopt with one line in `error`.
 [[nodiscard]] std::optional<Address> ParseAddress(const std::string& text, std::string& error);
 // As ParseAddress reads it.
 [[nodiscard]] std::string Describe(const Address& address);

@@ -35,6 +35,8 @@ void ServerLink::Poll(double now, Outbox& outbox) {
       case transport::Event::Kind::kMessage:
         outbox.Add(static_cast<std::uint8_t>(event.channel), event.bytes);
         break;
+      case transport::Event::Kind::kOffence:  // of clients alone
+        break;
     }
   });
 }

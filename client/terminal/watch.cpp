@@ -21,6 +21,7 @@
 #include "client/command/clock.h"
 #include "client/command/exit_codes.h"
 #include "client/files/kept_folder.h"
+#include "client/files/known_servers.h"
 #include "client/terminal/camera.h"
 #include "client/terminal/controls.h"
 #include "client/terminal/guardian.h"
@@ -91,7 +92,7 @@ class Watch {
   Guard& m_guard;
   const std::function<bool()>& m_isStopAsked;
 
-  transport::Transport* m_transport = nullptr;  // owned by m_client
+  transport::EnetTransport* m_transport = nullptr;  // owned by m_client
   std::unique_ptr<client::Client> m_client;
   std::vector<client::BodySample> m_samples;
   std::map<std::uint32_t, std::string> m_players;  // names by body
@@ -134,7 +135,10 @@ int Watch::Run() {
 // On failure prints one line and returns false.
 bool Watch::Connect() {
   std::string error;
-  auto transport = transport::EnetTransport::Connect(m_options.server.host, m_options.server.port, error);
+  const files::KnownServers known(files::FindKnownServersFile());
+  transport::ConnectOptions connect;
+  connect.serverKey = known.Find(command::Describe(m_options.server));
+  auto transport = transport::EnetTransport::Connect(m_options.server.host, m_options.server.port, error, connect);
   if (transport == nullptr) {
     std::fprintf(stderr, "wobble watch: %s\n", error.c_str());
     return false;
@@ -161,7 +165,11 @@ void Watch::Play() {
       m_client->Update(now);
       nextUpdate = std::max(nextUpdate + 1 / kUpdateHz, now);
       if (m_client->ReadState() == client::State::kEnded) return;
-      m_played = m_played || IsPlaying();
+      if (!m_played && IsPlaying()) {
+        m_played = true;
+        const files::KnownServers known(files::FindKnownServersFile());
+        known.Note(command::Describe(m_options.server), m_transport->ReadServerKey());
+      }
     }
     if (m_guard.Update()) {
       m_encoder.Invalidate();

@@ -47,6 +47,7 @@ install(DIRECTORY ${PROJECT_BINARY_DIR}/generated/protocol DESTINATION ${headers
   FILES_MATCHING PATTERN "*.h")
 file(GLOB clientHeaders CONFIGURE_DEPENDS client/*.h)
 install(FILES ${clientHeaders} DESTINATION ${headers}/client COMPONENT dev)
+install(FILES client/files/kept_folder.h DESTINATION ${headers}/client/files COMPONENT dev)
 
 configure_package_config_file(docker/packaging/wobbleConfig.cmake.in ${PROJECT_BINARY_DIR}/wobbleConfig.cmake
   INSTALL_DESTINATION ${config})

@@ -1,19 +1,26 @@
 // ENet 1.3.17 restricted to what this project needs of it.
 //
-// ENet's handshake, reliable channel and unsequenced packets are used. Its faults are switched off or checked here: a
-// CRC keyed with the connection's id on every datagram (without it one forged datagram drops a peer), small limits on
-// what a peer can make us hold, no throttle that discards snapshots at the sender, no fragmented snapshots, time-outs
-// that survive 20 % loss (its defaults drop 14 of 32 peers in 20 s), and a limit on the doubling of the wait before a
-// reliable command is sent again (transport.h says why). Every datagram is judged in one place, OpenDatagram, before
-// ENet sees it; a cookie against forged connects and sealing belong there too.
+// ENet's handshake, reliable channel and unsequenced packets are used. Its faults are switched off or checked here:
+// small limits on what a peer can make us hold, no throttle that discards snapshots at the sender, no fragmented
+// snapshots, time-outs that survive 20 % loss (its defaults drop 14 of 32 peers in 20 s), and a limit on the doubling
+// of the wait before a reliable command is sent again (transport.h says why).
+//
+// ENet has no hook that may lengthen a datagram, so its socket is one end of a pair that only this process has, and the
+// network is the bridge's. ENet reads what is written to the other end. The other direction is full from the beginning:
+// what ENet sends is taken from its buffers in the checksum's callback, which it calls just before, and its own call
+// then finds no room and gives up in silence. If that ever fails to hold, nothing is sent at all, so it cannot fail
+// unseen. Interposing ENet's socket functions was rejected: it fails silently where the linker binds them early. A
+// socket for each client costs twice the time.
 #include "protocol/transport/enet_host.h"
 
 #include <enet/time.h>
-#include <zlib.h>
+#include <fcntl.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
-#include <iterator>
 #include <random>
 #include <span>
 
@@ -23,20 +30,12 @@
 namespace wobble::transport {
 namespace {
 
-// IPv6's smallest MTU less the headers of IP (40) and UDP (8): no path fragments such a datagram. It is also just
-// enough for a message of kMaxPacketBytes: ENet fragments, and thereby makes reliable, a packet that does not fit
-// beside the largest of its headers.
-constexpr enet_uint32 kMtu = 1280 - 40 - 8;
-static_assert(protocol::kMaxPacketBytes + sizeof(ENetProtocolHeader) + sizeof(ENetProtocolSendFragment) +
-                  sizeof(enet_uint32) <=
-              kMtu);
-
 // Bytes of one peer's messages that may wait in ENet's queues behind one that is missing. When they are used up, ENet
 // refuses the missing one too, and the connection is stuck for ever. So a client has room for all that a server can
 // have on its way: a window of downloads, and welcome, events and scoreboards beside it. A server's clients send
 // little.
 constexpr std::size_t kClientWaitingBytes = protocol::kDownloadWindowBytes + 512 * 1024;
-constexpr std::size_t kServerWaitingBytes = 128 * 1024;
+constexpr std::size_t kServerWaitingBytes = 64 * 1024;
 
 // ENet gives a peer up when a reliable command stays unanswered for kTimeoutMaximumMs, or for kTimeoutMinimumMs once
 // the wait before the next try has grown by the factor kTimeoutLimit, which LimitRetries prevents. The session layer
@@ -45,67 +44,52 @@ constexpr enet_uint32 kTimeoutLimit = 4096;
 constexpr enet_uint32 kTimeoutMinimumMs = 30000;
 constexpr enet_uint32 kTimeoutMaximumMs = 60000;
 
-// The same result as enet_crc32, which goes byte by byte and took 4 % of a server with 64 clients; zlib takes a fifth
-// of that.
-enet_uint32 ENET_CALLBACK ComputeChecksum(const ENetBuffer* buffers, std::size_t count) {
-  uLong crc = crc32(0, nullptr, 0);
-  for (const ENetBuffer& buffer : std::span(buffers, count)) {
-    crc = crc32(crc, static_cast<const Bytef*>(buffer.data), static_cast<uInt>(buffer.dataLength));
+// Room in the pair, bytes: Linux charges some 800 for a message of 100, and limits this to net.core.wmem_max.
+constexpr int kPairBytes = 4 * 1024 * 1024;
+
+// ENet's field for data of a compressor, which is not used: it stays null without the functions beside it.
+Bridge& BridgeOf(const ENetHost& host) { return *static_cast<Bridge*>(host.compressor.context); }
+
+// The place of the checksum in a datagram: behind the peer's number, and the time sent if there is one.
+enet_uint32 ReadChecksum(const ENetBuffer& buffer) {
+  const auto* data = static_cast<const enet_uint8*>(buffer.data);
+  const bool hasTime = (data[0] & (ENET_PROTOCOL_HEADER_FLAG_SENT_TIME >> 8U)) != 0;
+  enet_uint32 checksum;
+  std::memcpy(&checksum, data + (hasTime ? sizeof(ENetProtocolHeader) : sizeof(ENetProtocolHeader::peerID)),
+              sizeof checksum);
+  return checksum;
+}
+
+// ENet's checksum callback. Sealing makes a checksum needless, so its field carries what ENet writes there before it
+// asks: the connection's id. On receipt ENet has put the id that it expects in that place, so the field itself is the
+// right answer. A datagram to be sent has several parts, the first of them in the host itself; one received has one.
+enet_uint32 ENET_CALLBACK TakeDatagram(const ENetBuffer* buffers, std::size_t count) {
+  const enet_uint32 connection = ReadChecksum(buffers[0]);
+  if (count == 1) return connection;
+  const auto* begin = reinterpret_cast<const char*>(buffers) - offsetof(ENetHost, buffers);
+  BridgeOf(*reinterpret_cast<const ENetHost*>(begin)).send(connection, {buffers, count});
+  return connection;
+}
+
+// ENet's intercept callback. 1: ENet drops the datagram; 0: ENet goes on with it. ENet reads the checksum without
+// checking that the datagram is so long.
+int ENET_CALLBACK OpenDatagram(ENetHost* host, ENetEvent*) {
+  const bool isKept = BridgeOf(*host).receive(*host);
+  return isKept && host->receivedDataLength > sizeof(ENetProtocolHeader) + sizeof(enet_uint32) ? 0 : 1;
+}
+
+// A pair whose direction away from `enetEnd` has no room left.
+bool MakePair(int& enetEnd, int& otherEnd) {
+  int ends[2];
+  if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, ends) != 0) return false;
+  enetEnd = ends[0];
+  otherEnd = ends[1];
+  const int least = 1;
+  setsockopt(enetEnd, SOL_SOCKET, SO_SNDBUF, &least, sizeof least);
+  setsockopt(otherEnd, SOL_SOCKET, SO_SNDBUF, &kPairBytes, sizeof kPairBytes);
+  while (send(enetEnd, "", 1, MSG_NOSIGNAL) == 1) {
   }
-  return ENET_HOST_TO_NET_32(static_cast<enet_uint32>(crc));
-}
-
-bool IsFrom(const ENetPeer& peer, const ENetAddress& address) {
-  return peer.address.host == address.host && peer.address.port == address.port;
-}
-
-// Whether a datagram for `peer` comes from that peer's address, in its present session.
-bool IsForLivePeer(const ENetPeer& peer, const ENetAddress& from, unsigned session) {
-  if (peer.state == ENET_PEER_STATE_DISCONNECTED || peer.state == ENET_PEER_STATE_ZOMBIE) return false;
-  if (!IsFrom(peer, from)) return false;
-  const bool hasSession = peer.outgoingPeerID < ENET_PROTOCOL_MAXIMUM_PEER_ID;
-  return !hasSession || session == peer.incomingSessionID;
-}
-
-// Makes ENet's own checks before ENet, which reads the CRC without checking that the datagram is that long. Layout:
-// peer id with flags and session (2 bytes), the time sent (2, if flagged), the CRC (4), commands. The CRC is taken over
-// the datagram with the connection's random id in the CRC's place, or 0 where there is no connection yet.
-bool IsGenuine(const ENetHost& host, bool acceptsConnects) {
-  const enet_uint8* data = host.receivedData;
-  const std::size_t length = host.receivedDataLength;
-  if (length < sizeof(ENetProtocolHeader::peerID)) return false;
-  const unsigned head = unsigned{data[0]} << 8 | data[1];
-  if ((head & ENET_PROTOCOL_HEADER_FLAG_COMPRESSED) != 0) return false;
-  const std::size_t checksumAt = (head & ENET_PROTOCOL_HEADER_FLAG_SENT_TIME) != 0 ? sizeof(ENetProtocolHeader)
-                                                                                   : sizeof(ENetProtocolHeader::peerID);
-  const std::size_t commandsAt = checksumAt + sizeof(enet_uint32);
-  if (length < commandsAt + sizeof(ENetProtocolCommandHeader)) return false;
-
-  const unsigned session = (head & ENET_PROTOCOL_HEADER_SESSION_MASK) >> ENET_PROTOCOL_HEADER_SESSION_SHIFT;
-  const unsigned slot = head & ENET_PROTOCOL_MAXIMUM_PEER_ID;
-  enet_uint32 key = 0;
-  if (slot == ENET_PROTOCOL_MAXIMUM_PEER_ID) {  // from an address without a slot: only a connect is valid
-    const bool isConnect = (data[commandsAt] & ENET_PROTOCOL_COMMAND_MASK) == ENET_PROTOCOL_COMMAND_CONNECT &&
-                           length >= commandsAt + sizeof(ENetProtocolConnect);
-    if (!acceptsConnects || !isConnect) return false;
-  } else {
-    if (slot >= host.peerCount || !IsForLivePeer(host.peers[slot], host.receivedAddress, session)) return false;
-    key = host.peers[slot].connectID;
-  }
-
-  enet_uint32 stated;
-  std::memcpy(&stated, data + checksumAt, sizeof stated);
-  const ENetBuffer parts[] = {
-      {host.receivedData, checksumAt}, {&key, sizeof key}, {host.receivedData + commandsAt, length - commandsAt}};
-  return ComputeChecksum(parts, std::size(parts)) == stated;
-}
-
-// ENet's intercept callback. 1: ENet drops the datagram; 0: ENet goes on with it.
-int ENET_CALLBACK OpenDatagram(ENetHost* host, ENetEvent* event) {
-  auto* polled = reinterpret_cast<PolledEvent*>(event);
-  if (IsGenuine(*host, polled->acceptsConnects)) return 0;
-  ++polled->rejected;
-  return 1;
+  return true;
 }
 
 }  // namespace
@@ -115,19 +99,26 @@ bool InitialiseEnet() {
   return isReady;
 }
 
-ENetHost* MakeHost(const ENetAddress* address, std::size_t slots, std::size_t maxReceivedBytes, int socketBytes) {
-  ENetHost* host = enet_host_create(address, slots, kChannelCount, 0, 0);
-  if (host == nullptr) return nullptr;
-  host->checksum = ComputeChecksum;
+ENetHost* MakeHost(Bridge& bridge, std::size_t slots, bool isServer, std::size_t maxReceivedBytes, int& pairEnd) {
+  int enetEnd = -1;
+  if (!MakePair(enetEnd, pairEnd)) return nullptr;
+  ENetHost* host = enet_host_create(nullptr, slots, kChannelCount, 0, 0);
+  if (host == nullptr) {
+    close(enetEnd);
+    close(pairEnd);
+    return nullptr;
+  }
+  enet_socket_destroy(host->socket);
+  host->socket = enetEnd;
+  host->compressor.context = &bridge;
+  host->checksum = TakeDatagram;
   host->intercept = OpenDatagram;
   host->mtu = kMtu;
   for (std::size_t slot = 0; slot < slots; ++slot)
     host->peers[slot].mtu = kMtu;  // ENet has copied them from the host already
   host->maximumPacketSize = maxReceivedBytes;
-  host->maximumWaitingData = address == nullptr ? kClientWaitingBytes : kServerWaitingBytes;
-  host->randomSeed = std::random_device{}();  // connection ids key the CRC; ENet would take them from the time of day
-  enet_socket_set_option(host->socket, ENET_SOCKOPT_RCVBUF, socketBytes);
-  enet_socket_set_option(host->socket, ENET_SOCKOPT_SNDBUF, socketBytes);
+  host->maximumWaitingData = isServer ? kServerWaitingBytes : kClientWaitingBytes;
+  host->randomSeed = std::random_device{}();  // ENet would take connection ids from the time of day
   return host;
 }
 

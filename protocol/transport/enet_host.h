@@ -1,31 +1,47 @@
-// An ENet host with the settings of this project, and the one place where a datagram is judged before ENet sees it.
+// An ENet host with the settings of this project, whose datagrams go by a bridge instead of a network.
 //
-// For enet_transport.cpp alone: it includes enet.h.
+// For enet_transport.cpp and the bridges alone: it includes enet.h.
 #pragma once
 
 #include <enet/enet.h>
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <span>
+
+#include "protocol/limits.h"
+#include "protocol/transport/vestibule/seal.h"
 
 namespace wobble::transport {
+
+// A datagram on the wire: IPv6's smallest MTU less the headers of IP (40) and UDP (8), so that no path fragments it.
+// What is left for ENet after sealing is just enough for a message of kMaxPacketBytes: ENet fragments, and thereby
+// makes reliable, a packet that does not fit beside the largest of its headers.
+inline constexpr std::size_t kMaxDatagramBytes = 1280 - 40 - 8;
+inline constexpr enet_uint32 kMtu = kMaxDatagramBytes - vestibule::kSealedOverhead;
+static_assert(protocol::kMaxPacketBytes + sizeof(ENetProtocolHeader) + sizeof(ENetProtocolSendFragment) +
+                  sizeof(enet_uint32) <=
+              kMtu);
 
 // False when ENet cannot be initialised. Once for the process; Unix needs no enet_deinitialize.
 [[nodiscard]] bool InitialiseEnet();
 
-// A host for `slots` peers with the settings that both ends share. address: to listen at; nullptr for a client.
-// maxReceivedBytes: of one packet; socketBytes: of each socket buffer. Null, with errno set, when there is no socket or
-// the port cannot be bound.
-[[nodiscard]] ENetHost* MakeHost(const ENetAddress* address, std::size_t slots, std::size_t maxReceivedBytes,
-                                 int socketBytes);
-
-// The event to pass to enet_host_service. ENet hands it to the interceptor untouched, so the fields behind it reach the
-// interceptor without a global.
-struct PolledEvent {
-  ENetEvent event;  // first: the two addresses are the same
-  bool acceptsConnects;
-  std::uint64_t rejected;  // datagrams that the interceptor has dropped
+// What stands between an ENet host and the network.
+struct Bridge {
+  // host.receivedData is a message from the pair. Makes it a datagram of ENet and sets host.receivedAddress; false: the
+  // message is dropped.
+  std::function<bool(ENetHost& host)> receive;
+  // Sends one datagram of ENet, in consecutive parts. connection: the id of its connection, as ENet stores it; 0 while
+  // the far end has not answered.
+  std::function<void(enet_uint32 connection, std::span<const ENetBuffer> parts)> send;
 };
+
+// A host for `slots` peers. What is written to `pairEnd`, which the caller closes, goes to bridge.receive; what ENet
+// sends, to bridge.send. bridge: outlives the host. isServer: it takes connections, else it makes one.
+// maxReceivedBytes: of one packet. Null when the system has no descriptors or memory left.
+[[nodiscard]] ENetHost* MakeHost(Bridge& bridge, std::size_t slots, bool isServer, std::size_t maxReceivedBytes,
+                                 int& pairEnd);
 
 // Sets how long ENet waits for a peer. To be called once its handshake has ended.
 void SetTimeouts(ENetPeer& peer);

@@ -1,42 +1,37 @@
-// Connections over ENet: who is let in, what is passed on, when a connection is over.
+// Connections over ENet: what is passed on, and when a connection is over.
 //
-// enet_host.h has the settings of ENet and judges datagrams. ENet's own answer to a full server is silence, so a few
-// slots are kept for refusing. A peer's connection id is in ENetPeer::data; ids are counted up and never used again,
-// while ENet reuses its slots.
+// The bridges (server_bridge.h, client_bridge.h) carry ENet's datagrams; the vestibule decides who is let in. A peer's
+// connection id is in ENetPeer::data; ids are counted up and never used again, while ENet reuses its slots.
 #include "protocol/transport/enet_transport.h"
 
 #include <algorithm>
 #include <cassert>
-#include <cerrno>
-#include <cstring>
+#include <chrono>
 #include <limits>
 #include <span>
 #include <unordered_map>
 #include <vector>
 
+#include "protocol/transport/client_bridge.h"
 #include "protocol/transport/enet_host.h"
+#include "protocol/transport/server_bridge.h"
 
 namespace wobble::transport {
 namespace {
 
+using vestibule::Caller;
+
 // Seconds that Disconnect waits for the far end to acknowledge what is on its way and the close.
 constexpr double kCloseTimeout = 3;
 
-// Slots beyond maxConnections and beyond maxPerAddress, in which a client too many is connected to be told so.
-constexpr std::size_t kRefusalSlots = 8;
-constexpr std::size_t kRefusalSlotsPerAddress = 2;
-
-// Socket buffers, bytes. After a late tick a server finds every client's inputs in its buffer, where a datagram of 100
-// bytes is charged about 400: ENet's 256 KiB hold 600 inputs, 4 MiB 10,000, which is a second of 160 clients at 60 Hz.
-// In the other direction a burst of snapshots to all clients leaves within a millisecond, and ENet silently loses what
-// the send buffer cannot hold. Linux silently limits both to net.core.rmem_max and wmem_max.
+// A server's socket buffers, bytes. A burst of snapshots to all clients leaves within a millisecond. Linux silently
+// limits both to net.core.rmem_max and wmem_max.
 constexpr int kServerSocketBytes = 4 * 1024 * 1024;
-constexpr int kClientSocketBytes = 1024 * 1024;
 
-// Bounds a Poll, so that a flood cannot keep it from returning. Dropping a datagram costs 2 to 4 us, nearly all of it
-// the system call, so these cost 5 to 9 ms; at 60 Hz they are 120,000 a second, four times what 500 clients send.
+// Bounds a Poll, so that a flood cannot keep it from returning: at 60 Hz these are 120,000 datagrams a second, four
+// times what 500 clients send.
 constexpr std::uint32_t kMaxDatagramsPerPoll = 2048;
-// Datagrams that ENet takes from the socket in one call.
+// Datagrams that ENet takes from the pair in one call.
 constexpr enet_uint32 kDatagramsPerService = 256;
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -45,34 +40,71 @@ struct PacketDeleter {
   void operator()(ENetPacket* packet) const { enet_packet_destroy(packet); }
 };
 
+ConnectionId IdOf(const ENetPeer& peer) {
+  return static_cast<ConnectionId>(reinterpret_cast<std::uintptr_t>(peer.data));
+}
+
+void SetId(ENetPeer& peer, ConnectionId id) { peer.data = reinterpret_cast<void*>(std::uintptr_t{id}); }
+
+// The words of protocol::Name for the same reasons, which this room does not know.
+std::string_view Describe(const Caller& caller) {
+  switch (caller.ReadState()) {
+    case Caller::State::kWrongServer:
+      return "the server's key is not the one that is known for this address";
+    case Caller::State::kOtherVersion:
+      return "wrong protocol version";
+    case Caller::State::kReset:
+      return "the server was restarted";
+    case Caller::State::kRefused:
+      break;
+    default:
+      return "";
+  }
+  switch (caller.ReadRefusal()) {
+    case vestibule::Refusal::kFull:
+      return "server is full";
+    case vestibule::Refusal::kTooManyFromAddress:
+      return "too many connections from this address";
+    case vestibule::Refusal::kBadCredential:
+      return "the password, invite or token is not valid";
+    case vestibule::Refusal::kBanned:
+      return "banned from this server";
+    case vestibule::Refusal::kNone:
+      break;
+  }
+  return "refused";
+}
+
 }  // namespace
 
 struct EnetTransport::Impl {
   struct Connection {
-    ENetPeer* peer;
+    ENetPeer* peer;            // null for a client that is not let in yet
     bool isKnown;              // our user knows of it and must be told of its end
     bool isOpen = false;       // messages may pass: connected and not being closed
     double deadline = kNever;  // when it is dropped
   };
 
-  explicit Impl(ENetHost* enetHost) : host(enetHost) {}
+  explicit Impl(std::unique_ptr<ServerBridge> bridge) : server(std::move(bridge)), host(&server->Host()) {}
+  explicit Impl(std::unique_ptr<ClientBridge> bridge) : client(std::move(bridge)), host(&client->Host()) {}
   ~Impl();
 
   void Poll(double time, const Sink& sink);
+  void PollClient(const Sink& sink);
+  void TakeNotices(const Sink& sink);
   void GiveUpOverdue(const Sink& sink);
   void Dispatch(const ENetEvent& event, const Sink& sink);
   void Admit(ENetPeer& peer, const Sink& sink);
   void Receive(const ENetEvent& event, const Sink& sink);
-  void Forget(ConnectionId id, const Sink& sink);
+  void Forget(ConnectionId id, const Sink& sink, std::string_view reason = {});
+  void Drop(ENetPeer* peer);
   void BeginClosing(Connection& connection);
-  bool IsFull(const ENetPeer& peer) const;
   bool IsAcceptable(Channel channel, const ENetPacket& packet) const;
-  void CollectTotals();
+  void FlushBridge();
 
+  std::unique_ptr<ServerBridge> server;  // one of the two
+  std::unique_ptr<ClientBridge> client;
   ENetHost* host;
-  bool isServer = false;
-  std::size_t maxConnections = 1;
-  std::size_t maxPerAddress = 1;
   std::size_t maxReceivedBytes = 0;  // of a control message
   std::size_t maxSentBytes = 0;      // likewise
   double connectTimeout = 0;
@@ -86,70 +118,99 @@ struct EnetTransport::Impl {
   std::vector<ConnectionId> overdue;  // scratch
 };
 
-namespace {
-
-ConnectionId IdOf(const ENetPeer& peer) {
-  return static_cast<ConnectionId>(reinterpret_cast<std::uintptr_t>(peer.data));
-}
-
-void SetId(ENetPeer& peer, ConnectionId id) { peer.data = reinterpret_cast<void*>(std::uintptr_t{id}); }
-
-void Drop(ENetPeer& peer) {
-  if (peer.state == ENET_PEER_STATE_CONNECTING) {
-    enet_peer_reset(&peer);  // the far end does not know of it yet
-  } else {
-    enet_peer_disconnect_now(&peer, 0);
-  }
-  SetId(peer, 0);
-}
-
-}  // namespace
-
 EnetTransport::Impl::~Impl() {
-  for (auto& [id, connection] : connections) Drop(*connection.peer);
-  enet_host_destroy(host);
+  for (auto& [id, connection] : connections) Drop(connection.peer);
 }
 
-// ENet's totals are 32 bits wide and wrap after 4 GiB.
-void EnetTransport::Impl::CollectTotals() {
-  statistics.bytesIn += host->totalReceivedData;
-  statistics.bytesOut += host->totalSentData;
-  host->totalReceivedData = 0;
-  host->totalSentData = 0;
+void EnetTransport::Impl::FlushBridge() {
+  if (server != nullptr) server->Flush();
+  if (client != nullptr) client->Flush();
+}
+
+// The far end hears of it, unless it does not know of the connection yet.
+void EnetTransport::Impl::Drop(ENetPeer* peer) {
+  if (peer == nullptr) return;
+  if (peer->state == ENET_PEER_STATE_CONNECTING) {
+    enet_peer_reset(peer);
+  } else {
+    enet_peer_disconnect_now(peer, 0);
+  }
+  FlushBridge();
+  if (server != nullptr) server->Remove(ServerBridge::FindVisitor(*peer));
+  SetId(*peer, 0);
 }
 
 void EnetTransport::Impl::Poll(double time, const Sink& sink) {
   assert(!isPolling && (!hasPolled || time >= now));
   isPolling = true;
   now = time;
-  if (!hasPolled && !isServer) {
+  if (!hasPolled && client != nullptr) {
     for (auto& [id, connection] : connections)
       connection.deadline = std::min(connection.deadline, now + connectTimeout);
   }
   hasPolled = true;
+  if (client != nullptr) PollClient(sink);
   GiveUpOverdue(sink);
 
-  // The outcome of a call shows in errno, which ENet leaves as the last failed system call set it: EAGAIN when the
-  // socket is empty, another error when sending failed (the next call goes on with the next peer), and none when ENet
-  // stopped at a datagram larger than its buffer (result -1) or at an empty one, which it takes for the end of input.
-  PolledEvent polled{{}, isServer, 0};
-  for (std::uint32_t taken = 0; taken < kMaxDatagramsPerPoll;) {
+  ENetEvent event;
+  for (enet_uint32 taken = 0; taken < kMaxDatagramsPerPoll;) {
     const enet_uint32 before = host->totalReceivedPackets;
-    errno = 0;
-    const int result = enet_host_service(host, &polled.event, 0);
+    const int result = enet_host_service(host, &event, 0);
+    const enet_uint32 received = host->totalReceivedPackets - before;
+    taken += received + 1;
     if (result > 0) {
-      Dispatch(polled.event, sink);
+      Dispatch(event, sink);
+    } else if (received < kDatagramsPerService) {
+      break;
+    }
+  }
+  if (server != nullptr) TakeNotices(sink);
+  FlushBridge();
+  for (std::size_t slot = 0; slot < host->peerCount; ++slot) LimitRetries(host->peers[slot]);
+  isPolling = false;
+}
+
+// ENet begins to connect once its datagrams can be sealed.
+void EnetTransport::Impl::PollClient(const Sink& sink) {
+  client->Poll(now);
+  const auto found = connections.find(kClientConnection);
+  if (found == connections.end()) return;
+  Connection& connection = found->second;
+  if (client->Caller().HasEnded()) {
+    if (connection.peer != nullptr) {
+      SetId(*connection.peer, 0);
+      enet_peer_reset(connection.peer);
+    }
+    Forget(kClientConnection, sink, Describe(client->Caller()));
+    return;
+  }
+  if (connection.peer != nullptr || !client->Caller().CanSeal()) return;
+  connection.peer = enet_host_connect(host, &ClientBridge::kServerAddress, kChannelCount, 0);
+  assert(connection.peer != nullptr);  // the host has one slot for one peer
+  SetId(*connection.peer, kClientConnection);
+}
+
+void EnetTransport::Impl::TakeNotices(const Sink& sink) {
+  for (const ServerBridge::Notice& notice : server->TakeNotices()) {
+    const auto peers = std::span(host->peers, host->peerCount);
+    const auto peer = std::find_if(peers.begin(), peers.end(), [&](const ENetPeer& each) {
+      return each.state != ENET_PEER_STATE_DISCONNECTED && ServerBridge::FindVisitor(each) == notice.visitor;
+    });
+    if (peer == peers.end()) {
+      server->Remove(notice.visitor);
       continue;
     }
-    if (result == 0 && errno != 0) break;
-    const enet_uint32 received = host->totalReceivedPackets - before;
-    if (errno == 0 && received < kDatagramsPerService) ++polled.rejected;
-    taken += received + 1;
+    const ConnectionId id = IdOf(*peer);
+    const auto found = connections.find(id);
+    if (notice.isGone || found == connections.end()) {
+      enet_peer_reset(&*peer);
+      SetId(*peer, 0);
+      server->Remove(notice.visitor);
+      Forget(id, sink);
+    } else if (found->second.isOpen && found->second.isKnown) {
+      sink({.kind = Event::Kind::kOffence, .connection = id});
+    }
   }
-  statistics.datagramsRejected += polled.rejected;
-  for (std::size_t slot = 0; slot < host->peerCount; ++slot) LimitRetries(host->peers[slot]);
-  CollectTotals();
-  isPolling = false;
 }
 
 void EnetTransport::Impl::GiveUpOverdue(const Sink& sink) {
@@ -158,7 +219,7 @@ void EnetTransport::Impl::GiveUpOverdue(const Sink& sink) {
     if (connection.deadline <= now) overdue.push_back(id);
   }
   for (const ConnectionId id : overdue) {
-    Drop(*connections.at(id).peer);
+    Drop(connections.at(id).peer);
     Forget(id, sink);
   }
 }
@@ -171,6 +232,11 @@ void EnetTransport::Impl::Dispatch(const ENetEvent& event, const Sink& sink) {
     case ENET_EVENT_TYPE_DISCONNECT: {
       const ConnectionId id = IdOf(*event.peer);
       SetId(*event.peer, 0);
+      // ENet's last word to it is on its way already.
+      if (server != nullptr) {
+        server->Flush();
+        server->Remove(ServerBridge::FindVisitor(*event.peer));
+      }
       Forget(id, sink);
       break;
     }
@@ -182,26 +248,15 @@ void EnetTransport::Impl::Dispatch(const ENetEvent& event, const Sink& sink) {
   }
 }
 
-bool EnetTransport::Impl::IsFull(const ENetPeer& peer) const {
-  std::size_t all = 0;
-  std::size_t ofAddress = 0;
-  for (const auto& [id, connection] : connections) {
-    if (!connection.isKnown) continue;
-    ++all;
-    if (connection.peer->address.host == peer.address.host) ++ofAddress;
-  }
-  return all >= maxConnections || ofAddress >= maxPerAddress;
-}
-
-// A handshake has ended; on a server a connection begins here. One that is not wanted gets an id too, so that its
+// ENet's handshake has ended; on a server a connection begins here. One that is not wanted gets an id too, so that its
 // closing has a deadline, but the sink never hears of it.
 void EnetTransport::Impl::Admit(ENetPeer& peer, const Sink& sink) {
   ConnectionId id = IdOf(peer);
-  const bool isWanted = IsAsAgreed(peer) && (!isServer || !IsFull(peer));
-  if (isServer) {
+  const bool isWanted = IsAsAgreed(peer);
+  if (server != nullptr) {
     id = ++newestId;
     SetId(peer, id);
-    connections[id] = {&peer, isWanted};
+    connections[id] = {.peer = &peer, .isKnown = isWanted};
   }
   SetTimeouts(peer);
   Connection& connection = connections.at(id);
@@ -241,22 +296,24 @@ void EnetTransport::Impl::Receive(const ENetEvent& event, const Sink& sink) {
         .bytes = {packet->data, packet->dataLength}});
 }
 
-void EnetTransport::Impl::Forget(ConnectionId id, const Sink& sink) {
+void EnetTransport::Impl::Forget(ConnectionId id, const Sink& sink, std::string_view reason) {
   const auto found = connections.find(id);
   if (found == connections.end()) return;
   const bool isKnown = found->second.isKnown;
   connections.erase(found);
-  if (isKnown) sink({.kind = Event::Kind::kDisconnected, .connection = id});
+  if (isKnown) sink({.kind = Event::Kind::kDisconnected, .connection = id, .reason = reason});
 }
 
 void EnetTransport::Impl::BeginClosing(Connection& connection) {
   connection.isOpen = false;
-  if (connection.peer->state == ENET_PEER_STATE_CONNECTING) {
+  if (connection.peer == nullptr || connection.peer->state == ENET_PEER_STATE_CONNECTING) {
     connection.deadline = -kNever;  // there is nothing to wait for: the next Poll drops it
-  } else {
-    enet_peer_disconnect_later(connection.peer, 0);
-    connection.deadline = now + kCloseTimeout;
+    return;
   }
+  enet_peer_disconnect_later(connection.peer, 0);
+  connection.deadline = now + kCloseTimeout;
+  // Its seat is free from now on, whether or not it ever acknowledges the end.
+  if (server != nullptr) server->Keeper().Release(ServerBridge::FindVisitor(*connection.peer));
 }
 
 EnetTransport::EnetTransport(std::unique_ptr<Impl> impl) : m_impl(std::move(impl)) {}
@@ -264,60 +321,44 @@ EnetTransport::~EnetTransport() = default;
 
 std::unique_ptr<EnetTransport> EnetTransport::Listen(const ListenOptions& options, std::string& error) {
   assert(options.maxConnections >= 1 && options.maxConnections <= kMaxListenConnections);
-  if (!InitialiseEnet()) {
+  if (!InitialiseEnet() || !vestibule::InitialiseSodium()) {
     error = "the network library does not start";
     return nullptr;
   }
-  ENetAddress address{ENET_HOST_ANY, options.port};
-  const std::size_t slots = options.maxConnections + kRefusalSlots;
-  errno = 0;
-  ENetHost* host = MakeHost(&address, slots, std::max(options.maxMessageBytes, protocol::kMaxClientMessageBytes),
-                            kServerSocketBytes);
-  if (host == nullptr) {
-    const std::string port = "port " + std::to_string(options.port) + " (UDP) ";
-    error = errno == EADDRINUSE ? port + "is in use" : port + "cannot be opened: " + std::strerror(errno);
-    return nullptr;
-  }
-  host->duplicatePeers = options.maxPerAddress == 0 ? slots : options.maxPerAddress + kRefusalSlotsPerAddress;
-
-  auto impl = std::make_unique<Impl>(host);
-  impl->isServer = true;
-  impl->maxConnections = options.maxConnections;
-  impl->maxPerAddress = options.maxPerAddress == 0 ? options.maxConnections : options.maxPerAddress;
-  impl->maxReceivedBytes = options.maxMessageBytes;
+  auto socket = vestibule::UdpSocket::Listen(options.host, options.port, error);
+  if (!socket) return nullptr;
+  socket->SetBuffers(kServerSocketBytes);
+  vestibule::Door::Settings settings;
+  settings.identity =
+      options.secretKey ? vestibule::MakeKeyPair(*options.secretKey) : vestibule::MakeKeyPair(vestibule::FillRandomly);
+  settings.maxVisitors = options.maxConnections;
+  settings.maxPerAddress = options.maxPerAddress == 0 ? options.maxConnections : options.maxPerAddress;
+  constexpr std::size_t kMostReceived = std::max(protocol::kMaxClientMessageBytes, protocol::kMaxPacketBytes);
+  auto bridge = ServerBridge::Open(std::move(*socket), std::move(settings), kMostReceived, error);
+  if (bridge == nullptr) return nullptr;
+  auto impl = std::make_unique<Impl>(std::move(bridge));
+  impl->maxReceivedBytes = protocol::kMaxClientMessageBytes;
   impl->maxSentBytes = protocol::kMaxServerMessageBytes;
   return std::unique_ptr<EnetTransport>(new EnetTransport(std::move(impl)));
 }
 
 std::unique_ptr<EnetTransport> EnetTransport::Connect(const std::string& host, std::uint16_t port, std::string& error,
                                                       const ConnectOptions& options) {
-  if (!InitialiseEnet()) {
+  if (!InitialiseEnet() || !vestibule::InitialiseSodium()) {
     error = "the network library does not start";
     return nullptr;
   }
-  ENetAddress address{0, port};
-  if (host.empty() || enet_address_set_host(&address, host.c_str()) != 0) {
-    error = "no IPv4 address is known for \"" + host + "\"";
-    return nullptr;
-  }
-  errno = 0;
-  ENetHost* enetHost = MakeHost(nullptr, 1, protocol::kMaxServerMessageBytes, kClientSocketBytes);
-  if (enetHost == nullptr) {
-    error = std::string("no UDP socket can be opened: ") + std::strerror(errno);
-    return nullptr;
-  }
-  auto impl = std::make_unique<Impl>(enetHost);
+  std::vector<vestibule::NetAddress> addresses = vestibule::ResolveAddresses(host, port, error);
+  if (addresses.empty()) return nullptr;
+  Caller::Settings settings{.credential = options.credential, .server = options.serverKey};
+  auto bridge = ClientBridge::Open(std::move(addresses), std::move(settings), protocol::kMaxServerMessageBytes, error);
+  if (bridge == nullptr) return nullptr;
+  auto impl = std::make_unique<Impl>(std::move(bridge));
   impl->maxReceivedBytes = protocol::kMaxServerMessageBytes;
   impl->maxSentBytes = protocol::kMaxClientMessageBytes;
   impl->connectTimeout = options.timeout;
-  ENetPeer* peer = enet_host_connect(enetHost, &address, kChannelCount, 0);
-  if (peer == nullptr) {
-    error = "out of memory";
-    return nullptr;
-  }
-  SetId(*peer, kClientConnection);
   impl->newestId = kClientConnection;
-  impl->connections[kClientConnection] = {peer, true};
+  impl->connections[kClientConnection] = {.peer = nullptr, .isKnown = true};
   return std::unique_ptr<EnetTransport>(new EnetTransport(std::move(impl)));
 }
 
@@ -348,24 +389,49 @@ SendResult EnetTransport::Send(ConnectionId connection, Channel channel, std::sp
 void EnetTransport::Disconnect(ConnectionId connection) {
   const auto found = m_impl->connections.find(connection);
   if (found == m_impl->connections.end()) return;
-  const bool isClosing = !found->second.isOpen && found->second.peer->state != ENET_PEER_STATE_CONNECTING;
+  const ENetPeer* peer = found->second.peer;
+  const bool isClosing = !found->second.isOpen && peer != nullptr && peer->state != ENET_PEER_STATE_CONNECTING;
   if (!isClosing) m_impl->BeginClosing(found->second);
 }
 
-void EnetTransport::Flush() { enet_host_flush(m_impl->host); }
+void EnetTransport::Flush() {
+  enet_host_flush(m_impl->host);
+  m_impl->FlushBridge();
+}
 
 Statistics EnetTransport::ReadStatistics() const {
   Statistics statistics = m_impl->statistics;
-  statistics.bytesIn += m_impl->host->totalReceivedData;
-  statistics.bytesOut += m_impl->host->totalSentData;
+  if (m_impl->server != nullptr) {
+    const vestibule::Doorkeeper& keeper = m_impl->server->Keeper();
+    const vestibule::DoorCounts counts = keeper.ReadCounts();
+    statistics.bytesIn = keeper.BytesIn();
+    statistics.bytesOut = keeper.BytesOut() + m_impl->server->BytesOut();
+    statistics.datagramsRejected = counts.invalid + counts.limited + counts.strangers + counts.offences;
+  } else {
+    statistics.bytesIn = m_impl->client->BytesIn();
+    statistics.bytesOut = m_impl->client->BytesOut();
+    statistics.datagramsRejected = m_impl->client->Caller().CountInvalid();
+  }
   return statistics;
 }
 
 double EnetTransport::ReadRoundTrip(ConnectionId connection) const {
   const auto found = m_impl->connections.find(connection);
-  return found == m_impl->connections.end() ? 0 : found->second.peer->roundTripTime / 1000.0;
+  if (found == m_impl->connections.end()) return 0;
+  // ENet's own guess before it has measured.
+  return found->second.peer == nullptr ? 0.5 : found->second.peer->roundTripTime / 1000.0;
 }
 
-std::uint16_t EnetTransport::ReadPort() const { return m_impl->isServer ? m_impl->host->address.port : 0; }
+std::uint16_t EnetTransport::ReadPort() const {
+  return m_impl->server == nullptr ? std::uint16_t{0} : m_impl->server->Keeper().Socket().ReadPort();
+}
+
+vestibule::Key EnetTransport::ReadServerKey() const {
+  return m_impl->server != nullptr ? m_impl->server->Keeper().ServerKey() : m_impl->client->Caller().ServerKey();
+}
+
+vestibule::DoorCounts EnetTransport::ReadDoorCounts() const {
+  return m_impl->server == nullptr ? vestibule::DoorCounts{} : m_impl->server->Keeper().ReadCounts();
+}
 
 }  // namespace wobble::transport

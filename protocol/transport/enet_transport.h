@@ -1,5 +1,8 @@
 // The Transport over ENet (UDP), for real servers and clients.
 //
+// ENet's datagrams are sealed, and go through a vestibule that keeps strangers out (vestibule/). A server has a thread
+// for it; a client does all in Poll.
+//
 // ENet times its retransmissions by the wall clock; everything that this class promises about time (the connect
 // timeout, how long a closing connection may linger) goes by the `now` of Poll.
 #pragma once
@@ -7,36 +10,42 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "protocol/limits.h"
 #include "protocol/transport/transport.h"
+#include "protocol/transport/vestibule/door.h"
 
 namespace wobble::transport {
 
 struct ListenOptions {
-  std::uint16_t port = 0;           // UDP, on every IPv4 address of the machine; 0: the system picks a free one
+  std::uint16_t port = 0;           // UDP; 0: the system picks a free one
   std::size_t maxConnections = 64;  // 1..kMaxListenConnections
   std::size_t maxPerAddress = 0;    // of one IP address; 0: maxConnections. A gateway's players share an address
-  std::size_t maxMessageBytes = protocol::kMaxClientMessageBytes;  // larger messages from clients are dropped
+  std::string host = {};            // the address to listen at; empty: every one of the machine, IPv6 and IPv4
+  // The server's long-lived secret key, by which clients know it again; nullopt: one for this run only.
+  std::optional<vestibule::Key> secretKey = {};
 };
 
 struct ConnectOptions {
   double timeout =
       protocol::kConnectTimeout;  // seconds from the first Poll; then a server that has not answered is given up
+  // The key that the server must have; nullopt: any.
+  std::optional<vestibule::Key> serverKey = {};
+  vestibule::Credential credential = {};
 };
 
-// ENet numbers peers in 12 bits, and a few slots are kept for refusing.
-inline constexpr std::size_t kMaxListenConnections = 4000;
+inline constexpr std::size_t kMaxListenConnections = vestibule::kMaxVisitors;
 
 class EnetTransport final : public Transport {
  public:
-  // Opens a server. Null with one line in `error` when the port cannot be bound. A client too many, in all or of its
-  // address, is disconnected right after its kConnected; the server's own sink never hears of it.
+  // Opens a server. Null with one line in `error` when the port cannot be bound. The server's sink hears of clients
+  // that the vestibule has let in; the others are told why not.
   [[nodiscard]] static std::unique_ptr<EnetTransport> Listen(const ListenOptions& options, std::string& error);
 
   // Opens a client and begins to connect. Resolves the name, which may block for as long as the system's resolver does;
-  // null with one line in `error` when it has no IPv4 address. When the server does not answer, kDisconnected follows
+  // null with one line in `error` when it has no address. When the server does not answer, kDisconnected follows
   // after the timeout. Until kConnected, Send returns kFailed.
   [[nodiscard]] static std::unique_ptr<EnetTransport> Connect(const std::string& host, std::uint16_t port,
                                                               std::string& error, const ConnectOptions& options = {});
@@ -54,6 +63,11 @@ class EnetTransport final : public Transport {
 
   // The UDP port that a server listens on, also when the system picked it. 0 for a client.
   [[nodiscard]] std::uint16_t ReadPort() const;
+
+  // A server's public key; a client's server's, once it has answered, and zeros before.
+  [[nodiscard]] vestibule::Key ReadServerKey() const;
+  // What the vestibule of a server has seen.
+  [[nodiscard]] vestibule::DoorCounts ReadDoorCounts() const;
 
   // The id of a client's only connection.
   static constexpr ConnectionId kClientConnection = 1;

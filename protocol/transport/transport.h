@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string_view>
 
 namespace wobble::transport {
 
@@ -20,11 +21,13 @@ enum class Channel : std::uint8_t { kControl = 0, kInput = 1, kSnapshot = 2 };
 inline constexpr std::size_t kChannelCount = 3;
 
 struct Event {
-  enum class Kind { kConnected, kDisconnected, kMessage };
+  // kOffence: the far end sends what no honest one does; nothing more of it arrives, and it is to be disconnected.
+  enum class Kind { kConnected, kDisconnected, kMessage, kOffence };
   Kind kind;
   ConnectionId connection;
   Channel channel = Channel::kControl;       // of a message
   std::span<const std::uint8_t> bytes = {};  // of a message; valid only inside the sink
+  std::string_view reason = {};              // of kDisconnected: a line for people where it is known; a literal
 };
 
 enum class SendResult { kQueued, kUnknownConnection, kTooLarge, kFailed };

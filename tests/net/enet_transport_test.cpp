@@ -29,14 +29,16 @@ TEST(EnetTransportTest, MessagesArriveBothWaysInOrderOnControl) {
   constexpr std::size_t kCount = 300;
   for (std::size_t i = 0; i < kCount; ++i) {
     const Bytes message(1 + i * 13, std::uint8_t(i));  // up to 3.9 kB: most are fragmented
-    EXPECT_EQ(pair.client.SendTo(1, Channel::kControl, message), SendResult::kQueued);
     EXPECT_EQ(pair.server.SendTo(pair.Id(), Channel::kControl, message), SendResult::kQueued);
+    EXPECT_EQ(pair.client.SendTo(1, Channel::kControl, Bytes(1 + i * 3, std::uint8_t(i))), SendResult::kQueued);
+    if (i % 50 == 49) RunFor(0.02, [&] { pair.Step(); });  // a client has a window
   }
   const auto hasAll = [](const Endpoint& end) { return end.Count(Event::Kind::kMessage) == kCount; };
   ASSERT_TRUE(pair.Run([&] { return hasAll(pair.server) && hasAll(pair.client); }));
   for (const Endpoint* end : {&pair.server, &pair.client}) {
+    const std::size_t step = end == &pair.server ? 3 : 13;
     for (std::size_t i = 0; i < kCount; ++i) {
-      ASSERT_EQ(end->log[1 + i].bytes, Bytes(1 + i * 13, std::uint8_t(i)));
+      ASSERT_EQ(end->log[1 + i].bytes, Bytes(1 + i * step, std::uint8_t(i)));
       ASSERT_EQ(end->log[1 + i].channel, Channel::kControl);
     }
   }
@@ -60,15 +62,6 @@ TEST(EnetTransportTest, LargestMessagesPassAndLargerAreRefused) {
   EXPECT_EQ(sendUp(Channel::kControl, protocol::kMaxClientMessageBytes), SendResult::kQueued);
   EXPECT_TRUE(pair.Run(
       [&] { return pair.server.Count(Event::Kind::kMessage) == 2 && pair.client.Count(Event::Kind::kMessage) == 2; }));
-}
-
-TEST(EnetTransportTest, MessageOverTheServersOwnLimitIsDroppedAndCounted) {
-  ConnectedPair pair({.maxMessageBytes = 1000});
-  EXPECT_EQ(pair.client.SendTo(1, Channel::kControl, Bytes(1001, 1)), SendResult::kQueued);
-  EXPECT_EQ(pair.client.SendTo(1, Channel::kControl, Bytes(1000, 2)), SendResult::kQueued);
-  ASSERT_TRUE(pair.Run([&] { return pair.server.Count(Event::Kind::kMessage) == 1; }));
-  EXPECT_EQ(pair.server.log.back().bytes, Bytes(1000, 2));
-  EXPECT_EQ(pair.server.transport->ReadStatistics().messagesRejected, 1u);
 }
 
 TEST(EnetTransportTest, SnapshotsLeaveWithFlushOneDatagramEach) {
@@ -97,7 +90,7 @@ TEST(EnetTransportTest, PortInUseIsNamed) {
 TEST(EnetTransportTest, UnknownHostIsNamed) {
   std::string error;
   EXPECT_EQ(EnetTransport::Connect("nobody.invalid", 7777, error), nullptr);
-  EXPECT_EQ(error, "no IPv4 address is known for \"nobody.invalid\"");
+  EXPECT_EQ(error, "no address is known for \"nobody.invalid\"");
 }
 
 TEST(EnetTransportTest, NoServerEndsAfterTheTimeoutOfOurOwnClock) {
@@ -208,12 +201,12 @@ TEST(EnetTransportTest, RoundTripIsMeasured) {
 
 TEST(EnetTransportTest, BytesAreCountedBothWays) {
   ConnectedPair pair;
-  EXPECT_EQ(pair.client.SendTo(1, Channel::kControl, Bytes(4000, 1)), SendResult::kQueued);
+  EXPECT_EQ(pair.client.SendTo(1, Channel::kControl, Bytes(1000, 1)), SendResult::kQueued);
   ASSERT_TRUE(pair.Run([&] { return pair.server.Count(Event::Kind::kMessage) == 1; }));
   const auto in = pair.server.transport->ReadStatistics().bytesIn;
   const auto out = pair.client.transport->ReadStatistics().bytesOut;
-  EXPECT_GE(in, 4000u);
-  EXPECT_LT(in, 4600u);
+  EXPECT_GE(in, 1000u);
+  EXPECT_LT(in, 1600u);
   EXPECT_GE(out, in);
   EXPECT_LT(out, in + 600);
 }

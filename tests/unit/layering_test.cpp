@@ -84,6 +84,7 @@ const std::vector<Room> kRooms{
      Join(kSystem, {"fmt/", "httplib.h", "nlohmann/", "prometheus/", "spdlog/"}),
      kClock},
     {"server/main", {"server/", kProtocol}, Join(kSystem, {"CLI/", "fmt/", "nlohmann/", "spdlog/"}), {}},
+    {"server/key_file", {kVestibule}, {"fcntl.h", "unistd.h"}, kClock},
     {"server/options",
      {"server/config.h", kScenes, kPhysics, kPlay, kTiming, kSnapshots, kProtocol},
      {"CLI/", "fmt/"},

@@ -11,6 +11,10 @@ namespace {
 
 TEST(LoadTestWords, AddressesAndShares) {
   std::string error;
+  const auto ipv6 = command::ParseAddress("[2001:db8::1]:7777", error);
+  ASSERT_TRUE(ipv6);
+  EXPECT_EQ(ipv6->host, "2001:db8::1");
+  EXPECT_EQ(command::Describe(*ipv6), "[2001:db8::1]:7777");
   const auto address = command::ParseAddress("example.org:7777", error);
   ASSERT_TRUE(address.has_value());
   EXPECT_EQ(address->host, "example.org");

@@ -1,0 +1,146 @@
+// Messages that the pair has no room for wait here, at most kMostWaiting of them: ENet's thread may be late by a tick
+// or two, and the kernel's buffer holds some hundred messages only. Beyond that they are lost, as on a network.
+#include "protocol/transport/vestibule/doorkeeper.h"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstring>
+#include <utility>
+
+namespace wobble::transport::vestibule {
+namespace {
+
+constexpr std::size_t kMostWaiting = 16'384;
+// Batches of datagrams in one turn, so that a flood does not keep the thread from its other work.
+constexpr int kMostBatches = 16;
+constexpr double kOverdueEvery = 0.5;
+
+double ReadClock() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+Doorkeeper::Doorkeeper(UdpSocket socket, Door door, int pairEnd)
+    : m_socket(std::move(socket)),
+      m_door(std::move(door)),
+      m_serverKey(m_door.ServerKey()),
+      m_pairEnd(pairEnd),
+      m_wake(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
+      m_thread([this] { Run(); }) {}
+
+Doorkeeper::~Doorkeeper() {
+  {
+    const std::lock_guard lock(m_mutex);
+    m_isStopping = true;
+  }
+  eventfd_write(m_wake, 1);
+  m_thread.join();
+  close(m_wake);
+  close(m_pairEnd);
+}
+
+void Doorkeeper::Leave(VisitorId visitor, bool isGone) {
+  {
+    const std::lock_guard lock(m_mutex);
+    m_leavers.push_back({visitor, isGone});
+  }
+  eventfd_write(m_wake, 1);
+}
+
+DoorCounts Doorkeeper::ReadCounts() const {
+  const std::lock_guard lock(m_mutex);
+  return m_counts;
+}
+
+void Doorkeeper::Run() {
+  for (;;) {
+    {
+      const std::lock_guard lock(m_mutex);
+      if (m_isStopping) return;
+      m_counts = m_door.Counts();
+    }
+    Wait();
+    TakeLeavers();
+    const double now = ReadClock();
+    for (int i = 0; i < kMostBatches; ++i) {
+      const std::size_t taken = m_socket.Receive(
+          [&](const NetAddress& from, std::span<const std::uint8_t> datagram) { TakeDatagram(from, datagram, now); });
+      m_bytesOut.fetch_add(m_answers.Flush(m_socket), std::memory_order_relaxed);
+      WriteToPair();
+      if (taken < UdpSocket::kBatch) break;
+    }
+    if (now < m_nextOverdue) continue;
+    m_nextOverdue = now + kOverdueEvery;
+    m_door.RemoveOverdue(now, m_overdue);
+    for (const VisitorId visitor : m_overdue) HandOn(visitor, PairHead::Kind::kGone, {});
+    WriteToPair();
+  }
+}
+
+void Doorkeeper::Wait() {
+  pollfd waits[] = {{m_socket.Descriptor(), POLLIN, 0},
+                    {m_wake, POLLIN, 0},
+                    {m_pairEnd, static_cast<short>(m_toPair.empty() ? 0 : POLLOUT), 0}};
+  poll(waits, 3, static_cast<int>(kOverdueEvery * 1000));
+  eventfd_t ignored;
+  if ((waits[1].revents & POLLIN) != 0) eventfd_read(m_wake, &ignored);
+}
+
+void Doorkeeper::TakeLeavers() {
+  std::vector<Leaver> leavers;
+  {
+    const std::lock_guard lock(m_mutex);
+    leavers.swap(m_leavers);
+  }
+  for (const Leaver& leaver : leavers) {
+    if (leaver.isGone) {
+      m_door.Remove(leaver.visitor);
+    } else {
+      m_door.Release(leaver.visitor);
+    }
+  }
+}
+
+void Doorkeeper::TakeDatagram(const NetAddress& from, std::span<const std::uint8_t> datagram, double now) {
+  m_bytesIn.fetch_add(datagram.size(), std::memory_order_relaxed);
+  const Door::Result result = m_door.TakeDatagram(from, datagram, now);
+  if (!result.answer.empty()) m_answers.Add(from, result.answer);
+  if (result.isNew) {
+    const Door::Leg leg = m_door.FindLeg(result.visitor);
+    HandOn(result.visitor, PairHead::Kind::kNew, {reinterpret_cast<const std::uint8_t*>(&leg), sizeof leg});
+  }
+  if (result.isOffence) HandOn(result.visitor, PairHead::Kind::kOffence, {});
+  if (!result.plain.empty()) HandOn(result.visitor, PairHead::Kind::kData, result.plain);
+}
+
+void Doorkeeper::HandOn(VisitorId visitor, PairHead::Kind kind, std::span<const std::uint8_t> bytes) {
+  if (m_toPair.size() >= kMostWaiting && kind == PairHead::Kind::kData) return;
+  const PairHead head{.visitor = visitor, .kind = kind};
+  std::vector<std::uint8_t> message(sizeof head + bytes.size());
+  std::memcpy(message.data(), &head, sizeof head);
+  if (!bytes.empty()) std::memcpy(message.data() + sizeof head, bytes.data(), bytes.size());
+  m_toPair.push_back(std::move(message));
+}
+
+void Doorkeeper::WriteToPair() {
+  while (!m_toPair.empty()) {
+    std::array<mmsghdr, UdpSocket::kBatch> messages{};
+    std::array<iovec, UdpSocket::kBatch> parts;
+    const std::size_t count = std::min(m_toPair.size(), messages.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      parts[i] = {m_toPair[i].data(), m_toPair[i].size()};
+      messages[i].msg_hdr.msg_iov = &parts[i];
+      messages[i].msg_hdr.msg_iovlen = 1;
+    }
+    const int sent = sendmmsg(m_pairEnd, messages.data(), static_cast<unsigned>(count), MSG_DONTWAIT | MSG_NOSIGNAL);
+    if (sent <= 0) return;
+    m_toPair.erase(m_toPair.begin(), m_toPair.begin() + sent);
+  }
+}
+
+}  // namespace wobble::transport::vestibule

@@ -1,0 +1,431 @@
+// The door and its callers in virtual time, datagram by datagram: who gets in, and what strangers can do to it.
+#include "protocol/transport/vestibule/door.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "protocol/transport/vestibule/caller.h"
+#include "tests/unit/vestibule/deterministic.h"
+
+namespace wobble::transport::vestibule {
+namespace {
+
+const NetAddress kHome = MakeAddress(192, 0, 2, 1, 5000);
+
+class DoorTest : public testing::Test {
+ protected:
+  DoorTest() { EXPECT_TRUE(InitialiseSodium()); }
+
+  Door& Open(Door::Settings settings = {}) {
+    settings.identity = MakeIdentity();
+    settings.random = MakeRandom(++m_seed);
+    m_door = std::make_unique<Door>(std::move(settings));
+    return *m_door;
+  }
+  Caller MakeCaller(Caller::Settings settings = {}) {
+    settings.random = MakeRandom(++m_seed);
+    return Caller(std::move(settings));
+  }
+  // The door's result for one datagram; its answer goes to the caller.
+  struct Taken {
+    VisitorId visitor = 0;
+    bool isNew = false;
+    bool isOffence = false;
+    Bytes plain, answer;
+  };
+  Taken Knock(const NetAddress& from, const Bytes& datagram) {
+    const Door::Result result = m_door->TakeDatagram(from, datagram, now);
+    return {result.visitor,
+            result.isNew,
+            result.isOffence,
+            {result.plain.begin(), result.plain.end()},
+            {result.answer.begin(), result.answer.end()}};
+  }
+  // The caller's request and the door's answer to it.
+  void Ask(Caller& caller, const NetAddress& from = kHome) {
+    Bytes datagram;
+    caller.FindDue(now, datagram);
+    ASSERT_FALSE(datagram.empty());
+    static_cast<void>(caller.TakeDatagram(Knock(from, datagram).answer, now));
+  }
+  static Bytes Seal(Caller& caller, const Bytes& plain, double time) {
+    const std::span<const std::uint8_t> part = plain;
+    Bytes datagram;
+    caller.Seal({&part, 1}, time, datagram);
+    return datagram;
+  }
+  // Lets a caller in; its response is left in `response`.
+  Taken Enter(Caller& caller, const NetAddress& from = kHome, std::uint32_t connection = 9) {
+    Ask(caller, from);
+    EXPECT_TRUE(caller.CanSeal());
+    response = Seal(caller, MakeConnect(connection), now);
+    Taken taken = Knock(from, response);
+    static_cast<void>(caller.TakeDatagram(taken.answer, now));
+    return taken;
+  }
+  VisitorId EnterAnew(const NetAddress& from) {
+    Caller caller = MakeCaller();
+    return Enter(caller, from).visitor;
+  }
+
+  double now = 100;
+  Bytes response;
+  std::unique_ptr<Door> m_door;
+  std::uint64_t m_seed = 0;
+};
+
+TEST_F(DoorTest, LetsInWithTwoDatagramsAndPassesTheFirstOfEnet) {
+  Door& door = Open();
+  Caller caller = MakeCaller();
+  const Taken taken = Enter(caller);
+  EXPECT_EQ(taken.visitor, 1U);
+  EXPECT_TRUE(taken.isNew);
+  EXPECT_EQ(taken.plain, MakeConnect(9));
+  EXPECT_EQ(caller.ReadState(), Caller::State::kIn);
+  EXPECT_EQ(caller.ServerKey(), door.ServerKey());
+  EXPECT_EQ(door.CountVisitors(), 1U);
+
+  const Taken next = Knock(kHome, Seal(caller, MakeReliable(1, 30), now));
+  EXPECT_EQ(next.plain, MakeReliable(1, 30));
+  EXPECT_EQ(next.visitor, 1U);
+  EXPECT_FALSE(next.isNew);
+
+  const Door::Leg leg = door.FindLeg(1);
+  EXPECT_EQ(leg.address, kHome);
+  Sealer sealer(leg.toClient);
+  const Bytes words{1, 2, 3};
+  const std::span<const std::uint8_t> part = words;
+  Bytes datagram;
+  sealer.Seal(SealedKind::kData, leg.session, {&part, 1}, datagram);
+  const auto plain = caller.TakeDatagram(datagram, now);
+  EXPECT_EQ(Bytes(plain.begin(), plain.end()), words);
+  EXPECT_TRUE(caller.TakeDatagram(datagram, now).empty()) << "again";
+}
+
+// Anybody can send requests in anybody's name.
+TEST_F(DoorTest, BeforeAnAddressIsProvedTheDoorSendsLessThanItGetsAndRemembersNothing) {
+  Door& door = Open();
+  std::mt19937 random(1);
+  std::size_t in = 0, out = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const auto a = static_cast<std::uint8_t>(random()), b = static_cast<std::uint8_t>(random());
+    const NetAddress victim = MakeAddress(a, b, static_cast<std::uint8_t>(random()), 1, 53);
+    Caller forger = MakeCaller();
+    Bytes request;
+    forger.FindDue(now, request);
+    if (i % 3 == 1) request.resize(random() % request.size());
+    if (i % 3 == 2) request.resize(1232);
+    in += request.size();
+    const Taken taken = Knock(victim, request);
+    EXPECT_LE(taken.answer.size(), request.size());
+    out += taken.answer.size();
+    EXPECT_EQ(taken.visitor, 0U);
+    EXPECT_TRUE(taken.plain.empty());
+    now += 1e-4;
+  }
+  EXPECT_LT(out, in / 2);
+  EXPECT_EQ(door.CountVisitors(), 0U);
+  // A response with a cookie for another address or port, of another key, or with any bit changed.
+  Caller caller = MakeCaller();
+  Ask(caller);
+  const Bytes good = Seal(caller, MakeConnect(1), now);
+  EXPECT_EQ(Knock(MakeAddress(192, 0, 2, 2, 5000), good).visitor, 0U);
+  EXPECT_EQ(Knock(MakeAddress(192, 0, 2, 1, 5001), good).visitor, 0U);
+  for (std::size_t bit = 8; bit < 8 * (2 + 16 + 32); ++bit) {
+    Bytes changed = good;
+    changed[bit / 8] ^= static_cast<std::uint8_t>(1U << bit % 8);
+    const Taken taken = Knock(kHome, changed);
+    EXPECT_EQ(taken.visitor, 0U) << "bit " << bit;
+    EXPECT_TRUE(taken.answer.empty());
+  }
+  EXPECT_EQ(door.CountVisitors(), 0U);
+  EXPECT_EQ(Knock(kHome, good).visitor, 1U);
+}
+
+TEST_F(DoorTest, CookiesGrowOld) {
+  Open();
+  for (const auto& [age, isGood] : std::map<double, bool>{{9.9, true}, {19.9, true}, {20.1, false}, {2600, false}}) {
+    now = 1000 * (2 + std::floor(age));  // the beginning of an epoch
+    Caller caller = MakeCaller();
+    Ask(caller);
+    const Bytes datagram = Seal(caller, MakeConnect(1), now);
+    now += age;
+    EXPECT_EQ(Knock(kHome, datagram).isNew, isGood) << age;
+  }
+}
+
+// A response comes again while its answer is lost, or because somebody recorded it.
+TEST_F(DoorTest, AResponseOpensOneSessionOnly) {
+  Door& door = Open();
+  Caller caller = MakeCaller();
+  const Taken first = Enter(caller);
+  const Taken again = Knock(kHome, response);
+  EXPECT_FALSE(again.isNew);
+  EXPECT_TRUE(again.plain.empty()) << "its datagram has passed";
+  door.Remove(first.visitor);
+  EXPECT_EQ(door.CountVisitors(), 0U);
+  EXPECT_EQ(Knock(kHome, response).visitor, 0U) << "or its keys would come back with their numbers from 1";
+  now += 19;
+  EXPECT_EQ(Knock(kHome, response).visitor, 0U);
+  now += 100;
+  EXPECT_EQ(Knock(kHome, response).visitor, 0U);
+  EXPECT_EQ(door.Counts().accepted, 1U);
+}
+
+TEST_F(DoorTest, AnAnswerThatWasLostComesAgain) {
+  Open();
+  Caller caller = MakeCaller();
+  Ask(caller);
+  static_cast<void>(Knock(kHome, Seal(caller, MakeConnect(3), now)));
+  EXPECT_EQ(caller.ReadState(), Caller::State::kResponding);
+  now += 0.3;
+  Bytes again;
+  caller.FindDue(now, again);
+  const Taken taken = Knock(kHome, again);
+  EXPECT_EQ(taken.visitor, 1U);
+  EXPECT_EQ(taken.plain, MakeConnect(3)) << "sealed anew";
+  static_cast<void>(caller.TakeDatagram(taken.answer, now));
+  EXPECT_EQ(caller.ReadState(), Caller::State::kIn);
+}
+
+TEST_F(DoorTest, SaysWhyNot) {
+  Door::Settings settings;
+  settings.maxVisitors = 3;
+  settings.maxPerAddress = 2;
+  settings.wantsCredential = true;
+  settings.judge = [](const Credential& credential, const NetAddress&, double) {
+    return credential.bytes == Bytes{'o', 'k'} ? Refusal::kNone : Refusal::kBadCredential;
+  };
+  Door& door = Open(settings);
+  const auto enter = [&](std::uint8_t host, const char* word) {
+    Caller caller = MakeCaller({.credential = {Credential::Kind::kPassword, {word, word + 2}}});
+    static_cast<void>(Enter(caller, MakeAddress(10, 0, 0, host, 1)));
+    EXPECT_TRUE(caller.WantsCredential());
+    return caller.ReadRefusal();
+  };
+  EXPECT_EQ(enter(1, "no"), Refusal::kBadCredential);
+  EXPECT_EQ(enter(1, "ok"), Refusal::kNone);
+  EXPECT_EQ(enter(1, "ok"), Refusal::kNone);
+  EXPECT_EQ(enter(1, "ok"), Refusal::kTooManyFromAddress);
+  EXPECT_EQ(enter(2, "ok"), Refusal::kNone);
+  EXPECT_EQ(enter(3, "ok"), Refusal::kFull);
+  door.Release(1);
+  EXPECT_EQ(enter(1, "ok"), Refusal::kNone) << "the seat of one who is being sent away is free";
+  EXPECT_EQ(enter(3, "ok"), Refusal::kFull);
+  EXPECT_EQ(door.CountVisitors(), 4U);
+  EXPECT_EQ(door.Counts().refused, 4U);
+}
+
+TEST_F(DoorTest, TheCallerKnowsItsServer) {
+  Open();
+  Key other{};
+  other[0] = 9;
+  Caller misled = MakeCaller({.server = other});
+  Ask(misled);
+  EXPECT_EQ(misled.ReadState(), Caller::State::kWrongServer);
+  Caller right = MakeCaller({.server = m_door->ServerKey()});
+  EXPECT_TRUE(Enter(right).isNew);
+  // Somebody on the way gives himself out as the server: he has its public key and not its secret one.
+  Caller victim = MakeCaller({.server = m_door->ServerKey()});
+  Bytes request;
+  victim.FindDue(now, request);
+  auto challenge = ReadChallenge(Knock(kHome, request).answer);
+  ASSERT_TRUE(challenge);
+  const KeyPair his = MakeKeyPair(MakeRandom(99));
+  challenge->started = his.publicKey;
+  Bytes forged;
+  Write(*challenge, forged);
+  static_cast<void>(victim.TakeDatagram(forged, now));
+  const Bytes answer = Seal(victim, MakeConnect(1), now);
+  EXPECT_EQ(Knock(kHome, answer).visitor, 0U);
+  EXPECT_EQ(victim.ReadState(), Caller::State::kResponding);
+}
+
+TEST_F(DoorTest, AnotherVersionIsToldSo) {
+  Open();
+  Caller caller = MakeCaller();
+  Bytes request;
+  caller.FindDue(now, request);
+  request[1] = kVestibuleVersion + 1;
+  const Taken taken = Knock(kHome, request);
+  static_cast<void>(caller.TakeDatagram(taken.answer, now));
+  EXPECT_EQ(caller.ReadState(), Caller::State::kOtherVersion);
+}
+
+// 100,000 datagrams that were injected, altered or recorded, from the player's own address.
+TEST_F(DoorTest, AcceptsNothingThatTheClientDidNotSend) {
+  Open();
+  Caller caller = MakeCaller();
+  static_cast<void>(Enter(caller));
+  std::vector<Bytes> recorded{response};
+  std::mt19937 random(4);
+  std::uint64_t accepted = 0, sent = 0;
+  const auto attack = [&](const Bytes& datagram) {
+    const Taken taken = Knock(kHome, datagram);
+    accepted += taken.plain.empty() && !taken.isNew && !taken.isOffence ? 0 : 1;
+    ++sent;
+  };
+  std::uint16_t number = 0;
+  while (sent < 100'000) {
+    now += 0.01;
+    const Bytes genuine = Seal(caller, MakeReliable(++number, 40), now);
+    Bytes invented(random() % 100);
+    for (std::uint8_t& byte : invented) byte = static_cast<std::uint8_t>(random());
+    if (!invented.empty()) invented[0] = 0x10;
+    for (std::size_t i = 1; i < 4 && invented.size() > 4; ++i) invented[i] = genuine[i];  // the right session
+    attack(invented);
+    for (int i = 0; i < 8; ++i) {
+      Bytes altered = genuine;
+      altered[random() % altered.size()] ^= static_cast<std::uint8_t>(1U << random() % 8);
+      attack(altered);
+    }
+    ASSERT_EQ(Knock(kHome, genuine).plain, MakeReliable(number, 40));
+    recorded.push_back(genuine);
+    for (int i = 0; i < 4; ++i) attack(recorded[random() % recorded.size()]);
+    attack(Bytes(genuine.begin(), genuine.end() - 1));
+  }
+  EXPECT_EQ(accepted, 0U);
+  EXPECT_EQ(caller.ReadState(), Caller::State::kIn);
+}
+
+TEST_F(DoorTest, WhoSendsWhatNoHonestClientSendsIsHeardNoMore) {
+  Door& door = Open();
+  Caller caller = MakeCaller();
+  static_cast<void>(Enter(caller));
+  Bytes fragment = MakeReliable(1, 20);
+  fragment[6] = 0x88;
+  EXPECT_TRUE(Knock(kHome, Seal(caller, fragment, now)).isOffence);
+  const Taken after = Knock(kHome, Seal(caller, MakeReliable(1, 20), now));
+  EXPECT_TRUE(after.plain.empty());
+  EXPECT_FALSE(after.isOffence) << "told once";
+  EXPECT_EQ(door.Counts().offences, 1U);
+}
+
+TEST_F(DoorTest, AVisitorMaySendSoManyDatagramsASecond) {
+  Open();
+  Caller caller = MakeCaller();
+  static_cast<void>(Enter(caller));
+  int passed = 0;
+  for (int i = 0; i < 20'000; ++i) {  // in two seconds
+    now += 1e-4;
+    passed += Knock(kHome, Seal(caller, MakeReliable(1, 20), now)).plain.empty() ? 0 : 1;
+  }
+  EXPECT_GE(passed, 2 * 200) << "what an honest client may need";
+  EXPECT_LE(passed, 2 * 400 + 800);
+}
+
+TEST_F(DoorTest, OneSubnetCannotTakeAllHandshakes) {
+  Open();
+  int taken = 0;
+  for (int i = 0; i < 300; ++i) {
+    Caller caller = MakeCaller();
+    taken +=
+        Enter(caller, MakeAddress(10, 0, 0, static_cast<std::uint8_t>(i % 7), static_cast<std::uint16_t>(1000 + i)))
+                .isNew
+            ? 1
+            : 0;
+    m_door->Remove(static_cast<VisitorId>(taken));
+  }
+  EXPECT_LE(taken, 101);
+  EXPECT_NE(EnterAnew(MakeAddress(10, 0, 1, 1, 1)), 0U) << "its neighbour is let in";
+  now += 1;
+  EXPECT_NE(EnterAnew(MakeAddress(10, 0, 0, 1, 1)), 0U) << "a second later it, too";
+}
+
+TEST_F(DoorTest, RemovesWhoNeverConnectsAndWhoIsSilent) {
+  Door& door = Open();
+  Caller mute = MakeCaller(), talker = MakeCaller();
+  Ask(mute);
+  const Bytes nothing = MakeReliable(1, 5);  // no CONNECT
+  const Taken taken = Knock(kHome, Seal(mute, nothing, now));
+  EXPECT_TRUE(taken.isNew);
+  const NetAddress other = MakeAddress(10, 1, 1, 1, 1);
+  static_cast<void>(Enter(talker, other));
+  std::vector<VisitorId> removed;
+  now += 4.9;
+  door.RemoveOverdue(now, removed);
+  EXPECT_TRUE(removed.empty());
+  now += 0.2;
+  door.RemoveOverdue(now, removed);
+  EXPECT_EQ(removed, std::vector<VisitorId>{1});
+  now += 20;
+  static_cast<void>(Knock(other, Seal(talker, MakeReliable(1, 5), now)));
+  now += 29;
+  door.RemoveOverdue(now, removed);
+  EXPECT_TRUE(removed.empty());
+  now += 2;
+  door.RemoveOverdue(now, removed);
+  EXPECT_EQ(removed, std::vector<VisitorId>{2});
+}
+
+// Killed and started again with the same key: it knows nobody, and tells them in a way that nobody else can.
+TEST_F(DoorTest, ARestartedServerTellsItsClientsOfBefore) {
+  Open();
+  Caller caller = MakeCaller();
+  static_cast<void>(Enter(caller));
+  Open();
+  const Bytes datagram = Seal(caller, MakeReliable(1, 30), now);
+  const Taken taken = Knock(kHome, datagram);
+  EXPECT_EQ(taken.visitor, 0U);
+  ASSERT_FALSE(taken.answer.empty());
+  EXPECT_LT(taken.answer.size(), datagram.size());
+  Bytes forged = taken.answer;
+  forged.back() ^= 1U;
+  static_cast<void>(caller.TakeDatagram(forged, now));
+  EXPECT_EQ(caller.ReadState(), Caller::State::kIn);
+  static_cast<void>(caller.TakeDatagram(taken.answer, now));
+  EXPECT_EQ(caller.ReadState(), Caller::State::kReset);
+  EXPECT_TRUE(Knock(MakeAddress(9, 9, 9, 9, 9), datagram).answer != taken.answer)
+      << "who does not have its address cannot ask for it";
+}
+
+// The handshake alone over the link of the issue, 10,000 times: all are in within the time that a client waits.
+TEST_F(DoorTest, EveryHandshakeSucceedsOverABadLink) {
+  constexpr int kCallers = 10'000;
+  Door::Settings settings;
+  settings.maxVisitors = kMaxVisitors;
+  std::mt19937_64 random(20261123);
+  const auto draw = [&] { return static_cast<double>(random() >> 11U) * 0x1p-53; };
+  double slowest = 0;
+  int failed = 0;
+  for (int i = 0; i < kCallers; ++i) {
+    if (i % 2000 == 0) Open(settings);
+    const NetAddress from = MakeAddress(10, static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i), 1, 7);
+    Caller caller = MakeCaller();
+    const double begin = now;
+    std::multimap<double, Bytes> toDoor, toCaller;
+    const auto send = [&](std::multimap<double, Bytes>& way, const Bytes& bytes) {
+      for (int copies = draw() < 0.05 ? 2 : 1; copies > 0; --copies) {
+        const double held = draw() < 0.04 ? 0.05 : 0;
+        if (draw() >= 0.2) way.emplace(now + 0.1 + 0.05 * draw() + held, bytes);
+      }
+    };
+    double nextConnect = 0;  // ENet tries again by itself
+    while (caller.ReadState() != Caller::State::kIn && now < begin + 8) {
+      Bytes datagram;
+      caller.FindDue(now, datagram);
+      if (!datagram.empty()) send(toDoor, datagram);
+      if (caller.CanSeal() && now >= nextConnect) {
+        send(toDoor, Seal(caller, MakeConnect(static_cast<std::uint32_t>(i + 1)), now));
+        nextConnect = now + 0.5;
+      }
+      for (; !toDoor.empty() && toDoor.begin()->first <= now; toDoor.erase(toDoor.begin())) {
+        const Taken taken = Knock(from, toDoor.begin()->second);
+        if (!taken.answer.empty()) send(toCaller, taken.answer);
+      }
+      for (; !toCaller.empty() && toCaller.begin()->first <= now; toCaller.erase(toCaller.begin())) {
+        static_cast<void>(caller.TakeDatagram(toCaller.begin()->second, now));
+      }
+      now += 1.0 / 60;
+    }
+    failed += caller.ReadState() == Caller::State::kIn ? 0 : 1;
+    slowest = std::max(slowest, now - begin);
+  }
+  EXPECT_EQ(failed, 0);
+  std::printf("slowest of %d handshakes: %.2f s\n", kCallers, slowest);
+}
+
+}  // namespace
+}  // namespace wobble::transport::vestibule
