@@ -90,6 +90,14 @@ inline constexpr float kForceSteps = 127;
 // Commands (push, cut, inspect, tune, build) from one client within a second: more than hands can do. Further ones are
 // dropped.
 inline constexpr unsigned kMaxCommandsPerSecond = 60;
+// Inputs from one client within a second, or twice the tick rate where that is more: a client sends one a tick. Further
+// ones are dropped. After a link that was dead for a while more may come at once, so only who goes on for
+// kMaxOverfullSeconds with these or with commands is sent away.
+inline constexpr unsigned kMaxInputsPerSecond = 120;
+inline constexpr unsigned kMaxOverfullSeconds = 3;
+[[nodiscard]] constexpr unsigned FindMaxInputs(unsigned tickHz) {
+  return 2 * tickHz > kMaxInputsPerSecond ? 2 * tickHz : kMaxInputsPerSecond;
+}
 
 // Seconds. A connection must say hello within the first. A client or server that is silent for the second counts as
 // gone. Without a newer input the last one holds for the third, then the player stands still.

@@ -224,6 +224,8 @@ int RunServer(const Options& options) {
   transport::ListenOptions listen;
   listen.port = options.config.port;
   listen.host = options.bind;
+  // An input a tick, as many acknowledgements, and commands.
+  listen.datagramRate = std::max(listen.datagramRate, 4.0 * options.config.tickHz);
   listen.maxConnections = static_cast<std::size_t>(options.config.maxClients) + kSpareConnections;
   listen.maxPerAddress = static_cast<std::size_t>(options.config.maxPerAddress);
   std::string error;

@@ -19,6 +19,7 @@ void Server::TakeEvent(const transport::Event& event, double now) {
     session.connection = event.connection;
     session.connectedAt = session.lastHeard = now;
     session.joinPatience = protocol::FindJoinPatience(m_transport->ReadRoundTrip(event.connection));
+    session.maxInputs = protocol::FindMaxInputs(static_cast<unsigned>(m_config.tickHz));
     if (m_isClosing) End(session, GoodbyeReason::ServerClosing, "");
     return;
   }

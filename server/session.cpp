@@ -78,6 +78,7 @@ void TakeHand(Session& session, const protocol::wire::Input& input) {
 
 MessageEffect TakeInput(Session& session, const protocol::wire::Input& input, std::uint32_t currentTick, double now) {
   if (session.state != Session::State::kPlaying) return Drop(session, DropReason::kOutOfOrder, now);
+  if (!session.inputsSeen.Take(now, session.maxInputs)) return Drop(session, DropReason::kTooMany, now);
   for (const protocol::wire::InputFrame* frame : *input.frames()) {
     if (!InputBuffer::IsNear(*frame, currentTick)) return Drop(session, DropReason::kFutureInput, now);
   }
@@ -141,8 +142,7 @@ std::optional<Command> FindCommand(const protocol::wire::ClientMessage& message)
 
 MessageEffect TakeCommand(Session& session, Command&& command, double now) {
   if (session.state != Session::State::kPlaying) return Drop(session, DropReason::kOutOfOrder, now);
-  session.commands.Roll(now);
-  if (++session.commands.count > protocol::kMaxCommandsPerSecond) return Drop(session, DropReason::kTooMany, now);
+  if (!session.commands.Take(now, protocol::kMaxCommandsPerSecond)) return Drop(session, DropReason::kTooMany, now);
   MessageEffect effect;
   effect.kind = MessageEffect::Kind::kCommand;
   effect.command = std::move(command);
@@ -174,6 +174,8 @@ MessageEffect TakeMessage(Session& session, transport::Channel channel, std::spa
 std::optional<GoodbyeReason> FindTimeout(const Session& session, double now) {
   if (session.state == Session::State::kEnding) return {};
   if (session.badMessages.count > protocol::kMaxBadMessagesPerSecond) return GoodbyeReason::BadMessages;
+  const unsigned overfull = std::max(session.commands.overfull, session.inputsSeen.overfull);
+  if (overfull >= protocol::kMaxOverfullSeconds) return GoodbyeReason::TooMuch;
   const double patience = session.hasSentInput ? 0 : session.joinPatience;
   if (session.state == Session::State::kAwaitingHello &&
       now - session.connectedAt > protocol::kHelloTimeout + patience) {
@@ -212,7 +214,7 @@ const char* Name(DropReason reason) {
     case DropReason::kBadAcknowledgement:
       return "acknowledges what was never sent";
     case DropReason::kTooMany:
-      return "too many commands in a second";
+      return "too many in a second";
   }
   return "unknown";
 }

@@ -27,7 +27,7 @@ enum class DropReason : std::uint8_t {
   kWrongChannel,        // on another channel than its kind of message
   kFutureInput,         // an input for a tick too far ahead
   kBadAcknowledgement,  // acknowledges a packet or a download that was never sent
-  kTooMany,             // more than protocol::kMaxCommandsPerSecond commands
+  kTooMany,             // more commands or inputs in a second than anybody needs
 };
 inline constexpr std::size_t kDropReasonCount = 6;
 [[nodiscard]] const char* Name(DropReason reason);
@@ -36,10 +36,18 @@ inline constexpr std::size_t kDropReasonCount = 6;
 struct SecondWindow {
   double begin = 0;  // s
   unsigned count = 0;
+  unsigned overfull = 0;  // windows in a row, the present one included, with more than their most
 
   // Starts a new window if the present one is over. Call it before `count` is raised.
   void Roll(double now) {
-    if (now - begin > 1) *this = {.begin = now, .count = 0};
+    if (now - begin > 1) *this = {.begin = now, .count = 0, .overfull = 0};
+  }
+  // Counts one more. False when that is more than `most` within the window.
+  [[nodiscard]] bool Take(double now, unsigned most) {
+    const unsigned inRow = count > most && now - begin < 2 ? overfull : 0;
+    if (now - begin > 1) *this = {.begin = now, .count = 0, .overfull = inRow};
+    if (++count == most + 1) ++overfull;
+    return count <= most;
   }
 };
 
@@ -63,6 +71,8 @@ struct Session {
   std::uint32_t handTick = 0;       // the tick of that input
   physics::BodyId inspected = 0;    // whose forces the client is sent; 0: none
   SecondWindow commands;
+  SecondWindow inputsSeen;
+  unsigned maxInputs = protocol::kMaxInputsPerSecond;  // a second
   SecondWindow badMessages;
   Subscription subscription;
   std::vector<std::uint64_t> kept;  // of the hello, until the welcome

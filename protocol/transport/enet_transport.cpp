@@ -332,6 +332,7 @@ std::unique_ptr<EnetTransport> EnetTransport::Listen(const ListenOptions& option
   settings.identity =
       options.secretKey ? vestibule::MakeKeyPair(*options.secretKey) : vestibule::MakeKeyPair(vestibule::FillRandomly);
   settings.maxVisitors = options.maxConnections;
+  settings.datagramRate = options.datagramRate;
   settings.maxPerAddress = options.maxPerAddress == 0 ? options.maxConnections : options.maxPerAddress;
   constexpr std::size_t kMostReceived = std::max(protocol::kMaxClientMessageBytes, protocol::kMaxPacketBytes);
   auto bridge = ServerBridge::Open(std::move(*socket), std::move(settings), kMostReceived, error);

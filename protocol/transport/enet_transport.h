@@ -23,6 +23,7 @@ struct ListenOptions {
   std::uint16_t port = 0;           // UDP; 0: the system picks a free one
   std::size_t maxConnections = 64;  // 1..kMaxListenConnections
   std::size_t maxPerAddress = 0;    // of one IP address; 0: maxConnections. A gateway's players share an address
+  double datagramRate = 400;        // that one client may send, a second
   std::string host = {};            // the address to listen at; empty: every one of the machine, IPv6 and IPv4
   // The server's long-lived secret key, by which clients know it again; nullopt: one for this run only.
   std::optional<vestibule::Key> secretKey = {};

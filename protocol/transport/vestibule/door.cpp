@@ -18,11 +18,11 @@ constexpr double kAnsweredSeconds = 2 * kEpochSeconds + 1;
 
 // Requests a second of a subnet, each of which costs an answer; and of handshakes, each of which costs 100 us. Clients
 // try again, so a crowd behind one address only waits a little.
-constexpr double kRequestRate = 200, kRequestBurst = 400;
+constexpr double kRequestRate = 50, kRequestBurst = 200;
 constexpr double kHandshakeRate = 50, kHandshakeBurst = 100;
 constexpr double kHandshakeRateOfAll = 200, kHandshakeBurstOfAll = 400;
-// Datagrams a second of one visitor: an input a tick, acknowledgements and commands are below 200.
-constexpr double kDatagramRate = 400, kDatagramBurst = 800;
+// A visitor may send so many seconds' datagrams at once, after a link that was dead for a while.
+constexpr double kDatagramBurst = 2;
 
 // ENet's first datagram comes with the response or soon after it. Silence ends a session in the server long before.
 constexpr double kConnectSeconds = 5;
@@ -201,7 +201,7 @@ Door::Result Door::Pass(Visitor& visitor, std::span<const std::uint8_t> sealed, 
   if (!visitor.opener.Open(sealed, m_plain)) return ++m_counts.invalid, Result{};
   if (visitor.isPutOut) return {};
   visitor.lastHeard = now;
-  if (!visitor.rate.Take(kDatagramRate, kDatagramBurst, now)) return ++m_counts.limited, Result{};
+  if (!visitor.rate.Take(m_settings.datagramRate, kDatagramBurst * m_settings.datagramRate, now)) return ++m_counts.limited, Result{};
   switch (visitor.filter.Judge(m_plain)) {
     case CommandFilter::Verdict::kPass:
       ++m_counts.passed;

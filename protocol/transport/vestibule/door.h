@@ -53,6 +53,7 @@ class Door {
     std::size_t maxVisitors = 64;    // that count, see Release; at most kMaxVisitors
     std::size_t maxPerAddress = 64;  // likewise, of one IP address
     bool wantsCredential = false;    // told to clients with the challenge
+    double datagramRate = 400;       // of one visitor, a second: an input a tick, acknowledgements and commands
     RandomSource random = FillRandomly;
     // Judges a credential; called for addresses that are proved. Empty: everybody may come in.
     std::function<Refusal(const Credential& credential, const NetAddress& from, double now)> judge = {};

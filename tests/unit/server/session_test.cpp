@@ -166,6 +166,31 @@ TEST(Session, NowAndThenAMistakeIsForgiven) {
   }
 }
 
+// An input a tick is what a client sends. After a link that was dead for a while many come at once.
+TEST(Session, MoreInputsThanATickHasAreDroppedAndWhoGoesOnIsSentAway) {
+  const auto send = [](Session& session, double begin, double seconds, int aSecond) {
+    int dropped = 0;
+    for (int i = 0; i < static_cast<int>(seconds * aSecond); ++i) {
+      const double now = begin + static_cast<double>(i) / aSecond;
+      protocol::wire::InputFrame frame(static_cast<std::uint32_t>(i + 1), 0, 0, 0);
+      const auto message = protocol::MakeInput({.frames = {&frame, 1}});
+      dropped += TakeMessage(session, Channel::kInput, message, static_cast<std::uint32_t>(i + 1), now).dropped ? 1 : 0;
+    }
+    return dropped;
+  };
+  Session honest = MakeSession(SessionState::kPlaying);
+  EXPECT_EQ(send(honest, 10, 20, 60), 0);
+  EXPECT_GT(send(honest, 40, 0.5, 800), 200) << "what a blackout had held back";
+  EXPECT_EQ(send(honest, 42, 5, 60), 0);
+  EXPECT_GT(send(honest, 50, 0.5, 800), 200);
+  EXPECT_EQ(send(honest, 52, 5, 60), 0);
+  EXPECT_GT(send(honest, 60, 0.5, 800), 200);
+  EXPECT_FALSE(FindTimeout(honest, 61)) << "three times, not in a row";
+  Session flooder = MakeSession(SessionState::kPlaying);
+  EXPECT_GT(send(flooder, 10, 2.5, 1000), 2000);
+  EXPECT_EQ(FindTimeout(flooder, 12.5), protocol::wire::GoodbyeReason::TooMuch);
+}
+
 TEST(Session, NoHelloForThreeSecondsEndsItWhateverElseIsSaid) {
   Session session = MakeSession(SessionState::kAwaitingHello);
   (void)TakeMessage(session, Channel::kControl, Garbage(), 0, 12.5);
