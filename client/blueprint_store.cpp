@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "protocol/snapshot.h"
+#include "protocol/text.h"
 
 namespace wobble::client {
 namespace {
@@ -47,7 +48,7 @@ std::shared_ptr<const Blueprint> MakeBlueprint(const std::vector<std::uint8_t>& 
   if (protocol::ParseBlueprint(bytes, source) != protocol::ParseResult::kOk || IsOutside(source->size()))
     return nullptr;
   auto blueprint = std::make_shared<Blueprint>();
-  blueprint->name = source->name()->str();
+  blueprint->name = protocol::MakeLine(source->name()->string_view(), protocol::kMaxShownBytes);
   blueprint->size = source->size();
   blueprint->rest.reserve(source->rest()->size());
   for (const wire::Vec3* v : *source->rest()) {
