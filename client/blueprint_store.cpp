@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "protocol/snapshot.h"
+#include "protocol/text.h"
 
 namespace wobble::client {
 namespace {
@@ -48,7 +49,7 @@ std::shared_ptr<const Blueprint> MakeBlueprint(std::span<const std::uint8_t> byt
   if (protocol::ParseBlueprint(bytes, source) != protocol::ParseResult::kOk || IsOutside(source->size()))
     return nullptr;
   auto blueprint = std::make_shared<Blueprint>();
-  blueprint->name = source->name()->str();
+  blueprint->name = protocol::MakeLine(source->name()->string_view(), protocol::kMaxShownBytes);
   blueprint->size = source->size();
   blueprint->rest.reserve(source->rest()->size());
   for (const wire::Vec3* v : *source->rest()) {

@@ -18,6 +18,7 @@
 #include "client/news.h"
 #include "client/snapshot_receiver.h"
 #include "client/world_time.h"
+#include "protocol/text.h"
 
 namespace wobble::client {
 namespace {
@@ -33,23 +34,12 @@ static_assert(kLeaveTimeout + kLeaveRoundTrips * kMaxLeaveRoundTrip == kLongestL
 constexpr int kMaxCatchUp = 3;
 // Paces from here on count as 1: a late tick now and then is no slower world.
 constexpr double kOnPace = 0.97;
-// Bytes of a server's text shown to people.
-constexpr std::size_t kMaxDetail = 200;
-
-// One line without control characters, which a terminal would obey.
-std::string MakeLine(const flatbuffers::String& words) {
-  std::string text(words.string_view().substr(0, kMaxDetail));
-  for (char& c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x20 || byte == 0x7F) c = ' ';
-  }
-  return text;
-}
 
 std::string DescribeGoodbye(const wire::Goodbye& goodbye) {
   const std::string reason = protocol::Name(goodbye.reason());
   const bool hasDetail = goodbye.detail() != nullptr && goodbye.detail()->size() > 0;
-  return hasDetail ? reason + ": " + MakeLine(*goodbye.detail()) : reason;
+  if (!hasDetail) return reason;
+  return reason + ": " + protocol::MakeLine(goodbye.detail()->string_view(), protocol::kMaxShownBytes);
 }
 
 }  // namespace
@@ -306,7 +296,7 @@ void Client::Implementation::HandleControl(std::span<const std::uint8_t> bytes) 
   } else if (const auto* event = message->body_as_Event()) {
     HandleEvent(*event);
   } else if (const auto* notice = message->body_as_Notice()) {
-    if (onNotice) onNotice(MakeLine(*notice->text()));
+    if (onNotice) onNotice(protocol::MakeLine(notice->text()->string_view(), protocol::kMaxNoticeBytes));
   } else {
     inPlace = welcomed && news.Take(*message);
   }
@@ -333,14 +323,14 @@ bool Client::Implementation::HandleWelcome(const wire::Welcome& message) {
   welcome.tick = message.tick();
   welcome.tickHz = message.tick_hz();
   welcome.snapshotHz = message.snapshot_hz();
-  welcome.scene = message.scene()->str();
+  welcome.scene = protocol::MakeLine(message.scene()->string_view(), protocol::kMaxShownBytes);
   welcome.blueprintCount = message.blueprint_count();
   welcome.obstacles.reserve(message.obstacles()->size());
   for (const wire::Obstacle* obstacle : *message.obstacles()) welcome.obstacles.push_back(*obstacle);
   for (const wire::HeightField* field : *message.height_fields()) welcome.heightFields.push_back(*field);
   welcome.hands = message.hands();
   welcome.reach = message.reach();
-  welcome.game = message.game()->str();
+  welcome.game = protocol::MakeLine(message.game()->string_view(), protocol::kMaxNameBytes);
   welcome.workshop = message.workshop();
   welcome.ownBlueprint = message.own_blueprint();
   welcome.rank = message.rank();
@@ -359,8 +349,10 @@ void Client::Implementation::HandleEvent(const wire::Event& message) {
     snapshots.NoteRespawn(message.body(), message.tick());
   }
   if (!onEvent) return;
-  onEvent(
-      {.kind = message.kind(), .clientId = message.client_id(), .body = message.body(), .name = message.name()->str()});
+  onEvent({.kind = message.kind(),
+           .clientId = message.client_id(),
+           .body = message.body(),
+           .name = protocol::MakeLine(message.name()->string_view(), protocol::kMaxNameBytes)});
 }
 
 void Client::Implementation::HandleSnapshot(std::span<const std::uint8_t> bytes) {

@@ -54,6 +54,9 @@ inline constexpr std::size_t kMaxBlueprints = 255;
 // Successive blueprints under one number that records can tell apart: five bits, which a record has to spare. A number
 // that changed 30 times a second would repeat after a second.
 inline constexpr unsigned kGenerations = 32;
+// The smallest size of a blueprint, m; honest ones have 0.01 at least. The displacements of a smaller one would be
+// infinite in the units in which contact is predicted.
+inline constexpr float kMinBodySize = 0.001F;
 // Edges of a blueprint, which has them only when it has no faces: with 4,096 vertices 180 KiB.
 inline constexpr std::size_t kMaxBlueprintEdges = 32768;
 // Bodies of a world.
@@ -67,6 +70,9 @@ inline constexpr std::size_t kMaxRowsHeights = 2 * 1024;  // in one message
 
 // The border of the world, metres from the origin along each axis: centroids have at most 13 bits before the point.
 inline constexpr double kWorldHalfExtent = 8192;
+// By how much the length of a plane's normal may differ from 1: far more than rounding, and far too little to drive
+// points that are pressed out of several planes apart.
+inline constexpr float kUnitTolerance = 1e-3F;
 
 // An acknowledgement covers the newest packet and this many before it.
 inline constexpr unsigned kAckHistory = 64;

@@ -74,17 +74,36 @@ ParseResult CheckBuild(const wire::Build& build) {
   return isGood ? CheckPlaces({build.at()}) : ParseResult::kOutOfRange;
 }
 
+// False for NaN. What a record is decoded with must be bounded, not only finite: two large numbers have an infinite
+// product, the difference of two of those is NaN, and NaN as an integer is undefined behaviour.
+bool IsInWorld(float number) { return std::fabs(number) <= static_cast<float>(kWorldHalfExtent); }
+bool IsInWorld(const wire::Vec3& v) { return IsInWorld(v.x()) && IsInWorld(v.y()) && IsInWorld(v.z()); }
+
+bool IsUnit(const wire::Vec3& v) {
+  const float length = std::sqrt(v.x() * v.x() + v.y() * v.y() + v.z() * v.z());
+  return std::fabs(length - 1) <= kUnitTolerance;
+}
+
 bool IsGood(const wire::Obstacle& obstacle) {
-  const bool isRound = obstacle.kind() == wire::ObstacleKind::Sphere || obstacle.kind() == wire::ObstacleKind::Capsule;
-  return IsKnown(obstacle.kind(), wire::ObstacleKind::MAX) && IsFinite(obstacle.a()) && IsFinite(obstacle.b()) &&
-         std::isfinite(obstacle.radius()) && (!isRound || obstacle.radius() > 0.0F);
+  if (!IsInWorld(obstacle.a()) || !IsInWorld(obstacle.b()) || !IsInWorld(obstacle.radius())) return false;
+  switch (obstacle.kind()) {
+    case wire::ObstacleKind::Plane:
+      return IsUnit(obstacle.a());
+    case wire::ObstacleKind::Box:
+      return obstacle.b().x() >= 0 && obstacle.b().y() >= 0 && obstacle.b().z() >= 0;
+    case wire::ObstacleKind::Sphere:
+    case wire::ObstacleKind::Capsule:
+      return obstacle.radius() > 0;
+  }
+  return false;
 }
 
 bool IsGood(const wire::HeightField& field) {
   const auto fits = [](std::uint16_t nodes) { return nodes >= 2 && nodes <= kMaxFieldNodes; };
-  return fits(field.columns()) && fits(field.rows()) && IsFinite(field.corner()) && field.cell_size() > 0.0F &&
-         std::isfinite(field.cell_size() * static_cast<float>(kMaxFieldNodes)) && std::isfinite(field.low()) &&
-         field.step() >= 0.0F && std::isfinite(field.corner().z() + field.low() + field.step() * 65535.0F);
+  const float lowest = field.corner().z() + field.low();
+  return fits(field.columns()) && fits(field.rows()) && IsInWorld(field.corner()) && field.cell_size() > 0 &&
+         IsInWorld(field.cell_size()) && IsInWorld(field.low()) && field.step() >= 0 && IsInWorld(lowest) &&
+         IsInWorld(lowest + field.step() * 65535.0F);
 }
 
 ParseResult CheckWelcome(const wire::Welcome& welcome) {
@@ -239,7 +258,7 @@ ParseResult ParseBlueprint(std::span<const std::uint8_t> bytes, const wire::Blue
     return ParseResult::kMissingField;
   }
   const std::size_t count = root->rest()->size();
-  if (count > kMaxBodyVertices || !(root->size() > 0.0F) || !std::isfinite(root->size())) {
+  if (count > kMaxBodyVertices || !(root->size() >= kMinBodySize) || !std::isfinite(root->size())) {
     return ParseResult::kOutOfRange;
   }
   for (const wire::Vec3* vertex : *root->rest()) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "server/names.h"
 #include "server/server.h"
 
 namespace wobble::server {
@@ -73,6 +74,11 @@ void Server::Join(Session& session) {
     return;
   }
   PublishBlueprints();  // to the others; the newcomer gets all blueprints after its welcome
+  std::vector<std::string_view> taken;
+  for (const auto& [connection, other] : m_sessions) {
+    if (other.state == Session::State::kPlaying) taken.push_back(other.name);
+  }
+  session.name = MakeDistinct(session.name, taken);
   session.state = Session::State::kPlaying;
   session.clientId = m_nextClientId++;
   if (!session.spectator) {

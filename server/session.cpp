@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/names.h"
+
 namespace wobble::server {
 namespace {
 
@@ -34,16 +36,6 @@ MessageEffect Refuse(GoodbyeReason reason, std::string detail) {
   return effect;
 }
 
-// Replaces control characters: names are shown to other clients and in logs, and a terminal would obey them.
-std::string CleanName(const flatbuffers::String& name) {
-  std::string clean;
-  for (const char c : name.str()) {
-    const auto byte = static_cast<unsigned char>(c);
-    clean += byte < 0x20 || byte == 0x7F ? '?' : c;
-  }
-  return clean.empty() ? "player" : clean;
-}
-
 MessageEffect TakeHello(Session& session, const protocol::wire::Hello& hello, double now) {
   if (session.state != Session::State::kAwaitingHello) return Drop(session, DropReason::kOutOfOrder, now);
   if (hello.protocol_version() != protocol::kProtocolVersion) {
@@ -53,7 +45,7 @@ MessageEffect TakeHello(Session& session, const protocol::wire::Hello& hello, do
   if (hello.schema_hash() != protocol::kSchemaHash) {
     return Refuse(GoodbyeReason::WrongSchema, "client was built from another messages.fbs");
   }
-  session.name = CleanName(*hello.name());
+  session.name = CleanName(hello.name()->string_view());
   if (hello.kept() != nullptr) session.kept.assign(hello.kept()->begin(), hello.kept()->end());
   session.spectator = hello.role() == protocol::wire::Role::Spectator;
   MessageEffect effect;

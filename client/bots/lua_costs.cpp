@@ -4,6 +4,10 @@
 // for it.
 //
 // Replacing the matcher by one without backtracking was rejected: it would be a second dialect of patterns.
+//
+// A cost must not be less than the work for any arguments, because nothing else stops a call. So an empty string counts
+// as often as it is repeated; a number counts as the string that the library makes of it; and a length that a script's
+// __len answers counts as the most, because it may answer another one when the library asks again.
 #include "client/bots/lua_costs.h"
 
 #include <algorithm>
@@ -13,23 +17,35 @@
 namespace wobble::bots {
 namespace {
 
-// Work that C does in the time of one Lua instruction: bytes moved, steps of the matcher.
+// Work that C does in the time of one Lua instruction: bytes moved, steps of the matcher, values passed.
 constexpr double kBytes = 64;
 constexpr double kPatternSteps = 10;
+constexpr double kValues = 10;
+// Instructions for writing one value with string.format: %.99f of a large number has 400 digits.
+constexpr double kFormatted = 10;
 // Bytes of a pattern per matcher step: a character class is scanned for every byte it is compared with.
 constexpr double kPatternBytes = 16;
 constexpr double kMost = 1e15;
 
-std::int64_t ToInstructions(double cost) { return static_cast<std::int64_t>(std::clamp(cost, 0.0, kMost)); }
-
-double LengthOf(lua_State* lua, int index) {
-  std::size_t length = 0;
-  if (lua_type(lua, index) == LUA_TSTRING) lua_tolstring(lua, index, &length);
-  return static_cast<double>(length);
+// NaN, which a script may pass as a number of times, is the most.
+std::int64_t ToInstructions(double cost) {
+  return static_cast<std::int64_t>(cost < kMost ? std::max(cost, 0.0) : kMost);
 }
 
+// Turns a number into a string, as the library is about to do.
+std::string_view TextOf(lua_State* lua, int index) {
+  std::size_t length = 0;
+  const char* text = lua_isstring(lua, index) != 0 ? lua_tolstring(lua, index, &length) : "";
+  return {text, length};
+}
+
+double LengthOf(lua_State* lua, int index) { return static_cast<double>(TextOf(lua, index).size()); }
+
+// The elements of a table, or of another value with a metatable that passes for one.
 double CountElements(lua_State* lua, int index) {
-  return lua_istable(lua, index) ? static_cast<double>(luaL_len(lua, index)) : 0;
+  if (luaL_getmetafield(lua, index, "__len") == LUA_TNIL) return static_cast<double>(lua_rawlen(lua, index));
+  lua_pop(lua, 1);
+  return kMost;
 }
 
 // Number of elements from the argument `first` to the argument `last`, by default 1 and the table's length.
@@ -40,25 +56,28 @@ double CountRange(lua_State* lua, int table, int first, int last) {
 }
 
 double FindPatternCost(lua_State* lua, std::string_view name) {
-  if (lua_type(lua, 1) != LUA_TSTRING || lua_type(lua, 2) != LUA_TSTRING) return 0;
-  if (name == "find" && lua_toboolean(lua, 4) != 0) return LengthOf(lua, 1) * (1 + LengthOf(lua, 2) / kBytes) / kBytes;
-  std::size_t length = 0;
-  const char* text = lua_tolstring(lua, 2, &length);
-  const std::string_view pattern(text, length);
-  const bool anchored = name != "gmatch" && pattern.starts_with('^');  // gmatch reads '^' as a character
-  return CountPatternSteps(static_cast<std::size_t>(LengthOf(lua, 1)), pattern, anchored) / kPatternSteps;
+  const double bytes = LengthOf(lua, 1);
+  const std::string_view pattern = TextOf(lua, 2);
+  if (name == "string.find" && lua_toboolean(lua, 4) != 0) return bytes * (1 + LengthOf(lua, 2) / kBytes) / kBytes;
+  const bool anchored = name != "string.gmatch" && pattern.starts_with('^');  // gmatch reads '^' as a character
+  double steps = CountPatternSteps(static_cast<std::size_t>(bytes), pattern, anchored);
+  // The replacement is scanned for each match, of which there may be one before every byte and one at the end.
+  if (name == "string.gsub") steps += (bytes + 1) * LengthOf(lua, 3);
+  return steps / kPatternSteps;
 }
 
 double FindTableCost(lua_State* lua, std::string_view name) {
   const double elements = CountElements(lua, 1);
-  if (name == "insert") return lua_gettop(lua) > 2 ? elements : 0;  // inserting at the end moves nothing
-  if (name == "remove") return lua_gettop(lua) > 1 ? elements : 0;
-  if (name == "sort") return elements * std::log2(elements + 2) * 2;
-  if (name == "concat") return CountRange(lua, 1, 3, 4);
-  if (name == "unpack") return CountRange(lua, 1, 2, 3);
-  if (name == "move") return CountRange(lua, 1, 2, 3);
+  if (name == "table.insert") return lua_gettop(lua) > 2 ? elements : 0;  // inserting at the end moves nothing
+  if (name == "table.remove") return lua_gettop(lua) > 1 ? elements : 0;
+  if (name == "table.sort") return elements * std::log2(elements + 2) * 2;
+  if (name == "table.concat") return CountRange(lua, 1, 3, 4);
+  if (name == "table.unpack") return CountRange(lua, 1, 2, 3);
+  if (name == "table.move") return CountRange(lua, 1, 2, 3);
   return 0;
 }
+
+double FindFormatCost(lua_State* lua) { return LengthOf(lua, 1) / kPatternSteps + lua_gettop(lua) * kFormatted; }
 
 }  // namespace
 
@@ -79,16 +98,19 @@ double CountPatternSteps(std::size_t bytes, std::string_view pattern, bool ancho
 }
 
 std::int64_t FindCallCost(lua_State* lua, std::string_view name) {
-  if (name == "find" || name == "match" || name == "gmatch" || name == "gsub") {
+  if (name == "string.find" || name == "string.match" || name == "string.gmatch" || name == "string.gsub") {
     return ToInstructions(FindPatternCost(lua, name));
   }
-  if (name == "rep") {
-    return ToInstructions((LengthOf(lua, 1) + LengthOf(lua, 3)) * luaL_checknumber(lua, 2) / kBytes);
+  if (name == "string.rep") {
+    const double bytes = LengthOf(lua, 1) + LengthOf(lua, 3);
+    return ToInstructions(std::max(bytes, 1.0) * luaL_checknumber(lua, 2) / kBytes);
   }
-  if (lua_istable(lua, 1)) return ToInstructions(FindTableCost(lua, name));
+  double cost = lua_gettop(lua) / kValues;
+  if (name == "string.format") cost += FindFormatCost(lua);
+  if (name.starts_with("table.") && lua_gettop(lua) > 0) cost += FindTableCost(lua, name);
   double bytes = 0;
-  for (int i = 1; i <= lua_gettop(lua); ++i) bytes += LengthOf(lua, i);
-  return ToInstructions(bytes / kBytes);
+  for (int i = 1; i <= lua_gettop(lua); ++i) bytes += lua_type(lua, i) == LUA_TSTRING ? LengthOf(lua, i) : 0;
+  return ToInstructions(cost + bytes / kBytes);
 }
 
 }  // namespace wobble::bots

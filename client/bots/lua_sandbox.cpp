@@ -6,10 +6,12 @@
 // after the pcall raises it again. Lua calls no hook inside a finaliser, so setmetatable refuses __gc; nor inside
 // xpcall's handler when the hook itself raised the error, so there is no xpcall.
 //
-// A hook does not see how much work one instruction does. Calls of the string and table libraries are therefore charged
-// with their worst case before they run (lua_costs.h), memory is charged by the byte when it is allocated, and the size
-// of a block is bounded. Repeated comparison of strings of megabytes remains uncharged: the scripts are the tester's
-// own, and the sandbox guards against mistakes.
+// A hook does not see how much work one instruction does. Calls of functions whose work grows with their arguments are
+// therefore charged with their worst case before they run (lua_costs.h); that includes the arithmetic of strings, which
+// is functions in the metatable of strings. Memory is charged by the byte when it is allocated, and a refused block by
+// the collection that Lua then tries. What stays uncharged is single instructions that compare or convert a string, or
+// copy a list of arguments: sizes of strings and blocks are bounded so that a call made of these alone ends within
+// seconds.
 //
 // Lua is built as C, so its errors are longjmps: no function here holds an object with a destructor when it raises one.
 #include "client/bots/lua_sandbox.h"
@@ -29,6 +31,11 @@ namespace {
 constexpr int kHookInterval = 1000;
 // Allocated bytes that count as one instruction.
 constexpr std::int64_t kBytesPerInstruction = 64;
+// A string's own bytes beside its text, at most.
+constexpr std::size_t kStringHeadBytes = 32;
+// Instructions charged for a line that is printed, and bytes of it that count as one more.
+constexpr std::int64_t kPrintCost = 20;
+constexpr std::int64_t kPrintedBytesPerInstruction = 8;
 
 void Forget(lua_State* lua, const char* name) {
   lua_pushnil(lua);
@@ -82,6 +89,7 @@ LuaSandbox& LuaSandbox::Of(lua_State* lua) {
 
 void* LuaSandbox::Allocate(void* sandbox, void* block, std::size_t oldBytes, std::size_t newBytes) {
   auto& self = *static_cast<LuaSandbox*>(sandbox);
+  const bool isString = block == nullptr && oldBytes == LUA_TSTRING;
   if (block == nullptr) oldBytes = 0;  // Lua passes the kind of the new object in oldBytes
   if (newBytes == 0) {
     std::free(block);
@@ -89,7 +97,16 @@ void* LuaSandbox::Allocate(void* sandbox, void* block, std::size_t oldBytes, std
     return nullptr;
   }
   if (newBytes > oldBytes) {
-    if (newBytes > kMaxBlockBytes || self.m_bytes - oldBytes + newBytes > kMaxMemoryBytes) return nullptr;
+    // Lua collects all garbage and asks a second time. A script whose blocks are too large pays for the collections;
+    // one that meets the bound of all scripts' memory may not be to blame, and only must not do so all the time.
+    if (newBytes > (isString ? kMaxStringBytes + kStringHeadBytes : kMaxBlockBytes)) {
+      self.m_budget -= static_cast<std::int64_t>(self.m_bytes) / kBytesPerInstruction;
+      return nullptr;
+    }
+    if (self.m_bytes - oldBytes + newBytes > kMaxMemoryBytes) {
+      self.m_budget -= kCallBudget / 10;
+      return nullptr;
+    }
     self.m_budget -= static_cast<std::int64_t>(newBytes) / kBytesPerInstruction;
   }
   void* moved = std::realloc(block, newBytes);
@@ -123,7 +140,8 @@ void LuaSandbox::Charge(lua_State* lua, std::int64_t instructions) {
 }
 
 // Calls the library's function (the first upvalue) in this very frame, so that its messages name line and function as
-// they would without the wrapper. The library's functions have no upvalues of their own.
+// they would without the wrapper. The library's functions have no upvalues of their own. The second upvalue is the name
+// for lua_costs.
 int LuaSandbox::CallCharged(lua_State* lua) {
   std::size_t length = 0;
   const char* name = lua_tolstring(lua, lua_upvalueindex(2), &length);
@@ -131,18 +149,24 @@ int LuaSandbox::CallCharged(lua_State* lua) {
   return lua_tocfunction(lua, lua_upvalueindex(1))(lua);
 }
 
-// Wraps every function of the library on top of the stack with CallCharged.
-void LuaSandbox::ChargeFunctions(lua_State* lua) {
+// Wraps the function of the table on top of the stack with CallCharged, if the table has it.
+void LuaSandbox::ChargeFunction(lua_State* lua, const char* library, const char* name) {
+  if (lua_getfield(lua, -1, name) == LUA_TFUNCTION && lua_iscfunction(lua, -1)) {
+    lua_pushfstring(lua, "%s.%s", library, name);
+    lua_pushcclosure(lua, &LuaSandbox::CallCharged, 2);
+    lua_setfield(lua, -2, name);
+  } else {
+    lua_pop(lua, 1);
+  }
+}
+
+// Wraps every function of the table on top of the stack. Assigning to fields that exist keeps lua_next's place.
+void LuaSandbox::ChargeFunctions(lua_State* lua, const char* library) {
   for (lua_pushnil(lua); lua_next(lua, -2) != 0;) {
-    if (lua_iscfunction(lua, -1)) {
-      lua_pushvalue(lua, -2);
-      lua_pushcclosure(lua, &LuaSandbox::CallCharged, 2);
-      lua_pushvalue(lua, -2);
-      lua_insert(lua, -2);
-      lua_rawset(lua, -4);
-    } else {
-      lua_pop(lua, 1);
-    }
+    lua_pop(lua, 1);
+    lua_pushvalue(lua, -2);
+    ChargeFunction(lua, library, lua_tostring(lua, -2));
+    lua_pop(lua, 1);
   }
 }
 
@@ -158,6 +182,7 @@ int LuaSandbox::AnswerPrint(lua_State* lua) {
   luaL_pushresult(&line);
   std::size_t length = 0;
   const char* text = lua_tolstring(lua, -1, &length);
+  Charge(lua, kPrintCost + static_cast<std::int64_t>(length) / kPrintedBytesPerInstruction);
   const LuaSandbox& self = Of(lua);
   if (self.m_log) self.m_log(self.m_caller->number, {text, length});
   return 0;
@@ -210,13 +235,18 @@ int LuaSandbox::OpenLibraries(lua_State* lua) {
     Forget(lua, name);
   Replace(lua, "print", &LuaSandbox::AnswerPrint);
   Replace(lua, "setmetatable", &LuaSandbox::AnswerSetMetatable);
+  for (const char* name : {"tonumber", "select"}) ChargeFunction(lua, "base", name);
   luaL_requiref(lua, LUA_MATHLIBNAME, luaopen_math, 1);
   Forget(lua, "randomseed");
   Replace(lua, "random", &LuaSandbox::AnswerRandom);
+  for (const char* name : {"max", "min"}) ChargeFunction(lua, "math", name);
   luaL_requiref(lua, LUA_STRLIBNAME, luaopen_string, 1);
-  ChargeFunctions(lua);
+  ChargeFunctions(lua, LUA_STRLIBNAME);
+  lua_pushliteral(lua, "");
+  lua_getmetatable(lua, -1);
+  ChargeFunctions(lua, LUA_STRLIBNAME);
   luaL_requiref(lua, LUA_TABLIBNAME, luaopen_table, 1);
-  ChargeFunctions(lua);
+  ChargeFunctions(lua, LUA_TABLIBNAME);
   luaL_requiref(lua, LUA_COLIBNAME, luaopen_coroutine, 1);
   return 0;
 }

@@ -17,9 +17,10 @@ namespace wobble::bots {
 class LuaSandbox {
  public:
   // kCallBudget: Lua instructions a call may run before it is stopped; the work of C functions is charged as well.
-  // kMaxBlockBytes: bytes of one string or table. kMaxMemoryBytes: bytes of all scripts together.
+  // kMaxStringBytes: of one string. kMaxBlockBytes: of one table. kMaxMemoryBytes: of all scripts together.
   static constexpr int kCallBudget = 100'000;
-  static constexpr std::size_t kMaxBlockBytes = std::size_t{4} << 20;
+  static constexpr std::size_t kMaxStringBytes = std::size_t{16} << 10;
+  static constexpr std::size_t kMaxBlockBytes = std::size_t{1} << 20;
   static constexpr std::size_t kMaxMemoryBytes = std::size_t{256} << 20;
 
   // The bot that a call belongs to: print and math.random answer for this bot. number 0: no bot, the script is being
@@ -62,7 +63,8 @@ class LuaSandbox {
   static int AnswerPrint(lua_State* lua);
   static int AnswerSetMetatable(lua_State* lua);
   static int OpenLibraries(lua_State* lua);
-  static void ChargeFunctions(lua_State* lua);
+  static void ChargeFunction(lua_State* lua, const char* library, const char* name);
+  static void ChargeFunctions(lua_State* lua, const char* library);
 
   std::uint64_t m_seed;
   Log m_log;

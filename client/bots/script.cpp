@@ -13,6 +13,8 @@
 #include <sstream>
 #include <utility>
 
+#include "protocol/text.h"
+
 namespace wobble::bots {
 namespace {
 
@@ -24,17 +26,15 @@ constexpr double kTimeTolerance = 1e-6;
 // Bytes of an error message that are shown: nested coroutines each prepend their position.
 constexpr std::size_t kMaxMessageBytes = 400;
 
-// Returns the error message without line breaks, so that one error is one line everywhere.
+// Returns the error message as one line; a script may raise what it was told by the server.
 std::string ReadMessage(lua_State* lua) {
   std::size_t length = 0;
   const char* text = lua_type(lua, -1) == LUA_TSTRING ? lua_tolstring(lua, -1, &length) : nullptr;
   std::string message = text != nullptr ? std::string(text, length)
                                         : "error value is a " + std::string(luaL_typename(lua, -1)) + ", not a text";
-  if (message.size() > kMaxMessageBytes) message = message.substr(0, kMaxMessageBytes) + " ...";
-  for (char& c : message) {
-    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
-  }
-  return message;
+  const bool isLong = message.size() > kMaxMessageBytes;
+  message = protocol::MakeLine(message, kMaxMessageBytes);
+  return isLong ? message + " ..." : message;
 }
 
 // As ReadMessage, with the innermost active line added when the message has none, as after error(text, 0) or an error

@@ -7,13 +7,25 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
+#include <sstream>
 
 #include "client/command/address.h"
+#include "protocol/text.h"
 
 namespace wobble::health {
 namespace {
 
 constexpr int kPatience = 2;  // s, for the connection and for the answer
+constexpr int kMostLines = 10;
+
+// An honest answer is one line. Another program may answer on that port, so what is shown is bounded and clean.
+void PrintAnswer(const std::string& body) {
+  std::istringstream lines(body);
+  std::string line;
+  for (int count = 0; count < kMostLines && std::getline(lines, line); ++count) {
+    std::printf("%s\n", protocol::MakeLine(line, protocol::kMaxShownBytes).c_str());
+  }
+}
 
 int AskHealth(const std::string& words) {
   std::string error;
@@ -31,7 +43,7 @@ int AskHealth(const std::string& words) {
     std::fprintf(stderr, "wobble health: no answer from %s\n", command::Describe(*address).c_str());
     return command::kExitFailed;
   }
-  std::printf("%s", result->body.c_str());
+  PrintAnswer(result->body);
   return result->status == 200 ? command::kExitGood : command::kExitFailed;
 }
 

@@ -3,16 +3,16 @@
 
 #include <toml++/toml.h>
 #include <algorithm>
-#include <fstream>
 #include <map>
-#include <sstream>
 
 #include "server/physics/methods/stability.h"
 #include "server/scenes/blueprint_reader.h"
 #include "server/scenes/drive_reader.h"
+#include "server/scenes/nesting.h"
 #include "server/scenes/obstacle_reader.h"
 #include "server/scenes/play_reader.h"
 #include "server/scenes/table_reader.h"
+#include "server/scenes/text_file.h"
 
 namespace wobble::scenes {
 namespace {
@@ -81,7 +81,19 @@ void ReadScene(TableReader& reader, const std::filesystem::path& folder, Scene& 
 LoadResult ParseScene(const std::string& text, const std::string& label) {
   LoadResult result;
   result.scene.name = std::filesystem::path(label).stem().string();
-  ErrorList errors(std::filesystem::path(label).filename().string());
+  const std::string fileName = std::filesystem::path(label).filename().string();
+  if (text.size() > kMaxSceneBytes) {
+    result.errors.push_back(fileName + ": " + std::to_string(text.size()) + " bytes: must be at most " +
+                            std::to_string(kMaxSceneBytes));
+    return result;
+  }
+  ErrorList errors(fileName);
+  if (const auto fault = FindDeepNesting(text)) {
+    const auto line = static_cast<toml::source_index>(fault->line);
+    errors.Add({{line, 1}, {line, 1}, nullptr}, fault->what);
+    result.errors = errors.Take();
+    return result;
+  }
   try {
     const toml::table table = toml::parse(text, label);
     TableReader reader(table, errors);
@@ -96,18 +108,18 @@ LoadResult ParseScene(const std::string& text, const std::string& label) {
 LoadResult LoadScene(const std::string& nameOrPath, const std::filesystem::path& folder) {
   const bool isPath = nameOrPath.find('/') != std::string::npos || nameOrPath.ends_with(".toml");
   const std::filesystem::path path = isPath ? std::filesystem::path(nameOrPath) : folder / (nameOrPath + ".toml");
-  std::ifstream file(path);
-  std::stringstream text;
-  if (!file || !(text << file.rdbuf())) {
-    LoadResult result;
-    std::string names;
-    for (const SceneSummary& scene : ListScenes(folder)) names += (names.empty() ? "" : ", ") + scene.name;
-    result.errors.push_back(isPath ? "scene file '" + nameOrPath + "' cannot be read"
-                                   : "scene '" + nameOrPath + "' is not known; one of: " + names +
-                                         ", or a path to a .toml file");
+  std::string text;
+  const std::string fault = ReadTextFile(path, kMaxSceneBytes, text);
+  if (fault.empty()) return ParseScene(text, path.string());
+  LoadResult result;
+  if (isPath) {
+    result.errors.push_back("scene file '" + nameOrPath + "' " + fault);
     return result;
   }
-  return ParseScene(text.str(), path.string());
+  std::string names;
+  for (const SceneSummary& scene : ListScenes(folder)) names += (names.empty() ? "" : ", ") + scene.name;
+  result.errors.push_back("scene '" + nameOrPath + "' is not known; one of: " + names + ", or a path to a .toml file");
+  return result;
 }
 
 std::filesystem::path FindShippedScenes() {

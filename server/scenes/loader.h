@@ -15,7 +15,8 @@ struct LoadResult {
 };
 
 // Reads a scene from TOML text. label: a path, which names the source in errors; files that the scene names are looked
-// for in its folder.
+// for in its folder. Any text is safe: one of more than kMaxSceneBytes (text_file.h), or nested too deep (nesting.h),
+// is refused unread.
 [[nodiscard]] LoadResult ParseScene(const std::string& text, const std::string& label);
 
 // Loads a scene from a path, if the text has a slash or ends in .toml, otherwise by its name from `folder`.

@@ -4,9 +4,11 @@
 
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <sstream>
+
+#include "server/scenes/table_reader.h"
+#include "server/scenes/text_file.h"
 
 namespace wobble::scenes {
 namespace {
@@ -49,7 +51,8 @@ class ObjParser {
       double& value = vertex[axis];
       const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
       if (word.empty() || error != std::errc() || end != word.data() + word.size() || !std::isfinite(value)) {
-        return Refuse(m_line, "vertex " + std::to_string(m_vertexCount) + " has '" + word + "' where a number belongs");
+        return Refuse(m_line, "vertex " + std::to_string(m_vertexCount) + " has '" + Abbreviate(word) +
+                                  "' where a number belongs");
       }
     }
     if (m_mesh.vertices.size() == physics::kMaxMeshVertices) {
@@ -68,11 +71,11 @@ class ObjParser {
       int index = 0;
       const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), index);
       if (error != std::errc() || (end != word.data() + word.size() && *end != '/')) {
-        return Refuse(m_line, name + " has '" + word + "' where a vertex belongs");
+        return Refuse(m_line, name + " has '" + Abbreviate(word) + "' where a vertex belongs");
       }
       if (index < 0) index += m_vertexCount + 1;
       if (index < 1 || index > m_vertexCount) {
-        return Refuse(m_line, name + " has vertex '" + word + "' of " + std::to_string(m_vertexCount));
+        return Refuse(m_line, name + " has vertex '" + Abbreviate(word) + "' of " + std::to_string(m_vertexCount));
       }
       corners.push_back(static_cast<std::uint16_t>(std::min<int>(index - 1, physics::kMaxMeshVertices)));
     }
@@ -108,11 +111,12 @@ class ObjParser {
 ObjMesh ParseObj(const std::string& text) { return ObjParser().Parse(text); }
 
 ObjMesh LoadObj(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  std::stringstream text;
-  if (file && text << file.rdbuf()) return ParseObj(text.str());
+  std::string text;
   ObjMesh mesh;
-  mesh.errors.push_back("cannot be read, or is empty");
+  std::string fault = ReadTextFile(path, kMaxMeshBytes, text);
+  if (fault.empty() && text.empty()) fault = "is empty";
+  if (fault.empty()) return ParseObj(text);
+  mesh.errors.push_back(std::move(fault));
   return mesh;
 }
 

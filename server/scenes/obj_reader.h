@@ -20,7 +20,8 @@ struct ObjMesh {
 // Parses the text of a file. Never throws.
 [[nodiscard]] ObjMesh ParseObj(const std::string& text);
 
-// Reads and parses a file. A file that cannot be read gives one error.
+// Reads and parses a file. One that cannot be read, is empty, no regular file or larger than kMaxMeshBytes gives one
+// error.
 [[nodiscard]] ObjMesh LoadObj(const std::filesystem::path& path);
 
 }  // namespace wobble::scenes

@@ -15,16 +15,33 @@ std::string FormatNumber(double value) {
   return text.str();
 }
 
-std::string Abbreviate(std::string text) {
-  constexpr std::size_t kMost = 40;
-  if (text.size() > kMost) text = text.substr(0, kMost) + "...";
+// Bytes of an error's line; the longest honest ones list the known fields of a table.
+constexpr std::size_t kMaxLineBytes = 1000;
+// Of a value in it.
+constexpr std::size_t kMaxValueBytes = 300;
+
+// Replaces control characters, C1 too: keys and values are shown as they are read, and may hold any character.
+std::string MakePlain(std::string text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    const bool isC1 = byte == 0xC2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xA0;
+    if (isC1) text.erase(i + 1, 1);
+    if (isC1 || byte < 0x20 || byte == 0x7F) text[i] = '?';
+  }
   return text;
 }
 
 }  // namespace
 
+std::string Abbreviate(const std::string& text, std::size_t most) {
+  if (text.size() <= most) return text;
+  while (most > 0 && (static_cast<unsigned char>(text[most]) & 0xC0) == 0x80) --most;  // not inside a character
+  return text.substr(0, most) + "...";
+}
+
 void ErrorList::Add(const toml::source_region& where, const std::string& what) {
-  m_errors.emplace_back(where.begin.line, m_label + ":" + std::to_string(where.begin.line) + ": " + what);
+  const std::string line = m_label + ":" + std::to_string(where.begin.line) + ": " + what;
+  m_errors.emplace_back(where.begin.line, MakePlain(Abbreviate(line, kMaxLineBytes)));
 }
 
 std::vector<std::string> ErrorList::Take() {
@@ -55,7 +72,7 @@ const toml::source_region& TableReader::Where(std::string_view key) const {
 }
 
 void TableReader::Refuse(std::string_view key, const std::string& value, const std::string& range) {
-  m_errors.Add(Where(key), std::string(key) + " = " + value + ": must be " + range);
+  m_errors.Add(Where(key), std::string(key) + " = " + Abbreviate(value, kMaxValueBytes) + ": must be " + range);
 }
 
 void TableReader::RefuseAsWritten(std::string_view key, const std::string& value, const std::string& range) {
@@ -195,7 +212,7 @@ void TableReader::ReportUnknown() {
     if (m_known.contains(std::string(key.str()))) continue;
     std::string known;
     for (const std::string& name : m_known) known += (known.empty() ? "" : ", ") + name;
-    m_errors.Add(key.source(), std::string(key.str()) + " is no field here; known: " + known);
+    m_errors.Add(key.source(), Abbreviate(std::string(key.str())) + " is no field here; known: " + known);
   }
 }
 

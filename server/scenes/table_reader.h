@@ -30,6 +30,9 @@ class ErrorList {
   std::vector<std::pair<toml::source_index, std::string>> m_errors;
 };
 
+// The text, or its beginning and "..." when it has more than `most` bytes.
+[[nodiscard]] std::string Abbreviate(const std::string& text, std::size_t most = 40);
+
 // Writes a node as it would stand in a file.
 [[nodiscard]] std::string FormatNode(const toml::node& node);
 

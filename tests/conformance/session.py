@@ -25,6 +25,7 @@ PATCH = 512  # vertices
 HISTORY = 64  # packets
 GENERATIONS = 32
 WORLD = 8192  # m
+SMALLEST = float(numpy.float32(0.001))  # m, size of a blueprint
 
 
 def hash_bytes(data, value=0xCBF29CE484222325):
@@ -52,7 +53,7 @@ class Blueprint:
         count = len(rest)
         positions = numpy.stack([rest['x'], rest['y'], rest['z']], axis=1)
         patches = -(-count // PATCH)
-        good = (1 <= count <= 4096 and 0 < size <= WORLD and bool((numpy.abs(positions) <= WORLD).all())
+        good = (1 <= count <= 4096 and SMALLEST <= size <= WORLD and bool((numpy.abs(positions) <= WORLD).all())
                 and self._are_below(fields['faces'], count) and self._are_edges_good(fields, count))
         if not good:
             raise Refused('out of range')
@@ -256,18 +257,29 @@ class Session:
             self.on_decoded(record, decoded)
 
 
+def is_in_world(array):
+    """Whether every float of a vector of structs, or of an array of floats, is within the world's border."""
+    if array.dtype.names:
+        return all(is_in_world(array[name]) for name in array.dtype.names)
+    return array.dtype.kind != 'f' or bool((numpy.abs(array) <= WORLD).all())
+
+
 def is_welcome_good(welcome):
     if any(welcome[name] is None for name in ('scene', 'obstacles', 'height_fields', 'game')):
         return False
     obstacles, fields = welcome['obstacles'], welcome['height_fields']
     with numpy.errstate(over='ignore', invalid='ignore'):
-        wide = fields['cell_size'] * numpy.float32(128)
-        high = fields['corner']['z'] + fields['low'] + fields['step'] * numpy.float32(65535)
+        lowest = fields['corner']['z'] + fields['low']
+        highest = lowest + fields['step'] * numpy.float32(65535)
+        normals = obstacles['a'][obstacles['kind'] == 0]
+        lengths = numpy.sqrt(normals['x'] * normals['x'] + normals['y'] * normals['y'] + normals['z'] * normals['z'])
+    halves = obstacles['b'][obstacles['kind'] == 1]
     return bool(welcome['tick_hz'] > 0 and welcome['snapshot_hz'] > 0 and welcome['blueprint_count'] <= 255
                 and len(obstacles) <= 1024 and len(fields) <= 16 and welcome['hands'] <= 15 and welcome['reach'] >= 0
-                and len(welcome['game']) <= 32 and is_finite(obstacles)
+                and len(welcome['game']) <= 32 and is_in_world(obstacles)
+                and (abs(lengths - 1) <= 1e-3).all() and all((halves[axis] >= 0).all() for axis in 'xyz')
                 and (obstacles['kind'] <= 3).all() and ((obstacles['kind'] < 2) | (obstacles['radius'] > 0)).all()
-                and is_finite(fields) and is_finite(wide) and is_finite(high)
+                and is_in_world(fields) and is_in_world(lowest) and is_in_world(highest)
                 and all(((fields[name] >= 2) & (fields[name] <= 128)).all() for name in ('columns', 'rows'))
                 and (fields['cell_size'] > 0).all() and (fields['step'] >= 0).all())
 

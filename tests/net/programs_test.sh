@@ -346,6 +346,14 @@ TOML
   expect_refusal "scene file '$folder/none.toml' cannot be read" wobbled --port 0 --scene "$folder/none.toml"
   printf 'gravity = \n' >"$folder/bad.toml"
   expect_refusal '^wobbled: bad.toml:1: ' wobbled --port 0 --scene "$folder/bad.toml"
+  { printf 'a.%.0s' $(seq 50000); echo 'a = 1'; } >"$folder/bad.toml"
+  expect_refusal '^wobbled: bad.toml:1: key = a\.a\.a.*: must be of 1 to 16 parts' wobbled --port 0 --scene "$folder/bad.toml"
+  printf '[[blueprint]]\nname = "b"\nkind = "mesh"\nfile = "/dev/zero"\n[player]\nblueprint = "b"\n' >"$folder/bad.toml"
+  expect_refusal '^wobbled: bad.toml:4: file = /dev/zero: is a device, not a regular file of at most 4 MiB' \
+    wobbled --port 0 --scene "$folder/bad.toml"
+  mkfifo "$folder/fifo.toml"
+  expect_refusal "^wobbled: scene file '$folder/fifo.toml' is a FIFO, not a regular file of at most 1 MiB" \
+    wobbled --port 0 --scene "$folder/fifo.toml"
 }
 
 case_no_server() {

@@ -89,6 +89,8 @@ const std::vector<Room> kRooms{
      {"server/config.h", kScenes, kPhysics, kPlay, kTiming, kSnapshots, kProtocol},
      {"CLI/", "fmt/"},
      kClock},
+    // Unicode's tables are the server's alone.
+    {"server/names", {kProtocol}, {"unicode/"}, kClockFileLog},
     {"server/",
      {kTiming, kPlay, kSnapshots, "server/training/", kScenes, kPhysics, kProtocol},
      {"fmt/", "nlohmann/", "oneapi/tbb", "prometheus/", "spdlog/", "tbb/"},

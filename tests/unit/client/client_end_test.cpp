@@ -22,6 +22,22 @@ TEST_F(ClientTest, ShowsWhyTheServerSaidGoodbye) {
   EXPECT_EQ(client->EndReason().substr(0, 14), "server is full");
 }
 
+TEST_F(ClientTest, HandsOnNoTextThatATerminalWouldObey) {
+  Join();
+  std::vector<std::string> heard;
+  client->OnNotice([&](const std::string& text) { heard.push_back(text); });
+  client->OnEvent([&](const Client::Event& event) { heard.push_back(event.name); });
+  const std::string hostile =
+      "a\xC2\x9B"
+      "2J\xE2\x80\xAE"
+      "b\x1b\n\xFF";
+  Arrive(Channel::kControl, protocol::MakeNotice(hostile));
+  Arrive(Channel::kControl, protocol::MakeEvent(wire::EventKind::Join, 1, 2, 3, hostile));
+  EXPECT_EQ(heard, (std::vector<std::string>(2, "a 2Jb  \xEF\xBF\xBD")));
+  Arrive(Channel::kControl, protocol::MakeServerGoodbye(wire::GoodbyeReason::Busy, hostile));
+  EXPECT_EQ(client->EndReason(), std::string(protocol::Name(wire::GoodbyeReason::Busy)) + ": a 2Jb  \xEF\xBF\xBD");
+}
+
 TEST_F(ClientTest, EndsWhenNobodyAnswersOrTheLinkIsLost) {
   Start();
   Arrive(transport::Event::Kind::kDisconnected);

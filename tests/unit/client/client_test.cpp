@@ -45,6 +45,32 @@ TEST_F(ClientTest, SaysHelloOnceConnectedAndPlaysOnceItHasItsBlueprint) {
   EXPECT_EQ(client->ReadStatistics().badMessages, 0U);
 }
 
+// A plane whose normal is huge presses vertices to infinity, and from there to NaN.
+TEST_F(ClientTest, AHostileWelcomeIsDroppedWhole) {
+  using Shape = wire::ObstacleKind;
+  const std::vector<wire::Obstacle> hostile{{Shape::Plane, {0, 0, 1e30F}, {-1e30F, 0, 0}, 0},
+                                            {Shape::Plane, {0, 0, 1}, {-3e38F, 0, 0}, 0},
+                                            {Shape::Plane, {0, 0, 0}, {0, 0, 0}, 0},
+                                            {Shape::Box, {3e38F, 0, 0}, {1, 1, 1}, 0},
+                                            {Shape::Sphere, {0, 0, 0}, {0, 0, 0}, 1e20F}};
+  Start();
+  Connect();
+  for (const wire::Obstacle& obstacle : hostile) {
+    const wire::Obstacle good{Shape::Plane, {0, 0, 1}, {}, 0};
+    Arrive(Channel::kControl, protocol::MakeWelcome({.clientId = 9,
+                                                     .tickHz = kTickHz,
+                                                     .snapshotHz = 30,
+                                                     .scene = "trap",
+                                                     .blueprintCount = 0,
+                                                     .obstacles = {good, obstacle, good}}));
+    EXPECT_EQ(client->ReadState(), State::kJoining);
+  }
+  EXPECT_EQ(client->ReadStatistics().badMessages, hostile.size());
+  EXPECT_TRUE(client->Welcome().obstacles.empty() && client->Welcome().scene.empty());
+  Welcome(0);  // an honest one counts
+  EXPECT_EQ(client->ReadState(), State::kPlaying);
+}
+
 TEST_F(ClientTest, SendsAnInputEachTickWithTheLastFourFramesAndTheAcknowledgement) {
   Join();
   link.sent.clear();
@@ -108,7 +134,7 @@ TEST_F(ClientTest, PlaysWhenAllHeightsAreThereAndTakesNoOthers) {
   Connect();
   protocol::WelcomeFields welcome{
       .clientId = 9, .ownBody = 3, .tick = 100, .tickHz = kTickHz, .snapshotHz = 30, .scene = "arena", .obstacles = {}};
-  welcome.heightFields = {{{1, 2, 10}, 0.5F, -1, 0.25F, 3, 4}};
+  welcome.heightFields = {{{1, 2, 10}, 0.5F, -1, 0.0625F, 3, 4}};
   Arrive(Channel::kControl, protocol::MakeWelcome(welcome));
   const auto send = [&](std::uint16_t field, std::uint16_t row, const std::vector<std::uint16_t>& heights) {
     Arrive(Channel::kControl, protocol::MakeHeightRows(field, row, heights));
@@ -126,7 +152,7 @@ TEST_F(ClientTest, PlaysWhenAllHeightsAreThereAndTakesNoOthers) {
   EXPECT_EQ(client->ReadState(), State::kPlaying);
   ASSERT_EQ(client->Grounds().size(), 1U);
   EXPECT_EQ(client->Grounds()[0].rows, 4);
-  EXPECT_EQ(client->Grounds()[0].heights[4], 10) << "10 - 1 + 4 / 4";
+  EXPECT_EQ(client->Grounds()[0].heights[4], 9.25F) << "10 - 1 + 4 / 16";
   EXPECT_EQ(send(0, 4, {1, 2, 3}), 6U);
 }
 

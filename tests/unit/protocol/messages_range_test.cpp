@@ -159,6 +159,23 @@ TEST(Messages, ObstaclesOutOfRange) {
   EXPECT_EQ(parse({Shape::Capsule, {1, 2, 3}, {}, kNan}), ParseResult::kOutOfRange);
   EXPECT_EQ(parse({Shape::Plane, {1, kNan, 3}, {}, 0}), ParseResult::kOutOfRange);
   EXPECT_EQ(parse({Shape::Box, {1, 2, 3}, {1, 1, kNan}, 0}), ParseResult::kOutOfRange);
+  EXPECT_EQ(parse({Shape::Box, {1, 2, 3}, {1, -1, 1}, 0}), ParseResult::kOutOfRange);
+  for (const float length : {0.0F, 0.99F, 1.01F, -2.0F, 1e30F, std::numeric_limits<float>::infinity()}) {
+    EXPECT_EQ(parse({Shape::Plane, {0, 0, length}, {}, 0}), ParseResult::kOutOfRange) << length;
+  }
+  EXPECT_EQ(parse({Shape::Plane, {0.6F, 0, 0.8F}, {8192, 0, 0}, 0}), ParseResult::kOk);
+  EXPECT_EQ(parse({Shape::Plane, {0, -0.9995F, 0}, {-8192, 0, 0}, 0}), ParseResult::kOk);
+  // Every number of every kind, too large by little and by much.
+  for (const float large : {8193.0F, -8193.0F, 1e30F, -3e38F}) {
+    EXPECT_EQ(parse({Shape::Plane, {0, 0, 1}, {large, 0, 0}, 0}), ParseResult::kOutOfRange);
+    for (const Shape shape : {Shape::Box, Shape::Sphere, Shape::Capsule}) {
+      EXPECT_EQ(parse({shape, {1, 2, 3}, {1, 1, 1}, 1}), ParseResult::kOk);
+      EXPECT_EQ(parse({shape, {large, 2, 3}, {1, 1, 1}, 1}), ParseResult::kOutOfRange);
+      EXPECT_EQ(parse({shape, {1, 2, large}, {1, 1, 1}, 1}), ParseResult::kOutOfRange);
+      EXPECT_EQ(parse({shape, {1, 2, 3}, {1, large, 1}, 1}), ParseResult::kOutOfRange);
+      EXPECT_EQ(parse({shape, {1, 2, 3}, {1, 1, 1}, large}), ParseResult::kOutOfRange);
+    }
+  }
   const wire::Obstacle plane{Shape::Plane, {0, 0, 1}, {}, 0};
   WelcomeFields many = MakeGoodWelcome();
   many.obstacles.assign(kMaxObstacles, plane);
@@ -184,6 +201,11 @@ TEST(Messages, HeightFieldsOutOfRange) {
   EXPECT_EQ(parse({{{0, 0, 1}, 3e38F, -1, 0.1F, 2, 2}}), ParseResult::kOutOfRange) << "ends in infinity";
   EXPECT_EQ(parse({{{0, 0, 1}, 1, -1, -0.1F, 2, 2}}), ParseResult::kOutOfRange);
   EXPECT_EQ(parse({{{0, 0, 1}, 1, -1, 1e35F, 2, 2}}), ParseResult::kOutOfRange) << "as high as infinity";
+  EXPECT_EQ(parse({{{0, 0, 1}, 1, -1, 0.2F, 2, 2}}), ParseResult::kOutOfRange) << "higher than the world";
+  EXPECT_EQ(parse({{{0, 9000, 1}, 1, -1, 0.1F, 2, 2}}), ParseResult::kOutOfRange) << "begins outside of it";
+  EXPECT_EQ(parse({{{0, 0, 1}, 9000, -1, 0.1F, 2, 2}}), ParseResult::kOutOfRange) << "a cell larger than it";
+  EXPECT_EQ(parse({{{0, 0, -8000}, 1, -8000, 0.1F, 2, 2}}), ParseResult::kOutOfRange) << "deeper than it";
+  EXPECT_EQ(parse({{{0, 0, 1}, 1, kNan, 0.1F, 2, 2}}), ParseResult::kOutOfRange);
 
   const auto rows = [](std::uint16_t field, std::uint16_t first, std::size_t count) {
     flatbuffers::FlatBufferBuilder builder;
@@ -237,7 +259,7 @@ TEST(Messages, BlueprintOutOfRange) {
   }
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  for (const float size : {0.0F, -1.0F, kInfinity, kNan}) {
+  for (const float size : {0.0F, -1.0F, 1e-40F, 0.0009F, kInfinity, kNan}) {
     EXPECT_EQ(ParseAs('b', MakeBlueprint({.name = "a", .rest = rest, .size = size})), ParseResult::kOutOfRange) << size;
   }
   for (const Vector3 bad : {Vector3{kNan, 0, 0}, Vector3{0, -kInfinity, 0}, Vector3{0, 0, kNan}}) {

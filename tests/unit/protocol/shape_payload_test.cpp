@@ -6,6 +6,7 @@
 #include <random>
 
 #include "protocol/shape_codec.h"
+#include "protocol/shape_layout.h"
 #include "tests/unit/damage.h"
 #include "tests/unit/protocol/shape_clouds.h"
 
@@ -151,6 +152,45 @@ TEST(ShapeCodec, RandomBytesAreSafe) {
     if (DecodeAndCheck(bytes, MakeModel(cloud, basis.get())) == DecodeResult::kOk) ++decoded;
   }
   EXPECT_GT(decoded, 0) << "none got past the pose";
+}
+
+// The extremes that the checks of welcome and blueprint let through: UndefinedBehaviorSanitizer would see NaN become an
+// integer, and here nothing is other than finite.
+TEST(ShapeCodec, TheLargestObstaclesAndBodiesGiveFiniteShapes) {
+  const Golden golden;
+  const auto far = static_cast<float>(kWorldHalfExtent);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> any(-1, 1);
+  int touching = 0, decoded = 0;
+  for (int round = 0; round < 500; ++round) {
+    Cloud cloud = golden.cloud;
+    cloud.size = std::array{kMinBodySize, 1.25F, far}[round % 3];
+    const float extent = std::array{0.001F, 1.0F, far}[random() % 3];
+    for (Vector3& v : cloud.rest) v = Vector3{any(random), any(random), any(random)} * extent;
+    std::vector<wire::Obstacle> obstacles;
+    for (int i = 0; i < 12; ++i) {
+      const Vector3 way{any(random), any(random), any(random)};
+      const Vector3 normal = way * ((1 + any(random) * kUnitTolerance) / Length(way));
+      const float offset = any(random) * (i % 2 == 0 ? far : 1.0F);
+      obstacles.emplace_back(wire::ObstacleKind::Plane, wire::Vec3(normal.x, normal.y, normal.z),
+                             wire::Vec3(offset, 0, 0), 0.0F);
+    }
+    obstacles.emplace_back(wire::ObstacleKind::Box, wire::Vec3(far, far, -far), wire::Vec3(far, far, far), 0.0F);
+    const PatchModel model = MakeModel(cloud, golden.basis.get(), obstacles);
+    const Pose pose{Vector3{any(random), any(random), any(random)} * far, {0.8F, 0, 0.6F, 0}};
+    std::vector<Side> sides;
+    FindSides(obstacles, pose, 4 * far, sides);
+    ContactScratch contact;
+    if (FindContact(model, sides, contact)) {
+      ++touching;
+      ExpectFinite(pose, contact.pressed);
+    }
+    Bytes payload = golden.bytes;
+    if (round % 2 == 0) payload[random() % payload.size()] = static_cast<std::uint8_t>(random());
+    decoded += DecodeAndCheck(payload, model) == DecodeResult::kOk ? 1 : 0;
+  }
+  EXPECT_GT(touching, 100);
+  EXPECT_GT(decoded, 20);
 }
 
 TEST(ShapeCodec, RefusalsHaveTheirReason) {

@@ -5,10 +5,12 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <filesystem>
 
 #include "server/physics/shapes/ball.h"
 #include "server/snapshots/body_captures.h"
 #include "tests/support/captures.h"
+#include "tests/support/game.h"
 
 namespace wobble::server {
 namespace {
@@ -263,6 +265,56 @@ TEST(CaptureObstacles, EveryKindAsTheWireHasIt) {
     }
   }
   EXPECT_EQ(field.corner().z(), 10);
+}
+
+protocol::ParseResult ParseWelcomeOf(const scenes::Scene& scene) {
+  protocol::WelcomeFields fields;
+  fields.tickHz = fields.snapshotHz = 60;
+  fields.scene = scene.name;
+  fields.obstacles = CaptureObstacles(scene.obstacles);
+  for (const CapturedGround& ground : CaptureGrounds(scene.obstacles)) fields.heightFields.push_back(ground.field);
+  const protocol::wire::ServerMessage* message = nullptr;
+  return protocol::ParseServerMessage(protocol::MakeWelcome(fields), message);
+}
+
+TEST(CaptureObstacles, ThoseOfEveryShippedSceneAreInTheProtocolsBounds) {
+  std::size_t obstacles = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::filesystem::path(WOBBLE_SOURCE_DIR) / "server/scenes")) {
+    if (entry.path().extension() != ".toml") continue;
+    const scenes::Scene scene = test::LoadShippedScene(entry.path().stem());
+    obstacles += scene.obstacles.size();
+    EXPECT_EQ(ParseWelcomeOf(scene), protocol::ParseResult::kOk) << scene.name;
+  }
+  EXPECT_GT(obstacles, 40U);
+}
+
+TEST(CaptureObstacles, WhatASceneMayHaveIsInTheProtocolsBounds) {
+  EXPECT_EQ(ParseWelcomeOf(test::MakeYard(R"(
+[[obstacle]]
+kind = "plane"
+normal = [0.3, -1, 1e-5]
+offset = -4000
+[[obstacle]]
+kind = "box"
+center = [4000, -4000, 4000]
+half_extents = [4000, 0.1, 4000]
+[[obstacle]]
+kind = "sphere"
+center = [-4000, 4000, 4000]
+radius = 1000
+[[obstacle]]
+kind = "capsule"
+from = [-4000, 4000, 4000]
+to = [4000, -4000, -4000]
+radius = 1000
+[[obstacle]]
+kind = "height_field"
+position = [4000, 4000, 4000]
+cell_size = 100
+heights = [[-1000, 1000], [1000, -1000]]
+)")),
+            protocol::ParseResult::kOk);
 }
 
 }  // namespace
