@@ -32,6 +32,8 @@ constexpr double kMaxLeaveRoundTrip = 1;
 static_assert(kLeaveTimeout + kLeaveRoundTrips * kMaxLeaveRoundTrip == kLongestLeave);
 // The most inputs sent in one Update; after a longer pause the schedule starts anew.
 constexpr int kMaxCatchUp = 3;
+// Seconds by which an input's stamp may be ahead of the newest snapshot: a few snapshots that are lost or late.
+constexpr double kLongestStampLead = 0.2;
 // Paces from here on count as 1: a late tick now and then is no slower world.
 constexpr double kOnPace = 0.97;
 
@@ -102,6 +104,7 @@ struct Client::Implementation {
   void HandleEvent(const wire::Event& message);
   void HandleSnapshot(std::span<const std::uint8_t> bytes);
 
+  [[nodiscard]] double EstimateTick() const;
   void SendDueInputs();
   void SendInput();
   void Ask(const protocol::Message& message);
@@ -368,9 +371,16 @@ void Client::Implementation::HandleSnapshot(std::span<const std::uint8_t> bytes)
   snapshots.TakeRecords(head->tick, welcome.obstacles, onDecoded);
 }
 
+// The clock believes for seconds after a pause of the server that the world has gone on. Inputs stamped by it would be
+// refused as too far ahead, so a stamp is never far from the newest tick that is known.
+double Client::Implementation::EstimateTick() const {
+  const double estimated = time.ServerTime(now) * welcome.tickHz;
+  return time.HasSnapshot() ? std::min(estimated, time.NewestTick() + kLongestStampLead * welcome.tickHz) : estimated;
+}
+
 void Client::Implementation::SendDueInputs() {
   for (int sent = 0; sent < kMaxCatchUp && now >= nextInput; ++sent) {
-    inputs.Add(input, time.ServerTime(now) * welcome.tickHz, now);
+    inputs.Add(input, EstimateTick(), now);
     SendInput();
     nextInput += time.TickSeconds();
   }

@@ -277,7 +277,7 @@ const char* Name(wire::GoodbyeReason reason) {
     case wire::GoodbyeReason::Banned:
       return "banned from this server";
     case wire::GoodbyeReason::BadToken:
-      return "the password, invite or token is not valid";
+      return "the password, invite or token is missing or not valid";
     case wire::GoodbyeReason::TooManyFromAddress:
       return "too many connections from this address";
   }

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "protocol/transport/enet_transport.h"
+#include "protocol/transport/vestibule/secret_file.h"
 #include "protocol/version.h"
 #include "server/key_file.h"
 #include "server/ops/agones.h"
@@ -233,6 +234,14 @@ int RunServer(const Options& options) {
   std::uint16_t sidecar = 0;
   if (!StartWatching(options, watchers, sidecar)) return kBadUsage;
   if (!ChooseKey(options, listen.secretKey)) return kBadUsage;
+  if (!options.passwordFile.empty()) {
+    const auto password = transport::vestibule::ReadSecret(options.passwordFile, error);
+    if (!password) {
+      Complain({"--password-file " + error});
+      return kBadUsage;
+    }
+    listen.password = *password;
+  }
   auto transport = transport::EnetTransport::Listen(listen, error);
   if (transport == nullptr) {
     Complain({error});

@@ -50,6 +50,9 @@ void DescribeOptions(CLI::App& app, Options& options) {
                  "File of the server's secret key, by which clients know it again; made if it is not there "
                  "(server.key in the user's state folder)")
       ->type_name("FILE");
+  app.add_option("--password-file", options.passwordFile,
+                 "File whose first line is the password that players need; everybody may come in without it")
+      ->type_name("FILE");
   addNumber("--tick-hz", kTickHzRange, config.tickHz, "Steps of the world a second");
   addNumber("--snapshot-hz", kSnapshotHzRange, config.snapshotHz, "Snapshots a second, at most --tick-hz");
   addNumber("--max-clients", kMaxClientsRange, config.maxClients, "Players and spectators at once");
@@ -86,6 +89,7 @@ void DescribeOptions(CLI::App& app, Options& options) {
       "  wobbled                                  the arena on port 7777\n"
       "  wobbled --scene crowd --client-kbit 2000 a busy scene, more bytes for each client\n"
       "  wobbled --scene my.toml --port 7801      a scene of your own\n"
+      "  wobbled --password-file door.txt         for those who know it: wobble watch --password-file\n"
       "  wobbled --for 30 --summary run.json      half a minute, figures at the end\n"
       "  wobbled --ops 9100                       then: curl 127.0.0.1:9100/metrics\n"
       "  wobbled --for 90 --pause-after 0         the same without players: the world never pauses");

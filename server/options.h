@@ -12,10 +12,11 @@ namespace wobble::server {
 struct Options {
   Config config;
   std::string scene = "arena";
-  double runFor = 0;       // s; 0: until a signal
-  double statusEvery = 0;  // s; 0: no status lines
-  std::string bind;        // address to listen at; empty: every one of the machine
-  std::string keyFile;     // of the server's key; empty: see FindKeyFile
+  double runFor = 0;         // s; 0: until a signal
+  double statusEvery = 0;    // s; 0: no status lines
+  std::string bind;          // address to listen at; empty: every one of the machine
+  std::string keyFile;       // of the server's key; empty: see FindKeyFile
+  std::string passwordFile;  // empty: everybody may come in
   std::string logLevel = "info";
   std::string summaryFile;
   std::string cacheFolder;

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "client/bots/load_test.h"
+#include "client/command/access.h"
 
 namespace wobble::bots {
 namespace {
@@ -15,6 +16,7 @@ constexpr double kMaxSeed = 9007199254740992.0;
 
 // Options as text, before they are parsed.
 struct Words {
+  command::Access access;
   std::string address;
   std::string decodeShare = "1/32";
   std::vector<std::string> thresholds;
@@ -62,6 +64,7 @@ CLI::App* AddWords(CLI::App& app, LoadTestOptions& options, Words& words) {
   subcommand->add_option("--decode-share", words.decodeShare, "Share of the bots that decode and interpolate in full")
       ->type_name("A/B")
       ->capture_default_str();
+  command::AddAccessOptions(*subcommand, words.access);
   subcommand->add_flag("--keep-bases", options.keepsBases,
                        "Join like players who return: keep the bases of shapes in the user's cache folder from one run "
                        "to the next, and download only what is not there");
@@ -100,6 +103,9 @@ std::vector<std::string> Understand(const CLI::App& subcommand, const Words& wor
     errors.emplace_back("HOST:PORT of the server is required (see wobble bots --help)");
   } else {
     take("server", command::ParseAddress(words.address, error), options.server);
+  }
+  if (errors.empty() && !command::FindAccess(words.access, options.server, options.access, error)) {
+    errors.push_back(error);
   }
   if (options.scriptFile.empty()) errors.emplace_back("--script is required (see wobble bots --help)");
   if (!words.ramp.empty()) take("--ramp", ParseDuration(words.ramp, error), options.ramp);

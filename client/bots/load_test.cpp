@@ -163,8 +163,10 @@ int RunLoadTest(const LoadTestOptions& options, const std::function<bool()>& sto
   std::unique_ptr<link::RelayThread> relay;
   if (!StartLink(options, relay)) return command::kExitBadUse;
   const auto connect = [&options, &relay](std::string& reason) -> std::unique_ptr<transport::Transport> {
-    if (relay != nullptr) return transport::EnetTransport::Connect("127.0.0.1", relay->ReadPort(), reason);
-    return transport::EnetTransport::Connect(options.server.host, options.server.port, reason);
+    if (relay != nullptr) {
+      return transport::EnetTransport::Connect("127.0.0.1", relay->ReadPort(), reason, options.access);
+    }
+    return transport::EnetTransport::Connect(options.server.host, options.server.port, reason, options.access);
   };
   Runner runner(options, script, connect, &command::ReadClock, [&status](std::string_view line) {
     status.Close();

@@ -9,6 +9,7 @@
 #include "client/bots/summary.h"
 #include "client/command/address.h"
 #include "protocol/limits.h"
+#include "protocol/transport/enet_transport.h"
 #include "protocol/transport/link_conditions.h"
 
 namespace wobble::bots {
@@ -44,6 +45,7 @@ struct Stage {
 
 struct LoadTestOptions {
   command::Address server;
+  transport::ConnectOptions access;  // password and the server's key
   std::string scriptFile;
   unsigned count = 1;
   double ramp = 0;            // seconds over which the joins are spread evenly

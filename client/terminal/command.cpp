@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "client/command/access.h"
 #include "client/command/clock.h"
 #include "client/terminal/watch.h"
 #include "protocol/limits.h"
@@ -15,6 +16,7 @@ constexpr double kMaxFps = 60;
 
 // Options as text, before they are parsed.
 struct Words {
+  command::Access access;
   std::string address;
   std::string colours = "auto";
 };
@@ -26,6 +28,7 @@ CLI::App* AddWords(CLI::App& app, WatchOptions& options, Words& words) {
   subcommand->add_option("server", words.address, "The server")->type_name("HOST:PORT REQUIRED");
   subcommand->add_option("--name", options.name, "Name shown to other players")->capture_default_str();
   subcommand->add_flag("--spectate", options.spectate, "Watch without a body");
+  command::AddAccessOptions(*subcommand, words.access);
   subcommand->add_option("--fps", options.fps, "Pictures per second at most; fewer on a slow line")
       ->check(command::Within(1, kMaxFps))
       ->capture_default_str();
@@ -45,7 +48,7 @@ CLI::App* AddWords(CLI::App& app, WatchOptions& options, Words& words) {
       "Exit code: 0 ended by the user, 1 connection lost, 2 bad usage, no terminal or no server.\n"
       "Examples:\n"
       "  wobble watch 127.0.0.1:7777\n"
-      "  wobble watch example.org:7777 --name mira --colours true --fps 20\n"
+      "  wobble watch example.org:7777 --name mira --password-file door.txt --fps 20\n"
       "  wobble watch 127.0.0.1:7777 --spectate --for 10 --capture picture.svg");
   return subcommand;
 }
@@ -67,6 +70,7 @@ bool Understand(const Words& words, WatchOptions& options, std::string& error) {
     return false;
   }
   options.server = *address;
+  if (!command::FindAccess(words.access, options.server, options.access, error)) return false;
   if (words.colours == "true") options.palette = Palette::kTruecolour;
   if (words.colours == "256") options.palette = Palette::k256;
   return true;

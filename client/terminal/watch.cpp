@@ -18,10 +18,10 @@
 #include <string_view>
 
 #include "client/client.h"
+#include "client/command/access.h"
 #include "client/command/clock.h"
 #include "client/command/exit_codes.h"
 #include "client/files/kept_folder.h"
-#include "client/files/known_servers.h"
 #include "client/terminal/camera.h"
 #include "client/terminal/controls.h"
 #include "client/terminal/guardian.h"
@@ -135,10 +135,8 @@ int Watch::Run() {
 // On failure prints one line and returns false.
 bool Watch::Connect() {
   std::string error;
-  const files::KnownServers known(files::FindKnownServersFile());
-  transport::ConnectOptions connect;
-  connect.serverKey = known.Find(command::Describe(m_options.server));
-  auto transport = transport::EnetTransport::Connect(m_options.server.host, m_options.server.port, error, connect);
+  auto transport =
+      transport::EnetTransport::Connect(m_options.server.host, m_options.server.port, error, m_options.access);
   if (transport == nullptr) {
     std::fprintf(stderr, "wobble watch: %s\n", error.c_str());
     return false;
@@ -167,8 +165,7 @@ void Watch::Play() {
       if (m_client->ReadState() == client::State::kEnded) return;
       if (!m_played && IsPlaying()) {
         m_played = true;
-        const files::KnownServers known(files::FindKnownServersFile());
-        known.Note(command::Describe(m_options.server), m_transport->ReadServerKey());
+        command::NoteServer(m_options.server, *m_transport);
       }
     }
     if (m_guard.Update()) {

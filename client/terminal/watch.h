@@ -7,17 +7,19 @@
 
 #include "client/command/address.h"
 #include "client/terminal/cells.h"
+#include "protocol/transport/enet_transport.h"
 
 namespace wobble::terminal {
 
 struct WatchOptions {
   command::Address server;
-  std::string name = "player";     // at most protocol::kMaxNameBytes bytes
-  bool spectate = false;           // without a body
-  double fps = 30;                 // pictures per second, at most
-  double duration = 0;             // seconds; 0: until the user ends it
-  std::optional<Palette> palette;  // nullopt: chosen by FindPalette
-  std::string captureFile;         // file for the last picture as SVG; empty: none
+  transport::ConnectOptions access;  // password and the server's key
+  std::string name = "player";       // at most protocol::kMaxNameBytes bytes
+  bool spectate = false;             // without a body
+  double fps = 30;                   // pictures per second, at most
+  double duration = 0;               // seconds; 0: until the user ends it
+  std::optional<Palette> palette;    // nullopt: chosen by FindPalette
+  std::string captureFile;           // file for the last picture as SVG; empty: none
 };
 
 // True colour by COLORTERM, or by a TERM known for more than 256 colours. Both may be null.

@@ -66,7 +66,7 @@ std::string_view Describe(const Caller& caller) {
     case vestibule::Refusal::kTooManyFromAddress:
       return "too many connections from this address";
     case vestibule::Refusal::kBadCredential:
-      return "the password, invite or token is not valid";
+      return "the password, invite or token is missing or not valid";
     case vestibule::Refusal::kBanned:
       return "banned from this server";
     case vestibule::Refusal::kNone:
@@ -333,6 +333,16 @@ std::unique_ptr<EnetTransport> EnetTransport::Listen(const ListenOptions& option
       options.secretKey ? vestibule::MakeKeyPair(*options.secretKey) : vestibule::MakeKeyPair(vestibule::FillRandomly);
   settings.maxVisitors = options.maxConnections;
   settings.datagramRate = options.datagramRate;
+  if (!options.password.empty()) {
+    settings.wantsCredential = true;
+    settings.judge = [password = options.password](const vestibule::Credential& credential,
+                                                   const vestibule::NetAddress&, double) {
+      const std::span bytes(reinterpret_cast<const std::uint8_t*>(password.data()), password.size());
+      const bool isRight =
+          credential.kind == vestibule::Credential::Kind::kPassword && vestibule::AreEqual(credential.bytes, bytes);
+      return isRight ? vestibule::Refusal::kNone : vestibule::Refusal::kBadCredential;
+    };
+  }
   settings.maxPerAddress = options.maxPerAddress == 0 ? options.maxConnections : options.maxPerAddress;
   constexpr std::size_t kMostReceived = std::max(protocol::kMaxClientMessageBytes, protocol::kMaxPacketBytes);
   auto bridge = ServerBridge::Open(std::move(*socket), std::move(settings), kMostReceived, error);

@@ -27,6 +27,7 @@ struct ListenOptions {
   std::string host = {};            // the address to listen at; empty: every one of the machine, IPv6 and IPv4
   // The server's long-lived secret key, by which clients know it again; nullopt: one for this run only.
   std::optional<vestibule::Key> secretKey = {};
+  std::string password = {};  // that clients must have; empty: none
 };
 
 struct ConnectOptions {

@@ -95,6 +95,7 @@ const std::vector<Room> kRooms{
      {kTiming, kPlay, kSnapshots, "server/training/", kScenes, kPhysics, kProtocol},
      {"fmt/", "nlohmann/", "oneapi/tbb", "prometheus/", "spdlog/", "tbb/"},
      kClock},
+    {"protocol/transport/vestibule/secret_file", {kVestibule, kProtocol}, {}, kClock},
     // It alone knows the cryptographic library.
     {kVestibule, {kProtocol}, Join(kSystem, {"sodium.h"}), kClockFileLog},
     {"protocol/transport/", {kProtocol}, Join(kSystem, {"enet/", "zlib.h"}), kClockFileLog},

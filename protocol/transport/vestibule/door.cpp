@@ -21,6 +21,8 @@ constexpr double kAnsweredSeconds = 2 * kEpochSeconds + 1;
 constexpr double kRequestRate = 50, kRequestBurst = 200;
 constexpr double kHandshakeRate = 50, kHandshakeBurst = 100;
 constexpr double kHandshakeRateOfAll = 200, kHandshakeBurstOfAll = 400;
+// Credentials that do not hold, a second of a subnet: a password of eight letters lasts for centuries.
+constexpr double kGuessRate = 0.2, kGuessBurst = 10;
 // A visitor may send so many seconds' datagrams at once, after a link that was dead for a while.
 constexpr double kDatagramBurst = 2;
 
@@ -38,6 +40,7 @@ Door::Door(Settings settings)
       m_started(MakeKeyPair(m_settings.random)),
       m_requestRates(kRequestRate, kRequestBurst, m_started.secretKey),
       m_handshakeRates(kHandshakeRate, kHandshakeBurst, m_started.secretKey),
+      m_guessRates(kGuessRate, kGuessBurst, m_started.secretKey),
       m_slots(CountSlots(m_settings.maxVisitors)) {
   assert(m_settings.maxVisitors >= 1 && m_settings.maxVisitors <= kMaxVisitors);
   m_settings.random(m_cookieKey);
@@ -119,7 +122,11 @@ Refusal Door::FindRefusal(const NetAddress& from, double now) {
     return visitor != nullptr && !visitor->isReleased && visitor->address.ip == from.ip;
   });
   if (static_cast<std::size_t>(ofAddress) >= m_settings.maxPerAddress) return Refusal::kTooManyFromAddress;
-  return m_settings.judge ? m_settings.judge(*credential, from, now) : Refusal::kNone;
+  if (!m_settings.judge) return Refusal::kNone;
+  if (!m_guessRates.Take(FindSubnet(from), now)) return Refusal::kBadCredential;
+  const Refusal refusal = m_settings.judge(*credential, from, now);
+  if (refusal != Refusal::kBadCredential) m_guessRates.Return(FindSubnet(from));
+  return refusal;
 }
 
 Door::Result Door::LetIn(const NetAddress& from, const Response& response, const SessionKeys& keys, Opener opener,
@@ -201,7 +208,8 @@ Door::Result Door::Pass(Visitor& visitor, std::span<const std::uint8_t> sealed, 
   if (!visitor.opener.Open(sealed, m_plain)) return ++m_counts.invalid, Result{};
   if (visitor.isPutOut) return {};
   visitor.lastHeard = now;
-  if (!visitor.rate.Take(m_settings.datagramRate, kDatagramBurst * m_settings.datagramRate, now)) return ++m_counts.limited, Result{};
+  if (!visitor.rate.Take(m_settings.datagramRate, kDatagramBurst * m_settings.datagramRate, now))
+    return ++m_counts.limited, Result{};
   switch (visitor.filter.Judge(m_plain)) {
     case CommandFilter::Verdict::kPass:
       ++m_counts.passed;

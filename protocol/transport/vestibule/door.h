@@ -55,7 +55,8 @@ class Door {
     bool wantsCredential = false;    // told to clients with the challenge
     double datagramRate = 400;       // of one visitor, a second: an input a tick, acknowledgements and commands
     RandomSource random = FillRandomly;
-    // Judges a credential; called for addresses that are proved. Empty: everybody may come in.
+    // Judges a credential; called for addresses that are proved, and not for a subnet that has guessed too often.
+    // Empty: everybody may come in.
     std::function<Refusal(const Credential& credential, const NetAddress& from, double now)> judge = {};
   };
   // now: s, above 0, never backwards, in all functions.
@@ -137,6 +138,7 @@ class Door {
   Key m_resetKey{};
   RateTable m_requestRates;
   RateTable m_handshakeRates;
+  RateTable m_guessRates;
   TokenBucket m_handshakes;
   std::vector<std::unique_ptr<Visitor>> m_slots;  // the low bits of a session's number name its slot
   std::unordered_map<VisitorId, std::size_t> m_slotOf;

@@ -32,8 +32,12 @@ class RateTable {
   RateTable(double rate, double burst, const Key& hashKey);
   // Whether one more of this subnet is within the rate. now: s, above 0.
   [[nodiscard]] bool Take(const Subnet& subnet, double now);
+  // Gives one back that was taken.
+  void Return(const Subnet& subnet) { ++FindBucket(subnet).tokens; }
 
  private:
+  [[nodiscard]] TokenBucket& FindBucket(const Subnet& subnet);
+
   double m_rate;
   double m_burst;
   Key m_hashKey;

@@ -230,5 +230,21 @@ TEST(Server, AWorldThatNeedNotWaitDoesNot) {
   EXPECT_NEAR(game.server.World().Tick(), 7200, 2);
 }
 
+// SIGSTOP, a laptop's lid, a virtual machine that moves: world time stands still, and the clients' clocks go on.
+TEST(Server, InputsCountAgainHalfASecondAfterTheServerStoodStill) {
+  test::Game game(test::MakeYard());
+  client::Client& client = game.AddClient();
+  game.Run(4);
+  ASSERT_EQ(client.ReadState(), client::State::kPlaying);
+  for (const double end = game.now + 5; game.now < end; game.now += 1.0 / 60) client.Update(game.now);
+  game.Run(0.1);  // it goes on
+  client.SetInput({.moveX = 1});
+  const double before = game.Centre(client.Welcome().ownBody).x();
+  game.Run(0.5);
+  const double soon = game.Centre(client.Welcome().ownBody).x();
+  EXPECT_GT(soon, before + 0.02);
+  EXPECT_EQ(game.server.ReadCounts().dropped[static_cast<std::size_t>(DropReason::kFutureInput)], 0U);
+}
+
 }  // namespace
 }  // namespace wobble::server

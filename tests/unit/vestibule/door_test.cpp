@@ -218,6 +218,31 @@ TEST_F(DoorTest, SaysWhyNot) {
   EXPECT_EQ(door.Counts().refused, 4U);
 }
 
+// A password is guessed ten times, then once in five seconds; the right one is not heard meanwhile either.
+TEST_F(DoorTest, ASubnetMayNotGuessForLong) {
+  Door::Settings settings;
+  int judged = 0;
+  settings.judge = [&](const Credential& credential, const NetAddress&, double) {
+    ++judged;
+    return credential.bytes == Bytes{7} ? Refusal::kNone : Refusal::kBadCredential;
+  };
+  Open(settings);
+  const auto enter = [&](std::uint8_t guess, const NetAddress& from) {
+    Caller caller = MakeCaller({.credential = {Credential::Kind::kPassword, {guess}}});
+    static_cast<void>(Enter(caller, from));
+    return caller.ReadRefusal();
+  };
+  const NetAddress here = MakeAddress(10, 0, 0, 1, 1), there = MakeAddress(10, 0, 1, 1, 1);
+  for (int i = 0; i < 30; ++i) EXPECT_EQ(enter(7, here), Refusal::kNone) << "who knows it is never slowed down";
+  judged = 0;
+  for (int i = 0; i < 40; ++i) EXPECT_EQ(enter(1, here), Refusal::kBadCredential);
+  EXPECT_EQ(judged, 10);
+  EXPECT_EQ(enter(7, here), Refusal::kBadCredential);
+  EXPECT_EQ(enter(7, there), Refusal::kNone);
+  now += 5.1;
+  EXPECT_EQ(enter(7, here), Refusal::kNone);
+}
+
 TEST_F(DoorTest, TheCallerKnowsItsServer) {
   Open();
   Key other{};
