@@ -95,7 +95,7 @@ const std::vector<Room> kRooms{
      kClock},
     // It alone knows the cryptographic library.
     {kVestibule, {kProtocol}, Join(kSystem, {"sodium.h"}), kClockFileLog},
-    {"protocol/transport/", {kProtocol}, Join(kSystem, {"enet/", "zlib.h"}), kClockFileLog},
+    {"protocol/transport/", {kProtocol}, Join(kSystem, {"enet/"}), kClockFileLog},
     {kProtocol, {}, {"flatbuffers/"}, kPortable},
     {"client/bots/", kCommandReach, Join(kSystem, {"CLI/", "lua.hpp", "nlohmann/"}), {}},
     {"client/command/", kCommandReach, Join(kSystem, {"CLI/"}), {}},
