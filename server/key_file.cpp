@@ -1,3 +1,5 @@
+// A key is written under another name and linked to its own, which fails where there is one already: of servers that
+// start at once, one makes the key, and the others never see half of it.
 #include "server/key_file.h"
 
 #include <fcntl.h>
@@ -13,28 +15,49 @@ namespace wobble::server {
 
 namespace vestibule = transport::vestibule;
 
+namespace {
+
+// Sets errno when it fails.
+bool WriteNewFile(const std::filesystem::path& file, const std::string& line) {
+  const std::string draft = file.string() + "." + std::to_string(getpid());
+  const int descriptor = open(draft.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, S_IRUSR | S_IWUSR);
+  if (descriptor < 0) return false;
+  const bool isWritten =
+      write(descriptor, line.data(), line.size()) == static_cast<ssize_t>(line.size()) && fsync(descriptor) == 0;
+  close(descriptor);
+  const bool isLinked = isWritten && link(draft.c_str(), file.c_str()) == 0;
+  const int reason = errno;
+  unlink(draft.c_str());
+  errno = reason;
+  return isLinked;
+}
+
+}  // namespace
+
 std::optional<vestibule::Key> LoadOrMakeKey(const std::filesystem::path& file, std::string& error) {
   const std::string name = "key file " + file.string() + ": ";
-  if (std::ifstream in(file); in) {
-    std::string digits, more;
-    in >> digits;
-    const std::optional<vestibule::Key> key = vestibule::ParseKey(digits);
-    if (key && !(in >> more)) return key;
-    error = name + "must hold 64 hexadecimal digits";
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored)) {
+    vestibule::Key key;
+    vestibule::FillRandomly(key);
+    if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), ignored);
+    if (WriteNewFile(file, vestibule::FormatKey(key) + "\n")) return key;
+    if (errno != EEXIST) {
+      error = name + std::strerror(errno);
+      return {};
+    }
+  }
+  std::ifstream in(file);
+  if (!in) {
+    error = name + std::strerror(errno);
     return {};
   }
-  vestibule::Key key;
-  vestibule::FillRandomly(key);
-  std::error_code ignored;
-  if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), ignored);
-  // O_EXCL: of two servers that start at once, one makes the key.
-  const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
-  const std::string line = vestibule::FormatKey(key) + "\n";
-  const bool isWritten =
-      descriptor >= 0 && write(descriptor, line.data(), line.size()) == static_cast<ssize_t>(line.size());
-  if (!isWritten) error = name + std::strerror(errno);
-  if (descriptor >= 0) close(descriptor);
-  return isWritten ? std::optional(key) : std::nullopt;
+  std::string digits, more;
+  in >> digits;
+  const std::optional<vestibule::Key> key = vestibule::ParseKey(digits);
+  if (key && !(in >> more)) return key;
+  error = name + "must hold 64 hexadecimal digits";
+  return {};
 }
 
 std::filesystem::path FindKeyFile() {

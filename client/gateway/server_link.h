@@ -22,7 +22,7 @@ inline constexpr std::size_t kPingBytes = 4;
 // The largest message that a browser may send, bytes.
 inline constexpr std::size_t kMaxBrowserMessageBytes = 1 + protocol::kMaxClientMessageBytes;
 
-// The WebSocket subprotocol, with the protocol's version: "wobble.5".
+// The WebSocket subprotocol, with the protocol's version: "wobble.6".
 [[nodiscard]] std::string MakeSubprotocol();
 
 class ServerLink {

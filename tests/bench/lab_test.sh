@@ -13,6 +13,8 @@ folder="$(mktemp -d)" || exit 1
 readonly folder
 readonly out="$folder/out" err="$folder/err"
 trap 'rm -rf "$folder"' EXIT
+export XDG_STATE_HOME="$folder/state" # where the servers that it starts keep their key
+unset STATE_DIRECTORY
 
 fail() {
   echo "FAILED $case_name: expected $1; came:"

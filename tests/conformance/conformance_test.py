@@ -36,8 +36,12 @@ def join(messages):
     return b''.join(struct.pack('<I', len(message)) + message for message in messages)
 
 
-def replay_natively(messages):
-    return run('replay', data=join(messages)).splitlines()
+def replay_natively(messages, kept=()):
+    with tempfile.TemporaryDirectory() as folder:
+        files = [pathlib.Path(folder) / str(i) for i in range(len(kept))]
+        for file, whole in zip(files, kept):
+            file.write_bytes(whole)
+        return run('replay', *files, data=join(messages)).splitlines()
 
 
 def flip(data, at, bit=0):
@@ -47,11 +51,11 @@ def flip(data, at, bit=0):
 class Case(unittest.TestCase):
     maxDiff = 2000
 
-    def assert_alike(self, messages):
+    def assert_alike(self, messages, kept=()):
         """Both decoders give the same lines; returns these and the Python session."""
-        session = Session()
+        session = Session(kept=kept)
         lines = replay(messages, session)
-        self.assertEqual(lines, replay_natively(messages))
+        self.assertEqual(lines, replay_natively(messages, kept))
         return lines, session
 
 
@@ -62,7 +66,8 @@ def read_vector():
 
 
 def make_chunk(whole, generation=0, offset=0, size=4096):
-    """A BlueprintChunk of blueprint 0, put together by hand: two vtables, each before its table, then the bytes."""
+    """A BlueprintChunk of blueprint 0, put together by hand: two vtables, each before its table, then the bytes. With
+    the whole's size as offset it has none, and stands for a blueprint that the client has kept."""
     piece = whole[offset:offset + size]
     data = struct.pack('<I4H', 12, 8, 12, 8, 4)  # root; vtable of ServerMessage: body_type at 8, body at 4
     data += struct.pack('<iIB3x', 8, 24, 2)  # ServerMessage: its body begins 24 bytes behind the offset
@@ -240,22 +245,36 @@ class MadeUp(Case):
                 with self.subTest(message=i, at=at):
                     self.assert_alike(changed)
 
+    def test_kept_blueprint(self):
+        whole = flatbuffer.read(self.blueprint[1:], 'ServerMessage')['body']['bytes'].tobytes()
+        _, honest = self.assert_alike([self.welcome, self.blueprint, self.packet])
+        messages = [self.welcome, make_chunk(whole, offset=len(whole)), self.packet]
+        nothing = hash_bytes(b'')
+        for kept, expected in (([whole], honest.hash), ([b'other', whole], honest.hash), ([], nothing),
+                               ([flip(whole, 100)], nothing)):
+            with self.subTest(kept=len(kept)):
+                self.assertEqual(self.assert_alike(messages, kept)[1].hash, expected)
+        with self.subTest('its bytes are no blueprint'):
+            broken = whole[:-40]
+            messages[1] = make_chunk(broken, offset=len(broken))
+            self.assertEqual(self.assert_alike(messages, [broken])[1].hash, nothing)
+
     def test_order_of_pieces(self):
         whole = flatbuffer.read(self.blueprint[1:], 'ServerMessage')['body']['bytes'].tobytes()
-        for _ in range(40):
+        for i in range(60):
             messages = []
             for _ in range(4):
                 generation = self.random.randrange(3)
                 pieces = [make_chunk(whole, generation, at, 90) for at in range(0, len(whole), 90)]
-                if self.random.random() < 0.6:
-                    pieces.insert(self.random.randrange(len(pieces) + 1),
-                                  make_chunk(whole, self.random.randrange(3), self.random.choice((0, 90)), 90))
+                if self.random.random() < 0.6:  # begins anew, leaves a gap, or stands for what is kept
+                    pieces.insert(self.random.randrange(len(pieces) + 1), make_chunk(
+                        whole, self.random.randrange(3), self.random.choice((0, 90, len(whole))), 90))
                 record = bytes([7, 128, generation << 3, 0]) if generation else bytes([7, 0])
                 messages += pieces + [self.packet[:17] + record + self.packet[19:]]
             packets = iter(self.number([message for message in messages if message[0] == 2]))
             messages = [next(packets) if message[0] == 2 else message for message in messages]
             with self.subTest():
-                self.assert_alike([self.welcome, *messages])
+                self.assert_alike([self.welcome, *messages], [whole] if i % 2 == 0 else [])
 
 
 if __name__ == '__main__':

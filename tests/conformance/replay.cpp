@@ -1,14 +1,19 @@
-// What a native client makes of the messages that a page received: `replay < FILE` prints, for each of them that held
-// records, its place, from 0, how many records there have been and the hash of all that was decoded from them.
+// What a native client makes of the messages that a page received: `replay [KEPT ...] < FILE` prints, for each of them
+// that held records, its place, from 0, how many records there have been and the hash of all that was decoded from
+// them.
 //
-// FILE is messages as the page's WebSocket had them, each behind its length as 32 bits, little-endian. Nothing is
+// FILE is messages as the page's WebSocket had them, each behind its length as 32 bits, little-endian. Each KEPT is a
+// file with a whole blueprint, which the client then has from an earlier connection. Nothing is
 // answered, since nobody is there to hear it, and time goes on by a millisecond a message: what is decoded does not
 // depend on when it came, and that is a part of what is compared.
 #include <array>
 #include <cstdint>
 #include <cstdio>
+#include <fstream>
 #include <iostream>
+#include <iterator>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "client/client.h"
@@ -33,11 +38,22 @@ bool ReadMessage(std::istream& from, std::vector<std::uint8_t>& message) {
   return static_cast<bool>(from.read(reinterpret_cast<char*>(message.data()), size));
 }
 
-void Replay(std::istream& from) {
+wobble::client::KeptBlueprint ReadKept(const char* name) {
+  std::ifstream file(name, std::ios::binary);
+  wobble::client::KeptBlueprint kept;
+  kept.bytes.assign(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+  kept.hash = wobble::protocol::HashBytes(kept.bytes);
+  return kept;
+}
+
+void Replay(std::istream& from, std::span<char* const> keptFiles) {
+  auto kept = std::make_shared<wobble::client::KeptBlueprints>();
+  for (const char* name : keptFiles) kept->push_back(ReadKept(name));
+
   auto owned = std::make_unique<WebSocketTransport>();
   WebSocketTransport& transport = *owned;
   double now = 0;
-  Client client(std::move(owned), {}, now);
+  Client client(std::move(owned), {.kept = std::move(kept)}, now);
   wobble::wasm::DecodedHash hash;
   client.OnDecoded([&](const wobble::client::DecodedPatch& patch) { hash.Add(patch); });
   transport.Open();
@@ -57,4 +73,6 @@ void Replay(std::istream& from) {
 
 }  // namespace
 
-int main() { Replay(std::cin); }
+int main(int argc, char** argv) {
+  Replay(std::cin, std::span<char* const>(argv, static_cast<std::size_t>(argc)).subspan(1));
+}

@@ -17,8 +17,8 @@ from bases import BadBasis, read_basis
 from range_decoder import Refused
 from shapes import Patch, decode
 
-VERSION = 5
-MAX_PACKET = 1200
+VERSION = 6
+MAX_PACKET = 1176
 MAX_MESSAGE = 64 * 1024
 MAX_BLUEPRINT = 512 * 1024
 PATCH = 512  # vertices
@@ -81,21 +81,29 @@ class Blueprint:
 class BlueprintStore:
     """Blueprints by number, and those that are on their way: section 2 of STANDARD.md, "Blueprints"."""
 
-    def __init__(self):
+    def __init__(self, kept):
         self.entries = {}
+        self.kept = kept  # whole blueprints by hash
 
     def add_chunk(self, chunk):
         number = chunk['blueprint']
+        is_kept = len(chunk['bytes']) == 0
+        is_first = chunk['offset'] == 0 or is_kept
         if number >= 255:
             return
-        if number not in self.entries and chunk['offset'] != 0 and number >= self.expected:
+        if number not in self.entries and number >= self.expected and not is_first:
             return
-        entry = self.entries.setdefault(number, {'blueprint': None, 'generation': 0, 'bytes': b''})
-        if not entry['bytes']:
+        entry = self.entries.setdefault(number, {'blueprint': None, 'generation': 0, 'bytes': b'', 'stated': None})
+        stated = (chunk['total'], chunk['hash'], chunk['generation'])
+        if is_first:
+            entry['bytes'] = b''
             if entry['blueprint'] is not None and entry['generation'] == chunk['generation']:
                 return
-            entry['stated'] = (chunk['total'], chunk['hash'], chunk['generation'])
-        stated = (chunk['total'], chunk['hash'], chunk['generation'])
+            entry['stated'] = stated
+        if is_kept:
+            if chunk['hash'] in self.kept:
+                self._put_in_force(entry, chunk, self.kept[chunk['hash']])
+            return
         if chunk['offset'] != len(entry['bytes']) or stated != entry['stated']:
             entry['bytes'] = b''
             return
@@ -103,6 +111,10 @@ class BlueprintStore:
         if len(entry['bytes']) < chunk['total']:
             return
         whole, entry['bytes'] = entry['bytes'], b''
+        self._put_in_force(entry, chunk, whole)
+
+    @staticmethod
+    def _put_in_force(entry, chunk, whole):
         if hash_bytes(whole) != chunk['hash']:
             return
         try:
@@ -194,13 +206,14 @@ def read_record(data, at):
 
 
 class Session:
-    """A client that only decodes. on_decoded(record, decoded) is called for each record that was decoded."""
+    """A client that only decodes. on_decoded(record, decoded) is called for each record that was decoded. kept: whole
+    blueprints that it has from earlier connections."""
 
-    def __init__(self, on_decoded=None):
+    def __init__(self, on_decoded=None, kept=()):
         self.on_decoded = on_decoded
         self.welcome = None
         self.has_ended = False
-        self.blueprints = BlueprintStore()
+        self.blueprints = BlueprintStore({hash_bytes(whole): whole for whole in kept})
         self.received = Received()
         self.records = 0
         self.hash = hash_bytes(b'')
@@ -228,7 +241,7 @@ class Session:
             self.blueprints.expected = body['blueprint_count']
         elif kind == 'BlueprintChunk' and self.welcome is not None and is_chunk_good(body):
             self.blueprints.add_chunk(body)
-        elif kind == 'Goodbye' and body['detail'] is not None and body['reason'] <= 8:
+        elif kind == 'Goodbye' and body['detail'] is not None and body['reason'] <= 13:
             self.has_ended = True
 
     def _take_snapshot(self, data):
@@ -276,7 +289,9 @@ def is_welcome_good(welcome):
     halves = obstacles['b'][obstacles['kind'] == 1]
     return bool(welcome['tick_hz'] > 0 and welcome['snapshot_hz'] > 0 and welcome['blueprint_count'] <= 255
                 and len(obstacles) <= 1024 and len(fields) <= 16 and welcome['hands'] <= 15 and welcome['reach'] >= 0
-                and len(welcome['game']) <= 32 and is_in_world(obstacles)
+                and len(welcome['game']) <= 32 and welcome['rank'] <= 3
+                and (welcome['own_blueprint'] < welcome['blueprint_count'] or welcome['blueprint_count'] == 0)
+                and is_in_world(obstacles)
                 and (abs(lengths - 1) <= 1e-3).all() and all((halves[axis] >= 0).all() for axis in 'xyz')
                 and (obstacles['kind'] <= 3).all() and ((obstacles['kind'] < 2) | (obstacles['radius'] > 0)).all()
                 and is_in_world(fields) and is_in_world(lowest) and is_in_world(highest)
@@ -285,7 +300,7 @@ def is_welcome_good(welcome):
 
 
 def is_chunk_good(chunk):
-    if chunk['bytes'] is None or len(chunk['bytes']) == 0:
+    if chunk['bytes'] is None or (len(chunk['bytes']) == 0 and chunk['offset'] != chunk['total']):
         return False
     return (chunk['generation'] < GENERATIONS and chunk['total'] <= MAX_BLUEPRINT and len(chunk['bytes']) <= 4096
             and chunk['offset'] + len(chunk['bytes']) <= chunk['total'])

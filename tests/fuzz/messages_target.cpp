@@ -23,8 +23,16 @@ unsigned ReadPlace(const wire::Vec3& place) {
   return place.z() > 0;
 }
 
+unsigned Read(const wire::Hello& hello) {
+  unsigned sum = Sum(*hello.name()) + hello.protocol_version();
+  if (hello.kept() == nullptr) return sum;
+  Require(hello.kept()->size() <= protocol::kMaxKeptBlueprints);
+  for (const std::uint64_t hash : *hello.kept()) sum += static_cast<unsigned>(hash);
+  return sum;
+}
+
 unsigned Read(const wire::ClientMessage& message) {
-  if (const auto* hello = message.body_as_Hello()) return Sum(*hello->name()) + hello->protocol_version();
+  if (const auto* hello = message.body_as_Hello()) return Read(*hello);
   if (const auto* goodbye = message.body_as_Goodbye()) return Sum(*goodbye->detail());
   if (const auto* push = message.body_as_Push()) return ReadPlace(*push->direction());
   if (const auto* cut = message.body_as_Cut()) {
@@ -38,7 +46,7 @@ unsigned Read(const wire::ClientMessage& message) {
   }
   const auto* input = message.body_as_Input();
   Require(input != nullptr && input->frames()->size() <= protocol::kMaxInputFrames);
-  unsigned sum = input->acked_sequence() + static_cast<unsigned>(input->acked_history());
+  unsigned sum = input->acked_sequence() + static_cast<unsigned>(input->acked_history()) + input->downloaded();
   for (const wire::InputFrame* frame : *input->frames()) sum += frame->tick() + frame->buttons();
   if (input->hand() != nullptr) sum += ReadPlace(input->hand()->target());
   return sum;
@@ -70,6 +78,8 @@ unsigned Read(const wire::ServerMessage& message) {
   if (const auto* goodbye = message.body_as_Goodbye()) return Sum(*goodbye->detail());
   unsigned sum = 0;
   if (const auto* welcome = message.body_as_Welcome()) {
+    Require(welcome->rank() <= wire::Rank::MAX);
+    Require(welcome->own_blueprint() < welcome->blueprint_count() || welcome->blueprint_count() == 0);
     for (const wire::Obstacle* obstacle : *welcome->obstacles()) sum += obstacle->b().z() > 0;
     for (const wire::HeightField* field : *welcome->height_fields()) {
       Require(field->columns() >= 2 && field->rows() >= 2);
@@ -83,6 +93,7 @@ unsigned Read(const wire::ServerMessage& message) {
   }
   const auto* chunk = message.body_as_BlueprintChunk();
   Require(chunk != nullptr && chunk->offset() + chunk->bytes()->size() <= chunk->total());
+  Require(chunk->bytes()->size() > 0 || chunk->offset() == chunk->total());
   for (const std::uint8_t byte : *chunk->bytes()) sum += byte;
   return sum;
 }

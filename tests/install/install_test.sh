@@ -25,6 +25,8 @@ clean_up() {
 }
 trap clean_up EXIT
 trap 'exit 1' HUP INT TERM
+export XDG_STATE_HOME="$folder/state" # where the server keeps its key
+unset STATE_DIRECTORY
 
 fail() {
   echo "FAILED $case_name: $1"

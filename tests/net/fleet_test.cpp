@@ -90,8 +90,8 @@ std::vector<std::string> WaitForCall(Sidecar& sidecar, const std::string& call) 
 }
 
 Process StartServer() {
-  return Process(
-      {"wobbled", "--untrained", "--admit-when-busy", "--port", "0", "--log-level", "warn", "--status", "0"});
+  return Process({"wobbled", "--untrained", "--admit-when-busy", "--port", "0", "--log-level", "warn", "--status", "0",
+                  "--key", WOBBLE_CACHE_DIR "/server.key"});
 }
 
 // Waits until the server listens, and returns its address.

@@ -13,6 +13,8 @@ readonly bin docker
 folder="$(mktemp -d)" || exit 1
 readonly folder
 trap 'rm -rf "$folder"' EXIT
+export XDG_STATE_HOME="$folder/state" # where the server keeps its key
+unset STATE_DIRECTORY
 
 # fail EXPECTED FILE...: ends the case and prints the actual result.
 fail() {

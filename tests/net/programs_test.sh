@@ -17,6 +17,9 @@ readonly out="$folder/out" err="$folder/err" # output of the latest expect_exit
 readonly patience=60 # seconds after which a program counts as hung
 readonly nobody=127.0.0.1:9 # no program listens on the port of "discard"
 export TMPDIR="$folder" # `wobble play` puts it into the command lines it starts, where list_processes looks for it
+# What programs keep for their user: the server's key, blueprints, the keys of known servers.
+export XDG_STATE_HOME="$folder/state" XDG_CACHE_HOME="$folder/cache" XDG_DATA_HOME="$folder/data"
+unset STATE_DIRECTORY
 
 clean_up() {
   local running
@@ -274,6 +277,37 @@ case_port_in_use() {
   kill -TERM "$server"
   expect_end server "$server" 0 10
   expect_no_processes
+}
+
+# read_key NAME: the public key that the server started under NAME has logged.
+read_key() { sed -n "s/.* this server's key is \([0-9a-f]\{64\}\)$/\1/p" "$folder/$1.err"; }
+
+# The same key at each start, and the same for servers that start at once.
+case_keeps_its_key() {
+  local i key file="$XDG_STATE_HOME/wobble/server.key" servers=()
+  for i in 1 2 3 4; do
+    start "server$i" wobbled --port 0 --untrained --for 0.001
+    servers+=("$pid")
+  done
+  for i in 1 2 3 4; do expect_end "server$i" "${servers[i - 1]}" 0; done
+  key="$(read_key server1)"
+  [ "${#key}" -eq 64 ] || fail "a key" "$folder/server1.err"
+  for i in 2 3 4; do [ "$(read_key "server$i")" = "$key" ] || fail "the key $key" "$folder/server$i.err"; done
+  [ "$(stat -c %a "$file")" = 600 ] || fail "a file for its owner alone" <(ls -l "$file")
+  [ "$(ls "$XDG_STATE_HOME/wobble")" = server.key ] || fail "no other file" <(ls "$XDG_STATE_HOME/wobble")
+  if grep -q "$key" "$file"; then fail "a secret that is not printed" "$file"; fi
+
+  expect_exit 0 wobbled --port 0 --untrained --for 0.001 --key "$folder/other.key"
+  cp "$err" "$folder/other.err"
+  [ "$(read_key other)" != "$key" ] || fail "another key" "$folder/other.err"
+  echo 1234 >"$folder/bad.key"
+  expect_refusal "^wobbled: --key: key file $folder/bad.key: must hold 64 hexadecimal digits$" \
+    wobbled --log-level warn --port 0 --untrained --key "$folder/bad.key"
+  expect_refusal '^wobbled: --key: key file /proc/none/server.key: No such file or directory$' \
+    wobbled --log-level warn --port 0 --untrained --key /proc/none/server.key
+  # Without a place for it, a server plays all the same.
+  XDG_STATE_HOME=/proc/none expect_exit 0 wobbled --port 0 --untrained --for 0.001
+  expect_line "$err" "the server's key holds for this run only: key file /proc/none/wobble/server.key: "
 }
 
 case_unknown_option() {
@@ -610,7 +644,7 @@ case_example() {
   expect_end lost "$lost" 1
   expect_line "$folder/lost.err" '^example: 127.0.0.1:9: no answer from the server$'
   expect_exit 1 example no.such.host.invalid
-  expect_line "$err" '^example: no IPv4 address is known for "no.such.host.invalid"$'
+  expect_line "$err" '^example: no address is known for "no.such.host.invalid"$'
 }
 
 declare -F "case_$case_name" >/dev/null || {

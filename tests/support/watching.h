@@ -65,7 +65,8 @@ class Wobbled {
  public:
   explicit Wobbled(const std::string& scene = "arena") {
     std::vector<std::string> words{WOBBLE_BIN_DIR "/wobbled", "--scene", scene, "--port", "0", "--cache"};
-    words.insert(words.end(), {WOBBLE_CACHE_DIR, "--log-level", "error", "--admit-when-busy"});
+    words.insert(words.end(), {WOBBLE_CACHE_DIR, "--log-level", "error", "--admit-when-busy", "--key"});
+    words.emplace_back(WOBBLE_CACHE_DIR "/server.key");
     if (kIsSanitized) words.emplace_back("--untrained");  // training would take half a minute
     const std::vector<char*> arguments = MakeArguments(words);
     int output[2];
@@ -119,6 +120,9 @@ class Session {
     if (m_pid == 0) {
       setenv("TERM", "xterm", 1);
       setenv("COLORTERM", colorTerm, 1);
+      // What it keeps is not for the user who runs the tests.
+      setenv("XDG_CACHE_HOME", Kept().c_str(), 1);
+      setenv("XDG_DATA_HOME", Kept().c_str(), 1);
       close(m_master);
       login_tty(m_slave);
       dup2(errors, STDERR_FILENO);
@@ -136,6 +140,7 @@ class Session {
     close(m_slave);
     close(m_master);
     std::filesystem::remove(m_errors);
+    std::filesystem::remove_all(Kept());
   }
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -230,6 +235,8 @@ class Session {
     return count;
   }
   [[nodiscard]] std::string Errors() const { return ReadWhole(m_errors); }
+  // The folder for what the program keeps from one run to the next.
+  [[nodiscard]] std::string Kept() const { return m_errors.string() + "_kept"; }
   [[nodiscard]] const Screen& Shown() const { return m_screen; }
   [[nodiscard]] pid_t Guardian() const { return m_pid; }
   [[nodiscard]] std::size_t Bytes() const { return m_bytes; }

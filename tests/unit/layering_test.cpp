@@ -98,7 +98,7 @@ const std::vector<Room> kRooms{
     {"protocol/transport/vestibule/secret_file", {kVestibule, kProtocol}, {}, kClock},
     // It alone knows the cryptographic library.
     {kVestibule, {kProtocol}, Join(kSystem, {"sodium.h"}), kClockFileLog},
-    {"protocol/transport/", {kProtocol}, Join(kSystem, {"enet/", "zlib.h"}), kClockFileLog},
+    {"protocol/transport/", {kProtocol}, Join(kSystem, {"enet/"}), kClockFileLog},
     {kProtocol, {}, {"flatbuffers/"}, kPortable},
     {"client/bots/", kCommandReach, Join(kSystem, {"CLI/", "lua.hpp", "nlohmann/"}), {}},
     {"client/command/", kCommandReach, Join(kSystem, {"CLI/"}), {}},
