@@ -31,6 +31,9 @@ void ServerLink::Poll(double now, Outbox& outbox) {
         break;
       case transport::Event::Kind::kDisconnected:
         m_hasEnded = true;
+        m_endReason = !event.reason.empty() ? std::string(event.reason)
+                      : m_isConnected       ? "the server has ended the connection"
+                                            : "the server does not answer";
         break;
       case transport::Event::Kind::kMessage:
         outbox.Add(static_cast<std::uint8_t>(event.channel), event.bytes);

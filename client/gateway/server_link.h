@@ -45,6 +45,8 @@ class ServerLink {
   // Whether the server has ever answered.
   [[nodiscard]] bool IsConnected() const { return m_isConnected; }
   [[nodiscard]] bool HasEnded() const { return m_hasEnded; }
+  // Once it has ended: a line for the player.
+  [[nodiscard]] const std::string& EndReason() const { return m_endReason; }
 
  private:
   explicit ServerLink(std::unique_ptr<transport::EnetTransport> transport) : m_transport(std::move(transport)) {}
@@ -54,6 +56,7 @@ class ServerLink {
   std::unique_ptr<transport::EnetTransport> m_transport;
   bool m_isConnected = false;
   bool m_hasEnded = false;
+  std::string m_endReason;
 };
 
 }  // namespace wobble::gateway

@@ -186,9 +186,8 @@ void Browser::Turn(double now) {
   if (m_link != nullptr) {
     m_link->Poll(now, m_outbox);
     if (m_link->HasEnded()) {
-      const bool wasThere = m_link->IsConnected();
-      Close(wasThere ? websocket::close_code::normal : websocket::close_code::try_again_later,
-            wasThere ? "the server has ended the connection" : "the server does not answer", Waiting::kDeliver);
+      const auto code = m_link->IsConnected() ? websocket::close_code::normal : websocket::close_code::try_again_later;
+      Close(code, m_link->EndReason(), Waiting::kDeliver);
     } else if (m_state == State::kJoining && m_link->IsConnected()) {
       m_state = State::kPlaying;
       Read();
