@@ -217,25 +217,32 @@ class Intruder {
     plain.insert(plain.end(), commands.begin(), commands.end());
     Say(plain);
   }
-  // Takes in what has come; true when the server has ended the connection.
+  // Takes in what has come. True when the server has sent it away: its goodbye is the first message to who has said
+  // nothing, and is followed by ENet's disconnect only once it is acknowledged.
   bool Listen() {
     for (Bytes datagram = m_socket.Receive(); !datagram.empty(); datagram = m_socket.Receive()) {
       const auto plain = m_caller.TakeDatagram(datagram, Now());
       if (plain.size() < 12) continue;
       const std::size_t head = (plain[0] & 0x80) != 0 ? 8 : 6;
-      const unsigned command = plain[head] & 0x0FU;
-      if (command == 3) {  // the verification tells our peer number
+      if ((plain[head] & 0x0FU) == kVerify) {  // tells our peer number
         m_peer = plain[head + 4] << 8U | plain[head + 5];
         m_peer |= static_cast<unsigned>(plain[head + 7] & 3U) << 12U;
         m_isConnected = true;
         m_sentTime = {plain[2], plain[3]};
       }
-      m_isEnded = m_isEnded || command == 4;
+      NoteEnd(plain.subspan(head));
     }
     return m_isEnded || m_caller.HasEnded();
   }
 
  private:
+  static constexpr unsigned kAcknowledge = 1, kVerify = 3, kDisconnect = 4, kSendReliable = 6;
+  void NoteEnd(std::span<const std::uint8_t> commands) {
+    while (commands.size() >= 8 && (commands[0] & 0x0FU) == kAcknowledge) commands = commands.subspan(8);
+    if (commands.empty()) return;
+    const unsigned command = commands[0] & 0x0FU;
+    m_isEnded = m_isEnded || command == kDisconnect || command == kSendReliable;
+  }
   Bytes MakeConnect() {
     Bytes bytes{0x8F, 0xFF, 0, 1, 0, 0, 0, 0, 0x82, 0xFF, 0, 1, 0, 0, 0, 0};
     const auto add = [&](std::uint32_t number) {

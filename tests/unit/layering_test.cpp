@@ -95,6 +95,8 @@ const std::vector<Room> kRooms{
      {kTiming, kPlay, kSnapshots, "server/training/", kScenes, kPhysics, kProtocol},
      {"fmt/", "nlohmann/", "oneapi/tbb", "prometheus/", "spdlog/", "tbb/"},
      kClock},
+    // It alone waits, on a thread of its own.
+    {"protocol/transport/vestibule/doorkeeper", {kVestibule, kProtocol}, kSystem, {}},
     {"protocol/transport/vestibule/secret_file", {kVestibule, kProtocol}, {}, kClock},
     // It alone knows the cryptographic library.
     {kVestibule, {kProtocol}, Join(kSystem, {"sodium.h"}), kClockFileLog},

@@ -18,6 +18,11 @@ constexpr std::size_t kMostWaiting = 16'384;
 // Batches of datagrams in one turn, so that a flood does not keep the thread from its other work.
 constexpr int kMostBatches = 16;
 constexpr double kOverdueEvery = 0.5;
+// From so many strangers' datagrams a second on, the thread takes them a millisecond at a time: to wake for each of
+// them costs several times what it costs to drop it. Visitors' datagrams then wait a millisecond, too.
+constexpr double kFloodRate = 5000;
+constexpr double kFloodWindow = 0.05;  // s
+constexpr auto kRest = std::chrono::milliseconds(1);
 
 double ReadClock() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -65,8 +70,10 @@ void Doorkeeper::Run() {
       m_counts = m_door.Counts();
     }
     Wait();
+    if (m_isFlooded) std::this_thread::sleep_for(kRest);
     TakeLeavers();
     const double now = ReadClock();
+    JudgeFlood(now);
     for (int i = 0; i < kMostBatches; ++i) {
       const std::size_t taken = m_socket.Receive(
           [&](const NetAddress& from, std::span<const std::uint8_t> datagram) { TakeDatagram(from, datagram, now); });
@@ -80,6 +87,14 @@ void Doorkeeper::Run() {
     for (const VisitorId visitor : m_overdue) HandOn(visitor, PairHead::Kind::kGone, {});
     WriteToPair();
   }
+}
+
+void Doorkeeper::JudgeFlood(double now) {
+  const double seconds = now - m_strangersFrom;
+  if (seconds < kFloodWindow) return;
+  m_isFlooded = m_strangers > kFloodRate * seconds;
+  m_strangersFrom = now;
+  m_strangers = 0;
 }
 
 void Doorkeeper::Wait() {
@@ -109,6 +124,7 @@ void Doorkeeper::TakeLeavers() {
 void Doorkeeper::TakeDatagram(const NetAddress& from, std::span<const std::uint8_t> datagram, double now) {
   m_bytesIn.fetch_add(datagram.size(), std::memory_order_relaxed);
   const Door::Result result = m_door.TakeDatagram(from, datagram, now);
+  if (result.visitor == 0) ++m_strangers;
   if (!result.answer.empty()) m_answers.Add(from, result.answer);
   if (result.isNew) {
     const Door::Leg leg = m_door.FindLeg(result.visitor);

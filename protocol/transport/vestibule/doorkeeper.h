@@ -49,6 +49,7 @@ class Doorkeeper {
   void Leave(VisitorId visitor, bool isGone);
   void Run();
   void Wait();
+  void JudgeFlood(double now);
   void TakeLeavers();
   void TakeDatagram(const NetAddress& from, std::span<const std::uint8_t> datagram, double now);
   void HandOn(VisitorId visitor, PairHead::Kind kind, std::span<const std::uint8_t> bytes);
@@ -63,6 +64,9 @@ class Doorkeeper {
   std::deque<std::vector<std::uint8_t>> m_toPair;
   std::vector<VisitorId> m_overdue;  // scratch
   double m_nextOverdue = 0;
+  double m_strangersFrom = 0;  // s, since when they are counted
+  unsigned m_strangers = 0;    // datagrams that belong to no visitor
+  bool m_isFlooded = false;
   std::atomic<std::uint64_t> m_bytesIn{0};
   std::atomic<std::uint64_t> m_bytesOut{0};
 
