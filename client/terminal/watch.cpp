@@ -178,6 +178,7 @@ void Watch::Play() {
       ReadKeys(now);
     }
     m_client->SetInput(m_controls.MakeInput(now, m_camera));
+    if (m_guard.IsPaused()) m_output.clear();  // the rest of a frame that the terminal was slow to take
     if (!m_terminal.Write(m_output)) return;
     if (now >= nextFrame) {
       if (!m_guard.IsPaused() && m_output.empty()) DrawFrame(now);

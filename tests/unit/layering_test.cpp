@@ -95,8 +95,11 @@ const std::vector<Room> kRooms{
      {kTiming, kPlay, kSnapshots, "server/training/", kScenes, kPhysics, kProtocol},
      {"fmt/", "nlohmann/", "oneapi/tbb", "prometheus/", "spdlog/", "tbb/"},
      kClock},
-    // It alone waits, on a thread of its own.
-    {"protocol/transport/vestibule/doorkeeper", {kVestibule, kProtocol}, kSystem, {}},
+    // It alone has a thread, and so a clock, of its own; the door that it asks is told the time.
+    {"protocol/transport/vestibule/doorkeeper",
+     {kVestibule, kProtocol},
+     kSystem,
+     {"ctime", "iostream", "fstream", "filesystem", "cstdio"}},
     {"protocol/transport/vestibule/secret_file", {kVestibule, kProtocol}, {}, kClock},
     // It alone knows the cryptographic library.
     {kVestibule, {kProtocol}, Join(kSystem, {"sodium.h"}), kClockFileLog},
