@@ -51,6 +51,12 @@ def list_jobs():
              f"-artifact_prefix={LOGS}/", str(corpus), f"tests/fuzz/corpus/{target}"]]))
     jobs.append(("soak_ten_minutes", 6, release_build("soak_test") + [
         (["build/release/tests/soak_test", "--gtest_filter=Soak.*"], {"WOBBLE_SOAK_SECONDS": "600"})]))
+    jobs.append(("attacks", 2, release_build("attack_test", "programs") + [
+        (["build/release/tests/attack_test"], {"WOBBLE_ATTACK_SECONDS": "20"})]))
+    jobs.append(("ten_thousand_joins", 32, release_build("programs") + [
+        (["bash", "tests/net/programs_test.sh", "joins_over_loss", "build/release/bin"],
+         {"WOBBLE_JOIN_SECONDS": "1800", "WOBBLE_JOIN_BOTS": "48", "WOBBLE_JOINS": "10000", "WOBBLE_ADMIT_WHEN_BUSY": "1",
+          "WOBBLE_CACHE": "build/release/tests/bases"})]))
     jobs.append(("captures_of_all_scenes", 4, release_build("captures_test", "programs") + [
         ["build/release/tests/captures_test"], ["node", "tests/web/browser_pictures_test.mjs"]]))
     # `make test` has the libraries' unit tests, the corpora and the golden scenes under these sanitizers; here is all else:

@@ -14,7 +14,7 @@ readonly bin
 folder="$(mktemp -d)" || exit 1
 readonly folder
 readonly out="$folder/out" err="$folder/err" # output of the latest expect_exit
-readonly patience=60 # seconds after which a program counts as hung
+patience=60 # seconds after which a program counts as hung
 readonly nobody=127.0.0.1:9 # no program listens on the port of "discard"
 export TMPDIR="$folder" # `wobble play` puts it into the command lines it starts, where list_processes looks for it
 # What programs keep for their user: the server's key, blueprints, the keys of known servers.
@@ -310,6 +310,26 @@ case_keeps_its_key() {
   expect_line "$err" "the server's key holds for this run only: key file /proc/none/wobble/server.key: "
 }
 
+# In with the password, and only to the server that has the key.
+case_password() {
+  local join=(wobble bots --script idle.lua --count 1 --for 0.5)
+  echo 'open sesame' >"$folder/door.txt"
+  echo 'open simsim' >"$folder/wrong.txt"
+  : >"$folder/empty.txt"
+  start_server --untrained --scene pair --password-file "$folder/door.txt"
+  expect_refusal 'could join .*: the password, invite or token is missing or not valid$' "${join[@]}" "127.0.0.1:$port"
+  expect_refusal 'could join .*: the password, invite or token is missing or not valid$' \
+    "${join[@]}" "127.0.0.1:$port" --password-file "$folder/wrong.txt"
+  expect_exit 0 "${join[@]}" "127.0.0.1:$port" --password-file "$folder/door.txt" --threshold 'connected==1'
+  expect_exit 0 "${join[@]}" "[::1]:$port" --password-file "$folder/door.txt" --threshold 'connected==1'
+  expect_refusal "could join .*: the server's key is not the one that is known for this address$" \
+    "${join[@]}" "127.0.0.1:$port" --password-file "$folder/door.txt" --server-key "$(printf '%064d' 1)"
+  expect_refusal '--server-key' "${join[@]}" "127.0.0.1:$port" --server-key 1234
+  expect_refusal 'empty.txt: the first line must have 1 to 512 bytes' \
+    "${join[@]}" "127.0.0.1:$port" --password-file "$folder/empty.txt"
+  expect_refusal 'the first line must have 1 to 512 bytes' wobbled --port 0 --untrained --password-file /dev/zero
+}
+
 case_unknown_option() {
   local program
   for program in wobbled wobble 'wobble bots' 'wobble play' 'wobble watch' 'wobble link' 'wobble gateway'; do
@@ -455,6 +475,18 @@ case_storm_joins_and_leaves() {
   expect_figure "$folder/a.json" joins "<= $joins + 8"
   expect_figure "$folder/a.json" disconnects '== 0'
   expect_figure "$folder/a.json" non_finite '== 0'
+}
+
+# Players who come and go over a bad link, with trained bases: over this one of eighteen joins failed once. A night has
+# 10,000 of them (WOBBLE_JOIN_SECONDS, WOBBLE_JOIN_BOTS, WOBBLE_JOINS).
+case_joins_over_loss() {
+  local seconds="${WOBBLE_JOIN_SECONDS:-15}" joins="${WOBBLE_JOINS:-40}"
+  start_server --max-clients 200
+  patience=$((seconds + 60))
+  expect_exit 0 wobble bots "127.0.0.1:$port" --script storm.lua --count "${WOBBLE_JOIN_BOTS:-24}" --for "${seconds}s" \
+    --ramp 2 --link 'loss=20%,delay=100ms,jitter=50ms,reorder=4%,duplicate=5%' --summary "$folder/joins.json" \
+    --threshold 'disconnects==0' --threshold "joins>=$joins"
+  cat "$out"
 }
 
 case_stages_go_up_and_down() {
