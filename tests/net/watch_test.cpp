@@ -234,7 +234,8 @@ TEST(Watch, SuspendsAndComesBack) {
     for (int i = 0; i < 10; ++i) session.Take(50);
     EXPECT_EQ(session.Bytes(), before) << "nothing is drawn meanwhile";
     session.Type("\n");
-    ASSERT_TRUE(session.AwaitPlaying()) << session.Text();
+    ASSERT_TRUE(session.Await([&] { return session.Shown().IsSet("?1049"); })) << session.Text();
+    ASSERT_TRUE(session.AwaitPlaying()) << session.Text();  // by itself, the picture of before may be enough for it
     EXPECT_TRUE(session.IsRaw());
     session.Type("q");
     EXPECT_EQ(session.AwaitEnd(), 0);

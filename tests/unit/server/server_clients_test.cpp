@@ -202,7 +202,7 @@ TEST(Server, HostileMessagesAreCountedAndNobodyNotices) {
   // Fewer bad messages than end a session: they are only counted.
   for (int i = 0; i < 3; ++i) {
     spammer.Send(Channel::kControl, {0xFF, 0xFF, 0xFF, 0xFF});
-    spammer.Send(Channel::kSnapshot, protocol::Message(1000, 0x5A));
+    spammer.Send(Channel::kSnapshot, protocol::Message(protocol::kMaxClientMessageBytes, 0x5A));
     spammer.Send(Channel::kInput, protocol::MakeHello("x", protocol::wire::Role::Player));
   }
   const protocol::wire::InputFrame future(4000000000U, 1, 1, 1);
