@@ -105,9 +105,9 @@ bool Gateway::Open(std::string& error) {
   const GatewayOptions& options = m_shared.options;
   error_code failure;
   for (const World& world : options.worlds) {
-    udp::resolver(m_context).resolve(udp::v4(), world.server.host, std::to_string(world.server.port), failure);
+    udp::resolver(m_context).resolve(world.server.host, std::to_string(world.server.port), failure);
     if (!failure) continue;
-    error = "--server: no IPv4 address is known for '" + world.server.host + "'";
+    error = "--server: no address is known for '" + world.server.host + "'";
     return false;
   }
   const tcp::endpoint endpoint(asio::ip::make_address(options.bindAddress), options.port);

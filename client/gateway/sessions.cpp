@@ -167,7 +167,7 @@ void Browser::OnAccepted(error_code error) {
                m_address.c_str(), m_world.name.empty() ? "" : " ", m_world.name.c_str(), m_shared.players.CountTaken(),
                m_shared.options.maxConnections);
   // Resolved anew for each browser: a server may have moved since the gateway began.
-  m_resolver.async_resolve(udp::v4(), m_world.server.host, std::to_string(m_world.server.port),
+  m_resolver.async_resolve(m_world.server.host, std::to_string(m_world.server.port),
                            [self = shared_from_this()](error_code failure, const udp::resolver::results_type& results) {
                              self->OnResolved(failure, results);
                            });
@@ -177,7 +177,11 @@ void Browser::OnResolved(error_code error, const udp::resolver::results_type& re
   if (m_state != State::kJoining) return;
   std::string reason = "the server's name is not known";
   if (!error && !results.empty()) {
-    m_link = ServerLink::Open(results.begin()->endpoint().address().to_string(), m_world.server.port, reason);
+    // Of both kinds IPv4: a server that listens at one address of this machine most often has 127.0.0.1.
+    const auto isIpv4 = [](const auto& each) { return each.endpoint().address().is_v4(); };
+    const auto found = std::find_if(results.begin(), results.end(), isIpv4);
+    const auto& chosen = found == results.end() ? *results.begin() : *found;
+    m_link = ServerLink::Open(chosen.endpoint().address().to_string(), m_world.server.port, reason);
   }
   if (m_link == nullptr) Close(websocket::close_code::try_again_later, reason, Waiting::kDiscard);
 }

@@ -654,6 +654,22 @@ case_ops_and_trace() {
   expect_refusal "^wobble health: 'nowhere' is no HOST:PORT" wobble health nowhere
 }
 
+# Over IPv6 as over IPv4; where the machine has no IPv6 there is nothing to try.
+case_ipv6() {
+  grep -q ' lo$' /proc/net/if_inet6 2>/dev/null || return 0
+  start_server --bind ::1 --summary "$folder/a.json"
+  expect_exit 0 wobble bots "[::1]:$port" --script wander.lua --count 2 --for 2 --threshold 'connected==2'
+  make_page
+  start gateway wobble gateway --server "[::1]:$port" --http 0 --page "$folder/page"
+  wait_for_line gateway '^open http://localhost:[1-9]'
+  kill -TERM "$pid"
+  expect_end gateway "$pid" 0 5
+  kill -INT "$server"
+  expect_end server "$server" 0
+  expect_figure "$folder/a.json" joins '== 2'
+  expect_refusal "^wobble bots: server: '::1' is no HOST:PORT" wobble bots ::1 --script idle.lua
+}
+
 # One round of ten seconds without a winner.
 case_match_ends() {
   sed 's/^round = .*/round = 10/' "$bin/scenes/sumo.toml" >"$folder/short.toml"
