@@ -196,7 +196,7 @@ bool ChooseKey(const Options& options, std::optional<transport::vestibule::Key>&
   const std::filesystem::path file =
       options.keyFile.empty() ? server::FindKeyFile() : std::filesystem::path(options.keyFile);
   std::string error = "no folder is known for it";
-  if (!file.empty()) key = server::LoadOrMakeKey(file, error);
+  if (!file.empty() && transport::vestibule::InitialiseSodium()) key = server::LoadOrMakeKey(file, error);
   if (key) return true;
   if (!options.keyFile.empty()) {
     Complain({"--key: " + error});
