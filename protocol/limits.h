@@ -98,9 +98,9 @@ inline constexpr float kForceSteps = 127;
 inline constexpr unsigned kMaxCommandsPerSecond = 60;
 // Inputs from one client within a second, or twice the tick rate where that is more: a client sends one a tick. Further
 // ones are dropped. After a link that was dead for a while more may come at once, so only who goes on for
-// kMaxOverfullSeconds with these or with commands is sent away.
+// kMaxOverdrawnSeconds with these or with commands is sent away.
 inline constexpr unsigned kMaxInputsPerSecond = 120;
-inline constexpr unsigned kMaxOverfullSeconds = 3;
+inline constexpr double kMaxOverdrawnSeconds = 3;
 [[nodiscard]] constexpr unsigned FindMaxInputs(unsigned tickHz) {
   return 2 * tickHz > kMaxInputsPerSecond ? 2 * tickHz : kMaxInputsPerSecond;
 }

@@ -70,7 +70,7 @@ void TakeHand(Session& session, const protocol::wire::Input& input) {
 
 MessageEffect TakeInput(Session& session, const protocol::wire::Input& input, std::uint32_t currentTick, double now) {
   if (session.state != Session::State::kPlaying) return Drop(session, DropReason::kOutOfOrder, now);
-  if (!session.inputsSeen.Take(now, session.maxInputs)) return Drop(session, DropReason::kTooMany, now);
+  if (!session.inputsTaken.Take(now, session.maxInputs)) return Drop(session, DropReason::kTooMany, now);
   for (const protocol::wire::InputFrame* frame : *input.frames()) {
     if (!InputBuffer::IsNear(*frame, currentTick)) return Drop(session, DropReason::kFutureInput, now);
   }
@@ -166,8 +166,8 @@ MessageEffect TakeMessage(Session& session, transport::Channel channel, std::spa
 std::optional<GoodbyeReason> FindTimeout(const Session& session, double now) {
   if (session.state == Session::State::kEnding) return {};
   if (session.badMessages.count > protocol::kMaxBadMessagesPerSecond) return GoodbyeReason::BadMessages;
-  const unsigned overfull = std::max(session.commands.overfull, session.inputsSeen.overfull);
-  if (overfull >= protocol::kMaxOverfullSeconds) return GoodbyeReason::TooMuch;
+  const double overdrawn = std::max(session.commands.OverdrawnFor(), session.inputsTaken.OverdrawnFor());
+  if (overdrawn >= protocol::kMaxOverdrawnSeconds) return GoodbyeReason::TooMuch;
   const double patience = session.hasSentInput ? 0 : session.joinPatience;
   if (session.state == Session::State::kAwaitingHello &&
       now - session.connectedAt > protocol::kHelloTimeout + patience) {

@@ -4,6 +4,7 @@
 // command messages become commands (play/command.h).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -36,19 +37,35 @@ inline constexpr std::size_t kDropReasonCount = 6;
 struct SecondWindow {
   double begin = 0;  // s
   unsigned count = 0;
-  unsigned overfull = 0;  // windows in a row, the present one included, with more than their most
 
   // Starts a new window if the present one is over. Call it before `count` is raised.
   void Roll(double now) {
-    if (now - begin > 1) *this = {.begin = now, .count = 0, .overfull = 0};
+    if (now - begin > 1) *this = {.begin = now, .count = 0};
   }
-  // Counts one more. False when that is more than `most` within the window.
-  [[nodiscard]] bool Take(double now, unsigned most) {
-    const unsigned inRow = count > most && now - begin < 2 ? overfull : 0;
-    if (now - begin > 1) *this = {.begin = now, .count = 0, .overfull = inRow};
-    if (++count == most + 1) ++overfull;
-    return count <= most;
+};
+
+// So many events a second, up to a second's at once. After a pause of the server all that came meanwhile is there at
+// once: most of it is dropped, and what follows at an honest rate is not.
+struct Allowance {
+  double left = -1;         // events; below 0: none has come yet
+  double countedAt = 0;     // s
+  double droppedFrom = -2;  // s, since when events were dropped, never a second without one
+  double droppedAt = -2;    // s, the last one
+
+  // False: it is one too many.
+  [[nodiscard]] bool Take(double now, double perSecond) {
+    left = left < 0 ? perSecond : std::min(perSecond, left + perSecond * (now - countedAt));
+    countedAt = now;
+    if (left >= 1) {
+      --left;
+      return true;
+    }
+    if (now - droppedAt > 1) droppedFrom = now;
+    droppedAt = now;
+    return false;
   }
+  // For how long too many have come, s.
+  [[nodiscard]] double OverdrawnFor() const { return droppedAt - droppedFrom; }
 };
 
 struct Session {
@@ -70,8 +87,8 @@ struct Session {
   std::optional<HandCommand> hand;  // as of the newest input
   std::uint32_t handTick = 0;       // the tick of that input
   physics::BodyId inspected = 0;    // whose forces the client is sent; 0: none
-  SecondWindow commands;
-  SecondWindow inputsSeen;
+  Allowance commands;
+  Allowance inputsTaken;
   unsigned maxInputs = protocol::kMaxInputsPerSecond;  // a second
   SecondWindow badMessages;
   Subscription subscription;
