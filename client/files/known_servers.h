@@ -17,7 +17,7 @@ class KnownServers {
   // file: empty: nothing is known, and nothing noted.
   explicit KnownServers(std::filesystem::path file) : m_file(std::move(file)) {}
 
-  // address: HOST:PORT as the user wrote it.
+  // address: HOST:PORT as the user wrote it. A key that is damaged in the file is one that no server has: zeros.
   [[nodiscard]] std::optional<transport::vestibule::Key> Find(const std::string& address) const;
   // Notes the key of an address that is not known. A file that cannot be written is no error.
   void Note(const std::string& address, const transport::vestibule::Key& key) const;
