@@ -186,7 +186,7 @@ bool StartWatching(const Options& options, Watchers& watchers, std::uint16_t& po
     Complain({"--ops " + error});
     return false;
   }
-  if (address.port == 0) fmt::print("metrics and health on TCP port {}\n", watchers.endpoint->ReadPort());
+  fmt::print("metrics and health on TCP port {} of {}\n", watchers.endpoint->ReadPort(), address.host);
   return true;
 }
 
@@ -255,7 +255,8 @@ int RunServer(const Options& options) {
   server::Server server(options.config, std::move(loaded.scene), std::move(transport), ReadClock(), std::move(bases),
                         &ReadClock);
   spdlog::info("this server's key is {}", publicKey);
-  fmt::print("listening on UDP port {}, scene {}\n", port, options.scene);
+  fmt::print("listening on UDP port {}{}, scene {}\n", port, options.bind.empty() ? "" : " of " + options.bind,
+             options.scene);
   std::fflush(stdout);
   if (sidecar != 0) watchers.agones.emplace(sidecar);
   Run(server, options, watchers);

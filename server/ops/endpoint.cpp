@@ -1,21 +1,16 @@
-// Serves copies of the figures. cpp-httplib brings its own threads; the only lock is the one round the figures.
+// Serves copies of the figures; the only lock is the one round them.
 #include "server/ops/endpoint.h"
 
 #include <fmt/format.h>
-#include <httplib.h>
 
 #include <charconv>
 #include <mutex>
-#include <thread>
 
+#include "server/ops/http_server.h"
 #include "server/ops/metrics.h"
 
 namespace wobble::ops {
 namespace {
-
-constexpr int kThreads = 2;   // two, so that a slow client leaves one for others
-constexpr int kPatience = 2;  // timeout of reading a request and of writing an answer, s
-constexpr std::size_t kMostRequestBytes = 1024;
 
 const char* Describe(Condition condition) {
   switch (condition) {
@@ -33,16 +28,7 @@ const char* Describe(Condition condition) {
   return "unknown";
 }
 
-void Answer(httplib::Response& response, bool isGood, const std::string& text) {
-  response.status = isGood ? 200 : 503;
-  response.set_content(text + "\n", "text/plain; charset=utf-8");
-}
-
-// The port that it is bound to; -1 when that cannot be had.
-int Bind(httplib::Server& http, const Address& address) {
-  if (address.port == 0) return http.bind_to_any_port(address.host);
-  return http.bind_to_port(address.host, address.port) ? address.port : -1;
-}
+Answer Say(bool isGood, const std::string& text) { return {isGood ? 200 : 503, text + "\n"}; }
 
 }  // namespace
 
@@ -64,38 +50,35 @@ bool ParseAddress(const std::string& text, Address& address, std::string& error)
 struct Endpoint::Implementation {
   std::string version;
   std::string scene;
-  int port = 0;
   server::TimeSource clock;
-  httplib::Server http;
-  std::thread thread;
-  std::mutex mutex;
-  Figures figures;  // guarded by mutex
+  std::mutex mutex = {};
+  Figures figures = {};                        // guarded by mutex
+  std::unique_ptr<HttpServer> http = nullptr;  // last: its thread uses the others
 
   Figures Copy() {
     const std::lock_guard lock(mutex);
     return figures;
   }
 
-  void TellHealth(httplib::Response& response) {
+  Answer TellHealth() {
     const Figures now = Copy();
-    if (now.condition == Condition::kStarting) return Answer(response, false, "starting");
+    if (now.condition == Condition::kStarting) return Say(false, "starting");
     const double silent = clock() - now.told;
-    if (silent > kDeadAfter) return Answer(response, false, fmt::format("no tick for {:.1f} s", silent));
-    Answer(response, true, now.isPaused ? "ok, the world waits for players" : "ok");
+    if (silent > kDeadAfter) return Say(false, fmt::format("no tick for {:.1f} s", silent));
+    return Say(true, now.isPaused ? "ok, the world waits for players" : "ok");
   }
 
-  void Serve() {
-    http.Get("/metrics", [this](const httplib::Request&, httplib::Response& response) {
-      response.set_content(WriteMetrics(Copy(), version, scene), "text/plain; version=0.0.4; charset=utf-8");
-    });
-    http.Get("/healthz", [this](const httplib::Request&, httplib::Response& response) { TellHealth(response); });
-    http.Get("/readyz", [this](const httplib::Request&, httplib::Response& response) {
+  Answer Respond(std::string_view path) {
+    if (path == "/metrics") {
+      return {200, WriteMetrics(Copy(), version, scene), "text/plain; version=0.0.4; charset=utf-8"};
+    }
+    if (path == "/healthz") return TellHealth();
+    if (path == "/readyz") {
       const Condition condition = Copy().condition;
-      Answer(response, condition == Condition::kReady, Describe(condition));
-    });
-    http.Get("/", [](const httplib::Request&, httplib::Response& response) {
-      Answer(response, true, "/metrics\n/healthz\n/readyz");
-    });
+      return Say(condition == Condition::kReady, Describe(condition));
+    }
+    if (path == "/") return Say(true, "/metrics\n/healthz\n/readyz");
+    return {404, "there is no such thing here\n"};
   }
 };
 
@@ -103,39 +86,17 @@ Endpoint::Endpoint(std::unique_ptr<Implementation> implementation) : m(std::move
 
 std::unique_ptr<Endpoint> Endpoint::Listen(const Address& address, const std::string& version, const std::string& scene,
                                            server::TimeSource clock, std::string& error) {
-  auto made = std::make_unique<Implementation>();
-  made->version = version;
-  made->scene = scene;
-  made->clock = std::move(clock);
-  made->http.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
-  // By default the library sets SO_REUSEPORT, which would share the port with another program.
-  made->http.set_socket_options([](socket_t socket) {
-    const int yes = 1;
-    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-  });
-  made->http.set_read_timeout(kPatience);
-  made->http.set_write_timeout(kPatience);
-  made->http.set_keep_alive_max_count(1);
-  made->http.set_payload_max_length(kMostRequestBytes);
-  made->Serve();
-  made->port = Bind(made->http, address);
-  if (made->port < 0) {
-    error = fmt::format("{}:{} (TCP): cannot be listened on; is it in use, or the address another machine's?",
-                        address.host, address.port);
-    return nullptr;
-  }
-  made->thread = std::thread([http = &made->http] { http->listen_after_bind(); });
-  // The destructor's stop() has no effect on a server that does not listen yet; the thread would then never end.
-  while (!made->http.is_running()) std::this_thread::yield();
+  std::unique_ptr<Implementation> made(new Implementation{version, scene, clock});
+  made->http = HttpServer::Listen(
+      address.host, address.port, [endpoint = made.get()](std::string_view path) { return endpoint->Respond(path); },
+      std::move(clock), error);
+  if (made->http == nullptr) return nullptr;
   return std::unique_ptr<Endpoint>(new Endpoint(std::move(made)));
 }
 
-Endpoint::~Endpoint() {
-  m->http.stop();
-  m->thread.join();
-}
+Endpoint::~Endpoint() = default;
 
-std::uint16_t Endpoint::ReadPort() const { return static_cast<std::uint16_t>(m->port); }
+std::uint16_t Endpoint::ReadPort() const { return m->http->ReadPort(); }
 
 void Endpoint::Tell(const Figures& figures) {
   const std::lock_guard lock(m->mutex);

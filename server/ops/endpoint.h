@@ -1,5 +1,5 @@
 // The HTTP endpoint of a server: /metrics for Prometheus, /healthz and /readyz for orchestrators and load balancers. It
-// answers on threads of its own: a scrape delays a tick by at most the time that it takes to copy the figures.
+// answers on a thread of its own: a scrape delays a tick by at most the time that it takes to copy the figures.
 #pragma once
 
 #include <cstdint>
@@ -23,11 +23,11 @@ struct Address {
 class Endpoint {
  public:
   // Listens on the address. Returns null with one line in `error` when that fails. version, scene: shown as labels.
-  // clock: the one of Figures::told, s; called from several threads.
+  // clock: the one of Figures::told, s; called from its thread.
   [[nodiscard]] static std::unique_ptr<Endpoint> Listen(const Address& address, const std::string& version,
                                                         const std::string& scene, server::TimeSource clock,
                                                         std::string& error);
-  // Stops listening and joins the threads.
+  // Stops listening and joins the thread.
   ~Endpoint();
 
   // The TCP port on which it listens, whether given or picked by the system.

@@ -81,7 +81,7 @@ const std::vector<Room> kRooms{
     {"server/ops/fleet_duty", {}, {}, kClockFileLog},
     {"server/ops/",
      {"server/", kProtocol},
-     Join(kSystem, {"fmt/", "httplib.h", "nlohmann/", "prometheus/", "spdlog/"}),
+     Join(kSystem, {"fmt/", "nlohmann/", "prometheus/", "spdlog/"}),
      kClock},
     {"server/main", {"server/", kProtocol}, Join(kSystem, {"CLI/", "fmt/", "nlohmann/", "spdlog/"}), {}},
     {"server/key_file", {kVestibule}, {"fcntl.h", "unistd.h"}, kClock},
