@@ -1,7 +1,5 @@
 #include "client/gateway/command.h"
 
-#include <arpa/inet.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
@@ -10,6 +8,7 @@
 
 #include "client/command/address.h"
 #include "client/command/clock.h"
+#include "client/gateway/addresses.h"
 #include "client/gateway/gateway.h"
 #include "client/gateway/origin.h"
 
@@ -49,26 +48,29 @@ CLI::App* AddWords(CLI::App& app, GatewayOptions& options, Words& words) {
       ->check(command::Within(0, kMostConnections))
       ->capture_default_str();
   subcommand
+      ->add_option("--trusted-proxy", options.proxies,
+                   "Proxy whose X-Forwarded-For header says a browser's address; repeatable")
+      ->type_name("ADDRESS");
+  subcommand
       ->add_option("--origin", options.origins, "Origin whose pages may play here besides this gateway's; repeatable")
       ->type_name("URL");
   subcommand->add_option("--status", options.statusEvery, "Seconds between status lines on stdout; 0: none")
       ->check(command::Within(0, command::kMaxDuration))
       ->capture_default_str();
   subcommand->footer(
-      "Behind a proxy all browsers have the proxy's address: do not set --max-per-address, let the proxy pass on the\n"
-      "Host header and WebSockets at /play, and use --bind 127.0.0.1. The gateway speaks plain HTTP.\n"
+      "The gateway speaks plain HTTP. Behind a proxy: --bind 127.0.0.1 and --trusted-proxy with the proxy's address; "
+      "let\n"
+      "the proxy pass on the Host header and WebSockets at /play. Of a proxy that is not named all browsers count as "
+      "one\n"
+      "address.\n"
       "Exit code: 0 ended on request, 2 bad usage, no page, port in use or unknown host.\n"
       "Examples:\n"
       "  wobble gateway --server 127.0.0.1:7777\n"
       "  wobble gateway --server arena=127.0.0.1:7777 --server sumo=127.0.0.1:7778\n"
       "  wobble gateway --server 127.0.0.1:7777 --http 80 --max-per-address 4\n"
-      "  wobble gateway --server 127.0.0.1:7777 --bind 127.0.0.1 --origin https://friends.example.org");
+      "  wobble gateway --server 127.0.0.1:7777 --bind 127.0.0.1 --trusted-proxy 127.0.0.1\n"
+      "  wobble gateway --server 127.0.0.1:7777 --origin https://friends.example.org");
   return subcommand;
-}
-
-bool IsAddress(const std::string& text) {
-  in6_addr bytes{};
-  return inet_pton(AF_INET, text.c_str(), &bytes) == 1 || inet_pton(AF_INET6, text.c_str(), &bytes) == 1;
 }
 
 bool IsName(const std::string& text) {
@@ -103,9 +105,17 @@ bool ReadWorlds(const std::vector<std::string>& words, std::vector<World>& world
 // False with one line in `error`.
 bool Understand(const Words& words, GatewayOptions& options, std::string& error) {
   if (!ReadWorlds(words.servers, options.worlds, error)) return false;
-  if (!IsAddress(options.bindAddress)) {
+  if (SpellAddress(options.bindAddress).empty()) {
     error = "--bind: '" + options.bindAddress + "' is no IP address";
     return false;
+  }
+  for (std::string& proxy : options.proxies) {
+    const std::string spelt = SpellAddress(proxy);
+    if (spelt.empty()) {
+      error = "--trusted-proxy: '" + proxy + "' is no IP address";
+      return false;
+    }
+    proxy = spelt;
   }
   const auto wrong = std::find_if_not(options.origins.begin(), options.origins.end(), IsOrigin);
   if (wrong != options.origins.end()) {

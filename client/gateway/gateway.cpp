@@ -18,6 +18,7 @@
 
 #include "client/command/clock.h"
 #include "client/command/sockets.h"
+#include "client/gateway/addresses.h"
 #include "client/gateway/outbox.h"
 #include "client/gateway/sessions.h"
 
@@ -35,22 +36,14 @@ constexpr double kStopTimeout = 0.7;
 // The longest that a snapshot waits, and the interval of checking for signals when nobody plays.
 constexpr milliseconds kTurn{4};
 constexpr milliseconds kIdleTurn{20};
-// A browser has up to six connections for files besides the one that plays.
-constexpr std::size_t kSocketsPerPlayer = 8;
+// Connections that ask for files: a browser has up to six of them. WebSockets that have not said hello yet: honest ones
+// have within a second.
+constexpr std::size_t kVisitorsPerPlayer = 8;
+constexpr std::size_t kMostVisitors = 512, kMostVisitorsOfAddress = 32;
+constexpr std::size_t kMostGreeting = 64, kMostGreetingOfAddress = 16;
 // Bytes that the system may hold unsent for a browser; the rest waits in the outbox, where old snapshots can be
 // dropped.
 constexpr int kUnsentBytes = 16 * 1024;
-
-// The address by which places are counted: an IPv4 address, or the first 64 bits of an IPv6 address, which is what a
-// household gets.
-std::string DescribeAddress(const asio::ip::address& address) {
-  if (!address.is_v6()) return address.to_string();
-  if (address.to_v6().is_v4_mapped())
-    return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6()).to_string();
-  auto bytes = address.to_v6().to_bytes();
-  std::fill(bytes.begin() + 8, bytes.end(), static_cast<unsigned char>(0));
-  return asio::ip::address_v6(bytes).to_string() + "/64";
-}
 
 std::string DescribeWorlds(const std::vector<World>& worlds) {
   if (worlds[0].name.empty()) return "on " + Describe(worlds[0].server);
@@ -71,8 +64,12 @@ std::string ListWorlds(const std::vector<World>& worlds) {
 class Gateway {
  public:
   Gateway(const GatewayOptions& options, const Page& page, const command::IsStopAsked& isStopAsked)
-      : m_shared{options, page, ListWorlds(options.worlds),
-                 Places(kSocketsPerPlayer * options.maxConnections, kSocketsPerPlayer * options.maxPerAddress),
+      : m_shared{options,
+                 page,
+                 ListWorlds(options.worlds),
+                 Lobby(std::min(kMostVisitors, kVisitorsPerPlayer * options.maxConnections),
+                       std::min(kMostVisitorsOfAddress, kVisitorsPerPlayer * options.maxPerAddress)),
+                 Lobby(kMostGreeting, kMostGreetingOfAddress),
                  Places(options.maxConnections, options.maxPerAddress)},
         m_isStopAsked(isStopAsked),
         m_acceptor(m_context),
@@ -128,8 +125,8 @@ void Gateway::Run() {
   const std::string host = address.is_unspecified() || address.is_loopback() ? "localhost"
                            : address.is_v6()                                 ? "[" + options.bindAddress + "]"
                                                                              : options.bindAddress;
-  std::printf("open http://%s:%u in a browser to play %s\n", host.c_str(), m_acceptor.local_endpoint().port(),
-              DescribeWorlds(options.worlds).c_str());
+  std::printf("open http://%s:%u in a browser to play %s%s\n", host.c_str(), m_acceptor.local_endpoint().port(),
+              DescribeWorlds(options.worlds).c_str(), address.is_loopback() ? ", on this machine alone" : "");
   std::fflush(stdout);
   m_nextStatus = command::ReadClock() + options.statusEvery;
   Turn();
@@ -140,7 +137,8 @@ void Gateway::Run() {
       "%llu requests, %llu refused; %llu browsers, %llu without a place, %llu cut off, %llu snapshots dropped; "
       "%llu connections too many\n",
       show(counts.requests), show(counts.requestsRefused), show(counts.browsers), show(counts.browsersRefused),
-      show(counts.browsersCutOff), show(counts.snapshotsDropped), show(counts.socketsRefused));
+      show(counts.browsersCutOff), show(counts.snapshotsDropped),
+      show(counts.socketsRefused + m_shared.visitors.CountEnded() + m_shared.greeting.CountEnded()));
 }
 
 // After a failure, such as too many open files, the next turn tries again.
@@ -158,16 +156,16 @@ void Gateway::Admit(tcp::socket socket) {
   error_code error;
   const tcp::endpoint from = socket.remote_endpoint(error);
   if (error) return;  // gone already
-  std::string address = DescribeAddress(from.address());
-  Place place = m_shared.sockets.Take(address);
-  if (place == nullptr) {
+  const std::string text = from.address().to_string();
+  const std::string peer = SpellAddress(text.substr(0, text.find('%')));  // without the zone of a link-local address
+  if (!IsTrusted(peer, m_shared.options.proxies) && !m_shared.opens.Allow(FindHousehold(peer), command::ReadClock())) {
     ++m_shared.counts.socketsRefused;
     return;
   }
   socket.set_option(tcp::no_delay(true), error);
   static_cast<void>(
       setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsentBytes, sizeof kUnsentBytes));
-  Greet(m_shared, std::move(socket), std::move(address), std::move(place));
+  Greet(m_shared, std::move(socket), peer);
 }
 
 void Gateway::Turn() {

@@ -25,6 +25,7 @@ struct GatewayOptions {
   std::vector<World> worlds;            // at least one; names differ
   std::size_t maxConnections = 64;      // browsers that play at once
   std::size_t maxPerAddress = 0;        // of one IP address; 0: maxConnections
+  std::vector<std::string> proxies;     // whose X-Forwarded-For is believed; as SpellAddress has them
   std::vector<std::string> origins;     // origins whose pages may play, besides the gateway's own page
   double statusEvery = 0;               // seconds between status lines; 0: none
 };

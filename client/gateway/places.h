@@ -23,6 +23,7 @@ class Places {
     return Place(this, [this, address](const void*) { Free(address); });
   }
 
+  [[nodiscard]] bool IsFull() const { return m_taken >= m_most; }
   [[nodiscard]] std::size_t CountTaken() const { return m_taken; }
 
  private:

@@ -1,4 +1,4 @@
-// A token bucket for what one browser may send.
+// Token buckets: for what one browser may send, and for how often an address may do something.
 //
 // A page sends 60 inputs a second and a few commands. After its link has stalled, everything written meanwhile comes at
 // once, which is not its fault: so a burst may hold as many seconds as the server waits for a silent client.
@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <string>
+#include <unordered_map>
 
 #include "protocol/limits.h"
 
@@ -34,6 +36,45 @@ class RateLimit {
   // Still allowed at m_now.
   double m_messages = kBurstSeconds * kMessagesPerSecond;
   double m_bytes = kBurstSeconds * kBytesPerSecond;
+};
+
+// How often each address may do something.
+class AddressRates {
+ public:
+  AddressRates(double perSecond, double burst) : m_perSecond(perSecond), m_burst(burst) {}
+
+  // Takes one; `now` in seconds, never backwards. False when it is over the limit.
+  [[nodiscard]] bool Allow(const std::string& address, double now) {
+    if (m_buckets.size() >= kMostAddresses) Forget(now);
+    Bucket& bucket = m_buckets.try_emplace(address, Bucket{m_burst, now}).first->second;
+    bucket.left = FindLeft(bucket, now);
+    bucket.now = now;
+    if (bucket.left < 1) return false;
+    bucket.left -= 1;
+    return true;
+  }
+
+ private:
+  // Bytes of memory for each: some 150.
+  static constexpr std::size_t kMostAddresses = 4096;
+  struct Bucket {
+    double left;
+    double now;
+  };
+
+  [[nodiscard]] double FindLeft(const Bucket& bucket, double now) const {
+    return std::min(m_burst, bucket.left + (now - bucket.now) * m_perSecond);
+  }
+  // Those who have not come for a while; everybody where there are none, since a limit for each address does nothing
+  // against so many.
+  void Forget(double now) {
+    const auto isFull = [&](const auto& each) { return FindLeft(each.second, now) >= m_burst; };
+    if (std::erase_if(m_buckets, isFull) == 0) m_buckets.clear();
+  }
+
+  double m_perSecond;
+  double m_burst;
+  std::unordered_map<std::string, Bucket> m_buckets;
 };
 
 }  // namespace wobble::gateway

@@ -21,6 +21,7 @@
 #include <span>
 
 #include "client/command/clock.h"
+#include "client/gateway/addresses.h"
 #include "client/gateway/origin.h"
 #include "client/gateway/outbox.h"
 #include "client/gateway/rate_limit.h"
@@ -39,8 +40,9 @@ using std::chrono::seconds;
 using Request = http::request<http::empty_body>;
 
 constexpr std::uint32_t kMaxHeaderBytes = 8 * 1024;
-// For a whole request, also the next one on the same connection.
-constexpr seconds kRequestTimeout{10};
+// For a whole request, however slowly it comes; for the next one on the same connection, the pause before it included.
+constexpr seconds kRequestTimeout{4};
+constexpr seconds kNextRequestTimeout{10};
 // For an answer: the page over a slow link.
 constexpr seconds kResponseTimeout{60};
 // After the last answer the rest of the input is read and dropped for so long: closing at once could destroy the answer
@@ -49,6 +51,10 @@ constexpr seconds kLingerTimeout{1};
 constexpr seconds kHandshakeTimeout{5};
 // Without a sign of life; Beast sends a ping after half of it.
 constexpr seconds kIdleTimeout{20};
+// Seconds from the server's answer to the hello. The server itself waits a little less long.
+constexpr double kHelloTimeout = protocol::kHelloTimeout + 2;
+// An honest browser has said hello by then; where all places are taken, who has not may lose its own to another, s.
+constexpr double kUsualHello = 1;
 // Seconds in which a browser must take the messages that wait for it and answer the close.
 constexpr double kCloseTimeout = 3;
 
@@ -61,29 +67,42 @@ constexpr const char* kContentSecurityPolicy =
 
 std::string_view AsView(beast::string_view text) { return {text.data(), text.size()}; }
 
+// All X-Forwarded-For headers as one.
+std::string JoinForwardedFor(const Request& request) {
+  std::string all;
+  const auto [begin, end] = request.equal_range("X-Forwarded-For");
+  for (auto each = begin; each != end; ++each) {
+    if (!all.empty()) all += ',';
+    all += AsView(each->value());
+  }
+  return all;
+}
+
 }  // namespace
 
 // A browser that plays: its WebSocket and its link to the server.
 //
-//   kAccepting --> kJoining --> kPlaying      OnAccepted, then Turn once the server has answered
-//       |             |            |
-//       +-------------+------------+--> kLeaving --> kClosing      Close, then Write once nothing waits
+//   kAccepting --> kJoining --> kGreeting --> kPlaying      OnAccepted, Turn once the server has answered, Judge
+//       |             |             |             |
+//       +-------------+-------------+-------------+--> kLeaving --> kClosing      Close, then Write once nothing waits
 //
 // and from each of them to kOver by End. Close while kAccepting only sets the farewell: nothing can be written before
 // the handshake is done, and OnAccepted then goes to kLeaving.
 class Browser : public std::enable_shared_from_this<Browser> {
  public:
-  Browser(Shared& shared, const World& world, tcp::socket socket, Request request, std::string address, Place place)
+  Browser(Shared& shared, const World& world, tcp::socket socket, Request request, const std::string& address)
       : m_shared(shared),
         m_world(world),
         m_stream(std::move(socket)),
         m_resolver(m_stream.get_executor()),
         m_request(std::move(request)),
-        m_address(std::move(address)),
-        m_place(std::move(place)),
-        m_seat(shared.players.Take(m_address)),
+        m_guest{.address = address, .end = [this] { End("said no hello in time"); }},
+        m_seat(shared.players.Take(address)),
         m_number(++shared.counts.browsers),
-        m_begin(command::ReadClock()) {}
+        m_begin(command::ReadClock()) {
+    shared.greeting.Enter(m_guest, m_begin);
+  }
+  ~Browser() { m_shared.greeting.Leave(m_guest); }
 
   void Start();
   // Relays in both directions; to be called several hundred times a second.
@@ -99,6 +118,7 @@ class Browser : public std::enable_shared_from_this<Browser> {
   enum class State {
     kAccepting,  // the WebSocket handshake runs
     kJoining,    // the server's name is looked up, its link opened; the browser is not read yet
+    kGreeting,   // its hello is awaited
     kPlaying,    // messages go both ways
     kLeaving,    // the last messages go to the browser, then the close
     kClosing,    // the close has been sent and is to be answered
@@ -107,6 +127,8 @@ class Browser : public std::enable_shared_from_this<Browser> {
 
   void OnAccepted(error_code error);
   void OnResolved(error_code error, const udp::resolver::results_type& results);
+  // Whether what the browser sends goes to the server.
+  [[nodiscard]] bool IsHeard() const { return m_state == State::kGreeting || m_state == State::kPlaying; }
   void Read();
   void OnRead(error_code error);
   void Judge(std::span<const std::uint8_t> message);
@@ -121,11 +143,11 @@ class Browser : public std::enable_shared_from_this<Browser> {
   websocket::stream<beast::tcp_stream> m_stream;
   udp::resolver m_resolver;
   Request m_request;
-  std::string m_address;
-  Place m_place;
-  Place m_seat;  // null: none was left
+  Lobby::Guest m_guest;  // of `greeting`, until it has said hello or has ended
+  Place m_seat;          // null: none was left
   std::uint64_t m_number;
   double m_begin;
+  double m_helloBy = 0;  // while kGreeting
 
   std::unique_ptr<ServerLink> m_link;
   RateLimit m_rate;
@@ -164,8 +186,8 @@ void Browser::OnAccepted(error_code error) {
     return Close(websocket::close_code::try_again_later, "all places are taken", Waiting::kDiscard);
   }
   std::fprintf(stderr, "browser %llu: %s plays%s%s, %zu of %zu\n", static_cast<unsigned long long>(m_number),
-               m_address.c_str(), m_world.name.empty() ? "" : " ", m_world.name.c_str(), m_shared.players.CountTaken(),
-               m_shared.options.maxConnections);
+               m_guest.address.c_str(), m_world.name.empty() ? "" : " ", m_world.name.c_str(),
+               m_shared.players.CountTaken(), m_shared.options.maxConnections);
   // Resolved anew for each browser: a server may have moved since the gateway began.
   m_resolver.async_resolve(m_world.server.host, std::to_string(m_world.server.port),
                            [self = shared_from_this()](error_code failure, const udp::resolver::results_type& results) {
@@ -193,10 +215,12 @@ void Browser::Turn(double now) {
       const auto code = m_link->IsConnected() ? websocket::close_code::normal : websocket::close_code::try_again_later;
       Close(code, m_link->EndReason(), Waiting::kDeliver);
     } else if (m_state == State::kJoining && m_link->IsConnected()) {
-      m_state = State::kPlaying;
+      m_state = State::kGreeting;
+      m_helloBy = now + kHelloTimeout;
       Read();
     }
   }
+  if (m_state == State::kGreeting && now >= m_helloBy) CutOff(websocket::close_code::policy_error, "no hello");
   if (m_hasFlooded) CutOff(websocket::close_code::policy_error, "too many messages");
   if (m_outbox.IsOverfull()) CutOff(websocket::close_code::policy_error, "reads too slowly");
   Write();
@@ -213,10 +237,9 @@ void Browser::OnRead(error_code error) {
     return End("too large a message");  // Beast has closed with 1009
   }
   if (error) return End(DescribeEnd(error));
-  if (m_state == State::kPlaying)
-    Judge({static_cast<const std::uint8_t*>(m_incoming.cdata().data()), m_incoming.size()});
+  if (IsHeard()) Judge({static_cast<const std::uint8_t*>(m_incoming.cdata().data()), m_incoming.size()});
   m_incoming.consume(m_incoming.size());
-  if (m_state == State::kPlaying) Read();
+  if (IsHeard()) Read();
 }
 
 void Browser::Judge(std::span<const std::uint8_t> message) {
@@ -227,11 +250,15 @@ void Browser::Judge(std::span<const std::uint8_t> message) {
   }
   switch (m_link->Take(message, m_outbox)) {
     case ServerLink::Verdict::kGood:
-      break;
+      break;  // the server judges whether it is a hello
     case ServerLink::Verdict::kTooLarge:
       return CutOff(websocket::close_code::too_big, "too large a message for its channel");
     case ServerLink::Verdict::kNotUnderstood:
       return CutOff(websocket::close_code::policy_error, "a message that is not understood");
+  }
+  if (m_state == State::kGreeting && message[0] == static_cast<std::uint8_t>(transport::Channel::kControl)) {
+    m_state = State::kPlaying;
+    m_shared.greeting.Leave(m_guest);
   }
   Write();
 }
@@ -253,7 +280,7 @@ void Browser::Close(websocket::close_code code, const std::string& reason, Waiti
 
 // Beast writes one message at a time. The close goes after the last.
 void Browser::Write() {
-  const bool mayWrite = m_state == State::kJoining || m_state == State::kPlaying || m_state == State::kLeaving;
+  const bool mayWrite = m_state == State::kJoining || IsHeard() || m_state == State::kLeaving;
   if (!mayWrite || !m_sending.empty()) return;
   if (!m_outbox.IsEmpty()) {
     m_sending = m_outbox.Take();
@@ -284,6 +311,7 @@ std::string Browser::DescribeEnd(error_code error) const {
 void Browser::End(const std::string& reason) {
   if (IsOver()) return;
   m_state = State::kOver;
+  m_shared.greeting.Leave(m_guest);
   LeaveServer();
   m_shared.counts.snapshotsDropped += m_outbox.CountDropped();
   beast::get_lowest_layer(m_stream).close();
@@ -306,12 +334,21 @@ namespace {
 // A connection that asks for files, until it asks to play. Requests are answered one after the other.
 class Visitor : public std::enable_shared_from_this<Visitor> {
  public:
-  Visitor(Shared& shared, tcp::socket socket, std::string address, Place place)
-      : m_shared(shared), m_stream(std::move(socket)), m_address(std::move(address)), m_place(std::move(place)) {}
+  // A proxy's connections are those of many browsers.
+  Visitor(Shared& shared, tcp::socket socket, const std::string& peer)
+      : m_shared(shared),
+        m_stream(std::move(socket)),
+        m_peer(peer),
+        m_guest{.address = IsTrusted(peer, shared.options.proxies) ? "" : FindHousehold(peer),
+                .end = [this] { m_stream.close(); }} {
+    shared.visitors.Enter(m_guest, command::ReadClock());
+  }
+  ~Visitor() { m_shared.visitors.Leave(m_guest); }
 
-  void Read();
+  void Start() { Read(kRequestTimeout); }
 
  private:
+  void Read(seconds timeout);
   void OnRead(error_code error);
   void Answer();
   void AnswerPlay(const World& world);
@@ -323,24 +360,26 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
 
   Shared& m_shared;
   beast::tcp_stream m_stream;
-  std::string m_address;
-  Place m_place;
+  std::string m_peer;
+  Lobby::Guest m_guest;  // of `visitors`
   beast::flat_buffer m_buffer;
   std::optional<http::request_parser<http::empty_body>> m_parser;
   http::response<http::span_body<const char>> m_response;
   bool m_isLast = false;  // the connection ends after this answer
 };
 
-void Visitor::Read() {
+void Visitor::Read(seconds timeout) {
+  m_shared.visitors.SetWaiting(m_guest, true, command::ReadClock());
   m_parser.emplace();
   m_parser->header_limit(kMaxHeaderBytes);
   m_response = {};
-  m_stream.expires_after(kRequestTimeout);
+  m_stream.expires_after(timeout);
   http::async_read_header(m_stream, m_buffer, *m_parser,
                           [self = shared_from_this()](error_code error, std::size_t) { self->OnRead(error); });
 }
 
 void Visitor::OnRead(error_code error) {
+  if (!m_stream.socket().is_open()) return;  // it had to go
   if (error == http::error::end_of_stream) return Linger();
   if (error && error.category() != make_error_code(http::error::end_of_stream).category()) return;  // gone, or too slow
   ++m_shared.counts.requests;
@@ -386,9 +425,18 @@ void Visitor::AnswerPlay(const World& world) {
   if (!http::token_list(request[http::field::sec_websocket_protocol]).exists(MakeSubprotocol())) {
     return SendText(http::status::bad_request, "the subprotocol is not offered: load the page again\n");
   }
+  const double now = command::ReadClock();
+  const std::string address =
+      FindHousehold(FindBrowserAddress(m_peer, JoinForwardedFor(request), m_shared.options.proxies));
+  if (!m_shared.plays.Allow(address, now)) {
+    ++m_shared.counts.browsersRefused;
+    return SendText(http::status::too_many_requests, "too many tries from this address: wait a few seconds\n");
+  }
+  if (m_shared.players.IsFull()) m_shared.greeting.EndOldest(now - kUsualHello);
+  m_shared.visitors.Leave(m_guest);
   m_stream.expires_never();
-  const auto browser = std::make_shared<Browser>(m_shared, world, m_stream.release_socket(), m_parser->release(),
-                                                 std::move(m_address), std::move(m_place));
+  const auto browser =
+      std::make_shared<Browser>(m_shared, world, m_stream.release_socket(), m_parser->release(), address);
   m_shared.browsers.push_back(browser);
   browser->Start();
 }
@@ -426,15 +474,17 @@ void Visitor::Send(std::string_view body) {
   m_response.content_length(body.size());
   const bool isHeadOnly = m_parser->get().method() == http::verb::head;
   if (!isHeadOnly) m_response.body() = beast::span<const char>(body.data(), body.size());
+  m_shared.visitors.SetWaiting(m_guest, false, command::ReadClock());
   m_stream.expires_after(kResponseTimeout);
   http::async_write(m_stream, m_response, [self = shared_from_this()](error_code error, std::size_t) {
     if (error) return;
     if (self->m_isLast) return self->Linger();
-    self->Read();
+    self->Read(kNextRequestTimeout);
   });
 }
 
 void Visitor::Linger() {
+  m_shared.visitors.SetWaiting(m_guest, true, command::ReadClock());
   error_code ignored;
   m_stream.socket().shutdown(tcp::socket::shutdown_send, ignored);
   m_stream.expires_after(kLingerTimeout);
@@ -449,8 +499,8 @@ void Visitor::Linger() {
 
 }  // namespace
 
-void Greet(Shared& shared, tcp::socket socket, std::string address, Place place) {
-  std::make_shared<Visitor>(shared, std::move(socket), std::move(address), std::move(place))->Read();
+void Greet(Shared& shared, tcp::socket socket, const std::string& peer) {
+  std::make_shared<Visitor>(shared, std::move(socket), peer)->Start();
 }
 
 void TurnBrowsers(Shared& shared, double now) {

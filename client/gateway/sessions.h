@@ -12,7 +12,9 @@
 #include <vector>
 
 #include "client/gateway/gateway.h"
+#include "client/gateway/lobby.h"
 #include "client/gateway/places.h"
+#include "client/gateway/rate_limit.h"
 #include "client/gateway/server_link.h"
 
 namespace wobble::gateway {
@@ -20,9 +22,9 @@ namespace wobble::gateway {
 struct GatewayCounts {
   std::uint64_t requests = 0;
   std::uint64_t requestsRefused = 0;  // answered with 4xx
-  std::uint64_t socketsRefused = 0;   // over the limit, in all or of one address
+  std::uint64_t socketsRefused = 0;   // opened more often than an address may
   std::uint64_t browsers = 0;
-  std::uint64_t browsersRefused = 0;  // no place left
+  std::uint64_t browsersRefused = 0;  // no place left, or opened more often than an address may
   std::uint64_t browsersCutOff = 0;   // for what they sent, or for not reading
   std::uint64_t snapshotsDropped = 0;
   std::uint64_t bytesUp = 0;  // messages of browsers, channel bytes included
@@ -31,21 +33,29 @@ struct GatewayCounts {
 
 class Browser;
 
+// Connections a second that an address may open, and how many at once: a browser opens up to six for files, and a
+// school has many browsers. Of WebSockets for playing: each costs the server a handshake.
+inline constexpr double kOpensPerSecond = 32, kOpensAtOnce = 256;
+inline constexpr double kPlaysPerSecond = 8, kPlaysAtOnce = 32;
+
 // Shared by all connections. It must outlive the context that their sockets belong to; `browsers` must be cleared
 // before that context ends.
 struct Shared {
   const GatewayOptions& options;
   const Page& page;
   const std::string worlds;  // their names, as JSON
-  Places sockets;
+  Lobby visitors;            // connections that ask for files
+  Lobby greeting;            // WebSockets that have not said hello
   Places players;
+  AddressRates opens = {kOpensPerSecond, kOpensAtOnce};
+  AddressRates plays = {kPlaysPerSecond, kPlaysAtOnce};
   GatewayCounts counts = {};
   std::vector<std::unique_ptr<ServerLink>> leaving = {};  // links of browsers that have gone; polled until they end
   std::vector<std::shared_ptr<Browser>> browsers = {};
 };
 
-// Serves a connection that has been accepted. It lives by its own handlers and holds `place` until it ends.
-void Greet(Shared& shared, boost::asio::ip::tcp::socket socket, std::string address, Place place);
+// Serves a connection that has been accepted; it lives by its own handlers. peer: its address, as SpellAddress has it.
+void Greet(Shared& shared, boost::asio::ip::tcp::socket socket, const std::string& peer);
 
 // Relays for all browsers and drops those that have ended. To be called several hundred times a second.
 void TurnBrowsers(Shared& shared, double now);

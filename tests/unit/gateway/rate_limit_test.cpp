@@ -1,4 +1,4 @@
-// The limits on what one browser may send, and on the number of browsers.
+// The limits on what one browser may send, on how often an address may come, and on the number of browsers.
 #include <gtest/gtest.h>
 
 #include "client/gateway/places.h"
@@ -37,6 +37,28 @@ TEST(RateLimit, EndsWhatGoesOnForTooLong) {
   double now = 0;
   while (limit.Allow(10, now)) now += 1 / (1.5 * kMessagesPerSecond);
   EXPECT_NEAR(now, 2 * kBurstSeconds, 0.1);
+}
+
+int CountAllowed(AddressRates& rates, const std::string& address, double now) {
+  int count = 0;
+  while (rates.Allow(address, now) && count < 100000) ++count;
+  return count;
+}
+
+TEST(AddressRates, HoldForEachAddress) {
+  AddressRates rates(4, 10);
+  EXPECT_EQ(CountAllowed(rates, "a", 5), 10);
+  EXPECT_EQ(CountAllowed(rates, "b", 5), 10);
+  EXPECT_EQ(CountAllowed(rates, "a", 6), 4) << "who tries in vain loses nothing by it";
+  EXPECT_EQ(CountAllowed(rates, "a", 100), 10);
+}
+
+TEST(AddressRates, RememberSomeOfMany) {
+  AddressRates rates(4, 10);
+  EXPECT_EQ(CountAllowed(rates, "a", 5), 10);
+  for (int i = 0; i < 4000; ++i) ASSERT_TRUE(rates.Allow(std::to_string(i), 5)) << i;
+  EXPECT_FALSE(rates.Allow("a", 5));
+  for (int i = 0; i < 100'000; ++i) ASSERT_TRUE(rates.Allow(std::to_string(i), 5 + i / 1000.0)) << i;
 }
 
 TEST(Places, AreLimitedInAllAndByAddress) {
