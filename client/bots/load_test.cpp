@@ -49,7 +49,7 @@ void Complain(std::string_view line) {
 bool StartLink(const LoadTestOptions& options, std::unique_ptr<link::RelayThread>& relay) {
   if (!options.link) return true;
   transport::RelayOptions relayOptions;
-  relayOptions.onlyThisMachine = true;
+  relayOptions.host = "127.0.0.1";
   relayOptions.serverHost = options.server.host;
   relayOptions.serverPort = options.server.port;
   relayOptions.link = *options.link;

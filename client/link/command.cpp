@@ -20,6 +20,7 @@ namespace {
 // Options as text, before they are checked.
 struct Words {
   int port = -1;
+  std::string host;
   std::string server;
   std::string conditions;
   std::uint64_t seed = 1;
@@ -35,6 +36,8 @@ CLI::App* AddWords(CLI::App& app, Words& words) {
   subcommand->add_option("--listen", words.port, "UDP port that players connect to; 0: a free one")
       ->check(command::Within(0, 65535))
       ->type_name("PORT REQUIRED");
+  subcommand->add_option("--bind", words.host, "IPv4 address of this machine to listen at; all of them if not given")
+      ->type_name("ADDRESS");
   subcommand->add_option("--to", words.server, "The server")->type_name("HOST:PORT REQUIRED");
   subcommand->add_option("--seed", words.seed, "Seed of all random choices")->capture_default_str();
   subcommand->add_option("--for", words.duration, "Seconds to run; 0: until Ctrl-C")
@@ -76,6 +79,7 @@ bool Understand(const Words& words, transport::RelayOptions& options, std::strin
   const auto link = transport::ParseLinkSpec(words.conditions, error);
   if (!link) return false;
   options.port = static_cast<std::uint16_t>(words.port);
+  if (!words.host.empty()) options.host = words.host;
   options.serverHost = address->host;
   options.serverPort = address->port;
   options.link = *link;
@@ -141,8 +145,8 @@ int RunLink(const Words& words, const command::IsStopAsked& isStopAsked) {
   command::AllowManySockets();
   const auto relay = transport::Relay::Open(options, error);
   if (relay == nullptr) return Complain(error);
-  std::printf("relaying UDP port %d to %s%s%s\n", relay->ReadPort(), words.server.c_str(),
-              words.conditions.empty() ? "" : ", ", words.conditions.c_str());
+  std::printf("relaying UDP port %d%s%s to %s%s%s\n", relay->ReadPort(), words.host.empty() ? "" : " of ",
+              words.host.c_str(), words.server.c_str(), words.conditions.empty() ? "" : ", ", words.conditions.c_str());
   std::fflush(stdout);
 
   Status status(words.statusEvery, words.duration);

@@ -352,7 +352,10 @@ std::unique_ptr<Relay> Relay::Open(const RelayOptions& options, std::string& err
   sockaddr_in own{};
   own.sin_family = AF_INET;
   own.sin_port = htons(options.port);
-  own.sin_addr.s_addr = htonl(options.onlyThisMachine ? INADDR_LOOPBACK : INADDR_ANY);
+  if (inet_pton(AF_INET, options.host.c_str(), &own.sin_addr) != 1) {
+    error = "'" + options.host + "' is no IPv4 address to listen at";
+    return nullptr;
+  }
   socklen_t size = sizeof own;
   const bool isOpen = impl->epoll.IsOpen() && impl->listener.IsOpen() &&
                       bind(impl->listener.Get(), reinterpret_cast<const sockaddr*>(&own), sizeof own) == 0 &&

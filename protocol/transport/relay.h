@@ -15,8 +15,8 @@
 namespace wobble::transport {
 
 struct RelayOptions {
-  std::uint16_t port = 0;  // UDP, to listen on; 0: the system picks a free one
-  bool onlyThisMachine = false;
+  std::uint16_t port = 0;        // UDP, to listen on; 0: the system picks a free one
+  std::string host = "0.0.0.0";  // numeric IPv4 address of this machine to listen at
   std::string serverHost;
   std::uint16_t serverPort = 0;
   LinkSpec link;  // valid
@@ -63,7 +63,8 @@ struct RelayCounts {
 
 class Relay {
  public:
-  // Resolves the server's name (which may block) and binds the port. Null with one line in `error` when either fails.
+  // Resolves the server's name (which may block) and binds the port. Null with one line in `error` when either fails,
+  // or the address to listen at is none.
   [[nodiscard]] static std::unique_ptr<Relay> Open(const RelayOptions& options, std::string& error);
   ~Relay();
 

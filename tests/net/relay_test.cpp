@@ -26,7 +26,7 @@ using test::Now;
 using Socket = test::UdpSocket;
 
 std::unique_ptr<Relay> OpenRelay(std::uint16_t server, RelayOptions options = {}) {
-  options.onlyThisMachine = true;
+  options.host = "127.0.0.1";
   options.serverHost = "127.0.0.1";
   options.serverPort = server;
   std::string error;
@@ -271,7 +271,7 @@ TEST(Relay, SaysWhyItCannotBeOpened) {
   std::string error;
   RelayOptions options;
   options.port = taken.Port();
-  options.onlyThisMachine = true;
+  options.host = "127.0.0.1";
   options.serverHost = "127.0.0.1";
   options.serverPort = 1;
   EXPECT_EQ(Relay::Open(options, error), nullptr);
