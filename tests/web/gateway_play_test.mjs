@@ -215,3 +215,38 @@ function makeFrame(operation, payload) {
   head.writeUInt16BE(payload.length, 2);
   return Buffer.concat([head, payload]);
 }
+
+test('counts browsers behind a trusted proxy by their own addresses', async () => {
+  const options = ['--max-connections', '4', '--max-per-address', '1'];
+  const behind = await startGateway(server.address, page, ...options, '--trusted-proxy', '::ffff:127.0.0.1');
+  const visit = (forwarded) => new Player(behind.host, { headers: { 'X-Forwarded-For': forwarded } });
+  // What stands before the proxy's own word is what a browser says of itself.
+  const players = [visit('192.0.2.1'), visit('192.0.2.1, 192.0.2.2'), visit('2001:db8::1')];
+  for (const player of players) assert.equal(await player.opened, true);
+  await behind.program.waitForLine(/^browser 2: 192\.0\.2\.2 plays, /);
+  await behind.program.waitForLine(/^browser 3: 2001:db8::\/64 plays, /);
+  const again = visit('192.0.2.9, 192.0.2.1');
+  assert.equal(await again.opened, true);
+  assert.deepEqual(await again.closed, { code: 1013, reason: 'all places are taken' });
+  await behind.program.stop();
+
+  const plain = await startGateway(server.address, page, ...options);
+  const first = new Player(plain.host, { headers: { 'X-Forwarded-For': '192.0.2.1' } });
+  assert.equal(await first.opened, true);
+  const second = new Player(plain.host, { headers: { 'X-Forwarded-For': '192.0.2.2' } });
+  assert.equal((await second.closed).reason, 'all places are taken');
+  await plain.program.stop();
+});
+
+test('a WebSocket that says no hello ends, and an address opens only so many a second', async () => {
+  const begin = Date.now();
+  const mute = new Player(gateway.host, { localAddress: '127.0.0.2' });
+  assert.equal(await mute.opened, true);
+  const tries = Array.from({ length: 60 }, () => new Player(gateway.host, { localAddress: '127.0.0.3' }).opened);
+  const results = await Promise.all(tries);
+  assert.ok(results.filter((result) => result === 429).length >= 15, `${results}`);
+  const other = await join(gateway.host); // meanwhile others come in
+  await other.leave();
+  await mute.closed;
+  assert.ok(Date.now() - begin < 6000);
+});

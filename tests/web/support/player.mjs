@@ -25,6 +25,7 @@ export class Player {
     this.messages = []; // [channel, bytes...] each
     this.socket = new WebSocket(`ws://${host}${options.path ?? '/play'}`, options.protocols ?? [subprotocol], {
       origin: options.origin,
+      headers: options.headers,
       perMessageDeflate: false,
       localAddress: options.localAddress,
       family: 4,
