@@ -39,8 +39,8 @@ constexpr milliseconds kIdleTurn{20};
 // Connections that ask for files: a browser has up to six of them. WebSockets that have not said hello yet: honest ones
 // have within a second.
 constexpr std::size_t kVisitorsPerPlayer = 8;
-constexpr std::size_t kMostVisitors = 512, kMostVisitorsOfAddress = 32;
-constexpr std::size_t kMostGreeting = 64, kMostGreetingOfAddress = 16;
+constexpr std::size_t kMostVisitors = 512, kMostVisitorsOfAddress = 64;
+constexpr std::size_t kMostGreeting = 64, kMostGreetingOfAddress = 32;
 // Bytes that the system may hold unsent for a browser; the rest waits in the outbox, where old snapshots can be
 // dropped.
 constexpr int kUnsentBytes = 16 * 1024;

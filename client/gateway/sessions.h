@@ -33,9 +33,10 @@ struct GatewayCounts {
 
 class Browser;
 
-// Connections a second that an address may open, and how many at once: a browser opens up to six for files, and a
-// school has many browsers. Of WebSockets for playing: each costs the server a handshake.
-inline constexpr double kOpensPerSecond = 32, kOpensAtOnce = 256;
+// Connections a second that an address may open, and how many at once: a browser opens up to six for files, a school
+// has many browsers, and some proxies open one for each file. Of WebSockets for playing, each of which costs the server
+// a handshake.
+inline constexpr double kOpensPerSecond = 100, kOpensAtOnce = 1000;
 inline constexpr double kPlaysPerSecond = 8, kPlaysAtOnce = 32;
 
 // Shared by all connections. It must outlive the context that their sockets belong to; `browsers` must be cleared

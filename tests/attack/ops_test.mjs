@@ -16,7 +16,7 @@ test('who is slow, and who opens many, keeps nobody from --ops', async (context)
   const patience = measurePatience(port, '127.0.0.3', 'GET /metrics HTTP/1.1\r\nX: ');
   const one = new SlowCrowd(port, ['127.0.0.2'], openings);
   context.after(() => one.end());
-  one.openAtOnce(40);
+  await one.openAtOnce(40);
   one.openOften(57);
   const health = await askHealth(port, 100);
   const held = countDescriptors(program) - before;
@@ -28,7 +28,7 @@ test('who is slow, and who opens many, keeps nobody from --ops', async (context)
   // Each has less than an address may have.
   const many = new SlowCrowd(port, Array.from({ length: 60 }, (_, i) => `127.0.1.${i + 1}`), openings);
   context.after(() => many.end());
-  many.openAtOnce(60);
+  await many.openAtOnce(60);
   many.openOften(57);
   const among = await askHealth(port, 20);
   const metrics = await visit(port, '/metrics');

@@ -17,8 +17,10 @@ export class SlowCrowd {
     this.timers.push(setInterval(() => this.drip(), dripMs));
   }
 
-  openAtOnce(count) {
-    for (let i = 0; i < count; ++i) this.open();
+  // Resolves when all are open or refused: until then this process is busy, and would measure itself.
+  async openAtOnce(count) {
+    const isTried = (socket) => new Promise((resolve) => socket.once('connect', resolve).once('close', resolve));
+    await Promise.all(Array.from({ length: count }, () => isTried(this.open())));
   }
 
   openOften(perSecond) {
