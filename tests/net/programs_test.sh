@@ -574,14 +574,16 @@ case_help_and_version() {
 case_link_alone() {
   start_server --summary "$folder/a.json"
   start link wobble link --listen 0 --to "localhost:$port" 'loss=5%,delay=50ms,jitter=20ms,duplicate=2%,reorder=2%' \
-    --seed 3 --status 0.5
+    --seed 3 --status 0.5 --bind 127.0.0.1
   local link=$pid link_port
-  wait_for_line link "^relaying UDP port [1-9][0-9]* to localhost:$port, loss=5%"
+  wait_for_line link "^relaying UDP port [1-9][0-9]* of 127.0.0.1 to localhost:$port, loss=5%"
   link_port="$(read_port link 'relaying UDP port ')"
   expect_exit 0 wobble bots "127.0.0.1:$link_port" --script wander.lua --count 4 --for 5 --threshold 'disconnects==0' \
     --threshold 'connected==4' --threshold 'input_to_snapshot_ms_p50>100' # two delays of 50 ms
   wait_for_line link '^players 4, up [0-9]* kbit/s in '
   expect_refusal "^wobble link: port $link_port (UDP) is in use$" wobble link --listen "$link_port" --to "127.0.0.1:$port"
+  expect_refusal "^wobble link: 'here' is no IPv4 address to listen at$" \
+    wobble link --listen 0 --bind here --to "127.0.0.1:$port"
   kill -INT "$link"
   expect_end link "$link" 0
   expect_line "$folder/link.out" '^up: [1-9][0-9]* received, [1-9][0-9]* passed, [1-9][0-9]* lost, [1-9][0-9]* duplicated'
