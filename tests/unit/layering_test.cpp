@@ -79,10 +79,7 @@ const std::vector<Room> kRooms{
     // It alone waits, on a thread of its own; fleet_duty decides when it is asked to call.
     {"server/ops/agones", {"server/ops/"}, {"httplib.h", "signal.h", "spdlog/"}, {}},
     {"server/ops/fleet_duty", {}, {}, kClockFileLog},
-    {"server/ops/",
-     {"server/", kProtocol},
-     Join(kSystem, {"fmt/", "nlohmann/", "prometheus/", "spdlog/"}),
-     kClock},
+    {"server/ops/", {"server/", kProtocol}, Join(kSystem, {"fmt/", "nlohmann/", "prometheus/", "spdlog/"}), kClock},
     {"server/main", {"server/", kProtocol}, Join(kSystem, {"CLI/", "fmt/", "nlohmann/", "spdlog/"}), {}},
     {"server/key_file", {kVestibule}, {"fcntl.h", "unistd.h"}, kClock},
     {"server/options",
