@@ -153,6 +153,9 @@ void Client::Cut(std::uint32_t body, const protocol::Vector3& eye, const protoco
 }
 
 void Client::Inspect(std::uint32_t body) { m->Ask(protocol::MakeInspect(body)); }
+void Client::Order(const std::string& line) {
+  m->Ask(protocol::MakeOrder(std::string_view(line).substr(0, protocol::kMaxOrderBytes)));
+}
 void Client::Tune(wire::TuneKind kind, const protocol::Vector3& value) { m->Ask(protocol::MakeTune(kind, value)); }
 void Client::Build(const protocol::BuildFields& fields) { m->Ask(protocol::MakeBuild(fields)); }
 

@@ -104,7 +104,7 @@ std::vector<std::string> Understand(const CLI::App& subcommand, const Words& wor
   } else {
     take("server", command::ParseAddress(words.address, error), options.server);
   }
-  if (errors.empty() && !command::FindAccess(words.access, options.server, options.access, error)) {
+  if (errors.empty() && !command::FindAccess(words.access, options.server, false, options.access, error)) {
     errors.push_back(error);
   }
   if (options.scriptFile.empty()) errors.emplace_back("--script is required (see wobble bots --help)");

@@ -70,7 +70,7 @@ bool Understand(const Words& words, WatchOptions& options, std::string& error) {
     return false;
   }
   options.server = *address;
-  if (!command::FindAccess(words.access, options.server, options.access, error)) return false;
+  if (!command::FindAccess(words.access, options.server, true, options.access, error)) return false;
   if (words.colours == "true") options.palette = Palette::kTruecolour;
   if (words.colours == "256") options.palette = Palette::k256;
   return true;

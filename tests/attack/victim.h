@@ -34,14 +34,14 @@ inline void Sleep(double seconds) { std::this_thread::sleep_for(std::chrono::dur
 
 class Victim {
  public:
-  explicit Victim(const std::vector<std::string>& options = {}) {
+  explicit Victim(const std::vector<std::string>& options = {}, const std::string& scene = "pair") {
     // Nothing of a test stays in the home of who runs it.
     setenv("XDG_STATE_HOME", testing::TempDir().c_str(), 1);
     std::vector<std::string> words{WOBBLE_BIN_DIR "/wobbled",
                                    "--port",
                                    "0",
                                    "--scene",
-                                   "pair",
+                                   scene,
                                    "--untrained",
                                    "--threads",
                                    "1",
@@ -199,6 +199,8 @@ class Intruder {
     Command({0x01, 0xFF, 0, 1, 0, 1, m_sentTime[0], m_sentTime[1]});  // acknowledges the verification
     Sleep(0.1);
   }
+  [[nodiscard]] bool IsReset() const { return m_caller.ReadState() == transport::vestibule::Caller::State::kReset; }
+  [[nodiscard]] std::size_t CountReceived() const { return m_socket.received; }
   [[nodiscard]] bool IsIn() const { return m_caller.ReadState() == transport::vestibule::Caller::State::kIn; }
 
   // One datagram of ENet, without its checksum, which is filled in here.
