@@ -16,6 +16,7 @@
 #include "protocol/transport/enet_transport.h"
 #include "protocol/transport/vestibule/key_file.h"
 #include "protocol/version.h"
+#include "server/admin/admin_http.h"
 #include "server/admin/admin_socket.h"
 #include "server/admission/open_gate.h"
 #include "server/ops/agones.h"
@@ -223,14 +224,25 @@ std::uint64_t ReadUnixTime() { return static_cast<std::uint64_t>(std::time(nullp
 struct Administration {
   admin::OrderQueue queue;
   std::unique_ptr<admin::AdminSocket> socket;
+  std::unique_ptr<ops::HttpListener> http;
 
   // Returns false after it has reported what failed.
-  bool Start(const Options& options) {
+  bool Start(const Options& options, const admission::Gate& gate) {
     std::string error;
-    if (options.adminSocket.empty()) return true;
-    socket = admin::AdminSocket::Listen(options.adminSocket, queue, error);
-    if (socket == nullptr) Complain({"--admin-socket " + error});
-    return socket != nullptr;
+    if (!options.adminSocket.empty()) {
+      socket = admin::AdminSocket::Listen(options.adminSocket, queue, error);
+      if (socket == nullptr) return Complain({"--admin-socket " + error}), false;
+    }
+    if (options.adminHttp.empty()) return true;
+    ops::Address address;
+    if (!gate.OwnerKey()) {
+      error = options.adminHttp + ": there is no owner's key (see --owner-key)";
+    } else if (ops::ParseAddress(options.adminHttp, address, error)) {
+      http = admin::ListenForOrders(address, *gate.OwnerKey(), queue, error);
+    }
+    if (http == nullptr) return Complain({"--admin-http " + error}), false;
+    if (address.port == 0) fmt::print("orders on TCP port {}\n", http->ReadPort());
+    return true;
   }
 };
 
@@ -274,7 +286,7 @@ int RunServer(const Options& options) {
   }
   listen.judge = gate;
   Administration administration;
-  if (!administration.Start(options)) return kBadUsage;
+  if (!administration.Start(options, *gate)) return kBadUsage;
   auto transport = transport::EnetTransport::Listen(listen, error);
   if (transport == nullptr) {
     Complain({error});

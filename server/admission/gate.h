@@ -41,6 +41,9 @@ class Gate final : public transport::vestibule::Judge {
   [[nodiscard]] transport::vestibule::Judgement Decide(const transport::vestibule::Credential& credential,
                                                        const transport::NetAddress& source) override;
 
+  // nullopt: this server has no owner.
+  [[nodiscard]] const std::optional<transport::vestibule::Key>& OwnerKey() const { return m_settings.owner; }
+
   // For the administrator, from any thread. `change` runs with the lock held; now: s since 1970.
   template <class Change>
   auto ChangeBans(const Change& change) {

@@ -1,5 +1,5 @@
 // The HTTP endpoint of a server: /metrics for Prometheus, /healthz and /readyz for orchestrators and load balancers. It
-// answers on threads of its own: a scrape delays a tick by at most the time that it takes to copy the figures.
+// answers on a thread of its own: a scrape delays a tick by at most the time that it takes to copy the figures.
 #pragma once
 
 #include <cstdint>
@@ -7,27 +7,21 @@
 #include <string>
 
 #include "server/ops/figures.h"
+#include "server/ops/http_listener.h"
 
 namespace wobble::ops {
 
 // Time without a call of Tell after which /healthz reports the tick loop as dead, s.
 inline constexpr double kDeadAfter = 3;
 
-struct Address {
-  std::string host = "127.0.0.1";
-  std::uint16_t port = 0;  // 0: the system picks a free one
-};
-// Parses HOST:PORT, [IPv6]:PORT, or PORT alone for the loopback address. Returns false with one line in `error`.
-[[nodiscard]] bool ParseAddress(const std::string& text, Address& address, std::string& error);
-
 class Endpoint {
  public:
   // Listens on the address. Returns null with one line in `error` when that fails. version, scene: shown as labels.
-  // clock: the one of Figures::told, s; called from several threads.
+  // clock: the one of Figures::told, s; called from another thread.
   [[nodiscard]] static std::unique_ptr<Endpoint> Listen(const Address& address, const std::string& version,
                                                         const std::string& scene, server::TimeSource clock,
                                                         std::string& error);
-  // Stops listening and joins the threads.
+  // Stops listening and joins the thread.
   ~Endpoint();
 
   // The TCP port on which it listens, whether given or picked by the system.

@@ -13,6 +13,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <string>
@@ -55,6 +56,7 @@ class Victim {
     EXPECT_TRUE(m_child.Start(words, error)) << error;
     const auto hasPort = [&] {
       for (const std::string& line : m_child.TakeOutput()) {
+        std::sscanf(line.c_str(), "metrics and health on TCP port %hu", &opsPort);
         if (std::sscanf(line.c_str(), "listening on UDP port %hu", &port) == 1) return true;
       }
       return false;
@@ -89,7 +91,13 @@ class Victim {
     return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
   }
 
+  [[nodiscard]] std::size_t CountDescriptors() const {
+    const std::filesystem::directory_iterator all("/proc/" + m_pid + "/fd");
+    return static_cast<std::size_t>(std::distance(begin(all), end(all)));
+  }
+
   std::uint16_t port = 0;
+  std::uint16_t opsPort = 0;  // of --ops 0
 
  private:
   play::Child m_child;

@@ -79,9 +79,10 @@ const std::vector<Room> kRooms{
     // It alone waits, on a thread of its own; fleet_duty decides when it is asked to call.
     {"server/ops/agones", {"server/ops/"}, {"httplib.h", "signal.h", "spdlog/"}, {}},
     {"server/ops/fleet_duty", {}, {}, kClockFileLog},
+    {"server/ops/http_listener", {}, {"boost/", "fmt/"}, {}},
     {"server/ops/",
      {"server/", kProtocol},
-     Join(kSystem, {"fmt/", "httplib.h", "nlohmann/", "prometheus/", "spdlog/"}),
+     Join(kSystem, {"fmt/", "nlohmann/", "prometheus/", "spdlog/"}),
      kClock},
     {"server/main", {"server/", kProtocol}, Join(kSystem, {"CLI/", "fmt/", "nlohmann/", "spdlog/"}), {}},
     {"server/options",
@@ -93,6 +94,7 @@ const std::vector<Room> kRooms{
     {"server/admission/", {kProtocol}, {}, {"chrono", "ctime", "iostream", "fstream", "thread"}},
     // Its socket has a thread, and so a clock, of its own.
     {"server/admin/admin_socket", {"server/", kProtocol}, kSystem, {}},
+    {"server/admin/admin_http", {"server/", kProtocol}, {}, {}},
     {"server/admin/order_queue", {"server/", kProtocol}, {}, {}},
     {"server/admin/", {"server/", kProtocol}, {"fmt/", "spdlog/"}, {"ctime", "iostream", "fstream", "thread"}},
     // Unicode's tables are the server's alone.
