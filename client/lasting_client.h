@@ -19,8 +19,8 @@ struct LastingOptions {
   Options client;  // of every connection: the same name, the same role
   RejoinOptions rejoin = {};
   // Begins a connection to the same server, as for Client; null with one line in `error` counts as a try that failed.
-  // Called inside Update. EnetTransport::Connect resolves the server's name in it, which may block. A token for one
-  // connection must be got anew here.
+  // Called inside Update. EnetTransport::Connect resolves the server's name in it, which may block. Who came with a
+  // connect token shows EnetTransport::ReadTicket from now on.
   std::function<std::unique_ptr<transport::Transport>(std::string& error)> connect;
   // Called with each new client before its first Update, for handlers such as OnEvent. May be empty.
   std::function<void(Client& client)> prepare = {};

@@ -174,11 +174,14 @@ void Watch::Begin(client::Client& client) {
   client.OnNotice([this](const std::string& text) { Show(text); });
 }
 
-// From now on it has to be this server, also after it was restarted.
+// From now on it has to be this server, also after it was restarted. A ticket stands for a token or an invite that may
+// be good only once.
 void Watch::NoteFirstPlay() {
   m_played = true;
   command::NoteServer(m_options.server, *m_transport);
   m_access.serverKey = m_transport->ReadServerKey();
+  const std::vector<std::uint8_t> ticket = m_transport->ReadTicket();
+  if (!ticket.empty()) m_access.credential = {transport::vestibule::Credential::Kind::kToken, ticket};
 }
 
 void Watch::Play() {
