@@ -189,6 +189,11 @@ class Client {
   // True when it has ended without a Leave.
   [[nodiscard]] bool EndedUnasked() const;
 
+  // Whether a new connection may fare better than the one that has ended: it was lost, or the server was restarted, was
+  // closing, full or busy. False after Leave, where the server does not want this client, and over a link too poor.
+  // lasting_client.h joins again by itself.
+  [[nodiscard]] bool MayRejoin() const;
+
   // Complete from kPlaying on.
   [[nodiscard]] const protocol::WelcomeFields& Welcome() const;
   [[nodiscard]] const std::vector<Ground>& Grounds() const;

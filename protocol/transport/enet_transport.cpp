@@ -74,6 +74,14 @@ std::string_view Describe(const Caller& caller) {
   return "refused";
 }
 
+// Whether the server would answer the same to another try.
+bool IsFinal(const Caller& caller) {
+  if (caller.ReadState() == Caller::State::kReset) return false;
+  if (caller.ReadState() != Caller::State::kRefused) return true;
+  return caller.ReadRefusal() != vestibule::Refusal::kFull &&
+         caller.ReadRefusal() != vestibule::Refusal::kTooManyFromAddress;
+}
+
 }  // namespace
 
 struct EnetTransport::Impl {
@@ -96,7 +104,7 @@ struct EnetTransport::Impl {
   void Dispatch(const ENetEvent& event, const Sink& sink);
   void Admit(ENetPeer& peer, const Sink& sink);
   void Receive(const ENetEvent& event, const Sink& sink);
-  void Forget(ConnectionId id, const Sink& sink, std::string_view reason = {});
+  void Forget(ConnectionId id, const Sink& sink, std::string_view reason = {}, bool isFinal = false);
   void Drop(ENetPeer* peer);
   void BeginClosing(Connection& connection);
   bool IsAcceptable(Channel channel, const ENetPacket& packet) const;
@@ -185,7 +193,7 @@ void EnetTransport::Impl::PollClient(const Sink& sink) {
       SetId(*connection.peer, 0);
       enet_peer_reset(connection.peer);
     }
-    Forget(kClientConnection, sink, Describe(client->Caller()));
+    Forget(kClientConnection, sink, Describe(client->Caller()), IsFinal(client->Caller()));
     return;
   }
   if (connection.peer != nullptr || !client->Caller().CanSeal()) return;
@@ -308,12 +316,12 @@ void EnetTransport::Impl::Receive(const ENetEvent& event, const Sink& sink) {
         .bytes = {packet->data, packet->dataLength}});
 }
 
-void EnetTransport::Impl::Forget(ConnectionId id, const Sink& sink, std::string_view reason) {
+void EnetTransport::Impl::Forget(ConnectionId id, const Sink& sink, std::string_view reason, bool isFinal) {
   const auto found = connections.find(id);
   if (found == connections.end()) return;
   const bool isKnown = found->second.isKnown;
   connections.erase(found);
-  if (isKnown) sink({.kind = Event::Kind::kDisconnected, .connection = id, .reason = reason});
+  if (isKnown) sink({.kind = Event::Kind::kDisconnected, .connection = id, .reason = reason, .isFinal = isFinal});
 }
 
 void EnetTransport::Impl::BeginClosing(Connection& connection) {

@@ -32,6 +32,7 @@ struct Event {
   std::string_view reason = {};              // of kDisconnected: a line for people where it is known; a literal
   // Of kConnected at a server, valid only inside the sink; null: nothing is known of the client.
   const Admission* admission = nullptr;
+  bool isFinal = false;  // of kDisconnected: the far end will not let this client in again either
 };
 
 enum class SendResult { kQueued, kUnknownConnection, kTooLarge, kFailed };
