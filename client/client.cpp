@@ -44,6 +44,21 @@ std::string DescribeGoodbye(const wire::Goodbye& goodbye) {
   return reason + ": " + protocol::MakeLine(goodbye.detail()->string_view(), protocol::kMaxShownBytes);
 }
 
+// Whether who was told this goodbye may come in the next time, though it has done nothing else.
+bool IsPassing(wire::GoodbyeReason reason) {
+  switch (reason) {
+    case wire::GoodbyeReason::ServerClosing:  // mostly to be started again
+    case wire::GoodbyeReason::ServerFull:
+    case wire::GoodbyeReason::Busy:
+    case wire::GoodbyeReason::TooManyFromAddress:  // the lost connection may still count
+    case wire::GoodbyeReason::NoHello:
+    case wire::GoodbyeReason::Silent:
+      return true;
+    default:
+      return false;
+  }
+}
+
 }  // namespace
 
 struct Client::Implementation {
@@ -62,6 +77,7 @@ struct Client::Implementation {
   transport::ConnectionId connection = 0;
   State state = State::kConnecting;
   std::string endReason;
+  bool mayRejoin = false;  // once it has ended
   bool leaving = false;
   double leaveDeadline = 0;
   double startedAt = 0;
@@ -93,7 +109,7 @@ struct Client::Implementation {
   std::function<void(const DecodedPatch&)> onDecoded;
 
   void TakeIn(const transport::Event& event);
-  void End(std::string reason);
+  void End(std::string reason, bool mayComeBack = false);
   void EndIfLinkFails();
   void SayHello();
   void StartPlayingWhenComplete();
@@ -153,6 +169,9 @@ void Client::Cut(std::uint32_t body, const protocol::Vector3& eye, const protoco
 }
 
 void Client::Inspect(std::uint32_t body) { m->Ask(protocol::MakeInspect(body)); }
+void Client::Order(const std::string& line) {
+  m->Ask(protocol::MakeOrder(std::string_view(line).substr(0, protocol::kMaxOrderBytes)));
+}
 void Client::Tune(wire::TuneKind kind, const protocol::Vector3& value) { m->Ask(protocol::MakeTune(kind, value)); }
 void Client::Build(const protocol::BuildFields& fields) { m->Ask(protocol::MakeBuild(fields)); }
 
@@ -175,6 +194,7 @@ void Client::Leave(double now) {
 State Client::ReadState() const { return m->state; }
 const std::string& Client::EndReason() const { return m->endReason; }
 bool Client::EndedUnasked() const { return m->state == State::kEnded && !m->leaving; }
+bool Client::MayRejoin() const { return m->mayRejoin; }
 const protocol::WelcomeFields& Client::Welcome() const { return m->welcome; }
 const std::vector<Ground>& Client::Grounds() const { return m->grounds.All(); }
 const Statistics& Client::ReadStatistics() const { return m->statistics; }
@@ -220,8 +240,8 @@ void Client::Implementation::TakeIn(const transport::Event& event) {
       return;
     case transport::Event::Kind::kDisconnected:
       if (leaving) return End("left");
-      if (!event.reason.empty()) return End(std::string(event.reason));
-      return End(state == State::kConnecting ? "no answer from the server" : "connection lost");
+      if (!event.reason.empty()) return End(std::string(event.reason), !event.isFinal);
+      return End(state == State::kConnecting ? "no answer from the server" : "connection lost", !event.isFinal);
     case transport::Event::Kind::kOffence:
       return;
     case transport::Event::Kind::kMessage:
@@ -243,9 +263,10 @@ void Client::Implementation::TakeIn(const transport::Event& event) {
   }
 }
 
-void Client::Implementation::End(std::string reason) {
+void Client::Implementation::End(std::string reason, bool mayComeBack) {
   if (state == State::kEnded) return;
   state = State::kEnded;
+  mayRejoin = mayComeBack && !leaving;
   endReason = std::move(reason);
   if (connection != 0) transport->Disconnect(connection);
 }
@@ -257,7 +278,8 @@ void Client::Implementation::EndIfLinkFails() {
   if (link.IsSilent(now, patience)) {
     const auto seconds = static_cast<int>(patience);
     return End(state == State::kConnecting ? "no answer from the server"
-                                           : "server silent for " + std::to_string(seconds) + " s");
+                                           : "server silent for " + std::to_string(seconds) + " s",
+               true);
   }
   const auto loss = link.FindHeavyLoss(snapshots.Received().Newest(), statistics.snapshots, now);
   if (loss) {
@@ -270,7 +292,7 @@ void Client::Implementation::SayHello() {
   const auto role = options.spectator ? wire::Role::Spectator : wire::Role::Player;
   const auto hello = protocol::MakeHello(options.name, role, blueprints.KeptHashes(), options.protocolVersion);
   const auto sent = transport->Send(connection, transport::Channel::kControl, hello);
-  if (sent != transport::SendResult::kQueued) End("connection lost");
+  if (sent != transport::SendResult::kQueued) End("connection lost", true);
 }
 
 void Client::Implementation::StartPlayingWhenComplete() {
@@ -288,7 +310,7 @@ void Client::Implementation::HandleControl(std::span<const std::uint8_t> bytes) 
   }
   bool inPlace = true;
   if (const auto* goodbye = message->body_as_Goodbye()) {
-    End(leaving ? "left" : DescribeGoodbye(*goodbye));
+    End(leaving ? "left" : DescribeGoodbye(*goodbye), IsPassing(goodbye->reason()));
   } else if (const auto* fields = message->body_as_Welcome()) {
     inPlace = HandleWelcome(*fields);
   } else if (const auto* chunk = message->body_as_BlueprintChunk()) {

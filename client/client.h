@@ -171,6 +171,9 @@ class Client {
            const protocol::Vector3& to);
   // From now on ReadForces is about this body; 0: about none.
   void Inspect(std::uint32_t body);
+  // A line to the server's administration, such as "kick 7"; at most protocol::kMaxOrderBytes. The answer comes as
+  // notices.
+  void Order(const std::string& line);
   // Sets gravity, stiffness, time rate, or jumps ahead; units as in messages.fbs.
   void Tune(wire::TuneKind kind, const protocol::Vector3& value);
   // Changes the body that players build together; units as in messages.fbs.
@@ -185,6 +188,11 @@ class Client {
   [[nodiscard]] const std::string& EndReason() const;
   // True when it has ended without a Leave.
   [[nodiscard]] bool EndedUnasked() const;
+
+  // Whether a new connection may fare better than the one that has ended: it was lost, or the server was restarted, was
+  // closing, full or busy. False after Leave, where the server does not want this client, and over a link too poor.
+  // lasting_client.h joins again by itself.
+  [[nodiscard]] bool MayRejoin() const;
 
   // Complete from kPlaying on.
   [[nodiscard]] const protocol::WelcomeFields& Welcome() const;

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "client/admin/command.h"
 #include "client/bots/command.h"
 #include "client/command/command.h"
 #include "client/gateway/command.h"
@@ -19,6 +20,7 @@
 #include "client/link/command.h"
 #include "client/play/command.h"
 #include "client/terminal/command.h"
+#include "client/token/command.h"
 #include "protocol/version.h"
 
 namespace {
@@ -44,7 +46,8 @@ int Run(int argc, char** argv) {
   app.require_subcommand(0, 1);
   const std::vector<command::Command> commands{play::DescribePlay(app), terminal::DescribeWatch(app),
                                                bots::DescribeBots(app), gateway::DescribeGateway(app),
-                                               link::DescribeLink(app), health::DescribeHealth(app)};
+                                               link::DescribeLink(app), health::DescribeHealth(app),
+                                               admin::DescribeAdmin(app), token::DescribeToken(app)};
   const std::string version = std::string("wobble ") + kVersion;
   app.set_version_flag("--version", version);
   for (const command::Command& each : commands) each.words->set_version_flag("--version", version);

@@ -86,6 +86,8 @@ inline constexpr std::uint32_t kMaxInputLeadTicks = 64;
 // Bytes of UTF-8 in a player's name, and in a notice that tells a player why something was not done.
 inline constexpr std::size_t kMaxNameBytes = 32;
 inline constexpr std::size_t kMaxNoticeBytes = 256;
+// Bytes of an order to the server's administration.
+inline constexpr std::size_t kMaxOrderBytes = 200;
 
 // Lines of a scoreboard: as many as a server can have clients, in 48 KiB.
 inline constexpr std::size_t kMaxScores = 4000;

@@ -86,6 +86,11 @@ Message MakeBuild(const BuildFields& fields) {
                                                fields.stiffness, fields.damping, fields.restLength));
 }
 
+Message MakeOrder(std::string_view line) {
+  FlatBufferBuilder builder;
+  return FinishClientMessage(builder, wire::CreateOrder(builder, builder.CreateString(line)));
+}
+
 Message MakeWelcome(const WelcomeFields& fields) {
   FlatBufferBuilder builder;
   const auto scene = builder.CreateString(fields.scene);

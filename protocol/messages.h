@@ -72,6 +72,8 @@ struct BuildFields {
   float restLength = 0;
 };
 [[nodiscard]] Message MakeBuild(const BuildFields& fields);
+// line: at most kMaxOrderBytes.
+[[nodiscard]] Message MakeOrder(std::string_view line);
 
 // Bits of WelcomeFields::hands and of TuningFields::may.
 inline constexpr std::uint8_t kMayGrab = 1, kMayCut = 2, kMayPush = 4, kMayBuild = 8;

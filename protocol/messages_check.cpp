@@ -74,6 +74,11 @@ ParseResult CheckBuild(const wire::Build& build) {
   return isGood ? CheckPlaces({build.at()}) : ParseResult::kOutOfRange;
 }
 
+ParseResult CheckOrder(const wire::Order& order) {
+  if (order.line() == nullptr) return ParseResult::kMissingField;
+  return order.line()->size() <= kMaxOrderBytes ? ParseResult::kOk : ParseResult::kOutOfRange;
+}
+
 // False for NaN. What a record is decoded with must be bounded, not only finite: two large numbers have an infinite
 // product, the difference of two of those is NaN, and NaN as an integer is undefined behaviour.
 bool IsInWorld(float number) { return std::fabs(number) <= static_cast<float>(kWorldHalfExtent); }
@@ -212,6 +217,7 @@ ParseResult CheckClientBody(const wire::ClientMessage& message) {
   if (message.body_as_Inspect() != nullptr) return ParseResult::kOk;
   if (const auto* tune = message.body_as_Tune()) return CheckTune(*tune);
   if (const auto* build = message.body_as_Build()) return CheckBuild(*build);
+  if (const auto* order = message.body_as_Order()) return CheckOrder(*order);
   return ParseResult::kOutOfRange;  // a kind that this version does not know
 }
 

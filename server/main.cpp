@@ -9,13 +9,16 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <fstream>
 #include <thread>
 
 #include "protocol/transport/enet_transport.h"
-#include "protocol/transport/vestibule/secret_file.h"
+#include "protocol/transport/vestibule/key_file.h"
 #include "protocol/version.h"
-#include "server/key_file.h"
+#include "server/admin/admin_http.h"
+#include "server/admin/admin_socket.h"
+#include "server/admission/open_gate.h"
 #include "server/ops/agones.h"
 #include "server/ops/endpoint.h"
 #include "server/ops/fleet_duty.h"
@@ -30,6 +33,7 @@ namespace {
 
 using namespace wobble;
 using server::Options;
+namespace vestibule = transport::vestibule;
 
 constexpr int kBadUsage = 2;
 
@@ -135,8 +139,13 @@ bool HasEnded(const server::Server& server, const Options& options, const Watche
          (server.IsMatchOver() && !watchers.agones);
 }
 
-void Run(server::Server& server, const Options& options, Watchers& watchers) {
+void Run(const admin::Realm& realm, const Options& options, admin::OrderQueue& orders, Watchers& watchers) {
+  server::Server& server = realm.server;
+  server.SetOrderTaker([&realm](server::ClientId client, transport::Rank rank, const std::string& line) {
+    return admin::CarryOut(realm, {.rank = rank, .client = client}, line, ReadClock()).lines;
+  });
   while (!HasEnded(server, options, watchers)) {
+    orders.CarryOutAll(realm, ReadClock());
     server.Tick(ReadClock());
     watchers.Watch(server, ReadClock());
     const double wait = server.NextCall() - ReadClock();
@@ -190,21 +199,52 @@ bool StartWatching(const Options& options, Watchers& watchers, std::uint16_t& po
   return true;
 }
 
-// The key of --key, or of the default file; one for this run only where that one cannot be kept. False after it has
+// The key of --key, or of the default file; one for this run only where that one cannot be kept. nullopt after it has
 // reported what failed.
-bool ChooseKey(const Options& options, std::optional<transport::vestibule::Key>& key) {
-  const std::filesystem::path file =
-      options.keyFile.empty() ? server::FindKeyFile() : std::filesystem::path(options.keyFile);
+std::optional<vestibule::Key> ChooseKey(const Options& options) {
+  const std::filesystem::path file = options.keyFile.empty() ? vestibule::FindStateFile(vestibule::kServerKeyName)
+                                                             : std::filesystem::path(options.keyFile);
   std::string error = "no folder is known for it";
-  if (!file.empty() && transport::vestibule::InitialiseSodium()) key = server::LoadOrMakeKey(file, error);
-  if (key) return true;
+  std::optional<vestibule::Key> key;
+  if (!file.empty()) key = vestibule::LoadOrMakeKey(file, error);
+  if (key) return key;
   if (!options.keyFile.empty()) {
     Complain({"--key: " + error});
-    return false;
+    return {};
   }
   spdlog::warn("the server's key holds for this run only: {}", error);
-  return true;
+  key.emplace();
+  vestibule::FillRandomly(*key);
+  return key;
 }
+
+std::uint64_t ReadUnixTime() { return static_cast<std::uint64_t>(std::time(nullptr)); }
+
+// The orders that come from outside the game.
+struct Administration {
+  admin::OrderQueue queue;
+  std::unique_ptr<admin::AdminSocket> socket;
+  std::unique_ptr<ops::HttpListener> http;
+
+  // Returns false after it has reported what failed.
+  bool Start(const Options& options, const admission::Gate& gate) {
+    std::string error;
+    if (!options.adminSocket.empty()) {
+      socket = admin::AdminSocket::Listen(options.adminSocket, queue, error);
+      if (socket == nullptr) return Complain({"--admin-socket " + error}), false;
+    }
+    if (options.adminHttp.empty()) return true;
+    ops::Address address;
+    if (!gate.OwnerKey()) {
+      error = options.adminHttp + ": there is no owner's key (see --owner-key)";
+    } else if (ops::ParseAddress(options.adminHttp, address, error)) {
+      http = admin::ListenForOrders(address, *gate.OwnerKey(), queue, error);
+    }
+    if (http == nullptr) return Complain({"--admin-http " + error}), false;
+    if (address.port == 0) fmt::print("orders on TCP port {}\n", http->ReadPort());
+    return true;
+  }
+};
 
 int RunServer(const Options& options) {
   scenes::LoadResult loaded = scenes::LoadScene(options.scene, scenes::FindShippedScenes());
@@ -233,22 +273,27 @@ int RunServer(const Options& options) {
   Watchers watchers(options);
   std::uint16_t sidecar = 0;
   if (!StartWatching(options, watchers, sidecar)) return kBadUsage;
-  if (!ChooseKey(options, listen.secretKey)) return kBadUsage;
-  if (!options.passwordFile.empty()) {
-    const auto password = transport::vestibule::ReadSecret(options.passwordFile, error);
-    if (!password) {
-      Complain({"--password-file " + error});
-      return kBadUsage;
-    }
-    listen.password = *password;
+  if (!vestibule::InitialiseSodium()) {
+    Complain({"the cryptographic library does not start"});
+    return kBadUsage;
   }
+  listen.secretKey = ChooseKey(options);
+  if (!listen.secretKey) return kBadUsage;
+  const auto gate = admission::OpenGate(options.gate, *listen.secretKey, &ReadUnixTime, error);
+  if (gate == nullptr) {
+    Complain({error});
+    return kBadUsage;
+  }
+  listen.judge = gate;
+  Administration administration;
+  if (!administration.Start(options, *gate)) return kBadUsage;
   auto transport = transport::EnetTransport::Listen(listen, error);
   if (transport == nullptr) {
     Complain({error});
     return kBadUsage;
   }
   const std::uint16_t port = transport->ReadPort();
-  const std::string publicKey = transport::vestibule::FormatKey(transport->ReadServerKey());
+  const std::string publicKey = vestibule::FormatKey(transport->ReadServerKey());
 
   std::vector<server::Bases> bases;
   if (!options.isUntrained) bases = server::LoadBases(loaded.scene, options.cacheFolder, options.config.threads);
@@ -259,7 +304,7 @@ int RunServer(const Options& options) {
              options.scene);
   std::fflush(stdout);
   if (sidecar != 0) watchers.agones.emplace(sidecar);
-  Run(server, options, watchers);
+  Run({server, *gate}, options, administration.queue, watchers);
   const std::string summary = server::MakeSummary(server, watchers.times);
   CloseDown(server, watchers);
   if (watchers.trace && !watchers.trace->Close()) {

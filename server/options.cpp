@@ -50,9 +50,26 @@ void DescribeOptions(CLI::App& app, Options& options) {
                  "File of the server's secret key, by which clients know it again; made if it is not there "
                  "(server.key in the user's state folder)")
       ->type_name("FILE");
-  app.add_option("--password-file", options.passwordFile,
-                 "File whose first line is the password that players need; everybody may come in without it")
-      ->type_name("FILE");
+  const auto addFile = [&](const char* name, std::string& file, const char* description) {
+    app.add_option(name, file, description)->type_name("FILE");
+  };
+  addFile("--password-file", options.gate.password,
+          "File whose first line is the password that players need; everybody may come in without it");
+  addFile("--invites", options.gate.invites,
+          "File that keeps invites; then only who is invited may come in (wobble admin invite)");
+  addFile("--token-key", options.gate.tokenKey,
+          "File of the key that connect tokens are sealed with; then players need one (wobble token)");
+  addFile("--gateway-key", options.gate.gatewayKey,
+          "File of the key that gateways share, which then say their browsers' addresses");
+  addFile("--owner-key", options.gate.ownerKey,
+          "File of the key that makes whoever has it an owner; made if it is not there (owner.key in the user's state "
+          "folder)");
+  addFile("--bans", options.gate.bans, "File that keeps bans from one start to the next");
+  app.add_option("--admin-socket", options.adminSocket, "Unix socket to take orders at (wobble admin)")
+      ->type_name("PATH")
+      ->envname("WOBBLE_ADMIN_SOCKET");
+  app.add_option("--admin-http", options.adminHttp,
+                 "HOST:PORT, or PORT for this machine only, that takes orders by HTTP from who has the owner's key");
   addNumber("--tick-hz", kTickHzRange, config.tickHz, "Steps of the world a second");
   addNumber("--snapshot-hz", kSnapshotHzRange, config.snapshotHz, "Snapshots a second, at most --tick-hz");
   addNumber("--max-clients", kMaxClientsRange, config.maxClients, "Players and spectators at once");
@@ -90,6 +107,7 @@ void DescribeOptions(CLI::App& app, Options& options) {
       "  wobbled --scene crowd --client-kbit 2000 a busy scene, more bytes for each client\n"
       "  wobbled --scene my.toml --port 7801      a scene of your own\n"
       "  wobbled --password-file door.txt         for those who know it: wobble watch --password-file\n"
+      "  wobbled --admin-socket admin.sock        then: wobble admin --socket admin.sock players\n"
       "  wobbled --for 30 --summary run.json      half a minute, figures at the end\n"
       "  wobbled --ops 9100                       then: curl 127.0.0.1:9100/metrics\n"
       "  wobbled --for 90 --pause-after 0         the same without players: the world never pauses");

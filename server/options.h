@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "server/admission/open_gate.h"
 #include "server/config.h"
 
 namespace wobble::server {
@@ -15,8 +16,10 @@ struct Options {
   double runFor = 0;         // s; 0: until a signal
   double statusEvery = 0;    // s; 0: no status lines
   std::string bind;          // address to listen at; empty: every one of the machine
-  std::string keyFile;       // of the server's key; empty: see FindKeyFile
-  std::string passwordFile;  // empty: everybody may come in
+  std::string keyFile;       // of the server's key; empty: server.key in the state folder
+  admission::GateFiles gate;
+  std::string adminSocket;  // path; empty: none
+  std::string adminHttp;    // HOST:PORT; empty: none
   std::string logLevel = "info";
   std::string summaryFile;
   std::string cacheFolder;

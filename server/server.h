@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -88,6 +89,38 @@ class Server {
   // Whether no connection is left.
   [[nodiscard]] bool IsEmpty() const { return m_sessions.empty(); }
 
+  // server_rule.cpp: what the administration asks for (server/admin). False, where it is returned: no such client is
+  // in.
+  struct Player {
+    ClientId client = 0;
+    std::string name;
+    transport::Admission admission;
+    bool isSpectator = false;
+    bool isMuted = false;
+    double seconds = 0;  // since it connected
+  };
+  [[nodiscard]] std::vector<Player> ListPlayers(double now) const;
+  // Sends a client away. why: a line for it, may be empty.
+  bool Dismiss(ClientId client, protocol::wire::GoodbyeReason reason, const std::string& why);
+  // A muted player moves, and does nothing else.
+  bool SetMuted(ClientId client, bool isMuted);
+  bool SetRank(ClientId client, transport::Rank rank);
+  // While it is locked nobody but moderators and owners comes in.
+  void SetLocked(bool isLocked) { m_isLocked = isLocked; }
+  [[nodiscard]] bool IsLocked() const { return m_isLocked; }
+  // Whether players may change what others built. False: the scene has no workshop.
+  bool SetProtected(bool isProtected);
+  [[nodiscard]] bool IsProtected() const { return m_workshop && m_workshop->IsProtected(); }
+  // Puts the scene's bodies back to their places, the workshop to what the scene has, and tuning to usual. What is torn
+  // stays torn.
+  void ResetWorld();
+  // A line for everybody.
+  void Say(const std::string& text);
+  // Carries out the orders that clients send: takes the client, its rank and the line, and returns lines of answer.
+  // Without it orders are refused.
+  using OrderTaker = std::function<std::vector<std::string>(ClientId, transport::Rank, const std::string& line)>;
+  void SetOrderTaker(OrderTaker taker) { m_orderTaker = std::move(taker); }
+
   [[nodiscard]] const physics::World& World() const { return m_world; }
   [[nodiscard]] const Counts& ReadCounts() const { return m_counts; }
   [[nodiscard]] const Encoder& ReadEncoder() const { return m_store.ReadEncoder(); }
@@ -144,7 +177,8 @@ class Server {
   void SendTo(const Session& session, const protocol::Message& message);
 
   // server_play.cpp: what players do beyond moving.
-  void Obey(Session& session, const Command& command);
+  void Obey(Session& session, const Command& command, double now);
+  void TakeOrder(Session& session, const std::string& line);
   void ActByHand();
   void PlayGame();
   void NoteFall(const Session& session);
@@ -152,8 +186,7 @@ class Server {
   void SendTuning();
   void SendForces();
   void Notify(const Session& session, const std::string& text);
-  // The player who has played longest; 0: nobody plays.
-  [[nodiscard]] ClientId FindHost() const;
+  [[nodiscard]] Session* FindSession(ClientId client);
 
   Config m_config;
   scenes::Scene m_scene;
@@ -181,6 +214,8 @@ class Server {
   bool m_isPaused = false;
   ClientId m_nextClientId = 1;
   bool m_isClosing = false;
+  bool m_isLocked = false;
+  OrderTaker m_orderTaker;
 };
 
 }  // namespace wobble::server

@@ -20,6 +20,7 @@ void Server::TakeEvent(const transport::Event& event, double now) {
     session.connection = event.connection;
     session.connectedAt = session.lastHeard = now;
     session.joinPatience = protocol::FindJoinPatience(m_transport->ReadRoundTrip(event.connection));
+    if (event.admission != nullptr) session.admission = *event.admission;
     session.maxInputs = protocol::FindMaxInputs(static_cast<unsigned>(m_config.tickHz));
     if (m_isClosing) End(session, GoodbyeReason::ServerClosing, "");
     return;
@@ -58,7 +59,7 @@ void Server::TakeEvent(const transport::Event& event, double now) {
       m_transport->Disconnect(session.connection);
       break;
     case MessageEffect::Kind::kCommand:
-      Obey(session, *effect.command);
+      Obey(session, *effect.command, now);
       break;
   }
 }
@@ -71,6 +72,10 @@ void Server::Join(Session& session) {
   }
   if (IsBusy()) {
     End(session, GoodbyeReason::Busy, "the machine has no time for more players; try again later");
+    return;
+  }
+  if (m_isLocked && session.admission.rank < transport::Rank::kModerator) {
+    End(session, GoodbyeReason::ServerFull, "its host lets nobody in at present");
     return;
   }
   PublishBlueprints();  // to the others; the newcomer gets all blueprints after its welcome
@@ -109,6 +114,7 @@ void Server::SendWelcome(Session& session) {
   fields.reach = static_cast<float>(m_scene.hands.reach);
   fields.game = m_game ? "sumo" : "";
   fields.workshop = m_workshop ? m_workshop->Body() : 0;
+  fields.rank = static_cast<protocol::wire::Rank>(session.admission.rank);
   fields.ownBlueprint = static_cast<std::uint8_t>(m_scene.player.blueprint);
   const auto send = [&](const protocol::Message& message) {
     if (m_transport->Send(session.connection, Channel::kControl, message) != transport::SendResult::kQueued) {

@@ -14,6 +14,8 @@ namespace {
 // Rate at which inspected forces are sent, 1/s: people read them by eye.
 constexpr int kForcesHz = 10;
 
+constexpr const char* kMuted = "you may only move: a moderator has muted you";
+
 template <class... Each>
 struct Visitor : Each... {
   using Each::operator()...;
@@ -21,7 +23,12 @@ struct Visitor : Each... {
 
 }  // namespace
 
-void Server::Obey(Session& session, const Command& command) {
+void Server::Obey(Session& session, const Command& command, double now) {
+  const bool isHarmless =
+      std::holds_alternative<InspectCommand>(command) || std::holds_alternative<OrderCommand>(command);
+  if (session.isMuted && !isHarmless) return Notify(session, kMuted);
+  const bool isHost = session.admission.rank == transport::Rank::kOwner;
+  const Workshop::Builder builder{session.clientId, session.admission.rank >= transport::Rank::kModerator};
   const Actor actor{session.clientId, session.body};
   const std::string refusal =
       std::visit(Visitor{
@@ -30,7 +37,8 @@ void Server::Obey(Session& session, const Command& command) {
                        std::string error;
                        const auto blade = m_hands.FindBlade(actor, cut, m_world, error);
                        if (!blade) return error;
-                       if (m_workshop && cut.body == m_workshop->Body()) return m_workshop->Cut(*blade, m_world);
+                       if (m_workshop && cut.body == m_workshop->Body())
+                         return m_workshop->Cut(builder, *blade, m_world);
                        m_world.CutSprings(cut.body, *blade);
                        return error;
                      },
@@ -40,14 +48,18 @@ void Server::Obey(Session& session, const Command& command) {
                      },
                      [&](const TuneCommand& tune) {
                        if (session.body == 0) return std::string("spectators cannot tune");
-                       std::string error = m_tuning.Tune(tune, session.clientId == FindHost(), m_world, m_clock);
+                       std::string error = m_tuning.Tune(tune, isHost, now, m_world, m_clock);
                        if (error.empty()) SendTuning();
                        return error;
                      },
                      [&](const BuildCommand& build) {
                        if (!m_workshop || session.body == 0)
                          return std::string("only players in a scene with a workshop can build");
-                       return m_workshop->Build(session.clientId, build, m_world);
+                       return m_workshop->Build(builder, build, m_world);
+                     },
+                     [&](const OrderCommand& order) {
+                       TakeOrder(session, order.line);
+                       return std::string();
                      },
                  },
                  command);
@@ -57,7 +69,7 @@ void Server::Obey(Session& session, const Command& command) {
 void Server::ActByHand() {
   for (const auto& [connection, session] : m_sessions) {
     if (session.state != Session::State::kPlaying) continue;
-    m_hands.Hold({session.clientId, session.body}, session.hand, m_world);
+    m_hands.Hold({session.clientId, session.body}, session.isMuted ? std::nullopt : session.hand, m_world);
   }
   m_hands.Act(m_world);
   if (m_workshop && m_workshop->Update(m_world)) m_hands.LetGo(m_workshop->Body());
@@ -114,12 +126,11 @@ void Server::SendStandings() {
 }
 
 void Server::SendTuning() {
-  const ClientId host = FindHost();
   for (const auto& [connection, session] : m_sessions) {
     if (session.state != Session::State::kPlaying) continue;
     const bool isSpectator = session.body == 0;
-    SendTo(session,
-           protocol::MakeTuning(CaptureTuning(m_tuning, m_clock.Rate(), isSpectator, session.clientId == host)));
+    SendTo(session, protocol::MakeTuning(CaptureTuning(m_tuning, m_clock.Rate(), isSpectator,
+                                                       session.admission.rank == transport::Rank::kOwner)));
   }
 }
 
@@ -143,15 +154,6 @@ void Server::SendForces() {
 
 void Server::Notify(const Session& session, const std::string& text) {
   SendTo(session, protocol::MakeNotice(std::string_view(text).substr(0, protocol::kMaxNoticeBytes)));
-}
-
-ClientId Server::FindHost() const {
-  ClientId host = 0;
-  for (const auto& [connection, session] : m_sessions) {
-    const bool plays = session.state == Session::State::kPlaying && session.body != 0;
-    if (plays && (host == 0 || session.clientId < host)) host = session.clientId;
-  }
-  return host;
 }
 
 }  // namespace wobble::server

@@ -45,9 +45,12 @@ MessageEffect TakeHello(Session& session, const protocol::wire::Hello& hello, do
   if (hello.schema_hash() != protocol::kSchemaHash) {
     return Refuse(GoodbyeReason::WrongSchema, "client was built from another messages.fbs");
   }
-  session.name = CleanName(hello.name()->string_view());
+  const auto& given = session.admission.name;
+  const std::string_view name(given.data(), std::find(given.begin(), given.end(), '\0'));
+  session.name = CleanName(name.empty() ? hello.name()->string_view() : name);
   if (hello.kept() != nullptr) session.kept.assign(hello.kept()->begin(), hello.kept()->end());
-  session.spectator = hello.role() == protocol::wire::Role::Spectator;
+  session.spectator =
+      hello.role() == protocol::wire::Role::Spectator || session.admission.rank == transport::Rank::kWatcher;
   MessageEffect effect;
   effect.kind = MessageEffect::Kind::kJoin;
   return effect;
@@ -129,6 +132,7 @@ std::optional<Command> FindCommand(const protocol::wire::ClientMessage& message)
   if (const auto* inspect = message.body_as_Inspect()) return InspectCommand{inspect->body()};
   if (const auto* tune = message.body_as_Tune()) return MakeCommand(*tune);
   if (const auto* build = message.body_as_Build()) return MakeCommand(*build);
+  if (const auto* order = message.body_as_Order()) return OrderCommand{order->line()->str()};
   return {};
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "protocol/messages.h"
+#include "protocol/transport/admission.h"
 #include "protocol/transport/transport.h"
 #include "server/input_buffer.h"
 #include "server/physics/world.h"
@@ -81,6 +82,8 @@ struct Session {
   bool hasSentInput = false;
   ClientId clientId = 0;  // from 1; 0: not joined
   std::string name;
+  transport::Admission admission;
+  bool isMuted = false;  // may move, and nothing else
   bool spectator = false;
   physics::BodyId body = 0;  // 0: none
   InputBuffer inputs;

@@ -25,6 +25,7 @@ struct Words {
   std::string duration;
   std::string statusEvery;
   std::string link;
+  std::string rejoin;
 };
 
 CLI::App* AddWords(CLI::App& app, LoadTestOptions& options, Words& words) {
@@ -68,6 +69,10 @@ CLI::App* AddWords(CLI::App& app, LoadTestOptions& options, Words& words) {
   subcommand->add_flag("--keep-bases", options.keepsBases,
                        "Join like players who return: keep the bases of shapes in the user's cache folder from one run "
                        "to the next, and download only what is not there");
+  subcommand
+      ->add_option("--rejoin", words.rejoin,
+                   "How long a bot that was cut off tries to join again, as players' clients do; 0: not at all")
+      ->type_name("DURATION [60s]");
   subcommand->add_option("--summary", options.summaryFile, "File for the summary as JSON")->type_name("FILE");
   subcommand->add_option("--status", words.statusEvery, "Time between status lines, 0: none (1s on a terminal, else 0)")
       ->type_name("DURATION");
@@ -104,7 +109,7 @@ std::vector<std::string> Understand(const CLI::App& subcommand, const Words& wor
   } else {
     take("server", command::ParseAddress(words.address, error), options.server);
   }
-  if (errors.empty() && !command::FindAccess(words.access, options.server, options.access, error)) {
+  if (errors.empty() && !command::FindAccess(words.access, options.server, false, options.access, error)) {
     errors.push_back(error);
   }
   if (options.scriptFile.empty()) errors.emplace_back("--script is required (see wobble bots --help)");
@@ -112,6 +117,7 @@ std::vector<std::string> Understand(const CLI::App& subcommand, const Words& wor
   if (!words.duration.empty()) take("--for", ParseDuration(words.duration, error), options.duration);
   if (!words.statusEvery.empty()) take("--status", ParseDuration(words.statusEvery, error), options.statusEvery);
   take("--decode-share", ParseDecodeShare(words.decodeShare, error), options.decodeShare);
+  if (!words.rejoin.empty()) take("--rejoin", ParseDuration(words.rejoin, error), options.rejoin.patience);
   if (!words.link.empty()) take("--link", transport::ParseLinkSpec(words.link, error), options.link);
   for (const std::string& rule : words.thresholds)
     take("--threshold", ParseThreshold(rule, error), options.thresholds.emplace_back());

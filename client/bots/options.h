@@ -8,6 +8,7 @@
 
 #include "client/bots/summary.h"
 #include "client/command/address.h"
+#include "client/rejoin.h"
 #include "protocol/limits.h"
 #include "protocol/transport/enet_transport.h"
 #include "protocol/transport/link_conditions.h"
@@ -55,6 +56,7 @@ struct LoadTestOptions {
   std::vector<Threshold> thresholds;
   DecodeShare decodeShare;
   std::optional<transport::LinkSpec> link;  // a relay between bots and server; nullopt: direct connection
+  client::RejoinOptions rejoin;             // of bots that were cut off; each bot has a seed of its own
   bool keepsBases = false;                  // begins with kept bases, as players who return do
   std::string summaryFile;                  // empty: no file
   std::optional<double> statusEvery;        // seconds, 0: never; nullopt: 1 on a terminal, else never

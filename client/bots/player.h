@@ -1,5 +1,5 @@
 // One bot's presence in the world: joining, leaving, joining again, the events it receives, and sums over all its
-// stays. A stay is the time from one Join to its end.
+// stays. A stay is the time from one Join to its end; a bot that was cut off and joins again by itself goes on with it.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,7 @@
 #include <unordered_map>
 
 #include "client/client.h"
+#include "client/rejoin.h"
 
 namespace wobble::bots {
 
@@ -22,15 +23,22 @@ class Player {
     kAway,  // not joined yet, or left
     kJoining,
     kPlaying,
-    kLeaving,  // goodbye sent
-    kLost,     // refused, disconnected or never answered; does not return
+    kRejoining,  // cut off; waits for the next try or tries
+    kLeaving,    // goodbye sent
+    kLost,       // refused, disconnected or never answered; does not return
   };
   using OnSnapshot = std::function<void(const client::SnapshotArrival&)>;
 
-  Player(client::Options options, OnSnapshot onSnapshot);
+  Player(client::Options options, const client::RejoinOptions& rejoin, OnSnapshot onSnapshot);
 
   // Begins a stay. Only in state kAway. The transport is connecting already.
   void Join(std::unique_ptr<transport::Transport> transport, double now);
+  // Whether the next try to join again is to begin; true once for each, which Rejoin or FailToRejoin answers. In
+  // kRejoining; may enter kLost.
+  [[nodiscard]] bool TakeRejoinDue(double now);
+  void Rejoin(std::unique_ptr<transport::Transport> transport, double now);
+  // Not even a connection could be begun.
+  void FailToRejoin(const std::string& reason, double now);
   // Enters kLost because not even a connection could be begun.
   void Lose(std::string reason);
   // Says goodbye. Does nothing in kAway and kLost.
@@ -41,18 +49,23 @@ class Player {
   void StopMeasuring(double now);
 
   [[nodiscard]] State ReadState() const { return m_state; }
-  // Null in kAway and kLost.
+  // Null in kAway and kLost, and in kRejoining while it waits.
   [[nodiscard]] client::Client* Client() { return m_client.get(); }
-  [[nodiscard]] const std::string& LossReason() const { return m_lossReason; }  // empty: the server never answered
+  // Why it was lost, or cut off last. Empty: the server never answered.
+  [[nodiscard]] const std::string& LossReason() const { return m_lossReason; }
+  // When it was cut off last, seconds.
+  [[nodiscard]] double CutAt() const { return m_cutAt; }
 
-  // Names of the players present, by body. Like Events(), covers the present stay only.
+  // Names of the players present, by body. Like Events(), covers the present connection only.
   [[nodiscard]] const std::unordered_map<std::uint32_t, std::string>& Names() const { return m_names; }
   // Oldest first; the reader empties it.
   [[nodiscard]] std::deque<client::Client::Event>& Events() { return m_events; }
 
   // Sums over all stays, the present one up to the latest Update.
   struct Totals {
-    std::uint64_t joins = 0;  // how often it reached play
+    std::uint64_t joins = 0;    // how often it reached play
+    std::uint64_t cuts = 0;     // how often it was cut off while it played and tried to come back
+    std::uint64_t rejoins = 0;  // how often it came back; in joins, too
     std::uint64_t snapshots = 0;
     std::uint64_t stalls = 0;
     double playedSeconds = 0;
@@ -61,6 +74,9 @@ class Player {
   [[nodiscard]] Totals ReadTotals() const;
 
  private:
+  void Connect(std::unique_ptr<transport::Transport> transport, double now);
+  void NoteEnd(double now);
+  void NotePlaying(double now);
   void HearEvent(const client::Client::Event& event);
   void AddPresentStay(double now, Totals& totals) const;
   void CloseConnection();
@@ -71,6 +87,9 @@ class Player {
   std::unique_ptr<client::Client> m_client;
   const transport::Transport* m_transport = nullptr;  // owned by m_client
   std::string m_lossReason;
+  client::RejoinOptions m_rejoin;
+  client::RejoinPlan m_plan;  // of the present stay
+  double m_cutAt = 0;
   std::unordered_map<std::uint32_t, std::string> m_names;
   std::deque<client::Client::Event> m_events;
 

@@ -16,7 +16,7 @@
 namespace wobble::bots {
 namespace {
 
-// Lost bots, and distinct script errors, that are reported one by one; further ones are only counted.
+// Losses, and distinct script errors, that are reported one by one; further ones are only counted.
 constexpr unsigned kFailuresLogged = 5;
 // Records over which their cost is averaged, so that a round with a single record does not charge its whole overhead to
 // that record.
@@ -63,7 +63,9 @@ void Runner::StartBot(double now) {
       if (m_keptHashes.insert(hash).second) m_keep(hash, bytes);
     };
   }
-  m_bots.push_back(std::make_unique<Bot>(index + 1, options,
+  client::RejoinOptions rejoin = m_options.rejoin;
+  rejoin.seed = m_options.seed + index;
+  m_bots.push_back(std::make_unique<Bot>(index + 1, options, rejoin,
                                          [this](const client::SnapshotArrival& arrival) { AddArrival(arrival); }));
   Bot& bot = *m_bots.back();
   std::string error;
@@ -91,14 +93,32 @@ void Runner::RunBot(Bot& bot, double now) {
   if (bot.player.ReadState() == Player::State::kLost) return;
   const auto before = bot.player.ReadState();
   UpdateBot(bot, now);
-  const auto state = bot.player.ReadState();
-  if (state == Player::State::kLost) return NoteFailure(bot, now);
+  if (bot.player.ReadState() == Player::State::kRejoining) RejoinIfDue(bot, now);
+  if (bot.player.ReadState() == Player::State::kLost) return NoteFailure(bot, now);
   if (m_leaving || bot.dismissed) return;
-  if (state == Player::State::kPlaying && before != state) {
-    if (!bot.firstPlayed) bot.firstPlayed = now;
+  NoteChange(bot, before, now);
+  if (bot.firstPlayed) RunScript(bot, now);
+}
+
+void Runner::RejoinIfDue(Bot& bot, double now) {
+  if (!bot.player.TakeRejoinDue(now)) return;
+  std::string error;
+  if (auto transport = m_connect(error)) return bot.player.Rejoin(std::move(transport), now);
+  bot.player.FailToRejoin(error, now);
+}
+
+// The time of a return is that of the player, from being cut off to playing again.
+void Runner::NoteChange(Bot& bot, Player::State before, double now) {
+  const auto state = bot.player.ReadState();
+  if (state == before) return;
+  if (state == Player::State::kRejoining) LogLoss(bot, "was cut off and joins again: ");
+  if (state != Player::State::kPlaying) return;
+  if (!bot.firstPlayed) bot.firstPlayed = now;
+  if (before == Player::State::kRejoining) {
+    m_rejoinMs.Add((now - bot.player.CutAt()) * 1000);
+  } else {
     m_joinMs.Add(bot.player.Client()->ReadStatistics().joinSeconds * 1000);
   }
-  if (bot.firstPlayed) RunScript(bot, now);
 }
 
 void Runner::UpdateBot(Bot& bot, double now) {
@@ -155,9 +175,14 @@ void Runner::NoteFailure(const Bot& bot, double now) {
   if (!m_firstFailure) m_firstFailure = now;
   if (m_refusal.empty()) m_refusal = reason;
   // Until a bot has played, the reason is the same for all, and the caller reports it once.
-  if (m_joinMs.Count() == 0 || ++m_failuresLogged > kFailuresLogged) return;
-  const char* last = m_failuresLogged == kFailuresLogged ? " (more are only counted)" : "";
-  m_log("bot " + std::to_string(bot.number) + " ended: " + (reason.empty() ? "no answer" : reason) + last);
+  if (m_joinMs.Count() > 0) LogLoss(bot, "ended: ");
+}
+
+void Runner::LogLoss(const Bot& bot, const char* what) {
+  if (++m_lossesLogged > kFailuresLogged) return;
+  const std::string& reason = bot.player.LossReason();
+  const char* last = m_lossesLogged == kFailuresLogged ? " (more are only counted)" : "";
+  m_log("bot " + std::to_string(bot.number) + " " + what + (reason.empty() ? "no answer" : reason) + last);
 }
 
 void Runner::AddArrival(const client::SnapshotArrival& arrival) {
@@ -204,10 +229,12 @@ Figures Runner::ReadFigures() const {
   double seconds = 0;
   for (const auto& bot : m_bots) {
     const Player::Totals totals = bot->player.ReadTotals();
-    const bool isLost = bot->player.ReadState() == Player::State::kLost;
+    // Who comes back was lost all the same.
+    const bool isLost = bot->player.ReadState() == Player::State::kLost || totals.cuts > 0;
     ++figures.bots;
     figures.connected += totals.joins > 0 ? 1 : 0;
     figures.joins += totals.joins;
+    figures.rejoins += totals.rejoins;
     figures.disconnects += isLost || (totals.joins == 0 && !bot->dismissed) ? 1 : 0;
     figures.scriptErrors += bot->scriptFailed ? 1 : 0;
     figures.snapshots += totals.snapshots;
@@ -216,6 +243,7 @@ Figures Runner::ReadFigures() const {
     seconds += totals.playedSeconds;
   }
   figures.joinMsP99 = m_joinMs.FindPercentile(0.99);
+  figures.rejoinMsP99 = m_rejoinMs.FindPercentile(0.99);
   figures.snapshotAgeMsP50 = m_ageMs.FindPercentile(0.5);
   figures.snapshotAgeMsP99 = m_ageMs.FindPercentile(0.99);
   figures.inputToSnapshotMsP50 = m_inputToSnapshotMs.FindPercentile(0.5);

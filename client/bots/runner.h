@@ -74,8 +74,9 @@ class Runner {
 
  private:
   struct Bot {
-    Bot(unsigned itsNumber, const client::Options& options, Player::OnSnapshot onSnapshot)
-        : number(itsNumber), decodes(options.decode), player(options, std::move(onSnapshot)) {}
+    Bot(unsigned itsNumber, const client::Options& options, const client::RejoinOptions& rejoin,
+        Player::OnSnapshot onSnapshot)
+        : number(itsNumber), decodes(options.decode), player(options, rejoin, std::move(onSnapshot)) {}
 
     unsigned number;
     unsigned scriptNumber = 0;  // its number in m_script; differs from `number` once memory has been out
@@ -90,10 +91,13 @@ class Runner {
   void StartBot(double now);
   void DismissLast(double now);
   void BeginStay(Bot& bot, double now);
+  void RejoinIfDue(Bot& bot, double now);
   void RunBot(Bot& bot, double now);
   void UpdateBot(Bot& bot, double now);
   void RunScript(Bot& bot, double now);
   void NoteFailure(const Bot& bot, double now);
+  void NoteChange(Bot& bot, Player::State before, double now);
+  void LogLoss(const Bot& bot, const char* what);
   void AddArrival(const client::SnapshotArrival& arrival);
   [[nodiscard]] bool HasEnded(const Bot& bot) const;
 
@@ -116,10 +120,11 @@ class Runner {
   bool m_leaving = false;
   std::string m_refusal;
   std::optional<double> m_firstFailure;  // time at which the first bot was lost
-  unsigned m_failuresLogged = 0;
+  unsigned m_lossesLogged = 0;
   std::set<std::string> m_scriptErrors;  // errors reported so far
 
   Histogram m_joinMs;
+  Histogram m_rejoinMs;
   Histogram m_ageMs;
   Histogram m_inputToSnapshotMs;
   Histogram m_decodeUs;

@@ -67,6 +67,8 @@ std::vector<NamedFigure> ListFigures(const Figures& figures) {
       {"joins", count(figures.joins)},
       {"join_ms_p99", figures.joinMsP99},
       {"disconnects", count(figures.disconnects)},
+      {"rejoins", count(figures.rejoins)},
+      {"rejoin_ms_p99", figures.rejoinMsP99},
       {"snapshots", count(figures.snapshots)},
       {"snapshot_age_ms_p50", figures.snapshotAgeMsP50},
       {"snapshot_age_ms_p99", figures.snapshotAgeMsP99},

@@ -13,12 +13,14 @@ namespace wobble::bots {
 struct Figures {
   std::uint64_t bots = 0;         // started
   std::uint64_t connected = 0;    // of these, how many reached play
-  std::uint64_t joins = 0;        // how often a bot reached play; exceeds connected when scripts leave and rejoin
-  std::uint64_t disconnects = 0;  // bots that the server ended or that never reached play
+  std::uint64_t joins = 0;        // how often a bot reached play; exceeds connected when bots come again
+  std::uint64_t rejoins = 0;      // of these, how often a bot that was cut off came back by itself
+  std::uint64_t disconnects = 0;  // bots that were cut off, whether or not they came back, or never reached play
   std::uint64_t snapshots = 0;    // snapshot packets, over all bots
   std::uint64_t stalls = 0;  // how often a shown body had to be held at its last pose; measured by decoding bots only
   std::uint64_t scriptErrors = 0;
-  std::optional<double> joinMsP99;
+  std::optional<double> joinMsP99;    // without rejoins
+  std::optional<double> rejoinMsP99;  // from being cut off to playing again
   std::optional<double> snapshotAgeMsP50;
   std::optional<double> snapshotAgeMsP99;
   std::optional<double> inputToSnapshotMsP50;

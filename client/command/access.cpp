@@ -1,13 +1,64 @@
 #include "client/command/access.h"
 
 #include "client/files/known_servers.h"
+#include "protocol/transport/vestibule/key_file.h"
 #include "protocol/transport/vestibule/secret_file.h"
+#include "protocol/transport/vestibule/token.h"
 
 namespace wobble::command {
 
+namespace vestibule = transport::vestibule;
+using vestibule::Credential;
+
+namespace {
+
+// Of people who paste the whole link, what is behind this is the invite.
+constexpr std::string_view kInviteMark = "#invite=";
+
+// The credential in a file's first line; nullopt with one line in `error`.
+std::optional<Credential> ReadCredentialFile(const char* option, const std::string& file, Credential::Kind kind,
+                                             std::string& error) {
+  const auto line = vestibule::ReadSecret(file, error);
+  if (!line) {
+    error = std::string(option) + ": " + error;
+    return {};
+  }
+  if (kind == Credential::Kind::kPassword) return Credential{kind, {line->begin(), line->end()}};
+  const std::size_t mark = line->find(kInviteMark);
+  const auto bytes =
+      vestibule::ParseSecret(mark == std::string::npos ? *line : line->substr(mark + kInviteMark.size()));
+  if (bytes && bytes->size() <= vestibule::kMaxCredentialBytes) return Credential{kind, *bytes};
+  error = std::string(option) + ": " + file + ": the first line must be what the server or its matchmaker gave out";
+  return {};
+}
+
+// What the files of a server on this machine say of its owner.
+void FindOwnServer(transport::ConnectOptions& options) {
+  const auto find = [](const char* name) -> std::optional<vestibule::Key> {
+    const std::filesystem::path file = vestibule::FindStateFile(name);
+    std::string ignored;  // most people have no server
+    return file.empty() ? std::nullopt : vestibule::LoadKey(file, ignored);
+  };
+  const auto server = find(vestibule::kServerKeyName), owner = find(vestibule::kOwnerKeyName);
+  if (!server || !owner) return;
+  options.ownServer = vestibule::MakeKeyPair(*server).publicKey;
+  options.ownCredential = {Credential::Kind::kOwnerKey, {owner->begin(), owner->end()}};
+}
+
+}  // namespace
+
 void AddAccessOptions(CLI::App& command, Access& access) {
-  command.add_option("--password-file", access.passwordFile, "File whose first line is the server's password")
-      ->type_name("FILE");
+  const auto addFile = [&](const char* name, std::string& file, const char* description) {
+    return command.add_option(name, file, description)->type_name("FILE");
+  };
+  CLI::Option* password = addFile("--password-file", access.passwordFile, "File whose first line is the password");
+  CLI::Option* invite = addFile("--invite-file", access.inviteFile, "File whose first line is an invite, or its link");
+  CLI::Option* token = addFile("--token-file", access.tokenFile, "File whose first line is a token (wobble token)");
+  CLI::Option* owner = addFile("--owner-key", access.ownerKeyFile,
+                               "File of the server's owner key; not needed for your own server on this machine");
+  for (CLI::Option* each : {invite, token, owner}) each->excludes(password);
+  token->excludes(invite);
+  owner->excludes(invite)->excludes(token);
   command
       .add_option("--server-key", access.serverKey,
                   "The server's key, 64 hexadecimal digits as it prints them; else the one that was noted at the first "
@@ -15,19 +66,31 @@ void AddAccessOptions(CLI::App& command, Access& access) {
       ->type_name("KEY");
 }
 
-bool FindAccess(const Access& access, const Address& server, transport::ConnectOptions& options, std::string& error) {
-  if (!access.passwordFile.empty()) {
-    const auto password = transport::vestibule::ReadSecret(access.passwordFile, error);
-    if (!password) {
-      error = "--password-file: " + error;
+bool FindAccess(const Access& access, const Address& server, bool isOwner, transport::ConnectOptions& options,
+                std::string& error) {
+  const auto read = [&](const char* option, const std::string& file, Credential::Kind kind) {
+    if (file.empty()) return true;
+    auto credential = ReadCredentialFile(option, file, kind, error);
+    if (credential) options.credential = std::move(*credential);
+    return credential.has_value();
+  };
+  if (!read("--password-file", access.passwordFile, Credential::Kind::kPassword) ||
+      !read("--invite-file", access.inviteFile, Credential::Kind::kInvite) ||
+      !read("--token-file", access.tokenFile, Credential::Kind::kToken)) {
+    return false;
+  }
+  if (!access.ownerKeyFile.empty()) {
+    const auto key = vestibule::LoadKey(access.ownerKeyFile, error);
+    if (!key) {
+      error = "--owner-key: " + error;
       return false;
     }
-    options.credential = {.kind = transport::vestibule::Credential::Kind::kPassword,
-                          .bytes = {password->begin(), password->end()}};
+    options.credential = {Credential::Kind::kOwnerKey, {key->begin(), key->end()}};
   }
+  if (isOwner) FindOwnServer(options);
   options.serverKey = access.serverKey.empty()
                           ? files::KnownServers(files::FindKnownServersFile()).Find(Describe(server))
-                          : transport::vestibule::ParseKey(access.serverKey);
+                          : vestibule::ParseKey(access.serverKey);
   if (access.serverKey.empty() || options.serverKey) return true;
   error = "--server-key: '" + access.serverKey + "' must be 64 hexadecimal digits";
   return false;

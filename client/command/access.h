@@ -1,4 +1,4 @@
-// How a command gets into a server: the password, and the key that the server must have.
+// How a command gets into a server: what it shows, and the key that the server must have.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -9,17 +9,23 @@
 
 namespace wobble::command {
 
+// Files; empty: not given. At most one of the first four.
 struct Access {
-  std::string passwordFile;  // empty: none
-  std::string serverKey;     // 64 hexadecimal digits; empty: the one noted for the address, or any
+  std::string passwordFile;
+  std::string inviteFile;
+  std::string tokenFile;
+  std::string ownerKeyFile;
+  std::string serverKey;  // 64 hexadecimal digits; empty: the one noted for the address, or any
 };
 
-// Declares --password-file and --server-key; parsing then writes into `access`, which outlives the command.
+// Declares --password-file, --invite-file, --token-file, --owner-key and --server-key; parsing then writes into
+// `access`, which outlives the command.
 void AddAccessOptions(CLI::App& command, Access& access);
 
-// Reads the password, and the key that is noted for the address. False with one line in `error`.
-[[nodiscard]] bool FindAccess(const Access& access, const Address& server, transport::ConnectOptions& options,
-                              std::string& error);
+// Reads the files, and the key that is noted for the address. isOwner: to the servers of this user on this machine,
+// which leave their keys in its state folder, it shows the owner's key. False with one line in `error`.
+[[nodiscard]] bool FindAccess(const Access& access, const Address& server, bool isOwner,
+                              transport::ConnectOptions& options, std::string& error);
 
 // Notes the key of a server that this user has joined for the first time. Call it once it plays.
 void NoteServer(const Address& server, const transport::EnetTransport& transport);

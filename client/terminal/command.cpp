@@ -38,6 +38,11 @@ CLI::App* AddWords(CLI::App& app, WatchOptions& options, Words& words) {
   subcommand->add_option("--for", options.duration, "Seconds to run; 0: until Q")
       ->check(command::Within(0, command::kMaxDuration))
       ->capture_default_str();
+  subcommand
+      ->add_option("--rejoin", options.rejoin.patience,
+                   "Seconds for which it tries to join again when the connection is lost; 0: not at all")
+      ->check(command::Within(0, command::kMaxDuration))
+      ->capture_default_str();
   subcommand->add_option("--capture", options.captureFile, "File for the last picture, as SVG")->type_name("FILE");
   subcommand->footer(
       "Keys: W A S D or arrows move, space jumps, E or P puffs up, F stiffens, X releases all keys.\n"
@@ -70,7 +75,9 @@ bool Understand(const Words& words, WatchOptions& options, std::string& error) {
     return false;
   }
   options.server = *address;
-  if (!command::FindAccess(words.access, options.server, options.access, error)) return false;
+  // Two that are cut off at once have begun at different moments.
+  options.rejoin.seed = static_cast<std::uint64_t>(command::ReadClock() * 1e9);
+  if (!command::FindAccess(words.access, options.server, true, options.access, error)) return false;
   if (words.colours == "true") options.palette = Palette::kTruecolour;
   if (words.colours == "256") options.palette = Palette::k256;
   return true;

@@ -31,6 +31,8 @@ std::string FormatSilence(double seconds) {
   return text;
 }
 
+std::string FormatRejoining(const std::string& reason) { return "connection lost (" + reason + "); joining again ..."; }
+
 void WriteStatus(CellGrid& grid, const std::string& text, const std::string& hint) {
   const int row = grid.rows - 1;
   for (int column = 0; column < grid.columns; ++column) grid.At(column, row) = {U' ', kInk, kPaper};

@@ -30,6 +30,9 @@ struct StatusFigures {
 // Replaces the status line after so many seconds without a snapshot.
 [[nodiscard]] std::string FormatSilence(double seconds);
 
+// Replaces the status line while the connection is lost and it tries to join again.
+[[nodiscard]] std::string FormatRejoining(const std::string& reason);
+
 // Writes the last row. The hint stands at its right end, shortened to the key it begins with when there is little room.
 void WriteStatus(CellGrid& grid, const std::string& text, const std::string& hint);
 // Writes the first row.

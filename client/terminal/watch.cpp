@@ -17,11 +17,11 @@
 #include <map>
 #include <string_view>
 
-#include "client/client.h"
 #include "client/command/access.h"
 #include "client/command/clock.h"
 #include "client/command/exit_codes.h"
 #include "client/files/kept_folder.h"
+#include "client/lasting_client.h"
 #include "client/terminal/camera.h"
 #include "client/terminal/controls.h"
 #include "client/terminal/guardian.h"
@@ -61,6 +61,7 @@ class Watch {
         m_terminal(terminal),
         m_guard(guard),
         m_isStopAsked(isStopAsked),
+        m_access(options.access),
         m_encoder(options.palette.value_or(FindPalette(std::getenv("COLORTERM"), std::getenv("TERM")))),
         m_camera(options.spectate ? CameraMode::kCircle : CameraMode::kFollow) {}
 
@@ -69,7 +70,10 @@ class Watch {
 
  private:
   bool Connect();
+  std::unique_ptr<transport::Transport> Dial(std::string& error);
+  void Begin(client::Client& client);
   void Play();
+  void NoteFirstPlay();
   void SayGoodbye();
   int Conclude();
 
@@ -80,23 +84,28 @@ class Watch {
 
   void DrawFrame(double now);
   void DrawWorld(double now);
+  void WriteFigures(double now);
   void DrawBodies(int width, int height);
   void FillCells(int width, int height);
   void Send(double begin);
   void MeasureRate(double now);
   void Wait(double until);
-  [[nodiscard]] bool IsPlaying() const { return m_client->ReadState() == client::State::kPlaying; }
+  [[nodiscard]] client::Client& Client() { return m_player->Current(); }
+  [[nodiscard]] bool IsPlaying() const { return m_player->ReadState() == client::LastingState::kPlaying; }
 
   const WatchOptions& m_options;
   Terminal& m_terminal;
   Guard& m_guard;
   const std::function<bool()>& m_isStopAsked;
 
-  transport::EnetTransport* m_transport = nullptr;  // owned by m_client
-  std::unique_ptr<client::Client> m_client;
+  transport::ConnectOptions m_access;
+  // Of the newest connection; owned by m_player, so to be used only while it joins for the first time or plays.
+  transport::EnetTransport* m_transport = nullptr;
+  std::unique_ptr<client::LastingClient> m_player;
   std::vector<client::BodySample> m_samples;
   std::map<std::uint32_t, std::string> m_players;  // names by body
   std::map<std::uint32_t, std::string> m_clients;  // names by client
+  bool m_hasOldNames = false;                      // of the connection before, whose world is still shown
   Hands m_hands;
   std::string m_notice;
   double m_noticeUntil = 0;
@@ -135,21 +144,44 @@ int Watch::Run() {
 // On failure prints one line and returns false.
 bool Watch::Connect() {
   std::string error;
-  auto transport =
-      transport::EnetTransport::Connect(m_options.server.host, m_options.server.port, error, m_options.access);
+  auto transport = Dial(error);
   if (transport == nullptr) {
     std::fprintf(stderr, "wobble watch: %s\n", error.c_str());
     return false;
   }
-  m_transport = transport.get();
-  client::Options options;
-  options.name = m_options.name;
-  options.spectator = m_options.spectate;
-  files::UseKeptFolder(files::FindBasesFolder(), command::Describe(m_options.server), options);
-  m_client = std::make_unique<client::Client>(std::move(transport), options, command::ReadClock());
-  m_client->OnEvent([this](const client::Client::Event& event) { NoteEvent(event); });
-  m_client->OnNotice([this](const std::string& text) { Show(text); });
+  client::LastingOptions options;
+  options.client.name = m_options.name;
+  options.client.spectator = m_options.spectate;
+  files::UseKeptFolder(files::FindBasesFolder(), command::Describe(m_options.server), options.client);
+  options.rejoin = m_options.rejoin;
+  options.connect = [this](std::string& reason) { return Dial(reason); };
+  options.prepare = [this](client::Client& client) { Begin(client); };
+  m_player = std::make_unique<client::LastingClient>(std::move(transport), options, command::ReadClock());
   return true;
+}
+
+std::unique_ptr<transport::Transport> Watch::Dial(std::string& error) {
+  auto transport = transport::EnetTransport::Connect(m_options.server.host, m_options.server.port, error, m_access);
+  m_transport = transport.get();
+  return transport;
+}
+
+void Watch::Begin(client::Client& client) {
+  m_hasOldNames = true;
+  m_hands = {};
+  m_rateBytes = 0;
+  client.OnEvent([this](const client::Client::Event& event) { NoteEvent(event); });
+  client.OnNotice([this](const std::string& text) { Show(text); });
+}
+
+// From now on it has to be this server, also after it was restarted. A ticket stands for a token or an invite that may
+// be good only once.
+void Watch::NoteFirstPlay() {
+  m_played = true;
+  command::NoteServer(m_options.server, *m_transport);
+  m_access.serverKey = m_transport->ReadServerKey();
+  const std::vector<std::uint8_t> ticket = m_transport->ReadTicket();
+  if (!ticket.empty()) m_access.credential = {transport::vestibule::Credential::Kind::kToken, ticket};
 }
 
 void Watch::Play() {
@@ -160,13 +192,10 @@ void Watch::Play() {
     const double now = command::ReadClock();
     if (m_options.duration > 0 && now >= begin + m_options.duration) return;
     if (now >= nextUpdate) {
-      m_client->Update(now);
+      m_player->Update(now);
       nextUpdate = std::max(nextUpdate + 1 / kUpdateHz, now);
-      if (m_client->ReadState() == client::State::kEnded) return;
-      if (!m_played && IsPlaying()) {
-        m_played = true;
-        command::NoteServer(m_options.server, *m_transport);
-      }
+      if (m_player->ReadState() == client::LastingState::kEnded) return;
+      if (!m_played && IsPlaying()) NoteFirstPlay();
     }
     if (m_guard.Update()) {
       m_encoder.Invalidate();
@@ -177,7 +206,7 @@ void Watch::Play() {
     } else {
       ReadKeys(now);
     }
-    m_client->SetInput(m_controls.MakeInput(now, m_camera));
+    Client().SetInput(m_controls.MakeInput(now, m_camera));
     if (m_guard.IsPaused()) m_output.clear();  // the rest of a frame that the terminal was slow to take
     if (!m_terminal.Write(m_output)) return;
     if (now >= nextFrame) {
@@ -189,18 +218,18 @@ void Watch::Play() {
 }
 
 void Watch::SayGoodbye() {
-  m_client->Leave(command::ReadClock());
+  m_player->Leave(command::ReadClock());
   const double end = command::ReadClock() + kGoodbyePatience;
-  while (m_client->ReadState() != client::State::kEnded && command::ReadClock() < end) {
-    m_client->Update(command::ReadClock());
+  while (m_player->ReadState() != client::LastingState::kEnded && command::ReadClock() < end) {
+    m_player->Update(command::ReadClock());
     static_cast<void>(poll(nullptr, 0, 10));
   }
 }
 
 int Watch::Conclude() {
-  if (!m_client->EndedUnasked()) return command::kExitGood;
+  if (!m_player->EndedUnasked()) return command::kExitGood;
   const std::string address = command::Describe(m_options.server);
-  const std::string& reason = m_client->EndReason();
+  const std::string& reason = m_player->Reason();
   if (m_played) {
     std::fprintf(stderr, "wobble watch: %s is no longer there: %s\n", address.c_str(), reason.c_str());
     return command::kExitFailed;
@@ -218,15 +247,20 @@ void Watch::ReadKeys(double now) {
   std::string bytes;
   if (!m_terminal.Read(bytes)) m_gone = true;
   m_decoder.Feed(bytes, now, m_events);
-  const bool hasBody = IsPlaying() && m_client->Welcome().ownBody != 0;
+  const bool hasBody = IsPlaying() && Client().Welcome().ownBody != 0;
   for (const KeyEvent& event : m_events) m_controls.Take(event, now, hasBody, m_camera);
   if (m_controls.TakePause()) m_guard.Pause();
   for (const char32_t key : m_controls.TakeOthers()) {
-    if (hasBody) m_hands.Take(key, m_camera, m_samples, *m_client);
+    if (hasBody) m_hands.Take(key, m_camera, m_samples, Client());
   }
 }
 
 void Watch::NoteEvent(const client::Client::Event& event) {
+  if (m_hasOldNames) {
+    m_players.clear();
+    m_clients.clear();
+    m_hasOldNames = false;
+  }
   if (event.kind == wire::EventKind::Join) {
     const std::string name = MakePlain(event.name);
     if (event.body != 0) m_players[event.body] = name;
@@ -256,16 +290,16 @@ void Watch::DrawFrame(double now) {
   const Size size = m_terminal.ReadSize();
   if (size != Size{m_grid.columns, m_grid.rows}) m_encoder.Invalidate();
   m_grid.Resize(size.columns, size.rows);
-  MeasureRate(now);
+  if (IsPlaying()) MeasureRate(now);
   if (size.columns < kLeastSize.columns || size.rows < kLeastSize.rows) {
     char text[80];
     std::snprintf(text, sizeof text, "too small: %dx%d, needs %dx%d", size.columns, size.rows, kLeastSize.columns,
                   kLeastSize.rows);
     m_grid.Write(0, 0, text, {255, 255, 255}, {});
-  } else if (IsPlaying()) {
+  } else if (m_played) {
     DrawWorld(now);
   } else {
-    const bool connecting = m_client->ReadState() == client::State::kConnecting;
+    const bool connecting = Client().ReadState() == client::State::kConnecting;
     WriteBox(m_grid, {(connecting ? "connecting to " : "joining ") + command::Describe(m_options.server) + " ..."});
     WriteStatus(m_grid, "", "Q: quit");
   }
@@ -273,45 +307,49 @@ void Watch::DrawFrame(double now) {
 }
 
 void Watch::DrawWorld(double now) {
-  m_client->Sample(now, client::Detail::kVertices, m_samples);
+  Client().Sample(now, client::Detail::kVertices, m_samples);
   const int width = m_grid.columns, height = 2 * (m_grid.rows - 1);
   std::optional<Vector3> own;
   m_centroids.clear();
   for (const client::BodySample& sample : m_samples) {
     m_centroids.push_back(sample.pose.centroid);
-    if (sample.body == m_client->Welcome().ownBody) own = sample.pose.centroid;
+    if (sample.body == Client().Welcome().ownBody) own = sample.pose.centroid;
   }
   m_camera.Update(now - m_lastDrawn, own, m_centroids);
   m_lastDrawn = now;
-  m_hands.Update(m_camera, m_samples, *m_client);
+  m_hands.Update(m_camera, m_samples, Client());
   DrawBodies(width, height);
   FillCells(width, height);
+  WriteFigures(now);
+}
 
-  const client::Statistics& statistics = m_client->ReadStatistics();
+void Watch::WriteFigures(double now) {
+  const client::Statistics& statistics = Client().ReadStatistics();
   if (statistics.inputToSnapshot > 0) m_figures.inputMs = statistics.inputToSnapshot * 1000;
-  m_figures.interpolationDelayMs = m_client->InterpolationDelay() * 1000;
-  m_figures.pace = m_client->Pace();
+  m_figures.interpolationDelayMs = Client().InterpolationDelay() * 1000;
+  m_figures.pace = Client().Pace();
   m_figures.stalls = statistics.stalls;
   m_figures.bodies = m_samples.size();
   m_figures.players = m_players.size();
   if (statistics.snapshots != m_newsCount) m_newsAt = now;
   m_newsCount = statistics.snapshots;
-  if (!m_client->Welcome().game.empty()) {
-    WriteTop(m_grid, FormatScores(m_client->ReadScoreboard(), [this](std::uint32_t id) { return NameOf(id); }));
+  if (!Client().Welcome().game.empty()) {
+    WriteTop(m_grid, FormatScores(Client().ReadScoreboard(), [this](std::uint32_t id) { return NameOf(id); }));
   }
-  const std::string silence = FormatSilence(now - m_newsAt);
-  const std::string words = now < m_noticeUntil ? m_notice : FormatStatus(m_figures);
-  WriteStatus(m_grid, now < m_newsAt + kSilence ? words : silence, "?: keys");
-  if (m_controls.ShowsKeys()) WriteBox(m_grid, DescribeKeys(m_figures, DescribeHandKeys(*m_client)));
+  std::string words = now < m_noticeUntil ? m_notice : FormatStatus(m_figures);
+  if (now >= m_newsAt + kSilence) words = FormatSilence(now - m_newsAt);
+  if (!IsPlaying()) words = FormatRejoining(MakePlain(m_player->Reason()));
+  WriteStatus(m_grid, words, "?: keys");
+  if (m_controls.ShowsKeys()) WriteBox(m_grid, DescribeKeys(m_figures, DescribeHandKeys(Client())));
 }
 
 void Watch::DrawBodies(int width, int height) {
   m_bodies.clear();
   for (const client::BodySample& sample : m_samples) {
     if (sample.vertices.size() != sample.blueprint->rest.size()) continue;
-    const Light colour = sample.body == m_client->Welcome().ownBody ? kOwnColour
-                         : m_players.contains(sample.body)          ? FindPlayerColour(sample.body)
-                                                                    : kSceneColour;
+    const Light colour = sample.body == Client().Welcome().ownBody ? kOwnColour
+                         : m_players.contains(sample.body)         ? FindPlayerColour(sample.body)
+                                                                   : kSceneColour;
     const client::Blueprint& blueprint = *sample.blueprint;
     m_bodies.push_back({.vertices = sample.vertices,
                         .rest = blueprint.rest,
@@ -320,10 +358,10 @@ void Watch::DrawBodies(int width, int height) {
                         .open = blueprint.open,
                         .edges = blueprint.edges});
   }
-  const World world{.obstacles = m_client->Welcome().obstacles,
+  const World world{.obstacles = Client().Welcome().obstacles,
                     .bodies = m_bodies,
                     .focus = m_camera.Focus(),
-                    .grounds = m_client->Grounds()};
+                    .grounds = Client().Grounds()};
   m_renderer.Draw(world, m_camera.MakeView(), width, height, m_pixels);
 }
 

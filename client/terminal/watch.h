@@ -6,6 +6,7 @@
 #include <string>
 
 #include "client/command/address.h"
+#include "client/rejoin.h"
 #include "client/terminal/cells.h"
 #include "protocol/transport/enet_transport.h"
 
@@ -16,6 +17,7 @@ struct WatchOptions {
   transport::ConnectOptions access;  // password and the server's key
   std::string name = "player";       // at most protocol::kMaxNameBytes bytes
   bool spectate = false;             // without a body
+  client::RejoinOptions rejoin;      // when it was cut off
   double fps = 30;                   // pictures per second, at most
   double duration = 0;               // seconds; 0: until the user ends it
   std::optional<Palette> palette;    // nullopt: chosen by FindPalette

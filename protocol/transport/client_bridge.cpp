@@ -19,7 +19,7 @@ constexpr int kMostBatches = 32;
 
 }  // namespace
 
-std::unique_ptr<ClientBridge> ClientBridge::Open(std::vector<vestibule::NetAddress> addresses,
+std::unique_ptr<ClientBridge> ClientBridge::Open(std::vector<NetAddress> addresses,
                                                  vestibule::Caller::Settings settings, std::size_t maxReceivedBytes,
                                                  std::string& error) {
   auto socket = vestibule::UdpSocket::Open(error);
@@ -32,7 +32,7 @@ std::unique_ptr<ClientBridge> ClientBridge::Open(std::vector<vestibule::NetAddre
   return nullptr;
 }
 
-ClientBridge::ClientBridge(vestibule::UdpSocket socket, std::vector<vestibule::NetAddress> addresses,
+ClientBridge::ClientBridge(vestibule::UdpSocket socket, std::vector<NetAddress> addresses,
                            vestibule::Caller::Settings settings, std::size_t maxReceivedBytes)
     : m_bridge{.receive =
                    [](ENetHost& host) {
@@ -55,10 +55,8 @@ ClientBridge::~ClientBridge() {
 void ClientBridge::Poll(double now) {
   m_now = now;
   for (int i = 0; i < kMostBatches; ++i) {
-    const std::size_t taken =
-        m_socket.Receive([&](const vestibule::NetAddress& from, std::span<const std::uint8_t> datagram) {
-          TakeDatagram(from, datagram);
-        });
+    const std::size_t taken = m_socket.Receive(
+        [&](const NetAddress& from, std::span<const std::uint8_t> datagram) { TakeDatagram(from, datagram); });
     if (taken < vestibule::UdpSocket::kBatch) break;
   }
   m_caller.FindDue(now, m_datagram);
@@ -66,7 +64,7 @@ void ClientBridge::Poll(double now) {
   Flush();
 }
 
-void ClientBridge::TakeDatagram(const vestibule::NetAddress& from, std::span<const std::uint8_t> datagram) {
+void ClientBridge::TakeDatagram(const NetAddress& from, std::span<const std::uint8_t> datagram) {
   if (std::find(m_addresses.begin(), m_addresses.end(), from) == m_addresses.end()) return;
   m_bytesIn += datagram.size();
   const bool wasRequesting = m_caller.ReadState() == vestibule::Caller::State::kRequesting;
@@ -88,7 +86,7 @@ void ClientBridge::Send(std::span<const ENetBuffer> parts) {
 
 void ClientBridge::QueueDatagram() {
   if (m_datagram.empty()) return;
-  for (const vestibule::NetAddress& address : m_addresses) m_batch.Add(address, m_datagram);
+  for (const NetAddress& address : m_addresses) m_batch.Add(address, m_datagram);
 }
 
 void ClientBridge::Flush() {

@@ -15,7 +15,7 @@ namespace wobble::transport {
 class ClientBridge {
  public:
   // addresses: of the server; all are asked, and the first to answer is it. Null with one line in `error`.
-  [[nodiscard]] static std::unique_ptr<ClientBridge> Open(std::vector<vestibule::NetAddress> addresses,
+  [[nodiscard]] static std::unique_ptr<ClientBridge> Open(std::vector<NetAddress> addresses,
                                                           vestibule::Caller::Settings settings,
                                                           std::size_t maxReceivedBytes, std::string& error);
   ~ClientBridge();
@@ -34,9 +34,9 @@ class ClientBridge {
   [[nodiscard]] std::uint64_t BytesOut() const { return m_bytesOut; }
 
  private:
-  ClientBridge(vestibule::UdpSocket socket, std::vector<vestibule::NetAddress> addresses,
-               vestibule::Caller::Settings settings, std::size_t maxReceivedBytes);
-  void TakeDatagram(const vestibule::NetAddress& from, std::span<const std::uint8_t> datagram);
+  ClientBridge(vestibule::UdpSocket socket, std::vector<NetAddress> addresses, vestibule::Caller::Settings settings,
+               std::size_t maxReceivedBytes);
+  void TakeDatagram(const NetAddress& from, std::span<const std::uint8_t> datagram);
   void Send(std::span<const ENetBuffer> parts);
   void QueueDatagram();
 
@@ -44,7 +44,7 @@ class ClientBridge {
   int m_pairEnd = -1;
   ENetHost* m_host;
   vestibule::UdpSocket m_socket;
-  std::vector<vestibule::NetAddress> m_addresses;  // one, once it has answered
+  std::vector<NetAddress> m_addresses;  // one, once it has answered
   vestibule::Caller m_caller;
   vestibule::SendBatch m_batch;
   double m_now = 0;

@@ -92,7 +92,21 @@ bool MakePair(int& enetEnd, int& otherEnd) {
   return true;
 }
 
+// How often the oldest command that is not acknowledged has been sent.
+std::size_t CountTries(const ENetPeer& peer) {
+  if (enet_list_empty(&peer.sentReliableCommands)) return 0;
+  return reinterpret_cast<const ENetOutgoingCommand*>(enet_list_front(&peer.sentReliableCommands))->sendAttempts;
+}
+
+constexpr std::size_t kPatientTries = 8;
+constexpr std::size_t kTrickle = 4;
+constexpr enet_uint32 kTrickleWaitMs = 10000;
+// 10 s at least: an honest client whose link is dead for so long is silent, too, and has been given up before.
+constexpr std::size_t kMostTries = 40;
+
 }  // namespace
+
+bool IsDeaf(const ENetPeer& peer) { return CountTries(peer) >= kMostTries; }
 
 bool InitialiseEnet() {
   static const bool isReady = enet_initialize() == 0;
@@ -132,15 +146,22 @@ void SwitchThrottleOff(ENetPeer& peer) {
 
 bool IsAsAgreed(const ENetPeer& peer) { return peer.channelCount == kChannelCount && peer.mtu == kMtu; }
 
+// What is sent again to a peer that acknowledges nothing: 64 KiB (ENet's window) kPatientTries times, then kTrickle
+// commands each time, so half a megabyte and not 15. Over 20 % loss each way one command in 3,000 is tried so often,
+// and what waits behind it goes on as soon as it has arrived.
+//
 // ENet records when the next retry is due only for the first command in the list, so that record is moved forward as
 // well. ENet keeps the list in the order of sending.
 void LimitRetries(ENetPeer& peer) {
   if (enet_list_empty(&peer.sentReliableCommands)) return;
   const auto longest = static_cast<enet_uint32>(1000 * FindLongestRetry(peer.roundTripTime / 1000.0));
+  const bool isTrickle = CountTries(peer) >= kPatientTries;
+  std::size_t place = 0;
   for (ENetListIterator at = enet_list_begin(&peer.sentReliableCommands);
        at != enet_list_end(&peer.sentReliableCommands); at = enet_list_next(at)) {
     auto* command = reinterpret_cast<ENetOutgoingCommand*>(at);
-    command->roundTripTimeout = std::min(command->roundTripTimeout, longest);
+    const bool waits = isTrickle && place++ >= kTrickle;
+    command->roundTripTimeout = waits ? kTrickleWaitMs : std::min(command->roundTripTimeout, longest);
     const enet_uint32 due = command->sentTime + command->roundTripTimeout;
     if (ENET_TIME_LESS(due, peer.nextTimeout)) peer.nextTimeout = due;
   }

@@ -53,5 +53,7 @@ void SwitchThrottleOff(ENetPeer& peer);
 
 // Shortens the waits that ENet has doubled to FindLongestRetry. To be called for each peer with each Poll.
 void LimitRetries(ENetPeer& peer);
+// Whether the peer has not acknowledged for long what it was sent again and again.
+[[nodiscard]] bool IsDeaf(const ENetPeer& peer);
 
 }  // namespace wobble::transport

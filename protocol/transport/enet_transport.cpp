@@ -74,6 +74,14 @@ std::string_view Describe(const Caller& caller) {
   return "refused";
 }
 
+// Whether the server would answer the same to another try.
+bool IsFinal(const Caller& caller) {
+  if (caller.ReadState() == Caller::State::kReset) return false;
+  if (caller.ReadState() != Caller::State::kRefused) return true;
+  return caller.ReadRefusal() != vestibule::Refusal::kFull &&
+         caller.ReadRefusal() != vestibule::Refusal::kTooManyFromAddress;
+}
+
 }  // namespace
 
 struct EnetTransport::Impl {
@@ -91,11 +99,12 @@ struct EnetTransport::Impl {
   void Poll(double time, const Sink& sink);
   void PollClient(const Sink& sink);
   void TakeNotices(const Sink& sink);
+  void ReportOffence(const ENetPeer& peer, const Sink& sink);
   void GiveUpOverdue(const Sink& sink);
   void Dispatch(const ENetEvent& event, const Sink& sink);
   void Admit(ENetPeer& peer, const Sink& sink);
   void Receive(const ENetEvent& event, const Sink& sink);
-  void Forget(ConnectionId id, const Sink& sink, std::string_view reason = {});
+  void Forget(ConnectionId id, const Sink& sink, std::string_view reason = {}, bool isFinal = false);
   void Drop(ENetPeer* peer);
   void BeginClosing(Connection& connection);
   bool IsAcceptable(Channel channel, const ENetPacket& packet) const;
@@ -165,7 +174,11 @@ void EnetTransport::Impl::Poll(double time, const Sink& sink) {
   }
   if (server != nullptr) TakeNotices(sink);
   FlushBridge();
-  for (std::size_t slot = 0; slot < host->peerCount; ++slot) LimitRetries(host->peers[slot]);
+  for (std::size_t slot = 0; slot < host->peerCount; ++slot) {
+    ENetPeer& peer = host->peers[slot];
+    LimitRetries(peer);
+    if (server != nullptr && IsDeaf(peer)) ReportOffence(peer, sink);
+  }
   isPolling = false;
 }
 
@@ -180,7 +193,7 @@ void EnetTransport::Impl::PollClient(const Sink& sink) {
       SetId(*connection.peer, 0);
       enet_peer_reset(connection.peer);
     }
-    Forget(kClientConnection, sink, Describe(client->Caller()));
+    Forget(kClientConnection, sink, Describe(client->Caller()), IsFinal(client->Caller()));
     return;
   }
   if (connection.peer != nullptr || !client->Caller().CanSeal()) return;
@@ -206,10 +219,16 @@ void EnetTransport::Impl::TakeNotices(const Sink& sink) {
       SetId(*peer, 0);
       server->Remove(notice.visitor);
       Forget(id, sink);
-    } else if (found->second.isOpen && found->second.isKnown) {
-      sink({.kind = Event::Kind::kOffence, .connection = id});
+    } else {
+      ReportOffence(*peer, sink);
     }
   }
+}
+
+void EnetTransport::Impl::ReportOffence(const ENetPeer& peer, const Sink& sink) {
+  const auto found = connections.find(IdOf(peer));
+  if (found == connections.end() || !found->second.isOpen || !found->second.isKnown) return;
+  sink({.kind = Event::Kind::kOffence, .connection = found->first});
 }
 
 void EnetTransport::Impl::GiveUpOverdue(const Sink& sink) {
@@ -266,7 +285,9 @@ void EnetTransport::Impl::Admit(ENetPeer& peer, const Sink& sink) {
   SwitchThrottleOff(peer);
   connection.isOpen = true;
   connection.deadline = kNever;
-  sink({.kind = Event::Kind::kConnected, .connection = id});
+  sink({.kind = Event::Kind::kConnected,
+        .connection = id,
+        .admission = server == nullptr ? nullptr : server->FindAdmission(ServerBridge::FindVisitor(peer))});
 }
 
 // Our own ends send control messages reliably and the rest unsequenced and unfragmented; nothing else is taken.
@@ -295,12 +316,12 @@ void EnetTransport::Impl::Receive(const ENetEvent& event, const Sink& sink) {
         .bytes = {packet->data, packet->dataLength}});
 }
 
-void EnetTransport::Impl::Forget(ConnectionId id, const Sink& sink, std::string_view reason) {
+void EnetTransport::Impl::Forget(ConnectionId id, const Sink& sink, std::string_view reason, bool isFinal) {
   const auto found = connections.find(id);
   if (found == connections.end()) return;
   const bool isKnown = found->second.isKnown;
   connections.erase(found);
-  if (isKnown) sink({.kind = Event::Kind::kDisconnected, .connection = id, .reason = reason});
+  if (isKnown) sink({.kind = Event::Kind::kDisconnected, .connection = id, .reason = reason, .isFinal = isFinal});
 }
 
 void EnetTransport::Impl::BeginClosing(Connection& connection) {
@@ -332,16 +353,7 @@ std::unique_ptr<EnetTransport> EnetTransport::Listen(const ListenOptions& option
       options.secretKey ? vestibule::MakeKeyPair(*options.secretKey) : vestibule::MakeKeyPair(vestibule::FillRandomly);
   settings.maxVisitors = options.maxConnections;
   settings.datagramRate = options.datagramRate;
-  if (!options.password.empty()) {
-    settings.wantsCredential = true;
-    settings.judge = [password = options.password](const vestibule::Credential& credential,
-                                                   const vestibule::NetAddress&, double) {
-      const std::span bytes(reinterpret_cast<const std::uint8_t*>(password.data()), password.size());
-      const bool isRight =
-          credential.kind == vestibule::Credential::Kind::kPassword && vestibule::AreEqual(credential.bytes, bytes);
-      return isRight ? vestibule::Refusal::kNone : vestibule::Refusal::kBadCredential;
-    };
-  }
+  settings.judge = options.judge;
   settings.maxPerAddress = options.maxPerAddress == 0 ? options.maxConnections : options.maxPerAddress;
   constexpr std::size_t kMostReceived = std::max(protocol::kMaxClientMessageBytes, protocol::kMaxPacketBytes);
   auto bridge = ServerBridge::Open(std::move(*socket), std::move(settings), kMostReceived, error);
@@ -358,9 +370,12 @@ std::unique_ptr<EnetTransport> EnetTransport::Connect(const std::string& host, s
     error = "the network library does not start";
     return nullptr;
   }
-  std::vector<vestibule::NetAddress> addresses = vestibule::ResolveAddresses(host, port, error);
+  std::vector<NetAddress> addresses = vestibule::ResolveAddresses(host, port, error);
   if (addresses.empty()) return nullptr;
-  Caller::Settings settings{.credential = options.credential, .server = options.serverKey};
+  Caller::Settings settings{.credential = options.credential,
+                            .server = options.serverKey,
+                            .ownServer = options.ownServer,
+                            .ownCredential = options.ownCredential};
   auto bridge = ClientBridge::Open(std::move(addresses), std::move(settings), protocol::kMaxServerMessageBytes, error);
   if (bridge == nullptr) return nullptr;
   auto impl = std::make_unique<Impl>(std::move(bridge));
@@ -438,6 +453,10 @@ std::uint16_t EnetTransport::ReadPort() const {
 
 vestibule::Key EnetTransport::ReadServerKey() const {
   return m_impl->server != nullptr ? m_impl->server->Keeper().ServerKey() : m_impl->client->Caller().ServerKey();
+}
+
+std::vector<std::uint8_t> EnetTransport::ReadTicket() const {
+  return m_impl->client == nullptr ? std::vector<std::uint8_t>() : m_impl->client->Caller().Ticket();
 }
 
 vestibule::DoorCounts EnetTransport::ReadDoorCounts() const {

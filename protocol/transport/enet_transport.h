@@ -12,6 +12,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "protocol/limits.h"
 #include "protocol/transport/transport.h"
@@ -27,7 +28,7 @@ struct ListenOptions {
   std::string host = {};            // the address to listen at; empty: every one of the machine, IPv6 and IPv4
   // The server's long-lived secret key, by which clients know it again; nullopt: one for this run only.
   std::optional<vestibule::Key> secretKey = {};
-  std::string password = {};  // that clients must have; empty: none
+  std::shared_ptr<vestibule::Judge> judge = {};  // asked on the vestibule's thread; null: everybody may come in
 };
 
 struct ConnectOptions {
@@ -36,6 +37,9 @@ struct ConnectOptions {
   // The key that the server must have; nullopt: any.
   std::optional<vestibule::Key> serverKey = {};
   vestibule::Credential credential = {};
+  // Shown to the server with this key alone, if there is no other credential.
+  std::optional<vestibule::Key> ownServer = {};
+  vestibule::Credential ownCredential = {};
 };
 
 inline constexpr std::size_t kMaxListenConnections = vestibule::kMaxVisitors;
@@ -68,6 +72,8 @@ class EnetTransport final : public Transport {
 
   // A server's public key; a client's server's, once it has answered, and zeros before.
   [[nodiscard]] vestibule::Key ReadServerKey() const;
+  // What a client may come back with as a Credential::Kind::kToken; empty: the server gave nothing.
+  [[nodiscard]] std::vector<std::uint8_t> ReadTicket() const;
   // What the vestibule of a server has seen.
   [[nodiscard]] vestibule::DoorCounts ReadDoorCounts() const;
 

@@ -60,6 +60,11 @@ void ServerBridge::Flush() {
   if (!m_batch.IsEmpty()) m_bytesOut += m_batch.Flush(m_keeper->Socket());
 }
 
+const Admission* ServerBridge::FindAdmission(vestibule::VisitorId visitor) const {
+  const auto leg = m_legs.find(visitor);
+  return leg == m_legs.end() ? nullptr : &leg->second.admission;
+}
+
 void ServerBridge::Remove(vestibule::VisitorId visitor) {
   m_keeper->Remove(visitor);
   const auto leg = m_legs.find(visitor);
@@ -79,8 +84,11 @@ bool ServerBridge::Receive(ENetHost& host) {
       vestibule::Door::Leg leg;
       assert(host.receivedDataLength == sizeof leg);
       std::memcpy(&leg, host.receivedData, sizeof leg);
-      m_legs[head.visitor] = {
-          .address = leg.address, .session = leg.session, .sealer = vestibule::Sealer(leg.toClient), .connection = 0};
+      m_legs[head.visitor] = {.address = leg.address,
+                              .session = leg.session,
+                              .sealer = vestibule::Sealer(leg.toClient),
+                              .connection = 0,
+                              .admission = leg.admission};
       return false;
     }
     case PairHead::Kind::kData:

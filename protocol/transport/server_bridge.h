@@ -27,6 +27,9 @@ class ServerBridge {
   // A peer's address names its visitor.
   [[nodiscard]] static vestibule::VisitorId FindVisitor(const ENetPeer& peer) { return peer.address.host; }
 
+  // Null for a visitor that is gone.
+  [[nodiscard]] const Admission* FindAdmission(vestibule::VisitorId visitor) const;
+
   // Sends what ENet has sent since the last call. To be called after each call of ENet that may send.
   void Flush();
   // Forgets a visitor whose peer is gone.
@@ -48,10 +51,11 @@ class ServerBridge {
   void Send(enet_uint32 connection, std::span<const ENetBuffer> parts);
 
   struct Leg {
-    vestibule::NetAddress address;
+    NetAddress address;
     std::uint32_t session = 0;
     vestibule::Sealer sealer;
     enet_uint32 connection = 0;  // of ENet; 0 before its CONNECT
+    Admission admission = {};
   };
 
   Bridge m_bridge;

@@ -13,6 +13,8 @@
 
 namespace wobble::transport {
 
+struct Admission;  // admission.h
+
 // Unique within a transport for its whole life, never reused, never 0.
 using ConnectionId = std::uint32_t;
 
@@ -21,13 +23,16 @@ enum class Channel : std::uint8_t { kControl = 0, kInput = 1, kSnapshot = 2 };
 inline constexpr std::size_t kChannelCount = 3;
 
 struct Event {
-  // kOffence: the far end sends what no honest one does; nothing more of it arrives, and it is to be disconnected.
+  // kOffence: the far end sends what no honest one does, or takes nothing that is sent to it; it is to be disconnected.
   enum class Kind { kConnected, kDisconnected, kMessage, kOffence };
   Kind kind;
   ConnectionId connection;
   Channel channel = Channel::kControl;       // of a message
   std::span<const std::uint8_t> bytes = {};  // of a message; valid only inside the sink
   std::string_view reason = {};              // of kDisconnected: a line for people where it is known; a literal
+  // Of kConnected at a server, valid only inside the sink; null: nothing is known of the client.
+  const Admission* admission = nullptr;
+  bool isFinal = false;  // of kDisconnected: the far end will not let this client in again either
 };
 
 enum class SendResult { kQueued, kUnknownConnection, kTooLarge, kFailed };

@@ -3,10 +3,8 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <mutex>
 
-#include "server/ops/http_server.h"
 #include "server/ops/metrics.h"
 
 namespace wobble::ops {
@@ -28,75 +26,64 @@ const char* Describe(Condition condition) {
   return "unknown";
 }
 
-Answer Say(bool isGood, const std::string& text) { return {isGood ? 200 : 503, text + "\n"}; }
+HttpResponse Answer(bool isGood, const std::string& text) {
+  return {.status = isGood ? 200U : 503U, .body = text + "\n"};
+}
 
 }  // namespace
-
-bool ParseAddress(const std::string& text, Address& address, std::string& error) {
-  const std::size_t colon = text.rfind(':');
-  const std::string digits = colon == std::string::npos ? text : text.substr(colon + 1);
-  std::string host = colon == std::string::npos ? address.host : text.substr(0, colon);
-  if (host.size() > 2 && host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
-  std::uint16_t port = 0;
-  const auto [end, result] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
-  if (result != std::errc{} || end != digits.data() + digits.size() || host.empty()) {
-    error = "'" + text + "': must be HOST:PORT or PORT, with a PORT of 0 to 65535";
-    return false;
-  }
-  address = {host, port};
-  return true;
-}
 
 struct Endpoint::Implementation {
   std::string version;
   std::string scene;
   server::TimeSource clock;
-  std::mutex mutex = {};
-  Figures figures = {};                        // guarded by mutex
-  std::unique_ptr<HttpServer> http = nullptr;  // last: its thread uses the others
+  std::mutex mutex;
+  Figures figures;                         // guarded by mutex
+  std::unique_ptr<HttpListener> listener;  // last: its thread uses what stands above
 
   Figures Copy() {
     const std::lock_guard lock(mutex);
     return figures;
   }
 
-  Answer TellHealth() {
+  HttpResponse TellHealth() {
     const Figures now = Copy();
-    if (now.condition == Condition::kStarting) return Say(false, "starting");
+    if (now.condition == Condition::kStarting) return Answer(false, "starting");
     const double silent = clock() - now.told;
-    if (silent > kDeadAfter) return Say(false, fmt::format("no tick for {:.1f} s", silent));
-    return Say(true, now.isPaused ? "ok, the world waits for players" : "ok");
+    if (silent > kDeadAfter) return Answer(false, fmt::format("no tick for {:.1f} s", silent));
+    return Answer(true, now.isPaused ? "ok, the world waits for players" : "ok");
   }
 
-  Answer Respond(std::string_view path) {
+  HttpResponse Serve(const HttpRequest& request) {
+    if (request.method != "GET" && request.method != "HEAD") return {.status = 405, .body = "only GET is answered\n"};
+    const std::string path = request.target.substr(0, request.target.find('?'));
     if (path == "/metrics") {
-      return {200, WriteMetrics(Copy(), version, scene), "text/plain; version=0.0.4; charset=utf-8"};
+      return {.body = WriteMetrics(Copy(), version, scene), .type = "text/plain; version=0.0.4; charset=utf-8"};
     }
     if (path == "/healthz") return TellHealth();
     if (path == "/readyz") {
       const Condition condition = Copy().condition;
-      return Say(condition == Condition::kReady, Describe(condition));
+      return Answer(condition == Condition::kReady, Describe(condition));
     }
-    if (path == "/") return Say(true, "/metrics\n/healthz\n/readyz");
-    return {404, "there is no such thing here\n"};
+    if (path == "/") return Answer(true, "/metrics\n/healthz\n/readyz");
+    return {.status = 404, .body = "not here; see /\n"};
   }
 };
 
 Endpoint::Endpoint(std::unique_ptr<Implementation> implementation) : m(std::move(implementation)) {}
+Endpoint::~Endpoint() = default;
 
 std::unique_ptr<Endpoint> Endpoint::Listen(const Address& address, const std::string& version, const std::string& scene,
                                            server::TimeSource clock, std::string& error) {
-  std::unique_ptr<Implementation> made(new Implementation{version, scene, clock});
-  made->http = HttpServer::Listen(
-      address.host, address.port, [endpoint = made.get()](std::string_view path) { return endpoint->Respond(path); },
-      std::move(clock), error);
-  if (made->http == nullptr) return nullptr;
-  return std::unique_ptr<Endpoint>(new Endpoint(std::move(made)));
+  auto made = std::make_unique<Implementation>();
+  made->version = version;
+  made->scene = scene;
+  made->clock = std::move(clock);
+  made->listener = HttpListener::Listen(
+      address, [serving = made.get()](const HttpRequest& request) { return serving->Serve(request); }, error);
+  return made->listener == nullptr ? nullptr : std::unique_ptr<Endpoint>(new Endpoint(std::move(made)));
 }
 
-Endpoint::~Endpoint() = default;
-
-std::uint16_t Endpoint::ReadPort() const { return m->http->ReadPort(); }
+std::uint16_t Endpoint::ReadPort() const { return m->listener->ReadPort(); }
 
 void Endpoint::Tell(const Figures& figures) {
   const std::lock_guard lock(m->mutex);

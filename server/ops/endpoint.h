@@ -7,23 +7,17 @@
 #include <string>
 
 #include "server/ops/figures.h"
+#include "server/ops/http_listener.h"
 
 namespace wobble::ops {
 
 // Time without a call of Tell after which /healthz reports the tick loop as dead, s.
 inline constexpr double kDeadAfter = 3;
 
-struct Address {
-  std::string host = "127.0.0.1";
-  std::uint16_t port = 0;  // 0: the system picks a free one
-};
-// Parses HOST:PORT, [IPv6]:PORT, or PORT alone for the loopback address. Returns false with one line in `error`.
-[[nodiscard]] bool ParseAddress(const std::string& text, Address& address, std::string& error);
-
 class Endpoint {
  public:
   // Listens on the address. Returns null with one line in `error` when that fails. version, scene: shown as labels.
-  // clock: the one of Figures::told, s; called from its thread.
+  // clock: the one of Figures::told, s; called from another thread.
   [[nodiscard]] static std::unique_ptr<Endpoint> Listen(const Address& address, const std::string& version,
                                                         const std::string& scene, server::TimeSource clock,
                                                         std::string& error);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <variant>
 
 #include "server/physics/step/body.h"
@@ -59,6 +60,11 @@ struct BuildCommand {
   double restLength = 0;   // m; 0: the present distance of its ends
 };
 
-using Command = std::variant<ShoveCommand, CutCommand, InspectCommand, TuneCommand, BuildCommand>;
+// A line to the administration (server/admin).
+struct OrderCommand {
+  std::string line;
+};
+
+using Command = std::variant<ShoveCommand, CutCommand, InspectCommand, TuneCommand, BuildCommand, OrderCommand>;
 
 }  // namespace wobble::server

@@ -23,7 +23,7 @@ bool Tuning::MayTune(TuneKind kind, bool isHost) const {
   return who == scenes::Who::kEveryone || (who == scenes::Who::kHost && isHost);
 }
 
-std::string Tuning::Tune(const TuneCommand& command, bool isHost, physics::World& world, TickClock& clock) {
+std::string Tuning::Tune(const TuneCommand& command, bool isHost, double now, physics::World& world, TickClock& clock) {
   if (!MayTune(command.kind, isHost)) return "you may not tune that in this scene";
   const double value = command.value.x();
   std::string error;
@@ -42,7 +42,12 @@ std::string Tuning::Tune(const TuneCommand& command, bool isHost, physics::World
       break;
     case TuneKind::kJump:
       error = CheckRange("jump in time", value, 0, kLongestJump, " s");
-      if (error.empty()) clock.Jump(value);
+      if (error.empty() && !isHost && now < m_nextJump) {
+        error = fmt::format("the next jump in time is possible in {:.0f} s", m_nextJump - now);
+      }
+      if (!error.empty()) break;
+      m_nextJump = now + kWaitPerJump * value;
+      clock.Jump(value);
       break;
   }
   return error;

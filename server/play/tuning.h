@@ -17,6 +17,9 @@ inline constexpr double kMaxTunedStiffness = physics::kMostStiffnessFactor;
 inline constexpr double kMaxGravity = 30;      // m/s²
 inline constexpr double kLeastTimeRate = 0.1;  // world seconds per second; the most is 1
 inline constexpr double kLongestJump = 10;     // world seconds
+// A jump is played as fast as the machine can. Players, all together, wait so many seconds for each second of the last
+// one; the host does not.
+inline constexpr double kWaitPerJump = 3;
 
 class Tuning {
  public:
@@ -27,8 +30,9 @@ class Tuning {
   // Whether the scene lets the player tune this. A jump follows the rule of the time rate.
   [[nodiscard]] bool MayTune(TuneCommand::Kind kind, bool isHost) const;
   // Tunes world or clock. Returns an empty text, or the reason of a refusal with the range, to be shown to the player.
-  // isHost: whether the player who asks is the host.
-  [[nodiscard]] std::string Tune(const TuneCommand& command, bool isHost, physics::World& world, TickClock& clock);
+  // isHost: whether the player who asks owns the server. now: s.
+  [[nodiscard]] std::string Tune(const TuneCommand& command, bool isHost, double now, physics::World& world,
+                                 TickClock& clock);
   // Restores the scene's values. Returns false when they were in force already.
   bool Reset(physics::World& world, TickClock& clock);
 
@@ -40,6 +44,7 @@ class Tuning {
   physics::Vector3d m_usualGravity;
   physics::Vector3d m_gravity;
   double m_stiffness = 1;
+  double m_nextJump = 0;  // of players, s
 };
 
 }  // namespace wobble::server

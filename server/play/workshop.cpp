@@ -18,6 +18,7 @@ constexpr double kUpdateTime = 0.2;  // from one blueprint to the next, s
 // sliders dragged at once stay below it.
 constexpr int kMostChanges = 40;
 
+constexpr const char* kProtected = "what others built is protected here";
 constexpr const char* kBusy = "too many changes at once; try again";
 
 std::ptrdiff_t Find(const std::vector<PartTag>& tags, std::uint16_t number) {
@@ -52,10 +53,25 @@ std::string AllUsed(const char* what, int most) {
 }  // namespace
 
 Workshop::Workshop(const scenes::WorkshopRules& rules, physics::BodyId body, const physics::World& world)
-    : m_rules(rules), m_body(body), m_draft(world.BlueprintOf(world.ReadBody(body))) {
-  for (std::size_t i = 0; i < m_draft.rest.size(); ++i) m_particles.push_back({++m_lastNumber, 0});
-  for (std::size_t i = 0; i < m_draft.full.springs.size(); ++i) m_springs.push_back({++m_lastNumber, 0});
+    : m_rules(rules), m_body(body), m_original(world.BlueprintOf(world.ReadBody(body))), m_draft(m_original) {
+  TagAll();
   NoteShown();
+}
+
+void Workshop::TagAll() {
+  m_particles.clear();
+  m_springs.clear();
+  for (std::size_t i = 0; i < m_draft.rest.size(); ++i) m_particles.push_back({FindNumber(), 0});
+  for (std::size_t i = 0; i < m_draft.full.springs.size(); ++i) m_springs.push_back({FindNumber(), 0});
+}
+
+void Workshop::Reset(const Vector3d& home) {
+  m_draft = m_original;
+  TagAll();
+  m_kept.clear();
+  m_new.clear();
+  for (const Vector3d& rest : m_original.rest) m_new.push_back(home + rest);
+  m_changed = true;
 }
 
 void Workshop::NoteShown() {
@@ -67,8 +83,9 @@ void Workshop::NoteShown() {
   m_changed = false;
 }
 
-std::string Workshop::Build(ClientId client, const BuildCommand& command, const physics::World& world) {
+std::string Workshop::Build(const Builder& builder, const BuildCommand& command, const physics::World& world) {
   using Kind = BuildCommand::Kind;
+  const ClientId client = builder.client;
   if (m_changes >= kMostChanges) return kBusy;
   if (command.kind == Kind::kAddParticle) return AddParticle(client, command, world);
   if (command.kind == Kind::kAddSpring) return AddSpring(client, command, world);
@@ -76,6 +93,10 @@ std::string Workshop::Build(ClientId client, const BuildCommand& command, const 
   const std::ptrdiff_t found = Find(isSpring ? m_springs : m_particles, command.a);
   if (found < 0) return MissingPart(isSpring ? "spring" : "particle", command.a);
   const auto place = static_cast<std::size_t>(found);
+  const bool may = command.kind == Kind::kRemoveParticle
+                       ? MayRemove(builder, place)
+                       : MayChange(builder, isSpring ? m_springs[place] : m_particles[place]);
+  if (!may) return kProtected;
   switch (command.kind) {
     case Kind::kSetSpring:
       return Take(
@@ -120,15 +141,25 @@ std::string Workshop::AddSpring(ClientId client, const BuildCommand& command, co
   return Take(physics::AddSpring(m_draft, spring), client);
 }
 
-std::string Workshop::Cut(const physics::Blade& blade, const physics::World& world) {
+std::string Workshop::Cut(const Builder& builder, const physics::Blade& blade, const physics::World& world) {
   const std::vector<Vector3d> places = FindPlaces(world);
   for (std::size_t i = m_springs.size(); i-- > 0;) {
     if (m_changes >= kMostChanges) return kBusy;
     const physics::Spring<double>& spring = m_draft.full.springs[i];
+    if (!MayChange(builder, m_springs[i])) continue;
     if (!physics::IsCrossed(places[spring.a], places[spring.b], blade)) continue;
     if (std::string error = Take(RemoveSpring(m_draft, i), 0); !error.empty()) return error;
   }
   return "";
+}
+
+bool Workshop::MayRemove(const Builder& builder, std::size_t particle) const {
+  if (!MayChange(builder, m_particles[particle])) return false;
+  for (std::size_t i = 0; i < m_springs.size(); ++i) {
+    const physics::Spring<double>& spring = m_draft.full.springs[i];
+    if ((spring.a == particle || spring.b == particle) && !MayChange(builder, m_springs[i])) return false;
+  }
+  return true;
 }
 
 std::string Workshop::Take(GraphEdit&& edit, ClientId client) {

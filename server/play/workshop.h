@@ -29,10 +29,21 @@ class Workshop {
   Workshop(const scenes::WorkshopRules& rules, physics::BodyId body, const physics::World& world);
 
   [[nodiscard]] physics::BodyId Body() const { return m_body; }
+  // Whether builders may change only what they have built themselves.
+  [[nodiscard]] bool IsProtected() const { return m_rules.isProtected; }
+  void SetProtected(bool isProtected) { m_rules.isProtected = isProtected; }
+
+  // mayChangeAll: whatever is protected.
+  struct Builder {
+    ClientId client = 0;
+    bool mayChangeAll = false;
+  };
   // Changes the draft. Returns an empty text, or the reason of a refusal, to be shown to the player.
-  [[nodiscard]] std::string Build(ClientId client, const BuildCommand& command, const physics::World& world);
-  // Removes the draft's springs that cross the blade; returns as Build.
-  std::string Cut(const physics::Blade& blade, const physics::World& world);
+  [[nodiscard]] std::string Build(const Builder& builder, const BuildCommand& command, const physics::World& world);
+  // Removes the draft's springs that cross the blade and that the builder may change; returns as Build.
+  std::string Cut(const Builder& builder, const physics::Blade& blade, const physics::World& world);
+  // Makes the draft what the scene has; `home`: where the body's centre of mass is in the scene, m.
+  void Reset(const physics::Vector3d& home);
   // Gives the body in the world the draft when that is due. Call it once a tick, before World::Step. Returns true when
   // the body has changed: its vertices are then numbered anew.
   bool Update(physics::World& world);
@@ -42,8 +53,15 @@ class Workshop {
   [[nodiscard]] std::span<const PartTag> Springs() const { return m_shownSprings; }
 
  private:
+  // Tags all parts of the draft as the scene's.
+  void TagAll();
   // Notes that the world has the draft.
   void NoteShown();
+  [[nodiscard]] bool MayChange(const Builder& builder, const PartTag& part) const {
+    return !m_rules.isProtected || builder.mayChangeAll || part.owner == builder.client;
+  }
+  // Whether the builder may change a particle and all springs that end in it, which go with it.
+  [[nodiscard]] bool MayRemove(const Builder& builder, std::size_t particle) const;
   // Reduces m_kept and m_new to the particles that an edit keeps; kept: their old indices in the draft, ascending.
   void KeepPlaces(std::span<const std::uint16_t> kept);
   // A number that no part has.
@@ -57,6 +75,7 @@ class Workshop {
 
   scenes::WorkshopRules m_rules;
   physics::BodyId m_body;
+  physics::Blueprint m_original;  // the scene's
   physics::Blueprint m_draft;
   std::vector<PartTag> m_particles;       // of the draft
   std::vector<PartTag> m_springs;         // of the draft

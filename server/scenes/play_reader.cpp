@@ -40,6 +40,7 @@ void ReadWorkshop(TableReader& reader, Scene& scene) {
   ReadBlueprintName(reader, scene, workshop.blueprint);
   reader.Read("particles_each", 1, static_cast<int>(physics::kMaxParticles), workshop.particlesEach);
   reader.Read("springs_each", 1, static_cast<int>(physics::kMaxGraphSprings), workshop.springsEach);
+  reader.Read("protected", workshop.isProtected);
   if (!IsGraphOfOneBody(scene, workshop.blueprint)) {
     reader.RefuseAsWritten("blueprint", "given", "a graph of which [[bodies]] has exactly one");
   }

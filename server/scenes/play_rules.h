@@ -18,7 +18,7 @@ struct HandRules {
   double impulse = 16;    // of a push, N·s
 };
 
-enum class Who { kNobody, kHost, kEveryone };  // kHost: the player who has played longest
+enum class Who { kNobody, kHost, kEveryone };  // kHost: who owns the server
 
 // The rules of tuning, which all players feel.
 struct TuningRules {
@@ -33,6 +33,7 @@ struct WorkshopRules {
   std::size_t blueprint = 0;
   int particlesEach = 48;  // the most of one player
   int springsEach = 144;
+  bool isProtected = false;  // players change only what they have built themselves
 };
 
 // Sumo: a player who falls below the scene's kill height gives a point to the player who touched them last.

@@ -185,5 +185,42 @@ TEST_F(DoorAttackTest, JoinsAndLeavesOfOneAddressLeaveSeatsForOthers) {
   EXPECT_EQ(honest.CountPlaying(), 8U) << honest.FirstReason();
 }
 
+// Sends inputs and acknowledges nothing: the same 64 KiB came four times a second, for a minute.
+TEST_F(DoorAttackTest, WhoTakesNothingIsPutOut) {
+  if (FindFloodSeconds() < 15) GTEST_SKIP() << "takes 12 s: by make nightly";
+  Victim victim({}, "arena");
+  Intruder intruder("127.0.0.2", victim.port);
+  ASSERT_TRUE(intruder.IsIn());
+  const auto append = [](Bytes& commands, Bytes head, const protocol::Message& message) {
+    head.push_back(static_cast<std::uint8_t>(message.size() >> 8U));
+    head.push_back(static_cast<std::uint8_t>(message.size()));
+    commands.insert(commands.end(), head.begin(), head.end());
+    commands.insert(commands.end(), message.begin(), message.end());
+  };
+  Bytes hello;
+  append(hello, {0x86, 0, 0, 1}, protocol::MakeHello("deaf", protocol::wire::Role::Player));
+  intruder.Command(hello);
+  const double begin = Now();
+  std::uint16_t group = 0;
+  const protocol::wire::InputFrame frame(1, 0, 0, 0);
+  const auto isOut = [&] {
+    // Its goodbye is reliable, too, and it takes nothing: what it sees is that the server knows it no more.
+    static_cast<void>(intruder.Listen());
+    return intruder.IsReset();
+  };
+  while (!isOut() && Now() < begin + 20) {
+    Bytes input;
+    ++group;
+    append(input, {0x49, 1, 0, 0, static_cast<std::uint8_t>(group >> 8U), static_cast<std::uint8_t>(group)},
+           protocol::MakeInput({.frames = {&frame, 1}}));
+    intruder.Command(input);
+    Sleep(0.05);
+  }
+  std::printf("  out after %.1f s, %zu bytes were sent to it\n", Now() - begin, intruder.CountReceived());
+  EXPECT_LT(Now() - begin, 18);
+  EXPECT_GT(Now() - begin, 8);
+  EXPECT_LT(intruder.CountReceived(), 2'000'000U);
+}
+
 }  // namespace
 }  // namespace wobble::attack

@@ -13,6 +13,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <string>
@@ -34,14 +35,14 @@ inline void Sleep(double seconds) { std::this_thread::sleep_for(std::chrono::dur
 
 class Victim {
  public:
-  explicit Victim(const std::vector<std::string>& options = {}) {
+  explicit Victim(const std::vector<std::string>& options = {}, const std::string& scene = "pair") {
     // Nothing of a test stays in the home of who runs it.
     setenv("XDG_STATE_HOME", testing::TempDir().c_str(), 1);
     std::vector<std::string> words{WOBBLE_BIN_DIR "/wobbled",
                                    "--port",
                                    "0",
                                    "--scene",
-                                   "pair",
+                                   scene,
                                    "--untrained",
                                    "--threads",
                                    "1",
@@ -55,6 +56,7 @@ class Victim {
     EXPECT_TRUE(m_child.Start(words, error)) << error;
     const auto hasPort = [&] {
       for (const std::string& line : m_child.TakeOutput()) {
+        std::sscanf(line.c_str(), "metrics and health on TCP port %hu", &opsPort);
         if (std::sscanf(line.c_str(), "listening on UDP port %hu", &port) == 1) return true;
       }
       return false;
@@ -89,7 +91,13 @@ class Victim {
     return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
   }
 
+  [[nodiscard]] std::size_t CountDescriptors() const {
+    const std::filesystem::directory_iterator all("/proc/" + m_pid + "/fd");
+    return static_cast<std::size_t>(std::distance(begin(all), end(all)));
+  }
+
   std::uint16_t port = 0;
+  std::uint16_t opsPort = 0;  // of --ops 0
 
  private:
   play::Child m_child;
@@ -199,6 +207,8 @@ class Intruder {
     Command({0x01, 0xFF, 0, 1, 0, 1, m_sentTime[0], m_sentTime[1]});  // acknowledges the verification
     Sleep(0.1);
   }
+  [[nodiscard]] bool IsReset() const { return m_caller.ReadState() == transport::vestibule::Caller::State::kReset; }
+  [[nodiscard]] std::size_t CountReceived() const { return m_socket.received; }
   [[nodiscard]] bool IsIn() const { return m_caller.ReadState() == transport::vestibule::Caller::State::kIn; }
 
   // One datagram of ENet, without its checksum, which is filled in here.

@@ -44,6 +44,10 @@ unsigned Read(const wire::ClientMessage& message) {
     Require(build->kind() <= wire::BuildKind::MAX && std::isfinite(build->mass()));
     return ReadPlace(*build->at());
   }
+  if (const auto* order = message.body_as_Order()) {
+    Require(order->line()->size() <= protocol::kMaxOrderBytes);
+    return Sum(*order->line());
+  }
   const auto* input = message.body_as_Input();
   Require(input != nullptr && input->frames()->size() <= protocol::kMaxInputFrames);
   unsigned sum = input->acked_sequence() + static_cast<unsigned>(input->acked_history()) + input->downloaded();

@@ -681,6 +681,67 @@ case_match_ends() {
   expect_refusal '^wobbled: --rounds 3: scene arena has no game$' wobbled --port 0 --rounds 3
 }
 
+# restart_server SIGNAL: ends the server, waits 1.2 s, starts it again on its port, and expects 8 players within 5 s.
+restart_server() {
+  local begin ops tries
+  kill "-$1" "$server"
+  wait "$server" 2>/dev/null
+  sleep 1.2
+  begin="$(date +%s%N)"
+  start server wobbled --log-level warn --scene pair --untrained --port "$port" --ops 0 --summary "$folder/a.json"
+  server=$pid
+  wait_for_line server '^listening on UDP port '
+  ops="$(read_port server 'metrics and health on TCP port ')"
+  for ((tries = 0; tries < 400; ++tries)); do
+    get "$ops" /metrics | grep -q '^wobble_client_joins_total 8$' && break
+    sleep 0.05
+  done
+  awk "BEGIN { exit !($(date +%s%N) - $begin < 5e9) }" || fail '8 players within 5 s' "$folder/bots.out" "$folder/bots.err"
+  echo "8 players $((($(date +%s%N) - begin) / 1000000)) ms after the start that followed $1"
+}
+
+# Killed or ended in order, and started again with the same key: everybody is back. They were lost all the same.
+case_players_return() {
+  start_server --scene pair --untrained
+  start bots wobble bots "127.0.0.1:$port" --script idle.lua --count 8 --status 0.1 --summary "$folder/b.json" \
+    --threshold 'disconnects==0'
+  local bots=$pid
+  wait_for_line bots '^bots 8/8'
+  restart_server KILL
+  restart_server TERM
+  kill -INT "$bots"
+  expect_end bots "$bots" 99
+  expect_line "$folder/bots.err" '^wobble bots: bot [1-8] was cut off and joins again: the server was restarted'
+  expect_line "$folder/bots.out" '^8 of 8 bots connected (24 joins), 8 disconnects, 16 rejoins, 0 script errors'
+  expect_figure "$folder/b.json" disconnects '== 8'
+  expect_figure "$folder/b.json" rejoins '== 16'
+  expect_figure "$folder/b.json" rejoin_ms_p99 '< 6200' # from the end, 1.2 s before the start
+  kill -INT "$server"
+  expect_end server "$server" 0
+  expect_figure "$folder/a.json" joins '== 8'
+  expect_figure "$folder/a.json" disconnects '== 0'
+}
+
+# Bots whose server has gone for good say so and end; on Ctrl-C at once.
+case_players_give_up() {
+  start_server --scene pair --untrained
+  start bots wobble bots "127.0.0.1:$port" --script idle.lua --count 2 --status 0.1 --rejoin 2s
+  local bots=$pid patient
+  start patient wobble bots "127.0.0.1:$port" --script idle.lua --count 1 --status 0.1
+  patient=$pid
+  wait_for_line patient '^bots 1/1'
+  pid=$bots
+  wait_for_line bots '^bots 2/2'
+  kill -TERM "$server"
+  expect_end server "$server" 0
+  expect_end bots "$bots" 0 8
+  expect_line "$folder/bots.err" '^wobble bots: bot 1 ended: server is closing; gave up joining again after 2 s'
+  expect_line "$folder/bots.out" '^2 of 2 bots connected, 2 disconnects, 0 script errors'
+  kill -0 "$patient" 2>/dev/null || fail 'a bot that still tries' "$folder/patient.out" "$folder/patient.err"
+  kill -INT "$patient"
+  expect_end patient "$patient" 0 1
+}
+
 # The example's own ball rolls in a circle: several positions, no two equal.
 case_example() {
   start lost example 127.0.0.1 9 # waits long for an answer, while the other example plays

@@ -194,7 +194,7 @@ TEST(Watch, SaysWhyItEndedOnceTheTerminalIsRestored) {
   Wobbled server;
   const std::string address = "127.0.0.1:" + std::to_string(server.Port());
   {
-    Session session(Watching(server.Port()));
+    Session session(Watching(server.Port(), {"--rejoin", "0"}));
     ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
     server.Signal(SIGSTOP);
     EXPECT_TRUE(session.AwaitStatus("nothing from the server for 2 s")) << session.Status();
@@ -210,6 +210,29 @@ TEST(Watch, SaysWhyItEndedOnceTheTerminalIsRestored) {
   EXPECT_EQ(session.AwaitEnd(), 2);
   session.ExpectRestored();
   EXPECT_EQ(session.Errors(), "wobble watch: no server answers at " + address + "\n");
+}
+
+// Killed without a goodbye and started again: the picture stays meanwhile, and the view goes on. It ends by key at once
+// while it tries to join again.
+TEST(Watch, JoinsARestartedServerAgain) {
+  auto server = std::make_unique<Wobbled>();
+  const int port = server->Port();
+  Session session(Watching(port));
+  ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
+  server->Kill();
+  ASSERT_TRUE(session.AwaitStatus("nothing from the server for 2 s")) << session.Status();
+  server = std::make_unique<Wobbled>("arena", port);
+  const double started = ReadClock();
+  EXPECT_TRUE(session.AwaitStatus("13 bodies  1 player ")) << session.Status();
+  EXPECT_LT(ReadClock() - started, kIsSanitized ? kPatience : 5);
+  server->Signal(SIGTERM);
+  EXPECT_TRUE(session.AwaitStatus("connection lost (server is closing); joining again ...")) << session.Status();
+  const double asked = ReadClock();
+  session.Type("q");
+  EXPECT_EQ(session.AwaitEnd(), 0);
+  EXPECT_LT(ReadClock() - asked, 1);
+  session.ExpectRestored();
+  EXPECT_EQ(session.Errors(), "");
 }
 
 // Under a shell with job control, as in use; the shell takes its standard error for its terminal.

@@ -60,11 +60,12 @@ inline std::vector<std::string> Watching(int port, const std::vector<std::string
   return words;
 }
 
-// A server that runs as long as the object lives, on a port that the system picks.
+// A server that runs as long as the object lives. port: 0: the system picks one.
 class Wobbled {
  public:
-  explicit Wobbled(const std::string& scene = "arena") {
-    std::vector<std::string> words{WOBBLE_BIN_DIR "/wobbled", "--scene", scene, "--port", "0", "--cache"};
+  explicit Wobbled(const std::string& scene = "arena", int port = 0) {
+    std::vector<std::string> words{WOBBLE_BIN_DIR "/wobbled", "--scene", scene};
+    words.insert(words.end(), {"--port", std::to_string(port), "--cache"});
     words.insert(words.end(), {WOBBLE_CACHE_DIR, "--log-level", "error", "--admit-when-busy", "--key"});
     words.emplace_back(WOBBLE_CACHE_DIR "/server.key");
     if (kIsSanitized) words.emplace_back("--untrained");  // training would take half a minute

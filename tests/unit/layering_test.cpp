@@ -79,13 +79,24 @@ const std::vector<Room> kRooms{
     // It alone waits, on a thread of its own; fleet_duty decides when it is asked to call.
     {"server/ops/agones", {"server/ops/"}, {"httplib.h", "signal.h", "spdlog/"}, {}},
     {"server/ops/fleet_duty", {}, {}, kClockFileLog},
-    {"server/ops/", {"server/", kProtocol}, Join(kSystem, {"fmt/", "nlohmann/", "prometheus/", "spdlog/"}), kClock},
+    {"server/ops/http_listener", {}, {"boost/", "fmt/"}, {}},
+    {"server/ops/",
+     {"server/", kProtocol},
+     Join(kSystem, {"fmt/", "nlohmann/", "prometheus/", "spdlog/"}),
+     kClock},
     {"server/main", {"server/", kProtocol}, Join(kSystem, {"CLI/", "fmt/", "nlohmann/", "spdlog/"}), {}},
-    {"server/key_file", {kVestibule}, {"fcntl.h", "unistd.h"}, kClock},
     {"server/options",
-     {"server/config.h", kScenes, kPhysics, kPlay, kTiming, kSnapshots, kProtocol},
+     {"server/config.h", "server/admission/", kScenes, kPhysics, kPlay, kTiming, kSnapshots, kProtocol},
      {"CLI/", "fmt/"},
      kClock},
+    // Who may come in; the time is a parameter.
+    {"server/admission/record_file", {}, {"fcntl.h", "unistd.h"}, kClock},
+    {"server/admission/", {kProtocol}, {}, {"chrono", "ctime", "iostream", "fstream", "thread"}},
+    // Its socket has a thread, and so a clock, of its own.
+    {"server/admin/admin_socket", {"server/", kProtocol}, kSystem, {}},
+    {"server/admin/admin_http", {"server/", kProtocol}, {}, {}},
+    {"server/admin/order_queue", {"server/", kProtocol}, {}, {}},
+    {"server/admin/", {"server/", kProtocol}, {"fmt/", "spdlog/"}, {"ctime", "iostream", "fstream", "thread"}},
     // Unicode's tables are the server's alone.
     {"server/names", {kProtocol}, {"unicode/"}, kClockFileLog},
     {"server/",
@@ -98,6 +109,7 @@ const std::vector<Room> kRooms{
      kSystem,
      {"ctime", "iostream", "fstream", "filesystem", "cstdio"}},
     {"protocol/transport/vestibule/secret_file", {kVestibule, kProtocol}, {}, kClock},
+    {"protocol/transport/vestibule/key_file", {kVestibule, kProtocol}, {"fcntl.h", "unistd.h"}, kClock},
     // It alone knows the cryptographic library.
     {kVestibule, {kProtocol}, Join(kSystem, {"sodium.h"}), kClockFileLog},
     {"protocol/transport/", {kProtocol}, Join(kSystem, {"enet/"}), kClockFileLog},
@@ -108,6 +120,8 @@ const std::vector<Room> kRooms{
     {"client/gateway/", kCommandReach, Join(kSystem, {"CLI/", "boost/", "zlib.h"}), {}},
     {"client/wasm/", kCommandReach, {"emscripten"}, {}},
     {"client/health/", kCommandReach, {"CLI/", "httplib.h"}, {}},
+    {"client/admin/", kCommandReach, Join(kSystem, {"CLI/", "httplib.h"}), {}},
+    {"client/token/", kCommandReach, {"CLI/"}, {}},
     {"client/link/", kCommandReach, Join(kSystem, {"CLI/"}), {}},
     {"client/play/", kCommandReach, Join(kSystem, {"CLI/", "nlohmann/"}), {}},
     {"client/main", kCommandReach, Join(kSystem, {"CLI/", "nlohmann/"}), {}},
@@ -122,9 +136,10 @@ const Strings kSockets{kVestibule, "protocol/transport/enet", "protocol/transpor
                        "protocol/transport/virtual"};
 const std::map<std::string, Strings> kRefused{
     {kProtocol, {"protocol/transport/"}},
-    {kClient, Join(kSockets, {"client/bots/", "client/command/", "client/files/", "client/gateway/", "client/health/",
-                              "client/link/", "client/play/", "client/terminal/", "client/wasm/"})},
-    {"server/", Join(kSockets, {"server/ops/"})},
+    {kClient, Join(kSockets, {"client/admin/", "client/bots/", "client/command/", "client/files/", "client/gateway/",
+                              "client/health/", "client/link/", "client/play/", "client/terminal/", "client/token/",
+                              "client/wasm/"})},
+    {"server/", Join(kSockets, {"server/admin/", "server/admission/", "server/ops/"})},
     {"server/options", {"server/ops/"}},
 };
 

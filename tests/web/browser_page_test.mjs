@@ -95,3 +95,15 @@ test('when the server has gone the page says so, and joins again when it is back
   await waitForPlaying(page.tab);
   await waitFor('the card to go', async () => (await card.count()) === 0 || !(await card.isVisible()));
 });
+
+test('when the server was killed and is started again, the page is back within five seconds', async () => {
+  await world.server.stop('SIGKILL');
+  await page.tab.waitForTimeout(1200);
+  const begin = performance.now();
+  world.server = await startServerAt(world.address, 'pair');
+  await waitFor('the new world', async () => (await page.tab.evaluate(() => window.wobble.state().scene)) === 'pair');
+  await waitForPlaying(page.tab);
+  const seconds = (performance.now() - begin) / 1000;
+  assert.ok(seconds < 5, `${seconds} s`);
+  console.log(`the page plays ${seconds.toFixed(2)} s after the start`);
+});

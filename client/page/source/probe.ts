@@ -53,7 +53,7 @@ export function MakeProbe(app: App): Probe {
       bodies: client()?.bodyCount ?? 0,
       frameMs: Math.round(1000 * app.quality.frameTime),
       quality: app.quality.level,
-      endReason: app.connection.end?.reason ?? '',
+      endReason: app.connection.lostReason,
     }),
     statistics: () => {
       client()?.UpdateStatistics();

@@ -55,7 +55,10 @@ void Caller::TakeChallenge(const Challenge& challenge) {
   m_sealer = Sealer(keys->toServer);
   m_opener = Opener(keys->toClient);
   m_control = Opener(keys->control);
-  const std::vector<std::uint8_t> credential = WriteCredential(m_settings.credential);
+  const bool isOwn = m_settings.credential.kind == Credential::Kind::kNone && m_settings.ownServer &&
+                     AreEqual(*m_settings.ownServer, challenge.server);
+  const std::vector<std::uint8_t> credential =
+      WriteCredential(isOwn ? m_settings.ownCredential : m_settings.credential);
   const std::span<const std::uint8_t> part = credential;
   m_sealer.Seal(SealedKind::kData, 0, {&part, 1}, m_credential);
   m_state = State::kResponding;
@@ -136,6 +139,7 @@ void Caller::TakeAnswer(std::span<const std::uint8_t> datagram) {
   }
   m_session = ReadSession(datagram);
   m_resetToken = answer->reset;
+  m_ticket = answer->ticket;
   m_state = State::kIn;
 }
 

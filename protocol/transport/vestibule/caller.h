@@ -18,6 +18,9 @@ class Caller {
   struct Settings {
     Credential credential = {};
     std::optional<Key> server = {};  // the key that it must have; nullopt: any
+    // Shown to the server with this key alone, if there is no credential for all: whoever has a server is its owner.
+    std::optional<Key> ownServer = {};
+    Credential ownCredential = {};
     RandomSource random = FillRandomly;
   };
   explicit Caller(Settings settings);
@@ -35,6 +38,8 @@ class Caller {
   // From kResponding on, and for kWrongServer.
   [[nodiscard]] const Key& ServerKey() const { return m_server; }
   [[nodiscard]] bool WantsCredential() const { return m_wantsCredential; }
+  // To come back with as a token; empty: the server gave none.
+  [[nodiscard]] const std::vector<std::uint8_t>& Ticket() const { return m_ticket; }
 
   // Replaces `datagram` by the one that is due by now; empty: none. It goes to every address of the server while
   // kRequesting, then to the one that answered.
@@ -74,6 +79,7 @@ class Caller {
   Opener m_control;
   std::uint32_t m_session = 0;
   ResetToken m_resetToken{};
+  std::vector<std::uint8_t> m_ticket;
   std::vector<std::uint8_t> m_plain;
   std::uint64_t m_invalid = 0;
 };

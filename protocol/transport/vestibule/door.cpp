@@ -80,7 +80,7 @@ Door::Result Door::TakeRequest(const NetAddress& from, std::span<const std::uint
                   .cookie = MakeCookie(from, request->client, epoch),
                   .server = m_settings.identity.publicKey,
                   .started = m_started.publicKey,
-                  .wantsCredential = m_settings.wantsCredential},
+                  .wantsCredential = m_settings.judge != nullptr && m_settings.judge->WantsCredential()},
         m_answer);
   assert(m_answer.size() <= kRequestBytes);
   ++m_counts.challenges;
@@ -107,30 +107,34 @@ Door::Result Door::TakeResponse(const NetAddress& from, std::span<const std::uin
   Opener opener(keys->toServer);
   if (!opener.Open(response->credential, m_plain)) return ++m_counts.invalid, Result{};
   ForgetAnswered(now);
-  const Refusal refusal = FindRefusal(from, now);
-  if (refusal != Refusal::kNone) return Refuse(*response, *keys, refusal, now);
-  return LetIn(from, *response, *keys, opener, now);
+  Judgement judgement = JudgeClient(from, now);
+  if (judgement.refusal != Refusal::kNone) return Refuse(*response, *keys, judgement.refusal, now);
+  return LetIn(from, *response, *keys, opener, std::move(judgement), now);
 }
 
 // m_plain has the credential.
-Refusal Door::FindRefusal(const NetAddress& from, double now) {
-  const auto credential = ReadCredential(m_plain);
-  if (!credential) return Refusal::kBadCredential;
+Judgement Door::JudgeClient(const NetAddress& from, double now) {
+  auto credential = ReadCredential(m_plain);
+  if (!credential) return {.refusal = Refusal::kBadCredential};
+  const NetAddress source = m_settings.judge == nullptr ? from : m_settings.judge->FindSource(*credential, from);
   // Who is not let in for another reason learns nothing about the credential, and spends none.
-  if (m_counted >= m_settings.maxVisitors || FindFreeSlot() == m_slots.size()) return Refusal::kFull;
+  if (m_counted >= m_settings.maxVisitors || FindFreeSlot() == m_slots.size()) return {.refusal = Refusal::kFull};
   const auto ofAddress = std::count_if(m_slots.begin(), m_slots.end(), [&](const std::unique_ptr<Visitor>& visitor) {
-    return visitor != nullptr && !visitor->isReleased && visitor->address.ip == from.ip;
+    return visitor != nullptr && !visitor->isReleased && visitor->judgement.admission.from.ip == source.ip;
   });
-  if (static_cast<std::size_t>(ofAddress) >= m_settings.maxPerAddress) return Refusal::kTooManyFromAddress;
-  if (!m_settings.judge) return Refusal::kNone;
-  if (!m_guessRates.Take(FindSubnet(from), now)) return Refusal::kBadCredential;
-  const Refusal refusal = m_settings.judge(*credential, from, now);
-  if (refusal != Refusal::kBadCredential) m_guessRates.Return(FindSubnet(from));
-  return refusal;
+  if (static_cast<std::size_t>(ofAddress) >= m_settings.maxPerAddress) return {.refusal = Refusal::kTooManyFromAddress};
+  Judgement judgement;
+  if (m_settings.judge != nullptr) {
+    if (!m_guessRates.Take(FindSubnet(source), now)) return {.refusal = Refusal::kBadCredential};
+    judgement = m_settings.judge->Decide(*credential, source);
+    if (judgement.refusal != Refusal::kBadCredential) m_guessRates.Return(FindSubnet(source));
+  }
+  judgement.admission.from = source;
+  return judgement;
 }
 
 Door::Result Door::LetIn(const NetAddress& from, const Response& response, const SessionKeys& keys, Opener opener,
-                         double now) {
+                         Judgement judgement, double now) {
   const std::size_t slot = FindFreeSlot();
   auto fresh = std::make_unique<Visitor>();
   Visitor& visitor = *fresh;
@@ -146,6 +150,7 @@ Door::Result Door::LetIn(const NetAddress& from, const Response& response, const
   visitor.opener = opener;
   visitor.control = Sealer(keys.control);
   visitor.letInAt = visitor.lastHeard = now;
+  visitor.judgement = std::move(judgement);
   m_slots[slot] = std::move(fresh);
   m_slotOf[visitor.id] = slot;
   m_answered[response.client] = {.answer = {}, .visitor = visitor.id, .at = now};
@@ -160,7 +165,10 @@ Door::Result Door::LetIn(const NetAddress& from, const Response& response, const
 
 void Door::Accept(Visitor& visitor) {
   std::vector<std::uint8_t> plain;
-  Write(Answer{.refusal = Refusal::kNone, .reset = MakeResetToken(visitor.address, visitor.session)}, plain);
+  Write(Answer{.refusal = Refusal::kNone,
+               .reset = MakeResetToken(visitor.address, visitor.session),
+               .ticket = visitor.judgement.ticket},
+        plain);
   const std::span<const std::uint8_t> part = plain;
   m_answer.clear();
   visitor.control.Seal(SealedKind::kControl, visitor.session, {&part, 1}, m_answer);
@@ -168,7 +176,7 @@ void Door::Accept(Visitor& visitor) {
 
 Door::Result Door::Refuse(const Response& response, const SessionKeys& keys, Refusal refusal, double now) {
   std::vector<std::uint8_t> plain;
-  Write(Answer{.refusal = refusal, .reset = {}}, plain);
+  Write(Answer{.refusal = refusal, .reset = {}, .ticket = {}}, plain);
   const std::span<const std::uint8_t> part = plain;
   m_answer.clear();
   Sealer(keys.control).Seal(SealedKind::kControl, 0, {&part, 1}, m_answer);
@@ -237,7 +245,10 @@ Door::Leg Door::FindLeg(VisitorId visitor) const {
   const auto slot = m_slotOf.find(visitor);
   if (slot == m_slotOf.end()) return {};
   const Visitor& found = *m_slots[slot->second];
-  return {.address = found.address, .session = found.session, .toClient = found.toClient};
+  return {.address = found.address,
+          .session = found.session,
+          .toClient = found.toClient,
+          .admission = found.judgement.admission};
 }
 
 void Door::Release(VisitorId visitor) {

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -16,6 +15,7 @@
 
 #include "protocol/transport/vestibule/command_filter.h"
 #include "protocol/transport/vestibule/handshake.h"
+#include "protocol/transport/vestibule/judge.h"
 #include "protocol/transport/vestibule/rate_table.h"
 #include "protocol/transport/vestibule/seal.h"
 
@@ -52,12 +52,9 @@ class Door {
     KeyPair identity;
     std::size_t maxVisitors = 64;    // that count, see Release; at most kMaxVisitors
     std::size_t maxPerAddress = 64;  // likewise, of one IP address
-    bool wantsCredential = false;    // told to clients with the challenge
     double datagramRate = 400;       // of one visitor, a second: an input a tick, acknowledgements and commands
     RandomSource random = FillRandomly;
-    // Judges a credential; called for addresses that are proved, and not for a subnet that has guessed too often.
-    // Empty: everybody may come in.
-    std::function<Refusal(const Credential& credential, const NetAddress& from, double now)> judge = {};
+    std::shared_ptr<Judge> judge = {};  // null: everybody may come in
   };
   // now: s, above 0, never backwards, in all functions.
   explicit Door(Settings settings);
@@ -77,6 +74,7 @@ class Door {
     NetAddress address;
     std::uint32_t session = 0;
     Key toClient{};
+    Admission admission = {};
   };
   [[nodiscard]] Leg FindLeg(VisitorId visitor) const;
 
@@ -103,6 +101,7 @@ class Door {
     TokenBucket rate;
     double letInAt = 0;
     double lastHeard = 0;
+    Judgement judgement;
     bool isReleased = false;
     bool isPutOut = false;  // nothing more of it passes
   };
@@ -118,7 +117,8 @@ class Door {
   Result TakeResponse(const NetAddress& from, std::span<const std::uint8_t> datagram, double now);
   Result TakeData(const NetAddress& from, std::span<const std::uint8_t> datagram, double now);
   Result AnswerAgain(const Answered& answered, const Response& response, double now);
-  Result LetIn(const NetAddress& from, const Response& response, const SessionKeys& keys, Opener opener, double now);
+  Result LetIn(const NetAddress& from, const Response& response, const SessionKeys& keys, Opener opener,
+               Judgement judgement, double now);
   Result Refuse(const Response& response, const SessionKeys& keys, Refusal refusal, double now);
   Result Pass(Visitor& visitor, std::span<const std::uint8_t> sealed, double now);
   Result SendReset(const NetAddress& from, std::uint32_t session, double now);
@@ -127,7 +127,7 @@ class Door {
   [[nodiscard]] Cookie MakeCookie(const NetAddress& from, const Key& client, std::uint64_t epoch) const;
   [[nodiscard]] ResetToken MakeResetToken(const NetAddress& from, std::uint32_t session) const;
   // Of the credential in m_plain.
-  [[nodiscard]] Refusal FindRefusal(const NetAddress& from, double now);
+  [[nodiscard]] Judgement JudgeClient(const NetAddress& from, double now);
   [[nodiscard]] std::size_t FindFreeSlot() const;
   [[nodiscard]] Visitor* Find(VisitorId visitor);
   void ForgetAnswered(double now);

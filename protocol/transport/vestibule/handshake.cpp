@@ -97,6 +97,7 @@ void Write(const Response& response, std::vector<std::uint8_t>& out) {
 void Write(const Answer& answer, std::vector<std::uint8_t>& plain) {
   plain.push_back(static_cast<std::uint8_t>(answer.refusal));
   Append(plain, answer.reset);
+  plain.insert(plain.end(), answer.ticket.begin(), answer.ticket.end());
 }
 
 void Write(const Reset& reset, std::vector<std::uint8_t>& out) {
@@ -151,7 +152,11 @@ std::optional<Answer> ReadAnswer(std::span<const std::uint8_t> plain) {
   Answer answer;
   const std::uint8_t refusal = reader.TakeByte();
   reader.Take(answer.reset);
-  if (!reader.IsAtEnd() || refusal > static_cast<std::uint8_t>(Refusal::kBanned)) return {};
+  const auto ticket = reader.TakeRest();
+  const bool isGood =
+      reader.IsGood() && ticket.size() <= kMaxCredentialBytes && refusal <= static_cast<std::uint8_t>(Refusal::kBanned);
+  if (!isGood) return {};
+  answer.ticket.assign(ticket.begin(), ticket.end());
   answer.refusal = static_cast<Refusal>(refusal);
   return answer;
 }
@@ -177,7 +182,7 @@ std::optional<Credential> ReadCredential(std::span<const std::uint8_t> plain) {
   Credential credential;
   const std::uint8_t kind = reader.TakeByte();
   const auto bytes = reader.TakeRest();
-  if (!reader.IsGood() || kind > static_cast<std::uint8_t>(Credential::Kind::kInvite) ||
+  if (!reader.IsGood() || kind > static_cast<std::uint8_t>(Credential::Kind::kIntroduced) ||
       bytes.size() > kMaxCredentialBytes) {
     return {};
   }

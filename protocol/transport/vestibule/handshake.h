@@ -20,8 +20,8 @@
 #include <string>
 #include <vector>
 
+#include "protocol/transport/net_address.h"
 #include "protocol/transport/vestibule/keys.h"
-#include "protocol/transport/vestibule/net_address.h"
 
 namespace wobble::transport::vestibule {
 
@@ -65,7 +65,16 @@ void Write(const OtherVersion& other, std::vector<std::uint8_t>& out);
 
 // What a client shows to be let in; sealed in the response.
 struct Credential {
-  enum class Kind : std::uint8_t { kNone = 0, kPassword = 1, kToken = 2, kInvite = 3 };
+  // kToken: a connect token or a ticket (token.h). kIntroduced: an introduction, and behind it the browser's own
+  // credential, kind and bytes.
+  enum class Kind : std::uint8_t {
+    kNone = 0,
+    kPassword = 1,
+    kToken = 2,
+    kInvite = 3,
+    kOwnerKey = 4,
+    kIntroduced = 5,
+  };
   Kind kind = Kind::kNone;
   std::vector<std::uint8_t> bytes;  // at most kMaxCredentialBytes
 };
@@ -91,7 +100,8 @@ enum class Refusal : std::uint8_t {
 };
 struct Answer {
   Refusal refusal = Refusal::kNone;
-  ResetToken reset{};  // of an accepted client
+  ResetToken reset{};                     // of an accepted client
+  std::vector<std::uint8_t> ticket = {};  // likewise, to come back with as a token; at most kMaxCredentialBytes
 };
 void Write(const Answer& answer, std::vector<std::uint8_t>& plain);
 

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "protocol/transport/net_address.h"
 #include "protocol/transport/vestibule/keys.h"
-#include "protocol/transport/vestibule/net_address.h"
 
 namespace wobble::transport::vestibule {
 

@@ -195,14 +195,4 @@ std::vector<NetAddress> ResolveAddresses(const std::string& host, std::uint16_t 
   return addresses;
 }
 
-std::string Describe(const NetAddress& address) {
-  char text[INET6_ADDRSTRLEN] = "?";
-  if (address.IsIpv4()) {
-    inet_ntop(AF_INET, address.ip.data() + 12, text, sizeof text);
-    return std::string(text) + ":" + std::to_string(address.port);
-  }
-  inet_ntop(AF_INET6, address.ip.data(), text, sizeof text);
-  return "[" + std::string(text) + "]:" + std::to_string(address.port);
-}
-
 }  // namespace wobble::transport::vestibule

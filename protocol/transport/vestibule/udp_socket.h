@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "protocol/transport/vestibule/net_address.h"
+#include "protocol/transport/net_address.h"
 
 namespace wobble::transport::vestibule {
 
@@ -70,8 +70,5 @@ class SendBatch {
 // system's resolver does. Empty with one line in `error` when there is none.
 inline constexpr std::size_t kMaxAddresses = 4;
 [[nodiscard]] std::vector<NetAddress> ResolveAddresses(const std::string& host, std::uint16_t port, std::string& error);
-
-// "192.0.2.1:7777" or "[2001:db8::1]:7777".
-[[nodiscard]] std::string Describe(const NetAddress& address);
 
 }  // namespace wobble::transport::vestibule

@@ -37,8 +37,8 @@ class TinyServer {
     }
     m_transport->Flush();
   }
-  void TurnAway(transport::ConnectionId connection) {
-    Send(connection, protocol::MakeServerGoodbye(wire::GoodbyeReason::ServerFull, "enough"));
+  void TurnAway(transport::ConnectionId connection, wire::GoodbyeReason reason = wire::GoodbyeReason::ServerFull) {
+    Send(connection, protocol::MakeServerGoodbye(reason, "enough"));
     m_welcomed.erase(connection);
     m_transport->Disconnect(connection);
   }
@@ -229,7 +229,7 @@ TEST(BotRunner, ForgetsTimesAndHandsOnWhatDecodingBotsShow) {
 TEST(BotRunner, BotsSentAwayAndNeverAnsweredAreDisconnects) {
   Theatre theatre(MakeOptions(4, 4), "function run(bot) bot:wait(60) end");
   theatre.RunUntil(1.5);
-  theatre.server.TurnAway(1);
+  theatre.server.TurnAway(1, wire::GoodbyeReason::Kicked);
   theatre.RunUntil(2.8);
   theatre.serverLives = false;  // bot 4 gets no answer
   theatre.RunUntil(4);
@@ -242,6 +242,62 @@ TEST(BotRunner, BotsSentAwayAndNeverAnsweredAreDisconnects) {
   ASSERT_EQ(theatre.log.size(), 1U);
   EXPECT_EQ(theatre.log[0].find("bot 1 ended: "), 0U) << theatre.log[0];
   EXPECT_NE(theatre.log[0].find("enough"), std::string::npos) << theatre.log[0];
+}
+
+// Who was cut off comes back and plays on, and has been lost all the same.
+TEST(BotRunner, BotsThatAreCutOffJoinAgainAndCountAsLost) {
+  LoadTestOptions options = MakeOptions(3);
+  for (const double patience : {60.0, 0.0}) {
+    options.rejoin.patience = patience;
+    Theatre theatre(options, "function run(bot) while true do bot:move(1, 0) bot:wait(1) end end");
+    theatre.RunUntil(2);
+    EXPECT_EQ(theatre.Bots().TakeProgress().playing, 3U);
+    theatre.server.TurnAway(2, wire::GoodbyeReason::ServerClosing);
+    theatre.RunUntil(2.1);
+    EXPECT_EQ(theatre.Bots().TakeProgress().playing, 2U);
+    EXPECT_EQ(theatre.Bots().ReadFigures().disconnects, 1U);
+    theatre.RunUntil(4);
+    EXPECT_EQ(theatre.Bots().TakeProgress().playing, patience > 0 ? 3U : 2U);
+    theatre.Leave();
+    theatre.RunUntil(5.5);
+    EXPECT_TRUE(theatre.Bots().HaveAllEnded());
+    const Figures figures = theatre.Bots().ReadFigures();
+    EXPECT_EQ(figures.connected, 3U);
+    EXPECT_EQ(figures.joins, patience > 0 ? 4U : 3U);
+    EXPECT_EQ(figures.rejoins, patience > 0 ? 1U : 0U);
+    EXPECT_EQ(figures.disconnects, 1U);
+    EXPECT_LT(figures.joinMsP99.value(), 200);
+    EXPECT_EQ(figures.rejoinMsP99.has_value(), patience > 0);
+    ASSERT_EQ(theatre.log.size(), 1U);
+    EXPECT_EQ(theatre.log[0], patience > 0 ? "bot 2 was cut off and joins again: server is closing: enough"
+                                           : "bot 2 ended: server is closing: enough");
+    if (patience == 0) continue;
+    EXPECT_EQ(theatre.server.moves.at(4), 127);  // its script goes on
+    EXPECT_GT(figures.rejoinMsP99.value(), 125 + 79);
+    EXPECT_LT(figures.rejoinMsP99.value(), 250 + 200);
+  }
+}
+
+// The run of bots whose server has gone for good ends, and says why.
+TEST(BotRunner, BotsGiveUpAServerThatStaysAway) {
+  LoadTestOptions options = MakeOptions(2);
+  options.rejoin.patience = 5;
+  Theatre theatre(options, "function run(bot) bot:wait(60) end");
+  theatre.RunUntil(2);
+  theatre.server.TurnAway(1, wire::GoodbyeReason::ServerClosing);
+  theatre.server.TurnAway(2, wire::GoodbyeReason::ServerClosing);
+  theatre.RunUntil(2.05);
+  theatre.serverLives = false;
+  theatre.RunUntil(6);
+  EXPECT_FALSE(theatre.Bots().HaveAllEnded());
+  theatre.RunUntil(7.5);
+  EXPECT_TRUE(theatre.Bots().HaveAllEnded());
+  EXPECT_EQ(theatre.Bots().ReadFigures().disconnects, 2U);
+  EXPECT_EQ(theatre.Bots().ReadFigures().rejoins, 0U);
+  ASSERT_EQ(theatre.log.size(), 4U);
+  EXPECT_NE(theatre.log[2].find(" ended: server is closing: enough; gave up joining again after 5 s"),
+            std::string::npos)
+      << theatre.log[2];
 }
 
 TEST(BotRunner, SilenceIsHopelessButNoRefusal) {

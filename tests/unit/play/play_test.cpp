@@ -158,6 +158,9 @@ TEST(Play, TuningIsForWhomTheSceneNamesAndToldToAll) {
   client::Client& second = game.AddClient();
   game.Run(0.5);
   const Notices notices(second);
+  EXPECT_EQ(first.ReadTuning().may, protocol::kMayTuneGravity) << "who came first is nobody in particular";
+  EXPECT_TRUE(game.server.SetRank(first.Welcome().clientId, transport::Rank::kOwner));
+  game.Run(0.1);
   EXPECT_EQ(first.ReadTuning().may, protocol::kMayTuneGravity | protocol::kMayTuneStiffness);
   EXPECT_EQ(second.ReadTuning().may, protocol::kMayTuneGravity);
   second.Tune(TuneKind::Gravity, {2, 0, -9});
@@ -172,7 +175,7 @@ TEST(Play, TuningIsForWhomTheSceneNamesAndToldToAll) {
   EXPECT_NE(notices.lines[2].find("0 to 30"), std::string::npos) << notices.lines[2];
   first.Leave(game.now);
   game.Run(0.5);
-  EXPECT_EQ(second.ReadTuning().may, protocol::kMayTuneGravity | protocol::kMayTuneStiffness) << "the next host";
+  EXPECT_EQ(second.ReadTuning().may, protocol::kMayTuneGravity) << "nobody inherits that";
   second.Leave(game.now);
   game.Run(0.5);
   EXPECT_EQ(game.server.World().Settings().gravity, Vector3d(0, 0, -9.81)) << "as the scene has it, for who comes next";

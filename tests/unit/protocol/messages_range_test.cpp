@@ -62,6 +62,8 @@ TEST(Messages, WhatHandsDoOutOfRange) {
             ParseResult::kOutOfRange);
   EXPECT_EQ(ParseAs('c', MakePush(1, 2, {kNan, 0, 0})), ParseResult::kOutOfRange);
   EXPECT_EQ(ParseAs('c', MakeCut(1, {}, {}, {0, 0, kNan})), ParseResult::kOutOfRange);
+  EXPECT_EQ(ParseAs('c', MakeOrder(std::string(kMaxOrderBytes, 'a'))), ParseResult::kOk);
+  EXPECT_EQ(ParseAs('c', MakeOrder(std::string(kMaxOrderBytes + 1, 'a'))), ParseResult::kOutOfRange);
   EXPECT_EQ(ParseAs('c', MakeTune(static_cast<wire::TuneKind>(4), {})), ParseResult::kOutOfRange);
   EXPECT_EQ(ParseAs('c', MakeTune(wire::TuneKind::Gravity, {0, kNan, 0})), ParseResult::kOutOfRange);
   EXPECT_EQ(ParseAs('c', MakeBuild({.kind = static_cast<wire::BuildKind>(6)})), ParseResult::kOutOfRange);

@@ -71,6 +71,7 @@ std::vector<Kind> MakeEveryKind() {
       {"push", 'c', MakePush(3, 17, {0, 1, 0.5F})},
       {"cut", 'c', MakeCut(3, {1, 2, 3}, {4, 5, 6}, {7, 8, 9})},
       {"inspect", 'c', MakeInspect(3)},
+      {"order", 'c', MakeOrder("kick 7")},
       {"tune", 'c', MakeTune(wire::TuneKind::TimeRate, {0.5F, 0, 0})},
       {"build", 'c', MakeBuild({.kind = wire::BuildKind::AddSpring, .a = 3, .b = 4, .stiffness = 200})},
       {"client goodbye", 'c', MakeClientGoodbye(wire::GoodbyeReason::Left, "bye")},

@@ -67,6 +67,9 @@ inline void Read(const wire::ClientMessage& message) {
     for (const float value : {build->mass(), build->stiffness(), build->damping(), build->rest_length()}) {
       EXPECT_TRUE(std::isfinite(value));
     }
+  } else if (const auto* order = message.body_as_Order()) {
+    Touch(*order->line());
+    EXPECT_LE(order->line()->size(), kMaxOrderBytes);
   } else if (const auto* goodbye = message.body_as_Goodbye()) {
     Read(*goodbye);
   } else {

@@ -190,14 +190,24 @@ TEST_F(DoorTest, AnAnswerThatWasLostComesAgain) {
   EXPECT_EQ(caller.ReadState(), Caller::State::kIn);
 }
 
+// Lets in whoever has the word.
+struct WordJudge : Judge {
+  explicit WordJudge(Bytes right) : word(std::move(right)) {}
+  [[nodiscard]] bool WantsCredential() const override { return true; }
+  [[nodiscard]] NetAddress FindSource(Credential&, const NetAddress& from) override { return from; }
+  [[nodiscard]] Judgement Decide(const Credential& credential, const NetAddress&) override {
+    ++judged;
+    return {.refusal = credential.bytes == word ? Refusal::kNone : Refusal::kBadCredential};
+  }
+  Bytes word;
+  int judged = 0;
+};
+
 TEST_F(DoorTest, SaysWhyNot) {
   Door::Settings settings;
   settings.maxVisitors = 3;
   settings.maxPerAddress = 2;
-  settings.wantsCredential = true;
-  settings.judge = [](const Credential& credential, const NetAddress&, double) {
-    return credential.bytes == Bytes{'o', 'k'} ? Refusal::kNone : Refusal::kBadCredential;
-  };
+  settings.judge = std::make_shared<WordJudge>(Bytes{'o', 'k'});
   Door& door = Open(settings);
   const auto enter = [&](std::uint8_t host, const char* word) {
     Caller caller = MakeCaller({.credential = {Credential::Kind::kPassword, {word, word + 2}}});
@@ -221,11 +231,8 @@ TEST_F(DoorTest, SaysWhyNot) {
 // A password is guessed ten times, then once in five seconds; the right one is not heard meanwhile either.
 TEST_F(DoorTest, ASubnetMayNotGuessForLong) {
   Door::Settings settings;
-  int judged = 0;
-  settings.judge = [&](const Credential& credential, const NetAddress&, double) {
-    ++judged;
-    return credential.bytes == Bytes{7} ? Refusal::kNone : Refusal::kBadCredential;
-  };
+  const auto judge = std::make_shared<WordJudge>(Bytes{7});
+  settings.judge = judge;
   Open(settings);
   const auto enter = [&](std::uint8_t guess, const NetAddress& from) {
     Caller caller = MakeCaller({.credential = {Credential::Kind::kPassword, {guess}}});
@@ -234,9 +241,9 @@ TEST_F(DoorTest, ASubnetMayNotGuessForLong) {
   };
   const NetAddress here = MakeAddress(10, 0, 0, 1, 1), there = MakeAddress(10, 0, 1, 1, 1);
   for (int i = 0; i < 30; ++i) EXPECT_EQ(enter(7, here), Refusal::kNone) << "who knows it is never slowed down";
-  judged = 0;
+  judge->judged = 0;
   for (int i = 0; i < 40; ++i) EXPECT_EQ(enter(1, here), Refusal::kBadCredential);
-  EXPECT_EQ(judged, 10);
+  EXPECT_EQ(judge->judged, 10);
   EXPECT_EQ(enter(7, here), Refusal::kBadCredential);
   EXPECT_EQ(enter(7, there), Refusal::kNone);
   now += 5.1;

@@ -1,6 +1,5 @@
-// The card in the middle while there is no world: joining, or the reason why the connection ended and a button to join
-// again.
-import { ReadNow } from '../wire/client';
+// The card in the middle while there is no world: joining, or the reason why the connection ended, whether the page is
+// joining again by itself, and a button to do it.
 import type { Connection } from '../wire/connection';
 import { State } from '../wire/views';
 import { MakeButton, MakeElement, SetText } from './element';
@@ -22,11 +21,11 @@ export class ConnectionCard {
   }
 
   Update(connection: Connection): void {
-    const { client, end } = connection;
+    const { client, end, lostReason } = connection;
     this.element.hidden = end === null && client?.ReadState() === State.Playing;
-    this.m_button.hidden = end === null;
+    this.m_button.hidden = lostReason === '';
     this.m_ball.hidden = end !== null && end.retryAt === null;
-    if (end === null) {
+    if (lostReason === '') {
       SetText(this.m_title, 'Joining…');
       SetText(
         this.m_text,
@@ -35,9 +34,8 @@ export class ConnectionCard {
       return;
     }
     SetText(this.m_title, 'Connection ended');
-    const reason = end.reason === '' ? 'The connection was lost' : MakeSentence(end.reason);
-    const left = end.retryAt === null ? null : Math.max(0, Math.ceil(end.retryAt - ReadNow()));
-    SetText(this.m_text, left === null ? reason : `${reason} Trying again in ${left} s.`);
+    const isOver = end !== null && end.retryAt === null;
+    SetText(this.m_text, isOver ? MakeSentence(lostReason) : `${MakeSentence(lostReason)} Joining again…`);
   }
 }
 

@@ -114,6 +114,11 @@ export class Client {
     return this.m_module._ReadState(this.m_session);
   }
 
+  // Whether a new connection may fare better than the one that has ended.
+  MayRejoin(): boolean {
+    return this.m_module._MayRejoin(this.m_session) !== 0;
+  }
+
   ReadEndReason(): string {
     return ReadZeroText(this.m_module, this.m_module._ReadEndReason(this.m_session));
   }

@@ -9,18 +9,21 @@ import { State } from './views';
 const kPingChannel = 3;
 const kPingEvery = 1; // s
 const kPingBytes = 7;
-const kRetryDelays = [1, 2, 4, 8, 15]; // s
-const kGoodFor = 10; // s of play after which the retries start from the first delay
+// As client/rejoin.h has them, but a first join that fails is tried again, too: nobody has to press a button.
+const kFirstWait = 0.25; // s; doubled with each try that fails, and shortened by chance to half of it at most
+const kLongestWait = 4; // s
+const kPatience = 60; // s without play, after which it gives up
+const kGoodFor = 10; // s of play after which waits and patience begin anew
 const kTimer = 250; // ms
 
 export interface ConnectionEnd {
-  reason: string;
   retryAt: number | null; // page's clock, s; null: no automatic retry
 }
 
 export class Connection {
   client: Client | null = null;
   end: ConnectionEnd | null = null;
+  lostReason = ''; // why the connection before ended, until the next one plays; empty: there was none
   ping = 0; // s, round trip to the server
   name: string;
   world = ''; // its name at the gateway; empty: the gateway's first
@@ -31,6 +34,7 @@ export class Connection {
   private readonly m_isSpectator: boolean;
   private m_socket: WebSocket | null = null;
   private m_tries = 0;
+  private m_lostAt: number | null = null; // of the first loss that kGoodFor has not made good
   private m_playingSince: number | null = null;
   private m_nextPing = 0;
   private readonly m_pingMessage = new Uint8Array([kPingChannel, 0, 0, 0, 0]);
@@ -58,7 +62,8 @@ export class Connection {
   }
 
   JoinAgain(): void {
-    this.m_tries = 0;
+    this.ForgetLosses();
+    this.lostReason = '';
     this.Join();
   }
 
@@ -131,7 +136,8 @@ export class Connection {
 
   private NotePlaying(now: number): void {
     this.m_playingSince ??= now;
-    if (now - this.m_playingSince > kGoodFor) this.m_tries = 0;
+    this.lostReason = '';
+    if (now - this.m_playingSince > kGoodFor) this.ForgetLosses();
     if (now < this.m_nextPing || this.m_socket?.readyState !== WebSocket.OPEN) return;
     this.m_nextPing = now + kPingEvery;
     this.m_pingNumber = (this.m_pingNumber + 1) % 256;
@@ -142,10 +148,18 @@ export class Connection {
 
   private NoteEnd(client: Client, now: number): void {
     const reason = this.m_closeReason !== '' ? this.m_closeReason : client.ReadEndReason();
-    const delay = kRetryDelays[this.m_tries];
+    this.lostReason = reason !== '' ? reason : 'the connection was lost';
+    this.m_lostAt ??= now;
+    const wait = Math.min(kFirstWait * 2 ** this.m_tries, kLongestWait) * (1 - Math.random() / 2);
     this.m_tries += 1;
-    this.end = { reason, retryAt: delay === undefined ? null : now + delay };
+    const isWorthIt = client.MayRejoin() && now < this.m_lostAt + kPatience;
+    this.end = { retryAt: isWorthIt ? now + wait : null };
     this.m_socket?.close(1000);
+  }
+
+  private ForgetLosses(): void {
+    this.m_tries = 0;
+    this.m_lostAt = null;
   }
 
   private Drop(): void {

@@ -5,8 +5,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <string>
 
-namespace wobble::transport::vestibule {
+namespace wobble::transport {
 
 struct NetAddress {
   std::array<std::uint8_t, 16> ip{};
@@ -30,4 +32,11 @@ using Subnet = std::array<std::uint8_t, 16>;
   return subnet;
 }
 
-}  // namespace wobble::transport::vestibule
+// "192.0.2.1" or "2001:db8::1".
+[[nodiscard]] std::string FormatIp(const NetAddress& address);
+// "192.0.2.1:7777" or "[2001:db8::1]:7777".
+[[nodiscard]] std::string Describe(const NetAddress& address);
+// What FormatIp writes, with port 0; nullopt for anything else.
+[[nodiscard]] std::optional<NetAddress> ParseIp(const std::string& text);
+
+}  // namespace wobble::transport

@@ -1,0 +1,65 @@
+#include "server/admission/open_gate.h"
+
+#include <filesystem>
+#include <utility>
+
+#include "protocol/transport/vestibule/key_file.h"
+#include "protocol/transport/vestibule/secret_file.h"
+
+namespace wobble::admission {
+
+namespace vestibule = transport::vestibule;
+
+namespace {
+
+// True when no file is named.
+bool ReadKey(const char* option, const std::string& file, std::optional<vestibule::Key>& key, std::string& error) {
+  if (file.empty()) return true;
+  key = vestibule::LoadOrMakeKey(file, error);
+  if (!key) error = option + (": " + error);
+  return key.has_value();
+}
+
+}  // namespace
+
+std::string FindOwnerKeyFile(const GateFiles& files) {
+  return files.ownerKey.empty() ? vestibule::FindStateFile(vestibule::kOwnerKeyName).string() : files.ownerKey;
+}
+
+std::shared_ptr<Gate> OpenGate(const GateFiles& files, const vestibule::Key& secretKey,
+                               std::function<std::uint64_t()> readUnixTime, std::string& error) {
+  GateSettings settings;
+  settings.secretKey = secretKey;
+  settings.readUnixTime = std::move(readUnixTime);
+  settings.isByInviteOnly = !files.invites.empty();
+  if (!files.password.empty()) {
+    const auto password = vestibule::ReadSecret(files.password, error);
+    if (!password) {
+      error = "--password-file: " + error;
+      return nullptr;
+    }
+    settings.password = *password;
+  }
+  if (!ReadKey("--token-key", files.tokenKey, settings.token, error)) return nullptr;
+  if (!ReadKey("--gateway-key", files.gatewayKey, settings.gateway, error)) return nullptr;
+  // Without a folder for it a server has no owner, which is no reason not to start.
+  std::string ignored;
+  const bool hasOwner = ReadKey("--owner-key", FindOwnerKeyFile(files), settings.owner, ignored);
+  if (!hasOwner && !files.ownerKey.empty()) {
+    error = ignored;
+    return nullptr;
+  }
+  Bans bans;
+  if (!bans.Load(files.bans, error)) {
+    error = "--bans: " + error;
+    return nullptr;
+  }
+  Invites invites;
+  if (!invites.Load(files.invites, error)) {
+    error = "--invites: " + error;
+    return nullptr;
+  }
+  return std::make_shared<Gate>(std::move(settings), std::move(bans), std::move(invites));
+}
+
+}  // namespace wobble::admission

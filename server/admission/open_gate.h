@@ -1,0 +1,28 @@
+// The gate of a server from the files that its options name.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "server/admission/gate.h"
+
+namespace wobble::admission {
+
+// Paths; empty: not given.
+struct GateFiles {
+  std::string password;
+  std::string tokenKey;  // made if it is not there, as the other keys are
+  std::string ownerKey;  // empty: owner.key in the user's state folder, if it can be kept there
+  std::string gatewayKey;
+  std::string invites;  // with it only who is invited may come in, or who has a password or token
+  std::string bans;
+};
+
+// Null with one line in `error` that names the option.
+[[nodiscard]] std::shared_ptr<Gate> OpenGate(const GateFiles& files, const transport::vestibule::Key& secretKey,
+                                             std::function<std::uint64_t()> readUnixTime, std::string& error);
+
+// Where the owner's key is.
+[[nodiscard]] std::string FindOwnerKeyFile(const GateFiles& files);
+
+}  // namespace wobble::admission

@@ -1,0 +1,88 @@
+// The part of the server that the administration acts on: clients by number, the lock, and the world as a whole.
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "protocol/text.h"
+#include "server/server.h"
+
+namespace wobble::server {
+
+using protocol::wire::GoodbyeReason;
+
+Session* Server::FindSession(ClientId client) {
+  const auto found = std::find_if(m_sessions.begin(), m_sessions.end(), [&](const auto& entry) {
+    return entry.second.state == Session::State::kPlaying && entry.second.clientId == client;
+  });
+  return found == m_sessions.end() ? nullptr : &found->second;
+}
+
+std::vector<Server::Player> Server::ListPlayers(double now) const {
+  std::vector<Player> players;
+  for (const auto& [connection, session] : m_sessions) {
+    if (session.state != Session::State::kPlaying) continue;
+    players.push_back({.client = session.clientId,
+                       .name = session.name,
+                       .admission = session.admission,
+                       .isSpectator = session.spectator,
+                       .isMuted = session.isMuted,
+                       .seconds = now - session.connectedAt});
+  }
+  std::sort(players.begin(), players.end(), [](const Player& a, const Player& b) { return a.client < b.client; });
+  return players;
+}
+
+bool Server::Dismiss(ClientId client, GoodbyeReason reason, const std::string& why) {
+  Session* session = FindSession(client);
+  if (session == nullptr) return false;
+  End(*session, reason, why);
+  return true;
+}
+
+bool Server::SetMuted(ClientId client, bool isMuted) {
+  Session* session = FindSession(client);
+  if (session == nullptr) return false;
+  session->isMuted = isMuted;
+  return true;
+}
+
+bool Server::SetRank(ClientId client, transport::Rank rank) {
+  Session* session = FindSession(client);
+  if (session == nullptr) return false;
+  session->admission.rank = rank;
+  SendTuning();
+  return true;
+}
+
+bool Server::SetProtected(bool isProtected) {
+  if (!m_workshop) return false;
+  m_workshop->SetProtected(isProtected);
+  return true;
+}
+
+void Server::ResetWorld() {
+  if (m_tuning.Reset(m_world, m_clock)) SendTuning();
+  for (const scenes::PlacedBody& placed : m_sceneBodies) {
+    if (m_workshop && placed.body == m_workshop->Body()) {
+      m_workshop->Reset(placed.home);
+    } else {
+      Respawn(placed.body, placed.home);
+    }
+  }
+}
+
+void Server::Say(const std::string& text) {
+  Broadcast(protocol::MakeNotice(protocol::MakeLine(text, protocol::kMaxNoticeBytes)));
+}
+
+void Server::TakeOrder(Session& session, const std::string& line) {
+  // The order may end this very session.
+  const ClientId client = session.clientId;
+  const auto answer = m_orderTaker ? m_orderTaker(client, session.admission.rank, line)
+                                   : std::vector<std::string>{"this server takes no orders"};
+  for (const std::string& each : answer) {
+    if (const Session* present = FindSession(client)) Notify(*present, each);
+  }
+}
+
+}  // namespace wobble::server

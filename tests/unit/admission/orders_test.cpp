@@ -1,0 +1,234 @@
+// Orders, from the line that is given to what players see of it.
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "server/admin/orders.h"
+#include "tests/support/game.h"
+#include "tests/unit/vestibule/deterministic.h"
+
+namespace wobble::admin {
+namespace {
+
+using test::Game;
+using transport::Rank;
+
+class OrdersTest : public testing::Test {
+ protected:
+  void Start(const std::string& tables = "") {
+    EXPECT_TRUE(transport::vestibule::InitialiseSodium());
+    game = std::make_unique<Game>(test::MakeYard(tables));
+    admission::GateSettings settings;
+    settings.readUnixTime = [] { return std::uint64_t{1'800'000'000}; };
+    settings.random = transport::vestibule::MakeRandom(1);
+    gate = std::make_unique<admission::Gate>(settings, admission::Bans{}, admission::Invites{});
+    game->server.SetOrderTaker([this](server::ClientId client, Rank rank, const std::string& line) {
+      return CarryOut({game->server, *gate}, {.rank = rank, .client = client}, line, game->now).lines;
+    });
+  }
+  Answer Give(const std::string& line, const Issuer& issuer = {}) {
+    return CarryOut({game->server, *gate}, issuer, line, game->now);
+  }
+  client::Client& Join(const std::string& name) {
+    client::Client& client = game->AddClient({.name = name});
+    game->Run(0.5);
+    EXPECT_EQ(client.ReadState(), client::State::kPlaying);
+    return client;
+  }
+
+  std::unique_ptr<Game> game;
+  std::unique_ptr<admission::Gate> gate;
+};
+
+TEST_F(OrdersTest, KickAndBanSayWhy) {
+  Start();
+  client::Client& ada = Join("Ada");
+  client::Client& bob = Join("Bob");
+  EXPECT_NE(Give("players").lines.at(0).find("Ada"), std::string::npos);
+  EXPECT_TRUE(Give("kick 1 be nice").isDone);
+  EXPECT_FALSE(Give("kick 1").isDone) << "gone already";
+  EXPECT_FALSE(Give("ban 2").isDone) << "neither account nor address on the virtual network";
+  EXPECT_TRUE(Give("ban 192.0.2.7 for 2h floods").isDone);
+  EXPECT_FALSE(Give("ban 192.0.2.8 for 2y").isDone);
+  EXPECT_EQ(Give("bans").lines.size(), 1U);
+  EXPECT_TRUE(Give("unban 1").isDone);
+  EXPECT_FALSE(Give("unban 1").isDone);
+  game->Run(0.5);
+  EXPECT_EQ(ada.ReadState(), client::State::kEnded);
+  EXPECT_NE(ada.EndReason().find("be nice"), std::string::npos) << ada.EndReason();
+  EXPECT_EQ(bob.ReadState(), client::State::kPlaying);
+}
+
+TEST_F(OrdersTest, RanksBoundWhatPlayersMayOrder) {
+  Start();
+  client::Client& ada = Join("Ada");
+  client::Client& bob = Join("Bob");
+  std::vector<std::string> notices;
+  ada.OnNotice([&](const std::string& line) { notices.push_back(line); });
+  ada.Order("kick 2");
+  game->Run(0.5);
+  ASSERT_EQ(notices.size(), 1U);
+  EXPECT_NE(notices[0].find("moderator"), std::string::npos) << notices[0];
+  EXPECT_TRUE(Give("rank 1 moderator").isDone);
+  EXPECT_TRUE(Give("rank 2 moderator").isDone);
+  ada.Order("kick 2");
+  ada.Order("rank 1 owner");
+  ada.Order("invite moderator");
+  game->Run(0.5);
+  EXPECT_EQ(notices.size(), 4U);
+  EXPECT_EQ(bob.ReadState(), client::State::kPlaying) << "moderators do not put each other out";
+  EXPECT_TRUE(Give("rank 2 player").isDone);
+  ada.Order("kick 2");
+  game->Run(0.5);
+  EXPECT_EQ(bob.ReadState(), client::State::kEnded);
+  EXPECT_TRUE(Give("hand-over 1").isDone);
+  ada.Order("rank 1 owner");
+  game->Run(0.5);
+  EXPECT_EQ(Give("players").lines.size(), 1U);
+  EXPECT_NE(Give("players").lines[0].find("owner"), std::string::npos);
+}
+
+TEST_F(OrdersTest, LockKeepsOutAndMuteKeepsStill) {
+  Start("[hands]\npush = true\n[tuning]\ngravity = \"everyone\"\n");
+  client::Client& ada = Join("Ada");
+  std::vector<std::string> notices;
+  ada.OnNotice([&](const std::string& line) { notices.push_back(line); });
+  EXPECT_TRUE(Give("mute 1").isDone);
+  ada.Tune(protocol::wire::TuneKind::Gravity, {0, 0, 1});
+  game->Run(0.5);
+  ASSERT_EQ(notices.size(), 1U);
+  EXPECT_EQ(game->server.World().Settings().gravity.z(), -9.81);
+  EXPECT_TRUE(Give("unmute 1").isDone);
+  ada.Tune(protocol::wire::TuneKind::Gravity, {0, 0, 1});
+  game->Run(0.5);
+  EXPECT_EQ(game->server.World().Settings().gravity.z(), 1);
+  EXPECT_TRUE(Give("reset").isDone);
+  EXPECT_EQ(game->server.World().Settings().gravity.z(), -9.81);
+
+  EXPECT_TRUE(Give("lock").isDone);
+  client::Client& late = game->AddClient();
+  game->Run(0.5);
+  EXPECT_EQ(late.ReadState(), client::State::kEnded);
+  EXPECT_NE(late.EndReason().find("lets nobody in"), std::string::npos) << late.EndReason();
+  EXPECT_TRUE(Give("unlock").isDone);
+  Join("Eve");
+}
+
+TEST_F(OrdersTest, PlayersWaitBetweenJumpsAndOwnersDoNot) {
+  Start("[tuning]\ntime = \"everyone\"\n");
+  client::Client& ada = Join("Ada");
+  std::vector<std::string> notices;
+  ada.OnNotice([&](const std::string& line) { notices.push_back(line); });
+  ada.Tune(protocol::wire::TuneKind::Jump, {2, 0, 0});
+  ada.Tune(protocol::wire::TuneKind::Jump, {2, 0, 0});
+  game->Run(0.5);
+  EXPECT_EQ(notices.size(), 1U);
+  game->Run(6);
+  ada.Tune(protocol::wire::TuneKind::Jump, {2, 0, 0});
+  game->Run(0.5);
+  EXPECT_EQ(notices.size(), 1U);
+  EXPECT_TRUE(Give("rank 1 owner").isDone);
+  ada.Tune(protocol::wire::TuneKind::Jump, {2, 0, 0});
+  game->Run(0.5);
+  EXPECT_EQ(notices.size(), 1U);
+}
+
+TEST_F(OrdersTest, InvitesAreMadeListedAndRevoked) {
+  Start();
+  const Answer made = Give("invite watcher for 7d uses 3");
+  ASSERT_EQ(made.lines.size(), 2U);
+  EXPECT_EQ(made.lines[1].rfind("#invite=", 0), 0U);
+  EXPECT_NE(Give("invites").lines.at(0).find("3 uses left"), std::string::npos);
+  EXPECT_TRUE(Give("revoke 1").isDone);
+  EXPECT_EQ(Give("invites").lines.at(0), "nobody is invited");
+  EXPECT_FALSE(Give("invite king").isDone);
+  EXPECT_FALSE(Give("invite for never").isDone);
+  EXPECT_FALSE(Give("invite uses 0").isDone);
+}
+
+TEST_F(OrdersTest, AnyLineIsAnswered) {
+  Start();
+  const std::string lines[] = {"",
+                               " ",
+                               "kick",
+                               "kick x",
+                               "kick 99999999999999999999",
+                               "ban",
+                               "ban account:0",
+                               "rank 1",
+                               "help",
+                               "say \x1b[31m",
+                               "mute",
+                               "protect",
+                               "protect maybe",
+                               "unban",
+                               std::string(5000, 'a'),
+                               std::string("kick\0 1", 7),
+                               "revoke -1",
+                               "invite player for",
+                               "hand-over"};
+  for (const std::string& line : lines) {
+    const Answer answer = Give(line);
+    EXPECT_FALSE(answer.lines.empty()) << line;
+    for (const std::string& each : answer.lines) {
+      EXPECT_EQ(each.find_first_of("\x1b\n"), std::string::npos) << line;
+      EXPECT_LE(each.size(), 300U);
+    }
+  }
+  EXPECT_EQ(ParseSpan("90s"), 90U);
+  EXPECT_EQ(ParseSpan("7d"), 7U * 24 * 3600);
+  EXPECT_EQ(ParseSpan("ever"), 0U);
+  for (const char* bad : {"", "s", "0s", "-1s", "1", "1y", "99999999999999999999d", "4000d"})
+    EXPECT_FALSE(ParseSpan(bad)) << bad;
+}
+
+constexpr const char* kProtectedWorkshop = R"(
+[[blueprint]]
+name = "frame"
+kind = "graph"
+particle = [{ position = [0, 0, 0], fixed = true }, { position = [1, 0, 0] }]
+spring = [{ ends = [0, 1], stiffness = 500 }]
+[[bodies]]
+blueprint = "frame"
+position = [0, 0, 2]
+[workshop]
+blueprint = "frame"
+protected = true
+)";
+
+TEST_F(OrdersTest, WhatOthersBuiltIsProtectedAndTheWorkshopIsReset) {
+  using protocol::wire::BuildKind;
+  Start(kProtectedWorkshop);
+  client::Client& ada = Join("Ada");
+  std::vector<std::string> notices;
+  ada.OnNotice([&](const std::string& line) { notices.push_back(line); });
+  const auto countParticles = [&] {
+    const auto& body = game->server.World().ReadBody(ada.Welcome().workshop);
+    return game->server.World().BlueprintOf(body).rest.size();
+  };
+  const auto build = [&](const protocol::BuildFields& fields) {
+    ada.Build(fields);
+    game->Run(0.5);
+  };
+  build({.kind = BuildKind::RemoveParticle, .a = 2});
+  EXPECT_EQ(notices.size(), 1U) << "it is the scene's";
+  EXPECT_EQ(countParticles(), 2U);
+  build({.kind = BuildKind::AddParticle, .at = {-2, -1, 1.5F}, .mass = 0.5F, .fixed = true});
+  EXPECT_EQ(countParticles(), 3U);
+  EXPECT_TRUE(Give("protect off").isDone);
+  build({.kind = BuildKind::RemoveParticle, .a = 2});
+  EXPECT_EQ(countParticles(), 2U);
+  EXPECT_TRUE(Give("protect on").isDone);
+  EXPECT_TRUE(Give("reset").isDone);
+  game->Run(0.5);
+  EXPECT_EQ(countParticles(), 2U);
+  const auto& body = game->server.World().ReadBody(ada.Welcome().workshop);
+  std::vector<physics::Vector3d> places;
+  physics::VisitVertices(body, [&](std::size_t, const physics::Vector3d& x) { places.push_back(x); });
+  EXPECT_NEAR(places.at(0).z(), 2, 0.05) << "where the scene has it";
+  EXPECT_NEAR((places.at(1) - places.at(0)).norm(), 1, 0.1);
+}
+
+}  // namespace
+}  // namespace wobble::admin
