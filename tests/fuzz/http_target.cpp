@@ -74,6 +74,9 @@ struct Servers {
     options.bindAddress = "127.0.0.1";
     options.worlds.push_back({"", {"127.0.0.1", 9}});
     options.maxConnections = 1000;
+    options.maxPerAddress = options.maxConnections;
+    // Each WebSocket says that it is another's: an address opens only some a second.
+    options.proxies = {"127.0.0.1"};
     page["/index.html"] = {.type = "text/html", .bytes = "<p>wobble</p>", .gzip = ""};
     std::freopen("/dev/null", "w", stdout);
     std::thread([this] { Require(gateway::RunGateway(options, page, [] { return false; }) == 0); }).detach();
@@ -97,6 +100,7 @@ struct Servers {
 
 void FuzzOne(std::span<const std::uint8_t> bytes) {
   static Servers& servers = *new Servers;
+  static unsigned turns = 0;
   if (bytes.empty()) return;
   const std::string text(bytes.begin() + 1, bytes.end());
   const bool ends = bytes[0] % 2 == 0;
@@ -111,12 +115,12 @@ void FuzzOne(std::span<const std::uint8_t> bytes) {
       static_cast<void>(Exchange(servers.options.port,
                                  "GET /play HTTP/1.1\r\nHost: h\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
                                  "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
-                                 "Sec-WebSocket-Protocol: " +
-                                     gateway::MakeSubprotocol() + "\r\n\r\n" + text,
+                                 "X-Forwarded-For: 2001:db8:0:" +
+                                     std::to_string(turns % 10000) +
+                                     "::1\r\nSec-WebSocket-Protocol: " + gateway::MakeSubprotocol() + "\r\n\r\n" + text,
                                  ends));
       break;
   }
-  static unsigned turns = 0;
   if (++turns % 64 != 0) return;
   const std::string good = "GET / HTTP/1.1\r\nHost: h\r\nConnection: close\r\n\r\n";
   Require(Exchange(servers.ops->ReadPort(), good, false).find("200 OK") != std::string::npos);
