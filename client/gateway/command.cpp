@@ -11,6 +11,7 @@
 #include "client/gateway/addresses.h"
 #include "client/gateway/gateway.h"
 #include "client/gateway/origin.h"
+#include "protocol/transport/vestibule/key_file.h"
 
 namespace wobble::gateway {
 namespace {
@@ -22,6 +23,7 @@ constexpr std::size_t kMaxNameBytes = 32;  // of a world's
 struct Words {
   std::vector<std::string> servers;
   std::string page;
+  std::string gatewayKey;
 };
 
 CLI::App* AddWords(CLI::App& app, GatewayOptions& options, Words& words) {
@@ -51,6 +53,11 @@ CLI::App* AddWords(CLI::App& app, GatewayOptions& options, Words& words) {
       ->add_option("--trusted-proxy", options.proxies,
                    "Proxy whose X-Forwarded-For header says a browser's address; repeatable")
       ->type_name("ADDRESS");
+  subcommand
+      ->add_option("--gateway-key", words.gatewayKey,
+                   "File of the key that the server was given by --gateway-key; it then counts and bans the browsers' "
+                   "addresses instead of this gateway's")
+      ->type_name("FILE");
   subcommand
       ->add_option("--origin", options.origins, "Origin whose pages may play here besides this gateway's; repeatable")
       ->type_name("URL");
@@ -108,6 +115,13 @@ bool Understand(const Words& words, GatewayOptions& options, std::string& error)
   if (SpellAddress(options.bindAddress).empty()) {
     error = "--bind: '" + options.bindAddress + "' is no IP address";
     return false;
+  }
+  if (!words.gatewayKey.empty()) {
+    options.gatewayKey = transport::vestibule::LoadKey(words.gatewayKey, error);
+    if (!options.gatewayKey) {
+      error = "--gateway-key: " + error;
+      return false;
+    }
   }
   for (std::string& proxy : options.proxies) {
     const std::string spelt = SpellAddress(proxy);

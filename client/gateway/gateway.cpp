@@ -209,6 +209,10 @@ void Gateway::ShowStatus(double now) {
 
 int RunGateway(const GatewayOptions& options, const Page& page, const command::IsStopAsked& isStopAsked) {
   command::AllowManySockets();
+  if (!transport::vestibule::InitialiseSodium()) {
+    std::fprintf(stderr, "wobble gateway: the cryptographic library does not start\n");
+    return command::kExitBadUse;
+  }
   Gateway gateway(options, page, isStopAsked);
   std::string error;
   if (!gateway.Open(error)) {

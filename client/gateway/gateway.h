@@ -4,12 +4,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "client/command/address.h"
 #include "client/command/command.h"
 #include "client/gateway/page_files.h"
+#include "protocol/transport/vestibule/keys.h"
 
 namespace wobble::gateway {
 
@@ -26,8 +28,10 @@ struct GatewayOptions {
   std::size_t maxConnections = 64;      // browsers that play at once
   std::size_t maxPerAddress = 0;        // of one IP address; 0: maxConnections
   std::vector<std::string> proxies;     // whose X-Forwarded-For is believed; as SpellAddress has them
-  std::vector<std::string> origins;     // origins whose pages may play, besides the gateway's own page
-  double statusEvery = 0;               // seconds between status lines; 0: none
+  // With it servers that have the same key are told the browsers' addresses.
+  std::optional<transport::vestibule::Key> gatewayKey;
+  std::vector<std::string> origins;  // origins whose pages may play, besides the gateway's own page
+  double statusEvery = 0;            // seconds between status lines; 0: none
 };
 
 // Runs until isStopAsked returns true. Returns the exit code: 0, or 2 with one line on standard error when the port

@@ -18,8 +18,9 @@ using transport::SendResult;
 
 std::string MakeSubprotocol() { return "wobble." + std::to_string(protocol::kProtocolVersion); }
 
-std::unique_ptr<ServerLink> ServerLink::Open(const std::string& host, std::uint16_t port, std::string& error) {
-  auto transport = EnetTransport::Connect(host, port, error);
+std::unique_ptr<ServerLink> ServerLink::Open(const std::string& host, std::uint16_t port,
+                                             const transport::ConnectOptions& options, std::string& error) {
+  auto transport = EnetTransport::Connect(host, port, error, options);
   return transport == nullptr ? nullptr : std::unique_ptr<ServerLink>(new ServerLink(std::move(transport)));
 }
 
@@ -28,9 +29,11 @@ void ServerLink::Poll(double now, Outbox& outbox) {
     switch (event.kind) {
       case transport::Event::Kind::kConnected:
         m_isConnected = true;
+        if (const auto ticket = m_transport->ReadTicket(); !ticket.empty()) outbox.Add(kTicketChannel, ticket);
         break;
       case transport::Event::Kind::kDisconnected:
         m_hasEnded = true;
+        m_isFinal = event.isFinal;
         m_endReason = !event.reason.empty() ? std::string(event.reason)
                       : m_isConnected       ? "the server has ended the connection"
                                             : "the server does not answer";

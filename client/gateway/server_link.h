@@ -1,7 +1,8 @@
 // One browser's connection to the server, and the framing between the two.
 //
 // A message over the WebSocket is a byte that names the channel, and then the message as ENet carries it. Channel 3 is
-// the link's own: a browser's ping of four bytes is answered with the same bytes and the round trip over ENet.
+// the link's own: a browser's ping of four bytes is answered with the same bytes and the round trip over ENet. On
+// channel 4 the browser is given its ticket once, if the server gave one: with it it may come back.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +19,7 @@ namespace wobble::gateway {
 // The channel of pings, beside those of transport::Channel.
 inline constexpr std::uint8_t kPingChannel = 3;
 inline constexpr std::size_t kPingBytes = 4;
+inline constexpr std::uint8_t kTicketChannel = 4;
 
 // The largest message that a browser may send, bytes.
 inline constexpr std::size_t kMaxBrowserMessageBytes = 1 + protocol::kMaxClientMessageBytes;
@@ -30,7 +32,7 @@ class ServerLink {
   // Begins to connect. host: numeric, so that nothing is looked up here. Null with one line in `error` when there is no
   // socket.
   [[nodiscard]] static std::unique_ptr<ServerLink> Open(const std::string& host, std::uint16_t port,
-                                                        std::string& error);
+                                                        const transport::ConnectOptions& options, std::string& error);
 
   // Takes in what the server has sent and adds it to the browser's outbox.
   void Poll(double now, Outbox& outbox);
@@ -45,8 +47,9 @@ class ServerLink {
   // Whether the server has ever answered.
   [[nodiscard]] bool IsConnected() const { return m_isConnected; }
   [[nodiscard]] bool HasEnded() const { return m_hasEnded; }
-  // Once it has ended: a line for the player.
+  // Once it has ended: a line for the player, and whether the server would say the same to another try.
   [[nodiscard]] const std::string& EndReason() const { return m_endReason; }
+  [[nodiscard]] bool IsFinal() const { return m_isFinal; }
 
  private:
   explicit ServerLink(std::unique_ptr<transport::EnetTransport> transport) : m_transport(std::move(transport)) {}
@@ -57,6 +60,7 @@ class ServerLink {
   bool m_isConnected = false;
   bool m_hasEnded = false;
   std::string m_endReason;
+  bool m_isFinal = false;
 };
 
 }  // namespace wobble::gateway

@@ -22,6 +22,7 @@
 
 #include "client/command/clock.h"
 #include "client/gateway/addresses.h"
+#include "client/gateway/credential.h"
 #include "client/gateway/origin.h"
 #include "client/gateway/outbox.h"
 #include "client/gateway/rate_limit.h"
@@ -67,6 +68,22 @@ constexpr const char* kContentSecurityPolicy =
 
 std::string_view AsView(beast::string_view text) { return {text.data(), text.size()}; }
 
+// Close codes of our own (4000 to 4999 are free for that), by which the page knows that another try is in vain, or
+// needs a password, invite or token.
+constexpr auto kRefusedForGood = static_cast<websocket::close_code>(4000);
+constexpr auto kCredentialRefused = static_cast<websocket::close_code>(4001);
+
+websocket::close_code FindCloseCode(const ServerLink& ended) {
+  if (ended.EndReason() == transport::kBadCredentialReason) return kCredentialRefused;
+  if (ended.IsFinal()) return kRefusedForGood;
+  return ended.IsConnected() ? websocket::close_code::normal : websocket::close_code::try_again_later;
+}
+
+std::uint64_t ReadUnixTime() {
+  return static_cast<std::uint64_t>(
+      std::chrono::duration_cast<seconds>(std::chrono::system_clock::now().time_since_epoch()).count());
+}
+
 // All X-Forwarded-For headers as one.
 std::string JoinForwardedFor(const Request& request) {
   std::string all;
@@ -90,12 +107,15 @@ std::string JoinForwardedFor(const Request& request) {
 // the handshake is done, and OnAccepted then goes to kLeaving.
 class Browser : public std::enable_shared_from_this<Browser> {
  public:
-  Browser(Shared& shared, const World& world, tcp::socket socket, Request request, const std::string& address)
+  // address: by which places are counted. credential: for the server.
+  Browser(Shared& shared, const World& world, tcp::socket socket, Request request, const std::string& address,
+          transport::vestibule::Credential credential)
       : m_shared(shared),
         m_world(world),
         m_stream(std::move(socket)),
         m_resolver(m_stream.get_executor()),
         m_request(std::move(request)),
+        m_credential(std::move(credential)),
         m_guest{.address = address, .end = [this] { End("said no hello in time"); }},
         m_seat(shared.players.Take(address)),
         m_number(++shared.counts.browsers),
@@ -143,6 +163,7 @@ class Browser : public std::enable_shared_from_this<Browser> {
   websocket::stream<beast::tcp_stream> m_stream;
   udp::resolver m_resolver;
   Request m_request;
+  transport::vestibule::Credential m_credential;
   Lobby::Guest m_guest;  // of `greeting`, until it has said hello or has ended
   Place m_seat;          // null: none was left
   std::uint64_t m_number;
@@ -203,7 +224,8 @@ void Browser::OnResolved(error_code error, const udp::resolver::results_type& re
     const auto isIpv4 = [](const auto& each) { return each.endpoint().address().is_v4(); };
     const auto found = std::find_if(results.begin(), results.end(), isIpv4);
     const auto& chosen = found == results.end() ? *results.begin() : *found;
-    m_link = ServerLink::Open(chosen.endpoint().address().to_string(), m_world.server.port, reason);
+    m_link = ServerLink::Open(chosen.endpoint().address().to_string(), m_world.server.port,
+                              {.credential = m_credential}, reason);
   }
   if (m_link == nullptr) Close(websocket::close_code::try_again_later, reason, Waiting::kDiscard);
 }
@@ -212,8 +234,7 @@ void Browser::Turn(double now) {
   if (m_link != nullptr) {
     m_link->Poll(now, m_outbox);
     if (m_link->HasEnded()) {
-      const auto code = m_link->IsConnected() ? websocket::close_code::normal : websocket::close_code::try_again_later;
-      Close(code, m_link->EndReason(), Waiting::kDeliver);
+      Close(FindCloseCode(*m_link), m_link->EndReason(), Waiting::kDeliver);
     } else if (m_state == State::kJoining && m_link->IsConnected()) {
       m_state = State::kGreeting;
       m_helloBy = now + kHelloTimeout;
@@ -426,8 +447,10 @@ void Visitor::AnswerPlay(const World& world) {
     return SendText(http::status::bad_request, "the subprotocol is not offered: load the page again\n");
   }
   const double now = command::ReadClock();
-  const std::string address =
-      FindHousehold(FindBrowserAddress(m_peer, JoinForwardedFor(request), m_shared.options.proxies));
+  auto credential = FindCredential(AsView(request[http::field::sec_websocket_protocol]));
+  if (!credential) return SendText(http::status::bad_request, "the password, invite or token is malformed\n");
+  const std::string from = FindBrowserAddress(m_peer, JoinForwardedFor(request), m_shared.options.proxies);
+  const std::string address = FindHousehold(from);
   if (!m_shared.plays.Allow(address, now)) {
     ++m_shared.counts.browsersRefused;
     return SendText(http::status::too_many_requests, "too many tries from this address: wait a few seconds\n");
@@ -435,8 +458,9 @@ void Visitor::AnswerPlay(const World& world) {
   if (m_shared.players.IsFull()) m_shared.greeting.EndOldest(now - kUsualHello);
   m_shared.visitors.Leave(m_guest);
   m_stream.expires_never();
-  const auto browser =
-      std::make_shared<Browser>(m_shared, world, m_stream.release_socket(), m_parser->release(), address);
+  if (const auto& key = m_shared.options.gatewayKey) credential = Introduce(*credential, from, *key, ReadUnixTime());
+  const auto browser = std::make_shared<Browser>(m_shared, world, m_stream.release_socket(), m_parser->release(),
+                                                 address, std::move(*credential));
   m_shared.browsers.push_back(browser);
   browser->Start();
 }

@@ -65,7 +65,7 @@ std::string_view Describe(const Caller& caller) {
     case vestibule::Refusal::kTooManyFromAddress:
       return "too many connections from this address";
     case vestibule::Refusal::kBadCredential:
-      return "the password, invite or token is missing or not valid";
+      return kBadCredentialReason;
     case vestibule::Refusal::kBanned:
       return "banned from this server";
     case vestibule::Refusal::kNone:

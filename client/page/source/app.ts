@@ -100,7 +100,10 @@ export class App {
     this.m_worlds.List(worlds);
     this.m_worlds.Show(this.connection.world);
     this.m_people = new People(this.connection.name, this.m_worlds.element);
-    this.m_card = new ConnectionCard(() => this.connection.JoinAgain());
+    this.m_card = new ConnectionCard(
+      () => this.connection.JoinAgain(),
+      (password) => this.connection.JoinWithPassword(password),
+    );
     this.m_world = new WorldPanel(() => this.FindClient());
     this.m_inspector = new Inspector(this.m_view, new Arrows(this.stage.scene), this.players);
     this.m_marks = new Marks(document.querySelector<HTMLCanvasElement>('#marks')!);

@@ -10,20 +10,35 @@ export class ConnectionCard {
   private readonly m_title = MakeElement('h1');
   private readonly m_text = MakeElement('p');
   private readonly m_button: HTMLButtonElement;
+  private readonly m_form = MakeElement('form', 'password');
 
-  constructor(onJoin: () => void) {
+  constructor(onJoin: () => void, onPassword: (password: string) => void) {
     const card = MakeElement('div', 'card');
     card.setAttribute('role', 'status');
     this.m_button = MakeButton('Join again', 'Join again', '', onJoin);
     this.m_button.classList.add('main');
-    card.append(this.m_ball, this.m_title, this.m_text, this.m_button);
+    const field = MakeElement('input');
+    field.type = 'password';
+    field.required = true;
+    field.autocomplete = 'current-password';
+    field.setAttribute('aria-label', 'Password');
+    const enter = MakeElement('button', 'main', 'Enter');
+    enter.type = 'submit';
+    this.m_form.append(field, enter);
+    this.m_form.addEventListener('submit', (event) => {
+      event.preventDefault();
+      onPassword(field.value);
+      field.value = '';
+    });
+    card.append(this.m_ball, this.m_title, this.m_text, this.m_form, this.m_button);
     this.element.append(card);
   }
 
   Update(connection: Connection): void {
     const { client, end, lostReason } = connection;
     this.element.hidden = end === null && client?.ReadState() === State.Playing;
-    this.m_button.hidden = lostReason === '';
+    this.m_form.hidden = !connection.wantsPassword;
+    this.m_button.hidden = lostReason === '' || connection.wantsPassword;
     this.m_ball.hidden = end !== null && end.retryAt === null;
     if (lostReason === '') {
       SetText(this.m_title, 'Joining…');
@@ -31,6 +46,11 @@ export class ConnectionCard {
         this.m_text,
         client?.ReadState() === State.Joining ? 'Loading the world' : 'Connecting to the server',
       );
+      return;
+    }
+    if (connection.wantsPassword) {
+      SetText(this.m_title, 'This world asks for a password');
+      SetText(this.m_text, 'Enter it, or open the invite that you were sent.');
       return;
     }
     SetText(this.m_title, 'Connection ended');

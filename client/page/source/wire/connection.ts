@@ -3,12 +3,17 @@
 // A page in the background gets no frames and hardly any timers, but messages on its socket still wake it. The client
 // is therefore updated with every message, and the connection stays alive while the server sends.
 import type { WobbleModule } from 'wobble-wasm';
+import { Access } from './access';
 import { Client, ReadNow } from './client';
 import { State } from './views';
 
 const kPingChannel = 3;
 const kPingEvery = 1; // s
 const kPingBytes = 7;
+const kTicketChannel = 4;
+// Close codes of the gateway: another try is in vain; what was shown to be let in does not hold.
+const kRefusedForGood = 4000;
+const kCredentialRefused = 4001;
 // As client/rejoin.h has them, but a first join that fails is tried again, too: nobody has to press a button.
 const kFirstWait = 0.25; // s; doubled with each try that fails, and shortened by chance to half of it at most
 const kLongestWait = 4; // s
@@ -23,6 +28,7 @@ export interface ConnectionEnd {
 export class Connection {
   client: Client | null = null;
   end: ConnectionEnd | null = null;
+  wantsPassword = false; // the server asks for one, or for an invite, and will ask again
   lostReason = ''; // why the connection before ended, until the next one plays; empty: there was none
   ping = 0; // s, round trip to the server
   name: string;
@@ -32,6 +38,7 @@ export class Connection {
 
   private readonly m_module: WobbleModule;
   private readonly m_isSpectator: boolean;
+  private readonly m_access = new Access();
   private m_socket: WebSocket | null = null;
   private m_tries = 0;
   private m_lostAt: number | null = null; // of the first loss that kGoodFor has not made good
@@ -41,6 +48,7 @@ export class Connection {
   private m_pingNumber = 0;
   private m_pingSent = 0;
   private m_closeReason = '';
+  private m_closeCode = 0;
 
   constructor(module: WobbleModule, name: string, isSpectator: boolean) {
     this.m_module = module;
@@ -54,6 +62,8 @@ export class Connection {
     this.Drop();
     this.end = null;
     this.m_closeReason = '';
+    this.m_closeCode = 0;
+    this.wantsPassword = false;
     this.m_playingSince = null;
     const client = new Client(this.m_module, this.name, this.m_isSpectator);
     this.client = client;
@@ -65,6 +75,11 @@ export class Connection {
     this.ForgetLosses();
     this.lostReason = '';
     this.Join();
+  }
+
+  JoinWithPassword(password: string): void {
+    this.m_access.UsePassword(password);
+    this.JoinAgain();
   }
 
   // Says goodbye at once; for the closing of the page.
@@ -95,7 +110,9 @@ export class Connection {
     const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
     const path = this.world === '' ? '/play' : `/play/${encodeURIComponent(this.world)}`;
     const protocol = `wobble.${this.m_module._ReadProtocolVersion()}`;
-    const socket = new WebSocket(`${scheme}://${location.host}${path}`, protocol);
+    const credential = this.m_access.Choose(this.world);
+    const protocols = credential === null ? [protocol] : [protocol, credential];
+    const socket = new WebSocket(`${scheme}://${location.host}${path}`, protocols);
     socket.binaryType = 'arraybuffer';
     this.m_socket = socket;
     const isCurrent = () => this.client === client && this.end === null;
@@ -112,12 +129,17 @@ export class Connection {
     socket.onclose = (event) => {
       if (!isCurrent()) return;
       this.m_closeReason = event.reason;
+      this.m_closeCode = event.code;
       client.CloseSocket();
       this.Update();
     };
   }
 
   private Receive(client: Client, message: Uint8Array): void {
+    if (message[0] === kTicketChannel) {
+      this.m_access.NoteTicket(message.subarray(1));
+      return;
+    }
     if (message[0] !== kPingChannel) {
       client.ReceiveMessage(message);
       return;
@@ -152,8 +174,13 @@ export class Connection {
     this.m_lostAt ??= now;
     const wait = Math.min(kFirstWait * 2 ** this.m_tries, kLongestWait) * (1 - Math.random() / 2);
     this.m_tries += 1;
-    const isWorthIt = client.MayRejoin() && now < this.m_lostAt + kPatience;
-    this.end = { retryAt: isWorthIt ? now + wait : null };
+    if (this.m_closeCode === kCredentialRefused) {
+      this.wantsPassword = !this.m_access.NoteRefused();
+      this.end = { retryAt: this.wantsPassword ? null : now };
+    } else {
+      const isFinal = this.m_closeCode === kRefusedForGood || !client.MayRejoin();
+      this.end = { retryAt: isFinal || now >= this.m_lostAt + kPatience ? null : now + wait };
+    }
     this.m_socket?.close(1000);
   }
 

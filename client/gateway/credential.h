@@ -1,0 +1,27 @@
+// What a browser shows to be let in, on its way to the server.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "protocol/transport/vestibule/handshake.h"
+
+namespace wobble::gateway {
+
+// An introduction and this fit into vestibule::kMaxCredentialBytes; no token, invite or password needs more.
+inline constexpr std::size_t kMaxBrowserCredentialBytes = 300;
+
+// The credential that stands among the subprotocols of a WebSocket, such as "wobble.6, password.dHVsaXA": password,
+// invite, token or owner, and its bytes in base64url. None is Kind::kNone. nullopt: it is malformed, or there are two.
+[[nodiscard]] std::optional<transport::vestibule::Credential> FindCredential(std::string_view subprotocols);
+
+// The credential with an introduction in front of it that says the browser's address: for servers that have the key.
+// address: as SpellAddress has it. now: s since 1970.
+[[nodiscard]] transport::vestibule::Credential Introduce(const transport::vestibule::Credential& own,
+                                                         const std::string& address,
+                                                         const transport::vestibule::Key& gatewayKey,
+                                                         std::uint64_t now);
+
+}  // namespace wobble::gateway
