@@ -2,8 +2,6 @@
 // or two, and the kernel's buffer holds some hundred messages only. Beyond that they are lost, as on a network.
 #include "protocol/transport/vestibule/doorkeeper.h"
 
-#include <poll.h>
-#include <sys/eventfd.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -23,6 +21,8 @@ constexpr double kOverdueEvery = 0.5;
 constexpr double kFloodRate = 5000;
 constexpr double kFloodWindow = 0.05;  // s
 constexpr auto kRest = std::chrono::milliseconds(1);
+// The longest wait for a datagram, s. Leavers are noted then or with the next datagram, before it is judged.
+constexpr double kPatience = 0.025;
 
 double ReadClock() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -35,17 +35,17 @@ Doorkeeper::Doorkeeper(UdpSocket socket, Door door, int pairEnd)
       m_door(std::move(door)),
       m_serverKey(m_door.ServerKey()),
       m_pairEnd(pairEnd),
-      m_wake(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
-      m_thread([this] { Run(); }) {}
+      m_thread([this] {
+        m_socket.SetPatience(kPatience);
+        Run();
+      }) {}
 
 Doorkeeper::~Doorkeeper() {
   {
     const std::lock_guard lock(m_mutex);
     m_isStopping = true;
   }
-  eventfd_write(m_wake, 1);
   m_thread.join();
-  close(m_wake);
   close(m_pairEnd);
 }
 
@@ -54,7 +54,6 @@ void Doorkeeper::Leave(VisitorId visitor, bool isGone) {
     const std::lock_guard lock(m_mutex);
     m_leavers.push_back({visitor, isGone});
   }
-  eventfd_write(m_wake, 1);
 }
 
 DoorCounts Doorkeeper::ReadCounts() const {
@@ -62,6 +61,7 @@ DoorCounts Doorkeeper::ReadCounts() const {
   return m_counts;
 }
 
+// A turn waits in the call that receives: to poll first would be a second system call for each datagram.
 void Doorkeeper::Run() {
   for (;;) {
     {
@@ -69,18 +69,26 @@ void Doorkeeper::Run() {
       if (m_isStopping) return;
       m_counts = m_door.Counts();
     }
-    Wait();
     if (m_isFlooded) std::this_thread::sleep_for(kRest);
-    TakeLeavers();
-    const double now = ReadClock();
-    JudgeFlood(now);
+    double now = 0;
+    const auto wake = [&] {
+      now = ReadClock();
+      TakeLeavers();
+      JudgeFlood(now);
+    };
+    const auto take = [&](const NetAddress& from, std::span<const std::uint8_t> datagram) {
+      if (now == 0) wake();
+      TakeDatagram(from, datagram, now);
+    };
     for (int i = 0; i < kMostBatches; ++i) {
-      const std::size_t taken = m_socket.Receive(
-          [&](const NetAddress& from, std::span<const std::uint8_t> datagram) { TakeDatagram(from, datagram, now); });
+      const bool mayWait = i == 0 && m_toPair.empty();
+      const std::size_t taken = mayWait ? m_socket.Await(take) : m_socket.Receive(take);
       m_bytesOut.fetch_add(m_answers.Flush(m_socket), std::memory_order_relaxed);
       WriteToPair();
       if (taken < UdpSocket::kBatch) break;
     }
+    if (!m_toPair.empty()) std::this_thread::sleep_for(kRest);  // the pair is full
+    if (now == 0) wake();
     if (now < m_nextOverdue) continue;
     m_nextOverdue = now + kOverdueEvery;
     m_door.RemoveOverdue(now, m_overdue);
@@ -95,15 +103,6 @@ void Doorkeeper::JudgeFlood(double now) {
   m_isFlooded = m_strangers > kFloodRate * seconds;
   m_strangersFrom = now;
   m_strangers = 0;
-}
-
-void Doorkeeper::Wait() {
-  pollfd waits[] = {{m_socket.Descriptor(), POLLIN, 0},
-                    {m_wake, POLLIN, 0},
-                    {m_pairEnd, static_cast<short>(m_toPair.empty() ? 0 : POLLOUT), 0}};
-  poll(waits, 3, static_cast<int>(kOverdueEvery * 1000));
-  eventfd_t ignored;
-  if ((waits[1].revents & POLLIN) != 0) eventfd_read(m_wake, &ignored);
 }
 
 void Doorkeeper::TakeLeavers() {

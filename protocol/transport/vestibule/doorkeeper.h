@@ -48,7 +48,6 @@ class Doorkeeper {
  private:
   void Leave(VisitorId visitor, bool isGone);
   void Run();
-  void Wait();
   void JudgeFlood(double now);
   void TakeLeavers();
   void TakeDatagram(const NetAddress& from, std::span<const std::uint8_t> datagram, double now);
@@ -59,7 +58,6 @@ class Doorkeeper {
   Door m_door;
   Key m_serverKey;
   int m_pairEnd;
-  int m_wake;  // an eventfd
   SendBatch m_answers;
   std::deque<std::vector<std::uint8_t>> m_toPair;
   std::vector<VisitorId> m_overdue;  // scratch

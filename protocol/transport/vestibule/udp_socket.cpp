@@ -67,7 +67,7 @@ AddressList Look(const std::string& host, std::uint16_t port, int flags) {
   return AddressList(result == 0 ? list : nullptr);
 }
 
-int MakeSocket(int family) { return socket(family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0); }
+int MakeSocket(int family) { return socket(family, SOCK_DGRAM | SOCK_CLOEXEC, 0); }
 
 int MakeDualSocket(bool& isIpv6) {
   int descriptor = MakeSocket(AF_INET6);
@@ -131,7 +131,12 @@ void UdpSocket::SetBuffers(int bytes) {
   setsockopt(m_descriptor, SOL_SOCKET, SO_SNDBUF, &bytes, sizeof bytes);
 }
 
-std::size_t UdpSocket::Receive(const TakeFunction& take) {
+void UdpSocket::SetPatience(double seconds) {
+  const timeval patience{.tv_sec = 0, .tv_usec = static_cast<suseconds_t>(1e6 * seconds)};
+  setsockopt(m_descriptor, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+}
+
+std::size_t UdpSocket::Receive(const TakeFunction& take, bool waits) {
   m_buffers.resize(kBatch * kReceivedBytes);
   std::array<mmsghdr, kBatch> messages{};
   std::array<iovec, kBatch> parts;
@@ -143,7 +148,7 @@ std::size_t UdpSocket::Receive(const TakeFunction& take) {
     messages[i].msg_hdr.msg_iov = &parts[i];
     messages[i].msg_hdr.msg_iovlen = 1;
   }
-  const int count = recvmmsg(m_descriptor, messages.data(), kBatch, MSG_DONTWAIT, nullptr);
+  const int count = recvmmsg(m_descriptor, messages.data(), kBatch, waits ? MSG_WAITFORONE : MSG_DONTWAIT, nullptr);
   for (int i = 0; i < count; ++i) {
     const auto place = static_cast<std::size_t>(i);
     take(FromSystem(from[place]), {m_buffers.data() + place * kReceivedBytes, messages[place].msg_len});

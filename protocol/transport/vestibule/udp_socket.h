@@ -36,9 +36,14 @@ class UdpSocket {
   // Passes what has arrived to `take`, at most kBatch datagrams. Returns how many.
   static constexpr std::size_t kBatch = 64;
   using TakeFunction = std::function<void(const NetAddress& from, std::span<const std::uint8_t> datagram)>;
-  std::size_t Receive(const TakeFunction& take);
+  std::size_t Receive(const TakeFunction& take) { return Receive(take, false); }
+  // The same, and waits for the first for as long as SetPatience says.
+  std::size_t Await(const TakeFunction& take) { return Receive(take, true); }
+  void SetPatience(double seconds);
 
  private:
+  std::size_t Receive(const TakeFunction& take, bool waits);
+
   explicit UdpSocket(int descriptor, bool isIpv6) : m_descriptor(descriptor), m_isIpv6(isIpv6) {}
   friend class SendBatch;
 
