@@ -74,8 +74,11 @@ constexpr auto kRefusedForGood = static_cast<websocket::close_code>(4000);
 constexpr auto kCredentialRefused = static_cast<websocket::close_code>(4001);
 
 websocket::close_code FindCloseCode(const ServerLink& ended) {
-  if (ended.EndReason() == transport::kBadCredentialReason) return kCredentialRefused;
-  if (ended.IsFinal()) return kRefusedForGood;
+  using transport::vestibule::Refusal;
+  const Refusal refusal = ended.ReadRefusal();
+  if (refusal == Refusal::kBadCredential) return kCredentialRefused;
+  // The other connections of an address last; to ask every few seconds would not help.
+  if (ended.IsFinal() || refusal == Refusal::kTooManyFromAddress) return kRefusedForGood;
   return ended.IsConnected() ? websocket::close_code::normal : websocket::close_code::try_again_later;
 }
 
@@ -84,10 +87,10 @@ std::uint64_t ReadUnixTime() {
       std::chrono::duration_cast<seconds>(std::chrono::system_clock::now().time_since_epoch()).count());
 }
 
-// All X-Forwarded-For headers as one.
-std::string JoinForwardedFor(const Request& request) {
+// All headers of this name as one list.
+std::string JoinHeaders(const Request& request, const char* name) {
   std::string all;
-  const auto [begin, end] = request.equal_range("X-Forwarded-For");
+  const auto [begin, end] = request.equal_range(name);
   for (auto each = begin; each != end; ++each) {
     if (!all.empty()) all += ',';
     all += AsView(each->value());
@@ -117,7 +120,6 @@ class Browser : public std::enable_shared_from_this<Browser> {
         m_request(std::move(request)),
         m_credential(std::move(credential)),
         m_guest{.address = address, .end = [this] { End("said no hello in time"); }},
-        m_seat(shared.players.Take(address)),
         m_number(++shared.counts.browsers),
         m_begin(command::ReadClock()) {
     shared.greeting.Enter(m_guest, m_begin);
@@ -147,6 +149,9 @@ class Browser : public std::enable_shared_from_this<Browser> {
 
   void OnAccepted(error_code error);
   void OnResolved(error_code error, const udp::resolver::results_type& results);
+  void TurnLink(double now);
+  void TakeSeat(double now);
+  void RefuseSeat();
   // Whether what the browser sends goes to the server.
   [[nodiscard]] bool IsHeard() const { return m_state == State::kGreeting || m_state == State::kPlaying; }
   void Read();
@@ -165,7 +170,7 @@ class Browser : public std::enable_shared_from_this<Browser> {
   Request m_request;
   transport::vestibule::Credential m_credential;
   Lobby::Guest m_guest;  // of `greeting`, until it has said hello or has ended
-  Place m_seat;          // null: none was left
+  Place m_seat;          // null until the server has let it in
   std::uint64_t m_number;
   double m_begin;
   double m_helloBy = 0;  // while kGreeting
@@ -202,13 +207,8 @@ void Browser::OnAccepted(error_code error) {
   if (error) return End(error.message());
   m_state = m_farewell ? State::kLeaving : State::kJoining;
   if (m_farewell) return Write();
-  if (m_seat == nullptr) {
-    ++m_shared.counts.browsersRefused;
-    return Close(websocket::close_code::try_again_later, "all places are taken", Waiting::kDiscard);
-  }
-  std::fprintf(stderr, "browser %llu: %s plays%s%s, %zu of %zu\n", static_cast<unsigned long long>(m_number),
-               m_guest.address.c_str(), m_world.name.empty() ? "" : " ", m_world.name.c_str(),
-               m_shared.players.CountTaken(), m_shared.options.maxConnections);
+  m_request = {};  // it has the credential in plain text
+  if (!m_shared.players.HasRoom(m_guest.address)) return RefuseSeat();
   // Resolved anew for each browser: a server may have moved since the gateway began.
   m_resolver.async_resolve(m_world.server.host, std::to_string(m_world.server.port),
                            [self = shared_from_this()](error_code failure, const udp::resolver::results_type& results) {
@@ -225,27 +225,44 @@ void Browser::OnResolved(error_code error, const udp::resolver::results_type& re
     const auto found = std::find_if(results.begin(), results.end(), isIpv4);
     const auto& chosen = found == results.end() ? *results.begin() : *found;
     m_link = ServerLink::Open(chosen.endpoint().address().to_string(), m_world.server.port,
-                              {.credential = m_credential}, reason);
+                              {.credential = std::move(m_credential)}, reason);
   }
   if (m_link == nullptr) Close(websocket::close_code::try_again_later, reason, Waiting::kDiscard);
 }
 
 void Browser::Turn(double now) {
-  if (m_link != nullptr) {
-    m_link->Poll(now, m_outbox);
-    if (m_link->HasEnded()) {
-      Close(FindCloseCode(*m_link), m_link->EndReason(), Waiting::kDeliver);
-    } else if (m_state == State::kJoining && m_link->IsConnected()) {
-      m_state = State::kGreeting;
-      m_helloBy = now + kHelloTimeout;
-      Read();
-    }
-  }
+  if (m_link != nullptr) TurnLink(now);
   if (m_state == State::kGreeting && now >= m_helloBy) CutOff(websocket::close_code::policy_error, "no hello");
   if (m_hasFlooded) CutOff(websocket::close_code::policy_error, "too many messages");
   if (m_outbox.IsOverfull()) CutOff(websocket::close_code::policy_error, "reads too slowly");
   Write();
   if (m_farewell && now >= m_closeBy) End("");
+}
+
+void Browser::TurnLink(double now) {
+  m_link->Poll(now, m_outbox);
+  if (m_link->HasEnded()) {
+    Close(FindCloseCode(*m_link), m_link->EndReason(), Waiting::kDeliver);
+  } else if (m_state == State::kJoining && m_link->IsConnected()) {
+    TakeSeat(now);
+  }
+}
+
+// Only now: those whom the server refuses keep no place from others.
+void Browser::TakeSeat(double now) {
+  m_seat = m_shared.players.Take(m_guest.address);
+  if (m_seat == nullptr) return RefuseSeat();
+  std::fprintf(stderr, "browser %llu: %s plays%s%s, %zu of %zu\n", static_cast<unsigned long long>(m_number),
+               m_guest.address.c_str(), m_world.name.empty() ? "" : " ", m_world.name.c_str(),
+               m_shared.players.CountTaken(), m_shared.options.maxConnections);
+  m_state = State::kGreeting;
+  m_helloBy = now + kHelloTimeout;
+  Read();
+}
+
+void Browser::RefuseSeat() {
+  ++m_shared.counts.browsersRefused;
+  Close(websocket::close_code::try_again_later, "all places are taken", Waiting::kDiscard);
 }
 
 void Browser::Read() {
@@ -443,13 +460,15 @@ void Visitor::AnswerPlay(const World& world) {
                        m_shared.options.origins)) {
     return SendText(http::status::forbidden, "pages of this origin may not play here\n");
   }
-  if (!http::token_list(request[http::field::sec_websocket_protocol]).exists(MakeSubprotocol())) {
+  const std::string offered = JoinHeaders(request, "Sec-WebSocket-Protocol");
+  if (!http::token_list(offered).exists(MakeSubprotocol())) {
     return SendText(http::status::bad_request, "the subprotocol is not offered: load the page again\n");
   }
   const double now = command::ReadClock();
-  auto credential = FindCredential(AsView(request[http::field::sec_websocket_protocol]));
+  auto credential = FindCredential(offered);
   if (!credential) return SendText(http::status::bad_request, "the password, invite or token is malformed\n");
-  const std::string from = FindBrowserAddress(m_peer, JoinForwardedFor(request), m_shared.options.proxies);
+  const std::string from =
+      FindBrowserAddress(m_peer, JoinHeaders(request, "X-Forwarded-For"), m_shared.options.proxies);
   const std::string address = FindHousehold(from);
   if (!m_shared.plays.Allow(address, now)) {
     ++m_shared.counts.browsersRefused;
