@@ -20,8 +20,11 @@ constexpr auto kRefusedForGood = static_cast<websocket::close_code>(4000);
 constexpr auto kCredentialRefused = static_cast<websocket::close_code>(4001);
 
 websocket::close_code FindCloseCode(const ServerLink& ended) {
-  if (ended.EndReason() == transport::kBadCredentialReason) return kCredentialRefused;
-  if (ended.IsFinal()) return kRefusedForGood;
+  using transport::vestibule::Refusal;
+  const Refusal refusal = ended.ReadRefusal();
+  if (refusal == Refusal::kBadCredential) return kCredentialRefused;
+  // The other connections of an address last; to ask every few seconds would not help.
+  if (ended.IsFinal() || refusal == Refusal::kTooManyFromAddress) return kRefusedForGood;
   return ended.IsConnected() ? websocket::close_code::normal : websocket::close_code::try_again_later;
 }
 
@@ -48,13 +51,8 @@ void Browser::OnAccepted(error_code error) {
   if (error) return End(error.message());
   m_state = m_farewell ? State::kLeaving : State::kJoining;
   if (m_farewell) return Write();
-  if (m_seat == nullptr) {
-    ++m_shared.counts.browsersRefused;
-    return Close(websocket::close_code::try_again_later, "all places are taken", Waiting::kDiscard);
-  }
-  std::fprintf(stderr, "browser %llu: %s plays%s%s, %zu of %zu\n", static_cast<unsigned long long>(m_number),
-               m_guest.address.c_str(), m_world.name.empty() ? "" : " ", m_world.name.c_str(),
-               m_shared.players.CountTaken(), m_shared.options.maxConnections);
+  m_request = {};  // it has the credential in plain text
+  if (!m_shared.players.HasRoom(m_guest.address)) return RefuseSeat();
   // Resolved anew for each browser: a server may have moved since the gateway began.
   m_resolver.async_resolve(m_world.server.host, std::to_string(m_world.server.port),
                            [self = shared_from_this()](error_code failure, const udp::resolver::results_type& results) {
@@ -71,27 +69,44 @@ void Browser::OnResolved(error_code error, const udp::resolver::results_type& re
     const auto found = std::find_if(results.begin(), results.end(), isIpv4);
     const auto& chosen = found == results.end() ? *results.begin() : *found;
     m_link = ServerLink::Open(chosen.endpoint().address().to_string(), m_world.server.port,
-                              {.credential = m_credential}, reason);
+                              {.credential = std::move(m_credential)}, reason);
   }
   if (m_link == nullptr) Close(websocket::close_code::try_again_later, reason, Waiting::kDiscard);
 }
 
 void Browser::Turn(double now) {
-  if (m_link != nullptr) {
-    m_link->Poll(now, m_outbox);
-    if (m_link->HasEnded()) {
-      Close(FindCloseCode(*m_link), m_link->EndReason(), Waiting::kDeliver);
-    } else if (m_state == State::kJoining && m_link->IsConnected()) {
-      m_state = State::kGreeting;
-      m_helloBy = now + kHelloTimeout;
-      Read();
-    }
-  }
+  if (m_link != nullptr) TurnLink(now);
   if (m_state == State::kGreeting && now >= m_helloBy) CutOff(websocket::close_code::policy_error, "no hello");
   if (m_hasFlooded) CutOff(websocket::close_code::policy_error, "too many messages");
   if (m_outbox.IsOverfull()) CutOff(websocket::close_code::policy_error, "reads too slowly");
   Write();
   if (m_farewell && now >= m_closeBy) End("");
+}
+
+void Browser::TurnLink(double now) {
+  m_link->Poll(now, m_outbox);
+  if (m_link->HasEnded()) {
+    Close(FindCloseCode(*m_link), m_link->EndReason(), Waiting::kDeliver);
+  } else if (m_state == State::kJoining && m_link->IsConnected()) {
+    TakeSeat(now);
+  }
+}
+
+// Only now: those whom the server refuses keep no place from others.
+void Browser::TakeSeat(double now) {
+  m_seat = m_shared.players.Take(m_guest.address);
+  if (m_seat == nullptr) return RefuseSeat();
+  std::fprintf(stderr, "browser %llu: %s plays%s%s, %zu of %zu\n", static_cast<unsigned long long>(m_number),
+               m_guest.address.c_str(), m_world.name.empty() ? "" : " ", m_world.name.c_str(),
+               m_shared.players.CountTaken(), m_shared.options.maxConnections);
+  m_state = State::kGreeting;
+  m_helloBy = now + kHelloTimeout;
+  Read();
+}
+
+void Browser::RefuseSeat() {
+  ++m_shared.counts.browsersRefused;
+  Close(websocket::close_code::try_again_later, "all places are taken", Waiting::kDiscard);
 }
 
 void Browser::Read() {

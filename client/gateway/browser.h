@@ -54,7 +54,6 @@ class Browser : public std::enable_shared_from_this<Browser> {
         m_request(std::move(request)),
         m_credential(std::move(credential)),
         m_guest{.address = address, .end = [this] { End("said no hello in time"); }},
-        m_seat(shared.players.Take(address)),
         m_number(++shared.counts.browsers),
         m_begin(command::ReadClock()) {
     shared.greeting.Enter(m_guest, m_begin);
@@ -84,6 +83,9 @@ class Browser : public std::enable_shared_from_this<Browser> {
 
   void OnAccepted(error_code error);
   void OnResolved(error_code error, const udp::resolver::results_type& results);
+  void TurnLink(double now);
+  void TakeSeat(double now);
+  void RefuseSeat();
   // Whether what the browser sends goes to the server.
   [[nodiscard]] bool IsHeard() const { return m_state == State::kGreeting || m_state == State::kPlaying; }
   void Read();
@@ -102,7 +104,7 @@ class Browser : public std::enable_shared_from_this<Browser> {
   Request m_request;
   transport::vestibule::Credential m_credential;
   Lobby::Guest m_guest;  // of `greeting`, until it has said hello or has ended
-  Place m_seat;          // null: none was left
+  Place m_seat;          // null until the server has let it in
   std::uint64_t m_number;
   double m_begin;
   double m_helloBy = 0;  // while kGreeting

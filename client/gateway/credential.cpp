@@ -22,11 +22,10 @@ constexpr std::array kKinds{
 // Takes the first part of a list with commas, without the spaces around it.
 std::string_view TakeFirst(std::string_view& list) {
   const std::size_t comma = list.find(',');
-  std::string_view part = list.substr(0, comma);
+  const std::string_view part = list.substr(0, comma);
   list = comma == std::string_view::npos ? std::string_view() : list.substr(comma + 1);
-  while (!part.empty() && part.front() == ' ') part.remove_prefix(1);
-  while (!part.empty() && part.back() == ' ') part.remove_suffix(1);
-  return part;
+  const std::size_t begin = part.find_first_not_of(" \t");
+  return begin == std::string_view::npos ? "" : part.substr(begin, part.find_last_not_of(" \t") - begin + 1);
 }
 
 }  // namespace

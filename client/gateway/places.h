@@ -17,12 +17,15 @@ class Places {
 
   // Null when all places are taken, or all that one address may have.
   [[nodiscard]] Place Take(const std::string& address) {
-    if (m_taken >= m_most || CountOf(address) >= m_mostPerAddress) return nullptr;
+    if (!HasRoom(address)) return nullptr;
     ++m_taken;
     ++m_byAddress[address];
     return Place(this, [this, address](const void*) { Free(address); });
   }
 
+  [[nodiscard]] bool HasRoom(const std::string& address) const {
+    return m_taken < m_most && CountOf(address) < m_mostPerAddress;
+  }
   [[nodiscard]] bool IsFull() const { return m_taken >= m_most; }
   [[nodiscard]] std::size_t CountTaken() const { return m_taken; }
 

@@ -29,7 +29,6 @@ void ServerLink::Poll(double now, Outbox& outbox) {
     switch (event.kind) {
       case transport::Event::Kind::kConnected:
         m_isConnected = true;
-        if (const auto ticket = m_transport->ReadTicket(); !ticket.empty()) outbox.Add(kTicketChannel, ticket);
         break;
       case transport::Event::Kind::kDisconnected:
         m_hasEnded = true;
@@ -45,6 +44,15 @@ void ServerLink::Poll(double now, Outbox& outbox) {
         break;
     }
   });
+  if (m_isConnected && !m_hasPassedTicket) PassTicket(outbox);
+}
+
+// The answer that brings it may be lost, and then comes after ENet's first datagrams.
+void ServerLink::PassTicket(Outbox& outbox) {
+  const std::vector<std::uint8_t> ticket = m_transport->ReadTicket();
+  if (ticket.empty()) return;
+  outbox.Add(kTicketChannel, ticket);
+  m_hasPassedTicket = true;
 }
 
 ServerLink::Verdict ServerLink::Take(std::span<const std::uint8_t> message, Outbox& outbox) {

@@ -19,6 +19,7 @@ namespace wobble::gateway {
 // The channel of pings, beside those of transport::Channel.
 inline constexpr std::uint8_t kPingChannel = 3;
 inline constexpr std::size_t kPingBytes = 4;
+// The channel on which the browser gets, once, what it may come back with as a token.
 inline constexpr std::uint8_t kTicketChannel = 4;
 
 // The largest message that a browser may send, bytes.
@@ -44,20 +45,24 @@ class ServerLink {
   // Disconnects from the server. Poll is then to be called until HasEnded, three seconds at most.
   void Leave();
 
-  // Whether the server has ever answered.
+  // Whether the server has ever let the browser in.
   [[nodiscard]] bool IsConnected() const { return m_isConnected; }
   [[nodiscard]] bool HasEnded() const { return m_hasEnded; }
   // Once it has ended: a line for the player, and whether the server would say the same to another try.
   [[nodiscard]] const std::string& EndReason() const { return m_endReason; }
   [[nodiscard]] bool IsFinal() const { return m_isFinal; }
+  // Why the server did not let the browser in.
+  [[nodiscard]] transport::vestibule::Refusal ReadRefusal() const { return m_transport->ReadRefusal(); }
 
  private:
   explicit ServerLink(std::unique_ptr<transport::EnetTransport> transport) : m_transport(std::move(transport)) {}
 
+  void PassTicket(Outbox& outbox);
   void AnswerPing(std::span<const std::uint8_t> bytes, Outbox& outbox) const;
 
   std::unique_ptr<transport::EnetTransport> m_transport;
   bool m_isConnected = false;
+  bool m_hasPassedTicket = false;
   bool m_hasEnded = false;
   std::string m_endReason;
   bool m_isFinal = false;

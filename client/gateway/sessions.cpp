@@ -43,10 +43,10 @@ std::uint64_t ReadUnixTime() {
       std::chrono::duration_cast<seconds>(std::chrono::system_clock::now().time_since_epoch()).count());
 }
 
-// All X-Forwarded-For headers as one.
-std::string JoinForwardedFor(const Request& request) {
+// All headers of this name as one list.
+std::string JoinHeaders(const Request& request, const char* name) {
   std::string all;
-  const auto [begin, end] = request.equal_range("X-Forwarded-For");
+  const auto [begin, end] = request.equal_range(name);
   for (auto each = begin; each != end; ++each) {
     if (!all.empty()) all += ',';
     all += AsView(each->value());
@@ -145,13 +145,15 @@ void Visitor::AnswerPlay(const World& world) {
                        m_shared.options.origins)) {
     return SendText(http::status::forbidden, "pages of this origin may not play here\n");
   }
-  if (!http::token_list(request[http::field::sec_websocket_protocol]).exists(MakeSubprotocol())) {
+  const std::string offered = JoinHeaders(request, "Sec-WebSocket-Protocol");
+  if (!http::token_list(offered).exists(MakeSubprotocol())) {
     return SendText(http::status::bad_request, "the subprotocol is not offered: load the page again\n");
   }
   const double now = command::ReadClock();
-  auto credential = FindCredential(AsView(request[http::field::sec_websocket_protocol]));
+  auto credential = FindCredential(offered);
   if (!credential) return SendText(http::status::bad_request, "the password, invite or token is malformed\n");
-  const std::string from = FindBrowserAddress(m_peer, JoinForwardedFor(request), m_shared.options.proxies);
+  const std::string from =
+      FindBrowserAddress(m_peer, JoinHeaders(request, "X-Forwarded-For"), m_shared.options.proxies);
   const std::string address = FindHousehold(from);
   if (!m_shared.plays.Allow(address, now)) {
     ++m_shared.counts.browsersRefused;

@@ -459,6 +459,10 @@ std::vector<std::uint8_t> EnetTransport::ReadTicket() const {
   return m_impl->client == nullptr ? std::vector<std::uint8_t>() : m_impl->client->Caller().Ticket();
 }
 
+vestibule::Refusal EnetTransport::ReadRefusal() const {
+  return m_impl->client == nullptr ? vestibule::Refusal::kNone : m_impl->client->Caller().ReadRefusal();
+}
+
 vestibule::DoorCounts EnetTransport::ReadDoorCounts() const {
   return m_impl->server == nullptr ? vestibule::DoorCounts{} : m_impl->server->Keeper().ReadCounts();
 }

@@ -74,6 +74,8 @@ class EnetTransport final : public Transport {
   [[nodiscard]] vestibule::Key ReadServerKey() const;
   // What a client may come back with as a Credential::Kind::kToken; empty: the server gave nothing.
   [[nodiscard]] std::vector<std::uint8_t> ReadTicket() const;
+  // Why the server did not let a client in; kNone: it did, or has not answered.
+  [[nodiscard]] vestibule::Refusal ReadRefusal() const;
   // What the vestibule of a server has seen.
   [[nodiscard]] vestibule::DoorCounts ReadDoorCounts() const;
 

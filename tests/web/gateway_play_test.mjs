@@ -223,6 +223,7 @@ test('counts browsers behind a trusted proxy by their own addresses', async () =
   // What stands before the proxy's own word is what a browser says of itself.
   const players = [visit('192.0.2.1'), visit('192.0.2.1, 192.0.2.2'), visit('2001:db8::1')];
   for (const player of players) assert.equal(await player.opened, true);
+  await behind.program.waitForLine(/^browser 1: 192\.0\.2\.1 plays, /);
   await behind.program.waitForLine(/^browser 2: 192\.0\.2\.2 plays, /);
   await behind.program.waitForLine(/^browser 3: 2001:db8::\/64 plays, /);
   const again = visit('192.0.2.9, 192.0.2.1');
@@ -233,6 +234,7 @@ test('counts browsers behind a trusted proxy by their own addresses', async () =
   const plain = await startGateway(server.address, page, ...options);
   const first = new Player(plain.host, { headers: { 'X-Forwarded-For': '192.0.2.1' } });
   assert.equal(await first.opened, true);
+  await plain.program.waitForLine(/^browser 1: 127\.0\.0\.1 plays, /);
   const second = new Player(plain.host, { headers: { 'X-Forwarded-For': '192.0.2.2' } });
   assert.equal((await second.closed).reason, 'all places are taken');
   await plain.program.stop();

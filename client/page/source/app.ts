@@ -36,6 +36,7 @@ import { HandTools } from './tools/hands';
 import { Marks } from './tools/marks';
 import { Push } from './tools/push';
 import type { Bench } from './tools/tool';
+import { TakeFragment } from './wire/access';
 import { ReadNow, type Client } from './wire/client';
 import { Connection } from './wire/connection';
 import { EventKind, State, type Vector, type Welcome, type WorldEvent } from './wire/views';
@@ -97,6 +98,7 @@ export class App {
     this.connection = new Connection(module, CutName(ReadName()), query.has('spectate'));
     this.connection.onClient = () => this.Forget();
     this.connection.world = ReadWorld(worlds);
+    this.TakeInvitation();
     this.m_worlds.List(worlds);
     this.m_worlds.Show(this.connection.world);
     this.m_people = new People(this.connection.name, this.m_worlds.element);
@@ -115,6 +117,10 @@ export class App {
     this.Wire();
     this.BuildHud(document.querySelector<HTMLElement>('#hud')!);
     window.addEventListener('resize', () => this.stage.Resize());
+    // A link that is opened in this tab changes the fragment alone.
+    window.addEventListener('hashchange', () => {
+      if (this.TakeInvitation()) this.connection.JoinAgain();
+    });
     window.addEventListener('pagehide', () => this.connection.Leave());
   }
 
@@ -214,6 +220,13 @@ export class App {
     }
     SetPressed(this.m_panelButtons[0], !this.m_view.element.hidden);
     SetPressed(this.m_panelButtons[1], !this.m_world.element.hidden);
+  }
+
+  // Whether the address had one.
+  private TakeInvitation(): boolean {
+    const found = TakeFragment();
+    if (found !== null) this.connection.Show(found);
+    return found !== null;
   }
 
   private Enter(world: string): void {

@@ -70,7 +70,7 @@ export async function openPage(browser, host, { query = 'name=mira&quality=4', o
     if (response.status() >= 400) page.failures.push(`${response.url()} ${response.status()}`);
   });
   tab.on('websocket', (socket) => page.requests.push(socket.url()));
-  onTab(tab);
+  await onTab(tab);
   await tab.goto(`http://${host}/?${query}`);
   return page;
 }

@@ -35,10 +35,10 @@ export class ConnectionCard {
   }
 
   Update(connection: Connection): void {
-    const { client, end, lostReason } = connection;
+    const { client, end, lostReason, refused } = connection;
     this.element.hidden = end === null && client?.ReadState() === State.Playing;
-    this.m_form.hidden = !connection.wantsPassword;
-    this.m_button.hidden = lostReason === '' || connection.wantsPassword;
+    this.m_form.hidden = refused === null;
+    this.m_button.hidden = lostReason === '' || refused !== null;
     this.m_ball.hidden = end !== null && end.retryAt === null;
     if (lostReason === '') {
       SetText(this.m_title, 'Joining…');
@@ -48,9 +48,10 @@ export class ConnectionCard {
       );
       return;
     }
-    if (connection.wantsPassword) {
+    if (refused !== null) {
       SetText(this.m_title, 'This world asks for a password');
-      SetText(this.m_text, 'Enter it, or open the invite that you were sent.');
+      const first = refused === '' ? 'Enter it' : `That ${refused} does not hold. Enter another one`;
+      SetText(this.m_text, `${first}, or open the invite that you were sent.`);
       return;
     }
     SetText(this.m_title, 'Connection ended');

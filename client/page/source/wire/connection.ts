@@ -28,7 +28,9 @@ export interface ConnectionEnd {
 export class Connection {
   client: Client | null = null;
   end: ConnectionEnd | null = null;
-  wantsPassword = false; // the server asks for one, or for an invite, and will ask again
+  // Not null: the server asks for a password or an invite. What it has refused, such as "password"; empty: it was shown
+  // nothing.
+  refused: string | null = null;
   lostReason = ''; // why the connection before ended, until the next one plays; empty: there was none
   ping = 0; // s, round trip to the server
   name: string;
@@ -63,7 +65,7 @@ export class Connection {
     this.end = null;
     this.m_closeReason = '';
     this.m_closeCode = 0;
-    this.wantsPassword = false;
+    this.refused = null;
     this.m_playingSince = null;
     const client = new Client(this.m_module, this.name, this.m_isSpectator);
     this.client = client;
@@ -78,8 +80,13 @@ export class Connection {
   }
 
   JoinWithPassword(password: string): void {
-    this.m_access.UsePassword(password);
+    this.m_access.UsePassword(this.world, password);
     this.JoinAgain();
+  }
+
+  // From the next join to this world on; see access.ts.
+  Show(subprotocol: string): void {
+    this.m_access.Use(this.world, subprotocol);
   }
 
   // Says goodbye at once; for the closing of the page.
@@ -137,7 +144,7 @@ export class Connection {
 
   private Receive(client: Client, message: Uint8Array): void {
     if (message[0] === kTicketChannel) {
-      this.m_access.NoteTicket(message.subarray(1));
+      this.m_access.NoteTicket(this.world, message.subarray(1));
       return;
     }
     if (message[0] !== kPingChannel) {
@@ -175,8 +182,8 @@ export class Connection {
     const wait = Math.min(kFirstWait * 2 ** this.m_tries, kLongestWait) * (1 - Math.random() / 2);
     this.m_tries += 1;
     if (this.m_closeCode === kCredentialRefused) {
-      this.wantsPassword = !this.m_access.NoteRefused();
-      this.end = { retryAt: this.wantsPassword ? null : now };
+      this.refused = this.m_access.NoteRefused(this.world);
+      this.end = { retryAt: this.refused === null ? now : null };
     } else {
       const isFinal = this.m_closeCode === kRefusedForGood || !client.MayRejoin();
       this.end = { retryAt: isFinal || now >= this.m_lostAt + kPatience ? null : now + wait };
