@@ -24,6 +24,7 @@
 #include "client/command/exit_codes.h"
 #include "client/play/child.h"
 #include "client/play/summary.h"
+#include "protocol/transport/vestibule/key_file.h"
 
 namespace wobble::play {
 namespace {
@@ -99,6 +100,7 @@ class Play {
   Part& AddPart(const std::string& name, const std::string& errorPrefix, const std::string& readyPrefix);
   bool StartServers();
   bool StartGateway();
+  void ShowOwnersLink() const;
   void StartBots(std::size_t world, unsigned count, const char* script);
   [[nodiscard]] std::string AddressOf(std::size_t world) const;
   [[nodiscard]] std::filesystem::path SummaryOf(const Part& part) const {
@@ -212,8 +214,20 @@ bool Play::StartGateway() {
   }
   if (!Start(*m_gateway, command) || !Await(*m_gateway)) return false;
   std::printf("%s\n", m_gateway->readyLine.c_str());
+  ShowOwnersLink();
   std::fflush(stdout);
   return true;
+}
+
+// The servers have left their owner's key in the user's state folder. Shown to a person alone: it is a secret.
+void Play::ShowOwnersLink() const {
+  std::string ignored;
+  const auto file = transport::vestibule::FindStateFile(transport::vestibule::kOwnerKeyName);
+  if (!m_terminal || file.empty() || !transport::vestibule::InitialiseSodium()) return;
+  const auto key = transport::vestibule::LoadKey(file, ignored);
+  if (!key) return;
+  std::printf("to own the first world, and tune it: http://localhost:%u/#owner=%s\n", ReadPort(m_gateway->readyLine),
+              transport::vestibule::FormatKey(*key).c_str());
 }
 
 void Play::StartBots(std::size_t world, unsigned count, const char* script) {
