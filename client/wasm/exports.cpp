@@ -7,19 +7,30 @@
 
 #include <array>
 #include <cstring>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "client/wasm/session.h"
 
 using wobble::client::Hand;
 using wobble::protocol::Vector3;
+using wobble::wasm::KeptBytes;
 using wobble::wasm::Session;
 
 extern "C" {
 
-EMSCRIPTEN_KEEPALIVE Session* CreateSession(const char* name, std::size_t size, bool isSpectator, double now) {
-  return new Session(std::string(name, size), isSpectator, now);
+// Kept blueprints are gathered first: AddKept returns the address of one more of so many bytes, which the script then
+// writes. CreateSession takes them over.
+EMSCRIPTEN_KEEPALIVE KeptBytes* CreateKept() { return new KeptBytes; }
+EMSCRIPTEN_KEEPALIVE std::uint8_t* AddKept(KeptBytes* kept, std::size_t size) {
+  return kept->emplace_back(size).data();
+}
+EMSCRIPTEN_KEEPALIVE Session* CreateSession(const char* name, std::size_t size, bool isSpectator, KeptBytes* kept,
+                                            double now) {
+  const std::unique_ptr<KeptBytes> owned(kept);
+  return new Session(std::string(name, size), isSpectator, std::move(*owned), now);
 }
 EMSCRIPTEN_KEEPALIVE void DestroySession(Session* session) { delete session; }
 EMSCRIPTEN_KEEPALIVE std::uint8_t* PrepareInput(Session* session, std::size_t size) {
@@ -72,6 +83,7 @@ EMSCRIPTEN_KEEPALIVE void SetInput(Session* session, float moveX, float moveY, u
 
 // Reports of the server.
 EMSCRIPTEN_KEEPALIVE const void* TakeNotice(Session* session) { return session->TakeNotice(); }
+EMSCRIPTEN_KEEPALIVE const void* TakeDownload(Session* session) { return session->TakeDownload(); }
 EMSCRIPTEN_KEEPALIVE const void* ReadTuning(Session* session) { return &session->MakeTuning(); }
 EMSCRIPTEN_KEEPALIVE const void* ReadScoreboard(Session* session) { return &session->MakeScoreboard(); }
 EMSCRIPTEN_KEEPALIVE const void* ReadForces(Session* session) { return &session->MakeForces(); }

@@ -53,6 +53,15 @@ struct BlueprintView {
 static_assert(sizeof(BlueprintView) == 12 * 4);
 static_assert(sizeof(protocol::wire::ParticleTag) == 12 && sizeof(protocol::wire::SpringTag) == 20);
 
+// A blueprint that was downloaded, for the script to keep.
+struct DownloadView {
+  std::uint32_t hashLow = 0;
+  std::uint32_t hashHigh = 0;
+  Address bytes = 0;
+  std::uint32_t length = 0;
+};
+static_assert(sizeof(DownloadView) == 4 * 4);
+
 struct GroundView {
   float corner[3] = {};
   float cellSize = 0;

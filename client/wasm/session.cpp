@@ -10,6 +10,12 @@ namespace {
 
 constexpr std::size_t kMaxEvents = 1024;  // events and notices kept; the oldest are dropped first
 
+std::shared_ptr<const client::KeptBlueprints> MakeKept(KeptBytes bytes) {
+  auto kept = std::make_shared<client::KeptBlueprints>();
+  for (std::vector<std::uint8_t>& each : bytes) kept->push_back({protocol::HashBytes(each), std::move(each)});
+  return kept;
+}
+
 client::Options MakeOptions(std::string name, bool isSpectator) {
   if (name.size() > protocol::kMaxNameBytes) {
     std::size_t end = protocol::kMaxNameBytes;
@@ -24,9 +30,19 @@ client::Options MakeOptions(std::string name, bool isSpectator) {
 
 }  // namespace
 
-Session::Session(std::string name, bool isSpectator, double now)
+Session::Session(std::string name, bool isSpectator, KeptBytes kept, double now)
     : m_transport(new WebSocketTransport),
-      m_client(std::unique_ptr<transport::Transport>(m_transport), MakeOptions(std::move(name), isSpectator), now) {
+      m_client(
+          std::unique_ptr<transport::Transport>(m_transport),
+          [&] {
+            client::Options options = MakeOptions(std::move(name), isSpectator);
+            options.kept = MakeKept(std::move(kept));
+            options.keep = [this](std::uint64_t hash, std::span<const std::uint8_t> bytes) {
+              NoteDownload(hash, bytes);
+            };
+            return options;
+          }(),
+          now) {
   m_client.OnEvent([this](const client::Client::Event& event) {
     if (m_events.size() == kMaxEvents) m_events.pop_front();
     m_events.push_back(event);
@@ -115,6 +131,24 @@ const Text* Session::TakeNotice() {
   m_notices.pop_front();
   m_noticeView = MakeText(m_notice);
   return &m_noticeView;
+}
+
+void Session::NoteDownload(std::uint64_t hash, std::span<const std::uint8_t> bytes) {
+  if (m_downloadedBytes + bytes.size() > protocol::kMaxKeptBytes) return;
+  m_downloadedBytes += bytes.size();
+  m_downloads.push_back({hash, {bytes.begin(), bytes.end()}});
+}
+
+const DownloadView* Session::TakeDownload() {
+  if (m_downloads.empty()) return nullptr;
+  m_download = std::move(m_downloads.front());
+  m_downloads.pop_front();
+  m_downloadedBytes -= m_download.bytes.size();
+  m_downloadView = {.hashLow = static_cast<std::uint32_t>(m_download.hash),
+                    .hashHigh = static_cast<std::uint32_t>(m_download.hash >> 32),
+                    .bytes = AddressOf(m_download.bytes.data()),
+                    .length = static_cast<std::uint32_t>(m_download.bytes.size())};
+  return &m_downloadView;
 }
 
 const TuningView& Session::MakeTuning() {

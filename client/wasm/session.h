@@ -16,10 +16,14 @@
 
 namespace wobble::wasm {
 
+// Blueprints of earlier connections to this world, as TakeDownload gave them. Their hashes are computed anew, so that
+// damaged ones are only useless.
+using KeptBytes = std::vector<std::vector<std::uint8_t>>;
+
 class Session {
  public:
   // name: cut to protocol::kMaxNameBytes. now: seconds, never backwards, as in all functions.
-  Session(std::string name, bool isSpectator, double now);
+  Session(std::string name, bool isSpectator, KeptBytes kept, double now);
 
   // The buffer of at least so many bytes in which the script writes messages, texts and structs before it calls the
   // function that uses them.
@@ -39,6 +43,8 @@ class Session {
   const EventView* TakeEvent();
   // The same for notices.
   const Text* TakeNotice();
+  // Likewise for blueprints that are worth keeping. At most protocol::kMaxKeptBytes wait; more are dropped.
+  const DownloadView* TakeDownload();
   const TuningView& MakeTuning();
   const ScoreboardView& MakeScoreboard();
   const ForcesView& MakeForces();
@@ -49,6 +55,8 @@ class Session {
   [[nodiscard]] std::uint64_t DecodedHash() const { return m_decoded.Value(); }
 
  private:
+  void NoteDownload(std::uint64_t hash, std::span<const std::uint8_t> bytes);
+
   WebSocketTransport* m_transport;  // owned by the client
   client::Client m_client;
   std::vector<std::uint8_t> m_input;
@@ -64,6 +72,10 @@ class Session {
   std::deque<std::string> m_notices;
   std::string m_notice;  // the one taken last
   Text m_noticeView;
+  std::deque<client::KeptBlueprint> m_downloads;
+  std::size_t m_downloadedBytes = 0;  // of these
+  client::KeptBlueprint m_download;   // the one taken last
+  DownloadView m_downloadView;
   TuningView m_tuningView;
   ScoreboardView m_scoreboardView;
   std::vector<ForceFieldView> m_fieldViews;

@@ -10,6 +10,7 @@
 #include "client/wasm/shown_bodies.h"
 #include "client/wasm/web_socket_transport.h"
 #include "protocol/limits.h"
+#include "tests/unit/client/scripted_server.h"
 
 namespace wobble::wasm {
 namespace {
@@ -147,7 +148,7 @@ TEST(Normals, AreWeightedByArea) {
 }
 
 TEST(Session, PlaysWhenTheWorldIsThere) {
-  Session session(std::string(40, 'x'), false, 0);  // longer than kMaxNameBytes
+  Session session(std::string(40, 'x'), false, {}, 0);  // longer than kMaxNameBytes
   session.Transport().Open();
   session.Client().Update(0);
   const auto hello = session.Transport().FindOutgoing();
@@ -172,6 +173,72 @@ TEST(Session, PlaysWhenTheWorldIsThere) {
   EXPECT_EQ(session.MakeWelcome().hands, 5U);
   ASSERT_NE(session.TakeNotice(), nullptr);
   EXPECT_EQ(session.TakeNotice(), nullptr);
+}
+
+// The hashes in the hello of a session that begins with these blueprints.
+std::vector<std::uint64_t> SayHello(Session& session) {
+  session.Transport().Open();
+  session.Client().Update(0);
+  const auto hello = session.Transport().FindOutgoing();
+  const Bytes aligned(hello.begin() + 1, hello.end());
+  const wire::ClientMessage* message = nullptr;
+  EXPECT_EQ(protocol::ParseClientMessage(aligned, message), protocol::ParseResult::kOk);
+  const auto* kept = message->body_as_Hello()->kept();
+  return kept == nullptr ? std::vector<std::uint64_t>() : std::vector<std::uint64_t>(kept->begin(), kept->end());
+}
+
+void Welcome(Session& session) {
+  protocol::WelcomeFields welcome;
+  welcome.clientId = 4;
+  welcome.tickHz = 60;
+  welcome.snapshotHz = 30;
+  welcome.blueprintCount = 1;
+  session.Transport().Receive(Frame(Channel::kControl, protocol::MakeWelcome(welcome)));
+}
+
+TEST(Session, HandsOutDownloadsAndBeginsWithThoseOfEarlierOnes) {
+  const protocol::Message strip = client::MakeStrip();
+  Session first("ada", false, {}, 0);
+  EXPECT_TRUE(SayHello(first).empty());
+  Welcome(first);
+  for (const auto& chunk : client::CutIntoChunks(0, strip, 1000)) {
+    first.Transport().Receive(Frame(Channel::kControl, chunk));
+  }
+  first.Client().Update(0.1);
+  const DownloadView* download = first.TakeDownload();
+  ASSERT_NE(download, nullptr);
+  const std::uint64_t hash = protocol::HashBytes(strip);
+  EXPECT_EQ(download->hashLow, static_cast<std::uint32_t>(hash));
+  EXPECT_EQ(download->hashHigh, static_cast<std::uint32_t>(hash >> 32));
+  EXPECT_EQ(download->length, strip.size());
+  EXPECT_EQ(first.TakeDownload(), nullptr);
+
+  Session second("ada", false, {Bytes(100, 1), strip}, 0);  // the first is damaged
+  EXPECT_EQ(SayHello(second), (std::vector<std::uint64_t>{protocol::HashBytes(Bytes(100, 1)), hash}));
+  Welcome(second);
+  const auto size = static_cast<std::uint32_t>(strip.size());
+  second.Transport().Receive(Frame(Channel::kControl, protocol::MakeBlueprintChunk(0, hash, size, size, {})));
+  second.Client().Update(0.1);
+  EXPECT_EQ(second.Client().ReadState(), client::State::kPlaying);
+  EXPECT_EQ(second.TakeDownload(), nullptr) << "not handed out again";
+}
+
+TEST(Session, DropsDownloadsThatNobodyTakes) {
+  Session session("ada", false, {}, 0);
+  SayHello(session);
+  Welcome(session);
+  const protocol::Message strip = client::MakeStrip();
+  const std::size_t most = protocol::kMaxKeptBytes / strip.size();
+  for (std::size_t i = 0; i <= most; ++i) {
+    const auto generation = static_cast<std::uint8_t>(i % 2);
+    for (const auto& chunk : client::CutIntoChunks(0, strip, protocol::kBlueprintChunkBytes, generation)) {
+      session.Transport().Receive(Frame(Channel::kControl, chunk));
+    }
+    session.Client().Update(0.001 * static_cast<double>(i));
+  }
+  std::size_t count = 0;
+  while (session.TakeDownload() != nullptr) ++count;
+  EXPECT_EQ(count, most);
 }
 
 TEST(DecodedHash, TellsVerticesApart) {

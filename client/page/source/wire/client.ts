@@ -5,6 +5,7 @@ import {
   MakeStatistics,
   ReadBlueprint,
   ReadBodies,
+  ReadDownload,
   ReadEvent,
   ReadForces,
   ReadNotice,
@@ -19,6 +20,7 @@ import {
   type Blueprint,
   type Body,
   type BuildRequest,
+  type Download,
   type Forces,
   type Input,
   type Scoreboard,
@@ -54,12 +56,18 @@ export class Client {
   private m_read = ReadNow();
   private m_now = 0; // s since this object was made
 
-  constructor(module: WobbleModule, name: string, isSpectator: boolean) {
+  // kept: blueprints that the server need not send again.
+  constructor(module: WobbleModule, name: string, isSpectator: boolean, kept: readonly Uint8Array[]) {
     this.m_module = module;
     const bytes = kEncoder.encode(name);
+    const keptAddress = module._CreateKept();
+    for (const blueprint of kept) {
+      const address = module._AddKept(keptAddress, blueprint.length); // may move the memory that HEAPU8 shows
+      module.HEAPU8.set(blueprint, address);
+    }
     const address = module._malloc(bytes.length + 1);
     module.HEAPU8.set(bytes, address);
-    this.m_session = module._CreateSession(address, bytes.length, isSpectator, this.m_now);
+    this.m_session = module._CreateSession(address, bytes.length, isSpectator, keptAddress, this.m_now);
     module._free(address);
   }
 
@@ -134,6 +142,12 @@ export class Client {
   TakeEvent(): WorldEvent | null {
     const address = this.m_module._TakeEvent(this.m_session);
     return address === 0 ? null : ReadEvent(this.m_module, address);
+  }
+
+  // A blueprint that is worth keeping for later connections.
+  TakeDownload(): Download | null {
+    const address = this.m_module._TakeDownload(this.m_session);
+    return address === 0 ? null : ReadDownload(this.m_module, address);
   }
 
   TakeNotice(): string | null {

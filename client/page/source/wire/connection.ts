@@ -5,6 +5,7 @@
 import type { WobbleModule } from 'wobble-wasm';
 import { Access } from './access';
 import { Client, ReadNow } from './client';
+import { KeptBlueprints } from './kept_blueprints';
 import { State } from './views';
 
 const kPingChannel = 3;
@@ -41,6 +42,8 @@ export class Connection {
   private readonly m_module: WobbleModule;
   private readonly m_isSpectator: boolean;
   private readonly m_access = new Access();
+  private readonly m_kept = new KeptBlueprints();
+  private m_joins = 0;
   private m_socket: WebSocket | null = null;
   private m_tries = 0;
   private m_lostAt: number | null = null; // of the first loss that kGoodFor has not made good
@@ -67,10 +70,10 @@ export class Connection {
     this.m_closeCode = 0;
     this.refused = null;
     this.m_playingSince = null;
-    const client = new Client(this.m_module, this.name, this.m_isSpectator);
-    this.client = client;
-    this.OpenSocket(client);
-    this.onClient(client);
+    const join = ++this.m_joins;
+    void this.m_kept.Load(this.world).then((kept) => {
+      if (join === this.m_joins) this.Begin(kept);
+    });
   }
 
   JoinAgain(): void {
@@ -106,11 +109,21 @@ export class Connection {
       return;
     }
     client.Update();
+    for (let each = client.TakeDownload(); each !== null; each = client.TakeDownload()) {
+      this.m_kept.Keep(this.world, each);
+    }
     this.SendOutgoing();
     if (client.IsCloseAsked()) this.m_socket?.close(1000);
     const state = client.ReadState();
     if (state === State.Playing) this.NotePlaying(now);
     if (state === State.Ended) this.NoteEnd(client, now);
+  }
+
+  private Begin(kept: readonly Uint8Array[]): void {
+    const client = new Client(this.m_module, this.name, this.m_isSpectator, kept);
+    this.client = client;
+    this.OpenSocket(client);
+    this.onClient(client);
   }
 
   private OpenSocket(client: Client): void {

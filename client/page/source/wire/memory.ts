@@ -5,6 +5,7 @@ import type { WobbleModule } from 'wobble-wasm';
 import type {
   Blueprint,
   Body,
+  Download,
   Forces,
   Ground,
   Obstacle,
@@ -221,6 +222,13 @@ export function MakeStatistics(): Statistics {
 export function ReadNotice(module: WobbleModule, address: number): string {
   const at = address >> 2;
   return ReadText(module, module.HEAPU32[at], module.HEAPU32[at + 1]);
+}
+
+// A copy.
+export function ReadDownload(module: WobbleModule, address: number): Download {
+  const [low, high, bytes, length] = module.HEAPU32.subarray(address >> 2, (address >> 2) + 4);
+  const digits = (half: number) => half.toString(16).padStart(8, '0');
+  return { hash: digits(high) + digits(low), bytes: module.HEAPU8.slice(bytes, bytes + length) };
 }
 
 export function ReadTuning(module: WobbleModule, address: number): Tuning {

@@ -225,3 +225,9 @@ export interface Input {
   puff: boolean;
   stiffen: boolean;
 }
+
+// A blueprint that was downloaded; its hash in hexadecimal digits.
+export interface Download {
+  hash: string;
+  bytes: Uint8Array;
+}

@@ -8,7 +8,9 @@ declare module 'wobble-wasm' {
     _malloc(size: number): number;
     _free(address: number): void;
     _ReadProtocolVersion(): number;
-    _CreateSession(name: number, size: number, isSpectator: boolean, now: number): number;
+    _CreateKept(): number;
+    _AddKept(kept: number, size: number): number;
+    _CreateSession(name: number, size: number, isSpectator: boolean, kept: number, now: number): number;
     _DestroySession(session: number): void;
     _PrepareInput(session: number, size: number): number;
     _OpenSocket(session: number): void;
@@ -31,6 +33,7 @@ declare module 'wobble-wasm' {
     _ReadBodies(session: number): number;
     _ReadBodyCount(session: number): number;
     _FindBlueprint(session: number, number: number): number;
+    _TakeDownload(session: number): number;
     _TakeNotice(session: number): number;
     _ReadTuning(session: number): number;
     _ReadScoreboard(session: number): number;
