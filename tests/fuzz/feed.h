@@ -27,7 +27,8 @@ class Feed {
   }
   // As many as a byte in front of them says, or fewer at the end.
   std::vector<std::uint8_t> TakeSome() {
-    const std::size_t size = std::min<std::size_t>(TakeByte(), m_bytes.size());
+    const std::size_t asked = TakeByte();
+    const std::size_t size = std::min(asked, m_bytes.size());
     std::vector<std::uint8_t> some(m_bytes.begin(), m_bytes.begin() + static_cast<std::ptrdiff_t>(size));
     m_bytes = m_bytes.subspan(size);
     return some;

@@ -4,14 +4,19 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
+#include <source_location>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace wobble::fuzz {
 
-// Ends the program at once, so that libFuzzer keeps the input. An assertion would be missing from a release build.
-inline void Require(bool condition) {
-  if (!condition) __builtin_trap();
+// Ends the program at once, so that libFuzzer keeps the input, and says where. An assertion would be missing from a
+// release build.
+inline void Require(bool condition, std::source_location where = std::source_location::current()) {
+  if (condition) return;
+  std::fprintf(stderr, "%s:%u: what must hold does not\n", where.file_name(), static_cast<unsigned>(where.line()));
+  __builtin_trap();
 }
 
 }  // namespace wobble::fuzz

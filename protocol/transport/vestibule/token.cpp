@@ -100,6 +100,7 @@ std::string FormatSecret(std::span<const std::uint8_t> bytes) {
 }
 
 std::optional<std::vector<std::uint8_t>> ParseSecret(std::string_view text) {
+  if (text.empty()) return {};
   std::vector<std::uint8_t> bytes(text.size());
   std::size_t size = 0;
   const char* end = nullptr;
@@ -107,6 +108,8 @@ std::optional<std::vector<std::uint8_t>> ParseSecret(std::string_view text) {
                                        sodium_base64_VARIANT_URLSAFE_NO_PADDING);
   if (result != 0 || end != text.data() + text.size() || size == 0) return {};
   bytes.resize(size);
+  // libsodium reads the byte 0xff as if it were '_': one secret would have two texts.
+  if (FormatSecret(bytes) != text) return {};
   return bytes;
 }
 
