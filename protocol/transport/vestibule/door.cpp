@@ -19,6 +19,10 @@ constexpr double kAnsweredSeconds = 2 * kEpochSeconds + 1;
 // Requests a second of a subnet, each of which costs an answer; and of handshakes, each of which costs 100 us. Clients
 // try again, so a crowd behind one address only waits a little.
 constexpr double kRequestRate = 50, kRequestBurst = 200;
+// Under a flood, when all subnets together ask more often than kCalmRate, a subnet has the scarce rate alone: an answer
+// costs as much as ten requests that are dropped, and an honest client needs two or three.
+constexpr double kCalmRate = 2000, kCalmBurst = 4000;
+constexpr double kScarceRate = 5, kScarceBurst = 20;
 constexpr double kHandshakeRate = 50, kHandshakeBurst = 100;
 constexpr double kHandshakeRateOfAll = 200, kHandshakeBurstOfAll = 400;
 // Credentials that do not hold, a second of a subnet: a password of eight letters lasts for centuries.
@@ -39,6 +43,7 @@ Door::Door(Settings settings)
     : m_settings(std::move(settings)),
       m_started(MakeKeyPair(m_settings.random)),
       m_requestRates(kRequestRate, kRequestBurst, m_started.secretKey),
+      m_scarceRates(kScarceRate, kScarceBurst, m_started.secretKey),
       m_handshakeRates(kHandshakeRate, kHandshakeBurst, m_started.secretKey),
       m_guessRates(kGuessRate, kGuessBurst, m_started.secretKey),
       m_slots(CountSlots(m_settings.maxVisitors)) {
@@ -67,7 +72,7 @@ Door::Result Door::TakeRequest(const NetAddress& from, std::span<const std::uint
   const auto request = ReadRequest(datagram);
   if (!request) return ++m_counts.invalid, Result{};
   ++m_counts.requests;
-  if (!m_requestRates.Take(FindSubnet(from), now)) return ++m_counts.limited, Result{};
+  if (!MayAsk(FindSubnet(from), now)) return ++m_counts.limited, Result{};
   m_answer.clear();
   const Echo echo = MakeEcho(request->client);
   if (request->version != kVestibuleVersion) {
@@ -85,6 +90,11 @@ Door::Result Door::TakeRequest(const NetAddress& from, std::span<const std::uint
   assert(m_answer.size() <= kRequestBytes);
   ++m_counts.challenges;
   return {.answer = m_answer};
+}
+
+bool Door::MayAsk(const Subnet& subnet, double now) {
+  if (!m_requestRates.Take(subnet, now)) return false;
+  return m_requests.Take(kCalmRate, kCalmBurst, now) || m_scarceRates.Take(subnet, now);
 }
 
 Door::Result Door::TakeResponse(const NetAddress& from, std::span<const std::uint8_t> datagram, double now) {
@@ -234,7 +244,7 @@ Door::Result Door::Pass(Visitor& visitor, std::span<const std::uint8_t> sealed, 
 }
 
 Door::Result Door::SendReset(const NetAddress& from, std::uint32_t session, double now) {
-  if (session == 0 || !m_requestRates.Take(FindSubnet(from), now)) return {};
+  if (session == 0 || !MayAsk(FindSubnet(from), now)) return {};
   m_answer.clear();
   Write(Reset{.session = session, .token = MakeResetToken(from, session)}, m_answer);
   ++m_counts.resets;

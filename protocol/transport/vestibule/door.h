@@ -121,6 +121,8 @@ class Door {
                Judgement judgement, double now);
   Result Refuse(const Response& response, const SessionKeys& keys, Refusal refusal, double now);
   Result Pass(Visitor& visitor, std::span<const std::uint8_t> sealed, double now);
+  // Whether a subnet may have one more answer that it has not earned.
+  [[nodiscard]] bool MayAsk(const Subnet& subnet, double now);
   Result SendReset(const NetAddress& from, std::uint32_t session, double now);
   void Accept(Visitor& visitor);  // writes the answer into m_answer
 
@@ -137,6 +139,8 @@ class Door {
   Key m_cookieKey{};
   Key m_resetKey{};
   RateTable m_requestRates;
+  TokenBucket m_requests;
+  RateTable m_scarceRates;
   RateTable m_handshakeRates;
   RateTable m_guessRates;
   TokenBucket m_handshakes;

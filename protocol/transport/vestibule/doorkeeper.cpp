@@ -144,11 +144,12 @@ void Doorkeeper::HandOn(VisitorId visitor, PairHead::Kind kind, std::span<const 
 
 void Doorkeeper::WriteToPair() {
   while (!m_toPair.empty()) {
-    std::array<mmsghdr, UdpSocket::kBatch> messages{};
+    std::array<mmsghdr, UdpSocket::kBatch> messages;
     std::array<iovec, UdpSocket::kBatch> parts;
     const std::size_t count = std::min(m_toPair.size(), messages.size());
     for (std::size_t i = 0; i < count; ++i) {
       parts[i] = {m_toPair[i].data(), m_toPair[i].size()};
+      messages[i] = {};
       messages[i].msg_hdr.msg_iov = &parts[i];
       messages[i].msg_hdr.msg_iovlen = 1;
     }

@@ -80,6 +80,25 @@ int MakeDualSocket(bool& isIpv6) {
 
 }  // namespace
 
+// Where a batch arrives. It is filled in once: most batches have one datagram, and to fill in all places for each of
+// them would cost more than to open it.
+struct UdpSocket::Inbox {
+  std::array<std::array<std::uint8_t, kReceivedBytes>, kBatch> bytes;
+  std::array<mmsghdr, kBatch> messages{};
+  std::array<iovec, kBatch> parts;
+  std::array<SocketAddress, kBatch> from;
+
+  Inbox() {
+    for (std::size_t i = 0; i < kBatch; ++i) {
+      parts[i] = {bytes[i].data(), kReceivedBytes};
+      messages[i].msg_hdr.msg_name = &from[i];
+      messages[i].msg_hdr.msg_namelen = sizeof from[i];
+      messages[i].msg_hdr.msg_iov = &parts[i];
+      messages[i].msg_hdr.msg_iovlen = 1;
+    }
+  }
+};
+
 std::optional<UdpSocket> UdpSocket::Listen(const std::string& host, std::uint16_t port, std::string& error) {
   bool isIpv6 = true;
   SocketAddress address;
@@ -111,10 +130,12 @@ std::optional<UdpSocket> UdpSocket::Open(std::string& error) {
   return {};
 }
 
+UdpSocket::UdpSocket(int descriptor, bool isIpv6) : m_descriptor(descriptor), m_isIpv6(isIpv6) {}
+
 UdpSocket::UdpSocket(UdpSocket&& other) noexcept
     : m_descriptor(std::exchange(other.m_descriptor, -1)),
       m_isIpv6(other.m_isIpv6),
-      m_buffers(std::move(other.m_buffers)) {}
+      m_inbox(std::move(other.m_inbox)) {}
 
 UdpSocket::~UdpSocket() {
   if (m_descriptor >= 0) close(m_descriptor);
@@ -137,21 +158,14 @@ void UdpSocket::SetPatience(double seconds) {
 }
 
 std::size_t UdpSocket::Receive(const TakeFunction& take, bool waits) {
-  m_buffers.resize(kBatch * kReceivedBytes);
-  std::array<mmsghdr, kBatch> messages{};
-  std::array<iovec, kBatch> parts;
-  std::array<SocketAddress, kBatch> from;
-  for (std::size_t i = 0; i < kBatch; ++i) {
-    parts[i] = {m_buffers.data() + i * kReceivedBytes, kReceivedBytes};
-    messages[i].msg_hdr.msg_name = &from[i];
-    messages[i].msg_hdr.msg_namelen = sizeof from[i];
-    messages[i].msg_hdr.msg_iov = &parts[i];
-    messages[i].msg_hdr.msg_iovlen = 1;
-  }
-  const int count = recvmmsg(m_descriptor, messages.data(), kBatch, waits ? MSG_WAITFORONE : MSG_DONTWAIT, nullptr);
+  if (m_inbox == nullptr) m_inbox = std::make_unique<Inbox>();
+  Inbox& inbox = *m_inbox;
+  const int flags = waits ? MSG_WAITFORONE : MSG_DONTWAIT;
+  const int count = recvmmsg(m_descriptor, inbox.messages.data(), kBatch, flags, nullptr);
   for (int i = 0; i < count; ++i) {
     const auto place = static_cast<std::size_t>(i);
-    take(FromSystem(from[place]), {m_buffers.data() + place * kReceivedBytes, messages[place].msg_len});
+    take(FromSystem(inbox.from[place]), {inbox.bytes[place].data(), inbox.messages[place].msg_len});
+    inbox.messages[place].msg_hdr.msg_namelen = sizeof inbox.from[place];  // the system has written it
   }
   return count > 0 ? static_cast<std::size_t>(count) : 0;
 }

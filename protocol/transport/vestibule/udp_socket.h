@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -44,12 +45,13 @@ class UdpSocket {
  private:
   std::size_t Receive(const TakeFunction& take, bool waits);
 
-  explicit UdpSocket(int descriptor, bool isIpv6) : m_descriptor(descriptor), m_isIpv6(isIpv6) {}
+  struct Inbox;
+  explicit UdpSocket(int descriptor, bool isIpv6);
   friend class SendBatch;
 
   int m_descriptor;
   bool m_isIpv6;
-  std::vector<std::uint8_t> m_buffers;  // kBatch of them
+  std::unique_ptr<Inbox> m_inbox;
 };
 
 // Datagrams that leave with one call. Each thread that sends has its own.
