@@ -300,6 +300,7 @@ void Client::Implementation::StartPlayingWhenComplete() {
   if (welcome.blueprintCount > 0 && !blueprints.Has(welcome.ownBlueprint)) return;
   state = State::kPlaying;
   statistics.joinSeconds = now - startedAt;
+  time.BeginPlay(now);
 }
 
 void Client::Implementation::HandleControl(std::span<const std::uint8_t> bytes) {

@@ -1,6 +1,7 @@
 #include "client/world_time.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace wobble::client {
 namespace {
@@ -8,6 +9,8 @@ namespace {
 // The measured interval between snapshots, in promised ones, up to which it is believed.
 constexpr double kMaxIntervalRatio = 3.0;
 constexpr double kIntervalSmoothing = 1.0 / 32.0;
+// Seconds of play before lateness counts.
+constexpr double kSettling = 1.0;
 
 }  // namespace
 
@@ -17,7 +20,10 @@ void WorldTime::Start(const protocol::WelcomeFields& welcome, double now, Statis
   m_snapshotSeconds = 1.0 / welcome.snapshotHz;
   statistics.snapshotInterval = m_snapshotSeconds;
   m_clock.AddArrival(TimeOf(welcome.tick), 1.0, now);
+  m_jitter.CountFrom(std::numeric_limits<double>::infinity());
 }
+
+void WorldTime::BeginPlay(double now) { m_jitter.CountFrom(now + kSettling); }
 
 SnapshotArrival WorldTime::AddSnapshot(const protocol::SnapshotHead& head, double inputToSnapshot, double now,
                                        Statistics& statistics) {
@@ -33,7 +39,10 @@ SnapshotArrival WorldTime::AddSnapshot(const protocol::SnapshotHead& head, doubl
   }
   m_hasSnapshot = true;
   const double behind = m_clock.ServerTime(now) - time;
-  m_jitter.AddArrival(behind, std::max(statistics.snapshotInterval, m_snapshotSeconds), now);
+  m_jitter.AddArrival({.worldTime = time,
+                       .lateness = behind,
+                       .interval = std::max(statistics.snapshotInterval, m_snapshotSeconds),
+                       .now = now});
 
   if (inputToSnapshot >= 0) {
     statistics.inputToSnapshot = inputToSnapshot;

@@ -16,6 +16,9 @@ class WorldTime {
   // Once, with the welcome: its tick gives a first estimate of the time, which the stamps of inputs need.
   void Start(const protocol::WelcomeFields& welcome, double now, Statistics& statistics);
 
+  // The download is over: what comes late from now on says something about the link.
+  void BeginPlay(double now);
+
   // A snapshot packet that has come for the first time. inputToSnapshot: what InputStream::MeasureEcho says of it.
   // Updates the fields of `statistics` that are about time.
   SnapshotArrival AddSnapshot(const protocol::SnapshotHead& head, double inputToSnapshot, double now,

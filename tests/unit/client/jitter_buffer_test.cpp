@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <random>
 
 namespace wobble::client {
@@ -12,12 +13,17 @@ namespace {
 
 constexpr double kSnapshotInterval = 1.0 / 30;
 
+// The snapshot of this moment comes so many seconds late.
+void Arrive(JitterBuffer& buffer, double lateness, double interval, double now) {
+  buffer.AddArrival({.worldTime = now, .lateness = lateness, .interval = interval, .now = now});
+}
+
 TEST(ClientJitterBuffer, SpreadIsThe98thPercentileOfLateness) {
   for (const double jitter : {0.0, 0.020, 0.100, 0.300}) {
     JitterBuffer buffer;
     std::mt19937 random(5);
     std::uniform_real_distribution<double> lateness(0, jitter + 1e-9);
-    for (double now = 0; now < 10; now += 0.002) buffer.AddArrival(lateness(random), kSnapshotInterval, now);
+    for (double now = 0; now < 10; now += 0.002) Arrive(buffer, lateness(random), 0.002, now);
     EXPECT_NEAR(buffer.FindSpread(), 0.98 * jitter, 0.001 + 0.01 * jitter) << "jitter " << jitter;
   }
 }
@@ -34,7 +40,7 @@ TEST(ClientJitterBuffer, FewArriveLaterThanTheDelayAllows) {
       ++all;
       if (seconds > buffer.TargetDelay() - 2 * kSnapshotInterval) ++late;
     }
-    buffer.AddArrival(seconds, kSnapshotInterval, now);
+    Arrive(buffer, seconds, kSnapshotInterval, now);
   }
   EXPECT_LT(static_cast<double>(late) / all, 0.025);
   EXPECT_LT(buffer.TargetDelay(), 2 * kSnapshotInterval + 0.015 * 7);  // 7 means are exceeded by one in 1,100
@@ -42,30 +48,98 @@ TEST(ClientJitterBuffer, FewArriveLaterThanTheDelayAllows) {
 
 TEST(ClientJitterBuffer, DelayStaysWithinItsBounds) {
   JitterBuffer quick;
-  quick.AddArrival(0, 1.0 / 240, 0);
+  Arrive(quick, 0, 1.0 / 240, 0);
+  quick.Advance(0, 1, 0);
   EXPECT_EQ(quick.TargetDelay(), kMinDelay);
   JitterBuffer slow;
-  slow.AddArrival(30, kSnapshotInterval, 0);
+  Arrive(slow, 30, kSnapshotInterval, 0);
+  slow.Advance(0, 1, 0);
   EXPECT_EQ(slow.TargetDelay(), kMaxDelay);
   JitterBuffer early;
-  early.AddArrival(-5, kSnapshotInterval, 0);
+  Arrive(early, -5, kSnapshotInterval, 0);
+  early.Advance(0, 1, 0);
   EXPECT_NEAR(early.TargetDelay(), 2 * kSnapshotInterval + 0.001, 1e-9);
 }
 
-TEST(ClientJitterBuffer, GrowsAtOnceAndShrinksSlowly) {
+TEST(ClientJitterBuffer, GrowsAtOnceAndShrinksSlowlyWhileTheLinkIsUneven) {
   JitterBuffer buffer;
   double now = 0;
-  for (; now < 5; now += kSnapshotInterval) buffer.AddArrival(0.001, kSnapshotInterval, now);
+  for (; now < 5; now += kSnapshotInterval) Arrive(buffer, 0.001, kSnapshotInterval, now);
   const double calm = buffer.TargetDelay();
-  for (int i = 0; i < 3; ++i, now += kSnapshotInterval) buffer.AddArrival(0.150, kSnapshotInterval, now);
+  for (int i = 0; i < 4; ++i, now += kSnapshotInterval) Arrive(buffer, 0.150, kSnapshotInterval, now);
   const double rough = buffer.TargetDelay();
   EXPECT_NEAR(rough - calm, 0.149, 0.002);
 
-  const double calmAgainAt = now;
-  for (; now < calmAgainAt + 2; now += kSnapshotInterval) buffer.AddArrival(0.001, kSnapshotInterval, now);
-  EXPECT_GT(buffer.TargetDelay(), rough - 0.05);
-  for (; now < calmAgainAt + 30; now += kSnapshotInterval) buffer.AddArrival(0.001, kSnapshotInterval, now);
-  EXPECT_NEAR(buffer.TargetDelay(), calm, 0.002);
+  // One in 20 comes late: too few for the percentile after a while, too many to forget.
+  const double unevenAt = now;
+  for (int i = 0; now < unevenAt + 10; ++i, now += kSnapshotInterval) {
+    Arrive(buffer, i % 20 == 0 ? 0.150 : 0.001, kSnapshotInterval, now);
+    EXPECT_GT(buffer.TargetDelay(), rough - 0.01);
+  }
+}
+
+TEST(ClientJitterBuffer, DelayIsShortAgainTwoSecondsAfterTheLinkIsGood) {
+  JitterBuffer buffer;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> rough(0, 0.6);
+  double now = 0;
+  const auto play = [&](double until, const std::function<double()>& find) {
+    for (int i = 0; now < until; ++i, now += kSnapshotInterval / 4) {
+      if (i % 4 == 0) Arrive(buffer, find(), kSnapshotInterval, now);
+      buffer.Advance(now, 1.0, now);
+    }
+  };
+  play(10, [&] { return rough(random); });
+  EXPECT_GT(buffer.Delay(), 0.45);
+  play(12, [] { return 0.002; });
+  EXPECT_LE(buffer.Delay(), 2 * kSnapshotInterval + 0.055);
+}
+
+// A black-out of a quarter of a second over TCP: nothing is lost, all comes at once.
+TEST(ClientJitterBuffer, OfABurstTheNewestCounts) {
+  JitterBuffer buffer;
+  double now = 0;
+  for (; now < 5; now += kSnapshotInterval) Arrive(buffer, 0.001, kSnapshotInterval, now);
+  const double calm = buffer.TargetDelay();
+  for (int blackout = 0; blackout < 3; ++blackout) {
+    for (int i = 7; i >= 0; --i) {
+      const double worldTime = now + (7 - i) * kSnapshotInterval;
+      const double lateness = 0.004 + i * kSnapshotInterval;
+      buffer.AddArrival({worldTime, lateness, kSnapshotInterval, now + 8 * kSnapshotInterval + 0.0002 * (7 - i)});
+    }
+    now += 9 * kSnapshotInterval;
+    for (const double until = now + 10; now < until; now += kSnapshotInterval) {
+      Arrive(buffer, 0.001, kSnapshotInterval, now);
+      ASSERT_LT(buffer.TargetDelay(), calm + 0.005);
+    }
+  }
+}
+
+TEST(ClientJitterBuffer, WhatIsOlderThanTheNewestIsNotLate) {
+  JitterBuffer buffer;
+  for (double now = 0; now < 5; now += kSnapshotInterval) {
+    Arrive(buffer, 0.001, kSnapshotInterval, now);
+    const double overtaken = now - 10 * kSnapshotInterval;
+    buffer.AddArrival({overtaken, 10 * kSnapshotInterval, kSnapshotInterval, now + kSnapshotInterval / 2});
+  }
+  EXPECT_NEAR(buffer.FindSpread(), 0.001, 0.001 + 1e-9);
+}
+
+TEST(ClientJitterBuffer, WhatComesBeforeItsTimeDoesNotCount) {
+  JitterBuffer buffer;
+  buffer.CountFrom(3);
+  double now = 0;
+  for (; now < 3; now += kSnapshotInterval) Arrive(buffer, 0.400, kSnapshotInterval, now);
+  EXPECT_NEAR(buffer.TargetDelay(), 2 * kSnapshotInterval, 1e-9);
+  for (; now < 4; now += kSnapshotInterval) Arrive(buffer, 0.020, kSnapshotInterval, now);
+  EXPECT_NEAR(buffer.TargetDelay(), 0.021 + 2 * kSnapshotInterval, 1e-9);
+}
+
+// Snapshots of many packets come in a stream without gaps.
+TEST(ClientJitterBuffer, CountsWhatComesInAStreamWithoutAnEnd) {
+  JitterBuffer buffer;
+  for (double now = 0; now < 2; now += 0.001) Arrive(buffer, 0.050, kSnapshotInterval, now);
+  EXPECT_NEAR(buffer.FindSpread(), 0.051, 1e-9);
 }
 
 TEST(ClientJitterBuffer, PlaybackNeverRunsBackwardsAndKeepsItsRate) {
@@ -77,7 +151,7 @@ TEST(ClientJitterBuffer, PlaybackNeverRunsBackwardsAndKeepsItsRate) {
   for (int i = 0; i < 20000; ++i) {
     now += step(random);
     const bool rough = std::fmod(now, 40) > 20;
-    buffer.AddArrival(rough ? jitter(random) : 0.001, kSnapshotInterval, now);
+    Arrive(buffer, rough ? jitter(random) : 0.001, kSnapshotInterval, now);
     const double playback = buffer.Advance(1000 + now, 1.0, now);
     if (i > 0) {
       const double rate = (playback - last) / (now - lastNow);
@@ -89,15 +163,15 @@ TEST(ClientJitterBuffer, PlaybackNeverRunsBackwardsAndKeepsItsRate) {
   }
   EXPECT_GE(smallest, 0.9 - 1e-9);
   EXPECT_LT(smallest, 0.91);  // it had to adapt
-  EXPECT_LE(largest, 1.1 + 1e-9);
-  EXPECT_GT(largest, 1.005);
+  EXPECT_LE(largest, 1.5 + 1e-9);
+  EXPECT_GT(largest, 1.1);
 }
 
 TEST(ClientJitterBuffer, DelaySettlesOnItsTarget) {
   JitterBuffer buffer;
   double now = 0;
   for (; now < 5; now += 0.010) {
-    buffer.AddArrival(now < 2 ? 0.001 : 0.080, kSnapshotInterval, now);
+    Arrive(buffer, now < 2 ? 0.001 : 0.080, kSnapshotInterval, now);
     buffer.Advance(now, 1.0, now);
   }
   EXPECT_NEAR(buffer.Delay(), buffer.TargetDelay(), 0.001);
@@ -106,7 +180,7 @@ TEST(ClientJitterBuffer, DelaySettlesOnItsTarget) {
 
 TEST(ClientJitterBuffer, StandsStillOrLeapsWhenTheClockHasJumped) {
   JitterBuffer buffer;
-  buffer.AddArrival(0, kSnapshotInterval, 0);
+  Arrive(buffer, 0, kSnapshotInterval, 0);
   buffer.Advance(100, 1.0, 0);
   const double before = buffer.Playback();
   EXPECT_EQ(buffer.Advance(90, 1.0, 0.1), before);
