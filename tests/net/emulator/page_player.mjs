@@ -1,0 +1,112 @@
+// Plays by the page's own connection code (client/page/source/wire) and the page's WebAssembly, under Node, without a
+// picture: joins a gateway, moves, takes a frame 60 times a second, and prints what it saw as one line of JSON.
+//
+//   node page_player.mjs WASM_FOLDER HOST:PORT SECONDS
+import { Buffer } from 'node:buffer';
+import fs from 'node:fs';
+import { createRequire } from 'node:module';
+import path from 'node:path';
+import { pathToFileURL } from 'node:url';
+
+const [wasmFolder, host, seconds] = process.argv.slice(2);
+const page = new URL('../../../client/page/', import.meta.url);
+const load = createRequire(new URL('package.json', page));
+
+// What a browser has and Node has not, as far as the connection needs it.
+const { WebSocket } = load('ws');
+globalThis.WebSocket = class extends WebSocket {
+  constructor(url, protocols) {
+    super(url, protocols, { perMessageDeflate: false, family: 4 });
+    this.on('error', () => {}); // a close follows
+  }
+};
+globalThis.window = globalThis;
+globalThis.location = { protocol: 'http:', host, hash: '', pathname: '/', search: '' };
+const storage = new Map();
+globalThis.sessionStorage = {
+  getItem: (key) => storage.get(key) ?? null,
+  setItem: (key, value) => storage.set(key, value),
+  removeItem: (key) => storage.delete(key),
+};
+
+async function loadConnection() {
+  const source = new URL('source/wire/connection.ts', page).pathname;
+  const { outputFiles } = await load('esbuild').build({
+    entryPoints: [source], bundle: true, format: 'esm', write: false, external: ['wobble-wasm'],
+  });
+  const text = Buffer.from(outputFiles[0].contents).toString('base64');
+  return (await import(`data:text/javascript;base64,${text}`)).Connection;
+}
+
+async function loadModule() {
+  const { default: create } = await import(pathToFileURL(path.join(wasmFolder, 'wobble.mjs')).href);
+  return await create({ wasmBinary: fs.readFileSync(path.join(wasmFolder, 'wobble.wasm')) });
+}
+
+const percentile = (values, share) => values[Math.min(values.length - 1, Math.floor(share * values.length))] ?? null;
+const readNow = () => performance.now() / 1000;
+
+const playing = 2; // of State
+const settledAfter = 3; // s of play after which the figures begin
+const gapFrom = 0.2; // s without a newer snapshot
+const frame = 1000 / 60; // ms
+
+const [Connection, module] = [await loadConnection(), await loadModule()];
+const connection = new Connection(module, 'page', false);
+const begin = readNow();
+const seen = { delays: [], ages: [], gaps: [], drops: 0, join: null, lowAfter: null, stallsBefore: null, stalls: 0 };
+let newest = { count: 0, at: begin };
+let longestFrame = 0;
+connection.Join();
+
+function takeFrame() {
+  const now = readNow();
+  connection.Update();
+  const client = connection.client;
+  if (client === null || connection.end !== null) {
+    if (connection.end !== null && seen.join !== null) seen.drops += 1;
+    return;
+  }
+  if (client.ReadState() !== playing) return;
+  seen.join ??= now - begin;
+  const turn = now * 1.5;
+  client.SetInput({ moveX: Math.cos(turn), moveY: Math.sin(turn), jump: false, puff: false, stiffen: false });
+  client.Sample();
+  client.UpdateStatistics();
+  const figures = client.statistics;
+  longestFrame = Math.max(longestFrame, readNow() - now);
+  if (figures.snapshots !== newest.count) {
+    if (now - newest.at >= gapFrom && newest.count > 0 && now - begin - seen.join > settledAfter)
+      seen.gaps.push(now - newest.at);
+    newest = { count: figures.snapshots, at: now };
+  }
+  if (seen.lowAfter === null && figures.delay > 0 && figures.delay <= 0.12) seen.lowAfter = now - begin;
+  if (now - begin - seen.join > settledAfter) {
+    seen.stallsBefore ??= figures.stalls;
+    seen.stalls = figures.stalls - seen.stallsBefore;
+    seen.delays.push(figures.delay);
+    seen.ages.push(figures.snapshotAge);
+  }
+}
+
+const timer = setInterval(takeFrame, frame);
+setTimeout(() => {
+  clearInterval(timer);
+  const ms = (value) => (value === null ? null : Math.round(1e4 * value) / 10);
+  for (const each of [seen.delays, seen.ages, seen.gaps]) each.sort((a, b) => a - b);
+  const minutes = Math.max(1 / 60, (Number(seconds) - settledAfter) / 60);
+  console.log(JSON.stringify({
+    join_ms: ms(seen.join),
+    low_delay_after_ms: ms(seen.lowAfter),
+    display_delay_ms_p50: ms(percentile(seen.delays, 0.5)),
+    display_delay_ms_p99: ms(percentile(seen.delays, 0.99)),
+    snapshot_age_ms_p50: ms(percentile(seen.ages, 0.5)),
+    stalls_per_minute: Math.round((10 * seen.stalls) / minutes) / 10,
+    gaps_per_minute: Math.round((10 * seen.gaps.length) / minutes) / 10,
+    longest_gap_ms: ms(seen.gaps.at(-1) ?? 0),
+    longest_frame_ms: ms(longestFrame),
+    connections_lost: seen.drops,
+  }));
+  connection.Leave();
+  setTimeout(() => process.exit(seen.delays.length > 0 ? 0 : 1), 200);
+}, 1000 * Number(seconds));
