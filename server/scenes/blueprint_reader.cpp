@@ -13,6 +13,10 @@
 namespace wobble::scenes {
 namespace {
 
+// One more would be refused for its vertices, but only after the seconds that it takes to find its stiffness.
+constexpr int kMaxHostedSubdivisions = 4;
+static_assert(kMaxHostedSubdivisions < physics::kMaxSubdivisions);
+
 void ReadMethods(TableReader& reader, Methods& methods) {
   using physics::ContactLaw;
   ReadIntegrator(reader, methods.integrator);
@@ -44,7 +48,7 @@ void ReadGas(TableReader& reader, physics::Material& material) {
 }
 
 void ReadFields(TableReader& reader, physics::BallDefinition& ball) {
-  reader.Read("subdivisions", 0, physics::kMaxSubdivisions, ball.subdivisions);
+  reader.Read("subdivisions", 0, kMaxHostedSubdivisions, ball.subdivisions);
   reader.ReadUnchecked("radius", ball.radius);
   ReadMaterial(reader, ball.material);
   ReadGas(reader, ball.material);

@@ -413,6 +413,15 @@ TEST(SceneMistakes, AnUnknownSceneListsTheKnownOnes) {
   EXPECT_THAT(LoadScene("/nowhere/at/all.toml", kFolder).errors, ElementsAre(HasSubstr("/nowhere/at/all.toml")));
 }
 
+// Found by fuzzing: to build the ball first took seconds, and minutes under sanitizers.
+TEST(SceneLimits, ABallThatIsTooFineIsRefusedAtOnce) {
+  for (const std::string subdivisions : {"5", "99", "-1"}) {
+    const std::string text = "[[blueprint]]\nname = \"ball\"\nsubdivisions = " + subdivisions + "\n";
+    EXPECT_THAT(ParseScene(text, "test").errors,
+                Contains(AllOf(HasSubstr("subdivisions"), HasSubstr(subdivisions), HasSubstr("0 to 4"))));
+  }
+}
+
 TEST(SceneLimits, WhatTheProtocolCannotCarryIsRefusedWithBothNumbers) {
   // Not parsed, because the loader would build the ball to check its material, which takes long in a sanitizer build.
   Scene scene;
