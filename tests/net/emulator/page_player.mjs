@@ -54,7 +54,7 @@ const frame = 1000 / 60; // ms
 const [Connection, module] = [await loadConnection(), await loadModule()];
 const connection = new Connection(module, 'page', false);
 const begin = readNow();
-const seen = { delays: [], ages: [], gaps: [], drops: 0, join: null, lowAfter: null, stallsBefore: null, stalls: 0 };
+const seen = { delays: [], ages: [], gaps: [], drops: 0, join: null, lowAfter: null, leastEcho: Infinity, stallsBefore: null, stalls: 0 };
 let newest = { count: 0, at: begin };
 let longestFrame = 0;
 connection.Join();
@@ -80,6 +80,7 @@ function takeFrame() {
       seen.gaps.push(now - newest.at);
     newest = { count: figures.snapshots, at: now };
   }
+  if (figures.inputToSnapshot > 0) seen.leastEcho = Math.min(seen.leastEcho, figures.inputToSnapshot);
   if (seen.lowAfter === null && figures.delay > 0 && figures.delay <= 0.12) seen.lowAfter = now - begin;
   if (now - begin - seen.join > settledAfter) {
     seen.stallsBefore ??= figures.stalls;
@@ -101,6 +102,7 @@ setTimeout(() => {
     display_delay_ms_p50: ms(percentile(seen.delays, 0.5)),
     display_delay_ms_p99: ms(percentile(seen.delays, 0.99)),
     snapshot_age_ms_p50: ms(percentile(seen.ages, 0.5)),
+    least_input_to_snapshot_ms: ms(seen.leastEcho),
     stalls_per_minute: Math.round((10 * seen.stalls) / minutes) / 10,
     gaps_per_minute: Math.round((10 * seen.gaps.length) / minutes) / 10,
     longest_gap_ms: ms(seen.gaps.at(-1) ?? 0),
