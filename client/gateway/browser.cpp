@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <limits>
+
+#include "protocol/transport/vestibule/keys.h"
 
 namespace wobble::gateway {
 namespace {
 
-constexpr seconds kHandshakeTimeout{5};
-// Without a sign of life; Beast sends a ping after half of it.
-constexpr seconds kIdleTimeout{20};
+constexpr std::size_t kUnlimited = std::numeric_limits<std::size_t>::max();
 // Seconds from the server's answer to the hello. The server itself waits a little less long.
 constexpr double kHelloTimeout = protocol::kHelloTimeout + 2;
 // Seconds in which a browser must take the messages that wait for it and answer the close.
@@ -40,10 +41,12 @@ void Browser::Start() {
   m_stream.binary(true);
   m_stream.auto_fragment(false);
   // Beast answers pings; they count like messages. Nothing may be closed inside this callback.
-  m_stream.control_callback([this](websocket::frame_type, beast::string_view text) {
-    if (!m_rate.Allow(text.size(), command::ReadClock())) m_hasFlooded = true;
-  });
+  m_stream.control_callback([this](websocket::frame_type, beast::string_view text) { NoteControl(text.size()); });
   m_stream.async_accept(m_request, [self = shared_from_this()](error_code error) { self->OnAccepted(error); });
+}
+
+void Browser::NoteControl(std::size_t bytes) {
+  if (!m_rate.Allow(bytes, command::ReadClock())) m_hasFlooded = true;
 }
 
 void Browser::OnAccepted(error_code error) {
@@ -79,6 +82,8 @@ void Browser::Turn(double now) {
   if (m_state == State::kGreeting && now >= m_helloBy) CutOff(websocket::close_code::policy_error, "no hello");
   if (m_hasFlooded) CutOff(websocket::close_code::policy_error, "too many messages");
   if (m_outbox.IsOverfull()) CutOff(websocket::close_code::policy_error, "reads too slowly");
+  m_outbox.DropLate(now);
+  Spread();
   Write();
   if (m_farewell && now >= m_closeBy) End("");
 }
@@ -141,8 +146,63 @@ void Browser::Judge(std::span<const std::uint8_t> message) {
   if (m_state == State::kGreeting && message[0] == static_cast<std::uint8_t>(transport::Channel::kControl)) {
     m_state = State::kPlaying;
     m_shared.greeting.Leave(m_guest);
+    transport::vestibule::FillRandomly(m_laneKey);
+    m_outbox.Add(kLaneChannel, m_laneKey);
   }
   Write();
+}
+
+bool Browser::MayAdd(const LaneKey& key, const std::string& address) const {
+  return m_state == State::kPlaying && m_lanes.size() < kMostLanes && address == m_guest.address &&
+         transport::vestibule::AreEqual(key, m_laneKey);
+}
+
+void Browser::Add(tcp::socket socket, Request request) {
+  const auto lane = std::make_shared<Lane>(std::move(socket), std::move(request));
+  m_lanes.push_back(lane);
+  lane->Start(
+      [self = weak_from_this()](std::span<const std::uint8_t> message) {
+        const std::shared_ptr<Browser> browser = self.lock();
+        return browser != nullptr && browser->JudgeOfLane(message);
+      },
+      [self = weak_from_this()](std::size_t bytes) {
+        if (const std::shared_ptr<Browser> browser = self.lock()) browser->NoteControl(bytes);
+      });
+}
+
+// Inputs alone; what has an order stays on the first.
+bool Browser::JudgeOfLane(std::span<const std::uint8_t> message) {
+  if (m_state != State::kPlaying) return false;
+  m_shared.counts.bytesUp += message.size();
+  const bool isInput = !message.empty() && message[0] == static_cast<std::uint8_t>(transport::Channel::kInput);
+  if (!isInput || !m_rate.Allow(message.size(), command::ReadClock())) {
+    CutOff(websocket::close_code::policy_error, isInput ? "too many messages" : "a message that is not understood");
+    return false;
+  }
+  return m_link->Take(message, m_outbox) == ServerLink::Verdict::kGood;
+}
+
+// Each snapshot goes where least is on the way: a connection that waits for a lost segment has most.
+void Browser::Spread() {
+  std::erase_if(m_lanes, [](const std::shared_ptr<Lane>& lane) { return lane->IsOver(); });
+  if (m_lanes.empty() || m_state != State::kPlaying) return;
+  while (m_outbox.HasSnapshot()) {
+    Lane* best = nullptr;
+    std::size_t least = m_sending.empty() ? CountOnTheWay(m_stream.next_layer().socket()) : kUnlimited;
+    m_turn = (m_turn + 1) % (m_lanes.size() + 1);
+    for (std::size_t i = 0; i < m_lanes.size(); ++i) {
+      Lane& lane = *m_lanes[(m_turn + i) % m_lanes.size()];
+      if (!lane.IsFree()) continue;
+      const std::size_t onTheWay = lane.CountOnTheWay();
+      if (onTheWay > least || (onTheWay == least && m_turn == 0)) continue;
+      least = onTheWay;
+      best = &lane;
+    }
+    if (best == nullptr) return;  // the first, or none has room
+    Outbox::Message message = m_outbox.TakeSnapshot();
+    m_shared.counts.bytesDown += message.size();
+    best->Send(std::move(message));
+  }
 }
 
 void Browser::CutOff(websocket::close_code code, const std::string& reason) {
@@ -170,6 +230,7 @@ void Browser::Write() {
     m_stream.async_write(asio::buffer(m_sending), [self = shared_from_this()](error_code error, std::size_t) {
       self->m_sending.clear();
       if (error) return self->End(self->DescribeEnd(error));
+      self->Spread();
       self->Write();
     });
   } else if (m_state == State::kLeaving) {
@@ -195,6 +256,7 @@ void Browser::End(const std::string& reason) {
   m_state = State::kOver;
   m_shared.greeting.Leave(m_guest);
   LeaveServer();
+  for (const std::shared_ptr<Lane>& lane : m_lanes) lane->End();
   m_shared.counts.snapshotsDropped += m_outbox.CountDropped();
   beast::get_lowest_layer(m_stream).close();
   if (m_seat == nullptr) return;

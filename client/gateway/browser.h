@@ -20,6 +20,7 @@
 #include <string>
 
 #include "client/command/clock.h"
+#include "client/gateway/lane.h"
 #include "client/gateway/outbox.h"
 #include "client/gateway/sessions.h"
 #include "protocol/transport/vestibule/handshake.h"
@@ -69,6 +70,9 @@ class Browser : public std::enable_shared_from_this<Browser> {
   void Close(websocket::close_code code, const std::string& reason, Waiting waiting);
 
   [[nodiscard]] bool IsOver() const { return m_state == State::kOver; }
+  // Whether one more WebSocket of somebody with this key and address is this player's. A player has kMostLanes.
+  [[nodiscard]] bool MayAdd(const LaneKey& key, const std::string& address) const;
+  void Add(tcp::socket socket, Request request);
 
  private:
   enum class State {
@@ -81,6 +85,7 @@ class Browser : public std::enable_shared_from_this<Browser> {
     kOver,
   };
 
+  void NoteControl(std::size_t bytes);
   void OnAccepted(error_code error);
   void OnResolved(error_code error, const udp::resolver::results_type& results);
   void TurnLink(double now);
@@ -91,6 +96,8 @@ class Browser : public std::enable_shared_from_this<Browser> {
   void Read();
   void OnRead(error_code error);
   void Judge(std::span<const std::uint8_t> message);
+  [[nodiscard]] bool JudgeOfLane(std::span<const std::uint8_t> message);
+  void Spread();
   void CutOff(websocket::close_code code, const std::string& reason);
   void Write();
   [[nodiscard]] std::string DescribeEnd(error_code error) const;
@@ -112,6 +119,9 @@ class Browser : public std::enable_shared_from_this<Browser> {
   std::unique_ptr<ServerLink> m_link;
   RateLimit m_rate;
   Outbox m_outbox;
+  LaneKey m_laneKey{};
+  std::vector<std::shared_ptr<Lane>> m_lanes;
+  std::size_t m_turn = 0;     // of the lanes, where equally much is on the way
   Outbox::Message m_sending;  // on its way; empty when none is
   beast::flat_buffer m_incoming;
   State m_state = State::kAccepting;

@@ -1,5 +1,6 @@
 #include "client/gateway/credential.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -18,6 +19,8 @@ constexpr std::array kKinds{
     std::pair{std::string_view("token."), Credential::Kind::kToken},
     std::pair{std::string_view("owner."), Credential::Kind::kOwnerKey},
 };
+
+constexpr std::string_view kMore = "more.";
 
 // Takes the first part of a list with commas, without the spaces around it.
 std::string_view TakeFirst(std::string_view& list) {
@@ -42,6 +45,19 @@ std::optional<Credential> FindCredential(std::string_view subprotocols) {
     }
   }
   return credential;
+}
+
+std::optional<LaneKey> FindLaneKey(std::string_view subprotocols) {
+  while (!subprotocols.empty()) {
+    const std::string_view part = TakeFirst(subprotocols);
+    if (part.substr(0, kMore.size()) != kMore) continue;
+    const auto bytes = vestibule::ParseSecret(part.substr(kMore.size()));
+    LaneKey key;
+    if (!bytes || bytes->size() != key.size()) return {};
+    std::copy(bytes->begin(), bytes->end(), key.begin());
+    return key;
+  }
+  return {};
 }
 
 Credential Introduce(const Credential& own, const std::string& address, const vestibule::Key& gatewayKey,

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "client/gateway/server_link.h"
 #include "protocol/transport/vestibule/handshake.h"
 
 namespace wobble::gateway {
@@ -16,6 +17,9 @@ inline constexpr std::size_t kMaxBrowserCredentialBytes = 300;
 // The credential that stands among the subprotocols of a WebSocket, such as "wobble.6, password.dHVsaXA": password,
 // invite, token or owner, and its bytes in base64url. None is Kind::kNone. nullopt: it is malformed, or there are two.
 [[nodiscard]] std::optional<transport::vestibule::Credential> FindCredential(std::string_view subprotocols);
+
+// The key of a player's lanes that stands among them, as "more." and base64url. nullopt: there is none.
+[[nodiscard]] std::optional<LaneKey> FindLaneKey(std::string_view subprotocols);
 
 // The credential with an introduction in front of it that says the browser's address: for servers that have the key.
 // address: as SpellAddress has it. now: s since 1970.

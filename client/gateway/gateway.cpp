@@ -43,7 +43,7 @@ constexpr std::size_t kMostVisitors = 512, kMostVisitorsOfAddress = 64;
 constexpr std::size_t kMostGreeting = 64, kMostGreetingOfAddress = 32;
 // Bytes that the system may hold unsent for a browser; the rest waits in the outbox, where old snapshots can be
 // dropped.
-constexpr int kUnsentBytes = 16 * 1024;
+constexpr int kUnsentBytes = 4 * 1024;
 
 std::string DescribeWorlds(const std::vector<World>& worlds) {
   if (worlds[0].name.empty()) return "on " + Describe(worlds[0].server);

@@ -1,8 +1,5 @@
-// One queue for all channels keeps their order: a browser on a good link receives what a native client does. The oldest
-// snapshot is found by a linear search, past at most a thousand control messages of 4 KiB.
 #include "client/gateway/outbox.h"
 
-#include <algorithm>
 #include <cassert>
 #include <utility>
 
@@ -11,38 +8,50 @@
 namespace wobble::gateway {
 namespace {
 
-bool IsSnapshot(const Outbox::Message& message) {
-  return message[0] == static_cast<std::uint8_t>(transport::Channel::kSnapshot);
+Outbox::Message MakeMessage(std::uint8_t channel, std::span<const std::uint8_t> bytes) {
+  Outbox::Message message;
+  message.reserve(1 + bytes.size());
+  message.push_back(channel);
+  message.insert(message.end(), bytes.begin(), bytes.end());
+  return message;
 }
 
 }  // namespace
 
 void Outbox::Add(std::uint8_t channel, std::span<const std::uint8_t> bytes) {
-  Message message;
-  message.reserve(1 + bytes.size());
-  message.push_back(channel);
-  message.insert(message.end(), bytes.begin(), bytes.end());
-  m_bytes += message.size();
-  if (IsSnapshot(message)) m_snapshotBytes += message.size();
-  m_messages.push_back(std::move(message));
-  while (m_snapshotBytes > kMaxWaitingSnapshotBytes) DropOldestSnapshot();
+  m_others.push_back(MakeMessage(channel, bytes));
+  m_bytes += m_others.back().size();
+}
+
+void Outbox::AddSnapshot(std::span<const std::uint8_t> bytes, double now) {
+  m_snapshots.push_back({MakeMessage(static_cast<std::uint8_t>(transport::Channel::kSnapshot), bytes), now});
+  m_bytes += m_snapshots.back().message.size();
+}
+
+void Outbox::DropLate(double now) {
+  for (; HasSnapshot() && m_snapshots.front().since < now - kLongestWait; ++m_dropped) {
+    m_bytes -= m_snapshots.front().message.size();
+    m_snapshots.pop_front();
+  }
 }
 
 Outbox::Message Outbox::Take() {
-  assert(!m_messages.empty());
-  Message message = std::move(m_messages.front());
-  m_messages.pop_front();
+  assert(!IsEmpty());
+  if (m_others.empty() || (m_isSnapshotNext && HasSnapshot())) return TakeSnapshot();
+  Message message = std::move(m_others.front());
+  m_others.pop_front();
   m_bytes -= message.size();
-  if (IsSnapshot(message)) m_snapshotBytes -= message.size();
+  m_isSnapshotNext = true;
   return message;
 }
 
-void Outbox::DropOldestSnapshot() {
-  const auto oldest = std::find_if(m_messages.begin(), m_messages.end(), IsSnapshot);
-  m_bytes -= oldest->size();
-  m_snapshotBytes -= oldest->size();
-  m_messages.erase(oldest);
-  ++m_dropped;
+Outbox::Message Outbox::TakeSnapshot() {
+  assert(HasSnapshot());
+  Message message = std::move(m_snapshots.front().message);
+  m_snapshots.pop_front();
+  m_bytes -= message.size();
+  m_isSnapshotNext = false;
+  return message;
 }
 
 }  // namespace wobble::gateway

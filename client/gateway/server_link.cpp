@@ -38,7 +38,11 @@ void ServerLink::Poll(double now, Outbox& outbox) {
                                             : "the server does not answer";
         break;
       case transport::Event::Kind::kMessage:
-        outbox.Add(static_cast<std::uint8_t>(event.channel), event.bytes);
+        if (event.channel == Channel::kSnapshot) {
+          outbox.AddSnapshot(event.bytes, now);
+        } else {
+          outbox.Add(static_cast<std::uint8_t>(event.channel), event.bytes);
+        }
         break;
       case transport::Event::Kind::kOffence:  // of clients alone
         break;

@@ -2,9 +2,11 @@
 //
 // A message over the WebSocket is a byte that names the channel, and then the message as ENet carries it. Channel 3 is
 // the link's own: a browser's ping of four bytes is answered with the same bytes and the round trip over ENet. On
-// channel 4 the browser is given its ticket once, if the server gave one: with it it may come back.
+// channel 4 the browser is given its ticket once, if the server gave one: with it it may come back. On channel 5 it is
+// given once what it may open more WebSockets with.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -21,6 +23,9 @@ inline constexpr std::uint8_t kPingChannel = 3;
 inline constexpr std::size_t kPingBytes = 4;
 // The channel on which the browser gets, once, what it may come back with as a token.
 inline constexpr std::uint8_t kTicketChannel = 4;
+// The channel of the key of its lanes.
+inline constexpr std::uint8_t kLaneChannel = 5;
+using LaneKey = std::array<std::uint8_t, 16>;
 
 // The largest message that a browser may send, bytes.
 inline constexpr std::size_t kMaxBrowserMessageBytes = 1 + protocol::kMaxClientMessageBytes;

@@ -75,6 +75,7 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
   void OnRead(error_code error);
   void Answer();
   void AnswerPlay(const World& world);
+  void AnswerMore(const LaneKey& key);
   void SendWorlds();
   void SendFile(const PageFile& file);
   void SendText(http::status status, std::string_view text);
@@ -149,6 +150,7 @@ void Visitor::AnswerPlay(const World& world) {
   if (!http::token_list(offered).exists(MakeSubprotocol())) {
     return SendText(http::status::bad_request, "the subprotocol is not offered: load the page again\n");
   }
+  if (const auto key = FindLaneKey(offered)) return AnswerMore(*key);
   const double now = command::ReadClock();
   auto credential = FindCredential(offered);
   if (!credential) return SendText(http::status::bad_request, "the password, invite or token is malformed\n");
@@ -167,6 +169,18 @@ void Visitor::AnswerPlay(const World& world) {
                                                  address, std::move(*credential));
   m_shared.browsers.push_back(browser);
   browser->Start();
+}
+
+// One more WebSocket of a browser that plays.
+void Visitor::AnswerMore(const LaneKey& key) {
+  const std::string address = FindHousehold(
+      FindBrowserAddress(m_peer, JoinHeaders(m_parser->get(), "X-Forwarded-For"), m_shared.options.proxies));
+  const auto isIts = [&](const std::shared_ptr<Browser>& browser) { return browser->MayAdd(key, address); };
+  const auto found = std::find_if(m_shared.browsers.begin(), m_shared.browsers.end(), isIts);
+  if (found == m_shared.browsers.end()) return SendText(http::status::not_found, "nobody plays with this key\n");
+  m_shared.visitors.Leave(m_guest);
+  m_stream.expires_never();
+  (*found)->Add(m_stream.release_socket(), m_parser->release());
 }
 
 void Visitor::SendFile(const PageFile& file) {

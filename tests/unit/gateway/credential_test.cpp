@@ -14,6 +14,14 @@ using Bytes = std::vector<std::uint8_t>;
 
 Bytes ToBytes(std::string_view text) { return {text.begin(), text.end()}; }
 
+TEST(LaneKeys, StandAmongTheSubprotocols) {
+  LaneKey key{};
+  for (std::size_t i = 0; i < key.size(); ++i) key[i] = static_cast<std::uint8_t>(3 * i);
+  EXPECT_EQ(FindLaneKey("wobble.6, more." + vestibule::FormatSecret(key)), key);
+  for (const char* offered : {"", "wobble.6", "more.", "more.AAAA", "wobble.6, more.AAAAAAAAAAAAAAAAAAAAAA=", "more"})
+    EXPECT_EQ(FindLaneKey(offered), std::nullopt) << offered;
+}
+
 TEST(Credentials, StandAmongTheSubprotocols) {
   const struct {
     const char* offered;

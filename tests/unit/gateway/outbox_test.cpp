@@ -12,11 +12,11 @@ std::vector<std::uint8_t> MakeMessage(std::size_t bytes, std::uint8_t content) {
   return std::vector<std::uint8_t>(bytes, content);
 }
 
-TEST(Outbox, KeepsTheOrder) {
+TEST(Outbox, KeepsTheOrderOfEachKind) {
   Outbox outbox;
-  outbox.Add(kSnapshot, MakeMessage(2, 7));
+  outbox.AddSnapshot(MakeMessage(2, 7), 0);
   outbox.Add(kControl, MakeMessage(1, 8));
-  outbox.Add(kSnapshot, {});
+  outbox.AddSnapshot({}, 0);
   EXPECT_EQ(outbox.Take(), (Outbox::Message{kSnapshot, 7, 7}));
   EXPECT_EQ(outbox.Take(), (Outbox::Message{kControl, 8}));
   EXPECT_EQ(outbox.Take(), (Outbox::Message{kSnapshot}));
@@ -24,32 +24,44 @@ TEST(Outbox, KeepsTheOrder) {
   EXPECT_EQ(outbox.CountDropped(), 0U);
 }
 
-TEST(Outbox, DropsTheOldestSnapshotsAndNothingElse) {
+TEST(Outbox, ADownloadAndThePictureLeaveInTurn) {
   Outbox outbox;
-  constexpr std::size_t kBytes = 1023;  // and a byte for the channel
-  constexpr std::size_t kMost = kMaxWaitingSnapshotBytes / 1024;
-  for (std::size_t i = 0; i < kMost + 10; ++i) {
-    outbox.Add(kControl, MakeMessage(kBytes, static_cast<std::uint8_t>(i)));
-    outbox.Add(kSnapshot, MakeMessage(kBytes, static_cast<std::uint8_t>(i)));
+  for (std::uint8_t i = 0; i < 3; ++i) outbox.Add(kControl, MakeMessage(1, i));
+  for (std::uint8_t i = 0; i < 2; ++i) outbox.AddSnapshot(MakeMessage(1, i), 0);
+  std::vector<Outbox::Message> taken;
+  while (!outbox.IsEmpty()) taken.push_back(outbox.Take());
+  const std::vector<Outbox::Message> expected{
+      {kSnapshot, 0}, {kControl, 0}, {kSnapshot, 1}, {kControl, 1}, {kControl, 2}};
+  EXPECT_EQ(taken, expected);
+}
+
+TEST(Outbox, DropsSnapshotsThatHaveWaitedTooLongAndNothingElse) {
+  Outbox outbox;
+  for (std::uint8_t i = 0; i < 20; ++i) {
+    outbox.Add(kControl, MakeMessage(1, i));
+    outbox.AddSnapshot(MakeMessage(1, i), 0.02 * i);
   }
-  EXPECT_EQ(outbox.CountDropped(), 10U);
-  std::vector<std::uint8_t> controls, snapshots;
-  while (!outbox.IsEmpty()) {
-    const Outbox::Message message = outbox.Take();
-    (message[0] == kControl ? controls : snapshots).push_back(message[1]);
-  }
-  ASSERT_EQ(controls.size(), kMost + 10);
-  ASSERT_EQ(snapshots.size(), kMost);
-  EXPECT_EQ(controls.front(), 0);
-  EXPECT_EQ(snapshots.front(), 10);
-  EXPECT_EQ(snapshots.back(), kMost + 9);
+  outbox.DropLate(0.4);  // what is older than 0.25: 0 to 12
+  EXPECT_EQ(outbox.CountDropped(), 13U);
+  EXPECT_EQ(outbox.TakeSnapshot(), (Outbox::Message{kSnapshot, 13}));
+  std::size_t controls = 0;
+  while (!outbox.IsEmpty()) controls += outbox.Take()[0] == kControl ? 1 : 0;
+  EXPECT_EQ(controls, 20U);
+}
+
+// A snapshot of a large world is larger than what a slow line carries in a second.
+TEST(Outbox, DropsNothingOfALargeSnapshotThatHasJustCome) {
+  Outbox outbox;
+  for (int i = 0; i < 200; ++i) outbox.AddSnapshot(MakeMessage(1100, 1), 5);
+  outbox.DropLate(5.1);
+  EXPECT_EQ(outbox.CountDropped(), 0U);
 }
 
 TEST(Outbox, IsOverfullWithWhatMayNotBeDropped) {
   Outbox outbox;
   for (int i = 0; i < 64; ++i) outbox.Add(kControl, MakeMessage(64 * 1024 - 1, 0));
   EXPECT_FALSE(outbox.IsOverfull());
-  outbox.Add(kSnapshot, MakeMessage(1, 0));
+  outbox.Add(kControl, MakeMessage(1, 0));
   EXPECT_TRUE(outbox.IsOverfull());
   static_cast<void>(outbox.Take());
   EXPECT_FALSE(outbox.IsOverfull());

@@ -12,7 +12,7 @@ import { waitFor } from './programs.mjs';
 const root = new URL('../../../', import.meta.url);
 const { WebSocket } = createRequire(new URL('client/page/package.json', root))('ws');
 
-export const channels = { control: 0, input: 1, snapshot: 2, ping: 3, ticket: 4 };
+export const channels = { control: 0, input: 1, snapshot: 2, ping: 3, ticket: 4, lane: 5 };
 const limits = fs.readFileSync(new URL('protocol/limits.h', root), 'utf8');
 export const protocolVersion = Number(/kProtocolVersion = (\d+);/.exec(limits)[1]);
 export const subprotocol = `wobble.${protocolVersion}`;

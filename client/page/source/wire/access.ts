@@ -3,7 +3,8 @@
 const kTicketKey = 'wobble-ticket:';
 const kHexDigits = /^[0-9a-f]{64}$/i;
 
-function Encode(bytes: Iterable<number>): string {
+// base64url, as subprotocols have it.
+export function Encode(bytes: Iterable<number>): string {
   const text = Array.from(bytes, (byte) => String.fromCharCode(byte)).join('');
   return btoa(text).replace(/\+/g, '-').replace(/\//g, '_').replace(/=+$/, '');
 }

@@ -3,15 +3,17 @@
 // A page in the background gets no frames and hardly any timers, but messages on its socket still wake it. The client
 // is therefore updated with every message, and the connection stays alive while the server sends.
 import type { WobbleModule } from 'wobble-wasm';
-import { Access } from './access';
+import { Access, Encode } from './access';
 import { Client, ReadNow } from './client';
 import { KeptBlueprints } from './kept_blueprints';
+import { Lanes } from './lanes';
 import { State } from './views';
 
 const kPingChannel = 3;
 const kPingEvery = 1; // s
 const kPingBytes = 7;
 const kTicketChannel = 4;
+const kLaneChannel = 5;
 // Close codes of the gateway: another try is in vain; what was shown to be let in does not hold.
 const kRefusedForGood = 4000;
 const kCredentialRefused = 4001;
@@ -45,6 +47,7 @@ export class Connection {
   private readonly m_kept = new KeptBlueprints();
   private m_joins = 0;
   private m_socket: WebSocket | null = null;
+  private m_lanes: Lanes | null = null;
   private m_tries = 0;
   private m_lostAt: number | null = null; // of the first loss that kGoodFor has not made good
   private m_playingSince: number | null = null;
@@ -97,7 +100,7 @@ export class Connection {
     if (this.client === null) return;
     this.client.Leave();
     this.SendOutgoing();
-    this.m_socket?.close(1000);
+    this.CloseSockets();
   }
 
   Update(): void {
@@ -113,7 +116,7 @@ export class Connection {
       this.m_kept.Keep(this.world, each);
     }
     this.SendOutgoing();
-    if (client.IsCloseAsked()) this.m_socket?.close(1000);
+    if (client.IsCloseAsked()) this.CloseSockets();
     const state = client.ReadState();
     if (state === State.Playing) this.NotePlaying(now);
     if (state === State.Ended) this.NoteEnd(client, now);
@@ -160,6 +163,10 @@ export class Connection {
       this.m_access.NoteTicket(this.world, message.subarray(1));
       return;
     }
+    if (message[0] === kLaneChannel) {
+      this.OpenLanes(client, Encode(message.subarray(1)));
+      return;
+    }
     if (message[0] !== kPingChannel) {
       client.ReceiveMessage(message);
       return;
@@ -169,10 +176,21 @@ export class Connection {
     client.SetRoundTrip(this.ping);
   }
 
+  private OpenLanes(client: Client, key: string): void {
+    const first = this.m_socket;
+    if (first === null || this.m_lanes !== null) return;
+    this.m_lanes = new Lanes(first, `more.${key}`, (message) => {
+      if (this.client !== client || this.end !== null) return;
+      client.ReceiveMessage(message);
+      this.Update();
+    });
+  }
+
   private SendOutgoing(): void {
     const socket = this.m_socket;
     this.client?.SendOutgoing((message) => {
-      if (socket?.readyState === WebSocket.OPEN) socket.send(message as Uint8Array<ArrayBuffer>);
+      const chosen = this.m_lanes?.Choose(message) ?? socket;
+      if (chosen?.readyState === WebSocket.OPEN) chosen.send(message as Uint8Array<ArrayBuffer>);
     });
   }
 
@@ -201,7 +219,13 @@ export class Connection {
       const isFinal = this.m_closeCode === kRefusedForGood || !client.MayRejoin();
       this.end = { retryAt: isFinal || now >= this.m_lostAt + kPatience ? null : now + wait };
     }
+    this.CloseSockets();
+  }
+
+  private CloseSockets(): void {
     this.m_socket?.close(1000);
+    this.m_lanes?.Close();
+    this.m_lanes = null;
   }
 
   private ForgetLosses(): void {
