@@ -108,7 +108,8 @@ inline constexpr double kMaxOverdrawnSeconds = 3;
 }
 
 // Seconds. A connection must say hello within the first. A client or server that is silent for the second counts as
-// gone. Without a newer input the last one holds for the third, then the player stands still.
+// gone. Without a newer input the last one holds for the third, or two and a half times as long on a link that delays
+// inputs so, then the player stands still.
 inline constexpr double kHelloTimeout = 3;
 inline constexpr double kSilenceTimeout = 8;
 inline constexpr double kInputHold = 0.1;

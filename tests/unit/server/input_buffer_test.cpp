@@ -59,6 +59,35 @@ TEST(InputBuffer, HoldsForAHundredMillisecondsThenStandsStill) {
   EXPECT_EQ(buffer.Take(60, kHold).move_x(), 5);
 }
 
+// Frames come in bursts, with the same gap between them each time.
+TEST(InputBuffer, HoldsAsLongAsGapsLatelyWere) {
+  for (const std::uint32_t gap : {8U, 15U, 20U}) {
+    InputBuffer buffer;
+    std::uint64_t starvedBefore = 0;
+    std::uint32_t tick = 1;
+    const auto playBurst = [&] {
+      for (int i = 0; i < 5; ++i, ++tick) {
+        buffer.Add(InputFrame(tick, 90, 0, 0), tick);
+        EXPECT_EQ(buffer.Take(tick, kHold).move_x(), 90);
+      }
+      starvedBefore = buffer.CountStarved();
+      for (std::uint32_t i = 1; i < gap; ++i, ++tick) (void)buffer.Take(tick, kHold);
+    };
+    playBurst();
+    EXPECT_EQ(buffer.CountStarved(), gap - 1 - kHold) << "of the first nothing is known";
+    for (int i = 0; i < 5; ++i) playBurst();
+    EXPECT_EQ(buffer.CountStarved() - starvedBefore, gap <= 15 ? 0 : gap - 1 - 15) << gap;
+    // Ten seconds without such a gap: it is forgotten.
+    for (int i = 0; i < 605; ++i, ++tick) {
+      buffer.Add(InputFrame(tick, 90, 0, 0), tick);
+      (void)buffer.Take(tick, kHold);
+    }
+    const std::uint64_t before = buffer.CountStarved();
+    playBurst();
+    EXPECT_EQ(buffer.CountStarved() - before, gap - 1 - kHold);
+  }
+}
+
 TEST(InputBuffer, RepeatedFramesChangeNothing) {
   InputBuffer once;
   InputBuffer often;
