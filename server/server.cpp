@@ -198,7 +198,9 @@ void Server::ApplyInputs() {
   const auto holdTicks = static_cast<std::uint32_t>(protocol::kInputHold * m_config.tickHz);
   for (auto& [connection, session] : m_sessions) {
     if (session.state != Session::State::kPlaying) continue;
+    const std::uint64_t starved = session.inputs.CountStarved();
     const physics::Control control = TakeControl(session, m_world.Tick() + 1, holdTicks);
+    m_counts.inputsStarved += session.inputs.CountStarved() - starved;
     if (session.body != 0) m_world.SetControl(session.body, control, m_scene.player.limits);
   }
 }

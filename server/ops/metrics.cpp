@@ -109,6 +109,9 @@ void AddClients(List& list, const Figures& f) {
   }
   list.AddCounter("wobble_client_stalls_total", "Times that clients had to show a body without news of it in time.",
                   ToNumber(f.counts.stalls));
+  list.AddCounter("wobble_client_inputs_starved_total",
+                  "Ticks on which a player stood still because no input had come in time.",
+                  ToNumber(f.counts.inputsStarved));
 }
 
 void AddBodies(List& list, const Figures& f) {

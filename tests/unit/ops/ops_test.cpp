@@ -102,6 +102,16 @@ TEST(Metrics, SayWhatTheServerDoes) {
   EXPECT_EQ(read("wobble_time_ratio"), 1);
 }
 
+TEST(Metrics, CountTheTicksOnWhichNoInputHadCome) {
+  WatchedGame watched;
+  static_cast<void>(watched.game.AddClient());
+  watched.Run(2);
+  EXPECT_EQ(ReadSeries(watched.Write(), "wobble_client_inputs_starved_total"), 0);
+  watched.game.network.SetConditions({.loss = 1}, {});
+  watched.Run(1);
+  EXPECT_NEAR(ReadSeries(watched.Write(), "wobble_client_inputs_starved_total"), 60 * (1 - protocol::kInputHold), 5);
+}
+
 TEST(Metrics, CountWhatClientsTellOfStallsAndLosses) {
   WatchedGame watched;
   auto& client = watched.game.AddClient();
