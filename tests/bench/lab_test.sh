@@ -44,7 +44,7 @@ expect_refusal() { # PATTERN ARGUMENT...
 
 case_help_and_version() {
   local words
-  for words in '' accuracy capacity codec contact interpolation skip stability throughput; do
+  for words in '' accuracy capacity codec contact interpolation link skip stability throughput; do
     # shellcheck disable=SC2086  # no word at all when there is no report
     expect_exit 0 $words --help
     expect_line "$out" '^Examples:'
@@ -56,7 +56,7 @@ case_help_and_version() {
 }
 
 case_bad_use() {
-  expect_refusal 'a report is required, one of: accuracy, stability, contact, throughput, skip, codec, interpolation, capacity, or all'
+  expect_refusal 'a report is required, one of: accuracy, stability, contact, throughput, skip, codec, interpolation, link, capacity, or all'
   expect_refusal 'not expected: gravity' gravity
   expect_refusal 'not expected: --loud' contact --loud
   expect_refusal "'-1' is not 0 to 9007199254740992" contact --seed=-1
@@ -129,6 +129,16 @@ case_codec() {
   keys+=" vertex_error_p999_025 encode_us_per_body decode_us_per_body"
   keys+=" cloth_bits_per_vertex_025 lattice_bits_per_vertex_025"
   expect_report codec "$keys" "codec_curves"
+}
+
+case_link() {
+  expect_exit 0 link --quick --json "$folder/link.json" --plot "$folder/plots"
+  if grep -q 'permits no network namespaces' "$out"; then return; fi
+  local keys="clean_native_delay_ms_p50 clean_native_join_ms clean_page_delay_ms_p50 clean_page_delay_ms_p99"
+  keys+=" clean_page_stalls_per_minute clean_page_gaps_per_minute clean_page_join_ms"
+  local each
+  for each in rows summary $keys; do expect_line "$folder/link.json" "\"$each\": "; done
+  expect_line "$folder/plots/link.svg" '^</svg>'
 }
 
 case_interpolation() {

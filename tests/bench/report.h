@@ -58,6 +58,7 @@ void ReportCapacity(Bench& bench);
 void ReportCodec(Bench& bench);
 void ReportContact(Bench& bench);
 void ReportInterpolation(Bench& bench);
+void ReportLink(Bench& bench);
 void ReportSkip(Bench& bench);
 void ReportStability(Bench& bench);
 void ReportThroughput(Bench& bench);
