@@ -1,6 +1,5 @@
 #include "client/gateway/lane.h"
 
-#include <linux/sockios.h>
 #include <sys/ioctl.h>
 
 #include "client/gateway/server_link.h"
@@ -61,7 +60,7 @@ void Lane::End() {
 
 std::size_t CountOnTheWay(Lane::Socket& socket) {
   int bytes = 0;
-  return ioctl(socket.native_handle(), SIOCOUTQ, &bytes) == 0 && bytes > 0 ? static_cast<std::size_t>(bytes) : 0;
+  return ioctl(socket.native_handle(), TIOCOUTQ, &bytes) == 0 && bytes > 0 ? static_cast<std::size_t>(bytes) : 0;
 }
 
 }  // namespace wobble::gateway

@@ -29,7 +29,7 @@ async function order(socket, ...words) {
 }
 const invite = async (socket) => /#invite=[\w-]+/.exec((await order(socket, 'invite', 'uses', '1')).join('\n'))[0];
 
-// The page behind `#...`; it lists in window.offered what its WebSockets offer beside wobble's own subprotocol.
+// The page behind `#...`; it lists in window.offered what its first WebSockets offer beside wobble's own subprotocol.
 const openWith = (host, fragment) =>
   openPage(browser, host, {
     query: `name=mira&quality=4${fragment}`,
@@ -39,6 +39,7 @@ const openWith = (host, fragment) =>
         window.WebSocket = class extends WebSocket {
           constructor(url, protocols) {
             super(url, protocols);
+            if (protocols[1]?.startsWith('more.')) return; // a lane shows no credential
             window.offered.push([new URL(url).pathname, ...protocols.slice(1)].join(' '));
           }
         };
