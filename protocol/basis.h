@@ -50,6 +50,8 @@ struct BasisSource {
   std::array<std::uint16_t, 3> grid{};  // cosine: vertices along each axis, the first running fastest
   std::vector<std::uint8_t> levels;     // Basis::levels + kLevelZero
   std::vector<std::int8_t> gains;       // Basis::gains
+
+  [[nodiscard]] std::size_t CountRows() const { return kind == Kind::kFull ? std::size_t{3} * vertices : vertices; }
 };
 inline constexpr int kLevelZero = 192;  // the level of a metre, as sent
 
@@ -60,8 +62,5 @@ inline constexpr int kLevelZero = 192;  // the level of a metre, as sent
 
 // Serialises a source. The caller sees to it that the result has at most kMaxBasisBytes.
 [[nodiscard]] std::vector<std::uint8_t> WriteBasis(const BasisSource& source);
-// Reads and completes a basis; any bytes are safe. nullptr when they are no basis for so many vertices. Cost: rows³
-// operations for a full basis, so once a blueprint.
-[[nodiscard]] std::shared_ptr<const Basis> ReadBasis(std::span<const std::uint8_t> bytes, std::size_t vertices);
 
 }  // namespace wobble::protocol

@@ -12,38 +12,52 @@
 #include <numeric>
 
 namespace wobble::protocol {
-namespace {
 
-// A Householder reflection: x − 2 v (v·x)/(v·v) for every column x of a matrix. v begins at row `first`.
-struct Reflection {
-  std::size_t first = 0;
-  std::vector<double> v;
-  double factor = 0;  // 2/(v·v)
-};
+Completion::Completion(std::span<const double> given, std::size_t rows, std::span<const std::size_t> order)
+    : m_rows(rows), m_modes(given.size() / rows), m_work(given.size()), m_dots(m_modes) {
+  for (std::size_t i = 0; i < rows; ++i) {
+    for (std::size_t k = 0; k < m_modes; ++k) m_work[i * m_modes + k] = given[k * rows + order[i]];
+  }
+}
 
-void Reflect(const Reflection& reflection, std::size_t columns, std::vector<double>& matrix,
-             std::vector<double>& dots) {
-  dots.assign(columns, 0.0);
+void Completion::Reflect(const Reflection& reflection, std::size_t columns, double* matrix, double* dots) {
+  double* const begin = matrix + reflection.first * columns;
+  std::fill_n(dots, columns, 0.0);
   for (std::size_t i = 0; i < reflection.v.size(); ++i) {
-    const double* row = matrix.data() + (reflection.first + i) * columns;
     const double v = reflection.v[i];
-    for (std::size_t j = 0; j < columns; ++j) dots[j] += v * row[j];
+    for (std::size_t j = 0; j < columns; ++j) dots[j] += v * begin[i * columns + j];
+  }
+  for (std::size_t j = 0; j < columns; ++j) dots[j] *= reflection.factor;
+  for (std::size_t i = 0; i < reflection.v.size(); ++i) {
+    const double v = reflection.v[i];
+    for (std::size_t j = 0; j < columns; ++j) begin[i * columns + j] -= v * dots[j];
+  }
+}
+
+// The same for kPanel columns, whose sums stay in registers.
+void Completion::ReflectPanel(const Reflection& reflection, std::size_t stride, double* panel) {
+  double* const begin = panel + reflection.first * stride;
+  const std::size_t rows = reflection.v.size();
+  const double* const v = reflection.v.data();
+  std::array<double, kPanel> dots{};
+  for (std::size_t i = 0; i < rows; ++i) {
+    for (std::size_t j = 0; j < kPanel; ++j) dots[j] += v[i] * begin[i * stride + j];
   }
   for (double& dot : dots) dot *= reflection.factor;
-  for (std::size_t i = 0; i < reflection.v.size(); ++i) {
-    double* row = matrix.data() + (reflection.first + i) * columns;
-    const double v = reflection.v[i];
-    for (std::size_t j = 0; j < columns; ++j) row[j] -= v * dots[j];
+  for (std::size_t i = 0; i < rows; ++i) {
+    for (std::size_t j = 0; j < kPanel; ++j) begin[i * stride + j] -= v[i] * dots[j];
   }
 }
 
 // The reflection that turns column `first`, from row `first` on, into a multiple of the first unit vector.
-Reflection MakeReflection(const std::vector<double>& matrix, std::size_t rows, std::size_t columns, std::size_t first) {
+bool Completion::MakeReflection() {
+  if (m_reflections.size() == m_modes) return false;
   Reflection reflection;
-  reflection.first = first;
+  reflection.first = m_reflections.size();
+  reflection.v.reserve(m_rows - reflection.first);
   double square = 0;
-  for (std::size_t i = first; i < rows; ++i) {
-    const double x = matrix[i * columns + first];
+  for (std::size_t i = reflection.first; i < m_rows; ++i) {
+    const double x = m_work[i * m_modes + reflection.first];
     reflection.v.push_back(x);
     square += x * x;
   }
@@ -52,49 +66,58 @@ Reflection MakeReflection(const std::vector<double>& matrix, std::size_t rows, s
   double vv = 0;
   for (const double v : reflection.v) vv += v * v;
   reflection.factor = vv > 0 ? 2 / vv : 0;
-  return reflection;
+  Reflect(reflection, m_modes, m_work.data(), m_dots.data());
+  m_reflections.push_back(std::move(reflection));
+  return true;
 }
 
-}  // namespace
+void Completion::MakePanel(std::size_t first, std::size_t stride, double* panel) const {
+  for (std::size_t i = 0; i < m_rows; ++i) {
+    for (std::size_t j = 0; j < kPanel; ++j) panel[i * stride + j] = i == m_modes + first + j ? 1 : 0;
+  }
+  for (std::size_t k = m_modes; k-- > 0;) ReflectPanel(m_reflections[k], stride, panel);
+}
 
 std::vector<double> CompleteBasis(std::span<const double> given, std::size_t rows, std::span<const std::size_t> order) {
-  const std::size_t modes = given.size() / rows;
-  std::vector<double> work(given.size());
-  for (std::size_t i = 0; i < rows; ++i) {
-    for (std::size_t k = 0; k < modes; ++k) work[i * modes + k] = given[k * rows + order[i]];
+  Completion completion(given, rows, order);
+  while (completion.MakeReflection()) continue;
+  const std::size_t rest = rows - given.size() / rows;
+  std::vector<double> completed(rows * rest);
+  std::vector<double> panel(rows * Completion::kPanel);
+  for (std::size_t first = 0; first < rest; first += Completion::kPanel) {
+    completion.MakePanel(first, Completion::kPanel, panel.data());
+    const std::size_t columns = std::min(Completion::kPanel, rest - first);
+    for (std::size_t i = 0; i < rows; ++i) {
+      std::copy_n(panel.data() + i * Completion::kPanel, columns, completed.data() + i * rest + first);
+    }
   }
-  std::vector<Reflection> reflections;
-  std::vector<double> dots;
-  for (std::size_t k = 0; k < modes; ++k) {
-    reflections.push_back(MakeReflection(work, rows, modes, k));
-    Reflect(reflections.back(), modes, work, dots);
-  }
-  const std::size_t rest = rows - modes;
-  std::vector<double> completed(rows * rest, 0.0);
-  for (std::size_t j = 0; j < rest; ++j) completed[(modes + j) * rest + j] = 1;
-  for (std::size_t k = modes; k-- > 0;) Reflect(reflections[k], rest, completed, dots);
   return completed;
 }
 
-bool Orthonormalise(std::span<double> vectors, std::size_t rows) {
+bool OrthonormaliseNext(std::span<double> vectors, std::size_t rows, std::size_t begin) {
   constexpr double kSmallest = 1e-3;  // share of a vector's length that must be left
   const auto measure = [](std::span<const double> vector) {
     double square = 0;
     for (const double x : vector) square += x * x;
     return std::sqrt(square);
   };
+  const std::span<double> vector = vectors.subspan(begin, rows);
+  const double before = measure(vector);
+  for (std::size_t other = 0; other < begin; other += rows) {
+    const std::span<const double> unit = vectors.subspan(other, rows);
+    double dot = 0;
+    for (std::size_t i = 0; i < rows; ++i) dot += unit[i] * vector[i];
+    for (std::size_t i = 0; i < rows; ++i) vector[i] -= dot * unit[i];
+  }
+  const double left = measure(vector);
+  if (!(left > kSmallest * before)) return false;
+  for (double& x : vector) x /= left;
+  return true;
+}
+
+bool Orthonormalise(std::span<double> vectors, std::size_t rows) {
   for (std::size_t begin = 0; begin < vectors.size(); begin += rows) {
-    const std::span<double> vector = vectors.subspan(begin, rows);
-    const double before = measure(vector);
-    for (std::size_t other = 0; other < begin; other += rows) {
-      const std::span<const double> unit = vectors.subspan(other, rows);
-      double dot = 0;
-      for (std::size_t i = 0; i < rows; ++i) dot += unit[i] * vector[i];
-      for (std::size_t i = 0; i < rows; ++i) vector[i] -= dot * unit[i];
-    }
-    const double left = measure(vector);
-    if (!(left > kSmallest * before)) return false;
-    for (double& x : vector) x /= left;
+    if (!OrthonormaliseNext(vectors, rows, begin)) return false;
   }
   return true;
 }

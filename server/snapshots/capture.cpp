@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "protocol/basis_reader.h"
 #include "protocol/snapshot.h"
 #include "server/physics/inspect.h"
 

@@ -13,6 +13,7 @@
 #include <numeric>
 
 #include "protocol/basis_completion.h"
+#include "protocol/basis_reader.h"
 #include "protocol/random.h"
 #include "protocol/snapshot.h"
 #include "server/snapshots/capture.h"

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "client/wasm/decoded_hash.h"
+#include "protocol/basis_reader.h"
 #include "protocol/contexts.h"
 #include "protocol/shape_codec.h"
 #include "protocol/snapshot.h"

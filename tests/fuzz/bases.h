@@ -4,7 +4,7 @@
 #include <array>
 #include <memory>
 
-#include "protocol/basis.h"
+#include "protocol/basis_reader.h"
 
 namespace wobble::fuzz {
 

@@ -1,44 +1,18 @@
 // Bases: orthonormal with any number of modes sent, the same bits on every machine, and safe against any bytes.
-#include "protocol/basis.h"
+#include "protocol/basis_reader.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
 #include "protocol/messages.h"
+#include "tests/support/basis_source.h"
 #include "tests/unit/damage.h"
 
 namespace wobble::protocol {
 namespace {
 
-BasisSource MakeSource(BasisSource::Kind kind, std::size_t vertices, std::size_t modes, std::uint8_t blocks) {
-  std::mt19937 random(7);
-  BasisSource source;
-  source.kind = kind;
-  source.vertices = static_cast<std::uint16_t>(vertices);
-  source.levels.assign(3 * vertices, 150);
-  source.gains.assign(3 * vertices, -3);
-  if (kind == BasisSource::Kind::kCosine) {
-    source.grid = {static_cast<std::uint16_t>(vertices / 2), 2, 1};
-    return source;
-  }
-  const std::size_t rows = kind == BasisSource::Kind::kFull ? 3 * vertices : vertices;
-  for (std::size_t i = 0; i < modes * rows; ++i) {
-    source.modes.push_back(static_cast<std::int8_t>(static_cast<int>(random() % 255) - 127));
-  }
-  for (std::size_t i = 0; i < vertices; ++i) source.order.push_back(static_cast<std::uint16_t>((5 * i) % vertices));
-  source.blocks = blocks;
-  for (std::size_t block = 0; block < blocks; ++block) {
-    const std::size_t rest = rows - modes;
-    const std::size_t size = FindBlockBegin(rest, blocks, block + 1) - FindBlockBegin(rest, blocks, block);
-    for (std::size_t i = 0; i < size * size; ++i) {
-      source.turns.push_back(
-          static_cast<std::int8_t>(static_cast<int>(random() % 7) - 3 + (i % (size + 1) == 0 ? 4 : 0)));
-    }
-  }
-  return source;
-}
+using test::MakeBasisSource;
 
 void ExpectOrthonormal(const Basis& basis) {
   const std::size_t rows = basis.Rows();
@@ -56,7 +30,7 @@ TEST(Basis, IsOrthonormalHoweverFewModesAreSent) {
     for (const std::size_t modes : {0U, 1U, 7U, 11U}) {
       for (const std::uint8_t blocks : {std::uint8_t{0}, std::uint8_t{3}}) {
         if (kind != BasisSource::Kind::kFull && blocks > 0) continue;
-        const auto basis = ReadBasis(WriteBasis(MakeSource(kind, 12, modes, blocks)), 12);
+        const auto basis = ReadBasis(WriteBasis(MakeBasisSource(kind, 12, modes, blocks)), 12);
         ASSERT_NE(basis, nullptr) << modes;
         EXPECT_EQ(basis->columns.size(), basis->Rows() * basis->Rows());
         EXPECT_EQ(basis->levels.at(35), 150 - kLevelZero);
@@ -68,7 +42,7 @@ TEST(Basis, IsOrthonormalHoweverFewModesAreSent) {
 }
 
 TEST(Basis, BeginsWithTheModesThatWereSent) {
-  const BasisSource source = MakeSource(BasisSource::Kind::kFull, 12, 1, 0);
+  const BasisSource source = MakeBasisSource(BasisSource::Kind::kFull, 12, 1, 0);
   const auto basis = ReadBasis(WriteBasis(source), 12);
   double square = 0;
   for (const std::int8_t entry : source.modes) square += double(entry) * entry;
@@ -77,10 +51,28 @@ TEST(Basis, BeginsWithTheModesThatWereSent) {
   }
 }
 
+// As a ball's of 162 vertices; the client completes it a few steps at a time.
+TEST(Basis, IsCompletedInSmallStepsToTheSameBits) {
+  for (const std::uint8_t blocks : {std::uint8_t{0}, std::uint8_t{8}}) {
+    const auto bytes = WriteBasis(MakeBasisSource(BasisSource::Kind::kFull, 162, 60, blocks));
+    BasisReader reader(bytes, 162);
+    std::size_t steps = 0, most = 0;
+    for (std::size_t work = reader.Step(); work > 0; work = reader.Step()) {
+      most = std::max(most, work);
+      ++steps;
+    }
+    EXPECT_GT(steps, 100U);
+    EXPECT_LT(most, 500'000U);
+    const auto basis = reader.Take(), atOnce = ReadBasis(bytes, 162);
+    ASSERT_NE(basis, nullptr);
+    EXPECT_EQ(basis->columns, atOnce->columns);
+  }
+}
+
 // A change here is a change of the format: raise kProtocolVersion and mend STANDARD.md.
 TEST(Basis, GoldenHash) {
   const auto hash = [](BasisSource::Kind kind, std::uint8_t blocks) {
-    const auto basis = ReadBasis(WriteBasis(MakeSource(kind, 48, 9, blocks)), 48);
+    const auto basis = ReadBasis(WriteBasis(MakeBasisSource(kind, 48, 9, blocks)), 48);
     EXPECT_NE(basis, nullptr);
     if (basis == nullptr) return std::uint64_t{0};
     return HashBytes({reinterpret_cast<const std::uint8_t*>(basis->columns.data()), 2 * basis->columns.size()});
@@ -92,7 +84,7 @@ TEST(Basis, GoldenHash) {
 
 TEST(Basis, EveryTruncationIsRefused) {
   for (const auto kind : {BasisSource::Kind::kFull, BasisSource::Kind::kScalar, BasisSource::Kind::kCosine}) {
-    const auto bytes = WriteBasis(MakeSource(kind, 12, 3, kind == BasisSource::Kind::kFull ? 2 : 0));
+    const auto bytes = WriteBasis(MakeBasisSource(kind, 12, 3, kind == BasisSource::Kind::kFull ? 2 : 0));
     test::ForEachTruncation(bytes, [](std::span<const std::uint8_t> cut) { EXPECT_EQ(ReadBasis(cut, 12), nullptr); });
     auto longer = bytes;
     longer.push_back(0);
@@ -103,7 +95,7 @@ TEST(Basis, EveryTruncationIsRefused) {
 
 TEST(Basis, EveryChangedByteIsSafe) {
   for (const auto kind : {BasisSource::Kind::kFull, BasisSource::Kind::kScalar, BasisSource::Kind::kCosine}) {
-    const auto bytes = WriteBasis(MakeSource(kind, 6, 2, kind == BasisSource::Kind::kFull ? 2 : 0));
+    const auto bytes = WriteBasis(MakeBasisSource(kind, 6, 2, kind == BasisSource::Kind::kFull ? 2 : 0));
     test::ForEachChangedByte(bytes, [](std::span<const std::uint8_t> changed) {
       const auto basis = ReadBasis(changed, 6);
       if (basis == nullptr) return;
@@ -113,19 +105,19 @@ TEST(Basis, EveryChangedByteIsSafe) {
 }
 
 TEST(Basis, WhatSpansNothingIsRefused) {
-  BasisSource source = MakeSource(BasisSource::Kind::kFull, 12, 2, 0);
+  BasisSource source = MakeBasisSource(BasisSource::Kind::kFull, 12, 2, 0);
   std::fill(source.modes.begin() + 36, source.modes.end(), std::int8_t{0});
   EXPECT_EQ(ReadBasis(WriteBasis(source), 12), nullptr) << "a mode of zeros";
   std::copy_n(source.modes.begin(), 36, source.modes.begin() + 36);
   EXPECT_EQ(ReadBasis(WriteBasis(source), 12), nullptr) << "the same mode twice";
-  source = MakeSource(BasisSource::Kind::kFull, 12, 2, 1);
+  source = MakeBasisSource(BasisSource::Kind::kFull, 12, 2, 1);
   std::fill(source.turns.begin(), source.turns.end(), std::int8_t{1});
   EXPECT_EQ(ReadBasis(WriteBasis(source), 12), nullptr) << "a matrix of rank 1";
-  source = MakeSource(BasisSource::Kind::kFull, 12, 2, 0);
+  source = MakeBasisSource(BasisSource::Kind::kFull, 12, 2, 0);
   source.order[3] = source.order[4];
   EXPECT_EQ(ReadBasis(WriteBasis(source), 12), nullptr) << "no permutation";
   const std::size_t many = kMaxTrainedVertices + 2;
-  EXPECT_EQ(ReadBasis(WriteBasis(MakeSource(BasisSource::Kind::kFull, many, 1, 0)), many), nullptr);
+  EXPECT_EQ(ReadBasis(WriteBasis(MakeBasisSource(BasisSource::Kind::kFull, many, 1, 0)), many), nullptr);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <random>
 #include <vector>
 
+#include "protocol/basis_reader.h"
 #include "protocol/limits.h"
 #include "protocol/messages.h"
 #include "protocol/pose.h"

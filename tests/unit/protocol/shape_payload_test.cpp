@@ -5,6 +5,7 @@
 #include <array>
 #include <random>
 
+#include "protocol/basis_reader.h"
 #include "protocol/shape_codec.h"
 #include "protocol/shape_layout.h"
 #include "tests/unit/damage.h"
