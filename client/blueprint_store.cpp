@@ -9,6 +9,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "protocol/basis_reader.h"
 #include "protocol/snapshot.h"
 #include "protocol/text.h"
 
@@ -30,21 +31,8 @@ bool IsOpen(const std::vector<std::array<std::uint16_t, 3>>& faces) {
   });
 }
 
-bool ReadBases(const wire::Blueprint& source, Blueprint& blueprint) {
-  if (source.bases() == nullptr) return true;
-  std::size_t patch = 0;  // ParseBlueprint has seen to it that there is one basis a patch
-  for (const wire::Basis* basis : *source.bases()) {
-    const std::span bytes(basis->bytes()->data(), basis->bytes()->size());
-    const std::shared_ptr<const protocol::Basis> read =
-        protocol::ReadBasis(bytes, protocol::PatchSize(blueprint.rest.size(), patch));
-    if (read == nullptr) return false;
-    blueprint.patches[patch++].basis = read;
-  }
-  return true;
-}
-
-// nullptr when the bytes are no valid blueprint, or one with coordinates outside the world.
-std::shared_ptr<const Blueprint> MakeBlueprint(std::span<const std::uint8_t> bytes, bool readsBases) {
+// Without bases. nullptr when the bytes are no valid blueprint, or one with coordinates outside the world.
+std::shared_ptr<Blueprint> MakeBlueprint(std::span<const std::uint8_t> bytes) {
   const wire::Blueprint* source = nullptr;
   if (protocol::ParseBlueprint(bytes, source) != protocol::ParseResult::kOk || IsOutside(source->size()))
     return nullptr;
@@ -72,7 +60,6 @@ std::shared_ptr<const Blueprint> MakeBlueprint(std::span<const std::uint8_t> byt
     for (const wire::SpringTag* tag : *source->springs()) blueprint->springs.push_back(*tag);
   }
   blueprint->patches = protocol::FindPatchConstants(blueprint->rest);
-  if (readsBases && !ReadBases(*source, *blueprint)) return nullptr;
   return blueprint;
 }
 
@@ -102,42 +89,100 @@ void BlueprintStore::Expect(std::size_t count) {
   m_expects = true;
 }
 
-bool BlueprintStore::PutInForce(Entry& entry, const wire::BlueprintChunk& chunk, std::span<const std::uint8_t> bytes) {
+std::deque<BlueprintStore::Awaited>::iterator BlueprintStore::FindAwaited(std::size_t number) {
+  return std::find_if(m_awaited.begin(), m_awaited.end(), [&](const Awaited& each) { return each.number == number; });
+}
+
+bool BlueprintStore::Await(const wire::BlueprintChunk& chunk, std::vector<std::uint8_t> bytes,
+                           std::uint32_t takenBefore) {
   if (protocol::HashBytes(bytes) != chunk.hash()) return false;
-  std::shared_ptr<const Blueprint> whole = MakeBlueprint(bytes, m_readsBases);
+  std::shared_ptr<Blueprint> whole = MakeBlueprint(bytes);
   if (whole == nullptr) return false;
-  entry.blueprint = std::move(whole);
-  entry.generation = chunk.generation();
+  m_awaited.push_back({.number = chunk.blueprint(),
+                       .generation = chunk.generation(),
+                       .hash = chunk.hash(),
+                       .isDownloaded = chunk.bytes()->size() > 0,
+                       .takenBefore = takenBefore,
+                       .bytes = std::move(bytes),
+                       .blueprint = std::move(whole),
+                       .reader = {}});
   return true;
 }
 
-BlueprintStore::Progress BlueprintStore::AddChunk(const wire::BlueprintChunk& chunk) {
-  if (!m_expects || chunk.blueprint() >= protocol::kMaxBlueprints) return Progress::kRefused;
+BlueprintStore::Step BlueprintStore::CompleteNext(Awaited& awaited, std::size_t& work) const {
+  const wire::Blueprint& source = *flatbuffers::GetRoot<wire::Blueprint>(awaited.bytes.data());  // parsed in Await
+  std::vector<protocol::PatchConstants>& patches = awaited.blueprint->patches;
+  // ParseBlueprint has seen to it that there is one basis a patch, or none.
+  if (!m_readsBases || source.bases() == nullptr || awaited.patch == patches.size()) return Step::kComplete;
+  if (!awaited.reader) {
+    const auto& bytes = *source.bases()->Get(static_cast<flatbuffers::uoffset_t>(awaited.patch))->bytes();
+    awaited.reader.emplace(std::span(bytes.data(), bytes.size()),
+                           protocol::PatchSize(awaited.blueprint->rest.size(), awaited.patch));
+  }
+  while (work > 0) {
+    const std::size_t done = awaited.reader->Step();
+    work -= std::min(done, work);
+    if (done > 0) continue;
+    patches[awaited.patch].basis = awaited.reader->Take();
+    awaited.reader.reset();
+    return patches[awaited.patch++].basis != nullptr ? Step::kWorking : Step::kBad;
+  }
+  return Step::kWorking;
+}
+
+unsigned BlueprintStore::Complete(std::size_t work, const OnDownload& onDownload) {
+  unsigned dropped = 0;
+  while (!m_awaited.empty() && work > 0) {
+    Awaited& awaited = m_awaited.front();
+    const Step step = CompleteNext(awaited, work);
+    if (step == Step::kWorking) continue;
+    if (step == Step::kComplete) {
+      Entry& entry = m_entries[awaited.number];
+      entry.blueprint = std::move(awaited.blueprint);
+      entry.generation = awaited.generation;
+      if (awaited.isDownloaded && onDownload) onDownload(awaited.hash, awaited.bytes);
+    } else {
+      ++dropped;
+    }
+    m_awaited.pop_front();
+  }
+  return dropped;
+}
+
+bool BlueprintStore::AddChunk(const wire::BlueprintChunk& chunk) {
+  if (!m_expects) return false;
+  // Counted whatever becomes of it: the count tells the server what is no longer on its way.
+  const std::uint32_t takenBefore = m_taken;
   const bool isKept = chunk.bytes()->size() == 0;
+  m_taken += isKept ? protocol::kKeptPieceBytes : chunk.bytes()->size();
+  if (chunk.blueprint() >= protocol::kMaxBlueprints) return false;
   const bool isFirst = chunk.offset() == 0 || isKept;
   if (chunk.blueprint() >= m_entries.size()) {
-    if (!isFirst) return Progress::kRefused;
+    if (!isFirst) return false;
     m_entries.resize(std::size_t{chunk.blueprint()} + 1);
   }
   Entry& entry = m_entries[chunk.blueprint()];
   if (isFirst) {  // the server has begun anew: the blueprint changed while it was on its way
     entry.bytes = {};
-    if (entry.blueprint != nullptr && entry.generation == chunk.generation()) return Progress::kRefused;
+    const auto awaited = FindAwaited(chunk.blueprint());
+    const bool isAwaited = awaited != m_awaited.end() && awaited->generation == chunk.generation();
+    if (isAwaited || (entry.blueprint != nullptr && entry.generation == chunk.generation())) return false;
+    if (awaited != m_awaited.end()) m_awaited.erase(awaited);
     entry.total = chunk.total();
     entry.hash = chunk.hash();
     entry.nextGeneration = chunk.generation();
   }
   if (isKept) {
     const KeptBlueprint* kept = FindKept(chunk.hash());
-    return kept != nullptr && PutInForce(entry, chunk, kept->bytes) ? Progress::kTaken : Progress::kRefused;
+    return kept != nullptr && Await(chunk, kept->bytes, takenBefore);
   }
   const bool follows = chunk.offset() == entry.bytes.size() && chunk.total() == entry.total &&
                        chunk.hash() == entry.hash && chunk.generation() == entry.nextGeneration;
   if (follows) entry.bytes.insert(entry.bytes.end(), chunk.bytes()->begin(), chunk.bytes()->end());
-  if (follows && entry.bytes.size() < entry.total) return Progress::kTaken;
-  m_newestBytes = std::move(entry.bytes);
+  if (follows && entry.bytes.size() < entry.total) return true;
+  std::vector<std::uint8_t> whole = std::move(entry.bytes);
   entry.bytes = {};
-  return follows && PutInForce(entry, chunk, m_newestBytes) ? Progress::kWhole : Progress::kRefused;
+  return follows && Await(chunk, std::move(whole), takenBefore);
 }
 
 }  // namespace wobble::client

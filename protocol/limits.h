@@ -32,6 +32,8 @@ inline constexpr std::size_t kMaxBlueprintBytes = 512 * 1024;
 // or the lost one is refused for ever. At 100 ms a round trip the window carries
 // 900 kB/s, more than ENet's own window of 64 KiB.
 inline constexpr std::size_t kDownloadWindowBytes = 96 * 1024;
+// What a piece without bytes, which stands for a kept blueprint, counts there.
+inline constexpr std::uint32_t kKeptPieceBytes = 1;
 // Hashes of kept blueprints in a hello, and the bytes of kept blueprints that a client holds while it joins.
 inline constexpr std::size_t kMaxKeptBlueprints = 64;
 inline constexpr std::size_t kMaxKeptBytes = 4 * 1024 * 1024;

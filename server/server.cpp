@@ -133,6 +133,7 @@ void Server::Send(BodySubset due, double now) {
     task.subset = due;
     task.creditBytes = session.subscription.sent.LossShare() > kHeavyLoss ? bytes / 2 : bytes;
     task.now = now;
+    task.download = &session.download;
     m_sender.Send(m_store, task, session.subscription);
   }
   if (due.remainder == 0) SendForces();

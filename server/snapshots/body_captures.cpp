@@ -9,7 +9,7 @@ void BodyCaptures::Follow(const physics::World& world) {
   const std::span<const physics::Body> present = world.Bodies();
   while (m_shown.size() < present.size()) {
     const physics::Body& added = present[m_shown.size()];
-    m_shown.push_back({added.id, ToWire(world.FindCentre(added))});
+    m_shown.push_back({.body = added.id, .centre = ToWire(world.FindCentre(added)), .blueprint = added.blueprint});
     m_captured.emplace_back().body = added.id;
     m_moved.push_back(1);
   }
@@ -21,6 +21,7 @@ void BodyCaptures::Follow(const physics::World& world) {
     shown.speed = protocol::Length(centre - shown.centre) * perTick;
     shown.centre = centre;
     shown.restTick = present[place].asleep ? world.Tick() : 0;
+    shown.blueprint = present[place].blueprint;
   }
 }
 

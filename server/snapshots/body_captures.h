@@ -19,6 +19,7 @@ struct ShownBody {
   protocol::Vector3 centre;    // m, to within the size of the body
   float speed = 0;             // of the centre, m/s
   std::uint32_t restTick = 0;  // the tick at which it fell asleep; 0: it is awake
+  std::uint8_t blueprint = 0;  // its slot
 };
 
 // Brings per-body data in line with the bodies that exist now: drops the entries of removed bodies and appends entries

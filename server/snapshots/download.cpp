@@ -19,6 +19,8 @@ void Download::Begin(std::size_t grounds, std::size_t blueprints, std::uint8_t f
 }
 
 void Download::Renew(std::uint8_t slot) {
+  m_stages[slot] = Stage::kUnsent;
+  std::erase_if(m_awaited, [&](const Awaited& each) { return each.slot == slot; });
   const auto queued = std::ranges::find_if(
       m_queue, [&](const Item& item) { return item.kind == Item::Kind::kBlueprint && item.number == slot; });
   if (queued != m_queue.end()) {
@@ -32,6 +34,10 @@ bool Download::TakeReport(std::uint32_t downloaded) {
   const auto behind = static_cast<std::int32_t>(m_sent - downloaded);
   if (behind < 0) return false;
   if (static_cast<std::int32_t>(downloaded - m_taken) > 0) m_taken = downloaded;
+  while (!m_awaited.empty() && static_cast<std::int32_t>(m_taken - m_awaited.front().end) >= 0) {
+    m_stages[m_awaited.front().slot] = Stage::kArrived;
+    m_awaited.pop_front();
+  }
   return true;
 }
 
@@ -62,8 +68,11 @@ void Download::SendChunk(Item& item, const CapturedBlueprint& blueprint, const S
   send(MakeChunk(item.number, blueprint, item.offset));
   const std::size_t bytes = std::min(protocol::kBlueprintChunkBytes, total - item.offset);
   item.offset += bytes;
-  m_sent += static_cast<std::uint32_t>(bytes);
-  if (item.offset == total) m_queue.pop_front();
+  m_sent += bytes > 0 ? static_cast<std::uint32_t>(bytes) : protocol::kKeptPieceBytes;
+  if (item.offset < total) return;
+  m_stages[item.number] = Stage::kOnTheWay;
+  m_awaited.push_back({.slot = item.number, .end = m_sent});
+  m_queue.pop_front();
 }
 
 }  // namespace wobble::server

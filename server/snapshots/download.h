@@ -5,6 +5,7 @@
 // protocol::kDownloadWindowBytes are on their way: sent, and not yet counted in the client's inputs.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -34,6 +35,10 @@ class Download {
 
   [[nodiscard]] bool IsDone() const { return m_queue.empty(); }
 
+  // How far the newest generation of a blueprint has come. Renew -> kUnsent -> kOnTheWay -> kArrived.
+  enum class Stage : std::uint8_t { kUnsent, kOnTheWay, kArrived };
+  [[nodiscard]] Stage Find(std::uint8_t slot) const { return m_stages[slot]; }
+
  private:
   struct Item {
     enum class Kind : std::uint8_t { kHeights, kBlueprint };
@@ -44,7 +49,15 @@ class Download {
   void SendRows(Item& item, const CapturedGround& ground, const SendFunction& send);
   void SendChunk(Item& item, const CapturedBlueprint& blueprint, const SendFunction& send);
 
+  // A blueprint on its way; arrived when the client has taken so many bytes.
+  struct Awaited {
+    std::uint8_t slot;
+    std::uint32_t end;
+  };
+
   std::deque<Item> m_queue;
+  std::deque<Awaited> m_awaited;                           // by ascending end
+  std::array<Stage, protocol::kMaxBlueprints> m_stages{};  // by slot
   std::vector<std::uint64_t> m_kept;
   std::uint32_t m_sent = 0;   // bytes; wraps like the client's count
   std::uint32_t m_taken = 0;  // of these

@@ -83,6 +83,7 @@ void SnapshotSender::RankBodies(std::span<const ShownBody> bodies, Subscription&
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const ShownBody& body = bodies[i];
     if (!m_task.subset.Has(body.body)) continue;
+    if (m_task.download->Find(body.blueprint) == Download::Stage::kUnsent) continue;
     if (body.restTick != 0 && Subscription::IsSettled(interests[i], body.restTick, m_task.now)) continue;
     if (protocol::Length(body.centre - m_viewpoint) > m_viewDistance) {
       ++m_counts.bodiesOutOfView;
@@ -144,7 +145,8 @@ void SnapshotSender::AddBody(const ShownBody& shown, const EncodedBody& body, Su
   m_counts.errorSquares += body.errorSquares;
   m_counts.errors.Record(body.error);
   interest.priority = 0;
-  if (shown.restTick == 0) return;
+  // A record that overtakes its blueprint is lost to the client, though its packet arrives.
+  if (shown.restTick == 0 || m_task.download->Find(shown.blueprint) != Download::Stage::kArrived) return;
   // The packet that is being filled gets the next sequence number. A body without a record has nothing to send until it
   // wakes.
   const std::uint32_t last = subscription.sent.Newest() + 1;

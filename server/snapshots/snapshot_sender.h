@@ -2,7 +2,8 @@
 //
 // A body's priority grows with every snapshot, faster when the body is near or fast, until it is sent: near bodies are
 // sent every time, distant ones take turns, and none starves (Fiedler, "State Synchronization"). The player's own body
-// goes first. A body at rest is sent until the client has it; a body out of view is not sent.
+// goes first. A body at rest is sent until the client has it; a body out of view is not sent, nor one whose blueprint
+// has not been sent.
 //
 // When the budget leaves bodies out, all bodies are coarsened before they are sent less often. That includes the own
 // body: otherwise each player's body would be encoded twice, once for the player and once for everybody else, and an
@@ -17,6 +18,7 @@
 
 #include "protocol/snapshot.h"
 #include "protocol/transport/transport.h"
+#include "server/snapshots/download.h"
 #include "server/snapshots/snapshot_store.h"
 #include "server/snapshots/subscription.h"
 #include "server/timing/bins.h"
@@ -47,11 +49,12 @@ struct SendCounts {
 // One snapshot to one client.
 struct SnapshotTask {
   transport::ConnectionId connection = 0;
-  std::uint32_t ownBody = 0;    // 0: a spectator, who looks from the origin
-  protocol::SnapshotHead head;  // the sequence number is filled in by the sender
-  BodySubset subset;            // the bodies that are due
-  double creditBytes = 0;       // by which the client's budget has grown since its last snapshot; above 0
-  double now = 0;               // s
+  std::uint32_t ownBody = 0;           // 0: a spectator, who looks from the origin
+  protocol::SnapshotHead head;         // the sequence number is filled in by the sender
+  BodySubset subset;                   // the bodies that are due
+  double creditBytes = 0;              // by which the client's budget has grown since its last snapshot; above 0
+  double now = 0;                      // s
+  const Download* download = nullptr;  // the client's
 };
 
 class SnapshotSender {

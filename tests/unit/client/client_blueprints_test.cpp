@@ -1,9 +1,12 @@
 // Blueprints that arrive in chunks, their generations, and bodies that change from one blueprint to another.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "protocol/basis.h"
+#include "tests/support/basis_source.h"
 #include "tests/unit/client/scripted_server.h"
 
 namespace wobble::client {
@@ -235,8 +238,63 @@ TEST_F(ClientTest, KeepsLargeBlueprintsForLaterConnections) {
   EXPECT_EQ(client->ReadState(), State::kPlaying);
   now += 0.1;
   client->Update(now);
-  EXPECT_EQ(Inputs().back()->downloaded(), 0U);
+  EXPECT_EQ(Inputs().back()->downloaded(), 3 * protocol::kKeptPieceBytes);
   EXPECT_EQ(kept->size(), before) << "not kept again";
+}
+
+// A ball's basis takes a tenth of a second: frames go on meanwhile.
+TEST_F(ClientTest, CompletesBasesOverSeveralUpdates) {
+  std::vector<Vector3> rest;
+  for (int i = 0; i < 162; ++i)
+    rest.push_back({static_cast<float>(i % 6), static_cast<float>(i / 6 % 6), static_cast<float>(i / 36)});
+  const std::vector<std::vector<std::uint8_t>> bases{
+      protocol::WriteBasis(test::MakeBasisSource(protocol::BasisSource::Kind::kFull, 162, 40, 8))};
+  const std::vector<std::array<std::uint16_t, 3>> faces{{0, 1, 2}};
+  const Message ball =
+      protocol::MakeBlueprint({.name = "ball", .rest = rest, .faces = faces, .size = 5, .bases = bases});
+  Start();
+  Connect();
+  Welcome();
+  const auto chunks = CutIntoChunks(0, ball, 4096);
+  for (const Message& chunk : chunks) Arrive(Channel::kControl, chunk);
+  const auto last = static_cast<std::uint32_t>(ball.size() - (chunks.size() - 1) * 4096);
+  int updates = 0;
+  for (; client->ReadState() == State::kJoining && updates < 100; ++updates) {
+    if (updates == 3) {  // the same once more: it is out of place
+      Arrive(Channel::kControl, chunks[0]);
+      EXPECT_EQ(client->ReadStatistics().badMessages, 1U);
+    }
+    now += 1.0 / 60;
+    client->Update(now);
+    if (client->ReadState() == State::kJoining) {
+      EXPECT_EQ(Inputs().back()->downloaded(), ball.size() - last) << "it cannot be decoded yet";
+    }
+  }
+  EXPECT_GT(updates, 3);
+  EXPECT_LT(updates, 20);
+  EXPECT_EQ(client->ReadState(), State::kPlaying);
+  now += 1.0 / 60;
+  client->Update(now);
+  EXPECT_EQ(Inputs().back()->downloaded(), ball.size() + 4096) << "and the one out of place";
+  EXPECT_EQ(client->ReadStatistics().badMessages, 1U);
+}
+
+// Its modes span nothing.
+TEST_F(ClientTest, DropsABlueprintWhoseBasisIsBad) {
+  std::vector<Vector3> rest{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
+  protocol::BasisSource source = test::MakeBasisSource(protocol::BasisSource::Kind::kFull, 4, 2, 0);
+  std::ranges::fill(source.modes, std::int8_t{0});
+  const std::vector<std::vector<std::uint8_t>> bases{protocol::WriteBasis(source)};
+  const std::vector<std::array<std::uint16_t, 3>> faces{{0, 1, 2}};
+  Start();
+  Connect();
+  Welcome();
+  const Message bad = protocol::MakeBlueprint({.name = "bad", .rest = rest, .faces = faces, .size = 2, .bases = bases});
+  for (const Message& chunk : CutIntoChunks(0, bad, 4096)) Arrive(Channel::kControl, chunk);
+  EXPECT_EQ(client->ReadState(), State::kJoining);
+  EXPECT_EQ(client->ReadStatistics().badMessages, 1U);
+  for (const Message& chunk : CutIntoChunks(0, MakeTetrahedron(), 4096)) Arrive(Channel::kControl, chunk);
+  EXPECT_EQ(client->ReadState(), State::kPlaying) << "it may come again";
 }
 
 // A hello names no more than the server takes.

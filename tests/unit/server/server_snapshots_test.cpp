@@ -253,6 +253,32 @@ TEST(Server, WhatRestsCostsNothingOnceAllHaveItAndIsThereForLatecomers) {
   EXPECT_GT(game.server.ReadSendCounts().vertices, vertices + 15 * 42);
 }
 
+// Records that overtake their blueprint cannot be decoded: a body at rest must be sent again.
+TEST(Server, LatecomersSeeWhatRestsThoughBlueprintsComeLate) {
+  std::string more;
+  for (int i = 0; i < 5; ++i) {
+    const std::string name = "kind" + std::to_string(i);
+    more += "[[blueprint]]\nname = \"" + name + "\"\nsubdivisions = 2\nmass = 5\n[[bodies]]\nblueprint = \"" + name +
+            "\"\nposition = [-4, " + std::to_string(2 * i - 4) + ", 0.999]\n";
+  }
+  Game game(MakeYard(more), {}, 7);
+  const auto isAtRest = [&] {
+    const auto bodies = game.server.World().Bodies();
+    return std::all_of(bodies.begin(), bodies.end(), [](const physics::Body& body) { return body.asleep; });
+  };
+  game.AddClient({.name = "First", .spectator = true});
+  for (int i = 0; i < 120 && !isAtRest(); ++i) game.Run(1);
+  ASSERT_TRUE(isAtRest());
+  game.network.SetConditions({.loss = 0.3, .delay = 0.05, .jitter = 0.03});
+  for (int i = 0; i < 10; ++i) {
+    auto& late = game.AddClient({.name = "Late", .spectator = true});
+    game.Run(5);
+    ASSERT_EQ(late.ReadState(), State::kPlaying);
+    ExpectShowsAllAtRest(game, late, 6);
+    late.Leave(game.now);
+  }
+}
+
 // Bodies that threads encode ahead have the same bytes as bodies encoded when they are sent.
 TEST(Server, SendsTheSameBytesOnAnyNumberOfThreads) {
   const auto play = [](int threads) {

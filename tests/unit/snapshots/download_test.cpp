@@ -101,6 +101,31 @@ TEST_F(DownloadTest, BeginsABlueprintAnewThatChangesOnItsWay) {
   EXPECT_EQ(sent.front().offset, 0U);
 }
 
+TEST_F(DownloadTest, KnowsWhichBlueprintsHaveArrived) {
+  using Stage = Download::Stage;
+  const std::uint64_t kept[] = {captures[1].hash};
+  download.Begin(0, 3, 1, kept);
+  EXPECT_EQ(download.Find(1), Stage::kUnsent);
+  SendDue();
+  EXPECT_EQ(download.Find(1), Stage::kOnTheWay) << "a kept one, too: the piece that says so may be lost";
+  EXPECT_EQ(download.Find(0), Stage::kOnTheWay);
+  EXPECT_EQ(download.Find(2), Stage::kUnsent);
+  const auto first = static_cast<std::uint32_t>(captures[0].message.size());
+  ASSERT_TRUE(download.TakeReport(protocol::kKeptPieceBytes + first - 1));
+  EXPECT_EQ(download.Find(1), Stage::kArrived);
+  EXPECT_EQ(download.Find(0), Stage::kOnTheWay);
+  ASSERT_TRUE(download.TakeReport(protocol::kKeptPieceBytes + first));
+  EXPECT_EQ(download.Find(0), Stage::kArrived);
+  SendDue();
+  EXPECT_EQ(download.Find(2), Stage::kOnTheWay);
+  download.Renew(2);
+  EXPECT_EQ(download.Find(2), Stage::kUnsent);
+  ASSERT_TRUE(download.TakeReport(protocol::kKeptPieceBytes + bytes));
+  EXPECT_EQ(download.Find(2), Stage::kUnsent) << "what has arrived is the one before";
+  download.Renew(0);
+  EXPECT_EQ(download.Find(0), Stage::kUnsent);
+}
+
 TEST_F(DownloadTest, RefusesAReportOfWhatWasNeverSent) {
   EXPECT_TRUE(download.TakeReport(0));
   EXPECT_FALSE(download.TakeReport(1));

@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
+
+#include "tests/support/game.h"
 
 namespace wobble::server {
 namespace {
@@ -67,7 +70,8 @@ class SnapshotSenderTest : public testing::Test {
                             .head = head,
                             .subset = subset,
                             .creditBytes = creditBytes,
-                            .now = tick / 30.0};
+                            .now = tick / 30.0,
+                            .download = &download};
     sender.Send(*this, task, subscription);
     std::vector<std::uint32_t> sent;
     for (const auto& packet : transport.packets) {
@@ -87,6 +91,20 @@ class SnapshotSenderTest : public testing::Test {
     return sent;
   }
 
+  // Of two blueprints, of which the client has kept the first and reports it.
+  static Download MakeArrived() {
+    BlueprintCaptures captures(std::vector<Bases>(2));
+    const scenes::Scene scene = test::MakeYard("[[blueprint]]\nname = \"b\"\nsubdivisions = 1\nmass = 5\n");
+    physics::World world(scenes::MakeWorldSettings(scene, 1.0 / 60, 1));
+    static_cast<void>(scenes::FillWorld(scene, 1, world));
+    captures.Follow(world, nullptr);
+    Download made;
+    made.Begin(0, 1, 0, std::array{captures[0].hash});
+    made.SendDue({}, captures, [](const protocol::Message&) {});
+    EXPECT_TRUE(made.TakeReport(protocol::kKeptPieceBytes));
+    return made;
+  }
+
   std::map<std::uint32_t, std::vector<std::vector<std::uint8_t>>> storage;
   std::map<std::uint32_t, std::vector<std::span<const std::uint8_t>>> records;
   std::map<std::uint32_t, EncodedBody> encoded;
@@ -95,6 +113,7 @@ class SnapshotSenderTest : public testing::Test {
   RecordingTransport transport;
   SnapshotSender sender{transport, 250};
   Subscription subscription;
+  Download download = MakeArrived();
   BodySubset subset;
   std::uint32_t tick = 0;
   std::uint32_t sequence = 0;
@@ -104,6 +123,15 @@ class SnapshotSenderTest : public testing::Test {
 };
 
 constexpr double kShare384 = 384e3 / 8 / 30;  // bytes per snapshot at --client-kbit 384 and 30 Hz
+
+TEST_F(SnapshotSenderTest, SendsNoBodyWhoseBlueprintHasNotBeenSent) {
+  AddBody(1, {1, 0, 0}, 200);
+  AddBody(2, {2, 0, 0}, 200);
+  bodies[1].blueprint = 1;
+  EXPECT_EQ(Send(kShare384), std::vector<std::uint32_t>{1});
+  download.Renew(0);
+  EXPECT_TRUE(Send(kShare384).empty());
+}
 
 TEST_F(SnapshotSenderTest, ASmallWorldGoesOutWhole) {
   for (std::uint32_t id = 1; id <= 5; ++id) AddBody(id, {static_cast<float>(id), 0, 0}, 200);
