@@ -39,6 +39,8 @@ class BlueprintStore {
   using OnDownload = std::function<void(std::uint64_t hash, std::span<const std::uint8_t> bytes)>;
   unsigned Complete(std::size_t work, const OnDownload& onDownload);
 
+  [[nodiscard]] bool IsCompleting() const { return !m_awaited.empty(); }
+
   // Bytes of the chunks up to the first whose blueprint is whole and not in force yet; modulo 2^32. The server sends
   // bodies at rest once it knows by this that they can be decoded.
   [[nodiscard]] std::uint32_t CountTaken() const { return m_awaited.empty() ? m_taken : m_awaited.front().takenBefore; }

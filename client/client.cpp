@@ -34,8 +34,6 @@ static_assert(kLeaveTimeout + kLeaveRoundTrips * kMaxLeaveRoundTrip == kLongestL
 constexpr int kMaxCatchUp = 3;
 // Seconds by which an input's stamp may be ahead of the newest snapshot: a few snapshots that are lost or late.
 constexpr double kLongestStampLead = 0.2;
-// Multiplications for bases in one Update: 5 ms in WebAssembly on a core of 2.5 GHz. A ball's basis takes 45 million.
-constexpr std::size_t kCompletionWork = 5'000'000;
 // Paces from here on count as 1: a late tick now and then is no slower world.
 constexpr double kOnPace = 0.97;
 
@@ -197,6 +195,7 @@ State Client::ReadState() const { return m->state; }
 const std::string& Client::EndReason() const { return m->endReason; }
 bool Client::EndedUnasked() const { return m->state == State::kEnded && !m->leaving; }
 bool Client::MayRejoin() const { return m->mayRejoin; }
+bool Client::IsCompleting() const { return m->state != State::kEnded && m->blueprints.IsCompleting(); }
 const protocol::WelcomeFields& Client::Welcome() const { return m->welcome; }
 const std::vector<Ground>& Client::Grounds() const { return m->grounds.All(); }
 const Statistics& Client::ReadStatistics() const { return m->statistics; }
@@ -333,7 +332,7 @@ void Client::Implementation::HandleControl(std::span<const std::uint8_t> bytes) 
 
 void Client::Implementation::CompleteBlueprints() {
   statistics.badMessages +=
-      blueprints.Complete(kCompletionWork, [this](std::uint64_t hash, std::span<const std::uint8_t> bytes) {
+      blueprints.Complete(options.completionWork, [this](std::uint64_t hash, std::span<const std::uint8_t> bytes) {
         if (bytes.size() > protocol::kBlueprintChunkBytes && options.keep) options.keep(hash, bytes);
       });
   StartPlayingWhenComplete();

@@ -34,8 +34,9 @@ void Completion::Reflect(const Reflection& reflection, std::size_t columns, doub
   }
 }
 
-// The same for kPanel columns, whose sums stay in registers.
-void Completion::ReflectPanel(const Reflection& reflection, std::size_t stride, double* panel) {
+// As Reflect; the sums of kPanel columns stay in registers.
+void Completion::ReflectPanel(std::size_t number, std::size_t stride, double* panel) const {
+  const Reflection& reflection = m_reflections[number];
   double* const begin = panel + reflection.first * stride;
   const std::size_t rows = reflection.v.size();
   const double* const v = reflection.v.data();
@@ -71,11 +72,10 @@ bool Completion::MakeReflection() {
   return true;
 }
 
-void Completion::MakePanel(std::size_t first, std::size_t stride, double* panel) const {
+void Completion::BeginPanel(std::size_t first, std::size_t stride, double* panel) const {
   for (std::size_t i = 0; i < m_rows; ++i) {
     for (std::size_t j = 0; j < kPanel; ++j) panel[i * stride + j] = i == m_modes + first + j ? 1 : 0;
   }
-  for (std::size_t k = m_modes; k-- > 0;) ReflectPanel(m_reflections[k], stride, panel);
 }
 
 std::vector<double> CompleteBasis(std::span<const double> given, std::size_t rows, std::span<const std::size_t> order) {
@@ -85,7 +85,8 @@ std::vector<double> CompleteBasis(std::span<const double> given, std::size_t row
   std::vector<double> completed(rows * rest);
   std::vector<double> panel(rows * Completion::kPanel);
   for (std::size_t first = 0; first < rest; first += Completion::kPanel) {
-    completion.MakePanel(first, Completion::kPanel, panel.data());
+    completion.BeginPanel(first, Completion::kPanel, panel.data());
+    for (std::size_t k = given.size() / rows; k-- > 0;) completion.ReflectPanel(k, Completion::kPanel, panel.data());
     const std::size_t columns = std::min(Completion::kPanel, rest - first);
     for (std::size_t i = 0; i < rows; ++i) {
       std::copy_n(panel.data() + i * Completion::kPanel, columns, completed.data() + i * rest + first);

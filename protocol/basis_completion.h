@@ -21,8 +21,10 @@ class Completion {
   // False once all reflections are made; call it until then. Cost: 2 · rows · given multiplications.
   [[nodiscard]] bool MakeReflection();
   // Modes first … first + kPanel − 1, zeros from rows − given on: row i of the order, mode first + j is written to
-  // panel[i · stride + j]. Cost: 2 · rows · given · kPanel multiplications.
-  void MakePanel(std::size_t first, std::size_t stride, double* panel) const;
+  // panel[i · stride + j]. Call BeginPanel, then ReflectPanel for each number from given − 1 down to 0. Cost of
+  // each: 2 · rows · kPanel multiplications.
+  void BeginPanel(std::size_t first, std::size_t stride, double* panel) const;
+  void ReflectPanel(std::size_t number, std::size_t stride, double* panel) const;
 
  private:
   // x − 2 v (v·x)/(v·v) for every column x of a matrix. v begins at row `first`.
@@ -32,7 +34,6 @@ class Completion {
     double factor = 0;  // 2/(v·v)
   };
   static void Reflect(const Reflection& reflection, std::size_t columns, double* matrix, double* dots);
-  static void ReflectPanel(const Reflection& reflection, std::size_t stride, double* panel);
 
   std::size_t m_rows;
   std::size_t m_modes;

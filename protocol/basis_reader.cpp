@@ -8,6 +8,7 @@ namespace wobble::protocol {
 namespace {
 
 constexpr double kUnit = 16384;  // 2^14: a column's 1
+constexpr std::size_t kRowsAtOnce = 32;
 
 // Reads zeros past the end and then says Overran().
 class Reader {
@@ -28,8 +29,9 @@ class Reader {
       m_overran = true;
       return;
     }
-    values.reserve(count);
-    for (std::size_t i = 0; i < count; ++i) values.push_back(static_cast<Byte>(m_bytes[m_next++]));
+    const auto* const begin = reinterpret_cast<const Byte*>(m_bytes.data()) + m_next;
+    values.assign(begin, begin + count);
+    m_next += count;
   }
   [[nodiscard]] bool IsWhole() const { return !m_overran && m_next == m_bytes.size(); }
   [[nodiscard]] bool Overran() const { return m_overran; }
@@ -68,9 +70,10 @@ bool ReadModes(Reader& reader, BasisSource& source) {
   std::vector<std::uint8_t> pairs;
   reader.ReadAll((turns + 1) / 2, pairs);
   if (reader.Overran() || !IsPermutation(source.order)) return false;
+  source.turns.resize(turns);
   for (std::size_t i = 0; i < turns; ++i) {
     const int nibble = pairs[i / 2] >> (i % 2 * 4) & 15;
-    source.turns.push_back(static_cast<std::int8_t>(nibble < 8 ? nibble : nibble - 16));
+    source.turns[i] = static_cast<std::int8_t>(nibble < 8 ? nibble : nibble - 16);
   }
   return true;
 }
@@ -214,9 +217,14 @@ std::size_t BasisReader::OrthonormaliseTurn() {
 
 std::size_t BasisReader::MakePanel() {
   if (m_next < m_size) {
-    m_completion->MakePanel(m_begin + m_next, m_stride, m_panels.data() + m_next);
-    m_next += Completion::kPanel;
-    return 2 * m_rows * (m_modes + 1) * Completion::kPanel;
+    double* const panel = m_panels.data() + m_next;
+    if (m_part == 0) m_completion->BeginPanel(m_begin + m_next, m_stride, panel);
+    if (m_part < m_modes) m_completion->ReflectPanel(m_modes - 1 - m_part++, m_stride, panel);
+    if (m_part == m_modes) {
+      m_part = 0;
+      m_next += Completion::kPanel;
+    }
+    return 2 * m_rows * Completion::kPanel;
   }
   m_next = 0;
   if (m_source.blocks > 0) {
@@ -238,20 +246,26 @@ std::size_t BasisReader::TurnPanel() {
     return 1;
   }
   const std::size_t columns = std::min(kPanel, m_size - m_next);
-  m_entries.assign(m_size * kPanel, 0.0);  // of the matrix, row after row
-  for (std::size_t c = 0; c < columns; ++c) {
-    for (std::size_t j = 0; j < m_size; ++j) m_entries[j * kPanel + c] = m_turn[(m_next + c) * m_size + j];
+  if (m_part == 0) {
+    m_entries.assign(m_size * kPanel, 0.0);
+    for (std::size_t c = 0; c < columns; ++c) {
+      for (std::size_t j = 0; j < m_size; ++j) m_entries[j * kPanel + c] = m_turn[(m_next + c) * m_size + j];
+    }
   }
-  for (std::size_t i = 0; i < m_rows; ++i) {
+  const std::size_t end = std::min(m_part + kRowsAtOnce, m_rows), rows = end - m_part;
+  for (; m_part < end; ++m_part) {
     std::array<double, kPanel> sums{};
     for (std::size_t j = 0; j < m_size; ++j) {
-      const double x = m_panels[i * m_stride + j];
+      const double x = m_panels[m_part * m_stride + j];
       for (std::size_t c = 0; c < kPanel; ++c) sums[c] += x * m_entries[j * kPanel + c];
     }
-    for (std::size_t c = 0; c < columns; ++c) Put(m_begin + m_next + c, i, sums[c]);
+    for (std::size_t c = 0; c < columns; ++c) Put(m_begin + m_next + c, m_part, sums[c]);
   }
-  m_next += kPanel;
-  return m_rows * m_size * kPanel;
+  if (m_part == m_rows) {
+    m_part = 0;
+    m_next += kPanel;
+  }
+  return rows * m_size * kPanel;
 }
 
 void BasisReader::Put(std::size_t mode, std::size_t row, double entry) {

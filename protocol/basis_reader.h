@@ -13,13 +13,13 @@
 
 namespace wobble::protocol {
 
-// Any bytes are safe. A full basis of 486 rows with 60 modes takes 35 million multiplications in about 200 steps.
+// Any bytes are safe. A full basis of 486 rows with 60 modes takes 45 million multiplications in about 4,500 steps.
 class BasisReader {
  public:
   // vertices: that the basis must be for.
   BasisReader(std::span<const std::uint8_t> bytes, std::size_t vertices);
 
-  // Does the next part of the work, at most 2.3 million multiplications each with an addition, and returns about how
+  // Does the next part of the work, at most 0.6 million multiplications each with an addition, and returns about how
   // many; 0 when all is done.
   std::size_t Step();
   // Does what is left. nullptr when the bytes are no such basis. To be called once.
@@ -47,6 +47,7 @@ class BasisReader {
   std::size_t m_modes = 0;        // given
   std::vector<double> m_columns;  // the given modes
   std::size_t m_next = 0;         // of the vectors or modes of this stage
+  std::size_t m_part = 0;         // reflections, or rows, that the panel at hand has
   std::vector<std::size_t> m_rowOrder;
   std::optional<Completion> m_completion;
 
@@ -57,8 +58,8 @@ class BasisReader {
   std::size_t m_nextTurn = 0;
   std::vector<double> m_turn;  // its matrix, column after column
   std::size_t m_stride = 0;
-  std::vector<double> m_panels;  // rows × m_stride, row after row
-  std::vector<double> m_entries;
+  std::vector<double> m_panels;   // rows × m_stride, row after row
+  std::vector<double> m_entries;  // of the matrix for the panel at hand, row after row
 };
 
 // At once. nullptr when the bytes are no basis for so many vertices. Cost: 2 rows² · modes multiplications.

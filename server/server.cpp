@@ -201,8 +201,10 @@ void Server::ApplyInputs() {
     if (session.state != Session::State::kPlaying) continue;
     const std::uint64_t starved = session.inputs.CountStarved();
     const physics::Control control = TakeControl(session, m_world.Tick() + 1, holdTicks);
+    if (session.body == 0) continue;
+    ++m_counts.inputsDue;
     m_counts.inputsStarved += session.inputs.CountStarved() - starved;
-    if (session.body != 0) m_world.SetControl(session.body, control, m_scene.player.limits);
+    m_world.SetControl(session.body, control, m_scene.player.limits);
   }
 }
 

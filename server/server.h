@@ -47,6 +47,7 @@ struct Counts {
   std::uint64_t disconnects = 0;                              // clients lost, silent or sent away after they had joined
   std::uint64_t refusals = 0;                                 // connections ended before they had joined
   std::array<std::uint64_t, kGoodbyeReasonCount> goodbyes{};  // said to clients, by wire::GoodbyeReason
+  std::uint64_t inputsDue = 0;                                // ticks, summed over players
   std::uint64_t inputsStarved = 0;  // ticks on which a player stood still because no input had come in time
   std::uint64_t stalls = 0;         // bodies that a client had to show without news in time, as clients report
   std::size_t clientsPeak = 0;

@@ -72,6 +72,8 @@ std::string MakeSummary(const Server& server, const TickTimes& times) {
   std::uint64_t dropped = server.ReadTransport().messagesRejected;
   for (const std::uint64_t count : counts.dropped) dropped += count;
   json["messages_dropped"] = dropped;
+  const double due = std::max(1.0, static_cast<double>(counts.inputsDue));
+  json["inputs_starved_share"] = std::round(static_cast<double>(counts.inputsStarved) / due * 1e6) / 1e6;
   json["non_finite"] = counts.nonFinite;
   json["inverted"] = counts.inverted;
   json["quarantined"] = counts.quarantined;

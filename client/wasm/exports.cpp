@@ -60,6 +60,7 @@ EMSCRIPTEN_KEEPALIVE void Update(Session* session, double now) { session->Client
 EMSCRIPTEN_KEEPALIVE void Leave(Session* session, double now) { session->Client().Leave(now); }
 EMSCRIPTEN_KEEPALIVE int ReadState(Session* session) { return static_cast<int>(session->Client().ReadState()); }
 EMSCRIPTEN_KEEPALIVE const char* ReadEndReason(Session* session) { return session->Client().EndReason().c_str(); }
+EMSCRIPTEN_KEEPALIVE bool IsCompleting(Session* session) { return session->Client().IsCompleting(); }
 EMSCRIPTEN_KEEPALIVE bool MayRejoin(Session* session) { return session->Client().MayRejoin(); }
 EMSCRIPTEN_KEEPALIVE const void* ReadWelcome(Session* session) { return &session->MakeWelcome(); }
 EMSCRIPTEN_KEEPALIVE const void* ReadStatistics(Session* session, double now) { return &session->MakeStatistics(now); }

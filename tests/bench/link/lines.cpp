@@ -4,11 +4,14 @@
 // The limits are those that the page must keep; UDP is shown beside it. Delays are a percentile over frames; the line's
 // draws are seeded, TCP's timing is not.
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <optional>
 #include <string>
@@ -48,8 +51,10 @@ struct Run {
 
 Run Emulate(const Line& line, const std::string& client, double seconds, std::uint64_t seed) {
   const std::string bin = WOBBLE_BIN_DIR;
-  const std::string server =
-      kServer + " --port 4000 & " + bin + "/wobble gateway --http 8080 --server 127.0.0.1:4000 & wait";
+  const std::string summary = std::filesystem::temp_directory_path() / ("wobble_link_" + std::to_string(getpid()));
+  // The second wait lets the server write its summary.
+  const std::string server = "trap : TERM; " + kServer + " --port 4000 --summary " + summary + " & " + bin +
+                             "/wobble gateway --http 8080 --server 127.0.0.1:4000 & wait; wait";
   std::string call = std::string(WOBBLE_EMULATOR) + " '" + line.conditions + "' --seed " + std::to_string(seed) +
                      " --limit " + std::to_string(static_cast<int>(seconds) + 30) +
                      (line.downloads ? " --download" : "") + " --server '" + server + "' --client 'sleep " +
@@ -64,6 +69,10 @@ Run Emulate(const Line& line, const std::string& client, double seconds, std::ui
   run.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   run.seen = nlohmann::json::parse(text, nullptr, false);
   if (!run.seen.is_object()) run.seen = nlohmann::json::object();
+  std::ifstream file(summary);
+  const auto told = nlohmann::json::parse(file, nullptr, false);
+  if (told.is_object()) run.seen["inputs_starved_percent"] = 100 * told.value("inputs_starved_share", 0.0);
+  std::filesystem::remove(summary);
   return run;
 }
 
@@ -71,6 +80,9 @@ double Find(const nlohmann::json& seen, const char* key) {
   const auto found = seen.find(key);
   return found != seen.end() && found->is_number() ? found->get<double>() : std::numeric_limits<double>::quiet_NaN();
 }
+
+// No input comes through while the line is black.
+bool IsInterrupted(const Line& line) { return std::string_view(line.name) == "blackouts"; }
 
 void AddRow(Bench& bench, const Line& line, const char* kind, const nlohmann::json& seen) {
   const std::string key = std::string(line.name) + "_" + kind;
@@ -93,6 +105,19 @@ void AddRow(Bench& bench, const Line& line, const char* kind, const nlohmann::js
     results.AddFigure(key + "_gaps_per_minute", gaps);
   }
   results.AddFigure(key + "_join_ms", Find(seen, "join_ms"));
+  const double starved = Find(seen, "inputs_starved_percent");
+  if (isPage && !IsInterrupted(line)) {
+    results.AddFigureAtMost(key + "_inputs_starved_percent", starved, 0.2, isHeld);
+  } else {
+    results.AddFigure(key + "_inputs_starved_percent", starved);
+  }
+  if (isPage) {
+    results.AddFigureAtMost(key + "_longest_block_ms", Find(seen, "longest_block_ms"), 8, isHeld);
+    const double low = Find(seen, "low_delay_after_ms");
+    const bool isAsked = std::string_view(line.name) == "clean";
+    isAsked ? results.AddFigureAtMost(key + "_low_delay_after_ms", low, 2000, isHeld)
+            : results.AddFigure(key + "_low_delay_after_ms", low);
+  }
   nlohmann::ordered_json row{{"line", line.shows}, {"kind", kind}};
   for (const auto& [name, value] : seen.items()) row[name] = value;
   results.rows.push_back(std::move(row));

@@ -37,6 +37,7 @@ TEST(Summary, HasEveryKeyWithATrueValue) {
                           "bytes_out",
                           "bits_per_vertex",
                           "snapshot_error_rms",
+                          "inputs_starved_share",
                           "non_finite",
                           "inverted",
                           "quarantined",

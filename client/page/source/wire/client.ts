@@ -123,6 +123,11 @@ export class Client {
   }
 
   // Whether a new connection may fare better than the one that has ended.
+  // Whether another Update goes on with blueprints that have come.
+  IsCompleting(): boolean {
+    return this.m_module._IsCompleting(this.m_session) !== 0;
+  }
+
   MayRejoin(): boolean {
     return this.m_module._MayRejoin(this.m_session) !== 0;
   }

@@ -23,6 +23,7 @@ const kLongestWait = 4; // s
 const kPatience = 60; // s without play, after which it gives up
 const kGoodFor = 10; // s of play after which waits and patience begin anew
 const kTimer = 250; // ms
+const kWorkTime = 0.004; // s of a frame or message, for blueprints that have come
 
 export interface ConnectionEnd {
   retryAt: number | null; // page's clock, s; null: no automatic retry
@@ -112,6 +113,7 @@ export class Connection {
       return;
     }
     client.Update();
+    for (const until = now + kWorkTime; client.IsCompleting() && ReadNow() < until; ) client.Update();
     for (let each = client.TakeDownload(); each !== null; each = client.TakeDownload()) {
       this.m_kept.Keep(this.world, each);
     }

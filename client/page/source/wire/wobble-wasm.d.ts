@@ -25,6 +25,7 @@ declare module 'wobble-wasm' {
     _Leave(session: number, now: number): void;
     _ReadState(session: number): number;
     _ReadEndReason(session: number): number;
+    _IsCompleting(session: number): number;
     _MayRejoin(session: number): number;
     _ReadWelcome(session: number): number;
     _ReadStatistics(session: number, now: number): number;
