@@ -33,6 +33,20 @@ std::int64_t HalfIndex(double now) { return static_cast<std::int64_t>(std::floor
 
 }  // namespace
 
+void RecentMinimum::Record(double value, double now) {
+  m_newest = HalfIndex(now);
+  Half& half = m_halves[static_cast<std::uint64_t>(m_newest) % 2];
+  half.value = half.index == m_newest ? std::min(half.value, value) : value;
+  half.index = m_newest;
+}
+
+double RecentMinimum::Read() const {
+  const Half& half = m_halves[static_cast<std::uint64_t>(m_newest) % 2];
+  const Half& before = m_halves[static_cast<std::uint64_t>(m_newest + 1) % 2];
+  if (half.index != m_newest) return 0;
+  return before.index == m_newest - 1 ? std::min(before.value, half.value) : half.value;
+}
+
 void Clock::AddArrival(double worldTime, double timeRatio, double now) {
   assert(!m_started || now >= m_updated);
   if (!m_started) {
@@ -51,7 +65,8 @@ void Clock::AddArrival(double worldTime, double timeRatio, double now) {
 
   Record(m_scaled - worldTime, now);
   m_target = FindSmallest(now);
-  m_lateness = RecordFastest(m_scaled - worldTime, now);
+  m_fastest.Record(m_scaled - worldTime, now);
+  m_lateness = m_scaled - worldTime - m_fastest.Read();
   const bool startingUp = now - m_startedAt < kStartUp && m_target < m_offset;
   if (startingUp || std::fabs(m_target - m_offset) > kJumpAbove) m_offset = m_target;
 }
@@ -68,15 +83,6 @@ void Clock::Record(double offset, double now) {
   Bucket& bucket = m_buckets[static_cast<std::uint64_t>(index) % kBuckets];
   bucket.offset = bucket.index == index ? std::min(bucket.offset, offset) : offset;
   bucket.index = index;
-}
-
-double Clock::RecordFastest(double offset, double now) {
-  const std::int64_t index = HalfIndex(now);
-  Bucket& half = m_fastest[static_cast<std::uint64_t>(index) % 2];
-  half.offset = half.index == index ? std::min(half.offset, offset) : offset;
-  half.index = index;
-  const Bucket& before = m_fastest[static_cast<std::uint64_t>(index + 1) % 2];
-  return offset - (before.index == index - 1 ? std::min(before.offset, half.offset) : half.offset);
 }
 
 double Clock::FindSmallest(double now) const {

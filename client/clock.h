@@ -7,6 +7,24 @@
 
 namespace wobble::client {
 
+// The smallest of the values of the last 16 to 32 s: a value that was too small, because a program was held up between
+// reading its clock and its socket, does harm no longer than that.
+class RecentMinimum {
+ public:
+  // now: s, never goes backwards.
+  void Record(double value, double now);
+  // 0 before the first value; of the last one, if nothing has been recorded since.
+  [[nodiscard]] double Read() const;
+
+ private:
+  struct Half {
+    std::int64_t index = std::numeric_limits<std::int64_t>::min();  // never filled
+    double value = 0;
+  };
+  std::array<Half, 2> m_halves{};
+  std::int64_t m_newest = 0;
+};
+
 // World time is tick / tickHz, seconds. The estimate is the world time of a snapshot that would arrive now over the
 // fastest recent trip. It lags the server's own by that trip, which a client cannot measure (SnapshotArrival::age says
 // what is taken for it). It is continuous except for jumps, and does not run backwards between jumps as long as the
@@ -38,7 +56,6 @@ class Clock {
   [[nodiscard]] double Scaled(double now) const { return m_scaled + m_timeRatio * (now - m_updated); }
   [[nodiscard]] double Offset(double now) const;
   void Record(double offset, double now);
-  double RecordFastest(double offset, double now);
   [[nodiscard]] double FindSmallest(double now) const;
 
   bool m_started = false;
@@ -50,7 +67,7 @@ class Clock {
   double m_offset = 0;  // scaled local time minus world time, in use
   double m_target = 0;  // the offset that the window says, which m_offset approaches
   std::array<Bucket, kBuckets> m_buckets{};
-  std::array<Bucket, 2> m_fastest{};  // halves of the long window, for the lateness
+  RecentMinimum m_fastest;  // offset, for the lateness
   double m_lateness = 0;
 };
 

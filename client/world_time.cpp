@@ -46,12 +46,10 @@ SnapshotArrival WorldTime::AddSnapshot(const protocol::SnapshotHead& head, doubl
 
   if (inputToSnapshot >= 0) {
     statistics.inputToSnapshot = inputToSnapshot;
-    if (m_smallestInputToSnapshot < 0 || inputToSnapshot < m_smallestInputToSnapshot) {
-      m_smallestInputToSnapshot = inputToSnapshot;
-    }
+    m_inputToSnapshot.Record(inputToSnapshot, now);
   }
   // SnapshotArrival::age says why.
-  const double trip = std::max(0.0, (m_smallestInputToSnapshot - m_tickSeconds) / 2);
+  const double trip = std::max(0.0, (m_inputToSnapshot.Read() - m_tickSeconds / 2) / 2);
   statistics.snapshotAge = m_clock.Lateness() + trip;
   return {.tick = head.tick, .age = statistics.snapshotAge, .inputToSnapshot = inputToSnapshot};
 }

@@ -46,7 +46,7 @@ class WorldTime {
   double m_snapshotSeconds = 0;  // between snapshots, as the welcome promised
   bool m_hasSnapshot = false;
   std::uint32_t m_newestTick = 0;
-  double m_smallestInputToSnapshot = -1;
+  RecentMinimum m_inputToSnapshot;
   Clock m_clock;
   JitterBuffer m_jitter;
 };

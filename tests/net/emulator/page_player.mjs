@@ -1,14 +1,16 @@
 // Plays by the page's own connection code (client/page/source/wire) and the page's WebAssembly, under Node, without a
 // picture: joins a gateway, moves, takes a frame 60 times a second, and prints what it saw as one line of JSON.
 //
-//   node page_player.mjs WASM_FOLDER HOST:PORT SECONDS
+//   node page_player.mjs WASM_FOLDER HOST:PORT SECONDS [ARRIVALS [one]]
+//
+// ARRIVALS: a file for the arrivals of snapshots, a line each: ms since the first, tick. one: over one socket.
 import { Buffer } from 'node:buffer';
 import fs from 'node:fs';
 import { createRequire } from 'node:module';
 import path from 'node:path';
 import { pathToFileURL } from 'node:url';
 
-const [wasmFolder, host, seconds] = process.argv.slice(2);
+const [wasmFolder, host, seconds, arrivalsFile, sockets] = process.argv.slice(2);
 const page = new URL('../../../client/page/', import.meta.url);
 const load = createRequire(new URL('package.json', page));
 
@@ -47,6 +49,8 @@ const percentile = (values, share) => values[Math.min(values.length - 1, Math.fl
 const readNow = () => performance.now() / 1000;
 
 const playing = 2; // of State
+const snapshotChannel = 2;
+const tickAt = 7; // byte of a message with a snapshot: behind channel, kind, version and sequence
 const settledAfter = 3; // s of play after which the figures begin
 const gapFrom = 0.2; // s without a newer snapshot
 const frame = 1000 / 60; // ms
@@ -68,6 +72,15 @@ connection.Update = () => {
   const from = readNow();
   update();
   noteBlock(readNow() - from);
+};
+if (sockets === 'one') connection.OpenLanes = () => {};
+const arrivals = [];
+connection.onClient = (client) => {
+  const receive = client.ReceiveMessage.bind(client);
+  client.ReceiveMessage = (message) => {
+    if (message[0] === snapshotChannel) arrivals.push([readNow(), Buffer.from(message).readUInt32LE(tickAt)]);
+    receive(message);
+  };
 };
 connection.Join();
 
@@ -122,6 +135,10 @@ setTimeout(() => {
     longest_block_ms: ms(longestPlaying),
     connections_lost: seen.drops,
   }));
+  if (arrivalsFile !== undefined) {
+    const lines = arrivals.map(([at, tick]) => `${(1000 * (at - arrivals[0][0])).toFixed(1)} ${tick}\n`);
+    fs.writeFileSync(arrivalsFile, lines.join(''));
+  }
   connection.Leave();
   setTimeout(() => process.exit(seen.delays.length > 0 ? 0 : 1), 200);
 }, 1000 * Number(seconds));
