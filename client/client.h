@@ -41,10 +41,10 @@ struct Options {
   // Called inside Update with each blueprint that was downloaded and is large enough to be kept for later connections.
   // May be empty. files/kept_folder.h sets both, and keeps blueprints in files.
   std::function<void(std::uint64_t hash, std::span<const std::uint8_t> bytes)> keep = {};
-  // The most of a blueprint's bases that one Update completes, multiplications; 5 million take 3 ms. A ball needs 45
+  // The most of a blueprint's bases that one Update completes, multiplications; 15 million take 7 ms. A ball needs 45
   // million until it can be shown. A program that draws and does not call Update in a thread of its own may take less,
   // and call Update again while IsCompleting and the frame has time.
-  std::size_t completionWork = 5'000'000;
+  std::size_t completionWork = 15'000'000;
   std::uint16_t protocolVersion = protocol::kProtocolVersion;  // sent in the hello; other values are for tests
 };
 

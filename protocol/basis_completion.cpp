@@ -34,19 +34,22 @@ void Completion::Reflect(const Reflection& reflection, std::size_t columns, doub
   }
 }
 
-// As Reflect; the sums of kPanel columns stay in registers.
 void Completion::ReflectPanel(std::size_t number, std::size_t stride, double* panel) const {
   const Reflection& reflection = m_reflections[number];
   double* const begin = panel + reflection.first * stride;
   const std::size_t rows = reflection.v.size();
-  const double* const v = reflection.v.data();
-  std::array<double, kPanel> dots{};
+  HalfRow low{}, high{};
   for (std::size_t i = 0; i < rows; ++i) {
-    for (std::size_t j = 0; j < kPanel; ++j) dots[j] += v[i] * begin[i * stride + j];
+    const double* const row = begin + i * stride;
+    low += reflection.v[i] * LoadHalf(row);
+    high += reflection.v[i] * LoadHalf(row + kHalfPanel);
   }
-  for (double& dot : dots) dot *= reflection.factor;
+  low *= reflection.factor;
+  high *= reflection.factor;
   for (std::size_t i = 0; i < rows; ++i) {
-    for (std::size_t j = 0; j < kPanel; ++j) begin[i * stride + j] -= v[i] * dots[j];
+    double* const row = begin + i * stride;
+    StoreHalf(LoadHalf(row) - reflection.v[i] * low, row);
+    StoreHalf(LoadHalf(row + kHalfPanel) - reflection.v[i] * high, row + kHalfPanel);
   }
 }
 
@@ -83,13 +86,13 @@ std::vector<double> CompleteBasis(std::span<const double> given, std::size_t row
   while (completion.MakeReflection()) continue;
   const std::size_t rest = rows - given.size() / rows;
   std::vector<double> completed(rows * rest);
-  std::vector<double> panel(rows * Completion::kPanel);
-  for (std::size_t first = 0; first < rest; first += Completion::kPanel) {
-    completion.BeginPanel(first, Completion::kPanel, panel.data());
-    for (std::size_t k = given.size() / rows; k-- > 0;) completion.ReflectPanel(k, Completion::kPanel, panel.data());
-    const std::size_t columns = std::min(Completion::kPanel, rest - first);
+  std::vector<double> panel(rows * kPanel);
+  for (std::size_t first = 0; first < rest; first += kPanel) {
+    completion.BeginPanel(first, kPanel, panel.data());
+    for (std::size_t k = given.size() / rows; k-- > 0;) completion.ReflectPanel(k, kPanel, panel.data());
+    const std::size_t columns = std::min(kPanel, rest - first);
     for (std::size_t i = 0; i < rows; ++i) {
-      std::copy_n(panel.data() + i * Completion::kPanel, columns, completed.data() + i * rest + first);
+      std::copy_n(panel.data() + i * kPanel, columns, completed.data() + i * rest + first);
     }
   }
   return completed;

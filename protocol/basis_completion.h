@@ -2,18 +2,29 @@
 #pragma once
 
 #include <cstddef>
+#include <cstring>
 #include <span>
 #include <vector>
 
 namespace wobble::protocol {
+
+inline constexpr std::size_t kPanel = 8;  // modes
+// Half a row of a panel: what fits a register of AVX2. (An extension of GCC and Clang, also for WebAssembly.) Plain
+// loops over a row are vectorised along the rows instead, with more shuffles than sums.
+inline constexpr std::size_t kHalfPanel = kPanel / 2;
+using HalfRow = double __attribute__((vector_size(kHalfPanel * sizeof(double))));
+inline HalfRow LoadHalf(const double* from) {
+  HalfRow half;
+  std::memcpy(&half, from, sizeof half);
+  return half;
+}
+inline void StoreHalf(const HalfRow& half, double* to) { std::memcpy(to, &half, sizeof half); }
 
 // The modes that complete the given ones: orthonormal, and orthogonal to these. There are rows − given of them. They
 // are made a panel at a time, so that a program that also draws can do it between frames, and because a panel stays in
 // the cache through all reflections (a tenth of the time of all modes at once).
 class Completion {
  public:
-  static constexpr std::size_t kPanel = 8;  // modes
-
   // given: orthonormal modes of `rows` numbers each, mode after mode, fewer than rows. order: a permutation of the
   // rows.
   Completion(std::span<const double> given, std::size_t rows, std::span<const std::size_t> order);

@@ -188,11 +188,11 @@ void BasisReader::BeginBlock() {
     m_stage = Stage::kDone;
     return;
   }
-  m_size = m_source.blocks == 0 ? std::min(Completion::kPanel, rest - m_begin)
+  m_size = m_source.blocks == 0 ? std::min(kPanel, rest - m_begin)
                                 : FindBlockBegin(rest, m_source.blocks, m_block + 1) - m_begin;
   ++m_block;
   m_next = 0;
-  m_stride = (m_size + Completion::kPanel - 1) / Completion::kPanel * Completion::kPanel;
+  m_stride = (m_size + kPanel - 1) / kPanel * kPanel;
   m_panels.resize(m_rows * m_stride);
   if (m_source.blocks == 0) {
     m_stage = Stage::kPanels;
@@ -222,9 +222,9 @@ std::size_t BasisReader::MakePanel() {
     if (m_part < m_modes) m_completion->ReflectPanel(m_modes - 1 - m_part++, m_stride, panel);
     if (m_part == m_modes) {
       m_part = 0;
-      m_next += Completion::kPanel;
+      m_next += kPanel;
     }
-    return 2 * m_rows * Completion::kPanel;
+    return 2 * m_rows * kPanel;
   }
   m_next = 0;
   if (m_source.blocks > 0) {
@@ -240,7 +240,6 @@ std::size_t BasisReader::MakePanel() {
 
 // Sums run over the modes of the block in ascending order; several of them side by side.
 std::size_t BasisReader::TurnPanel() {
-  constexpr std::size_t kPanel = Completion::kPanel;
   if (m_next >= m_size) {
     BeginBlock();
     return 1;
@@ -254,12 +253,16 @@ std::size_t BasisReader::TurnPanel() {
   }
   const std::size_t end = std::min(m_part + kRowsAtOnce, m_rows), rows = end - m_part;
   for (; m_part < end; ++m_part) {
-    std::array<double, kPanel> sums{};
+    HalfRow low{}, high{};
     for (std::size_t j = 0; j < m_size; ++j) {
       const double x = m_panels[m_part * m_stride + j];
-      for (std::size_t c = 0; c < kPanel; ++c) sums[c] += x * m_entries[j * kPanel + c];
+      low += x * LoadHalf(m_entries.data() + j * kPanel);
+      high += x * LoadHalf(m_entries.data() + j * kPanel + kHalfPanel);
     }
-    for (std::size_t c = 0; c < columns; ++c) Put(m_begin + m_next + c, m_part, sums[c]);
+    std::array<double, kPanel> entries;
+    StoreHalf(low, entries.data());
+    StoreHalf(high, entries.data() + kHalfPanel);
+    for (std::size_t c = 0; c < columns; ++c) Put(m_begin + m_next + c, m_part, entries[c]);
   }
   if (m_part == m_rows) {
     m_part = 0;

@@ -43,6 +43,7 @@ Seen Play(client::Client& client, double begin, double seconds) {
   std::uint64_t count = 0, stallsBefore = 0;
   double newestAt = begin, playingAt = 0;
   std::vector<client::BodySample> samples;
+  auto frame = std::chrono::steady_clock::now();
   for (double now = begin; now < begin + seconds && client.ReadState() != client::State::kEnded; now = Now()) {
     client.Update(now);
     if (client.ReadState() == client::State::kPlaying) {
@@ -67,7 +68,8 @@ Seen Play(client::Client& client, double begin, double seconds) {
         seen.ages.push_back(figures.snapshotAge);
       }
     }
-    std::this_thread::sleep_for(std::chrono::duration<double>(1.0 / 60));
+    frame += std::chrono::microseconds(16'667);  // as a display does, whatever a frame takes
+    std::this_thread::sleep_until(frame);
   }
   seen.join = client.ReadStatistics().joinSeconds;
   return seen;

@@ -252,7 +252,9 @@ TEST_F(ClientTest, CompletesBasesOverSeveralUpdates) {
   const std::vector<std::array<std::uint16_t, 3>> faces{{0, 1, 2}};
   const Message ball =
       protocol::MakeBlueprint({.name = "ball", .rest = rest, .faces = faces, .size = 5, .bases = bases});
-  Start();
+  Options options;
+  options.completionWork = 5'000'000;
+  Start(options);
   Connect();
   Welcome();
   const auto chunks = CutIntoChunks(0, ball, 4096);
