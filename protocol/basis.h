@@ -24,11 +24,17 @@ struct Basis {
   // it has one number a vertex and serves three times, for x, y and z.
   bool isScalar = false;
   std::vector<std::int16_t> columns;  // rows × rows, mode after mode, in units of 2^-14
+  // The same by pairs of modes: the entries of modes 2p and 2p + 1 in row i are at 2 (p · rows + i) and behind it. Of
+  // an odd number of modes the last one's neighbour is 0.
+  std::vector<std::int16_t> pairs;
   // One for each of the 3 · vertices coefficients; scalar: at mode · 3 + axis.
   std::vector<std::int16_t> levels;  // spread in training, in eighths of an octave of a metre
   std::vector<std::int8_t> gains;    // share of the contact prediction that it follows, in 1/64
 
   [[nodiscard]] std::size_t Rows() const { return isScalar ? vertices : 3 * vertices; }
+  [[nodiscard]] std::span<const std::int16_t> Pair(std::size_t pair) const {
+    return std::span(pairs).subspan(2 * pair * Rows(), 2 * Rows());
+  }
   [[nodiscard]] std::span<const std::int16_t> Column(std::size_t mode) const {
     return std::span(columns).subspan(mode * Rows(), Rows());
   }

@@ -101,10 +101,6 @@ bool ReadSource(std::span<const std::uint8_t> bytes, BasisSource& source) {
   return reader.IsWhole();
 }
 
-std::int16_t Quantise(double entry) {
-  return static_cast<std::int16_t>(std::nearbyint(std::clamp(entry, -1.0, 1.0) * kUnit));
-}
-
 std::vector<std::size_t> FindRowOrder(const BasisSource& source) {
   const std::size_t axes = source.CountRows() / source.vertices;
   std::vector<std::size_t> rowOrder;
@@ -127,6 +123,8 @@ BasisReader::BasisReader(std::span<const std::uint8_t> bytes, std::size_t vertic
     m_basis->levels.push_back(static_cast<std::int16_t>(level - kLevelZero));
   m_basis->gains = m_source.gains;
   m_rows = m_source.CountRows();
+  m_basis->columns.resize(m_rows * m_rows);
+  m_basis->pairs.resize(2 * ((m_rows + 1) / 2) * m_rows);
   m_columns.assign(m_source.modes.begin(), m_source.modes.end());
   m_modes = m_columns.size() / m_rows;
   m_stage = m_source.kind == BasisSource::Kind::kCosine ? Stage::kCosines : Stage::kGiven;
@@ -135,7 +133,7 @@ BasisReader::BasisReader(std::span<const std::uint8_t> bytes, std::size_t vertic
 std::size_t BasisReader::Step() {
   switch (m_stage) {
     case Stage::kCosines:
-      AddColumns(MakeCosines(m_source.grid[0], m_source.grid[1], m_source.grid[2]));
+      PutColumns(MakeCosines(m_source.grid[0], m_source.grid[1], m_source.grid[2]));
       m_stage = Stage::kDone;
       return m_rows * m_rows;
     case Stage::kGiven:
@@ -161,9 +159,16 @@ std::shared_ptr<const Basis> BasisReader::Take() {
   return m_stage == Stage::kDone ? std::move(m_basis) : nullptr;
 }
 
-void BasisReader::AddColumns(std::span<const double> columns) {
-  m_basis->columns.reserve(m_rows * m_rows);
-  for (const double entry : columns) m_basis->columns.push_back(Quantise(entry));
+void BasisReader::PutColumns(std::span<const double> columns) {
+  for (std::size_t mode = 0; mode < columns.size() / m_rows; ++mode) {
+    for (std::size_t row = 0; row < m_rows; ++row) Put(mode, row, columns[mode * m_rows + row]);
+  }
+}
+
+void BasisReader::Put(std::size_t mode, std::size_t row, double entry) {
+  const auto quantised = static_cast<std::int16_t>(std::nearbyint(std::clamp(entry, -1.0, 1.0) * kUnit));
+  m_basis->columns[mode * m_rows + row] = quantised;
+  m_basis->pairs[2 * (mode / 2 * m_rows + row) + mode % 2] = quantised;
 }
 
 std::size_t BasisReader::OrthonormaliseGiven() {
@@ -172,8 +177,7 @@ std::size_t BasisReader::OrthonormaliseGiven() {
     m_next += m_rows;
     return 2 * m_next;
   }
-  AddColumns(m_columns);
-  m_basis->columns.resize(m_rows * m_rows);
+  PutColumns(m_columns);
   m_rowOrder = FindRowOrder(m_source);
   m_completion.emplace(m_columns, m_rows, m_rowOrder);
   m_stage = Stage::kReflections;
@@ -232,7 +236,7 @@ std::size_t BasisReader::MakePanel() {
     return 1;
   }
   for (std::size_t j = 0; j < m_size; ++j) {
-    for (std::size_t i = 0; i < m_rows; ++i) Put(m_begin + j, i, m_panels[i * m_stride + j]);
+    for (std::size_t i = 0; i < m_rows; ++i) Put(m_modes + m_begin + j, m_rowOrder[i], m_panels[i * m_stride + j]);
   }
   BeginBlock();
   return m_rows * m_size;
@@ -262,17 +266,13 @@ std::size_t BasisReader::TurnPanel() {
     std::array<double, kPanel> entries;
     StoreHalf(low, entries.data());
     StoreHalf(high, entries.data() + kHalfPanel);
-    for (std::size_t c = 0; c < columns; ++c) Put(m_begin + m_next + c, m_part, entries[c]);
+    for (std::size_t c = 0; c < columns; ++c) Put(m_modes + m_begin + m_next + c, m_rowOrder[m_part], entries[c]);
   }
   if (m_part == m_rows) {
     m_part = 0;
     m_next += kPanel;
   }
   return rows * m_size * kPanel;
-}
-
-void BasisReader::Put(std::size_t mode, std::size_t row, double entry) {
-  m_basis->columns[(m_modes + mode) * m_rows + m_rowOrder[row]] = Quantise(entry);
 }
 
 std::shared_ptr<const Basis> ReadBasis(std::span<const std::uint8_t> bytes, std::size_t vertices) {

@@ -37,7 +37,7 @@ class BasisReader {
   std::size_t OrthonormaliseTurn();
   std::size_t MakePanel();
   std::size_t TurnPanel();
-  void AddColumns(std::span<const double> columns);
+  void PutColumns(std::span<const double> columns);
   void Put(std::size_t mode, std::size_t row, double entry);
 
   Stage m_stage = Stage::kRefused;

@@ -37,12 +37,6 @@ bool ReadCoefficient(RangeDecoder& decoder, Contexts& contexts, int level, std::
   return true;
 }
 
-void AddMode(std::span<const std::int16_t> column, std::uint32_t value, std::uint32_t* sums) {
-  for (std::size_t i = 0; i < column.size(); ++i) {
-    sums[i] += value * static_cast<std::uint32_t>(std::int32_t{column[i]});
-  }
-}
-
 // The shape without a basis: each coefficient moves one coordinate; coefficients are in steps.
 void MoveVertices(std::span<const Vector3> rest, std::span<const std::int32_t> coefficients, float step,
                   std::span<Vector3> shape) {
@@ -67,16 +61,17 @@ void ShapeDecoder::MoveAlongModes(const PatchModel& model, std::span<const std::
   const Basis& basis = *model.basis;
   const std::size_t count = model.rest.size();
   const float scale = FindContactScale(model.size, step);
-  m_sums.assign(3 * count, 0);
+  // Of a scalar basis the values along x, then those along y, then z.
+  const std::size_t axes = basis.isScalar ? 3 : 1, rows = basis.Rows();
+  m_values.resize(3 * count);
   for (std::size_t k = 0; k < 3 * count; ++k) {
     std::uint32_t value = static_cast<std::uint32_t>(coefficients[k]) * 16;
     if (followsContact) value += static_cast<std::uint32_t>(FindSuggestion(m_contact.along[k], basis.gains[k], scale));
-    if (value == 0) continue;
-    if (basis.isScalar) {
-      AddMode(basis.Column(k / 3), value, m_sums.data() + k % 3 * count);
-    } else {
-      AddMode(basis.Column(k), value, m_sums.data());
-    }
+    m_values[k % axes * rows + k / axes] = value;
+  }
+  m_sums.assign(3 * count, 0);
+  for (std::size_t axis = 0; axis < axes; ++axis) {
+    m_modeSums.Add(basis, std::span(m_values).subspan(axis * rows, rows), m_sums.data() + axis * rows);
   }
   const float unit = std::ldexp(step, -18);  // 2^-4 of a step times 2^-14 of a column
   const std::size_t apart = basis.isScalar ? count : 1, stride = basis.isScalar ? 1 : 3;

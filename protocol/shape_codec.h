@@ -15,6 +15,7 @@
 
 #include "protocol/flat_sides.h"
 #include "protocol/geometry.h"
+#include "protocol/mode_sums.h"
 #include "protocol/patch_model.h"
 #include "protocol/pose.h"
 
@@ -63,7 +64,9 @@ class ShapeDecoder {
 
   std::vector<std::int32_t> m_coefficients;
   ContactScratch m_contact;
-  std::vector<std::uint32_t> m_sums;
+  std::vector<std::uint32_t> m_values;  // of the modes, in 2^-4 steps
+  std::vector<std::uint32_t> m_sums;    // of the rows, in 2^-18 steps
+  ModeSums m_modeSums;
   std::vector<Side> m_sides;
 };
 

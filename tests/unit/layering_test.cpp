@@ -113,7 +113,7 @@ const std::vector<Room> kRooms{
     // It alone knows the cryptographic library.
     {kVestibule, {kProtocol}, Join(kSystem, {"sodium.h"}), kClockFileLog},
     {"protocol/transport/", {kProtocol}, Join(kSystem, {"enet/"}), kClockFileLog},
-    {kProtocol, {}, {"flatbuffers/"}, kPortable},
+    {kProtocol, {}, {"flatbuffers/", "immintrin.h"}, kPortable},
     {"client/bots/", kCommandReach, Join(kSystem, {"CLI/", "lua.hpp", "nlohmann/"}), {}},
     {"client/command/", kCommandReach, Join(kSystem, {"CLI/"}), {}},
     {"client/terminal/", kCommandReach, Join(kSystem, {"CLI/"}), {}},

@@ -60,18 +60,18 @@ const connection = new Connection(module, 'page', false);
 const begin = readNow();
 const seen = { delays: [], ages: [], gaps: [], drops: 0, join: null, lowAfter: null, leastEcho: Infinity, stallsBefore: null, stalls: 0 };
 let newest = { count: 0, at: begin };
-// s, of one call that a browser's frame waits for: before play, when the browser has not optimised the code, and in play.
+// s, of one call that goes on with bases, for which a browser's frame waits: before play, when there is no picture and
+// the browser has not optimised the code, and in play.
 let longestJoining = 0;
-let longestPlaying = 0;
-const noteBlock = (seconds) => {
-  if (seen.join === null) longestJoining = Math.max(longestJoining, seconds);
-  else longestPlaying = Math.max(longestPlaying, seconds);
-};
+let longestCompleting = 0;
 const update = connection.Update.bind(connection);
 connection.Update = () => {
+  const isCompleting = connection.client?.IsCompleting();
   const from = readNow();
   update();
-  noteBlock(readNow() - from);
+  const taken = readNow() - from;
+  if (seen.join === null) longestJoining = Math.max(longestJoining, taken);
+  else if (isCompleting) longestCompleting = Math.max(longestCompleting, taken);
 };
 if (sockets === 'one') connection.OpenLanes = () => {};
 const arrivals = [];
@@ -99,7 +99,6 @@ function takeFrame() {
   client.Sample();
   client.UpdateStatistics();
   const figures = client.statistics;
-  noteBlock(readNow() - now);
   if (figures.snapshots !== newest.count) {
     if (now - newest.at >= gapFrom && newest.count > 0 && now - begin - seen.join > settledAfter)
       seen.gaps.push(now - newest.at);
@@ -131,8 +130,8 @@ setTimeout(() => {
     stalls_per_minute: Math.round((10 * seen.stalls) / minutes) / 10,
     gaps_per_minute: Math.round((10 * seen.gaps.length) / minutes) / 10,
     longest_gap_ms: ms(seen.gaps.at(-1) ?? 0),
-    longest_block_joining_ms: ms(longestJoining),
-    longest_block_ms: ms(longestPlaying),
+    longest_joining_ms: ms(longestJoining),
+    longest_completing_ms: ms(longestCompleting),
     connections_lost: seen.drops,
   }));
   if (arrivalsFile !== undefined) {
