@@ -19,6 +19,8 @@
 namespace wobble::protocol {
 
 struct Basis {
+  // Tells bases that were read apart, for what is computed of them and kept; 0: nothing is.
+  std::uint64_t serial = 0;
   std::size_t vertices = 0;
   // False: a mode has a number for each coordinate of the patch (x, y, z of the first vertex, of the second …). True:
   // it has one number a vertex and serves three times, for x, y and z.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 
 namespace wobble::protocol {
@@ -116,7 +117,9 @@ std::vector<std::size_t> FindRowOrder(const BasisSource& source) {
 BasisReader::BasisReader(std::span<const std::uint8_t> bytes, std::size_t vertices) {
   const bool isSource = bytes.size() <= kMaxBasisBytes && ReadSource(bytes, m_source) && m_source.vertices == vertices;
   if (!isSource) return;
+  static std::atomic<std::uint64_t> newestSerial = 0;
   m_basis = std::make_shared<Basis>();
+  m_basis->serial = ++newestSerial;
   m_basis->vertices = vertices;
   m_basis->isScalar = m_source.kind != BasisSource::Kind::kFull;
   for (const std::uint8_t level : m_source.levels)

@@ -83,4 +83,16 @@ static_assert(AddsUp());
 
 const std::array<Frequency, kMagnitudes>& FindFrequencies(std::size_t context) { return kTable[context]; }
 
+void Contexts::Expect(std::span<const int> levels, std::span<ExpectedContext> expected) {
+  Sums sums;
+  for (std::size_t k = 0; k < levels.size(); ++k) {
+    const std::uint32_t magnitude = FindExpectation(levels[k]);
+    expected[k] = {
+        .magnitude = static_cast<std::int16_t>(FindLogarithm(magnitude) - kUnit + kOffset),
+        .sums = static_cast<std::int16_t>(FindLogarithm(sums.brief) + FindLogarithm(sums.lasting)),
+    };
+    sums.Add(magnitude);
+  }
+}
+
 }  // namespace wobble::protocol

@@ -10,6 +10,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <span>
 
 #include "protocol/range_coder.h"
 
@@ -48,38 +49,45 @@ struct Frequency {
   return context > 24 ? (static_cast<unsigned>(context) - 22) / 3 : 0;
 }
 
+// What levels alone say about the context of a coefficient, the same for all records of a basis and step.
+struct ExpectedContext {
+  std::int16_t magnitude = 0;  // the logarithm of its expectation, from the first context on
+  std::int16_t sums = 0;       // the logarithms of both running sums of the expectations before it
+};
+
 // The running sums of one record.
 class Contexts {
  public:
-  // The context of the next coefficient. level: its level, within kLowestLevel … kHighestLevel.
-  [[nodiscard]] std::size_t Find(int level) {
-    m_expected = FindExpectation(level);
-    const int gain = FindLogarithm(m_seenShort) - FindLogarithm(m_expectedShort) + FindLogarithm(m_seenLong) -
-                     FindLogarithm(m_expectedLong);
-    const int likely = FindLogarithm(m_expected) + (gain >> 1) - kUnit;
-    const int place = likely + kOffset;
+  // The context of the next coefficient.
+  [[nodiscard]] std::size_t Find(const ExpectedContext& expected) const {
+    const int gain = FindLogarithm(m_seen.brief) + FindLogarithm(m_seen.lasting) - expected.sums;
+    const int place = expected.magnitude + (gain >> 1);
     if (place < 0) return 0;
     return static_cast<std::size_t>(place) / 3 < kContexts ? static_cast<std::size_t>(place) / 3 : kContexts - 1;
   }
   // Adds the magnitude, in steps, of the coefficient that the last Find was about.
-  void Add(std::uint32_t magnitude) {
-    const std::uint32_t seen = (magnitude < kCap ? magnitude : kCap) << 12;
-    m_seenShort += seen + kShort - (m_seenShort >> 3);
-    m_expectedShort += m_expected + kShort - (m_expectedShort >> 3);
-    m_seenLong += seen + kLong - (m_seenLong >> 5);
-    m_expectedLong += m_expected + kLong - (m_expectedLong >> 5);
-  }
+  void Add(std::uint32_t magnitude) { m_seen.Add((magnitude < kCap ? magnitude : kCap) << 12); }
+
+  // levels: of a record's coefficients, each within kLowestLevel … kHighestLevel; those of `expected` are overwritten.
+  static void Expect(std::span<const int> levels, std::span<ExpectedContext> expected);
 
  private:
   static constexpr int kUnit = 96;    // the logarithm of 1 in 2^-12
   static constexpr int kOffset = 55;  // context 0 begins 55 eighths of an octave below 1
   static constexpr std::uint32_t kCap = 1023;
-  // Added to the sums with each coefficient: over zeros alone they tend to 4096, one coefficient of magnitude 1.
-  static constexpr std::uint32_t kShort = 4096 >> 3, kLong = 4096 >> 5;
 
-  std::uint32_t m_expected = 0;
-  std::uint32_t m_seenShort = 4096, m_expectedShort = 4096;
-  std::uint32_t m_seenLong = 4096, m_expectedLong = 4096;
+  // In 2^-12 steps.
+  struct Sums {
+    // Added with each coefficient: over zeros alone they tend to 4096, one coefficient of magnitude 1.
+    static constexpr std::uint32_t kBrief = 4096 >> 3, kLasting = 4096 >> 5;
+    std::uint32_t brief = 4096, lasting = 4096;  // over about 8 and 32 coefficients
+
+    void Add(std::uint32_t value) {
+      brief += value + kBrief - (brief >> 3);
+      lasting += value + kLasting - (lasting >> 5);
+    }
+  };
+  Sums m_seen;
 };
 
 }  // namespace wobble::protocol

@@ -20,8 +20,8 @@ std::uint32_t ReadEscape(RangeDecoder& decoder) {
 }
 
 // False when it is too large.
-bool ReadCoefficient(RangeDecoder& decoder, Contexts& contexts, int level, std::int32_t& value) {
-  const std::size_t context = contexts.Find(level);
+bool ReadCoefficient(RangeDecoder& decoder, Contexts& contexts, const ExpectedContext& expected, std::int32_t& value) {
+  const std::size_t context = contexts.Find(expected);
   const auto& frequencies = FindFrequencies(context);
   const std::uint32_t place = decoder.Find();
   std::uint32_t magnitude = 0;
@@ -94,10 +94,11 @@ DecodeResult ShapeDecoder::Decode(const PatchModel& model, std::span<const std::
   if (head.mode.usesBasis && basis == nullptr) return DecodeResult::kBadMode;
 
   const int stepLevel = FindStepLevel(head.pose.grid.grid, head.stepIndex);
+  const std::span<const ExpectedContext> expected = m_plans.Find(basis, 3 * count, stepLevel);
   Contexts contexts;
   m_coefficients.resize(3 * count);
   for (std::size_t k = 0; k < 3 * count; ++k) {
-    if (!ReadCoefficient(decoder, contexts, FindLevel(basis, k, stepLevel), m_coefficients[k])) {
+    if (!ReadCoefficient(decoder, contexts, expected[k], m_coefficients[k])) {
       return DecodeResult::kBadCoefficient;
     }
     if (decoder.Overran()) return DecodeResult::kTruncated;

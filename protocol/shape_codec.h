@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "protocol/context_plans.h"
 #include "protocol/flat_sides.h"
 #include "protocol/geometry.h"
 #include "protocol/mode_sums.h"
@@ -67,6 +68,7 @@ class ShapeDecoder {
   std::vector<std::uint32_t> m_values;  // of the modes, in 2^-4 steps
   std::vector<std::uint32_t> m_sums;    // of the rows, in 2^-18 steps
   ModeSums m_modeSums;
+  ContextPlans m_plans;
   std::vector<Side> m_sides;
 };
 
@@ -96,10 +98,11 @@ class ShapeEncoder {
   void GuessStep(const PatchModel& model, double budget, Choice& choice);
   void SearchStep(const PatchModel& model, double budget, Choice& choice);
   void SpendRest(double left, const Choice& choice);
-  void Write(const PatchModel& model, const Choice& choice, std::vector<std::uint8_t>& out) const;
+  void Write(const PatchModel& model, const Choice& choice, std::vector<std::uint8_t>& out);
   [[nodiscard]] ShapeEncoding Measure(std::span<const Vector3> shape) const;
 
   ShapeDecoder m_decoder;
+  ContextPlans m_plans;
   ContactScratch m_contact;
   std::vector<Side> m_sides;
   std::vector<Vector3> m_local;         // the vertices in the frame of the pose as decoded, m

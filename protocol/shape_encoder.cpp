@@ -102,8 +102,8 @@ void WriteEscape(RangeEncoder& encoder, std::uint32_t rest) {
   encoder.EncodeBits(number >> (length - high), high);
 }
 
-void WriteCoefficient(RangeEncoder& encoder, Contexts& contexts, int level, std::int32_t value) {
-  const std::size_t context = contexts.Find(level);
+void WriteCoefficient(RangeEncoder& encoder, Contexts& contexts, const ExpectedContext& expected, std::int32_t value) {
+  const std::size_t context = contexts.Find(expected);
   const auto magnitude = static_cast<std::uint32_t>(value < 0 ? -value : value);
   const unsigned lowBits = FindLowBits(context);
   const std::uint32_t high = magnitude >> lowBits;
@@ -221,6 +221,7 @@ double ShapeEncoder::Round(const PatchModel& model, const Choice& choice) {
   const int stepLevel = choice.StepLevel();
   const float step = FindStep(stepLevel);
   const float scale = FindContactScale(model.size, step), perStep = 1.0F / step;
+  const std::span<const ExpectedContext> expected = m_plans.Find(basis, m_coefficients.size(), stepLevel);
   Contexts contexts;
   double sum = 0;
   m_chosen.resize(m_coefficients.size());
@@ -230,7 +231,7 @@ double ShapeEncoder::Round(const PatchModel& model, const Choice& choice) {
     if (choice.head.mode.followsContact) {
       wanted -= static_cast<float>(FindSuggestion(m_contact.along[k], basis->gains[k], scale)) / 16.0F;
     }
-    const std::size_t context = contexts.Find(FindLevel(basis, k, stepLevel));
+    const std::size_t context = contexts.Find(expected[k]);
     const std::uint32_t magnitude = ChooseMagnitude(context, std::fabs(wanted), choice.bitWorth);
     contexts.Add(magnitude);
     const float error = std::fabs(wanted) - static_cast<float>(magnitude);
@@ -297,13 +298,14 @@ void ShapeEncoder::SpendRest(double left, const Choice& choice) {
   }
 }
 
-void ShapeEncoder::Write(const PatchModel& model, const Choice& choice, std::vector<std::uint8_t>& out) const {
+void ShapeEncoder::Write(const PatchModel& model, const Choice& choice, std::vector<std::uint8_t>& out) {
   const Basis* basis = choice.head.mode.usesBasis ? model.basis : nullptr;
   RangeEncoder encoder(out);
   WriteHead(encoder, model.size, choice.head);
+  const std::span<const ExpectedContext> expected = m_plans.Find(basis, m_chosen.size(), choice.StepLevel());
   Contexts contexts;
   for (std::size_t k = 0; k < m_chosen.size(); ++k) {
-    WriteCoefficient(encoder, contexts, FindLevel(basis, k, choice.StepLevel()), m_chosen[k]);
+    WriteCoefficient(encoder, contexts, expected[k], m_chosen[k]);
   }
   encoder.Finish();
 }

@@ -29,8 +29,6 @@ struct ShapeHead {
   QuantisedPose pose;
 };
 inline constexpr unsigned kSteps = 64;
-// The level of every coefficient that is coded without a basis.
-inline constexpr int kPlainLevel = 16;
 // The largest coefficient, in steps.
 inline constexpr std::uint32_t kMaxMagnitude = 1U << 20;
 
@@ -48,13 +46,6 @@ void WriteHead(RangeEncoder& encoder, float size, const ShapeHead& head);
   // 2^15 · 2^(i/8), rounded.
   constexpr std::array<std::int32_t, 8> kEighths = {32768, 35734, 38968, 42495, 46341, 50535, 55109, 60097};
   return std::ldexp(static_cast<float>(kEighths[static_cast<unsigned>(stepLevel) & 7]), (stepLevel >> 3) - 15);
-}
-
-// The level (contexts.h) of a coefficient. basis: nullptr when the record is coded without.
-[[nodiscard]] inline int FindLevel(const Basis* basis, std::size_t coefficient, int stepLevel) {
-  if (basis == nullptr) return kPlainLevel;
-  const int level = basis->levels[coefficient] - stepLevel;
-  return level < kLowestLevel ? kLowestLevel : level > kHighestLevel ? kHighestLevel : level;
 }
 
 // Predicts what contact does to the shape: presses the rest shape out of the sides and projects the motion onto each
