@@ -116,8 +116,9 @@ class Server {
   // Puts the scene's bodies back to their places, the workshop to what the scene has, and tuning to usual. What is torn
   // stays torn.
   void ResetWorld();
-  // A line for everybody.
+  // A line for everybody, and for one client.
   void Say(const std::string& text);
+  bool Tell(ClientId client, const std::string& text);
   // Carries out the orders that clients send: takes the client, its rank and the line, and returns lines of answer.
   // Without it orders are refused.
   using OrderTaker = std::function<std::vector<std::string>(ClientId, transport::Rank, const std::string& line)>;

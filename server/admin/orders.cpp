@@ -194,23 +194,17 @@ Answer ListBans(Order& order) {
   return answer;
 }
 
-// For LiftBan and RevokeInvite: the number of the entry that `drop` removes.
-template <class Drop>
-Answer DropEntry(Order& order, const char* what, const Drop& drop) {
+Answer LiftBan(Order& order) {
   const std::string word = order.TakeWord();
   const auto number = ParseNumber<std::uint32_t>(word);
   std::string error;
-  if (!number || !drop(*number, error)) {
-    return Refuse(fmt::format("no {} has the number {}", what, protocol::MakeLine(word, 20)));
-  }
-  return Done(error.empty() ? fmt::format("{} {} has ended", what, *number) : "holds for this run only: " + error);
-}
-
-Answer LiftBan(Order& order) {
-  return DropEntry(order, "ban", [&](std::uint32_t number, std::string& error) {
-    return order.realm.gate.ChangeBans(
-        [&](admission::Bans& bans, std::uint64_t unixNow) { return bans.Lift(number, unixNow, error); });
+  const bool isLifted = order.realm.gate.ChangeBans([&](admission::Bans& bans, std::uint64_t unixNow) {
+    return number.has_value() && bans.Lift(*number, unixNow, error);
   });
+  if (!isLifted) return Refuse("no ban has the number " + protocol::MakeLine(word, 20) + " (see bans)");
+  Answer answer = Done(fmt::format("ban {} has ended", *number));
+  if (!error.empty()) answer.lines.push_back("holds for this run only: " + error);
+  return answer;
 }
 
 Answer SetMuted(Order& order, bool isMuted) {
@@ -322,12 +316,41 @@ Answer ListInvites(Order& order) {
   return answer;
 }
 
+// Those who are in with the rank of an invite that has ended are players from now on. Whom somebody has appointed to
+// more than that keeps it.
+std::size_t EndRanks(Order& order, const Invite& ended) {
+  std::size_t count = 0;
+  for (const auto& player : order.realm.server.ListPlayers(order.now)) {
+    const Rank rank = player.admission.rank;
+    if (player.admission.invite != ended.number || rank <= Rank::kPlayer || rank > ended.rank) continue;
+    order.realm.server.SetRank(player.client, Rank::kPlayer);
+    order.realm.server.Tell(player.client, "the invite that you came with has ended; you are a player now");
+    ++count;
+  }
+  return count;
+}
+
 Answer RevokeInvite(Order& order) {
-  return DropEntry(order, "invite", [&](std::uint32_t number, std::string& error) {
-    return order.realm.gate.ChangeInvites([&](admission::Invites& invites, std::uint64_t unixNow, const auto&) {
-      return invites.Revoke(number, unixNow, error);
-    });
+  const std::string word = order.TakeWord();
+  const auto number = ParseNumber<std::uint32_t>(word);
+  std::string error;
+  Invite ended;  // with the number 0: there is none
+  bool isAllowed = true;
+  order.realm.gate.ChangeInvites([&](admission::Invites& invites, std::uint64_t unixNow, const auto&) {
+    for (const Invite& each : invites.All(unixNow)) {
+      if (each.number == number) ended = each;
+    }
+    isAllowed = order.issuer.rank == Rank::kOwner || ended.rank < order.issuer.rank;
+    if (ended.number != 0 && isAllowed) static_cast<void>(invites.Revoke(ended.number, unixNow, error));
   });
+  if (ended.number == 0) return Refuse("no invite has the number " + protocol::MakeLine(word, 20) + " (see invites)");
+  if (!isAllowed) return Refuse("you may revoke only invites below your own rank");
+  Answer answer = Done(fmt::format("invite {} has ended", ended.number));
+  if (const std::size_t count = EndRanks(order, ended); count != 0) {
+    answer.lines.push_back(fmt::format("{} of those who are in {} a player now", count, count == 1 ? "is" : "are"));
+  }
+  if (!error.empty()) answer.lines.push_back("holds for this run only: " + error);
+  return answer;
 }
 
 Answer ShowHelp(Order& order);

@@ -1,8 +1,10 @@
 // Orders, from the line that is given to what players see of it.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "server/admin/orders.h"
 #include "tests/support/game.h"
@@ -145,6 +147,39 @@ TEST_F(OrdersTest, InvitesAreMadeListedAndRevoked) {
   EXPECT_FALSE(Give("invite king").isDone);
   EXPECT_FALSE(Give("invite for never").isDone);
   EXPECT_FALSE(Give("invite uses 0").isDone);
+}
+
+TEST_F(OrdersTest, ARevokedInviteTakesItsRankAlong) {
+  Start();
+  ASSERT_TRUE(Give("invite moderator").isDone);
+  ASSERT_TRUE(Give("invite watcher").isDone);
+  game->admission = {.rank = Rank::kModerator, .invite = 1};
+  client::Client& ada = Join("Ada");
+  Join("Bob");
+  game->admission = {.rank = Rank::kWatcher, .invite = 2};
+  Join("Cy");
+  game->admission = {.rank = Rank::kModerator};
+  Join("Dan");  // by a token
+  EXPECT_TRUE(Give("rank 2 owner").isDone) << "appointed, apart from its invite";
+  std::vector<std::string> notices;
+  ada.OnNotice([&](const std::string& line) { notices.push_back(line); });
+  const Answer refused = Give("revoke 1", {.rank = Rank::kModerator, .client = 4});
+  EXPECT_FALSE(refused.isDone) << "moderators do not demote their equals";
+  const Answer revoked = Give("revoke 1");
+  ASSERT_TRUE(revoked.isDone);
+  EXPECT_EQ(revoked.lines.at(1), "1 of those who are in is a player now");
+  game->Run(0.5);
+  ASSERT_EQ(notices.size(), 1U);
+  EXPECT_NE(notices[0].find("invite"), std::string::npos) << notices[0];
+  ada.Order("kick 3");
+  game->Run(0.5);
+  ASSERT_EQ(notices.size(), 2U);
+  EXPECT_NE(notices[1].find("you are player"), std::string::npos) << notices[1];
+  EXPECT_TRUE(Give("revoke 2", {.rank = Rank::kModerator, .client = 4}).isDone);
+  const std::vector<server::Server::Player> players = game->server.ListPlayers(game->now);
+  ASSERT_EQ(players.size(), 4U);
+  const std::array kRanks{Rank::kPlayer, Rank::kOwner, Rank::kWatcher, Rank::kModerator};
+  for (std::size_t i = 0; i < kRanks.size(); ++i) EXPECT_EQ(players[i].admission.rank, kRanks[i]) << players[i].name;
 }
 
 TEST_F(OrdersTest, AnyLineIsAnswered) {
