@@ -19,6 +19,7 @@
 #include "server/admin/admin_http.h"
 #include "server/admin/admin_socket.h"
 #include "server/admission/open_gate.h"
+#include "server/admission/refusal_log.h"
 #include "server/ops/agones.h"
 #include "server/ops/endpoint.h"
 #include "server/ops/fleet_duty.h"
@@ -107,6 +108,7 @@ struct Watchers {
   // Call it after each call of Server::Tick. now: s.
   void Watch(const server::Server& server, double now) {
     for (const server::PhaseTimes& tick : server.LastTicks()) times.Record(tick.Sum());
+    refusals.Follow(server.ReadTransport(), now);
     if (trace) trace->Write(server.LastTicks(), server.World().Tick());
     if (endpoint != nullptr) {
       gauge.Read(server, now);
@@ -125,6 +127,7 @@ struct Watchers {
 
   server::TickTimes times;
   StatusLine status;
+  admission::RefusalLog refusals;
   std::unique_ptr<ops::Endpoint> endpoint;
   ops::Gauge gauge;  // read only while there is an endpoint
   std::optional<ops::Trace> trace;

@@ -432,6 +432,7 @@ Statistics EnetTransport::ReadStatistics() const {
     statistics.bytesIn = keeper.BytesIn();
     statistics.bytesOut = keeper.BytesOut() + m_impl->server->BytesOut();
     statistics.datagramsRejected = counts.invalid + counts.limited + counts.strangers + counts.offences;
+    statistics.turnaways = counts.turnaways;
   } else {
     statistics.bytesIn = m_impl->client->BytesIn();
     statistics.bytesOut = m_impl->client->BytesOut();

@@ -226,6 +226,11 @@ TEST_F(DoorTest, SaysWhyNot) {
   EXPECT_EQ(enter(3, "ok"), Refusal::kFull);
   EXPECT_EQ(door.CountVisitors(), 4U);
   EXPECT_EQ(door.Counts().refused, 4U);
+  const auto count = [&](Turnaway why) { return door.Counts().turnaways[static_cast<std::size_t>(why)].count; };
+  EXPECT_EQ(count(Turnaway::kPassword), 1U);
+  EXPECT_EQ(count(Turnaway::kTooManyFromAddress), 1U);
+  EXPECT_EQ(count(Turnaway::kFull), 2U);
+  EXPECT_EQ(door.Counts().turnaways[static_cast<std::size_t>(Turnaway::kFull)].last, MakeAddress(10, 0, 0, 3, 1));
 }
 
 // A password is guessed ten times, then once in five seconds; the right one is not heard meanwhile either.
@@ -245,6 +250,9 @@ TEST_F(DoorTest, ASubnetMayNotGuessForLong) {
   for (int i = 0; i < 40; ++i) EXPECT_EQ(enter(1, here), Refusal::kBadCredential);
   EXPECT_EQ(judge->judged, 10);
   EXPECT_EQ(enter(7, here), Refusal::kBadCredential);
+  const DoorCounts counts = m_door->Counts();
+  EXPECT_EQ(counts.turnaways[static_cast<std::size_t>(Turnaway::kPassword)].count, 10U);
+  EXPECT_EQ(counts.turnaways[static_cast<std::size_t>(Turnaway::kTooManyGuesses)].count, 31U);
   EXPECT_EQ(enter(7, there), Refusal::kNone);
   now += 5.1;
   EXPECT_EQ(enter(7, here), Refusal::kNone);
