@@ -25,8 +25,10 @@ using ConnectionId = std::uint32_t;
 enum class Channel : std::uint8_t { kControl = 0, kInput = 1, kSnapshot = 2 };
 inline constexpr std::size_t kChannelCount = 3;
 
-// Event::reason where what a client has shown to be let in does not hold.
-inline constexpr std::string_view kBadCredentialReason = "the password, invite or token is missing or not valid";
+// Event::reason where what a client has shown to be let in does not hold. The answer is the same while an address is
+// not listened to because it was wrong too often. At most 123 bytes: a WebSocket is closed with it.
+inline constexpr std::string_view kBadCredentialReason =
+    "the password, invite or token is missing or not valid, or too many were tried from your address: wait 5 s";
 
 struct Event {
   // kOffence: the far end sends what no honest one does, or takes nothing that is sent to it; it is to be disconnected.

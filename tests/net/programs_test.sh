@@ -317,8 +317,8 @@ case_password() {
   echo 'open simsim' >"$folder/wrong.txt"
   : >"$folder/empty.txt"
   start_server --untrained --scene pair --password-file "$folder/door.txt"
-  expect_refusal 'could join .*: the password, invite or token is missing or not valid$' "${join[@]}" "127.0.0.1:$port"
-  expect_refusal 'could join .*: the password, invite or token is missing or not valid$' \
+  expect_refusal 'could join .*: the password, invite or token is missing or not valid, or too many .* wait 5 s$' "${join[@]}" "127.0.0.1:$port"
+  expect_refusal 'could join .*: the password, invite or token is missing or not valid, or too many .* wait 5 s$' \
     "${join[@]}" "127.0.0.1:$port" --password-file "$folder/wrong.txt"
   expect_exit 0 "${join[@]}" "127.0.0.1:$port" --password-file "$folder/door.txt" --threshold 'connected==1'
   expect_exit 0 "${join[@]}" "[::1]:$port" --password-file "$folder/door.txt" --threshold 'connected==1'

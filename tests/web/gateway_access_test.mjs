@@ -8,7 +8,7 @@ import { after, before } from 'node:test';
 import { channels, join, Player, serverMessages, subprotocol } from './support/player.mjs';
 import { makePage, Program, removePage, startGateway, startServer, test, waitFor } from './support/programs.mjs';
 
-const refused = { code: 4001, reason: 'the password, invite or token is missing or not valid' };
+const refused = { code: 4001, reason: 'the password, invite or token is missing or not valid, or too many were tried from your address: wait 5 s' };
 const encode = (text) => Buffer.from(text).toString('base64url');
 const showing = (credential) => ({ protocols: [subprotocol, credential] });
 const at = (address, credential) => ({ ...showing(credential), headers: { 'X-Forwarded-For': address } });
