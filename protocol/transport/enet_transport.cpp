@@ -464,6 +464,10 @@ vestibule::Refusal EnetTransport::ReadRefusal() const {
   return m_impl->client == nullptr ? vestibule::Refusal::kNone : m_impl->client->Caller().ReadRefusal();
 }
 
+bool EnetTransport::ServerWantsCredential() const {
+  return m_impl->client != nullptr && m_impl->client->Caller().WantsCredential();
+}
+
 vestibule::DoorCounts EnetTransport::ReadDoorCounts() const {
   return m_impl->server == nullptr ? vestibule::DoorCounts{} : m_impl->server->Keeper().ReadCounts();
 }

@@ -76,6 +76,8 @@ class EnetTransport final : public Transport {
   [[nodiscard]] std::vector<std::uint8_t> ReadTicket() const;
   // Why the server did not let a client in; kNone: it did, or has not answered.
   [[nodiscard]] vestibule::Refusal ReadRefusal() const;
+  // Whether a client's server asks for a credential; known once it has answered.
+  [[nodiscard]] bool ServerWantsCredential() const;
   // What the vestibule of a server has seen.
   [[nodiscard]] vestibule::DoorCounts ReadDoorCounts() const;
 
