@@ -233,6 +233,40 @@ TEST_F(DoorTest, SaysWhyNot) {
   EXPECT_EQ(door.Counts().turnaways[static_cast<std::size_t>(Turnaway::kFull)].last, MakeAddress(10, 0, 0, 3, 1));
 }
 
+// A server's own user shows an owner's key by itself; where it does not fit, nobody has asked for it.
+TEST_F(DoorTest, AKeyThatWasNotAskedForIsNotShownTwice) {
+  class OpenJudge final : public Judge {
+   public:
+    [[nodiscard]] bool WantsCredential() const override { return false; }
+    [[nodiscard]] NetAddress FindSource(Credential&, const NetAddress& from) override { return from; }
+    [[nodiscard]] Judgement Decide(const Credential& credential, const NetAddress&) override {
+      shown.push_back(credential.kind);
+      return {.refusal = credential.kind == Credential::Kind::kNone ? Refusal::kNone : Refusal::kBadCredential};
+    }
+    std::vector<Credential::Kind> shown;
+  };
+  Door::Settings settings;
+  const auto judge = std::make_shared<OpenJudge>();
+  settings.judge = judge;
+  Open(settings);
+  Caller caller = MakeCaller({.ownServer = m_door->ServerKey(), .ownCredential = {Credential::Kind::kOwnerKey, {1}}});
+  EXPECT_FALSE(Enter(caller).isNew);
+  EXPECT_EQ(caller.ReadState(), Caller::State::kRequesting);
+  Ask(caller);
+  Bytes again;
+  caller.FindDue(now, again);
+  const Taken taken = Knock(kHome, again);
+  EXPECT_TRUE(taken.isNew);
+  EXPECT_EQ(taken.plain, MakeConnect(9)) << "what ENet had sent before";
+  static_cast<void>(caller.TakeDatagram(taken.answer, now));
+  EXPECT_EQ(caller.ReadState(), Caller::State::kIn);
+  EXPECT_EQ(judge->shown, (std::vector{Credential::Kind::kOwnerKey, Credential::Kind::kNone}));
+
+  Caller insists = MakeCaller({.credential = {Credential::Kind::kOwnerKey, {1}}});
+  static_cast<void>(Enter(insists, MakeAddress(192, 0, 2, 2, 5000)));
+  EXPECT_EQ(insists.ReadState(), Caller::State::kRefused) << "what somebody gave is not left out";
+}
+
 // A password is guessed ten times, then once in five seconds; the right one is not heard meanwhile either.
 TEST_F(DoorTest, ASubnetMayNotGuessForLong) {
   Door::Settings settings;
