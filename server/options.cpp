@@ -54,7 +54,9 @@ void DescribeOptions(CLI::App& app, Options& options) {
     app.add_option(name, file, description)->type_name("FILE");
   };
   addFile("--password-file", options.gate.password,
-          "File whose first line is the password that players need; everybody may come in without it");
+          "File whose first line is the password that players need, read at the start; who has a valid invite, token "
+          "or the "
+          "owner's key needs none");
   addFile("--invites", options.gate.invites,
           "File that keeps invites; then only who is invited may come in (wobble admin invite)");
   addFile("--token-key", options.gate.tokenKey,
@@ -68,8 +70,10 @@ void DescribeOptions(CLI::App& app, Options& options) {
   app.add_option("--admin-socket", options.adminSocket, "Unix socket to take orders at (wobble admin)")
       ->type_name("PATH")
       ->envname("WOBBLE_ADMIN_SOCKET");
-  app.add_option("--admin-http", options.adminHttp,
-                 "HOST:PORT, or PORT for this machine only, that takes orders by HTTP from who has the owner's key");
+  app.add_option(
+      "--admin-http", options.adminHttp,
+      "HOST:PORT, or PORT for this machine only, that takes orders by HTTP from who has the owner's key; PORT "
+      "0: a free one; printed at the start");
   addNumber("--tick-hz", kTickHzRange, config.tickHz, "Steps of the world a second");
   addNumber("--snapshot-hz", kSnapshotHzRange, config.snapshotHz, "Snapshots a second, at most --tick-hz");
   addNumber("--max-clients", kMaxClientsRange, config.maxClients, "Players and spectators at once");

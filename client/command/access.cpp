@@ -62,7 +62,7 @@ void FindOwnServer(transport::ConnectOptions& options) {
 
 }  // namespace
 
-void AddAccessOptions(CLI::App& command, Access& access) {
+void AddAccessOptions(CLI::App& command, Access& access, Visitor visitor) {
   const auto addFile = [&](const char* name, std::string& file, const char* description) {
     return command.add_option(name, file, description)->type_name("FILE");
   };
@@ -71,18 +71,21 @@ void AddAccessOptions(CLI::App& command, Access& access) {
                                 "File with an invite: what wobble admin invite prints, the link, or the invite alone");
   CLI::Option* token = addFile("--token-file", access.tokenFile, "File whose first line is a token (wobble token)");
   CLI::Option* owner = addFile("--owner-key", access.ownerKeyFile,
-                               "File of the server's owner key; not needed for your own server on this machine");
+                               visitor == Visitor::kPerson
+                                   ? "File of the server's owner key; not needed for your own server on this machine"
+                                   : "File of the server's owner key");
   for (CLI::Option* each : {invite, token, owner}) each->excludes(password);
   token->excludes(invite);
   owner->excludes(invite)->excludes(token);
   command
       .add_option("--server-key", access.serverKey,
-                  "The server's key, 64 hexadecimal digits as it prints them; else the one that was noted at the first "
-                  "visit (known_servers in the user's data folder)")
+                  std::string("The server's key, 64 hexadecimal digits as it prints them; else the one that ") +
+                      (visitor == Visitor::kPerson ? "was noted at the first visit" : "`wobble watch` has noted") +
+                      " (known_servers in the user's data folder; of servers on this machine none)")
       ->type_name("KEY");
 }
 
-bool FindAccess(const Access& access, const Address& server, bool isOwner, transport::ConnectOptions& options,
+bool FindAccess(const Access& access, const Address& server, Visitor visitor, transport::ConnectOptions& options,
                 std::string& error) {
   const auto read = [&](const char* option, const std::string& file, Credential::Kind kind) {
     if (file.empty()) return true;
@@ -103,13 +106,20 @@ bool FindAccess(const Access& access, const Address& server, bool isOwner, trans
     }
     options.credential = {Credential::Kind::kOwnerKey, {key->begin(), key->end()}};
   }
-  if (isOwner) FindOwnServer(options);
+  if (visitor == Visitor::kPerson) FindOwnServer(options);
   options.serverKey = access.serverKey.empty()
                           ? files::KnownServers(files::FindKnownServersFile()).Find(Describe(server))
                           : vestibule::ParseKey(access.serverKey);
   if (access.serverKey.empty() || options.serverKey) return true;
   error = "--server-key: '" + access.serverKey + "' must be 64 hexadecimal digits";
   return false;
+}
+
+std::string AdviseOn(const std::string& reason, const Address& server) {
+  const files::KnownServers known(files::FindKnownServersFile());
+  if (reason != transport::kWrongServerReason || !known.Find(Describe(server))) return "";
+  return "; if its host says that it has a new one, delete the line of " + Describe(server) + " in " +
+         known.File().string();
 }
 
 void NoteServer(const Address& server, const transport::EnetTransport& transport) {

@@ -49,7 +49,7 @@ void SetId(ENetPeer& peer, ConnectionId id) { peer.data = reinterpret_cast<void*
 std::string_view Describe(const Caller& caller) {
   switch (caller.ReadState()) {
     case Caller::State::kWrongServer:
-      return "the server's key is not the one that is known for this address";
+      return kWrongServerReason;
     case Caller::State::kOtherVersion:
       return "wrong protocol version";
     case Caller::State::kReset:

@@ -12,6 +12,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "protocol/limits.h"
@@ -41,6 +42,9 @@ struct ConnectOptions {
   std::optional<vestibule::Key> ownServer = {};
   vestibule::Credential ownCredential = {};
 };
+
+// Event::reason at a client whose server has another key than ConnectOptions::serverKey.
+inline constexpr std::string_view kWrongServerReason = "the server's key is not the one that is known for this address";
 
 inline constexpr std::size_t kMaxListenConnections = vestibule::kMaxVisitors;
 

@@ -324,6 +324,11 @@ case_password() {
   expect_exit 0 "${join[@]}" "[::1]:$port" --password-file "$folder/door.txt" --threshold 'connected==1'
   expect_refusal "could join .*: the server's key is not the one that is known for this address$" \
     "${join[@]}" "127.0.0.1:$port" --password-file "$folder/door.txt" --server-key "$(printf '%064d' 1)"
+  mkdir -p "$XDG_DATA_HOME/wobble"
+  echo "127.0.0.1:$port $(printf '%064d' 1)" >"$XDG_DATA_HOME/wobble/known_servers"
+  expect_refusal "known for this address; if its host .*, delete the line of 127.0.0.1:$port in $XDG_DATA_HOME/wobble/known_servers$" \
+    "${join[@]}" "127.0.0.1:$port" --password-file "$folder/door.txt"
+  rm "$XDG_DATA_HOME/wobble/known_servers"
   expect_refusal '--server-key' "${join[@]}" "127.0.0.1:$port" --server-key 1234
   expect_refusal 'empty.txt: the first line must have 1 to 512 bytes' \
     "${join[@]}" "127.0.0.1:$port" --password-file "$folder/empty.txt"
@@ -348,6 +353,13 @@ case_administration() {
   expect_exit 1 wobble admin --socket "$socket" mute 7 for 1h
   expect_line "$err" '^wobble admin: mute takes PLAYER; too much: for 1h$'
   expect_refusal '^wobble admin: the order is empty' wobble admin --socket "$socket" ''
+
+  # What the server warns of at its start.
+  chmod 644 "$folder/token.key"
+  expect_exit 0 wobbled --port 0 --untrained --for 0.001 --token-key "$folder/token.key" --admin-http 0.0.0.0:0
+  expect_line "$out" '^orders on TCP port [1-9][0-9]* of 0.0.0.0$'
+  expect_line "$err" "warning $folder/token.key: everybody on this machine can read it"
+  expect_line "$err" 'warning --admin-http 0.0.0.0:0: other machines reach it'
 
   expect_exit 0 wobble token --key "$folder/token.key" --rank moderator --account 18446744073709551615
   cp "$out" "$folder/token.txt"
