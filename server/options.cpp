@@ -58,9 +58,12 @@ void DescribeOptions(CLI::App& app, Options& options) {
           "or the "
           "owner's key needs none");
   addFile("--invites", options.gate.invites,
-          "File that keeps invites; then only who is invited may come in (wobble admin invite)");
-  addFile("--token-key", options.gate.tokenKey,
-          "File of the key that connect tokens are sealed with; then players need one (wobble token)");
+          "File that keeps invites; then only who is invited may come in (wobble admin invite), or who has a valid "
+          "password, token or the owner's key");
+  addFile(
+      "--token-key", options.gate.tokenKey,
+      "File of the key that connect tokens are sealed with; then players need one (wobble token), or a valid password, "
+      "invite or the owner's key");
   addFile("--gateway-key", options.gate.gatewayKey,
           "File of the key that gateways share, which then say their browsers' addresses");
   addFile("--owner-key", options.gate.ownerKey,

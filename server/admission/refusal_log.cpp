@@ -22,8 +22,8 @@ constexpr std::array<const char*, transport::kTurnawayCount> kWords{
 // Nobody but the host can mend it, and all browsers are out meanwhile.
 void WarnOfGateway(const transport::Turnaways& gateways, std::uint64_t count) {
   spdlog::warn(
-      "a gateway at {} was refused {} times: its --gateway-key is not the one of this server, or their clocks differ",
-      transport::FormatIp(gateways.last), count);
+      "a gateway at {} was refused {}: its --gateway-key is not the one of this server, or their clocks differ",
+      transport::FormatIp(gateways.last), count == 1 ? "once" : fmt::format("{} times", count));
 }
 
 }  // namespace
