@@ -38,10 +38,8 @@ constexpr double kLongestStampLead = 0.2;
 constexpr double kOnPace = 0.97;
 
 std::string DescribeGoodbye(const wire::Goodbye& goodbye) {
-  const std::string reason = protocol::Name(goodbye.reason());
-  const bool hasDetail = goodbye.detail() != nullptr && goodbye.detail()->size() > 0;
-  if (!hasDetail) return reason;
-  return reason + ": " + protocol::MakeLine(goodbye.detail()->string_view(), protocol::kMaxShownBytes);
+  const std::string_view detail = goodbye.detail() == nullptr ? "" : goodbye.detail()->string_view();
+  return protocol::DescribeGoodbye(goodbye.reason(), protocol::MakeLine(detail, protocol::kMaxShownBytes));
 }
 
 // Whether who was told this goodbye may come in the next time, though it has done nothing else.

@@ -44,10 +44,9 @@ int Run(int argc, char** argv) {
   CLI::App app("wobble: tools for players and testers of wobbled, the server for soft bodies");
   // 0, since no command is refused below: CLI11 would report that even when an unknown option is the fault.
   app.require_subcommand(0, 1);
-  const std::vector<command::Command> commands{play::DescribePlay(app), terminal::DescribeWatch(app),
-                                               bots::DescribeBots(app), gateway::DescribeGateway(app),
-                                               link::DescribeLink(app), health::DescribeHealth(app),
-                                               admin::DescribeAdmin(app), token::DescribeToken(app)};
+  const std::vector<command::Command> commands{
+      play::DescribePlay(app), terminal::DescribeWatch(app), bots::DescribeBots(app),   gateway::DescribeGateway(app),
+      link::DescribeLink(app), health::DescribeHealth(app),  admin::DescribeAdmin(app), token::DescribeToken(app)};
   const std::string version = std::string("wobble ") + kVersion;
   app.set_version_flag("--version", version);
   for (const command::Command& each : commands) each.words->set_version_flag("--version", version);
@@ -56,7 +55,10 @@ int Run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // help, version
-    std::fprintf(stderr, "wobble: %s (see wobble --help)\n", error.what());
+    const auto isAsked = [&](const command::Command& each) { return argc > 1 && each.words->get_name() == argv[1]; };
+    const auto asked = std::find_if(commands.begin(), commands.end(), isAsked);
+    const std::string name = asked == commands.end() ? "wobble" : "wobble " + asked->words->get_name();
+    std::fprintf(stderr, "%s: %s (see %s --help)\n", name.c_str(), error.what(), name.c_str());
     return command::kExitBadUse;
   }
 

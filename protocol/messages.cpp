@@ -282,11 +282,18 @@ const char* Name(wire::GoodbyeReason reason) {
     case wire::GoodbyeReason::Banned:
       return "banned from this server";
     case wire::GoodbyeReason::BadToken:
-      return "the password, invite or token is missing or not valid";
+      return "the password, invite or token is missing or not valid, or too many were tried from your address: wait "
+             "5 s";
     case wire::GoodbyeReason::TooManyFromAddress:
       return "too many connections from this address";
   }
   return "unknown reason";
+}
+
+std::string DescribeGoodbye(wire::GoodbyeReason reason, std::string_view detail) {
+  const bool isLocked = reason == wire::GoodbyeReason::ServerFull && detail == kLockedDetail;
+  if (isLocked) return std::string(detail);
+  return Name(reason) + (detail.empty() ? "" : ": " + std::string(detail));
 }
 
 }  // namespace wobble::protocol

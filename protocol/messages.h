@@ -31,6 +31,10 @@ enum class ParseResult : std::uint8_t {
 inline constexpr std::size_t kParseResultCount = 5;
 [[nodiscard]] const char* Name(ParseResult result);
 [[nodiscard]] const char* Name(wire::GoodbyeReason reason);
+// The detail of ServerFull that a locked server gives: it has the reason of a full one, by which clients try again.
+inline constexpr std::string_view kLockedDetail = "the server is locked, its host lets nobody in at present";
+// Reason and detail in a line for people; detail: without control characters.
+[[nodiscard]] std::string DescribeGoodbye(wire::GoodbyeReason reason, std::string_view detail);
 
 // Verify bytes of any content. `message` is set only when the result is kOk: its body is then there and of a known
 // type, numbers are finite and counts within limits.h.

@@ -19,6 +19,7 @@
 #include "server/admin/admin_http.h"
 #include "server/admin/admin_socket.h"
 #include "server/admission/open_gate.h"
+#include "server/admission/refusal_log.h"
 #include "server/ops/agones.h"
 #include "server/ops/endpoint.h"
 #include "server/ops/fleet_duty.h"
@@ -107,6 +108,7 @@ struct Watchers {
   // Call it after each call of Server::Tick. now: s.
   void Watch(const server::Server& server, double now) {
     for (const server::PhaseTimes& tick : server.LastTicks()) times.Record(tick.Sum());
+    refusals.Follow(server.ReadTransport(), now);
     if (trace) trace->Write(server.LastTicks(), server.World().Tick());
     if (endpoint != nullptr) {
       gauge.Read(server, now);
@@ -125,6 +127,7 @@ struct Watchers {
 
   server::TickTimes times;
   StatusLine status;
+  admission::RefusalLog refusals;
   std::unique_ptr<ops::Endpoint> endpoint;
   ops::Gauge gauge;  // read only while there is an endpoint
   std::optional<ops::Trace> trace;
@@ -199,11 +202,21 @@ bool StartWatching(const Options& options, Watchers& watchers, std::uint16_t& po
   return true;
 }
 
+std::filesystem::path FindKeyFile(const Options& options) {
+  return options.keyFile.empty() ? vestibule::FindStateFile(vestibule::kServerKeyName)
+                                 : std::filesystem::path(options.keyFile);
+}
+
+void WarnOfOpenFiles(const Options& options) {
+  for (const std::string& file : admission::FindReadableByAll(options.gate, FindKeyFile(options).string())) {
+    spdlog::warn("{}: everybody on this machine can read it; chmod 600 keeps it to its owner", file);
+  }
+}
+
 // The key of --key, or of the default file; one for this run only where that one cannot be kept. nullopt after it has
 // reported what failed.
 std::optional<vestibule::Key> ChooseKey(const Options& options) {
-  const std::filesystem::path file = options.keyFile.empty() ? vestibule::FindStateFile(vestibule::kServerKeyName)
-                                                             : std::filesystem::path(options.keyFile);
+  const std::filesystem::path file = FindKeyFile(options);
   std::string error = "no folder is known for it";
   std::optional<vestibule::Key> key;
   if (!file.empty()) key = vestibule::LoadOrMakeKey(file, error);
@@ -241,7 +254,12 @@ struct Administration {
       http = admin::ListenForOrders(address, *gate.OwnerKey(), queue, error);
     }
     if (http == nullptr) return Complain({"--admin-http " + error}), false;
-    if (address.port == 0) fmt::print("orders on TCP port {}\n", http->ReadPort());
+    fmt::print("orders on TCP port {} of {}\n", http->ReadPort(), address.host);
+    const bool isThisMachine = address.host == "localhost" || address.host.starts_with("127.") || address.host == "::1";
+    if (!isThisMachine) {
+      spdlog::warn("--admin-http {}: other machines reach it, and what is sent, the owner's key too, is not encrypted",
+                   options.adminHttp);
+    }
     return true;
   }
 };
@@ -284,6 +302,7 @@ int RunServer(const Options& options) {
     Complain({error});
     return kBadUsage;
   }
+  WarnOfOpenFiles(options);
   listen.judge = gate;
   Administration administration;
   if (!administration.Start(options, *gate)) return kBadUsage;

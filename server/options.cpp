@@ -54,11 +54,16 @@ void DescribeOptions(CLI::App& app, Options& options) {
     app.add_option(name, file, description)->type_name("FILE");
   };
   addFile("--password-file", options.gate.password,
-          "File whose first line is the password that players need; everybody may come in without it");
+          "File whose first line is the password that players need, read at the start; who has a valid invite, token "
+          "or the "
+          "owner's key needs none");
   addFile("--invites", options.gate.invites,
-          "File that keeps invites; then only who is invited may come in (wobble admin invite)");
-  addFile("--token-key", options.gate.tokenKey,
-          "File of the key that connect tokens are sealed with; then players need one (wobble token)");
+          "File that keeps invites; then only who is invited may come in (wobble admin invite), or who has a valid "
+          "password, token or the owner's key");
+  addFile(
+      "--token-key", options.gate.tokenKey,
+      "File of the key that connect tokens are sealed with; then players need one (wobble token), or a valid password, "
+      "invite or the owner's key");
   addFile("--gateway-key", options.gate.gatewayKey,
           "File of the key that gateways share, which then say their browsers' addresses");
   addFile("--owner-key", options.gate.ownerKey,
@@ -68,8 +73,10 @@ void DescribeOptions(CLI::App& app, Options& options) {
   app.add_option("--admin-socket", options.adminSocket, "Unix socket to take orders at (wobble admin)")
       ->type_name("PATH")
       ->envname("WOBBLE_ADMIN_SOCKET");
-  app.add_option("--admin-http", options.adminHttp,
-                 "HOST:PORT, or PORT for this machine only, that takes orders by HTTP from who has the owner's key");
+  app.add_option(
+      "--admin-http", options.adminHttp,
+      "HOST:PORT, or PORT for this machine only, that takes orders by HTTP from who has the owner's key; PORT "
+      "0: a free one; printed at the start");
   addNumber("--tick-hz", kTickHzRange, config.tickHz, "Steps of the world a second");
   addNumber("--snapshot-hz", kSnapshotHzRange, config.snapshotHz, "Snapshots a second, at most --tick-hz");
   addNumber("--max-clients", kMaxClientsRange, config.maxClients, "Players and spectators at once");

@@ -45,7 +45,8 @@ struct Counts {
   std::uint64_t joins = 0;
   std::uint64_t leaves = 0;                                   // clients that said goodbye
   std::uint64_t disconnects = 0;                              // clients lost, silent or sent away after they had joined
-  std::uint64_t refusals = 0;                                 // connections ended before they had joined
+  std::uint64_t refusals = 0;                                 // connections ended before they had joined; see
+                                                              // also transport::Statistics::turnaways
   std::array<std::uint64_t, kGoodbyeReasonCount> goodbyes{};  // said to clients, by wire::GoodbyeReason
   std::uint64_t inputsDue = 0;                                // ticks, summed over players
   std::uint64_t inputsStarved = 0;  // ticks on which a player stood still because no input had come in time
@@ -116,8 +117,9 @@ class Server {
   // Puts the scene's bodies back to their places, the workshop to what the scene has, and tuning to usual. What is torn
   // stays torn.
   void ResetWorld();
-  // A line for everybody.
+  // A line for everybody, and for one client.
   void Say(const std::string& text);
+  bool Tell(ClientId client, const std::string& text);
   // Carries out the orders that clients send: takes the client, its rank and the line, and returns lines of answer.
   // Without it orders are refused.
   using OrderTaker = std::function<std::vector<std::string>(ClientId, transport::Rank, const std::string& line)>;

@@ -75,7 +75,7 @@ void Server::Join(Session& session) {
     return;
   }
   if (m_isLocked && session.admission.rank < transport::Rank::kModerator) {
-    End(session, GoodbyeReason::ServerFull, "its host lets nobody in at present");
+    End(session, GoodbyeReason::ServerFull, std::string(protocol::kLockedDetail));
     return;
   }
   PublishBlueprints();  // to the others; the newcomer gets all blueprints after its welcome
@@ -142,7 +142,7 @@ void Server::SendDownloads() {
 void Server::End(Session& session, GoodbyeReason reason, const std::string& detail) {
   const std::string who = session.clientId != 0 ? fmt::format("client {} ({})", session.clientId, session.name)
                                                 : fmt::format("connection {}", session.connection);
-  spdlog::info("{} is sent away: {}{}{}", who, protocol::Name(reason), detail.empty() ? "" : ", ", detail);
+  spdlog::info("{} is sent away: {}", who, protocol::DescribeGoodbye(reason, detail));
   if (session.state == Session::State::kAwaitingHello) ++m_counts.refusals;
   ++m_counts.goodbyes[static_cast<std::size_t>(reason)];
   ForgetPlayer(session, session.state == Session::State::kPlaying && !m_isClosing);

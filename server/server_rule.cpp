@@ -75,6 +75,13 @@ void Server::Say(const std::string& text) {
   Broadcast(protocol::MakeNotice(protocol::MakeLine(text, protocol::kMaxNoticeBytes)));
 }
 
+bool Server::Tell(ClientId client, const std::string& text) {
+  const Session* session = FindSession(client);
+  if (session == nullptr) return false;
+  Notify(*session, text);
+  return true;
+}
+
 void Server::TakeOrder(Session& session, const std::string& line) {
   // The order may end this very session.
   const ClientId client = session.clientId;

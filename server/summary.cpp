@@ -57,7 +57,9 @@ std::string MakeSummary(const Server& server, const TickTimes& times) {
   json["clients_peak"] = counts.clientsPeak;
   json["joins"] = counts.joins;
   json["disconnects"] = counts.disconnects;
-  json["refusals"] = counts.refusals;
+  std::uint64_t refusals = counts.refusals;
+  for (const transport::Turnaways& each : server.ReadTransport().turnaways) refusals += each.count;
+  json["refusals"] = refusals;
   json["respawns"] = counts.respawns;
   json["bytes_out"] = server.ReadTransport().bytesOut;
   const SendCounts& sent = server.ReadSendCounts();

@@ -72,6 +72,9 @@ int RunAdmin(const AdminWords& words, const command::IsStopAsked& stopAsked) {
   if (!words.order.empty()) {
     std::string order;
     for (const std::string& word : words.order) order += (order.empty() ? "" : " ") + word;
+    if (order.find_first_not_of(" \t") == std::string::npos) {
+      return complain("the order is empty (the order help lists them all)");
+    }
     return ask(order) ? command::kExitGood : command::kExitFailed;
   }
   bool areDone = true;

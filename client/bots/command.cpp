@@ -65,7 +65,7 @@ CLI::App* AddWords(CLI::App& app, LoadTestOptions& options, Words& words) {
   subcommand->add_option("--decode-share", words.decodeShare, "Share of the bots that decode and interpolate in full")
       ->type_name("A/B")
       ->capture_default_str();
-  command::AddAccessOptions(*subcommand, words.access);
+  command::AddAccessOptions(*subcommand, words.access, command::Visitor::kProgram);
   subcommand->add_flag("--keep-bases", options.keepsBases,
                        "Join like players who return: keep the bases of shapes in the user's cache folder from one run "
                        "to the next, and download only what is not there");
@@ -109,7 +109,8 @@ std::vector<std::string> Understand(const CLI::App& subcommand, const Words& wor
   } else {
     take("server", command::ParseAddress(words.address, error), options.server);
   }
-  if (errors.empty() && !command::FindAccess(words.access, options.server, false, options.access, error)) {
+  if (errors.empty() &&
+      !command::FindAccess(words.access, options.server, command::Visitor::kProgram, options.access, error)) {
     errors.push_back(error);
   }
   if (options.scriptFile.empty()) errors.emplace_back("--script is required (see wobble bots --help)");

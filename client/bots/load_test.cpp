@@ -18,6 +18,7 @@
 #include "client/bots/runner.h"
 #include "client/bots/script.h"
 #include "client/bots/status.h"
+#include "client/command/access.h"
 #include "client/command/clock.h"
 #include "client/command/exit_codes.h"
 #include "client/command/sockets.h"
@@ -133,7 +134,8 @@ int Conclude(const Runner& runner, const LoadTestOptions& options, const Figures
   if (figures.connected == 0 && (!stopped || runner.HasAnyFailed())) {
     const std::string address = command::Describe(options.server);
     Complain(runner.Refusal().empty() ? "no server answers at " + address
-                                      : "no bot could join " + address + ": " + runner.Refusal());
+                                      : "no bot could join " + address + ": " + runner.Refusal() +
+                                            command::AdviseOn(runner.Refusal(), options.server));
     return command::kExitBadUse;
   }
   if (runner.HaveAllScriptsFailed()) {

@@ -91,14 +91,29 @@ void Browser::Turn(double now) {
 void Browser::TurnLink(double now) {
   m_link->Poll(now, m_outbox);
   if (m_link->HasEnded()) {
+    if (IsGatewayRefused(now))
+      return Close(kRefusedForGood, "the server does not know this gateway", Waiting::kDeliver);
     Close(FindCloseCode(*m_link), m_link->EndReason(), Waiting::kDeliver);
   } else if (m_state == State::kJoining && m_link->IsConnected()) {
     TakeSeat(now);
   }
 }
 
+// Whether the server refuses the gateway itself; the host is told so, and where it may be so.
+bool Browser::IsGatewayRefused(double now) {
+  const bool isRefused = m_link->ReadRefusal() == transport::vestibule::Refusal::kBadCredential;
+  if (!m_shared.options.gatewayKey || !isRefused) return false;
+  using Cause = KeyDoubts::Cause;
+  const bool isCertain = m_showsNothing && !m_link->ServerWantsCredential();
+  const std::string line =
+      m_shared.keyDoubts.NoteRefused(m_world.name, isCertain ? Cause::kGateway : Cause::kPerhapsBrowser, now);
+  if (!line.empty()) std::fprintf(stderr, "wobble gateway: %s\n", line.c_str());
+  return isCertain;
+}
+
 // Only now: those whom the server refuses keep no place from others.
 void Browser::TakeSeat(double now) {
+  m_shared.keyDoubts.NoteLetIn(m_world.name);
   m_seat = m_shared.players.Take(m_guest.address);
   if (m_seat == nullptr) return RefuseSeat();
   std::fprintf(stderr, "browser %llu: %s plays%s%s, %zu of %zu\n", static_cast<unsigned long long>(m_number),

@@ -45,15 +45,16 @@ using Request = http::request<http::empty_body>;
 // the handshake is done, and OnAccepted then goes to kLeaving.
 class Browser : public std::enable_shared_from_this<Browser> {
  public:
-  // address: by which places are counted. credential: for the server.
+  // address: by which places are counted. credential: for the server; showsNothing: of the browser itself.
   Browser(Shared& shared, const World& world, tcp::socket socket, Request request, const std::string& address,
-          transport::vestibule::Credential credential)
+          transport::vestibule::Credential credential, bool showsNothing)
       : m_shared(shared),
         m_world(world),
         m_stream(std::move(socket)),
         m_resolver(m_stream.get_executor()),
         m_request(std::move(request)),
         m_credential(std::move(credential)),
+        m_showsNothing(showsNothing),
         m_guest{.address = address, .end = [this] { End("said no hello in time"); }},
         m_number(++shared.counts.browsers),
         m_begin(command::ReadClock()) {
@@ -89,6 +90,7 @@ class Browser : public std::enable_shared_from_this<Browser> {
   void OnAccepted(error_code error);
   void OnResolved(error_code error, const udp::resolver::results_type& results);
   void TurnLink(double now);
+  [[nodiscard]] bool IsGatewayRefused(double now);
   void TakeSeat(double now);
   void RefuseSeat();
   // Whether what the browser sends goes to the server.
@@ -110,6 +112,7 @@ class Browser : public std::enable_shared_from_this<Browser> {
   udp::resolver m_resolver;
   Request m_request;
   transport::vestibule::Credential m_credential;
+  bool m_showsNothing;   // apart from the gateway's introduction
   Lobby::Guest m_guest;  // of `greeting`, until it has said hello or has ended
   Place m_seat;          // null until the server has let it in
   std::uint64_t m_number;

@@ -58,6 +58,7 @@ class ServerLink {
   [[nodiscard]] bool IsFinal() const { return m_isFinal; }
   // Why the server did not let the browser in.
   [[nodiscard]] transport::vestibule::Refusal ReadRefusal() const { return m_transport->ReadRefusal(); }
+  [[nodiscard]] bool ServerWantsCredential() const { return m_transport->ServerWantsCredential(); }
 
  private:
   explicit ServerLink(std::unique_ptr<transport::EnetTransport> transport) : m_transport(std::move(transport)) {}

@@ -164,9 +164,10 @@ void Visitor::AnswerPlay(const World& world) {
   if (m_shared.players.IsFull()) m_shared.greeting.EndOldest(now - kUsualHello);
   m_shared.visitors.Leave(m_guest);
   m_stream.expires_never();
+  const bool showsNothing = credential->kind == transport::vestibule::Credential::Kind::kNone;
   if (const auto& key = m_shared.options.gatewayKey) credential = Introduce(*credential, from, *key, ReadUnixTime());
   const auto browser = std::make_shared<Browser>(m_shared, world, m_stream.release_socket(), m_parser->release(),
-                                                 address, std::move(*credential));
+                                                 address, std::move(*credential), showsNothing);
   m_shared.browsers.push_back(browser);
   browser->Start();
 }

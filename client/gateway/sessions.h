@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "client/gateway/gateway.h"
+#include "client/gateway/key_doubts.h"
 #include "client/gateway/lobby.h"
 #include "client/gateway/places.h"
 #include "client/gateway/rate_limit.h"
@@ -50,6 +51,7 @@ struct Shared {
   Places players;
   AddressRates opens = {kOpensPerSecond, kOpensAtOnce};
   AddressRates plays = {kPlaysPerSecond, kPlaysAtOnce};
+  KeyDoubts keyDoubts = {};
   GatewayCounts counts = {};
   std::vector<std::unique_ptr<ServerLink>> leaving = {};  // links of browsers that have gone; polled until they end
   std::vector<std::shared_ptr<Browser>> browsers = {};

@@ -28,7 +28,7 @@ CLI::App* AddWords(CLI::App& app, WatchOptions& options, Words& words) {
   subcommand->add_option("server", words.address, "The server")->type_name("HOST:PORT REQUIRED");
   subcommand->add_option("--name", options.name, "Name shown to other players")->capture_default_str();
   subcommand->add_flag("--spectate", options.spectate, "Watch without a body");
-  command::AddAccessOptions(*subcommand, words.access);
+  command::AddAccessOptions(*subcommand, words.access, command::Visitor::kPerson);
   subcommand->add_option("--fps", options.fps, "Pictures per second at most; fewer on a slow line")
       ->check(command::Within(1, kMaxFps))
       ->capture_default_str();
@@ -77,7 +77,8 @@ bool Understand(const Words& words, WatchOptions& options, std::string& error) {
   options.server = *address;
   // Two that are cut off at once have begun at different moments.
   options.rejoin.seed = static_cast<std::uint64_t>(command::ReadClock() * 1e9);
-  if (!command::FindAccess(words.access, options.server, true, options.access, error)) return false;
+  if (!command::FindAccess(words.access, options.server, command::Visitor::kPerson, options.access, error))
+    return false;
   if (words.colours == "true") options.palette = Palette::kTruecolour;
   if (words.colours == "256") options.palette = Palette::k256;
   return true;

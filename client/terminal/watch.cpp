@@ -229,7 +229,7 @@ void Watch::SayGoodbye() {
 int Watch::Conclude() {
   if (!m_player->EndedUnasked()) return command::kExitGood;
   const std::string address = command::Describe(m_options.server);
-  const std::string& reason = m_player->Reason();
+  const std::string reason = m_player->Reason() + command::AdviseOn(m_player->Reason(), m_options.server);
   if (m_played) {
     std::fprintf(stderr, "wobble watch: %s is no longer there: %s\n", address.c_str(), reason.c_str());
     return command::kExitFailed;

@@ -5,11 +5,12 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <chrono>
 #include <cstdio>
-#include <map>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "protocol/limits.h"
 #include "protocol/transport/vestibule/key_file.h"
@@ -25,8 +26,8 @@ struct TokenWords {
   std::string keyFile;
   std::string name;
   std::string serverKey;
-  Rank rank = Rank::kPlayer;
-  std::uint64_t account = 0;
+  std::string rank = "player";
+  std::string account = "0";
   unsigned seconds = static_cast<unsigned>(vestibule::kMaxTokenSeconds);
   unsigned count = 1;
 };
@@ -36,23 +37,43 @@ int Complain(const std::string& error) {
   return command::kExitBadUse;
 }
 
+constexpr std::array kRanks{std::pair{"watcher", Rank::kWatcher}, std::pair{"player", Rank::kPlayer},
+                            std::pair{"moderator", Rank::kModerator}, std::pair{"owner", Rank::kOwner}};
+
+// False with one line in `error`.
+bool Understand(const TokenWords& words, transport::Admission& admission, std::string& error) {
+  if (words.name.size() > protocol::kMaxNameBytes) {
+    error = "--name: must have at most " + std::to_string(protocol::kMaxNameBytes) + " bytes";
+    return false;
+  }
+  std::copy(words.name.begin(), words.name.end(), admission.name.begin());
+  const auto rank =
+      std::find_if(kRanks.begin(), kRanks.end(), [&](const auto& each) { return words.rank == each.first; });
+  if (rank == kRanks.end()) {
+    error = "--rank: '" + words.rank + "' must be watcher, player, moderator or owner";
+    return false;
+  }
+  admission.rank = rank->second;
+  // CLI11 takes -1 for the largest number.
+  const char* end = words.account.data() + words.account.size();
+  const auto [stop, result] = std::from_chars(words.account.data(), end, admission.account);
+  if (result == std::errc{} && stop == end) return true;
+  error = "--account: '" + words.account + "' must be a number from 0 to 18446744073709551615";
+  return false;
+}
+
 int MakeTokens(const TokenWords& words) {
   std::string error;
+  vestibule::Token token;
+  if (!Understand(words, token.admission, error)) return Complain(error);
   if (!vestibule::InitialiseSodium()) return Complain("the cryptographic library does not start");
   const auto key = vestibule::LoadKey(words.keyFile, error);
   if (!key) return Complain("--key: " + error);
-  vestibule::Token token;
   if (!words.serverKey.empty()) {
     const auto server = vestibule::ParseKey(words.serverKey);
     if (!server) return Complain("--server-key: '" + words.serverKey + "' must be 64 hexadecimal digits");
     token.server = *server;
   }
-  if (words.name.size() > protocol::kMaxNameBytes) {
-    return Complain("--name: must have at most " + std::to_string(protocol::kMaxNameBytes) + " bytes");
-  }
-  std::copy(words.name.begin(), words.name.end(), token.admission.name.begin());
-  token.admission.rank = words.rank;
-  token.admission.account = words.account;
   token.issued = static_cast<std::uint64_t>(
       std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch()).count());
   token.expires = token.issued + words.seconds;
@@ -68,19 +89,18 @@ int MakeTokens(const TokenWords& words) {
 
 command::Command DescribeToken(CLI::App& app) {
   const auto words = std::make_shared<TokenWords>();
-  static const std::map<std::string, Rank> kRanks{
-      {"watcher", Rank::kWatcher}, {"player", Rank::kPlayer}, {"moderator", Rank::kModerator}, {"owner", Rank::kOwner}};
   CLI::App* subcommand = app.add_subcommand("token", "Makes connect tokens for a server that wants them");
   subcommand->add_option("--key", words->keyFile, "The file that the server was given by --token-key")
       ->type_name("FILE")
       ->required();
   subcommand->add_option("--name", words->name, "The player's name; the player's own choice if not given");
-  subcommand->add_option("--account", words->account,
-                         "Who the player is for you: bans of a player hold for it; 0: nobody");
+  subcommand
+      ->add_option("--account", words->account, "Who the player is for you: bans of a player hold for it; 0: nobody")
+      ->type_name("NUMBER")
+      ->capture_default_str();
   subcommand->add_option("--rank", words->rank, "watcher, player, moderator or owner")
-      ->transform(CLI::CheckedTransformer(kRanks))
       ->type_name("RANK")
-      ->default_str("player");
+      ->capture_default_str();
   subcommand
       ->add_option("--server-key", words->serverKey, "The server that it is for; any with the token key if not given")
       ->type_name("KEY");

@@ -49,7 +49,7 @@ void SetId(ENetPeer& peer, ConnectionId id) { peer.data = reinterpret_cast<void*
 std::string_view Describe(const Caller& caller) {
   switch (caller.ReadState()) {
     case Caller::State::kWrongServer:
-      return "the server's key is not the one that is known for this address";
+      return kWrongServerReason;
     case Caller::State::kOtherVersion:
       return "wrong protocol version";
     case Caller::State::kReset:
@@ -432,6 +432,7 @@ Statistics EnetTransport::ReadStatistics() const {
     statistics.bytesIn = keeper.BytesIn();
     statistics.bytesOut = keeper.BytesOut() + m_impl->server->BytesOut();
     statistics.datagramsRejected = counts.invalid + counts.limited + counts.strangers + counts.offences;
+    statistics.turnaways = counts.turnaways;
   } else {
     statistics.bytesIn = m_impl->client->BytesIn();
     statistics.bytesOut = m_impl->client->BytesOut();
@@ -461,6 +462,10 @@ std::vector<std::uint8_t> EnetTransport::ReadTicket() const {
 
 vestibule::Refusal EnetTransport::ReadRefusal() const {
   return m_impl->client == nullptr ? vestibule::Refusal::kNone : m_impl->client->Caller().ReadRefusal();
+}
+
+bool EnetTransport::ServerWantsCredential() const {
+  return m_impl->client != nullptr && m_impl->client->Caller().WantsCredential();
 }
 
 vestibule::DoorCounts EnetTransport::ReadDoorCounts() const {

@@ -12,6 +12,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "protocol/limits.h"
@@ -41,6 +42,9 @@ struct ConnectOptions {
   std::optional<vestibule::Key> ownServer = {};
   vestibule::Credential ownCredential = {};
 };
+
+// Event::reason at a client whose server has another key than ConnectOptions::serverKey.
+inline constexpr std::string_view kWrongServerReason = "the server's key is not the one that is known for this address";
 
 inline constexpr std::size_t kMaxListenConnections = vestibule::kMaxVisitors;
 
@@ -76,6 +80,8 @@ class EnetTransport final : public Transport {
   [[nodiscard]] std::vector<std::uint8_t> ReadTicket() const;
   // Why the server did not let a client in; kNone: it did, or has not answered.
   [[nodiscard]] vestibule::Refusal ReadRefusal() const;
+  // Whether a client's server asks for a credential; known once it has answered.
+  [[nodiscard]] bool ServerWantsCredential() const;
   // What the vestibule of a server has seen.
   [[nodiscard]] vestibule::DoorCounts ReadDoorCounts() const;
 

@@ -5,11 +5,14 @@
 // seconds since any fixed moment and never goes backwards.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <span>
 #include <string_view>
+
+#include "protocol/transport/net_address.h"
 
 namespace wobble::transport {
 
@@ -22,8 +25,10 @@ using ConnectionId = std::uint32_t;
 enum class Channel : std::uint8_t { kControl = 0, kInput = 1, kSnapshot = 2 };
 inline constexpr std::size_t kChannelCount = 3;
 
-// Event::reason where what a client has shown to be let in does not hold.
-inline constexpr std::string_view kBadCredentialReason = "the password, invite or token is missing or not valid";
+// Event::reason where what a client has shown to be let in does not hold. The answer is the same while an address is
+// not listened to because it was wrong too often. At most 123 bytes: a WebSocket is closed with it.
+inline constexpr std::string_view kBadCredentialReason =
+    "the password, invite or token is missing or not valid, or too many were tried from your address: wait 5 s";
 
 struct Event {
   // kOffence: the far end sends what no honest one does, or takes nothing that is sent to it; it is to be disconnected.
@@ -40,12 +45,33 @@ struct Event {
 
 enum class SendResult { kQueued, kUnknownConnection, kTooLarge, kFailed };
 
+// Why a server lets clients not in before they can say hello, in more detail than it tells them.
+enum class Turnaway : std::uint8_t {
+  kFull,
+  kTooManyFromAddress,
+  kNothingShown,  // where something is asked for, or nothing that can be read
+  kPassword,      // this one and the next three: what was shown does not hold
+  kToken,         // or the ticket
+  kInvite,
+  kOwnerKey,
+  kGateway,         // a gateway's introduction by another key, or by a clock that is wrong
+  kTooManyGuesses,  // of an address that was wrong too often; what it showed now was not looked at
+  kBanned,
+};
+inline constexpr std::size_t kTurnawayCount = 10;
+
+struct Turnaways {
+  std::uint64_t count = 0;
+  NetAddress last = {};  // whose was the last one
+};
+
 // Counts since the transport was made.
 struct Statistics {
   std::uint64_t datagramsRejected = 0;  // truncated, of another protocol or forged; dropped without any effect
   std::uint64_t messagesRejected = 0;   // whole, but on an unknown channel or larger than allowed
   std::uint64_t bytesIn = 0;            // datagram payloads, the transport's own headers included
   std::uint64_t bytesOut = 0;
+  std::array<Turnaways, kTurnawayCount> turnaways = {};  // of a server, by Turnaway
 };
 
 class Transport {

@@ -61,8 +61,10 @@ bool ReadLine(int connection, std::string& line) {
     if (count == 0) break;  // the end of what is sent ends the line as well
     line.append(bytes, static_cast<std::size_t>(count));
   }
+  // An empty line is answered; who says nothing at all only looks whether somebody is there.
+  const bool isSaid = !line.empty();
   line = line.substr(0, line.find('\n'));
-  return !line.empty() && line.size() <= kMaxLineBytes;
+  return isSaid && line.size() <= kMaxLineBytes;
 }
 
 }  // namespace

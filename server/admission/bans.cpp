@@ -44,6 +44,10 @@ bool CoversAddress(const Ban& ban, const transport::NetAddress& address) {
   return transport::FindSubnet(ban.address) == transport::FindSubnet(address);
 }
 
+bool HaveSameSubject(const Ban& a, const Ban& b) {
+  return a.account != 0 || b.account != 0 ? a.account == b.account : CoversAddress(a, b.address);
+}
+
 }  // namespace
 
 bool Bans::Load(const std::filesystem::path& file, std::string& error) {
@@ -68,6 +72,7 @@ bool Bans::Load(const std::filesystem::path& file, std::string& error) {
 
 const Ban& Bans::Add(Ban ban, std::uint64_t now, std::string& error) {
   DropOver(now);
+  std::erase_if(m_bans, [&](const Ban& old) { return HaveSameSubject(old, ban); });
   ban.number = ++m_newest;
   m_bans.push_back(std::move(ban));
   Save(error);
@@ -77,6 +82,13 @@ const Ban& Bans::Add(Ban ban, std::uint64_t now, std::string& error) {
 bool Bans::Lift(std::uint32_t number, std::uint64_t now, std::string& error) {
   DropOver(now);
   if (std::erase_if(m_bans, [&](const Ban& ban) { return ban.number == number; }) == 0) return false;
+  Save(error);
+  return true;
+}
+
+bool Bans::LiftOf(const Ban& subject, std::uint64_t now, std::string& error) {
+  DropOver(now);
+  if (std::erase_if(m_bans, [&](const Ban& ban) { return HaveSameSubject(ban, subject); }) == 0) return false;
   Save(error);
   return true;
 }

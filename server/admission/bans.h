@@ -25,10 +25,16 @@ class Bans {
   [[nodiscard]] bool Load(const std::filesystem::path& file, std::string& error);
 
   // Each of these writes the file, too; what cannot be written is reported in `error` and holds for this run.
+  // Takes the place of one of the same account or address.
   const Ban& Add(Ban ban, std::uint64_t now, std::string& error);
   // False: there is none with this number.
   [[nodiscard]] bool Lift(std::uint32_t number, std::uint64_t now, std::string& error);
 
+  // Of the account or address of `subject`.
+  [[nodiscard]] bool LiftOf(const Ban& subject, std::uint64_t now, std::string& error);
+
+  // Whether bans outlive the server.
+  [[nodiscard]] bool HasFile() const { return !m_file.empty(); }
   // Whether somebody of this account (0: none) and address is banned at this time, s since 1970.
   [[nodiscard]] bool IsBanned(const transport::NetAddress& address, std::uint64_t account, std::uint64_t now) const;
   // Those in force.

@@ -39,6 +39,8 @@ class Invites {
                    std::string& error);
   [[nodiscard]] bool Revoke(std::uint32_t number, std::uint64_t now, std::string& error);
 
+  // Whether invites outlive the server.
+  [[nodiscard]] bool HasFile() const { return !m_file.empty(); }
   // Spends one use of the invite with this secret; nullopt: there is none, or it has ended.
   [[nodiscard]] std::optional<Invite> Use(std::span<const std::uint8_t> secret, std::uint64_t now);
   // Whether who came with it may come back.

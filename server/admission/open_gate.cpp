@@ -1,6 +1,7 @@
 #include "server/admission/open_gate.h"
 
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "protocol/transport/vestibule/key_file.h"
@@ -24,6 +25,20 @@ bool ReadKey(const char* option, const std::string& file, std::optional<vestibul
 
 std::string FindOwnerKeyFile(const GateFiles& files) {
   return files.ownerKey.empty() ? vestibule::FindStateFile(vestibule::kOwnerKeyName).string() : files.ownerKey;
+}
+
+std::vector<std::string> FindReadableByAll(const GateFiles& files, const std::string& serverKey) {
+  std::vector<std::string> found;
+  for (const std::string& file :
+       {serverKey, files.password, files.tokenKey, FindOwnerKeyFile(files), files.gatewayKey}) {
+    std::error_code ignored;
+    const auto permissions = std::filesystem::status(file, ignored).permissions();
+    const bool isThere = !file.empty() && !ignored && permissions != std::filesystem::perms::unknown;
+    if (isThere && (permissions & std::filesystem::perms::others_read) != std::filesystem::perms::none) {
+      found.push_back(file);
+    }
+  }
+  return found;
 }
 
 std::shared_ptr<Gate> OpenGate(const GateFiles& files, const vestibule::Key& secretKey,

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "server/admission/gate.h"
 
@@ -21,6 +22,9 @@ struct GateFiles {
 // Null with one line in `error` that names the option.
 [[nodiscard]] std::shared_ptr<Gate> OpenGate(const GateFiles& files, const transport::vestibule::Key& secretKey,
                                              std::function<std::uint64_t()> readUnixTime, std::string& error);
+
+// The files that hold a secret, the server's key among them, and that everybody on this machine can read.
+[[nodiscard]] std::vector<std::string> FindReadableByAll(const GateFiles& files, const std::string& serverKey);
 
 // Where the owner's key is.
 [[nodiscard]] std::string FindOwnerKeyFile(const GateFiles& files);

@@ -107,6 +107,13 @@ void AddClients(List& list, const Figures& f) {
   for (std::size_t i = 0; i < kReasons.size(); ++i) {
     list.Add({{"reason", kReasons[i]}}).counter.value = ToNumber(f.counts.goodbyes[i + 1]);
   }
+  list.Begin("wobble_client_refusals_total", "Clients not let in before their hello, by reason.", MetricType::Counter);
+  constexpr std::array<const char*, transport::kTurnawayCount> kTurnaways{
+      "full",         "too_many_from_address", "nothing_shown",   "wrong_password",   "wrong_token",
+      "wrong_invite", "wrong_owner_key",       "unknown_gateway", "too_many_guesses", "banned"};
+  for (std::size_t i = 0; i < kTurnaways.size(); ++i) {
+    list.Add({{"reason", kTurnaways[i]}}).counter.value = ToNumber(f.transport.turnaways[i].count);
+  }
   list.AddCounter("wobble_client_stalls_total", "Times that clients had to show a body without news of it in time.",
                   ToNumber(f.counts.stalls));
   list.AddCounter("wobble_client_inputs_starved_total",

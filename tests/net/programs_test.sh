@@ -317,17 +317,61 @@ case_password() {
   echo 'open simsim' >"$folder/wrong.txt"
   : >"$folder/empty.txt"
   start_server --untrained --scene pair --password-file "$folder/door.txt"
-  expect_refusal 'could join .*: the password, invite or token is missing or not valid$' "${join[@]}" "127.0.0.1:$port"
-  expect_refusal 'could join .*: the password, invite or token is missing or not valid$' \
+  expect_refusal 'could join .*: the password, invite or token is missing or not valid, or too many .* wait 5 s$' "${join[@]}" "127.0.0.1:$port"
+  expect_refusal 'could join .*: the password, invite or token is missing or not valid, or too many .* wait 5 s$' \
     "${join[@]}" "127.0.0.1:$port" --password-file "$folder/wrong.txt"
   expect_exit 0 "${join[@]}" "127.0.0.1:$port" --password-file "$folder/door.txt" --threshold 'connected==1'
   expect_exit 0 "${join[@]}" "[::1]:$port" --password-file "$folder/door.txt" --threshold 'connected==1'
   expect_refusal "could join .*: the server's key is not the one that is known for this address$" \
     "${join[@]}" "127.0.0.1:$port" --password-file "$folder/door.txt" --server-key "$(printf '%064d' 1)"
+  mkdir -p "$XDG_DATA_HOME/wobble"
+  echo "127.0.0.1:$port $(printf '%064d' 1)" >"$XDG_DATA_HOME/wobble/known_servers"
+  expect_refusal "known for this address; if its host .*, delete the line of 127.0.0.1:$port in $XDG_DATA_HOME/wobble/known_servers$" \
+    "${join[@]}" "127.0.0.1:$port" --password-file "$folder/door.txt"
+  rm "$XDG_DATA_HOME/wobble/known_servers"
   expect_refusal '--server-key' "${join[@]}" "127.0.0.1:$port" --server-key 1234
   expect_refusal 'empty.txt: the first line must have 1 to 512 bytes' \
     "${join[@]}" "127.0.0.1:$port" --password-file "$folder/empty.txt"
   expect_refusal 'the first line must have 1 to 512 bytes' wobbled --port 0 --untrained --password-file /dev/zero
+}
+
+# Orders by the socket, an invite as it is printed, and tokens with what they say.
+case_administration() {
+  local join=(wobble bots --script idle.lua --count 1 --for 0.5) socket="$folder/admin.sock"
+  start server wobbled --port 0 --untrained --scene pair --invites "$folder/invites" \
+    --token-key "$folder/token.key" --admin-socket "$socket"
+  wait_for_line server '^listening on UDP port [1-9]'
+  port="$(read_port server 'listening on UDP port ')"
+  expect_exit 0 wobble admin --socket "$socket" invite uses 2 for 1h
+  cp "$out" "$folder/invite.txt"
+  sed -n 's/^.*#invite=/http:\/\/host:8080\/?world=a#invite=/p' "$out" >"$folder/link.txt"
+  expect_exit 0 "${join[@]}" "127.0.0.1:$port" --invite-file "$folder/invite.txt" --threshold 'connected==1'
+  expect_exit 0 "${join[@]}" "127.0.0.1:$port" --invite-file "$folder/link.txt" --threshold 'connected==1'
+  expect_refusal 'could join .*: the password, invite or token is missing' \
+    "${join[@]}" "127.0.0.1:$port" --invite-file "$folder/invite.txt"
+  expect_line "$folder/server.err" 'not let in: wrong invite (1, last from 127.0.0.1)$'
+  expect_exit 1 wobble admin --socket "$socket" mute 7 for 1h
+  expect_line "$err" '^wobble admin: mute takes PLAYER; too much: for 1h$'
+  expect_refusal '^wobble admin: the order is empty' wobble admin --socket "$socket" ''
+
+  # What the server warns of at its start.
+  chmod 644 "$folder/token.key"
+  expect_exit 0 wobbled --port 0 --untrained --for 0.001 --token-key "$folder/token.key" --admin-http 0.0.0.0:0
+  expect_line "$out" '^orders on TCP port [1-9][0-9]* of 0.0.0.0$'
+  expect_line "$err" "warning $folder/token.key: everybody on this machine can read it"
+  expect_line "$err" 'warning --admin-http 0.0.0.0:0: other machines reach it'
+
+  expect_exit 0 wobble token --key "$folder/token.key" --rank moderator --account 18446744073709551615
+  cp "$out" "$folder/token.txt"
+  expect_exit 0 "${join[@]}" "127.0.0.1:$port" --token-file "$folder/token.txt" --threshold 'connected==1'
+  expect_refusal "^wobble token: --rank: 'king' must be watcher, player, moderator or owner$" \
+    wobble token --key "$folder/token.key" --rank king
+  expect_refusal "^wobble token: --account: '-1' must be a number from 0 to 18446744073709551615$" \
+    wobble token --key "$folder/token.key" --account -1
+  expect_refusal '^wobble token: --key is required (see wobble token --help)$' wobble token
+  expect_exit 0 wobble token --help
+  ! grep -q "$(printf '\033')" "$out" || fail 'no control characters' "$out"
+  expect_line "$out" '--rank RANK=player  *watcher, player, moderator or owner$'
 }
 
 case_unknown_option() {
@@ -343,8 +387,8 @@ case_unknown_option() {
   expect_refusal "'nowhere' is no HOST:PORT" wobble bots nowhere --script idle.lua
   expect_refusal '^wobble watch: HOST:PORT of the server is required' wobble watch
   expect_refusal "^wobble watch: server: 'nowhere:0' is no HOST:PORT" wobble watch nowhere:0
-  expect_refusal "^wobble: --fps: '0' is not 1 to 60" wobble watch "$nobody" --fps 0
-  expect_refusal '^wobble: --colours: 7 not in' wobble watch "$nobody" --colours 7
+  expect_refusal "^wobble watch: --fps: '0' is not 1 to 60" wobble watch "$nobody" --fps 0
+  expect_refusal '^wobble watch: --colours: 7 not in' wobble watch "$nobody" --colours 7
   expect_refusal '^wobble watch: --name: .* is 33 bytes long' wobble watch "$nobody" \
     --name 123456789012345678901234567890123
   expect_refusal '^wobble watch: standard output is no terminal$' wobble watch "$nobody"
@@ -355,7 +399,7 @@ case_unknown_option() {
   expect_refusal "^wobble gateway: --server: 'c:1' needs a name" wobble gateway --server a=b:1 --server c:1
   expect_refusal "^wobble gateway: --server: 'a' names two servers" wobble gateway --server a=b:1 --server a=c:1
   expect_refusal "^wobble play: --port 65534: 4 worlds need as many ports up to 65535" wobble play --port 65534
-  expect_refusal "^wobble: --http: '70000' is not 0 to 65535" wobble gateway --server "$nobody" --http 70000
+  expect_refusal "^wobble gateway: --http: '70000' is not 0 to 65535" wobble gateway --server "$nobody" --http 70000
   expect_refusal "^wobble gateway: --bind: 'here' is no IP address" wobble gateway --server "$nobody" --bind here
   expect_refusal "^wobble gateway: --origin: 'http://a/b' is no " \
     wobble gateway --server "$nobody" --origin http://c:81 --origin http://a/b
@@ -367,8 +411,8 @@ case_unknown_option() {
   expect_refusal '^wobbled: --snapshot-hz 90: must be 1 to 60$' wobbled --port 0 --snapshot-hz 90
   expect_refusal '^wobbled: --log-level loud: must be one of' wobbled --log-level loud
   expect_refusal '^wobbled: --summary /no/such/file: cannot be written$' wobbled --port 0 --summary /no/such/file
-  expect_refusal "^wobble: --count: '0' is not 1 to 10000" wobble bots "$nobody" --script idle.lua --count 0
-  expect_refusal "^wobble: --seed: '-1' is not 0 to " wobble bots "$nobody" --script idle.lua --seed -1
+  expect_refusal "^wobble bots: --count: '0' is not 1 to 10000" wobble bots "$nobody" --script idle.lua --count 0
+  expect_refusal "^wobble bots: --seed: '-1' is not 0 to " wobble bots "$nobody" --script idle.lua --seed -1
   expect_refusal "unknown key 'joy'" wobble bots "$nobody" --script idle.lua --threshold 'joy>1'
 
   expect_exit 2 wobbled --tick-hz fast --threads 0 --scene nowhere # all errors, one per line
@@ -618,7 +662,7 @@ case_bad_link() {
   expect_refusal "^wobble link: --to: 'nowhere' is no HOST:PORT" wobble link --listen 0 --to nowhere
   expect_refusal '^wobble link: no IPv4 address is known for "no.such.host.invalid"$' \
     wobble link --listen 0 --to no.such.host.invalid:9
-  expect_refusal "^wobble: --listen: '65536' is not 0 to 65535" wobble link --listen 65536 --to "$nobody"
+  expect_refusal "^wobble link: --listen: '65536' is not 0 to 65535" wobble link --listen 65536 --to "$nobody"
 }
 
 # get PORT PATH: prints the body of the answer of the endpoint on this machine.

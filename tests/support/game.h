@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "client/client.h"
+#include "protocol/transport/admission.h"
 #include "protocol/transport/virtual_network.h"
 #include "server/scenes/loader.h"
 #include "server/server.h"
@@ -96,11 +98,50 @@ class RawConnection {
   std::vector<protocol::Message> m_snapshots;
 };
 
+// A server's endpoint that says of each client what a vestibule would have said, `admission` at that moment, and of
+// those who were not let in `turnaways`.
+class AdmittingTransport final : public transport::Transport {
+ public:
+  using Turnaways = std::array<transport::Turnaways, transport::kTurnawayCount>;
+  AdmittingTransport(std::unique_ptr<transport::Transport> inner, const transport::Admission& admission,
+                     const Turnaways& turnaways)
+      : m_inner(std::move(inner)), m_admission(admission), m_turnaways(turnaways) {}
+
+  void Poll(double now, const Sink& sink) override {
+    m_inner->Poll(now, [&](transport::Event event) {
+      if (event.kind == transport::Event::Kind::kConnected) event.admission = &m_admission;
+      sink(event);
+    });
+  }
+  transport::SendResult Send(transport::ConnectionId connection, transport::Channel channel,
+                             std::span<const std::uint8_t> message) override {
+    return m_inner->Send(connection, channel, message);
+  }
+  void Disconnect(transport::ConnectionId connection) override { m_inner->Disconnect(connection); }
+  void Flush() override { m_inner->Flush(); }
+  [[nodiscard]] transport::Statistics ReadStatistics() const override {
+    transport::Statistics statistics = m_inner->ReadStatistics();
+    statistics.turnaways = m_turnaways;
+    return statistics;
+  }
+  [[nodiscard]] double ReadRoundTrip(transport::ConnectionId connection) const override {
+    return m_inner->ReadRoundTrip(connection);
+  }
+
+ private:
+  std::unique_ptr<transport::Transport> m_inner;
+  const transport::Admission& m_admission;
+  const Turnaways& m_turnaways;
+};
+
 class Game {
  public:
   explicit Game(scenes::Scene scene, const server::Config& config = {}, std::uint64_t networkSeed = 1,
                 server::TimeSource clock = {})
-      : network({networkSeed}), server(config, std::move(scene), network.MakeServer(), 0, {}, std::move(clock)) {}
+      : network({networkSeed}),
+        server(config, std::move(scene),
+               std::make_unique<AdmittingTransport>(network.MakeServer(), admission, turnaways), 0, {},
+               std::move(clock)) {}
 
   client::Client& AddClient(const client::Options& options = {}) {
     clients.push_back(std::make_unique<client::Client>(network.MakeClient(), options, now));
@@ -132,6 +173,8 @@ class Game {
   }
 
   transport::VirtualNetwork network;
+  transport::Admission admission;  // of who connects from now on
+  AdmittingTransport::Turnaways turnaways{};
   server::Server server;
   std::vector<std::unique_ptr<client::Client>> clients;
   std::vector<std::unique_ptr<RawConnection>> raw;

@@ -91,6 +91,7 @@ const std::vector<Room> kRooms{
      kClock},
     // Who may come in; the time is a parameter.
     {"server/admission/record_file", {}, {"fcntl.h", "unistd.h"}, kClock},
+    {"server/admission/refusal_log", {kProtocol}, {"fmt/", "spdlog/"}, kClock},
     {"server/admission/", {kProtocol}, {}, {"chrono", "ctime", "iostream", "fstream", "thread"}},
     // Its socket has a thread, and so a clock, of its own.
     {"server/admin/admin_socket", {"server/", kProtocol}, kSystem, {}},

@@ -8,7 +8,10 @@ import { after, before } from 'node:test';
 import { channels, join, Player, serverMessages, subprotocol } from './support/player.mjs';
 import { makePage, Program, removePage, startGateway, startServer, test, waitFor } from './support/programs.mjs';
 
-const refused = { code: 4001, reason: 'the password, invite or token is missing or not valid' };
+const refused = {
+  code: 4001,
+  reason: 'the password, invite or token is missing or not valid, or too many were tried from your address: wait 5 s',
+};
 const encode = (text) => Buffer.from(text).toString('base64url');
 const showing = (credential) => ({ protocols: [subprotocol, credential] });
 const at = (address, credential) => ({ ...showing(credential), headers: { 'X-Forwarded-For': address } });
@@ -121,7 +124,20 @@ test('servers with the gateway\'s key count and ban the addresses of browsers', 
 
   const wrong = await startGateway(address, page, '--gateway-key', write('other.key', `${'ab'.repeat(32)}\n`));
   assert.deepEqual(await new Player(wrong.host, showing(password)).closed, refused);
+  assert.match(wrong.program.errors.join('\n'), /has refused a browser, and has let in none: .*another --gateway-key/);
   await wrong.program.stop();
+  await server.stop();
+});
+
+test('a gateway that an open server does not know says so to its host and to browsers', async () => {
+  const { program: server, address } = await startServer('--gateway-key', path.join(folder, 'open.key'));
+  const options = ['--gateway-key', write('strange.key', `${'cd'.repeat(32)}\n`)];
+  const { program: gateway, host } = await startGateway(address, page, ...options);
+  const unknown = { code: 4000, reason: 'the server does not know this gateway' };
+  assert.deepEqual(await new Player(host).closed, unknown);
+  assert.match(gateway.errors.join('\n'), /^wobble gateway: the server does not know this gateway: its --gateway-key is/m);
+  await waitFor('a line of the server', () => /a gateway at 127\.0\.0\.1 was refused/.test(server.errors.join('\n')));
+  await gateway.stop();
   await server.stop();
 });
 

@@ -55,14 +55,24 @@ void Caller::TakeChallenge(const Challenge& challenge) {
   m_sealer = Sealer(keys->toServer);
   m_opener = Opener(keys->toClient);
   m_control = Opener(keys->control);
-  const bool isOwn = m_settings.credential.kind == Credential::Kind::kNone && m_settings.ownServer &&
-                     AreEqual(*m_settings.ownServer, challenge.server);
+  m_showsOwn = m_settings.credential.kind == Credential::Kind::kNone && m_settings.ownServer &&
+               AreEqual(*m_settings.ownServer, challenge.server);
   const std::vector<std::uint8_t> credential =
-      WriteCredential(isOwn ? m_settings.ownCredential : m_settings.credential);
+      WriteCredential(m_showsOwn ? m_settings.ownCredential : m_settings.credential);
   const std::span<const std::uint8_t> part = credential;
   m_sealer.Seal(SealedKind::kData, 0, {&part, 1}, m_credential);
   m_state = State::kResponding;
   m_wait = 0;
+  if (!m_first.empty()) m_due = 0;  // of the try before; see AskWithoutOwnCredential
+}
+
+// The server keeps its answer to this key, so it is asked by another one. What ENet has sent goes out again.
+void Caller::AskWithoutOwnCredential() {
+  m_settings.ownServer.reset();
+  m_credential.clear();
+  m_own = MakeKeyPair(m_settings.random);
+  m_state = State::kRequesting;
+  m_wait = m_due = 0;
 }
 
 void Caller::WriteResponse(std::span<const std::uint8_t> first, std::vector<std::uint8_t>& datagram) const {
@@ -132,6 +142,7 @@ void Caller::TakeAnswer(std::span<const std::uint8_t> datagram) {
   }
   const auto answer = ReadAnswer(m_plain);
   if (!answer) return;
+  if (answer->refusal == Refusal::kBadCredential && m_showsOwn) return AskWithoutOwnCredential();
   if (answer->refusal != Refusal::kNone) {
     m_refusal = answer->refusal;
     m_state = State::kRefused;

@@ -19,6 +19,8 @@ class Caller {
     Credential credential = {};
     std::optional<Key> server = {};  // the key that it must have; nullopt: any
     // Shown to the server with this key alone, if there is no credential for all: whoever has a server is its owner.
+    // If that server does not take it, since it was started with another owner's key, the caller asks once more and
+    // shows nothing.
     std::optional<Key> ownServer = {};
     Credential ownCredential = {};
     RandomSource random = FillRandomly;
@@ -60,6 +62,7 @@ class Caller {
  private:
   void TakeChallenge(const Challenge& challenge);
   void TakeAnswer(std::span<const std::uint8_t> datagram);
+  void AskWithoutOwnCredential();
   void WriteResponse(std::span<const std::uint8_t> first, std::vector<std::uint8_t>& datagram) const;
   void PlanRetry(double now);
 
@@ -68,7 +71,8 @@ class Caller {
   State m_state = State::kRequesting;
   Refusal m_refusal = Refusal::kNone;
   bool m_wantsCredential = false;
-  double m_due = 0;  // of the next request or response, s
+  bool m_showsOwn = false;  // ownCredential
+  double m_due = 0;         // of the next request or response, s
   double m_wait = 0;
   Challenge m_challenge;
   Key m_server{};

@@ -37,6 +37,39 @@ constexpr double kSilenceSeconds = 30;
 constexpr std::uint32_t kSlotBits = 12;
 static_assert(kMaxVisitors < 1U << kSlotBits);
 
+// Of a credential that does not hold.
+Turnaway FindTurnaway(Credential::Kind kind) {
+  switch (kind) {
+    case Credential::Kind::kNone:
+      return Turnaway::kNothingShown;
+    case Credential::Kind::kPassword:
+      return Turnaway::kPassword;
+    case Credential::Kind::kToken:
+      return Turnaway::kToken;
+    case Credential::Kind::kInvite:
+      return Turnaway::kInvite;
+    case Credential::Kind::kOwnerKey:
+      return Turnaway::kOwnerKey;
+    case Credential::Kind::kIntroduced:
+      return Turnaway::kGateway;
+  }
+  return Turnaway::kNothingShown;
+}
+
+// What the client is told: of a credential only that it does not hold.
+Refusal FindRefusal(Turnaway why) {
+  switch (why) {
+    case Turnaway::kFull:
+      return Refusal::kFull;
+    case Turnaway::kTooManyFromAddress:
+      return Refusal::kTooManyFromAddress;
+    case Turnaway::kBanned:
+      return Refusal::kBanned;
+    default:
+      return Refusal::kBadCredential;
+  }
+}
+
 }  // namespace
 
 Door::Door(Settings settings)
@@ -125,22 +158,43 @@ Door::Result Door::TakeResponse(const NetAddress& from, std::span<const std::uin
 // m_plain has the credential.
 Judgement Door::JudgeClient(const NetAddress& from, double now) {
   auto credential = ReadCredential(m_plain);
-  if (!credential) return {.refusal = Refusal::kBadCredential};
+  if (!credential) return TurnAway(Turnaway::kNothingShown, from);
   const NetAddress source = m_settings.judge == nullptr ? from : m_settings.judge->FindSource(*credential, from);
   // Who is not let in for another reason learns nothing about the credential, and spends none.
-  if (m_counted >= m_settings.maxVisitors || FindFreeSlot() == m_slots.size()) return {.refusal = Refusal::kFull};
-  const auto ofAddress = std::count_if(m_slots.begin(), m_slots.end(), [&](const std::unique_ptr<Visitor>& visitor) {
-    return visitor != nullptr && !visitor->isReleased && visitor->judgement.admission.from.ip == source.ip;
-  });
-  if (static_cast<std::size_t>(ofAddress) >= m_settings.maxPerAddress) return {.refusal = Refusal::kTooManyFromAddress};
-  Judgement judgement;
-  if (m_settings.judge != nullptr) {
-    if (!m_guessRates.Take(FindSubnet(source), now)) return {.refusal = Refusal::kBadCredential};
-    judgement = m_settings.judge->Decide(*credential, source);
-    if (judgement.refusal != Refusal::kBadCredential) m_guessRates.Return(FindSubnet(source));
+  if (m_counted >= m_settings.maxVisitors || FindFreeSlot() == m_slots.size()) {
+    return TurnAway(Turnaway::kFull, source);
   }
+  if (CountVisitorsOf(source) >= m_settings.maxPerAddress) return TurnAway(Turnaway::kTooManyFromAddress, source);
+  Judgement judgement;
+  if (m_settings.judge != nullptr) judgement = JudgeCredential(*credential, source, now);
   judgement.admission.from = source;
   return judgement;
+}
+
+Judgement Door::JudgeCredential(const Credential& credential, const NetAddress& source, double now) {
+  const bool isGateway = credential.kind == Credential::Kind::kIntroduced;  // and nobody whom the judge knows
+  if (!m_guessRates.Take(FindSubnet(source), now)) {
+    return TurnAway(isGateway ? Turnaway::kGateway : Turnaway::kTooManyGuesses, source);
+  }
+  Judgement judgement = m_settings.judge->Decide(credential, source);
+  if (judgement.refusal != Refusal::kBadCredential) m_guessRates.Return(FindSubnet(source));
+  if (judgement.refusal == Refusal::kBadCredential) return TurnAway(FindTurnaway(credential.kind), source);
+  if (judgement.refusal == Refusal::kBanned) return TurnAway(Turnaway::kBanned, source);
+  return judgement;
+}
+
+Judgement Door::TurnAway(Turnaway why, const NetAddress& source) {
+  Turnaways& counted = m_counts.turnaways[static_cast<std::size_t>(why)];
+  ++counted.count;
+  counted.last = source;
+  return {.refusal = FindRefusal(why)};
+}
+
+std::size_t Door::CountVisitorsOf(const NetAddress& source) const {
+  return static_cast<std::size_t>(
+      std::count_if(m_slots.begin(), m_slots.end(), [&](const std::unique_ptr<Visitor>& visitor) {
+        return visitor != nullptr && !visitor->isReleased && visitor->judgement.admission.from.ip == source.ip;
+      }));
 }
 
 Door::Result Door::LetIn(const NetAddress& from, const Response& response, const SessionKeys& keys, Opener opener,

@@ -13,6 +13,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "protocol/transport/transport.h"
 #include "protocol/transport/vestibule/command_filter.h"
 #include "protocol/transport/vestibule/handshake.h"
 #include "protocol/transport/vestibule/judge.h"
@@ -44,6 +45,7 @@ struct DoorCounts {
   std::uint64_t strangers = 0;  // of a session that is not known, or from another address than its own
   std::uint64_t resets = 0;     // answers to these
   std::uint64_t offences = 0;   // visitors put out for what they sent
+  std::array<Turnaways, kTurnawayCount> turnaways = {};  // those who were refused, by Turnaway
 };
 
 class Door {
@@ -128,8 +130,12 @@ class Door {
 
   [[nodiscard]] Cookie MakeCookie(const NetAddress& from, const Key& client, std::uint64_t epoch) const;
   [[nodiscard]] ResetToken MakeResetToken(const NetAddress& from, std::uint32_t session) const;
-  // Of the credential in m_plain.
+  // Of the credential in m_plain. Counts who is refused.
   [[nodiscard]] Judgement JudgeClient(const NetAddress& from, double now);
+  // now: s. The guesses of a subnet are bounded.
+  [[nodiscard]] Judgement JudgeCredential(const Credential& credential, const NetAddress& source, double now);
+  Judgement TurnAway(Turnaway why, const NetAddress& source);
+  [[nodiscard]] std::size_t CountVisitorsOf(const NetAddress& source) const;
   [[nodiscard]] std::size_t FindFreeSlot() const;
   [[nodiscard]] Visitor* Find(VisitorId visitor);
   void ForgetAnswered(double now);

@@ -57,6 +57,7 @@ TEST_F(AdminDoorsTest, TheSocketIsItsUsersOwnAndAnswers) {
   EXPECT_EQ(good.text, "0 in, open, tick 0\n");
   EXPECT_FALSE(AskSocket(m_path, "kick 3").isDone);
   EXPECT_FALSE(AskSocket(m_path, std::string(3000, 'a')).isDone);
+  EXPECT_EQ(AskSocket(m_path, "").text, "an order is missing (see help)\n");
   EXPECT_TRUE(AskSocket(m_path, "status").isDone) << "and it lives";
   EXPECT_EQ(AdminSocket::Listen(m_path, queue, error), nullptr);
   EXPECT_NE(error.find("another server answers"), std::string::npos) << error;

@@ -1,8 +1,10 @@
 // Orders, from the line that is given to what players see of it.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "server/admin/orders.h"
 #include "tests/support/game.h"
@@ -110,7 +112,7 @@ TEST_F(OrdersTest, LockKeepsOutAndMuteKeepsStill) {
   client::Client& late = game->AddClient();
   game->Run(0.5);
   EXPECT_EQ(late.ReadState(), client::State::kEnded);
-  EXPECT_NE(late.EndReason().find("lets nobody in"), std::string::npos) << late.EndReason();
+  EXPECT_EQ(late.EndReason(), "the server is locked, its host lets nobody in at present");
   EXPECT_TRUE(Give("unlock").isDone);
   Join("Eve");
 }
@@ -137,14 +139,106 @@ TEST_F(OrdersTest, PlayersWaitBetweenJumpsAndOwnersDoNot) {
 TEST_F(OrdersTest, InvitesAreMadeListedAndRevoked) {
   Start();
   const Answer made = Give("invite watcher for 7d uses 3");
-  ASSERT_EQ(made.lines.size(), 2U);
+  ASSERT_EQ(made.lines.size(), 3U);
   EXPECT_EQ(made.lines[1].rfind("#invite=", 0), 0U);
+  EXPECT_NE(made.lines[2].find("--invites"), std::string::npos) << "it does not outlive the server";
   EXPECT_NE(Give("invites").lines.at(0).find("3 uses left"), std::string::npos);
   EXPECT_TRUE(Give("revoke 1").isDone);
   EXPECT_EQ(Give("invites").lines.at(0), "nobody is invited");
   EXPECT_FALSE(Give("invite king").isDone);
   EXPECT_FALSE(Give("invite for never").isDone);
   EXPECT_FALSE(Give("invite uses 0").isDone);
+}
+
+TEST_F(OrdersTest, WordsComeInAnyOrderAndNoneIsDropped) {
+  Start();
+  const std::string ends = Give("invite uses 3 for 1h").lines.at(0);
+  EXPECT_NE(ends.find("until 2027-01-15 09:00 UTC, 3 uses left"), std::string::npos) << ends;
+  EXPECT_EQ(Give("invite for 1h moderator uses 3").lines.at(0).substr(16), ends.substr(16));
+  Join("Ada");
+  for (const auto& [order, words] :
+       {std::pair{"mute 1 for 1h", "for 1h"}, std::pair{"lock now", "now"}, std::pair{"rank 1 owner please", "please"},
+        std::pair{"invite player for 1h for 2h", "for"}, std::pair{"invite uses 3 times", "times"},
+        std::pair{"invite player watcher", "watcher"}, std::pair{"revoke 1 2", "2"}, std::pair{"unban 1 2", "2"},
+        std::pair{"protect on all", "all"}}) {
+    const Answer answer = Give(order);
+    EXPECT_FALSE(answer.isDone) << order;
+    EXPECT_NE(answer.lines.at(0).find(words), std::string::npos) << order << ": " << answer.lines.at(0);
+  }
+  EXPECT_FALSE(game->server.IsLocked());
+  EXPECT_FALSE(game->server.ListPlayers(game->now).at(0).isMuted);
+  EXPECT_EQ(Give("invites").lines.size(), 2U) << "the refused ones were not made";
+  EXPECT_FALSE(Give("say " + std::string(200, 'a')).isDone) << "rather than half of it";
+}
+
+TEST_F(OrdersTest, BansAreNamedByWhomTheyKeepOut) {
+  Start();
+  for (const char* whom : {"10.0.0.0/8", "999.1.1.1", "host.example", "account:x"}) {
+    const Answer answer = Give(std::string("ban ") + whom);
+    EXPECT_FALSE(answer.isDone);
+    EXPECT_NE(answer.lines.at(0).find("neither a player's number"), std::string::npos) << answer.lines.at(0);
+    EXPECT_NE(answer.lines.at(0).find(whom), std::string::npos) << answer.lines.at(0);
+  }
+  EXPECT_NE(Give("ban 7").lines.at(0).find("no player has the number 7"), std::string::npos);
+  EXPECT_NE(Give("unban").lines.at(0).find("name a ban"), std::string::npos);
+  EXPECT_NE(Give("revoke").lines.at(0).find("name an invite"), std::string::npos);
+  EXPECT_NE(Give("").lines.at(0).find("an order is missing"), std::string::npos);
+
+  EXPECT_TRUE(Give("ban 192.0.2.7 for 2h floods").isDone);
+  EXPECT_TRUE(Give("ban 192.0.2.7 floods again for 4h").isDone);
+  EXPECT_TRUE(Give("ban 2001:db8:1:2::3").isDone);
+  EXPECT_TRUE(Give("ban account:7 for ever").isDone);
+  const std::vector<std::string> bans = Give("bans").lines;
+  ASSERT_EQ(bans.size(), 3U) << "the second of an address takes the place of the first";
+  EXPECT_NE(bans[0].find("12:00 UTC, floods again"), std::string::npos) << bans[0];
+  EXPECT_FALSE(Give("unban 192.0.2.8").isDone);
+  EXPECT_FALSE(Give("unban 192.0.2.0/24").isDone);
+  EXPECT_TRUE(Give("unban 192.0.2.7").isDone);
+  EXPECT_TRUE(Give("unban 2001:db8:1:2::4").isDone) << "of the same /64";
+  EXPECT_TRUE(Give("unban account:7").isDone);
+  EXPECT_EQ(Give("bans").lines.at(0), "nobody is banned");
+}
+
+TEST_F(OrdersTest, WhoIsBannedReadsUntilWhenAndWhy) {
+  Start();
+  game->admission = {.from = transport::ParseIp("192.0.2.7").value()};
+  client::Client& ada = Join("Ada");
+  ASSERT_TRUE(Give("ban 1 for 2h cuts everything").isDone);
+  game->Run(0.5);
+  EXPECT_NE(ada.EndReason().find("until 2027-01-15 10:00 UTC, cuts everything"), std::string::npos) << ada.EndReason();
+}
+
+TEST_F(OrdersTest, ARevokedInviteTakesItsRankAlong) {
+  Start();
+  ASSERT_TRUE(Give("invite moderator").isDone);
+  ASSERT_TRUE(Give("invite watcher").isDone);
+  game->admission = {.rank = Rank::kModerator, .invite = 1};
+  client::Client& ada = Join("Ada");
+  Join("Bob");
+  game->admission = {.rank = Rank::kWatcher, .invite = 2};
+  Join("Cy");
+  game->admission = {.rank = Rank::kModerator};
+  Join("Dan");  // by a token
+  EXPECT_TRUE(Give("rank 2 owner").isDone) << "appointed, apart from its invite";
+  std::vector<std::string> notices;
+  ada.OnNotice([&](const std::string& line) { notices.push_back(line); });
+  const Answer refused = Give("revoke 1", {.rank = Rank::kModerator, .client = 4});
+  EXPECT_FALSE(refused.isDone) << "moderators do not demote their equals";
+  const Answer revoked = Give("revoke 1");
+  ASSERT_TRUE(revoked.isDone);
+  EXPECT_EQ(revoked.lines.at(1), "1 of those who are in is a player now");
+  game->Run(0.5);
+  ASSERT_EQ(notices.size(), 1U);
+  EXPECT_NE(notices[0].find("invite"), std::string::npos) << notices[0];
+  ada.Order("kick 3");
+  game->Run(0.5);
+  ASSERT_EQ(notices.size(), 2U);
+  EXPECT_NE(notices[1].find("you are player"), std::string::npos) << notices[1];
+  EXPECT_TRUE(Give("revoke 2", {.rank = Rank::kModerator, .client = 4}).isDone);
+  const std::vector<server::Server::Player> players = game->server.ListPlayers(game->now);
+  ASSERT_EQ(players.size(), 4U);
+  const std::array kRanks{Rank::kPlayer, Rank::kOwner, Rank::kWatcher, Rank::kModerator};
+  for (std::size_t i = 0; i < kRanks.size(); ++i) EXPECT_EQ(players[i].admission.rank, kRanks[i]) << players[i].name;
 }
 
 TEST_F(OrdersTest, AnyLineIsAnswered) {

@@ -71,6 +71,7 @@ TEST(Metrics, SayWhatTheServerDoes) {
   auto& raw = watched.game.AddRaw();
   watched.Run(0.5);
   raw.Send(transport::Channel::kControl, {1, 2, 3});
+  watched.game.turnaways[static_cast<std::size_t>(transport::Turnaway::kPassword)].count = 7;
   watched.Run(3);
   const std::string text = watched.Write();
   const auto read = [&](const std::string& series) { return ReadSeries(text, series); };
@@ -96,6 +97,8 @@ TEST(Metrics, SayWhatTheServerDoes) {
   EXPECT_GT(read("wobble_snapshot_error_ratio_sum"), 0);
   EXPECT_EQ(read("wobble_messages_dropped_total{reason=\"malformed\"}"), 1);
   EXPECT_EQ(read("wobble_client_goodbyes_total{reason=\"no_hello\"}"), 1) << "the raw one said none for 3 s";
+  EXPECT_EQ(read("wobble_client_refusals_total{reason=\"wrong_password\"}"), 7);
+  EXPECT_EQ(read("wobble_client_refusals_total{reason=\"banned\"}"), 0);
   EXPECT_EQ(read("wobble_bodies{state=\"awake\"}") + read("wobble_bodies{state=\"asleep\"}"), 2);
   EXPECT_GT(read("wobble_substeps_per_body_tick_sum"), read("wobble_substeps_per_body_tick_count"));
   EXPECT_GT(read("wobble_world_energy_joules{kind=\"gravity\"}"), 0);

@@ -1,7 +1,5 @@
 // The server's log: whatever strangers send, no line holds a byte that a terminal obeys.
 #include <gtest/gtest.h>
-#include <spdlog/sinks/ostream_sink.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <sstream>
@@ -9,6 +7,7 @@
 
 #include "protocol/text.h"
 #include "tests/support/game.h"
+#include "tests/support/log_catcher.h"
 
 namespace wobble::server {
 namespace {
@@ -18,25 +17,8 @@ using protocol::wire::Role;
 using test::Game;
 using transport::Channel;
 
-// Everything that is logged while it lives.
-class LogCatcher {
- public:
-  LogCatcher() : m_before(spdlog::default_logger()) {
-    auto logger = std::make_shared<spdlog::logger>("caught", std::make_shared<spdlog::sinks::ostream_sink_st>(m_text));
-    logger->set_level(spdlog::level::trace);
-    logger->set_pattern("%v");
-    spdlog::set_default_logger(logger);
-  }
-  ~LogCatcher() { spdlog::set_default_logger(m_before); }
-  [[nodiscard]] std::string Text() const { return m_text.str(); }
-
- private:
-  std::ostringstream m_text;
-  std::shared_ptr<spdlog::logger> m_before;
-};
-
 TEST(ServerLog, HasNoByteThatATerminalObeys) {
-  const LogCatcher caught;
+  const test::LogCatcher caught;
   Game game(test::MakeYard());
   const std::vector<std::string> names{"Eve\x1b[2J\nroot logged in",
                                        "\xC2\x9B"

@@ -17,6 +17,8 @@ TEST(Summary, HasEveryKeyWithATrueValue) {
   game.AddClient();
   game.Run(3);
   game.clients[1]->Leave(game.now);
+  game.turnaways[static_cast<std::size_t>(transport::Turnaway::kPassword)].count = 7;
+  game.turnaways[static_cast<std::size_t>(transport::Turnaway::kBanned)].count = 2;
   game.Run(1);
   TickTimes times(0.016);
   for (int i = 0; i < 200; ++i) times.Record(i == 7 ? 0.020 : 0.002);
@@ -57,6 +59,7 @@ TEST(Summary, HasEveryKeyWithATrueValue) {
   EXPECT_NEAR(json["tick_ms_p99"].get<double>(), 2.0, 0.011);
   EXPECT_NEAR(json["tick_ms_max"].get<double>(), 20, 1e-9);
   EXPECT_EQ(json["overruns"], 1);
+  EXPECT_EQ(json["refusals"], 9);
   EXPECT_EQ(json["bodies"], 2);  // the ball and the one player left
   EXPECT_GT(json["awake_mean"].get<double>(), 2);
   EXPECT_LT(json["awake_mean"].get<double>(), 3);

@@ -226,6 +226,45 @@ TEST_F(DoorTest, SaysWhyNot) {
   EXPECT_EQ(enter(3, "ok"), Refusal::kFull);
   EXPECT_EQ(door.CountVisitors(), 4U);
   EXPECT_EQ(door.Counts().refused, 4U);
+  const auto count = [&](Turnaway why) { return door.Counts().turnaways[static_cast<std::size_t>(why)].count; };
+  EXPECT_EQ(count(Turnaway::kPassword), 1U);
+  EXPECT_EQ(count(Turnaway::kTooManyFromAddress), 1U);
+  EXPECT_EQ(count(Turnaway::kFull), 2U);
+  EXPECT_EQ(door.Counts().turnaways[static_cast<std::size_t>(Turnaway::kFull)].last, MakeAddress(10, 0, 0, 3, 1));
+}
+
+// A server's own user shows an owner's key by itself; where it does not fit, nobody has asked for it.
+TEST_F(DoorTest, AKeyThatWasNotAskedForIsNotShownTwice) {
+  class OpenJudge final : public Judge {
+   public:
+    [[nodiscard]] bool WantsCredential() const override { return false; }
+    [[nodiscard]] NetAddress FindSource(Credential&, const NetAddress& from) override { return from; }
+    [[nodiscard]] Judgement Decide(const Credential& credential, const NetAddress&) override {
+      shown.push_back(credential.kind);
+      return {.refusal = credential.kind == Credential::Kind::kNone ? Refusal::kNone : Refusal::kBadCredential};
+    }
+    std::vector<Credential::Kind> shown;
+  };
+  Door::Settings settings;
+  const auto judge = std::make_shared<OpenJudge>();
+  settings.judge = judge;
+  Open(settings);
+  Caller caller = MakeCaller({.ownServer = m_door->ServerKey(), .ownCredential = {Credential::Kind::kOwnerKey, {1}}});
+  EXPECT_FALSE(Enter(caller).isNew);
+  EXPECT_EQ(caller.ReadState(), Caller::State::kRequesting);
+  Ask(caller);
+  Bytes again;
+  caller.FindDue(now, again);
+  const Taken taken = Knock(kHome, again);
+  EXPECT_TRUE(taken.isNew);
+  EXPECT_EQ(taken.plain, MakeConnect(9)) << "what ENet had sent before";
+  static_cast<void>(caller.TakeDatagram(taken.answer, now));
+  EXPECT_EQ(caller.ReadState(), Caller::State::kIn);
+  EXPECT_EQ(judge->shown, (std::vector{Credential::Kind::kOwnerKey, Credential::Kind::kNone}));
+
+  Caller insists = MakeCaller({.credential = {Credential::Kind::kOwnerKey, {1}}});
+  static_cast<void>(Enter(insists, MakeAddress(192, 0, 2, 2, 5000)));
+  EXPECT_EQ(insists.ReadState(), Caller::State::kRefused) << "what somebody gave is not left out";
 }
 
 // A password is guessed ten times, then once in five seconds; the right one is not heard meanwhile either.
@@ -245,6 +284,9 @@ TEST_F(DoorTest, ASubnetMayNotGuessForLong) {
   for (int i = 0; i < 40; ++i) EXPECT_EQ(enter(1, here), Refusal::kBadCredential);
   EXPECT_EQ(judge->judged, 10);
   EXPECT_EQ(enter(7, here), Refusal::kBadCredential);
+  const DoorCounts counts = m_door->Counts();
+  EXPECT_EQ(counts.turnaways[static_cast<std::size_t>(Turnaway::kPassword)].count, 10U);
+  EXPECT_EQ(counts.turnaways[static_cast<std::size_t>(Turnaway::kTooManyGuesses)].count, 31U);
   EXPECT_EQ(enter(7, there), Refusal::kNone);
   now += 5.1;
   EXPECT_EQ(enter(7, here), Refusal::kNone);
