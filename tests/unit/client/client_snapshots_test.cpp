@@ -77,7 +77,7 @@ TEST_F(ClientTest, MeasuresFromInputToSnapshotAndAge) {
   EXPECT_EQ(arrivals[2].inputToSnapshot, -1);
   EXPECT_NEAR(client->ReadStatistics().inputToSnapshot, 0.080, 1e-9);
   // This packet came 80 ms later than the welcome, which had no delay; the trip counts half of 80 ms less a tick.
-  EXPECT_NEAR(arrivals[0].age, 0.080 + (0.080 - 1.0 / kTickHz) / 2, 1e-6);
+  EXPECT_NEAR(arrivals[0].age, 0.080 + (0.080 - 0.5 / kTickHz) / 2, 1e-6);
 }
 
 TEST_F(ClientTest, IgnoresDuplicateAndAncientPackets) {
