@@ -9,7 +9,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "protocol/basis_reader.h"
+#include "protocol/codec/basis_reader.h"
 #include "protocol/snapshot.h"
 #include "protocol/text.h"
 

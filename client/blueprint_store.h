@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "client/client.h"
-#include "protocol/basis_reader.h"
+#include "protocol/codec/basis_reader.h"
 
 namespace wobble::client {
 

@@ -16,9 +16,9 @@
 
 #include "client/curve.h"
 #include "client/statistics.h"
+#include "protocol/codec/patch_model.h"
 #include "protocol/geometry.h"
 #include "protocol/messages.h"
-#include "protocol/patch_model.h"
 #include "protocol/transport/transport.h"
 
 namespace wobble::client {
@@ -140,8 +140,8 @@ struct SnapshotArrival {
   std::uint32_t tick = 0;
   // Time from the packet's tick to its arrival: how much later it came than the fastest packet of the last half minute,
   // plus that packet's trip. The trip cannot be measured from one end; half of the smallest inputToSnapshot of the last
-  // half minute is taken for it, less half a tick: an input waits for up to a tick before it is used. So it is true to a
-  // quarter of a tick where both ways take equally long.
+  // half minute is taken for it, less half a tick: an input waits for up to a tick before it is used. So it is true to
+  // a quarter of a tick where both ways take equally long.
   double age = 0;
   // Time from first sending an input to this packet, when it is the first of a world that has used the input; else -1.
   double inputToSnapshot = -1;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "client/client.h"
-#include "protocol/pose.h"
+#include "protocol/codec/pose.h"
 
 namespace wobble::client {
 

@@ -11,7 +11,7 @@
 #include "client/newest_poses.h"
 #include "client/world_time.h"
 #include "protocol/acknowledgement.h"
-#include "protocol/shape_codec.h"
+#include "protocol/codec/shape_codec.h"
 #include "protocol/snapshot.h"
 
 namespace wobble::client {

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
+#include "protocol/codec/shape_codec.h"
 #include "protocol/messages.h"
-#include "protocol/shape_codec.h"
 
 namespace wobble::client {
 

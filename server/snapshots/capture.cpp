@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "protocol/basis_reader.h"
+#include "protocol/codec/basis_reader.h"
 #include "protocol/snapshot.h"
 #include "server/physics/inspect.h"
 

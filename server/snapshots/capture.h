@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
+#include "protocol/codec/patch_model.h"
 #include "protocol/geometry.h"
 #include "protocol/messages.h"
-#include "protocol/patch_model.h"
 #include "server/physics/world.h"
 #include "server/play/tuning.h"
 #include "server/play/workshop.h"

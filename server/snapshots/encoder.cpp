@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "protocol/shape_codec.h"
+#include "protocol/codec/shape_codec.h"
 #include "protocol/snapshot.h"
 #include "server/physics/model/parallel.h"
 

@@ -13,7 +13,7 @@
 #include <random>
 #include <thread>
 
-#include "protocol/basis_reader.h"
+#include "protocol/codec/basis_reader.h"
 #include "protocol/messages.h"
 #include "protocol/snapshot.h"
 

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <optional>
 
-#include "protocol/flat_sides.h"
-#include "protocol/patch_model.h"
+#include "protocol/codec/flat_sides.h"
+#include "protocol/codec/patch_model.h"
 
 namespace wobble::server {
 namespace {

@@ -12,8 +12,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "protocol/basis_completion.h"
-#include "protocol/basis_reader.h"
+#include "protocol/codec/basis_completion.h"
+#include "protocol/codec/basis_reader.h"
 #include "protocol/random.h"
 #include "protocol/snapshot.h"
 #include "server/snapshots/capture.h"

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "protocol/basis.h"
+#include "protocol/codec/basis.h"
 #include "server/physics/world.h"
 #include "server/snapshots/capture.h"
 #include "server/training/basis_statistics.h"

@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "client/wasm/decoded_hash.h"
-#include "protocol/basis_reader.h"
-#include "protocol/contexts.h"
-#include "protocol/shape_codec.h"
+#include "protocol/codec/basis_reader.h"
+#include "protocol/codec/contexts.h"
+#include "protocol/codec/shape_codec.h"
 #include "protocol/snapshot.h"
 
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <memory>
 
-#include "protocol/basis_reader.h"
+#include "protocol/codec/basis_reader.h"
 
 namespace wobble::fuzz {
 

@@ -1,7 +1,7 @@
 // A serialised basis: the first byte chooses the number of vertices (1 to 16), the others are read.
 //
 // Beyond memory safety: a basis that is accepted is nearly orthonormal, whatever modes and matrices were sent.
-#include "protocol/basis_reader.h"
+#include "protocol/codec/basis_reader.h"
 
 #include <cmath>
 

@@ -1,7 +1,7 @@
 // One shape payload: the first byte chooses the basis, or none, and the vertex count; the others are decoded.
 //
 // Beyond memory safety: a decoded shape is finite with a unit rotation, and DecodePose reads the same pose.
-#include "protocol/shape_codec.h"
+#include "protocol/codec/shape_codec.h"
 
 #include <cmath>
 

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "protocol/shape_codec.h"
+#include "protocol/codec/shape_codec.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace wobble::fuzz {

@@ -14,7 +14,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "protocol/shape_codec.h"
+#include "protocol/codec/shape_codec.h"
 #include "protocol/snapshot.h"
 #include "tests/support/game.h"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <random>
 
-#include "protocol/basis.h"
+#include "protocol/codec/basis.h"
 
 namespace wobble::test {
 

@@ -52,7 +52,7 @@ const std::string kLanes = "server/physics/lanes/", kModel = "server/physics/mod
                   kContact = "server/physics/contact/", kMethods = "server/physics/methods/",
                   kShapes = "server/physics/shapes/", kStep = "server/physics/step/", kPhysics = "server/physics/",
                   kScenes = "server/scenes/", kTiming = "server/timing/", kPlay = "server/play/",
-                  kSnapshots = "server/snapshots/", kProtocol = "protocol/",
+                  kSnapshots = "server/snapshots/", kProtocol = "protocol/", kCodec = "protocol/codec/",
                   kVestibule = "protocol/transport/vestibule/", kClient = "client/";
 // The headers of the client library itself, without the rooms of the commands.
 const Strings kCommandReach{kClient, kProtocol};
@@ -80,10 +80,7 @@ const std::vector<Room> kRooms{
     {"server/ops/agones", {"server/ops/"}, {"httplib.h", "signal.h", "spdlog/"}, {}},
     {"server/ops/fleet_duty", {}, {}, kClockFileLog},
     {"server/ops/http_listener", {}, {"boost/", "fmt/"}, {}},
-    {"server/ops/",
-     {"server/", kProtocol},
-     Join(kSystem, {"fmt/", "nlohmann/", "prometheus/", "spdlog/"}),
-     kClock},
+    {"server/ops/", {"server/", kProtocol}, Join(kSystem, {"fmt/", "nlohmann/", "prometheus/", "spdlog/"}), kClock},
     {"server/main", {"server/", kProtocol}, Join(kSystem, {"CLI/", "fmt/", "nlohmann/", "spdlog/"}), {}},
     {"server/options",
      {"server/config.h", "server/admission/", kScenes, kPhysics, kPlay, kTiming, kSnapshots, kProtocol},
@@ -114,7 +111,8 @@ const std::vector<Room> kRooms{
     // It alone knows the cryptographic library.
     {kVestibule, {kProtocol}, Join(kSystem, {"sodium.h"}), kClockFileLog},
     {"protocol/transport/", {kProtocol}, Join(kSystem, {"enet/"}), kClockFileLog},
-    {kProtocol, {}, {"flatbuffers/", "immintrin.h"}, kPortable},
+    {kCodec, {kProtocol}, {"flatbuffers/", "immintrin.h"}, kPortable},
+    {kProtocol, {}, {"flatbuffers/"}, kPortable},
     {"client/bots/", kCommandReach, Join(kSystem, {"CLI/", "lua.hpp", "nlohmann/"}), {}},
     {"client/command/", kCommandReach, Join(kSystem, {"CLI/"}), {}},
     {"client/terminal/", kCommandReach, Join(kSystem, {"CLI/"}), {}},
@@ -136,7 +134,8 @@ const std::vector<Room> kRooms{
 const Strings kSockets{kVestibule, "protocol/transport/enet", "protocol/transport/link", "protocol/transport/relay",
                        "protocol/transport/virtual"};
 const std::map<std::string, Strings> kRefused{
-    {kProtocol, {"protocol/transport/"}},
+    {kProtocol, {"protocol/transport/", kCodec}},
+    {kCodec, {"protocol/transport/"}},
     {kClient, Join(kSockets, {"client/admin/", "client/bots/", "client/command/", "client/files/", "client/gateway/",
                               "client/health/", "client/link/", "client/play/", "client/terminal/", "client/token/",
                               "client/wasm/"})},
@@ -145,8 +144,8 @@ const std::map<std::string, Strings> kRefused{
 };
 
 const Strings kMeetingPlaces{"server/session.", kSnapshots, "server/training/", "server/main.", "server/ops/"};
-const Strings kTypedProtocolHeaders{"protocol/geometry.h", "protocol/messages", "protocol/pose.h",
-                                    "protocol/shape_codec.h"};
+const Strings kTypedProtocolHeaders{"protocol/geometry.h", "protocol/messages", "protocol/codec/pose.h",
+                                    "protocol/codec/shape_codec.h"};
 
 bool BeginsWith(const std::string& text, const std::string& prefix) { return text.rfind(prefix, 0) == 0; }
 bool BeginsWithOneOf(const std::string& text, const Strings& prefixes) {
@@ -354,7 +353,7 @@ TEST(Layering, TheCheckerSeesEachOffence) {
        {"play/hands.cpp: may not reach protocol/limits.h"}},
       {"client/client.cpp",
        {{"client/client.cpp", "#include \"protocol/pose.h\"\n"},
-        {"protocol/pose.h", "#include \"server/physics/world.h\"\n"}},
+        {"protocol/codec/pose.h", "#include \"server/physics/world.h\"\n"}},
        {"client/client.cpp: may not reach server/physics/world.h"}},
       alone("server/timing/tick_clock.h", "#include \"server/config.h\"\n", {"may not reach server/config.h"}),
       alone("server/scenes/loader.cpp", "#include \"server/physics/world.h\"\n#include <toml++/toml.h>\n", {}),
@@ -368,7 +367,7 @@ TEST(Layering, TheCheckerSeesEachOffence) {
       alone("server/ops/fleet_duty.cpp", "#include <chrono>\n", {"fleet_duty.cpp:1: chrono"}),
       alone("server/server.cpp", "#include \"server/physics/world.h\"\n#include \"protocol/snapshot.h\"\n", {}),
       alone("server/server.cpp", "#include \"server/physics/world.h\"\n#include \"protocol/pose.h\"\n",
-            {"server.cpp:2: protocol/pose.h makes physics meet"}),
+            {"server.cpp:2: protocol/codec/pose.h makes physics meet"}),
       alone("server/snapshots/capture.cpp", "#include \"server/physics/world.h\"\n#include \"protocol/pose.h\"\n", {}),
       alone("protocol/pose.cpp", "#include <Eigen/Core>\n#include <ranges>\n",
             {"pose.cpp:1: Eigen", "pose.cpp:2: ranges"}),

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "protocol/codec/shape_codec.h"
 #include "protocol/geometry.h"
-#include "protocol/shape_codec.h"
 #include "tests/bench/codec/recording.h"
 
 namespace wobble::bench {

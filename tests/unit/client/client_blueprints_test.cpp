@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "protocol/basis.h"
+#include "protocol/codec/basis.h"
 #include "tests/support/basis_source.h"
 #include "tests/unit/client/scripted_server.h"
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "client/client.h"
-#include "protocol/pose.h"
-#include "protocol/shape_codec.h"
+#include "protocol/codec/pose.h"
+#include "protocol/codec/shape_codec.h"
 #include "protocol/snapshot.h"
 
 namespace wobble::client {

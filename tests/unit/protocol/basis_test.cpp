@@ -1,5 +1,5 @@
 // Bases: orthonormal with any number of modes sent, the same bits on every machine, and safe against any bytes.
-#include "protocol/basis_reader.h"
+#include "protocol/codec/basis_reader.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // The sums of modes in pairs against those of one mode at a time.
-#include "protocol/mode_sums.h"
+#include "protocol/codec/mode_sums.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 #include <vector>
 
-#include "protocol/basis_reader.h"
+#include "protocol/codec/basis_reader.h"
 #include "tests/support/basis_source.h"
 
 namespace wobble::protocol {

@@ -1,5 +1,5 @@
 // The quantised pose: its error, its borders, and bits that are no pose.
-#include "protocol/pose.h"
+#include "protocol/codec/pose.h"
 
 #include <gtest/gtest.h>
 

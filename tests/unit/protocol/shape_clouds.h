@@ -10,11 +10,11 @@
 #include <random>
 #include <vector>
 
-#include "protocol/basis_reader.h"
+#include "protocol/codec/basis_reader.h"
+#include "protocol/codec/pose.h"
+#include "protocol/codec/shape_codec.h"
 #include "protocol/limits.h"
 #include "protocol/messages.h"
-#include "protocol/pose.h"
-#include "protocol/shape_codec.h"
 #include "protocol/snapshot.h"
 
 namespace wobble::protocol::clouds {

@@ -1,7 +1,7 @@
 // The shape codec: decoded vertices are within the stated error, which the encoder reports as it is.
 //
 // Errors are measured independently of the encoder, in the world and in doubles; its figures are compared with them.
-#include "protocol/shape_codec.h"
+#include "protocol/codec/shape_codec.h"
 
 #include <gtest/gtest.h>
 

@@ -5,9 +5,9 @@
 #include <array>
 #include <random>
 
-#include "protocol/basis_reader.h"
-#include "protocol/shape_codec.h"
-#include "protocol/shape_layout.h"
+#include "protocol/codec/basis_reader.h"
+#include "protocol/codec/shape_codec.h"
+#include "protocol/codec/shape_layout.h"
 #include "tests/unit/damage.h"
 #include "tests/unit/protocol/shape_clouds.h"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "protocol/shape_codec.h"
+#include "protocol/codec/shape_codec.h"
 #include "protocol/snapshot.h"
 #include "server/physics/shapes/ball.h"
 #include "server/physics/world.h"

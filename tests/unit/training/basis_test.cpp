@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "protocol/shape_codec.h"
+#include "protocol/codec/shape_codec.h"
 #include "protocol/snapshot.h"
 #include "server/physics/shapes/ball.h"
 #include "server/scenes/loader.h"

@@ -1,4 +1,4 @@
-#include "protocol/basis.h"
+#include "protocol/codec/basis.h"
 
 namespace wobble::protocol {
 namespace {

@@ -1,11 +1,11 @@
 // All arithmetic up to the sum of modes is in integers that wrap: a record made to overflow decodes to nonsense, but to
 // the same nonsense everywhere. The encoder decodes its own numbers and never sends any that overflow.
-#include "protocol/shape_codec.h"
+#include "protocol/codec/shape_codec.h"
 
 #include <cassert>
 
-#include "protocol/contexts.h"
-#include "protocol/shape_layout.h"
+#include "protocol/codec/contexts.h"
+#include "protocol/codec/shape_layout.h"
 
 namespace wobble::protocol {
 namespace {

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "protocol/basis.h"
-#include "protocol/contexts.h"
+#include "protocol/codec/basis.h"
+#include "protocol/codec/contexts.h"
 
 namespace wobble::protocol {
 

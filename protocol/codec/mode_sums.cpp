@@ -1,7 +1,7 @@
 // Two modes at a time: AVX2 multiplies pairs of int16 and adds the two products in one instruction, where one mode at a
 // time takes a widening, a multiplication of 32 bits and a load and store of the sums. A tile of 64 rows stays in eight
 // registers while all modes pass. Values beyond int16 (a body far out of shape at a fine step) go one at a time.
-#include "protocol/mode_sums.h"
+#include "protocol/codec/mode_sums.h"
 
 #include <cassert>
 #include <cstring>

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "protocol/basis.h"
+#include "protocol/codec/basis.h"
 
 namespace wobble::protocol {
 

@@ -1,4 +1,4 @@
-#include "protocol/flat_sides.h"
+#include "protocol/codec/flat_sides.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "protocol/patch_model.h"
+#include "protocol/codec/patch_model.h"
 
 #include <cassert>
 

@@ -2,7 +2,7 @@
 // all clients get the same bits. Sums run over rows in ascending order; the inner loops run over columns, which the
 // compiler may vectorise without changing any of them. Gram–Schmidt on unit vectors would be simpler, but its last
 // vectors would consist of rounding errors.
-#include "protocol/basis_completion.h"
+#include "protocol/codec/basis_completion.h"
 
 #include <algorithm>
 #include <array>

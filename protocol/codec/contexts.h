@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <span>
 
-#include "protocol/range_coder.h"
+#include "protocol/codec/range_coder.h"
 
 namespace wobble::protocol {
 

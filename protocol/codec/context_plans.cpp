@@ -1,4 +1,4 @@
-#include "protocol/context_plans.h"
+#include "protocol/codec/context_plans.h"
 
 #include <algorithm>
 

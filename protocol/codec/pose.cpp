@@ -1,4 +1,4 @@
-#include "protocol/pose.h"
+#include "protocol/codec/pose.h"
 
 #include <algorithm>
 #include <array>

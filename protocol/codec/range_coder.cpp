@@ -1,4 +1,4 @@
-#include "protocol/range_coder.h"
+#include "protocol/codec/range_coder.h"
 
 namespace wobble::protocol {
 

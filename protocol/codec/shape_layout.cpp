@@ -1,4 +1,4 @@
-#include "protocol/shape_layout.h"
+#include "protocol/codec/shape_layout.h"
 
 #include <algorithm>
 

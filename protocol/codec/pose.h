@@ -10,8 +10,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "protocol/codec/range_coder.h"
 #include "protocol/geometry.h"
-#include "protocol/range_coder.h"
 
 namespace wobble::protocol {
 

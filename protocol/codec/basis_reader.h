@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "protocol/basis.h"
-#include "protocol/basis_completion.h"
+#include "protocol/codec/basis.h"
+#include "protocol/codec/basis_completion.h"
 
 namespace wobble::protocol {
 

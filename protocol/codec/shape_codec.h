@@ -13,12 +13,12 @@
 #include <span>
 #include <vector>
 
-#include "protocol/context_plans.h"
-#include "protocol/flat_sides.h"
+#include "protocol/codec/context_plans.h"
+#include "protocol/codec/flat_sides.h"
+#include "protocol/codec/mode_sums.h"
+#include "protocol/codec/patch_model.h"
+#include "protocol/codec/pose.h"
 #include "protocol/geometry.h"
-#include "protocol/mode_sums.h"
-#include "protocol/patch_model.h"
-#include "protocol/pose.h"
 
 namespace wobble::protocol {
 

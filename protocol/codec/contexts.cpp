@@ -2,7 +2,7 @@
 // vertices, four of each, chasing each other in a room; targets of 0.1, 0.25 and 0.5 % of the size), with thirty
 // coefficients of a Laplace distribution added to each table. The expectations are the mean magnitudes of a Laplace
 // distribution behind a dead zone of 0.6 steps. STANDARD.md repeats both.
-#include "protocol/contexts.h"
+#include "protocol/codec/contexts.h"
 
 namespace wobble::protocol {
 

@@ -1,4 +1,4 @@
-#include "protocol/basis_reader.h"
+#include "protocol/codec/basis_reader.h"
 
 #include <algorithm>
 #include <array>

@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "protocol/contexts.h"
-#include "protocol/pose.h"
-#include "protocol/shape_codec.h"
+#include "protocol/codec/contexts.h"
+#include "protocol/codec/pose.h"
+#include "protocol/codec/shape_codec.h"
 
 namespace wobble::protocol {
 

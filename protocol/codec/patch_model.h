@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "protocol/basis.h"
+#include "protocol/codec/basis.h"
 #include "protocol/geometry.h"
 #include "protocol/messages.h"
 

@@ -7,9 +7,9 @@
 #include <cassert>
 #include <cmath>
 
-#include "protocol/contexts.h"
-#include "protocol/shape_codec.h"
-#include "protocol/shape_layout.h"
+#include "protocol/codec/contexts.h"
+#include "protocol/codec/shape_codec.h"
+#include "protocol/codec/shape_layout.h"
 
 namespace wobble::protocol {
 namespace {
