@@ -130,7 +130,7 @@ BlueprintStore::Step BlueprintStore::CompleteNext(Awaited& awaited, std::size_t&
   return Step::kWorking;
 }
 
-unsigned BlueprintStore::Complete(std::size_t work, const OnDownload& onDownload) {
+unsigned BlueprintStore::Complete(std::size_t& work, const OnDownload& onDownload) {
   unsigned dropped = 0;
   while (!m_awaited.empty() && work > 0) {
     Awaited& awaited = m_awaited.front();

@@ -33,11 +33,11 @@ class BlueprintStore {
   [[nodiscard]] bool AddChunk(const wire::BlueprintChunk& chunk);
 
   // Completes bases of the blueprints that have come whole, in the order in which they came: about `work`
-  // multiplications, so that a program that draws is not held up. A blueprint with its last basis is in force.
-  // onDownload: is then called with its hash and bytes if it was downloaded. Returns the number of blueprints that had
-  // to be dropped for a bad basis.
+  // multiplications, so that a program that draws is not held up, of which the rest stays. A blueprint with its last
+  // basis is in force. onDownload: is then called with its hash and bytes if it was downloaded. Returns the number of
+  // blueprints that had to be dropped for a bad basis.
   using OnDownload = std::function<void(std::uint64_t hash, std::span<const std::uint8_t> bytes)>;
-  unsigned Complete(std::size_t work, const OnDownload& onDownload);
+  unsigned Complete(std::size_t& work, const OnDownload& onDownload);
 
   [[nodiscard]] bool IsCompleting() const { return !m_awaited.empty(); }
 

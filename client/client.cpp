@@ -87,6 +87,7 @@ struct Client::Implementation {
   protocol::WelcomeFields welcome;
   client::Grounds grounds;
   BlueprintStore blueprints;
+  std::size_t workLeft = 0;  // of this Update, for bases
   News news;
   WorldTime time;
   Statistics statistics;
@@ -134,6 +135,7 @@ Client::~Client() = default;
 void Client::Update(double now) {
   assert(now >= m->now);
   m->now = std::max(now, m->now);
+  m->workLeft = m->options.completionWork;
   m->transport->Poll(m->now, [this](const transport::Event& event) { m->TakeIn(event); });
   if (m->leaving && m->now >= m->leaveDeadline) m->End("left");
   m->EndIfLinkFails();
@@ -315,6 +317,7 @@ void Client::Implementation::HandleControl(std::span<const std::uint8_t> bytes) 
     inPlace = HandleWelcome(*fields);
   } else if (const auto* chunk = message->body_as_BlueprintChunk()) {
     inPlace = blueprints.AddChunk(*chunk);
+    CompleteBlueprints();  // at once, if there is time: the next message may need it
   } else if (const auto* rows = message->body_as_HeightRows()) {
     if (welcomed) blueprints.CountOther(2 * rows->heights()->size());
     inPlace = grounds.AddRows(*rows);
@@ -330,7 +333,7 @@ void Client::Implementation::HandleControl(std::span<const std::uint8_t> bytes) 
 
 void Client::Implementation::CompleteBlueprints() {
   statistics.badMessages +=
-      blueprints.Complete(options.completionWork, [this](std::uint64_t hash, std::span<const std::uint8_t> bytes) {
+      blueprints.Complete(workLeft, [this](std::uint64_t hash, std::span<const std::uint8_t> bytes) {
         if (bytes.size() > protocol::kBlueprintChunkBytes && options.keep) options.keep(hash, bytes);
       });
   StartPlayingWhenComplete();

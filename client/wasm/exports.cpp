@@ -117,6 +117,7 @@ EMSCRIPTEN_KEEPALIVE void Build(Session* session) {
 }
 
 // For tests: the hash over everything decoded so far, 64 bits in two halves.
+EMSCRIPTEN_KEEPALIVE void RestartDecodedHash(Session* session) { session->RestartDecodedHash(); }
 EMSCRIPTEN_KEEPALIVE std::uint32_t ReadDecodedHash(Session* session, bool upper) {
   return static_cast<std::uint32_t>(session->DecodedHash() >> (upper ? 32 : 0));
 }

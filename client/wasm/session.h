@@ -53,6 +53,7 @@ class Session {
   void Build(const BuildRequest& request);
   // Over everything decoded so far.
   [[nodiscard]] std::uint64_t DecodedHash() const { return m_decoded.Value(); }
+  void RestartDecodedHash() { m_decoded = {}; }
 
  private:
   void NoteDownload(std::uint64_t hash, std::span<const std::uint8_t> bytes);

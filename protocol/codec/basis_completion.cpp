@@ -81,6 +81,18 @@ void Completion::BeginPanel(std::size_t first, std::size_t stride, double* panel
   }
 }
 
+std::array<double, kPanel> MultiplyPanel(std::span<const double> row, std::span<const double> matrix) {
+  HalfRow low{}, high{};
+  for (std::size_t j = 0; j < row.size(); ++j) {
+    low += row[j] * LoadHalf(matrix.data() + j * kPanel);
+    high += row[j] * LoadHalf(matrix.data() + j * kPanel + kHalfPanel);
+  }
+  std::array<double, kPanel> sums;
+  StoreHalf(low, sums.data());
+  StoreHalf(high, sums.data() + kHalfPanel);
+  return sums;
+}
+
 std::vector<double> CompleteBasis(std::span<const double> given, std::size_t rows, std::span<const std::size_t> order) {
   Completion completion(given, rows, order);
   while (completion.MakeReflection()) continue;

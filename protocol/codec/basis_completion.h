@@ -1,6 +1,7 @@
 // Completes a few orthonormal vectors to a basis of the whole space, to the same bits on every machine.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstring>
 #include <span>
@@ -52,6 +53,10 @@ class Completion {
   std::vector<double> m_dots;
   std::vector<Reflection> m_reflections;
 };
+
+// The product of a row of numbers with a matrix of as many rows and kPanel columns, row after row. Sums run over the
+// numbers from the first on, side by side.
+[[nodiscard]] std::array<double, kPanel> MultiplyPanel(std::span<const double> row, std::span<const double> matrix);
 
 // All modes that complete the given ones: row i of the order, mode j is at i · (rows − given) + j.
 [[nodiscard]] std::vector<double> CompleteBasis(std::span<const double> given, std::size_t rows,

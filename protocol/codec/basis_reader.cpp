@@ -1,7 +1,6 @@
 #include "protocol/codec/basis_reader.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 
@@ -260,15 +259,7 @@ std::size_t BasisReader::TurnPanel() {
   }
   const std::size_t end = std::min(m_part + kRowsAtOnce, m_rows), rows = end - m_part;
   for (; m_part < end; ++m_part) {
-    HalfRow low{}, high{};
-    for (std::size_t j = 0; j < m_size; ++j) {
-      const double x = m_panels[m_part * m_stride + j];
-      low += x * LoadHalf(m_entries.data() + j * kPanel);
-      high += x * LoadHalf(m_entries.data() + j * kPanel + kHalfPanel);
-    }
-    std::array<double, kPanel> entries;
-    StoreHalf(low, entries.data());
-    StoreHalf(high, entries.data() + kHalfPanel);
+    const auto entries = MultiplyPanel(std::span(m_panels).subspan(m_part * m_stride, m_size), m_entries);
     for (std::size_t c = 0; c < columns; ++c) Put(m_modes + m_begin + m_next + c, m_rowOrder[m_part], entries[c]);
   }
   if (m_part == m_rows) {

@@ -16,6 +16,18 @@ std::string Quote(const std::string& text) {
   return quoted + "'";
 }
 
+// Names of ticks are formats: each % is doubled.
+std::string NameTicks(const std::vector<std::string>& names) {
+  if (names.empty()) return "";
+  std::string ticks = "set xrange [0.5:" + std::to_string(names.size()) + ".5]\nset xtics (";
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    std::string name;
+    for (const char c : names[i]) name += c == '%' ? "%%" : std::string(1, c);
+    ticks += (i > 0 ? ", " : "") + Quote(name) + " " + std::to_string(i + 1);
+  }
+  return ticks + ")\n";
+}
+
 const char* FindStyle(Stroke stroke) {
   switch (stroke) {
     case Stroke::kLine:
@@ -58,6 +70,7 @@ std::string MakeScript(const Plot& plot, const std::string& file) {
          << "\nset ylabel " << Quote(plot.yLabel) << "\nset grid\nset key outside bottom horizontal\n"
          << (plot.logX ? "set logscale x\nset format x '%.0e'\n" : "")
          << (plot.logY ? "set logscale y\nset format y '%.0e'\n" : "") << (plot.yFromZero ? "set yrange [0:]\n" : "")
+         << NameTicks(plot.xNames)
          << (plot.rightLabel.empty() ? "" : "set ytics nomirror\nset y2tics\nset y2range [0:]\nset y2label ")
          << (plot.rightLabel.empty() ? "" : Quote(plot.rightLabel) + "\n")
          << (hasMap ? "set autoscale fix\nplot $map with image pixels notitle, " : "plot ");

@@ -32,9 +32,10 @@ struct Plot {
   std::vector<Series> series = {};
   bool logX = false;
   bool logY = false;
-  Map map = {};                 // no cells: none
-  bool yFromZero = false;       // where a small difference is to look small
-  std::string rightLabel = {};  // empty: there is no axis on the right; it begins at 0
+  Map map = {};                          // no cells: none
+  bool yFromZero = false;                // where a small difference is to look small
+  std::vector<std::string> xNames = {};  // not empty: of x = 1, 2, ..., which are kinds and not quantities
+  std::string rightLabel = {};           // empty: there is no axis on the right; it begins at 0
 };
 
 // Whether gnuplot is to be found on the path.

@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -74,9 +75,11 @@ void Record(scenes::Scene scene, double seconds, std::vector<server::Bases> base
   network.SetConditions(conditions);
   double now = 0;
   server::Server server({}, std::move(scene), network.MakeServer(), now, std::move(bases));
+  // At once, so that what is decoded follows from the messages alone.
+  const client::Options options{.completionWork = std::numeric_limits<std::size_t>::max()};
   std::vector<std::unique_ptr<client::Client>> clients;
-  clients.push_back(std::make_unique<client::Client>(std::make_unique<RecordingTransport>(network.MakeClient(), out),
-                                                     client::Options{}, now));
+  clients.push_back(
+      std::make_unique<client::Client>(std::make_unique<RecordingTransport>(network.MakeClient(), out), options, now));
   for (int i = 0; i < kOthers; ++i) {
     clients.push_back(std::make_unique<client::Client>(network.MakeClient(), client::Options{}, now));
   }

@@ -1,6 +1,6 @@
-// What a native client makes of the messages that a page received: `replay [KEPT ...] < FILE` prints, for each of them
-// that held records, its place, from 0, how many records there have been and the hash of all that was decoded from
-// them.
+// What a native client makes of the messages that a page received: `replay [--from RECORDS] [KEPT ...] < FILE` prints,
+// for each of them that held records, its place, from 0, how many records there have been and the hash of all that was
+// decoded from them, or from those behind the first RECORDS.
 //
 // FILE is messages as the page's WebSocket had them, each behind its length as 32 bits, little-endian. Each KEPT is a
 // file with a whole blueprint, which the client then has from an earlier connection. Nothing is
@@ -9,11 +9,14 @@
 #include <array>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <limits>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "client/client.h"
@@ -46,14 +49,15 @@ wobble::client::KeptBlueprint ReadKept(const char* name) {
   return kept;
 }
 
-void Replay(std::istream& from, std::span<char* const> keptFiles) {
+void Replay(std::istream& from, std::uint64_t hashFrom, std::span<char* const> keptFiles) {
   auto kept = std::make_shared<wobble::client::KeptBlueprints>();
   for (const char* name : keptFiles) kept->push_back(ReadKept(name));
 
   auto owned = std::make_unique<WebSocketTransport>();
   WebSocketTransport& transport = *owned;
   double now = 0;
-  Client client(std::move(owned), {.kept = std::move(kept)}, now);
+  Client client(std::move(owned), {.kept = std::move(kept), .completionWork = std::numeric_limits<std::size_t>::max()},
+                now);
   wobble::wasm::DecodedHash hash;
   client.OnDecoded([&](const wobble::client::DecodedPatch& patch) { hash.Add(patch); });
   transport.Open();
@@ -66,6 +70,7 @@ void Replay(std::istream& from, std::span<char* const> keptFiles) {
     while (!transport.FindOutgoing().empty()) transport.TakeOutgoing();
     if (client.ReadStatistics().records == records) continue;
     records = client.ReadStatistics().records;
+    if (records == hashFrom) hash = {};
     std::printf("%llu %llu %016llx\n", static_cast<unsigned long long>(place), static_cast<unsigned long long>(records),
                 static_cast<unsigned long long>(hash.Value()));
   }
@@ -74,5 +79,11 @@ void Replay(std::istream& from, std::span<char* const> keptFiles) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  Replay(std::cin, std::span<char* const>(argv, static_cast<std::size_t>(argc)).subspan(1));
+  std::span<char* const> words = std::span<char* const>(argv, static_cast<std::size_t>(argc)).subspan(1);
+  std::uint64_t hashFrom = 0;
+  if (words.size() >= 2 && std::string_view(words[0]) == "--from") {
+    hashFrom = std::strtoull(words[1], nullptr, 10);
+    words = words.subspan(2);
+  }
+  Replay(std::cin, hashFrom, words);
 }

@@ -29,6 +29,8 @@ export interface Probe {
   workshop(): { particles: ParticleTag[]; springs: SpringTag[] };
   selected(): { particle: number; spring: number };
   decodedHash(): string;
+  // False, and nothing is done, while blueprints that have come cannot be decoded with yet.
+  restartDecodedHash(): boolean;
 }
 
 declare global {
@@ -91,5 +93,11 @@ export function MakeProbe(app: App): Probe {
     },
     selected: () => ({ particle: app.bodies.selectedParticle, spring: app.bodies.selectedSpring }),
     decodedHash: () => client()?.ReadDecodedHash() ?? '',
+    restartDecodedHash: () => {
+      const present = client();
+      if (present === null || present.IsCompleting()) return false;
+      present.RestartDecodedHash();
+      return true;
+    },
   };
 }

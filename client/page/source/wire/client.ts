@@ -168,11 +168,15 @@ export class Client {
     return ReadScoreboard(this.m_module, this.m_module._ReadScoreboard(this.m_session));
   }
 
+  RestartDecodedHash(): void {
+    this.m_module._RestartDecodedHash(this.m_session);
+  }
+
   ReadForces(): Forces {
     return ReadForces(this.m_module, this.m_module._ReadForces(this.m_session));
   }
 
-  // Hash of everything decoded so far: 64 bits in hexadecimal digits.
+  // Hash of everything decoded since the last restart, or so far: 64 bits in hexadecimal digits.
   ReadDecodedHash(): string {
     const half = (upper: boolean) => this.m_module._ReadDecodedHash(this.m_session, upper) >>> 0;
     return half(true).toString(16).padStart(8, '0') + half(false).toString(16).padStart(8, '0');

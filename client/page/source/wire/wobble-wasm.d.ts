@@ -46,6 +46,7 @@ declare module 'wobble-wasm' {
     _Inspect(session: number, body: number): void;
     _Tune(session: number, kind: number, x: number, y: number, z: number): void;
     _Build(session: number): void;
+    _RestartDecodedHash(session: number): void;
     _ReadDecodedHash(session: number, upper: boolean): number;
     _SetInput(session: number, moveX: number, moveY: number, buttons: number): void;
   }
