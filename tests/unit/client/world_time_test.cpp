@@ -11,6 +11,7 @@ namespace wobble::client {
 namespace {
 
 constexpr double kTick = 1.0 / 60;
+constexpr double kHeldUpAt = 0.6;  // s
 
 struct Trips {
   double least = 0.02;  // s, one way
@@ -21,7 +22,7 @@ struct Play {
   Trips up, down;
   double pollEvery = 0.001;  // s
   double phase = 0;          // of the client's inputs within a tick, share
-  double staleFor = 0;       // s; one snapshot in the first second is stamped so much too early
+  double heldUpFor = 0;      // s, from kHeldUpAt on: what arrives meanwhile is stamped with its beginning
   double seconds = 20;
   double judgeFrom = 5;  // s
 };
@@ -50,8 +51,7 @@ double FindAgeError(const Play& play) {
     }
     const double arrives = taken + draw(play.down);
     double seen = std::ceil(arrives / play.pollEvery) * play.pollEvery;
-    const bool isStale = tick == 30;
-    if (isStale) seen -= play.staleFor;
+    if (seen > kHeldUpAt && seen <= kHeldUpAt + play.heldUpFor) seen = kHeldUpAt;
     const double echo = input > newestInput ? seen - (input + play.phase) * kTick : -1;
     newestInput = input;
     const SnapshotArrival arrival =
@@ -78,7 +78,7 @@ TEST(ClientWorldTime, TheAgeOfSnapshotsIsTrueToAQuarterOfATick) {
 // round trip. It spoils the estimate for half a minute, not for the whole stay.
 TEST(ClientWorldTime, AnEchoTooShortIsForgotten) {
   const Play play{
-      .up = {0.05, 0.01}, .down = {0.05, 0.01}, .phase = 0.3, .staleFor = 0.08, .seconds = 60, .judgeFrom = 35};
+      .up = {0.05, 0.01}, .down = {0.05, 0.01}, .phase = 0.3, .heldUpFor = 0.08, .seconds = 60, .judgeFrom = 35};
   EXPECT_LE(std::fabs(FindAgeError(play)), kTick / 4 + 0.002);
 }
 
