@@ -7,6 +7,7 @@
 #include "server/physics/inspect.h"
 
 #include "server/physics/contact/backtracking.h"
+#include "server/physics/step/losses.h"
 #include "server/physics/world_engine.h"
 
 namespace wobble::physics {
@@ -46,12 +47,19 @@ std::vector<Vector3d> FindElastic(const Subject<Real>& subject) {
 }
 
 template <class Real>
-std::vector<Vector3d> FindDamping(const Subject<Real>& subject) {
+std::vector<Vector3d> FindDamping(const Subject<Real>& subject, double tick) {
   return Collect(subject, [&](std::span<Vector3<Real>> forces) {
     std::vector<Spring<Real>> dashpots = subject.body.springs;
     for (Spring<Real>& dashpot : dashpots) dashpot.stiffness = 0;
     AddSprings<Real>(dashpots, subject.load.stiffnessFactor, subject.state.positions, subject.state.velocities, forces,
                      subject.load.torn);
+    State<Real> slowed = subject.state;
+    std::vector<Real> scratch;
+    ApplyLosses<Real>(subject.blueprint, subject.surfaces, tick, scratch, slowed);
+    for (std::size_t i = 0; i < forces.size(); ++i) {
+      forces[i] +=
+          subject.body.masses[i] / static_cast<Real>(tick) * (slowed.velocities[i] - subject.state.velocities[i]);
+    }
   });
 }
 
@@ -185,7 +193,7 @@ InspectedForces InspectForces(const World& world, BodyId id) {
       subject.surfaces.push_back(MakeSurface<Real>(obstacle, state.origin));
     }
     InspectedForces found{.elastic = FindElastic(subject),
-                          .damping = FindDamping(subject),
+                          .damping = FindDamping(subject, world.Settings().tickDuration),
                           .gas = FindGas(subject),
                           .weight = FindWeight(subject.blueprint, gravity),
                           .contact = FindContacts(world, workspace, body, subject),

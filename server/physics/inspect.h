@@ -15,7 +15,7 @@ class World;
 // planar body.
 struct InspectedForces {
   std::vector<Vector3d> elastic;        // springs with their present stiffness, and repulsion, N
-  std::vector<Vector3d> damping;        // dashpots, N
+  std::vector<Vector3d> damping;        // dashpots, and the losses with which the next tick begins, N
   std::vector<Vector3d> gas;            // with the present puff, less the ambient pressure, N
   std::vector<Vector3d> weight;         // N
   std::vector<Vector3d> contact;        // with obstacles and other bodies, N

@@ -127,7 +127,7 @@ struct Outcome {
 // Scratch of one thread.
 template <class Real>
 struct Scratch {
-  std::vector<Contact<Real>> contacts;
+  PrepareScratch<Real> prepare;
   ContactSearchScratch<Real> search;
   // The batch that the thread steps:
   std::vector<Member<Real>*> members;

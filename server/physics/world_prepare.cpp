@@ -5,6 +5,7 @@
 
 #include "server/physics/pair_search.h"
 #include "server/physics/step/control.h"
+#include "server/physics/step/losses.h"
 
 namespace wobble::physics {
 namespace {
@@ -38,7 +39,7 @@ std::span<const StepForce> FindForcesOn(BodyId body, std::span<const StepForce> 
 
 template <class Real>
 void PrepareMember(const Surroundings& surroundings, const Blueprint& blueprint, const StiffnessRule& stiffness,
-                   Body& body, std::vector<Contact<Real>>& scratch, Member<Real>& member) {
+                   Body& body, PrepareScratch<Real>& scratch, Member<Real>& member) {
   const WorldSettings& settings = surroundings.settings;
   State<Real>& state = std::get<State<Real>>(body.state);
   member.blueprint = &blueprint;
@@ -53,6 +54,7 @@ void PrepareMember(const Surroundings& surroundings, const Blueprint& blueprint,
   for (const Obstacle& obstacle : surroundings.obstacles) {
     member.surfaces.push_back(MakeSurface<Real>(obstacle, state.origin));
   }
+  ApplyLosses<Real>(blueprint, member.surfaces, settings.tickDuration, scratch.gradient, state);
   const Coefficients<Real>& coefficients = blueprint.Read<Real>();
   member.survey = MakeSurvey<Real>(coefficients.masses, state.positions, state.velocities);
   FindContacts<Real>({.surfaces = member.surfaces,
@@ -61,7 +63,7 @@ void PrepareMember(const Surroundings& surroundings, const Blueprint& blueprint,
                       .survey = member.survey,
                       .range = coefficients.contact.range,
                       .duration = static_cast<Real>(settings.tickDuration)},
-                     state.contacts, scratch);
+                     state.contacts, scratch.contacts);
   member.demands = FindSurfaceDemands<Real>(blueprint, member.surfaces, state, double{member.survey.agitation},
                                             settings.tickDuration);
 }
@@ -76,9 +78,9 @@ Box FindTickBox(const Member<Real>& member, double duration) {
 }
 
 template void PrepareMember<float>(const Surroundings&, const Blueprint&, const StiffnessRule&, Body&,
-                                   std::vector<Contact<float>>&, Member<float>&);
+                                   PrepareScratch<float>&, Member<float>&);
 template void PrepareMember<double>(const Surroundings&, const Blueprint&, const StiffnessRule&, Body&,
-                                    std::vector<Contact<double>>&, Member<double>&);
+                                    PrepareScratch<double>&, Member<double>&);
 template Box FindTickBox<float>(const Member<float>&, double);
 template Box FindTickBox<double>(const Member<double>&, double);
 

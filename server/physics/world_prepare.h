@@ -23,11 +23,11 @@ struct Surroundings {
 [[nodiscard]] std::span<const StepForce> FindForcesOn(BodyId body, std::span<const StepForce> stepForces);
 
 // Fills in the member of an awake body for a tick: load, static contacts, survey, what it demands of the substeps.
-// Applies a jump to the body's state and lists its contacts there. Bodies can be prepared in parallel, each thread with
-// a scratch of its own.
+// Applies a jump and the losses of this tick to the body's state and lists its contacts there. Bodies can be prepared
+// in parallel, each thread with a scratch of its own.
 template <class Real>
 void PrepareMember(const Surroundings& surroundings, const Blueprint& blueprint, const StiffnessRule& stiffness,
-                   Body& body, std::vector<Contact<Real>>& scratch, Member<Real>& member);
+                   Body& body, PrepareScratch<Real>& scratch, Member<Real>& member);
 
 // The box round a prepared body, the way that it goes in `duration` s at its present speed, and a margin.
 template <class Real>

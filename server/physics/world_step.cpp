@@ -32,7 +32,7 @@ StepReport World::StepIn(Workspace<Real>& work) {
       const std::uint32_t place = places[i];
       Body& body = m_bodies[place];
       PrepareMember<Real>(surroundings, BlueprintOf(body), FindStiffnessRule(m_settings, m_slots[body.blueprint]), body,
-                          work.scratch.local().contacts, work.members[place]);
+                          work.scratch.local().prepare, work.members[place]);
       work.boxes[place] = FindTickBox(work.members[place], duration);
     });
   };

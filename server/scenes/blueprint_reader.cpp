@@ -37,6 +37,7 @@ void ReadMaterial(TableReader& reader, physics::Material& material) {
   reader.ReadUnchecked("stiffness", material.stiffness);
   reader.ReadUnchecked("damping_ratio", material.dampingRatio);
   reader.ReadUnchecked("friction", material.friction);
+  reader.ReadUnchecked("rolling_resistance", material.rollingResistance);
   reader.ReadUnchecked("restitution", material.restitution);
   reader.ReadUnchecked("contact_stiffness", material.contactStiffness);
   reader.ReadUnchecked("repulsion", material.repulsion);
@@ -45,6 +46,9 @@ void ReadMaterial(TableReader& reader, physics::Material& material) {
 void ReadGas(TableReader& reader, physics::Material& material) {
   reader.ReadUnchecked("gas", material.gas);
   reader.ReadUnchecked("ambient_pressure", material.ambientPressure);
+  double ratio = 0;
+  reader.ReadUnchecked("gas_damping_ratio", ratio);
+  if (reader.Has("gas_damping_ratio")) material.gasDampingRatio = ratio;
 }
 
 void ReadFields(TableReader& reader, physics::BallDefinition& ball) {
@@ -72,6 +76,7 @@ void ReadFields(TableReader& reader, physics::LatticeDefinition& lattice) {
   reader.ReadUnchecked("density", lattice.density);
   reader.ReadUnchecked("damping_ratio", lattice.dampingRatio);
   reader.ReadUnchecked("friction", lattice.friction);
+  reader.ReadUnchecked("rolling_resistance", lattice.rollingResistance);
   reader.ReadUnchecked("restitution", lattice.restitution);
   reader.ReadUnchecked("contact_stiffness", lattice.contactStiffness);
   reader.ReadUnchecked("repulsion", lattice.repulsion);
@@ -140,6 +145,7 @@ void ReadFields(TableReader& reader, physics::GraphDefinition& graph) {
   });
   reader.Read("planar", graph.planar);
   reader.ReadUnchecked("friction", graph.friction);
+  reader.ReadUnchecked("rolling_resistance", graph.rollingResistance);
   reader.ReadUnchecked("restitution", graph.restitution);
   reader.ReadUnchecked("contact_stiffness", graph.contactStiffness);
 }

@@ -51,8 +51,9 @@ std::uint64_t FindHash(const physics::Blueprint& blueprint, const scenes::Scene&
   }
   for (const double mass : blueprint.full.masses) print.Add(mass);
   const physics::Coefficients<double>& full = blueprint.full;
-  for (const double number : {full.gas, full.ambientPressure, full.repulsion, full.drag, full.contact.stiffness,
-                              full.contact.friction, full.contact.damping}) {
+  for (const double number :
+       {full.gas, full.ambientPressure, full.repulsion, full.drag, full.contact.stiffness, full.contact.friction,
+        full.contact.damping, full.contact.rollingResistance, blueprint.gasViscosity}) {
     print.Add(number);
   }
   print.Add(scene.gravity);

@@ -170,7 +170,7 @@ case_throughput() {
 }
 
 case_skip() {
-  expect_report skip "asleep_ratio apart_ratio term_ratio_max empty_cpu" "skip_asleep"
+  expect_report skip "asleep_ratio apart_ratio term_ratio_max settle_s empty_cpu" "skip_asleep"
 }
 
 declare -F "case_$case_name" >/dev/null || {

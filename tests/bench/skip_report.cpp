@@ -1,14 +1,15 @@
 // `wobble_lab skip`: the cost of features that are not in use: sleeping bodies, terms that a blueprint lacks,
-// neighbours out of reach, a server without players.
+// neighbours out of reach, a server without players; and how soon bodies that look at rest sleep.
 #include "tests/bench/skip/experiments.h"
 
 namespace wobble::bench {
 
 void ReportSkip(Bench& bench) {
   constexpr Part kParts[] = {
-      {"asleep", 0.5, &MeasureAsleep},
+      {"asleep", 0.4, &MeasureAsleep},
       {"search", 0.2, &MeasureSearch},
       {"terms", 0.2, &MeasureTerms},
+      {"settling", 0.1, &MeasureSettling},
       {"nobody there", 0.1, &MeasureEmpty},
   };
   MeasureParts(bench, kParts);

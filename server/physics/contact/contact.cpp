@@ -159,6 +159,7 @@ ContactParameters<double> MakeContactParameters(const Material& material, double
   p.stickStiffness = kStickShare * p.stiffness;
   p.stickDamping = 2 * kStickDampingRatio * std::sqrt(p.stickStiffness * vertexMass);
   p.friction = material.friction;
+  p.rollingResistance = material.rollingResistance;
   p.restitution = material.restitution;
   return p;
 }

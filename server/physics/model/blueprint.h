@@ -4,9 +4,11 @@
 // what follows from them once (force coefficients in the kernel's precision, the stability of the body at rest).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,16 +30,21 @@ struct FieldError {
 
 // Physical quantities of a body and of the material of its springs. SI units.
 struct Material {
-  double mass = 8;              // of the whole body, kg
-  double stiffness = 150;       // of each spring, N/m
-  double dampingRatio = 0.2;    // of each spring between its two masses alone; 1: critical
-  double gas = 250;             // nRT of the gas inside, J
-  double ambientPressure = 0;   // outside, Pa; the gas pushes with nRT/V minus this
-  double friction = 0.8;        // Coulomb's coefficient, static and kinetic
-  double restitution = 0.5;     // of a single vertex on a rigid surface
-  double contactStiffness = 0;  // of a vertex against a surface, N/m; 0: kContactStiffnessRatio × stiffness
-  double drag = 0;              // ½ρC of the air at its faces, kg/m³; 0.6 is a plate across the wind
-  double repulsion = 0;         // force between neighbours at distance d is this/d⁴, N·m⁴
+  double mass = 8;            // of the whole body, kg
+  double stiffness = 150;     // of each spring, N/m
+  double dampingRatio = 0.2;  // of each spring between its two masses alone; 1: critical
+  // Of the volume against the stiffness of the gas alone; 1: critical. By default five times dampingRatio, at most 1.
+  std::optional<double> gasDampingRatio = std::nullopt;
+  double gas = 250;                 // nRT of the gas inside, J
+  double ambientPressure = 0;       // outside, Pa; the gas pushes with nRT/V minus this
+  double friction = 0.8;            // Coulomb's coefficient, static and kinetic
+  double restitution = 0.5;         // of a single vertex on a rigid surface
+  double contactStiffness = 0;      // of a vertex against a surface, N/m; 0: kContactStiffnessRatio × stiffness
+  double drag = 0;                  // ½ρC of the air at its faces, kg/m³; 0.6 is a plate across the wind
+  double rollingResistance = 0.03;  // moment on a body that rolls, over normal force and size
+  double repulsion = 0;             // force between neighbours at distance d is this/d⁴, N·m⁴
+
+  [[nodiscard]] double FindGasDampingRatio() const { return gasDampingRatio.value_or(std::min(1.0, 5 * dampingRatio)); }
 };
 inline constexpr double kContactStiffnessRatio = 10;
 
@@ -62,16 +69,17 @@ enum class ContactLaw : std::uint8_t {
 template <class Real>
 struct ContactParameters {
   ContactLaw law = ContactLaw::kPenalty;
-  Real stiffness = 0;       // k: slope of the normal force from `fadeDepth` on, N/m
-  Real fadeDepth = 0;       // δ: depth up to which force and damping grow smoothly, m
-  Real damping = 0;         // of the normal motion beyond δ, N·s/m
-  Real stickStiffness = 0;  // of the stick spring, N/m
-  Real stickDamping = 0;    // of the dashpot beside it, N·s/m
-  Real friction = 0;        // Coulomb's coefficient of this body
-  Real restitution = 0;     // backtracking: speed after a bounce over the speed before
-  Real strength = 0;        // magnetic: K, N·m²
-  Real floorDistance = 0;   // magnetic: d_m; below it the force goes on along its tangent, m
-  Real range = 0;           // contacts are listed up to this distance (magnetic: no force beyond), m; penalty: 0
+  Real stiffness = 0;          // k: slope of the normal force from `fadeDepth` on, N/m
+  Real fadeDepth = 0;          // δ: depth up to which force and damping grow smoothly, m
+  Real damping = 0;            // of the normal motion beyond δ, N·s/m
+  Real stickStiffness = 0;     // of the stick spring, N/m
+  Real stickDamping = 0;       // of the dashpot beside it, N·s/m
+  Real friction = 0;           // Coulomb's coefficient of this body
+  Real rollingResistance = 0;  // C_rr, see step/losses.h
+  Real restitution = 0;        // backtracking: speed after a bounce over the speed before
+  Real strength = 0;           // magnetic: K, N·m²
+  Real floorDistance = 0;      // magnetic: d_m; below it the force goes on along its tangent, m
+  Real range = 0;              // contacts are listed up to this distance (magnetic: no force beyond), m; penalty: 0
 };
 
 // The numbers that the force terms read, in the kernel's precision.
@@ -109,6 +117,8 @@ struct Blueprint {
   // Largest angular frequency at rest, of springs and gas, and its damping rate, 1/s; see methods/stability.h.
   double angularFrequency = 0;
   double dampingRate = 0;
+  double gasDampingRatio = 0;  // Material::gasDampingRatio
+  double gasViscosity = 0;     // c_g of the gas: more pressure per rate of the volume, Pa·s/m³; see step/losses.h
   // The damping rate that drag adds per metre per second of relative speed, 1/m.
   double dragRate = 0;
   GridShape grid;  // set by the shape's maker if the vertices stand in a grid; empty otherwise

@@ -140,6 +140,7 @@ Blueprint MakeBall(const BallDefinition& definition) {
   blueprint.full.masses.assign(sphere.vertices.size(), vertexMass);
   blueprint.full.gas = material.gas;
   blueprint.full.ambientPressure = material.ambientPressure;
+  blueprint.gasDampingRatio = material.FindGasDampingRatio();
   blueprint.full.drag = material.drag;
   SetRepulsion(blueprint, material.repulsion);
   blueprint.full.contact = MakeContactParameters(material, vertexMass, definition.radius);

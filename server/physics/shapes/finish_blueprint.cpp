@@ -19,6 +19,7 @@ ContactParameters<float> ToSingle(const ContactParameters<double>& c) {
           .stickStiffness = static_cast<float>(c.stickStiffness),
           .stickDamping = static_cast<float>(c.stickDamping),
           .friction = static_cast<float>(c.friction),
+          .rollingResistance = static_cast<float>(c.rollingResistance),
           .restitution = static_cast<float>(c.restitution),
           .strength = static_cast<float>(c.strength),
           .floorDistance = static_cast<float>(c.floorDistance),
@@ -105,6 +106,22 @@ double FindDragRate(const Blueprint& blueprint) {
   return rate;
 }
 
+// c_g with which the volume, held by the gas alone, dies out at gasDampingRatio ζ: 2ζω = c_g γ with γ = Σ |∂V/∂xᵢ|²/mᵢ
+// and ω² = γ nRT/V². Planar: with the area.
+double FindGasViscosity(const Blueprint& blueprint) {
+  const Coefficients<double>& full = blueprint.full;
+  if (!(full.gas > 0) || !(blueprint.restVolume > 0)) return 0;
+  Coefficients<double> alone = full;  // of a pressure of 1 Pa, of which the force is the gradient
+  alone.gas = blueprint.restVolume;
+  alone.ambientPressure = 0;
+  alone.floorVolume = 0;
+  std::vector<Vector3d> gradient(blueprint.rest.size(), Vector3d::Zero());
+  AddGas<double>(alone, 1, blueprint.rest, gradient);
+  double perMass = 0;
+  for (std::size_t i = 0; i < gradient.size(); ++i) perMass += gradient[i].squaredNorm() * full.inverseMasses[i];
+  return perMass > 0 ? 2 * blueprint.gasDampingRatio * std::sqrt(full.gas / perMass) / blueprint.restVolume : 0;
+}
+
 }  // namespace
 
 void CheckField(std::vector<FieldError>& errors, const char* field, double value, bool valid, const char* range) {
@@ -163,6 +180,7 @@ void FinishBlueprintButStability(Blueprint& blueprint) {
   blueprint.topology = MakeTopology(full.faces, blueprint.rest.size());
   blueprint.restVolume = FindRestVolume(blueprint);
   full.floorVolume = kFloorVolumeShare * blueprint.restVolume;
+  blueprint.gasViscosity = FindGasViscosity(blueprint);
   blueprint.dragRate = FindDragRate(blueprint);
   FindContactShares(blueprint);
   blueprint.single = ToSingle(full);

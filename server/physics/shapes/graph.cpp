@@ -140,6 +140,7 @@ GraphEdit BuildGraph(const GraphDefinition& definition) {
   graph.full.planar = definition.planar;
   CheckField(edit.errors, "friction", definition.friction, definition.friction >= 0 && definition.friction <= 10,
              "0 to 10");
+  CheckRollingResistance(edit.errors, definition.rollingResistance);
   CheckField(edit.errors, "restitution", definition.restitution,
              definition.restitution >= 0 && definition.restitution <= 1, "0 to 1");
   CheckField(edit.errors, "contact_stiffness", definition.contactStiffness,
@@ -156,6 +157,7 @@ GraphEdit BuildGraph(const GraphDefinition& definition) {
   }
   Material material;
   material.friction = definition.friction;
+  material.rollingResistance = definition.rollingResistance;
   material.restitution = definition.restitution;
   material.contactStiffness = definition.contactStiffness;
   graph.full.contact = MakeContactParameters(material, mass, kParticleSize);

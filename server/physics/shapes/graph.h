@@ -30,10 +30,11 @@ struct GraphDefinition {
   std::string name = "graph";
   std::vector<Particle> particles;
   std::vector<GraphSpring> springs;
-  bool planar = false;             // in the plane y = 0
-  double friction = 0.8;           // Coulomb's coefficient, static and kinetic
-  double restitution = 0.5;        // of a particle on a rigid surface
-  double contactStiffness = 1000;  // of a particle against a surface, N/m
+  bool planar = false;              // in the plane y = 0
+  double friction = 0.8;            // Coulomb's coefficient, static and kinetic
+  double rollingResistance = 0.03;  // moment on a body that rolls, over normal force and size
+  double restitution = 0.5;         // of a particle on a rigid surface
+  double contactStiffness = 1000;   // of a particle against a surface, N/m
 };
 
 inline constexpr std::size_t kMaxParticles = 512;

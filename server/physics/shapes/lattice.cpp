@@ -188,6 +188,7 @@ std::vector<FieldError> ValidateLattice(const LatticeDefinition& d) {
   CheckField(errors, "density", d.density, d.density >= 0.1 && d.density <= 1e5, "0.1 to 100000 kg/m³");
   CheckField(errors, "damping_ratio", d.dampingRatio, d.dampingRatio >= 0 && d.dampingRatio <= 2, "0 to 2");
   CheckField(errors, "friction", d.friction, d.friction >= 0 && d.friction <= 10, "0 to 10");
+  CheckRollingResistance(errors, d.rollingResistance);
   CheckField(errors, "restitution", d.restitution, d.restitution >= 0 && d.restitution <= 1, "0 to 1");
   CheckField(errors, "contact_stiffness", d.contactStiffness, d.contactStiffness >= 0 && d.contactStiffness <= 1e9,
              "0 (ten times that of an edge's spring) to 1e9 N/m");
@@ -232,6 +233,7 @@ Blueprint MakeLattice(const LatticeDefinition& definition) {
   Material material;
   material.stiffness = FindStiffness(definition);
   material.friction = definition.friction;
+  material.rollingResistance = definition.rollingResistance;
   material.restitution = definition.restitution;
   material.contactStiffness = definition.contactStiffness;
   blueprint.full.contact =

@@ -26,6 +26,7 @@ struct LatticeDefinition {
   double density = 20;                // kg/m³
   double dampingRatio = 0.1;          // of a spring between two inner masses by itself; 1: critical
   double friction = 0.8;              // Coulomb's coefficient, static and kinetic
+  double rollingResistance = 0.03;    // moment on a body that rolls, over normal force and size
   double restitution = 0.5;           // of a single vertex on a rigid surface
   double contactStiffness = 0;        // of a vertex against a surface, N/m; 0: kContactStiffnessRatio x stiffness
   double repulsion = 0;      // K_r, N·m⁴: neighbours at distance d repel with K_r/d⁴; stiffens beyond youngModulus

@@ -5,10 +5,15 @@
 
 namespace wobble::physics {
 
+void CheckRollingResistance(std::vector<FieldError>& errors, double value) {
+  CheckField(errors, "rolling_resistance", value, value >= 0 && value <= 1, "0 to 1");
+}
+
 void CheckMaterial(std::vector<FieldError>& errors, const Material& m) {
   CheckField(errors, "mass", m.mass, m.mass >= 1e-3 && m.mass <= 1e6, "0.001 to 1000000 kg");
   CheckField(errors, "stiffness", m.stiffness, m.stiffness > 0 && m.stiffness <= 1e9, "above 0, up to 1e9 N/m");
   CheckField(errors, "damping_ratio", m.dampingRatio, m.dampingRatio >= 0 && m.dampingRatio <= 2, "0 to 2");
+  CheckRollingResistance(errors, m.rollingResistance);
   CheckField(errors, "friction", m.friction, m.friction >= 0 && m.friction <= 10, "0 to 10");
   CheckField(errors, "restitution", m.restitution, m.restitution >= 0 && m.restitution <= 1, "0 to 1");
   CheckField(errors, "contact_stiffness", m.contactStiffness, m.contactStiffness >= 0 && m.contactStiffness <= 1e9,
@@ -19,6 +24,8 @@ void CheckMaterial(std::vector<FieldError>& errors, const Material& m) {
 
 void CheckGas(std::vector<FieldError>& errors, const Material& m) {
   CheckField(errors, "gas", m.gas, m.gas >= 0 && m.gas <= 1e9, "0 to 1e9 J");
+  const double ratio = m.FindGasDampingRatio();
+  CheckField(errors, "gas_damping_ratio", ratio, ratio >= 0 && ratio <= 10, "0 to 10");
   CheckField(errors, "ambient_pressure", m.ambientPressure, m.ambientPressure >= 0 && m.ambientPressure <= 1e6,
              "0 to 1e6 Pa");
 }

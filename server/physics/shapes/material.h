@@ -16,6 +16,7 @@ inline constexpr double kMinRestShare = 0.3;
 // Add an error for every bad field of a material except its gas, and for a bad gas.
 void CheckMaterial(std::vector<FieldError>& errors, const Material& material);
 void CheckGas(std::vector<FieldError>& errors, const Material& material);
+void CheckRollingResistance(std::vector<FieldError>& errors, double value);
 // Adds an error when the body is too fast for its ticks (IsSlowEnough).
 void CheckStiffness(std::vector<FieldError>& errors, const Material& material, const Blueprint& blueprint);
 

@@ -159,6 +159,7 @@ void Tighten(const MeshDefinition& definition, Blueprint& mesh) {
   Coefficients<double>& full = mesh.full;
   full.gas = material.gas;
   full.ambientPressure = material.ambientPressure;
+  mesh.gasDampingRatio = material.FindGasDampingRatio();
   std::vector<Vector3d> gas(mesh.rest.size(), Vector3d::Zero());
   AddGas<double>(full, 1, mesh.rest, gas);
   // Even tensions balance the virial of the springs, Σ k s ℓ², with that of the gas.

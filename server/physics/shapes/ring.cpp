@@ -157,6 +157,7 @@ Blueprint MakeRing(const RingDefinition& definition) {
   for (int i = 0; i < layout.points; ++i) full.outline.push_back({layout.IndexOf(0, i), layout.IndexOf(0, i + 1)});
   full.gas = material.gas;
   full.ambientPressure = material.ambientPressure;
+  blueprint.gasDampingRatio = material.FindGasDampingRatio();
   SetRepulsion(blueprint, material.repulsion);
   full.contact = MakeContactParameters(material, vertexMass, definition.radius);
   FinishBlueprint(blueprint);

@@ -11,12 +11,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "server/physics/methods/step_choice.h"
 #include "server/physics/step/body_system.h"
 #include "server/physics/step/island_health.h"
-#include "server/physics/step/sleep.h"
 #include "server/physics/step/substeps.h"
 
 namespace wobble::physics {
@@ -62,16 +60,11 @@ class IslandTick {
     return next;
   }
 
-  // Call once after the last try: writes speed and acceleration of the members and copies the result to their states.
+  // Call once after the last try: writes the speed of the members and copies the result to their states.
   IslandOutcome Finish(const BodySystem<Real>& system, const Island& island) const {
     for (std::size_t i = island.memberBegin; i < island.memberEnd; ++i) {
       Member<Real>& member = *system.Members()[i];
       member.speed = std::sqrt(2 * member.after.kineticEnergy / member.blueprint->totalMass);
-      member.acceleration =
-          member.speed < kQuietSpeed
-              ? FindRmsOfDifference<Real>(system.SliceOf(system.Velocities(), i), member.state->velocities) /
-                    m_rules.duration
-              : std::numeric_limits<double>::infinity();
     }
     system.Scatter(island);
     return m_outcome;

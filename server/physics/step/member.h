@@ -44,11 +44,15 @@ struct Member {
   bool insideOut = false;  // at the end of the last try: a closed body with gas encloses no volume
   BulkMotion after;        // at the end of the last try
   double speed = 0;        // at the end of the tick, RMS by mass, m/s
-  // Mean over the tick, RMS over vertices, m/s². Computed only where speed < kQuietSpeed, since only sleep reads it;
-  // else infinite.
-  double acceleration = 0;
   Health health = Health::kGood;  // the worst of all tries
   bool lost = false;              // every try failed: the state must not be used
+};
+
+// What preparing a member overwrites; it only saves allocations.
+template <class Real>
+struct PrepareScratch {
+  std::vector<Contact<Real>> contacts;
+  std::vector<Real> gradient;
 };
 
 // Two members near one another, by their places in the step's list of members. sides[0] are contacts of vertices of the

@@ -19,8 +19,7 @@ bool IsLeftAlone(const Body& body, double restingStiffness) {
 
 template <class Real>
 void NoteMotion(const Member<Real>& member, double restingStiffness, Body& body) {
-  const bool quiet =
-      member.speed < kQuietSpeed && member.acceleration < kQuietAcceleration && IsLeftAlone(body, restingStiffness);
+  const bool quiet = member.speed < kQuietSpeed && IsLeftAlone(body, restingStiffness);
   body.quietTicks = quiet ? body.quietTicks + 1 : 0;
 }
 

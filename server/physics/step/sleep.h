@@ -9,11 +9,12 @@
 
 namespace wobble::physics {
 
-// A body is at rest after moving slower and accelerating less than this for so long. Both are RMS over its vertices, so
-// that one corner that trembles does not keep it awake. The fastest creep that counts as rest is 1 cm/s.
-inline constexpr double kQuietSpeed = 0.01;         // m/s
-inline constexpr double kQuietAcceleration = 0.05;  // m/s²
-inline constexpr double kQuietTime = 0.5;           // s
+// A body is at rest after moving slower than this, RMS over its vertices by mass, for so long: one corner that trembles
+// does not keep it awake. What stays below 1 cm/s for half a second round the turning point of a swing of up to 2 s swings
+// at no more than 1.5 cm/s. A bound of acceleration as well, 5 cm/s², was rejected: all that it kept awake, for 1 to 3 s,
+// were vibrations of less than a millimetre.
+inline constexpr double kQuietSpeed = 0.01;  // m/s
+inline constexpr double kQuietTime = 0.5;    // s
 
 // Restarts the count of quiet ticks too.
 inline void WakeUp(Body& body) {
@@ -25,7 +26,7 @@ inline void WakeUp(Body& body) {
 // restingStiffness, the factor of a body that its player does not stiffen.
 [[nodiscard]] bool IsLeftAlone(const Body& body, double restingStiffness);
 
-// Counts this tick as quiet or begins to count anew, from the member's speed and acceleration. Call once a tick.
+// Counts this tick as quiet or begins to count anew, from the member's speed. Call once a tick.
 template <class Real>
 void NoteMotion(const Member<Real>& member, double restingStiffness, Body& body);
 

@@ -49,11 +49,18 @@ PlayedCase Drop(PlayedCase made, double height) {
   return made;
 }
 
+// The losses of server/physics/step/losses.h act between ticks; the reference solves the equations within them.
+void LeaveOutLosses(Material& material) {
+  material.gasDampingRatio = 0;
+  material.rollingResistance = 0;
+}
+
 // A soft ball as in the scenes.
 Blueprint MakeSoftBall(double dampingRatio) {
   BallDefinition ball;
   ball.material.dampingRatio = dampingRatio;
   ball.material.friction = 0;
+  LeaveOutLosses(ball.material);
   return MakeBall(ball);
 }
 
@@ -66,6 +73,7 @@ Blueprint MakeFirmBall(double dampingRatio) {
   ball.material.gas = 1000;
   ball.material.dampingRatio = dampingRatio;
   ball.material.friction = 0;
+  LeaveOutLosses(ball.material);
   return MakeBall(ball);
 }
 
@@ -73,6 +81,7 @@ Blueprint MakeCube(double dampingRatio) {
   LatticeDefinition cube;
   cube.dampingRatio = dampingRatio;
   cube.friction = 0;
+  cube.rollingResistance = 0;
   return MakeLattice(cube);
 }
 
@@ -111,6 +120,7 @@ Blueprint MakeLayeredRing(int layers, double dampingRatio) {
   RingDefinition ring;
   ring.layers = layers;
   ring.material.dampingRatio = dampingRatio;
+  LeaveOutLosses(ring.material);
   return MakeRing(ring);
 }
 

@@ -12,6 +12,7 @@
 #include "server/physics/methods/forces.h"
 #include "server/physics/methods/runge_kutta.h"
 #include "server/physics/shapes/finish_blueprint.h"
+#include "server/physics/step/losses.h"
 #include "tests/bench/contact/bodies.h"
 #include "tests/bench/contact/experiments.h"
 #include "tests/bench/trials.h"
@@ -88,29 +89,31 @@ double SumZ(const Blueprint& blueprint, const std::vector<Vector3d>& values) {
   return sum / blueprint.totalMass;
 }
 
-// Uses only the engine's forces: no choice of steps, no candidate lists, no single precision.
+// Uses only the engine's forces and losses: no choice of steps, no candidate lists, no single precision.
 double SolveFinely(const Blueprint& blueprint, double fall, int stepsATick, std::vector<std::array<double, 2>>* track) {
   const double touching = -FindLowest(blueprint);
-  std::vector<Vector3d> x = blueprint.rest;
-  for (Vector3d& p : x) p.z() += touching + fall;
-  std::vector<Vector3d> v(x.size(), Vector3d::Zero());
+  State<double> state = MakeState<double>(blueprint, Vector3d::Zero(), Vector3d::Zero());
+  for (std::size_t i = 0; i < blueprint.rest.size(); ++i) {
+    state.positions[i] = blueprint.rest[i] + Vector3d(0, 0, touching + fall);
+    state.contacts.push_back({.surface = 0, .vertex = static_cast<std::uint32_t>(i)});
+  }
   const std::vector<Surface<double>> surfaces{MakeSurface<double>(Obstacle{}, Vector3d::Zero())};
-  std::vector<Contact<double>> contacts;
-  for (std::uint32_t i = 0; i < x.size(); ++i) contacts.push_back({0, i});
   Load<double> load;
   load.acceleration = Vector3d(0, 0, -kContactGravity);
   const auto accelerate = [&](std::span<const Vector3d> atX, std::span<const Vector3d> atV, std::span<Vector3d> a) {
-    ComputeAccelerations<double>(blueprint.full, load, surfaces, contacts, atX, atV, a);
+    ComputeAccelerations<double>(blueprint.full, load, surfaces, state.contacts, atX, atV, a);
   };
   StageBuffers<double, 4> buffers;
+  std::vector<double> scratch;
   TopFinder top;
   for (int step = 1; step < 600 * stepsATick; ++step) {
-    StepRungeKutta<double>(kClassicRungeKutta, kContactTick / stepsATick, accelerate, std::span(x), std::span(v),
-                           buffers);
-    UpdateAnchors<double>(blueprint.full.contact, surfaces, contacts, x);
-    const double z = SumZ(blueprint, x) - touching;
+    if (step % stepsATick == 1) ApplyLosses<double>(blueprint, surfaces, kContactTick, scratch, state);
+    StepRungeKutta<double>(kClassicRungeKutta, kContactTick / stepsATick, accelerate, std::span(state.positions),
+                           std::span(state.velocities), buffers);
+    UpdateAnchors<double>(blueprint.full.contact, surfaces, state.contacts, state.positions);
+    const double z = SumZ(blueprint, state.positions) - touching;
     if (track != nullptr && step % (stepsATick / 4) == 0) track->push_back({step * kContactTick / stepsATick, z});
-    if (!top.Add(z, SumZ(blueprint, v))) break;
+    if (!top.Add(z, SumZ(blueprint, state.velocities))) break;
   }
   return top.Top();
 }

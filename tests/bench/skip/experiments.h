@@ -14,4 +14,7 @@ void MeasureTerms(Bench& bench);
 // Key empty_cpu: processor share of a server without players.
 void MeasureEmpty(Bench& bench);
 
+// Key settle_s: how long bodies that look at rest stay awake in shipped scenes.
+void MeasureSettling(Bench& bench);
+
 }  // namespace wobble::bench

@@ -1,5 +1,6 @@
 // Inspected forces: each kind against theory, and their sum against the motion that a step computes.
 #include "server/physics/inspect.h"
+#include "server/physics/step/losses.h"
 
 #include <gtest/gtest.h>
 
@@ -28,7 +29,8 @@ WorldSettings MakeExact() {
   return settings;
 }
 
-// The sum of the plain force terms on a body that touches no other, without weight and the player's moving, N.
+// The sum of the plain force terms and of losses on a body that touches no other, without weight and the player's
+// moving, N.
 std::vector<Vector3d> ComputePlainForces(const World& world, BodyId id) {
   const Body& body = world.ReadBody(id);
   const auto& state = std::get<State<double>>(body.state);
@@ -42,6 +44,13 @@ std::vector<Vector3d> ComputePlainForces(const World& world, BodyId id) {
   std::vector<Vector3d> forces(state.positions.size());
   ComputeForces<double>(world.BlueprintOf(body).full, load, surfaces, state.contacts, state.positions, state.velocities,
                         forces);
+  const double tick = world.Settings().tickDuration;
+  State<double> slowed = state;
+  std::vector<double> scratch;
+  ApplyLosses<double>(world.BlueprintOf(body), surfaces, tick, scratch, slowed);
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    forces[i] += world.BlueprintOf(body).full.masses[i] / tick * (slowed.velocities[i] - state.velocities[i]);
+  }
   return forces;
 }
 

@@ -205,8 +205,13 @@ TEST(World, TwinGoesOnWithTheSameBits) {
 }
 
 // A twin in double precision and finer ticks moves like its original, and its drives act at the same times.
+// Without rolling resistance, which acts once a tick by the contacts that the tick begins with.
 TEST(World, TwinGoesOnInFinerSteps) {
-  const auto world = MakeFilledWorld(1, Precision::kSingle, 0);
+  const auto world = std::make_unique<World>(WorldSettings{});
+  BallDefinition ball;
+  ball.material.rollingResistance = 0;
+  world->AddBlueprint(MakeBall(ball));
+  world->AddObstacle(Obstacle{});
   for (int i = 0; i < 3; ++i) world->AddBody(0, Vector3d(0.3 * i, 0, 0.6 + 0.9 * i));
   Drive push;
   push.force = Vector3d(20, 0, 0);
