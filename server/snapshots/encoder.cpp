@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "protocol/codec/shape_codec.h"
+#include "protocol/codec/encoding/shape_encoder.h"
 #include "protocol/snapshot.h"
 #include "server/physics/model/parallel.h"
 

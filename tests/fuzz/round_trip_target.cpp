@@ -1,6 +1,7 @@
 // Bytes as a body: its pose and deformation. The decoded body must have the error that the encoder reports.
 #include <cmath>
 
+#include "protocol/codec/encoding/shape_encoder.h"
 #include "protocol/codec/shape_codec.h"
 #include "tests/fuzz/bases.h"
 #include "tests/fuzz/fuzz_target.h"

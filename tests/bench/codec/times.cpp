@@ -2,6 +2,7 @@
 // them; the fastest of many passes counts.
 #include <stdexcept>
 
+#include "protocol/codec/encoding/shape_encoder.h"
 #include "protocol/snapshot.h"
 #include "tests/bench/codec/experiments.h"
 #include "tests/bench/codec/method.h"
