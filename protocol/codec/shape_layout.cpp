@@ -114,23 +114,4 @@ bool FindContact(const PatchModel& model, std::span<const Side> sides, ContactSc
   return true;
 }
 
-void FindValues(std::span<const std::int32_t> coefficients, std::span<const std::int32_t> along,
-                std::span<const std::int8_t> gains, float scale, std::span<std::uint32_t> values) {
-  for (std::size_t k = 0; k < values.size(); ++k) values[k] = static_cast<std::uint32_t>(coefficients[k]) * 16;
-  for (std::size_t k = 0; k < along.size(); ++k) {
-    values[k] += static_cast<std::uint32_t>(FindSuggestion(along[k], gains[k], scale));
-  }
-}
-
-void MoveVertices(const PatchModel& model, std::span<const std::uint32_t> sums, float step, std::span<Vector3> shape) {
-  const std::size_t count = model.rest.size(), apart = model.basis->isScalar ? count : 1;
-  const std::size_t stride = model.basis->isScalar ? 1 : 3;
-  const float unit = std::ldexp(step, -18);  // 2^-4 of a step times 2^-14 of a column
-  const auto read = [&](std::size_t at) { return static_cast<float>(static_cast<std::int32_t>(sums[at])); };
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t at = i * stride;
-    shape[i] = model.rest[i] + Vector3{read(at), read(at + apart), read(at + 2 * apart)} * unit;
-  }
-}
-
 }  // namespace wobble::protocol
