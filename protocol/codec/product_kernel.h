@@ -15,10 +15,13 @@
 
 namespace wobble::protocol {
 
-// Registers: Type, kNumbers of it, Load, LoadFirst (`count` numbers, even, and zeros), StoreFirst (`count` sums),
-// SpreadPair, MultiplyAdd (pairs of products, added), AddUp (the four sums of four registers).
+// Registers: Type of numbers, Sum of 32-bit sums (a type of its own: g++ 12 keeps sums in registers from round to round
+// only where no intrinsic's type comes between), kNumbers of a register, Load, LoadFirst (`count` numbers, even, and
+// zeros), StoreFirst (`count` sums), SpreadPair, MultiplyAdd (pairs of products, added), AddUp (the four sums of four
+// registers).
 struct Registers256 {
   using Type = __m256i;
+  typedef std::int32_t Sum __attribute__((vector_size(32)));
   static constexpr std::size_t kNumbers = 16;
   static Type Load(const std::int16_t* at) { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at)); }
   static Type FindMask(std::size_t count) {
@@ -27,17 +30,20 @@ struct Registers256 {
   static Type LoadFirst(const std::int16_t* at, std::size_t count) {
     return _mm256_maskload_epi32(reinterpret_cast<const int*>(at), FindMask(count / 2));
   }
-  static void StoreFirst(std::uint32_t* at, Type sums, std::size_t count) {
-    _mm256_maskstore_epi32(reinterpret_cast<int*>(at), FindMask(count), sums);
+  static void StoreFirst(std::uint32_t* at, Sum sums, std::size_t count) {
+    _mm256_maskstore_epi32(reinterpret_cast<int*>(at), FindMask(count), (__m256i)sums);
   }
   static Type SpreadPair(const std::int16_t* pair) {
     int both;
     __builtin_memcpy(&both, pair, sizeof both);
     return _mm256_set1_epi32(both);
   }
-  static Type MultiplyAdd(Type sum, Type a, Type b) { return _mm256_add_epi32(sum, _mm256_madd_epi16(a, b)); }
-  static __m128i AddUp(Type a, Type b, Type c, Type d) {
-    const Type all = _mm256_hadd_epi32(_mm256_hadd_epi32(a, b), _mm256_hadd_epi32(c, d));
+  static Sum MultiplyAdd(Sum sum, Type a, Type b) {
+    return (Sum)_mm256_add_epi32((__m256i)sum, _mm256_madd_epi16(a, b));
+  }
+  static __m128i AddUp(Sum a, Sum b, Sum c, Sum d) {
+    const Type all =
+        _mm256_hadd_epi32(_mm256_hadd_epi32((__m256i)a, (__m256i)b), _mm256_hadd_epi32((__m256i)c, (__m256i)d));
     return _mm_add_epi32(_mm256_castsi256_si128(all), _mm256_extracti128_si256(all, 1));
   }
 };
@@ -53,6 +59,7 @@ struct ProductBlocks {
 template <class R>
 struct ProductKernel {
   using V = typename R::Type;
+  using Sum = typename R::Sum;
   static constexpr std::size_t kModes = 4;
 
   static bool HasNumbers(const std::int16_t* numbers) {
@@ -77,9 +84,9 @@ struct ProductKernel {
     blocks.tailBegin = size - blocks.tail;
   }
 
-  // The loops over rows and modes must be unrolled before anything else, or the sums are kept in memory.
+  // The loops over rows and modes must be unrolled first of all, or the sums are kept in memory.
   template <std::size_t kRows>
-  static void AddBlock(V (&sums)[kRows][kModes], const V (&columns)[kModes], const ProductRow* rows, std::size_t at) {
+  static void AddBlock(Sum (&sums)[kRows][kModes], const V (&columns)[kModes], const ProductRow* rows, std::size_t at) {
 #pragma GCC unroll 8
     for (std::size_t row = 0; row < kRows; ++row) {
       const V numbers = R::Load(rows[row].numbers + at);
@@ -93,7 +100,7 @@ struct ProductKernel {
   template <std::size_t kRows>
   static void FindTile(const ProductBlocks& blocks, const std::int16_t* const* columns, const ProductRow* rows,
                        __m128i* products) {
-    V sums[kRows][kModes] = {};
+    Sum sums[kRows][kModes] = {};
     for (std::size_t block = 0; block < blocks.count; ++block) {
       const std::size_t at = blocks.whole[block];
       const V modes[kModes] = {R::Load(columns[0] + at), R::Load(columns[1] + at), R::Load(columns[2] + at),

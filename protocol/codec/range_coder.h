@@ -117,6 +117,10 @@ class RangeDecoder {
     const std::uint32_t place = m_code / m_range;
     return place < kFrequencyTotal ? place : kFrequencyTotal - 1;
   }
+  // Without the division of Find: Begin, then Reaches for the starts of symbols in ascending order, until one is not
+  // reached; then Take. A symbol's start is reached where Find gives it or more.
+  void Begin() { m_range >>= kFrequencyBits; }
+  [[nodiscard]] bool Reaches(std::uint32_t start) const { return start * m_range <= m_code; }
   void Take(std::uint32_t start, std::uint32_t frequency) {
     m_code -= start * m_range;
     m_range *= frequency;
@@ -137,6 +141,14 @@ class RangeDecoder {
     m_code -= value * m_range;
     Refill();
     return value;
+  }
+  // DecodeBits(1) without its division.
+  std::uint32_t DecodeBit() {
+    m_range >>= 1;
+    const bool isOne = m_code >= m_range;
+    m_code -= isOne ? m_range : 0;
+    Refill();
+    return isOne ? 1 : 0;
   }
   // For refusing bytes that no encoder wrote: an honest stream is never read further than four bytes past its end, and
   // no whole byte of it is left unread.

@@ -13,7 +13,7 @@ namespace {
 // An exponential Golomb code: up to twenty ones, then a number of as many bits. At most 2^21 − 2.
 std::uint32_t ReadEscape(RangeDecoder& decoder) {
   unsigned length = 0;
-  while (length < 20 && decoder.DecodeBits(1) == 1) ++length;
+  while (length < 20 && decoder.DecodeBit() == 1) ++length;
   const unsigned high = length > 16 ? length - 16 : 0;
   const std::uint32_t low = decoder.DecodeBits(length - high);
   return (1U << length) - 1 + (low | decoder.DecodeBits(high) << (length - high));
@@ -23,9 +23,9 @@ std::uint32_t ReadEscape(RangeDecoder& decoder) {
 bool ReadCoefficient(RangeDecoder& decoder, Contexts& contexts, const ExpectedContext& expected, std::int32_t& value) {
   const std::size_t context = contexts.Find(expected);
   const auto& frequencies = FindFrequencies(context);
-  const std::uint32_t place = decoder.Find();
+  decoder.Begin();
   std::uint32_t magnitude = 0;
-  while (magnitude < kEscapeMagnitude && frequencies[magnitude + 1].start <= place) ++magnitude;
+  while (magnitude < kEscapeMagnitude && decoder.Reaches(frequencies[magnitude + 1].start)) ++magnitude;
   decoder.Take(frequencies[magnitude].start, frequencies[magnitude].size);
   if (magnitude == kEscapeMagnitude) magnitude += ReadEscape(decoder);
   const unsigned lowBits = FindLowBits(context);
@@ -33,7 +33,7 @@ bool ReadCoefficient(RangeDecoder& decoder, Contexts& contexts, const ExpectedCo
   if (magnitude > kMaxMagnitude) return false;
   contexts.Add(magnitude);
   value = static_cast<std::int32_t>(magnitude);
-  if (magnitude > 0 && decoder.DecodeBits(1) == 1) value = -value;
+  if (magnitude > 0 && decoder.DecodeBit() == 1) value = -value;
   return true;
 }
 

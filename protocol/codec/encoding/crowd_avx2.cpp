@@ -45,7 +45,7 @@ void RoundLanes256(const RoundingLanes& task, RoundingLane* lanes, std::size_t c
 
 CrowdKernels MakeCrowdKernels256() {
   using Loops = ProductLoops<Registers256, 3>;
-  return {8, &Loops::FindProducts, &Loops::FindSums, &RoundLanes256};
+  return {&Loops::FindProducts, &Loops::FindSums, &RoundLanes256};
 }
 
 }  // namespace wobble::protocol

@@ -44,7 +44,7 @@ struct CrowdEncoder::Member {
   }
 };
 
-CrowdEncoder::CrowdEncoder(int widest) : m_kernels(FindCrowdKernels(widest)) {}
+CrowdEncoder::CrowdEncoder(KernelSet kernels) : m_kernels(FindCrowdKernels(kernels)) {}
 CrowdEncoder::~CrowdEncoder() = default;
 
 void CrowdEncoder::Encode(const PatchModel& model, std::size_t maxBytes, std::span<CrowdBody> bodies) {

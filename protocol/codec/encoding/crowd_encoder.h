@@ -27,8 +27,8 @@ struct CrowdBody {
 // Keeps its memory from crowd to crowd: about 20 kB for each of kMostLanes balls of 162 vertices.
 class CrowdEncoder {
  public:
-  // widest: lanes of the kernels, see FindCrowdKernels.
-  explicit CrowdEncoder(int widest = 16);
+  // kernels: see FindCrowdKernels.
+  explicit CrowdEncoder(KernelSet kernels = KernelSet::kVnni);
   ~CrowdEncoder();
 
   // Encodes any number of bodies, kMostLanes at a time. maxBytes: see ShapeEncoder::Encode.

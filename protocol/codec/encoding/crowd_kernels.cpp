@@ -10,13 +10,16 @@ namespace wobble::protocol {
 
 CrowdKernels MakeCrowdKernels256();
 CrowdKernels MakeCrowdKernels512();
+CrowdKernels MakeCrowdKernelsVnni();
 
-const CrowdKernels& FindCrowdKernels(int widest) {
+const CrowdKernels& FindCrowdKernels(KernelSet most) {
   static const bool hasWide = __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512bw") != 0 &&
                               __builtin_cpu_supports("avx512dq") != 0 && __builtin_cpu_supports("avx512vl") != 0;
+  static const bool hasVnni = hasWide && __builtin_cpu_supports("avx512vnni") != 0;
   static const CrowdKernels narrow = MakeCrowdKernels256();
   static const CrowdKernels wide = hasWide ? MakeCrowdKernels512() : narrow;
-  return widest >= 16 ? wide : narrow;
+  static const CrowdKernels vnni = hasVnni ? MakeCrowdKernelsVnni() : wide;
+  return most == KernelSet::kVnni ? vnni : most == KernelSet::kAvx512 ? wide : narrow;
 }
 
 const float* FindCostsByPlace() {

@@ -42,7 +42,6 @@ struct RoundingLanes {
 };
 
 struct CrowdKernels {
-  int width = 0;  // lanes of a register
   // As FindProducts; any number of rows.
   void (*findProducts)(const ProductTask& task, const ProductRow* rows, std::size_t count) = nullptr;
   void (*findSums)(const SumTask& task, const SumGroup* groups, std::size_t count) = nullptr;
@@ -51,8 +50,9 @@ struct CrowdKernels {
 };
 inline constexpr std::size_t kMostLanes = 32;
 
-// The fastest that the processor has and that are not wider than `widest` lanes (8: AVX2, 16: AVX-512).
-[[nodiscard]] const CrowdKernels& FindCrowdKernels(int widest = 16);
+enum class KernelSet { kAvx2, kAvx512, kVnni };
+// The best that the processor has, up to `most`.
+[[nodiscard]] const CrowdKernels& FindCrowdKernels(KernelSet most = KernelSet::kVnni);
 
 // Contexts are thirds of places on the scale of three eighths of an octave (Contexts::Find): with a row for each place
 // the lanes need no division.

@@ -12,6 +12,7 @@ namespace wobble::protocol {
 template <class R, std::size_t kRowsAtOnce>
 struct ProductLoops {
   using V = typename R::Type;
+  using Sum = typename R::Sum;
   static constexpr std::size_t kModesAtOnce = 64;
   static constexpr std::size_t kInts = R::kNumbers / 2;
 
@@ -41,7 +42,7 @@ struct ProductLoops {
   static void FindTile(const SumTask& task, const SumGroup& group, std::size_t first, std::size_t row,
                        std::size_t size) {
     const std::size_t last = size - (kRegisters - 1) * kInts;
-    V sums[kBodies][kRegisters] = {};
+    Sum sums[kBodies][kRegisters] = {};
     const std::int16_t* values[kBodies];
     for (std::size_t body = 0; body < kBodies; ++body) values[body] = group.bodies[first + body].values;
     const std::int16_t* const from = task.pairs + 2 * row;

@@ -17,7 +17,7 @@ using clouds::MakeCloud;
 using clouds::MakeFloor;
 using CrowdBytes = std::vector<std::uint8_t>;
 
-constexpr std::array<int, 2> kWidths{8, 16};
+constexpr std::array kSets{KernelSet::kAvx2, KernelSet::kAvx512, KernelSet::kVnni};
 
 void ExpectEqual(const ShapeEncoding& a, const ShapeEncoding& b) {
   EXPECT_EQ(a.fits, b.fits);
@@ -29,7 +29,7 @@ void ExpectEqual(const ShapeEncoding& a, const ShapeEncoding& b) {
 // targets: of the bodies in turn, as shares of the size.
 void ExpectBytesOfEachAlone(const PatchModel& model, std::span<const Cloud> clouds, std::span<const float> targets,
                             std::size_t maxBytes) {
-  for (const int width : kWidths) {
+  for (const KernelSet set : kSets) {
     std::vector<CrowdBytes> payloads(clouds.size(), CrowdBytes{1, 2, 3});
     std::vector<CrowdBody> bodies;
     for (std::size_t i = 0; i < clouds.size(); ++i) {
@@ -39,14 +39,15 @@ void ExpectBytesOfEachAlone(const PatchModel& model, std::span<const Cloud> clou
                         .out = &payloads[i],
                         .encoding = {}});
     }
-    CrowdEncoder crowd(width);
+    CrowdEncoder crowd(set);
     crowd.Encode(model, maxBytes, bodies);
     ShapeEncoder alone;
     for (std::size_t i = 0; i < clouds.size(); ++i) {
       CrowdBytes bytes{1, 2, 3};
       const ShapeEncoding encoding =
           alone.Encode(model, clouds[i].pose, clouds[i].vertices, bodies[i].targetRms, maxBytes, bytes);
-      ASSERT_EQ(payloads[i], bytes) << "body " << i << " of " << clouds.size() << ", " << width << " lanes";
+      ASSERT_EQ(payloads[i], bytes) << "body " << i << " of " << clouds.size() << ", "
+                                    << "kernels " << static_cast<int>(set);
       ExpectEqual(bodies[i].encoding, encoding);
     }
   }
@@ -128,10 +129,11 @@ TEST(CrowdEncoder, ProductsHaveTheBitsOfPlainOnes) {
       FindProductsPlainly(task, plainRows);
       FindProducts(task, rows);
       EXPECT_EQ(products, plain) << size;
-      for (const int width : kWidths) {
+      for (const KernelSet set : kSets) {
         std::fill(products.begin(), products.end(), 7);
-        FindCrowdKernels(width).findProducts(task, rows.data(), rows.size());
-        EXPECT_EQ(products, plain) << size << ", " << width << " lanes";
+        FindCrowdKernels(set).findProducts(task, rows.data(), rows.size());
+        EXPECT_EQ(products, plain) << size << ", "
+                                   << "kernels " << static_cast<int>(set);
       }
     }
   }
@@ -170,13 +172,14 @@ TEST(CrowdEncoder, SumsHaveTheBitsOfPlainOnes) {
       }
       group.used = used.data();
       group.usedCount = used.size();
-      for (const int width : kWidths) {
-        FindCrowdKernels(width).findSums({basis.pairs.data(), rows}, &group, 1);
+      for (const KernelSet set : kSets) {
+        FindCrowdKernels(set).findSums({basis.pairs.data(), rows}, &group, 1);
         for (std::size_t i = 0; i < count; ++i) {
           std::vector<std::uint32_t> wide(rows), plain(rows, 0);
           for (std::size_t k = 0; k < rows; ++k) wide[k] = static_cast<std::uint32_t>(values[i][k]);
           AddModesPlainly(basis, wide, plain.data());
-          EXPECT_EQ(sums[i], plain) << rows << " rows, " << width << " lanes";
+          EXPECT_EQ(sums[i], plain) << rows << " rows, "
+                                    << "kernels " << static_cast<int>(set);
         }
       }
     }
@@ -232,7 +235,7 @@ TEST(CrowdEncoder, LanesRoundAsThePlainLoop) {
     std::vector<RoundedRecord> all;
     std::vector<std::vector<std::int32_t>> chosen(records, std::vector<std::int32_t>(count));
     for (std::size_t i = 0; i < records; ++i) all.push_back(MakeRecord(random, count, random() % 2 == 0));
-    for (const int width : kWidths) {
+    for (const KernelSet set : kSets) {
       std::vector<RoundingLane> lanes(records);
       for (std::size_t i = 0; i < records; ++i) {
         const RoundingTask task = all[i].MakeTask(gains);
@@ -244,12 +247,13 @@ TEST(CrowdEncoder, LanesRoundAsThePlainLoop) {
                     .contactScale = task.contactScale,
                     .bitWorth = task.bitWorth};
       }
-      FindCrowdKernels(width).round({FindCostsByPlace(), gains.data(), count}, lanes.data(), records);
+      FindCrowdKernels(set).round({FindCostsByPlace(), gains.data(), count}, lanes.data(), records);
       for (std::size_t i = 0; i < records; ++i) {
         const RoundingTask task = all[i].MakeTask(gains);
         std::vector<std::int32_t> plain(count);
         const double error = RoundCoefficients(task, plain);
-        ASSERT_EQ(chosen[i], plain) << "round " << round << ", record " << i << ", " << width << " lanes";
+        ASSERT_EQ(chosen[i], plain) << "round " << round << ", record " << i << ", "
+                                    << "kernels " << static_cast<int>(set);
         EXPECT_EQ(lanes[i].error * double{task.step} * double{task.step}, error);
       }
     }
