@@ -25,10 +25,16 @@ std::span<const ExpectedContext> ContextPlans::Find(const Basis* basis, std::siz
   const auto found = std::find_if(m_plans.begin(), m_plans.end(), [&](const Plan& plan) {
     return plan.serial == serial && plan.stepLevel == stepLevel && plan.count == count;
   });
-  if (found != m_plans.end() && serial != 0) return found->contexts;
+  ++m_clock;
+  if (found != m_plans.end() && serial != 0) {
+    found->used = m_clock;
+    return found->contexts;
+  }
   if (m_plans.size() < kMostPlans) m_plans.emplace_back();
-  m_newest = (m_newest + 1) % m_plans.size();  // the oldest goes
-  Plan& plan = m_plans[m_newest];
+  // The one not used for longest goes; a new one has not been used at all.
+  Plan& plan =
+      *std::min_element(m_plans.begin(), m_plans.end(), [](const Plan& a, const Plan& b) { return a.used < b.used; });
+  plan.used = m_clock;
   plan.serial = serial, plan.stepLevel = stepLevel, plan.count = count;
   m_levels.resize(count);
   for (std::size_t k = 0; k < count; ++k) m_levels[k] = FindLevel(basis, k, stepLevel);

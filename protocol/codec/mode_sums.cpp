@@ -54,22 +54,25 @@ void ModeSums::Add(const Basis& basis, std::span<const std::uint32_t> values, st
 namespace {
 
 constexpr std::size_t kRowsOfRegister = 8;
+// A type of its own: g++ 12 stores sums of an intrinsic's type to memory in every round.
+typedef std::int32_t Sums __attribute__((vector_size(32)));
 
 template <std::size_t kRegisters, class Term>
 void AddTile(std::span<const Term> terms, std::size_t row, std::uint32_t* sums) {
-  __m256i tile[kRegisters];
+  Sums tile[kRegisters];
   auto* const at = reinterpret_cast<__m256i*>(sums + row);
-  for (std::size_t i = 0; i < kRegisters; ++i) tile[i] = _mm256_loadu_si256(at + i);
+  for (std::size_t i = 0; i < kRegisters; ++i) tile[i] = (Sums)_mm256_loadu_si256(at + i);
   for (const Term& term : terms) {
     std::int32_t both;
     std::memcpy(&both, term.values, sizeof both);
     const __m256i values = _mm256_set1_epi32(both);
     const auto* const from = reinterpret_cast<const __m256i*>(term.pair + 2 * row);
     for (std::size_t i = 0; i < kRegisters; ++i) {
-      tile[i] = _mm256_add_epi32(tile[i], _mm256_madd_epi16(_mm256_loadu_si256(from + i), values));
+      const __m256i products = _mm256_madd_epi16(_mm256_loadu_si256(from + i), values);
+      tile[i] = (Sums)_mm256_add_epi32((__m256i)tile[i], products);
     }
   }
-  for (std::size_t i = 0; i < kRegisters; ++i) _mm256_storeu_si256(at + i, tile[i]);
+  for (std::size_t i = 0; i < kRegisters; ++i) _mm256_storeu_si256(at + i, (__m256i)tile[i]);
 }
 
 }  // namespace

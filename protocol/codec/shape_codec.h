@@ -6,7 +6,7 @@
 // bits a vertex, on balls of 162 vertices thrown about a room, at targets of 0.25 %, 0.5 % and 0.1 % of the size (4.36,
 // 2.25 and 8.12 bits in all): completion of the basis 0.7, 0.2 and most of the last (basis.h); adaptive contexts 0.36,
 // 0.14, 0.6 (contexts.h); prediction of contact with known walls 0.29, 0.27, 0.31 (flat_sides.h); rate-distortion
-// optimised rounding 0.28, 0.22, 0.21 (shape_encoder.cpp); a pose as coarse as the target 0.25, 0.28, 0.2 (pose.h).
+// optimised rounding 0.28, 0.22, 0.21 (encoding/rounding.h); a pose as coarse as the target 0.25, 0.28, 0.2 (pose.h).
 #pragma once
 
 #include <cstdint>
@@ -35,9 +35,12 @@ enum class DecodeResult : std::uint8_t {
 
 // The effect of contact alone on the rest shape; FindContact fills it in.
 struct ContactScratch {
-  std::vector<Vector3> pressed;     // the rest shape pressed out of the sides, body frame, m
-  std::vector<std::int16_t> moved;  // by how much, in units of a power of two
-  std::vector<std::int32_t> along;  // the same along each mode
+  std::vector<Vector3> pressed;  // the rest shape pressed out of the sides, body frame, m
+  // By how much, in units of 2^-12 of the power of two above the size. Scalar: all x, then all y, then all z, each
+  // padded as a ProductRow.
+  std::vector<std::int16_t> moved;
+  std::vector<std::uint16_t> modes;  // that follow contact
+  std::vector<std::int32_t> along;   // the motion along each mode; 0 for modes that do not follow
 };
 
 struct ShapeHead;
@@ -54,14 +57,15 @@ class ShapeDecoder {
   [[nodiscard]] DecodeResult Decode(const PatchModel& model, std::span<const std::uint8_t> payload, QuantisedPose& pose,
                                     std::span<Vector3> shape);
   // Makes the shape that Decode would read from this head and these coefficients, in steps. With it the encoder sees
-  // exactly what decoders will.
+  // exactly what decoders will. contact: as FindContact found it for the head's pose, read where it follows contact;
+  // nullptr: it is found here.
   void Rebuild(const PatchModel& model, const ShapeHead& head, std::span<const std::int32_t> coefficients,
-               std::span<Vector3> shape);
+               const ContactScratch* contact, std::span<Vector3> shape);
 
  private:
-  // The shape from coefficients in the model's basis, plus the contact prediction when followsContact.
-  void MoveAlongModes(const PatchModel& model, std::span<const std::int32_t> coefficients, bool followsContact,
-                      float step, std::span<Vector3> shape);
+  // The shape from coefficients in the model's basis, plus the contact prediction `along` unless it is empty.
+  void MoveAlongModes(const PatchModel& model, std::span<const std::int32_t> coefficients,
+                      std::span<const std::int32_t> along, float step, std::span<Vector3> shape);
 
   std::vector<std::int32_t> m_coefficients;
   ContactScratch m_contact;
@@ -77,43 +81,6 @@ struct ShapeEncoding {
   float step = 0;      // quantiser step, metres
   float rmsError = 0;  // over the patch's vertices, as the decoder will see them, metres
   float maxError = 0;  // metres
-};
-
-// Encodes payloads; keeps its memory between them. The laboratory holds it to 50 us for a ball of 162 vertices.
-class ShapeEncoder {
- public:
-  // Appends a shape payload to `out`. vertices: the model's in the world, m, finite. The RMS error is at most, and
-  // nearly, targetRms (> 0, m). When that takes more than maxBytes, targetRms is multiplied by 5/4 until it fits.
-  [[nodiscard]] ShapeEncoding Encode(const PatchModel& model, const Pose& pose, std::span<const Vector3> vertices,
-                                     float targetRms, std::size_t maxBytes, std::vector<std::uint8_t>& out);
-
- private:
-  struct Choice;
-  [[nodiscard]] ShapeEncoding EncodeAt(const PatchModel& model, const Pose& pose, std::span<const Vector3> vertices,
-                                       float targetRms, std::vector<std::uint8_t>& out);
-  void FindDepartures(const PatchModel& model, const Pose& seen, std::span<const Vector3> vertices);
-  void Transform(const Basis& basis);
-  [[nodiscard]] bool FollowsContact(const PatchModel& model, float targetRms) const;
-  double Round(const PatchModel& model, const Choice& choice);
-  void GuessStep(const PatchModel& model, double budget, Choice& choice);
-  void SearchStep(const PatchModel& model, double budget, Choice& choice);
-  void SpendRest(double left, const Choice& choice);
-  void Write(const PatchModel& model, const Choice& choice, std::vector<std::uint8_t>& out);
-  [[nodiscard]] ShapeEncoding Measure(std::span<const Vector3> shape) const;
-
-  ShapeDecoder m_decoder;
-  ContextPlans m_plans;
-  ContactScratch m_contact;
-  std::vector<Side> m_sides;
-  std::vector<Vector3> m_local;         // the vertices in the frame of the pose as decoded, m
-  std::vector<std::int16_t> m_rounded;  // displacements, rounded for the transform
-  std::vector<float> m_coefficients;    // m
-  std::vector<float> m_left;            // the coefficients less the contact prediction, m
-  std::vector<float> m_wanted;          // magnitudes, in steps
-  std::vector<std::int32_t> m_chosen;   // in steps
-  std::vector<float> m_bestWanted;      // of the best try so far
-  std::vector<std::int32_t> m_bestChosen;
-  std::vector<Vector3> m_shape;  // as decoded
 };
 
 }  // namespace wobble::protocol

@@ -64,15 +64,15 @@ DecodeResult ReadHead(RangeDecoder& decoder, float size, ShapeHead& head) {
   return decoder.Overran() ? DecodeResult::kTruncated : DecodeResult::kOk;
 }
 
-bool FindContact(const PatchModel& model, std::span<const Side> sides, ContactScratch& contact) {
-  auto& [pressed, moved, along] = contact;
+bool FindPressed(const PatchModel& model, std::span<const Side> sides, ContactScratch& contact) {
+  auto& [pressed, moved, modes, along] = contact;
   pressed.assign(model.rest.begin(), model.rest.end());
   if (!PressOut(sides, pressed)) return false;
+  const Basis& basis = *model.basis;
   const std::size_t count = model.rest.size();
-  moved.resize(3 * count);
-  // In units of 2^-12 of the power of two above the size. Scalar: all x, then all y, then all z.
+  const std::size_t apart = basis.isScalar ? PadRow(count) : 1, stride = basis.isScalar ? 1 : 3;
+  moved.assign(basis.isScalar ? 3 * apart : PadRow(3 * count), 0);
   const float unit = std::ldexp(1.0F, 12 - FindExponent(model.size));
-  const std::size_t apart = model.basis->isScalar ? count : 1, stride = model.basis->isScalar ? 1 : 3;
   for (std::size_t i = 0; i < count; ++i) {
     const Vector3 way = (pressed[i] - model.rest[i]) * unit;
     std::size_t axis = 0;
@@ -81,12 +81,36 @@ bool FindContact(const PatchModel& model, std::span<const Side> sides, ContactSc
           static_cast<std::int16_t>(std::nearbyint(std::clamp(part, -8191.0F, 8191.0F)));
     }
   }
-  along.assign(3 * count, 0);
-  for (std::size_t k = 0; k < 3 * count; ++k) {
-    if (model.basis->gains[k] == 0) continue;
-    const std::int16_t* numbers = model.basis->isScalar ? moved.data() + k % 3 * count : moved.data();
-    along[k] = Project(model.basis->Column(model.basis->isScalar ? k / 3 : k), numbers);
+  modes.resize(basis.Rows());
+  std::size_t used = 0;
+  const std::size_t axes = basis.isScalar ? 3 : 1;
+  for (std::size_t k = 0; k < basis.Rows(); ++k) {
+    bool follows = false;
+    for (std::size_t axis = 0; axis < axes; ++axis) follows |= basis.gains[k * axes + axis] != 0;
+    modes[used] = static_cast<std::uint16_t>(k);
+    used += follows ? 1 : 0;
   }
+  modes.resize(used);
+  along.assign(3 * count, 0);
+  return true;
+}
+
+std::size_t ListRows(const Basis& basis, const std::int16_t* numbers, std::int32_t* products,
+                     std::array<ProductRow, 3>& rows) {
+  if (!basis.isScalar) {
+    rows[0] = {numbers, products, 1};
+    return 1;
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    rows[axis] = {numbers + axis * PadRow(basis.vertices), products + axis, 3};
+  return 3;
+}
+
+bool FindContact(const PatchModel& model, std::span<const Side> sides, ContactScratch& contact) {
+  if (!FindPressed(model, sides, contact)) return false;
+  std::array<ProductRow, 3> rows;
+  const std::size_t count = ListRows(*model.basis, contact.moved.data(), contact.along.data(), rows);
+  FindProducts(MakeProductTask(*model.basis, contact.modes), std::span(rows).first(count));
   return true;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "protocol/codec/contexts.h"
+#include "protocol/codec/mode_products.h"
 #include "protocol/codec/pose.h"
 #include "protocol/codec/shape_codec.h"
 
@@ -48,6 +49,13 @@ void WriteHead(RangeEncoder& encoder, float size, const ShapeHead& head);
   return std::ldexp(static_cast<float>(kEighths[static_cast<unsigned>(stepLevel) & 7]), (stepLevel >> 3) - 15);
 }
 
+// Presses the rest shape out of the sides: fills in all of `contact` but `along`. False when the rest shape touches no
+// side; `contact` is then unspecified. The model has a basis.
+[[nodiscard]] bool FindPressed(const PatchModel& model, std::span<const Side> sides, ContactScratch& contact);
+// The rows of numbers, one for each coordinate (of a scalar basis: all x, then all y, then all z, each padded), and
+// where the products go, in the order of coefficients. Returns their number, one or three.
+std::size_t ListRows(const Basis& basis, const std::int16_t* numbers, std::int32_t* products,
+                     std::array<ProductRow, 3>& rows);
 // Predicts what contact does to the shape: presses the rest shape out of the sides and projects the motion onto each
 // mode. False when the rest shape touches no side; `contact` is then unspecified. The model has a basis.
 [[nodiscard]] bool FindContact(const PatchModel& model, std::span<const Side> sides, ContactScratch& contact);
@@ -63,25 +71,12 @@ void WriteHead(RangeEncoder& encoder, float size, const ShapeHead& head);
   return std::ldexp(1.0F, FindExponent(size) - 28) / step;
 }
 
-// The dot product of a column and as many numbers: exact as long as it fits, else modulo 2^32.
-[[nodiscard]] inline std::int32_t Project(std::span<const std::int16_t> column, const std::int16_t* numbers) {
-  std::uint32_t sum = 0;
-  for (std::size_t i = 0; i < column.size(); ++i) {
-    sum += static_cast<std::uint32_t>(int{column[i]} * int{numbers[i]});
-  }
-  return static_cast<std::int32_t>(sum);
-}
-// Three such products, with rows of numbers that begin `apart` numbers behind each other: the column is read once.
-[[nodiscard]] inline std::array<std::int32_t, 3> ProjectAxes(std::span<const std::int16_t> column,
-                                                             const std::int16_t* numbers, std::size_t apart) {
-  std::uint32_t x = 0, y = 0, z = 0;
-  for (std::size_t i = 0; i < column.size(); ++i) {
-    const int each = column[i];
-    x += static_cast<std::uint32_t>(each * int{numbers[i]});
-    y += static_cast<std::uint32_t>(each * int{numbers[i + apart]});
-    z += static_cast<std::uint32_t>(each * int{numbers[i + 2 * apart]});
-  }
-  return {static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), static_cast<std::int32_t>(z)};
-}
+// The values of modes, in sixteenths of the step, in the order of coefficients. along: of ContactScratch; empty without
+// contact. scale: FindContactScale.
+void FindValues(std::span<const std::int32_t> coefficients, std::span<const std::int32_t> along,
+                std::span<const std::int8_t> gains, float scale, std::span<std::uint32_t> values);
+// Moves vertices by sums of modes times a step, m. sums: in 2^-18 steps; of a scalar basis all x, then all y, then all
+// z.
+void MoveVertices(const PatchModel& model, std::span<const std::uint32_t> sums, float step, std::span<Vector3> shape);
 
 }  // namespace wobble::protocol

@@ -1,71 +1,107 @@
-// Each thread has an encoder with working memory of its own. Records are kept per body and quality with the version of
-// the capture that they were made from, so a body that several clients take, or that has not moved, is encoded once.
+// Each thread has an encoder with working memory of its own, which takes bodies of one blueprint together. Records are
+// kept per body and quality with the version of the capture that they were made from, so a body that several clients
+// take, or that has not moved, is encoded once.
 #include "server/snapshots/encoder.h"
 
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
-#include "protocol/codec/shape_codec.h"
+#include "protocol/codec/encoding/crowd_encoder.h"
 #include "protocol/snapshot.h"
 #include "server/physics/model/parallel.h"
 
 namespace wobble::server {
 
-// The encoder of one thread; reuses its memory from body to body.
-class Encoder::BodyEncoder {
- public:
-  explicit BodyEncoder(std::span<const protocol::wire::Obstacle> obstacles) : m_obstacles(obstacles) {}
+// One body at one quality, to be encoded.
+struct Encoder::Job {
+  const CapturedBody* body = nullptr;
+  const CapturedBlueprint* blueprint = nullptr;
+  std::size_t quality = 0;
+  Encoding* encoding = nullptr;
+};
 
-  void Encode(float errorShare, const CapturedBody& body, const CapturedBlueprint& blueprint, Encoding& encoding);
+// The encoder of one thread; reuses its memory from crowd to crowd.
+class Encoder::CrowdOfThread {
+ public:
+  explicit CrowdOfThread(std::span<const protocol::wire::Obstacle> obstacles) : m_obstacles(obstacles) {}
+
+  // jobs: at most protocol::kMostLanes, of one blueprint.
+  void Encode(std::span<const Job> jobs);
 
   [[nodiscard]] std::uint64_t CoarsenedRecords() const { return m_coarsened; }
 
  private:
+  void AddRecord(const Job& job, std::uint8_t patch, std::size_t count, const protocol::CrowdBody& body);
+  static void Finish(Encoding& encoding);
+
   std::span<const protocol::wire::Obstacle> m_obstacles;
-  protocol::ShapeEncoder m_shapes;
-  std::vector<std::size_t> m_ends;  // where each record ends in the bytes
-  std::vector<std::uint8_t> m_payload;
+  protocol::CrowdEncoder m_shapes;
+  std::vector<protocol::CrowdBody> m_bodies;
+  std::vector<std::vector<std::uint8_t>> m_payloads;
   std::uint64_t m_coarsened = 0;
 };
 
-void Encoder::BodyEncoder::Encode(float errorShare, const CapturedBody& body, const CapturedBlueprint& blueprint,
-                                  Encoding& encoding) {
-  const std::span<const protocol::Vector3> vertices = body.vertices;
-  encoding.version = body.version;
-  encoding.body = {};
-  encoding.bytes.clear();
-  encoding.bytes.reserve((vertices.size() / protocol::kMaxPatchVertices + 1) * protocol::kMaxPacketBytes);
-  m_ends.clear();
-  const float target = errorShare * blueprint.size;
+void Encoder::CrowdOfThread::Encode(std::span<const Job> jobs) {
+  const CapturedBlueprint& blueprint = *jobs.front().blueprint;
+  const std::size_t vertexCount = blueprint.rest.size();
+  m_bodies.resize(jobs.size());
+  if (m_payloads.size() < jobs.size()) m_payloads.resize(jobs.size());
+  for (const Job& job : jobs) {
+    Encoding& encoding = *job.encoding;
+    encoding.version = job.body->version;
+    encoding.body = {};
+    encoding.bytes.clear();
+    encoding.bytes.reserve((vertexCount / protocol::kMaxPatchVertices + 1) * protocol::kMaxPacketBytes);
+    encoding.ends.clear();
+  }
   std::size_t first = 0;
-  for (std::uint8_t patch = 0; first < vertices.size(); ++patch) {
-    const std::size_t count = protocol::PatchSize(vertices.size(), patch);
-    m_payload.clear();
+  for (std::uint8_t patch = 0; first < vertexCount; ++patch) {
+    const std::size_t count = protocol::PatchSize(vertexCount, patch);
+    for (std::size_t i = 0; i < jobs.size(); ++i) {
+      m_payloads[i].clear();
+      m_bodies[i] = {.pose = jobs[i].body->pose,
+                     .vertices = std::span(jobs[i].body->vertices).subspan(first, count),
+                     .targetRms = kSnapshotErrorShares[jobs[i].quality] * blueprint.size,
+                     .out = &m_payloads[i],
+                     .encoding = {}};
+    }
     const protocol::PatchModel model =
         protocol::MakePatchModel(blueprint.rest, blueprint.size, blueprint.patches, patch, m_obstacles);
-    const protocol::ShapeEncoding shape = m_shapes.Encode(model, body.pose, vertices.subspan(first, count), target,
-                                                          protocol::kMaxRecordPayload, m_payload);
+    m_shapes.Encode(model, protocol::kMaxRecordPayload, m_bodies);
+    for (std::size_t i = 0; i < jobs.size(); ++i) AddRecord(jobs[i], patch, count, m_bodies[i]);
     first += count;
-    if (!shape.fits || shape.rmsError > target) ++m_coarsened;
-    if (!shape.fits) continue;  // spread over hundreds of metres: left out until the body is reset
-    protocol::AppendRecord({.body = body.body,
-                            .blueprint = body.blueprint,
-                            .patch = patch,
-                            .generation = blueprint.generation,
-                            .restTick = body.restTick},
-                           m_payload, encoding.bytes);
-    m_ends.push_back(encoding.bytes.size());
-    const double share = double{shape.rmsError} / double{blueprint.size};
-    encoding.body.vertices += static_cast<std::uint32_t>(count);
-    encoding.body.errorSquares += share * share * static_cast<double>(count);
   }
+  for (const Job& job : jobs) Finish(*job.encoding);
+}
+
+void Encoder::CrowdOfThread::AddRecord(const Job& job, std::uint8_t patch, std::size_t count,
+                                       const protocol::CrowdBody& body) {
+  const protocol::ShapeEncoding& shape = body.encoding;
+  const CapturedBlueprint& blueprint = *job.blueprint;
+  if (!shape.fits || shape.rmsError > body.targetRms) ++m_coarsened;
+  if (!shape.fits) return;  // spread over hundreds of metres: left out until the body is reset
+  Encoding& encoding = *job.encoding;
+  protocol::AppendRecord({.body = job.body->body,
+                          .blueprint = job.body->blueprint,
+                          .patch = patch,
+                          .generation = blueprint.generation,
+                          .restTick = job.body->restTick},
+                         *body.out, encoding.bytes);
+  encoding.ends.push_back(encoding.bytes.size());
+  const double share = double{shape.rmsError} / double{blueprint.size};
+  encoding.body.vertices += static_cast<std::uint32_t>(count);
+  encoding.body.errorSquares += share * share * static_cast<double>(count);
+}
+
+void Encoder::CrowdOfThread::Finish(Encoding& encoding) {
   const double vertexCount = std::max(1U, encoding.body.vertices);
   encoding.body.error = std::sqrt(encoding.body.errorSquares / vertexCount);
   // Spans into the bytes are valid only now that the bytes no longer grow.
   encoding.records.clear();
-  for (std::size_t begin = 0; const std::size_t end : m_ends) {
+  for (std::size_t begin = 0; const std::size_t end : encoding.ends) {
     encoding.records.push_back(std::span<const std::uint8_t>(encoding.bytes).subspan(begin, end - begin));
     begin = end;
   }
@@ -74,10 +110,15 @@ void Encoder::BodyEncoder::Encode(float errorShare, const CapturedBody& body, co
 
 struct Encoder::Workers {
   Workers(std::span<const protocol::wire::Obstacle> obstacles, int count)
-      : threads(count), encoders([obstacles] { return BodyEncoder(obstacles); }) {}
+      : threads(count),
+        threadCount(static_cast<std::size_t>(count)),
+        encoders([obstacles] { return CrowdOfThread(obstacles); }) {}
 
   physics::Threads threads;
-  tbb::enumerable_thread_specific<BodyEncoder> encoders;
+  std::size_t threadCount;
+  tbb::enumerable_thread_specific<CrowdOfThread> encoders;
+  std::vector<Job> jobs;
+  std::vector<std::span<const Job>> crowds;  // of one blueprint each
 };
 
 Encoder::Encoder(std::vector<protocol::wire::Obstacle> obstacles, int threads)
@@ -98,7 +139,8 @@ const EncodedBody& Encoder::Encode(std::size_t index, std::size_t quality, const
                                    const CapturedBlueprint& blueprint) {
   Encoding& encoding = m_bodies[index].qualities[quality];
   if (encoding.version != body.version) {
-    m_workers->encoders.local().Encode(kSnapshotErrorShares[quality], body, blueprint, encoding);
+    const Job job{&body, &blueprint, quality, &encoding};
+    m_workers->encoders.local().Encode({&job, 1});
   }
   return NoteRead(encoding);
 }
@@ -113,18 +155,31 @@ bool Encoder::IsExpected(std::size_t index) const {
 }
 
 void Encoder::EncodeAhead(std::span<const FreshCapture> captures) {
-  m_workers->threads.ForEach(captures.size() * kQualities, [&](std::size_t i) {
-    const FreshCapture& fresh = captures[i / kQualities];
-    const std::size_t quality = i % kQualities;
-    Encoding& encoding = m_bodies[fresh.index].qualities[quality];
-    if (!IsExpected(encoding) || encoding.version == fresh.body->version) return;
-    m_workers->encoders.local().Encode(kSnapshotErrorShares[quality], *fresh.body, *fresh.blueprint, encoding);
-  });
+  std::vector<Job>& jobs = m_workers->jobs;
+  jobs.clear();
+  for (const FreshCapture& fresh : captures) {
+    for (std::size_t quality = 0; quality < kQualities; ++quality) {
+      Encoding& encoding = m_bodies[fresh.index].qualities[quality];
+      if (!IsExpected(encoding) || encoding.version == fresh.body->version) continue;
+      jobs.push_back({fresh.body, fresh.blueprint, quality, &encoding});
+    }
+  }
+  // By blueprint; their order within it decides only who shares a crowd with whom, and no byte depends on that.
+  std::ranges::sort(jobs, std::less<>(), &Job::blueprint);
+  // As large as kernels take, but so small that all threads have one.
+  const std::size_t most = std::clamp<std::size_t>(jobs.size() / m_workers->threadCount, 1, protocol::kMostLanes);
+  std::vector<std::span<const Job>>& crowds = m_workers->crowds;
+  crowds.clear();
+  for (std::size_t begin = 0, end = 0; begin < jobs.size(); begin = end) {
+    while (end < jobs.size() && end - begin < most && jobs[end].blueprint == jobs[begin].blueprint) ++end;
+    crowds.push_back(std::span<const Job>(jobs).subspan(begin, end - begin));
+  }
+  m_workers->threads.ForEach(crowds.size(), [&](std::size_t i) { m_workers->encoders.local().Encode(crowds[i]); });
 }
 
 std::uint64_t Encoder::CoarsenedRecords() const {
   std::uint64_t sum = 0;
-  for (const BodyEncoder& each : m_workers->encoders) sum += each.CoarsenedRecords();
+  for (const CrowdOfThread& each : m_workers->encoders) sum += each.CoarsenedRecords();
   return sum;
 }
 

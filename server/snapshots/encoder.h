@@ -32,6 +32,7 @@ struct EncodedBody {
 struct Encoding {
   std::uint64_t version = 0;        // of the capture that it was made from; 0: not encoded yet
   std::vector<std::uint8_t> bytes;  // of all records
+  std::vector<std::size_t> ends;    // where each record ends in them
   std::vector<std::span<const std::uint8_t>> records;
   EncodedBody body;
   // The tick of its last read, and of the read in an earlier tick; 0: none.
@@ -78,7 +79,8 @@ class Encoder {
     std::uint32_t body = 0;
     std::array<Encoding, kQualities> qualities;
   };
-  class BodyEncoder;
+  struct Job;
+  class CrowdOfThread;
   struct Workers;
 
   [[nodiscard]] bool IsExpected(const Encoding& encoding) const {

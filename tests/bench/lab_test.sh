@@ -126,7 +126,7 @@ case_capacity() {
 case_codec() {
   local keys="speed_median deformation_median bits_per_vertex_01 bits_per_vertex_025 bits_per_vertex_05 bits_at_rest"
   keys+=" ratio_vs_rigs_of_rods ratio_vs_draco ratio_vs_meshopt_zstd ratio_vs_delta_zstd ratio_vs_delta_acknowledged basis_kb"
-  keys+=" vertex_error_p999_025 encode_us_per_body decode_us_per_body"
+  keys+=" vertex_error_p999_025 encode_us_per_body encode_alone_us_per_body decode_us_per_body"
   keys+=" cloth_bits_per_vertex_025 lattice_bits_per_vertex_025"
   expect_report codec "$keys" "codec_curves"
 }

@@ -15,6 +15,7 @@
 #include "client/wasm/decoded_hash.h"
 #include "protocol/codec/basis_reader.h"
 #include "protocol/codec/contexts.h"
+#include "protocol/codec/encoding/shape_encoder.h"
 #include "protocol/codec/shape_codec.h"
 #include "protocol/snapshot.h"
 

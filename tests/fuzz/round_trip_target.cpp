@@ -1,6 +1,8 @@
-// Bytes as a body: its pose and deformation. The decoded body must have the error that the encoder reports.
+// Bytes as a body: its pose and deformation. The decoded body must have the error that the encoder reports, and in a
+// crowd of three qualities it must have the same bytes as alone.
 #include <cmath>
 
+#include "protocol/codec/encoding/crowd_encoder.h"
 #include "protocol/codec/shape_codec.h"
 #include "tests/fuzz/bases.h"
 #include "tests/fuzz/fuzz_target.h"
@@ -30,6 +32,26 @@ class Numbers {
   std::size_t m_next = 0;
 };
 
+void CheckCrowd(const protocol::PatchModel& model, const protocol::Pose& pose, std::span<const Vector3> vertices,
+                float target) {
+  static protocol::ShapeEncoder encoder;
+  static std::array<protocol::CrowdEncoder, 2> crowds{protocol::CrowdEncoder(protocol::KernelSet::kAvx2), protocol::CrowdEncoder()};
+  constexpr std::size_t kBodies = 3;
+  for (protocol::CrowdEncoder& crowd : crowds) {
+    std::array<std::vector<std::uint8_t>, kBodies> payloads;
+    std::array<protocol::CrowdBody, kBodies> bodies;
+    for (std::size_t i = 0; i < kBodies; ++i) {
+      bodies[i] = {pose, vertices, std::ldexp(target, static_cast<int>(i)), &payloads[i], {}};
+    }
+    crowd.Encode(model, 300, bodies);
+    for (std::size_t i = 0; i < kBodies; ++i) {
+      std::vector<std::uint8_t> alone;
+      const auto encoding = encoder.Encode(model, pose, vertices, bodies[i].targetRms, 300, alone);
+      Require(payloads[i] == alone && bodies[i].encoding.rmsError == encoding.rmsError);
+    }
+  }
+}
+
 void FuzzOne(std::span<const std::uint8_t> bytes) {
   static const std::array<std::shared_ptr<const protocol::Basis>, 4> kBases = {nullptr, MakeBasis(0, 10),
                                                                                MakeBasis(1, 10), MakeBasis(2, 10)};
@@ -54,6 +76,7 @@ void FuzzOne(std::span<const std::uint8_t> bytes) {
       .rest = rest, .size = size, .basis = basis, .obstacles = kObstacles, .reach = protocol::FindReach(rest)};
   const auto encoding = encoder.Encode(model, pose, vertices, target, 300, payload);
   Require(encoding.fits == !payload.empty() && payload.size() <= 300);
+  CheckCrowd(model, pose, vertices, target);
   if (!encoding.fits) return;
   std::vector<Vector3> shape(rest.size());
   protocol::QuantisedPose read;

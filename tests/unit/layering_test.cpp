@@ -53,6 +53,7 @@ const std::string kLanes = "server/physics/lanes/", kModel = "server/physics/mod
                   kShapes = "server/physics/shapes/", kStep = "server/physics/step/", kPhysics = "server/physics/",
                   kScenes = "server/scenes/", kTiming = "server/timing/", kPlay = "server/play/",
                   kSnapshots = "server/snapshots/", kProtocol = "protocol/", kCodec = "protocol/codec/",
+                  kEncoding = "protocol/codec/encoding/",
                   kVestibule = "protocol/transport/vestibule/", kClient = "client/";
 // The headers of the client library itself, without the rooms of the commands.
 const Strings kCommandReach{kClient, kProtocol};
@@ -111,6 +112,7 @@ const std::vector<Room> kRooms{
     // It alone knows the cryptographic library.
     {kVestibule, {kProtocol}, Join(kSystem, {"sodium.h"}), kClockFileLog},
     {"protocol/transport/", {kProtocol}, Join(kSystem, {"enet/"}), kClockFileLog},
+    {kEncoding, {kCodec, kProtocol}, {"flatbuffers/", "immintrin.h"}, kPortable},
     {kCodec, {kProtocol}, {"flatbuffers/", "immintrin.h"}, kPortable},
     {kProtocol, {}, {"flatbuffers/"}, kPortable},
     {"client/bots/", kCommandReach, Join(kSystem, {"CLI/", "lua.hpp", "nlohmann/"}), {}},
@@ -135,7 +137,8 @@ const Strings kSockets{kVestibule, "protocol/transport/enet", "protocol/transpor
                        "protocol/transport/virtual"};
 const std::map<std::string, Strings> kRefused{
     {kProtocol, {"protocol/transport/", kCodec}},
-    {kCodec, {"protocol/transport/"}},
+    {kEncoding, {"protocol/transport/"}},
+    {kCodec, {"protocol/transport/", kEncoding}},
     {kClient, Join(kSockets, {"client/admin/", "client/bots/", "client/command/", "client/files/", "client/gateway/",
                               "client/health/", "client/link/", "client/play/", "client/terminal/", "client/token/",
                               "client/wasm/"})},
@@ -145,7 +148,7 @@ const std::map<std::string, Strings> kRefused{
 
 const Strings kMeetingPlaces{"server/session.", kSnapshots, "server/training/", "server/main.", "server/ops/"};
 const Strings kTypedProtocolHeaders{"protocol/geometry.h", "protocol/messages", "protocol/codec/pose.h",
-                                    "protocol/codec/shape_codec.h"};
+                                    "protocol/codec/shape_codec.h", kEncoding};
 
 bool BeginsWith(const std::string& text, const std::string& prefix) { return text.rfind(prefix, 0) == 0; }
 bool BeginsWithOneOf(const std::string& text, const Strings& prefixes) {

@@ -1,6 +1,7 @@
 // Our codec, through the entry points that server and client use.
 #include <stdexcept>
 
+#include "protocol/codec/encoding/shape_encoder.h"
 #include "protocol/codec/shape_codec.h"
 #include "protocol/snapshot.h"
 #include "tests/bench/codec/method.h"

@@ -11,7 +11,7 @@
 
 #include "client/client.h"
 #include "protocol/codec/pose.h"
-#include "protocol/codec/shape_codec.h"
+#include "protocol/codec/encoding/shape_encoder.h"
 #include "protocol/snapshot.h"
 
 namespace wobble::client {

@@ -12,6 +12,7 @@
 #include "server/physics/world.h"
 #include "tests/support/captures.h"
 #include "tests/support/pace.h"
+#include "tests/unit/protocol/shape_clouds.h"
 
 namespace wobble::server {
 namespace {
@@ -233,6 +234,51 @@ TEST_F(EncoderTest, WhatIsEncodedAheadIsTheSame) {
       const std::vector<std::uint8_t> bytes(found->records[0].begin(), found->records[0].end());
       const Records alone = EncodeAll(encoder, quality)[i];
       EXPECT_EQ(bytes, std::vector<std::uint8_t>(alone[0].begin(), alone[0].end()));
+    }
+  }
+}
+
+// Forty balls of one blueprint with a basis, and one of another, at all qualities on two threads.
+TEST_F(EncoderTest, ACrowdEncodedAheadIsTheSame) {
+  blueprints[0].patches[0].basis =
+      protocol::clouds::MakeBasis(protocol::BasisSource::Kind::kFull, blueprints[0].rest.size(), 0.05F);
+  const CapturedBody ball = bodies[0];
+  bodies.erase(bodies.begin() + 2);
+  for (std::uint32_t i = 0; i < 40; ++i) {
+    CapturedBody copy = ball;
+    copy.body = 1000 + i;
+    for (std::size_t k = 0; k < copy.vertices.size(); ++k) {
+      copy.vertices[k].z += 0.004F * static_cast<float>(i) * std::sin(static_cast<float>(k));
+    }
+    bodies.push_back(copy);
+  }
+  Encoder ahead({}, 2);
+  std::uint32_t tick = 10;
+  for (; tick < 14; tick += 2) {
+    ahead.Follow(Show(bodies), tick);
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      for (std::size_t quality = 0; quality < kQualities; ++quality) {
+        static_cast<void>(ahead.Encode(i, quality, bodies[i], blueprints[bodies[i].blueprint]));
+      }
+    }
+  }
+  std::vector<FreshCapture> fresh;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    bodies[i].version += 100;
+    bodies[i].vertices[5].x += 0.01F;
+    fresh.push_back({i, &bodies[i], &blueprints[bodies[i].blueprint]});
+  }
+  ahead.Follow(Show(bodies), tick);
+  ahead.EncodeAhead(fresh);
+  for (std::size_t quality = 0; quality < kQualities; ++quality) {
+    const std::vector<Records> alone = EncodeAll(encoder, quality);
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      const EncodedBody* found = ahead.Find(i, quality, bodies[i].version);
+      ASSERT_NE(found, nullptr) << i << " at " << quality;
+      ASSERT_EQ(found->records.size(), alone[i].size());
+      for (std::size_t j = 0; j < alone[i].size(); ++j) {
+        EXPECT_TRUE(std::ranges::equal(found->records[j], alone[i][j])) << i << " at " << quality;
+      }
     }
   }
 }

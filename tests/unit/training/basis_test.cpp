@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "protocol/codec/shape_codec.h"
+#include "protocol/codec/encoding/shape_encoder.h"
 #include "protocol/snapshot.h"
 #include "server/physics/shapes/ball.h"
 #include "server/scenes/loader.h"
