@@ -19,14 +19,15 @@ constexpr double kLikelySubsteps = 4;
 // The face round the vertex at which the search for p's nearest face begins, and nearly always ends: the first that has
 // p above or below itself, or the one that comes nearest to that.
 template <class Real>
-std::uint16_t FindStart(const Skin<Real>& skin, std::uint16_t vertex, const Vector3<Real>& p) {
-  std::uint16_t start = kNoFace;
+FacePoint<Real> FindStart(const Skin<Real>& skin, std::uint16_t vertex, const Vector3<Real>& p) {
+  FacePoint<Real> start;
   Real greatest = std::numeric_limits<Real>::lowest();
   for (const std::uint16_t face : skin.topology->RingOf(vertex)) {
-    const Real least = FindFacePoint(skin, face, p).weights.minCoeff();
-    if (start == kNoFace || least > greatest) {
+    const FacePoint<Real> at = FindFacePoint(skin, face, p);
+    const Real least = at.weights.minCoeff();
+    if (start.face == kNoFace || least > greatest) {
       greatest = least;
-      start = face;
+      start = at;
     }
     if (least >= Real(0)) break;
   }

@@ -27,26 +27,26 @@ bool IsPastBorder(const Topology& topology, const FacePoint<Real>& at) {
 }
 
 // The face that a contact has come to. Changes contact.side if the vertex has passed the border of an open skin.
+// before: p seen from the contact's face, on its side.
 template <class Real>
-FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const Vector3<Real>& p, BodyContact<Real>& contact) {
+FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const Vector3<Real>& p, const FacePoint<Real>& before,
+                                BodyContact<Real>& contact) {
   const Skin<Real> skin = SkinFrom(meeting, contact.side);
   const bool isOpen = skin.topology->isOpen;
   if (contact.phase != ContactPhase::kWaiting) {
-    const FacePoint<Real> at = SlideToFace(skin, contact.face, p);
-    if (LooksAlong(at, contact.outward)) {
-      const FacePoint<Real> kept = FindFacePoint(skin, contact.face, p);
-      if (HangsOn(contact, at, kept)) return kept;
-    }
+    const FacePoint<Real> at = SlideToFace(skin, before, p);
+    if (LooksAlong(at, contact.outward) && HangsOn(contact, at, before)) return before;
     if (at.distance < Real(0)) {
       if (!isOpen) return TurnToFacing(skin, at, p, contact.outward, static_cast<Real>(kArmingDepth));
       if (!IsPastBorder(*skin.topology, at)) return at;
     }
   }
-  const FacePoint<Real> at = FindNearestFace(skin, contact.face, p);
+  const FacePoint<Real> at = FindNearestFace(skin, before, p);
   if (!isOpen) return TurnToFacing(skin, at, p, contact.outward, static_cast<Real>(kArmingDepth));
   if (at.distance >= Real(0) || !IsPastBorder(*skin.topology, at)) return at;
-  const FacePoint<Real> front = FindNearestFace(SkinFrom(meeting, SkinSide::kFront), at.face, p);
-  return ChooseSide(meeting, front, p, contact.outward, contact.side);
+  const Skin<Real> front = SkinFrom(meeting, SkinSide::kFront);
+  const FacePoint<Real> there = FindNearestFace(front, FindFacePoint(front, at.face, p), p);
+  return ChooseSide(meeting, there, p, contact.outward, contact.side);
 }
 
 // Updates contact.leap, the depth that no motion has brought, for a contact that went from `before` to `at` in h s.
@@ -79,12 +79,13 @@ void NoteLeap(const ContactParameters<Real>& parameters, const Meeting<Real>& me
 }
 
 // FindPresentFace after a substep of h s, with the leap brought up to date and added to the distance that is returned.
+// before: as there.
 template <class Real>
 FacePoint<Real> RenewContact(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting,
-                             const Vector3<Real>& p, Real h, BodyContact<Real>& contact) {
+                             const Vector3<Real>& p, const FacePoint<Real>& before, Real h,
+                             BodyContact<Real>& contact) {
   const SkinSide sideBefore = contact.side;
-  const FacePoint<Real> before = FindFacePoint(SkinFrom(meeting, sideBefore), contact.face, p);
-  FacePoint<Real> at = FindPresentFace(meeting, p, contact);
+  FacePoint<Real> at = FindPresentFace(meeting, p, before, contact);
   if (contact.phase == ContactPhase::kWaiting || contact.side != sideBefore) {
     contact.leap = 0;
     return at;
@@ -104,7 +105,8 @@ FacePoint<Real> ChooseSide(const Meeting<Real>& meeting, const FacePoint<Real>& 
   if (!skin.topology->isOpen) return TurnToFacing(skin, front, p, outward, static_cast<Real>(kArmingDepth));
   if (front.distance >= Real(0)) return front;
   side = SkinSide::kBack;
-  return FindNearestFace(SkinFrom(meeting, side), front.face, p);
+  const Skin<Real> back = SkinFrom(meeting, side);
+  return FindNearestFace(back, FindFacePoint(back, front.face, p), p);
 }
 
 template <class Real>
@@ -134,7 +136,7 @@ FacePoint<Real> RecallContact(const ContactParameters<Real>& parameters, const M
   const bool stands = (at.weights - contact.foot).cwiseAbs().maxCoeff() < static_cast<Real>(kStandingOverhang) &&
                       at.weights.minCoeff() >= Real(0);
   if (!stands || contact.phase == ContactPhase::kWaiting || LooksAlong(at, contact.outward)) {
-    return RenewContact(parameters, meeting, p, Real(0), contact);
+    return RenewContact(parameters, meeting, p, at, Real(0), contact);
   }
   NoteLeap(parameters, meeting, at, at, Real(0), contact);
   at.distance += contact.leap;
@@ -147,7 +149,8 @@ void UpdateBodyContacts(const ContactParameters<Real>& parameters, const Meeting
   for (BodyContact<Real>& contact : contacts) {
     const Vector3<Real> p = meeting.x[contact.vertex] + meeting.shift;
     const bool wasTouching = contact.phase == ContactPhase::kTouching;
-    FacePoint<Real> at = RenewContact(parameters, meeting, p, h, contact);
+    const FacePoint<Real> before = FindFacePoint(SkinFrom(meeting, contact.side), contact.face, p);
+    FacePoint<Real> at = RenewContact(parameters, meeting, p, before, h, contact);
     Arm<Real>(parameters, FindRelativeVelocity(meeting, contact.vertex, at), h, meeting.skin.topology->isOpen, at,
               contact);
     const Real depth = -at.distance;

@@ -137,10 +137,10 @@ FacePoint<Real> FindFacePoint(const Skin<Real>& skin, std::uint16_t face, const 
 }
 
 template <class Real>
-FacePoint<Real> FindNearestFace(const Skin<Real>& skin, std::uint16_t start, const Vector3<Real>& p) {
-  FacePoint<Real> at = FindFacePoint(skin, start, p);
+FacePoint<Real> FindNearestFace(const Skin<Real>& skin, const FacePoint<Real>& start, const Vector3<Real>& p) {
+  FacePoint<Real> at = start;
   if (IsPlainlyNearest(skin, at, p)) return at;
-  Real square = FindSquaredDistance(skin, start, p);
+  Real square = FindSquaredDistance(skin, start.face, p);
   for (int step = 0; step < kMaxSteps; ++step) {
     FacePoint<Real> best = at;
     for (const std::uint16_t vertex : skin.faces[at.face]) {
@@ -203,8 +203,8 @@ Vector3<Real> FindOutward(const Skin<Real>& skin, std::uint16_t vertex) {
 }
 
 template <class Real>
-FacePoint<Real> SlideToFace(const Skin<Real>& skin, std::uint16_t start, const Vector3<Real>& p) {
-  FacePoint<Real> at = FindFacePoint(skin, start, p);
+FacePoint<Real> SlideToFace(const Skin<Real>& skin, const FacePoint<Real>& start, const Vector3<Real>& p) {
+  FacePoint<Real> at = start;
   for (int step = 0; step < kMaxSteps; ++step) {
     FacePoint<Real> best = at;
     for (std::size_t corner = 0; corner < 3; ++corner) {
@@ -231,14 +231,14 @@ FacePoint<Real> FollowFace(const Skin<Real>& skin, std::uint16_t face, const Vec
   return SlidesOver(skin, at, static_cast<std::size_t>(corner), there) ? there : at;
 }
 
-#define WOBBLE_INSTANTIATE(Real)                                                                               \
-  template FacePoint<Real> FindFacePoint<Real>(const Skin<Real>&, std::uint16_t, const Vector3<Real>&);        \
-  template FacePoint<Real> FindNearestFace<Real>(const Skin<Real>&, std::uint16_t, const Vector3<Real>&);      \
-  template bool LooksAlong<Real>(const FacePoint<Real>&, const Vector3<Real>&);                                \
-  template FacePoint<Real> TurnToFacing<Real>(const Skin<Real>&, const FacePoint<Real>&, const Vector3<Real>&, \
-                                              const Vector3<Real>&, Real);                                     \
-  template Vector3<Real> FindOutward<Real>(const Skin<Real>&, std::uint16_t);                                  \
-  template FacePoint<Real> SlideToFace<Real>(const Skin<Real>&, std::uint16_t, const Vector3<Real>&);          \
+#define WOBBLE_INSTANTIATE(Real)                                                                                   \
+  template FacePoint<Real> FindFacePoint<Real>(const Skin<Real>&, std::uint16_t, const Vector3<Real>&);            \
+  template FacePoint<Real> FindNearestFace<Real>(const Skin<Real>&, const FacePoint<Real>&, const Vector3<Real>&); \
+  template bool LooksAlong<Real>(const FacePoint<Real>&, const Vector3<Real>&);                                    \
+  template FacePoint<Real> TurnToFacing<Real>(const Skin<Real>&, const FacePoint<Real>&, const Vector3<Real>&,     \
+                                              const Vector3<Real>&, Real);                                         \
+  template Vector3<Real> FindOutward<Real>(const Skin<Real>&, std::uint16_t);                                      \
+  template FacePoint<Real> SlideToFace<Real>(const Skin<Real>&, const FacePoint<Real>&, const Vector3<Real>&);     \
   template FacePoint<Real> FollowFace<Real>(const Skin<Real>&, std::uint16_t, const Vector3<Real>&);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)

@@ -39,9 +39,11 @@ template <class Real>
 [[nodiscard]] FacePoint<Real> FindFacePoint(const Skin<Real>& skin, std::uint16_t face, const Vector3<Real>& p);
 
 // The nearest face that can be reached from `start` by steps to a nearer face in the ring of the corners; at most 16
-// steps. Of faces equally near, as round an edge, the one whose plane is farthest below p.
+// steps. Of faces equally near, as round an edge, the one whose plane is farthest below p. start: FindFacePoint of this
+// skin and this p, which most callers have already.
 template <class Real>
-[[nodiscard]] FacePoint<Real> FindNearestFace(const Skin<Real>& skin, std::uint16_t start, const Vector3<Real>& p);
+[[nodiscard]] FacePoint<Real> FindNearestFace(const Skin<Real>& skin, const FacePoint<Real>& start,
+                                              const Vector3<Real>& p);
 
 // True if a vertex whose own skin has the normal `outward` cannot have come in through the face, because the face looks
 // the same way. outward: unit length, or zero for a vertex that may have come in through any face (an open skin).
@@ -58,9 +60,10 @@ template <class Real>
 template <class Real>
 [[nodiscard]] Vector3<Real> FindOutward(const Skin<Real>& skin, std::uint16_t vertex);
 
-// The face that a point inside has come to from `start` by sliding over sides; at most 16 steps.
+// The face that a point inside has come to from `start` by sliding over sides; at most 16 steps. start: FindFacePoint
+// of this skin and this p.
 template <class Real>
-[[nodiscard]] FacePoint<Real> SlideToFace(const Skin<Real>& skin, std::uint16_t start, const Vector3<Real>& p);
+[[nodiscard]] FacePoint<Real> SlideToFace(const Skin<Real>& skin, const FacePoint<Real>& start, const Vector3<Real>& p);
 
 // Like SlideToFace, but over one side at most and only if p has left the face: for use within a substep.
 template <class Real>

@@ -100,7 +100,7 @@ TEST_F(FaceSearch, NearestFaceOfAPointOutsideIsTheNearestOfAll) {
   const Skin<double> skin = MakeSkin();
   for (const Vector3d& p : MakeProbes(1.2)) {
     const std::uint16_t start = static_cast<std::uint16_t>(std::fabs(p.x()) * 100);
-    const FacePoint<double> at = FindNearestFace(skin, start, p);
+    const FacePoint<double> at = FindNearestFace(skin, FindFacePoint(skin, start, p), p);
     EXPECT_GT(at.distance, 0);
     const Vector3d clamped = at.weights.cwiseMax(0) / at.weights.cwiseMax(0).sum();
     const Face& face = skin.faces[at.face];
@@ -122,11 +122,12 @@ TEST_F(FaceSearch, FootAndNormalLeadBackToThePoint) {
 // A point goes round the ball just below its skin: its face is always the one above it.
 TEST_F(FaceSearch, APointInsideSlidesFromFaceToFace) {
   const Skin<double> skin = MakeSkin();
-  std::uint16_t face = FindNearestFace<double>(skin, 0, Vector3d(1.2, 0, 0)).face;
+  std::uint16_t face =
+      FindNearestFace(skin, FindFacePoint<double>(skin, 0, Vector3d(1.2, 0, 0)), Vector3d(1.2, 0, 0)).face;
   for (int i = 0; i < 1000; ++i) {
     const double angle = 0.0063 * i;
     const Vector3d p = 0.93 * Vector3d(std::cos(angle), std::sin(angle) * 0.8, std::sin(angle) * 0.6);
-    const FacePoint<double> at = SlideToFace(skin, face, p);
+    const FacePoint<double> at = SlideToFace(skin, FindFacePoint(skin, face, p), p);
     face = at.face;
     EXPECT_LT(at.distance, 0);
     EXPECT_NEAR(-at.distance, FindDistanceByTrying(skin, p), 2e-3);
@@ -139,9 +140,12 @@ TEST_F(FaceSearch, APointInACornerKeepsTheFaceItCameThrough) {
   const std::vector<Face> faces{{0, 1, 2}, {0, 2, 3}, {1, 4, 5}, {1, 5, 2}};  // top, and the side at x = 1
   const Topology sharp = MakeTopology(faces, x.size());
   const Skin<double> skin{faces, &sharp, x};
-  EXPECT_EQ(SlideToFace<double>(skin, 0, Vector3d(0.99, 0.3, -0.2)).face, 0);
-  EXPECT_EQ(SlideToFace<double>(skin, 2, Vector3d(0.8, 0.3, -0.01)).face, 3);
-  EXPECT_GE(SlideToFace<double>(skin, 0, Vector3d(1.01, 0.3, -0.2)).face, 2);
+  EXPECT_EQ(
+      SlideToFace(skin, FindFacePoint<double>(skin, 0, Vector3d(0.99, 0.3, -0.2)), Vector3d(0.99, 0.3, -0.2)).face, 0);
+  EXPECT_EQ(
+      SlideToFace(skin, FindFacePoint<double>(skin, 2, Vector3d(0.8, 0.3, -0.01)), Vector3d(0.8, 0.3, -0.01)).face, 3);
+  EXPECT_GE(
+      SlideToFace(skin, FindFacePoint<double>(skin, 0, Vector3d(1.01, 0.3, -0.2)), Vector3d(1.01, 0.3, -0.2)).face, 2);
 }
 
 // A vertex under the edge between the top of a cube and its side, nearer to the side: its own normal decides its face.
