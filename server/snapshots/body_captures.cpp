@@ -2,6 +2,14 @@
 #include "server/snapshots/body_captures.h"
 
 namespace wobble::server {
+namespace {
+
+void NoteBlueprint(const physics::World& world, const physics::Body& body, ShownBody& shown) {
+  shown.blueprint = body.blueprint;
+  shown.size = static_cast<float>(world.Blueprints()[body.blueprint].size);
+}
+
+}  // namespace
 
 void BodyCaptures::Follow(const physics::World& world) {
   const physics::WorldChanges changes = world.Changes();
@@ -9,7 +17,8 @@ void BodyCaptures::Follow(const physics::World& world) {
   const std::span<const physics::Body> present = world.Bodies();
   while (m_shown.size() < present.size()) {
     const physics::Body& added = present[m_shown.size()];
-    m_shown.push_back({.body = added.id, .centre = ToWire(world.FindCentre(added)), .blueprint = added.blueprint});
+    m_shown.push_back({.body = added.id, .centre = ToWire(world.FindCentre(added))});
+    NoteBlueprint(world, added, m_shown.back());
     m_captured.emplace_back().body = added.id;
     m_moved.push_back(1);
   }
@@ -21,7 +30,7 @@ void BodyCaptures::Follow(const physics::World& world) {
     shown.speed = protocol::Length(centre - shown.centre) * perTick;
     shown.centre = centre;
     shown.restTick = present[place].asleep ? world.Tick() : 0;
-    shown.blueprint = present[place].blueprint;
+    if (shown.blueprint != present[place].blueprint) NoteBlueprint(world, present[place], shown);
   }
 }
 

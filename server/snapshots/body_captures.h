@@ -20,6 +20,7 @@ struct ShownBody {
   float speed = 0;             // of the centre, m/s
   std::uint32_t restTick = 0;  // the tick at which it fell asleep; 0: it is awake
   std::uint8_t blueprint = 0;  // its slot
+  float size = 1;              // of its blueprint, m
 };
 
 // Brings per-body data in line with the bodies that exist now: drops the entries of removed bodies and appends entries

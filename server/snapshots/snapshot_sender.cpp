@@ -13,48 +13,11 @@ namespace {
 // Bytes of a packet beside its payload: IPv4 20, UDP 8, ENet's header with time and checksum 8, its command 8.
 constexpr double kPacketOverheadBytes = 44;
 
-// A body's priority grows by kFarShare + 1 / (1 + (d / kHalfDistance)²) a snapshot, d metres away, so that the farthest
-// is sent every fifth time that a near one is.
-constexpr float kHalfDistance = 8;
-constexpr float kFarShare = 0.25F;
-// A body this fast, m/s, is sent twice as often as one that hardly moves; a faster one no more often.
-constexpr float kDoubleSpeed = 4;
-
-// Distances, m, from which on a body is sent one quality coarser, and two. A ball of 1 m, seen at an angle of 60° on a
-// thousand pixels, is 50 pixels high at the first distance and 20 at the second, and an error of 1 % a fraction of one.
-constexpr float kCoarseDistances[] = {16, 40};
-// While the machine is short of time: the distance, m, from which on a body is sent at the coarsest quality. A body is
-// then encoded at two qualities, the second best for clients near it and the coarsest for all others, instead of three.
-constexpr float kCoarserDistance = 8;
-
-// Snapshots in a row that leave bodies out before the quality falls, and that leave none out before it rises. A quality
-// costs about 1.8 times the bytes of the next coarser one; kFinerCost leaves a margin.
-constexpr int kCrowdedPatience = 3;
-constexpr int kEasyPatience = 30;
-constexpr double kFinerCost = 1.9;
-
 // Ranks that are sorted first: more than a small budget takes. Then as many again as have been sorted.
 constexpr std::size_t kFirstRanks = 16;
 
-// The growth of a body's priority in one snapshot.
-float FindGain(protocol::Vector3 from, const ShownBody& to) {
-  const protocol::Vector3 way = to.centre - from;
-  const float near = kFarShare + 1.0F / (1.0F + protocol::Dot(way, way) / (kHalfDistance * kHalfDistance));
-  return near * (1.0F + std::min(to.speed / kDoubleSpeed, 1.0F));
-}
-
-void AdaptCoarseness(bool leftOut, bool isEasy, Subscription& subscription) {
-  subscription.crowdedSnapshots = leftOut ? subscription.crowdedSnapshots + 1 : 0;
-  subscription.easySnapshots = isEasy ? subscription.easySnapshots + 1 : 0;
-  if (subscription.crowdedSnapshots >= kCrowdedPatience && subscription.coarseness + 1 < kQualities) {
-    ++subscription.coarseness;
-    subscription.crowdedSnapshots = 0;
-  }
-  if (subscription.easySnapshots >= kEasyPatience && subscription.coarseness > 0) {
-    --subscription.coarseness;
-    subscription.easySnapshots = 0;
-  }
-}
+// The own body ranks above all others. Priorities are less: floats that are not negative leave the first bit free.
+constexpr std::uint32_t kOwnRank = 0xFFFFFFFF;
 
 }  // namespace
 
@@ -71,45 +34,58 @@ void SnapshotSender::Begin(std::span<const ShownBody> bodies, const SnapshotTask
   RankBodies(bodies, subscription);
   // The credit of one snapshot may be saved for a busier one, and no more: a quiet minute buys no burst.
   subscription.credit = std::min(subscription.credit + task.creditBytes, 2 * task.creditBytes);
-  m_creditBefore = subscription.credit;
+  const double nearBytes = kNearShare * task.creditBytes;
+  subscription.nearCredit = std::min(subscription.nearCredit + nearBytes, 2 * nearBytes);
+  subscription.turn.credit += task.creditBytes;
 }
 
 void SnapshotSender::RankBodies(std::span<const ShownBody> bodies, Subscription& subscription) {
   const ShownBody* own = FindBody(bodies, m_task.ownBody);
   m_viewpoint = own != nullptr ? own->centre : protocol::Vector3{};
+  const float nearRadius = FindNearRadius(bodies, m_viewpoint, m_distances);
   std::vector<Subscription::Interest>& interests = subscription.interests;
   FollowBodies(bodies, interests);
   m_ranks.clear();
+  m_near = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const ShownBody& body = bodies[i];
     if (!m_task.subset.Has(body.body)) continue;
     if (m_task.download->Find(body.blueprint) == Download::Stage::kUnsent) continue;
     if (body.restTick != 0 && Subscription::IsSettled(interests[i], body.restTick, m_task.now)) continue;
-    if (protocol::Length(body.centre - m_viewpoint) > m_viewDistance) {
+    const float distance = protocol::Length(body.centre - m_viewpoint);
+    if (distance > m_viewDistance) {
       ++m_counts.bodiesOutOfView;
       continue;
     }
     float& priority = interests[i].priority;
-    priority += FindGain(m_viewpoint, body);
+    priority += FindGain(FindApparentDistance(m_viewpoint, body), body.speed);
     // The bits of floats that are not negative sort like the floats. Of equal priorities the lower index goes first.
-    const Rank high = &body == own ? Rank{0xFFFFFFFF} : Rank{std::bit_cast<std::uint32_t>(priority)};
+    const Rank high = &body == own ? kOwnRank : std::bit_cast<std::uint32_t>(priority);
     m_ranks.push_back(high << 32 | ~static_cast<std::uint32_t>(i));
+    if (distance <= nearRadius) std::swap(m_ranks[m_near++], m_ranks.back());
   }
-  m_sorted = 0;
+  std::sort(m_ranks.begin(), m_ranks.begin() + static_cast<std::ptrdiff_t>(m_near), std::greater<>());
+  m_sorted = m_near;
   m_taken = 0;
 }
 
 std::optional<SnapshotSender::Pick> SnapshotSender::PickNext(std::span<const ShownBody> bodies,
-                                                             const Subscription& subscription) {
-  if (m_taken == m_ranks.size() || subscription.credit <= 0) return std::nullopt;
+                                                             Subscription& subscription) {
+  // Bodies fall unevenly into the snapshots of a turn: near ones may overdraw one snapshot by what the next one gets.
+  const bool isNear = m_taken < m_near && subscription.nearCredit > 0 && subscription.credit > -m_task.creditBytes;
+  if (!isNear && m_taken < m_near) {
+    subscription.turn.nearLeft += m_near - m_taken;
+    m_sorted = m_near = m_taken;  // they wait with the others
+  }
+  if (m_taken == m_ranks.size() || (!isNear && subscription.credit <= 0)) return std::nullopt;
   const std::size_t index = TakeHighest();
-  const std::size_t quality = FindQuality(bodies[index], subscription);
+  const std::size_t quality = FindQuality(bodies[index], isNear, subscription);
   m_counts.bodiesCoarsened += quality > 0 ? 1 : 0;
-  return Pick{.index = index, .quality = quality};
+  return Pick{.index = index, .quality = quality, .isNear = isNear};
 }
 
-// The index of the body that ranks highest among those not taken yet. A budget takes a few of many bodies, so no more
-// than these are sorted.
+// The index of the body that ranks highest among those not taken yet, near ones before all others. A budget takes a few
+// of many bodies, so no more than these are sorted.
 std::size_t SnapshotSender::TakeHighest() {
   if (m_taken == m_sorted) {
     const std::size_t more = std::min(std::max(kFirstRanks, m_sorted), m_ranks.size() - m_sorted);
@@ -120,27 +96,30 @@ std::size_t SnapshotSender::TakeHighest() {
   return ~static_cast<std::uint32_t>(m_ranks[m_taken++]);
 }
 
-std::size_t SnapshotSender::FindQuality(const ShownBody& body, const Subscription& subscription) const {
-  std::size_t quality = std::max<std::size_t>(subscription.coarseness, m_isCoarser ? 1 : 0);
-  if (body.body == m_task.ownBody) return quality;
-  const float distance = protocol::Length(body.centre - m_viewpoint);
-  if (m_isCoarser && distance > kCoarserDistance) return kQualities - 1;
-  for (const float limit : kCoarseDistances) quality += distance > limit ? 1 : 0;
-  return std::min(quality, kQualities - 1);
+std::size_t SnapshotSender::FindQuality(const ShownBody& body, bool isNear, const Subscription& subscription) const {
+  const std::size_t quality = subscription.coarseness.FindQuality(isNear, FindApparentDistance(m_viewpoint, body));
+  if (!m_isCoarser) return quality;
+  const bool isOwn = body.body == m_task.ownBody;
+  return FindCoarserQuality(quality, isOwn ? 0 : protocol::Length(body.centre - m_viewpoint));
 }
 
-void SnapshotSender::AddBody(const ShownBody& shown, const EncodedBody& body, Subscription& subscription,
-                             Subscription::Interest& interest) {
+void SnapshotSender::AddBody(const Pick& pick, const ShownBody& shown, const EncodedBody& body,
+                             Subscription& subscription) {
+  Subscription::Interest& interest = subscription.interests[pick.index];
   std::uint32_t first = 0;
+  double size = 0;
   for (const std::span<const std::uint8_t> record : body.records) {
     if (!m_packet.Add(record)) {
       SendPacket(subscription);
       [[maybe_unused]] const bool fits = m_packet.Add(record);  // a record is always smaller than a packet
     }
     if (first == 0) first = subscription.sent.Newest() + 1;
-    subscription.credit -= static_cast<double>(record.size());
-    m_counts.recordBytes += record.size();
+    size += static_cast<double>(record.size());
   }
+  subscription.credit -= size;
+  if (pick.isNear) subscription.nearCredit -= size;
+  (pick.isNear ? subscription.turn.near : subscription.turn.far) += size;
+  m_counts.recordBytes += static_cast<std::uint64_t>(size);
   m_counts.vertices += body.vertices;
   m_counts.errorSquares += body.errorSquares;
   m_counts.errors.Record(body.error);
@@ -166,7 +145,9 @@ void SnapshotSender::SendPacket(Subscription& subscription) {
     ++m_counts.packets;
     m_counts.bytes += packet.size();
   }
-  subscription.credit -= static_cast<double>(protocol::kSnapshotHeadBytes) + kPacketOverheadBytes;
+  constexpr double kHeads = static_cast<double>(protocol::kSnapshotHeadBytes) + kPacketOverheadBytes;
+  subscription.credit -= kHeads;
+  subscription.turn.far += kHeads;
   m_packet.Clear();
 }
 
@@ -177,8 +158,11 @@ void SnapshotSender::Finish(Subscription& subscription) {
   // that has overdrawn its credit waits in silence instead: heads could use up a small budget and leave no bodies.
   const bool isHeadAlone = m_ranks.empty() && m_task.subset.remainder == 0 && subscription.credit > 0;
   if (!m_packet.Empty() || isHeadAlone) SendPacket(subscription);
-  const bool isEasy = leftOut == 0 && kFinerCost * (m_creditBefore - subscription.credit) < m_task.creditBytes;
-  AdaptCoarseness(leftOut > 0, isEasy, subscription);
+  subscription.turn.due += m_ranks.size();
+  subscription.turn.leftOut += leftOut;
+  if (m_task.subset.remainder + 1 < m_task.subset.divisor) return;
+  subscription.coarseness.Adapt(subscription.turn);
+  subscription.turn = {};
 }
 
 }  // namespace wobble::server

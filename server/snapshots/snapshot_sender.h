@@ -1,9 +1,9 @@
 // Chooses which bodies a client gets in a snapshot, and how exactly, and spends the client's byte budget on them.
 //
-// A body's priority grows with every snapshot, faster when the body is near or fast, until it is sent: near bodies are
-// sent every time, distant ones take turns, and none starves (Fiedler, "State Synchronization"). The player's own body
-// goes first. A body at rest is sent until the client has it; a body out of view is not sent, nor one whose blueprint
-// has not been sent.
+// The player's own body goes first, then the nearest bodies (relevance.h). The priority of the others grows with every
+// snapshot, faster when the body looks large or is fast, until it is sent: they take turns, and none starves (Fiedler,
+// "State Synchronization"). A body at rest is sent until the client has it; a body out of view is not sent, nor one
+// whose blueprint has not been sent.
 //
 // When the budget leaves bodies out, all bodies are coarsened before they are sent less often. That includes the own
 // body: otherwise each player's body would be encoded twice, once for the player and once for everybody else, and an
@@ -70,7 +70,7 @@ class SnapshotSender {
     Begin(store.Bodies(), task, subscription);
     while (const auto pick = PickNext(store.Bodies(), subscription)) {
       const EncodedBody& body = store.Read(pick->index, pick->quality);
-      AddBody(store.Bodies()[pick->index], body, subscription, subscription.interests[pick->index]);
+      AddBody(*pick, store.Bodies()[pick->index], body, subscription);
     }
     Finish(subscription);
   }
@@ -88,17 +88,17 @@ class SnapshotSender {
   struct Pick {
     std::size_t index = 0;
     std::size_t quality = 0;
+    bool isNear = false;
   };
 
   void Begin(std::span<const ShownBody> bodies, const SnapshotTask& task, Subscription& subscription);
-  [[nodiscard]] std::optional<Pick> PickNext(std::span<const ShownBody> bodies, const Subscription& subscription);
-  void AddBody(const ShownBody& shown, const EncodedBody& body, Subscription& subscription,
-               Subscription::Interest& interest);
+  [[nodiscard]] std::optional<Pick> PickNext(std::span<const ShownBody> bodies, Subscription& subscription);
+  void AddBody(const Pick& pick, const ShownBody& shown, const EncodedBody& body, Subscription& subscription);
   void Finish(Subscription& subscription);
 
   void RankBodies(std::span<const ShownBody> bodies, Subscription& subscription);
   [[nodiscard]] std::size_t TakeHighest();
-  [[nodiscard]] std::size_t FindQuality(const ShownBody& body, const Subscription& subscription) const;
+  [[nodiscard]] std::size_t FindQuality(const ShownBody& body, bool isNear, const Subscription& subscription) const;
   void SendPacket(Subscription& subscription);
 
   transport::Transport& m_transport;
@@ -109,10 +109,11 @@ class SnapshotSender {
   SnapshotTask m_task;
   protocol::PacketBuilder m_packet;
   protocol::Vector3 m_viewpoint;
-  std::vector<Rank> m_ranks;  // of the bodies that may be sent; sorted by falling rank up to m_sorted
+  std::vector<Rank> m_ranks;  // of the bodies that may be sent: near ones, then others; sorted up to m_sorted
+  std::size_t m_near = 0;     // near ones; those that the budget does not hold stop being so
   std::size_t m_sorted = 0;
-  std::size_t m_taken = 0;    // ranks that have been taken
-  double m_creditBefore = 0;  // bytes
+  std::size_t m_taken = 0;         // ranks that have been taken
+  std::vector<float> m_distances;  // scratch of FindNearRadius
 };
 
 }  // namespace wobble::server

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "protocol/acknowledgement.h"
+#include "server/snapshots/relevance.h"
 
 namespace wobble::server {
 
@@ -36,10 +37,10 @@ class Subscription {
 
   std::vector<Interest> interests;  // one per shown body, by ascending id
   protocol::SentWindow sent;
-  double credit = 0;           // bytes that may be sent; below zero after a record that just went over
-  std::size_t coarseness = 0;  // added to the quality of all bodies
-  int crowdedSnapshots = 0;    // in a row that left bodies out
-  int easySnapshots = 0;       // in a row that left none out, and would not have at the next finer quality
+  double credit = 0;      // bytes that may be sent; below zero after a record that just went over
+  double nearCredit = 0;  // of these, for near bodies before all others
+  Coarseness coarseness;
+  Coarseness::Turn turn;  // the one under way
 
  private:
   // A rest under way.

@@ -5,7 +5,11 @@
 namespace wobble::bench {
 
 void ReportCapacity(Bench& bench) {
-  constexpr Part kParts[] = {{"seconds of play", 1, &MeasurePlayers}};
+  constexpr Part kParts[] = {
+      {"seconds of play", 0.8, &MeasurePlayers},
+      {"what a player sees", 0.1, &MeasureRelevance},
+      {"two threads", 0.1, &MeasureThreads},
+  };
   MeasureParts(bench, kParts);
 }
 

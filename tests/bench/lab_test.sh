@@ -120,6 +120,7 @@ case_capacity() {
   local keys="players_at_60hz tick_ms_p99 overrun_share kbit_per_client wall_tick_ms_p99 displayed_error"
   keys+=" input_to_snapshot_ms_p50 snapshot_age_ms_p99 touching largest_group bots_core_share late_ms_p99"
   keys+=" receive_ms step_ms capture_ms encode_ms send_ms load_level"
+  keys+=" relevant_error relevant_left_out relevant_error_wide relevant_left_out_wide two_threads_ratio"
   expect_report capacity "$keys" "capacity_ticks capacity_clients"
 }
 

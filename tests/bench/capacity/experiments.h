@@ -1,4 +1,4 @@
-// The experiment of `wobble_lab capacity`.
+// The experiments of `wobble_lab capacity`.
 #pragma once
 
 #include "tests/bench/report.h"
@@ -7,5 +7,9 @@ namespace wobble::bench {
 
 // Keys players_at_60hz, tick_ms_*, overrun_share, kbit_per_client and the other figures at that player count.
 void MeasurePlayers(Bench& bench);
+// What a player at the default budget sees of the nearest of 128. Keys relevant_error, relevant_left_out.
+void MeasureRelevance(Bench& bench);
+// A tick of 128 by two threads against one. Key two_threads_ratio.
+void MeasureThreads(Bench& bench);
 
 }  // namespace wobble::bench

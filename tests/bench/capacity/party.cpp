@@ -2,8 +2,11 @@
 
 #include <thread>
 
+#include "client/bots/options.h"
 #include "client/command/command.h"
 #include "protocol/transport/enet_transport.h"
+#include "server/scenes/loader.h"
+#include "server/training/basis_shelf.h"
 #include "tests/bench/capacity/cores.h"
 #include "tests/bench/thread_time.h"
 
@@ -21,6 +24,15 @@ server::Config MakeConfig(unsigned players, std::uint64_t seed) {
 }
 
 }  // namespace
+
+Game MakeGame(const Options& options) {
+  Game game;
+  game.scene = scenes::LoadScene(options.scene, scenes::FindShippedScenes()).scene;  // valid: main has checked it
+  game.bases = server::LoadBases(game.scene, {}, static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+  game.script = bots::FindScriptFile(options.script);
+  game.seed = options.seed;
+  return game;
+}
 
 Party PlayParty(const Game& game, unsigned players, const Timetable& timetable,
                 const std::function<bool()>& isStopAsked) {

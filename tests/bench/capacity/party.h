@@ -10,6 +10,7 @@
 #include "tests/bench/capacity/guests.h"
 #include "tests/bench/capacity/host.h"
 #include "tests/bench/capacity/shown.h"
+#include "tests/bench/report.h"
 
 namespace wobble::bench {
 
@@ -20,6 +21,9 @@ struct Game {
   std::string script;
   std::uint64_t seed = 1;
 };
+
+// The game that the report's options name.
+[[nodiscard]] Game MakeGame(const Options& options);
 
 // Budget of a client, kbit/s with all headers: 64 moving balls at 22 kbit/s each, plus a margin. Together with the
 // traffic besides snapshots, players stay below 1,500 kbit/s.

@@ -1,39 +1,28 @@
 // Increasing player counts, each with a new server, until one does not hold. A quick run stops at the required count.
-// In a full run the largest count that held plays on for five minutes; if a single tick exceeds the budget then, the
-// next smaller count plays, down to the required count, whose figures report how often it was exceeded.
+// In a full run the largest count that held plays on for five minutes; if it does not hold them, or more ticks than one
+// in a thousand exceed the budget, the next smaller count plays them.
 #include <spdlog/spdlog.h>
 
-#include <thread>
-
-#include "client/bots/options.h"
-#include "client/command/command.h"
-#include "server/scenes/loader.h"
-#include "server/training/basis_shelf.h"
 #include "tests/bench/capacity/cores.h"
 #include "tests/bench/capacity/experiments.h"
 #include "tests/bench/capacity/measured.h"
 #include "tests/bench/thread_time.h"
+#include "tests/bench/throughput/peak.h"
 
 namespace wobble::bench {
 namespace {
 
-constexpr unsigned kCounts[] = {1, 2, 4, 8, 16, 32, 48, 64, 96, 128, 192, 256, 384, 512};
+constexpr unsigned kCounts[] = {1, 2, 4, 8, 16, 32, 48, 64, 80, 96, 112, 128, 192, 256, 384, 512};
 constexpr unsigned kQuickCounts[] = {1, 8, 32, 64};
-constexpr unsigned kAskedPlayers = 64;
-constexpr unsigned kQuickPlayers = 8;  // holds despite other load of the machine
+// With AVX2 the limit is 5/3 of the 48 that were held before crowds were made cheaper.
+constexpr unsigned kAskedWithAvx512 = 128;
+constexpr unsigned kAskedWithAvx2 = 80;
+constexpr double kMostOverruns = 0.001;  // share of ticks
+constexpr unsigned kQuickPlayers = 8;    // holds despite other load of the machine
 constexpr double kAskedKbit = 1500;
 constexpr Timetable kQuickTimes{.settle = 2, .count = 3, .show = 1};
 constexpr Timetable kTimes{};
 constexpr Timetable kLongTimes{.count = 300};
-
-Game MakeGame(const Options& options) {
-  Game game;
-  game.scene = scenes::LoadScene(options.scene, scenes::FindShippedScenes()).scene;  // valid: main has checked it
-  game.bases = server::LoadBases(game.scene, {}, static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
-  game.script = bots::FindScriptFile(options.script);
-  game.seed = options.seed;
-  return game;
-}
 
 double FindSeconds(std::span<const unsigned> counts, const Timetable& times) {
   return static_cast<double>(counts.size()) * (times.settle + times.count + times.show);
@@ -98,7 +87,7 @@ std::optional<Measured> Ladder::PlayLong(const std::vector<Measured>& all) {
   for (auto each = all.rbegin(); each != all.rend(); ++each) {
     if (!each->holds) continue;
     held = Play(each->players, kLongTimes, "five minutes");
-    if (!held || (held->holds && (held->overrunShare == 0 || each->players <= kAskedPlayers))) break;
+    if (!held || (held->holds && held->overrunShare <= kMostOverruns)) break;
   }
   return held;
 }
@@ -151,12 +140,13 @@ std::optional<Measured> FindBest(const std::vector<Measured>& all) {
 void AddFigures(const std::optional<Measured>& found, const Options& options, Results& results) {
   const bool isHeld = options.scene == kCapacityScene && options.script == kCapacityScript;
   const bool isAsked = isHeld && !options.quick;
-  const unsigned asked = options.players.value_or(options.quick ? kQuickPlayers : kAskedPlayers);
+  const unsigned full = HasAvx512() ? kAskedWithAvx512 : kAskedWithAvx2;
+  const unsigned asked = options.players.value_or(options.quick ? kQuickPlayers : full);
   results.AddFigureAtLeast("players_at_60hz", found && found->holds ? found->players : 0, asked, isHeld || !found);
   if (!found) return;
   const Measured& best = *found;
   results.AddFigureAtMost("tick_ms_p99", best.tickMsP99, kTickBudgetMs, isAsked);
-  results.AddFigureAtMost("overrun_share", best.overrunShare, 0, isAsked);
+  results.AddFigureAtMost("overrun_share", best.overrunShare, kMostOverruns, isAsked);
   results.AddFigureAtMost("kbit_per_client", best.kbit, kAskedKbit);
   results.AddFigure("wall_tick_ms_p99", best.wallMsP99);
   results.AddFigure("wall_overrun_share", best.wallOverrunShare);

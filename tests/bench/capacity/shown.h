@@ -18,19 +18,23 @@ struct View {
   std::vector<client::BodySample> bodies;
 };
 
-// Errors of all bodies within kNear of a player; the server deliberately sends farther bodies less precisely. A body
-// that was left out for lack of budget counts as it was shown: late, or at its last position.
+// Errors of bodies within kNear of a player, the own one included; the server deliberately sends farther bodies less
+// precisely. A body that was left out for lack of budget counts as it was shown: late, or at its last position.
 struct Shown {
-  static constexpr float kNear = 16;  // m, between centres
+  static constexpr float kNear = 16;     // m, between centres
+  static constexpr double kLate = 0.05;  // s
 
   double error = std::numeric_limits<double>::quiet_NaN();  // % of the body's size, RMS over vertices
-  double errorP99 = error;                                  // 99th percentile of a body's RMS
-  double missingShare = 0;                                  // share of these bodies that were not shown at all
-  double truthErrorOfHalf = 0;                              // Truth::ErrorOfHalf, %
+  double errorP50 = error;                                  // median of a body's RMS
+  double errorP99 = error;                                  // 99th percentile
+  double lateShare = 0;  // share of these bodies whose newest record was older than kLate when the newest packet came
+  double missingShare = 0;      // share of these bodies that were not shown at all
+  double truthErrorOfHalf = 0;  // Truth::ErrorOfHalf, %
 };
 
-// places: ids of the bodies that `truth` records, in its order.
+// places: ids of the bodies that `truth` records, in its order. nearest: only so many others count, the nearest.
 [[nodiscard]] Shown CompareViews(std::span<const View> views, const Truth& truth,
-                                 std::span<const physics::BodyId> places);
+                                 std::span<const physics::BodyId> places,
+                                 std::size_t nearest = std::numeric_limits<std::size_t>::max());
 
 }  // namespace wobble::bench

@@ -30,20 +30,26 @@ class RecordingTransport final : public transport::Transport {
   std::vector<std::vector<std::uint8_t>> packets;
 };
 
+// What a ball's record takes at each quality, as a share of the finest: 137 to 18 bytes in a crowd on `pitch`.
+constexpr std::array<double, kQualities> kBytesOfQuality{1, 0.8, 0.6, 0.42, 0.3, 0.185, 0.135};
+
 class SnapshotSenderTest : public testing::Test {
  public:
-  // The sender does not read payloads, so any bytes will do.
+  // The sender does not read payloads, so any bytes will do. payloadBytes: at the finest quality.
   void AddBody(std::uint32_t id, protocol::Vector3 centre, std::size_t payloadBytes, std::size_t patches = 1) {
-    storage[id].clear();
-    for (std::size_t patch = 0; patch < patches; ++patch) {
-      std::vector<std::uint8_t> record;
-      const std::vector<std::uint8_t> payload(payloadBytes, static_cast<std::uint8_t>(id));
-      protocol::AppendRecord({id, 0, static_cast<std::uint8_t>(patch)}, payload, record);
-      storage[id].push_back(record);
+    for (std::size_t quality = 0; quality < kQualities; ++quality) {
+      Stored& made = stored[id][quality];
+      made = {};
+      const auto share = kBytesOfQuality[quality] * static_cast<double>(payloadBytes);
+      const std::vector<std::uint8_t> payload(std::max<std::size_t>(1, static_cast<std::size_t>(share)),
+                                              static_cast<std::uint8_t>(id));
+      for (std::size_t patch = 0; patch < patches; ++patch) {
+        protocol::AppendRecord({id, 0, static_cast<std::uint8_t>(patch)}, payload, made.bytes.emplace_back());
+      }
+      made.records.assign(made.bytes.begin(), made.bytes.end());
+      made.body = {made.records, 100, 0};
     }
-    records[id].assign(storage[id].begin(), storage[id].end());
-    bodies.push_back({.body = id, .centre = centre});
-    encoded[id] = {records[id], 100, 0};
+    bodies.push_back({.body = id, .centre = centre, .size = 0.5F});
   }
   void RemoveBody(std::uint32_t id) {
     std::erase_if(bodies, [&](const ShownBody& body) { return body.body == id; });
@@ -55,7 +61,7 @@ class SnapshotSenderTest : public testing::Test {
   const EncodedBody& Read(std::size_t index, std::size_t quality) {
     ++recordsRead;
     qualities[bodies[index].body] = quality;
-    return encoded[bodies[index].body];
+    return stored[bodies[index].body][quality].body;
   }
 
   // Sends one snapshot; returns the bodies sent, in order, and checks every packet.
@@ -105,9 +111,12 @@ class SnapshotSenderTest : public testing::Test {
     return made;
   }
 
-  std::map<std::uint32_t, std::vector<std::vector<std::uint8_t>>> storage;
-  std::map<std::uint32_t, std::vector<std::span<const std::uint8_t>>> records;
-  std::map<std::uint32_t, EncodedBody> encoded;
+  struct Stored {
+    std::vector<std::vector<std::uint8_t>> bytes;  // of each patch
+    std::vector<std::span<const std::uint8_t>> records;
+    EncodedBody body;
+  };
+  std::map<std::uint32_t, std::array<Stored, kQualities>> stored;
   std::map<std::uint32_t, std::size_t> qualities;  // asked for last, by body
   std::vector<ShownBody> bodies;
   RecordingTransport transport;
@@ -246,7 +255,7 @@ TEST_F(SnapshotSenderTest, NoBodyWaitsLongerThanAClientRemembers) {
 TEST_F(SnapshotSenderTest, NearBodiesComeMoreOftenThanFarOnes) {
   AddBody(1, {}, 200);
   for (std::uint32_t id = 2; id <= 21; ++id) AddBody(id, {2, 0, 0}, 200);
-  for (std::uint32_t id = 22; id <= 41; ++id) AddBody(id, {60, 0, 0}, 200);
+  for (std::uint32_t id = 22; id <= 41; ++id) AddBody(id, {60, 0, 0}, 600);
   std::map<std::uint32_t, int> times;
   for (int i = 0; i < 900; ++i) {
     for (const std::uint32_t id : Send(kShare384, 1)) ++times[id];
@@ -337,7 +346,7 @@ TEST_F(SnapshotSenderTest, WhatIsOutOfViewIsNotSentButCounted) {
 
 TEST_F(SnapshotSenderTest, FastBodiesComeMoreOftenThanSlowOnes) {
   for (std::uint32_t id = 1; id <= 40; ++id) {
-    AddBody(id, {30, 0, 0}, 200);
+    AddBody(id, {30, 0, 0}, 1100);
     bodies.back().speed = id <= 20 ? 8.0F : 0.0F;
   }
   std::map<std::uint32_t, int> times;
@@ -356,16 +365,60 @@ TEST_F(SnapshotSenderTest, QualityFallsWithDistanceAndBeforeTheRate) {
   AddBody(3, {20, 0, 0}, 100);
   AddBody(4, {50, 0, 0}, 100);
   Send(kShare384, 1);
-  EXPECT_EQ(qualities, (std::map<std::uint32_t, std::size_t>{{1, 0}, {2, 0}, {3, 1}, {4, 2}}));
+  EXPECT_EQ(qualities, (std::map<std::uint32_t, std::size_t>{{1, 0}, {2, 0}, {3, 2}, {4, 4}}));
   EXPECT_EQ(sender.Counts().bodiesCoarsened, 2U);
-  // With a crowd all bodies are coarser, and after it finer again.
+  // With a crowd all bodies are coarser, near ones no more than to 1 %, and after it finer again.
   for (std::uint32_t id = 5; id <= 60; ++id) AddBody(id, {1, 0, 0}, 200);
-  for (int i = 0; i < 20; ++i) Send(kShare384, 1);
-  EXPECT_EQ(qualities[1], 2U);
-  EXPECT_EQ(qualities[2], 2U);
+  for (int i = 0; i < 40; ++i) Send(kShare384, 1);
+  EXPECT_EQ(qualities[1], 4U);
+  EXPECT_EQ(qualities[2], 6U);
   for (std::uint32_t id = 5; id <= 60; ++id) RemoveBody(id);
-  for (int i = 0; i < 100; ++i) Send(kShare384, 1);
+  for (int i = 0; i < 300; ++i) Send(kShare384, 1);
   EXPECT_EQ(qualities[2], 0U);
+}
+
+// 24 others around, and many beyond them: what a budget cannot hold.
+TEST_F(SnapshotSenderTest, TheNearestComeInEverySnapshotOfACrowd) {
+  AddBody(1, {}, 133);
+  for (std::uint32_t id = 2; id <= 25; ++id) AddBody(id, {0.2F * static_cast<float>(id), 0, 0}, 133);
+  for (std::uint32_t id = 26; id <= 128; ++id) AddBody(id, {5 + 0.1F * static_cast<float>(id), 0, 0}, 133);
+  for (int i = 0; i < 300; ++i) Send(kShare384, 1);
+  const double before = bytes;
+  std::map<std::uint32_t, int> times;
+  std::map<std::uint32_t, std::size_t> coarsest;
+  for (int i = 0; i < 300; ++i) {
+    for (const std::uint32_t id : Send(kShare384, 1)) {
+      ++times[id];
+      coarsest[id] = std::max(coarsest[id], qualities[id]);
+    }
+  }
+  EXPECT_NEAR(bytes - before, kShare384 * 300, 0.02 * kShare384 * 300);
+  for (std::uint32_t id = 1; id <= 25; ++id) {
+    EXPECT_EQ(times[id], 300) << id;
+    EXPECT_LE(coarsest[id], 4U) << id;
+  }
+  for (std::uint32_t id = 26; id <= 128; ++id) EXPECT_GE(times[id], 20) << id << ": two a second";
+}
+
+TEST_F(SnapshotSenderTest, ALargeBodyBesideTheViewerStarvesNoOther) {
+  AddBody(1, {}, 100);
+  for (std::uint32_t id = 2; id <= 6; ++id) AddBody(id, {static_cast<float>(id), 0, 0}, 1100, 6);
+  for (std::uint32_t id = 7; id <= 40; ++id) AddBody(id, {20, 0, 0}, 100);
+  std::map<std::uint32_t, int> times;
+  for (int i = 0; i < 300; ++i) {
+    for (const std::uint32_t id : Send(kShare384, 1)) ++times[id];
+  }
+  for (std::uint32_t id = 1; id <= 40; ++id) EXPECT_GE(times[id], 15) << id;
+}
+
+TEST_F(SnapshotSenderTest, WhatLooksLargeIsSentLikeWhatIsNear) {
+  AddBody(1, {}, 100);
+  AddBody(2, {30, 0, 0}, 100);
+  AddBody(3, {30, 0, 0}, 100);
+  bodies[2].size = 5;
+  Send(kShare384, 1);
+  EXPECT_EQ(qualities[2], 2U);
+  EXPECT_EQ(qualities[3], 0U);
 }
 
 TEST_F(SnapshotSenderTest, AMachineShortOfTimeEncodesEachBodyTwiceAtMost) {
@@ -375,15 +428,15 @@ TEST_F(SnapshotSenderTest, AMachineShortOfTimeEncodesEachBodyTwiceAtMost) {
   AddBody(4, {50, 0, 0}, 20);
   sender.SetCoarser(true);
   Send(kShare384, 1);
-  EXPECT_EQ(qualities, (std::map<std::uint32_t, std::size_t>{{1, 1}, {2, 1}, {3, 2}, {4, 2}}));
+  EXPECT_EQ(qualities, (std::map<std::uint32_t, std::size_t>{{1, 2}, {2, 2}, {3, 4}, {4, 4}}));
   sender.SetCoarser(false);
   Send(kShare384, 1);
-  EXPECT_EQ(qualities, (std::map<std::uint32_t, std::size_t>{{1, 0}, {2, 0}, {3, 0}, {4, 2}}));
+  EXPECT_EQ(qualities, (std::map<std::uint32_t, std::size_t>{{1, 0}, {2, 0}, {3, 0}, {4, 4}}));
 }
 
 TEST_F(SnapshotSenderTest, CountsWhatWasSent) {
   AddBody(1, {}, 100);
-  encoded[1].errorSquares = 100 * 0.0025 * 0.0025;
+  stored[1][0].body.errorSquares = 100 * 0.0025 * 0.0025;
   Send(kShare384);
   Send(kShare384);
   EXPECT_EQ(sender.Counts().vertices, 200U);

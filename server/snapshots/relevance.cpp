@@ -1,0 +1,119 @@
+#include "server/snapshots/relevance.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/snapshots/encoder.h"
+
+namespace wobble::server {
+namespace {
+
+// The size (Blueprint::size, half of its breadth) of the ball of 1 m that apparent distances compare with, m.
+constexpr float kTypicalSize = 0.5F;
+constexpr float kLeastSize = 0.01F;  // a single particle has none
+
+// A body's priority grows by kFarShare + 1 / (1 + (d / kHalfDistance)²) a snapshot, at an apparent distance of d
+// metres, so that the farthest is sent every fifth time that a near one is.
+constexpr float kHalfDistance = 8;
+constexpr float kFarShare = 0.25F;
+// A body this fast, m/s, is sent twice as often as one that hardly moves; a faster one no more often.
+constexpr float kDoubleSpeed = 4;
+
+// Apparent distances, m, from which on the allowed error is twice as large, and four times. A ball of 1 m, seen at an
+// angle of 60° on a thousand pixels, is 50 pixels high at the first distance and 20 at the second, and an error of 1 %
+// a fraction of one.
+constexpr float kCoarseDistances[] = {16, 40};
+constexpr std::size_t kLevelsOfDouble = 2;  // of kSnapshotErrorShares, for twice the error
+// The coarsest qualities of near bodies and of others, 1 % and 4 %. Beyond 1 % a ball that one looks at looks angular.
+constexpr std::size_t kCoarsestNear = 4;
+constexpr std::size_t kCoarsestFar = kQualities - 1;
+static_assert(kSnapshotErrorShares[kCoarsestNear] == 0.01F);
+
+// Turns in a row that are too dear before a quality falls, and that leave room before it rises. A quality costs up
+// to 1.4 times the bytes of the next coarser one, of those that only far bodies get up to 1.65; these leave a margin.
+constexpr int kCrowdedPatience = 3;
+constexpr int kEasyPatience = 30;
+constexpr double kFinerCost = 1.45;
+constexpr double kFinerCostFar = 1.7;
+// A budget that nearly holds all bodies: all get coarser together, far ones by kLevelsBehind more. While near ones take
+// less than kSmallNearShare of it they are spared, because that would help the others little. A budget that leaves out
+// kStarving of all though they are as coarse as they get is for the near ones, up to kNearShare.
+constexpr double kSmallNearShare = 0.3;
+constexpr std::size_t kLevelsBehind = 1;
+constexpr double kStarving = 0.3;
+
+// While the machine is short of time: the distance, m, up to which a body is sent at kCoarserNear, and beyond which at
+// kCoarserFar.
+constexpr float kCoarserDistance = 8;
+constexpr std::size_t kCoarserNear = 2;
+constexpr std::size_t kCoarserFar = 4;
+
+}  // namespace
+
+float FindNearRadius(std::span<const ShownBody> bodies, protocol::Vector3 from, std::vector<float>& scratch) {
+  constexpr float kMost = kNearDistance * kNearDistance;
+  scratch.clear();
+  for (const ShownBody& body : bodies) {
+    const protocol::Vector3 way = body.centre - from;
+    const float square = protocol::Dot(way, way);
+    if (square <= kMost && body.restTick == 0) scratch.push_back(square);
+  }
+  if (scratch.size() <= kNearest) return kNearDistance;
+  const auto last = scratch.begin() + static_cast<std::ptrdiff_t>(kNearest);  // the own body does not count
+  std::nth_element(scratch.begin(), last, scratch.end());
+  return std::sqrt(*last);
+}
+
+float FindApparentDistance(protocol::Vector3 from, const ShownBody& body) {
+  return protocol::Length(body.centre - from) * kTypicalSize / std::max(body.size, kLeastSize);
+}
+
+float FindGain(float apparentDistance, float speed) {
+  const float ratio = apparentDistance / kHalfDistance;
+  return (kFarShare + 1.0F / (1.0F + ratio * ratio)) * (1.0F + std::min(speed / kDoubleSpeed, 1.0F));
+}
+
+void Coarseness::Level::Note(bool isCrowded, bool isEasy, std::size_t most) {
+  crowded = isCrowded ? crowded + 1 : 0;
+  easy = isEasy ? easy + 1 : 0;
+  if (crowded >= kCrowdedPatience && value < most) {
+    ++value;
+    crowded = 0;
+  }
+  if (easy >= kEasyPatience && value > 0) {
+    --value;
+    easy = 0;
+  }
+}
+
+void Coarseness::Adapt(const Turn& turn) {
+  const bool isShort = turn.leftOut > 0;
+  const double factor = m_far.value > kCoarsestNear ? kFinerCostFar : kFinerCost;
+  const bool fitsFiner = !isShort && factor * (turn.near + turn.far) < turn.credit;
+  const bool isFarCoarsest = m_far.value == kCoarsestFar;
+  const bool isFarBehind = m_far.value >= m_near.value + kLevelsBehind;
+  const bool isStarving =
+      isFarCoarsest && static_cast<double>(turn.leftOut) > kStarving * static_cast<double>(turn.due);
+  const double share = turn.near / turn.credit;
+  m_near.Note(isShort && (turn.nearLeft > 0 || (share > kSmallNearShare && isFarBehind && !isFarCoarsest)),
+              fitsFiner || kFinerCost * share < (isStarving ? kNearShare : kSmallNearShare), kCoarsestNear);
+  m_far.Note(isShort && (!isFarBehind || share < kSmallNearShare || m_near.value == kCoarsestNear), fitsFiner,
+             kCoarsestFar);
+}
+
+std::size_t Coarseness::FindQuality(bool isNear, float apparentDistance) const {
+  std::size_t quality = isNear ? m_near.value : std::max(m_near.value, m_far.value);
+  if (isNear) return quality;
+  for (const float limit : kCoarseDistances) quality += apparentDistance > limit ? kLevelsOfDouble : 0;
+  return std::min(quality, kCoarsestFar);
+}
+
+std::size_t FindCoarserQuality(std::size_t quality, float distance) {
+  const std::size_t least = distance > kCoarserDistance ? kCoarserFar : kCoarserNear;
+  for (const std::size_t level : {kCoarserNear, kCoarserFar}) {
+    if (level >= least && quality <= level) return level;
+  }
+  return kCoarsestFar;
+}
+
+}  // namespace wobble::server

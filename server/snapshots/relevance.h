@@ -1,0 +1,69 @@
+// How much a body matters to a client: what the sender spends a budget by that does not hold all bodies.
+//
+// The nearest bodies come in every snapshot, and get coarser before one of them is left out. The others share what is
+// left by turns, each the more often the larger it looks and the faster it moves. Without a part of their own they
+// would starve beside near bodies that are large.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "server/snapshots/body_captures.h"
+
+namespace wobble::server {
+
+// So many bodies within so many metres of a client's viewpoint come in every snapshot: the 24 that a player can follow,
+// and a few more, so that one that comes near has been followed before.
+inline constexpr std::size_t kNearest = 26;
+inline constexpr float kNearDistance = 16;
+// What they may take of the budget before the others: what is left gives those a few samples a second.
+inline constexpr double kNearShare = 0.75;
+
+// The distance from `from`, m, within which the kNearest nearest bodies in motion lie; at most kNearDistance. scratch:
+// is overwritten. O(bodies).
+[[nodiscard]] float FindNearRadius(std::span<const ShownBody> bodies, protocol::Vector3 from,
+                                   std::vector<float>& scratch);
+
+// The distance, m, at which a ball of 1 m across looks as large as this body does from `from`.
+[[nodiscard]] float FindApparentDistance(protocol::Vector3 from, const ShownBody& body);
+
+// The growth of a body's priority in one snapshot that leaves it out.
+[[nodiscard]] float FindGain(float apparentDistance, float speed);
+
+// The qualities (encoder.h) that one client gets, adapted to its budget.
+class Coarseness {
+ public:
+  // What the snapshots of one turn, in which each body was due once, have cost.
+  struct Turn {
+    double credit = 0;         // bytes by which the budget has grown
+    double near = 0;           // bytes of near bodies
+    double far = 0;            // of others, and of packets' heads
+    std::size_t due = 0;       // bodies
+    std::size_t leftOut = 0;   // of these
+    std::size_t nearLeft = 0;  // near ones that kNearShare did not hold
+  };
+  void Adapt(const Turn& turn);
+
+  // The quality of a body at this apparent distance, m. isNear: within FindNearRadius, or the own body.
+  [[nodiscard]] std::size_t FindQuality(bool isNear, float apparentDistance) const;
+
+ private:
+  // One of two levels, raised when the budget has been too small for a while and lowered when it has been large enough
+  // for the next finer quality.
+  struct Level {
+    std::size_t value = 0;
+    int crowded = 0;  // turns in a row
+    int easy = 0;
+    void Note(bool isCrowded, bool isEasy, std::size_t most);
+  };
+  Level m_near;
+  Level m_far;
+};
+
+// While the machine is short of time: a body is encoded at no more than three of the qualities, and at two where
+// budgets suffice. near: closer than kCoarserDistance, or the own body.
+[[nodiscard]] std::size_t FindCoarserQuality(std::size_t quality, float distance);
+
+}  // namespace wobble::server
