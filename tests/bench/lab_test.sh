@@ -70,6 +70,7 @@ case_bad_use() {
   expect_refusal "^wobble_lab: --scene: scene 'nowhere' is not known" capacity --scene nowhere
   expect_refusal '^wobble_lab: --script: .*nowhere.lua' capacity --script nowhere
   expect_refusal "'0' is not 1 to 2000" capacity --players 0
+  expect_refusal "^wobble_lab: --part: no part with 'nothing' in its name, there are: links, budget" interpolation --part nothing
   lab_path=/nowhere expect_refusal '^wobble_lab: --plot: gnuplot is not installed' contact --plot "$folder/plots"
 }
 
@@ -95,6 +96,9 @@ case_trial_again() {
   expect_exit 0 stability --trial 12 --json "$folder/b.json"
   cmp "$folder/a.json" "$folder/b.json" >"$out" || fail "twice the same"
   expect_line "$folder/a.json" '"trial": 12'
+  WOBBLE_ISA=avx2 expect_exit 0 stability --trial 12 --json "$folder/b.json"
+  expect_line "$folder/b.json" '"isa": "avx2"'
+  diff <(grep -v '"isa"' "$folder/a.json") <(grep -v '"isa"' "$folder/b.json") >"$out" || fail "the same with AVX2"
 }
 
 # Exit code 0 says that all figures keep their limits.

@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 
 #include "client/bots/options.h"
 #include "client/bots/script.h"
@@ -89,6 +90,8 @@ CLI::App* AddReport(CLI::App& app, const Report& report, Options& options) {
   words->add_option("--seed", options.seed, "Seed of all random draws")
       ->check(command::Within(0, kMaxSeed))
       ->capture_default_str();
+  words->add_option("--part", options.part, "Only the parts with this word in their names, as progress shows them")
+      ->type_name("WORD");
   if (report.hasTrials) {
     words->add_option("--trial", options.trial, "Play only this random trial, numbered as in a report")
         ->check(command::Within(0, kMaxTrial));
@@ -112,7 +115,10 @@ CLI::App* AddReport(CLI::App& app, const Report& report, Options& options) {
 CLI::App* AddAll(CLI::App& app, Options& options, std::string& folder) {
   CLI::App* words = app.add_subcommand("all", "Run every report, with its JSON and plots");
   words->add_flag("--quick", options.quick, "Fewer and shorter trials");
-  words->add_option("--into", folder, "Write results to a folder in DIR, named after this processor; needs gnuplot")
+  words
+      ->add_option("--into", folder,
+                   "Write results to a folder in DIR, named after this processor and its instruction "
+                   "set; needs gnuplot")
       ->type_name("DIR")
       ->capture_default_str();
   words->add_option("--seed", options.seed, "Seed of all random draws")
@@ -168,7 +174,12 @@ int Run(const Report& report, const Options& options) {
   {
     Progress progress(report.name, 1, [] { return g_stopAsked.load(); });
     Bench bench{options, progress, results};
-    report.run(bench);
+    try {
+      report.run(bench);
+    } catch (const UnknownPart& unknown) {
+      std::fprintf(stderr, "wobble_lab: --part: %s\n", unknown.what());
+      return command::kExitBadUse;
+    }
   }
   if (g_stopAsked) return Fail("stopped before it was done: no results");
   std::printf("wobble_lab %s%s, seed %llu\n%s", report.name, options.quick ? " --quick" : "",
@@ -183,10 +194,11 @@ int Run(const Report& report, const Options& options) {
   return results.AreAllKept() ? command::kExitGood : command::kExitThresholdFailed;
 }
 
-// "AMD EPYC 9B14" -> "amd_epyc_9b14".
+// "AMD EPYC 9B14" -> "amd_epyc_9b14_avx512", "Intel(R) Xeon(R) Processor @ 2.50GHz" -> "intel_xeon_avx512".
 std::string MakeFolderName(const std::string& cpu) {
+  static const std::regex empty("\\((R|TM)\\)|\\b(CPU|Processor)\\b|@.*", std::regex::icase);
   std::string name;
-  for (const char c : cpu) {
+  for (const char c : std::regex_replace(cpu, empty, " ")) {
     if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
       name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     } else if (!name.empty() && name.back() != '_') {
@@ -194,7 +206,7 @@ std::string MakeFolderName(const std::string& cpu) {
     }
   }
   while (!name.empty() && name.back() == '_') name.pop_back();
-  return name;
+  return name + "_" + ReadInstructionSet();
 }
 
 // A report with a missed figure does not stop the following ones; a report that fails does.

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 
 #include "tests/bench/progress.h"
@@ -21,6 +22,7 @@ struct Options {
   std::string jsonFile;
   std::string plotFolder;
   std::uint64_t seed = 1;
+  std::string part;                      // only parts with this in their names; empty: all
   std::optional<std::uint32_t> trial;    // only this random trial
   std::string scene = kCapacityScene;    // of `capacity`: a shipped scene or a file
   std::string script = kCapacityScript;  // of the bots of `capacity`: a shipped script or a file
@@ -41,7 +43,12 @@ struct Part {
   void (*measure)(Bench& bench);
   bool hasTrials = false;  // --trial plays one of its trials
 };
-// Runs the parts until a stop is asked for; with --trial only the part that has trials.
+// No part has this word in its name; what() lists the names.
+class UnknownPart : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+// Runs the parts until a stop is asked for; with --trial only the part that has trials, with --part those that it
+// names. Throws UnknownPart.
 void MeasureParts(Bench& bench, std::span<const Part> parts);
 
 struct Report {

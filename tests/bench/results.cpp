@@ -25,11 +25,6 @@ nlohmann::ordered_json MakeNumber(double value) {
   return value;
 }
 
-// The instruction set of the sweep kernels that the engine chose on this processor.
-std::string FindInstructionSet() {
-  return physics::FindSweepKernels<float>(physics::kWidestPack).back().width == 16 ? "avx512" : "avx2";
-}
-
 std::string FindCompiler() {
 #ifdef __clang__
   return "clang " __clang_version__;
@@ -39,6 +34,10 @@ std::string FindCompiler() {
 }
 
 }  // namespace
+
+std::string ReadInstructionSet() {
+  return physics::FindSweepKernels<float>(physics::kWidestPack).back().width == 16 ? "avx512" : "avx2";
+}
 
 void Results::AddFigure(const std::string& key, double value) { figures.push_back({key, value, "", true}); }
 
@@ -82,7 +81,7 @@ std::string ReadCpuName() {
 std::string FormatJson(const Results& results) {
   nlohmann::ordered_json json;
   json["cpu"] = ReadCpuName();
-  json["isa"] = FindInstructionSet();
+  json["isa"] = ReadInstructionSet();
   json["compiler"] = FindCompiler();
   json["commit"] = kCommit;
   json["rows"] = results.rows;

@@ -42,5 +42,7 @@ struct Results {
 
 // The processor's name according to the system.
 [[nodiscard]] std::string ReadCpuName();
+// Of the sweep kernels that the engine has chosen: "avx2" or "avx512".
+[[nodiscard]] std::string ReadInstructionSet();
 
 }  // namespace wobble::bench

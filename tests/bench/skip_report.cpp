@@ -6,11 +6,8 @@ namespace wobble::bench {
 
 void ReportSkip(Bench& bench) {
   constexpr Part kParts[] = {
-      {"asleep", 0.4, &MeasureAsleep},
-      {"search", 0.2, &MeasureSearch},
-      {"terms", 0.2, &MeasureTerms},
-      {"settling", 0.1, &MeasureSettling},
-      {"nobody there", 0.1, &MeasureEmpty},
+      {"asleep", 0.4, &MeasureAsleep},     {"search", 0.2, &MeasureSearch},      {"terms", 0.2, &MeasureTerms},
+      {"settling", 0.1, &MeasureSettling}, {"nobody there", 0.1, &MeasureEmpty},
   };
   MeasureParts(bench, kParts);
 }

@@ -1,7 +1,6 @@
 // Increasing player counts, each with a new server, until one does not hold. A quick run stops at the required count.
 // In a full run the largest count that held plays on for five minutes; if it does not hold them, or more ticks than one
 // in a thousand exceed the budget, the next smaller count plays them.
-#include <spdlog/spdlog.h>
 
 #include "tests/bench/capacity/cores.h"
 #include "tests/bench/capacity/experiments.h"
@@ -170,7 +169,6 @@ void AddRemarks(Results& results) {
 }  // namespace
 
 void MeasurePlayers(Bench& bench) {
-  spdlog::set_level(spdlog::level::off);
   const Options& options = bench.options;
   AddRemarks(bench.results);
   std::span<const unsigned> counts = kCounts;

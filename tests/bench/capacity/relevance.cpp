@@ -1,6 +1,5 @@
 // What a player sees of a crowd through a budget that holds a few of it. The link is clean, so that only the choice of
 // bodies and qualities counts, and the curve between the samples.
-#include <spdlog/spdlog.h>
 
 #include "tests/bench/capacity/crowd.h"
 #include "tests/bench/capacity/experiments.h"
@@ -115,7 +114,6 @@ void AddRow(const char* floor, const Relevance& seen, Results& results) {
 }  // namespace
 
 void MeasureRelevance(Bench& bench) {
-  spdlog::set_level(spdlog::level::off);
   const Game game = MakeGame(bench.options);
   const double end = kRelevanceWarmUp + (bench.options.quick ? 2 : 10);
   for (const double factor : {1.0, kWide}) {

@@ -10,7 +10,7 @@
 namespace wobble::bench {
 namespace {
 
-constexpr double kThreadsWarmUp = 3;  // s
+constexpr double kThreadsWarmUp = 2;  // s
 
 // Wall time of each tick after the warm-up, s; the shortest so far.
 class ShortestTicks {
@@ -37,8 +37,8 @@ class ShortestTicks {
 void MeasureThreads(Bench& bench) {
   const Game game = MakeGame(bench.options);
   const unsigned players = bench.options.quick ? 32 : 128;
-  const int runs = bench.options.quick ? 2 : 5;
-  const double end = kThreadsWarmUp + (bench.options.quick ? 1 : 5);
+  const int runs = bench.options.quick ? 2 : 4;
+  const double end = kThreadsWarmUp + (bench.options.quick ? 1 : 3);
   ShortestTicks ticks[2];
   for (int run = 0; run < runs; ++run) {
     for (int threads = 1; threads <= 2; ++threads) {
