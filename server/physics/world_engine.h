@@ -103,6 +103,8 @@ struct IslandLists {
   std::vector<std::size_t> contactPairBegins;   // island i has those from [i] up to [i + 1]
   std::vector<AwakeIsland> awake;               // in the order in which they are batched
   std::vector<std::size_t> batchBegins;         // batch b has the islands of `awake` from [b] up to [b + 1]
+  std::vector<std::size_t> batchOrder;          // in which they are stepped: those with most work first
+  std::vector<std::size_t> batchWork;           // by batch: vertices times substeps
   std::size_t mostVertices = 0;                 // of one awake body
   std::size_t allVertices = 0;                  // of all awake bodies
 
@@ -113,6 +115,20 @@ struct IslandLists {
   [[nodiscard]] std::size_t CountBatches() const { return batchBegins.size() - 1; }
   [[nodiscard]] std::span<const AwakeIsland> Batch(std::size_t batch) const {
     return std::span(awake).subspan(batchBegins[batch], batchBegins[batch + 1] - batchBegins[batch]);
+  }
+  // Fills batchOrder with the first `count` batches.
+  void SortByWork(std::size_t count) {
+    batchOrder.resize(count);
+    batchWork.assign(count, 0);
+    for (std::size_t batch = 0; batch < count; ++batch) {
+      batchOrder[batch] = batch;
+      for (const AwakeIsland& each : Batch(batch)) {
+        batchWork[batch] += each.vertices * static_cast<std::size_t>(each.substeps);
+      }
+    }
+    std::sort(batchOrder.begin(), batchOrder.end(), [this](std::size_t a, std::size_t b) {
+      return batchWork[a] != batchWork[b] ? batchWork[a] > batchWork[b] : a < b;
+    });
   }
 };
 

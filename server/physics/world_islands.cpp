@@ -16,6 +16,8 @@ constexpr std::size_t kLargeIsland = 2000;
 
 // Most bodies of several islands that are stepped together: their packs should stay in a core's own cache.
 constexpr std::size_t kMostTogether = 32;
+// Batches for each of several threads, if their packs are full then: fewer would leave threads without work at the end.
+constexpr std::size_t kBatchesOfThread = 4;
 
 template <class Real>
 AwakeIsland DescribeIsland(std::uint32_t island, std::span<const Body> bodies, std::span<const Member<Real>> members,
@@ -76,8 +78,13 @@ void MarkLarge(const Islands& islands, int threadCount, std::span<AwakeIsland> a
 // Cuts the sorted islands into batches. Islands of one batch ask for equal substeps. Bodies alone fill one pack;
 // islands of several bodies, which are stepped stage by stage, come together until their packs have few lanes to spare.
 void CutIntoBatches(const Islands& islands, std::span<const AwakeIsland> awake, std::size_t lanes,
-                    std::vector<std::size_t>& begins) {
+                    std::size_t threadCount, std::vector<std::size_t>& begins) {
   using Way = AwakeIsland::Way;
+  std::size_t together = kMostTogether;
+  if (threadCount > 1) {
+    const std::size_t bodiesOfBatch = islands.CountMembers() / (threadCount * kBatchesOfThread);
+    together = std::clamp(bodiesOfBatch, std::min(lanes, kMostTogether), kMostTogether);
+  }
   begins.clear();
   begins.reserve(awake.size() + 1);
   std::size_t bodies = 0;
@@ -86,7 +93,7 @@ void CutIntoBatches(const Islands& islands, std::span<const AwakeIsland> awake, 
     const std::size_t own = islands.MembersOf(island.island).size();
     const bool fits = i > 0 && island.way != Way::kPlain && !island.isLarge && island.way == awake[i - 1].way &&
                       island.blueprint == awake[i - 1].blueprint && island.substeps == awake[i - 1].substeps &&
-                      bodies + own <= (island.way == Way::kAlone ? lanes : kMostTogether);
+                      bodies + own <= (island.way == Way::kAlone ? lanes : together);
     if (!fits) {
       begins.push_back(i);
       bodies = 0;
@@ -155,7 +162,8 @@ void MakeBatches(const StepRules& rules, int lanes, int threadCount, Threads& th
   });
   MarkLarge(work.islands.islands, threadCount, awake);
   std::sort(awake.begin(), awake.end());
-  CutIntoBatches(work.islands.islands, awake, static_cast<std::size_t>(lanes), work.islands.batchBegins);
+  CutIntoBatches(work.islands.islands, awake, static_cast<std::size_t>(lanes), static_cast<std::size_t>(threadCount),
+                 work.islands.batchBegins);
 }
 
 template <class Real>

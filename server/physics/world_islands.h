@@ -40,8 +40,8 @@ void StepBatches(const StepRules& rules, std::span<const SweepKernel<Real>> kern
   };
   std::size_t small = work.islands.CountBatches();
   while (small > 0 && work.islands.Batch(small - 1)[0].isLarge) step(--small, &threads);
-  // Batches with most substeps first: threads that are done early take what is left.
-  threads.ForEach(small, [&](std::size_t i) { step(small - 1 - i, nullptr); });
+  work.islands.SortByWork(small);
+  threads.ForEachInTurn(small, [&](std::size_t i) { step(work.islands.batchOrder[i], nullptr); });
 }
 
 }  // namespace wobble::physics

@@ -58,6 +58,7 @@ class Islands {
   void Find(std::span<const std::uint32_t> bodies, std::span<const IndexPair> pairs);
 
   [[nodiscard]] std::size_t Count() const { return m_begins.size() - 1; }
+  [[nodiscard]] std::size_t CountMembers() const { return m_members.size(); }
   [[nodiscard]] std::span<const std::uint32_t> MembersOf(std::size_t island) const {
     return std::span(m_members).subspan(m_begins[island], m_begins[island + 1] - m_begins[island]);
   }

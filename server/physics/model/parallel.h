@@ -6,6 +6,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include <atomic>
 #include <cstddef>
 
 #if defined(__SANITIZE_THREAD__)  // g++
@@ -68,6 +69,17 @@ class Threads {
       m_arena.execute([&] { tbb::parallel_for(all, visitRange); });
     }
     forkJoin.Join();
+  }
+
+  // The same, for few visits of very different length: each thread takes the next one when it is done with one. Lists
+  // that begin with the longest visits end together.
+  template <class Visit>
+  void ForEachInTurn(std::size_t count, const Visit& visit) {
+    if (m_count == 1) return ForEach(count, visit);
+    std::atomic<std::size_t> next = 0;
+    ForEach(static_cast<std::size_t>(m_count), [&](std::size_t) {
+      for (std::size_t i = next++; i < count; i = next++) visit(i);
+    });
   }
 
  private:
