@@ -51,6 +51,8 @@ class Threads {
         m_limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count)),
         m_arena(count) {}
 
+  [[nodiscard]] int Count() const { return m_count; }
+
   // Calls visit(i) for all i below count, in any order and on any thread, and waits for all. Loops must not be nested:
   // a thread that waits in an inner loop could begin another round of the outer loop over the same scratch.
   template <class Visit>

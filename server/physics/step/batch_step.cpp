@@ -46,7 +46,6 @@ class LaneStepping {
     std::iota(scratch.order.begin(), scratch.order.end(), 0U);
     std::sort(scratch.order.begin(), scratch.order.end(), comesBefore);
     const std::span<const std::uint32_t> order(scratch.order);
-    const auto widest = static_cast<std::size_t>(kernels.back().width);
     m_packs.clear();
     for (std::size_t begin = 0; begin < order.size();) {
       const Blueprint* blueprint = blueprintOf(order[begin]);
@@ -55,17 +54,33 @@ class LaneStepping {
       while (end < order.size() && blueprintOf(order[end]) == blueprint && isCut(order[end]) == cut) ++end;
       // A cut body has a rare term, so that it must go the same way however many are cut: as if it were alone.
       const bool byRows = GoesByRows<Real>(*blueprint, cut ? 1 : end - begin);
-      end = std::min(end, begin + (byRows ? 1 : widest));
-      if (scratch.packScratches.size() == m_packs.size()) scratch.packScratches.emplace_back();
-      PackScratch<Real>& packScratch = scratch.packScratches[m_packs.size()];
-      const PackBodies<Real> bodies{.system = m_system, .whose = order.subspan(begin, end - begin)};
-      if (byRows) {
-        m_packs.emplace_back(std::in_place_type<RowPack<Real>>, bodies, kernels, packScratch);
-      } else {
-        m_packs.emplace_back(std::in_place_type<LanePack<Real>>, bodies, kernels, packScratch);
+      const std::size_t size = byRows ? 1 : FindPackSize(end - begin, static_cast<std::size_t>(kernels.back().width));
+      for (; begin < end; begin += std::min(size, end - begin)) {
+        AddPack(byRows, order.subspan(begin, std::min(size, end - begin)), kernels, scratch);
       }
-      begin = end;
     }
+  }
+
+  void AddPack(bool byRows, std::span<const std::uint32_t> whose, std::span<const SweepKernel<Real>> kernels,
+               BatchScratch<Real>& scratch) {
+    if (scratch.packScratches.size() == m_packs.size()) scratch.packScratches.emplace_back();
+    PackScratch<Real>& packScratch = scratch.packScratches[m_packs.size()];
+    const PackBodies<Real> bodies{.system = m_system, .whose = whose};
+    if (byRows) {
+      m_packs.emplace_back(std::in_place_type<RowPack<Real>>, bodies, kernels, packScratch);
+    } else {
+      m_packs.emplace_back(std::in_place_type<LanePack<Real>>, bodies, kernels, packScratch);
+    }
+  }
+
+  // How many of `count` alike bodies make a pack. Packs that threads share out are of one size, and as many for each
+  // thread: a sweep takes as long however many of its lanes are filled, but forces and copies go body by body.
+  [[nodiscard]] std::size_t FindPackSize(std::size_t count, std::size_t widest) const {
+    const std::size_t threads = m_system.CountThreads();
+    if (threads == 1 || count < 2 * threads) return widest;
+    const std::size_t packs = (count + widest - 1) / widest;
+    const std::size_t shared = (packs + threads - 1) / threads * threads;
+    return (count + shared - 1) / shared;
   }
 
   // Calls visit(pack) once for each pack, on any thread.
