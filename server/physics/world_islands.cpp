@@ -140,6 +140,8 @@ void FindAwakeIslands(std::span<const std::uint32_t> awake, std::span<const Body
   lists.memberOf.resize(bodies.size());
   lists.awake.clear();
   lists.awake.reserve(bodies.size());
+  lists.batchOrder.reserve(bodies.size());
+  lists.batchWork.reserve(bodies.size());
   lists.mostVertices = 0;
   lists.allVertices = 0;
   for (std::uint32_t island = 0; island < lists.islands.Count(); ++island) {

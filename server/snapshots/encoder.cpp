@@ -108,8 +108,8 @@ void Encoder::CrowdOfThread::Finish(Encoding& encoding) {
   encoding.body.records = encoding.records;
 }
 
-struct Encoder::Workers {
-  Workers(std::span<const protocol::wire::Obstacle> obstacles, int count)
+struct Encoder::Work {
+  Work(std::span<const protocol::wire::Obstacle> obstacles, int count)
       : threads(count),
         threadCount(static_cast<std::size_t>(count)),
         encoders([obstacles] { return CrowdOfThread(obstacles); }) {}
@@ -122,7 +122,7 @@ struct Encoder::Workers {
 };
 
 Encoder::Encoder(std::vector<protocol::wire::Obstacle> obstacles, int threads)
-    : m_obstacles(std::move(obstacles)), m_workers(std::make_unique<Workers>(m_obstacles, threads)) {}
+    : m_obstacles(std::move(obstacles)), m_work(std::make_unique<Work>(m_obstacles, threads)) {}
 Encoder::~Encoder() = default;
 
 void Encoder::Follow(std::span<const ShownBody> bodies, std::uint32_t tick) {
@@ -140,7 +140,7 @@ const EncodedBody& Encoder::Encode(std::size_t index, std::size_t quality, const
   Encoding& encoding = m_bodies[index].qualities[quality];
   if (encoding.version != body.version) {
     const Job job{&body, &blueprint, quality, &encoding};
-    m_workers->encoders.local().Encode({&job, 1});
+    m_work->encoders.local().Encode({&job, 1});
   }
   return NoteRead(encoding);
 }
@@ -155,7 +155,7 @@ bool Encoder::IsExpected(std::size_t index) const {
 }
 
 void Encoder::EncodeAhead(std::span<const FreshCapture> captures) {
-  std::vector<Job>& jobs = m_workers->jobs;
+  std::vector<Job>& jobs = m_work->jobs;
   jobs.clear();
   for (const FreshCapture& fresh : captures) {
     for (std::size_t quality = 0; quality < kQualities; ++quality) {
@@ -167,19 +167,21 @@ void Encoder::EncodeAhead(std::span<const FreshCapture> captures) {
   // By blueprint; their order within it decides only who shares a crowd with whom, and no byte depends on that.
   std::ranges::sort(jobs, std::less<>(), &Job::blueprint);
   // As large as kernels take, but so small that all threads have one.
-  const std::size_t most = std::clamp<std::size_t>(jobs.size() / m_workers->threadCount, 1, protocol::kMostLanes);
-  std::vector<std::span<const Job>>& crowds = m_workers->crowds;
+  const std::size_t most = std::clamp<std::size_t>(jobs.size() / m_work->threadCount, 1, protocol::kMostLanes);
+  std::vector<std::span<const Job>>& crowds = m_work->crowds;
   crowds.clear();
   for (std::size_t begin = 0, end = 0; begin < jobs.size(); begin = end) {
     while (end < jobs.size() && end - begin < most && jobs[end].blueprint == jobs[begin].blueprint) ++end;
     crowds.push_back(std::span<const Job>(jobs).subspan(begin, end - begin));
   }
-  m_workers->threads.ForEach(crowds.size(), [&](std::size_t i) { m_workers->encoders.local().Encode(crowds[i]); });
+  m_work->threads.ForEach(crowds.size(), [&](std::size_t i) { m_work->encoders.local().Encode(crowds[i]); });
 }
+
+physics::Threads& Encoder::Workers() { return m_work->threads; }
 
 std::uint64_t Encoder::CoarsenedRecords() const {
   std::uint64_t sum = 0;
-  for (const CrowdOfThread& each : m_workers->encoders) sum += each.CoarsenedRecords();
+  for (const CrowdOfThread& each : m_work->encoders) sum += each.CoarsenedRecords();
   return sum;
 }
 

@@ -11,6 +11,10 @@
 #include "server/snapshots/body_captures.h"
 #include "server/snapshots/capture.h"
 
+namespace wobble::physics {
+class Threads;
+}
+
 namespace wobble::server {
 
 // A body's records, one per patch, as bytes that are copied into packets.
@@ -72,6 +76,9 @@ class Encoder {
   // predicted is encoded by Encode.
   void EncodeAhead(std::span<const FreshCapture> captures);
 
+  // The threads that EncodeAhead uses.
+  [[nodiscard]] physics::Threads& Workers();
+
   // Records so far that missed their error target to fit into a packet, or did not fit at all.
   [[nodiscard]] std::uint64_t CoarsenedRecords() const;
 
@@ -82,7 +89,7 @@ class Encoder {
   };
   struct Job;
   class CrowdOfThread;
-  struct Workers;
+  struct Work;
 
   [[nodiscard]] bool IsExpected(const Encoding& encoding) const {
     return encoding.readBefore != 0 && m_tick - encoding.lastRead == encoding.lastRead - encoding.readBefore;
@@ -92,7 +99,7 @@ class Encoder {
   std::vector<protocol::wire::Obstacle> m_obstacles;
   std::vector<Encodings> m_bodies;
   std::uint32_t m_tick = 0;
-  std::unique_ptr<Workers> m_workers;
+  std::unique_ptr<Work> m_work;
 };
 
 }  // namespace wobble::server

@@ -38,8 +38,8 @@ class SnapshotStore {
   // Makes Bodies() those whose records may be read after this tick. Blueprints have been followed.
   void BeginSnapshot() { m_encoder.Follow(m_captures.Bodies(), m_world.Tick()); }
 
-  // With more than one thread: captures and encodes the bodies of the subset that are likely to be asked for. It
-  // changes no record, only who waits for it. Time goes to kCapture and kEncode.
+  // Captures and encodes the bodies of the subset that are likely to be asked for, many together and on all threads. It
+  // changes no record. Time goes to kCapture and kEncode.
   void EncodeAhead(BodySubset subset);
 
   // As of the last FollowStep, by ascending id.
@@ -53,7 +53,6 @@ class SnapshotStore {
 
  private:
   const physics::World& m_world;
-  bool m_hasThreads;
   PhaseWatch& m_watch;
   BlueprintCaptures m_blueprints;
   BodyCaptures m_captures;
