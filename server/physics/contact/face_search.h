@@ -11,7 +11,7 @@
 #include <span>
 
 #include "server/physics/model/topology.h"
-#include "server/physics/model/vector.h"
+#include "server/physics/model/vector_view.h"
 
 namespace wobble::physics {
 
@@ -20,7 +20,7 @@ template <class Real>
 struct Skin {
   std::span<const Face> faces;
   const Topology* topology = nullptr;
-  std::span<const Vector3<Real>> x;
+  VectorView<Real> x;
   Real side = 1;  // -1: an open skin seen from behind; all normals are then reversed
 };
 

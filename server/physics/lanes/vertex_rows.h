@@ -59,6 +59,10 @@ WOBBLE_INLINE __m128 FindRow(__m256 rows, bool second) {
   return second ? _mm256_extractf128_ps(rows, 1) : _mm256_castps256_ps128(rows);
 }
 WOBBLE_INLINE __m256d FindRow(__m256d rows, bool) { return rows; }
+// The first or second row of a, and beside it that of b.
+WOBBLE_INLINE __m256 JoinRows(__m256 a, __m256 b, bool second) {
+  return second ? _mm256_permute2f128_ps(a, b, 0x31) : _mm256_permute2f128_ps(a, b, 0x20);
+}
 
 // Transposes: rows of vertices 0 to 3 (and 4 to 7 beside them) become x, y, z, w of all, and the other way round.
 WOBBLE_INLINE void Transpose(__m256 (&rows)[4]) {
