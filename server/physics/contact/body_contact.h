@@ -80,11 +80,11 @@ struct BodyContact {
 // One side of a pair at one moment: a body whose vertices are looked at, and one whose faces are.
 template <class Real>
 struct Meeting {
-  std::span<const Vector3<Real>> x;  // of the vertices' body, in its own local coordinates, m
-  std::span<const Vector3<Real>> v;  // m/s
-  std::span<const Real> shares;      // Coefficients::contactShares of the same body
-  Skin<Real> skin;                   // of the faces' body, in that body's local coordinates
-  std::span<const Vector3<Real>> skinV;
+  VectorView<Real> x;            // of the vertices' body, in its own local coordinates, m
+  VectorView<Real> v;            // m/s
+  std::span<const Real> shares;  // Coefficients::contactShares of the same body
+  Skin<Real> skin;               // of the faces' body, in that body's local coordinates
+  VectorView<Real> skinV;
   Vector3<Real> shift = Vector3<Real>::Zero();  // from the vertices' coordinates to the faces', m
 };
 

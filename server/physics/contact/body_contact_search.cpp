@@ -16,24 +16,6 @@ namespace {
 // The number of substeps that a contact is taken to have at the beginning of a tick, before their number is known.
 constexpr double kLikelySubsteps = 4;
 
-// The face round the vertex at which the search for p's nearest face begins, and nearly always ends: the first that has
-// p above or below itself, or the one that comes nearest to that.
-template <class Real>
-FacePoint<Real> FindStart(const Skin<Real>& skin, std::uint16_t vertex, const Vector3<Real>& p) {
-  FacePoint<Real> start;
-  Real greatest = std::numeric_limits<Real>::lowest();
-  for (const std::uint16_t face : skin.topology->RingOf(vertex)) {
-    const FacePoint<Real> at = FindFacePoint(skin, face, p);
-    const Real least = at.weights.minCoeff();
-    if (start.face == kNoFace || least > greatest) {
-      greatest = least;
-      start = at;
-    }
-    if (least >= Real(0)) break;
-  }
-  return start;
-}
-
 // The search of one side of a pair.
 template <class Real>
 class SideSearch {
@@ -108,7 +90,7 @@ class SideSearch {
     const NearestPoint<Real> nearest = m_search.kernel.findNearest(m_search.skin->Lanes(), p.data());
     if (nearest.square > reach * reach + m_search.skin->SquaredGap()) return false;
     const Skin<Real>& skin = m_meeting.skin;
-    at = FindNearestFace(skin, FindStart(skin, skin.topology->vertices[nearest.index], p), p);
+    at = FindNearestFace(skin, FindFaceAround(skin, skin.topology->vertices[nearest.index], p), p);
     if (at.distance > reach) return false;
     // A vertex straight above this face has no nearer face, so neither the outward normal nor the side is needed.
     const bool isAbove = at.distance >= Real(0) && at.weights.minCoeff() >= Real(0);

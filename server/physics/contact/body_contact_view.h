@@ -17,8 +17,7 @@ inline constexpr double kHangingOverhang = 0.05;
 
 // Σ wᵢ valueᵢ over the corners of a face.
 template <class Real>
-[[nodiscard]] Vector3<Real> Blend(const Vector3<Real>& weights, const Face& face,
-                                  std::span<const Vector3<Real>> values) {
+[[nodiscard]] Vector3<Real> Blend(const Vector3<Real>& weights, const Face& face, const VectorView<Real>& values) {
   return weights[0] * values[face[0]] + weights[1] * values[face[1]] + weights[2] * values[face[2]];
 }
 

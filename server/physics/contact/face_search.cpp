@@ -6,10 +6,13 @@
 #include "server/physics/contact/face_search.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
+#include "server/physics/contact/face_ring.h"
 #include "server/physics/lanes/contact_limits.h"
+#include "server/physics/lanes/vertex_rows.h"
 
 namespace wobble::physics {
 namespace {
@@ -50,12 +53,6 @@ Real FindSquaredDistance(const Vector3<Real>& a, const Vector3<Real>& b, const V
   return square > Real(0) ? height * height / square : ap.squaredNorm();
 }
 
-template <class Real>
-Real FindSquaredDistance(const Skin<Real>& skin, std::uint16_t face, const Vector3<Real>& p) {
-  const Face& f = skin.faces[face];
-  return FindSquaredDistance<Real>(skin.x[f[0]], skin.x[f[1]], skin.x[f[2]], p);
-}
-
 // The corner of `face` that is not on its side towards `other`; 3 if they are no neighbours.
 int FindCornerOpposite(const Topology& topology, std::uint16_t face, std::uint16_t other) {
   int corner = 0;
@@ -86,22 +83,114 @@ bool IsPlainlyNearest(const Skin<Real>& skin, const FacePoint<Real>& at, const V
 }
 
 // Squared distance of p from the face's box, m²: a lower bound of that from the face, which rules out most faces of a
-// ring.
+// ring. The three axes lie side by side in a register.
 template <class Real>
 Real FindSquaredBoxDistance(const Skin<Real>& skin, std::uint16_t face, const Vector3<Real>& p) {
   const Face& f = skin.faces[face];
-  Real square = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Real a = skin.x[f[0]][axis];
-    const Real b = skin.x[f[1]][axis];
-    const Real c = skin.x[f[2]][axis];
-    const Real low = std::min(a, std::min(b, c)) - p[axis];
-    const Real high = p[axis] - std::max(a, std::max(b, c));
-    const Real beyond = std::max(Real(0), std::max(low, high));
-    square += beyond * beyond;
-  }
-  return square;
+  const auto a = LoadThree(skin.x[f[0]].data());
+  const auto b = LoadThree(skin.x[f[1]].data());
+  const auto c = LoadThree(skin.x[f[2]].data());
+  const auto at = LoadThree(p.data());
+  const auto low = MinOf(a, MinOf(b, c)) - at;
+  const auto high = at - MaxOf(a, MaxOf(b, c));
+  const auto beyond = MaxOf(typename RowsOf<Real>::Row{}, MaxOf(low, high));
+  Real squares[4];
+  StoreRow(beyond * beyond, squares);
+  return squares[0] + squares[1] + squares[2];
 }
+
+// Of the faces round a vertex: lower bounds of their squared distances, m².
+template <class Real>
+struct RingBounds {
+  std::uint16_t nearest = kNoFace;
+  Real least = std::numeric_limits<Real>::max();          // of all
+  Real leastOfOthers = std::numeric_limits<Real>::max();  // of all but `nearest`
+
+  void Note(std::uint16_t face, Real square) {
+    if (square < least) {
+      leastOfOthers = least;
+      least = square;
+      nearest = face;
+    } else {
+      leastOfOthers = std::min(leastOfOthers, square);
+    }
+  }
+  [[nodiscard]] Real FindLeastWithout(std::uint16_t face) const { return face == nearest ? leastOfOthers : least; }
+};
+
+// The walk of FindNearestFace. From face to face most corners stay, and the faces round a corner that stays are as far
+// as they were: they are looked at again only if one of them may be near enough to count.
+template <class Real>
+class NearestFaceWalk {
+ public:
+  NearestFaceWalk(const Skin<Real>& skin, const FacePoint<Real>& start, const Vector3<Real>& p)
+      : m_skin(skin), m_p(p), m_at(start), m_square(FindSquaredDistance(skin, start.face, p)) {}
+
+  [[nodiscard]] const FacePoint<Real>& At() const { return m_at; }
+
+  // Goes on to the nearest face round the corners; false if that is the present one.
+  bool Step() {
+    const Face corners = m_skin.faces[m_at.face];
+    const Real squareOfAt = m_square;
+    const Real tie = static_cast<Real>(kTieShare) * m_at.doubleArea;
+    FacePoint<Real> best = m_at;
+    std::array<RingBounds<Real>, 3> bounds;
+    for (std::size_t i = 0; i < 3; ++i) {
+      bounds[i].least = FindSeen(corners[i]);
+      if (bounds[i].least > m_square + tie) continue;
+      bounds[i].least = std::numeric_limits<Real>::max();
+      LookRound(corners[i], tie, best, bounds[i]);
+    }
+    if (best.face == m_at.face) return false;
+    for (std::size_t i = 0; i < 3; ++i) {
+      m_seen[i] = std::min(squareOfAt, bounds[i].FindLeastWithout(best.face));
+    }
+    m_seenCorners = corners;
+    m_stepped = true;
+    m_at = best;
+    return true;
+  }
+
+ private:
+  // A lower bound of the squared distances of the faces round the vertex but the present one, from the step before;
+  // negative if they were not looked at.
+  [[nodiscard]] Real FindSeen(std::uint16_t vertex) const {
+    for (std::size_t i = 0; m_stepped && i < 3; ++i) {
+      if (m_seenCorners[i] == vertex) return m_seen[i];
+    }
+    return Real(-1);
+  }
+
+  void LookRound(std::uint16_t vertex, Real tie, FacePoint<Real>& best, RingBounds<Real>& bounds) {
+    std::span<const std::uint16_t> faces = m_skin.topology->RingOf(vertex);
+    OfEachFace<Real> squares;
+    OfEachFace<Real> boxes;
+    for (std::size_t count = 0; !faces.empty(); faces = faces.subspan(count)) {
+      const FaceRing<Real> ring(m_skin, faces, m_p);
+      ring.FindSquares(squares, boxes);
+      count = ring.Count();
+      for (std::size_t i = 0; i < count; ++i) {
+        if (faces[i] == m_at.face) continue;
+        const Real square = boxes[i] > m_square + tie ? boxes[i] : squares[i];
+        bounds.Note(faces[i], square);
+        if (square > m_square + tie) continue;
+        const FacePoint<Real> there = FindFacePoint(m_skin, faces[i], m_p);
+        if (square < m_square - tie || there.distance > best.distance) {
+          best = there;
+          m_square = std::min(m_square, square);
+        }
+      }
+    }
+  }
+
+  const Skin<Real>& m_skin;
+  const Vector3<Real>& m_p;
+  FacePoint<Real> m_at;
+  Real m_square;  // of the distance of m_at, or of a face that ties with it, m²
+  bool m_stepped = false;
+  Face m_seenCorners{};          // of the face before m_at
+  std::array<Real, 3> m_seen{};  // by these corners
+};
 
 // True if a point inside that belonged to `from` now belongs to `to`, across the side opposite to `corner`.
 template <class Real>
@@ -115,6 +204,12 @@ bool SlidesOver(const Skin<Real>& skin, const FacePoint<Real>& from, std::size_t
 }
 
 }  // namespace
+
+template <class Real>
+Real FindSquaredDistance(const Skin<Real>& skin, std::uint16_t face, const Vector3<Real>& p) {
+  const Face& f = skin.faces[face];
+  return FindSquaredDistance<Real>(skin.x[f[0]], skin.x[f[1]], skin.x[f[2]], p);
+}
 
 template <class Real>
 FacePoint<Real> FindFacePoint(const Skin<Real>& skin, std::uint16_t face, const Vector3<Real>& p) {
@@ -138,28 +233,29 @@ FacePoint<Real> FindFacePoint(const Skin<Real>& skin, std::uint16_t face, const 
 
 template <class Real>
 FacePoint<Real> FindNearestFace(const Skin<Real>& skin, const FacePoint<Real>& start, const Vector3<Real>& p) {
-  FacePoint<Real> at = start;
-  if (IsPlainlyNearest(skin, at, p)) return at;
-  Real square = FindSquaredDistance(skin, start.face, p);
-  for (int step = 0; step < kMaxSteps; ++step) {
-    FacePoint<Real> best = at;
-    for (const std::uint16_t vertex : skin.faces[at.face]) {
-      for (const std::uint16_t face : skin.topology->RingOf(vertex)) {
-        const Real tie = static_cast<Real>(kTieShare) * at.doubleArea;
-        if (face == at.face || FindSquaredBoxDistance(skin, face, p) > square + tie) continue;
-        const Real other = FindSquaredDistance(skin, face, p);
-        if (other > square + tie) continue;
-        const FacePoint<Real> there = FindFacePoint(skin, face, p);
-        if (other < square - tie || there.distance > best.distance) {
-          best = there;
-          square = std::min(square, other);
-        }
-      }
-    }
-    if (best.face == at.face) break;
-    at = best;
+  if (IsPlainlyNearest(skin, start, p)) return start;
+  NearestFaceWalk<Real> walk(skin, start, p);
+  for (int step = 0; step < kMaxSteps && walk.Step(); ++step) {
   }
-  return at;
+  return walk.At();
+}
+
+template <class Real>
+FacePoint<Real> FindFaceAround(const Skin<Real>& skin, std::uint16_t vertex, const Vector3<Real>& p) {
+  FacePoint<Real> best;
+  Real greatest = std::numeric_limits<Real>::lowest();
+  std::span<const std::uint16_t> faces = skin.topology->RingOf(vertex);
+  while (!faces.empty() && greatest < Real(0)) {
+    const FaceRing<Real> ring(skin, faces, p);
+    Real least = 0;
+    const FacePoint<Real> at = ring.FindMostAbove(least);
+    if (best.face == kNoFace || least > greatest) {
+      best = at;
+      greatest = least;
+    }
+    faces = faces.subspan(ring.Count());
+  }
+  return best;
 }
 
 template <class Real>
@@ -232,6 +328,8 @@ FacePoint<Real> FollowFace(const Skin<Real>& skin, std::uint16_t face, const Vec
 }
 
 #define WOBBLE_INSTANTIATE(Real)                                                                                   \
+  template Real FindSquaredDistance<Real>(const Skin<Real>&, std::uint16_t, const Vector3<Real>&);                 \
+  template FacePoint<Real> FindFaceAround<Real>(const Skin<Real>&, std::uint16_t, const Vector3<Real>&);           \
   template FacePoint<Real> FindFacePoint<Real>(const Skin<Real>&, std::uint16_t, const Vector3<Real>&);            \
   template FacePoint<Real> FindNearestFace<Real>(const Skin<Real>&, const FacePoint<Real>&, const Vector3<Real>&); \
   template bool LooksAlong<Real>(const FacePoint<Real>&, const Vector3<Real>&);                                    \

@@ -11,7 +11,7 @@
 #include <span>
 
 #include "server/physics/model/topology.h"
-#include "server/physics/model/vector.h"
+#include "server/physics/model/vector_view.h"
 
 namespace wobble::physics {
 
@@ -20,7 +20,7 @@ template <class Real>
 struct Skin {
   std::span<const Face> faces;
   const Topology* topology = nullptr;
-  std::span<const Vector3<Real>> x;
+  VectorView<Real> x;
   Real side = 1;  // -1: an open skin seen from behind; all normals are then reversed
 };
 
@@ -38,12 +38,21 @@ struct FacePoint {
 template <class Real>
 [[nodiscard]] FacePoint<Real> FindFacePoint(const Skin<Real>& skin, std::uint16_t face, const Vector3<Real>& p);
 
+// Squared distance of p from the face, m².
+template <class Real>
+[[nodiscard]] Real FindSquaredDistance(const Skin<Real>& skin, std::uint16_t face, const Vector3<Real>& p);
+
 // The nearest face that can be reached from `start` by steps to a nearer face in the ring of the corners; at most 16
 // steps. Of faces equally near, as round an edge, the one whose plane is farthest below p. start: FindFacePoint of this
 // skin and this p, which most callers have already.
 template <class Real>
 [[nodiscard]] FacePoint<Real> FindNearestFace(const Skin<Real>& skin, const FacePoint<Real>& start,
                                               const Vector3<Real>& p);
+
+// The point p seen from the face round the vertex at which the search for p's nearest face begins, and nearly always
+// ends: the first that has p above or below itself, or the one that comes nearest to that. vertex: of a face at least.
+template <class Real>
+[[nodiscard]] FacePoint<Real> FindFaceAround(const Skin<Real>& skin, std::uint16_t vertex, const Vector3<Real>& p);
 
 // True if a vertex whose own skin has the normal `outward` cannot have come in through the face, because the face looks
 // the same way. outward: unit length, or zero for a vertex that may have come in through any face (an open skin).

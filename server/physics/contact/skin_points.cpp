@@ -28,7 +28,7 @@ struct Ball {
 };
 // A ball that holds the values of these vertices, about the middle of their box.
 template <class Real>
-Ball<Real> FindBall(std::span<const Vector3<Real>> values, std::span<const std::uint16_t> vertices) {
+Ball<Real> FindBall(const VectorView<Real>& values, std::span<const std::uint16_t> vertices) {
   Vector3<Real> low = values[vertices[0]];
   Vector3<Real> high = low;
   for (const std::uint16_t vertex : vertices) {
@@ -59,8 +59,8 @@ void SkinPoints<Real>::Read(const Skin<Real>& skin, std::span<const Vector3<Real
       m_lines[axis * m_blocks + i / kPointsInBlock].numbers[i % kPointsInBlock] = x[static_cast<int>(axis)];
     }
   }
-  const Ball<Real> ofPlaces = FindBall(skin.x, vertices);
-  const Ball<Real> ofVelocities = FindBall(v, vertices);
+  const Ball<Real> ofPlaces = FindBall<Real>(skin.x, vertices);
+  const Ball<Real> ofVelocities = FindBall<Real>(v, vertices);
   m_centre = ofPlaces.centre;
   m_radius = ofPlaces.radius;
   m_velocity = ofVelocities.centre;

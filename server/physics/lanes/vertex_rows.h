@@ -38,6 +38,21 @@ WOBBLE_INLINE __m256d LoadHalf(const double* from) { return _mm256_zextpd128_pd2
 WOBBLE_INLINE void StoreHalf(__m128 row, float* to) { _mm_storeu_si64(to, _mm_castps_si128(row)); }
 WOBBLE_INLINE void StoreHalf(__m256d row, double* to) { _mm_storeu_pd(to, _mm256_castpd256_pd128(row)); }
 
+// A row of three numbers and a zero; reads nothing behind them.
+WOBBLE_INLINE __m128 LoadThree(const float* from) { return _mm_maskload_ps(from, _mm_setr_epi32(-1, -1, -1, 0)); }
+WOBBLE_INLINE __m256d LoadThree(const double* from) {
+  return _mm256_maskload_pd(from, _mm256_setr_epi64x(-1, -1, -1, 0));
+}
+// Such a row, and beside it that of b where two rows fit.
+WOBBLE_INLINE __m256 LoadThrees(const float* a, const float* b) {
+  return _mm256_insertf128_ps(_mm256_castps128_ps256(LoadThree(a)), LoadThree(b), 1);
+}
+WOBBLE_INLINE __m256d LoadThrees(const double* a, const double*) { return LoadThree(a); }
+WOBBLE_INLINE __m128 MinOf(__m128 a, __m128 b) { return _mm_min_ps(a, b); }
+WOBBLE_INLINE __m256d MinOf(__m256d a, __m256d b) { return _mm256_min_pd(a, b); }
+WOBBLE_INLINE __m128 MaxOf(__m128 a, __m128 b) { return _mm_max_ps(a, b); }
+WOBBLE_INLINE __m256d MaxOf(__m256d a, __m256d b) { return _mm256_max_pd(a, b); }
+
 // x y z w becomes y z x w.
 WOBBLE_INLINE __m128 Turn(__m128 row) { return _mm_shuffle_ps(row, row, _MM_SHUFFLE(3, 0, 2, 1)); }
 WOBBLE_INLINE __m256d Turn(__m256d row) { return _mm256_permute4x64_pd(row, _MM_SHUFFLE(3, 0, 2, 1)); }
@@ -59,6 +74,10 @@ WOBBLE_INLINE __m128 FindRow(__m256 rows, bool second) {
   return second ? _mm256_extractf128_ps(rows, 1) : _mm256_castps256_ps128(rows);
 }
 WOBBLE_INLINE __m256d FindRow(__m256d rows, bool) { return rows; }
+// The first or second row of a, and beside it that of b.
+WOBBLE_INLINE __m256 JoinRows(__m256 a, __m256 b, bool second) {
+  return second ? _mm256_permute2f128_ps(a, b, 0x31) : _mm256_permute2f128_ps(a, b, 0x20);
+}
 
 // Transposes: rows of vertices 0 to 3 (and 4 to 7 beside them) become x, y, z, w of all, and the other way round.
 WOBBLE_INLINE void Transpose(__m256 (&rows)[4]) {

@@ -102,32 +102,30 @@ class LaneStepping {
     }
   }
 
-  // The system's arrays hold the positions and velocities that a stage is computed at, for the contacts between
+  // The system's points hold the positions and velocities that a stage is computed at, for the contacts between
   // members.
   void IntegrateTogether(double duration, int substeps) {
     const double step = duration / substeps;
-    m_system.Gather(m_system.All());
+    ForEachPack([](const auto& pack) { pack.CopyToPoints(0); });
     for (int substep = 0; substep < substeps; ++substep) {
       for (int stage = 0; stage < 4; ++stage) StepStage(stage, static_cast<Real>(step));
       ForEachPack([&](auto& pack) {
         pack.EndStep(step, duration - substep * step, substep == 0);
-        pack.CopyToSystem(0);
+        pack.CopyToPoints(0);
       });
-      m_system.UpdateAllBodyContacts(m_system.Positions(), m_system.Velocities(), static_cast<Real>(step));
+      m_system.UpdateAllBodyContacts(static_cast<Real>(step));
     }
   }
 
-  // The positions of stage 0 are in the system's arrays already: Gather or the substep before put them there.
+  // The positions of stage 0 are among the system's points already.
   void StepStage(int stage, Real h) {
-    if (stage > 0) ForEachPack([&](const auto& pack) { pack.CopyToSystem(stage); });
-    m_system.ComputeAllBodyContacts(m_system.Positions(), m_system.Velocities());
+    if (stage > 0) ForEachPack([&](const auto& pack) { pack.CopyToPoints(stage); });
+    m_system.ComputeAllBodyContacts();
     ForEachPack([&](auto& pack) {
       pack.BeginStage(stage);
       const std::span<const std::uint32_t> whose = pack.Bodies().whose;
       for (std::size_t lane = 0; lane < whose.size(); ++lane) {
-        m_system.VisitContactForces(whose[lane], [&pack, lane](std::size_t vertex, const Vector3<Real>& force) {
-          pack.AddOuterForce(lane, vertex, force);
-        });
+        pack.AddOuterForces(lane, [&](const auto& add) { m_system.VisitContactForces(whose[lane], add); });
       }
       pack.Sweep(stage, h);
     });

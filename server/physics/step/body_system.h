@@ -49,7 +49,8 @@ struct SystemScratch {
   std::vector<Vector3<Real>> velocities;       // m/s
   std::vector<Vector3<Real>> positionsBefore;  // the substep; filled only where a member backtracks
   std::vector<Vector3<Real>> velocitiesBefore;
-  std::vector<std::size_t> begins;  // of each member's vertices in these arrays, and the end of the last
+  std::vector<MovingPoint<Real>> points;  // empty where no members touch
+  std::vector<std::size_t> begins;        // of each member's vertices in these arrays, and the end of the last
   SystemContacts<Real> systemContacts;
   std::vector<Motion<Real>> motions;  // of each member
   // Contacts as the tick found them, one list after the other, for a tick that is stepped again.
@@ -63,6 +64,7 @@ struct SystemScratch {
     integrator.Reserve(vertices);
     positions.reserve(vertices);
     velocities.reserve(vertices);
+    points.reserve(vertices);
     positionsBefore.reserve(vertices);
     velocitiesBefore.reserve(vertices);
     contacts.reserve(vertices);
@@ -93,6 +95,9 @@ class BodySystem {
   [[nodiscard]] SystemScratch<Real>& Scratch() const { return m_scratch; }
   [[nodiscard]] std::span<Vector3<Real>> Positions() const { return m_scratch.positions; }
   [[nodiscard]] std::span<Vector3<Real>> Velocities() const { return m_scratch.velocities; }
+
+  // Where packs put the positions and velocities that the contacts between members are computed at.
+  [[nodiscard]] std::span<MovingPoint<Real>> Points() const { return m_scratch.points; }
 
   // The whole system as one range: the island where it holds only one.
   [[nodiscard]] Island All() const {
@@ -189,6 +194,8 @@ class BodySystem {
   void ComputeAllBodyContacts(std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v) const {
     m_scratch.systemContacts.ComputeForces(FindMotions(x, v), m_threads);
   }
+  // The same at Points().
+  void ComputeAllBodyContacts() const { m_scratch.systemContacts.ComputeForces(FindMotionsOfPoints(), m_threads); }
   // Calls add(vertex, force in N) for every such force on a member, always in the same order.
   template <class Add>
   void VisitContactForces(std::size_t member, const Add& add) const {
@@ -198,6 +205,8 @@ class BodySystem {
   void UpdateAllBodyContacts(std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, Real h) const {
     m_scratch.systemContacts.Update(FindMotions(x, v), h, m_threads);
   }
+  // The same for a substep that ended at Points().
+  void UpdateAllBodyContacts(Real h) const { m_scratch.systemContacts.Update(FindMotionsOfPoints(), h, m_threads); }
 
   // Copies positions and velocities from the bodies' own states into the system's arrays. The states keep those of the
   // tick's begin until Scatter.
@@ -252,6 +261,7 @@ class BodySystem {
     }
     m_scratch.positions.resize(m_scratch.begins.back());
     m_scratch.velocities.resize(m_scratch.begins.back());
+    m_scratch.points.resize(m_contactPairs.empty() ? 0 : m_scratch.begins.back());
   }
 
   const std::vector<Contact<Real>>& ContactsOf(std::size_t member) const { return m_members[member]->state->contacts; }
@@ -276,6 +286,14 @@ class BodySystem {
                                                           std::span<const Vector3<Real>> v) const {
     m_scratch.motions.clear();
     for (std::size_t i = 0; i < m_members.size(); ++i) m_scratch.motions.push_back({SliceOf(x, i), SliceOf(v, i)});
+    return m_scratch.motions;
+  }
+  [[nodiscard]] std::span<const Motion<Real>> FindMotionsOfPoints() const {
+    m_scratch.motions.clear();
+    for (std::size_t i = 0; i < m_members.size(); ++i) {
+      const MovingPoint<Real>* const points = m_scratch.points.data() + m_scratch.begins[i];
+      m_scratch.motions.push_back({{&points->x, sizeof *points}, {&points->v, sizeof *points}, points});
+    }
     return m_scratch.motions;
   }
 

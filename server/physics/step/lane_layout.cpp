@@ -2,6 +2,7 @@
 // registers. Body by body, it would go through the whole pack once for each body.
 #include "server/physics/step/lane_layout.h"
 
+#include <cstddef>
 #include <utility>
 
 #include "server/physics/lanes/vertex_rows.h"
@@ -36,6 +37,25 @@ inline __attribute__((always_inline)) void CollectVertex(const Real* from, std::
     ((I < count ? StoreRow(FindRow(rows[I % 4], I >= 4), to[I] + at) : void()), ...);
   }
   (std::make_index_sequence<kLanesAtOnce<Real>>());
+}
+
+// The same for x y z vx vy vz, to a MovingPoint of each body.
+inline __attribute__((always_inline)) void CollectPoint(const float* from, std::size_t width, std::size_t count,
+                                                        float* const* to, std::size_t at) {
+  const auto load = [from, width](std::size_t k) { return LoadLanes(from + k * width); };
+  __m256 x[4] = {load(0), load(1), load(2), load(2)};
+  __m256 v[4] = {load(3), load(4), load(5), load(5)};
+  Transpose(x);
+  Transpose(v);
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    ((I < count ? StoreLanes(JoinRows(x[I % 4], v[I % 4], I >= 4), to[I] + at) : void()), ...);
+  }
+  (std::make_index_sequence<kLanesAtOnce<float>>());
+}
+inline __attribute__((always_inline)) void CollectPoint(const double* from, std::size_t width, std::size_t count,
+                                                        double* const* to, std::size_t at) {
+  CollectVertex(from, width, count, to, at);
+  CollectVertex(from + 3 * width, width, count, to, at + offsetof(MovingPoint<double>, v) / sizeof(double));
 }
 
 template <class Value>
@@ -134,6 +154,34 @@ void LaneLayout<Real>::CopyToSystem(const Real* numbers) const {
       for (std::size_t k = 0; k < 3; ++k) {
         x[lane][3 * vertex + k] = from[k * width + lane];
         v[lane][3 * vertex + k] = from[(k + 3) * width + lane];
+      }
+    }
+  }
+}
+
+// In the order of vertices, so that the points are written one after the other.
+template <class Real>
+void LaneLayout<Real>::CopyToPoints(const Real* numbers) const {
+  constexpr std::size_t kStride = sizeof(MovingPoint<Real>) / sizeof(Real);
+  constexpr std::size_t kVelocity = offsetof(MovingPoint<Real>, v) / sizeof(Real);
+  const BodySystem<Real>& system = m_bodies.system;
+  const std::size_t width = Width();
+  const std::size_t bodies = m_bodies.whose.size();
+  std::array<Real*, kWidestPack> points{};
+  for (std::size_t lane = 0; lane < bodies; ++lane) {
+    points[lane] = system.SliceOf(system.Points(), m_bodies.whose[lane]).data()->x.data();
+  }
+  const std::size_t blocks = std::min(width - width % kLanesAtOnce<Real>, bodies);
+  for (std::size_t vertex = 0; vertex < m_tables.count; ++vertex) {
+    const Real* const from = numbers + 6 * m_plan.places[vertex] * width;
+    const std::size_t at = kStride * vertex;
+    for (std::size_t lane = 0; lane < blocks; lane += kLanesAtOnce<Real>) {
+      CollectPoint(from + lane, width, bodies - lane, &points[lane], at);
+    }
+    for (std::size_t lane = blocks; lane < bodies; ++lane) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        points[lane][at + k] = from[k * width + lane];
+        points[lane][at + kVelocity + k] = from[(k + 3) * width + lane];
       }
     }
   }

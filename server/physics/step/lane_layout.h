@@ -28,9 +28,15 @@ class LaneLayout {
   [[nodiscard]] PackSeat FindSeat(std::size_t lane, std::size_t vertex) const {
     return {.place = m_plan.places[vertex], .lane = static_cast<std::uint32_t>(lane)};
   }
+  [[nodiscard]] auto SeatsOf(std::size_t lane) const {
+    return [places = m_plan.places.data(), lane = static_cast<std::uint32_t>(lane)](std::size_t vertex) {
+      return PackSeat{.place = places[vertex], .lane = lane};
+    };
+  }
   void Load(PackScratch<Real>& scratch, Real* whole, SweepLanes<Real>& lanes) const;
   void Sweep(int stage, Real h, SweepLanes<Real>& lanes) const { m_kernel.stages[stage](m_tables, lanes, h); }
   void CopyToSystem(const Real* numbers) const;
+  void CopyToPoints(const Real* numbers) const;
   [[nodiscard]] bool IsInsideOut(const SweepLanes<Real>& lanes, std::size_t lane) const {
     return m_tables.hasGas && !(lanes.sixVolume[lane] > Real(0));
   }

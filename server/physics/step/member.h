@@ -40,10 +40,10 @@ struct Member {
   SurfaceDemands demands;                 // of the listed contacts with surfaces
   int substepsForError = 1;               // that the errors of the last ticks ask for
   // Written by the step:
-  double error = 0;        // estimated, of the last try, RMS over vertices, m
-  bool insideOut = false;  // at the end of the last try: a closed body with gas encloses no volume
-  BulkMotion after;        // at the end of the last try
-  double speed = 0;        // at the end of the tick, RMS by mass, m/s
+  double error = 0;               // estimated, of the last try, RMS over vertices, m
+  bool insideOut = false;         // at the end of the last try: a closed body with gas encloses no volume
+  BulkMotion after;               // at the end of the last try
+  double speed = 0;               // at the end of the tick, RMS by mass, m/s
   Health health = Health::kGood;  // the worst of all tries
   bool lost = false;              // every try failed: the state must not be used
 };
@@ -68,9 +68,9 @@ struct ContactPair {
 // One side of a contact pair, for positions x, m, and velocities v, m/s, of the body with the vertices, and skinX and
 // skinV of the body with the faces, each in its body's local coordinates.
 template <class Real>
-[[nodiscard]] Meeting<Real> MakeMeeting(const Member<Real>& ofVertices, std::span<const Vector3<Real>> x,
-                                        std::span<const Vector3<Real>> v, const Member<Real>& ofFaces,
-                                        std::span<const Vector3<Real>> skinX, std::span<const Vector3<Real>> skinV) {
+[[nodiscard]] Meeting<Real> MakeMeeting(const Member<Real>& ofVertices, const VectorView<Real>& x,
+                                        const VectorView<Real>& v, const Member<Real>& ofFaces,
+                                        const VectorView<Real>& skinX, const VectorView<Real>& skinV) {
   const Vector3d shift = ofVertices.state->origin - ofFaces.state->origin;
   return {.x = x,
           .v = v,

@@ -132,6 +132,14 @@ void Pack<Real, Layout>::BeginStage(int stage) {
                                 [this](const PackSeat& seat, const Vector3<Real>& force) { AddToSeat(seat, force); });
 }
 
+// Begins the sum of a place's outer forces, for all lanes.
+template <class Real, class Layout>
+void Pack<Real, Layout>::ClearOuter(std::uint32_t place) {
+  std::fill_n(m_outer + 3 * place * m_width, 3 * m_width, Real(0));
+  m_scratch.hasOuter[place] = 1;
+  m_scratch.outerPlaces.push_back(place);
+}
+
 template <class Real, class Layout>
 void Pack<Real, Layout>::AddPlaneForces(const Real* from) {
   if (m_scratch.planes.IsEmpty()) return;
@@ -176,7 +184,7 @@ void Pack<Real, Layout>::EndStep(double step, double timeLeft, bool isFirst) {
 
 template <class Real, class Layout>
 void Pack<Real, Layout>::EndTry() const {
-  CopyToSystem(0);
+  m_layout.CopyToSystem(m_lanes.state);
   m_scratch.planes.WriteBack();
   m_scratch.contacts.WriteBack();
   for (std::size_t lane = 0; lane < m_bodies.whose.size(); ++lane) {

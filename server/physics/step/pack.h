@@ -18,7 +18,9 @@
 //   PackSeat FindSeat(lane, vertex)        where a vertex of the pack's body `lane` lies
 //   void Load(scratch, whole, lanes)       fills lanes.state from the bodies' states and `whole` from what has torn
 //   void Sweep(stage, h, lanes)            one stage of a step of h s
+//   SeatsOf(lane)                          a function from vertices to seats: FindSeat for one body
 //   void CopyToSystem(numbers)             [place][x y z vx vy vz][lane] to the arrays of the bodies' system
+//   void CopyToPoints(numbers)             the same to BodySystem::Points
 //   bool IsInsideOut(lanes, lane)          whether the body's gas has no volume left
 #pragma once
 
@@ -87,6 +89,22 @@ class Pack {
   void AddOuterForce(std::size_t lane, std::size_t vertex, const Vector3<Real>& force) {
     AddToSeat(m_layout.FindSeat(lane, vertex), force);
   }
+  // The same for all forces on that body at once: visit(add) calls add(vertex, force) for each.
+  template <class Visit>
+  void AddOuterForces(std::size_t lane, const Visit& visit) {
+    // Copies that no store can change: otherwise each force would make the compiler read the pointers again.
+    const auto findSeat = m_layout.SeatsOf(lane);
+    const std::uint8_t* const hasOuter = m_scratch.hasOuter.data();
+    Real* const outer = m_outer;
+    const std::size_t width = m_width;
+    visit([=, this](std::size_t vertex, const Vector3<Real>& force) {
+      const PackSeat seat = findSeat(vertex);
+      if (hasOuter[seat.place] == 0) [[unlikely]]
+        ClearOuter(seat.place);
+      Real* const at = outer + 3 * seat.place * width + seat.lane;
+      for (std::size_t k = 0; k < 3; ++k) at[k * width] += force[static_cast<int>(k)];
+    });
+  }
   void Sweep(int stage, Real h);
   // After stage 3: adds the step's share to the members' errors and updates the contacts with static surfaces.
   // step: s; timeLeft: of the tick when the step began, s; isFirst: this is the tick's first step.
@@ -96,9 +114,9 @@ class Pack {
   // Member::insideOut.
   void EndTry() const;
 
-  // Copies the positions and velocities at which `stage` will be computed to the system's arrays. After stage 3 those
-  // of stage 0 are the next step's.
-  void CopyToSystem(int stage) const { m_layout.CopyToSystem(NumbersOf(stage)); }
+  // Copies the positions and velocities at which `stage` will be computed to the system's points, where contacts between
+  // members read them. After stage 3 those of stage 0 are the next step's.
+  void CopyToPoints(int stage) const { m_layout.CopyToPoints(NumbersOf(stage)); }
 
   [[nodiscard]] const PackBodies<Real>& Bodies() const { return m_bodies; }
 
@@ -111,14 +129,11 @@ class Pack {
   void AddPlaneForces(const Real* from);
   void AddPlainContactForces(std::size_t lane, const Real* from);
   void AddToSeat(const PackSeat& seat, const Vector3<Real>& force) {
-    Real* at = m_outer + 3 * seat.place * m_width;
-    if (m_scratch.hasOuter[seat.place] == 0) {
-      std::fill_n(at, 3 * m_width, Real(0));
-      m_scratch.hasOuter[seat.place] = 1;
-      m_scratch.outerPlaces.push_back(seat.place);
-    }
-    for (std::size_t k = 0; k < 3; ++k) at[k * m_width + seat.lane] += force[static_cast<int>(k)];
+    if (m_scratch.hasOuter[seat.place] == 0) ClearOuter(seat.place);
+    Real* at = m_outer + 3 * seat.place * m_width + seat.lane;
+    for (std::size_t k = 0; k < 3; ++k) at[k * m_width] += force[static_cast<int>(k)];
   }
+  void ClearOuter(std::uint32_t place);
   void CopyVertex(std::size_t vertex, std::size_t lane, const Real* from);
   void AddErrors(const Real* sums, double weight);
   void UpdateAllAnchors();

@@ -79,6 +79,22 @@ void RowLayout<Real>::CopyToSystem(const Real* numbers) const {
   }
 }
 
+template <class Real>
+void RowLayout<Real>::CopyToPoints(const Real* numbers) const {
+  const BodySystem<Real>& system = m_bodies.system;
+  const std::size_t width = m_grid.width;
+  MovingPoint<Real>* point = system.SliceOf(system.Points(), m_bodies.whose[0]).data();
+  const MovingPoint<Real>* const end = point + m_body.masses.size();
+  for (const Real* row = numbers; point != end; row += 6 * width) {
+    for (std::size_t column = 0; column < m_grid.columns; ++column, ++point) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        point->x[static_cast<int>(k)] = row[k * width + column];
+        point->v[static_cast<int>(k)] = row[(k + 3) * width + column];
+      }
+    }
+  }
+}
+
 template bool GoesByRows<float>(const Blueprint&, std::size_t);
 template bool GoesByRows<double>(const Blueprint&, std::size_t);
 template class RowLayout<float>;

@@ -28,9 +28,13 @@ class RowLayout {
   [[nodiscard]] PackSeat FindSeat(std::size_t, std::size_t vertex) const {
     return {.place = m_grid.RowOf(vertex), .lane = m_grid.ColumnOf(vertex)};
   }
+  [[nodiscard]] auto SeatsOf(std::size_t) const {
+    return [this](std::size_t vertex) { return FindSeat(0, vertex); };
+  }
   void Load(PackScratch<Real>& scratch, Real* whole, SweepLanes<Real>& lanes);
   void Sweep(int stage, Real h, SweepLanes<Real>& lanes) const { m_kernel.gridStages[stage](m_tables, lanes, h); }
   void CopyToSystem(const Real* numbers) const;
+  void CopyToPoints(const Real* numbers) const;
   // A body with gas has no grid plan.
   [[nodiscard]] bool IsInsideOut(const SweepLanes<Real>&, std::size_t) const { return false; }
 

@@ -7,10 +7,12 @@
 // between tries or for energies sees them as the plain code would have left them.
 #include "server/physics/step/system_contacts.h"
 
+#include <array>
 #include <bit>
 
 #include "server/physics/contact/body_contact_update.h"
 #include "server/physics/lanes/contact_limits.h"
+#include "server/physics/lanes/vertex_rows.h"
 
 namespace wobble::physics {
 namespace {
@@ -19,11 +21,38 @@ namespace {
 constexpr std::size_t kBlocksAtOnce = 8;
 
 template <class Real>
-void Gather(std::span<const Vector3<Real>> values, std::uint16_t index, std::size_t lane, ContactRow<Real> (&rows)[3]) {
+void Gather(const VectorView<Real>& values, std::uint16_t index, std::size_t lane, ContactRow<Real> (&rows)[3]) {
   const Vector3<Real>& value = values[index];
   rows[0][lane] = value[0];
   rows[1][lane] = value[1];
   rows[2][lane] = value[2];
+}
+
+// Points that are spread at once.
+constexpr std::size_t kAtOnce = 4;
+template <class Real>
+using PointsAtOnce = std::array<const MovingPoint<Real>*, kAtOnce>;
+
+// Writes positions and velocities of contacts from `lane` on to their rows, by transposition in registers.
+inline __attribute__((always_inline)) void Spread(const PointsAtOnce<float>& from, std::size_t lane,
+                                                  ContactRow<float> (&x)[3], ContactRow<float> (&v)[3]) {
+  __m256 rows[kAtOnce];
+  for (std::size_t i = 0; i < kAtOnce; ++i) rows[i] = LoadLanes(from[i]->x.data());
+  Transpose(rows);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    StoreRow(FindRow(rows[axis], false), x[axis] + lane);
+    StoreRow(FindRow(rows[axis], true), v[axis] + lane);
+  }
+}
+inline __attribute__((always_inline)) void Spread(const PointsAtOnce<double>& from, std::size_t lane,
+                                                  ContactRow<double> (&x)[3], ContactRow<double> (&v)[3]) {
+  __m256d rows[kAtOnce];
+  for (std::size_t i = 0; i < kAtOnce; ++i) rows[i] = LoadLanes(from[i]->x.data());
+  Transpose(rows);
+  for (std::size_t axis = 0; axis < 3; ++axis) StoreLanes(rows[axis], x[axis] + lane);
+  for (std::size_t i = 0; i < kAtOnce; ++i) rows[i] = LoadLanes(from[i]->v.data());
+  Transpose(rows);
+  for (std::size_t axis = 0; axis < 3; ++axis) StoreLanes(rows[axis], v[axis] + lane);
 }
 
 }  // namespace
@@ -180,7 +209,12 @@ Meeting<Real> SystemContacts<Real>::Meet(const Side& side, std::span<const Motio
 template <class Real>
 void SystemContacts<Real>::GatherPoints(std::size_t block, std::span<const Motion<Real>> motions,
                                         BodyContactPoints<Real>& points) const {
+  if (motions[m_sides[m_entries[block * kContactsInBlock].side].ofFaces].points != nullptr) {
+    SpreadPoints(block, motions, points);
+    return;
+  }
   const std::size_t count = CountInBlock(block);
+  if (count < kContactsInBlock) points = {};
   for (std::size_t lane = 0; lane < count; ++lane) {
     const Entry& entry = m_entries[block * kContactsInBlock + lane];
     const Side& side = m_sides[entry.side];
@@ -198,11 +232,51 @@ void SystemContacts<Real>::GatherPoints(std::size_t block, std::span<const Motio
 template <class Real>
 void SystemContacts<Real>::GatherAcross(std::size_t block, std::span<const Motion<Real>> motions,
                                         BodyContactPoints<Real>& points) const {
+  if (motions[m_sides[m_entries[block * kContactsInBlock].side].ofFaces].points != nullptr) {
+    SpreadAcross(block, motions, points);
+    return;
+  }
   const std::size_t count = CountInBlock(block);
   for (std::size_t lane = 0; lane < count; ++lane) {
     const Entry& entry = m_entries[block * kContactsInBlock + lane];
     const Motion<Real>& ofFaces = motions[m_sides[entry.side].ofFaces];
     for (std::size_t i = 0; i < 3; ++i) Gather(ofFaces.x, entry.across[i], lane, points.across[i]);
+  }
+}
+
+// Lanes without a contact repeat the block's last one: nothing reads what comes of them, but the numbers are finite.
+template <class Real>
+void SystemContacts<Real>::SpreadPoints(std::size_t block, std::span<const Motion<Real>> motions,
+                                        BodyContactPoints<Real>& points) const {
+  const std::size_t first = block * kContactsInBlock;
+  const std::size_t last = CountInBlock(block) - 1;
+  for (std::size_t lane = 0; lane < kContactsInBlock; lane += kAtOnce) {
+    std::array<PointsAtOnce<Real>, 4> four;  // of each contact: its vertex and the corners of its face
+    for (std::size_t i = 0; i < kAtOnce; ++i) {
+      const Entry& entry = m_entries[first + std::min(lane + i, last)];
+      const Side& side = m_sides[entry.side];
+      const MovingPoint<Real>* const ofFaces = motions[side.ofFaces].points;
+      four[0][i] = motions[side.ofVertices].points + entry.vertex;
+      for (std::size_t corner = 0; corner < 3; ++corner) four[1 + corner][i] = ofFaces + entry.corners[corner];
+    }
+    for (std::size_t k = 0; k < four.size(); ++k) Spread(four[k], lane, points.x[k], points.v[k]);
+  }
+}
+
+template <class Real>
+void SystemContacts<Real>::SpreadAcross(std::size_t block, std::span<const Motion<Real>> motions,
+                                        BodyContactPoints<Real>& points) const {
+  const std::size_t first = block * kContactsInBlock;
+  const std::size_t last = CountInBlock(block) - 1;
+  for (std::size_t lane = 0; lane < kContactsInBlock; lane += kAtOnce) {
+    std::array<PointsAtOnce<Real>, 3> three;
+    for (std::size_t i = 0; i < kAtOnce; ++i) {
+      const Entry& entry = m_entries[first + std::min(lane + i, last)];
+      const MovingPoint<Real>* const ofFaces = motions[m_sides[entry.side].ofFaces].points;
+      for (std::size_t k = 0; k < three.size(); ++k) three[k][i] = ofFaces + entry.across[k];
+    }
+    ContactRow<Real> unused[3];
+    for (std::size_t k = 0; k < three.size(); ++k) Spread(three[k], lane, points.across[k], unused);
   }
 }
 
@@ -214,11 +288,11 @@ void SystemContacts<Real>::ComputeForces(std::span<const Motion<Real>> motions, 
 template <class Real>
 void SystemContacts<Real>::ComputeForcesOf(std::size_t block, std::span<const Motion<Real>> motions) {
   BodyContactPoints<Real> points;
-  if (CountInBlock(block) < kContactsInBlock) points = {};
   GatherPoints(block, motions, points);
   BodyContactForces<Real>& forces = m_forces[block];
   m_kernel.computeForces(m_blocks[block], points, forces);
-  for (std::uint32_t left = forces.left; left != 0; left &= left - 1) {
+  const std::uint32_t inUse = (1U << CountInBlock(block)) - 1;
+  for (std::uint32_t left = forces.left & inUse; left != 0; left &= left - 1) {
     ComputeForceOfLeft(block * kContactsInBlock + static_cast<std::size_t>(std::countr_zero(left)), motions);
   }
 }
@@ -245,7 +319,6 @@ void SystemContacts<Real>::Update(std::span<const Motion<Real>> motions, Real h,
 template <class Real>
 void SystemContacts<Real>::Update(std::size_t block, std::span<const Motion<Real>> motions, Real h) {
   BodyContactPoints<Real> points;
-  if (CountInBlock(block) < kContactsInBlock) points = {};
   GatherPoints(block, motions, points);
   GatherAcross(block, motions, points);
   const BodyContactChange change = m_kernel.update(points, h, m_blocks[block]);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <span>
 #include <vector>
 
@@ -17,8 +18,9 @@ namespace wobble::physics {
 // Positions, m, and velocities, m/s, of one member's vertices in its local coordinates.
 template <class Real>
 struct Motion {
-  std::span<const Vector3<Real>> x;
-  std::span<const Vector3<Real>> v;
+  VectorView<Real> x;
+  VectorView<Real> v;
+  const MovingPoint<Real>* points = nullptr;  // the same numbers, if they lie side by side; of all members or of none
 };
 
 template <class Real>
@@ -49,19 +51,18 @@ class SystemContacts {
   void VisitForcesOn(std::size_t member, const Add& add) const {
     for (std::size_t i = m_sidesBegin[member]; i < m_sidesBegin[member + 1]; ++i) {
       const Side& side = m_sides[m_sidesOf[i]];
-      const bool ofVertices = side.ofVertices == member;
-      for (std::size_t contact = side.begin; contact < side.begin + side.contacts->size(); ++contact) {
-        const BodyContactForces<Real>& forces = m_forces[contact / kContactsInBlock];
-        const std::size_t lane = contact % kContactsInBlock;
-        if ((forces.acts >> lane & 1U) == 0) continue;
-        if (ofVertices) {
+      if (side.ofVertices == member) {
+        VisitActing(side, [&](std::size_t contact, std::size_t lane, const BodyContactForces<Real>& forces) {
           add(m_entries[contact].vertex, ReadRows(forces.onVertex, lane));
-          continue;
-        }
-        const bool left = (forces.left >> lane & 1U) != 0;
-        const Face& corners = left ? m_leftTo[contact] : m_entries[contact].corners;
-        for (std::size_t corner = 0; corner < 3; ++corner)
-          add(corners[corner], ReadRows(forces.onCorners[corner], lane));
+        });
+      } else {
+        VisitActing(side, [&](std::size_t contact, std::size_t lane, const BodyContactForces<Real>& forces) {
+          const bool left = (forces.left >> lane & 1U) != 0;
+          const Face& corners = left ? m_leftTo[contact] : m_entries[contact].corners;
+          for (std::size_t corner = 0; corner < 3; ++corner) {
+            add(corners[corner], ReadRows(forces.onCorners[corner], lane));
+          }
+        });
       }
     }
   }
@@ -94,6 +95,24 @@ class SystemContacts {
     for (int axis = 0; axis < 3; ++axis) rows[axis][lane] = value[axis];
   }
 
+  // Calls visit(contact, its lane, forces of its block) for the side's contacts that act, ascending.
+  template <class Visit>
+  void VisitActing(const Side& side, const Visit& visit) const {
+    const std::size_t end = side.begin + side.contacts->size();
+    for (std::size_t at = side.begin; at < end;) {
+      const std::size_t block = at / kContactsInBlock;
+      const std::size_t first = block * kContactsInBlock;
+      const std::size_t next = std::min(end, first + kContactsInBlock);
+      const BodyContactForces<Real>& forces = m_forces[block];
+      const std::uint32_t ofSide = (1U << (next - first)) - (1U << (at - first));
+      for (std::uint32_t acts = forces.acts & ofSide; acts != 0; acts &= acts - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(acts));
+        visit(first + lane, lane, forces);
+      }
+      at = next;
+    }
+  }
+
   [[nodiscard]] std::size_t CountInBlock(std::size_t block) const {
     return std::min(kContactsInBlock, m_entries.size() - block * kContactsInBlock);
   }
@@ -107,6 +126,9 @@ class SystemContacts {
   void ReadList(std::size_t contact);
   void GatherPoints(std::size_t block, std::span<const Motion<Real>> motions, BodyContactPoints<Real>& points) const;
   void GatherAcross(std::size_t block, std::span<const Motion<Real>> motions, BodyContactPoints<Real>& points) const;
+  // The same where positions and velocities lie side by side.
+  void SpreadPoints(std::size_t block, std::span<const Motion<Real>> motions, BodyContactPoints<Real>& points) const;
+  void SpreadAcross(std::size_t block, std::span<const Motion<Real>> motions, BodyContactPoints<Real>& points) const;
   void ComputeForcesOf(std::size_t block, std::span<const Motion<Real>> motions);
   void ComputeForceOfLeft(std::size_t contact, std::span<const Motion<Real>> motions);
   void Update(std::size_t block, std::span<const Motion<Real>> motions, Real h);

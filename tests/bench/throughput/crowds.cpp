@@ -1,5 +1,6 @@
 // The cost of a tick: the whole step of a world at the default error target, on one thread, over the number of balls,
-// apart on a floor and pressed together in a funnel as in the scene `scrum`.
+// apart on a floor, pressed together in a funnel as in the scene `scrum`, and as players of `pitch` who chase one
+// another.
 #include "tests/bench/throughput/experiments.h"
 #include "tests/bench/throughput/worlds.h"
 
@@ -16,8 +17,12 @@ struct Crowd {
   const char* name;
   MakeWorld make;
   int ticks;
+  std::size_t most;  // that there is room for
 };
-constexpr Crowd kCrowds[] = {{"apart", &MakeBallsApart, kTicksToFall}, {"pressed", &MakeBallsInFunnel, kTicksToPress}};
+constexpr std::size_t kAny = 512;
+constexpr Crowd kCrowds[] = {{"apart", &MakeBallsApart, kTicksToFall, kAny},
+                             {"pressed", &MakeBallsInFunnel, kTicksToPress, kAny},
+                             {"chasing", &MakePlayersChasing, kTicksToChase, 128}};
 
 // Mean time of a tick, ms.
 double MeasureCrowd(Bench& bench, const Crowd& crowd, std::size_t bodies) {
@@ -50,6 +55,7 @@ void MeasureCrowds(Bench& bench) {
   for (const Crowd& crowd : kCrowds) {
     plot.series.push_back({crowd.name, Stroke::kLineAndPoints, {}});
     for (const std::size_t bodies : counts) {
+      if (bodies > crowd.most) break;
       if (bench.progress.IsStopAsked()) return;
       plot.series.back().points.push_back({static_cast<double>(bodies), MeasureCrowd(bench, crowd, bodies)});
     }

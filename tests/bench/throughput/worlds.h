@@ -12,6 +12,7 @@ inline constexpr int kTimedSubsteps = 4;
 inline constexpr int kTimedTicks = 12;
 inline constexpr int kTicksToFall = 120;
 inline constexpr int kTicksToPress = 150;
+inline constexpr int kTicksToChase = 300;
 
 // A ball of radius 1 m, k = 750 N/m, 0.25 kg per vertex. gas: nRT, J; by default as firm as a ball for play.
 [[nodiscard]] physics::Blueprint MakeTimedBall(double gas = 1000);
@@ -29,6 +30,11 @@ inline constexpr int kTicksToPress = 150;
 [[nodiscard]] std::unique_ptr<physics::World> MakeBallsInFunnel(std::size_t count,
                                                                 const physics::WorldSettings& settings,
                                                                 int ticks = kTicksToPress);
+// Players of the scene `pitch` who chase one another, with the ball that the scene gives them; afterwards their
+// controls stay as they are. settings: those of the scene but for what is measured.
+[[nodiscard]] std::unique_ptr<physics::World> MakePlayersChasing(std::size_t count,
+                                                                 const physics::WorldSettings& settings,
+                                                                 int ticks = kTicksToChase);
 // The same balls with the same shapes and velocities, but apart and in the air.
 [[nodiscard]] std::unique_ptr<physics::World> MakeBallsFreed(const physics::World& world,
                                                              const physics::WorldSettings& settings);

@@ -109,6 +109,25 @@ TEST_F(FaceSearch, NearestFaceOfAPointOutsideIsTheNearestOfAll) {
   }
 }
 
+// On a crumpled skin: where a walk has ended, a walk that has seen nothing yet finds no nearer face either.
+TEST_F(FaceSearch, AWalkThatBeginsWhereOneHasEndedStays) {
+  for (std::size_t i = 0; i < sphere.vertices.size(); ++i) {
+    const auto at = static_cast<double>(i);
+    sphere.vertices[i] += 0.15 * Vector3d(std::sin(1.3 * at), std::cos(2.1 * at), std::sin(0.7 * at));
+  }
+  const Skin<double> skin = MakeSkin();
+  int moved = 0;
+  for (const double radius : {1.0, 1.2, 1.5}) {
+    for (const Vector3d& p : MakeProbes(radius)) {
+      const std::uint16_t start = static_cast<std::uint16_t>(std::fabs(p.x()) * 100);
+      const FacePoint<double> at = FindNearestFace(skin, FindFacePoint(skin, start, p), p);
+      moved += at.face != start ? 1 : 0;
+      EXPECT_EQ(FindNearestFace(skin, at, p).face, at.face);
+    }
+  }
+  EXPECT_GT(moved, 500);
+}
+
 TEST_F(FaceSearch, FootAndNormalLeadBackToThePoint) {
   const Skin<double> skin = MakeSkin();
   const Vector3d p(0.3, 0.5, 1.1);

@@ -48,6 +48,7 @@ struct Pile {
   std::vector<Member<Real>*> pointers;
   std::vector<std::array<std::vector<BodyContact<Real>>, 2>> lists;
   std::vector<ContactPair<Real>> contactPairs;
+  std::vector<std::vector<MovingPoint<Real>>> points;
 
   explicit Pile(const PointKernel<Real>& kernel) {
     blueprints.push_back(MakeBall(MakeMeasuredBall()));
@@ -109,6 +110,21 @@ struct Pile {
   std::vector<Motion<Real>> Motions() const {
     std::vector<Motion<Real>> motions;
     for (const State<Real>& state : states) motions.push_back({state.positions, state.velocities});
+    return motions;
+  }
+
+  // The same, with positions and velocities side by side as packs leave them. Valid until the next call.
+  std::vector<Motion<Real>> MotionsOfPoints() {
+    points.resize(states.size());
+    std::vector<Motion<Real>> motions;
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      points[i].clear();
+      for (std::size_t k = 0; k < states[i].positions.size(); ++k) {
+        points[i].push_back({.x = states[i].positions[k], .v = states[i].velocities[k]});
+      }
+      const MovingPoint<Real>* const first = points[i].data();
+      motions.push_back({{&first->x, sizeof *first}, {&first->v, sizeof *first}, first});
+    }
     return motions;
   }
 
@@ -230,27 +246,30 @@ TYPED_TEST(SystemContactsTest, TheKernelDoesWhatThePlainCodeDoes) {
   }
 }
 
-TYPED_TEST(SystemContactsTest, EveryWidthGivesTheSameBits) {
+TYPED_TEST(SystemContactsTest, EveryWidthGivesTheSameBitsWhereverPointsLie) {
   using Real = TypeParam;
   const auto kernels = FindSweepKernels<Real>(kWidestPack);
   SystemContacts<Real> ofFirst;
   Threads threads(2);
   for (const SweepKernel<Real>& kernel : kernels) {
-    Pile<Real> other(kernel.points);
-    Pile<Real> first(kernels[0].points);
-    ExpectTheSame<Real>(first, other, 0);
-    SystemContacts<Real> contacts;
-    contacts.Build(other.contactPairs, other.pointers, kernel.bodyContacts);
-    ofFirst.Build(first.contactPairs, first.pointers, kernels[0].bodyContacts);
-    for (int substep = 0; substep < 4; ++substep) {
-      contacts.ComputeForces(other.Motions(), &threads);
-      ofFirst.ComputeForces(first.Motions(), nullptr);
-      EXPECT_EQ(other.AddUp(contacts), first.AddUp(ofFirst));
-      other.Move(substep);
-      first.Move(substep);
-      contacts.Update(other.Motions(), static_cast<Real>(kTick / 4), &threads);
-      ofFirst.Update(first.Motions(), static_cast<Real>(kTick / 4), nullptr);
-      ExpectTheSame<Real>(other, first, 0);
+    for (const bool sideBySide : {false, true}) {
+      Pile<Real> other(kernel.points);
+      Pile<Real> first(kernels[0].points);
+      ExpectTheSame<Real>(first, other, 0);
+      const auto motions = [&] { return sideBySide ? other.MotionsOfPoints() : other.Motions(); };
+      SystemContacts<Real> contacts;
+      contacts.Build(other.contactPairs, other.pointers, kernel.bodyContacts);
+      ofFirst.Build(first.contactPairs, first.pointers, kernels[0].bodyContacts);
+      for (int substep = 0; substep < 4; ++substep) {
+        contacts.ComputeForces(motions(), &threads);
+        ofFirst.ComputeForces(first.Motions(), nullptr);
+        EXPECT_EQ(other.AddUp(contacts), first.AddUp(ofFirst));
+        other.Move(substep);
+        first.Move(substep);
+        contacts.Update(motions(), static_cast<Real>(kTick / 4), &threads);
+        ofFirst.Update(first.Motions(), static_cast<Real>(kTick / 4), nullptr);
+        ExpectTheSame<Real>(other, first, 0);
+      }
     }
   }
 }
