@@ -22,6 +22,9 @@ class StepHistory {
   // Substeps for the next tick, on the ladder.
   [[nodiscard]] int Substeps() const { return m_substeps; }
 
+  // The error of the last tick that was recorded, m.
+  [[nodiscard]] double Error() const { return m_error; }
+
   // Records the error of a tick in so many substeps. allowed: error allowed in one tick, m.
   void Record(double error, int substeps, double allowed);
 
@@ -29,6 +32,7 @@ class StepHistory {
   static constexpr std::size_t kTicks = 6;
   std::array<double, kTicks> m_coefficients{};  // c of the last ticks, m
   std::size_t m_next = 0;
+  double m_error = 0;
   int m_substeps = 1;
   int m_ticksBelow = 0;
 };
