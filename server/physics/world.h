@@ -38,6 +38,7 @@ struct WorldSettings {
   // Error of a body's positions, RMS over its vertices, that may build up in one second of motion, m/s.
   double errorTarget = 0.001;
   int maxSubsteps = 64;              // most substeps a tick that the error target may ask for; stability may take more
+  int leastSubsteps = 1;             // fewest substeps a tick, any number: for the laboratory's references
   Vector3d wind = Vector3d::Zero();  // velocity of the medium that drags at faces, m/s
   // Most bodies that are stepped side by side, in the lanes of a vector; the processor sets a limit too. The result
   // does not depend on it.

@@ -16,8 +16,10 @@ namespace wobble::physics {
 template <class Real>
 StepReport World::StepIn(Workspace<Real>& work) {
   const double duration = m_settings.tickDuration;
-  const StepRules rules{
-      .duration = duration, .allowedError = duration * m_settings.errorTarget, .maxSubsteps = m_settings.maxSubsteps};
+  const StepRules rules{.duration = duration,
+                        .allowedError = duration * m_settings.errorTarget,
+                        .maxSubsteps = m_settings.maxSubsteps,
+                        .leastSubsteps = m_settings.leastSubsteps};
   const Surroundings surroundings{.settings = m_settings,
                                   .obstacles = m_obstacles,
                                   .drives = m_drives,

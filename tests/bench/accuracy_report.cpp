@@ -10,10 +10,11 @@ void ReportAccuracy(Bench& bench) {
       {"reference", 0.1, &MeasureReference},
       {"exact solutions", 0.05, &MeasureExactSolutions},
       {"orders", 0.05, &MeasureOrders},
-      {"work and precision", 0.4, &MeasureWorkAndPrecision},
+      {"work and precision", 0.35, &MeasureWorkAndPrecision},
       {"energies", 0.02, &MeasureEnergies},
       {"opponents", 0.1, &MeasureOpponents},
       {"error targets", 0.15, &MeasureErrorTargets},
+      {"error targets in contact", 0.05, &MeasureTouchingTargets},
       {"scenes as played", 0.14, &MeasureScenes},
       {"laws", 0.01, &MeasureLaws},
   };

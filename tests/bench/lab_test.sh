@@ -113,7 +113,7 @@ case_accuracy() {
   local keys="reference_agreement exact_solution_error_max young_modulus_error speedup_vs_odeint"
   keys+=" order_rk4 order_velocity_verlet order_velocity_verlet_damped order_leap_frog order_leap_frog_damped"
   keys+=" order_semi_implicit_euler order_explicit_euler order_implicit_euler"
-  keys+=" error_target_met error_target_overhead"
+  keys+=" error_target_met error_target_overhead error_target_met_in_contact"
   keys+=" scene_error_ball_drop scene_error_cloth scene_error_scrum scene_error_jelly_stack"
   expect_report accuracy "$keys" \
     "accuracy_work_precision accuracy_work_precision_damped accuracy_float_floor accuracy_energy accuracy_error_target

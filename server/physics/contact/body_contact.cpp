@@ -77,8 +77,9 @@ void ComputeBodyContacts(const ContactParameters<Real>& parameters, const Meetin
     const Real rate = -at.normal.dot(velocity);
     const Real normalForce = ComputeNormalForce(parameters, depth, rate);
     Vector3<Real> pull = parameters.stickDamping * RemoveNormalPart<Real>(velocity, at.normal);
-    if (contact.phase == ContactPhase::kTouching)
-      pull += parameters.stickStiffness * FindSlip(meeting, contact, p, at.normal);
+    if (contact.phase == ContactPhase::kTouching) {
+      pull += FindStickPull<Real>(parameters, parameters.friction, depth, FindSlip(meeting, contact, p, at.normal));
+    }
     const Real limit = parameters.friction * normalForce;
     const Real strength = std::sqrt(pull.dot(pull));
     if (strength > limit) pull *= limit / strength;

@@ -151,16 +151,14 @@ void UpdateBodyContacts(const ContactParameters<Real>& parameters, const Meeting
     const bool wasTouching = contact.phase == ContactPhase::kTouching;
     const FacePoint<Real> before = FindFacePoint(SkinFrom(meeting, contact.side), contact.face, p);
     FacePoint<Real> at = RenewContact(parameters, meeting, p, before, h, contact);
-    Arm<Real>(parameters, FindRelativeVelocity(meeting, contact.vertex, at), h, meeting.skin.topology->isOpen, at,
-              contact);
+    const Vector3<Real> velocity = FindRelativeVelocity(meeting, contact.vertex, at);
+    Arm<Real>(parameters, velocity, h, meeting.skin.topology->isOpen, at, contact);
     const Real depth = -at.distance;
-    Vector3<Real> slip = Vector3<Real>::Zero();
-    if (wasTouching) {
-      slip = FindSlip(meeting, contact, p, at.normal);
-      const Real limit = parameters.friction * ComputePenalty(parameters, depth);
-      const Real strength = parameters.stickStiffness * std::sqrt(slip.dot(slip));
-      if (strength > limit) slip *= limit / strength;
-    }
+    Vector3<Real> slip = wasTouching ? FindSlip(meeting, contact, p, at.normal)
+                                     : FindFirstSlip<Real>(h, std::max(Real(0), depth), at.normal, velocity);
+    const Real limit = parameters.friction * ComputePenalty(parameters, depth);
+    const Real strength = parameters.stickStiffness * std::sqrt(slip.dot(slip));
+    if (strength > limit) slip *= limit / strength;
     const bool pushes = Pushes(contact, at);
     if (contact.phase != ContactPhase::kWaiting)
       contact.phase = pushes ? ContactPhase::kTouching : ContactPhase::kArmed;

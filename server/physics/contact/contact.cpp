@@ -42,11 +42,12 @@ PenaltyForce<Real> FindPenaltyForce(const ContactParameters<Real>& parameters, c
   penalty.depth = -point.distance;
   penalty.normalForce = ComputeNormalForce(parameters, penalty.depth, -point.normal.dot(velocity));
   penalty.pull = parameters.stickDamping * RemoveNormalPart<Real>(velocity, point.normal);
+  const Real friction = parameters.friction * surface.friction;
   if (contact.touching) {
-    const Vector3<Real> slip = x - contact.anchor;
-    penalty.pull += parameters.stickStiffness * RemoveNormalPart<Real>(slip, point.normal);
+    penalty.pull += FindStickPull<Real>(parameters, friction, penalty.depth,
+                                        RemoveNormalPart<Real>(x - contact.anchor, point.normal));
   }
-  const Real limit = parameters.friction * surface.friction * penalty.normalForce;
+  const Real limit = friction * penalty.normalForce;
   const Real strength = std::sqrt(penalty.pull.dot(penalty.pull));
   if (strength > limit) penalty.kept = limit / strength;
   return penalty;
@@ -94,10 +95,10 @@ bool HasComeFromBeside(const Surface<Real>& surface, const SurfacePoint<Real>& p
   return FindSurfacePoint(surface, before).distance >= static_cast<Real>(kBeyond);
 }
 
-// UpdateAnchors for one contact, whose vertex is at x.
+// UpdateAnchors for one contact, whose vertex is at x and v.
 template <class Real>
-void UpdateAnchor(const ContactParameters<Real>& parameters, const Surface<Real>& surface, const Vector3<Real>& x,
-                  Contact<Real>& contact) {
+void UpdateAnchor(const ContactParameters<Real>& parameters, const Surface<Real>& surface, Real h,
+                  const Vector3<Real>& x, const Vector3<Real>& v, Contact<Real>& contact) {
   const SurfacePoint<Real> point = FindContactPoint(surface, contact, x);
   contact.side = point.normal;
   if (parameters.law == ContactLaw::kMagnetic) {
@@ -108,8 +109,9 @@ void UpdateAnchor(const ContactParameters<Real>& parameters, const Surface<Real>
   contact.touching = point.distance < Real(0);
   if (!contact.touching) return;
   const Real friction = parameters.friction * surface.friction;
-  contact.anchor =
-      wasTouching ? DragAnchor<Real>(parameters, friction, -point.distance, point.normal, x, contact.anchor) : x;
+  const Real depth = -point.distance;
+  if (!wasTouching) contact.anchor = x - FindFirstSlip(h, depth, point.normal, v);
+  contact.anchor = DragAnchor<Real>(parameters, friction, depth, point.normal, x, contact.anchor);
 }
 
 // Calls visit(vertex), ascending, for every vertex that may come within `reach` m of the surface in `duration` s, by
@@ -332,10 +334,11 @@ ContactStiffness<Real> FindContactStiffness(const ContactParameters<Real>& param
 
 template <class Real>
 void UpdateAnchors(const ContactParameters<Real>& parameters, std::span<const Surface<Real>> surfaces,
-                   std::span<Contact<Real>> contacts, std::span<const Vector3<Real>> x) {
+                   std::span<Contact<Real>> contacts, Real h, std::span<const Vector3<Real>> x,
+                   std::span<const Vector3<Real>> v) {
   if (parameters.law == ContactLaw::kBacktracking) return;
   for (Contact<Real>& contact : contacts) {
-    UpdateAnchor<Real>(parameters, surfaces[contact.surface], x[contact.vertex], contact);
+    UpdateAnchor<Real>(parameters, surfaces[contact.surface], h, x[contact.vertex], v[contact.vertex], contact);
   }
 }
 
@@ -379,7 +382,8 @@ double ComputeContactEnergy(const Coefficients<Real>& body, std::span<const Surf
       const ContactParameters<Real>&, std::span<const Real>, std::span<const Surface<Real>>, const Contact<Real>&, \
       std::span<const Vector3<Real>>, std::span<const Vector3<Real>>);                                             \
   template void UpdateAnchors<Real>(const ContactParameters<Real>&, std::span<const Surface<Real>>,                \
-                                    std::span<Contact<Real>>, std::span<const Vector3<Real>>);
+                                    std::span<Contact<Real>>, Real, std::span<const Vector3<Real>>,                \
+                                    std::span<const Vector3<Real>>);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)
 #undef WOBBLE_INSTANTIATE

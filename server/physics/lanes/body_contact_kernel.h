@@ -41,6 +41,10 @@ template <class V>
 WOBBLE_INLINE Axes<V> SubtractScaled(const Axes<V>& b, V factor, const Axes<V>& a) {
   return {Fnma(factor, a.x, b.x), Fnma(factor, a.y, b.y), Fnma(factor, a.z, b.z)};
 }
+template <class V, class Mask>
+WOBBLE_INLINE Axes<V> Choose(Mask first, const Axes<V>& a, const Axes<V>& b) {
+  return {first ? a.x : b.x, first ? a.y : b.y, first ? a.z : b.z};
+}
 template <class V>
 WOBBLE_INLINE V Dot(const Axes<V>& a, const Axes<V>& b) {
   return Fma(a.z, b.z, Fma(a.y, b.y, a.x * b.x));
@@ -122,6 +126,13 @@ WOBBLE_INLINE Axes<V> FindStickSlip(const FaceView<V>& at, const BodyContactBloc
   return SubtractScaled(slip, Dot(slip, at.normal), at.normal);
 }
 
+// FindFirstSlip of contact.h.
+template <class V, class Real>
+WOBBLE_INLINE Axes<V> FindFirstSlip(const FaceView<V>& at, const Axes<V>& velocity, V away, V depth, Real h) {
+  const V time = Min(Spread<V>(h), depth / Max(-away, Spread<V>(Real(kLeastPull))));
+  return Scale(time, SubtractScaled(velocity, away, at.normal));
+}
+
 template <class V, class Real>
 WOBBLE_INLINE PenaltyLaw<V> ReadLaw(const BodyContactBlock<Real>& block, std::size_t lane) {
   return {.stiffness = ReadRow<V>(block.stiffness, lane),
@@ -172,11 +183,15 @@ void ComputeBodyContactForces(const BodyContactBlock<Real>& block, const BodyCon
     const Axes<V> velocity = FindVelocity(at, points, lane);
     const V away = Dot(at.normal, velocity);
     const PenaltyLaw<V> law = ReadLaw<V>(block, lane);
-    const V normalForce = FindNormalForce<Real>(law, depth, -away);
-    const V stick = ReadRow<V>(block.touching, lane) * ReadRow<V>(block.stickStiffness, lane);
+    const V spring = FindSpringForce<Real>(law, depth);
+    const V normalForce = FindNormalForce<Real>(law, spring, depth, -away);
+    const V friction = ReadRow<V>(block.friction, lane);
+    const Axes<V> slip = FindStickSlip(at, block, lane);
+    const V stick = LimitStick(ReadRow<V>(block.touching, lane) * ReadRow<V>(block.stickStiffness, lane),
+                               Dot(slip, slip), friction * spring);
     const Axes<V> drag = Scale(law.stickDamping, SubtractScaled(velocity, away, at.normal));
-    const Axes<V> pull = AddScaled(stick, FindStickSlip(at, block, lane), drag);
-    const V limit = ReadRow<V>(block.friction, lane) * normalForce;
+    const Axes<V> pull = AddScaled(stick, slip, drag);
+    const V limit = friction * normalForce;
     const V strength = Max(Sqrt(Dot(pull, pull)), Spread<V>(Real(kLeastPull)));
     const Axes<V> kept = Scale(Min(limit / strength, Spread<V>(Real(1))), pull);
     const V share = ReadRow<V>(block.share, lane);
@@ -255,7 +270,8 @@ BodyContactChange UpdateBodyContactBlock(const BodyContactPoints<Real>& points, 
     change.left |= FindThoseThatMove(at, block, points, lane) << lane;
     const Axes<V> velocity = FindVelocity(at, points, lane);
     const V speed = Sqrt(Dot(velocity, velocity));
-    const V leap = FindLeap(at, block, speed, Dot(at.normal, velocity), reach, lane);
+    const V away = Dot(at.normal, velocity);
+    const V leap = FindLeap(at, block, speed, away, reach, lane);
     const V depth = -(at.distance + leap);
     const V inside = Max(zero, depth);
     const std::uint32_t open = FindBelow(zero, ReadRow<V>(block.open, lane));
@@ -263,11 +279,15 @@ BodyContactChange UpdateBodyContactBlock(const BodyContactPoints<Real>& points, 
     // At least the depth itself, so an armed contact pushes wherever it is inside.
     const V maxDepth = inside + Fma(reach, speed, Spread<V>(static_cast<Real>(kArmingDepth)));
     const std::uint32_t touching = armed & FindBelow(zero, depth);
-    const Axes<V> slip = FindStickSlip(at, block, lane);
+    const V wasTouching = ReadRow<V>(block.touching, lane);
+    Axes<V> slip = Scale(wasTouching, FindStickSlip(at, block, lane));
+    if ((FindBelow(wasTouching, one) & FindBelow(zero, inside)) != 0) {
+      slip = Choose(wasTouching < one, FindFirstSlip(at, velocity, away, inside, h), slip);
+    }
     const V limit = ReadRow<V>(block.friction, lane) * FindSpringForce<Real>(ReadLaw<V>(block, lane), inside);
     const V strength = ReadRow<V>(block.stickStiffness, lane) * Sqrt(Dot(slip, slip));
     const V kept = Min(limit / Max(strength, Spread<V>(Real(kLeastPull))), one);
-    WriteRows<V, Real>(Scale(kept * ReadRow<V>(block.touching, lane), slip), block.slip, lane);
+    WriteRows<V, Real>(Scale(kept, slip), block.slip, lane);
     WriteRows<V, Real>(at.weights, block.foot, lane);
     WriteRow(leap, block.leap, lane);
     WriteRow(depth, block.depth, lane);

@@ -17,12 +17,22 @@ static inline __attribute__((always_inline)) V FindSpringForce(const PenaltyLaw<
   return Fma(law.stiffness * bounded * t, Spread<V>(Real(0.5)), law.stiffness * (depth - bounded));
 }
 
-// F + c s ḋ, at least 0.
+// F + c s ḋ, at least 0. spring: F, N.
 template <class Real, class V>
-static inline __attribute__((always_inline)) V FindNormalForce(const PenaltyLaw<V>& law, V depth, V rate) {
+static inline __attribute__((always_inline)) V FindNormalForce(const PenaltyLaw<V>& law, V spring, V depth, V rate) {
   const V t = Min(depth, law.fadeDepth) * law.perFadeDepth;
   const V fade = t * t * Fnma(Spread<V>(Real(2)), t, Spread<V>(Real(3)));
-  return Max(Fma(law.damping * fade, rate, FindSpringForce<Real>(law, depth)), Spread<V>(Real(0)));
+  return Max(Fma(law.damping * fade, rate, spring), Spread<V>(Real(0)));
+}
+
+// The stiffness with which a stick spring of the square length `square`, m², pulls no harder than `limit`, N
+// (FindStickPull of contact.h). Most springs stick, so the root and the quotient are often saved.
+template <class V>
+static inline __attribute__((always_inline)) V LimitStick(V stick, V square, V limit) {
+  const V squarePull = stick * stick * square;
+  const V squareLimit = limit * limit;
+  if (FindBelow(squareLimit, squarePull) == 0) return stick;
+  return squareLimit < squarePull ? limit / Sqrt(square) : stick;
 }
 
 template <class V, class Real>
@@ -46,6 +56,15 @@ static inline __attribute__((always_inline)) void FindSlip(const V* normal, cons
   for (int axis = 0; axis < 3; ++axis) slip[axis] = Fnma(normal[axis], away, way[axis]);
 }
 
+// The stick spring of a contact that has begun within the last substep of h s (FindFirstSlip of contact.h).
+template <class Real, class V>
+static inline __attribute__((always_inline)) void FindFirstSlip(Real h, V depth, const V* normal, const V* velocity,
+                                                                V* slip) {
+  const V away = Dot(normal, velocity);
+  const V time = Min(Spread<V>(h), depth / Max(-away, Spread<V>(Real(1e-30F))));
+  for (int axis = 0; axis < 3; ++axis) slip[axis] = time * Fnma(normal[axis], away, velocity[axis]);
+}
+
 // The force on a vertex, before its contact share, N. friction: Coulomb's coefficient; stick: stiffness of the stick
 // spring, N/m.
 template <class Real, class V>
@@ -53,10 +72,13 @@ static inline __attribute__((always_inline)) void FindContactForce(const Penalty
                                                                    V distance, const V* v, const V* slip, V stick,
                                                                    V friction, V* force) {
   const V away = Dot(normal, v);
-  const V push = FindNormalForce<Real>(law, Max(-distance, Spread<V>(Real(0))), -away);
+  const V depth = Max(-distance, Spread<V>(Real(0)));
+  const V spring = FindSpringForce<Real>(law, depth);
+  const V push = FindNormalForce<Real>(law, spring, depth, -away);
+  const V held = LimitStick(stick, Dot(slip, slip), friction * spring);
   V pull[3];
   for (int axis = 0; axis < 3; ++axis) {
-    pull[axis] = Fma(law.stickDamping, Fnma(normal[axis], away, v[axis]), stick * slip[axis]);
+    pull[axis] = Fma(law.stickDamping, Fnma(normal[axis], away, v[axis]), held * slip[axis]);
   }
   // The bound avoids 0/0; a pull this weak is within any limit.
   const V strength = Max(Sqrt(Dot(pull, pull)), Spread<V>(Real(1e-30F)));

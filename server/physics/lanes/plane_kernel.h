@@ -89,30 +89,44 @@ void AddPlaneForces(const PenaltyLaw<Real>& law, const PlaneLanes<Real>& planes,
 }
 
 template <class V, class Real>
-void DragPlaneAnchors(const PenaltyLaw<Real>& law, Real stick, const PlaneLanes<Real>& planes, const Real* state) {
+void DragPlaneAnchors(const PenaltyLaw<Real>& law, Real stick, Real h, const PlaneLanes<Real>& planes,
+                      const Real* state) {
   constexpr std::uint32_t kWidth = sizeof(V) / sizeof(Real);
   const PenaltyLaw<V> everywhere = SpreadLaw<V>(law);
   const V zero = Spread<V>(Real(0));
   const std::uint32_t width = planes.width;
   for (std::uint32_t slot = 0; slot < planes.count; ++slot) {
     for (std::uint32_t lane = 0; lane < width; lane += kWidth) {
-      const PlanePoint<V> point =
-          FindPlanePoint<V>(planes, slot, state + 6 * planes.slots[slot].place * width + lane, lane);
+      const Real* numbers = state + 6 * planes.slots[slot].place * width + lane;
+      const PlanePoint<V> point = FindPlanePoint<V>(planes, slot, numbers, lane);
       V& set = *reinterpret_cast<V*>(planes.sticks + slot * width + lane);
       const V before = set;
       set = point.distance < zero ? Spread<V>(stick) : zero;
       if (FindBelow(point.distance, zero) == 0) continue;
       Real* anchors = planes.anchors + 3 * slot * width + lane;
       V slip[3];
+      const V depth = Max(-point.distance, zero);
       FindPlaneSlip(planes, point, anchors, slip);
-      const V limit =
-          Spread<V>(planes.slots[slot].friction) * FindSpringForce<Real>(everywhere, Max(-point.distance, zero));
-      const V strength = Spread<V>(stick) * Sqrt(Dot(slip, slip));
-      const V kept = limit / Max(strength, Spread<V>(Real(1e-30F)));
+      const std::uint32_t begins = FindBelow(before, Spread<V>(stick)) & FindBelow(zero, depth);
+      if (begins != 0) {
+        V v[3];
+        V first[3];
+        for (std::uint32_t axis = 0; axis < 3; ++axis) v[axis] = ReadLanes<V>(numbers + (3 + axis) * width);
+        FindFirstSlip<Real>(h, depth, point.normal, v, first);
+        for (int axis = 0; axis < 3; ++axis) slip[axis] = before > zero ? slip[axis] : first[axis];
+      }
+      // Most contacts stick: nothing to do for them. Lanes without contact have no stick spring, so nothing pulls.
+      const V limit = Spread<V>(planes.slots[slot].friction) * FindSpringForce<Real>(everywhere, depth);
+      const V squareLimit = limit * limit;
+      const V square = Dot(slip, slip);
+      const V squarePull = set * set * square;
+      const std::uint32_t drags = FindBelow(squareLimit, squarePull);
+      if ((begins | drags) == 0) continue;
+      const V kept = limit / Max(set * Sqrt(square), Spread<V>(Real(1e-30F)));
       for (std::uint32_t axis = 0; axis < 3; ++axis) {
         V& anchor = *reinterpret_cast<V*>(anchors + axis * width);
-        const V dragged = strength > limit ? Fnma(slip[axis], kept, point.x[axis]) : anchor;
-        anchor = before > zero ? dragged : point.x[axis];
+        const V held = before > zero ? anchor : point.x[axis] - slip[axis];
+        anchor = squareLimit < squarePull ? Fnma(slip[axis], kept, point.x[axis]) : held;
       }
     }
   }

@@ -41,9 +41,9 @@ struct PlaneKernel {
   // Adds the forces of all slots, N. state: [place][x y z vx vy vz][lane].
   void (*addForces)(const PenaltyLaw<Real>& law, const PlaneLanes<Real>& planes, const Real* state,
                     OuterLanes<Real>& outer) = nullptr;
-  // UpdateAnchors of contact.h after a substep to `state`: writes sticks and anchors. stick: stiffness of the stick
-  // spring, N/m.
-  void (*dragAnchors)(const PenaltyLaw<Real>& law, Real stick, const PlaneLanes<Real>& planes,
+  // UpdateAnchors of contact.h after a substep of h s to `state`: writes sticks and anchors. stick: stiffness of the
+  // stick spring, N/m.
+  void (*dragAnchors)(const PenaltyLaw<Real>& law, Real stick, Real h, const PlaneLanes<Real>& planes,
                       const Real* state) = nullptr;
 };
 

@@ -34,6 +34,7 @@ int FindRungBelow(int substeps) {
 }  // namespace
 
 void StepHistory::Record(double error, int substeps, double allowed) {
+  m_error = error;
   m_coefficients[m_next] = FindCoefficient(error, substeps);
   m_next = (m_next + 1) % kTicks;
   const int wanted =

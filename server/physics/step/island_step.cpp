@@ -102,7 +102,8 @@ class PlainStepping {
                       m_system.SliceOf(m_scratch.velocitiesBefore, i), member.state->contacts, x,
                       m_system.SliceOf(m_system.Velocities(), i));
       }
-      UpdateAnchors<Real>(body.contact, member.surfaces, member.state->contacts, x);
+      UpdateAnchors<Real>(body.contact, member.surfaces, member.state->contacts, h, x,
+                          m_system.SliceOf(m_system.Velocities(), i));
     });
     m_system.UpdateAllBodyContacts(m_scratch.positions, m_scratch.velocities, h);
   }

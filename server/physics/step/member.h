@@ -25,6 +25,7 @@ struct StepRules {
   // Most substeps that the error may ask for. Stability may ask for more, and so may a tick that is stepped again
   // because a body came out of it in an impossible state.
   int maxSubsteps = 64;
+  int leastSubsteps = 1;  // of the first try
 };
 
 // A body in a step. The pointers and spans refer to the world's data, which must outlive the tick.

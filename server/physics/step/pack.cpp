@@ -179,7 +179,7 @@ template <class Real, class Layout>
 void Pack<Real, Layout>::EndStep(double step, double timeLeft, bool isFirst) {
   if (!isFirst) AddErrors(m_lanes.accelerationErrors, step / 6 * timeLeft);
   AddErrors(m_lanes.velocityErrors, step / 6);
-  UpdateAllAnchors();
+  UpdateAllAnchors(static_cast<Real>(step));
 }
 
 template <class Real, class Layout>
@@ -211,14 +211,15 @@ void Pack<Real, Layout>::AddErrors(const Real* sums, double weight) {
 }
 
 template <class Real, class Layout>
-void Pack<Real, Layout>::UpdateAllAnchors() {
-  if (!m_scratch.planes.IsEmpty()) m_scratch.planes.Update(m_lanes.state, m_layout.Kernel().planes);
-  if (!m_scratch.contacts.IsEmpty()) m_scratch.contacts.Update(m_lanes.state);
+void Pack<Real, Layout>::UpdateAllAnchors(Real h) {
+  if (!m_scratch.planes.IsEmpty()) m_scratch.planes.Update(m_lanes.state, h, m_layout.Kernel().planes);
+  if (!m_scratch.contacts.IsEmpty()) m_scratch.contacts.Update(m_lanes.state, h);
   if (HasContactKernel(m_body.contact.law)) return;
   for (std::size_t lane = 0; lane < m_bodies.whose.size(); ++lane) {
     const Member& member = m_bodies.MemberIn(lane);
     for (const Contact<Real>& contact : member.state->contacts) CopyVertex(contact.vertex, lane, m_lanes.state);
-    UpdateAnchors<Real>(m_body.contact, member.surfaces, member.state->contacts, m_scratch.positions);
+    UpdateAnchors<Real>(m_body.contact, member.surfaces, member.state->contacts, h, m_scratch.positions,
+                        m_scratch.velocities);
   }
 }
 

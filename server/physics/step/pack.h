@@ -136,7 +136,7 @@ class Pack {
   void ClearOuter(std::uint32_t place);
   void CopyVertex(std::size_t vertex, std::size_t lane, const Real* from);
   void AddErrors(const Real* sums, double weight);
-  void UpdateAllAnchors();
+  void UpdateAllAnchors(Real h);
 
   [[nodiscard]] const Real* NumbersOf(int stage) const { return stage == 0 ? m_lanes.state : m_lanes.stage; }
 

@@ -75,7 +75,7 @@ void PackContacts<Real>::ComputeForces(ContactKernel<Real> kernel) {
 }
 
 template <class Real>
-void PackContacts<Real>::Update(const Real* state) {
+void PackContacts<Real>::Update(const Real* state, Real h) {
   ReadPoints(state);
   m_isRead = true;
   const ContactParameters<Real>& law = m_body->contact;
@@ -86,9 +86,13 @@ void PackContacts<Real>::Update(const Real* state) {
     m_entries[i].contact->side = normal;
     Row(kStick)[i] = touches ? law.stickStiffness : Real(0);
     if (!touches) continue;
+    const Real depth = -Row(kDistance)[i];
     const Vector3<Real> x(Row(kX)[i], Row(kX + 1)[i], Row(kX + 2)[i]);
     Vector3<Real> anchor(Row(kAnchor)[i], Row(kAnchor + 1)[i], Row(kAnchor + 2)[i]);
-    anchor = wasTouching ? DragAnchor<Real>(law, Row(kFriction)[i], -Row(kDistance)[i], normal, x, anchor) : x;
+    if (!wasTouching) {
+      anchor = x - FindFirstSlip<Real>(h, depth, normal, {Row(kV)[i], Row(kV + 1)[i], Row(kV + 2)[i]});
+    }
+    anchor = DragAnchor<Real>(law, Row(kFriction)[i], depth, normal, x, anchor);
     for (std::size_t axis = 0; axis < 3; ++axis) Row(kAnchor + axis)[i] = anchor[static_cast<int>(axis)];
   }
 }

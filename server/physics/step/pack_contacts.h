@@ -45,9 +45,9 @@ class PackContacts {
     }
   }
 
-  // Updates the anchors after a substep to `state`, as UpdateAnchors of contact/contact.h does. The next FindForces
-  // must be at the same state, since it reuses the points.
-  void Update(const Real* state);
+  // Updates the anchors after a substep of h s to `state`, as UpdateAnchors of contact/contact.h does. The next
+  // FindForces must be at the same state, since it reuses the points.
+  void Update(const Real* state, Real h);
   // Copies the contacts to the members' own lists.
   void WriteBack() const;
 

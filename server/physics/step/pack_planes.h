@@ -47,9 +47,9 @@ class PackPlanes {
   void AddForces(const Real* state, const PlaneKernel<Real>& kernel, OuterLanes<Real>& outer) {
     kernel.addForces(ReadLaw(m_body->contact), Lanes(), state, outer);
   }
-  // Updates the anchors after a substep to `state`, as UpdateAnchors of contact/contact.h does.
-  void Update(const Real* state, const PlaneKernel<Real>& kernel) {
-    kernel.dragAnchors(ReadLaw(m_body->contact), m_body->contact.stickStiffness, Lanes(), state);
+  // Updates the anchors after a substep of h s to `state`, as UpdateAnchors of contact/contact.h does.
+  void Update(const Real* state, Real h, const PlaneKernel<Real>& kernel) {
+    kernel.dragAnchors(ReadLaw(m_body->contact), m_body->contact.stickStiffness, h, Lanes(), state);
   }
   // Copies the contacts to the members' own lists.
   void WriteBack() const;

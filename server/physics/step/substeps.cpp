@@ -56,6 +56,7 @@ int FindFirstSubsteps(std::span<Member<Real>* const> members, std::span<const Co
   for (const Member<Real>* member : members) begins.push_back(begins.back() + member->state->positions.size());
   loads.assign(contactPairs.empty() ? 0 : begins.back(), {});
   int most = AddAllContactLoads(members, contactPairs, rules.duration, begins, loads);
+  most = std::max(most, rules.leastSubsteps);
   const Integrator integrator = FindIntegrator(members);
   for (std::size_t i = 0; i < members.size(); ++i) {
     const Member<Real>& member = *members[i];

@@ -80,7 +80,8 @@ class LoneBody {
   void Step(Integrator integrator, double h, IntegratorScratch<Real>& scratch) {
     StepOnce<Real>(integrator, static_cast<Real>(h), *this, std::span(m_state.positions), std::span(m_state.velocities),
                    scratch);
-    UpdateAnchors<Real>(m_blueprint.Read<Real>().contact, m_surfaces, m_state.contacts, m_state.positions);
+    UpdateAnchors<Real>(m_blueprint.Read<Real>().contact, m_surfaces, m_state.contacts, static_cast<Real>(h),
+                        m_state.positions, m_state.velocities);
   }
 
   [[nodiscard]] bool IsAway() const {

@@ -110,7 +110,8 @@ double SolveFinely(const Blueprint& blueprint, double fall, int stepsATick, std:
     if (step % stepsATick == 1) ApplyLosses<double>(blueprint, surfaces, kContactTick, scratch, state);
     StepRungeKutta<double>(kClassicRungeKutta, kContactTick / stepsATick, accelerate, std::span(state.positions),
                            std::span(state.velocities), buffers);
-    UpdateAnchors<double>(blueprint.full.contact, surfaces, state.contacts, state.positions);
+    UpdateAnchors<double>(blueprint.full.contact, surfaces, state.contacts, kContactTick / stepsATick, state.positions,
+                          state.velocities);
     const double z = SumZ(blueprint, state.positions) - touching;
     if (track != nullptr && step % (stepsATick / 4) == 0) track->push_back({step * kContactTick / stepsATick, z});
     if (!top.Add(z, SumZ(blueprint, state.velocities))) break;

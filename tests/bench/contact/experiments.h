@@ -17,6 +17,9 @@ void MeasureCollisions(Bench& bench);
 void MeasureStacks(Bench& bench);
 // Key apart_growth: cost per body of the search for contact pairs, among many bodies over among few.
 void MeasureApart(Bench& bench);
+// Keys error_target_met_in_contact*, error_over_estimate_in_contact*: bodies that touch, stepped as the server steps
+// them. Part of `wobble_lab accuracy`.
+void MeasureTouchingTargets(Bench& bench);
 // Key tunnelled: bodies shot at each other and at fixed targets.
 void MeasureShots(Bench& bench);
 

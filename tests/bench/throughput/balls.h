@@ -86,10 +86,12 @@ class Balls {
                                   std::span<physics::Vector3<Real>> a) {
         physics::ComputeAccelerations<Real>(body, member.load, member.surfaces, state.contacts, x, v, a);
       };
+      const auto h = static_cast<Real>(kBallsTick / m_steps);
       for (int step = 0; step < m_steps; ++step) {
-        physics::StepRungeKutta<Real>(physics::kClassicRungeKutta, static_cast<Real>(kBallsTick / m_steps), accelerate,
-                                      std::span(state.positions), std::span(state.velocities), m_stages);
-        physics::UpdateAnchors<Real>(body.contact, member.surfaces, state.contacts, state.positions);
+        physics::StepRungeKutta<Real>(physics::kClassicRungeKutta, h, accelerate, std::span(state.positions),
+                                      std::span(state.velocities), m_stages);
+        physics::UpdateAnchors<Real>(body.contact, member.surfaces, state.contacts, h, state.positions,
+                                     state.velocities);
       }
     }
   }

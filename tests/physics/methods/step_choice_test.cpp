@@ -68,8 +68,7 @@ Played Play(double errorTarget, double dropHeight) {
 struct MotionCase {
   const char* name;
   double dropHeight;
-  // Anchors of friction are set between substeps, which the estimate does not see: in a bounce this leaves an error of
-  // half a millimetre at any target.
+  // In a bounce with friction the estimate sees a part of the error alone (step_choice.h).
   double leastTarget;
 };
 class ErrorTarget : public testing::TestWithParam<MotionCase> {};

@@ -1,0 +1,27 @@
+// Worlds of bodies that touch obstacles and one another, for judging the server's stepping in contact.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/physics/world.h"
+
+namespace wobble::bench {
+
+struct TouchingCase {
+  std::string name;
+  std::function<std::unique_ptr<physics::World>(double errorTarget)> make;  // errorTarget: m/s
+  // Called before every second of play; null: nobody steers.
+  std::function<void(physics::World& world, int second)> steer = nullptr;
+};
+
+// Bounce, roll, slide, tumble, collide, stack, fall on cloth, crowd, with the friction and losses of the scenes. quick:
+// a subset.
+[[nodiscard]] std::vector<TouchingCase> MakeTouchingCases(bool quick);
+
+// Whether the body touched an obstacle or another body at the end of the last tick.
+[[nodiscard]] bool TouchesAnything(const physics::Body& body);
+
+}  // namespace wobble::bench
