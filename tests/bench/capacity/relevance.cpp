@@ -10,9 +10,10 @@ namespace wobble::bench {
 namespace {
 
 constexpr unsigned kRelevancePlayers = 128;
+constexpr unsigned kRelevancePlayersQuick = 48;
 constexpr double kRelevanceKbit = 384;  // the default of Config::clientKbit
 constexpr double kRelevanceDelay = 0.025;
-constexpr double kRelevanceWarmUp = 4;  // s
+constexpr double kRelevanceWarmUp = 3;  // s
 // One of so many rounds of a decoding bot is recorded; neighbouring rounds are alike.
 constexpr std::uint64_t kRelevanceKeepEvery = 3;
 constexpr std::size_t kNearestPlayers = 24;
@@ -36,7 +37,7 @@ struct Relevance {
 
 class Watch {
  public:
-  Watch(const Game& game, bots::Script& script);
+  Watch(const Game& game, unsigned players, bots::Script& script);
 
   void Play(double until, const Bench& bench);
   void BeginToCount() {
@@ -57,9 +58,8 @@ class Watch {
   server::SendCounts m_before;
 };
 
-Watch::Watch(const Game& game, bots::Script& script)
-    : m_crowd(game, {.players = kRelevancePlayers, .clientKbit = kRelevanceKbit, .link = {.delay = kRelevanceDelay}},
-              script) {
+Watch::Watch(const Game& game, unsigned players, bots::Script& script)
+    : m_crowd(game, {.players = players, .clientKbit = kRelevanceKbit, .link = {.delay = kRelevanceDelay}}, script) {
   m_crowd.SetOnShown([this](client::Client& client, std::span<const client::BodySample> shown, double now) {
     if (!m_isCounting || ++m_rounds % kRelevanceKeepEvery != 0) return;
     m_views.push_back({.moment = client.ServerTime(now) - client.InterpolationDelay(),
@@ -82,7 +82,7 @@ Relevance Watch::Finish() const {
   const auto vertices = static_cast<double>(after.vertices - m_before.vertices);
   const double ofBody = vertices / static_cast<double>(ReadPositions(server.World().Bodies().front()).size());
   return {.players = m_crowd.CountPlaying(),
-          .kbit = FindSnapshotKbit(m_before, after) / ((m_now - m_began) * kRelevancePlayers),
+          .kbit = FindSnapshotKbit(m_before, after) / ((m_now - m_began) * m_crowd.CountPlaying()),
           .bytesPerRecord = static_cast<double>(after.recordBytes - m_before.recordBytes) / ofBody,
           .near = CompareViews(m_views, m_truth, places, kNearestPlayers),
           .all = CompareViews(m_views, m_truth, places)};
@@ -122,7 +122,7 @@ void MeasureRelevance(Bench& bench) {
     bots::Script script(floor.seed, [](unsigned, std::string_view) {});
     std::string fault;
     if (!script.LoadFile(floor.script, fault)) return bench.results.remarks.push_back("relevance: " + fault);
-    Watch watch(floor, script);
+    Watch watch(floor, bench.options.quick ? kRelevancePlayersQuick : kRelevancePlayers, script);
     watch.Play(kRelevanceWarmUp, bench);
     watch.BeginToCount();
     watch.Play(end, bench);

@@ -58,7 +58,7 @@ void MeasureBulletApart(Bench& bench) {
   AddRaceRow(bench, "bullet_apart", "wobble, 1 mm/s", kApart, times[1], peak);
   AddRaceRow(bench, "bullet_apart", "bullet", kApart, times[2], peak);
   AddRaceRow(bench, "bullet_apart", "bullet, ready to touch", kApart, times[3], peak);
-  bench.results.AddFigureAtLeast("speedup_vs_bullet", times[2].FindMean() / times[0].FindMean(), 5,
+  bench.results.AddFigureAtLeast("speedup_vs_bullet", times[2].FindMean() / times[0].FindMean(), 3.5,
                                  !bench.options.quick);
   bench.results.remarks.push_back(
       FormatLine("speedup_vs_bullet: of %zu balls apart, %.2f ms a tick in %.2f substeps, "
@@ -88,9 +88,9 @@ void MeasureBulletTouching(Bench& bench) {
   for (std::size_t i = 0; i < times.size(); ++i) AddRaceRow(bench, "bullet_touching", names[i], bodies, times[i], peak);
   const double contact = times[0].FindMean() - times[1].FindMean();
   Results& results = bench.results;
-  results.AddFigureAtMost("touching_ms_per_tick", contact * 1e3 * static_cast<double>(kPressed / bodies), 6,
+  results.AddFigureAtMost("touching_ms_per_tick", contact * 1e3 * static_cast<double>(kPressed / bodies), 3,
                           !bench.options.quick);
-  results.AddFigureAtLeast("speedup_vs_bullet_touching", times[2].FindMean() / times[0].FindMean(), 10,
+  results.AddFigureAtLeast("speedup_vs_bullet_touching", times[2].FindMean() / times[0].FindMean(), 15,
                            !bench.options.quick);
   results.remarks.push_back(FormatLine(
       "touching: %zu pressed balls%s, %.2f ms a tick in %.2f substeps, %.2f of it contact; Bullet %.1f ms, %.1f with "

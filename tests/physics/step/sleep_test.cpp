@@ -36,12 +36,13 @@ int PlayUntilAsleep(World& world) {
 bool IsAsleep(const World& world, BodyId id) { return world.ReadBody(id).asleep; }
 double HeightOf(const World& world, BodyId id) { return world.FindCentre(world.ReadBody(id)).z(); }
 
+// For an hour: to the bit, so that nothing drifts.
 TEST(Sleep, AStackFallsAsleepAndStaysSo) {
   const auto world = MakeStack(4);
   const int ticks = PlayUntilAsleep(*world);
   ASSERT_GT(ticks, 30) << "half a second of quiet at the least";
   const std::uint64_t hash = world->Hash();
-  for (int tick = 0; tick < 1200; ++tick) {
+  for (int tick = 0; tick < 60 * 60 * 60; ++tick) {
     const StepReport report = world->Step();
     ASSERT_EQ(report.awake, 0U);
     ASSERT_EQ(report.allSubsteps, 0U);
