@@ -19,7 +19,7 @@ namespace wobble::server {
 inline constexpr std::size_t kNearest = 26;
 inline constexpr float kNearDistance = 16;
 // What they may take of the budget before the others: what is left gives those a few samples a second.
-inline constexpr double kNearShare = 0.75;
+inline constexpr double kNearShare = 0.8;
 
 // The distance from `from`, m, within which the kNearest nearest bodies in motion lie; at most kNearDistance. scratch:
 // is overwritten. O(bodies).
