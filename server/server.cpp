@@ -20,7 +20,7 @@ namespace {
 constexpr double kBorder = 0.9 * protocol::kWorldHalfExtent;
 
 // Time between two calls while the world is paused, s: also the longest that a first packet waits.
-constexpr double kPausedPoll = 0.02;
+constexpr double kPausedPoll = 0.05;
 
 // From this many bodies on a snapshot is spread over several ticks. Fewer are encoded quickly, and the packets after
 // every tick would cost more than the spreading saves.

@@ -173,7 +173,7 @@ case_hosts_32_bots() {
   expect_figure "$folder/a.json" bytes_out '> 100000'
   expect_figure "$folder/a.json" bits_per_vertex '> 0'
   expect_figure "$folder/a.json" snapshot_error_rms '> 0'
-  expect_figure "$folder/a.json" snapshot_error_rms '<= 2' # the coarsest target of what is not far away, % of a body's size
+  expect_figure "$folder/a.json" snapshot_error_rms '<= 4' # the coarsest target, % of a body's size
   expect_figure "$folder/a.json" non_finite '== 0'
   expect_line "$folder/a.json" '^  "state_hash": "[0-9a-f]\{16\}"$'
 

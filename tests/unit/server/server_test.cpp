@@ -204,7 +204,7 @@ TEST(Server, AWorldWithoutAnybodyWaitsAndGoesOnForTheFirst) {
   int calls = 0;
   for (; game.now < begin + 600; ++calls) game.Step();
   EXPECT_EQ(game.server.World().Tick(), tick);
-  EXPECT_LE(calls, 600 * 50 + 1) << "a paused server is called 50 times a second";
+  EXPECT_LE(calls, 600 * 20 + 1) << "a paused server is called 20 times a second";
 
   client::Client& client = game.AddClient();
   game.Run(1);
