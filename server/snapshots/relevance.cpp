@@ -67,9 +67,7 @@ float FindNearRadius(std::span<const ShownBody> bodies, protocol::Vector3 from, 
   return std::sqrt(*last);
 }
 
-float FindApparentDistance(protocol::Vector3 from, const ShownBody& body) {
-  return protocol::Length(body.centre - from) * kTypicalSize / std::max(body.size, kLeastSize);
-}
+float FindApparentDistance(float distance, float size) { return distance * kTypicalSize / std::max(size, kLeastSize); }
 
 float FindGain(float apparentDistance, float speed) {
   const float ratio = apparentDistance / kHalfDistance;
@@ -105,8 +103,8 @@ void Coarseness::Adapt(const Turn& turn) {
 }
 
 std::size_t Coarseness::FindQuality(bool isNear, float apparentDistance) const {
-  std::size_t quality = isNear ? m_near.value : std::max(m_near.value, m_far.value);
-  if (isNear) return quality;
+  if (isNear) return m_near.value;
+  std::size_t quality = std::max(m_near.value, m_far.value);
   for (const float limit : kCoarseDistances) quality += apparentDistance > limit ? kLevelsOfDouble : 0;
   return std::min(quality, kQualities - 1);
 }

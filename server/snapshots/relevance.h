@@ -26,8 +26,8 @@ inline constexpr double kNearShare = 0.8;
 [[nodiscard]] float FindNearRadius(std::span<const ShownBody> bodies, protocol::Vector3 from,
                                    std::vector<float>& scratch);
 
-// The distance, m, at which a ball of 1 m across looks as large as this body does from `from`.
-[[nodiscard]] float FindApparentDistance(protocol::Vector3 from, const ShownBody& body);
+// The distance, m, at which a ball of 1 m across looks as large as a body of this size, m, does at this distance, m.
+[[nodiscard]] float FindApparentDistance(float distance, float size);
 
 // The growth of a body's priority in one snapshot that leaves it out.
 [[nodiscard]] float FindGain(float apparentDistance, float speed);
@@ -63,7 +63,7 @@ class Coarseness {
 };
 
 // While the machine is short of time: a body is encoded at no more than three of the qualities, and at two where
-// budgets suffice. near: closer than kCoarserDistance, or the own body.
+// budgets suffice. distance: m; 0 for the own body.
 [[nodiscard]] std::size_t FindCoarserQuality(std::size_t quality, float distance);
 
 }  // namespace wobble::server

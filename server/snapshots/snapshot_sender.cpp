@@ -58,7 +58,7 @@ void SnapshotSender::RankBodies(std::span<const ShownBody> bodies, Subscription&
       continue;
     }
     float& priority = interests[i].priority;
-    priority += FindGain(FindApparentDistance(m_viewpoint, body), body.speed);
+    priority += FindGain(FindApparentDistance(distance, body.size), body.speed);
     // The bits of floats that are not negative sort like the floats. Of equal priorities the lower index goes first.
     const Rank high = &body == own ? kOwnRank : std::bit_cast<std::uint32_t>(priority);
     m_ranks.push_back(high << 32 | ~static_cast<std::uint32_t>(i));
@@ -97,10 +97,9 @@ std::size_t SnapshotSender::TakeHighest() {
 }
 
 std::size_t SnapshotSender::FindQuality(const ShownBody& body, bool isNear, const Subscription& subscription) const {
-  const std::size_t quality = subscription.coarseness.FindQuality(isNear, FindApparentDistance(m_viewpoint, body));
-  if (!m_isCoarser) return quality;
-  const bool isOwn = body.body == m_task.ownBody;
-  return FindCoarserQuality(quality, isOwn ? 0 : protocol::Length(body.centre - m_viewpoint));
+  const float distance = body.body == m_task.ownBody ? 0 : protocol::Length(body.centre - m_viewpoint);
+  const std::size_t quality = subscription.coarseness.FindQuality(isNear, FindApparentDistance(distance, body.size));
+  return m_isCoarser ? FindCoarserQuality(quality, distance) : quality;
 }
 
 void SnapshotSender::AddBody(const Pick& pick, const ShownBody& shown, const EncodedBody& body,

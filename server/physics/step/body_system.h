@@ -143,11 +143,12 @@ class BodySystem {
                              SliceOf(x, faces), SliceOf(v, faces));
   }
 
-  // CountBodies, ReadBody and Accelerate make this a System of methods/integrator_step.h.
-  // That share its members out.
+  // The threads that ForEach uses.
   [[nodiscard]] std::size_t CountThreads() const {
     return m_threads == nullptr ? 1 : static_cast<std::size_t>(m_threads->Count());
   }
+
+  // CountBodies, ReadBody and Accelerate make this a System of methods/integrator_step.h.
   [[nodiscard]] std::size_t CountBodies() const { return m_members.size(); }
   [[nodiscard]] SteppedBody<Real> ReadBody(std::size_t i) const {
     const Member<Real>& member = *m_members[i];

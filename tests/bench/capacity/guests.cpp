@@ -95,9 +95,7 @@ void Guests::Enter(Stage stage) {
 
 void Guests::Keep(client::Client& client, std::span<const client::BodySample> shown, double now) {
   if (++m_rounds % kKeepEvery != 0) return;
-  m_guested.views.push_back({.moment = client.ServerTime(now) - client.InterpolationDelay(),
-                             .ownBody = client.Welcome().ownBody,
-                             .bodies = {shown.begin(), shown.end()}});
+  m_guested.views.push_back(MakeView(client, shown, now));
 }
 
 }  // namespace wobble::bench

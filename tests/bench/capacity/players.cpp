@@ -1,7 +1,6 @@
 // Increasing player counts, each with a new server, until one does not hold. A quick run stops at the required count.
 // In a full run the largest count that held plays on for five minutes; if it does not hold them, or more ticks than one
 // in a thousand exceed the budget, the next smaller count plays them.
-
 #include "tests/bench/capacity/cores.h"
 #include "tests/bench/capacity/experiments.h"
 #include "tests/bench/capacity/measured.h"

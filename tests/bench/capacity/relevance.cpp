@@ -62,9 +62,7 @@ Watch::Watch(const Game& game, unsigned players, bots::Script& script)
     : m_crowd(game, {.players = players, .clientKbit = kRelevanceKbit, .link = {.delay = kRelevanceDelay}}, script) {
   m_crowd.SetOnShown([this](client::Client& client, std::span<const client::BodySample> shown, double now) {
     if (!m_isCounting || ++m_rounds % kRelevanceKeepEvery != 0) return;
-    m_views.push_back({.moment = client.ServerTime(now) - client.InterpolationDelay(),
-                       .ownBody = client.Welcome().ownBody,
-                       .bodies = {shown.begin(), shown.end()}});
+    m_views.push_back(MakeView(client, shown, now));
   });
 }
 

@@ -93,6 +93,12 @@ Shown Comparison::Finish() {
 
 }  // namespace
 
+View MakeView(const client::Client& client, std::span<const client::BodySample> shown, double now) {
+  return {.moment = client.ServerTime(now) - client.InterpolationDelay(),
+          .ownBody = client.Welcome().ownBody,
+          .bodies = {shown.begin(), shown.end()}};
+}
+
 Shown CompareViews(std::span<const View> views, const Truth& truth, std::span<const physics::BodyId> places,
                    std::size_t nearest) {
   Comparison comparison(truth, places, nearest);

@@ -32,6 +32,9 @@ struct Shown {
   double truthErrorOfHalf = 0;  // Truth::ErrorOfHalf, %
 };
 
+// What the client shows at `now`, s. shown: as Client::Sample gave it.
+[[nodiscard]] View MakeView(const client::Client& client, std::span<const client::BodySample> shown, double now);
+
 // places: ids of the bodies that `truth` records, in its order. nearest: only so many others count, the nearest.
 [[nodiscard]] Shown CompareViews(std::span<const View> views, const Truth& truth,
                                  std::span<const physics::BodyId> places,
