@@ -99,12 +99,29 @@ Meeting<Real> Meet(const Subject<Real>& ofVertices, const Subject<Real>& ofFaces
   return {.x = ofVertices.state.positions,
           .v = ofVertices.state.velocities,
           .shares = ofVertices.body.contactShares,
-          .skin = {ofFaces.body.faces, &ofFaces.blueprint.topology, ofFaces.state.positions},
+          .skin = {.faces = ofFaces.body.faces,
+                   .topology = &ofFaces.blueprint.topology,
+                   .x = ofFaces.state.positions,
+                   .offset = static_cast<Real>(ofVertices.blueprint.rodRadius)},
           .skinV = ofFaces.state.velocities,
           .shift = (ofVertices.state.origin - ofFaces.state.origin).template cast<Real>()};
 }
 
-// Adds the forces of both sides of a pair on the subject. ofSubject: 0 or 1, its side of the pair.
+template <class Real>
+EdgeMeeting<Real> MeetEdges(const Subject<Real>& first, const Subject<Real>& second) {
+  const auto describe = [](const Subject<Real>& subject) -> typename EdgeMeeting<Real>::Body {
+    return {.edges = FindMeetingEdges(subject.blueprint),
+            .x = subject.state.positions,
+            .v = subject.state.velocities,
+            .shares = subject.body.contactShares};
+  };
+  return {.first = describe(first),
+          .second = describe(second),
+          .shift = (first.state.origin - second.state.origin).template cast<Real>(),
+          .radius = static_cast<Real>(first.blueprint.edgeRadius + second.blueprint.edgeRadius)};
+}
+
+// Adds the forces of both sides of a pair, and of its edges, on the subject. ofSubject: 0 or 1, its side of the pair.
 template <class Real>
 void AddBodyContacts(const BodyPair<Real>& pair, const Subject<Real>& subject, std::size_t ofSubject,
                      const Subject<Real>& other, std::span<Vector3<Real>> forces) {
@@ -118,6 +135,13 @@ void AddBodyContacts(const BodyPair<Real>& pair, const Subject<Real>& subject, s
                               computed);
     if (ofVertices) AddToVertices<Real>(computed, add);
     if (!ofVertices) AddToCorners<Real>(computed, add);
+  }
+  std::vector<EdgeForce<Real>> ofEdges(pair.edges.size());
+  ComputeEdgeContacts<Real>(both, ofSubject == 0 ? MeetEdges(subject, other) : MeetEdges(other, subject), pair.edges,
+                            ofEdges);
+  for (const EdgeForce<Real>& force : ofEdges) {
+    if (!force.acts) continue;
+    for (const std::size_t end : {0U, 1U}) add(force.vertices[2 * ofSubject + end], force.forces[2 * ofSubject + end]);
   }
 }
 
@@ -190,7 +214,7 @@ InspectedForces InspectForces(const World& world, BodyId id) {
     }
     subject.load.torn = state.torn;
     for (const Obstacle& obstacle : world.Obstacles()) {
-      subject.surfaces.push_back(MakeSurface<Real>(obstacle, state.origin));
+      subject.surfaces.push_back(MakeSurface<Real>(obstacle, state.origin, subject.blueprint.rodRadius));
     }
     InspectedForces found{.elastic = FindElastic(subject),
                           .damping = FindDamping(subject, world.Settings().tickDuration),

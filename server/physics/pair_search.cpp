@@ -14,12 +14,17 @@ constexpr std::size_t kLikelyContacts = 128;
 
 template <class Real>
 bool HasContacts(const BodyPair<Real>& pair) {
-  return !pair.sides[0].empty() || !pair.sides[1].empty();
+  return !pair.sides[0].empty() || !pair.sides[1].empty() || !pair.edges.empty();
 }
 
 template <class Real>
 Skin<Real> FindSkin(const Member<Real>& member) {
   return {member.blueprint->template Read<Real>().faces, &member.blueprint->topology, member.state->positions};
+}
+
+template <class Real>
+ContactParameters<Real> FindParameters(const Member<Real>& a, const Member<Real>& b) {
+  return Combine(a.blueprint->template Read<Real>().contact, b.blueprint->template Read<Real>().contact);
 }
 
 }  // namespace
@@ -71,7 +76,6 @@ template <class Real>
 void PairSearch<Real>::AddPairs() {
   auto before = m_lists.before.begin();
   for (const auto& [a, b] : m_lists.overlaps) {
-    if (HasNoFaces(a) || HasNoFaces(b)) continue;
     BodyPair<Real> pair;
     pair.first = m_table.bodies[a].id;
     pair.second = m_table.bodies[b].id;
@@ -80,6 +84,12 @@ void PairSearch<Real>::AddPairs() {
     const bool known = before != m_lists.before.end() && !ComesBefore(pair, *before);
     for (std::size_t side = 0; side < 2; ++side) {
       pair.sides[side] = known ? std::move(before->sides[side]) : TakeSpareList();
+    }
+    if (known) pair.edges = std::move(before->edges);
+    if (!known && !m_lists.spareEdgeLists.empty()) {
+      pair.edges = std::move(m_lists.spareEdgeLists.back());
+      m_lists.spareEdgeLists.pop_back();
+      pair.edges.clear();
     }
     if (known) ++before;
     for (const std::uint32_t body : pair.places) AttachSleeper(body);
@@ -100,6 +110,7 @@ void PairSearch<Real>::AttachSleeper(std::uint32_t body) {
 template <class Real>
 void PairSearch<Real>::Recycle(BodyPair<Real>& pair) {
   for (auto& side : pair.sides) m_lists.spareLists.push_back(std::move(side));
+  if (pair.edges.capacity() > 0) m_lists.spareEdgeLists.push_back(std::move(pair.edges));
 }
 
 template <class Real>
@@ -162,26 +173,46 @@ void PairSearch<Real>::MeetAll() {
 
 template <class Real>
 void PairSearch<Real>::Meet(BodyPair<Real>& pair) {
-  for (std::size_t side = 0; side < 2; ++side) {
-    const std::uint32_t ofVertices = pair.places[side];
-    const std::uint32_t ofFaces = pair.places[1 - side];
-    const Member<Real>& vertices = m_work.members[ofVertices];
-    const Member<Real>& faces = m_work.members[ofFaces];
-    ContactSearch<Real> search{.vertices = &m_lists.skins[ofVertices],
-                               .skin = &m_lists.skins[ofFaces],
-                               .kernel = m_kernel,
-                               .near = faces.survey.bounds,
-                               .margin = static_cast<Real>(kNearMargin),
-                               .duration = static_cast<Real>(m_duration)};
-    search.near.speed += vertices.survey.bounds.speed;
-    const Real margin = search.margin + search.near.speed * search.duration;
-    search.near.low.array() -= margin;
-    search.near.high.array() += margin;
-    const ContactParameters<Real> both =
-        Combine(vertices.blueprint->template Read<Real>().contact, faces.blueprint->template Read<Real>().contact);
-    FindBodyContacts<Real>(both, MakeMeeting<Real>(vertices, faces), FindSkin(vertices), search, pair.sides[side],
-                           m_work.scratch.local().search);
-  }
+  const Blueprint& first = *m_work.members[pair.places[0]].blueprint;
+  const Blueprint& second = *m_work.members[pair.places[1]].blueprint;
+  // In their common plane the faces of planar bodies look past one another.
+  const bool byFaces = !(first.full.planar && second.full.planar);
+  for (std::size_t side = 0; byFaces && side < 2; ++side) MeetFaces(side, pair);
+  if (MeetByEdges(first, second)) MeetEdges(pair);
+}
+
+// Contacts of the vertices of the pair's body `side` with the faces of the other, if that has any.
+template <class Real>
+void PairSearch<Real>::MeetFaces(std::size_t side, BodyPair<Real>& pair) {
+  const std::uint32_t ofVertices = pair.places[side];
+  const std::uint32_t ofFaces = pair.places[1 - side];
+  const Member<Real>& vertices = m_work.members[ofVertices];
+  const Member<Real>& faces = m_work.members[ofFaces];
+  if (faces.blueprint->full.faces.empty()) return;
+  ContactSearch<Real> search{.vertices = &m_lists.skins[ofVertices],
+                             .skin = &m_lists.skins[ofFaces],
+                             .kernel = m_kernel,
+                             .near = faces.survey.bounds,
+                             .margin = static_cast<Real>(kNearMargin + vertices.blueprint->rodRadius),
+                             .duration = static_cast<Real>(m_duration)};
+  search.near.speed += vertices.survey.bounds.speed;
+  const Real margin = search.margin + search.near.speed * search.duration;
+  search.near.low.array() -= margin;
+  search.near.high.array() += margin;
+  FindBodyContacts<Real>(FindParameters(vertices, faces), MakeMeeting<Real>(vertices, faces), FindSkin(vertices),
+                         search, pair.sides[side], m_work.scratch.local().search);
+}
+
+template <class Real>
+void PairSearch<Real>::MeetEdges(BodyPair<Real>& pair) {
+  const Member<Real>& first = m_work.members[pair.places[0]];
+  const Member<Real>& second = m_work.members[pair.places[1]];
+  const EdgeSearch<Real> search{.first = first.survey.bounds,
+                                .second = second.survey.bounds,
+                                .margin = static_cast<Real>(kNearMargin),
+                                .duration = static_cast<Real>(m_duration)};
+  FindEdgeContacts<Real>(FindParameters(first, second), MakeEdgeMeeting<Real>(first, second), search, pair.edges,
+                         m_work.scratch.local().edgeSearch);
 }
 
 template <class Real>

@@ -58,15 +58,14 @@ class PairSearch {
   void ReadSkins();
   [[nodiscard]] bool AreToMeet(const BodyPair<Real>& pair) const;
   void Meet(BodyPair<Real>& pair);
+  void MeetFaces(std::size_t side, BodyPair<Real>& pair);
+  void MeetEdges(BodyPair<Real>& pair);
   template <class Keep>
   void KeepPairs(const Keep& keep);
   void Recycle(BodyPair<Real>& pair);
   std::vector<BodyContact<Real>> TakeSpareList();
 
   [[nodiscard]] bool IsAsleep(std::uint32_t body) const { return m_table.bodies[body].asleep; }
-  [[nodiscard]] bool HasNoFaces(std::uint32_t body) const {
-    return m_table.blueprints[m_table.bodies[body].blueprint].full.faces.empty();
-  }
 
   BodyTable m_table;
   double m_duration;

@@ -27,7 +27,8 @@ struct BodyPair {
   BodyId second = 0;
   IndexPair places{};                                   // of the two in the world's list of bodies
   std::array<std::vector<BodyContact<Real>>, 2> sides;  // as in ContactPair
-  bool met = false;                                     // the contacts have been searched for in this tick
+  std::vector<EdgeContact<Real>> edges;
+  bool met = false;  // the contacts have been searched for in this tick
 
   [[nodiscard]] bool Has(BodyId body) const { return first == body || second == body; }
   // 0 or 1: whether a body that the pair has is its first or its second. sides[SideOf(body)] are contacts of the body's
@@ -38,7 +39,8 @@ struct BodyPair {
   [[nodiscard]] bool IsTouching() const {
     const auto touches = [](const BodyContact<Real>& contact) { return contact.phase == ContactPhase::kTouching; };
     return std::any_of(sides[0].begin(), sides[0].end(), touches) ||
-           std::any_of(sides[1].begin(), sides[1].end(), touches);
+           std::any_of(sides[1].begin(), sides[1].end(), touches) ||
+           std::any_of(edges.begin(), edges.end(), [](const EdgeContact<Real>& contact) { return contact.touching; });
   }
 };
 
@@ -55,7 +57,8 @@ struct PairLists {
   std::vector<BodyPair<Real>> resting;                     // of two sleeping bodies, up to wake `wakesSeen`
   std::uint64_t wakesSeen = 0;                             // of Roster::CountWakes
   std::vector<std::vector<BodyContact<Real>>> spareLists;  // contact lists of pairs that have separated
-  std::vector<IndexPair> places;                           // of the pairs in `awake`
+  std::vector<std::vector<EdgeContact<Real>>> spareEdgeLists;
+  std::vector<IndexPair> places;          // of the pairs in `awake`
   std::vector<SkinPoints<Real>> skins;    // by place; as the tick began, of the bodies that hasSkin names
   std::vector<std::uint8_t> hasSkin;      // by place; not 0: `skins` is up to date
   std::vector<std::uint32_t> skinBodies;  // places of bodies whose skin is read next
@@ -145,6 +148,7 @@ template <class Real>
 struct Scratch {
   PrepareScratch<Real> prepare;
   ContactSearchScratch<Real> search;
+  EdgeSearchScratch<Real> edgeSearch;
   // The batch that the thread steps:
   std::vector<Member<Real>*> members;
   std::vector<ContactPair<Real>> contactPairs;

@@ -54,7 +54,8 @@ void FindContactPairs(std::span<const Member<Real>> members, PairLists<Real>& pa
     const auto& ofB = members[b].blueprint->template Read<Real>().contact;
     lists.contactPairs[--begins[islandOf(i) + 1U]] = {.members = {lists.memberOf[a], lists.memberOf[b]},
                                                       .parameters = Combine(ofA, ofB),
-                                                      .sides = {&pairs.awake[i].sides[0], &pairs.awake[i].sides[1]}};
+                                                      .sides = {&pairs.awake[i].sides[0], &pairs.awake[i].sides[1]},
+                                                      .edges = &pairs.awake[i].edges};
   }
   // begins[island + 1] has been counted down from the end of the island's pairs to their begin: shift by one.
   begins.erase(begins.begin());

@@ -52,7 +52,7 @@ void PrepareMember(const Surroundings& surroundings, const Blueprint& blueprint,
   member.lost = false;
   member.surfaces.clear();
   for (const Obstacle& obstacle : surroundings.obstacles) {
-    member.surfaces.push_back(MakeSurface<Real>(obstacle, state.origin));
+    member.surfaces.push_back(MakeSurface<Real>(obstacle, state.origin, blueprint.rodRadius));
   }
   ApplyLosses<Real>(blueprint, member.surfaces, settings.tickDuration, scratch.gradient, state);
   const Coefficients<Real>& coefficients = blueprint.Read<Real>();
@@ -72,7 +72,7 @@ template <class Real>
 Box FindTickBox(const Member<Real>& member, double duration) {
   const Bounds<Real>& bounds = member.survey.bounds;
   const Vector3d& origin = member.state->origin;
-  const double margin = kNearMargin + duration * double{bounds.speed};
+  const double margin = kNearMargin + member.blueprint->edgeRadius + duration * double{bounds.speed};
   return {origin + bounds.low.template cast<double>() - Vector3d::Constant(margin),
           origin + bounds.high.template cast<double>() + Vector3d::Constant(margin)};
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <functional>
+#include <map>
 #include <numeric>
 #include <set>
 
@@ -87,6 +88,32 @@ void RenumberFaces(PairLists<Real>& pairs, BodyId id, std::span<const std::uint1
   });
 }
 
+// The place of each edge that meets others' in `after`; kGone for lost ones. places: by old vertex.
+std::vector<std::uint16_t> MapEdges(const Blueprint& before, const Blueprint& after,
+                                    std::span<const std::uint16_t> places) {
+  std::map<EdgeEnds, std::uint16_t> found;
+  for (const EdgeEnds& ends : FindMeetingEdges(after)) found.emplace(ends, static_cast<std::uint16_t>(found.size()));
+  std::vector<std::uint16_t> map;
+  for (const EdgeEnds& ends : FindMeetingEdges(before)) {
+    const auto at = found.find({places[ends[0]], places[ends[1]]});
+    map.push_back(at == found.end() ? kGone : at->second);
+  }
+  return map;
+}
+
+// Renumbers this body's edges in its contacts, and drops contacts of lost edges.
+template <class Real>
+void RenumberEdges(PairLists<Real>& pairs, BodyId id, std::span<const std::uint16_t> map) {
+  VisitPairsOf(id, pairs, [&](BodyPair<Real>& pair) {
+    const auto edge = pair.SideOf(id) == 0 ? &EdgeContact<Real>::first : &EdgeContact<Real>::second;
+    std::erase_if(pair.edges, [&](const EdgeContact<Real>& contact) { return map[contact.*edge] == kGone; });
+    for (EdgeContact<Real>& contact : pair.edges) contact.*edge = map[contact.*edge];
+    std::ranges::sort(pair.edges, [](const EdgeContact<Real>& a, const EdgeContact<Real>& b) {
+      return a.first != b.first ? a.first < b.first : a.second < b.second;
+    });
+  });
+}
+
 // Renumbers the vertices of the contacts, and drops contacts of lost vertices. places: by old vertex.
 template <class Contacts>
 void RenumberVertices(Contacts& contacts, std::span<const std::uint16_t> places) {
@@ -151,10 +178,12 @@ bool World::ReplaceBlueprint(BodyId id, Blueprint blueprint, std::span<const std
   assert(kept.empty() || kept.back() < before.rest.size());
   const auto places = FindPlaces(kept, before.rest.size());
   const auto faces = MapFaces(Renumber(before.full.faces, places), blueprint.full.faces);
+  const auto edges = MapEdges(before, blueprint, places);
   const auto renumber = [&](auto& work) {
     const auto ofVertices = [&](auto& pair) { RenumberVertices(pair.sides[pair.SideOf(id)], places); };
     VisitPairsOf(id, work.pairs, ofVertices);
     RenumberFaces(work.pairs, id, faces);
+    RenumberEdges(work.pairs, id, edges);
   };
   std::visit(renumber, m_engine->workspace);
   RenumberForces(id, places);
@@ -221,7 +250,12 @@ void World::RebuildTorn() {
     const auto kept = ListNumbers(m_blueprints[body.blueprint].rest.size());
     Blueprint left = MakeTornBlueprint(m_blueprints[body.blueprint], torn);
     const auto map = MapFaces(m_blueprints[body.blueprint].full.faces, left.full.faces);
-    std::visit([&](auto& work) { RenumberFaces(work.pairs, body.id, map); }, m_engine->workspace);
+    const auto edges = MapEdges(m_blueprints[body.blueprint], left, kept);
+    const auto renumber = [&](auto& work) {
+      RenumberFaces(work.pairs, body.id, map);
+      RenumberEdges(work.pairs, body.id, edges);
+    };
+    std::visit(renumber, m_engine->workspace);
     PutOntoSlot(body, slot, std::move(left), kept);
     body.tornTicks = 0;
   }

@@ -55,6 +55,20 @@ BodyContact<To> Convert(const BodyContact<From>& from) {
 }
 
 template <class To, class From>
+EdgeContact<To> Convert(const EdgeContact<From>& from) {
+  const auto& [first, second, touching, depth, leap, s, t, normal, slip] = from;
+  return {.first = first,
+          .second = second,
+          .touching = touching,
+          .depth = static_cast<To>(depth),
+          .leap = static_cast<To>(leap),
+          .s = static_cast<To>(s),
+          .t = static_cast<To>(t),
+          .normal = Convert<To>(normal),
+          .slip = Convert<To>(slip)};
+}
+
+template <class To, class From>
 State<To> Convert(const State<From>& from) {
   const auto& [origin, positions, velocities, contacts, torn] = from;
   State<To> to{.origin = origin,
@@ -76,6 +90,7 @@ void CopyPairs(const PairLists<From>& from, PairLists<To>& to) {
       for (std::size_t side = 0; side < 2; ++side) {
         for (const auto& contact : pair.sides[side]) copy.sides[side].push_back(Convert<To>(contact));
       }
+      for (const auto& contact : pair.edges) copy.edges.push_back(Convert<To>(contact));
     }
   }
   std::sort(to.awake.begin(), to.awake.end(), ComesBefore<To>);

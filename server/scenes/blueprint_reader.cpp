@@ -62,6 +62,7 @@ void ReadFields(TableReader& reader, physics::BallDefinition& ball) {
 void ReadFields(TableReader& reader, physics::PairDefinition& pair) {
   reader.ReadUnchecked("length", pair.length);
   reader.Read("direction", -1, 1, "", pair.direction);
+  reader.ReadUnchecked("radius", pair.radius);
   reader.Read("first_is_fixed", pair.firstIsFixed);
   ReadMaterial(reader, pair.material);
 }
@@ -148,6 +149,7 @@ void ReadFields(TableReader& reader, physics::GraphDefinition& graph) {
   reader.ReadUnchecked("rolling_resistance", graph.rollingResistance);
   reader.ReadUnchecked("restitution", graph.restitution);
   reader.ReadUnchecked("contact_stiffness", graph.contactStiffness);
+  reader.ReadUnchecked("radius", graph.radius);
 }
 
 // Returns false when there is no mesh against which the other fields could be checked.

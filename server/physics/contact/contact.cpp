@@ -77,11 +77,11 @@ SurfacePoint<Real> FindPointFromSide(const Surface<Real>& surface, const Vector3
   const Real component = side.cwiseAbs().maxCoeff(&axis);
   const Vector3<Real> beyond = fromCentre.cwiseAbs() - surface.halfExtents;
   for (int other = 0; other < 3; ++other) {
-    if (other != axis && beyond[other] > static_cast<Real>(kEdgeRadius)) return point;  // it has gone round
+    if (other != axis && beyond[other] > surface.radius) return point;  // it has gone round
   }
   Vector3<Real> normal = Vector3<Real>::Zero();
   normal[axis] = side[axis] / component;
-  return {normal.dot(fromCentre) - surface.halfExtents[axis] - static_cast<Real>(kEdgeRadius), normal};
+  return {normal.dot(fromCentre) - surface.halfExtents[axis] - surface.radius, normal};
 }
 
 // True if a vertex has entered ground through the open side at the field's border. Ground has no walls where its

@@ -28,7 +28,7 @@ class FaceRing {
  public:
   // faces: at least one; those beyond kFacesAtOnce are left out.
   FaceRing(const Skin<Real>& skin, std::span<const std::uint16_t> faces, const Vector3<Real>& p)
-      : m_side(skin.side), m_faces(faces.first(std::min(faces.size(), kFacesAtOnce<Real>))) {
+      : m_side(skin.side), m_offset(skin.offset), m_faces(faces.first(std::min(faces.size(), kFacesAtOnce<Real>))) {
     std::array<const Face*, kFacesAtOnce<Real>> all;  // lanes without a face repeat the last one
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = &skin.faces[m_faces[std::min(i, m_faces.size() - 1)]];
     m_a = ReadCorners(skin, all, 0);
@@ -84,6 +84,7 @@ class FaceRing {
   }
 
   Real m_side;
+  Real m_offset;
   std::span<const std::uint16_t> m_faces;
   Vectors m_a, m_b, m_c, m_p;
 };
@@ -103,7 +104,8 @@ FacePoint<Real> FaceRing<Real>::FindMostAbove(Real& leastWeight) const {
   const Lanes first = Spread<Lanes>(Real(1)) - second - third;
   enum : std::size_t { kLeast, kNormal, kWeights = kNormal + 3, kDistance = kWeights + 3, kDoubleArea, kNumbers };
   const Lanes results[kNumbers] = {
-      Min(first, Min(second, third)), normal.x, normal.y, normal.z, first, second, third, ap.Dot(normal), doubleArea};
+      Min(first, Min(second, third)),           normal.x,  normal.y, normal.z, first, second, third,
+      ap.Dot(normal) - Spread<Lanes>(m_offset), doubleArea};
   OfEachFace<Real> numbers[kNumbers];
   for (std::size_t i = 0; i < kNumbers; ++i) StoreLanes(results[i], numbers[i].data());
   std::size_t best = 0;

@@ -223,7 +223,7 @@ FacePoint<Real> FindFacePoint(const Skin<Real>& skin, std::uint16_t face, const 
   at.doubleArea = std::max(std::sqrt(area.dot(area)), std::numeric_limits<Real>::min());
   const Vector3<Real> normal = area / at.doubleArea;
   at.normal = skin.side * normal;
-  at.distance = (p - a).dot(at.normal);
+  at.distance = (p - a).dot(at.normal) - skin.offset;
   // A corner's weight is the area of the triangle between the foot and the opposite side, over the face's area.
   at.weights[1] = (p - a).cross(c - a).dot(normal) / at.doubleArea;
   at.weights[2] = (b - a).cross(p - a).dot(normal) / at.doubleArea;

@@ -21,14 +21,15 @@ struct Skin {
   std::span<const Face> faces;
   const Topology* topology = nullptr;
   VectorView<Real> x;
-  Real side = 1;  // -1: an open skin seen from behind; all normals are then reversed
+  Real side = 1;    // -1: an open skin seen from behind; all normals are then reversed
+  Real offset = 0;  // the radius of the points that meet it, m: all distances are less by this
 };
 
 // A point seen from the plane of a face.
 template <class Real>
 struct FacePoint {
   std::uint16_t face = kNoFace;
-  Real distance = 0;      // from the plane, m; negative inside
+  Real distance = 0;      // from the plane, less Skin::offset, m; negative inside
   Vector3<Real> normal;   // outward on the skin's `side`, unit length
   Vector3<Real> weights;  // barycentric, of the point's foot on the plane; their sum is one, negative beyond a side
   Real doubleArea = 0;    // twice the face's area, m²

@@ -8,8 +8,8 @@
 namespace wobble::physics {
 namespace {
 
-// The box is the inner box grown by kEdgeRadius: with q = |x − c| − (half − r), the distance is |max(q, 0)| − r outside
-// the inner box and max(q) − r inside it (Quilez, "Distance functions").
+// The box is the inner box grown by a radius r, kEdgeRadius and more: with q = |x − c| − (half − r), the distance is
+// |max(q, 0)| − r outside the inner box and max(q) − r inside it (Quilez, "Distance functions").
 template <class Real>
 SurfacePoint<Real> FindBoxPoint(const Surface<Real>& surface, const Vector3<Real>& x) {
   const Vector3<Real> fromCentre = x - surface.centre;
@@ -19,7 +19,7 @@ SurfacePoint<Real> FindBoxPoint(const Surface<Real>& surface, const Vector3<Real
   if (length > Real(0)) {
     Vector3<Real> normal;
     for (int axis = 0; axis < 3; ++axis) normal[axis] = std::copysign(outside[axis] / length, fromCentre[axis]);
-    return {length - static_cast<Real>(kEdgeRadius), normal};
+    return {length - surface.radius, normal};
   }
   int deepest = 0;
   for (int axis = 1; axis < 3; ++axis) {
@@ -27,7 +27,7 @@ SurfacePoint<Real> FindBoxPoint(const Surface<Real>& surface, const Vector3<Real
   }
   Vector3<Real> normal = Vector3<Real>::Zero();
   normal[deepest] = std::copysign(Real(1), fromCentre[deepest]);
-  return {q[deepest] - static_cast<Real>(kEdgeRadius), normal};
+  return {q[deepest] - surface.radius, normal};
 }
 
 // A sphere is a capsule whose axis has no length.
@@ -73,7 +73,7 @@ SurfacePoint<Real> FindFieldSurfacePoint(const Surface<Real>& surface, const Vec
   const FieldPoint<Real> ground = FindGround(surface, u, v);
   const Vector3<Real> across(-ground.slopeX, -ground.slopeY, Real(1));
   const Real up = Real(1) / std::sqrt(across.dot(across));
-  return {(x.z() - ground.height) * up, across * up};
+  return {(x.z() - ground.height) * up - surface.radius, across * up};
 }
 
 // The larger of two lower bounds: the way to the rectangle, and the height above ground over √(1 + steepest²). Beyond
@@ -88,13 +88,13 @@ Real FindFieldClearance(const Surface<Real>& surface, const Vector3<Real>& x) {
   const auto steepest = static_cast<Real>(surface.field->steepest);
   const Real above = (x.z() - FindGround(surface, insideU, insideV).height) / std::sqrt(Real(1) + steepest * steepest);
   const Real beside = cell * std::sqrt((u - insideU) * (u - insideU) + (v - insideV) * (v - insideV));
-  return beside > Real(0) ? std::max(above, beside) : above;
+  return (beside > Real(0) ? std::max(above, beside) : above) - surface.radius;
 }
 
 }  // namespace
 
 template <class Real>
-Surface<Real> MakeSurface(const Obstacle& obstacle, const Vector3d& origin) {
+Surface<Real> MakeSurface(const Obstacle& obstacle, const Vector3d& origin, double radius) {
   using Kind = Obstacle::Kind;
   Surface<Real> surface;
   surface.kind = obstacle.kind;
@@ -103,21 +103,23 @@ Surface<Real> MakeSurface(const Obstacle& obstacle, const Vector3d& origin) {
   switch (obstacle.kind) {
     case Kind::kPlane:
       surface.normal = obstacle.normal.cast<Real>();
-      surface.offset = static_cast<Real>(obstacle.offset - obstacle.normal.dot(origin));
+      surface.offset = static_cast<Real>(obstacle.offset - obstacle.normal.dot(origin) + radius);
       break;
     case Kind::kBox:
       surface.centre = centre.cast<Real>();
       surface.halfExtents = (obstacle.halfExtents.array() - kEdgeRadius).matrix().cast<Real>();
+      surface.radius = static_cast<Real>(kEdgeRadius + radius);
       break;
     case Kind::kCapsule:
       surface.axis = (obstacle.end - obstacle.centre).cast<Real>();
       [[fallthrough]];
     case Kind::kSphere:
       surface.centre = centre.cast<Real>();
-      surface.radius = static_cast<Real>(obstacle.radius);
+      surface.radius = static_cast<Real>(obstacle.radius + radius);
       break;
     case Kind::kHeightField: {
       surface.field = obstacle.field.get();
+      surface.radius = static_cast<Real>(radius);
       const double column = std::nearbyint(-centre.x() / surface.field->cellSize);
       const double row = std::nearbyint(-centre.y() / surface.field->cellSize);
       surface.column = static_cast<int>(column);
@@ -160,7 +162,7 @@ Real FindApproachToGround(const Surface<Real>& surface, const Vector3<Real>& v) 
 }
 
 #define WOBBLE_INSTANTIATE(Real)                                                                       \
-  template Surface<Real> MakeSurface<Real>(const Obstacle&, const Vector3d&);                          \
+  template Surface<Real> MakeSurface<Real>(const Obstacle&, const Vector3d&, double);                  \
   template SurfacePoint<Real> FindOtherSurfacePoint<Real>(const Surface<Real>&, const Vector3<Real>&); \
   template Real FindClearance<Real>(const Surface<Real>&, const Vector3<Real>&);                       \
   template Real FindApproachToGround<Real>(const Surface<Real>&, const Vector3<Real>&);

@@ -42,16 +42,17 @@ struct Surface {
   Vector3<Real> halfExtents = Vector3<Real>::Ones();
   Real friction = 0;                           // factor on the body's coefficient
   Vector3<Real> axis = Vector3<Real>::Zero();  // capsule: from `centre` to its other end
-  Real radius = 0;
+  Real radius = 0;                             // sphere, capsule; of a box's edges; by which ground stands out
   const HeightField* field = nullptr;
   int column = 0;  // of the node nearest to the body's origin; may lie outside of the field
   int row = 0;
   double base = 0;  // height of the body's origin over the field's height 0, m
 };
 
-// origin: of the body's local coordinates, in the world, m.
+// origin: of the body's local coordinates, in the world, m. radius: of the body's vertices, m; the surface stands out
+// by it, so that balls meet it as points meet this surface (ground: to the first order of its slope).
 template <class Real>
-[[nodiscard]] Surface<Real> MakeSurface(const Obstacle& obstacle, const Vector3d& origin);
+[[nodiscard]] Surface<Real> MakeSurface(const Obstacle& obstacle, const Vector3d& origin, double radius = 0);
 
 template <class Real>
 struct SurfacePoint {

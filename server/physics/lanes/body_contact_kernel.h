@@ -106,7 +106,7 @@ WOBBLE_INLINE FaceView<V> ViewFace(const BodyContactBlock<Real>& block, const Bo
   at.weights.z = Dot(Cross(at.ab, ap), normal) * at.inverseArea;
   at.weights.x = one - at.weights.y - at.weights.z;
   at.normal = Scale(ReadRow<V>(block.side, lane), normal);
-  at.distance = Dot(ap, at.normal);
+  at.distance = Dot(ap, at.normal) - ReadRow<V>(block.offset, lane);
   return at;
 }
 
@@ -154,7 +154,8 @@ WOBBLE_INLINE void PushCorners(const FaceView<V>& at, const BodyContactBlock<Rea
   const V one = Spread<V>(Real(1));
   const Axes<V> sides[3] = {Subtract(at.c, at.b), Subtract(at.a, at.c), at.ab};
   const V square = Max(Dot(sides[0], sides[0]), Max(Dot(sides[1], sides[1]), Dot(sides[2], sides[2])));
-  const V lever = Min(depth * at.inverseArea, one / Max(Sqrt(square), Spread<V>(Real(kLeastDoubleArea))));
+  const V most = one / Max(Sqrt(square), Spread<V>(Real(kLeastDoubleArea)));
+  const V lever = Max(-most, Min((depth - ReadRow<V>(block.offset, lane)) * at.inverseArea, most));
   const V winding = ReadRow<V>(block.side, lane);
   const Axes<V> turned = Scale(winding * ReadRow<V>(block.share, lane) * lever, Cross(pull, at.normal));
   const V weights[3] = {at.weights.x, at.weights.y, at.weights.z};
@@ -210,11 +211,11 @@ struct SideView {
 };
 template <class V, class Real>
 WOBBLE_INLINE SideView ViewSide(const FaceView<V>& at, const Axes<V>& from, const Axes<V>& to, const Axes<V>& beyond,
-                                V side) {
+                                V side, V offset) {
   const Axes<V> area = Cross(Subtract(from, to), Subtract(beyond, to));
   const V inverse = side / Max(Sqrt(Dot(area, area)), Spread<V>(Real(kLeastDoubleArea)));
   const Axes<V> normal = Scale(inverse, area);
-  const V distance = Dot(Subtract(at.p, to), normal);
+  const V distance = Dot(Subtract(at.p, to), normal) - offset;
   const std::uint32_t concave = FindBelow(Spread<V>(Real(0)), Dot(Subtract(beyond, at.a), at.normal));
   const std::uint32_t rises = FindBelow(at.distance, distance);
   const std::uint32_t smooth = FindBelow(Spread<V>(static_cast<Real>(kSmoothCosine)), Dot(at.normal, normal));
@@ -229,11 +230,12 @@ WOBBLE_INLINE std::uint32_t FindThoseThatMove(const FaceView<V>& at, const BodyC
                                               const BodyContactPoints<Real>& points, std::size_t lane) {
   const V zero = Spread<V>(Real(0));
   const V side = ReadRow<V>(block.side, lane);
+  const V offset = ReadRow<V>(block.offset, lane);
   const Axes<V>* corners[3] = {&at.a, &at.b, &at.c};
   SideView all{0, 0};
   for (int i = 0; i < 3; ++i) {
     const SideView one = ViewSide<V, Real>(at, *corners[(i + 1) % 3], *corners[(i + 2) % 3],
-                                           ReadRows<V, Real>(points.across[i], lane), side);
+                                           ReadRows<V, Real>(points.across[i], lane), side, offset);
     all = {all.nearer | one.nearer, all.slides | one.slides};
   }
   const Axes<V> outward = ReadRows<V, Real>(block.outward, lane);

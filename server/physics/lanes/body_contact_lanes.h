@@ -28,6 +28,7 @@ struct alignas(64) BodyContactBlock {
   ContactRow<Real> stickDamping;
   ContactRow<Real> friction;
   ContactRow<Real> share;      // Coefficients::contactShares
+  ContactRow<Real> offset;     // Skin::offset, m
   ContactRow<Real> freeDepth;  // depth that is no leap, m: FindFreeDepth, at an open skin kArmingDepth
   ContactRow<Real> open;       // 1: the face's skin is open; 0: closed
   ContactRow<Real> outward[3];

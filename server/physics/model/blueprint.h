@@ -121,7 +121,13 @@ struct Blueprint {
   double gasViscosity = 0;     // c_g of the gas: more pressure per rate of the volume, Pa·s/m³; see step/losses.h
   // The damping rate that drag adds per metre per second of relative speed, 1/m.
   double dragRate = 0;
-  GridShape grid;  // set by the shape's maker if the vertices stand in a grid; empty otherwise
+  // Edges that meet those of other bodies (contact/edge_contact.h), and their radius, m: the springs of a body without
+  // faces, and its particles that no spring holds, as balls; the border of a planar body. Others meet with
+  // topology.sides, of radius 0.
+  std::vector<EdgeEnds> edges;
+  double edgeRadius = 0;
+  double rodRadius = 0;  // set by the maker of a body without faces: of its particles and springs, m
+  GridShape grid;        // set by the shape's maker if the vertices stand in a grid; empty otherwise
   Integrator integrator = Integrator::kRungeKutta4;
   std::shared_ptr<const SparsePattern> sparsePattern;  // of full.springs; for implicit Euler only
   Topology topology;                                   // of full.faces
@@ -160,10 +166,18 @@ struct Blueprint {
   }
 };
 
+// The edges of a body that meet those of others; places in this list name them.
+[[nodiscard]] inline const std::vector<EdgeEnds>& FindMeetingEdges(const Blueprint& blueprint) {
+  return blueprint.edges.empty() ? blueprint.topology.sides : blueprint.edges;
+}
+
 // Repulsion does not grow further once the ends of a spring are nearer than this share of the rest length.
 inline constexpr double kRepulsionFloorShare = 0.5;
 
 // The least size in formulas that divide by a body's size, m: a body may be a single particle.
 inline constexpr double kMinSize = 0.01;
+
+// Half of the gap that planar bodies keep in their plane, as a share of the body's size.
+inline constexpr double kOutlineRadiusShare = 0.02;
 
 }  // namespace wobble::physics

@@ -13,7 +13,7 @@ void FillRings(std::span<const Face> faces, std::size_t vertexCount, Topology& t
     for (const std::uint16_t vertex : face) ++topology.ringBegin[vertex + 1U];
   }
   for (std::size_t i = 0; i < vertexCount; ++i) {
-    if (topology.ringBegin[i + 1] > 0) topology.vertices.push_back(static_cast<std::uint16_t>(i));
+    if (topology.ringBegin[i + 1] > 0 || faces.empty()) topology.vertices.push_back(static_cast<std::uint16_t>(i));
     topology.ringBegin[i + 1] += topology.ringBegin[i];
   }
   topology.ring.resize(topology.ringBegin.back());
@@ -55,7 +55,7 @@ Topology MakeTopology(std::span<const Face> faces, std::size_t vertexCount) {
       open.erase(twin);
     }
   }
-  topology.isOpen = !open.empty();
+  topology.isOpen = !open.empty() || faces.empty();
   FillRings(faces, vertexCount, topology);
   return topology;
 }

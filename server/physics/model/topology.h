@@ -10,6 +10,8 @@ namespace wobble::physics {
 
 using Face = std::array<std::uint16_t, 3>;  // vertices, counter-clockwise seen from outside
 
+using EdgeEnds = std::array<std::uint16_t, 2>;  // vertices
+
 inline constexpr std::uint16_t kNoFace = 0xFFFF;
 
 struct Topology {
@@ -17,9 +19,9 @@ struct Topology {
   std::vector<std::array<std::uint16_t, 3>> neighbours;
   // By face, for each of these neighbours: its corner that is not on the side; at a border the face's own corner.
   std::vector<std::array<std::uint16_t, 3>> across;
-  std::vector<std::array<std::uint16_t, 2>> sides;  // the sides of all faces, each once
-  std::vector<std::uint16_t> vertices;              // the vertices of all faces, ascending
-  bool isOpen = false;  // some side has no face across it: a sheet, which can be touched from both sides
+  std::vector<EdgeEnds> sides;          // the sides of all faces, each once
+  std::vector<std::uint16_t> vertices;  // the vertices of all faces, ascending; of a body without faces, all
+  bool isOpen = false;  // some side has no face across it: a sheet, which can be touched from both sides; or no faces
   // The faces round vertex i are ring[ringBegin[i]] up to, but not including, ring[ringBegin[i + 1]].
   std::vector<std::uint32_t> ringBegin;
   std::vector<std::uint16_t> ring;

@@ -53,17 +53,24 @@ Coefficients<float> ToSingle(const Coefficients<double>& full) {
   return single;
 }
 
+// Calls visit(a, b) for each side of a face that has no face across it.
+template <class Visit>
+void VisitBorder(const Blueprint& blueprint, const Visit& visit) {
+  const Topology& topology = blueprint.topology;
+  for (std::size_t f = 0; f < topology.neighbours.size(); ++f) {
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const Face& face = blueprint.full.faces[f];
+      if (topology.neighbours[f][corner] == kNoFace) visit(face[(corner + 1) % 3], face[(corner + 2) % 3]);
+    }
+  }
+}
+
 // The vertices that may touch something. Of a planar body these are the ones on its border, though faces cover all of
 // it.
 std::vector<std::uint16_t> FindOuterVertices(const Blueprint& blueprint) {
-  const Topology& topology = blueprint.topology;
-  if (!blueprint.full.planar) return topology.vertices;
+  if (!blueprint.full.planar) return blueprint.topology.vertices;
   std::vector<std::uint16_t> outer;
-  for (std::size_t f = 0; f < topology.neighbours.size(); ++f) {
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      if (topology.neighbours[f][corner] == kNoFace) outer.push_back(blueprint.full.faces[f][(corner + 1) % 3]);
-    }
-  }
+  VisitBorder(blueprint, [&](std::uint16_t a, std::uint16_t) { outer.push_back(a); });
   return outer;
 }
 
@@ -72,10 +79,33 @@ std::vector<std::uint16_t> FindOuterVertices(const Blueprint& blueprint) {
 void FindContactShares(Blueprint& blueprint) {
   Coefficients<double>& full = blueprint.full;
   full.contactShares.assign(full.masses.size(), 1);
+  if (full.faces.empty()) return;
   double heaviest = 0;
   const std::vector<std::uint16_t> outer = FindOuterVertices(blueprint);
   for (const std::uint16_t vertex : outer) heaviest = std::max(heaviest, full.masses[vertex]);
   for (const std::uint16_t vertex : outer) full.contactShares[vertex] = full.masses[vertex] / heaviest;
+}
+
+// Blueprint::edges.
+void FindEdges(Blueprint& blueprint) {
+  const Coefficients<double>& full = blueprint.full;
+  blueprint.edges.clear();
+  blueprint.edgeRadius = 0;
+  if (full.faces.empty()) {
+    blueprint.edgeRadius = blueprint.rodRadius;
+    std::vector<bool> isHeld(full.masses.size(), false);
+    for (const Spring<double>& spring : full.springs) {
+      blueprint.edges.push_back({static_cast<std::uint16_t>(spring.a), static_cast<std::uint16_t>(spring.b)});
+      isHeld[spring.a] = isHeld[spring.b] = true;
+    }
+    for (std::size_t i = 0; i < isHeld.size(); ++i) {
+      const auto particle = static_cast<std::uint16_t>(i);
+      if (!isHeld[i]) blueprint.edges.push_back({particle, particle});
+    }
+  } else if (full.planar) {
+    blueprint.edgeRadius = kOutlineRadiusShare * blueprint.size;
+    VisitBorder(blueprint, [&](std::uint16_t a, std::uint16_t b) { blueprint.edges.push_back({a, b}); });
+  }
 }
 
 bool IsClosed(const Topology& topology) {
@@ -183,6 +213,7 @@ void FinishBlueprintButStability(Blueprint& blueprint) {
   blueprint.gasViscosity = FindGasViscosity(blueprint);
   blueprint.dragRate = FindDragRate(blueprint);
   FindContactShares(blueprint);
+  FindEdges(blueprint);
   blueprint.single = ToSingle(full);
   MakePlans(blueprint);
 }

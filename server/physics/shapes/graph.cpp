@@ -15,6 +15,7 @@
 
 #include "server/physics/contact/contact.h"
 #include "server/physics/shapes/finish_blueprint.h"
+#include "server/physics/shapes/material.h"
 
 namespace wobble::physics {
 namespace {
@@ -138,9 +139,11 @@ GraphEdit BuildGraph(const GraphDefinition& definition) {
   Blueprint& graph = edit.blueprint;
   graph.name = definition.name;
   graph.full.planar = definition.planar;
+  graph.rodRadius = definition.radius;
   CheckField(edit.errors, "friction", definition.friction, definition.friction >= 0 && definition.friction <= 10,
              "0 to 10");
   CheckRollingResistance(edit.errors, definition.rollingResistance);
+  CheckRadius(edit.errors, definition.radius);
   CheckField(edit.errors, "restitution", definition.restitution,
              definition.restitution >= 0 && definition.restitution <= 1, "0 to 1");
   CheckField(edit.errors, "contact_stiffness", definition.contactStiffness,

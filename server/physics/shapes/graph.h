@@ -35,6 +35,7 @@ struct GraphDefinition {
   double rollingResistance = 0.03;  // moment on a body that rolls, over normal force and size
   double restitution = 0.5;         // of a particle on a rigid surface
   double contactStiffness = 1000;   // of a particle against a surface, N/m
+  double radius = 0.03;             // of its particles and springs, which meet other bodies as balls and capsules, m
 };
 
 inline constexpr std::size_t kMaxParticles = 512;

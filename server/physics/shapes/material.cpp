@@ -9,6 +9,10 @@ void CheckRollingResistance(std::vector<FieldError>& errors, double value) {
   CheckField(errors, "rolling_resistance", value, value >= 0 && value <= 1, "0 to 1");
 }
 
+void CheckRadius(std::vector<FieldError>& errors, double value) {
+  CheckField(errors, "radius", value, value >= 0.001 && value <= 10, "0.001 to 10 m");
+}
+
 void CheckMaterial(std::vector<FieldError>& errors, const Material& m) {
   CheckField(errors, "mass", m.mass, m.mass >= 1e-3 && m.mass <= 1e6, "0.001 to 1000000 kg");
   CheckField(errors, "stiffness", m.stiffness, m.stiffness > 0 && m.stiffness <= 1e9, "above 0, up to 1e9 N/m");

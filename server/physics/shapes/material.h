@@ -17,6 +17,8 @@ inline constexpr double kMinRestShare = 0.3;
 void CheckMaterial(std::vector<FieldError>& errors, const Material& material);
 void CheckGas(std::vector<FieldError>& errors, const Material& material);
 void CheckRollingResistance(std::vector<FieldError>& errors, double value);
+// Of particles and springs.
+void CheckRadius(std::vector<FieldError>& errors, double value);
 // Adds an error when the body is too fast for its ticks (IsSlowEnough).
 void CheckStiffness(std::vector<FieldError>& errors, const Material& material, const Blueprint& blueprint);
 

@@ -11,6 +11,7 @@ std::vector<FieldError> ValidatePair(const PairDefinition& d) {
   CheckField(errors, "length", d.length, d.length >= 0.02 && d.length <= 50, "0.02 to 50 m");
   const double way = d.direction.norm();
   CheckField(errors, "direction", way, way >= 1e-6 && way <= 1e6, "a direction");
+  CheckRadius(errors, d.radius);
   CheckMaterial(errors, d.material);
   if (errors.empty()) CheckStiffness(errors, d.material, MakePair(d));
   return errors;
@@ -29,6 +30,7 @@ Blueprint MakePair(const PairDefinition& definition) {
                              .restLength = definition.length,
                              .stiffness = material.stiffness,
                              .damping = FindDamping(material.dampingRatio, material.stiffness, vertexMass)}};
+  blueprint.rodRadius = definition.radius;
   SetRepulsion(blueprint, material.repulsion);
   blueprint.full.contact = MakeContactParameters(material, vertexMass, definition.length / 2);
   FinishBlueprint(blueprint);

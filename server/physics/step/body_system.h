@@ -17,6 +17,7 @@
 #include "server/physics/model/parallel.h"
 #include "server/physics/step/member.h"
 #include "server/physics/step/system_contacts.h"
+#include "server/physics/step/system_edges.h"
 
 namespace wobble::physics {
 
@@ -52,6 +53,7 @@ struct SystemScratch {
   std::vector<MovingPoint<Real>> points;  // empty where no members touch
   std::vector<std::size_t> begins;        // of each member's vertices in these arrays, and the end of the last
   SystemContacts<Real> systemContacts;
+  SystemEdges<Real> systemEdges;
   std::vector<Motion<Real>> motions;  // of each member
   // Contacts as the tick found them, one list after the other, for a tick that is stepped again.
   std::vector<Contact<Real>> contacts;
@@ -88,6 +90,7 @@ class BodySystem {
     ListMembers();
     SaveContacts();
     m_scratch.systemContacts.Build(contactPairs, members, kernel.bodyContacts);
+    m_scratch.systemEdges.Build(contactPairs, members);
   }
 
   [[nodiscard]] std::span<Member<Real>* const> Members() const { return m_members; }
@@ -143,6 +146,14 @@ class BodySystem {
                              SliceOf(x, faces), SliceOf(v, faces));
   }
 
+  // The edges of a contact pair, likewise.
+  [[nodiscard]] EdgeMeeting<Real> MeetEdges(const ContactPair<Real>& contactPair, std::span<const Vector3<Real>> x,
+                                            std::span<const Vector3<Real>> v) const {
+    const auto [first, second] = contactPair.members;
+    return MakeEdgeMeeting<Real>(*m_members[first], SliceOf(x, first), SliceOf(v, first), *m_members[second],
+                                 SliceOf(x, second), SliceOf(v, second));
+  }
+
   // The threads that ForEach uses.
   [[nodiscard]] std::size_t CountThreads() const {
     return m_threads == nullptr ? 1 : static_cast<std::size_t>(m_threads->Count());
@@ -193,21 +204,22 @@ class BodySystem {
 
   // Computes the forces of all contacts between members at x and v; VisitContactForces reads them.
   void ComputeAllBodyContacts(std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v) const {
-    m_scratch.systemContacts.ComputeForces(FindMotions(x, v), m_threads);
+    ComputeAllBodyContactsAt(FindMotions(x, v));
   }
   // The same at Points().
-  void ComputeAllBodyContacts() const { m_scratch.systemContacts.ComputeForces(FindMotionsOfPoints(), m_threads); }
+  void ComputeAllBodyContacts() const { ComputeAllBodyContactsAt(FindMotionsOfPoints()); }
   // Calls add(vertex, force in N) for every such force on a member, always in the same order.
   template <class Add>
   void VisitContactForces(std::size_t member, const Add& add) const {
     m_scratch.systemContacts.VisitForcesOn(member, add);
+    m_scratch.systemEdges.VisitForcesOn(member, add);
   }
   // Brings the contacts between members up to date after a substep of h s that ended at x and v.
   void UpdateAllBodyContacts(std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, Real h) const {
-    m_scratch.systemContacts.Update(FindMotions(x, v), h, m_threads);
+    UpdateAllBodyContactsAt(FindMotions(x, v), h);
   }
   // The same for a substep that ended at Points().
-  void UpdateAllBodyContacts(Real h) const { m_scratch.systemContacts.Update(FindMotionsOfPoints(), h, m_threads); }
+  void UpdateAllBodyContacts(Real h) const { UpdateAllBodyContactsAt(FindMotionsOfPoints(), h); }
 
   // Copies positions and velocities from the bodies' own states into the system's arrays. The states keep those of the
   // tick's begin until Scatter.
@@ -230,6 +242,7 @@ class BodySystem {
       const auto saved = BodyContactsBefore(side);
       std::copy(saved.begin(), saved.end(), m_contactPairs[side / 2].sides[side % 2]->begin());
     }
+    m_scratch.systemEdges.PutBack(island.contactPairBegin, island.contactPairEnd);
     m_scratch.systemContacts.ReadLists();
   }
 
@@ -252,6 +265,10 @@ class BodySystem {
   [[nodiscard]] std::span<const BodyContact<Real>> BodyContactsBefore(std::size_t side) const {
     return std::span(m_scratch.bodyContacts)
         .subspan(m_scratch.systemContacts.BeginOf(side), m_contactPairs[side / 2].sides[side % 2]->size());
+  }
+  // The edge contacts of a contact pair as the tick found them.
+  [[nodiscard]] std::span<const EdgeContact<Real>> EdgeContactsBefore(std::size_t contactPair) const {
+    return m_scratch.systemEdges.Before(contactPair);
   }
 
  private:
@@ -280,6 +297,15 @@ class BodySystem {
         m_scratch.bodyContacts.insert(m_scratch.bodyContacts.end(), side->begin(), side->end());
       }
     }
+  }
+
+  void ComputeAllBodyContactsAt(std::span<const Motion<Real>> motions) const {
+    m_scratch.systemContacts.ComputeForces(motions, m_threads);
+    m_scratch.systemEdges.ComputeForces(motions, m_threads);
+  }
+  void UpdateAllBodyContactsAt(std::span<const Motion<Real>> motions, Real h) const {
+    m_scratch.systemContacts.Update(motions, h, m_threads);
+    m_scratch.systemEdges.Update(motions, h, m_threads);
   }
 
   // Valid until the next call.

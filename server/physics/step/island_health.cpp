@@ -42,6 +42,20 @@ ElasticChange FindElasticChange(const BodySystem<Real>& system, const Island& is
     change.gain +=
         ComputeBodyContactEnergy<Real>(contactPair.parameters, meetingAfter, *contactPair.sides[side % 2]) - before;
   }
+  for (std::size_t pair = island.contactPairBegin; pair < island.contactPairEnd; ++pair) {
+    const ContactPair<Real>& contactPair = system.ContactPairs()[pair];
+    const std::span<const EdgeContact<Real>> contactsBefore = system.EdgeContactsBefore(pair);
+    if (contactsBefore.empty()) continue;
+    const auto [first, second] = contactPair.members;
+    const double before = ComputeEdgeContactEnergy<Real>(
+        contactPair.parameters, MakeEdgeMeeting<Real>(*system.Members()[first], *system.Members()[second]),
+        contactsBefore);
+    const double after = ComputeEdgeContactEnergy<Real>(
+        contactPair.parameters, system.MeetEdges(contactPair, scratch.positions, scratch.velocities),
+        *contactPair.edges);
+    change.before += before;
+    change.gain += after - before;
+  }
   return change;
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/physics/contact/body_contact.h"
+#include "server/physics/contact/edge_contact.h"
 #include "server/physics/methods/forces.h"
 #include "server/physics/methods/health.h"
 #include "server/physics/methods/stability.h"
@@ -64,6 +65,7 @@ struct ContactPair {
   std::array<std::uint32_t, 2> members{};
   ContactParameters<Real> parameters;
   std::array<std::vector<BodyContact<Real>>*, 2> sides{};
+  std::vector<EdgeContact<Real>>* edges = nullptr;  // of the first's edges with the second's; null: none
 };
 
 // One side of a contact pair, for positions x, m, and velocities v, m/s, of the body with the vertices, and skinX and
@@ -78,12 +80,42 @@ template <class Real>
           .shares = ofVertices.blueprint->template Read<Real>().contactShares,
           .skin = {.faces = ofFaces.blueprint->template Read<Real>().faces,
                    .topology = &ofFaces.blueprint->topology,
-                   .x = skinX},
+                   .x = skinX,
+                   .offset = static_cast<Real>(ofVertices.blueprint->rodRadius)},
           .skinV = skinV,
           .shift = shift.cast<Real>()};
 }
 
+// Whether edges of the two bodies meet: vertices against faces see nothing where one of them has no faces, or where
+// both lie in a plane.
+[[nodiscard]] inline bool MeetByEdges(const Blueprint& first, const Blueprint& second) {
+  return first.rodRadius > 0 || second.rodRadius > 0 || (first.full.planar && second.full.planar);
+}
+
+// The edges of two bodies at positions x, m, and velocities v, m/s, each in its own local coordinates.
+template <class Real>
+[[nodiscard]] EdgeMeeting<Real> MakeEdgeMeeting(const Member<Real>& first, const VectorView<Real>& x,
+                                                const VectorView<Real>& v, const Member<Real>& second,
+                                                const VectorView<Real>& secondX, const VectorView<Real>& secondV) {
+  const auto describe = [](const Blueprint& blueprint, const VectorView<Real>& places,
+                           const VectorView<Real>& velocities) -> typename EdgeMeeting<Real>::Body {
+    return {.edges = FindMeetingEdges(blueprint),
+            .x = places,
+            .v = velocities,
+            .shares = blueprint.template Read<Real>().contactShares};
+  };
+  return {.first = describe(*first.blueprint, x, v),
+          .second = describe(*second.blueprint, secondX, secondV),
+          .shift = (first.state->origin - second.state->origin).template cast<Real>(),
+          .radius = static_cast<Real>(first.blueprint->edgeRadius + second.blueprint->edgeRadius)};
+}
+
 // The same with positions and velocities as the bodies' states have them.
+template <class Real>
+[[nodiscard]] EdgeMeeting<Real> MakeEdgeMeeting(const Member<Real>& first, const Member<Real>& second) {
+  return MakeEdgeMeeting<Real>(first, first.state->positions, first.state->velocities, second, second.state->positions,
+                               second.state->velocities);
+}
 template <class Real>
 [[nodiscard]] Meeting<Real> MakeMeeting(const Member<Real>& ofVertices, const Member<Real>& ofFaces) {
   return MakeMeeting<Real>(ofVertices, ofVertices.state->positions, ofVertices.state->velocities, ofFaces,

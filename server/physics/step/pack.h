@@ -114,8 +114,8 @@ class Pack {
   // Member::insideOut.
   void EndTry() const;
 
-  // Copies the positions and velocities at which `stage` will be computed to the system's points, where contacts between
-  // members read them. After stage 3 those of stage 0 are the next step's.
+  // Copies the positions and velocities at which `stage` will be computed to the system's points, where contacts
+  // between members read them. After stage 3 those of stage 0 are the next step's.
   void CopyToPoints(int stage) const { m_layout.CopyToPoints(NumbersOf(stage)); }
 
   [[nodiscard]] const PackBodies<Real>& Bodies() const { return m_bodies; }

@@ -10,9 +10,9 @@
 namespace wobble::physics {
 
 // A body is at rest after moving slower than this, RMS over its vertices by mass, for so long: one corner that trembles
-// does not keep it awake. What stays below 1 cm/s for half a second round the turning point of a swing of up to 2 s swings
-// at no more than 1.5 cm/s. A bound of acceleration as well, 5 cm/s², was rejected: all that it kept awake, for 1 to 3 s,
-// were vibrations of less than a millimetre.
+// does not keep it awake. What stays below 1 cm/s for half a second round the turning point of a swing of up to 2 s
+// swings at no more than 1.5 cm/s. A bound of acceleration as well, 5 cm/s², was rejected: all that it kept awake, for
+// 1 to 3 s, were vibrations of less than a millimetre.
 inline constexpr double kQuietSpeed = 0.01;  // m/s
 inline constexpr double kQuietTime = 0.5;    // s
 

@@ -36,6 +36,11 @@ int AddAllContactLoads(std::span<Member<Real>* const> members, std::span<const C
           most, AddContactLoads<Real>(contactPair.parameters, MakeMeeting<Real>(*members[vertices], *members[faces]),
                                       *contactPair.sides[side], duration, loadsOf(vertices), loadsOf(faces)));
     }
+    if (contactPair.edges == nullptr) continue;
+    const auto [first, second] = contactPair.members;
+    most = std::max(most, AddEdgeContactLoads<Real>(contactPair.parameters,
+                                                    MakeEdgeMeeting<Real>(*members[first], *members[second]),
+                                                    *contactPair.edges, duration, loadsOf(first), loadsOf(second)));
   }
   return most;
 }

@@ -131,6 +131,7 @@ void SystemContacts<Real>::WriteConstants(std::size_t contact) {
   block.stickDamping[lane] = side.parameters.stickDamping;
   block.friction[lane] = side.parameters.friction;
   block.share[lane] = side.meeting.shares[known.vertex];
+  block.offset[lane] = side.meeting.skin.offset;
   block.freeDepth[lane] = isOpen ? static_cast<Real>(kArmingDepth) : FindFreeDepth(side.parameters);
   block.open[lane] = isOpen ? Real(1) : Real(0);
   WriteRows(known.outward, lane, block.outward);

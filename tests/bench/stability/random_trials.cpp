@@ -55,8 +55,6 @@ double FindDepthUnderSurfaces(const World& world, const std::vector<Vector3d>& x
   return deepest;
 }
 
-// Bodies without faces, such as graphs, have no surface and pass through others by design.
-bool HasSurface(const Blueprint& blueprint) { return !blueprint.full.faces.empty(); }
 bool IsClosed(const Blueprint& blueprint) { return blueprint.restVolume > 0 && !blueprint.full.planar; }
 
 void LookAtDepths(const World& world, std::vector<float>& depths) {
@@ -66,7 +64,7 @@ void LookAtDepths(const World& world, std::vector<float>& depths) {
     double deepest = FindDepthUnderSurfaces(world, places[i]);
     for (std::size_t j = 0; j < places.size(); ++j) {
       const Blueprint& other = world.BlueprintOf(world.Bodies()[j]);
-      if (j != i && IsClosed(other) && HasSurface(world.BlueprintOf(world.Bodies()[i]))) {
+      if (j != i && IsClosed(other)) {
         deepest = std::max(deepest, FindDeepestInside(places[i], other.full.faces, places[j]));
       }
     }

@@ -1,0 +1,271 @@
+// The plain law of edge contacts. There is no other: such contacts are few, since only small bodies have them.
+#include "server/physics/contact/edge_contact.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/physics/lanes/contact_limits.h"
+
+namespace wobble::physics {
+namespace {
+
+// Below this sine of the angle between two edges their common normal is lost in rounding; they count as parallel.
+constexpr double kParallelSine = 1e-3;
+// Below this distance, m, the direction between the nearest points is lost in rounding.
+constexpr double kLeastGap = 1e-7;
+// Most substeps that a fast contact asks for, so that it does not pass the other's axis within one.
+constexpr int kMostFastSubsteps = 16;
+
+template <class Real>
+Real Clamp01(Real value) {
+  return std::clamp(value, Real(0), Real(1));
+}
+
+// The parameters s and t of the nearest points of two segments a + s u and c + t w (Ericson 2005, 5.1.9). w0 = a − c.
+template <class Real>
+std::array<Real, 2> FindNearest(const Vector3<Real>& u, const Vector3<Real>& w, const Vector3<Real>& w0) {
+  const Real uu = u.dot(u);
+  const Real ww = w.dot(w);
+  const Real wr = w.dot(w0);
+  if (!(uu > Real(0))) return {Real(0), ww > Real(0) ? Clamp01(wr / ww) : Real(0)};
+  const Real ur = u.dot(w0);
+  if (!(ww > Real(0))) return {Clamp01(-ur / uu), Real(0)};
+  const Real uw = u.dot(w);
+  const Real area = uu * ww - uw * uw;
+  constexpr auto kLeast = static_cast<Real>(kParallelSine * kParallelSine);
+  // Parallel edges overlap along a stretch, in whose middle the force belongs: at its end it would turn them.
+  Real s = 0;
+  if (area > kLeast * uu * ww) {
+    s = Clamp01((uw * wr - ur * ww) / area);
+  } else {
+    const Real one = Clamp01(-ur / uu);
+    const Real other = Clamp01((uw - ur) / uu);
+    s = (one + other) / Real(2);
+  }
+  Real t = (uw * s + wr) / ww;
+  if (t < Real(0) || t > Real(1)) {
+    t = Clamp01(t);
+    s = Clamp01((uw * t - ur) / uu);
+  }
+  return {s, t};
+}
+
+template <class Real>
+bool IsInside(Real parameter) {
+  return parameter > Real(0) && parameter < Real(1);
+}
+
+// The share of both edges in a contact: the least of their ends', so that no vertex gets more than its own.
+template <class Real>
+Real FindShare(const EdgeMeeting<Real>& meeting, const EdgeEnds& first, const EdgeEnds& second) {
+  return std::min({meeting.first.shares[first[0]], meeting.first.shares[first[1]], meeting.second.shares[second[0]],
+                   meeting.second.shares[second[1]]});
+}
+
+template <class Real>
+Vector3<Real> PointOn(const VectorView<Real>& values, const EdgeEnds& ends, Real at) {
+  return (Real(1) - at) * values[ends[0]] + at * values[ends[1]];
+}
+
+// The stick spring of a touching contact, m.
+template <class Real>
+Vector3<Real> FindEdgeSlip(const EdgeMeeting<Real>& meeting, const EdgeContact<Real>& contact,
+                           const Vector3<Real>& normal) {
+  const Vector3<Real> p = PointOn(meeting.first.x, meeting.first.edges[contact.first], contact.s) + meeting.shift;
+  const Vector3<Real> q = PointOn(meeting.second.x, meeting.second.edges[contact.second], contact.t);
+  return RemoveNormalPart<Real>(contact.slip + p - q, normal);
+}
+
+// The part of a pull along one edge that its ends can bear the torque of, N: the lever D must not be longer than the
+// edge itself, or the balancing forces would exceed the friction.
+template <class Real>
+Real FindPullAlong(const typename EdgeView<Real>::Side& side, Real distance, const Vector3<Real>& pull) {
+  if (!side.inside) return 0;
+  return pull.dot(side.direction) * std::min(Real(1), side.length / std::max(std::abs(distance), side.length));
+}
+
+// Depth that is pushed back, m; not above 0: the contact does not act.
+template <class Real>
+Real FindDepth(const EdgeMeeting<Real>& meeting, const EdgeContact<Real>& contact, const EdgeView<Real>& view) {
+  return meeting.radius - view.distance - contact.leap;
+}
+
+template <class Real>
+EdgeForce<Real> ComputeForce(const ContactParameters<Real>& parameters, const EdgeMeeting<Real>& meeting,
+                             const EdgeContact<Real>& contact) {
+  EdgeForce<Real> result;
+  const EdgeView<Real> view = FindEdgeView(meeting, contact.first, contact.second, contact.normal);
+  const Real depth = FindDepth(meeting, contact, view);
+  if (!(depth > Real(0))) return result;
+  const Real normalForce = ComputeNormalForce(parameters, depth, -view.normal.dot(view.velocity));
+  Vector3<Real> pull = parameters.stickDamping * RemoveNormalPart<Real>(view.velocity, view.normal);
+  if (contact.touching) {
+    pull += FindStickPull<Real>(parameters, parameters.friction, depth, FindEdgeSlip(meeting, contact, view.normal));
+  }
+  const Real limit = parameters.friction * normalForce;
+  const Real strength = std::sqrt(pull.dot(pull));
+  if (strength > limit) pull *= limit / strength;
+
+  const EdgeEnds& first = meeting.first.edges[contact.first];
+  const EdgeEnds& second = meeting.second.edges[contact.second];
+  const Real share = FindShare(meeting, first, second);
+  const Real alongFirst = FindPullAlong<Real>(view.first, view.distance, pull);
+  const Vector3<Real> rest = pull - alongFirst * view.first.direction;
+  const Real alongSecond = FindPullAlong<Real>(view.second, view.distance, rest);
+  const Vector3<Real> kept = alongFirst * view.first.direction + alongSecond * view.second.direction;
+  const Vector3<Real> force = share * (normalForce * view.normal - kept);
+  // The torque D n × (−pull) of the part along an edge, balanced by ∓ D pull/length n on the edge's ends.
+  const auto balance = [&](const typename EdgeView<Real>::Side& side, Real along) -> Vector3<Real> {
+    if (!side.inside) return Vector3<Real>::Zero();
+    return share * view.distance * along / side.length * view.normal;
+  };
+  const Vector3<Real> turnFirst = balance(view.first, alongFirst);
+  const Vector3<Real> turnSecond = balance(view.second, alongSecond);
+  result.acts = true;
+  result.vertices = {first[0], first[1], second[0], second[1]};
+  result.forces = {(Real(1) - view.s) * force + turnFirst, view.s * force - turnFirst,
+                   -(Real(1) - view.t) * force + turnSecond, -view.t * force - turnSecond};
+  return result;
+}
+
+}  // namespace
+
+template <class Real>
+EdgeView<Real> FindEdgeView(const EdgeMeeting<Real>& meeting, std::uint16_t first, std::uint16_t second,
+                            const Vector3<Real>& normal) {
+  const EdgeEnds& ab = meeting.first.edges[first];
+  const EdgeEnds& cd = meeting.second.edges[second];
+  const Vector3<Real> a = meeting.first.x[ab[0]] + meeting.shift;
+  const Vector3<Real>& c = meeting.second.x[cd[0]];
+  const Vector3<Real> u = meeting.first.x[ab[1]] - meeting.first.x[ab[0]];
+  const Vector3<Real> w = meeting.second.x[cd[1]] - c;
+  EdgeView<Real> view;
+  const auto [s, t] = FindNearest<Real>(u, w, a - c);
+  view.s = s;
+  view.t = t;
+  view.velocity = PointOn(meeting.first.v, ab, s) - PointOn(meeting.second.v, cd, t);
+  const auto describe = [](const Vector3<Real>& along, Real at) -> typename EdgeView<Real>::Side {
+    const Real length = std::sqrt(along.dot(along));
+    if (!(length > Real(0))) return {};
+    return {along / length, length, IsInside(at)};
+  };
+  view.first = describe(u, s);
+  view.second = describe(w, t);
+
+  const Vector3<Real> gap = a + s * u - (c + t * w);
+  const Real length = std::sqrt(gap.dot(gap));
+  const Vector3<Real> across = view.first.direction.cross(view.second.direction);
+  const Real sine = std::sqrt(across.dot(across));
+  view.normal = normal;
+  if (view.first.inside && view.second.inside && sine > static_cast<Real>(kParallelSine)) {
+    view.normal = across / sine;
+  } else if (length > static_cast<Real>(kLeastGap)) {
+    view.normal = gap / length;
+  }
+  const Vector3<Real>& sense = normal.squaredNorm() > Real(0) ? normal : gap;
+  if (view.normal.dot(sense) < Real(0)) view.normal = -view.normal;
+  if (!(view.normal.squaredNorm() > Real(0))) view.normal = Vector3<Real>::UnitZ();
+  view.distance = view.normal.dot(gap);
+  return view;
+}
+
+template <class Real>
+void ComputeEdgeContacts(const ContactParameters<Real>& parameters, const EdgeMeeting<Real>& meeting,
+                         std::span<const EdgeContact<Real>> contacts, std::span<EdgeForce<Real>> forces) {
+  for (std::size_t i = 0; i < contacts.size(); ++i) forces[i] = ComputeForce(parameters, meeting, contacts[i]);
+}
+
+template <class Real>
+void UpdateEdgeContacts(const ContactParameters<Real>& parameters, const EdgeMeeting<Real>& meeting, Real h,
+                        std::span<EdgeContact<Real>> contacts) {
+  for (EdgeContact<Real>& contact : contacts) {
+    const EdgeView<Real> view = FindEdgeView(meeting, contact.first, contact.second, contact.normal);
+    const Real speed = std::sqrt(view.velocity.dot(view.velocity));
+    const Real most = contact.depth + FindFreeDepth(parameters) + static_cast<Real>(kArmingSteps) * h * speed;
+    const Real whole = meeting.radius - view.distance;
+    contact.leap += std::max(Real(0), whole - contact.leap - most);
+    contact.leap = std::clamp(contact.leap, Real(0), std::max(Real(0), whole));
+    contact.depth = whole - contact.leap;
+    Vector3<Real> slip = contact.touching
+                             ? FindEdgeSlip(meeting, contact, view.normal)
+                             : FindFirstSlip<Real>(h, std::max(Real(0), contact.depth), view.normal, view.velocity);
+    const Real limit = parameters.friction * ComputePenalty(parameters, contact.depth);
+    const Real strength = parameters.stickStiffness * std::sqrt(slip.dot(slip));
+    if (strength > limit) slip *= limit / strength;
+    contact.slip = slip;
+    contact.touching = contact.depth > Real(0);
+    contact.normal = view.normal;
+    contact.s = view.s;
+    contact.t = view.t;
+  }
+}
+
+template <class Real>
+double ComputeEdgeContactEnergy(const ContactParameters<Real>& parameters, const EdgeMeeting<Real>& meeting,
+                                std::span<const EdgeContact<Real>> contacts) {
+  double energy = 0;
+  for (const EdgeContact<Real>& contact : contacts) {
+    const EdgeView<Real> view = FindEdgeView(meeting, contact.first, contact.second, contact.normal);
+    const Real depth = FindDepth(meeting, contact, view);
+    if (!(depth > Real(0))) continue;
+    Real stored = ComputePenaltyEnergy(parameters, depth);
+    if (contact.touching) {
+      const Vector3<Real> slip = FindEdgeSlip(meeting, contact, view.normal);
+      stored += parameters.stickStiffness * slip.dot(slip) / Real(2);
+    }
+    energy +=
+        double{FindShare(meeting, meeting.first.edges[contact.first], meeting.second.edges[contact.second]) * stored};
+  }
+  return energy;
+}
+
+template <class Real>
+int AddEdgeContactLoads(const ContactParameters<Real>& parameters, const EdgeMeeting<Real>& meeting,
+                        std::span<const EdgeContact<Real>> contacts, double duration, std::span<VertexLoad> loads,
+                        std::span<VertexLoad> secondLoads) {
+  int substeps = 1;
+  for (const EdgeContact<Real>& contact : contacts) {
+    const EdgeView<Real> view = FindEdgeView(meeting, contact.first, contact.second, contact.normal);
+    const double approach = -double{view.normal.dot(view.velocity)};
+    const double depth = PredictDepth(double{FindDepth(meeting, contact, view)}, approach, duration);
+    if (!(depth > 0)) continue;
+    const auto reached = static_cast<Real>(depth);
+    const EdgeEnds& first = meeting.first.edges[contact.first];
+    const EdgeEnds& second = meeting.second.edges[contact.second];
+    const double share = double{FindShare(meeting, first, second)};
+    const double stiffness =
+        share * double{std::max(ComputePenaltySlope(parameters, reached), parameters.stickStiffness)};
+    const double damping = share * double{std::max(parameters.damping * ComputeDampingShare(parameters, reached),
+                                                   parameters.stickDamping)};
+    const auto add = [&](VertexLoad& load, double weight) {
+      load.stiffness += 2 * weight * stiffness;
+      load.damping += 2 * weight * damping;
+    };
+    add(loads[first[0]], double{Real(1) - view.s});
+    add(loads[first[1]], double{view.s});
+    add(secondLoads[second[0]], double{Real(1) - view.t});
+    add(secondLoads[second[1]], double{view.t});
+    // Two substeps for each radius of its way.
+    const double asked = 2 * approach * duration / std::max(double{meeting.radius}, 1e-3);
+    substeps = std::max(substeps, static_cast<int>(std::ceil(std::clamp(asked, 1.0, double{kMostFastSubsteps}))));
+  }
+  return substeps;
+}
+
+#define WOBBLE_INSTANTIATE(Real)                                                                            \
+  template EdgeView<Real> FindEdgeView<Real>(const EdgeMeeting<Real>&, std::uint16_t, std::uint16_t,        \
+                                             const Vector3<Real>&);                                         \
+  template void ComputeEdgeContacts<Real>(const ContactParameters<Real>&, const EdgeMeeting<Real>&,         \
+                                          std::span<const EdgeContact<Real>>, std::span<EdgeForce<Real>>);  \
+  template void UpdateEdgeContacts<Real>(const ContactParameters<Real>&, const EdgeMeeting<Real>&, Real,    \
+                                         std::span<EdgeContact<Real>>);                                     \
+  template double ComputeEdgeContactEnergy<Real>(const ContactParameters<Real>&, const EdgeMeeting<Real>&,  \
+                                                 std::span<const EdgeContact<Real>>);                       \
+  template int AddEdgeContactLoads<Real>(const ContactParameters<Real>&, const EdgeMeeting<Real>&,          \
+                                         std::span<const EdgeContact<Real>>, double, std::span<VertexLoad>, \
+                                         std::span<VertexLoad>);
+WOBBLE_INSTANTIATE(float)
+WOBBLE_INSTANTIATE(double)
+#undef WOBBLE_INSTANTIATE
+
+}  // namespace wobble::physics

@@ -1,0 +1,138 @@
+// Contacts between edges of two bodies. Vertices against faces (body_contact.h) do not see where bodies without faces
+// or in one plane meet: springs and particles of `pair` and `graph` against one another and against the sides of skins,
+// and planar bodies in their plane. An edge is a capsule: all points within its radius. An edge whose ends are one
+// vertex is a ball.
+//
+// Normal force. p = (1 − s) a + s b and q = (1 − t) c + t d are the points of the edges ab and cd that are nearest to
+// one another, n is the unit vector from q to p, and D = n·(p − q). At depth r − D, r the sum of the radii, ab gets N n
+// with N from the law in contact.h, split by 1 − s and s between its ends, and cd gets the opposite. Where p is not an
+// end of its edge, p − q is normal to the edge, so ∂D/∂s = 0; where it is one, s is constant. In both cases this is the
+// gradient of a potential, and its two forces act along one line: momentum and angular momentum are kept to rounding.
+//
+// Sense. n keeps the sense that it had when the contact was found (n·n_before > 0). So an edge that comes past the
+// other's axis within a substep has a negative D and is pushed back to where it came from.
+//
+// Friction. A force F at p and −F at q, both normal to n, leave the torque D n × F. A rod has no spin about its own
+// axis, so it can bear only the part of this torque that its ends balance by forces along n: for F along the edge ab,
+// that is ∓ D (F·u)/|ab| n on b and a, u the edge's direction. So friction acts along ab where p is not an end, and, of
+// the rest, along cd where q is not one. Two balls have none, as two points on springs cannot bear it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "server/physics/contact/body_contact.h"
+#include "server/physics/model/topology.h"
+
+namespace wobble::physics {
+
+// An edge of a pair's first body near an edge of its second. Lists are sorted by `first`, then `second`; all fields
+// live on from tick to tick.
+template <class Real>
+struct EdgeContact {
+  std::uint16_t first = 0;  // places in the bodies' lists of edges
+  std::uint16_t second = 0;
+  bool touching = false;  // it pushed at the end of the last substep: slip, s and t describe the stick spring
+  Real depth = 0;         // pushed back at the end of the last substep, m; negative apart
+  Real leap = 0;          // depth beyond `depth` that no motion has brought: not pushed back, m
+  Real s = 0;             // of the nearest points at the last substep's end
+  Real t = 0;
+  Vector3<Real> normal = Vector3<Real>::UnitZ();  // from the second edge to the first, unit length
+  Vector3<Real> slip = Vector3<Real>::Zero();     // of the stick spring at the last substep's end, m
+};
+
+// The edges of two bodies at one moment.
+template <class Real>
+struct EdgeMeeting {
+  struct Body {
+    std::span<const EdgeEnds> edges;
+    VectorView<Real> x;            // in the body's own local coordinates, m
+    VectorView<Real> v;            // m/s
+    std::span<const Real> shares;  // Coefficients::contactShares
+  };
+  Body first;
+  Body second;
+  Vector3<Real> shift = Vector3<Real>::Zero();  // from the first body's coordinates to the second's, m
+  Real radius = 0;                              // of both edges together, m
+};
+
+// The force of one contact, N, on the ends of the first edge and of the second.
+template <class Real>
+struct EdgeForce {
+  bool acts = false;  // false: the other fields are not set
+  std::array<std::uint16_t, 4> vertices{};
+  std::array<Vector3<Real>, 4> forces;
+};
+
+// What a contact sees at one moment.
+template <class Real>
+struct EdgeView {
+  struct Side {
+    Vector3<Real> direction = Vector3<Real>::Zero();  // of the edge, unit length
+    Real length = 0;                                  // m; 0 for a ball
+    bool inside = false;                              // the nearest point is not an end
+  };
+  Side first;
+  Side second;
+  Real s = 0;
+  Real t = 0;
+  Vector3<Real> normal;
+  Real distance = 0;       // D, m
+  Vector3<Real> velocity;  // of p against q, m/s
+};
+
+// normal: n_before of the header, unit length; zero to take the sense from q to p.
+template <class Real>
+[[nodiscard]] EdgeView<Real> FindEdgeView(const EdgeMeeting<Real>& meeting, std::uint16_t first, std::uint16_t second,
+                                          const Vector3<Real>& normal);
+
+// Writes one force per contact. forces: as many as contacts.
+template <class Real>
+void ComputeEdgeContacts(const ContactParameters<Real>& parameters, const EdgeMeeting<Real>& meeting,
+                         std::span<const EdgeContact<Real>> contacts, std::span<EdgeForce<Real>> forces);
+
+// After a substep of h s: the sense of each contact, its leap, and its stick spring, which slips as far as friction
+// cannot hold it.
+template <class Real>
+void UpdateEdgeContacts(const ContactParameters<Real>& parameters, const EdgeMeeting<Real>& meeting, Real h,
+                        std::span<EdgeContact<Real>> contacts);
+
+// The energy that the springs hold, normal and stick, J.
+template <class Real>
+[[nodiscard]] double ComputeEdgeContactEnergy(const ContactParameters<Real>& parameters,
+                                              const EdgeMeeting<Real>& meeting,
+                                              std::span<const EdgeContact<Real>> contacts);
+
+// AddContactLoads of body_contact.h, for edges. loads, secondLoads: by vertex of each body.
+template <class Real>
+[[nodiscard]] int AddEdgeContactLoads(const ContactParameters<Real>& parameters, const EdgeMeeting<Real>& meeting,
+                                      std::span<const EdgeContact<Real>> contacts, double duration,
+                                      std::span<VertexLoad> loads, std::span<VertexLoad> secondLoads);
+
+// The inputs of the search at the beginning of a tick.
+template <class Real>
+struct EdgeSearch {
+  Bounds<Real> first;  // of each body, in its own coordinates
+  Bounds<Real> second;
+  Real margin = 0;    // for motion that the present velocities do not tell, m
+  Real duration = 0;  // of the tick, s
+};
+
+// Kept by the caller to save allocations.
+template <class Real>
+struct EdgeSearchScratch {
+  std::vector<EdgeContact<Real>> contacts;
+  std::vector<std::uint16_t> first;
+  std::vector<std::uint16_t> second;
+};
+
+// Replaces `contacts` by one contact for every two edges that may touch before the tick is over. Contacts that were in
+// the old list keep their state. Rods are light, so the speeds of both bodies count, not the present approach. Cost:
+// one box test for each edge, and for each two edges that lie near the other body.
+template <class Real>
+void FindEdgeContacts(const ContactParameters<Real>& parameters, const EdgeMeeting<Real>& meeting,
+                      const EdgeSearch<Real>& search, std::vector<EdgeContact<Real>>& contacts,
+                      EdgeSearchScratch<Real>& scratch);
+
+}  // namespace wobble::physics

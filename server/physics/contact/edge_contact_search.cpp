@@ -1,0 +1,87 @@
+// Boxes round each edge against the other body's bounds first, then every two edges that are left. Bodies with edge
+// contacts are small: a tree or a grid over edges would cost more than it saves.
+#include <algorithm>
+#include <cmath>
+
+#include "server/physics/contact/edge_contact.h"
+
+namespace wobble::physics {
+namespace {
+
+template <class Real>
+struct EdgeBox {
+  Vector3<Real> low;
+  Vector3<Real> high;
+};
+
+template <class Real>
+EdgeBox<Real> FindBox(const typename EdgeMeeting<Real>::Body& body, std::uint16_t edge, const Vector3<Real>& shift) {
+  const Vector3<Real> a = body.x[body.edges[edge][0]] + shift;
+  const Vector3<Real> b = body.x[body.edges[edge][1]] + shift;
+  return {a.cwiseMin(b), a.cwiseMax(b)};
+}
+
+template <class Real>
+bool AreNear(const EdgeBox<Real>& a, const EdgeBox<Real>& b, Real reach) {
+  return (a.low.array() <= b.high.array() + reach).all() && (b.low.array() <= a.high.array() + reach).all();
+}
+
+// The edges of `body`, moved by `shift`, within `reach` of a box.
+template <class Real>
+void ListNear(const typename EdgeMeeting<Real>::Body& body, const Vector3<Real>& shift, const EdgeBox<Real>& box,
+              Real reach, std::vector<std::uint16_t>& near) {
+  near.clear();
+  for (std::size_t edge = 0; edge < body.edges.size(); ++edge) {
+    const auto index = static_cast<std::uint16_t>(edge);
+    if (AreNear(FindBox<Real>(body, index, shift), box, reach)) near.push_back(index);
+  }
+}
+
+bool IsBefore(std::uint16_t firstA, std::uint16_t secondA, std::uint16_t firstB, std::uint16_t secondB) {
+  return firstA != firstB ? firstA < firstB : secondA < secondB;
+}
+
+}  // namespace
+
+template <class Real>
+void FindEdgeContacts(const ContactParameters<Real>& parameters, const EdgeMeeting<Real>& meeting,
+                      const EdgeSearch<Real>& search, std::vector<EdgeContact<Real>>& contacts,
+                      EdgeSearchScratch<Real>& scratch) {
+  scratch.contacts.clear();
+  const Real reach = meeting.radius + search.margin + (search.first.speed + search.second.speed) * search.duration;
+  ListNear<Real>(meeting.first, meeting.shift, {search.second.low, search.second.high}, reach, scratch.first);
+  ListNear<Real>(meeting.second, -meeting.shift, {search.first.low, search.first.high}, reach, scratch.second);
+  auto kept = contacts.begin();
+  for (const std::uint16_t first : scratch.first) {
+    const EdgeBox<Real> box = FindBox<Real>(meeting.first, first, meeting.shift);
+    for (const std::uint16_t second : scratch.second) {
+      if (!AreNear(box, FindBox<Real>(meeting.second, second, Vector3<Real>::Zero()), reach)) continue;
+      while (kept != contacts.end() && IsBefore(kept->first, kept->second, first, second)) ++kept;
+      const bool known = kept != contacts.end() && kept->first == first && kept->second == second;
+      EdgeContact<Real> contact = known ? *kept : EdgeContact<Real>{.first = first, .second = second};
+      const EdgeView<Real> view =
+          FindEdgeView(meeting, first, second, known ? contact.normal : Vector3<Real>::Zero().eval());
+      if (std::abs(view.distance) > reach) continue;
+      if (!known) {
+        const Real depth = meeting.radius - view.distance;
+        contact.leap = std::max(Real(0), depth - FindFreeDepth(parameters));
+        contact.depth = depth - contact.leap;
+        contact.normal = view.normal;
+        contact.s = view.s;
+        contact.t = view.t;
+      }
+      scratch.contacts.push_back(contact);
+    }
+  }
+  contacts.swap(scratch.contacts);
+}
+
+#define WOBBLE_INSTANTIATE(Real)                                                                 \
+  template void FindEdgeContacts<Real>(const ContactParameters<Real>&, const EdgeMeeting<Real>&, \
+                                       const EdgeSearch<Real>&, std::vector<EdgeContact<Real>>&, \
+                                       EdgeSearchScratch<Real>&);
+WOBBLE_INSTANTIATE(float)
+WOBBLE_INSTANTIATE(double)
+#undef WOBBLE_INSTANTIATE
+
+}  // namespace wobble::physics
