@@ -155,7 +155,8 @@ case_interpolation() {
 
 case_contact() {
   expect_report contact \
-    "bounce_error slide_angle_error_deg momentum_drift stack_drift stack_asleep_s tunnelled" \
+    "bounce_error slide_angle_error_deg momentum_drift stack_drift stack_asleep_s tunnelled
+     scene_intersecting_fine scene_intersecting_within trial_intersecting_fine trial_intersecting_others" \
     "bounce laws slide penetration"
 }
 
