@@ -164,19 +164,19 @@ void AddSightings(const std::string& prefix, const Sightings& seen, Results& res
 void MeasureIntersections(Bench& bench) {
   const bool quick = bench.options.quick;
   const int seconds = quick ? 1 : 10;
-  std::vector<WatchedScene> scenes;
+  std::vector<WatchedScene> watched;
   for (const scenes::SceneSummary& each : scenes::ListScenes(scenes::FindShippedScenes())) {
-    scenes.push_back({.name = each.name});
+    watched.push_back({.name = each.name});
   }
   std::vector<Sightings> trials(quick ? 24 : 1000);
-  const bool done = RunTrials(bench, scenes.size() + trials.size(), [&](std::size_t i) {
-    if (i < scenes.size()) return PlayWatched(bench.options.seed, seconds, scenes[i]);
-    const auto number = static_cast<std::uint32_t>(i - scenes.size());
+  const bool done = RunTrials(bench, watched.size() + trials.size(), [&](std::size_t i) {
+    if (i < watched.size()) return PlayWatched(bench.options.seed, seconds, watched[i]);
+    const auto number = static_cast<std::uint32_t>(i - watched.size());
     trials[number] = PlayWatchedTrial(bench.options.seed, number, quick ? 2 * kSceneHz : kRandomTicks);
   });
   if (!done) return;
   Sightings ofScenes;
-  for (const WatchedScene& scene : scenes) {
+  for (const WatchedScene& scene : watched) {
     if (!scene.isPlayed) return bench.results.AddFigureAtMost("scene_intersecting_fine", NAN, 0);
     nlohmann::ordered_json row = MakeSightingsRow("intersections_in_scene", scene.name, scene.seen);
     row["bodies"] = scene.bodies;
