@@ -187,6 +187,11 @@ void MeasureTouchingTargets(Bench& bench) {
   if (!RunTrials(bench, trials.size(), [&](std::size_t i) { PlayTrial(trials[i], seconds, quick); })) return;
   for (const TouchingTrial& trial : trials) bench.results.rows.push_back(MakeTouchingRow(trial, quick));
   for (const double target : targets) AddTouchingFigures(trials, target, bench.results);
+  for (const TouchingTrial& trial : trials) {
+    if (trial.touching->key == nullptr || trial.target != kShippedTarget) continue;
+    const double met = static_cast<double>(CountWithin(trial)) / static_cast<double>(trial.errors.size());
+    bench.results.AddFigure(std::string("error_target_met_") + trial.touching->key, met);
+  }
 }
 
 }  // namespace wobble::bench
