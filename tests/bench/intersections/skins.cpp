@@ -3,6 +3,7 @@
 #include "tests/bench/intersections/skins.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace wobble::bench {

@@ -9,6 +9,7 @@
 // With few rounds, or long steps, the energy is not at its lowest when the step ends, and the rest of it is lost: the
 // method is stable at any step, and the error is then that of the rounds. With short steps it is that of implicit Euler.
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 #include "server/physics/methods/forces.h"

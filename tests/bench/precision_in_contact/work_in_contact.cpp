@@ -16,6 +16,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <mutex>
 
 #include "tests/bench/contact/bodies.h"
 #include "tests/bench/precision_in_contact/contact_scenes.h"
@@ -109,7 +110,10 @@ WorkRun RunSoftly(const ContactScene& scene, int substeps, const Step& step) {
   return {system.x, time};
 }
 
+// One at a time: Bullet keeps accounts of its own that threads share.
 WorkRun RunBullet(const ContactScene& scene, int substeps) {
+  static std::mutex mutex;
+  const std::lock_guard lock(mutex);
   const std::unique_ptr<World> world = MakeSceneWorld(scene, MakeFixedSettings(1));
   BulletWorld bullet(*world, {.contacts = BulletSettings::Contacts::kVertexFace, .margin = kBulletMargin,
                               .stepsATick = substeps});

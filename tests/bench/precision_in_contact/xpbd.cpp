@@ -11,6 +11,7 @@
 //
 // Where a step is so long that h² k/m is above one, one round does not carry a force through the body: it is softer than
 // it should be. As h goes to 0 that vanishes and the equations are those of the engine, to the first order in h.
+#include <algorithm>
 #include <cmath>
 
 #include "server/physics/methods/forces.h"
