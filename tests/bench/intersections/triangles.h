@@ -42,7 +42,7 @@ struct SignCounts {
   std::uint64_t exact = 0;
 };
 
-// Cost: some 100 operations, or about 50 µs where rational numbers have to decide.
+// Cost: some 100 operations, or some 10 µs where rational numbers have to decide.
 [[nodiscard]] Crossing FindCrossing(const Triangle& s, const Triangle& t, SignCounts& counts);
 
 // Sign of (b − a) × (c − a) · (p − a): 1 where the corners go round counter-clockwise seen from p; 0 in the plane.
