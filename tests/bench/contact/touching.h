@@ -16,6 +16,7 @@ struct TouchingCase {
   // Called before every second of play; null: nobody steers.
   std::function<void(physics::World& world, int second)> steer = nullptr;
   const char* key = nullptr;  // error_target_met_KEY is its own figure; null: it has none
+  bool isLimited = true;      // counts in error_target_met_in_contact, which has a limit
 };
 
 // Bounce, roll, slide, tumble, collide, stack, squeeze, fall on cloth, cloth over a ball, crowd, with the friction and

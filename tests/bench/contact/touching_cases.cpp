@@ -177,7 +177,7 @@ std::vector<TouchingCase> MakeTouchingCases(bool quick) {
                                   {"two balls, off centre", &MakeCollision},
                                   {"stack of three cubes", &MakeStack, nullptr, "stack"},
                                   {"two balls in a groove", &MakeSqueeze, nullptr, "squeeze"},
-                                  {"cloth over a ball", &MakeClothOverBall, nullptr, "cloth_over_ball"},
+                                  {"cloth over a ball", &MakeClothOverBall, nullptr, "cloth_over_ball", false},
                                   {"eight players, chasing", &MakePlayers, &Chase, "crowd"}};
   if (quick) return cases;
   cases.push_back({"ball, sliding into a roll", &MakeRollingBall});

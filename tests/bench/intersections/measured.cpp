@@ -168,7 +168,7 @@ void MeasureIntersections(Bench& bench) {
   for (const scenes::SceneSummary& each : scenes::ListScenes(scenes::FindShippedScenes())) {
     watched.push_back({.name = each.name});
   }
-  std::vector<Sightings> trials(quick ? 24 : 1000);
+  std::vector<Sightings> trials(quick ? 100 : 1000);
   const bool done = RunTrials(bench, watched.size() + trials.size(), [&](std::size_t i) {
     if (i < watched.size()) return PlayWatched(bench.options.seed, seconds, watched[i]);
     const auto number = static_cast<std::uint32_t>(i - watched.size());

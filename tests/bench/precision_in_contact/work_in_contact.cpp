@@ -180,14 +180,14 @@ SceneReference SolveScene(const ContactScene& scene, int substeps, bool withTrus
 struct WorkLimits {
   double longest = 0;
   double repeated = 0;
+  int mostSubsteps = 0;  // a tick
 };
 
 void SolveLine(const Bench& bench, const WorkLimits& limits, const SceneReference& reference, WorkLine& line) {
   constexpr double kLoosest = 0.1;  // m/s
-  constexpr int kMost = 1024;
   for (int i = 0; i < 11 && !bench.progress.IsStopAsked(); ++i) {
     WorkPoint point{.setting = line.method->byTarget ? kLoosest * std::pow(0.1, 0.5 * i) : std::ldexp(1, i)};
-    if (!line.method->byTarget && point.setting >= kMost) return;
+    if (!line.method->byTarget && point.setting > limits.mostSubsteps) return;
     WorkRun run = line.method->run(*line.scene, point.setting);
     double least = run.time;
     for (double spent = run.time; spent < limits.repeated; spent += run.time) {
@@ -248,7 +248,7 @@ Plot DrawScene(const ContactScene& scene, const std::vector<WorkLine>& lines, co
     if (line.scene != &scene) continue;
     Series& series = plot.series.emplace_back(Series{line.method->title, line.method->stroke, {}});
     for (const WorkPoint& point : line.points) {
-      if (!(point.error < kMeaningless)) continue;
+      if (!(point.error > 0 && point.error < kMeaningless)) continue;
       series.points.push_back({1e3 * point.time, kMillimetres * point.error});
       fastest = std::min(fastest, 1e3 * point.time);
       slowest = std::max(slowest, 1e3 * point.time);
@@ -278,7 +278,7 @@ void MeasureWorkInContact(Bench& bench) {
   for (const ContactScene& scene : scenes) {
     for (const WorkMethod& method : methods) lines.push_back({.scene = &scene, .method = &method});
   }
-  const WorkLimits limits = quick ? WorkLimits{0.02, 0.0} : WorkLimits{1, 0.1};
+  const WorkLimits limits = quick ? WorkLimits{0.02, 0.0, substeps / 4} : WorkLimits{1, 0.1, substeps / 2};
   const bool done = RunTrials(bench, lines.size(), [&](std::size_t i) {
     SolveLine(bench, limits, references[i / methods.size()], lines[i]);
   });
