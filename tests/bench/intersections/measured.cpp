@@ -37,7 +37,7 @@ struct Sightings {
   double vertexTicks = 0;
   double fineVertexTicks = 0;
   double deepest = 0;  // over the body's size
-  double exact = 0;    // signs that rational numbers decided
+  double exact = 0;    // signs that doubles could not tell
   double asked = 0;
 
   void Add(const Intersections& found) {
@@ -184,13 +184,15 @@ void MeasureIntersections(Bench& bench) {
     ofScenes.Add(scene.seen);
   }
   Sightings ofTrials;
-  std::size_t worst = 0;
-  for (std::size_t i = 0; i < trials.size(); ++i) {
-    ofTrials.Add(trials[i]);
-    if (trials[i].betweenFine > trials[worst].betweenFine) worst = i;
-  }
+  for (const Sightings& trial : trials) ofTrials.Add(trial);
   bench.results.rows.push_back(MakeSightingsRow("intersections_in_trials", "all", ofTrials));
-  bench.results.rows.push_back(MakeSightingsRow("intersections_in_trials", std::to_string(worst), trials[worst]));
+  for (const auto pairs : {&Sightings::betweenFine, &Sightings::betweenOthers, &Sightings::within}) {
+    const auto worst = std::max_element(trials.begin(), trials.end(), [pairs](const Sightings& a, const Sightings& b) {
+      return a.*pairs < b.*pairs;
+    });
+    const std::string number = std::to_string(worst - trials.begin());
+    bench.results.rows.push_back(MakeSightingsRow("intersections_in_trials", "trial " + number, *worst));
+  }
   AddSightings("scene_", ofScenes, bench.results);
   AddSightings("trial_", ofTrials, bench.results);
 }

@@ -42,13 +42,13 @@ struct SignCounts {
   std::uint64_t exact = 0;
 };
 
-// Cost: some 100 operations, or some 10 µs where rational numbers have to decide.
+// Cost: some 100 operations, or a few microseconds where doubles cannot tell.
 [[nodiscard]] Crossing FindCrossing(const Triangle& s, const Triangle& t, SignCounts& counts);
 
 // Sign of (b − a) × (c − a) · (p − a): 1 where the corners go round counter-clockwise seen from p; 0 in the plane.
 [[nodiscard]] int FindSide(const ExactPoint& a, const ExactPoint& b, const ExactPoint& c, const ExactPoint& p,
                            SignCounts& counts);
-// The same sign always by rational numbers: the oracle of the tests, and what FindSide falls back on.
+// The same sign without double precision: what FindSide falls back on.
 [[nodiscard]] int FindSideExactly(const ExactPoint& a, const ExactPoint& b, const ExactPoint& c, const ExactPoint& p);
 
 }  // namespace wobble::bench

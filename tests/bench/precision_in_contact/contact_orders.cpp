@@ -19,7 +19,7 @@ namespace {
 using namespace physics;
 
 constexpr int kReferenceSubsteps = 512;
-constexpr int kSettleTicks = 120;
+constexpr int kSettleTicks = 240;
 constexpr int kSettleSubsteps = 32;
 constexpr int kVibrateTicks = 15;
 constexpr double kPressing = 200;   // m/s², downward
@@ -52,7 +52,7 @@ void Press(PressedCase& pressed) {
   LatticeDefinition cube = DescribeCube(40000, pressed.friction);
   cube.cells = {2, 2, 2};
   cube.cellSize = 0.2;
-  cube.dampingRatio = 0.3;
+  cube.dampingRatio = 0.05;
   cube.rollingResistance = 0;
   pressed.world = std::make_unique<World>(MakePressing(kSettleSubsteps));
   pressed.world->AddBlueprint(MakeLattice(cube));

@@ -215,7 +215,11 @@ TEST(Triangles, SidesAreRightWhereDoublesAreWrong) {
     SignCounts counts;
     const Vector3d none = Vector3d::Zero();
     const ExactPoint points[] = {AddExactly(none, a), AddExactly(none, b), AddExactly(none, c), AddExactly(none, p)};
-    const int exact = FindSideExactly(points[0], points[1], points[2], points[3]);
+    const RationalVector from = Read(points[0]);
+    const Rational volume = Dot(Cross(Subtract(Read(points[1]), from), Subtract(Read(points[2]), from)),
+                                Subtract(Read(points[3]), from));
+    const int exact = volume.sign();
+    ASSERT_EQ(FindSideExactly(points[0], points[1], points[2], points[3]), exact);
     ASSERT_EQ(FindSide(points[0], points[1], points[2], points[3], counts), exact);
     wrong += FindSideByDoubles(a, b, c, p) != exact ? 1 : 0;
   }
