@@ -154,6 +154,7 @@ std::vector<WorkMethod> MakeMethods() {
        fixed(Integrator::kSemiImplicitEuler, false)},
       {"implicit_euler", "implicit Euler", Stroke::kLineAndPoints, false, fixed(Integrator::kImplicitEuler, false)},
       {"xpbd", "XPBD, small steps", Stroke::kLineAndPoints, false, xpbd},
+      {"block_descent_1", "block descent, 1 round", Stroke::kLineAndPoints, false, descend(1)},
       {"block_descent_4", "block descent, 4 rounds", Stroke::kLineAndPoints, false, descend(4)},
       {"block_descent_16", "block descent, 16 rounds", Stroke::kLineAndPoints, false, descend(16)},
       {"bullet", "Bullet", Stroke::kDashed, false, bullet},

@@ -226,6 +226,34 @@ TEST(Triangles, SidesAreRightWhereDoublesAreWrong) {
   EXPECT_GT(wrong, 100) << "the cases are too easy";
 }
 
+// Two triangles of one plane with their sides on one line but for the rounding of the corners of one.
+TEST(Triangles, OverlapsAreRightWhereDoublesAreWrong) {
+  Random random(19);
+  int overlapping = 0;
+  int apart = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Vector3d a(random.Draw(0, 1), 0, random.Draw(0, 1));
+    const Vector3d b(random.Draw(2, 3), 0, random.Draw(0, 1));
+    const auto beside = [&](double share) {
+      return Vector3d(a + share * (b - a) + std::ldexp(random.DrawWhole(-2, 2), -53) * Vector3d::UnitZ());
+    };
+    const ExactCorners above = MakeExact({a, b, Vector3d(1.5, 0, 4)});
+    const ExactCorners below = MakeExact({beside(0.3), beside(0.6), Vector3d(1.5, 0, -4)});
+    const RationalVector side = Subtract(Read(above[1]), Read(above[0]));
+    const auto isAbove = [&](const ExactPoint& p) {
+      const RationalVector way = Subtract(Read(p), Read(above[0]));
+      return side[0] * way[2] - side[2] * way[0] > 0;
+    };
+    const bool overlaps = isAbove(below[0]) || isAbove(below[1]);
+    SignCounts counts;
+    ASSERT_EQ(FindCrossing(Point(above), Point(below), counts), overlaps ? Crossing::kInPlane : Crossing::kNone);
+    ASSERT_EQ(FindCrossing(Point(below), Point(above), counts), overlaps ? Crossing::kInPlane : Crossing::kNone);
+    (overlaps ? overlapping : apart) += 1;
+  }
+  EXPECT_GT(overlapping, 100);
+  EXPECT_GT(apart, 100);
+}
+
 // A float a hundred metres from its body's origin: the sum is no double, and the rest decides.
 TEST(Triangles, ThePartThatRoundingLeavesOutDecides) {
   const double above = std::ldexp(1, -60);  // m, far less than the distance of doubles at 100 m
@@ -316,6 +344,18 @@ TEST(Triangles, AgreesWithTheOracleBesideAGrid) {
     return corners;
   });
   EXPECT_GT(agreement.crossing, 100);
+  EXPECT_GT(agreement.exact, 100);
+}
+
+// Triangles so small that their corners, as doubles, are a few steps apart.
+TEST(Triangles, AgreesWithTheOracleOnTinyTriangles) {
+  Random random(23);
+  const Agreement agreement = Compare(1000, [&] {
+    Corners corners;
+    for (Vector3d& p : corners) p = 1e-13 * Vector3d(random.Draw(0, 1), random.Draw(0, 1), random.Draw(0, 1));
+    return MakeExact(corners, Vector3d(100, 75, 50));
+  });
+  EXPECT_GT(agreement.crossing, 50);
   EXPECT_GT(agreement.exact, 100);
 }
 
