@@ -185,7 +185,15 @@ void MeasureIntersections(Bench& bench) {
   }
   Sightings ofTrials;
   for (const Sightings& trial : trials) ofTrials.Add(trial);
-  bench.results.rows.push_back(MakeSightingsRow("intersections_in_trials", "all", ofTrials));
+  nlohmann::ordered_json all = MakeSightingsRow("intersections_in_trials", "all", ofTrials);
+  const auto countWith = [&](double Sightings::* pairs) {
+    return std::count_if(trials.begin(), trials.end(), [pairs](const Sightings& trial) { return trial.*pairs > 0; });
+  };
+  all["trials"] = trials.size();
+  all["trials_with_fine"] = countWith(&Sightings::betweenFine);
+  all["trials_with_others"] = countWith(&Sightings::betweenOthers);
+  all["trials_with_within"] = countWith(&Sightings::within);
+  bench.results.rows.push_back(std::move(all));
   for (const auto pairs : {&Sightings::betweenFine, &Sightings::betweenOthers, &Sightings::within}) {
     const auto worst = std::max_element(trials.begin(), trials.end(), [pairs](const Sightings& a, const Sightings& b) {
       return a.*pairs < b.*pairs;

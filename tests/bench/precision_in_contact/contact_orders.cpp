@@ -3,8 +3,11 @@
 // quarter of a second, in 16 to 128 substeps a tick, against 512.
 //
 // So that nothing but the order is measured, contacts must neither begin nor end nor slip, and no depth may cross δ, where
-// the law changes from a square to a line: a row says how many contacts did so on the ground. Where contacts do begin or
-// end the force has a kink and the order is 2 (PHYSICS.md, "How many substeps").
+// the law changes from a square to a line: a row says how many contacts did so on the ground.
+//
+// What is left of the order where contacts do begin, slip and end: the bounce and the slide of contact_scenes.h, each with
+// friction and without. While a contact slips its anchor is dragged once a substep, so with friction the order is 1;
+// without, the kinks of the law at the surface and at δ are all that is in the way.
 #include <algorithm>
 #include <cmath>
 
@@ -26,6 +29,7 @@ constexpr double kPressing = 200;   // m/s², downward
 constexpr double kAnyError = 1e9;   // m/s
 constexpr double kShake = 0.1;     // m/s
 constexpr std::array<int, 4> kSubsteps{16, 32, 64, 128};
+constexpr std::array<int, 4> kThroughSubsteps{8, 16, 32, 64};
 
 struct PressedCase {
   const char* name;
@@ -109,6 +113,28 @@ std::vector<Vector3d> Vibrate(PressedCase& pressed, int substeps, bool isWatched
   return ReadAllPositions(world);
 }
 
+// A scene that contacts begin and end in.
+struct ThroughCase {
+  const char* key;
+  ContactScene scene;
+  std::array<std::vector<Vector3d>, kThroughSubsteps.size() + 1> ends{};  // the last is the reference
+};
+
+ThroughCase MakeThroughCase(const char* key, ContactScene scene, bool hasFriction) {
+  for (Blueprint& blueprint : scene.blueprints) {
+    if (!hasFriction) blueprint.full.contact.friction = 0;
+  }
+  return {.key = key, .scene = std::move(scene)};
+}
+
+std::vector<Vector3d> PlayThrough(const ContactScene& scene, int substeps) {
+  WorldSettings settings = MakePressing(substeps);
+  settings.gravity = WorldSettings{}.gravity;
+  const std::unique_ptr<World> world = MakeSceneWorld(scene, settings);
+  for (int tick = 0; tick < scene.ticks; ++tick) (void)world->Step();
+  return ReadAllPositions(*world);
+}
+
 // The slope of the least-squares line through the logarithms of error over substeps, which double.
 double FindFittedOrder(const std::array<double, kSubsteps.size()>& errors) {
   double sum = 0, squares = 0;
@@ -118,6 +144,32 @@ double FindFittedOrder(const std::array<double, kSubsteps.size()>& errors) {
     squares += finer * finer;
   }
   return -sum / squares;
+}
+
+void MeasureOrdersThroughContact(Bench& bench) {
+  const std::vector<ContactScene> scenes = MakeContactScenes();
+  std::array<ThroughCase, 4> cases{MakeThroughCase("order_rk4_bounce", scenes[0], true),
+                                   MakeThroughCase("order_rk4_bounce_without_friction", scenes[0], false),
+                                   MakeThroughCase("order_rk4_slide", scenes[1], true),
+                                   MakeThroughCase("order_rk4_slide_without_friction", scenes[1], false)};
+  constexpr std::size_t kRuns = kThroughSubsteps.size() + 1;
+  const bool done = RunTrials(bench, cases.size() * kRuns, [&](std::size_t i) {
+    const std::size_t run = i % kRuns;
+    const int substeps = run == kThroughSubsteps.size() ? kReferenceSubsteps : kThroughSubsteps[run];
+    cases[i / kRuns].ends[run] = PlayThrough(cases[i / kRuns].scene, substeps);
+  });
+  if (!done) return;
+  for (const ThroughCase& each : cases) {
+    std::array<double, kThroughSubsteps.size()> errors{};
+    for (std::size_t run = 0; run < errors.size(); ++run) errors[run] = FindRms(each.ends[run], each.ends.back());
+    const double order = FindFittedOrder(errors);
+    bench.results.rows.push_back({{"experiment", "order_through_contact"},
+                                  {"case", each.key},
+                                  {"order", order},
+                                  {"substeps", kThroughSubsteps},
+                                  {"errors", errors}});
+    bench.results.AddFigure(each.key, order);
+  }
 }
 
 }  // namespace
@@ -149,6 +201,7 @@ void MeasureOrdersInContact(Bench& bench) {
                                   {"changed", each.changed}});
     bench.results.AddFigureAtLeast(each.key, order, 3.8);
   }
+  MeasureOrdersThroughContact(bench);
 }
 
 }  // namespace wobble::bench
