@@ -10,8 +10,8 @@
 // largest distance to the same with half as many substeps, `growth` the largest factor by which two motions diverge
 // over a second when one begins 10⁻⁸ m aside.
 //
-// A cloth that falls over a ball misses the target half of the time, the ball under it never. It has a figure of its own,
-// error_target_met_cloth_over_ball, without a limit, and no part in error_target_met_in_contact.
+// A cloth that falls over a ball misses the target half of the time, the ball under it never. It has a figure of its
+// own, error_target_met_cloth_over_ball, without a limit, and no part in error_target_met_in_contact.
 //
 // `ratio` is the true error of a body-second over the sum of the errors that were estimated for its ticks.
 #include <algorithm>

@@ -1,13 +1,14 @@
 // How often skins intersect in play, counted exactly at the end of every sixth tick: over all shipped scenes, and over
 // the first of the random trials of `wobble_lab stability`.
 //
-// Scenes are played by their own drives, without players; where a scene has no bodies of its own, eight players chase one
-// another. Penalty contact carries a body by the depth of its vertices, so what lies on a body intersects it by a few
-// millimetres: the counts are a baseline, not a limit.
+// Scenes are played by their own drives, without players; where a scene has no bodies of its own, eight players chase
+// one another. Penalty contact carries a body by the depth of its vertices, so what lies on a body intersects it by a
+// few millimetres: the counts are a baseline, not a limit.
 //
-// A rate is pairs of triangles over vertex-ticks: a pair is counted anew at every look, and so is a vertex. Pairs between
-// fine bodies (kFineVertices) go over the vertices of fine bodies, all others over the vertices of all bodies with faces.
-// Depths are those of the random trials: winding numbers, independent of both the engine and the count of pairs.
+// A rate is pairs of triangles over vertex-ticks: a pair is counted anew at every look, and so is a vertex. Pairs
+// between fine bodies (kFineVertices) go over the vertices of fine bodies, all others over the vertices of all bodies
+// with faces. Depths are those of the random trials: winding numbers, independent of both the engine and the count of
+// pairs.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -186,7 +187,7 @@ void MeasureIntersections(Bench& bench) {
   Sightings ofTrials;
   for (const Sightings& trial : trials) ofTrials.Add(trial);
   nlohmann::ordered_json all = MakeSightingsRow("intersections_in_trials", "all", ofTrials);
-  const auto countWith = [&](double Sightings::* pairs) {
+  const auto countWith = [&](double Sightings::*pairs) {
     return std::count_if(trials.begin(), trials.end(), [pairs](const Sightings& trial) { return trial.*pairs > 0; });
   };
   all["trials"] = trials.size();
@@ -195,9 +196,8 @@ void MeasureIntersections(Bench& bench) {
   all["trials_with_within"] = countWith(&Sightings::within);
   bench.results.rows.push_back(std::move(all));
   for (const auto pairs : {&Sightings::betweenFine, &Sightings::betweenOthers, &Sightings::within}) {
-    const auto worst = std::max_element(trials.begin(), trials.end(), [pairs](const Sightings& a, const Sightings& b) {
-      return a.*pairs < b.*pairs;
-    });
+    const auto worst = std::max_element(
+        trials.begin(), trials.end(), [pairs](const Sightings& a, const Sightings& b) { return a.*pairs < b.*pairs; });
     const std::string number = std::to_string(worst - trials.begin());
     bench.results.rows.push_back(MakeSightingsRow("intersections_in_trials", "trial " + number, *worst));
   }

@@ -1,5 +1,5 @@
-// Boxes leave out most pairs: those of bodies first, then those of triangles, sorted along the axis in which they spread
-// most and compared with the ones that begin before they end. Boxes hold their triangles in spite of rounding.
+// Boxes leave out most pairs: those of bodies first, then those of triangles, sorted along the axis in which they
+// spread most and compared with the ones that begin before they end. Boxes hold their triangles in spite of rounding.
 #include "tests/bench/intersections/skins.h"
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 // Counts the pairs of triangles of bodies' skins that intersect: an account of contact that shares nothing with the
 // engine's contact search. Exact, so a pair that is counted does intersect, and none is missed.
 //
-// Counted are pairs of triangles whose interiors have a point in common (triangles.h): between bodies, and within a body.
-// Bodies without faces (pairs, graphs) have no skin and obstacles no triangles: neither is counted.
+// Counted are pairs of triangles whose interiors have a point in common (triangles.h): between bodies, and within a
+// body. Bodies without faces (pairs, graphs) have no skin and obstacles no triangles: neither is counted.
 //   between bodies   pairs that pass through each other. Pairs that overlap in one plane count where both bodies are
 //                    planar; in space they are faces laid upon one another, which is a touch.
 //   within a body    pairs that pass through each other, and pairs that overlap in one plane, as where a planar cell is

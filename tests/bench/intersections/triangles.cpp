@@ -1,14 +1,14 @@
 // Every decision is the sign of a determinant of the corners' coordinates, in space or projected along an axis. Double
-// precision decides where the determinant is larger than a bound on its error; otherwise it is computed in whole numbers
-// of any length, with a power of two as the common denominator of all coordinates: rational numbers that need no greatest
-// common divisor, which took most of the time.
+// precision decides where the determinant is larger than a bound on its error; otherwise it is computed in whole
+// numbers of any length, with a power of two as the common denominator of all coordinates: rational numbers that need
+// no greatest common divisor, which took most of the time.
 //
-// The bound. Let m be the largest of the nine differences of coordinates as computed, u = 2⁻⁵³, and ρ the largest `rest`
-// of the four points. A computed difference is off by at most E = u m + 2ρ. A determinant of nine entries of at most m,
-// each off by at most E, is off by at most 6 ((m + E)³ − m³). Evaluating it by cofactors adds at most 8u times the sum
-// of the absolute products, which is at most 6 m³ (Shewchuk 1997, section 4.3). In the plane: 2 ((m + E)² − m²) and 4u
-// times 2 m². A factor of 1.01 covers the rounding of the bound itself. Numbers so small that products could lose bits
-// to underflow are left to the whole numbers.
+// The bound. Let m be the largest of the nine differences of coordinates as computed, u = 2⁻⁵³, and ρ the largest
+// `rest` of the four points. A computed difference is off by at most E = u m + 2ρ. A determinant of nine entries of at
+// most m, each off by at most E, is off by at most 6 ((m + E)³ − m³). Evaluating it by cofactors adds at most 8u times
+// the sum of the absolute products, which is at most 6 m³ (Shewchuk 1997, section 4.3). In the plane: 2 ((m + E)² − m²)
+// and 4u times 2 m². A factor of 1.01 covers the rounding of the bound itself. Numbers so small that products could
+// lose bits to underflow are left to the whole numbers.
 //
 // Two triangles that are not in one plane, and each of which has corners on both sides of the other's plane, cut the
 // line that the planes have in common in an interval each; they intersect if the open intervals overlap. Let s₀ be the
@@ -70,7 +70,8 @@ Number FindMinor(const std::array<Number, 3>& a, const std::array<Number, 3>& b,
 
 template <class Number>
 Number FindDeterminant(const std::array<std::array<Number, 3>, 3>& rows) {
-  return Number(rows[2][0] * FindMinor(rows[0], rows[1], 1, 2)) - Number(rows[2][1] * FindMinor(rows[0], rows[1], 0, 2)) +
+  return Number(rows[2][0] * FindMinor(rows[0], rows[1], 1, 2)) -
+         Number(rows[2][1] * FindMinor(rows[0], rows[1], 0, 2)) +
          Number(rows[2][2] * FindMinor(rows[0], rows[1], 0, 1));
 }
 

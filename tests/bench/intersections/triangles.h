@@ -1,12 +1,12 @@
 // Whether two triangles in space intersect, decided exactly.
 //
-// Two triangles intersect when a point lies in the interior of both: the open triangles, without sides and corners, have
-// a point in common. So triangles that touch in a point or along a line do not intersect, nor does one whose side or
-// corner lies in the other's plane. A triangle without area has no interior and intersects nothing. Corners that both
-// have in common need no rule of their own: the point or side in common belongs to no interior.
+// Two triangles intersect when a point lies in the interior of both: the open triangles, without sides and corners,
+// have a point in common. So triangles that touch in a point or along a line do not intersect, nor does one whose side
+// or corner lies in the other's plane. A triangle without area has no interior and intersects nothing. Corners that
+// both have in common need no rule of their own: the point or side in common belongs to no interior.
 //
-// Triangles in one plane whose areas overlap are told apart from those that pass through each other: two boxes laid flat
-// upon one another touch so, whereas a planar body that overlaps another is inside it.
+// Triangles in one plane whose areas overlap are told apart from those that pass through each other: two boxes laid
+// flat upon one another touch so, whereas a planar body that overlaps another is inside it.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
-// A step of implicit Euler lowers G(x) = Σ mᵢ|xᵢ − aimᵢ|²/2h² + E(x), with aim = x + h v + h² g and E the potential of all
-// forces, dashpots counted by the motion of the step. One visit of a vertex solves (m/h² + ∂²E/∂xᵢ²) Δx = −∂G/∂xᵢ.
+// A step of implicit Euler lowers G(x) = Σ mᵢ|xᵢ − aimᵢ|²/2h² + E(x), with aim = x + h v + h² g and E the potential of
+// all forces, dashpots counted by the motion of the step. One visit of a vertex solves (m/h² + ∂²E/∂xᵢ²) Δx = −∂G/∂xᵢ.
 //
 //   spring    curvature k [d dᵀ + max(0, 1 − r/l)(1 − d dᵀ)] + c/h d dᵀ, kept positive for compressed springs.
 //   gas       the volume is linear in any one vertex, so it is kept up to date as each moves: force P ∂V/∂xᵢ, curvature
@@ -7,7 +7,8 @@
 //   contact   faces, normals and weights are looked up once a round; depth and force follow each move.
 //
 // With few rounds, or long steps, the energy is not at its lowest when the step ends, and the rest of it is lost: the
-// method is stable at any step, and the error is then that of the rounds. With short steps it is that of implicit Euler.
+// method is stable at any step, and the error is then that of the rounds. With short steps it is that of implicit
+// Euler.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -119,8 +120,8 @@ void BlockDescent::AddTouches(double h, std::size_t vertex, Block& block) const 
     const double weight = touch.weights[half.place];
     block.force += weight * (force.normal * touch.normal - force.pull);
     const Eigen::Matrix3d along = touch.normal * touch.normal.transpose();
-    block.stiffness += weight * weight * (force.normalSlope * along +
-                                          force.pullSlope * (Eigen::Matrix3d::Identity() - along));
+    block.stiffness +=
+        weight * weight * (force.normalSlope * along + force.pullSlope * (Eigen::Matrix3d::Identity() - along));
   }
 }
 

@@ -1,13 +1,13 @@
-// The order of RK4 through contacts that press all the time: a cube pressed on the ground, and a cube pressed on another,
-// under twenty times their weight, which vibrate while their contacts stick. Played by the engine in double precision, a
-// quarter of a second, in 16 to 128 substeps a tick, against 512.
+// The order of RK4 through contacts that press all the time: a cube pressed on the ground, and a cube pressed on
+// another, under twenty times their weight, which vibrate while their contacts stick. Played by the engine in double
+// precision, a quarter of a second, in 16 to 128 substeps a tick, against 512.
 //
-// So that nothing but the order is measured, contacts must neither begin nor end nor slip, and no depth may cross δ, where
-// the law changes from a square to a line: a row says how many contacts did so on the ground.
+// So that nothing but the order is measured, contacts must neither begin nor end nor slip, and no depth may cross δ,
+// where the law changes from a square to a line: a row says how many contacts did so on the ground.
 //
-// What is left of the order where contacts do begin, slip and end: the bounce and the slide of contact_scenes.h, each with
-// friction and without. While a contact slips its anchor is dragged once a substep, so with friction the order is 1;
-// without, the kinks of the law at the surface and at δ are all that is in the way.
+// What is left of the order where contacts do begin, slip and end: the bounce and the slide of contact_scenes.h, each
+// with friction and without. While a contact slips its anchor is dragged once a substep, so with friction the order is
+// 1; without, the kinks of the law at the surface and at δ are all that is in the way.
 #include <algorithm>
 #include <cmath>
 
@@ -25,8 +25,8 @@ constexpr int kReferenceSubsteps = 512;
 constexpr int kSettleTicks = 240;
 constexpr int kSettleSubsteps = 32;
 constexpr int kVibrateTicks = 15;
-constexpr double kPressing = 200;   // m/s², downward
-constexpr double kAnyError = 1e9;   // m/s
+constexpr double kPressing = 200;  // m/s², downward
+constexpr double kAnyError = 1e9;  // m/s
 constexpr double kShake = 0.1;     // m/s
 constexpr std::array<int, 4> kSubsteps{16, 32, 64, 128};
 constexpr std::array<int, 4> kThroughSubsteps{8, 16, 32, 64};
@@ -89,8 +89,8 @@ bool IsDeep(const World& world, const Contact<double>& contact) {
 
 // Contacts with the ground that touch in one and not in the other, slipped in between, or crossed δ.
 void CountChanges(const World& from, const World& to, PressedCase& pressed) {
-  const Vector3d shift = std::get<State<double>>(to.Bodies()[0].state).origin -
-                         std::get<State<double>>(from.Bodies()[0].state).origin;
+  const Vector3d shift =
+      std::get<State<double>>(to.Bodies()[0].state).origin - std::get<State<double>>(from.Bodies()[0].state).origin;
   pressed.contacts = 0;
   for (const Contact<double>& contact : ReadContacts(from)) {
     pressed.contacts += contact.touching ? 1 : 0;

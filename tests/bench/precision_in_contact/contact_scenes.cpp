@@ -1,4 +1,5 @@
-// Materials are the defaults of the scenes. Bodies begin a little apart, so that every contact begins within the motion.
+// Materials are the defaults of the scenes. Bodies begin a little apart, so that every contact begins within the
+// motion.
 #include "tests/bench/precision_in_contact/contact_scenes.h"
 
 #include <cmath>
@@ -30,14 +31,16 @@ Blueprint MakeLosslessCube(double friction) {
 
 ContactScene MakeBounceScene() {
   ContactScene scene{.name = "bounce", .blueprints = {MakeLosslessBall(2)}, .obstacles = {Obstacle{}}, .bodies = {}};
-  scene.bodies.push_back({.position = Vector3d(0, 0, 0.56), .velocity = Vector3d(1, 0, -2), .spin = Vector3d(1, -3, 2)});
+  scene.bodies.push_back(
+      {.position = Vector3d(0, 0, 0.56), .velocity = Vector3d(1, 0, -2), .spin = Vector3d(1, -3, 2)});
   return scene;
 }
 
 // Comes to rest within the motion.
 ContactScene MakeSlideScene() {
   ContactScene scene{.name = "slide", .blueprints = {MakeLosslessCube(0.3)}, .obstacles = {Obstacle{}}, .bodies = {}};
-  scene.bodies.push_back({.position = Vector3d(0, 0, 0.203), .velocity = Vector3d(1, 0.3, 0), .spin = Vector3d(0, 0, 1)});
+  scene.bodies.push_back(
+      {.position = Vector3d(0, 0, 0.203), .velocity = Vector3d(1, 0.3, 0), .spin = Vector3d(0, 0, 1)});
   return scene;
 }
 

@@ -1,7 +1,8 @@
-// Short motions in contact whose solution the methods are compared with: bounce, slide, stack, squeeze, cloth over ball.
+// Short motions in contact whose solution the methods are compared with: bounce, slide, stack, squeeze, cloth over
+// ball.
 //
-// Half a second each: longer, a crowd of contacts that begin and end lets neighbouring motions part. The losses of a tick
-// (gas, rolling) are left out, because only the engine has them, and they belong to its tick and not to a step.
+// Half a second each: longer, a crowd of contacts that begin and end lets neighbouring motions part. The losses of a
+// tick (gas, rolling) are left out, because only the engine has them, and they belong to its tick and not to a step.
 #pragma once
 
 #include <memory>

@@ -76,7 +76,8 @@ SoftSystem::SoftSystem(const World& world) : m_gravity(world.Settings().gravity)
     const Blueprint& blueprint = world.BlueprintOf(body);
     const std::vector<Vector3d> positions = ReadPositions(body);
     const std::vector<Vector3d> velocities = ReadVelocities(body);
-    m_bodies.push_back({.blueprint = &blueprint, .begin = x.size(), .end = x.size() + positions.size(), .contacts = {}});
+    m_bodies.push_back(
+        {.blueprint = &blueprint, .begin = x.size(), .end = x.size() + positions.size(), .contacts = {}});
     x.insert(x.end(), positions.begin(), positions.end());
     v.insert(v.end(), velocities.begin(), velocities.end());
     inverseMasses.insert(inverseMasses.end(), blueprint.full.inverseMasses.begin(), blueprint.full.inverseMasses.end());
@@ -134,8 +135,7 @@ void SoftSystem::ListSide(double duration, Side& side) const {
   const Topology& topology = other.blueprint->topology;
   const bool bothClosed = !topology.isOpen && !ownTopology.isOpen;
   const Skin<double> ownSkin{.faces = own.blueprint->full.faces, .topology = &ownTopology, .x = Positions(own)};
-  const double reach =
-      kListMargin + duration * (FindTopSpeed(Velocities(own)) + FindTopSpeed(Velocities(other)));
+  const double reach = kListMargin + duration * (FindTopSpeed(Velocities(own)) + FindTopSpeed(Velocities(other)));
   const Sphere sphere = FindSphere(Positions(other));
   std::vector<BodyContact<double>> listed;
   auto kept = side.contacts.begin();
@@ -150,8 +150,7 @@ void SoftSystem::ListSide(double duration, Side& side) const {
     if (known) {
       at = RecallContact(side.law, meeting, p, contact);
     } else {
-      const FacePoint<double> around =
-          FindFaceAround(meeting.skin, FindNearestVertex(topology, meeting.skin.x, p), p);
+      const FacePoint<double> around = FindFaceAround(meeting.skin, FindNearestVertex(topology, meeting.skin.x, p), p);
       at = FindNearestFace(meeting.skin, around, p);
       at = ChooseSide(meeting, at, p, contact.outward, contact.side);
     }

@@ -1,9 +1,9 @@
 // Bodies in contact as the laboratory's own solvers step them: XPBD and vertex block descent.
 //
-// The forces are those of the engine, by its own numbers: springs and dashpots, gas, weight, penalty contacts with planes
-// and between bodies. Contacts are found, followed and armed by the engine's functions, so that all methods solve the same
-// equations and touch the same faces; how to step them is written here alone. Left out is what keeps the torque of
-// friction between bodies exact (body_contact.h), a force of the order of depth over face.
+// The forces are those of the engine, by its own numbers: springs and dashpots, gas, weight, penalty contacts with
+// planes and between bodies. Contacts are found, followed and armed by the engine's functions, so that all methods
+// solve the same equations and touch the same faces; how to step them is written here alone. Left out is what keeps the
+// torque of friction between bodies exact (body_contact.h), a force of the order of depth over face.
 //
 // Double precision, world coordinates, plain code, one thread.
 #pragma once
@@ -18,8 +18,8 @@
 
 namespace wobble::bench {
 
-// A contact that pushes, within one substep. Its depth and motion are linear in the positions of its points: with weights
-// wᵢ, 1 for the vertex and minus the barycentric ones for the corners of a face,
+// A contact that pushes, within one substep. Its depth and motion are linear in the positions of its points: with
+// weights wᵢ, 1 for the vertex and minus the barycentric ones for the corners of a face,
 //   depth = constant − normal · Σ wᵢ xᵢ,   motion of the vertex against what it touches = Σ wᵢ (xᵢ − beforeᵢ).
 struct Touch {
   int count = 1;  // of points; 1: a plane
@@ -29,15 +29,15 @@ struct Touch {
   double constant = 0;  // m
   const physics::ContactParameters<double>* law = nullptr;
   double friction = 0;
-  double share = 1;                                       // Coefficients::contactShares of the vertex
-  bool sticks = false;                                    // has a stick spring
-  physics::Vector3d slip = physics::Vector3d::Zero();     // its length when the substep began, m
+  double share = 1;                                    // Coefficients::contactShares of the vertex
+  bool sticks = false;                                 // has a stick spring
+  physics::Vector3d slip = physics::Vector3d::Zero();  // its length when the substep began, m
 };
 
 // The force of a touch, and how it grows with motion against it in a substep of h s: stiffness plus damping over h.
 struct TouchForce {
-  double normal = 0;       // N, along Touch::normal
-  double normalSlope = 0;  // N/m
+  double normal = 0;                                   // N, along Touch::normal
+  double normalSlope = 0;                              // N/m
   physics::Vector3d pull = physics::Vector3d::Zero();  // friction, N; the vertex gets its opposite
   double pullSlope = 0;                                // N/m
 };

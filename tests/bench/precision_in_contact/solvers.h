@@ -26,9 +26,9 @@ class Xpbd {
   std::vector<physics::Vector3d> m_gradient;
 };
 
-// Vertex block descent (Chen et al. 2024): implicit Euler's energy, lowered vertex by vertex by one Newton step each, for
-// a fixed number of rounds, begun where inertia and weight would take the bodies. Left out of the paper: colours, which
-// are for parallel processors, Chebyshev acceleration, and the starting point that adapts to the last step.
+// Vertex block descent (Chen et al. 2024): implicit Euler's energy, lowered vertex by vertex by one Newton step each,
+// for a fixed number of rounds, begun where inertia and weight would take the bodies. Left out of the paper: colours,
+// which are for parallel processors, Chebyshev acceleration, and the starting point that adapts to the last step.
 class BlockDescent {
  public:
   explicit BlockDescent(SoftSystem& system);
@@ -50,8 +50,8 @@ class BlockDescent {
   };
   // What the energy's slope and curvature at one vertex add up to.
   struct Block {
-    physics::Vector3d force = physics::Vector3d::Zero();                // N
-    Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();                // N/m
+    physics::Vector3d force = physics::Vector3d::Zero();  // N
+    Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();  // N/m
   };
 
   void ListTouches();

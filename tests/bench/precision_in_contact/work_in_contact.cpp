@@ -1,17 +1,17 @@
 // Run time against error in contact: the engine's methods at fixed and chosen substeps, XPBD and vertex block descent
 // (solvers.h), and Bullet, on five scenes of half a second (contact_scenes.h).
 //
-// The error is the RMS distance of all vertices at the end from the engine's RK4 in double precision in 1,024 substeps a
-// tick. Two columns tell how far that can be trusted: `change` is its distance from the same in 512, and `growth` how many
-// times farther two motions are apart at the end that began 10⁻⁸ m apart. All methods are compared with this solution,
-// whatever they converge to themselves. XPBD and block descent solve the same equations but for one small force of
-// friction between bodies (soft_system.h); Bullet has other springs, contacts and friction, and its line says how far that
-// is from these equations, not how well it solves its own.
+// The error is the RMS distance of all vertices at the end from the engine's RK4 in double precision in 1,024 substeps
+// a tick. Two columns tell how far that can be trusted: `change` is its distance from the same in 512, and `growth` how
+// many times farther two motions are apart at the end that began 10⁻⁸ m apart. All methods are compared with this
+// solution, whatever they converge to themselves. XPBD and block descent solve the same equations but for one small
+// force of friction between bodies (soft_system.h); Bullet has other springs, contacts and friction, and its line says
+// how far that is from these equations, not how well it solves its own.
 //
-// Time is that of the thread, for a second of motion, the shortest of some runs; searching for contacts is part of it. The
-// engine's lanes are made for RK4 alone, so RK4 is shown in lanes, as the server runs it, and in plain code, like all
-// other methods. Chosen substeps vary the error target, in double and, as played, in single precision. The number of
-// substeps doubles until a run takes too long.
+// Time is that of the thread, for a second of motion, the shortest of some runs; searching for contacts is part of it.
+// The engine's lanes are made for RK4 alone, so RK4 is shown in lanes, as the server runs it, and in plain code, like
+// all other methods. Chosen substeps vary the error target, in double and, as played, in single precision. The number
+// of substeps doubles until a run takes too long.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -31,11 +31,11 @@ namespace {
 
 using namespace physics;
 
-constexpr double kAnyTarget = 1e9;         // m/s
-constexpr double kAside = 1e-8;            // m
-constexpr double kMeaningless = 0.3;       // m
-constexpr double kMillimetres = 1000;      // in a metre
-constexpr double kBulletMargin = 0.01;     // m
+constexpr double kAnyTarget = 1e9;      // m/s
+constexpr double kAside = 1e-8;         // m
+constexpr double kMeaningless = 0.3;    // m
+constexpr double kMillimetres = 1000;   // in a metre
+constexpr double kBulletMargin = 0.01;  // m
 
 struct WorkPoint {
   double setting = 0;  // substeps a tick, or error target, m/s
@@ -115,8 +115,8 @@ WorkRun RunBullet(const ContactScene& scene, int substeps) {
   static std::mutex mutex;
   const std::lock_guard lock(mutex);
   const std::unique_ptr<World> world = MakeSceneWorld(scene, MakeFixedSettings(1));
-  BulletWorld bullet(*world, {.contacts = BulletSettings::Contacts::kVertexFace, .margin = kBulletMargin,
-                              .stepsATick = substeps});
+  BulletWorld bullet(
+      *world, {.contacts = BulletSettings::Contacts::kVertexFace, .margin = kBulletMargin, .stepsATick = substeps});
   const double began = ReadThreadTime();
   for (int tick = 0; tick < scene.ticks; ++tick) bullet.Step();
   const double time = ReadThreadTime() - began;
@@ -271,8 +271,8 @@ void MeasureWorkInContact(Bench& bench) {
   if (quick) scenes.erase(scenes.begin() + 2, scenes.end());
   std::vector<SceneReference> references(scenes.size());
   const int substeps = quick ? 256 : 1024;
-  const bool solved = RunTrials(
-      bench, scenes.size(), [&](std::size_t i) { references[i] = SolveScene(scenes[i], substeps, !quick); });
+  const bool solved =
+      RunTrials(bench, scenes.size(), [&](std::size_t i) { references[i] = SolveScene(scenes[i], substeps, !quick); });
   if (!solved) return;
   const std::vector<WorkMethod> methods = MakeMethods();
   std::vector<WorkLine> lines;
@@ -280,9 +280,8 @@ void MeasureWorkInContact(Bench& bench) {
     for (const WorkMethod& method : methods) lines.push_back({.scene = &scene, .method = &method});
   }
   const WorkLimits limits = quick ? WorkLimits{0.02, 0.0, substeps / 4} : WorkLimits{1, 0.1, substeps / 2};
-  const bool done = RunTrials(bench, lines.size(), [&](std::size_t i) {
-    SolveLine(bench, limits, references[i / methods.size()], lines[i]);
-  });
+  const bool done = RunTrials(
+      bench, lines.size(), [&](std::size_t i) { SolveLine(bench, limits, references[i / methods.size()], lines[i]); });
   if (!done) return;
   for (std::size_t i = 0; i < lines.size(); ++i) AddWorkRow(lines[i], references[i / methods.size()], bench.results);
   for (std::size_t i = 0; i < scenes.size(); ++i) {

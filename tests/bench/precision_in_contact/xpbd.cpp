@@ -5,12 +5,14 @@
 //   spring    C = |l| − r, α = 1/k, β = c: the engine's spring and dashpot.
 //   gas       not quadratic, so by its tangent: pressure P and −dP/dV = κ at the present volume make C = −P/κ and
 //             α = 1/κ, along ∇V.
-//   contact   likewise by the tangent of its force N, whose slope includes damping: λ = h² N/(1 + h² w N'); the friction
-//             across it in the same way, cut to Coulomb's limit. The usual contact of this method, C = depth with no
-//             compliance and friction by displacement, is another law; with it nothing could be compared.
+//   contact   likewise by the tangent of its force N, whose slope N' includes damping: λ = h² N/(1 + h² w N'); friction
+//             in the same way, cut to Coulomb's limit.
 //
-// Where a step is so long that h² k/m is above one, one round does not carry a force through the body: it is softer than
-// it should be. As h goes to 0 that vanishes and the equations are those of the engine, to the first order in h.
+// The usual contact of this method, C = depth without compliance and friction by displacement, is another law; with it
+// nothing could be compared.
+//
+// Where a step is so long that h² k/m is above one, one round does not carry a force through the body: it is softer
+// than it should be. As h goes to 0 that vanishes and the equations are those of the engine, to the first order in h.
 #include <algorithm>
 #include <cmath>
 
@@ -54,8 +56,8 @@ void Xpbd::SolveSprings(double h, const SoftSystem::OneBody& body) {
     const Vector3d along = l / length;
     const double gamma = spring.damping / (spring.stiffness * h);
     const double motion = along.dot((s.x[a] - s.before[a]) - (s.x[b] - s.before[b]));
-    const double lambda = (spring.restLength - length - gamma * motion) /
-                          ((1 + gamma) * mobility + 1 / (spring.stiffness * h * h));
+    const double lambda =
+        (spring.restLength - length - gamma * motion) / ((1 + gamma) * mobility + 1 / (spring.stiffness * h * h));
     s.x[a] += s.inverseMasses[a] * lambda * along;
     s.x[b] -= s.inverseMasses[b] * lambda * along;
   }

@@ -153,8 +153,8 @@ TEST(Triangles, OnesInOnePlaneOverlapByArea) {
   EXPECT_EQ(Find(kFlat, {Vector3d(1, 1, 0), Vector3d(1.5, 1, 0), Vector3d(1, 1.5, 0)}), Crossing::kInPlane);
   EXPECT_EQ(Find(kFlat, kFlat), Crossing::kInPlane);
   EXPECT_EQ(Find(kFlat, {Vector3d(0, 0, 0), Vector3d(4, 0, 0), Vector3d(0, -4, 0)}), Crossing::kNone);  // side by side
-  EXPECT_EQ(Find(kFlat, {Vector3d(2, 2, 0), Vector3d(9, 2, 0), Vector3d(9, 9, 0)}), Crossing::kNone);   // corner at side
-  EXPECT_EQ(Find(kFlat, {Vector3d(3, 3, 0), Vector3d(9, 3, 0), Vector3d(9, 9, 0)}), Crossing::kNone);   // apart
+  EXPECT_EQ(Find(kFlat, {Vector3d(2, 2, 0), Vector3d(9, 2, 0), Vector3d(9, 9, 0)}), Crossing::kNone);  // corner at side
+  EXPECT_EQ(Find(kFlat, {Vector3d(3, 3, 0), Vector3d(9, 3, 0), Vector3d(9, 9, 0)}), Crossing::kNone);  // apart
 }
 
 TEST(Triangles, OnesWithoutAreaMeetNothing) {
@@ -184,14 +184,14 @@ TEST(Triangles, ACornerInCommonIsNoCrossing) {
     return found;
   };
   EXPECT_EQ(look({Vector3d(1, 1, 1), Vector3d(2, 1, 1)}, 1), Crossing::kNone);
-  EXPECT_EQ(look({Vector3d(1, 1, 1), Vector3d(2, 1, -1)}, 1), Crossing::kThrough);    // cuts on from the corner
-  EXPECT_EQ(look({Vector3d(-1, -1, 1), Vector3d(-2, -1, -1)}, 1), Crossing::kNone);   // cuts the other way
-  EXPECT_EQ(look({Vector3d(-1, -1, 0), Vector3d(-2, -1, 0)}, 1), Crossing::kNone);    // in one plane, opposite
-  EXPECT_EQ(look({Vector3d(1, 2, 0), Vector3d(2, 1, 0)}, 1), Crossing::kInPlane);     // in one plane, upon it
-  EXPECT_EQ(look({Vector3d(1, 1, 1)}, 2), Crossing::kNone);                           // a hinge
-  EXPECT_EQ(look({Vector3d(1, 1, 1e-300)}, 2), Crossing::kNone);                      // a hinge that is all but shut
-  EXPECT_EQ(look({Vector3d(1, -1, 0)}, 2), Crossing::kNone);                          // a hinge laid open
-  EXPECT_EQ(look({Vector3d(1, 1, 0)}, 2), Crossing::kInPlane);                        // folded flat
+  EXPECT_EQ(look({Vector3d(1, 1, 1), Vector3d(2, 1, -1)}, 1), Crossing::kThrough);   // cuts on from the corner
+  EXPECT_EQ(look({Vector3d(-1, -1, 1), Vector3d(-2, -1, -1)}, 1), Crossing::kNone);  // cuts the other way
+  EXPECT_EQ(look({Vector3d(-1, -1, 0), Vector3d(-2, -1, 0)}, 1), Crossing::kNone);   // in one plane, opposite
+  EXPECT_EQ(look({Vector3d(1, 2, 0), Vector3d(2, 1, 0)}, 1), Crossing::kInPlane);    // in one plane, upon it
+  EXPECT_EQ(look({Vector3d(1, 1, 1)}, 2), Crossing::kNone);                          // a hinge
+  EXPECT_EQ(look({Vector3d(1, 1, 1e-300)}, 2), Crossing::kNone);                     // a hinge that is all but shut
+  EXPECT_EQ(look({Vector3d(1, -1, 0)}, 2), Crossing::kNone);                         // a hinge laid open
+  EXPECT_EQ(look({Vector3d(1, 1, 0)}, 2), Crossing::kInPlane);                       // folded flat
 }
 
 // --- where double precision is not enough ---
@@ -216,8 +216,8 @@ TEST(Triangles, SidesAreRightWhereDoublesAreWrong) {
     const Vector3d none = Vector3d::Zero();
     const ExactPoint points[] = {AddExactly(none, a), AddExactly(none, b), AddExactly(none, c), AddExactly(none, p)};
     const RationalVector from = Read(points[0]);
-    const Rational volume = Dot(Cross(Subtract(Read(points[1]), from), Subtract(Read(points[2]), from)),
-                                Subtract(Read(points[3]), from));
+    const Rational volume =
+        Dot(Cross(Subtract(Read(points[1]), from), Subtract(Read(points[2]), from)), Subtract(Read(points[3]), from));
     const int exact = volume.sign();
     ASSERT_EQ(FindSideExactly(points[0], points[1], points[2], points[3]), exact);
     ASSERT_EQ(FindSide(points[0], points[1], points[2], points[3], counts), exact);
