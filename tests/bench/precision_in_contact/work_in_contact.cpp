@@ -33,7 +33,7 @@ using namespace physics;
 
 constexpr double kAnyTarget = 1e9;      // m/s
 constexpr double kAside = 1e-8;         // m
-constexpr double kMeaningless = 0.3;    // m
+constexpr double kMeaningless = 1;      // m
 constexpr double kMillimetres = 1000;   // in a metre
 constexpr double kBulletMargin = 0.01;  // m
 
@@ -51,7 +51,8 @@ struct WorkRun {
 // A method: its settings and how a scene is run with one of them.
 struct WorkMethod {
   const char* name;   // in rows
-  const char* title;  // in plots
+  const char* title;  // in plots; empty: in none
+  int colour = 0;     // of plots
   Stroke stroke = Stroke::kLineAndPoints;
   bool byTarget = false;  // settings are error targets, from loose to tight, otherwise substeps
   std::function<WorkRun(const ContactScene& scene, double setting)> run;
@@ -145,19 +146,19 @@ std::vector<WorkMethod> MakeMethods() {
     return RunBullet(scene, static_cast<int>(substeps));
   };
   constexpr auto kRk4 = Integrator::kRungeKutta4;
+  constexpr auto kLine = Stroke::kLineAndPoints;
   return {
-      {"rk4", "RK4, plain", Stroke::kLineAndPoints, false, fixed(kRk4, true)},
-      {"rk4_in_lanes", "RK4, lanes", Stroke::kLineAndPoints, false, fixed(kRk4, false)},
-      {"rk4_chosen", "RK4, lanes, chosen substeps", Stroke::kLineAndPoints, true, chosen(Precision::kDouble)},
-      {"rk4_as_played", "the same in float, as played", Stroke::kDashed, true, chosen(Precision::kSingle)},
-      {"semi_implicit_euler", "semi-implicit Euler", Stroke::kLineAndPoints, false,
-       fixed(Integrator::kSemiImplicitEuler, false)},
-      {"implicit_euler", "implicit Euler", Stroke::kLineAndPoints, false, fixed(Integrator::kImplicitEuler, false)},
-      {"xpbd", "XPBD, small steps", Stroke::kLineAndPoints, false, xpbd},
-      {"block_descent_1", "block descent, 1 round", Stroke::kLineAndPoints, false, descend(1)},
-      {"block_descent_4", "block descent, 4 rounds", Stroke::kLineAndPoints, false, descend(4)},
-      {"block_descent_16", "block descent, 16 rounds", Stroke::kLineAndPoints, false, descend(16)},
-      {"bullet", "Bullet", Stroke::kDashed, false, bullet},
+      {"rk4", "RK4, plain", 1, Stroke::kRings, false, fixed(kRk4, true)},
+      {"rk4_in_lanes", "RK4, lanes", 1, kLine, false, fixed(kRk4, false)},
+      {"rk4_chosen", "RK4, lanes, chosen substeps", 1, Stroke::kDashed, true, chosen(Precision::kDouble)},
+      {"rk4_as_played", "", 0, kLine, true, chosen(Precision::kSingle)},
+      {"semi_implicit_euler", "semi-implicit Euler", 4, kLine, false, fixed(Integrator::kSemiImplicitEuler, false)},
+      {"implicit_euler", "implicit Euler", 6, kLine, false, fixed(Integrator::kImplicitEuler, false)},
+      {"xpbd", "XPBD, small steps", 7, kLine, false, xpbd},
+      {"block_descent_1", "block descent, 1 round", 2, kLine, false, descend(1)},
+      {"block_descent_4", "block descent, 4 rounds", 2, Stroke::kRings, false, descend(4)},
+      {"block_descent_16", "", 0, kLine, false, descend(16)},
+      {"bullet", "Bullet", 8, Stroke::kDashed, false, bullet},
   };
 }
 
@@ -246,8 +247,9 @@ Plot DrawScene(const ContactScene& scene, const std::vector<WorkLine>& lines, co
             .logY = true};
   double fastest = HUGE_VAL, slowest = 0;
   for (const WorkLine& line : lines) {
-    if (line.scene != &scene) continue;
+    if (line.scene != &scene || *line.method->title == '\0') continue;
     Series& series = plot.series.emplace_back(Series{line.method->title, line.method->stroke, {}});
+    series.colour = line.method->colour;
     for (const WorkPoint& point : line.points) {
       if (!(point.error > 0 && point.error < kMeaningless)) continue;
       series.points.push_back({1e3 * point.time, kMillimetres * point.error});
@@ -258,7 +260,7 @@ Plot DrawScene(const ContactScene& scene, const std::vector<WorkLine>& lines, co
   }
   const double floor = kMillimetres * reference.change;
   if (floor > 0 && slowest > 0) {
-    plot.series.push_back({"change of the reference", Stroke::kDashed, {{fastest, floor}, {slowest, floor}}});
+    plot.series.push_back({"change of the reference", Stroke::kDashed, {{fastest, floor}, {slowest, floor}}, 3});
   }
   return plot;
 }
