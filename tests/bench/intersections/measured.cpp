@@ -7,8 +7,8 @@
 //
 // A rate is pairs of triangles over vertex-ticks: a pair is counted anew at every look, and so is a vertex. Pairs
 // between fine bodies (kFineVertices) go over the vertices of fine bodies, all others over the vertices of all bodies
-// with faces. Depths are those of the random trials: winding numbers, independent of both the engine and the count of
-// pairs.
+// with faces. Depths, once a second, are those of the random trials: winding numbers, independent of both the engine
+// and the count of pairs.
 #include <algorithm>
 #include <cmath>
 #include <memory>
