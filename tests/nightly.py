@@ -24,7 +24,7 @@ LOGS = ROOT / "build" / "nightly"
 LONGEST_PART = 120  # minutes
 
 REPORTS = {  # minutes of a full report
-    "accuracy": 8, "stability": 9, "throughput": 6, "skip": 2, "contact": 6, "codec": 4, "interpolation": 4, "link": 12,
+    "accuracy": 13, "stability": 9, "throughput": 6, "skip": 2, "contact": 8, "codec": 4, "interpolation": 4, "link": 12,
     "capacity": 16}
 FUZZED = ("snapshot", "shape", "round_trip", "basis", "messages", "vestibule", "token", "session", "scene", "lua", "http")
 FUZZ_SECONDS = 600  # of each target

@@ -2,6 +2,7 @@
 // implemented a second time and solved by SUNDIALS, and with closed forms where they exist.
 #include "tests/bench/accuracy/experiments.h"
 #include "tests/bench/contact/experiments.h"
+#include "tests/bench/precision_in_contact/experiments.h"
 
 namespace wobble::bench {
 
@@ -15,6 +16,8 @@ void ReportAccuracy(Bench& bench) {
       {"opponents", 0.1, &MeasureOpponents},
       {"error targets", 0.15, &MeasureErrorTargets},
       {"error targets in contact", 0.05, &MeasureTouchingTargets},
+      {"orders in contact", 0.01, &MeasureOrdersInContact},
+      {"work and precision in contact", 0.25, &MeasureWorkInContact},
       {"scenes as played", 0.14, &MeasureScenes},
       {"laws", 0.01, &MeasureLaws},
   };

@@ -1,6 +1,7 @@
 // `wobble_lab contact`: contact as the server plays it, against theory where it exists, otherwise against the same
 // equations solved in converged steps.
 #include "tests/bench/contact/experiments.h"
+#include "tests/bench/intersections/experiments.h"
 
 namespace wobble::bench {
 
@@ -12,6 +13,7 @@ void ReportContact(Bench& bench) {
       {"collisions", 0.08, &MeasureCollisions},
       {"stacks", 0.02, &MeasureStacks},
       {"apart", 0.02, &MeasureApart},
+      {"intersections", 0.2, &MeasureIntersections},
       {.name = "shots", .share = 0.58, .measure = &MeasureShots, .hasTrials = true},
   };
   MeasureParts(bench, kParts);

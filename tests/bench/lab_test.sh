@@ -113,11 +113,13 @@ case_accuracy() {
   local keys="reference_agreement exact_solution_error_max young_modulus_error speedup_vs_odeint"
   keys+=" order_rk4 order_velocity_verlet order_velocity_verlet_damped order_leap_frog order_leap_frog_damped"
   keys+=" order_semi_implicit_euler order_explicit_euler order_implicit_euler"
-  keys+=" error_target_met error_target_overhead error_target_met_in_contact"
+  keys+=" error_target_met error_target_overhead error_target_met_in_contact error_target_met_bounce"
+  keys+=" error_target_met_slide error_target_met_stack error_target_met_squeeze error_target_met_cloth_over_ball"
+  keys+=" error_target_met_crowd order_rk4_in_contact order_rk4_between_bodies"
   keys+=" scene_error_ball_drop scene_error_cloth scene_error_scrum scene_error_jelly_stack"
   expect_report accuracy "$keys" \
     "accuracy_work_precision accuracy_work_precision_damped accuracy_float_floor accuracy_energy accuracy_error_target
-    accuracy_scenes laws"
+    accuracy_scenes accuracy_contact_bounce accuracy_contact_slide laws"
 }
 
 case_capacity() {
@@ -155,7 +157,8 @@ case_interpolation() {
 
 case_contact() {
   expect_report contact \
-    "bounce_error slide_angle_error_deg momentum_drift stack_drift stack_asleep_s tunnelled" \
+    "bounce_error slide_angle_error_deg momentum_drift stack_drift stack_asleep_s tunnelled
+     scene_intersecting_fine scene_intersecting_within trial_intersecting_fine trial_intersecting_others" \
     "bounce laws slide penetration"
 }
 

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "tests/bench/contact/bodies.h"
+
 namespace wobble::bench {
 
 using namespace physics;
@@ -25,6 +27,32 @@ double FindDistanceToFace(const Vector3d& a, const Vector3d& b, const Vector3d& 
     least = std::min(least, (p - from - share * side).norm());
   }
   return inside ? std::fabs(normal.dot(p - a)) : least;
+}
+
+double FindDepthUnderSurfaces(const World& world, const std::vector<Vector3d>& x) {
+  double deepest = 0;
+  for (const Obstacle& obstacle : world.Obstacles()) {
+    const Surface<double> surface = MakeSurface<double>(obstacle, Vector3d::Zero());
+    for (const Vector3d& p : x) deepest = std::max(deepest, -FindSurfacePoint(surface, p).distance);
+  }
+  return deepest;
+}
+
+// Bodies without faces, such as graphs, have no surface and pass through others by design.
+bool HasSurface(const Blueprint& blueprint) { return !blueprint.full.faces.empty(); }
+bool IsClosed(const Blueprint& blueprint) { return blueprint.restVolume > 0 && !blueprint.full.planar; }
+
+Box FindBoxRound(const std::vector<Vector3d>& x) {
+  Box box{x[0], x[0]};
+  for (const Vector3d& p : x) {
+    box.low = box.low.cwiseMin(p);
+    box.high = box.high.cwiseMax(p);
+  }
+  return box;
+}
+
+bool AreApart(const Box& a, const Box& b) {
+  return (a.low.array() > b.high.array()).any() || (b.low.array() > a.high.array()).any();
 }
 
 }  // namespace
@@ -64,6 +92,27 @@ double FindDeepestInside(const std::vector<Vector3d>& points, const std::vector<
     deepest = std::max(deepest, FindDistance(p, faces, x));
   }
   return deepest;
+}
+
+std::vector<float> ListDepths(const World& world) {
+  std::vector<std::vector<Vector3d>> places;
+  std::vector<Box> boxes;
+  for (const Body& body : world.Bodies()) {
+    places.push_back(ReadPositions(body));
+    boxes.push_back(FindBoxRound(places.back()));
+  }
+  std::vector<float> depths;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    double deepest = FindDepthUnderSurfaces(world, places[i]);
+    for (std::size_t j = 0; j < places.size(); ++j) {
+      const Blueprint& other = world.BlueprintOf(world.Bodies()[j]);
+      if (j == i || !IsClosed(other) || !HasSurface(world.BlueprintOf(world.Bodies()[i]))) continue;
+      if (AreApart(boxes[i], boxes[j])) continue;
+      deepest = std::max(deepest, FindDeepestInside(places[i], other.full.faces, places[j]));
+    }
+    depths.push_back(static_cast<float>(deepest / world.BlueprintOf(world.Bodies()[i]).size));
+  }
+  return depths;
 }
 
 }  // namespace wobble::bench

@@ -3,8 +3,7 @@
 
 #include <vector>
 
-#include "server/physics/model/topology.h"
-#include "server/physics/model/vector.h"
+#include "server/physics/world.h"
 
 namespace wobble::bench {
 
@@ -21,5 +20,9 @@ namespace wobble::bench {
 [[nodiscard]] double FindDeepestInside(const std::vector<physics::Vector3d>& points,
                                        const std::vector<physics::Face>& faces,
                                        const std::vector<physics::Vector3d>& x);
+
+// For every body the greatest depth of a vertex under a static surface or inside another closed body, over the body's
+// size. Takes as long as several ticks.
+[[nodiscard]] std::vector<float> ListDepths(const physics::World& world);
 
 }  // namespace wobble::bench

@@ -111,6 +111,33 @@ std::unique_ptr<World> MakePit(double errorTarget) {
   return world;
 }
 
+// One ball presses another into a groove.
+std::unique_ptr<World> MakeSqueeze(double errorTarget) {
+  auto world = MakeEmpty(errorTarget);
+  world->AddBlueprint(MakeBall(DescribeBall(2)));
+  for (const double side : {1.0, -1.0}) {
+    Obstacle wall;
+    wall.normal = Vector3d(0.8 * side, 0, 0.6);
+    wall.friction = 0.5;
+    world->AddObstacle(wall);
+  }
+  Throw(*world, 0, Vector3d(0, 0, 0.9), Vector3d(0, 0, -1), Vector3d::Zero());
+  Throw(*world, 0, Vector3d(0.05, 0.03, 2), Vector3d(0, 0, -3), Vector3d::Zero());
+  return world;
+}
+
+std::unique_ptr<World> MakeClothOverBall(double errorTarget) {
+  auto world = MakeOnFloor(errorTarget, MakeBall(DescribeBall(2)));
+  ClothDefinition cloth;
+  cloth.points = {13, 13};
+  cloth.spacing = 0.1;
+  cloth.orientation = Orientation::kHorizontal;
+  world->AddBlueprint(MakeCloth(cloth));
+  world->AddBody(0, Vector3d(0, 0, 0.505));
+  world->AddBody(1, Vector3d(0.03, 0.02, 1.1), Vector3d(0, 0, -0.5));
+  return world;
+}
+
 constexpr int kPlayers = 8;
 
 std::unique_ptr<World> MakePlayers(double errorTarget) {
@@ -145,11 +172,13 @@ void Chase(World& world, int second) {
 }  // namespace
 
 std::vector<TouchingCase> MakeTouchingCases(bool quick) {
-  std::vector<TouchingCase> cases{{"ball, thrown with spin", &MakeThrownBall},
-                                  {"cube, sliding", &MakeSlidingCube},
+  std::vector<TouchingCase> cases{{"ball, thrown with spin", &MakeThrownBall, nullptr, "bounce"},
+                                  {"cube, sliding", &MakeSlidingCube, nullptr, "slide"},
                                   {"two balls, off centre", &MakeCollision},
-                                  {"stack of three cubes", &MakeStack},
-                                  {"eight players, chasing", &MakePlayers, &Chase}};
+                                  {"stack of three cubes", &MakeStack, nullptr, "stack"},
+                                  {"two balls in a groove", &MakeSqueeze, nullptr, "squeeze"},
+                                  {"cloth over a ball", &MakeClothOverBall, nullptr, "cloth_over_ball", false},
+                                  {"eight players, chasing", &MakePlayers, &Chase, "crowd"}};
   if (quick) return cases;
   cases.push_back({"ball, sliding into a roll", &MakeRollingBall});
   cases.push_back({"cube, tumbling", &MakeTumblingCube});

@@ -10,7 +10,6 @@
 #include <cmath>
 
 #include "server/physics/methods/stability.h"
-#include "tests/bench/contact/bodies.h"
 #include "tests/bench/contact/insides.h"
 #include "tests/bench/stability/experiments.h"
 #include "tests/bench/stability/random_world.h"
@@ -45,32 +44,6 @@ struct RandomTrial {
   const char* failure = "";
   std::vector<float> depths;  // per body and measurement, relative to its size
 };
-
-double FindDepthUnderSurfaces(const World& world, const std::vector<Vector3d>& x) {
-  double deepest = 0;
-  for (const Obstacle& obstacle : world.Obstacles()) {
-    const Surface<double> surface = MakeSurface<double>(obstacle, Vector3d::Zero());
-    for (const Vector3d& p : x) deepest = std::max(deepest, -FindSurfacePoint(surface, p).distance);
-  }
-  return deepest;
-}
-
-bool IsClosed(const Blueprint& blueprint) { return blueprint.restVolume > 0 && !blueprint.full.planar; }
-
-void LookAtDepths(const World& world, std::vector<float>& depths) {
-  std::vector<std::vector<Vector3d>> places;
-  for (const Body& body : world.Bodies()) places.push_back(ReadPositions(body));
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    double deepest = FindDepthUnderSurfaces(world, places[i]);
-    for (std::size_t j = 0; j < places.size(); ++j) {
-      const Blueprint& other = world.BlueprintOf(world.Bodies()[j]);
-      if (j != i && IsClosed(other)) {
-        deepest = std::max(deepest, FindDeepestInside(places[i], other.full.faces, places[j]));
-      }
-    }
-    depths.push_back(static_cast<float>(deepest / world.BlueprintOf(world.Bodies()[i]).size));
-  }
-}
 
 void DescribeWorld(const RandomWorld& random, RandomTrial& trial) {
   trial.place = random.Place();
@@ -115,7 +88,8 @@ RandomTrial PlayTrial(std::uint64_t seed, std::uint32_t number, Violence violenc
     moved = moved || report.awake > 0;
     // A sleeping world is measured once.
     if (tick % kTicksBetweenLooks != 0 || !moved) continue;
-    LookAtDepths(random.Engine(), trial.depths);
+    const std::vector<float> depths = ListDepths(random.Engine());
+    trial.depths.insert(trial.depths.end(), depths.begin(), depths.end());
     moved = false;
   }
   return trial;

@@ -96,7 +96,8 @@ struct BulletWorld::Bodies {
   }
 };
 
-BulletWorld::BulletWorld(const World& world, const BulletSettings& settings) : m_bodies(std::make_unique<Bodies>()) {
+BulletWorld::BulletWorld(const World& world, const BulletSettings& settings)
+    : m_bodies(std::make_unique<Bodies>()), m_stepsATick(settings.stepsATick) {
   const btVector3 gravity = Convert(world.Settings().gravity);
   m_bodies->tick = world.Settings().tickDuration;
   m_bodies->world.setGravity(gravity);
@@ -110,6 +111,20 @@ BulletWorld::BulletWorld(const World& world, const BulletSettings& settings) : m
 
 BulletWorld::~BulletWorld() = default;
 
-void BulletWorld::Step() { m_bodies->world.stepSimulation(static_cast<btScalar>(m_bodies->tick), 0); }
+void BulletWorld::Step() {
+  const double step = m_bodies->tick / m_stepsATick;
+  for (int i = 0; i < m_stepsATick; ++i) m_bodies->world.stepSimulation(static_cast<btScalar>(step), 0);
+}
+
+std::vector<Vector3d> BulletWorld::ListPositions() const {
+  std::vector<Vector3d> positions;
+  for (const auto& body : m_bodies->soft) {
+    for (int i = 0; i < body->m_nodes.size(); ++i) {
+      const btVector3& x = body->m_nodes[i].m_x;
+      positions.emplace_back(double{x.x()}, double{x.y()}, double{x.z()});
+    }
+  }
+  return positions;
+}
 
 }  // namespace wobble::bench

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "server/physics/contact/obstacle.h"
 #include "server/physics/world.h"
@@ -15,10 +16,10 @@ struct BulletSettings {
   Contacts contacts = Contacts::kNone;
   int clusters = 8;      // per body
   double margin = 0.25;  // contact margin around a body, m
+  int stepsATick = 1;
 };
 
-// Everything that BulletSettings does not set is Bullet's default: one step per tick, one iteration of its position
-// solver.
+// Everything that BulletSettings does not set is Bullet's default: one iteration of its position solver a step.
 class BulletWorld {
  public:
   // Copies every body of `world` with its shape and motion, its gas as pressure and its obstacles as boxes, because
@@ -27,10 +28,13 @@ class BulletWorld {
   ~BulletWorld();
 
   void Step();
+  // Of all vertices, body after body, m.
+  [[nodiscard]] std::vector<physics::Vector3d> ListPositions() const;
 
  private:
   struct Bodies;
   std::unique_ptr<Bodies> m_bodies;
+  int m_stepsATick;
 };
 
 }  // namespace wobble::bench
