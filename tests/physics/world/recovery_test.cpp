@@ -35,7 +35,8 @@ TEST(Recovery, FromAnyThrow) {
     world.AddObstacle({});
     const BodyId id = world.AddBody(world.AddBlueprint(MakeBall({})), {0, 0, 1}, {0.2 * speed, 0, -speed});
     for (int tick = 0; tick < 120; ++tick) ASSERT_EQ(world.Step().quarantined, 0U) << speed << " " << tick;
-    EXPECT_LT(FindShapeError(world.Blueprints()[0], ListPositions(world, id)), 0.15) << speed;
+    const Blueprint& blueprint = world.Blueprints()[0];
+    EXPECT_LT(FindShapeDistance(ListPositions(world, id), blueprint.rest), 0.15 * blueprint.size) << speed;
   }
 }
 
