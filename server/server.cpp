@@ -103,8 +103,8 @@ void Server::Step() {
   m_counts.reset += report.reset;
   m_counts.torn += report.torn;
   if (report.quarantined > 0) {
-    spdlog::warn("tick {}: {} bodies stepped again in more substeps ({} not finite, {} inside out), {} of them reset",
-                 m_world.Tick(), report.quarantined, report.nonFinite, report.inverted, report.reset);
+    spdlog::warn("tick {}: {} bodies stepped again in more substeps ({} not finite), {} of them reset", m_world.Tick(),
+                 report.quarantined, report.nonFinite, report.reset);
   }
   RespawnFallen();
   PlayGame();

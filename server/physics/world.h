@@ -56,9 +56,10 @@ struct StepReport {
   std::uint64_t allSubsteps = 0;  // the same, with the tries that were thrown away
   std::uint32_t awake = 0;        // stepped in this tick
   std::uint32_t nonFinite = 0;    // had a non-finite coordinate in one of the tries
-  std::uint32_t inverted = 0;     // had a finite state, but a closed surface turned inside out
-  std::uint32_t quarantined = 0;  // stepped again in more substeps: non-finite, inverted, or runaway energy
-  std::uint32_t reset = 0;        // quarantined, and put back into the rest shape because no number of substeps helped
+  std::uint32_t inverted = 0;     // end the tick inside out: a closed body whose gas has no volume left
+  std::uint32_t quarantined = 0;  // stepped again in more substeps: non-finite or runaway energy; or reset
+  // Put back into the rest shape: no number of substeps helped, or it has been inside out for kInvertedTime.
+  std::uint32_t reset = 0;
   std::uint32_t torn = 0;         // springs that tore
   BodyId firstQuarantined = 0;    // least id of the quarantined bodies; 0: none
 };

@@ -139,6 +139,7 @@ struct IslandLists {
 struct Outcome {
   IslandOutcome steps;
   Health health = Health::kGood;
+  bool inverted = false;  // inside out at the end
   bool reset = false;
   std::size_t torn = 0;  // springs
 };

@@ -37,12 +37,18 @@ template <class Real>
 Outcome FinishBody(const Surroundings& surroundings, const BlueprintSlot& slot, double allowedError,
                    const Member<Real>& member, const IslandOutcome& steps, Body& body) {
   State<Real>& state = *member.state;
-  Outcome outcome{.steps = steps, .health = member.health, .reset = member.lost};
+  body.invertedTicks = member.insideOut ? body.invertedTicks + 1 : 0;
+  const bool staysInverted = body.invertedTicks * surroundings.settings.tickDuration > kInvertedTime;
+  Outcome outcome{.steps = steps,
+                  .health = member.health,
+                  .inverted = member.insideOut && member.health != Health::kNonFinite,
+                  .reset = member.lost || staysInverted};
   body.touchesBody = false;  // until FinishContactPair finds a contact
-  if (member.lost) {
+  if (outcome.reset) {
     const Vector3d centre = state.origin + member.survey.bulk.centre;
     PutBackToRest(*member.blueprint, FindFreePlace(surroundings.obstacles, member, centre), state);
     body.steps = {};
+    body.invertedTicks = 0;
     WakeUp(body);
   } else {
     body.steps.Record(member.error, steps.substeps, allowedError);
@@ -122,11 +128,12 @@ StepReport MakeReport(std::span<const std::uint32_t> stepped, std::span<const Bo
     report.substeps += static_cast<std::uint64_t>(outcome.steps.substeps);
     report.allSubsteps += static_cast<std::uint64_t>(outcome.steps.allSubsteps);
     report.nonFinite += outcome.health == Health::kNonFinite ? 1 : 0;
-    report.inverted += outcome.health == Health::kInverted ? 1 : 0;
-    report.quarantined += outcome.health != Health::kGood ? 1 : 0;
+    report.inverted += outcome.inverted ? 1 : 0;
+    const bool quarantined = outcome.health != Health::kGood || outcome.reset;
+    report.quarantined += quarantined ? 1 : 0;
     report.reset += outcome.reset ? 1 : 0;
     report.torn += static_cast<std::uint32_t>(outcome.torn);
-    if (report.firstQuarantined == 0 && outcome.health != Health::kGood) report.firstQuarantined = bodies[place].id;
+    if (report.firstQuarantined == 0 && quarantined) report.firstQuarantined = bodies[place].id;
   }
   return report;
 }

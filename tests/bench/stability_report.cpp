@@ -9,7 +9,8 @@ void ReportStability(Bench& bench) {
       {"limits", 0.05, &MeasureLimits},
       {"perturbations", 0.02, &MeasurePerturbations},
       {"growth", 0.03, &MeasureGrowth},
-      {.name = "random trials", .share = 0.9, .measure = &MeasureRandomTrials, .hasTrials = true},
+      {"broken states", 0.1, &MeasureBrokenStates},
+      {.name = "random trials", .share = 0.8, .measure = &MeasureRandomTrials, .hasTrials = true},
   };
   MeasureParts(bench, kParts);
 }

@@ -4,10 +4,9 @@
 
 namespace wobble::physics {
 
-Health FindHealth(const BulkMotion& bulk, bool insideOut) {
+Health FindHealth(const BulkMotion& bulk) {
   // Sums of finite coordinates may overflow too; coordinates that large are as bad as non-finite ones.
-  if (!std::isfinite(bulk.kineticEnergy) || !bulk.centre.allFinite()) return Health::kNonFinite;
-  return insideOut ? Health::kInverted : Health::kGood;
+  return std::isfinite(bulk.kineticEnergy) && bulk.centre.allFinite() ? Health::kGood : Health::kNonFinite;
 }
 
 template <class Real>

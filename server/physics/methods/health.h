@@ -14,12 +14,15 @@ namespace wobble::physics {
 enum class Health : std::uint8_t {
   kGood,
   kRunaway,    // its island has gained energy from nowhere
-  kInverted,   // a closed body turned inside out
   kNonFinite,  // a coordinate is not finite
 };
 
-// Finds kGood, kInverted or kNonFinite; kRunaway is judged for an island as a whole. insideOut: from IsInsideOut.
-[[nodiscard]] Health FindHealth(const BulkMotion& bulk, bool insideOut);
+// Finds kGood or kNonFinite; kRunaway is judged for an island as a whole.
+[[nodiscard]] Health FindHealth(const BulkMotion& bulk);
+
+// A body that has been inside out for so long, s, is put back to its rest shape. Its gas pushes all the harder the more
+// negative the volume is (ComputePressure), and turns it out within a few ticks if there is enough of it.
+inline constexpr double kInvertedTime = 2;
 
 // Energy that an island may gain beyond what was put in, as a share of its energy: honest play stays under 0.6 %,
 // whatever falls onto whatever.

@@ -63,9 +63,10 @@ struct Body {
   double gasFactor = 1;        // follows the control within a few ticks
   double stiffnessFactor = 1;  // likewise
   StepHistory steps;
-  bool asleep = false;  // neither stepped nor searched for contacts until something wakes it
-  int quietTicks = 0;   // in a row so far (sleep.h)
-  int tornTicks = 0;    // since a spring tore that its blueprint still has; 0: none has
+  bool asleep = false;    // neither stepped nor searched for contacts until something wakes it
+  int quietTicks = 0;     // in a row so far (sleep.h)
+  int invertedTicks = 0;  // in a row so far that ended with the body inside out
+  int tornTicks = 0;      // since a spring tore that its blueprint still has; 0: none has
 };
 
 // Calls visit(index, position) for every vertex of the body, in order; position: in the world, m.

@@ -98,7 +98,7 @@ bool FindBadMembers(const BodySystem<Real>& system, const Island& island, bool c
     Member<Real>& member = *system.Members()[i];
     member.after = FindBulkMotion<Real>(member.blueprint->template Read<Real>().masses,
                                         system.SliceOf(system.Positions(), i), system.SliceOf(system.Velocities(), i));
-    const Health health = FindHealth(member.after, member.insideOut);
+    const Health health = FindHealth(member.after);
     member.health = std::max(member.health, health);
     member.lost = health != Health::kGood;
     anyBad |= member.lost;
@@ -113,11 +113,7 @@ bool FindBadMembers(const BodySystem<Real>& system, const Island& island, bool c
 
 template <class Real>
 bool BlameMembersBadFromStart(const BodySystem<Real>& system, const Island& island) {
-  const auto beganBad = [](const Member<Real>* member) {
-    const bool insideOut =
-        IsInsideOut<Real>(member->blueprint->template Read<Real>(), std::span(member->state->positions));
-    return FindHealth(member->survey.bulk, insideOut) != Health::kGood;
-  };
+  const auto beganBad = [](const Member<Real>* member) { return FindHealth(member->survey.bulk) != Health::kGood; };
   const auto members = system.MembersOf(island);
   if (std::none_of(members.begin(), members.end(), beganBad)) return false;
   system.StartAgain(island);

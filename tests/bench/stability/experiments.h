@@ -14,5 +14,7 @@ void MeasurePerturbations(Bench& bench);
 void MeasureGrowth(Bench& bench);
 // Keys random_trials, non_finite, inverted, quarantined, penetration_p999: random worlds in the server's own stepping.
 void MeasureRandomTrials(Bench& bench);
+// Key recovered_share: bodies in states that no motion can have brought, two seconds later.
+void MeasureBrokenStates(Bench& bench);
 
 }  // namespace wobble::bench

@@ -37,7 +37,8 @@ struct RandomTrial {
   std::uint64_t substeps = 0;
   std::uint64_t awake = 0;  // body-ticks
   std::uint32_t nonFinite = 0;
-  std::uint32_t inverted = 0;
+  std::uint32_t inverted = 0;  // body-ticks
+  std::uint32_t reset = 0;
   std::uint32_t quarantined = 0;
   int failedTick = 0;  // the first, from 1; 0: none
   std::string failedBody;
@@ -69,10 +70,11 @@ void Note(const StepReport& report, const RandomWorld& random, RandomTrial& tria
   trial.nonFinite += report.nonFinite;
   trial.inverted += report.inverted;
   trial.quarantined += report.quarantined;
+  trial.reset += report.reset;
   if (report.quarantined == 0 || trial.failedTick > 0) return;
   trial.failedTick = static_cast<int>(random.Engine().Tick());
   trial.failedBody = random.Describe(random.Engine().ReadBody(report.firstQuarantined).blueprint);
-  trial.failure = report.nonFinite > 0 ? "not finite" : report.inverted > 0 ? "inverted" : "energy from nowhere";
+  trial.failure = report.nonFinite > 0 ? "not finite" : report.reset > 0 ? "reset" : "energy from nowhere";
 }
 
 RandomTrial PlayTrial(std::uint64_t seed, std::uint32_t number, Violence violence) {
@@ -198,6 +200,7 @@ struct Sums {
   double nonFinite = 0;
   double inverted = 0;
   double quarantined = 0;
+  double reset = 0;
   double bodies = 0;
   double refused = 0;
   double crushed = 0;
@@ -212,6 +215,7 @@ Sums AddUp(const std::vector<RandomTrial>& trials) {
     sums.nonFinite += trial.nonFinite;
     sums.inverted += trial.inverted;
     sums.quarantined += trial.quarantined;
+    sums.reset += trial.reset;
     sums.bodies += static_cast<double>(trial.bodies);
     sums.refused += trial.refused;
     sums.crushed += trial.crushed;
@@ -275,6 +279,7 @@ void MeasureRandomTrials(Bench& bench) {
   const Sums more = AddUp(beyond);
   results.AddFigure("beyond_failed_share", more.failed / more.trials);
   results.AddFigure("beyond_non_finite", more.nonFinite);
+  results.AddFigure("beyond_reset", more.reset);
 }
 
 }  // namespace wobble::bench

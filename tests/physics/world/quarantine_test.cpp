@@ -66,7 +66,7 @@ TEST(Quarantine, ARunawayIsSteppedFinerAndLives) {
   EXPECT_NEAR((apart - Vector3d(9, 0, 0)).norm(), 0, 0.1) << "it falls as its neighbour does";
 }
 
-// The gas turns the body the right side out again, more violently than any step can follow.
+// The gas turns the body the right side out again, so violently that the first try misses its error by far.
 TEST(Quarantine, InsideOutIsPutRight) {
   World world(WorldSettings{});
   const Blueprint blueprint = MakeBall(BallDefinition{});
