@@ -38,8 +38,6 @@ double FindDepthUnderSurfaces(const World& world, const std::vector<Vector3d>& x
   return deepest;
 }
 
-// Bodies without faces, such as graphs, have no surface and pass through others by design.
-bool HasSurface(const Blueprint& blueprint) { return !blueprint.full.faces.empty(); }
 bool IsClosed(const Blueprint& blueprint) { return blueprint.restVolume > 0 && !blueprint.full.planar; }
 
 Box FindBoxRound(const std::vector<Vector3d>& x) {
@@ -106,7 +104,7 @@ std::vector<float> ListDepths(const World& world) {
     double deepest = FindDepthUnderSurfaces(world, places[i]);
     for (std::size_t j = 0; j < places.size(); ++j) {
       const Blueprint& other = world.BlueprintOf(world.Bodies()[j]);
-      if (j == i || !IsClosed(other) || !HasSurface(world.BlueprintOf(world.Bodies()[i]))) continue;
+      if (j == i || !IsClosed(other)) continue;
       if (AreApart(boxes[i], boxes[j])) continue;
       deepest = std::max(deepest, FindDeepestInside(places[i], other.full.faces, places[j]));
     }
