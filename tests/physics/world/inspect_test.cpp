@@ -9,6 +9,7 @@
 #include "server/physics/shapes/cloth.h"
 #include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/graph.h"
+#include "server/physics/shapes/solid.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 
@@ -158,6 +159,17 @@ TEST(Inspect, APileIsWhatTheStepMakesOfIt) {
   for (int tick = 0; tick < 120; ++tick) {
     world.Step();
     if (tick % 20 == 0) ExpectStepped(world);
+  }
+}
+
+TEST(Inspect, SolidsThatFallOnOneAnotherAreWhatTheStepMakesOfThem) {
+  World world(MakeExact());
+  world.AddBlueprint(MakeSolid({.cells = {2, 2, 2}, .poissonRatio = 0.4}));
+  world.AddObstacle(Obstacle{});
+  for (int i = 0; i < 3; ++i) world.AddBody(0, Vector3d(0.1 * i, 0.05 * i, 0.4 + 0.6 * i));
+  for (int tick = 0; tick < 60; ++tick) {
+    world.Step();
+    if (tick % 15 == 0) ExpectStepped(world);
   }
 }
 
