@@ -55,12 +55,23 @@ void AddViscousStress(Real viscosity, const MatrixColumns<Real>& f, const Matrix
   }
 }
 
+// √3 times Frobenius' norm of Cᵀ C: 3 for C = 1, at least |C|², and nearer to what one long direction alone makes
+// stiff.
+template <class Real>
+Real BoundSquare(const MatrixColumns<Real>& c) {
+  const Real along[] = {c[0].dot(c[0]), c[1].dot(c[1]), c[2].dot(c[2])};
+  const Real across[] = {c[0].dot(c[1]), c[1].dot(c[2]), c[2].dot(c[0])};
+  const Real squares = along[0] * along[0] + along[1] * along[1] + along[2] * along[2];
+  const Real products = across[0] * across[0] + across[1] * across[1] + across[2] * across[2];
+  return std::sqrt(Real(3) * (squares + Real(2) * products));
+}
+
 template <class Real>
 Real BoundStiffness(const SolidMaterial<Real>& material, const MatrixColumns<Real>& f) {
   const MatrixColumns<Real> cofactors = FindCofactors(f);
   const Real ofVolume = std::fabs(f[0].dot(cofactors[0]) - material.restRatio);
   return material.shear +
-         material.bulk * (FindSquare(cofactors) + Real(2) * ofVolume * std::sqrt(FindSquare(f) / Real(3)));
+         material.bulk * (BoundSquare(cofactors) + Real(2) * ofVolume * std::sqrt(FindSquare(f) / Real(3)));
 }
 
 }  // namespace
@@ -127,8 +138,8 @@ double ComputeSolidEnergy(const Coefficients<double>& body, std::span<const Vect
 }
 
 // The bounds are not as tight for a strained element as for one at rest, hence kLooseness (by the test that compares
-// them with frequencies). The viscous term grows with the square of the largest stretch, which is at most I less the squares of the two others;
-// I − 2 stands for that.
+// them with frequencies). The viscous term grows with the square of the largest stretch, which is at most I less the
+// squares of the two others; I − 2 stands for that.
 template <class Real>
 double FindStiffening(const Coefficients<Real>& body, std::span<const Vector3<Real>> x) {
   if (body.tetrahedra.empty()) return 1;
