@@ -187,7 +187,7 @@ Draft DraftGraph(Random& random, std::size_t vertices) {
 // A box, or a flattened or elongated ball of tetrahedra. Of all modes of a cell of size a the fastest has ω a/c of
 // about kFastest, c² = E (1 − ν)/ρ(1 + ν)(1 − 2ν); in a filled surface, where cells are cut, more.
 Draft DraftSolid(Random& random, std::size_t vertices) {
-  constexpr double kFastest = 4.5;
+  constexpr double kFastest = 4;
   constexpr double kFastestCut = 9;
   SolidDefinition solid;
   const bool isBox = random.Happens(0.6);

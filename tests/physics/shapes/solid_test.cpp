@@ -341,7 +341,9 @@ TEST(Solid, RecoversFromBrokenStatesWithinTwoSeconds) {
         for (const Vector3d& at : solid.rest) {
           x.push_back(Break(way, at, Vector3d(draw(random), draw(random), draw(random))));
         }
-        if (way != Breakage::kWrung) EXPECT_LT(FindLeastRatio(solid, x), 0.05) << "some element is flat or inside out";
+        if (way != Breakage::kWrung) {
+          EXPECT_LT(FindLeastRatio(solid, x), 0.05) << "some element is flat or inside out";
+        }
         world.SetMotion(id, x, std::vector<Vector3d>(x.size(), Vector3d::Zero()));
         std::uint32_t resets = 0;
         for (int tick = 0; tick < 120; ++tick) resets += world.Step().reset;
