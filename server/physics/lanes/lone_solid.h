@@ -107,6 +107,68 @@ __attribute__((noinline)) void ComputeElementForces(const SweepTables<Real>& tab
   }
 }
 
+// √3 times Frobenius' norm of Cᵀ C, as in methods/elasticity.cpp.
+template <class Real, class V>
+WOBBLE_INLINE V BoundSquare(const V (&c)[3][3]) {
+  V squares = Spread<V>(Real(0));
+  V products = squares;
+  for (int i = 0; i < 3; ++i) {
+    const V along = FindDot(c[i], c[i]);
+    const V across = FindDot(c[i], c[(i + 1) % 3]);
+    squares = Fma(along, along, squares);
+    products = Fma(across, across, products);
+  }
+  return Sqrt(Spread<V>(Real(3)) * Fma(Spread<V>(Real(2)), products, squares));
+}
+
+// Of as many elements as V has lanes, from `begin` on. positions: x y z of each vertex.
+template <class Real, class V>
+WOBBLE_INLINE void AddStrains(const SweepTables<Real>& tables, std::uint32_t begin, const Real* positions, V& largest,
+                              V& stiffest) {
+  const ElementColumns<Real>& columns = tables.elementColumns;
+  const ColumnConstants<V, Real> constants{columns.numbers + begin, columns.padded};
+  V ways[3][3];
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    const std::uint32_t* ends = columns.vertices + 2 * (i * columns.padded + begin);
+    V rows[4];
+    for (std::uint32_t k = 0; k < 4; ++k) {
+      const std::uint32_t* near = ends + 2 * k;
+      const std::uint32_t* far = sizeof(V) / sizeof(Real) > 4 ? near + 8 : near;
+      rows[k] =
+          LoadThrees(positions + near[0], positions + far[0]) - LoadThrees(positions + near[1], positions + far[1]);
+    }
+    Transpose(rows);
+    for (int k = 0; k < 3; ++k) ways[i][k] = rows[k];
+  }
+  V f[3][3];
+  V cofactors[3][3];
+  FindGradient(constants, ways, f);
+  for (int c = 0; c < 3; ++c) FindCross(f[(c + 1) % 3], f[(c + 2) % 3], cofactors[c]);
+  const V square = FindDot(f[0], f[0]) + FindDot(f[1], f[1]) + FindDot(f[2], f[2]);
+  const V beyond = FindDot(f[0], cofactors[0]) - Spread<V>(tables.restRatio);
+  const V ofVolume = Max(beyond, -beyond) * Sqrt(square / Spread<V>(Real(3)));
+  const V bound = Fma(Spread<V>(Real(2)), ofVolume, BoundSquare<Real>(cofactors));
+  largest = Max(square, largest);
+  stiffest = Max(Fma(Spread<V>(tables.elements->bulk / tables.elements->shear), bound, Spread<V>(Real(1))), stiffest);
+}
+
+template <class Real>
+ElementStrain<Real> FindStrain(const SweepTables<Real>& tables, const Real* positions) {
+  using V = typename RowsOf<Real>::Lanes;
+  constexpr std::uint32_t kWidth = sizeof(V) / sizeof(Real);
+  V largest = Spread<V>(Real(0));
+  V stiffest = largest;
+  for (std::uint32_t begin = 0; begin < tables.elementColumns.count; begin += kWidth) {
+    AddStrains(tables, begin, positions, largest, stiffest);
+  }
+  ElementStrain<Real> strain;
+  for (std::uint32_t lane = 0; lane < kWidth; ++lane) {
+    strain.square = Max(Real(largest[lane]), strain.square);
+    strain.stiffness = Max(Real(stiffest[lane]), strain.stiffness);
+  }
+  return strain;
+}
+
 #undef WOBBLE_INLINE
 
 }  // namespace

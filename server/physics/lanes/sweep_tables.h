@@ -38,12 +38,20 @@ struct Element {
 template <class Real>
 struct ElementColumns {
   const std::uint32_t* ends =
-      nullptr;                    // [corner 1 to 3][element][2]: 6 times the corner's place and the first corner's
-  const Real* numbers = nullptr;  // [gradients 3 × 3, shear, bulk, viscosity][element]
+      nullptr;  // [corner 1 to 3][element][2]: 6 times the corner's place and the first corner's
+  const std::uint32_t* vertices = nullptr;  // the same with 3 times the numbers of vertices
+  const Real* numbers = nullptr;            // [gradients 3 × 3, shear, bulk, viscosity][element]
   std::uint32_t count = 0;
   std::uint32_t padded = 0;
 };
 inline constexpr std::uint32_t kElementNumbers = 12;
+
+// The largest over all elements of a body: |F|², and the bound of the stiffness, over μ (methods/elasticity.h).
+template <class Real>
+struct ElementStrain {
+  Real square = 0;
+  Real stiffness = 0;
+};
 
 // Two faces whose last place is `last`: (last, before, middle) and (last, middle, after). x_last·(x_middle × (x_after −
 // x_before)) is six times the volume between them and the origin. For a single face `after` is `middle`. In an outline:

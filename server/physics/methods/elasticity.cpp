@@ -5,6 +5,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "server/physics/lanes/kernels.h"
+
 namespace wobble::physics {
 namespace {
 
@@ -74,6 +76,14 @@ Real BoundStiffness(const SolidMaterial<Real>& material, const MatrixColumns<Rea
          material.bulk * (BoundSquare(cofactors) + Real(2) * ofVolume * std::sqrt(FindSquare(f) / Real(3)));
 }
 
+// The bounds are not as tight for a strained element as for one at rest, hence kLooseness (by the test that compares
+// them with frequencies). The viscous term grows with the square of the largest stretch, which is at most I less the
+// squares of the two others; I − 2 stands for that.
+double FindGrowth(double stiffnessRatio, double square) {
+  constexpr double kLooseness = 1.3;
+  return std::max({1.0, 1 + kLooseness * (stiffnessRatio - 1), square - 2});
+}
+
 }  // namespace
 
 SolidMaterial<double> MakeSolidMaterial(double youngModulus, double poissonRatio, double viscosity) {
@@ -137,9 +147,6 @@ double ComputeSolidEnergy(const Coefficients<double>& body, std::span<const Vect
   return energy;
 }
 
-// The bounds are not as tight for a strained element as for one at rest, hence kLooseness (by the test that compares
-// them with frequencies). The viscous term grows with the square of the largest stretch, which is at most I less the
-// squares of the two others; I − 2 stands for that.
 template <class Real>
 double FindStiffening(const Coefficients<Real>& body, std::span<const Vector3<Real>> x) {
   if (body.tetrahedra.empty()) return 1;
@@ -152,15 +159,25 @@ double FindStiffening(const Coefficients<Real>& body, std::span<const Vector3<Re
     stiffest = std::max(stiffest, BoundStiffness(body.solid, f));
     longest = std::max(longest, FindSquare(f));
   }
-  constexpr double kLooseness = 1.3;
-  return std::max(1 + kLooseness * (double{stiffest} / double{atRest} - 1), double{longest} - 2);
+  return FindGrowth(double{stiffest} / double{atRest}, double{longest});
+}
+
+template <class Real>
+double FindStiffening(const Blueprint& blueprint, std::span<const Vector3<Real>> x) {
+  const Coefficients<Real>& body = blueprint.Read<Real>();
+  if (body.tetrahedra.empty()) return 1;
+  const ElementStrain<Real> strain = FindElementStrain(blueprint.ReadPlan<Real>().Tables(), x.data()->data());
+  const MatrixColumns<Real> rest{Vector3<Real>::UnitX(), Vector3<Real>::UnitY(), Vector3<Real>::UnitZ()};
+  const double atRest = double{BoundStiffness(body.solid, rest)} / double{body.solid.shear};
+  return FindGrowth(double{strain.stiffness} / atRest, double{strain.square});
 }
 
 #define WOBBLE_INSTANTIATE(Real)                                                                          \
   template void AddTetrahedra<Real>(std::span<const Tetrahedron<Real>>, const SolidMaterial<Real>&, Real, \
                                     std::span<const Vector3<Real>>, std::span<const Vector3<Real>>,       \
                                     std::span<Vector3<Real>>);                                            \
-  template double FindStiffening<Real>(const Coefficients<Real>&, std::span<const Vector3<Real>>);
+  template double FindStiffening<Real>(const Coefficients<Real>&, std::span<const Vector3<Real>>);        \
+  template double FindStiffening<Real>(const Blueprint&, std::span<const Vector3<Real>>);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)
 #undef WOBBLE_INSTANTIATE

@@ -49,9 +49,12 @@ void AddTetrahedra(std::span<const Tetrahedron<Real>> tetrahedra, const SolidMat
 [[nodiscard]] double ComputeSolidEnergy(const Coefficients<double>& body, std::span<const Vector3d> x);
 
 // How much stiffer the stiffest element is at x than at rest, at least 1: the ratio of bounds of ∂²Ψ/∂F²,
-// μ + √3 λ |Cᵀ C| + 2 λ |J − α| √(I/3), with some slack, or of the viscous term's growth. Squares of frequencies and damping rates grow by no
-// more. 1 for a body without tetrahedra.
+// μ + √3 λ |Cᵀ C| + 2 λ |J − α| √(I/3), with some slack, or of the viscous term's growth. Squares of frequencies and
+// damping rates grow by no more. 1 for a body without tetrahedra.
 template <class Real>
 [[nodiscard]] double FindStiffening(const Coefficients<Real>& body, std::span<const Vector3<Real>> x);
+// The same in lanes, an element each.
+template <class Real>
+[[nodiscard]] double FindStiffening(const Blueprint& blueprint, std::span<const Vector3<Real>> x);
 
 }  // namespace wobble::physics

@@ -215,7 +215,7 @@ template <class Real>
 Modes FindModes(const Blueprint& blueprint, const Load<Real>& load, const State<Real>& state,
                 const ContactRates& fromSurfaces, const ContactRates& fromBodies) {
   const double factor = std::max({1.0, double{load.stiffnessFactor}, double{load.gasFactor}}) *
-                        FindStiffening<Real>(blueprint.Read<Real>(), state.positions);
+                        FindStiffening<Real>(blueprint, state.positions);
   Modes modes;
   modes.body.squareFrequency = blueprint.angularFrequency * blueprint.angularFrequency * factor;
   modes.body.dampingRate = blueprint.dampingRate * factor + FindDragDamping(blueprint, load, state);

@@ -162,6 +162,7 @@ void FillElementColumns(SweepPlan<Real>& plan) {
     plan.elementNumbers[10 * padded + e] = element.bulk;
     plan.elementNumbers[11 * padded + e] = element.viscosity;
   }
+  for (const std::uint32_t corner : plan.elementCorners) plan.elementVertices.push_back(3U * plan.vertices[corner / 6]);
 }
 
 template <class Real>

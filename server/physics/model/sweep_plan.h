@@ -38,6 +38,7 @@ struct SweepPlan {
   std::vector<Element<Real>> elements;  // of tetrahedra
   std::vector<std::uint32_t> elementEnds;
   std::vector<std::uint32_t> elementCorners;  // the arrays of ElementColumns
+  std::vector<std::uint32_t> elementVertices;
   std::vector<Real> elementNumbers;
   Real restRatio = 1;
   std::uint32_t pendingMask = 0;  // the ring of pending forces has this + 1 slots, a power of two
@@ -71,6 +72,7 @@ struct SweepPlan {
             .elementEnds = elements.empty() ? nullptr : elementEnds.data(),
             .restRatio = restRatio,
             .elementColumns = {.ends = elementCorners.data(),
+                               .vertices = elementVertices.data(),
                                .numbers = elementNumbers.data(),
                                .count = static_cast<std::uint32_t>(elements.size()),
                                .padded = static_cast<std::uint32_t>(elementNumbers.size()) / kElementNumbers},

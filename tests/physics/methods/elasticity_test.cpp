@@ -222,6 +222,12 @@ TEST(Elasticity, StiffeningBoundsTheFrequenciesOfStrainedBodies) {
       for (Vector3d& at : x) at = at.cwiseProduct(stretch);
       EXPECT_LE(FindSquareFrequency(solid, x), 1.01 * atRest * FindStiffening<double>(solid.full, x))
           << "stretched by " << stretch.transpose() << ", nu " << poissonRatio;
+      x = Deform(x, 0.02);
+      const double plain = FindStiffening<double>(solid.full, x);
+      EXPECT_NEAR(FindStiffening<double>(solid, x), plain, 1e-9 * plain);
+      std::vector<Vector3f> single;
+      for (const Vector3d& at : x) single.push_back(at.cast<float>());
+      EXPECT_NEAR(FindStiffening<float>(solid, single), plain, 1e-4 * plain);
     }
   }
 }
