@@ -6,18 +6,13 @@
 #include <Eigen/Geometry>
 
 #include "server/physics/methods/runge_kutta.h"
-#include "server/physics/shapes/solid.h"
 #include "tests/physics/bodies.h"
 
 namespace wobble::physics {
 namespace {
 
 Blueprint MakeTestSolid(double poissonRatio, double dampingRatio = 0) {
-  SolidDefinition definition;
-  definition.cells = {2, 1, 1};
-  definition.poissonRatio = poissonRatio;
-  definition.dampingRatio = dampingRatio;
-  return MakeSolid(definition);
+  return MakeSolid(MakeSolidBox({2, 1, 1}, poissonRatio, dampingRatio));
 }
 
 std::vector<Vector3d> FindSolidForces(const Blueprint& solid, const std::vector<Vector3d>& x,

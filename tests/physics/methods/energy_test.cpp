@@ -5,7 +5,6 @@
 
 #include "server/physics/methods/elasticity.h"
 #include "server/physics/shapes/pair.h"
-#include "server/physics/shapes/solid.h"
 #include "tests/physics/bodies.h"
 
 namespace wobble::physics {
@@ -56,7 +55,7 @@ TEST(Energy, OfASolidTurnsIntoMotionAndBackAndItsSumStays) {
   settings.precision = Precision::kDouble;
   settings.errorTarget = 1e-5;
   World world(settings);
-  const Blueprint solid = MakeSolid({.cells = {2, 2, 2}, .poissonRatio = 0.4, .dampingRatio = 0});
+  const Blueprint solid = MakeSolid(MakeSolidBox({2, 2, 2}, 0.4, 0));
   const BodyId id = world.AddBody(world.AddBlueprint(solid), Vector3d::Zero());
   std::vector<Vector3d> wide;
   for (const Vector3d& at : solid.rest) wide.push_back(at.cwiseProduct(Vector3d(1.1, 1, 0.95)));

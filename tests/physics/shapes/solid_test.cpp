@@ -19,13 +19,6 @@ namespace {
 
 constexpr double kRatios[] = {0, 0.2, 0.3, 0.4, 0.45};
 
-SolidDefinition MakeBox(const std::array<int, 3>& cells, double poissonRatio) {
-  SolidDefinition definition;
-  definition.cells = cells;
-  definition.poissonRatio = poissonRatio;
-  return definition;
-}
-
 SolidDefinition MakeFilledSphere(double cellSize, int subdivisions = 3) {
   SolidDefinition definition;
   const Icosphere sphere = MakeIcosphere(subdivisions);
@@ -42,16 +35,15 @@ double FindTop(const Blueprint& solid) {
   return top;
 }
 
-// The forces of a tension, Pa, on the upper end, a third of each face's share to each corner.
-std::vector<Vector3d> FindPullOfTop(const Blueprint& solid, double tension) {
-  const double top = FindTop(solid);
+// The forces of a tension, Pa, on the upper end, or on the lower: a third of each face's share to each of its corners.
+std::vector<Vector3d> FindPullOfEnd(const Blueprint& solid, double tension, double sign) {
   std::vector<Vector3d> pull(solid.rest.size(), Vector3d::Zero());
   for (const auto& [a, b, c] : solid.full.faces) {
     const Vector3d& p = solid.rest[a];
     const Vector3d& q = solid.rest[b];
     const Vector3d& r = solid.rest[c];
-    if (std::min({p.z(), q.z(), r.z()}) < top - 1e-9) continue;
-    const Vector3d share(0, 0, tension * (q - p).cross(r - p).norm() / 6);
+    if (std::min({sign * p.z(), sign * q.z(), sign * r.z()}) < FindTop(solid) - 1e-9) continue;
+    const Vector3d share(0, 0, sign * tension * (q - p).cross(r - p).norm() / 6);
     for (const std::uint16_t vertex : {a, b, c}) pull[vertex] += share;
   }
   return pull;
@@ -106,23 +98,13 @@ PulledModuli FitModuli(const Blueprint& solid, const std::vector<Vector3d>& x, d
 // Linear elements carry an even stress exactly: both ends are pulled by their areas.
 TEST(Solid, EvenlyPulledBoxHasYoungsModulusAndPoissonsRatio) {
   for (const double poissonRatio : kRatios) {
-    const SolidDefinition definition = MakeBox({2, 3, 4}, poissonRatio);
+    const SolidDefinition definition = MakeSolidBox({2, 3, 4}, poissonRatio);
     const Blueprint solid = MakeSolid(definition);
     const double tension = 1e-4 * definition.youngModulus;
-    std::vector<Vector3d> pull = FindPullOfTop(solid, tension);
-    for (std::size_t i = 0; i < pull.size(); ++i) {
-      if (solid.rest[i].z() > 0) continue;
-      // The lower end is the upper one's mirror image, but for its diagonals: its own areas count.
-      pull[i].setZero();
-    }
-    for (const auto& [a, b, c] : solid.full.faces) {
-      const Vector3d& p = solid.rest[a];
-      if (std::max({p.z(), solid.rest[b].z(), solid.rest[c].z()}) > -FindTop(solid) + 1e-9) continue;
-      const double area = (solid.rest[b] - p).cross(solid.rest[c] - p).norm() / 2;
-      for (const std::uint16_t vertex : {a, b, c}) pull[vertex].z() -= tension * area / 3;
-    }
+    std::vector<Vector3d> pull = FindPullOfEnd(solid, tension, 1);
+    const std::vector<Vector3d> below = FindPullOfEnd(solid, tension, -1);
+    for (std::size_t i = 0; i < pull.size(); ++i) pull[i] += below[i];
     const PulledModuli moduli = FitModuli(solid, Settle(solid, pull), tension, 10);
-    RecordProperty("young_error_" + std::to_string(poissonRatio), std::to_string(moduli.young / 1e4 - 1));
     EXPECT_NEAR(moduli.young, definition.youngModulus, 0.002 * definition.youngModulus) << poissonRatio;
     EXPECT_NEAR(moduli.poisson, poissonRatio, 0.002) << poissonRatio;
   }
@@ -132,7 +114,7 @@ TEST(Solid, EvenlyPulledBoxHasYoungsModulusAndPoissonsRatio) {
 // it stretches evenly (Saint-Venant).
 TEST(Solid, ClampedBarHasYoungsModulusAndPoissonsRatioInItsMiddle) {
   for (const double poissonRatio : kRatios) {
-    SolidDefinition definition = MakeBox({2, 2, 12}, poissonRatio);
+    SolidDefinition definition = MakeSolidBox({2, 2, 12}, poissonRatio);
     definition.fixed = Side::kLowZ;
     const Blueprint bar = MakeSolid(definition);
     const double side = 2 * definition.cellSize;
@@ -172,12 +154,12 @@ TEST(Solid, FilledMeshHasYoungsModulusAndPoissonsRatio) {
 
 // Stiffness against a sideways force at the tip, over that of a slender beam with the same modulus.
 double FindBendingRatio(int across, double poissonRatio) {
-  SolidDefinition definition = MakeBox({across, across, 8 * across}, poissonRatio);
+  SolidDefinition definition = MakeSolidBox({across, across, 8 * across}, poissonRatio);
   definition.cellSize = 0.5 / across;
   definition.fixed = Side::kLowZ;
   const Blueprint bar = MakeSolid(definition);
   constexpr double kForce = 0.01;
-  std::vector<Vector3d> pull = FindPullOfTop(bar, 1);
+  std::vector<Vector3d> pull = FindPullOfEnd(bar, 1, 1);
   double whole = 0;
   for (const Vector3d& p : pull) whole += p.z();
   for (Vector3d& p : pull) p = Vector3d(kForce * p.z() / whole, 0, 0);
@@ -200,13 +182,10 @@ TEST(Solid, BendsTooStifflyByAsMuchAsIsDocumented) {
   for (const double poissonRatio : {0.0, 0.3, 0.45}) {
     const double coarse = FindBendingRatio(1, poissonRatio);
     const double fine = FindBendingRatio(2, poissonRatio);
-    RecordProperty("bending_1_" + std::to_string(poissonRatio), std::to_string(coarse));
-    RecordProperty("bending_2_" + std::to_string(poissonRatio), std::to_string(fine));
-    std::printf("nu %.2f: bends %.2f times as stiffly with one cell across, %.2f with two\n", poissonRatio, coarse,
-                fine);
-    EXPECT_GT(coarse, fine);
-    EXPECT_GT(fine, 1);
-    EXPECT_LT(fine, 2.5);
+    EXPECT_GT(coarse, 2.7) << poissonRatio;
+    EXPECT_LT(coarse, 3.4) << poissonRatio;
+    EXPECT_GT(fine, 1.3) << poissonRatio;
+    EXPECT_LT(fine, 1.5) << poissonRatio;
   }
 }
 
@@ -229,7 +208,7 @@ void ExpectClosedSkin(const Blueprint& solid) {
 }
 
 TEST(Solid, BoxWeighsWhatItsVolumeDoesAndHasAClosedSkin) {
-  const SolidDefinition definition = MakeBox({4, 2, 3}, 0.3);
+  const SolidDefinition definition = MakeSolidBox({4, 2, 3}, 0.3);
   const Blueprint solid = MakeSolid(definition);
   EXPECT_EQ(solid.rest.size(), CountVertices(definition));
   EXPECT_EQ(solid.rest.size(), 60U + 24U);
@@ -271,15 +250,11 @@ TEST(Solid, MeshIsFilledToItsSurface) {
     const double sphere = std::numbers::pi / 6;
     EXPECT_NEAR(solid.restVolume, sphere, 0.4 * cellSize * sphere) << "less by the chords of the skin";
     EXPECT_GT(FindLeastHeight(solid), 0.12 * cellSize);
-    std::printf(
-        "cells of %.2f m: %zu vertices, %zu tetrahedra, least height %.3f cells, %.3f of the sphere, w a/c %.2f\n",
-        cellSize, solid.rest.size(), solid.full.tetrahedra.size(), FindLeastHeight(solid) / cellSize,
-        solid.restVolume / sphere, solid.angularFrequency * cellSize / std::sqrt(1e4 / 20));
   }
 }
 
 TEST(Solid, FixesASide) {
-  SolidDefinition definition = MakeBox({2, 2, 2}, 0.3);
+  SolidDefinition definition = MakeSolidBox({2, 2, 2}, 0.3);
   definition.fixed = Side::kHighY;
   EXPECT_EQ(MakeSolid(definition).full.fixed.size(), 9U);
   SolidDefinition sphere = MakeFilledSphere(0.2);
@@ -328,7 +303,7 @@ TEST(Solid, RecoversFromBrokenStatesWithinTwoSeconds) {
   std::uniform_real_distribution<double> draw(-0.15, 0.15);  // m: with cells of a fifth and a quarter of a metre
   for (const double poissonRatio : kRatios) {
     for (const bool isFilled : {false, true}) {
-      SolidDefinition definition = isFilled ? MakeFilledSphere(0.2) : MakeBox({3, 3, 3}, poissonRatio);
+      SolidDefinition definition = isFilled ? MakeFilledSphere(0.2) : MakeSolidBox({3, 3, 3}, poissonRatio);
       definition.poissonRatio = poissonRatio;
       definition.youngModulus = 3000;
       const Blueprint solid = MakeSolid(definition);
@@ -361,7 +336,7 @@ TEST(Solid, RecoversFromBrokenStatesWithinTwoSeconds) {
 TEST(Solid, ValidateNamesFieldValueAndRange) {
   EXPECT_TRUE(ValidateSolid(SolidDefinition{}).empty());
   EXPECT_TRUE(ValidateSolid(MakeFilledSphere(0.2)).empty());
-  SolidDefinition definition = MakeBox({3, 0, 3}, 0.49);
+  SolidDefinition definition = MakeSolidBox({3, 0, 3}, 0.49);
   definition.density = -2;
   const std::vector<FieldError> errors = ValidateSolid(definition);
   ASSERT_EQ(errors.size(), 3U);
@@ -374,7 +349,7 @@ TEST(Solid, ValidateNamesFieldValueAndRange) {
     const auto found = ValidateSolid(bad);
     return found.size() == 1 ? found[0].field : std::to_string(found.size()) + " errors";
   };
-  EXPECT_EQ(fieldOf(MakeBox({30, 30, 30}, 0.3)), "cells");
+  EXPECT_EQ(fieldOf(MakeSolidBox({30, 30, 30}, 0.3)), "cells");
   SolidDefinition rigid;
   rigid.youngModulus = 1e9;
   EXPECT_EQ(fieldOf(rigid), "young_modulus");

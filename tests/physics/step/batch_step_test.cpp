@@ -8,7 +8,6 @@
 #include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/pair.h"
 #include "server/physics/shapes/ring.h"
-#include "server/physics/shapes/solid.h"
 #include "server/physics/shapes/tear.h"
 #include "server/physics/step/island_step.h"
 #include "server/physics/step/substeps.h"
@@ -121,7 +120,9 @@ std::vector<Blueprint> MakeRareKinds() {
   ball.material.repulsion = 0.01;
   kinds.push_back(MakeBall(ball));
   for (const Side fixed : {Side::kNone, Side::kLowX}) {
-    kinds.push_back(MakeSolid({.cells = {3, 2, 2}, .poissonRatio = 0.4, .fixed = fixed}));
+    SolidDefinition box = MakeSolidBox({3, 2, 2}, 0.4);
+    box.fixed = fixed;
+    kinds.push_back(MakeSolid(box));
   }
   return kinds;
 }
@@ -212,7 +213,7 @@ TEST(BatchStepTest, WorldIsTheSameWhateverThePacks) {
     World world(settings);
     world.AddBlueprint(MakeBall(MakeMeasuredBall(0.2)));
     world.AddBlueprint(MakeLattice(MakeJellyCube(0.2)));
-    world.AddBlueprint(MakeSolid({.cells = {2, 2, 2}}));
+    world.AddBlueprint(MakeSolid(MakeSolidBox({2, 2, 2}, 0.3)));
     world.AddObstacle(Obstacle{});
     for (int i = 0; i < 30; ++i) {
       world.AddBody(static_cast<std::uint8_t>(i % 3), Vector3d(2.5 * i, 0, 1.2 + 0.1 * i), Vector3d(0, 0.1 * i, 0));

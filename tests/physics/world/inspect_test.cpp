@@ -9,7 +9,6 @@
 #include "server/physics/shapes/cloth.h"
 #include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/graph.h"
-#include "server/physics/shapes/solid.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 
@@ -164,7 +163,7 @@ TEST(Inspect, APileIsWhatTheStepMakesOfIt) {
 
 TEST(Inspect, SolidsThatFallOnOneAnotherAreWhatTheStepMakesOfThem) {
   World world(MakeExact());
-  world.AddBlueprint(MakeSolid({.cells = {2, 2, 2}, .poissonRatio = 0.4}));
+  world.AddBlueprint(MakeSolid(MakeSolidBox({2, 2, 2}, 0.4)));
   world.AddObstacle(Obstacle{});
   for (int i = 0; i < 3; ++i) world.AddBody(0, Vector3d(0.1 * i, 0.05 * i, 0.4 + 0.6 * i));
   for (int tick = 0; tick < 60; ++tick) {
