@@ -7,6 +7,7 @@
 #include "server/physics/inspect.h"
 
 #include "server/physics/contact/backtracking.h"
+#include "server/physics/methods/elasticity.h"
 #include "server/physics/step/losses.h"
 #include "server/physics/world_engine.h"
 
@@ -41,9 +42,22 @@ std::vector<Vector3d> FindElastic(const Subject<Real>& subject) {
     const Coefficients<Real>& body = subject.body;
     AddSprings<Real>(body.springs, subject.load.stiffnessFactor, subject.state.positions, still, forces,
                      subject.load.torn);
+    AddTetrahedra<Real>(body.tetrahedra, body.solid, subject.load.stiffnessFactor, subject.state.positions, still,
+                        forces);
     if (!(body.repulsion > Real(0))) return;
     AddRepulsion<Real>(body.springs, body.repulsion, subject.state.positions, forces, subject.load.torn);
   });
+}
+
+// The viscous forces of tetrahedra: what their forces are in motion less what they are at rest.
+template <class Real>
+void AddViscosity(const Subject<Real>& subject, std::span<Vector3<Real>> forces) {
+  const Coefficients<Real>& body = subject.body;
+  const std::vector<Vector3<Real>> still(forces.size(), Vector3<Real>::Zero());
+  const State<Real>& state = subject.state;
+  const Real factor = subject.load.stiffnessFactor;
+  AddTetrahedra<Real>(body.tetrahedra, body.solid, factor, state.positions, state.velocities, forces);
+  AddTetrahedra<Real>(body.tetrahedra, body.solid, -factor, state.positions, still, forces);
 }
 
 template <class Real>
@@ -53,6 +67,7 @@ std::vector<Vector3d> FindDamping(const Subject<Real>& subject, double tick) {
     for (Spring<Real>& dashpot : dashpots) dashpot.stiffness = 0;
     AddSprings<Real>(dashpots, subject.load.stiffnessFactor, subject.state.positions, subject.state.velocities, forces,
                      subject.load.torn);
+    AddViscosity(subject, forces);
     State<Real> slowed = subject.state;
     std::vector<Real> scratch;
     ApplyLosses<Real>(subject.blueprint, subject.surfaces, tick, scratch, slowed);

@@ -67,8 +67,15 @@ void ReadFields(TableReader& reader, physics::PairDefinition& pair) {
   ReadMaterial(reader, pair.material);
 }
 
-void ReadFields(TableReader& reader, physics::LatticeDefinition& lattice) {
+void ReadSide(TableReader& reader, physics::Side& side) {
   using physics::Side;
+  static const std::map<std::string, Side> kSides{{"none", Side::kNone}, {"x-", Side::kLowX},  {"x+", Side::kHighX},
+                                                  {"y-", Side::kLowY},   {"y+", Side::kHighY}, {"z-", Side::kLowZ},
+                                                  {"z+", Side::kHighZ}};
+  reader.Read("fixed", kSides, side);
+}
+
+void ReadFields(TableReader& reader, physics::LatticeDefinition& lattice) {
   reader.Read("cells", 0, physics::kMaxLatticeCells, lattice.cells);
   lattice.poissonRatio = physics::FindPoissonRatio(lattice.cells);
   reader.ReadUnchecked("cell_size", lattice.cellSize);
@@ -81,15 +88,7 @@ void ReadFields(TableReader& reader, physics::LatticeDefinition& lattice) {
   reader.ReadUnchecked("restitution", lattice.restitution);
   reader.ReadUnchecked("contact_stiffness", lattice.contactStiffness);
   reader.ReadUnchecked("repulsion", lattice.repulsion);
-  reader.Read("fixed",
-              std::map<std::string, Side>{{"none", Side::kNone},
-                                          {"x-", Side::kLowX},
-                                          {"x+", Side::kHighX},
-                                          {"y-", Side::kLowY},
-                                          {"y+", Side::kHighY},
-                                          {"z-", Side::kLowZ},
-                                          {"z+", Side::kHighZ}},
-              lattice.fixed);
+  ReadSide(reader, lattice.fixed);
 }
 
 void ReadFields(TableReader& reader, physics::RingDefinition& ring) {
@@ -152,22 +151,57 @@ void ReadFields(TableReader& reader, physics::GraphDefinition& graph) {
   reader.ReadUnchecked("radius", graph.radius);
 }
 
-// Returns false when there is no mesh against which the other fields could be checked.
+// Reads the file that `file` names. Returns false when there is no mesh against which the other fields could be
+// checked.
+bool ReadTriangles(TableReader& reader, const std::filesystem::path& folder, std::vector<physics::Vector3d>& vertices,
+                   std::vector<physics::Face>& faces) {
+  std::string file;
+  reader.Read("file", 256, file);
+  if (file.empty()) return false;
+  ObjMesh read = LoadObj(folder / file);
+  for (const std::string& error : read.errors) reader.Refuse("file", file + ": " + error, "a mesh without mistakes");
+  vertices = std::move(read.vertices);
+  faces = std::move(read.faces);
+  return read.errors.empty();
+}
+
 bool ReadMesh(TableReader& reader, const std::filesystem::path& folder, physics::MeshDefinition& mesh) {
   reader.ReadUnchecked("scale", mesh.scale);
   reader.ReadUnchecked("bend", mesh.bend);
   ReadMaterial(reader, mesh.material);
   ReadGas(reader, mesh.material);
   reader.ReadUnchecked("drag", mesh.material.drag);
-  std::string file;
   reader.Require("file");
-  reader.Read("file", 256, file);
-  if (file.empty()) return false;
-  ObjMesh read = LoadObj(folder / file);
-  for (const std::string& error : read.errors) reader.Refuse("file", file + ": " + error, "a mesh without mistakes");
-  mesh.vertices = std::move(read.vertices);
-  mesh.faces = std::move(read.faces);
-  return read.errors.empty();
+  return ReadTriangles(reader, folder, mesh.vertices, mesh.faces);
+}
+
+// A box, or what the mesh of a file encloses. Returns false as ReadTriangles does.
+bool ReadSolid(TableReader& reader, const std::filesystem::path& folder, physics::SolidDefinition& solid) {
+  reader.Read("cells", 1, physics::kMaxLatticeCells, solid.cells);
+  reader.ReadUnchecked("cell_size", solid.cellSize);
+  reader.ReadUnchecked("scale", solid.scale);
+  reader.ReadUnchecked("young_modulus", solid.youngModulus);
+  reader.ReadUnchecked("poisson_ratio", solid.poissonRatio);
+  reader.ReadUnchecked("density", solid.density);
+  reader.ReadUnchecked("damping_ratio", solid.dampingRatio);
+  reader.ReadUnchecked("friction", solid.friction);
+  reader.ReadUnchecked("rolling_resistance", solid.rollingResistance);
+  reader.ReadUnchecked("restitution", solid.restitution);
+  reader.ReadUnchecked("contact_stiffness", solid.contactStiffness);
+  ReadSide(reader, solid.fixed);
+  const bool hasFile = reader.Has("file");
+  if (hasFile && reader.Has("cells")) reader.RefuseAsWritten("cells", "", "left out where there is a file");
+  if (!hasFile && reader.Has("scale")) reader.RefuseAsWritten("scale", "", "left out unless there is a file");
+  return !hasFile || ReadTriangles(reader, folder, solid.vertices, solid.faces);
+}
+
+// Implicit Euler has no Jacobian of tetrahedra in its matrix, and position Verlet keeps springs alone at their lengths.
+void CheckIntegratorOfSolid(TableReader& reader, physics::Integrator integrator) {
+  using physics::Integrator;
+  if (integrator != Integrator::kImplicitEuler && integrator != Integrator::kPositionVerlet) return;
+  reader.RefuseAsWritten("integrator",
+                         integrator == Integrator::kImplicitEuler ? "\"implicit_euler\"" : "\"position_verlet\"",
+                         "an explicit method other than position_verlet: these two know springs, not tetrahedra");
 }
 
 }  // namespace
@@ -208,7 +242,7 @@ void ReadBlueprint(TableReader& reader, const std::filesystem::path& folder, phy
       {"ball", physics::BallDefinition{}},   {"cloth", physics::ClothDefinition{}},
       {"graph", physics::GraphDefinition{}}, {"lattice", physics::LatticeDefinition{}},
       {"mesh", physics::MeshDefinition{}},   {"pair", physics::PairDefinition{}},
-      {"ring", physics::RingDefinition{}}};
+      {"ring", physics::RingDefinition{}},   {"solid", physics::SolidDefinition{}}};
   BodyDefinition definition = kinds.at("ball");
   const bool kindIsKnown = !reader.Has("kind") || reader.Read("kind", kinds, definition);
   reader.Require("name");
@@ -225,12 +259,17 @@ void ReadBlueprint(TableReader& reader, const std::filesystem::path& folder, phy
         [&]<class One>(One& one) {
           if constexpr (std::is_same_v<One, physics::MeshDefinition>) {
             isWhole = ReadMesh(reader, folder, one);
+          } else if constexpr (std::is_same_v<One, physics::SolidDefinition>) {
+            isWhole = ReadSolid(reader, folder, one);
           } else {
             ReadFields(reader, one);
           }
         },
         definition);
     ReadMethods(reader, methods);
+    if (std::holds_alternative<physics::SolidDefinition>(definition)) {
+      CheckIntegratorOfSolid(reader, methods.integrator);
+    }
     const auto errors = isWhole ? Validate(definition) : std::vector<physics::FieldError>{};
     for (const physics::FieldError& error : errors) reader.RefuseAsWritten(error.field, error.value, error.range);
     if (isWhole && errors.empty()) CheckCarriesItself(reader, definition, scene.gravity);

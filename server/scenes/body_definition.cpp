@@ -11,6 +11,7 @@ using physics::LatticeDefinition;
 using physics::MeshDefinition;
 using physics::PairDefinition;
 using physics::RingDefinition;
+using physics::SolidDefinition;
 
 std::size_t CountVerticesOf(const BallDefinition& ball) { return physics::CountVertices(ball.subdivisions); }
 std::size_t CountVerticesOf(const LatticeDefinition& lattice) { return physics::CountVertices(lattice.cells); }
@@ -21,6 +22,7 @@ std::size_t CountVerticesOf(const ClothDefinition& cloth) {
 }
 std::size_t CountVerticesOf(const GraphDefinition& graph) { return graph.particles.size(); }
 std::size_t CountVerticesOf(const MeshDefinition& mesh) { return mesh.vertices.size(); }
+std::size_t CountVerticesOf(const SolidDefinition& solid) { return physics::CountVertices(solid); }
 
 std::vector<physics::FieldError> ValidateOne(const BallDefinition& ball) { return physics::ValidateBall(ball); }
 std::vector<physics::FieldError> ValidateOne(const LatticeDefinition& lattice) {
@@ -31,6 +33,7 @@ std::vector<physics::FieldError> ValidateOne(const RingDefinition& ring) { retur
 std::vector<physics::FieldError> ValidateOne(const ClothDefinition& cloth) { return physics::ValidateCloth(cloth); }
 std::vector<physics::FieldError> ValidateOne(const GraphDefinition& graph) { return physics::ValidateGraph(graph); }
 std::vector<physics::FieldError> ValidateOne(const MeshDefinition& mesh) { return physics::ValidateMesh(mesh); }
+std::vector<physics::FieldError> ValidateOne(const SolidDefinition& solid) { return physics::ValidateSolid(solid); }
 
 physics::Blueprint MakeOne(const BallDefinition& ball) { return physics::MakeBall(ball); }
 physics::Blueprint MakeOne(const LatticeDefinition& lattice) { return physics::MakeLattice(lattice); }
@@ -39,6 +42,7 @@ physics::Blueprint MakeOne(const RingDefinition& ring) { return physics::MakeRin
 physics::Blueprint MakeOne(const ClothDefinition& cloth) { return physics::MakeCloth(cloth); }
 physics::Blueprint MakeOne(const GraphDefinition& graph) { return physics::MakeGraph(graph); }
 physics::Blueprint MakeOne(const MeshDefinition& mesh) { return physics::MakeMesh(mesh); }
+physics::Blueprint MakeOne(const SolidDefinition& solid) { return physics::MakeSolid(solid); }
 
 }  // namespace
 

@@ -13,12 +13,13 @@
 #include "server/physics/shapes/mesh.h"
 #include "server/physics/shapes/pair.h"
 #include "server/physics/shapes/ring.h"
+#include "server/physics/shapes/solid.h"
 
 namespace wobble::scenes {
 
 using BodyDefinition =
     std::variant<physics::BallDefinition, physics::LatticeDefinition, physics::PairDefinition, physics::RingDefinition,
-                 physics::ClothDefinition, physics::GraphDefinition, physics::MeshDefinition>;
+                 physics::ClothDefinition, physics::GraphDefinition, physics::MeshDefinition, physics::SolidDefinition>;
 
 [[nodiscard]] const std::string& NameOf(const BodyDefinition& definition);
 // The vertices of a body made from the definition.

@@ -130,7 +130,9 @@ std::vector<std::uint16_t> FindSide(const BodyDefinition& definition, const std:
   using physics::Side;
   constexpr double kShareOfFlat = 0.02;
   constexpr double kShareOfRound = 0.1;
-  const bool isRound = std::holds_alternative<physics::BallDefinition>(definition) ||
+  const auto* solid = std::get_if<physics::SolidDefinition>(&definition);
+  const bool isRound = (solid != nullptr && !solid->faces.empty()) ||
+                       std::holds_alternative<physics::BallDefinition>(definition) ||
                        std::holds_alternative<physics::RingDefinition>(definition) ||
                        std::holds_alternative<physics::MeshDefinition>(definition);
   const int axis = side == Side::kLowX || side == Side::kHighX   ? 0

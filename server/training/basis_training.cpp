@@ -185,19 +185,26 @@ std::vector<std::uint8_t> MakeCosineBasis(const BasisStatistics& statistics, std
   return protocol::WriteBasis(source);
 }
 
-// A basis of the eigenvectors of the Laplacian of the springs within the patch, lowest frequency first.
+// A basis of the eigenvectors of the Laplacian of the springs, and of the edges of tetrahedra, within the patch, lowest
+// frequency first.
 std::vector<std::uint8_t> MakeVibrationBasis(const physics::Blueprint& blueprint, std::span<const Vector3> rest,
                                              std::size_t first, const BasisStatistics& statistics) {
   const auto size = static_cast<Index>(rest.size());
   MatrixXd laplacian = MatrixXd::Zero(size, size);
-  for (const physics::Spring<double>& spring : blueprint.full.springs) {
-    if (spring.a < first || spring.b < first) continue;
-    const auto a = static_cast<Index>(spring.a - first), b = static_cast<Index>(spring.b - first);
-    if (a >= size || b >= size) continue;
+  const auto join = [&](std::size_t one, std::size_t other) {
+    if (one < first || other < first) return;
+    const auto a = static_cast<Index>(one - first), b = static_cast<Index>(other - first);
+    if (a >= size || b >= size) return;
     laplacian(a, b) -= 1;
     laplacian(b, a) -= 1;
     laplacian(a, a) += 1;
     laplacian(b, b) += 1;
+  };
+  for (const physics::Spring<double>& spring : blueprint.full.springs) join(spring.a, spring.b);
+  for (const physics::Tetrahedron<double>& element : blueprint.full.tetrahedra) {
+    for (std::size_t i = 1; i < 4; ++i) {
+      for (std::size_t j = 0; j < i; ++j) join(element.vertices[i], element.vertices[j]);
+    }
   }
   BasisSource source;
   source.kind = BasisSource::Kind::kScalar;

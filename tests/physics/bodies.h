@@ -7,6 +7,7 @@
 #include "server/physics/methods/forces.h"
 #include "server/physics/shapes/ball.h"
 #include "server/physics/shapes/lattice.h"
+#include "server/physics/shapes/solid.h"
 #include "server/physics/world.h"
 
 namespace wobble::physics {
@@ -27,6 +28,15 @@ inline LatticeDefinition MakeJellyCube(double dampingRatio = 0) {
   LatticeDefinition cube;
   cube.dampingRatio = dampingRatio;
   return cube;
+}
+
+// A solid box of cells of 0.25 m.
+inline SolidDefinition MakeSolidBox(const std::array<int, 3>& cells, double poissonRatio, double dampingRatio = 0.1) {
+  SolidDefinition box;
+  box.cells = cells;
+  box.poissonRatio = poissonRatio;
+  box.dampingRatio = dampingRatio;
+  return box;
 }
 
 // The vertices of a body in the world, m.

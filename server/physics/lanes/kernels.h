@@ -12,6 +12,10 @@ template <class Real>
 [[nodiscard]] std::span<const SweepKernel<Real>> FindSweepKernels(int widest);
 inline constexpr int kWidestPack = 16;
 
+// Of a body with elements, at positions x y z of each of its vertices.
+[[nodiscard]] ElementStrain<float> FindElementStrain(const SweepTables<float>& tables, const float* positions);
+[[nodiscard]] ElementStrain<double> FindElementStrain(const SweepTables<double>& tables, const double* positions);
+
 // Each is compiled by itself for its own instruction set. The argument only chooses the precision.
 [[nodiscard]] SweepKernel<float> MakeOneLaneKernel(float precision);
 [[nodiscard]] SweepKernel<double> MakeOneLaneKernel(double precision);

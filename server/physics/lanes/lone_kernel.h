@@ -6,12 +6,14 @@
 // the ends by gather instructions, which costs more than the sums; differences of whole rows, transposed in registers,
 // take a third of the instructions.
 //
-// Bodies with rare terms go through the sweep of packs with one lane.
+// Solids have an element in each lane (lone_solid.h). Bodies with other rare terms go through the sweep of packs with
+// one lane.
 //
 // Forces are added up where the stage will write its results, in `nextStage`, which nothing reads before.
 #pragma once
 
 #include "server/physics/lanes/lanes.h"
+#include "server/physics/lanes/lone_solid.h"
 #include "server/physics/lanes/sweep.h"
 #include "server/physics/lanes/sweep_kernel.h"
 #include "server/physics/lanes/vertex_rows.h"
@@ -20,18 +22,6 @@ namespace wobble::physics {
 namespace {
 
 #define WOBBLE_INLINE static inline __attribute__((always_inline))
-
-// The differences own − other of four numbers from `from` on, for the springs that `ends` begins with: one vector a
-// number, one lane a spring.
-template <class Real, class V>
-WOBBLE_INLINE void LoadDifferences(const Real* from, const std::uint32_t* ends, V (&rows)[4]) {
-  for (int i = 0; i < 4; ++i) {
-    const std::uint32_t* near = ends + 2 * i;
-    const std::uint32_t* far = sizeof(V) / sizeof(Real) > 4 ? near + 8 : near;
-    rows[i] = LoadRows(from + near[0], from + far[0]) - LoadRows(from + near[1], from + far[1]);
-  }
-  Transpose(rows);
-}
 
 // Computes the pulls of as many springs as V has lanes, from `begin` on, as rows.
 template <class Real, class V>
@@ -163,7 +153,11 @@ void SweepAlone(const SweepTables<Real>& ofBlueprint, SweepLanes<Real>& ofBody, 
   const Row acceleration = {given[0], given[1], given[2]};
   Row pressureShare = Spread<Row>(Real(0));
   if constexpr (Gas) pressureShare = Spread<Row>(FindPressureShare<Real>(tables, lanes, Real(6)));
-  ComputePulls(tables, from, lanes.stiffnessFactors[0], lanes.nextStage);
+  if (tables.isSolid) {
+    ComputeElementForces(tables, from, lanes.stiffnessFactors[0], lanes.nextStage);
+  } else {
+    ComputePulls(tables, from, lanes.stiffnessFactors[0], lanes.nextStage);
+  }
   Real errors[kErrorSums] = {};
   const std::uint32_t* ring = tables.ring;
   for (std::uint32_t i = 0; i < tables.count; ++i) {
@@ -196,7 +190,7 @@ void SweepAlone(const SweepTables<Real>& ofBlueprint, SweepLanes<Real>& ofBody, 
 
 template <int Stage, class Real>
 void SweepStageAlone(const SweepTables<Real>& tables, SweepLanes<Real>& lanes, Real step) {
-  if (tables.isRare) {
+  if (tables.isRare && !tables.isSolid) {
     SweepOnce<Stage, true, true, true, Real>(tables, lanes, step);
   } else {
     tables.hasGas ? SweepAlone<Stage, true>(tables, lanes, step) : SweepAlone<Stage, false>(tables, lanes, step);

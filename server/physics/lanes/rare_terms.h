@@ -1,5 +1,6 @@
-// Terms that few bodies have: repulsion, springs that tear, drag, gas in an outline. One instance of the sweep has all
-// of them and reads from the tables at run time which a body needs; the other instances have none.
+// Terms that few bodies have: repulsion, springs that tear, drag, gas in an outline; tetrahedra are in solid_terms.h.
+// One instance of the sweep has all of them and reads from the tables at run time which a body needs; the other
+// instances have none.
 #pragma once
 
 #include "server/physics/lanes/sweep.h"

@@ -9,5 +9,11 @@ SweepKernel<float> MakeAvx2Kernel(float) { return MakeKernel<float, 8>(); }
 SweepKernel<double> MakeAvx2Kernel(double) { return MakeKernel<double, 4>(); }
 SweepKernel<float> MakeOneLaneKernel(float) { return MakeLoneKernel<float>(); }
 SweepKernel<double> MakeOneLaneKernel(double) { return MakeLoneKernel<double>(); }
+ElementStrain<float> FindElementStrain(const SweepTables<float>& tables, const float* positions) {
+  return FindStrain(tables, positions);
+}
+ElementStrain<double> FindElementStrain(const SweepTables<double>& tables, const double* positions) {
+  return FindStrain(tables, positions);
+}
 
 }  // namespace wobble::physics

@@ -8,6 +8,7 @@
 #include "server/physics/lanes/plane_kernel.h"
 #include "server/physics/lanes/point_kernel.h"
 #include "server/physics/lanes/rare_terms.h"
+#include "server/physics/lanes/solid_terms.h"
 #include "server/physics/lanes/sweep.h"
 #include "server/physics/lanes/terms.h"
 
@@ -128,6 +129,7 @@ void SweepOnce(const SweepTables<Real>& ofBlueprint, SweepLanes<Real>& ofPack, R
   const std::uint32_t* ring = tables.ring;
   const Wedge* wedge = tables.wedges;
   [[maybe_unused]] const DraggedFace* face = tables.draggedFaces;
+  [[maybe_unused]] const Element<Real>* element = tables.elements;
   for (std::uint32_t i = 0; i < tables.count; ++i) {
     const SweepPlace<Real>& place = tables.places[i];
     const V* source = from + 6 * i;
@@ -141,6 +143,11 @@ void SweepOnce(const SweepTables<Real>& ofBlueprint, SweepLanes<Real>& ofPack, R
       const DraggedFace* faceEnd = tables.draggedFaces + tables.draggedEnds[i];
       AddDragOfFaces(tables, lanes, face, faceEnd, from, own, pending, force);
       face = faceEnd;
+      if (tables.elementEnds != nullptr) {
+        const Element<Real>* elementEnd = tables.elements + tables.elementEnds[i];
+        AddElements(tables, lanes, element, elementEnd, from, own, pending, force);
+        element = elementEnd;
+      }
       if (hasArea) AddGasOfOutline(ring, ringEnd, from, pressureShare, force);
     } else {
       AddArcs(arc, arcEnd, from, own, factor, pending, force);

@@ -22,6 +22,37 @@ struct DraggedFace {
   std::uint32_t pending[2] = {};  // as Arc::pending
 };
 
+// A tetrahedron (model/tetrahedron.h), listed at the first of its four places: the other three, for each of them how
+// its shape function changes, 1/m, and the material's constants times the volume, J and J·s.
+template <class Real>
+struct Element {
+  std::uint32_t others[3] = {};
+  std::uint32_t pending[3] = {};  // as Arc::pending
+  Real gradients[3][3] = {};
+  Real shear = 0;
+  Real bulk = 0;
+  Real viscosity = 0;
+};
+
+// The same elements in the same order, one array a number, each padded to a whole vector: for the sweep of a lone body.
+template <class Real>
+struct ElementColumns {
+  const std::uint32_t* ends =
+      nullptr;  // [corner 1 to 3][element][2]: 6 times the corner's place and the first corner's
+  const std::uint32_t* vertices = nullptr;  // the same with 3 times the numbers of vertices
+  const Real* numbers = nullptr;            // [gradients 3 × 3, shear, bulk, viscosity][element]
+  std::uint32_t count = 0;
+  std::uint32_t padded = 0;
+};
+inline constexpr std::uint32_t kElementNumbers = 12;
+
+// The largest over all elements of a body: |F|², and the bound of the stiffness, over μ (methods/elasticity.h).
+template <class Real>
+struct ElementStrain {
+  Real square = 0;
+  Real stiffness = 0;
+};
+
 // Two faces whose last place is `last`: (last, before, middle) and (last, middle, after). x_last·(x_middle × (x_after −
 // x_before)) is six times the volume between them and the origin. For a single face `after` is `middle`. In an outline:
 // two edges, from before to last and from last to after; for a single edge the other end is `last` itself.
@@ -65,11 +96,16 @@ struct SweepTables {
   const Real* repulsionFloors = nullptr;      // [arc]
   const DraggedFace* draggedFaces = nullptr;  // those of place i end at draggedEnds[i]
   const std::uint32_t* draggedEnds = nullptr;
+  const Element<Real>* elements = nullptr;     // those of place i end at elementEnds[i]
+  const std::uint32_t* elementEnds = nullptr;  // null: there are none
+  Real restRatio = 1;                          // of the elements' material
+  ElementColumns<Real> elementColumns;
   std::uint32_t pendingMask = 0;
   bool planar = false;
   bool hasGas = false;       // in a closed skin
   bool hasOutline = false;   // gas in an outline; ring and wedges belong to that
-  bool isRare = false;       // has gas in an outline, repulsion, drag or springs that tear
+  bool isSolid = false;      // has tetrahedra and neither springs nor any other rare term
+  bool isRare = false;       // has tetrahedra, gas in an outline, repulsion, drag or springs that tear
   Real repulsion = 0;        // N·m⁴
   Real dragShare = 0;        // ½ρC/6, kg/m³
   Real ambientPressure = 0;  // Pa

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/physics/methods/elasticity.h"
+
 namespace wobble::physics {
 
 namespace {
@@ -152,6 +154,9 @@ void ComputeForces(const Coefficients<Real>& body, const Load<Real>& load, std::
   for (Vector3<Real>& force : forces) force.setZero();
   AddSprings<Real>(body.springs, load.stiffnessFactor, x, v, forces, load.torn);
   if (body.repulsion > Real(0)) AddRepulsion<Real>(body.springs, body.repulsion, x, forces, load.torn);
+  if (!body.tetrahedra.empty()) {
+    AddTetrahedra<Real>(body.tetrahedra, body.solid, load.stiffnessFactor, x, v, forces);
+  }
   if (body.gas > Real(0)) AddGas<Real>(body, load.gasFactor, x, forces);
   if (body.drag > Real(0)) AddDrag<Real>(body.faces, body.drag, load.wind, x, v, forces);
   for (const VertexForce<Real>& push : load.pushes) forces[push.vertex] += push.force;

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "server/physics/methods/elasticity.h"
+
 namespace wobble::physics {
 
 Health FindHealth(const BulkMotion& bulk) {
@@ -28,7 +30,8 @@ ElasticEnergy ComputeElasticEnergy(const Blueprint& blueprint, const Load<Real>&
   for (const Vector3<Real>& place : x) scratch.push_back(place.template cast<double>());
   const Coefficients<double>& full = blueprint.full;
   ElasticEnergy energy;
-  energy.stored = double{load.stiffnessFactor} * ComputeSpringEnergy(full, scratch, load.torn) +
+  energy.stored = double{load.stiffnessFactor} *
+                      (ComputeSpringEnergy(full, scratch, load.torn) + ComputeSolidEnergy(full, scratch)) +
                   ComputeRepulsionEnergy(full, scratch, load.torn) +
                   ComputeContactEnergy<Real>(blueprint.Read<Real>(), surfaces, contacts, x);
   energy.gas = ComputeGasEnergy(full, scratch, double{load.gasFactor});

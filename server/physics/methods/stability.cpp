@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "server/physics/methods/elasticity.h"
 #include "server/physics/methods/step_limits.h"
 
 namespace wobble::physics {
@@ -15,7 +16,7 @@ constexpr int kPowerIterations = 200;
 // Squeezing a body raises its frequencies by 3-9 %, and the power iteration approaches the largest one from below.
 constexpr double kFrequencyMargin = 1.05;
 
-// Accelerations of a free body at x by its conservative forces: springs without dashpots, and gas.
+// Accelerations of a free body at x by its conservative forces: springs without dashpots, tetrahedra, and gas.
 void ComputeElasticAccelerations(const Coefficients<double>& body, const std::vector<Vector3d>& x,
                                  const std::vector<Vector3d>& zero, std::vector<Vector3d>& accelerations) {
   const Load<double> load;
@@ -39,6 +40,36 @@ double FindNorm(const std::vector<Vector3d>& values) {
   double sum = 0;
   for (const Vector3d& value : values) sum += value.squaredNorm();
   return std::sqrt(sum);
+}
+
+// The largest eigenvalue of the operator that `apply` replaces a mode by.
+template <class Apply>
+double FindLargestEigenvalue(std::size_t count, const Apply& apply) {
+  std::vector<Vector3d> mode = MakeProbe(count);
+  double eigenvalue = 0;
+  for (int iteration = 0; iteration < kPowerIterations; ++iteration) {
+    const double norm = FindNorm(mode);
+    if (!(norm > 0)) break;
+    for (Vector3d& m : mode) m /= norm;
+    apply(mode);
+    eigenvalue = FindNorm(mode);
+  }
+  return eigenvalue;
+}
+
+// The largest damping rate that the viscosity of tetrahedra gives a mode at rest, where forces are linear in v.
+double FindViscousRate(const Blueprint& blueprint) {
+  if (!(blueprint.full.solid.viscosity > 0)) return 0;
+  Coefficients<double> alone = blueprint.full;
+  alone.springs.clear();
+  alone.gas = 0;
+  alone.drag = 0;
+  std::vector<Vector3d> accelerations(blueprint.rest.size());
+  const double eigenvalue = FindLargestEigenvalue(blueprint.rest.size(), [&](std::vector<Vector3d>& mode) {
+    ComputeAccelerations<double>(alone, Load<double>{}, {}, {}, blueprint.rest, mode, accelerations);
+    for (std::size_t i = 0; i < mode.size(); ++i) mode[i] = -accelerations[i];
+  });
+  return kFrequencyMargin * eigenvalue;
 }
 
 // The damping rate of quadratic drag, 1/s: on a face it is dragRate times the face's speed against the medium.
@@ -93,33 +124,28 @@ double FindModeRate(double squareFrequency, double dampingRate) {
 void FindBodyStability(Blueprint& blueprint) {
   const std::vector<Vector3d>& rest = blueprint.rest;
   const std::vector<Vector3d> zero(rest.size(), Vector3d::Zero());
-  std::vector<Vector3d> mode = MakeProbe(rest.size());
   std::vector<Vector3d> moved(rest.size());
   std::vector<Vector3d> forward(rest.size());
   std::vector<Vector3d> backward(rest.size());
   // Applies the operator −∂a/∂x to a mode by central differences of the forces, so that it holds all terms that the
   // body has.
   const double epsilon = 1e-6 * blueprint.size;
-  double eigenvalue = 0;
-  for (int iteration = 0; iteration < kPowerIterations; ++iteration) {
-    const double norm = FindNorm(mode);
-    if (!(norm > 0)) break;
-    for (Vector3d& m : mode) m /= norm;
+  const double eigenvalue = FindLargestEigenvalue(rest.size(), [&](std::vector<Vector3d>& mode) {
     for (std::size_t i = 0; i < rest.size(); ++i) moved[i] = rest[i] + epsilon * mode[i];
     ComputeElasticAccelerations(blueprint.full, moved, zero, forward);
     for (std::size_t i = 0; i < rest.size(); ++i) moved[i] = rest[i] - epsilon * mode[i];
     ComputeElasticAccelerations(blueprint.full, moved, zero, backward);
     for (std::size_t i = 0; i < rest.size(); ++i) mode[i] = (backward[i] - forward[i]) / (2 * epsilon);
-    eigenvalue = FindNorm(mode);
-  }
+  });
   blueprint.angularFrequency = std::sqrt(eigenvalue) * kFrequencyMargin;
 
-  // Dashpots act along the springs: their matrix is at most max(c/k) times the springs' one.
+  // Dashpots act along the springs: their matrix is at most max(c/k) times the springs' one. A body has springs or
+  // tetrahedra.
   double ratio = 0;
   for (const Spring<double>& spring : blueprint.full.springs) {
     if (spring.stiffness > 0) ratio = std::max(ratio, spring.damping / spring.stiffness);
   }
-  blueprint.dampingRate = ratio * blueprint.angularFrequency * blueprint.angularFrequency;
+  blueprint.dampingRate = ratio * blueprint.angularFrequency * blueprint.angularFrequency + FindViscousRate(blueprint);
 }
 
 double FindStableRate(Integrator integrator, const Blueprint& blueprint, const Modes& modes) {
@@ -188,7 +214,8 @@ SurfaceDemands FindSurfaceDemands(const Blueprint& blueprint, std::span<const Su
 template <class Real>
 Modes FindModes(const Blueprint& blueprint, const Load<Real>& load, const State<Real>& state,
                 const ContactRates& fromSurfaces, const ContactRates& fromBodies) {
-  const double factor = std::max({1.0, double{load.stiffnessFactor}, double{load.gasFactor}});
+  const double factor = std::max({1.0, double{load.stiffnessFactor}, double{load.gasFactor}}) *
+                        FindStiffening<Real>(blueprint, state.positions);
   Modes modes;
   modes.body.squareFrequency = blueprint.angularFrequency * blueprint.angularFrequency * factor;
   modes.body.dampingRate = blueprint.dampingRate * factor + FindDragDamping(blueprint, load, state);

@@ -22,6 +22,13 @@ Lists FindNeighbours(const Coefficients<Real>& body) {
     neighbours[spring.a].push_back(spring.b);
     neighbours[spring.b].push_back(spring.a);
   }
+  for (const Tetrahedron<Real>& element : body.tetrahedra) {
+    for (const std::uint16_t a : element.vertices) {
+      for (const std::uint16_t b : element.vertices) {
+        if (a != b) neighbours[a].push_back(b);
+      }
+    }
+  }
   return neighbours;
 }
 
@@ -77,7 +84,7 @@ void FillArcs(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
   }
 }
 
-// The largest number of places that a force is passed on by, from springs and, if the body has drag, from faces.
+// The largest number of places that a force is passed on by, from springs, tetrahedra and, if the body has drag, faces.
 template <class Real>
 std::uint32_t FindReach(const Coefficients<Real>& body, const std::vector<std::uint32_t>& places) {
   std::uint32_t reach = 0;
@@ -85,6 +92,11 @@ std::uint32_t FindReach(const Coefficients<Real>& body, const std::vector<std::u
     reach = std::max(reach, std::max(places[a], places[b]) - std::min(places[a], places[b]));
   };
   for (const Spring<Real>& spring : body.springs) extend(spring.a, spring.b);
+  for (const Tetrahedron<Real>& element : body.tetrahedra) {
+    for (std::size_t i = 1; i < 4; ++i) {
+      for (std::size_t j = 0; j < i; ++j) extend(element.vertices[i], element.vertices[j]);
+    }
+  }
   if (!(body.drag > Real(0))) return reach;
   for (const Face& face : body.faces) {
     for (std::size_t corner = 0; corner < 3; ++corner) extend(face[corner], face[(corner + 1) % 3]);
@@ -107,6 +119,67 @@ void FillDraggedFaces(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
     plan.draggedFaces.insert(plan.draggedFaces.end(), own.begin(), own.end());
     plan.draggedEnds.push_back(static_cast<std::uint32_t>(plan.draggedFaces.size()));
   }
+}
+
+// first: the corner with the first place.
+template <class Real>
+Element<Real> MakeElement(const Tetrahedron<Real>& tetrahedron, const SolidMaterial<Real>& material,
+                          const SweepPlan<Real>& plan, std::size_t first) {
+  const auto gradientOf = [&](std::size_t corner, std::size_t axis) {
+    const auto& g = tetrahedron.gradients;
+    return corner > 0 ? g[corner - 1][axis] : -(g[0][axis] + g[1][axis] + g[2][axis]);
+  };
+  Element<Real> element{.shear = tetrahedron.volume * material.shear,
+                        .bulk = tetrahedron.volume * material.bulk,
+                        .viscosity = tetrahedron.volume * material.viscosity};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t corner = (first + 1 + i) % 4;
+    const std::uint32_t place = plan.places[tetrahedron.vertices[corner]];
+    element.others[i] = 6 * place;
+    element.pending[i] = 3 * (place & plan.pendingMask);
+    for (std::size_t axis = 0; axis < 3; ++axis) element.gradients[i][axis] = gradientOf(corner, axis);
+  }
+  return element;
+}
+
+template <class Real>
+void FillElementColumns(SweepPlan<Real>& plan) {
+  const std::size_t padded = (plan.elements.size() + kArcsAtOnce - 1) / kArcsAtOnce * kArcsAtOnce;
+  plan.elementCorners.assign(3 * 2 * padded, 0);
+  plan.elementNumbers.assign(kElementNumbers * padded, 0);
+  std::uint32_t place = 0;
+  for (std::size_t e = 0; e < plan.elements.size(); ++e) {
+    while (plan.elementEnds[place] <= e) ++place;
+    const Element<Real>& element = plan.elements[e];
+    for (std::size_t i = 0; i < 3; ++i) {
+      plan.elementCorners[2 * (i * padded + e)] = element.others[i];
+      plan.elementCorners[2 * (i * padded + e) + 1] = 6 * place;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        plan.elementNumbers[(3 * i + axis) * padded + e] = element.gradients[i][axis];
+      }
+    }
+    plan.elementNumbers[9 * padded + e] = element.shear;
+    plan.elementNumbers[10 * padded + e] = element.bulk;
+    plan.elementNumbers[11 * padded + e] = element.viscosity;
+  }
+  for (const std::uint32_t corner : plan.elementCorners) plan.elementVertices.push_back(3U * plan.vertices[corner / 6]);
+}
+
+template <class Real>
+void FillElements(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
+  plan.restRatio = body.solid.restRatio;
+  std::vector<std::vector<Element<Real>>> elements(plan.at.size());
+  for (const Tetrahedron<Real>& tetrahedron : body.tetrahedra) {
+    const auto placeOf = [&](std::uint16_t vertex) { return plan.places[vertex]; };
+    const std::size_t first =
+        std::ranges::min_element(tetrahedron.vertices, {}, placeOf) - tetrahedron.vertices.begin();
+    elements[plan.places[tetrahedron.vertices[first]]].push_back(MakeElement(tetrahedron, body.solid, plan, first));
+  }
+  for (const std::vector<Element<Real>>& own : elements) {
+    plan.elements.insert(plan.elements.end(), own.begin(), own.end());
+    plan.elementEnds.push_back(static_cast<std::uint32_t>(plan.elements.size()));
+  }
+  FillElementColumns(plan);
 }
 
 // Rings and wedges of an outline. A place's ring has the far ends of the two edges that meet there; its wedge has those
@@ -233,6 +306,7 @@ SweepPlan<Real> MakeSweepPlan(const Coefficients<Real>& body, const GridShape& g
   FillArcs(body, plan);
   FillColumns(plan);
   FillDraggedFaces(body, plan);
+  if (!body.tetrahedra.empty()) FillElements(body, plan);
   plan.planar = body.planar;
   plan.hasGas = body.gas > Real(0) && body.outline.empty();
   plan.hasOutline = body.gas > Real(0) && !body.outline.empty();
@@ -246,7 +320,9 @@ SweepPlan<Real> MakeSweepPlan(const Coefficients<Real>& body, const GridShape& g
   plan.repulsion = body.repulsion;
   plan.dragShare = body.drag / Real(6);
   plan.tears = body.tearStretch > Real(0);
-  plan.isRare = plan.hasOutline || plan.tears || body.repulsion > Real(0) || body.drag > Real(0);
+  plan.isSolid = !plan.elements.empty() && plan.arcs.empty() && !(body.gas > Real(0)) && !(body.drag > Real(0));
+  plan.isRare =
+      !plan.elements.empty() || plan.hasOutline || plan.tears || body.repulsion > Real(0) || body.drag > Real(0);
   return plan;
 }
 

@@ -1,9 +1,9 @@
 // The tables that one sweep over a body's vertices reads (lanes/sweep.h), computed once per blueprint.
 //
-// Vertices stand in breadth-first order over the springs: the neighbours of a vertex are then near it in memory, and
-// the forces that it passes on to later vertices fit a small ring. In a grid the order of the vertices' numbers does as
-// well, and it is the order of the sweep of lanes/grid.h: both add up in the same order and give the same bits, so each
-// body can take whichever sweep is faster.
+// Vertices stand in breadth-first order over springs and tetrahedra: the neighbours of a vertex are then near it in
+// memory, and the forces that it passes on to later vertices fit a small ring. In a grid the order of the vertices'
+// numbers does as well, and it is the order of the sweep of lanes/grid.h: both add up in the same order and give the
+// same bits, so each body can take whichever sweep is faster.
 #pragma once
 
 #include <cstdint>
@@ -35,10 +35,17 @@ struct SweepPlan {
   std::vector<Real> repulsionFloors;
   std::vector<DraggedFace> draggedFaces;
   std::vector<std::uint32_t> draggedEnds;
+  std::vector<Element<Real>> elements;  // of tetrahedra
+  std::vector<std::uint32_t> elementEnds;
+  std::vector<std::uint32_t> elementCorners;  // the arrays of ElementColumns
+  std::vector<std::uint32_t> elementVertices;
+  std::vector<Real> elementNumbers;
+  Real restRatio = 1;
   std::uint32_t pendingMask = 0;  // the ring of pending forces has this + 1 slots, a power of two
   bool planar = false;
   bool hasGas = false;
   bool hasOutline = false;
+  bool isSolid = false;
   bool isRare = false;
   bool tears = false;
   Real repulsion = 0;
@@ -61,10 +68,19 @@ struct SweepPlan {
             .repulsionFloors = repulsionFloors.data(),
             .draggedFaces = draggedFaces.data(),
             .draggedEnds = draggedEnds.data(),
+            .elements = elements.data(),
+            .elementEnds = elements.empty() ? nullptr : elementEnds.data(),
+            .restRatio = restRatio,
+            .elementColumns = {.ends = elementCorners.data(),
+                               .vertices = elementVertices.data(),
+                               .numbers = elementNumbers.data(),
+                               .count = static_cast<std::uint32_t>(elements.size()),
+                               .padded = static_cast<std::uint32_t>(elementNumbers.size()) / kElementNumbers},
             .pendingMask = pendingMask,
             .planar = planar,
             .hasGas = hasGas,
             .hasOutline = hasOutline,
+            .isSolid = isSolid,
             .isRare = isRare,
             .repulsion = repulsion,
             .dragShare = dragShare,

@@ -2,6 +2,7 @@
 #include "server/physics/shapes/finish_blueprint.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "server/physics/contact/backtracking.h"
@@ -39,6 +40,16 @@ Coefficients<float> ToSingle(const Coefficients<double>& full) {
                               .stiffness = static_cast<float>(s.stiffness),
                               .damping = static_cast<float>(s.damping)});
   }
+  for (const Tetrahedron<double>& t : full.tetrahedra) {
+    Tetrahedron<float>& element = single.tetrahedra.emplace_back();
+    element.vertices = t.vertices;
+    for (std::size_t i = 0; i < 3; ++i) std::ranges::copy(t.gradients[i], element.gradients[i].begin());
+    element.volume = static_cast<float>(t.volume);
+  }
+  single.solid = {.shear = static_cast<float>(full.solid.shear),
+                  .bulk = static_cast<float>(full.solid.bulk),
+                  .restRatio = static_cast<float>(full.solid.restRatio),
+                  .viscosity = static_cast<float>(full.solid.viscosity)};
   single.faces = full.faces;
   single.planar = full.planar;
   single.outline = full.outline;
@@ -169,6 +180,8 @@ bool IsSlowEnough(const Blueprint& blueprint) {
 void SetIntegrator(Blueprint& blueprint, Integrator integrator) {
   blueprint.integrator = integrator;
   blueprint.sparsePattern.reset();
+  assert(blueprint.full.tetrahedra.empty() ||
+         (integrator != Integrator::kImplicitEuler && integrator != Integrator::kPositionVerlet));
   if (integrator != Integrator::kImplicitEuler) return;
   std::vector<std::array<std::uint32_t, 2>> pairs;
   for (const Spring<double>& spring : blueprint.full.springs) pairs.push_back({spring.a, spring.b});

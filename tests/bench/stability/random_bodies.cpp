@@ -184,6 +184,43 @@ Draft DraftGraph(Random& random, std::size_t vertices) {
   return {graph, text};
 }
 
+// A box, or a flattened or elongated ball of tetrahedra. Of all modes of a cell of size a the fastest has ω a/c of
+// about kFastest, c² = E (1 − ν)/ρ(1 + ν)(1 − 2ν); in a filled surface, where cells are cut, more.
+Draft DraftSolid(Random& random, std::size_t vertices) {
+  constexpr double kFastest = 4;
+  constexpr double kFastestCut = 9;
+  SolidDefinition solid;
+  const bool isBox = random.Happens(0.6);
+  const double side = std::cbrt(static_cast<double>(vertices) / 2);
+  for (int& cells : solid.cells) {
+    cells = std::clamp(static_cast<int>(std::lround(side * random.Draw(0.6, 1.5))) - 1, 1, 12);
+  }
+  const double longest = *std::max_element(solid.cells.begin(), solid.cells.end());
+  solid.cellSize = random.Draw(0.5, 1.5) / longest;
+  if (!isBox) {
+    const Icosphere sphere = MakeIcosphere(2);
+    const Vector3d axes(random.Draw(0.3, 0.6), random.Draw(0.3, 0.6), random.Draw(0.3, 0.6));
+    for (const Vector3d& at : sphere.vertices) solid.vertices.push_back(at.cwiseProduct(axes));
+    solid.faces = sphere.faces;
+    solid.cellSize = 2 * axes.mean() / std::clamp(side, 2.5, 7.0);
+  }
+  solid.poissonRatio = random.Draw(0, kMaxPoissonRatio);
+  solid.density = random.DrawMagnitude(10, 100);
+  solid.dampingRatio = DrawDamping(random);
+  solid.friction = random.Draw(0, 1.5);
+  solid.restitution = random.Draw(0, 1);
+  const double nu = solid.poissonRatio;
+  const double waves = (1 - nu) / (1 + nu) / (1 - 2 * nu);  // c² over E/ρ
+  const double fastest = isBox ? kFastest : kFastestCut;
+  const double a = solid.cellSize;
+  solid.youngModulus =
+      DrawStiffness(random, fastest * fastest * waves, solid.density * a * a * a, solid.dampingRatio) / a;
+  char text[160];
+  std::snprintf(text, sizeof text, "solid %s of %.3g m cells, nu %.2f, %.3g kg/m3, E %.3g Pa, damping %.2g",
+                isBox ? "box" : "ball", a, nu, solid.density, solid.youngModulus, solid.dampingRatio);
+  return {solid, text};
+}
+
 // A flattened or elongated icosphere with gas, or half of one, which is open.
 Draft DraftMesh(Random& random, std::size_t vertices) {
   MeshDefinition mesh;
@@ -216,13 +253,14 @@ Draft DraftMesh(Random& random, std::size_t vertices) {
 }
 
 Draft DraftAny(Random& random, std::size_t vertices) {
-  const std::size_t lot = random.Choose(20);
+  const std::size_t lot = random.Choose(22);
   if (lot < 7) return DraftBall(random, vertices);
   if (lot < 11) return DraftLattice(random, vertices);
   if (lot < 13) return DraftRing(random, vertices);
   if (lot < 15) return DraftCloth(random, vertices);
   if (lot < 17) return DraftMesh(random, vertices);
-  return lot < 19 ? DraftGraph(random, vertices) : DraftPair(random);
+  if (lot < 19) return DraftGraph(random, vertices);
+  return lot < 20 ? DraftPair(random) : DraftSolid(random, vertices);
 }
 
 }  // namespace

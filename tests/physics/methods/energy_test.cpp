@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/physics/methods/elasticity.h"
 #include "server/physics/shapes/pair.h"
 #include "tests/physics/bodies.h"
 
@@ -46,6 +47,30 @@ TEST(Energy, OfASpringThatIsDrawnIsHalfItsStiffnessTimesTheSquare) {
   EXPECT_EQ(energy.gas, 0);
   EXPECT_EQ(energy.gravity, 0);
   EXPECT_EQ(energy.kinetic, 0);
+}
+
+TEST(Energy, OfASolidTurnsIntoMotionAndBackAndItsSumStays) {
+  WorldSettings settings;
+  settings.gravity = Vector3d::Zero();
+  settings.precision = Precision::kDouble;
+  settings.errorTarget = 1e-5;
+  World world(settings);
+  const Blueprint solid = MakeSolid(MakeSolidBox({2, 2, 2}, 0.4, 0));
+  const BodyId id = world.AddBody(world.AddBlueprint(solid), Vector3d::Zero());
+  std::vector<Vector3d> wide;
+  for (const Vector3d& at : solid.rest) wide.push_back(at.cwiseProduct(Vector3d(1.1, 1, 0.95)));
+  world.SetMotion(id, wide, std::vector<Vector3d>(wide.size(), Vector3d::Zero()));
+  const double stored = ComputeSolidEnergy(solid.full, wide);
+  EXPECT_GT(stored, 1);
+  EXPECT_NEAR(ComputeOf(world, id).springs, stored, 1e-9 * stored);
+  double fastest = 0;
+  for (int tick = 0; tick < 60; ++tick) {
+    world.Step();
+    const Energy energy = ComputeOf(world, id);
+    fastest = std::max(fastest, energy.kinetic);
+    EXPECT_NEAR(Sum(energy), stored, 1e-3 * stored);
+  }
+  EXPECT_GT(fastest, 0.5 * stored);
 }
 
 TEST(Energy, KindsTurnIntoOneAnotherAndTheirSumStays) {

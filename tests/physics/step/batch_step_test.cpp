@@ -119,6 +119,11 @@ std::vector<Blueprint> MakeRareKinds() {
   ball.material.drag = 0.6;
   ball.material.repulsion = 0.01;
   kinds.push_back(MakeBall(ball));
+  for (const Side fixed : {Side::kNone, Side::kLowX}) {
+    SolidDefinition box = MakeSolidBox({3, 2, 2}, 0.4);
+    box.fixed = fixed;
+    kinds.push_back(MakeSolid(box));
+  }
   return kinds;
 }
 
@@ -208,9 +213,10 @@ TEST(BatchStepTest, WorldIsTheSameWhateverThePacks) {
     World world(settings);
     world.AddBlueprint(MakeBall(MakeMeasuredBall(0.2)));
     world.AddBlueprint(MakeLattice(MakeJellyCube(0.2)));
+    world.AddBlueprint(MakeSolid(MakeSolidBox({2, 2, 2}, 0.3)));
     world.AddObstacle(Obstacle{});
-    for (int i = 0; i < 21; ++i) {
-      world.AddBody(static_cast<std::uint8_t>(i % 2), Vector3d(2.5 * i, 0, 1.2 + 0.1 * i), Vector3d(0, 0.1 * i, 0));
+    for (int i = 0; i < 30; ++i) {
+      world.AddBody(static_cast<std::uint8_t>(i % 3), Vector3d(2.5 * i, 0, 1.2 + 0.1 * i), Vector3d(0, 0.1 * i, 0));
     }
     for (int tick = 0; tick < 90; ++tick) world.Step();
     hashes.push_back(world.Hash());

@@ -161,6 +161,17 @@ TEST(Inspect, APileIsWhatTheStepMakesOfIt) {
   }
 }
 
+TEST(Inspect, SolidsThatFallOnOneAnotherAreWhatTheStepMakesOfThem) {
+  World world(MakeExact());
+  world.AddBlueprint(MakeSolid(MakeSolidBox({2, 2, 2}, 0.4)));
+  world.AddObstacle(Obstacle{});
+  for (int i = 0; i < 3; ++i) world.AddBody(0, Vector3d(0.1 * i, 0.05 * i, 0.4 + 0.6 * i));
+  for (int tick = 0; tick < 60; ++tick) {
+    world.Step();
+    if (tick % 15 == 0) ExpectStepped(world);
+  }
+}
+
 TEST(Inspect, AClothInTheWindIsDragged) {
   WorldSettings settings = MakeExact();
   settings.wind = Vector3d(0, 6, 0);

@@ -21,9 +21,9 @@ using testing::StartsWith;
 const std::filesystem::path kFolder = std::filesystem::path(WOBBLE_SOURCE_DIR) / "server/scenes";
 
 const std::vector<std::string> kShipped{
-    "arena",        "backtracking", "ball_drop",   "breathing", "bubble",   "cloth",    "crowd",
-    "curtain",      "drop2d",       "jelly_stack", "lattice",   "magnetic", "mesh_zoo", "pair",
-    "perturbation", "pitch",        "sandbox",     "scrum",     "sumo",     "tension",  "wind"};
+    "arena",   "backtracking", "ball_drop", "breathing", "bubble",   "cloth", "crowd",        "curtain",
+    "drop2d",  "jelly_stack",  "lattice",   "magnetic",  "mesh_zoo", "pair",  "perturbation", "pitch",
+    "sandbox", "scrum",        "solids",    "sumo",      "tension",  "wind"};
 
 #ifdef WOBBLE_SANITIZED
 constexpr int kTicks = 30;  // 34 times slower there
@@ -318,7 +318,7 @@ TEST(SceneMistakes, EachKindOfBlueprintHasItsOwnFields) {
               ElementsAre(AllOf(StartsWith("test.toml:3: cells is no field here"), HasSubstr("subdivisions"))));
   EXPECT_THAT(errorsOf("kind = \"jelly\"\nanything = 1\n"),
               ElementsAre(AllOf(StartsWith("test.toml:3: kind = "),
-                                HasSubstr("one of: ball, cloth, graph, lattice, mesh, pair, ring"))));
+                                HasSubstr("one of: ball, cloth, graph, lattice, mesh, pair, ring, solid"))));
   EXPECT_THAT(
       errorsOf("kind = \"lattice\"\npoisson_ratio = 0.4\n"),
       ElementsAre("test.toml:4: poisson_ratio = 0.4: must be 0.25: a lattice of central springs has no other in "
@@ -333,6 +333,25 @@ TEST(SceneMistakes, EachKindOfBlueprintHasItsOwnFields) {
 
 std::vector<std::string> ErrorsOfBlueprint(const std::string& fields) {
   return ErrorsOf("[[blueprint]]\nname = \"it\"\n" + fields + "[player]\nblueprint = \"it\"\n");
+}
+
+TEST(SceneMistakes, ASolidIsABoxOrWhatAMeshEnclosesAndIsSteppedByAnExplicitMethod) {
+  const std::string solid = "kind = \"solid\"\n";
+  EXPECT_THAT(ErrorsOfBlueprint(solid), IsEmpty());
+  EXPECT_THAT(
+      ErrorsOfBlueprint(solid + "cells = [2, 2, 3]\ncell_size = 0.2\nyoung_modulus = 2e4\npoisson_ratio = 0.45\n"
+                                "density = 30\ndamping_ratio = 0.2\nfriction = 0.5\nfixed = \"z-\"\n"
+                                "integrator = \"velocity_verlet\"\n"),
+      IsEmpty());
+  EXPECT_THAT(ErrorsOfBlueprint(solid + "poisson_ratio = 0.5\n"),
+              ElementsAre("test.toml:4: poisson_ratio = 0.5: must be 0 to 0.45"));
+  EXPECT_THAT(ErrorsOfBlueprint(solid + "scale = 2\n"), ElementsAre(HasSubstr("left out unless there is a file")));
+  EXPECT_THAT(ErrorsOfBlueprint(solid + "cells = [2, 0, 2]\n"), ElementsAre(HasSubstr("whole numbers from 1 to 100")));
+  EXPECT_THAT(ErrorsOfBlueprint(solid + "file = \"missing.obj\"\n"), ElementsAre(HasSubstr("cannot be read")));
+  for (const std::string method : {"implicit_euler", "position_verlet"}) {
+    EXPECT_THAT(ErrorsOfBlueprint(solid + "integrator = \"" + method + "\"\n"),
+                ElementsAre(AllOf(StartsWith("test.toml:4: integrator = "), HasSubstr("know springs"))));
+  }
 }
 
 TEST(SceneMistakes, APlanarLatticeHasItsOwnPoissonRatioAndSides) {
