@@ -81,7 +81,7 @@ Vector3<Real> FindEdgeSlip(const EdgeMeeting<Real>& meeting, const EdgeContact<R
 template <class Real>
 Real FindPullAlong(const typename EdgeView<Real>::Side& side, Real distance, const Vector3<Real>& pull) {
   if (!side.inside) return 0;
-  return pull.dot(side.direction) * std::min(Real(1), side.length / std::max(std::abs(distance), side.length));
+  return pull.dot(side.direction) * (side.length / std::max(std::abs(distance), side.length));
 }
 
 // Depth that is pushed back, m; not above 0: the contact does not act.

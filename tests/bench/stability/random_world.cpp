@@ -1,9 +1,9 @@
 // The bounds within which every failure is the engine's fault:
-//   - A shell bears an impact with energy up to its nRT; above that it folds, and because a body has no contact with
-//     itself, it may stay inside out. So no speed exceeds √(2 nRT/m) of the world's weakest gas and heaviest body, nor
-//     15 m/s, a fall from four storeys.
-//   - A shell whose gas cannot carry its load is crushed flat, and a flat shell soon turns inside out. Scenes refuse a
-//     shell that cannot carry itself; here each carries the whole heap, nRT >= 2 m g R.
+//   - A shell bears an impact with energy up to its nRT; above that it folds through itself, which ends only when its gas
+//     has unfolded it. So no speed exceeds √(2 nRT/m) of the world's weakest gas and heaviest body, nor 15 m/s, a fall
+//     from four storeys.
+//   - A shell whose gas cannot carry its load is crushed flat and turns inside out. Scenes refuse a shell that cannot
+//     carry itself; here each carries the whole heap, nRT >= 2 m g R.
 //   - A lattice of springs has no inside: above a third of √(E/ρ) cells may stay inverted (lattice.h).
 // Worlds without these bounds are played as well and counted separately.
 #include "tests/bench/stability/random_world.h"
