@@ -124,14 +124,8 @@ Meeting<Real> Meet(const Subject<Real>& ofVertices, const Subject<Real>& ofFaces
 
 template <class Real>
 EdgeMeeting<Real> MeetEdges(const Subject<Real>& first, const Subject<Real>& second) {
-  const auto describe = [](const Subject<Real>& subject) -> typename EdgeMeeting<Real>::Body {
-    return {.edges = FindMeetingEdges(subject.blueprint),
-            .x = subject.state.positions,
-            .v = subject.state.velocities,
-            .shares = subject.body.contactShares};
-  };
-  return {.first = describe(first),
-          .second = describe(second),
+  return {.first = FindEdges<Real>(first.blueprint, first.state.positions, first.state.velocities),
+          .second = FindEdges<Real>(second.blueprint, second.state.positions, second.state.velocities),
           .shift = (first.state.origin - second.state.origin).template cast<Real>(),
           .radius = static_cast<Real>(first.blueprint.edgeRadius + second.blueprint.edgeRadius)};
 }

@@ -108,9 +108,8 @@ void RenumberEdges(PairLists<Real>& pairs, BodyId id, std::span<const std::uint1
     const auto edge = pair.SideOf(id) == 0 ? &EdgeContact<Real>::first : &EdgeContact<Real>::second;
     std::erase_if(pair.edges, [&](const EdgeContact<Real>& contact) { return map[contact.*edge] == kGone; });
     for (EdgeContact<Real>& contact : pair.edges) contact.*edge = map[contact.*edge];
-    std::ranges::sort(pair.edges, [](const EdgeContact<Real>& a, const EdgeContact<Real>& b) {
-      return a.first != b.first ? a.first < b.first : a.second < b.second;
-    });
+    std::sort(pair.edges.begin(), pair.edges.end(),
+              [](const EdgeContact<Real>& a, const EdgeContact<Real>& b) { return IsListedBefore(a, b); });
   });
 }
 

@@ -75,18 +75,24 @@ void ReadSide(TableReader& reader, physics::Side& side) {
   reader.Read("fixed", kSides, side);
 }
 
+// The fields that lattices and solids have in common.
+template <class Definition>
+void ReadElasticMaterial(TableReader& reader, Definition& body) {
+  reader.ReadUnchecked("young_modulus", body.youngModulus);
+  reader.ReadUnchecked("poisson_ratio", body.poissonRatio);
+  reader.ReadUnchecked("density", body.density);
+  reader.ReadUnchecked("damping_ratio", body.dampingRatio);
+  reader.ReadUnchecked("friction", body.friction);
+  reader.ReadUnchecked("rolling_resistance", body.rollingResistance);
+  reader.ReadUnchecked("restitution", body.restitution);
+  reader.ReadUnchecked("contact_stiffness", body.contactStiffness);
+}
+
 void ReadFields(TableReader& reader, physics::LatticeDefinition& lattice) {
   reader.Read("cells", 0, physics::kMaxLatticeCells, lattice.cells);
   lattice.poissonRatio = physics::FindPoissonRatio(lattice.cells);
   reader.ReadUnchecked("cell_size", lattice.cellSize);
-  reader.ReadUnchecked("young_modulus", lattice.youngModulus);
-  reader.ReadUnchecked("poisson_ratio", lattice.poissonRatio);
-  reader.ReadUnchecked("density", lattice.density);
-  reader.ReadUnchecked("damping_ratio", lattice.dampingRatio);
-  reader.ReadUnchecked("friction", lattice.friction);
-  reader.ReadUnchecked("rolling_resistance", lattice.rollingResistance);
-  reader.ReadUnchecked("restitution", lattice.restitution);
-  reader.ReadUnchecked("contact_stiffness", lattice.contactStiffness);
+  ReadElasticMaterial(reader, lattice);
   reader.ReadUnchecked("repulsion", lattice.repulsion);
   ReadSide(reader, lattice.fixed);
 }
@@ -180,14 +186,7 @@ bool ReadSolid(TableReader& reader, const std::filesystem::path& folder, physics
   reader.Read("cells", 1, physics::kMaxLatticeCells, solid.cells);
   reader.ReadUnchecked("cell_size", solid.cellSize);
   reader.ReadUnchecked("scale", solid.scale);
-  reader.ReadUnchecked("young_modulus", solid.youngModulus);
-  reader.ReadUnchecked("poisson_ratio", solid.poissonRatio);
-  reader.ReadUnchecked("density", solid.density);
-  reader.ReadUnchecked("damping_ratio", solid.dampingRatio);
-  reader.ReadUnchecked("friction", solid.friction);
-  reader.ReadUnchecked("rolling_resistance", solid.rollingResistance);
-  reader.ReadUnchecked("restitution", solid.restitution);
-  reader.ReadUnchecked("contact_stiffness", solid.contactStiffness);
+  ReadElasticMaterial(reader, solid);
   ReadSide(reader, solid.fixed);
   const bool hasFile = reader.Has("file");
   if (hasFile && reader.Has("cells")) reader.RefuseAsWritten("cells", "", "left out where there is a file");

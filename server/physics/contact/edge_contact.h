@@ -42,6 +42,12 @@ struct EdgeContact {
   Vector3<Real> slip = Vector3<Real>::Zero();     // of the stick spring at the last substep's end, m
 };
 
+// The order of lists.
+template <class Real>
+[[nodiscard]] bool IsListedBefore(const EdgeContact<Real>& a, const EdgeContact<Real>& b) {
+  return a.first != b.first ? a.first < b.first : a.second < b.second;
+}
+
 // The edges of two bodies at one moment.
 template <class Real>
 struct EdgeMeeting {

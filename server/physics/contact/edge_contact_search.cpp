@@ -37,10 +37,6 @@ void ListNear(const typename EdgeMeeting<Real>::Body& body, const Vector3<Real>&
   }
 }
 
-bool IsBefore(std::uint16_t firstA, std::uint16_t secondA, std::uint16_t firstB, std::uint16_t secondB) {
-  return firstA != firstB ? firstA < firstB : secondA < secondB;
-}
-
 }  // namespace
 
 template <class Real>
@@ -56,9 +52,10 @@ void FindEdgeContacts(const ContactParameters<Real>& parameters, const EdgeMeeti
     const EdgeBox<Real> box = FindBox<Real>(meeting.first, first, meeting.shift);
     for (const std::uint16_t second : scratch.second) {
       if (!AreNear(box, FindBox<Real>(meeting.second, second, Vector3<Real>::Zero()), reach)) continue;
-      while (kept != contacts.end() && IsBefore(kept->first, kept->second, first, second)) ++kept;
-      const bool known = kept != contacts.end() && kept->first == first && kept->second == second;
-      EdgeContact<Real> contact = known ? *kept : EdgeContact<Real>{.first = first, .second = second};
+      EdgeContact<Real> contact{.first = first, .second = second};
+      while (kept != contacts.end() && IsListedBefore(*kept, contact)) ++kept;
+      const bool known = kept != contacts.end() && !IsListedBefore(contact, *kept);
+      if (known) contact = *kept;
       const EdgeView<Real> view =
           FindEdgeView(meeting, first, second, known ? contact.normal : Vector3<Real>::Zero().eval());
       if (std::abs(view.distance) > reach) continue;

@@ -92,20 +92,21 @@ template <class Real>
   return first.rodRadius > 0 || second.rodRadius > 0 || (first.full.planar && second.full.planar);
 }
 
-// The edges of two bodies at positions x, m, and velocities v, m/s, each in its own local coordinates.
+// The edges of a body at positions x, m, and velocities v, m/s, in its own local coordinates.
+template <class Real>
+[[nodiscard]] typename EdgeMeeting<Real>::Body FindEdges(const Blueprint& blueprint, const VectorView<Real>& x,
+                                                         const VectorView<Real>& v) {
+  return {
+      .edges = FindMeetingEdges(blueprint), .x = x, .v = v, .shares = blueprint.template Read<Real>().contactShares};
+}
+
+// The edges of two bodies, likewise.
 template <class Real>
 [[nodiscard]] EdgeMeeting<Real> MakeEdgeMeeting(const Member<Real>& first, const VectorView<Real>& x,
                                                 const VectorView<Real>& v, const Member<Real>& second,
                                                 const VectorView<Real>& secondX, const VectorView<Real>& secondV) {
-  const auto describe = [](const Blueprint& blueprint, const VectorView<Real>& places,
-                           const VectorView<Real>& velocities) -> typename EdgeMeeting<Real>::Body {
-    return {.edges = FindMeetingEdges(blueprint),
-            .x = places,
-            .v = velocities,
-            .shares = blueprint.template Read<Real>().contactShares};
-  };
-  return {.first = describe(*first.blueprint, x, v),
-          .second = describe(*second.blueprint, secondX, secondV),
+  return {.first = FindEdges<Real>(*first.blueprint, x, v),
+          .second = FindEdges<Real>(*second.blueprint, secondX, secondV),
           .shift = (first.state->origin - second.state->origin).template cast<Real>(),
           .radius = static_cast<Real>(first.blueprint->edgeRadius + second.blueprint->edgeRadius)};
 }
