@@ -53,7 +53,7 @@ enum class ContactPhase : std::uint8_t {
 };
 
 // The side of a skin that a contact's vertex came from. A closed skin has only a front. At an open skin a new contact
-// takes the side that its vertex is on, and changes it only while the vertex is past the border; the leap then ends.
+// takes the side that its vertex is on, and changes it only while the vertex is past the border.
 enum class SkinSide : std::uint8_t { kFront, kBack };
 
 // One vertex near one face. Lists are sorted by vertex, one contact a vertex; all fields live on from tick to tick.

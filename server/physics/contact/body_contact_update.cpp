@@ -61,6 +61,8 @@ FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const Vector3<Real
 // by a change of face is leap, and beside it only the depth that no motion in any direction could have brought. The
 // latter happens when a planar body is squashed and turns faces over in its own plane: a vertex that stood half a metre
 // before such a face is then half a metre behind it.
+//
+// Where the side changes, the depth is the same from both: the skin's points lie in the middle of Skin::offset.
 template <class Real>
 void NoteLeap(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting, const FacePoint<Real>& before,
               const FacePoint<Real>& at, Real h, BodyContact<Real>& contact) {
@@ -86,8 +88,13 @@ FacePoint<Real> RenewContact(const ContactParameters<Real>& parameters, const Me
                              BodyContact<Real>& contact) {
   const SkinSide sideBefore = contact.side;
   FacePoint<Real> at = FindPresentFace(meeting, p, before, contact);
-  if (contact.phase == ContactPhase::kWaiting || contact.side != sideBefore) {
+  if (contact.phase == ContactPhase::kWaiting) {
     contact.leap = 0;
+    return at;
+  }
+  if (contact.side != sideBefore) {
+    contact.leap = std::clamp(contact.leap, Real(0), std::max(Real(0), -at.distance));
+    at.distance += contact.leap;
     return at;
   }
   NoteLeap(parameters, meeting, before, at, h, contact);
@@ -103,7 +110,7 @@ FacePoint<Real> ChooseSide(const Meeting<Real>& meeting, const FacePoint<Real>& 
   side = SkinSide::kFront;
   const Skin<Real> skin = SkinFrom(meeting, side);
   if (!skin.topology->isOpen) return TurnToFacing(skin, front, p, outward, static_cast<Real>(kArmingDepth));
-  if (front.distance >= Real(0)) return front;
+  if (front.distance >= -skin.offset) return front;
   side = SkinSide::kBack;
   const Skin<Real> back = SkinFrom(meeting, side);
   return FindNearestFace(back, FindFacePoint(back, front.face, p), p);

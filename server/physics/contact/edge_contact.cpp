@@ -13,37 +13,34 @@ namespace {
 constexpr double kParallelSine = 1e-3;
 // Below this distance, m, the direction between the nearest points is lost in rounding.
 constexpr double kLeastGap = 1e-7;
+// Cosine from which on the common normal of two edges still tells on which side of one another they were.
+constexpr double kLeastTurn = 0.5;
 // Most substeps that a fast contact asks for, so that it does not pass the other's axis within one.
 constexpr int kMostFastSubsteps = 16;
 
-template <class Real>
-Real Clamp01(Real value) {
-  return std::clamp(value, Real(0), Real(1));
-}
+double Clamp01(double value) { return std::clamp(value, 0.0, 1.0); }
 
 // The parameters s and t of the nearest points of two segments a + s u and c + t w (Ericson 2005, 5.1.9). w0 = a − c.
-template <class Real>
-std::array<Real, 2> FindNearest(const Vector3<Real>& u, const Vector3<Real>& w, const Vector3<Real>& w0) {
-  const Real uu = u.dot(u);
-  const Real ww = w.dot(w);
-  const Real wr = w.dot(w0);
-  if (!(uu > Real(0))) return {Real(0), ww > Real(0) ? Clamp01(wr / ww) : Real(0)};
-  const Real ur = u.dot(w0);
-  if (!(ww > Real(0))) return {Clamp01(-ur / uu), Real(0)};
-  const Real uw = u.dot(w);
-  const Real area = uu * ww - uw * uw;
-  constexpr auto kLeast = static_cast<Real>(kParallelSine * kParallelSine);
+// In double precision whatever the body's: of nearly parallel edges, s loses ε/sin² to rounding, in single precision
+// all of it while kParallelSine is far.
+std::array<double, 2> FindNearest(const Vector3d& u, const Vector3d& w, const Vector3d& w0) {
+  const double uu = u.dot(u);
+  const double ww = w.dot(w);
+  const double wr = w.dot(w0);
+  if (!(uu > 0)) return {0, ww > 0 ? Clamp01(wr / ww) : 0};
+  const double ur = u.dot(w0);
+  if (!(ww > 0)) return {Clamp01(-ur / uu), 0};
+  const double uw = u.dot(w);
+  const double area = uu * ww - uw * uw;
   // Parallel edges overlap along a stretch, in whose middle the force belongs: at its end it would turn them.
-  Real s = 0;
-  if (area > kLeast * uu * ww) {
+  double s = 0;
+  if (area > kParallelSine * kParallelSine * uu * ww) {
     s = Clamp01((uw * wr - ur * ww) / area);
   } else {
-    const Real one = Clamp01(-ur / uu);
-    const Real other = Clamp01((uw - ur) / uu);
-    s = (one + other) / Real(2);
+    s = (Clamp01(-ur / uu) + Clamp01((uw - ur) / uu)) / 2;
   }
-  Real t = (uw * s + wr) / ww;
-  if (t < Real(0) || t > Real(1)) {
+  double t = (uw * s + wr) / ww;
+  if (t < 0 || t > 1) {
     t = Clamp01(t);
     s = Clamp01((uw * t - ur) / uu);
   }
@@ -51,8 +48,10 @@ std::array<Real, 2> FindNearest(const Vector3<Real>& u, const Vector3<Real>& w, 
 }
 
 template <class Real>
-bool IsInside(Real parameter) {
-  return parameter > Real(0) && parameter < Real(1);
+typename EdgeView<Real>::Side DescribeSide(const Vector3d& along, double at) {
+  const double length = along.norm();
+  if (!(length > 0)) return {};
+  return {(along / length).cast<Real>(), static_cast<Real>(length), at > 0 && at < 1};
 }
 
 // The share of both edges in a contact: the least of their ends', so that no vertex gets more than its own.
@@ -135,37 +134,32 @@ EdgeView<Real> FindEdgeView(const EdgeMeeting<Real>& meeting, std::uint16_t firs
                             const Vector3<Real>& normal) {
   const EdgeEnds& ab = meeting.first.edges[first];
   const EdgeEnds& cd = meeting.second.edges[second];
-  const Vector3<Real> a = meeting.first.x[ab[0]] + meeting.shift;
-  const Vector3<Real>& c = meeting.second.x[cd[0]];
-  const Vector3<Real> u = meeting.first.x[ab[1]] - meeting.first.x[ab[0]];
-  const Vector3<Real> w = meeting.second.x[cd[1]] - c;
+  const Vector3d a = (meeting.first.x[ab[0]] + meeting.shift).template cast<double>();
+  const Vector3d c = meeting.second.x[cd[0]].template cast<double>();
+  const Vector3d u = (meeting.first.x[ab[1]] - meeting.first.x[ab[0]]).template cast<double>();
+  const Vector3d w = (meeting.second.x[cd[1]] - meeting.second.x[cd[0]]).template cast<double>();
+  const auto [s, t] = FindNearest(u, w, a - c);
   EdgeView<Real> view;
-  const auto [s, t] = FindNearest<Real>(u, w, a - c);
-  view.s = s;
-  view.t = t;
-  view.velocity = PointOn(meeting.first.v, ab, s) - PointOn(meeting.second.v, cd, t);
-  const auto describe = [](const Vector3<Real>& along, Real at) -> typename EdgeView<Real>::Side {
-    const Real length = std::sqrt(along.dot(along));
-    if (!(length > Real(0))) return {};
-    return {along / length, length, IsInside(at)};
-  };
-  view.first = describe(u, s);
-  view.second = describe(w, t);
+  view.s = static_cast<Real>(s);
+  view.t = static_cast<Real>(t);
+  view.velocity = PointOn(meeting.first.v, ab, view.s) - PointOn(meeting.second.v, cd, view.t);
+  view.first = DescribeSide<Real>(u, s);
+  view.second = DescribeSide<Real>(w, t);
 
-  const Vector3<Real> gap = a + s * u - (c + t * w);
-  const Real length = std::sqrt(gap.dot(gap));
-  const Vector3<Real> across = view.first.direction.cross(view.second.direction);
-  const Real sine = std::sqrt(across.dot(across));
-  view.normal = normal;
-  if (view.first.inside && view.second.inside && sine > static_cast<Real>(kParallelSine)) {
-    view.normal = across / sine;
-  } else if (length > static_cast<Real>(kLeastGap)) {
-    view.normal = gap / length;
+  const Vector3d gap = a + s * u - (c + t * w);
+  const double length = gap.norm();
+  const Vector3d before = normal.template cast<double>();
+  Vector3d n = length > kLeastGap ? Vector3d(gap / length) : before;
+  const Vector3d across = u.cross(w);
+  const double area = across.norm();
+  if (view.first.inside && view.second.inside && area > kParallelSine * u.norm() * w.norm()) {
+    n = across / area;
+    const double turn = n.dot(before);
+    if ((std::abs(turn) > kLeastTurn ? turn : n.dot(gap)) < 0) n = -n;
   }
-  const Vector3<Real>& sense = normal.squaredNorm() > Real(0) ? normal : gap;
-  if (view.normal.dot(sense) < Real(0)) view.normal = -view.normal;
-  if (!(view.normal.squaredNorm() > Real(0))) view.normal = Vector3<Real>::UnitZ();
-  view.distance = view.normal.dot(gap);
+  if (!(n.squaredNorm() > 0)) n = Vector3d::UnitZ();
+  view.normal = n.template cast<Real>();
+  view.distance = static_cast<Real>(n.dot(gap));
   return view;
 }
 
