@@ -61,7 +61,7 @@ class SideSearch {
     }
     const Vector3<Real> velocity = FindRelativeVelocity(m_meeting, vertex, at);
     if (IsOutOfReach(at, velocity)) return false;
-    Arm(m_parameters, velocity, m_search.duration / static_cast<Real>(kLikelySubsteps), m_isOpen, at, contact);
+    Arm(m_parameters, velocity, m_search.duration / static_cast<Real>(kLikelySubsteps), m_meeting.skin, at, contact);
     if (!known) contact.depth = -at.distance;
     contact.face = at.face;
     contact.foot = at.weights;
@@ -80,7 +80,7 @@ class SideSearch {
   // present motion hardly tells its next, and a vertex that crosses it unseen is never brought back.
   bool IsOutOfReach(const FacePoint<Real>& at, const Vector3<Real>& velocity) const {
     const Real approach = m_isOpen ? m_search.near.speed : std::max(Real(0), -at.normal.dot(velocity));
-    return at.distance > m_search.margin + approach * m_search.duration;
+    return at.distance + m_meeting.skin.offset > m_search.margin + approach * m_search.duration;
   }
 
   // Finds the face, side and outward normal of a vertex without a contact; false if the skin is out of reach. With D
@@ -93,7 +93,7 @@ class SideSearch {
     at = FindNearestFace(skin, FindFaceAround(skin, skin.topology->vertices[nearest.index], p), p);
     if (at.distance > reach) return false;
     // A vertex straight above this face has no nearer face, so neither the outward normal nor the side is needed.
-    const bool isAbove = at.distance >= Real(0) && at.weights.minCoeff() >= Real(0);
+    const bool isAbove = !IsInside(skin, at) && at.weights.minCoeff() >= Real(0);
     if (isAbove && IsOutOfReach(at, FindRelativeVelocity(m_meeting, contact.vertex, at))) return false;
     if (m_bothClosed) contact.outward = FindOutward(m_own, contact.vertex);
     at = ChooseSide(m_meeting, at, p, contact.outward, contact.side);

@@ -36,14 +36,14 @@ FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const Vector3<Real
   if (contact.phase != ContactPhase::kWaiting) {
     const FacePoint<Real> at = SlideToFace(skin, before, p);
     if (LooksAlong(at, contact.outward) && HangsOn(contact, at, before)) return before;
-    if (at.distance < Real(0)) {
+    if (IsInside(skin, at)) {
       if (!isOpen) return TurnToFacing(skin, at, p, contact.outward, static_cast<Real>(kArmingDepth));
       if (!IsPastBorder(*skin.topology, at)) return at;
     }
   }
   const FacePoint<Real> at = FindNearestFace(skin, before, p);
   if (!isOpen) return TurnToFacing(skin, at, p, contact.outward, static_cast<Real>(kArmingDepth));
-  if (at.distance >= Real(0) || !IsPastBorder(*skin.topology, at)) return at;
+  if (!IsInside(skin, at) || !IsPastBorder(*skin.topology, at)) return at;
   const Skin<Real> front = SkinFrom(meeting, SkinSide::kFront);
   const FacePoint<Real> there = FindNearestFace(front, FindFacePoint(front, at.face, p), p);
   return ChooseSide(meeting, there, p, contact.outward, contact.side);
@@ -110,20 +110,21 @@ FacePoint<Real> ChooseSide(const Meeting<Real>& meeting, const FacePoint<Real>& 
   side = SkinSide::kFront;
   const Skin<Real> skin = SkinFrom(meeting, side);
   if (!skin.topology->isOpen) return TurnToFacing(skin, front, p, outward, static_cast<Real>(kArmingDepth));
-  if (front.distance >= -skin.offset) return front;
+  if (!IsInside(skin, front)) return front;
   side = SkinSide::kBack;
   const Skin<Real> back = SkinFrom(meeting, side);
   return FindNearestFace(back, FindFacePoint(back, front.face, p), p);
 }
 
 template <class Real>
-void Arm(const ContactParameters<Real>& parameters, const Vector3<Real>& velocity, Real h, bool isOpen,
+void Arm(const ContactParameters<Real>& parameters, const Vector3<Real>& velocity, Real h, const Skin<Real>& skin,
          FacePoint<Real>& at, BodyContact<Real>& contact) {
   Real depth = std::max(Real(0), -at.distance);
   const Real play =
       static_cast<Real>(kArmingDepth) + static_cast<Real>(kArmingSteps) * h * std::sqrt(velocity.dot(velocity));
   const bool wasWaiting = contact.phase == ContactPhase::kWaiting;
-  if (!isOpen && !(depth <= (wasWaiting ? static_cast<Real>(kArmingDepth) : contact.maxDepth))) {
+  const bool isOpen = skin.topology->isOpen;
+  if (!isOpen && !(depth <= (wasWaiting ? static_cast<Real>(kArmingDepth) + skin.offset : contact.maxDepth))) {
     contact.phase = ContactPhase::kWaiting;
   } else if (wasWaiting) {
     contact.phase = ContactPhase::kArmed;
@@ -159,7 +160,7 @@ void UpdateBodyContacts(const ContactParameters<Real>& parameters, const Meeting
     const FacePoint<Real> before = FindFacePoint(SkinFrom(meeting, contact.side), contact.face, p);
     FacePoint<Real> at = RenewContact(parameters, meeting, p, before, h, contact);
     const Vector3<Real> velocity = FindRelativeVelocity(meeting, contact.vertex, at);
-    Arm<Real>(parameters, velocity, h, meeting.skin.topology->isOpen, at, contact);
+    Arm<Real>(parameters, velocity, h, meeting.skin, at, contact);
     const Real depth = -at.distance;
     Vector3<Real> slip = wasTouching ? FindSlip(meeting, contact, p, at.normal)
                                      : FindFirstSlip<Real>(h, std::max(Real(0), depth), at.normal, velocity);
@@ -183,8 +184,8 @@ void UpdateBodyContacts(const ContactParameters<Real>& parameters, const Meeting
                                                const Vector3<Real>&, BodyContact<Real>&);                       \
   template FacePoint<Real> ChooseSide<Real>(const Meeting<Real>&, const FacePoint<Real>&, const Vector3<Real>&, \
                                             const Vector3<Real>&, SkinSide&);                                   \
-  template void Arm<Real>(const ContactParameters<Real>&, const Vector3<Real>&, Real, bool, FacePoint<Real>&,   \
-                          BodyContact<Real>&);
+  template void Arm<Real>(const ContactParameters<Real>&, const Vector3<Real>&, Real, const Skin<Real>&,        \
+                          FacePoint<Real>&, BodyContact<Real>&);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)
 #undef WOBBLE_INSTANTIATE

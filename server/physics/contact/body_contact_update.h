@@ -29,7 +29,7 @@ template <class Real>
 // Arms or disarms a contact that is at `at` and sets how deep it may come in the next h seconds at this velocity
 // against the face, m/s. A contact that is armed inside of a closed body leaps: its distance grows by that.
 template <class Real>
-void Arm(const ContactParameters<Real>& parameters, const Vector3<Real>& velocity, Real h, bool isOpen,
+void Arm(const ContactParameters<Real>& parameters, const Vector3<Real>& velocity, Real h, const Skin<Real>& skin,
          FacePoint<Real>& at, BodyContact<Real>& contact);
 
 }  // namespace wobble::physics

@@ -10,9 +10,9 @@
 // gradient of a potential, and its two forces act along one line: momentum and angular momentum are kept to rounding.
 //
 // Sense. Between two points within their edges, n keeps the sense that it had before (n·n_before > 0). So an edge that
-// comes past the other's axis within a substep has a negative D and is pushed back to where it came from. At an end D is
-// the distance and never negative: the normal turns by any angle as one end goes round another, so that n_before says
-// nothing of the side, and a wrong sense would pull the edges together over any distance.
+// comes past the other's axis within a substep has a negative D and is pushed back to where it came from. At an end D
+// is the distance and never negative: the normal turns by any angle as one end goes round another, so that n_before
+// says nothing of the side, and a wrong sense would pull the edges together over any distance.
 //
 // Friction. A force F at p and −F at q, both normal to n, leave the torque D n × F. A rod has no spin about its own
 // axis, so it can bear only the part of this torque that its ends balance by forces along n: for F along the edge ab,

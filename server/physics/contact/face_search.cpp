@@ -75,7 +75,7 @@ bool IsConvex(const Skin<Real>& skin, const FacePoint<Real>& face, std::uint16_t
 // on its way down, as the spot shrinks.
 template <class Real>
 bool IsPlainlyNearest(const Skin<Real>& skin, const FacePoint<Real>& at, const Vector3<Real>& p) {
-  if (at.distance < Real(0) || at.weights.minCoeff() < Real(0)) return false;
+  if (IsInside(skin, at) || at.weights.minCoeff() < Real(0)) return false;
   const auto& neighbours = skin.topology->neighbours[at.face];
   return std::all_of(neighbours.begin(), neighbours.end(), [&](std::uint16_t n) {
     return n == kNoFace || IsConvex(skin, at, n) || FindFacePoint(skin, n, p).distance >= at.distance;
@@ -269,7 +269,7 @@ FacePoint<Real> TurnToFacing(const Skin<Real>& skin, const FacePoint<Real>& at, 
   if (!LooksAlong(at, outward)) return at;
   FacePoint<Real> best = at;
   Real least = within * within;
-  if (at.distance >= Real(0)) {
+  if (!IsInside(skin, at)) {
     least = FindSquaredDistance(skin, at.face, p) + static_cast<Real>(kTieShare) * at.doubleArea;
   }
   for (const std::uint16_t vertex : skin.faces[at.face]) {

@@ -22,7 +22,7 @@ struct Skin {
   const Topology* topology = nullptr;
   VectorView<Real> x;
   Real side = 1;    // -1: an open skin seen from behind; all normals are then reversed
-  Real offset = 0;  // the radius of the points that meet it, m: all distances are less by this
+  Real offset = 0;  // the distance at which the points that meet it begin to push, m: all distances are less by this
 };
 
 // A point seen from the plane of a face.
@@ -34,6 +34,12 @@ struct FacePoint {
   Vector3<Real> weights;  // barycentric, of the point's foot on the plane; their sum is one, negative beyond a side
   Real doubleArea = 0;    // twice the face's area, m²
 };
+
+// True if the point is below the face itself; a point less than Skin::offset above it has a negative distance already.
+template <class Real>
+[[nodiscard]] bool IsInside(const Skin<Real>& skin, const FacePoint<Real>& at) {
+  return at.distance < -skin.offset;
+}
 
 // The point p seen from this face. A face without area gives finite numbers.
 template <class Real>

@@ -241,7 +241,7 @@ WOBBLE_INLINE std::uint32_t FindThoseThatMove(const FaceView<V>& at, const BodyC
   const Axes<V> outward = ReadRows<V, Real>(block.outward, lane);
   const std::uint32_t hasOutward = FindBelow(zero, Dot(outward, outward));
   const std::uint32_t along = FindBelow(Spread<V>(static_cast<Real>(kFacingCosine)), Dot(at.normal, outward));
-  return FindBelow(FindLeast(at.weights), zero) | (all.nearer & ~FindBelow(at.distance, zero)) | all.slides |
+  return FindBelow(FindLeast(at.weights), zero) | (all.nearer & ~FindBelow(at.distance, zero - offset)) | all.slides |
          (hasOutward & along) | FindBelow(ReadRow<V>(block.maxDepth, lane), zero);
 }
 

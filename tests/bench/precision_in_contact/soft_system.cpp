@@ -108,7 +108,10 @@ Meeting<double> SoftSystem::MakeMeeting(const Side& side) const {
   return {.x = Positions(own),
           .v = Velocities(own),
           .shares = own.blueprint->full.contactShares,
-          .skin = {.faces = other.blueprint->full.faces, .topology = &other.blueprint->topology, .x = Positions(other)},
+          .skin = {.faces = other.blueprint->full.faces,
+                   .topology = &other.blueprint->topology,
+                   .x = Positions(other),
+                   .offset = FindGap(*own.blueprint, *other.blueprint)},
           .skinV = Velocities(other)};
 }
 
@@ -143,7 +146,7 @@ void SoftSystem::ListSide(double duration, Side& side) const {
     while (kept != side.contacts.end() && kept->vertex < vertex) ++kept;
     const bool known = kept != side.contacts.end() && kept->vertex == vertex;
     const Vector3d& p = meeting.x[vertex];
-    if (!known && (p - sphere.centre).norm() > sphere.radius + reach) continue;
+    if (!known && (p - sphere.centre).norm() > sphere.radius + meeting.skin.offset + reach) continue;
     BodyContact<double> contact = known ? *kept : BodyContact<double>{.vertex = vertex};
     if (bothClosed) contact.outward = FindOutward(ownSkin, vertex);
     FacePoint<double> at;
@@ -155,7 +158,7 @@ void SoftSystem::ListSide(double duration, Side& side) const {
       at = ChooseSide(meeting, at, p, contact.outward, contact.side);
     }
     if (at.distance > reach) continue;
-    Arm(side.law, FindRelativeVelocity(meeting, vertex, at), duration / kSubstepsToArm, topology.isOpen, at, contact);
+    Arm(side.law, FindRelativeVelocity(meeting, vertex, at), duration / kSubstepsToArm, meeting.skin, at, contact);
     if (!known) contact.depth = -at.distance;
     contact.face = at.face;
     contact.foot = at.weights;
