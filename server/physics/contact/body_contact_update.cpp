@@ -170,6 +170,8 @@ void UpdateBodyContacts(const ContactParameters<Real>& parameters, const Meeting
     const bool pushes = Pushes(contact, at);
     if (contact.phase != ContactPhase::kWaiting)
       contact.phase = pushes ? ContactPhase::kTouching : ContactPhase::kArmed;
+    // A vertex that hangs past a border may come in from beside at any depth, which then nobody has pressed.
+    if (!pushes && depth > Real(0)) contact.leap += depth;
     contact.depth = pushes ? depth : std::min(depth, Real(0));
     contact.face = at.face;
     contact.foot = at.weights;

@@ -183,34 +183,74 @@ TEST(EdgeContact, AnEndThatGoesRoundAnotherIsNotPulledBack) {
   }
 }
 
-// Past the border of an open skin a rod's end belongs to the side that it is on, though it is less than its radius away
-// from it: the skin's points lie in the middle of the radius, so that the depth is the same from both sides.
-TEST(EdgeContact, ARodThatRoundsABorderIsNoDeeperOnTheOtherSide) {
-  constexpr double kRadius = 0.03;
-  const std::array<Face, 1> faces{Face{0, 1, 2}};
-  const Topology topology = MakeTopology(faces, 3);
-  ASSERT_TRUE(topology.isOpen);
-  const std::vector<Vector3d> corners{Vector3d::Zero(), Vector3d::UnitX(), Vector3d::UnitY()};
-  const std::vector<Vector3d> still(3, Vector3d::Zero());
-  const std::vector<double> shares(1, 1);
-  Material material;
-  material.stiffness = 1000;
-  const ContactParameters<double> parameters = MakeContactParameters(material, 1, 0.5);
-  for (const double height : {0.029, 0.02, 0.001, -0.001, -0.02}) {
-    const std::vector<Vector3d> x{Vector3d(0.4, -0.1, height)};
+// A rod's end near one triangle, which is an open skin.
+struct EndAtBorder {
+  static constexpr double kRadius = 0.03;
+  std::array<Face, 1> faces{Face{0, 1, 2}};
+  Topology topology = MakeTopology(faces, 3);
+  std::vector<Vector3d> corners{Vector3d::Zero(), Vector3d::UnitX(), Vector3d::UnitY()};
+  std::vector<Vector3d> still = std::vector<Vector3d>(3, Vector3d::Zero());
+  std::vector<double> shares{1};
+  std::vector<Vector3d> x;
+  BodyContact<double> contact;
+
+  explicit EndAtBorder(const Vector3d& at) : x{at} {}
+  void Update() {
+    Material material;
+    material.stiffness = 1000;
     const Meeting<double> meeting{.x = x,
                                   .v = std::span(still).first(1),
                                   .shares = shares,
                                   .skin = {.faces = faces, .topology = &topology, .x = corners, .offset = kRadius},
                                   .skinV = still};
-    BodyContact<double> contact{.phase = ContactPhase::kTouching,
-                                .maxDepth = 1,
-                                .depth = kRadius - std::abs(height),
-                                .foot = Vector3d(0.7, 0.4, -0.1)};
-    UpdateBodyContacts<double>(parameters, meeting, 1e-3, {&contact, 1});
-    EXPECT_EQ(contact.side, height > 0 ? SkinSide::kFront : SkinSide::kBack) << height;
-    EXPECT_NEAR(contact.depth, kRadius - std::abs(height), 1e-9) << height;
+    UpdateBodyContacts<double>(MakeContactParameters(material, 1, 0.5), meeting, 1e-3, {&contact, 1});
   }
+};
+
+// Past the border of an open skin a rod's end belongs to the side that it is on, though it is less than its radius away
+// from it: the skin's points lie in the middle of the radius, so that the depth is the same from both sides.
+TEST(EdgeContact, ARodThatRoundsABorderIsNoDeeperOnTheOtherSide) {
+  for (const double height : {0.029, 0.02, 0.001, -0.001, -0.02}) {
+    EndAtBorder end(Vector3d(0.4, -0.1, height));
+    const double depth = EndAtBorder::kRadius - std::abs(height);
+    end.contact = {.phase = ContactPhase::kTouching, .maxDepth = 1, .depth = depth, .foot = Vector3d(0.7, 0.4, -0.1)};
+    end.Update();
+    EXPECT_EQ(end.contact.side, height > 0 ? SkinSide::kFront : SkinSide::kBack) << height;
+    EXPECT_NEAR(end.contact.depth, depth, 1e-9) << height;
+  }
+}
+
+// Far past the border it is not pushed, however near it is to the plane; when it comes in from there, nobody has
+// pressed the spring that its depth would be.
+TEST(EdgeContact, ARodThatComesInFromBesideIsNotDeep) {
+  EndAtBorder end(Vector3d(0.4, -0.3, 0.01));
+  end.contact = {.phase = ContactPhase::kArmed, .maxDepth = 1, .foot = Vector3d(0.9, 0.4, -0.3)};
+  end.Update();
+  EXPECT_EQ(end.contact.phase, ContactPhase::kArmed);
+  end.x[0].y() = -0.2;
+  end.Update();
+  EXPECT_LT(end.contact.depth, 1e-9);
+  end.x[0].z() -= 0.004;
+  end.Update();
+  EXPECT_NEAR(end.contact.depth, 0.004, 1e-9) << "what it presses itself counts";
+  EXPECT_EQ(end.contact.phase, ContactPhase::kTouching);
+}
+
+// A rod that turns has other nearest points before the tick is over: its contact asks for substeps though the present
+// ones do not come nearer.
+TEST(EdgeContact, ATurningRodIsReckonedWith) {
+  std::mt19937 random(5);
+  TwoEdges two(random);
+  two.x = {Vector3d(-0.5, 0, 0.1), Vector3d(0.5, 0, 0.1), Vector3d(0, -0.5, 0), Vector3d(0, 0.5, 0)};
+  two.v = {Vector3d(0, 0, -10), Vector3d(0, 0, 10), Vector3d::Zero(), Vector3d::Zero()};
+  const EdgeView<double> view = two.See(Vector3d::Zero());
+  ASSERT_NEAR(view.distance, 0.1, 1e-9);
+  ASSERT_NEAR(view.velocity.norm(), 0, 1e-9);
+  two.contact = {.s = view.s, .t = view.t, .normal = view.normal};
+  std::vector<VertexLoad> loads(4);
+  const int substeps = AddEdgeContactLoads<double>(two.parameters, two.Meet(), {&two.contact, 1}, kPace, loads, loads);
+  EXPECT_GE(substeps, 4) << "two for each radius of the way";
+  for (const VertexLoad& load : loads) EXPECT_GT(load.stiffness, 0);
 }
 
 BodyId AddRod(World& world, const Vector3d& place, const Vector3d& direction, const Vector3d& velocity,
