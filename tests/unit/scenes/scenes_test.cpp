@@ -21,9 +21,9 @@ using testing::StartsWith;
 const std::filesystem::path kFolder = std::filesystem::path(WOBBLE_SOURCE_DIR) / "server/scenes";
 
 const std::vector<std::string> kShipped{
-    "arena",   "backtracking", "ball_drop", "breathing", "bubble",   "cloth", "crowd",        "curtain",
-    "drop2d",  "jelly_stack",  "lattice",   "magnetic",  "mesh_zoo", "pair",  "perturbation", "pitch",
-    "sandbox", "scrum",        "solids",    "sumo",      "tension",  "wind"};
+    "arena",   "backtracking", "ball_drop",   "breathing", "bubble",   "cards",    "cloth", "crowd",
+    "curtain", "drop2d",       "jelly_stack", "lattice",   "magnetic", "mesh_zoo", "pair",  "perturbation",
+    "pitch",   "sandbox",      "scrum",       "solids",    "sumo",     "tension",  "wind"};
 
 #ifdef WOBBLE_SANITIZED
 constexpr int kTicks = 30;  // 34 times slower there
