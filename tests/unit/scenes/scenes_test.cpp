@@ -440,9 +440,10 @@ TEST(SceneMistakes, ASyntaxErrorHasItsLine) {
 
 TEST(SceneMistakes, AnUnknownSceneListsTheKnownOnes) {
   const LoadResult loaded = LoadScene("arina", kFolder);
-  EXPECT_THAT(loaded.errors,
-              ElementsAre(AllOf(HasSubstr("'arina'"),
-                                HasSubstr("arena, backtracking, ball_drop, breathing, bubble, cloth, crowd, "))));
+  EXPECT_THAT(
+      loaded.errors,
+      ElementsAre(AllOf(HasSubstr("'arina'"),
+                        HasSubstr("arena, backtracking, ball_drop, breathing, bubble, cards, cloth, crowd, "))));
   EXPECT_THAT(LoadScene("/nowhere/at/all.toml", kFolder).errors, ElementsAre(HasSubstr("/nowhere/at/all.toml")));
 }
 
