@@ -1,5 +1,6 @@
 #include "server/physics/energy.h"
 
+#include "server/physics/methods/bending.h"
 #include "server/physics/methods/elasticity.h"
 
 namespace wobble::physics {
@@ -25,7 +26,8 @@ Energy ComputeEnergy(const World& world, const Body& body, std::vector<Vector3d>
     energy.kinetic = ComputeKineticEnergy(full, copy(state.velocities));
     energy.gravity = -blueprint.totalMass * world.Settings().gravity.dot(FindCentre(blueprint, state));
     const std::span<const Vector3d> x = copy(state.positions);
-    energy.springs = body.stiffnessFactor * (ComputeSpringEnergy(full, x, state.torn) + ComputeSolidEnergy(full, x)) +
+    energy.springs = body.stiffnessFactor * (ComputeSpringEnergy(full, x, state.torn) + ComputeSolidEnergy(full, x) +
+                                             ComputeBendingEnergy(full, x)) +
                      ComputeRepulsionEnergy(full, x, state.torn);
     energy.gas = ComputeGasEnergy(full, x, body.gasFactor);
     return energy;

@@ -14,7 +14,7 @@ class World;
 // times the inverse mass is the acceleration, except for fixed vertices, which have none, and across the plane of a
 // planar body.
 struct InspectedForces {
-  std::vector<Vector3d> elastic;        // springs and tetrahedra as stiff as now, and repulsion, N
+  std::vector<Vector3d> elastic;        // springs, tetrahedra and hinges as stiff as now, and repulsion, N
   std::vector<Vector3d> damping;        // dashpots, and the losses with which the next tick begins, N
   std::vector<Vector3d> gas;            // with the present puff, less the ambient pressure, N
   std::vector<Vector3d> weight;         // N

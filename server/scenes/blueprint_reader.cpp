@@ -120,10 +120,12 @@ void ReadFields(TableReader& reader, physics::ClothDefinition& cloth) {
                                             {"corners", Pinned::kCorners},
                                             {"top_corners", Pinned::kTopCorners},
                                             {"edge", Pinned::kEdge},
-                                            {"frame", Pinned::kFrame}},
+                                            {"frame", Pinned::kFrame},
+                                            {"clamp", Pinned::kClamp}},
               cloth.pinned);
   reader.ReadUnchecked("shear", cloth.shear);
   reader.ReadUnchecked("bend", cloth.bend);
+  reader.ReadUnchecked("bend_stiffness", cloth.bendStiffness);
   reader.ReadUnchecked("tear_stretch", cloth.tearStretch);
   ReadMaterial(reader, cloth.material);
   reader.ReadUnchecked("drag", cloth.material.drag);
@@ -194,13 +196,14 @@ bool ReadSolid(TableReader& reader, const std::filesystem::path& folder, physics
   return !hasFile || ReadTriangles(reader, folder, solid.vertices, solid.faces);
 }
 
-// Implicit Euler has no Jacobian of tetrahedra in its matrix, and position Verlet keeps springs alone at their lengths.
-void CheckIntegratorOfSolid(TableReader& reader, physics::Integrator integrator) {
+// Implicit Euler has no Jacobian of tetrahedra and hinges in its matrix, and position Verlet keeps springs alone at
+// their lengths.
+void CheckKnowsMoreThanSprings(TableReader& reader, physics::Integrator integrator, const std::string& what) {
   using physics::Integrator;
   if (integrator != Integrator::kImplicitEuler && integrator != Integrator::kPositionVerlet) return;
   reader.RefuseAsWritten("integrator",
                          integrator == Integrator::kImplicitEuler ? "\"implicit_euler\"" : "\"position_verlet\"",
-                         "an explicit method other than position_verlet: these two know springs, not tetrahedra");
+                         "an explicit method other than position_verlet: these two know springs, not " + what);
 }
 
 }  // namespace
@@ -267,7 +270,11 @@ void ReadBlueprint(TableReader& reader, const std::filesystem::path& folder, phy
         definition);
     ReadMethods(reader, methods);
     if (std::holds_alternative<physics::SolidDefinition>(definition)) {
-      CheckIntegratorOfSolid(reader, methods.integrator);
+      CheckKnowsMoreThanSprings(reader, methods.integrator, "tetrahedra");
+    }
+    const auto* cloth = std::get_if<physics::ClothDefinition>(&definition);
+    if (cloth != nullptr && cloth->bendStiffness > 0) {
+      CheckKnowsMoreThanSprings(reader, methods.integrator, "bend_stiffness");
     }
     const auto errors = isWhole ? Validate(definition) : std::vector<physics::FieldError>{};
     for (const physics::FieldError& error : errors) reader.RefuseAsWritten(error.field, error.value, error.range);

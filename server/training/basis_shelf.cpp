@@ -1,6 +1,6 @@
 // The name of a file is a hash of everything that the training depends on: the blueprint's rest shape, springs,
-// tetrahedra, masses and material, gravity, the limits of players' controls, and a number that is raised when the
-// training changes. The file holds, for each patch, the length of its basis in four bytes and the basis.
+// tetrahedra, hinges, masses and material, gravity, the limits of players' controls, and a number that is raised when
+// the training changes. The file holds, for each patch, the length of its basis in four bytes and the basis.
 #include "server/training/basis_shelf.h"
 
 #include <fmt/format.h>
@@ -55,6 +55,10 @@ std::uint64_t FindHash(const physics::Blueprint& blueprint, const scenes::Scene&
   if (!blueprint.full.tetrahedra.empty()) {
     const auto& [shear, bulk, restRatio, viscosity] = blueprint.full.solid;
     for (const double number : {shear, bulk, restRatio, viscosity}) print.Add(number);
+  }
+  for (const auto& hinge : blueprint.full.hinges) {
+    for (const std::uint16_t vertex : hinge.vertices) print.Add(vertex);
+    for (const double number : {hinge.stiffness, hinge.damping}) print.Add(number);
   }
   for (const double mass : blueprint.full.masses) print.Add(mass);
   const physics::Coefficients<double>& full = blueprint.full;

@@ -10,7 +10,8 @@ void ReportStability(Bench& bench) {
       {"perturbations", 0.02, &MeasurePerturbations},
       {"growth", 0.03, &MeasureGrowth},
       {"broken states", 0.1, &MeasureBrokenStates},
-      {.name = "random trials", .share = 0.8, .measure = &MeasureRandomTrials, .hasTrials = true},
+      {"stress", 0.1, &MeasureStress},
+      {.name = "random trials", .share = 0.7, .measure = &MeasureRandomTrials, .hasTrials = true},
   };
   MeasureParts(bench, kParts);
 }

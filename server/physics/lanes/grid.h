@@ -34,8 +34,17 @@ struct GridSquares {
   GridDirection d;
 };
 
+// Hinges of one kind (model/hinge.h), at most one at each vertex a: where b, c and d are from there. b and c may be
+// one. The pulls of the hinges stand where `d` says; b and c have no forces of their own.
+struct GridHinges {
+  GridDirection b;
+  GridDirection c;
+  GridDirection d;
+};
+inline constexpr std::uint32_t kMaxGridHinges = 3;  // kinds
+
 // A GridPlan as bare arrays, for the reason given at SweepTables. Rows of coefficients stand in `numbers` as [3][width]
-// each; equal rows stand there once.
+// each, of hinges as [2][width]; equal rows stand there once.
 template <class Real>
 struct GridTables {
   std::uint32_t rows = 0;
@@ -51,6 +60,11 @@ struct GridTables {
   // [row]: where ½ρC/6 of the first and of the second triangle, and the cut (above 0: from b to d), stand in `numbers`.
   const std::uint32_t* squareRows = nullptr;
   GridSquares squares;
+  std::uint32_t hingeCount = 0;  // of kinds
+  const GridHinges* hinges = nullptr;
+  // [row][kind]: where k and c of the hinges whose a is in the row stand in `numbers`, or kNoGridRow.
+  const std::uint32_t* hingeRows = nullptr;
+  Real hingeFloorSquare = 0;  // m²
   bool planar = false;
   bool hasDrag = false;
 };

@@ -49,14 +49,17 @@ struct GridRow {
   const Real* own = nullptr;  // of the stage: [6][width]
   std::uint32_t pulledCount = 0;
   const Real* pulled[kMaxGridDirections + 4];  // forces on the row, from earlier rows and from within it
+  std::uint32_t bentCount = 0;
+  const Real* bent[4 * kMaxGridHinges];  // pulls of hinges on the row
+  Real bentWeights[4 * kMaxGridHinges];  // what a vertex gets of them
   std::uint32_t withinCount = 0;
   std::uint32_t springCount = 0;
   GridSprings<Real> springs[kMaxGridDirections];  // the first withinCount end in the same row
 };
 
-template <class Real>
-WOBBLE_INLINE Real* FindForces(const GridTables<Real>& tables, Real* pending, const GridDirection& direction,
-                               std::uint32_t row) {
+template <class Real, class Forces>
+WOBBLE_INLINE Forces* FindForces(const GridTables<Real>& tables, Forces* pending, const GridDirection& direction,
+                                 std::uint32_t row) {
   const std::uint32_t forceWidth = tables.width + 2 * tables.margin;
   return pending + direction.begin + row % direction.ringRows * 3 * forceWidth + tables.margin;
 }
@@ -76,6 +79,24 @@ WOBBLE_INLINE void AddPulled(const GridTables<Real>& tables, Real* pending, cons
   found.pulled[found.pulledCount++] = FindForces(tables, pending, direction, row - direction.rows) - direction.columns;
 }
 
+// Adds the pulls of one kind of hinge on a row's vertices, in the place of a, b, c and d, to found.bent. Never inlined:
+// few bodies have hinges.
+template <class Real>
+__attribute__((noinline)) void AddBent(const GridTables<Real>& tables, const Real* pending, std::uint32_t kind,
+                                       std::uint32_t row, GridRow<Real>& found) {
+  const GridHinges& hinges = tables.hinges[kind];
+  const auto add = [&](const GridDirection& way, Real weight) {
+    if (row < way.rows || tables.hingeRows[(row - way.rows) * tables.hingeCount + kind] == kNoGridRow) return;
+    found.bent[found.bentCount] = FindForces(tables, pending, hinges.d, row - way.rows) - way.columns;
+    found.bentWeights[found.bentCount++] = weight;
+  };
+  const bool isStraight = hinges.b.rows == hinges.c.rows && hinges.b.columns == hinges.c.columns;
+  add({}, Real(-1));
+  add(hinges.b, Real(isStraight ? 2 : 1));
+  if (!isStraight) add(hinges.c, Real(1));
+  add(hinges.d, Real(-1));
+}
+
 template <bool Drag, class Real>
 WOBBLE_INLINE GridRow<Real> FindGridRow(const GridTables<Real>& tables, const Real* from, Real* pending,
                                         std::uint32_t row) {
@@ -90,6 +111,7 @@ WOBBLE_INLINE GridRow<Real> FindGridRow(const GridTables<Real>& tables, const Re
       AddPulled(tables, pending, *corner, tables.squareRows, 1, row, found);
     }
   }
+  for (std::uint32_t kind = 0; kind < tables.hingeCount; ++kind) AddBent(tables, pending, kind, row, found);
   for (std::uint32_t i = 0; i < count; ++i) {
     const GridDirection& direction = tables.directions[i];
     const std::uint32_t coefficients = tables.springRows[row * count + i];
@@ -190,6 +212,37 @@ WOBBLE_INLINE void ComputeSquares(const GridTables<Real>& tables, const Real* fr
   }
 }
 
+// Computes the pulls of the hinges whose a is in a row.
+template <class V, class Real>
+__attribute__((noinline)) void ComputeHinges(const GridTables<Real>& tables, const Real* from, Real* pending, V factor,
+                                             std::uint32_t row) {
+  const std::uint32_t width = tables.width;
+  const V floorSquare = Spread<V>(tables.hingeFloorSquare);
+  for (std::uint32_t kind = 0; kind < tables.hingeCount; ++kind) {
+    const std::uint32_t coefficients = tables.hingeRows[row * tables.hingeCount + kind];
+    if (coefficients == kNoGridRow) continue;
+    const GridHinges& hinges = tables.hinges[kind];
+    const Real* numbers = tables.numbers + coefficients;
+    const Real* atA = from + 6 * row * width;
+    const Real* atB = FindOther(tables, atA, hinges.b);
+    const Real* atC = FindOther(tables, atA, hinges.c);
+    const Real* atD = FindOther(tables, atA, hinges.d);
+    Real* pulls = FindForces(tables, pending, hinges.d, row);
+    for (std::uint32_t column = 0; column < tables.columns; column += sizeof(V) / sizeof(Real)) {
+      V a[6], b[6], c[6], d[6];
+      for (std::uint32_t k = 0; k < 6; ++k) {
+        a[k] = Load<V>(atA + k * width + column);
+        b[k] = LoadUnaligned<V>(atB + k * width + column);
+        c[k] = LoadUnaligned<V>(atC + k * width + column);
+        d[k] = LoadUnaligned<V>(atD + k * width + column);
+      }
+      const Vector3Of<V> pull = FindHingePull<Real, V>(a, b, c, d, Load<V>(numbers + column),
+                                                       Load<V>(numbers + width + column), floorSquare, factor);
+      StoreForce(tables, pull, pulls + column);
+    }
+  }
+}
+
 // The force on a vector of vertices, from this column of a row on.
 template <class V, class Real>
 WOBBLE_INLINE Vector3Of<V> SumForces(const GridTables<Real>& tables, const GridRow<Real>& row, std::uint32_t column,
@@ -202,6 +255,13 @@ WOBBLE_INLINE Vector3Of<V> SumForces(const GridTables<Real>& tables, const GridR
     force.x = force.x + LoadUnaligned<V>(pulled);
     force.y = force.y + LoadUnaligned<V>(pulled + forceWidth);
     force.z = force.z + LoadUnaligned<V>(pulled + 2 * forceWidth);
+  }
+  for (std::uint32_t i = 0; i < row.bentCount; ++i) {
+    const Real* bent = row.bent[i] + column;
+    const V weight = Spread<V>(row.bentWeights[i]);
+    force.x = Fma(weight, LoadUnaligned<V>(bent), force.x);
+    force.y = Fma(weight, LoadUnaligned<V>(bent + forceWidth), force.y);
+    force.z = Fma(weight, LoadUnaligned<V>(bent + 2 * forceWidth), force.z);
   }
   for (std::uint32_t i = 0; i < row.withinCount; ++i) {
     const Real* pull = row.springs[i].forces + column;
@@ -263,6 +323,7 @@ void SweepGridOnce(const GridTables<Real>& ofBlueprint, SweepLanes<Real>& ofBody
     const GridRow<Real> row = FindGridRow<Drag>(tables, from, lanes.pending, i);
     ComputePullsWithin(tables, row, factor);
     if constexpr (Drag) ComputeSquares<V>(tables, from, lanes.pending, lanes.wind, i);
+    if (tables.hingeCount > 0) ComputeHinges<V>(tables, from, lanes.pending, factor, i);
     const std::uint32_t firstSum = i * tables.columns % kErrorSums;
     if constexpr (Stage == 0 || Stage == 3) RotateSums(errors, firstSum, errorsOfRow);
     const bool hasOuter = Outer && lanes.hasOuter[i] != 0;

@@ -1,4 +1,5 @@
-// Terms that few bodies have: repulsion, springs that tear, drag, gas in an outline; tetrahedra are in solid_terms.h.
+// Terms that few bodies have: repulsion, springs that tear, hinges, drag, gas in an outline; tetrahedra are in
+// solid_terms.h.
 // One instance of the sweep has all of them and reads from the tables at run time which a body needs; the other
 // instances have none.
 #pragma once
@@ -81,6 +82,39 @@ void AddDragOfFaces(const SweepTables<Real>& tables, const SweepLanes<Real>& lan
         FindDrag<Real>(own, from + face->others[0], from + face->others[1], wind, Spread<V>(tables.dragShare));
     force = {force.x + drag.x, force.y + drag.y, force.z + drag.z};
     for (const std::uint32_t slot : face->pending) AddTo(pending + slot, drag);
+  }
+}
+
+// AddHinges of methods/bending.h: what a hinge adds to b and c and takes from a and d. floorSquare: δ₀², m².
+template <class Real, class V>
+WOBBLE_INLINE Vector3Of<V> FindHingePull(const V* a, const V* b, const V* c, const V* d, V stiffness, V damping,
+                                         V floorSquare, V factor) {
+  V bend[6];
+  for (std::uint32_t k = 0; k < 6; ++k) bend[k] = (a[k] - b[k]) - (c[k] - d[k]);
+  const V rate = Fma(bend[2], bend[5], Fma(bend[1], bend[4], bend[0] * bend[3]));
+  const V square = Fma(bend[2], bend[2], Fma(bend[1], bend[1], Fma(bend[0], bend[0], floorSquare)));
+  const V tension = factor * Fma(damping, rate / square, stiffness);
+  return {tension * bend[0], tension * bend[1], tension * bend[2]};
+}
+
+// Adds the hinges whose first place is the sweep's, from `hinge` up to `end`. Never inlined, so that bodies without
+// hinges carry a call that is not made and nothing else.
+template <class V, class Real>
+__attribute__((noinline)) void AddHingeArcs(const SweepTables<Real>& tables, const SweepLanes<Real>& lanes,
+                                            const HingeArc<Real>* hinge, const HingeArc<Real>* end, const V* from,
+                                            const V* own, V* pending, Vector3Of<V>& force) {
+  const V factor = *reinterpret_cast<const V*>(lanes.stiffnessFactors);
+  const V floorSquare = Spread<V>(tables.hingeFloorSquare);
+  for (; hinge != end; ++hinge) {
+    const std::uint32_t* others = hinge->others;
+    const Vector3Of<V> pull =
+        FindHingePull<Real>(own, from + others[0], from + others[1], from + others[2], Spread<V>(hinge->stiffness),
+                            Spread<V>(hinge->damping), floorSquare, factor);
+    const Vector3Of<V> back{-pull.x, -pull.y, -pull.z};
+    force = {force.x - pull.x, force.y - pull.y, force.z - pull.z};
+    AddTo(pending + hinge->pending[0], pull);
+    AddTo(pending + hinge->pending[1], pull);
+    AddTo(pending + hinge->pending[2], back);
   }
 }
 

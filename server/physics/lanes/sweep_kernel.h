@@ -130,6 +130,7 @@ void SweepOnce(const SweepTables<Real>& ofBlueprint, SweepLanes<Real>& ofPack, R
   const Wedge* wedge = tables.wedges;
   [[maybe_unused]] const DraggedFace* face = tables.draggedFaces;
   [[maybe_unused]] const Element<Real>* element = tables.elements;
+  [[maybe_unused]] const HingeArc<Real>* hinge = tables.hinges;
   for (std::uint32_t i = 0; i < tables.count; ++i) {
     const SweepPlace<Real>& place = tables.places[i];
     const V* source = from + 6 * i;
@@ -147,6 +148,11 @@ void SweepOnce(const SweepTables<Real>& ofBlueprint, SweepLanes<Real>& ofPack, R
         const Element<Real>* elementEnd = tables.elements + tables.elementEnds[i];
         AddElements(tables, lanes, element, elementEnd, from, own, pending, force);
         element = elementEnd;
+      }
+      if (tables.hingeEnds != nullptr) {
+        const HingeArc<Real>* hingeEnd = tables.hinges + tables.hingeEnds[i];
+        AddHingeArcs(tables, lanes, hinge, hingeEnd, from, own, pending, force);
+        hinge = hingeEnd;
       }
       if (hasArea) AddGasOfOutline(ring, ringEnd, from, pressureShare, force);
     } else {

@@ -22,6 +22,15 @@ struct DraggedFace {
   std::uint32_t pending[2] = {};  // as Arc::pending
 };
 
+// A hinge (model/hinge.h), listed at its first vertex, which must have the first of its places: b, c and d.
+template <class Real>
+struct HingeArc {
+  std::uint32_t others[3] = {};
+  std::uint32_t pending[3] = {};  // as Arc::pending
+  Real stiffness = 0;
+  Real damping = 0;
+};
+
 // A tetrahedron (model/tetrahedron.h), listed at the first of its four places: the other three, for each of them how
 // its shape function changes, 1/m, and the material's constants times the volume, J and J·s.
 template <class Real>
@@ -99,13 +108,16 @@ struct SweepTables {
   const Element<Real>* elements = nullptr;     // those of place i end at elementEnds[i]
   const std::uint32_t* elementEnds = nullptr;  // null: there are none
   Real restRatio = 1;                          // of the elements' material
+  const HingeArc<Real>* hinges = nullptr;      // those of place i end at hingeEnds[i]
+  const std::uint32_t* hingeEnds = nullptr;    // null: there are none
+  Real hingeFloorSquare = 0;                   // m²
   ElementColumns<Real> elementColumns;
   std::uint32_t pendingMask = 0;
   bool planar = false;
   bool hasGas = false;       // in a closed skin
   bool hasOutline = false;   // gas in an outline; ring and wedges belong to that
   bool isSolid = false;      // has tetrahedra and neither springs nor any other rare term
-  bool isRare = false;       // has tetrahedra, gas in an outline, repulsion, drag or springs that tear
+  bool isRare = false;       // has tetrahedra, hinges, gas in an outline, repulsion, drag or springs that tear
   Real repulsion = 0;        // N·m⁴
   Real dragShare = 0;        // ½ρC/6, kg/m³
   Real ambientPressure = 0;  // Pa

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/physics/methods/bending.h"
 #include "server/physics/methods/elasticity.h"
 
 namespace wobble::physics {
@@ -156,6 +157,9 @@ void ComputeForces(const Coefficients<Real>& body, const Load<Real>& load, std::
   if (body.repulsion > Real(0)) AddRepulsion<Real>(body.springs, body.repulsion, x, forces, load.torn);
   if (!body.tetrahedra.empty()) {
     AddTetrahedra<Real>(body.tetrahedra, body.solid, load.stiffnessFactor, x, v, forces);
+  }
+  if (!body.hinges.empty()) {
+    AddHinges<Real>(body.hinges, body.hingeFloorSquare, load.stiffnessFactor, x, v, forces);
   }
   if (body.gas > Real(0)) AddGas<Real>(body, load.gasFactor, x, forces);
   if (body.drag > Real(0)) AddDrag<Real>(body.faces, body.drag, load.wind, x, v, forces);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "server/physics/methods/bending.h"
 #include "server/physics/methods/elasticity.h"
 
 namespace wobble::physics {
@@ -30,10 +31,11 @@ ElasticEnergy ComputeElasticEnergy(const Blueprint& blueprint, const Load<Real>&
   for (const Vector3<Real>& place : x) scratch.push_back(place.template cast<double>());
   const Coefficients<double>& full = blueprint.full;
   ElasticEnergy energy;
-  energy.stored = double{load.stiffnessFactor} *
-                      (ComputeSpringEnergy(full, scratch, load.torn) + ComputeSolidEnergy(full, scratch)) +
-                  ComputeRepulsionEnergy(full, scratch, load.torn) +
-                  ComputeContactEnergy<Real>(blueprint.Read<Real>(), surfaces, contacts, x);
+  energy.stored =
+      double{load.stiffnessFactor} * (ComputeSpringEnergy(full, scratch, load.torn) +
+                                      ComputeSolidEnergy(full, scratch) + ComputeBendingEnergy(full, scratch)) +
+      ComputeRepulsionEnergy(full, scratch, load.torn) +
+      ComputeContactEnergy<Real>(blueprint.Read<Real>(), surfaces, contacts, x);
   energy.gas = ComputeGasEnergy(full, scratch, double{load.gasFactor});
   return energy;
 }

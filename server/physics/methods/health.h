@@ -35,7 +35,7 @@ template <class Real>
                                          std::span<const Vector3<Real>> x);
 
 struct ElasticEnergy {
-  double stored = 0;  // of springs, tetrahedra, repulsion and contacts with static surfaces, J
+  double stored = 0;  // of springs, tetrahedra, hinges, repulsion and contacts with static surfaces, J
   double gas = 0;     // up to a constant, J
 };
 // Computed in double precision. scratch saves allocations.

@@ -16,7 +16,8 @@ constexpr int kPowerIterations = 200;
 // Squeezing a body raises its frequencies by 3-9 %, and the power iteration approaches the largest one from below.
 constexpr double kFrequencyMargin = 1.05;
 
-// Accelerations of a free body at x by its conservative forces: springs without dashpots, tetrahedra, and gas.
+// Accelerations of a free body at x by its conservative forces: springs without dashpots, tetrahedra, hinges
+// and gas.
 void ComputeElasticAccelerations(const Coefficients<double>& body, const std::vector<Vector3d>& x,
                                  const std::vector<Vector3d>& zero, std::vector<Vector3d>& accelerations) {
   const Load<double> load;
@@ -57,11 +58,47 @@ double FindLargestEigenvalue(std::size_t count, const Apply& apply) {
   return eigenvalue;
 }
 
+// Applies the operator −∂a/∂x to a mode by central differences of the forces, so that it holds all terms of `body`.
+double FindFrequencyAtRest(const Blueprint& blueprint, const Coefficients<double>& body) {
+  const std::vector<Vector3d>& rest = blueprint.rest;
+  const std::vector<Vector3d> zero(rest.size(), Vector3d::Zero());
+  std::vector<Vector3d> moved(rest.size());
+  std::vector<Vector3d> forward(rest.size());
+  std::vector<Vector3d> backward(rest.size());
+  const double epsilon = 1e-6 * blueprint.size;
+  const double eigenvalue = FindLargestEigenvalue(rest.size(), [&](std::vector<Vector3d>& mode) {
+    for (std::size_t i = 0; i < rest.size(); ++i) moved[i] = rest[i] + epsilon * mode[i];
+    ComputeElasticAccelerations(body, moved, zero, forward);
+    for (std::size_t i = 0; i < rest.size(); ++i) moved[i] = rest[i] - epsilon * mode[i];
+    ComputeElasticAccelerations(body, moved, zero, backward);
+    for (std::size_t i = 0; i < rest.size(); ++i) mode[i] = (backward[i] - forward[i]) / (2 * epsilon);
+  });
+  return std::sqrt(eigenvalue) * kFrequencyMargin;
+}
+
+// The largest damping rate that the dashpots of springs give a mode. They act along the springs: their matrix is at
+// most max(c/k) times the springs' one. A body has springs or tetrahedra; hinges, which may be far stiffer than its
+// springs, are left out.
+double FindDashpotRate(const Blueprint& blueprint) {
+  double ratio = 0;
+  for (const Spring<double>& spring : blueprint.full.springs) {
+    if (spring.stiffness > 0) ratio = std::max(ratio, spring.damping / spring.stiffness);
+  }
+  double frequency = blueprint.angularFrequency;
+  if (!blueprint.full.hinges.empty()) {
+    Coefficients<double> alone = blueprint.full;
+    alone.hinges.clear();
+    frequency = FindFrequencyAtRest(blueprint, alone);
+  }
+  return ratio * frequency * frequency;
+}
+
 // The largest damping rate that the viscosity of tetrahedra gives a mode at rest, where forces are linear in v.
 double FindViscousRate(const Blueprint& blueprint) {
   if (!(blueprint.full.solid.viscosity > 0)) return 0;
   Coefficients<double> alone = blueprint.full;
   alone.springs.clear();
+  alone.hinges.clear();
   alone.gas = 0;
   alone.drag = 0;
   std::vector<Vector3d> accelerations(blueprint.rest.size());
@@ -70,6 +107,26 @@ double FindViscousRate(const Blueprint& blueprint) {
     for (std::size_t i = 0; i < mode.size(); ++i) mode[i] = -accelerations[i];
   });
   return kFrequencyMargin * eigenvalue;
+}
+
+// The largest damping rate that hinges give a mode. At most c/k times their own square of a frequency, which is the
+// same in every state: their forces are linear in x.
+double FindHingeRate(const Blueprint& blueprint) {
+  if (blueprint.full.hinges.empty()) return 0;
+  Coefficients<double> alone = blueprint.full;
+  alone.springs.clear();
+  alone.tetrahedra.clear();
+  alone.gas = 0;
+  alone.drag = 0;
+  const std::vector<Vector3d> zero(blueprint.rest.size(), Vector3d::Zero());
+  std::vector<Vector3d> accelerations(blueprint.rest.size());
+  const double eigenvalue = FindLargestEigenvalue(blueprint.rest.size(), [&](std::vector<Vector3d>& mode) {
+    ComputeElasticAccelerations(alone, mode, zero, accelerations);
+    for (std::size_t i = 0; i < mode.size(); ++i) mode[i] = -accelerations[i];
+  });
+  double ratio = 0;
+  for (const Hinge<double>& hinge : alone.hinges) ratio = std::max(ratio, hinge.damping / hinge.stiffness);
+  return kFrequencyMargin * kFrequencyMargin * ratio * eigenvalue;
 }
 
 // The damping rate of quadratic drag, 1/s: on a face it is dragRate times the face's speed against the medium.
@@ -122,30 +179,8 @@ double FindModeRate(double squareFrequency, double dampingRate) {
 }
 
 void FindBodyStability(Blueprint& blueprint) {
-  const std::vector<Vector3d>& rest = blueprint.rest;
-  const std::vector<Vector3d> zero(rest.size(), Vector3d::Zero());
-  std::vector<Vector3d> moved(rest.size());
-  std::vector<Vector3d> forward(rest.size());
-  std::vector<Vector3d> backward(rest.size());
-  // Applies the operator −∂a/∂x to a mode by central differences of the forces, so that it holds all terms that the
-  // body has.
-  const double epsilon = 1e-6 * blueprint.size;
-  const double eigenvalue = FindLargestEigenvalue(rest.size(), [&](std::vector<Vector3d>& mode) {
-    for (std::size_t i = 0; i < rest.size(); ++i) moved[i] = rest[i] + epsilon * mode[i];
-    ComputeElasticAccelerations(blueprint.full, moved, zero, forward);
-    for (std::size_t i = 0; i < rest.size(); ++i) moved[i] = rest[i] - epsilon * mode[i];
-    ComputeElasticAccelerations(blueprint.full, moved, zero, backward);
-    for (std::size_t i = 0; i < rest.size(); ++i) mode[i] = (backward[i] - forward[i]) / (2 * epsilon);
-  });
-  blueprint.angularFrequency = std::sqrt(eigenvalue) * kFrequencyMargin;
-
-  // Dashpots act along the springs: their matrix is at most max(c/k) times the springs' one. A body has springs or
-  // tetrahedra.
-  double ratio = 0;
-  for (const Spring<double>& spring : blueprint.full.springs) {
-    if (spring.stiffness > 0) ratio = std::max(ratio, spring.damping / spring.stiffness);
-  }
-  blueprint.dampingRate = ratio * blueprint.angularFrequency * blueprint.angularFrequency + FindViscousRate(blueprint);
+  blueprint.angularFrequency = FindFrequencyAtRest(blueprint, blueprint.full);
+  blueprint.dampingRate = FindDashpotRate(blueprint) + FindViscousRate(blueprint) + FindHingeRate(blueprint);
 }
 
 double FindStableRate(Integrator integrator, const Blueprint& blueprint, const Modes& modes) {

@@ -25,7 +25,8 @@ inline constexpr int kMaxSubsteps = 64;
 // The first rung that is at least `needed`; the last one when none is.
 [[nodiscard]] int FindRung(double needed);
 
-// Fills in angularFrequency, rad/s (power iteration on springs, tetrahedra and gas at rest, times 1.05 for squeezing),
+// Fills in angularFrequency, rad/s (power iteration on springs, tetrahedra, hinges and gas at rest, times 1.05 for
+// squeezing),
 // and dampingRate, 1/s. Takes longer than all other steps of finishing a blueprint.
 void FindBodyStability(Blueprint& blueprint);
 

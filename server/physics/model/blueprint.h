@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "server/physics/model/grid_plan.h"
+#include "server/physics/model/hinge.h"
 #include "server/physics/model/integrator.h"
 #include "server/physics/model/sparse_pattern.h"
 #include "server/physics/model/sweep_plan.h"
@@ -92,6 +93,8 @@ struct Coefficients {
   std::vector<Spring<Real>> springs;
   std::vector<Tetrahedron<Real>> tetrahedra;  // elements of a solid; most bodies have none
   SolidMaterial<Real> solid;                  // of the tetrahedra
+  std::vector<Hinge<Real>> hinges;            // of a sheet that resists bending; others have none
+  Real hingeFloorSquare = 0;                  // δ₀² of methods/bending.h, m²
   std::vector<Face> faces;
   // A planar body lives in the plane y = 0 of its own: nothing accelerates it along y. Its gas is enclosed by
   // `outline`, edges that go round it counter-clockwise as seen from −y, and gas quantities are per metre of depth.
@@ -117,8 +120,8 @@ struct Blueprint {
   double size = 0;             // RMS distance of the rest vertices from the centre, m
   double reach = 0;            // largest such distance, m
   double totalMass = 0;        // kg
-  // Largest angular frequency at rest, of springs, tetrahedra and gas, and its damping rate, 1/s; see
-  // methods/stability.h.
+  // Largest angular frequency at rest, of springs, tetrahedra, hinges and gas, and its damping rate, 1/s;
+  // see methods/stability.h.
   double angularFrequency = 0;
   double dampingRate = 0;
   double gasDampingRatio = 0;  // Material::gasDampingRatio

@@ -87,6 +87,31 @@ GridDirection PlaceForces(const Way& way, GridPlan<Real>& plan) {
   return direction;
 }
 
+// The ways from a hinge's first vertex to the others.
+using HingeWays = std::array<Way, 3>;
+
+template <class Real>
+HingeWays FindWays(const GridPlan<Real>& plan, const Hinge<Real>& hinge) {
+  const auto& [a, b, c, d] = hinge.vertices;
+  return {FindWay(plan, a, b), FindWay(plan, a, c), FindWay(plan, a, d)};
+}
+
+template <class Real>
+std::set<HingeWays> FindHingeKinds(const Coefficients<Real>& body, const GridPlan<Real>& plan) {
+  std::set<HingeWays> kinds;
+  for (const Hinge<Real>& hinge : body.hinges) kinds.insert(FindWays(plan, hinge));
+  return kinds;
+}
+
+template <class Real>
+void PlaceHinges(const std::set<HingeWays>& kinds, GridPlan<Real>& plan) {
+  for (const auto& [b, c, d] : kinds) {
+    plan.hinges.push_back({.b = {.rows = b.rows, .columns = b.columns},
+                           .c = {.rows = c.rows, .columns = c.columns},
+                           .d = PlaceForces(d, plan)});
+  }
+}
+
 template <class Real>
 bool FillDirections(const Coefficients<Real>& body, const GridShape& shape, GridPlan<Real>& plan) {
   std::set<std::pair<std::uint32_t, Way>> ways;  // with what each adds to a vertex's number, ascending in that
@@ -94,11 +119,17 @@ bool FillDirections(const Coefficients<Real>& body, const GridShape& shape, Grid
     ways.insert({std::max(spring.a, spring.b) - std::min(spring.a, spring.b), FindWay(plan, spring)});
     if (ways.size() > kMaxGridDirections) return false;
   }
+  const std::set<HingeWays> kinds = FindHingeKinds(body, plan);
+  if (kinds.size() > kMaxGridHinges) return false;
   const std::uint32_t farthest = plan.hasDrag ? shape.columns + 1 : 0;
   std::uint32_t margin = plan.hasDrag ? static_cast<std::uint32_t>(FindWay(plan, 0, farthest).columns) : 0;
   for (const auto& [offset, way] : ways) margin = std::max(margin, static_cast<std::uint32_t>(std::abs(way.columns)));
+  for (const HingeWays& each : kinds) {
+    for (const Way& way : each) margin = std::max(margin, static_cast<std::uint32_t>(std::abs(way.columns)));
+  }
   plan.margin = RoundUp(margin, GridLine<Real>::kNumbers);
   for (const auto& [offset, way] : ways) plan.directions.push_back(PlaceForces(way, plan));
+  PlaceHinges(kinds, plan);
   if (!plan.hasDrag) return true;
   plan.squares = {.a = PlaceForces({}, plan),
                   .b = PlaceForces(FindWay(plan, 0, shape.columns), plan),
@@ -122,6 +153,23 @@ bool FillSprings(const Coefficients<Real>& body, GridPlan<Real>& plan, RowPool<R
     numbers[2 * plan.width] = spring.damping;
   }
   for (const std::vector<Real>& row : rows) plan.coefficients.springRows.push_back(pool.Keep(row));
+  return true;
+}
+
+// Collects the hinges' coefficients by row and kind. False if two hinges of a vertex are of one kind.
+template <class Real>
+bool FillHingeRows(const Coefficients<Real>& body, GridPlan<Real>& plan, RowPool<Real>& pool) {
+  const std::set<HingeWays> kinds = FindHingeKinds(body, plan);
+  std::vector<std::vector<Real>> rows(plan.rows * kinds.size(), std::vector<Real>(2 * plan.width, Real(0)));
+  for (const Hinge<Real>& hinge : body.hinges) {
+    const std::uint32_t first = hinge.vertices[0];
+    const auto kind = static_cast<std::size_t>(std::distance(kinds.begin(), kinds.find(FindWays(plan, hinge))));
+    Real* numbers = rows[plan.RowOf(first) * kinds.size() + kind].data() + plan.ColumnOf(first);
+    if (numbers[0] != Real(0)) return false;
+    numbers[0] = hinge.stiffness;
+    numbers[plan.width] = hinge.damping;
+  }
+  for (const std::vector<Real>& row : rows) plan.coefficients.hingeRows.push_back(pool.Keep(row));
   return true;
 }
 
@@ -176,6 +224,7 @@ GridPlan<Real> LayOut(const Coefficients<Real>& body, const GridShape& shape, st
   plan.width = RoundUp(rowLength, GridLine<Real>::kNumbers);
   plan.planar = body.planar;
   plan.hasDrag = HasDrag(body);
+  plan.hingeFloorSquare = body.hingeFloorSquare;
   return plan;
 }
 
@@ -203,7 +252,8 @@ GridPlan<Real> MakeGridPlan(const Coefficients<Real>& body, const GridShape& sha
     if (plan.pendingSize * sizeof(Real) <= kMaxPending) break;
   }
   RowPool<Real> pool(plan.coefficients.numbers);
-  if (!FillSprings(body, plan, pool) || (hasDrag && !FillSquares(body, shape, plan, pool))) return {};
+  if (!FillSprings(body, plan, pool) || !FillHingeRows(body, plan, pool)) return {};
+  if (hasDrag && !FillSquares(body, shape, plan, pool)) return {};
   FillMasses(body, plan);
   return plan;
 }

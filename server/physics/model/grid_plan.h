@@ -35,6 +35,7 @@ struct GridRows {
   std::vector<GridLine<Real>> numbers;
   std::vector<std::uint32_t> springRows;
   std::vector<std::uint32_t> squareRows;
+  std::vector<std::uint32_t> hingeRows;
 };
 
 template <class Real>
@@ -47,6 +48,8 @@ struct GridPlan {
   std::vector<GridLine<Real>> inverseMasses;
   std::vector<GridDirection> directions;
   GridSquares squares;
+  std::vector<GridHinges> hinges;
+  Real hingeFloorSquare = 0;
   GridRows<Real> coefficients;
   bool planar = false;
   bool hasDrag = false;
@@ -72,6 +75,10 @@ struct GridPlan {
             .springRows = ofBody.springRows.data(),
             .squareRows = ofBody.squareRows.data(),
             .squares = squares,
+            .hingeCount = static_cast<std::uint32_t>(hinges.size()),
+            .hinges = hinges.data(),
+            .hingeRows = ofBody.hingeRows.data(),
+            .hingeFloorSquare = hingeFloorSquare,
             .planar = planar,
             .hasDrag = hasDrag};
   }
@@ -79,7 +86,7 @@ struct GridPlan {
 
 // Makes the plan of a body that has springs and, if it is a sheet, drag on its squares. The plan is empty if the body
 // is no grid, has gas or repulsion, has springs in more than kMaxGridDirections directions or two springs of a vertex
-// in one direction, or has drag on faces that are not halves of squares.
+// in one direction, the same of hinges and kMaxGridHinges, or has drag on faces that are not halves of squares.
 template <class Real>
 [[nodiscard]] GridPlan<Real> MakeGridPlan(const Coefficients<Real>& body, const GridShape& shape);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cassert>
 #include <numeric>
 
 #include "server/physics/model/blueprint.h"
@@ -84,7 +85,8 @@ void FillArcs(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
   }
 }
 
-// The largest number of places that a force is passed on by, from springs, tetrahedra and, if the body has drag, faces.
+// The largest number of places that a force is passed on by, from springs, tetrahedra, hinges and, if the body has
+// drag, faces.
 template <class Real>
 std::uint32_t FindReach(const Coefficients<Real>& body, const std::vector<std::uint32_t>& places) {
   std::uint32_t reach = 0;
@@ -97,6 +99,7 @@ std::uint32_t FindReach(const Coefficients<Real>& body, const std::vector<std::u
       for (std::size_t j = 0; j < i; ++j) extend(element.vertices[i], element.vertices[j]);
     }
   }
+  for (const Hinge<Real>& hinge : body.hinges) extend(hinge.vertices.front(), hinge.vertices.back());
   if (!(body.drag > Real(0))) return reach;
   for (const Face& face : body.faces) {
     for (std::size_t corner = 0; corner < 3; ++corner) extend(face[corner], face[(corner + 1) % 3]);
@@ -180,6 +183,27 @@ void FillElements(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
     plan.elementEnds.push_back(static_cast<std::uint32_t>(plan.elements.size()));
   }
   FillElementColumns(plan);
+}
+
+template <class Real>
+void FillHinges(const Coefficients<Real>& body, SweepPlan<Real>& plan) {
+  plan.hingeFloorSquare = body.hingeFloorSquare;
+  std::vector<std::vector<HingeArc<Real>>> hinges(plan.at.size());
+  for (const Hinge<Real>& hinge : body.hinges) {
+    HingeArc<Real> arc{.stiffness = hinge.stiffness, .damping = hinge.damping};
+    const std::uint32_t first = plan.places[hinge.vertices[0]];
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t place = plan.places[hinge.vertices[i + 1]];
+      assert(place > first && place <= plan.places[hinge.vertices[3]]);
+      arc.others[i] = 6 * place;
+      arc.pending[i] = 3 * (place & plan.pendingMask);
+    }
+    hinges[first].push_back(arc);
+  }
+  for (const std::vector<HingeArc<Real>>& own : hinges) {
+    plan.hinges.insert(plan.hinges.end(), own.begin(), own.end());
+    plan.hingeEnds.push_back(static_cast<std::uint32_t>(plan.hinges.size()));
+  }
 }
 
 // Rings and wedges of an outline. A place's ring has the far ends of the two edges that meet there; its wedge has those
@@ -307,6 +331,7 @@ SweepPlan<Real> MakeSweepPlan(const Coefficients<Real>& body, const GridShape& g
   FillColumns(plan);
   FillDraggedFaces(body, plan);
   if (!body.tetrahedra.empty()) FillElements(body, plan);
+  if (!body.hinges.empty()) FillHinges(body, plan);
   plan.planar = body.planar;
   plan.hasGas = body.gas > Real(0) && body.outline.empty();
   plan.hasOutline = body.gas > Real(0) && !body.outline.empty();
@@ -321,8 +346,8 @@ SweepPlan<Real> MakeSweepPlan(const Coefficients<Real>& body, const GridShape& g
   plan.dragShare = body.drag / Real(6);
   plan.tears = body.tearStretch > Real(0);
   plan.isSolid = !plan.elements.empty() && plan.arcs.empty() && !(body.gas > Real(0)) && !(body.drag > Real(0));
-  plan.isRare =
-      !plan.elements.empty() || plan.hasOutline || plan.tears || body.repulsion > Real(0) || body.drag > Real(0);
+  plan.isRare = !plan.elements.empty() || !plan.hinges.empty() || plan.hasOutline || plan.tears ||
+                body.repulsion > Real(0) || body.drag > Real(0);
   return plan;
 }
 

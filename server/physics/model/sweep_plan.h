@@ -41,6 +41,9 @@ struct SweepPlan {
   std::vector<std::uint32_t> elementVertices;
   std::vector<Real> elementNumbers;
   Real restRatio = 1;
+  std::vector<HingeArc<Real>> hinges;
+  std::vector<std::uint32_t> hingeEnds;
+  Real hingeFloorSquare = 0;
   std::uint32_t pendingMask = 0;  // the ring of pending forces has this + 1 slots, a power of two
   bool planar = false;
   bool hasGas = false;
@@ -71,6 +74,9 @@ struct SweepPlan {
             .elements = elements.data(),
             .elementEnds = elements.empty() ? nullptr : elementEnds.data(),
             .restRatio = restRatio,
+            .hinges = hinges.data(),
+            .hingeEnds = hinges.empty() ? nullptr : hingeEnds.data(),
+            .hingeFloorSquare = hingeFloorSquare,
             .elementColumns = {.ends = elementCorners.data(),
                                .vertices = elementVertices.data(),
                                .numbers = elementNumbers.data(),

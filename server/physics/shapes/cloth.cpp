@@ -1,10 +1,12 @@
 // Builds cloths. Each square adds its own share, as in a lattice: half of each of its sides and a quarter of its mass
-// at each corner. So a wider cloth of the same material and mass a square metre moves alike.
+// at each corner. So a wider cloth of the same material and mass a square metre moves alike. Of a hinge along the
+// border half of the width is there.
 #include "server/physics/shapes/cloth.h"
 
 #include <cmath>
 
 #include "server/physics/contact/contact.h"
+#include "server/physics/methods/bending.h"
 #include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/material.h"
 #include "server/physics/shapes/quad.h"
@@ -47,6 +49,8 @@ bool IsPinned(const Weave& weave, Pinned pinned, int column, int row) {
       return row == 0;
     case Pinned::kFrame:
       return side || end;
+    case Pinned::kClamp:
+      return row < 2;
   }
   return false;
 }
@@ -77,6 +81,28 @@ void AddSprings(const ClothDefinition& definition, const Weave& weave, double ve
   });
 }
 
+// Hinges along rows and columns, and one for each square's twist (methods/bending.h). Damping: c is dampingRatio times
+// what is critical for a hinge whose three masses m are free, ω² = k (1² + 2² + 1²)/m, and c/k is the same for all.
+void AddHinges(const ClothDefinition& definition, const Weave& weave, double vertexMass, Blueprint& blueprint) {
+  if (!(definition.bendStiffness > 0)) return;
+  const double area = definition.spacing * definition.spacing;
+  const double stiffness = definition.bendStiffness / area;
+  const double damping = definition.material.dampingRatio * 2 * std::sqrt(stiffness * vertexMass / 6);
+  blueprint.full.hingeFloorSquare = kFlatAngle * kFlatAngle * area;
+  weave.VisitPoints([&](int column, int row) {
+    const auto add = [&](std::array<int, 2> b, std::array<int, 2> c, std::array<int, 2> d, double share) {
+      if (!weave.Holds(column + d[0], row + d[1])) return;
+      const auto indexOf = [&](const std::array<int, 2>& way) { return weave.IndexOf(column + way[0], row + way[1]); };
+      blueprint.full.hinges.push_back({.vertices = {weave.IndexOf(column, row), indexOf(b), indexOf(c), indexOf(d)},
+                                       .stiffness = share * stiffness,
+                                       .damping = share * damping});
+    };
+    add({1, 0}, {1, 0}, {2, 0}, weave.FindRowShare(row));
+    add({0, 1}, {0, 1}, {0, 2}, weave.FindColumnShare(column));
+    add({1, 0}, {0, 1}, {1, 1}, 2);
+  });
+}
+
 // Adds two triangles for each square, cut along alternating diagonals so that no direction is favoured.
 void AddFaces(const Weave& weave, std::vector<Face>& faces) {
   for (int row = 0; row + 1 < weave.rows; ++row) {
@@ -88,6 +114,18 @@ void AddFaces(const Weave& weave, std::vector<Face>& faces) {
       AddQuad(a, b, c, d, (column + row) % 2 != 0, faces);
     }
   }
+}
+
+ClothDefinition WithoutHinges(ClothDefinition definition) {
+  definition.bendStiffness = 0;
+  return definition;
+}
+
+// Of a cloth that is slow enough without hinges.
+void CheckBendStiffness(std::vector<FieldError>& errors, const ClothDefinition& definition) {
+  CheckField(errors, "bend_stiffness", definition.bendStiffness, IsSlowEnough(MakeCloth(definition)),
+             "lower, or mass higher, spacing larger or damping_ratio lower: with it the body would need more than 32 "
+             "substeps a tick before it touches anything, or more than 64 on the ground");
 }
 
 }  // namespace
@@ -102,10 +140,12 @@ std::vector<FieldError> ValidateCloth(const ClothDefinition& d) {
   CheckField(errors, "spacing", d.spacing, d.spacing >= 0.01 && d.spacing <= 5, "0.01 to 5 m");
   CheckField(errors, "shear", d.shear, d.shear > 0 && d.shear <= 1, "above 0, up to 1");
   CheckField(errors, "bend", d.bend, d.bend >= 0 && d.bend <= 1, "0 to 1");
+  CheckField(errors, "bend_stiffness", d.bendStiffness, d.bendStiffness >= 0 && d.bendStiffness <= 1e6, "0 to 1e6 J");
   CheckField(errors, "tear_stretch", d.tearStretch,
              d.tearStretch == 0 || (d.tearStretch >= 1.05 && d.tearStretch <= 10), "0 (never) or 1.05 to 10");
   CheckMaterial(errors, d.material);
-  if (errors.empty()) CheckStiffness(errors, d.material, MakeCloth(d));
+  if (errors.empty()) CheckStiffness(errors, d.material, MakeCloth(WithoutHinges(d)));
+  if (errors.empty() && d.bendStiffness > 0) CheckBendStiffness(errors, d);
   return errors;
 }
 
@@ -127,6 +167,7 @@ Blueprint MakeCloth(const ClothDefinition& definition) {
   });
   blueprint.grid = {static_cast<std::uint32_t>(weave.columns), static_cast<std::uint32_t>(weave.rows)};
   AddSprings(definition, weave, squareMass, blueprint);
+  AddHinges(definition, weave, squareMass, blueprint);
   AddFaces(weave, full.faces);
   full.drag = material.drag;
   full.tearStretch = definition.tearStretch;

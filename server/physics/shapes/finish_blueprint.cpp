@@ -50,6 +50,12 @@ Coefficients<float> ToSingle(const Coefficients<double>& full) {
                   .bulk = static_cast<float>(full.solid.bulk),
                   .restRatio = static_cast<float>(full.solid.restRatio),
                   .viscosity = static_cast<float>(full.solid.viscosity)};
+  for (const Hinge<double>& h : full.hinges) {
+    single.hinges.push_back({.vertices = h.vertices,
+                             .stiffness = static_cast<float>(h.stiffness),
+                             .damping = static_cast<float>(h.damping)});
+  }
+  single.hingeFloorSquare = static_cast<float>(full.hingeFloorSquare);
   single.faces = full.faces;
   single.planar = full.planar;
   single.outline = full.outline;
@@ -180,7 +186,7 @@ bool IsSlowEnough(const Blueprint& blueprint) {
 void SetIntegrator(Blueprint& blueprint, Integrator integrator) {
   blueprint.integrator = integrator;
   blueprint.sparsePattern.reset();
-  assert(blueprint.full.tetrahedra.empty() ||
+  assert((blueprint.full.tetrahedra.empty() && blueprint.full.hinges.empty()) ||
          (integrator != Integrator::kImplicitEuler && integrator != Integrator::kPositionVerlet));
   if (integrator != Integrator::kImplicitEuler) return;
   std::vector<std::array<std::uint32_t, 2>> pairs;

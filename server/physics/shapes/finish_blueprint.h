@@ -21,8 +21,8 @@ void FinishBlueprintButStability(Blueprint& blueprint);
 // Makes the plans by which the body is stepped in lanes, from its coefficients and its grid.
 void MakePlans(Blueprint& blueprint);
 
-// Sets the integration method and makes what it needs. To be called after FinishBlueprint. Not for bodies of
-// tetrahedra: implicit Euler and position Verlet, which know springs only.
+// Sets the integration method and makes what it needs. To be called after FinishBlueprint. Not for bodies with
+// tetrahedra or hinges: implicit Euler and position Verlet, which know springs only.
 void SetIntegrator(Blueprint& blueprint, Integrator integrator);
 
 // Range and default of `magnetic_strength`, N·m².

@@ -21,6 +21,16 @@ void RemoveSprings(std::span<const std::uint8_t> torn, std::vector<Spring<Real>>
   springs.resize(kept);
 }
 
+// gone: the torn springs' ends.
+template <class Real>
+void RemoveHinges(const std::set<EdgeKey>& gone, std::vector<Hinge<Real>>& hinges) {
+  std::erase_if(hinges, [&](const Hinge<Real>& hinge) {
+    const auto& [a, b, c, d] = hinge.vertices;
+    return gone.contains(MakeEdgeKey(a, b)) || gone.contains(MakeEdgeKey(a, c)) || gone.contains(MakeEdgeKey(b, d)) ||
+           gone.contains(MakeEdgeKey(c, d));
+  });
+}
+
 }  // namespace
 
 template <class Real>
@@ -82,6 +92,8 @@ Blueprint MakeTornBlueprint(const Blueprint& blueprint, std::span<const std::uin
   Blueprint left = blueprint;
   RemoveSprings(torn, left.full.springs);
   RemoveSprings(torn, left.single.springs);
+  RemoveHinges(gone, left.full.hinges);
+  RemoveHinges(gone, left.single.hinges);
   std::erase_if(left.full.faces, [&](const Face& face) {
     return gone.contains(MakeEdgeKey(face[0], face[1])) || gone.contains(MakeEdgeKey(face[1], face[2])) ||
            gone.contains(MakeEdgeKey(face[2], face[0]));

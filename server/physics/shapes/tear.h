@@ -35,8 +35,9 @@ template <class Real>
 [[nodiscard]] std::size_t FindCut(const Coefficients<Real>& body, const Blade& blade, std::span<const Vector3<Real>> x,
                                   std::span<std::uint8_t> torn);
 
-// The blueprint without the torn springs and without the faces that had one of them as a side. Vertices, masses,
-// contact and stability stay: fewer springs only lower the frequencies. Not for a body with gas, which would leak.
+// The blueprint without the torn springs, without the faces that had one of them as a side and without the hinges that
+// had one of them between neighbours. Vertices, masses, contact and stability stay: fewer springs only lower the
+// frequencies. Not for a body with gas, which would leak.
 [[nodiscard]] Blueprint MakeTornBlueprint(const Blueprint& blueprint, std::span<const std::uint8_t> torn);
 
 }  // namespace wobble::physics

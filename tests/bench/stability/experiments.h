@@ -16,5 +16,8 @@ void MeasureGrowth(Bench& bench);
 void MeasureRandomTrials(Bench& bench);
 // Key recovered_share: bodies in states that no motion can have brought, two seconds later.
 void MeasureBrokenStates(Bench& bench);
+// Keys shots_through, stress_non_finite, stress_reset, stress_inverted_after_2s, stress_quarantined: loads and shots
+// that no body is made to bear.
+void MeasureStress(Bench& bench);
 
 }  // namespace wobble::bench

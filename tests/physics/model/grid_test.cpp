@@ -124,12 +124,14 @@ void Problem<Real>::StepInRows(int steps, const SweepKernel<Real>& kernel) {
   }
 }
 
-Blueprint MakeSheet(std::array<int, 2> points, Pinned pinned, double drag, double bend = 0.1) {
+Blueprint MakeSheet(std::array<int, 2> points, Pinned pinned, double drag, double bend = 0.1,
+                    double bendStiffness = 0) {
   ClothDefinition definition;
   definition.name = "cloth of " + std::to_string(points[0]) + " x " + std::to_string(points[1]);
   definition.points = points;
   definition.pinned = pinned;
   definition.bend = bend;
+  definition.bendStiffness = bendStiffness;
   definition.material.drag = drag;
   definition.tearStretch = 1.5;
   return MakeCloth(definition);
@@ -154,6 +156,11 @@ std::vector<Blueprint> MakeGrids() {
   grids.push_back(MakeSheet({16, 3}, Pinned::kEdge, 0));
   grids.push_back(MakeSheet({37, 20}, Pinned::kCorners, 0.6));
   grids.push_back(MakeSheet({33, 40}, Pinned::kNone, 0, 0));
+  grids.push_back(MakeSheet({2, 2}, Pinned::kNone, 0, 0, 0.2));
+  grids.push_back(MakeSheet({3, 7}, Pinned::kNone, 0.6, 0, 0.2));
+  grids.push_back(MakeSheet({21, 2}, Pinned::kTopCorners, 0, 0.1, 0.2));
+  grids.push_back(MakeSheet({37, 20}, Pinned::kClamp, 0.6, 0, 0.2));
+  grids.push_back(MakeSheet({70, 60}, Pinned::kClamp, 0, 0, 0.2));  // too large for one row
   grids.push_back(MakeSolid({3, 3, 3}));
   grids.push_back(MakeSolid({1, 1, 1}));
   grids.push_back(MakeSolid({1, 2, 17}, Side::kLowZ));
@@ -244,6 +251,21 @@ TYPED_TEST(GridTest, WindFindsTheFacesThatAreLeft) {
   EXPECT_LT(FindLargestDifference(inRows.x, plain.x), sizeof(Real) == 4 ? 4e-6 : 1e-14);
 }
 
+TYPED_TEST(GridTest, HingesThatAreLeftBend) {
+  using Real = TypeParam;
+  const Blueprint sheet = MakeSheet({19, 8}, Pinned::kEdge, 0, 0, 0.2);
+  Problem<Real> torn(sheet);
+  torn.Tear(6);
+  const Blueprint left = MakeTornBlueprint(sheet, torn.torn);
+  ASSERT_LT(left.full.hinges.size(), sheet.full.hinges.size());
+  ASSERT_GT(left.full.hinges.size(), 0U);
+  Problem<Real> plain(left);
+  Problem<Real> inRows(left);
+  plain.StepPlainly(4);
+  inRows.StepInRows(4, FindSweepKernels<Real>(kWidestPack).back());
+  EXPECT_LT(FindLargestDifference(inRows.x, plain.x), sizeof(Real) == 4 ? 4e-6 : 1e-14);
+}
+
 TEST(Grid, RefusesWhatTheSweepDoesNotKnow) {
   EXPECT_EQ(MakeBall(MakeMeasuredBall()).singleGridPlan.rows, 0U);
   EXPECT_EQ(MakePair({}).singleGridPlan.rows, 0U);
@@ -263,6 +285,12 @@ TEST(Grid, RefusesWhatTheSweepDoesNotKnow) {
   changed = body;
   changed.full.faces.push_back({0, 1, 47});
   EXPECT_EQ(countRows(changed), 0U) << "no half of a square";
+  changed = MakeSheet({8, 6}, Pinned::kNone, 0.6, 0, 0.2);
+  EXPECT_GT(countRows(changed), 0U);
+  changed.full.hinges.push_back(changed.full.hinges[3]);
+  EXPECT_EQ(countRows(changed), 0U) << "two hinges in one place";
+  changed.full.hinges.back().vertices = {0, 3, 3, 6};
+  EXPECT_EQ(countRows(changed), 0U) << "too many kinds of hinges";
   changed = body;
   for (std::uint32_t other = 9; other < 48; ++other) changed.full.springs.push_back({0, other, 1, 1, 0});
   EXPECT_EQ(countRows(changed), 0U) << "too many directions";

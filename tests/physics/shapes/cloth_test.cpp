@@ -37,7 +37,8 @@ TEST(Cloth, WhatIsPinnedCarriesItsWeight) {
   for (const auto& [pinned, orientation, count] : {std::tuple{Pinned::kCorners, Orientation::kHorizontal, 4U},
                                                    std::tuple{Pinned::kTopCorners, Orientation::kVertical, 2U},
                                                    std::tuple{Pinned::kEdge, Orientation::kVertical, 9U},
-                                                   std::tuple{Pinned::kFrame, Orientation::kHorizontal, 28U}}) {
+                                                   std::tuple{Pinned::kFrame, Orientation::kHorizontal, 28U},
+                                                   std::tuple{Pinned::kClamp, Orientation::kHorizontal, 18U}}) {
     ClothDefinition definition = MakeDefinition(pinned);
     definition.orientation = orientation;
     definition.material.dampingRatio = 1;
@@ -134,6 +135,22 @@ TEST(Cloth, ValidateNamesFieldValueAndRange) {
   EXPECT_EQ(errors[4].field, "drag");
 }
 
+TEST(Cloth, ValidateRefusesABendStiffnessThatIsTooFast) {
+  ClothDefinition definition;
+  definition.bendStiffness = -1;
+  ASSERT_EQ(ValidateCloth(definition).size(), 1U);
+  EXPECT_EQ(ValidateCloth(definition)[0].field, "bend_stiffness");
+  EXPECT_EQ(ValidateCloth(definition)[0].range, "0 to 1e6 J");
+  definition.bendStiffness = 0.5;
+  EXPECT_TRUE(ValidateCloth(definition).empty());
+  definition.bendStiffness = 50;
+  ASSERT_EQ(ValidateCloth(definition).size(), 1U);
+  EXPECT_EQ(ValidateCloth(definition)[0].field, "bend_stiffness");
+  definition.material.stiffness = 1e6;  // at fault without hinges, too
+  ASSERT_EQ(ValidateCloth(definition).size(), 1U);
+  EXPECT_EQ(ValidateCloth(definition)[0].field, "stiffness");
+}
+
 TEST(Tear, SpringsThatAreTooLongTearOnceAndForGood) {
   ClothDefinition definition = MakeDefinition(Pinned::kEdge);
   definition.tearStretch = 1.5;
@@ -205,6 +222,26 @@ TEST(Tear, TheTornBlueprintHasTheSameForcesAndNoFacesAlongTears) {
   }
   EXPECT_EQ(left.full.faces, faces);
   EXPECT_LT(faces.size(), cloth.full.faces.size());
+}
+
+// Along a row of three, two sides; of a square, four. A cut column takes every hinge that reaches across it.
+TEST(Tear, HingesGoWithTheSidesThatTheyStandOn) {
+  ClothDefinition definition = MakeDefinition(Pinned::kEdge);
+  definition.bendStiffness = 0.1;
+  const Blueprint cloth = MakeCloth(definition);
+  EXPECT_EQ(cloth.full.hinges.size(), 7U * 7 + 9 * 5 + 8 * 6);
+  std::vector<std::uint8_t> torn(cloth.full.springs.size(), 0);
+  for (std::size_t i = 0; i < torn.size(); ++i) {  // between columns 3 and 4
+    const Spring<double>& spring = cloth.full.springs[i];
+    torn[i] = (spring.a % 9 < 4) != (spring.b % 9 < 4) ? 1 : 0;
+  }
+  const Blueprint left = MakeTornBlueprint(cloth, torn);
+  EXPECT_EQ(left.full.hinges.size(), 5U * 7 + 9 * 5 + 7 * 6);
+  EXPECT_EQ(left.single.hinges.size(), left.full.hinges.size());
+  for (const Hinge<double>& hinge : left.full.hinges) EXPECT_EQ(hinge.vertices[0] % 9 < 4, hinge.vertices[3] % 9 < 4);
+  torn.assign(torn.size(), 0);
+  torn[0] = 1;  // one side: a hinge before it is not there, one behind it, and one square
+  EXPECT_EQ(MakeTornBlueprint(cloth, torn).full.hinges.size(), cloth.full.hinges.size() - 2);
 }
 
 }  // namespace

@@ -109,6 +109,18 @@ std::vector<Blueprint> MakeRareKinds() {
   cloth.tearStretch = 1.5;
   cloth.material.drag = 0;
   kinds.push_back(MakeCloth(cloth));
+  ClothDefinition card;
+  card.name = "card";
+  card.points = {7, 5};
+  card.bendStiffness = 0.2;
+  card.material.drag = 0;
+  kinds.push_back(MakeCloth(card));
+  card.name = "card that repels and tears";  // repulsion is not swept by rows
+  card.points = {6, 9};
+  card.tearStretch = 1.5;
+  card.material.drag = 0.6;
+  card.material.repulsion = 1e-6;
+  kinds.push_back(MakeCloth(card));
   Blueprint cube = MakeLattice(MakeJellyCube(0.1));
   cube.full.repulsion = 0.001;
   cube.full.drag = 0.6;
@@ -261,6 +273,12 @@ TEST(BatchStepTest, GridsGoByRowsWhereTheyAreFew) {
   const Blueprint cloth = MakeCloth(ClothDefinition{});
   EXPECT_TRUE(CanGoInPack<float>(cloth));
   EXPECT_TRUE(GoesByRows<float>(cloth, 16)) << "wind adds up otherwise in lanes";
+  ClothDefinition card;
+  card.bendStiffness = 0.2;
+  card.material.drag = 0;
+  EXPECT_TRUE(GoesByRows<float>(MakeCloth(card), 16)) << "so do hinges";
+  card.material.repulsion = 1e-6;
+  EXPECT_FALSE(GoesByRows<float>(MakeCloth(card), 16));
 }
 
 TEST(BatchStepTest, PlanHasNoTornSprings) {

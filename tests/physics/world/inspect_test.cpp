@@ -179,6 +179,7 @@ TEST(Inspect, AClothInTheWindIsDragged) {
   ClothDefinition cloth;
   cloth.points = {8, 8};
   cloth.pinned = Pinned::kTopCorners;
+  cloth.bendStiffness = 0.2;
   world.AddBlueprint(MakeCloth(cloth));
   const BodyId id = world.AddBody(0, Vector3d(0, 0, 5));
   for (int tick = 0; tick < 30; ++tick) world.Step();

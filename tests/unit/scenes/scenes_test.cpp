@@ -21,9 +21,9 @@ using testing::StartsWith;
 const std::filesystem::path kFolder = std::filesystem::path(WOBBLE_SOURCE_DIR) / "server/scenes";
 
 const std::vector<std::string> kShipped{
-    "arena",   "backtracking", "ball_drop", "breathing", "bubble",   "cloth", "crowd",        "curtain",
-    "drop2d",  "jelly_stack",  "lattice",   "magnetic",  "mesh_zoo", "pair",  "perturbation", "pitch",
-    "sandbox", "scrum",        "solids",    "sumo",      "tension",  "wind"};
+    "arena",   "backtracking", "ball_drop",   "breathing", "bubble",   "cards",    "cloth", "crowd",
+    "curtain", "drop2d",       "jelly_stack", "lattice",   "magnetic", "mesh_zoo", "pair",  "perturbation",
+    "pitch",   "sandbox",      "scrum",       "solids",    "sumo",     "tension",  "wind"};
 
 #ifdef WOBBLE_SANITIZED
 constexpr int kTicks = 30;  // 34 times slower there
@@ -394,11 +394,25 @@ TEST(SceneMistakes, AClothHasPointsPinsAndATearStretch) {
       ErrorsOfBlueprint("kind = \"cloth\"\npoints = [12, 8]\nspacing = 0.2\norientation = \"horizontal\"\n"
                         "pinned = \"frame\"\nshear = 0.4\nbend = 0.05\ntear_stretch = 1.6\nmass = 2\ndrag = 0.6\n"),
       IsEmpty());
-  EXPECT_THAT(
-      ErrorsOfBlueprint("kind = \"cloth\"\npoints = [12, 8, 3]\npinned = \"left\"\ntear_stretch = \"no\"\n"),
-      ElementsAre(AllOf(HasSubstr(":4: points = "), HasSubstr("two whole numbers from 2 to 100")),
-                  AllOf(HasSubstr(":5: pinned = "), HasSubstr("one of: corners, edge, frame, none, top_corners")),
-                  AllOf(HasSubstr(":6: tear_stretch = "), HasSubstr("a number, 0 (never) or 1.05 to 10"))));
+  EXPECT_THAT(ErrorsOfBlueprint("kind = \"cloth\"\npoints = [12, 8, 3]\npinned = \"left\"\ntear_stretch = \"no\"\n"),
+              ElementsAre(AllOf(HasSubstr(":4: points = "), HasSubstr("two whole numbers from 2 to 100")),
+                          AllOf(HasSubstr(":5: pinned = "),
+                                HasSubstr("one of: clamp, corners, edge, frame, none, top_corners")),
+                          AllOf(HasSubstr(":6: tear_stretch = "), HasSubstr("a number, 0 (never) or 1.05 to 10"))));
+}
+
+TEST(SceneMistakes, AClothThatResistsBendingIsSteppedByAnExplicitMethod) {
+  const std::string card = "kind = \"cloth\"\nbend_stiffness = 0.3\n";
+  EXPECT_THAT(ErrorsOfBlueprint(card + "bend = 0\npinned = \"clamp\"\nintegrator = \"velocity_verlet\"\n"), IsEmpty());
+  EXPECT_THAT(ErrorsOfBlueprint("kind = \"cloth\"\nbend_stiffness = -1\n"),
+              ElementsAre("test.toml:4: bend_stiffness = -1: must be 0 to 1e6 J"));
+  EXPECT_THAT(ErrorsOfBlueprint("kind = \"cloth\"\nbend_stiffness = 80\n"),
+              ElementsAre(AllOf(StartsWith("test.toml:4: bend_stiffness = 80: must be lower"))));
+  for (const std::string method : {"implicit_euler", "position_verlet"}) {
+    EXPECT_THAT(ErrorsOfBlueprint(card + "integrator = \"" + method + "\"\n"),
+                ElementsAre(AllOf(StartsWith("test.toml:5: integrator = "), HasSubstr("not bend_stiffness"))));
+    EXPECT_THAT(ErrorsOfBlueprint("kind = \"cloth\"\nintegrator = \"" + method + "\"\n"), IsEmpty());
+  }
 }
 
 TEST(SceneMistakes, AGraphListsParticlesAndSprings) {
@@ -426,9 +440,10 @@ TEST(SceneMistakes, ASyntaxErrorHasItsLine) {
 
 TEST(SceneMistakes, AnUnknownSceneListsTheKnownOnes) {
   const LoadResult loaded = LoadScene("arina", kFolder);
-  EXPECT_THAT(loaded.errors,
-              ElementsAre(AllOf(HasSubstr("'arina'"),
-                                HasSubstr("arena, backtracking, ball_drop, breathing, bubble, cloth, crowd, "))));
+  EXPECT_THAT(
+      loaded.errors,
+      ElementsAre(AllOf(HasSubstr("'arina'"),
+                        HasSubstr("arena, backtracking, ball_drop, breathing, bubble, cards, cloth, crowd, "))));
   EXPECT_THAT(LoadScene("/nowhere/at/all.toml", kFolder).errors, ElementsAre(HasSubstr("/nowhere/at/all.toml")));
 }
 
