@@ -97,7 +97,8 @@ void ComputeBodyContacts(const ContactParameters<Real>& parameters, const Meetin
     for (std::size_t i = 0; i < 3; ++i)
       sides[i] = meeting.skin.x[face[(i + 2) % 3]] - meeting.skin.x[face[(i + 1) % 3]];
     const Real longest = std::sqrt(std::max({sides[0].squaredNorm(), sides[1].squaredNorm(), sides[2].squaredNorm()}));
-    const Real lever = std::clamp((depth - meeting.skin.offset) / at.doubleArea, Real(-1) / longest, Real(1) / longest);
+    const Real below = depth + contact.leap - meeting.skin.offset;  // the face itself, m
+    const Real lever = std::clamp(below / at.doubleArea, Real(-1) / longest, Real(1) / longest);
     const Real winding =
         contact.side == SkinSide::kBack ? Real(-1) : Real(1);  // from behind, the sides go round the other way
     const Vector3<Real> turned = pull.cross(at.normal) * (winding * share * lever);

@@ -149,13 +149,14 @@ WOBBLE_INLINE V FindLeast(const Axes<V>& a) {
 
 // The forces on the corners, derived in ComputeBodyContacts. force: on the vertex.
 template <class V, class Real>
-WOBBLE_INLINE void PushCorners(const FaceView<V>& at, const BodyContactBlock<Real>& block, const Axes<V>& pull, V depth,
+WOBBLE_INLINE void PushCorners(const FaceView<V>& at, const BodyContactBlock<Real>& block, const Axes<V>& pull,
                                const Axes<V>& force, std::size_t lane, BodyContactForces<Real>& forces) {
   const V one = Spread<V>(Real(1));
   const Axes<V> sides[3] = {Subtract(at.c, at.b), Subtract(at.a, at.c), at.ab};
   const V square = Max(Dot(sides[0], sides[0]), Max(Dot(sides[1], sides[1]), Dot(sides[2], sides[2])));
   const V most = one / Max(Sqrt(square), Spread<V>(Real(kLeastDoubleArea)));
-  const V lever = Max(-most, Min((depth - ReadRow<V>(block.offset, lane)) * at.inverseArea, most));
+  const V below = -(at.distance + ReadRow<V>(block.offset, lane));  // the face itself, m
+  const V lever = Max(-most, Min(below * at.inverseArea, most));
   const V winding = ReadRow<V>(block.side, lane);
   const Axes<V> turned = Scale(winding * ReadRow<V>(block.share, lane) * lever, Cross(pull, at.normal));
   const V weights[3] = {at.weights.x, at.weights.y, at.weights.z};
@@ -198,7 +199,7 @@ void ComputeBodyContactForces(const BodyContactBlock<Real>& block, const BodyCon
     const V share = ReadRow<V>(block.share, lane);
     const Axes<V> force = Scale(share, Subtract(Scale(normalForce, at.normal), kept));
     WriteRows<V, Real>(force, forces.onVertex, lane);
-    PushCorners(at, block, kept, depth, force, lane, forces);
+    PushCorners(at, block, kept, force, lane, forces);
   }
 }
 
