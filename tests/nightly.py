@@ -67,7 +67,7 @@ def list_jobs():
     jobs.append(("sanitized_everything", 20, [
         ["sh", "docker/packages.sh", "server", "test"], ["cmake", "--preset", "asan", "-B", everything, "-DWOBBLE_SANITIZE_ALL=ON"],
         ["cmake", "--build", everything],
-        (["ctest", "--test-dir", everything, "--output-on-failure", "-j2"], {"ASAN_SYMBOLIZER_PATH": "/usr/bin/llvm-symbolizer"})]))
+        (["ctest", "--test-dir", everything, "--output-on-failure", "-j9"], {"ASAN_SYMBOLIZER_PATH": "/usr/bin/llvm-symbolizer"})]))
     jobs.append(("races", 5, [
         ["sh", "docker/packages.sh", "server", "test"], ["cmake", "--preset", "tsan"],
         ["cmake", "--build", "--preset", "tsan", "--target", "threads_test", "golden_test"],

@@ -16,12 +16,12 @@
 namespace wobble::bots {
 namespace {
 
-// Losses, and distinct script errors, that are reported one by one; further ones are only counted.
+// So many losses and distinct script errors are reported one by one; further ones are only counted.
 constexpr unsigned kFailuresLogged = 5;
-// Records over which their cost is averaged, so that a round with a single record does not charge its whole overhead to
+// Cost is averaged over so many records, so that a round with a single record does not charge its whole overhead to
 // that record.
 constexpr std::uint64_t kDecodeGroup = 32;
-// Seconds after the first failure in which another bot may still reach play.
+// Another bot may still reach play for so many seconds after the first failure.
 constexpr double kHopePatience = 1.0;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The bots of one load test: when they join, the input that their script gives, and all measurements.
+// Plays the bots of one load test: has them join, sends the input that their script gives, and measures.
 //
 // Reads no clock except the one given for timing the decoding, so tests run it on virtual time.
 #pragma once
@@ -43,7 +43,7 @@ class Runner {
   using OnShown = std::function<void(client::Client& client, std::span<const client::BodySample> shown, double now)>;
   void SetOnShown(OnShown onShown) { m_onShown = std::move(onShown); }
 
-  // What all bots begin with, and where downloaded blueprints go; see client::Options. Call it before the first round.
+  // Sets what all bots begin with and where blueprints are kept; see client::Options. Call it before the first round.
   void SetKept(const client::Options& options) {
     m_kept = options.kept;
     m_keep = options.keep;
@@ -57,13 +57,13 @@ class Runner {
   // True when the first bot failed more than a second ago and no bot has ever played: the others will not succeed.
   [[nodiscard]] bool IsHopeless(double now) const;
   [[nodiscard]] bool HasAnyFailed() const { return m_firstFailure.has_value(); }
-  // The reason why no bot plays, one line; empty when the server never answered.
+  // Says in one line why no bot plays; empty when the server never answered.
   [[nodiscard]] const std::string& Refusal() const { return m_refusal; }
   [[nodiscard]] bool HaveAllScriptsFailed() const;
 
   [[nodiscard]] Figures ReadFigures() const;
 
-  // Figures for the status line: present ones, and means since the last call.
+  // Returns the status line's figures: present ones, and means since the last call.
   struct Progress {
     unsigned playing = 0;
     std::optional<double> kbitPerSecondPerBot;

@@ -15,10 +15,10 @@ using vestibule::Credential;
 
 namespace {
 
-// Of people who paste the whole link, what is behind this is the invite.
+// People paste the whole link; the invite is what follows this.
 constexpr std::string_view kInviteMark = "#invite=";
 
-// The invite in what `wobble admin invite` prints, which has other lines, too; empty: the file has none.
+// Finds the invite in what `wobble admin invite` prints, which has other lines, too; empty: the file has none.
 std::string FindInviteLink(const std::string& file) {
   constexpr std::streamsize kMostBytes = 4096;
   std::ifstream in(file, std::ios::binary);
@@ -31,7 +31,7 @@ std::string FindInviteLink(const std::string& file) {
   return text.substr(begin, text.find_first_of(" \r\n\t", begin) - begin);
 }
 
-// The credential in a file's first line, or an invite in any; nullopt with one line in `error`.
+// Reads the credential in a file's first line, or an invite in any; nullopt with one line in `error`.
 std::optional<Credential> ReadCredentialFile(const char* option, const std::string& file, Credential::Kind kind,
                                              std::string& error) {
   const auto line = vestibule::ReadSecret(file, error);
@@ -47,7 +47,7 @@ std::optional<Credential> ReadCredentialFile(const char* option, const std::stri
   return {};
 }
 
-// What the files of a server on this machine say of its owner.
+// Reads what the files of a server on this machine say of its owner.
 void FindOwnServer(transport::ConnectOptions& options) {
   const auto find = [](const char* name) -> std::optional<vestibule::Key> {
     const std::filesystem::path file = vestibule::FindStateFile(name);

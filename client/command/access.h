@@ -36,8 +36,8 @@ void AddAccessOptions(CLI::App& command, Access& access, Visitor visitor);
 // Notes the key of a server that this user has joined for the first time. Call it once it plays.
 void NoteServer(const Address& server, const transport::EnetTransport& transport);
 
-// What stands behind the reason for which a server could not be joined: where the key is noted that it does not have;
-// empty: nothing.
+// Explains the reason for which a server could not be joined: says where the key is noted that it does not have; empty:
+// there is nothing to add.
 [[nodiscard]] std::string AdviseOn(const std::string& reason, const Address& server);
 
 }  // namespace wobble::command

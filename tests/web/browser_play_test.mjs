@@ -22,12 +22,13 @@ after(() => browser?.close());
 // Runs a test in a new world, with one page for each of the options.
 async function play(scene, run, ...tabs) {
   const world = await startWorld(scene);
+  let pages = [];
   try {
-    const pages = await Promise.all(tabs.map((options) => joinPage(browser, world.host, options)));
+    pages = await Promise.all(tabs.map((options) => joinPage(browser, world.host, options)));
     await run(...pages, world);
     for (const page of pages) assert.deepEqual(page.complaints, []);
   } finally {
-    await Promise.all(browser.contexts().map((context) => context.close()));
+    await Promise.all(pages.map((page) => page.leave()));
     await world.stop();
   }
 }

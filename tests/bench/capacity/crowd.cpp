@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "tests/bench/packet_header.h"
 #include "tests/bench/thread_time.h"
 
 namespace wobble::bench {
@@ -10,8 +11,7 @@ namespace {
 // A fifth of the bots at a time, as in a party: bots that were all served at once would wait for the same tick.
 constexpr unsigned kCrowdParts = 5;
 constexpr double kCrowdRound = 1.0 / (60 * kCrowdParts);
-constexpr double kCrowdRamp = 1;          // s
-constexpr double kCrowdHeaderBytes = 44;  // of a packet beside its payload: IPv4, UDP, ENet with checksum
+constexpr double kCrowdRamp = 1;  // s
 
 server::Config MakeCrowdConfig(const CrowdOptions& options, std::uint64_t seed) {
   server::Config config;
@@ -65,7 +65,7 @@ void Crowd::PlayTick(double now, const OnTick& onTick) {
 
 double FindSnapshotKbit(const server::SendCounts& before, const server::SendCounts& after) {
   return 8e-3 * (static_cast<double>(after.bytes - before.bytes) +
-                 kCrowdHeaderBytes * static_cast<double>(after.packets - before.packets));
+                 kPacketHeaderBytes * static_cast<double>(after.packets - before.packets));
 }
 
 }  // namespace wobble::bench

@@ -34,12 +34,17 @@ Game MakeGame(const Options& options) {
   return game;
 }
 
+std::unique_ptr<bots::Script> LoadScript(const Game& game, std::string& fault) {
+  auto script = std::make_unique<bots::Script>(game.seed, [](unsigned, std::string_view) {});
+  return script->LoadFile(game.script, fault) ? std::move(script) : nullptr;
+}
+
 Party PlayParty(const Game& game, unsigned players, const Timetable& timetable,
                 const std::function<bool()>& isStopAsked) {
   Party party;
   party.players = players;
-  bots::Script script(game.seed, [](unsigned, std::string_view) {});
-  if (!script.LoadFile(game.script, party.fault)) return party;
+  const auto script = LoadScript(game, party.fault);
+  if (script == nullptr) return party;
   transport::ListenOptions listen;
   listen.maxConnections = players + kSpareConnections;
   auto transport = transport::EnetTransport::Listen(listen, party.fault);
@@ -49,7 +54,7 @@ Party PlayParty(const Game& game, unsigned players, const Timetable& timetable,
                         &ReadThreadTime);
   std::atomic<Stage> stage{Stage::kGather};
   Host host(server);
-  Guests guests(players, port, game.seed, script, timetable, stage);
+  Guests guests(players, port, game.seed, *script, timetable, stage);
   const Cores cores = ChooseCores();
   std::jthread hostThread([&] {
     StayOn(cores.server);

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "client/bots/script.h"
 #include "server/scenes/scene.h"
 #include "server/training/basis_training.h"
 #include "tests/bench/capacity/guests.h"
@@ -24,6 +26,9 @@ struct Game {
 
 // The game that the report's options name.
 [[nodiscard]] Game MakeGame(const Options& options);
+
+// The game's script, loaded, whose messages nobody reads. On failure null, with one line in `fault`.
+[[nodiscard]] std::unique_ptr<bots::Script> LoadScript(const Game& game, std::string& fault);
 
 // Budget of a client, kbit/s with all headers: 64 moving balls at 22 kbit/s each, plus a margin. Together with the
 // traffic besides snapshots, players stay below 1,500 kbit/s.

@@ -117,10 +117,10 @@ void MeasureRelevance(Bench& bench) {
   for (const double factor : {1.0, kWide}) {
     const bool isWide = factor > 1;
     const Game floor = Widen(game, factor);
-    bots::Script script(floor.seed, [](unsigned, std::string_view) {});
     std::string fault;
-    if (!script.LoadFile(floor.script, fault)) return bench.results.remarks.push_back("relevance: " + fault);
-    Watch watch(floor, bench.options.quick ? kRelevancePlayersQuick : kRelevancePlayers, script);
+    const auto script = LoadScript(floor, fault);
+    if (script == nullptr) return bench.results.remarks.push_back("relevance: " + fault);
+    Watch watch(floor, bench.options.quick ? kRelevancePlayersQuick : kRelevancePlayers, *script);
     watch.Play(kRelevanceWarmUp, bench);
     watch.BeginToCount();
     watch.Play(end, bench);

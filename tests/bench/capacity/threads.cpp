@@ -42,13 +42,13 @@ void MeasureThreads(Bench& bench) {
   ShortestTicks ticks[2];
   for (int run = 0; run < runs; ++run) {
     for (int threads = 1; threads <= 2; ++threads) {
-      bots::Script script(game.seed, [](unsigned, std::string_view) {});
       std::string fault;
-      if (!script.LoadFile(game.script, fault)) {
+      const auto script = LoadScript(game, fault);
+      if (script == nullptr) {
         bench.results.remarks.push_back("threads: " + fault);
         return;
       }
-      Crowd crowd(game, {.players = players, .threads = threads}, script);
+      Crowd crowd(game, {.players = players, .threads = threads}, *script);
       crowd.Play(kThreadsWarmUp);
       ShortestTicks& shortest = ticks[threads - 1];
       shortest.Begin();

@@ -22,6 +22,7 @@
 #include "tests/bench/contact/bodies.h"
 #include "tests/bench/interpolation/transport_group.h"
 #include "tests/bench/interpolation/truth.h"
+#include "tests/bench/packet_header.h"
 
 namespace wobble::bench {
 namespace {
@@ -29,9 +30,8 @@ namespace {
 constexpr int kTickHz = 240;
 constexpr int kTicksPerAct = kTickHz / 60;
 constexpr double kFrameSeconds = 1 / 61.8;
-constexpr double kWarmUp = 5;        // s
-constexpr double kRadius = 1;        // m
-constexpr double kHeaderBytes = 44;  // of a datagram besides its payload: IPv4, UDP, ENet with checksum
+constexpr double kWarmUp = 5;  // s
+constexpr double kRadius = 1;  // m
 constexpr double kPercent = 100 / kRadius;
 
 constexpr const char* kScene = R"(
@@ -127,7 +127,7 @@ Seen Seat::Finish(const TransportGroup::Sent& sent, double seconds) {
   const auto bytes = static_cast<double>(sent.bytes - m_sentBefore.bytes);
   const double kbit = 8e-3 / (seconds * kFixedPlayers);
   seen.recordKbit = kbit * (bytes - packets * static_cast<double>(protocol::kSnapshotHeadBytes));
-  seen.sentKbit = kbit * (bytes + packets * kHeaderBytes);
+  seen.sentKbit = kbit * (bytes + packets * kPacketHeaderBytes);
   return seen;
 }
 
