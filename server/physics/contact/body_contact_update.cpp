@@ -77,6 +77,10 @@ void NoteLeap(const ContactParameters<Real>& parameters, const Meeting<Real>& me
         FindFreeDepth(parameters) + static_cast<Real>(kArmingSteps) * h * std::max(Real(0), -at.normal.dot(velocity));
   }
   contact.leap += std::max(Real(0), depth - contact.leap - most);
+  if (!meeting.skin.topology->isOpen) {
+    const Real height = std::max(Real(0), at.distance + meeting.skin.offset);
+    contact.leap -= std::min(static_cast<Real>(kLeapFade) * h, height);
+  }
   contact.leap = std::clamp(contact.leap, Real(0), std::max(Real(0), depth));
 }
 
