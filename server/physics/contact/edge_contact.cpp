@@ -54,8 +54,8 @@ typename EdgeView<Real>::Side DescribeSide(const Vector3d& along, double at) {
   return {(along / length).cast<Real>(), static_cast<Real>(length), at > 0 && at < 1};
 }
 
-// The largest relative speed of their ends, m/s. Rods are light and turn fast: within a tick their nearest points may be
-// others, that come nearer when these do not.
+// The largest relative speed of their ends, m/s. Rods are light and turn fast: within a tick their nearest points may
+// be others, that come nearer when these do not.
 template <class Real>
 double FindTopSpeed(const EdgeMeeting<Real>& meeting, const EdgeContact<Real>& contact) {
   Real square = 0;
