@@ -133,7 +133,9 @@ void Arm(const ContactParameters<Real>& parameters, const Vector3<Real>& velocit
   } else if (wasWaiting) {
     contact.phase = ContactPhase::kArmed;
     if (!isOpen) {
-      contact.leap = std::max(Real(0), depth - FindFreeDepth(parameters));
+      // Above the face nothing is pressed yet.
+      const Real below = std::max(Real(0), depth - skin.offset);
+      contact.leap = depth - std::min(below, FindFreeDepth(parameters));
       at.distance += contact.leap;
       depth -= contact.leap;
     }
