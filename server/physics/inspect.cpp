@@ -122,7 +122,7 @@ Meeting<Real> Meet(const Subject<Real>& ofVertices, const Subject<Real>& ofFaces
           .skin = {.faces = ofFaces.body.faces,
                    .topology = &ofFaces.blueprint.topology,
                    .x = ofFaces.state.positions,
-                   .offset = static_cast<Real>(FindGap(ofVertices.blueprint, ofFaces.blueprint))},
+                   .offset = static_cast<Real>(ofVertices.blueprint.rodRadius)},
           .skinV = ofFaces.state.velocities,
           .shift = (ofVertices.state.origin - ofFaces.state.origin).template cast<Real>()};
 }

@@ -193,7 +193,7 @@ void PairSearch<Real>::MeetFaces(std::size_t side, BodyPair<Real>& pair) {
                              .skin = &m_lists.skins[ofFaces],
                              .kernel = m_kernel,
                              .near = faces.survey.bounds,
-                             .margin = static_cast<Real>(kNearMargin + FindGap(*vertices.blueprint, *faces.blueprint)),
+                             .margin = static_cast<Real>(kNearMargin + vertices.blueprint->rodRadius),
                              .duration = static_cast<Real>(m_duration)};
   search.near.speed += vertices.survey.bounds.speed;
   const Real margin = search.margin + search.near.speed * search.duration;

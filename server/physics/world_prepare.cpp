@@ -72,8 +72,7 @@ template <class Real>
 Box FindTickBox(const Member<Real>& member, double duration) {
   const Bounds<Real>& bounds = member.survey.bounds;
   const Vector3d& origin = member.state->origin;
-  const double margin = kNearMargin + std::max(member.blueprint->edgeRadius, member.blueprint->skinRadius) +
-                        duration * double{bounds.speed};
+  const double margin = kNearMargin + member.blueprint->edgeRadius + duration * double{bounds.speed};
   return {origin + bounds.low.template cast<double>() - Vector3d::Constant(margin),
           origin + bounds.high.template cast<double>() + Vector3d::Constant(margin)};
 }

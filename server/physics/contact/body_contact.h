@@ -6,11 +6,6 @@
 // q = Σ wᵢ xᵢ. The vertex gets N n, with N from the law in contact.h, and each corner gets −wᵢ N n. Since ∂d/∂p = −n
 // and ∂d/∂xᵢ = wᵢ n exactly, this is the gradient of a potential: momentum and angular momentum are kept to rounding.
 //
-// Gap. d counts from a plane that lies Skin::offset above the face (FindGap in model/blueprint.h). A penalty pushes
-// only after something has come in; with a gap of 2 cm for balls of 50 cm that is the gap, not the other body, in
-// nearly all play: in jelly_stack, scrum, sumo and solids no two triangles intersect any more. A gap of 1 cm left up to
-// a quarter of those that did. Above the face itself the rules for points outside hold, though the contact may push.
-//
 // Friction. A force F on p and −wᵢ F on the corners alone would leave the torque (p − q) × F = −d n × F. Normal forces
 // −d (F·∇wᵢ) n on the corners, whose sum is zero, balance it, since Σ (F·∇wᵢ) xᵢ = F.
 //

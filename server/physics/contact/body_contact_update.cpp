@@ -77,10 +77,6 @@ void NoteLeap(const ContactParameters<Real>& parameters, const Meeting<Real>& me
         FindFreeDepth(parameters) + static_cast<Real>(kArmingSteps) * h * std::max(Real(0), -at.normal.dot(velocity));
   }
   contact.leap += std::max(Real(0), depth - contact.leap - most);
-  if (!meeting.skin.topology->isOpen) {
-    const Real height = std::max(Real(0), at.distance + meeting.skin.offset);
-    contact.leap -= std::min(static_cast<Real>(kLeapFade) * h, height);
-  }
   contact.leap = std::clamp(contact.leap, Real(0), std::max(Real(0), depth));
 }
 
@@ -177,7 +173,7 @@ void UpdateBodyContacts(const ContactParameters<Real>& parameters, const Meeting
     if (contact.phase != ContactPhase::kWaiting)
       contact.phase = pushes ? ContactPhase::kTouching : ContactPhase::kArmed;
     // A vertex that hangs past a border may come in from beside at any depth, which then nobody has pressed.
-    if (!pushes && depth > Real(0)) contact.leap += depth;
+    if (!pushes && depth > Real(0) && meeting.skin.topology->isOpen) contact.leap += depth;
     contact.depth = pushes ? depth : std::min(depth, Real(0));
     contact.face = at.face;
     contact.foot = at.weights;

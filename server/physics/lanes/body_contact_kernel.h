@@ -248,7 +248,7 @@ WOBBLE_INLINE std::uint32_t FindThoseThatMove(const FaceView<V>& at, const BodyC
 
 // NoteLeap of body_contact_update.cpp, for a contact that keeps its face.
 template <class V, class Real>
-WOBBLE_INLINE V FindLeap(const FaceView<V>& at, const BodyContactBlock<Real>& block, V speed, V away, V reach, V fade,
+WOBBLE_INLINE V FindLeap(const FaceView<V>& at, const BodyContactBlock<Real>& block, V speed, V away, V reach,
                          std::size_t lane) {
   const V zero = Spread<V>(Real(0));
   const V depth = -at.distance;
@@ -257,9 +257,7 @@ WOBBLE_INLINE V FindLeap(const FaceView<V>& at, const BodyContactBlock<Real>& bl
   const V most = Fma(reach, counts, ReadRow<V>(block.depth, lane) + ReadRow<V>(block.freeDepth, lane));
   const V before = ReadRow<V>(block.leap, lane);
   const V leap = before + Max(zero, depth - before - most);
-  const V height = Max(zero, at.distance + ReadRow<V>(block.offset, lane));
-  const V gone = Fma(-ReadRow<V>(block.open, lane), Min(fade, height), Min(fade, height));
-  return Min(Max(leap - gone, zero), Max(zero, depth));
+  return Min(Max(leap, zero), Max(zero, depth));
 }
 
 template <class V, class Real>
@@ -269,7 +267,6 @@ BodyContactChange UpdateBodyContactBlock(const BodyContactPoints<Real>& points, 
   const V zero = Spread<V>(Real(0));
   const V one = Spread<V>(Real(1));
   const V reach = Spread<V>(static_cast<Real>(kArmingSteps) * h);
-  const V fade = Spread<V>(static_cast<Real>(kLeapFade) * h);
   BodyContactChange change;
   for (std::size_t lane = 0; lane < kContactsInBlock; lane += kWidth) {
     const FaceView<V> at = ViewFace<V>(block, points, lane);
@@ -277,7 +274,7 @@ BodyContactChange UpdateBodyContactBlock(const BodyContactPoints<Real>& points, 
     const Axes<V> velocity = FindVelocity(at, points, lane);
     const V speed = Sqrt(Dot(velocity, velocity));
     const V away = Dot(at.normal, velocity);
-    const V leap = FindLeap(at, block, speed, away, reach, fade, lane);
+    const V leap = FindLeap(at, block, speed, away, reach, lane);
     const V depth = -(at.distance + leap);
     const V inside = Max(zero, depth);
     const std::uint32_t open = FindBelow(zero, ReadRow<V>(block.open, lane));

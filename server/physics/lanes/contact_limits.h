@@ -8,11 +8,6 @@ namespace wobble::physics {
 inline constexpr double kArmingDepth = 0.01;
 // A contact that goes on may grow deeper in a substep by kArmingDepth and by the motion of this many substeps.
 inline constexpr double kArmingSteps = 2;
-// The leap of a vertex that is above the face of a closed body fades at this speed, m/s: bodies that were put on one
-// another flush come to keep their gap within half a second. Otherwise what slides from faces that it was put on to
-// others goes up a step. Not so at open skins, where each change of the face leaves a leap: what lies on a cloth would
-// be moved by them for ever and never sleep.
-inline constexpr double kLeapFade = 0.05;
 // Two faces are those of a smooth skin if the cosine between their normals is above this (45°): there a point changes
 // its face where both planes are equally deep. Over a sharper edge it must truly leave the first face.
 inline constexpr double kSmoothCosine = 0.7;

@@ -134,7 +134,6 @@ struct Blueprint {
   std::vector<EdgeEnds> edges;
   double edgeRadius = 0;
   double rodRadius = 0;   // set by the maker of a body without faces: of its particles and springs, m
-  double skinRadius = 0;  // of a body with faces: its share of FindGap, m
   GridShape grid;         // set by the shape's maker if the vertices stand in a grid; empty otherwise
   Integrator integrator = Integrator::kRungeKutta4;
   std::shared_ptr<const SparsePattern> sparsePattern;  // of full.springs; for implicit Euler only
@@ -174,13 +173,6 @@ struct Blueprint {
   }
 };
 
-// The distance at which a vertex of one body begins to push at a face of another, m. Between skins that rest on one
-// another a gap is left, so that they neither intersect between their vertices nor where the contact gives way a
-// little.
-[[nodiscard]] inline double FindGap(const Blueprint& ofVertex, const Blueprint& ofFace) {
-  return ofVertex.rodRadius + ofVertex.skinRadius + ofFace.skinRadius;
-}
-
 // The edges of a body that meet those of others; places in this list name them.
 [[nodiscard]] inline const std::vector<EdgeEnds>& FindMeetingEdges(const Blueprint& blueprint) {
   return blueprint.edges.empty() ? blueprint.topology.sides : blueprint.edges;
@@ -194,8 +186,5 @@ inline constexpr double kMinSize = 0.01;
 
 // Half of the gap that planar bodies keep in their plane, as a share of the body's size.
 inline constexpr double kOutlineRadiusShare = 0.02;
-// Blueprint::skinRadius as a share of Blueprint::size, and its upper bound, m.
-inline constexpr double kSkinRadiusShare = 0.02;
-inline constexpr double kMostSkinRadius = 0.01;
 
 }  // namespace wobble::physics

@@ -226,7 +226,6 @@ void FinishBlueprintButStability(Blueprint& blueprint) {
     blueprint.reach = std::max(blueprint.reach, x.norm());
   }
   blueprint.size = std::max(kMinSize, std::sqrt(squares / static_cast<double>(blueprint.rest.size())));
-  blueprint.skinRadius = full.faces.empty() ? 0 : std::min(kMostSkinRadius, kSkinRadiusShare * blueprint.size);
   blueprint.topology = MakeTopology(full.faces, blueprint.rest.size());
   blueprint.restVolume = FindRestVolume(blueprint);
   full.floorVolume = kFloorVolumeShare * blueprint.restVolume;

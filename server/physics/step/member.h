@@ -81,7 +81,7 @@ template <class Real>
           .skin = {.faces = ofFaces.blueprint->template Read<Real>().faces,
                    .topology = &ofFaces.blueprint->topology,
                    .x = skinX,
-                   .offset = static_cast<Real>(FindGap(*ofVertices.blueprint, *ofFaces.blueprint))},
+                   .offset = static_cast<Real>(ofVertices.blueprint->rodRadius)},
           .skinV = skinV,
           .shift = shift.cast<Real>()};
 }

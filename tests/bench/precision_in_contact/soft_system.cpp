@@ -111,7 +111,7 @@ Meeting<double> SoftSystem::MakeMeeting(const Side& side) const {
           .skin = {.faces = other.blueprint->full.faces,
                    .topology = &other.blueprint->topology,
                    .x = Positions(other),
-                   .offset = FindGap(*own.blueprint, *other.blueprint)},
+                   .offset = own.blueprint->rodRadius},
           .skinV = Velocities(other)};
 }
 
