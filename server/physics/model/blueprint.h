@@ -133,8 +133,8 @@ struct Blueprint {
   // topology.sides, of radius 0.
   std::vector<EdgeEnds> edges;
   double edgeRadius = 0;
-  double rodRadius = 0;   // set by the maker of a body without faces: of its particles and springs, m
-  GridShape grid;         // set by the shape's maker if the vertices stand in a grid; empty otherwise
+  double rodRadius = 0;  // set by the maker of a body without faces: of its particles and springs, m
+  GridShape grid;        // set by the shape's maker if the vertices stand in a grid; empty otherwise
   Integrator integrator = Integrator::kRungeKutta4;
   std::shared_ptr<const SparsePattern> sparsePattern;  // of full.springs; for implicit Euler only
   Topology topology;                                   // of full.faces
