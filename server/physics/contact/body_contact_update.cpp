@@ -61,8 +61,6 @@ FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const Vector3<Real
 // by a change of face is leap, and beside it only the depth that no motion in any direction could have brought. The
 // latter happens when a planar body is squashed and turns faces over in its own plane: a vertex that stood half a metre
 // before such a face is then half a metre behind it.
-//
-// Where the side changes, the depth is the same from both: the skin's points lie in the middle of Skin::offset.
 template <class Real>
 void NoteLeap(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting, const FacePoint<Real>& before,
               const FacePoint<Real>& at, Real h, BodyContact<Real>& contact) {
@@ -92,12 +90,12 @@ FacePoint<Real> RenewContact(const ContactParameters<Real>& parameters, const Me
     contact.leap = 0;
     return at;
   }
-  if (contact.side != sideBefore) {
+  if (contact.side == sideBefore) {
+    NoteLeap(parameters, meeting, before, at, h, contact);
+  } else {
+    // The depth is the same from both sides: the skin's points lie in the middle of Skin::offset.
     contact.leap = std::clamp(contact.leap, Real(0), std::max(Real(0), -at.distance));
-    at.distance += contact.leap;
-    return at;
   }
-  NoteLeap(parameters, meeting, before, at, h, contact);
   at.distance += contact.leap;
   return at;
 }
