@@ -27,8 +27,6 @@ using test::Sidecar;
 using testing::ElementsAre;
 using testing::ElementsAreArray;
 
-constexpr std::chrono::seconds kLongEnough{20};
-
 double ReadClock() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
