@@ -129,6 +129,9 @@ Meeting<Real> Meet(const Subject<Real>& ofVertices, const Subject<Real>& ofFaces
 
 template <class Real>
 EdgeMeeting<Real> MeetEdges(const Subject<Real>& first, const Subject<Real>& second) {
+  if (&first.state == &second.state) {
+    return MakeSelfMeeting<Real>(first.blueprint, first.state.positions, first.state.velocities);
+  }
   return {.first = FindEdges<Real>(first.blueprint, first.state.positions, first.state.velocities),
           .second = FindEdges<Real>(second.blueprint, second.state.positions, second.state.velocities),
           .shift = (first.state.origin - second.state.origin).template cast<Real>(),
@@ -178,6 +181,7 @@ std::vector<Vector3d> FindContacts(const World& world, const Workspace<Real>& wo
     VisitPairsOf(body.id, workspace.pairs, [&](const BodyPair<Real>& pair) {
       const Body& other = world.ReadBody(pair.OtherThan(body.id));
       AddBodyContacts(pair, subject, pair.SideOf(body.id), MakeSubject<Real>(world, other), forces);
+      if (pair.IsSelf()) AddBodyContacts(pair, subject, 1, MakeSubject<Real>(world, other), forces);
     });
   });
 }

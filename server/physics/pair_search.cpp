@@ -43,6 +43,7 @@ void PairSearch<Real>::FindPairs() {
   }
   const std::size_t amongAwake = m_lists.overlaps.size();
   for (const std::uint32_t body : awake) AddOverlapsWithSleepers(body);
+  for (const std::uint32_t place : awake) AddOverlapWithSelf(place);
   if (m_lists.overlaps.size() > amongAwake) std::sort(m_lists.overlaps.begin(), m_lists.overlaps.end());
   TakeRestingPairs();
   AddPairs();
@@ -53,6 +54,28 @@ void PairSearch<Real>::AddOverlapsWithSleepers(std::uint32_t body) {
   m_table.roster.Sleepers().VisitOverlaps(m_work.boxes[body], [&](std::uint32_t sleeper) {
     m_lists.overlaps.push_back({std::min(body, sleeper), std::max(body, sleeper)});
   });
+}
+
+template <class Real>
+SelfSearch<Real> PairSearch<Real>::MakeSelfSearch(const Member<Real>& member) const {
+  return {.rest = member.blueprint->rest,
+          .bounds = member.survey.bounds,
+          .margin = static_cast<Real>(kNearMargin),
+          .agitation = member.survey.agitation,
+          .duration = static_cast<Real>(m_duration)};
+}
+
+// Counts down the body's selfRoom by what the last tick can have used of it, and lists the body with itself once what
+// is left may be used up within this one.
+template <class Real>
+void PairSearch<Real>::AddOverlapWithSelf(std::uint32_t place) {
+  Body& body = m_table.bodies[place];
+  const Member<Real>& member = m_work.members[place];
+  if (!(member.blueprint->selfRadius > 0)) return;
+  const double agitation = double{member.survey.agitation};
+  body.selfRoom -= 2 * m_duration * std::max(body.selfAgitation, agitation);
+  body.selfAgitation = agitation;
+  if (!(body.selfRoom > double{MakeSelfSearch(member).FindReach()})) m_lists.overlaps.push_back({place, place});
 }
 
 // Adds the pairs that woken bodies had when they fell asleep to the pairs of the last tick.
@@ -143,7 +166,7 @@ template <class Real>
 void PairSearch<Real>::ReadSkins() {
   m_lists.skinBodies.clear();
   for (const BodyPair<Real>& pair : m_lists.awake) {
-    if (!AreToMeet(pair)) continue;
+    if (!AreToMeet(pair) || pair.IsSelf()) continue;
     for (const std::uint32_t body : pair.places) {
       if (m_lists.hasSkin[body] == 0) m_lists.skinBodies.push_back(body);
       m_lists.hasSkin[body] = 1;
@@ -173,6 +196,7 @@ void PairSearch<Real>::MeetAll() {
 
 template <class Real>
 void PairSearch<Real>::Meet(BodyPair<Real>& pair) {
+  if (pair.IsSelf()) return MeetSelf(pair);
   const Blueprint& first = *m_work.members[pair.places[0]].blueprint;
   const Blueprint& second = *m_work.members[pair.places[1]].blueprint;
   // In their common plane the faces of planar bodies look past one another.
@@ -216,6 +240,20 @@ void PairSearch<Real>::MeetEdges(BodyPair<Real>& pair) {
 }
 
 template <class Real>
+void PairSearch<Real>::MeetSelf(BodyPair<Real>& pair) {
+  const std::uint32_t place = pair.places[0];
+  const Member<Real>& member = m_work.members[place];
+  const Real room = FindSelfContacts<Real>(FindParameters(member, member), MakeEdgeMeeting<Real>(member, member),
+                                           MakeSelfSearch(member), pair.edges, m_work.scratch.local().selfSearch);
+  m_table.bodies[place].selfRoom = std::max(0.0, double{room});
+  // On its way back a body that is inside out goes through itself.
+  const bool isClosed = member.blueprint->restVolume > 0;
+  if (pair.edges.empty() || !isClosed) return;
+  const auto& body = member.blueprint->template Read<Real>();
+  if (!(ComputeEnclosed<Real>(body, member.state->positions) > Real(0))) pair.edges.clear();
+}
+
+template <class Real>
 bool PairSearch<Real>::WakeTouched() {
   m_lists.woken.clear();
   m_lists.overlaps.clear();
@@ -227,6 +265,7 @@ bool PairSearch<Real>::WakeTouched() {
     m_table.roster.Wake(sleeper);
     // Of two bodies that wake together the first one finds the other, which is still among the sleeping ones.
     AddOverlapsWithSleepers(sleeper);
+    AddOverlapWithSelf(sleeper);
     m_lists.woken.push_back(sleeper);
   }
   if (m_lists.woken.empty()) return false;

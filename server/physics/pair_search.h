@@ -51,6 +51,7 @@ class PairSearch {
 
  private:
   void AddOverlapsWithSleepers(std::uint32_t body);
+  void AddOverlapWithSelf(std::uint32_t body);
   void AddPairs();
   void AttachSleeper(std::uint32_t body);
   void TakeRestingPairs();
@@ -60,6 +61,8 @@ class PairSearch {
   void Meet(BodyPair<Real>& pair);
   void MeetFaces(std::size_t side, BodyPair<Real>& pair);
   void MeetEdges(BodyPair<Real>& pair);
+  void MeetSelf(BodyPair<Real>& pair);
+  [[nodiscard]] SelfSearch<Real> MakeSelfSearch(const Member<Real>& member) const;
   template <class Keep>
   void KeepPairs(const Keep& keep);
   void Recycle(BodyPair<Real>& pair);

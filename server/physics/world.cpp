@@ -201,7 +201,7 @@ Vector3d World::FindCentre(const Body& body) const {
 void World::ListTouching(BodyId id, std::vector<BodyId>& touching) const {
   touching.clear();
   const auto list = [&](const auto& pair) {
-    if (pair.IsTouching()) touching.push_back(pair.OtherThan(id));
+    if (!pair.IsSelf() && pair.IsTouching()) touching.push_back(pair.OtherThan(id));
   };
   std::visit([&](const auto& work) { VisitPairsOf(id, work.pairs, list); }, m_engine->workspace);
   std::sort(touching.begin(), touching.end());

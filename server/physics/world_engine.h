@@ -20,7 +20,8 @@
 
 namespace wobble::physics {
 
-// Two bodies near one another, with the contacts between them, which live on from tick to tick. first < second.
+// Two bodies near one another, with the contacts between them, which live on from tick to tick. first < second, or equal:
+// a body near itself, which has edge contacts alone.
 template <class Real>
 struct BodyPair {
   BodyId first = 0;
@@ -30,6 +31,7 @@ struct BodyPair {
   std::vector<EdgeContact<Real>> edges;
   bool met = false;  // the contacts have been searched for in this tick
 
+  [[nodiscard]] bool IsSelf() const { return first == second; }
   [[nodiscard]] bool Has(BodyId body) const { return first == body || second == body; }
   // 0 or 1: whether a body that the pair has is its first or its second. sides[SideOf(body)] are contacts of the body's
   // vertices, the other side contacts with its faces.
@@ -84,7 +86,7 @@ struct AwakeIsland {
   enum class Way : std::uint8_t {
     kPlain,     // by StepIsland, in plain code
     kAlone,     // one body, in the lanes of a pack
-    kTogether,  // several bodies, in lanes, stage by stage
+    kTogether,  // bodies that are near others or themselves, in lanes, stage by stage
   };
 
   bool isLarge = false;  // stepped by all threads, after one another; other islands are stepped by one thread each
@@ -150,6 +152,7 @@ struct Scratch {
   PrepareScratch<Real> prepare;
   ContactSearchScratch<Real> search;
   EdgeSearchScratch<Real> edgeSearch;
+  SelfSearchScratch<Real> selfSearch;
   // The batch that the thread steps:
   std::vector<Member<Real>*> members;
   std::vector<ContactPair<Real>> contactPairs;

@@ -49,6 +49,7 @@ Outcome FinishBody(const Surroundings& surroundings, const BlueprintSlot& slot, 
     PutBackToRest(*member.blueprint, FindFreePlace(surroundings.obstacles, member, centre), state);
     body.steps = {};
     body.invertedTicks = 0;
+    body.selfRoom = 0;
     WakeUp(body);
   } else {
     body.steps.Record(member.error, steps.substeps, allowedError);
@@ -73,6 +74,7 @@ void FinishContactPair(const ContactPair<Real>& contactPair, std::span<const std
     bodies[b].touchesBody |= touch;
   }
   if (outcomes[a].reset || outcomes[b].reset) contactPair.edges->clear();
+  if (a == b) return;
   const bool touch =
       std::any_of(contactPair.edges->begin(), contactPair.edges->end(), [](const auto& each) { return each.touching; });
   bodies[a].touchesBody |= touch;

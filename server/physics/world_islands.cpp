@@ -34,7 +34,7 @@ AwakeIsland DescribeIsland(std::uint32_t island, std::span<const Body> bodies, s
     inLanes = inLanes && CanGoInPack<Real>(*members[place].blueprint);
   }
   lists.allVertices += described.vertices;
-  if (inLanes) described.way = places.size() > 1 ? Way::kTogether : Way::kAlone;
+  if (inLanes) described.way = lists.ContactPairsOf(island).empty() ? Way::kAlone : Way::kTogether;
   if (described.way == Way::kAlone) described.blueprint = bodies[places[0]].blueprint;
   return described;
 }
@@ -148,9 +148,11 @@ void FindAwakeIslands(std::span<const std::uint32_t> awake, std::span<const Body
   for (std::uint32_t island = 0; island < lists.islands.Count(); ++island) {
     const std::span<const std::uint32_t> places = lists.islands.MembersOf(island);
     for (std::uint32_t i = 0; i < places.size(); ++i) lists.memberOf[places[i]] = i;
-    lists.awake.push_back(DescribeIsland<Real>(island, bodies, members, lists));
   }
   FindContactPairs<Real>(members, pairs, lists);
+  for (std::uint32_t island = 0; island < lists.islands.Count(); ++island) {
+    lists.awake.push_back(DescribeIsland<Real>(island, bodies, members, lists));
+  }
 }
 
 template <class Real>

@@ -88,26 +88,37 @@ void RenumberFaces(PairLists<Real>& pairs, BodyId id, std::span<const std::uint1
   });
 }
 
-// The place of each edge that meets others' in `after`; kGone for lost ones. places: by old vertex.
-std::vector<std::uint16_t> MapEdges(const Blueprint& before, const Blueprint& after,
+// The place of each of the edges `before` in `after`; kGone for lost ones. places: by old vertex.
+std::vector<std::uint16_t> MapEdges(std::span<const EdgeEnds> before, std::span<const EdgeEnds> after,
                                     std::span<const std::uint16_t> places) {
   std::map<EdgeEnds, std::uint16_t> found;
-  for (const EdgeEnds& ends : FindMeetingEdges(after)) found.emplace(ends, static_cast<std::uint16_t>(found.size()));
+  for (const EdgeEnds& ends : after) found.emplace(ends, static_cast<std::uint16_t>(found.size()));
   std::vector<std::uint16_t> map;
-  for (const EdgeEnds& ends : FindMeetingEdges(before)) {
+  for (const EdgeEnds& ends : before) {
     const auto at = found.find({places[ends[0]], places[ends[1]]});
     map.push_back(at == found.end() ? kGone : at->second);
   }
   return map;
 }
 
-// Renumbers this body's edges in its contacts, and drops contacts of lost edges.
+// Renumbers one edge of each contact, and drops contacts of lost edges.
 template <class Real>
-void RenumberEdges(PairLists<Real>& pairs, BodyId id, std::span<const std::uint16_t> map) {
+void RenumberEdges(std::uint16_t EdgeContact<Real>::*edge, std::span<const std::uint16_t> map,
+                   std::vector<EdgeContact<Real>>& contacts) {
+  std::erase_if(contacts, [&](const EdgeContact<Real>& contact) { return map[contact.*edge] == kGone; });
+  for (EdgeContact<Real>& contact : contacts) contact.*edge = map[contact.*edge];
+}
+
+// Renumbers this body's edges in its contacts with others and with itself. places: by old vertex.
+template <class Real>
+void RenumberEdges(PairLists<Real>& pairs, BodyId id, const Blueprint& before, const Blueprint& after,
+                   std::span<const std::uint16_t> places) {
+  const auto toOthers = MapEdges(FindMeetingEdges(before), FindMeetingEdges(after), places);
+  const auto toSelf = MapEdges(before.selfEdges, after.selfEdges, places);
   VisitPairsOf(id, pairs, [&](BodyPair<Real>& pair) {
-    const auto edge = pair.SideOf(id) == 0 ? &EdgeContact<Real>::first : &EdgeContact<Real>::second;
-    std::erase_if(pair.edges, [&](const EdgeContact<Real>& contact) { return map[contact.*edge] == kGone; });
-    for (EdgeContact<Real>& contact : pair.edges) contact.*edge = map[contact.*edge];
+    const std::span<const std::uint16_t> map = pair.IsSelf() ? toSelf : toOthers;
+    if (pair.first == id) RenumberEdges(&EdgeContact<Real>::first, map, pair.edges);
+    if (pair.second == id) RenumberEdges(&EdgeContact<Real>::second, map, pair.edges);
     std::sort(pair.edges.begin(), pair.edges.end(),
               [](const EdgeContact<Real>& a, const EdgeContact<Real>& b) { return IsListedBefore(a, b); });
   });
@@ -164,6 +175,7 @@ void World::PutOntoSlot(Body& body, std::size_t slot, Blueprint blueprint, std::
   m_slots[slot].revision = ++m_blueprintRevision;
   m_slots[slot].stiffnessBound = FindStiffnessBound(m_blueprints[slot], m_settings.tickDuration);
   body.blueprint = static_cast<std::uint8_t>(slot);
+  body.selfRoom = 0;
   WakeUp(body);
   std::visit([&](auto& state) { FitState(m_blueprints[slot], kept, state); }, body.state);
 }
@@ -177,12 +189,11 @@ bool World::ReplaceBlueprint(BodyId id, Blueprint blueprint, std::span<const std
   assert(kept.empty() || kept.back() < before.rest.size());
   const auto places = FindPlaces(kept, before.rest.size());
   const auto faces = MapFaces(Renumber(before.full.faces, places), blueprint.full.faces);
-  const auto edges = MapEdges(before, blueprint, places);
   const auto renumber = [&](auto& work) {
     const auto ofVertices = [&](auto& pair) { RenumberVertices(pair.sides[pair.SideOf(id)], places); };
     VisitPairsOf(id, work.pairs, ofVertices);
     RenumberFaces(work.pairs, id, faces);
-    RenumberEdges(work.pairs, id, edges);
+    RenumberEdges(work.pairs, id, before, blueprint, places);
   };
   std::visit(renumber, m_engine->workspace);
   RenumberForces(id, places);
@@ -249,10 +260,9 @@ void World::RebuildTorn() {
     const auto kept = ListNumbers(m_blueprints[body.blueprint].rest.size());
     Blueprint left = MakeTornBlueprint(m_blueprints[body.blueprint], torn);
     const auto map = MapFaces(m_blueprints[body.blueprint].full.faces, left.full.faces);
-    const auto edges = MapEdges(m_blueprints[body.blueprint], left, kept);
     const auto renumber = [&](auto& work) {
       RenumberFaces(work.pairs, body.id, map);
-      RenumberEdges(work.pairs, body.id, edges);
+      RenumberEdges(work.pairs, body.id, m_blueprints[body.blueprint], left, kept);
     };
     std::visit(renumber, m_engine->workspace);
     PutOntoSlot(body, slot, std::move(left), kept);

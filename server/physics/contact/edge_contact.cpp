@@ -54,19 +54,6 @@ typename EdgeView<Real>::Side DescribeSide(const Vector3d& along, double at) {
   return {(along / length).cast<Real>(), static_cast<Real>(length), at > 0 && at < 1};
 }
 
-// The largest relative speed of their ends, m/s. Rods are light and turn fast: within a tick their nearest points may
-// be others, that come nearer when these do not.
-template <class Real>
-double FindTopSpeed(const EdgeMeeting<Real>& meeting, const EdgeContact<Real>& contact) {
-  Real square = 0;
-  for (const std::uint16_t a : meeting.first.edges[contact.first]) {
-    for (const std::uint16_t b : meeting.second.edges[contact.second]) {
-      square = std::max(square, (meeting.first.v[a] - meeting.second.v[b]).squaredNorm());
-    }
-  }
-  return double{std::sqrt(square)};
-}
-
 // The share of both edges in a contact: the least of their ends', so that no vertex gets more than its own.
 template <class Real>
 Real FindShare(const EdgeMeeting<Real>& meeting, const EdgeEnds& first, const EdgeEnds& second) {
@@ -140,13 +127,47 @@ EdgeForce<Real> ComputeForce(const ContactParameters<Real>& parameters, const Ed
   return result;
 }
 
+// FindEdgeView of two balls.
+template <class Real>
+EdgeView<Real> FindBallView(const EdgeMeeting<Real>& meeting, std::uint16_t first, std::uint16_t second,
+                            const Vector3<Real>& normal) {
+  EdgeView<Real> view;
+  const Vector3<Real> gap = meeting.first.x[first] + meeting.shift - meeting.second.x[second];
+  view.distance = gap.norm();
+  view.normal = normal;
+  if (view.distance > static_cast<Real>(kLeastGap)) view.normal = gap / view.distance;
+  if (!(view.normal.squaredNorm() > Real(0))) view.normal = Vector3<Real>::UnitZ();
+  view.velocity = meeting.first.v[first] - meeting.second.v[second];
+  return view;
+}
+
 }  // namespace
+
+template <class Real>
+Real FindTopSpeed(const EdgeMeeting<Real>& meeting, std::uint16_t first, std::uint16_t second) {
+  Real square = 0;
+  for (const std::uint16_t a : meeting.first.edges[first]) {
+    for (const std::uint16_t b : meeting.second.edges[second]) {
+      square = std::max(square, (meeting.first.v[a] - meeting.second.v[b]).squaredNorm());
+    }
+  }
+  return std::sqrt(square);
+}
+
+double FindSegmentDistance(const std::array<Vector3d, 2>& first, const std::array<Vector3d, 2>& second) {
+  const Vector3d u = first[1] - first[0];
+  const Vector3d w = second[1] - second[0];
+  const Vector3d between = first[0] - second[0];
+  const auto [s, t] = FindNearest(u, w, between);
+  return (between + s * u - t * w).norm();
+}
 
 template <class Real>
 EdgeView<Real> FindEdgeView(const EdgeMeeting<Real>& meeting, std::uint16_t first, std::uint16_t second,
                             const Vector3<Real>& normal) {
   const EdgeEnds& ab = meeting.first.edges[first];
   const EdgeEnds& cd = meeting.second.edges[second];
+  if (ab[0] == ab[1] && cd[0] == cd[1]) return FindBallView(meeting, ab[0], cd[0], normal);
   const Vector3d a = (meeting.first.x[ab[0]] + meeting.shift).template cast<double>();
   const Vector3d c = meeting.second.x[cd[0]].template cast<double>();
   const Vector3d u = (meeting.first.x[ab[1]] - meeting.first.x[ab[0]]).template cast<double>();
@@ -233,7 +254,7 @@ int AddEdgeContactLoads(const ContactParameters<Real>& parameters, const EdgeMee
   int substeps = 1;
   for (const EdgeContact<Real>& contact : contacts) {
     const EdgeView<Real> view = FindEdgeView(meeting, contact.first, contact.second, contact.normal);
-    const double approach = FindTopSpeed(meeting, contact);
+    const double approach = double{FindTopSpeed(meeting, contact.first, contact.second)};
     const double depth = PredictDepth(double{FindDepth(meeting, contact, view)}, approach, duration);
     if (!(depth > 0)) continue;
     const auto reached = static_cast<Real>(depth);
@@ -260,6 +281,7 @@ int AddEdgeContactLoads(const ContactParameters<Real>& parameters, const EdgeMee
 }
 
 #define WOBBLE_INSTANTIATE(Real)                                                                            \
+  template Real FindTopSpeed<Real>(const EdgeMeeting<Real>&, std::uint16_t, std::uint16_t);                 \
   template EdgeView<Real> FindEdgeView<Real>(const EdgeMeeting<Real>&, std::uint16_t, std::uint16_t,        \
                                              const Vector3<Real>&);                                         \
   template void ComputeEdgeContacts<Real>(const ContactParameters<Real>&, const EdgeMeeting<Real>&,         \

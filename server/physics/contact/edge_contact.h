@@ -90,10 +90,18 @@ struct EdgeView {
   Vector3<Real> velocity;  // of p against q, m/s
 };
 
+// The distance of two segments, m. Segments may be points.
+[[nodiscard]] double FindSegmentDistance(const std::array<Vector3d, 2>& first, const std::array<Vector3d, 2>& second);
+
 // normal: n_before of the header, unit length; zero to take the sense from q to p.
 template <class Real>
 [[nodiscard]] EdgeView<Real> FindEdgeView(const EdgeMeeting<Real>& meeting, std::uint16_t first, std::uint16_t second,
                                           const Vector3<Real>& normal);
+
+// The largest relative speed of two edges' ends, m/s. Rods are light and turn fast: within a tick their nearest points
+// may be others, that come nearer when these do not.
+template <class Real>
+[[nodiscard]] Real FindTopSpeed(const EdgeMeeting<Real>& meeting, std::uint16_t first, std::uint16_t second);
 
 // Writes one force per contact. forces: as many as contacts.
 template <class Real>
@@ -126,6 +134,12 @@ struct EdgeSearch {
   Real margin = 0;    // for motion that the present velocities do not tell, m
   Real duration = 0;  // of the tick, s
 };
+
+// A contact that begins as `view` shows it. Depth that no motion has brought is leap.
+template <class Real>
+[[nodiscard]] EdgeContact<Real> MakeEdgeContact(const ContactParameters<Real>& parameters,
+                                                const EdgeMeeting<Real>& meeting, std::uint16_t first,
+                                                std::uint16_t second, const EdgeView<Real>& view);
 
 // Kept by the caller to save allocations.
 template <class Real>

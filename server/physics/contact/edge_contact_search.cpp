@@ -40,6 +40,19 @@ void ListNear(const typename EdgeMeeting<Real>::Body& body, const Vector3<Real>&
 }  // namespace
 
 template <class Real>
+EdgeContact<Real> MakeEdgeContact(const ContactParameters<Real>& parameters, const EdgeMeeting<Real>& meeting,
+                                  std::uint16_t first, std::uint16_t second, const EdgeView<Real>& view) {
+  const Real depth = meeting.radius - view.distance;
+  EdgeContact<Real> contact{.first = first, .second = second};
+  contact.leap = std::max(Real(0), depth - FindFreeDepth(parameters));
+  contact.depth = depth - contact.leap;
+  contact.normal = view.normal;
+  contact.s = view.s;
+  contact.t = view.t;
+  return contact;
+}
+
+template <class Real>
 void FindEdgeContacts(const ContactParameters<Real>& parameters, const EdgeMeeting<Real>& meeting,
                       const EdgeSearch<Real>& search, std::vector<EdgeContact<Real>>& contacts,
                       EdgeSearchScratch<Real>& scratch) {
@@ -59,23 +72,17 @@ void FindEdgeContacts(const ContactParameters<Real>& parameters, const EdgeMeeti
       const EdgeView<Real> view =
           FindEdgeView(meeting, first, second, known ? contact.normal : Vector3<Real>::Zero().eval());
       if (std::abs(view.distance) > reach) continue;
-      if (!known) {
-        const Real depth = meeting.radius - view.distance;
-        contact.leap = std::max(Real(0), depth - FindFreeDepth(parameters));
-        contact.depth = depth - contact.leap;
-        contact.normal = view.normal;
-        contact.s = view.s;
-        contact.t = view.t;
-      }
-      scratch.contacts.push_back(contact);
+      scratch.contacts.push_back(known ? contact : MakeEdgeContact(parameters, meeting, first, second, view));
     }
   }
   contacts.swap(scratch.contacts);
 }
 
-#define WOBBLE_INSTANTIATE(Real)                                                                 \
-  template void FindEdgeContacts<Real>(const ContactParameters<Real>&, const EdgeMeeting<Real>&, \
-                                       const EdgeSearch<Real>&, std::vector<EdgeContact<Real>>&, \
+#define WOBBLE_INSTANTIATE(Real)                                                                             \
+  template EdgeContact<Real> MakeEdgeContact<Real>(const ContactParameters<Real>&, const EdgeMeeting<Real>&, \
+                                                   std::uint16_t, std::uint16_t, const EdgeView<Real>&);     \
+  template void FindEdgeContacts<Real>(const ContactParameters<Real>&, const EdgeMeeting<Real>&,             \
+                                       const EdgeSearch<Real>&, std::vector<EdgeContact<Real>>&,             \
                                        EdgeSearchScratch<Real>&);
 WOBBLE_INSTANTIATE(float)
 WOBBLE_INSTANTIATE(double)

@@ -116,10 +116,13 @@ Real ComputeArea(std::span<const std::array<std::uint16_t, 2>> outline, std::spa
 }
 
 template <class Real>
+Real ComputeEnclosed(const Coefficients<Real>& body, std::span<const Vector3<Real>> x) {
+  return body.outline.empty() ? ComputeVolume<Real>(body.faces, x) : ComputeArea<Real>(body.outline, x);
+}
+
+template <class Real>
 bool IsInsideOut(const Coefficients<Real>& body, std::span<const Vector3<Real>> x) {
-  if (!(body.gas > Real(0))) return false;
-  const Real inside = body.outline.empty() ? ComputeVolume<Real>(body.faces, x) : ComputeArea<Real>(body.outline, x);
-  return !(inside > Real(0));
+  return body.gas > Real(0) && !(ComputeEnclosed<Real>(body, x) > Real(0));
 }
 
 template <class Real>
@@ -233,6 +236,7 @@ double ComputeKineticEnergy(const Coefficients<double>& body, std::span<const Ve
                                    std::span<Vector3<Real>>, std::span<const std::uint8_t>);                        \
   template Real ComputeVolume<Real>(std::span<const Face>, std::span<const Vector3<Real>>);                         \
   template Real ComputeArea<Real>(std::span<const std::array<std::uint16_t, 2>>, std::span<const Vector3<Real>>);   \
+  template Real ComputeEnclosed<Real>(const Coefficients<Real>&, std::span<const Vector3<Real>>);                   \
   template bool IsInsideOut<Real>(const Coefficients<Real>&, std::span<const Vector3<Real>>);                       \
   template void AddDrag<Real>(std::span<const Face>, Real, const Vector3<Real>&, std::span<const Vector3<Real>>,    \
                               std::span<const Vector3<Real>>, std::span<Vector3<Real>>);                            \

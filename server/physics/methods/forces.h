@@ -67,6 +67,10 @@ template <class Real>
   return ComputeArea<Real>(std::span<const std::array<std::uint16_t, 2>>(outline), std::span<const Vector3<Real>>(x));
 }
 
+// What a closed skin, or the outline of a planar body with gas, encloses, m³ (planar: m²).
+template <class Real>
+[[nodiscard]] Real ComputeEnclosed(const Coefficients<Real>& body, std::span<const Vector3<Real>> x);
+
 // Whether the gas of a body has no volume (planar: area) left. Always false for a body without gas.
 template <class Real>
 [[nodiscard]] bool IsInsideOut(const Coefficients<Real>& body, std::span<const Vector3<Real>> x);

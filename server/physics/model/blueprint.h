@@ -134,6 +134,10 @@ struct Blueprint {
   std::vector<EdgeEnds> edges;
   double edgeRadius = 0;
   double rodRadius = 0;  // set by the maker of a body without faces: of its particles and springs, m
+  // Edges that meet others of the same body (contact/self_contact.h), and their radius, m; 0: the body does not meet
+  // itself. A skin in space has balls at its vertices, other bodies have `edges`.
+  std::vector<EdgeEnds> selfEdges;
+  double selfRadius = 0;
   GridShape grid;        // set by the shape's maker if the vertices stand in a grid; empty otherwise
   Integrator integrator = Integrator::kRungeKutta4;
   std::shared_ptr<const SparsePattern> sparsePattern;  // of full.springs; for implicit Euler only
@@ -183,6 +187,13 @@ inline constexpr double kRepulsionFloorShare = 0.5;
 
 // The least size in formulas that divide by a body's size, m: a body may be a single particle.
 inline constexpr double kMinSize = 0.01;
+
+// Radius of the balls at a skin's vertices by which it meets itself, as a share of the mean length of its sides; why:
+// contact/self_contact.h.
+inline constexpr double kSelfRadiusShare = 0.4;
+// Edges of a body meet if they are farther apart at rest than this share of the distance at which they touch. So what is
+// joined is free to bend.
+inline constexpr double kSelfApartShare = 3;
 
 // Half of the gap that planar bodies keep in their plane, as a share of the body's size.
 inline constexpr double kOutlineRadiusShare = 0.02;

@@ -125,6 +125,21 @@ void FindEdges(Blueprint& blueprint) {
   }
 }
 
+// Blueprint::selfEdges.
+void FindSelfEdges(Blueprint& blueprint) {
+  blueprint.selfEdges = blueprint.edges;
+  blueprint.selfRadius = blueprint.edgeRadius;
+  const std::vector<EdgeEnds>& sides = blueprint.topology.sides;
+  if (blueprint.edges.empty() && blueprint.full.gas <= 0 && !sides.empty()) {
+    double length = 0;
+    for (const auto& [a, b] : sides) length += (blueprint.rest[a] - blueprint.rest[b]).norm();
+    blueprint.selfRadius = kSelfRadiusShare * length / static_cast<double>(sides.size());
+    for (const std::uint16_t vertex : FindOuterVertices(blueprint)) blueprint.selfEdges.push_back({vertex, vertex});
+  }
+  const bool isSmall = blueprint.reach <= kSelfApartShare * blueprint.selfRadius;  // so that nothing in it is apart
+  if (isSmall || blueprint.selfEdges.size() < 2) blueprint.selfRadius = 0;
+}
+
 bool IsClosed(const Topology& topology) {
   return !topology.neighbours.empty() && std::ranges::none_of(topology.neighbours, [](const auto& sides) {
     return std::ranges::any_of(sides, [](std::uint16_t face) { return face == kNoFace; });
@@ -233,6 +248,7 @@ void FinishBlueprintButStability(Blueprint& blueprint) {
   blueprint.dragRate = FindDragRate(blueprint);
   FindContactShares(blueprint);
   FindEdges(blueprint);
+  FindSelfEdges(blueprint);
   blueprint.single = ToSingle(full);
   MakePlans(blueprint);
 }

@@ -63,6 +63,10 @@ struct Body {
   double gasFactor = 1;        // follows the control within a few ticks
   double stiffnessFactor = 1;  // likewise
   StepHistory steps;
+  // How much nearer to one another any two parts that meet may come before they can touch, m, as far as is known, and
+  // Survey::agitation at the last look. A body whose state was set has 0.
+  double selfRoom = 0;
+  double selfAgitation = 0;
   bool asleep = false;    // neither stepped nor searched for contacts until something wakes it
   int quietTicks = 0;     // in a row so far (sleep.h)
   int invertedTicks = 0;  // in a row so far that ended with the body inside out

@@ -11,6 +11,7 @@
 
 #include "server/physics/contact/body_contact.h"
 #include "server/physics/contact/edge_contact.h"
+#include "server/physics/contact/self_contact.h"
 #include "server/physics/methods/forces.h"
 #include "server/physics/methods/health.h"
 #include "server/physics/methods/stability.h"
@@ -100,11 +101,12 @@ template <class Real>
       .edges = FindMeetingEdges(blueprint), .x = x, .v = v, .shares = blueprint.template Read<Real>().contactShares};
 }
 
-// The edges of two bodies, likewise.
+// The edges of two bodies, likewise; of one body with itself if both are the same.
 template <class Real>
 [[nodiscard]] EdgeMeeting<Real> MakeEdgeMeeting(const Member<Real>& first, const VectorView<Real>& x,
                                                 const VectorView<Real>& v, const Member<Real>& second,
                                                 const VectorView<Real>& secondX, const VectorView<Real>& secondV) {
+  if (first.state == second.state) return MakeSelfMeeting<Real>(*first.blueprint, x, v);
   return {.first = FindEdges<Real>(*first.blueprint, x, v),
           .second = FindEdges<Real>(*second.blueprint, secondX, secondV),
           .shift = (first.state->origin - second.state->origin).template cast<Real>(),
