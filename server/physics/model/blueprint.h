@@ -138,7 +138,7 @@ struct Blueprint {
   // itself. A skin in space has balls at its vertices, other bodies have `edges`.
   std::vector<EdgeEnds> selfEdges;
   double selfRadius = 0;
-  GridShape grid;        // set by the shape's maker if the vertices stand in a grid; empty otherwise
+  GridShape grid;  // set by the shape's maker if the vertices stand in a grid; empty otherwise
   Integrator integrator = Integrator::kRungeKutta4;
   std::shared_ptr<const SparsePattern> sparsePattern;  // of full.springs; for implicit Euler only
   Topology topology;                                   // of full.faces
@@ -191,8 +191,8 @@ inline constexpr double kMinSize = 0.01;
 // Radius of the balls at a skin's vertices by which it meets itself, as a share of the mean length of its sides; why:
 // contact/self_contact.h.
 inline constexpr double kSelfRadiusShare = 0.4;
-// Edges of a body meet if they are farther apart at rest than this share of the distance at which they touch. So what is
-// joined is free to bend.
+// Edges of a body meet if they are farther apart at rest than this share of the distance at which they touch. So what
+// is joined is free to bend.
 inline constexpr double kSelfApartShare = 3;
 
 // Half of the gap that planar bodies keep in their plane, as a share of the body's size.
