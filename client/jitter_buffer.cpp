@@ -6,7 +6,7 @@
 // percentile, not mean plus deviations: delays are one-sided and long-tailed. The histogram forgets with a half-life
 // instead of a window, so it costs the same at 30 packets a second and at 3,000.
 //
-// What is late is the news, not a packet. Over TCP a lost segment holds back all that follow: then they come at once,
+// Lateness counts by news, not by packet. Over TCP a lost segment holds back all that follow: then they come at once,
 // and only the newest of them says how old the picture has to be. To count all of them took the delay to its cap after
 // every black-out of a quarter of a second. A packet of a snapshot older than the newest tells nothing at all.
 //

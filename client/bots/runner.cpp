@@ -229,7 +229,7 @@ Figures Runner::ReadFigures() const {
   double seconds = 0;
   for (const auto& bot : m_bots) {
     const Player::Totals totals = bot->player.ReadTotals();
-    // Who comes back was lost all the same.
+    // A bot that has come back counts as lost all the same.
     const bool isLost = bot->player.ReadState() == Player::State::kLost || totals.cuts > 0;
     ++figures.bots;
     figures.connected += totals.joins > 0 ? 1 : 0;

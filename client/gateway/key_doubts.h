@@ -1,5 +1,5 @@
-// What a gateway with a key tells its host when servers refuse browsers: they do not say that it is the gateway whom
-// they do not know, or nobody could tell it from a wrong password.
+// Finds out what a gateway with a key tells its host when servers refuse browsers. Servers do not say that the gateway
+// is what they do not know, so one refusal alone looks like a wrong password.
 #pragma once
 
 #include <map>

@@ -1,4 +1,4 @@
-// What of the contexts is the same for many records.
+// Context plans hold what many records have in common in their contexts.
 #pragma once
 
 #include <cstddef>

@@ -49,7 +49,8 @@ struct Frequency {
   return context > 24 ? (static_cast<unsigned>(context) - 22) / 3 : 0;
 }
 
-// What levels alone say about the context of a coefficient, the same for all records of a basis and step.
+// Holds what the levels alone say about the context of a coefficient; it is the same for all records of a basis and
+// step.
 struct ExpectedContext {
   std::int16_t magnitude = 0;  // the logarithm of its expectation, from the first context on
   std::int16_t sums = 0;       // the logarithms of both running sums of the expectations before it
