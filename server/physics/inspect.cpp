@@ -129,13 +129,7 @@ Meeting<Real> Meet(const Subject<Real>& ofVertices, const Subject<Real>& ofFaces
 
 template <class Real>
 EdgeMeeting<Real> MeetEdges(const Subject<Real>& first, const Subject<Real>& second) {
-  if (&first.state == &second.state) {
-    return MakeSelfMeeting<Real>(first.blueprint, first.state.positions, first.state.velocities);
-  }
-  return {.first = FindEdges<Real>(first.blueprint, first.state.positions, first.state.velocities),
-          .second = FindEdges<Real>(second.blueprint, second.state.positions, second.state.velocities),
-          .shift = (first.state.origin - second.state.origin).template cast<Real>(),
-          .radius = static_cast<Real>(first.blueprint.edgeRadius + second.blueprint.edgeRadius)};
+  return MakeEdgeMeeting<Real>(first.blueprint, first.state, second.blueprint, second.state);
 }
 
 // Adds the forces of both sides of a pair, and of its edges, on the subject. ofSubject: 0 or 1, its side of the pair.

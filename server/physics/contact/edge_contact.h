@@ -135,6 +135,16 @@ struct EdgeSearch {
   Real duration = 0;  // of the tick, s
 };
 
+// The contact of two edges in a list; null if it has none. Searches ask in the list's order: `from` is the first place
+// that may have it, and moves on.
+template <class Real>
+[[nodiscard]] const EdgeContact<Real>* FindKnown(std::span<const EdgeContact<Real>> list, std::uint16_t first,
+                                                 std::uint16_t second, std::size_t& from) {
+  const EdgeContact<Real> wanted{.first = first, .second = second};
+  while (from < list.size() && IsListedBefore(list[from], wanted)) ++from;
+  return from < list.size() && !IsListedBefore(wanted, list[from]) ? &list[from] : nullptr;
+}
+
 // A contact that begins as `view` shows it. Depth that no motion has brought is leap.
 template <class Real>
 [[nodiscard]] EdgeContact<Real> MakeEdgeContact(const ContactParameters<Real>& parameters,

@@ -60,19 +60,16 @@ void FindEdgeContacts(const ContactParameters<Real>& parameters, const EdgeMeeti
   const Real reach = meeting.radius + search.margin + (search.first.speed + search.second.speed) * search.duration;
   ListNear<Real>(meeting.first, meeting.shift, {search.second.low, search.second.high}, reach, scratch.first);
   ListNear<Real>(meeting.second, -meeting.shift, {search.first.low, search.first.high}, reach, scratch.second);
-  auto kept = contacts.begin();
+  std::size_t from = 0;
   for (const std::uint16_t first : scratch.first) {
     const EdgeBox<Real> box = FindBox<Real>(meeting.first, first, meeting.shift);
     for (const std::uint16_t second : scratch.second) {
       if (!AreNear(box, FindBox<Real>(meeting.second, second, Vector3<Real>::Zero()), reach)) continue;
-      EdgeContact<Real> contact{.first = first, .second = second};
-      while (kept != contacts.end() && IsListedBefore(*kept, contact)) ++kept;
-      const bool known = kept != contacts.end() && !IsListedBefore(contact, *kept);
-      if (known) contact = *kept;
-      const EdgeView<Real> view =
-          FindEdgeView(meeting, first, second, known ? contact.normal : Vector3<Real>::Zero().eval());
+      const EdgeContact<Real>* known = FindKnown<Real>(contacts, first, second, from);
+      const Vector3<Real> normal = known != nullptr ? known->normal : Vector3<Real>::Zero();
+      const EdgeView<Real> view = FindEdgeView(meeting, first, second, normal);
       if (std::abs(view.distance) > reach) continue;
-      scratch.contacts.push_back(known ? contact : MakeEdgeContact(parameters, meeting, first, second, view));
+      scratch.contacts.push_back(known != nullptr ? *known : MakeEdgeContact(parameters, meeting, first, second, view));
     }
   }
   contacts.swap(scratch.contacts);

@@ -188,20 +188,18 @@ Real FindSelfContacts(const ContactParameters<Real>& parameters, const EdgeMeeti
   Real least = sweep.Run();
   scratch.contacts.clear();
   bool isTangled = false;
-  auto kept = contacts.begin();
+  std::size_t from = 0;
   for (const EdgeEnds& pair : scratch.found) {
     if (!AreApartAtRest(meeting, search.rest, pair)) continue;
     const auto [first, second] = pair;
-    const EdgeContact<Real> contact{.first = first, .second = second};
-    while (kept != contacts.end() && IsListedBefore(*kept, contact)) ++kept;
-    const bool known = kept != contacts.end() && !IsListedBefore(contact, *kept);
-    const EdgeView<Real> view =
-        FindEdgeView(meeting, first, second, known ? kept->normal : Vector3<Real>::Zero().eval());
+    const EdgeContact<Real>* known = FindKnown<Real>(contacts, first, second, from);
+    const Vector3<Real> normal = known != nullptr ? known->normal : Vector3<Real>::Zero();
+    const EdgeView<Real> view = FindEdgeView(meeting, first, second, normal);
     const Real distance = std::abs(view.distance);
     least = std::min(least, distance);
     if (distance > FindReachOf(meeting, search, first, second)) continue;
-    isTangled |= !known && distance < static_cast<Real>(kTangledShare) * meeting.radius;
-    scratch.contacts.push_back(known ? *kept : MakeEdgeContact(parameters, meeting, first, second, view));
+    isTangled |= known == nullptr && distance < static_cast<Real>(kTangledShare) * meeting.radius;
+    scratch.contacts.push_back(known != nullptr ? *known : MakeEdgeContact(parameters, meeting, first, second, view));
   }
   contacts.swap(scratch.contacts);
   if (isTangled) contacts.clear();

@@ -101,24 +101,36 @@ template <class Real>
       .edges = FindMeetingEdges(blueprint), .x = x, .v = v, .shares = blueprint.template Read<Real>().contactShares};
 }
 
-// The edges of two bodies, likewise; of one body with itself if both are the same.
+// The edges of two bodies with positions and velocities as their states have them; of one body with itself if both are
+// the same.
+template <class Real>
+[[nodiscard]] EdgeMeeting<Real> MakeEdgeMeeting(const Blueprint& first, const State<Real>& state,
+                                                const Blueprint& second, const State<Real>& secondState) {
+  if (&state == &secondState) return MakeSelfMeeting<Real>(first, state.positions, state.velocities);
+  return {.first = FindEdges<Real>(first, state.positions, state.velocities),
+          .second = FindEdges<Real>(second, secondState.positions, secondState.velocities),
+          .shift = (state.origin - secondState.origin).template cast<Real>(),
+          .radius = static_cast<Real>(first.edgeRadius + second.edgeRadius)};
+}
+template <class Real>
+[[nodiscard]] EdgeMeeting<Real> MakeEdgeMeeting(const Member<Real>& first, const Member<Real>& second) {
+  return MakeEdgeMeeting<Real>(*first.blueprint, *first.state, *second.blueprint, *second.state);
+}
+
+// The same at other positions, m, and velocities, m/s, each in its body's local coordinates.
 template <class Real>
 [[nodiscard]] EdgeMeeting<Real> MakeEdgeMeeting(const Member<Real>& first, const VectorView<Real>& x,
                                                 const VectorView<Real>& v, const Member<Real>& second,
                                                 const VectorView<Real>& secondX, const VectorView<Real>& secondV) {
-  if (first.state == second.state) return MakeSelfMeeting<Real>(*first.blueprint, x, v);
-  return {.first = FindEdges<Real>(*first.blueprint, x, v),
-          .second = FindEdges<Real>(*second.blueprint, secondX, secondV),
-          .shift = (first.state->origin - second.state->origin).template cast<Real>(),
-          .radius = static_cast<Real>(first.blueprint->edgeRadius + second.blueprint->edgeRadius)};
+  EdgeMeeting<Real> meeting = MakeEdgeMeeting(first, second);
+  meeting.first.x = x;
+  meeting.first.v = v;
+  meeting.second.x = secondX;
+  meeting.second.v = secondV;
+  return meeting;
 }
 
-// The same with positions and velocities as the bodies' states have them.
-template <class Real>
-[[nodiscard]] EdgeMeeting<Real> MakeEdgeMeeting(const Member<Real>& first, const Member<Real>& second) {
-  return MakeEdgeMeeting<Real>(first, first.state->positions, first.state->velocities, second, second.state->positions,
-                               second.state->velocities);
-}
+// MakeMeeting with positions and velocities as the bodies' states have them.
 template <class Real>
 [[nodiscard]] Meeting<Real> MakeMeeting(const Member<Real>& ofVertices, const Member<Real>& ofFaces) {
   return MakeMeeting<Real>(ofVertices, ofVertices.state->positions, ofVertices.state->velocities, ofFaces,

@@ -8,7 +8,6 @@
 #include <random>
 
 #include "server/physics/energy.h"
-#include "server/physics/shapes/ball.h"
 #include "server/physics/shapes/cloth.h"
 #include "server/physics/shapes/graph.h"
 #include "server/physics/shapes/lattice.h"
@@ -58,6 +57,16 @@ double FindLeastShare(const World& world, BodyId id, const std::vector<EdgeEnds>
   double least = 1e9;
   for (const EdgeEnds& pair : meeting) least = std::min(least, FindDistance(blueprint, x, pair));
   return least / (2 * blueprint.selfRadius);
+}
+
+// The least of FindLeastShare at the end of each of `ticks`, in none of which a body may be quarantined.
+double PlayForLeastShare(World& world, BodyId id, const std::vector<EdgeEnds>& meeting, int ticks) {
+  double least = 1e9;
+  for (int tick = 0; tick < ticks; ++tick) {
+    EXPECT_EQ(world.Step().quarantined, 0U) << tick;
+    least = std::min(least, FindLeastShare(world, id, meeting));
+  }
+  return least;
 }
 
 TEST(SelfContact, TheSearchFindsWhatPlainLoopsFind) {
@@ -134,12 +143,7 @@ TEST(SelfContact, AClothThatFallsOntoItselfLiesInLayers) {
     bends.push_back({.vertex = static_cast<std::uint16_t>(i), .force = 60 * blueprint.full.masses[i] * to});
   }
   world.PushVertices(id, bends);
-  double least = 1e9;
-  for (int tick = 0; tick < 240; ++tick) {
-    const StepReport report = world.Step();
-    ASSERT_EQ(report.quarantined, 0U) << tick;
-    least = std::min(least, FindLeastShare(world, id, meeting));
-  }
+  const double least = PlayForLeastShare(world, id, meeting, 240);
   EXPECT_GT(least, 0.72) << "nothing has passed: L/√3 is 0.72 d";
   EXPECT_LT(least, 0.99) << "it has lain on itself";
 }
@@ -214,12 +218,7 @@ TEST(SelfContact, ARopeLiesOnItself) {
   world.AddObstacle(Obstacle{});
   const BodyId id = world.AddBody(world.AddBlueprint(MakeGraph(rope)), Vector3d(0, 0, 2.1));
   const std::vector<EdgeEnds> meeting = ListMeeting(world.BlueprintOf(world.ReadBody(id)));
-  double least = 1e9;
-  for (int tick = 0; tick < 300; ++tick) {
-    const StepReport report = world.Step();
-    ASSERT_EQ(report.quarantined, 0U) << tick;
-    least = std::min(least, FindLeastShare(world, id, meeting));
-  }
+  const double least = PlayForLeastShare(world, id, meeting, 300);
   EXPECT_GT(least, 0.3) << "no part has passed through another";
   EXPECT_LT(least, 1) << "it has lain on itself";
 }
