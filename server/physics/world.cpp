@@ -26,7 +26,9 @@ std::uint8_t World::AddBlueprint(Blueprint blueprint) {
   m_slots.push_back({.revision = ++m_blueprintRevision,
                      .isKept = true,
                      .stiffnessBound = FindStiffnessBound(m_blueprints.back(), m_settings.tickDuration)});
-  return static_cast<std::uint8_t>(m_blueprints.size() - 1);
+  const auto slot = static_cast<std::uint8_t>(m_blueprints.size() - 1);
+  m_recipes.push_back({.base = slot, .parts = {}, .torn = {}});
+  return slot;
 }
 
 void World::AddObstacle(const Obstacle& obstacle) {

@@ -6,18 +6,20 @@
 // A wrong call (an id that does not exist, an argument out of range) is an assertion.
 //
 // world.cpp holds the bodies and what is asked of them, world_step.cpp the tick, world_topology.cpp changes of springs
-// and blueprints, world_twin.cpp the copy of a world in another precision.
+// and blueprints, world_state.cpp what a world is stored as, world_twin.cpp the copy of a world in another precision.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "server/physics/contact/broad_phase.h"
 #include "server/physics/contact/obstacle.h"
 #include "server/physics/methods/forces.h"
 #include "server/physics/model/blueprint.h"
+#include "server/physics/shapes/recipe.h"
 #include "server/physics/shapes/tear.h"
 #include "server/physics/step/body.h"
 #include "server/physics/step/drive.h"
@@ -25,6 +27,7 @@
 namespace wobble::physics {
 
 struct InspectedForces;
+struct WorldState;
 template <class Real>
 struct Workspace;
 
@@ -60,8 +63,8 @@ struct StepReport {
   std::uint32_t quarantined = 0;  // stepped again in more substeps: non-finite or runaway energy; or reset
   // Put back into the rest shape: no number of substeps helped, or it has been inside out for kInvertedTime.
   std::uint32_t reset = 0;
-  std::uint32_t torn = 0;         // springs that tore
-  BodyId firstQuarantined = 0;    // least id of the quarantined bodies; 0: none
+  std::uint32_t torn = 0;       // springs that tore
+  BodyId firstQuarantined = 0;  // least id of the quarantined bodies; 0: none
 };
 
 // A place in the list of blueprints.
@@ -159,6 +162,13 @@ class World {
   // ascending. O(pairs of bodies near one another).
   void ListTouching(BodyId id, std::vector<BodyId>& touching) const;
 
+  // A copy of all that the next ticks depend on, beside the scene and the settings. O(state); world_state.h says more.
+  [[nodiscard]] WorldState Capture() const;
+  // Makes the world what the state holds: the next ticks are those of the captured world, to the bit. The world has the
+  // scene's obstacles and blueprints and the precision and tick duration of the captured one. Any state is safe.
+  // Returns an empty text, or what the state cannot be; the world is then as it was.
+  [[nodiscard]] std::string Restore(const WorldState& state);
+
   // Hash of every bit of every body's state.
   [[nodiscard]] std::uint64_t Hash() const;
 
@@ -173,7 +183,9 @@ class World {
   void WakeAll();
   // Of the slots whose blueprint may be replaced, the one with the oldest blueprint; the number of slots when none may.
   [[nodiscard]] std::size_t FindFreeSlot() const;
-  void PutOntoSlot(Body& body, std::size_t slot, Blueprint blueprint, std::span<const std::uint16_t> kept);
+  void PutOntoSlot(Body& body, std::size_t slot, Blueprint blueprint, BlueprintRecipe recipe,
+                   std::span<const std::uint16_t> kept);
+  void PutIntoSlot(std::size_t slot, Blueprint blueprint, BlueprintRecipe recipe);
   // Gives bodies whose springs have torn blueprints without these springs, a few times a second.
   void RebuildTorn();
   // Wakes the bodies whose drives go on or off with this tick.
@@ -186,7 +198,8 @@ class World {
 
   WorldSettings m_settings;
   std::vector<Blueprint> m_blueprints;
-  std::vector<BlueprintSlot> m_slots;  // of m_blueprints
+  std::vector<BlueprintSlot> m_slots;      // of m_blueprints
+  std::vector<BlueprintRecipe> m_recipes;  // of m_blueprints
   std::uint64_t m_blueprintRevision = 0;
   std::vector<Obstacle> m_obstacles;
   std::vector<Body> m_bodies;

@@ -165,15 +165,22 @@ std::size_t World::FindFreeSlot() const {
   return best;
 }
 
-void World::PutOntoSlot(Body& body, std::size_t slot, Blueprint blueprint, std::span<const std::uint16_t> kept) {
+void World::PutIntoSlot(std::size_t slot, Blueprint blueprint, BlueprintRecipe recipe) {
   if (slot == m_slots.size()) {
     m_blueprints.emplace_back();
     m_slots.emplace_back();
+    m_recipes.emplace_back();
   }
   m_blueprints[slot] = std::move(blueprint);
+  m_recipes[slot] = std::move(recipe);
   SetIntegrator(m_blueprints[slot], m_blueprints[slot].integrator);  // its pattern must be that of the new springs
   m_slots[slot].revision = ++m_blueprintRevision;
   m_slots[slot].stiffnessBound = FindStiffnessBound(m_blueprints[slot], m_settings.tickDuration);
+}
+
+void World::PutOntoSlot(Body& body, std::size_t slot, Blueprint blueprint, BlueprintRecipe recipe,
+                        std::span<const std::uint16_t> kept) {
+  PutIntoSlot(slot, std::move(blueprint), std::move(recipe));
   body.blueprint = static_cast<std::uint8_t>(slot);
   body.selfRoom = 0;
   WakeUp(body);
@@ -199,7 +206,8 @@ bool World::ReplaceBlueprint(BodyId id, Blueprint blueprint, std::span<const std
   RenumberForces(id, places);
   const auto torn = std::visit([&](auto& state) { return FindTornEdges(before, state.torn, places); }, body.state);
   WakeNeighboursOf(id);
-  PutOntoSlot(body, slot, std::move(blueprint), kept);
+  BlueprintRecipe recipe{.base = m_recipes[body.blueprint].base, .parts = FindParts(blueprint), .torn = {}};
+  PutOntoSlot(body, slot, std::move(blueprint), std::move(recipe), kept);
   const bool isTorn =
       std::visit([&](auto& state) { return MarkTorn(m_blueprints[slot], torn, state.torn); }, body.state);
   if (!isTorn) body.tornTicks = 0;
@@ -265,7 +273,10 @@ void World::RebuildTorn() {
       RenumberEdges(work.pairs, body.id, m_blueprints[body.blueprint], left, kept);
     };
     std::visit(renumber, m_engine->workspace);
-    PutOntoSlot(body, slot, std::move(left), kept);
+    BlueprintRecipe recipe = m_recipes[body.blueprint];
+    const Blueprint& base = m_blueprints[recipe.base];
+    AddTorn(recipe, recipe.parts ? recipe.parts->springs.size() : base.full.springs.size(), torn);
+    PutOntoSlot(body, slot, std::move(left), std::move(recipe), kept);
     body.tornTicks = 0;
   }
   std::erase_if(m_tearing, [this](BodyId id) { return Write(id).tornTicks == 0; });

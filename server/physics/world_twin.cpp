@@ -102,6 +102,7 @@ World::World(const World& other, const WorldSettings& settings)
     : m_settings(settings),
       m_blueprints(other.m_blueprints),
       m_slots(other.m_slots),
+      m_recipes(other.m_recipes),
       m_blueprintRevision(other.m_blueprintRevision),
       m_obstacles(other.m_obstacles),
       m_bodies(other.m_bodies),

@@ -34,17 +34,17 @@ int FindRungBelow(int substeps) {
 }  // namespace
 
 void StepHistory::Record(double error, int substeps, double allowed) {
-  m_error = error;
-  m_coefficients[m_next] = FindCoefficient(error, substeps);
-  m_next = (m_next + 1) % kTicks;
-  const int wanted =
-      FindSubstepsForCoefficient(*std::max_element(m_coefficients.begin(), m_coefficients.end()), allowed);
-  m_ticksBelow = wanted < m_substeps ? m_ticksBelow + 1 : 0;
-  if (wanted > m_substeps) {
-    m_substeps = wanted;
-  } else if (m_ticksBelow >= kPatience) {
-    m_substeps = FindRungBelow(m_substeps);
-    m_ticksBelow = 0;
+  auto& [coefficients, next, lastError, chosen, ticksBelow] = m_memory;
+  lastError = error;
+  coefficients[next] = FindCoefficient(error, substeps);
+  next = static_cast<std::uint8_t>((next + 1U) % kTicks);
+  const int wanted = FindSubstepsForCoefficient(*std::max_element(coefficients.begin(), coefficients.end()), allowed);
+  ticksBelow = wanted < chosen ? ticksBelow + 1 : 0;
+  if (wanted > chosen) {
+    chosen = wanted;
+  } else if (ticksBelow >= kPatience) {
+    chosen = FindRungBelow(chosen);
+    ticksBelow = 0;
   }
 }
 

@@ -17,6 +17,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 
 namespace wobble::physics {
 
@@ -25,22 +27,32 @@ inline constexpr double kErrorShare = 0.58;
 // The substeps that one body asks for, from the errors of its last ticks. Errors are RMS over its vertices, m.
 class StepHistory {
  public:
+  static constexpr std::size_t kTicks = 6;
+
+  // All that it remembers, to be stored.
+  struct Memory {
+    std::array<double, kTicks> coefficients{};  // c of the last ticks, m
+    std::uint8_t next = 0;                      // place of the oldest, below kTicks
+    double error = 0;                           // m
+    int substeps = 1;
+    int ticksBelow = 0;  // in a row so far for which a lower rung would have sufficed
+  };
+
+  StepHistory() = default;
+  explicit StepHistory(const Memory& memory) : m_memory(memory) {}
+  [[nodiscard]] const Memory& Read() const { return m_memory; }
+
   // Substeps for the next tick, on the ladder.
-  [[nodiscard]] int Substeps() const { return m_substeps; }
+  [[nodiscard]] int Substeps() const { return m_memory.substeps; }
 
   // The error of the last tick that was recorded, m.
-  [[nodiscard]] double Error() const { return m_error; }
+  [[nodiscard]] double Error() const { return m_memory.error; }
 
   // Records the error of a tick in so many substeps. allowed: error allowed in one tick, m.
   void Record(double error, int substeps, double allowed);
 
  private:
-  static constexpr std::size_t kTicks = 6;
-  std::array<double, kTicks> m_coefficients{};  // c of the last ticks, m
-  std::size_t m_next = 0;
-  double m_error = 0;
-  int m_substeps = 1;
-  int m_ticksBelow = 0;
+  Memory m_memory;
 };
 
 // A tick with this many times the allowed error is stepped again.

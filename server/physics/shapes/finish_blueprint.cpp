@@ -221,22 +221,31 @@ void SetContactLaw(Blueprint& blueprint, ContactLaw law, double magneticStrength
 }
 
 void FinishBlueprintButStability(Blueprint& blueprint) {
+  const std::vector<double>& masses = blueprint.full.masses;
+  double mass = 0;
+  Vector3d moment = Vector3d::Zero();
+  for (std::size_t i = 0; i < masses.size(); ++i) {
+    mass += masses[i];
+    moment += masses[i] * blueprint.rest[i];
+  }
+  const Vector3d centre = moment / mass;
+  for (Vector3d& x : blueprint.rest) x -= centre;
+  FinishCentredBlueprint(blueprint);
+}
+
+void FinishCentredBlueprint(Blueprint& blueprint) {
   Coefficients<double>& full = blueprint.full;
   blueprint.totalMass = 0;
-  Vector3d moment = Vector3d::Zero();
   full.inverseMasses.resize(full.masses.size());
   for (std::size_t i = 0; i < full.masses.size(); ++i) {
     full.inverseMasses[i] = 1 / full.masses[i];
     blueprint.totalMass += full.masses[i];
-    moment += full.masses[i] * blueprint.rest[i];
   }
   for (const std::uint16_t vertex : full.fixed) full.inverseMasses[vertex] = 0;
-  const Vector3d centre = moment / blueprint.totalMass;
 
   double squares = 0;
   blueprint.reach = kMinSize;
-  for (Vector3d& x : blueprint.rest) {
-    x -= centre;
+  for (const Vector3d& x : blueprint.rest) {
     squares += x.squaredNorm();
     blueprint.reach = std::max(blueprint.reach, x.norm());
   }

@@ -17,6 +17,9 @@ void CheckField(std::vector<FieldError>& errors, const char* field, double value
 void FinishBlueprint(Blueprint& blueprint);
 // The same without stability, for callers that know it: its power iteration takes longer than all the rest.
 void FinishBlueprintButStability(Blueprint& blueprint);
+// The same for a rest shape that has been moved to its centre of mass before: to move it again would change its last
+// bits.
+void FinishCentredBlueprint(Blueprint& blueprint);
 
 // Makes the plans by which the body is stepped in lanes, from its coefficients and its grid.
 void MakePlans(Blueprint& blueprint);

@@ -35,10 +35,14 @@ double BoundRate(const Coefficients<double>& full, Pick&& pick) {
   return sums.empty() ? 0 : *std::ranges::max_element(sums);
 }
 
-void FinishGraph(Blueprint& graph) {
-  FinishBlueprintButStability(graph);
+void BoundStability(Blueprint& graph) {
   graph.angularFrequency = std::sqrt(BoundRate(graph.full, [](const auto& spring) { return spring.stiffness; }));
   graph.dampingRate = BoundRate(graph.full, [](const auto& spring) { return spring.damping; });
+}
+
+void FinishGraph(Blueprint& graph) {
+  FinishBlueprintButStability(graph);
+  BoundStability(graph);
 }
 
 // where: precedes the name of each field in errors.
@@ -118,15 +122,19 @@ void EraseAt(std::vector<Value>& values, std::size_t index) {
   values.erase(values.begin() + static_cast<std::ptrdiff_t>(index));
 }
 
-// Checks the sizes and finishes the blueprint if there are no errors. field: the one that an error names when the body
-// is too fast for its ticks.
-void FinishEdit(GraphEdit& edit, const char* field, double value) {
-  const auto checkCount = [&](const char* what, std::size_t count, std::size_t most) {
+void CheckCounts(GraphEdit& edit) {
+  const auto check = [&](const char* what, std::size_t count, std::size_t most) {
     CheckField(edit.errors, what, static_cast<double>(count), count <= most,
                ("at most " + std::to_string(most)).c_str());
   };
-  checkCount("particles", edit.blueprint.rest.size(), kMaxParticles);
-  checkCount("springs", edit.blueprint.full.springs.size(), kMaxGraphSprings);
+  check("particles", edit.blueprint.rest.size(), kMaxParticles);
+  check("springs", edit.blueprint.full.springs.size(), kMaxGraphSprings);
+}
+
+// Checks the sizes and finishes the blueprint if there are no errors. field: the one that an error names when the body
+// is too fast for its ticks.
+void FinishEdit(GraphEdit& edit, const char* field, double value) {
+  CheckCounts(edit);
   if (!edit.errors.empty()) return;
   FinishGraph(edit.blueprint);
   CheckField(edit.errors, field, value, IsSlowEnough(edit.blueprint),
@@ -175,6 +183,45 @@ GraphEdit BuildGraph(const GraphDefinition& definition) {
 std::vector<FieldError> ValidateGraph(const GraphDefinition& definition) { return BuildGraph(definition).errors; }
 
 Blueprint MakeGraph(const GraphDefinition& definition) { return BuildGraph(definition).blueprint; }
+
+GraphParts FindParts(const Blueprint& graph) {
+  return {.rest = graph.rest, .masses = graph.full.masses, .fixed = graph.full.fixed, .springs = graph.full.springs};
+}
+
+GraphEdit SetParts(const Blueprint& graph, const GraphParts& parts) {
+  GraphEdit edit{graph, {}, {}, {}};
+  const std::size_t count = parts.rest.size();
+  Coefficients<double>& full = edit.blueprint.full;
+  const bool isGraph = graph.rodRadius > 0 && full.faces.empty() && full.tetrahedra.empty();
+  if (!isGraph) edit.errors.push_back({"parts", graph.name, "of a graph"});
+  CheckField(edit.errors, "particles", static_cast<double>(count), count > 0, "at least 1");
+  CheckField(edit.errors, "masses", static_cast<double>(parts.masses.size()), parts.masses.size() == count,
+             "one a particle");
+  const bool areFixed = std::ranges::is_sorted(parts.fixed, std::ranges::less_equal()) &&
+                        (parts.fixed.empty() || parts.fixed.back() < count);
+  CheckField(edit.errors, "fixed", static_cast<double>(parts.fixed.size()), areFixed, "places of particles, ascending");
+  if (!edit.errors.empty()) return edit;
+  edit.blueprint.rest = parts.rest;
+  full.masses = parts.masses;
+  full.fixed = parts.fixed;
+  full.springs = parts.springs;
+  CheckCounts(edit);
+  if (!edit.errors.empty()) return edit;
+  full.springs.clear();
+  for (std::size_t i = 0; i < count; ++i) CheckParticle(edit.errors, "", {parts.rest[i], parts.masses[i], false});
+  for (const Spring<double>& spring : parts.springs) {
+    const GraphSpring added{.a = static_cast<int>(spring.a),
+                            .b = static_cast<int>(spring.b),
+                            .stiffness = spring.stiffness,
+                            .damping = spring.damping,
+                            .restLength = spring.restLength};
+    AppendSpring(edit.errors, "", added, edit.blueprint);
+  }
+  if (!edit.errors.empty()) return edit;
+  FinishCentredBlueprint(edit.blueprint);
+  BoundStability(edit.blueprint);
+  return edit;
+}
 
 GraphEdit AddParticle(const Blueprint& graph, const Particle& particle) {
   GraphEdit edit = BeginEdit(graph);

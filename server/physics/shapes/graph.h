@@ -57,6 +57,18 @@ struct GraphEdit {
   std::vector<std::uint16_t> keptSprings;
 };
 
+// What tells two states of a graph that is changed in play from one another: enough to make one of the other.
+struct GraphParts {
+  std::vector<Vector3d> rest;  // about the centre of mass, m
+  std::vector<double> masses;  // kg
+  std::vector<std::uint16_t> fixed;
+  std::vector<Spring<double>> springs;
+};
+[[nodiscard]] GraphParts FindParts(const Blueprint& graph);
+// The graph with other parts, to the bit as the changes below have made it; name, plane, radius and contact law stay.
+// Any parts are safe: those that no graph has are errors.
+[[nodiscard]] GraphEdit SetParts(const Blueprint& graph, const GraphParts& parts);
+
 // The changes. `graph` must come from MakeGraph or one of these functions. Particles and springs keep their order and
 // new ones come last, so a body's state stays valid, with a new particle's position and velocity at its end. Positions
 // are in the rest shape of `graph`, about its centre of mass; the new blueprint's rest shape has a centre of its own.
