@@ -45,8 +45,9 @@ Outcome FinishBody(const Surroundings& surroundings, const BlueprintSlot& slot, 
                   .reset = member.lost || staysInverted};
   body.touchesBody = false;  // until FinishContactPair finds a contact
   if (outcome.reset) {
-    const Vector3d centre = state.origin + member.survey.bulk.centre;
-    PutBackToRest(*member.blueprint, FindFreePlace(surroundings.obstacles, member, centre), state);
+    const Vector3d& centre = member.survey.bulk.centre;  // no number if the tick began so; the origin is near it
+    const Vector3d place = centre.allFinite() ? Vector3d(state.origin + centre) : state.origin;
+    PutBackToRest(*member.blueprint, FindFreePlace(surroundings.obstacles, member, place), state);
     body.steps = {};
     body.invertedTicks = 0;
     body.selfRoom = 0;
