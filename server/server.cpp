@@ -16,8 +16,7 @@ using protocol::wire::EventKind;
 
 namespace {
 
-// A body farther than this from the origin, m, soon cannot be shown on the wire; it respawns like one that fell.
-constexpr double kBorder = 0.9 * protocol::kWorldHalfExtent;
+static_assert(kBorder <= 0.9 * protocol::kWorldHalfExtent);
 
 // Time between two calls while the world is paused, s: also the longest that a first packet waits.
 constexpr double kPausedPoll = 0.05;
@@ -35,27 +34,18 @@ constexpr double kHeavyLoss = 0.1;
 Server::Server(const Config& config, scenes::Scene scene, std::unique_ptr<transport::Transport> transport, double now,
                std::vector<Bases> bases, TimeSource clock)
     : m_config(config),
-      m_scene(std::move(scene)),
       m_transport(std::move(transport)),
-      m_world(scenes::MakeWorldSettings(m_scene, 1.0 / config.tickHz, config.threads)),
-      m_sceneBodies(scenes::FillWorld(m_scene, config.seed, m_world)),
-      m_grounds(CaptureGrounds(m_world.Obstacles())),
+      m_playground(std::move(scene), 1.0 / config.tickHz, config.threads, config.seed),
+      m_grounds(CaptureGrounds(World().Obstacles())),
       m_clock(1.0 / config.tickHz, now),
       m_watch(std::move(clock)),
-      m_store(m_world, config.threads, std::move(bases), m_watch),
+      m_store(World(), config.threads, std::move(bases), m_watch),
       m_sender(*m_transport, config.viewDistance),
       m_load(1.0 / config.tickHz),
       m_snapshotHz(config.snapshotHz),
-      m_hands(m_scene.hands, 1.0 / config.tickHz),
-      m_tuning(m_scene.tuning, m_scene.gravity),
       m_lastCompany(now),
       m_lastCall(now) {
-  assert(Validate(m_config, m_scene).empty());
-  if (m_scene.workshop.isOpen) {
-    const auto isWorkshop = [&](const physics::Body& body) { return body.blueprint == m_scene.workshop.blueprint; };
-    m_workshop.emplace(m_scene.workshop, std::ranges::find_if(m_world.Bodies(), isWorkshop)->id, m_world);
-  }
-  if (m_scene.game.kind == scenes::GameRules::Kind::kSumo) m_game.emplace(m_scene.game);
+  assert(Validate(m_config, m_playground.Scene()).empty());
   PublishBlueprints();
 }
 
@@ -92,8 +82,7 @@ void Server::Receive(double now) {
 void Server::Step() {
   m_watch.Enter(Phase::kStep);
   ApplyInputs();
-  ActByHand();
-  m_report = m_world.Step();
+  m_report = m_playground.Step();
   const physics::StepReport& report = m_report;
   m_counts.substeps += report.substeps;
   m_counts.awakeSum += report.awake;
@@ -103,11 +92,11 @@ void Server::Step() {
   m_counts.reset += report.reset;
   m_counts.torn += report.torn;
   if (report.quarantined > 0) {
-    spdlog::warn("tick {}: {} bodies stepped again in more substeps ({} not finite), {} of them reset", m_world.Tick(),
+    spdlog::warn("tick {}: {} bodies stepped again in more substeps ({} not finite), {} of them reset", World().Tick(),
                  report.quarantined, report.nonFinite, report.reset);
   }
-  RespawnFallen();
-  PlayGame();
+  TellHappenings();
+  TellStandings();
   m_store.FollowStep();
 }
 
@@ -127,7 +116,7 @@ void Server::Send(BodySubset due, double now) {
     SnapshotTask task;
     task.connection = connection;
     task.ownBody = session.body;
-    task.head.tick = m_world.Tick();
+    task.head.tick = World().Tick();
     task.head.timeRatio = static_cast<float>(m_clock.TimeRatio());
     task.head.inputTick = session.inputs.NewestUsed();
     task.subset = due;
@@ -151,13 +140,13 @@ void Server::PauseOrResume(double now) {
   const bool isAlone = m_config.pauseAfter > 0 && now - m_lastCompany > m_config.pauseAfter;
   if (isAlone == m_isPaused) return;
   m_isPaused = isAlone;
-  spdlog::info("tick {}: {}", m_world.Tick(), isAlone ? "nobody is connected, the world pauses" : "the world resumes");
+  spdlog::info("tick {}: {}", World().Tick(), isAlone ? "nobody is connected, the world pauses" : "the world resumes");
 }
 
 double Server::NextCall() const { return m_isPaused ? m_lastCall + kPausedPoll : m_clock.NextTick(); }
 
 void Server::PublishBlueprints() {
-  for (const std::uint8_t slot : m_store.FollowBlueprints(m_workshop ? &*m_workshop : nullptr)) {
+  for (const std::uint8_t slot : m_store.FollowBlueprints(m_playground.ReadWorkshop())) {
     for (auto& [connection, session] : m_sessions) {
       if (session.state == Session::State::kPlaying) session.download.Renew(slot);
     }
@@ -170,7 +159,7 @@ void Server::PublishBlueprints() {
 // time for the longest tick.
 std::optional<BodySubset> Server::FindDueBodies() const {
   if (CountPlaying() == 0) return {};
-  const auto tick = m_world.Tick();
+  const auto tick = World().Tick();
   const auto tickHz = static_cast<std::uint32_t>(m_config.tickHz), hz = static_cast<std::uint32_t>(m_snapshotHz);
   if (m_store.Bodies().size() >= kManyBodies && tickHz % hz == 0) {
     const std::uint32_t parts = tickHz / hz;
@@ -191,7 +180,7 @@ void Server::FollowLoad(std::size_t ticks, double now) {
   m_snapshotHz = level >= LoadLevel::kBusy ? std::min(m_config.snapshotHz, kBusySnapshotHz) : m_config.snapshotHz;
   if (level == before) return;
   spdlog::log(level > before ? spdlog::level::warn : spdlog::level::info,
-              "tick {}: ticks take {:.0f} % of the time there is for them, load level {}", m_world.Tick(),
+              "tick {}: ticks take {:.0f} % of the time there is for them, load level {}", World().Tick(),
               100 * m_load.Share(), Name(level));
 }
 
@@ -200,40 +189,14 @@ void Server::ApplyInputs() {
   for (auto& [connection, session] : m_sessions) {
     if (session.state != Session::State::kPlaying) continue;
     const std::uint64_t starved = session.inputs.CountStarved();
-    const physics::Control control = TakeControl(session, m_world.Tick() + 1, holdTicks);
+    const physics::Control control = TakeControl(session, World().Tick() + 1, holdTicks);
     if (session.body == 0) continue;
     ++m_counts.inputsDue;
     m_counts.inputsStarved += session.inputs.CountStarved() - starved;
-    m_world.SetControl(session.body, control, m_scene.player.limits);
+    MoveEntry move{session.clientId, control, session.hand};
+    if (session.isMuted) move.hand.reset();
+    if (!m_playground.IsInForce(move)) m_playground.Take(move);
   }
-}
-
-void Server::RespawnFallen() {
-  const auto hasFallen = [&](physics::BodyId body) {
-    const physics::Vector3d centre = m_world.FindCentre(m_world.ReadBody(body));
-    return centre.z() < m_scene.killHeight || centre.cwiseAbs().maxCoeff() > kBorder;
-  };
-  // Both lists ascend by id. Only bodies that were stepped can have fallen.
-  auto placed = m_sceneBodies.begin();
-  for (const std::uint32_t place : m_world.Changes().stepped) {
-    const physics::BodyId body = m_world.Bodies()[place].id;
-    placed = std::lower_bound(placed, m_sceneBodies.end(), body,
-                              [](const scenes::PlacedBody& each, physics::BodyId id) { return each.body < id; });
-    if (placed == m_sceneBodies.end()) break;
-    if (placed->body == body && hasFallen(body)) Respawn(body, placed->home);
-  }
-  for (const auto& [connection, session] : m_sessions) {
-    if (session.body != 0 && !m_world.ReadBody(session.body).asleep && hasFallen(session.body)) {
-      NoteFall(session);
-      Respawn(session.body, scenes::FindFreeSpawn(m_scene.player, session.clientId, m_world));
-    }
-  }
-}
-
-void Server::Respawn(physics::BodyId body, const physics::Vector3d& place) {
-  m_world.PlaceBody(body, place);
-  ++m_counts.respawns;
-  Broadcast(protocol::MakeEvent(EventKind::Respawn, m_world.Tick(), 0, body, ""));
 }
 
 }  // namespace wobble::server

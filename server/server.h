@@ -13,12 +13,7 @@
 
 #include "protocol/transport/transport.h"
 #include "server/config.h"
-#include "server/physics/world.h"
-#include "server/play/hands.h"
-#include "server/play/sumo.h"
-#include "server/play/tuning.h"
-#include "server/play/workshop.h"
-#include "server/scenes/scene.h"
+#include "server/play/playground.h"
 #include "server/session.h"
 #include "server/snapshots/capture.h"
 #include "server/snapshots/snapshot_sender.h"
@@ -113,9 +108,8 @@ class Server {
   [[nodiscard]] bool IsLocked() const { return m_isLocked; }
   // Whether players may change what others built. False: the scene has no workshop.
   bool SetProtected(bool isProtected);
-  [[nodiscard]] bool IsProtected() const { return m_workshop && m_workshop->IsProtected(); }
-  // Puts the scene's bodies back to their places, the workshop to what the scene has, and tuning to usual. What is torn
-  // stays torn.
+  [[nodiscard]] bool IsProtected() const;
+  // ResetEntry (play/entry.h), and the usual pace of time.
   void ResetWorld();
   // A line for everybody, and for one client.
   void Say(const std::string& text);
@@ -125,7 +119,7 @@ class Server {
   using OrderTaker = std::function<std::vector<std::string>(ClientId, transport::Rank, const std::string& line)>;
   void SetOrderTaker(OrderTaker taker) { m_orderTaker = std::move(taker); }
 
-  [[nodiscard]] const physics::World& World() const { return m_world; }
+  [[nodiscard]] const physics::World& World() const { return m_playground.World(); }
   [[nodiscard]] const Counts& ReadCounts() const { return m_counts; }
   [[nodiscard]] const Encoder& ReadEncoder() const { return m_store.ReadEncoder(); }
   [[nodiscard]] const SendCounts& ReadSendCounts() const { return m_sender.Counts(); }
@@ -159,8 +153,6 @@ class Server {
   // Adapts snapshots and world time to the load; ticks: how many the last call played because they were due.
   void FollowLoad(std::size_t ticks, double now);
   void ApplyInputs();
-  void RespawnFallen();
-  void Respawn(physics::BodyId body, const physics::Vector3d& place);
   // Lets all who have joined download blueprints that are new or have changed.
   void PublishBlueprints();
 
@@ -182,10 +174,13 @@ class Server {
 
   // server_play.cpp: what players do beyond moving.
   void Obey(Session& session, const Command& command, double now);
+  // Returns the reason of a refusal, for the player.
+  std::string Tune(const Session& session, const TuneCommand& command, double now);
+  std::string Act(const Session& session, const ActEntry& act);
   void TakeOrder(Session& session, const std::string& line);
-  void ActByHand();
-  void PlayGame();
-  void NoteFall(const Session& session);
+  // Tells clients what has happened in the playground since the last call.
+  void TellHappenings();
+  void TellStandings();
   void SendStandings();
   void SendTuning();
   void SendForces();
@@ -193,10 +188,8 @@ class Server {
   [[nodiscard]] Session* FindSession(ClientId client);
 
   Config m_config;
-  scenes::Scene m_scene;
   std::unique_ptr<transport::Transport> m_transport;
-  physics::World m_world;
-  std::vector<scenes::PlacedBody> m_sceneBodies;  // by ascending id
+  Playground m_playground;
   std::vector<CapturedGround> m_grounds;
   std::map<transport::ConnectionId, Session> m_sessions;
   TickClock m_clock;
@@ -207,10 +200,7 @@ class Server {
   LoadController m_load;
   int m_snapshotHz;
   physics::StepReport m_report;
-  Hands m_hands;
-  Tuning m_tuning;
-  std::optional<Workshop> m_workshop;
-  std::optional<Sumo> m_game;
+  Pace m_pace;
   std::uint64_t m_sentStandings = 0;  // Sumo::Revision of the standings sent last
   Counts m_counts;
   double m_lastCompany;  // when a connection was there last, or the server started, s

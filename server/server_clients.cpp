@@ -36,7 +36,7 @@ void Server::TakeEvent(const transport::Event& event, double now) {
   if (session.state == Session::State::kEnding) return;
   if (event.kind == Kind::kOffence) return End(session, GoodbyeReason::TooMuch, "");
 
-  const MessageEffect effect = TakeMessage(session, event.channel, event.bytes, m_world.Tick(), now);
+  const MessageEffect effect = TakeMessage(session, event.channel, event.bytes, World().Tick(), now);
   m_counts.stalls += effect.stalls;
   if (effect.dropped) {
     ++m_counts.dropped[static_cast<std::size_t>(*effect.dropped)];
@@ -86,16 +86,13 @@ void Server::Join(Session& session) {
   session.name = MakeDistinct(session.name, taken);
   session.state = Session::State::kPlaying;
   session.clientId = m_nextClientId++;
-  if (!session.spectator) {
-    session.body = m_world.AddBody(static_cast<std::uint8_t>(m_scene.player.blueprint),
-                                   scenes::FindFreeSpawn(m_scene.player, session.clientId, m_world));
-  }
+  m_playground.Take(JoinEntry{session.clientId, session.spectator, session.name});
+  session.body = m_playground.FindPlayer(session.clientId)->body;
   ++m_counts.joins;
   m_counts.clientsPeak = std::max(m_counts.clientsPeak, CountPlaying());
   spdlog::info("client {} ({}) joined{}", session.clientId, session.name, session.spectator ? " as spectator" : "");
   SendWelcome(session);
-  Broadcast(protocol::MakeEvent(EventKind::Join, m_world.Tick(), session.clientId, session.body, session.name));
-  if (m_game && session.body != 0) m_game->Enter(session.clientId);
+  Broadcast(protocol::MakeEvent(EventKind::Join, World().Tick(), session.clientId, session.body, session.name));
   SendTuning();
 }
 
@@ -103,19 +100,19 @@ void Server::SendWelcome(Session& session) {
   protocol::WelcomeFields fields;
   fields.clientId = session.clientId;
   fields.ownBody = session.body;
-  fields.tick = m_world.Tick();
+  fields.tick = World().Tick();
   fields.tickHz = static_cast<std::uint16_t>(m_config.tickHz);
   fields.snapshotHz = static_cast<std::uint16_t>(m_config.snapshotHz);
-  fields.scene = m_scene.name;
+  fields.scene = m_playground.Scene().name;
   fields.blueprintCount = static_cast<std::uint16_t>(m_store.Blueprints().All().size());
-  fields.obstacles = CaptureObstacles(m_world.Obstacles());
+  fields.obstacles = CaptureObstacles(World().Obstacles());
   for (const CapturedGround& ground : m_grounds) fields.heightFields.push_back(ground.field);
-  fields.hands = CaptureHands(m_scene);
-  fields.reach = static_cast<float>(m_scene.hands.reach);
-  fields.game = m_game ? "sumo" : "";
-  fields.workshop = m_workshop ? m_workshop->Body() : 0;
+  fields.hands = CaptureHands(m_playground.Scene());
+  fields.reach = static_cast<float>(m_playground.Scene().hands.reach);
+  fields.game = m_playground.ReadGame() != nullptr ? "sumo" : "";
+  fields.workshop = m_playground.ReadWorkshop() != nullptr ? m_playground.ReadWorkshop()->Body() : 0;
   fields.rank = static_cast<protocol::wire::Rank>(session.admission.rank);
-  fields.ownBlueprint = static_cast<std::uint8_t>(m_scene.player.blueprint);
+  fields.ownBlueprint = static_cast<std::uint8_t>(m_playground.Scene().player.blueprint);
   const auto send = [&](const protocol::Message& message) {
     if (m_transport->Send(session.connection, Channel::kControl, message) != transport::SendResult::kQueued) {
       spdlog::warn("client {}: could not be welcomed", session.clientId);
@@ -125,7 +122,7 @@ void Server::SendWelcome(Session& session) {
   // The players who have joined before, so that every body has its name.
   for (const auto& [connection, other] : m_sessions) {
     if (other.state != Session::State::kPlaying || &other == &session) continue;
-    send(protocol::MakeEvent(EventKind::Join, m_world.Tick(), other.clientId, other.body, other.name));
+    send(protocol::MakeEvent(EventKind::Join, World().Tick(), other.clientId, other.body, other.name));
   }
   session.download.Begin(m_grounds.size(), m_store.Blueprints().All().size(), fields.ownBlueprint, session.kept);
   session.kept = {};
@@ -159,13 +156,11 @@ void Server::ForgetPlayer(Session& session, bool isLost) {
   session.state = Session::State::kEnding;
   ++(isLost ? m_counts.disconnects : m_counts.leaves);
   if (isLost) spdlog::info("client {} ({}) was lost", session.clientId, session.name);
-  if (session.body != 0) m_world.RemoveBody(session.body);
-  Broadcast(protocol::MakeEvent(EventKind::Leave, m_world.Tick(), session.clientId, session.body, session.name));
-  if (session.body != 0) Broadcast(protocol::MakeEvent(EventKind::BodyRemoved, m_world.Tick(), 0, session.body, ""));
+  m_playground.Take(LeaveEntry{session.clientId});
+  if (m_playground.Players().empty()) m_clock.SetRate(1);
+  Broadcast(protocol::MakeEvent(EventKind::Leave, World().Tick(), session.clientId, session.body, session.name));
+  if (session.body != 0) Broadcast(protocol::MakeEvent(EventKind::BodyRemoved, World().Tick(), 0, session.body, ""));
   session.body = 0;
-  m_hands.Forget(session.clientId);
-  if (m_game) m_game->Leave(session.clientId);
-  if (CountPlaying() == 0) m_tuning.Reset(m_world, m_clock);
   SendTuning();
 }
 

@@ -1,5 +1,5 @@
 // The part of the server that lets players act beyond moving: hands, tuning, the workshop and the game. The rules of
-// each stand in a file of server/play; this one hands them the world and the players.
+// each stand in a file of server/play; this one hands them what players send, and tells clients what came of it.
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -8,6 +8,8 @@
 #include "server/server.h"
 
 namespace wobble::server {
+
+using protocol::wire::EventKind;
 
 namespace {
 
@@ -27,98 +29,79 @@ void Server::Obey(Session& session, const Command& command, double now) {
   const bool isHarmless =
       std::holds_alternative<InspectCommand>(command) || std::holds_alternative<OrderCommand>(command);
   if (session.isMuted && !isHarmless) return Notify(session, kMuted);
-  const bool isHost = session.admission.rank == transport::Rank::kOwner;
-  const Workshop::Builder builder{session.clientId, session.admission.rank >= transport::Rank::kModerator};
-  const Actor actor{session.clientId, session.body};
-  const std::string refusal =
-      std::visit(Visitor{
-                     [&](const ShoveCommand& push) { return m_hands.StartShove(actor, push, m_world); },
-                     [&](const CutCommand& cut) {
-                       std::string error;
-                       const auto blade = m_hands.FindBlade(actor, cut, m_world, error);
-                       if (!blade) return error;
-                       if (m_workshop && cut.body == m_workshop->Body())
-                         return m_workshop->Cut(builder, *blade, m_world);
-                       m_world.CutSprings(cut.body, *blade);
-                       return error;
-                     },
-                     [&](const InspectCommand& inspect) {
-                       session.inspected = inspect.body;
-                       return std::string();
-                     },
-                     [&](const TuneCommand& tune) {
-                       if (session.body == 0) return std::string("spectators cannot tune");
-                       std::string error = m_tuning.Tune(tune, isHost, now, m_world, m_clock);
-                       if (error.empty()) SendTuning();
-                       return error;
-                     },
-                     [&](const BuildCommand& build) {
-                       if (!m_workshop || session.body == 0)
-                         return std::string("only players in a scene with a workshop can build");
-                       return m_workshop->Build(builder, build, m_world);
-                     },
-                     [&](const OrderCommand& order) {
-                       TakeOrder(session, order.line);
-                       return std::string();
-                     },
-                 },
-                 command);
+  const ActEntry act{.client = session.clientId,
+                     .isHost = session.admission.rank == transport::Rank::kOwner,
+                     .mayChangeAll = session.admission.rank >= transport::Rank::kModerator,
+                     .command = {}};
+  const auto take = [&](const auto& each) {
+    ActEntry entry = act;
+    entry.command = each;
+    return m_playground.Take(entry);
+  };
+  const std::string refusal = std::visit(Visitor{
+                                             [&](const InspectCommand& inspect) {
+                                               session.inspected = inspect.body;
+                                               return std::string();
+                                             },
+                                             [&](const OrderCommand& order) {
+                                               TakeOrder(session, order.line);
+                                               return std::string();
+                                             },
+                                             [&](const TuneCommand& tune) { return Tune(session, tune, now); },
+                                             take,
+                                         },
+                                         command);
   if (!refusal.empty()) Notify(session, refusal);
 }
 
-void Server::ActByHand() {
-  for (const auto& [connection, session] : m_sessions) {
-    if (session.state != Session::State::kPlaying) continue;
-    m_hands.Hold({session.clientId, session.body}, session.isMuted ? std::nullopt : session.hand, m_world);
+std::string Server::Tune(const Session& session, const TuneCommand& command, double now) {
+  const bool isHost = session.admission.rank == transport::Rank::kOwner;
+  std::string error;
+  if (!IsOfTime(command.kind)) {
+    error = m_playground.Take(ActEntry{.client = session.clientId, .isHost = isHost, .command = command});
+  } else if (session.body == 0) {
+    error = kSpectatorsCannotTune;
+  } else if (!m_playground.ReadTuning().MayTune(command.kind, isHost)) {
+    error = kMayNotTune;
+  } else {
+    error = m_pace.Tune(command, isHost, now, m_clock);
   }
-  m_hands.Act(m_world);
-  if (m_workshop && m_workshop->Update(m_world)) m_hands.LetGo(m_workshop->Body());
+  if (error.empty()) SendTuning();
+  return error;
 }
 
-void Server::PlayGame() {
-  if (!m_game) return;
-  std::map<physics::BodyId, ClientId> players;
-  for (const auto& [connection, session] : m_sessions) {
-    if (session.body != 0) players[session.body] = session.clientId;
+void Server::TellHappenings() {
+  for (const Happening& happening : m_playground.TakeHappenings()) {
+    const bool isFall = happening.kind == Happening::Kind::kFall;
+    m_counts.respawns += isFall ? 0 : 1;
+    Broadcast(protocol::MakeEvent(isFall ? EventKind::Fall : EventKind::Respawn, World().Tick(), happening.by,
+                                  happening.body, ""));
   }
-  std::vector<physics::BodyId> touched;
-  for (const auto& [body, client] : players) {
-    m_world.ListTouching(body, touched);
-    for (const physics::BodyId other : touched) {
-      const auto found = players.find(other);
-      if (found != players.end()) m_game->NoteTouch(client, found->second);
-    }
-  }
-  const int round = m_game->Round();
-  m_game->Advance(m_world.Settings().tickDuration);
-  if (m_game->Round() != round) {
-    for (const auto& [connection, session] : m_sessions) {
-      if (session.body == 0) continue;
-      Respawn(session.body, scenes::FindFreeSpawn(m_scene.player, session.clientId, m_world));
-    }
-  }
-  const bool isSecond = m_world.Tick() % static_cast<std::uint32_t>(m_config.tickHz) == 0;
-  if (isSecond || m_game->Revision() != m_sentStandings) SendStandings();
 }
 
-bool Server::IsMatchOver() const { return m_game && m_config.rounds > 0 && m_game->Round() > m_config.rounds; }
+void Server::TellStandings() {
+  const Sumo* game = m_playground.ReadGame();
+  if (game == nullptr) return;
+  const bool isSecond = World().Tick() % static_cast<std::uint32_t>(m_config.tickHz) == 0;
+  if (isSecond || game->Revision() != m_sentStandings) SendStandings();
+}
 
-void Server::NoteFall(const Session& session) {
-  if (!m_game) return;
-  const ClientId by = m_game->NoteFall(session.clientId);
-  Broadcast(protocol::MakeEvent(protocol::wire::EventKind::Fall, m_world.Tick(), by, session.body, ""));
+bool Server::IsMatchOver() const {
+  const Sumo* game = m_playground.ReadGame();
+  return game != nullptr && m_config.rounds > 0 && game->Round() > m_config.rounds;
 }
 
 void Server::SendStandings() {
-  m_sentStandings = m_game->Revision();
+  const Sumo& game = *m_playground.ReadGame();
+  m_sentStandings = game.Revision();
   protocol::ScoreboardFields board;
-  const bool isWon = m_game->ReadPhase() == Sumo::Phase::kWon;
+  const bool isWon = game.ReadPhase() == Sumo::Phase::kWon;
   board.phase = isWon ? protocol::wire::GamePhase::Won : protocol::wire::GamePhase::Playing;
-  board.round = static_cast<std::uint16_t>(m_game->Round());
-  board.secondsLeft = static_cast<std::uint16_t>(std::max(0.0, m_game->SecondsLeft()));
-  board.pointsToWin = static_cast<std::uint16_t>(m_scene.game.pointsToWin);
-  board.winner = m_game->Winner();
-  for (const Sumo::Standing& each : m_game->Standings()) {
+  board.round = static_cast<std::uint16_t>(game.Round());
+  board.secondsLeft = static_cast<std::uint16_t>(std::max(0.0, game.SecondsLeft()));
+  board.pointsToWin = static_cast<std::uint16_t>(m_playground.Scene().game.pointsToWin);
+  board.winner = game.Winner();
+  for (const Sumo::Standing& each : game.Standings()) {
     board.scores.emplace_back(each.client, static_cast<std::uint16_t>(each.points),
                               static_cast<std::uint16_t>(each.rounds));
   }
@@ -129,25 +112,25 @@ void Server::SendTuning() {
   for (const auto& [connection, session] : m_sessions) {
     if (session.state != Session::State::kPlaying) continue;
     const bool isSpectator = session.body == 0;
-    SendTo(session, protocol::MakeTuning(CaptureTuning(m_tuning, m_clock.Rate(), isSpectator,
+    SendTo(session, protocol::MakeTuning(CaptureTuning(m_playground.ReadTuning(), m_clock.Rate(), isSpectator,
                                                        session.admission.rank == transport::Rank::kOwner)));
   }
 }
 
 void Server::SendForces() {
-  if (m_world.Tick() % static_cast<std::uint32_t>(std::max(1, m_config.tickHz / kForcesHz)) >=
+  if (World().Tick() % static_cast<std::uint32_t>(std::max(1, m_config.tickHz / kForcesHz)) >=
       static_cast<std::uint32_t>(m_config.tickHz / m_snapshotHz)) {
     return;
   }
   std::map<physics::BodyId, protocol::Message> messages;
   for (auto& [connection, session] : m_sessions) {
     if (session.state != Session::State::kPlaying || session.inspected == 0) continue;
-    if (m_world.FindBody(session.inspected) == nullptr) {
+    if (World().FindBody(session.inspected) == nullptr) {
       session.inspected = 0;
       continue;
     }
     protocol::Message& message = messages[session.inspected];
-    if (message.empty()) message = CaptureForces(m_world, session.inspected);
+    if (message.empty()) message = CaptureForces(World(), session.inspected);
     SendTo(session, message);
   }
 }

@@ -55,20 +55,22 @@ bool Server::SetRank(ClientId client, transport::Rank rank) {
 }
 
 bool Server::SetProtected(bool isProtected) {
-  if (!m_workshop) return false;
-  m_workshop->SetProtected(isProtected);
+  if (m_playground.ReadWorkshop() == nullptr) return false;
+  m_playground.Take(ProtectEntry{isProtected});
   return true;
 }
 
+bool Server::IsProtected() const {
+  const Workshop* workshop = m_playground.ReadWorkshop();
+  return workshop != nullptr && workshop->IsProtected();
+}
+
 void Server::ResetWorld() {
-  if (m_tuning.Reset(m_world, m_clock)) SendTuning();
-  for (const scenes::PlacedBody& placed : m_sceneBodies) {
-    if (m_workshop && placed.body == m_workshop->Body()) {
-      m_workshop->Reset(placed.home);
-    } else {
-      Respawn(placed.body, placed.home);
-    }
-  }
+  const bool wasUsual = m_playground.ReadTuning().IsUsual() && m_clock.Rate() == 1;
+  m_playground.Take(ResetEntry{});
+  m_clock.SetRate(1);
+  if (!wasUsual) SendTuning();
+  TellHappenings();
 }
 
 void Server::Say(const std::string& text) {

@@ -18,6 +18,8 @@ struct HandCommand {
   std::uint16_t vertex = 0;
   std::uint16_t grip = 0;                                // never 0; another number each time that the hand closes
   physics::Vector3d target = physics::Vector3d::Zero();  // where the vertex is to be, m
+
+  bool operator==(const HandCommand&) const = default;
 };
 
 // Shoves a body at a vertex; the wire's Push.

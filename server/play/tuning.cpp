@@ -23,42 +23,40 @@ bool Tuning::MayTune(TuneKind kind, bool isHost) const {
   return who == scenes::Who::kEveryone || (who == scenes::Who::kHost && isHost);
 }
 
-std::string Tuning::Tune(const TuneCommand& command, bool isHost, double now, physics::World& world, TickClock& clock) {
-  if (!MayTune(command.kind, isHost)) return "you may not tune that in this scene";
-  const double value = command.value.x();
+std::string Tuning::Tune(const TuneCommand& command, bool isHost, physics::World& world) {
+  if (IsOfTime(command.kind) || !MayTune(command.kind, isHost)) return kMayNotTune;
   std::string error;
-  switch (command.kind) {
-    case TuneKind::kGravity:
-      error = CheckRange("gravity", command.value.norm(), 0, kMaxGravity, " m/s²");
-      if (error.empty()) world.SetGravity(m_gravity = command.value);
-      break;
-    case TuneKind::kStiffness:
-      error = CheckRange("stiffness", value, kMinTunedStiffness, kMaxTunedStiffness, " times");
-      if (error.empty()) world.SetStiffnessFactor(m_stiffness = value);
-      break;
-    case TuneKind::kTimeRate:
-      error = CheckRange("pace of time", value, kLeastTimeRate, 1, " s a second");
-      if (error.empty()) clock.SetRate(value);
-      break;
-    case TuneKind::kJump:
-      error = CheckRange("jump in time", value, 0, kLongestJump, " s");
-      if (error.empty() && !isHost && now < m_nextJump) {
-        error = fmt::format("the next jump in time is possible in {:.0f} s", m_nextJump - now);
-      }
-      if (!error.empty()) break;
-      m_nextJump = now + kWaitPerJump * value;
-      clock.Jump(value);
-      break;
+  if (command.kind == TuneKind::kGravity) {
+    error = CheckRange("gravity", command.value.norm(), 0, kMaxGravity, " m/s²");
+    if (error.empty()) world.SetGravity(m_gravity = command.value);
+  } else {
+    error = CheckRange("stiffness", command.value.x(), kMinTunedStiffness, kMaxTunedStiffness, " times");
+    if (error.empty()) world.SetStiffnessFactor(m_stiffness = command.value.x());
   }
   return error;
 }
 
-bool Tuning::Reset(physics::World& world, TickClock& clock) {
-  if (m_gravity == m_usualGravity && m_stiffness == 1 && clock.Rate() == 1) return false;
+void Tuning::Reset(physics::World& world) {
   world.SetGravity(m_gravity = m_usualGravity);
   world.SetStiffnessFactor(m_stiffness = 1);
-  clock.SetRate(1);
-  return true;
+}
+
+std::string Pace::Tune(const TuneCommand& command, bool isHost, double now, TickClock& clock) {
+  const double value = command.value.x();
+  std::string error;
+  if (command.kind == TuneKind::kTimeRate) {
+    error = CheckRange("pace of time", value, kLeastTimeRate, 1, " s a second");
+    if (error.empty()) clock.SetRate(value);
+    return error;
+  }
+  error = CheckRange("jump in time", value, 0, kLongestJump, " s");
+  if (error.empty() && !isHost && now < m_nextJump) {
+    error = fmt::format("the next jump in time is possible in {:.0f} s", m_nextJump - now);
+  }
+  if (!error.empty()) return error;
+  m_nextJump = now + kWaitPerJump * value;
+  clock.Jump(value);
+  return error;
 }
 
 }  // namespace wobble::server

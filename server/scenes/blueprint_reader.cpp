@@ -161,30 +161,30 @@ void ReadFields(TableReader& reader, physics::GraphDefinition& graph) {
 
 // Reads the file that `file` names. Returns false when there is no mesh against which the other fields could be
 // checked.
-bool ReadTriangles(TableReader& reader, const std::filesystem::path& folder, std::vector<physics::Vector3d>& vertices,
+bool ReadTriangles(TableReader& reader, const MeshReader& readMesh, std::vector<physics::Vector3d>& vertices,
                    std::vector<physics::Face>& faces) {
   std::string file;
   reader.Read("file", 256, file);
   if (file.empty()) return false;
-  ObjMesh read = LoadObj(folder / file);
+  ObjMesh read = readMesh(file);
   for (const std::string& error : read.errors) reader.Refuse("file", file + ": " + error, "a mesh without mistakes");
   vertices = std::move(read.vertices);
   faces = std::move(read.faces);
   return read.errors.empty();
 }
 
-bool ReadMesh(TableReader& reader, const std::filesystem::path& folder, physics::MeshDefinition& mesh) {
+bool ReadMesh(TableReader& reader, const MeshReader& readMesh, physics::MeshDefinition& mesh) {
   reader.ReadUnchecked("scale", mesh.scale);
   reader.ReadUnchecked("bend", mesh.bend);
   ReadMaterial(reader, mesh.material);
   ReadGas(reader, mesh.material);
   reader.ReadUnchecked("drag", mesh.material.drag);
   reader.Require("file");
-  return ReadTriangles(reader, folder, mesh.vertices, mesh.faces);
+  return ReadTriangles(reader, readMesh, mesh.vertices, mesh.faces);
 }
 
 // A box, or what the mesh of a file encloses. Returns false as ReadTriangles does.
-bool ReadSolid(TableReader& reader, const std::filesystem::path& folder, physics::SolidDefinition& solid) {
+bool ReadSolid(TableReader& reader, const MeshReader& readMesh, physics::SolidDefinition& solid) {
   reader.Read("cells", 1, physics::kMaxLatticeCells, solid.cells);
   reader.ReadUnchecked("cell_size", solid.cellSize);
   reader.ReadUnchecked("scale", solid.scale);
@@ -193,7 +193,7 @@ bool ReadSolid(TableReader& reader, const std::filesystem::path& folder, physics
   const bool hasFile = reader.Has("file");
   if (hasFile && reader.Has("cells")) reader.RefuseAsWritten("cells", "", "left out where there is a file");
   if (!hasFile && reader.Has("scale")) reader.RefuseAsWritten("scale", "", "left out unless there is a file");
-  return !hasFile || ReadTriangles(reader, folder, solid.vertices, solid.faces);
+  return !hasFile || ReadTriangles(reader, readMesh, solid.vertices, solid.faces);
 }
 
 // Implicit Euler has no Jacobian of tetrahedra and hinges in its matrix, and position Verlet keeps springs alone at
@@ -238,7 +238,7 @@ void CheckCarriesItself(TableReader& reader, const BodyDefinition& definition, c
   if (const auto* ring = std::get_if<physics::RingDefinition>(&definition)) check(ring->material, ring->radius);
 }
 
-void ReadBlueprint(TableReader& reader, const std::filesystem::path& folder, physics::Integrator defaultIntegrator,
+void ReadBlueprint(TableReader& reader, const MeshReader& readMesh, physics::Integrator defaultIntegrator,
                    Scene& scene) {
   const std::map<std::string, BodyDefinition> kinds{
       {"ball", physics::BallDefinition{}},   {"cloth", physics::ClothDefinition{}},
@@ -260,9 +260,9 @@ void ReadBlueprint(TableReader& reader, const std::filesystem::path& folder, phy
     std::visit(
         [&]<class One>(One& one) {
           if constexpr (std::is_same_v<One, physics::MeshDefinition>) {
-            isWhole = ReadMesh(reader, folder, one);
+            isWhole = ReadMesh(reader, readMesh, one);
           } else if constexpr (std::is_same_v<One, physics::SolidDefinition>) {
-            isWhole = ReadSolid(reader, folder, one);
+            isWhole = ReadSolid(reader, readMesh, one);
           } else {
             ReadFields(reader, one);
           }

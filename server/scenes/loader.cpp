@@ -49,7 +49,7 @@ void ReadPlayer(TableReader& reader, Scene& scene) {
   reader.Read("stiffen", 1, 4, "", player.limits.stiffenFactor);
 }
 
-void ReadScene(TableReader& reader, const std::filesystem::path& folder, Scene& scene) {
+void ReadScene(TableReader& reader, const MeshReader& readMesh, Scene& scene) {
   using physics::Precision;
   reader.Read("description", 256, scene.description);
   reader.Read("gravity", -100, 100, " m/s²", scene.gravity);
@@ -65,7 +65,7 @@ void ReadScene(TableReader& reader, const std::filesystem::path& folder, Scene& 
   reader.Require("blueprint");
   reader.Require("player");
   reader.ReadTables("obstacle", [&](TableReader& table) { ReadObstacle(table, scene); });
-  reader.ReadTables("blueprint", [&](TableReader& table) { ReadBlueprint(table, folder, integrator, scene); });
+  reader.ReadTables("blueprint", [&](TableReader& table) { ReadBlueprint(table, readMesh, integrator, scene); });
   reader.ReadTables("bodies", [&](TableReader& table) { ReadBodyGroup(table, scene); });
   reader.ReadTables("drive", [&](TableReader& table) { ReadDrive(table, scene); });
   reader.ReadTables("player", [&](TableReader& table) { ReadPlayer(table, scene); });
@@ -76,9 +76,7 @@ void ReadScene(TableReader& reader, const std::filesystem::path& folder, Scene& 
   reader.ReportUnknown();
 }
 
-}  // namespace
-
-LoadResult ParseScene(const std::string& text, const std::string& label) {
+LoadResult ParseText(const std::string& text, const std::string& label, const MeshReader& readMesh) {
   LoadResult result;
   result.scene.name = std::filesystem::path(label).stem().string();
   const std::string fileName = std::filesystem::path(label).filename().string();
@@ -97,11 +95,32 @@ LoadResult ParseScene(const std::string& text, const std::string& label) {
   try {
     const toml::table table = toml::parse(text, label);
     TableReader reader(table, errors);
-    ReadScene(reader, std::filesystem::path(label).parent_path(), result.scene);
+    ReadScene(reader, readMesh, result.scene);
   } catch (const toml::parse_error& error) {
     errors.Add(error.source(), std::string(error.description()));
   }
   result.errors = errors.Take();
+  return result;
+}
+
+}  // namespace
+
+LoadResult ParseScene(const std::string& text, const std::string& label) {
+  std::map<std::string, std::string> meshes;
+  const std::filesystem::path folder = std::filesystem::path(label).parent_path();
+  LoadResult result =
+      ParseText(text, label, [&](const std::string& file) { return LoadObj(folder / file, meshes[file]); });
+  result.source = {.name = result.scene.name, .text = text, .meshes = std::move(meshes)};
+  return result;
+}
+
+LoadResult ParseScene(const SceneSource& source) {
+  LoadResult result = ParseText(source.text, source.name + ".toml", [&](const std::string& file) {
+    const auto found = source.meshes.find(file);
+    if (found != source.meshes.end()) return ParseObj(found->second);
+    return ObjMesh{.vertices = {}, .faces = {}, .errors = {"is not among the scene's files"}};
+  });
+  result.source = source;
   return result;
 }
 

@@ -110,8 +110,7 @@ class ObjParser {
 
 ObjMesh ParseObj(const std::string& text) { return ObjParser().Parse(text); }
 
-ObjMesh LoadObj(const std::filesystem::path& path) {
-  std::string text;
+ObjMesh LoadObj(const std::filesystem::path& path, std::string& text) {
   ObjMesh mesh;
   std::string fault = ReadTextFile(path, kMaxMeshBytes, text);
   if (fault.empty() && text.empty()) fault = "is empty";

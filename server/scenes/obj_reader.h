@@ -20,8 +20,8 @@ struct ObjMesh {
 // Parses the text of a file. Never throws.
 [[nodiscard]] ObjMesh ParseObj(const std::string& text);
 
-// Reads and parses a file. One that cannot be read, is empty, no regular file or larger than kMaxMeshBytes gives one
-// error.
-[[nodiscard]] ObjMesh LoadObj(const std::filesystem::path& path);
+// Reads a file into `text` and parses it. One that cannot be read, is empty, no regular file or larger than
+// kMaxMeshBytes gives one error.
+[[nodiscard]] ObjMesh LoadObj(const std::filesystem::path& path, std::string& text);
 
 }  // namespace wobble::scenes

@@ -72,8 +72,9 @@ TEST(Obj, TooManyVerticesAreRefusedOnceTheyAre) {
 class ShippedMesh : public testing::TestWithParam<std::string> {};
 
 TEST_P(ShippedMesh, LoadsHoldsItsShapeAndBearsAFall) {
+  std::string text;
   const ObjMesh obj =
-      LoadObj(std::filesystem::path(WOBBLE_SOURCE_DIR) / "server/scenes/meshes" / (GetParam() + ".obj"));
+      LoadObj(std::filesystem::path(WOBBLE_SOURCE_DIR) / "server/scenes/meshes" / (GetParam() + ".obj"), text);
   ASSERT_THAT(obj.errors, IsEmpty());
   EXPECT_GE(obj.vertices.size(), 150U);
   EXPECT_LE(obj.vertices.size(), 450U);

@@ -1,0 +1,48 @@
+// What enters a playground: everything beside the scene that decides its next ticks.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "server/play/command.h"
+
+namespace wobble::server {
+
+struct JoinEntry {
+  ClientId client = 0;
+  bool isSpectator = false;  // has no body
+  std::string name;
+};
+
+struct LeaveEntry {
+  ClientId client = 0;
+};
+
+// What a player asks of their body and hand, from the next tick until the next such entry.
+struct MoveEntry {
+  ClientId client = 0;
+  physics::Control control;
+  std::optional<HandCommand> hand;
+};
+
+// A single act of a player. A TuneCommand is of gravity or stiffness: the pace of time is not the world's.
+struct ActEntry {
+  ClientId client = 0;
+  bool isHost = false;        // owns the server
+  bool mayChangeAll = false;  // in the workshop, whatever is protected
+  std::variant<ShoveCommand, CutCommand, TuneCommand, BuildCommand> command;
+};
+
+// Whether players may change what others built.
+struct ProtectEntry {
+  bool isProtected = false;
+};
+
+// Puts the scene's bodies back to their places, the workshop to what the scene has, and tuning to usual. What is torn
+// stays torn.
+struct ResetEntry {};
+
+using Entry = std::variant<JoinEntry, LeaveEntry, MoveEntry, ActEntry, ProtectEntry, ResetEntry>;
+
+}  // namespace wobble::server
