@@ -36,10 +36,10 @@ void World::AddObstacle(const Obstacle& obstacle) {
   m_obstacles.push_back(obstacle);
 }
 
-BodyId World::AddBody(std::uint8_t blueprint, const Vector3d& position, const Vector3d& velocity) {
+Body World::MakeBody(BodyId id, std::uint8_t blueprint, const Vector3d& position, const Vector3d& velocity) const {
   assert(blueprint < m_blueprints.size());
   Body body;
-  body.id = m_nextId++;
+  body.id = id;
   body.blueprint = blueprint;
   body.stiffnessFactor = FindStiffnessRule(m_settings, m_slots[blueprint]).Find(1);
   if (m_settings.precision == Precision::kSingle) {
@@ -47,9 +47,27 @@ BodyId World::AddBody(std::uint8_t blueprint, const Vector3d& position, const Ve
   } else {
     body.state = MakeState<double>(m_blueprints[blueprint], position, velocity);
   }
-  m_bodies.push_back(std::move(body));
+  return body;
+}
+
+BodyId World::AddBody(std::uint8_t blueprint, const Vector3d& position, const Vector3d& velocity) {
+  m_bodies.push_back(MakeBody(m_nextId++, blueprint, position, velocity));
   m_engine->roster.Add();
   return m_bodies.back().id;
+}
+
+void World::RenewBody(BodyId id, std::uint8_t blueprint, const Vector3d& position, const Vector3d& velocity) {
+  DropPairsOf(id);
+  DropForcesOn(id);
+  Body& body = Write(id);
+  WakeUp(body);
+  body = MakeBody(id, blueprint, position, velocity);
+}
+
+void World::DropForcesOn(BodyId id) {
+  std::erase(m_tearing, id);
+  std::erase_if(m_drives, [id](const Drive& drive) { return drive.body == id; });
+  std::erase_if(m_stepForces, [id](const StepForce& force) { return force.body == id; });
 }
 
 const Body* World::FindBody(BodyId id) const {
@@ -89,10 +107,8 @@ void World::RemoveBody(BodyId id) {
   const auto index = static_cast<std::size_t>(&body - m_bodies.data());
   m_engine->Forget(index, body);
   m_bodies.erase(m_bodies.begin() + static_cast<std::ptrdiff_t>(index));
-  std::erase(m_tearing, id);
   ++m_removals;
-  std::erase_if(m_drives, [id](const Drive& drive) { return drive.body == id; });
-  std::erase_if(m_stepForces, [id](const StepForce& force) { return force.body == id; });
+  DropForcesOn(id);
 }
 
 void World::PlaceBody(BodyId id, const Vector3d& position) {

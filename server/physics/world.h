@@ -111,6 +111,10 @@ class World {
   BodyId AddBody(std::uint8_t blueprint, const Vector3d& position, const Vector3d& velocity = Vector3d::Zero());
   // Wakes what the body touched, and drops its drives and forces. O(bodies).
   void RemoveBody(BodyId id);
+  // Makes the body what AddBody made, whole again and under its own number, of this blueprint, which the scene has.
+  // Drops its drives.
+  void RenewBody(BodyId id, std::uint8_t blueprint, const Vector3d& position,
+                 const Vector3d& velocity = Vector3d::Zero());
   // Puts the body back into its rest shape at `position`, at rest.
   void PlaceBody(BodyId id, const Vector3d& position);
   // Holds until the next call. The length of the move must be at most 1.
@@ -178,6 +182,10 @@ class World {
 
   template <class Real>
   StepReport StepIn(Workspace<Real>& work);
+  [[nodiscard]] Body MakeBody(BodyId id, std::uint8_t blueprint, const Vector3d& position,
+                              const Vector3d& velocity) const;
+  // Drops the body's drives, its forces of the next step, and that it tears.
+  void DropForcesOn(BodyId id);
   Body& Write(BodyId id);
   void WakeUp(Body& body);
   void WakeAll();

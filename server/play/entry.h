@@ -43,6 +43,10 @@ struct ProtectEntry {
 // stays torn.
 struct ResetEntry {};
 
-using Entry = std::variant<JoinEntry, LeaveEntry, MoveEntry, ActEntry, ProtectEntry, ResetEntry>;
+// Begins anew from the scene: bodies are whole and at their places, the workshop and the game as at the start. Players
+// stay in, and their bodies appear anew.
+struct RestartEntry {};
+
+using Entry = std::variant<JoinEntry, LeaveEntry, MoveEntry, ActEntry, ProtectEntry, ResetEntry, RestartEntry>;
 
 }  // namespace wobble::server

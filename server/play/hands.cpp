@@ -63,10 +63,10 @@ bool Hands::IsWithin(double reach, physics::BodyId own, const Vector3d& place, c
 
 void Hands::Hold(const Actor& actor, const std::optional<HandCommand>& command, const physics::World& world) {
   if (!command || !m_rules.grab || actor.body == 0) {
-    m_grips.erase(actor.client);
+    m_memory.grips.erase(actor.client);
     return;
   }
-  const auto [found, isNew] = m_grips.try_emplace(actor.client);
+  const auto [found, isNew] = m_memory.grips.try_emplace(actor.client);
   Grip& grip = found->second;
   const bool closes = isNew || grip.command.grip != command->grip;
   grip.command = *command;
@@ -93,7 +93,7 @@ std::string Hands::StartShove(const Actor& actor, const ShoveCommand& command, c
   if (body == nullptr || command.vertex >= world.BlueprintOf(*body).rest.size() || !(length > 0)) return "";
   const Vector3d place = FindVertex(*body, command.vertex);
   if (!IsWithin(m_rules.reach, actor.body, place, world)) return "too far away to push";
-  Shove& shove = m_shoves[actor.client];
+  Shove& shove = m_memory.shoves[actor.client];
   if (shove.ticksToRest > 0) return "";
   shove.command = command;
   shove.command.direction /= length;
@@ -119,24 +119,48 @@ std::optional<physics::Blade> Hands::FindBlade(const Actor& actor, const CutComm
 }
 
 void Hands::Forget(ClientId client) {
-  m_grips.erase(client);
-  m_shoves.erase(client);
+  m_memory.grips.erase(client);
+  m_memory.shoves.erase(client);
 }
 
 void Hands::LetGo(physics::BodyId body) {
-  for (auto& [client, grip] : m_grips) {
+  for (auto& [client, grip] : m_memory.grips) {
     if (grip.command.body == body) grip.vertices.clear();
   }
-  for (auto& [client, shove] : m_shoves) {
+  for (auto& [client, shove] : m_memory.shoves) {
     if (shove.command.body == body) shove.ticksLeft = 0;
   }
 }
 
+bool Hands::Write(const Memory& memory, const physics::World& world) {
+  const auto areOf = [&](physics::BodyId id, const std::vector<std::uint16_t>& vertices) {
+    const physics::Body* body = world.FindBody(id);
+    if (body == nullptr || vertices.empty()) return true;
+    return std::ranges::is_sorted(vertices, std::ranges::less_equal()) &&
+           vertices.back() < world.BlueprintOf(*body).rest.size();
+  };
+  const auto isGrip = [&](const auto& entry) {
+    const Grip& grip = entry.second;
+    const physics::Body* body = world.FindBody(grip.command.body);
+    const bool holds = body != nullptr && !grip.vertices.empty();
+    const bool areOffsets = grip.offsets.size() == grip.vertices.size() &&
+                            std::ranges::all_of(grip.offsets, [](const Vector3d& x) { return x.allFinite(); });
+    return areOf(grip.command.body, grip.vertices) && areOffsets && grip.command.target.allFinite() &&
+           (!holds || grip.command.vertex < world.BlueprintOf(*body).rest.size());
+  };
+  const auto isShove = [&](const auto& entry) {
+    return areOf(entry.second.command.body, entry.second.vertices) && entry.second.command.direction.allFinite();
+  };
+  if (!std::ranges::all_of(memory.grips, isGrip) || !std::ranges::all_of(memory.shoves, isShove)) return false;
+  m_memory = memory;
+  return true;
+}
+
 void Hands::Act(physics::World& world) {
-  for (auto& [client, grip] : m_grips) {
+  for (auto& [client, grip] : m_memory.grips) {
     if (!grip.vertices.empty()) Drag(grip, world);
   }
-  for (auto& [client, shove] : m_shoves) {
+  for (auto& [client, shove] : m_memory.shoves) {
     if (shove.ticksLeft > 0) Deal(shove, world);
     if (shove.ticksToRest > 0) --shove.ticksToRest;
   }

@@ -21,6 +21,27 @@ struct Actor {
 
 class Hands {
  public:
+  // Holds `vertices` until it slips; without vertices it is open.
+  struct Grip {
+    HandCommand command;
+    physics::BodyId own = 0;
+    std::vector<std::uint16_t> vertices;     // ascending
+    std::vector<physics::Vector3d> offsets;  // of each vertex from the gripped one when the hand closed, m
+  };
+  struct Shove {
+    ShoveCommand command;
+    physics::BodyId own = 0;
+    std::vector<std::uint16_t> vertices;
+    int ticksLeft = 0;    // in which it acts
+    int ticksToRest = 0;  // until the next one may begin
+  };
+
+  // All that they remember, to be stored.
+  struct Memory {
+    std::map<ClientId, Grip> grips;
+    std::map<ClientId, Shove> shoves;
+  };
+
   // tickDuration: s.
   Hands(const scenes::HandRules& rules, double tickDuration) : m_rules(rules), m_tickDuration(tickDuration) {}
 
@@ -40,25 +61,15 @@ class Hands {
   // Ends all grips and shoves on a body whose vertices have been renumbered.
   void LetGo(physics::BodyId body);
 
+  [[nodiscard]] const Memory& Read() const { return m_memory; }
+  // Goes on with what hands in this world remembered. Any memory is safe; returns false for one that cannot be of this
+  // world.
+  [[nodiscard]] bool Write(const Memory& memory, const physics::World& world);
+
   // Gives the world the forces of the next step. Call it once a tick, before World::Step.
   void Act(physics::World& world);
 
  private:
-  // Holds `vertices` until it slips; without vertices it is open.
-  struct Grip {
-    HandCommand command;
-    physics::BodyId own = 0;
-    std::vector<std::uint16_t> vertices;     // ascending
-    std::vector<physics::Vector3d> offsets;  // of each vertex from the gripped one when the hand closed, m
-  };
-  struct Shove {
-    ShoveCommand command;
-    physics::BodyId own = 0;
-    std::vector<std::uint16_t> vertices;
-    int ticksLeft = 0;    // in which it acts
-    int ticksToRest = 0;  // until the next one may begin
-  };
-
   // Whether the place is within `reach`, m, of the centre of the body `own`. A reach of 0 is unlimited.
   [[nodiscard]] static bool IsWithin(double reach, physics::BodyId own, const physics::Vector3d& place,
                                      const physics::World& world);
@@ -71,8 +82,7 @@ class Hands {
 
   scenes::HandRules m_rules;
   double m_tickDuration;
-  std::map<ClientId, Grip> m_grips;
-  std::map<ClientId, Shove> m_shoves;
+  Memory m_memory;
   std::vector<physics::VertexForce<double>> m_forces;  // scratch
 };
 

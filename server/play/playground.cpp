@@ -28,10 +28,15 @@ bool IsPossible(const MoveEntry& move) {
 
 Playground::Playground(scenes::Scene scene, double tickDuration, int threads, std::uint64_t seed)
     : m_scene(std::move(scene)),
+      m_seed(seed),
       m_world(scenes::MakeWorldSettings(m_scene, tickDuration, threads)),
       m_sceneBodies(scenes::FillWorld(m_scene, seed, m_world)),
       m_hands(m_scene.hands, tickDuration),
       m_tuning(m_scene.tuning, m_scene.gravity) {
+  OpenWorkshopAndGame();
+}
+
+void Playground::OpenWorkshopAndGame() {
   if (m_scene.workshop.isOpen) {
     const auto isWorkshop = [&](const physics::Body& body) { return body.blueprint == m_scene.workshop.blueprint; };
     m_workshop.emplace(m_scene.workshop, std::ranges::find_if(m_world.Bodies(), isWorkshop)->id, m_world);
@@ -131,6 +136,24 @@ std::string Playground::Do(const ResetEntry& /*reset*/) {
     } else {
       Respawn(placed.body, placed.home);
     }
+  }
+  return "";
+}
+
+std::string Playground::Do(const RestartEntry& /*restart*/) {
+  m_tuning.Reset(m_world);
+  m_hands = Hands(m_scene.hands, m_world.Settings().tickDuration);
+  scenes::RefillWorld(m_scene, m_seed, m_sceneBodies, m_world);
+  for (const scenes::PlacedBody& placed : m_sceneBodies) {
+    m_happenings.push_back({.kind = Happening::Kind::kRespawn, .body = placed.body});
+  }
+  OpenWorkshopAndGame();
+  for (const auto& [client, player] : m_players) {
+    if (player.body == 0) continue;
+    m_world.RenewBody(player.body, static_cast<std::uint8_t>(m_scene.player.blueprint),
+                      scenes::FindFreeSpawn(m_scene.player, client, m_world));
+    m_happenings.push_back({.kind = Happening::Kind::kRespawn, .body = player.body});
+    if (m_game) m_game->Enter(client);
   }
   return "";
 }

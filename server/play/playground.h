@@ -37,6 +37,8 @@ struct Happening {
   ClientId by = 0;  // kFall: who gets the point; 0: nobody
 };
 
+struct PlaygroundState;
+
 class Playground {
  public:
   // scene: valid. tickDuration: s. threads: 1 or more. seed: of the scene's random placement.
@@ -59,6 +61,12 @@ class Playground {
   // Plays a tick: hands, the workshop, the world, respawns, the game.
   physics::StepReport Step();
 
+  // All that the next ticks depend on, beside the scene, the tick duration and the seed.
+  [[nodiscard]] PlaygroundState Capture() const;
+  // Goes on from a state of a playground of the same scene, tick duration and seed, to the bit. Any state is safe.
+  // Returns an empty text, or what is wrong with the state: the playground is then of no use.
+  [[nodiscard]] std::string Restore(const PlaygroundState& state);
+
   // What has happened since the last call, in its order.
   [[nodiscard]] std::vector<Happening> TakeHappenings() { return std::exchange(m_happenings, {}); }
 
@@ -80,8 +88,10 @@ class Playground {
   std::string Do(const ActEntry& act);
   std::string Do(const ProtectEntry& protect);
   std::string Do(const ResetEntry& reset);
+  std::string Do(const RestartEntry& restart);
   std::string Cut(const ActEntry& act, physics::BodyId body, const CutCommand& cut);
 
+  void OpenWorkshopAndGame();
   void MovePlayers();
   void RespawnFallen();
   void Respawn(physics::BodyId body, const physics::Vector3d& place);
@@ -90,6 +100,7 @@ class Playground {
   void NoteTouches();
 
   scenes::Scene m_scene;
+  std::uint64_t m_seed;
   physics::World m_world;
   std::vector<scenes::PlacedBody> m_sceneBodies;  // by ascending id
   std::map<ClientId, Player> m_players;

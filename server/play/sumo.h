@@ -16,14 +16,32 @@ class Sumo {
  public:
   // kPlaying -> kWon when a player has enough points or the time is up; kWon -> kPlaying, the next round, after 8 s.
   // While fewer than two play, the time of the round starts anew.
-  enum class Phase { kPlaying, kWon };
+  enum class Phase : std::uint8_t { kPlaying, kWon };
   struct Standing {
     ClientId client = 0;
     int points = 0;  // in this round
     int rounds = 0;  // won
   };
 
-  explicit Sumo(const scenes::GameRules& rules) : m_rules(rules), m_secondsLeft(rules.roundSeconds) {}
+  struct Wrestler {
+    Standing standing;
+    ClientId touchedBy = 0;  // last; 0: nobody
+    double touchedAt = 0;    // as Memory::now, s
+  };
+  // All that it remembers, to be stored.
+  struct Memory {
+    std::map<ClientId, Wrestler> wrestlers;
+    Phase phase = Phase::kPlaying;
+    int round = 1;
+    double secondsLeft = 0;
+    double now = 0;  // s since the game began
+    ClientId winner = 0;
+    std::uint64_t revision = 0;
+  };
+
+  explicit Sumo(const scenes::GameRules& rules) : m_rules(rules) { m_memory.secondsLeft = rules.roundSeconds; }
+  [[nodiscard]] const Memory& Read() const { return m_memory; }
+  void Write(const Memory& memory) { m_memory = memory; }
 
   void Enter(ClientId client);
   void Leave(ClientId client);
@@ -34,31 +52,22 @@ class Sumo {
   // Lets time pass, s.
   void Advance(double seconds);
 
-  [[nodiscard]] Phase ReadPhase() const { return m_phase; }
-  [[nodiscard]] int Round() const { return m_round; }  // from 1
-  [[nodiscard]] double SecondsLeft() const { return m_secondsLeft; }
-  [[nodiscard]] ClientId Winner() const { return m_winner; }  // of the last round; 0: a draw, or no round has ended
-  [[nodiscard]] std::vector<Standing> Standings() const;      // the best first
+  [[nodiscard]] Phase ReadPhase() const { return m_memory.phase; }
+  [[nodiscard]] int Round() const { return m_memory.round; }  // from 1
+  [[nodiscard]] double SecondsLeft() const { return m_memory.secondsLeft; }
+  [[nodiscard]] ClientId Winner() const {
+    return m_memory.winner;
+  }                                                       // of the last round; 0: a draw, or no round has ended
+  [[nodiscard]] std::vector<Standing> Standings() const;  // the best first
   // Grows whenever one of the above except the time changes.
-  [[nodiscard]] std::uint64_t Revision() const { return m_revision; }
+  [[nodiscard]] std::uint64_t Revision() const { return m_memory.revision; }
 
  private:
-  struct Wrestler {
-    Standing standing;
-    ClientId touchedBy = 0;  // last; 0: nobody
-    double touchedAt = 0;    // as m_now, s
-  };
   void EndRound();
   void BeginRound();
 
   scenes::GameRules m_rules;
-  std::map<ClientId, Wrestler> m_wrestlers;
-  Phase m_phase = Phase::kPlaying;
-  int m_round = 1;
-  double m_secondsLeft;
-  double m_now = 0;  // s since the game began
-  ClientId m_winner = 0;
-  std::uint64_t m_revision = 0;
+  Memory m_memory;
 };
 
 }  // namespace wobble::server

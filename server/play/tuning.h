@@ -43,6 +43,11 @@ class Tuning {
   [[nodiscard]] std::string Tune(const TuneCommand& command, bool isHost, physics::World& world);
   // Restores the scene's values.
   void Reset(physics::World& world);
+  // Takes values for those in force; the world has them.
+  void Write(const physics::Vector3d& gravity, double stiffness) {
+    m_gravity = gravity;
+    m_stiffness = stiffness;
+  }
   // Whether the scene's values are in force.
   [[nodiscard]] bool IsUsual() const { return m_gravity == m_usualGravity && m_stiffness == 1; }
 

@@ -186,6 +186,49 @@ void Workshop::KeepPlaces(std::span<const std::uint16_t> kept) {
   Keep(m_new, waiting);
 }
 
+Workshop::Memory Workshop::Read() const {
+  return {.isProtected = m_rules.isProtected,
+          .draft = physics::FindParts(m_draft),
+          .particles = m_particles,
+          .springs = m_springs,
+          .kept = m_kept,
+          .fresh = m_new,
+          .shownParticles = m_shownParticles,
+          .shownSprings = m_shownSprings,
+          .changed = m_changed,
+          .changes = m_changes,
+          .sinceUpdate = m_sinceUpdate,
+          .lastNumber = m_lastNumber};
+}
+
+bool Workshop::Write(const Memory& memory, const physics::World& world) {
+  const physics::Blueprint& shown = world.BlueprintOf(world.ReadBody(m_body));
+  GraphEdit draft = SetParts(m_original, memory.draft);
+  const bool areKept = std::ranges::is_sorted(memory.kept, std::ranges::less_equal()) &&
+                       (memory.kept.empty() || memory.kept.back() < shown.rest.size());
+  const bool areFresh = std::ranges::all_of(memory.fresh, [](const Vector3d& x) { return x.allFinite(); });
+  if (!draft.errors.empty() || !areKept || !areFresh ||
+      memory.kept.size() + memory.fresh.size() != draft.blueprint.rest.size() ||
+      memory.particles.size() != draft.blueprint.rest.size() ||
+      memory.springs.size() != draft.blueprint.full.springs.size() ||
+      memory.shownParticles.size() != shown.rest.size() || memory.shownSprings.size() != shown.full.springs.size()) {
+    return false;
+  }
+  m_rules.isProtected = memory.isProtected;
+  m_draft = std::move(draft.blueprint);
+  m_particles = memory.particles;
+  m_springs = memory.springs;
+  m_kept = memory.kept;
+  m_new = memory.fresh;
+  m_shownParticles = memory.shownParticles;
+  m_shownSprings = memory.shownSprings;
+  m_changed = memory.changed;
+  m_changes = memory.changes;
+  m_sinceUpdate = memory.sinceUpdate;
+  m_lastNumber = memory.lastNumber;
+  return true;
+}
+
 // Ends, because there are many more numbers than parts.
 std::uint16_t Workshop::FindNumber() {
   do {

@@ -48,6 +48,26 @@ class Workshop {
   // the body has changed: its vertices are then numbered anew.
   bool Update(physics::World& world);
 
+  // All that it remembers, to be stored.
+  struct Memory {
+    bool isProtected = false;
+    physics::GraphParts draft;
+    std::vector<PartTag> particles;
+    std::vector<PartTag> springs;
+    std::vector<std::uint16_t> kept;
+    std::vector<physics::Vector3d> fresh;
+    std::vector<PartTag> shownParticles;
+    std::vector<PartTag> shownSprings;
+    bool changed = false;
+    int changes = 0;
+    double sinceUpdate = 0;  // s
+    std::uint16_t lastNumber = 0;
+  };
+  [[nodiscard]] Memory Read() const;
+  // Goes on with what a workshop in this world remembered. Any memory is safe; returns false for one that cannot be of
+  // this world.
+  [[nodiscard]] bool Write(const Memory& memory, const physics::World& world);
+
   // Tags of the body's vertices and springs as they are in the world, in their order.
   [[nodiscard]] std::span<const PartTag> Particles() const { return m_shownParticles; }
   [[nodiscard]] std::span<const PartTag> Springs() const { return m_shownSprings; }

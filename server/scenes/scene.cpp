@@ -37,29 +37,30 @@ void Stretch(const BodyGroup& group, physics::BodyId body, const Vector3d& home,
   world.SetMotion(body, places, std::vector<Vector3d>(places.size(), group.velocity));
 }
 
-void PlaceGroup(const BodyGroup& group, Random& random, physics::World& world, std::vector<PlacedBody>& placed) {
+// place(group, home): adds the body, or makes it new, and returns its number.
+template <class Place>
+void PlaceGroup(const BodyGroup& group, Random& random, physics::World& world, const Place& place) {
   for (int iz = 0; iz < group.count[2]; ++iz) {
     for (int iy = 0; iy < group.count[1]; ++iy) {
       for (int ix = 0; ix < group.count[0]; ++ix) {
         Vector3d home = group.position + Vector3d(ix, iy, iz).cwiseProduct(group.spacing);
         for (int axis = 0; axis < 3; ++axis) home[axis] += group.jitter * random.NextSigned();
-        const auto body = world.AddBody(static_cast<std::uint8_t>(group.blueprint), home, group.velocity);
+        const physics::BodyId body = place(group, home);
         if (group.stretch != Vector3d::Ones()) Stretch(group, body, home, world);
-        placed.push_back({body, home});
       }
     }
   }
 }
 
-void AddDrives(const DriveRule& rule, const Scene& scene, physics::World& world) {
+void AddDrives(const DriveRule& rule, const Scene& scene, std::span<const PlacedBody> placed, physics::World& world) {
   physics::Drive drive = rule.drive;
   if (!rule.blueprint) return world.AddDrive(drive);
   if (drive.force != Vector3d::Zero()) {
     drive.vertices = FindSide(scene.blueprints[*rule.blueprint], world.Blueprints()[*rule.blueprint].rest, rule.side);
   }
-  for (const physics::Body& body : world.Bodies()) {
-    if (body.blueprint != *rule.blueprint) continue;
-    drive.body = body.id;
+  for (const PlacedBody& each : placed) {
+    if (world.ReadBody(each.body).blueprint != *rule.blueprint) continue;
+    drive.body = each.body;
     world.AddDrive(drive);
   }
 }
@@ -89,9 +90,27 @@ std::vector<PlacedBody> FillWorld(const Scene& scene, std::uint64_t seed, physic
   }
   Random random(seed);
   std::vector<PlacedBody> placed;
-  for (const BodyGroup& group : scene.groups) PlaceGroup(group, random, world, placed);
-  for (const DriveRule& rule : scene.drives) AddDrives(rule, scene, world);
+  const auto add = [&](const BodyGroup& group, const Vector3d& home) {
+    placed.push_back({world.AddBody(static_cast<std::uint8_t>(group.blueprint), home, group.velocity), home});
+    return placed.back().body;
+  };
+  for (const BodyGroup& group : scene.groups) PlaceGroup(group, random, world, add);
+  for (const DriveRule& rule : scene.drives) AddDrives(rule, scene, placed, world);
   return placed;
+}
+
+void RefillWorld(const Scene& scene, std::uint64_t seed, std::span<const PlacedBody> placed, physics::World& world) {
+  Random random(seed);
+  auto next = placed.begin();
+  const auto renew = [&](const BodyGroup& group, const Vector3d& home) {
+    world.RenewBody(next->body, static_cast<std::uint8_t>(group.blueprint), home, group.velocity);
+    return next++->body;
+  };
+  for (const BodyGroup& group : scene.groups) PlaceGroup(group, random, world, renew);
+  // A drive of all bodies is still there.
+  for (const DriveRule& rule : scene.drives) {
+    if (rule.blueprint) AddDrives(rule, scene, placed, world);
+  }
 }
 
 Vector3d FindSpawn(const PlayerRules& player, std::uint32_t index) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -80,6 +81,10 @@ struct PlacedBody {
 // Fills an empty world with the scene's obstacles, blueprints, bodies and drives. The same seed gives the same world.
 // Returns the bodies by ascending id.
 [[nodiscard]] std::vector<PlacedBody> FillWorld(const Scene& scene, std::uint64_t seed, physics::World& world);
+
+// Makes the bodies that FillWorld placed with this seed what they were then, under their numbers. Players' bodies stay
+// as they are.
+void RefillWorld(const Scene& scene, std::uint64_t seed, std::span<const PlacedBody> placed, physics::World& world);
 
 // The place of the index-th player on the circle, m. Steps of the golden angle keep any number of players apart.
 [[nodiscard]] physics::Vector3d FindSpawn(const PlayerRules& player, std::uint32_t index);
