@@ -25,9 +25,11 @@ struct Heard {
 void Act(Playground& ground) {
   const auto tick = ground.World().Tick();
   const auto body = [&](std::size_t place) { return ground.World().Bodies()[place].id; };
+  for (ClientId client = 1; client <= 3; ++client) {
+    if (tick == 5 * (client - 1)) ground.Take(JoinEntry{client, false, "player"});
+  }
   const physics::Vector3d at = ground.World().FindCentre(ground.World().Bodies()[0]);
   for (ClientId client = 1; client <= 3; ++client) {
-    if (tick == 5 * client) ground.Take(JoinEntry{client, false, "player"});
     if (tick % 30 == client) {
       MoveEntry move{.client = client, .control = {}, .hand = {}};
       move.control.moveX = tick % 60 < 30 ? 0.7 : -0.7;
