@@ -35,7 +35,8 @@ Server::Server(const Config& config, scenes::Scene scene, std::unique_ptr<transp
                std::vector<Bases> bases, TimeSource clock)
     : m_config(config),
       m_transport(std::move(transport)),
-      m_playground(std::move(scene), 1.0 / config.tickHz, config.threads, config.seed),
+      m_playground(std::move(scene),
+                   {.tickDuration = 1.0 / config.tickHz, .seed = config.seed, .threads = config.threads}),
       m_grounds(CaptureGrounds(World().Obstacles())),
       m_clock(1.0 / config.tickHz, now),
       m_watch(std::move(clock)),

@@ -70,7 +70,12 @@ WorldState World::Capture() const {
                    .stepForces = m_stepForces,
                    .pairs = {}};
   for (std::size_t slot = 0; slot < m_slots.size(); ++slot) {
-    if (!m_slots[slot].isKept) state.slots.push_back({m_slots[slot].revision, m_recipes[slot]});
+    if (m_slots[slot].isKept) continue;
+    const auto isOlder = [&](const BlueprintSlot& other) {
+      return !other.isKept && other.revision < m_slots[slot].revision;
+    };
+    const auto older = static_cast<std::uint32_t>(std::ranges::count_if(m_slots, isOlder));
+    state.slots.push_back({older + 1, m_recipes[slot]});
   }
   std::visit(
       [&]<class Real>(const Workspace<Real>& work) {
@@ -102,11 +107,11 @@ std::string World::Restore(const WorldState& state) {
   m_blueprints.resize(kept);
   m_slots.resize(kept);
   m_recipes.resize(kept);
-  // Revisions grow, so that whoever keeps copies notices; their order says which slot is taken next.
+  // Revisions grow, so that whoever keeps copies notices.
   const std::uint64_t before = m_blueprintRevision;
   for (std::size_t i = 0; i < made.size(); ++i) {
     PutIntoSlot(kept + i, std::move(made[i]), state.slots[i].recipe);
-    m_slots[kept + i].revision = before + state.slots[i].revision;
+    m_slots[kept + i].revision = before + state.slots[i].age;
     m_blueprintRevision = std::max(m_blueprintRevision, m_slots[kept + i].revision);
   }
   ++m_blueprintRevision;

@@ -28,7 +28,7 @@ struct SleeperState {
 
 // A slot that the scene did not fill.
 struct SlotState {
-  std::uint64_t revision = 0;
+  std::uint32_t age = 0;  // 1: the oldest, which is taken first
   BlueprintRecipe recipe;
 };
 

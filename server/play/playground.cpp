@@ -18,6 +18,12 @@ struct Visitor : Each... {
   using Each::operator()...;
 };
 
+physics::WorldSettings MakeWorldSettings(const scenes::Scene& scene, const PlaygroundSettings& settings) {
+  physics::WorldSettings world = scenes::MakeWorldSettings(scene, settings.tickDuration, settings.threads);
+  world.widestPack = settings.widestPack;
+  return world;
+}
+
 bool IsPossible(const MoveEntry& move) {
   const physics::Control& control = move.control;
   if (!(control.moveX * control.moveX + control.moveY * control.moveY <= 1.0001)) return false;
@@ -26,12 +32,12 @@ bool IsPossible(const MoveEntry& move) {
 
 }  // namespace
 
-Playground::Playground(scenes::Scene scene, double tickDuration, int threads, std::uint64_t seed)
+Playground::Playground(scenes::Scene scene, const PlaygroundSettings& settings)
     : m_scene(std::move(scene)),
-      m_seed(seed),
-      m_world(scenes::MakeWorldSettings(m_scene, tickDuration, threads)),
-      m_sceneBodies(scenes::FillWorld(m_scene, seed, m_world)),
-      m_hands(m_scene.hands, tickDuration),
+      m_seed(settings.seed),
+      m_world(MakeWorldSettings(m_scene, settings)),
+      m_sceneBodies(scenes::FillWorld(m_scene, settings.seed, m_world)),
+      m_hands(m_scene.hands, settings.tickDuration),
       m_tuning(m_scene.tuning, m_scene.gravity) {
   OpenWorkshopAndGame();
 }

@@ -39,10 +39,18 @@ struct Happening {
 
 struct PlaygroundState;
 
+struct PlaygroundSettings {
+  double tickDuration = 1.0 / 60;  // s
+  std::uint64_t seed = 1;          // of the scene's random placement
+  // The bits do not depend on what follows.
+  int threads = 1;
+  int widestPack = physics::WorldSettings{}.widestPack;
+};
+
 class Playground {
  public:
-  // scene: valid. tickDuration: s. threads: 1 or more. seed: of the scene's random placement.
-  Playground(scenes::Scene scene, double tickDuration, int threads, std::uint64_t seed);
+  // scene: valid.
+  Playground(scenes::Scene scene, const PlaygroundSettings& settings);
 
   struct Player {
     physics::BodyId body = 0;  // 0: a spectator

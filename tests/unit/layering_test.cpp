@@ -52,8 +52,8 @@ const std::string kLanes = "server/physics/lanes/", kModel = "server/physics/mod
                   kContact = "server/physics/contact/", kMethods = "server/physics/methods/",
                   kShapes = "server/physics/shapes/", kStep = "server/physics/step/", kPhysics = "server/physics/",
                   kScenes = "server/scenes/", kTiming = "server/timing/", kPlay = "server/play/",
-                  kSnapshots = "server/snapshots/", kProtocol = "protocol/", kCodec = "protocol/codec/",
-                  kEncoding = "protocol/codec/encoding/",
+                  kRecording = "server/recording/", kSnapshots = "server/snapshots/", kProtocol = "protocol/",
+                  kCodec = "protocol/codec/", kEncoding = "protocol/codec/encoding/",
                   kVestibule = "protocol/transport/vestibule/", kClient = "client/";
 // The headers of the client library itself, without the rooms of the commands.
 const Strings kCommandReach{kClient, kProtocol};
@@ -70,6 +70,12 @@ const std::vector<Room> kRooms{
     {kScenes, {kPhysics}, {"toml++/"}, kClock},
     {kTiming, {}, {}, kClock},
     {kPlay, {kPhysics, kScenes, kTiming}, {"spdlog/fmt/"}, kClock},
+    // It alone writes worlds to files. Its writing thread is told the time.
+    {kRecording + "recorder",
+     {kPhysics, kScenes, kPlay, kTiming},
+     {"fmt/", "fcntl.h", "unistd.h"},
+     {"iostream", "fstream"}},
+    {kRecording, {kPhysics, kScenes, kPlay, kTiming}, {"Eigen/", "fmt/", "zlib.h", "zstd.h"}, kClock},
     // Bodies leave the engine in Eigen's types, and a body's rotation is found with Eigen's solvers.
     {kSnapshots, {kPhysics, kScenes, kPlay, kTiming, kProtocol}, {"Eigen/", "oneapi/tbb", "tbb/"}, kClock},
     // Bases are eigenvectors of what play does to a body.
@@ -99,7 +105,7 @@ const std::vector<Room> kRooms{
     // Unicode's tables are the server's alone.
     {"server/names", {kProtocol}, {"unicode/"}, kClockFileLog},
     {"server/",
-     {kTiming, kPlay, kSnapshots, "server/training/", kScenes, kPhysics, kProtocol},
+     {kTiming, kPlay, kRecording, kSnapshots, "server/training/", kScenes, kPhysics, kProtocol},
      {"fmt/", "nlohmann/", "oneapi/tbb", "prometheus/", "spdlog/", "tbb/"},
      kClock},
     // It alone has a thread, and so a clock, of its own; the door that it asks is told the time.

@@ -14,8 +14,6 @@
 namespace wobble::server {
 namespace {
 
-constexpr double kTick = 1.0 / 60;
-
 struct Heard {
   std::uint32_t tick = 0;  // played before it
   Entry entry;
@@ -63,7 +61,7 @@ constexpr int kTicks = 220;
 class PlaygroundOf : public testing::TestWithParam<std::string> {
  protected:
   [[nodiscard]] Playground Make(int threads = 1) const {
-    return Playground(test::LoadShippedScene(GetParam()), kTick, threads, 1);
+    return Playground(test::LoadShippedScene(GetParam()), {.threads = threads});
   }
 };
 
@@ -105,7 +103,7 @@ INSTANTIATE_TEST_SUITE_P(Shipped, PlaygroundOf, testing::Values("arena", "curtai
                          [](const auto& scene) { return scene.param; });
 
 TEST(Playground, BeginsAnewWhole) {
-  Playground ground(test::LoadShippedScene("curtain"), kTick, 1, 1);
+  Playground ground(test::LoadShippedScene("curtain"), {});
   const auto count = [&] { return ground.World().BlueprintOf(ground.World().Bodies()[2]).full.springs.size(); };
   const std::size_t whole = count();
   ground.Take(JoinEntry{1, false, "vandal"});
@@ -123,7 +121,7 @@ TEST(Playground, BeginsAnewWhole) {
   EXPECT_NE(ground.FindPlayer(1)->body, 0U);
 
   // It goes on as a new one does, at the same places.
-  Playground fresh(test::LoadShippedScene("curtain"), kTick, 1, 1);
+  Playground fresh(test::LoadShippedScene("curtain"), {});
   ground.Take(RestartEntry{});
   fresh.Step();
   ground.Step();
@@ -131,7 +129,7 @@ TEST(Playground, BeginsAnewWhole) {
 }
 
 TEST(Playground, BearsEntriesThatCannotBe) {
-  Playground ground(test::LoadShippedScene("sandbox"), kTick, 1, 1);
+  Playground ground(test::LoadShippedScene("sandbox"), {});
   const double nan = std::numeric_limits<double>::quiet_NaN();
   ground.Take(JoinEntry{1, false, "player"});
   const std::size_t bodies = ground.World().Bodies().size();
@@ -158,8 +156,8 @@ TEST(Playground, BearsEntriesThatCannotBe) {
 }
 
 TEST(Playground, RefusesStatesOfOthers) {
-  Playground arena(test::LoadShippedScene("arena"), kTick, 1, 1);
-  Playground sumo(test::LoadShippedScene("sumo"), kTick, 1, 1);
+  Playground arena(test::LoadShippedScene("arena"), {});
+  Playground sumo(test::LoadShippedScene("sumo"), {});
   EXPECT_NE(arena.Restore(sumo.Capture()), "");
   PlaygroundState state = sumo.Capture();
   state.players[4].body = 4711;

@@ -147,7 +147,7 @@ TEST_F(UnsoundState, NamesPairs) {
 }
 
 TEST_F(UnsoundState, NamesBlueprints) {
-  state.slots.push_back({.revision = 1, .recipe = {.base = 200, .parts = {}, .torn = {}}});
+  state.slots.push_back({.age = 1, .recipe = {.base = 200, .parts = {}, .torn = {}}});
   EXPECT_NE(Refuse().find("base 200"), std::string::npos);
   state.slots.back().recipe = {.base = 0, .parts = {}, .torn = {1, 0}};
   EXPECT_NE(Refuse().find("torn springs 2"), std::string::npos);

@@ -1,0 +1,268 @@
+// Recordings: what is played again is what was played, on any number of threads and lanes; damage is found where it is;
+// files are their owner's alone and good up to their last whole block; a disk that fails stops no tick.
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include <csignal>
+
+#include "server/recording/replay.h"
+#include "server/recording/verify.h"
+#include "tests/unit/recording/matches.h"
+
+namespace wobble::recording {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+Proof Prove(const std::filesystem::path& path, const ReplaySettings& settings = {}) {
+  return Verify(path, settings, [](auto...) { return true; });
+}
+
+class RecordedScene : public testing::TestWithParam<std::string> {};
+
+TEST_P(RecordedScene, PlaysTheSameAgain) {
+  const Folder folder;
+  const RecorderCounts counts = RecordMatch(GetParam(), 200, MakeSettings(folder), 100);
+  EXPECT_EQ(counts.failures, 0U);
+  const auto files = folder.List();
+  ASSERT_THAT(files, SizeIs(2));
+  for (const auto& file : files) {
+    for (const ReplaySettings settings : {ReplaySettings{}, {.threads = 2, .widestPack = 8}, {.widestPack = 1}}) {
+      const Proof proof = Prove(file, settings);
+      EXPECT_EQ(proof.verdict, Verdict::kIdentical) << proof.words;
+      EXPECT_THAT(proof.words, testing::StartsWith("identical"));
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shipped, RecordedScene, testing::Values("curtain", "sandbox", "sumo"),
+                         [](const auto& scene) { return scene.param; });
+
+TEST(Recording, IsItsOwnersAloneAndNamesNobodyButPlayers) {
+  const Folder folder;
+  RecordMatch("arena", 70, MakeSettings(folder));
+  const auto files = folder.List();
+  ASSERT_THAT(files, SizeIs(1));
+  EXPECT_EQ(files[0].filename(), "arena-20231114-221320.wobrec");
+  struct stat info {};
+  ASSERT_EQ(stat(files[0].c_str(), &info), 0);
+  EXPECT_EQ(info.st_mode & 0777U, 0600U);
+}
+
+TEST(Recording, EveryFlippedBitIsFoundAndLocated) {
+  const Folder folder;
+  RecordMatch("arena", 150, MakeSettings(folder));
+  const std::filesystem::path file = folder.List()[0];
+  const Bytes whole = ReadFile(file);
+  for (std::size_t i = 0; i < whole.size(); i += 1 + whole.size() / 60) {
+    Bytes flipped = whole;
+    flipped[i] = static_cast<std::uint8_t>(flipped[i] ^ (1U << i % 8));
+    WriteFile(file, flipped);
+    const Proof proof = Prove(file);
+    EXPECT_EQ(proof.verdict, Verdict::kUnreadable) << "bit of byte " << i << ": " << proof.words;
+    const auto at = proof.words.find("byte ");
+    if (at == std::string::npos) {
+      EXPECT_LT(i, 12U) << proof.words;
+      continue;
+    }
+    // The block begins before the flipped bit.
+    EXPECT_LE(std::stoul(proof.words.substr(at + 5)), i);
+  }
+}
+
+TEST(Recording, IsGoodUpToItsLastWholeBlock) {
+  const Folder folder;
+  RecordMatch("arena", 190, MakeSettings(folder));
+  const std::filesystem::path file = folder.List()[0];
+  const Bytes whole = ReadFile(file);
+  std::uint32_t last = 0;
+  for (std::size_t size = 0; size < whole.size(); size += 64) {
+    WriteFile(file, std::span(whole).first(size));
+    std::string error;
+    const auto replay = Replay::Open(file, {}, error);
+    if (replay == nullptr) {
+      EXPECT_NE(error, "");
+      continue;
+    }
+    EXPECT_FALSE(replay->IsWhole());
+    EXPECT_GE(replay->LastTick(), last);
+    EXPECT_EQ(replay->LastTick() % 60, 0U);
+    last = replay->LastTick();
+    while (size % 512 == 0 && replay->Advance()) {
+    }
+    EXPECT_FALSE(replay->FirstDifference());
+  }
+  EXPECT_EQ(last, 180U);
+}
+
+TEST(Recording, ADifferenceIsFoundWithItsTickAndBody) {
+  const Folder folder;
+  RecordMatch("arena", 200, MakeSettings(folder));
+  const std::filesystem::path file = folder.List()[0];
+  // The same recording of a world that is a little heavier from the start.
+  BlockReader reader;
+  ASSERT_THAT(reader.Open(file), IsEmpty());
+  Bytes changed = MakeFileHead();
+  while (const auto block = reader.Next()) {
+    Bytes bytes = block->bytes;
+    if (block->kind == BlockKind::kSecond) {
+      auto second = FromBytes<Second>(bytes);
+      for (TimedEntry& each : second->entries) {
+        auto* join = std::get_if<server::JoinEntry>(&each.entry);
+        if (join != nullptr && join->client == 2) each.after = static_cast<std::uint16_t>(each.after + 3);
+      }
+      bytes = ToBytes(*second);
+    }
+    const Bytes packed = PackBlock(block->kind, bytes);
+    changed.insert(changed.end(), packed.begin(), packed.end());
+  }
+  WriteFile(file, changed);
+  const Proof proof = Prove(file);
+  EXPECT_EQ(proof.verdict, Verdict::kDifferent);
+  EXPECT_THAT(proof.words, HasSubstr("different from tick 41 on, in second 0")) << proof.words;
+  EXPECT_THAT(proof.words, HasSubstr("body "));
+}
+
+TEST(Recording, GoesToAnyTick) {
+  const Folder folder;
+  RecordMatch("curtain", 300, MakeSettings(folder), 90);
+  for (const auto& file : folder.List()) {
+    std::string error;
+    const auto replay = Replay::Open(file, {}, error);
+    ASSERT_NE(replay, nullptr) << error;
+    std::map<std::uint32_t, std::uint64_t> hashes;
+    do {
+      hashes[replay->Ground().World().Tick()] = replay->Ground().World().Hash();
+    } while (replay->Advance());
+    for (const std::uint32_t step : {250U, 100U, 35U, 199U, 200U, 91U, 10U, 299U}) {
+      const std::uint32_t tick = std::clamp(step, replay->FirstTick(), replay->LastTick());
+      EXPECT_THAT(replay->Seek(tick), IsEmpty());
+      EXPECT_EQ(replay->Ground().World().Tick(), tick);
+      EXPECT_EQ(replay->Ground().World().Hash(), hashes[tick]);
+    }
+    EXPECT_FALSE(replay->FirstDifference());
+  }
+}
+
+TEST(Recording, FilesOfOthersAreNamed) {
+  const Folder folder;
+  std::string error;
+  const auto open = [&](const std::string& name) {
+    EXPECT_EQ(Replay::Open(folder.Path() / name, {}, error), nullptr);
+    return error;
+  };
+  EXPECT_THAT(open("none.wobrec"), HasSubstr("no regular file"));
+  WriteFile(folder.Path() / "text.wobrec", ReadFile(WOBBLE_SOURCE_DIR "/README.md"));
+  EXPECT_THAT(open("text.wobrec"), HasSubstr("not of wobble's format"));
+  Bytes next = MakeFileHead();
+  next[8] = 77;
+  WriteFile(folder.Path() / "next.wobrec", next);
+  EXPECT_THAT(open("next.wobrec"), HasSubstr("of format 77"));
+  Head head = MakeHead("arena");
+  head.scene.text = "[[blueprint]]\nname = 3\n";
+  Bytes spoiled = MakeFileHead();
+  const Bytes block = PackBlock(BlockKind::kHead, ToBytes(head));
+  spoiled.insert(spoiled.end(), block.begin(), block.end());
+  WriteFile(folder.Path() / "spoiled.wobrec", spoiled);
+  EXPECT_THAT(open("spoiled.wobrec"), HasSubstr("scene with mistakes"));
+}
+
+TEST(Recording, MeshesAreInTheFile) {
+  const Folder folder;
+  RecordMatch("mesh_zoo", 70, MakeSettings(folder));
+  std::string error;
+  const auto replay = Replay::Open(folder.List()[0], {}, error);
+  ASSERT_NE(replay, nullptr) << error;
+  EXPECT_FALSE(replay->ReadHead().scene.meshes.empty());
+  EXPECT_EQ(Prove(folder.List()[0]).verdict, Verdict::kIdentical);
+}
+
+TEST(Recording, RotatesBySize) {
+  const Folder folder;
+  RecorderSettings settings = MakeSettings(folder);
+  settings.maxFileBytes = 5'000;
+  RecordMatch("curtain", 600, settings);
+  const auto files = folder.List();
+  EXPECT_GT(files.size(), 1U);
+  for (const auto& file : files) EXPECT_EQ(Prove(file).verdict, Verdict::kIdentical) << Prove(file).words;
+}
+
+// A full disk, as a limit of this process: writes beyond it fail.
+TEST(Recording, AFullDiskStopsNoTick) {
+  const Folder folder;
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit small{5'000, before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &small);
+  const RecorderCounts counts = RecordMatch("curtain", 900, MakeSettings(folder));
+  setrlimit(RLIMIT_FSIZE, &before);
+  EXPECT_GT(counts.failures, 0U);
+  EXPECT_GE(counts.files, 2U) << "it tries again";
+  std::string error;
+  const auto files = folder.List();
+  ASSERT_THAT(files, SizeIs(1)) << "what has nothing to play is not left behind";
+  const auto first = Replay::Open(files[0], {}, error);
+  ASSERT_NE(first, nullptr) << error;
+  EXPECT_THAT(first->Fault(), IsEmpty()) << "what a full disk has left of a block is taken back";
+}
+
+TEST(Recording, AFolderThatCannotBeWrittenStopsNoTick) {
+  const Folder folder;
+  RecorderSettings settings = MakeSettings(folder);
+  settings.folder /= "missing";
+  const RecorderCounts counts = RecordMatch("arena", 120, settings);
+  EXPECT_EQ(counts.failures, 1U);
+  EXPECT_EQ(counts.bytes, 0U);
+}
+
+// What is stored of a crowded world is read as it was written.
+TEST(Archive, StatesAreReadAsTheyWereWritten) {
+  const Head head = MakeHead("curtain");
+  server::Playground ground(scenes::ParseScene(head.scene).scene, {});
+  while (ground.World().Tick() < 170) {
+    ActInMatch(ground);
+    ground.Step();
+  }
+  const Bytes bytes = ToBytes(ground.Capture());
+  const auto state = FromBytes<server::PlaygroundState>(bytes);
+  ASSERT_TRUE(state);
+  EXPECT_EQ(ToBytes(*state), bytes);
+  server::Playground other(scenes::ParseScene(head.scene).scene, {});
+  ASSERT_THAT(other.Restore(*state), IsEmpty());
+  EXPECT_EQ(ToBytes(other.Capture()), bytes) << "a restored playground is captured as the same state";
+}
+
+// Whatever is in the place of a state, it is read, refused or played, and nothing breaks.
+TEST(Archive, SpoiledStatesAreRefusedOrBorne) {
+  const Head head = MakeHead("curtain");
+  server::Playground ground(scenes::ParseScene(head.scene).scene, {});
+  while (ground.World().Tick() < 120) {
+    ActInMatch(ground);
+    ground.Step();
+  }
+  const Bytes bytes = ToBytes(ground.Capture());
+  std::uint32_t random = 1;
+  int restored = 0;
+  for (int i = 0; i < 80; ++i) {
+    Bytes spoiled = bytes;
+    for (int flips = 0; flips < 1 + i % 3; ++flips) {
+      random = random * 1664525 + 1013904223;
+      spoiled[random % spoiled.size()] ^= static_cast<std::uint8_t>(1U << (random >> 29));
+    }
+    if (i % 10 == 0) spoiled.resize(random % spoiled.size());
+    const auto state = FromBytes<server::PlaygroundState>(spoiled);
+    if (!state) continue;
+    server::Playground other(scenes::ParseScene(head.scene).scene, {});
+    if (!other.Restore(*state).empty()) continue;
+    ++restored;
+    for (int tick = 0; tick < 3; ++tick) other.Step();
+  }
+  EXPECT_GT(restored, 30) << "most bits are of positions and velocities";
+}
+
+}  // namespace
+}  // namespace wobble::recording
