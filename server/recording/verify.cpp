@@ -5,49 +5,53 @@
 namespace wobble::recording {
 namespace {
 
-std::string Describe(const Difference& difference, std::uint32_t tickHz) {
+std::string Describe(const Difference& difference, const Recording& recording) {
   const std::string body =
       difference.body ? fmt::format("body {}", *difference.body) : std::string("a body whose number is not known");
-  return fmt::format("different from tick {} on, in second {} (at {} ticks a second): {}", difference.tick,
-                     static_cast<int>(difference.second), tickHz, body);
+  const double time = recording.TimeOf(difference.tick);
+  return fmt::format("different in second {}, from tick {} on: {}", static_cast<int>(time), difference.tick, body);
 }
 
 }  // namespace
 
-Proof Verify(const std::filesystem::path& path, const ReplaySettings& settings,
-             const std::function<bool(std::uint32_t, std::uint32_t, std::uint32_t)>& progress) {
-  std::string error;
-  const auto replay = Replay::Open(path, settings, error);
-  if (replay == nullptr) return {Verdict::kUnreadable, path.string() + " " + error};
-  const std::uint32_t tickHz = replay->ReadHead().tickHz;
-  const physics::World& world = replay->Ground().World();
-  auto keyframe = replay->Keyframes().begin();
+Proof Verify(const std::filesystem::path& path, const GroundSettings& settings, const Progress& progress) {
+  Recording recording;
+  std::string error = recording.Open(path);
+  std::unique_ptr<server::Playground> ground;
+  if (error.empty()) ground = MakeGround(recording.ReadHead(), settings, error);
+  if (ground == nullptr) return {Verdict::kUnreadable, path.string() + " " + error};
+  Replay replay(recording, *ground);
+  error = replay.Seek(recording.FirstTick());
+  if (!error.empty()) return {Verdict::kUnreadable, path.string() + ": " + error};
+
+  const std::uint32_t tickHz = recording.ReadHead().tickHz;
+  auto keyframe = recording.Keyframes().begin();
   std::optional<std::uint32_t> differentKeyframe;
-  while (replay->Advance()) {
-    if (world.Tick() % tickHz == 0 && !progress(world.Tick(), replay->FirstTick(), replay->LastTick())) break;
-    while (keyframe != replay->Keyframes().end() && keyframe->tick < world.Tick()) ++keyframe;
-    const bool isKeyframe = keyframe != replay->Keyframes().end() && keyframe->tick == world.Tick();
-    if (isKeyframe && !replay->Matches(*keyframe)) differentKeyframe = world.Tick();
+  while (replay.Advance()) {
+    const std::uint32_t tick = replay.Tick();
+    if (tick % tickHz == 0 && !progress(recording.TimeOf(tick), recording.TimeOf(recording.LastTick()))) break;
+    while (keyframe != recording.Keyframes().end() && keyframe->tick < tick) ++keyframe;
+    const bool isKeyframe = keyframe != recording.Keyframes().end() && keyframe->tick == tick;
+    if (isKeyframe && !replay.Matches(*keyframe)) differentKeyframe = tick;
     // A second more, to find the body.
-    const auto& difference = replay->FirstDifference();
-    if (differentKeyframe || (difference && (difference->body || world.Tick() > difference->tick + tickHz))) break;
+    const auto& difference = replay.FirstDifference();
+    if (differentKeyframe || (difference && (difference->body || tick > difference->tick + tickHz))) break;
   }
   Proof proof;
-  const auto& difference = replay->FirstDifference();
-  const double played = double{1} * (world.Tick() - replay->FirstTick()) / tickHz;
-  if (difference || differentKeyframe) {
-    proof.verdict = Verdict::kDifferent;
-    proof.words = difference ? Describe(*difference, tickHz)
-                             : fmt::format("different in the keyframe of tick {}", *differentKeyframe);
+  if (const auto& difference = replay.FirstDifference()) {
+    proof = {Verdict::kDifferent, Describe(*difference, recording)};
+  } else if (differentKeyframe) {
+    proof = {Verdict::kDifferent, fmt::format("different in the keyframe of tick {}", *differentKeyframe)};
   } else {
-    proof.words = fmt::format("identical: {} ticks, {:.1f} s of {}, {} keyframes", world.Tick() - replay->FirstTick(),
-                              played, replay->ReadHead().scene.name, replay->Keyframes().size());
+    proof.words = fmt::format("identical: {} ticks, {:.1f} s of {}", replay.Tick() - recording.FirstTick(),
+                              recording.TimeOf(replay.Tick()), recording.ReadHead().scene.name);
   }
-  if (!replay->Fault().empty()) {
-    proof.words += fmt::format("\ndamaged behind {:.1f} s: {}", replay->Duration(), replay->Fault());
+  if (!recording.Fault().empty()) {
+    proof.words +=
+        fmt::format("\ndamaged behind {:.1f} s: {}", recording.TimeOf(recording.LastTick()), recording.Fault());
     if (proof.verdict == Verdict::kIdentical) proof.verdict = Verdict::kUnreadable;
-  } else if (!replay->IsWhole()) {
-    proof.words += "\nthe recording ends without an end: what wrote it was broken off";
+  } else if (!recording.IsWhole()) {
+    proof.words += "\nthe recording has no end: what wrote it was broken off";
   }
   return proof;
 }

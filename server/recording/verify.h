@@ -16,10 +16,11 @@ struct Proof {
   std::string words;  // a line, or two if the file is damaged behind what was played
 };
 
+// Called after each second that is played, with its time and that of the end, s. False: stop, and judge what was
+// played.
+using Progress = std::function<bool(double time, double end)>;
+
 // Plays the file as fast as it goes and compares the trace of every tick and the state at every keyframe.
-// progress(tick, first, last): called after each second; false: stop, as far as it went.
-[[nodiscard]] Proof Verify(
-    const std::filesystem::path& path, const ReplaySettings& settings,
-    const std::function<bool(std::uint32_t tick, std::uint32_t first, std::uint32_t last)>& progress);
+[[nodiscard]] Proof Verify(const std::filesystem::path& path, const GroundSettings& settings, const Progress& progress);
 
 }  // namespace wobble::recording

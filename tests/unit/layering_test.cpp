@@ -72,7 +72,7 @@ const std::vector<Room> kRooms{
     {kPlay, {kPhysics, kScenes, kTiming}, {"spdlog/fmt/"}, kClock},
     // It alone writes worlds to files. Its writing thread is told the time.
     {kRecording + "recorder",
-     {kPhysics, kScenes, kPlay, kTiming},
+     {kRecording, kPhysics, kScenes, kPlay, kTiming},
      {"fmt/", "fcntl.h", "unistd.h"},
      {"iostream", "fstream"}},
     {kRecording, {kPhysics, kScenes, kPlay, kTiming}, {"Eigen/", "fmt/", "zlib.h", "zstd.h"}, kClock},

@@ -17,9 +17,25 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-Proof Prove(const std::filesystem::path& path, const ReplaySettings& settings = {}) {
+Proof Prove(const std::filesystem::path& path, const GroundSettings& settings = {}) {
   return Verify(path, settings, [](auto...) { return true; });
 }
+
+// A recording and its replay, at the beginning.
+struct Opened {
+  explicit Opened(const std::filesystem::path& path) {
+    error = recording.Open(path);
+    if (error.empty()) ground = MakeGround(recording.ReadHead(), {}, error);
+    if (ground == nullptr) return;
+    replay = std::make_unique<Replay>(recording, *ground);
+    error = replay->Seek(recording.FirstTick());
+  }
+
+  Recording recording;
+  std::unique_ptr<server::Playground> ground;
+  std::unique_ptr<Replay> replay;
+  std::string error;
+};
 
 class RecordedScene : public testing::TestWithParam<std::string> {};
 
@@ -30,7 +46,7 @@ TEST_P(RecordedScene, PlaysTheSameAgain) {
   const auto files = folder.List();
   ASSERT_THAT(files, SizeIs(2));
   for (const auto& file : files) {
-    for (const ReplaySettings settings : {ReplaySettings{}, {.threads = 2, .widestPack = 8}, {.widestPack = 1}}) {
+    for (const GroundSettings settings : {GroundSettings{}, {.threads = 2, .widestPack = 8}, {.widestPack = 1}}) {
       const Proof proof = Prove(file, settings);
       EXPECT_EQ(proof.verdict, Verdict::kIdentical) << proof.words;
       EXPECT_THAT(proof.words, testing::StartsWith("identical"));
@@ -81,19 +97,15 @@ TEST(Recording, IsGoodUpToItsLastWholeBlock) {
   std::uint32_t last = 0;
   for (std::size_t size = 0; size < whole.size(); size += 64) {
     WriteFile(file, std::span(whole).first(size));
-    std::string error;
-    const auto replay = Replay::Open(file, {}, error);
-    if (replay == nullptr) {
-      EXPECT_NE(error, "");
-      continue;
+    Opened opened(file);
+    if (!opened.error.empty()) continue;
+    EXPECT_FALSE(opened.recording.IsWhole());
+    EXPECT_GE(opened.recording.LastTick(), last);
+    EXPECT_EQ(opened.recording.LastTick() % 60, 0U);
+    last = opened.recording.LastTick();
+    while (size % 512 == 0 && opened.replay->Advance()) {
     }
-    EXPECT_FALSE(replay->IsWhole());
-    EXPECT_GE(replay->LastTick(), last);
-    EXPECT_EQ(replay->LastTick() % 60, 0U);
-    last = replay->LastTick();
-    while (size % 512 == 0 && replay->Advance()) {
-    }
-    EXPECT_FALSE(replay->FirstDifference());
+    EXPECT_FALSE(opened.replay->FirstDifference());
   }
   EXPECT_EQ(last, 180U);
 }
@@ -122,38 +134,32 @@ TEST(Recording, ADifferenceIsFoundWithItsTickAndBody) {
   WriteFile(file, changed);
   const Proof proof = Prove(file);
   EXPECT_EQ(proof.verdict, Verdict::kDifferent);
-  EXPECT_THAT(proof.words, HasSubstr("different from tick 41 on, in second 0")) << proof.words;
-  EXPECT_THAT(proof.words, HasSubstr("body "));
+  EXPECT_THAT(proof.words, HasSubstr("different in second 0, from tick 41 on: body ")) << proof.words;
 }
 
 TEST(Recording, GoesToAnyTick) {
   const Folder folder;
   RecordMatch("curtain", 300, MakeSettings(folder), 90);
   for (const auto& file : folder.List()) {
-    std::string error;
-    const auto replay = Replay::Open(file, {}, error);
-    ASSERT_NE(replay, nullptr) << error;
+    Opened opened(file);
+    ASSERT_THAT(opened.error, IsEmpty());
     std::map<std::uint32_t, std::uint64_t> hashes;
     do {
-      hashes[replay->Ground().World().Tick()] = replay->Ground().World().Hash();
-    } while (replay->Advance());
+      hashes[opened.replay->Tick()] = opened.ground->World().Hash();
+    } while (opened.replay->Advance());
     for (const std::uint32_t step : {250U, 100U, 35U, 199U, 200U, 91U, 10U, 299U}) {
-      const std::uint32_t tick = std::clamp(step, replay->FirstTick(), replay->LastTick());
-      EXPECT_THAT(replay->Seek(tick), IsEmpty());
-      EXPECT_EQ(replay->Ground().World().Tick(), tick);
-      EXPECT_EQ(replay->Ground().World().Hash(), hashes[tick]);
+      const std::uint32_t tick = std::clamp(step, opened.recording.FirstTick(), opened.recording.LastTick());
+      EXPECT_THAT(opened.replay->Seek(tick), IsEmpty());
+      EXPECT_EQ(opened.replay->Tick(), tick);
+      EXPECT_EQ(opened.ground->World().Hash(), hashes[tick]);
     }
-    EXPECT_FALSE(replay->FirstDifference());
+    EXPECT_FALSE(opened.replay->FirstDifference());
   }
 }
 
 TEST(Recording, FilesOfOthersAreNamed) {
   const Folder folder;
-  std::string error;
-  const auto open = [&](const std::string& name) {
-    EXPECT_EQ(Replay::Open(folder.Path() / name, {}, error), nullptr);
-    return error;
-  };
+  const auto open = [&](const std::string& name) { return Opened(folder.Path() / name).error; };
   EXPECT_THAT(open("none.wobrec"), HasSubstr("no regular file"));
   WriteFile(folder.Path() / "text.wobrec", ReadFile(WOBBLE_SOURCE_DIR "/README.md"));
   EXPECT_THAT(open("text.wobrec"), HasSubstr("not of wobble's format"));
@@ -173,10 +179,7 @@ TEST(Recording, FilesOfOthersAreNamed) {
 TEST(Recording, MeshesAreInTheFile) {
   const Folder folder;
   RecordMatch("mesh_zoo", 70, MakeSettings(folder));
-  std::string error;
-  const auto replay = Replay::Open(folder.List()[0], {}, error);
-  ASSERT_NE(replay, nullptr) << error;
-  EXPECT_FALSE(replay->ReadHead().scene.meshes.empty());
+  EXPECT_FALSE(Opened(folder.List()[0]).recording.ReadHead().scene.meshes.empty());
   EXPECT_EQ(Prove(folder.List()[0]).verdict, Verdict::kIdentical);
 }
 
@@ -202,12 +205,11 @@ TEST(Recording, AFullDiskStopsNoTick) {
   setrlimit(RLIMIT_FSIZE, &before);
   EXPECT_GT(counts.failures, 0U);
   EXPECT_GE(counts.files, 2U) << "it tries again";
-  std::string error;
   const auto files = folder.List();
   ASSERT_THAT(files, SizeIs(1)) << "what has nothing to play is not left behind";
-  const auto first = Replay::Open(files[0], {}, error);
-  ASSERT_NE(first, nullptr) << error;
-  EXPECT_THAT(first->Fault(), IsEmpty()) << "what a full disk has left of a block is taken back";
+  const Opened first(files[0]);
+  ASSERT_THAT(first.error, IsEmpty());
+  EXPECT_THAT(first.recording.Fault(), IsEmpty()) << "what a full disk has left of a block is taken back";
 }
 
 TEST(Recording, AFolderThatCannotBeWrittenStopsNoTick) {
