@@ -25,6 +25,7 @@
 #include "server/ops/fleet_duty.h"
 #include "server/ops/trace.h"
 #include "server/options.h"
+#include "server/replaying.h"
 #include "server/scenes/loader.h"
 #include "server/server.h"
 #include "server/summary.h"
@@ -46,6 +47,8 @@ constexpr double kCloseTime = 1;
 
 volatile std::sig_atomic_t g_stop = 0;
 void RequestStop(int) { g_stop = 1; }
+
+std::uint64_t ReadUnixTime() { return static_cast<std::uint64_t>(std::time(nullptr)); }
 
 double ReadClock() {
   static const auto start = std::chrono::steady_clock::now();
@@ -107,6 +110,7 @@ struct Watchers {
 
   // Call it after each call of Server::Tick. now: s.
   void Watch(const server::Server& server, double now) {
+    WatchRecorder(server);
     for (const server::PhaseTimes& tick : server.LastTicks()) times.Record(tick.Sum());
     refusals.Follow(server.ReadTransport(), now);
     if (trace) trace->Write(server.LastTicks(), server.World().Tick());
@@ -125,6 +129,17 @@ struct Watchers {
     status.Update(server, times, now);
   }
 
+  // Says once that a recording was broken off.
+  void WatchRecorder(const server::Server& server) {
+    if (server.ReadRecorder() == nullptr) return;
+    const recording::RecorderCounts counts = server.ReadRecorder()->Counts();
+    if (counts.failures > recordingFailures) {
+      spdlog::warn("recording: {}; tried again every 10 s", server.ReadRecorder()->Error());
+    }
+    recordingFailures = counts.failures;
+  }
+
+  std::uint64_t recordingFailures = 0;
   server::TickTimes times;
   StatusLine status;
   admission::RefusalLog refusals;
@@ -172,6 +187,22 @@ bool WriteSummary(const std::string& path, const std::string& summary) {
   std::ofstream file(path);
   file << summary;
   return file.good();
+}
+
+// Returns false after it has reported what failed.
+bool StartRecording(const Options& options, scenes::SceneSource source, server::Server& server) {
+  if (options.recordFolder.empty()) return true;
+  std::error_code error;
+  std::filesystem::create_directories(options.recordFolder, error);
+  if (error || access(options.recordFolder.c_str(), W_OK) != 0) {
+    Complain({"--record " + options.recordFolder + ": must be a folder that can be written"});
+    return false;
+  }
+  server.Record({.folder = options.recordFolder,
+                 .maxFileBytes = static_cast<std::uint64_t>(options.recordMib) << 20,
+                 .readUnixTime = &ReadUnixTime},
+                {.version = kVersion, .scene = std::move(source)});
+  return true;
 }
 
 // Opens the trace and the endpoint if they are asked for. port: of Agones' sidecar, 0 without one. Returns false after
@@ -230,8 +261,6 @@ std::optional<vestibule::Key> ChooseKey(const Options& options) {
   vestibule::FillRandomly(*key);
   return key;
 }
-
-std::uint64_t ReadUnixTime() { return static_cast<std::uint64_t>(std::time(nullptr)); }
 
 // The orders that come from outside the game.
 struct Administration {
@@ -318,6 +347,7 @@ int RunServer(const Options& options) {
   if (!options.isUntrained) bases = server::LoadBases(loaded.scene, options.cacheFolder, options.config.threads);
   server::Server server(options.config, std::move(loaded.scene), std::move(transport), ReadClock(), std::move(bases),
                         &ReadClock);
+  if (!StartRecording(options, std::move(loaded.source), server)) return kBadUsage;
   spdlog::info("this server's key is {}", publicKey);
   fmt::print("listening on UDP port {}{}, scene {}\n", port, options.bind.empty() ? "" : " of " + options.bind,
              options.scene);
@@ -326,6 +356,7 @@ int RunServer(const Options& options) {
   Run({server, *gate}, options, administration.queue, watchers);
   const std::string summary = server::MakeSummary(server, watchers.times);
   CloseDown(server, watchers);
+  server.EndRecording();
   if (watchers.trace && !watchers.trace->Close()) {
     Complain({"--trace " + options.traceFile + ": could not be written in full"});
     return 1;
@@ -360,5 +391,6 @@ int main(int argc, char** argv) {
   }
   std::signal(SIGINT, RequestStop);
   std::signal(SIGTERM, RequestStop);
+  if (options.isVerify) return server::VerifyRecording(options, [] { return g_stop != 0; });
   return RunServer(options);
 }

@@ -10,6 +10,7 @@ namespace wobble::server {
 namespace {
 
 constexpr Range kDurationRange{0, 1e6};             // s, eleven days
+constexpr Range kRecordRange{1, 65536};             // MiB
 constexpr Range kSeedRange{0, 9007199254740992.0};  // 2^53: exact as a number in JSON too
 
 // A bad number is noted and not thrown, so that all of them are reported together, each with its range.
@@ -104,6 +105,15 @@ void DescribeOptions(CLI::App& app, Options& options) {
   app.add_option("--trace", options.traceFile, "File to write the phases of every tick to, for chrome://tracing");
   app.add_option("--cache", options.cacheFolder, "Folder that keeps trained bases of shapes from one start to the next")
       ->envname("WOBBLE_CACHE");
+  app.add_option("--record", options.recordFolder,
+                 "Folder to record all that is played in, as files that --replay plays again; made if it is not there")
+      ->type_name("FOLDER");
+  addNumber("--record-size", kRecordRange, options.recordMib, "MiB after which a recording goes on in another file");
+  CLI::Option* replay = app.add_option("--replay", options.replayFile, "Recording to play again")->type_name("FILE");
+  app.add_flag("--verify", options.isVerify,
+               "Play --replay as fast as it goes and say whether every tick is the same, or the first second, tick and "
+               "body that are not (exit code 1)")
+      ->needs(replay);
   app.add_flag("--untrained", options.isUntrained,
                "Start at once, without trained bases: shapes take three times the bits")
       ->envname("WOBBLE_UNTRAINED");
@@ -117,6 +127,8 @@ void DescribeOptions(CLI::App& app, Options& options) {
       "  wobbled --admin-socket admin.sock        then: wobble admin --socket admin.sock players\n"
       "  wobbled --for 30 --summary run.json      half a minute, figures at the end\n"
       "  wobbled --ops 9100                       then: curl 127.0.0.1:9100/metrics\n"
+      "  wobbled --record matches                 record what is played; then, to prove it:\n"
+      "  wobbled --replay matches/arena-20261124-180000.wobrec --verify\n"
       "  wobbled --for 90 --pause-after 0         the same without players: the world never pauses");
 }
 

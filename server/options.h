@@ -13,10 +13,10 @@ namespace wobble::server {
 struct Options {
   Config config;
   std::string scene = "arena";
-  double runFor = 0;         // s; 0: until a signal
-  double statusEvery = 0;    // s; 0: no status lines
-  std::string bind;          // address to listen at; empty: every one of the machine
-  std::string keyFile;       // of the server's key; empty: server.key in the state folder
+  double runFor = 0;       // s; 0: until a signal
+  double statusEvery = 0;  // s; 0: no status lines
+  std::string bind;        // address to listen at; empty: every one of the machine
+  std::string keyFile;     // of the server's key; empty: server.key in the state folder
   admission::GateFiles gate;
   std::string adminSocket;  // path; empty: none
   std::string adminHttp;    // HOST:PORT; empty: none
@@ -25,6 +25,10 @@ struct Options {
   std::string cacheFolder;
   std::string ops;  // address of the endpoint; empty: none
   std::string traceFile;
+  std::string recordFolder;  // empty: nothing is recorded
+  int recordMib = 256;       // the most of one file, MiB
+  std::string replayFile;    // empty: none is played
+  bool isVerify = false;     // of replayFile
   bool isUntrained = false;
   bool listScenes = false;
   std::vector<std::string> errors;  // one line for each number that is malformed or out of range

@@ -75,6 +75,17 @@ int Server::Tick(double now) {
   return jumped + due;
 }
 
+void Server::Record(recording::RecorderSettings settings, recording::Head head) {
+  head.tickHz = static_cast<std::uint32_t>(m_config.tickHz);
+  head.seed = m_config.seed;
+  m_recorder = std::make_unique<recording::Recorder>(std::move(settings), std::move(head), m_playground);
+  m_playground.SetListener([this](const Entry& entry) { m_recorder->Note(entry, World().Tick()); });
+}
+
+void Server::EndRecording() {
+  if (m_recorder != nullptr) m_recorder->Close();
+}
+
 void Server::Receive(double now) {
   m_transport->Poll(now, [&](const transport::Event& event) { TakeEvent(event, now); });
   EndTimedOut(now);
@@ -84,6 +95,7 @@ void Server::Step() {
   m_watch.Enter(Phase::kStep);
   ApplyInputs();
   m_report = m_playground.Step();
+  if (m_recorder != nullptr) m_recorder->FollowTick(m_playground);
   const physics::StepReport& report = m_report;
   m_counts.substeps += report.substeps;
   m_counts.awakeSum += report.awake;

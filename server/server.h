@@ -14,6 +14,7 @@
 #include "protocol/transport/transport.h"
 #include "server/config.h"
 #include "server/play/playground.h"
+#include "server/recording/recorder.h"
 #include "server/session.h"
 #include "server/snapshots/capture.h"
 #include "server/snapshots/snapshot_sender.h"
@@ -86,6 +87,13 @@ class Server {
   [[nodiscard]] bool IsClosing() const { return m_isClosing; }
   // Whether no connection is left.
   [[nodiscard]] bool IsEmpty() const { return m_sessions.empty(); }
+
+  // Records all that is played from here on. Call it before the first Tick. head.tickHz and head.seed are filled in.
+  void Record(recording::RecorderSettings settings, recording::Head head);
+  // Ends the recording, with all that was played.
+  void EndRecording();
+  // Null: nothing is recorded.
+  [[nodiscard]] const recording::Recorder* ReadRecorder() const { return m_recorder.get(); }
 
   // server_rule.cpp: what the administration asks for (server/admin). False, where it is returned: no such client is
   // in.
@@ -190,6 +198,7 @@ class Server {
   Config m_config;
   std::unique_ptr<transport::Transport> m_transport;
   Playground m_playground;
+  std::unique_ptr<recording::Recorder> m_recorder;
   std::vector<CapturedGround> m_grounds;
   std::map<transport::ConnectionId, Session> m_sessions;
   TickClock m_clock;

@@ -66,6 +66,7 @@ std::filesystem::path Recorder::Path() const {
 
 void Recorder::Note(const server::Entry& entry, std::uint32_t tick) {
   if (m_state == State::kBroken) return;
+  if (std::holds_alternative<server::RestartEntry>(entry)) m_wantsFile = true;
   m_second.entries.push_back({static_cast<std::uint16_t>(tick - m_second.begin), entry});
 }
 

@@ -44,7 +44,7 @@ class Recorder {
   void Note(const server::Entry& entry, std::uint32_t tick);
   // Call it after each tick of the playground.
   void FollowTick(const server::Playground& ground);
-  // The next tick begins a new file: a match is over.
+  // The next tick ends the file and begins another, as does a RestartEntry: a match is over.
   void BeginFile() { m_wantsFile = true; }
 
   // Waits until all that is noted is written and ends the file; nothing is noted after it.
