@@ -110,7 +110,7 @@ struct Watchers {
 
   // Call it after each call of Server::Tick. now: s.
   void Watch(const server::Server& server, double now) {
-    WatchRecorder(server);
+    WatchFiles(server);
     for (const server::PhaseTimes& tick : server.LastTicks()) times.Record(tick.Sum());
     refusals.Follow(server.ReadTransport(), now);
     if (trace) trace->Write(server.LastTicks(), server.World().Tick());
@@ -129,17 +129,23 @@ struct Watchers {
     status.Update(server, times, now);
   }
 
-  // Says once that a recording was broken off.
-  void WatchRecorder(const server::Server& server) {
-    if (server.ReadRecorder() == nullptr) return;
-    const recording::RecorderCounts counts = server.ReadRecorder()->Counts();
-    if (counts.failures > recordingFailures) {
-      spdlog::warn("recording: {}; tried again every 10 s", server.ReadRecorder()->Error());
+  // Says when a recording is broken off, and when the state cannot be kept for the first time.
+  void WatchFiles(const server::Server& server) {
+    if (const recording::Recorder* recorder = server.ReadRecorder()) {
+      const std::uint64_t failures = recorder->Counts().failures;
+      if (failures > recordingFailures) spdlog::warn("--record: {}; tried again every 10 s", recorder->Error());
+      recordingFailures = failures;
     }
-    recordingFailures = counts.failures;
+    if (const recording::Checkpoints* checkpoints = server.ReadCheckpoints()) {
+      const std::uint64_t failures = checkpoints->Failures();
+      if (failures > 0 && stateFailures == 0)
+        spdlog::error("--state: {}; tried again every second", checkpoints->Error());
+      stateFailures = failures;
+    }
   }
 
   std::uint64_t recordingFailures = 0;
+  std::uint64_t stateFailures = 0;
   server::TickTimes times;
   StatusLine status;
   admission::RefusalLog refusals;
@@ -189,19 +195,49 @@ bool WriteSummary(const std::string& path, const std::string& summary) {
   return file.good();
 }
 
-// Returns false after it has reported what failed.
-bool StartRecording(const Options& options, scenes::SceneSource source, server::Server& server) {
-  if (options.recordFolder.empty()) return true;
+// Makes the folder of this option if it is not there. Returns false after it has reported what failed.
+bool OpenFolder(const char* option, const std::string& folder) {
   std::error_code error;
-  std::filesystem::create_directories(options.recordFolder, error);
-  if (error || access(options.recordFolder.c_str(), W_OK) != 0) {
-    Complain({"--record " + options.recordFolder + ": must be a folder that can be written"});
-    return false;
+  std::filesystem::create_directories(folder, error);
+  if (!error && access(folder.c_str(), W_OK) == 0) return true;
+  Complain({fmt::format("{} {}: must be a folder that can be written", option, folder)});
+  return false;
+}
+
+recording::Head MakeHead(const Options& options, const scenes::SceneSource& source) {
+  return {.version = kVersion,
+          .scene = source,
+          .tickHz = static_cast<std::uint32_t>(options.config.tickHz),
+          .seed = options.config.seed};
+}
+
+// Goes on from the newest checkpoint, if there is one, and keeps checkpoints from here on. Returns false after it has
+// reported what failed.
+bool StartKeeping(const Options& options, const scenes::SceneSource& source, server::Server& server) {
+  if (options.stateFolder.empty()) return true;
+  if (!OpenFolder("--state", options.stateFolder)) return false;
+  auto checkpoints = std::make_unique<recording::Checkpoints>(options.stateFolder, MakeHead(options, source));
+  const recording::FoundCheckpoint found = checkpoints->FindNewest();
+  for (const std::string& complaint : found.complaints) spdlog::warn("--state: {}", complaint);
+  if (found.checkpoint) {
+    const std::string error = server.Resume(*found.checkpoint, ReadClock());
+    if (!error.empty()) {
+      Complain({fmt::format("--state {}: the newest checkpoint cannot be played: {}", options.stateFolder, error)});
+      return false;
+    }
   }
+  server.KeepState(std::move(checkpoints));
+  return true;
+}
+
+// Returns false after it has reported what failed.
+bool StartRecording(const Options& options, const scenes::SceneSource& source, server::Server& server) {
+  if (options.recordFolder.empty()) return true;
+  if (!OpenFolder("--record", options.recordFolder)) return false;
   server.Record({.folder = options.recordFolder,
                  .maxFileBytes = static_cast<std::uint64_t>(options.recordMib) << 20,
                  .readUnixTime = &ReadUnixTime},
-                {.version = kVersion, .scene = std::move(source)});
+                MakeHead(options, source));
   return true;
 }
 
@@ -326,7 +362,9 @@ int RunServer(const Options& options) {
   }
   listen.secretKey = ChooseKey(options);
   if (!listen.secretKey) return kBadUsage;
-  const auto gate = admission::OpenGate(options.gate, *listen.secretKey, &ReadUnixTime, error);
+  admission::GateFiles gateFiles = options.gate;
+  gateFiles.givesTicketsToAll = !options.stateFolder.empty();
+  const auto gate = admission::OpenGate(gateFiles, *listen.secretKey, &ReadUnixTime, error);
   if (gate == nullptr) {
     Complain({error});
     return kBadUsage;
@@ -347,7 +385,8 @@ int RunServer(const Options& options) {
   if (!options.isUntrained) bases = server::LoadBases(loaded.scene, options.cacheFolder, options.config.threads);
   server::Server server(options.config, std::move(loaded.scene), std::move(transport), ReadClock(), std::move(bases),
                         &ReadClock);
-  if (!StartRecording(options, std::move(loaded.source), server)) return kBadUsage;
+  if (!StartKeeping(options, loaded.source, server)) return kBadUsage;
+  if (!StartRecording(options, loaded.source, server)) return kBadUsage;
   spdlog::info("this server's key is {}", publicKey);
   fmt::print("listening on UDP port {}{}, scene {}\n", port, options.bind.empty() ? "" : " of " + options.bind,
              options.scene);

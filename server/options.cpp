@@ -109,6 +109,12 @@ void DescribeOptions(CLI::App& app, Options& options) {
                  "Folder to record all that is played in, as files that --replay plays again; made if it is not there")
       ->type_name("FOLDER");
   addNumber("--record-size", kRecordRange, options.recordMib, "MiB after which a recording goes on in another file");
+  app.add_option(
+         "--state", options.stateFolder,
+         "Folder that keeps the world, once a second: after a crash or a restart the server goes on from it, and "
+         "players come back to their bodies; made if it is not there")
+      ->type_name("FOLDER")
+      ->envname("WOBBLE_STATE");
   CLI::Option* replay = app.add_option("--replay", options.replayFile, "Recording to play again")->type_name("FILE");
   app.add_flag("--verify", options.isVerify,
                "Play --replay as fast as it goes and say whether every tick is the same, or the first second, tick and "

@@ -27,6 +27,7 @@ struct Options {
   std::string traceFile;
   std::string recordFolder;  // empty: nothing is recorded
   int recordMib = 256;       // the most of one file, MiB
+  std::string stateFolder;   // empty: the world ends with the process
   std::string replayFile;    // empty: none is played
   bool isVerify = false;     // of replayFile
   bool isUntrained = false;

@@ -76,8 +76,6 @@ int Server::Tick(double now) {
 }
 
 void Server::Record(recording::RecorderSettings settings, recording::Head head) {
-  head.tickHz = static_cast<std::uint32_t>(m_config.tickHz);
-  head.seed = m_config.seed;
   m_recorder = std::make_unique<recording::Recorder>(std::move(settings), std::move(head), m_playground);
   m_playground.SetListener([this](const Entry& entry) { m_recorder->Note(entry, World().Tick()); });
 }
@@ -89,6 +87,7 @@ void Server::EndRecording() {
 void Server::Receive(double now) {
   m_transport->Poll(now, [&](const transport::Event& event) { TakeEvent(event, now); });
   EndTimedOut(now);
+  ClearSeats(now);
 }
 
 void Server::Step() {
@@ -96,6 +95,7 @@ void Server::Step() {
   ApplyInputs();
   m_report = m_playground.Step();
   if (m_recorder != nullptr) m_recorder->FollowTick(m_playground);
+  if (World().Tick() % static_cast<std::uint32_t>(m_config.tickHz) == 0) SaveState();
   const physics::StepReport& report = m_report;
   m_counts.substeps += report.substeps;
   m_counts.awakeSum += report.awake;
@@ -153,6 +153,7 @@ void Server::PauseOrResume(double now) {
   const bool isAlone = m_config.pauseAfter > 0 && now - m_lastCompany > m_config.pauseAfter;
   if (isAlone == m_isPaused) return;
   m_isPaused = isAlone;
+  if (isAlone) SaveState();
   spdlog::info("tick {}: {}", World().Tick(), isAlone ? "nobody is connected, the world pauses" : "the world resumes");
 }
 

@@ -14,6 +14,7 @@
 #include "protocol/transport/transport.h"
 #include "server/config.h"
 #include "server/play/playground.h"
+#include "server/recording/checkpoints.h"
 #include "server/recording/recorder.h"
 #include "server/session.h"
 #include "server/snapshots/capture.h"
@@ -52,6 +53,9 @@ struct Counts {
   std::array<std::uint64_t, protocol::kParseResultCount> parse{};  // messages of kParse, by ParseResult
 };
 
+// How long a player of a server that was killed may take to come back to their body, s: as long as clients try.
+inline constexpr double kSeatPatience = 60;
+
 // Connections, by state.
 struct ClientCounts {
   std::size_t joining = 0;   // connected, no hello yet
@@ -88,12 +92,23 @@ class Server {
   // Whether no connection is left.
   [[nodiscard]] bool IsEmpty() const { return m_sessions.empty(); }
 
-  // Records all that is played from here on. Call it before the first Tick. head.tickHz and head.seed are filled in.
+  // Records all that is played from here on. Call it before the first Tick, after Resume.
   void Record(recording::RecorderSettings settings, recording::Head head);
   // Ends the recording, with all that was played.
   void EndRecording();
   // Null: nothing is recorded.
   [[nodiscard]] const recording::Recorder* ReadRecorder() const { return m_recorder.get(); }
+
+  // server_resume.cpp: the state that outlives the process. Saves it once a second from here on, and as the world
+  // pauses or the server closes.
+  void KeepState(std::unique_ptr<recording::Checkpoints> checkpoints);
+  // Goes on from there, before the first Tick. Players who were in have kSeatPatience to come back to their bodies with
+  // the tickets that they were given. Returns what is wrong; empty: nothing.
+  [[nodiscard]] std::string Resume(const recording::Checkpoint& checkpoint, double now);
+  // Null: it is not kept.
+  [[nodiscard]] const recording::Checkpoints* ReadCheckpoints() const { return m_checkpoints.get(); }
+  // Players who have not come back yet.
+  [[nodiscard]] std::size_t CountEmptySeats() const { return m_emptySeats.size(); }
 
   // server_rule.cpp: what the administration asks for (server/admin). False, where it is returned: no such client is
   // in.
@@ -155,6 +170,11 @@ class Server {
   void Encode(BodySubset due);
   void Send(BodySubset due, double now);
 
+  void SaveState();
+  // The player who has come back takes their body again. False: there is no seat for them.
+  bool TakeSeat(Session& session);
+  void ClearSeats(double now);
+
   void PauseOrResume(double now);
   // The bodies of the snapshot that is due after this tick; nullopt: none is due.
   [[nodiscard]] std::optional<BodySubset> FindDueBodies() const;
@@ -199,6 +219,9 @@ class Server {
   std::unique_ptr<transport::Transport> m_transport;
   Playground m_playground;
   std::unique_ptr<recording::Recorder> m_recorder;
+  std::unique_ptr<recording::Checkpoints> m_checkpoints;
+  std::map<ClientId, recording::Identity> m_emptySeats;  // of players who have not come back after Resume
+  double m_seatsUntil = 0;                               // s
   std::vector<CapturedGround> m_grounds;
   std::map<transport::ConnectionId, Session> m_sessions;
   TickClock m_clock;

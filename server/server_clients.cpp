@@ -84,13 +84,17 @@ void Server::Join(Session& session) {
     if (other.state == Session::State::kPlaying) taken.push_back(other.name);
   }
   session.name = MakeDistinct(session.name, taken);
+  const bool isBack = TakeSeat(session);
   session.state = Session::State::kPlaying;
-  session.clientId = m_nextClientId++;
-  m_playground.Take(JoinEntry{session.clientId, session.spectator, session.name});
+  if (!isBack) {
+    session.clientId = m_nextClientId++;
+    m_playground.Take(JoinEntry{session.clientId, session.spectator, session.name});
+  }
   session.body = m_playground.FindPlayer(session.clientId)->body;
   ++m_counts.joins;
   m_counts.clientsPeak = std::max(m_counts.clientsPeak, CountPlaying());
-  spdlog::info("client {} ({}) joined{}", session.clientId, session.name, session.spectator ? " as spectator" : "");
+  spdlog::info("client {} ({}) {}{}", session.clientId, session.name, isBack ? "is back" : "joined",
+               session.spectator ? " as spectator" : "");
   SendWelcome(session);
   Broadcast(protocol::MakeEvent(EventKind::Join, World().Tick(), session.clientId, session.body, session.name));
   SendTuning();
@@ -183,6 +187,7 @@ void Server::SendTo(const Session& session, const protocol::Message& message) {
 }
 
 void Server::Close(const std::string& why, double now) {
+  SaveState();
   m_isClosing = true;
   m_lastTicks.clear();
   Receive(now);

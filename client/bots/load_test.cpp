@@ -165,11 +165,14 @@ int RunLoadTest(const LoadTestOptions& options, const std::function<bool()>& sto
   command::AllowManySockets();
   std::unique_ptr<link::RelayThread> relay;
   if (!StartLink(options, relay)) return command::kExitBadUse;
-  const auto connect = [&options, &relay](std::string& reason) -> std::unique_ptr<transport::Transport> {
-    if (relay != nullptr) {
-      return transport::EnetTransport::Connect("127.0.0.1", relay->ReadPort(), reason, options.access);
+  const auto connect = [&options, &relay](std::span<const std::uint8_t> ticket,
+                                          std::string& reason) -> std::unique_ptr<transport::Transport> {
+    transport::ConnectOptions access = options.access;
+    if (!ticket.empty()) {
+      access.credential = {transport::vestibule::Credential::Kind::kToken, {ticket.begin(), ticket.end()}};
     }
-    return transport::EnetTransport::Connect(options.server.host, options.server.port, reason, options.access);
+    if (relay != nullptr) return transport::EnetTransport::Connect("127.0.0.1", relay->ReadPort(), reason, access);
+    return transport::EnetTransport::Connect(options.server.host, options.server.port, reason, access);
   };
   Runner runner(options, script, connect, &command::ReadClock, [&status](std::string_view line) {
     status.Close();

@@ -103,6 +103,7 @@ void Player::NotePlaying(double now) {
   m_totals.rejoins += m_state == State::kRejoining ? 1 : 0;
   m_state = State::kPlaying;
   m_plan.NotePlaying(now);
+  m_ticket = m_transport->ReadTicket();
   m_measured = true;
   m_playedFrom = now;
   m_bytesFrom = m_transport->ReadStatistics().bytesIn;

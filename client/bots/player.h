@@ -53,6 +53,8 @@ class Player {
   [[nodiscard]] client::Client* Client() { return m_client.get(); }
   // Why it was lost, or cut off last. Empty: the server never answered.
   [[nodiscard]] const std::string& LossReason() const { return m_lossReason; }
+  // To come back with: of the connection before.
+  [[nodiscard]] const std::vector<std::uint8_t>& Ticket() const { return m_ticket; }
   // When it was cut off last, seconds.
   [[nodiscard]] double CutAt() const { return m_cutAt; }
 
@@ -87,6 +89,7 @@ class Player {
   std::unique_ptr<client::Client> m_client;
   const transport::Transport* m_transport = nullptr;  // owned by m_client
   std::string m_lossReason;
+  std::vector<std::uint8_t> m_ticket;
   client::RejoinOptions m_rejoin;
   client::RejoinPlan m_plan;  // of the present stay
   double m_cutAt = 0;

@@ -84,7 +84,7 @@ void Runner::DismissLast(double now) {
 
 void Runner::BeginStay(Bot& bot, double now) {
   std::string error;
-  if (auto transport = m_connect(error)) return bot.player.Join(std::move(transport), now);
+  if (auto transport = m_connect({}, error)) return bot.player.Join(std::move(transport), now);
   bot.player.Lose(error);
   NoteFailure(bot, now);
 }
@@ -103,7 +103,7 @@ void Runner::RunBot(Bot& bot, double now) {
 void Runner::RejoinIfDue(Bot& bot, double now) {
   if (!bot.player.TakeRejoinDue(now)) return;
   std::string error;
-  if (auto transport = m_connect(error)) return bot.player.Rejoin(std::move(transport), now);
+  if (auto transport = m_connect(bot.player.Ticket(), error)) return bot.player.Rejoin(std::move(transport), now);
   bot.player.FailToRejoin(error, now);
 }
 

@@ -18,6 +18,9 @@ struct Admission {
   std::uint64_t account = 0;    // who it is for the one who gave it its token; 0: not said
   std::array<char, 32> name{};  // that its token gives it, ended by a zero unless it fills it; empty: its own choice
   NetAddress from = {};         // its address; for a browser the one that its gateway saw. All zeros: not known
+  // The same each time that it comes with its ticket, and of nobody else: a hash of the ticket's number, which is
+  // sealed in it. All zeros: it was given no ticket.
+  std::array<std::uint8_t, 16> identity{};
 };
 
 }  // namespace wobble::transport

@@ -76,8 +76,7 @@ class EnetTransport final : public Transport {
 
   // A server's public key; a client's server's, once it has answered, and zeros before.
   [[nodiscard]] vestibule::Key ReadServerKey() const;
-  // What a client may come back with as a Credential::Kind::kToken; empty: the server gave nothing.
-  [[nodiscard]] std::vector<std::uint8_t> ReadTicket() const;
+  [[nodiscard]] std::vector<std::uint8_t> ReadTicket() const override;
   // Why the server did not let a client in; kNone: it did, or has not answered.
   [[nodiscard]] vestibule::Refusal ReadRefusal() const;
   // Whether a client's server asks for a credential; known once it has answered.

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <vector>
 #include <string_view>
 
 #include "protocol/transport/net_address.h"
@@ -102,6 +103,9 @@ class Transport {
   // Smoothed time from sending a reliable message to its acknowledgement, seconds; a guess until it has been measured;
   // 0 where it cannot be.
   [[nodiscard]] virtual double ReadRoundTrip(ConnectionId) const { return 0; }
+
+  // What a client may come back with as a vestibule::Credential::Kind::kToken; empty: the server gave nothing.
+  [[nodiscard]] virtual std::vector<std::uint8_t> ReadTicket() const { return {}; }
 };
 
 // The longest wait for an acknowledgement before a reliable message is sent again, seconds. ENet doubles the wait

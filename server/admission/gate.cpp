@@ -63,15 +63,21 @@ Judgement Gate::Decide(const Credential& credential, const NetAddress& source) {
   const std::lock_guard lock(m_mutex);
   const std::uint64_t now = m_settings.readUnixTime();
   if (m_bans.IsBanned(source, 0, now)) return {.refusal = Refusal::kBanned};
-  const std::optional<Admission> admission = FindAdmission(credential);
+  TicketNumber number{};
+  const std::optional<Admission> admission = FindAdmission(credential, number);
   if (!admission) return {.refusal = Refusal::kBadCredential};
   if (m_bans.IsBanned(source, admission->account, now)) return {.refusal = Refusal::kBanned};
+  Judgement judgement{.admission = *admission};
   const bool mayNotComeTwice =
       credential.kind == Credential::Kind::kToken || credential.kind == Credential::Kind::kInvite;
-  return {.admission = *admission, .ticket = mayNotComeTwice ? MakeTicket(*admission) : std::vector<std::uint8_t>()};
+  if (!mayNotComeTwice && !m_settings.givesTicketsToAll) return judgement;
+  if (number == TicketNumber{}) m_settings.random(number);
+  vestibule::ComputeHash(judgement.admission.identity, m_ticketKey, number);
+  judgement.ticket = MakeTicket(number, *admission);
+  return judgement;
 }
 
-std::optional<Admission> Gate::FindAdmission(const Credential& credential) {
+std::optional<Admission> Gate::FindAdmission(const Credential& credential, TicketNumber& number) {
   switch (credential.kind) {
     case Credential::Kind::kNone:
       return m_wantsCredential ? std::nullopt : std::optional(Admission{});
@@ -81,10 +87,14 @@ std::optional<Admission> Gate::FindAdmission(const Credential& credential) {
                                                   vestibule::AreEqual(credential.bytes, BytesOf(m_settings.password)));
       return isRight ? std::optional(Admission{}) : std::nullopt;
     }
-    case Credential::Kind::kToken:
-      if (!credential.bytes.empty() && credential.bytes[0] == static_cast<std::uint8_t>(TokenKind::kTicket))
-        return TakeTicket(credential.bytes);
-      return TakeConnectToken(credential.bytes);
+    case Credential::Kind::kToken: {
+      const bool isTicket =
+          !credential.bytes.empty() && credential.bytes[0] == static_cast<std::uint8_t>(TokenKind::kTicket);
+      if (!isTicket) return TakeConnectToken(credential.bytes);
+      // An open server lets in who comes with an old ticket as it lets in everybody, but not as who they were.
+      const auto admission = TakeTicket(credential.bytes, number);
+      return admission || m_wantsCredential ? admission : std::optional(Admission{});
+    }
     case Credential::Kind::kInvite: {
       const auto invite = m_invites.Use(credential.bytes, m_settings.readUnixTime());
       if (!invite) return {};
@@ -113,19 +123,20 @@ std::optional<Admission> Gate::TakeConnectToken(std::span<const std::uint8_t> by
 }
 
 // A ticket is good many times: only its client has it, and only for a client that was let in before.
-std::optional<Admission> Gate::TakeTicket(std::span<const std::uint8_t> bytes) const {
+std::optional<Admission> Gate::TakeTicket(std::span<const std::uint8_t> bytes, TicketNumber& number) const {
   const auto ticket = vestibule::OpenToken(TokenKind::kTicket, bytes, m_ticketKey);
   const std::uint64_t now = m_settings.readUnixTime();
   if (!ticket || ticket->expires <= now) return {};
   const std::uint32_t invite = ticket->admission.invite;
   if (invite != 0 && !m_invites.IsValid(invite, now)) return {};
+  number = ticket->number;
   return ticket->admission;
 }
 
-std::vector<std::uint8_t> Gate::MakeTicket(const Admission& admission) const {
+std::vector<std::uint8_t> Gate::MakeTicket(const TicketNumber& number, const Admission& admission) const {
   const std::uint64_t now = m_settings.readUnixTime();
-  vestibule::Token ticket{.issued = now, .expires = now + kTicketSeconds, .server = {}, .admission = admission};
-  m_settings.random(ticket.number);
+  const vestibule::Token ticket{
+      .number = number, .issued = now, .expires = now + kTicketSeconds, .server = {}, .admission = admission};
   return vestibule::SealToken(TokenKind::kTicket, ticket, m_ticketKey, m_settings.random);
 }
 

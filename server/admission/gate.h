@@ -27,6 +27,7 @@ struct GateSettings {
   std::optional<transport::vestibule::Key> owner;    // whoever shows it is an owner
   std::optional<transport::vestibule::Key> gateway;  // that gateways' introductions are sealed with
   bool isByInviteOnly = false;
+  bool givesTicketsToAll = false;               // so that each who comes back is known again (Admission::identity)
   std::function<std::uint64_t()> readUnixTime;  // s since 1970
   transport::vestibule::RandomSource random = transport::vestibule::FillRandomly;
 };
@@ -57,11 +58,15 @@ class Gate final : public transport::vestibule::Judge {
   }
 
  private:
-  // nullopt: the credential does not hold.
-  [[nodiscard]] std::optional<transport::Admission> FindAdmission(const transport::vestibule::Credential& credential);
+  using TicketNumber = std::array<std::uint8_t, 16>;  // all zeros: none
+  // nullopt: the credential does not hold. number: of the ticket that it is, if it is one.
+  [[nodiscard]] std::optional<transport::Admission> FindAdmission(const transport::vestibule::Credential& credential,
+                                                                  TicketNumber& number);
   [[nodiscard]] std::optional<transport::Admission> TakeConnectToken(std::span<const std::uint8_t> bytes);
-  [[nodiscard]] std::optional<transport::Admission> TakeTicket(std::span<const std::uint8_t> bytes) const;
-  [[nodiscard]] std::vector<std::uint8_t> MakeTicket(const transport::Admission& admission) const;
+  [[nodiscard]] std::optional<transport::Admission> TakeTicket(std::span<const std::uint8_t> bytes,
+                                                               TicketNumber& number) const;
+  [[nodiscard]] std::vector<std::uint8_t> MakeTicket(const TicketNumber& number,
+                                                     const transport::Admission& admission) const;
 
   GateSettings m_settings;
   bool m_wantsCredential;

@@ -47,6 +47,7 @@ std::shared_ptr<Gate> OpenGate(const GateFiles& files, const vestibule::Key& sec
   settings.secretKey = secretKey;
   settings.readUnixTime = std::move(readUnixTime);
   settings.isByInviteOnly = !files.invites.empty();
+  settings.givesTicketsToAll = files.givesTicketsToAll;
   if (!files.password.empty()) {
     const auto password = vestibule::ReadSecret(files.password, error);
     if (!password) {

@@ -17,6 +17,7 @@ struct GateFiles {
   std::string gatewayKey;
   std::string invites;  // with it only who is invited may come in, or who has a password or token
   std::string bans;
+  bool givesTicketsToAll = false;  // GateSettings
 };
 
 // Null with one line in `error` that names the option.

@@ -91,7 +91,7 @@ class Writer {
   template <class... Values>
   void Put(const std::variant<Values...>& value) {
     Put(static_cast<std::uint8_t>(value.index()));
-    std::visit([this](const auto& each) { Put(each); }, value);
+    std::visit([this](const auto& each) { this->Put(each); }, value);
   }
 
   Bytes m_bytes;

@@ -29,7 +29,8 @@ std::uint32_t FindChecksum(const BlockHead& head, std::span<const std::uint8_t> 
 }
 
 bool IsKind(std::uint8_t kind) {
-  return kind >= static_cast<std::uint8_t>(BlockKind::kHead) && kind <= static_cast<std::uint8_t>(BlockKind::kEnd);
+  return kind >= static_cast<std::uint8_t>(BlockKind::kHead) &&
+         kind <= static_cast<std::uint8_t>(BlockKind::kCheckpoint);
 }
 
 }  // namespace
@@ -44,6 +45,8 @@ const char* Name(BlockKind kind) {
       return "keyframe";
     case BlockKind::kEnd:
       return "end";
+    case BlockKind::kCheckpoint:
+      return "checkpoint";
   }
   return "";
 }

@@ -33,6 +33,7 @@ enum class BlockKind : std::uint8_t {
   kSecond = 2,    // what entered the world in a second, and how the world was then
   kKeyframe = 3,  // the whole state after a tick
   kEnd = 4,       // of a recording that was ended on purpose
+  kCheckpoint = 5,
 };
 [[nodiscard]] const char* Name(BlockKind kind);
 

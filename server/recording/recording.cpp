@@ -48,7 +48,9 @@ std::string Recording::Open(const std::filesystem::path& path) {
 }
 
 std::string Recording::Take(const Block& block) {
-  if (block.kind == BlockKind::kHead) return At(block, "a second head");
+  if (block.kind == BlockKind::kHead || block.kind == BlockKind::kCheckpoint) {
+    return At(block, std::string("a ") + Name(block.kind) + " in the middle of a recording");
+  }
   m_isWhole = block.kind == BlockKind::kEnd;
   if (block.kind == BlockKind::kEnd) return {};
   const bool isFirst = m_keyframes.empty() && m_seconds.empty();

@@ -71,6 +71,10 @@ const std::vector<Room> kRooms{
     {kTiming, {}, {}, kClock},
     {kPlay, {kPhysics, kScenes, kTiming}, {"spdlog/fmt/"}, kClock},
     // It alone writes worlds to files. Its writing thread is told the time.
+    {kRecording + "checkpoints",
+     {kRecording, kPhysics, kScenes, kPlay, kTiming},
+     {"fcntl.h", "unistd.h"},
+     {"iostream", "fstream", "chrono"}},
     {kRecording + "recorder",
      {kRecording, kPhysics, kScenes, kPlay, kTiming},
      {"fmt/", "fcntl.h", "unistd.h"},

@@ -42,7 +42,7 @@ Guests::Guests(unsigned players, std::uint16_t port, std::uint64_t seed, bots::S
       m_stage(stage),
       m_runner(
           MakeOptions(players, m_ramp, seed), script,
-          [port](std::string& error) { return transport::EnetTransport::Connect("127.0.0.1", port, error); },
+          [port](auto, std::string& error) { return transport::EnetTransport::Connect("127.0.0.1", port, error); },
           &ReadThreadTime,
           [](std::string_view line) { std::fprintf(stderr, "%.*s\n", static_cast<int>(line.size()), line.data()); }) {
   m_runner.SetOnShown([this](client::Client& client, std::span<const client::BodySample> shown, double now) {

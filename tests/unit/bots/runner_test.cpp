@@ -104,7 +104,7 @@ class Theatre {
       : server(m_network.MakeServer()),
         m_script(options.seed, {}),
         m_runner(
-            options, m_script, [this](std::string& error) { return Connect(error); }, [] { return 0.0; },
+            options, m_script, [this](auto, std::string& error) { return Connect(error); }, [] { return 0.0; },
             [this](std::string_view line) { log.emplace_back(line); }) {
     std::string error;
     EXPECT_TRUE(m_script.Load(source, "test.lua", error)) << error;

@@ -1,0 +1,142 @@
+#include "server/recording/checkpoints.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "server/recording/fields.h"
+
+namespace wobble::recording {
+
+template <class Archive, Is<Checkpoint> Value>
+void Describe(Archive& archive, Value& value) {
+  auto& [number, ground, nextClient, seats] = value;
+  archive(number, ground, nextClient, seats);
+}
+
+namespace {
+
+constexpr const char* kEnding = ".wobstate";
+
+// Writes a whole file that is its owner's alone. Returns what is wrong; empty: nothing.
+std::string WriteWhole(const std::filesystem::path& path, const Bytes& bytes) {
+  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+  if (file < 0) return std::strerror(errno);
+  std::string error;
+  for (std::size_t done = 0; done < bytes.size() && error.empty();) {
+    const ssize_t written = write(file, bytes.data() + done, bytes.size() - done);
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) error = std::strerror(errno);
+    done += static_cast<std::size_t>(std::max<ssize_t>(written, 0));
+  }
+  // Before the rename, or the name could outlive a power cut without the bytes.
+  if (error.empty() && fdatasync(file) != 0) error = std::strerror(errno);
+  close(file);
+  return error;
+}
+
+}  // namespace
+
+Checkpoints::Checkpoints(std::filesystem::path folder, Head head) : m_folder(std::move(folder)) {
+  head.beginsFresh = false;
+  head.version.clear();  // for people alone: another version of the program goes on if it has the same format
+  m_head = ToBytes(head);
+  m_thread = std::thread([this] { Run(); });
+}
+
+Checkpoints::~Checkpoints() {
+  {
+    const std::lock_guard lock(m_mutex);
+    m_isClosing = true;
+  }
+  m_wakes.notify_one();
+  m_thread.join();
+}
+
+std::string Checkpoints::Read(const std::filesystem::path& path, Checkpoint& checkpoint) const {
+  BlockReader reader;
+  std::string error = reader.Open(path);
+  if (!error.empty()) return error;
+  const auto head = reader.Next();
+  if (!head || head->kind != BlockKind::kHead) return "is torn: " + reader.Fault();
+  if (head->bytes != m_head) return "is of another scene, tick rate or seed";
+  const auto block = reader.Next();
+  if (!block || block->kind != BlockKind::kCheckpoint) {
+    return "is torn: " + (reader.Fault().empty() ? "it ends behind its head" : reader.Fault());
+  }
+  Reader bytes(block->bytes);
+  bytes(checkpoint);
+  return bytes.IsDone() ? "" : "cannot be read";
+}
+
+FoundCheckpoint Checkpoints::FindNewest() {
+  FoundCheckpoint found;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(m_folder, error)) {
+    if (entry.path().extension() != kEnding) continue;
+    Checkpoint checkpoint;
+    const std::string complaint = Read(entry.path(), checkpoint);
+    if (!complaint.empty()) {
+      found.complaints.push_back(entry.path().string() + " " + complaint);
+    } else if (!found.checkpoint || checkpoint.number > found.checkpoint->number) {
+      found.checkpoint = std::move(checkpoint);
+    }
+  }
+  if (found.checkpoint) m_number = found.checkpoint->number;
+  return found;
+}
+
+void Checkpoints::Save(Checkpoint checkpoint) {
+  {
+    const std::lock_guard lock(m_mutex);
+    checkpoint.number = ++m_number;
+    m_waiting = std::move(checkpoint);
+  }
+  m_wakes.notify_one();
+}
+
+std::uint64_t Checkpoints::Failures() const {
+  const std::lock_guard lock(m_mutex);
+  return m_failures;
+}
+
+std::string Checkpoints::Error() const {
+  const std::lock_guard lock(m_mutex);
+  return m_error;
+}
+
+void Checkpoints::Run() {
+  std::unique_lock lock(m_mutex);
+  for (;;) {
+    m_wakes.wait(lock, [this] { return m_isClosing || m_waiting; });
+    if (!m_waiting) return;
+    const Checkpoint checkpoint = std::move(*m_waiting);
+    m_waiting.reset();
+    lock.unlock();
+    Write(checkpoint);
+    lock.lock();
+  }
+}
+
+void Checkpoints::Write(const Checkpoint& checkpoint) {
+  Writer content;
+  content(checkpoint);
+  Bytes file = MakeFileHead();
+  const auto append = [&file](const Bytes& bytes) { file.insert(file.end(), bytes.begin(), bytes.end()); };
+  append(PackBlock(BlockKind::kHead, m_head));
+  append(PackBlock(BlockKind::kCheckpoint, content.Read()));
+  const std::filesystem::path path = m_folder / ("world-" + std::to_string(checkpoint.number % kKept) + kEnding);
+  const std::filesystem::path beside = m_folder / "world.new";
+  std::string error = WriteWhole(beside, file);
+  std::error_code renamed;
+  if (error.empty()) std::filesystem::rename(beside, path, renamed);
+  if (error.empty() && renamed) error = renamed.message();
+  if (error.empty()) return;
+  const std::lock_guard lock(m_mutex);
+  ++m_failures;
+  m_error = beside.string() + ": " + error;
+}
+
+}  // namespace wobble::recording

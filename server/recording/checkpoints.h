@@ -1,0 +1,77 @@
+// Keeps the state of a server's world in files, from which a server goes on after it was killed at any moment.
+//
+// A checkpoint is written beside the last ones, and takes the place of the oldest when it is whole: a rename is all or
+// nothing. The last kKept are there, so that one that a dying disk has spoiled costs a second, not the world.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/recording/content.h"
+
+namespace wobble::recording {
+
+// By what a player who comes back is known: a hash of a secret that only they have. All zeros: not known.
+using Identity = std::array<std::uint8_t, 16>;
+
+struct Checkpoint {
+  std::uint64_t number = 0;  // of the checkpoints of a world: the largest is the newest
+  server::PlaygroundState ground;
+  server::ClientId nextClient = 1;
+  std::map<server::ClientId, Identity> seats;  // of the players in
+};
+
+struct FoundCheckpoint {
+  std::optional<Checkpoint> checkpoint;  // the newest that is whole and of this world
+  std::vector<std::string> complaints;   // one line each: files that are not, and why
+};
+
+class Checkpoints {
+ public:
+  static constexpr std::size_t kKept = 3;
+
+  // folder: is there and can be written. head: what the world is of; beginsFresh is not looked at.
+  Checkpoints(std::filesystem::path folder, Head head);
+  // Writes the last one that was given.
+  ~Checkpoints();
+  Checkpoints(const Checkpoints&) = delete;
+  Checkpoints& operator=(const Checkpoints&) = delete;
+
+  // Reads the folder. A checkpoint of another scene, tick rate, seed or format is not of this world. Call it before the
+  // first Save.
+  [[nodiscard]] FoundCheckpoint FindNewest();
+
+  // Writes it on another thread; numbers it. One that is still waiting gives way.
+  void Save(Checkpoint checkpoint);
+
+  // Checkpoints that could not be written, and why the last one could not.
+  [[nodiscard]] std::uint64_t Failures() const;
+  [[nodiscard]] std::string Error() const;
+
+ private:
+  [[nodiscard]] std::string Read(const std::filesystem::path& path, Checkpoint& checkpoint) const;
+  void Run();
+  void Write(const Checkpoint& checkpoint);
+
+  std::filesystem::path m_folder;
+  Bytes m_head;  // as it stands in the files
+  std::uint64_t m_number = 0;
+
+  mutable std::mutex m_mutex;  // over what follows
+  std::condition_variable m_wakes;
+  std::optional<Checkpoint> m_waiting;
+  bool m_isClosing = false;
+  std::uint64_t m_failures = 0;
+  std::string m_error;
+
+  std::thread m_thread;
+};
+
+}  // namespace wobble::recording
