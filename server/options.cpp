@@ -92,8 +92,20 @@ void DescribeOptions(CLI::App& app, Options& options) {
   app.add_flag("--admit-when-busy", config.admitsWhenBusy,
                "Let clients in even when ticks take longer than there is time for")
       ->envname("WOBBLE_ADMIT_WHEN_BUSY");
-  addNumber("--rounds", kRoundsRange, config.rounds,
-            "Rounds of the scene's game that make a match, after which the server ends; 0: no end");
+  addNumber("--rounds", kRoundsRange, config.rounds, "Rounds of the scene's game that make a match; 0: no end");
+  const auto readAfterMatch = [&options](const std::string& word) {
+    if (word != "end" && word != "restart") {
+      options.errors.push_back("--after-match " + word + ": must be end or restart");
+    }
+    options.config.afterMatch = word == "restart" ? AfterMatch::kRestart : AfterMatch::kEnd;
+  };
+  app.add_option_function<std::string>(
+         "--after-match", readAfterMatch,
+         "end: the server ends with the match; restart: the world begins anew, and all stay in")
+      ->type_name("end or restart")
+      ->default_str("end");
+  app.add_flag("--reset-when-empty", config.resetsWhenEmpty,
+               "The world begins anew when the last client has left: what was torn is whole for who comes next");
   addNumber("--for", kDurationRange, options.runFor, "Seconds to run; 0: until Ctrl-C");
   addNumber("--seed", kSeedRange, config.seed, "Seed of the scene's random placement");
   app.add_option("--log-level", options.logLevel, "debug, info, warn, error or off")->capture_default_str();
