@@ -137,6 +137,8 @@ void DescribeOptions(CLI::App& app, Options& options) {
       "  wobbled --scene my.toml --port 7801      a scene of your own\n"
       "  wobbled --password-file door.txt         for those who know it: wobble watch --password-file\n"
       "  wobbled --admin-socket admin.sock        then: wobble admin --socket admin.sock players\n"
+      "  wobbled --scene curtain --reset-when-empty\n"
+      "                                           whole again for the next visitors\n"
       "  wobbled --for 30 --summary run.json      half a minute, figures at the end\n"
       "  wobbled --ops 9100                       then: curl 127.0.0.1:9100/metrics\n"
       "  wobbled --record matches                 record what is played; then, to prove it:\n"

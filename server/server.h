@@ -124,8 +124,8 @@ class Server {
   // RestartEntry, and the usual pace of time. Acts at once, on a paused world as well.
   void RestartWorld();
   // Takes a player's voice for RestartWorld and tells everybody the count. More than half of the players, without
-  // spectators and muted ones, restart the world (vote.h). Returns the reason of a refusal, for the player; empty: the
-  // voice counts.
+  // spectators and muted ones, restart the world (vote.h), unless it is protected. Returns the reason of a refusal, for
+  // the player; empty: the voice counts.
   std::string VoteForRestart(ClientId client, double now);
   // A line for everybody, and for one client.
   void Say(const std::string& text);

@@ -96,6 +96,8 @@ std::vector<ClientId> Server::ListVoters() const {
 std::string Server::VoteForRestart(ClientId client, double now) {
   const std::vector<ClientId> voters = ListVoters();
   if (std::ranges::find(voters, client) == voters.end()) return "who watches or is muted has no vote";
+  // A vote would be the way round it: whoever is alone could clear what all others have built.
+  if (IsProtected()) return "what is built here is protected; only moderators let the world begin anew";
   switch (m_vote.Cast(client, now)) {
     case Vote::Voice::kRepeated:
       return "you have voted already";

@@ -108,7 +108,7 @@ Answer Reset(Order& order) {
 
 Answer Restart(Order& order) {
   order.realm.server.RestartWorld();
-  return Done("the world begins anew: what was torn is whole, and everybody is in");
+  return Done("the world begins anew: what was torn is whole, and everybody stays in");
 }
 
 // Everybody who is in is told the count, who votes as well: there is nothing to answer.
@@ -157,8 +157,9 @@ constexpr std::array kEntries{
           Rank::kModerator, Reset},
     Entry{"restart", "", 0, "lets the world begin anew, whole and with a new game; everybody stays in",
           Rank::kModerator, Restart},
-    Entry{"vote", "restart", 1, "the same, when more than half of the players vote for it within a minute",
-          Rank::kPlayer, Vote},
+    Entry{"vote", "restart", 1,
+          "lets the world begin anew when more than half of the players vote for it within a minute", Rank::kPlayer,
+          Vote},
     Entry{"say", "TEXT", kAnyWords, "shows a line to everybody", Rank::kModerator, Say},
     Entry{"rank", "PLAYER player|moderator|owner", 2, "appoints a player until it leaves", Rank::kOwner, ChangeRank},
     Entry{"hand-over", "PLAYER", 1, "makes a player the owner instead of who orders it", Rank::kOwner, HandOver},

@@ -413,6 +413,12 @@ TEST_F(OrdersTest, WhatOthersBuiltIsProtectedAndTheWorkshopIsReset) {
   build({.kind = BuildKind::RemoveParticle, .a = 2});
   EXPECT_EQ(countParticles(), 2U);
   EXPECT_TRUE(Give("protect on").isDone);
+  build({.kind = BuildKind::AddParticle, .at = {-2, -1, 1.5F}, .mass = 0.5F, .fixed = true});
+  ada.Order("vote restart");
+  game->Run(0.5);
+  ASSERT_EQ(notices.size(), 2U);
+  EXPECT_NE(notices[1].find("is protected"), std::string::npos) << notices[1];
+  EXPECT_EQ(countParticles(), 3U) << "a vote is no way round it";
   EXPECT_TRUE(Give("reset").isDone);
   game->Run(0.5);
   EXPECT_EQ(countParticles(), 2U);
