@@ -176,8 +176,8 @@ class Client {
            const protocol::Vector3& to);
   // From now on ReadForces is about this body; 0: about none.
   void Inspect(std::uint32_t body);
-  // A line to the server's administration, such as "kick 7"; at most protocol::kMaxOrderBytes. The answer comes as
-  // notices.
+  // A line to the server's administration, such as a moderator's "kick 7" or a player's "vote restart"; at most
+  // protocol::kMaxOrderBytes. The answer comes as notices.
   void Order(const std::string& line);
   // Sets gravity, stiffness, time rate, or jumps ahead; units as in messages.fbs.
   void Tune(wire::TuneKind kind, const protocol::Vector3& value);

@@ -36,6 +36,9 @@ std::vector<std::string> Validate(const Config& config, const scenes::Scene& sce
   if (config.rounds > 0 && scene.game.kind == scenes::GameRules::Kind::kNone) {
     errors.push_back("--rounds " + std::to_string(config.rounds) + ": scene " + scene.name + " has no game");
   }
+  if (config.afterMatch == AfterMatch::kRestart && config.rounds == 0) {
+    errors.emplace_back("--after-match restart: --rounds must say how many rounds make a match");
+  }
   Check(errors, "--pause-after", config.pauseAfter, kPauseAfterRange);
 
   for (const scenes::BodyDefinition& blueprint : scene.blueprints) {

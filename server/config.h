@@ -24,6 +24,12 @@ inline constexpr Range kClientKbitRange{32, 100000};
 inline constexpr Range kPauseAfterRange{0, 1e6};    // s
 inline constexpr Range kViewDistanceRange{1, 1e5};  // m
 
+// What follows when Config::rounds rounds have been played.
+enum class AfterMatch : std::uint8_t {
+  kEnd,      // the server ends, or its fleet manager is told
+  kRestart,  // the world begins anew, and with it the next match
+};
+
 // Each field is an option of the command line (options.cpp).
 struct Config {
   std::uint16_t port = 7777;  // UDP
@@ -37,7 +43,9 @@ struct Config {
   double pauseAfter = 30;       // the world pauses when nobody has been connected for this long, s; 0: never
   bool admitsWhenBusy = false;  // lets clients in even at LoadLevel::kBusy
   int rounds = 0;               // rounds of the scene's game that make a match; 0: it never ends
-  std::uint64_t seed = 1;       // of the scene's random placement
+  AfterMatch afterMatch = AfterMatch::kEnd;
+  bool resetsWhenEmpty = false;  // the world begins anew when the last client has left
+  std::uint64_t seed = 1;        // of the scene's random placement
 };
 
 // Lists every option out of range and everything in the scene that the protocol cannot carry, one line each with value

@@ -92,8 +92,20 @@ void DescribeOptions(CLI::App& app, Options& options) {
   app.add_flag("--admit-when-busy", config.admitsWhenBusy,
                "Let clients in even when ticks take longer than there is time for")
       ->envname("WOBBLE_ADMIT_WHEN_BUSY");
-  addNumber("--rounds", kRoundsRange, config.rounds,
-            "Rounds of the scene's game that make a match, after which the server ends; 0: no end");
+  addNumber("--rounds", kRoundsRange, config.rounds, "Rounds of the scene's game that make a match; 0: no end");
+  const auto readAfterMatch = [&options](const std::string& word) {
+    if (word != "end" && word != "restart") {
+      options.errors.push_back("--after-match " + word + ": must be end or restart");
+    }
+    options.config.afterMatch = word == "restart" ? AfterMatch::kRestart : AfterMatch::kEnd;
+  };
+  app.add_option_function<std::string>(
+         "--after-match", readAfterMatch,
+         "end: the server ends with the match; restart: the world begins anew, and all stay in")
+      ->type_name("end or restart")
+      ->default_str("end");
+  app.add_flag("--reset-when-empty", config.resetsWhenEmpty,
+               "The world begins anew when the last client has left: what was torn is whole for who comes next");
   addNumber("--for", kDurationRange, options.runFor, "Seconds to run; 0: until Ctrl-C");
   addNumber("--seed", kSeedRange, config.seed, "Seed of the scene's random placement");
   app.add_option("--log-level", options.logLevel, "debug, info, warn, error or off")->capture_default_str();
@@ -131,6 +143,8 @@ void DescribeOptions(CLI::App& app, Options& options) {
       "  wobbled --scene my.toml --port 7801      a scene of your own\n"
       "  wobbled --password-file door.txt         for those who know it: wobble watch --password-file\n"
       "  wobbled --admin-socket admin.sock        then: wobble admin --socket admin.sock players\n"
+      "  wobbled --scene curtain --reset-when-empty\n"
+      "                                           whole again for the next visitors\n"
       "  wobbled --for 30 --summary run.json      half a minute, figures at the end\n"
       "  wobbled --ops 9100                       then: curl 127.0.0.1:9100/metrics\n"
       "  wobbled --record matches                 record what is played; then, to prove it:\n"

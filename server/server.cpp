@@ -53,6 +53,7 @@ Server::Server(const Config& config, scenes::Scene scene, std::unique_ptr<transp
 int Server::Tick(double now) {
   m_watch.Begin(Phase::kReceive);
   Receive(now);
+  FollowVote(now);
   SendDownloads();
   PauseOrResume(now);
   const int jumped = m_isPaused ? 0 : m_clock.TakeJumpTicks();
@@ -92,6 +93,7 @@ void Server::Receive(double now) {
 
 void Server::Step() {
   m_watch.Enter(Phase::kStep);
+  RestartAfterMatch();
   ApplyInputs();
   m_report = m_playground.Step();
   if (m_recorder != nullptr) m_recorder->FollowTick(m_playground);

@@ -23,6 +23,7 @@
 #include "server/timing/load_level.h"
 #include "server/timing/phases.h"
 #include "server/timing/tick_clock.h"
+#include "server/vote.h"
 
 namespace wobble::server {
 
@@ -82,7 +83,8 @@ class Server {
   [[nodiscard]] double NextCall() const;
   [[nodiscard]] bool IsPaused() const { return m_isPaused; }
 
-  // Whether Config::rounds rounds of the game have been played.
+  // Whether Config::rounds rounds of the game have been played and the server is to end. Never with
+  // AfterMatch::kRestart.
   [[nodiscard]] bool IsMatchOver() const;
   // Says goodbye to all clients. why: added to the reason that the server closes; may be empty. The world stops; call
   // Poll until IsEmpty or until a deadline.
@@ -134,6 +136,12 @@ class Server {
   [[nodiscard]] bool IsProtected() const;
   // ResetEntry (play/entry.h), and the usual pace of time.
   void ResetWorld();
+  // RestartEntry, and the usual pace of time. Acts at once, on a paused world as well.
+  void RestartWorld();
+  // Takes a player's voice for RestartWorld and tells everybody the count. More than half of the players, without
+  // spectators and muted ones, restart the world (vote.h), unless it is protected. Returns the reason of a refusal, for
+  // the player; empty: the voice counts.
+  std::string VoteForRestart(ClientId client, double now);
   // A line for everybody, and for one client.
   void Say(const std::string& text);
   bool Tell(ClientId client, const std::string& text);
@@ -176,6 +184,8 @@ class Server {
   void ClearSeats(double now);
 
   void PauseOrResume(double now);
+  // Begins the next match in the same process, if Config::afterMatch says so and the last one is over.
+  void RestartAfterMatch();
   // The bodies of the snapshot that is due after this tick; nullopt: none is due.
   [[nodiscard]] std::optional<BodySubset> FindDueBodies() const;
   // Adapts snapshots and world time to the load; ticks: how many the last call played because they were due.
@@ -213,6 +223,15 @@ class Server {
   void SendTuning();
   void SendForces();
   void Notify(const Session& session, const std::string& text);
+  [[nodiscard]] bool HasPlayedAllRounds() const;
+
+  // server_rule.cpp
+  // Takes an entry that puts the world back to what the scene has, and restores the pace of time.
+  void PutBack(const Entry& entry);
+  // Those who may vote: players who are in and not muted.
+  [[nodiscard]] std::vector<ClientId> ListVoters() const;
+  // Restarts the world if the open vote has passed; tells everybody how it ended.
+  void FollowVote(double now);
   [[nodiscard]] Session* FindSession(ClientId client);
 
   Config m_config;
@@ -242,6 +261,7 @@ class Server {
   bool m_isClosing = false;
   bool m_isLocked = false;
   OrderTaker m_orderTaker;
+  Vote m_vote;  // on RestartWorld
 };
 
 }  // namespace wobble::server

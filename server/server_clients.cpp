@@ -161,7 +161,11 @@ void Server::ForgetPlayer(Session& session, bool isLost) {
   ++(isLost ? m_counts.disconnects : m_counts.leaves);
   if (isLost) spdlog::info("client {} ({}) was lost", session.clientId, session.name);
   m_playground.Take(LeaveEntry{session.clientId});
-  if (m_playground.Players().empty()) m_clock.SetRate(1);
+  if (m_playground.Players().empty()) {
+    m_clock.SetRate(1);
+    // Not while the server closes: its summary is of the world that was played.
+    if (m_config.resetsWhenEmpty && !m_isClosing) RestartWorld();
+  }
   Broadcast(protocol::MakeEvent(EventKind::Leave, World().Tick(), session.clientId, session.body, session.name));
   if (session.body != 0) Broadcast(protocol::MakeEvent(EventKind::BodyRemoved, World().Tick(), 0, session.body, ""));
   session.body = 0;

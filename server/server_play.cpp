@@ -86,9 +86,17 @@ void Server::TellStandings() {
   if (isSecond || game->Revision() != m_sentStandings) SendStandings();
 }
 
-bool Server::IsMatchOver() const {
+bool Server::HasPlayedAllRounds() const {
   const Sumo* game = m_playground.ReadGame();
   return game != nullptr && m_config.rounds > 0 && game->Round() > m_config.rounds;
+}
+
+bool Server::IsMatchOver() const { return m_config.afterMatch == AfterMatch::kEnd && HasPlayedAllRounds(); }
+
+void Server::RestartAfterMatch() {
+  if (m_config.afterMatch != AfterMatch::kRestart || !HasPlayedAllRounds()) return;
+  RestartWorld();
+  Say("the match is over, and the next one begins");
 }
 
 void Server::SendStandings() {

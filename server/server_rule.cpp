@@ -2,6 +2,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "protocol/text.h"
 #include "server/server.h"
@@ -65,12 +66,64 @@ bool Server::IsProtected() const {
   return workshop != nullptr && workshop->IsProtected();
 }
 
-void Server::ResetWorld() {
+void Server::PutBack(const Entry& entry) {
   const bool wasUsual = m_playground.ReadTuning().IsUsual() && m_clock.Rate() == 1;
-  m_playground.Take(ResetEntry{});
+  m_playground.Take(entry);
   m_clock.SetRate(1);
   if (!wasUsual) SendTuning();
   TellHappenings();
+}
+
+void Server::ResetWorld() { PutBack(ResetEntry{}); }
+
+void Server::RestartWorld() {
+  PutBack(RestartEntry{});
+  // Not left to TellStandings: the new game counts its changes from 0, and may stand where the old one stood.
+  if (m_playground.ReadGame() != nullptr) SendStandings();
+  spdlog::info("tick {}: the world begins anew", World().Tick());
+}
+
+std::vector<ClientId> Server::ListVoters() const {
+  std::vector<ClientId> voters;
+  for (const auto& [connection, session] : m_sessions) {
+    if (session.state == Session::State::kPlaying && session.body != 0 && !session.isMuted) {
+      voters.push_back(session.clientId);
+    }
+  }
+  return voters;
+}
+
+std::string Server::VoteForRestart(ClientId client, double now) {
+  const std::vector<ClientId> voters = ListVoters();
+  if (std::ranges::find(voters, client) == voters.end()) return "who watches or is muted has no vote";
+  // A vote would be the way round it: whoever is alone could clear what all others have built.
+  if (IsProtected()) return "what is built here is protected; only moderators let the world begin anew";
+  switch (m_vote.Cast(client, now)) {
+    case Vote::Voice::kRepeated:
+      return "you have voted already";
+    case Vote::Voice::kTooEarly:
+      return fmt::format("a vote has just passed; the next may begin in {:.0f} s", std::ceil(m_vote.SecondsLeft(now)));
+    case Vote::Voice::kTaken:
+      break;
+  }
+  FollowVote(now);
+  if (m_vote.IsOpen()) {
+    Say(fmt::format("{} votes to begin anew: {} of {}; {} are enough, {:.0f} s are left (order: vote restart)",
+                    FindSession(client)->name, m_vote.Voices(), voters.size(), FindMajority(voters.size()),
+                    std::ceil(m_vote.SecondsLeft(now))));
+  }
+  return "";
+}
+
+void Server::FollowVote(double now) {
+  if (!m_vote.IsOpen()) return;
+  const std::vector<ClientId> voters = ListVoters();
+  const Vote::Outcome outcome = m_vote.Follow(voters, now);
+  if (outcome == Vote::Outcome::kNone) return;
+  const bool hasPassed = outcome == Vote::Outcome::kPassed;
+  if (hasPassed) RestartWorld();
+  Say(fmt::format("{} of {} have voted to begin anew: {}", m_vote.Voices(), voters.size(),
+                  hasPassed ? "the world begins anew" : "too few, it goes on as it is"));
 }
 
 void Server::Say(const std::string& text) {

@@ -106,6 +106,19 @@ Answer Reset(Order& order) {
   return Done("bodies, workshop and tuning are as in the scene; what is torn stays torn");
 }
 
+Answer Restart(Order& order) {
+  order.realm.server.RestartWorld();
+  return Done("the world begins anew: what was torn is whole, and everybody stays in");
+}
+
+// Everybody who is in is told the count, who votes as well: there is nothing to answer.
+Answer Vote(Order& order) {
+  if (order.TakeWord() != "restart") return Refuse("vote: must be followed by restart");
+  if (order.issuer.client == 0) return Refuse("players vote; from outside the game the order is restart");
+  const std::string refusal = order.realm.server.VoteForRestart(order.issuer.client, order.now);
+  return refusal.empty() ? Answer{.isDone = true, .lines = {}} : Refuse(refusal);
+}
+
 Answer Say(Order& order) {
   order.realm.server.Say(order.TakeRest());
   return Done("said");
@@ -140,7 +153,13 @@ constexpr std::array kEntries{
     Entry{"unlock", "", 0, "lets everybody come in again", Rank::kModerator, Unlock},
     Entry{"protect", "on|off", 1, "whether players change only what they have built themselves", Rank::kModerator,
           Protect},
-    Entry{"reset", "", 0, "puts bodies, workshop and tuning back to what the scene has", Rank::kModerator, Reset},
+    Entry{"reset", "", 0, "puts bodies, workshop and tuning back to what the scene has; what is torn stays torn",
+          Rank::kModerator, Reset},
+    Entry{"restart", "", 0, "lets the world begin anew, whole and with a new game; everybody stays in",
+          Rank::kModerator, Restart},
+    Entry{"vote", "restart", 1,
+          "lets the world begin anew when more than half of the players vote for it within a minute", Rank::kPlayer,
+          Vote},
     Entry{"say", "TEXT", kAnyWords, "shows a line to everybody", Rank::kModerator, Say},
     Entry{"rank", "PLAYER player|moderator|owner", 2, "appoints a player until it leaves", Rank::kOwner, ChangeRank},
     Entry{"hand-over", "PLAYER", 1, "makes a player the owner instead of who orders it", Rank::kOwner, HandOver},

@@ -44,7 +44,7 @@ struct ProtectEntry {
 struct ResetEntry {};
 
 // Begins anew from the scene: bodies are whole and at their places, the workshop and the game as at the start. Players
-// stay in, and their bodies appear anew.
+// stay in, and their bodies appear anew. What ProtectEntry said stays: a vote must not lift a moderator's protection.
 struct RestartEntry {};
 
 using Entry = std::variant<JoinEntry, LeaveEntry, MoveEntry, ActEntry, ProtectEntry, ResetEntry, RestartEntry>;

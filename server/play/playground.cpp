@@ -153,7 +153,9 @@ std::string Playground::Do(const RestartEntry& /*restart*/) {
   for (const scenes::PlacedBody& placed : m_sceneBodies) {
     m_happenings.push_back({.kind = Happening::Kind::kRespawn, .body = placed.body});
   }
+  const bool isProtected = m_workshop && m_workshop->IsProtected();
   OpenWorkshopAndGame();
+  if (m_workshop) m_workshop->SetProtected(isProtected);
   for (const auto& [client, player] : m_players) {
     if (player.body == 0) continue;
     m_world.RenewBody(player.body, static_cast<std::uint8_t>(m_scene.player.blueprint),

@@ -723,6 +723,26 @@ case_match_ends() {
   start bots wobble bots "127.0.0.1:$port" --script "$bin/scripts/idle.lua" --count 2
   expect_end server "$server" 0 40
   expect_refusal '^wobbled: --rounds 3: scene arena has no game$' wobbled --port 0 --rounds 3
+  expect_refusal '^wobbled: --after-match dance: must be end or restart$' wobbled --port 0 --after-match dance
+  expect_refusal '^wobbled: --after-match restart: --rounds must say how many rounds make a match$' \
+    wobbled --port 0 --after-match restart
+}
+
+# The match of case_match_ends and the next one, in one process; then a world that all have left.
+case_begins_anew() {
+  sed 's/^round = .*/round = 10/' "$bin/scenes/sumo.toml" >"$folder/short.toml"
+  start server wobbled --port 0 --scene "$folder/short.toml" --rounds 1 --after-match restart --reset-when-empty
+  server=$pid
+  wait_for_line server '^listening on UDP port [1-9]'
+  port="$(read_port server 'listening on UDP port ')"
+  start bots wobble bots "127.0.0.1:$port" --script "$bin/scripts/idle.lua" --count 2 --for 22
+  expect_end bots "$pid" 0 40
+  expect_line "$folder/bots.out" ' 0 disconnects'
+  expect_line "$folder/server.err" 'tick [1-9][0-9]*: the world begins anew$'
+  kill -INT "$server"
+  expect_end server "$server" 0 10
+  [ "$(grep -c 'the world begins anew$' "$folder/server.err")" = 2 ] ||
+    fail 'begun anew at the end of the match, and when all had left' "$folder/server.err"
 }
 
 # restart_server SIGNAL: ends the server, waits 1.2 s, starts it again on its port, and expects 8 players within 5 s.

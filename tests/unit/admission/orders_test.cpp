@@ -241,6 +241,103 @@ TEST_F(OrdersTest, ARevokedInviteTakesItsRankAlong) {
   for (std::size_t i = 0; i < kRanks.size(); ++i) EXPECT_EQ(players[i].admission.rank, kRanks[i]) << players[i].name;
 }
 
+// The lines that a client is told.
+struct Notices {
+  explicit Notices(client::Client& client) {
+    client.OnNotice([this](const std::string& line) { lines.push_back(line); });
+  }
+  // Whether the newest has these words.
+  [[nodiscard]] bool Ends(const std::string& words) const {
+    return !lines.empty() && lines.back().find(words) != std::string::npos;
+  }
+  std::vector<std::string> lines;
+};
+
+constexpr std::uint32_t kBall = 1;  // of the yard; it falls from 1 m
+
+TEST_F(OrdersTest, ModeratorsLetTheWorldBeginAnew) {
+  Start("[tuning]\ngravity = \"everyone\"\n");
+  client::Client& ada = Join("Ada");
+  game->Run(1);
+  const Notices notices(ada);
+  ada.Order("restart");
+  game->Run(0.2);
+  EXPECT_TRUE(notices.Ends("is for moderators"));
+  EXPECT_LT(game->Centre(kBall).z(), 0.9);
+  EXPECT_TRUE(Give("rank 1 moderator").isDone);
+  ada.Tune(protocol::wire::TuneKind::Gravity, {0, 0, 0});
+  game->Run(0.2);
+  ada.Order("restart");
+  game->Run(0.1);
+  EXPECT_TRUE(notices.Ends("begins anew"));
+  EXPECT_GT(game->Centre(kBall).z(), 0.9);
+  EXPECT_EQ(game->server.World().Settings().gravity.z(), -9.81);
+  EXPECT_TRUE(Give("restart").isDone) << "from outside as well";
+  EXPECT_FALSE(Give("restart now").isDone);
+}
+
+TEST_F(OrdersTest, MoreThanHalfOfThePlayersVoteForANewWorld) {
+  Start();
+  client::Client& ada = Join("Ada");
+  client::Client& bob = Join("Bob");
+  Join("Cy");
+  client::Client& dan = Join("Dan");
+  client::Client& eve = game->AddClient({.name = "Eve", .spectator = true});
+  game->Run(1);
+  const Notices adas(ada);
+  const Notices dans(dan);
+  const Notices eves(eve);
+  EXPECT_TRUE(Give("mute 4").isDone);
+  const auto vote = [&](client::Client& client) {
+    client.Order("vote restart");
+    game->Run(0.1);
+  };
+  vote(ada);
+  EXPECT_TRUE(adas.Ends("Ada votes to begin anew: 1 of 3; 2 are enough")) << adas.lines.back();
+  EXPECT_TRUE(eves.Ends("Ada votes to begin anew: 1 of 3")) << "everybody is told";
+  EXPECT_EQ(adas.lines.size(), 1U) << "and told once";
+  vote(ada);
+  EXPECT_TRUE(adas.Ends("voted already"));
+  vote(dan);
+  EXPECT_TRUE(dans.Ends("has no vote")) << "muted";
+  vote(eve);
+  EXPECT_TRUE(eves.Ends("has no vote")) << "watches";
+  EXPECT_LT(game->Centre(kBall).z(), 0.9);
+  vote(bob);
+  EXPECT_GT(game->Centre(kBall).z(), 0.9);
+  EXPECT_TRUE(adas.Ends("2 of 3 have voted to begin anew: the world begins anew")) << adas.lines.back();
+  vote(bob);
+  game->Run(2);
+  EXPECT_LT(game->Centre(kBall).z(), 0.9) << "one vote passes a minute";
+}
+
+TEST_F(OrdersTest, AVoteEndsWithItsMinuteAndWithItsOpponents) {
+  Start();
+  client::Client& ada = Join("Ada");
+  client::Client& bob = Join("Bob");
+  const Notices notices(ada);
+  ada.Order("vote restart");
+  game->Run(59);
+  EXPECT_EQ(notices.lines.size(), 1U);
+  game->Run(2);
+  EXPECT_TRUE(notices.Ends("1 of 2 have voted to begin anew: too few"));
+  ada.Order("vote restart");
+  game->Run(1);
+  EXPECT_LT(game->Centre(kBall).z(), 0.9);
+  bob.Leave(game->now);
+  game->Run(0.1);
+  EXPECT_GT(game->Centre(kBall).z(), 0.9) << "1 of 1";
+  EXPECT_TRUE(notices.Ends("the world begins anew"));
+  game->Run(61);
+  ada.Order("vote restart");
+  game->Run(0.1);
+  EXPECT_GT(game->Centre(kBall).z(), 0.9) << "who is alone restarts at once";
+  EXPECT_FALSE(Give("vote restart").isDone) << "who is outside does not play";
+  EXPECT_FALSE(Give("vote", {.rank = Rank::kPlayer, .client = 1}).isDone);
+  EXPECT_FALSE(Give("vote kick 1", {.rank = Rank::kPlayer, .client = 1}).isDone);
+  EXPECT_FALSE(Give("vote restart", {.rank = Rank::kWatcher, .client = 1}).isDone);
+}
+
 TEST_F(OrdersTest, AnyLineIsAnswered) {
   Start();
   const std::string lines[] = {"",
@@ -256,6 +353,8 @@ TEST_F(OrdersTest, AnyLineIsAnswered) {
                                "mute",
                                "protect",
                                "protect maybe",
+                               "vote",
+                               "vote \x1b[31m",
                                "unban",
                                std::string(5000, 'a'),
                                std::string("kick\0 1", 7),
@@ -314,6 +413,12 @@ TEST_F(OrdersTest, WhatOthersBuiltIsProtectedAndTheWorkshopIsReset) {
   build({.kind = BuildKind::RemoveParticle, .a = 2});
   EXPECT_EQ(countParticles(), 2U);
   EXPECT_TRUE(Give("protect on").isDone);
+  build({.kind = BuildKind::AddParticle, .at = {-2, -1, 1.5F}, .mass = 0.5F, .fixed = true});
+  ada.Order("vote restart");
+  game->Run(0.5);
+  ASSERT_EQ(notices.size(), 2U);
+  EXPECT_NE(notices[1].find("is protected"), std::string::npos) << notices[1];
+  EXPECT_EQ(countParticles(), 3U) << "a vote is no way round it";
   EXPECT_TRUE(Give("reset").isDone);
   game->Run(0.5);
   EXPECT_EQ(countParticles(), 2U);

@@ -472,6 +472,9 @@ TEST(SceneLimits, WhatTheProtocolCannotCarryIsRefusedWithBothNumbers) {
   EXPECT_THAT(server::Validate(config, LoadScene("arena", kFolder).scene),
               ElementsAre("--tick-hz 5: must be 10 to 480", "--snapshot-hz 6: must be 1 to 5",
                           "--client-kbit 1: must be 32 to 100000"));
+  config = {.afterMatch = server::AfterMatch::kRestart};
+  EXPECT_THAT(server::Validate(config, LoadScene("sumo", kFolder).scene),
+              ElementsAre("--after-match restart: --rounds must say how many rounds make a match"));
 }
 
 // A crowd joins at once, on a circle with room for few of them.
