@@ -145,6 +145,28 @@ TEST_F(GateTest, WhoWasLetInComesBackByTicketEvenAfterARestart) {
   EXPECT_EQ(Refused(Credential::Kind::kToken, first.ticket), Refusal::kBadCredential) << "another server's";
 }
 
+TEST_F(GateTest, WhoeverGetsATicketIsKnownByItAgain) {
+  using Identity = decltype(transport::Admission::identity);
+  Open();
+  EXPECT_TRUE(Show(Credential::Kind::kNone).ticket.empty());
+  settings.givesTicketsToAll = true;
+  Open();
+  const auto first = Show(Credential::Kind::kNone);
+  const auto other = Show(Credential::Kind::kNone);
+  EXPECT_NE(first.admission.identity, Identity{});
+  EXPECT_NE(first.admission.identity, other.admission.identity);
+  now += 600;
+  Open();
+  auto again = Show(Credential::Kind::kToken, first.ticket);
+  EXPECT_EQ(again.admission.identity, first.admission.identity);
+  again = Show(Credential::Kind::kToken, again.ticket);
+  EXPECT_EQ(again.admission.identity, first.admission.identity) << "by the ticket of its return, too";
+  now += 2 * 24 * 3600;
+  const auto late = Show(Credential::Kind::kToken, first.ticket);
+  EXPECT_EQ(late.refusal, Refusal::kNone) << "an open server lets everybody in";
+  EXPECT_NE(late.admission.identity, first.admission.identity) << "but as somebody else";
+}
+
 TEST_F(GateTest, AnInviteHasARankAnEndAndUses) {
   settings.isByInviteOnly = true;
   Open();
