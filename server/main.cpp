@@ -195,6 +195,19 @@ bool WriteSummary(const std::string& path, const std::string& summary) {
   return file.good();
 }
 
+// Returns false after it has reported what failed.
+bool StartFilm(const Options& options, recording::Recording film, server::Server& server) {
+  if (!film.Fault().empty()) spdlog::warn("{}: shown up to its damage: {}", options.replayFile, film.Fault());
+  const double length = film.TimeOf(film.LastTick());
+  const std::string error = server.Show(std::make_unique<recording::Film>(options.replayFile, std::move(film)));
+  if (!error.empty()) {
+    Complain({options.replayFile + ": " + error});
+    return false;
+  }
+  fmt::print("shows {}, {:.1f} s\n", options.replayFile, length);
+  return true;
+}
+
 // Makes the folder of this option if it is not there. Returns false after it has reported what failed.
 bool OpenFolder(const char* option, const std::string& folder) {
   std::error_code error;
@@ -329,8 +342,21 @@ struct Administration {
   }
 };
 
-int RunServer(const Options& options) {
-  scenes::LoadResult loaded = scenes::LoadScene(options.scene, scenes::FindShippedScenes());
+int RunServer(Options options) {
+  std::optional<recording::Recording> film;
+  if (!options.replayFile.empty()) {
+    film.emplace();
+    if (const std::string error = film->Open(options.replayFile); !error.empty()) {
+      Complain({options.replayFile + " " + error});
+      return kBadUsage;
+    }
+    options.config.tickHz = static_cast<int>(film->ReadHead().tickHz);
+    options.config.snapshotHz = std::min(options.config.snapshotHz, options.config.tickHz);
+    options.config.seed = film->ReadHead().seed;
+    options.scene = film->ReadHead().scene.name;
+  }
+  scenes::LoadResult loaded =
+      film ? scenes::ParseScene(film->ReadHead().scene) : scenes::LoadScene(options.scene, scenes::FindShippedScenes());
   if (!options.errors.empty() || !loaded.errors.empty()) {
     Complain(options.errors);
     Complain(loaded.errors);
@@ -385,6 +411,7 @@ int RunServer(const Options& options) {
   if (!options.isUntrained) bases = server::LoadBases(loaded.scene, options.cacheFolder, options.config.threads);
   server::Server server(options.config, std::move(loaded.scene), std::move(transport), ReadClock(), std::move(bases),
                         &ReadClock);
+  if (film && !StartFilm(options, std::move(*film), server)) return kBadUsage;
   if (!StartKeeping(options, loaded.source, server)) return kBadUsage;
   if (!StartRecording(options, loaded.source, server)) return kBadUsage;
   spdlog::info("this server's key is {}", publicKey);

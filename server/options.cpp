@@ -127,7 +127,11 @@ void DescribeOptions(CLI::App& app, Options& options) {
          "players come back to their bodies; made if it is not there")
       ->type_name("FOLDER")
       ->envname("WOBBLE_STATE");
-  CLI::Option* replay = app.add_option("--replay", options.replayFile, "Recording to play again")->type_name("FILE");
+  CLI::Option* replay =
+      app.add_option("--replay", options.replayFile,
+                     "Recording to show to all who come in, who wind it with film orders (see --verify)")
+          ->type_name("FILE");
+  replay->excludes("--record")->excludes("--state")->excludes("--scene")->excludes("--tick-hz")->excludes("--seed");
   app.add_flag("--verify", options.isVerify,
                "Play --replay as fast as it goes and say whether every tick is the same, or the first second, tick and "
                "body that are not (exit code 1)")

@@ -95,6 +95,8 @@ void Server::Step() {
   m_watch.Enter(Phase::kStep);
   RestartAfterMatch();
   ApplyInputs();
+  ++m_shownTick;
+  if (m_film != nullptr) return ShowFilm();
   m_report = m_playground.Step();
   if (m_recorder != nullptr) m_recorder->FollowTick(m_playground);
   if (World().Tick() % static_cast<std::uint32_t>(m_config.tickHz) == 0) SaveState();
@@ -112,7 +114,7 @@ void Server::Step() {
   }
   TellHappenings();
   TellStandings();
-  m_store.FollowStep();
+  m_store.FollowStep(m_shownTick);
 }
 
 void Server::Capture() {
@@ -131,7 +133,7 @@ void Server::Send(BodySubset due, double now) {
     SnapshotTask task;
     task.connection = connection;
     task.ownBody = session.body;
-    task.head.tick = World().Tick();
+    task.head.tick = m_shownTick;
     task.head.timeRatio = static_cast<float>(m_clock.TimeRatio());
     task.head.inputTick = session.inputs.NewestUsed();
     task.subset = due;
@@ -175,7 +177,7 @@ void Server::PublishBlueprints() {
 // time for the longest tick.
 std::optional<BodySubset> Server::FindDueBodies() const {
   if (CountPlaying() == 0) return {};
-  const auto tick = World().Tick();
+  const auto tick = m_shownTick;
   const auto tickHz = static_cast<std::uint32_t>(m_config.tickHz), hz = static_cast<std::uint32_t>(m_snapshotHz);
   if (m_store.Bodies().size() >= kManyBodies && tickHz % hz == 0) {
     const std::uint32_t parts = tickHz / hz;
@@ -205,7 +207,7 @@ void Server::ApplyInputs() {
   for (auto& [connection, session] : m_sessions) {
     if (session.state != Session::State::kPlaying) continue;
     const std::uint64_t starved = session.inputs.CountStarved();
-    const physics::Control control = TakeControl(session, World().Tick() + 1, holdTicks);
+    const physics::Control control = TakeControl(session, m_shownTick + 1, holdTicks);
     if (session.body == 0) continue;
     ++m_counts.inputsDue;
     m_counts.inputsStarved += session.inputs.CountStarved() - starved;

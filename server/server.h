@@ -15,6 +15,7 @@
 #include "server/config.h"
 #include "server/play/playground.h"
 #include "server/recording/checkpoints.h"
+#include "server/recording/film.h"
 #include "server/recording/recorder.h"
 #include "server/session.h"
 #include "server/snapshots/capture.h"
@@ -56,6 +57,9 @@ struct Counts {
 
 // How long a player of a server that was killed may take to come back to their body, s: as long as clients try.
 inline constexpr double kSeatPatience = 60;
+
+// The game of a Welcome to a recording.
+inline constexpr const char* kFilm = "film";
 
 // Connections, by state.
 struct ClientCounts {
@@ -100,6 +104,12 @@ class Server {
   void EndRecording();
   // Null: nothing is recorded.
   [[nodiscard]] const recording::Recorder* ReadRecorder() const { return m_recorder.get(); }
+
+  // server_film.cpp: shows a recording instead of playing: whoever comes in watches. Call it before the first Tick; the
+  // server's scene, tick rate and seed are the recording's. Returns what is wrong with the file; empty: nothing.
+  [[nodiscard]] std::string Show(std::unique_ptr<recording::Film> film);
+  // Null: nothing is shown. What watchers order acts at once.
+  [[nodiscard]] recording::Film* ReadFilm() { return m_film.get(); }
 
   // server_resume.cpp: the state that outlives the process. Saves it once a second from here on, and as the world
   // pauses or the server closes.
@@ -150,6 +160,8 @@ class Server {
   using OrderTaker = std::function<std::vector<std::string>(ClientId, transport::Rank, const std::string& line)>;
   void SetOrderTaker(OrderTaker taker) { m_orderTaker = std::move(taker); }
 
+  // The tick that clients are told: one more with each step. It is the world's, unless a recording is shown.
+  [[nodiscard]] std::uint32_t ShownTick() const { return m_shownTick; }
   [[nodiscard]] const physics::World& World() const { return m_playground.World(); }
   [[nodiscard]] const Counts& ReadCounts() const { return m_counts; }
   [[nodiscard]] const Encoder& ReadEncoder() const { return m_store.ReadEncoder(); }
@@ -178,6 +190,8 @@ class Server {
   void Encode(BodySubset due);
   void Send(BodySubset due, double now);
 
+  void ShowFilm();
+  void TellFilmPlayers();
   void SaveState();
   // The player who has come back takes their body again. False: there is no seat for them.
   bool TakeSeat(Session& session);
@@ -237,6 +251,9 @@ class Server {
   Config m_config;
   std::unique_ptr<transport::Transport> m_transport;
   Playground m_playground;
+  std::uint32_t m_shownTick = 0;
+  std::unique_ptr<recording::Film> m_film;
+  std::map<ClientId, std::pair<physics::BodyId, std::string>> m_filmPlayers;  // as clients were told
   std::unique_ptr<recording::Recorder> m_recorder;
   std::unique_ptr<recording::Checkpoints> m_checkpoints;
   std::map<ClientId, recording::Identity> m_emptySeats;  // of players who have not come back after Resume

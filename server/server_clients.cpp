@@ -36,7 +36,7 @@ void Server::TakeEvent(const transport::Event& event, double now) {
   if (session.state == Session::State::kEnding) return;
   if (event.kind == Kind::kOffence) return End(session, GoodbyeReason::TooMuch, "");
 
-  const MessageEffect effect = TakeMessage(session, event.channel, event.bytes, World().Tick(), now);
+  const MessageEffect effect = TakeMessage(session, event.channel, event.bytes, m_shownTick, now);
   m_counts.stalls += effect.stalls;
   if (effect.dropped) {
     ++m_counts.dropped[static_cast<std::size_t>(*effect.dropped)];
@@ -86,17 +86,19 @@ void Server::Join(Session& session) {
   session.name = MakeDistinct(session.name, taken);
   const bool isBack = TakeSeat(session);
   session.state = Session::State::kPlaying;
-  if (!isBack) {
-    session.clientId = m_nextClientId++;
-    m_playground.Take(JoinEntry{session.clientId, session.spectator, session.name});
+  if (!isBack) session.clientId = m_nextClientId++;
+  if (m_film != nullptr) {
+    session.spectator = true;
+  } else {
+    if (!isBack) m_playground.Take(JoinEntry{session.clientId, session.spectator, session.name});
+    session.body = m_playground.FindPlayer(session.clientId)->body;
   }
-  session.body = m_playground.FindPlayer(session.clientId)->body;
   ++m_counts.joins;
   m_counts.clientsPeak = std::max(m_counts.clientsPeak, CountPlaying());
   spdlog::info("client {} ({}) {}{}", session.clientId, session.name, isBack ? "is back" : "joined",
                session.spectator ? " as spectator" : "");
   SendWelcome(session);
-  Broadcast(protocol::MakeEvent(EventKind::Join, World().Tick(), session.clientId, session.body, session.name));
+  Broadcast(protocol::MakeEvent(EventKind::Join, m_shownTick, session.clientId, session.body, session.name));
   SendTuning();
 }
 
@@ -104,7 +106,7 @@ void Server::SendWelcome(Session& session) {
   protocol::WelcomeFields fields;
   fields.clientId = session.clientId;
   fields.ownBody = session.body;
-  fields.tick = World().Tick();
+  fields.tick = m_shownTick;
   fields.tickHz = static_cast<std::uint16_t>(m_config.tickHz);
   fields.snapshotHz = static_cast<std::uint16_t>(m_config.snapshotHz);
   fields.scene = m_playground.Scene().name;
@@ -113,7 +115,7 @@ void Server::SendWelcome(Session& session) {
   for (const CapturedGround& ground : m_grounds) fields.heightFields.push_back(ground.field);
   fields.hands = CaptureHands(m_playground.Scene());
   fields.reach = static_cast<float>(m_playground.Scene().hands.reach);
-  fields.game = m_playground.ReadGame() != nullptr ? "sumo" : "";
+  fields.game = m_film != nullptr ? kFilm : m_playground.ReadGame() != nullptr ? "sumo" : "";
   fields.workshop = m_playground.ReadWorkshop() != nullptr ? m_playground.ReadWorkshop()->Body() : 0;
   fields.rank = static_cast<protocol::wire::Rank>(session.admission.rank);
   fields.ownBlueprint = static_cast<std::uint8_t>(m_playground.Scene().player.blueprint);
@@ -126,7 +128,10 @@ void Server::SendWelcome(Session& session) {
   // The players who have joined before, so that every body has its name.
   for (const auto& [connection, other] : m_sessions) {
     if (other.state != Session::State::kPlaying || &other == &session) continue;
-    send(protocol::MakeEvent(EventKind::Join, World().Tick(), other.clientId, other.body, other.name));
+    send(protocol::MakeEvent(EventKind::Join, m_shownTick, other.clientId, other.body, other.name));
+  }
+  for (const auto& [client, told] : m_filmPlayers) {
+    send(protocol::MakeEvent(EventKind::Join, m_shownTick, client, told.first, told.second));
   }
   session.download.Begin(m_grounds.size(), m_store.Blueprints().All().size(), fields.ownBlueprint, session.kept);
   session.kept = {};
@@ -160,14 +165,14 @@ void Server::ForgetPlayer(Session& session, bool isLost) {
   session.state = Session::State::kEnding;
   ++(isLost ? m_counts.disconnects : m_counts.leaves);
   if (isLost) spdlog::info("client {} ({}) was lost", session.clientId, session.name);
-  m_playground.Take(LeaveEntry{session.clientId});
-  if (m_playground.Players().empty()) {
+  if (m_film == nullptr) m_playground.Take(LeaveEntry{session.clientId});
+  if (m_film == nullptr && m_playground.Players().empty()) {
     m_clock.SetRate(1);
     // Not while the server closes: its summary is of the world that was played.
     if (m_config.resetsWhenEmpty && !m_isClosing) RestartWorld();
   }
-  Broadcast(protocol::MakeEvent(EventKind::Leave, World().Tick(), session.clientId, session.body, session.name));
-  if (session.body != 0) Broadcast(protocol::MakeEvent(EventKind::BodyRemoved, World().Tick(), 0, session.body, ""));
+  Broadcast(protocol::MakeEvent(EventKind::Leave, m_shownTick, session.clientId, session.body, session.name));
+  if (session.body != 0) Broadcast(protocol::MakeEvent(EventKind::BodyRemoved, m_shownTick, 0, session.body, ""));
   session.body = 0;
   SendTuning();
 }

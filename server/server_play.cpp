@@ -16,6 +16,7 @@ namespace {
 // Rate at which inspected forces are sent, 1/s: people read them by eye.
 constexpr int kForcesHz = 10;
 
+constexpr const char* kOnlyWatched = "this is a recording: it can be watched, and wound with film orders";
 constexpr const char* kMuted = "you may only move: a moderator has muted you";
 
 template <class... Each>
@@ -28,6 +29,7 @@ struct Visitor : Each... {
 void Server::Obey(Session& session, const Command& command, double now) {
   const bool isHarmless =
       std::holds_alternative<InspectCommand>(command) || std::holds_alternative<OrderCommand>(command);
+  if (m_film != nullptr && !isHarmless) return Notify(session, kOnlyWatched);
   if (session.isMuted && !isHarmless) return Notify(session, kMuted);
   const ActEntry act{.client = session.clientId,
                      .isHost = session.admission.rank == transport::Rank::kOwner,
@@ -74,7 +76,7 @@ void Server::TellHappenings() {
   for (const Happening& happening : m_playground.TakeHappenings()) {
     const bool isFall = happening.kind == Happening::Kind::kFall;
     m_counts.respawns += isFall ? 0 : 1;
-    Broadcast(protocol::MakeEvent(isFall ? EventKind::Fall : EventKind::Respawn, World().Tick(), happening.by,
+    Broadcast(protocol::MakeEvent(isFall ? EventKind::Fall : EventKind::Respawn, m_shownTick, happening.by,
                                   happening.body, ""));
   }
 }
@@ -82,7 +84,7 @@ void Server::TellHappenings() {
 void Server::TellStandings() {
   const Sumo* game = m_playground.ReadGame();
   if (game == nullptr) return;
-  const bool isSecond = World().Tick() % static_cast<std::uint32_t>(m_config.tickHz) == 0;
+  const bool isSecond = m_shownTick % static_cast<std::uint32_t>(m_config.tickHz) == 0;
   if (isSecond || game->Revision() != m_sentStandings) SendStandings();
 }
 
@@ -126,7 +128,7 @@ void Server::SendTuning() {
 }
 
 void Server::SendForces() {
-  if (World().Tick() % static_cast<std::uint32_t>(std::max(1, m_config.tickHz / kForcesHz)) >=
+  if (m_shownTick % static_cast<std::uint32_t>(std::max(1, m_config.tickHz / kForcesHz)) >=
       static_cast<std::uint32_t>(m_config.tickHz / m_snapshotHz)) {
     return;
   }
@@ -138,7 +140,7 @@ void Server::SendForces() {
       continue;
     }
     protocol::Message& message = messages[session.inspected];
-    if (message.empty()) message = CaptureForces(World(), session.inspected);
+    if (message.empty()) message = CaptureForces(World(), session.inspected, m_shownTick);
     SendTo(session, message);
   }
 }

@@ -51,9 +51,10 @@ std::string Server::Resume(const recording::Checkpoint& checkpoint, double now) 
   for (const auto& [client, identity] : m_emptySeats) {
     m_playground.Take(MoveEntry{.client = client, .control = {}, .hand = {}});
   }
-  m_store.FollowStep();
+  m_shownTick = World().Tick();
+  m_store.FollowStep(m_shownTick);
   PublishBlueprints();
-  spdlog::info("tick {}: the world goes on; {} players may come back to their bodies", World().Tick(),
+  spdlog::info("tick {}: the world goes on; {} players may come back to their bodies", m_shownTick,
                m_emptySeats.size());
   return {};
 }
@@ -89,8 +90,8 @@ void Server::ClearSeats(double now) {
   for (const auto& [client, identity] : m_emptySeats) {
     const Playground::Player player = *m_playground.FindPlayer(client);
     m_playground.Take(LeaveEntry{client});
-    Broadcast(protocol::MakeEvent(EventKind::Leave, World().Tick(), client, player.body, player.name));
-    Broadcast(protocol::MakeEvent(EventKind::BodyRemoved, World().Tick(), 0, player.body, ""));
+    Broadcast(protocol::MakeEvent(EventKind::Leave, m_shownTick, client, player.body, player.name));
+    Broadcast(protocol::MakeEvent(EventKind::BodyRemoved, m_shownTick, 0, player.body, ""));
     spdlog::info("client {} ({}) has not come back", client, player.name);
   }
   m_emptySeats.clear();

@@ -7,6 +7,9 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -119,6 +122,52 @@ Answer Vote(Order& order) {
   return refusal.empty() ? Answer{.isDone = true, .lines = {}} : Refuse(refusal);
 }
 
+std::string DescribeFilm(const recording::Film& film) {
+  const bool isPlaying = film.ReadMotion() == recording::Film::Motion::kPlaying;
+  return fmt::format("{} {}:{:04.1f} of {}:{:04.1f}, speed {:g}", isPlaying ? "plays" : "paused at",
+                     static_cast<int>(film.Time()) / 60, std::fmod(film.Time(), 60), static_cast<int>(film.End()) / 60,
+                     std::fmod(film.End(), 60), film.Speed());
+}
+
+// The number behind a word, in a range. Leaves the reason in `refusal` if there is none.
+std::optional<double> TakeNumber(Order& order, double low, double high, Answer& refusal) {
+  const std::string word = order.TakeWord();
+  double number = 0;
+  const auto [end, result] = std::from_chars(word.data(), word.data() + word.size(), number);
+  if (result == std::errc{} && end == word.data() + word.size() && number >= low && number <= high) return number;
+  refusal = Refuse(fmt::format("\"{}\": must be a number from {:g} to {:g}", word, low, high));
+  return {};
+}
+
+Answer WindFilm(Order& order) {
+  recording::Film* film = order.realm.server.ReadFilm();
+  if (film == nullptr) return Refuse("this server shows no recording");
+  constexpr double kLongest = 1e6;
+  const std::string what = order.TakeWord();
+  Answer refusal;
+  std::optional<double> number;
+  if (what == "play") {
+    film->Play();
+  } else if (what == "pause") {
+    film->Pause();
+  } else if (what == "speed") {
+    number = TakeNumber(order, recording::kLeastFilmSpeed, recording::kMostFilmSpeed, refusal);
+    if (!number) return refusal;
+    film->SetSpeed(*number);
+  } else if (what == "step") {
+    number = TakeNumber(order, -kLongest, kLongest, refusal);
+    if (!number) return refusal;
+    film->StepBy(static_cast<std::int64_t>(*number));
+  } else if (what == "to" || what == "by") {
+    number = TakeNumber(order, -kLongest, kLongest, refusal);
+    if (!number) return refusal;
+    film->JumpTo(*number + (what == "by" ? film->Time() : 0));
+  } else if (!what.empty()) {
+    return Refuse("film " + what + ": must be play, pause, speed X, step TICKS, to SECONDS or by SECONDS");
+  }
+  return Done(DescribeFilm(*film));
+}
+
 Answer Say(Order& order) {
   order.realm.server.Say(order.TakeRest());
   return Done("said");
@@ -160,6 +209,8 @@ constexpr std::array kEntries{
     Entry{"vote", "restart", 1,
           "lets the world begin anew when more than half of the players vote for it within a minute", Rank::kPlayer,
           Vote},
+    Entry{"film", "[play|pause|speed X|step TICKS|to SECONDS|by SECONDS]", 2,
+          "winds the recording that is shown; X from -4 to 16", Rank::kWatcher, WindFilm},
     Entry{"say", "TEXT", kAnyWords, "shows a line to everybody", Rank::kModerator, Say},
     Entry{"rank", "PLAYER player|moderator|owner", 2, "appoints a player until it leaves", Rank::kOwner, ChangeRank},
     Entry{"hand-over", "PLAYER", 1, "makes a player the owner instead of who orders it", Rank::kOwner, HandOver},

@@ -97,6 +97,7 @@ WorldChanges World::Changes() const {
   return {.stepped = m_engine->stepped,
           .boxes = std::visit([](const auto& work) { return std::span<const Box>(work.boxes); }, m_engine->workspace),
           .removals = m_removals,
+          .restores = m_restores,
           .blueprintRevision = m_blueprintRevision,
           .slots = m_slots};
 }

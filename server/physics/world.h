@@ -80,6 +80,7 @@ struct WorldChanges {
   std::span<const std::uint32_t> stepped;  // places in Bodies() of all bodies that the last step moved, ascending
   std::span<const Box> boxes;              // by place in Bodies(); for stepped bodies, round the body as the step began
   std::uint64_t removals = 0;              // calls of RemoveBody; each moves the bodies behind the removed one up
+  std::uint64_t restores = 0;              // calls of Restore; each may change everything
   std::uint64_t blueprintRevision = 0;     // the largest revision of all slots
   std::span<const BlueprintSlot> slots;    // one for each of Blueprints()
 
@@ -217,6 +218,7 @@ class World {
   std::unique_ptr<Engine> m_engine;
   BodyId m_nextId = 1;
   std::uint64_t m_removals = 0;
+  std::uint64_t m_restores = 0;
   std::uint32_t m_tick = 0;
 };
 

@@ -116,6 +116,7 @@ std::string World::Restore(const WorldState& state) {
   }
   ++m_blueprintRevision;
   ++m_removals;
+  ++m_restores;
   m_tick = state.tick;
   m_settings.gravity = m_engine->gravity = state.gravity;
   m_settings.stiffnessFactor = state.stiffnessFactor;

@@ -1,9 +1,13 @@
 #include "server/recording/block_file.h"
 
+#include <fcntl.h>
+#include <unistd.h>
 #include <zlib.h>
 #include <zstd.h>
 
+#include <algorithm>
 #include <cassert>
+#include <cerrno>
 #include <stdexcept>
 
 namespace wobble::recording {
@@ -73,6 +77,34 @@ Bytes PackBlock(BlockKind kind, std::span<const std::uint8_t> bytes) {
   head.checksum = FindChecksum(head, std::span(block).subspan(sizeof head));
   std::memcpy(block.data(), &head, sizeof head);
   return block;
+}
+
+std::string WriteWhole(const std::filesystem::path& path, const Bytes& bytes) {
+  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+  if (file < 0) return std::strerror(errno);
+  std::string error;
+  for (std::size_t done = 0; done < bytes.size() && error.empty();) {
+    const ssize_t written = write(file, bytes.data() + done, bytes.size() - done);
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) error = std::strerror(errno);
+    done += static_cast<std::size_t>(std::max<ssize_t>(written, 0));
+  }
+  // Before the rename, or the name could outlive a power cut without the bytes.
+  if (error.empty() && fdatasync(file) != 0) error = std::strerror(errno);
+  close(file);
+  return error;
+}
+
+std::optional<Block> UnpackBlock(std::span<const std::uint8_t> packed) {
+  BlockHead head;
+  if (packed.size() < sizeof head) return {};
+  std::memcpy(&head, packed.data(), sizeof head);
+  const auto content = packed.subspan(sizeof head);
+  if (!IsKind(head.kind) || head.size > kMaxBlockBytes || head.packedSize != content.size()) return {};
+  if (FindChecksum(head, content) != head.checksum) return {};
+  Block block{.kind = static_cast<BlockKind>(head.kind), .bytes = Bytes(head.size)};
+  const std::size_t unpacked = ZSTD_decompress(block.bytes.data(), block.bytes.size(), content.data(), content.size());
+  return ZSTD_isError(unpacked) == 0 && unpacked == head.size ? std::optional(std::move(block)) : std::nullopt;
 }
 
 std::string BlockReader::Open(const std::filesystem::path& path) {

@@ -47,6 +47,12 @@ struct Block {
 [[nodiscard]] Bytes MakeFileHead();
 [[nodiscard]] Bytes PackBlock(BlockKind kind, std::span<const std::uint8_t> bytes);
 
+// What PackBlock made; nullopt for anything else.
+[[nodiscard]] std::optional<Block> UnpackBlock(std::span<const std::uint8_t> packed);
+
+// Writes a whole file that is its owner's alone, to the disk. Returns what is wrong; empty: nothing.
+[[nodiscard]] std::string WriteWhole(const std::filesystem::path& path, const Bytes& bytes);
+
 // Reads a file from its beginning to its last good block. Any file is safe.
 class BlockReader {
  public:

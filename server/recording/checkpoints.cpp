@@ -1,11 +1,5 @@
 #include "server/recording/checkpoints.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstring>
-
 #include "server/recording/fields.h"
 
 namespace wobble::recording {
@@ -19,23 +13,6 @@ void Describe(Archive& archive, Value& value) {
 namespace {
 
 constexpr const char* kEnding = ".wobstate";
-
-// Writes a whole file that is its owner's alone. Returns what is wrong; empty: nothing.
-std::string WriteWhole(const std::filesystem::path& path, const Bytes& bytes) {
-  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-  if (file < 0) return std::strerror(errno);
-  std::string error;
-  for (std::size_t done = 0; done < bytes.size() && error.empty();) {
-    const ssize_t written = write(file, bytes.data() + done, bytes.size() - done);
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) error = std::strerror(errno);
-    done += static_cast<std::size_t>(std::max<ssize_t>(written, 0));
-  }
-  // Before the rename, or the name could outlive a power cut without the bytes.
-  if (error.empty() && fdatasync(file) != 0) error = std::strerror(errno);
-  close(file);
-  return error;
-}
 
 }  // namespace
 

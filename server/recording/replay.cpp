@@ -44,8 +44,13 @@ std::string Replay::GoToKeyframe(std::uint32_t tick) {
   std::optional<server::PlaygroundState> state;
   if (!isFresh) state = FromBytes<server::PlaygroundState>(m_recording.ReadKeyframe(*std::prev(behind)));
   std::string error = "cannot be read";
-  if (isFresh || state) error = m_ground.Restore(isFresh ? m_fresh : *state);
-  if (!error.empty()) return "keyframe of tick " + std::to_string(nearest) + ": " + error;
+  if (isFresh || state) error = Restore(isFresh ? m_fresh : *state);
+  return error.empty() ? error : "keyframe of tick " + std::to_string(nearest) + ": " + error;
+}
+
+std::string Replay::Restore(const server::PlaygroundState& state) {
+  std::string error = m_ground.Restore(state);
+  if (!error.empty()) return error;
   m_isPlaced = true;
   FindSecond();
   return {};

@@ -11,7 +11,7 @@ void NoteBlueprint(const physics::World& world, const physics::Body& body, Shown
 
 }  // namespace
 
-void BodyCaptures::Follow(const physics::World& world) {
+void BodyCaptures::Follow(const physics::World& world, std::uint32_t tick) {
   const physics::WorldChanges changes = world.Changes();
   if (m_removals != changes.removals) DropRemoved(world);
   const std::span<const physics::Body> present = world.Bodies();
@@ -22,6 +22,7 @@ void BodyCaptures::Follow(const physics::World& world) {
     m_captured.emplace_back().body = added.id;
     m_moved.push_back(1);
   }
+  if (m_restores != changes.restores) TakeRestored(world, tick);
   const auto perTick = static_cast<float>(1 / world.Settings().tickDuration);
   for (const std::uint32_t place : changes.stepped) {
     m_moved[place] = 1;
@@ -29,8 +30,22 @@ void BodyCaptures::Follow(const physics::World& world) {
     const protocol::Vector3 centre = ToWire(changes.FindMiddle(place));
     shown.speed = protocol::Length(centre - shown.centre) * perTick;
     shown.centre = centre;
-    shown.restTick = present[place].asleep ? world.Tick() : 0;
+    shown.restTick = present[place].asleep ? tick : 0;
     if (shown.blueprint != present[place].blueprint) NoteBlueprint(world, present[place], shown);
+  }
+}
+
+// Any body may be elsewhere. Versions go on from where no capture has been: a body may be gone and there again, and
+// what was encoded of it before must not be taken for what it is now.
+void BodyCaptures::TakeRestored(const physics::World& world, std::uint32_t tick) {
+  m_restores = world.Changes().restores;
+  for (std::size_t i = 0; i < m_shown.size(); ++i) {
+    const physics::Body& body = world.Bodies()[i];
+    m_moved[i] = 1;
+    m_captured[i].version = m_restores << 32;
+    m_shown[i].centre = ToWire(world.FindCentre(body));
+    m_shown[i].restTick = body.asleep ? tick : 0;
+    NoteBlueprint(world, body, m_shown[i]);
   }
 }
 

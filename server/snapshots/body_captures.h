@@ -49,8 +49,9 @@ template <class Kept>
 
 class BodyCaptures {
  public:
-  // Notes which bodies are new, gone or moved. Call it after every step of the world. O(stepped bodies).
-  void Follow(const physics::World& world);
+  // Notes which bodies are new, gone or moved. Call it after every step of the world, and after it was restored. tick:
+  // as clients are told it, never backwards. O(stepped bodies).
+  void Follow(const physics::World& world, std::uint32_t tick);
 
   // All bodies of the world as of the last Follow, by ascending id.
   [[nodiscard]] std::span<const ShownBody> Bodies() const { return m_shown; }
@@ -63,11 +64,13 @@ class BodyCaptures {
 
  private:
   void DropRemoved(const physics::World& world);
+  void TakeRestored(const physics::World& world, std::uint32_t tick);
 
   std::vector<ShownBody> m_shown;
   std::vector<CapturedBody> m_captured;
   std::vector<std::uint8_t> m_moved;  // 1: it has moved since its last capture
-  std::uint64_t m_removals = 0;       // World::CountRemovals at the last Follow
+  std::uint64_t m_removals = 0;       // WorldChanges::removals at the last Follow
+  std::uint64_t m_restores = 0;       // WorldChanges::restores at the last Follow
 };
 
 }  // namespace wobble::server

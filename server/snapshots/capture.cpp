@@ -194,7 +194,7 @@ std::vector<CapturedGround> CaptureGrounds(std::span<const physics::Obstacle> ob
   return captured;
 }
 
-protocol::Message CaptureForces(const physics::World& world, physics::BodyId body) {
+protocol::Message CaptureForces(const physics::World& world, physics::BodyId body, std::uint32_t tick) {
   using Kind = protocol::wire::ForceKind;
   const physics::InspectedForces forces = physics::InspectForces(world, body);
   const std::size_t stride = (forces.weight.size() + protocol::kMaxShownForces - 1) / protocol::kMaxShownForces;
@@ -211,7 +211,7 @@ protocol::Message CaptureForces(const physics::World& world, physics::BodyId bod
   add(Kind::Contact, forces.contact);
   add(Kind::Other, forces.other);
   add(Kind::Acceleration, forces.accelerations);
-  return protocol::MakeForces(body, world.Tick(), static_cast<std::uint16_t>(stride), fields);
+  return protocol::MakeForces(body, tick, static_cast<std::uint16_t>(stride), fields);
 }
 
 std::size_t CountRowsAtOnce(const CapturedGround& ground) { return protocol::kMaxRowsHeights / ground.field.columns(); }

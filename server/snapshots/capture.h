@@ -94,6 +94,6 @@ void CaptureBody(const physics::World& world, const physics::Body& body, Capture
 
 // The Forces message of a body that is in the world: every n-th vertex, so that at most protocol::kMaxShownForces are
 // shown.
-[[nodiscard]] protocol::Message CaptureForces(const physics::World& world, physics::BodyId body);
+[[nodiscard]] protocol::Message CaptureForces(const physics::World& world, physics::BodyId body, std::uint32_t tick);
 
 }  // namespace wobble::server

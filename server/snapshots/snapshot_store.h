@@ -29,14 +29,15 @@ class SnapshotStore {
   // their order, or none.
   SnapshotStore(const physics::World& world, int threads, std::vector<Bases> bases, PhaseWatch& watch);
 
-  // Notes what a step has changed. Call it after every step of the world.
-  void FollowStep() { m_captures.Follow(m_world); }
+  // Notes what a step has changed. Call it after every step of the world, and after it was restored. tick: as clients
+  // are told it, never backwards.
+  void FollowStep(std::uint32_t tick) { m_captures.Follow(m_world, m_tick = tick); }
   // Captures blueprints that have changed; see BlueprintCaptures::Follow.
   std::span<const std::uint8_t> FollowBlueprints(const Workshop* workshop) {
     return m_blueprints.Follow(m_world, workshop);
   }
   // Makes Bodies() those whose records may be read after this tick. Blueprints have been followed.
-  void BeginSnapshot() { m_encoder.Follow(m_captures.Bodies(), m_world.Tick()); }
+  void BeginSnapshot() { m_encoder.Follow(m_captures.Bodies(), m_tick); }
 
   // Captures and encodes the bodies of the subset that are likely to be asked for, many together and on all threads. It
   // changes no record. Time goes to kCapture and kEncode.
@@ -57,6 +58,7 @@ class SnapshotStore {
   BlueprintCaptures m_blueprints;
   BodyCaptures m_captures;
   Encoder m_encoder;
+  std::uint32_t m_tick = 0;           // of the last FollowStep
   std::vector<FreshCapture> m_fresh;  // scratch of EncodeAhead
 };
 

@@ -71,15 +71,14 @@ const std::vector<Room> kRooms{
     {kTiming, {}, {}, kClock},
     {kPlay, {kPhysics, kScenes, kTiming}, {"spdlog/fmt/"}, kClock},
     // It alone writes worlds to files. Its writing thread is told the time.
-    {kRecording + "checkpoints",
-     {kRecording, kPhysics, kScenes, kPlay, kTiming},
-     {"fcntl.h", "unistd.h"},
-     {"iostream", "fstream", "chrono"}},
     {kRecording + "recorder",
      {kRecording, kPhysics, kScenes, kPlay, kTiming},
      {"fmt/", "fcntl.h", "unistd.h"},
      {"iostream", "fstream"}},
-    {kRecording, {kPhysics, kScenes, kPlay, kTiming}, {"Eigen/", "fmt/", "zlib.h", "zstd.h"}, kClock},
+    {kRecording,
+     {kPhysics, kScenes, kPlay, kTiming},
+     {"Eigen/", "fcntl.h", "fmt/", "unistd.h", "zlib.h", "zstd.h"},
+     kClock},
     // Bodies leave the engine in Eigen's types, and a body's rotation is found with Eigen's solvers.
     {kSnapshots, {kPhysics, kScenes, kPlay, kTiming, kProtocol}, {"Eigen/", "oneapi/tbb", "tbb/"}, kClock},
     // Bases are eigenvectors of what play does to a body.

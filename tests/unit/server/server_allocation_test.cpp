@@ -72,7 +72,7 @@ TEST(Server, StepCaptureAndEncodeDoNotAllocateOnceWarm) {
         world.SetControl(body.id, control, {});
       }
       world.Step();
-      captures.Follow(world);
+      captures.Follow(world, world.Tick());
       if (tick % 2 != 0) continue;
       encoder.Follow(captures.Bodies(), world.Tick());
       for (std::size_t i = 0; i < captures.Bodies().size(); ++i) {

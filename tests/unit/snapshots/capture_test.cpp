@@ -135,14 +135,14 @@ TEST_F(CaptureTest, ARollingBodyTurnsSmoothlyInPlay) {
 TEST_F(CaptureTest, RemovedBodiesVanishAndLateOnesAppear) {
   for (int i = 0; i < 5; ++i) world.AddBody(0, {2.0 * i, 0, 5});
   BodyCaptures captures;
-  captures.Follow(world);
+  captures.Follow(world, world.Tick());
   ASSERT_EQ(captures.Bodies().size(), 5U);
   for (std::size_t i = 0; i < 5; ++i) (void)captures.Read(world, i);
 
   world.RemoveBody(2);
   world.RemoveBody(5);
   const auto late = world.AddBody(0, {40, 0, 5});
-  captures.Follow(world);
+  captures.Follow(world, world.Tick());
   ASSERT_EQ(captures.Bodies().size(), 4U);
   const std::vector<std::uint32_t> expected{1, 3, 4, late};
   for (std::size_t i = 0; i < 4; ++i) {
@@ -156,7 +156,7 @@ TEST_F(CaptureTest, RemovedBodiesVanishAndLateOnesAppear) {
   EXPECT_LT(RotationOf(captures.Read(world, 3)).angularDistance(Eigen::Quaterniond::Identity()), 1e-6);
 
   for (const std::uint32_t id : expected) world.RemoveBody(id);
-  captures.Follow(world);
+  captures.Follow(world, world.Tick());
   EXPECT_TRUE(captures.Bodies().empty());
 }
 
@@ -166,7 +166,7 @@ TEST_F(CaptureTest, OnlyWhatHasMovedIsCapturedAgain) {
   BodyCaptures captures;
   for (int tick = 0; tick < 1200 && !(world.ReadBody(1).asleep && world.ReadBody(2).asleep); ++tick) {
     world.Step();
-    captures.Follow(world);
+    captures.Follow(world, world.Tick());
   }
   ASSERT_TRUE(world.ReadBody(1).asleep);
   const std::vector<std::uint64_t> resting{captures.Read(world, 0).version, captures.Read(world, 1).version};
@@ -177,7 +177,7 @@ TEST_F(CaptureTest, OnlyWhatHasMovedIsCapturedAgain) {
   world.SetControl(2, control, {});
   for (int tick = 0; tick < 10; ++tick) {
     world.Step();
-    captures.Follow(world);
+    captures.Follow(world, world.Tick());
   }
   EXPECT_EQ(captures.Read(world, 0).version, resting[0]);
   EXPECT_EQ(captures.Read(world, 1).version, resting[1] + 1) << "once, however many ticks";
