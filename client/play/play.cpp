@@ -22,7 +22,7 @@
 
 #include "client/command/clock.h"
 #include "client/command/exit_codes.h"
-#include "client/play/child.h"
+#include "client/command/child.h"
 #include "client/play/summary.h"
 #include "protocol/transport/vestibule/key_file.h"
 
@@ -65,7 +65,7 @@ struct Part {
   std::string name;
   std::string errorPrefix;  // of its lines on standard error, which are passed on without it
   std::string readyPrefix;  // of the line that it prints when it is ready
-  Child child = {};
+  command::Child child = {};
   std::string readyLine = {};  // empty until it is ready
   std::string line = {};       // its latest other line
   bool hasStarted = false;
@@ -294,7 +294,7 @@ void Play::EndAll() {
 
 // Asks a child that still runs to end, and kills it when it does not.
 void Play::End(Part& part) {
-  Child& child = part.child;
+  command::Child& child = part.child;
   if (!child.IsRunning()) return;
   child.Signal(SIGINT);
   const double deadline = command::ReadClock() + kEndPatience;

@@ -6,6 +6,7 @@
 
 #include "client/command/access.h"
 #include "client/command/clock.h"
+#include "client/terminal/film.h"
 #include "client/terminal/watch.h"
 #include "protocol/limits.h"
 
@@ -23,9 +24,10 @@ struct Words {
 
 CLI::App* AddWords(CLI::App& app, WatchOptions& options, Words& words) {
   CLI::App* subcommand =
-      app.add_subcommand("watch", "Shows a server's world in this terminal, with keys to play in it");
+      app.add_subcommand("watch", "Shows a server's world in this terminal, with keys to play in it, or a recording");
   // CLI11's required() is not used: it reports the missing address even when an unknown option is the fault.
-  subcommand->add_option("server", words.address, "The server")->type_name("HOST:PORT REQUIRED");
+  subcommand->add_option("server", words.address, "The server, or a recording of one (wobbled --record)")
+      ->type_name("HOST:PORT|FILE REQUIRED");
   subcommand->add_option("--name", options.name, "Name shown to other players")->capture_default_str();
   subcommand->add_flag("--spectate", options.spectate, "Watch without a body");
   command::AddAccessOptions(*subcommand, words.access, command::Visitor::kPerson);
@@ -53,10 +55,13 @@ CLI::App* AddWords(CLI::App& app, WatchOptions& options, Words& words) {
       "Exit code: 0 ended by the user, 1 connection lost, 2 bad usage, no terminal or no server.\n"
       "Examples:\n"
       "  wobble watch 127.0.0.1:7777\n"
+      "  wobble watch matches/arena-20261124-180000.wobrec\n"
       "  wobble watch example.org:7777 --name mira --password-file door.txt --fps 20\n"
       "  wobble watch 127.0.0.1:7777 --spectate --for 10 --capture picture.svg");
   return subcommand;
 }
+
+bool IsRecording(const std::string& address) { return address.ends_with(".wobrec"); }
 
 // On failure false, with one line in `error`.
 bool Understand(const Words& words, WatchOptions& options, std::string& error) {
@@ -92,7 +97,14 @@ command::Command DescribeWatch(CLI::App& app) {
   CLI::App* subcommand = AddWords(app, *options, *words);
   return {subcommand, [options, words](const command::IsStopAsked& isStopAsked) {
             std::string error;
-            if (Understand(*words, *options, error)) return RunWatch(*options, isStopAsked);
+            std::unique_ptr<FilmServer> film;
+            if (IsRecording(words->address)) {
+              film = FilmServer::Start(words->address, error);
+              options->spectate = true;
+              words->address = film != nullptr ? command::Describe(film->Address()) : "";
+            }
+            const bool isThere = error.empty() && Understand(*words, *options, error);
+            if (isThere) return RunWatch(*options, isStopAsked);
             std::fprintf(stderr, "wobble watch: %s\n", error.c_str());
             return command::kExitBadUse;
           }};

@@ -24,6 +24,7 @@
 #include "client/lasting_client.h"
 #include "client/terminal/camera.h"
 #include "client/terminal/controls.h"
+#include "client/terminal/film.h"
 #include "client/terminal/guardian.h"
 #include "client/terminal/hands.h"
 #include "client/terminal/keys.h"
@@ -107,6 +108,7 @@ class Watch {
   std::map<std::uint32_t, std::string> m_clients;  // names by client
   bool m_hasOldNames = false;                      // of the connection before, whose world is still shown
   Hands m_hands;
+  FilmKeys m_film;
   std::string m_notice;
   double m_noticeUntil = 0;
 
@@ -171,7 +173,9 @@ void Watch::Begin(client::Client& client) {
   m_hands = {};
   m_rateBytes = 0;
   client.OnEvent([this](const client::Client::Event& event) { NoteEvent(event); });
-  client.OnNotice([this](const std::string& text) { Show(text); });
+  client.OnNotice([this](const std::string& text) {
+    if (!m_film.TakeNotice(text)) Show(text);
+  });
 }
 
 // From now on it has to be this server, also after it was restarted. A ticket stands for a token or an invite that may
@@ -252,6 +256,7 @@ void Watch::ReadKeys(double now) {
   if (m_controls.TakePause()) m_guard.Pause();
   for (const char32_t key : m_controls.TakeOthers()) {
     if (hasBody) m_hands.Take(key, m_camera, m_samples, Client());
+    if (IsPlaying() && FilmKeys::IsFilm(Client())) m_film.Take(key, Client());
   }
 }
 
@@ -333,14 +338,19 @@ void Watch::WriteFigures(double now) {
   m_figures.players = m_players.size();
   if (statistics.snapshots != m_newsCount) m_newsAt = now;
   m_newsCount = statistics.snapshots;
-  if (!Client().Welcome().game.empty()) {
+  const bool isFilm = FilmKeys::IsFilm(Client());
+  if (isFilm) {
+    m_film.Update(now, Client());
+    WriteTop(m_grid, m_film.MakeLine(m_grid.columns - 2));
+  } else if (!Client().Welcome().game.empty()) {
     WriteTop(m_grid, FormatScores(Client().ReadScoreboard(), [this](std::uint32_t id) { return NameOf(id); }));
   }
   std::string words = now < m_noticeUntil ? m_notice : FormatStatus(m_figures);
   if (now >= m_newsAt + kSilence) words = FormatSilence(now - m_newsAt);
   if (!IsPlaying()) words = FormatRejoining(MakePlain(m_player->Reason()));
   WriteStatus(m_grid, words, "?: keys");
-  if (m_controls.ShowsKeys()) WriteBox(m_grid, DescribeKeys(m_figures, DescribeHandKeys(Client())));
+  if (m_controls.ShowsKeys())
+    WriteBox(m_grid, DescribeKeys(m_figures, isFilm ? DescribeFilmKeys() : DescribeHandKeys(Client())));
 }
 
 void Watch::DrawBodies(int width, int height) {

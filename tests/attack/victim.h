@@ -21,7 +21,7 @@
 #include <vector>
 
 #include "client/client.h"
-#include "client/play/child.h"
+#include "client/command/child.h"
 #include "protocol/transport/client_bridge.h"
 #include "protocol/transport/enet_transport.h"
 #include "tests/support/udp_socket.h"
@@ -100,7 +100,7 @@ class Victim {
   std::uint16_t opsPort = 0;  // of --ops 0
 
  private:
-  play::Child m_child;
+  command::Child m_child;
   std::string m_pid;
 };
 

@@ -2,7 +2,7 @@
 // group, so server and bots would end at the same time and the bots would count as disconnected.
 //
 // Between fork and exec only async-signal-safe calls are made; all strings are prepared before.
-#include "client/play/child.h"
+#include "client/command/child.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -14,7 +14,7 @@
 #include <cstring>
 #include <utility>
 
-namespace wobble::play {
+namespace wobble::command {
 namespace {
 
 constexpr int kCannotExecute = 127;
@@ -118,4 +118,4 @@ void Child::Close(Stream& stream) {
 
 std::vector<std::string> Child::TakeLines(Stream& stream) { return std::exchange(stream.lines, {}); }
 
-}  // namespace wobble::play
+}  // namespace wobble::command

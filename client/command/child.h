@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace wobble::play {
+namespace wobble::command {
 
 class Child {
  public:
@@ -53,4 +53,4 @@ class Child {
   Stream m_errors;
 };
 
-}  // namespace wobble::play
+}  // namespace wobble::command
