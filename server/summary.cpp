@@ -84,7 +84,9 @@ std::string MakeSummary(const Server& server, const TickTimes& times) {
   json["paused_s"] = Round(counts.pausedTime);
   if (const recording::Recorder* recorder = server.ReadRecorder()) {
     const recording::RecorderCounts recorded = recorder->Counts();
-    json["recording"] = {{"files", recorded.files}, {"bytes", recorded.bytes}, {"failures", recorded.failures}};
+    json["recordings"] = recorded.files;
+    json["recorded_bytes"] = recorded.bytes;
+    json["recording_failures"] = recorded.failures;
   }
   json["state_hash"] = fmt::format("{:016x}", world.Hash());
   return json.dump(2) + "\n";
