@@ -1,14 +1,17 @@
 // Plays a recording of every shipped scene again and compares every tick with it.
 //
-//   golden_recordings FOLDER THREADS LANES   exit 1 when any differs, or a scene has no recording
-//   golden_recordings FOLDER --write         records them anew
+//   golden_recordings FOLDER THREADS LANES [SCENE...]   exit 1 when any differs, or a scene has no recording
+//   golden_recordings FOLDER --write TICKS [SCENE...]   records them anew; the stored ones have 150 ticks
 //
+// Without SCENE it takes all shipped scenes.
 // They are renewed together with golden.txt, when the physics is meant to change, and when the format does. The same
 // files are played by what gcc and what clang have built.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "server/recording/verify.h"
 #include "tests/support/match.h"
@@ -17,16 +20,14 @@ namespace {
 
 using namespace wobble;
 
-constexpr std::uint32_t kTicks = 150;
-
 std::filesystem::path FindFile(const std::filesystem::path& folder, const std::string& scene) {
   return folder / (scene + ".wobrec");
 }
 
-void Write(const std::filesystem::path& folder, const std::string& scene) {
+void Write(const std::filesystem::path& folder, const std::string& scene, std::uint32_t ticks) {
   const std::filesystem::path scratch = folder / ("new-" + scene);
   std::filesystem::create_directories(scratch);
-  recording::RecordMatch(scene, kTicks, {.folder = scratch, .readUnixTime = [] { return std::uint64_t{0}; }});
+  recording::RecordMatch(scene, ticks, {.folder = scratch, .readUnixTime = [] { return std::uint64_t{0}; }});
   for (const auto& entry : std::filesystem::directory_iterator(scratch)) {
     std::filesystem::rename(entry.path(), FindFile(folder, scene));
   }
@@ -43,20 +44,23 @@ bool Compare(const std::filesystem::path& file, const recording::GroundSettings&
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 3) {
-    std::fprintf(stderr, "usage: golden_recordings FOLDER THREADS LANES | FOLDER --write\n");
+  if (argc < 4) {
+    std::fprintf(stderr,
+                 "usage: golden_recordings FOLDER THREADS LANES [SCENE...] | FOLDER --write TICKS [SCENE...]\n");
     return 2;
   }
   const bool writes = std::strcmp(argv[2], "--write") == 0;
-  recording::GroundSettings settings;
-  if (!writes) settings.threads = std::atoi(argv[2]);
-  if (argc > 3) settings.widestPack = std::atoi(argv[3]);
+  std::vector<std::string> names(argv + 4, argv + argc);
+  if (names.empty()) {
+    for (const auto& each : scenes::ListScenes(WOBBLE_SOURCE_DIR "/server/scenes")) names.push_back(each.name);
+  }
   bool isSame = true;
-  for (const scenes::SceneSummary& scene : scenes::ListScenes(WOBBLE_SOURCE_DIR "/server/scenes")) {
+  for (const std::string& name : names) {
     if (writes) {
-      Write(argv[1], scene.name);
+      Write(argv[1], name, static_cast<std::uint32_t>(std::atoi(argv[3])));
     } else {
-      isSame = Compare(FindFile(argv[1], scene.name), settings) && isSame;
+      const recording::GroundSettings settings{.threads = std::atoi(argv[2]), .widestPack = std::atoi(argv[3])};
+      isSame = Compare(FindFile(argv[1], name), settings) && isSame;
     }
   }
   return isSame ? 0 : 1;

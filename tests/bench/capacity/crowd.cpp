@@ -36,8 +36,8 @@ Crowd::Crowd(const Game& game, const CrowdOptions& options, bots::Script& script
     : m_network({.seed = game.seed}),
       m_server(MakeCrowdConfig(options, game.seed), game.scene, m_network.MakeServer(), 0, game.bases),
       m_runner(
-          MakeCrowdBots(options.players, game.seed), script, [this](std::string&) { return m_network.MakeClient(); },
-          [] { return 0.0; },
+          MakeCrowdBots(options.players, game.seed), script,
+          [this](auto, std::string&) { return m_network.MakeClient(); }, [] { return 0.0; },
           [](std::string_view line) { std::fprintf(stderr, "%.*s\n", static_cast<int>(line.size()), line.data()); }) {
   m_network.SetConditions(options.link);
 }

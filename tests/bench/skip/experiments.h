@@ -14,6 +14,9 @@ void MeasureTerms(Bench& bench);
 // Key empty_cpu: processor share of a server without players.
 void MeasureEmpty(Bench& bench);
 
+// Keys recording_core_share, recording_tick_ms_p99, recording_mb_per_hour, seek_ms_p99: a recording of 64 players.
+void MeasureRecording(Bench& bench);
+
 // Key settle_s: how long bodies that look at rest stay awake in shipped scenes.
 void MeasureSettling(Bench& bench);
 
