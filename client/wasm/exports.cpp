@@ -104,6 +104,11 @@ EMSCRIPTEN_KEEPALIVE void Cut(Session* session, std::uint32_t body) {
   if (input.size() == sizeof corners) std::memcpy(corners.data(), input.data(), sizeof corners);
   session->Client().Cut(body, corners[0], corners[1], corners[2]);
 }
+// The line is at the address of PrepareInput.
+EMSCRIPTEN_KEEPALIVE void Order(Session* session, std::size_t size) {
+  const auto line = session->Input(size);
+  session->Client().Order(std::string(line.begin(), line.end()));
+}
 EMSCRIPTEN_KEEPALIVE void Inspect(Session* session, std::uint32_t body) { session->Client().Inspect(body); }
 EMSCRIPTEN_KEEPALIVE void Tune(Session* session, unsigned kind, float x, float y, float z) {
   session->Client().Tune(static_cast<wobble::protocol::wire::TuneKind>(kind), {x, y, z});

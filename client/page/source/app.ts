@@ -4,6 +4,7 @@ import type { WobbleModule } from 'wobble-wasm';
 import { Board } from './hud/board';
 import { BuildPanel } from './hud/build_panel';
 import { ConnectionCard } from './hud/connection_card';
+import { FilmPanel, kFilm } from './hud/film_panel';
 import { Help } from './hud/help';
 import { Hints } from './hud/hints';
 import { LinkChart } from './hud/link_chart';
@@ -65,6 +66,7 @@ export class App {
   private readonly m_chart = new LinkChart();
   private readonly m_card: ConnectionCard;
   private readonly m_board = new Board();
+  private readonly m_film = new FilmPanel();
   private readonly m_hints = new Hints();
   private readonly m_help = new Help();
   private readonly m_view = new ViewPanel();
@@ -162,7 +164,7 @@ export class App {
 
   private BuildHud(hud: HTMLElement): void {
     const middle = MakeElement('div', 'middle');
-    middle.append(this.m_board.element, this.m_board.banner, this.m_toasts.element);
+    middle.append(this.m_board.element, this.m_board.banner, this.m_film.element, this.m_toasts.element);
     const buttons = MakeElement('div', 'buttons');
     const add = (text: string, label: string, key: string, command: Command) => {
       const button = MakeButton(text, label, key, () => this.Take(command));
@@ -251,6 +253,7 @@ export class App {
     this.m_chart.Clear();
     this.m_inspector.Clear();
     this.m_board.Hide();
+    this.m_film.Hide();
   }
 
   private DrawFrame(): void {
@@ -277,7 +280,9 @@ export class App {
   private ShowWorld(client: Client, now: number, seconds: number): void {
     this.Welcome(client);
     for (let event = client.TakeEvent(); event !== null; event = client.TakeEvent()) this.NoteEvent(event);
-    for (let text = client.TakeNotice(); text !== null; text = client.TakeNotice()) this.m_toasts.Add(text, true);
+    for (let text = client.TakeNotice(); text !== null; text = client.TakeNotice()) {
+      if (!this.m_film.TakeNotice(text)) this.m_toasts.Add(text, true);
+    }
     client.Sample();
     this.MoveBody(client, seconds);
     this.bodies.selectedParticle = this.m_build.selectedParticle;
@@ -297,7 +302,8 @@ export class App {
     this.m_buildPanel.Update(this.m_hands.active === this.m_build);
     this.m_world.Update(this.camera.yaw);
     this.m_hints.Update(now);
-    if (this.welcome!.game !== '') this.m_board.Update(client, this.players, now);
+    if (this.welcome!.game === kFilm) this.m_film.Update(client, now);
+    else if (this.welcome!.game !== '') this.m_board.Update(client, this.players, now);
   }
 
   private Welcome(client: Client): void {

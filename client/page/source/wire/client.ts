@@ -247,6 +247,14 @@ export class Client {
     this.m_module._Cut(this.m_session, body);
   }
 
+  // A line to the server's administration; the answer comes as notices.
+  Order(line: string): void {
+    const bytes = new TextEncoder().encode(line);
+    const address = this.m_module._PrepareInput(this.m_session, bytes.length);
+    this.m_module.HEAPU8.set(bytes, address);
+    this.m_module._Order(this.m_session, bytes.length);
+  }
+
   Inspect(body: number): void {
     this.m_module._Inspect(this.m_session, body);
   }

@@ -43,6 +43,7 @@ declare module 'wobble-wasm' {
     _OpenHand(session: number): void;
     _Push(session: number, body: number, vertex: number, x: number, y: number, z: number): void;
     _Cut(session: number, body: number): void;
+    _Order(session: number, size: number): void;
     _Inspect(session: number, body: number): void;
     _Tune(session: number, kind: number, x: number, y: number, z: number): void;
     _Build(session: number): void;
