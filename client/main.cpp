@@ -15,6 +15,7 @@
 #include "client/admin/command.h"
 #include "client/bots/command.h"
 #include "client/command/command.h"
+#include "client/export/command.h"
 #include "client/gateway/command.h"
 #include "client/health/command.h"
 #include "client/link/command.h"
@@ -45,8 +46,9 @@ int Run(int argc, char** argv) {
   // 0, since no command is refused below: CLI11 would report that even when an unknown option is the fault.
   app.require_subcommand(0, 1);
   const std::vector<command::Command> commands{
-      play::DescribePlay(app), terminal::DescribeWatch(app), bots::DescribeBots(app),   gateway::DescribeGateway(app),
-      link::DescribeLink(app), health::DescribeHealth(app),  admin::DescribeAdmin(app), token::DescribeToken(app)};
+      play::DescribePlay(app),       terminal::DescribeWatch(app), bots::DescribeBots(app),
+      gateway::DescribeGateway(app), link::DescribeLink(app),      health::DescribeHealth(app),
+      admin::DescribeAdmin(app),     token::DescribeToken(app),    exporting::DescribeExport(app)};
   const std::string version = std::string("wobble ") + kVersion;
   app.set_version_flag("--version", version);
   for (const command::Command& each : commands) each.words->set_version_flag("--version", version);

@@ -457,6 +457,7 @@ int main(int argc, char** argv) {
   }
   std::signal(SIGINT, RequestStop);
   std::signal(SIGTERM, RequestStop);
+  if (!options.exportTarget.empty()) return server::ExportRecording(options, [] { return g_stop != 0; });
   if (options.isVerify) return server::VerifyRecording(options, [] { return g_stop != 0; });
   return RunServer(options);
 }

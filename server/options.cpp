@@ -136,6 +136,30 @@ void DescribeOptions(CLI::App& app, Options& options) {
                "Play --replay as fast as it goes and say whether every tick is the same, or the first second, tick and "
                "body that are not (exit code 1)")
       ->needs(replay);
+  CLI::Option* target = app.add_option("--export", options.exportTarget,
+                                       "File (csv) or new folder (vtk) to write what --replay holds to, and end")
+                            ->type_name("PATH")
+                            ->needs(replay);
+  app.add_option(
+         "--format", options.exportFormat,
+         "Of --export. csv: a row a body and frame, with pose and energies. vtk: a .pvd series of PolyData with "
+         "velocity, force and energy of each vertex, for ParaView. SI units, z up")
+      ->check(CLI::IsMember({"csv", "vtk"}))
+      ->capture_default_str()
+      ->needs(target);
+  app.add_option("--from", options.exportFrom, "First second of the recording to export")
+      ->check(CLI::NonNegativeNumber)
+      ->needs(target);
+  app.add_option("--to", options.exportTo, "Last second to export; 0: the recording's end")
+      ->check(CLI::NonNegativeNumber)
+      ->needs(target);
+  app.add_option("--fps", options.exportFps, "Frames a second of the export, at most the recording's ticks a second")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str()
+      ->needs(target);
+  app.add_option("--bodies", options.exportBodies, "Numbers of the bodies to export, such as 3,7,12; all if not given")
+      ->delimiter(',')
+      ->needs(target);
   app.add_flag("--untrained", options.isUntrained,
                "Start at once, without trained bases: shapes take three times the bits")
       ->envname("WOBBLE_UNTRAINED");
@@ -153,6 +177,7 @@ void DescribeOptions(CLI::App& app, Options& options) {
       "  wobbled --ops 9100                       then: curl 127.0.0.1:9100/metrics\n"
       "  wobbled --record matches                 record what is played; then, to prove it:\n"
       "  wobbled --replay matches/arena-20261124-180000.wobrec --verify\n"
+      "  wobbled --replay matches/arena-20261124-180000.wobrec --export arena.csv --fps 10\n"
       "  wobbled --for 90 --pause-after 0         the same without players: the world never pauses");
 }
 

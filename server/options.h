@@ -30,6 +30,12 @@ struct Options {
   std::string stateFolder;   // empty: the world ends with the process
   std::string replayFile;    // empty: none is played
   bool isVerify = false;     // of replayFile
+  std::string exportTarget;  // file or folder; empty: nothing is exported
+  std::string exportFormat = "csv";
+  double exportFrom = 0;                    // s since the recording began
+  double exportTo = 0;                      // s; 0: its end
+  double exportFps = 30;                    // frames a second
+  std::vector<std::uint32_t> exportBodies;  // empty: all
   bool isUntrained = false;
   bool listScenes = false;
   std::vector<std::string> errors;  // one line for each number that is malformed or out of range

@@ -75,6 +75,11 @@ const std::vector<Room> kRooms{
      {kRecording, kPhysics, kScenes, kPlay, kTiming},
      {"fmt/", "fcntl.h", "unistd.h"},
      {"iostream", "fstream"}},
+    // What recordings hold, for other programs.
+    {"server/export/",
+     {kRecording, kPhysics, kScenes, kPlay, kTiming},
+     {"fmt/"},
+     {"chrono", "ctime", "iostream", "thread"}},
     {kRecording,
      {kPhysics, kScenes, kPlay, kTiming},
      {"Eigen/", "fcntl.h", "fmt/", "unistd.h", "zlib.h", "zstd.h"},
@@ -109,7 +114,7 @@ const std::vector<Room> kRooms{
     // Unicode's tables are the server's alone.
     {"server/names", {kProtocol}, {"unicode/"}, kClockFileLog},
     {"server/",
-     {kTiming, kPlay, kRecording, kSnapshots, "server/training/", kScenes, kPhysics, kProtocol},
+     {kTiming, kPlay, kRecording, "server/export/", kSnapshots, "server/training/", kScenes, kPhysics, kProtocol},
      {"fmt/", "nlohmann/", "oneapi/tbb", "prometheus/", "spdlog/", "tbb/"},
      kClock},
     // It alone has a thread, and so a clock, of its own; the door that it asks is told the time.
@@ -132,6 +137,7 @@ const std::vector<Room> kRooms{
     {"client/wasm/", kCommandReach, {"emscripten"}, {}},
     {"client/health/", kCommandReach, {"CLI/", "httplib.h"}, {}},
     {"client/admin/", kCommandReach, Join(kSystem, {"CLI/", "httplib.h"}), {}},
+    {"client/export/", kCommandReach, {"CLI/", "unistd.h"}, {}},
     {"client/token/", kCommandReach, {"CLI/"}, {}},
     {"client/link/", kCommandReach, Join(kSystem, {"CLI/"}), {}},
     {"client/play/", kCommandReach, Join(kSystem, {"CLI/", "nlohmann/"}), {}},

@@ -1,0 +1,128 @@
+// What is exported is what is played: positions in VTK's files to the bit, and a row in the table for each body.
+#include <gmock/gmock.h>
+
+#include <cstring>
+#include <map>
+
+#include "server/export/csv.h"
+#include "server/export/output.h"
+#include "server/export/vtk.h"
+#include "server/export/walk.h"
+#include "tests/unit/recording/matches.h"
+
+namespace wobble::exporting {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+class Exported : public testing::Test {
+ protected:
+  Exported() {
+    recording::RecordMatch("curtain", 200, recording::MakeSettings(folder));
+    EXPECT_THAT(recording.Open(folder.List()[0]), IsEmpty());
+    std::string error;
+    ground = recording::MakeGround(recording.ReadHead(), {}, error);
+    replay = std::make_unique<recording::Replay>(recording, *ground);
+  }
+  Walked Write(const WalkSettings& settings, FrameWriter& writer) {
+    std::string error;
+    const auto plan = MakePlan(recording, settings, error);
+    EXPECT_TRUE(plan) << error;
+    return Walk(recording, *replay, *ground, settings, *plan, writer, [](double, double) { return true; });
+  }
+  [[nodiscard]] std::string Refuse(const WalkSettings& settings) const {
+    std::string error;
+    EXPECT_FALSE(MakePlan(recording, settings, error));
+    return error;
+  }
+
+  recording::Folder folder;
+  recording::Recording recording;
+  std::unique_ptr<server::Playground> ground;
+  std::unique_ptr<recording::Replay> replay;
+};
+
+std::string ReadText(const std::filesystem::path& file) {
+  const recording::Bytes bytes = recording::ReadFile(file);
+  return {bytes.begin(), bytes.end()};
+}
+
+TEST_F(Exported, TheTableHasARowABodyAndFrame) {
+  const auto file = folder.Path() / "table.csv";
+  CsvWriter writer(file, "curtain");
+  const Walked walked = Write({.fps = 10}, writer);
+  EXPECT_THAT(walked.error, IsEmpty());
+  EXPECT_EQ(walked.frames, 34U);
+  std::istringstream lines(ReadText(file));
+  std::map<std::string, int> rows;  // by tick
+  bool hasTorn = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (line[0] == '#') continue;
+    const auto columns = static_cast<std::size_t>(std::ranges::count(line, ',')) + 1;
+    EXPECT_EQ(columns, 17U) << line;
+    if (line.starts_with("time")) continue;
+    const auto comma = line.find(',');
+    ++rows[line.substr(comma + 1, line.find(',', comma + 1) - comma - 1)];
+    hasTorn = hasTorn || !line.ends_with(",0");
+  }
+  EXPECT_EQ(rows.size(), 34U);
+  EXPECT_EQ(rows["0"], 3);
+  EXPECT_EQ(rows["198"], 5) << "two players have come";
+  EXPECT_TRUE(hasTorn) << "the curtain is cut";
+}
+
+TEST_F(Exported, VtkHasThePositionsToTheBit) {
+  const auto target = folder.Path() / "series";
+  std::filesystem::create_directory(target);
+  VtkWriter writer(target, "series");
+  const Walked walked = Write({.from = 1, .to = 2, .fps = 20, .bodies = {3}}, writer);
+  EXPECT_THAT(walked.error, IsEmpty());
+  EXPECT_EQ(walked.frames, 21U);
+  EXPECT_THAT(ReadText(target / "series.pvd"),
+              HasSubstr(R"(<DataSet timestep="2" group="" part="0" file="series_00020.vtp"/>)"));
+  const std::string text = ReadText(target / "series_00020.vtp");
+  const std::string head = R"(Name="Points" NumberOfComponents="3" format="appended" offset=")";
+  const auto at = text.find(head);
+  ASSERT_NE(at, std::string::npos);
+  const std::size_t offset = std::stoul(text.substr(at + head.size()));
+  const std::size_t data = text.find("<AppendedData encoding=\"raw\">\n_") + 31 + offset;
+  ASSERT_THAT(replay->Seek(120), IsEmpty());
+  std::vector<double> wanted;
+  physics::VisitVertices(ground->World().ReadBody(3), [&](std::size_t, const physics::Vector3d& x) {
+    wanted.insert(wanted.end(), x.begin(), x.end());
+  });
+  std::uint64_t bytes = 0;
+  std::memcpy(&bytes, text.data() + data, sizeof bytes);
+  ASSERT_EQ(bytes, wanted.size() * sizeof(double));
+  std::vector<double> found(wanted.size());
+  std::memcpy(found.data(), text.data() + data + sizeof bytes, bytes);
+  EXPECT_EQ(found, wanted);
+}
+
+TEST_F(Exported, WhatIsNotThereIsNamed) {
+  EXPECT_THAT(Refuse({.from = 9}), HasSubstr("--from 9: must be 0 to 3.333"));
+  EXPECT_THAT(Refuse({.from = 2, .to = 1}), HasSubstr("--to 1: must be 2 to 3.333"));
+  EXPECT_THAT(Refuse({.fps = 61}), HasSubstr("--fps 61"));
+  CsvWriter writer(folder.Path() / "table.csv", "curtain");
+  EXPECT_THAT(Write({.bodies = {3, 77}}, writer).error, HasSubstr("--bodies 77: there is no such body"));
+}
+
+TEST_F(Exported, AnOutputIsThereWholeOrNotAtAll) {
+  const auto target = folder.Path() / "out.csv";
+  {
+    Output output(target, false);
+    EXPECT_THAT(output.Begin(), IsEmpty());
+    EXPECT_THAT(Output(target, false).Begin(), HasSubstr("an export that runs or was killed"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(target));
+  EXPECT_FALSE(std::filesystem::exists(target.string() + ".partial"));
+  Output output(target, false);
+  EXPECT_THAT(output.Begin(), IsEmpty());
+  EXPECT_THAT(output.Commit(), IsEmpty());
+  EXPECT_TRUE(std::filesystem::exists(target));
+  EXPECT_THAT(Output(folder.Path(), true).Begin(), HasSubstr("must be a new or an empty folder"));
+}
+
+}  // namespace
+}  // namespace wobble::exporting
