@@ -195,65 +195,6 @@ bool WriteSummary(const std::string& path, const std::string& summary) {
   return file.good();
 }
 
-// Returns false after it has reported what failed.
-bool StartFilm(const Options& options, recording::Recording film, server::Server& server) {
-  if (!film.Fault().empty()) spdlog::warn("{}: shown up to its damage: {}", options.replayFile, film.Fault());
-  const double length = film.TimeOf(film.LastTick());
-  const std::string error = server.Show(std::make_unique<recording::Film>(options.replayFile, std::move(film)));
-  if (!error.empty()) {
-    Complain({options.replayFile + ": " + error});
-    return false;
-  }
-  fmt::print("shows {}, {:.1f} s\n", options.replayFile, length);
-  return true;
-}
-
-// Makes the folder of this option if it is not there. Returns false after it has reported what failed.
-bool OpenFolder(const char* option, const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (!error && access(folder.c_str(), W_OK) == 0) return true;
-  Complain({fmt::format("{} {}: must be a folder that can be written", option, folder)});
-  return false;
-}
-
-recording::Head MakeHead(const Options& options, const scenes::SceneSource& source) {
-  return {.version = kVersion,
-          .scene = source,
-          .tickHz = static_cast<std::uint32_t>(options.config.tickHz),
-          .seed = options.config.seed};
-}
-
-// Goes on from the newest checkpoint, if there is one, and keeps checkpoints from here on. Returns false after it has
-// reported what failed.
-bool StartKeeping(const Options& options, const scenes::SceneSource& source, server::Server& server) {
-  if (options.stateFolder.empty()) return true;
-  if (!OpenFolder("--state", options.stateFolder)) return false;
-  auto checkpoints = std::make_unique<recording::Checkpoints>(options.stateFolder, MakeHead(options, source));
-  const recording::FoundCheckpoint found = checkpoints->FindNewest();
-  for (const std::string& complaint : found.complaints) spdlog::warn("--state: {}", complaint);
-  if (found.checkpoint) {
-    const std::string error = server.Resume(*found.checkpoint, ReadClock());
-    if (!error.empty()) {
-      Complain({fmt::format("--state {}: the newest checkpoint cannot be played: {}", options.stateFolder, error)});
-      return false;
-    }
-  }
-  server.KeepState(std::move(checkpoints));
-  return true;
-}
-
-// Returns false after it has reported what failed.
-bool StartRecording(const Options& options, const scenes::SceneSource& source, server::Server& server) {
-  if (options.recordFolder.empty()) return true;
-  if (!OpenFolder("--record", options.recordFolder)) return false;
-  server.Record({.folder = options.recordFolder,
-                 .maxFileBytes = static_cast<std::uint64_t>(options.recordMib) << 20,
-                 .readUnixTime = &ReadUnixTime},
-                MakeHead(options, source));
-  return true;
-}
-
 // Opens the trace and the endpoint if they are asked for. port: of Agones' sidecar, 0 without one. Returns false after
 // it has reported what failed.
 bool StartWatching(const Options& options, Watchers& watchers, std::uint16_t& port) {
@@ -411,9 +352,9 @@ int RunServer(Options options) {
   if (!options.isUntrained) bases = server::LoadBases(loaded.scene, options.cacheFolder, options.config.threads);
   server::Server server(options.config, std::move(loaded.scene), std::move(transport), ReadClock(), std::move(bases),
                         &ReadClock);
-  if (film && !StartFilm(options, std::move(*film), server)) return kBadUsage;
-  if (!StartKeeping(options, loaded.source, server)) return kBadUsage;
-  if (!StartRecording(options, loaded.source, server)) return kBadUsage;
+  if (film && !server::StartFilm(options, std::move(*film), server)) return kBadUsage;
+  if (!server::StartKeeping(options, loaded.source, server, ReadClock())) return kBadUsage;
+  if (!server::StartRecording(options, loaded.source, server, &ReadUnixTime)) return kBadUsage;
   spdlog::info("this server's key is {}", publicKey);
   fmt::print("listening on UDP port {}{}, scene {}\n", port, options.bind.empty() ? "" : " of " + options.bind,
              options.scene);

@@ -1,11 +1,14 @@
 #include "server/replaying.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 
+#include "protocol/version.h"
 #include "server/export/csv.h"
 #include "server/export/output.h"
 #include "server/export/vtk.h"
@@ -34,6 +37,22 @@ int Fail(const std::string& what) {
   EndProgress();
   fmt::print(stderr, "wobbled: {}\n", what);
   return 2;
+}
+
+// Makes the folder of this option if it is not there. Returns false after it has reported what failed.
+bool OpenFolder(const char* option, const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!error && access(folder.c_str(), W_OK) == 0) return true;
+  Fail(fmt::format("{} {}: must be a folder that can be written", option, folder));
+  return false;
+}
+
+recording::Head MakeHead(const Options& options, const scenes::SceneSource& source) {
+  return {.version = kVersion,
+          .scene = source,
+          .tickHz = static_cast<std::uint32_t>(options.config.tickHz),
+          .seed = options.config.seed};
 }
 
 }  // namespace
@@ -89,6 +108,46 @@ int ExportRecording(const Options& options, const std::function<bool()>& isStopA
   fmt::print("{} frames of {} bodies, up to {:.2f} s, {:.1f} MB in {}\n", walked.frames, walked.bodies, walked.lastTime,
              static_cast<double>(exporting::CountBytes(output.Target())) / 1e6, output.Target().string());
   return 0;
+}
+
+bool StartFilm(const Options& options, recording::Recording film, Server& server) {
+  if (!film.Fault().empty()) spdlog::warn("{}: shown up to its damage: {}", options.replayFile, film.Fault());
+  const double length = film.TimeOf(film.LastTick());
+  const std::string error = server.Show(std::make_unique<recording::Film>(options.replayFile, std::move(film)));
+  if (!error.empty()) {
+    Fail(options.replayFile + ": " + error);
+    return false;
+  }
+  fmt::print("shows {}, {:.1f} s\n", options.replayFile, length);
+  return true;
+}
+
+bool StartKeeping(const Options& options, const scenes::SceneSource& source, Server& server, double now) {
+  if (options.stateFolder.empty()) return true;
+  if (!OpenFolder("--state", options.stateFolder)) return false;
+  auto checkpoints = std::make_unique<recording::Checkpoints>(options.stateFolder, MakeHead(options, source));
+  const recording::FoundCheckpoint found = checkpoints->FindNewest();
+  for (const std::string& complaint : found.complaints) spdlog::warn("--state: {}", complaint);
+  if (found.checkpoint) {
+    const std::string error = server.Resume(*found.checkpoint, now);
+    if (!error.empty()) {
+      Fail(fmt::format("--state {}: the newest checkpoint cannot be played: {}", options.stateFolder, error));
+      return false;
+    }
+  }
+  server.KeepState(std::move(checkpoints));
+  return true;
+}
+
+bool StartRecording(const Options& options, const scenes::SceneSource& source, Server& server,
+                    std::uint64_t (*readUnixTime)()) {
+  if (options.recordFolder.empty()) return true;
+  if (!OpenFolder("--record", options.recordFolder)) return false;
+  server.Record({.folder = options.recordFolder,
+                 .maxFileBytes = static_cast<std::uint64_t>(options.recordMib) << 20,
+                 .readUnixTime = readUnixTime},
+                MakeHead(options, source));
+  return true;
 }
 
 }  // namespace wobble::server

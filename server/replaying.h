@@ -1,9 +1,10 @@
-// What wobbled does with a recording.
+// What wobbled does with worlds in files: recordings and states.
 #pragma once
 
 #include <functional>
 
 #include "server/options.h"
+#include "server/server.h"
 
 namespace wobble::server {
 
@@ -14,5 +15,13 @@ namespace wobble::server {
 // --replay FILE --export PATH: prints what was written, and progress on a terminal. Returns the exit code: 0 good, 2
 // not to be read or written. What a stop leaves is whole, and shorter.
 [[nodiscard]] int ExportRecording(const Options& options, const std::function<bool()>& isStopAsked);
+
+// These return false after they have reported what failed. --replay: shows the recording.
+[[nodiscard]] bool StartFilm(const Options& options, recording::Recording film, Server& server);
+// --state: goes on from the newest checkpoint, if there is one, and keeps checkpoints from here on. now: s.
+[[nodiscard]] bool StartKeeping(const Options& options, const scenes::SceneSource& source, Server& server, double now);
+// --record. readUnixTime: s since 1970, called from another thread.
+[[nodiscard]] bool StartRecording(const Options& options, const scenes::SceneSource& source, Server& server,
+                                  std::uint64_t (*readUnixTime)());
 
 }  // namespace wobble::server

@@ -97,7 +97,7 @@ const std::vector<Room> kRooms{
     {"server/ops/http_listener", {}, {"boost/", "fmt/"}, {}},
     {"server/ops/", {"server/", kProtocol}, Join(kSystem, {"fmt/", "nlohmann/", "prometheus/", "spdlog/"}), kClock},
     {"server/main", {"server/", kProtocol}, Join(kSystem, {"CLI/", "fmt/", "nlohmann/", "spdlog/"}), {}},
-    {"server/replaying", {"server/", kProtocol}, Join(kSystem, {"fmt/"}), {}},
+    {"server/replaying", {"server/", kProtocol}, Join(kSystem, {"CLI/", "fmt/", "spdlog/"}), {}},
     {"server/options",
      {"server/config.h", "server/admission/", kScenes, kPhysics, kPlay, kTiming, kSnapshots, kProtocol},
      {"CLI/", "fmt/"},
