@@ -26,8 +26,8 @@ class Runner {
  public:
   // Begins a connection to the server. On failure null, with one line in `error`.
   // Begins a connection. ticket: what the bot was given in the one before (Transport::ReadTicket); empty: nothing.
-  using Connect = std::function<std::unique_ptr<transport::Transport>(std::span<const std::uint8_t> ticket,
-                                                                      std::string& error)>;
+  using Connect =
+      std::function<std::unique_ptr<transport::Transport>(std::span<const std::uint8_t> ticket, std::string& error)>;
   using Clock = std::function<double()>;  // seconds
   using Log = std::function<void(std::string_view line)>;
 

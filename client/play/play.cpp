@@ -20,9 +20,9 @@
 #include <string_view>
 #include <vector>
 
+#include "client/command/child.h"
 #include "client/command/clock.h"
 #include "client/command/exit_codes.h"
-#include "client/command/child.h"
 #include "client/play/summary.h"
 #include "protocol/transport/vestibule/key_file.h"
 

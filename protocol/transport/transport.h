@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <functional>
 #include <span>
-#include <vector>
 #include <string_view>
+#include <vector>
 
 #include "protocol/transport/net_address.h"
 

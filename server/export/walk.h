@@ -13,9 +13,9 @@
 namespace wobble::exporting {
 
 struct WalkSettings {
-  double from = 0;                      // s since the recording began
-  double to = 0;                        // s, not before `from`; 0: the recording's end
-  double fps = 30;                      // frames a second, at most the recording's tick rate
+  double from = 0;                           // s since the recording began
+  double to = 0;                             // s, not before `from`; 0: the recording's end
+  double fps = 30;                           // frames a second, at most the recording's tick rate
   std::vector<physics::BodyId> bodies = {};  // empty: all
 };
 

@@ -18,7 +18,7 @@ struct SceneSource {
 };
 
 struct LoadResult {
-  Scene scene;                      // meaningful only when there are no errors
+  Scene scene;  // meaningful only when there are no errors
   SceneSource source;
   std::vector<std::string> errors;  // one line each: "arena.toml:12: mass = -1: must be 0.001 to 1000000 kg"
 };
