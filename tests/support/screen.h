@@ -24,6 +24,9 @@ class Screen {
   void Take(std::string_view bytes) {
     for (const char byte : bytes) TakeByte(byte);
   }
+  // Another program has moved the cursor, perhaps in the middle of a picture: the rest of its row goes nobody knows
+  // where, until the program places the cursor again.
+  void LoseCursor() { m_isCursorKnown = false; }
 
   [[nodiscard]] const terminal::CellGrid& Grid() const { return m_grid; }
   [[nodiscard]] bool IsSet(const std::string& mode) const { return m_modes.count(mode) > 0; }
@@ -65,6 +68,7 @@ class Screen {
   }
 
   void Put(char32_t glyph) {
+    if (!m_isCursorKnown) return;
     if (m_column >= m_grid.columns && IsSet("?7")) {
       m_column = 0;
       m_row = std::min(m_row + 1, m_grid.rows - 1);
@@ -98,6 +102,7 @@ class Screen {
     } else if (final == 'u' && mark == '?') {
       // a query
     } else if (final == 'H' && numbers.size() == 2) {
+      m_isCursorKnown = true;
       m_row = numbers[0] - 1;
       m_column = numbers[1] - 1;
     } else if (final == 'C') {
@@ -151,6 +156,7 @@ class Screen {
   std::string m_glyph;     // incomplete UTF-8
   int m_column = 0;
   int m_row = 0;
+  bool m_isCursorKnown = true;
   terminal::Colour m_foreground{255, 255, 255};
   terminal::Colour m_background;
 };

@@ -156,7 +156,10 @@ class Session {
   }
 
   // Writes as another program on the same terminal would; the text stays unless the whole screen is redrawn.
-  void Scribble() { m_screen.Take("\033[1;1Hscribbled"); }
+  void Scribble() {
+    m_screen.Take("\033[1;1Hscribbled");
+    m_screen.LoseCursor();
+  }
 
   // Reads until the condition holds. False when it does not within kPatience.
   bool Await(const std::function<bool()>& condition) {
