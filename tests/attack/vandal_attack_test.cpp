@@ -11,6 +11,7 @@
 #include <string>
 
 #include "tests/attack/victim.h"
+#include "tests/support/places.h"
 
 namespace wobble::attack {
 namespace {
@@ -20,7 +21,8 @@ class VandalAttackTest : public testing::Test {
   // Gives an order with the shipped program; its exit code, and its output in `output`.
   int Order(const std::string& words) {
     output.clear();
-    FILE* program = popen((WOBBLE_BIN_DIR "/wobble admin --socket " + m_socket + " " + words + " 2>&1").c_str(), "r");
+    FILE* program =
+        popen((test::FindProgram("wobble admin --socket ") + m_socket + " " + words + " 2>&1").c_str(), "r");
     std::array<char, 512> line{};
     while (fgets(line.data(), line.size(), program) != nullptr) output += line.data();
     return WEXITSTATUS(pclose(program));

@@ -24,6 +24,7 @@
 #include "client/command/child.h"
 #include "protocol/transport/client_bridge.h"
 #include "protocol/transport/enet_transport.h"
+#include "tests/support/places.h"
 #include "tests/support/udp_socket.h"
 
 namespace wobble::attack {
@@ -38,7 +39,7 @@ class Victim {
   explicit Victim(const std::vector<std::string>& options = {}, const std::string& scene = "pair") {
     // Nothing of a test stays in the home of who runs it.
     setenv("XDG_STATE_HOME", testing::TempDir().c_str(), 1);
-    std::vector<std::string> words{WOBBLE_BIN_DIR "/wobbled",
+    std::vector<std::string> words{test::FindProgram("wobbled"),
                                    "--port",
                                    "0",
                                    "--scene",

@@ -22,6 +22,7 @@
 #include "server/scenes/loader.h"
 #include "server/server.h"
 #include "server/training/basis_shelf.h"
+#include "tests/support/places.h"
 
 namespace {
 
@@ -107,7 +108,7 @@ int main(int argc, char** argv) {
     std::cerr << "usage: record_session SCENE SECONDS trained|untrained FILE\n";
     return 2;
   }
-  scenes::LoadResult loaded = scenes::LoadScene(argv[1], std::string(WOBBLE_SOURCE_DIR) + "/server/scenes");
+  scenes::LoadResult loaded = scenes::LoadScene(argv[1], test::FindSource("server/scenes"));
   for (const std::string& error : loaded.errors) std::cerr << error << '\n';
   std::ofstream out(argv[4], std::ios::binary);
   if (!loaded.errors.empty() || !out) return 1;

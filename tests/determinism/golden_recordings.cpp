@@ -15,6 +15,7 @@
 
 #include "server/recording/verify.h"
 #include "tests/support/match.h"
+#include "tests/support/places.h"
 
 namespace {
 
@@ -52,7 +53,7 @@ int main(int argc, char** argv) {
   const bool writes = std::strcmp(argv[2], "--write") == 0;
   std::vector<std::string> names(argv + 4, argv + argc);
   if (names.empty()) {
-    for (const auto& each : scenes::ListScenes(WOBBLE_SOURCE_DIR "/server/scenes")) names.push_back(each.name);
+    for (const auto& each : scenes::ListScenes(test::FindSource("server/scenes"))) names.push_back(each.name);
   }
   bool isSame = true;
   for (const std::string& name : names) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/places.h"
 #include "tests/support/watching.h"
 
 namespace wobble::test {
@@ -18,7 +19,7 @@ constexpr int kHeight = 32;
 
 std::vector<std::string> FindScenes() {
   std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(WOBBLE_SOURCE_DIR "/server/scenes")) {
+  for (const auto& entry : std::filesystem::directory_iterator(FindSource("server/scenes"))) {
     if (entry.path().extension() == ".toml") names.push_back(entry.path().stem());
   }
   std::sort(names.begin(), names.end());
@@ -46,14 +47,14 @@ int CountBodyPixels(const Screen& screen) {
 
 // False for a world whose only bodies are players; such a world is captured with one.
 bool HasBodies(const std::string& scene) {
-  const std::filesystem::path file = std::filesystem::path(WOBBLE_SOURCE_DIR) / "server/scenes" / (scene + ".toml");
+  const std::filesystem::path file = FindSource("server/scenes/" + scene + ".toml");
   return ReadWhole(file).find("[[bodies]]") != std::string::npos;
 }
 
 class Captures : public testing::TestWithParam<std::string> {};
 
 TEST_P(Captures, ShowsItsBodies) {
-  const std::filesystem::path folder = WOBBLE_CAPTURES_DIR;
+  const std::filesystem::path folder = FindCaptures();
   std::filesystem::create_directories(folder);
   const std::filesystem::path file = folder / (GetParam() + ".svg");
   std::filesystem::remove(file);

@@ -12,6 +12,7 @@
 #include <fstream>
 #include <functional>
 
+#include "tests/support/places.h"
 #include "tests/support/sidecar.h"
 
 extern char** environ;  // NOLINT: POSIX names it so
@@ -28,7 +29,7 @@ constexpr std::chrono::seconds kPatience{60};
 class Process {
  public:
   explicit Process(std::vector<std::string> words) {
-    words[0] = WOBBLE_BIN_DIR "/" + words[0];
+    words[0] = FindProgram(words[0]);
     std::vector<char*> pointers;
     for (std::string& word : words) pointers.push_back(word.data());
     pointers.push_back(nullptr);
@@ -91,7 +92,7 @@ std::vector<std::string> WaitForCall(Sidecar& sidecar, const std::string& call) 
 
 Process StartServer() {
   return Process({"wobbled", "--untrained", "--admit-when-busy", "--port", "0", "--log-level", "warn", "--status", "0",
-                  "--key", WOBBLE_CACHE_DIR "/server.key"});
+                  "--key", FindBases() + "/server.key"});
 }
 
 // Waits until the server listens, and returns its address.
@@ -108,7 +109,7 @@ TEST(Fleet, AServersLifeAsAgonesHearsOfIt) {
   Process server = StartServer();
   const std::string address = AwaitAddress(server);
   EXPECT_THAT(WaitForCall(sidecar, "POST /ready {}"), ElementsAre("POST /ready {}"));
-  Process bots({"wobble", "bots", address, "--script", WOBBLE_BIN_DIR "/scripts/idle.lua", "--count", "2"});
+  Process bots({"wobble", "bots", address, "--script", FindProgram("scripts/idle.lua"), "--count", "2"});
   WaitForCall(sidecar, R"(POST /v1beta1/lists/players:addValue {"value":"player-2"})");
   bots.Signal(SIGINT);
   EXPECT_EQ(bots.Wait(), 0);
@@ -133,8 +134,8 @@ TEST(Fleet, ADeadSidecarStopsNothing) {
   setenv("AGONES_SDK_HTTP_PORT", "1", 1);  // no process listens there
   Process server = StartServer();
   const std::string address = AwaitAddress(server);
-  Process bots({"wobble", "bots", address, "--script", WOBBLE_BIN_DIR "/scripts/wander.lua", "--count", "4", "--for",
-                "5", "--threshold", "disconnects==0"});
+  Process bots({"wobble", "bots", address, "--script", FindProgram("scripts/wander.lua"), "--count", "4", "--for", "5",
+                "--threshold", "disconnects==0"});
   EXPECT_EQ(bots.Wait(), 0);
   const auto asked = Clock::now();
   server.Signal(SIGTERM);

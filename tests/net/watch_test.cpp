@@ -173,7 +173,7 @@ TEST(Watch, AKilledGuardianLeavesTheShellItsOwnSettings) {
   Session session({"/bin/bash", "-c", "exec 2>&1; exec bash --norc --noprofile -i"});
   ASSERT_TRUE(session.Await([&] { return session.IsRaw(); }));
   const tcflag_t prompting = session.LocalModes();
-  session.Type("'" + kProgram + "' watch 127.0.0.1:" + std::to_string(server.Port()) + "\n");
+  session.Type("'" + FindProgram("wobble") + "' watch 127.0.0.1:" + std::to_string(server.Port()) + "\n");
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text();
   const std::vector<pid_t> jobs = session.FindChildren();
   ASSERT_EQ(jobs.size(), 1U);
@@ -240,8 +240,8 @@ TEST(Watch, SuspendsAndComesBack) {
   const Wobbled server;
   for (const bool byKey : {true, false}) {
     Session session({"/bin/bash", "-c",
-                     "exec 2>&1; set -m; '" + kProgram + "' watch 127.0.0.1:" + std::to_string(server.Port()) +
-                         "; echo left; read line; fg; echo over"});
+                     "exec 2>&1; set -m; '" + FindProgram("wobble") + "' watch 127.0.0.1:" +
+                         std::to_string(server.Port()) + "; echo left; read line; fg; echo over"});
     ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
     const std::vector<pid_t> jobs = session.FindChildren();
     ASSERT_EQ(jobs.size(), 1U);

@@ -18,11 +18,12 @@
 #include "protocol/transport/virtual_network.h"
 #include "server/scenes/loader.h"
 #include "server/server.h"
+#include "tests/support/places.h"
 
 namespace wobble::test {
 
 inline scenes::Scene LoadShippedScene(const std::string& name) {
-  scenes::LoadResult loaded = scenes::LoadScene(name, std::filesystem::path(WOBBLE_SOURCE_DIR) / "server/scenes");
+  scenes::LoadResult loaded = scenes::LoadScene(name, FindSource("server/scenes"));
   for (const std::string& error : loaded.errors) ADD_FAILURE() << error;
   return std::move(loaded.scene);
 }

@@ -6,12 +6,13 @@
 
 #include "server/recording/recorder.h"
 #include "server/scenes/loader.h"
+#include "tests/support/places.h"
 
 namespace wobble::recording {
 
 inline Head MakeHead(const std::string& scene) {
   return {.version = "test",
-          .scene = scenes::LoadScene(scene, WOBBLE_SOURCE_DIR "/server/scenes").source,
+          .scene = scenes::LoadScene(scene, test::FindSource("server/scenes")).source,
           .tickHz = 60,
           .seed = 1,
           .beginsFresh = true};

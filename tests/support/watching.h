@@ -26,6 +26,7 @@
 #include <vector>
 
 #include "tests/support/pace.h"
+#include "tests/support/places.h"
 #include "tests/support/screen.h"
 
 namespace wobble::test {
@@ -52,10 +53,8 @@ inline std::vector<char*> MakeArguments(std::vector<std::string>& words) {
   return arguments;
 }
 
-inline const std::string kProgram = WOBBLE_BIN_DIR "/wobble";
-
 inline std::vector<std::string> Watching(int port, const std::vector<std::string>& options = {}) {
-  std::vector<std::string> words{kProgram, "watch", "127.0.0.1:" + std::to_string(port)};
+  std::vector<std::string> words{FindProgram("wobble"), "watch", "127.0.0.1:" + std::to_string(port)};
   words.insert(words.end(), options.begin(), options.end());
   return words;
 }
@@ -64,10 +63,10 @@ inline std::vector<std::string> Watching(int port, const std::vector<std::string
 class Wobbled {
  public:
   explicit Wobbled(const std::string& scene = "arena", int port = 0) {
-    std::vector<std::string> words{WOBBLE_BIN_DIR "/wobbled", "--scene", scene};
+    std::vector<std::string> words{FindProgram("wobbled"), "--scene", scene};
     words.insert(words.end(), {"--port", std::to_string(port), "--cache"});
-    words.insert(words.end(), {WOBBLE_CACHE_DIR, "--log-level", "error", "--admit-when-busy", "--key"});
-    words.emplace_back(WOBBLE_CACHE_DIR "/server.key");
+    words.insert(words.end(), {FindBases(), "--log-level", "error", "--admit-when-busy", "--key"});
+    words.push_back(FindBases() + "/server.key");
     if (kIsSanitized) words.emplace_back("--untrained");  // training would take half a minute
     const std::vector<char*> arguments = MakeArguments(words);
     int output[2];

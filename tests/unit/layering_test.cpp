@@ -22,6 +22,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/places.h"
+
 namespace wobble::test {
 namespace {
 
@@ -296,7 +298,7 @@ bool IsSource(const std::filesystem::path& path) {
 
 Sources ReadSources() {
   Sources sources;
-  const std::filesystem::path root(WOBBLE_SOURCE_DIR);
+  const std::filesystem::path root = std::filesystem::path(FindSource("server")).parent_path();
   for (const char* folder : {"server", "protocol", "client"}) {
     for (auto entry = std::filesystem::recursive_directory_iterator(root / folder);
          entry != std::filesystem::recursive_directory_iterator(); ++entry) {
@@ -313,7 +315,7 @@ Sources ReadSources() {
 
 TEST(Layering, EveryFileKeepsToTheRoomsThatItMayReach) {
   const Sources sources = ReadSources();
-  ASSERT_GT(sources.size(), 200U) << "is " << WOBBLE_SOURCE_DIR << " the source?";
+  ASSERT_GT(sources.size(), 200U) << "is " << FindSource("") << " the source?";
   for (const auto& [path, text] : sources) {
     for (const std::string& offence : FindOffences(path, sources)) ADD_FAILURE() << offence;
   }

@@ -3,6 +3,7 @@
 
 #include "client/bots/lua_costs.h"
 #include "client/bots/script.h"
+#include "tests/support/places.h"
 
 namespace wobble::bots {
 namespace {
@@ -141,8 +142,7 @@ TEST(BotScriptWorld, ShippedScriptsRun) {
   for (const char* name : {"chase", "mash", "storm", "wander", "idle"}) {
     Script script(3, [](unsigned, std::string_view text) { ADD_FAILURE() << text; });
     std::string error;
-    ASSERT_TRUE(script.LoadFile(std::string(WOBBLE_SOURCE_DIR "/client/bots/scripts/") + name + ".lua", error))
-        << error;
+    ASSERT_TRUE(script.LoadFile(test::FindSource(std::string("client/bots/scripts/") + name + ".lua"), error)) << error;
     ASSERT_EQ(script.AddBot(error), 1U);
     Script::View view;
     view.body = 7;

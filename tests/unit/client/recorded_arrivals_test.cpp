@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "client/world_time.h"
+#include "tests/support/places.h"
 
 namespace wobble::client {
 namespace {
@@ -23,7 +24,7 @@ struct Packet {
 };
 
 std::vector<Packet> ReadArrivals(const std::string& name) {
-  std::ifstream file(WOBBLE_SOURCE_DIR "/tests/unit/client/arrivals/" + name + ".txt");
+  std::ifstream file(test::FindSource("tests/unit/client/arrivals/" + name + ".txt"));
   std::vector<Packet> packets;
   for (Packet packet{}; file >> packet.at >> packet.tick;) packets.push_back({packet.at / 1000, packet.tick});
   EXPECT_GT(packets.size(), 500U) << name;

@@ -8,6 +8,7 @@
 
 #include "server/recording/replay.h"
 #include "server/recording/verify.h"
+#include "tests/support/places.h"
 #include "tests/unit/recording/matches.h"
 
 namespace wobble::recording {
@@ -161,7 +162,7 @@ TEST(Recording, FilesOfOthersAreNamed) {
   const Folder folder;
   const auto open = [&](const std::string& name) { return Opened(folder.Path() / name).error; };
   EXPECT_THAT(open("none.wobrec"), HasSubstr("no regular file"));
-  WriteFile(folder.Path() / "text.wobrec", ReadFile(WOBBLE_SOURCE_DIR "/README.md"));
+  WriteFile(folder.Path() / "text.wobrec", ReadFile(test::FindSource("README.md")));
   EXPECT_THAT(open("text.wobrec"), HasSubstr("not of wobble's format"));
   Bytes next = MakeFileHead();
   next[8] = 77;

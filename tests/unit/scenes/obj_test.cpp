@@ -12,6 +12,7 @@
 #include "server/scenes/loader.h"
 #include "server/scenes/obj_reader.h"
 #include "tests/support/pace.h"
+#include "tests/support/places.h"
 
 namespace wobble::scenes {
 namespace {
@@ -73,8 +74,7 @@ class ShippedMesh : public testing::TestWithParam<std::string> {};
 
 TEST_P(ShippedMesh, LoadsHoldsItsShapeAndBearsAFall) {
   std::string text;
-  const ObjMesh obj =
-      LoadObj(std::filesystem::path(WOBBLE_SOURCE_DIR) / "server/scenes/meshes" / (GetParam() + ".obj"), text);
+  const ObjMesh obj = LoadObj(test::FindSource("server/scenes/meshes/" + GetParam() + ".obj"), text);
   ASSERT_THAT(obj.errors, IsEmpty());
   EXPECT_GE(obj.vertices.size(), 150U);
   EXPECT_LE(obj.vertices.size(), 450U);

@@ -7,6 +7,7 @@
 
 #include "server/physics/world_state.h"
 #include "server/scenes/loader.h"
+#include "tests/support/places.h"
 
 namespace wobble {
 namespace {
@@ -16,9 +17,7 @@ using physics::WorldState;
 
 constexpr int kTickHz = 60;
 
-scenes::Scene Load(const std::string& name) {
-  return scenes::LoadScene(name, WOBBLE_SOURCE_DIR "/server/scenes").scene;
-}
+scenes::Scene Load(const std::string& name) { return scenes::LoadScene(name, test::FindSource("server/scenes")).scene; }
 
 // A world of a scene with two players; the second is shoved about by step forces and cuts what it can.
 struct Played {
@@ -80,7 +79,7 @@ TEST_P(RestoredScene, GoesOnToTheBit) {
 
 std::vector<std::string> ListNames() {
   std::vector<std::string> names;
-  for (const auto& each : scenes::ListScenes(WOBBLE_SOURCE_DIR "/server/scenes")) names.push_back(each.name);
+  for (const auto& each : scenes::ListScenes(test::FindSource("server/scenes"))) names.push_back(each.name);
   return names;
 }
 

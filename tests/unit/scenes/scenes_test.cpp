@@ -8,6 +8,7 @@
 
 #include "server/config.h"
 #include "server/scenes/loader.h"
+#include "tests/support/places.h"
 
 namespace wobble::scenes {
 namespace {
@@ -18,7 +19,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::StartsWith;
 
-const std::filesystem::path kFolder = std::filesystem::path(WOBBLE_SOURCE_DIR) / "server/scenes";
+const std::filesystem::path kFolder = test::FindSource("server/scenes");
 
 const std::vector<std::string> kShipped{
     "arena",   "backtracking", "ball_drop",   "breathing", "bubble",   "cards",    "cloth", "crowd",

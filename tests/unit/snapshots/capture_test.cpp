@@ -11,6 +11,7 @@
 #include "server/snapshots/body_captures.h"
 #include "tests/support/captures.h"
 #include "tests/support/game.h"
+#include "tests/support/places.h"
 
 namespace wobble::server {
 namespace {
@@ -279,8 +280,7 @@ protocol::ParseResult ParseWelcomeOf(const scenes::Scene& scene) {
 
 TEST(CaptureObstacles, ThoseOfEveryShippedSceneAreInTheProtocolsBounds) {
   std::size_t obstacles = 0;
-  for (const auto& entry :
-       std::filesystem::directory_iterator(std::filesystem::path(WOBBLE_SOURCE_DIR) / "server/scenes")) {
+  for (const auto& entry : std::filesystem::directory_iterator(test::FindSource("server/scenes"))) {
     if (entry.path().extension() != ".toml") continue;
     const scenes::Scene scene = test::LoadShippedScene(entry.path().stem());
     obstacles += scene.obstacles.size();
