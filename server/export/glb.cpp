@@ -110,7 +110,8 @@ std::string Glb::Write(const std::filesystem::path& file) {
   text.resize(RoundUpToFour(text.size()), ' ');
   constexpr std::size_t kFileHead = 12, kChunkHead = 8;
   const std::size_t length = kFileHead + kChunkHead + text.size() + (size > 0 ? kChunkHead + size : 0);
-  if (length > std::numeric_limits<std::uint32_t>::max()) return "would be larger than 4 GiB, the most that .glb can be";
+  if (length > std::numeric_limits<std::uint32_t>::max())
+    return "would be larger than 4 GiB, the most that .glb can be";
   std::ofstream out(file, std::ios::binary);
   out << "glTF";
   WriteNumber(out, 2);

@@ -22,15 +22,20 @@ void Decompose(const Eigen::MatrixXd& departures, Eigen::MatrixXd& shapes, Eigen
   }
 }
 
+// Errors of so many vertices, of their squares in each frame.
+double FindRms(const Eigen::VectorXd& squares, double vertices) {
+  return std::sqrt(std::max(0.0, squares.mean()) / vertices);
+}
 double FindLargest(const Eigen::VectorXd& squares, double vertices) {
   return std::sqrt(std::max(0.0, squares.maxCoeff()) / vertices);
 }
 
-// Shapes or weights are orthonormal, so each takes its own part of the error away.
+// Shapes or weights are orthonormal, so each takes its own part of the error away. A bound on the worst frame asks for
+// a third more of them.
 Eigen::Index CountNeeded(const Eigen::MatrixXd& shapes, const Eigen::MatrixXd& weights, Eigen::VectorXd left,
                          double vertices, double bound) {
   Eigen::Index count = 0;
-  while (count < weights.rows() && FindLargest(left, vertices) > bound) {
+  while (count < weights.rows() && FindRms(left, vertices) > bound) {
     left -= shapes.col(count).squaredNorm() * weights.row(count).transpose().cwiseAbs2();
     ++count;
   }
@@ -42,20 +47,22 @@ Eigen::Index CountNeeded(const Eigen::MatrixXd& shapes, const Eigen::MatrixXd& w
 Modes FindModes(const Eigen::Ref<const Eigen::MatrixXf>& departures, double bound) {
   const Eigen::MatrixXd wanted = departures.cast<double>();
   const double vertices = static_cast<double>(wanted.rows()) / 3;
-  const Eigen::VectorXd squares = wanted.colwise().squaredNorm().transpose();
   Modes modes{.shapes = Eigen::MatrixXf(wanted.rows(), 0), .weights = Eigen::MatrixXf(0, wanted.cols())};
   if (wanted.size() == 0) return modes;
-  modes.error = FindLargest(squares, vertices);
-  if (modes.error <= bound) return modes;
-  Eigen::MatrixXd shapes, weights;
-  Decompose(wanted, shapes, weights);
-  // A little below the bound, for what rounding to single precision adds.
-  const Eigen::Index count = CountNeeded(shapes, weights, squares, vertices, 0.999 * bound);
-  const Eigen::VectorXd largest = weights.topRows(count).cwiseAbs().rowwise().maxCoeff();
-  modes.shapes = (shapes.leftCols(count) * largest.asDiagonal()).cast<float>();
-  modes.weights = (largest.cwiseInverse().asDiagonal() * weights.topRows(count)).cast<float>();
-  const Eigen::MatrixXd error = wanted - modes.shapes.cast<double>() * modes.weights.cast<double>();
-  modes.error = FindLargest(error.colwise().squaredNorm().transpose(), vertices);
+  Eigen::VectorXd squares = wanted.colwise().squaredNorm().transpose();
+  if (FindRms(squares, vertices) > bound) {
+    Eigen::MatrixXd shapes, weights;
+    Decompose(wanted, shapes, weights);
+    // A little below the bound, for what rounding to single precision adds.
+    const Eigen::Index count = CountNeeded(shapes, weights, squares, vertices, 0.999 * bound);
+    const Eigen::VectorXd largest = weights.topRows(count).cwiseAbs().rowwise().maxCoeff();
+    modes.shapes = (shapes.leftCols(count) * largest.asDiagonal()).cast<float>();
+    modes.weights = (largest.cwiseInverse().asDiagonal() * weights.topRows(count)).cast<float>();
+    const Eigen::MatrixXd error = wanted - modes.shapes.cast<double>() * modes.weights.cast<double>();
+    squares = error.colwise().squaredNorm().transpose();
+  }
+  modes.error = FindRms(squares, vertices);
+  modes.worstError = FindLargest(squares, vertices);
   return modes;
 }
 

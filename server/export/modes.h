@@ -9,10 +9,12 @@ namespace wobble::exporting {
 struct Modes {
   Eigen::MatrixXf shapes;   // one a column
   Eigen::MatrixXf weights;  // one row a shape, one column a frame; the largest of a row has the amount 1
-  double error = 0;         // m, RMS over the vertices, in the frame in which it is largest; as measured
+  // m, RMS over the vertices: in all frames, and in the one in which it is largest. As measured.
+  double error = 0;
+  double worstError = 0;
 };
 
-// As few principal shapes as keep the error in every frame, RMS over the vertices, at or below `bound`, m; none if
+// As few principal shapes as keep the error, RMS over all vertices in all frames, at or below `bound`, m; none if
 // nothing departs by more. departures: one column a frame, three rows a vertex, m, finite. Costs the eigenvectors of a
 // matrix as large as there are rows or columns, whichever are fewer: 0.1 s for 500, 4 s for 2,000.
 [[nodiscard]] Modes FindModes(const Eigen::Ref<const Eigen::MatrixXf>& departures, double bound);
