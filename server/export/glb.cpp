@@ -47,10 +47,15 @@ std::size_t Glb::AddAccessor(View view, const void* values, std::size_t bytes, J
   return m_accessors.size() - 1;
 }
 
-std::size_t Glb::AddVectors(std::span<const float> values) {
+std::size_t Glb::AddPositions(std::span<const float> values) {
   Json accessor{{"componentType", kFloat}, {"count", values.size() / 3}, {"type", "VEC3"}};
   AddRange(values, accessor);
   return AddAccessor(kVertices, values.data(), values.size_bytes(), std::move(accessor));
+}
+
+std::size_t Glb::AddNormals(std::span<const float> values) {
+  return AddAccessor(kVertices, values.data(), values.size_bytes(),
+                     {{"componentType", kFloat}, {"count", values.size() / 3}, {"type", "VEC3"}});
 }
 
 std::size_t Glb::AddIndices(std::span<const std::uint16_t> values) {

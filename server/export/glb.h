@@ -19,8 +19,9 @@ class Glb {
   Json document;
 
   // These return the number of the new accessor.
-  // Three numbers a vertex.
-  [[nodiscard]] std::size_t AddVectors(std::span<const float> values);
+  // Three numbers a vertex. Of positions glTF asks for the least and the largest.
+  [[nodiscard]] std::size_t AddPositions(std::span<const float> values);
+  [[nodiscard]] std::size_t AddNormals(std::span<const float> values);
   [[nodiscard]] std::size_t AddIndices(std::span<const std::uint16_t> values);
   // s, rising. The same times again are the same accessor.
   [[nodiscard]] std::size_t AddTimes(const std::vector<float>& times);

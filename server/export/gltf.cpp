@@ -142,18 +142,18 @@ Skeleton Renumber(Skeleton skeleton, const std::vector<std::uint16_t>& vertices)
 // What all primitives of a part share: its vertices and morph targets.
 Json AddShape(const Part& part, const Skeleton& first, const Eigen::Ref<const Eigen::MatrixXf>& departures,
               const Modes& modes, Building& building) {
-  Json shape{{"attributes", {{"POSITION", building.glb.AddVectors(part.rest)}}}};
+  Json shape{{"attributes", {{"POSITION", building.glb.AddPositions(part.rest)}}}};
   Json targets = Json::array();
   for (Eigen::Index mode = 0; mode < modes.shapes.cols(); ++mode) {
     const auto column = static_cast<std::size_t>(mode * modes.shapes.rows());
-    targets.push_back({{"POSITION", building.glb.AddVectors({modes.shapes.data() + column, part.rest.size()})}});
+    targets.push_back({{"POSITION", building.glb.AddPositions({modes.shapes.data() + column, part.rest.size()})}});
   }
   if (!first.faces.empty()) {
     const std::vector<float> normals = FindNormals(part.rest, first.faces);
-    shape["attributes"]["NORMAL"] = building.glb.AddVectors(normals);
+    shape["attributes"]["NORMAL"] = building.glb.AddNormals(normals);
     const auto changes = FindNormalModes(departures, modes, part.rest, normals, first.faces);
     for (std::size_t mode = 0; mode < changes.size(); ++mode) {
-      targets[mode]["NORMAL"] = building.glb.AddVectors(changes[mode]);
+      targets[mode]["NORMAL"] = building.glb.AddNormals(changes[mode]);
     }
   }
   if (!targets.empty()) shape["targets"] = std::move(targets);
@@ -208,8 +208,13 @@ void AddSkins(const Part& part, const Json& shape, const Modes& modes, std::size
   }
 }
 
-// Returns the error, as a share of the size.
-double AddPart(const Part& part, double maxError, Building& building) {
+// As shares of the size.
+struct Errors {
+  double overall = 0;
+  double worst = 0;  // of one frame
+};
+
+Errors AddPart(const Part& part, double maxError, Building& building) {
   const double size = std::max(part.size, physics::kMinSize);
   const auto rows = static_cast<Eigen::Index>(part.rest.size());
   const Eigen::Map<const Eigen::MatrixXf> departures(part.shapes.data(), rows,
@@ -217,16 +222,19 @@ double AddPart(const Part& part, double maxError, Building& building) {
   const Modes modes = FindModes(departures, maxError * size);
   const std::size_t node = building.nodes.size();
   const std::string player = part.player.empty() ? "" : fmt::format(" ({})", part.player);
-  building.nodes.push_back(
-      {{"name", fmt::format("{} {}{}", part.blueprint, part.body, player)},
-       {"extras",
-        {{"body", part.body}, {"size", part.size}, {"morphTargets", modes.weights.rows()}, {"error", modes.error}}}});
+  building.nodes.push_back({{"name", fmt::format("{} {}{}", part.blueprint, part.body, player)},
+                            {"extras",
+                             {{"body", part.body},
+                              {"size", part.size},
+                              {"morphTargets", modes.weights.rows()},
+                              {"error", modes.error},
+                              {"worstError", modes.worstError}}}});
   building.nodes[0]["children"].push_back(node);
   Show(part.span, node, building);
   MoveNode(part, node, building);
   const Skeleton first = Renumber(part.skins.front().skeleton, part.vertices);
   AddSkins(part, AddShape(part, first, departures, modes, building), modes, node, building);
-  return modes.error / size;
+  return {modes.error / size, modes.worstError / size};
 }
 
 }  // namespace
@@ -244,19 +252,20 @@ std::string GltfWriter::Add(const Frame& frame) {
   }
   if (m_clip.Bytes() <= m_limits.shapeBytes) return {};
   return fmt::format(
-      "the shapes up to {:.2f} s fill the {} MiB that glTF export has for them; choose less with --from and --to, "
+      "the shapes up to {:.2f} s fill the {:.3g} MiB that glTF export has for them; choose less with --from and --to, "
       "--fps "
       "or --bodies",
-      frame.time, m_limits.shapeBytes >> 20);
+      frame.time, static_cast<double>(m_limits.shapeBytes) / (1 << 20));
 }
 
 std::string GltfWriter::Finish() {
   Building building;
   const double half = std::sqrt(0.5);
   building.nodes.push_back({{"name", m_scene}, {"rotation", {-half, 0, 0, half}}});
-  double error = 0;
+  Errors errors;
   for (Part& part : m_clip.Parts()) {
-    error = std::max(error, AddPart(part, m_limits.error, building));
+    const Errors found = AddPart(part, m_limits.error, building);
+    errors = {std::max(errors.overall, found.overall), std::max(errors.worst, found.worst)};
     part = {};  // frees its shapes
   }
   Json& document = building.glb.document;
@@ -266,8 +275,11 @@ std::string GltfWriter::Finish() {
                         {{"units", "m, s"},
                          {"axes", "y up; the root node turns the scene's, z up"},
                          {"errorBound", m_limits.error},
-                         {"error", error},
-                         {"errorMeans", "RMS over a body's vertices, in the worst frame, as a share of its size"}}}};
+                         {"error", errors.overall},
+                         {"worstError", errors.worst},
+                         {"errorMeans",
+                          "of the worst body, as a share of its size: RMS over its vertices in all frames, "
+                          "and in the worst frame"}}}};
   document["scene"] = 0;
   document["scenes"] = Json::array({Json{{"name", m_scene}, {"nodes", Json::array({0})}}});
   document["nodes"] = std::move(building.nodes);

@@ -16,11 +16,11 @@ let folder;
 before(async () => {
   browser = await startBrowser();
   folder = fs.mkdtempSync(path.join(os.tmpdir(), 'wobble-film-'));
-  const crowd = fs.readFileSync(path.join(kRecordings, 'crowd.wobrec'));
-  fs.writeFileSync(path.join(folder, 'crowd.wobrec'), crowd); // its index comes beside it
+  const bytes = fs.readFileSync(path.join(kRecordings, 'sumo.wobrec'));
+  fs.writeFileSync(path.join(folder, 'sumo.wobrec'), bytes); // its index comes beside it
   fs.copyFileSync(path.join(kRecordings, 'arena.wobrec'), path.join(folder, 'the match.wobrec'));
-  crowd.fill(0, 12, 64); // the head's block
-  fs.writeFileSync(path.join(folder, 'damaged.wobrec'), crowd);
+  bytes.fill(0, 12, 64); // the head's block
+  fs.writeFileSync(path.join(folder, 'damaged.wobrec'), bytes);
 });
 after(async () => {
   await browser?.close();
@@ -30,7 +30,7 @@ after(async () => {
 const press = (place, name) => place.getByRole('button', { name, exact: true }).click();
 
 async function readCard(page) {
-  const card = page.tab.getByRole('status');
+  const card = page.tab.locator('.veil .card[role=status]');
   await waitFor('the card', async () => /ended/.test((await card.textContent()) ?? ''));
   return await card.textContent();
 }
@@ -45,7 +45,7 @@ test('recordings are chosen, watched and wound in the page', async () => {
   const damaged = menu.getByRole('button', { name: 'Watch damaged.wobrec' });
   assert.ok(await damaged.isDisabled());
   await page.tab.screenshot({ path: path.join(outputFolder, 'recordings.png') });
-  await press(menu, 'Watch crowd.wobrec');
+  await press(menu, 'Watch sumo.wobrec');
   const panel = page.tab.getByLabel('Recording', { exact: true });
   const place = async () => (await panel.locator('output').textContent()) ?? '';
   await waitFor('the line of time', async () => (await place()).endsWith(' of 0:02'));

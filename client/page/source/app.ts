@@ -321,7 +321,7 @@ export class App {
     this.arena.Build(welcome.obstacles, welcome.grounds);
     this.players.NoteOwn(welcome.clientId, welcome.ownBody, this.connection.name);
     this.camera.Reset(welcome.ownBody !== 0 ? CameraMode.Follow : CameraMode.Orbit);
-    this.m_hands.Allow(welcome.hands);
+    this.m_hands.Allow(welcome.game === kFilm ? 0 : welcome.hands);
     this.m_hints.Begin(welcome.ownBody !== 0, this.m_hands.Allowed());
   }
 

@@ -30,17 +30,19 @@ TEST(Modes, AsFewAsAreNeeded) {
     const Modes modes = FindModes(departures, 0.01);
     EXPECT_EQ(modes.shapes.cols(), 2);
     EXPECT_LE(modes.error, 0.01);
-    EXPECT_NEAR(modes.error, FindWorst(departures, modes), 1e-5);
+    EXPECT_NEAR(modes.worstError, FindWorst(departures, modes), 1e-5);
     EXPECT_NEAR(modes.weights.cwiseAbs().rowwise().maxCoeff().minCoeff(), 1, 1e-6);
   }
 }
 
-TEST(Modes, TheErrorIsThatOfTheWorstFrame) {
+TEST(Modes, OneFrameMayBeFartherOff) {
   Eigen::MatrixXf departures = MakeFrames(30, 200, 0);
-  departures.col(77).array() += 0.1F;
+  departures.col(77).array() += 0.05F;
   const Modes modes = FindModes(departures, 0.01);
-  EXPECT_EQ(modes.shapes.cols(), 3);
-  EXPECT_LE(FindWorst(departures, modes), 0.01);
+  EXPECT_EQ(modes.shapes.cols(), 2);
+  EXPECT_LE(modes.error, 0.01);
+  EXPECT_GT(modes.worstError, 0.05);
+  EXPECT_NEAR(modes.worstError, FindWorst(departures, modes), 1e-5);
 }
 
 TEST(Modes, WhatIsNearRestNeedsNone) {
