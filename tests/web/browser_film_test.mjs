@@ -29,6 +29,7 @@ after(async () => {
 
 const press = (place, name) => place.getByRole('button', { name, exact: true }).click();
 
+// Of a connection that has ended.
 async function readCard(page) {
   const card = page.tab.locator('.veil .card[role=status]');
   await waitFor('the card', async () => /ended/.test((await card.textContent()) ?? ''));
@@ -78,20 +79,15 @@ test('recordings are chosen, watched and wound in the page', async () => {
   await press(menu, 'Play the world');
   await waitFor('the world', async () => (await probe(page, 'state')).scene === 'pair');
   assert.deepEqual(page.complaints, []);
-  await page.leave();
-  await gateway.stop();
-  await server.stop();
-});
 
-test('a recording that cannot be shown says why', async () => {
-  const { program: server, address } = await startServerOn(0, '--scene', 'pair', '--untrained');
-  const { program: gateway, host } = await startGateway(address, pageFolder, '--recordings', folder);
-  const gone = await openPage(browser, host, { query: 'world=gone.wobrec&quality=0' });
-  assert.match(await readCard(gone), /There is no such recording here\./);
-  await gone.leave();
-  const damaged = await openPage(browser, host, { query: 'world=damaged.wobrec&quality=0' });
-  assert.match(await readCard(damaged), /The recording has no head that can be read/);
-  await damaged.leave();
+  for (const [file, reason] of [
+    ['gone', /There is no such recording here\./],
+    ['damaged', /The recording has no head that can be read/],
+  ]) {
+    await page.tab.goto(`http://${host}/?world=${file}.wobrec`);
+    assert.match(await readCard(page), reason);
+  }
+  await page.leave();
   await gateway.stop();
   await server.stop();
 });
