@@ -129,18 +129,16 @@ std::vector<Vector3d> Decode(const Document& document, const Shown& shown, float
 
 class Gltf : public testing::Test {
  protected:
-  Document Export(const std::string& scene, std::uint32_t ticks, const WalkSettings& settings) {
-    recording::RecordMatch(scene, ticks, recording::MakeSettings(folder));
-    return ExportFile(folder.List()[0], settings);
-  }
-  Document ExportFile(const std::filesystem::path& file, const WalkSettings& settings, const GltfLimits& limits = {}) {
-    Play(file, settings, limits);
+  // scene: of a stored recording.
+  Document Export(const std::string& scene, const WalkSettings& settings) {
+    Play(scene, settings, {});
     EXPECT_THAT(walked.error, IsEmpty());
     return Document(folder.Path() / "film.glb");
   }
-  void Play(const std::filesystem::path& file, const WalkSettings& settings, const GltfLimits& limits) {
+  void Play(const std::string& scene, const WalkSettings& settings, const GltfLimits& limits) {
     std::string error;
-    EXPECT_THAT(played.Open(file), IsEmpty());
+    EXPECT_THAT(played.Open(std::string(WOBBLE_SOURCE_DIR "/tests/determinism/recordings/") + scene + ".wobrec"),
+                IsEmpty());
     ground = recording::MakeGround(played.ReadHead(), {}, error);
     replay = std::make_unique<recording::Replay>(played, *ground);
     plan = *MakePlan(played, settings, error);
@@ -189,7 +187,7 @@ class Gltf : public testing::Test {
 };
 
 TEST_F(Gltf, ACurtainThatIsCutLiesWhereItWasPlayed) {
-  const Document document = Export("curtain", 200, {.from = 0.1, .fps = 15});
+  const Document document = Export("curtain", {.from = 0.1, .fps = 15});
   EXPECT_GT(Compare(document), 2U);
   const double error = document.root["asset"]["extras"]["error"];
   EXPECT_GT(error, 0.0005);
@@ -202,15 +200,14 @@ TEST_F(Gltf, ACurtainThatIsCutLiesWhereItWasPlayed) {
 }
 
 TEST_F(Gltf, BodiesWithoutFacesAreLinesAndRigidOnesNeedNoTargets) {
-  const Document document = ExportFile(WOBBLE_SOURCE_DIR "/tests/determinism/recordings/pair.wobrec", {});
+  const Document document = Export("pair", {});
   Compare(document);
   EXPECT_EQ(document.root["meshes"][0]["primitives"][0]["mode"], 1);
   EXPECT_THAT(document.root["nodes"].dump(), HasSubstr("(Ada)")) << "players are named";
 }
 
 TEST_F(Gltf, WhatDoesNotFitIsRefusedByItsLimit) {
-  recording::RecordMatch("curtain", 60, recording::MakeSettings(folder));
-  Play(folder.List()[0], {}, {.shapeBytes = 1 << 16});
+  Play("curtain", {.to = 1}, {.shapeBytes = 1 << 16});
   EXPECT_THAT(walked.error, HasSubstr("fill the 0.0625 MiB that glTF export has for them; choose less with --from"));
   EXPECT_FALSE(std::filesystem::exists(folder.Path() / "film.glb"));
 }

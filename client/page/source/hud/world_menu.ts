@@ -16,9 +16,11 @@ export class WorldMenu {
   constructor() {
     this.element.setAttribute('aria-label', 'Worlds');
     this.m_recordings.append(MakeElement('summary', '', 'Recordings'), this.m_list);
-    setInterval(() => {
+    const list = () => {
       if (this.m_recordings.open) void FetchOffer().then(({ recordings }) => this.ListRecordings(recordings ?? []));
-    }, kListEvery);
+    };
+    this.m_recordings.addEventListener('toggle', list);
+    setInterval(list, kListEvery);
   }
 
   // Hidden when there is only one world and nothing else.
