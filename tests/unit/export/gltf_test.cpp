@@ -199,7 +199,7 @@ TEST_F(Gltf, ACurtainThatIsCutLiesWhereItWasPlayed) {
   EXPECT_EQ(document.root["nodes"].back().contains("scale"), true) << "what comes later is not there at first";
 }
 
-TEST_F(Gltf, BodiesWithoutFacesAreLinesAndRigidOnesNeedNoTargets) {
+TEST_F(Gltf, BodiesWithoutFacesAreLines) {
   const Document document = Export("pair", {});
   Compare(document);
   EXPECT_EQ(document.root["meshes"][0]["primitives"][0]["mode"], 1);
