@@ -1,6 +1,7 @@
 // A file of binary glTF 2.0: a document in JSON, and the numbers that it names.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>

@@ -5,7 +5,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
 
 #include "server/export/glb.h"
 #include "server/export/normals.h"
@@ -81,7 +85,7 @@ void Show(const Span& span, std::size_t node, Building& building) {
   AddChannel(AddSampler(building.glb.AddTimes(times), output, "STEP", building), node, "scale", building);
 }
 
-// Values of all keys, `width` numbers each: no more than the first of them if all are the same.
+// The values of all keys of a part, `width` numbers each.
 struct Track {
   std::vector<float> values;
   std::size_t width = 1;
@@ -94,8 +98,8 @@ struct Track {
   }
 };
 
-// Sets what the node has at its first key, and moves it if that changes. Returns the sampler; nullopt: none is needed.
-std::optional<std::size_t> Move(const Part& part, const Track& track, const char* type, Building& building) {
+// Returns the number of the sampler; nullopt: the values never change.
+std::optional<std::size_t> AddMotion(const Part& part, const Track& track, const char* type, Building& building) {
   if (track.IsConstant()) return {};
   std::vector<float> times;
   for (const Key& key : part.keys) times.push_back(key.time);
@@ -103,6 +107,7 @@ std::optional<std::size_t> Move(const Part& part, const Track& track, const char
   return AddSampler(building.glb.AddTimes(times), output, "LINEAR", building);
 }
 
+// Gives the node the first key's pose, and moves it.
 void MoveNode(const Part& part, std::size_t node, Building& building) {
   Track centres{.values = {}, .width = 3}, rotations{.values = {}, .width = 4};
   for (const Key& key : part.keys) {
@@ -112,8 +117,10 @@ void MoveNode(const Part& part, std::size_t node, Building& building) {
   }
   building.nodes[node]["translation"] = centres.First();
   building.nodes[node]["rotation"] = rotations.First();
-  if (const auto sampler = Move(part, centres, "VEC3", building)) AddChannel(*sampler, node, "translation", building);
-  if (const auto sampler = Move(part, rotations, "VEC4", building)) AddChannel(*sampler, node, "rotation", building);
+  if (const auto sampler = AddMotion(part, centres, "VEC3", building))
+    AddChannel(*sampler, node, "translation", building);
+  if (const auto sampler = AddMotion(part, rotations, "VEC4", building))
+    AddChannel(*sampler, node, "rotation", building);
 }
 
 template <class Corners>
@@ -190,7 +197,7 @@ Track FindWeights(const Part& part, const Modes& modes) {
 void AddSkins(const Part& part, const Json& shape, const Modes& modes, std::size_t node, Building& building) {
   const Track weights = FindWeights(part, modes);
   const bool hasModes = weights.width > 0;
-  const auto sampler = hasModes ? Move(part, weights, "SCALAR", building) : std::nullopt;
+  const auto sampler = hasModes ? AddMotion(part, weights, "SCALAR", building) : std::nullopt;
   for (const Skin& skin : part.skins) {
     std::size_t holder = node;
     if (part.skins.size() > 1) {
