@@ -392,6 +392,7 @@ int main(int argc, char** argv) {
     return kBadUsage;
   }
   if (options.listScenes) return ListScenes();
+  if (!options.listFolder.empty()) return server::ListRecordings(options);
   if (!StartLogger(options.logLevel)) {
     Complain({"--log-level " + options.logLevel + ": must be one of debug, info, warn, error, off"});
     return kBadUsage;

@@ -137,14 +137,15 @@ void DescribeOptions(CLI::App& app, Options& options) {
                "body that are not (exit code 1)")
       ->needs(replay);
   CLI::Option* target = app.add_option("--export", options.exportTarget,
-                                       "File (csv) or new folder (vtk) to write what --replay holds to, and end")
+                                       "File (csv, gltf) or new folder (vtk) to write what --replay holds to, and end")
                             ->type_name("PATH")
                             ->needs(replay);
   app.add_option(
          "--format", options.exportFormat,
          "Of --export. csv: a row a body and frame, with pose and energies. vtk: a .pvd series of PolyData with "
-         "velocity, force and energy of each vertex, for ParaView. SI units, z up")
-      ->check(CLI::IsMember({"csv", "vtk"}))
+         "velocity, force and energy of each vertex, for ParaView. gltf: an animation as one .glb, for Blender and the "
+         "web, y up. SI units; csv and vtk z up")
+      ->check(CLI::IsMember({"csv", "vtk", "gltf"}))
       ->capture_default_str()
       ->needs(target);
   app.add_option("--from", options.exportFrom, "First second of the recording to export")
@@ -164,6 +165,9 @@ void DescribeOptions(CLI::App& app, Options& options) {
                "Start at once, without trained bases: shapes take three times the bits")
       ->envname("WOBBLE_UNTRAINED");
   app.add_flag("--list-scenes", options.listScenes, "List the shipped scenes");
+  app.add_option("--list-recordings", options.listFolder,
+                 "List the recordings of a folder, the newest first: a line of JSON each")
+      ->type_name("FOLDER");
   app.footer(
       "Examples:\n"
       "  wobbled                                  the arena on port 7777\n"

@@ -38,6 +38,7 @@ struct Options {
   std::vector<std::uint32_t> exportBodies;  // empty: all
   bool isUntrained = false;
   bool listScenes = false;
+  std::string listFolder;           // whose recordings are listed; empty: none
   std::vector<std::string> errors;  // one line for each number that is malformed or out of range
 };
 

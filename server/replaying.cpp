@@ -5,19 +5,25 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "protocol/version.h"
 #include "server/export/csv.h"
+#include "server/export/gltf.h"
 #include "server/export/output.h"
 #include "server/export/vtk.h"
 #include "server/export/walk.h"
+#include "server/recording/catalogue.h"
 #include "server/recording/verify.h"
 
 namespace wobble::server {
 
 namespace {
+
+constexpr std::size_t kMostListed = 100;
 
 // Shows on a terminal how far a recording has been played, until it is asked to stop.
 recording::Progress MakeProgress(const std::function<bool()>& isStopAsked) {
@@ -46,6 +52,15 @@ bool OpenFolder(const char* option, const std::string& folder) {
   if (!error && access(folder.c_str(), W_OK) == 0) return true;
   Fail(fmt::format("{} {}: must be a folder that can be written", option, folder));
   return false;
+}
+
+std::unique_ptr<exporting::FrameWriter> MakeWriter(const std::string& format, const exporting::Output& output,
+                                                   const std::string& scene) {
+  if (format == "vtk") {
+    return std::make_unique<exporting::VtkWriter>(output.Partial(), output.Target().filename().string());
+  }
+  if (format == "gltf") return std::make_unique<exporting::GltfWriter>(output.Partial(), scene);
+  return std::make_unique<exporting::CsvWriter>(output.Partial(), scene);
 }
 
 recording::Head MakeHead(const Options& options, const scenes::SceneSource& source) {
@@ -87,17 +102,10 @@ int ExportRecording(const Options& options, const std::function<bool()>& isStopA
       .from = options.exportFrom, .to = options.exportTo, .fps = options.exportFps, .bodies = options.exportBodies};
   const auto plan = exporting::MakePlan(recording, settings, error);
   if (!plan) return Fail(error);
-  const bool isVtk = options.exportFormat == "vtk";
-  exporting::Output output(options.exportTarget, isVtk);
+  exporting::Output output(options.exportTarget, options.exportFormat == "vtk");
   error = output.Begin();
   if (!error.empty()) return Fail("--export " + options.exportTarget + ": " + error);
-  const std::string& scene = recording.ReadHead().scene.name;
-  std::unique_ptr<exporting::FrameWriter> writer;
-  if (isVtk) {
-    writer = std::make_unique<exporting::VtkWriter>(output.Partial(), output.Target().filename().string());
-  } else {
-    writer = std::make_unique<exporting::CsvWriter>(output.Partial(), scene);
-  }
+  const auto writer = MakeWriter(options.exportFormat, output, recording.ReadHead().scene.name);
   recording::Replay replay(recording, *ground);
   const exporting::Walked walked =
       exporting::Walk(recording, replay, *ground, settings, *plan, *writer, MakeProgress(isStopAsked));
@@ -107,6 +115,24 @@ int ExportRecording(const Options& options, const std::function<bool()>& isStopA
   EndProgress();
   fmt::print("{} frames of {} bodies, up to {:.2f} s, {:.1f} MB in {}\n", walked.frames, walked.bodies, walked.lastTime,
              static_cast<double>(exporting::CountBytes(output.Target())) / 1e6, output.Target().string());
+  return 0;
+}
+
+int ListRecordings(const Options& options) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(options.listFolder, error)) {
+    return Fail("--list-recordings " + options.listFolder + ": must be a folder");
+  }
+  using Json = nlohmann::ordered_json;
+  for (const recording::CatalogueEntry& each : recording::ListRecordings(options.listFolder, kMostListed)) {
+    const auto sinceEpoch = std::chrono::file_clock::to_sys(each.writtenAt).time_since_epoch();
+    Json line{{"file", each.file},
+              {"scene", each.scene},
+              {"seconds", std::round(10 * each.length) / 10},
+              {"writtenAt", std::chrono::duration_cast<std::chrono::seconds>(sinceEpoch).count()}};
+    if (!each.fault.empty()) line["fault"] = each.fault;
+    fmt::print("{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
+  }
   return 0;
 }
 

@@ -16,6 +16,9 @@ namespace wobble::server {
 // not to be read or written. What a stop leaves is whole, and shorter.
 [[nodiscard]] int ExportRecording(const Options& options, const std::function<bool()>& isStopAsked);
 
+// --list-recordings. Returns the exit code: 2 if there is no such folder.
+[[nodiscard]] int ListRecordings(const Options& options);
+
 // These return false after they have reported what failed. --replay: shows the recording.
 [[nodiscard]] bool StartFilm(const Options& options, recording::Recording film, Server& server);
 // --state: goes on from the newest checkpoint, if there is one, and keeps checkpoints from here on. now: s.

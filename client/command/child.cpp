@@ -29,6 +29,8 @@ constexpr std::size_t kMaxLine = 4096;
   dup2(nothing, STDIN_FILENO);
   dup2(output, STDOUT_FILENO);
   dup2(errors, STDERR_FILENO);
+  // Asio opens sockets that a program inherits: a connection would outlive the parent's end of it.
+  close_range(STDERR_FILENO + 1, ~0U, 0);
   execv(arguments[0], arguments);
   const char* reason = strerrordesc_np(errno);
   for (const char* text : {"cannot run ", static_cast<const char*>(arguments[0]), ": ", reason, "\n"}) {

@@ -24,7 +24,8 @@ struct Words {
 std::string FindOutput(const Words& words) {
   if (!words.output.empty()) return words.output;
   const std::string name = std::filesystem::path(words.file).stem().string();
-  return words.format == "csv" ? name + ".csv" : name;
+  if (words.format == "csv") return name + ".csv";
+  return words.format == "gltf" ? name + ".glb" : name;
 }
 
 int Run(const Words& words) {
@@ -53,10 +54,12 @@ command::Command DescribeExport(CLI::App& app) {
   subcommand
       ->add_option("--format", words->format,
                    "csv: a table, a row a body and frame, with pose and energies. vtk: a .pvd series of PolyData with "
-                   "velocity, force and energy of each vertex, for ParaView. SI units, z up")
-      ->check(CLI::IsMember({"csv", "vtk"}))
+                   "velocity, force and energy of each vertex, for ParaView. gltf: an animation as one .glb, for "
+                   "Blender and the web, turned so that y is up. SI units; csv and vtk z up")
+      ->check(CLI::IsMember({"csv", "vtk", "gltf"}))
       ->capture_default_str();
-  subcommand->add_option("--output", words->output, "File (csv) or new folder (vtk); the recording's name if not given")
+  subcommand
+      ->add_option("--output", words->output, "File (csv, gltf) or new folder (vtk); the recording's name if not given")
       ->type_name("PATH");
   const auto pass = [&](const char* name, const char* type, const char* what) {
     const auto take = [words, name = std::string(name)](const std::string& value) {
@@ -71,6 +74,7 @@ command::Command DescribeExport(CLI::App& app) {
   subcommand->footer(
       "Examples:\n"
       "  wobble export matches/arena-20261124-180000.wobrec\n"
+      "  wobble export matches/arena-20261124-180000.wobrec --format gltf --from 60 --to 70\n"
       "  wobble export matches/arena-20261124-180000.wobrec --format vtk --from 12 --to 15 --bodies 3,7");
   return {subcommand, [words](const command::IsStopAsked&) { return Run(*words); }};
 }

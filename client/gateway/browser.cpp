@@ -52,10 +52,26 @@ void Browser::NoteControl(std::size_t bytes) {
 void Browser::OnAccepted(error_code error) {
   if (IsOver()) return;
   if (error) return End(error.message());
-  m_state = m_farewell ? State::kLeaving : State::kJoining;
+  m_state = m_farewell ? State::kLeaving : m_film == nullptr ? State::kJoining : State::kPreparing;
   if (m_farewell) return Write();
   m_request = {};  // it has the credential in plain text
   if (!m_shared.players.HasRoom(m_guest.address)) return RefuseSeat();
+  if (m_state == State::kJoining) Resolve();
+}
+
+void Browser::TurnFilm() {
+  switch (m_film->ReadState()) {
+    case Film::State::kStarting:
+      return;
+    case Film::State::kShown:
+      m_state = State::kJoining;
+      return Resolve();
+    case Film::State::kOver:
+      return Close(kRefusedForGood, m_film->Reason(), Waiting::kDiscard);
+  }
+}
+
+void Browser::Resolve() {
   // Resolved anew for each browser: a server may have moved since the gateway began.
   m_resolver.async_resolve(m_world.server.host, std::to_string(m_world.server.port),
                            [self = shared_from_this()](error_code failure, const udp::resolver::results_type& results) {
@@ -79,6 +95,7 @@ void Browser::OnResolved(error_code error, const udp::resolver::results_type& re
 
 void Browser::Turn(double now) {
   if (m_link != nullptr) TurnLink(now);
+  if (m_state == State::kPreparing) TurnFilm();
   if (m_state == State::kGreeting && now >= m_helloBy) CutOff(websocket::close_code::policy_error, "no hello");
   if (m_hasFlooded) CutOff(websocket::close_code::policy_error, "too many messages");
   if (m_outbox.IsOverfull()) CutOff(websocket::close_code::policy_error, "reads too slowly");
@@ -102,7 +119,7 @@ void Browser::TurnLink(double now) {
 // Whether the server refuses the gateway itself; the host is told so, and where it may be so.
 bool Browser::IsGatewayRefused(double now) {
   const bool isRefused = m_link->ReadRefusal() == transport::vestibule::Refusal::kBadCredential;
-  if (!m_shared.options.gatewayKey || !isRefused) return false;
+  if (!m_shared.options.gatewayKey || !isRefused || m_film != nullptr) return false;
   using Cause = KeyDoubts::Cause;
   const bool isCertain = m_showsNothing && !m_link->ServerWantsCredential();
   const std::string line =
@@ -113,7 +130,7 @@ bool Browser::IsGatewayRefused(double now) {
 
 // Only now: those whom the server refuses keep no place from others.
 void Browser::TakeSeat(double now) {
-  m_shared.keyDoubts.NoteLetIn(m_world.name);
+  if (m_film == nullptr) m_shared.keyDoubts.NoteLetIn(m_world.name);
   m_seat = m_shared.players.Take(m_guest.address);
   if (m_seat == nullptr) return RefuseSeat();
   std::fprintf(stderr, "browser %llu: %s plays%s%s, %zu of %zu\n", static_cast<unsigned long long>(m_number),
@@ -237,7 +254,8 @@ void Browser::Close(websocket::close_code code, const std::string& reason, Waiti
 
 // Beast writes one message at a time. The close goes after the last.
 void Browser::Write() {
-  const bool mayWrite = m_state == State::kJoining || IsHeard() || m_state == State::kLeaving;
+  const bool mayWrite =
+      m_state == State::kJoining || m_state == State::kPreparing || IsHeard() || m_state == State::kLeaving;
   if (!mayWrite || !m_sending.empty()) return;
   if (!m_outbox.IsEmpty()) {
     m_sending = m_outbox.Take();

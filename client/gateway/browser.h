@@ -38,18 +38,22 @@ using std::chrono::seconds;
 using Request = http::request<http::empty_body>;
 
 //   kAccepting --> kJoining --> kGreeting --> kPlaying      OnAccepted, Turn once the server has answered, Judge
-//       |             |             |             |
-//       +-------------+-------------+-------------+--> kLeaving --> kClosing      Close, then Write once nothing waits
+//       |    \        ^ |             |             |
+//       |  kPreparing-+ |             |             |         OnAccepted and Turn, of a recording
+//       |       |       |             |             |
+//       +-------+-------+-------------+-------------+--> kLeaving --> kClosing    Close, then Write once nothing waits
 //
 // and from each of them to kOver by End. Close while kAccepting only sets the farewell: nothing can be written before
 // the handshake is done, and OnAccepted then goes to kLeaving.
 class Browser : public std::enable_shared_from_this<Browser> {
  public:
-  // address: by which places are counted. credential: for the server; showsNothing: of the browser itself.
-  Browser(Shared& shared, const World& world, tcp::socket socket, Request request, const std::string& address,
-          transport::vestibule::Credential credential, bool showsNothing)
+  // film: what is watched in place of the world; null: nothing. address: by which places are counted. credential: for
+  // the server; showsNothing: of the browser itself.
+  Browser(Shared& shared, const World& world, std::shared_ptr<const Film> film, tcp::socket socket, Request request,
+          const std::string& address, transport::vestibule::Credential credential, bool showsNothing)
       : m_shared(shared),
-        m_world(world),
+        m_film(std::move(film)),
+        m_world(m_film == nullptr ? world : m_film->ReadWorld()),
         m_stream(std::move(socket)),
         m_resolver(m_stream.get_executor()),
         m_request(std::move(request)),
@@ -78,6 +82,7 @@ class Browser : public std::enable_shared_from_this<Browser> {
  private:
   enum class State {
     kAccepting,  // the WebSocket handshake runs
+    kPreparing,  // the recording's server is started
     kJoining,    // the server's name is looked up, its link opened; the browser is not read yet
     kGreeting,   // its hello is awaited
     kPlaying,    // messages go both ways
@@ -88,6 +93,8 @@ class Browser : public std::enable_shared_from_this<Browser> {
 
   void NoteControl(std::size_t bytes);
   void OnAccepted(error_code error);
+  void TurnFilm();
+  void Resolve();
   void OnResolved(error_code error, const udp::resolver::results_type& results);
   void TurnLink(double now);
   [[nodiscard]] bool IsGatewayRefused(double now);
@@ -107,6 +114,7 @@ class Browser : public std::enable_shared_from_this<Browser> {
   void LeaveServer();
 
   Shared& m_shared;
+  std::shared_ptr<const Film> m_film;  // null: a world is played; it has m_world otherwise
   const World& m_world;
   websocket::stream<beast::tcp_stream> m_stream;
   udp::resolver m_resolver;

@@ -34,6 +34,10 @@ CLI::App* AddWords(CLI::App& app, GatewayOptions& options, Words& words) {
       ->add_option("--server", words.servers,
                    "The server; repeat it for several, each with the name that the page shows")
       ->type_name("[NAME=]HOST:PORT REQUIRED");
+  subcommand
+      ->add_option("--recordings", options.recordings,
+                   "Folder whose recordings (wobbled --record) visitors may watch; none if not given")
+      ->type_name("FOLDER");
   subcommand->add_option("--http", options.port, "TCP port that browsers open; 0: a free one")
       ->check(command::Within(0, 65535))
       ->capture_default_str();
@@ -74,6 +78,7 @@ CLI::App* AddWords(CLI::App& app, GatewayOptions& options, Words& words) {
       "Examples:\n"
       "  wobble gateway --server 127.0.0.1:7777\n"
       "  wobble gateway --server arena=127.0.0.1:7777 --server sumo=127.0.0.1:7778\n"
+      "  wobble gateway --server 127.0.0.1:7777 --recordings matches\n"
       "  wobble gateway --server 127.0.0.1:7777 --http 80 --max-per-address 4\n"
       "  wobble gateway --server 127.0.0.1:7777 --bind 127.0.0.1 --trusted-proxy 127.0.0.1\n"
       "  wobble gateway --server 127.0.0.1:7777 --origin https://friends.example.org");
@@ -112,6 +117,11 @@ bool ReadWorlds(const std::vector<std::string>& words, std::vector<World>& world
 // False with one line in `error`.
 bool Understand(const Words& words, GatewayOptions& options, std::string& error) {
   if (!ReadWorlds(words.servers, options.worlds, error)) return false;
+  std::error_code ignored;
+  if (!options.recordings.empty() && !std::filesystem::is_directory(options.recordings, ignored)) {
+    error = "--recordings: '" + options.recordings + "' is no folder";
+    return false;
+  }
   if (SpellAddress(options.bindAddress).empty()) {
     error = "--bind: '" + options.bindAddress + "' is no IP address";
     return false;

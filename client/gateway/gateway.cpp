@@ -1,9 +1,10 @@
 // The listening port, the timer and the end; sessions.cpp has the connections.
 //
-// WebSockets and not WebRTC or WebTransport: a prototype of data channels on Debian's usrsctp showed bodies no earlier over
-// a line with loss than four WebSockets do, because SCTP's congestion control queues what it cannot send, and it needs a
-// UDP port that is open to the internet. WebTransport needs TLS in this process and has no library in Debian. Look
-// again when Debian has one for HTTP/3 datagrams that browsers accept, or when an SCTP can be told to drop instead.
+// WebSockets and not WebRTC or WebTransport: a prototype of data channels on Debian's usrsctp showed bodies no earlier
+// over a line with loss than four WebSockets do, because SCTP's congestion control queues what it cannot send, and it
+// needs a UDP port that is open to the internet. WebTransport needs TLS in this process and has no library in Debian.
+// Look again when Debian has one for HTTP/3 datagrams that browsers accept, or when an SCTP can be told to drop
+// instead.
 //
 // One thread: 64 players at 16 Mbit/s cost a tenth of a core. ENet does not work with Asio, so a timer polls all links
 // and checks for signals.
@@ -57,13 +58,19 @@ std::string DescribeWorlds(const std::vector<World>& worlds) {
   return names;
 }
 
-// The answer to /worlds. Names need no escaping.
+// As a JSON array. Names need no escaping.
 std::string ListWorlds(const std::vector<World>& worlds) {
   std::string names;
   for (const World& world : worlds) {
     if (!world.name.empty()) names += (names.empty() ? "\"" : ", \"") + world.name + "\"";
   }
-  return "{\"worlds\": [" + names + "]}\n";
+  return "[" + names + "]";
+}
+
+std::unique_ptr<Films> OpenFilms(const GatewayOptions& options) {
+  if (options.recordings.empty()) return nullptr;
+  const std::string program = (command::FindProgramFolder() / "wobbled").string();
+  return std::make_unique<Films>(options.recordings, program, options.maxConnections);
 }
 
 class Gateway {
@@ -72,6 +79,7 @@ class Gateway {
       : m_shared{options,
                  page,
                  ListWorlds(options.worlds),
+                 OpenFilms(options),
                  Lobby(std::min(kMostVisitors, kVisitorsPerPlayer * options.maxConnections),
                        std::min(kMostVisitorsOfAddress, kVisitorsPerPlayer * options.maxPerAddress)),
                  Lobby(kMostGreeting, kMostGreetingOfAddress),
@@ -178,6 +186,7 @@ void Gateway::Turn() {
   if (m_isStopAsked() && !m_stopBy) Stop(now);
   if (!m_isAccepting && !m_stopBy) Accept();
   TurnBrowsers(m_shared, now);
+  if (m_shared.films != nullptr) m_shared.films->Turn(now);
   Outbox nobody;
   for (const std::unique_ptr<ServerLink>& link : m_shared.leaving) link->Poll(now, nobody);
   std::erase_if(m_shared.leaving, [](const std::unique_ptr<ServerLink>& link) { return link->HasEnded(); });

@@ -36,6 +36,8 @@ constexpr const char* kContentSecurityPolicy =
     "font-src 'self'; connect-src 'self' ws: wss:; manifest-src 'self'; worker-src 'self'; base-uri 'none'; "
     "form-action 'none'; frame-ancestors 'none'";
 
+constexpr std::string_view kPlay = "/play/";
+
 std::string_view AsView(beast::string_view text) { return {text.data(), text.size()}; }
 
 std::uint64_t ReadUnixTime() {
@@ -74,7 +76,8 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
   void Read(seconds timeout);
   void OnRead(error_code error);
   void Answer();
-  void AnswerPlay(const World& world);
+  // recording: the name of one that is to be watched, in place of the world.
+  void AnswerPlay(const World& world, const std::optional<std::string>& recording = {});
   void AnswerMore(const LaneKey& key);
   void SendWorlds();
   void SendFile(const PageFile& file);
@@ -89,6 +92,7 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
   beast::flat_buffer m_buffer;
   std::optional<http::request_parser<http::empty_body>> m_parser;
   http::response<http::span_body<const char>> m_response;
+  std::string m_list;     // of worlds, while it is sent
   bool m_isLast = false;  // the connection ends after this answer
 };
 
@@ -130,13 +134,17 @@ void Visitor::Answer() {
   for (const World& world : m_shared.options.worlds) {
     if (!world.name.empty() && path == "/play/" + world.name) return AnswerPlay(world);
   }
+  if (m_shared.films != nullptr && path.starts_with(kPlay)) {
+    const auto recording = FindRecordingName(path.substr(kPlay.size()));
+    if (recording) return AnswerPlay(m_shared.options.worlds[0], recording);
+  }
   if (path == "/healthz") return SendText(http::status::ok, "ok\n");
   const PageFile* file = FindFile(m_shared.page, target);
   if (file == nullptr) return SendText(http::status::not_found, "there is no such file\n");
   SendFile(*file);
 }
 
-void Visitor::AnswerPlay(const World& world) {
+void Visitor::AnswerPlay(const World& world, const std::optional<std::string>& recording) {
   const Request& request = m_parser->get();
   if (!websocket::is_upgrade(request)) {
     m_response.set(http::field::upgrade, "websocket");
@@ -165,9 +173,15 @@ void Visitor::AnswerPlay(const World& world) {
   m_shared.visitors.Leave(m_guest);
   m_stream.expires_never();
   const bool showsNothing = credential->kind == transport::vestibule::Credential::Kind::kNone;
-  if (const auto& key = m_shared.options.gatewayKey) credential = Introduce(*credential, from, *key, ReadUnixTime());
-  const auto browser = std::make_shared<Browser>(m_shared, world, m_stream.release_socket(), m_parser->release(),
-                                                 address, std::move(*credential), showsNothing);
+  std::shared_ptr<const Film> film;
+  if (recording) {
+    film = m_shared.films->Watch(*recording, now);
+    credential.emplace();  // its server asks for none
+  } else if (const auto& key = m_shared.options.gatewayKey) {
+    credential = Introduce(*credential, from, *key, ReadUnixTime());
+  }
+  const auto browser = std::make_shared<Browser>(m_shared, world, std::move(film), m_stream.release_socket(),
+                                                 m_parser->release(), address, std::move(*credential), showsNothing);
   m_shared.browsers.push_back(browser);
   browser->Start();
 }
@@ -196,7 +210,10 @@ void Visitor::SendFile(const PageFile& file) {
 void Visitor::SendWorlds() {
   m_response.set(http::field::content_type, "application/json");
   m_response.set(http::field::cache_control, "no-store");
-  Send(m_shared.worlds);
+  m_list = "{\"worlds\": " + m_shared.worlds;
+  if (m_shared.films != nullptr) m_list += ", \"recordings\": " + m_shared.films->List(command::ReadClock());
+  m_list += "}\n";
+  Send(m_list);
 }
 
 // text: must live until it is sent, since it is not copied.

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "client/gateway/films.h"
 #include "client/gateway/gateway.h"
 #include "client/gateway/key_doubts.h"
 #include "client/gateway/lobby.h"
@@ -45,9 +46,10 @@ inline constexpr double kPlaysPerSecond = 8, kPlaysAtOnce = 32;
 struct Shared {
   const GatewayOptions& options;
   const Page& page;
-  const std::string worlds;  // their names, as JSON
-  Lobby visitors;            // connections that ask for files
-  Lobby greeting;            // WebSockets that have not said hello
+  const std::string worlds;      // their names, as JSON
+  std::unique_ptr<Films> films;  // null: no recordings may be watched
+  Lobby visitors;                // connections that ask for files
+  Lobby greeting;                // WebSockets that have not said hello
   Places players;
   AddressRates opens = {kOpensPerSecond, kOpensAtOnce};
   AddressRates plays = {kPlaysPerSecond, kPlaysAtOnce};

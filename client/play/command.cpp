@@ -37,11 +37,19 @@ command::Command DescribePlay(CLI::App& app) {
   subcommand
       ->add_option("--scene", options->scenes, "A shipped scene's name or a scene file; repeat it for several worlds")
       ->capture_default_str();
+  subcommand
+      ->add_option("--record", options->recordings,
+                   "Record all worlds in this folder, and let visitors of the page watch what is in it; 'recordings' "
+                   "if none is named")
+      ->type_name("[FOLDER]")
+      ->expected(0, 1)
+      ->default_str("recordings");
   subcommand->footer(
       "Exit code: 0 nothing failed, 1 something did, 2 server or gateway cannot start with these options.\n"
       "Examples:\n"
       "  wobble play\n"
       "  wobble play --scene sumo\n"
+      "  wobble play --record\n"
       "  wobble play --for 20 --bots 12 --port 7801 --http 8081");
   return {subcommand, [subcommand, options, http](const command::IsStopAsked& isStopAsked) {
             options->programFolder = command::FindProgramFolder();

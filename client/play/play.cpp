@@ -175,6 +175,7 @@ bool Play::StartServers() {
                                      "--summary",
                                      SummaryOf(part).string()};
     if (world > 0) command.insert(command.end(), {"--pause-after", "0.02"});
+    if (!m_options.recordings.empty()) command.insert(command.end(), {"--record", m_options.recordings});
     if (!Start(part, command)) return false;
   }
   for (std::size_t world = 0; world < m_options.scenes.size(); ++world) {
@@ -212,6 +213,7 @@ bool Play::StartGateway() {
   for (std::size_t world = 0; world < m_options.scenes.size(); ++world) {
     command.insert(command.end(), {"--server", FindName(m_options.scenes[world]) + "=" + AddressOf(world)});
   }
+  if (!m_options.recordings.empty()) command.insert(command.end(), {"--recordings", m_options.recordings});
   if (!Start(*m_gateway, command) || !Await(*m_gateway)) return false;
   std::printf("%s\n", m_gateway->readyLine.c_str());
   ShowOwnersLink();

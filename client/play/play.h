@@ -17,6 +17,7 @@ struct PlayOptions {
   std::uint16_t port = 7777;                 // UDP, of the first server; the others have those behind it. 0: free ones
   std::optional<std::uint16_t> http = 8080;  // TCP port of the gateway, 0: a free one; nullopt: no gateway
   std::filesystem::path page;                // folder of its page; no gateway where there is none
+  std::string recordings;                    // folder to record all worlds in and to show on the page; empty: none
   unsigned bots = 6;
   double duration = 0;  // seconds from when all is ready; 0: until stopped
 };

@@ -1,5 +1,5 @@
-// The position and direction from which the picture is taken: behind and above the player's body, or on a circle round
-// all bodies.
+// The position and direction from which the picture is taken: behind and above the player's body or a followed one, or
+// on a circle round all bodies.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 namespace wobble::terminal {
 
 enum class CameraMode {
-  kFollow,  // follows the player's body
+  kFollow,  // follows the player's body or another one
   kCircle,  // circles slowly round the middle of the scene
   kStand,   // looks at the middle from one side, at rest
 };
@@ -24,7 +24,8 @@ class Camera {
  public:
   explicit Camera(CameraMode mode) : m_mode(mode) {}
 
-  // Skips kFollow when the player has no body.
+  void Choose(CameraMode mode) { m_mode = mode; }
+  // Skips kFollow when there is no body to follow.
   void ChooseNextMode(bool hasBody);
   [[nodiscard]] CameraMode Mode() const { return m_mode; }
 
@@ -34,7 +35,7 @@ class Camera {
   // Multiplies the distance, within limits.
   void Zoom(float factor);
 
-  // Moves the camera. seconds: since the last Update. own: centroid of the player's body; bodies: centroids of all
+  // Moves the camera. seconds: since the last Update. own: centroid of the body to follow; bodies: centroids of all
   // bodies, metres.
   void Update(double seconds, std::optional<Vector3> own, std::span<const Vector3> bodies);
 

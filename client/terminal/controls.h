@@ -12,7 +12,7 @@ namespace wobble::terminal {
 
 class Controls {
  public:
-  // Applies a key event at the time `now` (seconds). hasBody: the player has a body for the camera to follow.
+  // Applies a key event at the time `now` (seconds). hasBody: there is a body for the camera to follow.
   void Take(const KeyEvent& event, double now, bool hasBody, Camera& camera);
   void ReleaseAll() { m_held.ReleaseAll(); }
 

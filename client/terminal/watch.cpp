@@ -25,6 +25,7 @@
 #include "client/terminal/camera.h"
 #include "client/terminal/controls.h"
 #include "client/terminal/film.h"
+#include "client/terminal/follow.h"
 #include "client/terminal/guardian.h"
 #include "client/terminal/hands.h"
 #include "client/terminal/keys.h"
@@ -79,6 +80,7 @@ class Watch {
   int Conclude();
 
   void ReadKeys(double now);
+  void FollowNext();
   void NoteEvent(const client::Client::Event& event);
   void Show(const std::string& notice);
   [[nodiscard]] std::string NameOf(std::uint32_t clientId) const;
@@ -86,6 +88,7 @@ class Watch {
   void DrawFrame(double now);
   void DrawWorld(double now);
   void WriteFigures(double now);
+  [[nodiscard]] std::vector<std::string> DescribeOtherKeys(bool isFilm);
   void DrawBodies(int width, int height);
   void FillCells(int width, int height);
   void Send(double begin);
@@ -109,6 +112,7 @@ class Watch {
   bool m_hasOldNames = false;                      // of the connection before, whose world is still shown
   Hands m_hands;
   FilmKeys m_film;
+  Followed m_followed;
   std::string m_notice;
   double m_noticeUntil = 0;
 
@@ -252,12 +256,19 @@ void Watch::ReadKeys(double now) {
   if (!m_terminal.Read(bytes)) m_gone = true;
   m_decoder.Feed(bytes, now, m_events);
   const bool hasBody = IsPlaying() && Client().Welcome().ownBody != 0;
-  for (const KeyEvent& event : m_events) m_controls.Take(event, now, hasBody, m_camera);
+  const bool hasWatched = hasBody || m_followed.Body() != 0;
+  for (const KeyEvent& event : m_events) m_controls.Take(event, now, hasWatched, m_camera);
   if (m_controls.TakePause()) m_guard.Pause();
   for (const char32_t key : m_controls.TakeOthers()) {
     if (hasBody) m_hands.Take(key, m_camera, m_samples, Client());
     if (IsPlaying() && FilmKeys::IsFilm(Client())) m_film.Take(key, Client());
+    if (IsPlaying() && !hasBody && key == kFollowKey) FollowNext();
   }
+}
+
+void Watch::FollowNext() {
+  Show(m_followed.ChooseNext(m_players));
+  m_camera.Choose(m_followed.Body() != 0 ? CameraMode::kFollow : CameraMode::kCircle);
 }
 
 void Watch::NoteEvent(const client::Client::Event& event) {
@@ -314,13 +325,14 @@ void Watch::DrawFrame(double now) {
 void Watch::DrawWorld(double now) {
   Client().Sample(now, client::Detail::kVertices, m_samples);
   const int width = m_grid.columns, height = 2 * (m_grid.rows - 1);
-  std::optional<Vector3> own;
+  const std::uint32_t own = Client().Welcome().ownBody;
+  std::optional<Vector3> watched;
   m_centroids.clear();
   for (const client::BodySample& sample : m_samples) {
     m_centroids.push_back(sample.pose.centroid);
-    if (sample.body == Client().Welcome().ownBody) own = sample.pose.centroid;
+    if (sample.body == (own != 0 ? own : m_followed.Body())) watched = sample.pose.centroid;
   }
-  m_camera.Update(now - m_lastDrawn, own, m_centroids);
+  m_camera.Update(now - m_lastDrawn, watched, m_centroids);
   m_lastDrawn = now;
   m_hands.Update(m_camera, m_samples, Client());
   DrawBodies(width, height);
@@ -349,8 +361,14 @@ void Watch::WriteFigures(double now) {
   if (now >= m_newsAt + kSilence) words = FormatSilence(now - m_newsAt);
   if (!IsPlaying()) words = FormatRejoining(MakePlain(m_player->Reason()));
   WriteStatus(m_grid, words, "?: keys");
-  if (m_controls.ShowsKeys())
-    WriteBox(m_grid, DescribeKeys(m_figures, isFilm ? DescribeFilmKeys() : DescribeHandKeys(Client())));
+  if (m_controls.ShowsKeys()) WriteBox(m_grid, DescribeKeys(m_figures, DescribeOtherKeys(isFilm)));
+}
+
+// Those that only some have.
+std::vector<std::string> Watch::DescribeOtherKeys(bool isFilm) {
+  std::vector<std::string> lines = isFilm ? DescribeFilmKeys() : DescribeHandKeys(Client());
+  if (Client().Welcome().ownBody == 0) lines.emplace_back("B                follow the next player");
+  return lines;
 }
 
 void Watch::DrawBodies(int width, int height) {

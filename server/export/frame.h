@@ -37,6 +37,8 @@ struct Skeleton {
   std::vector<physics::Face> faces;
   std::vector<physics::EdgeEnds> lines;
   std::vector<std::uint16_t> points;
+
+  bool operator==(const Skeleton&) const = default;
 };
 [[nodiscard]] Skeleton FindSkeleton(const physics::Blueprint& blueprint, const physics::Body& body);
 

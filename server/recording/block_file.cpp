@@ -159,4 +159,15 @@ std::optional<Block> BlockReader::Next() {
   return block;
 }
 
+std::optional<BlockKind> BlockReader::Skip() {
+  const auto bytes = ReadAt(m_offset, sizeof(BlockHead));
+  if (!bytes) return {};
+  BlockHead head;
+  std::memcpy(&head, bytes->data(), sizeof head);
+  const std::uint64_t after = m_offset + sizeof head + head.packedSize;
+  if (!IsKind(head.kind) || after > m_size) return {};
+  m_offset = after;
+  return static_cast<BlockKind>(head.kind);
+}
+
 }  // namespace wobble::recording

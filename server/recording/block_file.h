@@ -60,6 +60,9 @@ class BlockReader {
   [[nodiscard]] std::string Open(const std::filesystem::path& path);
   // The next block; nullopt at the end, and where the file is damaged (Fault).
   [[nodiscard]] std::optional<Block> Next();
+  // The kind of the next block, which is passed over unchecked but for its head; nullopt at the end, and where the file
+  // ends within it.
+  [[nodiscard]] std::optional<BlockKind> Skip();
   // Goes on at a block's offset.
   void Seek(std::uint64_t offset) { m_offset = offset; }
   [[nodiscard]] std::uint64_t Offset() const { return m_offset; }

@@ -1,18 +1,14 @@
-// The pose of a soft body is its centroid and the rotation that brings the rest shape nearest to the present shape: the
-// rotational part of A = Σ (x − c) restᵀ. The search turns a quaternion until Σ r_col × a_col vanishes (Müller, Bender,
-// Chentanez & Macklin 2016) and starts from the last capture, so a moving body takes two or three rounds.
-//
-// A singular value decomposition was rejected: it jumps when a flattened body makes A degenerate, and interpolation
-// would show the jump as a flip.
+// The pose of a soft body is its centroid and the rotation that brings the rest shape nearest to the present shape. The
+// search for it starts from the last capture.
 #include "server/snapshots/capture.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "protocol/codec/basis_reader.h"
 #include "protocol/snapshot.h"
 #include "server/physics/inspect.h"
+#include "server/physics/model/rotation.h"
 
 namespace wobble::server {
 namespace {
@@ -36,20 +32,6 @@ Vector3 FindCentroid(std::span<const Vector3> vertices) {
   physics::Vector3d sum = physics::Vector3d::Zero();
   for (const Vector3& v : vertices) sum += FromWire(v);
   return ToWire(physics::Vector3d(sum / static_cast<double>(vertices.size())));
-}
-
-Eigen::Quaterniond FindRotation(const Eigen::Matrix3d& a, Eigen::Quaterniond q) {
-  for (int round = 0; round < 20; ++round) {
-    const Eigen::Matrix3d r = q.toRotationMatrix();
-    const physics::Vector3d turn = r.col(0).cross(a.col(0)) + r.col(1).cross(a.col(1)) + r.col(2).cross(a.col(2));
-    const double along = r.col(0).dot(a.col(0)) + r.col(1).dot(a.col(1)) + r.col(2).dot(a.col(2));
-    const physics::Vector3d omega = turn / (std::fabs(along) + 1e-9);
-    const double angle = omega.norm();
-    if (angle < 1e-6) break;
-    q = Eigen::Quaterniond(Eigen::AngleAxisd(angle, omega / angle)) * q;
-    q.normalize();
-  }
-  return q;
 }
 
 // Samples the surface rather than the heights that it was made from, so that a client need not know the interpolation
@@ -245,7 +227,7 @@ void CaptureBody(const physics::World& world, const physics::Body& body, Capture
     a += FromWire(captured.vertices[i] - captured.pose.centroid) * blueprint.rest[i].transpose();
   }
   const protocol::Quaternion& last = captured.pose.rotation;
-  const Eigen::Quaterniond q = FindRotation(a, Eigen::Quaterniond(last.w, last.x, last.y, last.z));
+  const Eigen::Quaterniond q = physics::FindRotation(a, Eigen::Quaterniond(last.w, last.x, last.y, last.z));
   captured.pose.rotation = {static_cast<float>(q.w()), static_cast<float>(q.x()), static_cast<float>(q.y()),
                             static_cast<float>(q.z())};
 }

@@ -221,13 +221,15 @@ case_play_ends_by_itself() {
 
 case_play_ends_on_interrupt() {
   make_page
-  start play wobble play --scene arena --port 0 --page "$folder/page"
+  start play wobble play --scene arena --port 0 --page "$folder/page" --record "$folder/recordings"
   wait_for_line play 'bots 6/6'
   expect_line "$folder/play.out" '^scene arena on UDP port [1-9][0-9]*; .* watch 127.0.0.1:[1-9]'
   expect_line "$folder/play.out" '^open http://localhost:[1-9][0-9]* in a browser to play arena$'
   [ "$(list_processes | wc -l)" -eq 4 ] || fail "play, server, gateway and bots to run" <(list_processes)
   kill -INT "$pid"
   expect_end play "$pid" 0 5
+  expect_exit 0 wobbled --list-recordings "$folder/recordings"
+  expect_line "$out" '^{"file":"arena-[0-9-]*.wobrec","scene":"arena","seconds":[0-9.]*,"writtenAt":[0-9]*}$'
   expect_line "$folder/play.out" '^server: .* 6 joins, 0 disconnects, 0 non-finite'
   expect_line "$folder/play.out" '^all went well$'
   expect_no_processes
@@ -246,7 +248,7 @@ case_play_without_page() {
 case_play_notices_a_gateway_that_ends() {
   local line gateway=""
   make_page
-  start play wobble play --scene arena --port 0 --page "$folder/page"
+  start play wobble play --scene arena --port 0 --page "$folder/page" --record "$folder/recordings"
   wait_for_line play 'bots 6/6'
   for line in /proc/[0-9]*; do
     case "$({ tr '\0' ' ' <"$line/cmdline"; } 2>/dev/null)" in

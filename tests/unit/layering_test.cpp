@@ -80,7 +80,7 @@ const std::vector<Room> kRooms{
     // What recordings hold, for other programs.
     {"server/export/",
      {kRecording, kPhysics, kScenes, kPlay, kTiming},
-     {"fmt/"},
+     {"Eigen/", "fmt/", "nlohmann/"},
      {"chrono", "ctime", "iostream", "thread"}},
     {kRecording,
      {kPhysics, kScenes, kPlay, kTiming},
@@ -99,7 +99,7 @@ const std::vector<Room> kRooms{
     {"server/ops/http_listener", {}, {"boost/", "fmt/"}, {}},
     {"server/ops/", {"server/", kProtocol}, Join(kSystem, {"fmt/", "nlohmann/", "prometheus/", "spdlog/"}), kClock},
     {"server/main", {"server/", kProtocol}, Join(kSystem, {"CLI/", "fmt/", "nlohmann/", "spdlog/"}), {}},
-    {"server/replaying", {"server/", kProtocol}, Join(kSystem, {"CLI/", "fmt/", "spdlog/"}), {}},
+    {"server/replaying", {"server/", kProtocol}, Join(kSystem, {"CLI/", "fmt/", "nlohmann/", "spdlog/"}), {}},
     {"server/options",
      {"server/config.h", "server/admission/", kScenes, kPhysics, kPlay, kTiming, kSnapshots, kProtocol},
      {"CLI/", "fmt/"},

@@ -41,7 +41,7 @@ import { TakeFragment } from './wire/access';
 import { ReadNow, type Client } from './wire/client';
 import { Connection } from './wire/connection';
 import { EventKind, State, type Vector, type Welcome, type WorldEvent } from './wire/views';
-import { KeepWorld, ReadWorld } from './worlds';
+import { KeepWorld, ReadWorld, type Offer } from './worlds';
 
 const kFramesToJoin = 3;
 const kQuietFor = 2; // s after joining in which joins of others are not announced
@@ -83,8 +83,8 @@ export class App {
   private readonly m_middle: Vector = { x: 0, y: 0, z: 1 };
   private m_spread = 8;
 
-  // worlds: names of the worlds behind this gateway.
-  constructor(module: WobbleModule, worlds: readonly string[]) {
+  // offer: what there is behind this gateway.
+  constructor(module: WobbleModule, offer: Offer) {
     const query = new URLSearchParams(location.search);
     const canvas = document.querySelector<HTMLCanvasElement>('#world')!;
     const asked = query.get('quality');
@@ -99,9 +99,9 @@ export class App {
 
     this.connection = new Connection(module, CutName(ReadName()), query.has('spectate'));
     this.connection.onClient = () => this.Forget();
-    this.connection.world = ReadWorld(worlds);
+    this.connection.world = ReadWorld(offer);
     this.TakeInvitation();
-    this.m_worlds.List(worlds);
+    this.m_worlds.List(offer);
     this.m_worlds.Show(this.connection.world);
     this.m_people = new People(this.connection.name, this.m_worlds.element);
     this.m_card = new ConnectionCard(
@@ -151,6 +151,7 @@ export class App {
 
   private Wire(): void {
     this.m_people.onRename = (name) => this.Rename(name);
+    this.m_people.onFollow = (clientId) => this.Follow(clientId);
     this.m_worlds.onChoose = (world) => this.Enter(world);
     this.m_keys.onCommand = (command) => this.Take(command);
     const noteUse = (what: string) => this.m_hints.NoteUse(what);
@@ -196,7 +197,7 @@ export class App {
     }
     switch (command) {
       case 'camera':
-        this.camera.ChooseNextMode(this.players.ownBody !== 0);
+        this.camera.ChooseNextMode(this.players.ownBody !== 0 || this.players.followed !== 0);
         this.m_toasts.Add(`camera: ${this.camera.mode}`);
         break;
       case 'view':
@@ -237,6 +238,11 @@ export class App {
     this.m_worlds.Show(world);
     this.connection.world = world;
     this.connection.JoinAgain();
+  }
+
+  private Follow(clientId: number): void {
+    this.players.Follow(clientId);
+    this.camera.mode = this.players.followed !== 0 ? CameraMode.Follow : CameraMode.Orbit;
   }
 
   private Rename(name: string): void {
@@ -315,7 +321,7 @@ export class App {
     this.arena.Build(welcome.obstacles, welcome.grounds);
     this.players.NoteOwn(welcome.clientId, welcome.ownBody, this.connection.name);
     this.camera.Reset(welcome.ownBody !== 0 ? CameraMode.Follow : CameraMode.Orbit);
-    this.m_hands.Allow(welcome.hands);
+    this.m_hands.Allow(welcome.game === kFilm ? 0 : welcome.hands);
     this.m_hints.Begin(welcome.ownBody !== 0, this.m_hands.Allowed());
   }
 
@@ -357,8 +363,8 @@ export class App {
 
   private MoveCamera(client: Client, seconds: number): void {
     this.FindMiddle(client, seconds);
-    const own = client.FindBody(this.players.ownBody);
-    this.camera.Update(seconds, own, this.m_middle, this.m_spread);
+    const watched = client.FindBody(this.players.FindWatchedBody());
+    this.camera.Update(seconds, watched, this.m_middle, this.m_spread);
     this.camera.Apply(this.stage.camera);
     const focus = this.camera.focus;
     this.stage.FocusLight(focus.x, focus.y, focus.z, this.camera.distance);

@@ -1,5 +1,5 @@
-// Forces on one body: asks the server for those of the body last clicked, or of the player's own body, while they are
-// displayed, and shows them.
+// Forces on one body: asks the server for those of the body last clicked, or of the player's own body or the followed
+// one, while they are displayed, and shows them.
 import type { ViewPanel } from './hud/view_panel';
 import type { Players } from './players';
 import type { Arrows } from './scene/arrows';
@@ -36,7 +36,7 @@ export class Inspector {
 
   Update(client: Client): void {
     if (this.m_clicked !== 0 && client.FindBody(this.m_clicked) === null) this.m_clicked = 0;
-    const wanted = this.m_panel.shown.size === 0 ? 0 : this.m_clicked || this.m_players.ownBody;
+    const wanted = this.m_panel.shown.size === 0 ? 0 : this.m_clicked || this.m_players.FindWatchedBody();
     if (wanted !== this.m_asked) {
       this.m_asked = wanted;
       client.Inspect(wanted);

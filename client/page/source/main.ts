@@ -2,11 +2,11 @@
 import createModule from 'wobble-wasm';
 import { App } from './app';
 import { MakeElement } from './hud/element';
-import { FetchWorlds } from './worlds';
+import { FetchOffer } from './worlds';
 
 async function Start(): Promise<void> {
-  const [module, worlds] = await Promise.all([createModule(), FetchWorlds()]);
-  const app = new App(module, worlds);
+  const [module, offer] = await Promise.all([createModule(), FetchOffer()]);
+  const app = new App(module, offer);
   app.Start();
 }
 

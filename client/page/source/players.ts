@@ -10,12 +10,13 @@ export interface Player {
 export class Players {
   ownBody = 0;
   ownClient = 0;
-  revision = 0; // changes whenever the list of players changes
+  followed = 0; // client whose body is watched by who has none; 0: nobody's
+  revision = 0; // changes whenever the list of players, or who is followed, changes
   readonly all = new Map<number, Player>();
   private readonly m_bodies = new Map<number, Player>();
 
   Clear(): void {
-    this.ownBody = this.ownClient = 0;
+    this.ownBody = this.ownClient = this.followed = 0;
     this.all.clear();
     this.m_bodies.clear();
     this.revision += 1;
@@ -30,6 +31,17 @@ export class Players {
   NoteEvent(event: WorldEvent): void {
     if (event.kind === EventKind.Join) this.Add({ clientId: event.clientId, name: event.name, body: event.body });
     if (event.kind === EventKind.Leave) this.Remove(event.clientId);
+  }
+
+  // Follows this client's body, or nobody's if it already does.
+  Follow(clientId: number): void {
+    this.followed = this.followed === clientId ? 0 : clientId;
+    this.revision += 1;
+  }
+
+  // The body that the camera follows: the own one, or that of the followed player; 0: none, or it is not there now.
+  FindWatchedBody(): number {
+    return this.ownBody || (this.all.get(this.followed)?.body ?? 0);
   }
 
   IsPlayer(body: number): boolean {

@@ -9,6 +9,8 @@ export interface Probe {
     connection: string;
     scene: string;
     ownBody: number;
+    watched: number; // body that the camera follows
+    focus: Vector; // of the camera
     players: string[];
     bodies: number;
     frameMs: number;
@@ -51,6 +53,8 @@ export function MakeProbe(app: App): Probe {
       connection: State[client()?.ReadState() ?? State.Ended],
       scene: app.welcome?.scene ?? '',
       ownBody: app.players.ownBody,
+      watched: app.players.FindWatchedBody(),
+      focus: { ...app.camera.focus },
       players: [...app.players.all.values()].map((player) => player.name),
       bodies: client()?.bodyCount ?? 0,
       frameMs: Math.round(1000 * app.quality.frameTime),

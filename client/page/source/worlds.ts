@@ -1,4 +1,17 @@
-// The worlds behind this gateway, and the one that the page's address names.
+// The worlds and recordings behind this gateway, and the one of them that the page's address names.
+
+export interface Recording {
+  file: string; // its name, by which it is joined like a world
+  scene: string; // empty: it cannot be read
+  seconds: number;
+  writtenAt: number; // s since 1970
+  fault?: string;
+}
+
+export interface Offer {
+  worlds: string[]; // names; empty: there is one world, without a name
+  recordings: Recording[] | null; // null: this gateway shows none
+}
 
 // Suggestions for newcomers; only for the worlds that we ship.
 const kPurposes: Record<string, string> = {
@@ -12,22 +25,36 @@ export function FindPurpose(world: string): string {
   return kPurposes[world] ?? '';
 }
 
-// Empty when there is only one world, without a name.
-export async function FetchWorlds(): Promise<string[]> {
+export async function FetchOffer(): Promise<Offer> {
   try {
     const answer = await fetch('/worlds');
-    if (!answer.ok) return [];
-    const { worlds } = (await answer.json()) as { worlds?: unknown };
-    return Array.isArray(worlds) ? worlds.filter((name) => typeof name === 'string') : [];
+    if (!answer.ok) return { worlds: [], recordings: null };
+    const { worlds, recordings } = (await answer.json()) as { worlds?: unknown; recordings?: unknown };
+    return {
+      worlds: Array.isArray(worlds) ? worlds.filter((name) => typeof name === 'string') : [],
+      recordings: Array.isArray(recordings) ? recordings.filter(IsRecording) : null,
+    };
   } catch {
-    return []; // A proxy that passes on /play only still serves that one world.
+    return { worlds: [], recordings: null }; // A proxy that passes on /play only still serves that one world.
   }
 }
 
-// The world that the address names, or the first; empty: the gateway's choice.
-export function ReadWorld(worlds: readonly string[]): string {
+function IsRecording(value: unknown): value is Recording {
+  const { file, scene, seconds, writtenAt } = (value ?? {}) as Partial<Recording>;
+  return [file, scene].every((each) => typeof each === 'string') && [seconds, writtenAt].every(Number.isFinite);
+}
+
+// The world or recording that the address names, or the first world; empty: the gateway's choice. A recording that is
+// not listed may be an old one: whether it is there the gateway says.
+export function ReadWorld({ worlds, recordings }: Offer): string {
   const asked = new URLSearchParams(location.search).get('world');
-  return asked !== null && worlds.includes(asked) ? asked : (worlds[0] ?? '');
+  const isThere = asked !== null && (worlds.includes(asked) || (recordings !== null && asked.endsWith('.wobrec')));
+  return isThere ? asked : (worlds[0] ?? '');
+}
+
+// As it is shown: minutes and seconds.
+export function FormatTime(time: number): string {
+  return `${Math.floor(time / 60)}:${String(Math.floor(time % 60)).padStart(2, '0')}`;
 }
 
 // Writes the world into the page's address, so that the address leads to the same world.

@@ -1,6 +1,7 @@
 // The line of time of a recording that the server shows. Everybody who watches winds the same one, by orders; where it
 // stands the server says as a notice, when it is asked.
 import type { Client } from '../wire/client';
+import { FormatTime } from '../worlds';
 import { MakeButton, MakeElement, MakeSlider, SetPressed, SetText, type Slider } from './element';
 
 export const kFilm = 'film'; // the game of a welcome to a recording
@@ -35,8 +36,6 @@ export function ReadPlace(notice: string): Place | null {
   };
 }
 
-const Format = (time: number): string => `${Math.floor(time / 60)}:${String(Math.floor(time % 60)).padStart(2, '0')}`;
-
 export class FilmPanel {
   readonly element = MakeElement('section', 'panel rows film');
   private readonly m_time: Slider;
@@ -55,7 +54,7 @@ export class FilmPanel {
       'recording',
       (share) => share * this.m_place.end,
       (time) => (this.m_place.end > 0 ? time / this.m_place.end : 0),
-      (time) => `${Format(time)} of ${Format(this.m_place.end)}`,
+      (time) => `${FormatTime(time)} of ${FormatTime(this.m_place.end)}`,
       (time) => (this.m_wanted = time),
     );
     const order = (line: string) => () => this.Order(line);

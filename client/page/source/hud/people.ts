@@ -1,7 +1,7 @@
 // The name of the scene and of its players. The player's own name comes first and can be edited.
 import { MakeOwnColour, MakePlayerColour } from '../scene/colours';
-import type { Players } from '../players';
-import { MakeElement, SetText } from './element';
+import type { Player, Players } from '../players';
+import { MakeButton, MakeElement, SetPressed, SetText } from './element';
 
 const kMostShown = 12;
 const kMaxNameBytes = 32;
@@ -9,6 +9,7 @@ const kMaxNameBytes = 32;
 export class People {
   readonly element = MakeElement('section', 'panel people');
   onRename: (name: string) => void = () => {};
+  onFollow: (clientId: number) => void = () => {}; // of who has no body
   private readonly m_scene = MakeElement('span');
   private readonly m_count = MakeElement('span');
   private readonly m_list = MakeElement('ul');
@@ -45,12 +46,19 @@ export class People {
     for (const player of others.slice(0, kMostShown)) {
       const item = MakeElement('li');
       const colour = player.body === 0 ? 'transparent' : `#${MakePlayerColour(player.body).getHexString()}`;
-      item.append(MakeDot(colour), MakeElement('span', '', player.name));
+      item.append(MakeDot(colour), this.MakeName(player, players));
       this.m_list.append(item);
     }
     if (others.length > kMostShown) {
       this.m_list.append(MakeElement('li', 'note', `and ${others.length - kMostShown} more`));
     }
+  }
+
+  private MakeName(player: Player, players: Players): HTMLElement {
+    if (players.ownBody !== 0 || player.body === 0) return MakeElement('span', '', player.name);
+    const button = MakeButton(player.name, `Follow ${player.name}`, '', () => this.onFollow(player.clientId));
+    SetPressed(button, player.clientId === players.followed);
+    return button;
   }
 
   private TakeName(): void {

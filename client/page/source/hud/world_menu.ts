@@ -1,31 +1,65 @@
-// The worlds to choose from, and the purpose of the chosen one.
-import { FindPurpose } from '../worlds';
+// The worlds and recordings to choose from, and the purpose of the chosen world.
+import { FetchOffer, FindPurpose, FormatTime, type Offer, type Recording } from '../worlds';
 import { MakeButton, MakeElement, SetPressed, SetText } from './element';
+
+const kListEvery = 3000; // ms, while the list of recordings is open
 
 export class WorldMenu {
   readonly element = MakeElement('nav', 'worlds');
   onChoose: (world: string) => void = () => {};
   private readonly m_buttons = new Map<string, HTMLButtonElement>();
   private readonly m_purpose = MakeElement('p', 'note');
+  private readonly m_recordings = MakeElement('details');
+  private readonly m_list = MakeElement('div', 'recordings');
+  private m_chosen = '';
 
   constructor() {
     this.element.setAttribute('aria-label', 'Worlds');
-    this.element.hidden = true;
+    this.m_recordings.append(MakeElement('summary', '', 'Recordings'), this.m_list);
+    const list = () => {
+      if (this.m_recordings.open) void FetchOffer().then(({ recordings }) => this.ListRecordings(recordings ?? []));
+    };
+    this.m_recordings.addEventListener('toggle', list);
+    setInterval(list, kListEvery);
   }
 
-  // Hidden when there is only one world.
-  List(worlds: readonly string[]): void {
-    for (const world of worlds) {
-      const button = MakeButton(world, `Play ${world}`, '', () => this.onChoose(world));
+  // Hidden when there is only one world and nothing else.
+  List({ worlds, recordings }: Offer): void {
+    for (const world of worlds.length === 0 ? [''] : worlds) {
+      const name = world === '' ? 'the world' : world;
+      const button = MakeButton(name, `Play ${name}`, '', () => this.onChoose(world));
       this.m_buttons.set(world, button);
       this.element.append(button);
     }
     this.element.append(this.m_purpose);
-    this.element.hidden = worlds.length < 2;
+    if (recordings !== null) this.element.append(this.m_recordings);
+    this.ListRecordings(recordings ?? []);
+    this.element.hidden = worlds.length < 2 && recordings === null;
   }
 
-  Show(world: string): void {
-    for (const [name, button] of this.m_buttons) SetPressed(button, name === world);
-    SetText(this.m_purpose, FindPurpose(world));
+  Show(chosen: string): void {
+    this.m_chosen = chosen;
+    for (const [name, button] of this.m_buttons) SetPressed(button, name === chosen);
+    SetText(this.m_purpose, FindPurpose(chosen));
+  }
+
+  private ListRecordings(recordings: readonly Recording[]): void {
+    for (const button of this.m_list.querySelectorAll('button')) this.m_buttons.delete(button.dataset.file!);
+    this.m_list.replaceChildren(...recordings.map((recording) => this.MakeEntry(recording)));
+    if (recordings.length === 0) this.m_list.append(MakeElement('p', 'note', 'There are none yet.'));
+    this.Show(this.m_chosen);
+  }
+
+  private MakeEntry(recording: Recording): HTMLButtonElement {
+    const { file, scene, seconds, writtenAt, fault } = recording;
+    const when = new Date(1000 * writtenAt).toLocaleString([], { dateStyle: 'short', timeStyle: 'short' });
+    const button = MakeButton(scene === '' ? file : `${scene} ${FormatTime(seconds)}`, `Watch ${file}`, '', () =>
+      this.onChoose(file),
+    );
+    button.append(MakeElement('span', 'note', fault === undefined ? when : `It ${fault}.`));
+    button.disabled = fault !== undefined;
+    button.dataset.file = file;
+    this.m_buttons.set(file, button);
+    return button;
   }
 }

@@ -1,4 +1,4 @@
-// The camera: behind the player's body, circling the middle of the scene, or moved freely.
+// The camera: behind the player's body or a followed one, circling the middle of the scene, or moved freely.
 //
 // It approaches its target values exponentially, so that nothing jumps or depends on the frame rate; a body that starts
 // again elsewhere is the exception. When following, the camera turns by itself towards the direction of motion, more
@@ -83,7 +83,7 @@ export class OrbitCamera {
     this.focus.z = Math.max(-20, this.focus.z + up * way);
   }
 
-  // own: centre of the player's body or null; middle, spread: of all bodies, m.
+  // own: centre of the body to follow or null; middle, spread: of all bodies, m.
   Update(seconds: number, own: Vector | null, middle: Vector, spread: number): void {
     const follows = this.mode === CameraMode.Follow && own !== null;
     const target = follows ? { x: own.x, y: own.y, z: own.z + kAboveBody } : middle;
