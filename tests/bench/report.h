@@ -16,6 +16,8 @@ namespace wobble::bench {
 inline constexpr const char* kCapacityScene = "pitch";
 inline constexpr const char* kCapacityScript = "chase.lua";
 
+inline constexpr const char* kRecordings = "lab_recordings";
+
 // The command line's options.
 struct Options {
   bool quick = false;  // under 40 s on two cores
@@ -27,6 +29,7 @@ struct Options {
   std::string scene = kCapacityScene;    // of `capacity`: a shipped scene or a file
   std::string script = kCapacityScript;  // of the bots of `capacity`: a shipped script or a file
   std::optional<unsigned> players;       // of `capacity`: only this player count
+  std::string recordings;                // folder; empty: kRecordings for trials that fail, and no others
 };
 
 // The context of a report. Experiments check progress.IsStopAsked() between trials and return early.
@@ -56,7 +59,8 @@ struct Report {
   const char* shows;  // one line
   bool hasTrials;     // takes --trial
   void (*run)(Bench& bench);
-  bool hasPlayers = false;  // takes --scene, --script and --players
+  bool hasPlayers = false;     // takes --scene, --script and --players
+  bool hasRecordings = false;  // takes --recordings
 };
 
 // One function per report, each in the file of its name.

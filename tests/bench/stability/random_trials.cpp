@@ -12,6 +12,7 @@
 #include "tests/bench/contact/insides.h"
 #include "tests/bench/stability/experiments.h"
 #include "tests/bench/stability/random_world.h"
+#include "tests/bench/stability/trial_recording.h"
 #include "tests/bench/trials.h"
 
 namespace wobble::bench {
@@ -23,6 +24,8 @@ constexpr int kTicksBetweenLooks = 20;
 constexpr std::size_t kTrials = 10000;
 constexpr std::size_t kTrialsBeyond = 500;
 constexpr std::size_t kQuickTrials = 60;
+constexpr std::size_t kMostRecorded = 20;  // of the trials that fail
+constexpr int kTicksBehind = 120;          // that a recording goes on behind the failure
 
 struct RandomTrial {
   std::string place;
@@ -42,6 +45,7 @@ struct RandomTrial {
   std::string failedBody;
   const char* failure = "";
   std::vector<float> depths;  // per body and measurement, relative to its size
+  TrialRecording recording;
 };
 
 void DescribeWorld(const RandomWorld& random, RandomTrial& trial) {
@@ -121,7 +125,20 @@ nlohmann::ordered_json MakeRow(std::size_t number, const RandomTrial& trial) {
           {"inverted", trial.inverted},
           {"quarantined", trial.quarantined},
           {"failed_tick", trial.failedTick},
-          {"failed_body", trial.failedBody}};
+          {"failed_body", trial.failedBody},
+          {"recording", trial.recording.file.string()}};
+}
+
+void Record(const Options& options, std::uint32_t number, RandomTrial& trial) {
+  const int ticks = trial.failedTick > 0 ? std::min(kRandomTicks, trial.failedTick + kTicksBehind) : kRandomTicks;
+  trial.recording = RecordTrial(options.seed, number, Violence::kPlay, ticks,
+                                options.recordings.empty() ? kRecordings : options.recordings);
+}
+
+std::string DescribeRecording(const TrialRecording& recording) {
+  if (recording.file.empty()) return recording.fault.empty() ? "" : "; not recorded: " + recording.fault;
+  const std::string line = "; wobble watch " + recording.file.string();
+  return recording.fault.empty() ? line : line + " (" + recording.fault + ")";
 }
 
 std::string DescribeTrial(std::uint64_t seed, std::size_t number, const RandomTrial& trial) {
@@ -137,7 +154,7 @@ std::string DescribeTrial(std::uint64_t seed, std::size_t number, const RandomTr
     std::snprintf(line, sizeof line, "%zu bodies, %s, %s at tick %d: %s", trial.bodies, trial.place.c_str(),
                   trial.failure, trial.failedTick, trial.failedBody.c_str());
   }
-  return start + line;
+  return start + line + DescribeRecording(trial.recording);
 }
 
 // Adds the findings by the stiffness of the stiffest body: one row per decade.
@@ -234,7 +251,8 @@ bool PlayAll(Bench& bench, std::vector<RandomTrial>& trials, std::vector<RandomT
 
 void ReplayOne(Bench& bench) {
   const std::uint32_t number = *bench.options.trial;
-  const RandomTrial trial = PlayTrial(bench.options.seed, number, Violence::kPlay);
+  RandomTrial trial = PlayTrial(bench.options.seed, number, Violence::kPlay);
+  if (trial.failedTick > 0 || !bench.options.recordings.empty()) Record(bench.options, number, trial);
   bench.results.rows.push_back(MakeRow(number, trial));
   bench.results.remarks.push_back(DescribeTrial(bench.options.seed, number, trial));
   bench.results.AddFigureAtMost("quarantined", trial.quarantined, 0);
@@ -248,8 +266,10 @@ void MeasureRandomTrials(Bench& bench) {
   std::vector<RandomTrial> beyond(bench.options.quick ? 0 : kTrialsBeyond);
   if (!PlayAll(bench, trials, beyond)) return;
   Results& results = bench.results;
+  std::size_t recorded = 0;
   for (std::size_t i = 0; i < trials.size(); ++i) {
     if (trials[i].failedTick == 0) continue;
+    if (recorded++ < kMostRecorded) Record(bench.options, static_cast<std::uint32_t>(i), trials[i]);
     results.rows.push_back(MakeRow(i, trials[i]));
     results.remarks.push_back(DescribeTrial(bench.options.seed, i, trials[i]));
   }
