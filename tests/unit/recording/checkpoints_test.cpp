@@ -123,7 +123,7 @@ TEST_F(CheckpointsOf, ADiskThatIsFullLeavesTheLastOnes) {
 }
 
 TEST_F(CheckpointsOf, AFolderThatIsGoneIsAFailureAndNoMore) {
-  Checkpoints checkpoints(folder.Path() / "gone", head);
+  Checkpoints checkpoints(folder.Path() / "gone", std::vector{head});
   EXPECT_FALSE(checkpoints.FindNewest().checkpoint);
   checkpoints.Save(Capture());
   for (int i = 0; i < 200 && checkpoints.Failures() == 0; ++i) usleep(10'000);
