@@ -86,6 +86,20 @@ case_interrupt() {
 }
 
 # The same trial gives the same row, whatever else is played.
+# A trial in which a body fails, and one in which none does: what the report names is a recording of it, to the bit.
+case_recorded_trial() {
+  local trial file
+  for trial in '--trial 12' '--trial 3 --beyond'; do
+    # shellcheck disable=SC2086
+    expect_exit 0 stability $trial --recordings "$folder/recordings" --json "$folder/a.json"
+    grep -q 'it differs\|not recorded' "$out" && fail 'the trial to the bit'
+    file="$(sed -n 's/^.*; wobble watch \(.*wobrec\)$/\1/p' "$out")"
+    expect_line "$folder/a.json" "\"recording\": \"$file\""
+    "${lab%/*}/wobbled" --replay "$file" --verify >"$out" 2>"$err" || fail "that $file plays the same"
+    expect_line "$out" '^identical: [1-9][0-9]* ticks'
+  done
+}
+
 case_trial_again() {
   expect_exit 0 contact --trial 2 --quick --json "$folder/a.json"
   expect_exit 0 contact --trial 2 --quick --json "$folder/b.json"

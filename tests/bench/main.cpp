@@ -35,7 +35,8 @@ constexpr Report kReports[] = {
      .shows = "The largest stable step of every method against theory; random trials",
      .hasTrials = true,
      .run = &ReportStability,
-     .hasRecordings = true},
+     .hasRecordings = true,
+     .hasBeyond = true},
     {.name = "contact",
      .shows = "Bounce height, friction angle, momentum, tunnelling, stacks",
      .hasTrials = true,
@@ -97,6 +98,10 @@ CLI::App* AddReport(CLI::App& app, const Report& report, Options& options) {
   if (report.hasTrials) {
     words->add_option("--trial", options.trial, "Play only this random trial, numbered as in a report")
         ->check(command::Within(0, kMaxTrial));
+  }
+  if (report.hasBeyond) {
+    words->add_flag("--beyond", options.beyond,
+                    "--trial is of the trials in which bodies meet more than they can bear");
   }
   if (report.hasPlayers) {
     words->add_option("--scene", options.scene, "Scene of the players: a shipped scene, or a path to a .toml file")

@@ -26,6 +26,7 @@ struct Options {
   std::uint64_t seed = 1;
   std::string part;                      // only parts with this in their names; empty: all
   std::optional<std::uint32_t> trial;    // only this random trial
+  bool beyond = false;                   // it is one in which bodies meet more than they can bear
   std::string scene = kCapacityScene;    // of `capacity`: a shipped scene or a file
   std::string script = kCapacityScript;  // of the bots of `capacity`: a shipped script or a file
   std::optional<unsigned> players;       // of `capacity`: only this player count
@@ -61,6 +62,7 @@ struct Report {
   void (*run)(Bench& bench);
   bool hasPlayers = false;     // takes --scene, --script and --players
   bool hasRecordings = false;  // takes --recordings
+  bool hasBeyond = false;      // takes --beyond
 };
 
 // One function per report, each in the file of its name.

@@ -129,10 +129,10 @@ nlohmann::ordered_json MakeRow(std::size_t number, const RandomTrial& trial) {
           {"recording", trial.recording.file.string()}};
 }
 
-void Record(const Options& options, std::uint32_t number, RandomTrial& trial) {
+void Record(const Options& options, std::uint32_t number, Violence violence, RandomTrial& trial) {
   const int ticks = trial.failedTick > 0 ? std::min(kRandomTicks, trial.failedTick + kTicksBehind) : kRandomTicks;
-  trial.recording = RecordTrial(options.seed, number, Violence::kPlay, ticks,
-                                options.recordings.empty() ? kRecordings : options.recordings);
+  trial.recording =
+      RecordTrial(options.seed, number, violence, ticks, options.recordings.empty() ? kRecordings : options.recordings);
 }
 
 std::string DescribeRecording(const TrialRecording& recording) {
@@ -251,11 +251,12 @@ bool PlayAll(Bench& bench, std::vector<RandomTrial>& trials, std::vector<RandomT
 
 void ReplayOne(Bench& bench) {
   const std::uint32_t number = *bench.options.trial;
-  RandomTrial trial = PlayTrial(bench.options.seed, number, Violence::kPlay);
-  if (trial.failedTick > 0 || !bench.options.recordings.empty()) Record(bench.options, number, trial);
+  const Violence violence = bench.options.beyond ? Violence::kBeyond : Violence::kPlay;
+  RandomTrial trial = PlayTrial(bench.options.seed, number, violence);
+  if (trial.failedTick > 0 || !bench.options.recordings.empty()) Record(bench.options, number, violence, trial);
   bench.results.rows.push_back(MakeRow(number, trial));
   bench.results.remarks.push_back(DescribeTrial(bench.options.seed, number, trial));
-  bench.results.AddFigureAtMost("quarantined", trial.quarantined, 0);
+  bench.results.AddFigureAtMost("quarantined", trial.quarantined, 0, violence == Violence::kPlay);
 }
 
 }  // namespace
@@ -269,7 +270,7 @@ void MeasureRandomTrials(Bench& bench) {
   std::size_t recorded = 0;
   for (std::size_t i = 0; i < trials.size(); ++i) {
     if (trials[i].failedTick == 0) continue;
-    if (recorded++ < kMostRecorded) Record(bench.options, static_cast<std::uint32_t>(i), trials[i]);
+    if (recorded++ < kMostRecorded) Record(bench.options, static_cast<std::uint32_t>(i), Violence::kPlay, trials[i]);
     results.rows.push_back(MakeRow(i, trials[i]));
     results.remarks.push_back(DescribeTrial(bench.options.seed, i, trials[i]));
   }

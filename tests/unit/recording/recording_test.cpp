@@ -6,6 +6,7 @@
 
 #include <csignal>
 
+#include "server/recording/excerpt.h"
 #include "server/recording/replay.h"
 #include "server/recording/verify.h"
 #include "tests/unit/recording/matches.h"
@@ -155,6 +156,28 @@ TEST(Recording, GoesToAnyTick) {
     }
     EXPECT_FALSE(opened.replay->FirstDifference());
   }
+}
+
+TEST(Recording, AnExcerptIsARecordingOfItsOwn) {
+  const Folder folder;
+  RecordMatch("curtain", 400, MakeSettings(folder));
+  const std::filesystem::path whole = folder.List()[0];
+  const std::filesystem::path part = folder.Path() / "part.wobrec";
+  ASSERT_THAT(WriteExcerpt(whole, 130, 250, part, {}), IsEmpty());
+  const Proof proof = Prove(part);
+  EXPECT_EQ(proof.verdict, Verdict::kIdentical) << proof.words;
+  Opened excerpt(part);
+  ASSERT_THAT(excerpt.error, IsEmpty());
+  EXPECT_EQ(excerpt.recording.FirstTick(), 120U) << "whole seconds";
+  EXPECT_EQ(excerpt.recording.LastTick(), 300U);
+  EXPECT_TRUE(excerpt.recording.IsWhole());
+  Opened all(whole);
+  ASSERT_THAT(all.replay->Seek(300), IsEmpty());
+  while (excerpt.replay->Advance()) {
+  }
+  EXPECT_EQ(excerpt.ground->World().Hash(), all.ground->World().Hash());
+  EXPECT_THAT(WriteExcerpt(whole, 400, 500, part, {}), HasSubstr("has no tick behind 400"));
+  EXPECT_THAT(WriteExcerpt(folder.Path() / "nothing.wobrec", 0, 60, part, {}), HasSubstr("nothing.wobrec"));
 }
 
 TEST(Recording, FilesOfOthersAreNamed) {
