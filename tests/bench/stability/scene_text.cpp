@@ -182,7 +182,7 @@ std::string WriteObj(const std::vector<Vector3d>& vertices, const std::vector<Fa
   for (const Vector3d& v : vertices) text += "v " + Format(v.x()) + " " + Format(v.y()) + " " + Format(v.z()) + "\n";
   for (const Face& face : faces) {
     text += "f";
-    for (const std::uint16_t corner : face) text += " " + std::to_string(corner + 1);
+    for (const std::uint16_t corner : face) text.append(1, ' ').append(std::to_string(corner + 1));
     text += "\n";
   }
   return text;
