@@ -141,10 +141,10 @@ std::string DescribeRecording(const TrialRecording& recording) {
   return recording.fault.empty() ? line : line + " (" + recording.fault + ")";
 }
 
-std::string DescribeTrial(std::uint64_t seed, std::size_t number, const RandomTrial& trial) {
+std::string DescribeTrial(std::uint64_t seed, std::size_t number, Violence violence, const RandomTrial& trial) {
   char line[512];
-  std::snprintf(line, sizeof line, "stability --trial %zu --seed %llu: ", number,
-                static_cast<unsigned long long>(seed));
+  std::snprintf(line, sizeof line, "stability --trial %zu%s --seed %llu: ", number,
+                violence == Violence::kBeyond ? " --beyond" : "", static_cast<unsigned long long>(seed));
   const std::string start(line);
   if (trial.failedTick == 0) {
     std::snprintf(line, sizeof line, "%zu bodies, %s, all well; the stiffest a %s; deepest %.3f of its size",
@@ -255,7 +255,7 @@ void ReplayOne(Bench& bench) {
   RandomTrial trial = PlayTrial(bench.options.seed, number, violence);
   if (trial.failedTick > 0 || !bench.options.recordings.empty()) Record(bench.options, number, violence, trial);
   bench.results.rows.push_back(MakeRow(number, trial));
-  bench.results.remarks.push_back(DescribeTrial(bench.options.seed, number, trial));
+  bench.results.remarks.push_back(DescribeTrial(bench.options.seed, number, violence, trial));
   bench.results.AddFigureAtMost("quarantined", trial.quarantined, 0, violence == Violence::kPlay);
 }
 
@@ -272,7 +272,7 @@ void MeasureRandomTrials(Bench& bench) {
     if (trials[i].failedTick == 0) continue;
     if (recorded++ < kMostRecorded) Record(bench.options, static_cast<std::uint32_t>(i), Violence::kPlay, trials[i]);
     results.rows.push_back(MakeRow(i, trials[i]));
-    results.remarks.push_back(DescribeTrial(bench.options.seed, i, trials[i]));
+    results.remarks.push_back(DescribeTrial(bench.options.seed, i, Violence::kPlay, trials[i]));
   }
   AddRows(trials, results);
   Sums sums = AddUp(trials);

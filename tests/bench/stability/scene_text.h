@@ -6,7 +6,7 @@
 
 namespace wobble::bench {
 
-// The blueprints, ground, gravity and wind of a world in which nothing has happened yet. Bodies and drives are left
+// The blueprints, ground and wind of a world in which nothing has happened yet. Bodies, drives and gravity are left
 // out: they are in a recording's first keyframe. Numbers stand there to the bit.
 [[nodiscard]] scenes::SceneSource WriteScene(const RandomWorld& world, const std::string& name);
 

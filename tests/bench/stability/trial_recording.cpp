@@ -65,6 +65,7 @@ void Take(const Deeds& before, const World& world, Playground& ground) {
 server::PlaygroundState MakeBeginning(const World& world, const Playground& ground) {
   server::PlaygroundState state = ground.Capture();
   state.world = world.Capture();
+  state.gravity = world.Settings().gravity;
   for (const Body& body : world.Bodies()) {
     state.players[body.id] = {
         .body = body.id, .name = "body " + std::to_string(body.id), .control = body.control, .hand = {}};
