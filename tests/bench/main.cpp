@@ -100,6 +100,11 @@ CLI::App* AddReport(CLI::App& app, const Report& report, Options& options) {
         ->check(command::Within(0, kMaxTrial));
   }
   if (report.hasBeyond) {
+    words
+        ->add_option("--depth", options.depth,
+                     "A random trial fails, too, when a vertex is deeper in another body or the ground than this share "
+                     "of its body's size")
+        ->check(command::Within(0, 10));
     words->add_flag("--beyond", options.beyond,
                     "--trial is of the trials in which bodies meet more than they can bear");
   }

@@ -24,10 +24,11 @@ struct Options {
   std::string jsonFile;
   std::string plotFolder;
   std::uint64_t seed = 1;
-  std::string part;                      // only parts with this in their names; empty: all
-  std::optional<std::uint32_t> trial;    // only this random trial
-  bool beyond = false;                   // it is one in which bodies meet more than they can bear
-  std::string scene = kCapacityScene;    // of `capacity`: a shipped scene or a file
+  std::optional<double> depth;         // a random trial fails, too, where a vertex is deeper, share of its body's size
+  std::string part;                    // only parts with this in their names; empty: all
+  std::optional<std::uint32_t> trial;  // only this random trial
+  bool beyond = false;                 // it is one in which bodies meet more than they can bear
+  std::string scene = kCapacityScene;  // of `capacity`: a shipped scene or a file
   std::string script = kCapacityScript;  // of the bots of `capacity`: a shipped script or a file
   std::optional<unsigned> players;       // of `capacity`: only this player count
   std::string recordings;                // folder; empty: kRecordings for trials that fail, and no others

@@ -242,11 +242,9 @@ TEST(Watch, GoesAlongIntoTheNextScene) {
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
   EXPECT_TRUE(session.AwaitStatus("9 bodies  1 player ")) << session.Status();
   const std::string order = kProgram + " admin --socket " + socket + " next >/dev/null";
-  for (const auto& [scene, status] : {std::pair("curtain", "4 bodies  1 player "), {"pair", "9 bodies  1 player "}}) {
-    EXPECT_EQ(std::system(order.c_str()), 0);
-    EXPECT_TRUE(session.AwaitStatus(std::string("next scene: ") + scene)) << session.Status();
-    EXPECT_TRUE(session.AwaitStatus(status)) << session.Status();
-  }
+  EXPECT_EQ(std::system(order.c_str()), 0);
+  EXPECT_TRUE(session.AwaitStatus("next scene: curtain")) << session.Status();
+  EXPECT_TRUE(session.AwaitStatus("4 bodies  1 player ")) << session.Status();
   session.Type("q");
   EXPECT_EQ(session.AwaitEnd(), 0);
   session.ExpectRestored();

@@ -79,8 +79,8 @@ void Note(const StepReport& report, const RandomWorld& random, RandomTrial& tria
   trial.failure = report.nonFinite > 0 ? "not finite" : report.reset > 0 ? "reset" : "energy from nowhere";
 }
 
-RandomTrial PlayTrial(std::uint64_t seed, std::uint32_t number, Violence violence) {
-  RandomWorld random(seed, number, violence);
+RandomTrial PlayTrial(const Options& options, std::uint32_t number, Violence violence) {
+  RandomWorld random(options.seed, number, violence);
   RandomTrial trial;
   DescribeWorld(random, trial);
   bool moved = true;
@@ -94,6 +94,10 @@ RandomTrial PlayTrial(std::uint64_t seed, std::uint32_t number, Violence violenc
     const std::vector<float> depths = ListDepths(random.Engine());
     trial.depths.insert(trial.depths.end(), depths.begin(), depths.end());
     moved = false;
+    const auto isTooDeep = [&](float depth) { return options.depth && double{depth} > *options.depth; };
+    if (trial.failedTick > 0 || std::ranges::none_of(depths, isTooDeep)) continue;
+    trial.failedTick = tick;
+    trial.failure = "too deep";
   }
   return trial;
 }
@@ -239,12 +243,12 @@ Sums AddUp(const std::vector<RandomTrial>& trials) {
 }
 
 bool PlayAll(Bench& bench, std::vector<RandomTrial>& trials, std::vector<RandomTrial>& beyond) {
-  const std::uint64_t seed = bench.options.seed;
   return RunTrials(bench, trials.size() + beyond.size(), [&](std::size_t i) {
     if (i < trials.size()) {
-      trials[i] = PlayTrial(seed, static_cast<std::uint32_t>(i), Violence::kPlay);
+      trials[i] = PlayTrial(bench.options, static_cast<std::uint32_t>(i), Violence::kPlay);
     } else {
-      beyond[i - trials.size()] = PlayTrial(seed, static_cast<std::uint32_t>(i - trials.size()), Violence::kBeyond);
+      beyond[i - trials.size()] =
+          PlayTrial(bench.options, static_cast<std::uint32_t>(i - trials.size()), Violence::kBeyond);
     }
   });
 }
@@ -252,7 +256,7 @@ bool PlayAll(Bench& bench, std::vector<RandomTrial>& trials, std::vector<RandomT
 void ReplayOne(Bench& bench) {
   const std::uint32_t number = *bench.options.trial;
   const Violence violence = bench.options.beyond ? Violence::kBeyond : Violence::kPlay;
-  RandomTrial trial = PlayTrial(bench.options.seed, number, violence);
+  RandomTrial trial = PlayTrial(bench.options, number, violence);
   if (trial.failedTick > 0 || !bench.options.recordings.empty()) Record(bench.options, number, violence, trial);
   bench.results.rows.push_back(MakeRow(number, trial));
   bench.results.remarks.push_back(DescribeTrial(bench.options.seed, number, violence, trial));
