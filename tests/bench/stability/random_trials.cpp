@@ -95,8 +95,11 @@ RandomTrial PlayTrial(const Options& options, std::uint32_t number, Violence vio
     trial.depths.insert(trial.depths.end(), depths.begin(), depths.end());
     moved = false;
     const auto isTooDeep = [&](float depth) { return options.depth && double{depth} > *options.depth; };
-    if (trial.failedTick > 0 || std::ranges::none_of(depths, isTooDeep)) continue;
+    const auto deep = std::ranges::find_if(depths, isTooDeep);
+    if (trial.failedTick > 0 || deep == depths.end()) continue;
     trial.failedTick = tick;
+    const auto place = static_cast<std::size_t>(deep - depths.begin());
+    trial.failedBody = random.Describe(random.Engine().Bodies()[place].blueprint);
     trial.failure = "too deep";
   }
   return trial;
