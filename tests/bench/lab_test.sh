@@ -104,7 +104,7 @@ case_recorded_trial() {
   expect_exit 0 stability --trial 36 --beyond --recordings "$folder/recordings" --json "$folder/a.json"
   expect_recording
   rm -r "$folder/recordings"
-  expect_exit 0 "${random[@]}" --depth 0.1
+  expect_exit 0 "${random[@]}" --depth 0.2
   expect_line "$out" ', too deep at tick [1-9][0-9]*: .*; wobble watch '
   [ "$(find "$folder/recordings" -name '*.wobrec' | wc -l)" -eq "$(grep -c '; wobble watch ' "$out")" ] ||
     fail 'a recording of each trial that fails'
