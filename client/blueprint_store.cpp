@@ -89,6 +89,12 @@ void BlueprintStore::Expect(std::size_t count) {
   m_expects = true;
 }
 
+void BlueprintStore::ForgetScene() {
+  m_entries.clear();
+  m_awaited.clear();
+  m_expects = false;
+}
+
 std::deque<BlueprintStore::Awaited>::iterator BlueprintStore::FindAwaited(std::size_t number) {
   return std::find_if(m_awaited.begin(), m_awaited.end(), [&](const Awaited& each) { return each.number == number; });
 }

@@ -23,8 +23,10 @@ class BlueprintStore {
   // For the hello, at most protocol::kMaxKeptBlueprints.
   [[nodiscard]] std::span<const std::uint64_t> KeptHashes() const { return m_keptHashes; }
 
-  // The number that the welcome promises; to be called once. More may follow.
+  // The number that the welcome promises; to be called once for each scene. More may follow.
   void Expect(std::size_t count);
+  // Another scene follows: drops its blueprints, and counts on what has been taken.
+  void ForgetScene();
 
   // Takes a chunk that ParseServerMessage has passed. A chunk with offset 0 begins anew. Refuses (false) what is out of
   // place: before Expect, a number out of range, the generation in force, a gap, another total or hash than before, a

@@ -84,6 +84,7 @@ struct Client::Implementation {
 
   // The state that the server has sent.
   bool welcomed = false;
+  bool isFirstScene = true;
   protocol::WelcomeFields welcome;
   client::Grounds grounds;
   BlueprintStore blueprints;
@@ -104,6 +105,7 @@ struct Client::Implementation {
   std::function<void(const Event&)> onEvent;
   std::function<void(const SnapshotArrival&)> onSnapshot;
   std::function<void(const std::string&)> onNotice;
+  std::function<void(const std::string&)> onNextScene;
   std::function<void(const DecodedPatch&)> onDecoded;
 
   void TakeIn(const transport::Event& event);
@@ -115,6 +117,7 @@ struct Client::Implementation {
   void HandleControl(std::span<const std::uint8_t> bytes);
   void CompleteBlueprints();
   [[nodiscard]] bool HandleWelcome(const wire::Welcome& message);
+  [[nodiscard]] bool HandleNextScene(const wire::NextScene& message);
   void HandleEvent(const wire::Event& message);
   void HandleSnapshot(std::span<const std::uint8_t> bytes);
 
@@ -209,6 +212,7 @@ const Forces& Client::ReadForces() const { return m->news.forces; }
 double Client::ServerTime(double now) const { return m->time.HasSnapshot() ? m->time.ServerTime(now) : 0.0; }
 double Client::InterpolationDelay() const { return m->time.Delay(); }
 void Client::OnEvent(std::function<void(const Event&)> handler) { m->onEvent = std::move(handler); }
+void Client::OnNextScene(std::function<void(const std::string&)> handler) { m->onNextScene = std::move(handler); }
 void Client::OnNotice(std::function<void(const std::string&)> handler) { m->onNotice = std::move(handler); }
 void Client::OnDecoded(std::function<void(const DecodedPatch&)> handler) { m->onDecoded = std::move(handler); }
 void Client::OnSnapshot(std::function<void(const SnapshotArrival&)> handler) { m->onSnapshot = std::move(handler); }
@@ -315,6 +319,8 @@ void Client::Implementation::HandleControl(std::span<const std::uint8_t> bytes) 
     End(leaving ? "left" : DescribeGoodbye(*goodbye), IsPassing(goodbye->reason()));
   } else if (const auto* fields = message->body_as_Welcome()) {
     inPlace = HandleWelcome(*fields);
+  } else if (const auto* next = message->body_as_NextScene()) {
+    inPlace = HandleNextScene(*next);
   } else if (const auto* chunk = message->body_as_BlueprintChunk()) {
     inPlace = blueprints.AddChunk(*chunk);
     CompleteBlueprints();  // at once, if there is time: the next message may need it
@@ -349,6 +355,8 @@ bool Client::Implementation::HandleWelcome(const wire::Welcome& message) {
   welcome.snapshotHz = message.snapshot_hz();
   welcome.scene = protocol::MakeLine(message.scene()->string_view(), protocol::kMaxShownBytes);
   welcome.blueprintCount = message.blueprint_count();
+  welcome.obstacles.clear();
+  welcome.heightFields.clear();
   welcome.obstacles.reserve(message.obstacles()->size());
   for (const wire::Obstacle* obstacle : *message.obstacles()) welcome.obstacles.push_back(*obstacle);
   for (const wire::HeightField* field : *message.height_fields()) welcome.heightFields.push_back(*field);
@@ -363,6 +371,24 @@ bool Client::Implementation::HandleWelcome(const wire::Welcome& message) {
 
   time.Start(welcome, now, statistics);
   nextInput = now;
+  return true;
+}
+
+// The clock goes on, as ticks do. While the client is leaving it says no hello.
+bool Client::Implementation::HandleNextScene(const wire::NextScene& message) {
+  if (!welcomed) return false;
+  welcomed = false;
+  isFirstScene = false;
+  state = State::kJoining;
+  startedAt = now;
+  welcome = {};
+  grounds = {};
+  news = {};
+  hand.reset();
+  blueprints.ForgetScene();
+  snapshots.ForgetScene();
+  if (!leaving) SayHello();
+  if (onNextScene) onNextScene(protocol::MakeLine(message.scene()->string_view(), protocol::kMaxShownBytes));
   return true;
 }
 
@@ -382,6 +408,8 @@ void Client::Implementation::HandleEvent(const wire::Event& message) {
 void Client::Implementation::HandleSnapshot(std::span<const std::uint8_t> bytes) {
   const auto head = snapshots.Open(bytes);
   if (!head) return;
+  // Of the scene before: it has come late.
+  if (!isFirstScene && (!welcomed || head->tick <= welcome.tick)) return;
   // A packet that overtook the welcome says nothing: there is no tick rate yet. Its records count as unknown, since
   // there is no blueprint either.
   if (welcomed) {

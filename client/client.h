@@ -67,7 +67,9 @@ struct Hand {
 
 enum class State {
   kConnecting,  // the server has not answered yet
-  kJoining,     // hello sent; the welcome, the own body's blueprint or heights are still to come
+  // Hello sent; the welcome, the own body's blueprint or heights are still to come. Again whenever another scene
+  // begins.
+  kJoining,
   kPlaying,
   kEnded,  // see EndReason
 };
@@ -202,7 +204,8 @@ class Client {
   // Whether blueprints have come whose bases are not complete.
   [[nodiscard]] bool IsCompleting() const;
 
-  // Complete from kPlaying on.
+  // Complete from kPlaying on. A server with several scenes goes from one to the next on the same connection: then all
+  // of this is of another world, with other bodies under the same numbers. OnNextScene tells when.
   [[nodiscard]] const protocol::WelcomeFields& Welcome() const;
   [[nodiscard]] const std::vector<Ground>& Grounds() const;
   [[nodiscard]] const Statistics& ReadStatistics() const;
@@ -241,6 +244,9 @@ class Client {
   //
   // For every event of the server.
   void OnEvent(std::function<void(const Event&)> handler);
+  // With the name of the scene that begins now. All that was of the scene before is gone: the bodies, the welcome, who
+  // is in. Events say once more who is in; the next welcome is complete when the client plays again.
+  void OnNextScene(std::function<void(const std::string& scene)> handler);
   // With a line for the player: why a command was not obeyed.
   void OnNotice(std::function<void(const std::string&)> handler);
   // For each record that has been decoded; for tests that compare clients.

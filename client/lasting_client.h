@@ -28,7 +28,7 @@ struct LastingOptions {
 
 enum class LastingState {
   kJoining,    // for the first time; if that fails, it ends
-  kPlaying,    // as Client's
+  kPlaying,    // as Client's, or between two scenes of the server (Client::OnNextScene)
   kRejoining,  // cut off, see Reason; waits for the next try or tries
   kEnded,      // see Reason
 };

@@ -66,6 +66,11 @@ bool SnapshotReceiver::DecodeRecord(const protocol::Record& record, const std::s
   return m_bodies.Add(head, blueprint, tick, time, seen, m_shape, m_time.Playback());
 }
 
+void SnapshotReceiver::ForgetScene() {
+  m_bodies = Bodies(m_curve);
+  m_newestPoses = {};
+}
+
 void SnapshotReceiver::Remove(std::uint32_t body, std::uint32_t tick) {
   m_bodies.Remove(body, tick);
   m_newestPoses.Remove(body, tick);

@@ -26,6 +26,7 @@ class SnapshotReceiver {
         m_blueprints(blueprints),
         m_time(time),
         m_statistics(statistics),
+        m_curve(options.curve),
         m_bodies(options.curve) {}
 
   // Verifies a packet and counts it. Its head; nullopt when it is broken or has come before.
@@ -35,6 +36,9 @@ class SnapshotReceiver {
   // Takes in the records of the packet that was opened last; its bytes must still be there. tick: of its head;
   // obstacles: of the welcome; onDecoded: called for each record that has been decoded, may be empty.
   void TakeRecords(std::uint32_t tick, std::span<const wire::Obstacle> obstacles, const OnDecoded& onDecoded);
+
+  // Another scene follows: drops its bodies. Packets are counted on.
+  void ForgetScene();
 
   // An event says that from this tick on the body is gone, or somewhere else.
   void Remove(std::uint32_t body, std::uint32_t tick);
@@ -60,6 +64,7 @@ class SnapshotReceiver {
   const WorldTime& m_time;
   Statistics& m_statistics;
   protocol::ReceivedWindow m_received;
+  Curve m_curve;
   Bodies m_bodies;
   NewestPoses m_newestPoses;
   double m_nextForget = 0;

@@ -185,6 +185,12 @@ Message MakeNotice(std::string_view text) {
   return FinishServerMessage(builder, wire::CreateNotice(builder, line));
 }
 
+Message MakeNextScene(std::string_view scene) {
+  FlatBufferBuilder builder;
+  const auto name = builder.CreateString(scene.data(), scene.size());
+  return FinishServerMessage(builder, wire::CreateNextScene(builder, name));
+}
+
 namespace {
 
 // Leaves an empty vector out: the field is then absent.

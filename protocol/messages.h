@@ -141,6 +141,8 @@ struct ScoreboardFields {
 [[nodiscard]] Message MakeScoreboard(const ScoreboardFields& fields);
 // text: at most kMaxNoticeBytes.
 [[nodiscard]] Message MakeNotice(std::string_view text);
+// scene: the name that the next welcome gives.
+[[nodiscard]] Message MakeNextScene(std::string_view scene);
 
 // All that a client needs to draw a body. It becomes one FlatBuffer and is sent in chunks.
 struct BlueprintFields {

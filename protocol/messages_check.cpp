@@ -231,6 +231,9 @@ ParseResult CheckServerBody(const wire::ServerMessage& message) {
   if (const auto* forces = message.body_as_Forces()) return CheckForces(*forces);
   if (const auto* board = message.body_as_Scoreboard()) return CheckScoreboard(*board);
   if (const auto* notice = message.body_as_Notice()) return CheckNotice(*notice);
+  if (const auto* next = message.body_as_NextScene()) {
+    return next->scene() == nullptr ? ParseResult::kMissingField : ParseResult::kOk;
+  }
   return ParseResult::kOutOfRange;
 }
 

@@ -20,27 +20,20 @@ void Check(std::vector<std::string>& errors, const char* option, double value, R
                    print(range.high));
 }
 
-}  // namespace
-
-std::vector<std::string> Validate(const Config& config, const scenes::Scene& scene) {
-  std::vector<std::string> errors;
-  Check(errors, "--port", config.port, kPortRange);
-  Check(errors, "--tick-hz", config.tickHz, kTickHzRange);
-  Check(errors, "--snapshot-hz", config.snapshotHz, {kSnapshotHzRange.low, static_cast<double>(config.tickHz)});
-  Check(errors, "--max-clients", config.maxClients, kMaxClientsRange);
-  Check(errors, "--max-per-address", config.maxPerAddress, kMaxPerAddressRange);
-  Check(errors, "--threads", config.threads, kThreadsRange);
-  Check(errors, "--client-kbit", config.clientKbit, kClientKbitRange);
-  Check(errors, "--view-distance", config.viewDistance, kViewDistanceRange);
+void CheckMatch(std::vector<std::string>& errors, const Config& config, std::span<const scenes::Scene> scenes) {
   Check(errors, "--rounds", config.rounds, kRoundsRange);
-  if (config.rounds > 0 && scene.game.kind == scenes::GameRules::Kind::kNone) {
-    errors.push_back("--rounds " + std::to_string(config.rounds) + ": scene " + scene.name + " has no game");
+  const auto hasGame = [](const scenes::Scene& scene) { return scene.game.kind != scenes::GameRules::Kind::kNone; };
+  if (config.rounds > 0 && std::ranges::none_of(scenes, hasGame)) {
+    const std::string which =
+        scenes.size() == 1 ? "scene " + scenes.front().name + " has no game" : "no scene of the rotation has a game";
+    errors.push_back("--rounds " + std::to_string(config.rounds) + ": " + which);
   }
   if (config.afterMatch == AfterMatch::kRestart && config.rounds == 0) {
     errors.emplace_back("--after-match restart: --rounds must say how many rounds make a match");
   }
-  Check(errors, "--pause-after", config.pauseAfter, kPauseAfterRange);
+}
 
+void CheckScene(std::vector<std::string>& errors, const Config& config, const scenes::Scene& scene) {
   for (const scenes::BodyDefinition& blueprint : scene.blueprints) {
     const std::size_t vertices = scenes::CountVertices(blueprint);
     if (vertices > protocol::kMaxBodyVertices) {
@@ -71,6 +64,23 @@ std::vector<std::string> Validate(const Config& config, const scenes::Scene& sce
     errors.push_back("scene " + scene.name + ": " + std::to_string(scene.blueprints.size()) + " blueprints; at most " +
                      std::to_string(protocol::kMaxBlueprints));
   }
+}
+
+}  // namespace
+
+std::vector<std::string> Validate(const Config& config, std::span<const scenes::Scene> scenes) {
+  std::vector<std::string> errors;
+  Check(errors, "--port", config.port, kPortRange);
+  Check(errors, "--tick-hz", config.tickHz, kTickHzRange);
+  Check(errors, "--snapshot-hz", config.snapshotHz, {kSnapshotHzRange.low, static_cast<double>(config.tickHz)});
+  Check(errors, "--max-clients", config.maxClients, kMaxClientsRange);
+  Check(errors, "--max-per-address", config.maxPerAddress, kMaxPerAddressRange);
+  Check(errors, "--threads", config.threads, kThreadsRange);
+  Check(errors, "--client-kbit", config.clientKbit, kClientKbitRange);
+  Check(errors, "--view-distance", config.viewDistance, kViewDistanceRange);
+  CheckMatch(errors, config, scenes);
+  Check(errors, "--pause-after", config.pauseAfter, kPauseAfterRange);
+  for (const scenes::Scene& scene : scenes) CheckScene(errors, config, scene);
   return errors;
 }
 

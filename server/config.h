@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,7 @@ inline constexpr Range kViewDistanceRange{1, 1e5};  // m
 enum class AfterMatch : std::uint8_t {
   kEnd,      // the server ends, or its fleet manager is told
   kRestart,  // the world begins anew, and with it the next match
+  kNext,     // the next scene of the rotation begins
 };
 
 // Each field is an option of the command line (options.cpp).
@@ -48,8 +50,11 @@ struct Config {
   std::uint64_t seed = 1;        // of the scene's random placement
 };
 
-// Lists every option out of range and everything in the scene that the protocol cannot carry, one line each with value
-// and range. Empty: valid.
-[[nodiscard]] std::vector<std::string> Validate(const Config& config, const scenes::Scene& scene);
+// Lists every option out of range and everything in the scenes that the protocol cannot carry, one line each with value
+// and range. Empty: valid. scenes: those of the rotation, or the one scene there is.
+[[nodiscard]] std::vector<std::string> Validate(const Config& config, std::span<const scenes::Scene> scenes);
+[[nodiscard]] inline std::vector<std::string> Validate(const Config& config, const scenes::Scene& scene) {
+  return Validate(config, std::span(&scene, 1));
+}
 
 }  // namespace wobble::server

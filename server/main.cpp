@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
+#include <set>
 #include <thread>
 
 #include "protocol/transport/enet_transport.h"
@@ -113,7 +114,7 @@ struct Watchers {
     WatchFiles(server);
     for (const server::PhaseTimes& tick : server.LastTicks()) times.Record(tick.Sum());
     refusals.Follow(server.ReadTransport(), now);
-    if (trace) trace->Write(server.LastTicks(), server.World().Tick());
+    if (trace) trace->Write(server.LastTicks(), server.ShownTick());
     if (endpoint != nullptr) {
       gauge.Read(server, now);
       endpoint->Tell(gauge.ReadFigures());
@@ -283,6 +284,46 @@ struct Administration {
   }
 };
 
+// The scene, or all of the rotation. Mistakes are in options.errors.
+std::vector<scenes::LoadResult> LoadScenes(Options& options) {
+  if (options.rotation.size() == 1) {
+    options.errors.push_back("--rotation " + options.rotation.front() + ": must be two scenes or more");
+  }
+  if (options.config.afterMatch == server::AfterMatch::kNext && options.rotation.empty()) {
+    options.errors.emplace_back("--after-match next: --rotation must say which scenes follow");
+  }
+  if (!options.rotation.empty()) {
+    options.scene = options.rotation.front();
+    if (!options.hasAfterMatch) options.config.afterMatch = server::AfterMatch::kNext;
+  }
+  std::vector<std::string> names = options.rotation;
+  if (names.empty()) names.push_back(options.scene);
+  std::vector<scenes::LoadResult> loaded;
+  std::set<std::string> known;
+  for (const std::string& name : names) {
+    const auto& [scene, source, errors] = loaded.emplace_back(scenes::LoadScene(name, scenes::FindShippedScenes()));
+    options.errors.insert(options.errors.end(), errors.begin(), errors.end());
+    if (errors.empty() && !known.insert(scene.name).second) {
+      options.errors.push_back("--rotation " + name + ": a scene of this name is in it already");
+    }
+  }
+  return loaded;
+}
+
+// Every scene with its bases, which are trained one scene after another unless the cache has them.
+std::vector<server::RotationScene> TrainScenes(const Options& options, std::vector<scenes::LoadResult> loaded) {
+  std::vector<server::RotationScene> trained;
+  for (scenes::LoadResult& each : loaded) {
+    if (loaded.size() > 1) {
+      spdlog::info("scene {} of {}: {}", trained.size() + 1, loaded.size(), each.scene.name);
+    }
+    std::vector<server::Bases> bases;
+    if (!options.isUntrained) bases = server::LoadBases(each.scene, options.cacheFolder, options.config.threads);
+    trained.push_back({.scene = std::move(each.scene), .source = std::move(each.source), .bases = std::move(bases)});
+  }
+  return trained;
+}
+
 int RunServer(Options options) {
   std::optional<recording::Recording> film;
   if (!options.replayFile.empty()) {
@@ -296,14 +337,20 @@ int RunServer(Options options) {
     options.config.seed = film->ReadHead().seed;
     options.scene = film->ReadHead().scene.name;
   }
-  scenes::LoadResult loaded =
-      film ? scenes::ParseScene(film->ReadHead().scene) : scenes::LoadScene(options.scene, scenes::FindShippedScenes());
-  if (!options.errors.empty() || !loaded.errors.empty()) {
+  std::vector<scenes::LoadResult> loaded;
+  if (film) {
+    loaded.push_back(scenes::ParseScene(film->ReadHead().scene));
+    options.errors.insert(options.errors.end(), loaded.front().errors.begin(), loaded.front().errors.end());
+  } else {
+    loaded = LoadScenes(options);
+  }
+  if (!options.errors.empty()) {
     Complain(options.errors);
-    Complain(loaded.errors);
     return kBadUsage;
   }
-  if (const auto errors = server::Validate(options.config, loaded.scene); !errors.empty()) {
+  std::vector<scenes::Scene> all;
+  for (const scenes::LoadResult& each : loaded) all.push_back(each.scene);
+  if (const auto errors = server::Validate(options.config, all); !errors.empty()) {
     Complain(errors);
     return kBadUsage;
   }
@@ -348,16 +395,19 @@ int RunServer(Options options) {
   const std::uint16_t port = transport->ReadPort();
   const std::string publicKey = vestibule::FormatKey(transport->ReadServerKey());
 
-  std::vector<server::Bases> bases;
-  if (!options.isUntrained) bases = server::LoadBases(loaded.scene, options.cacheFolder, options.config.threads);
-  server::Server server(options.config, std::move(loaded.scene), std::move(transport), ReadClock(), std::move(bases),
+  std::vector<server::RotationScene> trained = TrainScenes(options, std::move(loaded));
+  std::vector<scenes::SceneSource> sources;
+  for (const server::RotationScene& each : trained) sources.push_back(each.source);
+  server::Server server(options.config, trained.front().scene, std::move(transport), ReadClock(), trained.front().bases,
                         &ReadClock);
+  if (trained.size() > 1) server.Rotate(std::move(trained));
   if (film && !server::StartFilm(options, std::move(*film), server)) return kBadUsage;
-  if (!server::StartKeeping(options, loaded.source, server, ReadClock())) return kBadUsage;
-  if (!server::StartRecording(options, loaded.source, server, &ReadUnixTime)) return kBadUsage;
+  if (!server::StartKeeping(options, sources, server, ReadClock())) return kBadUsage;
+  if (!server::StartRecording(options, sources[server.SceneNumber()], server, &ReadUnixTime)) return kBadUsage;
   spdlog::info("this server's key is {}", publicKey);
+  const std::string rotation = fmt::format("{} of {}", server.SceneName(), fmt::join(server.ListRotation(), ", "));
   fmt::print("listening on UDP port {}{}, scene {}\n", port, options.bind.empty() ? "" : " of " + options.bind,
-             options.scene);
+             sources.size() > 1 ? rotation : options.scene);
   std::fflush(stdout);
   if (sidecar != 0) watchers.agones.emplace(sidecar);
   Run({server, *gate}, options, administration.queue, watchers);

@@ -41,7 +41,15 @@ void DescribeOptions(CLI::App& app, Options& options) {
   };
   app.description("wobbled hosts a world of soft bodies for many players.");
   app.set_version_flag("--version", std::string("wobbled ") + kVersion);
-  app.add_option("--scene", options.scene, "Name of a shipped scene, or a path to a .toml file")->capture_default_str();
+  CLI::Option* scene = app.add_option("--scene", options.scene, "Name of a shipped scene, or a path to a .toml file")
+                           ->capture_default_str();
+  CLI::Option* rotation =
+      app.add_option("--rotation", options.rotation,
+                     "Scenes that follow one another, such as arena,sumo,curtain: after a match (--rounds), by the "
+                     "orders next and scene, by the players' vote, and with --reset-when-empty; all stay in")
+          ->type_name("SCENES")
+          ->delimiter(',')
+          ->excludes(scene);
   addNumber("--port", kPortRange, config.port, "UDP port; 0: a free one, printed at the start");
   app.add_option("--bind", options.bind,
                  "Address to listen at, such as 127.0.0.1 or ::1; every address of the machine, IPv6 and IPv4, if not "
@@ -94,18 +102,23 @@ void DescribeOptions(CLI::App& app, Options& options) {
       ->envname("WOBBLE_ADMIT_WHEN_BUSY");
   addNumber("--rounds", kRoundsRange, config.rounds, "Rounds of the scene's game that make a match; 0: no end");
   const auto readAfterMatch = [&options](const std::string& word) {
-    if (word != "end" && word != "restart") {
-      options.errors.push_back("--after-match " + word + ": must be end or restart");
+    if (word != "end" && word != "restart" && word != "next") {
+      options.errors.push_back("--after-match " + word + ": must be end, restart or next");
     }
-    options.config.afterMatch = word == "restart" ? AfterMatch::kRestart : AfterMatch::kEnd;
+    options.hasAfterMatch = true;
+    options.config.afterMatch = word == "restart" ? AfterMatch::kRestart
+                                : word == "next"  ? AfterMatch::kNext
+                                                  : AfterMatch::kEnd;
   };
   app.add_option_function<std::string>(
          "--after-match", readAfterMatch,
-         "end: the server ends with the match; restart: the world begins anew, and all stay in")
-      ->type_name("end or restart")
-      ->default_str("end");
+         "end: the server ends with the match; restart: the world begins anew, and all stay in; next: so does the next "
+         "scene of --rotation")
+      ->type_name("end, restart or next")
+      ->default_str("end; with --rotation next");
   app.add_flag("--reset-when-empty", config.resetsWhenEmpty,
-               "The world begins anew when the last client has left: what was torn is whole for who comes next");
+               "The world begins anew when the last client has left, or the next scene of --rotation: what was torn is "
+               "whole for who comes next");
   addNumber("--for", kDurationRange, options.runFor, "Seconds to run; 0: until Ctrl-C");
   addNumber("--seed", kSeedRange, config.seed, "Seed of the scene's random placement");
   app.add_option("--log-level", options.logLevel, "debug, info, warn, error or off")->capture_default_str();
@@ -131,7 +144,12 @@ void DescribeOptions(CLI::App& app, Options& options) {
       app.add_option("--replay", options.replayFile,
                      "Recording to show to all who come in, who wind it with film orders (see --verify)")
           ->type_name("FILE");
-  replay->excludes("--record")->excludes("--state")->excludes("--scene")->excludes("--tick-hz")->excludes("--seed");
+  replay->excludes("--record")
+      ->excludes("--state")
+      ->excludes(scene)
+      ->excludes(rotation)
+      ->excludes("--tick-hz")
+      ->excludes("--seed");
   app.add_flag("--verify", options.isVerify,
                "Play --replay as fast as it goes and say whether every tick is the same, or the first second, tick and "
                "body that are not (exit code 1)")
@@ -177,6 +195,8 @@ void DescribeOptions(CLI::App& app, Options& options) {
       "  wobbled --admin-socket admin.sock        then: wobble admin --socket admin.sock players\n"
       "  wobbled --scene curtain --reset-when-empty\n"
       "                                           whole again for the next visitors\n"
+      "  wobbled --rotation arena,sumo,curtain --admin-socket admin.sock\n"
+      "                                           then: wobble admin --socket admin.sock next\n"
       "  wobbled --for 30 --summary run.json      half a minute, figures at the end\n"
       "  wobbled --ops 9100                       then: curl 127.0.0.1:9100/metrics\n"
       "  wobbled --record matches                 record what is played; then, to prove it:\n"

@@ -13,10 +13,12 @@ namespace wobble::server {
 struct Options {
   Config config;
   std::string scene = "arena";
-  double runFor = 0;       // s; 0: until a signal
-  double statusEvery = 0;  // s; 0: no status lines
-  std::string bind;        // address to listen at; empty: every one of the machine
-  std::string keyFile;     // of the server's key; empty: server.key in the state folder
+  std::vector<std::string> rotation;  // scenes that follow one another, scene being the first; empty: none
+  bool hasAfterMatch = false;         // it was given
+  double runFor = 0;                  // s; 0: until a signal
+  double statusEvery = 0;             // s; 0: no status lines
+  std::string bind;                   // address to listen at; empty: every one of the machine
+  std::string keyFile;                // of the server's key; empty: server.key in the state folder
   admission::GateFiles gate;
   std::string adminSocket;  // path; empty: none
   std::string adminHttp;    // HOST:PORT; empty: none

@@ -148,10 +148,12 @@ bool StartFilm(const Options& options, recording::Recording film, Server& server
   return true;
 }
 
-bool StartKeeping(const Options& options, const scenes::SceneSource& source, Server& server, double now) {
+bool StartKeeping(const Options& options, std::span<const scenes::SceneSource> sources, Server& server, double now) {
   if (options.stateFolder.empty()) return true;
   if (!OpenFolder("--state", options.stateFolder)) return false;
-  auto checkpoints = std::make_unique<recording::Checkpoints>(options.stateFolder, MakeHead(options, source));
+  std::vector<recording::Head> heads;
+  for (const scenes::SceneSource& source : sources) heads.push_back(MakeHead(options, source));
+  auto checkpoints = std::make_unique<recording::Checkpoints>(options.stateFolder, std::move(heads));
   const recording::FoundCheckpoint found = checkpoints->FindNewest();
   for (const std::string& complaint : found.complaints) spdlog::warn("--state: {}", complaint);
   if (found.checkpoint) {

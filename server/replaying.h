@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 
 #include "server/options.h"
 #include "server/server.h"
@@ -21,9 +22,11 @@ namespace wobble::server {
 
 // These return false after they have reported what failed. --replay: shows the recording.
 [[nodiscard]] bool StartFilm(const Options& options, recording::Recording film, Server& server);
-// --state: goes on from the newest checkpoint, if there is one, and keeps checkpoints from here on. now: s.
-[[nodiscard]] bool StartKeeping(const Options& options, const scenes::SceneSource& source, Server& server, double now);
-// --record. readUnixTime: s since 1970, called from another thread.
+// --state: goes on from the newest checkpoint, if there is one, and keeps checkpoints from here on. sources: of all
+// scenes of the server, in their order. now: s.
+[[nodiscard]] bool StartKeeping(const Options& options, std::span<const scenes::SceneSource> sources, Server& server,
+                                double now);
+// --record. source: of the present scene. readUnixTime: s since 1970, called from another thread.
 [[nodiscard]] bool StartRecording(const Options& options, const scenes::SceneSource& source, Server& server,
                                   std::uint64_t (*readUnixTime)());
 

@@ -35,18 +35,15 @@ Server::Server(const Config& config, scenes::Scene scene, std::unique_ptr<transp
                std::vector<Bases> bases, TimeSource clock)
     : m_config(config),
       m_transport(std::move(transport)),
-      m_playground(std::move(scene),
-                   {.tickDuration = 1.0 / config.tickHz, .seed = config.seed, .threads = config.threads}),
-      m_grounds(CaptureGrounds(World().Obstacles())),
       m_clock(1.0 / config.tickHz, now),
       m_watch(std::move(clock)),
-      m_store(World(), config.threads, std::move(bases), m_watch),
+      m_stage(std::make_unique<Stage>(m_config, std::move(scene), std::move(bases), m_watch)),
       m_sender(*m_transport, config.viewDistance),
       m_load(1.0 / config.tickHz),
       m_snapshotHz(config.snapshotHz),
       m_lastCompany(now),
       m_lastCall(now) {
-  assert(Validate(m_config, m_playground.Scene()).empty());
+  assert(m_config.afterMatch == AfterMatch::kNext || Validate(m_config, m_stage->playground.Scene()).empty());
   PublishBlueprints();
 }
 
@@ -54,6 +51,7 @@ int Server::Tick(double now) {
   m_watch.Begin(Phase::kReceive);
   Receive(now);
   FollowVote(now);
+  FollowRotation(now);
   SendDownloads();
   PauseOrResume(now);
   const int jumped = m_isPaused ? 0 : m_clock.TakeJumpTicks();
@@ -77,8 +75,12 @@ int Server::Tick(double now) {
 }
 
 void Server::Record(recording::RecorderSettings settings, recording::Head head) {
-  m_recorder = std::make_unique<recording::Recorder>(std::move(settings), std::move(head), m_playground);
-  m_playground.SetListener([this](const Entry& entry) { m_recorder->Note(entry, World().Tick()); });
+  m_recorder = std::make_unique<recording::Recorder>(std::move(settings), std::move(head), m_stage->playground);
+  RecordStage();
+}
+
+void Server::RecordStage() {
+  m_stage->playground.SetListener([this](const Entry& entry) { m_recorder->Note(entry, World().Tick()); });
 }
 
 void Server::EndRecording() {
@@ -93,12 +95,12 @@ void Server::Receive(double now) {
 
 void Server::Step() {
   m_watch.Enter(Phase::kStep);
-  RestartAfterMatch();
+  FollowMatch();
   ApplyInputs();
   ++m_shownTick;
   if (m_film != nullptr) return ShowFilm();
-  m_report = m_playground.Step();
-  if (m_recorder != nullptr) m_recorder->FollowTick(m_playground);
+  m_report = m_stage->playground.Step();
+  if (m_recorder != nullptr) m_recorder->FollowTick(m_stage->playground);
   if (World().Tick() % static_cast<std::uint32_t>(m_config.tickHz) == 0) SaveState();
   const physics::StepReport& report = m_report;
   m_counts.substeps += report.substeps;
@@ -114,16 +116,16 @@ void Server::Step() {
   }
   TellHappenings();
   TellStandings();
-  m_store.FollowStep(m_shownTick);
+  m_stage->store.FollowStep(m_shownTick);
 }
 
 void Server::Capture() {
   m_watch.Enter(Phase::kCapture);
   PublishBlueprints();
-  m_store.BeginSnapshot();
+  m_stage->store.BeginSnapshot();
 }
 
-void Server::Encode(BodySubset due) { m_store.EncodeAhead(due); }
+void Server::Encode(BodySubset due) { m_stage->store.EncodeAhead(due); }
 
 void Server::Send(BodySubset due, double now) {
   m_watch.Enter(Phase::kSend);
@@ -140,7 +142,7 @@ void Server::Send(BodySubset due, double now) {
     task.creditBytes = session.subscription.sent.LossShare() > kHeavyLoss ? bytes / 2 : bytes;
     task.now = now;
     task.download = &session.download;
-    m_sender.Send(m_store, task, session.subscription);
+    m_sender.Send(m_stage->store, task, session.subscription);
   }
   if (due.remainder == 0) SendForces();
   m_transport->Flush();
@@ -164,7 +166,7 @@ void Server::PauseOrResume(double now) {
 double Server::NextCall() const { return m_isPaused ? m_lastCall + kPausedPoll : m_clock.NextTick(); }
 
 void Server::PublishBlueprints() {
-  for (const std::uint8_t slot : m_store.FollowBlueprints(m_playground.ReadWorkshop())) {
+  for (const std::uint8_t slot : m_stage->store.FollowBlueprints(m_stage->playground.ReadWorkshop())) {
     for (auto& [connection, session] : m_sessions) {
       if (session.state == Session::State::kPlaying) session.download.Renew(slot);
     }
@@ -179,7 +181,7 @@ std::optional<BodySubset> Server::FindDueBodies() const {
   if (CountPlaying() == 0) return {};
   const auto tick = m_shownTick;
   const auto tickHz = static_cast<std::uint32_t>(m_config.tickHz), hz = static_cast<std::uint32_t>(m_snapshotHz);
-  if (m_store.Bodies().size() >= kManyBodies && tickHz % hz == 0) {
+  if (m_stage->store.Bodies().size() >= kManyBodies && tickHz % hz == 0) {
     const std::uint32_t parts = tickHz / hz;
     return BodySubset{.remainder = tick % parts, .divisor = parts};
   }
@@ -213,7 +215,7 @@ void Server::ApplyInputs() {
     m_counts.inputsStarved += session.inputs.CountStarved() - starved;
     MoveEntry move{session.clientId, control, session.hand};
     if (session.isMuted) move.hand.reset();
-    if (!m_playground.IsInForce(move)) m_playground.Take(move);
+    if (!m_stage->playground.IsInForce(move)) m_stage->playground.Take(move);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <future>
 #include <map>
 #include <memory>
 #include <optional>
@@ -13,14 +14,12 @@
 
 #include "protocol/transport/transport.h"
 #include "server/config.h"
-#include "server/play/playground.h"
 #include "server/recording/checkpoints.h"
 #include "server/recording/film.h"
 #include "server/recording/recorder.h"
 #include "server/session.h"
-#include "server/snapshots/capture.h"
 #include "server/snapshots/snapshot_sender.h"
-#include "server/snapshots/snapshot_store.h"
+#include "server/stage.h"
 #include "server/timing/load_level.h"
 #include "server/timing/phases.h"
 #include "server/timing/tick_clock.h"
@@ -40,7 +39,8 @@ struct Counts {
   std::uint64_t reset = 0;
   std::uint64_t torn = 0;  // springs
   std::uint64_t respawns = 0;
-  double pausedTime = 0;  // s
+  double pausedTime = 0;              // s
+  std::uint64_t coarsenedBefore = 0;  // records, of the scenes before (Server::CoarsenedRecords)
   std::uint64_t joins = 0;
   std::uint64_t leaves = 0;                                   // clients that said goodbye
   std::uint64_t disconnects = 0;                              // clients lost, silent or sent away after they had joined
@@ -87,8 +87,7 @@ class Server {
   [[nodiscard]] double NextCall() const;
   [[nodiscard]] bool IsPaused() const { return m_isPaused; }
 
-  // Whether Config::rounds rounds of the game have been played and the server is to end. Never with
-  // AfterMatch::kRestart.
+  // Whether Config::rounds rounds of the game have been played and the server is to end. Only with AfterMatch::kEnd.
   [[nodiscard]] bool IsMatchOver() const;
   // Says goodbye to all clients. why: added to the reason that the server closes; may be empty. The world stops; call
   // Poll until IsEmpty or until a deadline.
@@ -122,6 +121,22 @@ class Server {
   // Players who have not come back yet.
   [[nodiscard]] std::size_t CountEmptySeats() const { return m_emptySeats.size(); }
 
+  // server_rotation.cpp: the scenes that follow one another, with all clients taken along; the first is that of the
+  // constructor. Two or more, of different names, each valid with the config. Call it before the first Tick, and before
+  // KeepState and Record.
+  void Rotate(std::vector<RotationScene> scenes);
+  // Goes to a scene of the rotation before the first Tick.
+  void BeginWith(std::size_t scene);
+  // Their names; empty: the server stays in its scene.
+  [[nodiscard]] std::vector<std::string> ListRotation() const;
+  // The present one's number in it; 0 without a rotation.
+  [[nodiscard]] std::size_t SceneNumber() const { return m_scene; }
+  [[nodiscard]] const std::string& SceneName() const { return m_stage->playground.Scene().name; }
+  // Goes to that scene of the rotation, or to the one behind the present one, within moments: it is made on another
+  // thread, while the present one is played on. Returns the reason of a refusal; empty: none.
+  std::string GoToScene(const std::string& name);
+  std::string GoToNextScene();
+
   // server_rule.cpp: what the administration asks for (server/admin). False, where it is returned: no such client is
   // in.
   struct Player {
@@ -148,10 +163,12 @@ class Server {
   void ResetWorld();
   // RestartEntry, and the usual pace of time. Acts at once, on a paused world as well.
   void RestartWorld();
-  // Takes a player's voice for RestartWorld and tells everybody the count. More than half of the players, without
-  // spectators and muted ones, restart the world (vote.h), unless it is protected. Returns the reason of a refusal, for
+  // What players vote on.
+  enum class Question : std::uint8_t { kRestart, kNextScene };
+  // Takes a player's voice and tells everybody the count. More than half of the players, without spectators and muted
+  // ones, decide (vote.h), unless the world is protected. One question at a time. Returns the reason of a refusal, for
   // the player; empty: the voice counts.
-  std::string VoteForRestart(ClientId client, double now);
+  std::string VoteFor(Question question, ClientId client, double now);
   // A line for everybody, and for one client.
   void Say(const std::string& text);
   bool Tell(ClientId client, const std::string& text);
@@ -162,9 +179,12 @@ class Server {
 
   // The tick that clients are told: one more with each step. It is the world's, unless a recording is shown.
   [[nodiscard]] std::uint32_t ShownTick() const { return m_shownTick; }
-  [[nodiscard]] const physics::World& World() const { return m_playground.World(); }
+  [[nodiscard]] const physics::World& World() const { return m_stage->playground.World(); }
   [[nodiscard]] const Counts& ReadCounts() const { return m_counts; }
-  [[nodiscard]] const Encoder& ReadEncoder() const { return m_store.ReadEncoder(); }
+  // Records so far that missed their error target to fit into a packet, or did not fit at all.
+  [[nodiscard]] std::uint64_t CoarsenedRecords() const {
+    return m_counts.coarsenedBefore + m_stage->store.ReadEncoder().CoarsenedRecords();
+  }
   [[nodiscard]] const SendCounts& ReadSendCounts() const { return m_sender.Counts(); }
   [[nodiscard]] transport::Statistics ReadTransport() const { return m_transport->ReadStatistics(); }
   [[nodiscard]] const TickClock& Clock() const { return m_clock; }
@@ -199,7 +219,17 @@ class Server {
 
   void PauseOrResume(double now);
   // Begins the next match in the same process, if Config::afterMatch says so and the last one is over.
-  void RestartAfterMatch();
+  void FollowMatch();
+  void MakeNextStage(std::size_t scene);
+  // Goes to the next scene once it is made.
+  void FollowRotation(double now);
+  // Begins with the stage, in place of the present one; nobody is in it.
+  void TakeStage(std::unique_ptr<Stage> stage, std::size_t scene);
+  void RecordStage();
+  // The client says hello again, for the scene that has just begun.
+  void TakeAlong(Session& session, double now);
+  // When the last client has left, if Config::resetsWhenEmpty says so.
+  void BeginAnew();
   // The bodies of the snapshot that is due after this tick; nullopt: none is due.
   [[nodiscard]] std::optional<BodySubset> FindDueBodies() const;
   // Adapts snapshots and world time to the load; ticks: how many the last call played because they were due.
@@ -211,6 +241,8 @@ class Server {
   // server_clients.cpp: connections, from their first byte to their goodbye.
   void TakeEvent(const transport::Event& event, double now);
   void Join(Session& session);
+  // False, and it is refused: there is no room.
+  bool LetIn(Session& session);
   void SendWelcome(Session& session);
   // Sends heights and blueprints that are due to all who have joined.
   void SendDownloads();
@@ -250,7 +282,6 @@ class Server {
 
   Config m_config;
   std::unique_ptr<transport::Transport> m_transport;
-  Playground m_playground;
   std::uint32_t m_shownTick = 0;
   std::unique_ptr<recording::Film> m_film;
   std::map<ClientId, std::pair<physics::BodyId, std::string>> m_filmPlayers;  // as clients were told
@@ -258,18 +289,21 @@ class Server {
   std::unique_ptr<recording::Checkpoints> m_checkpoints;
   std::map<ClientId, recording::Identity> m_emptySeats;  // of players who have not come back after Resume
   double m_seatsUntil = 0;                               // s
-  std::vector<CapturedGround> m_grounds;
   std::map<transport::ConnectionId, Session> m_sessions;
   TickClock m_clock;
   PhaseWatch m_watch;
   std::vector<PhaseTimes> m_lastTicks;
-  SnapshotStore m_store;
+  std::unique_ptr<Stage> m_stage;
+  std::vector<RotationScene> m_rotation;  // empty: none
+  std::size_t m_scene = 0;                // of m_rotation, the present one
+  std::size_t m_nextScene = 0;            // likewise, of m_nextStage
+  std::future<std::unique_ptr<Stage>> m_nextStage;
   SnapshotSender m_sender;
   LoadController m_load;
   int m_snapshotHz;
   physics::StepReport m_report;
   Pace m_pace;
-  std::uint64_t m_sentStandings = 0;  // Sumo::Revision of the standings sent last
+  std::optional<std::uint64_t> m_sentStandings;  // Sumo::Revision of the standings sent last; nullopt: none
   Counts m_counts;
   double m_lastCompany;  // when a connection was there last, or the server started, s
   double m_lastCall;     // s
@@ -278,7 +312,8 @@ class Server {
   bool m_isClosing = false;
   bool m_isLocked = false;
   OrderTaker m_orderTaker;
-  Vote m_vote;  // on RestartWorld
+  Vote m_vote;
+  Question m_question = Question::kRestart;  // of m_vote
 };
 
 }  // namespace wobble::server

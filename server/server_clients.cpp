@@ -18,7 +18,7 @@ void Server::TakeEvent(const transport::Event& event, double now) {
   if (event.kind == Kind::kConnected) {
     Session& session = m_sessions[event.connection];
     session.connection = event.connection;
-    session.connectedAt = session.lastHeard = now;
+    session.connectedAt = session.awaitsSince = session.lastHeard = now;
     session.joinPatience = protocol::FindJoinPatience(m_transport->ReadRoundTrip(event.connection));
     if (event.admission != nullptr) session.admission = *event.admission;
     session.maxInputs = protocol::FindMaxInputs(static_cast<unsigned>(m_config.tickHz));
@@ -29,7 +29,7 @@ void Server::TakeEvent(const transport::Event& event, double now) {
   if (found == m_sessions.end()) return;
   Session& session = found->second;
   if (event.kind == Kind::kDisconnected) {
-    ForgetPlayer(session, session.state == Session::State::kPlaying);
+    ForgetPlayer(session, session.IsIn());
     m_sessions.erase(found);
     return;
   }
@@ -64,38 +64,47 @@ void Server::TakeEvent(const transport::Event& event, double now) {
   }
 }
 
-void Server::Join(Session& session) {
+bool Server::LetIn(Session& session) {
   if (CountPlaying() >= static_cast<std::size_t>(m_config.maxClients)) {
     End(session, GoodbyeReason::ServerFull,
         std::to_string(m_config.maxClients) + " of " + std::to_string(m_config.maxClients) + " players are in");
-    return;
+    return false;
   }
   if (IsBusy()) {
     End(session, GoodbyeReason::Busy, "the machine has no time for more players; try again later");
-    return;
+    return false;
   }
   if (m_isLocked && session.admission.rank < transport::Rank::kModerator) {
     End(session, GoodbyeReason::ServerFull, std::string(protocol::kLockedDetail));
-    return;
+    return false;
   }
-  PublishBlueprints();  // to the others; the newcomer gets all blueprints after its welcome
   std::vector<std::string_view> taken;
   for (const auto& [connection, other] : m_sessions) {
-    if (other.state == Session::State::kPlaying) taken.push_back(other.name);
+    if (other.IsIn()) taken.push_back(other.name);
   }
   session.name = MakeDistinct(session.name, taken);
-  const bool isBack = TakeSeat(session);
+  return true;
+}
+
+void Server::Join(Session& session) {
+  const bool comesAlong = session.ComesAlong();
+  if (!comesAlong && !LetIn(session)) return;
+  PublishBlueprints();  // to the others; the newcomer gets all blueprints after its welcome
+  const bool isBack = !comesAlong && TakeSeat(session);
   session.state = Session::State::kPlaying;
-  if (!isBack) session.clientId = m_nextClientId++;
+  if (session.clientId == 0) session.clientId = m_nextClientId++;
   if (m_film != nullptr) {
     session.spectator = true;
   } else {
-    if (!isBack) m_playground.Take(JoinEntry{session.clientId, session.spectator, session.name});
-    session.body = m_playground.FindPlayer(session.clientId)->body;
+    if (!isBack) m_stage->playground.Take(JoinEntry{session.clientId, session.spectator, session.name});
+    session.body = m_stage->playground.FindPlayer(session.clientId)->body;
   }
-  ++m_counts.joins;
+  if (!comesAlong) ++m_counts.joins;
   m_counts.clientsPeak = std::max(m_counts.clientsPeak, CountPlaying());
-  spdlog::info("client {} ({}) {}{}", session.clientId, session.name, isBack ? "is back" : "joined",
+  spdlog::info("client {} ({}) {}{}", session.clientId, session.name,
+               comesAlong ? "came along"
+               : isBack   ? "is back"
+                          : "joined",
                session.spectator ? " as spectator" : "");
   SendWelcome(session);
   Broadcast(protocol::MakeEvent(EventKind::Join, m_shownTick, session.clientId, session.body, session.name));
@@ -109,16 +118,16 @@ void Server::SendWelcome(Session& session) {
   fields.tick = m_shownTick;
   fields.tickHz = static_cast<std::uint16_t>(m_config.tickHz);
   fields.snapshotHz = static_cast<std::uint16_t>(m_config.snapshotHz);
-  fields.scene = m_playground.Scene().name;
-  fields.blueprintCount = static_cast<std::uint16_t>(m_store.Blueprints().All().size());
+  fields.scene = m_stage->playground.Scene().name;
+  fields.blueprintCount = static_cast<std::uint16_t>(m_stage->store.Blueprints().All().size());
   fields.obstacles = CaptureObstacles(World().Obstacles());
-  for (const CapturedGround& ground : m_grounds) fields.heightFields.push_back(ground.field);
-  fields.hands = CaptureHands(m_playground.Scene());
-  fields.reach = static_cast<float>(m_playground.Scene().hands.reach);
-  fields.game = m_film != nullptr ? kFilm : m_playground.ReadGame() != nullptr ? "sumo" : "";
-  fields.workshop = m_playground.ReadWorkshop() != nullptr ? m_playground.ReadWorkshop()->Body() : 0;
+  for (const CapturedGround& ground : m_stage->grounds) fields.heightFields.push_back(ground.field);
+  fields.hands = CaptureHands(m_stage->playground.Scene());
+  fields.reach = static_cast<float>(m_stage->playground.Scene().hands.reach);
+  fields.game = m_film != nullptr ? kFilm : m_stage->playground.ReadGame() != nullptr ? "sumo" : "";
+  fields.workshop = m_stage->playground.ReadWorkshop() != nullptr ? m_stage->playground.ReadWorkshop()->Body() : 0;
   fields.rank = static_cast<protocol::wire::Rank>(session.admission.rank);
-  fields.ownBlueprint = static_cast<std::uint8_t>(m_playground.Scene().player.blueprint);
+  fields.ownBlueprint = static_cast<std::uint8_t>(m_stage->playground.Scene().player.blueprint);
   const auto send = [&](const protocol::Message& message) {
     if (m_transport->Send(session.connection, Channel::kControl, message) != transport::SendResult::kQueued) {
       spdlog::warn("client {}: could not be welcomed", session.clientId);
@@ -133,14 +142,15 @@ void Server::SendWelcome(Session& session) {
   for (const auto& [client, told] : m_filmPlayers) {
     send(protocol::MakeEvent(EventKind::Join, m_shownTick, client, told.first, told.second));
   }
-  session.download.Begin(m_grounds.size(), m_store.Blueprints().All().size(), fields.ownBlueprint, session.kept);
+  session.download.Begin(m_stage->grounds.size(), m_stage->store.Blueprints().All().size(), fields.ownBlueprint,
+                         session.kept);
   session.kept = {};
 }
 
 void Server::SendDownloads() {
   for (auto& [connection, session] : m_sessions) {
     if (session.state != Session::State::kPlaying || session.download.IsDone()) continue;
-    session.download.SendDue(m_grounds, m_store.Blueprints(),
+    session.download.SendDue(m_stage->grounds, m_stage->store.Blueprints(),
                              [&](const protocol::Message& message) { SendTo(session, message); });
   }
 }
@@ -149,9 +159,9 @@ void Server::End(Session& session, GoodbyeReason reason, const std::string& deta
   const std::string who = session.clientId != 0 ? fmt::format("client {} ({})", session.clientId, session.name)
                                                 : fmt::format("connection {}", session.connection);
   spdlog::info("{} is sent away: {}", who, protocol::DescribeGoodbye(reason, detail));
-  if (session.state == Session::State::kAwaitingHello) ++m_counts.refusals;
+  if (!session.IsIn()) ++m_counts.refusals;
   ++m_counts.goodbyes[static_cast<std::size_t>(reason)];
-  ForgetPlayer(session, session.state == Session::State::kPlaying && !m_isClosing);
+  ForgetPlayer(session, session.IsIn() && !m_isClosing);
   session.state = Session::State::kEnding;
   const protocol::Message goodbye = protocol::MakeServerGoodbye(reason, detail);
   if (m_transport->Send(session.connection, Channel::kControl, goodbye) != transport::SendResult::kQueued) {
@@ -161,20 +171,28 @@ void Server::End(Session& session, GoodbyeReason reason, const std::string& deta
 }
 
 void Server::ForgetPlayer(Session& session, bool isLost) {
-  if (session.state != Session::State::kPlaying) return;
+  if (!session.IsIn()) return;
+  const bool isBetweenScenes = session.ComesAlong();
   session.state = Session::State::kEnding;
   ++(isLost ? m_counts.disconnects : m_counts.leaves);
   if (isLost) spdlog::info("client {} ({}) was lost", session.clientId, session.name);
-  if (m_film == nullptr) m_playground.Take(LeaveEntry{session.clientId});
-  if (m_film == nullptr && m_playground.Players().empty()) {
+  if (isBetweenScenes) return;
+  if (m_film == nullptr) m_stage->playground.Take(LeaveEntry{session.clientId});
+  if (m_film == nullptr && m_stage->playground.Players().empty()) {
     m_clock.SetRate(1);
-    // Not while the server closes: its summary is of the world that was played.
-    if (m_config.resetsWhenEmpty && !m_isClosing) RestartWorld();
+    BeginAnew();
   }
   Broadcast(protocol::MakeEvent(EventKind::Leave, m_shownTick, session.clientId, session.body, session.name));
   if (session.body != 0) Broadcast(protocol::MakeEvent(EventKind::BodyRemoved, m_shownTick, 0, session.body, ""));
   session.body = 0;
   SendTuning();
+}
+
+void Server::BeginAnew() {
+  // Not while the server closes: its summary is of the world that was played.
+  if (!m_config.resetsWhenEmpty || m_isClosing || CountPlaying() > 0) return;
+  if (m_rotation.empty()) return RestartWorld();
+  if (const std::string refusal = GoToNextScene(); !refusal.empty()) spdlog::debug("{}", refusal);
 }
 
 void Server::EndTimedOut(double now) {
@@ -209,7 +227,7 @@ void Server::Close(const std::string& why, double now) {
 void Server::ListPlaying(std::vector<ClientId>& clients) const {
   clients.clear();
   for (const auto& [connection, session] : m_sessions) {
-    if (session.state == Session::State::kPlaying) clients.push_back(session.clientId);
+    if (session.IsIn()) clients.push_back(session.clientId);
   }
 }
 
@@ -224,8 +242,11 @@ ClientCounts Server::CountClients() const {
   for (const auto& [connection, session] : m_sessions) {
     switch (session.state) {
       case Session::State::kAwaitingHello:
-        ++counts.joining;
-        break;
+        if (!session.ComesAlong()) {
+          ++counts.joining;
+          break;
+        }
+        [[fallthrough]];
       case Session::State::kPlaying:
         ++(session.spectator ? counts.watching : counts.playing);
         break;
@@ -238,9 +259,8 @@ ClientCounts Server::CountClients() const {
 }
 
 std::size_t Server::CountPlaying() const {
-  return static_cast<std::size_t>(std::count_if(m_sessions.begin(), m_sessions.end(), [](const auto& entry) {
-    return entry.second.state == Session::State::kPlaying;
-  }));
+  return static_cast<std::size_t>(
+      std::count_if(m_sessions.begin(), m_sessions.end(), [](const auto& entry) { return entry.second.IsIn(); }));
 }
 
 }  // namespace wobble::server

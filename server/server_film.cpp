@@ -16,11 +16,11 @@ constexpr ClientId kFirstWatcher = 1U << 30;
 }  // namespace
 
 std::string Server::Show(std::unique_ptr<recording::Film> film) {
-  std::string error = film->Begin(m_playground);
+  std::string error = film->Begin(m_stage->playground);
   if (!error.empty()) return error;
   m_film = std::move(film);
   m_nextClientId = kFirstWatcher;
-  m_store.FollowStep(m_shownTick);
+  m_stage->store.FollowStep(m_shownTick);
   PublishBlueprints();
   TellFilmPlayers();
   return {};
@@ -32,13 +32,13 @@ void Server::ShowFilm() {
   TellHappenings();
   TellStandings();
   if (hasMoved) TellFilmPlayers();
-  m_store.FollowStep(m_shownTick);
+  m_stage->store.FollowStep(m_shownTick);
 }
 
 // Whoever is in now and was not, and the other way round: they came and went, or the film has jumped.
 void Server::TellFilmPlayers() {
   std::map<ClientId, std::pair<physics::BodyId, std::string>> present;
-  for (const auto& [client, player] : m_playground.Players()) present[client] = {player.body, player.name};
+  for (const auto& [client, player] : m_stage->playground.Players()) present[client] = {player.body, player.name};
   for (const auto& [client, told] : m_filmPlayers) {
     const auto& [body, name] = told;
     const auto now = present.find(client);

@@ -38,7 +38,7 @@ void Server::Obey(Session& session, const Command& command, double now) {
   const auto take = [&](const auto& each) {
     ActEntry entry = act;
     entry.command = each;
-    return m_playground.Take(entry);
+    return m_stage->playground.Take(entry);
   };
   const std::string refusal = std::visit(Visitor{
                                              [&](const InspectCommand& inspect) {
@@ -60,10 +60,10 @@ std::string Server::Tune(const Session& session, const TuneCommand& command, dou
   const bool isHost = session.admission.rank == transport::Rank::kOwner;
   std::string error;
   if (!IsOfTime(command.kind)) {
-    error = m_playground.Take(ActEntry{.client = session.clientId, .isHost = isHost, .command = command});
+    error = m_stage->playground.Take(ActEntry{.client = session.clientId, .isHost = isHost, .command = command});
   } else if (session.body == 0) {
     error = kSpectatorsCannotTune;
-  } else if (!m_playground.ReadTuning().MayTune(command.kind, isHost)) {
+  } else if (!m_stage->playground.ReadTuning().MayTune(command.kind, isHost)) {
     error = kMayNotTune;
   } else {
     error = m_pace.Tune(command, isHost, now, m_clock);
@@ -73,7 +73,7 @@ std::string Server::Tune(const Session& session, const TuneCommand& command, dou
 }
 
 void Server::TellHappenings() {
-  for (const Happening& happening : m_playground.TakeHappenings()) {
+  for (const Happening& happening : m_stage->playground.TakeHappenings()) {
     const bool isFall = happening.kind == Happening::Kind::kFall;
     m_counts.respawns += isFall ? 0 : 1;
     Broadcast(protocol::MakeEvent(isFall ? EventKind::Fall : EventKind::Respawn, m_shownTick, happening.by,
@@ -82,34 +82,38 @@ void Server::TellHappenings() {
 }
 
 void Server::TellStandings() {
-  const Sumo* game = m_playground.ReadGame();
+  const Sumo* game = m_stage->playground.ReadGame();
   if (game == nullptr) return;
   const bool isSecond = m_shownTick % static_cast<std::uint32_t>(m_config.tickHz) == 0;
   if (isSecond || game->Revision() != m_sentStandings) SendStandings();
 }
 
 bool Server::HasPlayedAllRounds() const {
-  const Sumo* game = m_playground.ReadGame();
+  const Sumo* game = m_stage->playground.ReadGame();
   return game != nullptr && m_config.rounds > 0 && game->Round() > m_config.rounds;
 }
 
 bool Server::IsMatchOver() const { return m_config.afterMatch == AfterMatch::kEnd && HasPlayedAllRounds(); }
 
-void Server::RestartAfterMatch() {
-  if (m_config.afterMatch != AfterMatch::kRestart || !HasPlayedAllRounds()) return;
-  RestartWorld();
-  Say("the match is over, and the next one begins");
+void Server::FollowMatch() {
+  if (m_config.afterMatch == AfterMatch::kEnd || !HasPlayedAllRounds() || m_nextStage.valid()) return;
+  if (m_config.afterMatch == AfterMatch::kRestart) {
+    RestartWorld();
+    Say("the match is over, and the next one begins");
+  } else if (GoToNextScene().empty()) {
+    Say("the match is over; the next scene is " + m_rotation[m_nextScene].scene.name);
+  }
 }
 
 void Server::SendStandings() {
-  const Sumo& game = *m_playground.ReadGame();
+  const Sumo& game = *m_stage->playground.ReadGame();
   m_sentStandings = game.Revision();
   protocol::ScoreboardFields board;
   const bool isWon = game.ReadPhase() == Sumo::Phase::kWon;
   board.phase = isWon ? protocol::wire::GamePhase::Won : protocol::wire::GamePhase::Playing;
   board.round = static_cast<std::uint16_t>(game.Round());
   board.secondsLeft = static_cast<std::uint16_t>(std::max(0.0, game.SecondsLeft()));
-  board.pointsToWin = static_cast<std::uint16_t>(m_playground.Scene().game.pointsToWin);
+  board.pointsToWin = static_cast<std::uint16_t>(m_stage->playground.Scene().game.pointsToWin);
   board.winner = game.Winner();
   for (const Sumo::Standing& each : game.Standings()) {
     board.scores.emplace_back(each.client, static_cast<std::uint16_t>(each.points),
@@ -122,7 +126,7 @@ void Server::SendTuning() {
   for (const auto& [connection, session] : m_sessions) {
     if (session.state != Session::State::kPlaying) continue;
     const bool isSpectator = session.body == 0;
-    SendTo(session, protocol::MakeTuning(CaptureTuning(m_playground.ReadTuning(), m_clock.Rate(), isSpectator,
+    SendTo(session, protocol::MakeTuning(CaptureTuning(m_stage->playground.ReadTuning(), m_clock.Rate(), isSpectator,
                                                        session.admission.rank == transport::Rank::kOwner)));
   }
 }

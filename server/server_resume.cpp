@@ -26,8 +26,11 @@ void Server::KeepState(std::unique_ptr<recording::Checkpoints> checkpoints) {
 
 void Server::SaveState() {
   if (m_checkpoints == nullptr || m_isClosing) return;
-  recording::Checkpoint checkpoint{
-      .number = 0, .ground = m_playground.Capture(), .nextClient = m_nextClientId, .seats = m_emptySeats};
+  recording::Checkpoint checkpoint{.number = 0,
+                                   .ground = m_stage->playground.Capture(),
+                                   .nextClient = m_nextClientId,
+                                   .seats = m_emptySeats,
+                                   .scene = m_scene};
   for (const auto& [connection, session] : m_sessions) {
     if (session.body != 0) checkpoint.seats[session.clientId] = session.admission.identity;
   }
@@ -35,11 +38,12 @@ void Server::SaveState() {
 }
 
 std::string Server::Resume(const recording::Checkpoint& checkpoint, double now) {
-  std::string error = m_playground.Restore(checkpoint.ground);
+  if (!m_rotation.empty()) BeginWith(checkpoint.scene);
+  std::string error = m_stage->playground.Restore(checkpoint.ground);
   if (!error.empty()) return error;
   m_seatsUntil = now + kSeatPatience;
   std::vector<ClientId> gone;
-  for (const auto& [client, player] : m_playground.Players()) {
+  for (const auto& [client, player] : m_stage->playground.Players()) {
     m_nextClientId = std::max(m_nextClientId, client + 1);
     const auto seat = checkpoint.seats.find(client);
     const bool mayComeBack = player.body != 0 && seat != checkpoint.seats.end() && IsKnown(seat->second);
@@ -47,12 +51,12 @@ std::string Server::Resume(const recording::Checkpoint& checkpoint, double now) 
     if (!mayComeBack) gone.push_back(client);
   }
   m_nextClientId = std::max(m_nextClientId, checkpoint.nextClient);
-  for (const ClientId client : gone) m_playground.Take(LeaveEntry{client});
+  for (const ClientId client : gone) m_stage->playground.Take(LeaveEntry{client});
   for (const auto& [client, identity] : m_emptySeats) {
-    m_playground.Take(MoveEntry{.client = client, .control = {}, .hand = {}});
+    m_stage->playground.Take(MoveEntry{.client = client, .control = {}, .hand = {}});
   }
   m_shownTick = World().Tick();
-  m_store.FollowStep(m_shownTick);
+  m_stage->store.FollowStep(m_shownTick);
   PublishBlueprints();
   spdlog::info("tick {}: the world goes on; {} players may come back to their bodies", m_shownTick,
                m_emptySeats.size());
@@ -81,15 +85,15 @@ bool Server::TakeSeat(Session& session) {
     other.state = Session::State::kEnding;
     m_transport->Disconnect(other.connection);
   }
-  session.name = m_playground.FindPlayer(session.clientId)->name;
+  session.name = m_stage->playground.FindPlayer(session.clientId)->name;
   return true;
 }
 
 void Server::ClearSeats(double now) {
   if (m_emptySeats.empty() || now < m_seatsUntil) return;
   for (const auto& [client, identity] : m_emptySeats) {
-    const Playground::Player player = *m_playground.FindPlayer(client);
-    m_playground.Take(LeaveEntry{client});
+    const Playground::Player player = *m_stage->playground.FindPlayer(client);
+    m_stage->playground.Take(LeaveEntry{client});
     Broadcast(protocol::MakeEvent(EventKind::Leave, m_shownTick, client, player.body, player.name));
     Broadcast(protocol::MakeEvent(EventKind::BodyRemoved, m_shownTick, 0, player.body, ""));
     spdlog::info("client {} ({}) has not come back", client, player.name);

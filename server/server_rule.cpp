@@ -13,7 +13,7 @@ using protocol::wire::GoodbyeReason;
 
 Session* Server::FindSession(ClientId client) {
   const auto found = std::find_if(m_sessions.begin(), m_sessions.end(), [&](const auto& entry) {
-    return entry.second.state == Session::State::kPlaying && entry.second.clientId == client;
+    return entry.second.IsIn() && entry.second.clientId == client;
   });
   return found == m_sessions.end() ? nullptr : &found->second;
 }
@@ -21,7 +21,7 @@ Session* Server::FindSession(ClientId client) {
 std::vector<Server::Player> Server::ListPlayers(double now) const {
   std::vector<Player> players;
   for (const auto& [connection, session] : m_sessions) {
-    if (session.state != Session::State::kPlaying) continue;
+    if (!session.IsIn()) continue;
     players.push_back({.client = session.clientId,
                        .name = session.name,
                        .admission = session.admission,
@@ -56,19 +56,19 @@ bool Server::SetRank(ClientId client, transport::Rank rank) {
 }
 
 bool Server::SetProtected(bool isProtected) {
-  if (m_playground.ReadWorkshop() == nullptr) return false;
-  m_playground.Take(ProtectEntry{isProtected});
+  if (m_stage->playground.ReadWorkshop() == nullptr) return false;
+  m_stage->playground.Take(ProtectEntry{isProtected});
   return true;
 }
 
 bool Server::IsProtected() const {
-  const Workshop* workshop = m_playground.ReadWorkshop();
+  const Workshop* workshop = m_stage->playground.ReadWorkshop();
   return workshop != nullptr && workshop->IsProtected();
 }
 
 void Server::PutBack(const Entry& entry) {
-  const bool wasUsual = m_playground.ReadTuning().IsUsual() && m_clock.Rate() == 1;
-  m_playground.Take(entry);
+  const bool wasUsual = m_stage->playground.ReadTuning().IsUsual() && m_clock.Rate() == 1;
+  m_stage->playground.Take(entry);
   m_clock.SetRate(1);
   if (!wasUsual) SendTuning();
   TellHappenings();
@@ -79,7 +79,7 @@ void Server::ResetWorld() { PutBack(ResetEntry{}); }
 void Server::RestartWorld() {
   PutBack(RestartEntry{});
   // Not left to TellStandings: the new game counts its changes from 0, and may stand where the old one stood.
-  if (m_playground.ReadGame() != nullptr) SendStandings();
+  if (m_stage->playground.ReadGame() != nullptr) SendStandings();
   spdlog::info("tick {}: the world begins anew", World().Tick());
 }
 
@@ -93,11 +93,31 @@ std::vector<ClientId> Server::ListVoters() const {
   return voters;
 }
 
-std::string Server::VoteForRestart(ClientId client, double now) {
+namespace {
+
+struct Ballot {
+  const char* order;   // behind "vote"
+  const char* wish;    // behind a name that votes to
+  const char* passed;  // what follows
+};
+
+Ballot MakeBallot(Server::Question question) {
+  if (question == Server::Question::kRestart) return {"restart", "begin anew", "the world begins anew"};
+  return {"next", "go to the next scene", "the next scene begins"};
+}
+
+}  // namespace
+
+std::string Server::VoteFor(Question question, ClientId client, double now) {
+  if (question == Question::kNextScene && m_rotation.empty()) return GoToNextScene();
   const std::vector<ClientId> voters = ListVoters();
   if (std::ranges::find(voters, client) == voters.end()) return "who watches or is muted has no vote";
   // A vote would be the way round it: whoever is alone could clear what all others have built.
   if (IsProtected()) return "what is built here is protected; only moderators let the world begin anew";
+  if (m_vote.IsOpen() && question != m_question) {
+    return fmt::format("a vote to {} goes on (order: vote {})", MakeBallot(m_question).wish,
+                       MakeBallot(m_question).order);
+  }
   switch (m_vote.Cast(client, now)) {
     case Vote::Voice::kRepeated:
       return "you have voted already";
@@ -106,11 +126,13 @@ std::string Server::VoteForRestart(ClientId client, double now) {
     case Vote::Voice::kTaken:
       break;
   }
+  m_question = question;
   FollowVote(now);
   if (m_vote.IsOpen()) {
-    Say(fmt::format("{} votes to begin anew: {} of {}; {} are enough, {:.0f} s are left (order: vote restart)",
-                    FindSession(client)->name, m_vote.Voices(), voters.size(), FindMajority(voters.size()),
-                    std::ceil(m_vote.SecondsLeft(now))));
+    const Ballot ballot = MakeBallot(question);
+    Say(fmt::format("{} votes to {}: {} of {}; {} are enough, {:.0f} s are left (order: vote {})",
+                    FindSession(client)->name, ballot.wish, m_vote.Voices(), voters.size(), FindMajority(voters.size()),
+                    std::ceil(m_vote.SecondsLeft(now)), ballot.order));
   }
   return "";
 }
@@ -121,9 +143,13 @@ void Server::FollowVote(double now) {
   const Vote::Outcome outcome = m_vote.Follow(voters, now);
   if (outcome == Vote::Outcome::kNone) return;
   const bool hasPassed = outcome == Vote::Outcome::kPassed;
-  if (hasPassed) RestartWorld();
-  Say(fmt::format("{} of {} have voted to begin anew: {}", m_vote.Voices(), voters.size(),
-                  hasPassed ? "the world begins anew" : "too few, it goes on as it is"));
+  const Ballot ballot = MakeBallot(m_question);
+  std::string refusal;
+  if (hasPassed && m_question == Question::kRestart) RestartWorld();
+  if (hasPassed && m_question == Question::kNextScene) refusal = GoToNextScene();
+  const std::string result = hasPassed ? ballot.passed : "too few, it goes on as it is";
+  Say(fmt::format("{} of {} have voted to {}: {}", m_vote.Voices(), voters.size(), ballot.wish,
+                  refusal.empty() ? result : refusal));
 }
 
 void Server::Say(const std::string& text) {

@@ -19,9 +19,11 @@ constexpr std::uint32_t kMostStallsAtOnce = protocol::kMaxBodies;
 MessageEffect Drop(Session& session, DropReason reason, double now,
                    protocol::ParseResult parsed = protocol::ParseResult::kOk) {
   session.badMessages.Roll(now);
-  // Two kinds are not held against the client: a server that stood still finds honest inputs ahead of its own tick, and
-  // a quick player may send more commands than are taken.
-  if (reason != DropReason::kFutureInput && reason != DropReason::kTooMany) ++session.badMessages.count;
+  // Three kinds are not held against the client: a server that stood still finds honest inputs ahead of its own tick, a
+  // quick player may send more commands than are taken, and nobody knows at once that another scene has begun.
+  const bool isHonest =
+      reason == DropReason::kFutureInput || reason == DropReason::kTooMany || reason == DropReason::kOldScene;
+  if (!isHonest) ++session.badMessages.count;
   MessageEffect effect;
   effect.dropped = reason;
   effect.parsed = parsed;
@@ -47,7 +49,7 @@ MessageEffect TakeHello(Session& session, const protocol::wire::Hello& hello, do
   }
   const auto& given = session.admission.name;
   const std::string_view name(given.data(), std::find(given.begin(), given.end(), '\0'));
-  session.name = CleanName(name.empty() ? hello.name()->string_view() : name);
+  if (!session.ComesAlong()) session.name = CleanName(name.empty() ? hello.name()->string_view() : name);
   if (hello.kept() != nullptr) session.kept.assign(hello.kept()->begin(), hello.kept()->end());
   session.spectator =
       hello.role() == protocol::wire::Role::Spectator || session.admission.rank == transport::Rank::kWatcher;
@@ -72,6 +74,7 @@ void TakeHand(Session& session, const protocol::wire::Input& input) {
 }
 
 MessageEffect TakeInput(Session& session, const protocol::wire::Input& input, std::uint32_t currentTick, double now) {
+  if (session.ComesAlong()) return Drop(session, DropReason::kOldScene, now);
   if (session.state != Session::State::kPlaying) return Drop(session, DropReason::kOutOfOrder, now);
   if (!session.inputsTaken.Take(now, session.maxInputs)) return Drop(session, DropReason::kTooMany, now);
   for (const protocol::wire::InputFrame* frame : *input.frames()) {
@@ -84,7 +87,8 @@ MessageEffect TakeInput(Session& session, const protocol::wire::Input& input, st
   }
   if (report.roundTrip >= 0) session.roundTrip = report.roundTrip;
   for (const protocol::wire::InputFrame* frame : *input.frames()) session.inputs.Add(*frame, currentTick);
-  TakeHand(session, input);
+  // A hand of the scene before would hold whatever has its body's number now.
+  if (session.download.IsOfThisScene(input.downloaded())) TakeHand(session, input);
   session.hasSentInput = true;
   MessageEffect effect;
   if (input.stalls() > session.stalls) {
@@ -137,6 +141,7 @@ std::optional<Command> FindCommand(const protocol::wire::ClientMessage& message)
 }
 
 MessageEffect TakeCommand(Session& session, Command&& command, double now) {
+  if (session.ComesAlong()) return Drop(session, DropReason::kOldScene, now);
   if (session.state != Session::State::kPlaying) return Drop(session, DropReason::kOutOfOrder, now);
   if (!session.commands.Take(now, protocol::kMaxCommandsPerSecond)) return Drop(session, DropReason::kTooMany, now);
   MessageEffect effect;
@@ -167,6 +172,16 @@ MessageEffect TakeMessage(Session& session, transport::Channel channel, std::spa
   return effect;
 }
 
+void AwaitHelloAgain(Session& session, double now) {
+  session.state = Session::State::kAwaitingHello;
+  session.awaitsSince = now;
+  session.hasSentInput = false;
+  session.body = 0;
+  session.hand.reset();
+  session.inspected = 0;
+  session.subscription.ForgetScene();
+}
+
 std::optional<GoodbyeReason> FindTimeout(const Session& session, double now) {
   if (session.state == Session::State::kEnding) return {};
   if (session.badMessages.count > protocol::kMaxBadMessagesPerSecond) return GoodbyeReason::BadMessages;
@@ -174,7 +189,7 @@ std::optional<GoodbyeReason> FindTimeout(const Session& session, double now) {
   if (overdrawn >= protocol::kMaxOverdrawnSeconds) return GoodbyeReason::TooMuch;
   const double patience = session.hasSentInput ? 0 : session.joinPatience;
   if (session.state == Session::State::kAwaitingHello &&
-      now - session.connectedAt > protocol::kHelloTimeout + patience) {
+      now - session.awaitsSince > protocol::kHelloTimeout + patience) {
     return GoodbyeReason::NoHello;
   }
   if (now - session.lastHeard > protocol::kSilenceTimeout + patience) return GoodbyeReason::Silent;
@@ -211,6 +226,8 @@ const char* Name(DropReason reason) {
       return "acknowledges what was never sent";
     case DropReason::kTooMany:
       return "too many in a second";
+    case DropReason::kOldScene:
+      return "of the scene before";
   }
   return "unknown";
 }

@@ -30,8 +30,9 @@ enum class DropReason : std::uint8_t {
   kFutureInput,         // an input for a tick too far ahead
   kBadAcknowledgement,  // acknowledges a packet or a download that was never sent
   kTooMany,             // more commands or inputs in a second than anybody needs
+  kOldScene,            // sent before the client knew that another scene had begun
 };
-inline constexpr std::size_t kDropReasonCount = 6;
+inline constexpr std::size_t kDropReasonCount = 7;
 [[nodiscard]] const char* Name(DropReason reason);
 
 // Counts events within a second. A window begins with the first call of Roll after the last one has passed.
@@ -70,13 +71,21 @@ struct Allowance {
 };
 
 struct Session {
-  // kAwaitingHello: connected. -> kPlaying with a valid hello that is let in; -> kEnding when it is refused or late.
+  // kAwaitingHello: connected, or taken along into another scene. -> kPlaying with a valid hello that is let in;
+  //                 -> kEnding when it is refused or late.
   // kPlaying:       joined, as player or spectator. -> kEnding when it leaves, falls silent, misbehaves or is sent
-  // away. kEnding:        the goodbye is said; messages are ignored until the transport reports the connection closed.
+  //                 away; -> kAwaitingHello when another scene begins.
+  // kEnding:        the goodbye is said; messages are ignored until the transport reports the connection closed.
   enum class State { kAwaitingHello, kPlaying, kEnding };
   transport::ConnectionId connection = 0;
   State state = State::kAwaitingHello;
+  // Whether it has joined and another scene has begun, for which it has not said hello yet.
+  [[nodiscard]] bool ComesAlong() const { return state == State::kAwaitingHello && clientId != 0; }
+  // Whether it has joined and not left.
+  [[nodiscard]] bool IsIn() const { return state == State::kPlaying || ComesAlong(); }
+
   double connectedAt = 0;   // s
+  double awaitsSince = 0;   // in kAwaitingHello, s
   double lastHeard = 0;     // s
   double joinPatience = 0;  // added to both timeouts until the first input has arrived, s
   bool hasSentInput = false;
@@ -117,6 +126,10 @@ struct MessageEffect {
 // message: a bad one is dropped whole and reported in MessageEffect::dropped.
 [[nodiscard]] MessageEffect TakeMessage(Session& session, transport::Channel channel,
                                         std::span<const std::uint8_t> bytes, std::uint32_t currentTick, double now);
+
+// A client that plays is taken along into another scene: forgets what is of the present one. What counts over the whole
+// connection goes on: packets, inputs, downloads and stalls.
+void AwaitHelloAgain(Session& session, double now);
 
 // The reason to end the session now: no hello in time, silence, or too many bad messages in a second. nullopt: none.
 [[nodiscard]] std::optional<protocol::wire::GoodbyeReason> FindTimeout(const Session& session, double now);

@@ -40,10 +40,10 @@ double Round(double value) { return std::round(value * 1000) / 1000; }
 std::string MakeSummary(const Server& server, const TickTimes& times) {
   const Counts& counts = server.ReadCounts();
   const physics::World& world = server.World();
-  const double ticks = std::max(1.0, static_cast<double>(world.Tick()));
+  const double ticks = std::max(1.0, static_cast<double>(server.ShownTick()));
   nlohmann::ordered_json json;
   json["version"] = kVersion;
-  json["ticks"] = world.Tick();
+  json["ticks"] = server.ShownTick();
   json["tick_ms_p50"] = Round(times.PercentileMs(0.5));
   json["tick_ms_p99"] = Round(times.PercentileMs(0.99));
   json["tick_ms_max"] = Round(times.MaxMs());
@@ -69,7 +69,7 @@ std::string MakeSummary(const Server& server, const TickTimes& times) {
   json["bodies_left_out"] = sent.bodiesLeftOut;
   json["bodies_coarsened"] = sent.bodiesCoarsened;
   json["bodies_out_of_view"] = sent.bodiesOutOfView;
-  json["records_too_large"] = server.ReadEncoder().CoarsenedRecords();
+  json["records_too_large"] = server.CoarsenedRecords();
   json["datagrams_rejected"] = server.ReadTransport().datagramsRejected;
   std::uint64_t dropped = server.ReadTransport().messagesRejected;
   for (const std::uint64_t count : counts.dropped) dropped += count;
@@ -95,7 +95,7 @@ std::string MakeSummary(const Server& server, const TickTimes& times) {
 std::string MakeStatusLine(const Server& server, const TickTimes& times, double elapsed,
                            std::uint64_t bytesOutLastSecond) {
   return fmt::format("{:5.0f} s  tick {}{}  p99 {:.2f} ms  overruns {}  bodies {}  clients {}  {:.0f} kbit/s out",
-                     elapsed, server.World().Tick(), server.IsPaused() ? " (waits for players)" : "",
+                     elapsed, server.ShownTick(), server.IsPaused() ? " (waits for players)" : "",
                      times.PercentileMs(0.99), times.Overruns(), server.World().Bodies().size(), server.CountPlaying(),
                      static_cast<double>(bytesOutLastSecond) * 8 / 1000);
 }

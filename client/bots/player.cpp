@@ -49,6 +49,7 @@ void Player::Connect(std::unique_ptr<transport::Transport> transport, double now
   m_client = std::make_unique<client::Client>(std::move(transport), m_options, now);
   m_client->OnSnapshot(m_onSnapshot);
   m_client->OnEvent([this](const client::Client::Event& event) { HearEvent(event); });
+  m_client->OnNextScene([this](const std::string&) { m_names.clear(); });
 }
 
 void Player::Lose(std::string reason) {

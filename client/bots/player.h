@@ -58,7 +58,7 @@ class Player {
   // When it was cut off last, seconds.
   [[nodiscard]] double CutAt() const { return m_cutAt; }
 
-  // Names of the players present, by body. Like Events(), covers the present connection only.
+  // Names of the players present, by body. Like Events(), covers the present connection only, and its present scene.
   [[nodiscard]] const std::unordered_map<std::uint32_t, std::string>& Names() const { return m_names; }
   // Oldest first; the reader empties it.
   [[nodiscard]] std::deque<client::Client::Event>& Events() { return m_events; }

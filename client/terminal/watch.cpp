@@ -82,6 +82,7 @@ class Watch {
   void ReadKeys(double now);
   void FollowNext();
   void NoteEvent(const client::Client::Event& event);
+  void NoteNextScene(const std::string& scene);
   void Show(const std::string& notice);
   [[nodiscard]] std::string NameOf(std::uint32_t clientId) const;
 
@@ -109,7 +110,7 @@ class Watch {
   std::vector<client::BodySample> m_samples;
   std::map<std::uint32_t, std::string> m_players;  // names by body
   std::map<std::uint32_t, std::string> m_clients;  // names by client
-  bool m_hasOldNames = false;                      // of the connection before, whose world is still shown
+  bool m_hasOldNames = false;                      // of the connection or scene before, which is still shown
   Hands m_hands;
   FilmKeys m_film;
   Followed m_followed;
@@ -177,6 +178,7 @@ void Watch::Begin(client::Client& client) {
   m_hands = {};
   m_rateBytes = 0;
   client.OnEvent([this](const client::Client::Event& event) { NoteEvent(event); });
+  client.OnNextScene([this](const std::string& scene) { NoteNextScene(scene); });
   client.OnNotice([this](const std::string& text) {
     if (!m_film.TakeNotice(text)) Show(text);
   });
@@ -289,6 +291,12 @@ void Watch::NoteEvent(const client::Client::Event& event) {
     const std::string who = fallen == m_players.end() ? "somebody" : fallen->second;
     Show(event.clientId == 0 ? who + " fell off" : NameOf(event.clientId) + " pushed " + who + " off");
   }
+}
+
+void Watch::NoteNextScene(const std::string& scene) {
+  m_hasOldNames = true;
+  m_hands = {};
+  Show("next scene: " + MakePlain(scene));
 }
 
 void Watch::Show(const std::string& notice) {

@@ -63,6 +63,7 @@ EMSCRIPTEN_KEEPALIVE const char* ReadEndReason(Session* session) { return sessio
 EMSCRIPTEN_KEEPALIVE bool IsCompleting(Session* session) { return session->Client().IsCompleting(); }
 EMSCRIPTEN_KEEPALIVE bool MayRejoin(Session* session) { return session->Client().MayRejoin(); }
 EMSCRIPTEN_KEEPALIVE const void* ReadWelcome(Session* session) { return &session->MakeWelcome(); }
+EMSCRIPTEN_KEEPALIVE unsigned CountNextScenes(Session* session) { return session->CountNextScenes(); }
 EMSCRIPTEN_KEEPALIVE const void* ReadStatistics(Session* session, double now) { return &session->MakeStatistics(now); }
 EMSCRIPTEN_KEEPALIVE const void* TakeEvent(Session* session) { return session->TakeEvent(); }
 

@@ -51,9 +51,15 @@ Session::Session(std::string name, bool isSpectator, KeptBytes kept, double now)
     if (m_events.size() == kMaxEvents) m_events.pop_front();
     m_events.push_back(event);
   });
-  m_client.OnNotice([this](const std::string& text) {
+  const auto addNotice = [this](const std::string& text) {
     if (m_notices.size() == kMaxEvents) m_notices.pop_front();
     m_notices.push_back(text);
+  };
+  m_client.OnNotice(addNotice);
+  m_client.OnNextScene([this, addNotice](const std::string& scene) {
+    ++m_nextScenes;
+    m_events.clear();
+    addNotice("next scene: " + scene);
   });
   m_client.OnDecoded([this](const client::DecodedPatch& patch) { m_decoded.Add(patch); });
 }

@@ -39,6 +39,8 @@ class Session {
   // Each result is valid until the next call of the same function.
   const WelcomeView& MakeWelcome();
   const StatisticsView& MakeStatistics(double now);
+  // How often another scene has begun on this connection; all that was read before is then of no use.
+  [[nodiscard]] unsigned CountNextScenes() const { return m_nextScenes; }
   // The oldest event not yet taken; nullptr when there is none.
   const EventView* TakeEvent();
   // The same for notices.
@@ -63,6 +65,7 @@ class Session {
   std::vector<std::uint8_t> m_input;
   std::vector<client::BodySample> m_samples;
   ShownBodies m_bodies;
+  unsigned m_nextScenes = 0;
   std::deque<client::Client::Event> m_events;
   client::Client::Event m_event;  // the one taken last
 

@@ -114,11 +114,31 @@ Answer Restart(Order& order) {
   return Done("the world begins anew: what was torn is whole, and everybody stays in");
 }
 
+Answer GoToNextScene(Order& order) {
+  const std::string refusal = order.realm.server.GoToNextScene();
+  return refusal.empty() ? Done("the next scene begins, and everybody comes along") : Refuse(refusal);
+}
+
+Answer GoToScene(Order& order) {
+  server::Server& server = order.realm.server;
+  if (order.IsAtEnd()) {
+    const std::vector<std::string> names = server.ListRotation();
+    const std::string others = names.empty() ? "" : fmt::format(" of {}", fmt::join(names, ", "));
+    return Done(server.SceneName() + others);
+  }
+  const std::string name = order.TakeWord();
+  const std::string refusal = server.GoToScene(name);
+  return refusal.empty() ? Done("scene " + name + " begins, and everybody comes along") : Refuse(refusal);
+}
+
 // Everybody who is in is told the count, who votes as well: there is nothing to answer.
 Answer Vote(Order& order) {
-  if (order.TakeWord() != "restart") return Refuse("vote: must be followed by restart");
-  if (order.issuer.client == 0) return Refuse("players vote; from outside the game the order is restart");
-  const std::string refusal = order.realm.server.VoteForRestart(order.issuer.client, order.now);
+  using Question = server::Server::Question;
+  const std::string word = order.TakeWord();
+  if (word != "restart" && word != "next") return Refuse("vote: must be followed by restart or next");
+  if (order.issuer.client == 0) return Refuse("players vote; from outside the game the order is " + word);
+  const Question question = word == "next" ? Question::kNextScene : Question::kRestart;
+  const std::string refusal = order.realm.server.VoteFor(question, order.issuer.client, order.now);
   return refusal.empty() ? Answer{.isDone = true, .lines = {}} : Refuse(refusal);
 }
 
@@ -206,9 +226,14 @@ constexpr std::array kEntries{
           Rank::kModerator, Reset},
     Entry{"restart", "", 0, "lets the world begin anew, whole and with a new game; everybody stays in",
           Rank::kModerator, Restart},
-    Entry{"vote", "restart", 1,
-          "lets the world begin anew when more than half of the players vote for it within a minute", Rank::kPlayer,
-          Vote},
+    Entry{"next", "", 0, "begins the next scene of the rotation; everybody comes along", Rank::kModerator,
+          GoToNextScene},
+    Entry{"scene", "[NAME]", 1, "begins that scene of the rotation; without a name tells which there are",
+          Rank::kModerator, GoToScene},
+    Entry{"vote", "restart|next", 1,
+          "lets the world begin anew, or the next scene begin, when more than half of the players vote for it within a "
+          "minute",
+          Rank::kPlayer, Vote},
     Entry{"film", "[play|pause|speed X|step TICKS|to SECONDS|by SECONDS]", 2,
           "winds the recording that is shown; X from -4 to 16", Rank::kWatcher, WindFilm},
     Entry{"say", "TEXT", kAnyWords, "shows a line to everybody", Rank::kModerator, Say},

@@ -57,7 +57,9 @@ struct Endpoint::Implementation {
     if (request.method != "GET" && request.method != "HEAD") return {.status = 405, .body = "only GET is answered\n"};
     const std::string path = request.target.substr(0, request.target.find('?'));
     if (path == "/metrics") {
-      return {.body = WriteMetrics(Copy(), version, scene), .type = "text/plain; version=0.0.4; charset=utf-8"};
+      const Figures now = Copy();
+      return {.body = WriteMetrics(now, version, now.scene.empty() ? scene : now.scene),
+              .type = "text/plain; version=0.0.4; charset=utf-8"};
     }
     if (path == "/healthz") return TellHealth();
     if (path == "/readyz") {

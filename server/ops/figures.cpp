@@ -30,6 +30,7 @@ void Gauge::Read(const server::Server& server, double now) {
   Figures& f = m_figures;
   f.condition = FindCondition(server, m_config);
   f.told = now;
+  f.scene = server.SceneName();
   for (const server::PhaseTimes& tick : server.LastTicks()) {
     f.tickDurations.Record(tick.Sum());
     for (std::size_t i = 0; i < server::kPhaseCount; ++i) f.phaseDurations[i].Record(tick.phases[i]);
@@ -38,7 +39,7 @@ void Gauge::Read(const server::Server& server, double now) {
   }
   f.droppedTicks = server.Clock().DroppedTicks();
   f.slowedTicks = server.Clock().SlowedTicks();
-  f.ticks = server.World().Tick();
+  f.ticks = server.ShownTick();
   f.timeRatio = server.Clock().TimeRatio();
   f.loadShare = server.ReadLoad().Share();
   f.loadLevel = server.ReadLoad().Level();
@@ -50,7 +51,7 @@ void Gauge::Read(const server::Server& server, double now) {
   f.report = server.ReadReport();
   f.counts = server.ReadCounts();
   f.sent = server.ReadSendCounts();
-  f.recordsTooLarge = server.ReadEncoder().CoarsenedRecords();
+  f.recordsTooLarge = server.CoarsenedRecords();
   f.transport = server.ReadTransport();
   f.energy = m_energy.Last();
 }

@@ -21,7 +21,8 @@ enum class Condition : std::uint8_t { kStarting, kReady, kFull, kBusy, kClosing 
 
 struct Figures {
   Condition condition = Condition::kStarting;
-  double told = 0;  // when the figures were copied, s
+  double told = 0;    // when the figures were copied, s
+  std::string scene;  // that is played; empty: none yet
 
   server::Bins<kTickBounds> tickDurations;
   std::array<server::Bins<kTickBounds>, server::kPhaseCount> phaseDurations;

@@ -182,6 +182,7 @@ void AddMessages(List& list, const Figures& f) {
                               {"future_input", count(server::DropReason::kFutureInput)},
                               {"bad_acknowledgement", count(server::DropReason::kBadAcknowledgement)},
                               {"too_many", count(server::DropReason::kTooMany)},
+                              {"old_scene", count(server::DropReason::kOldScene)},
                               {"not_for_us", ToNumber(f.transport.messagesRejected)}});
   list.AddCounter("wobble_datagrams_rejected_total", "Datagrams that were broken or forged.",
                   ToNumber(f.transport.datagramsRejected));

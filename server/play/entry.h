@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "server/play/command.h"
 
@@ -47,6 +48,14 @@ struct ResetEntry {};
 // stay in, and their bodies appear anew. What ProtectEntry said stays: a vote must not lift a moderator's protection.
 struct RestartEntry {};
 
-using Entry = std::variant<JoinEntry, LeaveEntry, MoveEntry, ActEntry, ProtectEntry, ResetEntry, RestartEntry>;
+// Puts a body's vertices there, with these velocities: how the laboratory kicks bodies. No client can.
+struct MotionEntry {
+  physics::BodyId body = 0;
+  std::vector<physics::Vector3d> positions;   // world, m
+  std::vector<physics::Vector3d> velocities;  // m/s
+};
+
+using Entry =
+    std::variant<JoinEntry, LeaveEntry, MoveEntry, ActEntry, ProtectEntry, ResetEntry, RestartEntry, MotionEntry>;
 
 }  // namespace wobble::server

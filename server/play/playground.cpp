@@ -11,7 +11,8 @@ namespace {
 
 // More players than any server has: what a damaged recording could ask for.
 constexpr std::size_t kMostPlayers = 4000;
-constexpr double kFarthestHand = 1e5;  // m
+constexpr double kFarthestHand = 1e5;    // m
+constexpr double kFarthestMotion = 1e5;  // m, and m/s
 
 template <class... Each>
 struct Visitor : Each... {
@@ -163,6 +164,18 @@ std::string Playground::Do(const RestartEntry& /*restart*/) {
     m_happenings.push_back({.kind = Happening::Kind::kRespawn, .body = player.body});
     if (m_game) m_game->Enter(client);
   }
+  return "";
+}
+
+std::string Playground::Do(const MotionEntry& motion) {
+  const physics::Body* body = m_world.FindBody(motion.body);
+  if (body == nullptr) return "";
+  const std::size_t count = m_world.BlueprintOf(*body).rest.size();
+  const auto isPossible = [](const Vector3d& each) { return each.cwiseAbs().maxCoeff() <= kFarthestMotion; };
+  const bool isGood = motion.positions.size() == count && motion.velocities.size() == count &&
+                      std::ranges::all_of(motion.positions, isPossible) &&
+                      std::ranges::all_of(motion.velocities, isPossible);
+  if (isGood) m_world.SetMotion(motion.body, motion.positions, motion.velocities);
   return "";
 }
 

@@ -97,6 +97,7 @@ class Playground {
   std::string Do(const ProtectEntry& protect);
   std::string Do(const ResetEntry& reset);
   std::string Do(const RestartEntry& restart);
+  std::string Do(const MotionEntry& motion);
   std::string Cut(const ActEntry& act, physics::BodyId body, const CutCommand& cut);
 
   void OpenWorkshopAndGame();

@@ -1,12 +1,14 @@
 #include "server/recording/checkpoints.h"
 
+#include <algorithm>
+
 #include "server/recording/fields.h"
 
 namespace wobble::recording {
 
 template <class Archive, Is<Checkpoint> Value>
 void Describe(Archive& archive, Value& value) {
-  auto& [number, ground, nextClient, seats] = value;
+  auto& [number, ground, nextClient, seats, scene] = value;
   archive(number, ground, nextClient, seats);
 }
 
@@ -16,10 +18,12 @@ constexpr const char* kEnding = ".wobstate";
 
 }  // namespace
 
-Checkpoints::Checkpoints(std::filesystem::path folder, Head head) : m_folder(std::move(folder)) {
-  head.beginsFresh = false;
-  head.version.clear();  // for people alone: another version of the program goes on if it has the same format
-  m_head = ToBytes(head);
+Checkpoints::Checkpoints(std::filesystem::path folder, std::vector<Head> heads) : m_folder(std::move(folder)) {
+  for (Head& head : heads) {
+    head.beginsFresh = false;
+    head.version.clear();  // for people alone: another version of the program goes on if it has the same format
+    m_heads.push_back(ToBytes(head));
+  }
   m_thread = std::thread([this] { Run(); });
 }
 
@@ -38,7 +42,9 @@ std::string Checkpoints::Read(const std::filesystem::path& path, Checkpoint& che
   if (!error.empty()) return error;
   const auto head = reader.Next();
   if (!head || head->kind != BlockKind::kHead) return "is torn: " + reader.Fault();
-  if (head->bytes != m_head) return "is of another scene, tick rate or seed";
+  const auto of = std::ranges::find(m_heads, head->bytes);
+  if (of == m_heads.end()) return "is of another scene, tick rate or seed";
+  checkpoint.scene = static_cast<std::size_t>(of - m_heads.begin());
   const auto block = reader.Next();
   if (!block || block->kind != BlockKind::kCheckpoint) {
     return "is torn: " + (reader.Fault().empty() ? "it ends behind its head" : reader.Fault());
@@ -102,7 +108,7 @@ void Checkpoints::Write(const Checkpoint& checkpoint) {
   content(checkpoint);
   Bytes file = MakeFileHead();
   const auto append = [&file](const Bytes& bytes) { file.insert(file.end(), bytes.begin(), bytes.end()); };
-  append(PackBlock(BlockKind::kHead, m_head));
+  append(PackBlock(BlockKind::kHead, m_heads[checkpoint.scene]));
   append(PackBlock(BlockKind::kCheckpoint, content.Read()));
   const std::filesystem::path path = m_folder / ("world-" + std::to_string(checkpoint.number % kKept) + kEnding);
   const std::filesystem::path beside = m_folder / "world.new";

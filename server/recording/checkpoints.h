@@ -26,10 +26,11 @@ struct Checkpoint {
   server::PlaygroundState ground;
   server::ClientId nextClient = 1;
   std::map<server::ClientId, Identity> seats;  // of the players in
+  std::size_t scene = 0;                       // which of the heads it is of; stands in the file as that head
 };
 
 struct FoundCheckpoint {
-  std::optional<Checkpoint> checkpoint;  // the newest that is whole and of this world
+  std::optional<Checkpoint> checkpoint;  // the newest that is whole and of one of the heads
   std::vector<std::string> complaints;   // one line each: files that are not, and why
 };
 
@@ -37,14 +38,15 @@ class Checkpoints {
  public:
   static constexpr std::size_t kKept = 3;
 
-  // folder: is there and can be written. head: what the world is of; beginsFresh is not looked at.
-  Checkpoints(std::filesystem::path folder, Head head);
+  // folder: is there and can be written. heads: what the world may be of, one for each scene of a rotation; beginsFresh
+  // is not looked at.
+  Checkpoints(std::filesystem::path folder, std::vector<Head> heads);
   // Writes the last one that was given.
   ~Checkpoints();
   Checkpoints(const Checkpoints&) = delete;
   Checkpoints& operator=(const Checkpoints&) = delete;
 
-  // Reads the folder. A checkpoint of another scene, tick rate, seed or format is not of this world. Call it before the
+  // Reads the folder. A checkpoint of another scene, tick rate, seed or format is not of the heads. Call it before the
   // first Save.
   [[nodiscard]] FoundCheckpoint FindNewest();
 
@@ -61,7 +63,7 @@ class Checkpoints {
   void Write(const Checkpoint& checkpoint);
 
   std::filesystem::path m_folder;
-  Bytes m_head;  // as it stands in the files
+  std::vector<Bytes> m_heads;  // as they stand in the files
   std::uint64_t m_number = 0;
 
   mutable std::mutex m_mutex;  // over what follows

@@ -249,6 +249,12 @@ template <class Archive, class Value>
 requires Is<Value, ResetEntry> || Is<Value, RestartEntry>
 void Describe(Archive& /*archive*/, Value& /*value*/) {}
 
+template <class Archive, Is<MotionEntry> Value>
+void Describe(Archive& archive, Value& value) {
+  auto& [body, positions, velocities] = value;
+  archive(body, positions, velocities);
+}
+
 template <class Archive, Is<Playground::Player> Value>
 void Describe(Archive& archive, Value& value) {
   auto& [body, name, control, hand] = value;

@@ -97,6 +97,14 @@ void Recorder::FollowTick(const server::Playground& ground) {
   StartSecond(tick);
 }
 
+void Recorder::BeginScene(scenes::SceneSource scene, const server::Playground& ground) {
+  m_head.scene = std::move(scene);
+  if (m_state == State::kBroken) return;
+  EndSecond();
+  Enqueue(FileEnd{}, 0);
+  StartFile(ground, ground.World().Tick() == 0 && ground.Players().empty());
+}
+
 void Recorder::StartFile(const server::Playground& ground, bool beginsFresh) {
   m_state = State::kWriting;
   m_hasFailed = false;
@@ -160,7 +168,7 @@ void Recorder::Write() {
 
 void Recorder::Do(const FileBegin& begin) {
   if (m_file >= 0) close(m_file);
-  const std::filesystem::path path = MakePath();
+  const std::filesystem::path path = MakePath(begin.head.scene.name);
   m_file = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (m_file < 0) return Fail(path.string() + ": " + std::strerror(errno));
   {
@@ -222,9 +230,9 @@ void Recorder::Fail(const std::string& why) {
 }
 
 // By the scene and the time, with a number where a name is taken.
-std::filesystem::path Recorder::MakePath() {
+std::filesystem::path Recorder::MakePath(const std::string& scene) {
   const auto time = static_cast<std::time_t>(m_settings.readUnixTime());
-  const std::string stem = fmt::format("{}-{:%Y%m%d-%H%M%S}", m_head.scene.name, fmt::gmtime(time));
+  const std::string stem = fmt::format("{}-{:%Y%m%d-%H%M%S}", scene, fmt::gmtime(time));
   std::filesystem::path path = m_settings.folder / (stem + ".wobrec");
   std::error_code error;
   for (int number = 2; std::filesystem::exists(path, error); ++number) {

@@ -32,8 +32,8 @@ struct RecorderCounts {
 
 class Recorder {
  public:
-  // head: of all files, but for beginsFresh. ground: as it stands before what is recorded; nobody is in unless it was
-  // resumed.
+  // head: of all files, but for beginsFresh, until BeginScene. ground: as it stands before what is recorded; nobody is
+  // in unless it was resumed.
   Recorder(RecorderSettings settings, Head head, const server::Playground& ground);
   // Writes what is there and ends the file.
   ~Recorder();
@@ -46,6 +46,10 @@ class Recorder {
   void FollowTick(const server::Playground& ground);
   // The next tick ends the file and begins another, as does a RestartEntry: a match is over.
   void BeginFile() { m_wantsFile = true; }
+
+  // Another playground is played from here on, of this scene and otherwise the same head: ends the file and begins
+  // another. ground: as it begins, nobody is in.
+  void BeginScene(scenes::SceneSource scene, const server::Playground& ground);
 
   // Waits until all that is noted is written and ends the file; nothing is noted after it.
   void Close();
@@ -79,7 +83,7 @@ class Recorder {
   void Do(const FileEnd& end);
   void Append(std::span<const std::uint8_t> bytes);
   void Fail(const std::string& why);
-  [[nodiscard]] std::filesystem::path MakePath();
+  [[nodiscard]] std::filesystem::path MakePath(const std::string& scene);
 
   RecorderSettings m_settings;
   Head m_head;

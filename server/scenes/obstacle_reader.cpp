@@ -1,12 +1,15 @@
 #include "server/scenes/obstacle_reader.h"
 
+#include <cmath>
+
 namespace wobble::scenes {
 namespace {
 
 void ReadPlane(TableReader& reader, physics::Obstacle& plane) {
   reader.Read("normal", -1, 1, "", plane.normal);
   if (const double length = plane.normal.norm(); length > 1e-6) {
-    plane.normal /= length;
+    // What is a unit vector already stays as it is to the bit: scenes are also written by programs.
+    if (std::abs(length - 1) > 1e-15) plane.normal /= length;
   } else {
     reader.Refuse("normal", "[0, 0, 0]", "a direction");
   }

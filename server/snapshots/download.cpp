@@ -8,6 +8,10 @@ namespace wobble::server {
 
 void Download::Begin(std::size_t grounds, std::size_t blueprints, std::uint8_t first,
                      std::span<const std::uint64_t> kept) {
+  m_queue.clear();
+  m_awaited.clear();
+  m_stages = {};
+  m_begunAt = m_sent;
   m_kept.assign(kept.begin(), kept.end());
   for (std::size_t i = 0; i < grounds; ++i) {
     m_queue.push_back({.kind = Item::Kind::kHeights, .number = static_cast<std::uint8_t>(i)});

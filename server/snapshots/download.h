@@ -19,8 +19,8 @@ namespace wobble::server {
 
 class Download {
  public:
-  // Queues all heights, then the blueprint `first`, then the other blueprints. kept: hashes of blueprints that the
-  // client has already.
+  // Queues all heights, then the blueprint `first`, then the other blueprints of a scene, in place of what was queued
+  // of the one before. kept: hashes of blueprints that the client has already.
   void Begin(std::size_t grounds, std::size_t blueprints, std::uint8_t first, std::span<const std::uint64_t> kept);
   // The blueprint is new or has changed. One that is on its way begins anew: no record names the old one any more.
   void Renew(std::uint8_t slot);
@@ -28,6 +28,12 @@ class Download {
   // downloaded: bytes that the client has taken, as its newest inputs say; inputs may overtake one another. False, and
   // nothing changes, when that is more than was sent.
   [[nodiscard]] bool TakeReport(std::uint32_t downloaded);
+
+  // Whether a client that has taken so many bytes knew of the scene that began last. Bytes count over all scenes of a
+  // connection, and there is no play without a byte of the present one.
+  [[nodiscard]] bool IsOfThisScene(std::uint32_t downloaded) const {
+    return static_cast<std::int32_t>(downloaded - m_begunAt) > 0;
+  }
 
   // Passes messages to `send` until the window is full or nothing is left.
   using SendFunction = std::function<void(const protocol::Message&)>;
@@ -59,8 +65,9 @@ class Download {
   std::deque<Awaited> m_awaited;                           // by ascending end
   std::array<Stage, protocol::kMaxBlueprints> m_stages{};  // by slot
   std::vector<std::uint64_t> m_kept;
-  std::uint32_t m_sent = 0;   // bytes; wraps like the client's count
-  std::uint32_t m_taken = 0;  // of these
+  std::uint32_t m_sent = 0;     // bytes; wraps like the client's count
+  std::uint32_t m_taken = 0;    // of these
+  std::uint32_t m_begunAt = 0;  // m_sent as the scene began
 };
 
 }  // namespace wobble::server

@@ -50,6 +50,13 @@ void Subscription::NoteRestSent(Interest& interest, std::uint32_t restTick, std:
   m_deliveries.push_back({.body = interest.body, .restTick = restTick, .first = first, .last = last});
 }
 
+void Subscription::ForgetScene() {
+  interests.clear();
+  m_deliveries.clear();
+  coarseness = {};
+  turn = {};
+}
+
 bool Subscription::IsSettled(const Interest& interest, std::uint32_t restTick, double now) {
   return interest.restKnown == restTick || (interest.restSent == restTick && now < interest.restSentAt + kPatience);
 }

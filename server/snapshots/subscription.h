@@ -35,6 +35,9 @@ class Subscription {
   // Whether this rest need not be sent: the client has it, or it was sent less than 0.5 s ago and is not known lost.
   [[nodiscard]] static bool IsSettled(const Interest& interest, std::uint32_t restTick, double now);
 
+  // Another scene begins: its bodies have none of this, under whatever numbers. Packets are counted on.
+  void ForgetScene();
+
   std::vector<Interest> interests;  // one per shown body, by ascending id
   protocol::SentWindow sent;
   double credit = 0;      // bytes that may be sent; below zero after a record that just went over

@@ -38,6 +38,8 @@ class PhaseWatch {
   // clock: may be empty; then no time passes.
   explicit PhaseWatch(TimeSource clock) : m_clock(std::move(clock)) {}
 
+  [[nodiscard]] bool HasClock() const { return m_clock != nullptr; }
+
   // Starts to measure. Time since the last End belongs to no phase.
   void Begin(Phase phase) {
     m_phase = phase;

@@ -34,7 +34,9 @@ constexpr Report kReports[] = {
     {.name = "stability",
      .shows = "The largest stable step of every method against theory; random trials",
      .hasTrials = true,
-     .run = &ReportStability},
+     .run = &ReportStability,
+     .hasRecordings = true,
+     .hasBeyond = true},
     {.name = "contact",
      .shows = "Bounce height, friction angle, momentum, tunnelling, stacks",
      .hasTrials = true,
@@ -63,7 +65,8 @@ constexpr Report kReports[] = {
      .shows = "How many players a core can host, and what each gets and sees",
      .hasTrials = false,
      .run = &ReportCapacity,
-     .hasPlayers = true},
+     .hasPlayers = true,
+     .hasRecordings = true},
 };
 
 // 2^53, as for the server: exact as a JSON number.
@@ -96,6 +99,15 @@ CLI::App* AddReport(CLI::App& app, const Report& report, Options& options) {
     words->add_option("--trial", options.trial, "Play only this random trial, numbered as in a report")
         ->check(command::Within(0, kMaxTrial));
   }
+  if (report.hasBeyond) {
+    words
+        ->add_option("--depth", options.depth,
+                     "A random trial fails, too, when a vertex is deeper in another body or the ground than this share "
+                     "of its body's size")
+        ->check(command::Within(0, 10));
+    words->add_flag("--beyond", options.beyond,
+                    "--trial is of the trials in which bodies meet more than they can bear");
+  }
   if (report.hasPlayers) {
     words->add_option("--scene", options.scene, "Scene of the players: a shipped scene, or a path to a .toml file")
         ->capture_default_str();
@@ -105,6 +117,14 @@ CLI::App* AddReport(CLI::App& app, const Report& report, Options& options) {
         ->capture_default_str();
     words->add_option("--players", options.players, "Only this player count, for five minutes unless --quick")
         ->check(command::Within(1, kMaxPlayers));
+  }
+  if (report.hasRecordings) {
+    const std::string what = report.hasPlayers
+                                 ? "Folder to keep the worst ten seconds of each player count in, as a recording that "
+                                   "`wobble watch` shows; ticks then have the cost of recording"
+                                 : std::string("Folder for recordings of trials that fail (") + kRecordings +
+                                       " if not given), and of the one of --trial, whatever becomes of it";
+    words->add_option("--recordings", options.recordings, what)->type_name("DIR");
   }
   words->set_version_flag("--version", std::string("wobble_lab ") + kVersion);
   words->footer("Examples:\n  wobble_lab " + std::string(report.name) + " --quick\n  wobble_lab " + report.name +
@@ -140,6 +160,10 @@ bool CanKeepResults(const Options& options, std::string& error) {
     std::filesystem::create_directories(options.plotFolder, code);
     if (code) error = "--plot: " + options.plotFolder + ": " + code.message();
     if (!HasGnuplot()) error = "--plot: gnuplot is not installed (sh docker/packages.sh lab)";
+  }
+  if (!options.recordings.empty()) {
+    std::filesystem::create_directories(options.recordings, code);
+    if (code) error = "--recordings: " + options.recordings + ": " + code.message();
   }
   if (!options.jsonFile.empty()) {
     const bool isNew = !std::filesystem::exists(options.jsonFile, code);

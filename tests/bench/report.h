@@ -16,17 +16,22 @@ namespace wobble::bench {
 inline constexpr const char* kCapacityScene = "pitch";
 inline constexpr const char* kCapacityScript = "chase.lua";
 
+inline constexpr const char* kRecordings = "lab_recordings";
+
 // The command line's options.
 struct Options {
   bool quick = false;  // under 40 s on two cores
   std::string jsonFile;
   std::string plotFolder;
   std::uint64_t seed = 1;
-  std::string part;                      // only parts with this in their names; empty: all
-  std::optional<std::uint32_t> trial;    // only this random trial
-  std::string scene = kCapacityScene;    // of `capacity`: a shipped scene or a file
+  std::optional<double> depth;         // a random trial fails, too, where a vertex is deeper, share of its body's size
+  std::string part;                    // only parts with this in their names; empty: all
+  std::optional<std::uint32_t> trial;  // only this random trial
+  bool beyond = false;                 // it is one in which bodies meet more than they can bear
+  std::string scene = kCapacityScene;  // of `capacity`: a shipped scene or a file
   std::string script = kCapacityScript;  // of the bots of `capacity`: a shipped script or a file
   std::optional<unsigned> players;       // of `capacity`: only this player count
+  std::string recordings;                // folder; empty: kRecordings for trials that fail, and no others
 };
 
 // The context of a report. Experiments check progress.IsStopAsked() between trials and return early.
@@ -56,7 +61,9 @@ struct Report {
   const char* shows;  // one line
   bool hasTrials;     // takes --trial
   void (*run)(Bench& bench);
-  bool hasPlayers = false;  // takes --scene, --script and --players
+  bool hasPlayers = false;     // takes --scene, --script and --players
+  bool hasRecordings = false;  // takes --recordings
+  bool hasBeyond = false;      // takes --beyond
 };
 
 // One function per report, each in the file of its name.

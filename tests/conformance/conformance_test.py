@@ -195,6 +195,16 @@ class Live(Case):
         self.assertEqual(f'{session.hash:x}', last.split()[1], 'of the client that played')
         self.assertGreater(len(lines), 10)
 
+    def test_scenes_that_follow_one_another(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / 'session'
+            last = run('record_session', 'lattice,pair,lattice', '1.5', 'untrained', path).splitlines()[-1]
+            messages = split(path.read_bytes())
+        lines, session = self.assert_alike(messages)
+        self.assertEqual(f'{session.hash:x}', last.split()[1], 'of the client that played')
+        self.assertFalse(session.is_first_scene)
+        self.assertGreater(len(lines), 10)
+
 
 class MadeUp(Case):
     """Bytes that no server sends: both decoders take and refuse the same."""

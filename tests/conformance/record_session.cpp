@@ -1,7 +1,8 @@
 // Records what a client receives: `record_session SCENE SECONDS trained|untrained FILE` writes every message that one
 // client of a server got, in the form that `replay` and session.py read, and prints the number of records that this
-// client decoded and their hash. SCENE is a shipped scene or the path of one; untrained: without any bases. The folder
-// data has what it wrote of 1.2 s of arena, 0.8 s of curtain and 1 s of data/patches.toml, all trained.
+// client decoded and their hash. SCENE is a shipped scene, the path of one, or several with commas between, of which
+// each begins when its share of the time does; untrained: without any bases. The folder data has what it wrote of 1.2 s
+// of arena, 0.8 s of curtain and 1 s of data/patches.toml, all trained.
 //
 // Server and clients run in one process on virtual time, so a recording takes no port, takes a fraction of its own
 // duration and is the same on every machine. The network loses, delays, duplicates and reorders messages, because a
@@ -13,6 +14,7 @@
 #include <iostream>
 #include <limits>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -65,7 +67,7 @@ class RecordingTransport final : public transport::Transport {
   std::ostream& m_out;
 };
 
-void Record(scenes::Scene scene, double seconds, std::vector<server::Bases> bases, std::ostream& out) {
+void Record(std::vector<server::RotationScene> scenes, double seconds, std::ostream& out) {
   transport::VirtualNetwork network({.seed = 1});
   transport::LinkConditions conditions;
   conditions.loss = 0.05;
@@ -75,7 +77,9 @@ void Record(scenes::Scene scene, double seconds, std::vector<server::Bases> base
   conditions.reorder = 0.02;
   network.SetConditions(conditions);
   double now = 0;
-  server::Server server({}, std::move(scene), network.MakeServer(), now, std::move(bases));
+  const std::size_t count = scenes.size();
+  server::Server server({}, scenes.front().scene, network.MakeServer(), now, scenes.front().bases);
+  if (count > 1) server.Rotate(std::move(scenes));
   // At once, so that what is decoded follows from the messages alone.
   const client::Options options{.completionWork = std::numeric_limits<std::size_t>::max()};
   std::vector<std::unique_ptr<client::Client>> clients;
@@ -90,8 +94,12 @@ void Record(scenes::Scene scene, double seconds, std::vector<server::Bases> base
     hash.Add(patch);
     ++records;
   });
-  while (now < seconds) {
+  for (std::size_t begun = 1; now < seconds;) {
     now = server.NextCall();
+    if (begun < count && now > seconds * static_cast<double>(begun) / static_cast<double>(count)) {
+      static_cast<void>(server.GoToNextScene());
+      ++begun;
+    }
     server.Tick(now);
     for (std::size_t i = 0; i < clients.size(); ++i) {
       clients[i]->SetInput({i % 2 == 0 ? 1.0F : -0.5F, 0.7F, static_cast<int>(now) % 2 == 1});
@@ -108,12 +116,18 @@ int main(int argc, char** argv) {
     std::cerr << "usage: record_session SCENE SECONDS trained|untrained FILE\n";
     return 2;
   }
-  scenes::LoadResult loaded = scenes::LoadScene(argv[1], test::FindSource("server/scenes"));
-  for (const std::string& error : loaded.errors) std::cerr << error << '\n';
+  std::vector<server::RotationScene> scenes;
+  std::istringstream names(argv[1]);
+  for (std::string name; std::getline(names, name, ',');) {
+    scenes::LoadResult loaded = scenes::LoadScene(name, test::FindSource("server/scenes"));
+    for (const std::string& error : loaded.errors) std::cerr << error << '\n';
+    if (!loaded.errors.empty()) return 1;
+    std::vector<server::Bases> bases;
+    if (std::string(argv[3]) == "trained") bases = server::LoadBases(loaded.scene, "", 2);
+    scenes.push_back({.scene = std::move(loaded.scene), .source = {}, .bases = std::move(bases)});
+  }
   std::ofstream out(argv[4], std::ios::binary);
-  if (!loaded.errors.empty() || !out) return 1;
-  std::vector<server::Bases> bases;
-  if (std::string(argv[3]) == "trained") bases = server::LoadBases(loaded.scene, "", 2);
-  Record(std::move(loaded.scene), std::atof(argv[2]), std::move(bases), out);
+  if (scenes.empty() || !out) return 1;
+  Record(std::move(scenes), std::atof(argv[2]), out);
   return 0;
 }

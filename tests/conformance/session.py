@@ -83,6 +83,7 @@ class BlueprintStore:
 
     def __init__(self, kept):
         self.entries = {}
+        self.expected = 0
         self.kept = kept  # whole blueprints by hash
 
     def add_chunk(self, chunk):
@@ -212,6 +213,7 @@ class Session:
     def __init__(self, on_decoded=None, kept=()):
         self.on_decoded = on_decoded
         self.welcome = None
+        self.is_first_scene = True
         self.has_ended = False
         self.blueprints = BlueprintStore({hash_bytes(whole): whole for whole in kept})
         self.received = Received()
@@ -241,6 +243,10 @@ class Session:
             self.blueprints.expected = body['blueprint_count']
         elif kind == 'BlueprintChunk' and self.welcome is not None and is_chunk_good(body):
             self.blueprints.add_chunk(body)
+        elif kind == 'NextScene' and self.welcome is not None and body['scene'] is not None:
+            self.welcome = None
+            self.is_first_scene = False
+            self.blueprints = BlueprintStore(self.blueprints.kept)
         elif kind == 'Goodbye' and body['detail'] is not None and body['reason'] <= 13:
             self.has_ended = True
 
@@ -249,7 +255,7 @@ class Session:
         if not self.received.take(head[0]):
             return
         self.records += len(records)
-        if self.welcome is None:
+        if self.welcome is None or (not self.is_first_scene and head[1] <= self.welcome['tick']):
             return
         for record in records:
             self._take_record(record, head[1])

@@ -78,6 +78,7 @@ unsigned Read(const wire::ServerMessage& message) {
     return sum;
   }
   if (const auto* notice = message.body_as_Notice()) return Sum(*notice->text());
+  if (const auto* next = message.body_as_NextScene()) return Sum(*next->scene());
   if (const auto* event = message.body_as_Event()) return Sum(*event->name()) + event->body();
   if (const auto* goodbye = message.body_as_Goodbye()) return Sum(*goodbye->detail());
   unsigned sum = 0;

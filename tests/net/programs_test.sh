@@ -59,6 +59,17 @@ wait_for_line() {
   fail "a line '$2' from $1" "$folder/$1.out" "$folder/$1.err"
 }
 
+# wait_for_log NAME PATTERN: the same of its standard error.
+wait_for_log() {
+  local tries
+  for ((tries = 0; tries < patience * 20; ++tries)); do
+    grep -q -e "$2" "$folder/$1.err" && return
+    kill -0 "$pid" 2>/dev/null || break
+    sleep 0.05
+  done
+  fail "a line '$2' from $1" "$folder/$1.out" "$folder/$1.err"
+}
+
 # read_port NAME TEXT: the number after this text in the output of the program started under NAME.
 read_port() { sed -n "s/^$2\([1-9][0-9]*\).*/\1/p" "$folder/$1.out"; }
 
@@ -725,7 +736,7 @@ case_match_ends() {
   start bots wobble bots "127.0.0.1:$port" --script "$bin/scripts/idle.lua" --count 2
   expect_end server "$server" 0 40
   expect_refusal '^wobbled: --rounds 3: scene arena has no game$' wobbled --port 0 --rounds 3
-  expect_refusal '^wobbled: --after-match dance: must be end or restart$' wobbled --port 0 --after-match dance
+  expect_refusal '^wobbled: --after-match dance: must be end, restart or next$' wobbled --port 0 --after-match dance
   expect_refusal '^wobbled: --after-match restart: --rounds must say how many rounds make a match$' \
     wobbled --port 0 --after-match restart
 }
@@ -745,6 +756,95 @@ case_begins_anew() {
   expect_end server "$server" 0 10
   [ "$(grep -c 'the world begins anew$' "$folder/server.err")" = 2 ] ||
     fail 'begun anew at the end of the match, and when all had left' "$folder/server.err"
+}
+
+# Bots stay in while their server goes from scene to scene, by a match's end and by orders; each scene's recording plays
+# the same again; and the state names its scene.
+case_rotation() {
+  local socket="$folder/admin.sock" file count=0
+  local -a served=(--log-level info --port 0 --untrained --rotation "$folder/short.toml,pair,curtain" --rounds 1
+    --admin-socket "$socket" --state "$folder/world" --record "$folder/matches")
+  sed 's/^round = .*/round = 10/' "$bin/scenes/sumo.toml" >"$folder/short.toml"
+  expect_exit 2 wobbled --port 0 --rotation nowhere,pair,pair,nothing.toml
+  expect_line "$err" 'nowhere'
+  expect_line "$err" '^wobbled: --rotation pair: a scene of this name is in it already$'
+  expect_line "$err" 'nothing.toml'
+  expect_lines "$err" 3
+  expect_refusal '^wobbled: --rotation pair: must be two scenes or more$' wobbled --port 0 --rotation pair
+  expect_refusal '^wobbled: --rounds 1: no scene of the rotation has a game$' wobbled --port 0 --rotation pair,curtain --rounds 1
+  expect_refusal '^wobbled: --after-match next: --rotation must say which scenes follow$' wobbled --port 0 --after-match next
+  start server wobbled "${served[@]}"
+  server=$pid
+  wait_for_line server '^listening on UDP port [1-9][0-9]*, scene short of short, pair, curtain$'
+  port="$(read_port server 'listening on UDP port ')"
+  start bots wobble bots "127.0.0.1:$port" --script "$bin/scripts/wander.lua" --count 4 --decode-share 1/2 --for 24 \
+    --threshold 'disconnects==0' --threshold 'connected==4'
+  local bots=$pid
+  pid=$server wait_for_log server 'scene pair begins$'
+  pid=$server wait_for_log server 'client 4 .* came along$'
+  expect_exit 0 wobble admin --socket "$socket" next
+  pid=$server wait_for_log server 'scene curtain begins$'
+  expect_exit 1 wobble admin --socket "$socket" scene arena
+  expect_line "$err" 'scene arena: must be one of short, pair, curtain'
+  expect_end bots "$bots" 0 40
+  expect_line "$folder/bots.out" ' 0 disconnects, 0 script errors'
+  [ "$(grep -c 'came along$' "$folder/server.err")" = 8 ] || fail 'four bots come along twice' "$folder/server.err"
+  kill -KILL "$server"
+  wait "$server" 2>/dev/null
+  for file in "$folder"/matches/*.wobrec; do
+    expect_exit 0 wobbled --replay "$file" --verify
+    expect_line "$out" '^identical: [1-9]'
+    count=$((count + 1))
+  done
+  [ "$count" = 3 ] || fail 'a recording for each scene'
+  start server wobbled "${served[@]}"
+  server=$pid
+  wait_for_line server '^listening on UDP port [1-9][0-9]*, scene curtain of short, pair, curtain$'
+  kill -INT "$server"
+  expect_end server "$server" 0 10
+}
+
+# A disk that is full from the first blocks on, as a limit of the process, and folders that go: the log says why, no tick
+# waits, the server goes on, and what was written before is good.
+case_failing_disk() {
+  (
+    trap '' XFSZ
+    ulimit -f 8 # KiB of a file
+    exec "$bin/wobbled" --log-level warn --port 0 --untrained --scene arena --record "$folder/full" \
+      --state "$folder/full" --summary "$folder/a.json" >"$folder/server.out" 2>"$folder/server.err"
+  ) &
+  pid=$! server=$!
+  wait_for_line server '^listening on UDP port [1-9]'
+  port="$(read_port server 'listening on UDP port ')"
+  expect_exit 0 wobble bots "127.0.0.1:$port" --script "$bin/scripts/wander.lua" --count 4 --for 4 \
+    --threshold 'disconnects==0' --threshold 'connected==4'
+  wait_for_log server '--record: .*File too large; tried again every 10 s'
+  wait_for_log server '--state: .*File too large; tried again every second'
+  kill -INT "$server"
+  expect_end server "$server" 0 10
+  expect_figure "$folder/a.json" recording_failures '>= 1'
+  # States that had room are whole: the next start complains of none.
+  expect_exit 0 wobbled --log-level warn --port 0 --untrained --scene arena --state "$folder/full" --for 0.1
+  [ ! -s "$err" ] || fail 'no state that is cut short' "$err"
+  start server wobbled --log-level warn --port 0 --untrained --scene pair --record "$folder/gone" --state "$folder/gone" \
+    --summary "$folder/a.json"
+  server=$pid
+  wait_for_line server '^listening on UDP port [1-9]'
+  port="$(read_port server 'listening on UDP port ')"
+  rm -r "$folder/gone"
+  expect_exit 0 wobble bots "127.0.0.1:$port" --script idle.lua --count 2 --for 2 --threshold 'disconnects==0'
+  wait_for_log server '--state: .*No such file or directory; tried again every second'
+  mkdir "$folder/gone"
+  local tries
+  for ((tries = 0; tries < 100; ++tries)); do
+    find "$folder/gone" -name '*.wobstate' | grep -q . && break
+    sleep 0.05
+  done
+  [ "$tries" -lt 100 ] || fail 'the state again once the folder is back' "$folder/server.err"
+  kill -INT "$server"
+  expect_end server "$server" 0 10
+  expect_refusal '^wobbled: --state /dev/null: must be a folder that can be written$' wobbled --port 0 --untrained --state /dev/null
+  expect_refusal '^wobbled: --record /dev/null: must be a folder that can be written$' wobbled --port 0 --untrained --record /dev/null
 }
 
 # restart_server SIGNAL: ends the server, waits 1.2 s, starts it again on its port, and expects 8 players within 5 s.

@@ -235,6 +235,22 @@ TEST(Watch, JoinsARestartedServerAgain) {
   EXPECT_EQ(session.Errors(), "");
 }
 
+TEST(Watch, GoesAlongIntoTheNextScene) {
+  const std::string socket = testing::TempDir() + "/watch_admin_" + std::to_string(getpid());
+  const Wobbled server("pair,curtain", 0, {"--untrained", "--admin-socket", socket});
+  Session session(Watching(server.Port()));
+  ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
+  EXPECT_TRUE(session.AwaitStatus("9 bodies  1 player ")) << session.Status();
+  const std::string order = kProgram + " admin --socket " + socket + " next >/dev/null";
+  EXPECT_EQ(std::system(order.c_str()), 0);
+  EXPECT_TRUE(session.AwaitStatus("next scene: curtain")) << session.Status();
+  EXPECT_TRUE(session.AwaitStatus("4 bodies  1 player ")) << session.Status();
+  session.Type("q");
+  EXPECT_EQ(session.AwaitEnd(), 0);
+  session.ExpectRestored();
+  EXPECT_EQ(session.Errors(), "");
+}
+
 // Under a shell with job control, as in use; the shell takes its standard error for its terminal.
 TEST(Watch, SuspendsAndComesBack) {
   const Wobbled server;

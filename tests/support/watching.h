@@ -59,11 +59,14 @@ inline std::vector<std::string> Watching(int port, const std::vector<std::string
   return words;
 }
 
-// A server that runs as long as the object lives. port: 0: the system picks one.
+// A server that runs as long as the object lives. scene: several with commas between are a rotation. port: 0: the
+// system picks one. more: options.
 class Wobbled {
  public:
-  explicit Wobbled(const std::string& scene = "arena", int port = 0) {
-    std::vector<std::string> words{FindProgram("wobbled"), "--scene", scene};
+  explicit Wobbled(const std::string& scene = "arena", int port = 0, const std::vector<std::string>& more = {}) {
+    const char* option = scene.find(',') == std::string::npos ? "--scene" : "--rotation";
+    std::vector<std::string> words{FindProgram("wobbled"), option, scene};
+    words.insert(words.end(), more.begin(), more.end());
     words.insert(words.end(), {"--port", std::to_string(port), "--cache"});
     words.insert(words.end(), {FindBases(), "--log-level", "error", "--admit-when-busy", "--key"});
     words.push_back(FindBases() + "/server.key");

@@ -1,5 +1,6 @@
-// Recordings in the page: they are chosen from the menu of worlds, shown to all who choose them, and anybody winds them
-// with the line of time; the camera follows a player, and forces are shown as in play.
+// Worlds of another kind in the page: recordings, which are chosen from the menu of worlds, shown to all who choose them,
+// and wound by anybody with the line of time, while the camera follows a player and forces are shown as in play; and a
+// server that goes from scene to scene.
 import assert from 'node:assert';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -7,7 +8,7 @@ import path from 'node:path';
 import { after, before } from 'node:test';
 
 import { openPage, outputFolder, pageFolder, probe, startBrowser, waitForPlaying } from './support/browser.mjs';
-import { startGateway, startServerOn, test, waitFor } from './support/programs.mjs';
+import { Program, startGateway, startServerOn, test, waitFor } from './support/programs.mjs';
 
 const kRecordings = new URL('../determinism/recordings/', import.meta.url).pathname;
 
@@ -87,6 +88,38 @@ test('recordings are chosen, watched and wound in the page', async () => {
     await page.tab.goto(`http://${host}/?world=${file}.wobrec`);
     assert.match(await readCard(page), reason);
   }
+  await page.leave();
+  await gateway.stop();
+  await server.stop();
+});
+
+test('the page goes along into the next scene and back', async () => {
+  const socket = path.join(folder, 'admin.sock');
+  const options = ['--untrained', '--rotation', 'curtain,pair', '--admin-socket', socket];
+  const { program: server, address } = await startServerOn(0, ...options);
+  const { program: gateway, host } = await startGateway(address, pageFolder);
+  const page = await openPage(browser, host, { query: 'name=mira&quality=4' });
+  await waitForPlaying(page.tab);
+  const read = () => page.tab.evaluate(() => ({ ...window.wobble.state(), all: window.wobble.bodies() }));
+  const first = await read();
+  assert.equal(first.scene, 'curtain');
+  for (const scene of ['pair', 'curtain', 'pair']) {
+    const order = new Program('wobble', ['admin', '--socket', socket, 'next']);
+    assert.equal(await order.end, 0, order.errors.join('\n'));
+    await waitFor(`scene ${scene}`, async () => {
+      const now = await read();
+      return now.connection === 'Playing' && now.scene === scene && now.all.some(({ body }) => body === now.ownBody);
+    });
+    const now = await read();
+    assert.deepEqual(now.players, ['mira']);
+    assert.equal(now.all.some(({ name }) => name === 'curtain'), scene === 'curtain');
+    assert.equal(await page.tab.title(), `${scene} · wobble`);
+    assert.equal(now.endReason, '');
+  }
+  await page.tab.screenshot({ path: path.join(outputFolder, 'next_scene.png') });
+  const statistics = await page.tab.evaluate(() => window.wobble.statistics());
+  assert.equal(statistics.badMessages, 0);
+  assert.deepEqual(page.complaints, []);
   await page.leave();
   await gateway.stop();
   await server.stop();

@@ -251,7 +251,7 @@ export class App {
     this.connection.JoinAgain();
   }
 
-  // Clears all state of the previous connection's world.
+  // Clears all state of the world before, be it of another connection or another scene.
   private Forget(): void {
     this.welcome = null;
     this.players.Clear();
@@ -313,8 +313,9 @@ export class App {
   }
 
   private Welcome(client: Client): void {
-    if (this.welcome !== null) return;
     const welcome = client.ReadWelcome()!;
+    if (this.welcome === welcome) return;
+    if (this.welcome !== null) this.Forget(); // another scene has begun
     this.welcome = welcome;
     this.m_newsFrom = ReadNow() + kQuietFor;
     document.title = `${welcome.scene} · wobble`;

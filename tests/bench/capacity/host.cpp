@@ -65,6 +65,10 @@ void Host::Enter(Stage stage) {
 
 void Host::CountTicks(double wall) {
   for (const server::PhaseTimes& tick : m_server.LastTicks()) {
+    if (tick.Sum() > m_longest) {
+      m_longest = tick.Sum();
+      m_hosted.worstTick = m_server.World().Tick();
+    }
     m_hosted.ticks.push_back(tick);
     m_hosted.walls.push_back(wall);
   }

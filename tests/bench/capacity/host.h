@@ -40,7 +40,8 @@ struct Hosted {
   // Per measured tick: thread time of each phase, and wall time, s.
   std::vector<server::PhaseTimes> ticks;
   std::vector<double> walls;
-  double seconds = 0;  // measured
+  double seconds = 0;           // measured
+  std::uint32_t worstTick = 0;  // of the world, the longest one measured
   Sums before;
   Sums after;
   server::LoadLevel level = server::LoadLevel::kNormal;  // the highest reached
@@ -74,6 +75,7 @@ class Host {
   server::Server& m_server;
   Stage m_stage = Stage::kGather;
   double m_entered = 0;
+  double m_longest = 0;          // s, of worstTick
   std::uint64_t m_removals = 0;  // of the world, when `places` was filled
   Hosted m_hosted;
 };

@@ -112,6 +112,7 @@ nlohmann::ordered_json MakeRow(const Measured& measured, const Party& party) {
               {"late_ms_p99", ToNumber(figures.lateMsP99)},
               {"times_valid", bots::IsValid(figures)},
               {"holds", measured.holds}});
+  if (!party.recording.empty()) row["recording"] = party.recording;
   return row;
 }
 
@@ -122,13 +123,14 @@ std::string MakeLine(const Measured& measured, const Party& party) {
   return FormatLine(
       "%3u players: tick %.2f, %.2f, %.2f ms (p50, p99, p99.9), wall p99 %.2f; receive %.2f, step %.2f, capture %.2f, "
       "encode %.2f, send %.2f; %.0f kbit/s, shown %.2f %%, input %.0f ms; %.0f touch, largest island %.0f; "
-      "bots late by %.1f ms%s; %s: %s",
+      "bots late by %.1f ms%s; %s: %s%s%s",
       party.players, measured.tickMsP50, measured.tickMsP99, measured.tickMsP999, measured.wallMsP99,
       phase(server::Phase::kReceive), phase(server::Phase::kStep), phase(server::Phase::kCapture),
       phase(server::Phase::kEncode), phase(server::Phase::kSend), measured.kbit, measured.shownError,
       ToNumber(figures.inputToSnapshotMsP50), hosted.contacts.Touching(), hosted.contacts.LargestIsland(),
       ToNumber(figures.lateMsP99), bots::IsValid(figures) ? "" : " (ages and inputs not valid)",
-      server::Name(hosted.level), measured.holds ? "holds" : "does not hold");
+      server::Name(hosted.level), measured.holds ? "holds" : "does not hold",
+      party.recording.empty() ? "" : "; worst ten seconds: ", party.recording.c_str());
 }
 
 }  // namespace

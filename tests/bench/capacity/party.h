@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "client/bots/script.h"
-#include "server/scenes/scene.h"
+#include "server/scenes/loader.h"
 #include "server/training/basis_training.h"
 #include "tests/bench/capacity/guests.h"
 #include "tests/bench/capacity/host.h"
@@ -22,6 +22,8 @@ struct Game {
   std::vector<server::Bases> bases;
   std::string script;
   std::uint64_t seed = 1;
+  scenes::SceneSource source;
+  std::string recordings;  // folder of the worst ten seconds; empty: they are not kept
 };
 
 // The game that the report's options name.
@@ -40,6 +42,7 @@ struct Party {
   Hosted hosted;
   Guested guested;
   Shown shown;
+  std::string recording;  // file of the worst ten seconds, or why there is none; empty: it was not asked for
 };
 
 // isStopAsked: ends the party early; its measurements are then invalid.

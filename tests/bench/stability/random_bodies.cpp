@@ -281,6 +281,7 @@ RandomBody DrawBody(Random& random, std::size_t vertices, double gravity) {
       ++body.crushed;
       continue;
     }
+    body.definition = draft.definition;
     body.description = draft.description;
     body.bearableSpeed = draft.bearableSpeed;
     return body;

@@ -9,8 +9,9 @@
 namespace wobble::bench {
 
 struct RandomBody {
-  physics::Blueprint blueprint;
-  std::string description;  // shape and material, for people
+  scenes::BodyDefinition definition;
+  physics::Blueprint blueprint;  // of the definition
+  std::string description;       // shape and material, for people
   // Highest impact speed that leaves every lattice cell uninverted, m/s; for other bodies above any speed in the
   // trials.
   double bearableSpeed = 0;

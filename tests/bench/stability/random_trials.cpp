@@ -12,6 +12,7 @@
 #include "tests/bench/contact/insides.h"
 #include "tests/bench/stability/experiments.h"
 #include "tests/bench/stability/random_world.h"
+#include "tests/bench/stability/trial_recording.h"
 #include "tests/bench/trials.h"
 
 namespace wobble::bench {
@@ -23,6 +24,8 @@ constexpr int kTicksBetweenLooks = 20;
 constexpr std::size_t kTrials = 10000;
 constexpr std::size_t kTrialsBeyond = 500;
 constexpr std::size_t kQuickTrials = 60;
+constexpr std::size_t kMostRecorded = 20;  // of the trials that fail
+constexpr int kTicksBehind = 120;          // that a recording goes on behind the failure
 
 struct RandomTrial {
   std::string place;
@@ -42,6 +45,7 @@ struct RandomTrial {
   std::string failedBody;
   const char* failure = "";
   std::vector<float> depths;  // per body and measurement, relative to its size
+  TrialRecording recording;
 };
 
 void DescribeWorld(const RandomWorld& random, RandomTrial& trial) {
@@ -75,8 +79,8 @@ void Note(const StepReport& report, const RandomWorld& random, RandomTrial& tria
   trial.failure = report.nonFinite > 0 ? "not finite" : report.reset > 0 ? "reset" : "energy from nowhere";
 }
 
-RandomTrial PlayTrial(std::uint64_t seed, std::uint32_t number, Violence violence) {
-  RandomWorld random(seed, number, violence);
+RandomTrial PlayTrial(const Options& options, std::uint32_t number, Violence violence) {
+  RandomWorld random(options.seed, number, violence);
   RandomTrial trial;
   DescribeWorld(random, trial);
   bool moved = true;
@@ -90,6 +94,13 @@ RandomTrial PlayTrial(std::uint64_t seed, std::uint32_t number, Violence violenc
     const std::vector<float> depths = ListDepths(random.Engine());
     trial.depths.insert(trial.depths.end(), depths.begin(), depths.end());
     moved = false;
+    const auto isTooDeep = [&](float depth) { return options.depth && double{depth} > *options.depth; };
+    const auto deep = std::ranges::find_if(depths, isTooDeep);
+    if (trial.failedTick > 0 || deep == depths.end()) continue;
+    trial.failedTick = tick;
+    const auto place = static_cast<std::size_t>(deep - depths.begin());
+    trial.failedBody = random.Describe(random.Engine().Bodies()[place].blueprint);
+    trial.failure = "too deep";
   }
   return trial;
 }
@@ -121,13 +132,26 @@ nlohmann::ordered_json MakeRow(std::size_t number, const RandomTrial& trial) {
           {"inverted", trial.inverted},
           {"quarantined", trial.quarantined},
           {"failed_tick", trial.failedTick},
-          {"failed_body", trial.failedBody}};
+          {"failed_body", trial.failedBody},
+          {"recording", trial.recording.file.string()}};
 }
 
-std::string DescribeTrial(std::uint64_t seed, std::size_t number, const RandomTrial& trial) {
+void Record(const Options& options, std::uint32_t number, Violence violence, RandomTrial& trial) {
+  const int ticks = trial.failedTick > 0 ? std::min(kRandomTicks, trial.failedTick + kTicksBehind) : kRandomTicks;
+  trial.recording =
+      RecordTrial(options.seed, number, violence, ticks, options.recordings.empty() ? kRecordings : options.recordings);
+}
+
+std::string DescribeRecording(const TrialRecording& recording) {
+  if (recording.file.empty()) return recording.fault.empty() ? "" : "; not recorded: " + recording.fault;
+  const std::string line = "; wobble watch " + recording.file.string();
+  return recording.fault.empty() ? line : line + " (" + recording.fault + ")";
+}
+
+std::string DescribeTrial(std::uint64_t seed, std::size_t number, Violence violence, const RandomTrial& trial) {
   char line[512];
-  std::snprintf(line, sizeof line, "stability --trial %zu --seed %llu: ", number,
-                static_cast<unsigned long long>(seed));
+  std::snprintf(line, sizeof line, "stability --trial %zu%s --seed %llu: ", number,
+                violence == Violence::kBeyond ? " --beyond" : "", static_cast<unsigned long long>(seed));
   const std::string start(line);
   if (trial.failedTick == 0) {
     std::snprintf(line, sizeof line, "%zu bodies, %s, all well; the stiffest a %s; deepest %.3f of its size",
@@ -137,7 +161,7 @@ std::string DescribeTrial(std::uint64_t seed, std::size_t number, const RandomTr
     std::snprintf(line, sizeof line, "%zu bodies, %s, %s at tick %d: %s", trial.bodies, trial.place.c_str(),
                   trial.failure, trial.failedTick, trial.failedBody.c_str());
   }
-  return start + line;
+  return start + line + DescribeRecording(trial.recording);
 }
 
 // Adds the findings by the stiffness of the stiffest body: one row per decade.
@@ -222,22 +246,24 @@ Sums AddUp(const std::vector<RandomTrial>& trials) {
 }
 
 bool PlayAll(Bench& bench, std::vector<RandomTrial>& trials, std::vector<RandomTrial>& beyond) {
-  const std::uint64_t seed = bench.options.seed;
   return RunTrials(bench, trials.size() + beyond.size(), [&](std::size_t i) {
     if (i < trials.size()) {
-      trials[i] = PlayTrial(seed, static_cast<std::uint32_t>(i), Violence::kPlay);
+      trials[i] = PlayTrial(bench.options, static_cast<std::uint32_t>(i), Violence::kPlay);
     } else {
-      beyond[i - trials.size()] = PlayTrial(seed, static_cast<std::uint32_t>(i - trials.size()), Violence::kBeyond);
+      beyond[i - trials.size()] =
+          PlayTrial(bench.options, static_cast<std::uint32_t>(i - trials.size()), Violence::kBeyond);
     }
   });
 }
 
 void ReplayOne(Bench& bench) {
   const std::uint32_t number = *bench.options.trial;
-  const RandomTrial trial = PlayTrial(bench.options.seed, number, Violence::kPlay);
+  const Violence violence = bench.options.beyond ? Violence::kBeyond : Violence::kPlay;
+  RandomTrial trial = PlayTrial(bench.options, number, violence);
+  if (trial.failedTick > 0 || !bench.options.recordings.empty()) Record(bench.options, number, violence, trial);
   bench.results.rows.push_back(MakeRow(number, trial));
-  bench.results.remarks.push_back(DescribeTrial(bench.options.seed, number, trial));
-  bench.results.AddFigureAtMost("quarantined", trial.quarantined, 0);
+  bench.results.remarks.push_back(DescribeTrial(bench.options.seed, number, violence, trial));
+  bench.results.AddFigureAtMost("quarantined", trial.quarantined, 0, violence == Violence::kPlay);
 }
 
 }  // namespace
@@ -248,10 +274,12 @@ void MeasureRandomTrials(Bench& bench) {
   std::vector<RandomTrial> beyond(bench.options.quick ? 0 : kTrialsBeyond);
   if (!PlayAll(bench, trials, beyond)) return;
   Results& results = bench.results;
+  std::size_t recorded = 0;
   for (std::size_t i = 0; i < trials.size(); ++i) {
     if (trials[i].failedTick == 0) continue;
+    if (recorded++ < kMostRecorded) Record(bench.options, static_cast<std::uint32_t>(i), Violence::kPlay, trials[i]);
     results.rows.push_back(MakeRow(i, trials[i]));
-    results.remarks.push_back(DescribeTrial(bench.options.seed, i, trials[i]));
+    results.remarks.push_back(DescribeTrial(bench.options.seed, i, Violence::kPlay, trials[i]));
   }
   AddRows(trials, results);
   Sums sums = AddUp(trials);

@@ -1,5 +1,6 @@
 // The bounds within which every failure is the engine's fault:
-//   - A shell bears an impact with energy up to its nRT; above that it folds through itself, which ends only when its gas
+//   - A shell bears an impact with energy up to its nRT; above that it folds through itself, which ends only when its
+//   gas
 //     has unfolded it. So no speed exceeds √(2 nRT/m) of the world's weakest gas and heaviest body, nor 15 m/s, a fall
 //     from four storeys.
 //   - A shell whose gas cannot carry its load is crushed flat and turns inside out. Scenes refuse a shell that cannot
@@ -75,6 +76,7 @@ void RandomWorld::DrawBlueprints() {
     if (body.blueprint.full.gas > 0) least = std::min(least, body.blueprint.full.gas);
     heaviest = std::max(heaviest, body.blueprint.totalMass);
     m_reach = std::max(m_reach, body.blueprint.reach);
+    m_definitions.push_back(body.definition);
     m_descriptions.push_back(body.description);
     m_world->AddBlueprint(std::move(body.blueprint));
   }
@@ -124,6 +126,7 @@ void RandomWorld::AddSlopes() {
     Obstacle slope;
     slope.normal = Vector3d(side < 2 ? sign : 0, side < 2 ? 0 : sign, 0) * std::sin(angle);
     slope.normal.z() = std::cos(angle);
+    slope.normal.normalize();
     slope.offset = -narrow * std::sin(angle);
     slope.friction = friction;
     m_world->AddObstacle(slope);
@@ -151,6 +154,7 @@ void RandomWorld::AddTerrain() {
   ground.centre = Vector3d(-cell * (kNodes - 1) / 2, -cell * (kNodes - 1) / 2, 0);
   ground.field = MakeHeightField(kNodes, cell, heights);
   m_world->AddObstacle(ground);
+  m_terrain = {.columns = kNodes, .cellSize = cell, .heights = std::move(heights)};
   m_place = "hills";
 }
 

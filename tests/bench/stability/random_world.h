@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/physics/world.h"
+#include "server/scenes/body_definition.h"
 #include "tests/bench/random.h"
 
 namespace wobble::bench {
@@ -18,6 +19,13 @@ inline constexpr int kRandomTicks = 600;
 enum class Violence : std::uint8_t {
   kPlay,    // within what they can bear: see random_world.cpp
   kBeyond,  // regardless of what they can bear
+};
+
+// Heights on a square grid, as MakeHeightField takes them.
+struct Terrain {
+  int columns = 0;
+  double cellSize = 0;  // m
+  std::vector<double> heights;
 };
 
 class RandomWorld {
@@ -32,6 +40,9 @@ class RandomWorld {
   // Shape and material of a blueprint, by its index in the world.
   [[nodiscard]] const std::string& Describe(std::uint8_t blueprint) const { return m_descriptions[blueprint]; }
   [[nodiscard]] const std::string& Place() const { return m_place; }
+  // What the blueprints were made from, and the terrain's heights; empty where there is none.
+  [[nodiscard]] const std::vector<scenes::BodyDefinition>& Definitions() const { return m_definitions; }
+  [[nodiscard]] const Terrain& ReadTerrain() const { return m_terrain; }
   [[nodiscard]] int Refused() const { return m_refused; }         // materials that Validate refused
   [[nodiscard]] int Crushed() const { return m_crushed; }         // materials whose gas could not carry the load
   [[nodiscard]] double MostSpeed() const { return m_mostSpeed; }  // of drops and kicks, m/s
@@ -60,7 +71,9 @@ class RandomWorld {
   Random m_random;
   Violence m_violence;
   std::unique_ptr<physics::World> m_world;
+  std::vector<scenes::BodyDefinition> m_definitions;
   std::vector<std::string> m_descriptions;
+  Terrain m_terrain;
   std::string m_place;
   int m_refused = 0;
   int m_crushed = 0;

@@ -311,6 +311,34 @@ TEST_F(OrdersTest, MoreThanHalfOfThePlayersVoteForANewWorld) {
   EXPECT_LT(game->Centre(kBall).z(), 0.9) << "one vote passes a minute";
 }
 
+TEST_F(OrdersTest, ScenesFollowOneAnotherByOrderAndByVote) {
+  Start();
+  EXPECT_FALSE(Give("next").isDone) << "there is no other";
+  EXPECT_FALSE(Give("vote next", {.rank = Rank::kPlayer, .client = 1}).isDone);
+  EXPECT_EQ(Give("scene").lines.front(), "yard");
+  scenes::Scene other = test::MakeYard();
+  other.name = "other";
+  game->server.Rotate(
+      {{.scene = test::MakeYard(), .source = {}, .bases = {}}, {.scene = std::move(other), .source = {}, .bases = {}}});
+  client::Client& ada = Join("Ada");
+  const Notices notices(ada);
+  EXPECT_EQ(Give("scene").lines.front(), "yard of yard, other");
+  EXPECT_FALSE(Give("scene moon").isDone);
+  EXPECT_FALSE(Give("next please").isDone);
+  EXPECT_TRUE(Give("scene other").isDone);
+  game->Run(1);
+  EXPECT_EQ(game->server.SceneName(), "other");
+  EXPECT_TRUE(Give("next").isDone);
+  game->Run(1);
+  EXPECT_EQ(game->server.SceneName(), "yard");
+  ada.Order("next");
+  game->Run(1);
+  EXPECT_TRUE(notices.Ends("is for moderators"));
+  ada.Order("vote next");
+  game->Run(1);
+  EXPECT_EQ(game->server.SceneName(), "other") << "who is alone decides";
+}
+
 TEST_F(OrdersTest, AVoteEndsWithItsMinuteAndWithItsOpponents) {
   Start();
   client::Client& ada = Join("Ada");

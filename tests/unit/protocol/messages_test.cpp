@@ -85,6 +85,7 @@ std::vector<Kind> MakeEveryKind() {
       {"scoreboard", 's',
        MakeScoreboard({.round = 2, .secondsLeft = 61, .winner = 7, .scores = {{7, 3, 1}, {8, 0, 0}}})},
       {"notice", 's', MakeNotice("the spring would be too stiff")},
+      {"next scene", 's', MakeNextScene("sumo")},
       {"server goodbye", 's', MakeServerGoodbye(wire::GoodbyeReason::BadMessages, "20 in a second")},
       {"blueprint", 'b', MakeTriangle()},
       {"blueprint of edges", 'b', MakeChain()},

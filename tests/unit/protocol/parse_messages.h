@@ -124,6 +124,8 @@ inline void Read(const wire::ServerMessage& message) {
   } else if (const auto* notice = message.body_as_Notice()) {
     EXPECT_LE(notice->text()->size(), kMaxNoticeBytes);
     Touch(*notice->text());
+  } else if (const auto* next = message.body_as_NextScene()) {
+    Touch(*next->scene());
   } else if (const auto* goodbye = message.body_as_Goodbye()) {
     Read(*goodbye);
   } else {

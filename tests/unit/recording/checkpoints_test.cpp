@@ -33,12 +33,12 @@ class CheckpointsOf : public testing::Test {
   void SaveAfter(std::initializer_list<std::uint32_t> ticks) {
     for (const std::uint32_t tick : ticks) {
       Play(tick - ground.World().Tick());
-      Checkpoints checkpoints(folder.Path(), head);
+      Checkpoints checkpoints(folder.Path(), {head});
       EXPECT_THAT(checkpoints.FindNewest().complaints, IsEmpty());
       checkpoints.Save(Capture());
     }
   }
-  [[nodiscard]] FoundCheckpoint Find() const { return Checkpoints(folder.Path(), head).FindNewest(); }
+  [[nodiscard]] FoundCheckpoint Find() const { return Checkpoints(folder.Path(), {head}).FindNewest(); }
 
   Folder folder;
   Head head;
@@ -91,10 +91,10 @@ TEST_F(CheckpointsOf, ATornOneIsNamedAndTheOneBeforeIsTaken) {
 TEST_F(CheckpointsOf, ThoseOfOtherWorldsAreNamedAndStay) {
   SaveAfter({30});
   Head other = MakeHead("arena");
-  EXPECT_FALSE(Checkpoints(folder.Path(), other).FindNewest().checkpoint);
+  EXPECT_FALSE(Checkpoints(folder.Path(), {other}).FindNewest().checkpoint);
   other = head;
   other.tickHz = 30;
-  const FoundCheckpoint found = Checkpoints(folder.Path(), other).FindNewest();
+  const FoundCheckpoint found = Checkpoints(folder.Path(), {other}).FindNewest();
   EXPECT_FALSE(found.checkpoint);
   ASSERT_THAT(found.complaints, SizeIs(1));
   EXPECT_THAT(found.complaints[0], HasSubstr("of another scene, tick rate or seed"));
@@ -110,7 +110,7 @@ TEST_F(CheckpointsOf, ADiskThatIsFullLeavesTheLastOnes) {
   const rlimit small{1'000, before.rlim_max};
   setrlimit(RLIMIT_FSIZE, &small);
   {
-    Checkpoints checkpoints(folder.Path(), head);
+    Checkpoints checkpoints(folder.Path(), {head});
     EXPECT_TRUE(checkpoints.FindNewest().checkpoint);
     Play(5);
     checkpoints.Save(Capture());
@@ -123,7 +123,7 @@ TEST_F(CheckpointsOf, ADiskThatIsFullLeavesTheLastOnes) {
 }
 
 TEST_F(CheckpointsOf, AFolderThatIsGoneIsAFailureAndNoMore) {
-  Checkpoints checkpoints(folder.Path() / "gone", head);
+  Checkpoints checkpoints(folder.Path() / "gone", std::vector{head});
   EXPECT_FALSE(checkpoints.FindNewest().checkpoint);
   checkpoints.Save(Capture());
   for (int i = 0; i < 200 && checkpoints.Failures() == 0; ++i) usleep(10'000);

@@ -4,8 +4,11 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <bit>
 #include <csignal>
+#include <functional>
 
+#include "server/recording/excerpt.h"
 #include "server/recording/replay.h"
 #include "server/recording/verify.h"
 #include "tests/support/places.h"
@@ -111,31 +114,82 @@ TEST(Recording, IsGoodUpToItsLastWholeBlock) {
   EXPECT_EQ(last, 180U);
 }
 
+// Writes the file anew, with each block's bytes as `change` leaves them.
+void ChangeBlocks(const std::filesystem::path& file, const std::function<void(BlockKind, Bytes&)>& change) {
+  BlockReader reader;
+  ASSERT_THAT(reader.Open(file), IsEmpty());
+  Bytes changed = MakeFileHead();
+  while (auto block = reader.Next()) {
+    change(block->kind, block->bytes);
+    const Bytes packed = PackBlock(block->kind, block->bytes);
+    changed.insert(changed.end(), packed.begin(), packed.end());
+  }
+  WriteFile(file, changed);
+}
+
 TEST(Recording, ADifferenceIsFoundWithItsTickAndBody) {
   const Folder folder;
   RecordMatch("arena", 200, MakeSettings(folder));
   const std::filesystem::path file = folder.List()[0];
-  // The same recording of a world that is a little heavier from the start.
-  BlockReader reader;
-  ASSERT_THAT(reader.Open(file), IsEmpty());
-  Bytes changed = MakeFileHead();
-  while (const auto block = reader.Next()) {
-    Bytes bytes = block->bytes;
-    if (block->kind == BlockKind::kSecond) {
-      auto second = FromBytes<Second>(bytes);
-      for (TimedEntry& each : second->entries) {
-        auto* join = std::get_if<server::JoinEntry>(&each.entry);
-        if (join != nullptr && join->client == 2) each.after = static_cast<std::uint16_t>(each.after + 3);
-      }
-      bytes = ToBytes(*second);
+  // The same recording, in which a player came three ticks later.
+  ChangeBlocks(file, [](BlockKind kind, Bytes& bytes) {
+    if (kind != BlockKind::kSecond) return;
+    auto second = FromBytes<Second>(bytes);
+    for (TimedEntry& each : second->entries) {
+      auto* join = std::get_if<server::JoinEntry>(&each.entry);
+      if (join != nullptr && join->client == 2) each.after = static_cast<std::uint16_t>(each.after + 3);
     }
-    const Bytes packed = PackBlock(block->kind, bytes);
-    changed.insert(changed.end(), packed.begin(), packed.end());
-  }
-  WriteFile(file, changed);
+    bytes = ToBytes(*second);
+  });
   const Proof proof = Prove(file);
   EXPECT_EQ(proof.verdict, Verdict::kDifferent);
   EXPECT_THAT(proof.words, HasSubstr("different in second 0, from tick 41 on: body ")) << proof.words;
+}
+
+// The smallest difference there can be: the last bit of one coordinate of one vertex, at the beginning.
+TEST(Recording, OneBitOfOneVertexIsFoundInItsBody) {
+  const Folder folder;
+  RecordMatch("arena", 260, MakeSettings(folder), 120);
+  const std::filesystem::path file = folder.List()[0];  // the second one: "-2" comes before ".wobrec"
+  ASSERT_EQ(Prove(file).verdict, Verdict::kIdentical);
+  physics::BodyId body = 0;
+  ChangeBlocks(file, [&](BlockKind kind, Bytes& bytes) {
+    if (kind != BlockKind::kKeyframe) return;
+    auto state = FromBytes<server::PlaygroundState>(bytes);
+    physics::Body& changed = state->world.bodies.back();  // a player's, in motion
+    body = changed.id;
+    float& x = std::get<physics::State<float>>(changed.state).positions[7].x();
+    x = std::bit_cast<float>(std::bit_cast<std::uint32_t>(x) ^ 1U);
+    bytes = ToBytes(*state);
+  });
+  const Proof proof = Prove(file);
+  EXPECT_EQ(proof.verdict, Verdict::kDifferent);
+  EXPECT_THAT(proof.words, HasSubstr("different in second 0, from tick 12"));
+  EXPECT_THAT(proof.words, HasSubstr(": body " + std::to_string(body)));
+}
+
+// One bit of what the recording says of one body at one tick, deep in it.
+TEST(Recording, OneBitOfATraceIsFoundAtItsSecondTickAndBody) {
+  const Folder folder;
+  RecordMatch("arena", 260, MakeSettings(folder));
+  const std::filesystem::path file = folder.List()[0];
+  Opened played(file);
+  ASSERT_THAT(played.replay->Seek(150), IsEmpty());
+  std::vector<physics::BodyId> hashed;
+  for (; hashed.empty() && played.replay->Advance();) hashed = ListHashed(played.ground->World(), 60);
+  const std::uint32_t tick = played.replay->Tick();
+  ASSERT_LT(tick, 240U);
+  ChangeBlocks(file, [&](BlockKind kind, Bytes& bytes) {
+    if (kind != BlockKind::kSecond) return;
+    auto second = FromBytes<Second>(bytes);
+    if (tick <= second->begin || tick > second->begin + second->traces.size()) return;
+    second->traces[tick - 1 - second->begin].hashes.back() ^= 1U;
+    bytes = ToBytes(*second);
+  });
+  const Proof proof = Prove(file);
+  EXPECT_EQ(proof.verdict, Verdict::kDifferent);
+  EXPECT_EQ(proof.words, "different in second " + std::to_string(tick / 60) + ", from tick " + std::to_string(tick) +
+                             " on: body " + std::to_string(hashed.back()));
 }
 
 TEST(Recording, GoesToAnyTick) {
@@ -156,6 +210,28 @@ TEST(Recording, GoesToAnyTick) {
     }
     EXPECT_FALSE(opened.replay->FirstDifference());
   }
+}
+
+TEST(Recording, AnExcerptIsARecordingOfItsOwn) {
+  const Folder folder;
+  RecordMatch("curtain", 400, MakeSettings(folder));
+  const std::filesystem::path whole = folder.List()[0];
+  const std::filesystem::path part = folder.Path() / "part.wobrec";
+  ASSERT_THAT(WriteExcerpt(whole, 130, 250, part, {}), IsEmpty());
+  const Proof proof = Prove(part);
+  EXPECT_EQ(proof.verdict, Verdict::kIdentical) << proof.words;
+  Opened excerpt(part);
+  ASSERT_THAT(excerpt.error, IsEmpty());
+  EXPECT_EQ(excerpt.recording.FirstTick(), 120U) << "whole seconds";
+  EXPECT_EQ(excerpt.recording.LastTick(), 300U);
+  EXPECT_TRUE(excerpt.recording.IsWhole());
+  Opened all(whole);
+  ASSERT_THAT(all.replay->Seek(300), IsEmpty());
+  while (excerpt.replay->Advance()) {
+  }
+  EXPECT_EQ(excerpt.ground->World().Hash(), all.ground->World().Hash());
+  EXPECT_THAT(WriteExcerpt(whole, 400, 500, part, {}), HasSubstr("has no tick behind 400"));
+  EXPECT_THAT(WriteExcerpt(folder.Path() / "nothing.wobrec", 0, 60, part, {}), HasSubstr("nothing.wobrec"));
 }
 
 TEST(Recording, FilesOfOthersAreNamed) {

@@ -24,7 +24,8 @@ class Resumed : public testing::Test {
   // A game that keeps its state in the folder, and goes on from it if it is there.
   std::unique_ptr<Game> Start(double pauseAfter = 30) {
     auto game = std::make_unique<Game>(LoadShippedScene(kScene), server::Config{.pauseAfter = pauseAfter}, ++m_seed);
-    auto checkpoints = std::make_unique<recording::Checkpoints>(m_folder.Path(), recording::MakeHead(kScene));
+    auto checkpoints =
+        std::make_unique<recording::Checkpoints>(m_folder.Path(), std::vector{recording::MakeHead(kScene)});
     const auto found = checkpoints->FindNewest();
     EXPECT_THAT(found.complaints, testing::IsEmpty());
     if (found.checkpoint) {

@@ -28,7 +28,7 @@ Session MakeSession(SessionState state) {
   Session session;
   session.connection = 7;
   session.state = state;
-  session.connectedAt = session.lastHeard = 10;
+  session.connectedAt = session.awaitsSince = session.lastHeard = 10;
   return session;
 }
 
@@ -190,6 +190,26 @@ TEST(Session, MoreInputsThanATickHasAreDroppedAndWhoGoesOnIsSentAway) {
   Session flooder = MakeSession(SessionState::kPlaying);
   EXPECT_GT(send(flooder, 10, 3.5, 1000), 2500);
   EXPECT_EQ(FindTimeout(flooder, 13.5), protocol::wire::GoodbyeReason::TooMuch);
+}
+
+// The client takes the first byte of another scene before it plays there: what says no more is of the scene before.
+TEST(Session, AHandOfTheSceneBeforeHoldsNothing) {
+  Session session = MakeSession(SessionState::kPlaying);
+  session.clientId = 1;
+  session.download.Begin(0, 0, 0, {});
+  const protocol::wire::Hand hand({1, 2, 3}, 4, 5, 6);
+  const auto reach = [&](std::uint32_t tick) {
+    const protocol::wire::InputFrame frame(tick, 0, 0, 0);
+    const auto message = protocol::MakeInput({.frames = {&frame, 1}, .hand = &hand, .downloaded = 0});
+    return TakeMessage(session, Channel::kInput, message, tick, 12);
+  };
+  EXPECT_FALSE(reach(5).dropped);
+  EXPECT_FALSE(session.hand) << "nothing is taken yet, so it does not play";
+  AwaitHelloAgain(session, 12);
+  EXPECT_EQ(reach(6).dropped, DropReason::kOldScene);
+  EXPECT_EQ(session.badMessages.count, 0U);
+  EXPECT_FALSE(FindTimeout(session, 15));
+  EXPECT_EQ(FindTimeout(session, 15.01), GoodbyeReason::NoHello);
 }
 
 TEST(Session, NoHelloForThreeSecondsEndsItWhateverElseIsSaid) {

@@ -136,5 +136,27 @@ TEST_F(DownloadTest, RefusesAReportOfWhatWasNeverSent) {
   EXPECT_FALSE(download.TakeReport(0x80000000U + bytes));
 }
 
+TEST_F(DownloadTest, AnotherSceneTakesThePlaceOfWhatWasQueuedAndCountsOn) {
+  download.Begin(0, 3, 1, {});
+  SendDue();
+  const std::uint32_t before = bytes;
+  EXPECT_TRUE(download.TakeReport(before / 2));
+  EXPECT_TRUE(download.IsOfThisScene(before / 2));
+  sent.clear();
+  download.Begin(0, 2, 0, {});
+  EXPECT_FALSE(download.IsOfThisScene(before)) << "all that was sent of the scene before";
+  EXPECT_EQ(download.Find(1), Download::Stage::kUnsent);
+  for (std::uint32_t taken = before; !download.IsDone(); taken = bytes) {
+    EXPECT_TRUE(download.TakeReport(taken));
+    SendDue();
+  }
+  EXPECT_EQ(ListSlots(), (std::vector<int>{0, 1}));
+  EXPECT_EQ(sent.front().offset, 0U);
+  EXPECT_TRUE(download.IsOfThisScene(before + 1));
+  EXPECT_TRUE(download.TakeReport(bytes));
+  EXPECT_EQ(download.Find(0), Download::Stage::kArrived);
+  EXPECT_TRUE(download.TakeReport(before)) << "an input of the scene before comes late";
+}
+
 }  // namespace
 }  // namespace wobble::server

@@ -53,6 +53,7 @@ export class Client {
   private readonly m_session: number;
   private readonly m_blueprints = new Map<number, Blueprint>();
   private m_welcome: Welcome | null = null;
+  private m_scenes = 0; // of the connection, that ended before m_welcome
   private m_read = ReadNow();
   private m_now = 0; // s since this object was made
 
@@ -136,8 +137,11 @@ export class Client {
     return ReadZeroText(this.m_module, this.m_module._ReadEndReason(this.m_session));
   }
 
-  // null before play.
+  // null before play. Another object when another scene has begun.
   ReadWelcome(): Welcome | null {
+    const scenes = this.m_module._CountNextScenes(this.m_session);
+    if (scenes !== this.m_scenes) this.m_welcome = null;
+    this.m_scenes = scenes;
     if (this.m_welcome === null && this.ReadState() === State.Playing) {
       this.m_welcome = ReadWelcome(this.m_module, this.m_module._ReadWelcome(this.m_session));
     }

@@ -28,6 +28,7 @@ declare module 'wobble-wasm' {
     _IsCompleting(session: number): number;
     _MayRejoin(session: number): number;
     _ReadWelcome(session: number): number;
+    _CountNextScenes(session: number): number;
     _ReadStatistics(session: number, now: number): number;
     _TakeEvent(session: number): number;
     _Sample(session: number, now: number): void;
