@@ -241,7 +241,7 @@ TEST(Watch, GoesAlongIntoTheNextScene) {
   Session session(Watching(server.Port()));
   ASSERT_TRUE(session.AwaitPlaying()) << session.Text() << session.Errors();
   EXPECT_TRUE(session.AwaitStatus("9 bodies  1 player ")) << session.Status();
-  const std::string order = kProgram + " admin --socket " + socket + " next >/dev/null";
+  const std::string order = FindProgram("wobble") + " admin --socket " + socket + " next >/dev/null";
   EXPECT_EQ(std::system(order.c_str()), 0);
   EXPECT_TRUE(session.AwaitStatus("next scene: curtain")) << session.Status();
   EXPECT_TRUE(session.AwaitStatus("4 bodies  1 player ")) << session.Status();

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "server/scenes/loader.h"
+#include "tests/support/places.h"
 
 namespace wobble::exporting {
 namespace {
@@ -12,7 +13,7 @@ namespace {
 class ClipTest : public testing::Test {
  protected:
   void Open(const std::string& scene) {
-    ground.emplace(scenes::LoadScene(scene, WOBBLE_SOURCE_DIR "/server/scenes").scene, server::PlaygroundSettings{});
+    ground.emplace(scenes::LoadScene(scene, test::FindSource("server/scenes")).scene, server::PlaygroundSettings{});
   }
   // Plays so many ticks, each of which is a frame.
   void Play(int ticks) {

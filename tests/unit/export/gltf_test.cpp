@@ -8,6 +8,7 @@
 
 #include "server/export/gltf.h"
 #include "server/export/walk.h"
+#include "tests/support/places.h"
 #include "tests/unit/recording/matches.h"
 
 namespace wobble::exporting {
@@ -137,7 +138,7 @@ class Gltf : public testing::Test {
   }
   void Play(const std::string& scene, const WalkSettings& settings, const GltfLimits& limits) {
     std::string error;
-    EXPECT_THAT(played.Open(std::string(WOBBLE_SOURCE_DIR "/tests/determinism/recordings/") + scene + ".wobrec"),
+    EXPECT_THAT(played.Open(test::FindSource(std::string("tests/determinism/recordings/") + scene + ".wobrec")),
                 IsEmpty());
     ground = recording::MakeGround(played.ReadHead(), {}, error);
     replay = std::make_unique<recording::Replay>(played, *ground);

@@ -10,6 +10,7 @@
 #include "client/lasting_client.h"
 #include "server/recording/verify.h"
 #include "tests/support/game.h"
+#include "tests/support/places.h"
 #include "tests/unit/recording/matches.h"
 #include "tests/unit/server/ear.h"
 
@@ -25,7 +26,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 RotationScene LoadForRotation(const std::string& name) {
-  scenes::LoadResult loaded = scenes::LoadScene(name, std::filesystem::path(WOBBLE_SOURCE_DIR) / "server/scenes");
+  scenes::LoadResult loaded = scenes::LoadScene(name, test::FindSource("server/scenes"));
   EXPECT_THAT(loaded.errors, IsEmpty());
   if (loaded.scene.game.kind == scenes::GameRules::Kind::kSumo) loaded.scene.game.roundSeconds = 3;
   return {.scene = std::move(loaded.scene), .source = std::move(loaded.source), .bases = {}};
