@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "server/physics/methods/unfolding.h"
 #include "server/physics/pair_search.h"
 #include "server/physics/step/control.h"
 #include "server/physics/step/losses.h"
@@ -25,6 +26,12 @@ void AddDrives(const Surroundings& surroundings, BodyId body, Member<Real>& memb
     member.pushes.push_back({each.force.vertex, each.force.force.template cast<Real>()});
   }
   member.load.pushes = member.pushes;
+}
+
+// A cell that is cut through has no volume to keep. Which ones these are is known when the body has been rebuilt.
+template <class Real>
+bool MayUnfold(const Coefficients<Real>& body, const State<Real>& state) {
+  return !body.cells.first.empty() && std::ranges::all_of(state.torn, [](std::uint8_t torn) { return torn == 0; });
 }
 
 }  // namespace
@@ -56,6 +63,7 @@ void PrepareMember(const Surroundings& surroundings, const Blueprint& blueprint,
   }
   ApplyLosses<Real>(blueprint, member.surfaces, settings.tickDuration, scratch.gradient, state);
   const Coefficients<Real>& coefficients = blueprint.Read<Real>();
+  member.load.hasFolds = MayUnfold(coefficients, state) && HasFolds<Real>(coefficients.cells, state.positions);
   member.survey = MakeSurvey<Real>(coefficients.masses, state.positions, state.velocities);
   FindContacts<Real>({.surfaces = member.surfaces,
                       .x = state.positions,
