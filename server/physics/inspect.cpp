@@ -48,8 +48,8 @@ std::vector<Vector3d> FindElastic(const Subject<Real>& subject) {
                         forces);
     AddHinges<Real>(body.hinges, body.hingeFloorSquare, subject.load.stiffnessFactor, subject.state.positions, still,
                     forces);
-    if (subject.load.hasFolds) {
-      AddUnfolding<Real>(body.cells, subject.load.stiffnessFactor, subject.state.positions, still, forces);
+    if (subject.load.foldFactor > Real(0)) {
+      AddUnfolding<Real>(body.cells, subject.load.foldFactor, subject.state.positions, still, forces);
     }
     if (!(body.repulsion > Real(0))) return;
     AddRepulsion<Real>(body.springs, body.repulsion, subject.state.positions, forces, subject.load.torn);
@@ -68,9 +68,11 @@ void AddViscosity(const Subject<Real>& subject, std::span<Vector3<Real>> forces)
   AddTetrahedra<Real>(body.tetrahedra, body.solid, -factor, state.positions, still, forces);
   AddHinges<Real>(body.hinges, body.hingeFloorSquare, factor, state.positions, state.velocities, forces);
   AddHinges<Real>(body.hinges, body.hingeFloorSquare, -factor, state.positions, still, forces);
-  if (!subject.load.hasFolds) return;
-  AddUnfolding<Real>(body.cells, factor, state.positions, state.velocities, forces);
-  AddUnfolding<Real>(body.cells, -factor, state.positions, still, forces);
+  if (!(subject.load.foldFactor > Real(0))) return;
+  std::vector<Vector3<Real>> elastic(forces.size(), Vector3<Real>::Zero());
+  AddUnfolding<Real>(body.cells, subject.load.foldFactor, state.positions, state.velocities, forces);
+  AddUnfolding<Real>(body.cells, subject.load.foldFactor, state.positions, still, elastic);
+  for (std::size_t i = 0; i < forces.size(); ++i) forces[i] -= elastic[i];
 }
 
 template <class Real>

@@ -63,7 +63,9 @@ void PrepareMember(const Surroundings& surroundings, const Blueprint& blueprint,
   }
   ApplyLosses<Real>(blueprint, member.surfaces, settings.tickDuration, scratch.gradient, state);
   const Coefficients<Real>& coefficients = blueprint.Read<Real>();
-  member.load.hasFolds = MayUnfold(coefficients, state) && HasFolds<Real>(coefficients.cells, state.positions);
+  if (MayUnfold(coefficients, state) && HasFolds<Real>(coefficients.cells, state.positions)) {
+    member.load.foldFactor = member.load.stiffnessFactor;
+  }
   member.survey = MakeSurvey<Real>(coefficients.masses, state.positions, state.velocities);
   FindContacts<Real>({.surfaces = member.surfaces,
                       .x = state.positions,

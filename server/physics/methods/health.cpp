@@ -35,7 +35,7 @@ ElasticEnergy ComputeElasticEnergy(const Blueprint& blueprint, const Load<Real>&
   energy.stored =
       double{load.stiffnessFactor} * (ComputeSpringEnergy(full, scratch, load.torn) +
                                       ComputeSolidEnergy(full, scratch) + ComputeBendingEnergy(full, scratch)) +
-      (load.hasFolds ? double{load.stiffnessFactor} * ComputeFoldEnergy(full.cells, scratch) : 0) +
+      (load.foldFactor > Real(0) ? double{load.foldFactor} * ComputeFoldEnergy(full.cells, scratch) : 0) +
       ComputeRepulsionEnergy(full, scratch, load.torn) +
       ComputeContactEnergy<Real>(blueprint.Read<Real>(), surfaces, contacts, x);
   energy.gas = ComputeGasEnergy(full, scratch, double{load.gasFactor});

@@ -15,7 +15,7 @@ namespace {
 // Square of the frequency of all corners together, over the body's: the force has to overcome the springs that hold a
 // fold, and more of it needs more substeps. Of the damping rate, over that frequency: critical.
 constexpr double kSquareFrequencyRatio = 8;
-constexpr double kDampingRatio = 2;
+constexpr double kDampingRatio = 0.7;
 
 // Of edges along x, y, z. Where a lattice is mirrored all axes are as thin, and corners that chose different ones would
 // fold it anew; so one axis is a little thinner than the others for all of them.
@@ -263,9 +263,9 @@ bool HasFolds(const Cells<Real>& cells, std::span<const Vector3<Real>> x) {
 }
 
 template <class Real>
-void AddUnfolding(const Cells<Real>& cells, Real stiffnessFactor, std::span<const Vector3<Real>> x,
+void AddUnfolding(const Cells<Real>& cells, Real factor, std::span<const Vector3<Real>> x,
                   std::span<const Vector3<Real>> v, std::span<Vector3<Real>> forces) {
-  const double force = double{stiffnessFactor} * double{cells.stiffness} / double{cells.edge};
+  const double force = double{factor} * double{cells.stiffness} / double{cells.edge};
   VisitCorners(cells, [&](const Corner& corner) {
     const CornerColumns f = FindColumns(cells, corner, x);
     if (!MayBeFolded(f)) return false;
@@ -276,7 +276,8 @@ void AddUnfolding(const Cells<Real>& cells, Real stiffnessFactor, std::span<cons
     for (std::size_t i = 0; i < 3; ++i) {
       const double pull = force * FindPull(stretches.values[i]);
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        pulls[axis] += pull * corner.signs[axis] * kWeights[axis] * stretches.right[i][static_cast<int>(axis)] * stretches.left[i];
+        pulls[axis] +=
+            pull * corner.signs[axis] * kWeights[axis] * stretches.right[i][static_cast<int>(axis)] * stretches.left[i];
       }
     }
     AddDamping(cells, corner, deepest / kFoldStretch, x, v, pulls);

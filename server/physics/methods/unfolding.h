@@ -42,10 +42,9 @@ inline constexpr double kFoldStretch = 0.3;  // s₀
 template <class Real>
 [[nodiscard]] bool HasFolds(const Cells<Real>& cells, std::span<const Vector3<Real>> x);
 
-// Adds the forces of all corners that are thinner than s₀, elastic and damping. stiffnessFactor multiplies the elastic
-// ones.
+// Adds the forces of all corners that are thinner than s₀, elastic and damping. factor multiplies the elastic ones.
 template <class Real>
-void AddUnfolding(const Cells<Real>& cells, Real stiffnessFactor, std::span<const Vector3<Real>> x,
+void AddUnfolding(const Cells<Real>& cells, Real factor, std::span<const Vector3<Real>> x,
                   std::span<const Vector3<Real>> v, std::span<Vector3<Real>> forces);
 
 // The energy that all corners store, J.

@@ -125,7 +125,7 @@ void Pack<Real, Layout>::BeginStage(int stage) {
     for (const VertexForce<Real>& push : m_bodies.MemberIn(lane).load.pushes) {
       AddOuterForce(lane, push.vertex, push.force);
     }
-    if (m_bodies.MemberIn(lane).load.hasFolds) AddUnfoldingForces(lane, from);
+    if (m_bodies.MemberIn(lane).load.foldFactor > Real(0)) AddUnfoldingForces(lane, from);
     if (!HasContactKernel(m_body.contact.law)) AddPlainContactForces(lane, from);
   }
   AddPlaneForces(from);
@@ -160,8 +160,8 @@ void Pack<Real, Layout>::AddUnfoldingForces(std::size_t lane, const Real* from) 
     CopyVertex(vertex, lane, from);
     m_scratch.forces[vertex].setZero();
   }
-  AddUnfolding<Real>(m_body.cells, m_bodies.MemberIn(lane).load.stiffnessFactor, m_scratch.positions,
-                     m_scratch.velocities, m_scratch.forces);
+  AddUnfolding<Real>(m_body.cells, m_bodies.MemberIn(lane).load.foldFactor, m_scratch.positions, m_scratch.velocities,
+                     m_scratch.forces);
   for (std::size_t vertex = 0; vertex < m_body.masses.size(); ++vertex) {
     const Vector3<Real>& force = m_scratch.forces[vertex];
     if (!force.isZero(Real(0))) AddOuterForce(lane, vertex, force);
