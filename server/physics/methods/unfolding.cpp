@@ -17,6 +17,9 @@ namespace {
 constexpr double kSquareFrequencyRatio = 8;
 constexpr double kDampingRatio = 0.7;
 
+// The pull grows no further once so much is missing from s₀.
+constexpr double kMostMissing = 0.3;
+
 // Of edges along x, y, z. Where a lattice is mirrored all axes are as thin, and corners that chose different ones would
 // fold it anew; so one axis is a little thinner than the others for all of them.
 constexpr double kWeights[] = {1, 0.99, 0.98};
@@ -136,7 +139,7 @@ Stretches FindStretches(const CornerColumns& f) {
 }
 
 // −f'.
-double FindPull(double stretch) { return std::clamp(kFoldStretch - stretch, 0.0, kFoldStretch); }
+double FindPull(double stretch) { return std::clamp(kFoldStretch - stretch, 0.0, kMostMissing); }
 
 // v less the rigid motion that fits it best, for points of equal mass.
 void RemoveRigidMotion(std::span<const Vector3d> x, std::span<Vector3d> v) {
@@ -280,7 +283,7 @@ void AddUnfolding(const Cells<Real>& cells, Real factor, std::span<const Vector3
             pull * corner.signs[axis] * kWeights[axis] * stretches.right[i][static_cast<int>(axis)] * stretches.left[i];
       }
     }
-    AddDamping(cells, corner, deepest / kFoldStretch, x, v, pulls);
+    AddDamping(cells, corner, deepest / kMostMissing, x, v, pulls);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const Vector3<Real> pull = pulls[axis].template cast<Real>();
       forces[corner.vertices[axis + 1]] += pull;
@@ -296,8 +299,8 @@ double ComputeFoldEnergy(const Cells<double>& cells, std::span<const Vector3d> x
     const CornerColumns f = FindColumns(cells, corner, x);
     if (!MayBeFolded(f)) return false;
     for (const double stretch : FindStretches(f).values) {
-      const double missing = FindPull(stretch);
-      energy += cells.stiffness * missing * (missing / 2 + std::max(0.0, -stretch));
+      const double pull = FindPull(stretch);
+      energy += cells.stiffness * pull * (std::max(0.0, kFoldStretch - stretch) - pull / 2);
     }
     return false;
   });

@@ -31,7 +31,7 @@
 
 namespace wobble::physics {
 
-inline constexpr double kFoldStretch = 0.3;  // s₀
+inline constexpr double kFoldStretch = 0.15;  // s₀
 
 // The cells of a lattice whose vertices, springs and modes are known. edge: of a cell, m. cellMass: kg (planar: of a
 // metre of depth). blueprint: finished, with its grid.
