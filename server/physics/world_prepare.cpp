@@ -64,7 +64,7 @@ void PrepareMember(const Surroundings& surroundings, const Blueprint& blueprint,
   ApplyLosses<Real>(blueprint, member.surfaces, settings.tickDuration, scratch.gradient, state);
   const Coefficients<Real>& coefficients = blueprint.Read<Real>();
   if (MayUnfold(coefficients, state) && HasFolds<Real>(coefficients.cells, state.positions)) {
-    member.load.foldFactor = member.load.stiffnessFactor;
+    member.load.foldFactor = member.load.stiffnessFactor * static_cast<Real>(FindFoldStrength(surroundings.time));
   }
   member.survey = MakeSurvey<Real>(coefficients.masses, state.positions, state.velocities);
   FindContacts<Real>({.surfaces = member.surfaces,

@@ -293,6 +293,12 @@ void AddUnfolding(const Cells<Real>& cells, Real factor, std::span<const Vector3
   });
 }
 
+double FindFoldStrength(double time) {
+  constexpr double kPeriod = 0.4;  // s
+  constexpr double kLess = 0.4;
+  return std::fmod(time, kPeriod) < kPeriod / 2 ? 1 : kLess;
+}
+
 double ComputeFoldEnergy(const Cells<double>& cells, std::span<const Vector3d> x) {
   double energy = 0;
   VisitCorners(cells, [&](const Corner& corner) {

@@ -42,6 +42,10 @@ inline constexpr double kFoldStretch = 0.15;  // s₀
 template <class Real>
 [[nodiscard]] bool HasFolds(const Cells<Real>& cells, std::span<const Vector3<Real>> x);
 
+// The share of the stiffness that acts at a time, s: all of it and less in turns. A tangle in which corners hold one
+// another is at rest under the one and not under the other.
+[[nodiscard]] double FindFoldStrength(double time);
+
 // Adds the forces of all corners that are thinner than s₀, elastic and damping. factor multiplies the elastic ones.
 template <class Real>
 void AddUnfolding(const Cells<Real>& cells, Real factor, std::span<const Vector3<Real>> x,
