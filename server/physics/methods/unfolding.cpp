@@ -17,13 +17,6 @@ namespace {
 constexpr double kSquareFrequencyRatio = 8;
 constexpr double kDampingRatio = 0.7;
 
-// The pull grows no further once so much is missing from s₀.
-constexpr double kMostMissing = 0.3;
-
-// Of edges along x, y, z. Where a lattice is mirrored all axes are as thin, and corners that chose different ones would
-// fold it anew; so one axis is a little thinner than the others for all of them.
-constexpr double kWeights[] = {1, 0.99, 0.98};
-
 struct Corner {
   std::array<std::uint16_t, 4> vertices{};  // its own, then those along x, y, z; planar: the one along y is its own
   std::array<double, 3> signs{};            // by which the edges from the first to the others point along the axes
@@ -60,7 +53,7 @@ CornerColumns FindColumns(const Cells<Real>& cells, const Corner& corner, std::s
   CornerColumns f;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const Vector3d along = x[corner.vertices[axis + 1]].template cast<double>() - own;
-    f[axis] = corner.signs[axis] * kWeights[axis] / double{cells.edge} * along;
+    f[axis] = corner.signs[axis] * kFoldWeights[axis] / double{cells.edge} * along;
   }
   if (cells.strides[1] == 0) f[1] = Vector3d::UnitY();
   return f;
@@ -279,8 +272,8 @@ void AddUnfolding(const Cells<Real>& cells, Real factor, std::span<const Vector3
     for (std::size_t i = 0; i < 3; ++i) {
       const double pull = force * FindPull(stretches.values[i]);
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        pulls[axis] +=
-            pull * corner.signs[axis] * kWeights[axis] * stretches.right[i][static_cast<int>(axis)] * stretches.left[i];
+        pulls[axis] += pull * corner.signs[axis] * kFoldWeights[axis] * stretches.right[i][static_cast<int>(axis)] *
+                       stretches.left[i];
       }
     }
     AddDamping(cells, corner, deepest / kMostMissing, x, v, pulls);

@@ -5,7 +5,7 @@
 // Every corner of a cell has a deformation gradient F: its columns are the three edges there over the edge's length at
 // rest. With singular values σ₁ ≥ σ₂ ≥ |σ₃|, of which the last is negative where the corner is inside out, the corner
 // stores
-//   E = K Σ f(σᵢ),   f = ½ (s₀ − σ)² for 0 ≤ σ < s₀,   f = ½ s₀² − s₀ σ for σ < 0,   f = 0 from s₀ on,
+//   E = K Σ f(σᵢ),   f = ½ m² up to m = s₁, then s₁ (m − ½ s₁), with m = max(0, s₀ − σ),
 // so nothing acts on a cell until a corner of it is thinner than s₀ = kFoldStretch of its rest. The force draws the
 // corner apart along its own thinnest direction and does not vanish in any state, also not in one that is flat, a line
 // or a point. It is bounded, and ∂²E/∂F² is at most K: f'' ≤ 1, and f' ≤ 0 makes the parts that come from the turning
@@ -32,6 +32,10 @@
 namespace wobble::physics {
 
 inline constexpr double kFoldStretch = 0.15;  // s₀
+inline constexpr double kMostMissing = 0.3;   // s₁
+// Factors on the columns of F. In a mirrored lattice all axes are as thin, and corners that chose different ones would
+// fold it anew; so one axis is a little thinner than the others for all of them.
+inline constexpr double kFoldWeights[] = {1, 0.99, 0.98};
 
 // The cells of a lattice whose vertices, springs and modes are known. edge: of a cell, m. cellMass: kg (planar: of a
 // metre of depth). blueprint: finished, with its grid.

@@ -76,7 +76,7 @@ double FindThinnest(const Blueprint& blueprint, const Shape& x) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         if (cells.strides[axis] == 0) continue;
         const std::size_t from = (bits >> axis & 1U) != 0 ? own - cells.strides[axis] : own;
-        f.col(static_cast<int>(axis)) = (x[from + cells.strides[axis]] - x[from]) / cells.edge;
+        f.col(static_cast<int>(axis)) = kFoldWeights[axis] / cells.edge * (x[from + cells.strides[axis]] - x[from]);
       }
       const Eigen::JacobiSVD<Eigen::Matrix3d> svd(f);
       thinnest = std::min(thinnest, svd.singularValues()[2] * (f.determinant() < 0 ? -1 : 1));
@@ -140,10 +140,11 @@ TEST(Unfolding, KeepsBothMomentaAndTakesEnergy) {
 
 TEST(Unfolding, ActsOnNothingThickerThanItsLimit) {
   for (const Blueprint& blueprint : MakeBlocks()) {
-    for (const double thickness : {kFoldStretch + 1e-6, kFoldStretch - 1e-6}) {
+    const double limit = kFoldStretch / kFoldWeights[2];
+    for (const double thickness : {limit + 1e-6, limit - 1e-6}) {
       Shape x = blueprint.rest;
       for (Vector3d& at : x) at = {2 * at.x(), at.y(), thickness * at.z()};
-      const bool isThin = thickness < kFoldStretch;
+      const bool isThin = thickness < limit;
       EXPECT_EQ(HasFolds<double>(blueprint.full.cells, x), isThin);
       EXPECT_EQ(ComputeFoldEnergy(blueprint.full.cells, x) > 0, isThin);
       EXPECT_EQ(FindLargest(FindFoldForces(blueprint, x)) > 0, isThin);
@@ -158,7 +159,7 @@ TEST(Unfolding, FindsFoldsAsSingularValuesDo) {
     int folded = 0;
     for (int trial = 0; trial < 600; ++trial) {
       Shape x = blueprint.rest;
-      Vector3d stretch(random.Draw(0.4, 1.5), 1, random.Draw(0.4, 1.5));
+      Vector3d stretch(random.Draw(0.3, 1.5), 1, random.Draw(0.3, 1.5));
       for (Vector3d& at : x) at = at.cwiseProduct(stretch);
       AddDisorder(blueprint, random.Draw(0, 0.1), random, x);
       const bool isFolded = FindThinnest(blueprint, x) < kFoldStretch;
