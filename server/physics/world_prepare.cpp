@@ -28,10 +28,17 @@ void AddDrives(const Surroundings& surroundings, BodyId body, Member<Real>& memb
   member.load.pushes = member.pushes;
 }
 
+// Ticks between two looks at the cells of a lattice that was not folded at the last: a look at one that is badly out of
+// shape costs as much as half of its tick.
+constexpr std::uint32_t kFoldLookTicks = 16;
+
 // A cell that is cut through has no volume to keep. Which ones these are is known when the body has been rebuilt.
 template <class Real>
-bool MayUnfold(const Coefficients<Real>& body, const State<Real>& state) {
-  return !body.cells.first.empty() && std::ranges::all_of(state.torn, [](std::uint8_t torn) { return torn == 0; });
+bool IsFolded(const Coefficients<Real>& coefficients, std::uint32_t tick, const Body& body, const State<Real>& state) {
+  if (coefficients.cells.first.empty()) return false;
+  if (body.invertedTicks == 0 && (tick + body.id) % kFoldLookTicks != 0) return false;
+  return std::ranges::all_of(state.torn, [](std::uint8_t torn) { return torn == 0; }) &&
+         HasFolds<Real>(coefficients.cells, state.positions);
 }
 
 }  // namespace
@@ -63,7 +70,7 @@ void PrepareMember(const Surroundings& surroundings, const Blueprint& blueprint,
   }
   ApplyLosses<Real>(blueprint, member.surfaces, settings.tickDuration, scratch.gradient, state);
   const Coefficients<Real>& coefficients = blueprint.Read<Real>();
-  if (MayUnfold(coefficients, state) && HasFolds<Real>(coefficients.cells, state.positions)) {
+  if (IsFolded(coefficients, surroundings.tick, body, state)) {
     member.load.foldFactor = member.load.stiffnessFactor * static_cast<Real>(FindFoldStrength(surroundings.time));
   }
   member.survey = MakeSurvey<Real>(coefficients.masses, state.positions, state.velocities);
