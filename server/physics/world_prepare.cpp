@@ -29,8 +29,8 @@ void AddDrives(const Surroundings& surroundings, BodyId body, Member<Real>& memb
 }
 
 // Ticks between two looks at the cells of a lattice that was not folded at the last: a look at one that is badly out of
-// shape costs as much as half of its tick.
-constexpr std::uint32_t kFoldLookTicks = 16;
+// shape costs a fifth of its tick.
+constexpr std::uint32_t kFoldLookTicks = 8;
 
 // A cell that is cut through has no volume to keep. Which ones these are is known when the body has been rebuilt.
 template <class Real>

@@ -247,11 +247,34 @@ bool AreAlike(const Cells<Real>& cells, std::span<const Vector3<Real>> x) {
   return room > 0 && double{FindSpread(cells, f, x)} < room * room;
 }
 
+// MayBeFolded for any corner of a cell, in the body's precision and without its weights: never false where that is
+// true.
+template <class Real>
+bool MayHoldFolds(const Cells<Real>& cells, std::size_t first, std::span<const Vector3<Real>> x) {
+  constexpr Real kSlack = Real(1.1);  // for the weights and for rounding
+  const bool isPlanar = cells.strides[1] == 0;
+  const Vector3<Real> across = cells.edge * Vector3<Real>::UnitY();
+  for (unsigned bits = 0; bits < 8; ++bits) {
+    if (isPlanar && (bits & 2U) != 0) continue;
+    const std::size_t alongX = first + (bits >> 1U & 1U) * cells.strides[1] + (bits >> 2U) * cells.strides[2];
+    const std::size_t alongY = first + (bits & 1U) * cells.strides[0] + (bits >> 2U) * cells.strides[2];
+    const std::size_t alongZ = first + (bits & 1U) * cells.strides[0] + (bits >> 1U & 1U) * cells.strides[1];
+    const Vector3<Real> a = x[alongX + cells.strides[0]] - x[alongX];
+    const Vector3<Real> b = isPlanar ? across : Vector3<Real>(x[alongY + cells.strides[1]] - x[alongY]);
+    const Vector3<Real> c = x[alongZ + cells.strides[2]] - x[alongZ];
+    const Real square = a.dot(a) + b.dot(b) + c.dot(c);
+    if (!(Real(2) * a.dot(b.cross(c)) >= kSlack * static_cast<Real>(kFoldStretch) * cells.edge * square)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 template <class Real>
 bool HasFolds(const Cells<Real>& cells, std::span<const Vector3<Real>> x) {
   if (AreAlike(cells, x)) return false;
+  const auto mayHold = [&](std::uint16_t first) { return MayHoldFolds(cells, first, x); };
+  if (std::ranges::none_of(cells.first, mayHold)) return false;
   return VisitCorners(cells, [&](const Corner& corner) {
     const CornerColumns f = FindColumns(cells, corner, x);
     return MayBeFolded(f) && FindStretches(f).values[2] < kFoldStretch;
