@@ -9,6 +9,7 @@
 #include "server/physics/contact/backtracking.h"
 #include "server/physics/methods/bending.h"
 #include "server/physics/methods/elasticity.h"
+#include "server/physics/methods/unfolding.h"
 #include "server/physics/step/losses.h"
 #include "server/physics/world_engine.h"
 
@@ -47,12 +48,16 @@ std::vector<Vector3d> FindElastic(const Subject<Real>& subject) {
                         forces);
     AddHinges<Real>(body.hinges, body.hingeFloorSquare, subject.load.stiffnessFactor, subject.state.positions, still,
                     forces);
+    if (subject.load.foldFactor > Real(0)) {
+      AddUnfolding<Real>(body.cells, subject.load.foldFactor, subject.state.positions, still, forces);
+    }
     if (!(body.repulsion > Real(0))) return;
     AddRepulsion<Real>(body.springs, body.repulsion, subject.state.positions, forces, subject.load.torn);
   });
 }
 
-// The viscous forces of tetrahedra and hinges: what their forces are in motion less what they are at rest.
+// The viscous forces of tetrahedra, hinges and folded cells: what their forces are in motion less what they are at
+// rest.
 template <class Real>
 void AddViscosity(const Subject<Real>& subject, std::span<Vector3<Real>> forces) {
   const Coefficients<Real>& body = subject.body;
@@ -63,6 +68,11 @@ void AddViscosity(const Subject<Real>& subject, std::span<Vector3<Real>> forces)
   AddTetrahedra<Real>(body.tetrahedra, body.solid, -factor, state.positions, still, forces);
   AddHinges<Real>(body.hinges, body.hingeFloorSquare, factor, state.positions, state.velocities, forces);
   AddHinges<Real>(body.hinges, body.hingeFloorSquare, -factor, state.positions, still, forces);
+  if (!(subject.load.foldFactor > Real(0))) return;
+  std::vector<Vector3<Real>> elastic(forces.size(), Vector3<Real>::Zero());
+  AddUnfolding<Real>(body.cells, subject.load.foldFactor, state.positions, state.velocities, forces);
+  AddUnfolding<Real>(body.cells, subject.load.foldFactor, state.positions, still, elastic);
+  for (std::size_t i = 0; i < forces.size(); ++i) forces[i] -= elastic[i];
 }
 
 template <class Real>

@@ -246,7 +246,8 @@ void PairSearch<Real>::MeetSelf(BodyPair<Real>& pair) {
   const Real room = FindSelfContacts<Real>(FindParameters(member, member), MakeEdgeMeeting<Real>(member, member),
                                            MakeSelfSearch(member), pair.edges, m_work.scratch.local().selfSearch);
   m_table.bodies[place].selfRoom = std::max(0.0, double{room});
-  // On its way back a body that is inside out goes through itself.
+  // On its way back a body that is inside out or folded goes through itself.
+  if (member.load.foldFactor > Real(0)) pair.edges.clear();
   const bool isClosed = member.blueprint->restVolume > 0;
   if (pair.edges.empty() || !isClosed) return;
   const auto& body = member.blueprint->template Read<Real>();

@@ -9,6 +9,9 @@
 namespace wobble::physics {
 namespace {
 
+// A lattice may stay folded for as long as something heavy lies on it.
+constexpr int kMostInvertedTicks = 1 << 20;
+
 // A place near `place` where the body's rest shape is clear of obstacles, if there is room. A body is lost where
 // something crushes it, and its rest shape put there would stick in what crushed it.
 template <class Real>
@@ -37,8 +40,10 @@ template <class Real>
 Outcome FinishBody(const Surroundings& surroundings, const BlueprintSlot& slot, double allowedError,
                    const Member<Real>& member, const IslandOutcome& steps, Body& body) {
   State<Real>& state = *member.state;
-  body.invertedTicks = member.insideOut ? body.invertedTicks + 1 : 0;
-  const bool staysInverted = body.invertedTicks * surroundings.settings.tickDuration > kInvertedTime;
+  const bool isFolded = member.load.foldFactor > Real(0);
+  body.invertedTicks = member.insideOut || isFolded ? std::min(body.invertedTicks, kMostInvertedTicks) + 1 : 0;
+  const bool staysInverted =
+      member.insideOut && body.invertedTicks * surroundings.settings.tickDuration > kInvertedTime;
   Outcome outcome{.steps = steps,
                   .health = member.health,
                   .inverted = member.insideOut && member.health != Health::kNonFinite,

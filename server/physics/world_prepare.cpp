@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "server/physics/methods/unfolding.h"
 #include "server/physics/pair_search.h"
 #include "server/physics/step/control.h"
 #include "server/physics/step/losses.h"
@@ -25,6 +26,19 @@ void AddDrives(const Surroundings& surroundings, BodyId body, Member<Real>& memb
     member.pushes.push_back({each.force.vertex, each.force.force.template cast<Real>()});
   }
   member.load.pushes = member.pushes;
+}
+
+// Ticks between two looks at the cells of a lattice that was not folded at the last: a look at one that is badly out of
+// shape costs a fifth of its tick.
+constexpr std::uint32_t kFoldLookTicks = 8;
+
+// A cell that is cut through has no volume to keep. Which ones these are is known when the body has been rebuilt.
+template <class Real>
+bool IsFolded(const Coefficients<Real>& coefficients, std::uint32_t tick, const Body& body, const State<Real>& state) {
+  if (coefficients.cells.first.empty()) return false;
+  if (body.invertedTicks == 0 && (tick + body.id) % kFoldLookTicks != 0) return false;
+  return std::ranges::all_of(state.torn, [](std::uint8_t torn) { return torn == 0; }) &&
+         HasFolds<Real>(coefficients.cells, state.positions);
 }
 
 }  // namespace
@@ -56,6 +70,9 @@ void PrepareMember(const Surroundings& surroundings, const Blueprint& blueprint,
   }
   ApplyLosses<Real>(blueprint, member.surfaces, settings.tickDuration, scratch.gradient, state);
   const Coefficients<Real>& coefficients = blueprint.Read<Real>();
+  if (IsFolded(coefficients, surroundings.tick, body, state)) {
+    member.load.foldFactor = member.load.stiffnessFactor * static_cast<Real>(FindFoldStrength(surroundings.time));
+  }
   member.survey = MakeSurvey<Real>(coefficients.masses, state.positions, state.velocities);
   FindContacts<Real>({.surfaces = member.surfaces,
                       .x = state.positions,

@@ -16,6 +16,7 @@ struct Surroundings {
   std::span<const Obstacle> obstacles;
   std::span<const Drive> drives;
   std::span<const StepForce> stepForces;  // by ascending body
+  std::uint32_t tick = 0;                 // counts from 1
   double time = 0;                        // at which the tick begins, since the world's first tick, s
 };
 

@@ -24,6 +24,7 @@ StepReport World::StepIn(Workspace<Real>& work) {
                                   .obstacles = m_obstacles,
                                   .drives = m_drives,
                                   .stepForces = m_stepForces,
+                                  .tick = m_tick,
                                   .time = (m_tick - 1.0) * duration};
   const std::span<const SweepKernel<Real>> kernels = FindSweepKernels<Real>(m_settings.widestPack);
   Threads& threads = m_engine->threads;

@@ -143,6 +143,13 @@ void VisitNear(const Surface<Real>& surface, Real reach, Real shaken, Real durat
   }
 }
 
+// Whether any contact from `kept` on touches this box, which is number s.
+template <class Real, class Iterator>
+bool IsHeld(const Surface<Real>& surface, std::uint32_t s, Iterator kept, Iterator end) {
+  if (surface.kind != Obstacle::Kind::kBox) return false;
+  return std::any_of(kept, end, [s](const Contact<Real>& each) { return each.surface == s && each.touching; });
+}
+
 bool ComesBefore(std::uint32_t surfaceA, std::uint32_t vertexA, std::uint32_t surfaceB, std::uint32_t vertexB) {
   return surfaceA != surfaceB ? surfaceA < surfaceB : vertexA < vertexB;
 }
@@ -257,8 +264,9 @@ void FindContacts(const SurfaceSearch<Real>& search, std::vector<Contact<Real>>&
   auto kept = contacts.begin();
   for (std::uint32_t s = 0; s < search.surfaces.size(); ++s) {
     const Surface<Real>& surface = search.surfaces[s];
-    // The clearance is a lower bound of the distance: one look at the middle clears a whole body that is far off.
-    if (FindClearance(surface, middle) > reach) continue;
+    // The clearance is a lower bound of the distance: one look at the middle clears a whole body that is far off. Not
+    // one that a box still pulls back: a heavy body on a soft contact comes to a halt far behind a thin wall.
+    if (FindClearance(surface, middle) > reach && !IsHeld(surface, s, kept, contacts.end())) continue;
     // VisitNear may be wrong by rounding, so its reach is a little longer than that of the exact test below.
     const Real shakenMost =
         std::max(Real(0), FindApproach<Real>(surface, {0, surface.normal}, mean)) + search.survey.agitation;

@@ -30,7 +30,9 @@ struct Load {
   Vector3<Real> acceleration = Vector3<Real>::Zero();  // gravity and the player's moving, m/s²
   Real gasFactor = 1;                                  // multiplies the blueprint's gas
   Real stiffnessFactor = 1;                            // multiplies stiffness and damping of springs, elements, hinges
-  Vector3<Real> wind = Vector3<Real>::Zero();          // velocity of the medium that drags at faces, m/s
+  // Multiplies the stiffness of folded cells (methods/unfolding.h); 0: none is folded as the tick begins.
+  Real foldFactor = 0;
+  Vector3<Real> wind = Vector3<Real>::Zero();  // velocity of the medium that drags at faces, m/s
   std::span<const VertexForce<Real>> pushes;
   std::span<const std::uint8_t> torn;  // State::torn: not 0 where a spring has torn; empty: none has
 };

@@ -4,6 +4,7 @@
 
 #include "server/physics/methods/bending.h"
 #include "server/physics/methods/elasticity.h"
+#include "server/physics/methods/unfolding.h"
 
 namespace wobble::physics {
 
@@ -34,6 +35,7 @@ ElasticEnergy ComputeElasticEnergy(const Blueprint& blueprint, const Load<Real>&
   energy.stored =
       double{load.stiffnessFactor} * (ComputeSpringEnergy(full, scratch, load.torn) +
                                       ComputeSolidEnergy(full, scratch) + ComputeBendingEnergy(full, scratch)) +
+      (load.foldFactor > Real(0) ? double{load.foldFactor} * ComputeFoldEnergy(full.cells, scratch) : 0) +
       ComputeRepulsionEnergy(full, scratch, load.torn) +
       ComputeContactEnergy<Real>(blueprint.Read<Real>(), surfaces, contacts, x);
   energy.gas = ComputeGasEnergy(full, scratch, double{load.gasFactor});

@@ -254,6 +254,11 @@ Modes FindModes(const Blueprint& blueprint, const Load<Real>& load, const State<
   Modes modes;
   modes.body.squareFrequency = blueprint.angularFrequency * blueprint.angularFrequency * factor;
   modes.body.dampingRate = blueprint.dampingRate * factor + FindDragDamping(blueprint, load, state);
+  if (load.foldFactor > Real(0)) {
+    const Cells<double>& cells = blueprint.full.cells;
+    modes.body.squareFrequency += double{load.foldFactor} * cells.squareFrequency;
+    modes.body.dampingRate += cells.damping;
+  }
   modes.surfaces = fromSurfaces;
   modes.bodies = fromBodies;
   return modes;

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "server/physics/model/cells.h"
 #include "server/physics/model/grid_plan.h"
 #include "server/physics/model/hinge.h"
 #include "server/physics/model/integrator.h"
@@ -95,6 +96,7 @@ struct Coefficients {
   SolidMaterial<Real> solid;                  // of the tetrahedra
   std::vector<Hinge<Real>> hinges;            // of a sheet that resists bending; others have none
   Real hingeFloorSquare = 0;                  // δ₀² of methods/bending.h, m²
+  Cells<Real> cells;                          // of a lattice; others have none
   std::vector<Face> faces;
   // A planar body lives in the plane y = 0 of its own: nothing accelerates it along y. Its gas is enclosed by
   // `outline`, edges that go round it counter-clockwise as seen from −y, and gas quantities are per metre of depth.

@@ -27,6 +27,21 @@ ContactParameters<float> ToSingle(const ContactParameters<double>& c) {
           .range = static_cast<float>(c.range)};
 }
 
+Cells<float> ToSingle(const Cells<double>& cells) {
+  Cells<float> single{.first = cells.first,
+                      .strides = cells.strides,
+                      .isEdge = {},
+                      .edge = static_cast<float>(cells.edge),
+                      .stiffness = static_cast<float>(cells.stiffness),
+                      .damping = static_cast<float>(cells.damping),
+                      .cornerMass = static_cast<float>(cells.cornerMass),
+                      .squareFrequency = cells.squareFrequency};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    single.isEdge[axis].assign(cells.isEdge[axis].begin(), cells.isEdge[axis].end());
+  }
+  return single;
+}
+
 Coefficients<float> ToSingle(const Coefficients<double>& full) {
   Coefficients<float> single;
   single.masses.assign(full.masses.begin(), full.masses.end());
@@ -56,6 +71,7 @@ Coefficients<float> ToSingle(const Coefficients<double>& full) {
                              .damping = static_cast<float>(h.damping)});
   }
   single.hingeFloorSquare = static_cast<float>(full.hingeFloorSquare);
+  single.cells = ToSingle(full.cells);
   single.faces = full.faces;
   single.planar = full.planar;
   single.outline = full.outline;
@@ -207,6 +223,11 @@ void SetIntegrator(Blueprint& blueprint, Integrator integrator) {
   std::vector<std::array<std::uint32_t, 2>> pairs;
   for (const Spring<double>& spring : blueprint.full.springs) pairs.push_back({spring.a, spring.b});
   blueprint.sparsePattern = std::make_shared<SparsePattern>(MakeSparsePattern(pairs, blueprint.rest.size()));
+}
+
+void SetCells(Blueprint& blueprint, Cells<double> cells) {
+  blueprint.full.cells = std::move(cells);
+  blueprint.single.cells = ToSingle(blueprint.full.cells);
 }
 
 void SetContactLaw(Blueprint& blueprint, ContactLaw law, double magneticStrength) {

@@ -28,6 +28,9 @@ void MakePlans(Blueprint& blueprint);
 // tetrahedra or hinges: implicit Euler and position Verlet, which know springs only.
 void SetIntegrator(Blueprint& blueprint, Integrator integrator);
 
+// Sets the cells of a lattice, in both precisions. To be called after FinishBlueprint.
+void SetCells(Blueprint& blueprint, Cells<double> cells);
+
 // Range and default of `magnetic_strength`, N·m².
 inline constexpr double kMinMagneticStrength = 1e-7;
 inline constexpr double kMaxMagneticStrength = 100;

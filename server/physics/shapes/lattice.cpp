@@ -24,6 +24,7 @@
 #include <cmath>
 
 #include "server/physics/contact/contact.h"
+#include "server/physics/methods/unfolding.h"
 #include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/material.h"
 #include "server/physics/shapes/quad.h"
@@ -239,6 +240,7 @@ Blueprint MakeLattice(const LatticeDefinition& definition) {
   blueprint.full.contact =
       MakeContactParameters(material, FindMeanOuterMass(grid, blueprint.full.masses), FindHalfWidth(definition));
   FinishBlueprint(blueprint);
+  SetCells(blueprint, MakeCells(blueprint, a, FindCellMass(definition)));
   return blueprint;
 }
 

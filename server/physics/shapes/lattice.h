@@ -15,8 +15,9 @@ enum class Side : std::uint8_t { kNone, kLowX, kHighX, kLowY, kHighY, kLowZ, kHi
 
 // With no cells along y the lattice is planar and its quantities are per metre of depth.
 //
-// Limit: central springs do not tell inside from outside. A cube of 2 to 4 cells a side that hits something at more
-// than about a third of √(E/ρ) (of six cells: a fifth) may keep cells that are turned inside out.
+// Central springs do not tell inside from outside. A cube of 2 to 4 cells a side that hits something at more than about
+// a third of √(E/ρ) (of six cells: a fifth) has cells that are turned inside out, until methods/unfolding.h has them
+// back.
 struct LatticeDefinition {
   std::string name = "lattice";
   std::array<int, 3> cells{3, 3, 3};  // along x, y, z

@@ -31,6 +31,21 @@ void RemoveHinges(const std::set<EdgeKey>& gone, std::vector<Hinge<Real>>& hinge
   });
 }
 
+// The edges stay marked: a body that is cut seldom looks alike all over, and then corners are looked at one by one.
+template <class Real>
+void RemoveCells(const std::set<EdgeKey>& gone, Cells<Real>& cells) {
+  const std::uint32_t along[] = {cells.strides[0], cells.strides[1], cells.strides[2]};
+  std::erase_if(cells.first, [&](std::uint32_t first) {
+    for (std::uint32_t bits = 0; bits < 8; ++bits) {
+      const std::uint32_t own = first + (bits & 1U) * along[0] + (bits >> 1U & 1U) * along[1] + (bits >> 2U) * along[2];
+      for (std::uint32_t axis = 0; axis < 3; ++axis) {
+        if ((bits >> axis & 1U) == 0 && gone.contains(MakeEdgeKey(own, own + along[axis]))) return true;
+      }
+    }
+    return false;
+  });
+}
+
 }  // namespace
 
 template <class Real>
@@ -99,6 +114,8 @@ Blueprint MakeTornBlueprint(const Blueprint& blueprint, std::span<const std::uin
            gone.contains(MakeEdgeKey(face[2], face[0]));
   });
   left.single.faces = left.full.faces;
+  RemoveCells(gone, left.full.cells);
+  RemoveCells(gone, left.single.cells);
   left.topology = MakeTopology(left.full.faces, left.rest.size());
   MakePlans(left);
   return left;

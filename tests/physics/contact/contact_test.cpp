@@ -3,6 +3,7 @@
 
 #include "server/physics/methods/runge_kutta.h"
 #include "server/physics/shapes/finish_blueprint.h"
+#include "server/physics/shapes/pair.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 
@@ -210,6 +211,30 @@ TEST(Contact, NothingFastPassesAWall) {
     for (int i = 0; i < 20; ++i) world.Step();
     VisitVertices(world.Bodies()[0], [&](std::size_t, const Vector3d& x) { EXPECT_GT(x.z(), 0) << speed; });
   }
+}
+
+// Two heavy particles on a soft contact go two metres behind a thin wall before they stop there, far from it, and come
+// back.
+TEST(Contact, AWallPullsBackWhatGoesFarBehindIt) {
+  WorldSettings settings;
+  settings.gravity = Vector3d::Zero();
+  World world(settings);
+  PairDefinition pair;
+  pair.material.mass = 2;
+  pair.material.stiffness = 150;
+  world.AddBlueprint(MakePair(pair));
+  Obstacle wall;
+  wall.kind = Obstacle::Kind::kBox;
+  wall.halfExtents = Vector3d(50, 50, 0.1);
+  world.AddObstacle(wall);
+  world.AddBody(0, Vector3d(0, 0, 1), Vector3d(0, 0, -80));
+  double deepest = 0;
+  for (int i = 0; i < 60; ++i) {
+    world.Step();
+    deepest = std::min(deepest, world.FindCentre(world.Bodies()[0]).z());
+  }
+  EXPECT_LT(deepest, -1);
+  EXPECT_GT(world.FindCentre(world.Bodies()[0]).z(), 1);
 }
 
 // A lone particle feels all of an error in the depth over which the force sets in: by the conservation of energy it

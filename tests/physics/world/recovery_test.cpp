@@ -1,6 +1,8 @@
 // Bodies in broken states get back to their shape by the forces of the equations alone.
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
+
 #include "server/physics/shapes/ring.h"
 #include "tests/physics/bodies.h"
 #include "tests/support/broken_states.h"
@@ -27,6 +29,75 @@ TEST(Recovery, FromFlat) { ExpectRecovered(Broken::kFlattened); }
 TEST(Recovery, FromInsideOut) { ExpectRecovered(Broken::kInsideOut); }
 TEST(Recovery, FromFolded) { ExpectRecovered(Broken::kFolded); }
 TEST(Recovery, FromRandomPlaces) { ExpectRecovered(Broken::kRandom); }
+
+LatticeDefinition DescribeLattice(const std::array<int, 3>& cells) {
+  LatticeDefinition lattice;
+  lattice.cells = cells;
+  lattice.poissonRatio = FindPoissonRatio(cells);
+  return lattice;
+}
+
+// The least volume that three edges of a cell span at a corner, of that at rest; planar: the least area.
+double FindLeastRatio(const Blueprint& lattice, const std::vector<Vector3d>& x) {
+  const Cells<double>& cells = lattice.full.cells;
+  double least = 10;
+  for (const std::uint16_t first : cells.first) {
+    for (unsigned bits = 0; bits < 8; ++bits) {
+      if (lattice.full.planar && (bits & 2U) != 0) continue;
+      std::size_t own = first;
+      for (std::size_t axis = 0; axis < 3; ++axis) own += (bits >> axis & 1U) * cells.strides[axis];
+      Eigen::Matrix3d edges = Eigen::Matrix3d::Identity();
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (cells.strides[axis] == 0) continue;
+        const std::size_t from = (bits >> axis & 1U) != 0 ? own - cells.strides[axis] : own;
+        edges.col(static_cast<int>(axis)) = (x[from + cells.strides[axis]] - x[from]) / cells.edge;
+      }
+      least = std::min(least, edges.determinant());
+    }
+  }
+  return least;
+}
+
+// Plays a lattice from these positions, relative to its place, for two seconds, and checks that every corner of every
+// cell is right side out then and that it moved no faster on the way than sound in it.
+void ExpectUnfolded(const Blueprint& lattice, const std::vector<Vector3d>& start, const std::string& what) {
+  Recovery recovery;
+  const std::vector<Vector3d> x = PlayOnGround(lattice, start, recovery);
+  EXPECT_GT(FindLeastRatio(lattice, x), 0.3) << what;
+  EXPECT_EQ(recovery.reset, 0U) << what;
+  EXPECT_LT(recovery.speed, 22) << what;
+}
+
+constexpr std::array<int, 3> kLattices[] = {{1, 1, 1}, {3, 3, 3}, {5, 2, 2}, {4, 0, 4}, {8, 0, 3}};
+
+void ExpectUnfolded(Broken how) {
+  for (const auto& cells : kLattices) {
+    const Blueprint lattice = MakeLattice(DescribeLattice(cells));
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      bench::Random random(seed);
+      ExpectUnfolded(lattice, Break(how, lattice, random),
+                     std::to_string(cells[0]) + " cells along x, seed " + std::to_string(seed));
+    }
+  }
+}
+
+TEST(Recovery, OfLatticesFromFlat) { ExpectUnfolded(Broken::kFlattened); }
+TEST(Recovery, OfLatticesFromInsideOut) { ExpectUnfolded(Broken::kInsideOut); }
+TEST(Recovery, OfLatticesFromFolded) { ExpectUnfolded(Broken::kFolded); }
+
+// One corner of the lattice, or another vertex, pushed through its cell.
+TEST(Recovery, OfLatticesFromAVertexPushedThrough) {
+  for (const auto& cells : kLattices) {
+    const Blueprint lattice = MakeLattice(DescribeLattice(cells));
+    for (std::uint64_t seed = 0; seed < 4; ++seed) {
+      bench::Random random(seed);
+      std::vector<Vector3d> x = lattice.rest;
+      Vector3d& at = x[seed == 0 ? 0 : random.Choose(x.size())];
+      at -= random.Draw(1.2, 2.2) * lattice.full.cells.edge * at.normalized();
+      ExpectUnfolded(lattice, x, std::to_string(cells[0]) + " cells along x, seed " + std::to_string(seed));
+    }
+  }
+}
 
 // Thrown onto the floor with up to 160 times the energy of its gas, a ball comes out as it was.
 TEST(Recovery, FromAnyThrow) {
