@@ -91,9 +91,9 @@ void LinkRoom::Grow(double ceiling) {
 void LinkRoom::BackOff(double now) {
   m_state = State::kFollowing;
   // What waits although hardly anything is sent is not this client's: others fill the link, or its way has changed.
-  if (m_rate <= kLeastRate) m_least = m_leastBefore = m_interval.roundTrip;
+  if (m_rate <= kLeastRoom) m_least = m_leastBefore = m_interval.roundTrip;
   const double carried = std::max(m_interval.FindArrived(now), kLeastArrived * m_interval.FindUsed(now));
-  m_rate = std::max(std::min(m_rate, kLeastRate), kBackOff * std::min(m_rate, carried));
+  m_rate = std::max(std::min(m_rate, kLeastRoom), kBackOff * std::min(m_rate, carried));
 }
 
 }  // namespace wobble::server

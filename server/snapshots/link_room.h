@@ -14,10 +14,10 @@
 namespace wobble::server {
 
 // The rate that every link is taken to carry at first, bit/s, headers counted.
-inline constexpr double kFirstRate = 384e3;
+inline constexpr double kFirstRoom = 384e3;
 // The rate below which nobody is pushed, bit/s: a link that is worse loses packets, and any packet alone shows
 // something.
-inline constexpr double kLeastRate = 192e3;
+inline constexpr double kLeastRoom = 192e3;
 
 class LinkRoom {
  public:
@@ -55,7 +55,7 @@ class LinkRoom {
   };
 
   State m_state = State::kSeeking;
-  double m_rate = kFirstRate;
+  double m_rate = kFirstRoom;
   double m_loss = 0;      // share of packets, smoothed
   double m_decision = 0;  // when the next one is due, s
   Interval m_interval;    // the one under way

@@ -106,7 +106,7 @@ TEST(LinkRoom, ReachesTheCeilingOfAWideLinkWithinFourSeconds) {
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     Stream stream(seed);
     stream.line.jitter = 0.03;
-    EXPECT_EQ(stream.Rate(), kFirstRate);
+    EXPECT_EQ(stream.Rate(), kFirstRoom);
     stream.For(4);
     EXPECT_EQ(stream.Rate(), stream.ceiling);
     stream.For(60);
@@ -159,7 +159,7 @@ TEST(LinkRoom, MuchLossTakesTheRateDownToTheLeast) {
     Stream stream(seed);
     stream.line.loss = 0.25;
     stream.For(10);
-    EXPECT_EQ(stream.Rate(), kLeastRate);
+    EXPECT_EQ(stream.Rate(), kLeastRoom);
   }
 }
 
@@ -171,7 +171,7 @@ TEST(LinkRoom, LossAloneTellsOfABottleneckWithoutAQueue) {
     stream.line.queue = 0.012;
     stream.For(60);
     EXPECT_LT(stream.Rate(), 1.3e6);
-    EXPECT_GE(stream.Rate(), kLeastRate);
+    EXPECT_GE(stream.Rate(), kLeastRoom);
   }
 }
 
@@ -205,7 +205,7 @@ TEST(LinkRoom, WhatOthersQueueDoesNotSilenceIt) {
     stream.For(5);
     stream.others = 0.2;
     stream.For(30);
-    EXPECT_GT(stream.Rate(), kLeastRate);
+    EXPECT_GT(stream.Rate(), kLeastRoom);
   }
 }
 
@@ -213,7 +213,7 @@ TEST(LinkRoom, DoesNotGrowWithoutNeedOrWithoutUse) {
   Stream stream(1);
   stream.wanted = 300e3;
   stream.For(20);
-  EXPECT_EQ(stream.Rate(), kFirstRate);
+  EXPECT_EQ(stream.Rate(), kFirstRoom);
 }
 
 TEST(LinkRoom, TheCeilingHoldsBelowTheFirstRateAndBelowTheLeast) {
@@ -223,7 +223,7 @@ TEST(LinkRoom, TheCeilingHoldsBelowTheFirstRateAndBelowTheLeast) {
     stream.line.loss = 0.25;
     stream.For(10);
     EXPECT_LE(stream.Rate(), ceiling);
-    EXPECT_GE(stream.Rate(), std::min(ceiling, kLeastRate));
+    EXPECT_GE(stream.Rate(), std::min(ceiling, kLeastRoom));
   }
 }
 
@@ -231,7 +231,7 @@ TEST(LinkRoom, WhoNeverAcknowledgesKeepsTheFirstRate) {
   Stream stream(1);
   stream.isBlack = true;
   stream.For(20);
-  EXPECT_EQ(stream.Rate(), kFirstRate);
+  EXPECT_EQ(stream.Rate(), kFirstRoom);
 }
 
 }  // namespace
