@@ -1,6 +1,8 @@
 #include "protocol/acknowledgement.h"
 
+#include <algorithm>
 #include <cassert>
+#include <utility>
 
 namespace wobble::protocol {
 
@@ -25,11 +27,7 @@ ReceivedWindow::Arrival ReceivedWindow::Record(std::uint32_t sequence) {
 
 std::uint32_t SentWindow::RecordSent(double now) {
   Slot& slot = SlotOf(++m_newest);
-  if (slot.sequence != 0) {  // a packet that is overwritten without an acknowledgement counts as lost
-    m_lostInRow = slot.acknowledged ? 0 : m_lostInRow + 1;
-    m_lost += slot.acknowledged ? 0 : 1;
-    if (m_lostInRow <= kCountedInRow) m_lossShare += ((slot.acknowledged ? 0.0 : 1.0) - m_lossShare) / 128.0;
-  }
+  if (slot.sequence > m_judged) JudgeNext();  // the oldest one remembered is overwritten
   slot = {m_newest, false, now};
   return m_newest;
 }
@@ -45,9 +43,23 @@ bool SentWindow::RecordAcknowledgement(std::uint32_t newest, std::uint64_t histo
     if (slot.sequence != newest - back || slot.acknowledged) continue;
     slot.acknowledged = true;
     ++report.acknowledged;
+    m_acknowledged = std::max(m_acknowledged, slot.sentAt);
     if (back == 0) report.roundTrip = now - slot.sentAt;
   }
   return true;
+}
+
+void SentWindow::JudgeNext() {
+  const bool hasArrived = SlotOf(++m_judged).acknowledged;
+  m_lostInRow = hasArrived ? 0 : m_lostInRow + 1;
+  m_lost += hasArrived ? 0 : 1;
+  if (hasArrived) ++m_tally.arrived;
+  if (!hasArrived && m_lostInRow <= kCountedInRow) ++m_tally.lost;
+}
+
+SentWindow::Tally SentWindow::Judge() {
+  while (m_judged < m_newest && SlotOf(m_judged + 1).sentAt < m_acknowledged - kOvertaking) JudgeNext();
+  return std::exchange(m_tally, {});
 }
 
 }  // namespace wobble::protocol

@@ -44,17 +44,23 @@ class SentWindow {
   // Takes an acknowledgement. False, with nothing changed, when it names packets that were never sent.
   [[nodiscard]] bool RecordAcknowledgement(std::uint32_t newest, std::uint64_t history, double now, Report& report);
 
-  // Share of packets lost, 0..1, among those old enough to be known; smoothed over about 128 packets. Of a run of
-  // losses only the first kCountedInRow count: a full link loses single packets, a link that loses all of them is black
-  // for a while and as good as before afterwards.
-  [[nodiscard]] double LossShare() const { return m_lossShare; }
-  // Packets that were never acknowledged, among those old enough to be known.
+  // What became of packets. Of a run of losses only the first kCountedInRow count: a full link loses single packets, a
+  // link that loses all of them is black for a while and as good as before afterwards.
+  struct Tally {
+    unsigned arrived = 0;
+    unsigned lost = 0;
+  };
+  // Of the packets about which it has become clear since the last call: an acknowledged one left more than kOvertaking
+  // after them.
+  [[nodiscard]] Tally Judge();
+  // Packets that were never acknowledged, among those that have been judged.
   [[nodiscard]] std::uint64_t Lost() const { return m_lost; }
   [[nodiscard]] std::uint32_t Newest() const { return m_newest; }
 
  private:
-  static constexpr std::size_t kRemembered = 2 * (kAckHistory + 1);
+  static constexpr std::size_t kRemembered = 4 * (kAckHistory + 1);
   static constexpr unsigned kCountedInRow = 8;
+  static constexpr double kOvertaking = 0.15;  // s; a packet that comes later than that is lost for all uses
   struct Slot {
     std::uint32_t sequence = 0;
     bool acknowledged = false;
@@ -62,11 +68,15 @@ class SentWindow {
   };
   Slot& SlotOf(std::uint32_t sequence) { return m_slots[sequence % kRemembered]; }
 
+  void JudgeNext();
+
   std::array<Slot, kRemembered> m_slots{};
   std::uint32_t m_newest = 0;
+  std::uint32_t m_judged = 0;  // all up to this one are
+  double m_acknowledged = 0;   // when the newest acknowledged packet had left, s
   unsigned m_lostInRow = 0;
   std::uint64_t m_lost = 0;
-  double m_lossShare = 0;
+  Tally m_tally;
 };
 
 }  // namespace wobble::protocol

@@ -40,7 +40,7 @@ struct Config {
   int maxClients = 64;
   int maxPerAddress = 0;  // connections from one IP address; 0: as many as maxClients
   int threads = 1;
-  double clientKbit = 384;      // snapshot budget of a client, kbit/s, all headers counted
+  double clientKbit = 4000;     // the most that a client's snapshots take, kbit/s, all headers counted (link_room.h)
   double viewDistance = 250;    // bodies farther from a player's own are not sent, m
   double pauseAfter = 30;       // the world pauses when nobody has been connected for this long, s; 0: never
   bool admitsWhenBusy = false;  // lets clients in even at LoadLevel::kBusy

@@ -92,7 +92,8 @@ void DescribeOptions(CLI::App& app, Options& options) {
   addNumber("--max-per-address", kMaxPerAddressRange, config.maxPerAddress,
             "Connections from one IP address; 0: as many as --max-clients");
   addNumber("--threads", kThreadsRange, config.threads, "Threads that step and encode bodies");
-  addNumber("--client-kbit", kClientKbitRange, config.clientKbit, "Snapshot budget of a client, kbit/s with headers");
+  addNumber("--client-kbit", kClientKbitRange, config.clientKbit,
+            "The most that snapshots of a client take, kbit/s with headers; within it, what the link has room for");
   addNumber("--view-distance", kViewDistanceRange, config.viewDistance,
             "Metres from a player's body within which other bodies are sent");
   addNumber("--pause-after", kPauseAfterRange, config.pauseAfter,
@@ -189,7 +190,7 @@ void DescribeOptions(CLI::App& app, Options& options) {
   app.footer(
       "Examples:\n"
       "  wobbled                                  the arena on port 7777\n"
-      "  wobbled --scene crowd --client-kbit 2000 a busy scene, more bytes for each client\n"
+      "  wobbled --scene crowd --client-kbit 800  a busy scene for a host with little upstream\n"
       "  wobbled --scene my.toml --port 7801      a scene of your own\n"
       "  wobbled --password-file door.txt         for those who know it: wobble watch --password-file\n"
       "  wobbled --admin-socket admin.sock        then: wobble admin --socket admin.sock players\n"

@@ -25,10 +25,6 @@ constexpr double kPausedPoll = 0.05;
 // every tick would cost more than the spreading saves.
 constexpr std::size_t kManyBodies = 32;
 
-// A client that loses a larger share of its packets gets half its bytes: its link is full, and ENet's own throttle is
-// switched off.
-constexpr double kHeavyLoss = 0.1;
-
 }  // namespace
 
 Server::Server(const Config& config, scenes::Scene scene, std::unique_ptr<transport::Transport> transport, double now,
@@ -129,7 +125,7 @@ void Server::Encode(BodySubset due) { m_stage->store.EncodeAhead(due); }
 
 void Server::Send(BodySubset due, double now) {
   m_watch.Enter(Phase::kSend);
-  const double bytes = m_config.clientKbit * 1000 / 8 / m_config.snapshotHz / due.divisor;
+  const double ceiling = 1000 * m_config.clientKbit;
   for (auto& [connection, session] : m_sessions) {
     if (session.state != Session::State::kPlaying) continue;
     SnapshotTask task;
@@ -139,10 +135,12 @@ void Server::Send(BodySubset due, double now) {
     task.head.timeRatio = static_cast<float>(m_clock.TimeRatio());
     task.head.inputTick = session.inputs.NewestUsed();
     task.subset = due;
-    task.creditBytes = session.subscription.sent.LossShare() > kHeavyLoss ? bytes / 2 : bytes;
+    Subscription& subscription = session.subscription;
+    subscription.room.Follow(subscription.sent, subscription.isShort, ceiling, now);
+    task.creditBytes = subscription.room.Rate(ceiling) / 8 / m_config.snapshotHz / due.divisor;
     task.now = now;
     task.download = &session.download;
-    m_sender.Send(m_stage->store, task, session.subscription);
+    m_sender.Send(m_stage->store, task, subscription);
   }
   if (due.remainder == 0) SendForces();
   m_transport->Flush();

@@ -145,7 +145,9 @@ class Server {
     transport::Admission admission;
     bool isSpectator = false;
     bool isMuted = false;
-    double seconds = 0;  // since it connected
+    double seconds = 0;    // since it connected
+    double roundTrip = 0;  // newest measured, s
+    double rate = 0;       // that its snapshots may take, bit/s
   };
   [[nodiscard]] std::vector<Player> ListPlayers(double now) const;
   // Sends a client away. why: a line for it, may be empty.

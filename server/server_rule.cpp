@@ -27,7 +27,9 @@ std::vector<Server::Player> Server::ListPlayers(double now) const {
                        .admission = session.admission,
                        .isSpectator = session.spectator,
                        .isMuted = session.isMuted,
-                       .seconds = now - session.connectedAt});
+                       .seconds = now - session.connectedAt,
+                       .roundTrip = session.roundTrip,
+                       .rate = session.subscription.room.Rate(1000 * m_config.clientKbit)});
   }
   std::sort(players.begin(), players.end(), [](const Player& a, const Player& b) { return a.client < b.client; });
   return players;

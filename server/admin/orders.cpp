@@ -30,8 +30,9 @@ Answer ListPlayers(Order& order) {
   for (const auto& player : order.realm.server.ListPlayers(order.now)) {
     const transport::Admission& admission = player.admission;
     const bool hasAddress = admission.from.ip != transport::NetAddress{}.ip;
-    answer.lines.push_back(fmt::format("{:5} {:32} {:9} {:6.0f} s  {}{}{}{}", player.client, player.name,
-                                       admission::NameOf(admission.rank), player.seconds,
+    answer.lines.push_back(fmt::format("{:5} {:32} {:9} {:6.0f} s {:4.0f} ms {:5.0f} kbit/s  {}{}{}{}", player.client,
+                                       player.name, admission::NameOf(admission.rank), player.seconds,
+                                       1000 * player.roundTrip, player.rate / 1000,
                                        hasAddress ? transport::FormatIp(admission.from) : "address unknown",
                                        admission.account != 0 ? fmt::format(", account {}", admission.account) : "",
                                        player.isSpectator ? ", watches" : "", player.isMuted ? ", muted" : ""));
@@ -209,8 +210,8 @@ struct Entry {
 constexpr std::array kEntries{
     Entry{"help", "", 0, "these lines", Rank::kPlayer, ShowHelp},
     Entry{"status", "", 0, "how many are in, and what is locked or protected", Rank::kModerator, ShowStatus},
-    Entry{"players", "", 0, "number, name, rank, time and address of everybody who is in", Rank::kModerator,
-          ListPlayers},
+    Entry{"players", "", 0, "number, name, rank, time, round trip, budget and address of everybody who is in",
+          Rank::kModerator, ListPlayers},
     Entry{"kick", "PLAYER [REASON]", kAnyWords, "sends a player away, who may come back", Rank::kModerator, Kick},
     Entry{"ban", "PLAYER|ADDRESS|account:N [for TIME] [REASON]", kAnyWords,
           "keeps out, for 24h unless TIME says more or less", Rank::kModerator, AddBan},

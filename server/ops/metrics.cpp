@@ -152,6 +152,8 @@ void AddBodies(List& list, const Figures& f) {
 
 void AddSnapshots(List& list, const Figures& f) {
   list.AddCounter("wobble_snapshot_bytes_total", "Payload of snapshots sent.", ToNumber(f.sent.bytes));
+  list.AddCounter("wobble_snapshot_budget_bytes_total", "Bytes of snapshots that clients' links had room for.",
+                  f.sent.budgetBytes);
   list.AddCounter("wobble_snapshot_record_bytes_total", "Of these, bodies.", ToNumber(f.sent.recordBytes));
   list.AddCounter("wobble_snapshot_vertices_total", "Vertices sent.", ToNumber(f.sent.vertices));
   list.AddCounter("wobble_snapshot_packets_total", "Snapshot packets sent.", ToNumber(f.sent.packets));

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <span>
+
 namespace wobble::recording {
 namespace {
 
@@ -46,6 +48,8 @@ Proof Verify(const std::filesystem::path& path, const GroundSettings& settings, 
     proof.words = fmt::format("identical: {} ticks, {:.1f} s of {}", replay.Tick() - recording.FirstTick(),
                               recording.TimeOf(replay.Tick()), recording.ReadHead().scene.name);
   }
+  const Bytes state = ToBytes(ground->Capture());
+  proof.wholeState = physics::HashBytes(std::as_bytes(std::span(state)), physics::kHashSeed);
   if (!recording.Fault().empty()) {
     proof.words +=
         fmt::format("\ndamaged behind {:.1f} s: {}", recording.TimeOf(recording.LastTick()), recording.Fault());

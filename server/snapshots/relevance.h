@@ -45,6 +45,8 @@ class Coarseness {
     std::size_t nearLeft = 0;  // near ones that kNearShare did not hold
   };
   void Adapt(const Turn& turn);
+  // Whether a larger budget would make any quality finer.
+  [[nodiscard]] bool IsCoarse() const { return m_near.value > 0 || m_far.value > 0; }
 
   // The quality of a body at this apparent distance, m. isNear: within FindNearRadius, or the own body.
   [[nodiscard]] std::size_t FindQuality(bool isNear, float apparentDistance) const;

@@ -31,6 +31,7 @@ double SendCounts::ErrorPercentRms() const {
 
 void SnapshotSender::Begin(std::span<const ShownBody> bodies, const SnapshotTask& task, Subscription& subscription) {
   m_task = task;
+  m_counts.budgetBytes += task.creditBytes;
   RankBodies(bodies, subscription);
   // The credit of one snapshot may be saved for a busier one, and no more: a quiet minute buys no burst.
   subscription.credit = std::min(subscription.credit + task.creditBytes, 2 * task.creditBytes);
@@ -140,6 +141,7 @@ void SnapshotSender::SendPacket(Subscription& subscription) {
   m_task.head.sequence = subscription.sent.RecordSent(m_task.now);
   m_counts.packetsLost += subscription.sent.Lost() - lost;
   const std::span<const std::uint8_t> packet = m_packet.Finish(m_task.head);
+  subscription.room.NoteSent(static_cast<double>(packet.size()) + kPacketOverheadBytes);
   if (m_transport.Send(m_task.connection, transport::Channel::kSnapshot, packet) == transport::SendResult::kQueued) {
     ++m_counts.packets;
     m_counts.bytes += packet.size();
@@ -161,6 +163,7 @@ void SnapshotSender::Finish(Subscription& subscription) {
   subscription.turn.leftOut += leftOut;
   if (m_task.subset.remainder + 1 < m_task.subset.divisor) return;
   subscription.coarseness.Adapt(subscription.turn);
+  subscription.isShort = subscription.turn.leftOut > 0 || subscription.coarseness.IsCoarse();
   subscription.turn = {};
 }
 

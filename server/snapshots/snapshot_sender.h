@@ -33,6 +33,7 @@ struct SendCounts {
   std::uint64_t packets = 0;
   std::uint64_t packetsLost = 0;      // never acknowledged, as far as acknowledgements tell
   std::uint64_t bytes = 0;            // payload of the packets
+  double budgetBytes = 0;             // that links had room for and --client-kbit allowed, all headers counted
   std::uint64_t bodiesLeftOut = 0;    // bodies that did not fit a snapshot's budget and wait for a later one
   std::uint64_t bodiesCoarsened = 0;  // bodies sent at less than the best quality
   std::uint64_t bodiesOutOfView = 0;  // bodies beyond the view distance

@@ -30,6 +30,7 @@ Subscription::Fate Subscription::FindFate(const Delivery& delivery, std::uint32_
 bool Subscription::TakeAcknowledgement(std::uint32_t newest, std::uint64_t history, double now,
                                        protocol::SentWindow::Report& report) {
   if (!sent.RecordAcknowledgement(newest, history, now, report)) return false;
+  room.NoteAcknowledgement(report, now);
   std::erase_if(m_deliveries, [&](const Delivery& delivery) {
     const Fate fate = FindFate(delivery, newest, history);
     if (fate == Fate::kUnknown) return false;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "protocol/acknowledgement.h"
+#include "server/snapshots/link_room.h"
 #include "server/snapshots/relevance.h"
 
 namespace wobble::server {
@@ -40,6 +41,8 @@ class Subscription {
 
   std::vector<Interest> interests;  // one per shown body, by ascending id
   protocol::SentWindow sent;
+  LinkRoom room;
+  bool isShort = false;   // in the last turn the budget left bodies out or made them coarser
   double credit = 0;      // bytes that may be sent; below zero after a record that just went over
   double nearCredit = 0;  // of these, for near bodies before all others
   Coarseness coarseness;

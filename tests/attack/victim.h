@@ -34,6 +34,13 @@ using test::Now;
 
 inline void Sleep(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
 
+// Of the victim's memory, bytes: AddressSanitizer keeps what is freed, to find later uses of it.
+#ifdef WOBBLE_SANITIZED
+inline constexpr double kHeldBySanitizer = 16e6;
+#else
+inline constexpr double kHeldBySanitizer = 0;
+#endif
+
 class Victim {
  public:
   explicit Victim(const std::vector<std::string>& options = {}, const std::string& scene = "pair") {

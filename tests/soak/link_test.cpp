@@ -119,5 +119,35 @@ TEST(Link, BlackoutsOfTwoSecondsDropNobodyAndNoStormFollows) {
   EXPECT_GT(crowd.game.network.CountsToClients().lost, 1000U);
 }
 
+TEST(Link, AWideLinkIsGivenAllThatItsPlayerSees) {
+  Crowd crowd(24, {}, 1);
+  crowd.game.network.SetConditions({.delay = 0.03, .jitter = 0.02});
+  crowd.Run(8);
+  const server::SendCounts before = crowd.game.server.ReadSendCounts();
+  crowd.Run(3);
+  const server::SendCounts& after = crowd.game.server.ReadSendCounts();
+  EXPECT_EQ(after.bodiesLeftOut, before.bodiesLeftOut);
+  EXPECT_LT(after.bodiesCoarsened - before.bodiesCoarsened, 24 * 24 * 90 / 100) << "1 % of all bodies sent";
+}
+
+// As many bytes as pass, and neither a standing queue nor more loss than snapshots bear.
+TEST(Link, ANarrowLinkIsFoundAndNotOverfilled) {
+  for (const double rate : {300e3, 600e3}) {
+    Crowd crowd(24, {}, 1);
+    crowd.game.network.SetConditions({.delay = 0.03, .jitter = 0.01, .rate = rate});
+    crowd.Run(8);
+    const transport::LinkCounts before = crowd.game.network.CountsToClients();
+    const double bytes = crowd.BytesDown();
+    crowd.Run(20);
+    const transport::LinkCounts& after = crowd.game.network.CountsToClients();
+    EXPECT_LT(static_cast<double>(after.lost - before.lost), 0.02 * static_cast<double>(after.sent - before.sent));
+    const double used = 8 * (crowd.BytesDown() - bytes) / 20 / 24;
+    EXPECT_GT(used, 0.7 * rate);
+    EXPECT_LT(used, rate);
+    for (const auto& each : crowd.game.clients) EXPECT_LT(each->ReadStatistics().snapshotAge, 0.2);
+    EXPECT_EQ(crowd.CountIn(client::State::kPlaying), 24U);
+  }
+}
+
 }  // namespace
 }  // namespace wobble::test

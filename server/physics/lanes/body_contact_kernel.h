@@ -290,7 +290,9 @@ BodyContactChange UpdateBodyContactBlock(const BodyContactPoints<Real>& points, 
     const V limit = ReadRow<V>(block.friction, lane) * FindSpringForce<Real>(ReadLaw<V>(block, lane), inside);
     const V strength = ReadRow<V>(block.stickStiffness, lane) * Sqrt(Dot(slip, slip));
     const V kept = Min(limit / Max(strength, Spread<V>(Real(kLeastPull))), one);
-    WriteRows<V, Real>(Scale(kept, slip), block.slip, lane);
+    // Adding +0 takes the sign from a zero: whose sign a lane that is not inside gets depends on the others of its block,
+    // and so on the width.
+    WriteRows<V, Real>(AddScaled(kept, slip, Axes<V>{zero, zero, zero}), block.slip, lane);
     WriteRows<V, Real>(at.weights, block.foot, lane);
     WriteRow(leap, block.leap, lane);
     WriteRow(depth, block.depth, lane);

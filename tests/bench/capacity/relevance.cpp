@@ -11,7 +11,7 @@ namespace {
 
 constexpr unsigned kRelevancePlayers = 128;
 constexpr unsigned kRelevancePlayersQuick = 48;
-constexpr double kRelevanceKbit = 384;  // the default of Config::clientKbit
+constexpr double kRelevanceKbit = 384;  // what a link is given at first
 constexpr double kRelevanceDelay = 0.025;
 constexpr double kRelevanceWarmUp = 3;  // s
 // One of so many rounds of a decoding bot is recorded; neighbouring rounds are alike.

@@ -253,13 +253,11 @@ TEST(EdgeContact, ATurningRodIsReckonedWith) {
   for (const VertexLoad& load : loads) EXPECT_GT(load.stiffness, 0);
 }
 
-BodyId AddRod(World& world, const Vector3d& place, const Vector3d& direction, const Vector3d& velocity,
-              bool isFixed = false) {
+std::uint8_t AddRodBlueprint(World& world, const Vector3d& direction) {
   PairDefinition rod;
   rod.direction = direction;
-  rod.firstIsFixed = isFixed;
   rod.material.stiffness = 3000;
-  return world.AddBody(world.AddBlueprint(MakePair(rod)), place, velocity);
+  return world.AddBlueprint(MakePair(rod));
 }
 
 // A square net of n × n particles, 0.25 m apart, whose rim is fixed.
@@ -292,8 +290,9 @@ TEST(EdgeContact, RodsDoNotPassThroughOneAnother) {
     World world(InFreeSpace());
     const double speed = std::pow(50.0, shot / 59.0);
     const Vector3d across(0.3 * of(random), 1, 0.3 * of(random));
-    const BodyId still = AddRod(world, Vector3d::Zero(), {1, 0, 0}, Vector3d::Zero());
-    const BodyId flying = AddRod(world, Vector3d(0.2 * of(random), 0.2 * of(random), 0.5), across, {0, 0, -speed});
+    const std::uint8_t along = AddRodBlueprint(world, {1, 0, 0}), crosswise = AddRodBlueprint(world, across);
+    const BodyId still = world.AddBody(along, Vector3d::Zero());
+    const BodyId flying = world.AddBody(crosswise, Vector3d(0.2 * of(random), 0.2 * of(random), 0.5), {0, 0, -speed});
     const int ticks = static_cast<int>(std::ceil(2 / speed / kPace));
     for (int i = 0; i < ticks; ++i) world.Step();
     // In the frame of both the flying rod stays above the other.
@@ -315,10 +314,11 @@ TEST(EdgeContact, ParticlesRestAtTheirRadius) {
 // A net of springs with holes of 25 cm holds a ball of 1 m whose vertices all fit through the holes.
 TEST(EdgeContact, ANetHoldsABall) {
   World world(WorldSettings{});
-  world.AddBody(world.AddBlueprint(MakeGraph(MakeNet(9))), {0, 0, 1});
   BallDefinition ball;
   ball.subdivisions = 1;
-  const BodyId caught = world.AddBody(world.AddBlueprint(MakeBall(ball)), {0.1, 0.05, 2});
+  const std::uint8_t net = world.AddBlueprint(MakeGraph(MakeNet(9))), balls = world.AddBlueprint(MakeBall(ball));
+  world.AddBody(net, {0, 0, 1});
+  const BodyId caught = world.AddBody(balls, {0.1, 0.05, 2});
   for (int i = 0; i < 300; ++i) world.Step();
   const double height = world.FindCentre(world.ReadBody(caught)).z();
   EXPECT_GT(height, 0.3);
@@ -329,13 +329,15 @@ TEST(EdgeContact, ANetHoldsABall) {
 TEST(EdgeContact, ARodLiesAcrossACube) {
   World world(WorldSettings{});
   world.AddObstacle({});
-  world.AddBody(world.AddBlueprint(MakeLattice(MakeJellyCube(0.3))), {0, 0, 0.4});
+  const std::uint8_t cubes = world.AddBlueprint(MakeLattice(MakeJellyCube(0.3)));
   PairDefinition definition;
   definition.length = 1.4;
   definition.direction = {1, 0.3, 0};
   definition.material.stiffness = 3000;
   definition.material.mass = 1;
-  const BodyId rod = world.AddBody(world.AddBlueprint(MakePair(definition)), {0, 0, 1.2});
+  const std::uint8_t rods = world.AddBlueprint(MakePair(definition));
+  world.AddBody(cubes, {0, 0, 0.4});
+  const BodyId rod = world.AddBody(rods, {0, 0, 1.2});
   for (int i = 0; i < 180; ++i) world.Step();
   EXPECT_GT(world.FindCentre(world.ReadBody(rod)).z(), 0.7);
 }
@@ -351,10 +353,10 @@ TEST(EdgeContact, PlanarBodiesStack) {
   sheet.dampingRatio = 0.3;
   RingDefinition ring;
   ring.material.dampingRatio = 0.3;
-  const std::uint8_t sheets = world.AddBlueprint(MakeLattice(sheet));
+  const std::uint8_t sheets = world.AddBlueprint(MakeLattice(sheet)), rings = world.AddBlueprint(MakeRing(ring));
   const BodyId lower = world.AddBody(sheets, {0, 0, 0.5});
   const BodyId upper = world.AddBody(sheets, {0.05, 0, 1.5});
-  const BodyId top = world.AddBody(world.AddBlueprint(MakeRing(ring)), {0.02, 0, 2.7});
+  const BodyId top = world.AddBody(rings, {0.02, 0, 2.7});
   for (int i = 0; i < 300; ++i) world.Step();
   const auto height = [&](BodyId id) { return world.FindCentre(world.ReadBody(id)).z(); };
   EXPECT_GT(height(upper), height(lower) + 0.6);
@@ -369,10 +371,12 @@ TEST(EdgeContact, ATumbleKeepsMomentum) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> of(-1, 1);
   const auto draw = [&] { return Vector3d(of(random), of(random), of(random)); };
+  std::vector<Vector3d> places;
   for (int i = 0; i < 12; ++i) {
-    const Vector3d place = 0.8 * draw();
-    AddRod(world, place, draw(), -3 * place);
+    places.push_back(0.8 * draw());
+    AddRodBlueprint(world, draw());
   }
+  for (std::uint8_t i = 0; i < 12; ++i) world.AddBody(i, places[i], -3 * places[i]);
   const auto addUp = [&](Vector3d& linear, Vector3d& angular) {
     linear.setZero();
     angular.setZero();

@@ -105,7 +105,12 @@ TEST(SentWindow, AnOldAcknowledgementDoesNotTouchANewSlot) {
   EXPECT_EQ(report.acknowledged, 65U);
 }
 
-// Sends `packets` packets over a link that drops this share each way and swaps neighbours.
+double FindShare(const SentWindow::Tally& tally) {
+  return static_cast<double>(tally.lost) / (tally.arrived + tally.lost);
+}
+
+// Sends `packets` packets over a link that drops this share each way and swaps neighbours; the share that counts as
+// lost.
 double FindLossShare(double dropShare, int packets, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> chance(0, 1);
@@ -130,36 +135,60 @@ double FindLossShare(double dropShare, int packets, unsigned seed) {
     acknowledged += report.acknowledged;
   }
   EXPECT_NEAR(acknowledged, arrived, 20) << "lost acknowledgements cost nothing but the last few";
-  return sent.LossShare();
+  const SentWindow::Tally tally = sent.Judge();
+  EXPECT_NEAR(tally.arrived + tally.lost, packets, 300) << "of runs of losses some do not count";
+  return FindShare(tally);
 }
 
 // Two seconds of every ten at 30 packets a second.
 TEST(SentWindow, ABlackoutIsNoFullLink) {
   SentWindow sent;
   ReceivedWindow received;
-  double most = 0;
   for (std::uint32_t i = 1; i <= 3000; ++i) {
     const std::uint32_t sequence = sent.RecordSent(0.033 * i);
-    most = std::max(most, sent.LossShare());
     if (i % 300 < 60) continue;
     static_cast<void>(received.Record(sequence));
     SentWindow::Report report;
     ASSERT_TRUE(sent.RecordAcknowledgement(received.Newest(), received.History(), 0.033 * i, report));
   }
-  EXPECT_GT(most, 0.03);
-  EXPECT_LT(most, 0.08);  // below the tenth from which a server takes a link to be full
+  const SentWindow::Tally tally = sent.Judge();
+  EXPECT_EQ(tally.lost, 10 * 8U);
+  EXPECT_EQ(sent.Lost(), 10 * 60U - 1) << "the first one begins with packet 1";
 }
 
-TEST(SentWindow, LossShareFollowsTheLink) {
+TEST(SentWindow, WhatMayStillComeIsNotJudged) {
+  SentWindow sent;
+  for (int i = 0; i < 20; ++i) static_cast<void>(sent.RecordSent(0.02 * i));
+  EXPECT_EQ(sent.Judge().lost, 0U) << "nothing was heard";
+  SentWindow::Report report;
+  ASSERT_TRUE(sent.RecordAcknowledgement(20, 0, 0.5, report));  // left at 0.38 s
+  const SentWindow::Tally tally = sent.Judge();
+  EXPECT_EQ(tally.arrived, 0U);
+  EXPECT_EQ(tally.lost, 8U) << "of the 12 that left before 0.23 s, a run";
+  EXPECT_EQ(sent.Lost(), 12U);
+  EXPECT_EQ(sent.Judge().lost, 0U) << "counted once";
+  ASSERT_TRUE(sent.RecordAcknowledgement(20, ~std::uint64_t{0} >> 45, 0.5, report));  // the others have come late
+  static_cast<void>(sent.RecordSent(0.6));
+  ASSERT_TRUE(sent.RecordAcknowledgement(21, 0, 0.7, report));
+  EXPECT_EQ(sent.Judge().arrived, 8U);
+}
+
+TEST(SentWindow, WhatIsForgottenIsJudgedBefore) {
+  SentWindow sent;
+  for (int i = 0; i < 1000; ++i) static_cast<void>(sent.RecordSent(0));
+  EXPECT_EQ(sent.Lost(), 1000U - 4 * (kAckHistory + 1));
+  EXPECT_EQ(sent.Judge().lost, 8U) << "one run";
+}
+
+TEST(SentWindow, TheTallyFollowsTheLink) {
   EXPECT_EQ(FindLossShare(0, 2000, 1), 0);
-  // Smoothed over 128 packets: a standard deviation of sqrt(0.2 · 0.8 / 255) = 0.025; the mean of many seeds is close.
   double sum = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) {
     const double share = FindLossShare(0.2, 2000, seed);
-    EXPECT_NEAR(share, 0.2, 0.1) << "seed " << seed;
+    EXPECT_NEAR(share, 0.2, 0.04) << "seed " << seed;
     sum += share;
   }
-  EXPECT_NEAR(sum / 40, 0.2, 0.015);
+  EXPECT_NEAR(sum / 40, 0.2, 0.01);
 }
 
 }  // namespace
