@@ -121,11 +121,11 @@ struct Watchers {
     }
     if (agones) {
       server.ListPlaying(playing);
-      agones->Perform(duty.Follow({.now = now,
-                                   .acceptsJoins = server.AcceptsJoins(),
-                                   .isMatchOver = server.IsMatchOver(),
-                                   .isClosing = server.IsClosing(),
-                                   .players = playing}));
+      agones->Want(duty.Follow({.now = now,
+                                .acceptsJoins = server.AcceptsJoins(),
+                                .isMatchOver = server.IsMatchOver(),
+                                .isClosing = server.IsClosing(),
+                                .players = playing}));
     }
     status.Update(server, times, now);
   }
