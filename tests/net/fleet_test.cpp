@@ -1,5 +1,5 @@
-// A server of a fleet in operation: wobbled, bots and gateway as processes, with a sidecar that behaves as Agones; and
-// what the files of docker/agones must say.
+// A server under a manager, Agones or systemd: wobbled, bots and gateway as processes, with a sidecar that behaves as
+// Agones; and what the files of docker/agones must say.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,6 +16,7 @@
 #include <regex>
 #include <sstream>
 
+#include "tests/support/notice_socket.h"
 #include "tests/support/places.h"
 #include "tests/support/sidecar.h"
 
@@ -113,7 +114,6 @@ TEST(Fleet, AServersLifeAsAgonesHearsOfIt) {
   unsetenv("AGONES_SDK_HTTP_PORT");
 
   const AgonesModel record = sidecar.WaitUntil([](const AgonesModel& each) { return each.state == "Shutdown"; });
-  EXPECT_EQ(record.requests.back(), "POST /shutdown {}");
   EXPECT_EQ(std::ranges::count(record.requests, "POST /allocate {}"), 1);
   EXPECT_GE(std::ranges::count(record.requests, "POST /health {}"), 1);
 }
@@ -152,6 +152,40 @@ TEST(Fleet, ADeadSidecarStopsNothing) {
   EXPECT_EQ(server.Wait(), 0);
   EXPECT_LT(Clock::now() - asked, std::chrono::seconds(5));
   unsetenv("AGONES_SDK_HTTP_PORT");
+}
+
+// As under systemd with Type=notify and WatchdogSec=.
+TEST(Service, IsReadyWhenItListensAndAliveAsLongAsItsLoopTurns) {
+  const NoticeSocket manager(std::filesystem::temp_directory_path() / ("manager" + std::to_string(getpid())));
+  setenv("NOTIFY_SOCKET", manager.Name().c_str(), 1);
+  setenv("WATCHDOG_USEC", "200000", 1);
+  Process server = StartServer();
+  unsetenv("NOTIFY_SOCKET");
+  unsetenv("WATCHDOG_USEC");
+  const int patienceMs = 60000;
+  EXPECT_EQ(manager.Receive(patienceMs), "READY=1");
+  AwaitAddress(server);
+  for (int sign = 0; sign < 3; ++sign) EXPECT_EQ(manager.Receive(patienceMs), "WATCHDOG=1");
+  server.Signal(SIGTERM);
+  std::string last = manager.Receive(patienceMs);
+  while (last == "WATCHDOG=1") last = manager.Receive(patienceMs);
+  EXPECT_EQ(last, "STOPPING=1");
+  EXPECT_EQ(server.Wait(), 0);
+}
+
+TEST(Service, LogsAsJsonWhereTheEnvironmentSaysSo) {
+  Process server({"sh", "-c",
+                  "WOBBLE_LOG_FORMAT=json exec " + FindProgram("wobbled") +
+                      " --untrained --port 0 --status 0 --for 0.1 --key " + FindBases() +
+                      "/server.key 2>&1 >/dev/null"});
+  int lines = 0;
+  for (std::string line = server.ReadLine(); !line.empty(); line = server.ReadLine(), ++lines) {
+    const auto json = nlohmann::json::parse(line, nullptr, false);
+    ASSERT_TRUE(json.is_object()) << line;
+    EXPECT_TRUE(json.contains("time") && json.contains("level") && json.contains("message")) << line;
+  }
+  EXPECT_GE(lines, 1) << "its key at least";
+  EXPECT_EQ(server.Wait(), 0);
 }
 
 // In a pod the sidecar has port 8080. Where another program of this machine has it, the gateway says the same.

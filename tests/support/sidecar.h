@@ -26,7 +26,7 @@ class Sidecar {
   explicit Sidecar(int port = 0, AgonesModel record = {}) : m_model(std::move(record)) {
     const auto answer = [this](const httplib::Request& request, httplib::Response& response) {
       std::unique_lock lock(m_mutex);
-      if (request.method != "GET") EXPECT_EQ(request.get_header_value("Content-Type"), "application/json");
+      EXPECT_EQ(request.get_header_value("Content-Type"), request.method == "GET" ? "" : "application/json");
       m_changed.wait(lock, [this] { return !m_isFrozen; });
       const auto delay = m_delay;
       lock.unlock();

@@ -123,7 +123,7 @@ TEST(Agones, MakesTheCallsOfAWholeLife) {
   }
   const AgonesModel record = sidecar.WaitUntil([](const AgonesModel& each) { return each.state == "Shutdown"; });
   EXPECT_EQ(record.requests.front(), "POST /health {}");
-  EXPECT_EQ(record.requests.back(), "POST /shutdown {}");
+  EXPECT_EQ(std::ranges::count(record.requests, "POST /shutdown {}"), 1);
   EXPECT_EQ(std::ranges::count(record.requests, "POST /ready {}"), 1);
   EXPECT_EQ(std::ranges::count(record.requests, "POST /allocate {}"), 1);
 }
@@ -214,7 +214,7 @@ TEST(Agones, ADeadPortDelaysNobody) {
   {
     Agones agones(FindDeadPort());
     for (std::uint64_t i = 0; i < 100; ++i) agones.Want({.state = FleetWish::State::kReady, .heartbeats = i});
-    WaitForTries(agones, 2);
+    WaitForTries(agones, 1);
     EXPECT_EQ(agones.ReadCounts().succeeded, 0U);
   }
   EXPECT_LT(ReadClock() - begin, 1) << "there is nothing to wait for where nobody listens";
