@@ -76,9 +76,7 @@ void Agones::Want(const FleetWish& wish) {
 
 Agones::Counts Agones::ReadCounts() const {
   const std::lock_guard lock(m_mutex);
-  Counts counts = m_counts;
-  counts.corrections = m_reconciler.Corrections();
-  return counts;
+  return m_counts;
 }
 
 void Agones::Work() {
@@ -91,8 +89,10 @@ void Agones::Work() {
     if (call) {
       lock.unlock();
       const Outcome outcome = Send(*call);
+      Log(*call, outcome.trouble, m_reconciler.Learn(*call, outcome.answer, began, ReadClock()));
       lock.lock();
-      Note(*call, outcome, m_reconciler.Learn(*call, outcome.answer, began, ReadClock()));
+      ++(outcome.trouble.empty() ? m_counts.succeeded : m_counts.failed);
+      m_counts.corrections = m_reconciler.Corrections();
     } else if (m_stage == Stage::kEnding) {
       break;
     } else {
@@ -123,17 +123,16 @@ Agones::Outcome Agones::Send(const FleetCall& call) {
 }
 
 // Every change of trouble is said once: a sidecar that stays dead fills no disk.
-void Agones::Note(const FleetCall& call, const Outcome& outcome, const std::string& news) {
-  ++(outcome.trouble.empty() ? m_counts.succeeded : m_counts.failed);
+void Agones::Log(const FleetCall& call, const std::string& trouble, const std::string& news) {
   const SidecarRequest request = MakeRequest(call);
-  std::string& trouble = m_troubles[static_cast<std::size_t>(call.kind)];
-  if (trouble != outcome.trouble) {
-    if (outcome.trouble.empty()) {
+  std::string& said = m_troubles[static_cast<std::size_t>(call.kind)];
+  if (said != trouble) {
+    if (trouble.empty()) {
       spdlog::info("Agones: {} {}: works again", request.method, request.path);
     } else {
-      spdlog::warn("Agones: {} {}: {}", request.method, request.path, outcome.trouble);
+      spdlog::warn("Agones: {} {}: {}", request.method, request.path, trouble);
     }
-    trouble = outcome.trouble;
+    said = trouble;
   }
   if (!news.empty()) spdlog::warn("Agones: {}", news);
 }

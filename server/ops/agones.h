@@ -63,14 +63,16 @@ class Agones {
 
   void Work();
   [[nodiscard]] Outcome Send(const FleetCall& call);
-  void Note(const FleetCall& call, const Outcome& outcome, const std::string& news);
+  void Log(const FleetCall& call, const std::string& trouble, const std::string& news);
 
-  std::unique_ptr<httplib::Client> m_client;  // used by the thread alone, except for stop()
-  mutable std::mutex m_mutex;                 // guards all members below
-  std::condition_variable m_changed;
-  FleetWish m_wish;
+  // Used by the thread alone, except for the client's stop().
+  std::unique_ptr<httplib::Client> m_client;
   FleetReconciler m_reconciler;
   std::array<std::string, FleetCall::kKinds> m_troubles;  // that the log has, by kind of call
+
+  mutable std::mutex m_mutex;  // guards all members below
+  std::condition_variable m_changed;
+  FleetWish m_wish;
   Stage m_stage = Stage::kRunning;
   Counts m_counts;
   std::thread m_thread;  // last: it uses all other members

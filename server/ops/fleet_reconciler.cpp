@@ -141,7 +141,7 @@ std::string FleetReconciler::Learn(const FleetCall& call, const FleetAnswer& ans
   if (isLook) {
     m_mustLook = false;
     if (isDone) note = LearnReport(answer.report, began);
-    m_nextLook = now + (isDone && Agrees(began) ? kLookInterval : kSettleTime);
+    m_nextLook = now + (isDone && Agrees() ? kLookInterval : kSettleTime);
   } else if (call.kind != FleetCall::Kind::kHealth) {
     LearnChange(call, isDone, now);
   }
@@ -213,13 +213,9 @@ std::string FleetReconciler::LearnReport(const FleetReport& report, double began
   return note;
 }
 
-// began: of the last look. What was set shortly before it has to be looked at again.
-bool FleetReconciler::Agrees(double began) const {
-  const double settled = began - kSettleTime;
-  if (m_stateSet > settled || m_state < FindWantedState(m_wish.state)) return false;
-  if (!IsCounting(m_wish.state, m_state)) return true;
-  return m_count.set <= settled && m_list.set <= settled && !IsDue(m_count, WantedCount()) &&
-         !IsDue(m_list, WantedValues());
+bool FleetReconciler::Agrees() const {
+  if (m_state < FindWantedState(m_wish.state)) return false;
+  return !IsCounting(m_wish.state, m_state) || (!IsDue(m_count, WantedCount()) && !IsDue(m_list, WantedValues()));
 }
 
 }  // namespace wobble::ops

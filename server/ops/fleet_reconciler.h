@@ -97,7 +97,7 @@ class FleetReconciler {
   [[nodiscard]] std::vector<std::string> WantedValues() const;
   void LearnChange(const FleetCall& call, bool isDone, double now);
   std::string LearnReport(const FleetReport& report, double began);
-  [[nodiscard]] bool Agrees(double began) const;
+  [[nodiscard]] bool Agrees() const;
 
   FleetWish m_wish;
   std::vector<std::string> m_values;  // the wish's players as the list has them

@@ -175,6 +175,21 @@ TEST(FleetReconciler, WhileAllAgreesItLooksEveryFiveSecondsAndSetsNothing) {
   EXPECT_THAT(rig.TakeChanges(), IsEmpty());
 }
 
+// The record shows a change only when the sidecar has written it.
+TEST(FleetReconciler, ALookRightAfterAChangeIsNoReasonToChangeItAgain) {
+  for (int tenths = 0; tenths < 60; ++tenths) {
+    SCOPED_TRACE(tenths);
+    Rig rig;
+    rig.Run(10 + tenths / 10.0);
+    rig.TakeChanges();
+    rig.SetPlayers({1});
+    rig.Run(15);
+    EXPECT_EQ(rig.TakeChanges().size(), 3U) << "allocate, count, list";
+    EXPECT_THAT(rig.notes, IsEmpty());
+    EXPECT_EQ(rig.reconciler.Corrections(), 0U);
+  }
+}
+
 TEST(FleetReconciler, ManyJoinsAreFewCalls) {
   Rig rig;
   rig.Run(5);
@@ -418,8 +433,15 @@ TEST(FleetReconciler, NonsenseInsteadOfARecord) {
     rig.Run(5);
     EXPECT_EQ(rig.model.state, "Ready");
     rig.SetPlayers({1});
+    for (const char* path : {"/allocate", "/v1beta1/counters/players", "/v1beta1/lists/players"}) {
+      rig.model.refusals[path] = {500, ""};
+      rig.Run(6);
+      rig.model.refusals.erase(path);
+    }
     rig.Run(10);
     rig.ExpectAgreement();
+    EXPECT_EQ(std::ranges::count(rig.model.requests, "POST /ready {}"), 1)
+        << "a second would offer the world to others";
     EXPECT_THAT(rig.troubles, Contains("the answer cannot be read: " + nonsense));
     rig.model.refusals["/gameserver"] = {503, "upstream\tis away"};
     rig.SetPlayers({1, 2});
