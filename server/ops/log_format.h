@@ -3,6 +3,7 @@
 
 #include <spdlog/formatter.h>
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
