@@ -24,6 +24,8 @@
 #include "server/ops/agones.h"
 #include "server/ops/endpoint.h"
 #include "server/ops/fleet_duty.h"
+#include "server/ops/log_format.h"
+#include "server/ops/service_notices.h"
 #include "server/ops/trace.h"
 #include "server/options.h"
 #include "server/replaying.h"
@@ -67,13 +69,21 @@ void Complain(const std::vector<std::string>& errors) {
   for (const std::string& error : errors) fmt::print(stderr, "wobbled: {}\n", error);
 }
 
-// Returns false when spdlog does not know the level.
-bool StartLogger(const std::string& level) {
-  const auto parsed = spdlog::level::from_str(level == "warn" ? "warning" : level);
-  if (parsed == spdlog::level::off && level != "off") return false;
+// Returns false after it has said which option cannot be used.
+bool StartLogger(const Options& options) {
+  const auto level = spdlog::level::from_str(options.logLevel == "warn" ? "warning" : options.logLevel);
+  if (level == spdlog::level::off && options.logLevel != "off") {
+    Complain({"--log-level " + options.logLevel + ": must be one of debug, info, warn, error, off"});
+    return false;
+  }
+  const std::optional<ops::LogFormat> format = ops::ParseLogFormat(options.logFormat);
+  if (!format) {
+    Complain({"--log-format " + options.logFormat + ": must be text or json"});
+    return false;
+  }
   spdlog::set_default_logger(spdlog::stderr_color_mt("wobbled"));
-  spdlog::set_level(parsed);
-  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+  spdlog::set_level(level);
+  spdlog::set_formatter(ops::MakeLogFormatter(*format));
   return true;
 }
 
@@ -111,6 +121,7 @@ struct Watchers {
 
   // Call it after each call of Server::Tick. now: s.
   void Watch(const server::Server& server, double now) {
+    notices.TellAlive(now);
     WatchFiles(server);
     for (const server::PhaseTimes& tick : server.LastTicks()) times.Record(tick.Sum());
     refusals.Follow(server.ReadTransport(), now);
@@ -121,11 +132,11 @@ struct Watchers {
     }
     if (agones) {
       server.ListPlaying(playing);
-      agones->Perform(duty.Follow({.now = now,
-                                   .acceptsJoins = server.AcceptsJoins(),
-                                   .isMatchOver = server.IsMatchOver(),
-                                   .isClosing = server.IsClosing(),
-                                   .players = playing}));
+      agones->Want(duty.Follow({.now = now,
+                                .acceptsJoins = server.AcceptsJoins(),
+                                .isMatchOver = server.IsMatchOver(),
+                                .isClosing = server.IsClosing(),
+                                .players = playing}));
     }
     status.Update(server, times, now);
   }
@@ -150,6 +161,7 @@ struct Watchers {
   server::TickTimes times;
   StatusLine status;
   admission::RefusalLog refusals;
+  ops::ServiceNotices notices = ops::ServiceNotices::FromEnvironment();
   std::unique_ptr<ops::Endpoint> endpoint;
   ops::Gauge gauge;  // read only while there is an endpoint
   std::optional<ops::Trace> trace;
@@ -180,6 +192,7 @@ void Run(const admin::Realm& realm, const Options& options, admin::OrderQueue& o
 }
 
 void CloseDown(server::Server& server, Watchers& watchers) {
+  watchers.notices.TellEnding();
   const double deadline = ReadClock() + kCloseTime;
   server.Close(server.IsMatchOver() ? "the match is over" : "", ReadClock());
   watchers.Watch(server, ReadClock());
@@ -409,6 +422,7 @@ int RunServer(Options options) {
   fmt::print("listening on UDP port {}{}, scene {}\n", port, options.bind.empty() ? "" : " of " + options.bind,
              sources.size() > 1 ? rotation : options.scene);
   std::fflush(stdout);
+  watchers.notices.TellReady();
   if (sidecar != 0) watchers.agones.emplace(sidecar);
   Run({server, *gate}, options, administration.queue, watchers);
   const std::string summary = server::MakeSummary(server, watchers.times);
@@ -443,10 +457,7 @@ int main(int argc, char** argv) {
   }
   if (options.listScenes) return ListScenes();
   if (!options.listFolder.empty()) return server::ListRecordings(options);
-  if (!StartLogger(options.logLevel)) {
-    Complain({"--log-level " + options.logLevel + ": must be one of debug, info, warn, error, off"});
-    return kBadUsage;
-  }
+  if (!StartLogger(options)) return kBadUsage;
   std::signal(SIGINT, RequestStop);
   std::signal(SIGTERM, RequestStop);
   if (!options.exportTarget.empty()) return server::ExportRecording(options, [] { return g_stop != 0; });

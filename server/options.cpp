@@ -123,6 +123,11 @@ void DescribeOptions(CLI::App& app, Options& options) {
   addNumber("--for", kDurationRange, options.runFor, "Seconds to run; 0: until Ctrl-C");
   addNumber("--seed", kSeedRange, config.seed, "Seed of the scene's random placement");
   app.add_option("--log-level", options.logLevel, "debug, info, warn, error or off")->capture_default_str();
+  app.add_option("--log-format", options.logFormat,
+                 "Of the log on stderr. text: lines with date and time; json: one object a line")
+      ->type_name("text or json")
+      ->capture_default_str()
+      ->envname("WOBBLE_LOG_FORMAT");
   addNumber("--status", kDurationRange, options.statusEvery, "Seconds between status lines on stdout; 0: none");
   app.add_option("--summary", options.summaryFile, "File to write a summary of the run to, as JSON");
   app.add_option("--ops", options.ops,

@@ -23,6 +23,7 @@ struct Options {
   std::string adminSocket;  // path; empty: none
   std::string adminHttp;    // HOST:PORT; empty: none
   std::string logLevel = "info";
+  std::string logFormat = "text";  // or "json"
   std::string summaryFile;
   std::string cacheFolder;
   std::string ops;  // address of the endpoint; empty: none

@@ -50,6 +50,8 @@ constexpr std::size_t kMostGreeting = 64, kMostGreetingOfAddress = 32;
 // Bytes that the system may hold unsent for a browser; the rest waits in the outbox, where old snapshots can be
 // dropped.
 constexpr int kUnsentBytes = 4 * 1024;
+// Where the sidecar of Agones answers Kubernetes' health checks.
+constexpr std::uint16_t kSidecarPort = 8080;
 
 std::string DescribeWorlds(const std::vector<World>& worlds) {
   if (worlds[0].name.empty()) return "on " + Describe(worlds[0].server);
@@ -127,7 +129,9 @@ bool Gateway::Open(std::string& error) {
   if (!failure) m_acceptor.listen(asio::socket_base::max_listen_connections, failure);
   if (!failure) return true;
   const std::string port = "port " + std::to_string(options.port) + " (TCP) ";
-  error = failure == asio::error::address_in_use ? port + "is in use; --http has another"
+  // The recipe of docker/agones has another port than the default for this reason.
+  const char* const who = options.port == kSidecarPort ? " (Agones' sidecar has this port in every pod)" : "";
+  error = failure == asio::error::address_in_use ? port + "is in use; --http has another" + who
                                                  : port + "cannot be opened: " + failure.message();
   return false;
 }

@@ -36,8 +36,9 @@ set(CPACK_COMPONENTS_ALL server client deb deb_wobble_server dev deb_libwobble_d
 set(CPACK_DEBIAN_SERVER_PACKAGE_NAME wobble-server)
 set(CPACK_DEBIAN_SERVER_PACKAGE_SECTION games)
 set(CPACK_DEBIAN_SERVER_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_SERVER_PACKAGE_DEPENDS passwd)
-set(CPACK_DEBIAN_SERVER_PACKAGE_CONTROL_EXTRA "${packaging}/conffiles;${packaging}/postinst")
+set(CPACK_DEBIAN_SERVER_PACKAGE_DEPENDS "init-system-helpers, passwd")
+set(CPACK_DEBIAN_SERVER_PACKAGE_CONTROL_EXTRA
+  "${packaging}/conffiles;${packaging}/postinst;${packaging}/prerm;${packaging}/postrm")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libwobble-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libflatbuffers-dev, libenet-dev, libsodium-dev")

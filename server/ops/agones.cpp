@@ -1,16 +1,16 @@
-// A queue, a thread that empties it, and the rules for calls that fail.
-//
-// Names and paths are those of Agones' sdk.proto and beta.proto as its gateway maps them to HTTP. 64-bit numbers are
-// strings there, as everywhere in the JSON of Protocol Buffers.
+// A thread that makes the reconciler's calls, and the log of calls that fail.
 #include "server/ops/agones.h"
 
 #include <httplib.h>
 #include <signal.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <utility>
+
+#include "server/ops/agones_messages.h"
 
 namespace wobble::ops {
 namespace {
@@ -18,13 +18,10 @@ namespace {
 constexpr time_t kTimeout = 1;  // s
 constexpr std::chrono::seconds kPatience{1};
 constexpr std::chrono::milliseconds kStopInterval{20};
-// Two requests for each player who joins or leaves.
-constexpr std::size_t kMostWaiting = 1024;
+constexpr double kLongestWait = 3600;  // s
 
-// Whether the call sets the server's state in the fleet. Such a call may be repeated without harm, and if it is lost
-// the fleet's view of the server stays wrong.
-bool SetsState(FleetCall::Kind kind) {
-  return kind == FleetCall::Kind::kReady || kind == FleetCall::Kind::kAllocate || kind == FleetCall::Kind::kShutdown;
+double ReadClock() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 // Leaves signals to the main thread, and keeps SIGPIPE of a sidecar that hangs up from ending the server.
@@ -70,11 +67,10 @@ Agones::~Agones() {
   m_thread.join();
 }
 
-void Agones::Perform(std::span<const FleetCall> calls) {
-  if (calls.empty()) return;
+void Agones::Want(const FleetWish& wish) {
   const std::lock_guard lock(m_mutex);
-  for (const FleetCall& call : calls) Queue(call);
-  m_isHeld = false;
+  if (wish == m_wish) return;
+  m_wish = wish;
   m_changed.notify_all();
 }
 
@@ -83,100 +79,62 @@ Agones::Counts Agones::ReadCounts() const {
   return m_counts;
 }
 
-void Agones::Queue(const FleetCall& call) {
-  using Kind = FleetCall::Kind;
-  static const std::string counter = std::string("/v1beta1/counters/") + kPlayersName;
-  static const std::string list = std::string("/v1beta1/lists/") + kPlayersName;
-  const std::string value = R"({"value":"player-)" + std::to_string(call.client) + R"("})";
-  switch (call.kind) {
-    case Kind::kHealth:
-      m_isHealthDue = true;
-      break;
-    case Kind::kReady:
-      Add({.kind = call.kind, .path = "/ready"});
-      break;
-    case Kind::kAllocate:
-      Add({.kind = call.kind, .path = "/allocate"});
-      break;
-    case Kind::kAddPlayer:
-      Add({.kind = call.kind, .method = "PATCH", .path = counter, .body = R"({"countDiff":"1"})"});
-      Add({.kind = call.kind, .path = list + ":addValue", .body = value});
-      break;
-    case Kind::kRemovePlayer:
-      Add({.kind = call.kind, .method = "PATCH", .path = counter, .body = R"({"countDiff":"-1"})"});
-      Add({.kind = call.kind, .path = list + ":removeValue", .body = value});
-      break;
-    case Kind::kShutdown:
-      Add({.kind = call.kind, .path = "/shutdown"});
-      break;
-  }
-}
-
-void Agones::Add(Request request) {
-  if (m_waiting.size() >= kMostWaiting && !SetsState(request.kind)) {
-    ++m_counts.dropped;
-  } else {
-    m_waiting.push_back(std::move(request));
-  }
-}
-
 void Agones::Work() {
   BlockSignals();
   std::unique_lock lock(m_mutex);
-  for (;;) {
-    m_changed.wait(lock, [this] { return m_stage != Stage::kRunning || HasNext(); });
-    if (m_stage == Stage::kBrokenOff || !HasNext()) break;
-    Request request = TakeNext();
-    lock.unlock();
-    const Outcome outcome = Send(request);
-    lock.lock();
-    Note(std::move(request), outcome);
+  while (m_stage == Stage::kRunning || m_stage == Stage::kEnding) {
+    m_reconciler.Want(m_wish);
+    const double began = ReadClock();
+    const std::optional<FleetCall> call = m_reconciler.Next(began);
+    if (call) {
+      lock.unlock();
+      const Outcome outcome = Send(*call);
+      Log(*call, outcome.trouble, m_reconciler.Learn(*call, outcome.answer, began, ReadClock()));
+      lock.lock();
+      ++(outcome.trouble.empty() ? m_counts.succeeded : m_counts.failed);
+      m_counts.corrections = m_reconciler.Corrections();
+    } else if (m_stage == Stage::kEnding) {
+      break;
+    } else {
+      const double wait = std::min(m_reconciler.NextTime(began) - began, kLongestWait);
+      m_changed.wait_for(lock, std::chrono::duration<double>(wait));
+    }
   }
   m_stage = Stage::kDone;
   m_changed.notify_all();
 }
 
-bool Agones::HasNext() const { return m_isHealthDue || (!m_isHeld && !m_waiting.empty()); }
-
-Agones::Request Agones::TakeNext() {
-  if (std::exchange(m_isHealthDue, false)) return {.kind = FleetCall::Kind::kHealth, .path = "/health"};
-  Request request = std::move(m_waiting.front());
-  m_waiting.pop_front();
-  return request;
-}
-
-Agones::Outcome Agones::Send(const Request& request) {
+Agones::Outcome Agones::Send(const FleetCall& call) {
+  const SidecarRequest request = MakeRequest(call);
   const std::string type = "application/json";
-  const httplib::Result result = request.method == std::string_view("PATCH")
-                                     ? m_client->Patch(request.path, request.body, type)
-                                     : m_client->Post(request.path, request.body, type);
+  const std::string_view method = request.method;
+  const httplib::Result result = method == "GET"     ? m_client->Get(request.path)
+                                 : method == "PATCH" ? m_client->Patch(request.path, request.body, type)
+                                                     : m_client->Post(request.path, request.body, type);
+  Outcome outcome;
   if (!result) {
-    const bool isConnected =
-        result.error() != httplib::Error::Connection && result.error() != httplib::Error::ConnectionTimeout;
-    return {.isConnected = isConnected, .trouble = isConnected ? "no answer" : "no connection"};
+    const bool isUnreached =
+        result.error() == httplib::Error::Connection || result.error() == httplib::Error::ConnectionTimeout;
+    outcome.trouble = isUnreached ? "no connection" : "no answer";
+    return outcome;
   }
-  const bool isSuccess = result->status >= 200 && result->status < 300;
-  return {.isConnected = true,
-          .status = result->status,
-          .trouble = isSuccess ? "" : "answered with status " + std::to_string(result->status)};
+  outcome.answer = ReadAnswer(call, result->status, result->body, outcome.trouble);
+  return outcome;
 }
 
-void Agones::Note(Request request, const Outcome& outcome) {
-  if (outcome.trouble.empty()) {
-    ++m_counts.succeeded;
-    if (std::exchange(m_isFailing, false)) spdlog::info("Agones: {} {}: succeeded", request.method, request.path);
-    return;
+// Every change of trouble is said once: a sidecar that stays dead fills no disk.
+void Agones::Log(const FleetCall& call, const std::string& trouble, const std::string& news) {
+  const SidecarRequest request = MakeRequest(call);
+  std::string& said = m_troubles[static_cast<std::size_t>(call.kind)];
+  if (said != trouble) {
+    if (trouble.empty()) {
+      spdlog::info("Agones: {} {}: works again", request.method, request.path);
+    } else {
+      spdlog::warn("Agones: {} {}: {}", request.method, request.path, trouble);
+    }
+    said = trouble;
   }
-  ++m_counts.failed;
-  if (!std::exchange(m_isFailing, true)) {
-    spdlog::warn("Agones: {} {}: {}; not said again until a call succeeds", request.method, request.path,
-                 outcome.trouble);
-  }
-  if (request.kind == FleetCall::Kind::kHealth) return;
-  const bool isUnheard = outcome.status == 0 || outcome.status >= 500;
-  if (outcome.isConnected && !(SetsState(request.kind) && isUnheard)) return;
-  m_waiting.push_front(std::move(request));
-  m_isHeld = true;
+  if (!news.empty()) spdlog::warn("Agones: {}", news);
 }
 
 }  // namespace wobble::ops

@@ -1,4 +1,4 @@
-// The room server/ops watches and administers a server: metrics, health, trace, Agones. This file holds the figures
+// The room server/ops watches a server for others: metrics, health, trace, Agones, systemd. This file holds the figures
 // that are published, copied out of the server once per call of Tick by the thread that calls it.
 #pragma once
 

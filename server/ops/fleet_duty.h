@@ -1,8 +1,8 @@
-// Decides which calls a server owes to its fleet manager, and when: the state of a turn of the loop goes in, calls come
-// out.
+// Decides what a server wishes its fleet manager to know: the state of a turn of the loop goes in, the wish comes out.
 //
-// It stands apart from agones.h so that the rules can be tested without a socket. A loop that is stuck makes no health
-// calls, and that is how the fleet notices it.
+// The wish is absolute ("allocated, with these players"), never a change: fleet_reconciler.h compares it with what the
+// manager says and makes the calls, as often as it takes. A loop that is stuck makes no heartbeats, and that is how the
+// fleet notices it.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +12,19 @@
 
 namespace wobble::ops {
 
-struct FleetCall {
-  enum class Kind { kHealth, kReady, kAllocate, kAddPlayer, kRemovePlayer, kShutdown };
-  Kind kind = Kind::kHealth;
-  std::uint32_t client = 0;  // of kAddPlayer and kRemovePlayer
+struct FleetWish {
+  // kStarting   no joins yet: nothing is wished
+  // kReady      may be given to players
+  // kAllocated  players have come: scaling down is not to remove the world
+  // kShutdown   the world is over: the cluster is to remove it
+  // Only forwards.
+  enum class State : std::uint8_t { kStarting, kReady, kAllocated, kShutdown };
 
-  bool operator==(const FleetCall&) const = default;
+  State state = State::kStarting;
+  std::vector<std::uint32_t> players = {};  // ids of the clients that have joined, ascending
+  std::uint64_t heartbeats = 0;             // so many signs of life have been due; only the last one matters
+
+  bool operator==(const FleetWish&) const = default;
 };
 
 // The state of the server in one turn of its loop.
@@ -31,26 +38,18 @@ struct FleetView {
 
 class FleetDuty {
  public:
-  // The calls to make now; call it once a turn. In this order: health every 2 s; ready when joins are accepted for the
-  // first time; allocate with the first player; a call for each player who has left or joined; and shutdown, once, when
-  // the match is over, when all players have been gone for 10 s, or when the server closes. After that only health
-  // continues: the cluster ends the server, and one that ended by itself would be started again.
-  [[nodiscard]] std::vector<FleetCall> Follow(const FleetView& view);
+  // The wish of this turn; call it once a turn. A heartbeat is due every 2 s; ready when joins are accepted for the
+  // first time; allocated with the first player; and shutdown when the match is over, when all players have been gone
+  // for 10 s, or when the server closes. After that only heartbeats go on: the cluster ends the server, and one that
+  // ended by itself would count as crashed.
+  [[nodiscard]] const FleetWish& Follow(const FleetView& view);
 
  private:
-  // kStarting  -> kReady      joins are accepted for the first time: ready is called
-  // kReady     -> kAllocated  the first player has joined: allocate is called
-  // any        -> kOver       match over, closing, or deserted while allocated: shutdown is called
-  enum class Stage : std::uint8_t { kStarting, kReady, kAllocated, kOver };
-
-  void CountPlayers(std::span<const std::uint32_t> players, std::vector<FleetCall>& calls);
   [[nodiscard]] bool IsDeserted(double now) const;
 
-  double m_nextHealth = -std::numeric_limits<double>::infinity();
+  double m_nextHeartbeat = -std::numeric_limits<double>::infinity();
   double m_lastCompany = 0;  // when a player was there last, s
-  Stage m_stage = Stage::kStarting;
-  std::vector<std::uint32_t> m_players;  // whose joining has been called, sorted
-  std::vector<std::uint32_t> m_present;  // scratch: the players of this turn, sorted
+  FleetWish m_wish;
 };
 
 }  // namespace wobble::ops

@@ -136,6 +136,34 @@ EOF
       wobble play --for 6 --http 0 >"$folder/played" 2>&1 || { cat "$folder/played"; fail "wobble play as the user wobble"; }
     grep -q 'all went well' "$folder/played" || { cat "$folder/played"; fail "a play that went well"; }
     [ "$(inside wobble_lab --version)" = "wobble_lab $("$build/bin/wobble" --version | cut -d ' ' -f 2)" ] || fail "the laboratory"
+    # The world is enabled, and started where systemd runs, here a stand-in that notes what it is asked.
+    [ -L "$folder/root/etc/systemd/system/multi-user.target.wants/wobbled.service" ] || fail "an enabled world"
+    mkdir -p "$folder/root/run/systemd/system"
+    cat >"$folder/root/usr/bin/systemctl" <<'EOF'
+#!/bin/sh
+echo "$@" >>/tmp/asked
+case "$*" in *is-enabled*wobbled*) echo enabled ;; *is-enabled*) echo disabled ;; *is-active*) exit 3 ;; esac
+EOF
+    chmod 755 "$folder/root/usr/bin/systemctl"
+    rm -f "$folder/root/usr/sbin/policy-rc.d"
+    cp "$folder"/packages/wobble-server_*.deb "$folder/root/tmp/server.deb"
+    inside dpkg -i /tmp/server.deb >"$folder/log" 2>&1 || { cat "$folder/log"; fail "the package installed again"; }
+    grep -qx -- '--quiet --system restart wobbled.service' "$folder/root/tmp/asked" ||
+      { cat "$folder/root/tmp/asked"; fail "a world that is started, and no gateway"; }
+    # What the unit starts, as its user, with the shipped options but for ports, which may be in use here.
+    options="$(sed -n 's/^WOBBLED_OPTIONS=//p' "$folder/root/etc/wobble/wobbled.conf" | sed 's/7777/0/;s/127.0.0.1:9100/0/')"
+    # shellcheck disable=SC2086  # the options are words, as in the unit
+    inside STATE_DIRECTORY=/tmp setpriv --reuid wobble --regid wobble --clear-groups \
+      wobbled --cache /tmp/cache $options --for 1 >"$folder/world" 2>&1 || { cat "$folder/world"; fail "the unit's world"; }
+    grep -q '^listening on UDP port' "$folder/world" || { cat "$folder/world"; fail "a world that listens"; }
+    inside dpkg --force-depends --remove wobble-server >"$folder/log" 2>&1 || { cat "$folder/log"; fail "a removal"; }
+    grep -q 'stop wobbled.service wobble-gateway.service' "$folder/root/tmp/asked" || fail "services that are stopped"
+    mkdir -p "$folder/root/var/lib/wobble"
+    inside dpkg --purge wobble-server >"$folder/log" 2>&1 || { cat "$folder/log"; fail "a purge"; }
+    for left in etc/wobble var/lib/wobble etc/systemd/system/wobbled.service \
+      etc/systemd/system/multi-user.target.wants/wobbled.service; do
+      [ ! -e "$folder/root/$left" ] && [ ! -L "$folder/root/$left" ] || fail "/$left gone after a purge"
+    done
     ;;
   *) fail "no such case" ;;
 esac

@@ -423,6 +423,7 @@ case_unknown_option() {
   expect_refusal '^wobbled: --for nan: must be 0 to 1000000$' wobbled --for nan
   expect_refusal '^wobbled: --snapshot-hz 90: must be 1 to 60$' wobbled --port 0 --snapshot-hz 90
   expect_refusal '^wobbled: --log-level loud: must be one of' wobbled --log-level loud
+  expect_refusal '^wobbled: --log-format xml: must be text or json$' wobbled --log-format xml
   expect_refusal '^wobbled: --summary /no/such/file: cannot be written$' wobbled --port 0 --summary /no/such/file
   expect_refusal "^wobble bots: --count: '0' is not 1 to 10000" wobble bots "$nobody" --script idle.lua --count 0
   expect_refusal "^wobble bots: --seed: '-1' is not 0 to " wobble bots "$nobody" --script idle.lua --seed -1

@@ -93,9 +93,11 @@ const std::vector<Room> kRooms{
      {kSnapshots, kPhysics, kScenes, kPlay, kTiming, kProtocol},
      {"Eigen/", "fmt/", "spdlog/"},
      kClock},
-    // It alone waits, on a thread of its own; fleet_duty decides when it is asked to call.
+    {"server/ops/agones_messages", {"server/ops/fleet_"}, {"nlohmann/"}, kClockFileLog},
+    // It alone waits, on a thread of its own; what is called and when is decided in fleet_*.
     {"server/ops/agones", {"server/ops/"}, {"httplib.h", "signal.h", "spdlog/"}, {}},
     {"server/ops/fleet_duty", {}, {}, kClockFileLog},
+    {"server/ops/fleet_reconciler", {"server/ops/fleet_duty"}, {}, kClockFileLog},
     {"server/ops/http_listener", {}, {"boost/", "fmt/"}, {}},
     {"server/ops/", {"server/", kProtocol}, Join(kSystem, {"fmt/", "nlohmann/", "prometheus/", "spdlog/"}), kClock},
     {"server/main", {"server/", kProtocol}, Join(kSystem, {"CLI/", "fmt/", "nlohmann/", "spdlog/"}), {}},
