@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "server/physics/lanes/contact_limits.h"
+
 namespace wobble::physics {
 namespace {
 
@@ -25,6 +27,17 @@ Skin<Real> FindSkin(const Member<Real>& member) {
 template <class Real>
 ContactParameters<Real> FindParameters(const Member<Real>& a, const Member<Real>& b) {
   return Combine(a.blueprint->template Read<Real>().contact, b.blueprint->template Read<Real>().contact);
+}
+
+// The vertices that are behind the open skin itself by more than those that it carries. radius: of the vertices, m.
+template <class Real>
+void ListBehind(const Topology& skin, double radius, std::span<const BodyContact<Real>> contacts,
+                std::vector<std::uint16_t>& behind) {
+  behind.clear();
+  const auto least = static_cast<Real>(radius + kArmingDepth);
+  for (const BodyContact<Real>& contact : contacts) {
+    if (IsBehind(skin, contact) && contact.depth + contact.leap > least) behind.push_back(contact.vertex);
+  }
 }
 
 }  // namespace
@@ -94,7 +107,7 @@ void PairSearch<Real>::TakeRestingPairs() {
 }
 
 // Appends a pair for every overlap, with the history of the pair in `before` if it is there. What is left in `before`
-// has separated, and its lists are recycled.
+// has separated; unless a sheet holds a vertex back, its lists are recycled.
 template <class Real>
 void PairSearch<Real>::AddPairs() {
   auto before = m_lists.before.begin();
@@ -103,7 +116,7 @@ void PairSearch<Real>::AddPairs() {
     pair.first = m_table.bodies[a].id;
     pair.second = m_table.bodies[b].id;
     pair.places = {a, b};
-    for (; before != m_lists.before.end() && ComesBefore(*before, pair); ++before) Recycle(*before);
+    for (; before != m_lists.before.end() && ComesBefore(*before, pair); ++before) Separate(*before);
     const bool known = before != m_lists.before.end() && !ComesBefore(pair, *before);
     for (std::size_t side = 0; side < 2; ++side) {
       pair.sides[side] = known ? std::move(before->sides[side]) : TakeSpareList();
@@ -118,8 +131,31 @@ void PairSearch<Real>::AddPairs() {
     for (const std::uint32_t body : pair.places) AttachSleeper(body);
     m_lists.awake.push_back(std::move(pair));
   }
-  for (; before != m_lists.before.end(); ++before) Recycle(*before);
+  for (; before != m_lists.before.end(); ++before) Separate(*before);
   m_lists.before.clear();
+}
+
+// A pair whose boxes are apart.
+template <class Real>
+void PairSearch<Real>::Separate(BodyPair<Real>& pair) {
+  for (std::size_t side = 0; side < 2; ++side) {
+    pair.places[side] = FindPlace(side == 0 ? pair.first : pair.second);
+  }
+  const auto holdsBack = [&](std::size_t side) {
+    const Topology& skin = m_table.blueprints[m_table.bodies[pair.places[1 - side]].blueprint].topology;
+    return std::ranges::any_of(pair.sides[side], [&](const auto& contact) { return IsBehind(skin, contact); });
+  };
+  if (!holdsBack(0) && !holdsBack(1)) return Recycle(pair);
+  pair.met = false;
+  for (const std::uint32_t body : pair.places) AttachSleeper(body);
+  m_lists.awake.push_back(std::move(pair));
+}
+
+// Bodies stand by ascending id.
+template <class Real>
+std::uint32_t PairSearch<Real>::FindPlace(BodyId id) const {
+  const auto at = std::ranges::lower_bound(m_table.bodies, id, {}, &Body::id);
+  return static_cast<std::uint32_t>(at - m_table.bodies.begin());
 }
 
 // The lists of bodies and blueprints may have been moved in memory since the body was awake.
@@ -231,12 +267,17 @@ template <class Real>
 void PairSearch<Real>::MeetEdges(BodyPair<Real>& pair) {
   const Member<Real>& first = m_work.members[pair.places[0]];
   const Member<Real>& second = m_work.members[pair.places[1]];
+  Scratch<Real>& scratch = m_work.scratch.local();
+  ListBehind<Real>(second.blueprint->topology, first.blueprint->rodRadius, pair.sides[0], scratch.firstBehind);
+  ListBehind<Real>(first.blueprint->topology, second.blueprint->rodRadius, pair.sides[1], scratch.secondBehind);
   const EdgeSearch<Real> search{.first = first.survey.bounds,
                                 .second = second.survey.bounds,
                                 .margin = static_cast<Real>(kNearMargin),
-                                .duration = static_cast<Real>(m_duration)};
+                                .duration = static_cast<Real>(m_duration),
+                                .firstBehind = scratch.firstBehind,
+                                .secondBehind = scratch.secondBehind};
   FindEdgeContacts<Real>(FindParameters(first, second), MakeEdgeMeeting<Real>(first, second), search, pair.edges,
-                         m_work.scratch.local().edgeSearch);
+                         scratch.edgeSearch);
 }
 
 template <class Real>

@@ -65,6 +65,8 @@ class PairSearch {
   [[nodiscard]] SelfSearch<Real> MakeSelfSearch(const Member<Real>& member) const;
   template <class Keep>
   void KeepPairs(const Keep& keep);
+  void Separate(BodyPair<Real>& pair);
+  [[nodiscard]] std::uint32_t FindPlace(BodyId id) const;
   void Recycle(BodyPair<Real>& pair);
   std::vector<BodyContact<Real>> TakeSpareList();
 

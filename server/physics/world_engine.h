@@ -122,6 +122,8 @@ struct Scratch {
   PrepareScratch<Real> prepare;
   ContactSearchScratch<Real> search;
   EdgeSearchScratch<Real> edgeSearch;
+  std::vector<std::uint16_t> firstBehind;  // vertices of the first and second body of a pair, by IsBehind
+  std::vector<std::uint16_t> secondBehind;
   SelfSearchScratch<Real> selfSearch;
   // The batch that the thread steps:
   std::vector<Member<Real>*> members;
@@ -139,6 +141,8 @@ struct Scratch {
     islands.reserve(bodies);
     outcomes.reserve(bodies);
     loads.reserve(allVertices);
+    firstBehind.reserve(allVertices);
+    secondBehind.reserve(allVertices);
     begins.reserve(bodies + 1);
   }
 };

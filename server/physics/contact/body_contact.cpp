@@ -31,7 +31,8 @@ FacePoint<Real> FollowContact(const Skin<Real>& skin, const BodyContact<Real>& c
 // Where the contact's vertex is to that face, with the leap added to the distance.
 template <class Real>
 FacePoint<Real> FindStagePoint(const Meeting<Real>& meeting, const Vector3<Real>& p, const BodyContact<Real>& contact) {
-  FacePoint<Real> at = FollowContact(SkinFrom(meeting, contact.side), contact, p);
+  const Skin<Real> skin = SkinFrom(meeting, contact.side);
+  FacePoint<Real> at = FindSeen(skin, contact, FollowContact(skin, contact, p), p);
   at.distance += contact.leap;
   return at;
 }
@@ -80,7 +81,7 @@ void ComputeBodyContacts(const ContactParameters<Real>& parameters, const Meetin
     if (contact.phase == ContactPhase::kTouching) {
       pull += FindStickPull<Real>(parameters, parameters.friction, depth, FindSlip(meeting, contact, p, at.normal));
     }
-    const Real limit = parameters.friction * normalForce;
+    const Real limit = at.rounded ? Real(0) : parameters.friction * normalForce;
     const Real strength = std::sqrt(pull.dot(pull));
     if (strength > limit) pull *= limit / strength;
 
@@ -117,7 +118,7 @@ double ComputeBodyContactEnergy(const ContactParameters<Real>& parameters, const
     const FacePoint<Real> at = FindStagePoint(meeting, p, contact);
     if (!Pushes(contact, at)) continue;
     Real stored = ComputePenaltyEnergy(parameters, -at.distance);
-    if (contact.phase == ContactPhase::kTouching) {
+    if (contact.phase == ContactPhase::kTouching && !at.rounded) {
       const Vector3<Real> slip = FindSlip(meeting, contact, p, at.normal);
       stored += parameters.stickStiffness * slip.dot(slip) / Real(2);
     }
@@ -133,8 +134,9 @@ int AddContactLoads(const ContactParameters<Real>& parameters, const Meeting<Rea
   int substeps = 1;
   for (const BodyContact<Real>& contact : contacts) {
     if (contact.phase == ContactPhase::kWaiting) continue;
-    const FacePoint<Real> at =
-        FindFacePoint<Real>(SkinFrom(meeting, contact.side), contact.face, meeting.x[contact.vertex] + meeting.shift);
+    const Vector3<Real> p = meeting.x[contact.vertex] + meeting.shift;
+    const Skin<Real> skin = SkinFrom(meeting, contact.side);
+    const FacePoint<Real> at = FindSeen(skin, contact, FindFacePoint<Real>(skin, contact.face, p), p);
     const double approach = -double{at.normal.dot(FindRelativeVelocity(meeting, contact.vertex, at))};
     const double depth = PredictDepth(-double{at.distance}, approach, duration);
     if (depth <= 0) continue;

@@ -18,7 +18,8 @@
 //
 // Open skins have no inside. There a contact keeps to the side on which its vertex was first seen, however deep the
 // vertex is behind it, until the vertex leaves past the border: a vertex crosses a thin sheet within one substep, and
-// from its position alone nobody could tell on which side it belongs.
+// from its position alone nobody could tell on which side it belongs. Below a ridge or a tip, where no face is straight
+// above it, the nearest point of the skin pulls it back, without friction (FindSeen of body_contact_view.h).
 #pragma once
 
 #include <array>
@@ -43,7 +44,7 @@ namespace wobble::physics {
 //   kArmed             end: pushes (2)                                        kTouching; the stick spring begins
 //   kTouching          end: does not push                                     kArmed; the stick spring ends
 //   kArmed, kTouching  begin, end: deeper than maxDepth; never at open skins  kWaiting; leap and stick spring end
-//   any                begin: out of reach                                    (none)
+//   any                begin: out of reach, and not behind an open skin       (none)
 //
 // (1) The depth beyond FindFreeDepth becomes leap. (2) A contact may be armed and touch at the end of one substep.
 enum class ContactPhase : std::uint8_t {
@@ -76,6 +77,13 @@ struct BodyContact {
   // Normal of the vertex's own skin when the tick began, unit length; zero if this skin or the other is open.
   Vector3<Real> outward = Vector3<Real>::Zero();
 };
+
+// Whether the contact's vertex is behind an open skin. Nothing but the contact knows that, so it must not be dropped,
+// however far the vertex is from the skin.
+template <class Real>
+[[nodiscard]] bool IsBehind(const Topology& skin, const BodyContact<Real>& contact) {
+  return skin.isOpen && contact.phase != ContactPhase::kWaiting && contact.depth + contact.leap > Real(0);
+}
 
 // One side of a pair at one moment: a body whose vertices are looked at, and one whose faces are.
 template <class Real>

@@ -118,13 +118,22 @@ void FindBodyContacts(const ContactParameters<Real>& parameters, const Meeting<R
   const SideSearch<Real> side(parameters, meeting, own, search);
   scratch.contacts.clear();
   auto kept = contacts.begin();
+  const auto look = [&](bool known, BodyContact<Real> contact) {
+    if (side.Look(contact.vertex, known, contact)) scratch.contacts.push_back(contact);
+  };
+  // Of the contacts whose vertices are not near, those behind an open skin are kept.
+  const auto skipUpTo = [&](std::size_t vertex) {
+    for (; kept != contacts.end() && kept->vertex < vertex; ++kept) {
+      if (IsBehind(*meeting.skin.topology, *kept)) look(true, *kept);
+    }
+  };
   for (const std::uint16_t index : side.FindCandidates(scratch.found)) {
     const std::uint16_t vertex = own.topology->vertices[index];
-    while (kept != contacts.end() && kept->vertex < vertex) ++kept;
+    skipUpTo(vertex);
     const bool known = kept != contacts.end() && kept->vertex == vertex;
-    BodyContact<Real> contact = known ? *kept : BodyContact<Real>{.vertex = vertex};
-    if (side.Look(vertex, known, contact)) scratch.contacts.push_back(contact);
+    look(known, known ? *kept++ : BodyContact<Real>{.vertex = vertex});
   }
+  skipUpTo(std::numeric_limits<std::size_t>::max());
   contacts.swap(scratch.contacts);
 }
 

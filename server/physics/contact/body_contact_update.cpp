@@ -16,16 +16,6 @@ namespace {
 // coordinates has moved.
 constexpr double kStandingOverhang = 1e-3;
 
-// True if the foot lies past a border of the skin.
-template <class Real>
-bool IsPastBorder(const Topology& topology, const FacePoint<Real>& at) {
-  for (std::size_t corner = 0; corner < 3; ++corner) {
-    const bool beyond = at.weights[static_cast<Eigen::Index>(corner)] < Real(0);
-    if (beyond && topology.neighbours[at.face][corner] == kNoFace) return true;
-  }
-  return false;
-}
-
 // The face that a contact has come to. Changes contact.side if the vertex has passed the border of an open skin.
 // before: p seen from the contact's face, on its side.
 template <class Real>
@@ -38,12 +28,13 @@ FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const Vector3<Real
     if (LooksAlong(at, contact.outward) && HangsOn(contact, at, before)) return before;
     if (IsInside(skin, at)) {
       if (!isOpen) return TurnToFacing(skin, at, p, contact.outward, static_cast<Real>(kArmingDepth));
-      if (!IsPastBorder(*skin.topology, at)) return at;
+      if (at.weights.minCoeff() >= Real(0)) return at;
     }
   }
   const FacePoint<Real> at = FindNearestFace(skin, before, p);
   if (!isOpen) return TurnToFacing(skin, at, p, contact.outward, static_cast<Real>(kArmingDepth));
-  if (!IsInside(skin, at) || !IsPastBorder(*skin.topology, at)) return at;
+  if (!IsInside(skin, at) || !IsPastBorder(skin, at)) return at;
+  if (contact.phase != ContactPhase::kWaiting && FindSeen(skin, contact, at, p).rounded) return at;
   const Skin<Real> front = SkinFrom(meeting, SkinSide::kFront);
   const FacePoint<Real> there = FindNearestFace(front, FindFacePoint(front, at.face, p), p);
   return ChooseSide(meeting, there, p, contact.outward, contact.side);
@@ -57,18 +48,17 @@ FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const Vector3<Real
 // it shrinks as the vertex comes out.
 //
 // In a closed body, all depth that the approach cannot have brought is leap. An open skin has nothing behind its faces
-// that could catch the vertex later; with the rule for closed bodies balls sank through. So there the change of depth
-// by a change of face is leap, and beside it only the depth that no motion in any direction could have brought. The
-// latter happens when a planar body is squashed and turns faces over in its own plane: a vertex that stood half a metre
-// before such a face is then half a metre behind it.
+// that could catch the vertex later. There the depth goes over steadily from face to face (FindSeen), and a contact that
+// touches takes on no leap: with one, balls and pairs sank through at every ridge that they were pressed against. One
+// that begins does, of the depth that no motion in any direction could have brought.
 template <class Real>
-void NoteLeap(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting, const FacePoint<Real>& before,
-              const FacePoint<Real>& at, Real h, BodyContact<Real>& contact) {
+void NoteLeap(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting, const FacePoint<Real>& at,
+              Real h, BodyContact<Real>& contact) {
   const Real depth = -at.distance;
   const Vector3<Real> velocity = FindRelativeVelocity(meeting, contact.vertex, at);
   Real most = contact.depth;
   if (meeting.skin.topology->isOpen) {
-    if (at.face != before.face) contact.leap += before.distance - at.distance;
+    if (contact.phase == ContactPhase::kTouching) most = depth;
     most += static_cast<Real>(kArmingDepth) + static_cast<Real>(kArmingSteps) * h * std::sqrt(velocity.dot(velocity));
   } else {
     most +=
@@ -91,7 +81,8 @@ FacePoint<Real> RenewContact(const ContactParameters<Real>& parameters, const Me
     return at;
   }
   if (contact.side == sideBefore) {
-    NoteLeap(parameters, meeting, before, at, h, contact);
+    at = FindSeen(SkinFrom(meeting, contact.side), contact, at, p);
+    NoteLeap(parameters, meeting, at, h, contact);
   } else {
     // The depth is the same from both sides: the skin's points lie in the middle of Skin::offset.
     contact.leap = std::clamp(contact.leap, Real(0), std::max(Real(0), -at.distance));
@@ -146,7 +137,7 @@ FacePoint<Real> RecallContact(const ContactParameters<Real>& parameters, const M
   if (!stands || contact.phase == ContactPhase::kWaiting || LooksAlong(at, contact.outward)) {
     return RenewContact(parameters, meeting, p, at, Real(0), contact);
   }
-  NoteLeap(parameters, meeting, at, at, Real(0), contact);
+  NoteLeap(parameters, meeting, at, Real(0), contact);
   at.distance += contact.leap;
   return at;
 }
@@ -164,7 +155,7 @@ void UpdateBodyContacts(const ContactParameters<Real>& parameters, const Meeting
     const Real depth = -at.distance;
     Vector3<Real> slip = wasTouching ? FindSlip(meeting, contact, p, at.normal)
                                      : FindFirstSlip<Real>(h, std::max(Real(0), depth), at.normal, velocity);
-    const Real limit = parameters.friction * ComputePenalty(parameters, depth);
+    const Real limit = at.rounded ? Real(0) : parameters.friction * ComputePenalty(parameters, depth);
     const Real strength = parameters.stickStiffness * std::sqrt(slip.dot(slip));
     if (strength > limit) slip *= limit / strength;
     const bool pushes = Pushes(contact, at);

@@ -2,6 +2,8 @@
 // contacts (law, search, update) alone.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <span>
 
 #include "server/physics/contact/body_contact.h"
@@ -36,6 +38,53 @@ template <class Real>
                                                  const FacePoint<Real>& at) {
   const Vector3<Real> weights = at.weights.cwiseMax(Real(0));
   return meeting.v[vertex] - Blend<Real>(weights / weights.sum(), meeting.skin.faces[at.face], meeting.skinV);
+}
+
+// True if the foot lies past a border of the skin.
+template <class Real>
+[[nodiscard]] bool IsPastBorder(const Skin<Real>& skin, const FacePoint<Real>& at) {
+  for (std::size_t corner = 0; corner < 3; ++corner) {
+    const bool beyond = at.weights[static_cast<Eigen::Index>(corner)] < Real(0);
+    if (beyond && skin.topology->neighbours[at.face][corner] == kNoFace) return true;
+  }
+  return false;
+}
+
+// The vertex p seen from the nearest point of the face instead of from its plane: the normal is the direction to that
+// point (behind: the skin is in front of the vertex) and the depth the distance from it.
+template <class Real>
+[[nodiscard]] FacePoint<Real> FindRounded(const Skin<Real>& skin, const FacePoint<Real>& at, const Vector3<Real>& p,
+                                          bool behind) {
+  FacePoint<Real> rounded = at;
+  rounded.rounded = true;
+  rounded.weights = FindNearestWeights(skin, at.face, p);
+  const Vector3<Real> back = Blend<Real>(rounded.weights, skin.faces[at.face], skin.x) - p;
+  const Real sense = behind ? Real(1) : Real(-1);
+  const Real distance = std::sqrt(back.dot(back));
+  rounded.normal = distance > Real(0) ? Vector3<Real>(back * (sense / distance)) : at.normal;
+  rounded.distance = -sense * distance - skin.offset;
+  return rounded;
+}
+
+// How a contact sees the vertex p from the face `at`. Below a ridge or a tip of an open skin no face is straight above
+// the vertex, and the nearest point of the skin pulls it back: that distance is steady as one face takes over from the
+// other. On a crumpled skin the planes of faces do not tell the sides. So a vertex has only changed sides if it can
+// have come through since the contact was last looked at; otherwise it is where it was, at that distance.
+template <class Real>
+[[nodiscard]] FacePoint<Real> FindSeen(const Skin<Real>& skin, const BodyContact<Real>& contact,
+                                       const FacePoint<Real>& at, const Vector3<Real>& p) {
+  if (!skin.topology->isOpen || contact.phase == ContactPhase::kWaiting) return at;
+  const Real before = contact.depth + contact.leap - skin.offset;
+  const Real behind = -at.distance - skin.offset;
+  const bool isBehind = behind > Real(0);
+  const bool isBeside = at.weights.minCoeff() < Real(0);
+  if (isBeside && (before > Real(0)) != isBehind) {
+    const FacePoint<Real> kept = FindRounded(skin, at, p, !isBehind);
+    const Real play = contact.maxDepth - std::max(Real(0), contact.depth);
+    if (std::abs(kept.distance + skin.offset) + std::abs(before) > play) return kept;
+  }
+  if (!isBeside || !isBehind || (IsPastBorder(skin, at) && behind * behind < at.doubleArea)) return at;
+  return FindRounded(skin, at, p, true);
 }
 
 // Whether the contact exerts force (ContactPhase). at: with the leap added to its distance.

@@ -133,6 +133,9 @@ struct EdgeSearch {
   Bounds<Real> second;
   Real margin = 0;    // for motion that the present velocities do not tell, m
   Real duration = 0;  // of the tick, s
+  // Vertices of each body that are behind the other, an open skin (IsBehind of body_contact.h); ascending.
+  std::span<const std::uint16_t> firstBehind;
+  std::span<const std::uint16_t> secondBehind;
 };
 
 // The contact of two edges in a list; null if it has none. Searches ask in the list's order: `from` is the first place

@@ -37,6 +37,12 @@ void ListNear(const typename EdgeMeeting<Real>::Body& body, const Vector3<Real>&
   }
 }
 
+// Whether the end that is nearer to the edge's point at `along` is among the vertices `behind`.
+template <class Real>
+bool IsNearEndBehind(const EdgeEnds& edge, Real along, std::span<const std::uint16_t> behind) {
+  return std::ranges::binary_search(behind, edge[along < Real(0.5) ? 0 : 1]);
+}
+
 }  // namespace
 
 template <class Real>
@@ -67,8 +73,15 @@ void FindEdgeContacts(const ContactParameters<Real>& parameters, const EdgeMeeti
       if (!AreNear(box, FindBox<Real>(meeting.second, second, Vector3<Real>::Zero()), reach)) continue;
       const EdgeContact<Real>* known = FindKnown<Real>(contacts, first, second, from);
       const Vector3<Real> normal = known != nullptr ? known->normal : Vector3<Real>::Zero();
-      const EdgeView<Real> view = FindEdgeView(meeting, first, second, normal);
+      EdgeView<Real> view = FindEdgeView(meeting, first, second, normal);
       if (std::abs(view.distance) > reach) continue;
+      // Where edges meet anew behind an open skin, they must not hold one another there: an edge is let through on its
+      // way back, and held from then on.
+      if (known == nullptr && (IsNearEndBehind(meeting.first.edges[first], view.s, search.firstBehind) ||
+                               IsNearEndBehind(meeting.second.edges[second], view.t, search.secondBehind))) {
+        view = FindEdgeView<Real>(meeting, first, second, -view.normal);
+        if (view.distance > Real(0)) continue;
+      }
       scratch.contacts.push_back(known != nullptr ? *known : MakeEdgeContact(parameters, meeting, first, second, view));
     }
   }

@@ -232,6 +232,29 @@ FacePoint<Real> FindFacePoint(const Skin<Real>& skin, std::uint16_t face, const 
 }
 
 template <class Real>
+Vector3<Real> FindNearestWeights(const Skin<Real>& skin, std::uint16_t face, const Vector3<Real>& p) {
+  Vector3<Real> best = FindFacePoint(skin, face, p).weights;
+  if (best.minCoeff() >= Real(0)) return best;
+  Real least = std::numeric_limits<Real>::max();
+  const Face& f = skin.faces[face];
+  for (int corner = 0; corner < 3; ++corner) {  // the nearest point of each side
+    const int from = (corner + 1) % 3;
+    const int to = (corner + 2) % 3;
+    const Vector3<Real> side = skin.x[f[to]] - skin.x[f[from]];
+    const Vector3<Real> ap = p - skin.x[f[from]];
+    const Real square = side.dot(side);
+    const Real along = square > Real(0) ? std::clamp(ap.dot(side) / square, Real(0), Real(1)) : Real(0);
+    const Real distance = (ap - along * side).squaredNorm();
+    if (!(distance < least)) continue;
+    least = distance;
+    best.setZero();
+    best[from] = Real(1) - along;
+    best[to] = along;
+  }
+  return best;
+}
+
+template <class Real>
 FacePoint<Real> FindNearestFace(const Skin<Real>& skin, const FacePoint<Real>& start, const Vector3<Real>& p) {
   if (IsPlainlyNearest(skin, start, p)) return start;
   NearestFaceWalk<Real> walk(skin, start, p);
@@ -329,6 +352,7 @@ FacePoint<Real> FollowFace(const Skin<Real>& skin, std::uint16_t face, const Vec
 
 #define WOBBLE_INSTANTIATE(Real)                                                                                   \
   template Real FindSquaredDistance<Real>(const Skin<Real>&, std::uint16_t, const Vector3<Real>&);                 \
+  template Vector3<Real> FindNearestWeights<Real>(const Skin<Real>&, std::uint16_t, const Vector3<Real>&);         \
   template FacePoint<Real> FindFaceAround<Real>(const Skin<Real>&, std::uint16_t, const Vector3<Real>&);           \
   template FacePoint<Real> FindFacePoint<Real>(const Skin<Real>&, std::uint16_t, const Vector3<Real>&);            \
   template FacePoint<Real> FindNearestFace<Real>(const Skin<Real>&, const FacePoint<Real>&, const Vector3<Real>&); \

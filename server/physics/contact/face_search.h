@@ -33,6 +33,7 @@ struct FacePoint {
   Vector3<Real> normal;   // outward on the skin's `side`, unit length
   Vector3<Real> weights;  // barycentric, of the point's foot on the plane; their sum is one, negative beyond a side
   Real doubleArea = 0;    // twice the face's area, m²
+  bool rounded = false;   // seen from the nearest point of the face (FindRounded of body_contact_view.h)
 };
 
 // True if the point is below the face itself; a point less than Skin::offset above it has a negative distance already.
@@ -48,6 +49,10 @@ template <class Real>
 // Squared distance of p from the face, m².
 template <class Real>
 [[nodiscard]] Real FindSquaredDistance(const Skin<Real>& skin, std::uint16_t face, const Vector3<Real>& p);
+
+// The barycentric weights of the face's point that is nearest to p.
+template <class Real>
+[[nodiscard]] Vector3<Real> FindNearestWeights(const Skin<Real>& skin, std::uint16_t face, const Vector3<Real>& p);
 
 // The nearest face that can be reached from `start` by steps to a nearer face in the ring of the corners; at most 16
 // steps. Of faces equally near, as round an edge, the one whose plane is farthest below p. start: FindFacePoint of this

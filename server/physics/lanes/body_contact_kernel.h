@@ -256,7 +256,8 @@ WOBBLE_INLINE V FindLeap(const FaceView<V>& at, const BodyContactBlock<Real>& bl
   const V counts = Fma(ReadRow<V>(block.open, lane), speed - approach, approach);
   const V most = Fma(reach, counts, ReadRow<V>(block.depth, lane) + ReadRow<V>(block.freeDepth, lane));
   const V before = ReadRow<V>(block.leap, lane);
-  const V leap = before + Max(zero, depth - before - most);
+  const V isHeld = ReadRow<V>(block.open, lane) * ReadRow<V>(block.touching, lane);
+  const V leap = before + Max(zero, Fnma(isHeld, depth, depth - before - most));
   return Min(Max(leap, zero), Max(zero, depth));
 }
 
