@@ -41,6 +41,23 @@ std::vector<std::string> FindReadableByAll(const GateFiles& files, const std::st
   return found;
 }
 
+std::vector<std::string> FindMistakes(const GateFiles& files) {
+  std::vector<std::string> mistakes;
+  std::string error;
+  if (!files.password.empty() && !vestibule::ReadSecret(files.password, error)) {
+    mistakes.push_back("--password-file: " + error);
+  }
+  for (const auto& [option, file] : {std::pair("--token-key", files.tokenKey), std::pair("--owner-key", files.ownerKey),
+                                     std::pair("--gateway-key", files.gatewayKey)}) {
+    std::error_code ignored;
+    if (file.empty() || !std::filesystem::exists(file, ignored) || vestibule::LoadKey(file, error)) continue;
+    mistakes.push_back(option + (": " + error));
+  }
+  if (Bans bans; !bans.Load(files.bans, error)) mistakes.push_back("--bans: " + error);
+  if (Invites invites; !invites.Load(files.invites, error)) mistakes.push_back("--invites: " + error);
+  return mistakes;
+}
+
 std::shared_ptr<Gate> OpenGate(const GateFiles& files, const vestibule::Key& secretKey,
                                std::function<std::uint64_t()> readUnixTime, std::string& error) {
   GateSettings settings;

@@ -1,0 +1,39 @@
+// What a fleet runs: worlds, a gateway for browsers, and bots. `wobble play` makes it from its options, `wobble host`
+// from a file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace wobble::host {
+
+// A server of its own.
+struct WorldPlan {
+  std::string name;                  // letters, digits, - and _: as the page shows it
+  std::string title;                 // in messages: "server of sumo"
+  std::string label;                 // in the line that says where it is: "scene arena"
+  std::uint16_t port = 0;            // UDP; 0: a free one, which it keeps
+  std::vector<std::string> options;  // of wobbled, without --port, --status and --summary
+  unsigned bots = 0;
+  std::string script = "wander.lua";  // of the bots
+};
+
+struct GatewayPlan {
+  std::uint16_t port = 8080;  // TCP; 0: a free one, which it keeps
+  std::string bindAddress = "0.0.0.0";
+  std::vector<std::string> options;  // of `wobble gateway`, without --http, --bind, --server and --status
+};
+
+struct Plan {
+  std::string command;                  // before messages: "wobble play"
+  std::filesystem::path programFolder;  // where wobbled and wobble lie
+  std::vector<WorldPlan> worlds;        // one at least
+  std::optional<GatewayPlan> gateway;
+  double duration = 0;     // seconds from when all is ready; 0: until stopped
+  double statusEvery = 1;  // seconds; 0: no status lines
+};
+
+}  // namespace wobble::host
