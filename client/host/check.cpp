@@ -34,6 +34,17 @@ Words Ask(const Words& command) {
   return lines;
 }
 
+// Adds the options of a plan, but those of files that the first start makes: the gateway's key, and bans in the folder
+// of a world, unless worlds.toml says where they are.
+void AddThoseToCheck(const Words& options, const Values& values, Words& command) {
+  for (const std::string& option : options) {
+    const bool isMade =
+        option.starts_with("--gateway-key=") || (option.starts_with("--bans=") && !values.contains("bans"));
+    std::error_code ignored;
+    if (!isMade || fs::exists(option.substr(option.find('=') + 1), ignored)) command.push_back(option);
+  }
+}
+
 // Where an option stands in a line as a whole word; npos: it does not.
 std::size_t FindOption(const std::string& line, const std::string& option) {
   for (std::size_t at = 0; (at = line.find(option, at)) != std::string::npos; at += option.size()) {
@@ -90,7 +101,8 @@ std::string Translate(const std::string& line, const Values& values, const std::
   if (value == nullptr) return otherwise + ": " + said;
   const std::size_t colon = first == 0 ? said.find(": ") : std::string::npos;
   if (colon != std::string::npos) said.erase(0, colon + 2);
-  return value->where + ": " + refused + " = " + value->shown + ": " + said;
+  const std::string key = value->where.starts_with("WOBBLE_") ? value->where : value->where + ": " + refused;
+  return key + " = " + value->shown + ": " + said;
 }
 
 Words CheckWithPrograms(const WorldsFile& file, const fs::path& folder, const fs::path& programFolder) {
@@ -101,7 +113,7 @@ Words CheckWithPrograms(const WorldsFile& file, const fs::path& folder, const fs
       changed.values = values;
       const WorldPlan plan = MakeWorldPlan(file, changed, folder);
       Words command{(programFolder / "wobbled").string(), "--check"};
-      command.insert(command.end(), plan.options.begin(), plan.options.end());
+      AddThoseToCheck(plan.options, values, command);
       return Ask(command);
     };
     CheckOne(world.values, "wobbled: ", FindSceneLine(world) + ": world " + world.name, ask, errors);
@@ -118,12 +130,7 @@ Words CheckWithPrograms(const WorldsFile& file, const fs::path& folder, const fs
                   "127.0.0.1:1",
                   "--bind",
                   plan.bindAddress};
-    for (const std::string& option : plan.options) {
-      // A world makes the key at its first start.
-      constexpr std::string_view kKey = "--gateway-key=";
-      std::error_code ignored;
-      if (!option.starts_with(kKey) || fs::exists(option.substr(kKey.size()), ignored)) command.push_back(option);
-    }
+    AddThoseToCheck(plan.options, values, command);
     return Ask(command);
   };
   CheckOne(file.gateway, "wobble gateway: ", "[gateway]", ask, errors);

@@ -55,6 +55,7 @@ int RunHost(const HostWords& words, const command::IsStopAsked& isStopAsked) {
   std::vector<std::string> errors = file.errors;
   const std::vector<std::string> others = CheckWithPrograms(file, folder, plan.programFolder);
   errors.insert(errors.end(), others.begin(), others.end());
+  SortByLine(errors);
   for (const std::string& error : errors) std::fprintf(stderr, "wobble host: %s\n", error.c_str());
   if (!errors.empty()) return command::kExitBadUse;
   if (words.isCheck) {
@@ -62,7 +63,11 @@ int RunHost(const HostWords& words, const command::IsStopAsked& isStopAsked) {
                 file.hasGateway ? " and a gateway" : "");
     return command::kExitGood;
   }
-  for (const World& world : file.worlds) plan.worlds.push_back(MakeWorldPlan(file, world, folder));
+  for (const World& world : file.worlds) {
+    plan.worlds.push_back(MakeWorldPlan(file, world, folder));
+    std::error_code ignored;  // the world says it
+    fs::create_directories(plan.worlds.back().state, ignored);
+  }
   if (file.hasGateway) plan.gateway = MakeGatewayPlan(file, folder);
   return RunFleet(plan, isStopAsked);
 }

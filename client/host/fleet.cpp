@@ -138,8 +138,9 @@ void Fleet::Watch() {
     StartDue();
     Update(std::min(nextStatus, end));
     const auto isSettled = [](const Part& part) { return part.role == Part::Role::kBots || part.IsSettled(); };
-    if (!m_isReady && std::ranges::all_of(m_parts, isSettled)) {
+    if (!m_isReady && FindFailedStart() == nullptr && std::ranges::all_of(m_parts, isSettled)) {
       m_isReady = true;
+      if (!m_plan.notice.empty()) Say(m_plan.notice);
       m_readyAt = now();
       if (m_plan.duration > 0) end = m_readyAt + m_plan.duration;
       if (m_plan.statusEvery > 0) nextStatus = m_readyAt + m_plan.statusEvery + kStatusLag;

@@ -48,15 +48,15 @@ WorldPlan MakeWorldPlan(const WorldsFile& file, const World& world, const fs::pa
   plan.label = plan.title + ", scene " + Find(world.values, "scene", Find(world.values, "rotation", world.name));
   plan.bots = static_cast<unsigned>(std::strtoul(Find(world.values, "bots", "0").c_str(), nullptr, 10));
   plan.script = Find(world.values, "script", plan.script);
-  const fs::path state = Find(world.own, "state", (folder / world.name).string());
+  plan.state = Find(world.own, "state", (folder / world.name).string());
   Values values = world.values;
   const auto setDefault = [&](const char* key, const std::string& word) { values.emplace(key, Value{{word}, "", ""}); };
   if (!values.contains("rotation")) setDefault("scene", world.name);
-  setDefault("bans", (state / "bans").string());
+  setDefault("bans", (plan.state / "bans").string());
   setDefault("cache", (folder / "bases").string());
   if (file.hasGateway) setDefault("gateway_key", Find(file.gateway, "gateway_key", (folder / "gateway.key").string()));
   AddOptions(values, Place::kWorld, plan.options);
-  plan.options.push_back("--state=" + state.string());
+  plan.options.push_back("--state=" + plan.state.string());
   return plan;
 }
 

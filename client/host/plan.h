@@ -17,6 +17,7 @@ struct WorldPlan {
   std::string label;                 // in the line that says where it is: "scene arena"
   std::uint16_t port = 0;            // UDP; 0: a free one, which it keeps
   std::vector<std::string> options;  // of wobbled, without --port, --status and --summary
+  std::filesystem::path state;       // folder to be made for it; empty: none
   unsigned bots = 0;
   std::string script = "wander.lua";  // of the bots
 };
@@ -32,6 +33,7 @@ struct Plan {
   std::filesystem::path programFolder;  // where wobbled and wobble lie
   std::vector<WorldPlan> worlds;        // one at least
   std::optional<GatewayPlan> gateway;
+  std::string notice;      // to be said once all is ready; empty: nothing
   double duration = 0;     // seconds from when all is ready; 0: until stopped
   double statusEvery = 1;  // seconds; 0: no status lines
 };

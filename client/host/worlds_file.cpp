@@ -25,32 +25,26 @@ constexpr std::size_t kMostWorlds = 64;
 constexpr std::size_t kMaxNameBytes = 32;  // as the gateway has it
 constexpr std::string_view kPrefix = "WOBBLE_WORLD_";
 
-// Mistakes with the line that they are sorted by; those of variables come last.
+// The mistakes of one file and the variables that change it.
 class Mistakes {
  public:
   explicit Mistakes(std::string file) : m_file(std::move(file)) {}
-  void Add(const toml::source_region& where, const std::string& what) {
-    m_lines.emplace_back(where.begin.line, Where(where) + ": " + what);
-  }
   // A key that stands in two places is read twice from its one variable: what has been said is not said again.
-  void AddLast(const std::string& line) {
-    if (std::ranges::none_of(m_lines, [&](const auto& other) { return other.second == line; })) {
-      m_lines.emplace_back(std::numeric_limits<std::uint32_t>::max(), line);
-    }
+  void Add(const std::string& line) {
+    if (std::ranges::find(m_lines, line) == m_lines.end()) m_lines.push_back(line);
   }
+  void Add(const toml::source_region& where, const std::string& what) { Add(Where(where) + ": " + what); }
   [[nodiscard]] std::string Where(const toml::source_region& where) const {
     return m_file + ":" + std::to_string(where.begin.line);
   }
   [[nodiscard]] std::vector<std::string> Take() {
-    std::ranges::stable_sort(m_lines, {}, [](const auto& line) { return line.first; });
-    std::vector<std::string> lines;
-    for (auto& line : m_lines) lines.push_back(std::move(line.second));
-    return lines;
+    SortByLine(m_lines);
+    return std::move(m_lines);
   }
 
  private:
   std::string m_file;
-  std::vector<std::pair<std::uint32_t, std::string>> m_lines;
+  std::vector<std::string> m_lines;
 };
 
 std::string ShowNode(const toml::node& node) {
@@ -141,7 +135,7 @@ void ReadVariable(const Key& key, const std::string& variable, const Environment
   if (auto words = ReadWords(key, found->second)) {
     values[key.name] = {std::move(*words), variable, found->second};
   } else {
-    mistakes.AddLast(variable + " = " + found->second + ": must be " + DescribeKind(key));
+    mistakes.Add(variable + " = " + found->second + ": must be " + DescribeKind(key));
   }
 }
 
@@ -193,9 +187,9 @@ void ChoosePorts(WorldsFile& file, Mistakes& mistakes) {
     const std::string what = (own == world.own.end() ? world.where : own->second.where) + ": port " +
                              std::to_string(port) + " of the world " + world.name + ": ";
     if (port > std::numeric_limits<std::uint16_t>::max()) {
-      mistakes.AddLast(what + "must be at most 65535");
+      mistakes.Add(what + "must be at most 65535");
     } else if (const auto [other, isNew] = taken.emplace(port, &world); !isNew && port != 0) {
-      mistakes.AddLast(what + "the world " + other->second->name + " has it already");
+      mistakes.Add(what + "the world " + other->second->name + " has it already");
     }
     world.port = static_cast<std::uint16_t>(port);
   }
@@ -210,8 +204,8 @@ void FindClashes(const WorldsFile& file, Mistakes& mistakes) {
       if (value == world.own.end() || value->second.words.front() == "0") continue;
       const auto [other, isNew] = taken.emplace(value->second.words.front(), &world);
       if (isNew) continue;
-      mistakes.AddLast(value->second.where + ": " + name + " = " + value->second.shown + ": the world " +
-                       other->second->name + " has it already");
+      mistakes.Add(value->second.where + ": " + name + " = " + value->second.shown + ": the world " +
+                   other->second->name + " has it already");
     }
   }
   std::map<std::string, const World*> names;
@@ -219,8 +213,8 @@ void FindClashes(const WorldsFile& file, Mistakes& mistakes) {
     if (world.name.empty()) continue;
     const auto [other, isNew] = names.emplace(InCapitals(world.name), &world);
     if (!isNew) {
-      mistakes.AddLast(world.where + ": the name " + world.name + " is too like that of the world at " +
-                       other->second->where + ": variables cannot tell them apart");
+      mistakes.Add(world.where + ": the name " + world.name + " is too like that of the world at " +
+                   other->second->where + ": variables cannot tell them apart");
     }
   }
 }
@@ -235,7 +229,7 @@ void FindStrayVariables(const WorldsFile& file, const Environment& environment, 
   }
   for (const auto& [variable, text] : environment) {
     if (!variable.starts_with(kPrefix) || std::ranges::find(known, variable) != known.end()) continue;
-    mistakes.AddLast(variable + " is no key of a world" + usage::Suggest(variable, known));
+    mistakes.Add(variable + " is no key of a world" + usage::Suggest(variable, known));
   }
 }
 
@@ -265,6 +259,16 @@ void ReadTables(const toml::table& root, const fs::path& folder, Mistakes& mista
 
 }  // namespace
 
+void SortByLine(std::vector<std::string>& errors) {
+  // "worlds.toml:7: ...": 7. Without a line: last.
+  const auto findLine = [](const std::string& error) {
+    const std::size_t colon = error.find(':');
+    const bool hasLine = colon != std::string::npos && std::isdigit(static_cast<unsigned char>(error[colon + 1])) != 0;
+    return hasLine ? std::strtoul(error.c_str() + colon + 1, nullptr, 10) : std::numeric_limits<unsigned long>::max();
+  };
+  std::ranges::stable_sort(errors, {}, findLine);
+}
+
 Environment ReadEnvironment() {
   Environment environment;
   for (char** variable = environ; *variable != nullptr; ++variable) {
@@ -288,10 +292,10 @@ WorldsFile ParseWorlds(const std::string& text, const fs::path& path, const Envi
     file.errors = mistakes.Take();
     return file;
   }
-  if (file.worlds.empty()) mistakes.AddLast(path.filename().string() + ": has no [[world]]");
+  if (file.worlds.empty()) mistakes.Add(path.filename().string() + ": has no [[world]]");
   if (file.worlds.size() > kMostWorlds) {
-    mistakes.AddLast(path.filename().string() + ": " + std::to_string(file.worlds.size()) + " worlds; at most " +
-                     std::to_string(kMostWorlds));
+    mistakes.Add(path.filename().string() + ": " + std::to_string(file.worlds.size()) + " worlds; at most " +
+                 std::to_string(kMostWorlds));
   }
   file.hasGateway |= environment.contains("WOBBLE_HTTP");
   ReadVariables(Place::kAll, "WOBBLE_", environment, mistakes, file.all);

@@ -47,6 +47,9 @@ struct WorldsFile {
 [[nodiscard]] WorldsFile ParseWorlds(const std::string& text, const std::filesystem::path& path,
                                      const Environment& environment);
 
+// Puts mistakes into the order of the file; those of variables come last.
+void SortByLine(std::vector<std::string>& errors);
+
 // The same of a file of at most 1 MiB.
 [[nodiscard]] WorldsFile LoadWorlds(const std::filesystem::path& path, const Environment& environment);
 

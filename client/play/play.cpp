@@ -47,14 +47,13 @@ host::WorldPlan MakeWorld(const PlayOptions& options, std::size_t number, const 
   return world;
 }
 
-// nullopt also where there is no page, which is said.
-std::optional<host::GatewayPlan> MakeGateway(const PlayOptions& options) {
+// nullopt also where there is no page, which the notice says.
+std::optional<host::GatewayPlan> MakeGateway(const PlayOptions& options, std::string& notice) {
   if (!options.http) return {};
   std::error_code error;
   if (!std::filesystem::is_directory(options.page, error)) {
-    std::printf("no page for browsers: '%s' is not there; sh docker/packages.sh web and the next build make it\n",
-                std::filesystem::proximate(options.page).c_str());
-    std::fflush(stdout);
+    notice = "no page for browsers: '" + std::filesystem::proximate(options.page).string() +
+             "' is not there; sh docker/packages.sh web and the next build make it";
     return {};
   }
   host::GatewayPlan gateway;
@@ -82,7 +81,7 @@ int RunPlay(const PlayOptions& options, const std::function<bool()>& stopAsked) 
   for (std::size_t number = 0; number < options.scenes.size(); ++number) {
     plan.worlds.push_back(MakeWorld(options, number, folder));
   }
-  plan.gateway = MakeGateway(options);
+  plan.gateway = MakeGateway(options, plan.notice);
   return host::RunFleet(plan, stopAsked);
 }
 

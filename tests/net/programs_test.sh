@@ -257,12 +257,12 @@ case_play_without_page() {
 
 # kill_program PATTERN: kills the one program of this case whose command line has it.
 kill_program() {
-  local line found=""
-  for line in /proc/[0-9]*; do
-    # shellcheck disable=SC2254  # it is a pattern
-    case "$({ tr '\0' ' ' <"$line/cmdline"; } 2>/dev/null)" in
-      "$bin/wobble"*$1*) [[ "$({ tr '\0' ' ' <"$line/cmdline"; } 2>/dev/null)" == *"$folder"* ]] && found="$found ${line##*/}" ;;
-    esac
+  local file line found=""
+  for file in /proc/[0-9]*/cmdline; do
+    line="$({ tr '\0' ' ' <"$file"; } 2>/dev/null)" || continue
+    [[ $line == "$bin/wobble"*"$folder"* && $line == *"$1"* ]] || continue
+    file="${file%/cmdline}"
+    found="$found ${file##*/}"
   done
   # shellcheck disable=SC2086  # it must be one word
   kill -KILL $found || fail "one program with '$1'" <(list_processes)
@@ -344,7 +344,7 @@ case_host_keeps_worlds_up() {
     sleep 0.05
   done
   sleep 1.2 # a state comes each second
-  kill_program "/wobbled --port $one "
+  kill_program "--state=$folder/worlds/one"
   wait_for_log host '^world one: is back; down for [0-9.]* s in all$'
   down="$(sed -n 's/^world one: is back; down for \([0-9.]*\) s in all$/\1/p' "$folder/host.err")"
   awk "BEGIN { exit !($down <= 3) }" || fail "a world that is back within 3 s" "$folder/host.err"
@@ -373,9 +373,9 @@ case_host_keeps_worlds_up() {
 
 # Every mistake of a file and of the environment, in one run, whoever finds it; and nothing is started.
 case_host_names_every_mistake() {
-  expect_exit 0 wobble host --check
-  expect_line "$out" 'worlds.toml: 3 worlds and a gateway, no mistake$'
   make_worlds
+  WOBBLE_PAGE="$folder/page" expect_exit 0 wobble host --check
+  expect_line "$out" 'worlds.toml: 3 worlds and a gateway, no mistake$'
   cat >"$folder/bad.toml" <<'TOML'
 [[blueprint]]
 name = "ball"
@@ -412,7 +412,7 @@ TOML
     'worlds.toml:20: tick_hz = 1: must be 10 to 480' \
     "worlds.toml:21: after_match = 'dance': must be end, restart or next" \
     "worlds.toml:22: log_level = 'loud': must be one of debug, info, warn, error, off" \
-    'worlds.toml:23: password_file = .none.: .*No such file' \
+    'worlds.toml:23: password_file = .none.: .*none: cannot be read' \
     'worlds.toml:27: world bad: bad.toml:3: mass = 0: must be 0.001 to 1000000 kg' \
     'worlds.toml:3: max_connections = 0: .0. is not 1 to 1000' \
     "worlds.toml:4: origin = 'here': 'here' is no http"; do

@@ -66,9 +66,9 @@ port = 7777
                   "worlds.toml:20: untrained = 1: must be true or false",
                   "worlds.toml:21: rotation = []: must be a text or an array of texts",
                   "worlds.toml:22: port 7777 of the world b: the world a b has it already",
-                  "worlds.toml:25: port 7777 of the world B: the world a b has it already",
                   "worlds.toml:23: the name B is too like that of the world at worlds.toml:18: variables cannot "
-                  "tell them apart"));
+                  "tell them apart",
+                  "worlds.toml:25: port 7777 of the world B: the world a b has it already"));
   EXPECT_THAT(Parse("[all]\nport = \n").errors, ElementsAre(testing::StartsWith("worlds.toml:2: ")));
   EXPECT_THAT(Parse("[all]\nport = 65535\n").errors, ElementsAre("worlds.toml: has no [[world]]"));
   EXPECT_THAT(Parse("[all]\nport = 65535\n[[world]]\nname='a'\n[[world]]\nname='b'\n").errors,
