@@ -270,17 +270,17 @@ kill_program() {
 
 # Any part that dies is started again, the others go on, and players are back in their world.
 case_play_starts_again_what_dies() {
-  local tries play
+  local tries play part
   make_page
   start play wobble play --scene arena --port 0 --page "$folder/page"
   play=$pid
   wait_for_line play 'bots 6/6'
   kill_program ' gateway '
-  wait_for_log play '^gateway: ended with exit code 137; starts again in 0.25 s$'
-  wait_for_log play '^gateway: is back; down for [0-9.]* s in all$'
   kill_program '/wobbled '
-  wait_for_log play '^server: ended with exit code 137; starts again in 0.25 s$'
-  wait_for_log play '^server: is back; down for [0-9.]* s in all$'
+  for part in gateway server; do
+    wait_for_log play "^$part: ended with exit code 137; starts again in 0.25 s$"
+    wait_for_log play "^$part: is back; down for [0-9.]* s in all$"
+  done
   for ((tries = 0; tries < 200; ++tries)); do
     tail -n 1 "$folder/play.out" | grep -q ' clients 6 .* | 1/1 worlds up | 2 restarts$' && break
     sleep 0.05
