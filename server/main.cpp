@@ -1,4 +1,5 @@
 // wobbled: options, signals, logger, and the only clock. All code below main is given the time as a parameter.
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -49,6 +50,8 @@ constexpr double kCloseTime = 1;
 
 volatile std::sig_atomic_t g_stop = 0;
 void RequestStop(int) { g_stop = 1; }
+volatile std::sig_atomic_t g_hangup = 0;
+void NoteHangup(int) { g_hangup = 1; }
 
 std::uint64_t ReadUnixTime() { return static_cast<std::uint64_t>(std::time(nullptr)); }
 
@@ -159,18 +162,43 @@ struct Watchers {
   std::vector<server::ClientId> playing;  // scratch
 };
 
+bool HasTerminal() {
+  const int terminal = open("/dev/tty", O_RDONLY | O_NOCTTY | O_CLOEXEC);
+  if (terminal >= 0) close(terminal);
+  return terminal >= 0;
+}
+
+// SIGHUP: a terminal that is closed ends its server, with a goodbye. Else files that others have changed are read
+// again.
+void HandleHangup(const Options& options, admission::Gate& gate, bool hadTerminal) {
+  if (g_hangup == 0) return;
+  g_hangup = 0;
+  if (hadTerminal && !HasTerminal()) {
+    g_stop = 1;
+    return;
+  }
+  std::string error;
+  if (admission::ReloadGate(options.gate, gate, error)) {
+    spdlog::info("password, keys, bans and invites are read again");
+  } else {
+    spdlog::error("nothing is read again: {}", error);
+  }
+}
+
 // The end of a match ends the server, unless a fleet manager does.
 bool HasEnded(const server::Server& server, const Options& options, const Watchers& watchers) {
   return g_stop != 0 || (options.runFor > 0 && ReadClock() >= options.runFor) ||
          (server.IsMatchOver() && !watchers.agones);
 }
 
-void Run(const admin::Realm& realm, const Options& options, admin::OrderQueue& orders, Watchers& watchers) {
+void Run(const admin::Realm& realm, const Options& options, admin::OrderQueue& orders, Watchers& watchers,
+         bool hadTerminal) {
   server::Server& server = realm.server;
   server.SetOrderTaker([&realm](server::ClientId client, transport::Rank rank, const std::string& line) {
     return admin::CarryOut(realm, {.rank = rank, .client = client}, line, ReadClock()).lines;
   });
   while (!HasEnded(server, options, watchers)) {
+    HandleHangup(options, realm.gate, hadTerminal);
     orders.CarryOutAll(realm, ReadClock());
     server.Tick(ReadClock());
     watchers.Watch(server, ReadClock());
@@ -347,7 +375,7 @@ std::vector<std::string> FindMistakes(const Options& options, const std::vector<
   return mistakes;
 }
 
-int RunServer(Options options) {
+int RunServer(Options options, bool hadTerminal) {
   std::optional<recording::Recording> film;
   if (!options.replayFile.empty()) {
     film.emplace();
@@ -428,7 +456,7 @@ int RunServer(Options options) {
              sources.size() > 1 ? rotation : options.scene);
   std::fflush(stdout);
   if (sidecar != 0) watchers.agones.emplace(sidecar);
-  Run({server, *gate}, options, administration.queue, watchers);
+  Run({server, *gate}, options, administration.queue, watchers, hadTerminal);
   const std::string summary = server::MakeSummary(server, watchers.times);
   CloseDown(server, watchers);
   server.EndRecording();
@@ -470,7 +498,9 @@ int main(int argc, char** argv) {
   }
   std::signal(SIGINT, RequestStop);
   std::signal(SIGTERM, RequestStop);
+  std::signal(SIGHUP, NoteHangup);
+  const bool hadTerminal = HasTerminal();
   if (!options.exportTarget.empty()) return server::ExportRecording(options, [] { return g_stop != 0; });
   if (options.isVerify) return server::VerifyRecording(options, [] { return g_stop != 0; });
-  return RunServer(options);
+  return RunServer(options, hadTerminal);
 }

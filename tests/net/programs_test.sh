@@ -500,6 +500,16 @@ case_password() {
   expect_refusal 'empty.txt: the first line must have 1 to 512 bytes' \
     "${join[@]}" "127.0.0.1:$port" --password-file "$folder/empty.txt"
   expect_refusal 'the first line must have 1 to 512 bytes' wobbled --port 0 --untrained --password-file /dev/zero
+  # SIGHUP reads the file again; a faulty one changes nothing.
+  echo 'open simsim' >"$folder/door.txt"
+  kill -HUP "$server"
+  expect_exit 0 "${join[@]}" "127.0.0.1:$port" --password-file "$folder/wrong.txt" --threshold 'connected==1'
+  : >"$folder/door.txt"
+  kill -HUP "$server"
+  pid=$server wait_for_log server 'error nothing is read again: --password-file: .* must have 1 to 512 bytes'
+  expect_exit 0 "${join[@]}" "127.0.0.1:$port" --password-file "$folder/wrong.txt" --threshold 'connected==1'
+  kill -TERM "$server"
+  expect_end server "$server" 0
 }
 
 # Orders by the socket, an invite as it is printed, and tokens with what they say.
