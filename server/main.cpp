@@ -1,5 +1,4 @@
 // wobbled: options, signals, logger, and the only clock. All code below main is given the time as a parameter.
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -18,6 +17,7 @@
 #include "protocol/transport/enet_transport.h"
 #include "protocol/transport/vestibule/key_file.h"
 #include "protocol/usage/command_line.h"
+#include "protocol/usage/terminal.h"
 #include "protocol/version.h"
 #include "server/admin/admin_http.h"
 #include "server/admin/admin_socket.h"
@@ -162,18 +162,12 @@ struct Watchers {
   std::vector<server::ClientId> playing;  // scratch
 };
 
-bool HasTerminal() {
-  const int terminal = open("/dev/tty", O_RDONLY | O_NOCTTY | O_CLOEXEC);
-  if (terminal >= 0) close(terminal);
-  return terminal >= 0;
-}
-
 // SIGHUP: a terminal that is closed ends its server, with a goodbye. Else files that others have changed are read
 // again.
 void HandleHangup(const Options& options, admission::Gate& gate, bool hadTerminal) {
   if (g_hangup == 0) return;
   g_hangup = 0;
-  if (hadTerminal && !HasTerminal()) {
+  if (hadTerminal && !usage::HasTerminal()) {
     g_stop = 1;
     return;
   }
@@ -499,7 +493,7 @@ int main(int argc, char** argv) {
   std::signal(SIGINT, RequestStop);
   std::signal(SIGTERM, RequestStop);
   std::signal(SIGHUP, NoteHangup);
-  const bool hadTerminal = HasTerminal();
+  const bool hadTerminal = usage::HasTerminal();
   if (!options.exportTarget.empty()) return server::ExportRecording(options, [] { return g_stop != 0; });
   if (options.isVerify) return server::VerifyRecording(options, [] { return g_stop != 0; });
   return RunServer(options, hadTerminal);

@@ -9,8 +9,6 @@
 
 #include <poll.h>
 #include <signal.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -22,6 +20,8 @@
 #include "client/command/exit_codes.h"
 #include "client/command/sockets.h"
 #include "client/host/part.h"
+#include "client/host/report.h"
+#include "client/host/screen.h"
 #include "client/host/summary.h"
 #include "client/host/temporary_folder.h"
 #include "protocol/transport/vestibule/key_file.h"
@@ -46,14 +46,17 @@ std::uint16_t ReadPort(const std::string& line) {
 
 class Fleet {
  public:
-  Fleet(const Plan& plan, const std::function<bool()>& stopAsked)
-      : m_plan(plan), m_stopAsked(stopAsked), m_terminal(isatty(STDOUT_FILENO) != 0) {}
+  Fleet(Plan plan, const std::function<bool()>& stopAsked, const TakePlan& takePlan)
+      : m_plan(std::move(plan)), m_stopAsked(stopAsked), m_takePlan(takePlan) {}
 
   int Run();
 
  private:
-  void MakeParts();
+  void AddWorld(const WorldPlan& world);
+  void AddGateway();
   void Watch();
+  void FollowPlan();
+  void Retire(Part& part);
   void StartDue();
   [[nodiscard]] bool CanStart(const Part& part) const;
   [[nodiscard]] std::vector<std::string> MakeCommand(const Part& part) const;
@@ -62,34 +65,25 @@ class Fleet {
   void Announce(const Part& part);
   void ShowOwnersLink();
   void ShowStatus(double left);
-  void NoteFailures();
   void EndAll();
   void End(Part& part);
   int GiveUp();
-  int Report();
-
-  void Say(const std::string& line);
-  void Complain(const std::string& line);
-  void EndStatusLine();
 
   [[nodiscard]] std::string AddressOf(std::size_t world) const { return "127.0.0.1:" + std::to_string(m_ports[world]); }
-  [[nodiscard]] std::filesystem::path SummaryOf(const Part& part) const {
-    return m_folder.Path() / (part.name + ".json");
-  }
   // The first part that could not be started at all; null: none.
   [[nodiscard]] const Part* FindFailedStart() const;
+  [[nodiscard]] const Part& FindWorld(std::size_t number) const;
   [[nodiscard]] bool AreWorldsOver() const;
-  [[nodiscard]] unsigned CountRestarts() const;
 
-  const Plan& m_plan;
+  Plan m_plan;
   const std::function<bool()>& m_stopAsked;
-  bool m_terminal;
-  bool m_statusOpen = false;
+  const TakePlan& m_takePlan;
+  Screen m_screen;
   bool m_isReady = false;  // every world and the gateway was ready, or has failed
   double m_readyAt = 0;
   std::vector<std::string> m_failures;
   TemporaryFolder m_folder;
-  std::deque<Part> m_parts;            // worlds, in the order of the plan, gateway, bots
+  std::deque<Part> m_parts;            // as they were added
   std::vector<std::uint16_t> m_ports;  // UDP, of the worlds; 0: not known yet
   std::uint16_t m_http = 0;            // TCP, of the gateway
 };
@@ -105,42 +99,42 @@ int Fleet::Run() {
     std::fprintf(stderr, "%s: the page's %s\n", m_plan.command.c_str(), error.c_str());
     return command::kExitBadUse;
   }
-  MakeParts();
+  for (const WorldPlan& world : m_plan.worlds) AddWorld(world);
+  if (m_plan.gateway) AddGateway();
   Watch();
-  EndStatusLine();
+  m_screen.EndStatus();
   if (FindFailedStart() != nullptr) return GiveUp();
-  NoteFailures();
+  m_failures = FindFailures(m_parts);
+  const bool isEarly = !m_isReady || command::ReadClock() < m_readyAt + kJoinTime;
   EndAll();
-  return Report();
+  return Report(m_parts, m_folder.Path(), isEarly, command::ReadClock(), std::move(m_failures));
 }
 
-void Fleet::MakeParts() {
-  using Role = Part::Role;
-  for (std::size_t world = 0; world < m_plan.worlds.size(); ++world) {
-    m_ports.push_back(m_plan.worlds[world].port);
-    m_parts.push_back({Role::kWorld, world, m_plan.worlds[world].title, "wobbled: ", "listening"});
-  }
-  if (m_plan.gateway) {
-    m_http = m_plan.gateway->port;
-    m_parts.push_back({Role::kGateway, 0, "gateway", "wobble gateway: ", "open http"});
-  }
-  for (std::size_t world = 0; world < m_plan.worlds.size(); ++world) {
-    if (m_plan.worlds[world].bots == 0) continue;
-    const std::string name = world == 0 ? "bots" : "bots in " + m_plan.worlds[world].name;
-    m_parts.push_back({Role::kBots, world, name, "wobble bots: ", "bots "});
-  }
+void Fleet::AddWorld(const WorldPlan& world) {
+  const std::size_t number = m_ports.size();
+  m_ports.push_back(world.port);
+  m_parts.push_back({Part::Role::kWorld, number, world.title, "wobbled: ", "listening"});
+  if (world.bots == 0) return;
+  const std::string name = number == 0 ? "bots" : "bots in " + world.name;
+  m_parts.push_back({Part::Role::kBots, number, name, "wobble bots: ", "bots "});
+}
+
+void Fleet::AddGateway() {
+  m_http = m_plan.gateway->port;
+  m_parts.push_back({Part::Role::kGateway, 0, "gateway", "wobble gateway: ", "open http"});
 }
 
 void Fleet::Watch() {
   double end = INFINITY, nextStatus = INFINITY;
   const auto now = &command::ReadClock;
   while (!m_stopAsked() && now() < end && FindFailedStart() == nullptr && !AreWorldsOver()) {
+    if (m_isReady) FollowPlan();
     StartDue();
     Update(std::min(nextStatus, end));
     const auto isSettled = [](const Part& part) { return part.role == Part::Role::kBots || part.IsSettled(); };
     if (!m_isReady && FindFailedStart() == nullptr && std::ranges::all_of(m_parts, isSettled)) {
       m_isReady = true;
-      if (!m_plan.notice.empty()) Say(m_plan.notice);
+      if (!m_plan.notice.empty()) m_screen.Say(m_plan.notice);
       m_readyAt = now();
       if (m_plan.duration > 0) end = m_readyAt + m_plan.duration;
       if (m_plan.statusEvery > 0) nextStatus = m_readyAt + m_plan.statusEvery + kStatusLag;
@@ -151,6 +145,47 @@ void Fleet::Watch() {
   }
 }
 
+// Adopts a new plan: worlds and gateway that are as they were go on, and worlds are told to read their files again;
+// what is not in it any more ends; what has changed ends and begins anew. The gateway has its list of worlds from its
+// start, so that it begins anew when the list changes: its browsers join again by themselves.
+void Fleet::FollowPlan() {
+  const std::optional<Plan> next = m_takePlan ? m_takePlan() : std::nullopt;
+  if (!next) return;
+  bool isListNew = false;
+  std::vector<WorldPlan> others = next->worlds;
+  for (std::size_t i = 0; i < m_plan.worlds.size(); ++i) {
+    WorldPlan& world = m_plan.worlds[i];
+    if (FindWorld(i).isRetired) continue;
+    const auto found = std::ranges::find(others, world.name, &WorldPlan::name);
+    if (found != others.end() && *found == world) {
+      FindWorld(i).child->Signal(SIGHUP);
+      others.erase(found);
+      continue;
+    }
+    isListNew = true;
+    for (auto part = m_parts.rbegin(); part != m_parts.rend(); ++part) {
+      if (part->role != Part::Role::kGateway && part->world == i) Retire(*part);
+    }
+  }
+  for (const WorldPlan& world : others) {
+    m_plan.worlds.push_back(world);
+    AddWorld(world);
+    isListNew = true;
+  }
+  if (!isListNew && next->gateway == m_plan.gateway) return;
+  for (Part& part : m_parts) {
+    if (part.role == Part::Role::kGateway && !part.isRetired) Retire(part);
+  }
+  m_plan.gateway = next->gateway;
+  if (m_plan.gateway) AddGateway();
+}
+
+void Fleet::Retire(Part& part) {
+  m_screen.Complain(part.name + ": ends, as its file says now");
+  End(part);
+  part.isRetired = true;
+}
+
 const Part* Fleet::FindFailedStart() const {
   const auto hasFailed = [this](const Part& part) {
     return part.keeper.ReadState() == Keeper::State::kGivenUp && !part.keeper.HasBeenReady() && !m_isReady;
@@ -159,15 +194,14 @@ const Part* Fleet::FindFailedStart() const {
   return found == m_parts.end() ? nullptr : &*found;
 }
 
+const Part& Fleet::FindWorld(std::size_t number) const {
+  return *std::ranges::find_if(
+      m_parts, [&](const Part& part) { return part.role == Part::Role::kWorld && part.world == number; });
+}
+
 bool Fleet::AreWorldsOver() const {
   return std::ranges::all_of(m_parts,
                              [](const Part& part) { return part.role != Part::Role::kWorld || part.IsOver(); });
-}
-
-unsigned Fleet::CountRestarts() const {
-  unsigned restarts = 0;
-  for (const Part& part : m_parts) restarts += part.keeper.Restarts();
-  return restarts;
 }
 
 void Fleet::StartDue() {
@@ -175,7 +209,7 @@ void Fleet::StartDue() {
     const double now = command::ReadClock();
     if (!part.keeper.IsDue(now) || !CanStart(part)) continue;
     const std::string error = StartPart(part, MakeCommand(part), now);
-    if (!error.empty()) Complain(part.name + ": " + error);
+    if (!error.empty()) m_screen.Complain(part.name + ": " + error);
   }
 }
 
@@ -189,7 +223,7 @@ bool Fleet::CanStart(const Part& part) const {
     case Part::Role::kGateway:
       return std::ranges::all_of(m_parts, isSettled);
     case Part::Role::kBots:
-      return m_parts[part.world].keeper.ReadState() == Keeper::State::kRunning;
+      return FindWorld(part.world).keeper.ReadState() == Keeper::State::kRunning;
   }
   return false;
 }
@@ -202,14 +236,15 @@ std::vector<std::string> Fleet::MakeCommand(const Part& part) const {
     case Part::Role::kWorld:
       words = {(m_plan.programFolder / "wobbled").string(), "--port", std::to_string(m_ports[part.world])};
       words.insert(words.end(), world.options.begin(), world.options.end());
-      words.insert(words.end(), {"--status", "1", "--summary", SummaryOf(part).string()});
+      words.insert(words.end(), {"--status", "1", "--summary", SummaryOf(part, m_folder.Path()).string()});
       break;
     case Part::Role::kGateway:
       words = {wobble,     "gateway", "--http", std::to_string(m_http), "--bind", m_plan.gateway->bindAddress,
                "--status", "1"};
       words.insert(words.end(), m_plan.gateway->options.begin(), m_plan.gateway->options.end());
       for (std::size_t i = 0; i < m_plan.worlds.size(); ++i) {
-        if (m_ports[i] != 0) words.insert(words.end(), {"--server", m_plan.worlds[i].name + "=" + AddressOf(i)});
+        if (m_ports[i] != 0 && !FindWorld(i).isRetired)
+          words.insert(words.end(), {"--server", m_plan.worlds[i].name + "=" + AddressOf(i)});
       }
       break;
     case Part::Role::kBots:
@@ -225,7 +260,7 @@ std::vector<std::string> Fleet::MakeCommand(const Part& part) const {
                "--status",
                "1",
                "--summary",
-               SummaryOf(part).string()};
+               SummaryOf(part, m_folder.Path()).string()};
       break;
   }
   return words;
@@ -255,10 +290,10 @@ void Fleet::Update(double until) {
 
 void Fleet::Follow(Part& part) {
   const PartNews news = FollowPart(part, command::ReadClock());
-  for (const std::string& line : news.errors) Complain(part.name + ": " + line);
+  for (const std::string& line : news.errors) m_screen.Complain(part.name + ": " + line);
   if (news.isReady) Announce(part);
   // What could not start at first has said why itself.
-  if (!news.change.empty() && FindFailedStart() != &part) Complain(part.name + ": " + news.change);
+  if (!news.change.empty() && FindFailedStart() != &part) m_screen.Complain(part.name + ": " + news.change);
 }
 
 void Fleet::Announce(const Part& part) {
@@ -266,7 +301,7 @@ void Fleet::Announce(const Part& part) {
   if (part.role == Part::Role::kGateway) m_http = ReadPort(part.readyLine);
   if (part.keeper.Restarts() > 0 || part.role == Part::Role::kBots) return;
   if (part.role == Part::Role::kGateway) {
-    Say(part.readyLine);
+    m_screen.Say(part.readyLine);
     return ShowOwnersLink();
   }
   const std::string port = std::to_string(m_ports[part.world]);
@@ -275,63 +310,43 @@ void Fleet::Announce(const Part& part) {
     const std::string self = std::filesystem::proximate(m_plan.programFolder / "wobble").string();
     line += "; watch it from another terminal with: " + self + " watch " + AddressOf(0) + "; Ctrl-C ends all";
   }
-  Say(line);
+  m_screen.Say(line);
 }
 
 // The servers have left their owner's key in the user's state folder. Shown to a person alone: it is a secret.
 void Fleet::ShowOwnersLink() {
   std::string ignored;
   const auto file = transport::vestibule::FindStateFile(transport::vestibule::kOwnerKeyName);
-  if (!m_terminal || file.empty() || !transport::vestibule::InitialiseSodium()) return;
+  if (!m_screen.IsTerminal() || file.empty() || !transport::vestibule::InitialiseSodium()) return;
   const auto key = transport::vestibule::LoadKey(file, ignored);
   if (!key) return;
-  Say("to own the first world, and tune it: http://localhost:" + std::to_string(m_http) +
-      "/#owner=" + transport::vestibule::FormatKey(*key));
+  m_screen.Say("to own the first world, and tune it: http://localhost:" + std::to_string(m_http) +
+               "/#owner=" + transport::vestibule::FormatKey(*key));
 }
 
 // Of the first world, the gateway and the first bots, and what is not as it should be.
 void Fleet::ShowStatus(double left) {
-  std::string line;
-  const auto add = [&line](const std::string& words) { line += (line.empty() ? "" : " | ") + words; };
-  if (std::isfinite(left)) add(std::to_string(std::lround(left)) + " s left");
-  bool hasBots = false;
-  std::size_t up = 0;
+  std::string world, gateway, bots;
+  std::size_t up = 0, worlds = 0;
   for (const Part& part : m_parts) {
+    if (part.isRetired) continue;
     const bool isRunning = part.keeper.ReadState() == Keeper::State::kRunning;
-    if (part.role == Part::Role::kWorld && isRunning) ++up;
-    const bool isAside = part.role == Part::Role::kWorld ? part.world > 0 : part.role == Part::Role::kBots && hasBots;
-    hasBots |= part.role == Part::Role::kBots;
-    if (isAside) continue;
-    if (!isRunning && part.role != Part::Role::kBots) {
-      add(part.name + " is down");
-    } else if (!part.line.empty()) {
-      add(part.line);
-    }
+    const bool isWorld = part.role == Part::Role::kWorld;
+    worlds += isWorld ? 1 : 0;
+    up += isWorld && isRunning ? 1 : 0;
+    std::string& line = isWorld ? world : part.role == Part::Role::kGateway ? gateway : bots;
+    if (line.empty()) line = isRunning || part.role == Part::Role::kBots ? part.line : part.name + " is down";
   }
-  const unsigned restarts = CountRestarts();
-  const std::size_t worlds = m_plan.worlds.size();
+  std::string line;
+  const auto add = [&line](const std::string& words) {
+    if (!words.empty()) line += (line.empty() ? "" : " | ") + words;
+  };
+  if (std::isfinite(left)) add(std::to_string(std::lround(left)) + " s left");
+  for (const std::string& each : {world, gateway, bots}) add(each);
+  const unsigned restarts = CountRestarts(m_parts);
   if (up < worlds || restarts > 0) add(std::to_string(up) + "/" + std::to_string(worlds) + " worlds up");
   if (restarts > 0) add(CountOf(restarts, "restart"));
-  winsize size{};
-  if (m_terminal && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1) {
-    line.resize(std::min<std::size_t>(line.size(), size.ws_col - 1));  // a wrapped line could not be rewritten
-  }
-  std::printf(m_terminal ? "\r%s\033[K" : "%s\n", line.c_str());
-  std::fflush(stdout);
-  m_statusOpen = m_terminal;
-}
-
-// What does not run at the end although it was to. Before the parts are asked to end.
-void Fleet::NoteFailures() {
-  for (const Part& part : m_parts) {
-    const Keeper::State state = part.keeper.ReadState();
-    const std::string code = std::to_string(part.exitCode.value_or(0));
-    if (state == Keeper::State::kGivenUp) {
-      m_failures.push_back("the " + part.name + " ended with exit code " + code + " and could not be started again");
-    } else if (state != Keeper::State::kRunning && part.keeper.Deaths() > 0) {
-      m_failures.push_back("the " + part.name + " had died and was not back at the end");
-    }
-  }
+  m_screen.ShowStatus(std::move(line));
 }
 
 // In the reverse order of starting.
@@ -372,54 +387,10 @@ int Fleet::GiveUp() {
   return command::kExitFailed;
 }
 
-int Fleet::Report() {
-  const double now = command::ReadClock();
-  const bool isEarly = !m_isReady || now < m_readyAt + kJoinTime;
-  for (const Part& part : m_parts) {
-    if (part.role == Part::Role::kGateway) {
-      if (!part.line.empty()) std::printf("gateway: %s\n", part.line.c_str());  // its last is what it counted
-    } else if (part.child) {
-      const bool isExpected = part.exitCode == 0 && part.keeper.HasBeenReady();
-      const bool wasCutOff = part.role == Part::Role::kBots && m_parts[part.world].keeper.Deaths() > 0;
-      if (part.role == Part::Role::kWorld) ReportServer(part.name, SummaryOf(part), isExpected, m_failures);
-      if (part.role == Part::Role::kBots) {
-        ReportBots(part.name, SummaryOf(part), {.isExpected = isExpected, .wasCutOff = wasCutOff, .isEarly = isEarly},
-                   m_failures);
-      }
-    }
-    if (part.keeper.Restarts() == 0) continue;
-    std::printf("%s: %s, %.1f s down; the figures are those since\n", part.name.c_str(),
-                CountOf(part.keeper.Restarts(), "restart").c_str(), part.keeper.SecondsDown(now));
-  }
-  for (const std::string& failure : m_failures) std::printf("FAILED: %s\n", failure.c_str());
-  const unsigned restarts = CountRestarts();
-  if (m_failures.empty() && restarts == 0) std::printf("all went well\n");
-  if (m_failures.empty() && restarts > 0) {
-    std::printf("all went well in the end: what had died came back (%s)\n", CountOf(restarts, "restart").c_str());
-  }
-  std::fflush(stdout);
-  return m_failures.empty() ? command::kExitGood : command::kExitFailed;
-}
-
-void Fleet::Say(const std::string& line) {
-  EndStatusLine();
-  std::printf("%s\n", line.c_str());
-  std::fflush(stdout);
-}
-
-void Fleet::Complain(const std::string& line) {
-  EndStatusLine();
-  std::fprintf(stderr, "%s\n", line.c_str());
-}
-
-void Fleet::EndStatusLine() {
-  if (m_statusOpen) std::printf("\n");
-  std::fflush(stdout);
-  m_statusOpen = false;
-}
-
 }  // namespace
 
-int RunFleet(const Plan& plan, const std::function<bool()>& stopAsked) { return Fleet(plan, stopAsked).Run(); }
+int RunFleet(const Plan& plan, const std::function<bool()>& stopAsked, const TakePlan& takePlan) {
+  return Fleet(plan, stopAsked, takePlan).Run();
+}
 
 }  // namespace wobble::host

@@ -17,8 +17,8 @@ void Keeper::NoteReady(double now) {
   m_readyAt = now;
   m_hasBeenReady = true;
   if (!m_isDown) return;
+  m_secondsDown += DownFor(now);
   m_isDown = false;
-  m_secondsDown += now - m_downSince;
   ++m_restarts;
 }
 
@@ -49,6 +49,6 @@ void Keeper::AskToEnd() {
   if (m_state == State::kStarting || m_state == State::kRunning) m_state = State::kEnding;
 }
 
-double Keeper::SecondsDown(double now) const { return m_secondsDown + (m_isDown ? now - m_downSince : 0); }
+double Keeper::SecondsDown(double now) const { return m_secondsDown + DownFor(now); }
 
 }  // namespace wobble::host

@@ -57,6 +57,8 @@ class Keeper {
   [[nodiscard]] unsigned Deaths() const { return m_deaths; }
   // Seconds from now to the next start; 0: it is due.
   [[nodiscard]] double WaitLeft(double now) const { return m_due > now ? m_due - now : 0; }
+  // Seconds since it died, while it was ready before and is not again; else 0.
+  [[nodiscard]] double DownFor(double now) const { return m_isDown ? now - m_downSince : 0; }
   // Seconds from deaths to when it was ready again, in all, that which is under way included.
   [[nodiscard]] double SecondsDown(double now) const;
 

@@ -40,10 +40,10 @@ void TakeLines(Part& part, double now, PartNews& news) {
     news.errors.push_back(line.starts_with(part.errorPrefix) ? line.substr(part.errorPrefix.size()) : line);
   }
   if (!news.isReady) return;
-  const double downBefore = part.keeper.SecondsDown(now);
+  const double down = part.keeper.DownFor(now);
   const unsigned restarts = part.keeper.Restarts();
   part.keeper.NoteReady(now);
-  if (part.keeper.Restarts() > restarts) news.change = "is back; down for " + FormatSeconds(downBefore) + " in all";
+  if (part.keeper.Restarts() > restarts) news.change = "is back after " + FormatSeconds(down);
 }
 
 }  // namespace

@@ -20,11 +20,12 @@ struct Part {
   std::string readyPrefix;  // of the line that it prints when it is ready
 
   Keeper keeper = Keeper();
-  std::unique_ptr<command::Child> child = {}; // the present process, or the last one
-  std::string readyLine = {};                // of `child`; empty until it is ready
-  std::string line = {};                     // its latest other line
-  std::optional<int> exitCode = {};          // of `child`, once it has ended
-  bool wasLate = false;                      // `child` was killed because it was not ready in time
+  std::unique_ptr<command::Child> child = {};  // the present process, or the last one
+  std::string readyLine = {};                  // of `child`; empty until it is ready
+  std::string line = {};                       // its latest other line
+  std::optional<int> exitCode = {};            // of `child`, once it has ended
+  bool isRetired = false;                      // it is not in the plan any more
+  bool wasLate = false;                        // `child` was killed because it was not ready in time
 
   [[nodiscard]] bool IsOver() const {
     return keeper.ReadState() == Keeper::State::kGivenUp || keeper.ReadState() == Keeper::State::kEnded;

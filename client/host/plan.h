@@ -20,12 +20,16 @@ struct WorldPlan {
   std::filesystem::path state;       // folder to be made for it; empty: none
   unsigned bots = 0;
   std::string script = "wander.lua";  // of the bots
+
+  bool operator==(const WorldPlan&) const = default;
 };
 
 struct GatewayPlan {
   std::uint16_t port = 8080;  // TCP; 0: a free one, which it keeps
   std::string bindAddress = "0.0.0.0";
   std::vector<std::string> options;  // of `wobble gateway`, without --http, --bind, --server and --status
+
+  bool operator==(const GatewayPlan&) const = default;
 };
 
 struct Plan {

@@ -129,8 +129,8 @@ const std::vector<Room> kRooms{
     // It alone knows the cryptographic library.
     {kVestibule, {kProtocol}, Join(kSystem, {"sodium.h"}), kClockFileLog},
     {"protocol/transport/", {kProtocol}, Join(kSystem, {"enet/"}), kClockFileLog},
-    // What command lines share.
-    {kUsage, {}, {"CLI/"}, kClock},
+    // What the uses of all programs share.
+    {kUsage, {}, {"CLI/", "fcntl.h", "unistd.h"}, kClock},
     {kEncoding, {kCodec, kProtocol}, {"flatbuffers/", "immintrin.h"}, kPortable},
     {kCodec, {kProtocol}, {"flatbuffers/", "immintrin.h"}, kPortable},
     {kProtocol, {}, {"flatbuffers/"}, kPortable},
