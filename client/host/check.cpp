@@ -34,14 +34,27 @@ Words Ask(const Words& command) {
   return lines;
 }
 
-// Adds the options of a plan, but those of files that the first start makes: the gateway's key, and bans in the folder
-// of a world, unless worlds.toml says where they are.
-void AddThoseToCheck(const Words& options, const Values& values, Words& command) {
+// Files and folders that a fleet's first start makes: they need not be there yet.
+Words ListMade(const WorldsFile& file, const fs::path& folder) {
+  Words made;
+  for (const World& world : file.worlds) {
+    made.push_back((MakeWorldPlan(file, world, folder).state / "bans").string());
+    for (const char* key : {"record", "gateway_key"}) {
+      if (const auto value = world.values.find(key); value != world.values.end())
+        made.push_back(value->second.words[0]);
+    }
+  }
+  made.push_back((folder / "gateway.key").string());
+  return made;
+}
+
+// Adds the options of a plan, but those of what is to be made.
+void AddThoseToCheck(const Words& options, const Words& made, Words& command) {
   for (const std::string& option : options) {
-    const bool isMade =
-        option.starts_with("--gateway-key=") || (option.starts_with("--bans=") && !values.contains("bans"));
+    const std::string value = option.substr(option.find('=') + 1);
     std::error_code ignored;
-    if (!isMade || fs::exists(option.substr(option.find('=') + 1), ignored)) command.push_back(option);
+    const bool isMade = std::ranges::find(made, value) != made.end() && !fs::exists(value, ignored);
+    if (!isMade) command.push_back(option);
   }
 }
 
@@ -107,13 +120,14 @@ std::string Translate(const std::string& line, const Values& values, const std::
 
 Words CheckWithPrograms(const WorldsFile& file, const fs::path& folder, const fs::path& programFolder) {
   Words errors;
+  const Words made = ListMade(file, folder);
   for (const World& world : file.worlds) {
     const auto ask = [&](const Values& values) {
       World changed = world;
       changed.values = values;
       const WorldPlan plan = MakeWorldPlan(file, changed, folder);
       Words command{(programFolder / "wobbled").string(), "--check"};
-      AddThoseToCheck(plan.options, values, command);
+      AddThoseToCheck(plan.options, made, command);
       return Ask(command);
     };
     CheckOne(world.values, "wobbled: ", FindSceneLine(world) + ": world " + world.name, ask, errors);
@@ -130,7 +144,7 @@ Words CheckWithPrograms(const WorldsFile& file, const fs::path& folder, const fs
                   "127.0.0.1:1",
                   "--bind",
                   plan.bindAddress};
-    AddThoseToCheck(plan.options, values, command);
+    AddThoseToCheck(plan.options, made, command);
     return Ask(command);
   };
   CheckOne(file.gateway, "wobble gateway: ", "[gateway]", ask, errors);

@@ -33,18 +33,6 @@ fs::path FindDefaultFolder() {
   return folder.empty() ? fs::path("worlds") : folder;
 }
 
-// The gateway wants the folder of recordings, which the worlds make at their start.
-void MakeRecordings(const WorldsFile& file) {
-  const auto recordings = file.gateway.find("recordings");
-  if (recordings == file.gateway.end()) return;
-  const std::string& folder = recordings->second.words.front();
-  for (const World& world : file.worlds) {
-    const auto record = world.values.find("record");
-    std::error_code ignored;  // the gateway says it
-    if (record != world.values.end() && record->second.words.front() == folder) fs::create_directories(folder, ignored);
-  }
-}
-
 // The only global: a signal handler can reach nothing else.
 volatile std::sig_atomic_t g_hangup = 0;
 
@@ -57,7 +45,6 @@ std::optional<Plan> MakePlan(const HostWords& words) {
   plan.statusEvery = words.statusEvery;
   const WorldsFile file = LoadWorlds(words.file, ReadEnvironment());
   const fs::path folder = FindStateFolder(file, FindDefaultFolder());
-  MakeRecordings(file);
   std::vector<std::string> errors = file.errors;
   const std::vector<std::string> others = CheckWithPrograms(file, folder, plan.programFolder);
   errors.insert(errors.end(), others.begin(), others.end());

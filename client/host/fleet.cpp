@@ -69,7 +69,10 @@ class Fleet {
   void End(Part& part);
   int GiveUp();
 
-  [[nodiscard]] std::string AddressOf(std::size_t world) const { return "127.0.0.1:" + std::to_string(m_ports[world]); }
+  // For programs of this machine.
+  [[nodiscard]] std::string AddressOf(std::size_t world) const {
+    return m_plan.worlds[world].host + ":" + std::to_string(m_ports[world]);
+  }
   // The first part that could not be started at all; null: none.
   [[nodiscard]] const Part* FindFailedStart() const;
   [[nodiscard]] const Part& FindWorld(std::size_t number) const;
@@ -146,8 +149,9 @@ void Fleet::Watch() {
 }
 
 // Adopts a new plan: worlds and gateway that are as they were go on, and worlds are told to read their files again;
-// what is not in it any more ends; what has changed ends and begins anew. The gateway has its list of worlds from its
-// start, so that it begins anew when the list changes: its browsers join again by themselves.
+// what is not in it any more ends; what has changed ends and begins anew, and what was over begins again. The gateway
+// has its list of worlds from its start, so that it begins anew when the list changes: its browsers join again by
+// themselves.
 void Fleet::FollowPlan() {
   const std::optional<Plan> next = m_takePlan ? m_takePlan() : std::nullopt;
   if (!next) return;
@@ -157,8 +161,9 @@ void Fleet::FollowPlan() {
     WorldPlan& world = m_plan.worlds[i];
     if (FindWorld(i).isRetired) continue;
     const auto found = std::ranges::find(others, world.name, &WorldPlan::name);
-    if (found != others.end() && *found == world) {
-      FindWorld(i).child->Signal(SIGHUP);
+    const Part& present = FindWorld(i);
+    if (found != others.end() && *found == world && !present.IsOver()) {
+      if (present.HasProcess()) present.child->Signal(SIGHUP);
       others.erase(found);
       continue;
     }

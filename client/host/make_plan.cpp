@@ -45,6 +45,9 @@ WorldPlan MakeWorldPlan(const WorldsFile& file, const World& world, const fs::pa
   plan.name = world.name;
   plan.title = "world " + world.name;
   plan.port = world.port;
+  const std::string bind = Find(world.values, "bind", "");
+  const bool isEverywhere = bind.empty() || bind == "0.0.0.0" || bind == "::";
+  if (!isEverywhere) plan.host = bind.find(':') == std::string::npos ? bind : "[" + bind + "]";
   plan.label = plan.title + ", scene " + Find(world.values, "scene", Find(world.values, "rotation", world.name));
   plan.bots = static_cast<unsigned>(std::strtoul(Find(world.values, "bots", "0").c_str(), nullptr, 10));
   plan.script = Find(world.values, "script", plan.script);

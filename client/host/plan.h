@@ -15,6 +15,7 @@ struct WorldPlan {
   std::string name;                  // letters, digits, - and _: as the page shows it
   std::string title;                 // in messages: "server of sumo"
   std::string label;                 // in the line that says where it is: "scene arena"
+  std::string host = "127.0.0.1";    // at which gateway and bots find it; an IPv6 address in brackets
   std::uint16_t port = 0;            // UDP; 0: a free one, which it keeps
   std::vector<std::string> options;  // of wobbled, without --port, --status and --summary
   std::filesystem::path state;       // folder to be made for it; empty: none

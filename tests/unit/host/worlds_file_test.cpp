@@ -129,6 +129,8 @@ TEST(WorldsFile, AVariableWinsInItsPlace) {
   EXPECT_THAT(OptionsOf(file, 1), Contains("--max-clients=20"));
   EXPECT_THAT(OptionsOf(file, 1), Contains("--reset-when-empty=false"));
   EXPECT_THAT(OptionsOf(file, 1), Contains("--bind=127.0.0.1"));
+  EXPECT_EQ(MakeWorldPlan(file, file.worlds[1], "/var").host, "127.0.0.1");
+  EXPECT_EQ(MakeWorldPlan(file, Parse("[[world]]\nname='a'\nbind='fd00::1'\n").worlds[0], "/var").host, "[fd00::1]");
   const GatewayPlan gateway = MakeGatewayPlan(file, "/var");
   EXPECT_EQ(gateway.port, 8081);
   EXPECT_EQ(gateway.bindAddress, "127.0.0.1");
