@@ -172,8 +172,10 @@ std::optional<std::vector<std::string>> ReadWords(const Key& key, const std::str
       return isTrue || isOneOf(kNo) ? std::optional(std::vector<std::string>{isTrue ? "true" : "false"}) : std::nullopt;
     }
     case Kind::kNames:
-    case Kind::kTexts:
-      return isGood ? std::optional(Split(text)) : std::nullopt;
+    case Kind::kTexts: {
+      std::vector<std::string> words = Split(text);
+      return words.empty() ? std::nullopt : std::optional(std::move(words));
+    }
     case Kind::kText:
     case Kind::kPath:
     case Kind::kName:

@@ -13,6 +13,7 @@
 #include <sstream>
 
 #include "client/host/keys.h"
+#include "protocol/usage/capitals.h"
 #include "protocol/usage/likeness.h"
 
 namespace wobble::host {
@@ -24,6 +25,7 @@ constexpr std::size_t kMostBytes = std::size_t{1} << 20;
 constexpr std::size_t kMostWorlds = 64;
 constexpr std::size_t kMaxNameBytes = 32;  // as the gateway has it
 constexpr std::string_view kPrefix = "WOBBLE_WORLD_";
+constexpr std::string_view kNameKey = "name";  // it has no variable: others are called by it
 
 // The mistakes of one file and the variables that change it.
 class Mistakes {
@@ -116,17 +118,6 @@ void ReadTable(const toml::table& table, Place place, const fs::path& folder, Mi
   }
 }
 
-// "ARENA" of "arena", for variables.
-std::string InCapitals(std::string_view name) {
-  std::string capitals;
-  for (const char c : name) {
-    capitals += std::isalnum(static_cast<unsigned char>(c)) != 0
-                    ? static_cast<char>(std::toupper(static_cast<unsigned char>(c)))
-                    : '_';
-  }
-  return capitals;
-}
-
 // Sets the key from the variable, if there is one.
 void ReadVariable(const Key& key, const std::string& variable, const Environment& environment, Mistakes& mistakes,
                   Values& values) {
@@ -143,8 +134,8 @@ void ReadVariable(const Key& key, const std::string& variable, const Environment
 void ReadVariables(Place place, const std::string& prefix, const Environment& environment, Mistakes& mistakes,
                    Values& values) {
   for (const Key& key : ListKeys()) {
-    if (FindKey(place, key.name) == nullptr) continue;
-    ReadVariable(key, prefix + InCapitals(key.name), environment, mistakes, values);
+    if (FindKey(place, key.name) == nullptr || key.name == kNameKey) continue;
+    ReadVariable(key, prefix + usage::InCapitals(key.name), environment, mistakes, values);
   }
 }
 
@@ -211,7 +202,7 @@ void FindClashes(const WorldsFile& file, Mistakes& mistakes) {
   std::map<std::string, const World*> names;
   for (const World& world : file.worlds) {
     if (world.name.empty()) continue;
-    const auto [other, isNew] = names.emplace(InCapitals(world.name), &world);
+    const auto [other, isNew] = names.emplace(usage::InCapitals(world.name), &world);
     if (!isNew) {
       mistakes.Add(world.where + ": the name " + world.name + " is too like that of the world at " +
                    other->second->where + ": variables cannot tell them apart");
@@ -224,7 +215,8 @@ void FindStrayVariables(const WorldsFile& file, const Environment& environment, 
   std::vector<std::string> known;
   for (const World& world : file.worlds) {
     for (const std::string& key : ListNames(Place::kWorld)) {
-      known.push_back(std::string(kPrefix) + InCapitals(world.name) + "_" + InCapitals(key));
+      if (key == kNameKey) continue;
+      known.push_back(std::string(kPrefix) + usage::InCapitals(world.name) + "_" + usage::InCapitals(key));
     }
   }
   for (const auto& [variable, text] : environment) {
@@ -301,7 +293,8 @@ WorldsFile ParseWorlds(const std::string& text, const fs::path& path, const Envi
   ReadVariables(Place::kAll, "WOBBLE_", environment, mistakes, file.all);
   if (file.hasGateway) ReadVariables(Place::kGateway, "WOBBLE_", environment, mistakes, file.gateway);
   for (World& world : file.worlds) {
-    ReadVariables(Place::kWorld, std::string(kPrefix) + InCapitals(world.name) + "_", environment, mistakes, world.own);
+    ReadVariables(Place::kWorld, std::string(kPrefix) + usage::InCapitals(world.name) + "_", environment, mistakes,
+                  world.own);
     world.values = world.own;
     for (const auto& [name, value] : file.all) {
       // Its own scene is no part of everybody's rotation, and the other way round.

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "protocol/usage/capitals.h"
 #include "protocol/usage/duration.h"
 #include "protocol/usage/likeness.h"
 
@@ -43,11 +44,8 @@ std::vector<std::string> SplitWords(const CLI::Option& option, const std::string
 }  // namespace
 
 std::string FindVariable(const std::string& option) {
-  std::string variable = "WOBBLE_";
-  for (const char c : option.substr(std::min(option.find_first_not_of('-'), option.size()))) {
-    variable += c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  }
-  return variable;
+  return "WOBBLE_" +
+         InCapitals(std::string_view(option).substr(std::min(option.find_first_not_of('-'), option.size())));
 }
 
 CLI::Option* AddDuration(CLI::App& command, const std::string& name, double& seconds, const std::string& description) {

@@ -8,7 +8,7 @@
 
 namespace wobble::usage {
 
-// The environment's variable of an option: WOBBLE_MAX_CLIENTS of "--max-clients" or "max_clients".
+// The environment's variable of an option: WOBBLE_MAX_CLIENTS of "--max-clients".
 [[nodiscard]] std::string FindVariable(const std::string& option);
 
 // A duration, as ParseDuration reads it, into `seconds`, whose present value the help shows. Throws as CLI11's checks

@@ -142,12 +142,16 @@ TEST(WorldsFile, AWrongVariableIsNamed) {
                            {"WOBBLE_HTTP", "x"},
                            {"WOBBLE_WORLD_ONE_UNTRAINED", "maybe"},
                            {"WOBBLE_WORLD_ON_PORT", "7"},
+                           {"WOBBLE_WORLD_ONE_NAME", "uno"},
+                           {"WOBBLE_WORLD_TWO_B_ROTATION", " , "},
                            {"WOBBLE_BOTS", "-1"}})
                   .errors,
               ElementsAre("WOBBLE_BOTS = -1: must be a whole number from 0 to 10000",
                           "WOBBLE_MAX_PER_ADDRESS = some: must be a whole number",
                           "WOBBLE_HTTP = x: must be a whole number from 0 to 65535",
                           "WOBBLE_WORLD_ONE_UNTRAINED = maybe: must be true or false",
+                          "WOBBLE_WORLD_TWO_B_ROTATION =  , : must be a text or an array of texts",
+                          "WOBBLE_WORLD_ONE_NAME is no key of a world; did you mean WOBBLE_WORLD_ONE_STATE?",
                           "WOBBLE_WORLD_ON_PORT is no key of a world; did you mean WOBBLE_WORLD_ONE_PORT?"));
 }
 
