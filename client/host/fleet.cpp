@@ -73,7 +73,7 @@ class Fleet {
   [[nodiscard]] std::string AddressOf(std::size_t world) const {
     return m_plan.worlds[world].host + ":" + std::to_string(m_ports[world]);
   }
-  // The first part that could not be started at all; null: none.
+  // The first world or gateway that could not be started at all; null: none.
   [[nodiscard]] const Part* FindFailedStart() const;
   [[nodiscard]] const Part& FindWorld(std::size_t number) const;
   [[nodiscard]] bool AreWorldsOver() const;
@@ -193,7 +193,8 @@ void Fleet::Retire(Part& part) {
 
 const Part* Fleet::FindFailedStart() const {
   const auto hasFailed = [this](const Part& part) {
-    return part.keeper.ReadState() == Keeper::State::kGivenUp && !part.keeper.HasBeenReady() && !m_isReady;
+    const bool isFinal = part.keeper.ReadState() == Keeper::State::kGivenUp && !part.keeper.HasBeenReady();
+    return isFinal && !m_isReady && part.role != Part::Role::kBots;
   };
   const auto found = std::ranges::find_if(m_parts, hasFailed);
   return found == m_parts.end() ? nullptr : &*found;
@@ -253,19 +254,10 @@ std::vector<std::string> Fleet::MakeCommand(const Part& part) const {
       }
       break;
     case Part::Role::kBots:
-      words = {wobble,
-               "bots",
-               AddressOf(part.world),
-               "--script",
-               world.script,
-               "--count",
-               std::to_string(world.bots),
-               "--ramp",
-               "1",
-               "--status",
-               "1",
-               "--summary",
-               SummaryOf(part, m_folder.Path()).string()};
+      words = {wobble, "bots", AddressOf(part.world), "--script", world.script, "--count", std::to_string(world.bots)};
+      words.insert(words.end(), world.access.begin(), world.access.end());
+      words.insert(words.end(),
+                   {"--ramp", "1", "--status", "1", "--summary", SummaryOf(part, m_folder.Path()).string()});
       break;
   }
   return words;

@@ -51,6 +51,8 @@ WorldPlan MakeWorldPlan(const WorldsFile& file, const World& world, const fs::pa
   plan.label = plan.title + ", scene " + Find(world.values, "scene", Find(world.values, "rotation", world.name));
   plan.bots = static_cast<unsigned>(std::strtoul(Find(world.values, "bots", "0").c_str(), nullptr, 10));
   plan.script = Find(world.values, "script", plan.script);
+  const std::string password = Find(world.values, "password_file", "");
+  if (!password.empty()) plan.access.push_back("--password-file=" + password);
   plan.state = Find(world.own, "state", (folder / world.name).string());
   Values values = world.values;
   const auto setDefault = [&](const char* key, const std::string& word) { values.emplace(key, Value{{word}, "", ""}); };

@@ -21,6 +21,7 @@ struct WorldPlan {
   std::filesystem::path state;       // folder to be made for it; empty: none
   unsigned bots = 0;
   std::string script = "wander.lua";  // of the bots
+  std::vector<std::string> access;    // options with which they come in
 
   bool operator==(const WorldPlan&) const = default;
 };

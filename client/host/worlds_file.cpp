@@ -210,6 +210,18 @@ void FindClashes(const WorldsFile& file, Mistakes& mistakes) {
   }
 }
 
+// Bots have a password at most.
+void FindLockedOutBots(const WorldsFile& file, Mistakes& mistakes) {
+  for (const World& world : file.worlds) {
+    const auto bots = world.values.find("bots");
+    const bool asksForMore = world.values.contains("invites") || world.values.contains("token_key");
+    if (bots == world.values.end() || bots->second.words.front() == "0" || !asksForMore) continue;
+    if (world.values.contains("password_file")) continue;
+    mistakes.Add(bots->second.where + ": bots = " + bots->second.shown + ": the world " + world.name +
+                 " asks for invites or tokens, which bots do not have; password_file lets them in");
+  }
+}
+
 // Variables that begin as one of a world's and are none.
 void FindStrayVariables(const WorldsFile& file, const Environment& environment, Mistakes& mistakes) {
   std::vector<std::string> known;
@@ -305,6 +317,7 @@ WorldsFile ParseWorlds(const std::string& text, const fs::path& path, const Envi
   }
   ChoosePorts(file, mistakes);
   FindClashes(file, mistakes);
+  FindLockedOutBots(file, mistakes);
   FindStrayVariables(file, environment, mistakes);
   file.errors = mistakes.Take();
   return file;

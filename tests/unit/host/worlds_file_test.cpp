@@ -75,6 +75,10 @@ port = 7777
               ElementsAre("worlds.toml:5: port 65536 of the world b: must be at most 65535"));
   EXPECT_THAT(Parse("[[world]]\nname='a'\nops=9100\n[[world]]\nname='b'\nops='9100'\n").errors,
               ElementsAre("worlds.toml:6: ops = '9100': the world a has it already"));
+  EXPECT_THAT(Parse("[[world]]\nname='a'\nbots=2\ninvites='i'\n").errors,
+              ElementsAre("worlds.toml:3: bots = 2: the world a asks for invites or tokens, which bots do not have; "
+                          "password_file lets them in"));
+  EXPECT_THAT(Parse("[[world]]\nname='a'\nbots=2\ninvites='i'\npassword_file='p'\n").errors, IsEmpty());
   EXPECT_THAT(LoadWorlds("/dev/zero", {}).errors, ElementsAre("/dev/zero: must be a file of at most 1 MiB"));
   EXPECT_THAT(LoadWorlds("/nowhere.toml", {}).errors, ElementsAre("/nowhere.toml: must be a file of at most 1 MiB"));
 }
