@@ -17,15 +17,13 @@ struct KeeperRules {
 // say of a program that cannot be executed.
 [[nodiscard]] constexpr bool IsFinal(int exitCode) { return exitCode == 2 || exitCode == 126 || exitCode == 127; }
 
-//                 NoteStart             NoteReady
-//   kWaiting ───────────────▶ kStarting ─────────▶ kRunning
-//      ▲  ◀── NoteEnd ────────────┘ (died)               │
-//      └───── NoteEnd ───────────────────────────────────┘ (died)
-//   kStarting, kRunning ── NoteEnd, exit code 0 ──▶ kEnded; a final one ──▶ kGivenUp
-//   kStarting, kRunning ── AskToEnd ──▶ kEnding ── NoteEnd ──▶ kEnded
-//   kWaiting ── AskToEnd ──▶ kEnded
+// kWaiting:  NoteStart leads to kStarting, AskToEnd to kEnded.
+// kStarting: NoteReady leads to kRunning; else as kRunning.
+// kRunning:  NoteEnd leads to kWaiting, with exit code 0 to kEnded, with a final one to kGivenUp; AskToEnd to kEnding.
+// kEnding:   NoteEnd leads to kEnded.
+// kGivenUp and kEnded are the last ones.
 //
-// A world whose match is over, and who is sent SIGTERM by an operator, ends with exit code 0: that is no death.
+// A world whose match is over, and a program that an operator sends SIGTERM, end with exit code 0: that is no death.
 class Keeper {
  public:
   enum class State : std::uint8_t { kWaiting, kStarting, kRunning, kGivenUp, kEnding, kEnded };
