@@ -82,7 +82,8 @@ CLI::App* AddWords(CLI::App& app, LoadTestOptions& options, Words& words) {
       ->check(command::Within(0, 65535))
       ->capture_default_str();
   subcommand->footer(
-      "Exit code: 0 all thresholds hold, 99 one fails, 1 the server was lost, 2 bad usage, broken script or no server.\n"
+      "Exit code: 0 all thresholds hold, 99 one fails, 1 the server was lost, 2 bad usage, broken script or no "
+      "server.\n"
       "Examples:\n"
       "  wobble bots 127.0.0.1:7777 --script wander.lua --count 32 --ramp 2 --for 20\n"
       "  wobble bots example.org:7777 --script my.lua --count 200 --ramp 30 --for 300 \\\n"

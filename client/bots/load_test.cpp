@@ -145,8 +145,8 @@ int Conclude(const Runner& runner, const LoadTestOptions& options, const Figures
   const bool allHold = std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& verdict) { return verdict.ok; });
   if (!allHold) return command::kExitThresholdFailed;
   if (!runner.Loss()) return command::kExitGood;
-  Complain("the server at " + command::Describe(options.server) + " was lost, and no bot is back: " +
-           (runner.Loss()->empty() ? "no answer" : *runner.Loss()));
+  Complain("the server at " + command::Describe(options.server) +
+           " was lost, and no bot is back: " + (runner.Loss()->empty() ? "no answer" : *runner.Loss()));
   return command::kExitFailed;
 }
 

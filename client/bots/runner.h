@@ -62,8 +62,8 @@ class Runner {
   // Says in one line why no bot plays; empty when the server never answered.
   [[nodiscard]] const std::string& Refusal() const { return m_refusal; }
   [[nodiscard]] bool HaveAllScriptsFailed() const;
-  // After Leave: why none of the bots that had played was in the world any more, although one had been cut off; nullopt:
-  // one was, or all had left by themselves.
+  // After Leave: why none of the bots that had played was in the world any more, although one had been cut off;
+  // nullopt: one was, or all had left by themselves.
   [[nodiscard]] const std::optional<std::string>& Loss() const { return m_loss; }
 
   [[nodiscard]] Figures ReadFigures() const;
