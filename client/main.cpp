@@ -18,10 +18,12 @@
 #include "client/export/command.h"
 #include "client/gateway/command.h"
 #include "client/health/command.h"
+#include "client/host/command.h"
 #include "client/link/command.h"
 #include "client/play/command.h"
 #include "client/terminal/command.h"
 #include "client/token/command.h"
+#include "protocol/usage/command_line.h"
 #include "protocol/version.h"
 
 namespace {
@@ -46,27 +48,31 @@ int Run(int argc, char** argv) {
   // 0, since no command is refused below: CLI11 would report that even when an unknown option is the fault.
   app.require_subcommand(0, 1);
   const std::vector<command::Command> commands{
-      play::DescribePlay(app),       terminal::DescribeWatch(app), bots::DescribeBots(app),
-      gateway::DescribeGateway(app), link::DescribeLink(app),      health::DescribeHealth(app),
-      admin::DescribeAdmin(app),     token::DescribeToken(app),    exporting::DescribeExport(app)};
+      play::DescribePlay(app),        host::DescribeHost(app),  terminal::DescribeWatch(app), bots::DescribeBots(app),
+      gateway::DescribeGateway(app),  link::DescribeLink(app),  health::DescribeHealth(app),  admin::DescribeAdmin(app),
+      exporting::DescribeExport(app), token::DescribeToken(app)};
   const std::string version = std::string("wobble ") + kVersion;
   app.set_version_flag("--version", version);
   for (const command::Command& each : commands) each.words->set_version_flag("--version", version);
   app.footer("Examples:\n  wobble play --for 20\n  wobble bots --help");
+  app.name("wobble");
+  std::vector<std::string> arguments(argv + 1, argv + argc);
+  const auto isAsked = [&](const command::Command& each) {
+    return !arguments.empty() && each.words->get_name() == arguments.front();
+  };
+  const auto chosen = std::find_if(commands.begin(), commands.end(), isAsked);
+  const bool isChosen = chosen != commands.end();
+  if (isChosen && chosen->takesEnvironment) arguments = usage::AddEnvironment(*chosen->words, std::move(arguments));
   try {
-    app.parse(argc, argv);
+    usage::Parse(app, arguments);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // help, version
-    const auto isAsked = [&](const command::Command& each) { return argc > 1 && each.words->get_name() == argv[1]; };
-    const auto asked = std::find_if(commands.begin(), commands.end(), isAsked);
-    const std::string name = asked == commands.end() ? "wobble" : "wobble " + asked->words->get_name();
-    std::fprintf(stderr, "%s: %s (see %s --help)\n", name.c_str(), error.what(), name.c_str());
+    const std::string name = isChosen ? "wobble " + chosen->words->get_name() : "wobble";
+    const std::string what = usage::Explain(isChosen ? *chosen->words : app, error, arguments);
+    std::fprintf(stderr, "%s: %s (see %s --help)\n", name.c_str(), what.c_str(), name.c_str());
     return command::kExitBadUse;
   }
-
-  const auto chosen =
-      std::find_if(commands.begin(), commands.end(), [](const command::Command& each) { return each.words->parsed(); });
-  if (chosen == commands.end()) {
+  if (!isChosen) {
     std::string names;
     for (const command::Command& each : commands) names += (names.empty() ? "" : ", ") + each.words->get_name();
     std::fprintf(stderr, "wobble: a command is required, one of: %s (see wobble --help)\n", names.c_str());

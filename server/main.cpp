@@ -16,6 +16,8 @@
 
 #include "protocol/transport/enet_transport.h"
 #include "protocol/transport/vestibule/key_file.h"
+#include "protocol/usage/command_line.h"
+#include "protocol/usage/terminal.h"
 #include "protocol/version.h"
 #include "server/admin/admin_http.h"
 #include "server/admin/admin_socket.h"
@@ -50,6 +52,8 @@ constexpr double kCloseTime = 1;
 
 volatile std::sig_atomic_t g_stop = 0;
 void RequestStop(int) { g_stop = 1; }
+volatile std::sig_atomic_t g_hangup = 0;
+void NoteHangup(int) { g_hangup = 1; }
 
 std::uint64_t ReadUnixTime() { return static_cast<std::uint64_t>(std::time(nullptr)); }
 
@@ -65,20 +69,20 @@ double ReadClock() {
   return 0;
 }
 
-void Complain(const std::vector<std::string>& errors) {
-  for (const std::string& error : errors) fmt::print(stderr, "wobbled: {}\n", error);
+void Complain(const Options& options, const std::vector<std::string>& errors) {
+  for (const std::string& error : errors) fmt::print(stderr, "wobbled: {}\n", options.nameVariables(error));
 }
 
 // Returns false after it has said which option cannot be used.
 bool StartLogger(const Options& options) {
   const auto level = spdlog::level::from_str(options.logLevel == "warn" ? "warning" : options.logLevel);
   if (level == spdlog::level::off && options.logLevel != "off") {
-    Complain({"--log-level " + options.logLevel + ": must be one of debug, info, warn, error, off"});
+    Complain(options, {"--log-level " + options.logLevel + ": must be one of debug, info, warn, error, off"});
     return false;
   }
   const std::optional<ops::LogFormat> format = ops::ParseLogFormat(options.logFormat);
   if (!format) {
-    Complain({"--log-format " + options.logFormat + ": must be text or json"});
+    Complain(options, {"--log-format " + options.logFormat + ": must be text or json"});
     return false;
   }
   spdlog::set_default_logger(spdlog::stderr_color_mt("wobbled"));
@@ -170,18 +174,37 @@ struct Watchers {
   std::vector<server::ClientId> playing;  // scratch
 };
 
+// SIGHUP: a terminal that is closed ends its server, with a goodbye. Else files that others have changed are read
+// again.
+void HandleHangup(const Options& options, admission::Gate& gate, bool hadTerminal) {
+  if (g_hangup == 0) return;
+  g_hangup = 0;
+  if (hadTerminal && !usage::HasTerminal()) {
+    g_stop = 1;
+    return;
+  }
+  std::string error;
+  if (admission::ReloadGate(options.gate, gate, error)) {
+    spdlog::info("password, keys, bans and invites are read again");
+  } else {
+    spdlog::error("nothing is read again: {}", error);
+  }
+}
+
 // The end of a match ends the server, unless a fleet manager does.
 bool HasEnded(const server::Server& server, const Options& options, const Watchers& watchers) {
   return g_stop != 0 || (options.runFor > 0 && ReadClock() >= options.runFor) ||
          (server.IsMatchOver() && !watchers.agones);
 }
 
-void Run(const admin::Realm& realm, const Options& options, admin::OrderQueue& orders, Watchers& watchers) {
+void Run(const admin::Realm& realm, const Options& options, admin::OrderQueue& orders, Watchers& watchers,
+         bool hadTerminal) {
   server::Server& server = realm.server;
   server.SetOrderTaker([&realm](server::ClientId client, transport::Rank rank, const std::string& line) {
     return admin::CarryOut(realm, {.rank = rank, .client = client}, line, ReadClock()).lines;
   });
   while (!HasEnded(server, options, watchers)) {
+    HandleHangup(options, realm.gate, hadTerminal);
     orders.CarryOutAll(realm, ReadClock());
     server.Tick(ReadClock());
     watchers.Watch(server, ReadClock());
@@ -213,14 +236,14 @@ bool WriteSummary(const std::string& path, const std::string& summary) {
 // it has reported what failed.
 bool StartWatching(const Options& options, Watchers& watchers, std::uint16_t& port) {
   if (!options.traceFile.empty() && !watchers.trace.emplace().Open(options.traceFile)) {
-    Complain({"--trace " + options.traceFile + ": cannot be written"});
+    Complain(options, {"--trace " + options.traceFile + ": cannot be written"});
     return false;
   }
   std::string error;
   if (const char* words = std::getenv("AGONES_SDK_HTTP_PORT"); words != nullptr) {
     port = ops::ParseSidecarPort(words, error).value_or(0);
     if (port == 0) {
-      Complain({error});
+      Complain(options, {error});
       return false;
     }
   }
@@ -230,7 +253,7 @@ bool StartWatching(const Options& options, Watchers& watchers, std::uint16_t& po
     watchers.endpoint = ops::Endpoint::Listen(address, kVersion, options.scene, &ReadClock, error);
   }
   if (watchers.endpoint == nullptr) {
-    Complain({"--ops " + error});
+    Complain(options, {"--ops " + error});
     return false;
   }
   fmt::print("metrics and health on TCP port {} of {}\n", watchers.endpoint->ReadPort(), address.host);
@@ -257,7 +280,7 @@ std::optional<vestibule::Key> ChooseKey(const Options& options) {
   if (!file.empty()) key = vestibule::LoadOrMakeKey(file, error);
   if (key) return key;
   if (!options.keyFile.empty()) {
-    Complain({"--key: " + error});
+    Complain(options, {"--key: " + error});
     return {};
   }
   spdlog::warn("the server's key holds for this run only: {}", error);
@@ -277,7 +300,7 @@ struct Administration {
     std::string error;
     if (!options.adminSocket.empty()) {
       socket = admin::AdminSocket::Listen(options.adminSocket, queue, error);
-      if (socket == nullptr) return Complain({"--admin-socket " + error}), false;
+      if (socket == nullptr) return Complain(options, {"--admin-socket " + error}), false;
     }
     if (options.adminHttp.empty()) return true;
     ops::Address address;
@@ -286,7 +309,7 @@ struct Administration {
     } else if (ops::ParseAddress(options.adminHttp, address, error)) {
       http = admin::ListenForOrders(address, *gate.OwnerKey(), queue, error);
     }
-    if (http == nullptr) return Complain({"--admin-http " + error}), false;
+    if (http == nullptr) return Complain(options, {"--admin-http " + error}), false;
     fmt::print("orders on TCP port {} of {}\n", http->ReadPort(), address.host);
     const bool isThisMachine = address.host == "localhost" || address.host.starts_with("127.") || address.host == "::1";
     if (!isThisMachine) {
@@ -337,12 +360,34 @@ std::vector<server::RotationScene> TrainScenes(const Options& options, std::vect
   return trained;
 }
 
-int RunServer(Options options) {
+// Every mistake that can be seen without starting anything.
+std::vector<std::string> FindMistakes(const Options& options, const std::vector<scenes::LoadResult>& loaded) {
+  std::vector<std::string> mistakes = options.errors;
+  const auto add = [&mistakes](const std::vector<std::string>& more) {
+    mistakes.insert(mistakes.end(), more.begin(), more.end());
+  };
+  // Of scenes that were not read nothing can be said.
+  if (mistakes.empty()) {
+    std::vector<scenes::Scene> all;
+    for (const scenes::LoadResult& each : loaded) all.push_back(each.scene);
+    add(server::Validate(options.config, all));
+  }
+  if (!options.isCheck) return mistakes;
+  add(admission::FindMistakes(options.gate));
+  for (const auto& [option, text] : {std::pair("--ops ", options.ops), std::pair("--admin-http ", options.adminHttp)}) {
+    ops::Address address;
+    std::string error;
+    if (!text.empty() && !ops::ParseAddress(text, address, error)) mistakes.push_back(option + error);
+  }
+  return mistakes;
+}
+
+int RunServer(Options options, bool hadTerminal) {
   std::optional<recording::Recording> film;
   if (!options.replayFile.empty()) {
     film.emplace();
     if (const std::string error = film->Open(options.replayFile); !error.empty()) {
-      Complain({options.replayFile + " " + error});
+      Complain(options, {options.replayFile + " " + error});
       return kBadUsage;
     }
     options.config.tickHz = static_cast<int>(film->ReadHead().tickHz);
@@ -357,18 +402,13 @@ int RunServer(Options options) {
   } else {
     loaded = LoadScenes(options);
   }
-  if (!options.errors.empty()) {
-    Complain(options.errors);
+  if (const auto errors = FindMistakes(options, loaded); !errors.empty()) {
+    Complain(options, errors);
     return kBadUsage;
   }
-  std::vector<scenes::Scene> all;
-  for (const scenes::LoadResult& each : loaded) all.push_back(each.scene);
-  if (const auto errors = server::Validate(options.config, all); !errors.empty()) {
-    Complain(errors);
-    return kBadUsage;
-  }
+  if (options.isCheck) return 0;
   if (!options.summaryFile.empty() && !WriteSummary(options.summaryFile, "")) {
-    Complain({"--summary " + options.summaryFile + ": cannot be written"});
+    Complain(options, {"--summary " + options.summaryFile + ": cannot be written"});
     return kBadUsage;
   }
 
@@ -384,7 +424,7 @@ int RunServer(Options options) {
   std::uint16_t sidecar = 0;
   if (!StartWatching(options, watchers, sidecar)) return kBadUsage;
   if (!vestibule::InitialiseSodium()) {
-    Complain({"the cryptographic library does not start"});
+    Complain(options, {"the cryptographic library does not start"});
     return kBadUsage;
   }
   listen.secretKey = ChooseKey(options);
@@ -393,7 +433,7 @@ int RunServer(Options options) {
   gateFiles.givesTicketsToAll = !options.stateFolder.empty();
   const auto gate = admission::OpenGate(gateFiles, *listen.secretKey, &ReadUnixTime, error);
   if (gate == nullptr) {
-    Complain({error});
+    Complain(options, {error});
     return kBadUsage;
   }
   WarnOfOpenFiles(options);
@@ -402,7 +442,7 @@ int RunServer(Options options) {
   if (!administration.Start(options, *gate)) return kBadUsage;
   auto transport = transport::EnetTransport::Listen(listen, error);
   if (transport == nullptr) {
-    Complain({error});
+    Complain(options, {error});
     return kBadUsage;
   }
   const std::uint16_t port = transport->ReadPort();
@@ -424,16 +464,16 @@ int RunServer(Options options) {
   std::fflush(stdout);
   watchers.notices.TellReady();
   if (sidecar != 0) watchers.agones.emplace(sidecar);
-  Run({server, *gate}, options, administration.queue, watchers);
+  Run({server, *gate}, options, administration.queue, watchers, hadTerminal);
   const std::string summary = server::MakeSummary(server, watchers.times);
   CloseDown(server, watchers);
   server.EndRecording();
   if (watchers.trace && !watchers.trace->Close()) {
-    Complain({"--trace " + options.traceFile + ": could not be written in full"});
+    Complain(options, {"--trace " + options.traceFile + ": could not be written in full"});
     return 1;
   }
   if (!options.summaryFile.empty() && !WriteSummary(options.summaryFile, summary)) {
-    Complain({"--summary " + options.summaryFile + ": cannot be written"});
+    Complain(options, {"--summary " + options.summaryFile + ": cannot be written"});
     return 1;
   }
   return 0;
@@ -446,13 +486,16 @@ int main(int argc, char** argv) {
   options.config.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   options.statusEvery = isatty(STDOUT_FILENO) == 1 ? 1 : 0;
   CLI::App app;
+  app.name("wobbled");
   server::DescribeOptions(app, options);
+  const std::vector<std::string> arguments = usage::AddEnvironment(app, {argv + 1, argv + argc});
+  options.nameVariables = [&app](std::string line) { return usage::NameVariables(app, std::move(line)); };
   try {
-    app.parse(argc, argv);
+    usage::Parse(app, arguments);
   } catch (const CLI::Success& success) {
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    fmt::print(stderr, "wobbled: {} (see wobbled --help)\n", error.what());
+    fmt::print(stderr, "wobbled: {} (see wobbled --help)\n", usage::Explain(app, error, arguments));
     return kBadUsage;
   }
   if (options.listScenes) return ListScenes();
@@ -460,7 +503,9 @@ int main(int argc, char** argv) {
   if (!StartLogger(options)) return kBadUsage;
   std::signal(SIGINT, RequestStop);
   std::signal(SIGTERM, RequestStop);
+  std::signal(SIGHUP, NoteHangup);
+  const bool hadTerminal = usage::HasTerminal();
   if (!options.exportTarget.empty()) return server::ExportRecording(options, [] { return g_stop != 0; });
   if (options.isVerify) return server::VerifyRecording(options, [] { return g_stop != 0; });
-  return RunServer(options);
+  return RunServer(options, hadTerminal);
 }

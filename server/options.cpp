@@ -4,12 +4,12 @@
 
 #include <charconv>
 
+#include "protocol/usage/duration.h"
 #include "protocol/version.h"
 
 namespace wobble::server {
 namespace {
 
-constexpr Range kDurationRange{0, 1e6};             // s, eleven days
 constexpr Range kRecordRange{1, 65536};             // MiB
 constexpr Range kSeedRange{0, 9007199254740992.0};  // 2^53: exact as a number in JSON too
 
@@ -32,12 +32,32 @@ void AddNumber(CLI::App& app, const char* name, Range range, Number& value, cons
       ->default_str(fmt::format("{}", value));
 }
 
+CLI::Option* AddDuration(CLI::App& app, const char* name, double& value, const char* description,
+                         std::vector<std::string>& errors) {
+  const auto read = [name, &value, &errors](const std::string& text) {
+    std::string ignored;
+    const auto duration = usage::ParseDuration(text, ignored);
+    if (duration) {
+      value = *duration;
+    } else {
+      errors.push_back(
+          fmt::format("{} {}: must be 0 to {}, such as 90, 90s, 500ms, 1.5m or 2h", name, text, usage::kMaxDuration));
+    }
+  };
+  return app.add_option_function<std::string>(name, read, description)
+      ->type_name("DURATION")
+      ->default_str(fmt::format("{}", value));
+}
+
 }  // namespace
 
 void DescribeOptions(CLI::App& app, Options& options) {
   Config& config = options.config;
   const auto addNumber = [&](const char* name, Range range, auto& value, const char* description) {
     AddNumber(app, name, range, value, description, options.errors);
+  };
+  const auto addDuration = [&](const char* name, double& value, const char* description) {
+    return AddDuration(app, name, value, description, options.errors);
   };
   app.description("wobbled hosts a world of soft bodies for many players.");
   app.set_version_flag("--version", std::string("wobbled ") + kVersion);
@@ -80,8 +100,7 @@ void DescribeOptions(CLI::App& app, Options& options) {
           "folder)");
   addFile("--bans", options.gate.bans, "File that keeps bans from one start to the next");
   app.add_option("--admin-socket", options.adminSocket, "Unix socket to take orders at (wobble admin)")
-      ->type_name("PATH")
-      ->envname("WOBBLE_ADMIN_SOCKET");
+      ->type_name("PATH");
   app.add_option(
       "--admin-http", options.adminHttp,
       "HOST:PORT, or PORT for this machine only, that takes orders by HTTP from who has the owner's key; PORT "
@@ -96,11 +115,10 @@ void DescribeOptions(CLI::App& app, Options& options) {
             "The most that snapshots of a client take, kbit/s with headers; within it, what the link has room for");
   addNumber("--view-distance", kViewDistanceRange, config.viewDistance,
             "Metres from a player's body within which other bodies are sent");
-  addNumber("--pause-after", kPauseAfterRange, config.pauseAfter,
-            "Seconds after which a world with nobody connected pauses; 0: it never pauses");
+  addDuration("--pause-after", config.pauseAfter,
+              "How long after the last has left the world pauses; 0: it never does");
   app.add_flag("--admit-when-busy", config.admitsWhenBusy,
-               "Let clients in even when ticks take longer than there is time for")
-      ->envname("WOBBLE_ADMIT_WHEN_BUSY");
+               "Let clients in even when ticks take longer than there is time for");
   addNumber("--rounds", kRoundsRange, config.rounds, "Rounds of the scene's game that make a match; 0: no end");
   const auto readAfterMatch = [&options](const std::string& word) {
     if (word != "end" && word != "restart" && word != "next") {
@@ -120,22 +138,21 @@ void DescribeOptions(CLI::App& app, Options& options) {
   app.add_flag("--reset-when-empty", config.resetsWhenEmpty,
                "The world begins anew when the last client has left, or the next scene of --rotation: what was torn is "
                "whole for who comes next");
-  addNumber("--for", kDurationRange, options.runFor, "Seconds to run; 0: until Ctrl-C");
+  addDuration("--for", options.runFor, "How long to run; 0: until Ctrl-C");
   addNumber("--seed", kSeedRange, config.seed, "Seed of the scene's random placement");
   app.add_option("--log-level", options.logLevel, "debug, info, warn, error or off")->capture_default_str();
   app.add_option("--log-format", options.logFormat,
                  "Of the log on stderr. text: lines with date and time; json: one object a line")
       ->type_name("text or json")
-      ->capture_default_str()
-      ->envname("WOBBLE_LOG_FORMAT");
-  addNumber("--status", kDurationRange, options.statusEvery, "Seconds between status lines on stdout; 0: none");
+      ->capture_default_str();
+  addDuration("--status", options.statusEvery, "Time between status lines on stdout; 0: none");
   app.add_option("--summary", options.summaryFile, "File to write a summary of the run to, as JSON");
   app.add_option("--ops", options.ops,
                  "HOST:PORT, or PORT for this machine only, that answers /metrics (Prometheus), /healthz and /readyz; "
                  "PORT 0: a free one, printed at the start");
   app.add_option("--trace", options.traceFile, "File to write the phases of every tick to, for chrome://tracing");
-  app.add_option("--cache", options.cacheFolder, "Folder that keeps trained bases of shapes from one start to the next")
-      ->envname("WOBBLE_CACHE");
+  app.add_option("--cache", options.cacheFolder,
+                 "Folder that keeps trained bases of shapes from one start to the next");
   app.add_option("--record", options.recordFolder,
                  "Folder to record all that is played in, as files that --replay plays again; made if it is not there")
       ->type_name("FOLDER");
@@ -144,8 +161,7 @@ void DescribeOptions(CLI::App& app, Options& options) {
          "--state", options.stateFolder,
          "Folder that keeps the world, once a second: after a crash or a restart the server goes on from it, and "
          "players come back to their bodies; made if it is not there")
-      ->type_name("FOLDER")
-      ->envname("WOBBLE_STATE");
+      ->type_name("FOLDER");
   CLI::Option* replay =
       app.add_option("--replay", options.replayFile,
                      "Recording to show to all who come in, who wind it with film orders (see --verify)")
@@ -172,12 +188,8 @@ void DescribeOptions(CLI::App& app, Options& options) {
       ->check(CLI::IsMember({"csv", "vtk", "gltf"}))
       ->capture_default_str()
       ->needs(target);
-  app.add_option("--from", options.exportFrom, "First second of the recording to export")
-      ->check(CLI::NonNegativeNumber)
-      ->needs(target);
-  app.add_option("--to", options.exportTo, "Last second to export; 0: the recording's end")
-      ->check(CLI::NonNegativeNumber)
-      ->needs(target);
+  addDuration("--from", options.exportFrom, "Time of the recording at which the export begins")->needs(target);
+  addDuration("--to", options.exportTo, "Time at which it ends; 0: the recording's end")->needs(target);
   app.add_option("--fps", options.exportFps, "Frames a second of the export, at most the recording's ticks a second")
       ->check(CLI::PositiveNumber)
       ->capture_default_str()
@@ -186,8 +198,8 @@ void DescribeOptions(CLI::App& app, Options& options) {
       ->delimiter(',')
       ->needs(target);
   app.add_flag("--untrained", options.isUntrained,
-               "Start at once, without trained bases: shapes take three times the bits")
-      ->envname("WOBBLE_UNTRAINED");
+               "Start at once, without trained bases: shapes take three times the bits");
+  app.add_flag("--check", options.isCheck, "Only name every mistake in the options, exit code 2, or none, 0");
   app.add_flag("--list-scenes", options.listScenes, "List the shipped scenes");
   app.add_option("--list-recordings", options.listFolder,
                  "List the recordings of a folder, the newest first: a line of JSON each")
@@ -208,7 +220,8 @@ void DescribeOptions(CLI::App& app, Options& options) {
       "  wobbled --record matches                 record what is played; then, to prove it:\n"
       "  wobbled --replay matches/arena-20261124-180000.wobrec --verify\n"
       "  wobbled --replay matches/arena-20261124-180000.wobrec --export arena.csv --fps 10\n"
-      "  wobbled --for 90 --pause-after 0         the same without players: the world never pauses");
+      "  wobbled --for 90 --pause-after 0         the same without players: the world never pauses\n"
+      "  WOBBLE_PORT=7790 wobbled --scene sumo    every option is a variable, too; what is written here wins");
 }
 
 }  // namespace wobble::server

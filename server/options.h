@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -40,9 +41,12 @@ struct Options {
   double exportFps = 30;                    // frames a second
   std::vector<std::uint32_t> exportBodies;  // empty: all
   bool isUntrained = false;
+  bool isCheck = false;
   bool listScenes = false;
   std::string listFolder;           // whose recordings are listed; empty: none
   std::vector<std::string> errors;  // one line for each number that is malformed or out of range
+  // Puts names of variables in place of the options that they set, in a line for people.
+  std::function<std::string(std::string)> nameVariables = [](std::string line) { return line; };
 };
 
 // Declares the options; parsing then writes into `options`, which outlives `app`.

@@ -46,11 +46,11 @@ int Fail(const std::string& what) {
 }
 
 // Makes the folder of this option if it is not there. Returns false after it has reported what failed.
-bool OpenFolder(const char* option, const std::string& folder) {
+bool OpenFolder(const Options& options, const char* option, const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (!error && access(folder.c_str(), W_OK) == 0) return true;
-  Fail(fmt::format("{} {}: must be a folder that can be written", option, folder));
+  Fail(options.nameVariables(fmt::format("{} {}: must be a folder that can be written", option, folder)));
   return false;
 }
 
@@ -150,7 +150,7 @@ bool StartFilm(const Options& options, recording::Recording film, Server& server
 
 bool StartKeeping(const Options& options, std::span<const scenes::SceneSource> sources, Server& server, double now) {
   if (options.stateFolder.empty()) return true;
-  if (!OpenFolder("--state", options.stateFolder)) return false;
+  if (!OpenFolder(options, "--state", options.stateFolder)) return false;
   std::vector<recording::Head> heads;
   for (const scenes::SceneSource& source : sources) heads.push_back(MakeHead(options, source));
   auto checkpoints = std::make_unique<recording::Checkpoints>(options.stateFolder, std::move(heads));
@@ -170,7 +170,7 @@ bool StartKeeping(const Options& options, std::span<const scenes::SceneSource> s
 bool StartRecording(const Options& options, const scenes::SceneSource& source, Server& server,
                     std::uint64_t (*readUnixTime)()) {
   if (options.recordFolder.empty()) return true;
-  if (!OpenFolder("--record", options.recordFolder)) return false;
+  if (!OpenFolder(options, "--record", options.recordFolder)) return false;
   server.Record({.folder = options.recordFolder,
                  .maxFileBytes = static_cast<std::uint64_t>(options.recordMib) << 20,
                  .readUnixTime = readUnixTime},

@@ -7,6 +7,7 @@
 
 #include "client/bots/load_test.h"
 #include "client/command/access.h"
+#include "protocol/usage/duration.h"
 
 namespace wobble::bots {
 namespace {
@@ -81,7 +82,8 @@ CLI::App* AddWords(CLI::App& app, LoadTestOptions& options, Words& words) {
       ->check(command::Within(0, 65535))
       ->capture_default_str();
   subcommand->footer(
-      "Exit code: 0 all thresholds hold, 99 one fails, 2 bad usage, broken script or no server.\n"
+      "Exit code: 0 all thresholds hold, 99 one fails, 1 the server was lost, 2 bad usage, broken script or no "
+      "server.\n"
       "Examples:\n"
       "  wobble bots 127.0.0.1:7777 --script wander.lua --count 32 --ramp 2 --for 20\n"
       "  wobble bots example.org:7777 --script my.lua --count 200 --ramp 30 --for 300 \\\n"
@@ -114,11 +116,11 @@ std::vector<std::string> Understand(const CLI::App& subcommand, const Words& wor
     errors.push_back(error);
   }
   if (options.scriptFile.empty()) errors.emplace_back("--script is required (see wobble bots --help)");
-  if (!words.ramp.empty()) take("--ramp", ParseDuration(words.ramp, error), options.ramp);
-  if (!words.duration.empty()) take("--for", ParseDuration(words.duration, error), options.duration);
-  if (!words.statusEvery.empty()) take("--status", ParseDuration(words.statusEvery, error), options.statusEvery);
+  if (!words.ramp.empty()) take("--ramp", usage::ParseDuration(words.ramp, error), options.ramp);
+  if (!words.duration.empty()) take("--for", usage::ParseDuration(words.duration, error), options.duration);
+  if (!words.statusEvery.empty()) take("--status", usage::ParseDuration(words.statusEvery, error), options.statusEvery);
   take("--decode-share", ParseDecodeShare(words.decodeShare, error), options.decodeShare);
-  if (!words.rejoin.empty()) take("--rejoin", ParseDuration(words.rejoin, error), options.rejoin.patience);
+  if (!words.rejoin.empty()) take("--rejoin", usage::ParseDuration(words.rejoin, error), options.rejoin.patience);
   if (!words.link.empty()) take("--link", transport::ParseLinkSpec(words.link, error), options.link);
   for (const std::string& rule : words.thresholds)
     take("--threshold", ParseThreshold(rule, error), options.thresholds.emplace_back());

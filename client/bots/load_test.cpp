@@ -143,7 +143,11 @@ int Conclude(const Runner& runner, const LoadTestOptions& options, const Figures
     return command::kExitBadUse;
   }
   const bool allHold = std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& verdict) { return verdict.ok; });
-  return allHold ? command::kExitGood : command::kExitThresholdFailed;
+  if (!allHold) return command::kExitThresholdFailed;
+  if (!runner.Loss()) return command::kExitGood;
+  Complain("the server at " + command::Describe(options.server) +
+           " was lost, and no bot is back: " + (runner.Loss()->empty() ? "no answer" : *runner.Loss()));
+  return command::kExitFailed;
 }
 
 }  // namespace
@@ -188,7 +192,7 @@ int RunLoadTest(const LoadTestOptions& options, const std::function<bool()>& sto
 
   const Figures figures = runner.ReadFigures();
   const std::vector<Verdict> verdicts = JudgeThresholds(options.thresholds, figures);
-  if (figures.connected > 0) Report(figures, verdicts);
+  if (figures.connected > 0 || stopped) Report(figures, verdicts);
   if (relay != nullptr) std::printf("%s", link::DescribeCounts(relay->Stop(), "link ").c_str());
   const int code = Conclude(runner, options, figures, verdicts, stopped);
   if (options.summaryFile.empty()) return code;

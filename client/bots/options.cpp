@@ -7,8 +7,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "client/command/clock.h"
 #include "client/command/command.h"
+#include "protocol/usage/duration.h"
 
 namespace wobble::bots {
 namespace {
@@ -19,43 +19,19 @@ bool ParseWhole(std::string_view text, Integer& value) {
   return result == std::errc{} && end == text.data() + text.size();
 }
 
-struct Unit {
-  std::string_view suffix;
-  double seconds;
-};
-// "ms" stands before "s" and "m", which it ends and begins with.
-constexpr Unit kUnits[] = {{"ms", 0.001}, {"s", 1}, {"m", 60}, {"h", 3600}};
-
 }  // namespace
 
 std::string FindScriptFile(const std::string& name) {
   std::error_code error;
   if (name.find('/') != std::string::npos || std::filesystem::exists(name, error)) return name;
   if (!name.ends_with(".lua")) return FindScriptFile(name + ".lua");
-  const auto shipped = command::FindShippedFolder("scripts") / name;
+  const auto shipped = command::FindShipped("scripts") / name;
   return std::filesystem::exists(shipped, error) ? shipped.string() : name;
-}
-
-std::optional<double> ParseDuration(const std::string& text, std::string& error) {
-  std::string_view number = text;
-  double unit = 1;
-  for (const Unit& each : kUnits) {
-    if (!number.ends_with(each.suffix)) continue;
-    number.remove_suffix(each.suffix.size());
-    unit = each.seconds;
-    break;
-  }
-  double value = 0;
-  const auto [end, result] = std::from_chars(number.data(), number.data() + number.size(), value);
-  const bool isNumber = result == std::errc{} && end == number.data() + number.size();
-  if (isNumber && value >= 0 && value * unit <= command::kMaxDuration) return value * unit;
-  error = "'" + text + "' is no duration; write 90 or 90s, 500ms, 1.5m or 2h, of 0 to 1000000 s";
-  return std::nullopt;
 }
 
 std::optional<Stage> ParseStage(const std::string& text, std::string& error) {
   const std::size_t colon = text.find(':');
-  const auto seconds = ParseDuration(text.substr(0, colon), error);
+  const auto seconds = usage::ParseDuration(text.substr(0, colon), error);
   Stage stage;
   const bool isWhole = colon != std::string::npos && ParseWhole(std::string_view(text).substr(colon + 1), stage.bots);
   if (seconds && *seconds > 0 && isWhole && stage.bots <= kMaxBots) {

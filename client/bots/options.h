@@ -32,10 +32,6 @@ struct DecodeShare {
 
 inline constexpr unsigned kMaxBots = 10'000;
 
-// Parses a number with the suffix ms, s, m or h, or without one for seconds, in 0..command::kMaxDuration. Returns
-// seconds; on failure nullopt, with one line in `error`.
-[[nodiscard]] std::optional<double> ParseDuration(const std::string& text, std::string& error);
-
 // Over `seconds`, the number of bots changes linearly from its previous value to `bots`.
 struct Stage {
   double seconds = 0;

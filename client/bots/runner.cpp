@@ -198,8 +198,20 @@ void Runner::ForgetTimes() {
 }
 
 void Runner::Leave(double now) {
+  if (m_joinMs.Count() > 0 && !m_leaving) m_loss = FindLoss();
   m_leaving = true;
   for (const auto& bot : m_bots) bot->player.Leave(now);
+}
+
+std::optional<std::string> Runner::FindLoss() const {
+  std::optional<std::string> loss;
+  for (const auto& bot : m_bots) {
+    const auto state = bot->player.ReadState();
+    if (state == Player::State::kPlaying || state == Player::State::kJoining) return {};
+    const bool isLost = state == Player::State::kLost || state == Player::State::kRejoining;
+    if (isLost && !bot->dismissed && !loss) loss = bot->player.LossReason();
+  }
+  return loss;
 }
 
 // A bot that its script made leave may return, so it has not ended.

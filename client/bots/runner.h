@@ -62,6 +62,9 @@ class Runner {
   // Says in one line why no bot plays; empty when the server never answered.
   [[nodiscard]] const std::string& Refusal() const { return m_refusal; }
   [[nodiscard]] bool HaveAllScriptsFailed() const;
+  // After Leave: why none of the bots that had played was in the world any more, although one had been cut off;
+  // nullopt: one was, or all had left by themselves.
+  [[nodiscard]] const std::optional<std::string>& Loss() const { return m_loss; }
 
   [[nodiscard]] Figures ReadFigures() const;
 
@@ -100,6 +103,7 @@ class Runner {
   void NoteFailure(const Bot& bot, double now);
   void NoteChange(Bot& bot, Player::State before, double now);
   void LogLoss(const Bot& bot, const char* what);
+  [[nodiscard]] std::optional<std::string> FindLoss() const;
   void AddArrival(const client::SnapshotArrival& arrival);
   [[nodiscard]] bool HasEnded(const Bot& bot) const;
 
@@ -121,6 +125,7 @@ class Runner {
   std::vector<client::BodySample> m_samples;  // scratch
   bool m_leaving = false;
   std::string m_refusal;
+  std::optional<std::string> m_loss;
   std::optional<double> m_firstFailure;  // time at which the first bot was lost
   unsigned m_lossesLogged = 0;
   std::set<std::string> m_scriptErrors;  // errors reported so far

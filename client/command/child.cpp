@@ -10,8 +10,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <string_view>
 #include <utility>
 
 namespace wobble::command {
@@ -21,7 +23,26 @@ constexpr int kCannotExecute = 127;
 // A line longer than this is cut, so that a child cannot fill our memory without ever ending one.
 constexpr std::size_t kMaxLine = 4096;
 
-[[noreturn]] void BecomeProgram(char* const* arguments, int output, int errors, pid_t parent) {
+// Variables that set an option (usage/command_line.h) are meant for the program that was started with them: a child is
+// given all it needs as options. These are about the machine, and meant for all.
+constexpr std::string_view kOurs = "WOBBLE_";
+constexpr std::string_view kInherited[] = {
+    "WOBBLE_CACHE=", "WOBBLE_UNTRAINED=", "WOBBLE_ADMIT_WHEN_BUSY=", "WOBBLE_ISA="};
+
+// The environment of a child: pointers into that of this process, and a null.
+std::vector<char*> ChooseEnvironment() {
+  std::vector<char*> chosen;
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    const std::string_view text = *variable;
+    const auto isIt = [text](std::string_view name) { return text.starts_with(name); };
+    if (!text.starts_with(kOurs) || std::ranges::any_of(kInherited, isIt)) chosen.push_back(*variable);
+  }
+  chosen.push_back(nullptr);
+  return chosen;
+}
+
+[[noreturn]] void BecomeProgram(char* const* arguments, char* const* environment, int output, int errors,
+                                pid_t parent) {
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(kCannotExecute);  // the parent died before the line above
@@ -31,7 +52,7 @@ constexpr std::size_t kMaxLine = 4096;
   dup2(errors, STDERR_FILENO);
   // Asio opens sockets that a program inherits: a connection would outlive the parent's end of it.
   close_range(STDERR_FILENO + 1, ~0U, 0);
-  execv(arguments[0], arguments);
+  execve(arguments[0], arguments, environment);
   const char* reason = strerrordesc_np(errno);
   for (const char* text : {"cannot run ", static_cast<const char*>(arguments[0]), ": ", reason, "\n"}) {
     if (text != nullptr && write(STDERR_FILENO, text, std::strlen(text)) < 0) break;
@@ -57,6 +78,8 @@ bool Child::Start(const std::vector<std::string>& command, std::string& error) {
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
 
+  const std::vector<char*> environment = ChooseEnvironment();
+
   int output[2] = {-1, -1};
   int errors[2] = {-1, -1};
   const pid_t parent = getpid();
@@ -72,7 +95,7 @@ bool Child::Start(const std::vector<std::string>& command, std::string& error) {
     // Only our ends are non-blocking: programs do not expect EAGAIN from their standard output.
     fcntl(output[1], F_SETFL, 0);
     fcntl(errors[1], F_SETFL, 0);
-    BecomeProgram(arguments.data(), output[1], errors[1], parent);
+    BecomeProgram(arguments.data(), environment.data(), output[1], errors[1], parent);
   }
   close(output[1]);
   close(errors[1]);

@@ -17,8 +17,9 @@ class Child {
   Child& operator=(const Child&) = delete;
 
   // Starts a program; command[0] is its path. The child is killed when its parent dies, and gets no Ctrl-C of the
-  // terminal, only signals that the parent passes on. False with one line in `error`; a program that cannot be executed
-  // shows as exit code 127.
+  // terminal, only signals that the parent passes on; and none of the variables by which options of this program were
+  // set (WOBBLE_PORT), but those about the machine (WOBBLE_CACHE, WOBBLE_UNTRAINED, WOBBLE_ADMIT_WHEN_BUSY). False with
+  // one line in `error`; a program that cannot be executed shows as exit code 127.
   [[nodiscard]] bool Start(const std::vector<std::string>& command, std::string& error);
 
   // Reads the output that is there, without waiting, and notices the end.

@@ -10,7 +10,4 @@ namespace wobble::command {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// The longest duration that an option takes, seconds: eleven days.
-inline constexpr double kMaxDuration = 1e6;
-
 }  // namespace wobble::command

@@ -23,10 +23,10 @@ std::filesystem::path FindProgramFolder() {
   return std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
 }
 
-std::filesystem::path FindShippedFolder(const std::string& name) {
+std::filesystem::path FindShipped(const std::string& name) {
   const std::filesystem::path programs = FindProgramFolder();
   std::error_code error;
-  if (std::filesystem::is_directory(programs / name, error)) return programs / name;
+  if (std::filesystem::exists(programs / name, error)) return programs / name;
   return programs.parent_path() / "share" / "wobble" / name;
 }
 

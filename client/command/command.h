@@ -23,6 +23,7 @@ using IsStopAsked = std::function<bool()>;
 struct Command {
   CLI::App* words = nullptr;                   // its options; owned by the program's App
   std::function<int(const IsStopAsked&)> run;  // once they have been parsed; returns the exit code
+  bool takesEnvironment = false;               // of a service: its options are also variables (usage/command_line.h)
 };
 
 // Checks that an option is a number from `least` to `most`. CLI::Range lets "nan" through.
@@ -30,8 +31,8 @@ struct Command {
 
 // The folder of the running program.
 [[nodiscard]] std::filesystem::path FindProgramFolder();
-// A folder that is shipped, such as "scripts" or "page": beside the program, as in a build folder, or in
-// ../share/wobble, as installed. Returns the latter, though missing, when neither is there.
-[[nodiscard]] std::filesystem::path FindShippedFolder(const std::string& name);
+// A folder or file that is shipped, such as "scripts", "page" or "worlds.toml": beside the program, as in a build
+// folder, or in ../share/wobble, as installed. Returns the latter, though missing, when neither is there.
+[[nodiscard]] std::filesystem::path FindShipped(const std::string& name);
 
 }  // namespace wobble::command

@@ -1,6 +1,12 @@
 #include "client/command/sockets.h"
 
+#include <netdb.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
 
 namespace wobble::command {
 
@@ -9,6 +15,28 @@ void AllowManySockets() {
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
   limit.rlim_cur = limit.rlim_max;
   static_cast<void>(setrlimit(RLIMIT_NOFILE, &limit));  // a failure shows when sockets cannot be opened
+}
+
+bool IsFree(const std::string& address, std::uint16_t port, std::string& error) {
+  addrinfo hints{};
+  hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV | AI_PASSIVE;
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  // What is no address the program that listens says in its own words.
+  if (port == 0 || getaddrinfo(address.c_str(), std::to_string(port).c_str(), &hints, &found) != 0) return true;
+  const int descriptor = socket(found->ai_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const int on = 1;  // connections that have just ended do not count
+  const bool isFree =
+      descriptor < 0 || (setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) == 0 &&
+                         bind(descriptor, found->ai_addr, found->ai_addrlen) == 0 && listen(descriptor, 1) == 0);
+  const int reason = errno;
+  if (descriptor >= 0) close(descriptor);
+  freeaddrinfo(found);
+  if (isFree) return true;
+  error = "port " + std::to_string(port) + " (TCP) " +
+          (reason == EADDRINUSE ? std::string("is in use")
+                                : "cannot be listened at: " + std::string(std::strerror(reason)));
+  return false;
 }
 
 }  // namespace wobble::command

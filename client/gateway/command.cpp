@@ -7,11 +7,11 @@
 #include <memory>
 
 #include "client/command/address.h"
-#include "client/command/clock.h"
 #include "client/gateway/addresses.h"
 #include "client/gateway/gateway.h"
 #include "client/gateway/origin.h"
 #include "protocol/transport/vestibule/key_file.h"
+#include "protocol/usage/command_line.h"
 
 namespace wobble::gateway {
 namespace {
@@ -24,6 +24,7 @@ struct Words {
   std::vector<std::string> servers;
   std::string page;
   std::string gatewayKey;
+  bool isCheck = false;
 };
 
 CLI::App* AddWords(CLI::App& app, GatewayOptions& options, Words& words) {
@@ -65,9 +66,8 @@ CLI::App* AddWords(CLI::App& app, GatewayOptions& options, Words& words) {
   subcommand
       ->add_option("--origin", options.origins, "Origin whose pages may play here besides this gateway's; repeatable")
       ->type_name("URL");
-  subcommand->add_option("--status", options.statusEvery, "Seconds between status lines on stdout; 0: none")
-      ->check(command::Within(0, command::kMaxDuration))
-      ->capture_default_str();
+  usage::AddDuration(*subcommand, "--status", options.statusEvery, "Time between status lines on stdout; 0: none");
+  subcommand->add_flag("--check", words.isCheck, "Only name every mistake in the options, exit code 2, or none, 0");
   subcommand->footer(
       "The gateway speaks plain HTTP. Behind a proxy: --bind 127.0.0.1 and --trusted-proxy with the proxy's address; "
       "let\n"
@@ -150,25 +150,26 @@ bool Understand(const Words& words, GatewayOptions& options, std::string& error)
   return true;
 }
 
-int Complain(const std::string& error) {
-  std::fprintf(stderr, "wobble gateway: %s\n", error.c_str());
-  return command::kExitBadUse;
-}
-
 }  // namespace
 
-std::filesystem::path FindPageFolder() { return command::FindShippedFolder("page"); }
+std::filesystem::path FindPageFolder() { return command::FindShipped("page"); }
 
 command::Command DescribeGateway(CLI::App& app) {
   const auto options = std::make_shared<GatewayOptions>();
   const auto words = std::make_shared<Words>();
   CLI::App* subcommand = AddWords(app, *options, *words);
-  return {subcommand, [options, words](const command::IsStopAsked& isStopAsked) {
+  return {subcommand,
+          [subcommand, options, words](const command::IsStopAsked& isStopAsked) {
             std::string error;
-            if (!Understand(*words, *options, error)) return Complain(error);
-            const auto page = LoadPage(words->page.empty() ? FindPageFolder().string() : words->page, error);
-            return page ? RunGateway(*options, *page, isStopAsked) : Complain(error);
-          }};
+            std::optional<Page> page;
+            if (Understand(*words, *options, error)) {
+              page = LoadPage(words->page.empty() ? FindPageFolder().string() : words->page, error);
+            }
+            if (page) return words->isCheck ? command::kExitGood : RunGateway(*options, *page, isStopAsked);
+            std::fprintf(stderr, "wobble gateway: %s\n", usage::NameVariables(*subcommand, error).c_str());
+            return command::kExitBadUse;
+          },
+          true};
 }
 
 }  // namespace wobble::gateway

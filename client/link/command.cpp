@@ -13,6 +13,7 @@
 #include "client/command/clock.h"
 #include "client/command/sockets.h"
 #include "client/link/relay_loop.h"
+#include "protocol/usage/command_line.h"
 
 namespace wobble::link {
 namespace {
@@ -40,12 +41,9 @@ CLI::App* AddWords(CLI::App& app, Words& words) {
       ->type_name("ADDRESS");
   subcommand->add_option("--to", words.server, "The server")->type_name("HOST:PORT REQUIRED");
   subcommand->add_option("--seed", words.seed, "Seed of all random choices")->capture_default_str();
-  subcommand->add_option("--for", words.duration, "Seconds to run; 0: until Ctrl-C")
-      ->check(command::Within(0, command::kMaxDuration))
-      ->capture_default_str();
-  subcommand
-      ->add_option("--status", words.statusEvery, "Seconds between status lines, 0: none (1 on a terminal, else 0)")
-      ->check(command::Within(0, command::kMaxDuration));
+  usage::AddDuration(*subcommand, "--for", words.duration, "How long to run; 0: until Ctrl-C");
+  usage::AddDuration(*subcommand, "--status", words.statusEvery, "Time between status lines, 0: none")
+      ->default_str("1 on a terminal, else 0");
   subcommand->footer(
       "CONDITIONS apply to each direction, are separated by commas and are all optional:\n"
       "  loss=5%             share of datagrams that never arrive\n"

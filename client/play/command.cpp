@@ -5,10 +5,10 @@
 #include <memory>
 
 #include "client/bots/options.h"
-#include "client/command/clock.h"
 #include "client/command/exit_codes.h"
 #include "client/gateway/command.h"
 #include "client/play/play.h"
+#include "protocol/usage/command_line.h"
 
 namespace wobble::play {
 
@@ -17,9 +17,7 @@ command::Command DescribePlay(CLI::App& app) {
   const auto http = std::make_shared<std::uint16_t>(*options->http);
   CLI::App* subcommand =
       app.add_subcommand("play", "Starts worlds, a page to play them in and bots, and ends them together");
-  subcommand->add_option("--for", options->duration, "Seconds to run; 0: until Ctrl-C")
-      ->check(command::Within(0, command::kMaxDuration))
-      ->capture_default_str();
+  usage::AddDuration(*subcommand, "--for", options->duration, "How long to run; 0: until Ctrl-C");
   subcommand
       ->add_option("--port", options->port,
                    "UDP port of the first world's server, the others have the next ones; 0: free ones, printed at "
@@ -44,18 +42,29 @@ command::Command DescribePlay(CLI::App& app) {
       ->type_name("[FOLDER]")
       ->expected(0, 1)
       ->default_str("recordings");
+  subcommand
+      ->add_option("--state", options->state,
+                   "Keep the worlds in this folder, so that the next run goes on from them; else a world goes on after "
+                   "its server died, but ends with this run")
+      ->type_name("FOLDER");
   subcommand->footer(
-      "Exit code: 0 nothing failed, 1 something did, 2 server or gateway cannot start with these options.\n"
+      "A server, gateway or bots that die are started again, and the others go on.\n"
+      "Exit code: 0 nothing failed (what died and came back has not), 1 something did, 2 a server or the gateway "
+      "cannot\n"
+      "start with these options.\n"
       "Examples:\n"
       "  wobble play\n"
       "  wobble play --scene sumo\n"
       "  wobble play --record\n"
       "  wobble play --for 20 --bots 12 --port 7801 --http 8081");
-  return {subcommand, [subcommand, options, http](const command::IsStopAsked& isStopAsked) {
+  return {subcommand,
+          [subcommand, options, http](const command::IsStopAsked& isStopAsked) {
             options->programFolder = command::FindProgramFolder();
             if (options->port + options->scenes.size() > 65536) {
-              std::fprintf(stderr, "wobble play: --port %u: %zu worlds need as many ports up to 65535\n", options->port,
-                           options->scenes.size());
+              const std::string what = "--port " + std::to_string(options->port) + ": " +
+                                       std::to_string(options->scenes.size()) +
+                                       " worlds need as many ports up to 65535";
+              std::fprintf(stderr, "wobble play: %s\n", usage::NameVariables(*subcommand, what).c_str());
               return command::kExitBadUse;
             }
             if (options->port == 0 && subcommand->get_option("--http")->count() == 0) {
@@ -67,7 +76,8 @@ command::Command DescribePlay(CLI::App& app) {
             }
             if (options->page.empty()) options->page = gateway::FindPageFolder();
             return RunPlay(*options, isStopAsked);
-          }};
+          },
+          true};
 }
 
 }  // namespace wobble::play

@@ -1,4 +1,4 @@
-// `wobble play`: starts some worlds, the gateway for browsers and some bots, watches them and ends them together.
+// `wobble play`: a fleet for one machine from a few options: some worlds, the gateway for browsers and some bots.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +18,12 @@ struct PlayOptions {
   std::optional<std::uint16_t> http = 8080;  // TCP port of the gateway, 0: a free one; nullopt: no gateway
   std::filesystem::path page;                // folder of its page; no gateway where there is none
   std::string recordings;                    // folder to record all worlds in and to show on the page; empty: none
+  std::string state;                         // folder to keep the worlds in; empty: they end with this program
   unsigned bots = 6;
   double duration = 0;  // seconds from when all is ready; 0: until stopped
 };
 
-// Until the time is up, stopAsked is true or a child has ended. Returns the exit code: 0 when nothing failed, 2 when
-// a server or the gateway could not start as told to, else 1.
+// Until the time is up, stopAsked is true or no world is left. Returns the exit code of RunFleet.
 [[nodiscard]] int RunPlay(const PlayOptions& options, const std::function<bool()>& stopAsked);
 
 }  // namespace wobble::play

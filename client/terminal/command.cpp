@@ -9,6 +9,7 @@
 #include "client/terminal/film.h"
 #include "client/terminal/watch.h"
 #include "protocol/limits.h"
+#include "protocol/usage/command_line.h"
 
 namespace wobble::terminal {
 namespace {
@@ -37,14 +38,9 @@ CLI::App* AddWords(CLI::App& app, WatchOptions& options, Words& words) {
   subcommand->add_option("--colours", words.colours, "auto (by COLORTERM and TERM), true (16 million) or 256")
       ->check(CLI::IsMember({"auto", "true", "256"}))
       ->capture_default_str();
-  subcommand->add_option("--for", options.duration, "Seconds to run; 0: until Q")
-      ->check(command::Within(0, command::kMaxDuration))
-      ->capture_default_str();
-  subcommand
-      ->add_option("--rejoin", options.rejoin.patience,
-                   "Seconds for which it tries to join again when the connection is lost; 0: not at all")
-      ->check(command::Within(0, command::kMaxDuration))
-      ->capture_default_str();
+  usage::AddDuration(*subcommand, "--for", options.duration, "How long to run; 0: until Q");
+  usage::AddDuration(*subcommand, "--rejoin", options.rejoin.patience,
+                     "How long it tries to join again when the connection is lost; 0: not at all");
   subcommand->add_option("--capture", options.captureFile, "File for the last picture, as SVG")->type_name("FILE");
   subcommand->footer(
       "Keys: W A S D or arrows move, space jumps, E or P puffs up, F stiffens, X releases all keys.\n"

@@ -1,6 +1,6 @@
 # cpack -G DEB, in the build folder: three packages for Debian 12.
 #
-#   wobble-server   wobbled and wobble with scenes, scripts and the page; two systemd units, a user, /etc/wobble
+#   wobble-server   wobbled and wobble with scenes, scripts and the page; three systemd units, a user, /etc/wobble
 #   libwobble-dev   headers and static libraries, find_package(wobble), wobble.pc
 #   wobble-lab      wobble_lab
 #
@@ -9,10 +9,10 @@ if(NOT (WOBBLE_BUILD_SERVER AND WOBBLE_BUILD_TOOLS))
   return()
 endif()
 set(packaging ${PROJECT_SOURCE_DIR}/docker/packaging)
-install(FILES ${packaging}/wobbled.service ${packaging}/wobble-gateway.service DESTINATION lib/systemd/system
-  COMPONENT deb EXCLUDE_FROM_ALL)
-install(FILES ${packaging}/wobbled.conf ${packaging}/gateway.conf DESTINATION /etc/wobble
-  COMPONENT deb EXCLUDE_FROM_ALL)
+install(FILES ${packaging}/wobbled.service ${packaging}/wobble-gateway.service ${packaging}/wobble-host.service
+  DESTINATION lib/systemd/system COMPONENT deb EXCLUDE_FROM_ALL)
+install(FILES ${packaging}/wobbled.conf ${packaging}/gateway.conf ${PROJECT_SOURCE_DIR}/client/host/worlds.toml
+  DESTINATION /etc/wobble COMPONENT deb EXCLUDE_FROM_ALL)
 foreach(package wobble-server libwobble-dev wobble-lab)
   string(REPLACE - _ component deb_${package})
   install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION share/doc/${package} RENAME copyright

@@ -51,6 +51,22 @@ bool HaveSameSubject(const Ban& a, const Ban& b) {
 }  // namespace
 
 bool Bans::Load(const std::filesystem::path& file, std::string& error) {
+  if (!Read(file, error)) return false;
+  if (!HasFile()) return true;
+  Save(error);  // what cannot be written is found now, not when it is needed
+  return error.empty();
+}
+
+bool Bans::Reload(std::string& error) {
+  if (!HasFile()) return true;
+  Bans read;
+  if (!read.Read(m_file, error)) return false;
+  read.m_newest = std::max(read.m_newest, m_newest);
+  *this = std::move(read);
+  return true;
+}
+
+bool Bans::Read(const std::filesystem::path& file, std::string& error) {
   m_file = file;
   std::vector<std::string> lines;
   if (file.empty()) return true;
@@ -65,9 +81,7 @@ bool Bans::Load(const std::filesystem::path& file, std::string& error) {
     ban.number = ++m_newest;
     m_bans.push_back(std::move(ban));
   }
-  // A file that cannot be written is found now, not when somebody is to be kept out.
-  Save(error);
-  return error.empty();
+  return true;
 }
 
 const Ban& Bans::Add(Ban ban, std::uint64_t now, std::string& error) {

@@ -23,6 +23,10 @@ class Bans {
  public:
   // file: empty: bans end with the server. False with one line in `error`, which names the line of the file.
   [[nodiscard]] bool Load(const std::filesystem::path& file, std::string& error);
+  // As Load, and writes nothing.
+  [[nodiscard]] bool Read(const std::filesystem::path& file, std::string& error);
+  // Reads the file again; without one nothing changes. False with one line in `error`, and nothing has changed.
+  [[nodiscard]] bool Reload(std::string& error);
 
   // Each of these writes the file, too; what cannot be written is reported in `error` and holds for this run.
   // Takes the place of one of the same account or address.

@@ -32,6 +32,10 @@ bool IsShort(const vestibule::Token& token, std::uint64_t now) {
          token.expires - token.issued <= vestibule::kMaxTokenSeconds;
 }
 
+bool AsksForSomething(const GateSettings& settings) {
+  return !settings.password.empty() || settings.token || settings.isByInviteOnly;
+}
+
 std::span<const std::uint8_t> BytesOf(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
@@ -40,14 +44,30 @@ std::span<const std::uint8_t> BytesOf(const std::string& text) {
 
 Gate::Gate(GateSettings settings, Bans bans, Invites invites)
     : m_settings(std::move(settings)),
-      m_wantsCredential(!m_settings.password.empty() || m_settings.token || m_settings.isByInviteOnly),
+      m_wantsCredential(AsksForSomething(m_settings)),
       m_publicKey(vestibule::MakeKeyPair(m_settings.secretKey).publicKey),
       m_ticketKey(DeriveTicketKey(m_settings.secretKey)),
       m_startedAt(m_settings.readUnixTime()),
       m_bans(std::move(bans)),
       m_invites(std::move(invites)) {}
 
+bool Gate::Reload(GateSettings settings, std::string& error) {
+  const std::lock_guard lock(m_mutex);
+  Bans bans = m_bans;
+  Invites invites = m_invites;
+  if (!bans.Reload(error) || !invites.Reload(error)) return false;
+  m_bans = std::move(bans);
+  m_invites = std::move(invites);
+  m_settings.password = std::move(settings.password);
+  m_settings.token = settings.token;
+  m_settings.owner = settings.owner;
+  m_settings.gateway = settings.gateway;
+  m_wantsCredential = AsksForSomething(m_settings);
+  return true;
+}
+
 NetAddress Gate::FindSource(Credential& credential, const NetAddress& from) {
+  const std::lock_guard lock(m_mutex);
   if (credential.kind != Credential::Kind::kIntroduced || !m_settings.gateway) return from;
   const std::size_t size = vestibule::CountIntroductionBytes();
   if (credential.bytes.size() <= size) return from;

@@ -4,6 +4,7 @@
 // microseconds, and where a use of an invite is counted, for the write of its file.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -42,7 +43,11 @@ class Gate final : public transport::vestibule::Judge {
   [[nodiscard]] transport::vestibule::Judgement Decide(const transport::vestibule::Credential& credential,
                                                        const transport::NetAddress& source) override;
 
-  // nullopt: this server has no owner.
+  // Takes the password, the keys and what is asked for from these settings, which have no secretKey and no functions,
+  // and reads bans and invites again. From any thread. False with one line in `error`, and nothing has changed.
+  [[nodiscard]] bool Reload(GateSettings settings, std::string& error);
+
+  // nullopt: this server has no owner. From the thread that calls Reload.
   [[nodiscard]] const std::optional<transport::vestibule::Key>& OwnerKey() const { return m_settings.owner; }
 
   // For the administrator, from any thread. `change` runs with the lock held; now: s since 1970.
@@ -69,12 +74,12 @@ class Gate final : public transport::vestibule::Judge {
                                                      const transport::Admission& admission) const;
 
   GateSettings m_settings;
-  bool m_wantsCredential;
+  std::atomic<bool> m_wantsCredential;
   transport::vestibule::Key m_publicKey{};
   transport::vestibule::Key m_ticketKey{};
   std::uint64_t m_startedAt;  // s since 1970
 
-  std::mutex m_mutex;  // over what follows
+  std::mutex m_mutex;  // over m_settings, which Reload changes, and what follows
   Bans m_bans;
   Invites m_invites;
   std::map<std::array<std::uint8_t, 16>, std::uint64_t> m_spent;  // connect tokens by number, until they expire

@@ -58,6 +58,22 @@ bool HasEnded(const Invite& invite, std::uint64_t now) { return invite.until != 
 }  // namespace
 
 bool Invites::Load(const std::filesystem::path& file, std::string& error) {
+  if (!Read(file, error)) return false;
+  if (!HasFile()) return true;
+  Save(error);  // what cannot be written is found now, not when it is needed
+  return error.empty();
+}
+
+bool Invites::Reload(std::string& error) {
+  if (!HasFile()) return true;
+  Invites read;
+  if (!read.Read(m_file, error)) return false;
+  read.m_newest = std::max(read.m_newest, m_newest);
+  *this = std::move(read);
+  return true;
+}
+
+bool Invites::Read(const std::filesystem::path& file, std::string& error) {
   m_file = file;
   std::vector<std::string> lines;
   if (file.empty()) return true;
@@ -73,8 +89,7 @@ bool Invites::Load(const std::filesystem::path& file, std::string& error) {
     m_newest = std::max(m_newest, invite.number);
     m_invites.push_back(invite);
   }
-  Save(error);
-  return error.empty();
+  return true;
 }
 
 std::string Invites::Make(Invite& invite, std::uint64_t now, const vestibule::RandomSource& random,

@@ -32,6 +32,10 @@ class Invites {
  public:
   // file: empty: invites end with the server. False with one line in `error`, which names the line of the file.
   [[nodiscard]] bool Load(const std::filesystem::path& file, std::string& error);
+  // As Load, and writes nothing.
+  [[nodiscard]] bool Read(const std::filesystem::path& file, std::string& error);
+  // Reads the file again; without one nothing changes. False with one line in `error`, and nothing has changed.
+  [[nodiscard]] bool Reload(std::string& error);
 
   // Returns the secret, which nobody can read again. number and hash of `invite` are set here. Files are written as by
   // Bans.

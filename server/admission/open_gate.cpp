@@ -41,8 +41,28 @@ std::vector<std::string> FindReadableByAll(const GateFiles& files, const std::st
   return found;
 }
 
-std::shared_ptr<Gate> OpenGate(const GateFiles& files, const vestibule::Key& secretKey,
-                               std::function<std::uint64_t()> readUnixTime, std::string& error) {
+std::vector<std::string> FindMistakes(const GateFiles& files) {
+  std::vector<std::string> mistakes;
+  std::string error;
+  if (!files.password.empty() && !vestibule::ReadSecret(files.password, error)) {
+    mistakes.push_back("--password-file: " + error);
+  }
+  for (const auto& [option, file] : {std::pair("--token-key", files.tokenKey), std::pair("--owner-key", files.ownerKey),
+                                     std::pair("--gateway-key", files.gatewayKey)}) {
+    std::error_code ignored;
+    if (file.empty() || !std::filesystem::exists(file, ignored) || vestibule::LoadKey(file, error)) continue;
+    mistakes.push_back(option + (": " + error));
+  }
+  if (Bans bans; !bans.Read(files.bans, error)) mistakes.push_back("--bans: " + error);
+  if (Invites invites; !invites.Read(files.invites, error)) mistakes.push_back("--invites: " + error);
+  return mistakes;
+}
+
+namespace {
+
+// nullopt with one line in `error` that names the option.
+std::optional<GateSettings> ReadSettings(const GateFiles& files, const vestibule::Key& secretKey,
+                                         std::function<std::uint64_t()> readUnixTime, std::string& error) {
   GateSettings settings;
   settings.secretKey = secretKey;
   settings.readUnixTime = std::move(readUnixTime);
@@ -52,19 +72,28 @@ std::shared_ptr<Gate> OpenGate(const GateFiles& files, const vestibule::Key& sec
     const auto password = vestibule::ReadSecret(files.password, error);
     if (!password) {
       error = "--password-file: " + error;
-      return nullptr;
+      return {};
     }
     settings.password = *password;
   }
-  if (!ReadKey("--token-key", files.tokenKey, settings.token, error)) return nullptr;
-  if (!ReadKey("--gateway-key", files.gatewayKey, settings.gateway, error)) return nullptr;
+  if (!ReadKey("--token-key", files.tokenKey, settings.token, error)) return {};
+  if (!ReadKey("--gateway-key", files.gatewayKey, settings.gateway, error)) return {};
   // Without a folder for it a server has no owner, which is no reason not to start.
   std::string ignored;
   const bool hasOwner = ReadKey("--owner-key", FindOwnerKeyFile(files), settings.owner, ignored);
   if (!hasOwner && !files.ownerKey.empty()) {
     error = ignored;
-    return nullptr;
+    return {};
   }
+  return settings;
+}
+
+}  // namespace
+
+std::shared_ptr<Gate> OpenGate(const GateFiles& files, const vestibule::Key& secretKey,
+                               std::function<std::uint64_t()> readUnixTime, std::string& error) {
+  auto settings = ReadSettings(files, secretKey, std::move(readUnixTime), error);
+  if (!settings) return nullptr;
   Bans bans;
   if (!bans.Load(files.bans, error)) {
     error = "--bans: " + error;
@@ -75,7 +104,12 @@ std::shared_ptr<Gate> OpenGate(const GateFiles& files, const vestibule::Key& sec
     error = "--invites: " + error;
     return nullptr;
   }
-  return std::make_shared<Gate>(std::move(settings), std::move(bans), std::move(invites));
+  return std::make_shared<Gate>(*std::move(settings), std::move(bans), std::move(invites));
+}
+
+bool ReloadGate(const GateFiles& files, Gate& gate, std::string& error) {
+  auto settings = ReadSettings(files, {}, nullptr, error);
+  return settings && gate.Reload(*std::move(settings), error);
 }
 
 }  // namespace wobble::admission

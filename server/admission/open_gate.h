@@ -24,6 +24,13 @@ struct GateFiles {
 [[nodiscard]] std::shared_ptr<Gate> OpenGate(const GateFiles& files, const transport::vestibule::Key& secretKey,
                                              std::function<std::uint64_t()> readUnixTime, std::string& error);
 
+// Reads the files again: passwords, keys, bans and invites that others have changed. Who is in stays in. False with one
+// line in `error` that names the option; then nothing has changed.
+[[nodiscard]] bool ReloadGate(const GateFiles& files, Gate& gate, std::string& error);
+
+// What OpenGate would refuse, one line for each file; nothing is made. A key that is not there is no mistake.
+[[nodiscard]] std::vector<std::string> FindMistakes(const GateFiles& files);
+
 // The files that hold a secret, the server's key among them, and that everybody on this machine can read.
 [[nodiscard]] std::vector<std::string> FindReadableByAll(const GateFiles& files, const std::string& serverKey);
 

@@ -26,7 +26,7 @@ SKIPPED_FOLDERS = {"build", "node_modules"}
 # Options of other programs that documents name in a code span without their program.
 FOREIGN_OPTIONS = {"--cpuset-cpus", "--cpus", "--network", "--no-cache", "--volume", "--write", "--component", "--file"}
 # A call of one of our programs, with its options up to the end of the command.
-OUR_CALL = re.compile(r"(?:wobbled|wobble (?:play|watch|export|bots|gateway|link|health)|wobble_lab \w+)\b([^|&;#]*)")
+OUR_CALL = re.compile(r"(?:wobbled|wobble (?:play|host|watch|export|bots|gateway|link|health)|wobble_lab \w+)\b([^|&;#]*)")
 OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*")
 LINK = re.compile(r"\[(?:[^\[\]]|\[[^\]]*\])*\]\(([^)\s]+)\)")
 SOURCE = re.compile(r"<!-- from: ([^#]+?)(?:#(.+)\.\.(.+))? -->$")

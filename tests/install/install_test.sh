@@ -127,8 +127,9 @@ EOF
     inside wobbled --list-scenes >"$folder/scenes"
     grep -q '^arena ' "$folder/scenes" || fail "shipped scenes"
     [ -f "$folder/root/usr/share/wobble/page/index.html" ] || fail "the page"
+    inside wobble host /etc/wobble/worlds.toml --check || fail "worlds.toml"
     inside grep -q '^WOBBLED_OPTIONS=--scene arena' /etc/wobble/wobbled.conf || fail "the service's options"
-    for unit in wobbled wobble-gateway; do
+    for unit in wobbled wobble-gateway wobble-host; do
       [ -f "$folder/root/lib/systemd/system/$unit.service" ] || [ -f "$folder/root/usr/lib/systemd/system/$unit.service" ] ||
         fail "the unit $unit"
     done

@@ -255,27 +255,193 @@ case_play_without_page() {
   if grep -q -e page -e gateway "$out"; then fail "no word of a page" "$out"; fi
 }
 
-# If any part ends by itself, the whole fails and all other parts are ended.
-case_play_notices_a_gateway_that_ends() {
-  local line gateway=""
-  make_page
-  start play wobble play --scene arena --port 0 --page "$folder/page" --record "$folder/recordings"
-  wait_for_line play 'bots 6/6'
-  for line in /proc/[0-9]*; do
-    case "$({ tr '\0' ' ' <"$line/cmdline"; } 2>/dev/null)" in
-      "$bin/wobble gateway "*"$folder"*) gateway="${line##*/}" ;;
-    esac
+# find_program TEXT: the processes of this case whose command line has it.
+find_program() {
+  local file line
+  for file in /proc/[0-9]*/cmdline; do
+    line="$({ tr '\0' ' ' <"$file"; } 2>/dev/null)" || continue
+    file="${file%/cmdline}"
+    [[ $line == "$bin/wobble"*"$folder"* && $line == *"$1"* ]] && echo "${file##*/}"
   done
-  kill -KILL "$gateway" || fail "a gateway to run" "$folder/play.out"
-  expect_end play "$pid" 1
-  expect_line "$folder/play.out" '^FAILED: the gateway ended early with exit code 137$'
+}
+
+# kill_program TEXT: kills the one program of this case whose command line has it.
+kill_program() { kill -KILL "$(find_program "$1")" || fail "one program with '$1'" <(list_processes); }
+
+# Any part that dies is started again, the others go on, and players are back in their world.
+case_play_starts_again_what_dies() {
+  local tries play part
+  make_page
+  start play wobble play --scene arena --port 0 --page "$folder/page"
+  play=$pid
+  wait_for_line play 'bots 6/6'
+  kill_program ' gateway '
+  kill_program '/wobbled '
+  for part in gateway server; do
+    wait_for_log play "^$part: ended with exit code 137; starts again in 0.25 s$"
+    wait_for_log play "^$part: is back after [0-9.]* s$"
+  done
+  for ((tries = 0; tries < 200; ++tries)); do
+    tail -n 1 "$folder/play.out" | grep -q ' clients 6 .* | 1/1 worlds up | 2 restarts$' && break
+    sleep 0.05
+  done
+  kill -INT "$play"
+  expect_end play "$play" 0
+  expect_line "$folder/play.out" '^gateway: 1 restart, [0-9.]* s down; the figures are those since$'
+  expect_line "$folder/play.out" '^server: 1 restart, [0-9.]* s down; the figures are those since$'
+  expect_line "$folder/play.out" '^bots: 6 of 6 connected, 6 disconnects'
+  expect_line "$folder/play.out" '^all went well in the end: what had died came back (2 restarts)$'
   expect_no_processes
+}
+
+# Interrupted while its world still trains.
+case_play_interrupted_at_once() {
+  unset WOBBLE_CACHE WOBBLE_UNTRAINED
+  start play wobble play --scene crowd --port 0 --http 0
+  sleep 0.2
+  kill -INT "$pid"
+  expect_end play "$pid" 0 10
+  expect_line "$folder/play.out" '^all went well$'
+  expect_no_processes
+}
+
+# make_worlds: two worlds, with 4 and 2 bots, and a page.
+make_worlds() {
+  make_page
+  cat >"$folder/worlds.toml" <<TOML
+[gateway]
+http = 0
+page = "page"
+
+[all]
+port = 0
+state = "worlds"
+scene = "pair"
+
+[[world]]
+name = "one"
+bots = 4
+
+[[world]]
+name = "two"
+bots = 2
+TOML
+}
+
+# One of two worlds is killed: its bots are back in their bodies within 3 s on the same port, those of the other notice
+# nothing. And nothing outlives a fleet that is killed itself.
+case_host_keeps_worlds_up() {
+  local host tries down one
+  make_worlds
+  WOBBLE_UNTRAINED=1 start host wobble host "$folder/worlds.toml" --status 0.5
+  host=$pid
+  wait_for_line host '^world one, scene pair on UDP port [1-9]'
+  one="$(read_port host 'world one, scene pair on UDP port ')"
+  wait_for_line host '^open http://localhost:[1-9][0-9]* in a browser to play one, two$'
+  wait_for_line host 'bots 4/4'
+  for ((tries = 0; tries < 200; ++tries)); do
+    [ "$(grep -c 'world two: .* joined$' "$folder/host.err")" -ge 2 ] && break
+    sleep 0.05
+  done
+  sleep 1.2 # a state comes each second
+  kill_program "--state=$folder/worlds/one"
+  wait_for_log host '^world one: is back after [0-9.]* s$'
+  down="$(sed -n 's/^world one: is back after \([0-9.]*\) s$/\1/p' "$folder/host.err")"
+  awk "BEGIN { exit !($down <= 3) }" || fail "a world that is back within 3 s" "$folder/host.err"
+  for ((tries = 0; tries < 200; ++tries)); do
+    [ "$(grep -c '^world one: .*client [0-9]* (.*) is back$' "$folder/host.err")" -eq 4 ] && break
+    sleep 0.05
+  done
+  [ "$tries" -lt 200 ] || fail "four bots back in their bodies" "$folder/host.err"
+  kill -INT "$host"
+  expect_end host "$host" 0 20
+  expect_line "$folder/host.out" '^world one: 1 restart, [0-9.]* s down; the figures are those since$'
+  expect_line "$folder/host.out" '^bots: 4 of 4 connected, 4 disconnects'
+  expect_line "$folder/host.out" '^world two: .* 2 joins, 0 disconnects'
+  expect_line "$folder/host.out" '^bots in two: 2 of 2 connected, 0 disconnects'
+  expect_line "$folder/host.out" '^all went well in the end: what had died came back (1 restart)$'
+  expect_no_processes
+  WOBBLE_UNTRAINED=1 WOBBLE_BOTS=0 WOBBLE_WORLD_TWO_PORT="$one" start again wobble host "$folder/worlds.toml"
+  host=$pid
+  wait_for_line again "^world two, scene pair on UDP port $one"
+  wait_for_line again '^open http://localhost:.* to play one, two$'
+  # The file is read again: one world goes, another comes, and the third is the same process as before.
+  local two
+  two="$(find_program "--state=$folder/worlds/two")"
+  echo 'port = 99999' >>"$folder/worlds.toml"
+  kill -HUP "$host"
+  wait_for_log again '^wobble host: .*worlds.toml has mistakes: all goes on as it was$'
+  sed -i '$d; s/^name = "one"/name = "three"/' "$folder/worlds.toml"
+  kill -HUP "$host"
+  wait_for_line again '^world three, scene pair on UDP port '
+  wait_for_line again '^open http://localhost:.* to play two, three$'
+  [ "$(find_program "--state=$folder/worlds/two")" = "$two" ] || fail "the world two as it was" "$folder/again.err"
+  [ -z "$(find_program "--state=$folder/worlds/one")" ] || fail "no world one" "$folder/again.err"
+  kill -KILL "$host"
+  wait "$host" 2>/dev/null
+  for ((tries = 0; tries < 40; ++tries)); do [ -z "$(list_processes)" ] && break; sleep 0.05; done
+  expect_no_processes
+}
+
+# Every mistake of a file and of the environment, in one run, whoever finds it; and nothing is started.
+case_host_names_every_mistake() {
+  make_worlds
+  WOBBLE_PAGE="$folder/page" expect_exit 0 wobble host --check
+  expect_line "$out" 'worlds.toml: 3 worlds and a gateway, no mistake$'
+  cat >"$folder/bad.toml" <<'TOML'
+[[blueprint]]
+name = "ball"
+mass = 0
+
+[player]
+blueprint = "ball"
+TOML
+  cat >>"$folder/worlds.toml" <<TOML
+max_clients = 5000
+tick_hz = 1
+after_match = "dance"
+log_level = "loud"
+password_file = "none"
+clients = 3
+
+[[world]]
+scene = "bad.toml"
+port = 70000
+threads = "all"
+TOML
+  sed -i 's/^http = 0/http = 0\nmax_connections = 0\norigin = "here"/' "$folder/worlds.toml"
+  WOBBLE_SEED=-1 WOBBLE_WORLD_ONE_CLIENT_KBIT=1 WOBBLE_WORLD_TOW_PORT=7 expect_exit 2 wobble host "$folder/worlds.toml"
+  [ ! -s "$out" ] || fail "nothing started" "$out"
+  local expected
+  for expected in \
+    'worlds.toml:24: clients is no key here' \
+    'worlds.toml:28: port = 70000: must be a whole number from 0 to 65535' \
+    "worlds.toml:29: threads = 'all': must be a whole number" \
+    'WOBBLE_WORLD_TOW_PORT is no key of a world; did you mean WOBBLE_WORLD_TWO_PORT?' \
+    'WOBBLE_SEED = -1: must be 0 to 9007199254740992' \
+    'WOBBLE_WORLD_ONE_CLIENT_KBIT = 1: must be 32 to 100000' \
+    'worlds.toml:19: max_clients = 5000: must be 1 to 4000' \
+    'worlds.toml:20: tick_hz = 1: must be 10 to 480' \
+    "worlds.toml:21: after_match = 'dance': must be end, restart or next" \
+    "worlds.toml:22: log_level = 'loud': must be one of debug, info, warn, error, off" \
+    'worlds.toml:23: password_file = .none.: .*none: cannot be read' \
+    'worlds.toml:27: world bad: bad.toml:3: mass = 0: must be 0.001 to 1000000 kg' \
+    'worlds.toml:3: max_connections = 0: .0. is not 1 to 1000' \
+    "worlds.toml:4: origin = 'here': 'here' is no http"; do
+    expect_line "$err" "^wobble host: $expected"
+  done
+  expect_lines "$err" 14
 }
 
 case_port_in_use() {
   start_server
   expect_refusal "^wobbled: port $port (UDP) is in use$" wobbled --port "$port"
   expect_refusal "^server: port $port (UDP) is in use$" wobble play --scene arena --port "$port" --for 5
+  # At once, though a world beside it would train for long.
+  local before=$SECONDS
+  WOBBLE_CACHE='' WOBBLE_UNTRAINED='' expect_refusal "^server of pair: port $port (UDP) is in use$" \
+    wobble play --scene crowd --scene pair --port "$((port - 1))" --for 5
+  [ $((SECONDS - before)) -le 2 ] || fail "the taken port at once, not after $((SECONDS - before)) s"
   make_page
   start gateway wobble gateway --server "127.0.0.1:$port" --http 0 --page "$folder/page"
   local gateway=$pid http
@@ -283,8 +449,8 @@ case_port_in_use() {
   http="$(read_port gateway 'open http:\/\/localhost:')"
   expect_refusal "^wobble gateway: port $http (TCP) is in use; " \
     wobble gateway --server "127.0.0.1:$port" --http "$http" --page "$folder/page"
-  expect_exit 2 wobble play --scene arena --port 0 --http "$http" --page "$folder/page" --for 5
-  expect_line "$err" "^gateway: port $http (TCP) is in use; "
+  expect_refusal "^wobble play: the page's port $http (TCP) is in use$" \
+    wobble play --scene arena --port 0 --http "$http" --page "$folder/page" --for 5
   kill -TERM "$gateway"
   expect_end gateway "$gateway" 0 5
   kill -TERM "$server"
@@ -346,6 +512,16 @@ case_password() {
   expect_refusal 'empty.txt: the first line must have 1 to 512 bytes' \
     "${join[@]}" "127.0.0.1:$port" --password-file "$folder/empty.txt"
   expect_refusal 'the first line must have 1 to 512 bytes' wobbled --port 0 --untrained --password-file /dev/zero
+  # SIGHUP reads the file again; a faulty one changes nothing.
+  echo 'open simsim' >"$folder/door.txt"
+  kill -HUP "$server"
+  expect_exit 0 "${join[@]}" "127.0.0.1:$port" --password-file "$folder/wrong.txt" --threshold 'connected==1'
+  : >"$folder/door.txt"
+  kill -HUP "$server"
+  pid=$server wait_for_log server 'error nothing is read again: --password-file: .* must have 1 to 512 bytes'
+  expect_exit 0 "${join[@]}" "127.0.0.1:$port" --password-file "$folder/wrong.txt" --threshold 'connected==1'
+  kill -TERM "$server"
+  expect_end server "$server" 0
 }
 
 # Orders by the socket, an invite as it is printed, and tokens with what they say.
@@ -389,7 +565,7 @@ case_administration() {
 
 case_unknown_option() {
   local program
-  for program in wobbled wobble 'wobble bots' 'wobble play' 'wobble watch' 'wobble link' 'wobble gateway'; do
+  for program in wobbled wobble 'wobble bots' 'wobble play' 'wobble host' 'wobble watch' 'wobble link' 'wobble gateway'; do
     # shellcheck disable=SC2086  # program and command are two words
     expect_refusal "--frobnicate.*$program --help\|--frobnicate.*wobble --help" $program --frobnicate
   done
@@ -419,8 +595,27 @@ case_unknown_option() {
   expect_refusal "^wobble gateway: no page: '$folder/index.html' is not there" \
     wobble gateway --server "$nobody" --page "$folder"
   expect_refusal '^wobbled: --port 99999: must be 0 to 65535$' wobbled --port 99999
-  expect_refusal '^wobbled: --for -3: must be 0 to 1000000$' wobbled --for -3
-  expect_refusal '^wobbled: --for nan: must be 0 to 1000000$' wobbled --for nan
+  expect_refusal '^wobbled: --for -3: must be 0 to 1000000, such as 90, 90s, ' wobbled --for -3
+  expect_refusal '^wobbled: --for nan: must be 0 to 1000000, such as 90, 90s, ' wobbled --for nan
+  expect_refusal "^wobble play: --for: '1d' is no duration; write 90 or 90s, " wobble play --for 1d
+  expect_exit 0 wobbled --port 0 --untrained --scene pair --for 100ms
+  expect_refusal '^wobble bots: there is no option --cout; did you mean --count? (see wobble bots --help)$' \
+    wobble bots "$nobody" --cout 3
+  expect_refusal '^wobbled: there is no option --max-client; did you mean --max-clients? (see wobbled --help)$' \
+    wobbled --max-client 3
+  expect_refusal '^wobble: there is no command gatway; did you mean gateway? (see wobble --help)$' wobble gatway
+
+  # The same by the environment, which mistakes name; the command line wins.
+  WOBBLE_PORT=99999 expect_refusal '^wobbled: WOBBLE_PORT 99999: must be 0 to 65535$' wobbled
+  WOBBLE_SUMMARY=/no/such/file expect_refusal '^wobbled: WOBBLE_SUMMARY /no/such/file: cannot be written$' wobbled --port 0
+  WOBBLE_HTTP=70000 expect_refusal "^wobble gateway: WOBBLE_HTTP: '70000' is not 0 to 65535" \
+    wobble gateway --server "$nobody"
+  WOBBLE_BIND=here expect_refusal "^wobble gateway: WOBBLE_BIND: 'here' is no IP address" wobble gateway --server "$nobody"
+  WOBBLE_PORT=99999 WOBBLE_SCENE=pair expect_exit 0 wobbled --port 0 --untrained --for 0.01
+  expect_line "$out" ', scene pair$'
+  # A child has its options from its parent alone.
+  WOBBLE_SCENE=pair WOBBLE_PORT=0 WOBBLE_FOR=0.5 WOBBLE_BOTS=0 WOBBLE_HTTP=0 WOBBLE_TICK_HZ=1 expect_exit 0 wobble play
+  expect_line "$out" '^scene pair on UDP port [1-9]'
   expect_refusal '^wobbled: --snapshot-hz 90: must be 1 to 60$' wobbled --port 0 --snapshot-hz 90
   expect_refusal '^wobbled: --log-level loud: must be one of' wobbled --log-level loud
   expect_refusal '^wobbled: --log-format xml: must be text or json$' wobbled --log-format xml
@@ -616,7 +811,7 @@ case_random_datagrams() {
 
 case_help_and_version() {
   local program
-  for program in wobbled wobble 'wobble bots' 'wobble play' 'wobble watch' 'wobble link' 'wobble gateway'; do
+  for program in wobbled wobble 'wobble bots' 'wobble play' 'wobble host' 'wobble watch' 'wobble link' 'wobble gateway'; do
     # shellcheck disable=SC2086  # program and command are two words
     expect_exit 0 $program --help
     expect_line "$out" '^Examples:'
@@ -901,12 +1096,13 @@ case_players_give_up() {
   wait_for_line bots '^bots 2/2'
   kill -TERM "$server"
   expect_end server "$server" 0
-  expect_end bots "$bots" 0 8
+  expect_end bots "$bots" 1 8
   expect_line "$folder/bots.err" '^wobble bots: bot 1 ended: server is closing; gave up joining again after 2 s'
+  expect_line "$folder/bots.err" "^wobble bots: the server at 127.0.0.1:$port was lost, and no bot is back: server is closing"
   expect_line "$folder/bots.out" '^2 of 2 bots connected, 2 disconnects, 0 script errors'
   kill -0 "$patient" 2>/dev/null || fail 'a bot that still tries' "$folder/patient.out" "$folder/patient.err"
   kill -INT "$patient"
-  expect_end patient "$patient" 0 1
+  expect_end patient "$patient" 1 1
 }
 
 # The example's own ball rolls in a circle: several positions, no two equal.

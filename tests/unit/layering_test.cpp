@@ -56,7 +56,7 @@ const std::string kLanes = "server/physics/lanes/", kModel = "server/physics/mod
                   kScenes = "server/scenes/", kTiming = "server/timing/", kPlay = "server/play/",
                   kRecording = "server/recording/", kSnapshots = "server/snapshots/", kProtocol = "protocol/",
                   kCodec = "protocol/codec/", kEncoding = "protocol/codec/encoding/",
-                  kVestibule = "protocol/transport/vestibule/", kClient = "client/";
+                  kVestibule = "protocol/transport/vestibule/", kUsage = "protocol/usage/", kClient = "client/";
 // The headers of the client library itself, without the rooms of the commands.
 const Strings kCommandReach{kClient, kProtocol};
 
@@ -131,6 +131,8 @@ const std::vector<Room> kRooms{
     // It alone knows the cryptographic library.
     {kVestibule, {kProtocol}, Join(kSystem, {"sodium.h"}), kClockFileLog},
     {"protocol/transport/", {kProtocol}, Join(kSystem, {"enet/"}), kClockFileLog},
+    // What the uses of all programs share.
+    {kUsage, {}, {"CLI/", "fcntl.h", "unistd.h"}, kClock},
     {kEncoding, {kCodec, kProtocol}, {"flatbuffers/", "immintrin.h"}, kPortable},
     {kCodec, {kProtocol}, {"flatbuffers/", "immintrin.h"}, kPortable},
     {kProtocol, {}, {"flatbuffers/"}, kPortable},
@@ -144,7 +146,10 @@ const std::vector<Room> kRooms{
     {"client/export/", kCommandReach, {"CLI/", "unistd.h"}, {}},
     {"client/token/", kCommandReach, {"CLI/"}, {}},
     {"client/link/", kCommandReach, Join(kSystem, {"CLI/"}), {}},
-    {"client/play/", kCommandReach, Join(kSystem, {"CLI/", "nlohmann/"}), {}},
+    {"client/play/", kCommandReach, Join(kSystem, {"CLI/"}), {}},
+    // It decides when; the time is a parameter.
+    {"client/host/keeper", {}, {}, kClockFileLog},
+    {"client/host/", kCommandReach, Join(kSystem, {"CLI/", "nlohmann/", "toml++/"}), {}},
     {"client/main", kCommandReach, Join(kSystem, {"CLI/", "nlohmann/"}), {}},
     // A developer copies it: the packages of the library and the standard library are all that it needs.
     {"client/example", kCommandReach, {}, {}},
@@ -156,13 +161,13 @@ const std::vector<Room> kRooms{
 const Strings kSockets{kVestibule, "protocol/transport/enet", "protocol/transport/link", "protocol/transport/relay",
                        "protocol/transport/virtual"};
 const std::map<std::string, Strings> kRefused{
-    {kProtocol, {"protocol/transport/", kCodec}},
+    {kProtocol, {"protocol/transport/", kCodec, kUsage}},
     {kEncoding, {"protocol/transport/"}},
     {kCodec, {"protocol/transport/", kEncoding}},
-    {kClient, Join(kSockets, {"client/admin/", "client/bots/", "client/command/", "client/files/", "client/gateway/",
-                              "client/health/", "client/link/", "client/play/", "client/terminal/", "client/token/",
-                              "client/wasm/"})},
-    {"server/", Join(kSockets, {"server/admin/", "server/admission/", "server/ops/"})},
+    {kClient, Join(kSockets, {kUsage, "client/admin/", "client/bots/", "client/command/", "client/files/",
+                              "client/gateway/", "client/health/", "client/host/", "client/link/", "client/play/",
+                              "client/terminal/", "client/token/", "client/wasm/"})},
+    {"server/", Join(kSockets, {kUsage, "server/admin/", "server/admission/", "server/ops/"})},
     {"server/options", {"server/ops/"}},
 };
 

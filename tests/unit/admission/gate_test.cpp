@@ -282,6 +282,29 @@ TEST_F(GateTest, BansAndInvitesOutliveTheServerAndFaultyFilesAreNamed) {
   const std::string text((std::istreambuf_iterator<char>(in)), {});
   EXPECT_EQ(text.find(secret), std::string::npos) << "the file has hashes alone";
 
+  // What others write into the files holds once they are read again, and nothing does of a faulty one.
+  std::ofstream(files.bans) << "ever 203.0.113.6\n";
+  EXPECT_EQ(opened->Decide({Credential::Kind::kInvite, bytes}, kHome).refusal, Refusal::kBanned);
+  ASSERT_TRUE(ReloadGate(files, *opened, error)) << error;
+  EXPECT_EQ(opened->Decide({Credential::Kind::kInvite, bytes}, kHome).refusal, Refusal::kNone);
+  EXPECT_EQ(opened->Decide({Credential::Kind::kInvite, bytes}, other).refusal, Refusal::kBanned);
+  files.password = folder / "password";
+  EXPECT_FALSE(ReloadGate(files, *opened, error));
+  EXPECT_NE(error.find("--password-file"), std::string::npos) << error;
+  std::ofstream(files.password) << "sesame\n";
+  std::ofstream(files.bans) << "";
+  ASSERT_TRUE(ReloadGate(files, *opened, error)) << error;
+  const std::string sesame = "sesame";
+  EXPECT_EQ(opened->Decide({Credential::Kind::kPassword, {sesame.begin(), sesame.end()}}, other).refusal,
+            Refusal::kNone);
+  files.password.clear();
+  std::ofstream(files.bans) << "ever 192.0.2\n";
+  EXPECT_FALSE(ReloadGate(files, *opened, error));
+  EXPECT_EQ(opened->Decide({Credential::Kind::kPassword, {sesame.begin(), sesame.end()}}, other).refusal,
+            Refusal::kNone);
+  std::ofstream(files.bans) << "";
+  error.clear();
+
   for (const auto& [file, line] : {std::pair{files.bans, "tomorrow 192.0.2.1"}, std::pair{files.bans, "ever 192.0.2"},
                                    std::pair{files.invites, "1 king ever any 00"}}) {
     const std::string before = [&] {

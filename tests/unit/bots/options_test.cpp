@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "client/bots/status.h"
-#include "client/command/clock.h"
+#include "protocol/usage/duration.h"
 
 namespace wobble::bots {
 namespace {
@@ -45,17 +45,17 @@ TEST(LoadTestWords, AddressesAndShares) {
 
 TEST(LoadTestWords, Durations) {
   std::string error;
-  const auto read = [&](const char* text) { return ParseDuration(text, error).value_or(-1); };
+  const auto read = [&](const char* text) { return usage::ParseDuration(text, error).value_or(-1); };
   EXPECT_EQ(read("0"), 0);
   EXPECT_EQ(read("90"), 90);
   EXPECT_EQ(read("90s"), 90);
   EXPECT_EQ(read("1.5m"), 90);
   EXPECT_EQ(read("2h"), 7200);
   EXPECT_NEAR(read("250ms"), 0.25, 1e-12);
-  EXPECT_EQ(read("1000000"), command::kMaxDuration);
+  EXPECT_EQ(read("1000000"), usage::kMaxDuration);
   for (const char* text :
        {"", "s", "ms", "-1", "-1s", "1000001", "300h", "nan", "inf", "1 s", " 1", "1d", "1s5", "+1"}) {
-    EXPECT_FALSE(ParseDuration(text, error).has_value()) << text;
+    EXPECT_FALSE(usage::ParseDuration(text, error).has_value()) << text;
     EXPECT_EQ(error.find("'" + std::string(text) + "' is no duration"), 0U) << error;
   }
 }

@@ -1,10 +1,10 @@
-#include "client/play/summary.h"
+#include "client/host/summary.h"
 
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-namespace wobble::play {
+namespace wobble::host {
 namespace {
 
 // An empty object when there is none.
@@ -32,6 +32,10 @@ double Number(const nlohmann::json& summary, const char* key) {
 
 }  // namespace
 
+std::string CountOf(unsigned count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
 void ReportServer(const std::string& name, const std::filesystem::path& file, bool isExpected,
                   std::vector<std::string>& failures) {
   const nlohmann::json summary = ReadSummary(file, isExpected, failures);
@@ -47,17 +51,20 @@ void ReportServer(const std::string& name, const std::filesystem::path& file, bo
     std::printf("warning: %s ticks took too long\n", Show(summary, "overruns").c_str());
 }
 
-void ReportBots(const std::string& name, const std::filesystem::path& file, bool isExpected,
+void ReportBots(const std::string& name, const std::filesystem::path& file, const BotsRun& run,
                 std::vector<std::string>& failures) {
-  const nlohmann::json summary = ReadSummary(file, isExpected, failures);
+  const nlohmann::json summary = ReadSummary(file, run.isExpected, failures);
   if (summary.empty()) return;
   std::printf("%s: %s of %s connected, %s disconnects, %s script errors, snapshots %s ms old (p50), %s ms (p99)\n",
               name.c_str(), Show(summary, "connected").c_str(), Show(summary, "bots").c_str(),
               Show(summary, "disconnects").c_str(), Show(summary, "script_errors").c_str(),
               Show(summary, "snapshot_age_ms_p50", 1).c_str(), Show(summary, "snapshot_age_ms_p99", 1).c_str());
-  if (Number(summary, "connected") < Number(summary, "bots")) failures.push_back("not all bots connected");
-  if (Number(summary, "disconnects") > 0) failures.push_back("bots were disconnected");
+  if (Number(summary, "connected") < Number(summary, "bots") && !run.isEarly) {
+    failures.push_back("not all bots connected");
+  }
+  const double back = run.wasCutOff ? Number(summary, "rejoins") : 0;
+  if (Number(summary, "disconnects") > back) failures.push_back("bots were disconnected");
   if (Number(summary, "script_errors") > 0) failures.push_back("scripts failed");
 }
 
-}  // namespace wobble::play
+}  // namespace wobble::host

@@ -1,0 +1,393 @@
+// The parts are real programs, started as children, rather than servers in this process: people see what they will run
+// themselves, and the crash of one part is the crash of that part alone.
+//
+// The worlds are started at once: each trains for a while first. The gateway follows when every world is ready or has
+// failed, so that a line that tells people to open something is true; bots follow their world. At the end bots and
+// browsers say goodbye to a server that still runs. All parts get SIGINT, and are killed when they do not react; what
+// they measured is read from their summary files.
+#include "client/host/fleet.h"
+
+#include <poll.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <deque>
+
+#include "client/command/clock.h"
+#include "client/command/exit_codes.h"
+#include "client/command/sockets.h"
+#include "client/host/part.h"
+#include "client/host/report.h"
+#include "client/host/screen.h"
+#include "client/host/summary.h"
+#include "client/host/temporary_folder.h"
+#include "protocol/transport/vestibule/key_file.h"
+
+namespace wobble::host {
+namespace {
+
+// Seconds for a program that says goodbye and writes its summary, and for one that was not ready yet.
+constexpr double kEndPatience = 5;
+constexpr double kEndPatienceAtStart = 0.5;
+// Seconds from when all is ready in which bots may still be on their way in.
+constexpr double kJoinTime = 4;
+// The children print a status line each second; so many seconds are allowed for it to arrive.
+constexpr double kStatusLag = 0.1;
+
+// The first number in a line such as "listening on UDP port 7777, scene arena".
+std::uint16_t ReadPort(const std::string& line) {
+  const std::size_t digits = line.find_first_of("0123456789");
+  return digits == std::string::npos ? std::uint16_t{0}
+                                     : static_cast<std::uint16_t>(std::strtoul(line.c_str() + digits, nullptr, 10));
+}
+
+class Fleet {
+ public:
+  Fleet(Plan plan, const std::function<bool()>& stopAsked, const TakePlan& takePlan)
+      : m_plan(std::move(plan)), m_stopAsked(stopAsked), m_takePlan(takePlan) {}
+
+  int Run();
+
+ private:
+  void AddWorld(const WorldPlan& world);
+  void AddGateway();
+  void Watch();
+  void FollowPlan();
+  void Retire(Part& part);
+  void StartDue();
+  [[nodiscard]] bool CanStart(const Part& part) const;
+  [[nodiscard]] std::vector<std::string> MakeCommand(const Part& part) const;
+  void Update(double until);
+  void Follow(Part& part);
+  void Announce(const Part& part);
+  void ShowOwnersLink();
+  void ShowStatus(double left);
+  void EndAll();
+  void End(Part& part);
+  int GiveUp();
+
+  // For programs of this machine.
+  [[nodiscard]] std::string AddressOf(std::size_t world) const {
+    return m_plan.worlds[world].host + ":" + std::to_string(m_ports[world]);
+  }
+  // The first world or gateway that could not be started at all; null: none.
+  [[nodiscard]] const Part* FindFailedStart() const;
+  [[nodiscard]] const Part& FindWorld(std::size_t number) const;
+  [[nodiscard]] bool AreWorldsOver() const;
+
+  Plan m_plan;
+  const std::function<bool()>& m_stopAsked;
+  const TakePlan& m_takePlan;
+  Screen m_screen;
+  bool m_isReady = false;  // every world and the gateway was ready, or has failed
+  double m_readyAt = 0;
+  std::vector<std::string> m_failures;
+  TemporaryFolder m_folder;
+  std::deque<Part> m_parts;            // as they were added
+  std::vector<std::uint16_t> m_ports;  // UDP, of the worlds; 0: not known yet
+  std::uint16_t m_http = 0;            // TCP, of the gateway
+};
+
+int Fleet::Run() {
+  if (m_folder.Path().empty()) {
+    std::fprintf(stderr, "%s: no temporary folder can be made\n", m_plan.command.c_str());
+    return command::kExitFailed;
+  }
+  // Found before anything starts: the gateway itself is started when the worlds are ready.
+  std::string error;
+  if (m_plan.gateway && !command::IsFree(m_plan.gateway->bindAddress, m_plan.gateway->port, error)) {
+    std::fprintf(stderr, "%s: the page's %s\n", m_plan.command.c_str(), error.c_str());
+    return command::kExitBadUse;
+  }
+  for (const WorldPlan& world : m_plan.worlds) AddWorld(world);
+  if (m_plan.gateway) AddGateway();
+  Watch();
+  m_screen.EndStatus();
+  if (FindFailedStart() != nullptr) return GiveUp();
+  m_failures = FindFailures(m_parts);
+  const bool isEarly = !m_isReady || command::ReadClock() < m_readyAt + kJoinTime;
+  EndAll();
+  return Report(m_parts, m_folder.Path(), isEarly, command::ReadClock(), std::move(m_failures));
+}
+
+void Fleet::AddWorld(const WorldPlan& world) {
+  const std::size_t number = m_ports.size();
+  m_ports.push_back(world.port);
+  m_parts.push_back({Part::Role::kWorld, number, world.title, "wobbled: ", "listening"});
+  if (world.bots == 0) return;
+  const std::string name = number == 0 ? "bots" : "bots in " + world.name;
+  m_parts.push_back({Part::Role::kBots, number, name, "wobble bots: ", "bots "});
+}
+
+void Fleet::AddGateway() {
+  m_http = m_plan.gateway->port;
+  m_parts.push_back({Part::Role::kGateway, 0, "gateway", "wobble gateway: ", "open http"});
+}
+
+void Fleet::Watch() {
+  double end = INFINITY, nextStatus = INFINITY;
+  const auto now = &command::ReadClock;
+  while (!m_stopAsked() && now() < end && FindFailedStart() == nullptr && !AreWorldsOver()) {
+    if (m_isReady) FollowPlan();
+    StartDue();
+    Update(std::min(nextStatus, end));
+    const auto isSettled = [](const Part& part) { return part.role == Part::Role::kBots || part.IsSettled(); };
+    if (!m_isReady && FindFailedStart() == nullptr && std::ranges::all_of(m_parts, isSettled)) {
+      m_isReady = true;
+      if (!m_plan.notice.empty()) m_screen.Say(m_plan.notice);
+      m_readyAt = now();
+      if (m_plan.duration > 0) end = m_readyAt + m_plan.duration;
+      if (m_plan.statusEvery > 0) nextStatus = m_readyAt + m_plan.statusEvery + kStatusLag;
+    }
+    if (now() < nextStatus) continue;
+    nextStatus += m_plan.statusEvery;
+    ShowStatus(end - now());
+  }
+}
+
+// Adopts a new plan: worlds and gateway that are as they were go on, and worlds are told to read their files again;
+// what is not in it any more ends; what has changed ends and begins anew, and what was over begins again. The gateway
+// has its list of worlds from its start, so that it begins anew when the list changes: its browsers join again by
+// themselves.
+void Fleet::FollowPlan() {
+  const std::optional<Plan> next = m_takePlan ? m_takePlan() : std::nullopt;
+  if (!next) return;
+  bool isListNew = false;
+  std::vector<WorldPlan> others = next->worlds;
+  for (std::size_t i = 0; i < m_plan.worlds.size(); ++i) {
+    WorldPlan& world = m_plan.worlds[i];
+    if (FindWorld(i).isRetired) continue;
+    const auto found = std::ranges::find(others, world.name, &WorldPlan::name);
+    const Part& present = FindWorld(i);
+    if (found != others.end() && *found == world && !present.IsOver()) {
+      if (present.HasProcess()) present.child->Signal(SIGHUP);
+      others.erase(found);
+      continue;
+    }
+    isListNew = true;
+    for (auto part = m_parts.rbegin(); part != m_parts.rend(); ++part) {
+      if (part->role != Part::Role::kGateway && part->world == i) Retire(*part);
+    }
+  }
+  for (const WorldPlan& world : others) {
+    m_plan.worlds.push_back(world);
+    AddWorld(world);
+    isListNew = true;
+  }
+  if (!isListNew && next->gateway == m_plan.gateway) return;
+  for (Part& part : m_parts) {
+    if (part.role == Part::Role::kGateway && !part.isRetired) Retire(part);
+  }
+  m_plan.gateway = next->gateway;
+  if (m_plan.gateway) AddGateway();
+}
+
+void Fleet::Retire(Part& part) {
+  m_screen.Complain(part.name + ": ends, as its file says now");
+  End(part);
+  part.isRetired = true;
+}
+
+const Part* Fleet::FindFailedStart() const {
+  const auto hasFailed = [this](const Part& part) {
+    const bool isFinal = part.keeper.ReadState() == Keeper::State::kGivenUp && !part.keeper.HasBeenReady();
+    return isFinal && !m_isReady && part.role != Part::Role::kBots;
+  };
+  const auto found = std::ranges::find_if(m_parts, hasFailed);
+  return found == m_parts.end() ? nullptr : &*found;
+}
+
+const Part& Fleet::FindWorld(std::size_t number) const {
+  return *std::ranges::find_if(
+      m_parts, [&](const Part& part) { return part.role == Part::Role::kWorld && part.world == number; });
+}
+
+bool Fleet::AreWorldsOver() const {
+  return std::ranges::all_of(m_parts,
+                             [](const Part& part) { return part.role != Part::Role::kWorld || part.IsOver(); });
+}
+
+void Fleet::StartDue() {
+  for (Part& part : m_parts) {
+    const double now = command::ReadClock();
+    if (!part.keeper.IsDue(now) || !CanStart(part)) continue;
+    const std::string error = StartPart(part, MakeCommand(part), now);
+    if (!error.empty()) m_screen.Complain(part.name + ": " + error);
+  }
+}
+
+bool Fleet::CanStart(const Part& part) const {
+  const auto isSettled = [this](const Part& other) {
+    return other.role != Part::Role::kWorld || (other.IsSettled() && (m_ports[other.world] != 0 || other.IsOver()));
+  };
+  switch (part.role) {
+    case Part::Role::kWorld:
+      return true;
+    case Part::Role::kGateway:
+      return std::ranges::all_of(m_parts, isSettled);
+    case Part::Role::kBots:
+      return FindWorld(part.world).keeper.ReadState() == Keeper::State::kRunning;
+  }
+  return false;
+}
+
+std::vector<std::string> Fleet::MakeCommand(const Part& part) const {
+  const std::string wobble = (m_plan.programFolder / "wobble").string();
+  std::vector<std::string> words;
+  const WorldPlan& world = m_plan.worlds[part.world];
+  switch (part.role) {
+    case Part::Role::kWorld:
+      words = {(m_plan.programFolder / "wobbled").string(), "--port", std::to_string(m_ports[part.world])};
+      words.insert(words.end(), world.options.begin(), world.options.end());
+      words.insert(words.end(), {"--status", "1", "--summary", SummaryOf(part, m_folder.Path()).string()});
+      break;
+    case Part::Role::kGateway:
+      words = {wobble,     "gateway", "--http", std::to_string(m_http), "--bind", m_plan.gateway->bindAddress,
+               "--status", "1"};
+      words.insert(words.end(), m_plan.gateway->options.begin(), m_plan.gateway->options.end());
+      for (std::size_t i = 0; i < m_plan.worlds.size(); ++i) {
+        if (m_ports[i] != 0 && !FindWorld(i).isRetired)
+          words.insert(words.end(), {"--server", m_plan.worlds[i].name + "=" + AddressOf(i)});
+      }
+      break;
+    case Part::Role::kBots:
+      words = {wobble, "bots", AddressOf(part.world), "--script", world.script, "--count", std::to_string(world.bots)};
+      words.insert(words.end(), world.access.begin(), world.access.end());
+      words.insert(words.end(),
+                   {"--ramp", "1", "--status", "1", "--summary", SummaryOf(part, m_folder.Path()).string()});
+      break;
+  }
+  return words;
+}
+
+// Waits for output of the children, until then at the latest, and passes it on. A child closes its output before
+// waitpid reports its end, and a closed stream cannot be polled; so the wait is then shortened.
+void Fleet::Update(double until) {
+  std::vector<pollfd> descriptors;
+  const double now = command::ReadClock();
+  double wait = std::min(until - now, 1.0);
+  for (const Part& part : m_parts) {
+    if (part.keeper.ReadState() == Keeper::State::kWaiting && CanStart(part)) {
+      wait = std::min(wait, part.keeper.WaitLeft(now));
+    }
+    if (!part.HasProcess()) continue;
+    for (const int descriptor : {part.child->OutputDescriptor(), part.child->ErrorsDescriptor()}) {
+      if (descriptor >= 0) descriptors.push_back({descriptor, POLLIN, 0});
+      if (descriptor < 0) wait = std::min(wait, 0.01);
+    }
+  }
+  const int milliseconds = static_cast<int>(std::ceil(std::max(wait, 0.0) * 1000));
+  static_cast<void>(
+      poll(descriptors.data(), descriptors.size(), milliseconds));  // a signal ends it early, as it should
+  for (Part& part : m_parts) Follow(part);
+}
+
+void Fleet::Follow(Part& part) {
+  const PartNews news = FollowPart(part, command::ReadClock());
+  for (const std::string& line : news.errors) m_screen.Complain(part.name + ": " + line);
+  if (news.isReady) Announce(part);
+  // What could not start at first has said why itself.
+  if (!news.change.empty() && FindFailedStart() != &part) m_screen.Complain(part.name + ": " + news.change);
+}
+
+void Fleet::Announce(const Part& part) {
+  if (part.role == Part::Role::kWorld) m_ports[part.world] = ReadPort(part.readyLine);
+  if (part.role == Part::Role::kGateway) m_http = ReadPort(part.readyLine);
+  if (part.keeper.Restarts() > 0 || part.role == Part::Role::kBots) return;
+  if (part.role == Part::Role::kGateway) {
+    m_screen.Say(part.readyLine);
+    return ShowOwnersLink();
+  }
+  const std::string port = std::to_string(m_ports[part.world]);
+  std::string line = m_plan.worlds[part.world].label + " on UDP port " + port;
+  if (part.world == 0) {
+    const std::string self = std::filesystem::proximate(m_plan.programFolder / "wobble").string();
+    line += "; watch it from another terminal with: " + self + " watch " + AddressOf(0) + "; Ctrl-C ends all";
+  }
+  m_screen.Say(line);
+}
+
+// The servers have left their owner's key in the user's state folder. Shown to a person alone: it is a secret.
+void Fleet::ShowOwnersLink() {
+  std::string ignored;
+  const auto file = transport::vestibule::FindStateFile(transport::vestibule::kOwnerKeyName);
+  if (!m_screen.IsTerminal() || file.empty() || !transport::vestibule::InitialiseSodium()) return;
+  const auto key = transport::vestibule::LoadKey(file, ignored);
+  if (!key) return;
+  m_screen.Say("to own the first world, and tune it: http://localhost:" + std::to_string(m_http) +
+               "/#owner=" + transport::vestibule::FormatKey(*key));
+}
+
+// Of the first world, the gateway and the first bots, and what is not as it should be.
+void Fleet::ShowStatus(double left) {
+  std::string world, gateway, bots;
+  std::size_t up = 0, worlds = 0;
+  for (const Part& part : m_parts) {
+    if (part.isRetired) continue;
+    const bool isRunning = part.keeper.ReadState() == Keeper::State::kRunning;
+    const bool isWorld = part.role == Part::Role::kWorld;
+    worlds += isWorld ? 1 : 0;
+    up += isWorld && isRunning ? 1 : 0;
+    std::string& line = isWorld ? world : part.role == Part::Role::kGateway ? gateway : bots;
+    if (line.empty()) line = isRunning || part.role == Part::Role::kBots ? part.line : part.name + " is down";
+  }
+  std::string line;
+  const auto add = [&line](const std::string& words) {
+    if (!words.empty()) line += (line.empty() ? "" : " | ") + words;
+  };
+  if (std::isfinite(left)) add(std::to_string(std::lround(left)) + " s left");
+  for (const std::string& each : {world, gateway, bots}) add(each);
+  const unsigned restarts = CountRestarts(m_parts);
+  if (up < worlds || restarts > 0) add(std::to_string(up) + "/" + std::to_string(worlds) + " worlds up");
+  if (restarts > 0) add(CountOf(restarts, "restart"));
+  m_screen.ShowStatus(std::move(line));
+}
+
+// In the reverse order of starting.
+void Fleet::EndAll() {
+  for (auto part = m_parts.rbegin(); part != m_parts.rend(); ++part) End(*part);
+}
+
+// Asks a process that still runs to end, and kills it when it does not. One that was not ready yet has nothing to say.
+void Fleet::End(Part& part) {
+  const bool wasReady = part.keeper.ReadState() == Keeper::State::kRunning;
+  part.keeper.AskToEnd();
+  if (!part.HasProcess()) return;
+  part.child->Signal(SIGINT);
+  const double deadline = command::ReadClock() + (wasReady ? kEndPatience : kEndPatienceAtStart);
+  while (part.HasProcess() && command::ReadClock() < deadline) Update(deadline);
+  if (part.HasProcess()) {
+    if (wasReady) {
+      m_failures.push_back("the " + part.name + " did not end within " + std::to_string(std::lround(kEndPatience)) +
+                           " s of being asked, and had to be killed");
+    }
+    part.child->Signal(SIGKILL);
+    while (part.HasProcess()) Update(command::ReadClock() + 1);
+    return;
+  }
+  if (wasReady && part.exitCode != 0) {
+    m_failures.push_back("the " + part.name + " ended with exit code " + std::to_string(part.exitCode.value_or(0)));
+  }
+}
+
+// Ends after a failed start. A part that refused its options has said so itself.
+int Fleet::GiveUp() {
+  const Part& failed = *FindFailedStart();
+  const int code = failed.exitCode.value_or(command::kExitFailed);
+  EndAll();
+  if (code == command::kExitBadUse) return code;
+  std::fprintf(stderr, "%s: the %s ended at once with exit code %d\n", m_plan.command.c_str(), failed.name.c_str(),
+               code);
+  return command::kExitFailed;
+}
+
+}  // namespace
+
+int RunFleet(const Plan& plan, const std::function<bool()>& stopAsked, const TakePlan& takePlan) {
+  return Fleet(plan, stopAsked, takePlan).Run();
+}
+
+}  // namespace wobble::host

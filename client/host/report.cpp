@@ -1,0 +1,73 @@
+#include "client/host/report.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "client/command/exit_codes.h"
+#include "client/host/summary.h"
+
+namespace wobble::host {
+namespace {
+
+// Whether the world of these bots died: then those that came back are no failure.
+bool HasDied(const std::deque<Part>& parts, std::size_t world) {
+  return std::ranges::any_of(parts, [world](const Part& part) {
+    return part.role == Part::Role::kWorld && part.world == world && part.keeper.Deaths() > 0;
+  });
+}
+
+}  // namespace
+
+std::filesystem::path SummaryOf(const Part& part, const std::filesystem::path& folder) {
+  return folder / (part.name + "-" + std::to_string(part.world) + ".json");
+}
+
+unsigned CountRestarts(const std::deque<Part>& parts) {
+  unsigned restarts = 0;
+  for (const Part& part : parts) restarts += part.keeper.Restarts();
+  return restarts;
+}
+
+std::vector<std::string> FindFailures(const std::deque<Part>& parts) {
+  std::vector<std::string> failures;
+  for (const Part& part : parts) {
+    const Keeper::State state = part.keeper.ReadState();
+    if (part.isRetired) continue;
+    if (state == Keeper::State::kGivenUp) {
+      failures.push_back("the " + part.name + " ended with exit code " + std::to_string(part.exitCode.value_or(0)) +
+                         " and could not be started again");
+    } else if ((state == Keeper::State::kWaiting || state == Keeper::State::kStarting) && part.keeper.Deaths() > 0) {
+      failures.push_back("the " + part.name + " had died and was not back at the end");
+    }
+  }
+  return failures;
+}
+
+int Report(const std::deque<Part>& parts, const std::filesystem::path& folder, bool isEarly, double now,
+           std::vector<std::string> failures) {
+  for (const Part& part : parts) {
+    const bool isExpected = part.exitCode == 0 && part.keeper.HasBeenReady();
+    const std::filesystem::path file = SummaryOf(part, folder);
+    if (part.role == Part::Role::kGateway && !part.line.empty()) {
+      std::printf("gateway: %s\n", part.line.c_str());  // its last is what it counted
+    } else if (part.role == Part::Role::kWorld && part.child) {
+      ReportServer(part.name, file, isExpected, failures);
+    } else if (part.role == Part::Role::kBots && part.child) {
+      const BotsRun run{.isExpected = isExpected, .wasCutOff = HasDied(parts, part.world), .isEarly = isEarly};
+      ReportBots(part.name, file, run, failures);
+    }
+    if (part.keeper.Restarts() == 0) continue;
+    std::printf("%s: %s, %.1f s down; the figures are those since\n", part.name.c_str(),
+                CountOf(part.keeper.Restarts(), "restart").c_str(), part.keeper.SecondsDown(now));
+  }
+  for (const std::string& failure : failures) std::printf("FAILED: %s\n", failure.c_str());
+  const unsigned restarts = CountRestarts(parts);
+  if (failures.empty() && restarts == 0) std::printf("all went well\n");
+  if (failures.empty() && restarts > 0) {
+    std::printf("all went well in the end: what had died came back (%s)\n", CountOf(restarts, "restart").c_str());
+  }
+  std::fflush(stdout);
+  return failures.empty() ? command::kExitGood : command::kExitFailed;
+}
+
+}  // namespace wobble::host
