@@ -21,6 +21,7 @@
 #include "server/admin/admin_socket.h"
 #include "server/admission/open_gate.h"
 #include "server/admission/refusal_log.h"
+#include "server/discovery/teller.h"
 #include "server/ops/agones.h"
 #include "server/ops/endpoint.h"
 #include "server/ops/fleet_duty.h"
@@ -114,6 +115,7 @@ struct Watchers {
     WatchFiles(server);
     for (const server::PhaseTimes& tick : server.LastTicks()) times.Record(tick.Sum());
     refusals.Follow(server.ReadTransport(), now);
+    if (teller) teller->Update(server, now);
     if (trace) trace->Write(server.LastTicks(), server.ShownTick());
     if (endpoint != nullptr) {
       gauge.Read(server, now);
@@ -150,6 +152,7 @@ struct Watchers {
   server::TickTimes times;
   StatusLine status;
   admission::RefusalLog refusals;
+  std::optional<discovery::Teller> teller;
   std::unique_ptr<ops::Endpoint> endpoint;
   ops::Gauge gauge;  // read only while there is an endpoint
   std::optional<ops::Trace> trace;
@@ -344,6 +347,9 @@ int RunServer(Options options) {
   } else {
     loaded = LoadScenes(options);
   }
+  if (const std::string fault = discovery::FindFault(options.name); !fault.empty()) {
+    options.errors.push_back("--name " + options.name + ": " + fault);
+  }
   if (!options.errors.empty()) {
     Complain(options.errors);
     return kBadUsage;
@@ -385,6 +391,7 @@ int RunServer(Options options) {
   }
   WarnOfOpenFiles(options);
   listen.judge = gate;
+  if (!options.isHidden) listen.pictures = std::make_shared<vestibule::PictureSlot>();
   Administration administration;
   if (!administration.Start(options, *gate)) return kBadUsage;
   auto transport = transport::EnetTransport::Listen(listen, error);
@@ -404,6 +411,13 @@ int RunServer(Options options) {
   if (film && !server::StartFilm(options, std::move(*film), server)) return kBadUsage;
   if (!server::StartKeeping(options, sources, server, ReadClock())) return kBadUsage;
   if (!server::StartRecording(options, sources[server.SceneNumber()], server, &ReadUnixTime)) return kBadUsage;
+  const discovery::Identity identity{.name = options.name,
+                                     .version = kVersion,
+                                     .port = port,
+                                     .key = publicKey,
+                                     .maxClients = options.config.maxClients,
+                                     .wantsCredential = gate->WantsCredential()};
+  if (!options.isHidden) watchers.teller.emplace(identity, listen.pictures);
   spdlog::info("this server's key is {}", publicKey);
   const std::string rotation = fmt::format("{} of {}", server.SceneName(), fmt::join(server.ListRotation(), ", "));
   fmt::print("listening on UDP port {}{}, scene {}\n", port, options.bind.empty() ? "" : " of " + options.bind,

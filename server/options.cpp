@@ -50,6 +50,12 @@ void DescribeOptions(CLI::App& app, Options& options) {
           ->type_name("SCENES")
           ->delimiter(',')
           ->excludes(scene);
+  app.add_option("--name", options.name, "What browsers of servers show, up to 64 bytes (the scene's name)")
+      ->type_name("TEXT")
+      ->envname("WOBBLE_NAME");
+  app.add_flag("--hidden", options.isHidden,
+               "Tell nobody what is played who is not in: no answer to server queries (A2S)")
+      ->envname("WOBBLE_HIDDEN");
   addNumber("--port", kPortRange, config.port, "UDP port; 0: a free one, printed at the start");
   app.add_option("--bind", options.bind,
                  "Address to listen at, such as 127.0.0.1 or ::1; every address of the machine, IPv6 and IPv4, if not "

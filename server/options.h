@@ -17,6 +17,8 @@ struct Options {
   bool hasAfterMatch = false;         // it was given
   double runFor = 0;                  // s; 0: until a signal
   double statusEvery = 0;             // s; 0: no status lines
+  std::string name;                   // that browsers of servers show; empty: the scene's
+  bool isHidden = false;              // tells strangers nothing of what is played
   std::string bind;                   // address to listen at; empty: every one of the machine
   std::string keyFile;                // of the server's key; empty: server.key in the state folder
   admission::GateFiles gate;

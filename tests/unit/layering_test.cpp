@@ -96,7 +96,10 @@ const std::vector<Room> kRooms{
     // It alone waits, on a thread of its own; fleet_duty decides when it is asked to call.
     {"server/ops/agones", {"server/ops/"}, {"httplib.h", "signal.h", "spdlog/"}, {}},
     {"server/ops/fleet_duty", {}, {}, kClockFileLog},
-    {"server/ops/http_listener", {}, {"boost/", "fmt/"}, {}},
+    // What listens by TCP.
+    {"server/ops/address", {}, {}, kClockFileLog},
+    {"server/ops/acceptor", {"server/ops/address"}, {"boost/", "fmt/"}, {}},
+    {"server/ops/http_listener", {"server/ops/acceptor", "server/ops/address"}, {"boost/", "fmt/"}, {}},
     {"server/ops/", {"server/", kProtocol}, Join(kSystem, {"fmt/", "nlohmann/", "prometheus/", "spdlog/"}), kClock},
     {"server/main", {"server/", kProtocol}, Join(kSystem, {"CLI/", "fmt/", "nlohmann/", "spdlog/"}), {}},
     {"server/replaying", {"server/", kProtocol}, Join(kSystem, {"CLI/", "fmt/", "nlohmann/", "spdlog/"}), {}},
@@ -112,7 +115,9 @@ const std::vector<Room> kRooms{
     {"server/admin/admin_socket", {"server/", kProtocol}, kSystem, {}},
     {"server/admin/admin_http", {"server/", kProtocol}, {}, {}},
     {"server/admin/order_queue", {"server/", kProtocol}, {}, {}},
+    {"server/admin/rcon_listener", {"server/", kProtocol}, {"boost/", "fmt/", "spdlog/"}, {}},
     {"server/admin/", {"server/", kProtocol}, {"fmt/", "spdlog/"}, {"ctime", "iostream", "fstream", "thread"}},
+    {"server/discovery/", {"server/", kProtocol}, {"fmt/"}, kClockFileLog},
     // Unicode's tables are the server's alone.
     {"server/names", {kProtocol}, {"unicode/"}, kClockFileLog},
     {"server/",
@@ -160,7 +165,7 @@ const std::map<std::string, Strings> kRefused{
     {kClient, Join(kSockets, {"client/admin/", "client/bots/", "client/command/", "client/files/", "client/gateway/",
                               "client/health/", "client/link/", "client/play/", "client/terminal/", "client/token/",
                               "client/wasm/"})},
-    {"server/", Join(kSockets, {"server/admin/", "server/admission/", "server/ops/"})},
+    {"server/", Join(kSockets, {"server/admin/", "server/admission/", "server/discovery/", "server/ops/"})},
     {"server/options", {"server/ops/"}},
 };
 
