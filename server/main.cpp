@@ -16,9 +16,11 @@
 
 #include "protocol/transport/enet_transport.h"
 #include "protocol/transport/vestibule/key_file.h"
+#include "protocol/transport/vestibule/secret_file.h"
 #include "protocol/version.h"
 #include "server/admin/admin_http.h"
 #include "server/admin/admin_socket.h"
+#include "server/admin/rcon_listener.h"
 #include "server/admission/open_gate.h"
 #include "server/admission/refusal_log.h"
 #include "server/discovery/teller.h"
@@ -233,7 +235,8 @@ std::filesystem::path FindKeyFile(const Options& options) {
 }
 
 void WarnOfOpenFiles(const Options& options) {
-  for (const std::string& file : admission::FindReadableByAll(options.gate, FindKeyFile(options).string())) {
+  for (const std::string& file :
+       admission::FindReadableByAll(options.gate, {FindKeyFile(options).string(), options.rconPasswordFile})) {
     spdlog::warn("{}: everybody on this machine can read it; chmod 600 keeps it to its owner", file);
   }
 }
@@ -261,6 +264,7 @@ struct Administration {
   admin::OrderQueue queue;
   std::unique_ptr<admin::AdminSocket> socket;
   std::unique_ptr<ops::HttpListener> http;
+  std::unique_ptr<admin::RconListener> rcon;
 
   // Returns false after it has reported what failed.
   bool Start(const Options& options, const admission::Gate& gate) {
@@ -269,7 +273,12 @@ struct Administration {
       socket = admin::AdminSocket::Listen(options.adminSocket, queue, error);
       if (socket == nullptr) return Complain({"--admin-socket " + error}), false;
     }
-    if (options.adminHttp.empty()) return true;
+    if (!options.adminHttp.empty() && !StartHttp(options, gate)) return false;
+    return (options.rcon.empty() && options.rconPasswordFile.empty()) || StartRcon(options);
+  }
+
+  bool StartHttp(const Options& options, const admission::Gate& gate) {
+    std::string error;
     ops::Address address;
     if (!gate.OwnerKey()) {
       error = options.adminHttp + ": there is no owner's key (see --owner-key)";
@@ -278,10 +287,29 @@ struct Administration {
     }
     if (http == nullptr) return Complain({"--admin-http " + error}), false;
     fmt::print("orders on TCP port {} of {}\n", http->ReadPort(), address.host);
-    const bool isThisMachine = address.host == "localhost" || address.host.starts_with("127.") || address.host == "::1";
-    if (!isThisMachine) {
+    if (!ops::IsThisMachine(address)) {
       spdlog::warn("--admin-http {}: other machines reach it, and what is sent, the owner's key too, is not encrypted",
                    options.adminHttp);
+    }
+    return true;
+  }
+
+  bool StartRcon(const Options& options) {
+    std::string error;
+    ops::Address address;
+    if (options.rcon.empty() || options.rconPasswordFile.empty()) {
+      error = options.rcon.empty() ? "must be given with --rcon-password-file"
+                                   : options.rcon + ": there is no password (see --rcon-password-file)";
+    } else if (ops::ParseAddress(options.rcon, address, error)) {
+      const auto password = vestibule::ReadSecret(options.rconPasswordFile, error);
+      if (!password) return Complain({"--rcon-password-file: " + error}), false;
+      rcon = admin::RconListener::Listen(address, *password, queue, error);
+    }
+    if (rcon == nullptr) return Complain({"--rcon " + error}), false;
+    fmt::print("RCON on TCP port {} of {}\n", rcon->ReadPort(), address.host);
+    if (!ops::IsThisMachine(address)) {
+      spdlog::warn("--rcon {}: other machines reach it, and what is sent, the password too, is not encrypted",
+                   options.rcon);
     }
     return true;
   }

@@ -92,6 +92,16 @@ void DescribeOptions(CLI::App& app, Options& options) {
       "--admin-http", options.adminHttp,
       "HOST:PORT, or PORT for this machine only, that takes orders by HTTP from who has the owner's key; PORT "
       "0: a free one; printed at the start");
+  app.add_option(
+         "--rcon", options.rcon,
+         "HOST:PORT, or PORT for this machine only, that takes orders by Source RCON from who knows the password "
+         "of --rcon-password-file; PORT 0: a free one; printed at the start")
+      ->type_name("HOST:PORT or PORT")
+      ->envname("WOBBLE_RCON");
+  app.add_option("--rcon-password-file", options.rconPasswordFile,
+                 "File whose first line is the password of --rcon, read at the start")
+      ->type_name("FILE")
+      ->envname("WOBBLE_RCON_PASSWORD_FILE");
   addNumber("--tick-hz", kTickHzRange, config.tickHz, "Steps of the world a second");
   addNumber("--snapshot-hz", kSnapshotHzRange, config.snapshotHz, "Snapshots a second, at most --tick-hz");
   addNumber("--max-clients", kMaxClientsRange, config.maxClients, "Players and spectators at once");
@@ -203,6 +213,8 @@ void DescribeOptions(CLI::App& app, Options& options) {
       "                                           whole again for the next visitors\n"
       "  wobbled --rotation arena,sumo,curtain --admin-socket admin.sock\n"
       "                                           then: wobble admin --socket admin.sock next\n"
+      "  wobbled --rcon 7777 --rcon-password-file rcon.txt\n"
+      "                                           orders by any RCON client, on this machine\n"
       "  wobbled --for 30 --summary run.json      half a minute, figures at the end\n"
       "  wobbled --ops 9100                       then: curl 127.0.0.1:9100/metrics\n"
       "  wobbled --record matches                 record what is played; then, to prove it:\n"

@@ -24,6 +24,8 @@ struct Options {
   admission::GateFiles gate;
   std::string adminSocket;  // path; empty: none
   std::string adminHttp;    // HOST:PORT; empty: none
+  std::string rcon;         // HOST:PORT; empty: none
+  std::string rconPasswordFile;
   std::string logLevel = "info";
   std::string summaryFile;
   std::string cacheFolder;

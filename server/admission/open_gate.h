@@ -24,8 +24,9 @@ struct GateFiles {
 [[nodiscard]] std::shared_ptr<Gate> OpenGate(const GateFiles& files, const transport::vestibule::Key& secretKey,
                                              std::function<std::uint64_t()> readUnixTime, std::string& error);
 
-// The files that hold a secret, the server's key among them, and that everybody on this machine can read.
-[[nodiscard]] std::vector<std::string> FindReadableByAll(const GateFiles& files, const std::string& serverKey);
+// The files that everybody on this machine can read, of those that hold a secret. others: files beside the gate's, the
+// server's key among them; some may be empty.
+[[nodiscard]] std::vector<std::string> FindReadableByAll(const GateFiles& files, std::vector<std::string> others);
 
 // Where the owner's key is.
 [[nodiscard]] std::string FindOwnerKeyFile(const GateFiles& files);
