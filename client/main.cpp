@@ -19,6 +19,7 @@
 #include "client/gateway/command.h"
 #include "client/health/command.h"
 #include "client/link/command.h"
+#include "client/list/command.h"
 #include "client/play/command.h"
 #include "client/terminal/command.h"
 #include "client/token/command.h"
@@ -45,10 +46,11 @@ int Run(int argc, char** argv) {
   CLI::App app("wobble: tools for players and testers of wobbled, the server for soft bodies");
   // 0, since no command is refused below: CLI11 would report that even when an unknown option is the fault.
   app.require_subcommand(0, 1);
-  const std::vector<command::Command> commands{
-      play::DescribePlay(app),       terminal::DescribeWatch(app), bots::DescribeBots(app),
-      gateway::DescribeGateway(app), link::DescribeLink(app),      health::DescribeHealth(app),
-      admin::DescribeAdmin(app),     token::DescribeToken(app),    exporting::DescribeExport(app)};
+  const std::vector<command::Command> commands{play::DescribePlay(app),        terminal::DescribeWatch(app),
+                                               bots::DescribeBots(app),        gateway::DescribeGateway(app),
+                                               link::DescribeLink(app),        health::DescribeHealth(app),
+                                               admin::DescribeAdmin(app),      token::DescribeToken(app),
+                                               exporting::DescribeExport(app), list::DescribeList(app)};
   const std::string version = std::string("wobble ") + kVersion;
   app.set_version_flag("--version", version);
   for (const command::Command& each : commands) each.words->set_version_flag("--version", version);

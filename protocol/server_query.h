@@ -22,8 +22,8 @@
 
 namespace wobble::protocol {
 
-inline constexpr std::size_t kMaxQueryBytes = 1400;  // of a datagram
-inline constexpr std::size_t kMaxServerNameBytes = 64;
+inline constexpr std::size_t kMaxQueryBytes = 1400;     // of a datagram
+inline constexpr std::size_t kMaxServerNameBytes = 63;  // as DNS has for a service's name
 // The query counts players in a byte.
 inline constexpr std::size_t kMaxCountedPlayers = 255;
 

@@ -23,6 +23,7 @@
 #include "server/admin/rcon_listener.h"
 #include "server/admission/open_gate.h"
 #include "server/admission/refusal_log.h"
+#include "server/discovery/announcement.h"
 #include "server/discovery/teller.h"
 #include "server/ops/agones.h"
 #include "server/ops/endpoint.h"
@@ -155,6 +156,7 @@ struct Watchers {
   StatusLine status;
   admission::RefusalLog refusals;
   std::optional<discovery::Teller> teller;
+  std::unique_ptr<discovery::Announcement> announcement;
   std::unique_ptr<ops::Endpoint> endpoint;
   ops::Gauge gauge;  // read only while there is an endpoint
   std::optional<ops::Trace> trace;
@@ -378,6 +380,9 @@ int RunServer(Options options) {
   if (const std::string fault = discovery::FindFault(options.name); !fault.empty()) {
     options.errors.push_back("--name " + options.name + ": " + fault);
   }
+  if (options.isAnnounced && ops::IsThisMachine({.host = options.bind})) {
+    options.errors.push_back("--announce: nobody else reaches --bind " + options.bind);
+  }
   if (!options.errors.empty()) {
     Complain(options.errors);
     return kBadUsage;
@@ -445,7 +450,13 @@ int RunServer(Options options) {
                                      .key = publicKey,
                                      .maxClients = options.config.maxClients,
                                      .wantsCredential = gate->WantsCredential()};
-  if (!options.isHidden) watchers.teller.emplace(identity, listen.pictures);
+  discovery::Teller::Slots tellers;
+  if (listen.pictures != nullptr) tellers.push_back(listen.pictures);
+  if (options.isAnnounced) {
+    tellers.push_back(std::make_shared<vestibule::PictureSlot>());
+    watchers.announcement = std::make_unique<discovery::Announcement>(tellers.back());
+  }
+  if (!tellers.empty()) watchers.teller.emplace(identity, tellers);
   spdlog::info("this server's key is {}", publicKey);
   const std::string rotation = fmt::format("{} of {}", server.SceneName(), fmt::join(server.ListRotation(), ", "));
   fmt::print("listening on UDP port {}{}, scene {}\n", port, options.bind.empty() ? "" : " of " + options.bind,

@@ -50,12 +50,16 @@ void DescribeOptions(CLI::App& app, Options& options) {
           ->type_name("SCENES")
           ->delimiter(',')
           ->excludes(scene);
-  app.add_option("--name", options.name, "What browsers of servers show, up to 64 bytes (the scene's name)")
+  app.add_option("--name", options.name, "What browsers of servers show, up to 63 bytes (the scene's name)")
       ->type_name("TEXT")
       ->envname("WOBBLE_NAME");
   app.add_flag("--hidden", options.isHidden,
                "Tell nobody what is played who is not in: no answer to server queries (A2S)")
       ->envname("WOBBLE_HIDDEN");
+  app.add_flag("--announce", options.isAnnounced,
+               "Announce the world in the local network (DNS-SD), for wobble list and other browsers of services")
+      ->excludes("--hidden")
+      ->envname("WOBBLE_ANNOUNCE");
   addNumber("--port", kPortRange, config.port, "UDP port; 0: a free one, printed at the start");
   app.add_option("--bind", options.bind,
                  "Address to listen at, such as 127.0.0.1 or ::1; every address of the machine, IPv6 and IPv4, if not "
@@ -213,6 +217,7 @@ void DescribeOptions(CLI::App& app, Options& options) {
       "                                           whole again for the next visitors\n"
       "  wobbled --rotation arena,sumo,curtain --admin-socket admin.sock\n"
       "                                           then: wobble admin --socket admin.sock next\n"
+      "  wobbled --announce --name \"Ada's world\"  then, in the same network: wobble list\n"
       "  wobbled --rcon 7777 --rcon-password-file rcon.txt\n"
       "                                           orders by any RCON client, on this machine\n"
       "  wobbled --for 30 --summary run.json      half a minute, figures at the end\n"

@@ -19,6 +19,7 @@ struct Options {
   double statusEvery = 0;             // s; 0: no status lines
   std::string name;                   // that browsers of servers show; empty: the scene's
   bool isHidden = false;              // tells strangers nothing of what is played
+  bool isAnnounced = false;           // in the local network
   std::string bind;                   // address to listen at; empty: every one of the machine
   std::string keyFile;                // of the server's key; empty: server.key in the state folder
   admission::GateFiles gate;

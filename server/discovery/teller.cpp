@@ -45,7 +45,8 @@ protocol::ServerPicture MakePicture(const server::Server& server, const Identity
 void Teller::Update(const server::Server& server, double now) {
   if (now < m_next) return;
   m_next = now + kTellEvery;
-  m_slot->Put(std::make_unique<const protocol::ServerPicture>(MakePicture(server, m_identity, now)));
+  const protocol::ServerPicture picture = MakePicture(server, m_identity, now);
+  for (const auto& slot : m_slots) slot->Put(std::make_unique<const protocol::ServerPicture>(picture));
 }
 
 }  // namespace wobble::discovery

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "protocol/server_query.h"
 #include "protocol/transport/vestibule/query_desk.h"
@@ -29,17 +30,17 @@ struct Identity {
 // world is locked, only how many are in. now: of the server's clock, s.
 [[nodiscard]] protocol::ServerPicture MakePicture(const server::Server& server, const Identity& identity, double now);
 
-// Hands the newest picture over once a second.
+// Hands the newest picture over once a second, to each who tells it.
 class Teller {
  public:
-  Teller(Identity identity, std::shared_ptr<transport::vestibule::PictureSlot> slot)
-      : m_identity(std::move(identity)), m_slot(std::move(slot)) {}
+  using Slots = std::vector<std::shared_ptr<transport::vestibule::PictureSlot>>;
+  Teller(Identity identity, Slots slots) : m_identity(std::move(identity)), m_slots(std::move(slots)) {}
   // On the thread of the ticks, between two of them.
   void Update(const server::Server& server, double now);
 
  private:
   Identity m_identity;
-  std::shared_ptr<transport::vestibule::PictureSlot> m_slot;
+  Slots m_slots;
   double m_next = 0;  // s
 };
 

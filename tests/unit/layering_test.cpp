@@ -117,6 +117,8 @@ const std::vector<Room> kRooms{
     {"server/admin/order_queue", {"server/", kProtocol}, {}, {}},
     {"server/admin/rcon_listener", {"server/", kProtocol}, {"boost/", "fmt/", "spdlog/"}, {}},
     {"server/admin/", {"server/", kProtocol}, {"fmt/", "spdlog/"}, {"ctime", "iostream", "fstream", "thread"}},
+    // It has a thread, and so a clock, of its own.
+    {"server/discovery/announcement", {"server/discovery/", kProtocol}, {"avahi-", "spdlog/"}, {}},
     {"server/discovery/", {"server/", kProtocol}, {"fmt/"}, kClockFileLog},
     // Unicode's tables are the server's alone.
     {"server/names", {kProtocol}, {"unicode/"}, kClockFileLog},
@@ -147,6 +149,7 @@ const std::vector<Room> kRooms{
     {"client/export/", kCommandReach, {"CLI/", "unistd.h"}, {}},
     {"client/token/", kCommandReach, {"CLI/"}, {}},
     {"client/link/", kCommandReach, Join(kSystem, {"CLI/"}), {}},
+    {"client/list/", kCommandReach, {"CLI/", "avahi-", "httplib.h", "nlohmann/"}, {}},
     {"client/play/", kCommandReach, Join(kSystem, {"CLI/", "nlohmann/"}), {}},
     {"client/main", kCommandReach, Join(kSystem, {"CLI/", "nlohmann/"}), {}},
     // A developer copies it: the packages of the library and the standard library are all that it needs.
@@ -163,7 +166,7 @@ const std::map<std::string, Strings> kRefused{
     {kEncoding, {"protocol/transport/"}},
     {kCodec, {"protocol/transport/", kEncoding}},
     {kClient, Join(kSockets, {"client/admin/", "client/bots/", "client/command/", "client/files/", "client/gateway/",
-                              "client/health/", "client/link/", "client/play/", "client/terminal/", "client/token/",
+                              "client/health/", "client/link/", "client/list/", "client/play/", "client/terminal/", "client/token/",
                               "client/wasm/"})},
     {"server/", Join(kSockets, {"server/admin/", "server/admission/", "server/discovery/", "server/ops/"})},
     {"server/options", {"server/ops/"}},

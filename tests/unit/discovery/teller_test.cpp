@@ -56,20 +56,22 @@ TEST_F(Told, WhereNotEverybodyMayComeInNobodyIsNamed) {
 
 TEST_F(Told, ANewPictureComesOnceASecond) {
   const auto slot = std::make_shared<transport::vestibule::PictureSlot>();
-  Teller teller(kIdentity, slot);
+  const auto other = std::make_shared<transport::vestibule::PictureSlot>();
+  Teller teller(kIdentity, {slot, other});
   teller.Update(game.server, 1);
   EXPECT_NE(slot->Take(), nullptr);
+  EXPECT_NE(other->Take(), nullptr);
   teller.Update(game.server, 1.9);
   EXPECT_EQ(slot->Take(), nullptr);
   teller.Update(game.server, 2.1);
   EXPECT_NE(slot->Take(), nullptr);
 }
 
-TEST(ServerName, HasAtMost64BytesAndNoControlCharacters) {
+TEST(ServerName, HasAtMost63BytesAndNoControlCharacters) {
   EXPECT_EQ(FindFault(""), "");
   EXPECT_EQ(FindFault("Zoë's world"), "");
-  EXPECT_EQ(FindFault(std::string(64, 'a')), "");
-  EXPECT_NE(FindFault(std::string(65, 'a')), "");
+  EXPECT_EQ(FindFault(std::string(63, 'a')), "");
+  EXPECT_NE(FindFault(std::string(64, 'a')), "");
   EXPECT_NE(FindFault("two\nlines"), "");
   EXPECT_NE(FindFault("\xFF"), "");
 }
