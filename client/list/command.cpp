@@ -11,6 +11,7 @@
 #include "client/list/lan.h"
 #include "client/list/public_list.h"
 #include "client/list/table.h"
+#include "protocol/text.h"
 
 namespace wobble::list {
 namespace {
@@ -25,7 +26,7 @@ struct ListWords {
 
 int RunList(const ListWords& words, const command::IsStopAsked& stopAsked) {
   const auto complain = [](const std::string& error, int code) {
-    std::fprintf(stderr, "wobble list: %s\n", error.c_str());
+    std::fprintf(stderr, "wobble list: %s\n", protocol::MakeLine(error, protocol::kMaxShownBytes).c_str());
     return code;
   };
   std::string error;

@@ -13,7 +13,7 @@ namespace {
 
 using Row = std::array<std::string, 5>;
 
-constexpr std::size_t kMaxCellBytes = 64;
+constexpr std::size_t kMaxCellBytes = 100;
 
 std::string Show(const std::string& text) {
   const std::string line = protocol::MakeLine(text, kMaxCellBytes);
@@ -27,7 +27,7 @@ std::size_t FindWidth(const std::string& text) {
 }
 
 Row MakeRow(const World& world) {
-  Row row{Show(world.told.name), world.address, Show(world.told.scene), "-", "-"};
+  Row row{Show(world.told.name), Show(world.address), Show(world.told.scene), "-", "-"};
   if (!world.ping) return row;
   row[3] = std::to_string(world.told.players) + "/" + std::to_string(world.told.maxPlayers) +
            (world.told.isPrivate ? ", closed" : "");
@@ -62,7 +62,7 @@ std::string WriteJson(const std::vector<World>& worlds) {
   };
   for (const World& world : worlds) {
     nlohmann::json entry{{"name", clean(world.told.name)},
-                         {"address", world.address},
+                         {"address", clean(world.address)},
                          {"scene", clean(world.told.scene)},
                          {"version", clean(world.told.version)},
                          {"key", clean(world.key)},

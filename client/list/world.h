@@ -10,7 +10,7 @@
 namespace wobble::list {
 
 struct World {
-  std::string address;             // HOST:PORT, as people write it
+  std::string address;             // HOST:PORT, as people write it; of a public list as it came
   transport::NetAddress resolved;  // port 0: the address is not known
   // What announced or listed it says, and in place of that what the world itself has answered. Texts as they came.
   protocol::ServerPicture told = {};

@@ -166,8 +166,8 @@ const std::map<std::string, Strings> kRefused{
     {kEncoding, {"protocol/transport/"}},
     {kCodec, {"protocol/transport/", kEncoding}},
     {kClient, Join(kSockets, {"client/admin/", "client/bots/", "client/command/", "client/files/", "client/gateway/",
-                              "client/health/", "client/link/", "client/list/", "client/play/", "client/terminal/", "client/token/",
-                              "client/wasm/"})},
+                              "client/health/", "client/link/", "client/list/", "client/play/", "client/terminal/",
+                              "client/token/", "client/wasm/"})},
     {"server/", Join(kSockets, {"server/admin/", "server/admission/", "server/discovery/", "server/ops/"})},
     {"server/options", {"server/ops/"}},
 };

@@ -241,8 +241,8 @@ class RconListenerTest : public testing::Test {
   admission::Gate m_gate{MakeSettings(), {}, {}};
   OrderQueue m_queue;
   std::string m_error;
-  std::unique_ptr<RconListener> m_listener;
   std::jthread m_thread;
+  std::unique_ptr<RconListener> m_listener;  // ends first: an order that is under way is waited for
 };
 
 TEST_F(RconListenerTest, CarriesOutOrders) {

@@ -51,15 +51,15 @@ TEST(PublicList, WithAMistakeIsRefusedByEntryAndField) {
 std::vector<World> MakeWorlds() {
   World near{.address = "10.9.0.1:7777", .resolved = {}, .ping = 0.0042};
   near.told = {.name = "Zoë\x1b[31m\n", .scene = "sumo", .players = 3, .maxPlayers = 12, .isPrivate = true};
-  World silent{.address = "[2001:db8::1]:7778", .resolved = {}};
+  World silent{.address = "\xc2\x9b[2001:db8::1]:7778", .resolved = {}};
   return {near, silent};
 }
 
 TEST(List, IsATableForPeopleWithoutWhatATerminalObeys) {
   EXPECT_EQ(WriteTable(MakeWorlds()),
-            "NAME       ADDRESS             SCENE  PLAYERS       PING\n"
-            "Zoë [31m   10.9.0.1:7777       sumo   3/12, closed  4.2 ms\n"
-            "-          [2001:db8::1]:7778  -      -             -\n");
+            "NAME       ADDRESS              SCENE  PLAYERS       PING\n"
+            "Zoë [31m   10.9.0.1:7777        sumo   3/12, closed  4.2 ms\n"
+            "-           [2001:db8::1]:7778  -      -             -\n");
 }
 
 TEST(List, IsAnArrayForPrograms) {
@@ -70,7 +70,7 @@ TEST(List, IsAnArrayForPrograms) {
   EXPECT_EQ(list[0]["closed"], true);
   EXPECT_EQ(list[0]["ping_ms"], 4.2);
   EXPECT_EQ(list[0]["key"], nullptr);
-  EXPECT_EQ(list[1]["address"], "[2001:db8::1]:7778");
+  EXPECT_EQ(list[1]["address"], " [2001:db8::1]:7778") << "a control character is a space";
   for (const char* unknown : {"name", "scene", "version", "players", "ping_ms"}) EXPECT_EQ(list[1][unknown], nullptr);
   EXPECT_EQ(WriteJson({}), "[]\n");
 }
