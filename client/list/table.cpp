@@ -32,7 +32,7 @@ Row MakeRow(const World& world) {
   row[3] = std::to_string(world.told.players) + "/" + std::to_string(world.told.maxPlayers) +
            (world.told.isPrivate ? ", closed" : "");
   char ping[32];
-  std::snprintf(ping, sizeof ping, "%.*f ms", *world.ping < 0.01 ? 1 : 0, 1000 * *world.ping);
+  std::snprintf(ping, sizeof ping, "%.*f ms", *world.ping < 0.001 ? 2 : *world.ping < 0.01 ? 1 : 0, 1000 * *world.ping);
   row[4] = ping;
   return row;
 }
@@ -74,7 +74,7 @@ std::string WriteJson(const std::vector<World>& worlds) {
       entry["players"] = world.told.players;
       entry["max_players"] = world.told.maxPlayers;
       entry["closed"] = world.told.isPrivate;
-      entry["ping_ms"] = std::round(1e4 * *world.ping) / 10;
+      entry["ping_ms"] = std::round(1e5 * *world.ping) / 100;
     }
     list.push_back(std::move(entry));
   }
