@@ -1,7 +1,6 @@
 #include "protocol/server_query.h"
 
 #include <algorithm>
-#include <bit>
 #include <cassert>
 #include <cstring>
 #include <string_view>
@@ -46,9 +45,9 @@ void AppendHead(Bytes& out, std::uint8_t kind) {
 std::uint8_t Count(std::size_t number) { return static_cast<std::uint8_t>(std::min(number, kMaxCountedPlayers)); }
 
 // Reads from the front; false once something was missing.
-class Reader {
+class QueryReader {
  public:
-  explicit Reader(std::span<const std::uint8_t> bytes) : m_bytes(bytes) {}
+  explicit QueryReader(std::span<const std::uint8_t> bytes) : m_bytes(bytes) {}
 
   std::uint64_t TakeNumber(std::size_t bytes) {
     std::uint64_t number = 0;
@@ -100,7 +99,10 @@ void AppendPlayers(Bytes& out, const ServerPicture& picture) {
     out.push_back(0);  // its number, which is 0 for all by custom
     Append(out, picture.named[i].name);
     Append(out, 0, 4);  // score
-    Append(out, std::bit_cast<std::uint32_t>(static_cast<float>(picture.named[i].seconds)), 4);
+    const auto seconds = static_cast<float>(picture.named[i].seconds);
+    std::uint32_t bits;
+    std::memcpy(&bits, &seconds, sizeof bits);
+    Append(out, bits, 4);
   }
 }
 
@@ -116,7 +118,7 @@ void AppendRules(Bytes& out, const ServerPicture& picture) {
 }  // namespace
 
 std::optional<Query> ReadQuery(std::span<const std::uint8_t> datagram) {
-  Reader reader(datagram);
+  QueryReader reader(datagram);
   if (reader.TakeNumber(4) != kWhole) return {};
   const std::uint64_t kind = reader.TakeNumber(1);
   if (!reader.IsWhole()) return {};
@@ -124,7 +126,7 @@ std::optional<Query> ReadQuery(std::span<const std::uint8_t> datagram) {
   if (query.kind == QueryKind::kInfo) {
     const std::size_t begin = kHeadBytes, size = kInfoWords.size();
     if (datagram.size() < begin + size || std::memcmp(&datagram[begin], kInfoWords.data(), size) != 0) return {};
-    reader = Reader(datagram.subspan(begin + size));
+    reader = QueryReader(datagram.subspan(begin + size));
   } else if (query.kind != QueryKind::kPlayers && query.kind != QueryKind::kRules) {
     return {};
   }
@@ -149,7 +151,7 @@ void WriteChallenge(std::uint32_t challenge, std::vector<std::uint8_t>& datagram
 }
 
 std::optional<std::uint32_t> ReadChallenge(std::span<const std::uint8_t> datagram) {
-  Reader reader(datagram);
+  QueryReader reader(datagram);
   if (datagram.size() < kChallengeBytes || reader.TakeNumber(4) != kWhole || reader.TakeNumber(1) != kChallenge) {
     return {};
   }
@@ -187,7 +189,7 @@ std::vector<std::vector<std::uint8_t>> MakeAnswer(QueryKind kind, const ServerPi
 }
 
 std::optional<ServerPicture> ReadInfo(std::span<const std::uint8_t> datagram) {
-  Reader reader(datagram);
+  QueryReader reader(datagram);
   if (reader.TakeNumber(4) != kWhole || reader.TakeNumber(1) != kInfo) return {};
   ServerPicture picture;
   reader.TakeNumber(1);
