@@ -20,6 +20,7 @@
 #include "client/health/command.h"
 #include "client/host/command.h"
 #include "client/link/command.h"
+#include "client/list/command.h"
 #include "client/play/command.h"
 #include "client/terminal/command.h"
 #include "client/token/command.h"
@@ -48,8 +49,9 @@ int Run(int argc, char** argv) {
   // 0, since no command is refused below: CLI11 would report that even when an unknown option is the fault.
   app.require_subcommand(0, 1);
   const std::vector<command::Command> commands{
-      play::DescribePlay(app),        host::DescribeHost(app),  terminal::DescribeWatch(app), bots::DescribeBots(app),
-      gateway::DescribeGateway(app),  link::DescribeLink(app),  health::DescribeHealth(app),  admin::DescribeAdmin(app),
+      play::DescribePlay(app),        host::DescribeHost(app),       terminal::DescribeWatch(app),
+      bots::DescribeBots(app),        gateway::DescribeGateway(app), list::DescribeList(app),
+      link::DescribeLink(app),        health::DescribeHealth(app),   admin::DescribeAdmin(app),
       exporting::DescribeExport(app), token::DescribeToken(app)};
   const std::string version = std::string("wobble ") + kVersion;
   app.set_version_flag("--version", version);

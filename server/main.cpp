@@ -16,13 +16,17 @@
 
 #include "protocol/transport/enet_transport.h"
 #include "protocol/transport/vestibule/key_file.h"
+#include "protocol/transport/vestibule/secret_file.h"
 #include "protocol/usage/command_line.h"
 #include "protocol/usage/terminal.h"
 #include "protocol/version.h"
 #include "server/admin/admin_http.h"
 #include "server/admin/admin_socket.h"
+#include "server/admin/rcon_listener.h"
 #include "server/admission/open_gate.h"
 #include "server/admission/refusal_log.h"
+#include "server/discovery/announcement.h"
+#include "server/discovery/teller.h"
 #include "server/ops/agones.h"
 #include "server/ops/endpoint.h"
 #include "server/ops/fleet_duty.h"
@@ -129,6 +133,7 @@ struct Watchers {
     WatchFiles(server);
     for (const server::PhaseTimes& tick : server.LastTicks()) times.Record(tick.Sum());
     refusals.Follow(server.ReadTransport(), now);
+    if (teller) teller->Update(server, now);
     if (trace) trace->Write(server.LastTicks(), server.ShownTick());
     if (endpoint != nullptr) {
       gauge.Read(server, now);
@@ -166,6 +171,8 @@ struct Watchers {
   StatusLine status;
   admission::RefusalLog refusals;
   ops::ServiceNotices notices = ops::ServiceNotices::FromEnvironment();
+  std::optional<discovery::Teller> teller;
+  std::unique_ptr<discovery::Announcement> announcement;
   std::unique_ptr<ops::Endpoint> endpoint;
   ops::Gauge gauge;  // read only while there is an endpoint
   std::optional<ops::Trace> trace;
@@ -266,7 +273,8 @@ std::filesystem::path FindKeyFile(const Options& options) {
 }
 
 void WarnOfOpenFiles(const Options& options) {
-  for (const std::string& file : admission::FindReadableByAll(options.gate, FindKeyFile(options).string())) {
+  for (const std::string& file :
+       admission::FindReadableByAll(options.gate, {FindKeyFile(options).string(), options.rconPasswordFile})) {
     spdlog::warn("{}: everybody on this machine can read it; chmod 600 keeps it to its owner", file);
   }
 }
@@ -294,6 +302,7 @@ struct Administration {
   admin::OrderQueue queue;
   std::unique_ptr<admin::AdminSocket> socket;
   std::unique_ptr<ops::HttpListener> http;
+  std::unique_ptr<admin::RconListener> rcon;
 
   // Returns false after it has reported what failed.
   bool Start(const Options& options, const admission::Gate& gate) {
@@ -302,7 +311,12 @@ struct Administration {
       socket = admin::AdminSocket::Listen(options.adminSocket, queue, error);
       if (socket == nullptr) return Complain(options, {"--admin-socket " + error}), false;
     }
-    if (options.adminHttp.empty()) return true;
+    if (!options.adminHttp.empty() && !StartHttp(options, gate)) return false;
+    return (options.rcon.empty() && options.rconPasswordFile.empty()) || StartRcon(options);
+  }
+
+  bool StartHttp(const Options& options, const admission::Gate& gate) {
+    std::string error;
     ops::Address address;
     if (!gate.OwnerKey()) {
       error = options.adminHttp + ": there is no owner's key (see --owner-key)";
@@ -311,10 +325,29 @@ struct Administration {
     }
     if (http == nullptr) return Complain(options, {"--admin-http " + error}), false;
     fmt::print("orders on TCP port {} of {}\n", http->ReadPort(), address.host);
-    const bool isThisMachine = address.host == "localhost" || address.host.starts_with("127.") || address.host == "::1";
-    if (!isThisMachine) {
+    if (!ops::IsThisMachine(address)) {
       spdlog::warn("--admin-http {}: other machines reach it, and what is sent, the owner's key too, is not encrypted",
                    options.adminHttp);
+    }
+    return true;
+  }
+
+  bool StartRcon(const Options& options) {
+    std::string error;
+    ops::Address address;
+    if (options.rcon.empty() || options.rconPasswordFile.empty()) {
+      error = options.rcon.empty() ? "must be given with --rcon-password-file"
+                                   : options.rcon + ": there is no password (see --rcon-password-file)";
+    } else if (ops::ParseAddress(options.rcon, address, error)) {
+      const auto password = vestibule::ReadSecret(options.rconPasswordFile, error);
+      if (!password) return Complain(options, {"--rcon-password-file: " + error}), false;
+      rcon = admin::RconListener::Listen(address, *password, queue, error);
+    }
+    if (rcon == nullptr) return Complain(options, {"--rcon " + error}), false;
+    fmt::print("RCON on TCP port {} of {}\n", rcon->ReadPort(), address.host);
+    if (!ops::IsThisMachine(address)) {
+      spdlog::warn("--rcon {}: other machines reach it, and what is sent, the password too, is not encrypted",
+                   options.rcon);
     }
     return true;
   }
@@ -363,6 +396,12 @@ std::vector<server::RotationScene> TrainScenes(const Options& options, std::vect
 // Every mistake that can be seen without starting anything.
 std::vector<std::string> FindMistakes(const Options& options, const std::vector<scenes::LoadResult>& loaded) {
   std::vector<std::string> mistakes = options.errors;
+  if (const std::string fault = discovery::FindFault(options.name); !fault.empty()) {
+    mistakes.push_back("--name " + options.name + ": " + fault);
+  }
+  if (options.isAnnounced && ops::IsThisMachine({.host = options.bind})) {
+    mistakes.push_back("--announce: nobody else reaches --bind " + options.bind);
+  }
   const auto add = [&mistakes](const std::vector<std::string>& more) {
     mistakes.insert(mistakes.end(), more.begin(), more.end());
   };
@@ -374,7 +413,8 @@ std::vector<std::string> FindMistakes(const Options& options, const std::vector<
   }
   if (!options.isCheck) return mistakes;
   add(admission::FindMistakes(options.gate));
-  for (const auto& [option, text] : {std::pair("--ops ", options.ops), std::pair("--admin-http ", options.adminHttp)}) {
+  for (const auto& [option, text] : {std::pair("--ops ", options.ops), std::pair("--admin-http ", options.adminHttp),
+                                     std::pair("--rcon ", options.rcon)}) {
     ops::Address address;
     std::string error;
     if (!text.empty() && !ops::ParseAddress(text, address, error)) mistakes.push_back(option + error);
@@ -438,6 +478,7 @@ int RunServer(Options options, bool hadTerminal) {
   }
   WarnOfOpenFiles(options);
   listen.judge = gate;
+  if (!options.isHidden) listen.pictures = std::make_shared<vestibule::PictureSlot>();
   Administration administration;
   if (!administration.Start(options, *gate)) return kBadUsage;
   auto transport = transport::EnetTransport::Listen(listen, error);
@@ -457,6 +498,19 @@ int RunServer(Options options, bool hadTerminal) {
   if (film && !server::StartFilm(options, std::move(*film), server)) return kBadUsage;
   if (!server::StartKeeping(options, sources, server, ReadClock())) return kBadUsage;
   if (!server::StartRecording(options, sources[server.SceneNumber()], server, &ReadUnixTime)) return kBadUsage;
+  const discovery::Identity identity{.name = options.name,
+                                     .version = kVersion,
+                                     .port = port,
+                                     .key = publicKey,
+                                     .maxClients = options.config.maxClients,
+                                     .wantsCredential = gate->WantsCredential()};
+  discovery::Teller::Slots tellers;
+  if (listen.pictures != nullptr) tellers.push_back(listen.pictures);
+  if (options.isAnnounced) {
+    tellers.push_back(std::make_shared<vestibule::PictureSlot>());
+    watchers.announcement = std::make_unique<discovery::Announcement>(tellers.back());
+  }
+  if (!tellers.empty()) watchers.teller.emplace(identity, tellers);
   spdlog::info("this server's key is {}", publicKey);
   const std::string rotation = fmt::format("{} of {}", server.SceneName(), fmt::join(server.ListRotation(), ", "));
   fmt::print("listening on UDP port {}{}, scene {}\n", port, options.bind.empty() ? "" : " of " + options.bind,

@@ -70,6 +70,13 @@ void DescribeOptions(CLI::App& app, Options& options) {
           ->type_name("SCENES")
           ->delimiter(',')
           ->excludes(scene);
+  app.add_option("--name", options.name, "What browsers of servers show, up to 63 bytes (the scene's name)")
+      ->type_name("TEXT");
+  app.add_flag("--hidden", options.isHidden,
+               "Tell nobody what is played who is not in: no answer to server queries (A2S)");
+  app.add_flag("--announce", options.isAnnounced,
+               "Announce the world in the local network (DNS-SD), for wobble list and other browsers of services")
+      ->excludes("--hidden");
   addNumber("--port", kPortRange, config.port, "UDP port; 0: a free one, printed at the start");
   app.add_option("--bind", options.bind,
                  "Address to listen at, such as 127.0.0.1 or ::1; every address of the machine, IPv6 and IPv4, if not "
@@ -105,6 +112,14 @@ void DescribeOptions(CLI::App& app, Options& options) {
       "--admin-http", options.adminHttp,
       "HOST:PORT, or PORT for this machine only, that takes orders by HTTP from who has the owner's key; PORT "
       "0: a free one; printed at the start");
+  app.add_option(
+         "--rcon", options.rcon,
+         "HOST:PORT, or PORT for this machine only, that takes orders by Source RCON from who knows the password "
+         "of --rcon-password-file; PORT 0: a free one; printed at the start")
+      ->type_name("HOST:PORT or PORT");
+  app.add_option("--rcon-password-file", options.rconPasswordFile,
+                 "File whose first line is the password of --rcon, read at the start")
+      ->type_name("FILE");
   addNumber("--tick-hz", kTickHzRange, config.tickHz, "Steps of the world a second");
   addNumber("--snapshot-hz", kSnapshotHzRange, config.snapshotHz, "Snapshots a second, at most --tick-hz");
   addNumber("--max-clients", kMaxClientsRange, config.maxClients, "Players and spectators at once");
@@ -215,6 +230,9 @@ void DescribeOptions(CLI::App& app, Options& options) {
       "                                           whole again for the next visitors\n"
       "  wobbled --rotation arena,sumo,curtain --admin-socket admin.sock\n"
       "                                           then: wobble admin --socket admin.sock next\n"
+      "  wobbled --announce --name \"Ada's world\"  then, in the same network: wobble list\n"
+      "  wobbled --rcon 7777 --rcon-password-file rcon.txt\n"
+      "                                           orders by any RCON client, on this machine\n"
       "  wobbled --for 30 --summary run.json      half a minute, figures at the end\n"
       "  wobbled --ops 9100                       then: curl 127.0.0.1:9100/metrics\n"
       "  wobbled --record matches                 record what is played; then, to prove it:\n"

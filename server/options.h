@@ -18,11 +18,16 @@ struct Options {
   bool hasAfterMatch = false;         // it was given
   double runFor = 0;                  // s; 0: until a signal
   double statusEvery = 0;             // s; 0: no status lines
+  std::string name;                   // that browsers of servers show; empty: the scene's
+  bool isHidden = false;              // tells strangers nothing of what is played
+  bool isAnnounced = false;           // in the local network
   std::string bind;                   // address to listen at; empty: every one of the machine
   std::string keyFile;                // of the server's key; empty: server.key in the state folder
   admission::GateFiles gate;
   std::string adminSocket;  // path; empty: none
   std::string adminHttp;    // HOST:PORT; empty: none
+  std::string rcon;         // HOST:PORT; empty: none
+  std::string rconPasswordFile;
   std::string logLevel = "info";
   std::string logFormat = "text";  // or "json"
   std::string summaryFile;

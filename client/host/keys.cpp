@@ -44,6 +44,8 @@ constexpr Key kKeys[] = {
     {.name = "after_match", .kind = Kind::kText, .ofAll = true, .ofWorld = true},
     {.name = "reset_when_empty", .kind = Kind::kFlag, .ofAll = true, .ofWorld = true},
     {.name = "admit_when_busy", .kind = Kind::kFlag, .ofAll = true, .ofWorld = true},
+    {.name = "announce", .kind = Kind::kFlag, .ofAll = true, .ofWorld = true},
+    {.name = "hidden", .kind = Kind::kFlag, .ofAll = true, .ofWorld = true},
     {.name = "untrained", .kind = Kind::kFlag, .ofAll = true, .ofWorld = true},
     {.name = "cache", .kind = Kind::kPath, .ofAll = true, .ofWorld = true},
     {.name = "record", .kind = Kind::kPath, .ofAll = true, .ofWorld = true},
@@ -53,11 +55,14 @@ constexpr Key kKeys[] = {
     {.name = "owner_key", .kind = Kind::kPath, .ofAll = true, .ofWorld = true},
     {.name = "key", .kind = Kind::kPath, .ofAll = true, .ofWorld = true},
     {.name = "log_level", .kind = Kind::kText, .ofAll = true, .ofWorld = true},
+    {.name = "log_format", .kind = Kind::kText, .ofAll = true, .ofWorld = true},
+    {.name = "rcon_password_file", .kind = Kind::kPath, .ofAll = true, .ofWorld = true},
     // Of one world: two servers would take them from each other.
     {.name = "invites", .kind = Kind::kPath, .ofWorld = true},
     {.name = "bans", .kind = Kind::kPath, .ofWorld = true},
     {.name = "admin_socket", .kind = Kind::kPath, .ofWorld = true},
     {.name = "admin_http", .kind = Kind::kText, .ofWorld = true},
+    {.name = "rcon", .kind = Kind::kText, .ofWorld = true},
     {.name = "ops", .kind = Kind::kText, .ofWorld = true},
     {.name = "trace", .kind = Kind::kPath, .ofWorld = true},
     // Of `wobble gateway`.

@@ -354,6 +354,7 @@ std::unique_ptr<EnetTransport> EnetTransport::Listen(const ListenOptions& option
   settings.maxVisitors = options.maxConnections;
   settings.datagramRate = options.datagramRate;
   settings.judge = options.judge;
+  settings.pictures = options.pictures;
   settings.maxPerAddress = options.maxPerAddress == 0 ? options.maxConnections : options.maxPerAddress;
   constexpr std::size_t kMostReceived = std::max(protocol::kMaxClientMessageBytes, protocol::kMaxPacketBytes);
   auto bridge = ServerBridge::Open(std::move(*socket), std::move(settings), kMostReceived, error);
@@ -433,6 +434,7 @@ Statistics EnetTransport::ReadStatistics() const {
     statistics.bytesOut = keeper.BytesOut() + m_impl->server->BytesOut();
     statistics.datagramsRejected = counts.invalid + counts.limited + counts.strangers + counts.offences;
     statistics.turnaways = counts.turnaways;
+    statistics.queries = counts.queries;
   } else {
     statistics.bytesIn = m_impl->client->BytesIn();
     statistics.bytesOut = m_impl->client->BytesOut();

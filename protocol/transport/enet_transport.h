@@ -30,6 +30,8 @@ struct ListenOptions {
   // The server's long-lived secret key, by which clients know it again; nullopt: one for this run only.
   std::optional<vestibule::Key> secretKey = {};
   std::shared_ptr<vestibule::Judge> judge = {};  // asked on the vestibule's thread; null: everybody may come in
+  // Where the pictures of the world come from that are told to strangers who ask; null: nothing is told.
+  std::shared_ptr<vestibule::PictureSlot> pictures = {};
 };
 
 struct ConnectOptions {

@@ -66,6 +66,11 @@ struct Turnaways {
   NetAddress last = {};  // whose was the last one
 };
 
+// What a server answers to strangers who ask what is played (protocol/server_query.h).
+enum class QueryAnswer : std::uint8_t { kChallenge, kInfo, kPlayers, kRules };
+inline constexpr std::size_t kQueryAnswerCount = 4;
+using QueryCounts = std::array<std::uint64_t, kQueryAnswerCount>;  // by QueryAnswer
+
 // Counts since the transport was made.
 struct Statistics {
   std::uint64_t datagramsRejected = 0;  // truncated, of another protocol or forged; dropped without any effect
@@ -73,6 +78,7 @@ struct Statistics {
   std::uint64_t bytesIn = 0;            // datagram payloads, the transport's own headers included
   std::uint64_t bytesOut = 0;
   std::array<Turnaways, kTurnawayCount> turnaways = {};  // of a server, by Turnaway
+  QueryCounts queries = {};                              // of a server
 };
 
 class Transport {

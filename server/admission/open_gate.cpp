@@ -27,10 +27,10 @@ std::string FindOwnerKeyFile(const GateFiles& files) {
   return files.ownerKey.empty() ? vestibule::FindStateFile(vestibule::kOwnerKeyName).string() : files.ownerKey;
 }
 
-std::vector<std::string> FindReadableByAll(const GateFiles& files, const std::string& serverKey) {
+std::vector<std::string> FindReadableByAll(const GateFiles& files, std::vector<std::string> others) {
   std::vector<std::string> found;
-  for (const std::string& file :
-       {serverKey, files.password, files.tokenKey, FindOwnerKeyFile(files), files.gatewayKey}) {
+  others.insert(others.end(), {files.password, files.tokenKey, FindOwnerKeyFile(files), files.gatewayKey});
+  for (const std::string& file : others) {
     std::error_code ignored;
     const auto permissions = std::filesystem::status(file, ignored).permissions();
     const bool isThere = !file.empty() && !ignored && permissions != std::filesystem::perms::unknown;

@@ -31,8 +31,9 @@ struct GateFiles {
 // What OpenGate would refuse, one line for each file; nothing is made. A key that is not there is no mistake.
 [[nodiscard]] std::vector<std::string> FindMistakes(const GateFiles& files);
 
-// The files that hold a secret, the server's key among them, and that everybody on this machine can read.
-[[nodiscard]] std::vector<std::string> FindReadableByAll(const GateFiles& files, const std::string& serverKey);
+// The files that everybody on this machine can read, of those that hold a secret. others: files beside the gate's, the
+// server's key among them; some may be empty.
+[[nodiscard]] std::vector<std::string> FindReadableByAll(const GateFiles& files, std::vector<std::string> others);
 
 // Where the owner's key is.
 [[nodiscard]] std::string FindOwnerKeyFile(const GateFiles& files);

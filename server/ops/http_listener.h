@@ -13,6 +13,8 @@
 #include <memory>
 #include <string>
 
+#include "server/ops/address.h"
+
 namespace wobble::ops {
 
 struct HttpRequest {
@@ -27,13 +29,6 @@ struct HttpResponse {
   std::string body = {};
   std::string type = "text/plain; charset=utf-8";
 };
-
-struct Address {
-  std::string host = "127.0.0.1";
-  std::uint16_t port = 0;  // 0: the system picks a free one
-};
-// Parses HOST:PORT, [IPv6]:PORT, or PORT alone for the loopback address. Returns false with one line in `error`.
-[[nodiscard]] bool ParseAddress(const std::string& text, Address& address, std::string& error);
 
 class HttpListener {
  public:

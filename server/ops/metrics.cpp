@@ -114,6 +114,11 @@ void AddClients(List& list, const Figures& f) {
   for (std::size_t i = 0; i < kTurnaways.size(); ++i) {
     list.Add({{"reason", kTurnaways[i]}}).counter.value = ToNumber(f.transport.turnaways[i].count);
   }
+  list.Begin("wobble_queries_total", "Answers to strangers who ask what is played, by kind.", MetricType::Counter);
+  constexpr std::array<const char*, transport::kQueryAnswerCount> kQueries{"challenge", "info", "players", "rules"};
+  for (std::size_t i = 0; i < kQueries.size(); ++i) {
+    list.Add({{"kind", kQueries[i]}}).counter.value = ToNumber(f.transport.queries[i]);
+  }
   list.AddCounter("wobble_client_stalls_total", "Times that clients had to show a body without news of it in time.",
                   ToNumber(f.counts.stalls));
   list.AddCounter("wobble_client_inputs_starved_total",

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 
+#include "protocol/server_query.h"
 #include "protocol/transport/vestibule/caller.h"
 #include "protocol/transport/vestibule/door.h"
 #include "tests/fuzz/feed.h"
@@ -123,9 +124,20 @@ class Yard {
     const Door::Result result = m_door.TakeDatagram(from, datagram, m_now);
     if (!result.plain.empty()) m_toEnet.push_back({result.visitor, {result.plain.begin(), result.plain.end()}});
     if (result.visitor != 0) m_callerOf[result.visitor] = who;
+    if (!result.told.empty()) return TakeChallenge(from, datagram, Bytes(result.told.front()));
     if (result.answer.empty()) return;
     Require(result.answer.size() <= datagram.size() || result.visitor != 0);
     static_cast<void>(m_clients[who].caller->TakeDatagram(Bytes(result.answer.begin(), result.answer.end()), m_now));
+  }
+
+  // Nobody here can guess a challenge; who shows it is answered.
+  void TakeChallenge(const transport::NetAddress& from, const Bytes& query, const Bytes& answer) {
+    Require(answer.size() <= query.size());
+    const auto challenge = protocol::ReadChallenge(answer);
+    Require(challenge.has_value());
+    const auto kind = protocol::ReadQuery(query)->kind;
+    const auto told = m_door.TakeDatagram(from, protocol::MakeQuery({kind, *challenge}), m_now).told;
+    for (const Bytes& each : told) Require(!protocol::ReadChallenge(each) && each.size() <= protocol::kMaxQueryBytes);
   }
 
   bool Receive(ENetHost& host) {
@@ -176,6 +188,9 @@ class Yard {
     Door::Settings settings;
     settings.identity = vestibule::MakeKeyPair(vestibule::Key{1});
     settings.maxVisitors = kMostVisitors;
+    settings.pictures = std::make_shared<vestibule::PictureSlot>();
+    settings.pictures->Put(std::make_unique<const protocol::ServerPicture>(
+        protocol::ServerPicture{.named = std::vector<protocol::ServerPicture::Player>(200)}));
     return settings;
   }()};
   transport::Bridge m_bridge;

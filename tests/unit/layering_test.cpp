@@ -98,7 +98,10 @@ const std::vector<Room> kRooms{
     {"server/ops/agones", {"server/ops/"}, {"httplib.h", "signal.h", "spdlog/"}, {}},
     {"server/ops/fleet_duty", {}, {}, kClockFileLog},
     {"server/ops/fleet_reconciler", {"server/ops/fleet_duty"}, {}, kClockFileLog},
-    {"server/ops/http_listener", {}, {"boost/", "fmt/"}, {}},
+    // What listens by TCP.
+    {"server/ops/address", {}, {}, kClockFileLog},
+    {"server/ops/acceptor", {"server/ops/address"}, {"boost/", "fmt/"}, {}},
+    {"server/ops/http_listener", {"server/ops/acceptor", "server/ops/address"}, {"boost/", "fmt/"}, {}},
     {"server/ops/", {"server/", kProtocol}, Join(kSystem, {"fmt/", "nlohmann/", "prometheus/", "spdlog/"}), kClock},
     {"server/main", {"server/", kProtocol}, Join(kSystem, {"CLI/", "fmt/", "nlohmann/", "spdlog/"}), {}},
     {"server/replaying", {"server/", kProtocol}, Join(kSystem, {"CLI/", "fmt/", "nlohmann/", "spdlog/"}), {}},
@@ -114,7 +117,11 @@ const std::vector<Room> kRooms{
     {"server/admin/admin_socket", {"server/", kProtocol}, kSystem, {}},
     {"server/admin/admin_http", {"server/", kProtocol}, {}, {}},
     {"server/admin/order_queue", {"server/", kProtocol}, {}, {}},
+    {"server/admin/rcon_listener", {"server/", kProtocol}, {"boost/", "fmt/", "spdlog/"}, {}},
     {"server/admin/", {"server/", kProtocol}, {"fmt/", "spdlog/"}, {"ctime", "iostream", "fstream", "thread"}},
+    // It has a thread, and so a clock, of its own.
+    {"server/discovery/announcement", {"server/discovery/", kProtocol}, {"avahi-", "spdlog/"}, {}},
+    {"server/discovery/", {"server/", kProtocol}, {"fmt/"}, kClockFileLog},
     // Unicode's tables are the server's alone.
     {"server/names", {kProtocol}, {"unicode/"}, kClockFileLog},
     {"server/",
@@ -146,6 +153,7 @@ const std::vector<Room> kRooms{
     {"client/export/", kCommandReach, {"CLI/", "unistd.h"}, {}},
     {"client/token/", kCommandReach, {"CLI/"}, {}},
     {"client/link/", kCommandReach, Join(kSystem, {"CLI/"}), {}},
+    {"client/list/", kCommandReach, {"CLI/", "avahi-", "httplib.h", "nlohmann/"}, {}},
     {"client/play/", kCommandReach, Join(kSystem, {"CLI/"}), {}},
     // It decides when; the time is a parameter.
     {"client/host/keeper", {}, {}, kClockFileLog},
@@ -165,9 +173,9 @@ const std::map<std::string, Strings> kRefused{
     {kEncoding, {"protocol/transport/"}},
     {kCodec, {"protocol/transport/", kEncoding}},
     {kClient, Join(kSockets, {kUsage, "client/admin/", "client/bots/", "client/command/", "client/files/",
-                              "client/gateway/", "client/health/", "client/host/", "client/link/", "client/play/",
-                              "client/terminal/", "client/token/", "client/wasm/"})},
-    {"server/", Join(kSockets, {kUsage, "server/admin/", "server/admission/", "server/ops/"})},
+                              "client/gateway/", "client/health/", "client/host/", "client/link/", "client/list/",
+                              "client/play/", "client/terminal/", "client/token/", "client/wasm/"})},
+    {"server/", Join(kSockets, {kUsage, "server/admin/", "server/admission/", "server/discovery/", "server/ops/"})},
     {"server/options", {"server/ops/"}},
 };
 

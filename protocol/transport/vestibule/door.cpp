@@ -35,6 +35,9 @@ constexpr double kConnectSeconds = 5;
 constexpr double kSilenceSeconds = 30;
 
 constexpr std::uint32_t kSlotBits = 12;
+
+// The first byte of a server query.
+constexpr std::uint8_t kQueryByte = 0xFF;
 static_assert(kMaxVisitors < 1U << kSlotBits);
 
 // Of a credential that does not hold.
@@ -79,6 +82,7 @@ Door::Door(Settings settings)
       m_scarceRates(kScarceRate, kScarceBurst, m_started.secretKey),
       m_handshakeRates(kHandshakeRate, kHandshakeBurst, m_started.secretKey),
       m_guessRates(kGuessRate, kGuessBurst, m_started.secretKey),
+      m_queries(m_settings.pictures, m_settings.random),
       m_slots(CountSlots(m_settings.maxVisitors)) {
   assert(m_settings.maxVisitors >= 1 && m_settings.maxVisitors <= kMaxVisitors);
   m_settings.random(m_cookieKey);
@@ -96,6 +100,8 @@ Door::Result Door::TakeDatagram(const NetAddress& from, std::span<const std::uin
       return TakeResponse(from, datagram, now);
     case static_cast<std::uint8_t>(SealedKind::kData):
       return TakeData(from, datagram, now);
+    case kQueryByte:
+      return TakeQuery(from, datagram, now);
     default:
       return ++m_counts.invalid, Result{};
   }
@@ -259,6 +265,20 @@ Door::Result Door::AnswerAgain(const Answered& answered, const Response& respons
   Result result = Pass(*visitor, response.first, now);
   Accept(*visitor);
   result.answer = m_answer;
+  return result;
+}
+
+// An answer in parts costs as many askings as it has parts.
+Door::Result Door::TakeQuery(const NetAddress& from, std::span<const std::uint8_t> datagram, double now) {
+  const auto query = protocol::ReadQuery(datagram);
+  if (!query || !m_queries.IsOpen()) return ++m_counts.invalid, Result{};
+  const Subnet subnet = FindSubnet(from);
+  if (!MayAsk(subnet, now)) return ++m_counts.limited, Result{};
+  Result result{.told = m_queries.Answer(from, *query, now)};
+  m_counts.queries = m_queries.Counts();
+  for (std::size_t i = 1; i < result.told.size(); ++i) {
+    if (!MayAsk(subnet, now)) return ++m_counts.limited, Result{};
+  }
   return result;
 }
 

@@ -17,6 +17,7 @@
 #include "protocol/transport/vestibule/command_filter.h"
 #include "protocol/transport/vestibule/handshake.h"
 #include "protocol/transport/vestibule/judge.h"
+#include "protocol/transport/vestibule/query_desk.h"
 #include "protocol/transport/vestibule/rate_table.h"
 #include "protocol/transport/vestibule/seal.h"
 
@@ -46,6 +47,7 @@ struct DoorCounts {
   std::uint64_t resets = 0;     // answers to these
   std::uint64_t offences = 0;   // visitors put out for what they sent
   std::array<Turnaways, kTurnawayCount> turnaways = {};  // those who were refused, by Turnaway
+  QueryCounts queries = {};
 };
 
 class Door {
@@ -56,7 +58,8 @@ class Door {
     std::size_t maxPerAddress = 64;  // likewise, of one IP address
     double datagramRate = 400;       // of one visitor, a second: an input a tick, acknowledgements and commands
     RandomSource random = FillRandomly;
-    std::shared_ptr<Judge> judge = {};  // null: everybody may come in
+    std::shared_ptr<Judge> judge = {};           // null: everybody may come in
+    std::shared_ptr<PictureSlot> pictures = {};  // of what is played, for strangers who ask; null: none is answered
   };
   // now: s, above 0, never backwards, in all functions.
   explicit Door(Settings settings);
@@ -68,6 +71,7 @@ class Door {
     bool isNew = false;                         // let in with this datagram
     bool isOffence = false;                     // the visitor sent what no honest client sends; it was dropped
     std::span<const std::uint8_t> plain = {};   // for ENet; empty: nothing
+    std::span<const std::vector<std::uint8_t>> told = {};  // to a stranger who asks, to be sent back each
   };
   [[nodiscard]] Result TakeDatagram(const NetAddress& from, std::span<const std::uint8_t> datagram, double now);
 
@@ -117,6 +121,7 @@ class Door {
 
   Result TakeRequest(const NetAddress& from, std::span<const std::uint8_t> datagram, double now);
   Result TakeResponse(const NetAddress& from, std::span<const std::uint8_t> datagram, double now);
+  Result TakeQuery(const NetAddress& from, std::span<const std::uint8_t> datagram, double now);
   Result TakeData(const NetAddress& from, std::span<const std::uint8_t> datagram, double now);
   Result AnswerAgain(const Answered& answered, const Response& response, double now);
   Result LetIn(const NetAddress& from, const Response& response, const SessionKeys& keys, Opener opener,
@@ -150,6 +155,7 @@ class Door {
   RateTable m_handshakeRates;
   RateTable m_guessRates;
   TokenBucket m_handshakes;
+  QueryDesk m_queries;
   std::vector<std::unique_ptr<Visitor>> m_slots;  // the low bits of a session's number name its slot
   std::unordered_map<VisitorId, std::size_t> m_slotOf;
   std::map<Key, Answered> m_answered;  // by the client's key

@@ -125,6 +125,7 @@ void Doorkeeper::TakeDatagram(const NetAddress& from, std::span<const std::uint8
   const Door::Result result = m_door.TakeDatagram(from, datagram, now);
   if (result.visitor == 0) ++m_strangers;
   if (!result.answer.empty()) m_answers.Add(from, result.answer);
+  for (const std::vector<std::uint8_t>& each : result.told) m_answers.Add(from, each);
   if (result.isNew) {
     const Door::Leg leg = m_door.FindLeg(result.visitor);
     HandOn(result.visitor, PairHead::Kind::kNew, {reinterpret_cast<const std::uint8_t*>(&leg), sizeof leg});

@@ -320,9 +320,10 @@ TEST_F(GateTest, BansAndInvitesOutliveTheServerAndFaultyFilesAreNamed) {
   std::ofstream(folder / "empty");
   files.password = folder / "empty";
   std::filesystem::permissions(files.password, std::filesystem::perms::owner_read);
-  EXPECT_TRUE(FindReadableByAll(files, folder / "server.key").empty());
+  const std::vector<std::string> others{folder / "server.key", ""};
+  EXPECT_TRUE(FindReadableByAll(files, others).empty());
   std::filesystem::permissions(files.password, std::filesystem::perms(0644));
-  EXPECT_EQ(FindReadableByAll(files, folder / "server.key"), std::vector{files.password});
+  EXPECT_EQ(FindReadableByAll(files, others), std::vector{files.password});
   EXPECT_EQ(open(), nullptr);
   EXPECT_EQ(error.rfind("--password-file", 0), 0U) << error;
 }

@@ -99,6 +99,9 @@ TEST(Metrics, SayWhatTheServerDoes) {
   EXPECT_EQ(read("wobble_client_goodbyes_total{reason=\"no_hello\"}"), 1) << "the raw one said none for 3 s";
   EXPECT_EQ(read("wobble_client_refusals_total{reason=\"wrong_password\"}"), 7);
   EXPECT_EQ(read("wobble_client_refusals_total{reason=\"banned\"}"), 0);
+  for (const char* kind : {"challenge", "info", "players", "rules"}) {
+    EXPECT_EQ(read("wobble_queries_total{kind=\"" + std::string(kind) + "\"}"), 0);
+  }
   EXPECT_EQ(read("wobble_bodies{state=\"awake\"}") + read("wobble_bodies{state=\"asleep\"}"), 2);
   EXPECT_GT(read("wobble_substeps_per_body_tick_sum"), read("wobble_substeps_per_body_tick_count"));
   EXPECT_GT(read("wobble_world_energy_joules{kind=\"gravity\"}"), 0);
