@@ -2,6 +2,8 @@
 
 #include <fstream>
 
+#include "server/recording/block_file.h"
+
 namespace wobble::exporting {
 
 namespace fs = std::filesystem;
@@ -25,6 +27,7 @@ std::string Output::Begin() {
   }
   // A rename would replace a device by a file.
   if (isThere && !m_isFolder && !fs::is_regular_file(status)) return "must be a file";
+  if (recording::IsBlockFile(m_target)) return "is a recording or a state of wobble: must be another file";
   if (fs::exists(m_partial, error)) {
     return "cannot be begun: " + m_partial.string() + " is there, of an export that runs or was killed";
   }

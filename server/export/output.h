@@ -16,8 +16,8 @@ class Output {
   Output(const Output&) = delete;
   Output& operator=(const Output&) = delete;
 
-  // What is wrong with the place, in words that follow its name; empty: nothing. A file is replaced; a folder must be
-  // empty or not there. Called once, before anything is written.
+  // What is wrong with the place, in words that follow its name; empty: nothing. A file is replaced, but
+  // never a recording: it may be the one that is exported. A folder must be empty or not there. Called once, before anything is written.
   [[nodiscard]] std::string Begin();
   [[nodiscard]] std::string Commit();
 

@@ -95,6 +95,17 @@ std::string WriteWhole(const std::filesystem::path& path, const Bytes& bytes) {
   return error;
 }
 
+bool IsBlockFile(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;
+  std::array<std::uint8_t, kMark.size()> mark{};
+  std::FILE* const file = std::fopen(path.c_str(), "rb");
+  if (file == nullptr) return false;
+  const bool isRead = std::fread(mark.data(), 1, mark.size(), file) == mark.size();
+  std::fclose(file);
+  return isRead && mark == kMark;
+}
+
 std::optional<Block> UnpackBlock(std::span<const std::uint8_t> packed) {
   BlockHead head;
   if (packed.size() < sizeof head) return {};

@@ -53,6 +53,9 @@ struct Block {
 // Writes a whole file that is its owner's alone, to the disk. Returns what is wrong; empty: nothing.
 [[nodiscard]] std::string WriteWhole(const std::filesystem::path& path, const Bytes& bytes);
 
+// Whether it is a file that begins as all of ours do, of any format version: a recording, an index or a state.
+[[nodiscard]] bool IsBlockFile(const std::filesystem::path& path);
+
 // Reads a file from its beginning to its last good block. Any file is safe.
 class BlockReader {
  public:

@@ -124,5 +124,17 @@ TEST_F(Exported, AnOutputIsThereWholeOrNotAtAll) {
   EXPECT_THAT(Output(folder.Path(), true).Begin(), HasSubstr("must be a new or an empty folder"));
 }
 
+TEST_F(Exported, ARecordingIsNotReplaced) {
+  const auto match = folder.List()[0];
+  const auto before = recording::ReadFile(match);
+  const auto link = folder.Path() / "link";
+  std::filesystem::create_symlink(match, link);
+  for (const auto& target : {match, link}) {
+    EXPECT_THAT(Output(target, false).Begin(), HasSubstr("is a recording or a state of wobble")) << target;
+  }
+  EXPECT_EQ(recording::ReadFile(match), before);
+  EXPECT_FALSE(std::filesystem::exists(match.string() + ".partial"));
+}
+
 }  // namespace
 }  // namespace wobble::exporting
