@@ -81,6 +81,7 @@ int VerifyRecording(const Options& options, const std::function<bool()>& isStopA
       fmt::print("{}\n", proof.words);
       return 0;
     case recording::Verdict::kDifferent:
+    case recording::Verdict::kBrokenOff:
       fmt::print("{}\n", proof.words);
       return 1;
     case recording::Verdict::kUnreadable:

@@ -10,7 +10,7 @@
 namespace wobble::server {
 
 // --replay FILE --verify: prints the verdict, and progress on a terminal. Returns the exit code: 0 identical, 1
-// different, 2 not to be read to its end. isStopAsked: judges what was played until then.
+// different or broken off, 2 not to be read to its end. isStopAsked: breaks it off.
 [[nodiscard]] int VerifyRecording(const Options& options, const std::function<bool()>& isStopAsked);
 
 // --replay FILE --export PATH: prints what was written, and progress on a terminal. Returns the exit code: 0 good, 2

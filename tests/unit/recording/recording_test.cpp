@@ -61,6 +61,17 @@ TEST_P(RecordedScene, PlaysTheSameAgain) {
 INSTANTIATE_TEST_SUITE_P(Shipped, RecordedScene, testing::Values("curtain", "sandbox", "sumo"),
                          [](const auto& scene) { return scene.param; });
 
+TEST(Recording, AProofThatIsBrokenOffSaysSo) {
+  const Folder folder;
+  RecordMatch("pair", 200, MakeSettings(folder));
+  const auto stopAt = [&](double end) {
+    return Verify(folder.List()[0], {}, [end](double time, double) { return time < end; });
+  };
+  EXPECT_EQ(stopAt(2).verdict, Verdict::kBrokenOff);
+  EXPECT_EQ(stopAt(2).words, "broken off at 2.0 s of 3.3 s, identical so far");
+  EXPECT_EQ(stopAt(9).verdict, Verdict::kIdentical);
+}
+
 TEST(Recording, IsItsOwnersAloneAndNamesNobodyButPlayers) {
   const Folder folder;
   RecordMatch("arena", 70, MakeSettings(folder));
