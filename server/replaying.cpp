@@ -39,9 +39,13 @@ void EndProgress() {
   if (isatty(STDERR_FILENO) == 1) fmt::print(stderr, "\r\x1b[K");
 }
 
-int Fail(const std::string& what) {
+void Complain(const std::string& what) {
   EndProgress();
   fmt::print(stderr, "wobbled: {}\n", what);
+}
+
+int Fail(const std::string& what) {
+  Complain(what);
   return 2;
 }
 
@@ -68,6 +72,16 @@ recording::Head MakeHead(const Options& options, const scenes::SceneSource& sour
           .scene = source,
           .tickHz = static_cast<std::uint32_t>(options.config.tickHz),
           .seed = options.config.seed};
+}
+
+// Says why the recording ends where it does. Returns whether something was asked for that damage has taken.
+bool TellGap(const Options& options, const recording::Recording& recording) {
+  if (!recording.Fault().empty()) {
+    Complain(fmt::format("{}: exported up to its damage: {}", options.replayFile, recording.Fault()));
+  } else if (!recording.IsWhole()) {
+    Complain(options.replayFile + ": the recording has no end: what wrote it was broken off");
+  }
+  return !recording.Fault().empty() && !(options.exportTo > 0);
 }
 
 }  // namespace
@@ -99,6 +113,7 @@ int ExportRecording(const Options& options, const std::function<bool()>& isStopA
     ground = recording::MakeGround(recording.ReadHead(), {.threads = options.config.threads}, error);
   }
   if (ground == nullptr) return Fail(options.replayFile + " " + error);
+  const bool isCut = TellGap(options, recording);
   const exporting::WalkSettings settings{
       .from = options.exportFrom, .to = options.exportTo, .fps = options.exportFps, .bodies = options.exportBodies};
   const auto plan = exporting::MakePlan(recording, settings, error);
@@ -111,12 +126,17 @@ int ExportRecording(const Options& options, const std::function<bool()>& isStopA
   const exporting::Walked walked =
       exporting::Walk(recording, replay, *ground, settings, *plan, *writer, MakeProgress(isStopAsked));
   if (!walked.error.empty()) return Fail(options.exportTarget + ": " + walked.error);
+  if (walked.isStopped) {
+    Complain(fmt::format("broken off at {:.1f} s of {:.1f} s: nothing is written", walked.lastTime,
+                         recording.TimeOf(plan->TickOf(plan->frames - 1))));
+    return 1;
+  }
   error = output.Commit();
   if (!error.empty()) return Fail(options.exportTarget + ": " + error);
   EndProgress();
   fmt::print("{} frames of {} bodies, up to {:.2f} s, {:.1f} MB in {}\n", walked.frames, walked.bodies, walked.lastTime,
              static_cast<double>(exporting::CountBytes(output.Target())) / 1e6, output.Target().string());
-  return 0;
+  return isCut ? 1 : 0;
 }
 
 int ListRecordings(const Options& options) {

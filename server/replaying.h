@@ -13,8 +13,8 @@ namespace wobble::server {
 // different or broken off, 2 not to be read to its end. isStopAsked: breaks it off.
 [[nodiscard]] int VerifyRecording(const Options& options, const std::function<bool()>& isStopAsked);
 
-// --replay FILE --export PATH: prints what was written, and progress on a terminal. Returns the exit code: 0 good, 2
-// not to be read or written. What a stop leaves is whole, and shorter.
+// --replay FILE --export PATH: prints what was written, and progress on a terminal. Returns the exit code: 0 good; 1
+// broken off by isStopAsked, with nothing left, or written up to the recording's damage; 2 not to be read or written.
 [[nodiscard]] int ExportRecording(const Options& options, const std::function<bool()>& isStopAsked);
 
 // --list-recordings. Returns the exit code: 2 if there is no such folder.

@@ -72,8 +72,7 @@ Walked Walk(recording::Recording& recording, recording::Replay& replay, const se
   const std::uint32_t before = plan.firstTick > recording.FirstTick() ? plan.firstTick - 1 : plan.firstTick;
   walked.error = replay.Seek(before);
   const double end = recording.TimeOf(plan.TickOf(plan.frames - 1));
-  bool isStopped = false;
-  while (walked.error.empty() && walked.frames < plan.frames && !isStopped) {
+  while (walked.error.empty() && walked.frames < plan.frames && !walked.isStopped) {
     const std::uint32_t tick = plan.TickOf(walked.frames);
     while (replay.Tick() < tick && replay.Advance()) {
     }
@@ -86,10 +85,11 @@ Walked Walk(recording::Recording& recording, recording::Replay& replay, const se
     walked.error = writer.Add(frame);
     walked.lastTime = frame.time;
     ++walked.frames;
-    isStopped = !progress(frame.time, end);
+    walked.isStopped = !progress(frame.time, end) && walked.frames < plan.frames;
   }
   walked.bodies = seen.size();
-  if (walked.error.empty() && !isStopped) walked.error = NameMissing(settings, seen, ground.World());
+  if (walked.isStopped) return walked;
+  if (walked.error.empty()) walked.error = NameMissing(settings, seen, ground.World());
   if (walked.error.empty()) walked.error = writer.Finish();
   return walked;
 }

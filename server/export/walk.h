@@ -34,13 +34,14 @@ struct Plan {
 
 struct Walked {
   std::string error;         // empty: all went well
+  bool isStopped = false;    // before its last frame; nothing is finished then
   std::uint32_t frames = 0;  // that were written
   double lastTime = 0;       // of the last of them, s since the recording began
   std::size_t bodies = 0;    // different ones, in any frame
 };
 
 // Hands all frames to the writer, or those until `progress`, which is called after each, returns false. Chosen bodies
-// that are in no frame are an error that names them, unless the walk was stopped.
+// that are in no frame are an error that names them.
 [[nodiscard]] Walked Walk(recording::Recording& recording, recording::Replay& replay, const server::Playground& ground,
                           const WalkSettings& settings, const Plan& plan, FrameWriter& writer,
                           const recording::Progress& progress);

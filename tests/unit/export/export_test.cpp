@@ -108,6 +108,24 @@ TEST_F(Exported, WhatIsNotThereIsNamed) {
   EXPECT_THAT(Write({.bodies = {3, 77}}, writer).error, HasSubstr("--bodies 77: there is no such body"));
 }
 
+TEST_F(Exported, AWalkThatIsStoppedFinishesNothing) {
+  struct Counter : FrameWriter {
+    std::string Add(const Frame& /*frame*/) override { return ++frames, ""; }
+    std::string Finish() override { return ++ends, ""; }
+    int frames = 0, ends = 0;
+  } writer;
+  std::string error;
+  const WalkSettings settings{.fps = 10, .bodies = {77}};
+  const auto stopAt = [&](double end) {
+    return Walk(recording, *replay, *ground, settings, *MakePlan(recording, settings, error), writer,
+                [end](double time, double) { return time < end; });
+  };
+  EXPECT_TRUE(stopAt(1).isStopped);
+  EXPECT_EQ(writer.frames, 11);
+  EXPECT_EQ(writer.ends, 0);
+  EXPECT_FALSE(stopAt(3.3).isStopped) << "in its last frame it is done";
+}
+
 TEST_F(Exported, AnOutputIsThereWholeOrNotAtAll) {
   const auto target = folder.Path() / "out.csv";
   {
