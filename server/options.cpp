@@ -32,6 +32,17 @@ void AddNumber(CLI::App& app, const char* name, Range range, Number& value, cons
       ->default_str(fmt::format("{}", value));
 }
 
+// Without it an empty word, as of a script's unset variable, would mean that the option is not given.
+void RefuseEmptyWords(CLI::App& app) {
+  app.parse_complete_callback([&app] {
+    for (const CLI::Option* option : app.get_options()) {
+      for (const std::string& word : option->results()) {
+        if (word.empty()) throw CLI::ValidationError(option->get_name(), "must not be empty");
+      }
+    }
+  });
+}
+
 }  // namespace
 
 void DescribeOptions(CLI::App& app, Options& options) {
@@ -192,6 +203,7 @@ void DescribeOptions(CLI::App& app, Options& options) {
   app.add_option("--list-recordings", options.listFolder,
                  "List the recordings of a folder, the newest first: a line of JSON each")
       ->type_name("FOLDER");
+  RefuseEmptyWords(app);
   app.footer(
       "Examples:\n"
       "  wobbled                                  the arena on port 7777\n"

@@ -422,6 +422,12 @@ case_unknown_option() {
   expect_refusal '^wobbled: --for -3: must be 0 to 1000000$' wobbled --for -3
   expect_refusal '^wobbled: --for nan: must be 0 to 1000000$' wobbled --for nan
   expect_refusal '^wobbled: --snapshot-hz 90: must be 1 to 60$' wobbled --port 0 --snapshot-hz 90
+  local option # an empty word is an unset variable of a script, and no way to start something else
+  for option in --replay --list-recordings --record --state --rotation --scene --cache --summary; do
+    expect_refusal "^wobbled: $option: must not be empty" wobbled --port 0 --for 0.01 --untrained "$option" ''
+  done
+  expect_refusal '^wobble gateway: --recordings: must not be empty' wobble gateway --server "$nobody" --recordings ''
+  expect_refusal '^wobble export: --output: must not be empty' wobble export match.wobrec --output ''
   expect_refusal '^wobbled: --log-level loud: must be one of' wobbled --log-level loud
   expect_refusal '^wobbled: --log-format xml: must be text or json$' wobbled --log-format xml
   expect_refusal '^wobbled: --summary /no/such/file: cannot be written$' wobbled --port 0 --summary /no/such/file
