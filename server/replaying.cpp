@@ -176,6 +176,10 @@ bool StartKeeping(const Options& options, std::span<const scenes::SceneSource> s
   for (const scenes::SceneSource& source : sources) heads.push_back(MakeHead(options, source));
   auto checkpoints = std::make_unique<recording::Checkpoints>(options.stateFolder, std::move(heads));
   const recording::FoundCheckpoint found = checkpoints->FindNewest();
+  if (!found.conflict.empty()) {
+    Fail(fmt::format("--state {}: {}: empty the folder or name another", options.stateFolder, found.conflict));
+    return false;
+  }
   for (const std::string& complaint : found.complaints) spdlog::warn("--state: {}", complaint);
   if (found.checkpoint) {
     const std::string error = server.Resume(*found.checkpoint, now);

@@ -1,5 +1,7 @@
 #include "server/recording/checkpoints.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "server/recording/fields.h"
@@ -15,6 +17,10 @@ void Describe(Archive& archive, Value& value) {
 namespace {
 
 constexpr const char* kEnding = ".wobstate";
+
+std::string DescribeWorld(const std::string& scenes, const Head& head) {
+  return fmt::format("{}, {} ticks a second, seed {}", scenes, head.tickHz, head.seed);
+}
 
 }  // namespace
 
@@ -36,15 +42,19 @@ Checkpoints::~Checkpoints() {
   m_thread.join();
 }
 
-std::string Checkpoints::Read(const std::filesystem::path& path, Checkpoint& checkpoint) const {
+std::string Checkpoints::Read(const std::filesystem::path& path, Checkpoint& checkpoint, std::string& conflict) const {
   BlockReader reader;
   std::string error = reader.Open(path);
   if (!error.empty()) return error;
   const auto head = reader.Next();
   if (!head || head->kind != BlockKind::kHead) return "is torn: " + reader.Fault();
   const auto of = std::ranges::find(m_heads, head->bytes);
-  if (of == m_heads.end()) return "is of another scene, tick rate or seed";
   checkpoint.scene = static_cast<std::size_t>(of - m_heads.begin());
+  if (of == m_heads.end()) {
+    const auto other = FromBytes<Head>(head->bytes);
+    if (!other) return "has no head that can be read";
+    conflict = DescribeConflict(*other);
+  }
   const auto block = reader.Next();
   if (!block || block->kind != BlockKind::kCheckpoint) {
     return "is torn: " + (reader.Fault().empty() ? "it ends behind its head" : reader.Fault());
@@ -54,13 +64,33 @@ std::string Checkpoints::Read(const std::filesystem::path& path, Checkpoint& che
   return bytes.IsDone() ? "" : "cannot be read";
 }
 
+std::string Checkpoints::DescribeConflict(const Head& found) const {
+  std::vector<std::string> scenes;
+  for (const Bytes& head : m_heads) scenes.push_back(FromBytes<Head>(head)->scene.name);
+  const std::string holds = DescribeWorld(found.scene.name, found);
+  const std::string wanted = DescribeWorld(fmt::format("{}", fmt::join(scenes, " or ")), *FromBytes<Head>(m_heads[0]));
+  // By name they are the same: the scene's file is not.
+  const bool hasName = std::ranges::find(scenes, found.scene.name) != scenes.end();
+  const bool isChanged = hasName && DescribeWorld("", found) == DescribeWorld("", *FromBytes<Head>(m_heads[0]));
+  return fmt::format("holds a world of {}; this is {}{}", holds, wanted,
+                     isChanged ? ", and the scene has changed since" : "");
+}
+
 FoundCheckpoint Checkpoints::FindNewest() {
   FoundCheckpoint found;
+  std::uint64_t newestOther = 0;
+  std::string conflict;  // of newestOther
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(m_folder, error)) {
     if (entry.path().extension() != kEnding) continue;
     Checkpoint checkpoint;
-    const std::string complaint = Read(entry.path(), checkpoint);
+    std::string difference;
+    std::string complaint = Read(entry.path(), checkpoint, difference);
+    if (complaint.empty() && checkpoint.number >= newestOther && !difference.empty()) {
+      newestOther = checkpoint.number;
+      conflict = entry.path().string() + " " + difference;
+    }
+    if (complaint.empty()) complaint = difference;
     if (!complaint.empty()) {
       found.complaints.push_back(entry.path().string() + " " + complaint);
     } else if (!found.checkpoint || checkpoint.number > found.checkpoint->number) {
@@ -68,6 +98,7 @@ FoundCheckpoint Checkpoints::FindNewest() {
     }
   }
   if (found.checkpoint) m_number = found.checkpoint->number;
+  if (newestOther > m_number) found.conflict = std::move(conflict);
   return found;
 }
 
