@@ -175,6 +175,10 @@ bool StartKeeping(const Options& options, std::span<const scenes::SceneSource> s
   std::vector<recording::Head> heads;
   for (const scenes::SceneSource& source : sources) heads.push_back(MakeHead(options, source));
   auto checkpoints = std::make_unique<recording::Checkpoints>(options.stateFolder, std::move(heads));
+  if (const std::string error = checkpoints->Claim(); !error.empty()) {
+    Fail(fmt::format("--state {}: {}", options.stateFolder, error));
+    return false;
+  }
   const recording::FoundCheckpoint found = checkpoints->FindNewest();
   if (!found.conflict.empty()) {
     Fail(fmt::format("--state {}: {}: empty the folder or name another", options.stateFolder, found.conflict));

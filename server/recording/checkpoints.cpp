@@ -1,8 +1,14 @@
 #include "server/recording/checkpoints.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
 
 #include "server/recording/fields.h"
 
@@ -17,6 +23,7 @@ void Describe(Archive& archive, Value& value) {
 namespace {
 
 constexpr const char* kEnding = ".wobstate";
+constexpr const char* kLockName = "world.lock";  // of a file that holds the number of the process that has locked it
 
 std::string DescribeWorld(const std::string& scenes, const Head& head) {
   return fmt::format("{}, {} ticks a second, seed {}", scenes, head.tickHz, head.seed);
@@ -40,6 +47,23 @@ Checkpoints::~Checkpoints() {
   }
   m_wakes.notify_one();
   m_thread.join();
+  if (m_lock >= 0) close(m_lock);
+}
+
+std::string Checkpoints::Claim() {
+  const std::filesystem::path path = m_folder / kLockName;
+  m_lock = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  if (m_lock < 0) return path.string() + ": " + std::strerror(errno);
+  if (flock(m_lock, LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK) return {};
+    std::array<char, 32> owner{};
+    const ssize_t read = pread(m_lock, owner.data(), owner.size() - 1, 0);
+    return fmt::format("in use by another server{}", read > 0 ? fmt::format(", process {}", owner.data()) : "");
+  }
+  const std::string own = std::to_string(getpid());
+  // Only for people: that the file is locked says enough.
+  if (ftruncate(m_lock, 0) != 0 || pwrite(m_lock, own.data(), own.size(), 0) < 0) return {};
+  return {};
 }
 
 std::string Checkpoints::Read(const std::filesystem::path& path, Checkpoint& checkpoint, std::string& conflict) const {

@@ -49,6 +49,10 @@ class Checkpoints {
   Checkpoints(const Checkpoints&) = delete;
   Checkpoints& operator=(const Checkpoints&) = delete;
 
+  // Keeps other servers off the folder as long as this object lives, whatever ends the process. Returns what is wrong,
+  // with the process that has it; empty: nothing. Where the file system knows no locks nobody is kept off.
+  [[nodiscard]] std::string Claim();
+
   // Reads the folder. A checkpoint of another scene, tick rate or seed is not of the heads. Call it before the first
   // Save.
   [[nodiscard]] FoundCheckpoint FindNewest();
@@ -71,6 +75,7 @@ class Checkpoints {
   std::filesystem::path m_folder;
   std::vector<Bytes> m_heads;  // as they stand in the files
   std::uint64_t m_number = 0;
+  int m_lock = -1;  // a file that is locked as long as it is open; -1: none
 
   mutable std::mutex m_mutex;  // over what follows
   std::condition_variable m_wakes;

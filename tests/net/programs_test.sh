@@ -811,6 +811,18 @@ case_rotation() {
   expect_end server "$server" 0 10
 }
 
+# A state is not for a second server, and not for the server of another world.
+case_state_is_one_worlds() {
+  start_server --untrained --scene pair --state "$folder/world"
+  expect_refusal "^wobbled: --state $folder/world: in use by another server, process $server\$" \
+    wobbled --port 0 --untrained --scene pair --state "$folder/world"
+  kill -INT "$server"
+  expect_end server "$server" 0 10
+  expect_refusal "^wobbled: --state .* holds a world of pair, 60 ticks a second, seed 1; this is arena, 60 ticks a second, seed 1: empty the folder or name another\$" \
+    wobbled --port 0 --untrained --scene arena --state "$folder/world"
+  expect_exit 0 wobbled --port 0 --untrained --rotation arena,pair --state "$folder/world" --for 0.1
+}
+
 # A disk that is full from the first blocks on, as a limit of the process, and folders that go: the log says why, no tick
 # waits, the server goes on, and what was written before is good.
 case_failing_disk() {

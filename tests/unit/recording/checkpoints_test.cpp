@@ -112,6 +112,16 @@ TEST_F(CheckpointsOf, ThoseOfOtherWorldsAreNamedAndStay) {
   EXPECT_THAT(Find().conflict, IsEmpty());
 }
 
+TEST_F(CheckpointsOf, AFolderIsOneServersAlone) {
+  {
+    Checkpoints first(folder.Path(), {head});
+    EXPECT_THAT(first.Claim(), IsEmpty());
+    EXPECT_EQ(Checkpoints(folder.Path(), {head}).Claim(),
+              "in use by another server, process " + std::to_string(getpid()));
+  }
+  EXPECT_THAT(Checkpoints(folder.Path(), {head}).Claim(), IsEmpty()) << "what a killed one leaves is no lock";
+}
+
 // As after a rotation has lost a scene: the older of the two is no reason to lose the newer.
 TEST_F(CheckpointsOf, TheNewestDecidesWhetherItIsAnotherWorlds) {
   SaveAfter({30});
