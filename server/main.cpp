@@ -414,7 +414,7 @@ int RunServer(Options options) {
   server::Server server(options.config, trained.front().scene, std::move(transport), ReadClock(), trained.front().bases,
                         &ReadClock);
   if (trained.size() > 1) server.Rotate(std::move(trained));
-  if (film && !server::StartFilm(options, std::move(*film), server)) return kBadUsage;
+  if (film && !server::StartFilm(options, std::move(*film), server, &ReadClock)) return kBadUsage;
   if (!server::StartKeeping(options, sources, server, ReadClock())) return kBadUsage;
   if (!server::StartRecording(options, sources[server.SceneNumber()], server, &ReadUnixTime)) return kBadUsage;
   spdlog::info("this server's key is {}", publicKey);

@@ -157,10 +157,10 @@ int ListRecordings(const Options& options) {
   return 0;
 }
 
-bool StartFilm(const Options& options, recording::Recording film, Server& server) {
+bool StartFilm(const Options& options, recording::Recording film, Server& server, TimeSource clock) {
   if (!film.Fault().empty()) spdlog::warn("{}: shown up to its damage: {}", options.replayFile, film.Fault());
   const double length = film.TimeOf(film.LastTick());
-  const std::string error = server.Show(std::make_unique<recording::Film>(options.replayFile, std::move(film)));
+  const std::string error = server.Show(std::make_unique<recording::Film>(options.replayFile, std::move(film), std::move(clock)));
   if (!error.empty()) {
     Fail(options.replayFile + ": " + error);
     return false;

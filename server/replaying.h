@@ -21,7 +21,8 @@ namespace wobble::server {
 [[nodiscard]] int ListRecordings(const Options& options);
 
 // These return false after they have reported what failed. --replay: shows the recording.
-[[nodiscard]] bool StartFilm(const Options& options, recording::Recording film, Server& server);
+// clock: how much of each tick it takes.
+[[nodiscard]] bool StartFilm(const Options& options, recording::Recording film, Server& server, TimeSource clock);
 // --state: goes on from the newest checkpoint, if there is one, and keeps checkpoints from here on. sources: of all
 // scenes of the server, in their order. now: s.
 [[nodiscard]] bool StartKeeping(const Options& options, std::span<const scenes::SceneSource> sources, Server& server,

@@ -143,11 +143,16 @@ Answer Vote(Order& order) {
   return refusal.empty() ? Answer{.isDone = true, .lines = {}} : Refuse(refusal);
 }
 
+std::string FormatTime(double seconds) {
+  return fmt::format("{}:{:04.1f}", static_cast<int>(seconds) / 60, std::fmod(seconds, 60));
+}
+
+// Clients read it (client/terminal/film.cpp, client/page/source/hud/film_panel.ts).
 std::string DescribeFilm(const recording::Film& film) {
   const bool isPlaying = film.ReadMotion() == recording::Film::Motion::kPlaying;
-  return fmt::format("{} {}:{:04.1f} of {}:{:04.1f}, speed {:g}", isPlaying ? "plays" : "paused at",
-                     static_cast<int>(film.Time()) / 60, std::fmod(film.Time(), 60), static_cast<int>(film.End()) / 60,
-                     std::fmod(film.End(), 60), film.Speed());
+  return fmt::format("{} {} of {}, speed {:g}, tick {}{}", isPlaying ? "plays" : "paused at", FormatTime(film.Time()),
+                     FormatTime(film.End()), film.Speed(), film.Tick(),
+                     film.IsSeeking() ? ", on the way to " + FormatTime(film.Goal()) : "");
 }
 
 // The number behind a word, in a range. Leaves the reason in `refusal` if there is none.
@@ -182,7 +187,7 @@ Answer WindFilm(Order& order) {
   } else if (what == "to" || what == "by") {
     number = TakeNumber(order, -kLongest, kLongest, refusal);
     if (!number) return refusal;
-    film->JumpTo(*number + (what == "by" ? film->Time() : 0));
+    what == "by" ? film->JumpBy(*number) : film->JumpTo(*number);
   } else if (!what.empty()) {
     return Refuse("film " + what + ": must be play, pause, speed X, step TICKS, to SECONDS or by SECONDS");
   }
