@@ -460,6 +460,11 @@ int main(int argc, char** argv) {
   if (!StartLogger(options)) return kBadUsage;
   std::signal(SIGINT, RequestStop);
   std::signal(SIGTERM, RequestStop);
+  const bool isPlayed = !options.exportTarget.empty() || options.isVerify;
+  if (isPlayed && !options.errors.empty()) {
+    Complain(options.errors);
+    return kBadUsage;
+  }
   if (!options.exportTarget.empty()) return server::ExportRecording(options, [] { return g_stop != 0; });
   if (options.isVerify) return server::VerifyRecording(options, [] { return g_stop != 0; });
   return RunServer(options);

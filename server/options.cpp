@@ -10,12 +10,13 @@ namespace wobble::server {
 namespace {
 
 constexpr Range kDurationRange{0, 1e6};             // s, eleven days
+constexpr Range kExportFpsRange{0.001, 480};        // and at most the recording's ticks a second
 constexpr Range kRecordRange{1, 65536};             // MiB
 constexpr Range kSeedRange{0, 9007199254740992.0};  // 2^53: exact as a number in JSON too
 
 // A bad number is noted and not thrown, so that all of them are reported together, each with its range.
 template <class Number>
-void AddNumber(CLI::App& app, const char* name, Range range, Number& value, const char* description,
+CLI::Option* AddNumber(CLI::App& app, const char* name, Range range, Number& value, const char* description,
                std::vector<std::string>& errors) {
   const auto read = [name, range, &value, &errors](const std::string& text) {
     Number number{};
@@ -27,7 +28,7 @@ void AddNumber(CLI::App& app, const char* name, Range range, Number& value, cons
       errors.push_back(fmt::format("{} {}: must be {} to {}", name, text, range.low, range.high));
     }
   };
-  app.add_option_function<std::string>(name, read, description)
+  return app.add_option_function<std::string>(name, read, description)
       ->type_name(fmt::format("{} to {}", range.low, range.high))
       ->default_str(fmt::format("{}", value));
 }
@@ -48,7 +49,7 @@ void RefuseEmptyWords(CLI::App& app) {
 void DescribeOptions(CLI::App& app, Options& options) {
   Config& config = options.config;
   const auto addNumber = [&](const char* name, Range range, auto& value, const char* description) {
-    AddNumber(app, name, range, value, description, options.errors);
+    return AddNumber(app, name, range, value, description, options.errors);
   };
   app.description("wobbled hosts a world of soft bodies for many players.");
   app.set_version_flag("--version", std::string("wobbled ") + kVersion);
@@ -183,17 +184,24 @@ void DescribeOptions(CLI::App& app, Options& options) {
       ->check(CLI::IsMember({"csv", "vtk", "gltf"}))
       ->capture_default_str()
       ->needs(target);
-  app.add_option("--from", options.exportFrom, "First second of the recording to export")
-      ->check(CLI::NonNegativeNumber)
+  addNumber("--from", kDurationRange, options.exportFrom, "First second of the recording to export")->needs(target);
+  addNumber("--to", kDurationRange, options.exportTo, "Last second to export; as --from: one frame")
+      ->default_str("the recording's end")
       ->needs(target);
-  app.add_option("--to", options.exportTo, "Last second to export; 0: the recording's end")
-      ->check(CLI::NonNegativeNumber)
+  addNumber("--fps", kExportFpsRange, options.exportFps,
+            "Frames a second of the export, at most the recording's ticks a second")
       ->needs(target);
-  app.add_option("--fps", options.exportFps, "Frames a second of the export, at most the recording's ticks a second")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str()
-      ->needs(target);
-  app.add_option("--bodies", options.exportBodies, "Numbers of the bodies to export, such as 3,7,12; all if not given")
+  const auto readBodies = [&options](const std::vector<std::string>& words) {
+    for (const std::string& word : words) {
+      std::uint32_t& body = options.exportBodies.emplace_back();
+      const auto [end, result] = std::from_chars(word.data(), word.data() + word.size(), body);
+      if (result == std::errc{} && end == word.data() + word.size()) continue;
+      options.errors.push_back("--bodies " + word + ": must be numbers of bodies, such as 3,7,12");
+    }
+  };
+  app.add_option_function<std::vector<std::string>>(
+         "--bodies", readBodies, "Numbers of the bodies to export, such as 3,7,12; all if not given")
+      ->type_name("NUMBERS")
       ->delimiter(',')
       ->needs(target);
   app.add_flag("--untrained", options.isUntrained,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -36,7 +37,7 @@ struct Options {
   std::string exportTarget;  // file or folder; empty: nothing is exported
   std::string exportFormat = "csv";
   double exportFrom = 0;                    // s since the recording began
-  double exportTo = 0;                      // s; 0: its end
+  double exportTo = std::numeric_limits<double>::infinity();  // s; infinite: its end
   double exportFps = 30;                    // frames a second
   std::vector<std::uint32_t> exportBodies;  // empty: all
   bool isUntrained = false;

@@ -81,7 +81,7 @@ bool TellGap(const Options& options, const recording::Recording& recording) {
   } else if (!recording.IsWhole()) {
     Complain(options.replayFile + ": the recording has no end: what wrote it was broken off");
   }
-  return !recording.Fault().empty() && !(options.exportTo > 0);
+  return !recording.Fault().empty() && std::isinf(options.exportTo);
 }
 
 }  // namespace
@@ -120,19 +120,20 @@ int ExportRecording(const Options& options, const std::function<bool()>& isStopA
   if (!plan) return Fail(error);
   exporting::Output output(options.exportTarget, options.exportFormat == "vtk");
   error = output.Begin();
-  if (!error.empty()) return Fail("--export " + options.exportTarget + ": " + error);
+  if (!error.empty()) return Fail(options.exportTarget + " " + error);
   const auto writer = MakeWriter(options.exportFormat, output, recording.ReadHead().scene.name);
   recording::Replay replay(recording, *ground);
   const exporting::Walked walked =
       exporting::Walk(recording, replay, *ground, settings, *plan, *writer, MakeProgress(isStopAsked));
-  if (!walked.error.empty()) return Fail(options.exportTarget + ": " + walked.error);
+  if (!walked.error.empty()) return Fail(walked.error);
+  if (!walked.outputError.empty()) return Fail(options.exportTarget + " " + walked.outputError);
   if (walked.isStopped) {
     Complain(fmt::format("broken off at {:.1f} s of {:.1f} s: nothing is written", walked.lastTime,
                          recording.TimeOf(plan->TickOf(plan->frames - 1))));
     return 1;
   }
   error = output.Commit();
-  if (!error.empty()) return Fail(options.exportTarget + ": " + error);
+  if (!error.empty()) return Fail(options.exportTarget + " " + error);
   EndProgress();
   fmt::print("{} frames of {} bodies, up to {:.2f} s, {:.1f} MB in {}\n", walked.frames, walked.bodies, walked.lastTime,
              static_cast<double>(exporting::CountBytes(output.Target())) / 1e6, output.Target().string());

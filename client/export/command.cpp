@@ -68,7 +68,7 @@ command::Command DescribeExport(CLI::App& app) {
     subcommand->add_option_function<std::string>(name, take, what)->type_name(type);
   };
   pass("--from", "SECONDS", "First second of the recording; 0 if not given");
-  pass("--to", "SECONDS", "Last second; the recording's end if not given");
+  pass("--to", "SECONDS", "Last second; the recording's end if not given; as --from: one frame");
   pass("--fps", "NUMBER", "Frames a second, at most the recording's ticks a second; 30 if not given");
   pass("--bodies", "3,7,12", "Numbers of the bodies; all if not given");
   subcommand->footer(

@@ -70,6 +70,11 @@ bool Understand(const Words& words, WatchOptions& options, std::string& error) {
     error = "HOST:PORT of the server is required (see wobble watch --help)";
     return false;
   }
+  std::error_code ignored;
+  if (std::filesystem::is_directory(words.address, ignored)) {
+    error = "'" + words.address + "' is a folder: must be a recording in it, as wobbled --list-recordings tells";
+    return false;
+  }
   const auto address = command::ParseAddress(words.address, error);
   if (!address) {
     error = "server: " + error;

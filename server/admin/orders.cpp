@@ -11,6 +11,7 @@
 #include <cmath>
 #include <optional>
 #include <sstream>
+#include <type_traits>
 #include <utility>
 
 #include "protocol/text.h"
@@ -155,13 +156,17 @@ std::string DescribeFilm(const recording::Film& film) {
                      film.IsSeeking() ? ", on the way to " + FormatTime(film.Goal()) : "");
 }
 
-// The number behind a word, in a range. Leaves the reason in `refusal` if there is none.
-std::optional<double> TakeNumber(Order& order, double low, double high, Answer& refusal) {
+// The number behind a word of the order film, in a range. Leaves the reason in `refusal` if there is none.
+template <class Number>
+std::optional<Number> TakeNumber(Order& order, const std::string& what, double low, double high, Answer& refusal) {
   const std::string word = order.TakeWord();
-  double number = 0;
+  Number number{};
   const auto [end, result] = std::from_chars(word.data(), word.data() + word.size(), number);
-  if (result == std::errc{} && end == word.data() + word.size() && number >= low && number <= high) return number;
-  refusal = Refuse(fmt::format("\"{}\": must be a number from {:g} to {:g}", word, low, high));
+  const bool isWhole = result == std::errc{} && end == word.data() + word.size();
+  const auto value = static_cast<double>(number);
+  if (isWhole && value >= low && value <= high) return number;
+  refusal = Refuse(fmt::format("film {}{}{}: must be {} from {} to {}", what, word.empty() ? "" : " ", word,
+                               std::is_integral_v<Number> ? "a whole number" : "a number", low, high));
   return {};
 }
 
@@ -171,23 +176,22 @@ Answer WindFilm(Order& order) {
   constexpr double kLongest = 1e6;
   const std::string what = order.TakeWord();
   Answer refusal;
-  std::optional<double> number;
   if (what == "play") {
     film->Play();
   } else if (what == "pause") {
     film->Pause();
   } else if (what == "speed") {
-    number = TakeNumber(order, recording::kLeastFilmSpeed, recording::kMostFilmSpeed, refusal);
-    if (!number) return refusal;
-    film->SetSpeed(*number);
+    const auto speed = TakeNumber<double>(order, what, recording::kLeastFilmSpeed, recording::kMostFilmSpeed, refusal);
+    if (!speed) return refusal;
+    film->SetSpeed(*speed);
   } else if (what == "step") {
-    number = TakeNumber(order, -kLongest, kLongest, refusal);
-    if (!number) return refusal;
-    film->StepBy(static_cast<std::int64_t>(*number));
+    const auto ticks = TakeNumber<std::int64_t>(order, what, -kLongest, kLongest, refusal);
+    if (!ticks) return refusal;
+    film->StepBy(*ticks);
   } else if (what == "to" || what == "by") {
-    number = TakeNumber(order, -kLongest, kLongest, refusal);
-    if (!number) return refusal;
-    what == "by" ? film->JumpBy(*number) : film->JumpTo(*number);
+    const auto seconds = TakeNumber<double>(order, what, -kLongest, kLongest, refusal);
+    if (!seconds) return refusal;
+    film->JumpTo(*seconds + (what == "by" ? film->Goal() : 0));
   } else if (!what.empty()) {
     return Refuse("film " + what + ": must be play, pause, speed X, step TICKS, to SECONDS or by SECONDS");
   }

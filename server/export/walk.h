@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,8 +14,8 @@
 namespace wobble::exporting {
 
 struct WalkSettings {
-  double from = 0;                           // s since the recording began
-  double to = 0;                             // s, not before `from`; 0: the recording's end
+  double from = 0;                                       // s since the recording began
+  double to = std::numeric_limits<double>::infinity();   // s, not before `from`; infinite: the recording's end
   double fps = 30;                           // frames a second, at most the recording's tick rate
   std::vector<physics::BodyId> bodies = {};  // empty: all
 };
@@ -33,7 +34,8 @@ struct Plan {
                                            std::string& error);
 
 struct Walked {
-  std::string error;         // empty: all went well
+  // Empty: all went well. The latter is the writer's, in words that follow the file's name.
+  std::string error, outputError;
   bool isStopped = false;    // before its last frame; nothing is finished then
   std::uint32_t frames = 0;  // that were written
   double lastTime = 0;       // of the last of them, s since the recording began

@@ -120,7 +120,9 @@ std::optional<Block> UnpackBlock(std::span<const std::uint8_t> packed) {
 
 std::string BlockReader::Open(const std::filesystem::path& path) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return "is no regular file";
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found) return "does not exist";
+  if (!std::filesystem::is_regular_file(status)) return "is no regular file";
   m_file.reset(std::fopen(path.c_str(), "rb"));
   if (m_file == nullptr) return "cannot be read";
   m_size = std::filesystem::file_size(path, error);

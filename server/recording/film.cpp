@@ -87,7 +87,11 @@ void Film::SeekOn() {
   const double begin = Now();
   const double end = begin + m_timeLeft;
   while (m_seek && (!m_clock || Now() < end)) {
-    m_seek->isPlaced ? PlaySeek() : Place();
+    if (m_seek->isPlaced) {
+      PlaySeek();
+    } else {
+      Place();
+    }
     m_hasMoved = true;
   }
   m_timeLeft -= Now() - begin;

@@ -44,8 +44,6 @@ class Film {
   void StepBy(std::int64_t ticks);
   // To so many s since the beginning, or to the end that is nearer.
   void JumpTo(double time);
-  // From where it stands, or will stand.
-  void JumpBy(double seconds) { JumpTo(Goal() + seconds); }
 
   [[nodiscard]] Motion ReadMotion() const { return m_motion; }
   [[nodiscard]] double Speed() const { return m_speed; }

@@ -811,6 +811,35 @@ case_rotation() {
   expect_end server "$server" 0 10
 }
 
+# A recording as people take it out: what cannot be done is said with the option, and the recording is never touched.
+case_exports() {
+  local match="$folder/match.wobrec" to="$folder/table.csv"
+  expect_exit 0 wobbled --port 0 --untrained --scene pair --pause-after 0 --record "$folder/matches" --for 2
+  mv "$folder"/matches/*.wobrec "$match"
+  cp "$match" "$folder/copy"
+  expect_refusal '^wobbled: .*match.wobrec is a recording or a state of wobble: must be another file$' \
+    wobble export "$match" --output "$match"
+  cmp "$match" "$folder/copy" || fail 'a recording that is as it was'
+  expect_refusal '^wobbled: --from nan: must be 0 to 1000000$' wobble export "$match" --output "$to" --from nan
+  expect_refusal '^wobbled: --to 99: must be 0 to [0-9.]*, ' wobble export "$match" --output "$to" --to 99
+  expect_refusal '^wobbled: --fps 0: must be 0.001 to 480$' wobble export "$match" --output "$to" --fps 0
+  expect_refusal '^wobbled: --bodies -1: must be numbers of bodies' wobble export "$match" --output "$to" --bodies=-1
+  expect_refusal '^wobbled: --bodies 99: there is no such body in these frames, which have 1,2$' \
+    wobble export "$match" --output "$to" --bodies 99
+  expect_refusal '^wobbled: none.wobrec does not exist$' wobble export none.wobrec --output "$to"
+  expect_refusal "^wobble watch: '$folder' is a folder: " wobble watch "$folder"
+  [ ! -e "$to" ] || fail 'no table' "$to"
+  expect_exit 0 wobble export "$match" --output "$to" --to 0
+  expect_line "$out" '^1 frames of 2 bodies, up to 0.00 s'
+  head -c -25 "$folder/copy" >"$match" # without its end
+  expect_exit 0 wobble export "$match" --output "$folder/unended.csv"
+  expect_line "$err" 'match.wobrec: the recording has no end: what wrote it was broken off$'
+  head -c -60 "$folder/copy" >"$match"
+  expect_exit 1 wobble export "$match" --output "$folder/damaged.csv"
+  expect_line "$err" 'match.wobrec: exported up to its damage: byte [1-9]'
+  expect_exit 0 wobble export "$match" --output "$folder/good.csv" --to 0.5
+}
+
 # A state is not for a second server, and not for the server of another world.
 case_state_is_one_worlds() {
   start_server --untrained --scene pair --state "$folder/world"

@@ -104,8 +104,21 @@ TEST_F(Exported, WhatIsNotThereIsNamed) {
   EXPECT_THAT(Refuse({.from = 9}), HasSubstr("--from 9: must be 0 to 3.333"));
   EXPECT_THAT(Refuse({.from = 2, .to = 1}), HasSubstr("--to 1: must be 2 to 3.333"));
   EXPECT_THAT(Refuse({.fps = 61}), HasSubstr("--fps 61"));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(Refuse({.from = nan}), HasSubstr("--from nan"));
+  EXPECT_THAT(Refuse({.to = nan}), HasSubstr("--to nan"));
   CsvWriter writer(folder.Path() / "table.csv", "curtain");
-  EXPECT_THAT(Write({.bodies = {3, 77}}, writer).error, HasSubstr("--bodies 77: there is no such body"));
+  EXPECT_EQ(Write({.from = 1, .bodies = {3, 77}}, writer).error,
+            "--bodies 77: there is no such body in these frames, which have 1,2,3,4,5");
+}
+
+TEST_F(Exported, TimesAreTakenAsTheyAreRead) {
+  std::string error;
+  EXPECT_EQ(MakePlan(recording, {.to = 0}, error)->frames, 1U) << "as from 1 to 1";
+  EXPECT_EQ(MakePlan(recording, {.from = 1, .to = 1}, error)->frames, 1U);
+  const auto plan = MakePlan(recording, {.from = 3.37}, error);
+  ASSERT_TRUE(plan) << error;
+  EXPECT_EQ(plan->firstTick, 200U) << "3.333 s, as somebody rounds it";
 }
 
 TEST_F(Exported, AWalkThatIsStoppedFinishesNothing) {

@@ -248,7 +248,7 @@ TEST(Recording, AnExcerptIsARecordingOfItsOwn) {
 TEST(Recording, FilesOfOthersAreNamed) {
   const Folder folder;
   const auto open = [&](const std::string& name) { return Opened(folder.Path() / name).error; };
-  EXPECT_THAT(open("none.wobrec"), HasSubstr("no regular file"));
+  EXPECT_THAT(open("none.wobrec"), HasSubstr("does not exist"));
   WriteFile(folder.Path() / "text.wobrec", ReadFile(test::FindSource("README.md")));
   EXPECT_THAT(open("text.wobrec"), HasSubstr("not of wobble's format"));
   Bytes next = MakeFileHead();
