@@ -214,6 +214,7 @@ struct Entry {
   const char* help;
   Rank least;
   Answer (*run)(Order&);
+  bool isOfPlay = false;  // there is nothing that it could act on while a recording is shown
 };
 
 constexpr std::array kEntries{
@@ -231,19 +232,19 @@ constexpr std::array kEntries{
     Entry{"lock", "", 0, "lets only moderators and owners come in", Rank::kModerator, Lock},
     Entry{"unlock", "", 0, "lets everybody come in again", Rank::kModerator, Unlock},
     Entry{"protect", "on|off", 1, "whether players change only what they have built themselves", Rank::kModerator,
-          Protect},
+          Protect, true},
     Entry{"reset", "", 0, "puts bodies, workshop and tuning back to what the scene has; what is torn stays torn",
-          Rank::kModerator, Reset},
+          Rank::kModerator, Reset, true},
     Entry{"restart", "", 0, "lets the world begin anew, whole and with a new game; everybody stays in",
-          Rank::kModerator, Restart},
+          Rank::kModerator, Restart, true},
     Entry{"next", "", 0, "begins the next scene of the rotation; everybody comes along", Rank::kModerator,
-          GoToNextScene},
+          GoToNextScene, true},
     Entry{"scene", "[NAME]", 1, "begins that scene of the rotation; without a name tells which there are",
-          Rank::kModerator, GoToScene},
+          Rank::kModerator, GoToScene, true},
     Entry{"vote", "restart|next", 1,
           "lets the world begin anew, or the next scene begin, when more than half of the players vote for it within a "
           "minute",
-          Rank::kPlayer, Vote},
+          Rank::kPlayer, Vote, true},
     Entry{"film", "[play|pause|speed X|step TICKS|to SECONDS|by SECONDS]", 2,
           "winds the recording that is shown; X from -4 to 16", Rank::kWatcher, WindFilm},
     Entry{"say", "TEXT", kAnyWords, "shows a line to everybody", Rank::kModerator, Say},
@@ -290,6 +291,9 @@ Answer CarryOut(const Realm& realm, const Issuer& issuer, const std::string& lin
   if (issuer.rank < entry->least) {
     return Refuse(fmt::format("{} is for {}s and above; you are {}", name, admission::NameOf(entry->least),
                               admission::NameOf(issuer.rank)));
+  }
+  if (entry->isOfPlay && realm.server.ReadFilm() != nullptr) {
+    return Refuse(name + ": a recording is shown; film to 0 begins it anew");
   }
   Answer answer = order.words.size() > entry->most ? RefuseRest(order, *entry) : entry->run(order);
   if (name == "film" && issuer.client != 0) return answer;  // watchers ask where it stands twice a second
