@@ -337,6 +337,15 @@ std::vector<server::RotationScene> TrainScenes(const Options& options, std::vect
   return trained;
 }
 
+// What is missing in the recordings, once they have ended.
+void TellLost(const server::Server& server, int tickHz) {
+  const recording::Recorder* recorder = server.ReadRecorder();
+  const std::uint64_t lost = recorder != nullptr ? recorder->Counts().lostTicks : 0;
+  if (lost == 0) return;
+  spdlog::warn("--record: {:.1f} s of what was played are not recorded: {}", static_cast<double>(lost) / tickHz,
+               recorder->Error());
+}
+
 int RunServer(Options options) {
   std::optional<recording::Recording> film;
   if (!options.replayFile.empty()) {
@@ -428,6 +437,7 @@ int RunServer(Options options) {
   const std::string summary = server::MakeSummary(server, watchers.times);
   CloseDown(server, watchers);
   server.EndRecording();
+  TellLost(server, options.config.tickHz);
   if (watchers.trace && !watchers.trace->Close()) {
     Complain({"--trace " + options.traceFile + ": could not be written in full"});
     return 1;

@@ -126,14 +126,17 @@ int ExportRecording(const Options& options, const std::function<bool()>& isStopA
   const exporting::Walked walked =
       exporting::Walk(recording, replay, *ground, settings, *plan, *writer, MakeProgress(isStopAsked));
   if (!walked.error.empty()) return Fail(walked.error);
-  if (!walked.outputError.empty()) return Fail(options.exportTarget + " " + walked.outputError);
+  error = walked.outputError;
+  if (error.empty() && !walked.isStopped) error = output.Commit();
+  if (!error.empty()) {
+    Complain(options.exportTarget + " " + error);
+    return 1;
+  }
   if (walked.isStopped) {
     Complain(fmt::format("broken off at {:.1f} s of {:.1f} s: nothing is written", walked.lastTime,
                          recording.TimeOf(plan->TickOf(plan->frames - 1))));
     return 1;
   }
-  error = output.Commit();
-  if (!error.empty()) return Fail(options.exportTarget + " " + error);
   EndProgress();
   fmt::print("{} frames of {} bodies, up to {:.2f} s, {:.1f} MB in {}\n", walked.frames, walked.bodies, walked.lastTime,
              static_cast<double>(exporting::CountBytes(output.Target())) / 1e6, output.Target().string());

@@ -14,7 +14,7 @@ namespace wobble::server {
 [[nodiscard]] int VerifyRecording(const Options& options, const std::function<bool()>& isStopAsked);
 
 // --replay FILE --export PATH: prints what was written, and progress on a terminal. Returns the exit code: 0 good; 1
-// broken off by isStopAsked, with nothing left, or written up to the recording's damage; 2 not to be read or written.
+// broken off by isStopAsked or an error, with nothing left, or written up to the recording's damage; 2 not begun.
 [[nodiscard]] int ExportRecording(const Options& options, const std::function<bool()>& isStopAsked);
 
 // --list-recordings. Returns the exit code: 2 if there is no such folder.

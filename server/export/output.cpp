@@ -1,5 +1,7 @@
 #include "server/export/output.h"
 
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 
 #include "server/recording/block_file.h"
@@ -31,12 +33,9 @@ std::string Output::Begin() {
   if (fs::exists(m_partial, error)) {
     return "cannot be begun: " + m_partial.string() + " is there, of an export that runs or was killed";
   }
-  if (m_isFolder) {
-    m_isBegun = fs::create_directory(m_partial, error);
-  } else {
-    m_isBegun = std::ofstream(m_partial).is_open();
-  }
-  return m_isBegun ? "" : "cannot be written: " + m_partial.string() + " cannot be made";
+  errno = 0;
+  m_isBegun = m_isFolder ? fs::create_directory(m_partial, error) : std::ofstream(m_partial).is_open();
+  return m_isBegun ? "" : DescribeWriteError();
 }
 
 std::string Output::Commit() {
@@ -45,6 +44,10 @@ std::string Output::Commit() {
   if (error) return "cannot be written: " + error.message();
   m_isBegun = false;
   return {};
+}
+
+std::string DescribeWriteError() {
+  return std::string("cannot be written") + (errno != 0 ? ": " : "") + (errno != 0 ? std::strerror(errno) : "");
 }
 
 std::uintmax_t CountBytes(const fs::path& path) {

@@ -31,6 +31,9 @@ class Output {
   bool m_isBegun = false;
 };
 
+// Why writing has failed just now, by the system's words, behind the file's name.
+[[nodiscard]] std::string DescribeWriteError();
+
 // Bytes of a file, or of the files of a folder.
 [[nodiscard]] std::uintmax_t CountBytes(const std::filesystem::path& path);
 

@@ -838,6 +838,13 @@ case_exports() {
   expect_exit 1 wobble export "$match" --output "$folder/damaged.csv"
   expect_line "$err" 'match.wobrec: exported up to its damage: byte [1-9]'
   expect_exit 0 wobble export "$match" --output "$folder/good.csv" --to 0.5
+  (
+    trap '' XFSZ
+    ulimit -f 8 # KiB of a file
+    expect_exit 1 wobble export "$folder/copy" --format gltf --output "$folder/large.glb"
+    expect_line "$err" 'large.glb cannot be written: File too large$'
+  ) || exit 1
+  [ -z "$(find "$folder" -name '*.partial')" ] || fail 'nothing that is written in part' <(ls "$folder")
 }
 
 # A state is not for a second server, and not for the server of another world.
@@ -871,6 +878,7 @@ case_failing_disk() {
   kill -INT "$server"
   expect_end server "$server" 0 10
   expect_figure "$folder/a.json" recording_failures '>= 1'
+  expect_line "$folder/server.err" '--record: [1-9][0-9.]* s of what was played are not recorded: File too large$'
   # States that had room are whole: the next start complains of none.
   expect_exit 0 wobbled --log-level warn --port 0 --untrained --scene arena --state "$folder/full" --for 0.1
   [ ! -s "$err" ] || fail 'no state that is cut short' "$err"

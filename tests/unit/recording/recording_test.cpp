@@ -297,6 +297,7 @@ TEST(Recording, AFullDiskStopsNoTick) {
   ASSERT_THAT(files, SizeIs(1)) << "what has nothing to play is not left behind";
   const Opened first(files[0]);
   ASSERT_THAT(first.error, IsEmpty());
+  EXPECT_EQ(first.recording.LastTick() + counts.lostTicks, 900U);
   EXPECT_THAT(first.recording.Fault(), IsEmpty()) << "what a full disk has left of a block is taken back";
 }
 
@@ -307,6 +308,7 @@ TEST(Recording, AFolderThatCannotBeWrittenStopsNoTick) {
   const RecorderCounts counts = RecordMatch("arena", 120, settings);
   EXPECT_EQ(counts.failures, 1U);
   EXPECT_EQ(counts.bytes, 0U);
+  EXPECT_EQ(counts.lostTicks, 120U);
 }
 
 // What is stored of a crowded world is read as it was written.
