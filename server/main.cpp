@@ -475,6 +475,8 @@ int main(int argc, char** argv) {
     Complain(options.errors);
     return kBadUsage;
   }
+  // Unless it is to outlive its terminal (nohup).
+  if (isPlayed && std::signal(SIGHUP, RequestStop) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
   if (!options.exportTarget.empty()) return server::ExportRecording(options, [] { return g_stop != 0; });
   if (options.isVerify) return server::VerifyRecording(options, [] { return g_stop != 0; });
   return RunServer(options);

@@ -184,6 +184,7 @@ void DescribeOptions(CLI::App& app, Options& options) {
       ->check(CLI::IsMember({"csv", "vtk", "gltf"}))
       ->capture_default_str()
       ->needs(target);
+  app.add_flag("--force", options.isForced, "Replace what is there at --export, unless it is a recording")->needs(target);
   addNumber("--from", kDurationRange, options.exportFrom, "First second of the recording to export")->needs(target);
   addNumber("--to", kDurationRange, options.exportTo, "Last second to export; as --from: one frame")
       ->default_str("the recording's end")

@@ -35,6 +35,7 @@ struct Options {
   std::string replayFile;    // empty: none is played
   bool isVerify = false;     // of replayFile
   std::string exportTarget;  // file or folder; empty: nothing is exported
+  bool isForced = false;     // what is at exportTarget is replaced
   std::string exportFormat = "csv";
   double exportFrom = 0;                    // s since the recording began
   double exportTo = std::numeric_limits<double>::infinity();  // s; infinite: its end

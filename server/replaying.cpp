@@ -118,7 +118,7 @@ int ExportRecording(const Options& options, const std::function<bool()>& isStopA
       .from = options.exportFrom, .to = options.exportTo, .fps = options.exportFps, .bodies = options.exportBodies};
   const auto plan = exporting::MakePlan(recording, settings, error);
   if (!plan) return Fail(error);
-  exporting::Output output(options.exportTarget, options.exportFormat == "vtk");
+  exporting::Output output(options.exportTarget, options.exportFormat == "vtk", options.isForced);
   error = output.Begin();
   if (!error.empty()) return Fail(options.exportTarget + " " + error);
   const auto writer = MakeWriter(options.exportFormat, output, recording.ReadHead().scene.name);

@@ -831,6 +831,8 @@ case_exports() {
   [ ! -e "$to" ] || fail 'no table' "$to"
   expect_exit 0 wobble export "$match" --output "$to" --to 0
   expect_line "$out" '^1 frames of 2 bodies, up to 0.00 s'
+  expect_refusal '^wobbled: .*table.csv is there already: must be new, or --force given$' wobble export "$match" --output "$to"
+  expect_exit 0 wobble export "$match" --output "$to" --force --to 0
   head -c -25 "$folder/copy" >"$match" # without its end
   expect_exit 0 wobble export "$match" --output "$folder/unended.csv"
   expect_line "$err" 'match.wobrec: the recording has no end: what wrote it was broken off$'

@@ -144,7 +144,7 @@ TEST_F(Exported, AnOutputIsThereWholeOrNotAtAll) {
   {
     Output output(target, false);
     EXPECT_THAT(output.Begin(), IsEmpty());
-    EXPECT_THAT(Output(target, false).Begin(), HasSubstr("an export that runs or was killed"));
+    EXPECT_THAT(Output(target, false).Begin(), HasSubstr("unless another export writes it"));
   }
   EXPECT_FALSE(std::filesystem::exists(target));
   EXPECT_FALSE(std::filesystem::exists(target.string() + ".partial"));
@@ -152,7 +152,31 @@ TEST_F(Exported, AnOutputIsThereWholeOrNotAtAll) {
   EXPECT_THAT(output.Begin(), IsEmpty());
   EXPECT_THAT(output.Commit(), IsEmpty());
   EXPECT_TRUE(std::filesystem::exists(target));
-  EXPECT_THAT(Output(folder.Path(), true).Begin(), HasSubstr("must be a new or an empty folder"));
+  EXPECT_THAT(Output(target, false).Begin(), HasSubstr("is there already"));
+  EXPECT_THAT(Output(target, true, true).Begin(), HasSubstr("is no folder"));
+  Output again(target, false, true);
+  EXPECT_THAT(again.Begin(), IsEmpty());
+  EXPECT_THAT(again.Commit(), IsEmpty());
+}
+
+TEST_F(Exported, OnlyASeriesIsReplacedAsAFolder) {
+  const auto target = folder.Path() / "series";
+  const auto write = [&](bool replaces) {
+    Output output(target, true, replaces);
+    std::string error = output.Begin();
+    if (!error.empty()) return error;
+    recording::WriteFile(output.Partial() / "series.pvd", {});
+    return output.Commit();
+  };
+  std::filesystem::create_directory(target);
+  EXPECT_THAT(write(false), IsEmpty()) << "an empty one is as good as none";
+  EXPECT_THAT(write(false), HasSubstr("is there already: must be new, or --force given"));
+  recording::WriteFile(target / "series_00000.vtp", {});
+  EXPECT_THAT(write(true), IsEmpty());
+  EXPECT_FALSE(std::filesystem::exists(target / "series_00000.vtp"));
+  recording::WriteFile(target / "diary.txt", {});
+  EXPECT_THAT(write(true), HasSubstr("is not replaced: it has diary.txt"));
+  EXPECT_TRUE(std::filesystem::exists(target / "diary.txt"));
 }
 
 TEST_F(Exported, ARecordingIsNotReplaced) {
@@ -161,7 +185,7 @@ TEST_F(Exported, ARecordingIsNotReplaced) {
   const auto link = folder.Path() / "link";
   std::filesystem::create_symlink(match, link);
   for (const auto& target : {match, link}) {
-    EXPECT_THAT(Output(target, false).Begin(), HasSubstr("is a recording or a state of wobble")) << target;
+    EXPECT_THAT(Output(target, false, true).Begin(), HasSubstr("is a recording or a state of wobble")) << target;
   }
   EXPECT_EQ(recording::ReadFile(match), before);
   EXPECT_FALSE(std::filesystem::exists(match.string() + ".partial"));
