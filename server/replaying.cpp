@@ -148,6 +148,9 @@ int ListRecordings(const Options& options) {
   if (!std::filesystem::is_directory(options.listFolder, error)) {
     return Fail("--list-recordings " + options.listFolder + ": must be a folder");
   }
+  if (access(options.listFolder.c_str(), R_OK | X_OK) != 0) {
+    return Fail("--list-recordings " + options.listFolder + ": cannot be read");
+  }
   using Json = nlohmann::ordered_json;
   for (const recording::CatalogueEntry& each : recording::ListRecordings(options.listFolder, kMostListed)) {
     const auto sinceEpoch = std::chrono::file_clock::to_sys(each.writtenAt).time_since_epoch();
@@ -156,6 +159,7 @@ int ListRecordings(const Options& options) {
               {"seconds", std::round(10 * each.length) / 10},
               {"writtenAt", std::chrono::duration_cast<std::chrono::seconds>(sinceEpoch).count()}};
     if (!each.fault.empty()) line["fault"] = each.fault;
+    if (!each.damage.empty()) line["damage"] = each.damage;
     fmt::print("{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
   }
   return 0;

@@ -17,7 +17,7 @@ namespace wobble::server {
 // broken off by isStopAsked or an error, with nothing left, or written up to the recording's damage; 2 not begun.
 [[nodiscard]] int ExportRecording(const Options& options, const std::function<bool()>& isStopAsked);
 
-// --list-recordings. Returns the exit code: 2 if there is no such folder.
+// --list-recordings. Returns the exit code: 2 if there is no such folder, or it cannot be read.
 [[nodiscard]] int ListRecordings(const Options& options);
 
 // These return false after they have reported what failed. --replay: shows the recording.

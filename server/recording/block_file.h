@@ -69,6 +69,7 @@ class BlockReader {
   // Goes on at a block's offset.
   void Seek(std::uint64_t offset) { m_offset = offset; }
   [[nodiscard]] std::uint64_t Offset() const { return m_offset; }
+  [[nodiscard]] bool IsAtEnd() const { return m_offset == m_size; }
   // Why Next returned nullopt: empty at the end, otherwise what is wrong and at which byte.
   [[nodiscard]] const std::string& Fault() const { return m_fault; }
 
