@@ -148,10 +148,12 @@ void DescribeOptions(CLI::App& app, Options& options) {
   app.add_option("--trace", options.traceFile, "File to write the phases of every tick to, for chrome://tracing");
   app.add_option("--cache", options.cacheFolder, "Folder that keeps trained bases of shapes from one start to the next")
       ->envname("WOBBLE_CACHE");
-  app.add_option("--record", options.recordFolder,
+  CLI::Option* record =
+      app.add_option("--record", options.recordFolder,
                  "Folder to record all that is played in, as files that --replay plays again; made if it is not there")
       ->type_name("FOLDER");
-  addNumber("--record-size", kRecordRange, options.recordMib, "MiB after which a recording goes on in another file");
+  addNumber("--record-size", kRecordRange, options.recordMib, "MiB after which a recording goes on in another file")
+      ->needs(record);
   app.add_option(
          "--state", options.stateFolder,
          "Folder that keeps the world, once a second: after a crash or a restart the server goes on from it, and "

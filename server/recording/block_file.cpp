@@ -162,8 +162,7 @@ std::optional<Block> BlockReader::Next() {
   const auto packed = ReadAt(m_offset + sizeof head, head.packedSize);
   if (!packed) return Fail("the file ends within a block, or the block's head is damaged");
   if (FindChecksum(head, *packed) != head.checksum) {
-    return Fail("a block of " + std::to_string(head.packedSize) + " bytes is damaged (" +
-                Name(static_cast<BlockKind>(head.kind)) + ", checksum)");
+    return Fail(std::string("a block is damaged (") + Name(static_cast<BlockKind>(head.kind)) + ", checksum)");
   }
   Block block{.kind = static_cast<BlockKind>(head.kind), .bytes = Bytes(head.size), .offset = m_offset};
   const std::size_t unpacked = ZSTD_decompress(block.bytes.data(), block.bytes.size(), packed->data(), packed->size());

@@ -200,6 +200,11 @@ void Recorder::Do(const server::PlaygroundState& state) {
 void Recorder::Do(const FileEnd& /*end*/) {
   Append(PackBlock(BlockKind::kEnd, {}));
   if (m_file >= 0) close(m_file);
+  if (m_file >= 0 && !m_isWorthKeeping) {
+    TakeBack();
+    const std::lock_guard lock(m_mutex);
+    --m_counts.files;
+  }
   m_file = -1;
 }
 
@@ -222,10 +227,12 @@ void Recorder::Append(std::span<const std::uint8_t> bytes) {
   m_counts.bytes += bytes.size();
 }
 
-// A file without a second to play is taken back: a full disk is tried again and again.
+// A file without a second to play: a full disk is tried again and again, and a world may begin anew twice in a moment.
+void Recorder::TakeBack() { unlink(Path().c_str()); }
+
 void Recorder::Fail(const std::string& why) {
   if (m_file >= 0) close(m_file);
-  if (m_file >= 0 && !m_isWorthKeeping) unlink(Path().c_str());
+  if (m_file >= 0 && !m_isWorthKeeping) TakeBack();
   m_file = -1;
   m_hasFailed = true;
   const std::lock_guard lock(m_mutex);

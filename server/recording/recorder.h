@@ -85,6 +85,7 @@ class Recorder {
   void Append(std::span<const std::uint8_t> bytes);
   void Fail(const std::string& why);
   void CountLost(std::size_t ticks);
+  void TakeBack();
   [[nodiscard]] std::filesystem::path MakePath(const std::string& scene);
 
   RecorderSettings m_settings;

@@ -282,6 +282,22 @@ TEST(Recording, RotatesBySize) {
 }
 
 // A full disk, as a limit of this process: writes beyond it fail.
+// As when a world begins anew twice in a moment.
+TEST(Recording, AFileWithoutATickIsNotKept) {
+  const Folder folder;
+  const Head head = MakeHead("pair");
+  server::Playground ground(scenes::ParseScene(head.scene).scene, {});
+  Recorder recorder(MakeSettings(folder), head, ground);
+  recorder.BeginScene(head.scene, ground);
+  ground.Step();
+  recorder.FollowTick(ground);
+  recorder.BeginScene(head.scene, ground);
+  recorder.Close();
+  EXPECT_EQ(recorder.Counts().files, 1U);
+  ASSERT_THAT(folder.List(), SizeIs(1));
+  EXPECT_EQ(Opened(folder.List()[0]).recording.LastTick(), 1U);
+}
+
 TEST(Recording, AFullDiskStopsNoTick) {
   const Folder folder;
   std::signal(SIGXFSZ, SIG_IGN);
