@@ -41,8 +41,8 @@ void InstallSignals() {
 
 bool IsStopAsked() { return g_stopAsked; }
 
-// Without it an empty word, as of a script's unset variable, would mean that the option is not given. The words of orders
-// may be empty.
+// Without it an empty word, as of a script's unset variable, would mean that the option is not given. The words of
+// orders may be empty.
 void RefuseEmptyWords(CLI::App& command) {
   command.parse_complete_callback([&command] {
     for (const CLI::Option* option : command.get_options()) {

@@ -17,7 +17,7 @@ constexpr Range kSeedRange{0, 9007199254740992.0};  // 2^53: exact as a number i
 // A bad number is noted and not thrown, so that all of them are reported together, each with its range.
 template <class Number>
 CLI::Option* AddNumber(CLI::App& app, const char* name, Range range, Number& value, const char* description,
-               std::vector<std::string>& errors) {
+                       std::vector<std::string>& errors) {
   const auto read = [name, range, &value, &errors](const std::string& text) {
     Number number{};
     const auto [end, result] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -149,9 +149,10 @@ void DescribeOptions(CLI::App& app, Options& options) {
   app.add_option("--cache", options.cacheFolder, "Folder that keeps trained bases of shapes from one start to the next")
       ->envname("WOBBLE_CACHE");
   CLI::Option* record =
-      app.add_option("--record", options.recordFolder,
-                 "Folder to record all that is played in, as files that --replay plays again; made if it is not there")
-      ->type_name("FOLDER");
+      app.add_option(
+             "--record", options.recordFolder,
+             "Folder to record all that is played in, as files that --replay plays again; made if it is not there")
+          ->type_name("FOLDER");
   addNumber("--record-size", kRecordRange, options.recordMib, "MiB after which a recording goes on in another file")
       ->needs(record);
   app.add_option(
@@ -186,7 +187,8 @@ void DescribeOptions(CLI::App& app, Options& options) {
       ->check(CLI::IsMember({"csv", "vtk", "gltf"}))
       ->capture_default_str()
       ->needs(target);
-  app.add_flag("--force", options.isForced, "Replace what is there at --export, unless it is a recording")->needs(target);
+  app.add_flag("--force", options.isForced, "Replace what is there at --export, unless it is a recording")
+      ->needs(target);
   addNumber("--from", kDurationRange, options.exportFrom, "First second of the recording to export")->needs(target);
   addNumber("--to", kDurationRange, options.exportTo, "Last second to export; as --from: one frame")
       ->default_str("the recording's end")
@@ -202,8 +204,8 @@ void DescribeOptions(CLI::App& app, Options& options) {
       options.errors.push_back("--bodies " + word + ": must be numbers of bodies, such as 3,7,12");
     }
   };
-  app.add_option_function<std::vector<std::string>>(
-         "--bodies", readBodies, "Numbers of the bodies to export, such as 3,7,12; all if not given")
+  app.add_option_function<std::vector<std::string>>("--bodies", readBodies,
+                                                    "Numbers of the bodies to export, such as 3,7,12; all if not given")
       ->type_name("NUMBERS")
       ->delimiter(',')
       ->needs(target);

@@ -37,10 +37,10 @@ struct Options {
   std::string exportTarget;  // file or folder; empty: nothing is exported
   bool isForced = false;     // what is at exportTarget is replaced
   std::string exportFormat = "csv";
-  double exportFrom = 0;                    // s since the recording began
+  double exportFrom = 0;                                      // s since the recording began
   double exportTo = std::numeric_limits<double>::infinity();  // s; infinite: its end
-  double exportFps = 30;                    // frames a second
-  std::vector<std::uint32_t> exportBodies;  // empty: all
+  double exportFps = 30;                                      // frames a second
+  std::vector<std::uint32_t> exportBodies;                    // empty: all
   bool isUntrained = false;
   bool listScenes = false;
   std::string listFolder;           // whose recordings are listed; empty: none

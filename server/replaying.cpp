@@ -168,7 +168,8 @@ int ListRecordings(const Options& options) {
 bool StartFilm(const Options& options, recording::Recording film, Server& server, TimeSource clock) {
   if (!film.Fault().empty()) spdlog::warn("{}: shown up to its damage: {}", options.replayFile, film.Fault());
   const double length = film.TimeOf(film.LastTick());
-  const std::string error = server.Show(std::make_unique<recording::Film>(options.replayFile, std::move(film), std::move(clock)));
+  const std::string error =
+      server.Show(std::make_unique<recording::Film>(options.replayFile, std::move(film), std::move(clock)));
   if (!error.empty()) {
     Fail(options.replayFile + ": " + error);
     return false;

@@ -16,8 +16,9 @@ class Output {
   Output(const Output&) = delete;
   Output& operator=(const Output&) = delete;
 
-  // What is wrong with the place, in words that follow its name; empty: nothing. Never is a recording replaced, which may
-  // be the one that is exported, nor a folder that has other files than VTK's. Called once, before anything is written.
+  // What is wrong with the place, in words that follow its name; empty: nothing. Never is a recording replaced, which
+  // may be the one that is exported, nor a folder that has other files than VTK's. Called once, before anything is
+  // written.
   [[nodiscard]] std::string Begin();
   [[nodiscard]] std::string Commit();
 

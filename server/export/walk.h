@@ -14,10 +14,10 @@
 namespace wobble::exporting {
 
 struct WalkSettings {
-  double from = 0;                                       // s since the recording began
-  double to = std::numeric_limits<double>::infinity();   // s, not before `from`; infinite: the recording's end
-  double fps = 30;                           // frames a second, at most the recording's tick rate
-  std::vector<physics::BodyId> bodies = {};  // empty: all
+  double from = 0;                                      // s since the recording began
+  double to = std::numeric_limits<double>::infinity();  // s, not before `from`; infinite: the recording's end
+  double fps = 30;                                      // frames a second, at most the recording's tick rate
+  std::vector<physics::BodyId> bodies = {};             // empty: all
 };
 
 // Which ticks of a recording are frames.

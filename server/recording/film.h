@@ -64,8 +64,8 @@ class Film {
   // The way to a tick: from the nearest state that is known before it, it is played.
   struct Seek {
     std::uint32_t target = 0;
-    bool isPlaced = false;   // the state has been gone to
-    bool gathers = false;    // the states from m_windowBegin to `last`, of which one is the target's
+    bool isPlaced = false;  // the state has been gone to
+    bool gathers = false;   // the states from m_windowBegin to `last`, of which one is the target's
     std::uint32_t last = 0;
   };
 

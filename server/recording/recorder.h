@@ -27,7 +27,7 @@ struct RecorderSettings {
 struct RecorderCounts {
   std::uint64_t files = 0;
   std::uint64_t bytes = 0;
-  std::uint64_t failures = 0;  // files that were broken off because the disk or the writing thread failed
+  std::uint64_t failures = 0;   // files that were broken off because the disk or the writing thread failed
   std::uint64_t lostTicks = 0;  // that were played and are in no file
 };
 

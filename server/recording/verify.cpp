@@ -52,7 +52,8 @@ Proof Verify(const std::filesystem::path& path, const GroundSettings& settings, 
     if (isStopped) {
       return {Verdict::kBrokenOff, fmt::format("broken off at {:.1f} s of {:.1f} s, identical so far", time, end)};
     }
-    return {Verdict::kUnreadable, fmt::format("{}: cannot be read behind {:.1f} s: it has changed", path.string(), time)};
+    return {Verdict::kUnreadable,
+            fmt::format("{}: cannot be read behind {:.1f} s: it has changed", path.string(), time)};
   } else {
     proof.words = fmt::format("identical: {} ticks, {:.1f} s of {}", replay.Tick() - recording.FirstTick(),
                               recording.TimeOf(replay.Tick()), recording.ReadHead().scene.name);

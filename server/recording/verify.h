@@ -13,7 +13,7 @@ enum class Verdict { kIdentical, kDifferent, kBrokenOff, kUnreadable };
 
 struct Proof {
   Verdict verdict = Verdict::kIdentical;
-  std::string words;            // a line, or two if the file is damaged behind what was played
+  std::string words;             // a line, or two if the file is damaged behind what was played
   std::uint64_t wholeState = 0;  // hash of all that the next tick would depend on, contacts' memory included
 };
 

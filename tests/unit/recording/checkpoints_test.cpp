@@ -96,9 +96,10 @@ TEST_F(CheckpointsOf, ThoseOfOtherWorldsAreNamedAndStay) {
     EXPECT_THAT(found.complaints, SizeIs(1));
     return found.conflict;
   };
-  EXPECT_EQ(findAs({MakeHead("arena"), MakeHead("pair")}),
-            (folder.Path() / "world-1.wobstate").string() +
-                " holds a world of curtain, 60 ticks a second, seed 1; this is arena or pair, 60 ticks a second, seed 1");
+  EXPECT_EQ(
+      findAs({MakeHead("arena"), MakeHead("pair")}),
+      (folder.Path() / "world-1.wobstate").string() +
+          " holds a world of curtain, 60 ticks a second, seed 1; this is arena or pair, 60 ticks a second, seed 1");
   Head other = head;
   other.tickHz = 30;
   other.seed = 7;
