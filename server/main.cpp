@@ -422,6 +422,15 @@ std::vector<std::string> FindMistakes(const Options& options, const std::vector<
   return mistakes;
 }
 
+// What is missing in the recordings, once they have ended.
+void TellLost(const server::Server& server, int tickHz) {
+  const recording::Recorder* recorder = server.ReadRecorder();
+  const std::uint64_t lost = recorder != nullptr ? recorder->Counts().lostTicks : 0;
+  if (lost == 0) return;
+  spdlog::warn("--record: {:.1f} s of what was played are not recorded: {}", static_cast<double>(lost) / tickHz,
+               recorder->Error());
+}
+
 int RunServer(Options options, bool hadTerminal) {
   std::optional<recording::Recording> film;
   if (!options.replayFile.empty()) {
@@ -495,7 +504,7 @@ int RunServer(Options options, bool hadTerminal) {
   server::Server server(options.config, trained.front().scene, std::move(transport), ReadClock(), trained.front().bases,
                         &ReadClock);
   if (trained.size() > 1) server.Rotate(std::move(trained));
-  if (film && !server::StartFilm(options, std::move(*film), server)) return kBadUsage;
+  if (film && !server::StartFilm(options, std::move(*film), server, &ReadClock)) return kBadUsage;
   if (!server::StartKeeping(options, sources, server, ReadClock())) return kBadUsage;
   if (!server::StartRecording(options, sources[server.SceneNumber()], server, &ReadUnixTime)) return kBadUsage;
   const discovery::Identity identity{.name = options.name,
@@ -522,6 +531,7 @@ int RunServer(Options options, bool hadTerminal) {
   const std::string summary = server::MakeSummary(server, watchers.times);
   CloseDown(server, watchers);
   server.EndRecording();
+  TellLost(server, options.config.tickHz);
   if (watchers.trace && !watchers.trace->Close()) {
     Complain(options, {"--trace " + options.traceFile + ": could not be written in full"});
     return 1;
@@ -559,6 +569,13 @@ int main(int argc, char** argv) {
   std::signal(SIGTERM, RequestStop);
   std::signal(SIGHUP, NoteHangup);
   const bool hadTerminal = usage::HasTerminal();
+  const bool isPlayed = !options.exportTarget.empty() || options.isVerify;
+  if (isPlayed && !options.errors.empty()) {
+    Complain(options, options.errors);
+    return kBadUsage;
+  }
+  // Unless it is to outlive its terminal (nohup).
+  if (isPlayed && std::signal(SIGHUP, RequestStop) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
   if (!options.exportTarget.empty()) return server::ExportRecording(options, [] { return g_stop != 0; });
   if (options.isVerify) return server::VerifyRecording(options, [] { return g_stop != 0; });
   return RunServer(options, hadTerminal);

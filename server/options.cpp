@@ -10,13 +10,14 @@
 namespace wobble::server {
 namespace {
 
+constexpr Range kExportFpsRange{0.001, 480};        // and at most the recording's ticks a second
 constexpr Range kRecordRange{1, 65536};             // MiB
 constexpr Range kSeedRange{0, 9007199254740992.0};  // 2^53: exact as a number in JSON too
 
 // A bad number is noted and not thrown, so that all of them are reported together, each with its range.
 template <class Number>
-void AddNumber(CLI::App& app, const char* name, Range range, Number& value, const char* description,
-               std::vector<std::string>& errors) {
+CLI::Option* AddNumber(CLI::App& app, const char* name, Range range, Number& value, const char* description,
+                       std::vector<std::string>& errors) {
   const auto read = [name, range, &value, &errors](const std::string& text) {
     Number number{};
     const auto [end, result] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -27,7 +28,7 @@ void AddNumber(CLI::App& app, const char* name, Range range, Number& value, cons
       errors.push_back(fmt::format("{} {}: must be {} to {}", name, text, range.low, range.high));
     }
   };
-  app.add_option_function<std::string>(name, read, description)
+  return app.add_option_function<std::string>(name, read, description)
       ->type_name(fmt::format("{} to {}", range.low, range.high))
       ->default_str(fmt::format("{}", value));
 }
@@ -49,12 +50,23 @@ CLI::Option* AddDuration(CLI::App& app, const char* name, double& value, const c
       ->default_str(fmt::format("{}", value));
 }
 
+// Without it an empty word, as of a script's unset variable, would mean that the option is not given.
+void RefuseEmptyWords(CLI::App& app) {
+  app.parse_complete_callback([&app] {
+    for (const CLI::Option* option : app.get_options()) {
+      for (const std::string& word : option->results()) {
+        if (word.empty()) throw CLI::ValidationError(option->get_name(), "must not be empty");
+      }
+    }
+  });
+}
+
 }  // namespace
 
 void DescribeOptions(CLI::App& app, Options& options) {
   Config& config = options.config;
   const auto addNumber = [&](const char* name, Range range, auto& value, const char* description) {
-    AddNumber(app, name, range, value, description, options.errors);
+    return AddNumber(app, name, range, value, description, options.errors);
   };
   const auto addDuration = [&](const char* name, double& value, const char* description) {
     return AddDuration(app, name, value, description, options.errors);
@@ -168,10 +180,13 @@ void DescribeOptions(CLI::App& app, Options& options) {
   app.add_option("--trace", options.traceFile, "File to write the phases of every tick to, for chrome://tracing");
   app.add_option("--cache", options.cacheFolder,
                  "Folder that keeps trained bases of shapes from one start to the next");
-  app.add_option("--record", options.recordFolder,
-                 "Folder to record all that is played in, as files that --replay plays again; made if it is not there")
-      ->type_name("FOLDER");
-  addNumber("--record-size", kRecordRange, options.recordMib, "MiB after which a recording goes on in another file");
+  CLI::Option* record =
+      app.add_option(
+             "--record", options.recordFolder,
+             "Folder to record all that is played in, as files that --replay plays again; made if it is not there")
+          ->type_name("FOLDER");
+  addNumber("--record-size", kRecordRange, options.recordMib, "MiB after which a recording goes on in another file")
+      ->needs(record);
   app.add_option(
          "--state", options.stateFolder,
          "Folder that keeps the world, once a second: after a crash or a restart the server goes on from it, and "
@@ -203,13 +218,26 @@ void DescribeOptions(CLI::App& app, Options& options) {
       ->check(CLI::IsMember({"csv", "vtk", "gltf"}))
       ->capture_default_str()
       ->needs(target);
-  addDuration("--from", options.exportFrom, "Time of the recording at which the export begins")->needs(target);
-  addDuration("--to", options.exportTo, "Time at which it ends; 0: the recording's end")->needs(target);
-  app.add_option("--fps", options.exportFps, "Frames a second of the export, at most the recording's ticks a second")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str()
+  app.add_flag("--force", options.isForced, "Replace what is there at --export, unless it is a recording")
       ->needs(target);
-  app.add_option("--bodies", options.exportBodies, "Numbers of the bodies to export, such as 3,7,12; all if not given")
+  addDuration("--from", options.exportFrom, "Time of the recording at which the export begins")->needs(target);
+  addDuration("--to", options.exportTo, "Time at which it ends; as --from: one frame")
+      ->default_str("the recording's end")
+      ->needs(target);
+  addNumber("--fps", kExportFpsRange, options.exportFps,
+            "Frames a second of the export, at most the recording's ticks a second")
+      ->needs(target);
+  const auto readBodies = [&options](const std::vector<std::string>& words) {
+    for (const std::string& word : words) {
+      std::uint32_t& body = options.exportBodies.emplace_back();
+      const auto [end, result] = std::from_chars(word.data(), word.data() + word.size(), body);
+      if (result == std::errc{} && end == word.data() + word.size()) continue;
+      options.errors.push_back("--bodies " + word + ": must be numbers of bodies, such as 3,7,12");
+    }
+  };
+  app.add_option_function<std::vector<std::string>>("--bodies", readBodies,
+                                                    "Numbers of the bodies to export, such as 3,7,12; all if not given")
+      ->type_name("NUMBERS")
       ->delimiter(',')
       ->needs(target);
   app.add_flag("--untrained", options.isUntrained,
@@ -219,6 +247,7 @@ void DescribeOptions(CLI::App& app, Options& options) {
   app.add_option("--list-recordings", options.listFolder,
                  "List the recordings of a folder, the newest first: a line of JSON each")
       ->type_name("FOLDER");
+  RefuseEmptyWords(app);
   app.footer(
       "Examples:\n"
       "  wobbled                                  the arena on port 7777\n"

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -40,11 +41,12 @@ struct Options {
   std::string replayFile;    // empty: none is played
   bool isVerify = false;     // of replayFile
   std::string exportTarget;  // file or folder; empty: nothing is exported
+  bool isForced = false;     // what is at exportTarget is replaced
   std::string exportFormat = "csv";
-  double exportFrom = 0;                    // s since the recording began
-  double exportTo = 0;                      // s; 0: its end
-  double exportFps = 30;                    // frames a second
-  std::vector<std::uint32_t> exportBodies;  // empty: all
+  double exportFrom = 0;                                      // s since the recording began
+  double exportTo = std::numeric_limits<double>::infinity();  // s; infinite: its end
+  double exportFps = 30;                                      // frames a second
+  std::vector<std::uint32_t> exportBodies;                    // empty: all
   bool isUntrained = false;
   bool isCheck = false;
   bool listScenes = false;

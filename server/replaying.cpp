@@ -39,9 +39,13 @@ void EndProgress() {
   if (isatty(STDERR_FILENO) == 1) fmt::print(stderr, "\r\x1b[K");
 }
 
-int Fail(const std::string& what) {
+void Complain(const std::string& what) {
   EndProgress();
   fmt::print(stderr, "wobbled: {}\n", what);
+}
+
+int Fail(const std::string& what) {
+  Complain(what);
   return 2;
 }
 
@@ -70,6 +74,16 @@ recording::Head MakeHead(const Options& options, const scenes::SceneSource& sour
           .seed = options.config.seed};
 }
 
+// Says why the recording ends where it does. Returns whether something was asked for that damage has taken.
+bool TellGap(const Options& options, const recording::Recording& recording) {
+  if (!recording.Fault().empty()) {
+    Complain(fmt::format("{}: exported up to its damage: {}", options.replayFile, recording.Fault()));
+  } else if (!recording.IsWhole()) {
+    Complain(options.replayFile + ": the recording has no end: what wrote it was broken off");
+  }
+  return !recording.Fault().empty() && std::isinf(options.exportTo);
+}
+
 }  // namespace
 
 int VerifyRecording(const Options& options, const std::function<bool()>& isStopAsked) {
@@ -81,6 +95,7 @@ int VerifyRecording(const Options& options, const std::function<bool()>& isStopA
       fmt::print("{}\n", proof.words);
       return 0;
     case recording::Verdict::kDifferent:
+    case recording::Verdict::kBrokenOff:
       fmt::print("{}\n", proof.words);
       return 1;
     case recording::Verdict::kUnreadable:
@@ -98,30 +113,43 @@ int ExportRecording(const Options& options, const std::function<bool()>& isStopA
     ground = recording::MakeGround(recording.ReadHead(), {.threads = options.config.threads}, error);
   }
   if (ground == nullptr) return Fail(options.replayFile + " " + error);
+  const bool isCut = TellGap(options, recording);
   const exporting::WalkSettings settings{
       .from = options.exportFrom, .to = options.exportTo, .fps = options.exportFps, .bodies = options.exportBodies};
   const auto plan = exporting::MakePlan(recording, settings, error);
   if (!plan) return Fail(error);
-  exporting::Output output(options.exportTarget, options.exportFormat == "vtk");
+  exporting::Output output(options.exportTarget, options.exportFormat == "vtk", options.isForced);
   error = output.Begin();
-  if (!error.empty()) return Fail("--export " + options.exportTarget + ": " + error);
+  if (!error.empty()) return Fail(options.exportTarget + " " + error);
   const auto writer = MakeWriter(options.exportFormat, output, recording.ReadHead().scene.name);
   recording::Replay replay(recording, *ground);
   const exporting::Walked walked =
       exporting::Walk(recording, replay, *ground, settings, *plan, *writer, MakeProgress(isStopAsked));
-  if (!walked.error.empty()) return Fail(options.exportTarget + ": " + walked.error);
-  error = output.Commit();
-  if (!error.empty()) return Fail(options.exportTarget + ": " + error);
+  if (!walked.error.empty()) return Fail(walked.error);
+  error = walked.outputError;
+  if (error.empty() && !walked.isStopped) error = output.Commit();
+  if (!error.empty()) {
+    Complain(options.exportTarget + " " + error);
+    return 1;
+  }
+  if (walked.isStopped) {
+    Complain(fmt::format("broken off at {:.1f} s of {:.1f} s: nothing is written", walked.lastTime,
+                         recording.TimeOf(plan->TickOf(plan->frames - 1))));
+    return 1;
+  }
   EndProgress();
   fmt::print("{} frames of {} bodies, up to {:.2f} s, {:.1f} MB in {}\n", walked.frames, walked.bodies, walked.lastTime,
              static_cast<double>(exporting::CountBytes(output.Target())) / 1e6, output.Target().string());
-  return 0;
+  return isCut ? 1 : 0;
 }
 
 int ListRecordings(const Options& options) {
   std::error_code error;
   if (!std::filesystem::is_directory(options.listFolder, error)) {
     return Fail("--list-recordings " + options.listFolder + ": must be a folder");
+  }
+  if (access(options.listFolder.c_str(), R_OK | X_OK) != 0) {
+    return Fail("--list-recordings " + options.listFolder + ": cannot be read");
   }
   using Json = nlohmann::ordered_json;
   for (const recording::CatalogueEntry& each : recording::ListRecordings(options.listFolder, kMostListed)) {
@@ -131,15 +159,17 @@ int ListRecordings(const Options& options) {
               {"seconds", std::round(10 * each.length) / 10},
               {"writtenAt", std::chrono::duration_cast<std::chrono::seconds>(sinceEpoch).count()}};
     if (!each.fault.empty()) line["fault"] = each.fault;
+    if (!each.damage.empty()) line["damage"] = each.damage;
     fmt::print("{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
   }
   return 0;
 }
 
-bool StartFilm(const Options& options, recording::Recording film, Server& server) {
+bool StartFilm(const Options& options, recording::Recording film, Server& server, TimeSource clock) {
   if (!film.Fault().empty()) spdlog::warn("{}: shown up to its damage: {}", options.replayFile, film.Fault());
   const double length = film.TimeOf(film.LastTick());
-  const std::string error = server.Show(std::make_unique<recording::Film>(options.replayFile, std::move(film)));
+  const std::string error =
+      server.Show(std::make_unique<recording::Film>(options.replayFile, std::move(film), std::move(clock)));
   if (!error.empty()) {
     Fail(options.replayFile + ": " + error);
     return false;
@@ -154,7 +184,15 @@ bool StartKeeping(const Options& options, std::span<const scenes::SceneSource> s
   std::vector<recording::Head> heads;
   for (const scenes::SceneSource& source : sources) heads.push_back(MakeHead(options, source));
   auto checkpoints = std::make_unique<recording::Checkpoints>(options.stateFolder, std::move(heads));
+  if (const std::string error = checkpoints->Claim(); !error.empty()) {
+    Fail(fmt::format("--state {}: {}", options.stateFolder, error));
+    return false;
+  }
   const recording::FoundCheckpoint found = checkpoints->FindNewest();
+  if (!found.conflict.empty()) {
+    Fail(fmt::format("--state {}: {}: empty the folder or name another", options.stateFolder, found.conflict));
+    return false;
+  }
   for (const std::string& complaint : found.complaints) spdlog::warn("--state: {}", complaint);
   if (found.checkpoint) {
     const std::string error = server.Resume(*found.checkpoint, now);

@@ -10,18 +10,19 @@
 namespace wobble::server {
 
 // --replay FILE --verify: prints the verdict, and progress on a terminal. Returns the exit code: 0 identical, 1
-// different, 2 not to be read to its end. isStopAsked: judges what was played until then.
+// different or broken off, 2 not to be read to its end. isStopAsked: breaks it off.
 [[nodiscard]] int VerifyRecording(const Options& options, const std::function<bool()>& isStopAsked);
 
-// --replay FILE --export PATH: prints what was written, and progress on a terminal. Returns the exit code: 0 good, 2
-// not to be read or written. What a stop leaves is whole, and shorter.
+// --replay FILE --export PATH: prints what was written, and progress on a terminal. Returns the exit code: 0 good; 1
+// broken off by isStopAsked or an error, with nothing left, or written up to the recording's damage; 2 not begun.
 [[nodiscard]] int ExportRecording(const Options& options, const std::function<bool()>& isStopAsked);
 
-// --list-recordings. Returns the exit code: 2 if there is no such folder.
+// --list-recordings. Returns the exit code: 2 if there is no such folder, or it cannot be read.
 [[nodiscard]] int ListRecordings(const Options& options);
 
 // These return false after they have reported what failed. --replay: shows the recording.
-[[nodiscard]] bool StartFilm(const Options& options, recording::Recording film, Server& server);
+// clock: how much of each tick it takes.
+[[nodiscard]] bool StartFilm(const Options& options, recording::Recording film, Server& server, TimeSource clock);
 // --state: goes on from the newest checkpoint, if there is one, and keeps checkpoints from here on. sources: of all
 // scenes of the server, in their order. now: s.
 [[nodiscard]] bool StartKeeping(const Options& options, std::span<const scenes::SceneSource> sources, Server& server,

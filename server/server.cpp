@@ -50,6 +50,9 @@ int Server::Tick(double now) {
   FollowRotation(now);
   SendDownloads();
   PauseOrResume(now);
+  // What a film on its way takes of the time is neither late nor a load: it leaves room for who watches.
+  const bool isSeeking = m_film != nullptr && m_film->IsSeeking();
+  if (isSeeking) m_clock.StandStill(now);
   const int jumped = m_isPaused ? 0 : m_clock.TakeJumpTicks();
   const int due = m_isPaused ? 0 : m_clock.TakeDueTicks(now);
   m_lastTicks.clear();
@@ -66,7 +69,7 @@ int Server::Tick(double now) {
   m_watch.Enter(Phase::kSend);
   m_transport->Flush();
   m_watch.End();
-  if (due > 0) FollowLoad(static_cast<std::size_t>(due), now);
+  if (due > 0 && !isSeeking) FollowLoad(static_cast<std::size_t>(due), now);
   return jumped + due;
 }
 
@@ -176,7 +179,7 @@ void Server::PublishBlueprints() {
 // second. Encoding all of them after every second tick would make that tick twice as long, and the machine must have
 // time for the longest tick.
 std::optional<BodySubset> Server::FindDueBodies() const {
-  if (CountPlaying() == 0) return {};
+  if (CountPlaying() == 0 || (m_film != nullptr && m_film->IsGathering())) return {};
   const auto tick = m_shownTick;
   const auto tickHz = static_cast<std::uint32_t>(m_config.tickHz), hz = static_cast<std::uint32_t>(m_snapshotHz);
   if (m_stage->store.Bodies().size() >= kManyBodies && tickHz % hz == 0) {

@@ -107,7 +107,7 @@ class Server {
   // server_film.cpp: shows a recording instead of playing: whoever comes in watches. Call it before the first Tick; the
   // server's scene, tick rate and seed are the recording's. Returns what is wrong with the file; empty: nothing.
   [[nodiscard]] std::string Show(std::unique_ptr<recording::Film> film);
-  // Null: nothing is shown. What watchers order acts at once.
+  // Null: nothing is shown.
   [[nodiscard]] recording::Film* ReadFilm() { return m_film.get(); }
 
   // server_resume.cpp: the state that outlives the process. Saves it once a second from here on, and as the world

@@ -109,6 +109,9 @@ void Server::Join(Session& session) {
   SendWelcome(session);
   Broadcast(protocol::MakeEvent(EventKind::Join, m_shownTick, session.clientId, session.body, session.name));
   SendTuning();
+  if (m_film != nullptr && !m_film->ReadRecording().Fault().empty()) {
+    Notify(session, fmt::format("this recording is damaged: shown up to {:.1f} s", m_film->End()));
+  }
 }
 
 void Server::SendWelcome(Session& session) {

@@ -28,11 +28,14 @@ std::string Server::Show(std::unique_ptr<recording::Film> film) {
 
 void Server::ShowFilm() {
   const bool hasMoved = m_film->Advance();
-  if (!m_film->Fault().empty()) spdlog::warn("the recording cannot be shown there: {}", m_film->Fault());
+  if (const std::string fault = m_film->TakeFault(); !fault.empty()) {
+    spdlog::warn("the recording cannot be shown there: {}", fault);
+  }
+  m_stage->store.FollowStep(m_shownTick);
+  if (m_film->IsGathering()) return;
   TellHappenings();
   TellStandings();
   if (hasMoved) TellFilmPlayers();
-  m_stage->store.FollowStep(m_shownTick);
 }
 
 // Whoever is in now and was not, and the other way round: they came and went, or the film has jumped.

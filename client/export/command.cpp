@@ -18,6 +18,7 @@ struct Words {
   std::string file;
   std::string format = "csv";
   std::string output;  // empty: the recording's name, in the present folder
+  bool isForced = false;
   std::vector<std::string> further;
 };
 
@@ -36,6 +37,7 @@ int Run(const Words& words) {
   const std::string program = (command::FindProgramFolder() / "wobbled").string();
   std::vector<std::string> line{program,           "--replay", words.file,  "--export",
                                 FindOutput(words), "--format", words.format};
+  if (words.isForced) line.emplace_back("--force");
   line.insert(line.end(), words.further.begin(), words.further.end());
   std::vector<char*> pointers;
   for (std::string& word : line) pointers.push_back(word.data());
@@ -61,6 +63,7 @@ command::Command DescribeExport(CLI::App& app) {
   subcommand
       ->add_option("--output", words->output, "File (csv, gltf) or new folder (vtk); the recording's name if not given")
       ->type_name("PATH");
+  subcommand->add_flag("--force", words->isForced, "Replace what is there already, unless it is a recording");
   const auto pass = [&](const char* name, const char* type, const char* what) {
     const auto take = [words, name = std::string(name)](const std::string& value) {
       words->further.insert(words->further.end(), {name, value});
@@ -68,7 +71,7 @@ command::Command DescribeExport(CLI::App& app) {
     subcommand->add_option_function<std::string>(name, take, what)->type_name(type);
   };
   pass("--from", "SECONDS", "First second of the recording; 0 if not given");
-  pass("--to", "SECONDS", "Last second; the recording's end if not given");
+  pass("--to", "SECONDS", "Last second; the recording's end if not given; as --from: one frame");
   pass("--fps", "NUMBER", "Frames a second, at most the recording's ticks a second; 30 if not given");
   pass("--bodies", "3,7,12", "Numbers of the bodies; all if not given");
   subcommand->footer(

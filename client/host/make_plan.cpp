@@ -62,6 +62,7 @@ WorldPlan MakeWorldPlan(const WorldsFile& file, const World& world, const fs::pa
   if (file.hasGateway) setDefault("gateway_key", Find(file.gateway, "gateway_key", (folder / "gateway.key").string()));
   AddOptions(values, Place::kWorld, plan.options);
   plan.options.push_back("--state=" + plan.state.string());
+  plan.options.push_back("--name=" + world.name);
   return plan;
 }
 

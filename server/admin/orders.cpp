@@ -11,6 +11,7 @@
 #include <cmath>
 #include <optional>
 #include <sstream>
+#include <type_traits>
 #include <utility>
 
 #include "protocol/text.h"
@@ -143,20 +144,29 @@ Answer Vote(Order& order) {
   return refusal.empty() ? Answer{.isDone = true, .lines = {}} : Refuse(refusal);
 }
 
-std::string DescribeFilm(const recording::Film& film) {
-  const bool isPlaying = film.ReadMotion() == recording::Film::Motion::kPlaying;
-  return fmt::format("{} {}:{:04.1f} of {}:{:04.1f}, speed {:g}", isPlaying ? "plays" : "paused at",
-                     static_cast<int>(film.Time()) / 60, std::fmod(film.Time(), 60), static_cast<int>(film.End()) / 60,
-                     std::fmod(film.End(), 60), film.Speed());
+std::string FormatTime(double seconds) {
+  return fmt::format("{}:{:04.1f}", static_cast<int>(seconds) / 60, std::fmod(seconds, 60));
 }
 
-// The number behind a word, in a range. Leaves the reason in `refusal` if there is none.
-std::optional<double> TakeNumber(Order& order, double low, double high, Answer& refusal) {
+// Clients read it (client/terminal/film.cpp, client/page/source/hud/film_panel.ts).
+std::string DescribeFilm(const recording::Film& film) {
+  const bool isPlaying = film.ReadMotion() == recording::Film::Motion::kPlaying;
+  return fmt::format("{} {} of {}, speed {:g}, tick {}{}", isPlaying ? "plays" : "paused at", FormatTime(film.Time()),
+                     FormatTime(film.End()), film.Speed(), film.Tick(),
+                     film.IsSeeking() ? ", on the way to " + FormatTime(film.Goal()) : "");
+}
+
+// The number behind a word of the order film, in a range. Leaves the reason in `refusal` if there is none.
+template <class Number>
+std::optional<Number> TakeNumber(Order& order, const std::string& what, double low, double high, Answer& refusal) {
   const std::string word = order.TakeWord();
-  double number = 0;
+  Number number{};
   const auto [end, result] = std::from_chars(word.data(), word.data() + word.size(), number);
-  if (result == std::errc{} && end == word.data() + word.size() && number >= low && number <= high) return number;
-  refusal = Refuse(fmt::format("\"{}\": must be a number from {:g} to {:g}", word, low, high));
+  const bool isWhole = result == std::errc{} && end == word.data() + word.size();
+  const auto value = static_cast<double>(number);
+  if (isWhole && value >= low && value <= high) return number;
+  refusal = Refuse(fmt::format("film {}{}{}: must be {} from {} to {}", what, word.empty() ? "" : " ", word,
+                               std::is_integral_v<Number> ? "a whole number" : "a number", low, high));
   return {};
 }
 
@@ -166,23 +176,22 @@ Answer WindFilm(Order& order) {
   constexpr double kLongest = 1e6;
   const std::string what = order.TakeWord();
   Answer refusal;
-  std::optional<double> number;
   if (what == "play") {
     film->Play();
   } else if (what == "pause") {
     film->Pause();
   } else if (what == "speed") {
-    number = TakeNumber(order, recording::kLeastFilmSpeed, recording::kMostFilmSpeed, refusal);
-    if (!number) return refusal;
-    film->SetSpeed(*number);
+    const auto speed = TakeNumber<double>(order, what, recording::kLeastFilmSpeed, recording::kMostFilmSpeed, refusal);
+    if (!speed) return refusal;
+    film->SetSpeed(*speed);
   } else if (what == "step") {
-    number = TakeNumber(order, -kLongest, kLongest, refusal);
-    if (!number) return refusal;
-    film->StepBy(static_cast<std::int64_t>(*number));
+    const auto ticks = TakeNumber<std::int64_t>(order, what, -kLongest, kLongest, refusal);
+    if (!ticks) return refusal;
+    film->StepBy(*ticks);
   } else if (what == "to" || what == "by") {
-    number = TakeNumber(order, -kLongest, kLongest, refusal);
-    if (!number) return refusal;
-    film->JumpTo(*number + (what == "by" ? film->Time() : 0));
+    const auto seconds = TakeNumber<double>(order, what, -kLongest, kLongest, refusal);
+    if (!seconds) return refusal;
+    film->JumpTo(*seconds + (what == "by" ? film->Goal() : 0));
   } else if (!what.empty()) {
     return Refuse("film " + what + ": must be play, pause, speed X, step TICKS, to SECONDS or by SECONDS");
   }
@@ -205,6 +214,7 @@ struct Entry {
   const char* help;
   Rank least;
   Answer (*run)(Order&);
+  bool isOfPlay = false;  // there is nothing that it could act on while a recording is shown
 };
 
 constexpr std::array kEntries{
@@ -222,19 +232,19 @@ constexpr std::array kEntries{
     Entry{"lock", "", 0, "lets only moderators and owners come in", Rank::kModerator, Lock},
     Entry{"unlock", "", 0, "lets everybody come in again", Rank::kModerator, Unlock},
     Entry{"protect", "on|off", 1, "whether players change only what they have built themselves", Rank::kModerator,
-          Protect},
+          Protect, true},
     Entry{"reset", "", 0, "puts bodies, workshop and tuning back to what the scene has; what is torn stays torn",
-          Rank::kModerator, Reset},
+          Rank::kModerator, Reset, true},
     Entry{"restart", "", 0, "lets the world begin anew, whole and with a new game; everybody stays in",
-          Rank::kModerator, Restart},
+          Rank::kModerator, Restart, true},
     Entry{"next", "", 0, "begins the next scene of the rotation; everybody comes along", Rank::kModerator,
-          GoToNextScene},
+          GoToNextScene, true},
     Entry{"scene", "[NAME]", 1, "begins that scene of the rotation; without a name tells which there are",
-          Rank::kModerator, GoToScene},
+          Rank::kModerator, GoToScene, true},
     Entry{"vote", "restart|next", 1,
           "lets the world begin anew, or the next scene begin, when more than half of the players vote for it within a "
           "minute",
-          Rank::kPlayer, Vote},
+          Rank::kPlayer, Vote, true},
     Entry{"film", "[play|pause|speed X|step TICKS|to SECONDS|by SECONDS]", 2,
           "winds the recording that is shown; X from -4 to 16", Rank::kWatcher, WindFilm},
     Entry{"say", "TEXT", kAnyWords, "shows a line to everybody", Rank::kModerator, Say},
@@ -281,6 +291,9 @@ Answer CarryOut(const Realm& realm, const Issuer& issuer, const std::string& lin
   if (issuer.rank < entry->least) {
     return Refuse(fmt::format("{} is for {}s and above; you are {}", name, admission::NameOf(entry->least),
                               admission::NameOf(issuer.rank)));
+  }
+  if (entry->isOfPlay && realm.server.ReadFilm() != nullptr) {
+    return Refuse(name + ": a recording is shown; film to 0 begins it anew");
   }
   Answer answer = order.words.size() > entry->most ? RefuseRest(order, *entry) : entry->run(order);
   if (name == "film" && issuer.client != 0) return answer;  // watchers ask where it stands twice a second

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 
+#include "server/export/output.h"
 #include "server/physics/energy.h"
 #include "server/physics/world_state.h"
 
@@ -54,6 +56,7 @@ std::size_t CsvWriter::CountTorn(const physics::World& world, const physics::Bod
 
 std::string CsvWriter::Add(const Frame& frame) {
   const physics::World& world = frame.ground.World();
+  errno = 0;
   for (const physics::Body* body : frame.bodies) {
     const physics::Blueprint& blueprint = world.BlueprintOf(*body);
     const physics::Vector3d at = world.FindCentre(*body);
@@ -65,12 +68,13 @@ std::string CsvWriter::Add(const Frame& frame) {
                           v.x(), v.y(), v.z(), energy.kinetic, energy.springs, energy.gas, energy.gravity, body->asleep,
                           CountTorn(world, *body));
   }
-  return m_file.good() ? "" : "cannot be written";
+  return m_file.good() ? "" : DescribeWriteError();
 }
 
 std::string CsvWriter::Finish() {
+  errno = 0;
   m_file.close();
-  return m_file.good() ? "" : "cannot be written";
+  return m_file.good() ? "" : DescribeWriteError();
 }
 
 }  // namespace wobble::exporting

@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <bit>
+#include <cerrno>
 #include <fstream>
 #include <limits>
+
+#include "server/export/output.h"
 
 namespace wobble::exporting {
 namespace {
@@ -117,6 +120,7 @@ std::string Glb::Write(const std::filesystem::path& file) {
   const std::size_t length = kFileHead + kChunkHead + text.size() + (size > 0 ? kChunkHead + size : 0);
   if (length > std::numeric_limits<std::uint32_t>::max())
     return "would be larger than 4 GiB, the most that .glb can be";
+  errno = 0;
   std::ofstream out(file, std::ios::binary);
   out << "glTF";
   WriteNumber(out, 2);
@@ -129,7 +133,7 @@ std::string Glb::Write(const std::filesystem::path& file) {
     for (const std::string& bytes : m_bytes) out << bytes;
   }
   out.close();
-  return out.good() ? "" : "cannot be written";
+  return out.good() ? "" : DescribeWriteError();
 }
 
 }  // namespace wobble::exporting

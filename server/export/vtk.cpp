@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <bit>
+#include <cerrno>
 #include <fstream>
 #include <span>
 
+#include "server/export/output.h"
 #include "server/physics/inspect.h"
 
 namespace wobble::exporting {
@@ -37,6 +39,7 @@ class Document {
   void Say(const std::string& xml) { m_head += xml + '\n'; }
 
   [[nodiscard]] bool Write(const std::filesystem::path& file) const {
+    errno = 0;
     std::ofstream out(file, std::ios::binary);
     out << R"(<?xml version="1.0"?>)" << '\n'
         << kComment << '\n'
@@ -152,10 +155,11 @@ std::string VtkWriter::Add(const Frame& frame) {
   for (const physics::Body* body : frame.bodies) AddBody(frame.ground.World(), *body, content);
   const std::string name = fmt::format("{}_{:05}.vtp", m_name, m_series.size());
   m_series.emplace_back(frame.time, name);
-  return WriteFrame(content, frame.time, m_folder / name) ? "" : "cannot be written";
+  return WriteFrame(content, frame.time, m_folder / name) ? "" : DescribeWriteError();
 }
 
 std::string VtkWriter::Finish() {
+  errno = 0;
   std::ofstream out(m_folder / (m_name + ".pvd"), std::ios::binary);
   out << R"(<?xml version="1.0"?>)" << '\n'
       << kComment << '\n'
@@ -166,7 +170,7 @@ std::string VtkWriter::Finish() {
   }
   out << "</Collection>\n</VTKFile>\n";
   out.close();
-  return out.good() ? "" : "cannot be written";
+  return out.good() ? "" : DescribeWriteError();
 }
 
 }  // namespace wobble::exporting

@@ -9,6 +9,9 @@
 namespace wobble::exporting {
 namespace {
 
+// How far a time may be beyond the end, s: people read it off displays that round to a tenth.
+constexpr double kRounding = 0.05;
+
 Frame MakeFrame(const server::Playground& ground, const WalkSettings& settings, double time) {
   Frame frame{.time = time, .tick = ground.World().Tick(), .ground = ground, .bodies = {}};
   for (const physics::Body& body : ground.World().Bodies()) {
@@ -19,17 +22,15 @@ Frame MakeFrame(const server::Playground& ground, const WalkSettings& settings, 
   return frame;
 }
 
-std::string NameMissing(const WalkSettings& settings, const std::set<physics::BodyId>& seen,
-                        const physics::World& world) {
+// there: in any frame.
+std::string NameMissing(const WalkSettings& settings, const std::set<physics::BodyId>& there) {
   std::vector<physics::BodyId> missing;
   for (const physics::BodyId id : settings.bodies) {
-    if (!seen.contains(id)) missing.push_back(id);
+    if (!there.contains(id)) missing.push_back(id);
   }
   if (missing.empty()) return {};
-  std::vector<physics::BodyId> there;
-  for (const physics::Body& body : world.Bodies()) there.push_back(body.id);
-  return fmt::format("--bodies {}: there is no such body in these frames; at their end there are {}",
-                     fmt::join(missing, ","), there.empty() ? "none" : fmt::format("{}", fmt::join(there, ",")));
+  return fmt::format("--bodies {}: there is no such body in these frames, which have {}", fmt::join(missing, ","),
+                     there.empty() ? "none" : fmt::format("{}", fmt::join(there, ",")));
 }
 
 }  // namespace
@@ -41,12 +42,10 @@ std::uint32_t Plan::TickOf(std::uint32_t frame) const {
 std::optional<Plan> MakePlan(const recording::Recording& recording, const WalkSettings& settings, std::string& error) {
   const double tickHz = recording.ReadHead().tickHz;
   const double end = recording.TimeOf(recording.LastTick());
-  const double to = settings.to > 0 ? settings.to : end;
-  // As near to the end as the ticks are to one another, since people read times off a rounded display.
-  const double least = 0.5 / tickHz;
-  if (settings.from > end + least) {
+  const double to = std::isinf(settings.to) ? end : settings.to;
+  if (!(settings.from >= 0 && settings.from <= end + kRounding)) {
     error = fmt::format("--from {}: must be 0 to {:.3f}, the seconds of the recording", settings.from, end);
-  } else if (to > end + least || to < settings.from) {
+  } else if (!(to <= end + kRounding && (to >= settings.from || std::isinf(settings.to)))) {
     error = fmt::format("--to {}: must be {} to {:.3f}, from --from to the recording's end", to, settings.from, end);
   } else if (!(settings.fps > 0 && settings.fps <= tickHz)) {
     error = fmt::format("--fps {}: must be more than 0 and at most {}, the recording's ticks a second", settings.fps,
@@ -67,13 +66,13 @@ std::optional<Plan> MakePlan(const recording::Recording& recording, const WalkSe
 Walked Walk(recording::Recording& recording, recording::Replay& replay, const server::Playground& ground,
             const WalkSettings& settings, const Plan& plan, FrameWriter& writer, const recording::Progress& progress) {
   Walked walked;
-  std::set<physics::BodyId> seen;
+  std::set<physics::BodyId> there, chosen;
   // A tick early where there is one: a state from a keyframe has no forces of the tick that led to it.
   const std::uint32_t before = plan.firstTick > recording.FirstTick() ? plan.firstTick - 1 : plan.firstTick;
   walked.error = replay.Seek(before);
   const double end = recording.TimeOf(plan.TickOf(plan.frames - 1));
-  bool isStopped = false;
-  while (walked.error.empty() && walked.frames < plan.frames && !isStopped) {
+  const auto isGood = [&] { return walked.error.empty() && walked.outputError.empty(); };
+  while (isGood() && walked.frames < plan.frames && !walked.isStopped) {
     const std::uint32_t tick = plan.TickOf(walked.frames);
     while (replay.Tick() < tick && replay.Advance()) {
     }
@@ -82,15 +81,17 @@ Walked Walk(recording::Recording& recording, recording::Replay& replay, const se
       break;
     }
     const Frame frame = MakeFrame(ground, settings, recording.TimeOf(tick));
-    for (const physics::Body* body : frame.bodies) seen.insert(body->id);
-    walked.error = writer.Add(frame);
+    for (const physics::Body& body : ground.World().Bodies()) there.insert(body.id);
+    for (const physics::Body* body : frame.bodies) chosen.insert(body->id);
+    walked.outputError = writer.Add(frame);
     walked.lastTime = frame.time;
     ++walked.frames;
-    isStopped = !progress(frame.time, end);
+    walked.isStopped = !progress(frame.time, end) && walked.frames < plan.frames;
   }
-  walked.bodies = seen.size();
-  if (walked.error.empty() && !isStopped) walked.error = NameMissing(settings, seen, ground.World());
-  if (walked.error.empty()) walked.error = writer.Finish();
+  walked.bodies = chosen.size();
+  if (walked.isStopped) return walked;
+  if (isGood()) walked.error = NameMissing(settings, there);
+  if (isGood()) walked.outputError = writer.Finish();
   return walked;
 }
 

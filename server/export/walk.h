@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,10 +14,10 @@
 namespace wobble::exporting {
 
 struct WalkSettings {
-  double from = 0;                           // s since the recording began
-  double to = 0;                             // s, not before `from`; 0: the recording's end
-  double fps = 30;                           // frames a second, at most the recording's tick rate
-  std::vector<physics::BodyId> bodies = {};  // empty: all
+  double from = 0;                                      // s since the recording began
+  double to = std::numeric_limits<double>::infinity();  // s, not before `from`; infinite: the recording's end
+  double fps = 30;                                      // frames a second, at most the recording's tick rate
+  std::vector<physics::BodyId> bodies = {};             // empty: all
 };
 
 // Which ticks of a recording are frames.
@@ -33,14 +34,16 @@ struct Plan {
                                            std::string& error);
 
 struct Walked {
-  std::string error;         // empty: all went well
+  // Empty: all went well. The latter is the writer's, in words that follow the file's name.
+  std::string error, outputError;
+  bool isStopped = false;    // before its last frame; nothing is finished then
   std::uint32_t frames = 0;  // that were written
   double lastTime = 0;       // of the last of them, s since the recording began
   std::size_t bodies = 0;    // different ones, in any frame
 };
 
 // Hands all frames to the writer, or those until `progress`, which is called after each, returns false. Chosen bodies
-// that are in no frame are an error that names them, unless the walk was stopped.
+// that are in no frame are an error that names them.
 [[nodiscard]] Walked Walk(recording::Recording& recording, recording::Replay& replay, const server::Playground& ground,
                           const WalkSettings& settings, const Plan& plan, FrameWriter& writer,
                           const recording::Progress& progress);

@@ -95,6 +95,17 @@ std::string WriteWhole(const std::filesystem::path& path, const Bytes& bytes) {
   return error;
 }
 
+bool IsBlockFile(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;
+  std::array<std::uint8_t, kMark.size()> mark{};
+  std::FILE* const file = std::fopen(path.c_str(), "rb");
+  if (file == nullptr) return false;
+  const bool isRead = std::fread(mark.data(), 1, mark.size(), file) == mark.size();
+  std::fclose(file);
+  return isRead && mark == kMark;
+}
+
 std::optional<Block> UnpackBlock(std::span<const std::uint8_t> packed) {
   BlockHead head;
   if (packed.size() < sizeof head) return {};
@@ -109,7 +120,9 @@ std::optional<Block> UnpackBlock(std::span<const std::uint8_t> packed) {
 
 std::string BlockReader::Open(const std::filesystem::path& path) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return "is no regular file";
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found) return "does not exist";
+  if (!std::filesystem::is_regular_file(status)) return "is no regular file";
   m_file.reset(std::fopen(path.c_str(), "rb"));
   if (m_file == nullptr) return "cannot be read";
   m_size = std::filesystem::file_size(path, error);
@@ -149,8 +162,7 @@ std::optional<Block> BlockReader::Next() {
   const auto packed = ReadAt(m_offset + sizeof head, head.packedSize);
   if (!packed) return Fail("the file ends within a block, or the block's head is damaged");
   if (FindChecksum(head, *packed) != head.checksum) {
-    return Fail("a block of " + std::to_string(head.packedSize) + " bytes is damaged (" +
-                Name(static_cast<BlockKind>(head.kind)) + ", checksum)");
+    return Fail(std::string("a block is damaged (") + Name(static_cast<BlockKind>(head.kind)) + ", checksum)");
   }
   Block block{.kind = static_cast<BlockKind>(head.kind), .bytes = Bytes(head.size), .offset = m_offset};
   const std::size_t unpacked = ZSTD_decompress(block.bytes.data(), block.bytes.size(), packed->data(), packed->size());

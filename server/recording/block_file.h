@@ -53,6 +53,9 @@ struct Block {
 // Writes a whole file that is its owner's alone, to the disk. Returns what is wrong; empty: nothing.
 [[nodiscard]] std::string WriteWhole(const std::filesystem::path& path, const Bytes& bytes);
 
+// Whether it is a file that begins as all of ours do, of any format version: a recording, an index or a state.
+[[nodiscard]] bool IsBlockFile(const std::filesystem::path& path);
+
 // Reads a file from its beginning to its last good block. Any file is safe.
 class BlockReader {
  public:
@@ -66,6 +69,7 @@ class BlockReader {
   // Goes on at a block's offset.
   void Seek(std::uint64_t offset) { m_offset = offset; }
   [[nodiscard]] std::uint64_t Offset() const { return m_offset; }
+  [[nodiscard]] bool IsAtEnd() const { return m_offset == m_size; }
   // Why Next returned nullopt: empty at the end, otherwise what is wrong and at which byte.
   [[nodiscard]] const std::string& Fault() const { return m_fault; }
 

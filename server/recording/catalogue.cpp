@@ -17,16 +17,18 @@ std::optional<Second> ReadSecondAt(BlockReader& reader, std::uint64_t offset) {
 }
 
 // From the first second to the last, s.
-double FindLength(BlockReader& reader, std::uint32_t tickHz) {
+double FindLength(BlockReader& reader, std::uint32_t tickHz, std::string& damage) {
   std::optional<std::uint64_t> first, last;
   for (std::uint64_t offset = reader.Offset(); const auto kind = reader.Skip(); offset = reader.Offset()) {
     if (*kind != BlockKind::kSecond) continue;
     if (!first) first = offset;
     last = offset;
   }
+  if (!reader.IsAtEnd()) damage = "byte " + std::to_string(reader.Offset()) + ": no whole block";
   if (!first) return 0;
   const auto begin = ReadSecondAt(reader, *first);
-  const auto end = ReadSecondAt(reader, *last);
+  const auto end = begin ? ReadSecondAt(reader, *last) : std::nullopt;
+  if (!begin || !end) damage = reader.Fault().empty() ? "a second cannot be read" : reader.Fault();
   if (!begin || !end || end->begin < begin->begin) return 0;
   return static_cast<double>(end->begin - begin->begin + end->traces.size()) / tickHz;
 }
@@ -42,7 +44,7 @@ void Describe(const fs::path& path, CatalogueEntry& entry) {
     return;
   }
   entry.scene = head->scene.name;
-  entry.length = FindLength(reader, head->tickHz);
+  entry.length = FindLength(reader, head->tickHz, entry.damage);
 }
 
 }  // namespace

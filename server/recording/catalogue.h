@@ -12,7 +12,10 @@ struct CatalogueEntry {
   std::string scene;  // empty: it cannot be read
   double length = 0;  // s
   std::filesystem::file_time_type writtenAt;
-  std::string fault;  // why it cannot be shown; empty: it can, up to damage that only playing finds
+  std::string fault;  // why it cannot be shown; empty: it can
+  // What its blocks' heads and sizes say of damage, and up to where it is shown; empty: nothing. Damage inside a block
+  // is found when it is read whole: of a hundred files that would be gigabytes each time.
+  std::string damage;
 };
 
 // The recordings (*.wobrec) of the folder, the newest first, `most` of them. Reads a few bytes of each block, and three

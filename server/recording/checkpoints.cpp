@@ -1,6 +1,14 @@
 #include "server/recording/checkpoints.h"
 
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
 
 #include "server/recording/fields.h"
 
@@ -15,6 +23,11 @@ void Describe(Archive& archive, Value& value) {
 namespace {
 
 constexpr const char* kEnding = ".wobstate";
+constexpr const char* kLockName = "world.lock";  // of a file that holds the number of the process that has locked it
+
+std::string DescribeWorld(const std::string& scenes, const Head& head) {
+  return fmt::format("{}, {} ticks a second, seed {}", scenes, head.tickHz, head.seed);
+}
 
 }  // namespace
 
@@ -34,17 +47,38 @@ Checkpoints::~Checkpoints() {
   }
   m_wakes.notify_one();
   m_thread.join();
+  if (m_lock >= 0) close(m_lock);
 }
 
-std::string Checkpoints::Read(const std::filesystem::path& path, Checkpoint& checkpoint) const {
+std::string Checkpoints::Claim() {
+  const std::filesystem::path path = m_folder / kLockName;
+  m_lock = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  if (m_lock < 0) return path.string() + ": " + std::strerror(errno);
+  if (flock(m_lock, LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK) return {};
+    std::array<char, 32> owner{};
+    const ssize_t read = pread(m_lock, owner.data(), owner.size() - 1, 0);
+    return fmt::format("in use by another server{}", read > 0 ? fmt::format(", process {}", owner.data()) : "");
+  }
+  const std::string own = std::to_string(getpid());
+  // Only for people: that the file is locked says enough.
+  if (ftruncate(m_lock, 0) != 0 || pwrite(m_lock, own.data(), own.size(), 0) < 0) return {};
+  return {};
+}
+
+std::string Checkpoints::Read(const std::filesystem::path& path, Checkpoint& checkpoint, std::string& conflict) const {
   BlockReader reader;
   std::string error = reader.Open(path);
   if (!error.empty()) return error;
   const auto head = reader.Next();
   if (!head || head->kind != BlockKind::kHead) return "is torn: " + reader.Fault();
   const auto of = std::ranges::find(m_heads, head->bytes);
-  if (of == m_heads.end()) return "is of another scene, tick rate or seed";
   checkpoint.scene = static_cast<std::size_t>(of - m_heads.begin());
+  if (of == m_heads.end()) {
+    const auto other = FromBytes<Head>(head->bytes);
+    if (!other) return "has no head that can be read";
+    conflict = DescribeConflict(*other);
+  }
   const auto block = reader.Next();
   if (!block || block->kind != BlockKind::kCheckpoint) {
     return "is torn: " + (reader.Fault().empty() ? "it ends behind its head" : reader.Fault());
@@ -54,13 +88,33 @@ std::string Checkpoints::Read(const std::filesystem::path& path, Checkpoint& che
   return bytes.IsDone() ? "" : "cannot be read";
 }
 
+std::string Checkpoints::DescribeConflict(const Head& found) const {
+  std::vector<std::string> scenes;
+  for (const Bytes& head : m_heads) scenes.push_back(FromBytes<Head>(head)->scene.name);
+  const std::string holds = DescribeWorld(found.scene.name, found);
+  const std::string wanted = DescribeWorld(fmt::format("{}", fmt::join(scenes, " or ")), *FromBytes<Head>(m_heads[0]));
+  // By name they are the same: the scene's file is not.
+  const bool hasName = std::ranges::find(scenes, found.scene.name) != scenes.end();
+  const bool isChanged = hasName && DescribeWorld("", found) == DescribeWorld("", *FromBytes<Head>(m_heads[0]));
+  return fmt::format("holds a world of {}; this is {}{}", holds, wanted,
+                     isChanged ? ", and the scene has changed since" : "");
+}
+
 FoundCheckpoint Checkpoints::FindNewest() {
   FoundCheckpoint found;
+  std::uint64_t newestOther = 0;
+  std::string conflict;  // of newestOther
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(m_folder, error)) {
     if (entry.path().extension() != kEnding) continue;
     Checkpoint checkpoint;
-    const std::string complaint = Read(entry.path(), checkpoint);
+    std::string difference;
+    std::string complaint = Read(entry.path(), checkpoint, difference);
+    if (complaint.empty() && checkpoint.number >= newestOther && !difference.empty()) {
+      newestOther = checkpoint.number;
+      conflict = entry.path().string() + " " + difference;
+    }
+    if (complaint.empty()) complaint = difference;
     if (!complaint.empty()) {
       found.complaints.push_back(entry.path().string() + " " + complaint);
     } else if (!found.checkpoint || checkpoint.number > found.checkpoint->number) {
@@ -68,6 +122,7 @@ FoundCheckpoint Checkpoints::FindNewest() {
     }
   }
   if (found.checkpoint) m_number = found.checkpoint->number;
+  if (newestOther > m_number) found.conflict = std::move(conflict);
   return found;
 }
 

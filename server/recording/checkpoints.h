@@ -32,6 +32,9 @@ struct Checkpoint {
 struct FoundCheckpoint {
   std::optional<Checkpoint> checkpoint;  // the newest that is whole and of one of the heads
   std::vector<std::string> complaints;   // one line each: files that are not, and why
+  // The newest that is whole is of another world, which one and which is wanted: a line; empty: it is not. A checkpoint
+  // that is saved all the same takes the other world's place.
+  std::string conflict;
 };
 
 class Checkpoints {
@@ -46,8 +49,12 @@ class Checkpoints {
   Checkpoints(const Checkpoints&) = delete;
   Checkpoints& operator=(const Checkpoints&) = delete;
 
-  // Reads the folder. A checkpoint of another scene, tick rate, seed or format is not of the heads. Call it before the
-  // first Save.
+  // Keeps other servers off the folder as long as this object lives, whatever ends the process. Returns what is wrong,
+  // with the process that has it; empty: nothing. Where the file system knows no locks nobody is kept off.
+  [[nodiscard]] std::string Claim();
+
+  // Reads the folder. A checkpoint of another scene, tick rate or seed is not of the heads. Call it before the first
+  // Save.
   [[nodiscard]] FoundCheckpoint FindNewest();
 
   // Writes it on another thread; numbers it. One that is still waiting gives way.
@@ -58,13 +65,17 @@ class Checkpoints {
   [[nodiscard]] std::string Error() const;
 
  private:
-  [[nodiscard]] std::string Read(const std::filesystem::path& path, Checkpoint& checkpoint) const;
+  // Leaves in `conflict` how its world differs; empty: it is of one of the heads. Returns what is wrong with the file.
+  [[nodiscard]] std::string Read(const std::filesystem::path& path, Checkpoint& checkpoint,
+                                 std::string& conflict) const;
+  [[nodiscard]] std::string DescribeConflict(const Head& found) const;
   void Run();
   void Write(const Checkpoint& checkpoint);
 
   std::filesystem::path m_folder;
   std::vector<Bytes> m_heads;  // as they stand in the files
   std::uint64_t m_number = 0;
+  int m_lock = -1;  // a file that is locked as long as it is open; -1: none
 
   mutable std::mutex m_mutex;  // over what follows
   std::condition_variable m_wakes;

@@ -73,6 +73,7 @@ void Recorder::Note(const server::Entry& entry, std::uint32_t tick) {
 void Recorder::FollowTick(const server::Playground& ground) {
   const std::uint32_t tick = ground.World().Tick();
   if (m_state == State::kBroken) {
+    CountLost(1);
     if (++m_brokenTicks < kRetrySeconds * m_head.tickHz) return;
     StartFile(ground, false);
     return;
@@ -82,6 +83,7 @@ void Recorder::FollowTick(const server::Playground& ground) {
   if (m_hasFailed) {
     m_state = State::kBroken;
     m_brokenTicks = 0;
+    CountLost(m_second.traces.size());
     m_second = {};
     return;
   }
@@ -143,6 +145,7 @@ void Recorder::Enqueue(Job job, std::size_t bytes) {
       m_hasFailed = true;
       ++m_counts.failures;
       m_error = "the disk takes longer to write than there is to record";
+      if (const auto* second = std::get_if<Second>(&job)) m_counts.lostTicks += second->traces.size();
       return;
     }
     m_queuedBytes += bytes;
@@ -184,7 +187,8 @@ void Recorder::Do(const FileBegin& begin) {
 
 void Recorder::Do(const Second& second) {
   Append(PackBlock(BlockKind::kSecond, ToBytes(second)));
-  m_isWorthKeeping = m_isWorthKeeping || m_file >= 0;
+  if (m_file < 0) return CountLost(second.traces.size());
+  m_isWorthKeeping = true;
 }
 
 void Recorder::Do(const server::PlaygroundState& state) {
@@ -196,6 +200,11 @@ void Recorder::Do(const server::PlaygroundState& state) {
 void Recorder::Do(const FileEnd& /*end*/) {
   Append(PackBlock(BlockKind::kEnd, {}));
   if (m_file >= 0) close(m_file);
+  if (m_file >= 0 && !m_isWorthKeeping) {
+    TakeBack();
+    const std::lock_guard lock(m_mutex);
+    --m_counts.files;
+  }
   m_file = -1;
 }
 
@@ -218,15 +227,22 @@ void Recorder::Append(std::span<const std::uint8_t> bytes) {
   m_counts.bytes += bytes.size();
 }
 
-// A file without a second to play is taken back: a full disk is tried again and again.
+// A file without a second to play: a full disk is tried again and again, and a world may begin anew twice in a moment.
+void Recorder::TakeBack() { unlink(Path().c_str()); }
+
 void Recorder::Fail(const std::string& why) {
   if (m_file >= 0) close(m_file);
-  if (m_file >= 0 && !m_isWorthKeeping) unlink(Path().c_str());
+  if (m_file >= 0 && !m_isWorthKeeping) TakeBack();
   m_file = -1;
   m_hasFailed = true;
   const std::lock_guard lock(m_mutex);
   ++m_counts.failures;
   m_error = why;
+}
+
+void Recorder::CountLost(std::size_t ticks) {
+  const std::lock_guard lock(m_mutex);
+  m_counts.lostTicks += ticks;
 }
 
 // By the scene and the time, with a number where a name is taken.

@@ -27,7 +27,8 @@ struct RecorderSettings {
 struct RecorderCounts {
   std::uint64_t files = 0;
   std::uint64_t bytes = 0;
-  std::uint64_t failures = 0;  // files that were broken off because the disk or the writing thread failed
+  std::uint64_t failures = 0;   // files that were broken off because the disk or the writing thread failed
+  std::uint64_t lostTicks = 0;  // that were played and are in no file
 };
 
 class Recorder {
@@ -83,6 +84,8 @@ class Recorder {
   void Do(const FileEnd& end);
   void Append(std::span<const std::uint8_t> bytes);
   void Fail(const std::string& why);
+  void CountLost(std::size_t ticks);
+  void TakeBack();
   [[nodiscard]] std::filesystem::path MakePath(const std::string& scene);
 
   RecorderSettings m_settings;

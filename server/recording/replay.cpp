@@ -26,9 +26,13 @@ bool Replay::Matches(const BlockPlace& keyframe) {
   return m_recording.ReadKeyframe(keyframe) == ToBytes(m_ground.Capture());
 }
 
-std::string Replay::Seek(std::uint32_t tick) {
+std::string Replay::Approach(std::uint32_t tick) {
   m_difference.reset();
-  std::string error = GoToKeyframe(tick);
+  return GoToKeyframe(tick);
+}
+
+std::string Replay::Seek(std::uint32_t tick) {
+  std::string error = Approach(tick);
   if (!error.empty()) return error;
   while (Tick() < tick && Advance()) {
   }

@@ -36,6 +36,8 @@ class Replay {
   // Goes to the state after so many ticks, from the recording's first to its last, by the nearest keyframe before it.
   // Returns what is wrong with the file; empty: nothing. It is called once before the first Advance.
   [[nodiscard]] std::string Seek(std::uint32_t tick);
+  // The first part of Seek: goes to where it plays on from.
+  [[nodiscard]] std::string Approach(std::uint32_t tick);
   // Goes to a state of this recording. Returns what is wrong with it; empty: nothing.
   [[nodiscard]] std::string Restore(const server::PlaygroundState& state);
   // The ground's tick.

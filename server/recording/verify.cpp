@@ -29,9 +29,11 @@ Proof Verify(const std::filesystem::path& path, const GroundSettings& settings, 
   const std::uint32_t tickHz = recording.ReadHead().tickHz;
   auto keyframe = recording.Keyframes().begin();
   std::optional<std::uint32_t> differentKeyframe;
+  bool isStopped = false;
   while (replay.Advance()) {
     const std::uint32_t tick = replay.Tick();
-    if (tick % tickHz == 0 && !progress(recording.TimeOf(tick), recording.TimeOf(recording.LastTick()))) break;
+    isStopped = tick % tickHz == 0 && !progress(recording.TimeOf(tick), recording.TimeOf(recording.LastTick()));
+    if (isStopped) break;
     while (keyframe != recording.Keyframes().end() && keyframe->tick < tick) ++keyframe;
     const bool isKeyframe = keyframe != recording.Keyframes().end() && keyframe->tick == tick;
     if (isKeyframe && !replay.Matches(*keyframe)) differentKeyframe = tick;
@@ -44,6 +46,14 @@ Proof Verify(const std::filesystem::path& path, const GroundSettings& settings, 
     proof = {Verdict::kDifferent, Describe(*difference, recording)};
   } else if (differentKeyframe) {
     proof = {Verdict::kDifferent, fmt::format("different in the keyframe of tick {}", *differentKeyframe)};
+  } else if (replay.Tick() < recording.LastTick()) {
+    const double time = recording.TimeOf(replay.Tick());
+    const double end = recording.TimeOf(recording.LastTick());
+    if (isStopped) {
+      return {Verdict::kBrokenOff, fmt::format("broken off at {:.1f} s of {:.1f} s, identical so far", time, end)};
+    }
+    return {Verdict::kUnreadable,
+            fmt::format("{}: cannot be read behind {:.1f} s: it has changed", path.string(), time)};
   } else {
     proof.words = fmt::format("identical: {} ticks, {:.1f} s of {}", replay.Tick() - recording.FirstTick(),
                               recording.TimeOf(replay.Tick()), recording.ReadHead().scene.name);

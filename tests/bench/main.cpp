@@ -127,8 +127,9 @@ CLI::App* AddReport(CLI::App& app, const Report& report, Options& options) {
     words->add_option("--recordings", options.recordings, what)->type_name("DIR");
   }
   words->set_version_flag("--version", std::string("wobble_lab ") + kVersion);
-  words->footer("Examples:\n  wobble_lab " + std::string(report.name) + " --quick\n  wobble_lab " + report.name +
-                " --json results.json --plot plots");
+  const std::string line = "\n  wobble_lab " + std::string(report.name);
+  words->footer("Examples:" + line + " --quick" + line + " --json results.json --plot plots" +
+                (report.hasTrials && report.hasRecordings ? line + " --trial 417 --recordings trials" : ""));
   return words;
 }
 

@@ -617,6 +617,12 @@ case_unknown_option() {
   WOBBLE_SCENE=pair WOBBLE_PORT=0 WOBBLE_FOR=0.5 WOBBLE_BOTS=0 WOBBLE_HTTP=0 WOBBLE_TICK_HZ=1 expect_exit 0 wobble play
   expect_line "$out" '^scene pair on UDP port [1-9]'
   expect_refusal '^wobbled: --snapshot-hz 90: must be 1 to 60$' wobbled --port 0 --snapshot-hz 90
+  local option # an empty word is an unset variable of a script, and no way to start something else
+  for option in --replay --list-recordings --record --state --rotation --scene --cache --summary; do
+    expect_refusal "^wobbled: $option: must not be empty" wobbled --port 0 --for 0.01 --untrained "$option" ''
+  done
+  expect_refusal '^wobble gateway: --recordings: must not be empty' wobble gateway --server "$nobody" --recordings ''
+  expect_refusal '^wobble export: --output: must not be empty' wobble export match.wobrec --output ''
   expect_refusal '^wobbled: --log-level loud: must be one of' wobbled --log-level loud
   expect_refusal '^wobbled: --log-format xml: must be text or json$' wobbled --log-format xml
   expect_refusal '^wobbled: --summary /no/such/file: cannot be written$' wobbled --port 0 --summary /no/such/file
@@ -1000,6 +1006,56 @@ case_rotation() {
   expect_end server "$server" 0 10
 }
 
+# A recording as people take it out: what cannot be done is said with the option, and the recording is never touched.
+case_exports() {
+  local match="$folder/match.wobrec" to="$folder/table.csv"
+  expect_exit 0 wobbled --port 0 --untrained --scene pair --pause-after 0 --record "$folder/matches" --for 2
+  mv "$folder"/matches/*.wobrec "$match"
+  cp "$match" "$folder/copy"
+  expect_refusal '^wobbled: .*match.wobrec is a recording or a state of wobble: must be another file$' \
+    wobble export "$match" --output "$match"
+  cmp "$match" "$folder/copy" || fail 'a recording that is as it was'
+  expect_refusal '^wobbled: --from nan: must be 0 to 1000000$' wobble export "$match" --output "$to" --from nan
+  expect_refusal '^wobbled: --to 99: must be 0 to [0-9.]*, ' wobble export "$match" --output "$to" --to 99
+  expect_refusal '^wobbled: --fps 0: must be 0.001 to 480$' wobble export "$match" --output "$to" --fps 0
+  expect_refusal '^wobbled: --bodies -1: must be numbers of bodies' wobble export "$match" --output "$to" --bodies=-1
+  expect_refusal '^wobbled: --bodies 99: there is no such body in these frames, which have 1,2$' \
+    wobble export "$match" --output "$to" --bodies 99
+  expect_refusal '^wobbled: none.wobrec does not exist$' wobble export none.wobrec --output "$to"
+  expect_refusal "^wobble watch: '$folder' is a folder: " wobble watch "$folder"
+  [ ! -e "$to" ] || fail 'no table' "$to"
+  expect_exit 0 wobble export "$match" --output "$to" --to 0
+  expect_line "$out" '^1 frames of 2 bodies, up to 0.00 s'
+  expect_refusal '^wobbled: .*table.csv is there already: must be new, or --force given$' wobble export "$match" --output "$to"
+  expect_exit 0 wobble export "$match" --output "$to" --force --to 0
+  head -c -25 "$folder/copy" >"$match" # without its end
+  expect_exit 0 wobble export "$match" --output "$folder/unended.csv"
+  expect_line "$err" 'match.wobrec: the recording has no end: what wrote it was broken off$'
+  head -c -60 "$folder/copy" >"$match"
+  expect_exit 1 wobble export "$match" --output "$folder/damaged.csv"
+  expect_line "$err" 'match.wobrec: exported up to its damage: byte [1-9]'
+  expect_exit 0 wobble export "$match" --output "$folder/good.csv" --to 0.5
+  (
+    trap '' XFSZ
+    ulimit -f 8 # KiB of a file
+    expect_exit 1 wobble export "$folder/copy" --format gltf --output "$folder/large.glb"
+    expect_line "$err" 'large.glb cannot be written: File too large$'
+  ) || exit 1
+  [ -z "$(find "$folder" -name '*.partial')" ] || fail 'nothing that is written in part' <(ls "$folder")
+}
+
+# A state is not for a second server, and not for the server of another world.
+case_state_is_one_worlds() {
+  start_server --untrained --scene pair --state "$folder/world"
+  expect_refusal "^wobbled: --state $folder/world: in use by another server, process $server\$" \
+    wobbled --port 0 --untrained --scene pair --state "$folder/world"
+  kill -INT "$server"
+  expect_end server "$server" 0 10
+  expect_refusal "^wobbled: --state .* holds a world of pair, 60 ticks a second, seed 1; this is arena, 60 ticks a second, seed 1: empty the folder or name another\$" \
+    wobbled --port 0 --untrained --scene arena --state "$folder/world"
+  expect_exit 0 wobbled --port 0 --untrained --rotation arena,pair --state "$folder/world" --for 0.1
+}
+
 # A disk that is full from the first blocks on, as a limit of the process, and folders that go: the log says why, no tick
 # waits, the server goes on, and what was written before is good.
 case_failing_disk() {
@@ -1019,6 +1075,7 @@ case_failing_disk() {
   kill -INT "$server"
   expect_end server "$server" 0 10
   expect_figure "$folder/a.json" recording_failures '>= 1'
+  expect_line "$folder/server.err" '--record: [1-9][0-9.]* s of what was played are not recorded: File too large$'
   # States that had room are whole: the next start complains of none.
   expect_exit 0 wobbled --log-level warn --port 0 --untrained --scene arena --state "$folder/full" --for 0.1
   [ ! -s "$err" ] || fail 'no state that is cut short' "$err"

@@ -5,7 +5,8 @@ export interface Recording {
   scene: string; // empty: it cannot be read
   seconds: number;
   writtenAt: number; // s since 1970
-  fault?: string;
+  fault?: string; // why it cannot be shown
+  damage?: string; // why it may be shown in part
 }
 
 export interface Offer {

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "server/admin/orders.h"
+#include "server/recording/film.h"
 #include "tests/support/game.h"
+#include "tests/unit/recording/matches.h"
 #include "tests/unit/vestibule/deterministic.h"
 
 namespace wobble::admin {
@@ -364,6 +366,29 @@ TEST_F(OrdersTest, AVoteEndsWithItsMinuteAndWithItsOpponents) {
   EXPECT_FALSE(Give("vote", {.rank = Rank::kPlayer, .client = 1}).isDone);
   EXPECT_FALSE(Give("vote kick 1", {.rank = Rank::kPlayer, .client = 1}).isDone);
   EXPECT_FALSE(Give("vote restart", {.rank = Rank::kWatcher, .client = 1}).isDone);
+}
+
+TEST_F(OrdersTest, ARecordingIsWoundAndNotPlayed) {
+  Start();
+  const recording::Folder folder;
+  recording::RecordMatch("pair", 130, recording::MakeSettings(folder));
+  game = std::make_unique<Game>(test::LoadShippedScene("pair"));
+  recording::Recording match;
+  ASSERT_EQ(match.Open(folder.List()[0]), "");
+  ASSERT_EQ(game->server.Show(std::make_unique<recording::Film>(folder.List()[0], std::move(match))), "");
+  for (const char* line : {"reset", "restart", "next", "scene", "scene pair", "vote restart", "protect on"}) {
+    const Answer answer = Give(line);
+    EXPECT_FALSE(answer.isDone) << line;
+    EXPECT_NE(answer.lines.at(0).find(": a recording is shown; film to 0 begins it anew"), std::string::npos) << line;
+  }
+  const std::vector<std::pair<const char*, const char*>> answers{
+      {"film to 1", "plays 0:01.0 of 0:02.2, speed 1, tick 60"},
+      {"film step -2", "paused at 0:01.0 of 0:02.2, speed 1, tick 58"},
+      {"film by 9", "paused at 0:02.2 of 0:02.2, speed 1, tick 130"},
+      {"film step 1.5", "film step 1.5: must be a whole number from -1000000 to 1000000"},
+      {"film to", "film to: must be a number from -1000000 to 1000000"},
+      {"film speed 17", "film speed 17: must be a number from -4 to 16"}};
+  for (const auto& [line, answer] : answers) EXPECT_EQ(Give(line).lines.at(0), answer) << line;
 }
 
 TEST_F(OrdersTest, AnyLineIsAnswered) {

@@ -104,8 +104,39 @@ TEST_F(Exported, WhatIsNotThereIsNamed) {
   EXPECT_THAT(Refuse({.from = 9}), HasSubstr("--from 9: must be 0 to 3.333"));
   EXPECT_THAT(Refuse({.from = 2, .to = 1}), HasSubstr("--to 1: must be 2 to 3.333"));
   EXPECT_THAT(Refuse({.fps = 61}), HasSubstr("--fps 61"));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(Refuse({.from = nan}), HasSubstr("--from nan"));
+  EXPECT_THAT(Refuse({.to = nan}), HasSubstr("--to nan"));
   CsvWriter writer(folder.Path() / "table.csv", "curtain");
-  EXPECT_THAT(Write({.bodies = {3, 77}}, writer).error, HasSubstr("--bodies 77: there is no such body"));
+  EXPECT_EQ(Write({.from = 1, .bodies = {3, 77}}, writer).error,
+            "--bodies 77: there is no such body in these frames, which have 1,2,3,4,5");
+}
+
+TEST_F(Exported, TimesAreTakenAsTheyAreRead) {
+  std::string error;
+  EXPECT_EQ(MakePlan(recording, {.to = 0}, error)->frames, 1U) << "as from 1 to 1";
+  EXPECT_EQ(MakePlan(recording, {.from = 1, .to = 1}, error)->frames, 1U);
+  const auto plan = MakePlan(recording, {.from = 3.37}, error);
+  ASSERT_TRUE(plan) << error;
+  EXPECT_EQ(plan->firstTick, 200U) << "3.333 s, as somebody rounds it";
+}
+
+TEST_F(Exported, AWalkThatIsStoppedFinishesNothing) {
+  struct Counter : FrameWriter {
+    std::string Add(const Frame& /*frame*/) override { return ++frames, ""; }
+    std::string Finish() override { return ++ends, ""; }
+    int frames = 0, ends = 0;
+  } writer;
+  std::string error;
+  const WalkSettings settings{.fps = 10, .bodies = {77}};
+  const auto stopAt = [&](double end) {
+    return Walk(recording, *replay, *ground, settings, *MakePlan(recording, settings, error), writer,
+                [end](double time, double) { return time < end; });
+  };
+  EXPECT_TRUE(stopAt(1).isStopped);
+  EXPECT_EQ(writer.frames, 11);
+  EXPECT_EQ(writer.ends, 0);
+  EXPECT_FALSE(stopAt(3.3).isStopped) << "in its last frame it is done";
 }
 
 TEST_F(Exported, AnOutputIsThereWholeOrNotAtAll) {
@@ -113,7 +144,7 @@ TEST_F(Exported, AnOutputIsThereWholeOrNotAtAll) {
   {
     Output output(target, false);
     EXPECT_THAT(output.Begin(), IsEmpty());
-    EXPECT_THAT(Output(target, false).Begin(), HasSubstr("an export that runs or was killed"));
+    EXPECT_THAT(Output(target, false).Begin(), HasSubstr("unless another export writes it"));
   }
   EXPECT_FALSE(std::filesystem::exists(target));
   EXPECT_FALSE(std::filesystem::exists(target.string() + ".partial"));
@@ -121,7 +152,43 @@ TEST_F(Exported, AnOutputIsThereWholeOrNotAtAll) {
   EXPECT_THAT(output.Begin(), IsEmpty());
   EXPECT_THAT(output.Commit(), IsEmpty());
   EXPECT_TRUE(std::filesystem::exists(target));
-  EXPECT_THAT(Output(folder.Path(), true).Begin(), HasSubstr("must be a new or an empty folder"));
+  EXPECT_THAT(Output(target, false).Begin(), HasSubstr("is there already"));
+  EXPECT_THAT(Output(target, true, true).Begin(), HasSubstr("is no folder"));
+  Output again(target, false, true);
+  EXPECT_THAT(again.Begin(), IsEmpty());
+  EXPECT_THAT(again.Commit(), IsEmpty());
+}
+
+TEST_F(Exported, OnlyASeriesIsReplacedAsAFolder) {
+  const auto target = folder.Path() / "series";
+  const auto write = [&](bool replaces) {
+    Output output(target, true, replaces);
+    std::string error = output.Begin();
+    if (!error.empty()) return error;
+    recording::WriteFile(output.Partial() / "series.pvd", {});
+    return output.Commit();
+  };
+  std::filesystem::create_directory(target);
+  EXPECT_THAT(write(false), IsEmpty()) << "an empty one is as good as none";
+  EXPECT_THAT(write(false), HasSubstr("is there already: must be new, or --force given"));
+  recording::WriteFile(target / "series_00000.vtp", {});
+  EXPECT_THAT(write(true), IsEmpty());
+  EXPECT_FALSE(std::filesystem::exists(target / "series_00000.vtp"));
+  recording::WriteFile(target / "diary.txt", {});
+  EXPECT_THAT(write(true), HasSubstr("is not replaced: it has diary.txt"));
+  EXPECT_TRUE(std::filesystem::exists(target / "diary.txt"));
+}
+
+TEST_F(Exported, ARecordingIsNotReplaced) {
+  const auto match = folder.List()[0];
+  const auto before = recording::ReadFile(match);
+  const auto link = folder.Path() / "link";
+  std::filesystem::create_symlink(match, link);
+  for (const auto& target : {match, link}) {
+    EXPECT_THAT(Output(target, false, true).Begin(), HasSubstr("is a recording or a state of wobble")) << target;
+  }
+  EXPECT_EQ(recording::ReadFile(match), before);
+  EXPECT_FALSE(std::filesystem::exists(match.string() + ".partial"));
 }
 
 }  // namespace

@@ -35,8 +35,11 @@ TEST(Catalogue, ListsWhatCanBeShownAndWhatCannot) {
   EXPECT_EQ(found[1].scene, "pair");
   EXPECT_NEAR(found[1].length, 200.0 / 60, 1e-9);
   EXPECT_THAT(found[1].fault, IsEmpty());
+  EXPECT_THAT(found[1].damage, IsEmpty());
   EXPECT_EQ(found[2].file, "cut.wobrec");
   EXPECT_NEAR(found[2].length, 3, 1e-9) << "without the second that was cut";
+  EXPECT_THAT(found[2].fault, IsEmpty()) << "it can be shown up to there";
+  EXPECT_THAT(found[2].damage, HasSubstr(": no whole block"));
   EXPECT_EQ(ListRecordings(folder.Path(), 2).size(), 2U);
   EXPECT_THAT(ListRecordings(folder.Path() / "none", 9), IsEmpty());
 }

@@ -90,16 +90,55 @@ TEST_F(CheckpointsOf, ATornOneIsNamedAndTheOneBeforeIsTaken) {
 
 TEST_F(CheckpointsOf, ThoseOfOtherWorldsAreNamedAndStay) {
   SaveAfter({30});
-  Head other = MakeHead("arena");
-  EXPECT_FALSE(Checkpoints(folder.Path(), {other}).FindNewest().checkpoint);
-  other = head;
+  const auto findAs = [&](std::vector<Head> heads) {
+    const FoundCheckpoint found = Checkpoints(folder.Path(), std::move(heads)).FindNewest();
+    EXPECT_FALSE(found.checkpoint);
+    EXPECT_THAT(found.complaints, SizeIs(1));
+    return found.conflict;
+  };
+  EXPECT_EQ(
+      findAs({MakeHead("arena"), MakeHead("pair")}),
+      (folder.Path() / "world-1.wobstate").string() +
+          " holds a world of curtain, 60 ticks a second, seed 1; this is arena or pair, 60 ticks a second, seed 1");
+  Head other = head;
   other.tickHz = 30;
-  const FoundCheckpoint found = Checkpoints(folder.Path(), {other}).FindNewest();
-  EXPECT_FALSE(found.checkpoint);
-  ASSERT_THAT(found.complaints, SizeIs(1));
-  EXPECT_THAT(found.complaints[0], HasSubstr("of another scene, tick rate or seed"));
+  other.seed = 7;
+  EXPECT_THAT(findAs({other}), HasSubstr("seed 1; this is curtain, 30 ticks a second, seed 7"));
+  other = head;
+  other.scene.text += "\n";
+  EXPECT_THAT(findAs({other}), HasSubstr("seed 1, and the scene has changed since"));
+  EXPECT_THAT(Checkpoints(folder.Path(), {MakeHead("arena"), head}).FindNewest().conflict, IsEmpty());
   head.version = "the next one";
   EXPECT_TRUE(Find().checkpoint) << "another version of the program goes on";
+  EXPECT_THAT(Find().conflict, IsEmpty());
+}
+
+TEST_F(CheckpointsOf, AFolderIsOneServersAlone) {
+  {
+    Checkpoints first(folder.Path(), {head});
+    EXPECT_THAT(first.Claim(), IsEmpty());
+    EXPECT_EQ(Checkpoints(folder.Path(), {head}).Claim(),
+              "in use by another server, process " + std::to_string(getpid()));
+  }
+  EXPECT_THAT(Checkpoints(folder.Path(), {head}).Claim(), IsEmpty()) << "what a killed one leaves is no lock";
+}
+
+// As after a rotation has lost a scene: the older of the two is no reason to lose the newer.
+TEST_F(CheckpointsOf, TheNewestDecidesWhetherItIsAnotherWorlds) {
+  SaveAfter({30});
+  const Head other = MakeHead("arena");
+  const auto save = [&](std::vector<Head> heads, std::size_t scene) {
+    Checkpoints checkpoints(folder.Path(), std::move(heads));
+    EXPECT_TRUE(checkpoints.FindNewest().checkpoint);
+    Checkpoint checkpoint = Capture();
+    checkpoint.scene = scene;
+    checkpoints.Save(std::move(checkpoint));
+  };
+  save({head, other}, 1);
+  EXPECT_THAT(Find().conflict, HasSubstr("holds a world of arena"));
+  save({head, other}, 0);
+  EXPECT_THAT(Find().conflict, IsEmpty());
+  EXPECT_TRUE(Find().checkpoint);
 }
 
 TEST_F(CheckpointsOf, ADiskThatIsFullLeavesTheLastOnes) {

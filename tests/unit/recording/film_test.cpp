@@ -25,12 +25,16 @@ class Films : public testing::Test {
       hashes.push_back(original->World().Hash());
     } while (replay.Advance());
   }
-  std::unique_ptr<Film> Open() {
+  std::unique_ptr<Film> Open(server::TimeSource clock = {}) {
     Recording recording;
     EXPECT_THAT(recording.Open(path), IsEmpty());
     std::string error;
     if (ground == nullptr) ground = MakeGround(recording.ReadHead(), {}, error);
-    return std::make_unique<Film>(path, std::move(recording));
+    return std::make_unique<Film>(path, std::move(recording), std::move(clock));
+  }
+  // Each look at it takes so long, s: as if a tick of the recording did.
+  [[nodiscard]] static server::TimeSource MakeSlowClock(double step) {
+    return [step, now = 0.0]() mutable { return now += step; };
   }
   void AwaitIndex(const Film& film) const {
     for (int i = 0; i < 1000 && film.Index().MadeUpTo() < film.ReadRecording().LastTick(); ++i) usleep(10'000);
@@ -65,7 +69,7 @@ TEST_F(Films, ShowTheRecordedTicksAtAnySpeed) {
     }
     const double way = double{1} * ground->World().Tick() - before;
     EXPECT_NEAR(way, shown * speed, 1 + std::abs(speed)) << "less only at an end";
-    EXPECT_THAT(film->Fault(), IsEmpty());
+    EXPECT_THAT(film->TakeFault(), IsEmpty());
   }
 }
 
@@ -92,6 +96,54 @@ TEST_F(Films, GoAnywhereAndStepByTick) {
   EXPECT_EQ(film->Time(), 0) << "from the end it begins again";
 }
 
+// Calls of Advance until it has arrived.
+int Arrive(Film& film) {
+  int calls = 0;
+  for (; film.IsSeeking() && calls < 1000; ++calls) film.Advance();
+  return calls;
+}
+
+// With 3 ms a tick, four of the recording fall into one of the show.
+TEST_F(Films, ALongWayTakesManyTicksOfTheShow) {
+  Record("curtain", 400);
+  auto film = Open(MakeSlowClock(0.003));
+  ASSERT_THAT(film->Begin(*ground), IsEmpty());
+  film->Pause();
+  film->JumpTo(5.5);
+  EXPECT_TRUE(film->IsSeeking()) << "an order takes no time that is not its own";
+  EXPECT_EQ(film->Time(), 0);
+  EXPECT_NEAR(film->Goal(), 5.5, 0.01);
+  EXPECT_GE(Arrive(*film), 90 / 5) << "at most two seconds of play less by the index";
+  EXPECT_NEAR(film->Time(), 5.5, 0.01);
+  ExpectAsRecorded("after a long way");
+
+  film->JumpTo(0.9);
+  film->Advance();
+  film->JumpTo(film->Goal() + 0.3);
+  film->JumpTo(film->Goal() + 0.3);
+  EXPECT_NEAR(film->Goal(), 1.5, 0.01) << "from where it will stand";
+  film->JumpTo(3.2);
+  Arrive(*film);
+  EXPECT_NEAR(film->Time(), 3.2, 0.01);
+  ExpectAsRecorded("after orders that took one another's place");
+
+  const std::uint32_t before = film->Tick();
+  film->StepBy(-1);
+  bool hasGathered = false;
+  for (int i = 0; i < 1000 && film->IsSeeking(); ++i) {
+    hasGathered = hasGathered || film->IsGathering();
+    if (i == 3) film->StepBy(-2);
+    EXPECT_TRUE(!film->Advance() || !film->IsSeeking()) << "what is gathered is nothing to be shown";
+  }
+  EXPECT_TRUE(hasGathered);
+  EXPECT_EQ(film->Tick(), before - 3);
+  ExpectAsRecorded("backwards");
+  film->StepBy(-1);
+  EXPECT_LE(Arrive(*film), 1) << "gathered already";
+  EXPECT_EQ(film->Tick(), before - 4);
+  ExpectAsRecorded("backwards again");
+}
+
 TEST_F(Films, TheIndexIsMadeOnceAndForItsRecording) {
   Record("arena", 300);
   AwaitIndex(*Open());
@@ -106,6 +158,28 @@ TEST_F(Films, TheIndexIsMadeOnceAndForItsRecording) {
   WriteFile(index, bytes);
   AwaitIndex(*Open());
   EXPECT_GT(ReadFile(index).size(), bytes.size());
+}
+
+// A way of at least 40 ticks of the show: the server plays one a call, and somebody comes in meanwhile.
+TEST_F(Films, TheServerAnswersWhileItIsOnTheWay) {
+  Record("curtain", 400);
+  test::Game game(scenes::ParseScene(MakeHead("curtain").scene).scene);
+  Recording recording;
+  ASSERT_THAT(recording.Open(path), IsEmpty());
+  ASSERT_EQ(game.server.Show(std::make_unique<Film>(path, std::move(recording), MakeSlowClock(0.006))), "");
+  client::Client& first = game.AddClient({.name = "first"});
+  game.Run(1);
+  ASSERT_EQ(first.ReadState(), client::State::kPlaying);
+  Film& film = *game.server.ReadFilm();
+  film.Pause();
+  film.JumpTo(5.9);
+  const std::uint32_t shown = game.server.ShownTick();
+  client::Client& second = game.AddClient({.name = "second"});
+  while (film.IsSeeking() && second.ReadState() != client::State::kPlaying) game.Run(1.0 / 60);
+  EXPECT_TRUE(film.IsSeeking());
+  EXPECT_EQ(second.ReadState(), client::State::kPlaying);
+  EXPECT_GT(game.server.ShownTick(), shown + 5);
+  EXPECT_EQ(game.server.Clock().DroppedTicks(), 0U);
 }
 
 // A server that shows a recording to a client, on virtual time.

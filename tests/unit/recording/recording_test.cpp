@@ -61,6 +61,17 @@ TEST_P(RecordedScene, PlaysTheSameAgain) {
 INSTANTIATE_TEST_SUITE_P(Shipped, RecordedScene, testing::Values("curtain", "sandbox", "sumo"),
                          [](const auto& scene) { return scene.param; });
 
+TEST(Recording, AProofThatIsBrokenOffSaysSo) {
+  const Folder folder;
+  RecordMatch("pair", 200, MakeSettings(folder));
+  const auto stopAt = [&](double end) {
+    return Verify(folder.List()[0], {}, [end](double time, double) { return time < end; });
+  };
+  EXPECT_EQ(stopAt(2).verdict, Verdict::kBrokenOff);
+  EXPECT_EQ(stopAt(2).words, "broken off at 2.0 s of 3.3 s, identical so far");
+  EXPECT_EQ(stopAt(9).verdict, Verdict::kIdentical);
+}
+
 TEST(Recording, IsItsOwnersAloneAndNamesNobodyButPlayers) {
   const Folder folder;
   RecordMatch("arena", 70, MakeSettings(folder));
@@ -237,7 +248,7 @@ TEST(Recording, AnExcerptIsARecordingOfItsOwn) {
 TEST(Recording, FilesOfOthersAreNamed) {
   const Folder folder;
   const auto open = [&](const std::string& name) { return Opened(folder.Path() / name).error; };
-  EXPECT_THAT(open("none.wobrec"), HasSubstr("no regular file"));
+  EXPECT_THAT(open("none.wobrec"), HasSubstr("does not exist"));
   WriteFile(folder.Path() / "text.wobrec", ReadFile(test::FindSource("README.md")));
   EXPECT_THAT(open("text.wobrec"), HasSubstr("not of wobble's format"));
   Bytes next = MakeFileHead();
@@ -271,6 +282,22 @@ TEST(Recording, RotatesBySize) {
 }
 
 // A full disk, as a limit of this process: writes beyond it fail.
+// As when a world begins anew twice in a moment.
+TEST(Recording, AFileWithoutATickIsNotKept) {
+  const Folder folder;
+  const Head head = MakeHead("pair");
+  server::Playground ground(scenes::ParseScene(head.scene).scene, {});
+  Recorder recorder(MakeSettings(folder), head, ground);
+  recorder.BeginScene(head.scene, ground);
+  ground.Step();
+  recorder.FollowTick(ground);
+  recorder.BeginScene(head.scene, ground);
+  recorder.Close();
+  EXPECT_EQ(recorder.Counts().files, 1U);
+  ASSERT_THAT(folder.List(), SizeIs(1));
+  EXPECT_EQ(Opened(folder.List()[0]).recording.LastTick(), 1U);
+}
+
 TEST(Recording, AFullDiskStopsNoTick) {
   const Folder folder;
   std::signal(SIGXFSZ, SIG_IGN);
@@ -286,6 +313,7 @@ TEST(Recording, AFullDiskStopsNoTick) {
   ASSERT_THAT(files, SizeIs(1)) << "what has nothing to play is not left behind";
   const Opened first(files[0]);
   ASSERT_THAT(first.error, IsEmpty());
+  EXPECT_EQ(first.recording.LastTick() + counts.lostTicks, 900U);
   EXPECT_THAT(first.recording.Fault(), IsEmpty()) << "what a full disk has left of a block is taken back";
 }
 
@@ -296,6 +324,7 @@ TEST(Recording, AFolderThatCannotBeWrittenStopsNoTick) {
   const RecorderCounts counts = RecordMatch("arena", 120, settings);
   EXPECT_EQ(counts.failures, 1U);
   EXPECT_EQ(counts.bytes, 0U);
+  EXPECT_EQ(counts.lostTicks, 120U);
 }
 
 // What is stored of a crowded world is read as it was written.

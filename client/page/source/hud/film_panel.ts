@@ -8,7 +8,7 @@ export const kFilm = 'film'; // the game of a welcome to a recording
 
 const kAskEvery = 0.4; // s
 const kSendEvery = 0.15; // s, while the slider is dragged
-const kPlace = /^(plays|paused at) (\d+):([\d.]+) of (\d+):([\d.]+), speed (-?[\d.]+)$/;
+const kPlace = /^(plays|paused at) (\d+):([\d.]+) of (\d+):([\d.]+), speed (-?[\d.]+), tick \d+(?:, on the way to [\d:.]+)?$/;
 const kSpeeds = [-4, -1, 0.25, 1, 4, 16];
 
 interface Place {

@@ -51,12 +51,13 @@ export class WorldMenu {
   }
 
   private MakeEntry(recording: Recording): HTMLButtonElement {
-    const { file, scene, seconds, writtenAt, fault } = recording;
-    const when = new Date(1000 * writtenAt).toLocaleString([], { dateStyle: 'short', timeStyle: 'short' });
+    const { file, scene, seconds, writtenAt, fault, damage } = recording;
+    const when = new Date(1000 * writtenAt).toLocaleString([], { dateStyle: 'short', timeStyle: 'medium' });
+    const note = damage === undefined ? `${when}, ${file}` : `${when}, ${file}, damaged`;
     const button = MakeButton(scene === '' ? file : `${scene} ${FormatTime(seconds)}`, `Watch ${file}`, '', () =>
       this.onChoose(file),
     );
-    button.append(MakeElement('span', 'note', fault === undefined ? when : `It ${fault}.`));
+    button.append(MakeElement('span', 'note', fault === undefined ? note : `It ${fault}.`));
     button.disabled = fault !== undefined;
     button.dataset.file = file;
     this.m_buttons.set(file, button);
