@@ -12,6 +12,7 @@
 #include "client/list/public_list.h"
 #include "client/list/table.h"
 #include "protocol/text.h"
+#include "protocol/usage/command_line.h"
 
 namespace wobble::list {
 namespace {
@@ -52,10 +53,7 @@ command::Command DescribeList(CLI::App& app) {
   subcommand
       ->add_option("--from", words->from, "A public list instead: a file, or an address that begins with http(s)://")
       ->type_name("URL or FILE");
-  subcommand->add_option("--for", words->seconds, "How long to listen for announcements, s")
-      ->type_name("0.1 to 60")
-      ->check(command::Within(0.1, 60))
-      ->capture_default_str();
+  usage::AddDuration(*subcommand, "--for", words->seconds, "How long to listen for announcements");
   subcommand->add_flag("--json", words->isJson, "Print JSON instead of a table");
   subcommand->footer(
       "Exit code: 0 worlds were found, 1 none, 2 bad usage or no list there.\n"
