@@ -50,9 +50,8 @@ int Server::Tick(double now) {
   FollowRotation(now);
   SendDownloads();
   PauseOrResume(now);
-  // What a film on its way takes of the time is neither late nor a load: it leaves room for who watches.
+  // What a film on its way takes of the time is no load: it leaves room for who watches.
   const bool isSeeking = m_film != nullptr && m_film->IsSeeking();
-  if (isSeeking) m_clock.StandStill(now);
   const int jumped = m_isPaused ? 0 : m_clock.TakeJumpTicks();
   const int due = m_isPaused ? 0 : m_clock.TakeDueTicks(now);
   m_lastTicks.clear();

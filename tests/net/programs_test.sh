@@ -1019,13 +1019,13 @@ case_exports() {
   expect_refusal '^wobbled: --to 99: must be 0 to [0-9.]*, ' wobble export "$match" --output "$to" --to 99
   expect_refusal '^wobbled: --fps 0: must be 0.001 to 480$' wobble export "$match" --output "$to" --fps 0
   expect_refusal '^wobbled: --bodies -1: must be numbers of bodies' wobble export "$match" --output "$to" --bodies=-1
-  expect_refusal '^wobbled: --bodies 99: there is no such body in these frames, which have 1,2$' \
+  expect_refusal '^wobbled: --bodies 99: there is no such body in these frames, which have 1,2,' \
     wobble export "$match" --output "$to" --bodies 99
   expect_refusal '^wobbled: none.wobrec does not exist$' wobble export none.wobrec --output "$to"
   expect_refusal "^wobble watch: '$folder' is a folder: " wobble watch "$folder"
   [ ! -e "$to" ] || fail 'no table' "$to"
   expect_exit 0 wobble export "$match" --output "$to" --to 0
-  expect_line "$out" '^1 frames of 2 bodies, up to 0.00 s'
+  expect_line "$out" '^1 frames of 8 bodies, up to 0.00 s'
   expect_refusal '^wobbled: .*table.csv is there already: must be new, or --force given$' wobble export "$match" --output "$to"
   expect_exit 0 wobble export "$match" --output "$to" --force --to 0
   head -c -25 "$folder/copy" >"$match" # without its end

@@ -182,6 +182,20 @@ TEST_F(Films, TheServerAnswersWhileItIsOnTheWay) {
   EXPECT_EQ(game.server.Clock().DroppedTicks(), 0U);
 }
 
+TEST_F(Films, WatchersReadUpToWhereADamagedOneIsShown) {
+  Record("pair", 200);
+  const Bytes whole = ReadFile(path);
+  WriteFile(path, std::span(whole).first(whole.size() - 60));
+  test::Game game(test::LoadShippedScene("pair"));
+  Recording recording;
+  ASSERT_THAT(recording.Open(path), IsEmpty());
+  ASSERT_EQ(game.server.Show(std::make_unique<Film>(path, std::move(recording))), "");
+  std::vector<std::string> notices;
+  game.AddClient({.name = "watcher"}).OnNotice([&](const std::string& line) { notices.push_back(line); });
+  game.Run(0.5);
+  EXPECT_THAT(notices, testing::ElementsAre("this recording is damaged: shown up to 3.0 s"));
+}
+
 // A server that shows a recording to a client, on virtual time.
 TEST_F(Films, AClientSeesWhatIsShown) {
   Record("curtain", 400);
