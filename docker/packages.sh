@@ -15,10 +15,11 @@ packages_of() {
       echo "g++ make cmake ninja-build ccache git ca-certificates
             libeigen3-dev libtbb-dev libenet-dev libsodium-dev libflatbuffers-dev flatbuffers-compiler
             libspdlog-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev liblua5.4-dev
-            libboost-dev zlib1g-dev libzstd-dev libcpp-httplib-dev prometheus-cpp-dev libicu-dev" ;;
+            libboost-dev zlib1g-dev libzstd-dev libcpp-httplib-dev prometheus-cpp-dev libicu-dev libssl-dev
+            libqrencode-dev" ;;
     runtime) # the libraries of wobbled and wobble only
       echo "libc6 libgcc-s1 libstdc++6 zlib1g libzstd1 libcpp-httplib0.11 libenet7 libsodium23 libfmt9 libicu72 liblua5.4-0
-            libprometheus-cpp-core1.0 libspdlog1.10 libtbb12 libtomlplusplus3" ;;
+            libprometheus-cpp-core1.0 libspdlog1.10 libssl3 libtbb12 libtomlplusplus3 libqrencode4" ;;
     test) # the test runner, a second compiler whose results must have the same bits, a browser, and promtool
       echo "libgtest-dev libgmock-dev clang-19 libclang-rt-19-dev llvm clang-format chromium prometheus
             pkg-config mmdebstrap dpkg-dev file python3 python3-numpy" ;;

@@ -8,6 +8,7 @@
 
 #include "client/command/address.h"
 #include "client/command/clock.h"
+#include "client/command/world_list.h"
 #include "client/gateway/addresses.h"
 #include "client/gateway/gateway.h"
 #include "client/gateway/origin.h"
@@ -65,11 +66,25 @@ CLI::App* AddWords(CLI::App& app, GatewayOptions& options, Words& words) {
   subcommand
       ->add_option("--origin", options.origins, "Origin whose pages may play here besides this gateway's; repeatable")
       ->type_name("URL");
+  subcommand
+      ->add_option(
+          "--tls-cert", options.tls.certificate,
+          "Certificate in PEM, with those that vouch for it behind it: the page is then https. Read again when "
+          "it changes")
+      ->type_name("FILE");
+  subcommand->add_option("--tls-key", options.tls.key, "Its key in PEM, without a passphrase")->type_name("FILE");
+  subcommand
+      ->add_option(
+          "--list", options.list,
+          "List of worlds elsewhere in JSON, for the page and for everybody at /worlds.json; read again when it "
+          "changes")
+      ->type_name("FILE");
   subcommand->add_option("--status", options.statusEvery, "Seconds between status lines on stdout; 0: none")
       ->check(command::Within(0, command::kMaxDuration))
       ->capture_default_str();
   subcommand->footer(
-      "The gateway speaks plain HTTP. Behind a proxy: --bind 127.0.0.1 and --trusted-proxy with the proxy's address; "
+      "Without --tls-cert the gateway speaks plain HTTP. Behind a proxy: --bind 127.0.0.1 and --trusted-proxy with the "
+      "proxy's address; "
       "let\n"
       "the proxy pass on the Host header and WebSockets at /play. Of a proxy that is not named all browsers count as "
       "one\n"
@@ -81,6 +96,7 @@ CLI::App* AddWords(CLI::App& app, GatewayOptions& options, Words& words) {
       "  wobble gateway --server 127.0.0.1:7777 --recordings matches\n"
       "  wobble gateway --server 127.0.0.1:7777 --http 80 --max-per-address 4\n"
       "  wobble gateway --server 127.0.0.1:7777 --bind 127.0.0.1 --trusted-proxy 127.0.0.1\n"
+      "  wobble gateway --server 127.0.0.1:7777 --http 443 --tls-cert fullchain.pem --tls-key privkey.pem\n"
       "  wobble gateway --server 127.0.0.1:7777 --origin https://friends.example.org");
   return subcommand;
 }
@@ -144,6 +160,16 @@ bool Understand(const Words& words, GatewayOptions& options, std::string& error)
   const auto wrong = std::find_if_not(options.origins.begin(), options.origins.end(), IsOrigin);
   if (wrong != options.origins.end()) {
     error = "--origin: '" + *wrong + "' is no http://HOST[:PORT] or https://HOST[:PORT]";
+    return false;
+  }
+  if (options.tls.certificate.empty() != options.tls.key.empty()) {
+    error = "--tls-cert and --tls-key go together";
+    return false;
+  }
+  std::string warning;  // is given at the start
+  if (options.tls.IsWanted() && LoadTls(options.tls, std::time(nullptr), error, warning) == nullptr) return false;
+  if (!options.list.empty() && !command::LoadWorldList(options.list, error)) {
+    error = "--list: " + error;
     return false;
   }
   if (options.maxPerAddress == 0) options.maxPerAddress = options.maxConnections;

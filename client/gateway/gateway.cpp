@@ -23,10 +23,13 @@
 #include <boost/asio.hpp>
 
 #include "client/command/clock.h"
+#include "client/command/qr_code.h"
 #include "client/command/sockets.h"
+#include "client/command/world_list.h"
 #include "client/gateway/addresses.h"
 #include "client/gateway/outbox.h"
 #include "client/gateway/sessions.h"
+#include "client/gateway/watched_files.h"
 
 namespace wobble::gateway {
 namespace {
@@ -85,6 +88,8 @@ class Gateway {
                  Lobby(kMostGreeting, kMostGreetingOfAddress),
                  Places(options.maxConnections, options.maxPerAddress)},
         m_isStopAsked(isStopAsked),
+        m_tlsFiles({options.tls.certificate, options.tls.key}),
+        m_listFile({options.list}),
         m_acceptor(m_context),
         m_timer(m_context) {}
   ~Gateway() { m_shared.browsers.clear(); }  // they need the context
@@ -94,6 +99,8 @@ class Gateway {
   void Run();
 
  private:
+  [[nodiscard]] bool LoadFiles(bool withTls, bool withList, std::string& error);
+  void FollowFiles(double now);
   void Accept();
   void Admit(tcp::socket socket);
   void Turn();
@@ -102,6 +109,8 @@ class Gateway {
 
   Shared m_shared;  // first: handlers that the context holds at the end have their places in it
   const command::IsStopAsked& m_isStopAsked;
+  WatchedFiles m_tlsFiles;
+  WatchedFiles m_listFile;
   asio::io_context m_context{1};
   tcp::acceptor m_acceptor;
   asio::steady_timer m_timer;
@@ -111,8 +120,43 @@ class Gateway {
   GatewayCounts m_shown;
 };
 
+void Say(const std::string& line) { std::fprintf(stderr, "wobble gateway: %s\n", line.c_str()); }
+
+// False with one line in `error`, and what held before still holds.
+bool Gateway::LoadFiles(bool withTls, bool withList, std::string& error) {
+  const GatewayOptions& options = m_shared.options;
+  if (withTls && options.tls.IsWanted()) {
+    std::string warning;
+    TlsContext context = LoadTls(options.tls, std::time(nullptr), error, warning);
+    if (context == nullptr) return false;
+    m_shared.tls = std::move(context);
+    if (!warning.empty()) Say(warning);
+  }
+  if (withList && !options.list.empty()) {
+    const auto worlds = command::LoadWorldList(options.list, error);
+    if (!worlds) {
+      error = "--list: " + error;
+      return false;
+    }
+    m_shared.list = command::FormatWorldList(*worlds);
+    m_shared.pages = command::FormatPages(*worlds);
+  }
+  return true;
+}
+
+void Gateway::FollowFiles(double now) {
+  const bool hasTlsChanged = m_tlsFiles.HaveChanged(now);
+  const bool hasListChanged = m_listFile.HaveChanged(now);
+  std::string error;
+  if (hasTlsChanged)
+    Say(LoadFiles(true, false, error) ? "the certificate was read again" : error + "; the one before still holds");
+  if (hasListChanged)
+    Say(LoadFiles(false, true, error) ? "the list was read again" : error + "; the one before still holds");
+}
+
 bool Gateway::Open(std::string& error) {
   const GatewayOptions& options = m_shared.options;
+  if (!LoadFiles(true, true, error)) return false;
   error_code failure;
   for (const World& world : options.worlds) {
     udp::resolver(m_context).resolve(world.server.host, std::to_string(world.server.port), failure);
@@ -138,8 +182,11 @@ void Gateway::Run() {
   const std::string host = address.is_unspecified() || address.is_loopback() ? "localhost"
                            : address.is_v6()                                 ? "[" + options.bindAddress + "]"
                                                                              : options.bindAddress;
-  std::printf("open http://%s:%u in a browser to play %s%s\n", host.c_str(), m_acceptor.local_endpoint().port(),
+  const char* scheme = options.tls.IsWanted() ? "https" : "http";
+  const unsigned port = m_acceptor.local_endpoint().port();
+  std::printf("open %s://%s:%u in a browser to play %s%s\n", scheme, host.c_str(), port,
               DescribeWorlds(options.worlds).c_str(), address.is_loopback() ? ", on this machine alone" : "");
+  command::ShowPageToFriends(scheme, SpellAddress(options.bindAddress), port);
   std::fflush(stdout);
   m_nextStatus = command::ReadClock() + options.statusEvery;
   Turn();
@@ -185,6 +232,7 @@ void Gateway::Turn() {
   const double now = command::ReadClock();
   if (m_isStopAsked() && !m_stopBy) Stop(now);
   if (!m_isAccepting && !m_stopBy) Accept();
+  FollowFiles(now);
   TurnBrowsers(m_shared, now);
   if (m_shared.films != nullptr) m_shared.films->Turn(now);
   Outbox nobody;

@@ -23,6 +23,7 @@
 #include "client/command/child.h"
 #include "client/command/clock.h"
 #include "client/command/exit_codes.h"
+#include "client/command/qr_code.h"
 #include "client/play/summary.h"
 #include "protocol/transport/vestibule/key_file.h"
 
@@ -216,6 +217,7 @@ bool Play::StartGateway() {
   if (!m_options.recordings.empty()) command.insert(command.end(), {"--recordings", m_options.recordings});
   if (!Start(*m_gateway, command) || !Await(*m_gateway)) return false;
   std::printf("%s\n", m_gateway->readyLine.c_str());
+  command::ShowPageToFriends("http", "0.0.0.0", ReadPort(m_gateway->readyLine));
   ShowOwnersLink();
   std::fflush(stdout);
   return true;
