@@ -59,12 +59,14 @@ class Reader {
 
  private:
   void ReadWorld(const json& entry) {
+    const std::size_t before = mistakes.size();
     ListedWorld world{.name = ReadText(entry, "name", kMaxListedNameBytes),
                       .page = ReadText(entry, "page", kMaxPageUrlBytes),
                       .address = ReadText(entry, "address", kMaxAddressBytes),
                       .scene = ReadText(entry, "scene", kMaxListedNameBytes)};
+    if (mistakes.size() > before) return;
     std::string error;
-    if (world.name.empty()) mistakes.push_back(m_place + ".name: must be a text");
+    if (world.name.empty()) mistakes.push_back(m_place + ": needs a name");
     if (world.page.empty() && world.address.empty()) mistakes.push_back(m_place + ": needs a page or an address");
     if (!world.page.empty() && !IsPageUrl(world.page)) {
       mistakes.push_back(m_place + ".page: '" + world.page + "' is no http://HOST... or https://HOST...");
