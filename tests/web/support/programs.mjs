@@ -89,7 +89,7 @@ export async function startServer(...options) {
 // Starts a gateway: { program, host }; host is the address for a browser.
 export async function startGateway(server, page, ...options) {
   const program = new Program('wobble', ['gateway', '--http', '0', '--server', server, '--page', page, ...options]);
-  const line = await program.waitForLine(/^open http:\/\/localhost:\d+ /);
+  const line = await program.waitForLine(/^open https?:\/\/localhost:\d+ /);
   return { program, host: `localhost:${/localhost:(\d+)/.exec(line)[1]}` };
 }
 

@@ -30,7 +30,7 @@ export class InvitePanel {
 
   constructor(offer: Offer) {
     this.m_offer = offer;
-    this.button = MakeButton('Invite friends', 'Invite friends: a link to this world', '', () => this.Open());
+    this.button = MakeButton('Invite friends', 'Invite friends', '', () => this.Open());
     this.button.classList.add('invite-button');
     this.m_share = MakeButton('Share', 'Share the link', '', () => void this.Share());
     this.m_copy = MakeButton('Copy', 'Copy the link', '', () => void this.Copy());
