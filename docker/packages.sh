@@ -22,7 +22,7 @@ packages_of() {
             libprometheus-cpp-core1.0 libspdlog1.10 libssl3 libtbb12 libtomlplusplus3 libqrencode4" ;;
     test) # the test runner, a second compiler whose results must have the same bits, a browser, and promtool
       echo "libgtest-dev libgmock-dev clang-19 libclang-rt-19-dev llvm clang-format chromium prometheus
-            pkg-config mmdebstrap dpkg-dev file python3 python3-numpy" ;;
+            pkg-config mmdebstrap dpkg-dev file python3 python3-numpy openssl curl" ;;
     web) # builds the page; a server, and a gateway without a page, do not need it
       echo "emscripten nodejs npm" ;;
     lab) # what wobble_lab is measured against, and its plots

@@ -156,7 +156,6 @@ void Visitor::OnRead(error_code error) {
 
 void Visitor::Answer() {
   const Request& request = m_parser->get();
-  if (m_shared.tls != nullptr && !m_stream.IsTls()) return SendToHttps();
   if (request.method() != http::verb::get && request.method() != http::verb::head) {
     m_response.set(http::field::allow, "GET, HEAD");
     m_isLast = true;
@@ -165,6 +164,8 @@ void Visitor::Answer() {
   if (!m_parser->is_done()) return SendText(http::status::bad_request, "a body is not expected\n");
   const std::string_view target = AsView(request.target());
   const std::string_view path = target.substr(0, target.find('?'));
+  if (path == "/healthz") return SendText(http::status::ok, "ok\n");  // for checks of this machine, in plain as well
+  if (m_shared.tls != nullptr && !m_stream.IsTls()) return SendToHttps();
   if (path == "/worlds") return SendWorlds();
   if (path == "/worlds.json" && !m_shared.list.empty()) return SendList();
   if (path == "/play") return AnswerPlay(m_shared.options.worlds[0]);
@@ -175,7 +176,6 @@ void Visitor::Answer() {
     const auto recording = FindRecordingName(path.substr(kPlay.size()));
     if (recording) return AnswerPlay(m_shared.options.worlds[0], recording);
   }
-  if (path == "/healthz") return SendText(http::status::ok, "ok\n");
   const PageFile* file = FindFile(m_shared.page, target);
   if (file == nullptr) return SendText(http::status::not_found, "there is no such file\n");
   SendFile(*file);

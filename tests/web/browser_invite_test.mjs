@@ -52,7 +52,6 @@ test('the link of a page on localhost has an address that others reach, and no s
   const { addresses } = await (await fetch(`http://${host}/worlds`)).json();
   for (const [name, options] of Object.entries(screens)) {
     const page = await joinPage(browser, host, { ...options, query: 'name=mira&quality=4&world=two' });
-    await page.tab.screenshot({ path: path.join(outputFolder, `invite_${name}_closed.png`) });
     await findButton(page).click();
     await findDialog(page).waitFor();
     await page.tab.screenshot({ path: path.join(outputFolder, `invite_${name}.png`) });
@@ -184,11 +183,11 @@ test('the page says that a world is full, and that its server is silent', async 
   await late.leave();
 
   server.process.kill('SIGSTOP');
-  await page.tab.getByText(/^The server is silent since [23] s$/).waitFor();
+  await page.tab.getByText(/^The server has been silent for [23] s$/).waitFor();
   await page.tab.screenshot({ path: path.join(outputFolder, 'silent.png') });
   assert.equal(await page.tab.locator('.figures b').first().innerText(), '–');
   server.process.kill('SIGCONT');
-  await waitFor('the line to go', async () => !(await page.tab.getByText(/^The server is silent/).isVisible()));
+  await waitFor('the line to go', async () => !(await page.tab.getByText(/^The server has been silent/).isVisible()));
   await page.leave();
   await gateway.stop();
   await server.stop();

@@ -85,6 +85,7 @@ test('plain HTTP is sent to https, whatever else is plain gets a short answer', 
   assert.equal(sent.headers.location, `https://play.example.org:${portOf(gateway)}/assets/a?b`);
   assert.equal(sent.body, 'this port speaks https\n');
   assert.equal((await request(http, '/play')).status, 307);
+  assert.equal((await request(http, '/healthz')).body, 'ok\n');
   const socket = net.connect(portOf(gateway), '127.0.0.1');
   socket.end('hello\r\n\r\n');
   let text = '';

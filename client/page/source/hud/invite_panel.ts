@@ -72,7 +72,10 @@ export class InvitePanel {
     this.m_code.setAttribute('aria-label', 'The link as a QR code');
     this.m_link.readOnly = true;
     this.m_link.setAttribute('aria-label', 'Link to this world');
-    this.m_link.addEventListener('focus', () => this.m_link.select());
+    // Backwards, so that the field shows where the link begins.
+    this.m_link.addEventListener('focus', () =>
+      this.m_link.setSelectionRange(0, this.m_link.value.length, 'backward'),
+    );
     this.m_note.setAttribute('role', 'status');
     this.m_share.hidden = typeof navigator.share !== 'function';
     this.m_copy.hidden = !window.isSecureContext || navigator.clipboard === undefined;
@@ -131,7 +134,7 @@ function IsOwnMachine(): boolean {
 }
 
 function Describe(offer: Offer): string {
-  if (IsOwnMachine() && offer.addresses.length === 0) return 'Only this machine reaches the page.';
+  if (IsOwnMachine() && offer.addresses.length === 0) return 'This link works on this machine alone.';
   return 'Open it or scan the code to come into this world.';
 }
 

@@ -71,7 +71,7 @@ export class LinkChart {
     SetText(
       this.m_slow,
       isSilent
-        ? `The server is silent since ${silence.toFixed(0)} s`
+        ? `The server has been silent for ${silence.toFixed(0)} s`
         : `The server is overloaded: time runs at ${(100 * pace).toFixed(0)} %`,
     );
     const slot = this.m_samples % kRateOver;
