@@ -19,10 +19,12 @@ namespace {
 enum class Reach { kPrivate, kPublic, kIpv6, kTunnel };
 
 // Names that container engines and hypervisors give to networks inside this machine.
-constexpr std::string_view kInside[] = {"docker", "br-", "veth", "virbr",  "vmnet",   "vboxnet", "lxc",
-                                        "lxd",    "cni", "cali", "podman", "flannel", "kube"};
+constexpr std::string_view kInside[] = {"docker", "veth", "virbr", "vmnet",  "vboxnet", "lxc",
+                                        "lxd",    "cni",  "cali",  "podman", "flannel", "kube"};
 
 bool IsInside(const std::string& interface) {
+  constexpr std::size_t kDockersName = 15;  // "br-" and twelve digits; people call bridges of theirs br-lan
+  if (interface.starts_with("br-")) return interface.size() == kDockersName;
   return std::any_of(std::begin(kInside), std::end(kInside),
                      [&](std::string_view prefix) { return interface.starts_with(prefix); });
 }

@@ -3,14 +3,9 @@
 #include "client/command/qr_code.h"
 
 #include <qrencode.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
 
-#include <cstdio>
 #include <memory>
 #include <string_view>
-
-#include "client/command/lan_address.h"
 
 namespace wobble::command {
 namespace {
@@ -45,22 +40,6 @@ std::vector<std::string> DrawQrCode(const std::string& text) {
 std::size_t MeasureQrCode(const std::vector<std::string>& lines) {
   // Half of a code's height, which is its width, or half of one more.
   return lines.empty() ? 0 : 2 * lines.size();
-}
-
-void ShowPageToFriends(const std::string& scheme, const std::string& bind, unsigned port) {
-  if (isatty(STDOUT_FILENO) == 0) return;
-  const std::vector<std::string> addresses = FindLanAddresses(bind);
-  if (addresses.empty()) return;
-  const std::string url = MakePageUrl(scheme, addresses[0], port);
-  std::printf("friends in the same network open %s\n", url.c_str());
-  const std::vector<std::string> lines = DrawQrCode(url);
-  winsize size{};
-  const bool isNarrow =
-      ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_col < MeasureQrCode(lines);
-  if (!isNarrow) {
-    for (const std::string& line : lines) std::printf("%s\n", line.c_str());
-  }
-  std::fflush(stdout);
 }
 
 }  // namespace wobble::command

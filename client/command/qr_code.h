@@ -14,9 +14,4 @@ namespace wobble::command {
 // Columns that these lines take.
 [[nodiscard]] std::size_t MeasureQrCode(const std::vector<std::string>& lines);
 
-// Prints the address of a page, that of this machine which friends in the same network most likely reach, and its QR
-// code, to standard output. For people alone: prints nothing where that is no terminal, or where only this machine
-// reaches the page; no code where the terminal is too narrow. bind: address that the page is served at, numeric.
-void ShowPageToFriends(const std::string& scheme, const std::string& bind, unsigned port);
-
 }  // namespace wobble::command

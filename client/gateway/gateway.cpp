@@ -23,7 +23,7 @@
 #include <boost/asio.hpp>
 
 #include "client/command/clock.h"
-#include "client/command/qr_code.h"
+#include "client/command/show_page.h"
 #include "client/command/sockets.h"
 #include "client/command/world_list.h"
 #include "client/gateway/addresses.h"

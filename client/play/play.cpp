@@ -23,7 +23,7 @@
 #include "client/command/child.h"
 #include "client/command/clock.h"
 #include "client/command/exit_codes.h"
-#include "client/command/qr_code.h"
+#include "client/command/show_page.h"
 #include "client/play/summary.h"
 #include "protocol/transport/vestibule/key_file.h"
 

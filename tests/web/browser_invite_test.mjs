@@ -10,11 +10,9 @@ import { after, before } from 'node:test';
 import { joinPage, openPage, outputFolder, pageFolder, startBrowser, waitForPlaying } from './support/browser.mjs';
 import { startGateway, startServerOn, test, waitFor } from './support/programs.mjs';
 
-const screens = {
-  desktop: { viewport: { width: 1280, height: 720 } },
-  upright: { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true },
-  lying: { viewport: { width: 844, height: 390 }, hasTouch: true, isMobile: true },
-};
+const desktop = { width: 1280, height: 720 };
+const phone = { width: 390, height: 844 };
+const lyingPhone = { width: 844, height: 390 };
 
 let browser;
 let folder;
@@ -50,18 +48,23 @@ test('the link of a page on localhost has an address that others reach, and no s
   const { program: server, address } = await startPair();
   const { program: gateway, host } = await startGateway(`one=${address}`, pageFolder, '--server', `two=${address}`);
   const { addresses } = await (await fetch(`http://${host}/worlds`)).json();
-  for (const [name, options] of Object.entries(screens)) {
+  const [, port] = host.split(':');
+  for (const [screens, isPhone] of [[[desktop], false], [[phone, lyingPhone], true]]) {
+    const options = { viewport: screens[0], hasTouch: isPhone, isMobile: isPhone };
     const page = await joinPage(browser, host, { ...options, query: 'name=mira&quality=4&world=two' });
     await findButton(page).click();
-    await findDialog(page).waitFor();
-    await page.tab.screenshot({ path: path.join(outputFolder, `invite_${name}.png`) });
-    const [, port] = host.split(':');
+    for (const screen of screens) {
+      await page.tab.setViewportSize(screen);
+      await findDialog(page).waitFor();
+      const name = `${screen.width}x${screen.height}`;
+      await page.tab.screenshot({ path: path.join(outputFolder, `invite_${name}.png`) });
+      const box = await findDialog(page).boundingBox();
+      assert.ok(box.x >= 0 && box.x + box.width <= screen.width, name);
+      assert.ok(box.y >= 0 && box.y + box.height <= screen.height, name);
+      assert.equal(await findDialog(page).evaluate((dialog) => dialog.scrollHeight > dialog.clientHeight), false, name);
+    }
     assert.equal(await findLink(page).inputValue(), `http://${addresses[0] ?? 'localhost'}:${port}/?world=two`);
     assert.ok(await hasFinder(page, 7, 7));
-    const box = await findDialog(page).boundingBox();
-    const { width, height } = options.viewport;
-    assert.ok(box.x >= 0 && box.y >= 0 && box.x + box.width <= width && box.y + box.height <= height, name);
-    assert.equal(await findDialog(page).evaluate((dialog) => dialog.scrollHeight > dialog.clientHeight), false, name);
     assert.equal(await page.tab.getByRole('button', { name: /^Add an invite/ }).isVisible(), false);
     assert.deepEqual(page.complaints, []);
     await page.leave();
@@ -138,9 +141,8 @@ test('worlds elsewhere are links, and an https page plays over wss', async () =>
   const { program: server, address } = await startPair();
   const options = ['--tls-cert', files[0], '--tls-key', files[1], '--list', list];
   const { program: gateway, host } = await startGateway(address, pageFolder, ...options);
-  const page = await joinPage(browser, host, { scheme: 'https', ignoreHTTPSErrors: true, ...screens.desktop });
-  assert.ok(page.requests.includes(`wss://${host}/play`));
-  assert.equal(page.requests.filter((url) => url === `wss://${host}/play`).length, 4);
+  const page = await joinPage(browser, host, { scheme: 'https', ignoreHTTPSErrors: true });
+  await waitFor('its lanes', () => page.requests.filter((url) => url === `wss://${host}/play`).length === 4);
   await page.tab.getByText('Elsewhere', { exact: true }).click();
   const link = page.tab.getByRole('link');
   assert.equal(await link.count(), 1);
@@ -176,7 +178,7 @@ test('the page says that a world is full, and that its server is silent', async 
   const { program: gateway, host } = await startGateway(address, pageFolder);
   const page = await joinPage(browser, host);
   const late = await openPage(browser, host);
-  const card = late.tab.getByRole('status').filter({ hasText: 'Not let in' });
+  const card = late.tab.getByRole('status').filter({ hasText: 'Could not join' });
   await card.waitFor();
   assert.match(await card.innerText(), /full|places/i);
   await late.tab.screenshot({ path: path.join(outputFolder, 'full.png') });

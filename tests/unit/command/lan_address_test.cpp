@@ -28,7 +28,9 @@ TEST(LanAddress, WhatFriendsCannotReachIsLeftOut) {
                                 {.interface = "eth0", .address = "no address"}}),
             Addresses{});
   // A bridge that a person made has the network's own address.
-  EXPECT_EQ(ChooseLanAddresses({{.interface = "br0", .address = "192.168.1.5"}}), Addresses{"192.168.1.5"});
+  for (const char* name : {"br0", "br-lan"}) {
+    EXPECT_EQ(ChooseLanAddresses({{.interface = name, .address = "192.168.1.5"}}), Addresses{"192.168.1.5"}) << name;
+  }
 }
 
 TEST(LanAddress, OnlyTheAddressThatIsListenedAtCounts) {

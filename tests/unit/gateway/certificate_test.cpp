@@ -28,8 +28,9 @@ class CertificateTest : public testing::Test {
   void MakePair(const std::string& name) const {
     EVP_PKEY* key = EVP_EC_gen("P-256");
     X509* certificate = X509_new();
-    X509_time_adj(X509_getm_notBefore(certificate), 0, &kBegin);
-    X509_time_adj(X509_getm_notAfter(certificate), 10 * kDay, &kBegin);
+    std::time_t begin = kBegin;  // OpenSSL takes no constant
+    X509_time_adj(X509_getm_notBefore(certificate), 0, &begin);
+    X509_time_adj(X509_getm_notAfter(certificate), 10 * kDay, &begin);
     X509_set_pubkey(certificate, key);
     X509_sign(certificate, key, EVP_sha256());
     Save(name + ".cert", [&](BIO* bio) { return PEM_write_bio_X509(bio, certificate); });

@@ -6,7 +6,7 @@ import os from 'node:os';
 import path from 'node:path';
 import * as runner from 'node:test';
 
-const binFolder = process.env.WOBBLE_BIN_DIR ?? path.resolve('build/release/bin');
+export const binFolder = process.env.WOBBLE_BIN_DIR ?? path.resolve('build/release/bin');
 const patienceMs = 30_000;
 
 // The programs that the present test has started; tests may run at the same time.

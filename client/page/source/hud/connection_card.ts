@@ -72,7 +72,7 @@ export class ConnectionCard {
       SetText(this.m_text, `${first}, or open the invite that you were sent.`);
       return;
     }
-    SetText(this.m_title, connection.hasPlayed ? 'Connection ended' : 'Not let in');
+    SetText(this.m_title, connection.hasPlayed ? 'Connection ended' : 'Could not join');
     const isOver = end !== null && end.retryAt === null;
     SetText(this.m_text, isOver ? MakeSentence(lostReason) : `${MakeSentence(lostReason)} Joining again…`);
   }

@@ -73,7 +73,7 @@ function MakeElsewhere(elsewhere: readonly Elsewhere[]): HTMLElement {
     link.href = page;
     link.target = '_blank';
     link.rel = 'noopener noreferrer';
-    link.append(MakeElement('span', 'note', [scene, new URL(page).host].filter((each) => each !== '').join(' · ')));
+    link.append(MakeElement('span', 'note', [scene, link.host].filter((each) => each !== '').join(' · ')));
     list.append(link);
   }
   const element = MakeElement('details');
