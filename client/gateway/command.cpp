@@ -83,12 +83,9 @@ CLI::App* AddWords(CLI::App& app, GatewayOptions& options, Words& words) {
       ->check(command::Within(0, command::kMaxDuration))
       ->capture_default_str();
   subcommand->footer(
-      "Without --tls-cert the gateway speaks plain HTTP. Behind a proxy: --bind 127.0.0.1 and --trusted-proxy with the "
-      "proxy's address; "
-      "let\n"
-      "the proxy pass on the Host header and WebSockets at /play. Of a proxy that is not named all browsers count as "
-      "one\n"
-      "address.\n"
+      "Without --tls-cert the gateway speaks plain HTTP. Behind a proxy: --bind 127.0.0.1 and --trusted-proxy with\n"
+      "the proxy's address; let the proxy pass on the Host header and WebSockets at /play. Of a proxy that is not\n"
+      "named all browsers count as one address.\n"
       "Exit code: 0 ended on request, 2 bad usage, no page, port in use or unknown host.\n"
       "Examples:\n"
       "  wobble gateway --server 127.0.0.1:7777\n"
@@ -96,7 +93,7 @@ CLI::App* AddWords(CLI::App& app, GatewayOptions& options, Words& words) {
       "  wobble gateway --server 127.0.0.1:7777 --recordings matches\n"
       "  wobble gateway --server 127.0.0.1:7777 --http 80 --max-per-address 4\n"
       "  wobble gateway --server 127.0.0.1:7777 --bind 127.0.0.1 --trusted-proxy 127.0.0.1\n"
-      "  wobble gateway --server 127.0.0.1:7777 --http 443 --tls-cert fullchain.pem --tls-key privkey.pem\n"
+      "  wobble gateway --server 127.0.0.1:7777 --http 8443 --tls-cert fullchain.pem --tls-key privkey.pem\n"
       "  wobble gateway --server 127.0.0.1:7777 --origin https://friends.example.org");
   return subcommand;
 }

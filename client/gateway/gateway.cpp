@@ -99,7 +99,9 @@ class Gateway {
   void Run();
 
  private:
-  [[nodiscard]] bool LoadFiles(bool withTls, bool withList, std::string& error);
+  // False with one line in `error`; what held before still holds.
+  [[nodiscard]] bool ReadCertificate(std::string& error);
+  [[nodiscard]] bool ReadList(std::string& error);
   void FollowFiles(double now);
   void Accept();
   void Admit(tcp::socket socket);
@@ -122,41 +124,39 @@ class Gateway {
 
 void Say(const std::string& line) { std::fprintf(stderr, "wobble gateway: %s\n", line.c_str()); }
 
-// False with one line in `error`, and what held before still holds.
-bool Gateway::LoadFiles(bool withTls, bool withList, std::string& error) {
-  const GatewayOptions& options = m_shared.options;
-  if (withTls && options.tls.IsWanted()) {
-    std::string warning;
-    TlsContext context = LoadTls(options.tls, std::time(nullptr), error, warning);
-    if (context == nullptr) return false;
-    m_shared.tls = std::move(context);
-    if (!warning.empty()) Say(warning);
+bool Gateway::ReadCertificate(std::string& error) {
+  const TlsFiles& files = m_shared.options.tls;
+  if (!files.IsWanted()) return true;
+  std::string warning;
+  TlsContext context = LoadTls(files, std::time(nullptr), error, warning);
+  if (context == nullptr) return false;
+  m_shared.tls = std::move(context);
+  if (!warning.empty()) Say(warning);
+  return true;
+}
+
+bool Gateway::ReadList(std::string& error) {
+  if (m_shared.options.list.empty()) return true;
+  const auto worlds = command::LoadWorldList(m_shared.options.list, error);
+  if (!worlds) {
+    error = "--list: " + error;
+    return false;
   }
-  if (withList && !options.list.empty()) {
-    const auto worlds = command::LoadWorldList(options.list, error);
-    if (!worlds) {
-      error = "--list: " + error;
-      return false;
-    }
-    m_shared.list = command::FormatWorldList(*worlds);
-    m_shared.pages = command::FormatPages(*worlds);
-  }
+  m_shared.list = command::FormatWorldList(*worlds);
+  m_shared.pages = command::FormatPages(*worlds);
   return true;
 }
 
 void Gateway::FollowFiles(double now) {
-  const bool hasTlsChanged = m_tlsFiles.HaveChanged(now);
-  const bool hasListChanged = m_listFile.HaveChanged(now);
+  const std::string stays = "; the one before still holds";
   std::string error;
-  if (hasTlsChanged)
-    Say(LoadFiles(true, false, error) ? "the certificate was read again" : error + "; the one before still holds");
-  if (hasListChanged)
-    Say(LoadFiles(false, true, error) ? "the list was read again" : error + "; the one before still holds");
+  if (m_tlsFiles.HaveChanged(now)) Say(ReadCertificate(error) ? "the certificate was read again" : error + stays);
+  if (m_listFile.HaveChanged(now)) Say(ReadList(error) ? "the list was read again" : error + stays);
 }
 
 bool Gateway::Open(std::string& error) {
   const GatewayOptions& options = m_shared.options;
-  if (!LoadFiles(true, true, error)) return false;
+  if (!ReadCertificate(error) || !ReadList(error)) return false;
   error_code failure;
   for (const World& world : options.worlds) {
     udp::resolver(m_context).resolve(world.server.host, std::to_string(world.server.port), failure);

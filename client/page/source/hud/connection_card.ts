@@ -60,10 +60,7 @@ export class ConnectionCard {
     }
     if (lostReason === '') {
       SetText(this.m_title, 'Joining…');
-      SetText(
-        this.m_text,
-        client?.ReadState() === State.Joining ? 'Loading the world' : 'Connecting to the server',
-      );
+      SetText(this.m_text, client?.ReadState() === State.Joining ? 'Loading the world' : 'Connecting to the server');
       return;
     }
     if (refused !== null) {

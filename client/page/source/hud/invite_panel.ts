@@ -10,6 +10,7 @@ import { MakeButton, MakeElement, SetText } from './element';
 
 const kOrder = 'invite player for 1d';
 const kInvite = /^#invite=[\w-]+$/; // the line of the server's answer that goes into a link
+const kMostLines = 2; // of the answer, up to the invite; a refusal has one
 const kQuietModules = 4;
 const kModulePixels = 6;
 
@@ -26,7 +27,7 @@ export class InvitePanel {
   private readonly m_invite: HTMLButtonElement;
   private m_world = '';
   private m_secret = ''; // a fragment; empty: none
-  private m_isAwaiting = false; // the answer to the order
+  private m_awaited = 0; // lines of the answer to the order
 
   constructor(offer: Offer) {
     this.m_offer = offer;
@@ -41,7 +42,7 @@ export class InvitePanel {
   // At the start of each connection.
   Clear(): void {
     this.m_secret = '';
-    this.m_isAwaiting = false;
+    this.m_awaited = 0;
     this.m_invite.hidden = true;
     this.Show('');
   }
@@ -54,12 +55,13 @@ export class InvitePanel {
 
   // Whether it is part of an answer that this panel waits for.
   TakeNotice(text: string): boolean {
-    if (!this.m_isAwaiting) return false;
+    if (this.m_awaited === 0) return false;
+    this.m_awaited -= 1;
     if (!kInvite.test(text)) {
       this.Show(text);
       return true;
     }
-    this.m_isAwaiting = false;
+    this.m_awaited = 0;
     this.m_secret = text;
     this.m_invite.hidden = true;
     this.Show('Whoever has this link comes in as a player, for a day.');
@@ -73,9 +75,7 @@ export class InvitePanel {
     this.m_link.readOnly = true;
     this.m_link.setAttribute('aria-label', 'Link to this world');
     // Backwards, so that the field shows where the link begins.
-    this.m_link.addEventListener('focus', () =>
-      this.m_link.setSelectionRange(0, this.m_link.value.length, 'backward'),
-    );
+    this.m_link.addEventListener('focus', () => this.m_link.setSelectionRange(0, this.m_link.value.length, 'backward'));
     this.m_note.setAttribute('role', 'status');
     this.m_share.hidden = typeof navigator.share !== 'function';
     this.m_copy.hidden = !window.isSecureContext || navigator.clipboard === undefined;
@@ -106,7 +106,7 @@ export class InvitePanel {
   }
 
   private AskForInvite(): void {
-    this.m_isAwaiting = true;
+    this.m_awaited = kMostLines;
     this.onOrder(kOrder);
   }
 

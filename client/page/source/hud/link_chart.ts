@@ -77,7 +77,12 @@ export class LinkChart {
     const slot = this.m_samples % kRateOver;
     const bytes = this.m_samples < kRateOver ? NaN : bytesReceived - this.m_bytes[slot];
     this.m_bytes[slot] = bytesReceived;
-    const values = [isSilent ? NaN : ping * 1000, delay * 1000, (bytes * 8) / 1000 / (kRateOver * kEvery), stalls - this.m_stalls];
+    const values = [
+      isSilent ? NaN : ping * 1000,
+      delay * 1000,
+      (bytes * 8) / 1000 / (kRateOver * kEvery),
+      stalls - this.m_stalls,
+    ];
     this.m_stalls = stalls;
     this.m_samples += 1;
     this.m_series.forEach((series, i) => {

@@ -122,7 +122,7 @@ export class Connection {
       return;
     }
     client.Update();
-    for (const until = now + kWorkTime; client.IsCompleting() && ReadNow() < until; ) client.Update();
+    for (const until = now + kWorkTime; client.IsCompleting() && ReadNow() < until;) client.Update();
     for (let each = client.TakeDownload(); each !== null; each = client.TakeDownload()) {
       this.m_kept.Keep(this.world, each);
     }
