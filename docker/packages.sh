@@ -15,14 +15,15 @@ packages_of() {
       echo "g++ make cmake ninja-build ccache git ca-certificates
             libeigen3-dev libtbb-dev libenet-dev libsodium-dev libflatbuffers-dev flatbuffers-compiler
             libspdlog-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev liblua5.4-dev
-            libboost-dev zlib1g-dev libzstd-dev libcpp-httplib-dev prometheus-cpp-dev libicu-dev
-            libavahi-client-dev libavahi-core-dev" ;;
+            libboost-dev zlib1g-dev libzstd-dev libcpp-httplib-dev prometheus-cpp-dev libicu-dev libssl-dev
+            libqrencode-dev libavahi-client-dev libavahi-core-dev" ;;
     runtime) # the libraries of wobbled and wobble only
       echo "libc6 libgcc-s1 libstdc++6 zlib1g libzstd1 libcpp-httplib0.11 libenet7 libsodium23 libfmt9 libicu72 liblua5.4-0
-            libavahi-client3 libavahi-common3 libavahi-core7 libprometheus-cpp-core1.0 libspdlog1.10 libtbb12 libtomlplusplus3" ;;
+            libavahi-client3 libavahi-common3 libavahi-core7 libprometheus-cpp-core1.0 libqrencode4 libspdlog1.10 libssl3
+            libtbb12 libtomlplusplus3" ;;
     test) # the test runner, a second compiler whose results must have the same bits, a browser, and promtool
-      echo "libgtest-dev libgmock-dev clang-19 libclang-rt-19-dev llvm clang-format chromium prometheus
-            avahi-daemon iproute2 pkg-config mmdebstrap dpkg-dev file python3 python3-numpy python3-yaml" ;;
+      echo "libgtest-dev libgmock-dev clang-19 libclang-rt-19-dev llvm clang-format chromium prometheus avahi-daemon curl
+            iproute2 openssl pkg-config mmdebstrap dpkg-dev file python3 python3-numpy python3-yaml" ;;
     web) # builds the page; a server, and a gateway without a page, do not need it
       echo "emscripten nodejs npm" ;;
     lab) # what wobble_lab is measured against, and its plots

@@ -32,6 +32,14 @@ std::string SpellAddress(std::string_view text) {
   return IN6_IS_ADDR_V4MAPPED(&ipv6) ? spelt.substr(kMapped.size()) : spelt;
 }
 
+bool IsLoopback(const std::string& address) { return address == "::1" || address.starts_with("127."); }
+
+bool IsLoopbackHost(std::string_view host) {
+  const std::size_t colon = host.find_last_of(":]");
+  if (colon != std::string_view::npos && host[colon] == ':') host = host.substr(0, colon);
+  return host == "localhost" || host == "[::1]" || IsLoopback(SpellAddress(host));
+}
+
 bool IsTrusted(const std::string& address, const std::vector<std::string>& trusted) {
   return std::find(trusted.begin(), trusted.end(), address) != trusted.end();
 }

@@ -13,6 +13,11 @@ namespace wobble::gateway {
 
 [[nodiscard]] bool IsTrusted(const std::string& address, const std::vector<std::string>& trusted);
 
+// Whether it is this machine itself. address: as SpellAddress has it.
+[[nodiscard]] bool IsLoopback(const std::string& address);
+// Whether a request's Host header, with or without a port, names this machine by itself: localhost, 127.0.0.1, [::1].
+[[nodiscard]] bool IsLoopbackHost(std::string_view host);
+
 // The address of the browser behind a connection. peer: the connection's other end; forwardedFor: all that the
 // request's X-Forwarded-For headers say, separated by commas; trusted: addresses of proxies. Both as SpellAddress has
 // them.

@@ -189,8 +189,8 @@ bool Browser::MayAdd(const LaneKey& key, const std::string& address) const {
          transport::vestibule::AreEqual(key, m_laneKey);
 }
 
-void Browser::Add(tcp::socket socket, Request request) {
-  const auto lane = std::make_shared<Lane>(std::move(socket), std::move(request));
+void Browser::Add(Stream stream, Request request) {
+  const auto lane = std::make_shared<Lane>(std::move(stream), std::move(request));
   m_lanes.push_back(lane);
   lane->Start(
       [self = weak_from_this()](std::span<const std::uint8_t> message) {
@@ -220,7 +220,7 @@ void Browser::Spread() {
   if (m_lanes.empty() || m_state != State::kPlaying) return;
   while (m_outbox.HasSnapshot()) {
     Lane* best = nullptr;
-    std::size_t least = m_sending.empty() ? CountOnTheWay(m_stream.next_layer().socket()) : kUnlimited;
+    std::size_t least = m_sending.empty() ? CountOnTheWay(beast::get_lowest_layer(m_stream).socket()) : kUnlimited;
     m_turn = (m_turn + 1) % (m_lanes.size() + 1);
     for (std::size_t i = 0; i < m_lanes.size(); ++i) {
       Lane& lane = *m_lanes[(m_turn + i) % m_lanes.size()];

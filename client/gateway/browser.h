@@ -23,6 +23,7 @@
 #include "client/gateway/lane.h"
 #include "client/gateway/outbox.h"
 #include "client/gateway/sessions.h"
+#include "client/gateway/stream.h"
 #include "protocol/transport/vestibule/handshake.h"
 
 namespace wobble::gateway {
@@ -49,12 +50,12 @@ class Browser : public std::enable_shared_from_this<Browser> {
  public:
   // film: what is watched in place of the world; null: nothing. address: by which places are counted. credential: for
   // the server; showsNothing: of the browser itself.
-  Browser(Shared& shared, const World& world, std::shared_ptr<const Film> film, tcp::socket socket, Request request,
+  Browser(Shared& shared, const World& world, std::shared_ptr<const Film> film, Stream stream, Request request,
           const std::string& address, transport::vestibule::Credential credential, bool showsNothing)
       : m_shared(shared),
         m_film(std::move(film)),
         m_world(m_film == nullptr ? world : m_film->ReadWorld()),
-        m_stream(std::move(socket)),
+        m_stream(std::move(stream)),
         m_resolver(m_stream.get_executor()),
         m_request(std::move(request)),
         m_credential(std::move(credential)),
@@ -77,7 +78,7 @@ class Browser : public std::enable_shared_from_this<Browser> {
   [[nodiscard]] bool IsOver() const { return m_state == State::kOver; }
   // Whether one more WebSocket of somebody with this key and address is this player's. A player has kMostLanes.
   [[nodiscard]] bool MayAdd(const LaneKey& key, const std::string& address) const;
-  void Add(tcp::socket socket, Request request);
+  void Add(Stream stream, Request request);
 
  private:
   enum class State {
@@ -116,7 +117,7 @@ class Browser : public std::enable_shared_from_this<Browser> {
   Shared& m_shared;
   std::shared_ptr<const Film> m_film;  // null: a world is played; it has m_world otherwise
   const World& m_world;
-  websocket::stream<beast::tcp_stream> m_stream;
+  websocket::stream<Stream> m_stream;
   udp::resolver m_resolver;
   Request m_request;
   transport::vestibule::Credential m_credential;

@@ -7,6 +7,8 @@
 #include <memory>
 
 #include "client/command/address.h"
+#include "client/command/clock.h"
+#include "client/command/world_list.h"
 #include "client/gateway/addresses.h"
 #include "client/gateway/gateway.h"
 #include "client/gateway/origin.h"
@@ -66,14 +68,25 @@ CLI::App* AddWords(CLI::App& app, GatewayOptions& options, Words& words) {
   subcommand
       ->add_option("--origin", options.origins, "Origin whose pages may play here besides this gateway's; repeatable")
       ->type_name("URL");
+  subcommand
+      ->add_option(
+          "--tls-cert", options.tls.certificate,
+          "Certificate in PEM, with those that vouch for it behind it: the page is then https. Read again when "
+          "it changes")
+      ->type_name("FILE");
+  subcommand->add_option("--tls-key", options.tls.key, "Its key in PEM, without a passphrase")->type_name("FILE");
+  subcommand
+      ->add_option(
+          "--list", options.list,
+          "List of worlds elsewhere in JSON, for the page and for everybody at /worlds.json; read again when it "
+          "changes")
+      ->type_name("FILE");
   usage::AddDuration(*subcommand, "--status", options.statusEvery, "Time between status lines on stdout; 0: none");
   subcommand->add_flag("--check", words.isCheck, "Only name every mistake in the options, exit code 2, or none, 0");
   subcommand->footer(
-      "The gateway speaks plain HTTP. Behind a proxy: --bind 127.0.0.1 and --trusted-proxy with the proxy's address; "
-      "let\n"
-      "the proxy pass on the Host header and WebSockets at /play. Of a proxy that is not named all browsers count as "
-      "one\n"
-      "address.\n"
+      "Without --tls-cert the gateway speaks plain HTTP. Behind a proxy: --bind 127.0.0.1 and --trusted-proxy with\n"
+      "the proxy's address; let the proxy pass on the Host header and WebSockets at /play. Of a proxy that is not\n"
+      "named all browsers count as one address.\n"
       "Exit code: 0 ended on request, 2 bad usage, no page, port in use or unknown host.\n"
       "Examples:\n"
       "  wobble gateway --server 127.0.0.1:7777\n"
@@ -81,6 +94,7 @@ CLI::App* AddWords(CLI::App& app, GatewayOptions& options, Words& words) {
       "  wobble gateway --server 127.0.0.1:7777 --recordings matches\n"
       "  wobble gateway --server 127.0.0.1:7777 --http 80 --max-per-address 4\n"
       "  wobble gateway --server 127.0.0.1:7777 --bind 127.0.0.1 --trusted-proxy 127.0.0.1\n"
+      "  wobble gateway --server 127.0.0.1:7777 --http 8443 --tls-cert fullchain.pem --tls-key privkey.pem\n"
       "  wobble gateway --server 127.0.0.1:7777 --origin https://friends.example.org");
   return subcommand;
 }
@@ -144,6 +158,16 @@ bool Understand(const Words& words, GatewayOptions& options, std::string& error)
   const auto wrong = std::find_if_not(options.origins.begin(), options.origins.end(), IsOrigin);
   if (wrong != options.origins.end()) {
     error = "--origin: '" + *wrong + "' is no http://HOST[:PORT] or https://HOST[:PORT]";
+    return false;
+  }
+  if (options.tls.certificate.empty() != options.tls.key.empty()) {
+    error = "--tls-cert and --tls-key go together";
+    return false;
+  }
+  std::string warning;  // is given at the start
+  if (options.tls.IsWanted() && LoadTls(options.tls, std::time(nullptr), error, warning) == nullptr) return false;
+  if (!options.list.empty() && !command::LoadWorldList(options.list, error)) {
+    error = "--list: " + error;
     return false;
   }
   if (options.maxPerAddress == 0) options.maxPerAddress = options.maxConnections;

@@ -23,10 +23,13 @@
 #include <boost/asio.hpp>
 
 #include "client/command/clock.h"
+#include "client/command/show_page.h"
 #include "client/command/sockets.h"
+#include "client/command/world_list.h"
 #include "client/gateway/addresses.h"
 #include "client/gateway/outbox.h"
 #include "client/gateway/sessions.h"
+#include "client/gateway/watched_files.h"
 
 namespace wobble::gateway {
 namespace {
@@ -87,6 +90,8 @@ class Gateway {
                  Lobby(kMostGreeting, kMostGreetingOfAddress),
                  Places(options.maxConnections, options.maxPerAddress)},
         m_isStopAsked(isStopAsked),
+        m_tlsFiles({options.tls.certificate, options.tls.key}),
+        m_listFile({options.list}),
         m_acceptor(m_context),
         m_timer(m_context) {}
   ~Gateway() { m_shared.browsers.clear(); }  // they need the context
@@ -96,6 +101,10 @@ class Gateway {
   void Run();
 
  private:
+  // False with one line in `error`; what held before still holds.
+  [[nodiscard]] bool ReadCertificate(std::string& error);
+  [[nodiscard]] bool ReadList(std::string& error);
+  void FollowFiles(double now);
   void Accept();
   void Admit(tcp::socket socket);
   void Turn();
@@ -104,6 +113,8 @@ class Gateway {
 
   Shared m_shared;  // first: handlers that the context holds at the end have their places in it
   const command::IsStopAsked& m_isStopAsked;
+  WatchedFiles m_tlsFiles;
+  WatchedFiles m_listFile;
   asio::io_context m_context{1};
   tcp::acceptor m_acceptor;
   asio::steady_timer m_timer;
@@ -113,8 +124,41 @@ class Gateway {
   GatewayCounts m_shown;
 };
 
+void Say(const std::string& line) { std::fprintf(stderr, "wobble gateway: %s\n", line.c_str()); }
+
+bool Gateway::ReadCertificate(std::string& error) {
+  const TlsFiles& files = m_shared.options.tls;
+  if (!files.IsWanted()) return true;
+  std::string warning;
+  TlsContext context = LoadTls(files, std::time(nullptr), error, warning);
+  if (context == nullptr) return false;
+  m_shared.tls = std::move(context);
+  if (!warning.empty()) Say(warning);
+  return true;
+}
+
+bool Gateway::ReadList(std::string& error) {
+  if (m_shared.options.list.empty()) return true;
+  const auto worlds = command::LoadWorldList(m_shared.options.list, error);
+  if (!worlds) {
+    error = "--list: " + error;
+    return false;
+  }
+  m_shared.list = command::FormatWorldList(*worlds);
+  m_shared.pages = command::FormatPages(*worlds);
+  return true;
+}
+
+void Gateway::FollowFiles(double now) {
+  const std::string stays = "; the one before still holds";
+  std::string error;
+  if (m_tlsFiles.HaveChanged(now)) Say(ReadCertificate(error) ? "the certificate was read again" : error + stays);
+  if (m_listFile.HaveChanged(now)) Say(ReadList(error) ? "the list was read again" : error + stays);
+}
+
 bool Gateway::Open(std::string& error) {
   const GatewayOptions& options = m_shared.options;
+  if (!ReadCertificate(error) || !ReadList(error)) return false;
   error_code failure;
   for (const World& world : options.worlds) {
     udp::resolver(m_context).resolve(world.server.host, std::to_string(world.server.port), failure);
@@ -142,8 +186,11 @@ void Gateway::Run() {
   const std::string host = address.is_unspecified() || address.is_loopback() ? "localhost"
                            : address.is_v6()                                 ? "[" + options.bindAddress + "]"
                                                                              : options.bindAddress;
-  std::printf("open http://%s:%u in a browser to play %s%s\n", host.c_str(), m_acceptor.local_endpoint().port(),
+  const char* scheme = options.tls.IsWanted() ? "https" : "http";
+  const unsigned port = m_acceptor.local_endpoint().port();
+  std::printf("open %s://%s:%u in a browser to play %s%s\n", scheme, host.c_str(), port,
               DescribeWorlds(options.worlds).c_str(), address.is_loopback() ? ", on this machine alone" : "");
+  command::ShowPageToFriends(scheme, SpellAddress(options.bindAddress), port);
   std::fflush(stdout);
   m_nextStatus = command::ReadClock() + options.statusEvery;
   Turn();
@@ -189,6 +236,7 @@ void Gateway::Turn() {
   const double now = command::ReadClock();
   if (m_isStopAsked() && !m_stopBy) Stop(now);
   if (!m_isAccepting && !m_stopBy) Accept();
+  FollowFiles(now);
   TurnBrowsers(m_shared, now);
   if (m_shared.films != nullptr) m_shared.films->Turn(now);
   Outbox nobody;

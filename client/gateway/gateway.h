@@ -10,6 +10,7 @@
 
 #include "client/command/address.h"
 #include "client/command/command.h"
+#include "client/gateway/certificate.h"
 #include "client/gateway/page_files.h"
 #include "protocol/transport/vestibule/keys.h"
 
@@ -33,11 +34,13 @@ struct GatewayOptions {
   std::optional<transport::vestibule::Key> gatewayKey;
   std::vector<std::string> origins;  // origins whose pages may play, besides the gateway's own page
   double statusEvery = 0;            // seconds between status lines; 0: none
+  TlsFiles tls;                      // read again when they change
+  std::string list;                  // file of worlds elsewhere, read again when it changes; empty: none
 };
 
 // Runs until isStopAsked returns true. Returns the exit code: 0, or 2 with one line on standard error when the port
-// cannot be bound or a server's name cannot be resolved. The first line on standard output names the address to open,
-// once it can be opened.
+// cannot be bound, a server's name cannot be resolved or a file cannot be used. The first line on standard output names
+// the address to open, once it can be opened.
 [[nodiscard]] int RunGateway(const GatewayOptions& options, const Page& page, const command::IsStopAsked& isStopAsked);
 
 }  // namespace wobble::gateway

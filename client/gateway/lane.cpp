@@ -40,7 +40,7 @@ void Lane::Read() {
   });
 }
 
-std::size_t Lane::CountOnTheWay() { return gateway::CountOnTheWay(m_stream.next_layer().socket()); }
+std::size_t Lane::CountOnTheWay() { return gateway::CountOnTheWay(beast::get_lowest_layer(m_stream).socket()); }
 
 void Lane::Send(Outbox::Message message) {
   m_sending = std::move(message);

@@ -21,6 +21,7 @@
 #include <span>
 
 #include "client/gateway/outbox.h"
+#include "client/gateway/stream.h"
 
 namespace wobble::gateway {
 
@@ -38,7 +39,7 @@ class Lane : public std::enable_shared_from_this<Lane> {
   // A message that has come; false: the lane ends.
   using TakeFunction = std::function<bool(std::span<const std::uint8_t> message)>;
 
-  Lane(Socket socket, Request request) : m_stream(std::move(socket)), m_request(std::move(request)) {}
+  Lane(Stream stream, Request request) : m_stream(std::move(stream)), m_request(std::move(request)) {}
   // Of a ping or pong; nothing may be ended inside it.
   using NoteControlFunction = std::function<void(std::size_t bytes)>;
   // Answers the request and reads from then on.
@@ -56,7 +57,7 @@ class Lane : public std::enable_shared_from_this<Lane> {
  private:
   void Read();
 
-  boost::beast::websocket::stream<boost::beast::tcp_stream> m_stream;
+  boost::beast::websocket::stream<Stream> m_stream;
   Request m_request;
   TakeFunction m_take;
   boost::beast::flat_buffer m_incoming;

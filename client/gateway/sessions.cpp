@@ -6,13 +6,16 @@
 #include "client/gateway/sessions.h"
 
 #include <algorithm>
+#include <boost/beast/core/detect_ssl.hpp>
 #include <chrono>
 #include <optional>
 
+#include "client/command/lan_address.h"
 #include "client/gateway/addresses.h"
 #include "client/gateway/browser.h"
 #include "client/gateway/credential.h"
 #include "client/gateway/origin.h"
+#include "client/gateway/stream.h"
 
 namespace wobble::gateway {
 namespace {
@@ -37,6 +40,7 @@ constexpr const char* kContentSecurityPolicy =
     "form-action 'none'; frame-ancestors 'none'";
 
 constexpr std::string_view kPlay = "/play/";
+constexpr std::string_view kHttpsOnly = "this port speaks https\n";
 
 std::string_view AsView(beast::string_view text) { return {text.data(), text.size()}; }
 
@@ -65,28 +69,34 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
         m_stream(std::move(socket)),
         m_peer(peer),
         m_guest{.address = IsTrusted(peer, shared.options.proxies) ? "" : FindHousehold(peer),
-                .end = [this] { m_stream.close(); }} {
+                .end = [this] { m_stream.next_layer().close(); }} {
     shared.visitors.Enter(m_guest, command::ReadClock());
   }
   ~Visitor() { m_shared.visitors.Leave(m_guest); }
 
-  void Start() { Read(kRequestTimeout); }
+  void Start();
 
  private:
-  void Read(seconds timeout);
+  void OnDetected(error_code error, bool isTls);
+  void ReadWithin(seconds timeout);
+  void Read();
   void OnRead(error_code error);
   void Answer();
   // recording: the name of one that is to be watched, in place of the world.
   void AnswerPlay(const World& world, const std::optional<std::string>& recording = {});
   void AnswerMore(const LaneKey& key);
+  [[nodiscard]] bool IsOfThisMachine() const;
   void SendWorlds();
+  void SendList();
+  void SendToHttps();
   void SendFile(const PageFile& file);
   void SendText(http::status status, std::string_view text);
   void Send(std::string_view body);
   void Linger();
+  void Discard();
 
   Shared& m_shared;
-  beast::tcp_stream m_stream;
+  Stream m_stream;
   std::string m_peer;
   Lobby::Guest m_guest;  // of `visitors`
   beast::flat_buffer m_buffer;
@@ -96,18 +106,43 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
   bool m_isLast = false;  // the connection ends after this answer
 };
 
-void Visitor::Read(seconds timeout) {
+// TLS's handshake has to be done within the time that there is for a request.
+void Visitor::Start() {
+  if (m_shared.tls == nullptr) return ReadWithin(kRequestTimeout);
+  m_stream.next_layer().expires_after(kRequestTimeout);
+  beast::async_detect_ssl(m_stream.next_layer(), m_buffer, [self = shared_from_this()](error_code error, bool isTls) {
+    self->OnDetected(error, isTls);
+  });
+}
+
+void Visitor::OnDetected(error_code error, bool isTls) {
+  if (error) return;
+  if (!isTls) return Read();
+  // The context is held, since another may take its place meanwhile.
+  m_stream.AcceptTls(*m_shared.tls, m_buffer.data(),
+                     [self = shared_from_this(), context = m_shared.tls](error_code failure, std::size_t used) {
+                       if (failure) return;
+                       self->m_buffer.consume(used);
+                       self->Read();
+                     });
+}
+
+void Visitor::ReadWithin(seconds timeout) {
+  m_stream.next_layer().expires_after(timeout);
+  Read();
+}
+
+void Visitor::Read() {
   m_shared.visitors.SetWaiting(m_guest, true, command::ReadClock());
   m_parser.emplace();
   m_parser->header_limit(kMaxHeaderBytes);
   m_response = {};
-  m_stream.expires_after(timeout);
   http::async_read_header(m_stream, m_buffer, *m_parser,
                           [self = shared_from_this()](error_code error, std::size_t) { self->OnRead(error); });
 }
 
 void Visitor::OnRead(error_code error) {
-  if (!m_stream.socket().is_open()) return;  // it had to go
+  if (!m_stream.next_layer().socket().is_open()) return;  // it had to go
   if (error == http::error::end_of_stream) return Linger();
   if (error && error.category() != make_error_code(http::error::end_of_stream).category()) return;  // gone, or too slow
   ++m_shared.counts.requests;
@@ -129,7 +164,10 @@ void Visitor::Answer() {
   if (!m_parser->is_done()) return SendText(http::status::bad_request, "a body is not expected\n");
   const std::string_view target = AsView(request.target());
   const std::string_view path = target.substr(0, target.find('?'));
+  if (path == "/healthz") return SendText(http::status::ok, "ok\n");  // for checks of this machine, in plain as well
+  if (m_shared.tls != nullptr && !m_stream.IsTls()) return SendToHttps();
   if (path == "/worlds") return SendWorlds();
+  if (path == "/worlds.json" && !m_shared.list.empty()) return SendList();
   if (path == "/play") return AnswerPlay(m_shared.options.worlds[0]);
   for (const World& world : m_shared.options.worlds) {
     if (!world.name.empty() && path == "/play/" + world.name) return AnswerPlay(world);
@@ -138,7 +176,6 @@ void Visitor::Answer() {
     const auto recording = FindRecordingName(path.substr(kPlay.size()));
     if (recording) return AnswerPlay(m_shared.options.worlds[0], recording);
   }
-  if (path == "/healthz") return SendText(http::status::ok, "ok\n");
   const PageFile* file = FindFile(m_shared.page, target);
   if (file == nullptr) return SendText(http::status::not_found, "there is no such file\n");
   SendFile(*file);
@@ -171,7 +208,7 @@ void Visitor::AnswerPlay(const World& world, const std::optional<std::string>& r
   }
   if (m_shared.players.IsFull()) m_shared.greeting.EndOldest(now - kUsualHello);
   m_shared.visitors.Leave(m_guest);
-  m_stream.expires_never();
+  m_stream.next_layer().expires_never();
   const bool showsNothing = credential->kind == transport::vestibule::Credential::Kind::kNone;
   std::shared_ptr<const Film> film;
   if (recording) {
@@ -180,7 +217,7 @@ void Visitor::AnswerPlay(const World& world, const std::optional<std::string>& r
   } else if (const auto& key = m_shared.options.gatewayKey) {
     credential = Introduce(*credential, from, *key, ReadUnixTime());
   }
-  const auto browser = std::make_shared<Browser>(m_shared, world, std::move(film), m_stream.release_socket(),
+  const auto browser = std::make_shared<Browser>(m_shared, world, std::move(film), std::move(m_stream),
                                                  m_parser->release(), address, std::move(*credential), showsNothing);
   m_shared.browsers.push_back(browser);
   browser->Start();
@@ -194,8 +231,17 @@ void Visitor::AnswerMore(const LaneKey& key) {
   const auto found = std::find_if(m_shared.browsers.begin(), m_shared.browsers.end(), isIts);
   if (found == m_shared.browsers.end()) return SendText(http::status::not_found, "nobody plays with this key\n");
   m_shared.visitors.Leave(m_guest);
-  m_stream.expires_never();
-  (*found)->Add(m_stream.release_socket(), m_parser->release());
+  m_stream.next_layer().expires_never();
+  (*found)->Add(std::move(m_stream), m_parser->release());
+}
+
+// Whether the page was opened on the machine that the gateway runs on. A proxy on it that is not named speaks from here
+// for anybody, but it says for whom or passes on the name that they know it by.
+bool Visitor::IsOfThisMachine() const {
+  const Request& request = m_parser->get();
+  const bool isPassedOn =
+      request.find("X-Forwarded-For") != request.end() || request.find("Forwarded") != request.end();
+  return IsLoopback(m_peer) && !isPassedOn && IsLoopbackHost(AsView(request[http::field::host]));
 }
 
 void Visitor::SendFile(const PageFile& file) {
@@ -212,8 +258,35 @@ void Visitor::SendWorlds() {
   m_response.set(http::field::cache_control, "no-store");
   m_list = "{\"worlds\": " + m_shared.worlds;
   if (m_shared.films != nullptr) m_list += ", \"recordings\": " + m_shared.films->List(command::ReadClock());
+  if (!m_shared.pages.empty()) m_list += ", \"elsewhere\": " + m_shared.pages;
+  if (IsOfThisMachine()) {
+    std::string addresses;  // they need no escaping
+    for (const std::string& each : command::FindLanAddresses(SpellAddress(m_shared.options.bindAddress))) {
+      addresses += (addresses.empty() ? "\"" : ", \"") + each + "\"";
+    }
+    m_list += ", \"addresses\": [" + addresses + "]";
+  }
   m_list += "}\n";
   Send(m_list);
+}
+
+// For everybody: pages of other origins may read it, too.
+void Visitor::SendList() {
+  m_response.set(http::field::content_type, "application/json");
+  m_response.set(http::field::cache_control, "no-cache");
+  m_response.set(http::field::access_control_allow_origin, "*");
+  m_list = m_shared.list;
+  Send(m_list);
+}
+
+// A request in plain where TLS is spoken.
+void Visitor::SendToHttps() {
+  const std::string_view host = AsView(m_parser->get()[http::field::host]);
+  const std::string_view target = AsView(m_parser->get().target());
+  m_isLast = true;
+  if (host.empty() || !target.starts_with('/')) return SendText(http::status::bad_request, kHttpsOnly);
+  m_response.set(http::field::location, "https://" + std::string(host) + std::string(target));
+  SendText(http::status::temporary_redirect, kHttpsOnly);
 }
 
 // text: must live until it is sent, since it is not copied.
@@ -235,24 +308,29 @@ void Visitor::Send(std::string_view body) {
   const bool isHeadOnly = m_parser->get().method() == http::verb::head;
   if (!isHeadOnly) m_response.body() = beast::span<const char>(body.data(), body.size());
   m_shared.visitors.SetWaiting(m_guest, false, command::ReadClock());
-  m_stream.expires_after(kResponseTimeout);
+  m_stream.next_layer().expires_after(kResponseTimeout);
   http::async_write(m_stream, m_response, [self = shared_from_this()](error_code error, std::size_t) {
     if (error) return;
     if (self->m_isLast) return self->Linger();
-    self->Read(kNextRequestTimeout);
+    self->ReadWithin(kNextRequestTimeout);
   });
 }
 
 void Visitor::Linger() {
   m_shared.visitors.SetWaiting(m_guest, true, command::ReadClock());
+  m_stream.next_layer().expires_after(kLingerTimeout);
+  m_stream.EndTls([self = shared_from_this()](error_code) { self->Discard(); });
+}
+
+void Visitor::Discard() {
   error_code ignored;
-  m_stream.socket().shutdown(tcp::socket::shutdown_send, ignored);
-  m_stream.expires_after(kLingerTimeout);
+  m_stream.next_layer().socket().shutdown(tcp::socket::shutdown_send, ignored);
   const auto discard = [self = shared_from_this()](const auto& again) -> void {
     self->m_buffer.clear();
-    self->m_stream.async_read_some(self->m_buffer.prepare(4096), [again, self](error_code error, std::size_t) {
-      if (!error) again(again);
-    });
+    self->m_stream.next_layer().async_read_some(self->m_buffer.prepare(4096),
+                                                [again, self](error_code error, std::size_t) {
+                                                  if (!error) again(again);
+                                                });
   };
   discard(discard);
 }

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "client/gateway/certificate.h"
 #include "client/gateway/films.h"
 #include "client/gateway/gateway.h"
 #include "client/gateway/key_doubts.h"
@@ -54,6 +55,9 @@ struct Shared {
   AddressRates opens = {kOpensPerSecond, kOpensAtOnce};
   AddressRates plays = {kPlaysPerSecond, kPlaysAtOnce};
   KeyDoubts keyDoubts = {};
+  TlsContext tls = {};     // of connections from now on; null: plain HTTP
+  std::string list = {};   // of worlds elsewhere, as it is published; empty: none
+  std::string pages = {};  // of these, the pages, as a JSON array
   GatewayCounts counts = {};
   std::vector<std::unique_ptr<ServerLink>> leaving = {};  // links of browsers that have gone; polled until they end
   std::vector<std::shared_ptr<Browser>> browsers = {};

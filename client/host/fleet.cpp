@@ -18,6 +18,7 @@
 
 #include "client/command/clock.h"
 #include "client/command/exit_codes.h"
+#include "client/command/show_page.h"
 #include "client/command/sockets.h"
 #include "client/host/part.h"
 #include "client/host/report.h"
@@ -299,6 +300,8 @@ void Fleet::Announce(const Part& part) {
   if (part.keeper.Restarts() > 0 || part.role == Part::Role::kBots) return;
   if (part.role == Part::Role::kGateway) {
     m_screen.Say(part.readyLine);
+    const bool isSecure = part.readyLine.find("https://") != std::string::npos;
+    command::ShowPageToFriends(isSecure ? "https" : "http", m_plan.gateway->bindAddress, m_http);
     return ShowOwnersLink();
   }
   const std::string port = std::to_string(m_ports[part.world]);

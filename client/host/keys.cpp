@@ -71,6 +71,7 @@ constexpr Key kKeys[] = {
     {.name = "max_connections", .kind = Kind::kWhole, .ofGateway = true},
     {.name = "tls_cert", .kind = Kind::kPath, .ofGateway = true},
     {.name = "tls_key", .kind = Kind::kPath, .ofGateway = true},
+    {.name = "list", .kind = Kind::kPath, .ofGateway = true},
     {.name = "trusted_proxy", .kind = Kind::kTexts, .ofGateway = true},
     {.name = "origin", .kind = Kind::kTexts, .ofGateway = true},
 };

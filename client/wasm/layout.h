@@ -85,8 +85,9 @@ struct WelcomeView {
   float reach = 0;          // m; 0: any distance
   Text game;
   std::uint32_t workshop = 0;
+  std::uint32_t rank = 0;  // wire::Rank
 };
-static_assert(sizeof(WelcomeView) == 15 * 4);
+static_assert(sizeof(WelcomeView) == 16 * 4);
 static_assert(sizeof(protocol::wire::Obstacle) == 32);
 
 struct EventView {

@@ -102,6 +102,7 @@ const WelcomeView& Session::MakeWelcome() {
   m_welcomeView.reach = welcome.reach;
   m_welcomeView.game = MakeText(welcome.game);
   m_welcomeView.workshop = welcome.workshop;
+  m_welcomeView.rank = static_cast<std::uint32_t>(welcome.rank);
   return m_welcomeView;
 }
 

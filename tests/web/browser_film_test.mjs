@@ -30,10 +30,10 @@ after(async () => {
 
 const press = (place, name) => place.getByRole('button', { name, exact: true }).click();
 
-// Of a connection that has ended.
+// Of who could not join.
 async function readCard(page) {
   const card = page.tab.locator('.veil .card[role=status]');
-  await waitFor('the card', async () => /ended/.test((await card.textContent()) ?? ''));
+  await waitFor('the card', async () => /Could not join/.test((await card.textContent()) ?? ''));
   return await card.textContent();
 }
 

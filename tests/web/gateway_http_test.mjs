@@ -1,12 +1,14 @@
 // The gateway as a web server: the page's files, and malformed or hostile requests. No game server is behind it.
 import assert from 'node:assert';
+import { spawn } from 'node:child_process';
 import crypto from 'node:crypto';
 import http from 'node:http';
 import net from 'node:net';
+import path from 'node:path';
 import { after, before } from 'node:test';
 import zlib from 'node:zlib';
 
-import { makePage, Program, removePage, sleep, startGateway, test } from './support/programs.mjs';
+import { binFolder, makePage, Program, removePage, sleep, startGateway, test, waitFor } from './support/programs.mjs';
 
 const script = 'export const answer = 42;\n'.repeat(100);
 const picture = crypto.randomBytes(300);
@@ -188,6 +190,24 @@ test('one address cannot have all connections', async () => {
   for (const socket of sockets) socket.destroy();
   assert.equal(await small.program.stop(), 0);
   assert.match(small.program.lines.at(-1), /4 connections too many$/);
+});
+
+test('on a terminal it also shows where friends find the page, for programs it does not', async () => {
+  assert.equal(gateway.program.lines.length, 1);
+  const { addresses } = JSON.parse((await request('/worlds')).body);
+  const command = [path.join(binFolder, 'wobble'), 'gateway --http 0 --server 127.0.0.1:9 --page', page].join(' ');
+  const terminal = spawn('script', ['-qec', `stty cols 60; exec ${command}`, '/dev/null'], { stdio: ['pipe', 'pipe', 'inherit'] });
+  let text = '';
+  terminal.stdout.setEncoding('utf8').on('data', (part) => (text += part));
+  await waitFor('the page', () => /open http:.*\r\n/.test(text));
+  await sleep(300);
+  const [, port] = /localhost:(\d+)/.exec(text);
+  terminal.stdin.end('\x03'); // Ctrl-C
+  await new Promise((resolve) => terminal.on('close', resolve));
+  const shown = addresses.length === 0 ? [] : [`friends in the same network open http://${addresses[0]}:${port}/`];
+  assert.deepEqual(text.match(/friends .*(?=\r)/g) ?? [], shown);
+  const code = text.match(/\x1b\[38;5;16;48;5;231m[ █▀▄]{33,}\x1b\[0m\r\n/g) ?? [];
+  assert.equal(code.length, addresses.length === 0 ? 0 : 17);
 });
 
 test('says when only this machine reaches it', async () => {

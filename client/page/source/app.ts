@@ -7,6 +7,7 @@ import { ConnectionCard } from './hud/connection_card';
 import { FilmPanel, kFilm } from './hud/film_panel';
 import { Help } from './hud/help';
 import { Hints } from './hud/hints';
+import { InvitePanel } from './hud/invite_panel';
 import { LinkChart } from './hud/link_chart';
 import { CutName, People } from './hud/people';
 import { Toasts } from './hud/toasts';
@@ -41,7 +42,7 @@ import { TakeFragment } from './wire/access';
 import { ReadNow, type Client } from './wire/client';
 import { Connection } from './wire/connection';
 import { EventKind, State, type Vector, type Welcome, type WorldEvent } from './wire/views';
-import { KeepWorld, ReadWorld, type Offer } from './worlds';
+import { KeepWorld, ReadAskedWorld, ReadWorld, type Offer } from './worlds';
 
 const kFramesToJoin = 3;
 const kQuietFor = 2; // s after joining in which joins of others are not announced
@@ -62,6 +63,7 @@ export class App {
   private readonly m_touch = new TouchControls();
   private readonly m_worlds = new WorldMenu();
   private readonly m_people: People;
+  private readonly m_invite: InvitePanel;
   private readonly m_toasts = new Toasts();
   private readonly m_chart = new LinkChart();
   private readonly m_card: ConnectionCard;
@@ -99,13 +101,18 @@ export class App {
 
     this.connection = new Connection(module, CutName(ReadName()), query.has('spectate'));
     this.connection.onClient = () => this.Forget();
-    this.connection.world = ReadWorld(offer);
+    const world = ReadWorld(offer);
+    this.connection.world = world ?? '';
+    this.connection.missing = world === null ? ReadAskedWorld() : '';
     this.TakeInvitation();
     this.m_worlds.List(offer);
     this.m_worlds.Show(this.connection.world);
-    this.m_people = new People(this.connection.name, this.m_worlds.element);
+    this.m_invite = new InvitePanel(offer);
+    this.m_people = new People(this.connection.name, this.m_invite.button, this.m_worlds.element);
     this.m_card = new ConnectionCard(
+      offer.worlds[0] ?? '',
       () => this.connection.JoinAgain(),
+      (first) => this.Enter(first),
       (password) => this.connection.JoinWithPassword(password),
     );
     this.m_world = new WorldPanel(() => this.FindClient());
@@ -133,7 +140,7 @@ export class App {
       requestAnimationFrame(frame);
       this.DrawFrame();
       // The sky is drawn first: its preparation must not count as silence.
-      if (++frames === kFramesToJoin) this.connection.Join();
+      if (++frames === kFramesToJoin && this.connection.missing === '') this.connection.Join();
     };
     requestAnimationFrame(frame);
   }
@@ -153,6 +160,7 @@ export class App {
     this.m_people.onRename = (name) => this.Rename(name);
     this.m_people.onFollow = (clientId) => this.Follow(clientId);
     this.m_worlds.onChoose = (world) => this.Enter(world);
+    this.m_invite.onOrder = (line) => this.FindClient()?.Order(line);
     this.m_keys.onCommand = (command) => this.Take(command);
     const noteUse = (what: string) => this.m_hints.NoteUse(what);
     this.m_keys.onUse = this.m_pointer.onUse = this.m_hands.onUse = noteUse;
@@ -182,6 +190,7 @@ export class App {
     below.append(this.m_hints.element, this.m_buildPanel.element, this.m_hands.element);
     const touch = [this.m_touch.stick, this.m_touch.buttons];
     hud.append(this.m_people.element, corner, middle, ...touch, below, this.m_card.element, this.m_help.element);
+    hud.append(this.m_invite.element);
   }
 
   // null unless a client is playing.
@@ -225,17 +234,19 @@ export class App {
     SetPressed(this.m_panelButtons[1], !this.m_world.element.hidden);
   }
 
-  // Whether the address had one.
+  // Whether the address had one. One to a world that is not here is shown to no other.
   private TakeInvitation(): boolean {
     const found = TakeFragment();
-    if (found !== null) this.connection.Show(found);
-    return found !== null;
+    if (found === null || this.connection.missing !== '') return false;
+    this.connection.Show(found);
+    return true;
   }
 
   private Enter(world: string): void {
-    if (world === this.connection.world) return;
+    if (world === this.connection.world && this.connection.missing === '') return;
     KeepWorld(world);
     this.m_worlds.Show(world);
+    this.connection.missing = '';
     this.connection.world = world;
     this.connection.JoinAgain();
   }
@@ -258,6 +269,7 @@ export class App {
     this.bodies.Clear();
     this.m_chart.Clear();
     this.m_inspector.Clear();
+    this.m_invite.Clear();
     this.m_board.Hide();
     this.m_film.Hide();
   }
@@ -287,7 +299,7 @@ export class App {
     this.Welcome(client);
     for (let event = client.TakeEvent(); event !== null; event = client.TakeEvent()) this.NoteEvent(event);
     for (let text = client.TakeNotice(); text !== null; text = client.TakeNotice()) {
-      if (!this.m_film.TakeNotice(text)) this.m_toasts.Add(text, true);
+      if (!this.m_film.TakeNotice(text) && !this.m_invite.TakeNotice(text)) this.m_toasts.Add(text, true);
     }
     client.Sample();
     this.MoveBody(client, seconds);
@@ -303,7 +315,7 @@ export class App {
 
   private UpdateHud(client: Client, now: number): void {
     this.m_labels.Update(client, this.players, this.stage.camera, window.innerWidth, window.innerHeight);
-    this.m_chart.Update(client, this.connection.ping, now);
+    this.m_chart.Update(client, this.connection.ping, this.connection.FindSilence(), now);
     this.m_people.Update(this.welcome!.scene, this.players);
     this.m_buildPanel.Update(this.m_hands.active === this.m_build);
     this.m_world.Update(this.camera.yaw);
@@ -319,6 +331,7 @@ export class App {
     this.welcome = welcome;
     this.m_newsFrom = ReadNow() + kQuietFor;
     document.title = `${welcome.scene} · wobble`;
+    this.m_invite.Update(this.connection.world, welcome);
     this.arena.Build(welcome.obstacles, welcome.grounds);
     this.players.NoteOwn(welcome.clientId, welcome.ownBody, this.connection.name);
     this.camera.Reset(welcome.ownBody !== 0 ? CameraMode.Follow : CameraMode.Orbit);

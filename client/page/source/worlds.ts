@@ -9,10 +9,22 @@ export interface Recording {
   damage?: string; // why it may be shown in part
 }
 
+// A world of another gateway.
+export interface Elsewhere {
+  name: string;
+  page: string; // http or https
+  scene: string; // empty: not said
+}
+
 export interface Offer {
   worlds: string[]; // names; empty: there is one world, without a name
   recordings: Recording[] | null; // null: this gateway shows none
+  elsewhere: Elsewhere[];
+  addresses: string[]; // of the gateway's machine in its network; told to that machine alone
 }
+
+const kMostElsewhere = 50;
+const kNothing: Offer = { worlds: [], recordings: null, elsewhere: [], addresses: [] };
 
 // Suggestions for newcomers; only for the worlds that we ship.
 const kPurposes: Record<string, string> = {
@@ -29,15 +41,31 @@ export function FindPurpose(world: string): string {
 export async function FetchOffer(): Promise<Offer> {
   try {
     const answer = await fetch('/worlds');
-    if (!answer.ok) return { worlds: [], recordings: null };
-    const { worlds, recordings } = (await answer.json()) as { worlds?: unknown; recordings?: unknown };
+    if (!answer.ok) return kNothing;
+    const { worlds, recordings, elsewhere, addresses } = (await answer.json()) as Record<keyof Offer, unknown>;
     return {
-      worlds: Array.isArray(worlds) ? worlds.filter((name) => typeof name === 'string') : [],
+      worlds: TakeArray(worlds).filter(IsText),
       recordings: Array.isArray(recordings) ? recordings.filter(IsRecording) : null,
+      elsewhere: TakeArray(elsewhere).filter(IsElsewhere).slice(0, kMostElsewhere),
+      addresses: TakeArray(addresses).filter(IsText),
     };
   } catch {
-    return { worlds: [], recordings: null }; // A proxy that passes on /play only still serves that one world.
+    return kNothing; // A proxy that passes on /play only still serves that one world.
   }
+}
+
+function TakeArray(value: unknown): unknown[] {
+  return Array.isArray(value) ? value : [];
+}
+
+function IsText(value: unknown): value is string {
+  return typeof value === 'string';
+}
+
+// What becomes a link must be a page: a browser would run the code of javascript:.
+function IsElsewhere(value: unknown): value is Elsewhere {
+  const { name, page, scene } = (value ?? {}) as Partial<Elsewhere>;
+  return [name, page, scene].every(IsText) && /^https?:\/\/[^/]/.test(page!);
 }
 
 function IsRecording(value: unknown): value is Recording {
@@ -45,12 +73,16 @@ function IsRecording(value: unknown): value is Recording {
   return [file, scene].every((each) => typeof each === 'string') && [seconds, writtenAt].every(Number.isFinite);
 }
 
-// The world or recording that the address names, or the first world; empty: the gateway's choice. A recording that is
-// not listed may be an old one: whether it is there the gateway says.
-export function ReadWorld({ worlds, recordings }: Offer): string {
-  const asked = new URLSearchParams(location.search).get('world');
-  const isThere = asked !== null && (worlds.includes(asked) || (recordings !== null && asked.endsWith('.wobrec')));
-  return isThere ? asked : (worlds[0] ?? '');
+// The world or recording that the address names, or the first world; empty: the gateway's choice. null: the address
+// names one that is not there. A recording that is not listed may be an old one: whether it is there the gateway says.
+export function ReadWorld({ worlds, recordings }: Offer): string | null {
+  const asked = ReadAskedWorld();
+  if (worlds.includes(asked) || (recordings !== null && asked.endsWith('.wobrec'))) return asked;
+  return asked === '' || worlds.length === 0 ? (worlds[0] ?? '') : null;
+}
+
+export function ReadAskedWorld(): string {
+  return new URLSearchParams(location.search).get('world') ?? '';
 }
 
 // As it is shown: minutes and seconds.

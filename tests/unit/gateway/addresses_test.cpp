@@ -17,6 +17,18 @@ TEST(Addresses, HaveOneSpelling) {
   }
 }
 
+TEST(Addresses, ThisMachineIsKnown) {
+  for (const char* own : {"localhost", "localhost:8080", "127.0.0.1", "127.9.9.9:1", "[::1]", "[::1]:8080"}) {
+    EXPECT_TRUE(IsLoopbackHost(own)) << own;
+  }
+  for (const char* other : {"", "play.example.org", "localhost.example.org:80", "127.0.0.1.example.org", "192.168.1.5",
+                            "[2001:db8::1]:80", ":80", "[", "127.evil"}) {
+    EXPECT_FALSE(IsLoopbackHost(other)) << other;
+  }
+  EXPECT_TRUE(IsLoopback(SpellAddress("::ffff:127.0.0.1")));
+  EXPECT_FALSE(IsLoopback(SpellAddress("::ffff:192.0.2.1")));
+}
+
 TEST(Addresses, AHouseholdIsOne) {
   EXPECT_EQ(FindHousehold("192.0.2.1"), "192.0.2.1");
   EXPECT_EQ(FindHousehold("2001:db8:1:2:3:4:5:6"), "2001:db8:1:2::/64");

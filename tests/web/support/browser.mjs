@@ -27,6 +27,7 @@ export const startBrowser = () =>
       '--enable-unsafe-swiftshader',
       '--disable-quic',
       '--no-first-run',
+      '--host-resolver-rules=MAP play.example.org 127.0.0.1',
       '--disable-background-networking',
       '--disable-component-update',
       '--disable-sync',
@@ -56,7 +57,11 @@ export function startBots(world, count, script = 'wander.lua') {
 // Opens the page in a tab without stored state: { tab, complaints, requests, failures, leave }. The lists hold its
 // console messages, requests and network errors. onTab: called with the tab before the first request. query: sets a
 // fixed quality, because the picture would otherwise change by itself. options: of the tab.
-export async function openPage(browser, host, { query = 'name=mira&quality=4', onTab = () => {}, ...options } = {}) {
+export async function openPage(
+  browser,
+  host,
+  { query = 'name=mira&quality=4', onTab = () => {}, scheme = 'http', ...options } = {},
+) {
   const context = await browser.newContext({ viewport: smallScreen, reducedMotion: 'reduce', ...options });
   const tab = await context.newPage();
   const page = { tab, complaints: [], requests: [], failures: [], leave: () => context.close() };
@@ -71,7 +76,7 @@ export async function openPage(browser, host, { query = 'name=mira&quality=4', o
   });
   tab.on('websocket', (socket) => page.requests.push(socket.url()));
   await onTab(tab);
-  await tab.goto(`http://${host}/?${query}`);
+  await tab.goto(`${scheme}://${host}/?${query}`);
   return page;
 }
 

@@ -23,7 +23,9 @@ export const serverMessages = { welcome: 1, blueprintChunk: 2, event: 3, goodbye
 export class Player {
   constructor(host, options = {}) {
     this.messages = []; // [channel, bytes...] each
-    this.socket = new WebSocket(`ws://${host}${options.path ?? '/play'}`, options.protocols ?? [subprotocol], {
+    const scheme = options.ca === undefined ? 'ws' : 'wss'; // ca: the certificate that is trusted
+    this.socket = new WebSocket(`${scheme}://${host}${options.path ?? '/play'}`, options.protocols ?? [subprotocol], {
+      ca: options.ca,
       origin: options.origin,
       headers: options.headers,
       perMessageDeflate: false,

@@ -6,7 +6,7 @@ import os from 'node:os';
 import path from 'node:path';
 import * as runner from 'node:test';
 
-const binFolder = process.env.WOBBLE_BIN_DIR ?? path.resolve('build/release/bin');
+export const binFolder = process.env.WOBBLE_BIN_DIR ?? path.resolve('build/release/bin');
 const patienceMs = 30_000;
 
 // The programs that the present test has started; tests may run at the same time.
@@ -89,7 +89,7 @@ export async function startServer(...options) {
 // Starts a gateway: { program, host }; host is the address for a browser.
 export async function startGateway(server, page, ...options) {
   const program = new Program('wobble', ['gateway', '--http', '0', '--server', server, '--page', page, ...options]);
-  const line = await program.waitForLine(/^open http:\/\/localhost:\d+ /);
+  const line = await program.waitForLine(/^open https?:\/\/localhost:\d+ /);
   return { program, host: `localhost:${/localhost:(\d+)/.exec(line)[1]}` };
 }
 

@@ -1,8 +1,10 @@
-// The card in the middle while there is no world: joining, or the reason why the connection ended, whether the page is
-// joining again by itself, and a button to do it.
+// The card in the middle while there is no world: joining, or the reason why the page is not in or no longer in, whether
+// it is joining again by itself, and a button to do it; or that the address names a world that is not here.
 import type { Connection } from '../wire/connection';
 import { State } from '../wire/views';
 import { MakeButton, MakeElement, SetText } from './element';
+
+const kMostShown = 40; // characters of a name that the address invents
 
 export class ConnectionCard {
   readonly element = MakeElement('div', 'veil');
@@ -12,11 +14,21 @@ export class ConnectionCard {
   private readonly m_button: HTMLButtonElement;
   private readonly m_form = MakeElement('form', 'password');
 
-  constructor(onJoin: () => void, onPassword: (password: string) => void) {
+  private readonly m_first: HTMLButtonElement;
+
+  // first: the world to go to in place of one that is not here.
+  constructor(
+    first: string,
+    onJoin: () => void,
+    onFirst: (world: string) => void,
+    onPassword: (password: string) => void,
+  ) {
     const card = MakeElement('div', 'card');
     card.setAttribute('role', 'status');
     this.m_button = MakeButton('Join again', 'Join again', '', onJoin);
     this.m_button.classList.add('main');
+    this.m_first = MakeButton(`Play ${first}`, `Go to ${first}`, '', () => onFirst(first));
+    this.m_first.classList.add('main');
     const field = MakeElement('input');
     field.type = 'password';
     field.required = true;
@@ -30,22 +42,25 @@ export class ConnectionCard {
       onPassword(field.value);
       field.value = '';
     });
-    card.append(this.m_ball, this.m_title, this.m_text, this.m_form, this.m_button);
+    card.append(this.m_ball, this.m_title, this.m_text, this.m_form, this.m_button, this.m_first);
     this.element.append(card);
   }
 
   Update(connection: Connection): void {
-    const { client, end, lostReason, refused } = connection;
+    const { client, end, lostReason, refused, missing } = connection;
     this.element.hidden = end === null && client?.ReadState() === State.Playing;
     this.m_form.hidden = refused === null;
     this.m_button.hidden = lostReason === '' || refused !== null;
-    this.m_ball.hidden = end !== null && end.retryAt === null;
+    this.m_ball.hidden = missing !== '' || (end !== null && end.retryAt === null);
+    this.m_first.hidden = missing === '';
+    if (missing !== '') {
+      SetText(this.m_title, 'No such world');
+      SetText(this.m_text, `“${missing.slice(0, kMostShown)}” is not among the worlds of this page.`);
+      return;
+    }
     if (lostReason === '') {
       SetText(this.m_title, 'Joining…');
-      SetText(
-        this.m_text,
-        client?.ReadState() === State.Joining ? 'Loading the world' : 'Connecting to the server',
-      );
+      SetText(this.m_text, client?.ReadState() === State.Joining ? 'Loading the world' : 'Connecting to the server');
       return;
     }
     if (refused !== null) {
@@ -54,7 +69,7 @@ export class ConnectionCard {
       SetText(this.m_text, `${first}, or open the invite that you were sent.`);
       return;
     }
-    SetText(this.m_title, 'Connection ended');
+    SetText(this.m_title, connection.hasPlayed ? 'Connection ended' : 'Could not join');
     const isOver = end !== null && end.retryAt === null;
     SetText(this.m_text, isOver ? MakeSentence(lostReason) : `${MakeSentence(lostReason)} Joining again…`);
   }

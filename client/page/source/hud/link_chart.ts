@@ -1,11 +1,12 @@
 // The quality of the connection: ping, display delay, rate and stalls over the last minute, as lines and figures, and
-// whether the server keeps up.
+// whether the server keeps up or is silent.
 import type { Client } from '../wire/client';
 import { MakeElement, SetText } from './element';
 
 const kEvery = 0.5; // s
 const kSamples = 120; // one minute
 const kRateOver = 2; // samples
+const kSilence = 1.5; // s without a word of the server, after which people are told; it ends the connection after 8
 
 interface Series {
   name: string;
@@ -59,17 +60,29 @@ export class LinkChart {
     for (const series of this.m_series) series.values.fill(NaN);
   }
 
-  Update(client: Client, ping: number, now: number): void {
+  // ping, silence: s.
+  Update(client: Client, ping: number, silence: number, now: number): void {
     if (now < this.m_next) return;
     this.m_next = now + kEvery;
     client.UpdateStatistics();
     const { bytesReceived, delay, stalls, pace } = client.statistics;
-    this.m_slow.hidden = pace === 1;
-    SetText(this.m_slow, `The server is overloaded: time runs at ${(100 * pace).toFixed(0)} %`);
+    const isSilent = silence > kSilence;
+    this.m_slow.hidden = pace === 1 && !isSilent;
+    SetText(
+      this.m_slow,
+      isSilent
+        ? `The server has been silent for ${silence.toFixed(0)} s`
+        : `The server is overloaded: time runs at ${(100 * pace).toFixed(0)} %`,
+    );
     const slot = this.m_samples % kRateOver;
     const bytes = this.m_samples < kRateOver ? NaN : bytesReceived - this.m_bytes[slot];
     this.m_bytes[slot] = bytesReceived;
-    const values = [ping * 1000, delay * 1000, (bytes * 8) / 1000 / (kRateOver * kEvery), stalls - this.m_stalls];
+    const values = [
+      isSilent ? NaN : ping * 1000,
+      delay * 1000,
+      (bytes * 8) / 1000 / (kRateOver * kEvery),
+      stalls - this.m_stalls,
+    ];
     this.m_stalls = stalls;
     this.m_samples += 1;
     this.m_series.forEach((series, i) => {

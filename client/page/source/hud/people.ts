@@ -16,8 +16,8 @@ export class People {
   private readonly m_name = MakeElement('input', 'name-field');
   private m_revision = -1;
 
-  // menu: the menu of worlds, shown at the top.
-  constructor(name: string, menu: HTMLElement) {
+  // Both are shown at the top. menu: of the worlds.
+  constructor(name: string, invite: HTMLElement, menu: HTMLElement) {
     this.element.setAttribute('aria-label', 'Scene and players');
     const title = MakeElement('div', 'scene');
     title.append(this.m_scene, this.m_count);
@@ -33,7 +33,7 @@ export class People {
     });
     const own = MakeElement('li');
     own.append(MakeDot(`#${MakeOwnColour().getHexString()}`), this.m_name);
-    this.element.append(menu, title, own, this.m_list);
+    this.element.append(invite, menu, title, own, this.m_list);
   }
 
   Update(scene: string, players: Players): void {

@@ -1,5 +1,5 @@
-// The worlds and recordings to choose from, and the purpose of the chosen world.
-import { FetchOffer, FindPurpose, FormatTime, type Offer, type Recording } from '../worlds';
+// The worlds and recordings to choose from, the purpose of the chosen world, and links to worlds of other gateways.
+import { FetchOffer, FindPurpose, FormatTime, type Elsewhere, type Offer, type Recording } from '../worlds';
 import { MakeButton, MakeElement, SetPressed, SetText } from './element';
 
 const kListEvery = 3000; // ms, while the list of recordings is open
@@ -24,7 +24,7 @@ export class WorldMenu {
   }
 
   // Hidden when there is only one world and nothing else.
-  List({ worlds, recordings }: Offer): void {
+  List({ worlds, recordings, elsewhere }: Offer): void {
     for (const world of worlds.length === 0 ? [''] : worlds) {
       const name = world === '' ? 'the world' : world;
       const button = MakeButton(name, `Play ${name}`, '', () => this.onChoose(world));
@@ -34,7 +34,8 @@ export class WorldMenu {
     this.element.append(this.m_purpose);
     if (recordings !== null) this.element.append(this.m_recordings);
     this.ListRecordings(recordings ?? []);
-    this.element.hidden = worlds.length < 2 && recordings === null;
+    if (elsewhere.length > 0) this.element.append(MakeElsewhere(elsewhere));
+    this.element.hidden = worlds.length < 2 && recordings === null && elsewhere.length === 0;
   }
 
   Show(chosen: string): void {
@@ -63,4 +64,20 @@ export class WorldMenu {
     this.m_buttons.set(file, button);
     return button;
   }
+}
+
+// Names are text of others; the pages open in tabs of their own and are not told where from.
+function MakeElsewhere(elsewhere: readonly Elsewhere[]): HTMLElement {
+  const list = MakeElement('div', 'recordings');
+  for (const { name, page, scene } of elsewhere) {
+    const link = MakeElement('a', '', name);
+    link.href = page;
+    link.target = '_blank';
+    link.rel = 'noopener noreferrer';
+    link.append(MakeElement('span', 'note', [scene, link.host].filter((each) => each !== '').join(' · ')));
+    list.append(link);
+  }
+  const element = MakeElement('details');
+  element.append(MakeElement('summary', '', 'Elsewhere'), list);
+  return element;
 }

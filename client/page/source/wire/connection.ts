@@ -39,6 +39,8 @@ export class Connection {
   ping = 0; // s, round trip to the server
   name: string;
   world = ''; // its name at the gateway; empty: the gateway's first
+  missing = ''; // name that the address asks for and the gateway does not have; nothing is joined then
+  hasPlayed = false; // since the page, or the player, began to join
   // Called with a new client; the previous one must no longer be used.
   onClient: (client: Client) => void = () => {};
 
@@ -53,6 +55,7 @@ export class Connection {
   private m_lostAt: number | null = null; // of the first loss that kGoodFor has not made good
   private m_playingSince: number | null = null;
   private m_nextPing = 0;
+  private m_heardAt = 0; // the page's clock, s
   private readonly m_pingMessage = new Uint8Array([kPingChannel, 0, 0, 0, 0]);
   private m_pingNumber = 0;
   private m_pingSent = 0;
@@ -83,6 +86,7 @@ export class Connection {
   JoinAgain(): void {
     this.ForgetLosses();
     this.lostReason = '';
+    this.hasPlayed = false;
     this.Join();
   }
 
@@ -94,6 +98,11 @@ export class Connection {
   // From the next join to this world on; see access.ts.
   Show(subprotocol: string): void {
     this.m_access.Use(this.world, subprotocol);
+  }
+
+  // Seconds since the server was last heard. The gateway answers pings by itself.
+  FindSilence(): number {
+    return ReadNow() - this.m_heardAt;
   }
 
   // Says goodbye at once; for the closing of the page.
@@ -113,7 +122,7 @@ export class Connection {
       return;
     }
     client.Update();
-    for (const until = now + kWorkTime; client.IsCompleting() && ReadNow() < until; ) client.Update();
+    for (const until = now + kWorkTime; client.IsCompleting() && ReadNow() < until;) client.Update();
     for (let each = client.TakeDownload(); each !== null; each = client.TakeDownload()) {
       this.m_kept.Keep(this.world, each);
     }
@@ -170,6 +179,7 @@ export class Connection {
       return;
     }
     if (message[0] !== kPingChannel) {
+      this.m_heardAt = ReadNow();
       client.ReceiveMessage(message);
       return;
     }
@@ -183,6 +193,7 @@ export class Connection {
     if (first === null || this.m_lanes !== null) return;
     this.m_lanes = new Lanes(first, `more.${key}`, (message) => {
       if (this.client !== client || this.end !== null) return;
+      this.m_heardAt = ReadNow();
       client.ReceiveMessage(message);
       this.Update();
     });
@@ -198,6 +209,7 @@ export class Connection {
 
   private NotePlaying(now: number): void {
     this.m_playingSince ??= now;
+    this.hasPlayed = true;
     this.lostReason = '';
     if (now - this.m_playingSince > kGoodFor) this.ForgetLosses();
     if (now < this.m_nextPing || this.m_socket?.readyState !== WebSocket.OPEN) return;

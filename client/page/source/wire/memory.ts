@@ -154,6 +154,7 @@ export function ReadWelcome(module: WobbleModule, address: number): Welcome {
     reach: module.HEAPF32[at + 11],
     game: ReadText(module, words[at + 12], words[at + 13]),
     workshop: words[at + 14],
+    rank: words[at + 15],
   };
 }
 

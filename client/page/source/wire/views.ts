@@ -89,6 +89,14 @@ export interface Welcome {
   reach: number; // m from the centre of the player's body; 0: any distance
   game: string; // empty: none
   workshop: number; // the body that Build changes; 0: none
+  rank: Rank; // when the player came in
+}
+
+export enum Rank {
+  Watcher,
+  Player,
+  Moderator,
+  Owner,
 }
 
 // Bits of Welcome.hands.
