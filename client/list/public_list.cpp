@@ -2,12 +2,10 @@
 
 #include <httplib.h>
 
-#include <fstream>
-#include <iterator>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "client/command/address.h"
+#include "client/command/world_list.h"
 #include "protocol/transport/vestibule/udp_socket.h"
 
 namespace wobble::list {
@@ -16,18 +14,6 @@ namespace {
 constexpr int kPatience = 5;  // s, for the connection and for the answer
 
 // nullopt with one line in `error`.
-std::optional<std::string> ReadFile(const std::string& path, std::string& error) {
-  std::ifstream in(path, std::ios::binary);
-  std::string text(kMaxListBytes + 1, '\0');
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(in.gcount()));
-  if (!in.eof() || text.empty()) {
-    error = text.empty() ? "cannot be read" : "is larger than 1 MiB";
-    return {};
-  }
-  return text;
-}
-
 std::optional<std::string> Download(const std::string& url, std::string& error) {
   const std::size_t host = url.find("://") + 3, path = url.find('/', host);
   httplib::Client client(url.substr(0, path));
@@ -37,11 +23,11 @@ std::optional<std::string> Download(const std::string& url, std::string& error) 
   std::string text;
   const auto take = [&text](const char* bytes, std::size_t count) {
     text.append(bytes, count);
-    return text.size() <= kMaxListBytes;
+    return text.size() <= command::kMaxListBytes;
   };
   const httplib::Result result = client.Get(path == std::string::npos ? "/" : url.substr(path), take);
-  if (text.size() > kMaxListBytes) {
-    error = "is larger than 1 MiB";
+  if (text.size() > command::kMaxListBytes) {
+    error = "is larger than 256 KiB";
   } else if (!result) {
     error = "no answer";
   } else if (result->status != 200) {
@@ -52,56 +38,30 @@ std::optional<std::string> Download(const std::string& url, std::string& error) 
   return {};
 }
 
-// False: the field is there and is no text.
-bool TakeText(const nlohmann::json& entry, const char* name, std::string& text) {
-  const auto field = entry.find(name);
-  if (field == entry.end()) return true;
-  if (!field->is_string()) return false;
-  text = field->get<std::string>();
-  return true;
+std::optional<std::vector<command::ListedWorld>> FetchList(const std::string& url, std::string& error) {
+  const auto text = Download(url, error);
+  auto listed = text ? command::ParseWorldList(*text, error) : std::nullopt;
+  if (!listed) error = url + ": " + error;
+  return listed;
 }
 
 }  // namespace
 
-std::vector<World> ParseList(const std::string& text, std::string& error) {
-  const auto list = nlohmann::json::parse(text, nullptr, false);
-  const auto entries = list.is_object() ? list.find("worlds") : list.end();
-  if (entries == list.end() || !entries->is_array()) {
-    error = R"(is no list of worlds: {"worlds": [{"address": "HOST:PORT"}, ...]})";
-    return {};
-  }
-  if (entries->empty() || entries->size() > kMaxListedWorlds) {
-    error =
-        "worlds: must be 1 to " + std::to_string(kMaxListedWorlds) + " entries, not " + std::to_string(entries->size());
-    return {};
-  }
-  std::vector<World> worlds;
-  for (const auto& entry : *entries) {
-    const std::string place = "worlds[" + std::to_string(worlds.size()) + "]";
-    World& world = worlds.emplace_back();
-    const bool areTexts = entry.is_object() && TakeText(entry, "address", world.address) &&
-                          TakeText(entry, "name", world.told.name) && TakeText(entry, "scene", world.told.scene) &&
-                          TakeText(entry, "version", world.told.version) && TakeText(entry, "key", world.key);
-    std::string why;
-    if (areTexts && command::ParseAddress(world.address, why)) continue;
-    error = place + (areTexts ? ".address: " + why : ": must be an object of texts");
-    return {};
-  }
-  return worlds;
-}
-
 std::vector<World> ReadList(const std::string& where, std::string& error) {
   const bool isUrl = where.starts_with("http://") || where.starts_with("https://");
-  const auto text = isUrl ? Download(where, error) : ReadFile(where, error);
+  const auto listed = isUrl ? FetchList(where, error) : command::LoadWorldList(where, error);
   std::vector<World> worlds;
-  if (text) worlds = ParseList(*text, error);
-  if (!error.empty()) error = where + ": " + error;
-  for (World& world : worlds) {
-    std::string unknown;
-    const auto address = command::ParseAddress(world.address, unknown);
-    const auto found = transport::vestibule::ResolveAddresses(address->host, address->port, unknown);
+  if (!listed) return worlds;
+  for (const command::ListedWorld& each : *listed) {
+    const auto address = command::ParseAddress(each.address, error);
+    if (!address) continue;
+    World& world = worlds.emplace_back(World{.address = each.address, .resolved = {}});
+    world.told.name = each.name;
+    world.told.scene = each.scene;
+    const auto found = transport::vestibule::ResolveAddresses(address->host, address->port, error);
     if (!found.empty()) world.resolved = found.front();
   }
+  error = worlds.empty() ? where + ": no world of it has an address" : "";
   return worlds;
 }
 

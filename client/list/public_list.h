@@ -1,5 +1,4 @@
-// Reads a public list of worlds: a JSON object whose "worlds" are objects with an "address" (HOST:PORT) and, where it
-// is known, "name", "scene", "version" and "key" (server/HOSTING.md, "Found by friends").
+// Reads a public list of worlds (command/world_list.h): those of it that programs can reach.
 #pragma once
 
 #include <string>
@@ -9,14 +8,9 @@
 
 namespace wobble::list {
 
-inline constexpr std::size_t kMaxListBytes = 1024 * 1024;
-inline constexpr std::size_t kMaxListedWorlds = 1000;
-
-// Of the text of a list. Empty with one line in `error`, which names entry and field; so it is when the list is empty.
-[[nodiscard]] std::vector<World> ParseList(const std::string& text, std::string& error);
-
-// where: http://..., https://... or a file. Names of hosts are resolved, which may block for as long as the system's
-// resolver does; those that are not known have no `resolved`.
+// where: http://..., https://... or a file. Empty with one line in `error`; so it is when no world of the list has an
+// address. Names of hosts are resolved, which may block for as long as the system's resolver does; those that are not
+// known have no `resolved`.
 [[nodiscard]] std::vector<World> ReadList(const std::string& where, std::string& error);
 
 }  // namespace wobble::list

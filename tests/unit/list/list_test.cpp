@@ -1,6 +1,9 @@
 // `wobble list`: public lists, good and broken, and how worlds are shown; tests/net/lan_test.sh has the network.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "client/list/public_list.h"
@@ -9,50 +12,42 @@
 namespace wobble::list {
 namespace {
 
-std::string FindError(const std::string& text) {
-  std::string error;
-  EXPECT_TRUE(ParseList(text, error).empty()) << text;
-  return error;
-}
+// A file with this text, for as long as it lives.
+class ListFile {
+ public:
+  explicit ListFile(const std::string& text) { std::ofstream(path) << text; }
+  ~ListFile() { std::filesystem::remove(path); }
+  const std::filesystem::path path =
+      std::filesystem::temp_directory_path() / ("wobble_list_" + std::to_string(getpid()) + ".json");
+};
 
-TEST(PublicList, HasAddressesAndWhatIsKnown) {
+// The format itself: tests/unit/command/world_list_test.cpp.
+TEST(PublicList, GivesTheWorldsThatProgramsCanReach) {
+  const ListFile file(R"({"version": 1, "worlds": [
+    {"address": "127.0.0.1:7777", "name": "Ada's", "scene": "arena"},
+    {"page": "https://play.example.org/", "name": "in browsers only"},
+    {"address": "[2001:db8::1]:7778", "name": "far"}]})");
   std::string error;
-  const auto worlds = ParseList(
-      R"({"worlds": [{"address": "play.example.org:7777", "name": "Ada's", "scene": "arena", "key": "00ff", "more": 1},
-                     {"address": "[2001:db8::1]:7778"}]})",
-      error);
+  const auto worlds = ReadList(file.path, error);
   EXPECT_EQ(error, "");
   ASSERT_EQ(worlds.size(), 2U);
-  EXPECT_EQ(worlds[0].address, "play.example.org:7777");
+  EXPECT_EQ(worlds[0].address, "127.0.0.1:7777");
+  EXPECT_EQ(worlds[0].resolved.port, 7777);
   EXPECT_EQ(worlds[0].told.name, "Ada's");
   EXPECT_EQ(worlds[0].told.scene, "arena");
-  EXPECT_EQ(worlds[0].key, "00ff");
   EXPECT_EQ(worlds[1].address, "[2001:db8::1]:7778");
 }
 
-TEST(PublicList, WithAMistakeIsRefusedByEntryAndField) {
-  for (const char* text : {"", "[]", "{}", R"({"worlds": 3})", "{\"worlds\": [", "\xFF"}) {
-    EXPECT_NE(FindError(text).find("is no list of worlds"), std::string::npos) << text;
-  }
-  EXPECT_EQ(FindError(R"({"worlds": []})"), "worlds: must be 1 to 1000 entries, not 0");
-  EXPECT_EQ(FindError(R"({"worlds": [{"address": "a:1"}, 3]})"), "worlds[1]: must be an object of texts");
-  EXPECT_EQ(FindError(R"({"worlds": [{"address": 7}]})"), "worlds[0]: must be an object of texts");
-  EXPECT_NE(FindError(R"({"worlds": [{"name": "Ada"}]})").find("worlds[0].address: ''"), std::string::npos);
-  EXPECT_NE(FindError(R"({"worlds": [{"address": "a:70000"}]})").find("worlds[0].address: 'a:70000'"),
-            std::string::npos);
-  nlohmann::json many;
-  for (int i = 0; i < 1001; ++i) many["worlds"].push_back({{"address", "a:1"}});
-  EXPECT_EQ(FindError(many.dump()), "worlds: must be 1 to 1000 entries, not 1001");
+TEST(PublicList, WithoutAnAddressOrWithAMistakeIsRefused) {
   std::string error;
+  const ListFile file(R"({"version": 1, "worlds": [{"page": "https://play.example.org/", "name": "a"}]})");
+  EXPECT_TRUE(ReadList(file.path, error).empty());
+  EXPECT_EQ(error, file.path.string() + ": no world of it has an address");
+  const ListFile broken(R"({"version": 1, "worlds": [{"address": "a:70000", "name": "a"}]})");
+  EXPECT_TRUE(ReadList(broken.path, error).empty());
+  EXPECT_NE(error.find("worlds[0].address: 'a:70000'"), std::string::npos) << error;
   EXPECT_TRUE(ReadList("/nowhere/worlds.json", error).empty());
-  EXPECT_EQ(error, "/nowhere/worlds.json: cannot be read");
-}
-
-std::vector<World> MakeWorlds() {
-  World near{.address = "10.9.0.1:7777", .resolved = {}, .ping = 0.0042};
-  near.told = {.name = "Zoë\x1b[31m\n", .scene = "sumo", .players = 3, .maxPlayers = 12, .isPrivate = true};
-  World silent{.address = "\xc2\x9b[2001:db8::1]:7778", .resolved = {}};
-  return {near, silent};
+  EXPECT_EQ(error, "'/nowhere/worlds.json' cannot be read");
 }
 
 TEST(List, IsATableForPeopleWithoutWhatATerminalObeys) {
