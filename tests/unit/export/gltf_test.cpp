@@ -209,7 +209,7 @@ TEST_F(Gltf, BodiesWithoutFacesAreLines) {
 
 TEST_F(Gltf, WhatDoesNotFitIsRefusedByItsLimit) {
   Play("curtain", {.to = 1}, {.shapeBytes = 1 << 16});
-  EXPECT_THAT(walked.error, HasSubstr("fill the 0.0625 MiB that glTF export has for them; choose less with --from"));
+  EXPECT_THAT(walked.outputError, HasSubstr("fill the 0.0625 MiB that glTF export has for them; choose less with --from"));
   EXPECT_FALSE(std::filesystem::exists(folder.Path() / "film.glb"));
 }
 
