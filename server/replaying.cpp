@@ -129,7 +129,7 @@ int ExportRecording(const Options& options, const std::function<bool()>& isStopA
   error = walked.outputError;
   if (error.empty() && !walked.isStopped) error = output.Commit();
   if (!error.empty()) {
-    Complain(options.exportTarget + " " + error);
+    Complain(options.exportTarget + ": " + error);
     return 1;
   }
   if (walked.isStopped) {

@@ -1039,7 +1039,7 @@ case_exports() {
     trap '' XFSZ
     ulimit -f 8 # KiB of a file
     expect_exit 1 wobble export "$folder/copy" --format gltf --output "$folder/large.glb"
-    expect_line "$err" 'large.glb cannot be written: File too large$'
+    expect_line "$err" 'large.glb: cannot be written: File too large$'
   ) || exit 1
   [ -z "$(find "$folder" -name '*.partial')" ] || fail 'nothing that is written in part' <(ls "$folder")
 }

@@ -84,7 +84,7 @@ const std::vector<Room> kRooms{
      {"chrono", "ctime", "iostream", "thread"}},
     {kRecording,
      {kPhysics, kScenes, kPlay, kTiming},
-     {"Eigen/", "fcntl.h", "fmt/", "unistd.h", "zlib.h", "zstd.h"},
+     {"Eigen/", "fcntl.h", "fmt/", "sys/file.h", "unistd.h", "zlib.h", "zstd.h"},
      kClock},
     // Bodies leave the engine in Eigen's types, and a body's rotation is found with Eigen's solvers.
     {kSnapshots, {kPhysics, kScenes, kPlay, kTiming, kProtocol}, {"Eigen/", "oneapi/tbb", "tbb/"}, kClock},

@@ -52,7 +52,7 @@ TEST_F(Exported, TheTableHasARowABodyAndFrame) {
   const auto file = folder.Path() / "table.csv";
   CsvWriter writer(file, "curtain");
   const Walked walked = Write({.fps = 10}, writer);
-  EXPECT_THAT(walked.error, IsEmpty());
+  EXPECT_THAT(walked.error + walked.outputError, IsEmpty());
   EXPECT_EQ(walked.frames, 34U);
   std::istringstream lines(ReadText(file));
   std::map<std::string, int> rows;  // by tick
@@ -77,7 +77,7 @@ TEST_F(Exported, VtkHasThePositionsToTheBit) {
   std::filesystem::create_directory(target);
   VtkWriter writer(target, "series");
   const Walked walked = Write({.from = 1, .to = 2, .fps = 20, .bodies = {3}}, writer);
-  EXPECT_THAT(walked.error, IsEmpty());
+  EXPECT_THAT(walked.error + walked.outputError, IsEmpty());
   EXPECT_EQ(walked.frames, 21U);
   EXPECT_THAT(ReadText(target / "series.pvd"),
               HasSubstr(R"(<DataSet timestep="2" group="" part="0" file="series_00020.vtp"/>)"));

@@ -133,7 +133,7 @@ class Gltf : public testing::Test {
   // scene: of a stored recording.
   Document Export(const std::string& scene, const WalkSettings& settings) {
     Play(scene, settings, {});
-    EXPECT_THAT(walked.error, IsEmpty());
+    EXPECT_THAT(walked.error + walked.outputError, IsEmpty());
     return Document(folder.Path() / "film.glb");
   }
   void Play(const std::string& scene, const WalkSettings& settings, const GltfLimits& limits) {
@@ -209,7 +209,8 @@ TEST_F(Gltf, BodiesWithoutFacesAreLines) {
 
 TEST_F(Gltf, WhatDoesNotFitIsRefusedByItsLimit) {
   Play("curtain", {.to = 1}, {.shapeBytes = 1 << 16});
-  EXPECT_THAT(walked.error, HasSubstr("fill the 0.0625 MiB that glTF export has for them; choose less with --from"));
+  EXPECT_THAT(walked.outputError,
+              HasSubstr("fill the 0.0625 MiB that glTF export has for them; choose less with --from"));
   EXPECT_FALSE(std::filesystem::exists(folder.Path() / "film.glb"));
 }
 
