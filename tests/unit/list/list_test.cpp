@@ -50,6 +50,13 @@ TEST(PublicList, WithoutAnAddressOrWithAMistakeIsRefused) {
   EXPECT_EQ(error, "'/nowhere/worlds.json' cannot be read");
 }
 
+std::vector<World> MakeWorlds() {
+  World near{.address = "10.9.0.1:7777", .resolved = {}, .ping = 0.0042};
+  near.told = {.name = "Zoë\x1b[31m\n", .scene = "sumo", .players = 3, .maxPlayers = 12, .isPrivate = true};
+  World silent{.address = "\xc2\x9b[2001:db8::1]:7778", .resolved = {}};
+  return {near, silent};
+}
+
 TEST(List, IsATableForPeopleWithoutWhatATerminalObeys) {
   EXPECT_EQ(WriteTable(MakeWorlds()),
             "NAME       ADDRESS              SCENE  PLAYERS       PING\n"
