@@ -72,7 +72,8 @@ def take_port():
 def confine(folder, mounts, command):
     """The command as user 1000 in a mount namespace where only folder/home can be written. mounts: real folders, by what
     they are in `folder`, which the user can reach wherever the clone is."""
-    script = ["set -e", "mount --make-rprivate /", f"mount --bind {folder}/home {folder}/home"]
+    script = ["set -e", "mount --make-rprivate /", f"mount --bind {folder}/home {folder}/home",
+              f"mount -t tmpfs -o mode=1777 tmpfs {folder}/tmp"]  # panels give a small /tmp, too
     script += [f"mount --bind '{real}' {folder}/{name}" for name, real in mounts.items()]
     script += ["mount -o remount,bind,ro /", f"cd {folder}/home",
                'exec setpriv --reuid 1000 --regid 1000 --clear-groups --no-new-privs --inh-caps=-all "$@"']
@@ -95,7 +96,7 @@ def run_egg(egg, programs, bases):
     folder = pathlib.Path(tempfile.mkdtemp())
     try:
         home = folder / "home"
-        for name in ("home", "bin", "bases", "panels"):
+        for name in ("home", "tmp", "bin", "bases", "panels"):
             (folder / name).mkdir()
         mounts = {"bin": programs, "bases": bases, "panels": PANELS}
         port = take_port()
@@ -109,6 +110,7 @@ def run_egg(egg, programs, bases):
             places = mounts
         environment["PATH"] = f"{places['bin']}:{environment['PATH']}"
         environment["WOBBLE_CACHE"] = str(places["bases"])
+        environment["TMPDIR"] = str(folder / "tmp")
         command = ["sh", str(places["panels"] / "start.sh")]
         if is_confined:
             command = confine(folder, mounts, command)
@@ -118,9 +120,9 @@ def run_egg(egg, programs, bases):
         expect(is_up, f"a line with '{done}'; came:\n{''.join(lines)}")
         with urllib.request.urlopen(f"http://127.0.0.1:{port}/", timeout=5) as answer:
             expect(answer.status == 200, "the page on the panel's port")
-        health = subprocess.run([f"{programs}/wobble", "bots", f"127.0.0.1:{port}", "--count", "1", "--for", "1"],
-                                env=environment, capture_output=True, text=True, check=False)
-        expect(health.returncode == 0, f"a bot that plays on the panel's port; came:\n{health.stderr}")
+        bot = [f"{programs}/wobble", "bots", f"127.0.0.1:{port}", "--script", "wander.lua", "--count", "1", "--for", "1"]
+        played = subprocess.run(bot, env=environment, capture_output=True, text=True, check=False)
+        expect(played.returncode == 0, f"a bot that plays on the panel's port; came:\n{played.stderr}")
         process.send_signal(2)
         expect(process.wait(20) == 0, "exit code 0 after Ctrl-C")
         expect((home / "worlds.toml").exists(), "worlds.toml in the server's folder")
