@@ -209,7 +209,8 @@ void DescribeOptions(CLI::App& app, Options& options) {
   CLI::Option* target = app.add_option("--export", options.exportTarget,
                                        "File (csv, gltf) or new folder (vtk) to write what --replay holds to, and end")
                             ->type_name("PATH")
-                            ->needs(replay);
+                            ->needs(replay)
+                            ->excludes("--verify");
   app.add_option(
          "--format", options.exportFormat,
          "Of --export. csv: a row a body and frame, with pose and energies. vtk: a .pvd series of PolyData with "

@@ -43,16 +43,15 @@ CLI::App* AddWords(CLI::App& app, WatchOptions& options, Words& words) {
                      "How long it tries to join again when the connection is lost; 0: not at all");
   subcommand->add_option("--capture", options.captureFile, "File for the last picture, as SVG")->type_name("FILE");
   std::string filmKeys;
-  for (const std::string& each : DescribeFilmKeys()) filmKeys += (filmKeys.empty() ? "" : "; ") + each;
+  for (const std::string& each : DescribeFilmKeys()) filmKeys += "  " + each + "\n";
   subcommand->footer(
       "Keys: W A S D or arrows move, space jumps, E or P puffs up, F stiffens, X releases all keys.\n"
       "If the scene allows it: G grabs and releases, V pushes, T cuts; 1 2 softer, stiffer, 3 4 slower, faster,\n"
       "5 skips one second, 6 7 tilt gravity.\n"
       "C camera (follow, circle, stand), J L or [ ] turn, I K tilt, + - zoom; ? lists the keys; Q, Esc, Ctrl-C quit.\n"
       "Who has no body, as in a recording, follows one player after the other with B.\n"
-      "Keys of a recording: " +
+      "Keys of a recording:\n" +
       filmKeys +
-      ".\n"
       "Most terminals do not report key releases: a tap counts for half a second, a held key while it repeats.\n"
       "Exit code: 0 ended by the user, 1 connection lost, 2 bad usage, no terminal or no server.\n"
       "Examples:\n"

@@ -1023,6 +1023,8 @@ case_exports() {
     wobble export "$match" --output "$to" --bodies 99
   expect_refusal '^wobbled: none.wobrec does not exist$' wobble export none.wobrec --output "$to"
   expect_refusal "^wobble watch: '$folder' is a folder: " wobble watch "$folder"
+  expect_refusal '^wobbled: --verify excludes --export' wobbled --replay "$match" --verify --export "$to"
+  expect_refusal '^wobbled: --record-size requires --record' wobbled --port 0 --for 0.01 --untrained --record-size 3
   [ ! -e "$to" ] || fail 'no table' "$to"
   expect_exit 0 wobble export "$match" --output "$to" --to 0
   expect_line "$out" '^1 frames of 8 bodies, up to 0.00 s'
