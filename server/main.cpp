@@ -297,6 +297,29 @@ std::optional<vestibule::Key> ChooseKey(const Options& options) {
   return key;
 }
 
+struct RconDoor {
+  ops::Address address;
+  std::string password;
+};
+
+// Of --rcon. nullopt with one line in `error`, the option in it.
+std::optional<RconDoor> ReadRconDoor(const Options& options, std::string& error) {
+  RconDoor door;
+  if (options.rcon.empty()) {
+    error = "--rcon must be given with --rcon-password-file";
+  } else if (options.rconPasswordFile.empty()) {
+    error = "--rcon " + options.rcon + ": there is no password (see --rcon-password-file)";
+  } else if (!ops::ParseAddress(options.rcon, door.address, error)) {
+    error = "--rcon " + error;
+  } else if (const auto password = vestibule::ReadSecret(options.rconPasswordFile, error)) {
+    door.password = *password;
+    return door;
+  } else {
+    error = "--rcon-password-file: " + error;
+  }
+  return {};
+}
+
 // The orders that come from outside the game.
 struct Administration {
   admin::OrderQueue queue;
@@ -334,18 +357,12 @@ struct Administration {
 
   bool StartRcon(const Options& options) {
     std::string error;
-    ops::Address address;
-    if (options.rcon.empty() || options.rconPasswordFile.empty()) {
-      error = options.rcon.empty() ? "must be given with --rcon-password-file"
-                                   : options.rcon + ": there is no password (see --rcon-password-file)";
-    } else if (ops::ParseAddress(options.rcon, address, error)) {
-      const auto password = vestibule::ReadSecret(options.rconPasswordFile, error);
-      if (!password) return Complain(options, {"--rcon-password-file: " + error}), false;
-      rcon = admin::RconListener::Listen(address, *password, queue, error);
-    }
+    const auto door = ReadRconDoor(options, error);
+    if (!door) return Complain(options, {error}), false;
+    rcon = admin::RconListener::Listen(door->address, door->password, queue, error);
     if (rcon == nullptr) return Complain(options, {"--rcon " + error}), false;
-    fmt::print("RCON on TCP port {} of {}\n", rcon->ReadPort(), address.host);
-    if (!ops::IsThisMachine(address)) {
+    fmt::print("RCON on TCP port {} of {}\n", rcon->ReadPort(), door->address.host);
+    if (!ops::IsThisMachine(door->address)) {
       spdlog::warn("--rcon {}: other machines reach it, and what is sent, the password too, is not encrypted",
                    options.rcon);
     }
@@ -413,8 +430,10 @@ std::vector<std::string> FindMistakes(const Options& options, const std::vector<
   }
   if (!options.isCheck) return mistakes;
   add(admission::FindMistakes(options.gate));
-  for (const auto& [option, text] : {std::pair("--ops ", options.ops), std::pair("--admin-http ", options.adminHttp),
-                                     std::pair("--rcon ", options.rcon)}) {
+  std::string fault;
+  const bool wantsRcon = !options.rcon.empty() || !options.rconPasswordFile.empty();
+  if (wantsRcon && !ReadRconDoor(options, fault)) mistakes.push_back(fault);
+  for (const auto& [option, text] : {std::pair("--ops ", options.ops), std::pair("--admin-http ", options.adminHttp)}) {
     ops::Address address;
     std::string error;
     if (!text.empty() && !ops::ParseAddress(text, address, error)) mistakes.push_back(option + error);

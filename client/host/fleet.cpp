@@ -15,6 +15,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <deque>
+#include <set>
+#include <string>
 
 #include "client/command/clock.h"
 #include "client/command/exit_codes.h"
@@ -151,12 +153,13 @@ void Fleet::Watch() {
 
 // Adopts a new plan: worlds and gateway that are as they were go on, and worlds are told to read their files again;
 // what is not in it any more ends; what has changed ends and begins anew, and what was over begins again. The gateway
-// has its list of worlds from its start, so that it begins anew when the list changes: its browsers join again by
-// themselves.
+// has its list of worlds from its start, so that it begins anew when a name or an address in it changes: its browsers
+// join again by themselves.
 void Fleet::FollowPlan() {
   const std::optional<Plan> next = m_takePlan ? m_takePlan() : std::nullopt;
   if (!next) return;
   bool isListNew = false;
+  std::set<std::string> again;  // names of worlds that begin anew where they were
   std::vector<WorldPlan> others = next->worlds;
   for (std::size_t i = 0; i < m_plan.worlds.size(); ++i) {
     WorldPlan& world = m_plan.worlds[i];
@@ -168,7 +171,10 @@ void Fleet::FollowPlan() {
       others.erase(found);
       continue;
     }
-    isListNew = true;
+    const bool isFoundAgain =
+        found != others.end() && world.port != 0 && found->port == world.port && found->host == world.host;
+    if (isFoundAgain) again.insert(found->name);
+    isListNew = isListNew || !isFoundAgain;
     for (auto part = m_parts.rbegin(); part != m_parts.rend(); ++part) {
       if (part->role != Part::Role::kGateway && part->world == i) Retire(*part);
     }
@@ -176,7 +182,7 @@ void Fleet::FollowPlan() {
   for (const WorldPlan& world : others) {
     m_plan.worlds.push_back(world);
     AddWorld(world);
-    isListNew = true;
+    isListNew = isListNew || !again.contains(world.name);
   }
   if (!isListNew && next->gateway == m_plan.gateway) return;
   for (Part& part : m_parts) {

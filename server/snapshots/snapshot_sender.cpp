@@ -137,9 +137,9 @@ void SnapshotSender::AddBody(const Pick& pick, const ShownBody& shown, const Enc
 }
 
 void SnapshotSender::SendPacket(Subscription& subscription) {
-  const std::uint64_t lost = subscription.sent.Lost();
   m_task.head.sequence = subscription.sent.RecordSent(m_task.now);
-  m_counts.packetsLost += subscription.sent.Lost() - lost;
+  m_counts.packetsLost += subscription.sent.Lost() - subscription.lossesCounted;
+  subscription.lossesCounted = subscription.sent.Lost();
   const std::span<const std::uint8_t> packet = m_packet.Finish(m_task.head);
   subscription.room.NoteSent(static_cast<double>(packet.size()) + kPacketOverheadBytes);
   if (m_transport.Send(m_task.connection, transport::Channel::kSnapshot, packet) == transport::SendResult::kQueued) {

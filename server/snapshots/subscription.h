@@ -41,6 +41,7 @@ class Subscription {
 
   std::vector<Interest> interests;  // one per shown body, by ascending id
   protocol::SentWindow sent;
+  std::uint64_t lossesCounted = 0;  // of sent.Lost(), in SendCounts::packetsLost
   LinkRoom room;
   bool isShort = false;   // in the last turn the budget left bodies out or made them coarser
   double credit = 0;      // bytes that may be sent; below zero after a record that just went over

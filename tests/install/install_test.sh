@@ -160,7 +160,7 @@ EOF
     inside dpkg --force-depends --remove wobble-server >"$folder/log" 2>&1 || { cat "$folder/log"; fail "a removal"; }
     grep -q 'stop wobbled.service wobble-gateway.service' "$folder/root/tmp/asked" || fail "services that are stopped"
     mkdir -p "$folder/root/var/lib/wobble"
-    inside dpkg --purge wobble-server >"$folder/log" 2>&1 || { cat "$folder/log"; fail "a purge"; }
+    inside dpkg --purge wobble-lab wobble-server >"$folder/log" 2>&1 || { cat "$folder/log"; fail "a purge"; }
     for left in etc/wobble var/lib/wobble etc/systemd/system/wobbled.service \
       etc/systemd/system/multi-user.target.wants/wobbled.service; do
       [ ! -e "$folder/root/$left" ] && [ ! -L "$folder/root/$left" ] || fail "/$left gone after a purge"

@@ -1015,7 +1015,7 @@ case_exports() {
   expect_refusal '^wobbled: .*match.wobrec is a recording or a state of wobble: must be another file$' \
     wobble export "$match" --output "$match"
   cmp "$match" "$folder/copy" || fail 'a recording that is as it was'
-  expect_refusal '^wobbled: --from nan: must be 0 to 1000000$' wobble export "$match" --output "$to" --from nan
+  expect_refusal '^wobbled: --from nan: must be 0 to 1000000, ' wobble export "$match" --output "$to" --from nan
   expect_refusal '^wobbled: --to 99: must be 0 to [0-9.]*, ' wobble export "$match" --output "$to" --to 99
   expect_refusal '^wobbled: --fps 0: must be 0.001 to 480$' wobble export "$match" --output "$to" --fps 0
   expect_refusal '^wobbled: --bodies -1: must be numbers of bodies' wobble export "$match" --output "$to" --bodies=-1

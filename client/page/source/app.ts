@@ -288,8 +288,9 @@ export class App {
     this.stage.Render();
   }
 
-  // Draws the sky while there is no world.
+  // Draws the sky while there is no world. The card says why, and nothing may lie over it.
   private Wait(seconds: number): void {
+    this.m_invite.Close();
     this.camera.Update(seconds, null, this.m_middle, this.m_spread);
     this.camera.Apply(this.stage.camera);
     this.m_hands.element.hidden = this.m_buildPanel.element.hidden = true;

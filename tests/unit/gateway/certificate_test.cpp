@@ -4,6 +4,7 @@
 #include <openssl/evp.h>
 #include <openssl/pem.h>
 #include <openssl/x509.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -16,7 +17,8 @@ constexpr std::time_t kBegin = 1'700'000'000;  // of the certificates, which hol
 
 class CertificateTest : public testing::Test {
  protected:
-  CertificateTest() : m_folder(std::filesystem::path(testing::TempDir()) / "certificate_test") {
+  CertificateTest()
+      : m_folder(std::filesystem::path(testing::TempDir()) / ("certificate_test_" + std::to_string(getpid()))) {
     std::filesystem::create_directories(m_folder);
   }
   ~CertificateTest() override { std::filesystem::remove_all(m_folder); }

@@ -106,11 +106,12 @@ TEST(WorldsFile, WhatIsSaidOfOneWorldWinsOverAllAndPathsAreFromTheFile) {
   EXPECT_EQ(file.worlds[0].port, 7800);
   EXPECT_EQ(file.worlds[1].port, 7801);
   EXPECT_FALSE(file.hasGateway);
-  EXPECT_THAT(OptionsOf(file, 0), ElementsAre("--bans=/var/one/bans", "--cache=/var/bases", "--max-clients=5",
-                                              "--password-file=/etc/wobble/door", "--scene=pair", "--state=/var/one"));
+  EXPECT_THAT(OptionsOf(file, 0),
+              ElementsAre("--bans=/var/one/bans", "--cache=/var/bases", "--max-clients=5",
+                          "--password-file=/etc/wobble/door", "--scene=pair", "--state=/var/one", "--name=one"));
   EXPECT_THAT(OptionsOf(file, 1),
               ElementsAre("--bans=/srv/two/bans", "--cache=/var/bases", "--max-clients=9", "--reset-when-empty=true",
-                          "--rotation=pair,/etc/wobble/my/own.toml", "--state=/srv/two"));
+                          "--rotation=pair,/etc/wobble/my/own.toml", "--state=/srv/two", "--name=two-b"));
 }
 
 TEST(WorldsFile, AVariableWinsInItsPlace) {

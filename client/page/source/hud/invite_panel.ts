@@ -47,6 +47,10 @@ export class InvitePanel {
     this.Show('');
   }
 
+  Close(): void {
+    this.element.close();
+  }
+
   // world: its name at the gateway.
   Update(world: string, welcome: Welcome): void {
     this.m_world = world;
