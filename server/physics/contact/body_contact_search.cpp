@@ -36,7 +36,10 @@ class SideSearch {
     const Vector3<Real> toCentre = m_search.skin->Centre() - m_meeting.shift;
     const Real apart = m_search.skin->Radius() + FindReach(m_velocity, m_search.vertices->Agitation());
     const Real farthest = apart + m_search.vertices->Radius();
-    if ((m_search.vertices->Centre() - toCentre).squaredNorm() > farthest * farthest) return {};
+    const Real square = farthest * farthest;
+    // A body that is behind an open skin is looked at however far it has come. Beyond what numbers of this precision
+    // hold nothing is near: the points that fill up the last lanes would be, too.
+    if (!((m_search.vertices->Centre() - toCentre).squaredNorm() <= square) || std::isinf(square)) return {};
     NearRegion<Real> region;
     for (int axis = 0; axis < 3; ++axis) {
       region.low[axis] = m_search.near.low[axis] - m_meeting.shift[axis];
