@@ -76,7 +76,8 @@ void KeyframeIndex::Make() {
     const std::lock_guard lock(m_mutex);
     m_keyframes[replay.Tick()] = std::move(packed);
   } while (!m_isStopped && replay.Advance());
-  if (!m_isStopped) Keep(recording);
+  // A stop comes too late once all is made.
+  if (!m_isStopped || m_madeUpTo == recording.LastTick()) Keep(recording);
 }
 
 // A recording in a folder that cannot be written is indexed anew each time.
