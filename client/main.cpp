@@ -44,19 +44,6 @@ void InstallSignals() {
 
 bool IsStopAsked() { return g_stopAsked; }
 
-// Without it an empty word, as of a script's unset variable, would mean that the option is not given. The words of
-// orders may be empty.
-void RefuseEmptyWords(CLI::App& command) {
-  command.parse_complete_callback([&command] {
-    for (const CLI::Option* option : command.get_options()) {
-      if (option->get_positional()) continue;
-      for (const std::string& word : option->results()) {
-        if (word.empty()) throw CLI::ValidationError(option->get_name(), "must not be empty");
-      }
-    }
-  });
-}
-
 int Run(int argc, char** argv) {
   CLI::App app("wobble: tools for players and testers of wobbled, the server for soft bodies");
   // 0, since no command is refused below: CLI11 would report that even when an unknown option is the fault.
@@ -70,7 +57,7 @@ int Run(int argc, char** argv) {
   app.set_version_flag("--version", version);
   for (const command::Command& each : commands) {
     each.words->set_version_flag("--version", version);
-    RefuseEmptyWords(*each.words);
+    usage::RefuseEmptyWords(*each.words);
   }
   app.footer("Examples:\n  wobble play --for 20\n  wobble bots --help");
   app.name("wobble");

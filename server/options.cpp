@@ -4,6 +4,7 @@
 
 #include <charconv>
 
+#include "protocol/usage/command_line.h"
 #include "protocol/usage/duration.h"
 #include "protocol/version.h"
 
@@ -48,17 +49,6 @@ CLI::Option* AddDuration(CLI::App& app, const char* name, double& value, const c
   return app.add_option_function<std::string>(name, read, description)
       ->type_name("DURATION")
       ->default_str(fmt::format("{}", value));
-}
-
-// Without it an empty word, as of a script's unset variable, would mean that the option is not given.
-void RefuseEmptyWords(CLI::App& app) {
-  app.parse_complete_callback([&app] {
-    for (const CLI::Option* option : app.get_options()) {
-      for (const std::string& word : option->results()) {
-        if (word.empty()) throw CLI::ValidationError(option->get_name(), "must not be empty");
-      }
-    }
-  });
 }
 
 }  // namespace
@@ -248,7 +238,7 @@ void DescribeOptions(CLI::App& app, Options& options) {
   app.add_option("--list-recordings", options.listFolder,
                  "List the recordings of a folder, the newest first: a line of JSON each")
       ->type_name("FOLDER");
-  RefuseEmptyWords(app);
+  usage::RefuseEmptyWords(app);
   app.footer(
       "Examples:\n"
       "  wobbled                                  the arena on port 7777\n"

@@ -78,6 +78,17 @@ std::vector<std::string> AddEnvironment(CLI::App& command, std::vector<std::stri
   return arguments;
 }
 
+void RefuseEmptyWords(CLI::App& command) {
+  command.parse_complete_callback([&command] {
+    for (const CLI::Option* option : command.get_options()) {
+      if (option->get_positional()) continue;
+      for (const std::string& word : option->results()) {
+        if (word.empty()) throw CLI::ValidationError(option->get_name(), "must not be empty");
+      }
+    }
+  });
+}
+
 void Parse(CLI::App& app, std::vector<std::string> arguments) {
   std::ranges::reverse(arguments);  // as CLI11 wants them
   app.parse(std::move(arguments));

@@ -22,6 +22,10 @@ CLI::Option* AddDuration(CLI::App& command, const std::string& name, double& sec
 // the result.
 [[nodiscard]] std::vector<std::string> AddEnvironment(CLI::App& command, std::vector<std::string> arguments);
 
+// Lets no option of the command take an empty word, which, as of a script's unset variable, would mean that the option
+// is not given. Positional words, such as those of orders, may be empty.
+void RefuseEmptyWords(CLI::App& command);
+
 // As app.parse(argc, argv), of arguments without the program's name.
 void Parse(CLI::App& app, std::vector<std::string> arguments);
 
