@@ -22,7 +22,7 @@ bool IsFree(const std::string& address, std::uint16_t port, std::string& error) 
   hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV | AI_PASSIVE;
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
-  // What is no address the program that listens says in its own words.
+  // The program that listens itself refuses what is no address.
   if (port == 0 || getaddrinfo(address.c_str(), std::to_string(port).c_str(), &hints, &found) != 0) return true;
   const int descriptor = socket(found->ai_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
   const int on = 1;  // connections that have just ended do not count

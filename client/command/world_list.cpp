@@ -1,4 +1,5 @@
-// What strangers wrote is shown to others: it is kept short, and of a URL only what a browser opens as a page passes.
+// The page shows to everybody what strangers wrote: texts are kept short, and only URLs that a browser opens as a page
+// pass.
 #include "client/command/world_list.h"
 
 #include <algorithm>
@@ -101,7 +102,7 @@ std::optional<std::vector<ListedWorld>> ParseWorldList(std::string_view text, st
     error = "has more than " + std::to_string(kMaxListBytes / 1024) + " KiB";
     return std::nullopt;
   }
-  // What lies deeper than a list's own fields is left out: a text of brackets alone is 256 Ki deep.
+  // The parser leaves out all that lies deeper than a list's own fields: a text of brackets alone is 256 Ki deep.
   constexpr int kMostDepth = 8;
   const json root = json::parse(
       text, [](int depth, json::parse_event_t, json&) { return depth <= kMostDepth; }, false);

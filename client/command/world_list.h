@@ -1,11 +1,10 @@
 // Lists of worlds elsewhere: a file in JSON that anybody can write and any web server can serve.
 //
-//   {"version": 1, "worlds": [{"name": "Ada's", "page": "https://play.example.org/", "address":
-//   "play.example.org:7777",
-//                              "scene": "arena"}]}
+//   {"version": 1, "worlds": [
+//     {"name": "Ada's", "page": "https://play.example.org/", "address": "play.example.org:7777", "scene": "arena"}]}
 //
-// `name` and one of `page` (for browsers) and `address` (for programs) are required. What else there is is ignored, so
-// that later versions may have more.
+// `name` and one of `page` (for browsers) and `address` (for programs) are required. Other fields are ignored,
+// so that later versions may have more.
 #pragma once
 
 #include <cstddef>
