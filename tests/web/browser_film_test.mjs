@@ -57,6 +57,9 @@ test('recordings are chosen, watched and wound in the page', async () => {
     (await panel.getByRole('button', { name: 'Speed 0.25' }).getAttribute('aria-pressed')) === 'true');
   await press(panel, 'Five seconds on');
   await waitFor('the end', async () => (await place()).startsWith('0:02'));
+  // Only then does the button mean "play": what it means is what the page was told last.
+  const toggle = panel.getByRole('button', { name: 'Play or pause', exact: true });
+  await waitFor('the pause at the end', async () => (await toggle.textContent()) === 'play');
   await press(panel, 'Speed -1');
   await press(panel, 'Play or pause');
   await waitFor('the beginning', async () => (await place()).startsWith('0:00'));
