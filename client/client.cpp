@@ -76,6 +76,7 @@ struct Client::Implementation {
   State state = State::kConnecting;
   std::string endReason;
   bool mayRejoin = false;  // once it has ended
+  bool wasSentAway = false;
   bool leaving = false;
   double leaveDeadline = 0;
   double startedAt = 0;
@@ -197,6 +198,7 @@ void Client::Leave(double now) {
 State Client::ReadState() const { return m->state; }
 const std::string& Client::EndReason() const { return m->endReason; }
 bool Client::EndedUnasked() const { return m->state == State::kEnded && !m->leaving; }
+bool Client::WasSentAway() const { return m->wasSentAway; }
 bool Client::MayRejoin() const { return m->mayRejoin; }
 bool Client::IsCompleting() const { return m->state != State::kEnded && m->blueprints.IsCompleting(); }
 const protocol::WelcomeFields& Client::Welcome() const { return m->welcome; }
@@ -316,7 +318,9 @@ void Client::Implementation::HandleControl(std::span<const std::uint8_t> bytes) 
   }
   bool inPlace = true;
   if (const auto* goodbye = message->body_as_Goodbye()) {
-    End(leaving ? "left" : DescribeGoodbye(*goodbye), IsPassing(goodbye->reason()));
+    const wire::GoodbyeReason reason = goodbye->reason();
+    wasSentAway = !leaving && (reason == wire::GoodbyeReason::Kicked || reason == wire::GoodbyeReason::Banned);
+    End(leaving ? "left" : DescribeGoodbye(*goodbye), IsPassing(reason));
   } else if (const auto* fields = message->body_as_Welcome()) {
     inPlace = HandleWelcome(*fields);
   } else if (const auto* next = message->body_as_NextScene()) {

@@ -196,6 +196,9 @@ class Client {
   // True when it has ended without a Leave.
   [[nodiscard]] bool EndedUnasked() const;
 
+  // True when it has ended because somebody in charge kicked or banned this client.
+  [[nodiscard]] bool WasSentAway() const;
+
   // Whether a new connection may fare better than the one that has ended: it was lost, or the server was restarted, was
   // closing, full or busy. False after Leave, where the server does not want this client, and over a link too poor.
   // lasting_client.h joins again by itself.

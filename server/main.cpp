@@ -11,39 +11,29 @@
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
-#include <set>
 #include <thread>
 
 #include "protocol/transport/enet_transport.h"
 #include "protocol/transport/vestibule/key_file.h"
-#include "protocol/transport/vestibule/secret_file.h"
 #include "protocol/usage/command_line.h"
 #include "protocol/usage/terminal.h"
 #include "protocol/version.h"
-#include "server/admin/admin_http.h"
-#include "server/admin/admin_socket.h"
-#include "server/admin/rcon_listener.h"
 #include "server/admission/open_gate.h"
-#include "server/admission/refusal_log.h"
-#include "server/discovery/announcement.h"
-#include "server/discovery/teller.h"
-#include "server/ops/agones.h"
-#include "server/ops/endpoint.h"
-#include "server/ops/fleet_duty.h"
 #include "server/ops/log_format.h"
-#include "server/ops/service_notices.h"
-#include "server/ops/trace.h"
-#include "server/options.h"
-#include "server/replaying.h"
+#include "server/program/options.h"
+#include "server/program/order_doors.h"
+#include "server/program/replaying.h"
+#include "server/program/scene_choice.h"
+#include "server/program/watchers.h"
 #include "server/scenes/loader.h"
 #include "server/server.h"
-#include "server/summary.h"
-#include "server/training/basis_shelf.h"
 
 namespace {
 
 using namespace wobble;
+using server::Complain;
 using server::Options;
+using server::Watchers;
 namespace vestibule = transport::vestibule;
 
 constexpr int kBadUsage = 2;
@@ -73,10 +63,6 @@ double ReadClock() {
   return 0;
 }
 
-void Complain(const Options& options, const std::vector<std::string>& errors) {
-  for (const std::string& error : errors) fmt::print(stderr, "wobbled: {}\n", options.nameVariables(error));
-}
-
 // Returns false after it has said which option cannot be used.
 bool StartLogger(const Options& options) {
   const auto level = spdlog::level::from_str(options.logLevel == "warn" ? "warning" : options.logLevel);
@@ -94,92 +80,6 @@ bool StartLogger(const Options& options) {
   spdlog::set_formatter(ops::MakeLogFormatter(*format));
   return true;
 }
-
-// Prints a line of figures every few seconds; on a terminal each overwrites the one before.
-class StatusLine {
- public:
-  // every: s; 0: never.
-  explicit StatusLine(double every) : m_every(every), m_isTerminal(isatty(STDOUT_FILENO) == 1) {}
-
-  void Update(const server::Server& server, const server::TickTimes& times, double now) {
-    if (m_every <= 0 || now < m_next) return;
-    m_next = now + m_every;
-    const std::uint64_t bytes = server.ReadTransport().bytesOut;
-    const auto rate = static_cast<std::uint64_t>(static_cast<double>(bytes - m_lastBytes) / m_every);
-    m_lastBytes = bytes;
-    const std::string line = server::MakeStatusLine(server, times, now, rate);
-    fmt::print("{}{}{}", m_isTerminal ? "\r\x1b[K" : "", line, m_isTerminal ? "" : "\n");
-    std::fflush(stdout);
-  }
-  void Finish() const {
-    if (m_every > 0 && m_isTerminal) fmt::print("\n");
-  }
-
- private:
-  double m_every;
-  bool m_isTerminal;
-  double m_next = 0;
-  std::uint64_t m_lastBytes = 0;
-};
-
-// Everything that observes the ticks. All but `times` are optional.
-struct Watchers {
-  explicit Watchers(const Options& options)
-      : times(1.0 / options.config.tickHz), status(options.statusEvery), gauge(options.config) {}
-
-  // Call it after each call of Server::Tick. now: s.
-  void Watch(const server::Server& server, double now) {
-    notices.TellAlive(now);
-    WatchFiles(server);
-    for (const server::PhaseTimes& tick : server.LastTicks()) times.Record(tick.Sum());
-    refusals.Follow(server.ReadTransport(), now);
-    if (teller) teller->Update(server, now);
-    if (trace) trace->Write(server.LastTicks(), server.ShownTick());
-    if (endpoint != nullptr) {
-      gauge.Read(server, now);
-      endpoint->Tell(gauge.ReadFigures());
-    }
-    if (agones) {
-      server.ListPlaying(playing);
-      agones->Want(duty.Follow({.now = now,
-                                .acceptsJoins = server.AcceptsJoins(),
-                                .isMatchOver = server.IsMatchOver(),
-                                .isClosing = server.IsClosing(),
-                                .players = playing}));
-    }
-    status.Update(server, times, now);
-  }
-
-  // Says when a recording is broken off, and when the state cannot be kept for the first time.
-  void WatchFiles(const server::Server& server) {
-    if (const recording::Recorder* recorder = server.ReadRecorder()) {
-      const std::uint64_t failures = recorder->Counts().failures;
-      if (failures > recordingFailures) spdlog::warn("--record: {}; tried again every 10 s", recorder->Error());
-      recordingFailures = failures;
-    }
-    if (const recording::Checkpoints* checkpoints = server.ReadCheckpoints()) {
-      const std::uint64_t failures = checkpoints->Failures();
-      if (failures > 0 && stateFailures == 0)
-        spdlog::error("--state: {}; tried again every second", checkpoints->Error());
-      stateFailures = failures;
-    }
-  }
-
-  std::uint64_t recordingFailures = 0;
-  std::uint64_t stateFailures = 0;
-  server::TickTimes times;
-  StatusLine status;
-  admission::RefusalLog refusals;
-  ops::ServiceNotices notices = ops::ServiceNotices::FromEnvironment();
-  std::optional<discovery::Teller> teller;
-  std::unique_ptr<discovery::Announcement> announcement;
-  std::unique_ptr<ops::Endpoint> endpoint;
-  ops::Gauge gauge;  // read only while there is an endpoint
-  std::optional<ops::Trace> trace;
-  std::optional<ops::Agones> agones;
-  ops::FleetDuty duty;
-  std::vector<server::ClientId> playing;  // scratch
-};
 
 // SIGHUP: a terminal that is closed ends its server, with a goodbye. Else files that others have changed are read
 // again.
@@ -297,150 +197,6 @@ std::optional<vestibule::Key> ChooseKey(const Options& options) {
   return key;
 }
 
-struct RconDoor {
-  ops::Address address;
-  std::string password;
-};
-
-// Of --rcon. nullopt with one line in `error`, the option in it.
-std::optional<RconDoor> ReadRconDoor(const Options& options, std::string& error) {
-  RconDoor door;
-  if (options.rcon.empty()) {
-    error = "--rcon must be given with --rcon-password-file";
-  } else if (options.rconPasswordFile.empty()) {
-    error = "--rcon " + options.rcon + ": there is no password (see --rcon-password-file)";
-  } else if (!ops::ParseAddress(options.rcon, door.address, error)) {
-    error = "--rcon " + error;
-  } else if (const auto password = vestibule::ReadSecret(options.rconPasswordFile, error)) {
-    door.password = *password;
-    return door;
-  } else {
-    error = "--rcon-password-file: " + error;
-  }
-  return {};
-}
-
-// The orders that come from outside the game.
-struct Administration {
-  admin::OrderQueue queue;
-  std::unique_ptr<admin::AdminSocket> socket;
-  std::unique_ptr<ops::HttpListener> http;
-  std::unique_ptr<admin::RconListener> rcon;
-
-  // Returns false after it has reported what failed.
-  bool Start(const Options& options, const admission::Gate& gate) {
-    std::string error;
-    if (!options.adminSocket.empty()) {
-      socket = admin::AdminSocket::Listen(options.adminSocket, queue, error);
-      if (socket == nullptr) return Complain(options, {"--admin-socket " + error}), false;
-    }
-    if (!options.adminHttp.empty() && !StartHttp(options, gate)) return false;
-    return (options.rcon.empty() && options.rconPasswordFile.empty()) || StartRcon(options);
-  }
-
-  bool StartHttp(const Options& options, const admission::Gate& gate) {
-    std::string error;
-    ops::Address address;
-    if (!gate.OwnerKey()) {
-      error = options.adminHttp + ": there is no owner's key (see --owner-key)";
-    } else if (ops::ParseAddress(options.adminHttp, address, error)) {
-      http = admin::ListenForOrders(address, *gate.OwnerKey(), queue, error);
-    }
-    if (http == nullptr) return Complain(options, {"--admin-http " + error}), false;
-    fmt::print("orders on TCP port {} of {}\n", http->ReadPort(), address.host);
-    if (!ops::IsThisMachine(address)) {
-      spdlog::warn("--admin-http {}: other machines reach it, and what is sent, the owner's key too, is not encrypted",
-                   options.adminHttp);
-    }
-    return true;
-  }
-
-  bool StartRcon(const Options& options) {
-    std::string error;
-    const auto door = ReadRconDoor(options, error);
-    if (!door) return Complain(options, {error}), false;
-    rcon = admin::RconListener::Listen(door->address, door->password, queue, error);
-    if (rcon == nullptr) return Complain(options, {"--rcon " + error}), false;
-    fmt::print("RCON on TCP port {} of {}\n", rcon->ReadPort(), door->address.host);
-    if (!ops::IsThisMachine(door->address)) {
-      spdlog::warn("--rcon {}: other machines reach it, and what is sent, the password too, is not encrypted",
-                   options.rcon);
-    }
-    return true;
-  }
-};
-
-// The scene, or all of the rotation. Mistakes are in options.errors.
-std::vector<scenes::LoadResult> LoadScenes(Options& options) {
-  if (options.rotation.size() == 1) {
-    options.errors.push_back("--rotation " + options.rotation.front() + ": must be two scenes or more");
-  }
-  if (options.config.afterMatch == server::AfterMatch::kNext && options.rotation.empty()) {
-    options.errors.emplace_back("--after-match next: --rotation must say which scenes follow");
-  }
-  if (!options.rotation.empty()) {
-    options.scene = options.rotation.front();
-    if (!options.hasAfterMatch) options.config.afterMatch = server::AfterMatch::kNext;
-  }
-  std::vector<std::string> names = options.rotation;
-  if (names.empty()) names.push_back(options.scene);
-  std::vector<scenes::LoadResult> loaded;
-  std::set<std::string> known;
-  for (const std::string& name : names) {
-    const auto& [scene, source, errors] = loaded.emplace_back(scenes::LoadScene(name, scenes::FindShippedScenes()));
-    options.errors.insert(options.errors.end(), errors.begin(), errors.end());
-    if (errors.empty() && !known.insert(scene.name).second) {
-      options.errors.push_back("--rotation " + name + ": a scene of this name is in it already");
-    }
-  }
-  return loaded;
-}
-
-// Every scene with its bases, which are trained one scene after another unless the cache has them.
-std::vector<server::RotationScene> TrainScenes(const Options& options, std::vector<scenes::LoadResult> loaded) {
-  std::vector<server::RotationScene> trained;
-  for (scenes::LoadResult& each : loaded) {
-    if (loaded.size() > 1) {
-      spdlog::info("scene {} of {}: {}", trained.size() + 1, loaded.size(), each.scene.name);
-    }
-    std::vector<server::Bases> bases;
-    if (!options.isUntrained) bases = server::LoadBases(each.scene, options.cacheFolder, options.config.threads);
-    trained.push_back({.scene = std::move(each.scene), .source = std::move(each.source), .bases = std::move(bases)});
-  }
-  return trained;
-}
-
-// Every mistake that can be seen without starting anything.
-std::vector<std::string> FindMistakes(const Options& options, const std::vector<scenes::LoadResult>& loaded) {
-  std::vector<std::string> mistakes = options.errors;
-  if (const std::string fault = discovery::FindFault(options.name); !fault.empty()) {
-    mistakes.push_back("--name " + options.name + ": " + fault);
-  }
-  if (options.isAnnounced && ops::IsThisMachine({.host = options.bind})) {
-    mistakes.push_back("--announce: nobody else reaches --bind " + options.bind);
-  }
-  const auto add = [&mistakes](const std::vector<std::string>& more) {
-    mistakes.insert(mistakes.end(), more.begin(), more.end());
-  };
-  // Of scenes that were not read nothing can be said.
-  if (mistakes.empty()) {
-    std::vector<scenes::Scene> all;
-    for (const scenes::LoadResult& each : loaded) all.push_back(each.scene);
-    add(server::Validate(options.config, all));
-  }
-  if (!options.isCheck) return mistakes;
-  add(admission::FindMistakes(options.gate));
-  std::string fault;
-  const bool wantsRcon = !options.rcon.empty() || !options.rconPasswordFile.empty();
-  if (wantsRcon && !ReadRconDoor(options, fault)) mistakes.push_back(fault);
-  for (const auto& [option, text] : {std::pair("--ops ", options.ops), std::pair("--admin-http ", options.adminHttp)}) {
-    ops::Address address;
-    std::string error;
-    if (!text.empty() && !ops::ParseAddress(text, address, error)) mistakes.push_back(option + error);
-  }
-  return mistakes;
-}
-
 // What is missing in the recordings, once they have ended.
 void TellLost(const server::Server& server, int tickHz) {
   const recording::Recorder* recorder = server.ReadRecorder();
@@ -468,9 +224,9 @@ int RunServer(Options options, bool hadTerminal) {
     loaded.push_back(scenes::ParseScene(film->ReadHead().scene));
     options.errors.insert(options.errors.end(), loaded.front().errors.begin(), loaded.front().errors.end());
   } else {
-    loaded = LoadScenes(options);
+    loaded = server::LoadScenes(options);
   }
-  if (const auto errors = FindMistakes(options, loaded); !errors.empty()) {
+  if (const auto errors = server::FindMistakes(options, loaded); !errors.empty()) {
     Complain(options, errors);
     return kBadUsage;
   }
@@ -507,8 +263,8 @@ int RunServer(Options options, bool hadTerminal) {
   WarnOfOpenFiles(options);
   listen.judge = gate;
   if (!options.isHidden) listen.pictures = std::make_shared<vestibule::PictureSlot>();
-  Administration administration;
-  if (!administration.Start(options, *gate)) return kBadUsage;
+  server::OrderDoors doors;
+  if (!doors.Open(options, *gate)) return kBadUsage;
   auto transport = transport::EnetTransport::Listen(listen, error);
   if (transport == nullptr) {
     Complain(options, {error});
@@ -517,7 +273,7 @@ int RunServer(Options options, bool hadTerminal) {
   const std::uint16_t port = transport->ReadPort();
   const std::string publicKey = vestibule::FormatKey(transport->ReadServerKey());
 
-  std::vector<server::RotationScene> trained = TrainScenes(options, std::move(loaded));
+  std::vector<server::RotationScene> trained = server::TrainScenes(options, std::move(loaded));
   std::vector<scenes::SceneSource> sources;
   for (const server::RotationScene& each : trained) sources.push_back(each.source);
   server::Server server(options.config, trained.front().scene, std::move(transport), ReadClock(), trained.front().bases,
@@ -546,7 +302,7 @@ int RunServer(Options options, bool hadTerminal) {
   std::fflush(stdout);
   watchers.notices.TellReady();
   if (sidecar != 0) watchers.agones.emplace(sidecar);
-  Run({server, *gate}, options, administration.queue, watchers, hadTerminal);
+  Run({server, *gate}, options, doors.queue, watchers, hadTerminal);
   const std::string summary = server::MakeSummary(server, watchers.times);
   CloseDown(server, watchers);
   server.EndRecording();

@@ -96,11 +96,13 @@ void Report(const Figures& figures, const std::vector<Verdict>& verdicts) {
   const auto count = [](std::uint64_t value) { return std::to_string(value); };
   const std::string joins = figures.joins > figures.connected ? " (" + count(figures.joins) + " joins)" : "";
   const std::string rejoins = figures.rejoins > 0 ? ", " + count(figures.rejoins) + " rejoins" : "";
+  const std::string sentAway = figures.sentAway > 0 ? ", " + count(figures.sentAway) + " sent away" : "";
   std::printf(
-      "%s of %s bots connected%s, %s disconnects%s, %s script errors, %s each, snapshots %s old (p50), %s (p99)\n",
+      "%s of %s bots connected%s, %s disconnects%s%s, %s script errors, %s each, snapshots %s old (p50), %s (p99)\n",
       count(figures.connected).c_str(), count(figures.bots).c_str(), joins.c_str(), count(figures.disconnects).c_str(),
-      rejoins.c_str(), count(figures.scriptErrors).c_str(), FormatFigure(figures.kbitPerSecondPerBot, "kbit/s").c_str(),
-      FormatFigure(figures.snapshotAgeMsP50, "ms").c_str(), FormatFigure(figures.snapshotAgeMsP99, "ms").c_str());
+      rejoins.c_str(), sentAway.c_str(), count(figures.scriptErrors).c_str(),
+      FormatFigure(figures.kbitPerSecondPerBot, "kbit/s").c_str(), FormatFigure(figures.snapshotAgeMsP50, "ms").c_str(),
+      FormatFigure(figures.snapshotAgeMsP99, "ms").c_str());
   for (const Verdict& verdict : verdicts) {
     std::printf("threshold %s: %s, ", verdict.rule.c_str(), verdict.ok ? "holds" : "FAILED");
     if (verdict.value) {

@@ -84,6 +84,7 @@ void Player::NoteEnd(double now) {
     m_state = State::kAway;
     return;
   }
+  m_wasSentAway = m_client->WasSentAway();
   const bool answered = m_transport->ReadStatistics().bytesIn > 0;
   const std::string reason = answered ? m_client->EndReason() : "";
   m_plan.NoteEnd(now, m_client->MayRejoin());

@@ -51,6 +51,8 @@ class Player {
   [[nodiscard]] State ReadState() const { return m_state; }
   // Null in kAway and kLost, and in kRejoining while it waits.
   [[nodiscard]] client::Client* Client() { return m_client.get(); }
+  // Whether somebody in charge kicked or banned it; then it is in kLost.
+  [[nodiscard]] bool WasSentAway() const { return m_wasSentAway; }
   // Why it was lost, or cut off last. Empty: the server never answered.
   [[nodiscard]] const std::string& LossReason() const { return m_lossReason; }
   // To come back with: of the connection before.
@@ -86,6 +88,7 @@ class Player {
   client::Options m_options;
   OnSnapshot m_onSnapshot;
   State m_state = State::kAway;
+  bool m_wasSentAway = false;
   std::unique_ptr<client::Client> m_client;
   const transport::Transport* m_transport = nullptr;  // owned by m_client
   std::string m_lossReason;

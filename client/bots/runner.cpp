@@ -209,7 +209,7 @@ std::optional<std::string> Runner::FindLoss() const {
     const auto state = bot->player.ReadState();
     if (state == Player::State::kPlaying || state == Player::State::kJoining) return {};
     const bool isLost = state == Player::State::kLost || state == Player::State::kRejoining;
-    if (isLost && !bot->dismissed && !loss) loss = bot->player.LossReason();
+    if (isLost && !bot->dismissed && !bot->player.WasSentAway() && !loss) loss = bot->player.LossReason();
   }
   return loss;
 }
@@ -241,13 +241,15 @@ Figures Runner::ReadFigures() const {
   double seconds = 0;
   for (const auto& bot : m_bots) {
     const Player::Totals totals = bot->player.ReadTotals();
+    const bool isSentAway = bot->player.WasSentAway();
     // A bot that has come back counts as lost all the same.
-    const bool isLost = bot->player.ReadState() == Player::State::kLost || totals.cuts > 0;
+    const bool isLost = (bot->player.ReadState() == Player::State::kLost && !isSentAway) || totals.cuts > 0;
     ++figures.bots;
     figures.connected += totals.joins > 0 ? 1 : 0;
     figures.joins += totals.joins;
     figures.rejoins += totals.rejoins;
     figures.disconnects += isLost || (totals.joins == 0 && !bot->dismissed) ? 1 : 0;
+    figures.sentAway += isSentAway ? 1 : 0;
     figures.scriptErrors += bot->scriptFailed ? 1 : 0;
     figures.snapshots += totals.snapshots;
     figures.stalls += totals.stalls;

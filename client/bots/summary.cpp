@@ -67,6 +67,7 @@ std::vector<NamedFigure> ListFigures(const Figures& figures) {
       {"joins", count(figures.joins)},
       {"join_ms_p99", figures.joinMsP99},
       {"disconnects", count(figures.disconnects)},
+      {"sent_away", count(figures.sentAway)},
       {"rejoins", count(figures.rejoins)},
       {"rejoin_ms_p99", figures.rejoinMsP99},
       {"snapshots", count(figures.snapshots)},

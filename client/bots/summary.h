@@ -16,6 +16,7 @@ struct Figures {
   std::uint64_t joins = 0;        // how often a bot reached play; exceeds connected when bots come again
   std::uint64_t rejoins = 0;      // of these, how often a bot that was cut off came back by itself
   std::uint64_t disconnects = 0;  // bots that were cut off, whether or not they came back, or never reached play
+  std::uint64_t sentAway = 0;     // bots that were kicked or banned; not in disconnects
   std::uint64_t snapshots = 0;    // snapshot packets, over all bots
   std::uint64_t stalls = 0;  // how often a shown body had to be held at its last pose; measured by decoding bots only
   std::uint64_t scriptErrors = 0;

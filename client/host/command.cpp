@@ -112,7 +112,7 @@ command::Command DescribeHost(CLI::App& app) {
       "server/HOSTING.md in the sources has all keys.\n"
       "Exit code: 0 nothing failed (what died and came back has not), 1 something did, 2 the file, a variable or a "
       "port\n"
-      "is unusable; then nothing was started.\n"
+      "is unusable; then nothing is left running.\n"
       "Examples:\n"
       "  wobble host                        the worlds that are shipped\n"
       "  wobble host worlds.toml --check\n"

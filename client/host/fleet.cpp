@@ -21,8 +21,8 @@
 #include "client/command/clock.h"
 #include "client/command/exit_codes.h"
 #include "client/command/show_page.h"
-#include "client/command/sockets.h"
 #include "client/host/part.h"
+#include "client/host/ports.h"
 #include "client/host/report.h"
 #include "client/host/screen.h"
 #include "client/host/summary.h"
@@ -99,10 +99,9 @@ int Fleet::Run() {
     std::fprintf(stderr, "%s: no temporary folder can be made\n", m_plan.command.c_str());
     return command::kExitFailed;
   }
-  // Found before anything starts: the gateway itself is started when the worlds are ready.
-  std::string error;
-  if (m_plan.gateway && !command::IsFree(m_plan.gateway->bindAddress, m_plan.gateway->port, error)) {
-    std::fprintf(stderr, "%s: the page's %s\n", m_plan.command.c_str(), error.c_str());
+  // Before anything starts: the gateway itself is started when the worlds are ready.
+  if (const std::string taken = FindTakenPort(m_plan); !taken.empty()) {
+    std::fprintf(stderr, "%s: %s\n", m_plan.command.c_str(), taken.c_str());
     return command::kExitBadUse;
   }
   for (const WorldPlan& world : m_plan.worlds) AddWorld(world);

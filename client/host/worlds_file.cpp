@@ -13,6 +13,7 @@
 #include <sstream>
 
 #include "client/host/keys.h"
+#include "client/host/ports.h"
 #include "protocol/usage/capitals.h"
 #include "protocol/usage/likeness.h"
 
@@ -188,7 +189,7 @@ void ChoosePorts(WorldsFile& file, Mistakes& mistakes) {
 
 // What no two worlds may share.
 void FindClashes(const WorldsFile& file, Mistakes& mistakes) {
-  for (const char* name : {"state", "admin_socket", "admin_http", "ops", "trace", "invites", "bans"}) {
+  for (const char* name : {"state", "admin_socket", "trace", "invites", "bans"}) {
     std::map<std::string, const World*> taken;
     for (const World& world : file.worlds) {
       const auto value = world.own.find(name);
@@ -317,6 +318,7 @@ WorldsFile ParseWorlds(const std::string& text, const fs::path& path, const Envi
   }
   ChoosePorts(file, mistakes);
   FindClashes(file, mistakes);
+  for (std::string& clash : FindPortClashes(file)) mistakes.Add(std::move(clash));
   FindLockedOutBots(file, mistakes);
   FindStrayVariables(file, environment, mistakes);
   file.errors = mistakes.Take();
@@ -326,18 +328,21 @@ WorldsFile ParseWorlds(const std::string& text, const fs::path& path, const Envi
 WorldsFile LoadWorlds(const fs::path& path, const Environment& environment) {
   WorldsFile failed;
   std::error_code error;
+  if (!fs::exists(path, error)) {
+    failed.errors = {path.string() + ": there is no such file"};
+    return failed;
+  }
   if (!fs::is_regular_file(path, error) || fs::file_size(path, error) > kMostBytes || error) {
     failed.errors = {path.string() + ": must be a file of at most 1 MiB"};
     return failed;
   }
   std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (!stream || !text) {
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream.is_open() || stream.bad()) {
     failed.errors = {path.string() + ": cannot be read"};
     return failed;
   }
-  return ParseWorlds(text.str(), path, environment);
+  return ParseWorlds(text, path, environment);
 }
 
 }  // namespace wobble::host

@@ -20,6 +20,11 @@ struct NetAddress {
     constexpr std::array<std::uint8_t, 12> kMapped{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF};
     return std::equal(kMapped.begin(), kMapped.end(), ip.begin());
   }
+  // Of this machine itself: 127.0.0.0/8 or ::1.
+  [[nodiscard]] bool IsLoopback() const {
+    constexpr std::array<std::uint8_t, 16> kSelf{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1};
+    return IsIpv4() ? ip[12] == 127 : ip == kSelf;
+  }
 };
 
 // The part of an address that one household or one rented machine shares: the /24 of an IPv4 address, the /64 of an

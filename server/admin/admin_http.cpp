@@ -25,7 +25,7 @@ std::unique_ptr<ops::HttpListener> ListenForOrders(const ops::Address& address, 
     if (!IsOwner(request.authorization, ownerKey)) return {.status = 401, .body = "the owner's key is asked for\n"};
     if (request.target != "/orders") return {.status = 404, .body = "orders are posted to /orders\n"};
     if (request.method != "POST") return {.status = 405, .body = "orders are posted\n"};
-    const Answer done = queue.Ask(request.body, kAnswerPatience);
+    const Answer done = queue.Ask(request.body, "the administration by HTTP", kAnswerPatience);
     std::string text = done.isDone ? "ok\n" : "no\n";
     for (const std::string& line : done.lines) text += line + "\n";
     return {.body = text};

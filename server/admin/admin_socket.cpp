@@ -107,7 +107,7 @@ void AdminSocket::Run() {
 void AdminSocket::Serve(int connection) {
   std::string line;
   if (!ReadLine(connection, line)) return;
-  const Answer answer = m_queue.Ask(std::move(line), kPatience);
+  const Answer answer = m_queue.Ask(std::move(line), "the administration", kPatience);
   std::string text = answer.isDone ? "ok\n" : "no\n";
   for (const std::string& each : answer.lines) text += each + "\n";
   const timeval patience{.tv_sec = 2, .tv_usec = 0};

@@ -94,8 +94,14 @@ std::optional<Ban> TakeSubject(Order& order, Answer& refusal) {
   Ban ban;
   ban.account = player->admission.account;
   ban.address = player->admission.from;
-  if (ban.account != 0 || ban.address.ip != transport::NetAddress{}.ip) return ban;
-  refusal = Refuse("its address is not known");
+  const bool hasAddress = ban.address.ip != transport::NetAddress{}.ip;
+  if (ban.account != 0 || (hasAddress && !ban.address.IsLoopback())) return ban;
+  const std::string address = transport::FormatIp(ban.address);
+  refusal = Refuse(hasAddress ? player->name +
+                                    " comes from this machine itself, as do bots of this machine and browsers "
+                                    "behind a gateway without a key: kick it, or ban " +
+                                    address + " to keep out all of them"
+                              : "its address is not known");
   return {};
 }
 

@@ -14,14 +14,13 @@ namespace wobble::admin {
 
 class OrderQueue {
  public:
-  // From any thread; waits until the order has been carried out, or for `patience`.
-  [[nodiscard]] Answer Ask(std::string line, std::chrono::milliseconds patience) {
+  // From any thread; waits until the order has been carried out, or for `patience`. way: see Issuer.
+  [[nodiscard]] Answer Ask(std::string line, const char* way, std::chrono::milliseconds patience) {
     std::future<Answer> answer;
     {
       const std::lock_guard lock(m_mutex);
       if (m_waiting.size() >= kMostWaiting) return {.isDone = false, .lines = {"too many orders at once"}};
-      m_waiting.emplace_back(std::move(line), std::promise<Answer>());
-      answer = m_waiting.back().second.get_future();
+      answer = m_waiting.emplace_back(std::move(line), way, std::promise<Answer>()).answer.get_future();
     }
     if (answer.wait_for(patience) == std::future_status::ready) return answer.get();
     return {.isDone = false, .lines = {"the server does not answer; the order may still be carried out"}};
@@ -34,11 +33,15 @@ class OrderQueue {
       const std::lock_guard lock(m_mutex);
       waiting.swap(m_waiting);
     }
-    for (auto& [line, answer] : waiting) answer.set_value(CarryOut(realm, Issuer{}, line, now));
+    for (Waiting& each : waiting) each.answer.set_value(CarryOut(realm, {.way = each.way}, each.line, now));
   }
 
  private:
-  using Waiting = std::pair<std::string, std::promise<Answer>>;
+  struct Waiting {
+    std::string line;
+    const char* way;
+    std::promise<Answer> answer;
+  };
   static constexpr std::size_t kMostWaiting = 64;
 
   std::mutex m_mutex;  // over what follows

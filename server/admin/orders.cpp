@@ -44,8 +44,9 @@ Answer ListPlayers(Order& order) {
 
 Answer ShowStatus(Order& order) {
   const server::Server& server = order.realm.server;
-  return Done(fmt::format("{} in, {}, tick {}{}", server.CountPlaying(), server.IsLocked() ? "locked" : "open",
-                          server.World().Tick(), server.IsProtected() ? ", builds are protected" : ""));
+  return Done(fmt::format("scene {}, {} in, {}, tick {}{}", server.SceneName(), server.CountPlaying(),
+                          server.IsLocked() ? "locked" : "open", server.World().Tick(),
+                          server.IsProtected() ? ", builds are protected" : ""));
 }
 
 Answer Kick(Order& order) {
@@ -219,7 +220,7 @@ struct Entry {
 
 constexpr std::array kEntries{
     Entry{"help", "", 0, "these lines", Rank::kPlayer, ShowHelp},
-    Entry{"status", "", 0, "how many are in, and what is locked or protected", Rank::kModerator, ShowStatus},
+    Entry{"status", "", 0, "the scene, how many are in, and what is locked or protected", Rank::kModerator, ShowStatus},
     Entry{"players", "", 0, "number, name, rank, time, round trip, budget and address of everybody who is in",
           Rank::kModerator, ListPlayers},
     Entry{"kick", "PLAYER [REASON]", kAnyWords, "sends a player away, who may come back", Rank::kModerator, Kick},
@@ -298,8 +299,7 @@ Answer CarryOut(const Realm& realm, const Issuer& issuer, const std::string& lin
   Answer answer = order.words.size() > entry->most ? RefuseRest(order, *entry) : entry->run(order);
   if (name == "film" && issuer.client != 0) return answer;  // watchers ask where it stands twice a second
   // The answer may hold a secret; the order never does.
-  spdlog::info("order of {}: {} ({})",
-               issuer.client == 0 ? "the administration" : fmt::format("client {}", issuer.client),
+  spdlog::info("order of {}: {} ({})", issuer.client == 0 ? issuer.way : fmt::format("client {}", issuer.client),
                protocol::MakeLine(line, protocol::kMaxOrderBytes), answer.isDone ? "done" : answer.lines.front());
   return answer;
 }

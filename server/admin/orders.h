@@ -19,7 +19,8 @@ struct Realm {
 
 struct Issuer {
   transport::Rank rank = transport::Rank::kOwner;
-  server::ClientId client = 0;  // 0: from outside the game
+  server::ClientId client = 0;             // 0: from outside the game
+  const char* way = "the administration";  // that it came, for the log; only from outside the game
 };
 
 struct Answer {

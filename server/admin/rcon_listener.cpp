@@ -125,7 +125,7 @@ struct RconListener::Implementation {
   void Take(tcp::socket socket, const asio::ip::address& from) {
     if (!crowd.MakeRoom(from)) return;  // closes it
     RconSession session([this, from](std::string_view password) { return Judge(from, password); },
-                        [this](const std::string& order) { return queue.Ask(order, kAnswerPatience).lines; });
+                        [this](const std::string& order) { return queue.Ask(order, "RCON", kAnswerPatience).lines; });
     const auto connection = std::make_shared<Connection>(std::move(socket), from, std::move(session),
                                                          [this](const Connection* ended) { crowd.Remove(ended); });
     crowd.Add(connection);
@@ -135,7 +135,11 @@ struct RconListener::Implementation {
   RconGuess Judge(const asio::ip::address& from, std::string_view password) {
     const double now = std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
     const RconGuess guess = guard.Judge(FromAsio(from), password, now);
-    if (guess == RconGuess::kWrong) spdlog::warn("RCON: a wrong password from {}", from.to_string());
+    // Guesses that are not listened to are not logged: they may be any number.
+    if (guess == RconGuess::kWrong) {
+      spdlog::warn("RCON: a wrong password from {}; after three, its subnet is not listened to for a minute",
+                   from.to_string());
+    }
     return guess;
   }
 

@@ -436,10 +436,10 @@ TOML
 case_port_in_use() {
   start_server
   expect_refusal "^wobbled: port $port (UDP) is in use$" wobbled --port "$port"
-  expect_refusal "^server: port $port (UDP) is in use$" wobble play --scene arena --port "$port" --for 5
+  expect_refusal "^wobble play: the server: port $port (UDP) is in use$" wobble play --scene arena --port "$port" --for 5
   # At once, though a world beside it would train for long.
   local before=$SECONDS
-  WOBBLE_CACHE='' WOBBLE_UNTRAINED='' expect_refusal "^server of pair: port $port (UDP) is in use$" \
+  WOBBLE_CACHE='' WOBBLE_UNTRAINED='' expect_refusal "^wobble play: the server of pair: port $port (UDP) is in use$" \
     wobble play --scene crowd --scene pair --port "$((port - 1))" --for 5
   [ $((SECONDS - before)) -le 2 ] || fail "the taken port at once, not after $((SECONDS - before)) s"
   make_page

@@ -40,7 +40,7 @@ test('rcon-client changes the scene, and the players come along', async () => {
   assert.match(await rcon.send('scene curtain'), /curtain/);
   assert.match(await rcon.send('dance'), /there is no order "dance"/);
   await rcon.end();
-  assert.match(program.errors.join('\n'), /order of the administration: scene arena \(done\)/);
+  assert.match(program.errors.join('\n'), /order of RCON: scene arena \(done\)/);
   assert.equal(await program.stop(), 0);
 });
 

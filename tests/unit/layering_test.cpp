@@ -104,11 +104,12 @@ const std::vector<Room> kRooms{
     {"server/ops/http_listener", {"server/ops/acceptor", "server/ops/address"}, {"boost/", "fmt/"}, {}},
     {"server/ops/", {"server/", kProtocol}, Join(kSystem, {"fmt/", "nlohmann/", "prometheus/", "spdlog/"}), kClock},
     {"server/main", {"server/", kProtocol}, Join(kSystem, {"CLI/", "fmt/", "nlohmann/", "spdlog/"}), {}},
-    {"server/replaying", {"server/", kProtocol}, Join(kSystem, {"CLI/", "fmt/", "nlohmann/", "spdlog/"}), {}},
-    {"server/options",
+    // The parts of main.
+    {"server/program/options",
      {"server/config.h", "server/admission/", kScenes, kPhysics, kPlay, kTiming, kSnapshots, kProtocol},
      {"CLI/", "fmt/"},
      kClock},
+    {"server/program/", {"server/", kProtocol}, Join(kSystem, {"CLI/", "fmt/", "nlohmann/", "spdlog/"}), {}},
     // Who may come in; the time is a parameter.
     {"server/admission/record_file", {}, {"fcntl.h", "unistd.h"}, kClock},
     {"server/admission/refusal_log", {kProtocol}, {"fmt/", "spdlog/"}, kClock},
@@ -175,11 +176,13 @@ const std::map<std::string, Strings> kRefused{
     {kClient, Join(kSockets, {kUsage, "client/admin/", "client/bots/", "client/command/", "client/files/",
                               "client/gateway/", "client/health/", "client/host/", "client/link/", "client/list/",
                               "client/play/", "client/terminal/", "client/token/", "client/wasm/"})},
-    {"server/", Join(kSockets, {kUsage, "server/admin/", "server/admission/", "server/discovery/", "server/ops/"})},
-    {"server/options", {"server/ops/"}},
+    {"server/", Join(kSockets, {kUsage, "server/admin/", "server/admission/", "server/discovery/", "server/ops/",
+                                "server/program/"})},
+    {"server/program/options", {"server/ops/"}},
 };
 
-const Strings kMeetingPlaces{"server/session.", kSnapshots, "server/training/", "server/main.", "server/ops/"};
+const Strings kMeetingPlaces{"server/session.", kSnapshots,        "server/training/",
+                             "server/main.",    "server/program/", "server/ops/"};
 const Strings kTypedProtocolHeaders{"protocol/geometry.h", "protocol/messages", "protocol/codec/pose.h",
                                     "protocol/codec/shape_codec.h", kEncoding};
 

@@ -18,7 +18,6 @@ namespace {
 
 constexpr server::ClientId kPlayers = 64;
 constexpr std::uint32_t kRecordedHz = 60;
-constexpr int kSeeks = 200;
 
 // Nearest rank.
 double FindPercentile(std::vector<double> values, double share) {
@@ -87,7 +86,8 @@ std::vector<double> MeasureSeeks(Bench& bench, const std::filesystem::path& file
   if (ground == nullptr || !film.Begin(*ground).empty()) return seeks;
   while (film.Index().MadeUpTo() < film.ReadRecording().LastTick() && !bench.progress.IsStopAsked()) usleep(10'000);
   Random random(bench.options.seed);
-  for (int i = 0; i < kSeeks && !bench.progress.IsStopAsked(); ++i) {
+  const int count = bench.options.quick ? 20 : 200;
+  for (int i = 0; i < count && !bench.progress.IsStopAsked(); ++i) {
     const double time = random.Draw(0, film.End());
     const double begin = ReadWallTime();
     film.JumpTo(time);

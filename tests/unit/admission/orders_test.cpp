@@ -210,6 +210,20 @@ TEST_F(OrdersTest, WhoIsBannedReadsUntilWhenAndWhy) {
   EXPECT_NE(ada.EndReason().find("until 2027-01-15 10:00 UTC, cuts everything"), std::string::npos) << ada.EndReason();
 }
 
+// Bots of this machine, and browsers behind a gateway without a key, have one address between them.
+TEST_F(OrdersTest, WhoComesFromThisMachineIsBannedByAddressOnly) {
+  Start();
+  for (const char* address : {"127.0.0.1", "127.9.9.9", "::1"}) {
+    game->admission = {.from = transport::ParseIp(address).value()};
+    Join("Ada");
+    const std::string number = std::to_string(game->server.ListPlayers(game->now).back().client);
+    const Answer answer = Give("ban " + number);
+    EXPECT_FALSE(answer.isDone);
+    EXPECT_NE(answer.lines.at(0).find(std::string("ban ") + address), std::string::npos) << answer.lines.at(0);
+    EXPECT_TRUE(Give(std::string("ban ") + address).isDone);
+  }
+}
+
 TEST_F(OrdersTest, ARevokedInviteTakesItsRankAlong) {
   Start();
   ASSERT_TRUE(Give("invite moderator").isDone);

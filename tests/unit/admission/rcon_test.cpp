@@ -179,7 +179,7 @@ TEST(RconGuard, ShutsAnAddressOutAfterThreeTriesAndListensOnceAMinute) {
   for (int i = 0; i < 100; ++i) EXPECT_EQ(guard.Judge(mallory, "tulip", now), RconGuess::kRight) << "costs none";
 }
 
-const std::string kStatus = MakePacket(2, kValue, "0 in, open, tick 0\n");
+const std::string kStatus = MakePacket(2, kValue, "scene yard, 0 in, open, tick 0\n");
 
 // A connection to a listener whose orders a thread carries out.
 class RconListenerTest : public testing::Test {

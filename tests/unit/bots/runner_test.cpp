@@ -226,7 +226,8 @@ TEST(BotRunner, ForgetsTimesAndHandsOnWhatDecodingBotsShow) {
   EXPECT_TRUE(theatre.Bots().ReadFigures().snapshotAgeMsP50.has_value());
 }
 
-TEST(BotRunner, BotsSentAwayAndNeverAnsweredAreDisconnects) {
+// Who sends bots away decides so; a server that does not answer fails.
+TEST(BotRunner, BotsSentAwayAreCountedApartFromThoseNeverAnswered) {
   Theatre theatre(MakeOptions(4, 4), "function run(bot) bot:wait(60) end");
   theatre.RunUntil(1.5);
   theatre.server.TurnAway(1, wire::GoodbyeReason::Kicked);
@@ -238,7 +239,8 @@ TEST(BotRunner, BotsSentAwayAndNeverAnsweredAreDisconnects) {
   const Figures figures = theatre.Bots().ReadFigures();
   EXPECT_EQ(figures.bots, 4U);
   EXPECT_EQ(figures.connected, 3U);
-  EXPECT_EQ(figures.disconnects, 2U);
+  EXPECT_EQ(figures.disconnects, 1U);
+  EXPECT_EQ(figures.sentAway, 1U);
   ASSERT_EQ(theatre.log.size(), 1U);
   EXPECT_EQ(theatre.log[0].find("bot 1 ended: "), 0U) << theatre.log[0];
   EXPECT_NE(theatre.log[0].find("enough"), std::string::npos) << theatre.log[0];

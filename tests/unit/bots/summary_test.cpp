@@ -115,10 +115,26 @@ TEST(Summary, HasItsKeysInOrderAndNullWhereNothingWasMeasured) {
   const auto summary = nlohmann::ordered_json::parse(MakeSummary(figures, JudgeThresholds({*rule}, figures)));
   std::vector<std::string> keys;
   for (const auto& item : summary.items()) keys.push_back(item.key());
-  EXPECT_EQ(keys, (std::vector<std::string>{
-                      "version", "bots", "connected", "joins", "join_ms_p99", "disconnects", "rejoins", "rejoin_ms_p99",
-                      "snapshots", "snapshot_age_ms_p50", "snapshot_age_ms_p99", "input_to_snapshot_ms_p50", "stalls",
-                      "kbit_per_s_per_bot", "decode_us_p99", "late_ms_p99", "script_errors", "valid", "thresholds"}));
+  EXPECT_EQ(keys, (std::vector<std::string>{"version",
+                                            "bots",
+                                            "connected",
+                                            "joins",
+                                            "join_ms_p99",
+                                            "disconnects",
+                                            "sent_away",
+                                            "rejoins",
+                                            "rejoin_ms_p99",
+                                            "snapshots",
+                                            "snapshot_age_ms_p50",
+                                            "snapshot_age_ms_p99",
+                                            "input_to_snapshot_ms_p50",
+                                            "stalls",
+                                            "kbit_per_s_per_bot",
+                                            "decode_us_p99",
+                                            "late_ms_p99",
+                                            "script_errors",
+                                            "valid",
+                                            "thresholds"}));
   EXPECT_EQ(summary["version"], kVersion);
   EXPECT_TRUE(summary["join_ms_p99"].is_null());
   EXPECT_EQ(summary["bots"].dump(), "4");

@@ -74,13 +74,19 @@ port = 7777
   EXPECT_THAT(Parse("[all]\nport = 65535\n[[world]]\nname='a'\n[[world]]\nname='b'\n").errors,
               ElementsAre("worlds.toml:5: port 65536 of the world b: must be at most 65535"));
   EXPECT_THAT(Parse("[[world]]\nname='a'\nops=9100\n[[world]]\nname='b'\nops='9100'\n").errors,
-              ElementsAre("worlds.toml:6: ops = '9100': the world a has it already"));
+              ElementsAre("worlds.toml:6: ops = '9100': ops of the world a has port 9100 already"));
+  EXPECT_THAT(Parse("[gateway]\nhttp=9200\n[[world]]\nname='a'\nops=9100\nrcon='0.0.0.0:9100'\n"
+                    "admin_http='127.0.0.1:9200'\n[[world]]\nname='b'\nops='0'\nrcon='127.0.0.2:9300'\n"
+                    "admin_http='127.0.0.1:9300'\n")
+                  .errors,
+              ElementsAre("worlds.toml:6: rcon = '0.0.0.0:9100': ops of the world a has port 9100 already",
+                          "worlds.toml:7: admin_http = '127.0.0.1:9200': the page has port 9200 already"));
   EXPECT_THAT(Parse("[[world]]\nname='a'\nbots=2\ninvites='i'\n").errors,
               ElementsAre("worlds.toml:3: bots = 2: the world a asks for invites or tokens, which bots do not have; "
                           "password_file lets them in"));
   EXPECT_THAT(Parse("[[world]]\nname='a'\nbots=2\ninvites='i'\npassword_file='p'\n").errors, IsEmpty());
   EXPECT_THAT(LoadWorlds("/dev/zero", {}).errors, ElementsAre("/dev/zero: must be a file of at most 1 MiB"));
-  EXPECT_THAT(LoadWorlds("/nowhere.toml", {}).errors, ElementsAre("/nowhere.toml: must be a file of at most 1 MiB"));
+  EXPECT_THAT(LoadWorlds("/nowhere.toml", {}).errors, ElementsAre("/nowhere.toml: there is no such file"));
 }
 
 constexpr const char* kTwo = R"(

@@ -4,7 +4,7 @@
 #include <functional>
 #include <span>
 
-#include "server/options.h"
+#include "server/program/options.h"
 #include "server/server.h"
 
 namespace wobble::server {

@@ -59,4 +59,7 @@ struct Options {
 // Declares the options; parsing then writes into `options`, which outlives `app`.
 void DescribeOptions(CLI::App& app, Options& options);
 
+// Prints each mistake on standard error; who set an option by a variable reads of the variable.
+void Complain(const Options& options, const std::vector<std::string>& mistakes);
+
 }  // namespace wobble::server

@@ -1,4 +1,4 @@
-#include "server/replaying.h"
+#include "server/program/replaying.h"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>

@@ -1,4 +1,4 @@
-#include "server/options.h"
+#include "server/program/options.h"
 
 #include <fmt/format.h>
 
@@ -260,6 +260,10 @@ void DescribeOptions(CLI::App& app, Options& options) {
       "  wobbled --replay matches/arena-20261124-180000.wobrec --export arena.csv --fps 10\n"
       "  wobbled --for 90 --pause-after 0         the same without players: the world never pauses\n"
       "  WOBBLE_PORT=7790 wobbled --scene sumo    every option is a variable, too; what is written here wins");
+}
+
+void Complain(const Options& options, const std::vector<std::string>& mistakes) {
+  for (const std::string& mistake : mistakes) fmt::print(stderr, "wobbled: {}\n", options.nameVariables(mistake));
 }
 
 }  // namespace wobble::server
