@@ -22,6 +22,7 @@
 #include "client/command/exit_codes.h"
 #include "client/command/show_page.h"
 #include "client/host/part.h"
+#include "client/host/part_commands.h"
 #include "client/host/ports.h"
 #include "client/host/report.h"
 #include "client/host/screen.h"
@@ -47,6 +48,12 @@ std::uint16_t ReadPort(const std::string& line) {
                                      : static_cast<std::uint16_t>(std::strtoul(line.c_str() + digits, nullptr, 10));
 }
 
+// Bots apart.
+bool IsSameServer(WorldPlan a, const WorldPlan& b) {
+  a.bots = b.bots;
+  return a == b;
+}
+
 class Fleet {
  public:
   Fleet(Plan plan, const std::function<bool()>& stopAsked, const TakePlan& takePlan)
@@ -55,10 +62,16 @@ class Fleet {
   int Run();
 
  private:
-  void AddWorld(const WorldPlan& world);
+  // number: of a world of the plan.
+  void AddWorld(std::size_t number);
+  void AddBots(std::size_t number);
   void AddGateway();
+  void AddPart(Part::Role role, std::size_t world, const std::string& name, const char* errorPrefix,
+               const char* readyPrefix);
   void Watch();
   void FollowPlan();
+  void FollowBots(std::size_t world, const BotsPlan& next);
+  void RetireParts(std::size_t world, bool andItself);
   void Retire(Part& part);
   void StartDue();
   [[nodiscard]] bool CanStart(const Part& part) const;
@@ -76,6 +89,7 @@ class Fleet {
   [[nodiscard]] std::string AddressOf(std::size_t world) const {
     return m_plan.worlds[world].host + ":" + std::to_string(m_ports[world]);
   }
+  [[nodiscard]] std::set<std::string> ListAddresses() const;
   // The first world or gateway that could not be started at all; null: none.
   [[nodiscard]] const Part* FindFailedStart() const;
   [[nodiscard]] const Part& FindWorld(std::size_t number) const;
@@ -104,7 +118,7 @@ int Fleet::Run() {
     std::fprintf(stderr, "%s: %s\n", m_plan.command.c_str(), taken.c_str());
     return command::kExitBadUse;
   }
-  for (const WorldPlan& world : m_plan.worlds) AddWorld(world);
+  for (std::size_t i = 0; i < m_plan.worlds.size(); ++i) AddWorld(i);
   if (m_plan.gateway) AddGateway();
   Watch();
   m_screen.EndStatus();
@@ -115,18 +129,29 @@ int Fleet::Run() {
   return Report(m_parts, m_folder.Path(), isEarly, command::ReadClock(), std::move(m_failures));
 }
 
-void Fleet::AddWorld(const WorldPlan& world) {
-  const std::size_t number = m_ports.size();
+void Fleet::AddWorld(std::size_t number) {
+  const WorldPlan& world = m_plan.worlds[number];
   m_ports.push_back(world.port);
-  m_parts.push_back({Part::Role::kWorld, number, world.title, "wobbled: ", "listening"});
-  if (world.bots == 0) return;
+  AddPart(Part::Role::kWorld, number, world.title, "wobbled: ", "listening");
+  AddBots(number);
+}
+
+void Fleet::AddBots(std::size_t number) {
+  const WorldPlan& world = m_plan.worlds[number];
+  if (world.bots.count == 0) return;
   const std::string name = number == 0 ? "bots" : "bots in " + world.name;
-  m_parts.push_back({Part::Role::kBots, number, name, "wobble bots: ", "bots "});
+  AddPart(Part::Role::kBots, number, name, "wobble bots: ", "bots ");
 }
 
 void Fleet::AddGateway() {
   m_http = m_plan.gateway->port;
-  m_parts.push_back({Part::Role::kGateway, 0, "gateway", "wobble gateway: ", "open http"});
+  AddPart(Part::Role::kGateway, 0, "gateway", "wobble gateway: ", "open http");
+}
+
+void Fleet::AddPart(Part::Role role, std::size_t world, const std::string& name, const char* errorPrefix,
+                    const char* readyPrefix) {
+  const std::string summary = name + "-" + std::to_string(m_parts.size()) + ".json";
+  m_parts.push_back({role, world, name, errorPrefix, readyPrefix, summary});
 }
 
 void Fleet::Watch() {
@@ -157,38 +182,54 @@ void Fleet::Watch() {
 void Fleet::FollowPlan() {
   const std::optional<Plan> next = m_takePlan ? m_takePlan() : std::nullopt;
   if (!next) return;
-  bool isListNew = false;
-  std::set<std::string> again;  // names of worlds that begin anew where they were
+  const std::set<std::string> before = ListAddresses();
   std::vector<WorldPlan> others = next->worlds;
   for (std::size_t i = 0; i < m_plan.worlds.size(); ++i) {
-    WorldPlan& world = m_plan.worlds[i];
-    if (FindWorld(i).isRetired) continue;
-    const auto found = std::ranges::find(others, world.name, &WorldPlan::name);
     const Part& present = FindWorld(i);
-    if (found != others.end() && *found == world && !present.IsOver()) {
+    if (present.isRetired) continue;
+    const auto found = std::ranges::find(others, m_plan.worlds[i].name, &WorldPlan::name);
+    if (found != others.end() && IsSameServer(*found, m_plan.worlds[i]) && !present.IsOver()) {
       if (present.HasProcess()) present.child->Signal(SIGHUP);
+      FollowBots(i, found->bots);
       others.erase(found);
-      continue;
-    }
-    const bool isFoundAgain =
-        found != others.end() && world.port != 0 && found->port == world.port && found->host == world.host;
-    if (isFoundAgain) again.insert(found->name);
-    isListNew = isListNew || !isFoundAgain;
-    for (auto part = m_parts.rbegin(); part != m_parts.rend(); ++part) {
-      if (part->role != Part::Role::kGateway && part->world == i) Retire(*part);
+    } else {
+      RetireParts(i, true);
     }
   }
   for (const WorldPlan& world : others) {
     m_plan.worlds.push_back(world);
-    AddWorld(world);
-    isListNew = isListNew || !again.contains(world.name);
+    AddWorld(m_plan.worlds.size() - 1);
   }
-  if (!isListNew && next->gateway == m_plan.gateway) return;
+  if (ListAddresses() == before && next->gateway == m_plan.gateway) return;
   for (Part& part : m_parts) {
     if (part.role == Part::Role::kGateway && !part.isRetired) Retire(part);
   }
   m_plan.gateway = next->gateway;
   if (m_plan.gateway) AddGateway();
+}
+
+void Fleet::FollowBots(std::size_t world, const BotsPlan& next) {
+  if (next == m_plan.worlds[world].bots) return;
+  RetireParts(world, false);
+  m_plan.worlds[world].bots = next;
+  AddBots(world);
+}
+
+// Its bots end first.
+void Fleet::RetireParts(std::size_t world, bool andItself) {
+  for (auto part = m_parts.rbegin(); part != m_parts.rend(); ++part) {
+    const bool isIt = part->role == Part::Role::kBots || (andItself && part->role == Part::Role::kWorld);
+    if (isIt && part->world == world && !part->isRetired) Retire(*part);
+  }
+}
+
+// As the gateway is told of them.
+std::set<std::string> Fleet::ListAddresses() const {
+  std::set<std::string> addresses;
+  for (std::size_t i = 0; i < m_plan.worlds.size(); ++i) {
+    if (!FindWorld(i).isRetired) addresses.insert(m_plan.worlds[i].name + "=" + AddressOf(i));
+  }
+  return addresses;
 }
 
 void Fleet::Retire(Part& part) {
@@ -241,32 +282,21 @@ bool Fleet::CanStart(const Part& part) const {
 }
 
 std::vector<std::string> Fleet::MakeCommand(const Part& part) const {
-  const std::string wobble = (m_plan.programFolder / "wobble").string();
-  std::vector<std::string> words;
-  const WorldPlan& world = m_plan.worlds[part.world];
+  const std::string summary = SummaryOf(part, m_folder.Path()).string();
   switch (part.role) {
     case Part::Role::kWorld:
-      words = {(m_plan.programFolder / "wobbled").string(), "--port", std::to_string(m_ports[part.world])};
-      words.insert(words.end(), world.options.begin(), world.options.end());
-      words.insert(words.end(), {"--status", "1", "--summary", SummaryOf(part, m_folder.Path()).string()});
-      break;
-    case Part::Role::kGateway:
-      words = {wobble,     "gateway", "--http", std::to_string(m_http), "--bind", m_plan.gateway->bindAddress,
-               "--status", "1"};
-      words.insert(words.end(), m_plan.gateway->options.begin(), m_plan.gateway->options.end());
+      return MakeWorldCommand(m_plan, part.world, m_ports[part.world], summary);
+    case Part::Role::kGateway: {
+      std::vector<std::string> servers;
       for (std::size_t i = 0; i < m_plan.worlds.size(); ++i) {
-        if (m_ports[i] != 0 && !FindWorld(i).isRetired)
-          words.insert(words.end(), {"--server", m_plan.worlds[i].name + "=" + AddressOf(i)});
+        if (m_ports[i] != 0 && !FindWorld(i).isRetired) servers.push_back(m_plan.worlds[i].name + "=" + AddressOf(i));
       }
-      break;
+      return MakeGatewayCommand(m_plan, m_http, servers);
+    }
     case Part::Role::kBots:
-      words = {wobble, "bots", AddressOf(part.world), "--script", world.script, "--count", std::to_string(world.bots)};
-      words.insert(words.end(), world.access.begin(), world.access.end());
-      words.insert(words.end(),
-                   {"--ramp", "1", "--status", "1", "--summary", SummaryOf(part, m_folder.Path()).string()});
-      break;
+      return MakeBotsCommand(m_plan, part.world, AddressOf(part.world), summary);
   }
-  return words;
+  return {};
 }
 
 // Waits for output of the children, until then at the latest, and passes it on. A child closes its output before
@@ -310,7 +340,8 @@ void Fleet::Announce(const Part& part) {
     return ShowOwnersLink();
   }
   const std::string port = std::to_string(m_ports[part.world]);
-  std::string line = m_plan.worlds[part.world].label + " on UDP port " + port;
+  const std::size_t scene = std::min(part.readyLine.find("scene "), part.readyLine.size());
+  std::string line = m_plan.worlds[part.world].label + part.readyLine.substr(scene) + " on UDP port " + port;
   if (part.world == 0) {
     const std::string self = std::filesystem::proximate(m_plan.programFolder / "wobble").string();
     line += "; watch it from another terminal with: " + self + " watch " + AddressOf(0) + "; Ctrl-C ends all";

@@ -48,11 +48,11 @@ WorldPlan MakeWorldPlan(const WorldsFile& file, const World& world, const fs::pa
   const std::string bind = Find(world.values, "bind", "");
   const bool isEverywhere = bind.empty() || bind == "0.0.0.0" || bind == "::";
   if (!isEverywhere) plan.host = bind.find(':') == std::string::npos ? bind : "[" + bind + "]";
-  plan.label = plan.title + ", scene " + Find(world.values, "scene", Find(world.values, "rotation", world.name));
-  plan.bots = static_cast<unsigned>(std::strtoul(Find(world.values, "bots", "0").c_str(), nullptr, 10));
-  plan.script = Find(world.values, "script", plan.script);
+  plan.label = plan.title + ", ";
+  plan.bots.count = static_cast<unsigned>(std::strtoul(Find(world.values, "bots", "0").c_str(), nullptr, 10));
+  plan.bots.script = Find(world.values, "script", plan.bots.script);
   const std::string password = Find(world.values, "password_file", "");
-  if (!password.empty()) plan.access.push_back("--password-file=" + password);
+  if (!password.empty()) plan.bots.access.push_back("--password-file=" + password);
   plan.state = Find(world.own, "state", (folder / world.name).string());
   Values values = world.values;
   const auto setDefault = [&](const char* key, const std::string& word) { values.emplace(key, Value{{word}, "", ""}); };

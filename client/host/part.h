@@ -18,6 +18,7 @@ struct Part {
   std::string name;         // in messages
   std::string errorPrefix;  // of its lines on standard error, which are passed on without it
   std::string readyPrefix;  // of the line that it prints when it is ready
+  std::string summaryFile;  // name of the file that it leaves its figures in; no other part's
 
   Keeper keeper = Keeper();
   std::unique_ptr<command::Child> child = {};  // the present process, or the last one

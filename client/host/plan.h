@@ -10,18 +10,24 @@
 
 namespace wobble::host {
 
+struct BotsPlan {
+  unsigned count = 0;
+  std::string script = "wander.lua";
+  std::vector<std::string> access;  // options with which they come in
+
+  bool operator==(const BotsPlan&) const = default;
+};
+
 // A server of its own.
 struct WorldPlan {
   std::string name;                  // letters, digits, - and _: as the page shows it
   std::string title;                 // in messages: "server of sumo"
-  std::string label;                 // in the line that says where it is: "scene arena"
+  std::string label;                 // before its scene in the line that says where it is: "world sumo, "
   std::string host = "127.0.0.1";    // at which gateway and bots find it; an IPv6 address in brackets
   std::uint16_t port = 0;            // UDP; 0: a free one, which it keeps
   std::vector<std::string> options;  // of wobbled, without --port, --status and --summary
   std::filesystem::path state;       // folder to be made for it; empty: none
-  unsigned bots = 0;
-  std::string script = "wander.lua";  // of the bots
-  std::vector<std::string> access;    // options with which they come in
+  BotsPlan bots;
 
   bool operator==(const WorldPlan&) const = default;
 };

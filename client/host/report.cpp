@@ -19,7 +19,7 @@ bool HasDied(const std::deque<Part>& parts, std::size_t world) {
 }  // namespace
 
 std::filesystem::path SummaryOf(const Part& part, const std::filesystem::path& folder) {
-  return folder / (part.name + "-" + std::to_string(part.world) + ".json");
+  return folder / part.summaryFile;
 }
 
 unsigned CountRestarts(const std::deque<Part>& parts) {

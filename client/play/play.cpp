@@ -32,10 +32,9 @@ host::WorldPlan MakeWorld(const PlayOptions& options, std::size_t number, const 
   host::WorldPlan world;
   world.name = FindName(scene);
   world.title = number == 0 ? "server" : "server of " + world.name;
-  world.label = "scene " + scene;
   world.port = static_cast<std::uint16_t>(options.port == 0 ? 0 : options.port + number);
-  world.bots = number == 0 ? options.bots : scene == "sumo" ? kOpponents : 0;
-  if (number > 0) world.script = "chase.lua";
+  world.bots.count = number == 0 ? options.bots : scene == "sumo" ? kOpponents : 0;
+  if (number > 0) world.bots.script = "chase.lua";
   world.options = {"--scene",     scene,  "--max-clients", std::to_string(kGuests + options.bots),
                    "--log-level", "warn", "--state",       (folder / world.name).string()};
   const char* cache = std::getenv("WOBBLE_CACHE");  // which the children have, too

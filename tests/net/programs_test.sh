@@ -377,6 +377,11 @@ case_host_keeps_worlds_up() {
   wait_for_line again '^open http://localhost:.* to play two, three$'
   [ "$(find_program "--state=$folder/worlds/two")" = "$two" ] || fail "the world two as it was" "$folder/again.err"
   [ -z "$(find_program "--state=$folder/worlds/one")" ] || fail "no world one" "$folder/again.err"
+  # Other bots are no other world.
+  sed -i 's/^bots = 2/bots = 1/' "$folder/worlds.toml"
+  kill -HUP "$host"
+  wait_for_log again '^bots in two: ends, as its file says now$'
+  [ "$(find_program "--state=$folder/worlds/two")" = "$two" ] || fail "the world two as it was" "$folder/again.err"
   kill -KILL "$host"
   wait "$host" 2>/dev/null
   for ((tries = 0; tries < 40; ++tries)); do [ -z "$(list_processes)" ] && break; sleep 0.05; done
