@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -53,6 +54,8 @@ class VandalAttackTest : public testing::Test {
     }
     return 0;
   }
+
+  void TearDown() override { std::filesystem::remove(m_socket); }  // a server that is killed leaves it
 
   std::string m_socket = testing::TempDir() + "wobble-vandal-" + std::to_string(getpid());
   Victim victim{{"--admin-socket", m_socket}, "sandbox"};
