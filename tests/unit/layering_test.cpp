@@ -104,6 +104,11 @@ const std::vector<Room> kRooms{
     {"server/ops/http_listener", {"server/ops/acceptor", "server/ops/address"}, {"boost/", "fmt/"}, {}},
     {"server/ops/", {"server/", kProtocol}, Join(kSystem, {"fmt/", "nlohmann/", "prometheus/", "spdlog/"}), kClock},
     {"server/main", {"server/", kProtocol}, Join(kSystem, {"CLI/", "fmt/", "nlohmann/", "spdlog/"}), {}},
+    // The physics for C.
+    {"server/library/",
+     {kRecording, kPlay, kScenes, kPhysics, kTiming, "protocol/c/", "protocol/version"},
+     {"dlfcn.h"},
+     kClock},
     // The parts of main.
     {"server/program/options",
      {"server/config.h", "server/admission/", kScenes, kPhysics, kPlay, kTiming, kSnapshots, kProtocol},

@@ -1,0 +1,37 @@
+// How the structs of the C interfaces pass between programs and libraries of different ages: their first field says how
+// much of a struct the program knows, and both sides touch only what both know.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+namespace wobble::c {
+
+// What a struct had in the first release that had it; no program knows less. A struct that grows gets a specialisation
+// with its old size.
+template <typename Struct>
+inline constexpr std::size_t kFirstSize = sizeof(Struct);
+
+template <typename Struct>
+[[nodiscard]] bool HasGoodSize(const Struct& given) {
+  return given.struct_size >= kFirstSize<Struct>;
+}
+
+// Reads a struct of good size. What the caller does not know is zero.
+template <typename Struct>
+[[nodiscard]] Struct Read(const Struct& given) {
+  Struct known{};
+  std::memcpy(&known, &given, std::min<std::size_t>(given.struct_size, sizeof known));
+  return known;
+}
+
+// Writes a struct of good size, as far as the caller knows it.
+template <typename Struct>
+void Write(Struct known, Struct& given) {
+  known.struct_size = given.struct_size;
+  std::memcpy(&given, &known, std::min<std::size_t>(given.struct_size, sizeof known));
+}
+
+}  // namespace wobble::c
