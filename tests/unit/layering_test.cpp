@@ -107,7 +107,7 @@ const std::vector<Room> kRooms{
     // The physics for C.
     {"server/library/",
      {kRecording, kPlay, kScenes, kPhysics, kTiming, "protocol/c/", "protocol/version"},
-     {"dlfcn.h"},
+     {"dlfcn.h", "stddef.h", "stdint.h"},
      kClock},
     // The parts of main.
     {"server/program/options",
