@@ -38,10 +38,10 @@ import { HandTools } from './tools/hands';
 import { Marks } from './tools/marks';
 import { Push } from './tools/push';
 import type { Bench } from './tools/tool';
-import { TakeFragment } from './wire/access';
-import { ReadNow, type Client } from './wire/client';
-import { Connection } from './wire/connection';
-import { EventKind, State, type Vector, type Welcome, type WorldEvent } from './wire/views';
+import { TakeFragment } from 'wobble-client';
+import { ReadNow, type Client } from 'wobble-client';
+import { Connection } from 'wobble-client';
+import { EventKind, State, type Vector, type Welcome, type WorldEvent } from 'wobble-client';
 import { KeepWorld, ReadAskedWorld, ReadWorld, type Offer } from './worlds';
 
 const kFramesToJoin = 3;

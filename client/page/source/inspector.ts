@@ -3,8 +3,8 @@
 import type { ViewPanel } from './hud/view_panel';
 import type { Players } from './players';
 import type { Arrows } from './scene/arrows';
-import { ReadNow, type Client } from './wire/client';
-import type { Forces } from './wire/views';
+import { ReadNow, type Client } from 'wobble-client';
+import type { Forces } from 'wobble-client';
 
 const kReadEvery = 0.08; // s; the server sends ten times a second
 

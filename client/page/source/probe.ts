@@ -2,7 +2,7 @@
 import type { App } from './app';
 import { MakePoint } from './input/picking';
 import { Project } from './tools/tool';
-import { ForceKind, State, type ParticleTag, type SpringTag, type Tuning, type Vector } from './wire/views';
+import { ForceKind, State, type ParticleTag, type SpringTag, type Tuning, type Vector } from 'wobble-client';
 
 export interface Probe {
   state(): {

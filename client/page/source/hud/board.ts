@@ -1,8 +1,8 @@
 // The state of a game: round, time, points, and the winner.
 import type { Players } from '../players';
 import { MakeOwnColour, MakePlayerColour } from '../scene/colours';
-import type { Client } from '../wire/client';
-import { GamePhase, type Scoreboard } from '../wire/views';
+import type { Client } from 'wobble-client';
+import { GamePhase, type Scoreboard } from 'wobble-client';
 import { MakeElement, SetText } from './element';
 
 const kMostShown = 8;

@@ -1,7 +1,7 @@
 // The card in the middle while there is no world: joining, or the reason why the page is not in or no longer in, whether
 // it is joining again by itself, and a button to do it; or that the address names a world that is not here.
-import type { Connection } from '../wire/connection';
-import { State } from '../wire/views';
+import type { Connection } from 'wobble-client';
+import { State } from 'wobble-client';
 import { MakeButton, MakeElement, SetText } from './element';
 
 const kMostShown = 40; // characters of a name that the address invents

@@ -1,6 +1,6 @@
 // The line of time of a recording that the server shows. Everybody who watches winds the same one, by orders; where it
 // stands the server says as a notice, when it is asked.
-import type { Client } from '../wire/client';
+import type { Client } from 'wobble-client';
 import { FormatTime } from '../worlds';
 import { MakeButton, MakeElement, MakeSlider, SetPressed, SetText, type Slider } from './element';
 

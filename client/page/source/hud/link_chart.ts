@@ -1,6 +1,6 @@
 // The quality of the connection: ping, display delay, rate and stalls over the last minute, as lines and figures, and
 // whether the server keeps up or is silent.
-import type { Client } from '../wire/client';
+import type { Client } from 'wobble-client';
 import { MakeElement, SetText } from './element';
 
 const kEvery = 0.5; // s

@@ -1,8 +1,8 @@
 // The parameters of the world that all players share: direction of gravity, stiffness of springs, rate of time. Shows
 // those that the scene lets this player change.
-import type { Client } from '../wire/client';
-import { ReadNow } from '../wire/client';
-import { MayTune, TuneKind, type Tuning, type Vector } from '../wire/views';
+import type { Client } from 'wobble-client';
+import { ReadNow } from 'wobble-client';
+import { MayTune, TuneKind, type Tuning, type Vector } from 'wobble-client';
 import { MakeButton, MakeElement, MakeLogarithmicScale, MakeSlider, SetText, type Slider } from './element';
 
 const kMostTilt = (50 * Math.PI) / 180; // rad

@@ -1,8 +1,8 @@
 // Finds what lies under a point of the screen: bodies as they are shown, by their faces or springs; otherwise the
 // static scene.
 import { Raycaster, Vector2, Vector3, type Mesh, type PerspectiveCamera } from 'three';
-import type { Client } from '../wire/client';
-import type { Blueprint, Body, Vector } from '../wire/views';
+import type { Client } from 'wobble-client';
+import type { Blueprint, Body, Vector } from 'wobble-client';
 
 const kRodReach = 14; // pixels; a spring or a particle is hit within this distance
 

@@ -1,7 +1,7 @@
 // Draws all bodies of the sample: bodies with faces as surfaces, others as springs and particles.
 import { Group } from 'three';
-import type { Client } from '../wire/client';
-import type { Blueprint, Body } from '../wire/views';
+import type { Client } from 'wobble-client';
+import type { Blueprint, Body } from 'wobble-client';
 import type { Players } from '../players';
 import { BodyShape } from './body_shape';
 import { MakeOwnColour, MakePlayerColour, MakeSceneColour } from './colours';

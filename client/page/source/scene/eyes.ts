@@ -1,8 +1,8 @@
 // The eyes of players. They sit on the current surface, on the side of the direction of motion, so that a rolling ball
 // does not roll them away. They look ahead, blink, and open wide in the air.
 import { DynamicDrawUsage, InstancedMesh, MeshStandardMaterial, SphereGeometry, Vector3, type Object3D } from 'three';
-import type { Client } from '../wire/client';
-import type { Body } from '../wire/views';
+import type { Client } from 'wobble-client';
+import type { Body } from 'wobble-client';
 import type { Players } from '../players';
 
 const kMaxPlayers = 128;

@@ -1,6 +1,6 @@
 // Names above players: plain elements above the canvas, moved to the body's position on the screen.
 import { Vector3, type PerspectiveCamera } from 'three';
-import type { Client } from '../wire/client';
+import type { Client } from 'wobble-client';
 import type { Players } from '../players';
 import { MakePlayerColour } from './colours';
 

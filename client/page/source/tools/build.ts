@@ -10,8 +10,8 @@ import {
   type ParticleTag,
   type SpringTag,
   type Vector,
-} from '../wire/views';
-import type { Client } from '../wire/client';
+} from 'wobble-client';
+import type { Client } from 'wobble-client';
 import { Project, type Bench, type Tool } from './tool';
 
 export enum BuildAction {

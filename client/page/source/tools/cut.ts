@@ -5,8 +5,8 @@
 // a command is sent only for bodies that the piece meets.
 import type { Vector3 } from 'three';
 import type { Place } from '../input/pointer';
-import { Hands, type Vector } from '../wire/views';
-import { ReadNow, type Client } from '../wire/client';
+import { Hands, type Vector } from 'wobble-client';
+import { ReadNow, type Client } from 'wobble-client';
 import type { Bench, Tool } from './tool';
 
 const kEvery = 0.05; // s

@@ -3,7 +3,7 @@
 import { Vector3 } from 'three';
 import { MakePoint } from '../input/picking';
 import type { Place } from '../input/pointer';
-import { Hands, type Vector } from '../wire/views';
+import { Hands, type Vector } from 'wobble-client';
 import { PickOther, Project, type Bench, type Tool } from './tool';
 
 const kWheelStep = 0.08; // share of the distance per notch

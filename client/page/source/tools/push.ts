@@ -1,7 +1,7 @@
 // The push tool: pushes the vertices under the pointer away from the eye.
 import type { Place } from '../input/pointer';
-import { Hands } from '../wire/views';
-import { ReadNow } from '../wire/client';
+import { Hands } from 'wobble-client';
+import { ReadNow } from 'wobble-client';
 import { PickOther, type Bench, type Tool } from './tool';
 
 export class Push implements Tool {
