@@ -89,7 +89,7 @@ export class FilmPanel {
     }
     if (now < this.m_nextAsk) return;
     this.m_nextAsk = now + kAskEvery;
-    client.Order(kFilm);
+    client.order(kFilm);
   }
 
   // Whether the notice said where the recording stands, and is not for people.
@@ -104,6 +104,6 @@ export class FilmPanel {
   }
 
   private Order(words: string): void {
-    this.m_client?.Order(`${kFilm} ${words}`);
+    this.m_client?.order(`${kFilm} ${words}`);
   }
 }

@@ -64,8 +64,7 @@ export class LinkChart {
   Update(client: Client, ping: number, silence: number, now: number): void {
     if (now < this.m_next) return;
     this.m_next = now + kEvery;
-    client.UpdateStatistics();
-    const { bytesReceived, delay, stalls, pace } = client.statistics;
+    const { bytesReceived, delay, stalls, pace } = client.readStatistics();
     const isSilent = silence > kSilence;
     this.m_slow.hidden = pace === 1 && !isSilent;
     SetText(

@@ -29,9 +29,9 @@ export class Labels {
     this.m_round += 1;
     for (const player of players.all.values()) {
       if (player.body === 0 || player.body === players.ownBody) continue;
-      const body = client.FindBody(player.body);
+      const body = client.findBody(player.body);
       if (body === null) continue;
-      const size = client.FindBlueprint(body.blueprint).size;
+      const size = client.findBlueprint(body.blueprint).size;
       const place = this.m_place.set(body.x, body.y, body.z + kAbove * size);
       const distance = place.distanceTo(camera.position);
       place.project(camera);
