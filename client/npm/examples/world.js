@@ -6,7 +6,8 @@ const player = await connect({ url: location.origin, name: 'three' });
 const renderer = new THREE.WebGLRenderer({ canvas: document.querySelector('canvas'), antialias: true });
 renderer.setSize(innerWidth, innerHeight);
 const camera = new THREE.PerspectiveCamera(50, innerWidth / innerHeight, 0.1, 200);
-camera.up.set(0, 0, 1); // metres, z is up
+camera.rotateX(1); // from straight down, since z is up, to ahead
+const floor = new THREE.Mesh(new THREE.PlaneGeometry(40, 40), new THREE.MeshBasicMaterial({ color: 'steelblue' }));
 const keys = new Set();
 onkeydown = onkeyup = ({ type, code }) => keys[type === 'keydown' ? 'add' : 'delete'](code);
 const axis = (less, more) => keys.has(more) - keys.has(less);
@@ -17,11 +18,10 @@ renderer.setAnimationLoop(() => {
   if (world === null) return;
   world.setInput({ moveX: axis('KeyA', 'KeyD'), moveY: axis('KeyS', 'KeyW'), jump: keys.has('Space') });
   world.sample(); // all bodies as they are to be drawn
-  const scene = new THREE.Scene().add(new THREE.GridHelper(40, 40).rotateX(Math.PI / 2));
+  const scene = new THREE.Scene().add(floor);
   for (const body of world.bodies.slice(0, world.bodyCount)) scene.add(makeMesh(world, body));
   const { x, y, z } = world.findBody(world.readWelcome().ownBody) ?? { x: 0, y: 0, z: 0 };
   camera.position.set(x, y - 9, z + 6);
-  camera.lookAt(x, y, z);
   renderer.render(scene, camera);
   scene.traverse((each) => each.geometry?.dispose()); // a game keeps its meshes, and copies what has another revision
 });
