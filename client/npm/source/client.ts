@@ -44,7 +44,7 @@ export function readNow(): number {
 const kLongestGap = 1;
 
 export class Client {
-  /** The first bodyCount entries are the bodies of the last Sample. */
+  /** The first bodyCount entries are the bodies of the last sample, by ascending number. */
   readonly bodies: Body[] = [];
   bodyCount = 0;
 
@@ -228,7 +228,8 @@ export class Client {
 
   /**
    * The vertices of a body of the last sample in the world, m, and their normals, of unit length: three numbers each.
-   * Views, valid until the next sample. Normals of bodies without faces are empty.
+   * Views of linear memory, valid until the next sample or update, which messages between frames cause, too. Bodies
+   * without faces have no normals.
    */
   readPositions(body: Body): Float32Array {
     return this.m_module.HEAPF32.subarray(body.vertices, body.vertices + 3 * body.vertexCount);
@@ -248,8 +249,8 @@ export class Client {
   }
 
   /**
-   * All of linear memory, for Body.vertices and Body.normals; valid until the next sample. For loops over many bodies,
-   * which then make no object for each.
+   * All of linear memory, for Body.vertices and Body.normals; valid as long as readPositions. For loops over many
+   * bodies, which then make no object for each.
    */
   readFloats(): Float32Array {
     return this.m_module.HEAPF32;

@@ -17,10 +17,7 @@ export async function loadRuntime(): Promise<Runtime> {
   return { module, openSocket };
 }
 
-/**
- * Joins a world. Resolves when the player plays. Rejects with a TypeError for a wrong option, and with the reason if the
- * first try fails: a wrong address should be said at once. Once it plays, the connection comes back by itself.
- */
+/** Joins a world. Resolves when the player plays; rejects with the reason when the first try fails. */
 export async function connect(options: ConnectOptions): Promise<Connection> {
   return await join(await loadRuntime(), options);
 }

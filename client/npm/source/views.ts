@@ -6,20 +6,18 @@ export interface Vector {
   z: number;
 }
 
-/**
- * A body at the last sample. vertices and normals are indices into Client.readFloats, three per vertex, valid until the
- * next sample. revision changes with the vertices.
- */
+/** A body at the last sample. revision changes with the vertices. */
 export interface Body {
   /** its number, by which events, hands and Welcome.ownBody name it */
   body: number;
   blueprint: number;
   revision: number;
   vertexCount: number;
+  /** index into Client.readFloats, three numbers a vertex */
   vertices: number;
-  /** 0: none */
+  /** likewise; 0: none */
   normals: number;
-  /** of its centre of mass */
+  /** of the centroid of its vertices */
   x: number;
   y: number;
   z: number;

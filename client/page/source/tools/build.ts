@@ -1,17 +1,9 @@
 // The build tool: adds, joins, pins and removes particles and springs, and selects the part that the panel tunes.
 import { Vector3 } from 'three';
+import { BuildKind, Hands, type Blueprint, type Body, type Client } from 'wobble-client';
+import type { ParticleTag, SpringTag, Vector } from 'wobble-client';
 import { MakePoint } from '../input/picking';
 import type { Place } from '../input/pointer';
-import {
-  BuildKind,
-  Hands,
-  type Blueprint,
-  type Body,
-  type ParticleTag,
-  type SpringTag,
-  type Vector,
-} from 'wobble-client';
-import type { Client } from 'wobble-client';
 import { Project, type Bench, type Tool } from './tool';
 
 export enum BuildAction {
