@@ -1,5 +1,5 @@
-// The structs that the page's script reads from linear memory. Every field has four bytes; the script has the same
-// offsets (client/page/source/wire/memory.ts). Pointers are addresses in linear memory.
+// The structs that the script reads from linear memory. Every field has four bytes; the script has the same
+// offsets (client/npm/source/memory.ts). Pointers are addresses in linear memory.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
-# cmake --install: component `server` (wobbled, its scenes), `client` (wobble, its scripts, the page) and `dev` (headers,
-# libraries, find_package(wobble), wobble.pc). Programs look for what they ship beside themselves, as in a build folder,
-# and then in ../share/wobble.
+# cmake --install: component `server` (wobbled, its scenes), `client` (wobble, its scripts, the page, the npm package)
+# and `dev` (headers, libraries, find_package(wobble), wobble.pc). Programs look for what they ship beside themselves, as
+# in a build folder, and then in ../share/wobble.
 #
 # The libraries carry no flag of ours: an embedding project compiles its own files as it likes. They themselves are
 # compiled for x86-64-v3.
@@ -26,6 +26,11 @@ if(WOBBLE_BUILD_TOOLS)
 endif()
 if(TARGET page)
   install(DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/page DESTINATION ${data} COMPONENT client)
+endif()
+if(TARGET npm_package)
+  # Target `programs` alone does not pack it.
+  install(FILES ${PROJECT_BINARY_DIR}/npm/wobble-client-${PROJECT_VERSION}.tgz DESTINATION ${data}
+    COMPONENT client OPTIONAL)
 endif()
 if(TARGET wobble_lab)
   install(TARGETS wobble_lab wobble_terms RUNTIME COMPONENT lab)

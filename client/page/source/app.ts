@@ -1,6 +1,8 @@
 // Builds the parts of the page and connects them. A frame: receive, move the camera, show, draw. The folder client/page
 // holds the browser's client: three.js draws what the client library, compiled to WebAssembly, decodes.
-import type { WobbleModule } from 'wobble-wasm';
+import { Connection, EventKind, readNow, type Client, type Runtime } from 'wobble-client';
+import type { Vector, Welcome, WorldEvent } from 'wobble-client';
+import { TakeFragment } from './fragment';
 import { Board } from './hud/board';
 import { BuildPanel } from './hud/build_panel';
 import { ConnectionCard } from './hud/connection_card';
@@ -38,10 +40,6 @@ import { HandTools } from './tools/hands';
 import { Marks } from './tools/marks';
 import { Push } from './tools/push';
 import type { Bench } from './tools/tool';
-import { TakeFragment } from './wire/access';
-import { ReadNow, type Client } from './wire/client';
-import { Connection } from './wire/connection';
-import { EventKind, State, type Vector, type Welcome, type WorldEvent } from './wire/views';
 import { KeepWorld, ReadAskedWorld, ReadWorld, type Offer } from './worlds';
 
 const kFramesToJoin = 3;
@@ -80,13 +78,14 @@ export class App {
   private readonly m_hands: HandTools;
   private readonly m_pointer: Pointer;
   private readonly m_panelButtons: HTMLButtonElement[] = [];
-  private m_lastFrame = ReadNow();
+  private m_lastFrame = readNow();
+  private m_missing: string; // name that the address asks for and the gateway does not have; nothing is joined then
   private m_newsFrom = 0;
   private readonly m_middle: Vector = { x: 0, y: 0, z: 1 };
   private m_spread = 8;
 
   // offer: what there is behind this gateway.
-  constructor(module: WobbleModule, offer: Offer) {
+  constructor(runtime: Runtime, offer: Offer) {
     const query = new URLSearchParams(location.search);
     const canvas = document.querySelector<HTMLCanvasElement>('#world')!;
     const asked = query.get('quality');
@@ -99,11 +98,15 @@ export class App {
     this.m_eyes = new Eyes(this.stage.scene);
     this.m_labels = new Labels(document.querySelector<HTMLElement>('#labels')!);
 
-    this.connection = new Connection(module, CutName(ReadName()), query.has('spectate'));
-    this.connection.onClient = () => this.Forget();
     const world = ReadWorld(offer);
-    this.connection.world = world ?? '';
-    this.connection.missing = world === null ? ReadAskedWorld() : '';
+    this.m_missing = world === null ? ReadAskedWorld() : '';
+    this.connection = new Connection(runtime, {
+      url: location.origin,
+      world: world ?? '',
+      name: CutName(ReadName()),
+      spectate: query.has('spectate'),
+    });
+    this.connection.onClient = () => this.Forget();
     this.TakeInvitation();
     this.m_worlds.List(offer);
     this.m_worlds.Show(this.connection.world);
@@ -111,11 +114,14 @@ export class App {
     this.m_people = new People(this.connection.name, this.m_invite.button, this.m_worlds.element);
     this.m_card = new ConnectionCard(
       offer.worlds[0] ?? '',
-      () => this.connection.JoinAgain(),
+      () => this.connection.joinAgain(),
       (first) => this.Enter(first),
-      (password) => this.connection.JoinWithPassword(password),
+      (password) => {
+        this.connection.show({ password });
+        this.connection.joinAgain();
+      },
     );
-    this.m_world = new WorldPanel(() => this.FindClient());
+    this.m_world = new WorldPanel(() => this.connection.playing);
     this.m_inspector = new Inspector(this.m_view, new Arrows(this.stage.scene), this.players);
     this.m_marks = new Marks(document.querySelector<HTMLCanvasElement>('#marks')!);
     const bench = this.MakeBench();
@@ -128,9 +134,9 @@ export class App {
     window.addEventListener('resize', () => this.stage.Resize());
     // A link that is opened in this tab changes the fragment alone.
     window.addEventListener('hashchange', () => {
-      if (this.TakeInvitation()) this.connection.JoinAgain();
+      if (this.TakeInvitation()) this.connection.joinAgain();
     });
-    window.addEventListener('pagehide', () => this.connection.Leave());
+    window.addEventListener('pagehide', () => this.connection.leave());
   }
 
   Start(): void {
@@ -140,7 +146,7 @@ export class App {
       requestAnimationFrame(frame);
       this.DrawFrame();
       // The sky is drawn first: its preparation must not count as silence.
-      if (++frames === kFramesToJoin && this.connection.missing === '') this.connection.Join();
+      if (++frames === kFramesToJoin && this.m_missing === '') this.connection.join();
     };
     requestAnimationFrame(frame);
   }
@@ -151,7 +157,7 @@ export class App {
       picking: new Picking(this.stage.camera),
       marks: this.m_marks,
       solids: this.arena.solids,
-      FindClient: () => this.FindClient(),
+      FindClient: () => this.connection.playing,
       FindWelcome: () => this.welcome,
     };
   }
@@ -160,13 +166,13 @@ export class App {
     this.m_people.onRename = (name) => this.Rename(name);
     this.m_people.onFollow = (clientId) => this.Follow(clientId);
     this.m_worlds.onChoose = (world) => this.Enter(world);
-    this.m_invite.onOrder = (line) => this.FindClient()?.Order(line);
+    this.m_invite.onOrder = (line) => this.connection.playing?.order(line);
     this.m_keys.onCommand = (command) => this.Take(command);
     const noteUse = (what: string) => this.m_hints.NoteUse(what);
     this.m_keys.onUse = this.m_pointer.onUse = this.m_hands.onUse = noteUse;
     this.m_hands.onClick = (body) => this.m_inspector.Choose(body);
     this.m_hands.onChoose = (tool) => {
-      if (tool !== null && this.welcome !== null) this.m_hints.Say(tool.name, tool.hint, ReadNow());
+      if (tool !== null && this.welcome !== null) this.m_hints.Say(tool.name, tool.hint, readNow());
     };
     this.m_view.onChange = () => (this.bodies.showsSurface = this.m_view.showsSurface);
   }
@@ -191,12 +197,6 @@ export class App {
     const touch = [this.m_touch.stick, this.m_touch.buttons];
     hud.append(this.m_people.element, corner, middle, ...touch, below, this.m_card.element, this.m_help.element);
     hud.append(this.m_invite.element);
-  }
-
-  // null unless a client is playing.
-  private FindClient(): Client | null {
-    const client = this.connection.client;
-    return client !== null && this.connection.end === null && client.ReadState() === State.Playing ? client : null;
   }
 
   private Take(command: Command): void {
@@ -237,18 +237,18 @@ export class App {
   // Whether the address had one. One to a world that is not here is shown to no other.
   private TakeInvitation(): boolean {
     const found = TakeFragment();
-    if (found === null || this.connection.missing !== '') return false;
-    this.connection.Show(found);
+    if (found === null || this.m_missing !== '') return false;
+    this.connection.show(found);
     return true;
   }
 
   private Enter(world: string): void {
-    if (world === this.connection.world && this.connection.missing === '') return;
+    if (world === this.connection.world && this.m_missing === '') return;
     KeepWorld(world);
     this.m_worlds.Show(world);
-    this.connection.missing = '';
+    this.m_missing = '';
     this.connection.world = world;
-    this.connection.JoinAgain();
+    this.connection.joinAgain();
   }
 
   private Follow(clientId: number): void {
@@ -259,7 +259,7 @@ export class App {
   private Rename(name: string): void {
     KeepName(name);
     this.connection.name = name;
-    this.connection.JoinAgain();
+    this.connection.joinAgain();
   }
 
   // Clears all state of the world before, be it of another connection or another scene.
@@ -275,13 +275,13 @@ export class App {
   }
 
   private DrawFrame(): void {
-    const now = ReadNow();
+    const now = readNow();
     const seconds = Math.max(1e-4, now - this.m_lastFrame);
     this.m_lastFrame = now;
     this.quality.NoteFrame(now, seconds);
-    this.connection.Update();
-    this.m_card.Update(this.connection);
-    const client = this.FindClient();
+    this.connection.update();
+    this.m_card.Update(this.connection, this.m_missing);
+    const client = this.connection.playing;
     if (client !== null) this.ShowWorld(client, now, Math.min(seconds, 0.1));
     else this.Wait(seconds);
     this.m_marks.Draw(now);
@@ -298,11 +298,11 @@ export class App {
 
   private ShowWorld(client: Client, now: number, seconds: number): void {
     this.Welcome(client);
-    for (let event = client.TakeEvent(); event !== null; event = client.TakeEvent()) this.NoteEvent(event);
-    for (let text = client.TakeNotice(); text !== null; text = client.TakeNotice()) {
+    for (let event = client.takeEvent(); event !== null; event = client.takeEvent()) this.NoteEvent(event);
+    for (let text = client.takeNotice(); text !== null; text = client.takeNotice()) {
       if (!this.m_film.TakeNotice(text) && !this.m_invite.TakeNotice(text)) this.m_toasts.Add(text, true);
     }
-    client.Sample();
+    client.sample();
     this.MoveBody(client, seconds);
     this.bodies.selectedParticle = this.m_build.selectedParticle;
     this.bodies.selectedSpring = this.m_build.selectedSpring;
@@ -316,7 +316,7 @@ export class App {
 
   private UpdateHud(client: Client, now: number): void {
     this.m_labels.Update(client, this.players, this.stage.camera, window.innerWidth, window.innerHeight);
-    this.m_chart.Update(client, this.connection.ping, this.connection.FindSilence(), now);
+    this.m_chart.Update(client, this.connection.ping, this.connection.findSilence(), now);
     this.m_people.Update(this.welcome!.scene, this.players);
     this.m_buildPanel.Update(this.m_hands.active === this.m_build);
     this.m_world.Update(this.camera.yaw);
@@ -326,11 +326,11 @@ export class App {
   }
 
   private Welcome(client: Client): void {
-    const welcome = client.ReadWelcome()!;
+    const welcome = client.readWelcome()!;
     if (this.welcome === welcome) return;
     if (this.welcome !== null) this.Forget(); // another scene has begun
     this.welcome = welcome;
-    this.m_newsFrom = ReadNow() + kQuietFor;
+    this.m_newsFrom = readNow() + kQuietFor;
     document.title = `${welcome.scene} · wobble`;
     this.m_invite.Update(this.connection.world, welcome);
     this.arena.Build(welcome.obstacles, welcome.grounds);
@@ -346,7 +346,7 @@ export class App {
     if (event.kind === EventKind.Fall) this.m_toasts.Add(this.DescribeFall(event));
     this.players.NoteEvent(event);
     // Join events also arrive for players who were there before.
-    const isNews = isNew && event.clientId !== this.players.ownClient && ReadNow() > this.m_newsFrom;
+    const isNews = isNew && event.clientId !== this.players.ownClient && readNow() > this.m_newsFrom;
     if (isNews) this.m_toasts.Add(`${event.name} joined`);
   }
 
@@ -369,16 +369,16 @@ export class App {
     const held = (action: string) => keys.Read(action) + touch.Read(action) > 0;
     if (this.camera.mode === CameraMode.Free) {
       this.camera.Fly(right / length, forward / length, keys.Read('jump') - keys.Read('stiffen'), seconds);
-      client.SetInput({ moveX: 0, moveY: 0, jump: false, puff: false, stiffen: false });
+      client.setInput({ moveX: 0, moveY: 0, jump: false, puff: false, stiffen: false });
       return;
     }
     const move = this.camera.ToWorld(right / length, forward / length);
-    client.SetInput({ moveX: move.x, moveY: move.y, jump: held('jump'), puff: held('puff'), stiffen: held('stiffen') });
+    client.setInput({ moveX: move.x, moveY: move.y, jump: held('jump'), puff: held('puff'), stiffen: held('stiffen') });
   }
 
   private MoveCamera(client: Client, seconds: number): void {
     this.FindMiddle(client, seconds);
-    const watched = client.FindBody(this.players.FindWatchedBody());
+    const watched = client.findBody(this.players.FindWatchedBody());
     this.camera.Update(seconds, watched, this.m_middle, this.m_spread);
     this.camera.Apply(this.stage.camera);
     const focus = this.camera.focus;

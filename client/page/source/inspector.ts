@@ -3,8 +3,7 @@
 import type { ViewPanel } from './hud/view_panel';
 import type { Players } from './players';
 import type { Arrows } from './scene/arrows';
-import { ReadNow, type Client } from './wire/client';
-import type { Forces } from './wire/views';
+import { readNow, type Client, type Forces } from 'wobble-client';
 
 const kReadEvery = 0.08; // s; the server sends ten times a second
 
@@ -35,37 +34,37 @@ export class Inspector {
   }
 
   Update(client: Client): void {
-    if (this.m_clicked !== 0 && client.FindBody(this.m_clicked) === null) this.m_clicked = 0;
+    if (this.m_clicked !== 0 && client.findBody(this.m_clicked) === null) this.m_clicked = 0;
     const wanted = this.m_panel.shown.size === 0 ? 0 : this.m_clicked || this.m_players.FindWatchedBody();
     if (wanted !== this.m_asked) {
       this.m_asked = wanted;
-      client.Inspect(wanted);
+      client.inspect(wanted);
     }
     this.m_panel.Describe(this.Describe(client, wanted));
-    const body = wanted === 0 ? null : client.FindBody(wanted);
+    const body = wanted === 0 ? null : client.findBody(wanted);
     if (body === null) {
       this.m_arrows.Hide();
       return;
     }
     const forces = this.ReadForces(client);
-    if (forces.body === wanted) this.m_arrows.Update(forces, body, client.ReadFloats(), this.m_panel.shown);
+    if (forces.body === wanted) this.m_arrows.Update(forces, body, client.readFloats(), this.m_panel.shown);
     else this.m_arrows.Hide();
   }
 
   private ReadForces(client: Client): Forces {
-    const now = ReadNow();
+    const now = readNow();
     if (this.m_forces !== null && now < this.m_nextRead) return this.m_forces;
     this.m_nextRead = now + kReadEvery;
-    this.m_forces = client.ReadForces();
+    this.m_forces = client.readForces();
     return this.m_forces;
   }
 
   private Describe(client: Client, body: number): string {
     if (body === 0) return 'Click a body to see its forces';
     if (body === this.m_players.ownBody) return 'On your body. Click another one to see its forces';
-    const found = client.FindBody(body);
+    const found = client.findBody(body);
     const player = this.m_players.FindByBody(body);
-    const name = player?.name ?? (found === null ? '' : client.FindBlueprint(found.blueprint).name);
+    const name = player?.name ?? (found === null ? '' : client.findBlueprint(found.blueprint).name);
     return `On ${name}`;
   }
 }

@@ -1,12 +1,12 @@
 // Starts the page: loads the WebAssembly, builds the app, and runs one frame after another.
-import createModule from 'wobble-wasm';
+import { loadRuntime } from 'wobble-client';
 import { App } from './app';
 import { MakeElement } from './hud/element';
 import { FetchOffer } from './worlds';
 
 async function Start(): Promise<void> {
-  const [module, offer] = await Promise.all([createModule(), FetchOffer()]);
-  const app = new App(module, offer);
+  const [runtime, offer] = await Promise.all([loadRuntime(), FetchOffer()]);
+  const app = new App(runtime, offer);
   app.Start();
 }
 

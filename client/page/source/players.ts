@@ -1,5 +1,5 @@
 // The players: names and bodies, from the server's events.
-import { EventKind, type WorldEvent } from './wire/views';
+import { EventKind, type WorldEvent } from 'wobble-client';
 
 export interface Player {
   clientId: number;

@@ -2,7 +2,7 @@
 import type { App } from './app';
 import { MakePoint } from './input/picking';
 import { Project } from './tools/tool';
-import { ForceKind, State, type ParticleTag, type SpringTag, type Tuning, type Vector } from './wire/views';
+import { ForceKind, State, type ParticleTag, type SpringTag, type Tuning, type Vector } from 'wobble-client';
 
 export interface Probe {
   state(): {
@@ -43,14 +43,14 @@ declare global {
 
 export function MakeProbe(app: App): Probe {
   const client = () => app.connection.client;
-  const find = (body: number) => client()?.FindBody(body) ?? null;
+  const find = (body: number) => client()?.findBody(body) ?? null;
   const blueprint = (body: number) => {
     const found = find(body);
-    return found === null ? null : client()!.FindBlueprint(found.blueprint);
+    return found === null ? null : client()!.findBlueprint(found.blueprint);
   };
   return {
     state: () => ({
-      connection: State[client()?.ReadState() ?? State.Ended],
+      connection: State[client()?.readState() ?? State.Ended],
       scene: app.welcome?.scene ?? '',
       ownBody: app.players.ownBody,
       watched: app.players.FindWatchedBody(),
@@ -61,10 +61,7 @@ export function MakeProbe(app: App): Probe {
       quality: app.quality.level,
       endReason: app.connection.lostReason,
     }),
-    statistics: () => {
-      client()?.UpdateStatistics();
-      return { ...client()?.statistics, ping: app.connection.ping };
-    },
+    statistics: () => ({ ...client()?.readStatistics(), ping: app.connection.ping }),
     position: (body) => {
       const found = find(body);
       return found === null ? null : { x: found.x, y: found.y, z: found.z };
@@ -83,12 +80,12 @@ export function MakeProbe(app: App): Probe {
     edgeCount: (body) => (blueprint(body)?.edges.length ?? 0) / 2,
     vertex: (body, vertex) => {
       const found = find(body);
-      return found === null ? null : MakePoint(client()!.ReadFloats(), found.vertices + 3 * vertex);
+      return found === null ? null : MakePoint(client()!.readFloats(), found.vertices + 3 * vertex);
     },
     place: (point) => Project(point, app.stage.camera),
-    tuning: () => client()?.ReadTuning() ?? null,
+    tuning: () => client()?.readTuning() ?? null,
     forces: () => {
-      const forces = client()?.ReadForces();
+      const forces = client()?.readForces();
       return { body: forces?.body ?? 0, kinds: (forces?.fields ?? []).map((field) => ForceKind[field.kind]) };
     },
     workshop: () => {
@@ -96,11 +93,11 @@ export function MakeProbe(app: App): Probe {
       return { particles, springs };
     },
     selected: () => ({ particle: app.bodies.selectedParticle, spring: app.bodies.selectedSpring }),
-    decodedHash: () => client()?.ReadDecodedHash() ?? '',
+    decodedHash: () => client()?.readDecodedHash() ?? '',
     restartDecodedHash: () => {
       const present = client();
-      if (present === null || present.IsCompleting()) return false;
-      present.RestartDecodedHash();
+      if (present === null || present.isCompleting()) return false;
+      present.restartDecodedHash();
       return true;
     },
   };

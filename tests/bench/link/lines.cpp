@@ -144,7 +144,7 @@ void MeasureLines(Bench& bench) {
   const std::string tail = std::to_string(static_cast<int>(seconds));
   const std::string native = std::string(WOBBLE_NATIVE_PLAYER) + " 10.77.0.1 4000 " + tail;
   const std::string page =
-      "node " WOBBLE_SOURCE_DIR "/tests/net/emulator/page_player.mjs " WOBBLE_WASM_DIR " 10.77.0.1:8080 ";
+      "node " WOBBLE_SOURCE_DIR "/tests/net/emulator/page_player.mjs " WOBBLE_NPM_DIR "/package 10.77.0.1:8080 ";
   Plot plot{.name = "link",
             .title = "Display delay over emulated lines, median and 99th percentile",
             .xLabel = "",

@@ -3,7 +3,7 @@ import assert from 'node:assert';
 import { spawn } from 'node:child_process';
 import { test } from 'node:test';
 
-const { WOBBLE_EMULATOR: emulator, WOBBLE_BIN_DIR: bin, WOBBLE_WASM_DIR: wasm } = process.env;
+const { WOBBLE_EMULATOR: emulator, WOBBLE_BIN_DIR: bin, WOBBLE_NPM_DIR: npm } = process.env;
 const folder = new URL('.', import.meta.url).pathname;
 const notPermitted = 77;
 
@@ -36,7 +36,7 @@ test('the page is at a short delay soon after its join', async (context) => {
     'delay=20ms',
     `${bin}/wobbled --port 4000 --scene arena --log-level warn & ` +
       `${bin}/wobble gateway --http 8080 --server 127.0.0.1:4000 & wait`,
-    `sleep 1.5; node ${folder}page_player.mjs ${wasm} 10.77.0.1:8080 8`,
+    `sleep 1.5; node ${folder}page_player.mjs ${npm}/package 10.77.0.1:8080 8`,
   );
   if (seen === null) return context.skip('no network namespaces here');
   console.log(JSON.stringify(seen));

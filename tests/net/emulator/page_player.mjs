@@ -1,7 +1,7 @@
-// Plays by the page's own connection code (client/page/source/wire) and the page's WebAssembly, under Node, without a
-// picture: joins a gateway, moves, takes a frame 60 times a second, and prints what it saw as one line of JSON.
+// Plays as the page does, by the package that it is made from, under Node, without a picture: joins a gateway, moves,
+// takes a frame 60 times a second, and prints what it saw as one line of JSON.
 //
-//   node page_player.mjs WASM_FOLDER HOST:PORT SECONDS [ARRIVALS [one]]
+//   node page_player.mjs PACKAGE_FOLDER HOST:PORT SECONDS [ARRIVALS [one]]
 //
 // ARRIVALS: a file for the arrivals of snapshots, a line each: ms since the first, tick. one: over one socket.
 import { Buffer } from 'node:buffer';
@@ -10,40 +10,14 @@ import { createRequire } from 'node:module';
 import path from 'node:path';
 import { pathToFileURL } from 'node:url';
 
-const [wasmFolder, host, seconds, arrivalsFile, sockets] = process.argv.slice(2);
-const page = new URL('../../../client/page/', import.meta.url);
-const load = createRequire(new URL('package.json', page));
-
-// What a browser has and Node has not, as far as the connection needs it.
-const { WebSocket } = load('ws');
+const [packageFolder, host, seconds, arrivalsFile, sockets] = process.argv.slice(2);
+const { WebSocket } = createRequire(new URL('../../../client/page/package.json', import.meta.url))('ws');
 globalThis.WebSocket = class extends WebSocket {
   constructor(url, protocols) {
     super(url, protocols, { perMessageDeflate: false, family: 4 });
-    this.on('error', () => {}); // a close follows
   }
 };
-globalThis.window = globalThis;
-globalThis.location = { protocol: 'http:', host, hash: '', pathname: '/', search: '' };
-const storage = new Map();
-globalThis.sessionStorage = {
-  getItem: (key) => storage.get(key) ?? null,
-  setItem: (key, value) => storage.set(key, value),
-  removeItem: (key) => storage.delete(key),
-};
-
-async function loadConnection() {
-  const source = new URL('source/wire/connection.ts', page).pathname;
-  const { outputFiles } = await load('esbuild').build({
-    entryPoints: [source], bundle: true, format: 'esm', write: false, external: ['wobble-wasm'],
-  });
-  const text = Buffer.from(outputFiles[0].contents).toString('base64');
-  return (await import(`data:text/javascript;base64,${text}`)).Connection;
-}
-
-async function loadModule() {
-  const { default: create } = await import(pathToFileURL(path.join(wasmFolder, 'wobble.mjs')).href);
-  return await create({ wasmBinary: fs.readFileSync(path.join(wasmFolder, 'wobble.wasm')) });
-}
+const { Connection, loadRuntime } = await import(pathToFileURL(path.join(packageFolder, 'dist/node.js')).href);
 
 const percentile = (values, share) => values[Math.min(values.length - 1, Math.floor(share * values.length))] ?? null;
 const readNow = () => performance.now() / 1000;
@@ -55,8 +29,7 @@ const settledAfter = 3; // s of play after which the figures begin
 const gapFrom = 0.2; // s without a newer snapshot
 const frame = 1000 / 60; // ms
 
-const [Connection, module] = [await loadConnection(), await loadModule()];
-const connection = new Connection(module, 'page', false);
+const connection = new Connection(await loadRuntime(), { url: `http://${host}`, name: 'page' });
 const begin = readNow();
 const seen = { delays: [], ages: [], gaps: [], drops: 0, join: null, lowAfter: null, leastEcho: Infinity, stallsBefore: null, stalls: 0 };
 let newest = { count: 0, at: begin };
@@ -64,41 +37,40 @@ let newest = { count: 0, at: begin };
 // the browser has not optimised the code, and in play.
 let longestJoining = 0;
 let longestCompleting = 0;
-const update = connection.Update.bind(connection);
-connection.Update = () => {
-  const isCompleting = connection.client?.IsCompleting();
+const update = connection.update.bind(connection);
+connection.update = () => {
+  const isCompleting = connection.client?.isCompleting();
   const from = readNow();
   update();
   const taken = readNow() - from;
   if (seen.join === null) longestJoining = Math.max(longestJoining, taken);
   else if (isCompleting) longestCompleting = Math.max(longestCompleting, taken);
 };
-if (sockets === 'one') connection.OpenLanes = () => {};
+if (sockets === 'one') connection.openLanes = () => {};
 const arrivals = [];
 connection.onClient = (client) => {
-  const receive = client.ReceiveMessage.bind(client);
-  client.ReceiveMessage = (message) => {
+  const receive = client.receiveMessage.bind(client);
+  client.receiveMessage = (message) => {
     if (message[0] === snapshotChannel) arrivals.push([readNow(), Buffer.from(message).readUInt32LE(tickAt)]);
     receive(message);
   };
 };
-connection.Join();
+connection.join();
 
 function takeFrame() {
   const now = readNow();
-  connection.Update();
+  connection.update();
   const client = connection.client;
   if (client === null || connection.end !== null) {
     if (connection.end !== null && seen.join !== null) seen.drops += 1;
     return;
   }
-  if (client.ReadState() !== playing) return;
+  if (client.readState() !== playing) return;
   seen.join ??= now - begin;
   const turn = now * 1.5;
-  client.SetInput({ moveX: Math.cos(turn), moveY: Math.sin(turn), jump: false, puff: false, stiffen: false });
-  client.Sample();
-  client.UpdateStatistics();
-  const figures = client.statistics;
+  client.setInput({ moveX: Math.cos(turn), moveY: Math.sin(turn) });
+  client.sample();
+  const figures = client.readStatistics();
   if (figures.snapshots !== newest.count) {
     if (now - newest.at >= gapFrom && newest.count > 0 && now - begin - seen.join > settledAfter)
       seen.gaps.push(now - newest.at);
@@ -138,6 +110,6 @@ setTimeout(() => {
     const lines = arrivals.map(([at, tick]) => `${(1000 * (at - arrivals[0][0])).toFixed(1)} ${tick}\n`);
     fs.writeFileSync(arrivalsFile, lines.join(''));
   }
-  connection.Leave();
+  connection.leave();
   setTimeout(() => process.exit(seen.delays.length > 0 ? 0 : 1), 200);
 }, 1000 * Number(seconds));

@@ -1,8 +1,7 @@
 // The state of a game: round, time, points, and the winner.
 import type { Players } from '../players';
 import { MakeOwnColour, MakePlayerColour } from '../scene/colours';
-import type { Client } from '../wire/client';
-import { GamePhase, type Scoreboard } from '../wire/views';
+import { GamePhase, type Client, type Scoreboard } from 'wobble-client';
 import { MakeElement, SetText } from './element';
 
 const kMostShown = 8;
@@ -35,7 +34,7 @@ export class Board {
     if (now < this.m_next) return;
     this.m_next = now + kEvery;
     this.element.hidden = false;
-    const board = client.ReadScoreboard();
+    const board = client.readScoreboard();
     const minutes = Math.floor(board.secondsLeft / 60);
     SetText(this.m_round, `round ${board.round}`);
     SetText(this.m_left, `${minutes}:${String(board.secondsLeft % 60).padStart(2, '0')}`);

@@ -1,7 +1,7 @@
 // The panel above the tool bar in the build tool: the effect of a click, and sliders for the selected part or else for
 // the next new one.
 import { BuildAction, type Build } from '../tools/build';
-import type { ParticleTag, SpringTag } from '../wire/views';
+import type { ParticleTag, SpringTag } from 'wobble-client';
 import { MakeButton, MakeElement, MakeLogarithmicScale, MakeSlider, SetPressed, SetText, type Slider } from './element';
 
 const kMass = MakeLogarithmicScale(0.05, 10); // kg

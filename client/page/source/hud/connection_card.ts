@@ -1,7 +1,6 @@
 // The card in the middle while there is no world: joining, or the reason why the page is not in or no longer in, whether
 // it is joining again by itself, and a button to do it; or that the address names a world that is not here.
-import type { Connection } from '../wire/connection';
-import { State } from '../wire/views';
+import { State, type Connection } from 'wobble-client';
 import { MakeButton, MakeElement, SetText } from './element';
 
 const kMostShown = 40; // characters of a name that the address invents
@@ -46,9 +45,10 @@ export class ConnectionCard {
     this.element.append(card);
   }
 
-  Update(connection: Connection): void {
-    const { client, end, lostReason, refused, missing } = connection;
-    this.element.hidden = end === null && client?.ReadState() === State.Playing;
+  // missing: name of a world that is not here; empty: it is.
+  Update(connection: Connection, missing: string): void {
+    const { client, end, lostReason, refused } = connection;
+    this.element.hidden = connection.playing !== null;
     this.m_form.hidden = refused === null;
     this.m_button.hidden = lostReason === '' || refused !== null;
     this.m_ball.hidden = missing !== '' || (end !== null && end.retryAt === null);
@@ -60,7 +60,7 @@ export class ConnectionCard {
     }
     if (lostReason === '') {
       SetText(this.m_title, 'Joining…');
-      SetText(this.m_text, client?.ReadState() === State.Joining ? 'Loading the world' : 'Connecting to the server');
+      SetText(this.m_text, client?.readState() === State.Joining ? 'Loading the world' : 'Connecting to the server');
       return;
     }
     if (refused !== null) {

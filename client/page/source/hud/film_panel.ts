@@ -1,6 +1,6 @@
 // The line of time of a recording that the server shows. Everybody who watches winds the same one, by orders; where it
 // stands the server says as a notice, when it is asked.
-import type { Client } from '../wire/client';
+import type { Client } from 'wobble-client';
 import { FormatTime } from '../worlds';
 import { MakeButton, MakeElement, MakeSlider, SetPressed, SetText, type Slider } from './element';
 
@@ -89,7 +89,7 @@ export class FilmPanel {
     }
     if (now < this.m_nextAsk) return;
     this.m_nextAsk = now + kAskEvery;
-    client.Order(kFilm);
+    client.order(kFilm);
   }
 
   // Whether the notice said where the recording stands, and is not for people.
@@ -104,6 +104,6 @@ export class FilmPanel {
   }
 
   private Order(words: string): void {
-    this.m_client?.Order(`${kFilm} ${words}`);
+    this.m_client?.order(`${kFilm} ${words}`);
   }
 }

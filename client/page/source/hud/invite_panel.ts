@@ -4,7 +4,7 @@
 // The link of an ordinary player holds no secret. Who may make invites can put one into it: it lets in as a player, for
 // a day, where the world does not let in everybody.
 import { encode } from 'uqr';
-import { Rank, type Welcome } from '../wire/views';
+import { Rank, type Welcome } from 'wobble-client';
 import type { Offer } from '../worlds';
 import { MakeButton, MakeElement, SetText } from './element';
 

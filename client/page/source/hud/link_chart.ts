@@ -1,6 +1,6 @@
 // The quality of the connection: ping, display delay, rate and stalls over the last minute, as lines and figures, and
 // whether the server keeps up or is silent.
-import type { Client } from '../wire/client';
+import type { Client } from 'wobble-client';
 import { MakeElement, SetText } from './element';
 
 const kEvery = 0.5; // s
@@ -64,8 +64,7 @@ export class LinkChart {
   Update(client: Client, ping: number, silence: number, now: number): void {
     if (now < this.m_next) return;
     this.m_next = now + kEvery;
-    client.UpdateStatistics();
-    const { bytesReceived, delay, stalls, pace } = client.statistics;
+    const { bytesReceived, delay, stalls, pace } = client.readStatistics();
     const isSilent = silence > kSilence;
     this.m_slow.hidden = pace === 1 && !isSilent;
     SetText(

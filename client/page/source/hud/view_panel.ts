@@ -1,6 +1,6 @@
 // The display of bodies: the forces on one body by kind, and springs in place of surfaces.
 import { kForceColours } from '../scene/arrows';
-import { ForceKind } from '../wire/views';
+import { ForceKind } from 'wobble-client';
 import { MakeButton, MakeElement, SetPressed, SetText } from './element';
 
 const kForces = [

@@ -1,8 +1,6 @@
 // The parameters of the world that all players share: direction of gravity, stiffness of springs, rate of time. Shows
 // those that the scene lets this player change.
-import type { Client } from '../wire/client';
-import { ReadNow } from '../wire/client';
-import { MayTune, TuneKind, type Tuning, type Vector } from '../wire/views';
+import { MayTune, readNow, TuneKind, type Client, type Tuning, type Vector } from 'wobble-client';
 import { MakeButton, MakeElement, MakeLogarithmicScale, MakeSlider, SetText, type Slider } from './element';
 
 const kMostTilt = (50 * Math.PI) / 180; // rad
@@ -66,10 +64,10 @@ export class WorldPanel {
     if (client === null) return;
     this.m_yaw = yaw;
     this.Flush(client);
-    const now = ReadNow();
+    const now = readNow();
     if (now < this.m_nextRead) return;
     this.m_nextRead = now + kReadEvery;
-    this.m_tuning = client.ReadTuning();
+    this.m_tuning = client.readTuning();
     if (this.element.hidden) return;
     const { may, gravity, stiffness, timeRate } = this.m_tuning;
     this.m_gravity.hidden = (may & MayTune.Gravity) === 0;
@@ -119,7 +117,7 @@ export class WorldPanel {
   private BuildTime(): void {
     const jump = (seconds: number) =>
       MakeButton(`+${seconds} s`, `Jump ${seconds} s ahead in time`, '', () =>
-        this.m_findClient()?.Tune(TuneKind.Jump, { x: seconds, y: 0, z: 0 }),
+        this.m_findClient()?.tune(TuneKind.Jump, { x: seconds, y: 0, z: 0 }),
       );
     const row = MakeElement('div', 'row');
     row.append(MakeElement('span', 'note', 'jump in time'), jump(1), jump(5));
@@ -185,7 +183,7 @@ export class WorldPanel {
 
   private TuneStiffness(factor: number): void {
     const value = Math.max(kLeastStiffness, Math.min(kMostStiffness, this.m_tuning.stiffness * factor));
-    this.m_findClient()?.Tune(TuneKind.Stiffness, { x: value, y: 0, z: 0 });
+    this.m_findClient()?.tune(TuneKind.Stiffness, { x: value, y: 0, z: 0 });
   }
 
   private Want(kind: TuneKind, value: Vector): void {
@@ -193,10 +191,10 @@ export class WorldPanel {
   }
 
   private Flush(client: Client): void {
-    const now = ReadNow();
+    const now = readNow();
     if (this.m_wanted === null || now < this.m_nextSend) return;
     this.m_nextSend = now + kSendEvery;
-    client.Tune(this.m_wanted.kind, this.m_wanted.value);
+    client.tune(this.m_wanted.kind, this.m_wanted.value);
     this.m_wanted = null;
   }
 }

@@ -1,8 +1,7 @@
 // Finds what lies under a point of the screen: bodies as they are shown, by their faces or springs; otherwise the
 // static scene.
 import { Raycaster, Vector2, Vector3, type Mesh, type PerspectiveCamera } from 'three';
-import type { Client } from '../wire/client';
-import type { Blueprint, Body, Vector } from '../wire/views';
+import type { Blueprint, Body, Client, Vector } from 'wobble-client';
 
 const kRodReach = 14; // pixels; a spring or a particle is hit within this distance
 
@@ -43,11 +42,11 @@ export class Picking {
   // The nearest body on the ray, or null. except: a body to ignore; 0: none.
   FindBody(client: Client, except = 0): Pick | null {
     let best: Pick | null = null;
-    const floats = client.ReadFloats();
+    const floats = client.readFloats();
     for (let i = 0; i < client.bodyCount; ++i) {
       const body = client.bodies[i];
       if (body.body === except) continue;
-      const blueprint = client.FindBlueprint(body.blueprint);
+      const blueprint = client.findBlueprint(body.blueprint);
       if (!this.IsNear(body, floats)) continue;
       const pick =
         blueprint.faces.length > 0 ? this.HitFaces(body, blueprint, floats) : this.HitSprings(body, blueprint, floats);

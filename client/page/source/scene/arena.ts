@@ -18,7 +18,7 @@ import {
   type Material,
 } from 'three';
 import { RoundedBoxGeometry } from 'three/examples/jsm/geometries/RoundedBoxGeometry.js';
-import { ObstacleKind, type Ground, type Obstacle, type Vector } from '../wire/views';
+import { ObstacleKind, type Ground, type Obstacle, type Vector } from 'wobble-client';
 import { MakeGroundMaterial } from './ground_material';
 import { Clip, MakeSquare, type HalfSpace } from './polygon';
 

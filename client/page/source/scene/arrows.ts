@@ -12,7 +12,7 @@ import {
   type Object3D,
 } from 'three';
 import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
-import { ForceKind, type Body, type Forces } from '../wire/views';
+import { ForceKind, type Body, type Forces } from 'wobble-client';
 import { WriteRod } from './springs';
 
 const kMost = 4096;

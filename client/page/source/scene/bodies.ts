@@ -1,7 +1,6 @@
 // Draws all bodies of the sample: bodies with faces as surfaces, others as springs and particles.
 import { Group } from 'three';
-import type { Client } from '../wire/client';
-import type { Blueprint, Body } from '../wire/views';
+import type { Blueprint, Body, Client } from 'wobble-client';
 import type { Players } from '../players';
 import { BodyShape } from './body_shape';
 import { MakeOwnColour, MakePlayerColour, MakeSceneColour } from './colours';
@@ -40,11 +39,11 @@ export class Bodies {
     this.m_round += 1;
     this.m_springs.Clear();
     this.m_isFine = client.bodyCount <= kMostFine;
-    const floats = client.ReadFloats();
+    const floats = client.readFloats();
     const isDressed = this.m_dressing === this.m_players.revision;
     for (let i = 0; i < client.bodyCount; ++i) {
       const body = client.bodies[i];
-      const blueprint = client.FindBlueprint(body.blueprint);
+      const blueprint = client.findBlueprint(body.blueprint);
       if (blueprint.faces.length > 0) this.UpdateShape(body, blueprint, floats, isDressed);
       else this.AddSprings(body, blueprint, floats);
     }

@@ -1,7 +1,7 @@
 // The material of soft bodies: smooth, with a glow at the rim and a pattern fixed to the rest shape, which makes
 // rolling and stretching visible.
 import { Color, DoubleSide, FrontSide, MeshStandardMaterial, Vector3 } from 'three';
-import type { Blueprint } from '../wire/views';
+import type { Blueprint } from 'wobble-client';
 
 export enum Pattern {
   Plain = 0, // players

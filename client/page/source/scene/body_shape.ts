@@ -10,7 +10,7 @@ import {
   Mesh,
   Sphere,
 } from 'three';
-import type { Blueprint, Body } from '../wire/views';
+import type { Blueprint, Body } from 'wobble-client';
 import { BodyMaterial } from './body_material';
 import { ExtendRest, FillMiddles, MakeFiner } from './finer';
 

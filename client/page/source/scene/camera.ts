@@ -4,7 +4,7 @@
 // again elsewhere is the exception. When following, the camera turns by itself towards the direction of motion, more
 // slowly than a player would, and not for a while after the player has turned it.
 import type { PerspectiveCamera } from 'three';
-import type { Vector } from '../wire/views';
+import type { Vector } from 'wobble-client';
 
 export enum CameraMode {
   Follow = 'follow',

@@ -1,8 +1,7 @@
 // The eyes of players. They sit on the current surface, on the side of the direction of motion, so that a rolling ball
 // does not roll them away. They look ahead, blink, and open wide in the air.
 import { DynamicDrawUsage, InstancedMesh, MeshStandardMaterial, SphereGeometry, Vector3, type Object3D } from 'three';
-import type { Client } from '../wire/client';
-import type { Body } from '../wire/views';
+import type { Body, Client } from 'wobble-client';
 import type { Players } from '../players';
 
 const kMaxPlayers = 128;
@@ -37,11 +36,11 @@ export class Eyes {
   // seconds: since the last call.
   Update(client: Client, players: Players, now: number, seconds: number, isShown: boolean): void {
     this.m_count = 0;
-    const floats = client.ReadFloats();
+    const floats = client.readFloats();
     for (const player of players.all.values()) {
-      const body = player.body === 0 ? null : client.FindBody(player.body);
+      const body = player.body === 0 ? null : client.findBody(player.body);
       if (body === null || body.normals === 0 || this.m_count + 2 > 2 * kMaxPlayers || !isShown) continue;
-      this.AddPair(body, floats, client.FindBlueprint(body.blueprint).size, this.Turn(body, seconds), now);
+      this.AddPair(body, floats, client.findBlueprint(body.blueprint).size, this.Turn(body, seconds), now);
     }
     for (const balls of [this.m_whites, this.m_pupils]) {
       balls.count = this.m_count;

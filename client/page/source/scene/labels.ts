@@ -1,6 +1,6 @@
 // Names above players: plain elements above the canvas, moved to the body's position on the screen.
 import { Vector3, type PerspectiveCamera } from 'three';
-import type { Client } from '../wire/client';
+import type { Client } from 'wobble-client';
 import type { Players } from '../players';
 import { MakePlayerColour } from './colours';
 
@@ -29,9 +29,9 @@ export class Labels {
     this.m_round += 1;
     for (const player of players.all.values()) {
       if (player.body === 0 || player.body === players.ownBody) continue;
-      const body = client.FindBody(player.body);
+      const body = client.findBody(player.body);
       if (body === null) continue;
-      const size = client.FindBlueprint(body.blueprint).size;
+      const size = client.findBlueprint(body.blueprint).size;
       const place = this.m_place.set(body.x, body.y, body.z + kAbove * size);
       const distance = place.distanceTo(camera.position);
       place.project(camera);

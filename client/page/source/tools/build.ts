@@ -1,17 +1,9 @@
 // The build tool: adds, joins, pins and removes particles and springs, and selects the part that the panel tunes.
 import { Vector3 } from 'three';
+import { BuildKind, Hands, type Blueprint, type Body, type Client } from 'wobble-client';
+import type { ParticleTag, SpringTag, Vector } from 'wobble-client';
 import { MakePoint } from '../input/picking';
 import type { Place } from '../input/pointer';
-import {
-  BuildKind,
-  Hands,
-  type Blueprint,
-  type Body,
-  type ParticleTag,
-  type SpringTag,
-  type Vector,
-} from '../wire/views';
-import type { Client } from '../wire/client';
 import { Project, type Bench, type Tool } from './tool';
 
 export enum BuildAction {
@@ -121,19 +113,19 @@ export class Build implements Tool {
   Remove(): void {
     const client = this.m_bench.FindClient();
     if (client === null) return;
-    if (this.m_particle >= 0) client.Build({ kind: BuildKind.RemoveParticle, a: this.m_particle });
-    else if (this.m_spring >= 0) client.Build({ kind: BuildKind.RemoveSpring, a: this.m_spring });
+    if (this.m_particle >= 0) client.build({ kind: BuildKind.RemoveParticle, a: this.m_particle });
+    else if (this.m_spring >= 0) client.build({ kind: BuildKind.RemoveSpring, a: this.m_spring });
     this.Select(-1, -1);
   }
 
   SetParticle(tag: ParticleTag): void {
     const { number, mass, fixed } = tag;
-    this.m_bench.FindClient()?.Build({ kind: BuildKind.SetParticle, a: number, mass, fixed });
+    this.m_bench.FindClient()?.build({ kind: BuildKind.SetParticle, a: number, mass, fixed });
   }
 
   SetSpring(tag: SpringTag): void {
     const { number, stiffness, damping, restLength } = tag;
-    this.m_bench.FindClient()?.Build({ kind: BuildKind.SetSpring, a: number, stiffness, damping, restLength });
+    this.m_bench.FindClient()?.build({ kind: BuildKind.SetSpring, a: number, stiffness, damping, restLength });
   }
 
   private Select(particle: number, spring: number): void {
@@ -168,7 +160,7 @@ export class Build implements Tool {
   private AddParticle(client: Client, place: Place): boolean {
     const at = this.FindPlace(place);
     if (at === null) return false;
-    client.Build({ kind: BuildKind.AddParticle, at, mass: this.mass, fixed: this.isFixed });
+    client.build({ kind: BuildKind.AddParticle, at, mass: this.mass, fixed: this.isFixed });
     const known = new Set((this.FindWorkshop()?.blueprint.particles ?? []).map((tag) => tag.number));
     this.m_chain = { from: this.m_particle, known, until: performance.now() / 1000 + kChainPatience };
     return true;
@@ -182,7 +174,7 @@ export class Build implements Tool {
 
   private AddSpring(client: Client, a: number, b: number): void {
     const { stiffness, damping } = this;
-    client.Build({ kind: BuildKind.AddSpring, a, b, stiffness, damping, restLength: 0 });
+    client.build({ kind: BuildKind.AddSpring, a, b, stiffness, damping, restLength: 0 });
   }
 
   // A point in the plane through the selected particle that faces the camera, or else on the surface beneath the
@@ -202,20 +194,20 @@ export class Build implements Tool {
     const workshop = this.FindWorkshop();
     const index = workshop?.blueprint.particles.findIndex((tag) => tag.number === this.m_particle) ?? -1;
     if (workshop === null || index < 0) return null;
-    return MakePoint(this.m_bench.FindClient()!.ReadFloats(), workshop.body.vertices + 3 * index);
+    return MakePoint(this.m_bench.FindClient()!.readFloats(), workshop.body.vertices + 3 * index);
   }
 
   private FindWorkshop(): { body: Body; blueprint: Blueprint } | null {
     const client = this.m_bench.FindClient();
-    const body = client?.FindBody(this.m_bench.FindWelcome()?.workshop ?? 0) ?? null;
+    const body = client?.findBody(this.m_bench.FindWelcome()?.workshop ?? 0) ?? null;
     if (client === null || body === null) return null;
-    return { body, blueprint: client.FindBlueprint(body.blueprint) };
+    return { body, blueprint: client.findBlueprint(body.blueprint) };
   }
 
   // Picks on the screen; a particle has priority over the springs that end in it.
   private FindAt(place: Place, client: Client, workshop: { body: Body; blueprint: Blueprint }): Found {
     const { body, blueprint } = workshop;
-    const floats = client.ReadFloats();
+    const floats = client.readFloats();
     const places: Place[] = [];
     let particle = -1;
     let nearest = kParticleReach;

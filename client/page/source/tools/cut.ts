@@ -5,8 +5,7 @@
 // a command is sent only for bodies that the piece meets.
 import type { Vector3 } from 'three';
 import type { Place } from '../input/pointer';
-import { Hands, type Vector } from '../wire/views';
-import { ReadNow, type Client } from '../wire/client';
+import { Hands, readNow, type Client, type Vector } from 'wobble-client';
 import type { Bench, Tool } from './tool';
 
 const kEvery = 0.05; // s
@@ -32,13 +31,13 @@ export class Cut implements Tool {
   // Always takes the press, because a stroke may begin beside the body it cuts.
   Begin(place: Place): boolean {
     this.m_from = this.m_to = place;
-    this.m_bench.marks.AddStroke(place.x, place.y, ReadNow());
+    this.m_bench.marks.AddStroke(place.x, place.y, readNow());
     return true;
   }
 
   Move(place: Place): void {
     this.m_to = place;
-    this.m_bench.marks.AddStroke(place.x, place.y, ReadNow());
+    this.m_bench.marks.AddStroke(place.x, place.y, readNow());
   }
 
   End(place: Place): void {
@@ -52,7 +51,7 @@ export class Cut implements Tool {
   }
 
   Update(): void {
-    const now = ReadNow();
+    const now = readNow();
     if (this.m_from === null || now < this.m_next) return;
     if (Math.hypot(this.m_to.x - this.m_from.x, this.m_to.y - this.m_from.y) < kLeastPiece) return;
     this.m_next = now + kEvery;
@@ -71,7 +70,7 @@ export class Cut implements Tool {
     for (const [body, distance] of this.FindMet(client, from, this.m_to)) {
       const eye = this.m_bench.camera.position;
       const reach = distance + kBehind;
-      client.Cut(body, Copy(eye), this.FindEnd(from, reach), this.FindEnd(this.m_to, reach));
+      client.cut(body, Copy(eye), this.FindEnd(from, reach), this.FindEnd(this.m_to, reach));
     }
   }
 

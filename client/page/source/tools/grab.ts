@@ -3,7 +3,7 @@
 import { Vector3 } from 'three';
 import { MakePoint } from '../input/picking';
 import type { Place } from '../input/pointer';
-import { Hands, type Vector } from '../wire/views';
+import { Hands, type Vector } from 'wobble-client';
 import { PickOther, Project, type Bench, type Tool } from './tool';
 
 const kWheelStep = 0.08; // share of the distance per notch
@@ -56,21 +56,21 @@ export class Grab implements Tool {
   Update(): void {
     const client = this.m_bench.FindClient();
     if (this.m_held === null || client === null) return;
-    const body = client.FindBody(this.m_held.body);
+    const body = client.findBody(this.m_held.body);
     if (body === null || this.m_held.vertex >= body.vertexCount) {
       this.Drop();
       return;
     }
     this.m_bench.picking.AimAt(this.m_place.x, this.m_place.y);
     if (this.m_bench.picking.FindFacing(this.m_depth, this.m_target) === null) return;
-    client.SetHand({ ...this.m_held, target: this.m_target });
-    const vertex = MakePoint(client.ReadFloats(), body.vertices + 3 * this.m_held.vertex);
+    client.setHand({ ...this.m_held, target: this.m_target });
+    const vertex = MakePoint(client.readFloats(), body.vertices + 3 * this.m_held.vertex);
     const from = Project(vertex, this.m_bench.camera);
     this.m_bench.marks.AddLine(from.x, from.y, this.m_place.x, this.m_place.y, '#fff3c4');
   }
 
   Drop(): void {
-    if (this.m_held !== null) this.m_bench.FindClient()?.SetHand(null);
+    if (this.m_held !== null) this.m_bench.FindClient()?.setHand(null);
     this.m_held = null;
   }
 }

@@ -1,7 +1,6 @@
 // The push tool: pushes the vertices under the pointer away from the eye.
 import type { Place } from '../input/pointer';
-import { Hands } from '../wire/views';
-import { ReadNow } from '../wire/client';
+import { Hands, readNow } from 'wobble-client';
 import { PickOther, type Bench, type Tool } from './tool';
 
 export class Push implements Tool {
@@ -18,8 +17,8 @@ export class Push implements Tool {
   Begin(place: Place): boolean {
     const found = PickOther(this.m_bench, place);
     if (found === null) return false;
-    found.client.Push(found.pick.body, found.pick.vertex, this.m_bench.picking.ray.direction);
-    this.m_bench.marks.AddRing(place.x, place.y, ReadNow());
+    found.client.push(found.pick.body, found.pick.vertex, this.m_bench.picking.ray.direction);
+    this.m_bench.marks.AddRing(place.x, place.y, readNow());
     return true;
   }
 

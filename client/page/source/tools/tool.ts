@@ -2,8 +2,7 @@
 import { Vector3, type Mesh, type PerspectiveCamera } from 'three';
 import type { Place } from '../input/pointer';
 import type { Pick, Picking } from '../input/picking';
-import type { Client } from '../wire/client';
-import type { Vector, Welcome } from '../wire/views';
+import type { Client, Vector, Welcome } from 'wobble-client';
 import type { Marks } from './marks';
 
 export interface Bench {

@@ -1,7 +1,7 @@
 // Reads the structures that client/wasm/layout.h describes: four-byte fields at addresses in linear memory.
 //
 // Views of the memory are made for every read, because they become invalid when the memory grows.
-import type { WobbleModule } from 'wobble-wasm';
+import type { WobbleModule } from './wobble.mjs';
 import type {
   Blueprint,
   Body,
@@ -17,7 +17,7 @@ import type {
   Vector,
   Welcome,
   WorldEvent,
-} from './views';
+} from './views.js';
 
 const kBodyWords = 14;
 const kObstacleWords = 8;
@@ -28,17 +28,17 @@ const kScoreBytes = 8;
 const kForceFieldWords = 3;
 const kDecoder = new TextDecoder();
 
-export function ReadText(module: WobbleModule, address: number, length: number): string {
+export function readText(module: WobbleModule, address: number, length: number): string {
   return kDecoder.decode(module.HEAPU8.subarray(address, address + length));
 }
 
 // Reads a zero-terminated text.
-export function ReadZeroText(module: WobbleModule, address: number): string {
+export function readZeroText(module: WobbleModule, address: number): string {
   const end = module.HEAPU8.indexOf(0, address);
-  return ReadText(module, address, end - address);
+  return readText(module, address, end - address);
 }
 
-export function MakeBody(): Body {
+export function makeBody(): Body {
   return {
     body: 0,
     blueprint: 0,
@@ -58,8 +58,8 @@ export function MakeBody(): Body {
 }
 
 // Fills the first `count` of `bodies`, which grows as needed and is reused.
-export function ReadBodies(module: WobbleModule, address: number, count: number, bodies: Body[]): void {
-  while (bodies.length < count) bodies.push(MakeBody());
+export function readBodies(module: WobbleModule, address: number, count: number, bodies: Body[]): void {
+  while (bodies.length < count) bodies.push(makeBody());
   const words = module.HEAPU32;
   const floats = module.HEAPF32;
   for (let i = 0, at = address >> 2; i < count; ++i, at += kBodyWords) {
@@ -81,26 +81,26 @@ export function ReadBodies(module: WobbleModule, address: number, count: number,
   }
 }
 
-export function ReadBlueprint(module: WobbleModule, address: number, number: number): Blueprint {
+export function readBlueprint(module: WobbleModule, address: number, number: number): Blueprint {
   const at = address >> 2;
   const words = module.HEAPU32;
   const [vertexCount, rest, faceCount, faces, edgeCount, edges] = words.subarray(at, at + 6);
   const [isOpen, name, nameLength, particles, springs] = words.subarray(at + 7, at + 12);
   return {
     number,
-    name: ReadText(module, name, nameLength),
+    name: readText(module, name, nameLength),
     size: module.HEAPF32[at + 6],
     isOpen: isOpen !== 0,
     rest: module.HEAPF32.slice(rest >> 2, (rest >> 2) + 3 * vertexCount),
     faces: module.HEAPU16.slice(faces >> 1, (faces >> 1) + 3 * faceCount),
     edges: module.HEAPU16.slice(edges >> 1, (edges >> 1) + 2 * edgeCount),
-    particles: particles === 0 ? [] : ReadParticleTags(module, particles, vertexCount),
-    springs: springs === 0 ? [] : ReadSpringTags(module, springs, edgeCount),
+    particles: particles === 0 ? [] : readParticleTags(module, particles, vertexCount),
+    springs: springs === 0 ? [] : readSpringTags(module, springs, edgeCount),
   };
 }
 
 // Reads a FlatBuffers structure, as do the functions below: fields are aligned to their size.
-function ReadParticleTags(module: WobbleModule, address: number, count: number): ParticleTag[] {
+function readParticleTags(module: WobbleModule, address: number, count: number): ParticleTag[] {
   const tags: ParticleTag[] = [];
   for (let i = 0, at = address; i < count; ++i, at += kParticleTagBytes) {
     tags.push({
@@ -113,7 +113,7 @@ function ReadParticleTags(module: WobbleModule, address: number, count: number):
   return tags;
 }
 
-function ReadSpringTags(module: WobbleModule, address: number, count: number): SpringTag[] {
+function readSpringTags(module: WobbleModule, address: number, count: number): SpringTag[] {
   const tags: SpringTag[] = [];
   for (let i = 0, at = address; i < count; ++i, at += kSpringTagBytes) {
     tags.push({
@@ -127,51 +127,51 @@ function ReadSpringTags(module: WobbleModule, address: number, count: number): S
   return tags;
 }
 
-export function ReadVector(module: WobbleModule, address: number): Vector {
+export function readVector(module: WobbleModule, address: number): Vector {
   const at = address >> 2;
   const floats = module.HEAPF32;
   return { x: floats[at], y: floats[at + 1], z: floats[at + 2] };
 }
 
-export function ReadWelcome(module: WobbleModule, address: number): Welcome {
+export function readWelcome(module: WobbleModule, address: number): Welcome {
   const at = address >> 2;
   const words = module.HEAPU32;
   const obstacles: Obstacle[] = [];
   for (let i = 0; i < words[at + 6]; ++i) {
-    obstacles.push(ReadObstacle(module, words[at + 7] + 4 * kObstacleWords * i));
+    obstacles.push(readObstacle(module, words[at + 7] + 4 * kObstacleWords * i));
   }
   const grounds: Ground[] = [];
-  for (let i = 0; i < words[at + 8]; ++i) grounds.push(ReadGround(module, words[at + 9] + 4 * kGroundWords * i));
+  for (let i = 0; i < words[at + 8]; ++i) grounds.push(readGround(module, words[at + 9] + 4 * kGroundWords * i));
   return {
     clientId: words[at],
     ownBody: words[at + 1],
     tickHz: words[at + 2],
     snapshotHz: words[at + 3],
-    scene: ReadText(module, words[at + 4], words[at + 5]),
+    scene: readText(module, words[at + 4], words[at + 5]),
     obstacles,
     grounds,
     hands: words[at + 10],
     reach: module.HEAPF32[at + 11],
-    game: ReadText(module, words[at + 12], words[at + 13]),
+    game: readText(module, words[at + 12], words[at + 13]),
     workshop: words[at + 14],
     rank: words[at + 15],
   };
 }
 
-function ReadObstacle(module: WobbleModule, address: number): Obstacle {
+function readObstacle(module: WobbleModule, address: number): Obstacle {
   return {
     kind: module.HEAPU8[address],
-    a: ReadVector(module, address + 4),
-    b: ReadVector(module, address + 16),
+    a: readVector(module, address + 4),
+    b: readVector(module, address + 16),
     radius: module.HEAPF32[(address + 28) >> 2],
   };
 }
 
-function ReadGround(module: WobbleModule, address: number): Ground {
+function readGround(module: WobbleModule, address: number): Ground {
   const at = address >> 2;
   const [columns, rows, heights] = module.HEAPU32.subarray(at + 4, at + 7);
   return {
-    corner: ReadVector(module, address),
+    corner: readVector(module, address),
     cellSize: module.HEAPF32[at + 3],
     columns,
     rows,
@@ -179,12 +179,12 @@ function ReadGround(module: WobbleModule, address: number): Ground {
   };
 }
 
-export function ReadEvent(module: WobbleModule, address: number): WorldEvent {
+export function readEvent(module: WobbleModule, address: number): WorldEvent {
   const [kind, clientId, body, name, nameLength] = module.HEAPU32.subarray(address >> 2, (address >> 2) + 5);
-  return { kind, clientId, body, name: ReadText(module, name, nameLength) };
+  return { kind, clientId, body, name: readText(module, name, nameLength) };
 }
 
-export function ReadStatistics(module: WobbleModule, address: number, statistics: Statistics): void {
+export function readStatistics(module: WobbleModule, address: number, statistics: Statistics): void {
   const at = address >> 2;
   const floats = module.HEAPF32;
   statistics.snapshots = floats[at];
@@ -202,7 +202,7 @@ export function ReadStatistics(module: WobbleModule, address: number, statistics
   statistics.pace = floats[at + 12];
 }
 
-export function MakeStatistics(): Statistics {
+export function makeStatistics(): Statistics {
   return {
     snapshots: 0,
     records: 0,
@@ -220,30 +220,30 @@ export function MakeStatistics(): Statistics {
   };
 }
 
-export function ReadNotice(module: WobbleModule, address: number): string {
+export function readNotice(module: WobbleModule, address: number): string {
   const at = address >> 2;
-  return ReadText(module, module.HEAPU32[at], module.HEAPU32[at + 1]);
+  return readText(module, module.HEAPU32[at], module.HEAPU32[at + 1]);
 }
 
 // A copy.
-export function ReadDownload(module: WobbleModule, address: number): Download {
+export function readDownload(module: WobbleModule, address: number): Download {
   const [low, high, bytes, length] = module.HEAPU32.subarray(address >> 2, (address >> 2) + 4);
   const digits = (half: number) => half.toString(16).padStart(8, '0');
   return { hash: digits(high) + digits(low), bytes: module.HEAPU8.slice(bytes, bytes + length) };
 }
 
-export function ReadTuning(module: WobbleModule, address: number): Tuning {
+export function readTuning(module: WobbleModule, address: number): Tuning {
   const at = address >> 2;
   const floats = module.HEAPF32;
   return {
-    gravity: ReadVector(module, address),
+    gravity: readVector(module, address),
     stiffness: floats[at + 3],
     timeRate: floats[at + 4],
     may: module.HEAPU32[at + 5],
   };
 }
 
-export function ReadScoreboard(module: WobbleModule, address: number): Scoreboard {
+export function readScoreboard(module: WobbleModule, address: number): Scoreboard {
   const words = module.HEAPU32.subarray(address >> 2, (address >> 2) + 7);
   const scores = [];
   for (let i = 0, at = words[6]; i < words[5]; ++i, at += kScoreBytes) {
@@ -260,7 +260,7 @@ export function ReadScoreboard(module: WobbleModule, address: number): Scoreboar
   };
 }
 
-export function ReadForces(module: WobbleModule, address: number): Forces {
+export function readForces(module: WobbleModule, address: number): Forces {
   const [body, tick, stride, count, fieldsAt] = module.HEAPU32.subarray(address >> 2, (address >> 2) + 5);
   const forces: Forces = { body, tick, stride, fields: [] };
   for (let i = 0; i < count; ++i) {

@@ -6,15 +6,18 @@ export interface Vector {
   z: number;
 }
 
-// A body at the last sample. vertices and normals are indices into the memory's floats, three per vertex, valid until
-// the next sample. revision changes with the vertices.
+/** A body at the last sample. revision changes with the vertices. */
 export interface Body {
+  /** its number, by which events, hands and Welcome.ownBody name it */
   body: number;
   blueprint: number;
   revision: number;
   vertexCount: number;
+  /** index into Client.readFloats, three numbers a vertex */
   vertices: number;
-  normals: number; // 0: none
+  /** likewise; 0: none */
+  normals: number;
+  /** of the centroid of its vertices */
   x: number;
   y: number;
   z: number;
@@ -22,10 +25,11 @@ export interface Body {
   rotationX: number;
   rotationY: number;
   rotationZ: number;
+  /** recent data is missing */
   held: boolean;
 }
 
-// Copies of the wire's data, valid without limit.
+/** Copies of the wire's data, valid without limit. */
 export interface Blueprint {
   number: number;
   name: string;
@@ -34,11 +38,13 @@ export interface Blueprint {
   rest: Float32Array;
   faces: Uint16Array;
   edges: Uint16Array;
-  particles: ParticleTag[]; // workshop only, one per vertex; otherwise empty
-  springs: SpringTag[]; // workshop only, one per edge
+  /** workshop only, one per vertex; otherwise empty */
+  particles: ParticleTag[];
+  /** workshop only, one per edge */
+  springs: SpringTag[];
 }
 
-// Units: kg, N/m, N s/m, m. owner: the client that made it; 0: part of the scene.
+/** Units: kg, N/m, N s/m, m. owner: the client that made it; 0: part of the scene. */
 export interface ParticleTag {
   number: number;
   owner: number;
@@ -61,7 +67,7 @@ export enum ObstacleKind {
   Capsule = 3,
 }
 
-// Plane: a is the outward normal, b.x the offset. Box: centre and half extents. Sphere: centre. Capsule: ends.
+/** Plane: a is the outward normal, b.x the offset. Box: centre and half extents. Sphere: centre. Capsule: ends. */
 export interface Obstacle {
   kind: ObstacleKind;
   a: Vector;
@@ -79,17 +85,23 @@ export interface Ground {
 
 export interface Welcome {
   clientId: number;
-  ownBody: number; // 0: none
+  /** 0: none */
+  ownBody: number;
   tickHz: number;
   snapshotHz: number;
   scene: string;
   obstacles: Obstacle[];
   grounds: Ground[];
-  hands: number; // bits of the enum Hands
-  reach: number; // m from the centre of the player's body; 0: any distance
-  game: string; // empty: none
-  workshop: number; // the body that Build changes; 0: none
-  rank: Rank; // when the player came in
+  /** bits of the enum Hands */
+  hands: number;
+  /** m from the centre of the player's body; 0: any distance */
+  reach: number;
+  /** empty: none */
+  game: string;
+  /** the body that Build changes; 0: none */
+  workshop: number;
+  /** when the player came in */
+  rank: Rank;
 }
 
 export enum Rank {
@@ -99,7 +111,7 @@ export enum Rank {
   Owner,
 }
 
-// Bits of Welcome.hands.
+/** Bits of Welcome.hands. */
 export enum Hands {
   Grab = 1,
   Cut = 2,
@@ -114,7 +126,7 @@ export enum TuneKind {
   Jump = 3,
 }
 
-// Bits of Tuning.may.
+/** Bits of Tuning.may. */
 export enum MayTune {
   Gravity = 1,
   Stiffness = 2,
@@ -122,9 +134,12 @@ export enum MayTune {
 }
 
 export interface Tuning {
-  gravity: Vector; // m/s²
-  stiffness: number; // factor on every spring's stiffness
-  timeRate: number; // seconds of the world per second
+  /** m/s² */
+  gravity: Vector;
+  /** factor on every spring's stiffness */
+  stiffness: number;
+  /** seconds of the world per second */
+  timeRate: number;
   may: number;
 }
 
@@ -144,7 +159,8 @@ export interface Scoreboard {
   round: number;
   secondsLeft: number;
   pointsToWin: number;
-  winner: number; // client; 0: none
+  /** client; 0: none */
+  winner: number;
   scores: Score[];
 }
 
@@ -158,9 +174,10 @@ export enum ForceKind {
   Acceleration = 6,
 }
 
-// For every stride-th vertex of the body, N (Acceleration: m/s²), three numbers each.
+/** For every stride-th vertex of the body, N (Acceleration: m/s²), three numbers each. */
 export interface Forces {
-  body: number; // 0: none received yet
+  /** 0: none received yet */
+  body: number;
   tick: number;
   stride: number;
   fields: { kind: ForceKind; values: Float32Array }[];
@@ -175,7 +192,7 @@ export enum BuildKind {
   RemoveSpring = 5,
 }
 
-// messages.fbs documents which fields each kind uses.
+/** messages.fbs documents which fields each kind uses. */
 export interface BuildRequest {
   kind: BuildKind;
   a?: number;
@@ -193,7 +210,8 @@ export enum EventKind {
   Leave = 1,
   Respawn = 2,
   BodyRemoved = 3,
-  Fall = 4, // body fell; clientId, if not 0, pushed it
+  /** body fell; clientId, if not 0, pushed it */
+  Fall = 4,
 }
 
 export interface WorldEvent {
@@ -203,20 +221,26 @@ export interface WorldEvent {
   name: string;
 }
 
+/** As client/statistics.h has them; times in seconds. */
 export interface Statistics {
   snapshots: number;
+  /** of bodies in them */
   records: number;
   badMessages: number;
   bytesReceived: number;
+  /** times that data of a body did not come in time */
   stalls: number;
+  /** how far behind the server bodies are shown */
   delay: number;
+  /** from sending an input to a snapshot that shows it */
   inputToSnapshot: number;
   snapshotAge: number;
   timeRatio: number;
   lossShare: number;
   serverTime: number;
   joinSeconds: number;
-  pace: number; // world time per real time; 1: the server keeps up
+  /** world time per real time; 1: the server keeps up */
+  pace: number;
 }
 
 export enum State {
@@ -226,15 +250,17 @@ export enum State {
   Ended = 3,
 }
 
+/** What the player asks of its body; what is left out is 0 or false. */
 export interface Input {
-  moveX: number;
-  moveY: number;
-  jump: boolean;
-  puff: boolean;
-  stiffen: boolean;
+  /** along the world's axes, -1 to 1 */
+  moveX?: number;
+  moveY?: number;
+  jump?: boolean;
+  puff?: boolean;
+  stiffen?: boolean;
 }
 
-// A blueprint that was downloaded; its hash in hexadecimal digits.
+/** A blueprint that was downloaded; its hash in hexadecimal digits. */
 export interface Download {
   hash: string;
   bytes: Uint8Array;
