@@ -1,7 +1,7 @@
 # cpack -G DEB, in the build folder: three packages for Debian 12.
 #
 #   wobble-server   wobbled and wobble with scenes, scripts and the page; three systemd units, a user, /etc/wobble
-#   libwobble-dev   headers and static libraries, find_package(wobble), wobble.pc; libwobble.so with all that belongs to it
+#   libwobble-dev   headers and static libraries, find_package(wobble), wobble.pc; and for C libwobble.so with its own
 #   wobble-lab      wobble_lab
 #
 # The component `client` is in two packages, so that no file is in both of them.

@@ -1,7 +1,6 @@
-# cmake --install: component `server` (wobbled, its scenes), `client` (wobble, its scripts, the page; and libwobble.so with
-# wobble.h, find_package(libwobble) and libwobble.pc, the client for C) and `dev` (headers and static libraries for C++,
-# find_package(wobble), wobble.pc). Programs look for what they ship beside themselves, as in a build folder, and then in
-# ../share/wobble.
+# cmake --install: component `server` (wobbled, its scenes), `client` (wobble, its scripts, the page; for C libwobble.so,
+# wobble.h, find_package(libwobble) and libwobble.pc) and `dev` (for C++ headers, static libraries, find_package(wobble)
+# and wobble.pc). Programs look for what they ship beside themselves, as in a build folder, and then in ../share/wobble.
 #
 # The libraries carry no flag of ours: an embedding project compiles its own files as it likes. They themselves are
 # compiled for x86-64-v3.
@@ -24,7 +23,8 @@ endif()
 # libwobble.so. Its export may be filled only once, so the library itself is installed where these are called.
 function(install_programs component)
   install(TARGETS wobble RUNTIME COMPONENT ${component} ${ARGN})
-  install(DIRECTORY client/bots/scripts DESTINATION ${data} COMPONENT ${component} ${ARGN} FILES_MATCHING PATTERN "*.lua")
+  install(DIRECTORY client/bots/scripts DESTINATION ${data} COMPONENT ${component} ${ARGN}
+    FILES_MATCHING PATTERN "*.lua")
   install(FILES client/host/worlds.toml DESTINATION ${data} COMPONENT ${component} ${ARGN})
   if(TARGET page)
     install(DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/page DESTINATION ${data} COMPONENT ${component} ${ARGN})
@@ -35,8 +35,8 @@ function(install_c component)
   install(FILES client/wobble.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT ${component} ${ARGN})
   install(EXPORT libwobble NAMESPACE libwobble:: FILE libwobbleConfig.cmake DESTINATION ${config}
     COMPONENT ${component} ${ARGN})
-  install(FILES ${PROJECT_BINARY_DIR}/wobbleConfigVersion.cmake RENAME libwobbleConfigVersion.cmake DESTINATION ${config}
-    COMPONENT ${component} ${ARGN})
+  install(FILES ${PROJECT_BINARY_DIR}/wobbleConfigVersion.cmake DESTINATION ${config}
+    RENAME libwobbleConfigVersion.cmake COMPONENT ${component} ${ARGN})
   install(FILES ${PROJECT_BINARY_DIR}/libwobble.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
     COMPONENT ${component} ${ARGN})
 endfunction()
