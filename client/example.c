@@ -9,10 +9,10 @@
 #include <stdlib.h>
 #include <wobble.h>
 
-enum { kRoom = 1 << 17 };  // vertices, and a third of the indices; a larger world is not drawn
-static float positions[3 * kRoom], normals[3 * kRoom];
-static uint32_t indices[3 * kRoom];
-static SDL_Color colours[kRoom];
+enum { kVertices = 1 << 16, kIndices = 6 * kVertices };  // a larger world is not drawn
+static float positions[3 * kVertices], normals[3 * kVertices];
+static uint32_t indices[kIndices];
+static SDL_Color colours[kVertices];
 
 int main(int argc, char** argv) {
   const double seconds = argc > 2 ? atof(argv[2]) : HUGE_VAL;
@@ -24,10 +24,12 @@ int main(int argc, char** argv) {
   SDL_Init(SDL_INIT_VIDEO);
   SDL_Window* window = SDL_CreateWindow("wobble", SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED, 640, 480, 0);
   SDL_Renderer* renderer = SDL_CreateRenderer(window, -1, 0);
+  SDL_SetRenderDrawBlendMode(renderer, SDL_BLENDMODE_BLEND);
   wobble_status status = {.struct_size = sizeof status};
   wobble_body own = {.struct_size = sizeof own};
-  wobble_frame frame = {sizeof frame, kRoom, 3 * kRoom, 0, 0, 0, 0, 0, positions, normals, indices};
-  for (unsigned n = 1; status.state != WOBBLE_ENDED; ++n, SDL_Delay(15)) {
+  wobble_frame frame = {.struct_size = sizeof frame, .vertex_capacity = kVertices, .index_capacity = kIndices};
+  frame.positions = positions, frame.normals = normals, frame.indices = indices;
+  for (double printed = 0; status.state != WOBBLE_ENDED; SDL_Delay(15)) {
     const double now = (double)SDL_GetTicks64() / 1000;
     wobble_update(client, now);  // receives, answers and sends
     wobble_read_status(client, &status);
@@ -49,11 +51,12 @@ int main(int argc, char** argv) {
     }
     SDL_SetRenderDrawColor(renderer, 20, 24, 32, 255);
     SDL_RenderClear(renderer);
-    SDL_SetRenderDrawBlendMode(renderer, SDL_BLENDMODE_BLEND);
     SDL_RenderGeometryRaw(renderer, NULL, positions, 12, colours, 4, NULL, 0, (int)frame.vertex_count, indices,
                           (int)frame.index_count, 4);
     SDL_RenderPresent(renderer);
-    if (n % 30 == 0) printf("x %6.2f  y %6.2f  z %6.2f\n", own.centroid[0], own.centroid[1], own.centroid[2]);
+    if (now < printed + 0.5) continue;
+    printf("x %6.2f  y %6.2f  z %6.2f\n", own.centroid[0], own.centroid[1], own.centroid[2]);
+    printed += 0.5;
   }
   if (status.ended_unasked) fprintf(stderr, "example: %s\n", status.reason);
   wobble_destroy(client);
