@@ -2,6 +2,8 @@
 #pragma once
 
 #include <chrono>
+#include <memory>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -20,13 +22,14 @@ inline constexpr std::uint32_t kOwnBody = 3, kOtherBody = 8;
 
 class ScriptedWorld {
  public:
-  ScriptedWorld() {
+  explicit ScriptedWorld(transport::ListenOptions options) {
     std::string error;
-    m_transport = transport::EnetTransport::Listen({.host = "127.0.0.1"}, error);
+    options.host = "127.0.0.1";
+    m_transport = transport::EnetTransport::Listen(options, error);
     if (m_transport == nullptr) throw std::runtime_error(error);
   }
 
-  [[nodiscard]] std::string Address() const { return "127.0.0.1:" + std::to_string(m_transport->ReadPort()); }
+  [[nodiscard]] std::uint16_t Port() const { return m_transport->ReadPort(); }
 
   // One tick: takes in what has come and sends where the bodies are. The own one moves.
   void Tick(double now) {
@@ -43,6 +46,7 @@ class ScriptedWorld {
   void Send(const Message& message) { static_cast<void>(m_transport->Send(connection, Channel::kControl, message)); }
 
   bool welcomed = false;
+  bool isSpectator = false;
   int commands = 0;     // pushes and cuts
   int badMessages = 0;  // that no honest client sends
   wire::InputFrame newestInput;
@@ -60,7 +64,10 @@ class ScriptedWorld {
       ++badMessages;
       return;
     }
-    if (message->body_as_Hello() != nullptr) Welcome();
+    if (const auto* hello = message->body_as_Hello()) {
+      isSpectator = hello->role() == wire::Role::Spectator;
+      Welcome();
+    }
     if (message->body_as_Push() != nullptr || message->body_as_Cut() != nullptr) ++commands;
     if (const auto* input = message->body_as_Input()) {
       newestInput = *input->frames()->Get(0);
@@ -89,30 +96,41 @@ class ScriptedWorld {
 
 // A client, and the world that it joins.
 struct Joined {
-  Joined() {
-    const std::string address = world.Address();
-    const wobble_connect_options options{.struct_size = sizeof options,
-                                         .flags = 0,
-                                         .address = address.c_str(),
-                                         .name = "Ada",
-                                         .password = nullptr,
-                                         .token = nullptr,
-                                         .invite = nullptr,
-                                         .server_key = nullptr};
+  explicit Joined(const transport::ListenOptions& listen = {}, const char* password = nullptr, std::uint32_t flags = 0)
+      : world(std::make_unique<ScriptedWorld>(listen)) {
+    const std::string address = "127.0.0.1:" + std::to_string(world->Port());
+    wobble_connect_options options{};
+    options.struct_size = sizeof options;
+    options.flags = flags;
+    options.address = address.c_str();
+    options.password = password;
     EXPECT_EQ(wobble_connect(&options, now, &client), WOBBLE_OK);
   }
   ~Joined() { wobble_destroy(client); }
   Joined(const Joined&) = delete;
   Joined& operator=(const Joined&) = delete;
 
-  // Ticks of virtual time, each at least a millisecond of the threads' and ENet's own.
+  // Ticks of virtual time, each at least two milliseconds of the door's thread and of ENet, which have clocks of their
+  // own.
   void Run(int ticks) {
     for (int i = 0; i < ticks; ++i) {
       now += 1.0 / 60;
-      world.Tick(now);
+      if (world != nullptr) world->Tick(now);
       EXPECT_EQ(wobble_update(client, now), WOBBLE_OK);
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
+  }
+  // For 20 s of virtual time at most.
+  template <typename Condition>
+  [[nodiscard]] bool RunUntil(Condition&& holds) {
+    for (int i = 0; i < 1200; ++i) {
+      if (holds()) return true;
+      Run(1);
+    }
+    return false;
+  }
+  [[nodiscard]] bool RunUntilState(std::int32_t state) {
+    return RunUntil([&] { return Status().state == state; });
   }
   [[nodiscard]] wobble_status Status() const {
     wobble_status status{};
@@ -120,13 +138,8 @@ struct Joined {
     EXPECT_EQ(wobble_read_status(client, &status), WOBBLE_OK);
     return status;
   }
-  // Until it is in that state, for 20 s of virtual time.
-  [[nodiscard]] bool RunUntil(std::int32_t state) {
-    for (int i = 0; i < 1200 && Status().state != state; ++i) Run(1);
-    return Status().state == state;
-  }
 
-  ScriptedWorld world;
+  std::unique_ptr<ScriptedWorld> world;  // null: it is not there at present
   wobble_client* client = nullptr;
   double now = 10;
 };

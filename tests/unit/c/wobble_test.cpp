@@ -180,8 +180,8 @@ TEST(Wobble, JoinsPlaysAndLeaves) {
   input.buttons = WOBBLE_JUMP | WOBBLE_STIFFEN;
   input.move_x = -1;
   EXPECT_EQ(wobble_set_input(joined.client, &input), WOBBLE_OK);
-  ASSERT_TRUE(joined.RunUntil(WOBBLE_PLAYING)) << joined.Status().reason;
-  joined.Run(30);
+  ASSERT_TRUE(joined.RunUntilState(WOBBLE_PLAYING)) << joined.Status().reason;
+  ASSERT_TRUE(joined.RunUntil([&] { return joined.world->newestInput.move_x() != 0; }));
   const wobble_status status = joined.Status();
   EXPECT_EQ(status.client_id, 9U);
   EXPECT_EQ(status.own_body, kOwnBody);
@@ -189,8 +189,8 @@ TEST(Wobble, JoinsPlaysAndLeaves) {
   EXPECT_EQ(status.reach, 2.5F);
   EXPECT_STREQ(status.scene, "pond");
   EXPECT_EQ(std::strlen(status.server_key), 64U);
-  EXPECT_EQ(joined.world.newestInput.move_x(), -127);
-  EXPECT_EQ(joined.world.newestInput.buttons(), 1 | 4);
+  EXPECT_EQ(joined.world->newestInput.move_x(), -127);
+  EXPECT_EQ(joined.world->newestInput.buttons(), 1 | 4);
 
   auto obstacle = Make<wobble_obstacle>();
   ASSERT_EQ(wobble_read_obstacle(joined.client, 0, &obstacle), WOBBLE_OK);
@@ -212,36 +212,35 @@ TEST(Wobble, JoinsPlaysAndLeaves) {
   EXPECT_EQ(wobble_set_input(joined.client, &input), WOBBLE_BAD_VALUE);
   input.move_y = 0, input.buttons = 8;
   EXPECT_EQ(wobble_set_input(joined.client, &input), WOBBLE_BAD_FLAGS);
-  joined.Run(30);
-  EXPECT_EQ(joined.world.heldBody, kOtherBody);
-  EXPECT_EQ(joined.world.commands, 2);
+  EXPECT_TRUE(joined.RunUntil([&] { return joined.world->heldBody == kOtherBody && joined.world->commands == 2; }));
   EXPECT_EQ(wobble_set_hand(joined.client, nullptr), WOBBLE_OK);
-  joined.Run(10);
-  EXPECT_EQ(joined.world.heldBody, 0U);
-  EXPECT_EQ(joined.world.newestInput.move_x(), -127) << "wrong inputs change nothing";
+  EXPECT_TRUE(joined.RunUntil([&] { return joined.world->heldBody == 0; }));
+  EXPECT_EQ(joined.world->newestInput.move_x(), -127) << "wrong inputs change nothing";
 
   auto statistics = Make<wobble_statistics>();
-  ASSERT_EQ(wobble_read_statistics(joined.client, &statistics), WOBBLE_OK);
-  EXPECT_GT(statistics.snapshots, 60U);
+  EXPECT_TRUE(joined.RunUntil(
+      [&] { return wobble_read_statistics(joined.client, &statistics) == WOBBLE_OK && statistics.snapshots > 60; }));
   EXPECT_GT(statistics.bytes_received, 1000U);
   EXPECT_EQ(statistics.bad_messages, 0U);
   EXPECT_GT(statistics.join_seconds, 0);
   EXPECT_GT(statistics.server_time, 100.0 / 60);
 
   EXPECT_EQ(wobble_leave(joined.client, joined.now), WOBBLE_OK);
-  ASSERT_TRUE(joined.RunUntil(WOBBLE_ENDED));
+  ASSERT_TRUE(joined.RunUntilState(WOBBLE_ENDED));
   EXPECT_EQ(joined.Status().ended_unasked, 0);
   EXPECT_EQ(wobble_leave(joined.client, joined.now), WOBBLE_OK);
-  EXPECT_EQ(joined.world.badMessages, 0);
+  EXPECT_EQ(joined.world->badMessages, 0);
 }
 
 TEST(Wobble, SamplesIntoTheCallersArraysAndKeepsTwoSamplesItself) {
   Joined joined;
-  ASSERT_TRUE(joined.RunUntil(WOBBLE_PLAYING));
-  joined.Run(60);
+  ASSERT_TRUE(joined.RunUntilState(WOBBLE_PLAYING));
   auto frame = Make<wobble_frame>();
-  ASSERT_EQ(wobble_sample(joined.client, joined.now, &frame), WOBBLE_OK) << "nothing is to be written";
-  ASSERT_EQ(frame.body_count, 2U);
+  ASSERT_TRUE(joined.RunUntil([&] {
+    EXPECT_EQ(wobble_sample(joined.client, joined.now, &frame), WOBBLE_OK) << "nothing is to be written";
+    return frame.body_count == 2;
+  }));
+  joined.Run(30);
   ASSERT_EQ(frame.vertex_count, 8U);
   ASSERT_EQ(frame.index_count, 24U);
   const std::uint32_t layout = frame.layout;
@@ -280,7 +279,7 @@ TEST(Wobble, SamplesIntoTheCallersArraysAndKeepsTwoSamplesItself) {
 
   // The next sample leaves this one as it is; the other body has not moved.
   const std::vector<float> before(own.positions, own.positions + 12);
-  joined.Run(10);
+  joined.Run(30);
   ASSERT_EQ(wobble_sample(joined.client, joined.now, nullptr), WOBBLE_OK);
   EXPECT_EQ(std::memcmp(own.positions, before.data(), 12 * sizeof(float)), 0);
   auto later = Make<wobble_body>();
@@ -294,40 +293,98 @@ TEST(Wobble, SamplesIntoTheCallersArraysAndKeepsTwoSamplesItself) {
 
 TEST(Wobble, GivesEventsInOrderAndCountsThoseThatNobodyTook) {
   Joined joined;
-  ASSERT_TRUE(joined.RunUntil(WOBBLE_PLAYING));
-  joined.world.Send(protocol::MakeEvent(wire::EventKind::Join, 101, 12, 5, "Grace"));
-  joined.world.Send(protocol::MakeNotice("too far away"));
-  joined.Run(10);
+  ASSERT_TRUE(joined.RunUntilState(WOBBLE_PLAYING));
+  joined.world->Send(protocol::MakeEvent(wire::EventKind::Join, 101, 12, 5, "Grace"));
+  joined.world->Send(protocol::MakeNotice("too far away"));
   auto event = Make<wobble_event>();
-  ASSERT_EQ(wobble_next_event(joined.client, &event), WOBBLE_OK);
+  const auto hasEvent = [&] { return wobble_next_event(joined.client, &event) == WOBBLE_OK; };
+  ASSERT_TRUE(joined.RunUntil(hasEvent));
   EXPECT_EQ(event.kind, WOBBLE_JOIN);
   EXPECT_EQ(event.client_id, 12U);
   EXPECT_EQ(event.body, 5U);
   EXPECT_STREQ(event.text, "Grace");
-  ASSERT_EQ(wobble_next_event(joined.client, &event), WOBBLE_OK);
+  ASSERT_TRUE(joined.RunUntil(hasEvent));
   EXPECT_EQ(event.kind, WOBBLE_NOTICE);
   EXPECT_STREQ(event.text, "too far away");
   EXPECT_EQ(wobble_next_event(joined.client, &event), WOBBLE_NO_EVENT);
 
   for (std::uint32_t i = 0; i < 1030; ++i) {
-    joined.world.Send(protocol::MakeEvent(wire::EventKind::Leave, 102, i, 0, ""));
+    joined.world->Send(protocol::MakeEvent(wire::EventKind::Leave, 102, i, 0, ""));
     if (i % 50 == 0) joined.Run(2);
   }
   auto statistics = Make<wobble_statistics>();
-  for (int i = 0; i < 300 && statistics.events_lost < 6; ++i) {
-    joined.Run(1);
-    ASSERT_EQ(wobble_read_statistics(joined.client, &statistics), WOBBLE_OK);
-  }
-  EXPECT_EQ(statistics.events_lost, 6U);
+  EXPECT_TRUE(joined.RunUntil(
+      [&] { return wobble_read_statistics(joined.client, &statistics) == WOBBLE_OK && statistics.events_lost == 6; }));
   ASSERT_EQ(wobble_next_event(joined.client, &event), WOBBLE_OK);
   EXPECT_EQ(event.client_id, 6U) << "the oldest are gone";
 
-  joined.world.Send(protocol::MakeNextScene("hill"));
-  joined.Run(10);
-  while (wobble_next_event(joined.client, &event) == WOBBLE_OK && event.kind != WOBBLE_NEW_WORLD) {
-  }
-  EXPECT_EQ(event.kind, WOBBLE_NEW_WORLD);
+  joined.world->Send(protocol::MakeNextScene("hill"));
+  EXPECT_TRUE(joined.RunUntil([&] { return hasEvent() && event.kind == WOBBLE_NEW_WORLD; }));
   EXPECT_STREQ(event.text, "hill");
+}
+
+// Lets in who shows the password, and gives a ticket to come back with; the password is good only once.
+class OnceJudge final : public transport::vestibule::Judge {
+ public:
+  using Credential = transport::vestibule::Credential;
+  [[nodiscard]] bool WantsCredential() const override { return true; }
+  [[nodiscard]] transport::NetAddress FindSource(Credential&, const transport::NetAddress& from) override {
+    return from;
+  }
+  [[nodiscard]] transport::vestibule::Judgement Decide(const Credential& shown, const transport::NetAddress&) override {
+    const std::vector<std::uint8_t> password{'o', 'p', 'e', 'n'}, ticket(40, 7);
+    const bool isFirst = shown.kind == Credential::Kind::kPassword && shown.bytes == password && !m_isUsed;
+    const bool isReturn = shown.kind == Credential::Kind::kToken && shown.bytes == ticket;
+    m_isUsed = m_isUsed || isFirst;
+    if (!isFirst && !isReturn) return {.refusal = transport::vestibule::Refusal::kBadCredential};
+    return {.refusal = transport::vestibule::Refusal::kNone, .admission = {}, .ticket = ticket};
+  }
+
+ private:
+  bool m_isUsed = false;
+};
+
+TEST(Wobble, JoinsAgainByItsTicketAndKeepsItsInput) {
+  transport::ListenOptions listen;
+  listen.secretKey.emplace().fill(7);
+  listen.judge = std::make_shared<OnceJudge>();
+  Joined joined(listen, "open");
+  ASSERT_TRUE(joined.RunUntilState(WOBBLE_PLAYING)) << joined.Status().reason;
+  auto input = Make<wobble_input>();
+  input.move_x = 1;
+  EXPECT_EQ(wobble_set_input(joined.client, &input), WOBBLE_OK);
+
+  listen.port = joined.world->Port();
+  joined.world = nullptr;
+  ASSERT_TRUE(joined.RunUntilState(WOBBLE_REJOINING));
+  EXPECT_STREQ(joined.Status().reason, "connection lost");
+  EXPECT_EQ(wobble_set_hand(joined.client, nullptr), WOBBLE_NOT_PLAYING);
+  EXPECT_EQ(wobble_sample(joined.client, joined.now, nullptr), WOBBLE_OK);
+  joined.world = std::make_unique<ScriptedWorld>(listen);
+  ASSERT_TRUE(joined.RunUntilState(WOBBLE_PLAYING)) << joined.Status().reason;
+  EXPECT_TRUE(joined.RunUntil([&] { return joined.world->newestInput.move_x() == 127; }));
+  auto event = Make<wobble_event>();
+  ASSERT_EQ(wobble_next_event(joined.client, &event), WOBBLE_OK);
+  EXPECT_EQ(event.kind, WOBBLE_NEW_WORLD);
+  EXPECT_STREQ(event.text, "");
+  auto statistics = Make<wobble_statistics>();
+  ASSERT_EQ(wobble_read_statistics(joined.client, &statistics), WOBBLE_OK);
+  EXPECT_EQ(statistics.rejoins, 1U);
+}
+
+TEST(Wobble, EndsWhereItIsNotLetInAndWhereItIsNotToJoinAgain) {
+  transport::ListenOptions listen;
+  listen.judge = std::make_shared<OnceJudge>();
+  Joined refused(listen, "close");
+  ASSERT_TRUE(refused.RunUntilState(WOBBLE_ENDED));
+  EXPECT_EQ(refused.Status().reason, transport::kBadCredentialReason);
+
+  Joined once({}, nullptr, WOBBLE_NO_REJOIN | WOBBLE_SPECTATE);
+  ASSERT_TRUE(once.RunUntilState(WOBBLE_PLAYING));
+  EXPECT_TRUE(once.world->isSpectator);
+  once.world = nullptr;
+  ASSERT_TRUE(once.RunUntilState(WOBBLE_ENDED));
+  EXPECT_EQ(once.Status().ended_unasked, 1);
 }
 
 // Wrong calls of all kinds, in any order: none crashes, none reaches the server, and the client still plays.
@@ -337,7 +394,7 @@ TEST(Wobble, BearsAnyCallsInAnyOrder) {
   SCOPED_TRACE("seed " + std::to_string(kSeed));
   protocol::Random random(kSeed);
   Joined joined;
-  ASSERT_TRUE(joined.RunUntil(WOBBLE_PLAYING));
+  ASSERT_TRUE(joined.RunUntilState(WOBBLE_PLAYING));
   std::array<float, 64> positions{}, normals{};
   std::array<std::uint32_t, 64> indices{};
   const auto choose = [&](auto... values) {
@@ -433,8 +490,8 @@ TEST(Wobble, BearsAnyCallsInAnyOrder) {
   EXPECT_EQ(results.count(WOBBLE_INTERNAL) + results.count(WOBBLE_NO_MEMORY), 0U);
   joined.Run(60);
   EXPECT_EQ(joined.Status().state, WOBBLE_PLAYING) << joined.Status().reason;
-  EXPECT_EQ(joined.world.badMessages, 0);
-  EXPECT_GT(joined.world.commands, 0);
+  EXPECT_EQ(joined.world->badMessages, 0);
+  EXPECT_GT(joined.world->commands, 0);
 }
 
 }  // namespace
