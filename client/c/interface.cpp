@@ -60,7 +60,7 @@ wobble_result Guard(Call&& call) noexcept {
 
 bool IsTime(double now) { return std::isfinite(now) && std::abs(now) < kMaxTime; }
 
-// Answers a question about the client: `find` makes the struct, or nothing where nothing is at an index.
+// Answers a question about the client. find(): the answer, or nullopt when there is nothing at an index.
 template <typename Struct, typename Find>
 wobble_result Answer(const wobble_client* client, Struct* answer, Find&& find) {
   if (client == nullptr) return WOBBLE_NULL;
@@ -71,7 +71,7 @@ wobble_result Answer(const wobble_client* client, Struct* answer, Find&& find) {
   return WOBBLE_OK;
 }
 
-// What happens to the client at a moment.
+// Does to the client what belongs to a moment.
 template <typename Call>
 wobble_result At(wobble_client* client, double now, Call&& call) {
   if (client == nullptr) return WOBBLE_NULL;
@@ -80,9 +80,8 @@ wobble_result At(wobble_client* client, double now, Call&& call) {
   return Guard(call);
 }
 
-// nullopt: null, or not three finite numbers.
+// nullopt: not three finite numbers.
 std::optional<Vector3> ReadVector(const float* numbers) {
-  if (numbers == nullptr) return {};
   const Vector3 vector{numbers[0], numbers[1], numbers[2]};
   if (!std::isfinite(vector.x) || !std::isfinite(vector.y) || !std::isfinite(vector.z)) return {};
   return vector;
@@ -96,7 +95,7 @@ std::optional<std::string_view> ReadText(const char* text) {
   return std::string_view(text, length);
 }
 
-// nullopt: cannot be one.
+// nullopt: the text cannot be one.
 std::optional<Credential> ReadCredential(const char* text, Credential::Kind kind) {
   const auto line = ReadText(text);
   if (!line) return {};

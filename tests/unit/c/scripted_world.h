@@ -20,6 +20,14 @@ namespace wire = protocol::wire;
 
 inline constexpr std::uint32_t kOwnBody = 3, kOtherBody = 8;
 
+// A struct of wobble.h that says its size; all else is zero.
+template <typename Struct>
+Struct Make() {
+  Struct made{};
+  made.struct_size = sizeof made;
+  return made;
+}
+
 class ScriptedWorld {
  public:
   explicit ScriptedWorld(transport::ListenOptions options) {
@@ -99,8 +107,7 @@ struct Joined {
   explicit Joined(const transport::ListenOptions& listen = {}, const char* password = nullptr, std::uint32_t flags = 0)
       : world(std::make_unique<ScriptedWorld>(listen)) {
     const std::string address = "127.0.0.1:" + std::to_string(world->Port());
-    wobble_connect_options options{};
-    options.struct_size = sizeof options;
+    auto options = Make<wobble_connect_options>();
     options.flags = flags;
     options.address = address.c_str();
     options.password = password;
@@ -133,8 +140,7 @@ struct Joined {
     return RunUntil([&] { return Status().state == state; });
   }
   [[nodiscard]] wobble_status Status() const {
-    wobble_status status{};
-    status.struct_size = sizeof status;
+    auto status = Make<wobble_status>();
     EXPECT_EQ(wobble_read_status(client, &status), WOBBLE_OK);
     return status;
   }
