@@ -2,9 +2,10 @@
 // and uploading both to the graphics card, and only changed bodies get a new revision.
 #include "client/wasm/shown_bodies.h"
 
-#include <array>
 #include <cstring>
 #include <iterator>
+
+#include "client/normals.h"
 
 namespace wobble::wasm {
 namespace {
@@ -62,7 +63,8 @@ ShownBodies::Named& ShownBodies::Name(const std::shared_ptr<const client::Bluepr
 void ShownBodies::Take(const client::BodySample& sample, Shown& shown, bool isOtherBlueprint) {
   if (!isOtherBlueprint && AreSame(shown.vertices, sample.vertices)) return;
   shown.vertices = sample.vertices;
-  FindNormals(shown.vertices, sample.blueprint->faces, shown.normals);
+  shown.normals.resize(sample.blueprint->faces.empty() ? 0 : shown.vertices.size());
+  client::FindNormals(shown.vertices, sample.blueprint->faces, shown.normals);
   ++shown.revision;
 }
 
@@ -85,19 +87,6 @@ const BlueprintView* ShownBodies::FindBlueprint(std::uint32_t number) {
     return &view;
   }
   return nullptr;
-}
-
-void FindNormals(std::span<const protocol::Vector3> vertices, std::span<const std::array<std::uint16_t, 3>> faces,
-                 std::vector<protocol::Vector3>& normals) {
-  normals.assign(faces.empty() ? 0 : vertices.size(), {});
-  for (const auto& [a, b, c] : faces) {
-    const protocol::Vector3 twiceArea = Cross(vertices[b] - vertices[a], vertices[c] - vertices[a]);
-    for (const std::uint16_t corner : {a, b, c}) normals[corner] = normals[corner] + twiceArea;
-  }
-  for (protocol::Vector3& normal : normals) {
-    const float length = Length(normal);
-    normal = length > 0 ? normal * (1 / length) : protocol::Vector3{};
-  }
 }
 
 }  // namespace wobble::wasm

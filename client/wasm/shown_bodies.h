@@ -45,9 +45,4 @@ class ShownBodies {
   std::uint32_t m_round = 0;
 };
 
-// Vertex normals: the sum of the normals of the faces around each vertex, weighted by area and normalised; zero where
-// there is no area.
-void FindNormals(std::span<const protocol::Vector3> vertices, std::span<const std::array<std::uint16_t, 3>> faces,
-                 std::vector<protocol::Vector3>& normals);
-
 }  // namespace wobble::wasm

@@ -1,8 +1,10 @@
 # cpack -G DEB, in the build folder: three packages for Debian 12.
 #
 #   wobble-server   wobbled and wobble with scenes, scripts and the page; three systemd units, a user, /etc/wobble
-#   libwobble-dev   headers and static libraries, find_package(wobble), wobble.pc
+#   libwobble-dev   headers and static libraries, find_package(wobble), wobble.pc; and for C libwobble.so with its own
 #   wobble-lab      wobble_lab
+#
+# The component `client` is in two packages, so that no file is in both of them.
 #
 # Dependencies on shared libraries are read from the programs by dpkg-shlibdeps.
 if(NOT (WOBBLE_BUILD_SERVER AND WOBBLE_BUILD_TOOLS))
@@ -13,6 +15,9 @@ install(FILES ${packaging}/wobbled.service ${packaging}/wobble-gateway.service $
   DESTINATION lib/systemd/system COMPONENT deb EXCLUDE_FROM_ALL)
 install(FILES ${packaging}/wobbled.conf ${packaging}/gateway.conf ${PROJECT_SOURCE_DIR}/client/host/worlds.toml
   DESTINATION /etc/wobble COMPONENT deb EXCLUDE_FROM_ALL)
+install_programs(deb_wobble_server EXCLUDE_FROM_ALL)
+install_c(deb_libwobble_dev EXCLUDE_FROM_ALL)
+install(TARGETS wobble_c LIBRARY COMPONENT deb_libwobble_dev EXCLUDE_FROM_ALL)
 foreach(package wobble-server libwobble-dev wobble-lab)
   string(REPLACE - _ component deb_${package})
   install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION share/doc/${package} RENAME copyright
@@ -31,7 +36,7 @@ set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
-set(CPACK_COMPONENTS_ALL server client deb deb_wobble_server dev deb_libwobble_dev)
+set(CPACK_COMPONENTS_ALL server deb deb_wobble_server dev deb_libwobble_dev)
 
 set(CPACK_DEBIAN_SERVER_PACKAGE_NAME wobble-server)
 set(CPACK_DEBIAN_SERVER_PACKAGE_SECTION games)
@@ -41,6 +46,7 @@ set(CPACK_DEBIAN_SERVER_PACKAGE_CONTROL_EXTRA
   "${packaging}/conffiles;${packaging}/postinst;${packaging}/prerm;${packaging}/postrm")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libwobble-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libflatbuffers-dev, libenet-dev, libsodium-dev")
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "libeigen3-dev, libtbb-dev")
 if(TARGET wobble_lab)
@@ -56,7 +62,7 @@ include(CPack)
 cpack_add_component_group(server DESCRIPTION "Host a world of soft bodies for many players, connect to it, load-test it")
 cpack_add_component_group(dev DESCRIPTION "Libraries and headers for programs that connect to a world of soft bodies")
 cpack_add_component_group(lab DESCRIPTION "Accuracy, stability and speed of soft-body integrators, measured and plotted")
-foreach(component server client deb deb_wobble_server)
+foreach(component server deb deb_wobble_server)
   cpack_add_component(${component} GROUP server)
 endforeach()
 foreach(component dev deb_libwobble_dev)

@@ -1,6 +1,6 @@
-# cmake --install: component `server` (wobbled, its scenes), `client` (wobble, its scripts, the page, the npm package)
-# and `dev` (headers, libraries, find_package(wobble), wobble.pc). Programs look for what they ship beside themselves, as
-# in a build folder, and then in ../share/wobble.
+# cmake --install: component `server` (wobbled, its scenes), `client` (wobble, its scripts, the page, the npm package; for C libwobble.so,
+# wobble.h, find_package(libwobble) and libwobble.pc) and `dev` (for C++ headers, static libraries, find_package(wobble)
+# and wobble.pc). Programs look for what they ship beside themselves, as in a build folder, and then in ../share/wobble.
 #
 # The libraries carry no flag of ours: an embedding project compiles its own files as it likes. They themselves are
 # compiled for x86-64-v3.
@@ -19,19 +19,38 @@ if(WOBBLE_BUILD_SERVER)
     FILES_MATCHING PATTERN "*.toml" PATTERN "*.obj" PATTERN examples EXCLUDE)
   install(DIRECTORY server/physics DESTINATION ${headers}/server COMPONENT dev FILES_MATCHING PATTERN "*.h")
 endif()
+# The two parts of the component `client`, which are in two Debian packages (deb.cmake): programs, and what belongs to
+# libwobble.so. Its export may be filled only once, so the library itself is installed where these are called.
+function(install_programs component)
+  install(TARGETS wobble RUNTIME COMPONENT ${component} ${ARGN})
+  install(DIRECTORY client/bots/scripts DESTINATION ${data} COMPONENT ${component} ${ARGN}
+    FILES_MATCHING PATTERN "*.lua")
+  install(FILES client/host/worlds.toml DESTINATION ${data} COMPONENT ${component} ${ARGN})
+  if(TARGET page)
+    install(DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/page DESTINATION ${data} COMPONENT ${component} ${ARGN})
+  endif()
+endfunction()
+function(install_c component)
+  set(config ${CMAKE_INSTALL_LIBDIR}/cmake/libwobble)
+  install(FILES client/wobble.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT ${component} ${ARGN})
+  install(EXPORT libwobble NAMESPACE libwobble:: FILE libwobbleConfig.cmake DESTINATION ${config}
+    COMPONENT ${component} ${ARGN})
+  install(FILES ${PROJECT_BINARY_DIR}/wobbleConfigVersion.cmake DESTINATION ${config}
+    RENAME libwobbleConfigVersion.cmake COMPONENT ${component} ${ARGN})
+  install(FILES ${PROJECT_BINARY_DIR}/libwobble.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
+    COMPONENT ${component} ${ARGN})
+endfunction()
 if(WOBBLE_BUILD_TOOLS)
-  install(TARGETS wobble RUNTIME COMPONENT client)
-  install(DIRECTORY client/bots/scripts DESTINATION ${data} COMPONENT client FILES_MATCHING PATTERN "*.lua")
-  install(FILES client/host/worlds.toml DESTINATION ${data} COMPONENT client)
-endif()
-if(TARGET page)
-  install(DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/page DESTINATION ${data} COMPONENT client)
+  install_programs(client)
 endif()
 if(TARGET npm_package)
   # Target `programs` alone does not pack it.
   install(FILES ${PROJECT_BINARY_DIR}/npm/wobble-client-${PROJECT_VERSION}.tgz DESTINATION ${data}
     COMPONENT client OPTIONAL)
 endif()
+set_target_properties(wobble_c PROPERTIES EXPORT_NAME libwobble)
+install(TARGETS wobble_c EXPORT libwobble LIBRARY COMPONENT client INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install_c(client)
 if(TARGET wobble_lab)
   install(TARGETS wobble_lab wobble_terms RUNTIME COMPONENT lab)
 endif()
@@ -52,6 +71,7 @@ install(DIRECTORY protocol DESTINATION ${headers} COMPONENT dev FILES_MATCHING P
 install(DIRECTORY ${PROJECT_BINARY_DIR}/generated/protocol DESTINATION ${headers} COMPONENT dev
   FILES_MATCHING PATTERN "*.h")
 file(GLOB clientHeaders CONFIGURE_DEPENDS client/*.h)
+list(FILTER clientHeaders EXCLUDE REGEX "/wobble\\.h$")
 install(FILES ${clientHeaders} DESTINATION ${headers}/client COMPONENT dev)
 install(FILES client/files/kept_folder.h DESTINATION ${headers}/client/files COMPONENT dev)
 
@@ -62,5 +82,7 @@ install(FILES ${PROJECT_BINARY_DIR}/wobbleConfig.cmake ${PROJECT_BINARY_DIR}/wob
   DESTINATION ${config} COMPONENT dev)
 # From the folder of the file back to the prefix: an installed copy can be moved.
 file(RELATIVE_PATH pcToPrefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
-configure_file(docker/packaging/wobble.pc.in ${PROJECT_BINARY_DIR}/wobble.pc @ONLY)
+foreach(name wobble libwobble)
+  configure_file(docker/packaging/${name}.pc.in ${PROJECT_BINARY_DIR}/${name}.pc @ONLY)
+endforeach()
 install(FILES ${PROJECT_BINARY_DIR}/wobble.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)

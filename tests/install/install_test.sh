@@ -4,6 +4,9 @@
 #   bash install_test.sh CASE BUILD_DIR
 #
 #   client    a project with find_package(wobble) and one with pkg-config build client/example.cpp and play
+#   c         the same in C, with find_package(libwobble) and pkg-config: client/example.c plays for C_SECONDS (2) in an
+#             SDL2 window without a screen, and its picture shows the world
+#   interface of libwobble.so is the one that libwobble.abi describes, is all that it exports, and compiles as C and C++
 #   physics   a project builds a headless example of the engine and drops a ball
 #   embed     a project adds this tree as a subdirectory with the client alone
 #   packages  three .deb files, installed and run in a fresh Debian (root, mmdebstrap and the network are needed; else the
@@ -54,18 +57,26 @@ expect_no_flags() {
   fi
 }
 
-# Plays five seconds against a server of this build; the example prints where its body is.
-play() {
+install_client() { cmake --install "$build" --prefix "$folder/prefix" --component client >/dev/null; }
+
+# Starts a server of this build and sets `port`.
+start_server() {
   "$build/bin/wobbled" --scene ball_drop --port 0 --for 90 >"$folder/server" 2>&1 &
-  local port=""
+  port=""
   for _ in $(seq 300); do
     port="$(sed -n 's/^listening on UDP port \([0-9]*\).*/\1/p' "$folder/server")"
-    [ -n "$port" ] && break
+    [ -n "$port" ] && return
     sleep 0.1
   done
-  [ -n "$port" ] || { cat "$folder/server"; fail "a server that listens"; }
-  timeout 60 "$1" 127.0.0.1 "$port" >"$folder/played" || fail "$1 to play"
-  [ "$(grep -c '^x ' "$folder/played")" -ge 5 ] || { cat "$folder/played"; fail "places of the body"; }
+  cat "$folder/server"
+  fail "a server that listens"
+}
+# play LINES PROGRAM ARGUMENT...: the examples print where their body is, twice a second.
+play() {
+  local lines="$1"
+  shift
+  timeout 60 "$@" >"$folder/played" || fail "$1 to play"
+  [ "$(grep -c '^x ' "$folder/played")" -ge "$lines" ] || { cat "$folder/played"; fail "places of the body"; }
 }
 
 case "$case_name" in
@@ -75,12 +86,56 @@ case "$case_name" in
       -DEXAMPLE="$source/client/example.cpp"
     compile "$folder/game"
     expect_no_flags "$folder/game"
-    play "$folder/game/game"
+    start_server
+    play 5 "$folder/game/game" 127.0.0.1 "$port"
     # shellcheck disable=SC2046  # the flags are words
     c++ -std=c++20 "$source/client/example.cpp" -o "$folder/by_pkg_config" \
       $(PKG_CONFIG_PATH="$folder/prefix/lib/pkgconfig" pkg-config --cflags --libs wobble) || fail "a build by pkg-config"
     [ "$(PKG_CONFIG_PATH="$folder/prefix/lib/pkgconfig" pkg-config --modversion wobble)" = \
       "$("$build/bin/wobble" --version | cut -d ' ' -f 2)" ] || fail "one version"
+    ;;
+  c)
+    pkg-config --exists sdl2 || { echo "skipped: SDL2"; exit 77; }
+    install_client
+    export PKG_CONFIG_PATH="$folder/prefix/lib/pkgconfig" LD_LIBRARY_PATH="$folder/prefix/lib"
+    configure -S "$source/tests/install/c" -B "$folder/game" -DCMAKE_PREFIX_PATH="$folder/prefix" \
+      -DEXAMPLE="$source/client/example.c"
+    compile "$folder/game"
+    # shellcheck disable=SC2046  # the flags are words
+    cc -std=c11 -pedantic -Wall -Wextra -Werror "$source/client/example.c" -o "$folder/by_pkg_config" \
+      $(pkg-config --cflags --libs libwobble sdl2) -lm || fail "a build by pkg-config"
+    [ "$(pkg-config --modversion libwobble)" = "$("$build/bin/wobble" --version | cut -d ' ' -f 2)" ] || fail "one version"
+    start_server
+    export SDL_VIDEODRIVER=dummy SDL_RENDER_DRIVER=software
+    seconds="${C_SECONDS:-2}"
+    play $((2 * seconds - 2)) "$folder/by_pkg_config" "127.0.0.1:$port" "$seconds"
+    [ "$(sort -u "$folder/played" | wc -l)" -ge 2 ] || { cat "$folder/played"; fail "a body that moves"; }
+    mkdir "$folder/pictures"
+    cd "$folder/pictures" # SDL writes every picture here
+    SDL_VIDEO_DUMMY_SAVE_FRAMES=1 play 1 "$folder/game/game" "127.0.0.1:$port" 1
+    python3 "$source/tests/install/c/find_bodies.py" ./*.bmp || fail "a picture with the own body in orange, others in blue"
+    if "$folder/game/game" nowhere 2>"$folder/told"; then fail "an exit code"; fi
+    grep -q '^example: the address is no HOST:PORT' "$folder/told" || { cat "$folder/told"; fail "a reason"; }
+    ;;
+  interface)
+    install_client
+    library="$folder/prefix/lib/libwobble.so"
+    [ "$(readelf -d "$library" | sed -n 's/.*soname: \[\(.*\)\]/\1/p')" = libwobble.so.0 ] || fail "the name libwobble.so.0"
+    nm -D --defined-only "$library" | cut -d ' ' -f 3 | sort >"$folder/exported"
+    sed -n 's/^WOBBLE_API.*[ *]\(wobble_[a-z_]*\)(.*/\1/p' "$folder/prefix/include/wobble.h" | sort >"$folder/declared"
+    diff "$folder/declared" "$folder/exported" || fail "what wobble.h declares ('<') to be what is exported ('>')"
+    echo '#include <wobble.h>' >"$folder/header.c"
+    for compiler in "cc -std=c11" "c++ -x c++ -std=c++11"; do
+      $compiler -pedantic -Wall -Wextra -Werror -fsyntax-only -I"$folder/prefix/include" "$folder/header.c" || fail "$compiler"
+    done
+    # Another compiler describes the same types in other words.
+    grep -q 'COMPILER_ID "GNU"' "$build"/CMakeFiles/*/CMakeCXXCompiler.cmake && command -v abidw >/dev/null ||
+      { echo "skipped: gcc and abidw"; exit 77; }
+    abidw --headers-dir "$source/client" --drop-private-types --exported-interfaces-only --no-corpus-path --no-comp-dir-path \
+      --no-show-locs --no-elf-needed --type-id-style hash "$build/client/libwobble.so" >"$folder/libwobble.abi" || fail "abidw"
+    [ -z "${NEW_ABI:-}" ] || cp "$folder/libwobble.abi" "$NEW_ABI"
+    abidiff "$source/tests/install/libwobble.abi" "$folder/libwobble.abi" ||
+      fail "the interface that libwobble.abi describes; if it is to be another, NEW_ABI=FILE writes what it is now"
     ;;
   physics)
     install_dev
@@ -107,7 +162,8 @@ endif()
 EOF
     configure -S "$folder/embedding" -B "$folder/embedded" -DWOBBLE_BY_ROOM=ON
     cmake --build "$folder/embedded" --target game >"$folder/log" 2>&1 || { cat "$folder/log"; fail "the build"; }
-    play "$folder/embedded/game"
+    start_server
+    play 5 "$folder/embedded/game" 127.0.0.1 "$port"
     ;;
   packages)
     [ "$(id -u)" -eq 0 ] && command -v mmdebstrap >/dev/null || { echo "skipped: root and mmdebstrap"; exit 77; }
@@ -124,6 +180,10 @@ EOF
     mount -t proc proc "$folder/root/proc"  # the programs look for themselves there
     inside() { chroot "$folder/root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/tmp "$@"; }
     case "$(inside getent passwd wobble)" in *nologin) ;; *) fail "the user wobble" ;; esac
+    for file in include/wobble.h lib/libwobble.so lib/pkgconfig/libwobble.pc lib/cmake/libwobble/libwobbleConfig.cmake; do
+      [ -e "$folder/root/usr/$file" ] || fail "$file"
+    done
+    if inside ldd /usr/lib/libwobble.so.0 | grep 'not found'; then fail "the libraries that libwobble.so needs"; fi
     inside wobbled --list-scenes >"$folder/scenes"
     grep -q '^arena ' "$folder/scenes" || fail "shipped scenes"
     [ -f "$folder/root/usr/share/wobble/page/index.html" ] || fail "the page"

@@ -165,6 +165,9 @@ const std::vector<Room> kRooms{
     {"client/host/keeper", {}, {}, kClockFileLog},
     {"client/host/", kCommandReach, Join(kSystem, {"CLI/", "nlohmann/", "toml++/"}), {}},
     {"client/main", kCommandReach, Join(kSystem, {"CLI/", "nlohmann/"}), {}},
+    // The client for C; programs include its header alone.
+    {"client/wobble", {}, {"stdint.h"}, {}},
+    {"client/c/", kCommandReach, {}, kClockFileLog},
     // A developer copies it: the packages of the library and the standard library are all that it needs.
     {"client/example", kCommandReach, {}, {}},
     {"client/files/", {kClient, kProtocol}, {"unistd.h"}, kClock},
@@ -178,7 +181,7 @@ const std::map<std::string, Strings> kRefused{
     {kProtocol, {"protocol/transport/", kCodec, kUsage}},
     {kEncoding, {"protocol/transport/"}},
     {kCodec, {"protocol/transport/", kEncoding}},
-    {kClient, Join(kSockets, {kUsage, "client/admin/", "client/bots/", "client/command/", "client/files/",
+    {kClient, Join(kSockets, {kUsage, "client/admin/", "client/bots/", "client/c/", "client/command/", "client/files/",
                               "client/gateway/", "client/health/", "client/host/", "client/link/", "client/list/",
                               "client/play/", "client/terminal/", "client/token/", "client/wasm/"})},
     {"server/", Join(kSockets, {kUsage, "server/admin/", "server/admission/", "server/discovery/", "server/ops/",

@@ -133,20 +133,6 @@ TEST(ShownBodies, NameBlueprintsAndForgetThoseThatAreGone) {
   EXPECT_EQ(bodies.FindBlueprint(number), nullptr);
 }
 
-TEST(Normals, AreWeightedByArea) {
-  // A large face with its normal along z and a small one with its normal along x share an edge.
-  const std::vector<Vector3> vertices{{0, 0, 0}, {0, 1, 0}, {-10, 0, 0}, {0, 0, -1}, {9, 9, 9}};
-  const std::vector<std::array<std::uint16_t, 3>> faces{{0, 1, 2}, {0, 3, 1}};
-  std::vector<Vector3> normals;
-  FindNormals(vertices, faces, normals);
-  ASSERT_EQ(normals.size(), vertices.size());
-  EXPECT_NEAR(normals[2].z, 1, 1e-6);
-  EXPECT_NEAR(std::abs(normals[3].x), 1, 1e-6);
-  EXPECT_NEAR(normals[0].z / std::abs(normals[0].x), 10, 1e-5);
-  EXPECT_NEAR(Length(normals[0]), 1, 1e-6);
-  EXPECT_EQ(Length(normals[4]), 0);  // of no face
-}
-
 TEST(Session, PlaysWhenTheWorldIsThere) {
   Session session(std::string(40, 'x'), false, {}, 0);  // longer than kMaxNameBytes
   session.Transport().Open();
