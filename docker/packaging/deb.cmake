@@ -1,7 +1,8 @@
 # cpack -G DEB, in the build folder: three packages for Debian 12.
 #
 #   wobble-server   wobbled and wobble with scenes, scripts and the page; three systemd units, a user, /etc/wobble
-#   libwobble-dev   headers and static libraries, find_package(wobble), wobble.pc; and for C libwobble.so with its own
+#   libwobble-dev   headers and static libraries, find_package(wobble), wobble.pc; and for C libwobble.so and
+#                   libwobble_world.so with their own; the latter's scenes are wobble-server's
 #   wobble-lab      wobble_lab
 #
 # The component `client` is in two packages, so that no file is in both of them.
@@ -16,8 +17,9 @@ install(FILES ${packaging}/wobbled.service ${packaging}/wobble-gateway.service $
 install(FILES ${packaging}/wobbled.conf ${packaging}/gateway.conf ${PROJECT_SOURCE_DIR}/client/host/worlds.toml
   DESTINATION /etc/wobble COMPONENT deb EXCLUDE_FROM_ALL)
 install_programs(deb_wobble_server EXCLUDE_FROM_ALL)
-install_c(deb_libwobble_dev EXCLUDE_FROM_ALL)
-install(TARGETS wobble_c LIBRARY COMPONENT deb_libwobble_dev EXCLUDE_FROM_ALL)
+install_c(libwobble client/wobble.h deb_libwobble_dev EXCLUDE_FROM_ALL)
+install_c(libwobble_world server/library/wobble_world.h deb_libwobble_dev EXCLUDE_FROM_ALL)
+install(TARGETS wobble_c wobble_world LIBRARY COMPONENT deb_libwobble_dev EXCLUDE_FROM_ALL)
 foreach(package wobble-server libwobble-dev wobble-lab)
   string(REPLACE - _ component deb_${package})
   install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION share/doc/${package} RENAME copyright
@@ -48,7 +50,7 @@ set(CPACK_DEBIAN_DEV_PACKAGE_NAME libwobble-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libflatbuffers-dev, libenet-dev, libsodium-dev")
-set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "libeigen3-dev, libtbb-dev")
+set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "libeigen3-dev, libtbb-dev, wobble-server")
 if(TARGET wobble_lab)
   list(APPEND CPACK_COMPONENTS_ALL lab deb_wobble_lab)
   set(CPACK_DEBIAN_LAB_PACKAGE_NAME wobble-lab)

@@ -1,6 +1,12 @@
-# cmake --install: component `server` (wobbled, its scenes), `client` (wobble, its scripts, the page, the npm package; for C libwobble.so,
-# wobble.h, find_package(libwobble) and libwobble.pc) and `dev` (for C++ headers, static libraries, find_package(wobble)
-# and wobble.pc). Programs look for what they ship beside themselves, as in a build folder, and then in ../share/wobble.
+# cmake --install, by component; programs look for what they ship beside themselves, as in a build folder, and then in
+# ../share/wobble:
+#
+#   server   wobbled, its scenes
+#   client   wobble, its scripts, the page, the npm package; for C libwobble.so, wobble.h, find_package(libwobble) and
+#            libwobble.pc
+#   world    the physics for C: libwobble_world.so, wobble_world.h, find_package(libwobble_world), libwobble_world.pc, and
+#            the scenes
+#   dev      for C++ headers, static libraries, find_package(wobble) and wobble.pc
 #
 # The libraries carry no flag of ours: an embedding project compiles its own files as it likes. They themselves are
 # compiled for x86-64-v3.
@@ -15,12 +21,15 @@ set(libraries wobble_protocol wobble_enet wobble_client)
 if(WOBBLE_BUILD_SERVER)
   list(APPEND libraries wobble_physics)
   install(TARGETS wobbled RUNTIME COMPONENT server)
-  install(DIRECTORY server/scenes/ DESTINATION ${data}/scenes COMPONENT server
-    FILES_MATCHING PATTERN "*.toml" PATTERN "*.obj" PATTERN examples EXCLUDE)
+  function(install_scenes component)
+    install(DIRECTORY server/scenes/ DESTINATION ${data}/scenes COMPONENT ${component}
+      FILES_MATCHING PATTERN "*.toml" PATTERN "*.obj" PATTERN examples EXCLUDE)
+  endfunction()
+  install_scenes(server)
   install(DIRECTORY server/physics DESTINATION ${headers}/server COMPONENT dev FILES_MATCHING PATTERN "*.h")
 endif()
-# The two parts of the component `client`, which are in two Debian packages (deb.cmake): programs, and what belongs to
-# libwobble.so. Its export may be filled only once, so the library itself is installed where these are called.
+# What the Debian packages have in another component (deb.cmake): programs, and what belongs to a library for C. The
+# export of a library may be filled only once, so the library itself is installed where these are called.
 function(install_programs component)
   install(TARGETS wobble RUNTIME COMPONENT ${component} ${ARGN})
   install(DIRECTORY client/bots/scripts DESTINATION ${data} COMPONENT ${component} ${ARGN}
@@ -30,14 +39,14 @@ function(install_programs component)
     install(DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/page DESTINATION ${data} COMPONENT ${component} ${ARGN})
   endif()
 endfunction()
-function(install_c component)
-  set(config ${CMAKE_INSTALL_LIBDIR}/cmake/libwobble)
-  install(FILES client/wobble.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT ${component} ${ARGN})
-  install(EXPORT libwobble NAMESPACE libwobble:: FILE libwobbleConfig.cmake DESTINATION ${config}
+function(install_c name header component)
+  set(config ${CMAKE_INSTALL_LIBDIR}/cmake/${name})
+  install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT ${component} ${ARGN})
+  install(EXPORT ${name} NAMESPACE ${name}:: FILE ${name}Config.cmake DESTINATION ${config}
     COMPONENT ${component} ${ARGN})
   install(FILES ${PROJECT_BINARY_DIR}/wobbleConfigVersion.cmake DESTINATION ${config}
-    RENAME libwobbleConfigVersion.cmake COMPONENT ${component} ${ARGN})
-  install(FILES ${PROJECT_BINARY_DIR}/libwobble.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
+    RENAME ${name}ConfigVersion.cmake COMPONENT ${component} ${ARGN})
+  install(FILES ${PROJECT_BINARY_DIR}/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
     COMPONENT ${component} ${ARGN})
 endfunction()
 if(WOBBLE_BUILD_TOOLS)
@@ -50,7 +59,14 @@ if(TARGET npm_package)
 endif()
 set_target_properties(wobble_c PROPERTIES EXPORT_NAME libwobble)
 install(TARGETS wobble_c EXPORT libwobble LIBRARY COMPONENT client INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install_c(client)
+install_c(libwobble client/wobble.h client)
+if(TARGET wobble_world)
+  set_target_properties(wobble_world PROPERTIES EXPORT_NAME libwobble_world)
+  install(TARGETS wobble_world EXPORT libwobble_world LIBRARY COMPONENT world
+    INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+  install_c(libwobble_world server/library/wobble_world.h world)
+  install_scenes(world)
+endif()
 if(TARGET wobble_lab)
   install(TARGETS wobble_lab wobble_terms RUNTIME COMPONENT lab)
 endif()
@@ -82,7 +98,7 @@ install(FILES ${PROJECT_BINARY_DIR}/wobbleConfig.cmake ${PROJECT_BINARY_DIR}/wob
   DESTINATION ${config} COMPONENT dev)
 # From the folder of the file back to the prefix: an installed copy can be moved.
 file(RELATIVE_PATH pcToPrefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
-foreach(name wobble libwobble)
+foreach(name wobble libwobble libwobble_world)
   configure_file(docker/packaging/${name}.pc.in ${PROJECT_BINARY_DIR}/${name}.pc @ONLY)
 endforeach()
 install(FILES ${PROJECT_BINARY_DIR}/wobble.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)

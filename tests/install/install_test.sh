@@ -6,7 +6,9 @@
 #   client    a project with find_package(wobble) and one with pkg-config build client/example.cpp and play
 #   c         the same in C, with find_package(libwobble) and pkg-config: client/example.c plays for C_SECONDS (2) in an
 #             SDL2 window without a screen, and its picture shows the world
-#   interface of libwobble.so is the one that libwobble.abi describes, is all that it exports, and compiles as C and C++
+#   world     the same with the physics for C: server/library/example.c steps a scene
+#   interface of the two libraries for C is the one that their .abi files describe, is all that they export, and compiles
+#             as C and C++
 #   physics   a project builds a headless example of the engine and drops a ball
 #   embed     a project adds this tree as a subdirectory with the client alone
 #   packages  three .deb files, installed and run in a fresh Debian (root, mmdebstrap and the network are needed; else the
@@ -79,6 +81,29 @@ play() {
   [ "$(grep -c '^x ' "$folder/played")" -ge "$lines" ] || { cat "$folder/played"; fail "places of the body"; }
 }
 
+# check_interface LIBRARY HEADER MACRO: that an installed library for C exports what its header declares, that this
+# compiles as C and as C++, and that the binary interface is the stored one.
+check_interface() {
+  local library="$folder/prefix/lib/$1.so" header
+  header="$(basename "$2")"
+  [ "$(readelf -d "$library" | sed -n 's/.*soname: \[\(.*\)\]/\1/p')" = "$1.so.0" ] || fail "the name $1.so.0"
+  nm -D --defined-only "$library" | cut -d ' ' -f 3 | sort >"$folder/exported"
+  sed -n "s/^$3 .*[ *]\(wobble_[a-z_]*\)(.*/\1/p" "$folder/prefix/include/$header" | sort >"$folder/declared"
+  diff "$folder/declared" "$folder/exported" || fail "what $header declares ('<') to be what is exported ('>')"
+  echo "#include <$header>" >"$folder/header.c"
+  for compiler in "cc -std=c11" "c++ -x c++ -std=c++11"; do
+    $compiler -pedantic -Wall -Wextra -Werror -fsyntax-only -I"$folder/prefix/include" "$folder/header.c" || fail "$compiler"
+  done
+  # Another compiler describes the same types in other words.
+  grep -q 'COMPILER_ID "GNU"' "$build"/CMakeFiles/*/CMakeCXXCompiler.cmake && command -v abidw >/dev/null ||
+    { echo "skipped: gcc and abidw"; exit 77; }
+  abidw --headers-dir "$folder/prefix/include" --drop-private-types --exported-interfaces-only --no-corpus-path \
+    --no-comp-dir-path --no-show-locs --no-elf-needed --type-id-style hash "$library" >"$folder/$1.abi" || fail "abidw"
+  [ -z "${NEW_ABI:-}" ] || cp "$folder/$1.abi" "$NEW_ABI"
+  abidiff "$source/tests/install/$1.abi" "$folder/$1.abi" ||
+    fail "the interface that $1.abi describes; if it is to be another, NEW_ABI=FOLDER leaves there what it is now"
+}
+
 case "$case_name" in
   client)
     install_dev
@@ -119,23 +144,25 @@ case "$case_name" in
     ;;
   interface)
     install_client
-    library="$folder/prefix/lib/libwobble.so"
-    [ "$(readelf -d "$library" | sed -n 's/.*soname: \[\(.*\)\]/\1/p')" = libwobble.so.0 ] || fail "the name libwobble.so.0"
-    nm -D --defined-only "$library" | cut -d ' ' -f 3 | sort >"$folder/exported"
-    sed -n 's/^WOBBLE_API.*[ *]\(wobble_[a-z_]*\)(.*/\1/p' "$folder/prefix/include/wobble.h" | sort >"$folder/declared"
-    diff "$folder/declared" "$folder/exported" || fail "what wobble.h declares ('<') to be what is exported ('>')"
-    echo '#include <wobble.h>' >"$folder/header.c"
-    for compiler in "cc -std=c11" "c++ -x c++ -std=c++11"; do
-      $compiler -pedantic -Wall -Wextra -Werror -fsyntax-only -I"$folder/prefix/include" "$folder/header.c" || fail "$compiler"
-    done
-    # Another compiler describes the same types in other words.
-    grep -q 'COMPILER_ID "GNU"' "$build"/CMakeFiles/*/CMakeCXXCompiler.cmake && command -v abidw >/dev/null ||
-      { echo "skipped: gcc and abidw"; exit 77; }
-    abidw --headers-dir "$source/client" --drop-private-types --exported-interfaces-only --no-corpus-path --no-comp-dir-path \
-      --no-show-locs --no-elf-needed --type-id-style hash "$build/client/libwobble.so" >"$folder/libwobble.abi" || fail "abidw"
-    [ -z "${NEW_ABI:-}" ] || cp "$folder/libwobble.abi" "$NEW_ABI"
-    abidiff "$source/tests/install/libwobble.abi" "$folder/libwobble.abi" ||
-      fail "the interface that libwobble.abi describes; if it is to be another, NEW_ABI=FILE writes what it is now"
+    cmake --install "$build" --prefix "$folder/prefix" --component world >/dev/null
+    check_interface libwobble client/wobble.h WOBBLE_API
+    check_interface libwobble_world server/library/wobble_world.h WOBBLE_WORLD_API
+    ;;
+  world)
+    cmake --install "$build" --prefix "$folder/prefix" --component world >/dev/null
+    export PKG_CONFIG_PATH="$folder/prefix/lib/pkgconfig" LD_LIBRARY_PATH="$folder/prefix/lib"
+    configure -S "$source/tests/install/world" -B "$folder/study" -DCMAKE_PREFIX_PATH="$folder/prefix" \
+      -DEXAMPLE="$source/server/library/example.c"
+    compile "$folder/study"
+    # shellcheck disable=SC2046  # the flags are words
+    cc -std=c11 -pedantic -Wall -Wextra -Werror "$source/server/library/example.c" -o "$folder/by_pkg_config" \
+      $(pkg-config --cflags --libs libwobble_world) || fail "a build by pkg-config"
+    "$folder/study/study" ball_drop 2 >"$folder/stepped" || fail "the example"
+    [ "$(grep -c '^ [0-2].0 s  4 bodies, ball12 at [0-9.]* m, kinetic' "$folder/stepped")" -eq 3 ] ||
+      { cat "$folder/stepped"; fail "three seconds of four bodies"; }
+    "$folder/by_pkg_config" ball_drop 2 | cmp - "$folder/stepped" || fail "the same bits again"
+    if "$folder/study/study" nowhere 2>"$folder/told"; then fail "an exit code"; fi
+    grep -q "^study: scene 'nowhere' is not known" "$folder/told" || { cat "$folder/told"; fail "a reason"; }
     ;;
   physics)
     install_dev
