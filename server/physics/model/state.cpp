@@ -37,9 +37,11 @@ State<Real> MakeState(const Blueprint& blueprint, const Vector3d& position, cons
 
 template <class Real>
 void PutBackToRest(const Blueprint& blueprint, const Vector3d& position, State<Real>& state) {
-  std::vector<std::uint8_t> torn = std::move(state.torn);
-  state = MakeState<Real>(blueprint, position, Vector3d::Zero());
-  state.torn = std::move(torn);
+  const State<Real> rest = MakeState<Real>(blueprint, position, Vector3d::Zero());
+  state.origin = rest.origin;
+  state.positions = rest.positions;  // a copy: they stay where they are in memory, as wobble_world.h promises
+  state.velocities = rest.velocities;
+  state.contacts.clear();
 }
 
 template <class Real>
