@@ -1,9 +1,10 @@
-# cpack -G DEB, in the build folder: three packages for Debian 12.
+# cpack -G DEB, in the build folder: packages for Debian 12.
 #
 #   wobble-server   wobbled and wobble with scenes, scripts and the page; three systemd units, a user, /etc/wobble
 #   libwobble-dev   headers and static libraries, find_package(wobble), wobble.pc; and for C libwobble.so and
 #                   libwobble_world.so with their own; the latter's scenes are wobble-server's
 #   wobble-lab      wobble_lab
+#   python3-wobble  the module for Debian's Python, with the scenes
 #
 # The component `client` is in two packages, so that no file is in both of them.
 #
@@ -20,7 +21,7 @@ install_programs(deb_wobble_server EXCLUDE_FROM_ALL)
 install_c(libwobble client/wobble.h deb_libwobble_dev EXCLUDE_FROM_ALL)
 install_c(libwobble_world server/library/wobble_world.h deb_libwobble_dev EXCLUDE_FROM_ALL)
 install(TARGETS wobble_c wobble_world LIBRARY COMPONENT deb_libwobble_dev EXCLUDE_FROM_ALL)
-foreach(package wobble-server libwobble-dev wobble-lab)
+foreach(package wobble-server libwobble-dev wobble-lab python3-wobble)
   string(REPLACE - _ component deb_${package})
   install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION share/doc/${package} RENAME copyright
     COMPONENT ${component} EXCLUDE_FROM_ALL)
@@ -59,10 +60,22 @@ if(TARGET wobble_lab)
   set(CPACK_DEBIAN_LAB_PACKAGE_DEPENDS "wobble-server (= ${PROJECT_VERSION})")
   set(CPACK_DEBIAN_LAB_PACKAGE_RECOMMENDS "gnuplot-nox, valgrind")
 endif()
+if(TARGET wobble_python)
+  list(APPEND CPACK_COMPONENTS_ALL python deb_python3_wobble)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-wobble)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+  set(next ${Python3_VERSION_MINOR})
+  math(EXPR next "${next} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next}), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-matplotlib")
+endif()
 
 include(CPack)
 cpack_add_component_group(server DESCRIPTION "Host a world of soft bodies for many players, connect to it, load-test it")
 cpack_add_component_group(dev DESCRIPTION "Libraries and headers for programs that connect to a world of soft bodies")
+cpack_add_component_group(python DESCRIPTION "Soft bodies for Python: simulate them, play recordings, play on servers")
 cpack_add_component_group(lab DESCRIPTION "Accuracy, stability and speed of soft-body integrators, measured and plotted")
 foreach(component server deb deb_wobble_server)
   cpack_add_component(${component} GROUP server)
@@ -72,4 +85,7 @@ foreach(component dev deb_libwobble_dev)
 endforeach()
 foreach(component lab deb_wobble_lab)
   cpack_add_component(${component} GROUP lab)
+endforeach()
+foreach(component python deb_python3_wobble)
+  cpack_add_component(${component} GROUP python)
 endforeach()

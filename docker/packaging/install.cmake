@@ -6,6 +6,7 @@
 #            libwobble.pc
 #   world    the physics for C: libwobble_world.so, wobble_world.h, find_package(libwobble_world), libwobble_world.pc, and
 #            the scenes
+#   python   the module wobble, its types, documents and examples, and the scenes, in lib/python3/dist-packages
 #   dev      for C++ headers, static libraries, find_package(wobble) and wobble.pc
 #
 # The libraries carry no flag of ours: an embedding project compiles its own files as it likes. They themselves are
@@ -21,11 +22,11 @@ set(libraries wobble_protocol wobble_enet wobble_client)
 if(WOBBLE_BUILD_SERVER)
   list(APPEND libraries wobble_physics)
   install(TARGETS wobbled RUNTIME COMPONENT server)
-  function(install_scenes component)
-    install(DIRECTORY server/scenes/ DESTINATION ${data}/scenes COMPONENT ${component}
+  function(install_scenes component folder)
+    install(DIRECTORY server/scenes/ DESTINATION ${folder} COMPONENT ${component}
       FILES_MATCHING PATTERN "*.toml" PATTERN "*.obj" PATTERN examples EXCLUDE)
   endfunction()
-  install_scenes(server)
+  install_scenes(server ${data}/scenes)
   install(DIRECTORY server/physics DESTINATION ${headers}/server COMPONENT dev FILES_MATCHING PATTERN "*.h")
 endif()
 # What the Debian packages have in another component (deb.cmake): programs, and what belongs to a library for C. The
@@ -65,7 +66,16 @@ if(TARGET wobble_world)
   install(TARGETS wobble_world EXPORT libwobble_world LIBRARY COMPONENT world
     INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
   install_c(libwobble_world server/library/wobble_world.h world)
-  install_scenes(world)
+  install_scenes(world ${data}/scenes)
+endif()
+if(TARGET wobble_python)
+  set(module lib/python3/dist-packages/wobble)
+  install(TARGETS wobble_python LIBRARY DESTINATION ${module} COMPONENT python)
+  install(FILES server/library/python/__init__.py server/library/python/__init__.pyi server/library/python/py.typed
+    server/library/python/README.md DESTINATION ${module} COMPONENT python)
+  install(DIRECTORY server/library/python/examples DESTINATION ${module} COMPONENT python
+    FILES_MATCHING PATTERN "*.py" PATTERN __pycache__ EXCLUDE)
+  install_scenes(python ${module}/scenes)
 endif()
 if(TARGET wobble_lab)
   install(TARGETS wobble_lab wobble_terms RUNTIME COMPONENT lab)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <memory>
 #include <new>
@@ -59,15 +60,24 @@ std::vector<Vector3d> ReadVectors(const double* numbers, std::size_t count) {
   return vectors;
 }
 
-bool IsIn(double number, double low, double high) { return number == 0 || (number >= low && number <= high); }
+// 0 stands for the default. Adds a line to `text` when the number is out of its range.
+void CheckRange(const char* name, double number, double low, double high, std::string& text) {
+  if (number == 0 || (number >= low && number <= high)) return;
+  std::array<char, 120> line{};
+  std::snprintf(line.data(), line.size(), "%s%s = %g: must be %g to %g", text.empty() ? "" : "\n", name, number, low,
+                high);
+  text += line.data();
+}
 
-wobble_world_result CheckOptions(const wobble_world_options& options) {
+wobble_world_result CheckOptions(const wobble_world_options& options, std::string& text) {
   constexpr std::uint32_t kBoth = WOBBLE_WORLD_SINGLE | WOBBLE_WORLD_DOUBLE;
   if ((options.flags & ~kBoth) != 0 || options.flags == kBoth) return WOBBLE_WORLD_BAD_FLAGS;
   if ((options.scene == nullptr) == (options.text == nullptr)) return WOBBLE_WORLD_NULL;
-  const bool isGood = IsIn(options.tick_rate, 1, kMostTickRate) && IsIn(options.error_target, kLeastErrorTarget, 1) &&
-                      options.threads <= kMostThreads && options.substeps <= kMostSubsteps;
-  return isGood ? WOBBLE_WORLD_OK : WOBBLE_WORLD_BAD_VALUE;
+  CheckRange("tick_rate", options.tick_rate, 1, kMostTickRate, text);
+  CheckRange("error_target", options.error_target, kLeastErrorTarget, 1, text);
+  CheckRange("threads", options.threads, 1, kMostThreads, text);
+  CheckRange("substeps", options.substeps, 1, kMostSubsteps, text);
+  return text.empty() ? WOBBLE_WORLD_OK : WOBBLE_WORLD_BAD_VALUE;
 }
 
 // Makes a world by `make`, and says why there is none.
@@ -198,7 +208,7 @@ wobble_world_result wobble_world_load(const wobble_world_options* options, wobbl
   return MakeWorld(world, message, message_size, [&](auto& made, std::string& text) -> wobble_world_result {
     if (const wobble_world_result bad = CheckStruct(options); bad != WOBBLE_WORLD_OK) return bad;
     const wobble_world_options known = c::Read(*options);
-    if (const wobble_world_result bad = CheckOptions(known); bad != WOBBLE_WORLD_OK) return bad;
+    if (const wobble_world_result bad = CheckOptions(known, text); bad != WOBBLE_WORLD_OK) return bad;
     return Load(known, made, text);
   });
 }
@@ -208,7 +218,9 @@ wobble_world_result wobble_world_open_recording(const char* path, uint32_t threa
   if (world == nullptr) return WOBBLE_WORLD_NULL;
   return MakeWorld(world, message, message_size, [&](auto& made, std::string& text) -> wobble_world_result {
     if (path == nullptr) return WOBBLE_WORLD_NULL;
-    if (threads < 1 || threads > kMostThreads) return WOBBLE_WORLD_BAD_VALUE;
+    if (threads < 1) return WOBBLE_WORLD_BAD_VALUE;
+    CheckRange("threads", threads, 1, kMostThreads, text);
+    if (!text.empty()) return WOBBLE_WORLD_BAD_VALUE;
     return OpenRecording(path, static_cast<int>(threads), made, text);
   });
 }

@@ -1,5 +1,5 @@
-// What the files of the Python module share. They stand on the interfaces for C, which check what they are given, and on
-// what is behind these where that is less work.
+// What the files of the Python module share. They stand on the interfaces for C, which check what they are given, and
+// on what is behind these where that is less work.
 //
 // Threads: a call releases Python's lock (GIL) for as long as it computes or waits, and a world or client lets in one
 // call at a time. No call waits for a world with Python's lock in its hand.
@@ -24,7 +24,8 @@ void DefineProblems(py::module_& module);
 // Any array or nested sequence of numbers.
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-// Throws ValueError, which names the argument, unless it has `rows` rows of three finite numbers (-1: any number of rows).
+// Throws ValueError, which names the argument, unless it has `rows` rows of three finite numbers (-1: any number of
+// rows).
 void CheckVectors(const char* name, const Numbers& numbers, py::ssize_t rows = -1);
 // The same for one row of so many numbers.
 void CheckVector(const char* name, const Numbers& numbers, py::ssize_t count = 3);

@@ -163,8 +163,7 @@ void Push(Player& player, std::uint32_t body, std::uint32_t vertex, const Number
 
 void Cut(Player& player, std::uint32_t body, const Numbers& eye, const Numbers& from, const Numbers& to) {
   const std::vector<float> a = ReadFloats("eye", eye), b = ReadFloats("start", from), c = ReadFloats("end", to);
-  Ask(player, "cut",
-      [&](wobble_client* client) { return wobble_cut(client, body, a.data(), b.data(), c.data()); });
+  Ask(player, "cut", [&](wobble_client* client) { return wobble_cut(client, body, a.data(), b.data(), c.data()); });
 }
 
 template <typename Number>
@@ -269,9 +268,11 @@ void DefineFrames(py::module_& module) {
       .def_readonly("faces", &Frame::faces, "uint32 (m, 3), counter-clockwise from outside.")
       .def_readonly("bodies", &Frame::bodies, "By ascending number.");
   py::class_<Event>(module, "Event", "What has happened.")
-      .def_readonly("kind", &Event::kind, "join, leave, respawn, body_removed, fall, notice, new_world; others may come.")
+      .def_readonly("kind", &Event::kind,
+                    "join, leave, respawn, body_removed, fall, notice, new_world; others may come.")
       .def_property_readonly("client_id", [](const Event& event) { return event.event.client_id; })
-      .def_property_readonly("body", [](const Event& event) { return event.event.body; }, "Its number; 0: none.")
+      .def_property_readonly(
+          "body", [](const Event& event) { return event.event.body; }, "Its number; 0: none.")
       .def_readonly("text", &Event::text, "A player's name, a line for the player, or a scene's name.");
 }
 
@@ -280,7 +281,8 @@ void DefineFrames(py::module_& module) {
 void DefineClient(py::module_& module) {
   DefineFrames(module);
   const auto now = py::arg("now") = py::none();
-  py::class_<Player> client(module, "Client", R"(A player of a server, or a spectator: the same client as that of C++ and C.
+  py::class_<Player> client(module, "Client",
+                            R"(A player of a server, or a spectator: the same client as that of C++ and C.
 
 address: "HOST:PORT". At most one of password, token and invite. server_key: that the server must have. rejoin: tries for a
 minute to come back when the connection is lost. `now`, here and in update and sample: seconds since any moment, which never
@@ -297,7 +299,8 @@ ValueError: Client: the address is no HOST:PORT, or the host has no address
              py::arg("server_key") = py::none(), py::arg("spectate") = false, py::arg("rejoin") = true, now);
   client.def("update", &Update, now, "Takes in what has arrived, answers, and sends the input that is due.");
   client.def("leave", &Leave, "Says goodbye and waits for the answer, 5 s at most. `with` does it.");
-  client.def("__enter__", [](Player& self) -> Player& { return self; }, py::return_value_policy::reference_internal);
+  client.def(
+      "__enter__", [](Player& self) -> Player& { return self; }, py::return_value_policy::reference_internal);
   client.def("__exit__", [](Player& self, const py::args&) { Leave(self); });
   client.def_property_readonly(
       "state", [](Player& self) { return NameState(ReadStatus(self).state); }, "joining, playing, rejoining or ended.");

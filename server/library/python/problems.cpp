@@ -27,10 +27,12 @@ std::vector<Vector3d> ReadVectors(const char* name, const Numbers& numbers, std:
 }
 
 bench::SolvedMotion Solve(const Problem& problem, std::int64_t steps, const std::string& method, bool single) {
-  const auto found = std::ranges::find_if(bench::kIntegrators, [&](auto each) { return method == bench::FindName(each); });
+  const auto found =
+      std::ranges::find_if(bench::kIntegrators, [&](auto each) { return method == bench::FindName(each); });
   if (found == bench::kIntegrators.end()) {
     std::string names;
-    for (const auto each : bench::kIntegrators) names += (names.empty() ? "" : ", ") + std::string(bench::FindName(each));
+    for (const auto each : bench::kIntegrators)
+      names += (names.empty() ? "" : ", ") + std::string(bench::FindName(each));
     throw py::value_error("method = '" + method + "'; it must be one of " + names);
   }
   if (steps < 1 || steps > kMostSteps) {
