@@ -54,7 +54,7 @@ TEST_F(AdminDoorsTest, TheSocketIsItsUsersOwnAndAnswers) {
   EXPECT_EQ(status.st_mode & 0777U, 0600U);
   const Reply good = AskSocket(m_path, "status");
   EXPECT_TRUE(good.isDone) << good.text;
-  EXPECT_EQ(good.text, "0 in, open, tick 0\n");
+  EXPECT_EQ(good.text, "scene yard, 0 in, open, tick 0\n");
   EXPECT_FALSE(AskSocket(m_path, "kick 3").isDone);
   EXPECT_FALSE(AskSocket(m_path, std::string(3000, 'a')).isDone);
   EXPECT_EQ(AskSocket(m_path, "").text, "an order is missing (see help)\n");
@@ -85,7 +85,7 @@ TEST_F(AdminDoorsTest, HttpAsksForTheOwnersKey) {
   const std::string key = transport::vestibule::FormatKey(m_key);
   const Reply good = AskHttp("127.0.0.1", listener->ReadPort(), key, "status");
   EXPECT_TRUE(good.isDone) << good.text;
-  EXPECT_EQ(good.text, "0 in, open, tick 0\n");
+  EXPECT_EQ(good.text, "scene yard, 0 in, open, tick 0\n");
   EXPECT_FALSE(AskHttp("127.0.0.1", listener->ReadPort(), key, "kick 3").isDone);
   std::string other = key;
   other.back() = '8';
