@@ -11,7 +11,7 @@ play:
 	@build/release/bin/wobble play --for $(FOR)
 
 test:
-	@sh docker/packages.sh server web test lab
+	@sh docker/packages.sh server web test python lab
 	@cmake --workflow --preset asan
 	@cmake --workflow --preset release
 	@python3 tests/slowest.py build/asan build/release

@@ -28,11 +28,13 @@ packages_of() {
             libsdl2-dev abigail-tools" ;;
     web) # builds the page; a server, and a gateway without a page, do not need it
       echo "emscripten nodejs npm" ;;
+    python) # builds the Python module, and runs its examples and tests
+      echo "python3 python3-dev pybind11-dev python3-numpy python3-matplotlib python3-pip" ;;
     lab) # what wobble_lab is measured against, and its plots
       echo "libsundials-dev libboost-dev libbullet-dev libdraco-dev libmeshoptimizer-dev
             libzstd-dev valgrind gnuplot-nox" ;;
     *)
-      echo "packages.sh: unknown group '$1'; one of: server, runtime, web, test, lab" >&2
+      echo "packages.sh: unknown group '$1'; one of: server, runtime, web, test, python, lab" >&2
       exit 2 ;;
   esac
 }

@@ -31,7 +31,7 @@ FUZZ_SECONDS = 600  # of each target
 
 
 def release_build(*targets):
-    return [["sh", "docker/packages.sh", "server", "web", "test", "lab"], ["cmake", "--preset", "release"],
+    return [["sh", "docker/packages.sh", "server", "web", "test", "python", "lab"], ["cmake", "--preset", "release"],
             ["cmake", "--build", "--preset", "release", "--target", *targets]]
 
 

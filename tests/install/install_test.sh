@@ -223,6 +223,10 @@ EOF
     inside setpriv --reuid wobble --regid wobble --clear-groups \
       wobble play --for 6 --http 0 >"$folder/played" 2>&1 || { cat "$folder/played"; fail "wobble play as the user wobble"; }
     grep -q 'all went well' "$folder/played" || { cat "$folder/played"; fail "a play that went well"; }
+    if compgen -G "$folder/packages/python3-wobble_*.deb" >/dev/null; then
+      inside python3 -c 'import wobble; w = wobble.World("arena"); w.step(); print(w.bodies[0].positions.shape)' ||
+        fail "the module for Python"
+    fi
     [ "$(inside wobble_lab --version)" = "wobble_lab $("$build/bin/wobble" --version | cut -d ' ' -f 2)" ] || fail "the laboratory"
     # The world is enabled, and started where systemd runs, here a stand-in that notes what it is asked.
     [ -L "$folder/root/etc/systemd/system/multi-user.target.wants/wobbled.service" ] || fail "an enabled world"

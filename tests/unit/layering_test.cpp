@@ -104,6 +104,13 @@ const std::vector<Room> kRooms{
     {"server/ops/http_listener", {"server/ops/acceptor", "server/ops/address"}, {"boost/", "fmt/"}, {}},
     {"server/ops/", {"server/", kProtocol}, Join(kSystem, {"fmt/", "nlohmann/", "prometheus/", "spdlog/"}), kClock},
     {"server/main", {"server/", kProtocol}, Join(kSystem, {"CLI/", "fmt/", "nlohmann/", "spdlog/"}), {}},
+    // For Python: the interfaces for C, what is behind that of the physics, and the laboratory's problems.
+    {"server/library/python/client", {"server/library/python/", "client/wobble"}, {"pybind11/"}, {}},
+    {"server/library/python/",
+     {"server/library/", kRecording, kPlay, kScenes, kPhysics, kTiming, "protocol/c/", "protocol/version",
+      "tests/bench/accuracy/", "tests/bench/thread_time"},
+     {"pybind11/"},
+     kClock},
     // The physics for C.
     {"server/library/",
      {kRecording, kPlay, kScenes, kPhysics, kTiming, "protocol/c/", "protocol/version"},

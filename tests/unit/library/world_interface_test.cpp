@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/library/wobble_world.h"
@@ -159,6 +160,50 @@ TEST_F(WorldInterface, BodiesComeGoAndAreSet) {
   EXPECT_EQ(wobble_world_remove_body(world, added), WOBBLE_WORLD_BAD_BODY);
 }
 
+// The module for Python shows arrays on it: nothing that happens to a world moves the state of its bodies in memory.
+TEST_F(WorldInterface, PositionsStayWhereTheyAre) {
+  wobble_world_options options = MakeOptions(nullptr);
+  options.text =
+      "[[obstacle]]\nkind = \"plane\"\n[[blueprint]]\nname = \"cloth\"\nkind = \"cloth\"\npoints = [8, 8]\n"
+      "tear_stretch = 1.05\n[player]\nblueprint = \"cloth\"\n";
+  Load(options);
+  std::uint32_t body = 0;
+  const auto add = [&](double x, double y) {
+    const double place[3] = {x, y, 3};
+    ASSERT_EQ(wobble_world_add_body(world, "cloth", place, nullptr, &body), WOBBLE_WORLD_OK);
+  };
+  for (int i = 0; i < 3; ++i) add(3 * i, 0);
+  const std::array<wobble_world_body, 3> before{Body(0), Body(1), Body(2)};
+  for (int i = 0; i < 40; ++i) add(3 * i, 9);
+  for (std::uint32_t each = 4; each <= body; each += 2) {
+    ASSERT_EQ(wobble_world_remove_body(world, each), WOBBLE_WORLD_OK);
+  }
+  ASSERT_EQ(wobble_world_remove_body(world, 1), WOBBLE_WORLD_OK);
+  std::mt19937_64 random(1);
+  for (const auto& [number, most] : {std::pair{2U, 1e6}, std::pair{3U, 30.0}}) {  // m/s
+    const wobble_world_body wild = Body(number - 2);
+    std::vector<double> positions(3 * wild.vertex_count), velocities(3 * wild.vertex_count);
+    std::uniform_real_distribution<double> speed(-most, most);
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      positions[i] = wild.origin[i % 3] + double{wild.positions_single[i]};
+      velocities[i] = speed(random);
+    }
+    ASSERT_EQ(wobble_world_set_motion(world, number, wild.vertex_count, positions.data(), velocities.data()),
+              WOBBLE_WORLD_OK);
+  }
+  auto report = Make<wobble_world_report>();
+  ASSERT_EQ(wobble_world_step(world, 60, &report), WOBBLE_WORLD_OK);
+  EXPECT_GT(report.torn, 0U);
+  EXPECT_GT(report.reset, 0U);
+  for (const std::uint32_t number : {2U, 3U}) {
+    const wobble_world_body after = Body(number - 2);
+    EXPECT_EQ(after.body, number);
+    EXPECT_EQ(after.positions_single, before[number - 1].positions_single);
+    EXPECT_EQ(after.velocities_single, before[number - 1].velocities_single);
+    EXPECT_EQ(after.vertex_count, before[number - 1].vertex_count);
+  }
+}
+
 TEST_F(WorldInterface, RecordingsArePlayedAndWoundToTheBit) {
   const std::string file = test::FindSource("tests/determinism/recordings/sumo.wobrec");
   std::array<char, 200> message{};
@@ -240,7 +285,11 @@ TEST_F(WorldInterface, WrongCallsGetACodeAndChangeNothing) {
     refuse(WOBBLE_WORLD_BAD_VALUE);
   }
   options.threads = 65;
-  refuse(WOBBLE_WORLD_BAD_VALUE);
+  options.substeps = 70000;
+  std::array<char, 200> message{};
+  EXPECT_EQ(wobble_world_load(&options, &none, message.data(), message.size()), WOBBLE_WORLD_BAD_VALUE);
+  EXPECT_STREQ(message.data(), "threads = 65: must be 1 to 64\nsubsteps = 70000: must be 1 to 65536");
+  options = MakeOptions("pair");
   EXPECT_EQ(wobble_world_load(&options, nullptr, nullptr, 0), WOBBLE_WORLD_NULL);
   EXPECT_EQ(wobble_world_load(nullptr, &none, nullptr, 0), WOBBLE_WORLD_NULL);
   wobble_world_free(nullptr);
