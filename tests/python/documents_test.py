@@ -67,7 +67,7 @@ def compare(name, stub, thing):
         stubbed = {each.arg for each in arguments.args + arguments.kwonlyargs} - {"self"}
         if stubbed != list_arguments(thing.__doc__):
             faults.append(f"{name} takes {list_arguments(thing.__doc__)}, in the stubs {stubbed}")
-    elif not thing.__doc__ and name.split(".")[0] in ("World", "Body", "Client"):
+    elif not thing.__doc__ and name.split(".")[0] in ("World", "Body", "Recording", "Client"):
         faults.append(f"{name} has no docstring")
 
 

@@ -107,8 +107,10 @@ py::array FindPlaces(const BodyOf& of) {
 void Remove(const BodyOf& of) {
   bool isViewed = false;
   const auto result = Use(of.held, [&](wobble_world* world) -> wobble_world_result {
-    const std::lock_guard lock(of.held->counting);
-    isViewed = of.held->views.contains(of.number);
+    {
+      const std::lock_guard lock(of.held->counting);
+      isViewed = of.held->views.contains(of.number);  // no other thread makes a view meanwhile: it has no turn
+    }
     return isViewed ? WOBBLE_WORLD_OK : wobble_world_remove_body(world, of.number);
   });
   Check(result, NameBody(of.number));

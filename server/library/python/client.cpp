@@ -181,9 +181,9 @@ Frame Sample(Player& player, const Seconds& now) {
   for (wobble_result result = WOBBLE_TOO_SMALL; result == WOBBLE_TOO_SMALL;) {
     taken.vertex_capacity = player.vertices;
     taken.index_capacity = player.indices;
-    py::array_t<float> positions({py::ssize_t{player.vertices}, py::ssize_t{3}});
-    py::array_t<float> normals({py::ssize_t{player.vertices}, py::ssize_t{3}});
-    py::array_t<std::uint32_t> faces({py::ssize_t{player.indices / 3}, py::ssize_t{3}});
+    py::array_t<float> positions({py::ssize_t{taken.vertex_capacity}, py::ssize_t{3}});
+    py::array_t<float> normals({py::ssize_t{taken.vertex_capacity}, py::ssize_t{3}});
+    py::array_t<std::uint32_t> faces({py::ssize_t{taken.index_capacity / 3}, py::ssize_t{3}});
     taken.positions = positions.mutable_data();
     taken.normals = normals.mutable_data();
     taken.indices = faces.mutable_data();

@@ -56,6 +56,7 @@ void DefineProblems(py::module_& module) {
       .def_readonly("blew_up", &SolvedMotion::blewUp, "It became non-finite or went beyond 1 km, and ended there.");
 
   py::class_<Problem>(module, "Problem", "One body with a motion that can be computed as exactly as one likes.")
+      .def("__repr__", [](const Problem& problem) { return "<wobble.Problem '" + problem.name + "'>"; })
       .def_readonly("name", &Problem::name)
       .def_readonly("duration", &Problem::duration, "s.")
       .def_readonly("is_conservative", &Problem::isConservative, "Whether its energy stays the same.")

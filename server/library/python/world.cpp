@@ -16,6 +16,7 @@ struct World {
 struct Recording {
   Shared held;
 };
+
 // Makes a world by `make`(world, message, size).
 template <typename Make>
 Shared MakeHeld(const std::string& what, Make&& make) {
@@ -217,13 +218,16 @@ with its line.
 OSError: there is no such recording, or it is damaged. threads: 1 to 64.)");
   film.def(py::init(&OpenRecording), py::arg("path"), py::kw_only(), py::arg("threads") = 1);
   DefineReading(film);
-  const auto show = [&](const char* name, std::uint32_t (recording::Recording::*read)() const) {
-    film.def_property_readonly(name, [read](const Recording& self) {
-      return Use(self.held, [read](wobble_world* own) { return (own->film->recording.*read)(); });
-    });
+  const auto show = [&](const char* name, std::uint32_t (recording::Recording::*read)() const, const char* text) {
+    film.def_property_readonly(
+        name,
+        [read](const Recording& self) {
+          return Use(self.held, [read](wobble_world* own) { return (own->film->recording.*read)(); });
+        },
+        text);
   };
-  show("first_tick", &recording::Recording::FirstTick);
-  show("last_tick", &recording::Recording::LastTick);
+  show("first_tick", &recording::Recording::FirstTick, "Where it begins.");
+  show("last_tick", &recording::Recording::LastTick, "Where it ends.");
   film.def(
       "seek",
       [](const Recording& self, std::uint32_t tick) {
