@@ -14,7 +14,7 @@ namespace {
 
 struct Player {
   struct Destroy {
-    void operator()(wobble_client* client) const { wobble_destroy(client); }
+    void operator()(wobble_client* destroyed) const { wobble_destroy(destroyed); }
   };
   std::unique_ptr<wobble_client, Destroy> client;
   std::mutex turn;

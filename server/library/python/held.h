@@ -13,7 +13,7 @@ namespace wobble::python {
 
 struct Held {
   struct Free {
-    void operator()(wobble_world* world) const { wobble_world_free(world); }
+    void operator()(wobble_world* freed) const { wobble_world_free(freed); }
   };
   std::unique_ptr<wobble_world, Free> world;
   std::mutex turn;
