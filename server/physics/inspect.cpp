@@ -142,7 +142,26 @@ EdgeMeeting<Real> MeetEdges(const Subject<Real>& first, const Subject<Real>& sec
   return MakeEdgeMeeting<Real>(first.blueprint, first.state, second.blueprint, second.state);
 }
 
-// Adds the forces of both sides of a pair, and of its edges, on the subject. ofSubject: 0 or 1, its side of the pair.
+// Adds the force of the spring between the cores of both.
+template <class Real>
+void AddCore(const CoreContact& core, const Subject<Real>& subject, std::size_t ofSubject, const Subject<Real>& other,
+             std::span<Vector3<Real>> forces) {
+  if (!core.MayAct()) return;
+  const auto findCentre = [](const Subject<Real>& of) {
+    return Vector3d(of.state.origin +
+                    FindBulkMotion<Real>(of.body.masses, of.state.positions, of.state.velocities).centre);
+  };
+  const Vector3d force = FindCoreForce(core, ofSubject == 0 ? Vector3d(findCentre(other) - findCentre(subject))
+                                                            : Vector3d(findCentre(subject) - findCentre(other)));
+  const double sense = ofSubject == 0 ? -1 : 1;
+  const Vector3d acceleration = sense / subject.blueprint.totalMass * force;
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    forces[i] += (subject.blueprint.full.masses[i] * acceleration).template cast<Real>();
+  }
+}
+
+// Adds the forces of both sides of a pair, of its edges and of its cores, on the subject. ofSubject: 0 or 1, its side
+// of the pair.
 template <class Real>
 void AddBodyContacts(const BodyPair<Real>& pair, const Subject<Real>& subject, std::size_t ofSubject,
                      const Subject<Real>& other, std::span<Vector3<Real>> forces) {
@@ -157,6 +176,7 @@ void AddBodyContacts(const BodyPair<Real>& pair, const Subject<Real>& subject, s
     if (ofVertices) AddToVertices<Real>(computed, add);
     if (!ofVertices) AddToCorners<Real>(computed, add);
   }
+  AddCore(pair.core, subject, ofSubject, other, forces);
   std::vector<EdgeForce<Real>> ofEdges(pair.edges.size());
   ComputeEdgeContacts<Real>(both, ofSubject == 0 ? MeetEdges(subject, other) : MeetEdges(other, subject), pair.edges,
                             ofEdges);

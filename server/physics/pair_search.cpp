@@ -127,6 +127,7 @@ void PairSearch<Real>::AddPairs() {
       m_lists.spareEdgeLists.pop_back();
       pair.edges.clear();
     }
+    if (known) pair.core = before->core;
     if (known) ++before;
     for (const std::uint32_t body : pair.places) AttachSleeper(body);
     m_lists.awake.push_back(std::move(pair));
@@ -239,6 +240,17 @@ void PairSearch<Real>::Meet(BodyPair<Real>& pair) {
   const bool byFaces = !(first.full.planar && second.full.planar);
   for (std::size_t side = 0; byFaces && side < 2; ++side) MeetFaces(side, pair);
   if (MeetByEdges(first, second)) MeetEdges(pair);
+  if (first.coreRadius > 0 && second.coreRadius > 0) MeetCores(pair);
+}
+
+template <class Real>
+void PairSearch<Real>::MeetCores(BodyPair<Real>& pair) {
+  const Member<Real>& first = m_work.members[pair.places[0]];
+  const Member<Real>& second = m_work.members[pair.places[1]];
+  const Vector3d velocity = second.survey.bulk.velocity - first.survey.bulk.velocity;
+  const auto describe = [](const Blueprint& body) { return CoreBody{body.totalMass, body.coreRadius}; };
+  UpdateCoreContact(describe(*first.blueprint), describe(*second.blueprint), FindApart(first, second), velocity,
+                    m_duration, kNearMargin, pair.core);
 }
 
 // Contacts of the vertices of the pair's body `side` with the faces of the other, if that has any.
