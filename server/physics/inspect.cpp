@@ -142,19 +142,20 @@ EdgeMeeting<Real> MeetEdges(const Subject<Real>& first, const Subject<Real>& sec
   return MakeEdgeMeeting<Real>(first.blueprint, first.state, second.blueprint, second.state);
 }
 
+// Of mass, in the world, m.
+template <class Real>
+Vector3d FindCentre(const Subject<Real>& subject) {
+  const State<Real>& state = subject.state;
+  return state.origin + FindBulkMotion<Real>(subject.body.masses, state.positions, state.velocities).centre;
+}
+
 // Adds the force of the spring between the cores of both.
 template <class Real>
-void AddCore(const CoreContact& core, const Subject<Real>& subject, std::size_t ofSubject, const Subject<Real>& other,
+void AddCore(const CoreContact& core, const Subject<Real>& subject, const Subject<Real>& other,
              std::span<Vector3<Real>> forces) {
   if (!core.MayAct()) return;
-  const auto findCentre = [](const Subject<Real>& of) {
-    return Vector3d(of.state.origin +
-                    FindBulkMotion<Real>(of.body.masses, of.state.positions, of.state.velocities).centre);
-  };
-  const Vector3d force = FindCoreForce(core, ofSubject == 0 ? Vector3d(findCentre(other) - findCentre(subject))
-                                                            : Vector3d(findCentre(subject) - findCentre(other)));
-  const double sense = ofSubject == 0 ? -1 : 1;
-  const Vector3d acceleration = sense / subject.blueprint.totalMass * force;
+  const Vector3d force = FindCoreForce(core, FindCentre(subject) - FindCentre(other));
+  const Vector3d acceleration = force / subject.blueprint.totalMass;
   for (std::size_t i = 0; i < forces.size(); ++i) {
     forces[i] += (subject.blueprint.full.masses[i] * acceleration).template cast<Real>();
   }
@@ -176,7 +177,7 @@ void AddBodyContacts(const BodyPair<Real>& pair, const Subject<Real>& subject, s
     if (ofVertices) AddToVertices<Real>(computed, add);
     if (!ofVertices) AddToCorners<Real>(computed, add);
   }
-  AddCore(pair.core, subject, ofSubject, other, forces);
+  AddCore(pair.core, subject, other, forces);
   std::vector<EdgeForce<Real>> ofEdges(pair.edges.size());
   ComputeEdgeContacts<Real>(both, ofSubject == 0 ? MeetEdges(subject, other) : MeetEdges(other, subject), pair.edges,
                             ofEdges);

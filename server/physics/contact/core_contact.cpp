@@ -9,7 +9,8 @@ namespace {
 
 // R over the sum of both radii. Bodies in play seldom come so near.
 constexpr double kRangeShare = 0.4;
-// The energy that the spring can take up over the one that is to be taken up: so the centres come to half of R at least.
+// The energy that the spring can take up over the one that is to be taken up: so the centres come to half of R at
+// least.
 constexpr double kEnergyShare = 4;
 
 double FindReducedMass(double mass, double otherMass) { return mass * otherMass / (mass + otherMass); }
