@@ -40,6 +40,13 @@ void ListBehind(const Topology& skin, double radius, std::span<const BodyContact
   }
 }
 
+// contacts: of the other body's vertices with faces of this one.
+template <class Real>
+SkinSeen<Real> SeeSkin(const Blueprint& body, std::span<const BodyContact<Real>> contacts) {
+  if (body.full.faces.empty() || !body.topology.isOpen) return {};
+  return {.topology = &body.topology, .faces = body.full.faces, .contacts = contacts};
+}
+
 }  // namespace
 
 template <class Real>
@@ -287,7 +294,9 @@ void PairSearch<Real>::MeetEdges(BodyPair<Real>& pair) {
                                 .margin = static_cast<Real>(kNearMargin),
                                 .duration = static_cast<Real>(m_duration),
                                 .firstBehind = scratch.firstBehind,
-                                .secondBehind = scratch.secondBehind};
+                                .secondBehind = scratch.secondBehind,
+                                .skinOfFirst = SeeSkin<Real>(*first.blueprint, pair.sides[1]),
+                                .skinOfSecond = SeeSkin<Real>(*second.blueprint, pair.sides[0])};
   FindEdgeContacts<Real>(FindParameters(first, second), MakeEdgeMeeting<Real>(first, second), search, pair.edges,
                          scratch.edgeSearch);
 }
