@@ -23,7 +23,8 @@ struct Cores {
   CoreContact contact;
 
   void Look(double distance, double approach) {
-    UpdateCoreContact(first, second, Vector3d(0, 0, distance), Vector3d(0.7, 0, -approach), kPlayTick, kMargin, contact);
+    UpdateCoreContact(first, second, Vector3d(0, 0, distance), Vector3d(0.7, 0, -approach), kPlayTick, kMargin,
+                      contact);
   }
 };
 
