@@ -7,6 +7,7 @@
 
 #include "server/physics/contact/body_contact.h"
 #include "server/physics/contact/broad_phase.h"
+#include "server/physics/contact/core_contact.h"
 #include "server/physics/contact/edge_contact.h"
 #include "server/physics/step/body.h"
 
@@ -21,6 +22,7 @@ struct BodyPair {
   IndexPair places{};                                   // of the two in the world's list of bodies
   std::array<std::vector<BodyContact<Real>>, 2> sides;  // as in ContactPair
   std::vector<EdgeContact<Real>> edges;
+  CoreContact core;
   bool met = false;  // the contacts have been searched for in this tick
 
   [[nodiscard]] bool IsSelf() const { return first == second; }

@@ -142,7 +142,27 @@ EdgeMeeting<Real> MeetEdges(const Subject<Real>& first, const Subject<Real>& sec
   return MakeEdgeMeeting<Real>(first.blueprint, first.state, second.blueprint, second.state);
 }
 
-// Adds the forces of both sides of a pair, and of its edges, on the subject. ofSubject: 0 or 1, its side of the pair.
+// Of mass, in the world, m.
+template <class Real>
+Vector3d FindCentre(const Subject<Real>& subject) {
+  const State<Real>& state = subject.state;
+  return state.origin + FindBulkMotion<Real>(subject.body.masses, state.positions, state.velocities).centre;
+}
+
+// Adds the force of the spring between the cores of both.
+template <class Real>
+void AddCore(const CoreContact& core, const Subject<Real>& subject, const Subject<Real>& other,
+             std::span<Vector3<Real>> forces) {
+  if (!core.MayAct()) return;
+  const Vector3d force = FindCoreForce(core, FindCentre(subject) - FindCentre(other));
+  const Vector3d acceleration = force / subject.blueprint.totalMass;
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    forces[i] += (subject.blueprint.full.masses[i] * acceleration).template cast<Real>();
+  }
+}
+
+// Adds the forces of both sides of a pair, of its edges and of its cores, on the subject. ofSubject: 0 or 1, its side
+// of the pair.
 template <class Real>
 void AddBodyContacts(const BodyPair<Real>& pair, const Subject<Real>& subject, std::size_t ofSubject,
                      const Subject<Real>& other, std::span<Vector3<Real>> forces) {
@@ -157,6 +177,7 @@ void AddBodyContacts(const BodyPair<Real>& pair, const Subject<Real>& subject, s
     if (ofVertices) AddToVertices<Real>(computed, add);
     if (!ofVertices) AddToCorners<Real>(computed, add);
   }
+  AddCore(pair.core, subject, other, forces);
   std::vector<EdgeForce<Real>> ofEdges(pair.edges.size());
   ComputeEdgeContacts<Real>(both, ofSubject == 0 ? MeetEdges(subject, other) : MeetEdges(other, subject), pair.edges,
                             ofEdges);

@@ -40,6 +40,13 @@ void ListBehind(const Topology& skin, double radius, std::span<const BodyContact
   }
 }
 
+// contacts: of the other body's vertices with faces of this one.
+template <class Real>
+SkinSeen<Real> SeeSkin(const Blueprint& body, std::span<const BodyContact<Real>> contacts) {
+  if (body.full.faces.empty() || !body.topology.isOpen) return {};
+  return {.topology = &body.topology, .faces = body.full.faces, .contacts = contacts};
+}
+
 }  // namespace
 
 template <class Real>
@@ -127,6 +134,7 @@ void PairSearch<Real>::AddPairs() {
       m_lists.spareEdgeLists.pop_back();
       pair.edges.clear();
     }
+    if (known) pair.core = before->core;
     if (known) ++before;
     for (const std::uint32_t body : pair.places) AttachSleeper(body);
     m_lists.awake.push_back(std::move(pair));
@@ -239,6 +247,17 @@ void PairSearch<Real>::Meet(BodyPair<Real>& pair) {
   const bool byFaces = !(first.full.planar && second.full.planar);
   for (std::size_t side = 0; byFaces && side < 2; ++side) MeetFaces(side, pair);
   if (MeetByEdges(first, second)) MeetEdges(pair);
+  if (first.coreRadius > 0 && second.coreRadius > 0) MeetCores(pair);
+}
+
+template <class Real>
+void PairSearch<Real>::MeetCores(BodyPair<Real>& pair) {
+  const Member<Real>& first = m_work.members[pair.places[0]];
+  const Member<Real>& second = m_work.members[pair.places[1]];
+  const Vector3d velocity = second.survey.bulk.velocity - first.survey.bulk.velocity;
+  const auto describe = [](const Blueprint& body) { return CoreBody{body.totalMass, body.coreRadius}; };
+  UpdateCoreContact(describe(*first.blueprint), describe(*second.blueprint), FindApart(first, second), velocity,
+                    m_duration, kNearMargin, pair.core);
 }
 
 // Contacts of the vertices of the pair's body `side` with the faces of the other, if that has any.
@@ -275,7 +294,9 @@ void PairSearch<Real>::MeetEdges(BodyPair<Real>& pair) {
                                 .margin = static_cast<Real>(kNearMargin),
                                 .duration = static_cast<Real>(m_duration),
                                 .firstBehind = scratch.firstBehind,
-                                .secondBehind = scratch.secondBehind};
+                                .secondBehind = scratch.secondBehind,
+                                .skinOfFirst = SeeSkin<Real>(*first.blueprint, pair.sides[1]),
+                                .skinOfSecond = SeeSkin<Real>(*second.blueprint, pair.sides[0])};
   FindEdgeContacts<Real>(FindParameters(first, second), MakeEdgeMeeting<Real>(first, second), search, pair.edges,
                          scratch.edgeSearch);
 }

@@ -159,7 +159,9 @@ std::string CheckPair(const Inspection& subject, const BodyPair<Real>& pair) {
   const std::size_t edges = pair.IsSelf() ? ofFirst.selfEdges.size() : FindMeetingEdges(ofFirst).size();
   const std::size_t secondEdges = pair.IsSelf() ? edges : FindMeetingEdges(ofSecond).size();
   const bool hasSides = !pair.sides[0].empty() || !pair.sides[1].empty();
-  return FindFirst(Unless(!pair.IsSelf() || !hasSides, "pair.sides", 1, "empty for a body with itself"),
+  const bool isCore = std::isfinite(pair.core.stiffness) && pair.core.stiffness >= 0;
+  return FindFirst(Unless(isCore, "pair.core", pair.core.stiffness, "finite, 0 or more"),
+                   Unless(!pair.IsSelf() || !hasSides, "pair.sides", 1, "empty for a body with itself"),
                    CheckSide(ofFirst, ofSecond, pair.sides[0]), CheckSide(ofSecond, ofFirst, pair.sides[1]),
                    CheckEdges(edges, secondEdges, pair.edges));
 }

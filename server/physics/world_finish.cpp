@@ -79,7 +79,10 @@ void FinishContactPair(const ContactPair<Real>& contactPair, std::span<const std
     bodies[a].touchesBody |= touch;
     bodies[b].touchesBody |= touch;
   }
-  if (outcomes[a].reset || outcomes[b].reset) contactPair.edges->clear();
+  if (outcomes[a].reset || outcomes[b].reset) {
+    contactPair.edges->clear();
+    *contactPair.core = {};
+  }
   if (a == b) return;
   const bool touch =
       std::any_of(contactPair.edges->begin(), contactPair.edges->end(), [](const auto& each) { return each.touching; });

@@ -55,7 +55,8 @@ void FindContactPairs(std::span<const Member<Real>> members, PairLists<Real>& pa
     lists.contactPairs[--begins[islandOf(i) + 1U]] = {.members = {lists.memberOf[a], lists.memberOf[b]},
                                                       .parameters = Combine(ofA, ofB),
                                                       .sides = {&pairs.awake[i].sides[0], &pairs.awake[i].sides[1]},
-                                                      .edges = &pairs.awake[i].edges};
+                                                      .edges = &pairs.awake[i].edges,
+                                                      .core = &pairs.awake[i].core};
   }
   // begins[island + 1] has been counted down from the end of the island's pairs to their begin: shift by one.
   begins.erase(begins.begin());

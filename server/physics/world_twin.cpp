@@ -87,6 +87,7 @@ void CopyPairs(const PairLists<From>& from, PairLists<To>& to) {
       BodyPair<To>& copy = to.awake.emplace_back();
       copy.first = pair.first;
       copy.second = pair.second;
+      copy.core = pair.core;
       for (std::size_t side = 0; side < 2; ++side) {
         for (const auto& contact : pair.sides[side]) copy.sides[side].push_back(Convert<To>(contact));
       }

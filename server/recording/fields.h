@@ -77,6 +77,13 @@ void Describe(Archive& archive, Value& value) {
   archive(first, second, touching, depth, leap, s, t, normal, slip);
 }
 
+// The range is of the tick.
+template <class Archive, Is<CoreContact> Value>
+void Describe(Archive& archive, Value& value) {
+  auto& [seenApart, stiffness, range] = value;
+  archive(seenApart, stiffness);
+}
+
 template <class Archive, class Value>
 requires Is<Value, State<float>> || Is<Value, State<double>>
 void Describe(Archive& archive, Value& value) {
@@ -96,8 +103,8 @@ void Describe(Archive& archive, Value& value) {
 template <class Archive, class Value>
 requires Is<Value, BodyPair<float>> || Is<Value, BodyPair<double>>
 void Describe(Archive& archive, Value& value) {
-  auto& [first, second, places, sides, edges, met] = value;
-  archive(first, second, sides, edges);
+  auto& [first, second, places, sides, edges, core, met] = value;
+  archive(first, second, sides, edges, core);
 }
 
 template <class Archive, class Value>

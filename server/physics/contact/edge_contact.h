@@ -14,6 +14,10 @@
 // is the distance and never negative: the normal turns by any angle as one end goes round another, so that n_before
 // says nothing of the side, and a wrong sense would pull the edges together over any distance.
 //
+// Sides of sheets. A rod whose ends are both on one side of an open skin belongs there with all of its length. A
+// contact that would hold it on the other, as where the sheet has folded over it, is turned round at the beginning of a
+// tick.
+//
 // Friction. A force F at p and −F at q, both normal to n, leave the torque D n × F. A rod has no spin about its own
 // axis, so it can bear only the part of this torque that its ends balance by forces along n: for F along the edge ab,
 // that is ∓ D (F·u)/|ab| n on b and a, u the edge's direction. So friction acts along ab where p is not an end, and, of
@@ -126,6 +130,14 @@ template <class Real>
                                       std::span<const EdgeContact<Real>> contacts, double duration,
                                       std::span<VertexLoad> loads, std::span<VertexLoad> secondLoads);
 
+// An open skin, and what is known of the sides that the other body's vertices are on.
+template <class Real>
+struct SkinSeen {
+  const Topology* topology = nullptr;  // null: the body has no open skin
+  std::span<const Face> faces;
+  std::span<const BodyContact<Real>> contacts;  // of vertices of the other body with these faces
+};
+
 // The inputs of the search at the beginning of a tick.
 template <class Real>
 struct EdgeSearch {
@@ -136,6 +148,8 @@ struct EdgeSearch {
   // Vertices of each body that are behind the other, an open skin (IsBehind of body_contact.h); ascending.
   std::span<const std::uint16_t> firstBehind;
   std::span<const std::uint16_t> secondBehind;
+  SkinSeen<Real> skinOfFirst;
+  SkinSeen<Real> skinOfSecond;
 };
 
 // The contact of two edges in a list; null if it has none. Searches ask in the list's order: `from` is the first place

@@ -8,6 +8,9 @@
 namespace wobble::physics {
 namespace {
 
+// Least cosine between a contact's normal and a skin's for the skin to tell on which side of it the contact holds.
+constexpr double kTellingCosine = 0.3;
+
 template <class Real>
 struct EdgeBox {
   Vector3<Real> low;
@@ -43,6 +46,38 @@ bool IsNearEndBehind(const EdgeEnds& edge, Real along, std::span<const std::uint
   return std::ranges::binary_search(behind, edge[along < Real(0.5) ? 0 : 1]);
 }
 
+// 1 or −1: the side of the skin that both ends of the edge are on, its front or its back; 0 if that is not known.
+template <class Real>
+int FindSide(const EdgeEnds& edge, std::span<const BodyContact<Real>> contacts) {
+  int side = 0;
+  for (const std::uint16_t end : edge) {
+    const auto at = std::ranges::lower_bound(contacts, end, {}, &BodyContact<Real>::vertex);
+    if (at == contacts.end() || at->vertex != end || at->phase == ContactPhase::kWaiting) return 0;
+    const int ofEnd = at->side == SkinSide::kBack ? -1 : 1;
+    if (side == -ofEnd) return 0;
+    side = ofEnd;
+  }
+  return side;
+}
+
+// Whether a contact would hold `edge` on the side of the skin that it does not belong to. side: of a face of the skin.
+// normal: from there to the edge. x: of the skin's vertices. Where the two faces of the side are steep against the
+// normal, they do not tell.
+template <class Real>
+bool HoldsOnWrongSide(const EdgeEnds& edge, const EdgeEnds& side, const SkinSeen<Real>& skin, const VectorView<Real>& x,
+                      const Vector3<Real>& normal) {
+  if (skin.topology == nullptr) return false;
+  const int belongs = FindSide<Real>(edge, skin.contacts);
+  if (belongs == 0) return false;
+  Vector3<Real> front = Vector3<Real>::Zero();
+  for (const std::uint16_t face : skin.topology->RingOf(side[0])) {
+    const Face& f = skin.faces[face];
+    if (std::ranges::find(f, side[1]) != f.end()) front += (x[f[1]] - x[f[0]]).cross(x[f[2]] - x[f[0]]);
+  }
+  const Real steepness = static_cast<Real>(kTellingCosine) * std::sqrt(front.dot(front));
+  return static_cast<Real>(belongs) * front.dot(normal) < -steepness;
+}
+
 }  // namespace
 
 template <class Real>
@@ -75,10 +110,16 @@ void FindEdgeContacts(const ContactParameters<Real>& parameters, const EdgeMeeti
       const Vector3<Real> normal = known != nullptr ? known->normal : Vector3<Real>::Zero();
       EdgeView<Real> view = FindEdgeView(meeting, first, second, normal);
       if (std::abs(view.distance) > reach) continue;
+      const EdgeEnds& ofFirst = meeting.first.edges[first];
+      const EdgeEnds& ofSecond = meeting.second.edges[second];
+      const bool isWrong =
+          HoldsOnWrongSide<Real>(ofFirst, ofSecond, search.skinOfSecond, meeting.second.x, view.normal) ||
+          HoldsOnWrongSide<Real>(ofSecond, ofFirst, search.skinOfFirst, meeting.first.x, -view.normal);
+      if (isWrong) known = nullptr;
       // Where edges meet anew behind an open skin, they must not hold one another there: an edge is let through on its
       // way back, and held from then on.
-      if (known == nullptr && (IsNearEndBehind(meeting.first.edges[first], view.s, search.firstBehind) ||
-                               IsNearEndBehind(meeting.second.edges[second], view.t, search.secondBehind))) {
+      if (known == nullptr && (isWrong || IsNearEndBehind(ofFirst, view.s, search.firstBehind) ||
+                               IsNearEndBehind(ofSecond, view.t, search.secondBehind))) {
         view = FindEdgeView<Real>(meeting, first, second, -view.normal);
         if (view.distance > Real(0)) continue;
       }

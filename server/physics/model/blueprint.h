@@ -121,7 +121,10 @@ struct Blueprint {
   double restVolume = 0;       // m³; planar with gas: m²; 0 when not closed
   double size = 0;             // RMS distance of the rest vertices from the centre, m
   double reach = 0;            // largest such distance, m
-  double totalMass = 0;        // kg
+  // Radius of a ball about the centre that lies within the rest shape, m; 0: the body is open or planar, or the centre
+  // does not see all of the skin from inside.
+  double coreRadius = 0;
+  double totalMass = 0;  // kg
   // Largest angular frequency at rest, of springs, tetrahedra, hinges and gas, and its damping rate, 1/s;
   // see methods/stability.h.
   double angularFrequency = 0;

@@ -168,6 +168,19 @@ double FindRestVolume(const Blueprint& blueprint) {
   return IsClosed(blueprint.topology) ? ComputeVolume<double>(full.faces, blueprint.rest) : 0;
 }
 
+// Blueprint::coreRadius.
+double FindCoreRadius(const Blueprint& blueprint) {
+  if (blueprint.full.planar || blueprint.topology.isOpen) return 0;
+  double radius = blueprint.reach;
+  for (const Face& face : blueprint.full.faces) {
+    const Vector3d& a = blueprint.rest[face[0]];
+    const Vector3d area = (blueprint.rest[face[1]] - a).cross(blueprint.rest[face[2]] - a);
+    const double doubleArea = area.norm();
+    if (doubleArea > 0) radius = std::min(radius, area.dot(a) / doubleArea);
+  }
+  return std::max(0.0, radius);
+}
+
 // The largest drag rate of a vertex, 1/m. A face of area A that meets the medium at speed u adds 2 (½ρC) A |u| to the
 // damping of its motion, a third at each vertex.
 double FindDragRate(const Blueprint& blueprint) {
@@ -273,6 +286,7 @@ void FinishCentredBlueprint(Blueprint& blueprint) {
   blueprint.size = std::max(kMinSize, std::sqrt(squares / static_cast<double>(blueprint.rest.size())));
   blueprint.topology = MakeTopology(full.faces, blueprint.rest.size());
   blueprint.restVolume = FindRestVolume(blueprint);
+  blueprint.coreRadius = FindCoreRadius(blueprint);
   full.floorVolume = kFloorVolumeShare * blueprint.restVolume;
   blueprint.gasViscosity = FindGasViscosity(blueprint);
   blueprint.dragRate = FindDragRate(blueprint);

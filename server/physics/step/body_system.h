@@ -17,6 +17,7 @@
 #include "server/physics/model/parallel.h"
 #include "server/physics/step/member.h"
 #include "server/physics/step/system_contacts.h"
+#include "server/physics/step/system_cores.h"
 #include "server/physics/step/system_edges.h"
 
 namespace wobble::physics {
@@ -54,6 +55,7 @@ struct SystemScratch {
   std::vector<std::size_t> begins;        // of each member's vertices in these arrays, and the end of the last
   SystemContacts<Real> systemContacts;
   SystemEdges<Real> systemEdges;
+  SystemCores<Real> systemCores;
   std::vector<Motion<Real>> motions;  // of each member
   // Contacts as the tick found them, one list after the other, for a tick that is stepped again.
   std::vector<Contact<Real>> contacts;
@@ -75,6 +77,7 @@ struct SystemScratch {
     begins.reserve(bodies + 1);
     contactBegins.reserve(bodies);
     systemContacts.Reserve(vertices, bodies);
+    systemCores.Reserve(bodies);
     motions.reserve(bodies);
   }
 };
@@ -91,6 +94,7 @@ class BodySystem {
     SaveContacts();
     m_scratch.systemContacts.Build(contactPairs, members, kernel.bodyContacts);
     m_scratch.systemEdges.Build(contactPairs, members);
+    m_scratch.systemCores.Build(contactPairs, members);
   }
 
   [[nodiscard]] std::span<Member<Real>* const> Members() const { return m_members; }
@@ -213,6 +217,7 @@ class BodySystem {
   void VisitContactForces(std::size_t member, const Add& add) const {
     m_scratch.systemContacts.VisitForcesOn(member, add);
     m_scratch.systemEdges.VisitForcesOn(member, add);
+    m_scratch.systemCores.VisitForcesOn(member, add);
   }
   // Brings the contacts between members up to date after a substep of h s that ended at x and v.
   void UpdateAllBodyContacts(std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v, Real h) const {
@@ -302,6 +307,7 @@ class BodySystem {
   void ComputeAllBodyContactsAt(std::span<const Motion<Real>> motions) const {
     m_scratch.systemContacts.ComputeForces(motions, m_threads);
     m_scratch.systemEdges.ComputeForces(motions, m_threads);
+    m_scratch.systemCores.ComputeForces(motions);
   }
   void UpdateAllBodyContactsAt(std::span<const Motion<Real>> motions, Real h) const {
     m_scratch.systemContacts.Update(motions, h, m_threads);

@@ -44,12 +44,17 @@ ElasticChange FindElasticChange(const BodySystem<Real>& system, const Island& is
   }
   for (std::size_t pair = island.contactPairBegin; pair < island.contactPairEnd; ++pair) {
     const ContactPair<Real>& contactPair = system.ContactPairs()[pair];
+    const Member<Real>& first = *system.Members()[contactPair.members[0]];
+    const Member<Real>& second = *system.Members()[contactPair.members[1]];
+    if (contactPair.core != nullptr && contactPair.core->MayAct()) {
+      const double before = FindCoreEnergy(*contactPair.core, FindApart(first, second));
+      change.before += before;
+      change.gain += FindCoreEnergy(*contactPair.core, FindApartAfter(first, second)) - before;
+    }
     const std::span<const EdgeContact<Real>> contactsBefore = system.EdgeContactsBefore(pair);
     if (contactsBefore.empty()) continue;
-    const auto [first, second] = contactPair.members;
-    const double before = ComputeEdgeContactEnergy<Real>(
-        contactPair.parameters, MakeEdgeMeeting<Real>(*system.Members()[first], *system.Members()[second]),
-        contactsBefore);
+    const double before =
+        ComputeEdgeContactEnergy<Real>(contactPair.parameters, MakeEdgeMeeting<Real>(first, second), contactsBefore);
     const double after = ComputeEdgeContactEnergy<Real>(
         contactPair.parameters, system.MeetEdges(contactPair, scratch.positions, scratch.velocities),
         *contactPair.edges);

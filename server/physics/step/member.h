@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/physics/contact/body_contact.h"
+#include "server/physics/contact/core_contact.h"
 #include "server/physics/contact/edge_contact.h"
 #include "server/physics/contact/self_contact.h"
 #include "server/physics/methods/forces.h"
@@ -59,15 +60,26 @@ struct PrepareScratch {
 };
 
 // Two members near one another, by their places in the step's list of members. sides[0] are contacts of vertices of the
-// first with faces of the second, sides[1] those of vertices of the second with faces of the first. The lists belong
-// to the world and live on from tick to tick.
+// first with faces of the second, sides[1] those of vertices of the second with faces of the first. The lists and
+// the core contact belong to the world and live on from tick to tick.
 template <class Real>
 struct ContactPair {
   std::array<std::uint32_t, 2> members{};
   ContactParameters<Real> parameters;
   std::array<std::vector<BodyContact<Real>>*, 2> sides{};
   std::vector<EdgeContact<Real>>* edges = nullptr;  // of the first's edges with the second's; null: none
+  CoreContact* core = nullptr;                      // null: none
 };
+
+// From the centre of the first member to that of the second as the tick began, and as the last try ended it, m.
+template <class Real>
+[[nodiscard]] Vector3d FindApart(const Member<Real>& first, const Member<Real>& second) {
+  return second.state->origin - first.state->origin + second.survey.bulk.centre - first.survey.bulk.centre;
+}
+template <class Real>
+[[nodiscard]] Vector3d FindApartAfter(const Member<Real>& first, const Member<Real>& second) {
+  return second.state->origin - first.state->origin + second.after.centre - first.after.centre;
+}
 
 // One side of a contact pair, for positions x, m, and velocities v, m/s, of the body with the vertices, and skinX and
 // skinV of the body with the faces, each in its body's local coordinates.

@@ -21,6 +21,19 @@ ContactRates FindLargestRates(const Member<Real>& member, std::span<const Vertex
   return rates;
 }
 
+// The spring between two cores swings each body as a whole, and so each of its vertices.
+template <class Real>
+void AddCoreLoads(const CoreContact& core, const Member<Real>& first, const Member<Real>& second,
+                  std::span<VertexLoad> loads, std::span<VertexLoad> otherLoads) {
+  const double square = FindSquareCoreFrequency(core, first.blueprint->totalMass, second.blueprint->totalMass);
+  if (!(square > 0)) return;
+  const auto add = [square](const Member<Real>& member, std::span<VertexLoad> of) {
+    for (std::size_t i = 0; i < of.size(); ++i) of[i].stiffness += square * member.blueprint->full.masses[i];
+  };
+  add(first, loads);
+  add(second, otherLoads);
+}
+
 // Adds what the contacts ask of each vertex to `loads` and returns the substeps that the fastest contact asks for.
 // begins: of each member's vertices in `loads`.
 template <class Real>
@@ -36,8 +49,10 @@ int AddAllContactLoads(std::span<Member<Real>* const> members, std::span<const C
           most, AddContactLoads<Real>(contactPair.parameters, MakeMeeting<Real>(*members[vertices], *members[faces]),
                                       *contactPair.sides[side], duration, loadsOf(vertices), loadsOf(faces)));
     }
-    if (contactPair.edges == nullptr) continue;
     const auto [first, second] = contactPair.members;
+    if (contactPair.core != nullptr)
+      AddCoreLoads<Real>(*contactPair.core, *members[first], *members[second], loadsOf(first), loadsOf(second));
+    if (contactPair.edges == nullptr) continue;
     most = std::max(most, AddEdgeContactLoads<Real>(contactPair.parameters,
                                                     MakeEdgeMeeting<Real>(*members[first], *members[second]),
                                                     *contactPair.edges, duration, loadsOf(first), loadsOf(second)));

@@ -136,7 +136,7 @@ void AddStressFigures(const std::vector<StressShot>& shots, const StressOutcome&
   results.AddFigureAtMost("shots_through_ground",
                           countThrough(StressTarget::kFloor) + countThrough(StressTarget::kTerrain), 0);
   results.AddFigure("shots_through_walls", countThrough(StressTarget::kWall));
-  results.AddFigure("shots_through_bodies", countThrough(StressTarget::kBody));
+  results.AddFigureAtMost("shots_through_bodies", countThrough(StressTarget::kBody), 0);
   results.AddFigure("shots_through_sheets", countThrough(StressTarget::kSheet));
   results.AddFigure("shots_hanging", static_cast<double>(hang));
   results.AddFigure("fallen_through", ofLoads.through);

@@ -172,6 +172,25 @@ TEST(Inspect, SolidsThatFallOnOneAnotherAreWhatTheStepMakesOfThem) {
   }
 }
 
+// Where cores have met (contact/core_contact.h).
+TEST(Inspect, BallsThatAreShotIntoOneAnotherAreWhatTheStepMakesOfThem) {
+  WorldSettings settings = MakeExact();
+  settings.gravity = Vector3d::Zero();
+  settings.tickDuration /= 32;
+  World world(settings);
+  world.AddBlueprint(MakeBall(BallDefinition{}));
+  const BodyId first = world.AddBody(0, Vector3d(-0.6, 0, 0), Vector3d(40, 0, 0));
+  const BodyId second = world.AddBody(0, Vector3d(0.6, 0.02, 0), Vector3d(-40, 0, 0));
+  const auto findDistance = [&] {
+    return (world.FindCentre(world.ReadBody(first)) - world.FindCentre(world.ReadBody(second))).norm();
+  };
+  while (findDistance() > 0.3) world.Step();
+  ExpectStepped(world);
+  const Vector3d onFirst = AddUp(InspectForces(world, first).contact);
+  EXPECT_LT(onFirst.x(), -1000);
+  EXPECT_LT((onFirst + AddUp(InspectForces(world, second).contact)).norm(), 1e-9 * onFirst.norm());
+}
+
 TEST(Inspect, AClothInTheWindIsDragged) {
   WorldSettings settings = MakeExact();
   settings.wind = Vector3d(0, 6, 0);
