@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """The Python module as its users meet it: views that never dangle, errors that name what is wrong, threads side by side.
 
-The module is found by PYTHONPATH. WOBBLE_RECORDING: a recording of 150 ticks of sumo.
+The module is found by PYTHONPATH. WOBBLE_RECORDING: a recording of 150 ticks of sumo. WOBBLED: the server.
 """
 
 import gc
 import os
+import subprocess
 import sys
 import threading
 import time
@@ -205,6 +206,55 @@ class Recordings(unittest.TestCase):
             film.seek(151)
         with self.assertRaisesRegex(RuntimeError, "plays what was recorded"):
             body.push(np.zeros_like(copy))
+
+
+class Clients(unittest.TestCase):
+    def test_wrong_calls(self):
+        client = wobble.Client("127.0.0.1:9", now=5)
+        client.update(now=6)
+        self.assertEqual((client.state, client.own_body, client.events()), ("joining", 0, []))
+        self.assertEqual((client.sample().positions.shape, client.sample().bodies), ((0, 3), []))
+        none = float("nan")
+        for error, text, call in (
+            (ValueError, "update: now is", lambda: client.update(now=4)),
+            (ValueError, "update: now is", lambda: client.update(now=none)),
+            (ValueError, r"move has shape \(3,\)", lambda: client.set_input((0, 0, 1))),
+            (ValueError, "set_input: a number", lambda: client.set_input((2, 0))),
+            (ValueError, "target: number 0 is nan", lambda: client.grab(1, 0, (none, 0, 0))),
+            (RuntimeError, "only a client that plays", lambda: client.push(1, 0, (0, 0, 1))),
+            (ValueError, "password, token, invite", lambda: wobble.Client("127.0.0.1:9", password="a", token="b")),
+        ):
+            with self.subTest(text), self.assertRaisesRegex(error, text):
+                call()
+
+    def test_a_frame_is_the_users(self):
+        command = [os.environ["WOBBLED"], "--scene", "ball_drop", "--port", "0", "--for", "60", "--untrained"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
+            try:
+                port = next(line.split()[4] for line in server.stdout if line.startswith("listening on UDP port"))
+                frames = []
+                with wobble.Client(f"127.0.0.1:{port.rstrip(',')}", name="frames") as client:
+                    end = time.monotonic() + 20
+                    while len(frames) < 20 and time.monotonic() < end:
+                        client.update()
+                        frame = client.sample()
+                        if len(frame.bodies) == 5:
+                            frames.append((frame, frame.positions.copy()))
+                        time.sleep(0.01)
+                    self.assertEqual(client.state, "playing")
+                self.assertEqual(client.state, "ended")
+            finally:
+                server.terminate()
+        self.assertEqual(len(frames), 20)
+        for frame, copy in frames:
+            self.assertTrue(np.array_equal(frame.positions, copy))  # later samples do not touch it
+            self.assertEqual(sum(len(body.positions) for body in frame.bodies), len(frame.positions))
+            self.assertLess(frame.faces.max(), len(frame.positions))
+            for body in frame.bodies:
+                corners = frame.positions[body.faces]
+                self.assertLess(np.abs(corners.mean(axis=(0, 1)) - body.centroid).max(), 0.2)
+                self.assertTrue(np.shares_memory(body.positions, frame.positions))
+        self.assertTrue((frames[0][1] != frames[-1][1]).any())
 
 
 class Problems(unittest.TestCase):
