@@ -1,9 +1,10 @@
 # A player in one world, over a gateway's WebSocket: section 2 of STANDARD.md, from hello to goodbye.
 #
-# Call `update` once a frame; `sample` then tells where each of `bodies` is to be drawn. It does not join again by itself
-# when the connection is lost, keeps no blueprints, and opens no lanes; the other clients of wobble do.
+# Call `update` once a frame; `sample` then tells where each of `bodies` is to be drawn. It does not join again by
+# itself when the connection is lost, keeps no blueprints, and opens no lanes; the other clients of wobble do.
 extends Reference
 
+const Blueprints = preload("res://blueprints.gd")
 const FlatBuffer = preload("res://flat_buffer.gd")
 const Snapshots = preload("res://snapshots.gd")
 
@@ -40,23 +41,22 @@ var _url = ""
 var _welcome = null
 var _is_first_scene = true
 var _heights_missing = []  # by field
-var _blueprints = {}  # number -> { is_in_force, generation, exponent, patches, bytes, stated, and what find_blueprint has }
-var _editions = 0
+var _blueprints = Blueprints.new()
 var _removed = {}  # body -> tick
 var _clock = 0.0  # of the world as its newest snapshots show it, s
 var _pace = 1.0
 var _newest_tick = 0
 var _acked = 0
 var _history = 0
-var _downloaded = 0
+var _heights_taken = 0  # bytes
 var _frames = []  # of input, newest first: [tick, x, y, buttons]
 var _input_due = 0.0
 var _silence = 0.0
 var _leaving = false
 
 
-# url: ws://HOST:PORT/play or /play/WORLD. credential: what the gateway's WebSocket takes, such as "password." and the
-# base64url of it; "" for none.
+# url: ws://HOST:PORT/play or /play/WORLD. credential: what the gateway's WebSocket takes, such as "password." and
+# base64url of the password; "" for none.
 func connect_to(url, name, credential = ""):
 	_url = url
 	_name = name
@@ -114,11 +114,9 @@ func sample(number):
 	return Transform(Basis(a.rotation.slerp(b.rotation, share)), a.place.linear_interpolate(b.place, share))
 
 
-# The blueprint of a body, for its size: { low, high, is_round, edition }, corners of the rest shape in the engine's axes.
-# edition: another number whenever the rest is another. null when there is none.
+# The blueprint of a body, for its size: blueprints.gd. null when there is none.
 func find_blueprint(number):
-	var blueprint = _blueprints.get(bodies[number].blueprint)
-	return blueprint if blueprint != null and blueprint.is_in_force else null
+	return _blueprints.find(bodies[number].blueprint)
 
 
 func _end(why):
@@ -149,7 +147,8 @@ func _on_closed(_was_clean):
 
 func _say_hello():
 	var name = _name.to_utf8()
-	_send(0, FlatBuffer.build(1, [[2, Snapshots.VERSION], [8, SCHEMA_HASH], [0, name, name.size()], [1, 0]]))
+	var fields = [[2, Snapshots.VERSION], [8, SCHEMA_HASH], [0, name, name.size()], [1, 0]]
+	_send(0, FlatBuffer.build(1, fields))
 
 
 func _send_input():
@@ -164,7 +163,7 @@ func _send_input():
 		bytes.put_8(frame[2])
 		bytes.put_u16(frame[3])  # and a byte that pads
 	_send(1, FlatBuffer.build(2, [[0, bytes.data_array, _frames.size()], [4, _acked], [8, _history], null, null,
-		[4, _downloaded & 0xFFFFFFFF]]))
+		[4, (_heights_taken + _blueprints.taken) & 0xFFFFFFFF]]))
 
 
 func _to_byte(share):
@@ -220,7 +219,8 @@ func _forget_scene():
 	_welcome = null
 	_is_first_scene = false
 	state = JOINING
-	for each in [bodies, _blueprints, _removed, obstacles]:
+	_blueprints.forget()
+	for each in [bodies, _removed, obstacles]:
 		each.clear()
 
 
@@ -244,6 +244,7 @@ func _take_welcome(message, body):
 		obstacles.append({"kind": message.u8(at), "a": message.vector3(at + 4), "b": message.vector3(at + 16),
 			"radius": message.float32(at + 28)})
 	_welcome = welcome
+	_blueprints.expected = welcome.blueprints
 	scene = name
 	own_body = own
 	_newest_tick = welcome.tick
@@ -257,7 +258,7 @@ func _take_heights(message, body):
 	var heights = message.vector_field(body, 2, 2)
 	if message.broken or _welcome == null:
 		return false
-	_downloaded += 2 * heights[1]
+	_heights_taken += 2 * heights[1]
 	if field >= _heights_missing.size():
 		return false
 	_heights_missing[field] -= heights[1]
@@ -269,88 +270,15 @@ func _play_when_complete():
 	for missing in _heights_missing:
 		if missing > 0:
 			return
-	if _welcome.blueprints == 0 or (_blueprints.has(_welcome.own_blueprint) and (
-			_blueprints[_welcome.own_blueprint].is_in_force)):
+	if _welcome.blueprints == 0 or _blueprints.find(_welcome.own_blueprint) != null:
 		state = PLAYING
 
 
-# Section 2, "Blueprints", point by point. Nothing is kept from connections before, so a piece without bytes is dropped.
 func _take_chunk(message, body):
-	var number = message.u8_field(body, 0)
-	var hash_at = message.field(body, 1)
-	var stated = [message.s64(hash_at) if hash_at > 0 else 0, message.u32_field(body, 2), message.u8_field(body, 5)]
-	var offset = message.u32_field(body, 3)
-	var found = message.vector_field(body, 4, 1)
-	if message.broken or _welcome == null or found[1] > 4096 or stated[1] > 512 * 1024 or (
-			offset + found[1] > stated[1]):
+	if _welcome == null or not _blueprints.take(message, body):
 		return false
-	_downloaded += max(found[1], 1)
-	if number == 255 or (offset > 0 and not _blueprints.has(number) and number >= _welcome.blueprints):
-		return false
-	if not _blueprints.has(number):
-		_blueprints[number] = {"is_in_force": false, "generation": 0, "bytes": PoolByteArray(), "stated": []}
-	var entry = _blueprints[number]
-	if offset == 0:
-		entry.bytes = PoolByteArray()
-		if entry.is_in_force and entry.generation == stated[2]:
-			return true
-		entry.stated = stated
-	if found[1] == 0 or offset != entry.bytes.size() or stated != entry.stated:
-		entry.bytes = PoolByteArray()
-		return false
-	entry.bytes += message.bytes(found[0], found[1])
-	if entry.bytes.size() < stated[1]:
-		return true
-	var whole = entry.bytes
-	entry.bytes = PoolByteArray()
-	return _hash(whole) == stated[0] and _put_in_force(entry, FlatBuffer.new(whole), stated[2])
-
-
-static func _hash(bytes):
-	var value = 0xCBF29CE4 << 32 | 0x84222325
-	for byte in bytes:
-		value = (value ^ byte) * 0x100000001B3
-	return value
-
-
-func _put_in_force(entry, blueprint, generation):
-	var table = blueprint.root()
-	var rest = blueprint.vector_field(table, 1, 12)
-	var size_at = blueprint.field(table, 3)
-	var size = blueprint.float32(size_at)
-	if blueprint.broken or rest[1] < 1 or rest[1] > 4096 or not (size >= 0.001 and size <= 8192):
-		return false
-	var low = blueprint.vector3(rest[0])
-	var high = low
-	var nearest = INF
-	var farthest = 0.0
-	for i in rest[1]:
-		var vertex = blueprint.vector3(rest[0] + 12 * i)
-		if not (vertex.length() <= 16384):
-			return false
-		low = Vector3(min(low.x, vertex.x), min(low.y, vertex.y), min(low.z, vertex.z))
-		high = Vector3(max(high.x, vertex.x), max(high.y, vertex.y), max(high.z, vertex.z))
-		nearest = min(nearest, vertex.length())
-		farthest = max(farthest, vertex.length())
-	entry.low = low
-	entry.high = high
-	entry.is_round = nearest > 0.9 * farthest and rest[1] > 8
-	entry.exponent = _find_exponent(size)
-	entry.patches = (rest[1] + 511) / 512
-	entry.generation = generation
-	entry.is_in_force = true
-	_editions += 1
-	entry.edition = _editions
 	_play_when_complete()
 	return true
-
-
-# The smallest integer e with size < 2^e.
-static func _find_exponent(size):
-	var exponent = -20
-	while size >= pow(2, exponent):
-		exponent += 1
-	return exponent
 
 
 func _take_event(message, body):
@@ -409,8 +337,8 @@ func _note_arrival(sequence):
 
 # A body of several patches is shown by the pose of its first.
 func _take_record(record, tick):
-	var blueprint = _blueprints.get(record.blueprint)
-	if blueprint == null or not blueprint.is_in_force or blueprint.generation != record.generation:
+	var blueprint = _blueprints.find(record.blueprint)
+	if blueprint == null or blueprint.generation != record.generation:
 		return
 	if record.patch >= blueprint.patches:
 		refused += 1

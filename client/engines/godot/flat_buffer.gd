@@ -1,8 +1,8 @@
 # One FlatBuffer: reads the fields that the client needs, and builds messages of one table. Section 3 of STANDARD.md.
 #
-# There is no FlatBuffers for GDScript. Of the standard's checks this reader makes those that keep it within the buffer:
-# each place, offset, vtable and vector that it reads. After a place that is not there it reads 0 and `broken` is true,
-# so the caller reads all that it wants, and drops the message when `broken` is set. Absent fields read as 0, too.
+# There is no FlatBuffers for GDScript. Of the standard's checks this reader makes those that keep it within the
+# buffer: each place, offset, vtable and vector that it reads. After a place that is not there it reads 0 and `broken`
+# is true, so the caller reads all that it wants, and drops the message when `broken` is set. Absent fields read as 0.
 extends Reference
 
 var broken = false
@@ -142,9 +142,9 @@ func _goes_to(at, count, alignment):
 	return true
 
 
-# Builds ClientMessage { body } of this type. fields: by slot, null or [bytes, number] of a number, [0, bytes, count] of a
-# vector or string. In the buffer come the message's table, the body's vtable, its table from the widest field to the
-# narrowest, and its vectors.
+# Builds ClientMessage { body } of this type. fields: by slot, null or [bytes, number] of a number, [0, bytes, count] of
+# a vector or string. In the buffer come the message's table, the body's vtable, its table from the widest field to
+# the narrowest, and its vectors.
 static func build(type, fields):
 	var places = []
 	var at = 4  # in the body's table, behind the distance to its vtable

@@ -3,8 +3,8 @@
 #   godot3 --path client/engines/godot [--url=ws://localhost:8080/play] [--name=NAME] [--password=WORD]
 #   godot3-server --path client/engines/godot --for=SECONDS ...    without a screen: rolls in a circle, then leaves
 #
-# With --for it prints twice a second where its own body is, in the world's axes, and how many bodies it sees. Exit code
-# 2: it did not get in, or was sent away.
+# With --for it prints twice a second where its own body is, in the world's axes, and how many bodies it sees. Exit
+# code 2: it did not get in, or was sent away.
 extends Spatial
 
 const Client = preload("res://client.gd")

@@ -1,11 +1,11 @@
-# Snapshot packets and the poses in them: sections 5 and 6 of STANDARD.md. Of a shape's payload only the head is decoded,
-# which says where the body is and how it is turned. The vertices are passed over, as the standard allows.
+# Snapshot packets and the poses in them: sections 5 and 6 of STANDARD.md. Of a shape's payload only the head is
+# decoded, which says where the body is and how it is turned; for the vertices one needs the bases as well.
 extends Reference
 
 const VERSION = 6
 const GRID_FREQUENCIES = [30, 60, 200, 700, 1500, 1200, 250, 80, 40, 36]
-const LENGTH_FREQUENCIES = [40, 20, 20, 20, 24, 32, 44, 60, 90, 140, 220, 350, 520, 680, 640, 480, 300, 170, 90, 50, 30,
-	20, 14, 10, 8, 6, 4, 4, 4, 2, 2, 2]
+const LENGTH_FREQUENCIES = [40, 20, 20, 20, 24, 32, 44, 60, 90, 140, 220, 350, 520, 680, 640, 480, 300, 170, 90, 50,
+	30, 20, 14, 10, 8, 6, 4, 4, 4, 2, 2, 2]
 const MODE_FREQUENCIES = [64, 1900, 32, 1600, 32, 200, 32, 236]
 
 var _bytes = PoolByteArray()
@@ -15,14 +15,15 @@ var _code = 0
 var _range = 0
 
 
-# { sequence, tick, pace, records: [{ body, blueprint, patch, generation, rest, payload: [begin, end] }] }; null when the
-# packet is to be refused whole.
+# { sequence, tick, pace, records: [{ body, blueprint, patch, generation, rest, payload: [begin, end] }] }; null when
+# the packet is to be refused whole.
 func read(bytes):
 	if bytes.size() < 16 or bytes.size() > 1176 or bytes[0] != 0x57 or bytes[1] != VERSION:
 		return null
 	_bytes = bytes
 	_end = bytes.size()
-	var packet = {"sequence": _u32(2), "tick": _u32(6), "pace": (bytes[10] + 256 * bytes[11]) / 65535.0, "records": []}
+	var pace = (bytes[10] | bytes[11] << 8) / 65535.0
+	var packet = {"sequence": _u32(2), "tick": _u32(6), "pace": pace, "records": []}
 	if packet.sequence == 0:
 		return null
 	_at = 16
@@ -80,8 +81,8 @@ func _read_varint():
 	return -1
 
 
-# { place, rotation } in the world's axes, of a record of the packet that was read last; null when it is to be refused.
-# exponent: e of section 6, of the blueprint's size.
+# { place: [x, y, z], rotation: [w, x, y, z] } in the world's axes, of a record of the packet that was read last; null
+# when it is to be refused. exponent: e of section 6, of the blueprint's size.
 func read_pose(record, exponent):
 	_begin(record.payload)
 	if _read_symbol(MODE_FREQUENCIES) & 3 == 2:
