@@ -1,5 +1,5 @@
-// client/wobble.h for C#: the functions of libwobble that a game needs first, and their structs. wobble.h says what each
-// means. The structs are those of 64-bit platforms.
+// client/wobble.h for C#: the functions of libwobble that a game needs first, and their structs, as 64-bit platforms have
+// them. wobble.h says what each means.
 using System;
 using System.Runtime.InteropServices;
 using System.Text;
@@ -56,7 +56,8 @@ public static class WobbleNative
     const string Library = "wobble"; // libwobble.so
 
     [DllImport(Library)] static extern IntPtr wobble_describe(int result);
-    [DllImport(Library)] public static extern int wobble_connect(ref ConnectOptions options, double now, out IntPtr client);
+    [DllImport(Library)]
+    public static extern int wobble_connect(ref ConnectOptions options, double now, out IntPtr client);
     [DllImport(Library)] public static extern void wobble_destroy(IntPtr client);
     [DllImport(Library)] public static extern int wobble_update(IntPtr client, double now);
     [DllImport(Library)] public static extern int wobble_leave(IntPtr client, double now);

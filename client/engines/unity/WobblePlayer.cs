@@ -12,7 +12,8 @@ public sealed class WobblePlayer : IDisposable
     // 1. Connect. address: "HOST:PORT". password: null for none.
     public WobblePlayer(string address, string name, string password, double now)
     {
-        var options = new WobbleNative.ConnectOptions { structSize = WobbleNative.SizeOf<WobbleNative.ConnectOptions>() };
+        var options = new WobbleNative.ConnectOptions();
+        options.structSize = WobbleNative.SizeOf<WobbleNative.ConnectOptions>();
         options.address = WobbleNative.ToUtf8(address);
         options.name = WobbleNative.ToUtf8(name);
         options.password = WobbleNative.ToUtf8(password);

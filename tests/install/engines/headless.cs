@@ -9,7 +9,20 @@ static class Headless
 {
     static int Main(string[] words)
     {
-        double seconds = double.Parse(words[1]), printed = 0;
+        try
+        {
+            return Play(words, double.Parse(words[1]));
+        }
+        catch (ArgumentException error)
+        {
+            Console.Error.WriteLine("headless: " + error.Message);
+            return 2;
+        }
+    }
+
+    static int Play(string[] words, double seconds)
+    {
+        double printed = 0;
         var clock = Stopwatch.StartNew();
         using (var player = new WobblePlayer(words[0], "münchen", words.Length > 2 ? words[2] : null, 0))
         {
