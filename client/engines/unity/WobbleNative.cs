@@ -1,5 +1,5 @@
-// client/wobble.h for C#: the functions of libwobble that a game needs first, and their structs, as 64-bit platforms have
-// them. wobble.h says what each means.
+// client/wobble.h for C#: the functions of libwobble that a game needs first, and their structs, as 64-bit platforms
+// have them. wobble.h says what each means.
 using System;
 using System.Runtime.InteropServices;
 using System.Text;
