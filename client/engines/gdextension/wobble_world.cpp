@@ -1,10 +1,12 @@
 #include "wobble_world.h"
 
+#include <chrono>
 #include <godot_cpp/classes/engine.hpp>
 #include <godot_cpp/classes/input.hpp>
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/godot.hpp>
 #include <godot_cpp/variant/utility_functions.hpp>
+#include <thread>
 
 using namespace godot;
 
@@ -105,7 +107,13 @@ void WobbleWorld::TakeEvents() {
 void WobbleWorld::_exit_tree() {
   if (m_client == nullptr) return;
   wobble_leave(m_client, m_now);
-  wobble_update(m_client, m_now);  // sends the goodbye
+  wobble_status status{};
+  status.struct_size = sizeof status;
+  for (int i = 0; i < 50 && status.state != WOBBLE_ENDED; ++i) {  // the answer takes a round trip
+    wobble_update(m_client, m_now += 0.01);
+    wobble_read_status(m_client, &status);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
   wobble_destroy(m_client);
   m_client = nullptr;
 }

@@ -15,6 +15,7 @@ enum { JUMP = 1, PUFF = 2, STIFFEN = 4 }  # buttons
 const SCHEMA_HASH = 0xddbfe6b1 << 32 | 0xe8bb06e1
 const SILENCE = 8.0  # s without a message, after which the other end is gone
 const DELAY = 0.1  # s of the world by which bodies are shown late, so that a pose after that moment is mostly there
+const MOST_NAME = 32  # bytes
 const POSES = 8  # that are kept of a body
 const REASONS = ["left", "the server is closing", "the server is full", "the server speaks another version",
 	"the server has another schema", "no hello in time", "silent for too long", "too many bad messages",
@@ -60,6 +61,8 @@ var _leaving = false
 func connect_to(url, name, credential = ""):
 	_url = url
 	_name = name
+	while _name.to_utf8().size() > MOST_NAME:
+		_name = _name.left(_name.length() - 1)
 	_socket.set_buffers(256, 1024, 64, 256)  # KiB and messages: one of the server's is 64 KiB at most
 	_socket.connect("connection_established", self, "_on_open")
 	_socket.connect("connection_error", self, "_on_error")
@@ -178,7 +181,8 @@ func _on_data():
 	var message = _socket.get_peer(1).get_packet()
 	if state == ENDED or message.size() < 2:
 		return
-	_silence = min(_silence, SILENCE - 1) if _leaving else 0.0
+	if not _leaving:
+		_silence = 0.0
 	var was_read = true
 	match message[0]:
 		0: was_read = _take_control(FlatBuffer.new(message.subarray(1, -1)))

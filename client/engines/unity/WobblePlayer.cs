@@ -2,6 +2,7 @@
 using System;
 using System.Collections.Generic;
 using System.Runtime.InteropServices;
+using System.Threading;
 
 public sealed class WobblePlayer : IDisposable
 {
@@ -57,8 +58,12 @@ public sealed class WobblePlayer : IDisposable
         return WobbleNative.wobble_next_event(client, ref next) == WobbleNative.Ok;
     }
 
-    // Go on with Update until it returns false.
-    public void Leave(double now) => WobbleNative.wobble_leave(client, now);
+    // Says goodbye and waits for the answer: a round trip, half a second at most.
+    public void Leave(double now)
+    {
+        WobbleNative.wobble_leave(client, now);
+        for (int i = 0; i < 50 && Update(now + 0.01 * i); ++i) Thread.Sleep(10);
+    }
 
     public string Reason => WobbleNative.FromUtf8(Status.reason);
 

@@ -94,9 +94,7 @@ public class WobbleWorld : MonoBehaviour
     void OnDestroy()
     {
         if (player == null) return;
-        double now = Time.realtimeSinceStartupAsDouble;
-        player.Leave(now);
-        player.Update(now); // the goodbye is sent; the server need not wait for silence
+        player.Leave(Time.realtimeSinceStartupAsDouble);
         player.Dispose();
         player = null;
         Clear();

@@ -1,6 +1,7 @@
 #include "WobbleWorld.h"
 
 #include "GameFramework/PlayerController.h"
+#include "HAL/PlatformProcess.h"
 #include "InputCoreTypes.h"
 
 AWobbleWorld::AWobbleWorld() {
@@ -99,7 +100,13 @@ void AWobbleWorld::TakeEvents() {
 void AWobbleWorld::EndPlay(const EEndPlayReason::Type Reason) {
   if (Client != nullptr) {
     wobble_leave(Client, Now);
-    wobble_update(Client, Now);  // sends the goodbye
+    wobble_status Status{};
+    Status.struct_size = sizeof Status;
+    for (int I = 0; I < 50 && Status.state != WOBBLE_ENDED; ++I) {  // the answer takes a round trip
+      wobble_update(Client, Now += 0.01);
+      wobble_read_status(Client, &Status);
+      FPlatformProcess::Sleep(0.01f);
+    }
     wobble_destroy(Client);
     Client = nullptr;
   }

@@ -1,5 +1,6 @@
 // Plays with what Unity uses (client/engines/unity), without Unity: headless.exe HOST:PORT SECONDS [PASSWORD]. Prints
-// twice a second where its body is. Exit code 2: sent away; 3: its name did not come back as it was sent.
+// twice a second where its body is. Exit code 2: sent away; 3: its name did not come back as it was sent; 4: its goodbye
+// had no answer.
 using System;
 using System.Diagnostics;
 using System.Runtime.InteropServices;
@@ -26,12 +27,16 @@ static class Headless
         var clock = Stopwatch.StartNew();
         using (var player = new WobblePlayer(words[0], "münchen", words.Length > 2 ? words[2] : null, 0))
         {
-            bool isLeaving = false, hasJoined = false;
+            bool hasJoined = false;
             for (; player.Update(clock.Elapsed.TotalSeconds); Thread.Sleep(15))
             {
                 double now = clock.Elapsed.TotalSeconds;
-                if (now > seconds && !isLeaving) player.Leave(now);
-                isLeaving = now > seconds;
+                if (now > seconds)
+                {
+                    player.Leave(now);
+                    if (player.Status.state != WobbleNative.Ended) return 4;
+                    break;
+                }
                 player.Play((float)Math.Cos(now), (float)Math.Sin(now), 0);
                 while (player.TakeEvent(out WobbleNative.Event next))
                     hasJoined |= next.kind == WobbleNative.Join && WobbleNative.FromUtf8(next.text) == "münchen";

@@ -19,6 +19,9 @@ const TCHAR* ConvertToTchar(const char* text);
 template <typename... Values>
 void Log(const TCHAR* format, const Values&... values);
 
+struct FPlatformProcess {
+  static void Sleep(float seconds);
+};
 struct FString {
   FString(const TCHAR* text);
   const TCHAR* operator*() const;
