@@ -31,7 +31,9 @@ function startGodot(url, seconds, ...options) {
   const program = new Program(process.env.WOBBLE_GODOT ?? '/usr/bin/godot3-server', words);
   program.expectEnd = async (code, reason = /^/) => {
     assert.equal(await program.end, code, [...program.lines, ...program.errors].join('\n'));
-    assert.ok(!program.errors.some((line) => /SCRIPT ERROR|Parse Error/.test(line)), program.errors.join('\n'));
+    // core/io: the engine was asked to read what is not there.
+    const isFault = (line) => /SCRIPT ERROR|Parse Error|core\/io/.test(line);
+    assert.ok(!program.errors.some(isFault), program.errors.slice(-40).join('\n'));
     assert.match(program.errors.find((line) => line.startsWith('wobble: ')) ?? '', reason);
   };
   program.readRefused = () => Number(/; (\d+) messages refused$/.exec(program.lines.at(-1))[1]);
