@@ -3,7 +3,8 @@
 
     documents_test.py ROOT [BIN]
 
-1. A code block in C, C++, TOML, Lua, JavaScript or Python equals the file that it shows. The line before its fence names the file:
+1. A code block in C, C++, C#, GDScript, TOML, Lua, JavaScript or Python equals the file that it shows. The line before
+   its fence names the file:
        <!-- from: client/example.cpp -->              the whole file
        <!-- from: PATH#first text..last text -->      its lines from the first that holds `first text` to the next
                                                       that holds `last text`, both included
@@ -21,7 +22,7 @@ import sys
 from pathlib import Path
 
 MOST_README_LINES = 200
-CHECKED_LANGUAGES = {"c", "cpp", "toml", "lua", "js", "python"}
+CHECKED_LANGUAGES = {"c", "cpp", "csharp", "gdscript", "toml", "lua", "js", "python"}
 SKIPPED_FOLDERS = {"build", "node_modules"}
 # Options of other programs that documents name in a code span without their program.
 FOREIGN_OPTIONS = {"--cpuset-cpus", "--cpus", "--network", "--no-cache", "--volume", "--write", "--component", "--file"}

@@ -6,6 +6,8 @@
 #   client    a project with find_package(wobble) and one with pkg-config build client/example.cpp and play
 #   c         the same in C, with find_package(libwobble) and pkg-config: client/example.c plays for C_SECONDS (2) in an
 #             SDL2 window without a screen, and its picture shows the world
+#   engines   client/engines: what Unity uses plays in Mono; all of it compiles against stand-ins of what it names of the
+#             engines, which Debian does not have
 #   world     the same with the physics for C: server/library/example.c steps a scene
 #   interface of the two libraries for C is the one that their .abi files describe, is all that they export, and compiles
 #             as C and C++
@@ -104,6 +106,18 @@ check_interface() {
     fail "the interface that $1.abi describes; if it is to be another, NEW_ABI=FOLDER leaves there what it is now"
 }
 
+# compile_with_stand_in STAND_IN SOURCE HEADER...: the headers of an engine, each of which is the stand-in.
+compile_with_stand_in() {
+  local stand_in="$source/tests/install/engines/$1" file="$source/client/engines/$2" header
+  shift 2
+  for header in "$@"; do
+    mkdir -p "$(dirname "$folder/engine/$header")"
+    echo "#include \"$stand_in\"" >"$folder/engine/$header"
+  done
+  c++ -std=c++20 -Wall -Wextra -Werror -fsyntax-only -I"$folder/engine" -I"$folder/prefix/include" "$file" ||
+    fail "$file to compile"
+}
+
 case "$case_name" in
   client)
     install_dev
@@ -141,6 +155,29 @@ case "$case_name" in
     python3 "$source/tests/install/c/find_bodies.py" ./*.bmp || fail "a picture with the own body in orange, others in blue"
     if "$folder/game/game" nowhere 2>"$folder/told"; then fail "an exit code"; fi
     grep -q '^example: the address is no HOST:PORT' "$folder/told" || { cat "$folder/told"; fail "a reason"; }
+    ;;
+  engines)
+    command -v mcs >/dev/null && command -v mono >/dev/null || { echo "skipped: mono"; exit 77; }
+    install_client
+    cd "$source/client/engines/unity"
+    stand_ins="$source/tests/install/engines"
+    mcs -warnaserror -out:"$folder/headless.exe" WobbleNative.cs WobblePlayer.cs "$stand_ins/headless.cs" || fail "mcs"
+    # 0649, 0414: fields of the stand-in that nobody sets
+    mcs -warnaserror -nowarn:0649,0414 -target:library -out:"$folder/unity.dll" ./*.cs "$stand_ins/UnityEngine.cs" ||
+      fail "WobbleWorld.cs to compile"
+    start_server
+    export LD_LIBRARY_PATH="$folder/prefix/lib"
+    play 3 mono "$folder/headless.exe" "127.0.0.1:$port" 2
+    [ "$(grep -c ' ball162 162$' "$folder/played")" -ge 3 ] || { cat "$folder/played"; fail "a body that is where its pose says"; }
+    [ "$(sort -u "$folder/played" | wc -l)" -ge 2 ] || { cat "$folder/played"; fail "a body that moves"; }
+    if mono "$folder/headless.exe" nowhere 1 2>"$folder/told"; then fail "an exit code"; fi
+    grep -q 'the address is no HOST:PORT' "$folder/told" || { cat "$folder/told"; fail "a reason"; }
+    # shellcheck disable=SC2046  # the names of headers are words
+    compile_with_stand_in godot_cpp.h gdextension/wobble_world.cpp \
+      $(sed -n 's/^#include <\(godot_cpp.*\)>/\1/p' ../gdextension/*.h ../gdextension/*.cpp)
+    # shellcheck disable=SC2046
+    compile_with_stand_in unreal.h unreal/WobbleWorld.cpp \
+      $(sed -n 's/^#include "\(.*\)"/\1/p' ../unreal/*.h ../unreal/*.cpp | grep -vx -e WobbleWorld.h -e wobble.h)
     ;;
   interface)
     install_client

@@ -335,7 +335,9 @@ Sources ReadSources() {
   for (const char* folder : {"server", "protocol", "client"}) {
     for (auto entry = std::filesystem::recursive_directory_iterator(root / folder);
          entry != std::filesystem::recursive_directory_iterator(); ++entry) {
-      if (entry->path().filename() == "node_modules") entry.disable_recursion_pending();
+      // client/engines is compiled by others, with an engine's headers and wobble.h alone: install.engines.
+      const auto name = entry->path().filename();
+      if (name == "node_modules" || name == "engines") entry.disable_recursion_pending();
       if (!entry->is_regular_file() || !IsSource(entry->path())) continue;
       std::ifstream file(entry->path());
       std::ostringstream text;

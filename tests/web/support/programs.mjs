@@ -20,12 +20,12 @@ export const test = (name, run) =>
     await started.run(own, () => run(context));
   });
 
-// A program, with its lines so far and its end.
+// A program of the build, or one with an absolute path, with its lines so far and its end.
 export class Program {
   constructor(name, options) {
     this.lines = [];
     this.errors = [];
-    this.process = spawn(path.join(binFolder, name), options, { stdio: ['ignore', 'pipe', 'pipe'] });
+    this.process = spawn(path.resolve(binFolder, name), options, { stdio: ['ignore', 'pipe', 'pipe'] });
     collectLines(this.process.stdout, this.lines);
     collectLines(this.process.stderr, this.errors);
     // Resolves to the exit code, or to the name of the signal that ended the process.
