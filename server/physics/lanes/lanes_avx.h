@@ -1,4 +1,4 @@
-// The vectors of lanes.h on x86: AVX2, which the whole program is compiled for, and AVX-512 in the units compiled for it.
+// The vectors of lanes.h on x86: AVX2, for which the whole program is compiled, and AVX-512 in units compiled for it.
 // Only lanes.h includes this file.
 #pragma once
 

@@ -1,5 +1,5 @@
-// Roots whose bits no library decides: the cube roots and hypotenuses of C libraries differ between architectures in the
-// last bit.
+// Roots whose bits no library decides: the C library's cube roots and hypotenuses differ between architectures in their
+// last bits.
 #pragma once
 
 #include <cmath>
