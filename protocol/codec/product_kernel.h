@@ -20,8 +20,8 @@
 namespace wobble::protocol {
 
 // Registers: Type of numbers, Sum of 32-bit sums (a type of its own: g++ 12 keeps sums in registers from round to round
-// only where no intrinsic's type comes between), kNumbers of a register, Load, LoadFirst (`count` numbers, even, and
-// zeros), StoreFirst (`count` sums), SpreadPair, MultiplyAdd (pairs of products, added), AddUp (the four sums of four
+// only where no intrinsic's type comes between), kNumbers of a register, Load, LoadFirst (the pairs in `count` numbers,
+// and zeros), StoreFirst (`count` sums), SpreadPair, MultiplyAdd (pairs of products, added), AddUp (the four sums of four
 // registers). Narrow: those of the processors that run the whole program.
 using FourProducts = std::uint32_t __attribute__((vector_size(16)));
 #ifdef __aarch64__
@@ -32,7 +32,7 @@ struct NarrowRegisters {
   static Type Load(const std::int16_t* at) { return vld1q_s16(at); }
   static Type LoadFirst(const std::int16_t* at, std::size_t count) {
     std::int16_t padded[kNumbers] = {};
-    for (std::size_t i = 0; i < count; ++i) padded[i] = at[i];
+    for (std::size_t i = 0; i + 1 < count; i += 2) padded[i] = at[i], padded[i + 1] = at[i + 1];
     return Load(padded);
   }
   static void StoreFirst(std::uint32_t* at, Sum sums, std::size_t count) {
