@@ -19,11 +19,12 @@
 
 namespace wobble::protocol {
 
+using FourProducts = std::uint32_t __attribute__((vector_size(16)));
+
 // Registers: Type of numbers, Sum of 32-bit sums (a type of its own: g++ 12 keeps sums in registers from round to round
 // only where no intrinsic's type comes between), kNumbers of a register, Load, LoadFirst (the pairs in `count` numbers,
-// and zeros), StoreFirst (`count` sums), SpreadPair, MultiplyAdd (pairs of products, added), AddUp (the four sums of four
-// registers). Narrow: those of the processors that run the whole program.
-using FourProducts = std::uint32_t __attribute__((vector_size(16)));
+// and zeros), StoreFirst (`count` sums), SpreadPair, MultiplyAdd (pairs of products, added), AddUp (the four sums of
+// four registers). NarrowRegisters: those that every processor has that runs the program.
 #ifdef __aarch64__
 struct NarrowRegisters {
   using Type = int16x8_t;
