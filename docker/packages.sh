@@ -12,8 +12,10 @@ set -eu
 packages_of() {
   case "$1" in
     server) # builds and runs wobbled and wobble
-      echo "g++ make cmake ninja-build ccache git ca-certificates
-            libeigen3-dev libtbb-dev libenet-dev libsodium-dev libflatbuffers-dev flatbuffers-compiler
+      echo "g++ make cmake ninja-build ccache git ca-certificates flatbuffers-compiler"
+      packages_of libraries ;;
+    libraries) # what wobbled and wobble are built from
+      echo "libeigen3-dev libtbb-dev libenet-dev libsodium-dev libflatbuffers-dev
             libspdlog-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev liblua5.4-dev
             libboost-dev zlib1g-dev libzstd-dev libcpp-httplib-dev prometheus-cpp-dev libicu-dev libssl-dev
             libqrencode-dev libavahi-client-dev libavahi-core-dev" ;;
@@ -22,10 +24,11 @@ packages_of() {
             libavahi-client3 libavahi-common3 libavahi-core7 libprometheus-cpp-core1.0 libqrencode4 libspdlog1.10 libssl3
             libtbb12 libtomlplusplus3" ;;
     test) # the test runner, a second compiler whose results must have the same bits, a browser, promtool, what the
-         # example in C draws with, what compares binary interfaces, and what plays the engines' examples
+         # example in C draws with, what compares binary interfaces, and what plays the engines' examples;
+         # older processors
       echo "libgtest-dev libgmock-dev clang-19 libclang-rt-19-dev llvm clang-format chromium prometheus avahi-daemon curl
             iproute2 openssl pkg-config mmdebstrap dpkg-dev file python3 python3-numpy python3-yaml
-            libsdl2-dev abigail-tools godot3-server mono-mcs mono-runtime" ;;
+            libsdl2-dev abigail-tools godot3-server mono-mcs mono-runtime qemu-user" ;;
     web) # builds the page; a server, and a gateway without a page, do not need it
       echo "emscripten nodejs npm" ;;
     python) # builds the Python module, and runs its examples and tests
@@ -33,8 +36,12 @@ packages_of() {
     lab) # what wobble_lab is measured against, and its plots
       echo "libsundials-dev libboost-dev libbullet-dev libdraco-dev libmeshoptimizer-dev
             libzstd-dev valgrind gnuplot-nox" ;;
+    arm) # builds for 64-bit ARM on another machine, and runs what it has built
+      echo "g++-aarch64-linux-gnu qemu-user mmdebstrap" ;;
+    arm_libraries) # beside group libraries, in the sysroot that docker/arm64_sysroot.sh makes
+      echo "libc6-dev libstdc++-12-dev libgcc-12-dev libgtest-dev libgmock-dev" ;;
     *)
-      echo "packages.sh: unknown group '$1'; one of: server, runtime, web, test, python, lab" >&2
+      echo "packages.sh: unknown group '$1'; one of: server, libraries, runtime, web, test, python, lab, arm" >&2
       exit 2 ;;
   esac
 }

@@ -75,6 +75,14 @@ def list_jobs():
         ["sh", "docker/packages.sh", "server", "test"], ["cmake", "--preset", "tsan"],
         ["cmake", "--build", "--preset", "tsan", "--target", "threads_test", "golden_test"],
         ["ctest", "--preset", "tsan", "-R", "determinism|threads_test"]]))
+    # The golden scenes, recordings and bytes by 64-bit ARM, emulated, of both compilers.
+    for compiler in ("aarch64-linux-gnu-g++", "clang++-19"):
+        folder = f"build/arm64-{compiler}"
+        jobs.append((f"arm64_{compiler}", 20, [
+            ["sh", "docker/packages.sh", "server", "test", "arm"], ["sh", "docker/arm64_sysroot.sh"],
+            ["cmake", "--preset", "arm64", "-B", folder, f"-DCMAKE_CXX_COMPILER={compiler}"],
+            ["cmake", "--build", folder, "--target", "emulated_tests"],
+            ["ctest", "--test-dir", folder, "--output-on-failure", "-j9", "-R", "determinism|Golden|CrowdEncoder|ModeSums"]]))
     return jobs
 
 

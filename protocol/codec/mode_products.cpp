@@ -3,7 +3,7 @@
 // an Intel Xeon at 2.5 GHz. Three rows at once: then a mode is loaded once for three.
 #include "protocol/codec/mode_products.h"
 
-#ifdef __AVX2__
+#if defined(__AVX2__) || defined(__aarch64__)
 #include "protocol/codec/product_kernel.h"
 #endif
 
@@ -20,10 +20,10 @@ void FindProductsPlainly(const ProductTask& task, std::span<const ProductRow> ro
   }
 }
 
-#ifdef __AVX2__
+#if defined(__AVX2__) || defined(__aarch64__)
 
 void FindProducts(const ProductTask& task, std::span<const ProductRow> rows) {
-  using Kernel = ProductKernel<Registers256>;
+  using Kernel = ProductKernel<NarrowRegisters>;
   for (; rows.size() >= 3; rows = rows.subspan(3)) Kernel::FindRows<3>(task, rows.data());
   if (rows.size() == 2) Kernel::FindRows<2>(task, rows.data());
   if (rows.size() == 1) Kernel::FindRows<1>(task, rows.data());

@@ -5,7 +5,11 @@
 // can be taken for that of the baseline.
 #pragma once
 
+#ifdef __aarch64__
+#include <arm_neon.h>
+#else
 #include <immintrin.h>
+#endif
 
 #include <cstddef>
 #include <cstdint>
@@ -15,11 +19,41 @@
 
 namespace wobble::protocol {
 
+using FourProducts = std::uint32_t __attribute__((vector_size(16)));
+
 // Registers: Type of numbers, Sum of 32-bit sums (a type of its own: g++ 12 keeps sums in registers from round to round
-// only where no intrinsic's type comes between), kNumbers of a register, Load, LoadFirst (`count` numbers, even, and
-// zeros), StoreFirst (`count` sums), SpreadPair, MultiplyAdd (pairs of products, added), AddUp (the four sums of four
-// registers).
-struct Registers256 {
+// only where no intrinsic's type comes between), kNumbers of a register, Load, LoadFirst (the pairs in `count` numbers,
+// and zeros), StoreFirst (`count` sums), SpreadPair, MultiplyAdd (pairs of products, added), AddUp (the four sums of
+// four registers). NarrowRegisters: those that every processor has that runs the program.
+#ifdef __aarch64__
+struct NarrowRegisters {
+  using Type = int16x8_t;
+  using Sum = int32x4_t;
+  static constexpr std::size_t kNumbers = 8;
+  static Type Load(const std::int16_t* at) { return vld1q_s16(at); }
+  static Type LoadFirst(const std::int16_t* at, std::size_t count) {
+    std::int16_t padded[kNumbers] = {};
+    for (std::size_t i = 0; i + 1 < count; i += 2) padded[i] = at[i], padded[i + 1] = at[i + 1];
+    return Load(padded);
+  }
+  static void StoreFirst(std::uint32_t* at, Sum sums, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) at[i] = static_cast<std::uint32_t>(sums[i]);
+  }
+  static Type SpreadPair(const std::int16_t* pair) {
+    std::int32_t both;
+    __builtin_memcpy(&both, pair, sizeof both);
+    return vreinterpretq_s16_s32(vdupq_n_s32(both));
+  }
+  static Sum MultiplyAdd(Sum sum, Type a, Type b) {
+    const Sum low = vmull_s16(vget_low_s16(a), vget_low_s16(b));
+    return vaddq_s32(sum, vpaddq_s32(low, vmull_high_s16(a, b)));
+  }
+  static FourProducts AddUp(Sum a, Sum b, Sum c, Sum d) {
+    return (FourProducts)vpaddq_s32(vpaddq_s32(a, b), vpaddq_s32(c, d));
+  }
+};
+#else
+struct NarrowRegisters {
   using Type = __m256i;
   typedef std::int32_t Sum __attribute__((vector_size(32)));
   static constexpr std::size_t kNumbers = 16;
@@ -41,17 +75,18 @@ struct Registers256 {
   static Sum MultiplyAdd(Sum sum, Type a, Type b) {
     return (Sum)_mm256_add_epi32((__m256i)sum, _mm256_madd_epi16(a, b));
   }
-  static __m128i AddUp(Sum a, Sum b, Sum c, Sum d) {
+  static FourProducts AddUp(Sum a, Sum b, Sum c, Sum d) {
     const Type all =
         _mm256_hadd_epi32(_mm256_hadd_epi32((__m256i)a, (__m256i)b), _mm256_hadd_epi32((__m256i)c, (__m256i)d));
-    return _mm_add_epi32(_mm256_castsi256_si128(all), _mm256_extracti128_si256(all, 1));
+    return (FourProducts)_mm_add_epi32(_mm256_castsi256_si128(all), _mm256_extracti128_si256(all, 1));
   }
 };
+#endif
 
 // What the tiles of some rows of numbers share: the blocks of as many coordinates as a register has in which a row has
 // a number other than 0.
 struct ProductBlocks {
-  std::uint16_t whole[3 * kMaxPatchVertices / 16];  // where they begin
+  std::uint16_t whole[3 * kMaxPatchVertices / NarrowRegisters::kNumbers];  // where they begin
   std::size_t count = 0;
   std::size_t tailBegin = 0, tail = 0;  // the last coordinates, if they are no whole register
 };
@@ -99,7 +134,7 @@ struct ProductKernel {
 
   template <std::size_t kRows>
   static void FindTile(const ProductBlocks& blocks, const std::int16_t* const* columns, const ProductRow* rows,
-                       __m128i* products) {
+                       FourProducts* products) {
     Sum sums[kRows][kModes] = {};
     for (std::size_t block = 0; block < blocks.count; ++block) {
       const std::size_t at = blocks.whole[block];
@@ -121,14 +156,14 @@ struct ProductKernel {
 
   // Pairs leave the last of an odd number of coordinates out.
   static void Store(const ProductTask& task, const std::uint16_t* modes, std::size_t count, const ProductRow& row,
-                    __m128i products) {
+                    FourProducts products) {
     const bool isOdd = task.size % 2 != 0;
     if (count == kModes && modes[kModes - 1] == modes[0] + kModes - 1 && row.stride == 1 && !isOdd) {
-      _mm_storeu_si128(reinterpret_cast<__m128i*>(row.products + modes[0]), products);
+      __builtin_memcpy(row.products + modes[0], &products, sizeof products);
       return;
     }
     std::uint32_t each[kModes];
-    _mm_storeu_si128(reinterpret_cast<__m128i*>(each), products);
+    __builtin_memcpy(each, &products, sizeof products);
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t last = task.size - 1;
       const int more = isOdd ? task.columns[task.size * modes[i] + last] * row.numbers[last] : 0;
@@ -147,7 +182,7 @@ struct ProductKernel {
       for (std::size_t i = 0; i < kModes; ++i) {
         columns[i] = task.columns + task.size * task.modes[first + (i < count ? i : 0)];
       }
-      __m128i products[kRows];
+      FourProducts products[kRows];
       FindTile<kRows>(blocks, columns, rows, products);
       for (std::size_t row = 0; row < kRows; ++row) Store(task, task.modes + first, count, rows[row], products[row]);
     }

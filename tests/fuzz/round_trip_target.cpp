@@ -35,7 +35,8 @@ class Numbers {
 void CheckCrowd(const protocol::PatchModel& model, const protocol::Pose& pose, std::span<const Vector3> vertices,
                 float target) {
   static protocol::ShapeEncoder encoder;
-  static std::array<protocol::CrowdEncoder, 2> crowds{protocol::CrowdEncoder(protocol::KernelSet::kAvx2), protocol::CrowdEncoder()};
+  static std::array<protocol::CrowdEncoder, 2> crowds{protocol::CrowdEncoder(protocol::KernelSet::kBaseline),
+                                                      protocol::CrowdEncoder()};
   constexpr std::size_t kBodies = 3;
   for (protocol::CrowdEncoder& crowd : crowds) {
     std::array<std::vector<std::uint8_t>, kBodies> payloads;

@@ -820,6 +820,17 @@ case_random_datagrams() {
   ! grep -qv 'load level' "$folder/server.err" || fail "a server that notices nothing" "$folder/server.err"
 }
 
+# A processor without AVX, emulated.
+case_old_processor() {
+  local program
+  for program in wobbled wobble; do
+    qemu-x86_64 -cpu Nehalem "$bin/$program" --version >"$out" 2>"$err"
+    [ $? -eq 2 ] || fail "exit code 2 of $program" "$out" "$err"
+    expect_line "$err" '^This program needs a processor of level x86-64-v3 '
+    [ ! -s "$out" ] || fail "no other output of $program" "$out"
+  done
+}
+
 case_help_and_version() {
   local program
   for program in wobbled wobble 'wobble bots' 'wobble play' 'wobble host' 'wobble watch' 'wobble link' 'wobble gateway'; do

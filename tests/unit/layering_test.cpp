@@ -43,7 +43,7 @@ const Strings kPortable{"chrono", "ctime",  "iostream", "fstream",    "filesyste
 const Strings kClock{"chrono", "ctime"};
 const Strings kSystem{"arpa/",   "fcntl.h",  "netdb.h", "netinet/", "poll.h",    "pthread.h",
                       "sched.h", "signal.h", "spawn.h", "sys/",     "termios.h", "unistd.h"};
-const Strings kEngine{"Eigen/", "immintrin.h"};
+const Strings kEngine{"Eigen/", "immintrin.h", "arm_neon.h"};
 
 Strings Join(Strings first, const Strings& second) {
   first.insert(first.end(), second.begin(), second.end());
@@ -153,8 +153,8 @@ const std::vector<Room> kRooms{
     {"protocol/transport/", {kProtocol}, Join(kSystem, {"enet/"}), kClockFileLog},
     // What the uses of all programs share.
     {kUsage, {}, {"CLI/", "fcntl.h", "unistd.h"}, kClock},
-    {kEncoding, {kCodec, kProtocol}, {"flatbuffers/", "immintrin.h"}, kPortable},
-    {kCodec, {kProtocol}, {"flatbuffers/", "immintrin.h"}, kPortable},
+    {kEncoding, {kCodec, kProtocol}, {"flatbuffers/", "immintrin.h", "arm_neon.h"}, kPortable},
+    {kCodec, {kProtocol}, {"flatbuffers/", "immintrin.h", "arm_neon.h"}, kPortable},
     {kProtocol, {}, {"flatbuffers/"}, kPortable},
     {"client/bots/", kCommandReach, Join(kSystem, {"CLI/", "lua.hpp", "nlohmann/"}), {}},
     {"client/command/", kCommandReach, Join(kSystem, {"CLI/", "ifaddrs.h", "net/if.h", "nlohmann/", "qrencode.h"}), {}},

@@ -10,6 +10,10 @@
 
 namespace wobble::protocol {
 
+CrowdKernels MakeNarrowCrowdKernels();
+
+#ifdef __x86_64__
+
 namespace {
 
 bool HasWide() {
@@ -21,18 +25,26 @@ bool HasWide() {
 
 }  // namespace
 
-CrowdKernels MakeCrowdKernels256();
 CrowdKernels MakeCrowdKernels512();
 CrowdKernels MakeCrowdKernelsVnni();
 
 const CrowdKernels& FindCrowdKernels(KernelSet most) {
   static const bool hasWide = HasWide();
   static const bool hasVnni = hasWide && __builtin_cpu_supports("avx512vnni") != 0;
-  static const CrowdKernels narrow = MakeCrowdKernels256();
+  static const CrowdKernels narrow = MakeNarrowCrowdKernels();
   static const CrowdKernels wide = hasWide ? MakeCrowdKernels512() : narrow;
   static const CrowdKernels vnni = hasVnni ? MakeCrowdKernelsVnni() : wide;
   return most == KernelSet::kVnni ? vnni : most == KernelSet::kAvx512 ? wide : narrow;
 }
+
+#else
+
+const CrowdKernels& FindCrowdKernels(KernelSet) {
+  static const CrowdKernels narrow = MakeNarrowCrowdKernels();
+  return narrow;
+}
+
+#endif
 
 const float* FindCostsByPlace() {
   static const std::vector<float> costs = [] {

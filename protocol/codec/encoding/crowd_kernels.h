@@ -50,7 +50,7 @@ struct CrowdKernels {
 };
 inline constexpr std::size_t kMostLanes = 32;
 
-enum class KernelSet { kAvx2, kAvx512, kVnni };
+enum class KernelSet { kBaseline, kAvx512, kVnni };
 // The best that the processor has, up to `most`.
 [[nodiscard]] const CrowdKernels& FindCrowdKernels(KernelSet most = KernelSet::kVnni);
 

@@ -36,10 +36,10 @@ struct Registers512 {
   static __m256i AddHalves(Sum sums) {
     return _mm256_add_epi32(_mm512_castsi512_si256((__m512i)sums), _mm512_extracti64x4_epi64((__m512i)sums, 1));
   }
-  static __m128i AddUp(Sum a, Sum b, Sum c, Sum d) {
+  static FourProducts AddUp(Sum a, Sum b, Sum c, Sum d) {
     const __m256i all =
         _mm256_hadd_epi32(_mm256_hadd_epi32(AddHalves(a), AddHalves(b)), _mm256_hadd_epi32(AddHalves(c), AddHalves(d)));
-    return _mm_add_epi32(_mm256_castsi256_si128(all), _mm256_extracti128_si256(all, 1));
+    return (FourProducts)_mm_add_epi32(_mm256_castsi256_si128(all), _mm256_extracti128_si256(all, 1));
   }
 };
 

@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 
+#include "server/physics/model/roots.h"
+
 namespace wobble::physics {
 namespace {
 
@@ -176,7 +178,7 @@ ContactParameters<double> MakeContactParameters(const Material& material, double
 void FillMagneticLaw(ContactParameters<double>& parameters, double strength, double vertexMass) {
   constexpr double kGravity = 9.81;
   parameters.strength = strength;
-  parameters.floorDistance = std::cbrt(2 * strength / parameters.stiffness);
+  parameters.floorDistance = FindCubeRoot(2 * strength / parameters.stiffness);
   // The distance at which 1 % of a vertex's weight is carried, but never so near that the fade would cut the tangent.
   parameters.range = std::max(10 * std::sqrt(strength / (vertexMass * kGravity)), 4 * parameters.floorDistance);
 }

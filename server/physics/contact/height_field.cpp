@@ -11,6 +11,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "server/physics/model/roots.h"
+
 namespace wobble::physics {
 namespace {
 
@@ -48,7 +50,7 @@ double FindSteepest(const HeightField& field) {
           y = std::max(y, std::fabs(across[width] - across[0]));
         }
       }
-      steepest = std::max(steepest, std::hypot(x, y) / field.cellSize);
+      steepest = std::max(steepest, FindHypotenuse(x, y) / field.cellSize);
     }
   }
   return steepest;

@@ -19,8 +19,8 @@ inline constexpr int kWidestPack = 16;
 // Each is compiled by itself for its own instruction set. The argument only chooses the precision.
 [[nodiscard]] SweepKernel<float> MakeOneLaneKernel(float precision);
 [[nodiscard]] SweepKernel<double> MakeOneLaneKernel(double precision);
-[[nodiscard]] SweepKernel<float> MakeAvx2Kernel(float precision);
-[[nodiscard]] SweepKernel<double> MakeAvx2Kernel(double precision);
+[[nodiscard]] SweepKernel<float> MakeBaselineKernel(float precision);
+[[nodiscard]] SweepKernel<double> MakeBaselineKernel(double precision);
 [[nodiscard]] SweepKernel<float> MakeAvx512Kernel(float precision);
 [[nodiscard]] SweepKernel<double> MakeAvx512Kernel(double precision);
 

@@ -30,24 +30,24 @@ Lanes<Real> Load(const Real* from) {
 }
 
 Block<float> Split(const float* from) {
-  const __m256 a = Load(from);
-  const __m256 b = Load(from + 8);
-  const __m256 c = Load(from + 16);
-  const __m256 abX = __builtin_shufflevector(a, b, 0, 3, 6, 9, 12, 15, -1, -1);
-  const __m256 abY = __builtin_shufflevector(a, b, 1, 4, 7, 10, 13, -1, -1, -1);
-  const __m256 abZ = __builtin_shufflevector(a, b, 2, 5, 8, 11, 14, -1, -1, -1);
+  const Lanes<float> a = Load(from);
+  const Lanes<float> b = Load(from + 8);
+  const Lanes<float> c = Load(from + 16);
+  const Lanes<float> abX = __builtin_shufflevector(a, b, 0, 3, 6, 9, 12, 15, -1, -1);
+  const Lanes<float> abY = __builtin_shufflevector(a, b, 1, 4, 7, 10, 13, -1, -1, -1);
+  const Lanes<float> abZ = __builtin_shufflevector(a, b, 2, 5, 8, 11, 14, -1, -1, -1);
   return {{__builtin_shufflevector(abX, c, 0, 1, 2, 3, 4, 5, 10, 13),
            __builtin_shufflevector(abY, c, 0, 1, 2, 3, 4, 8, 11, 14),
            __builtin_shufflevector(abZ, c, 0, 1, 2, 3, 4, 9, 12, 15)}};
 }
 
 Block<double> Split(const double* from) {
-  const __m256d a = Load(from);
-  const __m256d b = Load(from + 4);
-  const __m256d c = Load(from + 8);
-  const __m256d abX = __builtin_shufflevector(a, b, 0, 3, 6, -1);
-  const __m256d abY = __builtin_shufflevector(a, b, 1, 4, 7, -1);
-  const __m256d abZ = __builtin_shufflevector(a, b, 2, 5, -1, -1);
+  const Lanes<double> a = Load(from);
+  const Lanes<double> b = Load(from + 4);
+  const Lanes<double> c = Load(from + 8);
+  const Lanes<double> abX = __builtin_shufflevector(a, b, 0, 3, 6, -1);
+  const Lanes<double> abY = __builtin_shufflevector(a, b, 1, 4, 7, -1);
+  const Lanes<double> abZ = __builtin_shufflevector(a, b, 2, 5, -1, -1);
   return {{__builtin_shufflevector(abX, c, 0, 1, 2, 5), __builtin_shufflevector(abY, c, 0, 1, 2, 6),
            __builtin_shufflevector(abZ, c, 0, 1, 4, 7)}};
 }

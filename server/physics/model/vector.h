@@ -4,6 +4,15 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>  // cross products
 
+#ifdef __aarch64__
+// Sums in the order of x86, where no vector is narrower than four floats, so that three are added one by one. On ARM
+// Eigen would add two of them in a vector of two. Doubles have the same order on both.
+template <int Size>
+struct Eigen::internal::find_best_packet_helper<Size, Eigen::internal::Packet4f, false> {
+  using type = Eigen::internal::Packet4f;
+};
+#endif
+
 namespace wobble::physics {
 
 template <class Real>

@@ -7,6 +7,7 @@
 
 #include "server/physics/contact/contact.h"
 #include "server/physics/methods/bending.h"
+#include "server/physics/model/roots.h"
 #include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/material.h"
 #include "server/physics/shapes/quad.h"
@@ -61,7 +62,7 @@ void AddSprings(const ClothDefinition& definition, const Weave& weave, double ve
   weave.VisitPoints([&](int column, int row) {
     const auto add = [&](int columns, int rows, double share) {
       if (!weave.Holds(column + columns, row + rows)) return;
-      const double length = definition.spacing * std::hypot(columns, rows);
+      const double length = definition.spacing * FindHypotenuse(columns, rows);
       blueprint.full.springs.push_back({.a = weave.IndexOf(column, row),
                                         .b = weave.IndexOf(column + columns, row + rows),
                                         .restLength = length,

@@ -14,6 +14,7 @@
 #include "server/physics/contact/contact.h"
 #include "server/physics/methods/elasticity.h"
 #include "server/physics/methods/forces.h"
+#include "server/physics/model/roots.h"
 #include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/material.h"
 #include "server/physics/shapes/mesh.h"
@@ -82,7 +83,7 @@ double FindMeanSkinMass(const Coefficients<double>& body) {
 
 // Half of the shortest way through a box, m; of another body, half of the edge of a cube of its volume.
 double FindHalfBreadth(const SolidDefinition& d, double volume) {
-  return d.faces.empty() ? d.cellSize * *std::ranges::min_element(d.cells) / 2 : std::cbrt(volume) / 2;
+  return d.faces.empty() ? d.cellSize * *std::ranges::min_element(d.cells) / 2 : FindCubeRoot(volume) / 2;
 }
 
 Blueprint MakeFilled(const SolidDefinition& d, const TetrahedralMesh& mesh) {

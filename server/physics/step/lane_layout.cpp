@@ -43,8 +43,8 @@ inline __attribute__((always_inline)) void CollectVertex(const Real* from, std::
 inline __attribute__((always_inline)) void CollectPoint(const float* from, std::size_t width, std::size_t count,
                                                         float* const* to, std::size_t at) {
   const auto load = [from, width](std::size_t k) { return LoadLanes(from + k * width); };
-  __m256 x[4] = {load(0), load(1), load(2), load(2)};
-  __m256 v[4] = {load(3), load(4), load(5), load(5)};
+  RowsOf<float>::Lanes x[4] = {load(0), load(1), load(2), load(2)};
+  RowsOf<float>::Lanes v[4] = {load(3), load(4), load(5), load(5)};
   Transpose(x);
   Transpose(v);
   [&]<std::size_t... I>(std::index_sequence<I...>) {

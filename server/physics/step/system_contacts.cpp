@@ -36,7 +36,7 @@ using PointsAtOnce = std::array<const MovingPoint<Real>*, kAtOnce>;
 // Writes positions and velocities of contacts from `lane` on to their rows, by transposition in registers.
 inline __attribute__((always_inline)) void Spread(const PointsAtOnce<float>& from, std::size_t lane,
                                                   ContactRow<float> (&x)[3], ContactRow<float> (&v)[3]) {
-  __m256 rows[kAtOnce];
+  RowsOf<float>::Lanes rows[kAtOnce];
   for (std::size_t i = 0; i < kAtOnce; ++i) rows[i] = LoadLanes(from[i]->x.data());
   Transpose(rows);
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -46,7 +46,7 @@ inline __attribute__((always_inline)) void Spread(const PointsAtOnce<float>& fro
 }
 inline __attribute__((always_inline)) void Spread(const PointsAtOnce<double>& from, std::size_t lane,
                                                   ContactRow<double> (&x)[3], ContactRow<double> (&v)[3]) {
-  __m256d rows[kAtOnce];
+  RowsOf<double>::Lanes rows[kAtOnce];
   for (std::size_t i = 0; i < kAtOnce; ++i) rows[i] = LoadLanes(from[i]->x.data());
   Transpose(rows);
   for (std::size_t axis = 0; axis < 3; ++axis) StoreLanes(rows[axis], x[axis] + lane);

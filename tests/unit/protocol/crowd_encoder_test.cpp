@@ -17,7 +17,7 @@ using clouds::MakeCloud;
 using clouds::MakeFloor;
 using CrowdBytes = std::vector<std::uint8_t>;
 
-constexpr std::array kSets{KernelSet::kAvx2, KernelSet::kAvx512, KernelSet::kVnni};
+constexpr std::array kSets{KernelSet::kBaseline, KernelSet::kAvx512, KernelSet::kVnni};
 
 void ExpectEqual(const ShapeEncoding& a, const ShapeEncoding& b) {
   EXPECT_EQ(a.fits, b.fits);

@@ -1,12 +1,12 @@
-// The kernels of one lane and of AVX2, the program's baseline.
+// The kernels of one lane and of the vectors that every processor has: AVX2 on x86, NEON on ARM.
 #include "server/physics/lanes/kernels.h"
 #include "server/physics/lanes/lone_kernel.h"
 #include "server/physics/lanes/sweep_kernel.h"
 
 namespace wobble::physics {
 
-SweepKernel<float> MakeAvx2Kernel(float) { return MakeKernel<float, 8>(); }
-SweepKernel<double> MakeAvx2Kernel(double) { return MakeKernel<double, 4>(); }
+SweepKernel<float> MakeBaselineKernel(float) { return MakeKernel<float, kBaselineBytes / sizeof(float)>(); }
+SweepKernel<double> MakeBaselineKernel(double) { return MakeKernel<double, kBaselineBytes / sizeof(double)>(); }
 SweepKernel<float> MakeOneLaneKernel(float) { return MakeLoneKernel<float>(); }
 SweepKernel<double> MakeOneLaneKernel(double) { return MakeLoneKernel<double>(); }
 ElementStrain<float> FindElementStrain(const SweepTables<float>& tables, const float* positions) {
