@@ -31,6 +31,7 @@ list_packages() {
   for program in "$@"; do
     ldd "$program" >"$folder/loaded"
     readelf -d "$program" | sed -n 's/.*(NEEDED).*\[\(.*\)\]$/\1/p' | while read -r name; do
+      case "$name" in ld-linux*) continue ;; esac # the loader, which ldd shows without a path; it is libc6's
       path="$(awk -v name="$name" '$1 == name { print $3 }' "$folder/loaded")"
       echo "$name $path"
     done
