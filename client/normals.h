@@ -9,7 +9,12 @@
 
 namespace wobble::client {
 
-// The sum of the normals of the faces around each vertex, weighted by area and normalised; zero where there is no area.
+// The sum of the normals of the faces around each vertex, each as long as twice the face's area, m². Faces name
+// existing vertices. normals: one a vertex, overwritten.
+void SumFaceNormals(std::span<const protocol::Vector3> vertices, std::span<const std::array<std::uint16_t, 3>> faces,
+                    std::span<protocol::Vector3> normals);
+
+// The same, normalised; zero where there is no area.
 // normals: one a vertex, overwritten.
 void FindNormals(std::span<const protocol::Vector3> vertices, std::span<const std::array<std::uint16_t, 3>> faces,
                  std::span<protocol::Vector3> normals);

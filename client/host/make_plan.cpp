@@ -9,12 +9,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The first word behind a key, or another one.
-std::string Find(const Values& values, std::string_view key, const std::string& otherwise) {
-  const auto value = values.find(key);
-  return value == values.end() ? otherwise : value->second.words.front();
-}
-
 std::string Join(const std::vector<std::string>& words) {
   std::string joined;
   for (const std::string& word : words) joined += (joined.empty() ? "" : ",") + word;
@@ -37,7 +31,7 @@ void AddOptions(const Values& values, Place place, std::vector<std::string>& opt
 }  // namespace
 
 fs::path FindStateFolder(const WorldsFile& file, const fs::path& otherwise) {
-  return Find(file.all, "state", otherwise.string());
+  return FindWord(file.all, "state", otherwise.string());
 }
 
 WorldPlan MakeWorldPlan(const WorldsFile& file, const World& world, const fs::path& folder) {
@@ -45,21 +39,22 @@ WorldPlan MakeWorldPlan(const WorldsFile& file, const World& world, const fs::pa
   plan.name = world.name;
   plan.title = "world " + world.name;
   plan.port = world.port;
-  const std::string bind = Find(world.values, "bind", "");
+  const std::string bind = FindWord(world.values, "bind", "");
   const bool isEverywhere = bind.empty() || bind == "0.0.0.0" || bind == "::";
   if (!isEverywhere) plan.host = bind.find(':') == std::string::npos ? bind : "[" + bind + "]";
   plan.label = plan.title + ", ";
-  plan.bots.count = static_cast<unsigned>(std::strtoul(Find(world.values, "bots", "0").c_str(), nullptr, 10));
-  plan.bots.script = Find(world.values, "script", plan.bots.script);
-  const std::string password = Find(world.values, "password_file", "");
+  plan.bots.count = static_cast<unsigned>(std::strtoul(FindWord(world.values, "bots", "0").c_str(), nullptr, 10));
+  plan.bots.script = FindWord(world.values, "script", plan.bots.script);
+  const std::string password = FindWord(world.values, "password_file", "");
   if (!password.empty()) plan.bots.access.push_back("--password-file=" + password);
-  plan.state = Find(world.own, "state", (folder / world.name).string());
+  plan.state = FindWord(world.own, "state", (folder / world.name).string());
   Values values = world.values;
   const auto setDefault = [&](const char* key, const std::string& word) { values.emplace(key, Value{{word}, "", ""}); };
   if (!values.contains("rotation")) setDefault("scene", world.name);
   setDefault("bans", (plan.state / "bans").string());
   setDefault("cache", (folder / "bases").string());
-  if (file.hasGateway) setDefault("gateway_key", Find(file.gateway, "gateway_key", (folder / "gateway.key").string()));
+  if (file.hasGateway)
+    setDefault("gateway_key", FindWord(file.gateway, "gateway_key", (folder / "gateway.key").string()));
   AddOptions(values, Place::kWorld, plan.options);
   plan.options.push_back("--state=" + plan.state.string());
   plan.options.push_back("--name=" + world.name);
@@ -69,10 +64,10 @@ WorldPlan MakeWorldPlan(const WorldsFile& file, const World& world, const fs::pa
 GatewayPlan MakeGatewayPlan(const WorldsFile& file, const fs::path& folder) {
   GatewayPlan plan;
   Values values = file.gateway;
-  plan.port = static_cast<std::uint16_t>(std::strtoul(Find(values, "http", "8080").c_str(), nullptr, 10));
-  plan.bindAddress = Find(values, "bind", plan.bindAddress);
+  plan.port = static_cast<std::uint16_t>(std::strtoul(FindWord(values, "http", "8080").c_str(), nullptr, 10));
+  plan.bindAddress = FindWord(values, "bind", plan.bindAddress);
   values.erase("bind");
-  const std::string key = Find(file.all, "gateway_key", (folder / "gateway.key").string());
+  const std::string key = FindWord(file.all, "gateway_key", (folder / "gateway.key").string());
   values.emplace("gateway_key", Value{{key}, "", ""});
   AddOptions(values, Place::kGateway, plan.options);
   return plan;

@@ -21,15 +21,10 @@ bool AreOne(const Listener& a, const Listener& b) {
   return canMeet && a.port == b.port && a.port != "0";
 }
 
-std::string Find(const Values& values, const char* key, const std::string& otherwise) {
-  const auto value = values.find(key);
-  return value == values.end() ? otherwise : value->second.words.front();
-}
-
 std::vector<Listener> ListListeners(const WorldsFile& file) {
   std::vector<Listener> listeners;
   if (file.hasGateway) {
-    listeners.push_back({"the page", "", Find(file.gateway, "bind", ""), Find(file.gateway, "http", "8080")});
+    listeners.push_back({"the page", "", FindWord(file.gateway, "bind", ""), FindWord(file.gateway, "http", "8080")});
   }
   for (const World& world : file.worlds) {
     for (const char* key : {"ops", "admin_http", "rcon"}) {

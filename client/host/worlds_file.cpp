@@ -325,6 +325,11 @@ WorldsFile ParseWorlds(const std::string& text, const fs::path& path, const Envi
   return file;
 }
 
+std::string FindWord(const Values& values, std::string_view key, const std::string& otherwise) {
+  const auto value = values.find(key);
+  return value == values.end() ? otherwise : value->second.words.front();
+}
+
 WorldsFile LoadWorlds(const fs::path& path, const Environment& environment) {
   WorldsFile failed;
   std::error_code error;

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace wobble::host {
@@ -20,6 +21,9 @@ struct Value {
   std::string shown;               // as a person wrote it
 };
 using Values = std::map<std::string, Value, std::less<>>;
+
+// The first word behind a key, or another one.
+[[nodiscard]] std::string FindWord(const Values& values, std::string_view key, const std::string& otherwise);
 
 inline constexpr std::uint16_t kFirstPort = 7777;
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "client/normals.h"
 #include "client/terminal/fill.h"
 
 namespace wobble::terminal {
@@ -90,12 +91,8 @@ void DrawTriangle(const View& view, const std::array<Corner, 3>& corners, std::u
 
 void ComputeNormals(std::span<const Vector3> vertices, std::span<const std::array<std::uint16_t, 3>> faces,
                     std::vector<Vector3>& normals) {
-  normals.assign(vertices.size(), Vector3{});
-  for (const auto& face : faces) {
-    const Vector3 a = vertices[face[0]];
-    const Vector3 twiceArea = Cross(vertices[face[1]] - a, vertices[face[2]] - a);
-    for (const std::uint16_t corner : face) normals[corner] = normals[corner] + twiceArea;
-  }
+  normals.resize(vertices.size());
+  client::SumFaceNormals(vertices, faces, normals);
   for (Vector3& normal : normals) normal = Normalise(normal);
 }
 
