@@ -110,7 +110,7 @@ std::optional<Credential> ReadCredential(const char* text, Credential::Kind kind
   return credential;
 }
 
-// What is shown to the server, and the key that it must have; false when that cannot be.
+// Reads what is shown to the server, and the key that it must have. Returns false when that cannot be.
 bool ReadAccess(const wobble_connect_options& given, transport::ConnectOptions& access) {
   const std::pair<const char*, Credential::Kind> secrets[] = {{given.password, Credential::Kind::kPassword},
                                                               {given.token, Credential::Kind::kToken},

@@ -28,7 +28,7 @@ std::optional<char> DecodeHex(std::string_view digits) {
   return static_cast<char>(value);
 }
 
-// What wobbled complained of, without its own name and the folder, which are nobody's business.
+// Returns what wobbled complained of, without its own name and the folder, which are nobody's business.
 std::string Shorten(std::string line, const std::string& path) {
   constexpr std::string_view kPrefix = "wobbled: ";
   if (line.starts_with(kPrefix)) line.erase(0, kPrefix.size());

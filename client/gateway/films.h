@@ -19,7 +19,7 @@ namespace wobble::gateway {
 // Shown at once: each costs what a world with its players costs.
 inline constexpr std::size_t kMostFilms = 4;
 
-// What somebody asked to watch. Who watches holds it.
+// Shows one recording that somebody asked to watch; who watches holds it.
 class Film {
  public:
   //   kStarting --> kShown      its wobbled listens

@@ -118,7 +118,7 @@ void WobbleWorld::_exit_tree() {
   m_client = nullptr;
 }
 
-// What wobble.gdextension names.
+// wobble.gdextension names this function.
 extern "C" GDExtensionBool GDE_EXPORT wobble_init(GDExtensionInterfaceGetProcAddress get_proc_address,
                                                   GDExtensionClassLibraryPtr library,
                                                   GDExtensionInitialization* initialization) {
