@@ -71,6 +71,8 @@ case_bad_use() {
   expect_refusal '^wobble_lab: --script: .*nowhere.lua' capacity --script nowhere
   expect_refusal "'0' is not 1 to 2000" capacity --players 0
   expect_refusal "^wobble_lab: --part: no part with 'nothing' in its name, there are: links, budget" interpolation --part nothing
+  cp "$lab" "$folder/alone"
+  lab="$folder/alone" expect_refusal "^wobble_lab: the shipped scenes are neither in a folder 'scenes' beside" throughput --part crowds
   lab_path=/nowhere expect_refusal '^wobble_lab: --plot: gnuplot is not installed' contact --plot "$folder/plots"
 }
 
