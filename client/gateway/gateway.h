@@ -10,6 +10,7 @@
 
 #include "client/command/address.h"
 #include "client/command/command.h"
+#include "client/command/show_page.h"
 #include "client/gateway/certificate.h"
 #include "client/gateway/page_files.h"
 #include "protocol/transport/vestibule/keys.h"
