@@ -10,6 +10,7 @@
 
 #include "client/command/address.h"
 #include "client/command/command.h"
+#include "client/command/show_page.h"
 #include "client/gateway/certificate.h"
 #include "client/gateway/page_files.h"
 #include "protocol/transport/vestibule/keys.h"
@@ -23,13 +24,13 @@ struct World {
 };
 
 struct GatewayOptions {
-  std::string bindAddress = "0.0.0.0";  // numeric, IPv4 or IPv6
-  std::uint16_t port = 8080;            // TCP; 0: the system picks a free one
-  std::vector<World> worlds;            // at least one; names differ
-  std::string recordings;               // folder of those that may be watched; empty: none
-  std::size_t maxConnections = 64;      // browsers that play at once
-  std::size_t maxPerAddress = 0;        // of one IP address; 0: maxConnections
-  std::vector<std::string> proxies;     // whose X-Forwarded-For is believed; as SpellAddress has them
+  std::string bindAddress = "0.0.0.0";      // numeric, IPv4 or IPv6
+  std::uint16_t port = command::kPagePort;  // 0: the system picks a free one
+  std::vector<World> worlds;                // at least one; names differ
+  std::string recordings;                   // folder of those that may be watched; empty: none
+  std::size_t maxConnections = 64;          // browsers that play at once
+  std::size_t maxPerAddress = 0;            // of one IP address; 0: maxConnections
+  std::vector<std::string> proxies;         // whose X-Forwarded-For is believed; as SpellAddress has them
   // With it servers that have the same key are told the browsers' addresses.
   std::optional<transport::vestibule::Key> gatewayKey;
   std::vector<std::string> origins;  // origins whose pages may play, besides the gateway's own page

@@ -16,6 +16,8 @@
 #include <boost/beast/ssl/ssl_stream.hpp>
 #include <boost/beast/websocket/ssl.hpp>
 #include <boost/beast/websocket/teardown.hpp>
+#include <boost/container/static_vector.hpp>
+#include <functional>
 #include <memory>
 
 namespace wobble::gateway {
@@ -48,15 +50,13 @@ class Stream {
     std::forward<Handler>(handler)(boost::system::error_code());
   }
 
-  template <typename Buffers, typename Handler>
-  auto async_read_some(const Buffers& buffers, Handler&& handler) {
-    if (IsTls()) return m_layers->tls->async_read_some(buffers, std::forward<Handler>(handler));
-    return m_layers->tcp.async_read_some(buffers, std::forward<Handler>(handler));
+  template <typename Sequence, typename Handler>
+  void async_read_some(const Sequence& buffers, Handler&& handler) {
+    Read(List<boost::asio::mutable_buffer>(buffers), Keep(std::forward<Handler>(handler)));
   }
-  template <typename Buffers, typename Handler>
-  auto async_write_some(const Buffers& buffers, Handler&& handler) {
-    if (IsTls()) return m_layers->tls->async_write_some(buffers, std::forward<Handler>(handler));
-    return m_layers->tcp.async_write_some(buffers, std::forward<Handler>(handler));
+  template <typename Sequence, typename Handler>
+  void async_write_some(const Sequence& buffers, Handler&& handler) {
+    Write(List<boost::asio::const_buffer>(buffers), Keep(std::forward<Handler>(handler)));
   }
 
   // Called by Beast when a WebSocket has ended.
@@ -72,6 +72,32 @@ class Stream {
   }
 
  private:
+  // One type of buffers and of handlers, for which TCP and TLS are compiled once: Beast comes with a dozen of each, which
+  // took most of the compile time.
+  using Done = std::function<void(boost::system::error_code, std::size_t bytes)>;
+  template <typename Buffer>
+  using Buffers = boost::container::static_vector<Buffer, 16>;
+
+  // The first that are not empty; the caller goes on behind what was used.
+  template <typename Buffer, typename Sequence>
+  static Buffers<Buffer> List(const Sequence& sequence) {
+    Buffers<Buffer> buffers;
+    const auto end = boost::asio::buffer_sequence_end(sequence);
+    for (auto each = boost::asio::buffer_sequence_begin(sequence); each != end && buffers.size() < 16; ++each) {
+      const Buffer buffer(*each);
+      if (buffer.size() > 0) buffers.push_back(buffer);
+    }
+    return buffers;
+  }
+  // A std::function can be copied and Beast's handlers cannot.
+  template <typename Handler>
+  static Done Keep(Handler&& handler) {
+    return [kept = std::make_shared<std::decay_t<Handler>>(std::forward<Handler>(handler))](
+               boost::system::error_code error, std::size_t bytes) { (*kept)(error, bytes); };
+  }
+  void Read(const Buffers<boost::asio::mutable_buffer>& buffers, Done done);
+  void Write(const Buffers<boost::asio::const_buffer>& buffers, Done done);
+
   using Tls = boost::beast::ssl_stream<boost::beast::tcp_stream&>;
   // At a fixed place, since one refers to the other.
   struct Layers {
@@ -81,5 +107,15 @@ class Stream {
   };
   std::unique_ptr<Layers> m_layers;
 };
+
+inline void Stream::Read(const Buffers<boost::asio::mutable_buffer>& buffers, Done done) {
+  if (IsTls()) return m_layers->tls->async_read_some(buffers, std::move(done));
+  m_layers->tcp.async_read_some(buffers, std::move(done));
+}
+
+inline void Stream::Write(const Buffers<boost::asio::const_buffer>& buffers, Done done) {
+  if (IsTls()) return m_layers->tls->async_write_some(buffers, std::move(done));
+  m_layers->tcp.async_write_some(buffers, std::move(done));
+}
 
 }  // namespace wobble::gateway

@@ -13,9 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <deque>
-#include <set>
 #include <string>
 
 #include "client/command/clock.h"
@@ -26,7 +24,6 @@
 #include "client/host/ports.h"
 #include "client/host/report.h"
 #include "client/host/screen.h"
-#include "client/host/summary.h"
 #include "client/host/temporary_folder.h"
 #include "protocol/transport/vestibule/key_file.h"
 
@@ -40,13 +37,6 @@ constexpr double kEndPatienceAtStart = 0.5;
 constexpr double kJoinTime = 4;
 // The children print a status line each second; so many seconds are allowed for it to arrive.
 constexpr double kStatusLag = 0.1;
-
-// The first number in a line such as "listening on UDP port 7777, scene arena".
-std::uint16_t ReadPort(const std::string& line) {
-  const std::size_t digits = line.find_first_of("0123456789");
-  return digits == std::string::npos ? std::uint16_t{0}
-                                     : static_cast<std::uint16_t>(std::strtoul(line.c_str() + digits, nullptr, 10));
-}
 
 // Bots apart.
 bool IsSameServer(WorldPlan a, const WorldPlan& b) {
@@ -80,7 +70,6 @@ class Fleet {
   void Follow(Part& part);
   void Announce(const Part& part);
   void ShowOwnersLink();
-  void ShowStatus(double left);
   void EndAll();
   void End(Part& part);
   int GiveUp();
@@ -89,7 +78,7 @@ class Fleet {
   [[nodiscard]] std::string AddressOf(std::size_t world) const {
     return m_plan.worlds[world].host + ":" + std::to_string(m_ports[world]);
   }
-  [[nodiscard]] std::set<std::string> ListAddresses() const;
+  [[nodiscard]] std::vector<std::string> ListServers() const;
   // The first world or gateway that could not be started at all; null: none.
   [[nodiscard]] const Part* FindFailedStart() const;
   [[nodiscard]] const Part& FindWorld(std::size_t number) const;
@@ -171,7 +160,7 @@ void Fleet::Watch() {
     }
     if (now() < nextStatus) continue;
     nextStatus += m_plan.statusEvery;
-    ShowStatus(end - now());
+    m_screen.ShowStatus(FormatStatus(m_parts, end - now()));
   }
 }
 
@@ -182,7 +171,7 @@ void Fleet::Watch() {
 void Fleet::FollowPlan() {
   const std::optional<Plan> next = m_takePlan ? m_takePlan() : std::nullopt;
   if (!next) return;
-  const std::set<std::string> before = ListAddresses();
+  const std::vector<std::string> before = ListServers();
   std::vector<WorldPlan> others = next->worlds;
   for (std::size_t i = 0; i < m_plan.worlds.size(); ++i) {
     const Part& present = FindWorld(i);
@@ -200,7 +189,7 @@ void Fleet::FollowPlan() {
     m_plan.worlds.push_back(world);
     AddWorld(m_plan.worlds.size() - 1);
   }
-  if (ListAddresses() == before && next->gateway == m_plan.gateway) return;
+  if (std::ranges::is_permutation(ListServers(), before) && next->gateway == m_plan.gateway) return;
   for (Part& part : m_parts) {
     if (part.role == Part::Role::kGateway && !part.isRetired) Retire(part);
   }
@@ -223,13 +212,15 @@ void Fleet::RetireParts(std::size_t world, bool andItself) {
   }
 }
 
-// As the gateway is told of them.
-std::set<std::string> Fleet::ListAddresses() const {
-  std::set<std::string> addresses;
+// As the gateway is told of them: but for those that ended before they had a port.
+std::vector<std::string> Fleet::ListServers() const {
+  std::vector<std::string> servers;
   for (std::size_t i = 0; i < m_plan.worlds.size(); ++i) {
-    if (!FindWorld(i).isRetired) addresses.insert(m_plan.worlds[i].name + "=" + AddressOf(i));
+    const Part& world = FindWorld(i);
+    if (world.isRetired || (m_ports[i] == 0 && world.IsOver())) continue;
+    servers.push_back(m_plan.worlds[i].name + "=" + AddressOf(i));
   }
-  return addresses;
+  return servers;
 }
 
 void Fleet::Retire(Part& part) {
@@ -286,13 +277,8 @@ std::vector<std::string> Fleet::MakeCommand(const Part& part) const {
   switch (part.role) {
     case Part::Role::kWorld:
       return MakeWorldCommand(m_plan, part.world, m_ports[part.world], summary);
-    case Part::Role::kGateway: {
-      std::vector<std::string> servers;
-      for (std::size_t i = 0; i < m_plan.worlds.size(); ++i) {
-        if (m_ports[i] != 0 && !FindWorld(i).isRetired) servers.push_back(m_plan.worlds[i].name + "=" + AddressOf(i));
-      }
-      return MakeGatewayCommand(m_plan, m_http, servers);
-    }
+    case Part::Role::kGateway:
+      return MakeGatewayCommand(m_plan, m_http, ListServers());
     case Part::Role::kBots:
       return MakeBotsCommand(m_plan, part.world, AddressOf(part.world), summary);
   }
@@ -330,8 +316,8 @@ void Fleet::Follow(Part& part) {
 }
 
 void Fleet::Announce(const Part& part) {
-  if (part.role == Part::Role::kWorld) m_ports[part.world] = ReadPort(part.readyLine);
-  if (part.role == Part::Role::kGateway) m_http = ReadPort(part.readyLine);
+  if (part.role == Part::Role::kWorld) m_ports[part.world] = ReadPort(part);
+  if (part.role == Part::Role::kGateway) m_http = ReadPort(part);
   if (part.keeper.Restarts() > 0 || part.role == Part::Role::kBots) return;
   if (part.role == Part::Role::kGateway) {
     m_screen.Say(part.readyLine);
@@ -358,31 +344,6 @@ void Fleet::ShowOwnersLink() {
   if (!key) return;
   m_screen.Say("to own the first world, and tune it: http://localhost:" + std::to_string(m_http) +
                "/#owner=" + transport::vestibule::FormatKey(*key));
-}
-
-// Of the first world, the gateway and the first bots, and what is not as it should be.
-void Fleet::ShowStatus(double left) {
-  std::string world, gateway, bots;
-  std::size_t up = 0, worlds = 0;
-  for (const Part& part : m_parts) {
-    if (part.isRetired) continue;
-    const bool isRunning = part.keeper.ReadState() == Keeper::State::kRunning;
-    const bool isWorld = part.role == Part::Role::kWorld;
-    worlds += isWorld ? 1 : 0;
-    up += isWorld && isRunning ? 1 : 0;
-    std::string& line = isWorld ? world : part.role == Part::Role::kGateway ? gateway : bots;
-    if (line.empty()) line = isRunning || part.role == Part::Role::kBots ? part.line : part.name + " is down";
-  }
-  std::string line;
-  const auto add = [&line](const std::string& words) {
-    if (!words.empty()) line += (line.empty() ? "" : " | ") + words;
-  };
-  if (std::isfinite(left)) add(std::to_string(std::lround(left)) + " s left");
-  for (const std::string& each : {world, gateway, bots}) add(each);
-  const unsigned restarts = CountRestarts(m_parts);
-  if (up < worlds || restarts > 0) add(std::to_string(up) + "/" + std::to_string(worlds) + " worlds up");
-  if (restarts > 0) add(CountOf(restarts, "restart"));
-  m_screen.ShowStatus(std::move(line));
 }
 
 // In the reverse order of starting.

@@ -3,6 +3,7 @@
 #include <signal.h>
 
 #include <cstdio>
+#include <cstdlib>
 
 namespace wobble::host {
 namespace {
@@ -47,6 +48,13 @@ void TakeLines(Part& part, double now, PartNews& news) {
 }
 
 }  // namespace
+
+std::uint16_t ReadPort(const Part& part) {
+  const std::size_t digits = part.readyLine.find_first_of("0123456789");
+  return digits == std::string::npos
+             ? std::uint16_t{0}
+             : static_cast<std::uint16_t>(std::strtoul(part.readyLine.c_str() + digits, nullptr, 10));
+}
 
 std::string StartPart(Part& part, const std::vector<std::string>& command, double now) {
   part.readyLine.clear();

@@ -1,6 +1,7 @@
 // One program of a fleet: its process, what it prints, and its keeper.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -42,6 +43,9 @@ struct PartNews {
   std::string change;               // a death, or that it is back; empty: neither
   bool isReady = false;             // it became ready
 };
+
+// The port that its ready line names, the first number of "listening on UDP port 7777, scene arena"; 0: none.
+[[nodiscard]] std::uint16_t ReadPort(const Part& part);
 
 // Starts the process. In kWaiting. Returns what failed, which counts as a death; empty: nothing.
 [[nodiscard]] std::string StartPart(Part& part, const std::vector<std::string>& command, double now);

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "client/command/show_page.h"
+
 namespace wobble::host {
 
 struct BotsPlan {
@@ -33,7 +35,7 @@ struct WorldPlan {
 };
 
 struct GatewayPlan {
-  std::uint16_t port = 8080;  // TCP; 0: a free one, which it keeps
+  std::uint16_t port = command::kPagePort;  // TCP; 0: a free one, which it keeps
   std::string bindAddress = "0.0.0.0";
   std::vector<std::string> options;  // of `wobble gateway`, without --http, --bind, --server and --status
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "client/command/show_page.h"
 #include "client/command/sockets.h"
 
 namespace wobble::host {
@@ -24,7 +25,8 @@ bool AreOne(const Listener& a, const Listener& b) {
 std::vector<Listener> ListListeners(const WorldsFile& file) {
   std::vector<Listener> listeners;
   if (file.hasGateway) {
-    listeners.push_back({"the page", "", FindWord(file.gateway, "bind", ""), FindWord(file.gateway, "http", "8080")});
+    listeners.push_back({"the page", "", FindWord(file.gateway, "bind", ""),
+                         FindWord(file.gateway, "http", std::to_string(command::kPagePort))});
   }
   for (const World& world : file.worlds) {
     for (const char* key : {"ops", "admin_http", "rcon"}) {

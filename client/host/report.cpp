@@ -1,6 +1,7 @@
 #include "client/host/report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "client/command/exit_codes.h"
@@ -26,6 +27,30 @@ unsigned CountRestarts(const std::deque<Part>& parts) {
   unsigned restarts = 0;
   for (const Part& part : parts) restarts += part.keeper.Restarts();
   return restarts;
+}
+
+std::string FormatStatus(const std::deque<Part>& parts, double left) {
+  std::string world, gateway, bots;
+  std::size_t up = 0, worlds = 0;
+  for (const Part& part : parts) {
+    if (part.isRetired) continue;
+    const bool isRunning = part.keeper.ReadState() == Keeper::State::kRunning;
+    const bool isWorld = part.role == Part::Role::kWorld;
+    worlds += isWorld ? 1 : 0;
+    up += isWorld && isRunning ? 1 : 0;
+    std::string& line = isWorld ? world : part.role == Part::Role::kGateway ? gateway : bots;
+    if (line.empty()) line = isRunning || part.role == Part::Role::kBots ? part.line : part.name + " is down";
+  }
+  std::string status;
+  const auto add = [&status](const std::string& words) {
+    if (!words.empty()) status += (status.empty() ? "" : " | ") + words;
+  };
+  if (std::isfinite(left)) add(std::to_string(std::lround(left)) + " s left");
+  for (const std::string& each : {world, gateway, bots}) add(each);
+  const unsigned restarts = CountRestarts(parts);
+  if (up < worlds || restarts > 0) add(std::to_string(up) + "/" + std::to_string(worlds) + " worlds up");
+  if (restarts > 0) add(CountOf(restarts, "restart"));
+  return status;
 }
 
 std::vector<std::string> FindFailures(const std::deque<Part>& parts) {

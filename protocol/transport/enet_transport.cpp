@@ -45,6 +45,15 @@ ConnectionId IdOf(const ENetPeer& peer) {
 
 void SetId(ENetPeer& peer, ConnectionId id) { peer.data = reinterpret_cast<void*>(std::uintptr_t{id}); }
 
+// Whether a message has been sent whose arrival the far end has not acknowledged.
+bool IsMessageUnderway(ENetPeer& peer) {
+  ENetList& sent = peer.sentReliableCommands;
+  for (ENetListIterator each = enet_list_begin(&sent); each != enet_list_end(&sent); each = enet_list_next(each)) {
+    if (reinterpret_cast<ENetOutgoingCommand*>(each)->packet != nullptr) return true;  // not a ping
+  }
+  return false;
+}
+
 // The words of protocol::Name for the same reasons, which this room does not know.
 std::string_view Describe(const Caller& caller) {
   switch (caller.ReadState()) {
@@ -126,8 +135,15 @@ struct EnetTransport::Impl {
   std::vector<ConnectionId> overdue;  // scratch
 };
 
+// A disconnect would overtake a message that closes a connection, such as a goodbye: ENet at the far end throws away
+// what has come just before a disconnect. So that message alone is sent, once.
 EnetTransport::Impl::~Impl() {
-  for (auto& [id, connection] : connections) Drop(connection.peer);
+  enet_host_flush(host);
+  FlushBridge();
+  for (auto& [id, connection] : connections) {
+    const bool saysGoodbye = !connection.isOpen && connection.peer != nullptr && IsMessageUnderway(*connection.peer);
+    if (!saysGoodbye) Drop(connection.peer);
+  }
 }
 
 void EnetTransport::Impl::FlushBridge() {

@@ -48,12 +48,18 @@ std::string FindVariable(const std::string& option) {
          InCapitals(std::string_view(option).substr(std::min(option.find_first_not_of('-'), option.size())));
 }
 
-CLI::Option* AddDuration(CLI::App& command, const std::string& name, double& seconds, const std::string& description) {
-  const auto read = [name, &seconds](const std::string& text) {
+CLI::Option* AddDuration(CLI::App& command, const std::string& name, double& seconds, const std::string& description,
+                         const std::function<void(const std::string& text)>& refuse) {
+  const auto read = [name, &seconds, refuse](const std::string& text) {
     std::string error;
     const auto duration = ParseDuration(text, error);
-    if (!duration) throw CLI::ValidationError(name, error);
-    seconds = *duration;
+    if (duration) {
+      seconds = *duration;
+    } else if (refuse) {
+      refuse(text);
+    } else {
+      throw CLI::ValidationError(name, error);
+    }
   };
   char present[32];
   std::snprintf(present, sizeof present, "%g", seconds);

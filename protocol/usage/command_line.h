@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,9 @@ namespace wobble::usage {
 [[nodiscard]] std::string FindVariable(const std::string& option);
 
 // A duration, as ParseDuration reads it, into `seconds`, whose present value the help shows. Throws as CLI11's checks
-// do while it parses.
-CLI::Option* AddDuration(CLI::App& command, const std::string& name, double& seconds, const std::string& description);
+// do while it parses; with `refuse` calls that instead, with the text that is no duration.
+CLI::Option* AddDuration(CLI::App& command, const std::string& name, double& seconds, const std::string& description,
+                         const std::function<void(const std::string& text)>& refuse = {});
 
 // Lets every option of the command with a long name, but --help and --version, be set by its variable: returns the
 // arguments with what the environment adds, and names the variables in the help. What the arguments themselves have

@@ -34,23 +34,6 @@ CLI::Option* AddNumber(CLI::App& app, const char* name, Range range, Number& val
       ->default_str(fmt::format("{}", value));
 }
 
-CLI::Option* AddDuration(CLI::App& app, const char* name, double& value, const char* description,
-                         std::vector<std::string>& errors) {
-  const auto read = [name, &value, &errors](const std::string& text) {
-    std::string ignored;
-    const auto duration = usage::ParseDuration(text, ignored);
-    if (duration) {
-      value = *duration;
-    } else {
-      errors.push_back(
-          fmt::format("{} {}: must be 0 to {}, such as 90, 90s, 500ms, 1.5m or 2h", name, text, usage::kMaxDuration));
-    }
-  };
-  return app.add_option_function<std::string>(name, read, description)
-      ->type_name("DURATION")
-      ->default_str(fmt::format("{}", value));
-}
-
 }  // namespace
 
 void DescribeOptions(CLI::App& app, Options& options) {
@@ -59,7 +42,11 @@ void DescribeOptions(CLI::App& app, Options& options) {
     return AddNumber(app, name, range, value, description, options.errors);
   };
   const auto addDuration = [&](const char* name, double& value, const char* description) {
-    return AddDuration(app, name, value, description, options.errors);
+    const auto refuse = [name, &options](const std::string& text) {
+      options.errors.push_back(
+          fmt::format("{} {}: must be 0 to {}, such as 90, 90s, 500ms, 1.5m or 2h", name, text, usage::kMaxDuration));
+    };
+    return usage::AddDuration(app, name, value, description, refuse);
   };
   app.description("wobbled hosts a world of soft bodies for many players.");
   app.set_version_flag("--version", std::string("wobbled ") + kVersion);

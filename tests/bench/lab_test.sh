@@ -71,6 +71,10 @@ case_bad_use() {
   expect_refusal '^wobble_lab: --script: .*nowhere.lua' capacity --script nowhere
   expect_refusal "'0' is not 1 to 2000" capacity --players 0
   expect_refusal "^wobble_lab: --part: no part with 'nothing' in its name, there are: links, budget" interpolation --part nothing
+  cp "$lab" "$folder/alone"
+  "$folder/alone" throughput --part crowds >"$out" 2>"$err"
+  [ $? -eq 2 ] || fail 'exit code 2 where the shipped scenes are not'
+  expect_line "$err" "^wobble_lab: the shipped scenes are neither in a folder 'scenes' beside this program nor"
   lab_path=/nowhere expect_refusal '^wobble_lab: --plot: gnuplot is not installed' contact --plot "$folder/plots"
 }
 

@@ -189,9 +189,18 @@ bool CanPlay(const Options& options, std::string& error) {
   return false;
 }
 
+// Most reports play shipped scenes.
+bool HasScenes(std::string& error) {
+  const std::filesystem::path folder = scenes::FindShippedScenes();
+  std::error_code code;
+  if (std::filesystem::is_directory(folder, code)) return true;
+  error = "the shipped scenes are neither in a folder 'scenes' beside this program nor in " + folder.string();
+  return false;
+}
+
 int Run(const Report& report, const Options& options) {
   std::string error;
-  if (!CanKeepResults(options, error) || (report.hasPlayers && !CanPlay(options, error))) {
+  if (!HasScenes(error) || !CanKeepResults(options, error) || (report.hasPlayers && !CanPlay(options, error))) {
     std::fprintf(stderr, "wobble_lab: %s\n", error.c_str());
     return command::kExitBadUse;
   }

@@ -80,6 +80,15 @@ TEST(EnetTransportTest, SnapshotsLeaveWithFlushOneDatagramEach) {
   EXPECT_FALSE(pair.forwarder.toServer.Receive(datagram, from));
 }
 
+TEST(EnetTransportTest, AMessageArrivesWhoseSenderClosesAndEndsAtOnce) {
+  ConnectedPair pair;
+  EXPECT_EQ(pair.client.SendTo(1, Channel::kControl, {5}), SendResult::kQueued);
+  pair.client.transport->Disconnect(1);
+  pair.client.transport.reset();
+  EXPECT_TRUE(
+      RunUntil([&] { pair.server.Poll(); }, [&] { return pair.server.Count(Event::Kind::kMessage) == 1; }));
+}
+
 TEST(EnetTransportTest, PortInUseIsNamed) {
   const Endpoint first = MakeServer();
   std::string error;

@@ -2,27 +2,10 @@
 # The assumptions of the container image that can be tested without building one.
 #
 #   bash image_test.sh CASE BIN_DIR
-#
-# Exit code 0: the case holds; 1: it fails, and the expected and the actual result are printed.
-set -uo pipefail
-
-readonly case_name="${1:?usage: image_test.sh CASE BIN_DIR}"
-bin="$(cd "${2:?usage: image_test.sh CASE BIN_DIR}" && pwd)" || exit 1
-docker="$(cd "$(dirname "$0")/../../docker" && pwd)" || exit 1
-readonly bin docker
-folder="$(mktemp -d)" || exit 1
-readonly folder
+. "${0%/*}/case.sh"
 trap 'rm -rf "$folder"' EXIT
-export XDG_STATE_HOME="$folder/state" # where the server keeps its key
-unset STATE_DIRECTORY
-
-# fail EXPECTED FILE...: ends the case and prints the actual result.
-fail() {
-  echo "FAILED $case_name: expected $1; came:"
-  shift
-  for file in "$@"; do sed "s|^|  ${file##*/}: |" "$file"; done
-  exit 1
-}
+docker="$(cd "$(dirname "$0")/../../docker" && pwd)" || exit 1
+readonly docker
 
 # list_packages PROGRAM...: Debian's packages of the libraries that the programs name themselves; indirect libraries
 # come with the packages. dpkg is asked once for all, since it reads its whole list for every question.

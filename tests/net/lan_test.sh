@@ -3,15 +3,7 @@
 #
 #   bash lan_test.sh CASE BIN_DIR
 #
-# Exit code 0: the case holds; 1: it fails, and what came is printed; 77: it cannot be tried here, for the reason that is
-# printed.
-set -uo pipefail
-
-readonly case_name="${1:?usage: lan_test.sh CASE BIN_DIR}"
-bin="$(cd "${2:?usage: lan_test.sh CASE BIN_DIR}" && pwd)" || exit 1
-readonly bin
-root="$(cd "$(dirname "$0")/../.." && pwd)"
-readonly root
+# Exit code 77: it cannot be tried here, for the reason that is printed.
 
 # Namespaces of its own, for a user without rights as well: nothing of this reaches the machine's network, nor the Avahi
 # that may run there.
@@ -23,22 +15,13 @@ if [ "${WOBBLE_LAN:-}" = "" ]; then
   [ "$(id -u)" != 0 ] || as_root=""
   unshare $as_root -nm true 2>/dev/null || { echo "skipped: this user may not make namespaces"; exit 77; }
   WOBBLE_LAN="${as_root:-root}" exec unshare $as_root -nm --pid --fork --kill-child --mount-proc \
-    bash "$0" "$case_name" "$bin"
+    bash "$0" "$@"
 fi
 
-folder="$(mktemp -d)" || exit 1
-readonly folder
+. "${0%/*}/case.sh"
 trap 'rm -rf "$folder"' EXIT
-export XDG_STATE_HOME="$folder/state"
-unset STATE_DIRECTORY
-
-# fail EXPECTED FILE...
-fail() {
-  echo "FAILED $case_name: expected $1; came:"
-  shift
-  for file in "$@"; do sed "s|^|  ${file##*/}: |" "$file"; done
-  exit 1
-}
+root="$(cd "$(dirname "$0")/../.." && pwd)"
+readonly root
 
 # Machine `home` is 10.9.0.1, machine `guest` 10.9.0.2.
 lay_cable() {

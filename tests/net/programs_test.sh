@@ -3,23 +3,15 @@
 #
 #   bash programs_test.sh CASE BIN_DIR
 #
-# Exit code 0: the case holds; 1: it fails, and the expected and the actual result are printed. The system picks the
-# ports, so that cases run side by side. Cases wait for events and not for a number of seconds, because sanitizer builds
-# take several times as long.
-set -uo pipefail
-
-readonly case_name="${1:?usage: programs_test.sh CASE BIN_DIR}"
-bin="$(cd "${2:?usage: programs_test.sh CASE BIN_DIR}" && pwd)" || exit 1
-readonly bin
-folder="$(mktemp -d)" || exit 1
-readonly folder
+# The system picks the ports, so that cases run side by side. Cases wait for events and not for a number of seconds,
+# because sanitizer builds take several times as long.
+. "${0%/*}/case.sh"
 readonly out="$folder/out" err="$folder/err" # output of the latest expect_exit
 patience=60 # seconds after which a program counts as hung
 readonly nobody=127.0.0.1:9 # no program listens on the port of "discard"
 export TMPDIR="$folder" # `wobble play` puts it into the command lines it starts, where list_processes looks for it
-# What programs keep for their user: the server's key, blueprints, the keys of known servers.
-export XDG_STATE_HOME="$folder/state" XDG_CACHE_HOME="$folder/cache" XDG_DATA_HOME="$folder/data"
-unset STATE_DIRECTORY
+# What programs keep for their user besides: blueprints, the keys of known servers.
+export XDG_CACHE_HOME="$folder/cache" XDG_DATA_HOME="$folder/data"
 
 clean_up() {
   local running
@@ -30,14 +22,6 @@ clean_up() {
 }
 trap clean_up EXIT
 trap 'exit 1' HUP INT TERM
-
-# fail EXPECTED FILE...: ends the case and prints the actual result.
-fail() {
-  echo "FAILED $case_name: expected $1; came:"
-  shift
-  for file in "$@"; do sed "s|^|  ${file##*/}: |" "$file"; done
-  exit 1
-}
 
 # start NAME PROGRAM ARGUMENT...: runs it in the background, with output in NAME.out and NAME.err. Its process is $pid.
 start() {
