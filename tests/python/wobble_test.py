@@ -258,7 +258,8 @@ class Clients(unittest.TestCase):
                             frames.append((frame, frame.positions.copy()))
                         time.sleep(0.01)
                     self.assertEqual(client.state, "playing")
-                    self.assertEqual((client.hands, client.reach, client.pace), (["grab", "cut", "push"], 0, 1))
+                    self.assertEqual((client.hands, client.reach), (["grab", "cut", "push"], 0))
+                    self.assertTrue(0 < client.pace <= 1)  # of a busy machine less than 1
                     (hill,), (plane,) = client.grounds, client.obstacles
                     self.assertEqual((hill.corner.tolist(), hill.cell_size), ([100, 50], 2))
                     np.testing.assert_allclose(hill.heights, [[1, 2, 3], [4, 5, 6]], atol=1e-3)
