@@ -1,8 +1,6 @@
 // Shows a world from above and plays in it: arrow keys roll the own body, the orange one, and space lets it jump.
-//
-//   example [HOST:PORT [SECONDS]]
-//
-// With SECONDS it rolls in a circle by itself and leaves then. Twice a second it prints where its body is.
+// `example [HOST:PORT [SECONDS]]`: with SECONDS it rolls in a circle by itself, and leaves then. Twice a second it prints
+// where its body is.
 #include <SDL.h>
 #include <math.h>
 #include <stdio.h>
@@ -34,7 +32,6 @@ int main(int argc, char** argv) {
     wobble_update(client, now);  // receives, answers and sends
     wobble_read_status(client, &status);
     if (now > seconds || SDL_QuitRequested()) wobble_leave(client, now);  // the loop goes on until that is answered
-
     const Uint8* keys = SDL_GetKeyboardState(NULL);
     wobble_input input = {.struct_size = sizeof input, .buttons = keys[SDL_SCANCODE_SPACE] ? WOBBLE_JUMP : 0};
     input.move_x = argc > 2 ? cosf((float)now) : (float)(keys[SDL_SCANCODE_RIGHT] - keys[SDL_SCANCODE_LEFT]);
@@ -59,6 +56,5 @@ int main(int argc, char** argv) {
     printed += 0.5;
   }
   if (status.ended_unasked) fprintf(stderr, "example: %s\n", status.reason);
-  wobble_destroy(client);
-  return SDL_Quit(), status.ended_unasked;
+  return wobble_destroy(client), SDL_Quit(), status.ended_unasked;
 }

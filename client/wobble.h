@@ -96,7 +96,10 @@ enum {
   WOBBLE_REJOINING = 2,  // was cut off, `reason` says why, and tries to come back; the world stands still
   WOBBLE_ENDED = 3,      // has left, was sent away, or has given up: `reason`
 };
-enum { WOBBLE_MAY_GRAB = 1 << 0, WOBBLE_MAY_CUT = 1 << 1, WOBBLE_MAY_PUSH = 1 << 2 };
+enum { WOBBLE_MAY_GRAB = 1 << 0, WOBBLE_MAY_CUT = 1 << 1, WOBBLE_MAY_PUSH = 1 << 2, WOBBLE_MAY_BUILD = 1 << 3 };
+// A player may do what the scene lets players do; a moderator also give orders about players, and change what others
+// have built; an owner everything.
+enum { WOBBLE_RANK_WATCHER = 0, WOBBLE_RANK_PLAYER = 1, WOBBLE_RANK_MODERATOR = 2, WOBBLE_RANK_OWNER = 3 };
 
 typedef struct wobble_status {
   uint32_t struct_size;
@@ -110,6 +113,8 @@ typedef struct wobble_status {
   const char* scene;       // its name. This text and the next two: valid until the next call with this client
   const char* reason;      // one line for people; "" when there is nothing to say
   const char* server_key;  // of the server, for wobble_connect_options the next time; "" before it plays
+  int32_t rank;            // of this player in the administration's eyes: WOBBLE_RANK_WATCHER ...
+  uint32_t reserved;
 } wobble_status;
 WOBBLE_API wobble_result wobble_read_status(const wobble_client* client, wobble_status* status);
 
@@ -255,6 +260,114 @@ typedef struct wobble_statistics {
   double server_time;          // of the world, as estimated for the last `now`
 } wobble_statistics;
 WOBBLE_API wobble_result wobble_read_statistics(const wobble_client* client, wobble_statistics* statistics);
+
+// 6. Build, tune, keep the score, and ask the administration. The server decides what it allows, and tells by
+// WOBBLE_NOTICE why not.
+
+// The body that players build together from particles and springs, as the last sample shows it. What stands at an index
+// may be another one after the next sample; `number` is a part's own for as long as the part is there.
+typedef struct wobble_workshop {
+  uint32_t struct_size;
+  uint32_t body;            // 0: the scene has none, and nobody may build
+  uint32_t particle_count;  // 0 before the sample has the body
+  uint32_t spring_count;
+} wobble_workshop;
+WOBBLE_API wobble_result wobble_read_workshop(const wobble_client* client, wobble_workshop* workshop);
+
+typedef struct wobble_particle {
+  uint32_t struct_size;
+  uint32_t number;
+  uint32_t owner;  // client_id of the player who has built it; 0: the scene
+  int32_t fixed;   // 1: stays where it is
+  float mass;      // kg
+} wobble_particle;
+// index: from 0 to particle_count - 1, also that of the vertex in the body's positions.
+WOBBLE_API wobble_result wobble_read_particle(const wobble_client* client, uint32_t index, wobble_particle* particle);
+
+typedef struct wobble_spring {
+  uint32_t struct_size;
+  uint32_t number;
+  uint32_t owner;
+  uint32_t ends[2];   // indices of particles
+  float stiffness;    // N/m
+  float damping;      // N s/m
+  float rest_length;  // m
+} wobble_spring;
+// index: from 0 to spring_count - 1.
+WOBBLE_API wobble_result wobble_read_spring(const wobble_client* client, uint32_t index, wobble_spring* spring);
+
+enum {
+  WOBBLE_ADD_PARTICLE = 0,     // at, mass, fixed
+  WOBBLE_ADD_SPRING = 1,       // a and b: its ends; stiffness, damping, rest_length
+  WOBBLE_SET_PARTICLE = 2,     // a; mass, fixed
+  WOBBLE_SET_SPRING = 3,       // a; stiffness, damping, rest_length
+  WOBBLE_REMOVE_PARTICLE = 4,  // a
+  WOBBLE_REMOVE_SPRING = 5,    // a
+};
+typedef struct wobble_change {
+  uint32_t struct_size;
+  int32_t kind;  // WOBBLE_ADD_PARTICLE ..., which names the fields that count
+  uint32_t a;    // numbers of particles and springs
+  uint32_t b;
+  float at[3];        // world
+  float mass;         // kg
+  int32_t fixed;      // 0 or 1
+  float stiffness;    // N/m
+  float damping;      // N s/m
+  float rest_length;  // m; 0: as far as the ends are apart
+} wobble_change;
+// Changes one part of the workshop's body, once.
+WOBBLE_API wobble_result wobble_build(wobble_client* client, const wobble_change* change);
+
+enum { WOBBLE_MAY_TUNE_GRAVITY = 1 << 0, WOBBLE_MAY_TUNE_STIFFNESS = 1 << 1, WOBBLE_MAY_TUNE_TIME = 1 << 2 };
+
+// What holds for everybody in the world.
+typedef struct wobble_tuning {
+  uint32_t struct_size;
+  uint32_t may;      // what this player may tune: WOBBLE_MAY_TUNE_GRAVITY ...
+  float gravity[3];  // m/s²
+  float stiffness;   // times every spring's stiffness and damping
+  float time_rate;   // seconds of the world a second
+} wobble_tuning;
+WOBBLE_API wobble_result wobble_read_tuning(const wobble_client* client, wobble_tuning* tuning);
+
+enum {
+  WOBBLE_TUNE_GRAVITY = 0,
+  WOBBLE_TUNE_STIFFNESS = 1,  // value[0]
+  WOBBLE_TUNE_TIME_RATE = 2,  // value[0]
+  WOBBLE_JUMP_AHEAD = 3,      // value[0]: seconds of the world, played as fast as the server can
+};
+// kind: WOBBLE_TUNE_GRAVITY ...; value: in the units of wobble_tuning.
+WOBBLE_API wobble_result wobble_tune(wobble_client* client, int32_t kind, const float value[3]);
+
+enum { WOBBLE_ROUND_PLAYING = 0, WOBBLE_ROUND_WON = 1 };
+
+// Of a scene that has a game.
+typedef struct wobble_scoreboard {
+  uint32_t struct_size;
+  int32_t phase;  // WOBBLE_ROUND_PLAYING ...
+  uint32_t round;
+  uint32_t seconds_left;  // of the phase
+  uint32_t points_to_win;
+  uint32_t winner;  // client_id of the last round's; 0: nobody
+  uint32_t score_count;
+  uint32_t reserved;
+  const char* game;  // its name; "": none. Valid until the next call with this client
+} wobble_scoreboard;
+WOBBLE_API wobble_result wobble_read_scoreboard(const wobble_client* client, wobble_scoreboard* scoreboard);
+
+typedef struct wobble_score {
+  uint32_t struct_size;
+  uint32_t client_id;
+  uint32_t points;  // in this round
+  uint32_t rounds;  // that the player has won
+} wobble_score;
+// index: from 0 to score_count - 1.
+WOBBLE_API wobble_result wobble_read_score(const wobble_client* client, uint32_t index, wobble_score* score);
+
+// A line to the server's administration, such as a moderator's "kick 7" or a player's "vote restart"; 1 to 200 bytes.
+// The answer comes as WOBBLE_NOTICE.
+WOBBLE_API wobble_result wobble_order(wobble_client* client, const char* line);
 
 #ifdef __cplusplus
 }

@@ -117,4 +117,12 @@ std::optional<wobble_body> Frames::Find(std::uint32_t index) const {
                      .edges = Numbers(blueprint.edges)};
 }
 
+const client::Blueprint* Frames::FindBlueprint(std::uint32_t body) const {
+  const auto& samples = Newest().samples;
+  const auto found =
+      std::lower_bound(samples.begin(), samples.end(), body,
+                       [](const client::BodySample& sample, std::uint32_t sought) { return sample.body < sought; });
+  return found == samples.end() || found->body != body ? nullptr : found->blueprint.get();
+}
+
 }  // namespace wobble::c

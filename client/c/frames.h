@@ -21,6 +21,8 @@ class Frames {
   [[nodiscard]] bool CopyTo(wobble_frame& frame) const;
   // Of the last sample; nullopt when it has no such body.
   [[nodiscard]] std::optional<wobble_body> Find(std::uint32_t index) const;
+  // Of a body of the last sample; nullptr when it has no such body.
+  [[nodiscard]] const client::Blueprint* FindBlueprint(std::uint32_t body) const;
 
  private:
   struct Skin {

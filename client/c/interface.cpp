@@ -1,18 +1,13 @@
-// The functions of wobble.h: each checks its arguments, then asks the client library. Pointers that are not null are
-// trusted to have what they say, everything else is not.
+// The functions of wobble.h but for its last part, which is in rules.cpp: each checks its arguments, then asks the
+// client library. Pointers that are not null are trusted to have what they say, everything else is not.
 #include <cmath>
 #include <cstring>
-#include <exception>
 #include <memory>
-#include <new>
 #include <optional>
-#include <string_view>
+#include <string>
 #include <utility>
 
-#include "client/c/frames.h"
-#include "client/c/player.h"
-#include "client/c/structs.h"
-#include "client/wobble.h"
+#include "client/c/calls.h"
 #include "protocol/limits.h"
 #include "protocol/messages.h"
 #include "protocol/text.h"
@@ -20,17 +15,10 @@
 #include "protocol/transport/vestibule/token.h"
 #include "protocol/version.h"
 
-struct wobble_client {
-  std::unique_ptr<wobble::c::Player> player;
-  wobble::c::Frames frames;
-  double now = 0;
-};
-
 namespace wobble::c {
 namespace {
 
 namespace vestibule = transport::vestibule;
-using protocol::Vector3;
 using protocol::wire::ObstacleKind;
 using vestibule::Credential;
 
@@ -39,61 +27,9 @@ static_assert(WOBBLE_PLANE == static_cast<int>(ObstacleKind::Plane) &&
               WOBBLE_SPHERE == static_cast<int>(ObstacleKind::Sphere) &&
               WOBBLE_CAPSULE == static_cast<int>(ObstacleKind::Capsule));
 static_assert(WOBBLE_MAY_GRAB == protocol::kMayGrab && WOBBLE_MAY_CUT == protocol::kMayCut &&
-              WOBBLE_MAY_PUSH == protocol::kMayPush);
-
-// Seconds; doubles tell tenths of a millisecond apart there.
-constexpr double kMaxTime = 1e12;
-// Of any text that is given; longer ones are not read to their end.
-constexpr std::size_t kMaxTextBytes = 1024;
-
-// Nothing that is thrown below leaves the library.
-template <typename Call>
-wobble_result Guard(Call&& call) noexcept {
-  try {
-    return call();
-  } catch (const std::bad_alloc&) {
-    return WOBBLE_NO_MEMORY;
-  } catch (...) {
-    return WOBBLE_INTERNAL;
-  }
-}
-
-bool IsTime(double now) { return std::isfinite(now) && std::abs(now) < kMaxTime; }
-
-// Answers a question about the client. find(): the answer, or nullopt when there is nothing at an index.
-template <typename Struct, typename Find>
-wobble_result Answer(const wobble_client* client, Struct* answer, Find&& find) {
-  if (client == nullptr) return WOBBLE_NULL;
-  if (const wobble_result bad = CheckStruct(answer); bad != WOBBLE_OK) return bad;
-  const std::optional<Struct> found = find();
-  if (!found) return WOBBLE_BAD_INDEX;
-  Write(*found, *answer);
-  return WOBBLE_OK;
-}
-
-// Does to the client what belongs to a moment.
-template <typename Call>
-wobble_result At(wobble_client* client, double now, Call&& call) {
-  if (client == nullptr) return WOBBLE_NULL;
-  if (!IsTime(now) || now < client->now) return WOBBLE_BAD_TIME;
-  client->now = now;
-  return Guard(call);
-}
-
-// nullopt: not three finite numbers.
-std::optional<Vector3> ReadVector(const float* numbers) {
-  const Vector3 vector{numbers[0], numbers[1], numbers[2]};
-  if (!std::isfinite(vector.x) || !std::isfinite(vector.y) || !std::isfinite(vector.z)) return {};
-  return vector;
-}
-
-// nullopt: too long.
-std::optional<std::string_view> ReadText(const char* text) {
-  if (text == nullptr) return "";
-  const std::size_t length = strnlen(text, kMaxTextBytes + 1);
-  if (length > kMaxTextBytes) return {};
-  return std::string_view(text, length);
-}
+              WOBBLE_MAY_PUSH == protocol::kMayPush && WOBBLE_MAY_BUILD == protocol::kMayBuild);
+static_assert(WOBBLE_RANK_WATCHER == static_cast<int>(protocol::wire::Rank::Watcher) &&
+              WOBBLE_RANK_OWNER == static_cast<int>(protocol::wire::Rank::MAX));
 
 // nullopt: the text cannot be one.
 std::optional<Credential> ReadCredential(const char* text, Credential::Kind kind) {
@@ -167,17 +103,20 @@ std::int32_t FindState(const Player& player) {
 
 wobble_status MakeStatus(const Player& player) {
   const protocol::WelcomeFields& welcome = player.Current().Welcome();
-  return {.struct_size = 0,
-          .state = FindState(player),
-          .ended_unasked = player.Lasting().EndedUnasked() ? 1 : 0,
-          .client_id = welcome.clientId,
-          .own_body = welcome.ownBody,
-          .hands = std::uint32_t{welcome.hands} & (WOBBLE_MAY_GRAB | WOBBLE_MAY_CUT | WOBBLE_MAY_PUSH),
-          .reach = welcome.reach,
-          .pace = static_cast<float>(player.Current().Pace()),
-          .scene = welcome.scene.c_str(),
-          .reason = player.Lasting().Reason().c_str(),
-          .server_key = player.ServerKey().c_str()};
+  return {
+      .struct_size = 0,
+      .state = FindState(player),
+      .ended_unasked = player.Lasting().EndedUnasked() ? 1 : 0,
+      .client_id = welcome.clientId,
+      .own_body = welcome.ownBody,
+      .hands = std::uint32_t{welcome.hands} & (WOBBLE_MAY_GRAB | WOBBLE_MAY_CUT | WOBBLE_MAY_PUSH | WOBBLE_MAY_BUILD),
+      .reach = welcome.reach,
+      .pace = static_cast<float>(player.Current().Pace()),
+      .scene = welcome.scene.c_str(),
+      .reason = player.Lasting().Reason().c_str(),
+      .server_key = player.ServerKey().c_str(),
+      .rank = static_cast<std::int32_t>(welcome.rank),
+      .reserved = 0};
 }
 
 std::optional<wobble_obstacle> FindObstacle(const client::Client& client, std::uint32_t index) {

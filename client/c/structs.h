@@ -1,10 +1,16 @@
 // The sizes of structs, as wobble.h's functions check them.
 #pragma once
 
+#include <cstddef>
+
 #include "client/wobble.h"
 #include "protocol/c/structs.h"
 
 namespace wobble::c {
+
+// Structs that have grown.
+template <>
+inline constexpr std::size_t kFirstSize<wobble_status> = offsetof(wobble_status, rank);
 
 template <typename Struct>
 [[nodiscard]] wobble_result CheckStruct(const Struct* given) {

@@ -8,7 +8,8 @@
 #
 # The component `client` is in two packages, so that no file is in both of them.
 #
-# Dependencies on shared libraries are read from the programs by dpkg-shlibdeps.
+# Dependencies on shared libraries are read from the programs by dpkg-shlibdeps. In a build for another machine it finds no
+# installed libraries, so there they are all of packages.sh's group `runtime`.
 if(NOT (WOBBLE_BUILD_SERVER AND WOBBLE_BUILD_TOOLS))
   return()
 endif()
@@ -69,6 +70,17 @@ if(TARGET wobble_python)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
     "python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next}), python3-numpy")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-matplotlib")
+endif()
+
+if(CMAKE_CROSSCOMPILING)
+  set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)
+  execute_process(COMMAND sh ${PROJECT_SOURCE_DIR}/docker/packages.sh --list runtime
+    OUTPUT_VARIABLE runtime OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+  string(REPLACE "\n" ", " runtime "${runtime}")
+  foreach(package SERVER DEV)
+    set(CPACK_DEBIAN_${package}_PACKAGE_SHLIBDEPS OFF)
+    string(APPEND CPACK_DEBIAN_${package}_PACKAGE_DEPENDS ", ${runtime}")
+  endforeach()
 endif()
 
 include(CPack)

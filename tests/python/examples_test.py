@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The three examples of the Python module, as a person runs them, in short.
+"""The examples of the Python module, as a person runs them, in short.
 
     examples_test.py EXAMPLES WOBBLED
 """
@@ -52,6 +52,8 @@ with tempfile.TemporaryDirectory() as folder:
     )
     try:
         port = next(found[1] for line in server.stdout if (found := re.match(r"listening on UDP port (\d+)", line)))
+        places = re.findall(r"^x +(\S+)  y +(\S+)  z +(\S+)$", run("player.py", f"127.0.0.1:{port}", 2.5), re.MULTILINE)
+        assert len(places) >= 2 and len(set(places)) > 1, places
         told = run("bot.py", f"127.0.0.1:{port}", 3)
         assert "join numpy" in told
         assert read_number(r"rolled ([\d.]+) m in sumo", told) > 1

@@ -8,9 +8,11 @@ import gc
 import os
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 import unittest
+from pathlib import Path
 
 import numpy as np
 import wobble
@@ -141,6 +143,15 @@ class Worlds(unittest.TestCase):
                 call()
 
 
+HILL = """
+[[obstacle]]
+kind = "height_field"
+position = [100, 50, 1]
+cell_size = 2
+heights = [[0, 1, 2], [3, 4, 5]]
+"""
+
+
 class Threads(unittest.TestCase):
     # A step holds neither Python's lock nor another world.
     def test_worlds_step_side_by_side(self):
@@ -213,6 +224,7 @@ class Clients(unittest.TestCase):
         client = wobble.Client("127.0.0.1:9", now=5)
         client.update(now=6)
         self.assertEqual((client.state, client.own_body, client.events()), ("joining", 0, []))
+        self.assertEqual((client.hands, client.obstacles, client.grounds), ([], [], []))
         self.assertEqual((client.sample().positions.shape, client.sample().bodies), ((0, 3), []))
         none = float("nan")
         for error, text, call in (
@@ -228,7 +240,11 @@ class Clients(unittest.TestCase):
                 call()
 
     def test_a_frame_is_the_users(self):
-        command = [os.environ["WOBBLED"], "--scene", "ball_drop", "--port", "0", "--for", "60", "--untrained"]
+        scene = tempfile.NamedTemporaryFile("w", suffix=".toml")
+        self.addCleanup(scene.close)
+        scene.write(Path(os.environ["WOBBLED"]).with_name("scenes").joinpath("ball_drop.toml").read_text() + HILL)
+        scene.flush()
+        command = [os.environ["WOBBLED"], "--scene", scene.name, "--port", "0", "--for", "60", "--untrained"]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
             try:
                 port = next(line.split()[4] for line in server.stdout if line.startswith("listening on UDP port"))
@@ -242,6 +258,12 @@ class Clients(unittest.TestCase):
                             frames.append((frame, frame.positions.copy()))
                         time.sleep(0.01)
                     self.assertEqual(client.state, "playing")
+                    self.assertEqual((client.hands, client.reach), (["grab", "cut", "push"], 0))
+                    self.assertTrue(0 < client.pace <= 1)  # of a busy machine less than 1
+                    (hill,), (plane,) = client.grounds, client.obstacles
+                    self.assertEqual((hill.corner.tolist(), hill.cell_size), ([100, 50], 2))
+                    np.testing.assert_allclose(hill.heights, [[1, 2, 3], [4, 5, 6]], atol=1e-3)
+                    self.assertEqual((plane.kind, plane.a.tolist(), plane.b[0]), ("plane", [0, 0, 1], 0))
                 self.assertEqual(client.state, "ended")
             finally:
                 server.terminate()

@@ -8,7 +8,7 @@ import { createRequire } from 'node:module';
 import { after, describe } from 'node:test';
 
 import { channels, protocolVersion, subprotocol } from './support/player.mjs';
-import { makePage, Program, removePage, sleep, startGateway, startServer, test, waitFor } from './support/programs.mjs';
+import { binFolder, makePage, Program, removePage, sleep, startGateway, startServer, startServerOn, test, waitFor } from './support/programs.mjs';
 
 const root = new URL('../../', import.meta.url);
 const { WebSocket, WebSocketServer } = createRequire(new URL('client/page/package.json', root))('ws');
@@ -167,7 +167,7 @@ describe('the client in GDScript', { concurrency: true }, () => {
     for (const signal of ['SIGINT', 'SIGKILL']) {
       const { program: server, address } = await startServer();
       const { program: gateway, host } = await startGateway(address, page);
-      const godot = startGodot(`ws://${host}/play`, 60);
+      const godot = startGodot(`ws://${host}/play`, 60, '--rejoin=0');
       worlds.push({ signal, server, gateway, godot });
     }
     for (const { godot } of worlds) await godot.waitForLine(placeLine);
@@ -181,6 +181,34 @@ describe('the client in GDScript', { concurrency: true }, () => {
     await sleep(1000);
     gateway.process.kill('SIGKILL');
     await godot.expectEnd(2, /^wobble: the connection to ws:.* was lost/);
+  });
+
+  test('holds a body, and comes back to a server that was restarted', async () => {
+    const scene = path.join(home, 'hill.toml');
+    const hill = '[[obstacle]]\nkind = "height_field"\nposition = [50, 50, 1]\nheights = [[0, 1, 2], [3, 4, 5]]\n';
+    fs.writeFileSync(scene, fs.readFileSync(path.join(binFolder, 'scenes/ball_drop.toml'), 'utf8') + hill);
+    const options = ['--untrained', '--scene', scene];
+    const { program: server, address } = await startServerOn(0, ...options);
+    const { program: gateway, host } = await startGateway(address, page);
+    const watcher = await connect({ url: `http://${host}`, spectate: true });
+    const godot = startGodot(`ws://${host}/play`, 8, '--hold=1');
+    const readHeld = () => /^holds (\d+)  z (.*)$/.exec(godot.lines.findLast((line) => line.startsWith('holds ')));
+    await waitFor('a ball overhead', () => Number(readHeld()?.[2]) > 1.2);
+    watcher.update();
+    watcher.playing.sample();
+    const seen = watcher.playing.bodies.find(({ body }) => body === Number(readHeld()[1]));
+    assert.ok(seen.z > 1, `another client sees it at ${seen.z} m`);
+    watcher.leave();
+    server.process.kill('SIGINT');
+    await godot.waitForLine(/^cut off: the server is closing/);
+    await server.end;
+    const { program: again } = await startServerOn(/\d+$/.exec(address)[0], ...options);
+    await godot.waitForLine(/^plays again/);
+    const before = readPlaces(godot).length;
+    await waitFor('places', () => readPlaces(godot).length > before + 1);
+    await godot.expectEnd(0);
+    await gateway.stop();
+    await again.stop();
   });
 
   test('reads the vectors of the standard, and drops what is not whole', async () => {

@@ -1,4 +1,4 @@
-# Blueprints, what bodies of one kind have in common: of them the size is kept and the bases are passed over. Section 2
+# Blueprints, what bodies of one kind have in common: the rest shape is kept and the bases are passed over. Section 2
 # of STANDARD.md, "Blueprints".
 extends Reference
 
@@ -10,8 +10,8 @@ var _entries = {}  # number -> { is_in_force, generation, bytes and stated of wh
 var _editions = 0
 
 
-# { generation, exponent, patches, low, high, is_round, edition } of a blueprint in force, else null. exponent: e of
-# section 6. low, high: corners of the rest shape, in the engine's axes. edition: another number whenever the rest is
+# { generation, exponent, patches, rest, low, high, is_round, edition } of a blueprint in force, else null. exponent: e of
+# section 6. rest: places of the vertices, low, high: the corners around them, in the engine's axes. edition: another number whenever the rest is
 # another.
 func find(number):
 	var entry = _entries.get(number)
@@ -72,6 +72,7 @@ func _put_in_force(entry, blueprint, generation):
 	var size = blueprint.float32(blueprint.field(table, 3))
 	if blueprint.broken or rest[1] < 1 or rest[1] > 4096 or not (size >= 0.001 and size <= 8192):
 		return false
+	var vertices = PoolVector3Array()
 	var low = blueprint.vector3(rest[0])
 	var high = low
 	var nearest = INF
@@ -81,6 +82,7 @@ func _put_in_force(entry, blueprint, generation):
 		var away = vertex.length()
 		if not away <= 8192 * sqrt(3):  # or it is no number
 			return false
+		vertices.append(vertex)
 		low = Vector3(min(low.x, vertex.x), min(low.y, vertex.y), min(low.z, vertex.z))
 		high = Vector3(max(high.x, vertex.x), max(high.y, vertex.y), max(high.z, vertex.z))
 		nearest = min(nearest, away)
@@ -90,6 +92,7 @@ func _put_in_force(entry, blueprint, generation):
 	entry.generation = generation
 	entry.exponent = _find_exponent(size)
 	entry.patches = (rest[1] + 511) / 512
+	entry.rest = vertices
 	entry.low = low
 	entry.high = high
 	entry.is_round = nearest > 0.9 * farthest and rest[1] > 8  # 8: a cube

@@ -1,34 +1,43 @@
 # A player in one world, over a gateway's WebSocket: section 2 of STANDARD.md, from hello to goodbye.
 #
-# Call `update` once a frame; `sample` then tells where each of `bodies` is to be drawn. It does not join again by
-# itself when the connection is lost, keeps no blueprints, and opens no lanes; the other clients of wobble do.
+# Call `update` once a frame; `sample` then tells where each of `bodies` is to be drawn. Places and directions are in the
+# engine's axes. It is one connection (lasting.gd joins again), keeps no blueprints, and opens no lanes.
 extends Reference
 
+const Body = preload("res://body.gd")
 const Blueprints = preload("res://blueprints.gd")
 const FlatBuffer = preload("res://flat_buffer.gd")
+const Grounds = preload("res://grounds.gd")
 const Snapshots = preload("res://snapshots.gd")
 
 enum { JOINING, PLAYING, ENDED }  # states
 enum { JUMP = 1, PUFF = 2, STIFFEN = 4 }  # buttons
+enum { MAY_GRAB = 1, MAY_CUT = 2, MAY_PUSH = 4 }  # hands
 
 # The first 8 bytes of the SHA-256 of protocol/messages.fbs: another one has another hash, and the server says so.
 const SCHEMA_HASH = 0xddbfe6b1 << 32 | 0xe8bb06e1
 const SILENCE = 8.0  # s without a message, after which the other end is gone
 const DELAY = 0.1  # s of the world by which bodies are shown late, so that a pose after that moment is mostly there
 const MOST_NAME = 32  # bytes
-const POSES = 8  # that are kept of a body
 const REASONS = ["left", "the server is closing", "the server is full", "the server speaks another version",
 	"the server has another schema", "no hello in time", "silent for too long", "too many bad messages",
 	"the server is too busy, try later", "too much was sent", "kicked", "banned",
 	"the password, invite or token is missing or not valid", "too many from this address"]
+const PASSING_REASONS = [1, 2, 5, 6, 8, 13]  # after which a new connection may fare better
+const FINAL_CODES = [4000, 4001]  # of the gateway: no such world, or not with this password
 
 var state = JOINING
 var reason = ""  # why it has ended
 var failed = false  # it has ended, and not by `leave`
+var may_rejoin = false  # it has ended, and a new connection may fare better
 var scene = ""
 var own_body = 0
-var obstacles = []  # { kind, a, b, radius } in the world's axes, as messages.fbs has them; to be drawn
-var bodies = {}  # number -> { blueprint, poses: [{ tick, place, rotation, rests }], respawn }
+var worlds = 0  # that it has been welcomed to; another number means other bodies, obstacles and grounds
+var obstacles = []  # { kind, a, b, radius } as messages.fbs has them; to be drawn
+var grounds = Grounds.new()
+var hands = 0  # what players may do here: MAY_GRAB ...
+var reach = 0.0  # of hands, from the own body's middle, m; 0: any distance
+var bodies = {}  # number -> body.gd
 var notices = []  # lines for the player, to be taken
 var refused = 0  # messages, packets and records that could not be read
 var move_x = 0.0  # along the world's x and y, -1 to 1
@@ -41,7 +50,6 @@ var _name = ""
 var _url = ""
 var _welcome = null
 var _is_first_scene = true
-var _heights_missing = []  # by field
 var _blueprints = Blueprints.new()
 var _removed = {}  # body -> tick
 var _clock = 0.0  # of the world as its newest snapshots show it, s
@@ -49,11 +57,12 @@ var _pace = 1.0
 var _newest_tick = 0
 var _acked = 0
 var _history = 0
-var _heights_taken = 0  # bytes
 var _frames = []  # of input, newest first: [tick, x, y, buttons]
 var _input_due = 0.0
 var _silence = 0.0
 var _leaving = false
+var _hand = null  # [body, vertex, target]
+var _grip = 0
 
 
 # url: ws://HOST:PORT/play or /play/WORLD. credential: what the gateway's WebSocket takes, such as "password." and
@@ -89,7 +98,7 @@ func update(delta):
 			_input_due = min(_input_due - 1, 1)
 			_send_input()
 	if _silence > SILENCE:
-		_end("no answer from %s" % _url if _welcome == null else "the server has been silent for %d s" % SILENCE)
+		_end("no answer from %s" % _url if _welcome == null else "the server has been silent for %d s" % SILENCE, true)
 
 
 # Says goodbye. Go on with `update` until the state is ENDED.
@@ -102,19 +111,45 @@ func leave():
 	_socket.disconnect_from_host()
 
 
+# Holds the body at this vertex, or moves what is held: the vertex follows the target. The server decides what may be held.
+func hold(body, vertex, target):
+	if _hand == null or _hand[0] != body or _hand[1] != vertex:
+		_grip = _grip % 65535 + 1
+	_hand = [body, vertex, target]
+
+
+func release():
+	_hand = null
+
+
+# Shoves the vertices near this one, once. direction: of any length but 0.
+func push(body, vertex, direction):
+	_ask(4, [[4, body], [2, vertex], [12, FlatBuffer.pack_vectors([direction])]])
+
+
+# Cuts the springs of a body that pass through the triangle of these points.
+func cut(body, eye, from, to):
+	_ask(5, [[4, body], [12, FlatBuffer.pack_vectors([eye])], [12, FlatBuffer.pack_vectors([from])],
+		[12, FlatBuffer.pack_vectors([to])]])
+
+
+# The vertex of a body's rest shape that is nearest to a point, to hold or push it there; -1 when that is not known.
+func find_vertex(body, point):
+	var where = sample(body)
+	var blueprint = find_blueprint(body) if where != null else null
+	if blueprint == null:
+		return -1
+	var local = where.affine_inverse().xform(point)
+	var nearest = 0
+	for i in blueprint.rest.size():
+		if local.distance_squared_to(blueprint.rest[i]) < local.distance_squared_to(blueprint.rest[nearest]):
+			nearest = i
+	return nearest
+
+
 # Where a body is to be shown now; null when that is not known.
 func sample(number):
-	if not bodies.has(number) or bodies[number].poses.empty():
-		return null
-	var poses = bodies[number].poses
-	var tick = (_clock - DELAY) * _welcome.tick_hz
-	var after = 0
-	while after < poses.size() and poses[after].tick < tick:
-		after += 1
-	var b = poses[min(after, poses.size() - 1)]
-	var a = poses[max(after - 1, 0)]
-	var share = clamp((tick - a.tick) / max(b.tick - a.tick, 1), 0, 1)
-	return Transform(Basis(a.rotation.slerp(b.rotation, share)), a.place.linear_interpolate(b.place, share))
+	return bodies[number].find((_clock - DELAY) * _welcome.tick_hz) if bodies.has(number) else null
 
 
 # The blueprint of a body, for its size: blueprints.gd. null when there is none.
@@ -122,12 +157,13 @@ func find_blueprint(number):
 	return _blueprints.find(bodies[number].blueprint)
 
 
-func _end(why):
+func _end(why, may_return = false):
 	if state == ENDED:
 		return
 	state = ENDED
 	reason = "left" if _leaving else why
 	failed = not _leaving
+	may_rejoin = failed and may_return
 
 
 func _on_open(_protocol):
@@ -137,15 +173,16 @@ func _on_open(_protocol):
 
 
 func _on_error():
-	_end("%s: nobody answers, or the gateway refuses: no such world, or too many joins" % _url)
+	_end("%s: nobody answers, or the gateway refuses: no such world, or too many joins" % _url, true)
 
 
 func _on_close_request(code, why):
-	_end(FlatBuffer.make_line(why) if why != "" else "closed by the gateway, code %d" % code)
+	_end(FlatBuffer.make_line(why) if why != "" else "closed by the gateway, code %d" % code,
+		not FINAL_CODES.has(code))
 
 
 func _on_closed(_was_clean):
-	_end("the connection to %s was lost" % _url)
+	_end("the connection to %s was lost" % _url, true)
 
 
 func _say_hello():
@@ -165,8 +202,25 @@ func _send_input():
 		bytes.put_8(frame[1])
 		bytes.put_8(frame[2])
 		bytes.put_u16(frame[3])  # and a byte that pads
-	_send(1, FlatBuffer.build(2, [[0, bytes.data_array, _frames.size()], [4, _acked], [8, _history], null, null,
-		[4, (_heights_taken + _blueprints.taken) & 0xFFFFFFFF]]))
+	_send(1, FlatBuffer.build(2, [[0, bytes.data_array, _frames.size()], [4, _acked], [8, _history], _pack_hand(), null,
+		[4, (grounds.taken + _blueprints.taken) & 0xFFFFFFFF]]))
+
+
+func _pack_hand():
+	if _hand == null or state != PLAYING:
+		return null
+	var bytes = StreamPeerBuffer.new()
+	bytes.put_data(FlatBuffer.pack_vectors([_hand[2]]))
+	bytes.put_u32(_hand[0])
+	bytes.put_u16(_hand[1])
+	bytes.put_u16(_grip)
+	return [20, bytes.data_array]
+
+
+# A command, of a client that plays.
+func _ask(type, fields):
+	if state == PLAYING and not _leaving:
+		_send(0, FlatBuffer.build(type, fields))
 
 
 func _to_byte(share):
@@ -207,7 +261,7 @@ func _take_control(message):
 			var detail = message.text_field(body, 1)
 			if message.broken or number >= REASONS.size():
 				return false
-			_end(REASONS[number] + (": " + detail if detail != "" else ""))
+			_end(REASONS[number] + (": " + detail if detail != "" else ""), PASSING_REASONS.has(number))
 		5: return _take_heights(message, body)
 		9:
 			notices.append(message.text_field(body, 0))
@@ -224,6 +278,7 @@ func _forget_scene():
 	_is_first_scene = false
 	state = JOINING
 	_blueprints.forget()
+	_hand = null
 	for each in [bodies, _removed, obstacles]:
 		each.clear()
 
@@ -231,7 +286,8 @@ func _forget_scene():
 func _take_welcome(message, body):
 	var welcome = {"tick": message.u32_field(body, 2), "tick_hz": message.u16_field(body, 3),
 		"snapshot_hz": message.u16_field(body, 4), "blueprints": message.u16_field(body, 6),
-		"own_blueprint": message.u8_field(body, 13)}
+		"own_blueprint": message.u8_field(body, 13), "hands": message.u8_field(body, 9),
+		"reach": message.float32_field(body, 10)}
 	var name = message.text_field(body, 5)
 	var surfaces = message.vector_field(body, 7, 32)
 	var fields = message.vector_field(body, 8, 28)
@@ -239,15 +295,16 @@ func _take_welcome(message, body):
 	if message.broken or _welcome != null or welcome.tick_hz == 0 or welcome.snapshot_hz == 0 or (
 			surfaces[1] > 1024 or fields[1] > 16):
 		return false
-	_heights_missing = []
-	for i in fields[1]:
-		var at = fields[0] + 28 * i
-		_heights_missing.append(message.u16(at + 24) * message.u16(at + 26))
+	if not grounds.begin(message, fields):
+		return false
 	for i in surfaces[1]:
 		var at = surfaces[0] + 32 * i
 		obstacles.append({"kind": message.u8(at), "a": message.vector3(at + 4), "b": message.vector3(at + 16),
 			"radius": message.float32(at + 28)})
 	_welcome = welcome
+	worlds += 1
+	hands = welcome.hands
+	reach = welcome.reach
 	_blueprints.expected = welcome.blueprints
 	scene = name
 	own_body = own
@@ -258,23 +315,14 @@ func _take_welcome(message, body):
 
 
 func _take_heights(message, body):
-	var field = message.u16_field(body, 0)
-	var heights = message.vector_field(body, 2, 2)
-	if message.broken or _welcome == null:
+	if _welcome == null or not grounds.take(message, body):
 		return false
-	_heights_taken += 2 * heights[1]
-	if field >= _heights_missing.size():
-		return false
-	_heights_missing[field] -= heights[1]
 	_play_when_complete()
 	return true
 
 
 func _play_when_complete():
-	for missing in _heights_missing:
-		if missing > 0:
-			return
-	if _welcome.blueprints == 0 or _blueprints.find(_welcome.own_blueprint) != null:
+	if grounds.are_complete() and (_welcome.blueprints == 0 or _blueprints.find(_welcome.own_blueprint) != null):
 		state = PLAYING
 
 
@@ -292,20 +340,11 @@ func _take_event(message, body):
 	if message.broken or kind > 4:
 		return false
 	if kind == 2 and bodies.has(number):
-		bodies[number].respawn = tick
-		_forget_before_respawn(bodies[number])
+		bodies[number].note_respawn(tick)
 	elif kind == 3:
 		bodies.erase(number)
 		_removed[number] = tick
 	return true
-
-
-# Once there is a pose from after the respawn, nothing is shown between the two.
-func _forget_before_respawn(body):
-	if body.poses.empty() or body.poses.back().tick < body.respawn:
-		return
-	while body.poses[0].tick < body.respawn:
-		body.poses.pop_front()
 
 
 func _take_snapshot(bytes):
@@ -354,22 +393,7 @@ func _take_record(record, tick):
 		refused += 1
 		return
 	if not bodies.has(record.body):
-		bodies[record.body] = {"blueprint": 0, "poses": [], "respawn": 0}
-	var body = bodies[record.body]
-	var poses = body.poses
-	if not poses.empty() and tick <= poses.back().tick:
-		return
+		bodies[record.body] = Body.new()
+	bodies[record.body].blueprint = record.blueprint
 	var interval = max(_welcome.tick_hz / _welcome.snapshot_hz, 1)
-	if not poses.empty() and poses.back().rests and tick - poses.back().tick > interval:
-		var still = poses.back().duplicate()  # it has lain there until about now
-		still.tick = tick - interval
-		poses.append(still)
-	var p = pose.place
-	var q = pose.rotation
-	var axis = FlatBuffer.turn(q[1], q[2], q[3])
-	poses.append({"tick": tick, "place": FlatBuffer.turn(p[0], p[1], p[2]),
-		"rotation": Quat(axis.x, axis.y, axis.z, q[0]).normalized(), "rests": record.rest > 0})
-	while poses.size() > POSES:
-		poses.pop_front()
-	body.blueprint = record.blueprint
-	_forget_before_respawn(body)
+	bodies[record.body].add(tick, pose, record.rest > 0, interval)

@@ -58,6 +58,16 @@ static func turn(x, y, z):
 	return Vector3(x, z, -y)
 
 
+# The way back: vectors of the engine as floats in wobble's axes.
+static func pack_vectors(vectors):
+	var out = StreamPeerBuffer.new()
+	for vector in vectors:
+		out.put_float(vector.x)
+		out.put_float(-vector.z)
+		out.put_float(vector.y)
+	return out.data_array
+
+
 # Where field number `slot` of a table lies; 0 when it is absent, and reads there give 0.
 func field(table, slot):
 	var distance = u32(table)
@@ -82,6 +92,11 @@ func u16_field(table, slot):
 func u32_field(table, slot):
 	var at = field(table, slot)
 	return u32(at) if at > 0 else 0
+
+
+func float32_field(table, slot):
+	var at = field(table, slot)
+	return float32(at) if at > 0 else 0.0
 
 
 # The place that an offset points to.
@@ -143,12 +158,12 @@ func _goes_to(at, count, alignment):
 
 
 # Builds ClientMessage { body } of this type. fields: by slot, null or [bytes, number] of a number, [0, bytes, count] of
-# a vector or string. In the buffer come the message's table, the body's vtable, its table from the widest field to
+# a vector or string, [12 or 20, bytes] of a Vec3 or Hand. In the buffer come the message's table, the body's vtable, its table from the widest field to
 # the narrowest, and its vectors.
 static func build(type, fields):
 	var places = []
 	var at = 4  # in the body's table, behind the distance to its vtable
-	for width in [8, 4, 0, 2, 1]:
+	for width in [8, 20, 12, 4, 0, 2, 1]:
 		for slot in fields.size():
 			if fields[slot] != null and fields[slot][0] == width:
 				places.append([slot, at])
@@ -173,6 +188,7 @@ static func build(type, fields):
 	for place in places:
 		var value = fields[place[0]]
 		match value[0]:
+			20, 12: out.put_data(value[1])
 			8: out.put_64(value[1])
 			4: out.put_u32(value[1])
 			2: out.put_u16(value[1])

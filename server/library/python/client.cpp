@@ -3,25 +3,16 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "client/wobble.h"
-#include "server/library/python/binding.h"
+#include "server/library/python/player.h"
 
 namespace wobble::python {
 namespace {
-
-struct Player {
-  struct Destroy {
-    void operator()(wobble_client* destroyed) const { wobble_destroy(destroyed); }
-  };
-  std::unique_ptr<wobble_client, Destroy> client;
-  std::mutex turn;
-  double ahead = 0;            // the user's time minus the clock's, s
-  std::uint32_t vertices = 0;  // of the last sample
-  std::uint32_t indices = 0;
-};
 
 // A body of a frame.
 struct Shown {
@@ -42,19 +33,6 @@ struct Event {
   wobble_event event{};
   std::string text;
 };
-
-void Check(wobble_result result, const char* what) {
-  if (result >= 0) return;
-  const std::string text = std::string(what) + ": " + wobble_describe(result);
-  if (result == WOBBLE_NO_MEMORY) throw std::bad_alloc();
-  if (result == WOBBLE_NOT_PLAYING || result == WOBBLE_INTERNAL) throw std::runtime_error(text);
-  throw py::value_error(text);
-}
-
-template <typename Call>
-void Ask(Player& player, const char* what, Call&& call) {
-  Check(TakeTurn(player.turn, [&] { return call(player.client.get()); }), what);
-}
 
 using Seconds = std::optional<double>;
 
@@ -110,6 +88,17 @@ std::string ReadText(Player& player, const char* wobble_status::*text) {
     return result;
   });
   return copy;
+}
+
+// The words for the bits that are set.
+std::vector<std::string> NameHands(std::uint32_t hands) {
+  constexpr std::pair<std::uint32_t, const char*> kNames[] = {
+      {WOBBLE_MAY_GRAB, "grab"}, {WOBBLE_MAY_CUT, "cut"}, {WOBBLE_MAY_PUSH, "push"}, {WOBBLE_MAY_BUILD, "build"}};
+  std::vector<std::string> named;
+  for (const auto& [bit, name] : kNames) {
+    if ((hands & bit) != 0) named.emplace_back(name);
+  }
+  return named;
 }
 
 const char* NameState(std::int32_t state) {
@@ -280,6 +269,7 @@ void DefineFrames(py::module_& module) {
 
 void DefineClient(py::module_& module) {
   DefineFrames(module);
+  DefineSurroundings(module);
   const auto now = py::arg("now") = py::none();
   py::class_<Player> client(module, "Client",
                             R"(A player of a server, or a spectator: the same client as that of C++ and C.
@@ -315,6 +305,17 @@ ValueError: Client: the address is no HOST:PORT, or the host has no address
       "own_body", [](Player& self) { return ReadStatus(self).own_body; }, "Its number; 0: none.");
   client.def_property_readonly(
       "client_id", [](Player& self) { return ReadStatus(self).client_id; }, "As in events.");
+  client.def_property_readonly(
+      "hands", [](Player& self) { return NameHands(ReadStatus(self).hands); },
+      "What the scene lets players do: grab, cut, push, build.");
+  client.def_property_readonly(
+      "reach", [](Player& self) { return ReadStatus(self).reach; },
+      "Of hands, m from the own body's centroid; 0: any distance.");
+  client.def_property_readonly(
+      "pace", [](Player& self) { return ReadStatus(self).pace; },
+      "How fast the world runs; less than 1 when the server is overloaded.");
+  client.def_property_readonly("obstacles", &ListObstacles, "What stands still.");
+  client.def_property_readonly("grounds", &ListGrounds, "Grounds whose heights have come.");
   client.def_property_readonly("statistics", &ReadStatistics, "Of the connection, by name; client/wobble.h explains.");
   client.def("set_input", &SetInput, py::arg("move") = py::make_tuple(0, 0), py::kw_only(), py::arg("jump") = false,
              py::arg("puff") = false, py::arg("stiffen") = false,

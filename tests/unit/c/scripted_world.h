@@ -1,11 +1,14 @@
-// A server of the test's own that a wobble_client joins over loopback: two tetrahedra, the first one its own.
+// A server of the test's own that a wobble_client joins over loopback: two tetrahedra, the first one its own. With a
+// workshop they are made of particles and springs, and the other one is what players build.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "client/wobble.h"
@@ -26,6 +29,17 @@ Struct Make() {
   Struct made{};
   made.struct_size = sizeof made;
   return made;
+}
+
+// Particles 10 to 13 and three springs, 20 to 22.
+inline Message MakeGraph() {
+  const std::vector<protocol::Vector3> rest{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
+  const std::vector<std::array<std::uint16_t, 2>> edges{{0, 1}, {1, 2}, {2, 3}};
+  const std::vector<wire::ParticleTag> particles{
+      {0.5F, 0, 10, true}, {1, 9, 11, false}, {1, 9, 12, false}, {2, 0, 13, false}};
+  const std::vector<wire::SpringTag> springs{{100, 1, 2.5F, 0, 20}, {200, 2, 3, 9, 21}, {300, 3, 3.5F, 9, 22}};
+  return protocol::MakeBlueprint(
+      {.name = "graph", .rest = rest, .size = 1.732F, .edges = edges, .particles = particles, .springs = springs});
 }
 
 class ScriptedWorld {
@@ -53,10 +67,15 @@ class ScriptedWorld {
   }
   void Send(const Message& message) { static_cast<void>(m_transport->Send(connection, Channel::kControl, message)); }
 
+  bool hasWorkshop = false;
   bool welcomed = false;
   bool isSpectator = false;
   int commands = 0;     // pushes and cuts
   int badMessages = 0;  // that no honest client sends
+  // Newest of these commands.
+  protocol::BuildFields built;
+  std::pair<wire::TuneKind, protocol::Vector3> tuned{wire::TuneKind::Gravity, {}};
+  std::string ordered;
   wire::InputFrame newestInput;
   std::uint32_t heldBody = 0;
   transport::ConnectionId connection = 0;
@@ -77,6 +96,17 @@ class ScriptedWorld {
       Welcome();
     }
     if (message->body_as_Push() != nullptr || message->body_as_Cut() != nullptr) ++commands;
+    if (const auto* build = message->body_as_Build()) {
+      built = {build->kind(),       build->a(),
+               build->b(),          {build->at()->x(), build->at()->y(), build->at()->z()},
+               build->mass(),       build->fixed(),
+               build->stiffness(),  build->damping(),
+               build->rest_length()};
+    }
+    if (const auto* tune = message->body_as_Tune()) {
+      tuned = {tune->kind(), {tune->value()->x(), tune->value()->y(), tune->value()->z()}};
+    }
+    if (const auto* order = message->body_as_Order()) ordered = order->line()->str();
     if (const auto* input = message->body_as_Input()) {
       newestInput = *input->frames()->Get(0);
       heldBody = input->hand() == nullptr ? 0 : input->hand()->body();
@@ -94,8 +124,12 @@ class ScriptedWorld {
                                 .blueprintCount = 1,
                                 .obstacles = {{wire::ObstacleKind::Sphere, {1, 2, 3}, {}, 4}},
                                 .hands = protocol::kMayGrab | protocol::kMayBuild,
-                                .reach = 2.5F}));
-    for (const Message& chunk : client::CutIntoChunks(0, client::MakeTetrahedron(), 64)) Send(chunk);
+                                .reach = 2.5F,
+                                .game = hasWorkshop ? "sumo" : "",
+                                .workshop = hasWorkshop ? kOtherBody : 0,
+                                .rank = wire::Rank::Moderator}));
+    const Message blueprint = hasWorkshop ? MakeGraph() : client::MakeTetrahedron();
+    for (const Message& chunk : client::CutIntoChunks(0, blueprint, 64)) Send(chunk);
   }
 
   std::unique_ptr<transport::EnetTransport> m_transport;

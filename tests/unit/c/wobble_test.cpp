@@ -33,6 +33,8 @@ TEST(Wobble, BeforeItPlaysThereIsNothingAndNobodyAnswersInTheEnd) {
   EXPECT_EQ(wobble_push(client, 1, 0, vector), WOBBLE_NOT_PLAYING);
   EXPECT_EQ(wobble_cut(client, 1, vector, vector, vector), WOBBLE_NOT_PLAYING);
   EXPECT_EQ(wobble_set_hand(client, nullptr), WOBBLE_NOT_PLAYING);
+  EXPECT_EQ(wobble_tune(client, WOBBLE_TUNE_GRAVITY, vector), WOBBLE_NOT_PLAYING);
+  EXPECT_EQ(wobble_order(client, "vote restart"), WOBBLE_NOT_PLAYING);
   auto frame = Make<wobble_frame>();
   EXPECT_EQ(wobble_sample(client, 5, &frame), WOBBLE_OK);
   EXPECT_EQ(frame.body_count + frame.vertex_count + frame.index_count, 0U);
@@ -64,7 +66,8 @@ TEST(Wobble, JoinsPlaysAndLeaves) {
   const wobble_status status = joined.Status();
   EXPECT_EQ(status.client_id, 9U);
   EXPECT_EQ(status.own_body, kOwnBody);
-  EXPECT_EQ(status.hands, std::uint32_t{WOBBLE_MAY_GRAB});
+  EXPECT_EQ(status.hands, std::uint32_t{WOBBLE_MAY_GRAB | WOBBLE_MAY_BUILD});
+  EXPECT_EQ(status.rank, WOBBLE_RANK_MODERATOR);
   EXPECT_EQ(status.reach, 2.5F);
   EXPECT_STREQ(status.scene, "pond");
   EXPECT_EQ(std::strlen(status.server_key), 64U);

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "client/c/structs.h"
 #include "client/wobble.h"
 #include "protocol/random.h"
 #include "tests/unit/c/scripted_world.h"
@@ -83,6 +84,10 @@ TEST(WrongCalls, NullAndSmallStructsAreRefusedByEveryFunction) {
   EXPECT_EQ(wobble_push(joined.client, 1, 0, nullptr), WOBBLE_NULL);
   EXPECT_EQ(wobble_cut(none, 1, vector, vector, vector), WOBBLE_NULL);
   EXPECT_EQ(wobble_cut(joined.client, 1, vector, nullptr, vector), WOBBLE_NULL);
+  EXPECT_EQ(wobble_tune(none, 0, vector), WOBBLE_NULL);
+  EXPECT_EQ(wobble_tune(joined.client, 0, nullptr), WOBBLE_NULL);
+  EXPECT_EQ(wobble_order(none, "x"), WOBBLE_NULL);
+  EXPECT_EQ(wobble_order(joined.client, nullptr), WOBBLE_NULL);
   EXPECT_EQ(wobble_sample(none, 0, nullptr), WOBBLE_NULL);
   wobble_destroy(nullptr);
 
@@ -92,7 +97,7 @@ TEST(WrongCalls, NullAndSmallStructsAreRefusedByEveryFunction) {
     if (!mayBeNull) {
       EXPECT_EQ(call(joined.client, static_cast<Struct*>(nullptr)), WOBBLE_NULL);
     }
-    for (const std::size_t size : {std::size_t{0}, std::size_t{4}, sizeof given - 1}) {
+    for (const std::size_t size : {std::size_t{0}, std::size_t{4}, kFirstSize<Struct> - 1}) {
       std::memset(&given, 0x55, sizeof given);
       given.struct_size = static_cast<std::uint32_t>(size);
       const Struct before = given;
@@ -111,6 +116,13 @@ TEST(WrongCalls, NullAndSmallStructsAreRefusedByEveryFunction) {
   check(Make<wobble_ground>(), [](auto* c, auto* s) { return wobble_read_ground(c, 0, s); });
   check(Make<wobble_event>(), [](auto* c, auto* s) { return wobble_next_event(c, s); });
   check(Make<wobble_statistics>(), [](auto* c, auto* s) { return wobble_read_statistics(c, s); });
+  check(Make<wobble_workshop>(), [](auto* c, auto* s) { return wobble_read_workshop(c, s); });
+  check(Make<wobble_particle>(), [](auto* c, auto* s) { return wobble_read_particle(c, 0, s); });
+  check(Make<wobble_spring>(), [](auto* c, auto* s) { return wobble_read_spring(c, 0, s); });
+  check(Make<wobble_change>(), [](auto* c, auto* s) { return wobble_build(c, s); });
+  check(Make<wobble_tuning>(), [](auto* c, auto* s) { return wobble_read_tuning(c, s); });
+  check(Make<wobble_scoreboard>(), [](auto* c, auto* s) { return wobble_read_scoreboard(c, s); });
+  check(Make<wobble_score>(), [](auto* c, auto* s) { return wobble_read_score(c, 0, s); });
 }
 
 // A program that was compiled with a later header passes larger structs: what this library does not know stays as it
@@ -135,6 +147,7 @@ TEST(WrongCalls, InAnyOrderDoNoHarm) {
   SCOPED_TRACE("seed " + std::to_string(kSeed));
   protocol::Random random(kSeed);
   Joined joined;
+  joined.world->hasWorkshop = true;
   ASSERT_TRUE(joined.RunUntilState(WOBBLE_PLAYING));
   std::array<float, 64> positions{}, normals{};
   std::array<std::uint32_t, 64> indices{};
@@ -159,7 +172,7 @@ TEST(WrongCalls, InAnyOrderDoNoHarm) {
     const double now = choose(joined.now, joined.now, joined.now - 1, std::nan(""), HUGE_VAL, -1e300);
     const float a[3] = {number(), number(), number()}, b[3] = {number(), number(), number()};
     wobble_result result = WOBBLE_OK;
-    switch (random.Next() % 12) {
+    switch (random.Next() % 15) {
       case 0:
         result = wobble_update(client, now);
         break;
@@ -214,6 +227,26 @@ TEST(WrongCalls, InAnyOrderDoNoHarm) {
       case 10: {
         auto statistics = make(wobble_statistics{});
         result = wobble_read_statistics(client, &statistics);
+        break;
+      }
+      case 11: {
+        auto change = make(wobble_change{});
+        change.kind = static_cast<std::int32_t>(count()), change.a = count(), change.mass = number();
+        change.fixed = choose(0, 1, 2);
+        std::memcpy(change.at, a, sizeof a);
+        result = wobble_build(client, &change);
+        break;
+      }
+      case 12:
+        result =
+            wobble_tune(client, static_cast<std::int32_t>(count()), choose(a, b, static_cast<const float*>(nullptr)));
+        break;
+      case 13: {
+        auto part = make(wobble_particle{});
+        auto end = make(wobble_spring{});
+        auto score = make(wobble_score{});
+        result = choose(wobble_read_particle(client, count(), &part), wobble_read_spring(client, count(), &end),
+                        wobble_read_score(client, count(), &score));
         break;
       }
       default: {

@@ -1,0 +1,1 @@
+#include "blocked_range.h"
