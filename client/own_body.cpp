@@ -1,0 +1,145 @@
+#include "client/own_body.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wobble::client {
+namespace {
+
+using protocol::Vector3;
+
+// As in the server's control.cpp.
+constexpr float kSpeedBand = 0.25F;
+// Of a step of FollowInputs.
+constexpr double kStep = 1.0 / 60;
+// A ball that rolls turns two fifths of what pushes it into its spin (a hollow sphere).
+constexpr float kRollingGrip = 0.6F;
+constexpr double kLagSmoothing = 1.0 / 16;
+// A longer lag than this says that the server has had no inputs, not how long they take.
+constexpr double kLongestLag = 1;
+// A body that is further from where it was than at this speed, m/s, and by as many metres more, has been put there.
+constexpr float kMaxSpeed = 20;
+constexpr float kMaxStep = 1;
+// A pause of the program after which the lead begins anew.
+constexpr double kLongestFrame = 0.25;
+// Over which velocity and acceleration are taken from records: the time between two of them.
+constexpr double kSpan = 1.0 / 30;
+// A body that falls by more than this share of gravity is borne by nothing.
+constexpr float kFalling = 0.5F;
+
+float ToAxis(float value) { return std::isnan(value) ? 0 : std::round(std::clamp(value, -1.0F, 1.0F) * 127) / 127; }
+
+}  // namespace
+
+Vector3 FindPush(const wire::Drive& drive, const Pressed& pressed, Vector3 velocity) {
+  if (!(drive.speed() > 0) || (pressed.moveX == 0 && pressed.moveY == 0)) return {};
+  const Vector3 missing{pressed.moveX * drive.speed() - velocity.x, pressed.moveY * drive.speed() - velocity.y, 0};
+  const Vector3 share = missing * (1 / (kSpeedBand * drive.speed()));
+  return share * (drive.acceleration() / std::max(1.0F, protocol::Length(share)));
+}
+
+Lead FollowInputs(const wire::Drive& drive, std::span<const Pressed> inputs, double from, double to, Vector3 velocity,
+                  float grip, float gravity) {
+  Lead lead{{}, velocity};
+  std::size_t next = 0;
+  while (next < inputs.size() && inputs[next].from <= from) ++next;
+  Pressed held = next > 0 ? inputs[next - 1] : Pressed{};
+  float rise = 0;  // upward velocity that a jump has given
+  bool isUp = false;
+  for (double time = from; time < to;) {
+    double until = std::min(time + kStep, to);
+    if (next < inputs.size()) until = std::min(until, inputs[next].from);
+    const auto step = static_cast<float>(until - time);
+    const Vector3 before = lead.velocity;
+    const Vector3 push = FindPush(drive, held, before) * (isUp ? 1 : grip);
+    lead.velocity = before + push * step;
+    lead.way = lead.way + (before + lead.velocity) * (0.5F * step);
+    if (isUp) {
+      lead.way.z += rise * step + 0.5F * gravity * step * step;
+      rise += gravity * step;
+    }
+    time = until;
+    if (next < inputs.size() && inputs[next].from <= time && time < to) {
+      held = inputs[next++];
+      if (held.jumps) rise = drive.jump_speed(), isUp = true;
+    }
+  }
+  lead.velocity.z += rise;
+  return lead;
+}
+
+bool IsBorne(const Track& track, float gravity) {
+  if (track.Newest().atRest) return true;
+  const double newest = track.Newest().time;
+  const auto find = [&](double before) { return BlendPose(track.FindMoment(newest - before)).centroid.z; };
+  const auto square = static_cast<float>(kSpan * kSpan);
+  return (find(0) - 2 * find(kSpan) + find(2 * kSpan)) / square > kFalling * gravity;
+}
+
+OwnBody::Base FindBase(const Track& track, double time, float gravity) {
+  const auto find = [&](double moment) { return BlendPose(track.FindMoment(moment)).centroid; };
+  const Moment moment = track.FindMoment(time);
+  OwnBody::Base base{.time = time, .centroid = BlendPose(moment).centroid, .velocity = {}};
+  base.isHeld = moment.held;
+  base.isBorne = IsBorne(track, gravity);
+  const Vector3 velocity = (find(time + kSpan) - find(time - kSpan)) * static_cast<float>(0.5 / kSpan);
+  if (!base.isHeld && protocol::Length(velocity) < kMaxSpeed) base.velocity = velocity;
+  return base;
+}
+
+void OwnBody::Forget() {
+  const double lag = m_lag;
+  *this = {};
+  m_lag = lag;
+}
+
+void OwnBody::NoteInput(const wire::Drive& drive, const Input& input, double now, bool isBorne) {
+  Pressed pressed{.from = now, .moveX = ToAxis(input.moveX), .moveY = ToAxis(input.moveY)};
+  const float length = std::hypot(pressed.moveX, pressed.moveY);
+  if (length > 1) pressed.moveX /= length, pressed.moveY /= length;
+  pressed.jumps = input.jump && !m_jumpHeld && isBorne && drive.jump_speed() > 0;
+  m_jumpHeld = input.jump;
+  const Pressed last = m_count > 0 ? m_inputs[m_count - 1] : Pressed{};
+  if (!pressed.jumps && pressed.moveX == last.moveX && pressed.moveY == last.moveY) return;
+  if (m_count == kRemembered) {
+    std::move(m_inputs.begin() + 1, m_inputs.end(), m_inputs.begin());
+    --m_count;
+  }
+  m_inputs[m_count++] = pressed;
+}
+
+void OwnBody::NoteLag(double lag) {
+  const double known = std::clamp(lag, 0.0, kLongestLag);
+  m_lag = m_lag < 0 ? known : m_lag + (known - m_lag) * kLagSmoothing;
+}
+
+Vector3 OwnBody::Follow(const wire::Drive& drive, const Base& base, double now, float gravity) {
+  const double passed = now - m_now;
+  const auto shown = static_cast<float>(base.time - m_time);
+  const bool isCut = protocol::Length(base.centroid - m_base) > kMaxSpeed * std::max(shown, 0.0F) + kMaxStep;
+  const bool follows = m_follows && passed < kLongestFrame && !isCut;
+  m_now = std::max(now, m_now);
+  m_time = base.time;
+  m_base = base.centroid;
+  m_follows = true;
+  if (!follows) return m_lead = {};
+  if (passed <= 0) return m_lead;
+
+  Lead ahead{{}, base.velocity};
+  if (!base.isHeld && m_lag >= 0) {
+    const double from = std::max(base.time - m_lag, now - kLongestLead);
+    ahead = FollowInputs(drive, std::span(m_inputs).first(m_count), from, now, base.velocity,
+                         base.isBorne ? kRollingGrip : 1, gravity);
+  }
+  Vector3 target = base.isTouching || base.isHeld ? Vector3{} : ahead.way;
+  target.z = 0;
+  const auto step = static_cast<float>(passed);
+  Vector3 way = ahead.velocity * step - base.velocity * shown;
+  way.z = (ahead.velocity.z - base.velocity.z) * step;
+  const float share = step / (step + static_cast<float>(kLeadBlend));
+  m_lead = m_lead + way;
+  m_lead = m_lead + (target - m_lead) * share;
+  return m_lead;
+}
+
+}  // namespace wobble::client
