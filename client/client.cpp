@@ -435,7 +435,7 @@ void Client::Implementation::HandleSnapshot(std::span<const std::uint8_t> bytes)
   if (welcomed) {
     const double inputToSnapshot = inputs.MeasureEcho(head->inputTick, now);
     const double lag = time.TimeOf(head->tick) - time.TimeOf(head->inputTick);
-    if (head->inputTick != 0) ownBody.NoteLag(lag);
+    if (head->inputTick != 0) statistics.inputLag = ownBody.NoteLag(lag);
     const SnapshotArrival arrival = time.AddSnapshot(*head, inputToSnapshot, now, statistics);
     if (onSnapshot) onSnapshot(arrival);
   }

@@ -20,6 +20,8 @@ constexpr double kLongestLag = 1;
 // A body that is further from where it was than at this speed, m/s, and by as many metres more, has been put there.
 constexpr float kMaxSpeed = 20;
 constexpr float kMaxStep = 1;
+// Metres that nobody sees.
+constexpr float kNothing = 1e-4F;
 // A pause of the program after which the lead begins anew.
 constexpr double kLongestFrame = 0.25;
 // Over which velocity and acceleration are taken from records: the time between two of them.
@@ -108,9 +110,9 @@ void OwnBody::NoteInput(const wire::Drive& drive, const Input& input, double now
   m_inputs[m_count++] = pressed;
 }
 
-void OwnBody::NoteLag(double lag) {
+double OwnBody::NoteLag(double lag) {
   const double known = std::clamp(lag, 0.0, kLongestLag);
-  m_lag = m_lag < 0 ? known : m_lag + (known - m_lag) * kLagSmoothing;
+  return m_lag = m_lag < 0 ? known : m_lag + (known - m_lag) * kLagSmoothing;
 }
 
 Vector3 OwnBody::Follow(const wire::Drive& drive, const Base& base, double now, float gravity) {
@@ -139,6 +141,8 @@ Vector3 OwnBody::Follow(const wire::Drive& drive, const Base& base, double now, 
   const float share = step / (step + static_cast<float>(kLeadBlend));
   m_lead = m_lead + way;
   m_lead = m_lead + (target - m_lead) * share;
+  // A body at rest stays exactly where it is.
+  if (protocol::Length(m_lead) < kNothing && protocol::Length(target) < kNothing) m_lead = {};
   return m_lead;
 }
 

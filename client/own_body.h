@@ -56,8 +56,8 @@ class OwnBody {
 
   // The input that holds from `now` on. isBorne: whether something bears the body, that it could jump from.
   void NoteInput(const wire::Drive& drive, const Input& input, double now, bool isBorne);
-  // A snapshot has shown that inputs act so long after they are given.
-  void NoteLag(double lag);
+  // A snapshot has shown that an input acts so long after it is given. Returns how long they take, smoothed.
+  double NoteLag(double lag);
 
   // The body as records show it.
   struct Base {
@@ -72,8 +72,6 @@ class OwnBody {
   [[nodiscard]] protocol::Vector3 Follow(const wire::Drive& drive, const Base& base, double now, float gravity);
   // The lead may go only so far: what is shown next begins there.
   void Limit(protocol::Vector3 lead) { m_lead = lead; }
-
-  [[nodiscard]] double Lag() const { return m_lag; }
 
  private:
   // Changes of the input that are remembered. A stick changes it in every tick, so those of more than a second.
