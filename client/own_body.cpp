@@ -14,6 +14,11 @@ constexpr float kSpeedBand = 0.25F;
 constexpr double kStep = 1.0 / 60;
 // A ball that rolls turns two fifths of what pushes it into its spin (a hollow sphere).
 constexpr float kRollingGrip = 0.6F;
+// For so long a body that answers to pushes otherwise is taken to go on so, s; and full pushes of this length, s, are what
+// the assumption about it is worth.
+constexpr float kGripMemory = 0.3F;
+constexpr float kGripTrust = 0.03F;
+constexpr float kMostGrip = 1.2F;
 constexpr double kLagSmoothing = 1.0 / 16;
 // A longer lag than this says that the server has had no inputs, not how long they take.
 constexpr double kLongestLag = 1;
@@ -115,14 +120,36 @@ double OwnBody::NoteLag(double lag) {
   return m_lag = m_lag < 0 ? known : m_lag + (known - m_lag) * kLagSmoothing;
 }
 
+// How much of the pushes that records have in them their motion shows.
+void OwnBody::NoteAnswer(const wire::Drive& drive, const Base& base) {
+  const auto step = static_cast<float>(base.time - m_base.time);
+  const float kept = kGripMemory / (kGripMemory + step);
+  m_answered *= kept;
+  m_pushed *= kept;
+  const auto inputs = Inputs();
+  std::size_t next = 0;
+  while (next < inputs.size() && inputs[next].from <= m_base.time - m_lag) ++next;
+  if (next == 0 || base.isHeld) return;
+  const Vector3 push = FindPush(drive, inputs[next - 1], m_base.velocity);
+  const float full = protocol::Dot(push, push) * step;
+  m_pushed += full;
+  m_answered += std::clamp(protocol::Dot(base.velocity - m_base.velocity, push), 0.0F, kMostGrip * full);
+}
+
+float OwnBody::FindGrip(const wire::Drive& drive, bool isBorne) const {
+  const float trust = drive.acceleration() * drive.acceleration() * kGripTrust;
+  if (!(trust > 0)) return 0;
+  return (m_answered + trust * (isBorne ? kRollingGrip : 1)) / (m_pushed + trust);
+}
+
 Vector3 OwnBody::Follow(const wire::Drive& drive, const Base& base, double now, float gravity) {
   const double passed = now - m_now;
-  const auto shown = static_cast<float>(base.time - m_time);
-  const bool isCut = protocol::Length(base.centroid - m_base) > kMaxSpeed * std::max(shown, 0.0F) + kMaxStep;
+  const auto shown = static_cast<float>(base.time - m_base.time);
+  const bool isCut = protocol::Length(base.centroid - m_base.centroid) > kMaxSpeed * std::max(shown, 0.0F) + kMaxStep;
   const bool follows = m_follows && passed < kLongestFrame && !isCut;
+  if (follows && shown > 0) NoteAnswer(drive, base);
   m_now = std::max(now, m_now);
-  m_time = base.time;
-  m_base = base.centroid;
+  m_base = base;
   m_follows = true;
   if (!follows) return m_lead = {};
   if (passed <= 0) return m_lead;
@@ -130,8 +157,7 @@ Vector3 OwnBody::Follow(const wire::Drive& drive, const Base& base, double now, 
   Lead ahead{{}, base.velocity};
   if (!base.isHeld && m_lag >= 0) {
     const double from = std::max(base.time - m_lag, now - kLongestLead);
-    ahead = FollowInputs(drive, std::span(m_inputs).first(m_count), from, now, base.velocity,
-                         base.isBorne ? kRollingGrip : 1, gravity);
+    ahead = FollowInputs(drive, Inputs(), from, now, base.velocity, FindGrip(drive, base.isBorne), gravity);
   }
   Vector3 target = base.isTouching || base.isHeld ? Vector3{} : ahead.way;
   target.z = 0;

@@ -74,6 +74,10 @@ class OwnBody {
   void Limit(protocol::Vector3 lead) { m_lead = lead; }
 
  private:
+  void NoteAnswer(const wire::Drive& drive, const Base& base);
+  [[nodiscard]] float FindGrip(const wire::Drive& drive, bool isBorne) const;
+  [[nodiscard]] std::span<const Pressed> Inputs() const { return std::span(m_inputs).first(m_count); }
+
   // Changes of the input that are remembered. A stick changes it in every tick, so those of more than a second.
   static constexpr std::size_t kRemembered = 96;
 
@@ -83,8 +87,9 @@ class OwnBody {
   double m_lag = -1;      // unknown
   bool m_follows = false;
   double m_now = 0;   // of the lead
-  double m_time = 0;  // and of its base
-  protocol::Vector3 m_base;
+  Base m_base;        // and what it leads
+  float m_answered = 0;  // recent pushes, (m/s²)² s, by how much of them the body's motion shows
+  float m_pushed = 0;
   protocol::Vector3 m_lead;
 };
 

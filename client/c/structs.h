@@ -1,15 +1,10 @@
 // The sizes of structs, as wobble.h's functions check them.
 #pragma once
 
-#include <cstddef>
-
 #include "client/wobble.h"
 #include "protocol/c/structs.h"
 
 namespace wobble::c {
-
-template <>
-inline constexpr std::size_t kFirstSize<wobble_body> = offsetof(wobble_body, lead);
 
 template <typename Struct>
 [[nodiscard]] wobble_result CheckStruct(const Struct* given) {
