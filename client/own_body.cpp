@@ -23,8 +23,8 @@ constexpr double kLagSmoothing = 1.0 / 16;
 // A longer lag than this says that the server has had no inputs, not how long they take.
 constexpr double kLongestLag = 1;
 // A body that is further from where it was than at this speed, m/s, and by as many metres more, has been put there.
-constexpr float kMaxSpeed = 20;
-constexpr float kMaxStep = 1;
+constexpr float kBelievedSpeed = 20;
+constexpr float kBelievedStep = 1;
 // Metres that nobody sees.
 constexpr float kNothing = 1e-4F;
 // A pause of the program after which the lead begins anew.
@@ -34,7 +34,7 @@ constexpr double kSpan = 1.0 / 30;
 // A body that falls by more than this share of gravity is borne by nothing.
 constexpr float kFalling = 0.5F;
 
-float ToAxis(float value) { return std::isnan(value) ? 0 : std::round(std::clamp(value, -1.0F, 1.0F) * 127) / 127; }
+float RoundAxis(float value) { return std::isnan(value) ? 0 : std::round(std::clamp(value, -1.0F, 1.0F) * 127) / 127; }
 
 }  // namespace
 
@@ -90,7 +90,7 @@ OwnBody::Base FindBase(const Track& track, double time, float gravity) {
   base.isHeld = moment.held;
   base.isBorne = IsBorne(track, gravity);
   const Vector3 velocity = (find(time + kSpan) - find(time - kSpan)) * static_cast<float>(0.5 / kSpan);
-  if (!base.isHeld && protocol::Length(velocity) < kMaxSpeed) base.velocity = velocity;
+  if (!base.isHeld && protocol::Length(velocity) < kBelievedSpeed) base.velocity = velocity;
   return base;
 }
 
@@ -101,7 +101,7 @@ void OwnBody::Forget() {
 }
 
 void OwnBody::NoteInput(const wire::Drive& drive, const Input& input, double now, bool isBorne) {
-  Pressed pressed{.from = now, .moveX = ToAxis(input.moveX), .moveY = ToAxis(input.moveY)};
+  Pressed pressed{.from = now, .moveX = RoundAxis(input.moveX), .moveY = RoundAxis(input.moveY)};
   const float length = std::hypot(pressed.moveX, pressed.moveY);
   if (length > 1) pressed.moveX /= length, pressed.moveY /= length;
   pressed.jumps = input.jump && !m_jumpHeld && isBorne && drive.jump_speed() > 0;
@@ -145,7 +145,7 @@ float OwnBody::FindGrip(const wire::Drive& drive, bool isBorne) const {
 Vector3 OwnBody::Follow(const wire::Drive& drive, const Base& base, double now, float gravity) {
   const double passed = now - m_now;
   const auto shown = static_cast<float>(base.time - m_base.time);
-  const bool isCut = protocol::Length(base.centroid - m_base.centroid) > kMaxSpeed * std::max(shown, 0.0F) + kMaxStep;
+  const bool isCut = protocol::Length(base.centroid - m_base.centroid) > kBelievedSpeed * std::max(shown, 0.0F) + kBelievedStep;
   const bool follows = m_follows && passed < kLongestFrame && !isCut;
   if (follows && shown > 0) NoteAnswer(drive, base);
   m_now = std::max(now, m_now);
