@@ -1,7 +1,9 @@
 // A lead that went through a wall or into another body would have to come back when the records arrive. So it ends
-// where the first of them is met, and the body waits there until its records have met it, too.
+// where it meets one, and the body waits there until its records have met it, too.
 //
-// What a body can stand on does not stop it, but lifts it; the line between the two is a slope of 45 degrees.
+// What is met pushes the body out of itself, by the shortest way: that depends continuously on both places, so nothing
+// jumps on the screen. To cut the lead where its line meets something was tried: a body that crossed the line made the
+// lead jump by as much as a body's width.
 #include "client/clearance.h"
 
 #include <algorithm>
@@ -12,35 +14,35 @@ namespace {
 
 using protocol::Vector3;
 
-// Soft bodies that touch are nearer than their sizes together, and bodies that touch soon count as well.
-constexpr float kTouching = 1.1F;
+// Soft bodies that touch are nearer than their sizes together.
 constexpr float kMeeting = 0.95F;
+// A surface that faces upward by more than this is ground, and no wall.
 constexpr float kWalkable = 0.7F;
-// Places along a lead that are looked at first, so that it does not pass through a wall, and then where it ends.
-constexpr float kProbe = 0.25F;
-constexpr int kHalvings = 5;
+// Metres of depth that are none.
+constexpr float kTolerance = 1e-3F;
 
-// The distance to what is solid, negative inside, and how far upward its surface faces, -1 to 1.
+// The distance to what is solid, negative inside, and the direction away from it.
 struct Nearness {
   float distance = 0;
-  float up = 0;
+  Vector3 away;
 };
 
-Nearness ByOffset(Vector3 offset, float radius) {
+Nearness FindRound(Vector3 offset, float radius) {
   const float length = protocol::Length(offset);
-  return {length - radius, length > 0 ? offset.z / length : 1};
+  return {length - radius, length > 0 ? offset * (1 / length) : Vector3{0, 0, 1}};
 }
 
-float Outside(float offset, float half) {
+float FindOutside(float offset, float half) {
   return offset > half ? offset - half : offset < -half ? offset + half : 0;
 }
 
 Nearness FindBox(Vector3 offset, Vector3 half) {
-  const Vector3 outside{Outside(offset.x, half.x), Outside(offset.y, half.y), Outside(offset.z, half.z)};
-  if (protocol::Dot(outside, outside) > 0) return ByOffset(outside, 0);
-  const float sides = std::max(std::fabs(offset.x) - half.x, std::fabs(offset.y) - half.y);
-  const float ends = std::fabs(offset.z) - half.z;
-  return {std::max(sides, ends), ends >= sides ? std::copysign(1.0F, offset.z) : 0};
+  const Vector3 outside{FindOutside(offset.x, half.x), FindOutside(offset.y, half.y), FindOutside(offset.z, half.z)};
+  if (protocol::Dot(outside, outside) > 0) return FindRound(outside, 0);
+  const float x = std::fabs(offset.x) - half.x, y = std::fabs(offset.y) - half.y, z = std::fabs(offset.z) - half.z;
+  if (z >= x && z >= y) return {z, {0, 0, std::copysign(1.0F, offset.z)}};
+  if (x >= y) return {x, {std::copysign(1.0F, offset.x), 0, 0}};
+  return {y, {0, std::copysign(1.0F, offset.y), 0}};
 }
 
 Vector3 ToVector(const wire::Vec3& v) { return {v.x(), v.y(), v.z()}; }
@@ -50,19 +52,18 @@ Nearness FindNearness(const wire::Obstacle& obstacle, Vector3 place) {
   const Vector3 b = ToVector(obstacle.b());
   switch (obstacle.kind()) {
     case wire::ObstacleKind::Plane:
-      return {protocol::Dot(a, place) - b.x, a.z};
+      return {protocol::Dot(a, place) - b.x, a};
     case wire::ObstacleKind::Box:
       return FindBox(place - a, b);
     case wire::ObstacleKind::Sphere:
-      return ByOffset(place - a, obstacle.radius());
-    case wire::ObstacleKind::Capsule: {
-      const Vector3 axis = b - a;
-      const float length = protocol::Dot(axis, axis);
-      const float along = length > 0 ? std::clamp(protocol::Dot(place - a, axis) / length, 0.0F, 1.0F) : 0;
-      return ByOffset(place - a - axis * along, obstacle.radius());
-    }
+      return FindRound(place - a, obstacle.radius());
+    case wire::ObstacleKind::Capsule:
+      break;
   }
-  return {.distance = 1e9F, .up = 0};
+  const Vector3 axis = b - a;
+  const float square = protocol::Dot(axis, axis);
+  const float along = square > 0 ? std::clamp(protocol::Dot(place - a, axis) / square, 0.0F, 1.0F) : 0;
+  return FindRound(place - a - axis * along, obstacle.radius());
 }
 
 // As if the ground were level here: a lead is short.
@@ -71,83 +72,46 @@ Nearness FindNearness(const Ground& ground, Vector3 place) {
   const float y = (place.y - ground.corner.y) / ground.cellSize;
   const bool isOver = x >= 0 && y >= 0 && x < static_cast<float>(ground.columns - 1) &&
                       y < static_cast<float>(ground.rows - 1);
-  if (!isOver) return {.distance = 1e9F, .up = 1};
+  if (!isOver) return {1e9F, {0, 0, 1}};
   const int column = static_cast<int>(x), row = static_cast<int>(y);
-  const float* node = ground.heights.data() + row * ground.columns + column;
   const float u = x - static_cast<float>(column), v = y - static_cast<float>(row);
+  const float* node = ground.heights.data() + row * ground.columns + column;
   const float* above = node + ground.columns;
   const float height = (1 - v) * ((1 - u) * node[0] + u * node[1]) + v * ((1 - u) * above[0] + u * above[1]);
-  return {.distance = place.z - height, .up = 1};
+  return {place.z - height, {0, 0, 1}};
 }
 
-float FindReach(const Surroundings& surroundings, const BodySample& other) {
-  return surroundings.size + other.blueprint->size;
-}
-
-// The share of the lead after which the distance to `centre` is less than `reach`, and than it was.
-float FindShare(Vector3 offset, Vector3 lead, float reach) {
-  const float toward = protocol::Dot(offset, lead);
-  if (toward >= 0) return 1;
-  const float square = protocol::Dot(lead, lead);
-  const float inside = protocol::Dot(offset, offset) - reach * reach;
-  if (inside <= 0) return 0;
-  const float root = toward * toward - square * inside;
-  return root <= 0 ? 1 : std::clamp((-toward - std::sqrt(root)) / square, 0.0F, 1.0F);
-}
-
-// The share of the lead with which the body comes no nearer to a wall than its size, or than it was.
-template <class Solid>
-float FindShare(const Solid& solid, Vector3 place, Vector3 lead, float size) {
-  const float least = std::min(FindNearness(solid, place).distance, size);
-  const auto isFree = [&](float share) {
-    const Nearness near = FindNearness(solid, place + lead * share);
-    return near.up >= kWalkable || near.distance >= least - 1e-3F;
-  };
-  float free = 0, met = 0;
-  while (free < 1 && isFree(met = free + kProbe)) free = met;
-  if (free >= 1) return 1;
-  for (int i = 0; i < kHalvings; ++i) {
-    const float middle = 0.5F * (free + met);
-    (isFree(middle) ? free : met) = middle;
+// kept: the distance that is to be kept, unless the body is nearer at `place` already.
+void PushOut(const Nearness& before, const Nearness& after, float kept, Vector3& lead) {
+  const float depth = std::min(before.distance, kept) - after.distance;
+  if (depth <= kTolerance) return;
+  if (depth > kept) {
+    lead = {};
+    return;
   }
-  return free;
-}
-
-template <class Solid>
-float FindLift(const Solid& solid, Vector3 place, Vector3 lead, float size) {
-  const float least = std::min(FindNearness(solid, place).distance, size);
-  const Nearness near = FindNearness(solid, place + lead);
-  return near.up >= kWalkable && near.distance > -size ? (least - near.distance) / near.up : 0;
+  const bool isGround = after.away.z > kWalkable;
+  if (isGround && before.away.z > kWalkable) {
+    lead.z += depth / after.away.z;
+  } else {
+    lead = lead + (isGround ? before.away : after.away) * depth;  // beside a floor, or below it, nothing leads onto it
+  }
 }
 
 }  // namespace
 
-bool IsTouchingBody(const Surroundings& surroundings, Vector3 place) {
-  return std::any_of(surroundings.bodies.begin(), surroundings.bodies.end(), [&](const BodySample& other) {
-    return other.body != surroundings.own &&
-           protocol::Length(place - other.pose.centroid) < kTouching * FindReach(surroundings, other);
-  });
-}
-
-Vector3 LimitLead(const Surroundings& surroundings, Vector3 place, Vector3 lead) {
-  float share = 1;
+Vector3 ClearLead(const Surroundings& surroundings, Vector3 place, Vector3 lead) {
   for (const BodySample& other : surroundings.bodies) {
     if (other.body == surroundings.own) continue;
-    const float reach = kMeeting * FindReach(surroundings, other);
-    share = std::min(share, FindShare(place - other.pose.centroid, lead, reach));
+    const Vector3 offset = place - other.pose.centroid;
+    PushOut(FindRound(offset, 0), FindRound(offset + lead, 0),
+            kMeeting * (surroundings.size + other.blueprint->size), lead);
   }
-  for (const wire::Obstacle& obstacle : surroundings.obstacles) {
-    share = std::min(share, FindShare(obstacle, place, lead, surroundings.size));
-  }
-  Vector3 limited = lead * share;
-  float lift = 0;
-  const auto raise = [&](const auto& solid) {
-    lift = std::max(lift, FindLift(solid, place, limited, surroundings.size));
+  const auto clear = [&](const auto& solid) {
+    PushOut(FindNearness(solid, place), FindNearness(solid, place + lead), surroundings.size, lead);
   };
-  std::for_each(surroundings.obstacles.begin(), surroundings.obstacles.end(), raise);
-  std::for_each(surroundings.grounds.begin(), surroundings.grounds.end(), raise);
-  limited.z += lift;
-  return limited;
+  std::for_each(surroundings.obstacles.begin(), surroundings.obstacles.end(), clear);
+  std::for_each(surroundings.grounds.begin(), surroundings.grounds.end(), clear);
+  return lead;
 }
 
 }  // namespace wobble::client

@@ -1,4 +1,4 @@
-// How far a body may be shown away from its place, by what is there: obstacles, ground, and the other bodies.
+// Keeps a body that is shown away from its place out of what is there: obstacles, ground, and the other bodies.
 #pragma once
 
 #include <cstdint>
@@ -19,12 +19,9 @@ struct Surroundings {
   float size = 0;  // of the own body
 };
 
-// Whether a ball at this place touches another body, or nearly.
-[[nodiscard]] bool IsTouchingBody(const Surroundings& surroundings, protocol::Vector3 place);
-
-// The part of `lead` that goes no deeper into anything than the body at `place` already is: up to a wall or a body, and
-// lifted where ground rises.
-[[nodiscard]] protocol::Vector3 LimitLead(const Surroundings& surroundings, protocol::Vector3 place,
+// Changes a lead so that the body, shown that far from `place`, is no deeper in anything than it is at `place`: what it
+// meets pushes it out by the shortest way, the ground upward.
+[[nodiscard]] protocol::Vector3 ClearLead(const Surroundings& surroundings, protocol::Vector3 place,
                                           protocol::Vector3 lead);
 
 }  // namespace wobble::client

@@ -434,7 +434,8 @@ void Client::Implementation::HandleSnapshot(std::span<const std::uint8_t> bytes)
   // there is no blueprint either.
   if (welcomed) {
     const double inputToSnapshot = inputs.MeasureEcho(head->inputTick, now);
-    const double lag = time.TimeOf(head->tick) - time.TimeOf(head->inputTick);
+    // It acts from the beginning of the tick.
+    const double lag = time.TimeOf(head->tick) - time.TimeOf(head->inputTick) - time.TickSeconds();
     if (head->inputTick != 0) statistics.inputLag = ownBody.NoteLag(lag);
     const SnapshotArrival arrival = time.AddSnapshot(*head, inputToSnapshot, now, statistics);
     if (onSnapshot) onSnapshot(arrival);
@@ -490,11 +491,9 @@ void Client::Implementation::LeadOwnBody(std::span<BodySample> samples) {
                                   .bodies = samples,
                                   .own = welcome.ownBody,
                                   .size = own->blueprint->size};
-  OwnBody::Base base = FindBase(*track, time.Playback(), news.tuning.gravity.z);
-  base.isTouching = IsTouchingBody(surroundings, base.centroid);
+  const OwnBody::Base base = FindBase(*track, time.Playback(), news.tuning.gravity.z);
   const protocol::Vector3 wanted = ownBody.Follow(welcome.drive, base, time.ServerTime(now), news.tuning.gravity.z);
-  const protocol::Vector3 lead = LimitLead(surroundings, base.centroid, wanted);
-  ownBody.Limit(lead);
+  const protocol::Vector3 lead = ownBody.GiveWay(ClearLead(surroundings, base.centroid, wanted));
   own->lead = lead;
   own->pose.centroid = own->pose.centroid + lead;
   for (protocol::Vector3& vertex : own->vertices) vertex = vertex + lead;

@@ -19,6 +19,8 @@ constexpr float kRollingGrip = 0.6F;
 constexpr float kGripMemory = 0.3F;
 constexpr float kGripTrust = 0.03F;
 constexpr float kMostGrip = 1.2F;
+// How fast a lead leaves what it has met, s: a body would be pressed in by as much as it goes in this time.
+constexpr float kGiveWayWithin = 0.04F;
 constexpr double kLagSmoothing = 1.0 / 16;
 // A longer lag than this says that the server has had no inputs, not how long they take.
 constexpr double kLongestLag = 1;
@@ -149,6 +151,7 @@ Vector3 OwnBody::Follow(const wire::Drive& drive, const Base& base, double now, 
   const bool follows = m_follows && passed < kLongestFrame && !isCut;
   if (follows && shown > 0) NoteAnswer(drive, base);
   m_now = std::max(now, m_now);
+  m_step = 0;
   m_base = base;
   m_follows = true;
   if (!follows) return m_lead = {};
@@ -159,17 +162,18 @@ Vector3 OwnBody::Follow(const wire::Drive& drive, const Base& base, double now, 
     const double from = std::max(base.time - m_lag, now - kLongestLead);
     ahead = FollowInputs(drive, Inputs(), from, now, base.velocity, FindGrip(drive, base.isBorne), gravity);
   }
-  Vector3 target = base.isTouching || base.isHeld ? Vector3{} : ahead.way;
-  target.z = 0;
-  const auto step = static_cast<float>(passed);
+  const float step = m_step = static_cast<float>(passed);
   Vector3 way = ahead.velocity * step - base.velocity * shown;
   way.z = (ahead.velocity.z - base.velocity.z) * step;
-  const float share = step / (step + static_cast<float>(kLeadBlend));
   m_lead = m_lead + way;
-  m_lead = m_lead + (target - m_lead) * share;
+  m_lead = m_lead - m_lead * (step / (step + kLeadBlend));
   // A body at rest stays exactly where it is.
-  if (protocol::Length(m_lead) < kNothing && protocol::Length(target) < kNothing) m_lead = {};
+  if (protocol::Length(m_lead) < kNothing && protocol::Length(way) == 0) m_lead = {};
   return m_lead;
+}
+
+Vector3 OwnBody::GiveWay(Vector3 lead) {
+  return m_lead = m_lead + (lead - m_lead) * (m_step / (m_step + kGiveWayWithin));
 }
 
 }  // namespace wobble::client

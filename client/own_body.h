@@ -22,7 +22,7 @@ namespace wobble::client {
 // The longest time for which inputs lead the body: over a link that takes longer the newest of them do.
 inline constexpr double kLongestLead = 0.4;
 // A deviation of the shown lead from the computed one falls to a third in this time.
-inline constexpr double kLeadBlend = 0.15;
+inline constexpr float kLeadBlend = 0.25F;
 
 // What the player has asked for from a moment on.
 struct Pressed {
@@ -64,14 +64,14 @@ class OwnBody {
     double time = 0;  // the moment that is shown
     protocol::Vector3 centroid;
     protocol::Vector3 velocity;
-    bool isBorne = false;     // by something under it
-    bool isTouching = false;  // another body
-    bool isHeld = false;      // records are missing
+    bool isBorne = false;  // by something under it
+    bool isHeld = false;   // records are missing
   };
   // Moves the lead on to `now`, estimated, which never goes backwards, and returns it.
   [[nodiscard]] protocol::Vector3 Follow(const wire::Drive& drive, const Base& base, double now, float gravity);
-  // The lead may go only so far: what is shown next begins there.
-  void Limit(protocol::Vector3 lead) { m_lead = lead; }
+  // Something is in the way of the lead that Follow has returned, and leaves it this one. Returns what is to be shown:
+  // it comes there softly.
+  [[nodiscard]] protocol::Vector3 GiveWay(protocol::Vector3 lead);
 
  private:
   void NoteAnswer(const wire::Drive& drive, const Base& base);
@@ -87,13 +87,14 @@ class OwnBody {
   double m_lag = -1;      // unknown
   bool m_follows = false;
   double m_now = 0;   // of the lead
+  float m_step = 0;   // of the last Follow
   Base m_base;        // and what it leads
   float m_answered = 0;  // recent pushes, (m/s²)² s, by how much of them the body's motion shows
   float m_pushed = 0;
   protocol::Vector3 m_lead;
 };
 
-// The body at the moment that is shown; isTouching is for the caller to say. The track must not be empty.
+// The body at the moment that is shown. The track must not be empty.
 [[nodiscard]] OwnBody::Base FindBase(const Track& track, double time, float gravity);
 
 }  // namespace wobble::client
