@@ -16,8 +16,8 @@ constexpr double kStep = 1.0 / 60;
 constexpr float kRollingGrip = 0.6F;
 // For so long a body that answers to pushes otherwise is taken to go on so, s; and full pushes of this length, s, are what
 // the assumption about it is worth.
-constexpr float kGripMemory = 0.3F;
-constexpr float kGripTrust = 0.03F;
+constexpr float kGripMemory = 0.4F;
+constexpr float kGripTrust = 0.02F;
 constexpr float kMostGrip = 1.2F;
 // How fast a lead leaves what it has met, s: a body would be pressed in by as much as it goes in this time.
 constexpr float kGiveWayWithin = 0.04F;
