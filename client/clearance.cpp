@@ -7,7 +7,6 @@
 #include "client/clearance.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace wobble::client {
 namespace {
@@ -20,6 +19,7 @@ constexpr float kMeeting = 0.95F;
 constexpr float kWalkable = 0.7F;
 // Metres of depth that are none.
 constexpr float kTolerance = 1e-3F;
+constexpr float kFar = 1e6F;
 
 // The distance to what is solid, negative inside, and the direction away from it.
 struct Nearness {
@@ -32,22 +32,19 @@ Nearness FindRound(Vector3 offset, float radius) {
   return {length - radius, length > 0 ? offset * (1 / length) : Vector3{0, 0, 1}};
 }
 
-float FindOutside(float offset, float half) {
-  return offset > half ? offset - half : offset < -half ? offset + half : 0;
-}
+float FindOutside(float offset, float half) { return offset - std::clamp(offset, -half, half); }
 
+// Whatever is inside is as deep as can be.
 Nearness FindBox(Vector3 offset, Vector3 half) {
   const Vector3 outside{FindOutside(offset.x, half.x), FindOutside(offset.y, half.y), FindOutside(offset.z, half.z)};
-  if (protocol::Dot(outside, outside) > 0) return FindRound(outside, 0);
-  const float x = std::fabs(offset.x) - half.x, y = std::fabs(offset.y) - half.y, z = std::fabs(offset.z) - half.z;
-  if (z >= x && z >= y) return {z, {0, 0, std::copysign(1.0F, offset.z)}};
-  if (x >= y) return {x, {std::copysign(1.0F, offset.x), 0, 0}};
-  return {y, {0, std::copysign(1.0F, offset.y), 0}};
+  Nearness nearness = FindRound(outside, 0);
+  if (!(nearness.distance > 0)) nearness.distance = -kFar;
+  return nearness;
 }
 
 Vector3 ToVector(const wire::Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
-Nearness FindNearness(const wire::Obstacle& obstacle, Vector3 place) {
+[[gnu::noinline]] Nearness FindNearness(const wire::Obstacle& obstacle, Vector3 place) {
   const Vector3 a = ToVector(obstacle.a());
   const Vector3 b = ToVector(obstacle.b());
   switch (obstacle.kind()) {
@@ -67,12 +64,12 @@ Nearness FindNearness(const wire::Obstacle& obstacle, Vector3 place) {
 }
 
 // As if the ground were level here: a lead is short.
-Nearness FindNearness(const Ground& ground, Vector3 place) {
+[[gnu::noinline]] Nearness FindNearness(const Ground& ground, Vector3 place) {
   const float x = (place.x - ground.corner.x) / ground.cellSize;
   const float y = (place.y - ground.corner.y) / ground.cellSize;
   const bool isOver = x >= 0 && y >= 0 && x < static_cast<float>(ground.columns - 1) &&
                       y < static_cast<float>(ground.rows - 1);
-  if (!isOver) return {1e9F, {0, 0, 1}};
+  if (!isOver) return {kFar, {0, 0, 1}};
   const int column = static_cast<int>(x), row = static_cast<int>(y);
   const float u = x - static_cast<float>(column), v = y - static_cast<float>(row);
   const float* node = ground.heights.data() + row * ground.columns + column;
@@ -82,7 +79,7 @@ Nearness FindNearness(const Ground& ground, Vector3 place) {
 }
 
 // kept: the distance that is to be kept, unless the body is nearer at `place` already.
-void PushOut(const Nearness& before, const Nearness& after, float kept, Vector3& lead) {
+[[gnu::noinline]] void PushOut(const Nearness& before, const Nearness& after, float kept, Vector3& lead) {
   const float depth = std::min(before.distance, kept) - after.distance;
   if (depth <= kTolerance) return;
   if (depth > kept) {

@@ -1,7 +1,8 @@
 #include "client/own_body.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "client/input_stream.h"
 
 namespace wobble::client {
 namespace {
@@ -35,8 +36,6 @@ constexpr double kLongestFrame = 0.25;
 constexpr double kSpan = 1.0 / 30;
 // A body that falls by more than this share of gravity is borne by nothing.
 constexpr float kFalling = 0.5F;
-
-float RoundAxis(float value) { return std::isnan(value) ? 0 : std::round(std::clamp(value, -1.0F, 1.0F) * 127) / 127; }
 
 }  // namespace
 
@@ -80,18 +79,17 @@ Lead FollowInputs(const wire::Drive& drive, std::span<const Pressed> inputs, dou
 bool IsBorne(const Track& track, float gravity) {
   if (track.Newest().atRest) return true;
   const double newest = track.Newest().time;
-  const auto find = [&](double before) { return BlendPose(track.FindMoment(newest - before)).centroid.z; };
+  const auto find = [&](double before) { return track.FindCentroid(newest - before).z; };
   const auto square = static_cast<float>(kSpan * kSpan);
   return (find(0) - 2 * find(kSpan) + find(2 * kSpan)) / square > kFalling * gravity;
 }
 
 OwnBody::Base FindBase(const Track& track, double time, float gravity) {
-  const auto find = [&](double moment) { return BlendPose(track.FindMoment(moment)).centroid; };
-  const Moment moment = track.FindMoment(time);
-  OwnBody::Base base{.time = time, .centroid = BlendPose(moment).centroid, .velocity = {}};
-  base.isHeld = moment.held;
+  OwnBody::Base base{.time = time, .centroid = track.FindCentroid(time), .velocity = {}};
+  base.isHeld = !track.Newest().atRest && time > track.Newest().time + kMaxExtrapolation;
   base.isBorne = IsBorne(track, gravity);
-  const Vector3 velocity = (find(time + kSpan) - find(time - kSpan)) * static_cast<float>(0.5 / kSpan);
+  const Vector3 way = track.FindCentroid(time + kSpan) - track.FindCentroid(time - kSpan);
+  const Vector3 velocity = way * static_cast<float>(0.5 / kSpan);
   if (!base.isHeld && protocol::Length(velocity) < kBelievedSpeed) base.velocity = velocity;
   return base;
 }
@@ -103,9 +101,9 @@ void OwnBody::Forget() {
 }
 
 void OwnBody::NoteInput(const wire::Drive& drive, const Input& input, double now, bool isBorne) {
-  Pressed pressed{.from = now, .moveX = RoundAxis(input.moveX), .moveY = RoundAxis(input.moveY)};
-  const float length = std::hypot(pressed.moveX, pressed.moveY);
-  if (length > 1) pressed.moveX /= length, pressed.moveY /= length;
+  const Vector3 asked = Vector3{static_cast<float>(RoundAxis(input.moveX)), static_cast<float>(RoundAxis(input.moveY)), 0} * (1.0F / 127);
+  const Vector3 move = asked * (1 / std::max(1.0F, protocol::Length(asked)));
+  Pressed pressed{.from = now, .moveX = move.x, .moveY = move.y};
   pressed.jumps = input.jump && !m_jumpHeld && isBorne && drive.jump_speed() > 0;
   m_jumpHeld = input.jump;
   const Pressed last = m_count > 0 ? m_inputs[m_count - 1] : Pressed{};
